@@ -1,6 +1,7 @@
 // Shapes of like poses that disagree are found, and made to agree.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <fstream>
@@ -251,26 +252,61 @@ TEST(Consistency, FramesThatPassByEachOtherCountOnce) {
   }
 }
 
-// What parts of a stack's shapes disagree in, by the models of the raw ones, RMS of all vertices, mm.
-double left_of(const ShapeStack& stack, double degrees) {
-  const PoseDatabase& database = stack.database();
-  const auto at = [&](std::size_t count) {
-    return all_displacements(database, "the test", [&](std::size_t n) { return stack.offsets(n, count); });
-  };
-  const Displacements raw = at(0), made = at(database.dataset.modifiers.size());
-  const std::vector<char> all(database.frames.size(), 1), none(database.frames.size(), 0);
-  Displacements sum = Displacements::Zero(raw.rows(), raw.cols());
-  for (const SkinPart& part : skin_parts(database)) {
-    const Displacements own = part_deviations(made, part, local_models(database, part, degrees, all, none, raw));
-    for (std::size_t k = 0; k < part.region.vertices.size(); ++k) {
-      sum.middleCols<3>(3 * Eigen::Index{part.region.vertices[k]}) +=
-          static_cast<float>(part.region.weights[k]) * own.middleCols<3>(3 * static_cast<Eigen::Index>(k));
-    }
+// A pose is held for longer than frames of a pass are kept: others in it stand before, and the frame is kept even so.
+TEST(Consistency, AFrameIsAmongItsOwnNeighbours) {
+  constexpr std::size_t kHeld = 12, kPassing = 2;
+  PoseDatabase database = belly_and_leg();
+  database.frames.assign(kHeld + kPassing, DatabaseFrame(database.frames[0]));
+  Displacements shapes = Displacements::Zero(kHeld + kPassing, 15);
+  for (std::size_t n = 0; n < database.frames.size(); ++n) {
+    database.frames[n].take = n < kHeld ? 0 : 1;
+    database.frames[n].frame = static_cast<int>(n) + 1;
+    shapes(static_cast<Eigen::Index>(n), 3) = n < kHeld ? 0 : 0.001f;
   }
-  return 1e3 * double{sum.norm()} / std::sqrt(static_cast<double>(sum.size() / 3));
+  const std::vector<char> all(database.frames.size(), 1), none(database.frames.size(), 0);
+  const LocalModels models = local_models(database, {{"belly", {1}, {1.0}}, {3}, {}}, 20, all, none, shapes);
+  for (std::size_t n = 0; n < database.frames.size(); ++n) {
+    EXPECT_EQ(std::ranges::count(models.shares[n], n, &FrameShare::frame), 1) << n;
+  }
 }
 
-// Shapes that are noise have no slope: what is taken from one frame comes back in others, and steps soon leave more.
+// What shapes disagree in, by the models of the raw ones.
+class Disagreement {
+ public:
+  Disagreement(const ShapeStack& raw, double degrees) : parts_(skin_parts(raw.database())) {
+    const std::size_t frames = raw.database().frames.size();
+    const std::vector<char> all(frames, 1), none(frames, 0);
+    const Displacements shapes = shapes_of(raw, 0);
+    for (const SkinPart& part : parts_) {
+      models_.push_back(local_models(raw.database(), part, degrees, all, none, shapes));
+    }
+  }
+  // RMS of all vertices, mm.
+  double left_of(const ShapeStack& stack) const {
+    const Displacements made = shapes_of(stack, stack.database().dataset.modifiers.size());
+    Displacements sum = Displacements::Zero(made.rows(), made.cols());
+    for (std::size_t p = 0; p < parts_.size(); ++p) {
+      const RegionWeights& region = parts_[p].region;
+      const Displacements own = part_deviations(made, parts_[p], models_[p]);
+      for (std::size_t k = 0; k < region.vertices.size(); ++k) {
+        sum.middleCols<3>(3 * Eigen::Index{region.vertices[k]}) +=
+            static_cast<float>(region.weights[k]) * own.middleCols<3>(3 * static_cast<Eigen::Index>(k));
+      }
+    }
+    return 1e3 * double{sum.norm()} / std::sqrt(static_cast<double>(sum.size() / 3));
+  }
+
+ private:
+  static Displacements shapes_of(const ShapeStack& stack, std::size_t count) {
+    return all_displacements(stack.database(), "the test", [&](std::size_t n) { return stack.offsets(n, count); });
+  }
+
+  std::vector<SkinPart> parts_;
+  std::vector<LocalModels> models_;
+};
+
+// Shapes that are noise have no slope: what is taken from one frame comes back in others, and after some ten steps the
+// next would leave more.
 TEST(Consistency, AStepThatLeavesMoreIsNotTaken) {
   const CuratedLimb limb([&](int take, int frame, const Positions& truth) {
     std::mt19937 random(static_cast<unsigned>(100 * take + frame));
@@ -279,12 +315,13 @@ TEST(Consistency, AStepThatLeavesMoreIsNotTaken) {
     return shape;
   });
   constexpr double kDegrees = 13;
-  double left = left_of(limb.stack(), kDegrees);
+  const Disagreement disagreement(limb.stack(), kDegrees);
+  double left = disagreement.left_of(limb.stack());
   std::printf("%.5f", left);
   add_modifier(limb.path(), {.type = "consistency", .parameters = {{"degrees", kDegrees}}});
-  for (const int iterations : {1, 3, 6, 10, 15, 20}) {
+  for (const int iterations : {1, 10, 20}) {
     change_modifier(limb.path(), "consistency", {.parameters = {{"iterations", iterations}}});
-    const double now = left_of(limb.stack(), kDegrees);
+    const double now = disagreement.left_of(limb.stack());
     std::printf(" %.5f", now);
     EXPECT_LE(now, left * (1 + 1e-5)) << iterations;
     left = now;
@@ -306,7 +343,7 @@ TEST(Consistency, ItsCacheGivesTheSameShapes) {
   const Character character = limb_character();
   const CuratedLimb limb(
       [&](int take, int frame, const Positions& truth) { return with_history(character, take, frame, truth); });
-  add_modifier(limb.path(), {.type = "consistency"});
+  add_modifier(limb.path(), {.type = "consistency", .parameters = {{"iterations", 1}}});
   const Positions first = limb.stack().shape(10), second = limb.stack().shape(10);
   EXPECT_EQ(first, second);
   std::size_t files = 0;

@@ -25,6 +25,12 @@ struct ShapeStack::Layer {
   std::uint64_t identity = 0;  // a hash of its type, strength and mask
 };
 
+// What a layer does to a frame.
+struct ShapeStack::Change {
+  const Layer* layer;
+  std::uint64_t cause;  // see ShapeModifier::cause
+};
+
 namespace {
 
 // Raised whenever a modifier, or un-posing, makes something else of the same shape.
@@ -187,44 +193,46 @@ Positions ShapeStack::shape(std::size_t frame) const { return posed(frame, datab
 
 // As the first modifiers leave it, posed.
 Positions ShapeStack::posed(std::size_t frame, std::size_t count) const {
-  const std::vector<const Layer*> layers = layers_of(frame, count);
-  if (layers.empty()) return begun(frame);
+  const std::vector<Change> changes = changes_of(frame, count);
+  if (changes.empty()) return begun(frame);
   const UnposedSpace::Frame space = space_->frame(database_.frames[frame].pose);
-  return space.shape(through(layers, {frame, space}));
+  return space.shape(through(changes, {frame, space}));
 }
 
 Positions ShapeStack::offsets(std::size_t frame, std::size_t count) const {
   const UnposedSpace::Frame in = space().frame(database_.frames[frame].pose);
-  return through(layers_of(frame, count), {frame, in});
+  return through(changes_of(frame, count), {frame, in});
 }
 
-// Those of the first modifiers that change a frame.
-std::vector<const ShapeStack::Layer*> ShapeStack::layers_of(std::size_t frame, std::size_t count) const {
+// By those of the first modifiers that change a frame.
+std::vector<ShapeStack::Change> ShapeStack::changes_of(std::size_t frame, std::size_t count) const {
   const bool stays = !freezes_.empty() && frozen_part(frame).minCoeff() >= 1;
-  std::vector<const Layer*> layers;
+  std::vector<Change> changes;
   for (const Layer& layer : layers_) {
     const bool acts = layer.place < count && layer.selected[frame] && !(stays && layer.automatic);
-    if (acts && layer.shape->cause(frame)) layers.push_back(&layer);
+    if (!acts) continue;
+    if (const std::optional<std::uint64_t> cause = layer.shape->cause(frame)) changes.push_back({&layer, *cause});
   }
-  return layers;
+  return changes;
 }
 
 // What layers make of a frame, from the topmost on whose work is kept. It is kept in single precision, as raw shapes
 // are, and goes on so rounded when it was not there, too: either way gives the same bits.
-Positions ShapeStack::through(const std::vector<const Layer*>& layers, const FrameInHand& frame) const {
+Positions ShapeStack::through(const std::vector<Change>& changes, const FrameInHand& frame) const {
   const Positions start = begun(frame.number);
-  const auto top = std::find_if(layers.rbegin(), layers.rend(), [](const Layer* layer) { return layer->kept; });
-  const std::vector<const Layer*> below(layers.begin(), top.base());
+  const auto top =
+      std::find_if(changes.rbegin(), changes.rend(), [](const Change& change) { return change.layer->kept; });
+  const std::span<const Change> below(changes.begin(), top.base());
   std::vector<std::uint64_t> keys;
   if (!below.empty()) keys = keys_after(below, frame.number, start);
   KeptOffsets kept(start.rows(), 3);
   const std::span<float> numbers(kept.data(), static_cast<std::size_t>(kept.size()));
   std::size_t next = below.size();
-  while (next > 0 && !(layers[next - 1]->kept && cache_.find(keys[next], numbers))) --next;
+  while (next > 0 && !(changes[next - 1].layer->kept && cache_.find(keys[next], numbers))) --next;
   Positions offsets = next > 0 ? Positions(kept.cast<double>()) : frame.space.offsets(start);
-  for (; next < layers.size(); ++next) {
-    apply(*layers[next], frame, offsets);
-    if (!layers[next]->kept) continue;
+  for (; next < changes.size(); ++next) {
+    apply(*changes[next].layer, frame, offsets);
+    if (!changes[next].layer->kept) continue;
     kept = offsets.cast<float>();
     cache_.keep(keys[next + 1], numbers);
     offsets = kept.cast<double>();
@@ -233,28 +241,27 @@ Positions ShapeStack::through(const std::vector<const Layer*>& layers, const Fra
 }
 
 // Of how a frame begins, and of what every layer leaves of it: a hash of all that it comes from.
-std::vector<std::uint64_t> ShapeStack::keys_after(const std::vector<const Layer*>& layers, std::size_t frame,
+std::vector<std::uint64_t> ShapeStack::keys_after(std::span<const Change> changes, std::size_t frame,
                                                   const Positions& start) const {
   ContentHash first;
   first.add(identity_);
   for (const JointTransform& joint : database_.frames[frame].pose.joints) first.add(joint);
   first.add(hash_of(start));
   std::vector<std::uint64_t> keys{first.value()};
-  for (const Layer* layer : layers) keys.push_back(key_after(*layer, frame, keys.back()));
+  for (const Change& change : changes) keys.push_back(key_after(change, frame, keys.back()));
   return keys;
 }
 
 std::uint64_t ShapeStack::key(std::size_t frame, std::size_t count) const {
-  return keys_after(layers_of(frame, count), frame, begun(frame)).back();
+  return keys_after(changes_of(frame, count), frame, begun(frame)).back();
 }
 
-std::uint64_t ShapeStack::key_after(const Layer& layer, std::size_t frame, std::uint64_t before) const {
-  const std::optional<std::uint64_t> cause = layer.shape->cause(frame);
-  if (!cause) return before;
+std::uint64_t ShapeStack::key_after(const Change& change, std::size_t frame, std::uint64_t before) const {
+  const Layer& layer = *change.layer;
   ContentHash hash;
   hash.add(before);
   hash.add(layer.identity);
-  hash.add(*cause);
+  hash.add(change.cause);
   if (layer.automatic && !freezes_.empty()) {
     const Eigen::VectorXd frozen = frozen_part(frame);
     if (!frozen.isZero(0)) hash.append(frozen.data(), static_cast<std::size_t>(frozen.size()) * sizeof(double));

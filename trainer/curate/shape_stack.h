@@ -4,6 +4,7 @@
 
 #include <memory>
 #include <mutex>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -54,17 +55,18 @@ class ShapeStack {
 
  private:
   struct Layer;
+  struct Change;
 
   void add(std::size_t place, const Modifier& modifier, const ModifierType& type);
   void add_mirror_images(std::size_t place);
   void add_weight(const Layer& layer);
   void add_shape(std::size_t place, Layer layer, const ModifierType& type);
   Positions posed(std::size_t frame, std::size_t count) const;
-  std::vector<const Layer*> layers_of(std::size_t frame, std::size_t count) const;
-  Positions through(const std::vector<const Layer*>& layers, const FrameInHand& frame) const;
-  std::vector<std::uint64_t> keys_after(const std::vector<const Layer*>& layers, std::size_t frame,
+  std::vector<Change> changes_of(std::size_t frame, std::size_t count) const;
+  Positions through(const std::vector<Change>& changes, const FrameInHand& frame) const;
+  std::vector<std::uint64_t> keys_after(std::span<const Change> changes, std::size_t frame,
                                         const Positions& start) const;
-  std::uint64_t key_after(const Layer& layer, std::size_t frame, std::uint64_t before) const;
+  std::uint64_t key_after(const Change& change, std::size_t frame, std::uint64_t before) const;
   std::uint64_t key(std::size_t frame, std::size_t count) const;
   void apply(const Layer& layer, const FrameInHand& frame, Positions& offsets) const;
   Eigen::VectorXd frozen_part(std::size_t frame) const;
