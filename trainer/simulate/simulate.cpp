@@ -269,7 +269,15 @@ std::vector<FrameStatus> simulate(const Character& character, const std::vector<
                                   const std::filesystem::path& status, const SimulateOptions& options) {
   require_distinct(frames);
   const SingleThreadedProducts single_threaded;
-  const QuasiStaticBody body = make_body(character, muscles, options);
+  return simulate(make_body(character, muscles, options), character, muscles, clip, frames, take, status, options);
+}
+
+std::vector<FrameStatus> simulate(const QuasiStaticBody& body, const Character& character,
+                                  const std::vector<Muscle>& muscles, const Clip& clip, const std::vector<int>& frames,
+                                  const TakeLock& take, const std::filesystem::path& status,
+                                  const SimulateOptions& options) {
+  require_distinct(frames);
+  const SingleThreadedProducts single_threaded;
   const std::string thin = check_muscles(character, muscles, body);
   if (!thin.empty()) options.warn(thin);
   const std::filesystem::path& cache = take.cache();

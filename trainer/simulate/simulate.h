@@ -56,5 +56,10 @@ std::uint64_t frame_key(const QuasiStaticBody& body, const std::vector<Muscle>& 
 std::vector<FrameStatus> simulate(const Character& character, const std::vector<Muscle>& muscles, const Clip& clip,
                                   const std::vector<int>& frames, const TakeLock& take,
                                   const std::filesystem::path& status, const SimulateOptions& options);
+// The same of a body that make_body() made with these options: several takes of it share its tets.
+std::vector<FrameStatus> simulate(const QuasiStaticBody& body, const Character& character,
+                                  const std::vector<Muscle>& muscles, const Clip& clip, const std::vector<int>& frames,
+                                  const TakeLock& take, const std::filesystem::path& status,
+                                  const SimulateOptions& options);
 
 }  // namespace bodyopt
