@@ -145,7 +145,7 @@ Training train_and_measure(const SampleSet& set, const TrainOptions& options, bo
   save_basis(basis, out);
   training.unposing = unposing_residual(set, basis);
   if (set.heldout.empty()) return training;
-  for (const AblationRow& row : ablate ? bodyopt::ablate(set, options, basis, training.seconds)
+  for (const AblationRow& row : ablate ? bodyopt::ablate(set, options, training.result, training.seconds)
                                        : compare_with_skinning(set, basis, training.seconds)) {
     training.methods.push_back(method_of(row));
   }

@@ -6,7 +6,6 @@
 #include <map>
 
 #include "tests/support/capsule_limb.h"
-#include "tests/support/trained_basis.h"
 #include "trainer/train/fit/train.h"
 
 namespace bodyopt {
@@ -17,7 +16,7 @@ const std::map<std::string, AblationRow>& rows() {
     const SampleSet set = limb_samples(160, 60);
     const TrainOptions options{.centres = 60};
     std::map<std::string, AblationRow> by_name;
-    for (const AblationRow& row : ablate(set, options, trained_basis(set, options), 1.5)) by_name[row.name] = row;
+    for (const AblationRow& row : ablate(set, options, train(set, options), 1.5)) by_name[row.name] = row;
     return by_name;
   }();
   return made;

@@ -94,11 +94,13 @@ std::vector<AblationRow> compare_with_skinning(const SampleSet& set, const Basis
           row_of("full: DDM + strains, kernels, dynamic", set, full, seconds)};
 }
 
-std::vector<AblationRow> ablate(const SampleSet& set, const TrainOptions& options, const Basis& full, double seconds) {
-  std::vector<AblationRow> rows = compare_with_skinning(set, full, seconds);
+std::vector<AblationRow> ablate(const SampleSet& set, const TrainOptions& options, const TrainingResult& full,
+                                double seconds) {
+  std::vector<AblationRow> rows = compare_with_skinning(set, full.basis, seconds);
   TrainOptions matched = options;
-  matched.budget = bytes_per_vertex(full);
-  const double spared = bytes_per_vertex(without_residual(full)) - lbs_bytes_per_vertex(set.character);
+  matched.smoothing_radius = full.smoothing_radius;  // chosen by the same frames, each would find it again
+  matched.budget = bytes_per_vertex(full.basis);
+  const double spared = bytes_per_vertex(without_residual(full.basis)) - lbs_bytes_per_vertex(set.character);
   matched.tolerance_mm = 0;
   matched.keep_in.clear();  // that is for the full model
   matched.update = false;

@@ -8,6 +8,7 @@
 #include "dataset/compare.h"
 #include "runtime/basis/basis.h"
 #include "trainer/train/data/samples.h"
+#include "trainer/train/fit/train.h"
 #include "trainer/train/options.h"
 
 namespace bodyopt {
@@ -24,8 +25,9 @@ struct AblationRow {
 // many seconds. Needs held-out frames.
 std::vector<AblationRow> compare_with_skinning(const SampleSet& set, const Basis& full, double seconds);
 
-// `full`: what these options trained in so many seconds. The others may have as many bytes as it has. Needs
-// held-out frames.
-std::vector<AblationRow> ablate(const SampleSet& set, const TrainOptions& options, const Basis& full, double seconds);
+// `full`: what these options trained in so many seconds. The others may have as many bytes as it has, and smooth as far
+// as it does. Needs held-out frames.
+std::vector<AblationRow> ablate(const SampleSet& set, const TrainOptions& options, const TrainingResult& full,
+                                double seconds);
 
 }  // namespace bodyopt
