@@ -32,6 +32,13 @@ TEST_F(Improve, LearnsWhatAShotLacksAndStopsWithoutAGain) {
   ASSERT_EQ(run(test + "/before.json").exit_code, 0);
   const std::string improve = "improve " + data_ + " --basis " + basis_ + " --clip " + files_.motion +
                               " --fps 120 --json " + (folder_ / "improved.json").string();
+  // Of so few none is held out: the gain is that on what is trained on.
+  const ProgramResult little = run(improve + " --frames 2");
+  ASSERT_EQ(little.exit_code, 0) << little.output;
+  EXPECT_NE(little.output.find("2 frames more: of these shots none is held out; on the 15 trained on"),
+            std::string::npos)
+      << little.output;
+  EXPECT_EQ(json("improved")["rounds"][0]["heldout_frames"], 0);
   const ProgramResult improved = run(improve + " --frames 10");
   ASSERT_EQ(improved.exit_code, 0) << improved.output;
   ASSERT_EQ(run(test + "/after.json").exit_code, 0);
