@@ -367,6 +367,27 @@ std::size_t say_carried_judge(const SampleSet& set, const std::set<std::string>&
   return count;
 }
 
+struct CarriedTake {
+  std::string name;
+  std::vector<int> frames;
+  std::vector<Pose> poses;
+};
+
+// Those with frames to train on.
+std::vector<CarriedTake> carried_takes(const SampleSet& set, const std::set<std::string>& carried) {
+  std::vector<CarriedTake> takes;
+  for (const std::string& name : carried) {
+    CarriedTake take{name, {}, {}};
+    for (const Sample& sample : set.train) {
+      if (set.takes[static_cast<std::size_t>(sample.take)] != name) continue;
+      take.frames.push_back(sample.frame);
+      take.poses.push_back(sample.pose);
+    }
+    if (!take.frames.empty()) takes.push_back(std::move(take));
+  }
+  return takes;
+}
+
 void run_refine(const RefineArguments& arguments) {
   arguments.json.require_writable();
   const Stopwatch watch;
@@ -375,34 +396,28 @@ void run_refine(const RefineArguments& arguments) {
   const std::string mismatch = first_problem(check_dataset(dataset), path);
   if (!mismatch.empty()) throw Error(ErrorKind::mismatch, mismatch);
   const std::set<std::string> carried(arguments.carried.begin(), arguments.carried.end());
-  const SampleSet set = unrefined_samples(dataset, carried);
+  SampleSet set = unrefined_samples(dataset, carried);
   say(set.notes);
   const std::size_t carried_judge = say_carried_judge(set, carried);
-  RefinedShapes refined(set, carried, arguments.options);
+  const std::vector<CarriedTake> takes = carried_takes(set, carried);
+  const std::size_t all = set.train.size();
+  RefinedShapes refined(std::move(set), carried, arguments.options);
   std::size_t count = 0;
-  for (const std::string& take : carried) {
-    std::vector<int> frames;
-    std::vector<const Pose*> poses;
-    for (const Sample& sample : set.train) {
-      if (set.takes[static_cast<std::size_t>(sample.take)] != take) continue;
-      frames.push_back(sample.frame);
-      poses.push_back(&sample.pose);
-    }
-    if (frames.empty()) continue;
-    put_shapes_over(path, refinement_of(take), take, frames, [&](std::size_t k) { return refined(*poses[k]); });
-    count += frames.size();
+  for (const CarriedTake& take : takes) {
+    put_shapes_over(path, refinement_of(take.name), take.name, take.frames,
+                    [&](std::size_t k) { return refined(take.poses[k]); });
+    count += take.frames.size();
   }
   arguments.json.emit(
       {{"dataset", path.string()},
        {"carried_frames", count},
-       {"own_frames", set.train.size() - count},
+       {"own_frames", all - count},
        {"carried_heldout_frames", carried_judge},
        {"difference_mm", refined.difference_mm()},
        {"seconds", watch.seconds()}},
       format("%zu carried frames moved to what %zu own frames show, which were %.2f mm RMS off them, in "
              "%.1f s: modifiers '%s' and the like of the dataset's stack\n",
-             count, set.train.size() - count, refined.difference_mm(), watch.seconds(),
-             refinement_of(*carried.begin()).c_str()));
+             count, all - count, refined.difference_mm(), watch.seconds(), refinement_of(*carried.begin()).c_str()));
 }
 
 void add_refine(CLI::App& transfer) {

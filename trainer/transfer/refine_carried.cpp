@@ -19,41 +19,45 @@ void require_takes(const SampleSet& set, const std::set<std::string>& names) {
   }
 }
 
-SampleSet only(const SampleSet& set, const std::set<std::string>& carried, bool is_carried) {
-  SampleSet some = set;
-  some.heldout.clear();
-  std::erase_if(some.train, [&](const Sample& sample) {
-    return carried.contains(set.takes[static_cast<std::size_t>(sample.take)]) != is_carried;
+// Takes the samples of the body's own frames out of the set, which keeps the carried ones.
+std::vector<Sample> take_own(SampleSet& set, const std::set<std::string>& carried) {
+  const auto own = std::ranges::stable_partition(set.train, [&](const Sample& sample) {
+    return carried.contains(set.takes[static_cast<std::size_t>(sample.take)]);
   });
-  if (some.train.empty()) {
-    throw Error(ErrorKind::mismatch, is_carried ? "no frame of the carried takes is trained on"
-                                                : "all takes are carried: there is no frame of the body's own to learn "
-                                                  "from; simulate some into the dataset");
+  std::vector<Sample> taken(std::make_move_iterator(own.begin()), std::make_move_iterator(own.end()));
+  set.train.erase(own.begin(), own.end());
+  if (taken.empty()) {
+    throw Error(ErrorKind::mismatch,
+                "all takes are carried: there is no frame of the body's own to learn from; simulate some into the "
+                "dataset");
   }
-  return some;
+  if (set.train.empty()) throw Error(ErrorKind::mismatch, "no frame of the carried takes is trained on");
+  return taken;
 }
 
 }  // namespace
 
 std::string refinement_of(const std::string& take) { return "refined " + take; }
 
-RefinedShapes::RefinedShapes(const SampleSet& set, const std::set<std::string>& carried, const TrainOptions& options) {
+RefinedShapes::RefinedShapes(SampleSet set, const std::set<std::string>& carried, const TrainOptions& options) {
   require_takes(set, carried);
-  SampleSet own = only(set, carried, false);
-  const Basis learned = train(only(set, carried, true), options).basis;
+  set.heldout.clear();
+  std::vector<Sample> own = take_own(set, carried);
+  const Basis learned = train(set, options).basis;
   carried_ = std::make_unique<Deformer>(learned, DeviceChoice{.name = "cpu"});
   bare_ = std::make_unique<Deformer>(learned, DeviceChoice{.name = "cpu"});
   bare_->set_weights({.correction = 0});
   double sum = 0;
-  Progress progress("transfer: what is off", own.train.size());
-  for (Sample& sample : own.train) {
+  Progress progress("transfer: what is off", own.size());
+  for (Sample& sample : own) {
     const Positions off = sample.shape.read() - welded_from_output(set.character, of(*carried_, sample.pose).data());
     sum += off.squaredNorm() / static_cast<double>(off.rows());
     sample.shape = SampleShape(welded_from_output(set.character, of(*bare_, sample.pose).data()) + off);
     progress.advance();
   }
-  difference_mm_ = 1e3 * std::sqrt(sum / static_cast<double>(own.train.size()));
-  own_ = std::make_unique<Deformer>(train(own, options).basis, DeviceChoice{.name = "cpu"});
+  difference_mm_ = 1e3 * std::sqrt(sum / static_cast<double>(own.size()));
+  set.train = std::move(own);
+  own_ = std::make_unique<Deformer>(train(set, options).basis, DeviceChoice{.name = "cpu"});
 }
 
 std::vector<float> RefinedShapes::of(Deformer& deformer, const Pose& pose) const {

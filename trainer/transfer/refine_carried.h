@@ -22,7 +22,7 @@ class RefinedShapes {
   // `carried`: names of takes of the set; all its other training frames are the body's own. Shows progress. Throws
   // Error(usage) for a take that the set does not have, Error(mismatch) where either kind has too few frames, and as
   // train().
-  RefinedShapes(const SampleSet& set, const std::set<std::string>& carried, const TrainOptions& options);
+  RefinedShapes(SampleSet set, const std::set<std::string>& carried, const TrainOptions& options);
 
   // O x 3, posed, metres, world.
   std::vector<float> operator()(const Pose& pose);
