@@ -10,6 +10,8 @@ namespace bodyopt {
 namespace {
 
 constexpr int kRounds = 60, kRoundsPerRing = 12;
+constexpr int kHalvings = 4;         // of a step, before it is given up
+constexpr double kRoom = 2;          // a step is taken that may be so many times as long
 constexpr double kInwards = 0.05;    // of the mean edge around a vertex, a round
 constexpr double kSmoothing = 0.15;  // of the way to the middle of its neighbours, a round
 
@@ -83,6 +85,23 @@ bool untangle(const Triangles& triangles, int room, Positions& vertices) {
     moved = stepped(moved, triangles, neighbours, marked);
   }
   return false;
+}
+
+void step_apart(const Triangles& triangles, Positions steps, Positions& vertices) {
+  bool are_apart = false;
+  for (int round = 0; !are_apart; ++round) {
+    std::vector<bool> marked(static_cast<std::size_t>(vertices.rows()), false);
+    for (const double far : {1.0, kRoom}) {
+      mark_corners(triangles, self_intersections(vertices + far * steps, triangles), marked);
+    }
+    are_apart = true;
+    for (Eigen::Index v = 0; v < steps.rows(); ++v) {
+      if (!marked[static_cast<std::size_t>(v)] || steps.row(v).isZero(0)) continue;
+      steps.row(v) *= round < kHalvings ? 0.5 : 0.0;
+      are_apart = false;
+    }
+  }
+  vertices += steps;
 }
 
 }  // namespace bodyopt

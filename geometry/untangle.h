@@ -11,4 +11,9 @@ namespace bodyopt {
 // its arguments alone.
 bool untangle(const Triangles& triangles, int room, Positions& vertices);
 
+// Moves all vertices by their `steps`, but by shorter ones, down to none, where the surface would come to pass through
+// itself by them or by steps twice as long, so that tets fit between. Where it does before, it may after. A function of
+// its arguments alone.
+void step_apart(const Triangles& triangles, Positions steps, Positions& vertices);
+
 }  // namespace bodyopt

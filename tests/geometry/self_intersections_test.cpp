@@ -59,5 +59,27 @@ TEST(Untangle, MovesApartAndLeavesTheRest) {
   EXPECT_LT((moved.array() > 0).count(), limb.vertices.rows() / 2);
 }
 
+// Two limbs side by side, one sent through the side of the other.
+TEST(Untangle, StepsStopBeforeASurfacePassesThroughItself) {
+  const double gap = 0.012;
+  const Character both = make_two_limbs(2 * kTubeRadius + gap);
+  const Eigen::Index half = both.vertices.rows() / 2;
+  const Eigen::RowVector3d across =
+      both.vertices.topRows(half).colwise().mean() - both.vertices.bottomRows(half).colwise().mean();
+  Positions steps = Positions::Zero(both.vertices.rows(), 3);
+  steps.bottomRows(half).rowwise() += across.normalized() * 2 * gap;
+  ASSERT_FALSE(self_intersections(both.vertices + steps, both.triangles).empty());
+  Positions moved = both.vertices;
+  step_apart(both.triangles, steps, moved);
+  EXPECT_TRUE(self_intersections(moved, both.triangles).empty());
+  EXPECT_EQ(moved.topRows(half), both.vertices.topRows(half));
+  const Eigen::VectorXd far = (moved - both.vertices).bottomRows(half).rowwise().norm();
+  EXPECT_NEAR(far.maxCoeff(), 2 * gap, 1e-12);  // what meets nothing takes the whole step
+  EXPECT_GT((far.array() > 0).count(), half / 2);
+  Positions freely = both.vertices;
+  step_apart(both.triangles, steps / 5, freely);
+  EXPECT_EQ(freely, both.vertices + steps / 5);
+}
+
 }  // namespace
 }  // namespace bodyopt

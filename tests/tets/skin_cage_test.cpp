@@ -86,6 +86,25 @@ TEST(SkinCage, SkinsWithoutAreaAreRefused) {
   EXPECT_THROW(skin_cage(limb.vertices, limb.triangles, 300), Error);  // a line
 }
 
+// A coarser skin that is moved through itself is refused by place.
+TEST(SkinCage, SkinsThatPassThroughThemselvesAreRefused) {
+  const Character limb = make_limb();
+  const FineSkin fine(limb.vertices, limb.triangles);
+  const auto spike = [](CoarseSkin& skin) {
+    const Eigen::RowVector3d middle = skin.vertices.colwise().mean();
+    Eigen::Index nearest = 0;
+    (skin.vertices.rowwise() - middle).rowwise().squaredNorm().minCoeff(&nearest);
+    skin.vertices.row(nearest) += 2.3 * (middle - skin.vertices.row(nearest));
+  };
+  try {
+    fill_coarser(fine, {.nodes = 300}, spike);
+    FAIL() << "filled";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), ErrorKind::mismatch);
+    EXPECT_NE(std::string(error.what()).find("passes through itself at"), std::string::npos) << error.what();
+  }
+}
+
 TEST(SkinCage, OpenSkinsAreRefused) {
   const Character limb = make_limb();
   const Triangles open = limb.triangles.topRows(limb.triangles.rows() - 1);
