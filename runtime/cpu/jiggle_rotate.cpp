@@ -1,31 +1,82 @@
+#include <algorithm>
+#include <vector>
+
 #include "runtime/cpu/deformation.h"
 #include "runtime/cpu/dynamics_kernels.h"
 #include "runtime/cpu/parallel.h"
-#include "shaders/include/rotation.h"
 
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "runtime/cpu/jiggle_rotate.cpp"
+#include "hwy/foreach_target.h"
+// Below it: what is compiled again for each set of instructions.
+#include "runtime/cpu/lane_rotation.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace bodyopt::cpu::HWY_NAMESPACE {
+
+// Of nodes begin to end. gradients: T x 9, each times the volume of its tet.
+void rotate_lanes(const TetTable& tets, const float* gradients, std::size_t begin, std::size_t end, float* rotations) {
+  for (std::size_t first = begin; first < end; first += kLaneCount) {
+    const std::size_t count = std::min<std::size_t>(kLaneCount, end - first);
+    float numbers[9][kLaneCount] = {};
+    for (std::size_t lane = 0; lane < count; ++lane) {
+      float sum[9] = {};
+      for (std::uint32_t k = tets.corner_begin[first + lane]; k < tets.corner_begin[first + lane + 1]; ++k) {
+        const float* gradient = gradients + std::size_t{9} * (tets.corners[k] / 4);
+        for (std::size_t i = 0; i < 9; ++i) sum[i] += gradient[i];
+      }
+      for (std::size_t i = 0; i < 9; ++i) numbers[i][lane] = sum[i];
+    }
+    Lanes sums[9], r[9];
+    for (std::size_t i = 0; i < 9; ++i) sums[i] = load_lanes(numbers[i]);
+    rot(sums, r);  // the same for the sum as for the mean
+    for (std::size_t i = 0; i < 9; ++i) store_lanes(r[i], numbers[i]);
+    for (std::size_t lane = 0; lane < count; ++lane) {
+      for (std::size_t i = 0; i < 9; ++i) rotations[9 * (first + lane) + i] = numbers[i][lane];
+    }
+  }
+}
+
+}  // namespace bodyopt::cpu::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
 namespace bodyopt::cpu {
+
+HWY_EXPORT(rotate_lanes);
+
+namespace {
+
+// A gradient is found once, not by each of the tet's four nodes.
+void rotate_frame(const TetTable& tets, const float* nodes, std::vector<float>& gradients, float* rotations,
+                  Executor& threads) {
+  parallel_for(threads, tets.tet_count(), grain_of(64), [&](std::size_t begin, std::size_t end) {
+    for (std::size_t tet = begin; tet < end; ++tet) {
+      float gradient[9];
+      deformation_gradient(tets, tet, nodes, gradient);
+      for (std::size_t i = 0; i < 9; ++i) gradients[9 * tet + i] = tets.shapes[tet].volume * gradient[i];
+    }
+  });
+  parallel_for(threads, tets.node_count(), grain_of(512), [&](std::size_t begin, std::size_t end) {
+    HWY_DYNAMIC_DISPATCH(rotate_lanes)(tets, gradients.data(), begin, end, rotations);
+  });
+}
+
+}  // namespace
 
 void jiggle_rotate(const TetTable& tets, std::span<const float> nodes, std::uint32_t frame_count,
                    std::span<float> rotations, Executor& threads) {
   const std::size_t count = tets.node_count();
-  for (std::size_t f = 0; f < frame_count; ++f) {
-    const float* x = nodes.data() + 3 * f * count;
-    float* to = rotations.data() + 9 * f * count;
-    parallel_for(threads, count, grain_of(4096), [&](std::size_t begin, std::size_t end) {
-      for (std::size_t node = begin; node < end; ++node) {
-        float sum[9] = {};
-        for (std::uint32_t k = tets.corner_begin[node]; k < tets.corner_begin[node + 1]; ++k) {
-          const std::uint32_t tet = tets.corners[k] / 4;
-          float gradient[9];
-          deformation_gradient(tets, tet, x, gradient);
-          for (std::size_t i = 0; i < 9; ++i) sum[i] += tets.shapes[tet].volume * gradient[i];
-        }
-        float r[9];
-        rot(sum, r);  // the same for the sum as for the mean
-        for (std::size_t i = 0; i < 9; ++i) to[9 * node + i] = r[i];
-      }
-    });
-  }
+  // Several frames go to threads whole: where cores share no cache, reading another's gradients takes longer than
+  // finding them.
+  parallel_for(threads, frame_count, 1, [&](std::size_t begin, std::size_t end) {
+    std::vector<float> gradients(std::size_t{9} * tets.tet_count());
+    for (std::size_t f = begin; f < end; ++f) {
+      rotate_frame(tets, nodes.data() + 3 * f * count, gradients, rotations.data() + 9 * f * count,
+                   frame_count == 1 ? threads : calling_thread());
+    }
+  });
 }
 
 }  // namespace bodyopt::cpu
+#endif

@@ -2,7 +2,11 @@
 
 #include <cstring>
 
+#ifdef __x86_64__
 #define BODYOPT_ANY_WIDTH __attribute__((target_clones("avx512f", "avx2", "default")))
+#else
+#define BODYOPT_ANY_WIDTH
+#endif
 
 namespace bodyopt::cpu {
 namespace {

@@ -7,8 +7,10 @@
 #include <limits>
 
 #include "runtime/cpu/ddm_frames.h"
+#include "runtime/cpu/dynamics_kernels.h"
 #include "runtime/cpu/kernels.h"
 #include "tests/support/random_tables.h"
+#include "tests/support/random_tets.h"
 
 namespace bodyopt::testing {
 namespace instruction_sets_test {
@@ -101,6 +103,17 @@ TEST(InstructionSets, ModifyBlend) {
       std::copy(before.begin(), before.end(), displacements.begin());
       cpu::modify_blend(modifiers, weights, 1, displacements);
     });
+  }
+}
+
+TEST(InstructionSets, JiggleRotate) {
+  for (const std::uint32_t nodes : {4u, 16u, 1237u}) {
+    SCOPED_TRACE(nodes);
+    Random random(nodes);
+    const TetTable tets = random_tets(random, nodes);
+    const std::vector<float> moved = random.floats(std::size_t{6} * nodes, -1, 1);
+    expect_same_bits(std::size_t{18} * nodes,
+                     [&](std::span<float> rotations) { cpu::jiggle_rotate(tets, moved, 2, rotations); });
   }
 }
 

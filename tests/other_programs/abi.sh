@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Compares what programs see of libbodyopt.so with tests/library/interface_0.abi, that of the last release, by libabigail:
+# Compares what programs see of libbodyopt.so with tests/library/interface_0.abi, what was last kept (there is no release yet), by libabigail:
 # fails at any change but a new function. `abi.sh --keep` makes the file anew.
 # Only the functions of bodyopt.h and vulkan.h are compiled, with debug information; the release build has configured.
 set -euo pipefail
