@@ -177,9 +177,8 @@ std::vector<std::string> evaluate_frames(const EvalArguments& arguments, Evaluat
   const std::size_t done = task != nullptr ? caches.take_up(*task) : 0;
   if (done == 0) arguments.jiggle.preroll_to(shot.clip, shot.frames, *shot.deformer);
   if (done > 0) spdlog::info("goes on after frame {}", shot.frames[done - 1]);
-  Progress progress(
-      "eval", shot.frames.size() - done,
-      task != nullptr ? "a checkpoint is kept, from which the same command goes on" : "nothing of it is kept");
+  Progress progress("eval", shot.frames.size() - done,
+                    task != nullptr ? "the same command goes on from what is kept of it" : "nothing of it is kept");
   std::vector<std::string> states;
   // Frames held in memory at once. Of the jiggle each is measured, and it may be slow; a check names the one it stops
   // at.
@@ -191,7 +190,6 @@ std::vector<std::string> evaluate_frames(const EvalArguments& arguments, Evaluat
         evaluate_part(arguments, *shot.deformer, poses, std::span(shot.frames).subspan(begin, count));
     caches.append(part, begin);
     if (const auto file = arguments.jiggle.write_state_after(*shot.deformer, begin + count)) states.push_back(*file);
-    if (task != nullptr && interrupted()) caches.put_aside(*task, begin + count);
     progress.advance(count);
   }
   return states;
@@ -205,15 +203,39 @@ std::vector<fs::path> outputs_of(const EvalArguments& arguments, const ShotCache
   return outputs;
 }
 
+// After an error or an interrupt: puts aside what is done, for the same command to go on there. That it cannot does not
+// hide why the run ended.
+void keep_done(ShotCaches& caches, const TaskRun& task, const std::vector<int>& frames) {
+  try {
+    task.require_same_inputs();
+    const std::size_t done = caches.put_aside(task);
+    if (done > 0) spdlog::info("what is done is kept: the same command goes on after frame {}", frames[done - 1]);
+  } catch (const std::exception& error) {
+    spdlog::warn("what is done cannot be kept: {}", error.what());
+  }
+}
+
+// Evaluates and writes what is not done yet. Returns the states of the jiggle that were written.
+std::vector<std::string> write_shot(const EvalArguments& arguments, EvaluatedShot& shot, ShotCaches& caches,
+                                    const TaskRun* task) {
+  try {
+    std::vector<std::string> states = evaluate_frames(arguments, shot, caches, task);
+    if (task != nullptr) task->require_same_inputs();
+    if (const auto file = arguments.jiggle.write_last_state(*shot.deformer)) states.push_back(*file);
+    caches.close();  // last: where the cache is in place, its state is, too, and none of an earlier run is beside it
+    return states;
+  } catch (...) {
+    if (task != nullptr) keep_done(caches, *task, shot.frames);
+    throw;
+  }
+}
+
 void evaluate(const EvalArguments& arguments, EvaluatedShot& shot, const TaskRun* task) {
   const Stopwatch watch;
   ShotCaches caches(arguments.cache, shot);
   shot.deformer->set_normals(holds_normals(arguments.cache.out) || arguments.cache.full_skin ||
                              arguments.device.choice.check);
-  std::vector<std::string> states = evaluate_frames(arguments, shot, caches, task);
-  if (task != nullptr) task->require_same_inputs();
-  if (const auto file = arguments.jiggle.write_last_state(*shot.deformer)) states.push_back(*file);
-  caches.close();  // last: where the cache is in place, its state is, too, and none of an earlier run stands beside it
+  const std::vector<std::string> states = write_shot(arguments, shot, caches, task);
   const double seconds = watch.seconds();
 
   const std::vector<fs::path> outputs = outputs_of(arguments, caches, states);

@@ -53,13 +53,14 @@ std::string nearest_joint(const Basis& basis, std::uint32_t vertex) {
 
 }  // namespace
 
-void EvaluationLog::add(const Deformer& deformer, const Evaluation& part, std::size_t k, int frame) {
+void EvaluationLog::add(const Deformer& deformer, const Evaluation& part, std::size_t k, int frame,
+                        const NodeMotion& motion) {
   Json entry{{"frame", frame}, {"outside", part.outside[k]}};
   fades_.add(deformer.basis().skeleton, part, k, frame, entry);
   if (part.outside[k] > 0) entry["outside_feature"] = feature_name(deformer.basis(), part.outside_feature[k]);
   if (!part.starts.empty()) {
     starts_[part.starts[k]].push_back(frame);
-    const JiggleMeasure measure = measure_jiggle(*deformer.dynamics(), deformer.state().motion);
+    const JiggleMeasure measure = measure_jiggle(*deformer.dynamics(), motion);
     entry["jiggle_rms_mm"] = measure.rms_mm;
     entry["jiggle_max_mm"] = measure.max_mm;
     entry["inverted_tets"] = measure.inverted_tets;

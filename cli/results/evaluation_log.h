@@ -12,8 +12,8 @@ namespace bodyopt::cli {
 
 class EvaluationLog {
  public:
-  // Sample k of an evaluation, which is this frame. Where frames jiggle, `deformer` holds the state after it.
-  void add(const Deformer& deformer, const Evaluation& part, std::size_t k, int frame);
+  // Sample k of an evaluation, which is this frame. `motion`: after it, where frames jiggle.
+  void add(const Deformer& deformer, const Evaluation& part, std::size_t k, int frame, const NodeMotion& motion);
   void add_times(const Evaluation& part);
   // The expected error of every frame, where the basis knows it.
   void expect(const Basis& basis, const std::vector<Pose>& poses);

@@ -39,8 +39,9 @@ class ShotCaches {
   void append(const Evaluation& part, std::size_t begin);
   void close();
 
-  // Leaves a checkpoint after so many frames.
-  void put_aside(const TaskRun& task, std::size_t frames);
+  // Leaves a checkpoint after the last frame that was appended, where there is none yet, and returns that many frames;
+  // nothing more is written here then. 0 where no frame is new, or one was appended to some of the caches only.
+  std::size_t put_aside(const TaskRun& task);
   // Goes on from a checkpoint, where there is one, and returns how many frames it holds.
   std::size_t take_up(const TaskRun& task);
 
@@ -56,6 +57,9 @@ class ShotCaches {
   std::unique_ptr<CacheWriter> skin_;
   std::uint32_t points_ = 0;
   EvaluationLog log_;
+  std::size_t frames_ = 0, kept_ = 0;  // appended to all; those of a checkpoint
+  bool is_whole_ = true;               // all caches hold that many frames, and are still open
+  JiggleState state_;                  // after them, for when the device is lost
   std::unique_ptr<Executor> threads_;
 };
 

@@ -7,6 +7,7 @@
 #include <set>
 
 #include "tests/proxy_viewer/window_fixture.h"
+#include "tests/support/read_bytes.h"
 
 namespace bodyopt::testing {
 namespace {
@@ -99,6 +100,59 @@ TEST_F(DeviceLossTest, OfAnEvaluationLeavesTheOldCache) {
     EXPECT_EQ(std::filesystem::last_write_time(state), kept) << call;
   }
   EXPECT_EQ(whole_pictures(), 0u);
+}
+
+// Evaluates with --resume on a device: whole; with its loss in nearly the last submission; and again.
+TEST_F(DeviceLossTest, AnEvaluationThatIsRunAgainGoesOnFromThere) {
+  Clip walk;  // more frames than are evaluated at once
+  while (walk.poses.size() < 130) {
+    for (const Pose& pose : bending_clip(small_.made.skeleton).poses) walk.poses.push_back(pose);
+  }
+  const std::string clip = (folder_ / "walk.glb").string();
+  write_clip(walk, small_.made.skeleton, clip);
+  const JigglingCharacter limb(folder_);
+  const std::string whole = (folder_ / "whole.pc2").string(), parts = (folder_ / "parts.pc2").string();
+  const std::string state = (folder_ / "out.state").string();
+  for (const std::string& options :
+       {small_.basis + " --clip " + clip, limb.basis + " --clip " + limb.clip + " --jiggle --state-out " + state}) {
+    const auto evaluate = [&](const std::string& device, const std::string& out) {
+      return run_program(device + " " + kProgram + " eval " + options + " --require-device --resume --out " + out);
+    };
+    const int all = count_submissions([&](const std::string& counting) { return evaluate(counting, whole); });
+    const std::string state_of_whole = std::filesystem::exists(state) ? read_bytes(state) : "";
+    const std::string call = "vkQueueSubmit " + std::to_string(all - 1);
+    const ProgramResult lost = evaluate(losing(call), parts);
+    expect_said(lost, call);
+    EXPECT_NE(lost.output.find("the same command goes on after frame"), std::string::npos) << lost.output;
+    EXPECT_FALSE(std::filesystem::exists(parts));
+    const ProgramResult again = evaluate("", parts);
+    EXPECT_EQ(again.exit_code, 0) << again.output;
+    EXPECT_NE(again.output.find(": goes on after frame"), std::string::npos) << again.output;
+    EXPECT_EQ(read_bytes(parts), read_bytes(whole));
+    EXPECT_EQ(std::filesystem::exists(state) ? read_bytes(state) : "", state_of_whole);
+    EXPECT_FALSE(std::filesystem::exists(parts + ".checkpoint"));
+    for (const std::string& file : {parts, whole}) {
+      std::filesystem::remove(file);
+      std::filesystem::remove(file + ".done.json");
+    }
+  }
+}
+
+TEST_F(DeviceLossTest, OutOfMemoryOfAnEvaluationIsSaid) {
+  const std::string out = (folder_ / "out.pc2").string();
+  for (const char* allocation : {"1", "2"}) {
+    const ProgramResult result =
+        run_program(misbehaving_device(std::string("FAIL_ALLOCATION=") + allocation) + " " + kProgram + " eval " +
+                    small_.basis + " --clip " + small_.clip + " --require-device --out " + out);
+    EXPECT_EQ(result.exit_code, 5) << result.output;
+    for (const char* said : {"out of device memory", "fewer frames", "--device cpu"}) {
+      EXPECT_NE(result.output.find(said), std::string::npos) << said << " is not in\n" << result.output;
+    }
+    EXPECT_FALSE(std::filesystem::exists(out));
+  }
+  for (const auto& entry : std::filesystem::directory_iterator(folder_.path())) {
+    EXPECT_NE(entry.path().extension(), ".tmp") << entry.path();
+  }
 }
 
 }  // namespace
