@@ -137,7 +137,8 @@ typedef struct bodyopt_instance_options {
   uint32_t jiggles;                 /* 1: bodyopt_jiggle can be called; needs a model with dynamics */
   uint32_t iterations;              /* of the jiggle's quality mode, per solve; 0: without */
   uint32_t check;                   /* 1: every stage on the device beside the same on the CPU; the first difference is
-                                       an error, BODYOPT_DEVICE, that names stage, frame, vertex and both values */
+                                       an error, BODYOPT_DEVICE, that names stage, frame of the call, vertex and both
+                                       values */
   double gravity_change[3];         /* against the gravity that the shapes have in them, m/s^2, world */
 } bodyopt_instance_options;
 

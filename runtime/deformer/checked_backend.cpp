@@ -35,13 +35,18 @@ double largest(std::span<const float> values) {
   return most;
 }
 
-void compare(const StageOutput& output, std::size_t frames) {
-  const std::size_t stride = std::max<std::size_t>(1, output.cpu.size() / frames);
+// Frames of a call that an output is of.
+struct Frames {
+  std::size_t first, count;
+};
+
+void compare(const StageOutput& output, const Frames& frames) {
+  const std::size_t stride = std::max<std::size_t>(1, output.cpu.size() / frames.count);
   for (std::size_t k = 0; k < output.cpu.size(); ++k) {
     const double device = output.device[k], cpu = output.cpu[k];
     if (std::abs(device - cpu) <= output.tolerance) continue;  // false, too, where one is not a number
     throw Error(ErrorKind::device, std::string("the check found a difference in the stage '") + name_of(output.stage) +
-                                       "', frame " + std::to_string(k / stride) + " of the batch, " +
+                                       "', frame " + std::to_string(frames.first + k / stride) + " of the call, " +
                                        output.element(k % stride / output.width) + ": the device has " +
                                        number_text(device) + ", the CPU " + number_text(cpu) + ", the tolerance is " +
                                        number_text(output.tolerance) +
@@ -92,7 +97,7 @@ class CheckedBackend final : public Backend {
   const BatchResult& checked(const Batch& batch, bool stays_on_device) {
     const BatchResult& found = device_->run(batch);
     const BatchResult& expected = cpu_->run(batch);
-    const std::size_t frames = batch.frame_count;
+    const Frames frames{batch.first_frame, batch.frame_count};
     if (!batch.jiggle.empty()) device_motion_ = device_->motion();
     for (const Stage stage : stages_of(model_->basis, batch)) check(stage, found, expected, frames);
     if (!batch.jiggle.empty()) cpu_->set_motion(device_motion_);
@@ -102,7 +107,8 @@ class CheckedBackend final : public Backend {
     return without_skin_;
   }
 
-  void check(Stage stage, const BatchResult& found, const BatchResult& expected, std::size_t frames) {
+  void check(Stage stage, const BatchResult& found, const BatchResult& expected, const Frames& frames) {
+    const Frames last{frames.first + frames.count - 1, 1};  // the motion is that after it
     switch (stage) {
       case Stage::rig:
         return;  // on the host
@@ -119,11 +125,12 @@ class CheckedBackend final : public Backend {
         return compare(vertices(tolerance_of(Stage::pose, "posed"), found.posed, expected.posed), frames);
       case Stage::diffuse:
         return compare(
-            numbers(tolerance_of(Stage::diffuse, "nodes"), "node", 3, device_motion_.nodes, cpu_->motion().nodes), 1);
+            numbers(tolerance_of(Stage::diffuse, "nodes"), "node", 3, device_motion_.nodes, cpu_->motion().nodes),
+            last);
       case Stage::jiggle:
         compare(numbers(tolerance_of(Stage::jiggle, "displacement"), "node", 3, device_motion_.displacement,
                         cpu_->motion().displacement),
-                1);
+                last);
         return compare(vertices(tolerance_of(Stage::jiggle, "positions"), found.positions, expected.positions), frames);
       case Stage::output:
         compare(vertices(tolerance_of(Stage::output, "positions"), found.positions, expected.positions), frames);

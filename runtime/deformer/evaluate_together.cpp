@@ -157,6 +157,7 @@ class RunningCall {
     const std::size_t count = std::min<std::size_t>(std::max(1u, deformer_.batch_limit()), call_.poses.size() - begin_);
     const Stopwatch watch;
     batch_ = make_batch(deformer_.basis(), call_.poses.subspan(begin_, count));
+    batch_.first_frame = begin_;
     batch_.stays_on_device = call_.stays_on_device;
     batch_.wants_normals = call_.place != nullptr ? call_.place->normals.data != nullptr : deformer_.wants_normals_;
     batch_.wants_tangents = wants_tangents();

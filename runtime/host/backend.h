@@ -38,6 +38,7 @@ struct DeviceSkin {
 // One batch as the backends see it: plain arrays, frame-major.
 struct Batch {
   std::uint32_t frame_count = 0;
+  std::size_t first_frame = 0;        // of the call that this is a batch of: how a check names frames
   std::vector<float> skinning;        // F x J x 12, relative to origin
   std::vector<float> origins;         // F x 4 (the fourth is padding)
   std::vector<float> joint_features;  // F x joint feature count

@@ -6,6 +6,7 @@
 #include "runtime/core/error.h"
 #include "runtime/cpu/cpu_backend.h"
 #include "runtime/deformer/deformer.h"
+#include "runtime/deformer/make_batch.h"
 #include "runtime/vulkan/backend/device_model.h"
 #include "runtime/vulkan/backend/vulkan_backend.h"
 #include "tests/support/gpu_fixture.h"
@@ -61,6 +62,78 @@ TEST(CheckedBackend, NamesStageFrameVertexValuesAndTolerance) {
               {"stage 'pose'", "frame 0", "vertex 100", "the device has", "the CPU"});
   expect_says([](Basis& b) { std::swap(b.mesh.triangles[0], b.mesh.triangles[1]); }, {"stage 'output'", "vertex"});
   expect_says([](Basis& b) { b.ddm.vertices[9].offset_y = std::nanf(""); }, {"stage 'pose'", "vertex 9", "nan"});
+}
+
+// A backend that gives something else than it should.
+class SpoiltBackend final : public Backend {
+ public:
+  using SpoilResult = std::function<void(BatchResult&)>;
+  using SpoilMotion = std::function<void(NodeMotion&)>;
+  SpoiltBackend(std::unique_ptr<Backend> backend, SpoilResult result, SpoilMotion motion)
+      : backend_(std::move(backend)), spoil_result_(std::move(result)), spoil_motion_(std::move(motion)) {}
+
+  std::string name() const override { return backend_->name(); }
+  std::uint32_t batch_limit() const override { return backend_->batch_limit(); }
+  const BatchResult& run(const Batch& batch) override {
+    result_ = backend_->run(batch);
+    spoil_result_(result_);
+    return result_;
+  }
+  void set_rest_coefficients(std::span<const float> values) override { backend_->set_rest_coefficients(values); }
+  void set_weights(const Weights& weights) override { backend_->set_weights(weights); }
+  void set_motion(const NodeMotion& motion) override { backend_->set_motion(motion); }
+  NodeMotion motion() const override {
+    NodeMotion motion = backend_->motion();
+    spoil_motion_(motion);
+    return motion;
+  }
+
+ private:
+  std::unique_ptr<Backend> backend_;
+  SpoilResult spoil_result_;
+  SpoilMotion spoil_motion_;
+  BatchResult result_;
+};
+
+// What the check says of three frames of a jiggle, the first of which is the call's frame 64.
+std::string said_of_jiggle(const SpoiltBackend::SpoilResult& result, const SpoiltBackend::SpoilMotion& motion) {
+  const std::string hero = kSourceFolder + "/tests/old_files/hero";
+  const Basis basis = load_basis(hero + ".safetensors");
+  const auto model =
+      std::make_shared<const CharacterModel>(basis, load_dynamics(hero + ".dynamics.safetensors", basis));
+  const auto cpu = [&] { return make_cpu_backend(model, JiggleModel{&*model->dynamics, {}}); };
+  const auto checked = make_checked_backend(model, std::make_unique<SpoiltBackend>(cpu(), result, motion), cpu());
+  const std::vector<Pose> poses(3, bind_pose(basis.skeleton));
+  Batch batch = make_batch(basis, poses);
+  batch.first_frame = 64;
+  JiggleState state;
+  for (int frame = 1; frame <= 3; ++frame) {
+    batch.jiggle.push_back(plan_frame(frame, std::span(batch.joints).first(3 * basis.skeleton.size()), {}, 1,
+                                      model->dynamics->jiggle.step, {}, state));
+  }
+  try {
+    checked->run(batch);
+    return "";
+  } catch (const Error& error) {
+    return error.what();
+  }
+}
+
+TEST(CheckedBackend, CountsFramesOfTheCall) {
+  const auto nothing = [](auto&) {};
+  EXPECT_EQ(said_of_jiggle(nothing, nothing), "");
+  const auto expect = [](const std::string& said, const std::string& text) {
+    EXPECT_NE(said.find(text), std::string::npos) << said << "\ndoes not say: " << text;
+  };
+  expect(said_of_jiggle([](BatchResult& r) { r.posed[r.posed.size() / 3 * 2] += 1; }, nothing),
+         "stage 'pose', frame 66 of the call, vertex");
+  expect(said_of_jiggle([](BatchResult& r) { r.positions[r.positions.size() / 3] += 1; }, nothing),
+         "stage 'jiggle', frame 65 of the call, vertex");
+  // The motion is that after the last frame.
+  expect(said_of_jiggle(nothing, [](NodeMotion& m) { m.nodes[4] += 1; }),
+         "stage 'diffuse', frame 66 of the call, node 1");
+  expect(said_of_jiggle(nothing, [](NodeMotion& m) { m.displacement[7] += 1; }),
+         "stage 'jiggle', frame 66 of the call, node 2");
 }
 
 TEST(CheckedBackend, PassesADevice) {
