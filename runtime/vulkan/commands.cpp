@@ -14,6 +14,15 @@ constexpr std::uint64_t kTimeout = 300'000'000'000;  // nanoseconds; a software 
 
 }  // namespace
 
+void require_threads(std::uint64_t threads, const char* name, const DeviceInfo& limits) {
+  const std::uint64_t most = std::uint64_t{limits.max_groups_x} * kWorkgroupSize;
+  if (threads <= most) return;
+  throw Error(ErrorKind::device, std::string(name) + ": " + std::to_string(threads) +
+                                     " threads, which a kernel runs at once, are more than the " +
+                                     std::to_string(most) + " that '" + limits.name +
+                                     "' can start; the CPU has no such limit");
+}
+
 Commands::Commands(const Device& device, std::uint32_t most_dispatches)
     : device_(device),
       pool_(make_command_pool(device)),
@@ -144,7 +153,8 @@ void Commands::record_dispatch(const Kernel& kernel, std::span<const BufferRange
     throw Error(ErrorKind::device, "the Vulkan device '" + device_.info().name + "' runs at most " +
                                        std::to_string(device_.info().max_groups_x) + " x " +
                                        std::to_string(device_.info().max_groups_y) + " workgroups at once, " +
-                                       std::to_string(groups) + " x " + std::to_string(frames) + " are needed");
+                                       std::to_string(groups) + " x " + std::to_string(frames) +
+                                       " are needed; the CPU has no such limit");
   }
   const VkDescriptorSet set = bind(kernel, bindings);
   std::vector<BufferUse> uses;

@@ -16,6 +16,10 @@
 
 namespace bodyopt::vulkan {
 
+// A kernel that has no windows runs so many threads at once, one for each of `name`. Throws Error(device), naming it,
+// where a device of these limits starts fewer.
+void require_threads(std::uint64_t threads, const char* name, const DeviceInfo& limits);
+
 class Commands {
  public:
   // Dispatches of a submission, so that a software device on a busy machine ends well before the time-out.

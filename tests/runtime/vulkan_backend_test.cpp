@@ -227,6 +227,24 @@ TEST(VulkanBackend, SeesTablesThroughWindows) {
   }
 }
 
+// A device that starts few groups: what kernels without windows run over is named before anything is uploaded.
+TEST(VulkanBackend, NamesWhatItCannotStartThreadsFor) {
+  const auto device = open_test_device();
+  vulkan::DeviceInfo limits = device->info();
+  limits.max_groups_x = 1;
+  const auto put_on_the_device = [&](const Basis& basis) { vulkan::DeviceModel(device, model_of(basis), limits); };
+  EXPECT_NO_THROW(put_on_the_device(random_basis(5, 0)));  // 501 vertices, through windows
+  try {
+    put_on_the_device(random_basis(20, 70));
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), ErrorKind::device);
+    for (const char* said : {"the features: 67 threads", "more than the 64", "the CPU has no such limit"}) {
+      EXPECT_NE(std::string(error.what()).find(said), std::string::npos) << said << " is not in: " << error.what();
+    }
+  }
+}
+
 // Weights of zero on all kernels.
 TEST(VulkanBackend, WithoutKernelsIsLinear) {
   const Basis basis = random_basis(20, 70);

@@ -1,6 +1,36 @@
 #include "runtime/vulkan/backend/device_model.h"
 
+#include "runtime/vulkan/commands.h"
+
 namespace bodyopt::vulkan {
+namespace {
+
+// Before anything is uploaded: what the kernels without windows run over.
+const Basis& require_threads_of(const Basis& basis, const FrameCounts& n, const DeviceInfo& limits) {
+  require_threads(n.strain_vertices, "the strain vertices", limits);
+  require_threads(n.fibres, "the fibres", limits);
+  require_threads(n.features, "the features", limits);
+  require_threads(n.coordinates, "the coordinates", limits);
+  require_threads(n.centres, "the centres", limits);
+  require_threads(n.coefficients, "the coefficients", limits);
+  require_threads(n.boxes, "the boxes of triangles", limits);
+  if (n.boxes > 0) require_threads(n.vertices, "the skin that is pushed out", limits);
+  require_threads(n.tangents / 4, "the tangents' vertices", limits);
+  return basis;
+}
+
+const Dynamics& require_threads_of(const Dynamics& dynamics, const DeviceInfo& limits) {
+  require_threads(dynamics.tets.nodes.size(), "the numbers of the nodes", limits);
+  require_threads(dynamics.tets.skin.size(), "the skin that jiggles", limits);
+  for (const BlockInverse* inverse : {&dynamics.diffuse.inverse, &dynamics.jiggle.inverse}) {
+    for (const InverseLevel& level : inverse->levels) {
+      require_threads(level.end_slot - level.first_slot, "a level of the block inverse", limits);
+    }
+  }
+  return dynamics;
+}
+
+}  // namespace
 
 FoldBuffers::FoldBuffers(const Device& device, const FoldTables& tables, const DeviceInfo& limits)
     : triangles(upload_whole(device, tables.triangles, "the triangles", limits)),
@@ -87,12 +117,13 @@ DeviceModel::DeviceModel(std::shared_ptr<const Device> device, std::shared_ptr<c
       model_(std::move(model)),
       limits_(limits),
       counts_(model_->basis, model_->tangents),
-      tables_(*device_, model_->basis, model_->folds, model_->tangents, limits_),
+      tables_(*device_, require_threads_of(model_->basis, counts_, limits_), model_->folds, model_->tangents, limits_),
       kernels_(*device_) {}
 
 const DeviceModel::Jiggling& DeviceModel::jiggling() const {
   std::call_once(jiggles_, [&] {
-    jiggling_.emplace(Jiggling{DynamicsTables(*device_, *model_->dynamics, limits_), DynamicsKernels(*device_)});
+    jiggling_.emplace(Jiggling{DynamicsTables(*device_, require_threads_of(*model_->dynamics, limits_), limits_),
+                               DynamicsKernels(*device_)});
   });
   return *jiggling_;
 }

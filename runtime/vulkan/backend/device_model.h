@@ -121,7 +121,8 @@ class DeviceModel {
   };
 
   // Uploads the basis. Throws Error(device) when the tables do not fit the device. What kernels read block by block may
-  // be larger than a binding can be; what they read here and there may not, and is named.
+  // be larger than a binding can be; what they read here and there may not, and is named; so is
+  // what kernels run more threads over than the device starts at once.
   DeviceModel(std::shared_ptr<const Device> device, std::shared_ptr<const CharacterModel> model);
   // For a device whose bindings see less than that one's.
   DeviceModel(std::shared_ptr<const Device> device, std::shared_ptr<const CharacterModel> model,

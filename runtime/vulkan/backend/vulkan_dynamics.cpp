@@ -47,6 +47,7 @@ VulkanDynamics::VulkanDynamics(const DeviceModel& model, const JiggleOptions& op
       gathered_(floats(device_, tables_.jiggle_inverse.slot_count, "the block inverse's sums")),
       results_(floats(device_, tables_.jiggle_inverse.slot_count, "the block inverse's sums")) {
   if (options_.iterations == 0) return;
+  require_threads(dynamics_.tets.tet_count(), "the tets", limits_);
   corotated_solve_.emplace(
       device_, dynamics_.tets, dynamics_.jiggle,
       CorotatedSolve::Tables{tables_.tets, tables_.shapes, tables_.corners, tables_.jiggle_inverse}, limits_);
