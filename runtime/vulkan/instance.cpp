@@ -10,9 +10,23 @@ namespace bodyopt::vulkan {
 namespace {
 
 constexpr const char* kValidationLayer = "VK_LAYER_KHRONOS_validation";
-constexpr const char* kAfterLoss =
-    ": likely by work that took too long, by too little memory or a defect of its driver. Files that were written are "
-    "whole; begin again, or with another --device";
+// What to do about a result, where there is something.
+const char* advice(VkResult result) {
+  switch (result) {
+    case VK_ERROR_DEVICE_LOST:
+      return ": likely by work that took too long, by too little memory or a defect of its driver. Files that were "
+             "written are whole; run it again, or with another --device";
+    case VK_ERROR_OUT_OF_DEVICE_MEMORY:
+      return ": likely other programs use the device, too. Close them, take fewer frames at a time or a lighter level "
+             "of the character, or the CPU (--device cpu)";
+    case VK_TIMEOUT:
+      return ": likely the device hangs, or other work keeps it busy. Take fewer frames at a time or a lighter level "
+             "of "
+             "the character, or another --device";
+    default:
+      return "";
+  }
+}
 
 const char* result_name(VkResult result) {
   switch (result) {
@@ -72,8 +86,7 @@ bool lists_extension(const std::vector<VkExtensionProperties>& extensions, const
 void check(VkResult result, const char* call) {
   if (result == VK_SUCCESS || result == VK_INCOMPLETE) return;
   throw Error(ErrorKind::device, std::string("Vulkan: ") + call + " failed: " + result_name(result) + " (VkResult " +
-                                     std::to_string(static_cast<int>(result)) + ")" +
-                                     (result == VK_ERROR_DEVICE_LOST ? kAfterLoss : ""));
+                                     std::to_string(static_cast<int>(result)) + ")" + advice(result));
 }
 
 void ValidationLog::add(std::string message) {

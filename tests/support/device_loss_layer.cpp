@@ -1,5 +1,7 @@
 // A Vulkan layer that loses the device as drivers do: from one call on, nothing works any more. Which call, the
-// environment says: BODYOPT_LOSE_DEVICE="vkQueueSubmit 5" is the fifth submission. For one device at a time.
+// environment says: BODYOPT_LOSE_DEVICE="vkQueueSubmit 5" is the fifth submission; or that it is to be now, while
+// BODYOPT_LOSE_DEVICE_NOW is set. For one device at a time.
+// With BODYOPT_FAIL_ALLOCATION=5, the fifth allocation of memory fails, and all after it.
 // With BODYOPT_COUNT_SUBMISSIONS=FILE, how many submissions there were is written to that file as the program ends.
 // With BODYOPT_KEEP_PIPELINES=FILE, what the driver is given to begin a pipeline cache with is written to that file.
 // With BODYOPT_OUT_OF_DATE set, the surface is out of date whenever something has been submitted since the last time it
@@ -22,7 +24,7 @@ PFN_vkGetInstanceProcAddr next_of_instance = nullptr;
 PFN_vkGetDeviceProcAddr next_of_device = nullptr;
 VkInstance instance_here = VK_NULL_HANDLE;
 VkDevice device_here = VK_NULL_HANDLE;
-std::atomic<int> calls_left{0}, pictures_shown{0};
+std::atomic<int> calls_left{0}, pictures_shown{0}, allocations{0};
 std::atomic<bool> is_lost{false}, has_submitted{false};
 
 struct Plan {
@@ -54,6 +56,7 @@ VkResult go_on(const char* call, Arguments... arguments) {
 // True from the planned call on.
 bool loses(const char* call) {
   if (!is_lost && plan().call == call && --calls_left == 0) is_lost = true;
+  if (std::getenv("BODYOPT_LOSE_DEVICE_NOW")) is_lost = true;
   return is_lost;
 }
 
@@ -72,6 +75,13 @@ VKAPI_ATTR VkResult VKAPI_CALL create_pipeline_cache(VkDevice device, const VkPi
         .write(static_cast<const char*>(info->pInitialData), static_cast<std::streamsize>(info->initialDataSize));
   }
   return go_on<PFN_vkCreatePipelineCache>("vkCreatePipelineCache", device, info, allocator, cache);
+}
+
+VKAPI_ATTR VkResult VKAPI_CALL allocate_memory(VkDevice device, const VkMemoryAllocateInfo* info,
+                                               const VkAllocationCallbacks* allocator, VkDeviceMemory* memory) {
+  const char* first_to_fail = std::getenv("BODYOPT_FAIL_ALLOCATION");
+  if (first_to_fail && ++allocations >= std::atoi(first_to_fail)) return VK_ERROR_OUT_OF_DEVICE_MEMORY;
+  return go_on<PFN_vkAllocateMemory>("vkAllocateMemory", device, info, allocator, memory);
 }
 
 // Waits before it loses: what was submitted ends on the device beneath, which is well.
@@ -167,7 +177,8 @@ VKAPI_ATTR PFN_vkVoidFunction VKAPI_CALL device_function(VkDevice device, const 
       find({entry("vkGetDeviceProcAddr", device_function), entry("vkQueueSubmit", queue_submit),
             entry("vkWaitForFences", wait_for_fences), entry("vkAcquireNextImageKHR", acquire_next_image),
             entry("vkQueuePresentKHR", queue_present), entry("vkDeviceWaitIdle", device_wait_idle),
-            entry("vkGetQueryPoolResults", query_results), entry("vkCreatePipelineCache", create_pipeline_cache)},
+            entry("vkGetQueryPoolResults", query_results), entry("vkCreatePipelineCache", create_pipeline_cache),
+            entry("vkAllocateMemory", allocate_memory)},
            name);
   return own ? own : next_of_device(device, name);
 }
