@@ -15,13 +15,19 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr int kMostFrames = 1000000;
-constexpr double kMostGravity = 1000;  // m/s^2: a hundred times the earth's
 
 // `shot.state` and 1050: `shot.1050.state`.
 std::string with_frame(const std::string& path, int frame) {
   const fs::path whole(path);
   return (whole.parent_path() / (whole.stem().string() + "." + std::to_string(frame) + whole.extension().string()))
       .string();
+}
+
+// Of three numbers, or none.
+Vec3 gravity_of(const JiggleArguments& arguments) {
+  Vec3 change{};
+  std::ranges::copy(arguments.gravity_change, change.begin());
+  return change;
 }
 
 }  // namespace
@@ -60,9 +66,9 @@ void JiggleArguments::add(CLI::App& verb) {
   verb.add_option("--iterations", options.iterations,
                   "Quality: so many conjugate gradient steps on the corotated operator per solve (8: bends, too, to a "
                   "thousandth)")
-      ->check(CLI::Range(0, 1000))
+      ->check(CLI::Range(0, static_cast<int>(kMostIterations)))
       ->check([](const std::string& count) {
-        return count == "1" ? "expected 0 or 2 at least: after one step alone, energy may grow" : std::string();
+        return problem_of_iterations(static_cast<std::uint32_t>(std::stoul(count, nullptr, 0)));
       })
       ->group(group);
 }
@@ -83,11 +89,8 @@ void JiggleArguments::check() const {
     }
     require_writable(state_out);
   }
-  for (const double g : gravity_change) {
-    if (!(std::abs(g) <= kMostGravity)) {
-      throw Error(ErrorKind::usage,
-                  format("--gravity-change expects three finite numbers, of %g m/s^2 at most", kMostGravity));
-    }
+  if (const std::string problem = problem_of_gravity_change(gravity_of(*this)); !problem.empty()) {
+    throw Error(ErrorKind::usage, "--gravity-change " + problem);
   }
 }
 
@@ -106,7 +109,7 @@ std::unique_ptr<Deformer> JiggleArguments::deformer(Basis loaded, const std::str
                                      "dynamics', or name them with --dynamics");
   }
   JiggleOptions chosen = options;
-  if (!gravity_change.empty()) std::copy(gravity_change.begin(), gravity_change.end(), chosen.gravity_change.begin());
+  chosen.gravity_change = gravity_of(*this);
   if (!cuts.empty()) chosen.cuts = parse_frame_range(cuts);
   std::sort(chosen.cuts.begin(), chosen.cuts.end());
   Dynamics tables = load_dynamics(file, loaded);

@@ -135,11 +135,13 @@ typedef struct bodyopt_instance_options {
   const bodyopt_device* device;     /* NULL: the CPU */
   const bodyopt_executor* executor; /* of the CPU; NULL: oneTBB's threads */
   uint32_t jiggles;                 /* 1: bodyopt_jiggle can be called; needs a model with dynamics */
-  uint32_t iterations;              /* of the jiggle's quality mode, per solve; 0: without */
+  uint32_t iterations;              /* of the jiggle's quality mode, per solve, 2 to 1000; 0: without. After one
+                                       alone energy may grow: BODYOPT_USAGE */
   uint32_t check;                   /* 1: every stage on the device beside the same on the CPU; the first difference is
                                        an error, BODYOPT_DEVICE, that names stage, frame of the call, vertex and both
                                        values */
-  double gravity_change[3];         /* against the gravity that the shapes have in them, m/s^2, world */
+  double gravity_change[3];         /* against the gravity that the shapes have in them, m/s^2, world; each -1000 to
+                                       1000 */
 } bodyopt_instance_options;
 
 /* Instances of one model that are made on one device, without others between, share its tables there. `options`: NULL
@@ -147,7 +149,8 @@ typedef struct bodyopt_instance_options {
 BODYOPT_API bodyopt_result bodyopt_create_instance(const bodyopt_model* model, const bodyopt_instance_options* options,
                                                    bodyopt_instance** instance);
 BODYOPT_API void bodyopt_release_instance(bodyopt_instance* instance);
-/* How much is shown of what was learned, and of the jiggle; 1 and 1 at first. Finite. */
+/* How much is shown of what was learned, and of the jiggle; 1 and 1 at first. Each -1000 to 1000, or
+ * BODYOPT_USAGE. */
 BODYOPT_API bodyopt_result bodyopt_set_weights(bodyopt_instance* instance, float correction, float jiggle);
 
 /* ---- Frames ---- */
@@ -222,7 +225,8 @@ BODYOPT_API bodyopt_result bodyopt_get_state(const bodyopt_instance* instance, b
 /* NULL: nothing is known of frames before, as at first. */
 BODYOPT_API bodyopt_result bodyopt_set_state(bodyopt_instance* instance, const bodyopt_state* state);
 BODYOPT_API void bodyopt_release_state(bodyopt_state* state);
-/* A state as a file, which `bodyopt eval --state-in` reads, too. `instance` says of which dynamics. */
+/* A state as a file, which `bodyopt eval --state-in` reads, too. `instance` says of which dynamics: a state of others
+ * is a BODYOPT_MISMATCH, saved or loaded. */
 BODYOPT_API bodyopt_result bodyopt_save_state(const bodyopt_instance* instance, const bodyopt_state* state,
                                               const char* path);
 BODYOPT_API bodyopt_result bodyopt_load_state(const bodyopt_instance* instance, const char* path,

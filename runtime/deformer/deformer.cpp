@@ -49,6 +49,25 @@ std::unique_ptr<Backend> make_backend(const std::shared_ptr<const CharacterModel
   return on_a_device(std::make_shared<const vulkan::DeviceModel>(device, model), jiggle, choice.check);
 }
 
+// Throws Error(usage) where numbers would grow without bound.
+JiggleOptions checked_options(const std::optional<JiggleOptions>& jiggle) {
+  if (!jiggle) return {};
+  if (const std::string problem = problem_of_iterations(jiggle->iterations); !problem.empty()) {
+    throw Error(ErrorKind::usage, "the iterations of the jiggle: " + problem);
+  }
+  if (const std::string problem = problem_of_gravity_change(jiggle->gravity_change); !problem.empty()) {
+    throw Error(ErrorKind::usage, "the change of gravity " + problem);
+  }
+  return *jiggle;
+}
+
+void check_weight(float weight, const char* name) {
+  if (std::abs(weight) <= kMostWeight) return;
+  throw Error(ErrorKind::usage, std::string("the weight of the ") + name + " is " + std::to_string(weight) +
+                                    ", expected a finite number, of " + std::to_string(std::lround(kMostWeight)) +
+                                    " at most either way");
+}
+
 void check_state(const JiggleState& state, const Basis& basis, const Dynamics* dynamics) {
   const auto refuse = [](const std::string& what) {
     throw Error(ErrorKind::mismatch, "the state of the jiggle " + what + ": it is of another character, or damaged");
@@ -93,7 +112,7 @@ Deformer::Deformer(std::shared_ptr<const CharacterModel> model, const std::optio
                    std::unique_ptr<Backend> backend)
     : model_(std::move(model)),
       jiggles_(jiggle.has_value()),
-      options_(jiggle.value_or(JiggleOptions{})),
+      options_(checked_options(jiggle)),
       size_(box_diagonal(basis().mesh.rest)),
       backend_(std::move(backend)) {
   set_rest();
@@ -121,6 +140,8 @@ void Deformer::set_rest() {
 }
 
 void Deformer::set_weights(const Weights& weights) {
+  check_weight(weights.correction, "correction");
+  check_weight(weights.jiggle, "jiggle");
   backend_->set_weights(weights);
   const bool other_rest = weights.kernels != weights_.kernels;
   weights_ = weights;
@@ -164,8 +185,12 @@ JiggleState Deformer::state() const {
   return state;
 }
 
-void Deformer::set_state(const JiggleState& state) {
+void Deformer::require_own(const JiggleState& state) const {
   if (state.known > 0) check_state(state, basis(), dynamics());
+}
+
+void Deformer::set_state(const JiggleState& state) {
+  require_own(state);
   state_ = state;
   if (jiggles_ && state.known > 0) backend_->set_motion(state.motion);
   state_.motion = {};

@@ -41,7 +41,8 @@ class Deformer {
  public:
   // Validates the basis, takes the device, uploads the tables, records the coefficients at rest.
   Deformer(Basis basis, const DeviceChoice& choice);
-  // With dynamics, which must belong to the basis (load_dynamics sees to it).
+  // With dynamics, which must belong to the basis (load_dynamics sees to it). This and all that take JiggleOptions
+  // throw Error(usage) where these are out of their ranges.
   Deformer(Basis basis, Dynamics dynamics, const JiggleOptions& options, const DeviceChoice& choice);
   // An instance of a model that others share. `jiggle`: none for the quasi-static skin, or the model must have
   // dynamics.
@@ -74,12 +75,15 @@ class Deformer {
   // Throws Error(usage) for more poses than that.
   void require_one_batch(std::span<const Pose> poses) const;
 
+  // Throws Error(usage) for a weight that is not within kMostWeight of 0.
   void set_weights(const Weights& weights);
   // Whether an Evaluation gets normals, which take time: it does until told otherwise. A SkinPlace says so itself.
   void set_normals(bool wanted) { wants_normals_ = wanted; }
 
   JiggleState state() const;
   // Throws Error(mismatch) where the state does not fit the character or holds a number that is not finite.
+  void require_own(const JiggleState& state) const;
+  // Throws as above.
   void set_state(const JiggleState& state);
 
   const Basis& basis() const { return model_->basis; }

@@ -21,6 +21,9 @@ class Commands;
 struct Recording;
 }  // namespace vulkan
 
+// Of a weight, either way: an animator's exaggeration, and far from where positions would no longer be finite.
+inline constexpr float kMostWeight = 1000;
+
 // How much is shown of what was learned, and of the jiggle: methods to compare by eye. 1, as trained, changes no bit; a
 // weight changes no state.
 struct Weights {

@@ -27,10 +27,12 @@ struct bodyopt_model {
 };
 
 struct bodyopt_instance {
+  std::shared_ptr<const bodyopt::CharacterModel> model;
   std::unique_ptr<bodyopt::Deformer> deformer;
   std::optional<bodyopt::ErrorExpectation> expectation;  // made when it is first asked for
 };
 
 struct bodyopt_state {
   bodyopt::JiggleState state;
+  std::shared_ptr<const bodyopt::CharacterModel> model;  // of the instance that it is of: it has dynamics
 };

@@ -1,6 +1,5 @@
 // bodyopt.h: instances and their states.
 #include <algorithm>
-#include <cmath>
 
 #include "runtime/library/guard.h"
 #include "runtime/library/handles.h"
@@ -46,9 +45,6 @@ std::optional<JiggleOptions> jiggle_options(const bodyopt_instance_options& opti
   }
   JiggleOptions jiggle;
   std::ranges::copy(options.gravity_change, jiggle.gravity_change.begin());
-  for (const double g : jiggle.gravity_change) {
-    if (!std::isfinite(g)) throw Error(ErrorKind::usage, "options.gravity_change is not finite");
-  }
   jiggle.iterations = options.iterations;
   return jiggle;
 }
@@ -57,6 +53,18 @@ const Dynamics& dynamics_of(const bodyopt_instance& instance) {
   const Dynamics* dynamics = instance.deformer->dynamics();
   if (dynamics == nullptr) throw Error(ErrorKind::usage, "the instance does not jiggle: it has no state");
   return *dynamics;
+}
+
+// The state of the dynamics that the instance jiggles by. Throws Error(mismatch) for one of others.
+const JiggleState& own_state(const bodyopt_state& state, const bodyopt_instance& instance) {
+  const Dynamics& dynamics = dynamics_of(instance);
+  if (state.model != instance.model && checksum(*state.model->dynamics) != checksum(dynamics)) {
+    throw Error(ErrorKind::mismatch,
+                "the state is of other dynamics than the instance's: of another character, or of "
+                "this one before its dynamics were made again");
+  }
+  instance.deformer->require_own(state.state);
+  return state.state;
 }
 
 }  // namespace
@@ -74,6 +82,7 @@ bodyopt_result bodyopt_create_instance(const bodyopt_model* model, const bodyopt
     const std::optional<JiggleOptions> jiggle = jiggle_options(options, *of.model);
     const std::shared_ptr<Executor> threads = lent_threads(options.executor);
     auto created = std::make_unique<bodyopt_instance>();
+    created->model = of.model;
     created->deformer =
         options.device != nullptr
             ? std::make_unique<Deformer>(on_device(of, *options.device), jiggle, options.check != 0)
@@ -86,17 +95,15 @@ bodyopt_result bodyopt_create_instance(const bodyopt_model* model, const bodyopt
 void bodyopt_release_instance(bodyopt_instance* instance) { delete instance; }
 
 bodyopt_result bodyopt_set_weights(bodyopt_instance* instance, float correction, float jiggle) {
-  return guarded([&] {
-    if (!std::isfinite(correction) || !std::isfinite(jiggle)) throw Error(ErrorKind::usage, "a weight is not finite");
-    required(instance, "instance").deformer->set_weights({.correction = correction, .jiggle = jiggle});
-  });
+  return guarded(
+      [&] { required(instance, "instance").deformer->set_weights({.correction = correction, .jiggle = jiggle}); });
 }
 
 bodyopt_result bodyopt_get_state(const bodyopt_instance* instance, bodyopt_state** state) {
   return guarded([&] {
     required(state, "state");
     dynamics_of(required(instance, "instance"));
-    *state = new bodyopt_state{instance->deformer->state()};
+    *state = new bodyopt_state{instance->deformer->state(), instance->model};
   });
 }
 
@@ -111,13 +118,15 @@ void bodyopt_release_state(bodyopt_state* state) { delete state; }
 
 bodyopt_result bodyopt_save_state(const bodyopt_instance* instance, const bodyopt_state* state, const char* path) {
   return guarded([&] {
-    save_state(required(state, "state").state, dynamics_of(required(instance, "instance")), &required(path, "path"));
+    const JiggleState& own = own_state(required(state, "state"), required(instance, "instance"));
+    save_state(own, dynamics_of(*instance), &required(path, "path"));
   });
 }
 
 bodyopt_result bodyopt_load_state(const bodyopt_instance* instance, const char* path, bodyopt_state** state) {
   return guarded([&] {
     required(state, "state");
-    *state = new bodyopt_state{load_state(&required(path, "path"), dynamics_of(required(instance, "instance")))};
+    *state = new bodyopt_state{load_state(&required(path, "path"), dynamics_of(required(instance, "instance"))),
+                               instance->model};
   });
 }
