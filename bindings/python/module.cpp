@@ -51,6 +51,7 @@ std::size_t stride_of(const py::array& array, int dimension) {
 
 // Throws TypeError unless each element of a dimension ends before the next begins, and the last dimension has no gaps.
 void require_layout(const py::array& array, const std::string& name) {
+  if (array.size() == 0) return;
   py::ssize_t extent = array.itemsize();
   for (py::ssize_t d = array.ndim() - 1; d >= 0; --d) {
     if (array.shape(d) <= 1) continue;
@@ -90,8 +91,16 @@ py::array_t<float> output(const py::object& given, const Shape& shape, const std
   return array;
 }
 
-// Bytes from an array's first number to the end of its last; it has one.
+// What is written of an output that a caller may do without: nothing for False, a new array for True and None.
+std::optional<py::array_t<float>> output_if_wanted(const py::object& given, const Shape& shape,
+                                                   const std::string& name) {
+  if (given.ptr() == Py_False) return std::nullopt;
+  return output(given.ptr() == Py_True ? py::none() : given, shape, name);
+}
+
+// Bytes from an array's first number to the end of its last.
 std::size_t extent_of(const py::array& array) {
+  if (array.size() == 0) return 0;
   py::ssize_t size = array.itemsize();
   for (py::ssize_t d = 0; d < array.ndim(); ++d) size += (array.shape(d) - 1) * array.strides(d);
   return static_cast<std::size_t>(size);
@@ -109,10 +118,23 @@ bodyopt_floats floats_of(py::array_t<float>& array) {
 }
 
 struct Skin {
-  py::array_t<float> positions, normals, strains, outside, fades;
+  py::array_t<float> positions, strains, outside, fades;
   std::optional<py::array_t<float>> expected_errors;  // of a model that knows its error
-  std::optional<py::array_t<float>> tangents;         // of a model with texture coordinates
+  std::optional<py::array_t<float>> normals;          // where they are wanted
+  std::optional<py::array_t<float>> tangents;         // where they are wanted, of a model with texture coordinates
 };
+
+// A file's name. Throws TypeError for what is neither text nor os.PathLike, ValueError for a NUL in it.
+std::string path_of(const py::object& given) {
+  PyObject* bytes = nullptr;
+  if (PyUnicode_FSConverter(given.ptr(), &bytes) == 0) throw py::error_already_set();
+  return py::reinterpret_steal<py::bytes>(bytes);
+}
+
+std::optional<std::string> path_if_given(const py::object& given) {
+  if (given.is_none()) return std::nullopt;
+  return path_of(given);
+}
 
 // Poses as they were given, and a skin to write: the arrays live as long as this, which stays where it is.
 struct Frames {
@@ -141,21 +163,22 @@ struct Frames {
       poses.frame_numbers = frame_numbers->data();
     }
     skin = {output(positions, {count, vertices, 3}, "positions"),
-            output(normals, {count, vertices, 3}, "normals"),
             py::array_t<float>(Shape{count, static_cast<py::ssize_t>(description.strain_count)}),
             py::array_t<float>(Shape{count}),
             py::array_t<float>(Shape{count}),
             {},
+            output_if_wanted(normals, {count, vertices, 3}, "normals"),
             {}};
     wanted.positions = floats_of(skin.positions);
-    wanted.normals = floats_of(skin.normals);
+    if (skin.normals) wanted.normals = floats_of(*skin.normals);
     wanted.strains = floats_of(skin.strains);
     wanted.outside = floats_of(skin.outside);
     wanted.fades = floats_of(skin.fades);
     if (description.knows_error != 0) wanted.expected_errors = floats_of(skin.expected_errors.emplace(Shape{count}));
     if (description.has_tangents != 0) {
-      wanted.tangents = floats_of(skin.tangents.emplace(output(tangents, {count, vertices, 4}, "tangents")));
-    } else if (!tangents.is_none()) {
+      skin.tangents = output_if_wanted(tangents, {count, vertices, 4}, "tangents");
+      if (skin.tangents) wanted.tangents = floats_of(*skin.tangents);
+    } else if (!tangents.is_none() && !py::isinstance<py::bool_>(tangents)) {
       throw py::value_error("tangents: the model was loaded without texture coordinates");
     }
   }
@@ -186,7 +209,8 @@ struct State {
 };
 
 struct Device {
-  Device(const std::optional<std::string>& name, bool validation, const std::optional<std::string>& pipeline_cache) {
+  Device(const std::optional<std::string>& name, bool validation, const py::object& given_cache) {
+    const std::optional<std::string> pipeline_cache = path_if_given(given_cache);
     auto options = api::make<bodyopt_device_options>();
     options.name = name ? name->c_str() : nullptr;
     options.validation = validation;
@@ -202,12 +226,13 @@ struct Device {
 class Instance {
  public:
   Instance(const api::Model& model, const Device* device, bool jiggles, std::uint32_t iterations,
-           const std::array<double, 3>& gravity_change)
+           const std::array<double, 3>& gravity_change, bool check)
       : description_(api::describe(model)) {
     auto options = api::make<bodyopt_instance_options>();
     options.device = device != nullptr ? device->handle.get() : nullptr;
     options.jiggles = jiggles;
     options.iterations = iterations;
+    options.check = check;
     std::copy(gravity_change.begin(), gravity_change.end(), options.gravity_change);
     bodyopt_instance* created = nullptr;
     call([&] { return bodyopt_create_instance(model.get(), &options, &created); });
@@ -240,10 +265,12 @@ class Instance {
   void set_state(const State* state) {
     call([&] { return bodyopt_set_state(handle_.get(), state != nullptr ? state->handle.get() : nullptr); });
   }
-  void save_state(const State& state, const std::string& path) {
+  void save_state(const State& state, const py::object& given_path) {
+    const std::string path = path_of(given_path);
     call([&] { return bodyopt_save_state(handle_.get(), state.handle.get(), path.c_str()); });
   }
-  std::unique_ptr<State> load_state(const std::string& path) {
+  std::unique_ptr<State> load_state(const py::object& given_path) {
+    const std::string path = path_of(given_path);
     bodyopt_state* state = nullptr;
     call([&] { return bodyopt_load_state(handle_.get(), path.c_str(), &state); });
     return std::make_unique<State>(State{api::State(state)});
@@ -318,8 +345,10 @@ class Call {
 
 class Model {
  public:
-  Model(const std::string& path, const std::optional<std::string>& dynamics, std::uint32_t level,
+  Model(const py::object& given_path, const py::object& given_dynamics, std::uint32_t level,
         const py::object& texture) {
+    const std::string path = path_of(given_path);
+    const std::optional<std::string> dynamics = path_if_given(given_dynamics);
     auto options = api::make<bodyopt_load_options>();
     options.dynamics = dynamics ? dynamics->c_str() : nullptr;
     options.level = level;
@@ -389,9 +418,9 @@ PYBIND11_MODULE(_runtime, module) {
   const auto none = py::none();
   py::class_<Instance>(module, "Instance")
       .def("evaluate", &Instance::evaluate, py::arg("joints"), py::arg("controls") = none, py::kw_only(),
-           py::arg("positions") = none, py::arg("normals") = none, py::arg("tangents") = none)
+           py::arg("positions") = none, py::arg("normals") = true, py::arg("tangents") = true)
       .def("jiggle", &Instance::jiggle, py::arg("joints"), py::arg("frame_numbers"), py::arg("controls") = none,
-           py::kw_only(), py::arg("positions") = none, py::arg("normals") = none, py::arg("tangents") = none)
+           py::kw_only(), py::arg("positions") = none, py::arg("normals") = true, py::arg("tangents") = true)
       .def("set_weights", &Instance::set_weights, py::arg("correction") = 1, py::arg("jiggle") = 1)
       .def("state", &Instance::state)
       .def("set_state", &Instance::set_state, py::arg("state"))
@@ -401,7 +430,7 @@ PYBIND11_MODULE(_runtime, module) {
       .def(py::init<Instance&, const py::object&, const py::object&, std::optional<std::vector<std::int32_t>>,
                     const py::object&, const py::object&, const py::object&>(),
            py::arg("instance"), py::arg("joints"), py::arg("controls") = none, py::arg("frame_numbers") = none,
-           py::kw_only(), py::arg("positions") = none, py::arg("normals") = none, py::arg("tangents") = none)
+           py::kw_only(), py::arg("positions") = none, py::arg("normals") = true, py::arg("tangents") = true)
       .def_property_readonly("skin", &Call::skin);
   module.def("evaluate_together", &Call::evaluate_together, py::arg("calls"));
   py::class_<Model>(module, "Model")
@@ -422,19 +451,20 @@ PYBIND11_MODULE(_runtime, module) {
       .def(
           "instance",
           [](const Model& model, const Device* device, bool jiggles, std::uint32_t iterations,
-             const std::array<double, 3>& gravity_change) {
-            return std::make_unique<Instance>(model.handle, device, jiggles, iterations, gravity_change);
+             const std::array<double, 3>& gravity_change, bool check) {
+            return std::make_unique<Instance>(model.handle, device, jiggles, iterations, gravity_change, check);
           },
           py::arg("device") = none, py::kw_only(), py::arg("jiggles") = false, py::arg("iterations") = 0,
-          py::arg("gravity_change") = std::array<double, 3>{});
+          py::arg("gravity_change") = std::array<double, 3>{}, py::arg("check") = false);
   module.def(
       "load",
-      [](const std::string& path, const std::optional<std::string>& dynamics, std::uint32_t level,
-         const py::object& texture) { return std::make_unique<Model>(path, dynamics, level, texture); },
+      [](const py::object& path, const py::object& dynamics, std::uint32_t level, const py::object& texture) {
+        return std::make_unique<Model>(path, dynamics, level, texture);
+      },
       py::arg("path"), py::arg("dynamics") = none, py::arg("level") = 0, py::arg("texture") = none);
   module.def(
       "open_device",
-      [](const std::optional<std::string>& name, bool validation, const std::optional<std::string>& pipeline_cache) {
+      [](const std::optional<std::string>& name, bool validation, const py::object& pipeline_cache) {
         return std::make_unique<Device>(name, validation, pipeline_cache);
       },
       py::arg("name") = none, py::arg("validation") = false, py::arg("pipeline_cache") = none);

@@ -3,6 +3,7 @@
     module_test.py BASIS DYNAMICS POSES EXPECTED   (frames of the bind pose and of what turning_poses in c_api.h gives, float32)
 """
 import os
+import pathlib
 import sys
 import tempfile
 import threading
@@ -67,6 +68,42 @@ class Frames(unittest.TestCase):
         bodyopt.evaluate_together([call])
         np.testing.assert_array_equal(call.skin.tangents, skin.tangents)
 
+    def test_have_no_normals_and_tangents_where_these_are_not_wanted(self):
+        model = bodyopt.load(BASIS, texture=np.random.default_rng(1).random((MODEL.vertex_count, 2), np.float32))
+        instance = model.instance()
+        whole = instance.evaluate(JOINTS, normals=True, tangents=True)
+        for array in (whole.normals, whole.tangents):
+            self.assertIsNotNone(array)
+        skin = instance.evaluate(JOINTS, normals=False, tangents=False)
+        np.testing.assert_array_equal(skin.positions, SKIN)
+        self.assertIsNone(skin.normals)
+        self.assertIsNone(skin.tangents)
+        skin = instance.evaluate(JOINTS, normals=False)
+        self.assertIsNone(skin.normals)
+        np.testing.assert_array_equal(skin.tangents, whole.tangents)
+        skin = instance.evaluate(JOINTS, normals=None, tangents=False)
+        np.testing.assert_array_equal(skin.normals, whole.normals)
+        self.assertIsNone(MODEL.instance(jiggles=True).jiggle(JOINTS, range(len(JOINTS)), normals=False).normals)
+        call = bodyopt.Call(instance, JOINTS, normals=False, tangents=False)
+        bodyopt.evaluate_together([call])
+        self.assertIsNone(call.skin.normals)
+        self.assertIsNone(call.skin.tangents)
+
+    def test_of_a_character_without_controls_take_none(self):
+        self.assertEqual(MODEL.control_names, [])
+        skin = self.instance.evaluate(JOINTS, np.zeros((len(JOINTS), 0), np.float32))
+        np.testing.assert_array_equal(skin.positions, SKIN)
+
+    def test_are_checked_on_a_device(self):
+        skin = MODEL.instance(bodyopt.open_device(), check=True).evaluate(JOINTS)
+        np.testing.assert_allclose(skin.positions, SKIN, atol=1e-5)
+
+    def test_are_of_files_that_any_path_names(self):
+        basis, dynamics = pathlib.Path(BASIS), pathlib.Path(DYNAMICS)
+        for model in (bodyopt.load(basis, dynamics), bodyopt.load(os.fsencode(BASIS), os.fsencode(DYNAMICS))):
+            np.testing.assert_array_equal(model.instance().evaluate(JOINTS).positions, SKIN)
+            self.assertTrue(model.has_dynamics)
+
     def test_describe_the_character(self):
         self.assertEqual(MODEL.triangles.max(), MODEL.vertex_count - 1)
         self.assertEqual(MODEL.joint_parents[0], -1)
@@ -127,7 +164,7 @@ class Frames(unittest.TestCase):
         instance.set_state(None)
         instance.jiggle(JOINTS[:2], [0, 1])
         with tempfile.TemporaryDirectory() as folder:
-            instance.save_state(instance.state(), folder + "/a.state")
+            instance.save_state(instance.state(), pathlib.Path(folder) / "a.state")
             instance.jiggle(JOINTS[2:], range(2, len(JOINTS)))
             instance.set_state(instance.load_state(folder + "/a.state"))
         rest = instance.jiggle(JOINTS[2:], range(2, len(JOINTS))).positions
@@ -199,7 +236,19 @@ class Refused(unittest.TestCase):
 
     def test_files_and_devices(self):
         self.refuses(bodyopt.Error, "/no/such.safetensors", lambda: bodyopt.load("/no/such.safetensors"), 4)
+        for path in (BASIS + "\0.old", pathlib.Path(BASIS + "\0.old")):
+            self.refuses(ValueError, "null", lambda: bodyopt.load(path))
+            self.refuses(ValueError, "null", lambda: bodyopt.load(BASIS, path))
+            self.refuses(ValueError, "null", lambda: bodyopt.open_device(pipeline_cache=path))
+        for path in (None, 7, SKIN):
+            self.refuses(TypeError, "PathLike", lambda: bodyopt.load(path))
+        self.refuses(bodyopt.Error, "of 0 vertices", lambda: bodyopt.load(BASIS, texture=np.zeros((0, 2), np.float32)), 3)
         self.refuses(bodyopt.Error, "'9999'", lambda: bodyopt.open_device("9999"), 5)
+        self.refuses(bodyopt.Error, "name a device", lambda: MODEL.instance(check=True), 5)
+        for count in (1, 1001):
+            self.refuses(bodyopt.Error, "expected", lambda: MODEL.instance(jiggles=True, iterations=count), 64)
+        self.refuses(bodyopt.Error, "1000 m/s^2", lambda: MODEL.instance(jiggles=True, gravity_change=(0, 1e300, 0)), 64)
+        self.refuses(bodyopt.Error, "weight", lambda: MODEL.instance().set_weights(3e38, 1), 64)
         self.refuses(bodyopt.Error, "without dynamics", lambda: bodyopt.load(BASIS).instance(jiggles=True), 64)
 
     def test_pipelines_are_kept_where_told(self):

@@ -1,9 +1,12 @@
-from typing import Optional, Sequence
+import os
+from typing import Optional, Sequence, Union
 
 import numpy as np
 from numpy.typing import NDArray
 
 __version__: str
+
+Path = Union[str, bytes, os.PathLike]
 
 class Error(RuntimeError):
     """What the library refuses: bad files (code 4), things that do not belong together (3), devices (5), usage (64)."""
@@ -18,13 +21,13 @@ class Skin:
     expected_errors: how far off the skin is expected to be, F, RMS over the skin, metres; None where the model was
     trained without shapes and does not know.
     tangents: F x V x 4, the tangent and the bitangent's sign, by the convention of MikkTSpace; None where the model was
-    loaded without texture coordinates.
+    loaded without texture coordinates. normals and tangents are None where they were not wanted.
     """
 
     @property
     def positions(self) -> NDArray[np.float32]: ...
     @property
-    def normals(self) -> NDArray[np.float32]: ...
+    def normals(self) -> Optional[NDArray[np.float32]]: ...
     @property
     def strains(self) -> NDArray[np.float32]: ...
     @property
@@ -52,11 +55,11 @@ class Instance:
         controls: Optional[NDArray[np.float32]] = None,
         *,
         positions: Optional[NDArray[np.float32]] = None,
-        normals: Optional[NDArray[np.float32]] = None,
-        tangents: Optional[NDArray[np.float32]] = None,
+        normals: Union[NDArray[np.float32], bool, None] = True,
+        tangents: Union[NDArray[np.float32], bool, None] = True,
     ) -> Skin:
         """The quasi-static skin. joints: F x J x 10, controls: F x C. Written to positions, normals and tangents where
-        given."""
+        given. False leaves normals or tangents out, which saves their time; tangents need texture coordinates."""
     def jiggle(
         self,
         joints: NDArray[np.float64],
@@ -64,16 +67,16 @@ class Instance:
         controls: Optional[NDArray[np.float32]] = None,
         *,
         positions: Optional[NDArray[np.float32]] = None,
-        normals: Optional[NDArray[np.float32]] = None,
-        tangents: Optional[NDArray[np.float32]] = None,
+        normals: Union[NDArray[np.float32], bool, None] = True,
+        tangents: Union[NDArray[np.float32], bool, None] = True,
     ) -> Skin:
         """The skin with jiggle; it goes on from the frames of earlier calls."""
     def set_weights(self, correction: float = 1, jiggle: float = 1) -> None:
-        """How much is shown of what was learned, and of the jiggle."""
+        """How much is shown of what was learned, and of the jiggle: each -1000 to 1000."""
     def state(self) -> State: ...
     def set_state(self, state: Optional[State]) -> None: ...
-    def save_state(self, state: State, path: str) -> None: ...
-    def load_state(self, path: str) -> State: ...
+    def save_state(self, state: State, path: Path) -> None: ...
+    def load_state(self, path: Path) -> State: ...
 
 class Call:
     """What one instance does among others, by evaluate_together.
@@ -90,8 +93,8 @@ class Call:
         frame_numbers: Optional[Sequence[int]] = None,
         *,
         positions: Optional[NDArray[np.float32]] = None,
-        normals: Optional[NDArray[np.float32]] = None,
-        tangents: Optional[NDArray[np.float32]] = None,
+        normals: Union[NDArray[np.float32], bool, None] = True,
+        tangents: Union[NDArray[np.float32], bool, None] = True,
     ) -> None: ...
     @property
     def skin(self) -> Optional[Skin]:
@@ -133,8 +136,13 @@ class Model:
         jiggles: bool = False,
         iterations: int = 0,
         gravity_change: tuple[float, float, float] = (0, 0, 0),
+        check: bool = False,
     ) -> Instance:
-        """On a Vulkan device, or the CPU without one."""
+        """On a Vulkan device, or the CPU without one.
+
+        iterations: of the jiggle's quality mode, 2 to 1000; 0: without. gravity_change: m/s^2, world, each -1000 to 1000.
+        check: every stage on the device beside the same on the CPU; the first difference raises Error(5).
+        """
 
 def evaluate_together(calls: Sequence[Call]) -> None:
     """Many instances at once, each in one call only: one submission for all that are on one device.
@@ -143,14 +151,14 @@ def evaluate_together(calls: Sequence[Call]) -> None:
     """
 
 def load(
-    path: str, dynamics: Optional[str] = None, level: int = 0, texture: Optional[NDArray[np.float32]] = None
+    path: Path, dynamics: Optional[Path] = None, level: int = 0, texture: Optional[NDArray[np.float32]] = None
 ) -> Model:
     """A character. texture: V x 2 texture coordinates, of the vertices of this level, for skins with tangents.
 
     Raises Error(3), too, for texture coordinates of another number of vertices.
     """
 def open_device(
-    name: Optional[str] = None, validation: bool = False, pipeline_cache: Optional[str] = None
+    name: Optional[str] = None, validation: bool = False, pipeline_cache: Optional[Path] = None
 ) -> Device:
     """The Vulkan device of this index or part of a name, or the best one.
 
