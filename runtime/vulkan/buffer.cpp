@@ -15,11 +15,6 @@ constexpr VkDeviceSize kMinBytes = 16;
 
 Buffer::Buffer(const Device& device, VkDeviceSize bytes, Memory memory, const char* name)
     : size_(std::max(kMinBytes, (bytes + 3) / 4 * 4)) {
-  if (size_ > device.info().memory_bytes) {
-    throw Error(ErrorKind::device, std::string(name) + ": " + std::to_string(size_) + " bytes do not fit the " +
-                                       std::to_string(device.info().memory_bytes) + " bytes of memory of '" +
-                                       device.info().name + "'");
-  }
   auto info = structure<VkBufferCreateInfo>(VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO);
   info.size = size_;
   info.usage = VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT | VK_BUFFER_USAGE_STORAGE_BUFFER_BIT;
@@ -41,6 +36,11 @@ Buffer::Buffer(const Device& device, VkDeviceSize bytes, Memory memory, const ch
           : device.memory_type(needs.memoryTypeBits,
                                VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT,
                                VK_MEMORY_PROPERTY_HOST_CACHED_BIT);
+  if (needs.size > device.heap_bytes(type)) {
+    throw Error(ErrorKind::device, std::string(name) + ": " + std::to_string(needs.size) + " bytes do not fit the " +
+                                       std::to_string(device.heap_bytes(type)) + " bytes of memory of '" +
+                                       device.info().name + "'");
+  }
   memory_ = device.memory_blocks().take(handle, needs, {type, memory == Memory::staging}, name);
   require(vkBindBufferMemory(handle, buffer, memory_.block->memory.get(), memory_.offset), "vkBindBufferMemory");
 }

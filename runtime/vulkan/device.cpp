@@ -203,7 +203,8 @@ Device::Device(const DeviceChoice& choice, const DeviceUse& use)
   physical_ = physical_devices[info_.index];
   queue_family_ = *compute_family(physical_);
   describe_queue();
-  device_ = open_device(physical_, queue_family_, use.extensions);
+  ours_.reset(open_device(physical_, queue_family_, use.extensions));
+  device_ = ours_.get();
   vkGetDeviceQueue(device_, queue_family_, 0, &queue_);
   kept_pipelines_.emplace(physical_, device_, choice.pipeline_cache);
   pipeline_cache_ = kept_pipelines_->handle();
@@ -211,7 +212,6 @@ Device::Device(const DeviceChoice& choice, const DeviceUse& use)
 
 Device::Device(const HostDevice& host)
     : instance_(with_handles(host).instance, host.get_instance_proc_addr),
-      is_ours_(false),
       queue_family_(host.queue_family),
       physical_(host.physical),
       device_(host.device),
@@ -239,12 +239,6 @@ void Device::describe_queue() {
     timestamp_period_ = 1e-9 * static_cast<double>(properties.limits.timestampPeriod);
     timestamp_mask_ = bits >= 64 ? ~std::uint64_t{0} : (std::uint64_t{1} << bits) - 1;
   }
-}
-
-Device::~Device() {
-  memory_blocks_.clear();
-  kept_pipelines_.reset();
-  if (is_ours_ && device_ != VK_NULL_HANDLE) vkDestroyDevice(device_, nullptr);
 }
 
 std::uint32_t Device::memory_type(std::uint32_t type_bits, VkMemoryPropertyFlags required,

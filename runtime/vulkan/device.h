@@ -6,6 +6,7 @@
 #include <mutex>
 #include <optional>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 #include "runtime/host/device_choice.h"
@@ -59,7 +60,6 @@ class Device {
   // The host's, which must outlive it. Throws Error(usage) for null handles, Error(device) where the device, the queue
   // or the loader does not do.
   explicit Device(const HostDevice& host);
-  ~Device();
   Device(const Device&) = delete;
   Device& operator=(const Device&) = delete;
 
@@ -78,6 +78,10 @@ class Device {
   // Throws Error(device).
   std::uint32_t memory_type(std::uint32_t type_bits, VkMemoryPropertyFlags required,
                             VkMemoryPropertyFlags preferred) const;
+  // Bytes of the heap that memory of a type is taken from.
+  VkDeviceSize heap_bytes(std::uint32_t memory_type) const {
+    return memory_.memoryHeaps[memory_.memoryTypes[memory_type].heapIndex].size;
+  }
 
   MemoryBlocks& memory_blocks() const { return memory_blocks_; }
   VkPipelineCache pipeline_cache() const { return pipeline_cache_; }  // VK_NULL_HANDLE: none
@@ -86,17 +90,23 @@ class Device {
   std::shared_ptr<const ValidationLog> validation_log() const { return instance_.log(); }
 
  private:
-  Instance instance_;
+  struct Destroy {
+    void operator()(VkDevice device) const { vkDestroyDevice(device, nullptr); }
+  };
+
   void describe_queue();
 
+  Instance instance_;
   DeviceInfo info_;
-  bool is_ours_ = true;
   VkPhysicalDeviceMemoryProperties memory_{};
   std::uint32_t queue_family_ = 0;
   double timestamp_period_ = 0;
   std::uint64_t timestamp_mask_ = 0;
   VkPhysicalDevice physical_ = VK_NULL_HANDLE;
   VkDevice device_ = VK_NULL_HANDLE;
+  // The same where it is ours: it goes after all that is made of it, and before the instance, also where no more than
+  // that was made.
+  std::unique_ptr<std::remove_pointer_t<VkDevice>, Destroy> ours_;
   VkQueue queue_ = VK_NULL_HANDLE;
   mutable std::mutex queue_mutex_;
   mutable MemoryBlocks memory_blocks_;

@@ -38,9 +38,6 @@ class MemoryBlocks {
   // Throws Error(device) that names `what` it is for. From any thread.
   MemoryPiece take(VkDevice device, const VkMemoryRequirements& needs, const MemoryKind& kind, const char* what);
 
-  // Before the device goes.
-  void clear() { open_.clear(); }
-
  private:
   std::mutex mutex_;
   std::map<MemoryKind, std::shared_ptr<MemoryBlock>> open_;  // that the next piece is cut from
