@@ -35,6 +35,22 @@ TEST(ShapeDoubts, NameAVertexThatFliesAwayByItsFrame) {
   EXPECT_NE(doubts[0].find(place), std::string::npos) << doubts[0];
 }
 
+TEST(ShapeDoubts, FindEveryVertexThatFliesAwayInALongTake) {
+  SampleSet set = limb_samples(200, 0);
+  const std::vector<std::size_t> off = {3, 58, 59, 131};
+  for (const std::size_t n : off) {
+    Positions shape = set.train[n].shape.read();
+    shape(100, 0) += 0.4;
+    set.train[n].shape = shape;
+  }
+  const std::vector<std::string> doubts = shape_doubts(set);
+  ASSERT_EQ(doubts.size(), off.size());
+  for (std::size_t k = 0; k < off.size(); ++k) {
+    const std::string place = "frame " + std::to_string(set.train[off[k]].frame) + ": vertex 100 flies ";
+    EXPECT_NE(doubts[k].find(place), std::string::npos) << doubts[k];
+  }
+}
+
 TEST(ShortTakes, AreThoseOfWhichNothingCanBeHeldOut) {
   Dataset dataset;
   for (const int frames : {10, 11, 5}) {

@@ -17,7 +17,8 @@ namespace {
 
 using Eigen::Index;
 
-constexpr std::size_t kProbes = 48;  // frames of a take
+constexpr std::size_t kProbes = 48;  // frames of a take, that show what is stiff
+constexpr std::size_t kBlock = 64;   // frames held at a time where all are looked at
 constexpr double kMainWeight = 0.8;  // of a vertex that is a joint's own
 constexpr std::size_t kFewestVertices = 5;
 constexpr double kNotable = 0.01;  // of the character's longest extent
@@ -30,7 +31,7 @@ struct ProbedFrame {
   Positions skinned, shape;
 };
 
-std::vector<ProbedFrame> probe(const SampleSet& set, int take) {
+std::vector<const Sample*> samples_of(const SampleSet& set, int take) {
   std::vector<const Sample*> samples;
   for (const std::vector<Sample>* some : {&set.train, &set.heldout}) {
     for (const Sample& sample : *some) {
@@ -38,11 +39,15 @@ std::vector<ProbedFrame> probe(const SampleSet& set, int take) {
     }
   }
   std::sort(samples.begin(), samples.end(), [](const Sample* a, const Sample* b) { return a->frame < b->frame; });
+  return samples;
+}
+
+std::vector<ProbedFrame> probe(const Character& character, const std::vector<const Sample*>& samples) {
   std::vector<ProbedFrame> frames;
-  const Skeleton& skeleton = set.character.skeleton;
+  const Skeleton& skeleton = character.skeleton;
   for (const std::size_t k : spread_evenly(samples.size(), kProbes)) {
     const Sample& sample = *samples[k];
-    ProbedFrame frame{sample.frame, posed_joints(skeleton, sample.pose.joints), skin_linear(set.character, sample.pose),
+    ProbedFrame frame{sample.frame, posed_joints(skeleton, sample.pose.joints), skin_linear(character, sample.pose),
                       sample.shape.read()};
     for (std::size_t j = 0; j < skeleton.size(); ++j) {
       frame.skinning[j] = frame.skinning[j] * skeleton.joints[j].inverse_bind;
@@ -99,24 +104,39 @@ void add_stiff_parts(const SampleSet& set, const std::vector<ProbedFrame>& frame
   }
 }
 
-void add_strays(const SampleSet& set, const std::vector<ProbedFrame>& frames, const std::string& take,
-                std::vector<std::string>& doubts) {
-  const Index vertices = set.character.vertices.rows();
-  Displacements displacements(static_cast<Index>(frames.size()), 3 * vertices);
-  std::vector<std::size_t> numbers;
-  for (std::size_t n = 0; n < frames.size(); ++n) {
-    const Positions apart = frames[n].shape - frames[n].skinned;
-    displacements.row(static_cast<Index>(n)) =
-        Eigen::Map<const Eigen::RowVectorXd>(apart.data(), apart.size()).cast<float>();
-    numbers.push_back(n);
-  }
-  std::vector<std::uint32_t> all(static_cast<std::size_t>(vertices));
+// In every frame, by frame and vertex. Every so-many-th frame of the take makes a block: what is usual is known from
+// all of the motion, and a vertex that is off for some frames in a row is in the minority in each.
+std::vector<StrayVertex> strays_in(const Character& character, const std::vector<const Sample*>& samples) {
+  const StrayVertices neighbours(character);
+  std::vector<std::uint32_t> all(static_cast<std::size_t>(character.vertices.rows()));
   std::iota(all.begin(), all.end(), 0u);
-  const std::vector<StrayVertex> strays = StrayVertices(set.character).mend(displacements, numbers, all);
+  std::vector<StrayVertex> strays;
+  const std::size_t blocks = (samples.size() + kBlock - 1) / kBlock;
+  for (std::size_t block = 0; block < blocks; ++block) {
+    std::vector<std::size_t> numbers;
+    for (std::size_t n = block; n < samples.size(); n += blocks) numbers.push_back(n);
+    Displacements displacements(static_cast<Index>(numbers.size()), 3 * character.vertices.rows());
+    for (std::size_t k = 0; k < numbers.size(); ++k) {
+      const Sample& sample = *samples[numbers[k]];
+      const Positions apart = sample.shape.read() - skin_linear(character, sample.pose);
+      displacements.row(static_cast<Index>(k)) =
+          Eigen::Map<const Eigen::RowVectorXd>(apart.data(), apart.size()).cast<float>();
+    }
+    const std::vector<StrayVertex> found = neighbours.mend(displacements, numbers, all);
+    strays.insert(strays.end(), found.begin(), found.end());
+  }
+  std::stable_sort(strays.begin(), strays.end(),
+                   [](const StrayVertex& a, const StrayVertex& b) { return a.frame < b.frame; });
+  return strays;
+}
+
+void add_strays(const SampleSet& set, const std::vector<const Sample*>& samples, const std::string& take,
+                std::vector<std::string>& doubts) {
+  const std::vector<StrayVertex> strays = strays_in(set.character, samples);
   const std::vector<std::uint32_t>& output = set.character.output_vertex;
   for (std::size_t k = 0; k < std::min(strays.size(), kShown); ++k) {
     const auto vertex = std::find(output.begin(), output.end(), strays[k].vertex) - output.begin();
-    doubts.push_back("take '" + take + "', frame " + std::to_string(frames[strays[k].frame].frame) + ": vertex " +
+    doubts.push_back("take '" + take + "', frame " + std::to_string(samples[strays[k].frame]->frame) + ": vertex " +
                      std::to_string(vertex) + " flies " + std::to_string(std::lround(1e3 * strays[k].distance)) +
                      " mm away from its neighbours");
   }
@@ -131,10 +151,10 @@ void add_strays(const SampleSet& set, const std::vector<ProbedFrame>& frames, co
 std::vector<std::string> shape_doubts(const SampleSet& set) {
   std::vector<std::string> doubts;
   for (std::size_t t = 0; t < set.takes.size(); ++t) {
-    const std::vector<ProbedFrame> frames = probe(set, static_cast<int>(t));
-    if (frames.size() < 2) continue;
-    add_stiff_parts(set, frames, set.takes[t], doubts);
-    if (!set.sparse) add_strays(set, frames, set.takes[t], doubts);
+    const std::vector<const Sample*> samples = samples_of(set, static_cast<int>(t));
+    if (samples.size() < 2) continue;
+    add_stiff_parts(set, probe(set.character, samples), set.takes[t], doubts);
+    if (!set.sparse) add_strays(set, samples, set.takes[t], doubts);
   }
   return doubts;
 }
