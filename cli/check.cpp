@@ -8,7 +8,6 @@
 
 #include "assets/wording.h"
 #include "cli/arguments/common.h"
-#include "cli/arguments/example_poses.h"
 #include "geometry/extent.h"
 #include "report/region_picture.h"
 #include "runtime/core/error.h"
@@ -104,18 +103,21 @@ std::string verbs_text(const std::vector<VerbForesight>& foreseen) {
   return text;
 }
 
-// Of all clips in the character's own file.
-std::vector<Pose> own_poses(const std::string& path, const Skeleton& skeleton, double unit) {
-  std::vector<std::string> sources;
-  for (const std::string& name : clip_names(path)) sources.push_back(path + "#" + name);
-  return read_poses(sources, skeleton, unit, "");
+// All in the character's own file.
+std::vector<Clip> own_clips(const std::string& path, const Skeleton& skeleton, double unit) {
+  std::vector<Clip> clips;
+  for (const std::string& name : clip_names(path)) {
+    clips.push_back(read_clip(path + "#" + name, skeleton, {.unit = unit}));
+    say(clips.back().notes);
+  }
+  return clips;
 }
 
 // What the verbs will make of the character: in JSON, and as a table; and in a picture where asked.
 Json foreseen(const CheckArguments& arguments, const Character& character, std::string& text) {
   const std::string& picture = arguments.picture;
   const CharacterForesight foresight =
-      foresee(character, own_poses(arguments.path, character.skeleton, arguments.unit));
+      foresee(character, own_clips(arguments.path, character.skeleton, arguments.unit));
   if (!picture.empty()) {
     std::vector<RestPlace> places = foresight.intersections;
     places.insert(places.end(), foresight.near_parts.begin(), foresight.near_parts.end());

@@ -141,14 +141,59 @@ TEST(Foresee, OddSizesAndIdleJointsAreRemarkedOn) {
   EXPECT_NE(foresight.remarks[1].find("'helper'"), std::string::npos) << foresight.remarks[1];
 }
 
+Clip clip_of(std::vector<Pose> poses, const std::string& name = "walk") {
+  Clip clip;
+  clip.name = name;
+  clip.poses = std::move(poses);
+  return clip;
+}
+
+// As many frames as training needs, the last joint bent in one.
+Clip bending(const Skeleton& skeleton, const std::string& name) {
+  std::vector<Pose> poses(kFewestFrames, bind_pose(skeleton));
+  poses[1].joints[1].rotation = {0, 0, 0.3f, 0.954f};
+  return clip_of(poses, name);
+}
+
+// simulate refuses them, so nothing is filled, whatever the skin; one that does not scale can still be simulated.
+TEST(Foresee, ClipsThatScaleAJointAreRefused) {
+  const Character limb = make_limb();
+  Clip scaled = bending(limb.skeleton, "stretch");
+  scaled.poses[2].joints[1].scale = {1.2, 1, 1};
+  const CharacterForesight alone = foresee(limb, {scaled});
+  for (std::size_t v = 0; v < 2; ++v) {
+    EXPECT_EQ(alone.verbs[v].fill, BodyFill::refused);
+    EXPECT_FALSE(alone.verbs[v].has_contact);
+    EXPECT_NE(alone.verbs[v].why.find("'lower' is scaled by 1.2"), std::string::npos) << alone.verbs[v].why;
+    EXPECT_EQ(alone.verbs[v].remedy, "remove the scale in clip 'stretch'");
+  }
+  EXPECT_EQ(alone.verbs[2].fill, BodyFill::skin);
+
+  const CharacterForesight among = foresee(limb, {bending(limb.skeleton, "walk"), scaled});
+  EXPECT_EQ(among.verbs[0].fill, BodyFill::skin);
+  ASSERT_EQ(among.remarks.size(), 1u);
+  EXPECT_NE(among.remarks[0].find("refuses the clip 'stretch'"), std::string::npos) << among.remarks[0];
+}
+
+TEST(Foresee, ClipsTooShortToTrainOnAreRemarkedOn) {
+  const Character limb = make_limb();
+  Clip clip = bending(limb.skeleton, "step");
+  EXPECT_TRUE(foresee(limb, {clip}).remarks.empty());
+  clip.poses.pop_back();
+  const std::vector<std::string> remarks = foresee(limb, {clip}).remarks;
+  ASSERT_EQ(remarks.size(), 1u);
+  EXPECT_NE(remarks[0].find("11 frames, training needs 12"), std::string::npos) << remarks[0];
+  EXPECT_NE(remarks[0].find("bodyopt rom"), std::string::npos) << remarks[0];
+  clip.poses.resize(6);
+  EXPECT_TRUE(foresee(limb, {clip, clip}).remarks.empty());
+}
+
 // A joint that no pose turns teaches nothing; the root may rest.
 TEST(Foresee, JointsThatNoClipTurnsAreRemarkedOn) {
   const Character limb = make_limb();
-  const std::vector<Pose> still(3, bind_pose(limb.skeleton));
-  std::vector<Pose> bent = still;
-  bent[1].joints[1].rotation = {0, 0, 0.3f, 0.954f};
-  EXPECT_TRUE(foresee(limb, bent).remarks.empty());
-  const std::vector<std::string> remarks = foresee(limb, still).remarks;
+  const std::vector<Pose> still(kFewestFrames, bind_pose(limb.skeleton));
+  EXPECT_TRUE(foresee(limb, {bending(limb.skeleton, "walk")}).remarks.empty());
+  const std::vector<std::string> remarks = foresee(limb, {clip_of(still)}).remarks;
   ASSERT_EQ(remarks.size(), 1u);
   EXPECT_NE(remarks[0].find("'lower'"), std::string::npos) << remarks[0];
 }

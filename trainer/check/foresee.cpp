@@ -1,6 +1,7 @@
 #include "trainer/check/foresee.h"
 
 #include <algorithm>
+#include <initializer_list>
 #include <map>
 #include <numeric>
 #include <optional>
@@ -209,6 +210,46 @@ std::string still_joints(const Skeleton& skeleton, const std::vector<bool>& move
          ": trained on them alone, nothing is known of these joints ('bodyopt rom' turns all)";
 }
 
+// What simulate says of a clip that scales a joint; empty: nothing.
+std::string refusal_of(const Clip& clip, const Skeleton& skeleton) {
+  try {
+    for (std::size_t n = 0; n < clip.poses.size(); ++n) {
+      require_unscaled(skeleton, clip.poses[n], clip.first_frame + static_cast<int>(n));
+    }
+    return "";
+  } catch (const Error& error) {
+    return "clip '" + clip.name + "': " + error.what();
+  }
+}
+
+// Clips that simulate refuses: no motion of their file is left to `simulations`, or a remark.
+void foresee_scaled_clips(const std::vector<Clip>& clips, const Skeleton& skeleton,
+                          std::initializer_list<VerbForesight*> simulations, std::vector<std::string>& remarks) {
+  std::vector<std::string> scaled, reasons;
+  for (const Clip& clip : clips) {
+    std::string reason = refusal_of(clip, skeleton);
+    if (reason.empty()) continue;
+    scaled.push_back(clip.name);
+    reasons.push_back(std::move(reason));
+  }
+  if (scaled.empty()) return;
+  const std::string which = (scaled.size() == 1 ? "clip " : "clips ") + list_names(scaled);
+  if (scaled.size() < clips.size()) {
+    remarks.push_back("simulate refuses the " + which + ", which " + (scaled.size() == 1 ? "scales" : "scale") +
+                      " joints: remove the scale, or simulate the others");
+    return;
+  }
+  for (VerbForesight* simulation : simulations) {
+    *simulation = {simulation->verb, BodyFill::refused, 0, false, reasons.front(), "remove the scale in " + which};
+  }
+}
+
+std::vector<Pose> poses_of(const std::vector<Clip>& clips) {
+  std::vector<Pose> poses;
+  for (const Clip& clip : clips) poses.insert(poses.end(), clip.poses.begin(), clip.poses.end());
+  return poses;
+}
+
 std::vector<std::string> remarks_on(const Character& character, const std::vector<Pose>& poses) {
   std::vector<std::string> remarks;
   const double extent = longest_extent(character.vertices);
@@ -235,6 +276,11 @@ std::vector<std::string> remarks_on(const Character& character, const std::vecto
   if (const std::string still = still_joints(character.skeleton, moves, poses); !still.empty()) {
     remarks.push_back(still);
   }
+  if (!poses.empty() && poses.size() < kFewestFrames) {
+    remarks.push_back("the clips of its file have " + count_of(poses.size(), "frame", "frames") + ", training needs " +
+                      std::to_string(kFewestFrames) +
+                      " at least: simulate a longer clip, or one that 'bodyopt rom' makes");
+  }
   return remarks;
 }
 
@@ -245,7 +291,7 @@ const char* name_of(BodyFill fill) {
   return names[static_cast<std::size_t>(fill)];
 }
 
-CharacterForesight foresee(const Character& character, const std::vector<Pose>& poses) {
+CharacterForesight foresee(const Character& character, const std::vector<Clip>& clips) {
   CharacterForesight result;
   constexpr std::size_t kVerbs = 5;
   Progress progress("check", kVerbs + 2);
@@ -253,12 +299,15 @@ CharacterForesight foresee(const Character& character, const std::vector<Pose>& 
     progress.advance();
     return verb;
   };
+  const std::vector<Pose> poses = poses_of(clips);
+  result.remarks = remarks_on(character, poses);
   VerticesOfJoints glued;
   VerbForesight full = counted(foresee_simulate(character, false, glued)),
                 draft = counted(foresee_simulate(character, true, glued));
   if (draft.fill == BodyFill::lattice && (full.fill == BodyFill::skin || full.fill == BodyFill::mended)) {
     draft.remedy = kNoDraft;
   }
+  foresee_scaled_clips(clips, character.skeleton, {&full, &draft}, result.remarks);
   result.verbs = {std::move(full), std::move(draft), counted(foresee_dynamics(character)),
                   counted(foresee_train(character)),
                   counted(foresee_proxy(character, skinned_shapes(character, poses)))};
@@ -272,7 +321,6 @@ CharacterForesight foresee(const Character& character, const std::vector<Pose>& 
   progress.advance();
   result.near_parts = near_parts_of(character);
   progress.advance();
-  result.remarks = remarks_on(character, poses);
   return result;
 }
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "assets/character.h"
+#include "assets/clip.h"
 #include "runtime/basis/skeleton.h"
 #include "trainer/train/data/samples.h"
 
@@ -40,12 +41,13 @@ struct CharacterForesight {
   std::vector<RestPlace> intersections;  // of the skin with itself at rest, by joint, most first
   std::vector<RestPlace> near_parts;     // of different joints, face to face, less than a mean edge apart
   std::vector<RestPlace> glued;          // that the cages of simulate hold together (glued_vertices), by joints
-  std::vector<std::string> remarks;      // likely unit, joints that move nothing or are never moved
+  std::vector<std::string> remarks;      // likely unit, joints that move nothing or are never moved, clips of no use
 };
 
-// Fills and simplifies the character as the verbs do: what is foreseen is what they get. `poses`: of its own clips, by
-// which its skin is simplified; none: by the rest skin alone. Takes seconds.
-CharacterForesight foresee(const Character& character, const std::vector<Pose>& poses = {});
+// Fills and simplifies the character as the verbs do: what is foreseen is what they get. `clips`: its own, by
+// which its skin is simplified; none: by the rest skin alone. Where all of them scale joints, simulate is refused.
+// Takes seconds.
+CharacterForesight foresee(const Character& character, const std::vector<Clip>& clips = {});
 
 // What train and proxy will make of a dataset.
 std::vector<VerbForesight> foresee_training(const SampleSet& set);

@@ -53,19 +53,6 @@ void require_flexes(const Clip& clip, const Pose& pose, int frame) {
   }
 }
 
-// Tissue has the size it has; a scaled bone would leave it or tear it.
-void require_unscaled(const Skeleton& skeleton, const Pose& pose, int frame) {
-  constexpr double kMostScaling = 1e-3;
-  for (std::size_t j = 0; j < skeleton.size() && j < pose.joints.size(); ++j) {
-    const Vec3 &scale = pose.joints[j].scale, &rest = skeleton.joints[j].bind.scale;
-    if (length(scale - rest) < kMostScaling) continue;
-    throw Error(ErrorKind::mismatch,
-                "joint '" + skeleton.joints[j].name + "' is scaled by " + std::to_string(scale[0] / rest[0]) + ", " +
-                    std::to_string(scale[1] / rest[1]) + ", " + std::to_string(scale[2] / rest[2]) + " in frame " +
-                    std::to_string(frame) + ": bones that change their size cannot be simulated; remove the scale");
-  }
-}
-
 // A frame to solve; frames of the same key have the same shape.
 struct Job {
   std::uint64_t key;
@@ -198,6 +185,19 @@ BodyTets draft_tets(const Character& character) {
 }
 
 }  // namespace
+
+// Tissue has the size it has; a scaled bone would leave it or tear it.
+void require_unscaled(const Skeleton& skeleton, const Pose& pose, int frame) {
+  constexpr double kMostScaling = 1e-3;
+  for (std::size_t j = 0; j < skeleton.size() && j < pose.joints.size(); ++j) {
+    const Vec3 &scale = pose.joints[j].scale, &rest = skeleton.joints[j].bind.scale;
+    if (length(scale - rest) < kMostScaling) continue;
+    throw Error(ErrorKind::mismatch,
+                "joint '" + skeleton.joints[j].name + "' is scaled by " + std::to_string(scale[0] / rest[0]) + ", " +
+                    std::to_string(scale[1] / rest[1]) + ", " + std::to_string(scale[2] / rest[2]) + " in frame " +
+                    std::to_string(frame) + ": bones that change their size cannot be simulated; remove the scale");
+  }
+}
 
 BodyTets choose_tets(const Character& character, const SimulateOptions& options) {
   if (options.draft) return draft_tets(character);

@@ -16,7 +16,6 @@ namespace bodyopt {
 namespace {
 
 // Fewer frames cannot be split for cross-validation.
-constexpr std::size_t kFewestFrames = 12;
 
 void check_pose(const SampleSet& set, const Sample& sample) {
   const Pose& pose = sample.pose;
