@@ -6,6 +6,7 @@
 #include <cstring>
 #include <nlohmann/json.hpp>
 #include <span>
+#include <string_view>
 
 #include "runtime/basis/read_file.h"
 #include "runtime/core/error.h"
@@ -65,6 +66,13 @@ Chunks split_glb(const std::filesystem::path& path, const Bytes& bytes) {
     offset += length;
   }
   return chunks;
+}
+
+// Is a brace the first that is neither white space nor the mark of UTF-8?
+bool starts_an_object(const Bytes& bytes) {
+  const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  const std::size_t first = text.find_first_not_of(" \t\r\n", text.starts_with("\xef\xbb\xbf") ? 3 : 0);
+  return first != std::string_view::npos && text[first] == '{';
 }
 
 // Parses with a limit on nesting (destructors and tinygltf recurse), without extras and extensions.
@@ -182,6 +190,7 @@ GuardedGltf guard_gltf(const std::filesystem::path& path) {
   const bool is_glb = bytes.size() >= 4 && std::memcmp(bytes.data(), "glTF", 4) == 0;
   if (!is_glb && path.extension() == ".glb")
     fail(path, "does not start with 'glTF'; it is not a .glb file" + looks_like(path));
+  if (!is_glb && !starts_an_object(bytes)) fail(path, "is not a glTF file (.glb, .gltf)" + looks_like(path));
   const Chunks chunks = is_glb ? split_glb(path, bytes) : Chunks{std::string(bytes.begin(), bytes.end()), {}};
 
   json root = parse_json(path, chunks.json);

@@ -7,7 +7,7 @@ namespace bodyopt {
 
 std::string looks_like(const std::filesystem::path& path) {
   std::ifstream file(path, std::ios::binary);
-  std::string start(16, '\0');
+  std::string start(512, '\0');
   file.read(start.data(), static_cast<std::streamsize>(start.size()));
   start.resize(static_cast<std::size_t>(file.gcount()));
   if (start.empty()) return "; it is empty";
@@ -19,6 +19,7 @@ std::string looks_like(const std::filesystem::path& path) {
                                                        {"<?xml", "an XML file"},
                                                        {"{", "a JSON file"},
                                                        {"Kaydara FBX", "an FBX file"},
+                                                       {"; FBX", "an FBX file"},
                                                        {"BLENDER", "a Blender file"},
                                                        {"PXR-USDC", "a USD file"},
                                                        {"#usda", "a USD file"},
@@ -28,6 +29,7 @@ std::string looks_like(const std::filesystem::path& path) {
                                                        {"<!DOCTYPE", "a web page"},
                                                        {"<html", "a web page"},
                                                        {"PK\x03\x04", "a ZIP archive"}};
+  if (start.find("<COLLADA") != std::string::npos) return "; it looks like a COLLADA file (.dae)";
   for (const auto& [magic, kind] : kinds) {
     if (start.starts_with(magic)) return std::string("; it looks like ") + kind;
   }

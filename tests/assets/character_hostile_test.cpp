@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <map>
+#include <utility>
 
 #include "assets/character.h"
 #include "tests/assets/character_checks.h"
@@ -32,6 +33,29 @@ TEST(CharacterHostile, BuffersMayLieBesideTheFileButNowhereElse) {
     error_of(ErrorKind::file, [&] { read_with(uri); });
   }
   error_of(ErrorKind::file, [&] { read_with((folder / "secret.bin").string()); });
+}
+
+// Whatever the file is called: what it is, not where a parser stopped.
+TEST(CharacterHostile, FilesOfOtherKindsAreNamed) {
+  const TemporaryFolder folder;
+  const std::pair<const char*, const char*> files[] = {
+      {"Kaydara FBX Binary  ", "an FBX file"},
+      {"; FBX 7.4.0 project file\n", "an FBX file"},
+      {"#usda 1.0\n", "a USD file"},
+      {"PXR-USDC", "a USD file"},
+      {"<?xml version=\"1.0\"?>\n<COLLADA version=\"1.4.1\">", "a COLLADA file"},
+      {"# Blender\nv 0 0 0\n", "an OBJ"},
+      {"", "it is empty"}};
+  for (const auto& [bytes, kind] : files) {
+    for (const char* name : {"hero.gltf", "hero.fbx"}) {
+      put_bytes(folder / name, bytes);
+      const std::string said = error_of(ErrorKind::file, [&] { read_character(folder / name); });
+      EXPECT_NE(said.find("is not a glTF file"), std::string::npos) << said;
+      EXPECT_NE(said.find(kind), std::string::npos) << said;
+    }
+  }
+  put_bytes(folder / "hero.gltf", "\xef\xbb\xbf \n{");
+  EXPECT_NE(error_of(ErrorKind::file, [&] { read_character(folder / "hero.gltf"); }).find("JSON"), std::string::npos);
 }
 
 TEST(CharacterHostile, EveryTruncationIsAnError) {
