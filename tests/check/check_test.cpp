@@ -106,6 +106,12 @@ TEST_F(Check, SurfaceIsDescribed) {
   Character open = arm_->character;
   open.triangles.conservativeResize(open.triangles.rows() - 1, Eigen::NoChange);
   EXPECT_NE(describe_surface(open).find("open (3 boundary edges)"), std::string::npos);
+  // Both sides of a sheet: as open as one.
+  const Triangles one = open.triangles;
+  open.triangles.resize(2 * one.rows(), 3);
+  open.triangles << one, one.rowwise().reverse();
+  const std::string twice = ", " + std::to_string(one.rows()) + " triangles there twice, 1 piece";
+  EXPECT_EQ(describe_surface(open), "open (3 boundary edges)" + twice);
 }
 
 TEST_F(Check, SamplesLeaveOutHeldOutAndUnconvergedFrames) {

@@ -1,6 +1,7 @@
 #include "trainer/check/check.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
 #include <map>
@@ -8,6 +9,7 @@
 #include <sstream>
 
 #include "assets/shape_reader.h"
+#include "assets/wording.h"
 #include "dataset/regions_file.h"
 #include "geometry/extent.h"
 #include "geometry/surface_pieces.h"
@@ -254,9 +256,14 @@ std::string first_problem(const std::vector<TakeCheck>& takes, const std::filesy
 
 std::string describe_surface(const Character& character) {
   std::map<std::pair<std::uint32_t, std::uint32_t>, int> edges;
+  std::set<std::array<std::uint32_t, 3>> seen;
   for (Eigen::Index t = 0; t < character.triangles.rows(); ++t) {
-    for (int k = 0; k < 3; ++k) {
-      const std::uint32_t a = character.triangles(t, k), b = character.triangles(t, (k + 1) % 3);
+    std::array<std::uint32_t, 3> corners = {character.triangles(t, 0), character.triangles(t, 1),
+                                            character.triangles(t, 2)};
+    std::sort(corners.begin(), corners.end());
+    if (!seen.insert(corners).second) continue;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::uint32_t a = corners[k], b = corners[(k + 1) % 3];
       ++edges[std::minmax(a, b)];
     }
   }
@@ -265,6 +272,8 @@ std::string describe_surface(const Character& character) {
   const int pieces = surface_pieces(character.vertices.rows(), character.triangles).count;
   std::string text = open == 0 ? "closed" : "open (" + std::to_string(open) + " boundary edges)";
   if (crowded > 0) text += ", not manifold (" + std::to_string(crowded) + " edges with more than two triangles)";
+  const std::size_t twice = static_cast<std::size_t>(character.triangles.rows()) - seen.size();
+  if (twice > 0) text += ", " + count_of(twice, "triangle", "triangles") + " there twice";
   return text + ", " + std::to_string(pieces) + (pieces == 1 ? " piece" : " pieces");
 }
 

@@ -62,7 +62,8 @@ std::vector<LevelSkin> level_skins(const Character& character, const std::vector
     const std::string problem = objection(skin.vertices.size(), before, error);
     if (!problem.empty() && (!asked.empty() || skins.empty())) throw Error(ErrorKind::usage, problem);
     if (!problem.empty()) {
-      notes.push_back("there are only " + count_of(skins.size(), "level", "levels") + ": " + problem);
+      const std::string verb = skins.size() == 1 ? "there is only " : "there are only ";
+      notes.push_back(verb + count_of(skins.size(), "level", "levels") + ": " + problem);
       break;
     }
     skins.push_back({error, std::move(skin)});
