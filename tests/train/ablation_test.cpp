@@ -16,7 +16,9 @@ const std::map<std::string, AblationRow>& rows() {
     const SampleSet set = limb_samples(160, 60);
     const TrainOptions options{.centres = 60};
     std::map<std::string, AblationRow> by_name;
-    for (const AblationRow& row : ablate(set, options, train(set, options), 1.5)) by_name[row.name] = row;
+    std::vector<std::string> unmade;
+    for (const AblationRow& row : ablate(set, options, train(set, options), 1.5, unmade)) by_name[row.name] = row;
+    EXPECT_TRUE(unmade.empty());
     return by_name;
   }();
   return made;

@@ -69,6 +69,20 @@ TEST(TradeOff, TheCurveRunsFromDirectDeltaMushToEverything) {
   EXPECT_TRUE(read_curve(build_ddm_basis(samples().character, {})).empty());
 }
 
+// Shapes of Direct Delta Mush leave nothing to learn: a budget with room to spare has no one to serve, and is kept.
+TEST(TradeOff, ABudgetIsKeptWhereNothingIsLearned) {
+  SampleSet set = limb_samples(24, 8);
+  const double radius = usual_result().smoothing_radius;
+  Deformer plain(build_ddm_basis(set.character, {.smoothing_radius = radius}), {.name = "cpu"});
+  SampleSet asked = set;
+  asked.heldout = set.train;
+  const std::vector<Positions> shapes = heldout_by_basis(asked, plain);
+  for (std::size_t n = 0; n < shapes.size(); ++n) set.train[n].shape = shapes[n];
+  const Basis basis = train(set, {.smoothing_radius = radius, .budget = 1000}).basis;
+  EXPECT_EQ(basis.residual.coefficient_count(), 0u);
+  EXPECT_LE(bytes_per_vertex(basis), 1000);
+}
+
 TEST(TradeOff, TheBasisTellsWhatTheTrainingFound) {
   const TrainingResult& found = usual_result();
   const auto report = nlohmann::json::parse(found.basis.metadata.at("report"));

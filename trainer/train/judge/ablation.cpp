@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "runtime/core/error.h"
 #include "runtime/core/stopwatch.h"
 #include "trainer/train/fit/train.h"
 #include "trainer/train/judge/heldout.h"
@@ -95,7 +96,7 @@ std::vector<AblationRow> compare_with_skinning(const SampleSet& set, const Basis
 }
 
 std::vector<AblationRow> ablate(const SampleSet& set, const TrainOptions& options, const TrainingResult& full,
-                                double seconds) {
+                                double seconds, std::vector<std::string>& unmade) {
   std::vector<AblationRow> rows = compare_with_skinning(set, full.basis, seconds);
   TrainOptions matched = options;
   matched.smoothing_radius = full.smoothing_radius;  // chosen by the same frames, each would find it again
@@ -104,7 +105,15 @@ std::vector<AblationRow> ablate(const SampleSet& set, const TrainOptions& option
   matched.tolerance_mm = 0;
   matched.keep_in.clear();  // that is for the full model
   matched.update = false;
-  for (const NamedMethod& named : kMethods) rows.insert(rows.end() - 1, row_of(named, set, matched, spared));
+  for (const NamedMethod& named : kMethods) {
+    try {
+      rows.insert(rows.end() - 1, row_of(named, set, matched, spared));
+    } catch (const Error& error) {
+      // Options that served the full model can ask too much of another in their budget alone.
+      if (error.kind() != ErrorKind::usage) throw;
+      unmade.push_back(named.name);
+    }
+  }
   return rows;
 }
 

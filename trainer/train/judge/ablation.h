@@ -26,8 +26,8 @@ struct AblationRow {
 std::vector<AblationRow> compare_with_skinning(const SampleSet& set, const Basis& full, double seconds);
 
 // `full`: what these options trained in so many seconds. The others may have as many bytes as it has, and smooth as far
-// as it does. Needs held-out frames.
+// as it does; `unmade`: gets the names of those that learn nothing within these bytes. Needs held-out frames.
 std::vector<AblationRow> ablate(const SampleSet& set, const TrainOptions& options, const TrainingResult& full,
-                                double seconds);
+                                double seconds, std::vector<std::string>& unmade);
 
 }  // namespace bodyopt

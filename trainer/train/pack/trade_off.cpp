@@ -60,10 +60,12 @@ Selection TradeOff::within(double budget) const {
   };
   const Bracket price = turn_of([&](const Selection& selection) { return bytes_of(selection) <= budget; });
   Selection best = allocation_.at(price.above);
-  if (is_empty(best)) {
-    refuse_budget(budget, bytes_of(allocation_.at(turn_of(is_empty).below)), "the least that holds anything learned");
-  }
-  return best;
+  if (!is_empty(best)) return best;
+  // Empty though nothing learned is worth its bytes at any price, or though the least that is fits: the price lay
+  // between two steps of the search.
+  Selection least = allocation_.at(turn_of(is_empty).below);
+  if (bytes_of(least) > budget) refuse_budget(budget, bytes_of(least), "the least that holds anything learned");
+  return least;
 }
 
 // By halving, to a hundredth of a factor of two.
