@@ -15,8 +15,6 @@
 namespace bodyopt {
 namespace {
 
-// Fewer frames cannot be split for cross-validation.
-
 void check_pose(const SampleSet& set, const Sample& sample) {
   const Pose& pose = sample.pose;
   if (pose.controls.size() != set.controls.size()) {

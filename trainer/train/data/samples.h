@@ -45,7 +45,7 @@ std::vector<Pose> training_poses(const SampleSet& set);
 // "frame 12 of take 'rom'".
 std::string frame_name(const SampleSet& set, const Sample& sample);
 
-constexpr std::size_t kFewestFrames = 12;  // to train on
+constexpr std::size_t kFewestFrames = 12;  // to train on: fewer cannot be split for cross-validation
 
 // Throws Error(mismatch) where there are too few training frames, or one has a number that is not finite.
 void check_samples(const SampleSet& set);
