@@ -35,7 +35,7 @@ TEST(JiggleFile, WhatIsWrittenReadsAsItWas) {
   const TemporaryFolder folder;
   const std::string written = file_of(R"("softness": 2.0, "damping": 0.3, "amount": 0.5, "poisson": 0.4,
       "density": 950.0, "tension": 6.0, "lowest_frequency": 3.5, "limit": 0.25, "flesh": 0.04, "comment": "of a bear",
-      "regions": [{"joint": "Head", "amount": 0.0, "comment": "a skull"}, {"region": "belly", "softness": 4.0}])");
+      "regions": [{"joint": "Head", "amount": 0.0, "comment": "a skull"}, {"region": "belly", "softness": 4.0}, {"joint": "Hand", "flesh_factor": 1.5}])");
   write_bytes(folder / "jiggle.json", written);
   EXPECT_EQ(jiggle_json(read_jiggle(folder / "jiggle.json")), nlohmann::ordered_json::parse(written));
 }
@@ -82,6 +82,8 @@ TEST(JiggleFile, MistakesAreNamed) {
            std::pair(R"("regions": [{"joint": "a", "muscle": "b", "softness": 2}])", "regions[0] has 2 of"),
            std::pair(R"("regions": [{"joint": "", "softness": 2}])", "'joint' is empty"),
            std::pair(R"("regions": [{"joint": "a"}])", "says nothing of softness"),
+           std::pair(R"("regions": [{"joint": "a", "flesh_factor": 0}])", "'flesh_factor' is 0"),
+           std::pair(R"("regions": [{"joint": "a", "flesh": 0.1, "flesh_factor": 2}])", "both 'flesh' (metres) and"),
            std::pair(R"("regions": [{"joint": "a", "poisson": 0.3}])", "unknown key 'poisson'"),
            std::pair(R"("regions": [{"joint": "a", "softness": 1e9}])", "'softness' is 1000000000"),
        }) {

@@ -55,8 +55,8 @@ TEST(Jiggle, ThinTissueHasItsOwnFleshAndLimit) {
   EXPECT_NEAR(given.fields.flesh.maxCoeff(), 0.02, 1e-12);
   EXPECT_NEAR(given.fields.flesh.minCoeff(), 0.02, 1e-12);
   const JiggleSettings chosen = chosen_settings(open.settings, open.fields, open.limb, open.anatomy);
-  EXPECT_GT(chosen.flesh, 0);
-  EXPECT_LE(open.fields.flesh.maxCoeff(), chosen.flesh * (1 + 1e-12));
+  EXPECT_EQ(chosen.flesh, 0);
+  EXPECT_LE(open.fields.flesh.maxCoeff(), kFleshOfSize * longest_extent(open.limb.vertices) * (1 + 1e-12));
   for (std::size_t v = 0; v < open.fields.skin_limit.size(); ++v) {
     EXPECT_GT(open.fields.skin_limit[v], 0);
     EXPECT_LT(open.fields.skin_limit[v], 0.06);  // the limb is 10 cm thick
@@ -96,8 +96,17 @@ TEST(Jiggle, WhereALimbEndsSkinLiesOnBone) {
   };
   EXPECT_LT(mean(2), 0.3 * mean(0));
   const JiggleSettings chosen = chosen_settings({}, open, limb, anatomy);
+  ASSERT_FALSE(chosen.regions.empty());
   EXPECT_EQ(chosen.regions.back().name, "hand");
   EXPECT_NE(chosen.regions.back().comment.find("a limb ends there"), std::string::npos);
+
+  EXPECT_EQ(spread_settings(chosen, limb, {}, {}, tets, anatomy).flesh, open.flesh);  // to the bit
+  EXPECT_EQ(jiggle_json(chosen_settings(chosen, open, limb, anatomy)), jiggle_json(chosen));
+  JiggleSettings doubled = chosen;
+  doubled.regions.back().flesh_factor = 2;
+  const Eigen::VectorXd share = anatomy.joint_share.col(2).cwiseMax(0).cwiseMin(1);
+  const Eigen::VectorXd twice = open.flesh.array() * (std::log(2.0) * share.array()).exp();
+  EXPECT_NEAR((spread_settings(doubled, limb, {}, {}, tets, anatomy).flesh - twice).cwiseAbs().maxCoeff(), 0, 1e-12);
 
   JiggleSettings given;
   given.flesh = 0.02;

@@ -159,6 +159,13 @@ Eigen::VectorXd default_flesh(const JiggleSettings& settings, const Character& c
   return flesh.array() * (std::log(kFleshOfEnds) * of_ends.max(0).min(1)).exp();
 }
 
+bool names_joint(const JiggleSettings& settings, const std::string& joint) {
+  return std::ranges::any_of(settings.regions, [&](const JiggleRegion& region) {
+    return region.by == JiggleRegion::By::joint && (region.flesh || region.flesh_factor) &&
+           matches_pattern(region.name, joint);
+  });
+}
+
 void blend(Eigen::VectorXd& values, double value, const Eigen::VectorXd& share) {
   values += share.cwiseProduct(Eigen::VectorXd::Constant(values.size(), value) - values);
 }
@@ -199,6 +206,7 @@ JiggleFields spread_settings(const JiggleSettings& settings, const Character& ch
     const Share share = share_of(region);
     if (region.softness) blend(log_softness, std::log(*region.softness), share.nodes);
     if (region.flesh) blend(log_flesh, std::log(*region.flesh), share.nodes);
+    if (region.flesh_factor) log_flesh += std::log(*region.flesh_factor) * share.nodes;
     if (region.damping) blend(fields.damping, *region.damping, share.nodes);
     if (region.amount) {
       blend(fields.amount, *region.amount, share.nodes);
@@ -216,20 +224,23 @@ JiggleSettings chosen_settings(const JiggleSettings& settings, const JiggleField
                                const JiggleAnatomy& anatomy) {
   if (settings.flesh > 0) return settings;
   JiggleSettings chosen = settings;
-  chosen.flesh = kFleshOfSize * longest_extent(character.vertices);
+  const double of_size = kFleshOfSize * longest_extent(character.vertices);
   if (chosen.comment.empty()) {
-    chosen.comment = "flesh: " + rounded(kFleshOfSize) +
-                     " of the longest extent, as 5 cm are of a person; all else, where nobody has said otherwise: the "
+    chosen.comment = "flesh, left open: " + rounded(of_size) + " m, " + rounded(kFleshOfSize) +
+                     " of the longest extent, as 5 cm are of a person, and less where the body is thin, a "
+                     "flesh_factor of 1 being what was chosen; all else, where nobody has said otherwise: the "
                      "defaults of jiggle.json";
   }
   std::vector<JiggleRegion> thin;
   for (std::size_t j = 0; j < character.skeleton.size(); ++j) {
     const Eigen::VectorXd share = anatomy.joint_share.col(static_cast<Eigen::Index>(j));
     const double mean = share.dot(fields.flesh) / share.sum();
-    if (!(mean < kThin * chosen.flesh)) continue;
-    JiggleRegion region{.name = character.skeleton.joints[j].name, .flesh = mean};
-    region.comment =
-        anatomy.is_end[j] ? "a limb ends there: little lies between skin and bone" : "a quarter of the thickness there";
+    const std::string& name = character.skeleton.joints[j].name;
+    if (!(mean < kThin * of_size) || names_joint(settings, name)) continue;
+    JiggleRegion region{.name = name, .flesh_factor = 1};
+    region.comment = "of " + rounded(mean) + " m in the mean: " +
+                     (anatomy.is_end[j] ? "a limb ends there, little lies between skin and bone"
+                                        : "a quarter of the thickness there");
     thin.push_back(region);
   }
   chosen.regions.insert(chosen.regions.begin(), thin.begin(), thin.end());

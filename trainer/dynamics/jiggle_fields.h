@@ -27,8 +27,9 @@ JiggleFields spread_settings(const JiggleSettings& settings, const Character& ch
                              const std::vector<Muscle>& muscles, const std::vector<RegionWeights>& painted,
                              const DynamicsTets& tets, const JiggleAnatomy& anatomy);
 
-// The settings with what they left open as it was chosen: the body's flesh, and of joints whose tissue is thin, the
-// mean of theirs, before the regions that were given.
+// The settings to edit, which spread as the given ones do: where those leave the flesh open, joints whose tissue is
+// thin and that no region gives flesh have a region with a factor of 1, before the regions that were given. Comments
+// say what was chosen, in metres.
 JiggleSettings chosen_settings(const JiggleSettings& settings, const JiggleFields& fields, const Character& character,
                                const JiggleAnatomy& anatomy);
 

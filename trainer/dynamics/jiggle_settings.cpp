@@ -12,7 +12,8 @@ namespace bodyopt {
 namespace {
 
 constexpr const char* kSchema = "bodyopt-jiggle-1";
-constexpr double kSoftest = 1e4, kMostDamping = 10, kMostAmount = 10, kThinnestFlesh = 1e-6, kMostFlesh = 1e3;
+constexpr double kSoftest = 1e4, kMostDamping = 10, kMostAmount = 10, kThinnestFlesh = 1e-6, kMostFlesh = 1e3,
+                 kMostFleshFactor = 1e3;
 constexpr double kLeastPoisson = -0.99, kMostPoisson = 0.495;  // at -1 and 0.5 a material cannot be computed with
 constexpr double kFastest = 1e3, kLeastLimit = 1e-3, kMostLimit = 1e3;
 constexpr double kLightest = 1, kHeaviest = 1e5, kMostTension = 1e3;
@@ -25,7 +26,7 @@ double limit(const JsonObject& object) { return object.number("limit", kLeastLim
 double flesh(const JsonObject& object) { return object.number("flesh", kThinnestFlesh, kMostFlesh); }
 
 JiggleRegion read_region(const JsonObject& object) {
-  object.allow({"joint", "muscle", "region", "softness", "damping", "amount", "flesh", "comment"});
+  object.allow({"joint", "muscle", "region", "softness", "damping", "amount", "flesh", "flesh_factor", "comment"});
   constexpr std::array kinds = {std::pair("joint", JiggleRegion::By::joint),
                                 std::pair("muscle", JiggleRegion::By::muscle),
                                 std::pair("region", JiggleRegion::By::painted)};
@@ -42,9 +43,13 @@ JiggleRegion read_region(const JsonObject& object) {
   if (object.has("damping")) region.damping = damping(object);
   if (object.has("amount")) region.amount = amount(object);
   if (object.has("flesh")) region.flesh = flesh(object);
+  if (object.has("flesh_factor")) {
+    if (region.flesh) object.refuse("has both 'flesh' (metres) and 'flesh_factor' (of the flesh there), expected one");
+    region.flesh_factor = object.number("flesh_factor", 1 / kMostFleshFactor, kMostFleshFactor);
+  }
   if (object.has("comment")) region.comment = object.text("comment");
-  if (!region.softness && !region.damping && !region.amount && !region.flesh) {
-    object.refuse("says nothing of softness, damping, amount or flesh");
+  if (!region.softness && !region.damping && !region.amount && !region.flesh && !region.flesh_factor) {
+    object.refuse("says nothing of softness, damping, amount, flesh or flesh_factor");
   }
   return region;
 }
@@ -59,6 +64,7 @@ Json region_json(const JiggleRegion& region) {
   add("damping", region.damping);
   add("amount", region.amount);
   add("flesh", region.flesh);
+  add("flesh_factor", region.flesh_factor);
   if (!region.comment.empty()) json["comment"] = region.comment;
   return json;
 }
@@ -105,6 +111,7 @@ void require_possible(const JiggleSettings& settings) {
     limits.at_least_0("a region's damping", region.damping.value_or(0));
     limits.at_least_0("a region's amount", region.amount.value_or(0));
     limits.above("a region's flesh", region.flesh.value_or(1), 0);
+    limits.above("a region's factor of flesh", region.flesh_factor.value_or(1), 0);
   }
 }
 

@@ -15,7 +15,8 @@ struct JiggleRegion {
   By by = By::joint;
   std::string name;  // of a joint, a muscle or a painted region; with '*' at its end all whose names begin like it
   std::optional<double> softness{}, damping{}, amount{}, flesh{};
-  std::string comment{};  // for who edits the file
+  std::optional<double> flesh_factor{};  // of the flesh that is there without this region; not with `flesh`
+  std::string comment{};                 // for who edits the file
 };
 
 // Of the longest extent of the skin at rest: 5 cm of a person of 1.8 m.
