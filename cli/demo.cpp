@@ -280,7 +280,7 @@ ReportData measure(const DemoArguments& arguments, const fs::path& folder, const
 std::string summary(const ReportData& report) {
   std::string text = format("%u training frames, %u held out, %s\n", report.dataset.train_frames,
                             report.dataset.heldout_frames, report.device.c_str());
-  text += method_table(report.methods, {});
+  text += method_table(report.methods);
   text += format("a draft of the held-out motion: RMS %.3f mm, max %.3f, in %.0f s\n", report.demo->draft_rms_mm,
                  report.demo->draft_max_mm, report.demo->seconds.draft);
   text += format("left to learn after un-posing: LBS %.3f mm, DDM %.3f mm\n", report.unposing_residual_mm.lbs,

@@ -88,7 +88,7 @@ Json result_of(const TrainArguments& arguments, const SampleSet& set, const Trai
 std::string heldout_table(const Training& training) {
   std::vector<MethodReport> methods = training.methods;
   methods[1].name += format(", smoothing radius %.0f mm", 1e3 * training.result.smoothing_radius);
-  return method_table(methods, training.unmade);
+  return method_table(methods);
 }
 
 std::string train_text(const SampleSet& set, const Training& training, double seconds) {

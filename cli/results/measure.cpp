@@ -136,7 +136,7 @@ std::vector<TakeReport> take_reports(const SampleSet& set, const Basis& basis) {
 Training train_and_measure(const SampleSet& set, const TrainOptions& options, bool ablate, double unit,
                            const std::string& out) {
   const Stopwatch watch;
-  Training training{train(set, options), 0, {}, {}, {}};
+  Training training{train(set, options), 0, {}, {}};
   for (const std::string& note : training.result.notes) spdlog::info(note);
   training.seconds = watch.seconds();
   Basis& basis = training.result.basis;
@@ -145,23 +145,23 @@ Training train_and_measure(const SampleSet& set, const TrainOptions& options, bo
   save_basis(basis, out);
   training.unposing = unposing_residual(set, basis);
   if (set.heldout.empty()) return training;
-  for (const AblationRow& row : ablate
-                                    ? bodyopt::ablate(set, options, training.result, training.seconds, training.unmade)
-                                    : compare_with_skinning(set, basis, training.seconds)) {
+  std::vector<std::string> unmade;
+  for (const AblationRow& row : ablate ? bodyopt::ablate(set, options, training.result, training.seconds, unmade)
+                                       : compare_with_skinning(set, basis, training.seconds)) {
     training.methods.push_back(method_of(row));
+  }
+  for (const std::string& name : unmade) {
+    spdlog::warn("'{}' is not in the table: the least that it learns takes more bytes than the full model", name);
   }
   return training;
 }
 
-std::string method_table(const std::vector<MethodReport>& methods, const std::vector<std::string>& unmade) {
+std::string method_table(const std::vector<MethodReport>& methods) {
   std::string text = format("%-40s %8s %8s %8s %8s %10s %8s\n", "method (errors in mm)", "RMS", "p99", "max", "jitter",
                             "bytes/vtx", "seconds");
   for (const MethodReport& method : methods) {
     text += format("%-40s %8.3f %8.3f %8.2f %8.3f %10.0f %8.1f\n", method.name.c_str(), method.rms, method.p99,
                    method.max, method.jitter, method.bytes_per_vertex, method.seconds);
-  }
-  for (const std::string& name : unmade) {
-    text += format("%-40s not made: the least that it learns takes more bytes than the full model\n", name.c_str());
   }
   return text;
 }

@@ -18,7 +18,6 @@ struct Training {
   double seconds = 0;
   std::vector<MethodReport> methods;  // linear blending, Direct Delta Mush, any others, the basis; none without
                                       // held-out frames
-  std::vector<std::string> unmade;    // methods that learn nothing within the bytes of the basis
   UnposingResidual unposing;
 };
 
@@ -27,8 +26,8 @@ struct Training {
 Training train_and_measure(const SampleSet& set, const TrainOptions& options, bool ablate, double unit,
                            const std::string& out);
 
-// The methods, a line each; then those that could not be made (Training::unmade).
-std::string method_table(const std::vector<MethodReport>& methods, const std::vector<std::string>& unmade);
+// The methods, a line each.
+std::string method_table(const std::vector<MethodReport>& methods);
 
 // Those of the held-out frames.
 std::vector<Pose> heldout_poses(const SampleSet& set);
