@@ -52,13 +52,22 @@ double clash(const Oklab& a, const Oklab& b) {
 // The skin as a camera sees it.
 class Panel {
  public:
-  Panel(std::span<const float> skin, std::span<const float> normals, const Camera& camera, const Image& image)
+  Panel(std::span<const float> skin, std::span<const float> normals, std::span<const std::uint32_t> triangles,
+        const Camera& camera, const Image& image)
       : skin_(skin),
         normals_(normals),
         camera_(camera),
         view_(view_matrix(camera)),
+        scale_(0.5f * static_cast<float>(image.height) / std::tan(camera.vertical_angle / 2)),
         width_(image.width),
-        height_(image.height) {}
+        height_(image.height),
+        depths_(std::size_t{width_} * height_, std::numeric_limits<float>::infinity()) {
+    for (std::size_t v = 0; v < skin.size() / 3; ++v) points_.push_back(seen(&skin[3 * v]));
+    for (std::size_t t = 0; t < triangles.size(); t += 3) cover(triangles.subspan(t, 3));
+    const auto [nearest, farthest] =
+        std::ranges::minmax(points_, {}, [](const std::array<float, 3>& point) { return point[2]; });
+    tolerance_ = kSameDepth * (farthest[2] - nearest[2]);
+  }
 
   // Pixels: the vertex of the region's core that is nearest to the middle of what is seen of the region. None where
   // that is little.
@@ -68,7 +77,7 @@ class Panel {
     for (std::size_t k = 0; k < region.vertices.size(); ++k) {
       const double weight = region.weights[k];
       all += weight;
-      if (!faces(region.vertices[k])) continue;
+      if (!is_seen(region.vertices[k])) continue;
       const std::array<float, 2> at = pixel(region.vertices[k]);
       seen += weight;
       x += weight * static_cast<double>(at[0]);
@@ -79,7 +88,7 @@ class Panel {
     double nearest = std::numeric_limits<double>::infinity();
     const double core = 0.5 * *std::max_element(region.weights.begin(), region.weights.end());
     for (std::size_t k = 0; k < region.vertices.size(); ++k) {
-      if (region.weights[k] < core || !faces(region.vertices[k])) continue;
+      if (region.weights[k] < core || !is_seen(region.vertices[k])) continue;
       const std::array<float, 2> at = pixel(region.vertices[k]);
       const double distance = std::hypot(static_cast<double>(at[0]) - x / seen, static_cast<double>(at[1]) - y / seen);
       if (distance >= nearest) continue;
@@ -90,6 +99,41 @@ class Panel {
   }
 
  private:
+  static constexpr float kSameDepth = 0.02f;  // of the depth of the skin: a vertex lies in its own triangles
+
+  // Pixels to the right and down, and metres before the camera.
+  std::array<float, 3> seen(const float* vertex) const {
+    std::array<float, 3> at;
+    for (std::size_t r = 0; r < 3; ++r) {
+      at[r] = view_[r][3];
+      for (std::size_t i = 0; i < 3; ++i) at[r] += view_[r][i] * vertex[i];
+    }
+    const float scale = scale_ / -at[2];
+    return {0.5f * static_cast<float>(width_) + scale * at[0], 0.5f * static_cast<float>(height_) - scale * at[1],
+            -at[2]};
+  }
+
+  // Of the middles of pixels that a triangle covers, the depth of what is nearest.
+  void cover(std::span<const std::uint32_t> triangle) {
+    const std::array<float, 3>&a = points_[triangle[0]], &b = points_[triangle[1]], &c = points_[triangle[2]];
+    const float area = (b[0] - a[0]) * (c[1] - a[1]) - (c[0] - a[0]) * (b[1] - a[1]);
+    if (area == 0) return;
+    const auto first = [](float low) { return static_cast<std::uint32_t>(std::max(0.0f, std::floor(low))); };
+    const auto end = [](float high, std::uint32_t size) {
+      return static_cast<std::uint32_t>(std::clamp(std::ceil(high), 0.0f, static_cast<float>(size)));
+    };
+    for (std::uint32_t y = first(std::min({a[1], b[1], c[1]})); y < end(std::max({a[1], b[1], c[1]}), height_); ++y) {
+      for (std::uint32_t x = first(std::min({a[0], b[0], c[0]})); x < end(std::max({a[0], b[0], c[0]}), width_); ++x) {
+        const float right = static_cast<float>(x) + 0.5f - a[0], down = static_cast<float>(y) + 0.5f - a[1];
+        const float of_b = (right * (c[1] - a[1]) - (c[0] - a[0]) * down) / area;
+        const float of_c = ((b[0] - a[0]) * down - right * (b[1] - a[1])) / area;
+        if (of_b < 0 || of_c < 0 || of_b + of_c > 1) continue;
+        float& depth = depths_[std::size_t{y} * width_ + x];
+        depth = std::min(depth, a[2] + of_b * (b[2] - a[2]) + of_c * (c[2] - a[2]));
+      }
+    }
+  }
+
   bool faces(std::uint32_t vertex) const {
     constexpr float kEdgeOn = 0.3f;
     float towards = 0, distance2 = 0;
@@ -101,21 +145,24 @@ class Panel {
     return towards > kEdgeOn * std::sqrt(distance2);
   }
 
-  std::array<float, 2> pixel(std::uint32_t vertex) const {
-    std::array<float, 3> at;
-    for (std::size_t r = 0; r < 3; ++r) {
-      at[r] = view_[r][3];
-      for (std::size_t i = 0; i < 3; ++i) at[r] += view_[r][i] * skin_[3 * std::size_t{vertex} + i];
-    }
-    const auto half = 0.5f * static_cast<float>(height_);
-    const float scale = half / (-at[2] * std::tan(camera_.vertical_angle / 2));
-    return {0.5f * static_cast<float>(width_) + scale * at[0], half - scale * at[1]};
+  // It faces the camera, and nothing stands before it.
+  bool is_seen(std::uint32_t vertex) const {
+    if (!faces(vertex)) return false;
+    const auto [x, y, depth] = points_[vertex];
+    if (!(x >= 0 && y >= 0 && x < static_cast<float>(width_) && y < static_cast<float>(height_))) return false;
+    return depth <= depths_[static_cast<std::size_t>(y) * width_ + static_cast<std::size_t>(x)] + tolerance_;
   }
+
+  std::array<float, 2> pixel(std::uint32_t vertex) const { return {points_[vertex][0], points_[vertex][1]}; }
 
   std::span<const float> skin_, normals_;
   Camera camera_;
   std::array<std::array<float, 4>, 3> view_;
+  float scale_;  // pixels to the tangent of an angle
   std::uint32_t width_, height_;
+  std::vector<float> depths_;                 // metres, row by row; infinity where there is no skin
+  std::vector<std::array<float, 3>> points_;  // V, as seen
+  float tolerance_ = 0;                       // metres
 };
 
 }  // namespace
@@ -167,7 +214,7 @@ Image region_picture(Renderer& renderer, std::span<const float> skin, std::span<
     const Camera camera =
         frame_points(skin, direction, static_cast<float>(panel_width) / static_cast<float>(panel_height));
     Image& image = panels.emplace_back(renderer.draw(std::span(&mesh, 1), camera, panel_width, panel_height));
-    const Panel panel(skin, normals, camera, image);
+    const Panel panel(skin, normals, triangles, camera, image);
     for (std::size_t r = 0; r < regions.size(); ++r) {
       const auto place = panel.place_of(regions[r]);
       if (place)

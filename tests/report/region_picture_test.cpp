@@ -80,5 +80,22 @@ TEST(RegionPicture, ShowsEveryRegionWhereItIsSeen) {
   EXPECT_EQ(whites(image, 200, 400), 9u * 11);  // a 2 behind
 }
 
+TEST(RegionPicture, NumbersNothingThatStandsBehindTheBody) {
+  // A small ball behind a large one: both face the camera.
+  testing::Sphere all(0.5f), small(0.2f);
+  const auto large_count = static_cast<std::uint32_t>(all.positions.size() / 3);
+  for (std::size_t k = 2; k < small.positions.size(); k += 3) small.positions[k] -= 1;
+  all.positions.insert(all.positions.end(), small.positions.begin(), small.positions.end());
+  for (const std::uint32_t v : small.triangles) all.triangles.push_back(large_count + v);
+  std::vector<std::uint32_t> large, behind;
+  for (std::uint32_t v = 0; v < all.positions.size() / 3; ++v) (v < large_count ? large : behind).push_back(v);
+  const std::vector<double> ones(all.positions.size() / 3, 1.0);
+  const DrawnRegion regions[] = {{large, {ones.data(), large.size()}}, {behind, {ones.data(), behind.size()}}};
+  const std::array<float, 3> colours[] = {{0.8f, 0.02f, 0.02f}, {0.02f, 0.02f, 0.8f}};
+  Renderer renderer;
+  const Image image = region_picture(renderer, all.positions, all.triangles, regions, colours, 200, 200);
+  EXPECT_EQ(whites(image, 0, 200), 9u * 8);  // a 1, and no 2
+}
+
 }  // namespace
 }  // namespace bodyopt
