@@ -506,8 +506,8 @@ void Session::keep_framed(std::uint32_t width, std::uint32_t height, Covered cov
   const std::size_t views = scene.view_areas(controls.settings, {0, 0, width, height}).size();
   if (!framed_ || (views == framed_->views && covered == framed_->covered)) return;
   const OrbitView now = controls.kept_camera(), &then = framed_->camera;
-  const bool stayed = length(now.target - then.target) < 1e-6 * then.distance && now.distance == then.distance &&
-                      now.azimuth == then.azimuth && now.elevation == then.elevation;
+  // Turned, it still looks at the middle of what was framed.
+  const bool stayed = length(now.target - then.target) < 1e-6 * then.distance && now.distance == then.distance;
   if (!stayed) return framed_.reset();
   look_at(framed_->points, width, height, covered);
   controls.go_to_camera(controls.camera.view());

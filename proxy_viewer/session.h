@@ -83,7 +83,7 @@ class Session {
   // uppermost and a legend those on the right.
   void frame_selection(std::uint32_t width, std::uint32_t height, Covered covered = {});
   // The same again where a comparison or its names have taken some of the picture since, or given it back, and nobody
-  // has moved the camera.
+  // has moved the camera nearer, further away or aside: turned, it is framed from where it is.
   void keep_framed(std::uint32_t width, std::uint32_t height, Covered covered = {});
   // So that nothing leaves the picture in the frames that are played (thirteen are looked at).
   void frame_range(std::uint32_t width, std::uint32_t height);

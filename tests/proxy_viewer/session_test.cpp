@@ -275,11 +275,25 @@ TEST_F(SessionTest, WhatWasFramedFitsWhenAComparisonTakesHalfThePicture) {
   session_.controls.settings.compare.with = CompareWith::none;
   session_.keep_framed(200, 200);
   EXPECT_NEAR(view().distance, whole.distance, 1e-9);
-  session_.controls.camera.orbit(0.1, 0);
+  session_.controls.camera.dolly(1);
   const OrbitView moved = view();
   session_.controls.settings.compare.with = CompareWith::ddm;
   session_.keep_framed(200, 200);
   EXPECT_EQ(view(), moved);
+}
+
+// As the commands "compare ddm; right" ask for before one picture.
+TEST_F(SessionTest, WhatWasFramedFitsAComparisonThatIsSeenFromAnotherSide) {
+  const auto view = [&] { return session_.controls.camera.view(); };
+  session_.controls.settings.pose.joints[small_.made.skeleton.joints[0].name] = {0, 0, 90};  // wider than high
+  session_.frame_selection(200, 200);
+  session_.controls.settings.compare.with = CompareWith::ddm;
+  session_.controls.camera.view_axis(AxisView::back);
+  session_.keep_framed(200, 200);
+  const OrbitView kept = view();
+  session_.frame_selection(200, 200);
+  EXPECT_NEAR(kept.distance, view().distance, 1e-6 * kept.distance);
+  EXPECT_EQ(kept.azimuth, view().azimuth);
 }
 
 TEST_F(SessionTest, FramingSeesWhatIsComparedAndWhatIsAddedLater) {
