@@ -93,7 +93,8 @@ std::string heldout_table(const Training& training) {
 
 std::string train_text(const SampleSet& set, const Training& training, double seconds) {
   std::string text = format(
-      "trained on %zu frames (%d unconverged left out) in %.1f s: %.0f bytes per vertex, %.3f mm RMS expected\n",
+      "trained on %zu frames (%d unconverged left out) in %.1f s: %.0f bytes per vertex, %.3f mm RMS expected of poses "
+      "like these\n",
       set.train.size(), set.unconverged, seconds, bytes_per_vertex(training.result.basis), training.result.expected_mm);
   text += format("left to learn after un-posing: LBS %.3f mm, DDM %.3f mm RMS\n", training.unposing.lbs,
                  training.unposing.ddm);
@@ -156,15 +157,13 @@ SampleSet samples_of(const TrainArguments& arguments, const Dataset& dataset) {
   say(set.notes);
   if (arguments.ablate && set.heldout.empty()) {
     throw Error(ErrorKind::usage,
-                "--ablate compares methods on held-out frames, and the dataset has none: try "
-                "--heldout-every 5");
+                "--ablate compares methods on held-out frames, and there are none: " + how_to_hold_out(set));
   }
   const std::string coupled =
       describe(coupled_joints(set.character.skeleton, training_poses(set)), set.character.skeleton);
   if (!coupled.empty()) say({coupled});
   if (arguments.heldout_every > 0 && set.heldout.empty()) {
-    spdlog::warn("--heldout-every {} holds out none of the frames: of a take, it would begin with the one at place {}",
-                 arguments.heldout_every, 10 * arguments.heldout_every - 9);
+    spdlog::warn("--heldout-every {} holds out none of the frames: {}", arguments.heldout_every, how_to_hold_out(set));
   }
   if (set.unconverged > 0) spdlog::warn("{} unconverged frames are left out", set.unconverged);
   return set;

@@ -49,7 +49,8 @@ void add_headlines(const ReportData& data, Page& page) {
       headlines.push_back(compare(data, *linear, "linear correctives of equal size"));
     }
   } else {
-    headlines.push_back({number_text(data.expected_rms_mm), "mm", "RMS error that cross-validation expects"});
+    headlines.push_back({number_text(data.expected_rms_mm), "mm",
+                         "RMS error that cross-validation expects of poses like the training frames"});
   }
   headlines.push_back({number_text(data.bytes_per_vertex), "bytes", "per vertex, all tables that run"});
   page.headlines(headlines);
@@ -87,8 +88,8 @@ void add_summary(const ReportData& data, Page& page) {
   if (data.methods.empty()) {
     page.paragraph(
         "The dataset holds out no frames, so nothing here is measured on motion that was not trained on: errors, "
-        "pictures and the expected errors of held-out frames are missing. With --heldout-every 5, train holds out "
-        "every fifth block of ten frames.");
+        "pictures and the expected errors of held-out frames are missing: " +
+        data.dataset.how_to_hold_out + ".");
   } else {
     page.paragraph(
         "It was then given " + plural(data.dataset.heldout_frames, "frame") +

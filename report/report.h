@@ -159,6 +159,7 @@ struct ReportData {
   } character;
   struct {
     std::uint32_t train_frames = 0, heldout_frames = 0, unconverged = 0;  // unconverged: left out of both
+    std::string how_to_hold_out;  // where none are: a sentence without a full stop
   } dataset;
   // Linear blending, Direct Delta Mush, any others, and last what was trained; none without held-out frames.
   std::vector<MethodReport> methods;

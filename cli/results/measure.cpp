@@ -53,6 +53,7 @@ void describe_character(const SampleSet& set, ReportData& report) {
   report.character.bounding_box_m = {box(0), box(1), box(2)};
   report.dataset.train_frames = static_cast<std::uint32_t>(set.train.size());
   report.dataset.heldout_frames = static_cast<std::uint32_t>(set.heldout.size());
+  if (set.heldout.empty()) report.dataset.how_to_hold_out = how_to_hold_out(set);
   report.dataset.unconverged = static_cast<std::uint32_t>(set.unconverged);
 }
 

@@ -146,5 +146,27 @@ TEST(HoldOutBlocks, EveryThirdBlockOfTen) {
   EXPECT_EQ(dataset.takes[0].heldout, expected);
 }
 
+std::string advice(std::initializer_list<int> frames_of_takes) {
+  SampleSet set;
+  for (const int frames : frames_of_takes) {
+    for (int frame = 1; frame <= frames; ++frame) {
+      set.train.emplace_back();
+      set.train.back().take = static_cast<int>(set.takes.size());
+      set.train.back().frame = frame;
+    }
+    set.takes.push_back("take");
+  }
+  return how_to_hold_out(set);
+}
+
+TEST(HowToHoldOut, NamesWhatHoldsOutFramesOfTakesOfThisLength) {
+  EXPECT_EQ(advice({60}), "train --heldout-every 5 holds out 10 of the 60 frames");
+  EXPECT_EQ(advice({41}), "train --heldout-every 5 holds out 1 of the 41 frames");
+  EXPECT_EQ(advice({40}), "train --heldout-every 4 holds out 10 of the 40 frames");
+  EXPECT_EQ(advice({15, 15}), "train --heldout-every 2 holds out 10 of the 30 frames");
+  // Of 16, ten would be left: too few to train on.
+  EXPECT_NE(advice({16}).find("too short for --heldout-every"), std::string::npos);
+}
+
 }  // namespace
 }  // namespace bodyopt

@@ -10,16 +10,37 @@
 
 namespace bodyopt {
 
-void hold_out_blocks(Dataset& dataset, int every) {
+namespace {
+
+// Of the frame at this place of its take, from 0.
+bool is_held_out(std::size_t place, int every) {
   constexpr std::size_t kBlock = 10;
+  return (place / kBlock) % static_cast<std::size_t>(every) == static_cast<std::size_t>(every) - 1;
+}
+
+}  // namespace
+
+void hold_out_blocks(Dataset& dataset, int every) {
   for (DatasetTake& take : dataset.takes) {
     take.heldout.clear();
     for (std::size_t k = 0; k < take.frames.size(); ++k) {
-      if ((k / kBlock) % static_cast<std::size_t>(every) == static_cast<std::size_t>(every) - 1) {
-        take.heldout.push_back(take.frames[k]);
-      }
+      if (is_held_out(k, every)) take.heldout.push_back(take.frames[k]);
     }
   }
+}
+
+std::string how_to_hold_out(const SampleSet& set) {
+  for (int every = 5; every >= 2; --every) {
+    std::vector<std::size_t> places(set.takes.size());
+    std::size_t heldout = 0;
+    for (const Sample& sample : set.train) {
+      heldout += is_held_out(places[static_cast<std::size_t>(sample.take)]++, every) ? 1 : 0;
+    }
+    if (heldout == 0 || set.train.size() - heldout < kFewestFrames) continue;
+    return "train --heldout-every " + std::to_string(every) + " holds out " + std::to_string(heldout) + " of the " +
+           std::to_string(set.train.size()) + " frames";
+  }
+  return "the takes are too short for --heldout-every: simulate another clip into the dataset with --heldout all";
 }
 
 std::vector<Positions> heldout_by_lbs(const SampleSet& set) {

@@ -1,6 +1,7 @@
 // How well a method does on frames that training never saw.
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "dataset/compare.h"
@@ -11,6 +12,11 @@ namespace bodyopt {
 
 // Marks every `every`-th block of ten consecutive simulated frames of each take as held out, and nothing else.
 void hold_out_blocks(Dataset& dataset, int every);
+
+// How frames could be held out of a set that holds out none, a sentence without a full stop: the largest `every` up to
+// 5 of hold_out_blocks() that holds out something and leaves enough to train on, or another clip where takes are too
+// short for any.
+std::string how_to_hold_out(const SampleSet& set);
 
 // Shapes of the held-out frames, V x 3 welded, posed: by linear blend skinning, and by a basis.
 std::vector<Positions> heldout_by_lbs(const SampleSet& set);
