@@ -21,11 +21,15 @@ TEST(Update, AddedFramesAreLearnedWithWhatIsKept) {
   ASSERT_EQ(run_bodyopt(simulate + " --frames 1-24").exit_code, 0);
   ASSERT_EQ(run_bodyopt(train).exit_code, 0);
   EXPECT_TRUE(std::filesystem::exists(folder / "limb.training/layout.safetensors"));
+  const std::string nothing = "no frame has changed since the earlier training";
+  const ProgramResult same = run_bodyopt(train + " --update");
+  EXPECT_NE(same.output.find(nothing), std::string::npos) << same.output;
   ASSERT_EQ(run_bodyopt(simulate + " --frames 25,26").exit_code, 0);
   const ProgramResult updated = run_bodyopt(train + " --update");
   ASSERT_EQ(updated.exit_code, 0) << updated.output;
   EXPECT_NE(updated.output.find("un-posing new frames"), std::string::npos) << updated.output;
   EXPECT_EQ(updated.output.find("trained from the start"), std::string::npos) << updated.output;
+  EXPECT_EQ(updated.output.find(nothing), std::string::npos) << updated.output;
   EXPECT_EQ(nlohmann::json::parse(std::ifstream(basis + ".json"))["train_frames"], 26);
   const ProgramResult anew = run_bodyopt(train + " --update --seed 2");
   ASSERT_EQ(anew.exit_code, 0) << anew.output;

@@ -126,6 +126,7 @@ bool StagedFit::suits(const Groundwork& ground) const {
 Layout StagedFit::layout(const Groundwork& ground) {
   if (updates_) {
     const bool same = earlier_->from.frames == keys_.frames && earlier_->from.takes == keys_.takes;
+    if (same) notes_.push_back("no frame has changed since the earlier training: what it found is kept as it is");
     key_ = same ? earlier_->key : updated_key(earlier_->key, keys_);
     return earlier_->layout;
   }
