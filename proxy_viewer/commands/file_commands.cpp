@@ -34,7 +34,7 @@ const Command kFileCommands[] = {
      [](Controls& c, const std::string& a) { c.requests.turntable = a; }},
     {"save-state", "FILE.json", "", "File", "cameras and settings",
      [](Controls& c, const std::string& a) { c.requests.save_state = a; }},
-    {"load-state", "FILE.json", "", "File", "cameras and settings",
+    {"load-state", "FILE.json", "", "File", "cameras and settings; the frame stays: sessions keep it",
      [](Controls& c, const std::string& a) { c.requests.load_state = a; }},
     {"save-markers", "FILE.json", "", "File", "for bodyopt transfer --markers",
      [](Controls& c, const std::string& a) {
