@@ -3,6 +3,7 @@
 #include <filesystem>
 
 #include "cli/arguments/common.h"
+#include "cli/results/fade_log.h"
 #include "runtime/core/error.h"
 #include "trainer/train/judge/test_errors.h"
 
@@ -50,22 +51,6 @@ std::string columns_of(const MethodErrors& errors) {
                 errors.expected);
 }
 
-// Frames in which something fades, and the joint that takes most in most of them.
-std::string describe_fading(const TakeErrors& take) {
-  std::map<std::string, std::size_t> joints;
-  for (const FrameErrors& frame : take.frames) {
-    if (!frame.fading_joint.empty()) ++joints[frame.fading_joint];
-  }
-  if (joints.empty()) return "";
-  std::size_t count = 0;
-  for (const auto& [joint, frames] : joints) count += frames;
-  const auto most =
-      std::max_element(joints.begin(), joints.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
-  return format(
-      "  %zu of %zu frames %s that training did not show, most of all of %s: there it fades to Direct Delta Mush\n",
-      count, take.frames.size(), count == 1 ? "holds a pose" : "hold poses", most->first.c_str());
-}
-
 std::string lines_of(const TakeErrors& take) {
   std::string text = format("%-20s %6zu %s %6.2f\n", take.take.c_str(), take.frames.size(),
                             columns_of(take.errors).c_str(), take.rank_correlation);
@@ -80,7 +65,9 @@ std::string lines_of(const TakeErrors& take) {
   const std::size_t harmed = harmed_parts(take, kHarm).size();
   text += harmed == 0 ? "  no part is worse than untrained\n"
                       : format("  %zu of %zu parts are worse than untrained\n", harmed, take.parts.size());
-  return text + describe_fading(take);
+  FadeLog fades;
+  for (const FrameErrors& frame : take.frames) fades.add(frame.frame, frame.fade, frame.fading_joint);
+  return text + (fades.text().empty() ? "" : "  " + fades.text());
 }
 
 void run(const TestArguments& arguments) {

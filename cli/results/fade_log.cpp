@@ -18,15 +18,15 @@ void FadeLog::add(const Skeleton& skeleton, const Evaluation& evaluation, std::s
   const std::string name = joint < 0 ? "" : skeleton.joints[static_cast<std::size_t>(joint)].name;
   entry["fade"] = fade;
   entry["fading_joint"] = name;
-  add(frame, entry);
+  add(frame, fade, name);
 }
 
-void FadeLog::add(int frame, const Json& entry) {
-  const double fade = entry.at("fade");
-  const std::string name = entry.at("fading_joint");
+void FadeLog::add(int frame, const Json& entry) { add(frame, entry.at("fade"), entry.at("fading_joint")); }
+
+void FadeLog::add(int frame, double fade, const std::string& joint) {
   if (fade >= kNoted) return;
   frames_.push_back(frame);
-  ++joints_[name];
+  ++joints_[joint];
   least_ = std::min(least_, fade);
 }
 

@@ -16,6 +16,9 @@ class FadeLog {
 
   // The same of an entry that was made before.
   void add(int frame, const Json& entry);
+  void add(int frame, double fade, const std::string& joint);
+
+  bool empty() const { return frames_.empty(); }
 
   // A line for people; none where hardly anything fades.
   std::string text() const;

@@ -41,7 +41,7 @@ void add_headlines(const ShowSummary& summary, Page& page) {
   const std::array headlines{Headline{std::to_string(done), "of " + std::to_string(all), "elements are done"},
                              Headline{std::to_string(failed), "", "failed"},
                              Headline{std::to_string(all - done - failed), "", "are stale, stopped or not begun"},
-                             Headline{std::to_string(flagged), "", "hold poses that the training did not show"},
+                             Headline{std::to_string(flagged), "", "leave the trained range"},
                              Headline{format("%.2f", hours(seconds)), "h", "that tasks took for what is done"}};
   page.headlines(headlines);
 }
