@@ -614,8 +614,11 @@ void Session::describe_picture() {
   snapshot.strains = evaluation->strains;
   const float outside = evaluation->outside[0];
   snapshot.outside = outside < kOutsideWorthTelling ? 0 : outside;
-  snapshot.outside_feature =
-      snapshot.outside > 0 ? feature_name(scene.lead().basis(), evaluation->outside_feature[0]) : "";
+  if (!(snapshot.outside > 0)) return;
+  const Basis& basis = scene.lead().basis();
+  const std::uint32_t feature = evaluation->outside_feature[0];
+  snapshot.outside_feature = feature_name(basis, feature);
+  snapshot.outside_by = outside_text(basis, feature, evaluation->outside_by[0]);
 }
 
 }  // namespace bodyopt

@@ -14,6 +14,8 @@
 namespace bodyopt::cli {
 namespace {
 
+constexpr double kAsBad = 0.9;  // of the error of Direct Delta Mush: what is left out would hardly be seen
+
 // Frames worth a look, spread over the shot: those expected to be most wrong, or, where that is not known, that leave
 // what was trained furthest.
 Json worth_a_look(const Json& per_frame) {
@@ -57,7 +59,10 @@ void EvaluationLog::add(const Deformer& deformer, const Evaluation& part, std::s
                         const NodeMotion& motion) {
   Json entry{{"frame", frame}, {"outside", part.outside[k]}};
   fades_.add(deformer.basis().skeleton, part, k, frame, entry);
-  if (part.outside[k] > 0) entry["outside_feature"] = feature_name(deformer.basis(), part.outside_feature[k]);
+  if (part.outside[k] > 0) {
+    entry["outside_feature"] = feature_name(deformer.basis(), part.outside_feature[k]);
+    entry["outside_by"] = outside_text(deformer.basis(), part.outside_feature[k], part.outside_by[k]);
+  }
   if (!part.starts.empty()) {
     starts_[part.starts[k]].push_back(frame);
     const JiggleMeasure measure = measure_jiggle(*deformer.dynamics(), motion);
@@ -77,7 +82,10 @@ void EvaluationLog::count(const Json& entry) {
   frames_.push_back(frame);
   if (const double outside = entry.at("outside"); outside > 0) {
     outside_frames_.push_back(frame);
-    if (outside > worst_outside_) worst_feature_ = entry.at("outside_feature");
+    if (outside > worst_outside_) {
+      worst_feature_ = entry.at("outside_feature");
+      worst_by_ = entry.at("outside_by");
+    }
     worst_outside_ = std::max(worst_outside_, outside);
   }
   const auto inverted = entry.value("inverted_tets", std::uint32_t{0});
@@ -101,7 +109,10 @@ void EvaluationLog::expect(const Basis& basis, const std::vector<Pose>& poses) {
   if (basis.coverage.empty() || poses.empty()) return;
   std::vector<double> errors;
   for (const ExpectedError& error : expected_errors(basis, poses)) {
-    per_frame_[errors.size()]["expected_rms_mm"] = error.rms_mm;
+    Json& entry = per_frame_[errors.size()];
+    entry["expected_rms_mm"] = error.rms_mm;
+    if (error.ddm_rms_mm > 0) entry["expected_ddm_rms_mm"] = error.ddm_rms_mm;
+    if (error.rms_mm > kAsBad * error.ddm_rms_mm && error.ddm_rms_mm > 0) no_better_frames_.push_back(entry["frame"]);
     errors.push_back(error.rms_mm);
   }
   const auto worst = std::max_element(errors.begin(), errors.end());
@@ -156,9 +167,11 @@ Json EvaluationLog::summary() const {
               {"outside_frames", format_frame_range(outside_frames_)},
               {"worst_outside", worst_outside_},
               {"worst_outside_feature", worst_feature_},
+              {"worst_outside_by", worst_by_},
               {"worst_frames", frame_numbers(worst)},
               {"worth_a_look", worst}};
   if (most_expected_mm_ > 0) result["worst_expected_rms_mm"] = most_expected_mm_;
+  result["no_better_than_ddm_frames"] = format_frame_range(no_better_frames_);
   return result;
 }
 
@@ -178,16 +191,23 @@ std::string EvaluationLog::text() const {
                    1e3 * found->second / static_cast<double>(std::max<std::size_t>(1, timed_frames_)));
   }
   if (worst_outside_ >= kOutsideWorthTelling) {
-    text +=
-        count_of(outside_frames_.size(), "frame leaves", "frames leave") +
-        format(" the trained range (most of all %s, by %.1f standard deviations), clamped: ", worst_feature_.c_str(),
-               worst_outside_) +
-        format_frame_range(outside_frames_) + "\n";
+    text += count_of(outside_frames_.size(), "frame leaves", "frames leave") +
+            format(" the trained range (most of all %s, by %s), clamped: ", worst_feature_.c_str(), worst_by_.c_str()) +
+            format_frame_range(outside_frames_) + "\n";
   }
   text += fades_.text();
   if (most_expected_mm_ > 0) {
-    text += format("expected error: %.3f mm RMS, most in frame %d: %.3f mm\n", mean_expected_mm_, most_expected_frame_,
+    text += format("expected error: %.3f mm RMS, most in frame %d: %.3f mm", mean_expected_mm_, most_expected_frame_,
                    most_expected_mm_);
+    // Judged by cross-validation of the training frames: of other poses nothing tells how far off even DDM is.
+    if (!fades_.empty()) {
+      text += "; poses that training did not show can be further off: test compares with their shapes";
+    }
+    text += "\n";
+  }
+  if (!no_better_frames_.empty()) {
+    text += "no better than Direct Delta Mush alone is to be expected in " +
+            count_of(no_better_frames_.size(), "frame", "frames") + ": " + format_frame_range(no_better_frames_) + "\n";
   }
   if (most_jiggle_mm_ > 0) {
     text += format("the jiggle moves the skin by %.2f mm at most, in frame %d\n", most_jiggle_mm_, most_jiggle_frame_);

@@ -35,8 +35,8 @@ class EvaluationLog {
   Json per_frame_ = Json::array();
   std::map<JiggleStart, std::vector<int>> starts_;  // in which frames
   std::map<std::string, std::size_t> limited_joints_;
-  std::vector<int> frames_, outside_frames_, inverted_frames_, limited_frames_;
-  std::string worst_feature_;
+  std::vector<int> frames_, outside_frames_, inverted_frames_, limited_frames_, no_better_frames_;
+  std::string worst_feature_, worst_by_;
   double worst_outside_ = 0, most_jiggle_mm_ = 0, most_expected_mm_ = 0, mean_expected_mm_ = 0;
   int most_jiggle_frame_ = 0, most_expected_frame_ = 0;
   std::uint32_t most_inverted_ = 0, tets_ = 0;

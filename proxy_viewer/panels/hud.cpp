@@ -36,9 +36,7 @@ class Lines {
 void add_coverage(const Snapshot& snapshot, Lines& lines) {
   constexpr ImU32 kOutside = IM_COL32(194, 140, 255, 255);
   if (snapshot.outside > 0) {
-    char by[48];
-    std::snprintf(by, sizeof(by), " (%.1f standard deviations beyond)", static_cast<double>(snapshot.outside));
-    lines.add("not trained for: " + snapshot.outside_feature + by, kOutside);
+    lines.add("not trained for: " + snapshot.outside_feature + " (" + snapshot.outside_by + " beyond)", kOutside);
   }
   if (snapshot.expected_mm) lines.add(*snapshot.expected_mm, "mm", "expected error");
 }

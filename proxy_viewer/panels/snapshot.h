@@ -114,9 +114,9 @@ struct Snapshot {
   std::vector<ControlRow> controls;
   std::vector<ModifierRow> modifiers;  // in the order in which they are applied
   std::vector<std::string> fibres;
-  std::vector<float> strains;  // of the fibres
-  float outside = 0;           // standard deviations beyond what was trained; 0: covered
-  std::string outside_feature;
+  std::vector<float> strains;               // of the fibres
+  float outside = 0;                        // standard deviations beyond what was trained; 0: covered
+  std::string outside_feature, outside_by;  // which, and how far
   bool knows_coverage = false;
   std::optional<double> expected_mm, most_expected_mm;  // error, where coverage is looked at: RMS, of a vertex
   double clip_fps = 24;

@@ -80,7 +80,8 @@ ErrorExpectation::PoseFeatures ErrorExpectation::features_of(const Pose& pose, s
   return features;
 }
 
-double ErrorExpectation::energy(std::size_t r, std::size_t first_centre, const PoseFeatures& features) const {
+ErrorExpectation::Energy ErrorExpectation::energy(std::size_t r, std::size_t first_centre,
+                                                  const PoseFeatures& features) const {
   const CoverageTable& coverage = basis_.coverage;
   const Region& region = basis_.residual.regions[r];
   const double size{coverage.sizes[r]};
@@ -100,22 +101,24 @@ double ErrorExpectation::energy(std::size_t r, std::size_t first_centre, const P
   const double further =
       region.centre_count == 0 ? outside : std::max(0.0, nearest + outside - double{coverage.usual[r]});
   const double learned = local.value() + double{coverage.growth[r]} * further;
-  if (coverage.motion.empty()) return learned;
+  if (coverage.motion.empty()) return {learned, 0};
   const double fade{features.fades[r]};
-  return fade * std::min(learned, motion.value()) + (1 - fade) * motion.value();
+  return {fade * std::min(learned, motion.value()) + (1 - fade) * motion.value(), motion.value()};
 }
 
 ExpectedError ErrorExpectation::of(const Pose& pose, std::span<const float> strains) const {
   const PoseFeatures features = features_of(pose, strains);
   ExpectedError result;
-  double sum = 0;
+  Energy sum;
   for (std::size_t r = 0, first_centre = 0; r < watched_.size(); ++r) {
-    const double squared = energy(r, first_centre, features);
-    sum += squared;
-    result.region_mm.push_back(1e3 * std::sqrt(squared / double{basis_.coverage.sizes[r]}));
+    const Energy of_region = energy(r, first_centre, features);
+    sum.full += of_region.full;
+    sum.ddm += of_region.ddm;
+    result.region_mm.push_back(1e3 * std::sqrt(of_region.full / double{basis_.coverage.sizes[r]}));
     first_centre += std::max(1u, basis_.residual.regions[r].centre_count);
   }
-  result.rms_mm = 1e3 * std::sqrt(sum / basis_.mesh.vertex_count());
+  result.rms_mm = 1e3 * std::sqrt(sum.full / basis_.mesh.vertex_count());
+  result.ddm_rms_mm = 1e3 * std::sqrt(sum.ddm / basis_.mesh.vertex_count());
   return result;
 }
 

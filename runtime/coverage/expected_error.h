@@ -18,6 +18,7 @@ namespace bodyopt {
 
 struct ExpectedError {
   double rms_mm = 0;              // over the skin
+  double ddm_rms_mm = 0;          // of Direct Delta Mush alone; 0 where the basis does not know it
   std::vector<double> region_mm;  // per region, RMS over its vertices
 };
 
@@ -37,7 +38,10 @@ class ErrorExpectation {
   };
 
   PoseFeatures features_of(const Pose& pose, std::span<const float> strains) const;
-  double energy(std::size_t region, std::size_t first_centre, const PoseFeatures& features) const;  // square metres
+  struct Energy {
+    double full = 0, ddm = 0;  // square metres
+  };
+  Energy energy(std::size_t region, std::size_t first_centre, const PoseFeatures& features) const;
 
   const Basis& basis_;
   std::vector<std::vector<std::uint32_t>> watched_;  // features, per region, ascending

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <numeric>
 
 #include "runtime/core/error.h"
@@ -106,6 +107,18 @@ std::string feature_name(const Basis& basis, std::uint32_t feature) {
   const std::size_t strain = feature - 9 * joints.size();
   if (strain < basis.strain.fibre_count()) return "strain " + basis.strain.names[strain];
   return "control " + basis.residual.controls.at(strain - basis.strain.fibre_count());
+}
+
+std::string outside_text(const Basis& basis, std::uint32_t feature, float by) {
+  const std::size_t joint_count = 9 * feature_joints(basis.skeleton).size();
+  const auto in = [](double value, const char* unit) {
+    char text[64];
+    std::snprintf(text, sizeof(text), "%.1f %s", value, unit);
+    return std::string(text);
+  };
+  if (feature < joint_count) return in(double{by}, "degrees");
+  if (feature < joint_count + basis.strain.fibre_count()) return in(100 * double{by}, "% of its length");
+  return in(100 * double{by}, "%");
 }
 
 Deformer::Deformer(std::shared_ptr<const CharacterModel> model, const std::optional<JiggleOptions>& jiggle,

@@ -1,8 +1,10 @@
 #include "runtime/deformer/evaluate_together.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <map>
+#include <numbers>
 #include <utility>
 
 #include "runtime/core/error.h"
@@ -68,14 +70,30 @@ void place_tangents(Executor& threads, std::span<const float> tangents, std::siz
                });
 }
 
+// By how much a feature lies outside its range, as Evaluation::outside_by. `excess`: of all features, in standard
+// deviations.
+float outside_by(const Basis& basis, const float* excess, std::size_t feature) {
+  const std::vector<FeatureRange>& ranges = basis.residual.features;
+  const auto by = [&](std::size_t k) { return excess[k] > 0 ? excess[k] / ranges[k].inverse_scale : 0.0f; };
+  const std::size_t joint = feature / 9;
+  if (joint >= feature_joints(basis.skeleton).size()) return by(feature);
+  // Rotations that are an angle t apart differ by 2 sqrt(2) sin(t / 2) as matrices.
+  float squares = 0;
+  for (std::size_t k = 9 * joint; k < 9 * (joint + 1); ++k) squares += by(k) * by(k);
+  const float half_angle = std::asin(std::min(1.0f, std::sqrt(squares / 8)));
+  return 360 * std::numbers::inv_pi_v<float> * half_angle;
+}
+
 // Of each of `frames` frames the feature that lies furthest outside its trained range.
-void append_outside(const BatchResult& result, std::size_t frames, Evaluation& evaluation) {
+void append_outside(const Basis& basis, const BatchResult& result, std::size_t frames, Evaluation& evaluation) {
   const std::size_t features = result.excess.size() / std::max<std::size_t>(1, frames);
   for (std::size_t f = 0; f < frames; ++f) {
     const auto begin = result.excess.begin() + static_cast<std::ptrdiff_t>(f * features);
     const auto worst = std::max_element(begin, begin + static_cast<std::ptrdiff_t>(features));
     evaluation.outside.push_back(features > 0 ? *worst : 0.0f);
     evaluation.outside_feature.push_back(static_cast<std::uint32_t>(worst - begin));
+    evaluation.outside_by.push_back(features > 0 ? outside_by(basis, &*begin, static_cast<std::size_t>(worst - begin))
+                                                 : 0.0f);
   }
 }
 
@@ -182,7 +200,7 @@ class RunningCall {
       append_output(threads, basis.mesh, result.normals, evaluation.normals);
     }
     evaluation.strains.insert(evaluation.strains.end(), result.strains.begin(), result.strains.end());
-    append_outside(result, batch_.frame_count, evaluation);
+    append_outside(basis, result, batch_.frame_count, evaluation);
     append_fades(basis, batch_, evaluation);
     for (const JiggleFrame& frame : batch_.jiggle) evaluation.starts.push_back(frame.start);
     for (const auto& [stage, seconds] : result.stage_seconds) evaluation.stage_seconds[stage] += seconds;

@@ -13,6 +13,7 @@ std::string eval_text(double outside, double fade = 1, int frames = 1) {
     per_frame.push_back({{"frame", number},
                          {"outside", outside},
                          {"outside_feature", "joint hip"},
+                         {"outside_by", "12.3 degrees"},
                          {"fade", fade},
                          {"fading_joint", "hip"}});
   }
@@ -22,7 +23,7 @@ std::string eval_text(double outside, double fade = 1, int frames = 1) {
 
 TEST(EvaluationLog, SaysNothingOfDeviationsThatAreWrittenAsZero) {
   EXPECT_EQ(eval_text(0.04).find("the trained range"), std::string::npos);
-  EXPECT_NE(eval_text(0.06).find("(most of all joint hip, by 0.1 standard deviations)"), std::string::npos);
+  EXPECT_NE(eval_text(0.06).find("(most of all joint hip, by 12.3 degrees)"), std::string::npos);
 }
 
 TEST(EvaluationLog, OneFrameIsOne) {

@@ -6,6 +6,7 @@
 
 #include <csignal>
 #include <cstdlib>
+#include <numbers>
 
 #include "assets/json_file.h"
 #include "base/progress.h"
@@ -169,6 +170,8 @@ TEST(Train, FlagsWhatTrainingNeverSaw) {
   const Evaluation evaluation = deformer.evaluate({&strange, 1});
   EXPECT_GT(evaluation.outside[0], 1);
   EXPECT_EQ(feature_name(full_basis(), evaluation.outside_feature[0]), "joint " + full_basis().skeleton.joints[2].name);
+  EXPECT_NEAR(evaluation.outside_by[0], 0.1 * 180 / std::numbers::pi, 0.1);
+  EXPECT_EQ(outside_text(full_basis(), evaluation.outside_feature[0], 5.73f), "5.7 degrees");
 }
 
 TEST(Train, SameResultWithAnyNumberOfThreads) {
