@@ -13,6 +13,7 @@
 #include "assets/gltf_file.h"
 #include "assets/wording.h"
 #include "runtime/core/error.h"
+#include "runtime/core/file_kind.h"
 #include "runtime/core/lower_case.h"
 
 namespace bodyopt {
@@ -86,7 +87,8 @@ Clip read_motion(const std::string& source, const SkeletonChoice& choose, const 
   const std::string extension = lower_case_extension(parts.path);
   if (extension == ".glb" || extension == ".gltf") return read_gltf_clip(parts.path, parts.name, choose, options);
   if (extension != ".bvh") {
-    throw Error(ErrorKind::file, source + ": not a clip; expected FILE.glb#name, FILE.glb, FILE.gltf or FILE.bvh");
+    throw Error(ErrorKind::file, source + ": not a clip; expected FILE.glb#name, FILE.glb, FILE.gltf or FILE.bvh" +
+                                     looks_like(parts.path));
   }
   if (!parts.name.empty()) {
     throw Error(ErrorKind::file,

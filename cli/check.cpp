@@ -9,8 +9,10 @@
 #include "assets/wording.h"
 #include "cli/arguments/common.h"
 #include "geometry/extent.h"
+#include "geometry/vertex_normals.h"
 #include "report/region_picture.h"
 #include "runtime/core/error.h"
+#include "runtime/core/file_kind.h"
 #include "trainer/check/foresee.h"
 #include "trainer/check/shape_doubts.h"
 #include "trainer/motion/coupled_joints.h"
@@ -53,6 +55,30 @@ std::string places_text(const std::vector<RestPlace>& places, bool of_two, std::
   return text;
 }
 
+// From the front, and from every side that most skin of a place faces.
+std::vector<std::array<float, 3>> sides_of(const Character& character, const std::vector<RestPlace>& places) {
+  constexpr std::array<std::array<float, 3>, 6> kSides = {
+      {{0, 0, 1}, {0, 0, -1}, {1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}}};
+  constexpr double kFacing = 0.5;  // cosine
+  const Positions normals = vertex_normals(character.vertices, character.triangles).rowwise().normalized();
+  std::array<bool, kSides.size()> is_seen = {true};
+  for (const RestPlace& place : places) {
+    std::array<int, kSides.size()> facing{};
+    for (const std::uint32_t v : place.vertices) {
+      for (std::size_t s = 0; s < kSides.size(); ++s) {
+        const Eigen::RowVector3d side(kSides[s][0], kSides[s][1], kSides[s][2]);
+        if (normals.row(v).dot(side) > kFacing) ++facing[s];
+      }
+    }
+    is_seen[static_cast<std::size_t>(std::max_element(facing.begin(), facing.end()) - facing.begin())] = true;
+  }
+  std::vector<std::array<float, 3>> sides;
+  for (std::size_t s = 0; s < kSides.size(); ++s) {
+    if (is_seen[s]) sides.push_back(kSides[s]);
+  }
+  return sides;
+}
+
 // The skin with these places coloured and numbered in their order, a vertex by the first that has it.
 void draw_places(const Character& character, const std::vector<RestPlace>& places, const std::string& path) {
   std::vector<int> place_of(static_cast<std::size_t>(character.vertices.rows()), -1);
@@ -74,7 +100,7 @@ void draw_places(const Character& character, const std::vector<RestPlace>& place
   const std::span<const std::uint32_t> triangles(character.triangles.data(),
                                                  static_cast<std::size_t>(character.triangles.size()));
   Renderer renderer;
-  write_png(region_picture(renderer, skin, triangles, drawn, colours, 700, 1000), path);
+  write_png(region_picture(renderer, skin, triangles, drawn, colours, 700, 1000, sides_of(character, places)), path);
 }
 
 Json verbs_json(const std::vector<VerbForesight>& foreseen) {
@@ -118,29 +144,27 @@ Json foreseen(const CheckArguments& arguments, const Character& character, std::
   const std::string& picture = arguments.picture;
   const CharacterForesight foresight =
       foresee(character, own_clips(arguments.path, character.skeleton, arguments.unit));
-  if (!picture.empty()) {
-    std::vector<RestPlace> places = foresight.intersections;
-    places.insert(places.end(), foresight.near_parts.begin(), foresight.near_parts.end());
-    places.insert(places.end(), foresight.glued.begin(), foresight.glued.end());
-    draw_places(character, places, picture);
-  }
   text += verbs_text(foresight.verbs);
-  if (!foresight.intersections.empty()) {
-    text += "the skin passes through itself at rest:\n" + places_text(foresight.intersections, false, 1);
-  }
-  if (!foresight.near_parts.empty()) {
-    text += "parts of different joints nearly touch at rest (a lattice glues them):\n" +
-            places_text(foresight.near_parts, true, foresight.intersections.size() + 1);
-  }
-  if (!foresight.glued.empty()) {
-    text += "a cage holds skin of different joints together:\n" +
-            places_text(foresight.glued, true, foresight.intersections.size() + foresight.near_parts.size() + 1);
-  }
+  std::vector<RestPlace> drawn;
+  const auto add = [&](const char* what, const std::vector<RestPlace>& places, bool of_two) {
+    if (!places.empty()) text += what + (":\n" + places_text(places, of_two, drawn.size() + 1));
+    drawn.insert(drawn.end(), places.begin(), places.end());
+  };
+  add("the skin passes through itself at rest", foresight.intersections, false);
+  add("the skin is open", foresight.holes, false);
+  add("faces wind oppositely", foresight.flipped, false);
+  add("parts of different joints nearly touch at rest (a lattice glues them)", foresight.near_parts, true);
+  add("a cage holds skin of different joints together", foresight.glued, true);
+  add("pieces ride on the others", foresight.riders, false);
+  if (!picture.empty()) draw_places(character, drawn, picture);
   for (const std::string& remark : foresight.remarks) text += "note: " + remark + "\n";
   return {{"foreseen", verbs_json(foresight.verbs)},
           {"self_intersections", places_json(foresight.intersections, false)},
           {"near_parts", places_json(foresight.near_parts, true)},
           {"glued_parts", places_json(foresight.glued, true)},
+          {"holes", places_json(foresight.holes, false)},
+          {"flipped", places_json(foresight.flipped, false)},
+          {"riders", places_json(foresight.riders, false)},
           {"remarks", foresight.remarks}};
 }
 
@@ -267,6 +291,11 @@ void run(const CheckArguments& arguments) {
     return check_clip(arguments);
   }
   if (is_character) return check_character(arguments);
+  if (extension != ".json" && std::filesystem::is_regular_file(arguments.path)) {
+    throw Error(ErrorKind::file, arguments.path +
+                                     ": expected a dataset (.json, or its folder) or a character (.glb, .gltf)" +
+                                     looks_like(arguments.path));
+  }
   check(arguments);
 }
 
@@ -288,9 +317,10 @@ void add_check(CLI::App& app) {
   for (const char* of_clip : {"--frames", "--fps", "--first-frame", "--controls", "--joint-map"}) {
     verb.get_option(of_clip)->needs(&clip);
   }
-  verb.add_option("--picture", arguments->picture,
-                  "Also draw where a character's skin passes through itself, nearly touches or is held together by a "
-                  "cage, numbered as listed")
+  verb.add_option(
+          "--picture", arguments->picture,
+          "Also draw where a character's skin passes through itself, is open or turned, nearly touches, is held "
+          "together by a cage or rides, numbered as listed, from the sides where that is")
       ->type_name("FILE.png")
       ->check(must_end_in(".png"));
   add_unit(verb, arguments->unit);

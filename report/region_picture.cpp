@@ -197,7 +197,8 @@ std::vector<std::array<float, 3>> region_colours(std::span<const DrawnRegion> re
 
 Image region_picture(Renderer& renderer, std::span<const float> skin, std::span<const std::uint32_t> triangles,
                      std::span<const DrawnRegion> regions, std::span<const std::array<float, 3>> colours,
-                     std::uint32_t panel_width, std::uint32_t panel_height) {
+                     std::uint32_t panel_width, std::uint32_t panel_height,
+                     std::span<const std::array<float, 3>> directions) {
   std::vector<float> blended(skin.size(), 0.0f);
   for (std::size_t r = 0; r < regions.size(); ++r) {
     for (std::size_t k = 0; k < regions[r].vertices.size(); ++k) {
@@ -210,7 +211,7 @@ Image region_picture(Renderer& renderer, std::span<const float> skin, std::span<
   const std::vector<float> normals = smooth_normals(triangles, skin);
   const DrawMesh mesh{skin, normals, triangles, blended};
   std::vector<Image> panels;
-  for (const std::array<float, 3>& direction : {std::array{0.0f, 0.0f, 1.0f}, std::array{0.0f, 0.0f, -1.0f}}) {
+  for (const std::array<float, 3>& direction : directions) {
     const Camera camera =
         frame_points(skin, direction, static_cast<float>(panel_width) / static_cast<float>(panel_height));
     Image& image = panels.emplace_back(renderer.draw(std::span(&mesh, 1), camera, panel_width, panel_height));

@@ -18,11 +18,13 @@ struct DrawnRegion {
 // A colour for every region (linear RGB), none twice, those of regions that share vertices as different as may be.
 std::vector<std::array<float, 3>> region_colours(std::span<const DrawnRegion> regions, std::size_t vertices);
 
-// The skin (V x 3, T x 3) seen from the front (+z) and from behind, coloured by its regions,
-// each with its number (from 1) where it is seen. Throws what Renderer::draw
-// throws.
+constexpr std::array<std::array<float, 3>, 2> kFrontAndBack = {{{0, 0, 1}, {0, 0, -1}}};
+
+// The skin (V x 3, T x 3) seen from these directions (towards the camera), a panel each, coloured by its regions, each
+// with its number (from 1) where it is seen. Throws what Renderer::draw throws.
 Image region_picture(Renderer& renderer, std::span<const float> skin, std::span<const std::uint32_t> triangles,
                      std::span<const DrawnRegion> regions, std::span<const std::array<float, 3>> colours,
-                     std::uint32_t panel_width, std::uint32_t panel_height);
+                     std::uint32_t panel_width, std::uint32_t panel_height,
+                     std::span<const std::array<float, 3>> directions = kFrontAndBack);
 
 }  // namespace bodyopt

@@ -50,6 +50,62 @@ TEST(Foresee, SheetsGoIntoALatticeAndHaveNoDynamics) {
   }
 }
 
+// Each cause has its own remedy, and a place where one sees it.
+TEST(Foresee, HolesAndFlatSkinsHaveTheirOwnRemedies) {
+  Character sheet = make_limb();
+  sheet.triangles = sheet.triangles.topRows(sheet.triangles.rows() / 2).eval();
+  const CharacterForesight open = foresee(sheet);
+  EXPECT_NE(open.verbs[2].remedy.find("fill its holes"), std::string::npos) << open.verbs[2].remedy;
+  ASSERT_FALSE(open.holes.empty());
+  EXPECT_TRUE(open.flipped.empty());
+
+  Character flat = make_limb();
+  flat.vertices.col(2).setZero();
+  const CharacterForesight thin = foresee(flat);
+  EXPECT_TRUE(thin.holes.empty());
+  EXPECT_NE(thin.verbs[2].remedy.find("give it a thickness"), std::string::npos)
+      << thin.verbs[2].why << "; " << thin.verbs[2].remedy;
+}
+
+TEST(Foresee, FlippedFacesAndHolesAreListedByJoint) {
+  Character limb = make_limb();
+  std::swap(limb.triangles(0, 1), limb.triangles(0, 2));
+  const CharacterForesight turned = foresee(limb);
+  ASSERT_EQ(turned.flipped.size(), 1u);
+  EXPECT_EQ(turned.flipped[0].joint, "upper");
+  EXPECT_EQ(turned.flipped[0].vertices.size(), 3u);
+  EXPECT_TRUE(turned.holes.empty());
+
+  Character holed = make_limb();
+  holed.triangles = holed.triangles.bottomRows(holed.triangles.rows() - 1).eval();
+  const CharacterForesight with_hole = foresee(holed);
+  ASSERT_EQ(with_hole.holes.size(), 1u);
+  EXPECT_EQ(with_hole.holes[0].vertices.size(), 3u);
+  EXPECT_TRUE(with_hole.flipped.empty());
+  EXPECT_TRUE(foresee(make_limb()).holes.empty());
+}
+
+// A small limb inside the large one is carried by it.
+TEST(Foresee, PiecesThatRideAreListedByJoint) {
+  Character both = make_limb();
+  const Eigen::Index vertices = both.vertices.rows(), triangles = both.triangles.rows();
+  both.vertices.conservativeResize(2 * vertices, 3);
+  both.vertices.bottomRows(vertices) = 0.2 * both.vertices.topRows(vertices);
+  both.triangles.conservativeResize(2 * triangles, 3);
+  both.triangles.bottomRows(triangles) =
+      both.triangles.topRows(triangles).array() + static_cast<std::uint32_t>(vertices);
+  const auto weights = both.weights;
+  both.weights.insert(both.weights.end(), weights.begin(), weights.end());
+  const CharacterForesight foresight = foresee(both);
+  ASSERT_FALSE(foresight.riders.empty());
+  std::size_t riding = 0;
+  for (const RestPlace& place : foresight.riders) {
+    riding += place.vertices.size();
+    EXPECT_GE(place.vertices.front(), static_cast<std::uint32_t>(vertices));
+  }
+  EXPECT_EQ(riding, static_cast<std::size_t>(vertices));
+}
+
 // A vertex pulled through the upper limb: found at its joint, mended by all verbs.
 TEST(Foresee, IntersectionsAreListedByJoint) {
   Character limb = make_limb();

@@ -5,6 +5,7 @@
 #include <map>
 #include <numeric>
 #include <optional>
+#include <set>
 #include <utility>
 
 #include "assets/wording.h"
@@ -12,6 +13,7 @@
 #include "geometry/closed_skin.h"
 #include "geometry/extent.h"
 #include "geometry/point_grid.h"
+#include "geometry/surface_pieces.h"
 #include "geometry/vertex_normals.h"
 #include "runtime/core/error.h"
 #include "trainer/dynamics/build_dynamics.h"
@@ -33,11 +35,28 @@ constexpr double kOtherJoints = 0.3;             // of the weights in common at 
 constexpr double kFacing = -0.3;                 // cosine of the normals of skin face to face
 constexpr std::size_t kFewest = 3;               // vertices that make a part
 
-constexpr const char* kCloseIt = "close holes, join the pieces and separate what overlaps at rest";
 constexpr const char* kNoDraft = "leave out --draft: 'simulate' fills its own skin, with contact";
 constexpr const char* kMendFirst = "mend the skin: see why";
 constexpr const char* kMoreMotion = "simulate more motion: 'bodyopt rom' makes some that shows all a character can do";
 constexpr const char* kFewVertices = "none is needed: so few vertices are as fast as a proxy of them";
+
+// What mends a skin of which this is said, by words of fillable_skin, require_closed and the cages.
+std::string remedy_for(const std::string& why) {
+  const std::pair<const char*, const char*> remedies[] = {
+      {"boundary edges",
+       "fill its holes, give sheets a thickness (Blender: Fill Holes, Solidify); --picture shows them"},
+      {"more than two triangles", "part the faces that are fused along an edge (Blender: select Non Manifold, split)"},
+      {"wind oppositely", "turn its faces the same way (Blender: Recalculate Outside); --picture shows where"},
+      {"intersect", "move apart, at rest, what passes through itself; --picture shows where"},
+      {"it is flat", "give it a thickness (Blender: Solidify)"},
+      {"a large piece", "join that piece to the body, or give it the weights of the skin that it is to ride on"},
+      {"pieces", "join the pieces to one skin"},
+      {"a damaged file", "export it again from where it was made"}};
+  for (const auto& [words, remedy] : remedies) {
+    if (why.find(words) != std::string::npos) return remedy;
+  }
+  return "close holes, join the pieces and separate what overlaps at rest";
+}
 
 std::uint32_t main_joint(const Character& character, std::uint32_t vertex) {
   return character.weights[vertex].front().joint;
@@ -65,13 +84,46 @@ std::vector<RestPlace> places_of(const Character& character, const VerticesOfJoi
   return places;
 }
 
-std::vector<RestPlace> intersections_of(const Character& character, const FillableSkin& fillable) {
+// By their own joints.
+template <typename Vertices>
+std::vector<RestPlace> places_of(const Character& character, const Vertices& vertices) {
   VerticesOfJoints found;
-  for (const std::uint32_t v : fillable.tangled) {
+  for (const std::uint32_t v : vertices) {
     const std::uint32_t joint = main_joint(character, v);
     found[{joint, joint}].push_back(v);
   }
   return places_of(character, found, 1);
+}
+
+// Vertices at edges that a single triangle has, and at those that two triangles run through in the same direction.
+void find_bad_edges(const Character& character, CharacterForesight& result) {
+  std::map<JointPair, std::pair<int, int>> uses;  // of an edge's vertices: from the lower to the higher, and back
+  for (Eigen::Index t = 0; t < character.triangles.rows(); ++t) {
+    for (int k = 0; k < 3; ++k) {
+      const std::uint32_t a = character.triangles(t, k), b = character.triangles(t, (k + 1) % 3);
+      auto& [up, down] = uses[std::minmax(a, b)];
+      ++(a < b ? up : down);
+    }
+  }
+  std::set<std::uint32_t> open, flipped;
+  for (const auto& [edge, use] : uses) {
+    const auto& [up, down] = use;
+    if (up + down == 1) open.insert({edge.first, edge.second});
+    if (up + down == 2 && up != down) flipped.insert({edge.first, edge.second});
+  }
+  result.holes = places_of(character, open);
+  result.flipped = places_of(character, flipped);
+}
+
+std::vector<std::uint32_t> vertices_of_riders(const Character& character, const FillableSkin& fillable) {
+  const SurfacePieces pieces = surface_pieces(character.vertices.rows(), character.triangles);
+  std::set<int> riding;
+  for (const std::uint32_t v : fillable.riders) riding.insert(pieces.of_vertex[v]);
+  std::vector<std::uint32_t> vertices;
+  for (std::uint32_t v = 0; v < pieces.of_vertex.size(); ++v) {
+    if (riding.contains(pieces.of_vertex[v])) vertices.push_back(v);
+  }
+  return vertices;
 }
 
 // Skin that looks at skin of other joints across less air than an edge.
@@ -104,9 +156,9 @@ std::vector<RestPlace> near_parts_of(const Character& character) {
   return places_of(character, found, kFewest);
 }
 
-VerbForesight refusal(const std::string& verb, const Error& error, const char* remedy = kCloseIt) {
+VerbForesight refusal(const std::string& verb, const Error& error, const char* remedy = nullptr) {
   if (error.kind() == ErrorKind::interrupted) throw error;
-  return {verb, BodyFill::refused, 0, false, error.what(), remedy};
+  return {verb, BodyFill::refused, 0, false, error.what(), remedy ? remedy : remedy_for(error.what())};
 }
 
 void add_glued(const Character& character, const Cage& cage, VerticesOfJoints& glued) {
@@ -132,7 +184,7 @@ VerbForesight foresee_simulate(const Character& character, bool draft, VerticesO
     add_glued(character, cage, glued);
     if (cage.is_lattice) {
       const std::string& why = cage.why_lattice.empty() ? tets.why_cage : cage.why_lattice;
-      return {verb, BodyFill::lattice, nodes, false, why, kCloseIt, parts};
+      return {verb, BodyFill::lattice, nodes, false, why, remedy_for(why), parts};
     }
     const std::string& why = tets.why_cage.empty() ? cage.mending : tets.why_cage;
     return {verb, BodyFill::coarser, nodes, true, why, draft ? "" : kMendFirst, parts};
@@ -313,11 +365,13 @@ CharacterForesight foresee(const Character& character, const std::vector<Clip>& 
                   counted(foresee_proxy(character, skinned_shapes(character, poses)))};
   result.glued = places_of(character, glued, kFewest);
   try {
-    result.intersections =
-        intersections_of(character, fillable_skin(character.vertices, character.triangles, character.weights));
+    const FillableSkin fillable = fillable_skin(character.vertices, character.triangles, character.weights);
+    result.intersections = places_of(character, fillable.tangled);
+    result.riders = places_of(character, vertices_of_riders(character, fillable));
   } catch (const Error& error) {
     if (error.kind() != ErrorKind::mismatch) throw;  // the verbs say why
   }
+  find_bad_edges(character, result);
   progress.advance();
   result.near_parts = near_parts_of(character);
   progress.advance();

@@ -40,6 +40,9 @@ struct CharacterForesight {
   std::vector<VerbForesight> verbs;      // simulate, simulate --draft, dynamics, train, proxy
   std::vector<RestPlace> intersections;  // of the skin with itself at rest, by joint, most first
   std::vector<RestPlace> near_parts;     // of different joints, face to face, less than a mean edge apart
+  std::vector<RestPlace> holes;          // skin at edges of a single triangle, by joint
+  std::vector<RestPlace> flipped;        // at edges whose triangles wind oppositely, by joint
+  std::vector<RestPlace> riders;         // pieces that are carried by the others, by joint
   std::vector<RestPlace> glued;          // that the cages of simulate hold together (glued_vertices), by joints
   std::vector<std::string> remarks;      // likely unit, joints that move nothing or are never moved, clips of no use
 };
