@@ -76,6 +76,17 @@ bool extension_offered(const char* name) {
       name);
 }
 
+// By an instance that is never destroyed. Else the loader closes the drivers with the last instance, and NVIDIA's (580)
+// cannot be opened more than some thirty times by one process, nor by several threads at once.
+void keep_drivers_loaded() {
+  [[maybe_unused]] static const VkInstance kept = [] {
+    const auto info = structure<VkInstanceCreateInfo>(VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO);
+    VkInstance instance = VK_NULL_HANDLE;
+    vkCreateInstance(&info, nullptr, &instance);  // fails where there is no driver to keep
+    return instance;
+  }();
+}
+
 }  // namespace
 
 bool lists_extension(const std::vector<VkExtensionProperties>& extensions, const char* name) {
@@ -101,10 +112,12 @@ std::vector<std::string> ValidationLog::messages() const {
 
 Instance::Instance(bool validation, const std::vector<const char*>& wanted) : log_(std::make_shared<ValidationLog>()) {
   if (!missing_functions().empty()) return;
+  keep_drivers_loaded();
   if (validation && !layer_installed()) {
     throw Error(ErrorKind::device, std::string("Vulkan validation was asked for, but the layer ") + kValidationLayer +
                                        " is not installed (Debian package: vulkan-validationlayers)");
   }
+  keep_drivers_loaded();
   auto application = structure<VkApplicationInfo>(VK_STRUCTURE_TYPE_APPLICATION_INFO);
   application.pApplicationName = "bodyopt";
   application.apiVersion = VK_API_VERSION_1_2;

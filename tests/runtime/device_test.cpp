@@ -1,7 +1,11 @@
 #include "runtime/vulkan/device.h"
 
 #include <cstring>
+#include <filesystem>
+#include <fstream>
 #include <map>
+#include <set>
+#include <string>
 
 #include "runtime/core/error.h"
 #include "runtime/deformer/deformer.h"
@@ -127,6 +131,28 @@ TEST_F(OpenDevice, IsListed) {
   EXPECT_GT(listed.memory_bytes, 0u);
   EXPECT_GE(listed.max_storage_buffer_range, 128u << 20);
   EXPECT_TRUE(has_vulkan_device());
+}
+
+// Libraries of drivers, of this process.
+std::set<std::string> loaded_drivers() {
+  std::set<std::string> libraries;
+  std::ifstream maps("/proc/self/maps");
+  for (std::string line; std::getline(maps, line);) {
+    const std::string name = std::filesystem::path(line).filename().string();
+    if (name.find("vulkan_") != std::string::npos || name.find("GLX_") != std::string::npos) libraries.insert(name);
+  }
+  return libraries;
+}
+
+// Not every driver can be loaded again and again.
+TEST(CloseDevice, LeavesItsDriverLoaded) {
+  std::set<std::string> open;
+  {
+    const vulkan::Device device(test_device());
+    open = loaded_drivers();
+  }
+  EXPECT_FALSE(open.empty());
+  EXPECT_EQ(loaded_drivers(), open);
 }
 
 TEST_F(OpenDevice, RefusesWhatItCannotHold) {

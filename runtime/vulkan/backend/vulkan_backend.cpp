@@ -485,12 +485,14 @@ class VulkanBackend final : public Backend, private SplitRun {
   }
 
   void receive() {
+    const std::vector<Download> wanted = downloads();
     for (const auto skin :
          {&BatchResult::positions, &BatchResult::normals, &BatchResult::tangents, &BatchResult::posed}) {
-      (result_.*skin).clear();
+      // What is wanted again keeps its length: to clear it would be to write zeros first.
+      if (std::ranges::find(wanted, skin, &Download::to) == wanted.end()) (result_.*skin).clear();
     }
     const std::byte* from = buffers_->staging_out.mapped();
-    for (const Download& download : downloads()) {
+    for (const Download& download : wanted) {
       std::vector<float>& to = result_.*download.to;
       to.resize(download.from.size / sizeof(float));
       if (!to.empty()) std::memcpy(to.data(), from, download.from.size);
