@@ -78,6 +78,7 @@ std::vector<FrameStatus> simulate_take(const SimulationArguments& arguments) {
   if (!arguments.muscles.empty()) muscles = read_muscles(arguments.muscles, character.skeleton);
   SimulateOptions options = arguments.options;
   options.warn = [](const std::string& warning) { say({warning}); };
+  options.inform = [](const std::string& text) { spdlog::info(text); };
   if (!arguments.materials.empty()) options.materials = read_materials(arguments.materials);
   std::vector<int> frames;
   const Clip clip = arguments.take.clip.read(character.skeleton, arguments.unit, frames);

@@ -69,6 +69,30 @@ TEST(FillableSkin, FillsHolesAndRefusesSheets) {
   EXPECT_THROW(fillable(limb), Error);
 }
 
+// A fin on the back of the limb: its foot are edges of the skin, which so have three triangles.
+TEST(FillableSkin, SheetsThatShareEdgesAreCutOffAndRide) {
+  const Character plain = make_limb();
+  Character limb = plain;
+  const Eigen::Index count = plain.vertices.rows(), triangles = plain.triangles.rows();
+  limb.vertices.conservativeResize(count + 2, 3);
+  limb.triangles.conservativeResize(triangles + 3, 3);
+  const auto low = static_cast<std::uint32_t>(count), high = low + 1;
+  for (int k = 0; k < 2; ++k) {
+    limb.vertices.row(count + k) = plain.vertices.row(60) + Eigen::RowVector3d(0.02 * k, 0.1, 0);
+    limb.weights.push_back(plain.weights[60]);
+  }
+  limb.triangles.row(triangles) << 50, 60, low;  // neighbours along the limb
+  limb.triangles.row(triangles + 1) << 60, 70, low;
+  limb.triangles.row(triangles + 2) << 70, high, low;
+  const FillableSkin skin = fillable(limb);
+  EXPECT_EQ(skin.cut, 3);
+  EXPECT_EQ(skin.riders, std::vector<std::uint32_t>{low}) << "both its vertices are one piece";
+  EXPECT_EQ(skin.pieces, 1);
+  EXPECT_EQ(skin.vertices, plain.vertices);
+  EXPECT_NO_THROW(require_closed(skin.vertices, skin.triangles));
+  EXPECT_NE(skin.mending().find("3 triangles of sheets"), std::string::npos) << skin.mending();
+}
+
 // Rest in the tets, and an affine motion of these, take every vertex along: riders, moved ones, merged ones.
 TEST(FillableSkin, WhatRidesIsCarried) {
   const Character plain = make_limb();

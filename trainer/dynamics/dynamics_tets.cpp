@@ -134,7 +134,11 @@ DynamicsTets make_dynamics_tets(const Positions& vertices, const Triangles& tria
     surface_of_own_nodes(tets);
     tets.cage.skin = own_nodes(tets.cage.mesh, fine.vertices.rows());
   }
-  tets.cage.skin = carry_skin(fillable, vertices, tets.cage.mesh, tets.cage.skin);
+  // What rides swings with the places that hold it.
+  Positions places = vertices;
+  const Riders riders(fillable, vertices, triangles, weights);
+  places(riders.vertices(), Eigen::all) = riders.spread(vertices);
+  tets.cage.skin = carry_skin(fillable, places, tets.cage.mesh, tets.cage.skin);
   tets.cage.mending = fillable.mending();
   for (SkinPoint& point : tets.surface) {
     for (std::uint32_t& vertex : point.vertices) vertex = fillable.vertex[vertex];

@@ -142,6 +142,35 @@ Eigen::Vector3d turned(const Quat& rotation, const Eigen::Vector3d& v) {
   return {result[0], result[1], result[2]};
 }
 
+// Where linear blending takes a point, and the blend of the rotations of its joints.
+struct BlendedFrame {
+  Eigen::Vector3d position;
+  Quat rotation;
+};
+
+struct JointFrames {
+  std::vector<Affine> skinning;
+  std::vector<Quat> rotation;
+
+  JointFrames(const Skeleton& skeleton, const LocalTransforms& local) : skinning(skinning_matrices(skeleton, local)) {
+    for (const Affine& matrix : skinning) rotation.push_back(normalized(decompose(matrix).rotation));
+  }
+
+  BlendedFrame blend(const std::vector<JointWeight>& weights, const Eigen::RowVector3d& rest) const {
+    const Quat& first = rotation[weights.front().joint];
+    Vec3 position{0, 0, 0};
+    Quat turn{0, 0, 0, 0};
+    for (const JointWeight& w : weights) {
+      position = position + w.weight * (skinning[w.joint] * Vec3{rest[0], rest[1], rest[2]});
+      const Quat& q = rotation[w.joint];
+      double cosine = 0;
+      for (std::size_t i = 0; i < 4; ++i) cosine += q[i] * first[i];
+      for (std::size_t i = 0; i < 4; ++i) turn[i] += (cosine < 0 ? -w.weight : w.weight) * q[i];
+    }
+    return {{position[0], position[1], position[2]}, normalized(turn)};
+  }
+};
+
 void move_all(const Affine& motion, Positions& nodes) {
   for (Eigen::Index n = 0; n < nodes.rows(); ++n) {
     const Vec3 moved = motion * Vec3{nodes(n, 0), nodes(n, 1), nodes(n, 2)};
@@ -161,7 +190,7 @@ TetMesh fill_skin(const Character& character, double size) {
 namespace {
 
 FilledBody fill(const Character& character, const FillableSkin& fillable, double size) {
-  FilledBody body{character, {}, {}, fillable.mending()};
+  FilledBody body{character, {}, {}, {}, fillable.mending()};
   body.filled.output_vertex.clear();
   body.filled.output_triangles.resize(0, 3);
   body.filled.vertices = fillable.vertices;
@@ -170,6 +199,7 @@ FilledBody fill(const Character& character, const FillableSkin& fillable, double
   for (const std::uint32_t v : fillable.vertex) body.filled.weights.push_back(character.weights[v]);
   body.mesh = fill_skin(body.filled, size);
   body.skin = carry_skin(fillable, character.vertices, body.mesh, own_nodes(body.mesh, fillable.vertices.rows()));
+  body.riders = Riders(fillable, character.vertices, character.triangles, character.weights);
   return body;
 }
 
@@ -199,6 +229,7 @@ QuasiStaticBody::QuasiStaticBody(const Character& character, const std::vector<M
                                  const Materials& materials)
     : QuasiStaticBody(body.filled, muscles, body.mesh, materials, nullptr) {
   embedding_ = body.skin;
+  carry_riders(character, body.riders);
   hash_ = body_hash(character, muscles, materials, mesh_, true);
 }
 
@@ -208,6 +239,7 @@ QuasiStaticBody::QuasiStaticBody(const Character& character, const std::vector<M
       muscles_(muscles),
       mesh_(std::move(mesh)),
       embedding_(cage != nullptr ? cage->skin : std::vector<EmbeddedPoint>{}),
+      carriers_(mesh_.tets),
       skin_count_(character.vertices.rows()) {
   require_fit(character, muscles);
   const auto tet_count = static_cast<std::size_t>(mesh_.tets.rows());
@@ -262,40 +294,63 @@ QuasiStaticBody::QuasiStaticBody(const Character& character, const std::vector<M
   }
   force_floor_ = std::sqrt(force_floor_);
   max_move_ = kMaxMove * longest_extent(mesh_.nodes);
+  if (cage != nullptr) carry_riders(character, cage->riders);
   hash_ = body_hash(character, muscles, materials, mesh_, cage != nullptr);
 }
 
+void QuasiStaticBody::carry_riders(const Character& whole, const Riders& riders) {
+  if (riders.empty()) return;
+  riders_ = riders;
+  riding_ = riders.vertices();
+  skin_rest_ = whole.vertices;
+  skin_weights_ = whole.weights;
+  const auto tets = carriers_.rows(), riding = static_cast<Eigen::Index>(riding_.size());
+  carriers_.conservativeResize(tets + riding, 4);
+  for (Eigen::Index r = 0; r < riding; ++r) {
+    carriers_.row(tets + r).setConstant(static_cast<int>(mesh_.nodes.rows() + r));
+    embedding_[riding_[static_cast<std::size_t>(r)]] = {static_cast<int>(tets + r), Eigen::Vector4d::Unit(0)};
+  }
+}
+
+void QuasiStaticBody::append_riders(const Pose& pose, Positions& nodes) const {
+  if (riders_.empty()) return;
+  const JointFrames frames(skeleton_, pose.joints);
+  const Eigen::Index own = nodes.rows();
+  nodes.conservativeResize(node_count(), 3);
+  nodes.bottomRows(node_count() - own).setZero();
+  const Positions skin = embed(embedding_, carriers_, nodes);
+  Positions displacement(skin.rows(), 3);  // in the frame of rest; of riders not looked at
+  for (Eigen::Index v = 0; v < skin.rows(); ++v) {
+    const BlendedFrame at = frames.blend(skin_weights_[static_cast<std::size_t>(v)], skin_rest_.row(v));
+    displacement.row(v) = turned(conjugate(at.rotation), skin.row(v).transpose() - at.position).transpose();
+  }
+  const Positions spread = riders_.spread(displacement);
+  for (Eigen::Index r = 0; r < spread.rows(); ++r) {
+    const std::uint32_t v = riding_[static_cast<std::size_t>(r)];
+    const BlendedFrame at = frames.blend(skin_weights_[v], skin_rest_.row(v));
+    nodes.row(own + r) = (at.position + turned(at.rotation, spread.row(r).transpose())).transpose();
+  }
+}
+
 Positions QuasiStaticBody::skin(const Positions& nodes) const {
-  return embedding_.empty() ? Positions(nodes.topRows(skin_count_)) : embed(embedding_, mesh_.tets, nodes);
+  return embedding_.empty() ? Positions(nodes.topRows(skin_count_)) : embed(embedding_, carriers_, nodes);
 }
 
 QuasiStaticBody::Target QuasiStaticBody::target(const std::vector<JointTransform>& local,
                                                 std::span<const double> flex) const {
-  const std::vector<Affine> skinning = skinning_matrices(skeleton_, local);
-  std::vector<Quat> joint_rotation;
-  for (const Affine& matrix : skinning) joint_rotation.push_back(normalized(decompose(matrix).rotation));
+  const JointFrames frames(skeleton_, local);
   Target result;
-  result.activation = activations(muscles_, skinning);
+  result.activation = activations(muscles_, frames.skinning);
   for (std::size_t m = 0; m < flex.size(); ++m) {
     result.activation[m] = std::lerp(result.activation[m], muscles_[m].max_activation, flex[m]);
   }
-  result.springs = springs_->pose(skinning);
+  result.springs = springs_->pose(frames.skinning);
   result.skinned.resize(mesh_.nodes.rows(), 3);
   for (std::size_t n = 0; n < node_joints_.size(); ++n) {
     const auto row = static_cast<Eigen::Index>(n);
-    const Vec3 rest{mesh_.nodes(row, 0), mesh_.nodes(row, 1), mesh_.nodes(row, 2)};
-    Vec3 position{0, 0, 0};
-    Quat rotation{0, 0, 0, 0};
-    for (const JointWeight& w : node_joints_[n]) {
-      position = position + w.weight * (skinning[w.joint] * rest);
-      const Quat& q = joint_rotation[w.joint];
-      const Quat& first = joint_rotation[node_joints_[n].front().joint];
-      double cosine = 0;
-      for (std::size_t i = 0; i < 4; ++i) cosine += q[i] * first[i];
-      for (std::size_t i = 0; i < 4; ++i) rotation[i] += (cosine < 0 ? -w.weight : w.weight) * q[i];
-    }
-    result.skinned.row(row) << position[0], position[1], position[2];
-    result.rotation.push_back(normalized(rotation));
+    const BlendedFrame at = frames.blend(node_joints_[n], mesh_.nodes.row(row));
+    result.skinned.row(row) = at.position.transpose();
+    result.rotation.push_back(at.rotation);
   }
   if (bending_) result.curvature = bending_->curvature(result.rotation);
   return result;
@@ -370,6 +425,7 @@ SolvedPose QuasiStaticBody::solve_along(std::span<const Pose> path, std::span<co
     if (again.status.converged) solved = std::move(again);
     solved.status.iterations = before + again.status.iterations;
   }
+  append_riders(path.back(), solved.nodes);
   solved.status.seconds = watch.seconds();
   return solved;
 }

@@ -10,11 +10,12 @@
 #include "trainer/simulate/muscle_fibres.h"
 #include "trainer/simulate/muscle_volume.h"
 #include "trainer/simulate/skin_bending.h"
+#include "trainer/tets/riders.h"
 
 namespace bodyopt {
 
 struct SolvedPose {
-  Positions nodes;     // N x 3, posed, metres
+  Positions nodes;     // N x 3, those of the body's tets, then the R vertices that ride; posed, metres
   FrameStatus status;  // without the frame number
 };
 
@@ -30,6 +31,7 @@ struct FilledBody {
   Character filled;  // its vertices, triangles and weights are those of the fillable skin; without output vertices
   TetMesh mesh;
   std::vector<EmbeddedPoint> skin;  // V: where every vertex of the whole skin is carried
+  Riders riders;                    // what of it has no tets
   std::string mending;              // FillableSkin::mending; empty: the skin is filled as it is
 };
 // size as fill_skin. Throws as fillable_skin and tetrahedralise.
@@ -70,12 +72,18 @@ class QuasiStaticBody {
   // path.
   SolvedPose solve_along(std::span<const Pose> path, std::span<const double> flex) const;
 
-  // V x 3: where nodes (N x 3) take the skin. With tets of the skin as it is these are the first V nodes.
+  // V x 3: where the nodes of a solved pose (N + R x 3) take the skin. With tets of the skin as it is these are the
+  // first V nodes. A vertex that rides is a node of its own: it goes where its joints take it by linear blending,
+  // displaced, in its turned frame, as the body is where it holds the piece (Riders).
   Positions skin(const Positions& nodes) const;
 
   const Skeleton& skeleton() const { return skeleton_; }
   const TetMesh& mesh() const { return mesh_; }
-  const std::vector<EmbeddedPoint>& embedding() const { return embedding_; }  // V; empty: the first V nodes
+  Eigen::Index node_count() const { return mesh_.nodes.rows() + static_cast<Eigen::Index>(riding_.size()); }  // N + R
+  // What carries the skin: the tets of the mesh, then for each vertex that rides four times its own node.
+  const Tets& carriers() const { return carriers_; }
+  const std::vector<EmbeddedPoint>& embedding() const { return embedding_; }  // V, in the carriers; empty: first nodes
+  const std::vector<std::uint32_t>& riding() const { return riding_; }        // R: vertices of the skin
   bool is_cage() const { return carried_depth_ != nullptr; }
   const std::vector<FibreTet>& fibres() const { return fibres_; }
   const std::vector<BonePoint>& bones() const { return bones_; }
@@ -99,6 +107,9 @@ class QuasiStaticBody {
                      const Tissue::BarrierShape& barrier) const;
   Target target(const std::vector<JointTransform>& local, std::span<const double> flex) const;
   Positions carried(const Target& from, const Target& to, const Positions& nodes) const;
+  // What rides becomes nodes of its own.
+  void carry_riders(const Character& whole, const Riders& riders);
+  void append_riders(const Pose& pose, Positions& nodes) const;
   // at and contact must outlive it.
   Objective energy(const Target& at, std::span<const ContactPlane> contact, const Tissue::BarrierShape& barrier,
                    bool hold_volume) const;
@@ -113,7 +124,12 @@ class QuasiStaticBody {
   std::vector<Muscle> muscles_;
   TetMesh mesh_;
   std::vector<EmbeddedPoint> embedding_;
+  Tets carriers_;
   Eigen::Index skin_count_ = 0;
+  Riders riders_;
+  std::vector<std::uint32_t> riding_;
+  Positions skin_rest_;       // V x 3, where something rides
+  SkinWeights skin_weights_;  // V, where something rides
   std::vector<FibreTet> fibres_;
   std::vector<BonePoint> bones_;
   NodeWeights weights_;

@@ -16,6 +16,7 @@
 #include "trainer/simulate/body_hash.h"
 #include "trainer/simulate/check_muscles.h"
 #include "trainer/simulate/partial_shapes.h"
+#include "trainer/simulate/rider_stretch.h"
 #include "trainer/tets/lattice_cage.h"
 
 namespace bodyopt {
@@ -162,6 +163,18 @@ std::vector<EmbeddedPoint> output_embedding(const Character& character, const Qu
   return points;
 }
 
+// As `check` foresees it.
+std::string solved_in(const BodyTets& tets) {
+  const Eigen::Index nodes = tets.filled ? tets.filled->mesh.nodes.rows() : tets.cage->mesh.nodes.rows();
+  const bool is_lattice = tets.cage && tets.cage->is_lattice;
+  const std::string what = is_lattice                     ? "a lattice"
+                           : tets.cage                    ? "a coarser skin"
+                           : tets.filled->mending.empty() ? "the skin"
+                                                          : "the mended skin";
+  return "solved in " + what + " of " + std::to_string(nodes) + " nodes, " + (is_lattice ? "without" : "with") +
+         " contact";
+}
+
 void warn_of_mending(const std::string& mending, const SimulateOptions& options) {
   if (!mending.empty()) options.warn("the skin was mended for the simulation alone: " + mending);
 }
@@ -234,6 +247,7 @@ std::string glued_parts(const Cage& cage, const Character& character) {
 QuasiStaticBody make_body(const Character& character, const std::vector<Muscle>& muscles,
                           const SimulateOptions& options) {
   const BodyTets tets = choose_tets(character, options);
+  options.inform(solved_in(tets));
   if (tets.filled) {
     warn_of_mending(tets.filled->mending, options);
     const bool is_whole = tets.filled->mending.empty() && !options.draft;  // a draft stores where its nodes carry skin
@@ -283,7 +297,7 @@ std::vector<FrameStatus> simulate(const QuasiStaticBody& body, const Character& 
   const std::filesystem::path& cache = take.cache();
   std::filesystem::path partial_path = cache;
   partial_path += ".partial";
-  const auto node_count = body.mesh().nodes.rows();
+  const Eigen::Index node_count = body.node_count();
   const auto values =
       static_cast<std::size_t>(3 * (options.draft ? node_count : Eigen::Index{character.output_count()}));
   const auto stored = [&](const Positions& nodes) {
@@ -295,11 +309,18 @@ std::vector<FrameStatus> simulate(const QuasiStaticBody& body, const Character& 
   adopt_finished(cache, status, options.draft, jobs, values, options.warn, partial);
   solve_all(body, open_jobs(jobs, partial), options.threads, stored, partial);
 
+  const auto skin_of = [&](const std::vector<float>& sample) {
+    return options.draft ? body.skin(Eigen::Map<const NodesOfFrame>(sample.data(), node_count, 3).cast<double>())
+                         : welded_from_output(character, sample.data());
+  };
+  RiderStretch stretch(character, body.riding());
   std::vector<FrameStatus> result;
   const auto write_frames = [&](auto& writer, const auto& append) {
     for (std::size_t k = 0; k < frames.size(); ++k) {
       FrameStatus& of_frame = result.emplace_back();
-      append(partial.read(jobs[k].key, of_frame));
+      const std::vector<float> sample = partial.read(jobs[k].key, of_frame);
+      append(sample);
+      if (!body.riding().empty()) stretch.add(frames[k], skin_of(sample));
       of_frame.frame = frames[k];
       of_frame.converged = is_converged(of_frame);
       of_frame.inputs = jobs[k].key;
@@ -311,7 +332,7 @@ std::vector<FrameStatus> simulate(const QuasiStaticBody& body, const Character& 
     write_frame_status(result, status);
   };
   if (options.draft) {
-    NodesWriter writer(cache, body.mesh().tets, output_embedding(character, body), body.hash(), frames);
+    NodesWriter writer(cache, body.carriers(), output_embedding(character, body), body.hash(), frames);
     write_frames(writer, [&](const std::vector<float>& nodes) {
       writer.append(Eigen::Map<const NodesOfFrame>(nodes.data(), node_count, 3).cast<double>());
     });
@@ -321,6 +342,7 @@ std::vector<FrameStatus> simulate(const QuasiStaticBody& body, const Character& 
     write_frames(writer, [&](const std::vector<float>& shape) { writer.append(shape); });
   }
   partial.remove();
+  if (const std::string stretched = stretch.warning(); !stretched.empty()) options.warn(stretched);
   return result;
 }
 

@@ -21,7 +21,10 @@ struct SimulateOptions {
   int threads = 0;      // 0: all
   bool draft = false;   // in a cage of 1,500 nodes or fewer; the cache then holds nodes (nodes_cache.h)
   Materials materials{};
-  std::function<void(const std::string&)> warn = [](const std::string&) {};  // told before the work begins
+  // Told before the work begins; of what rides and is stretched, at the end.
+  std::function<void(const std::string&)> warn = [](const std::string&) {};
+  // Told what the frames are solved in: the skin, the mended skin, a coarser skin or a lattice, and its contact.
+  std::function<void(const std::string&)> inform = [](const std::string&) {};
 };
 
 // The tets that frames are solved in: those of the skin, mended where it needs it, or a cage's.

@@ -38,6 +38,7 @@ Cage filled_skin(const Positions& vertices, const Triangles& triangles, const Sk
   require_near(cage);
   carry_by_own_joints(fillable.vertices, fillable.triangles, of_hosts(weights, fillable), cage.mesh, cage.skin);
   cage.skin = carry_skin(fillable, vertices, cage.mesh, cage.skin);
+  cage.riders = Riders(fillable, vertices, triangles, weights);
   cage.mending = fillable.mending();
   return cage;
 }

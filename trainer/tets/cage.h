@@ -7,6 +7,7 @@
 #include "geometry/embedding.h"
 #include "trainer/tets/fillable_skin.h"
 #include "trainer/tets/own_joints.h"
+#include "trainer/tets/riders.h"
 
 namespace bodyopt {
 
@@ -20,6 +21,7 @@ struct Cage {
   TetMesh mesh;
   std::vector<EmbeddedPoint> skin;  // V: where every vertex lies
   std::vector<CageSample> samples;  // what is tissue in the cage
+  Riders riders;                    // what of a mended skin has no tets
   bool is_lattice = false;          // its tets reach beyond the skin and may overlap where parts are close
   std::string why_lattice;          // what kept the skin from being filled
   std::string mending;              // what was done to fill it, as FillableSkin::mending

@@ -20,6 +20,7 @@
 #include "geometry/weld.h"
 #include "geometry/wind_alike.h"
 #include "runtime/core/error.h"
+#include "trainer/tets/cut_sheets.h"
 
 namespace bodyopt {
 namespace {
@@ -108,6 +109,7 @@ class SkinMender {
 
   FillableSkin mend(int room) {
     merge_and_drop();
+    cut_sheets();
     result_.turned = wind_alike(triangles_);
     close_holes();
     find_pieces();
@@ -148,6 +150,35 @@ class SkinMender {
     triangles_ = rows_of(triangles_, kept);
   }
 
+  void cut_sheets() {
+    const std::vector<bool> is_sheet = sheet_triangles(vertices_, triangles_);
+    std::vector<Eigen::Index> kept, cut;
+    for (Eigen::Index t = 0; t < triangles_.rows(); ++t) {
+      (is_sheet[static_cast<std::size_t>(t)] ? cut : kept).push_back(t);
+    }
+    result_.cut = static_cast<Eigen::Index>(cut.size());
+    if (cut.empty()) return;
+    sheets_ = rows_of(triangles_, cut);
+    triangles_ = rows_of(triangles_, kept);
+  }
+
+  // The triangles that join vertices: those that bound something, and what sheets are without the vertices they share.
+  Triangles joining_triangles() const {
+    std::vector<bool> is_shared(static_cast<std::size_t>(vertices_.rows()), false);
+    for (Eigen::Index k = 0; k < triangles_.size(); ++k) is_shared[triangles_.data()[k]] = true;
+    Triangles all(triangles_.rows() + sheets_.rows(), 3);
+    Eigen::Index count = triangles_.rows();
+    all.topRows(count) = triangles_;
+    for (Eigen::Index t = 0; t < sheets_.rows(); ++t) {
+      const auto corners = sheets_.row(t);
+      const auto own = std::find_if(corners.begin(), corners.end(), [&](std::uint32_t v) { return !is_shared[v]; });
+      if (own == corners.end()) continue;
+      for (int k = 0; k < 3; ++k) all(count, k) = is_shared[corners[k]] ? *own : corners[k];
+      ++count;
+    }
+    return all.topRows(count);
+  }
+
   // Holes are filled, but not where a piece would be closed that is a sheet.
   void close_holes() {
     const Triangles added = fill_holes(vertices_, triangles_);
@@ -173,7 +204,7 @@ class SkinMender {
   }
 
   void find_pieces() {
-    const SurfacePieces pieces = surface_pieces(vertices_.rows(), triangles_);
+    const SurfacePieces pieces = surface_pieces(vertices_.rows(), joining_triangles());
     piece_of_ = pieces.of_vertex;
     pieces_.resize(static_cast<std::size_t>(pieces.count));
     for (std::uint32_t v = 0; v < piece_of_.size(); ++v) piece(v).vertices.push_back(v);
@@ -264,6 +295,7 @@ class SkinMender {
   void gather() {
     const Triangles kept = host_triangles();
     result_.pieces = static_cast<int>(std::count(hosts_.begin(), hosts_.end(), true));
+    result_.first = first_;
     result_.host.assign(static_cast<std::size_t>(vertices_.rows()), -1);
     for (std::uint32_t v = 0; v < result_.host.size(); ++v) {
       if (first_[v] != v) {
@@ -289,7 +321,7 @@ class SkinMender {
   }
 
   const Positions& vertices_;
-  Triangles triangles_;
+  Triangles triangles_, sheets_;  // what may bound a volume; what was cut off
   const SkinWeights& weights_;
   std::vector<std::uint32_t> first_;
   std::vector<int> piece_of_;
@@ -313,6 +345,9 @@ std::string FillableSkin::mending() const {
   if (merged > 0)
     add(counted(merged, " vertex joined to another in its place", " vertices joined to others in their place"));
   if (doubled > 0) add(counted(doubled, " doubled triangle dropped", " doubled triangles dropped"));
+  if (cut > 0)
+    add(counted(cut, " triangle of a sheet that bounds no volume cut off",
+                " triangles of sheets that bound no volume cut off"));
   if (turned > 0) add(counted(turned, " flipped triangle turned", " flipped triangles turned"));
   if (filled > 0) add("holes filled with " + counted(filled, " triangle", " triangles"));
   if (intersections > 0) {

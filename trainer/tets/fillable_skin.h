@@ -15,9 +15,11 @@ struct FillableSkin {
   Triangles triangles;                   // closed, wound outwards, free of self-intersections
   std::vector<std::uint32_t> vertex;     // H: the skin's own vertex that each stands for
   std::vector<int> host;                 // V: the row of `vertices` that stands for each; -1: it rides on the others
+  std::vector<std::uint32_t> first;      // V: the vertex that each was merged with, or itself
   std::vector<std::uint32_t> tangled;    // vertices of the skin at self-intersections, ascending
   Eigen::Index intersections = 0;        // pairs of triangles, before mending
   Eigen::Index turned = 0, filled = 0;   // triangles turned round; added in holes
+  Eigen::Index cut = 0;                  // triangles of sheets that share edges with what is filled, and ride on it
   Eigen::Index merged = 0, doubled = 0;  // vertices merged at open edges; triangles that were there twice
   int pieces = 0;                        // that are filled
   std::vector<std::uint32_t> riders;     // a vertex of every piece that rides
@@ -30,7 +32,8 @@ struct FillableSkin {
 // The pieces of a skin that enclose a volume, the rest riding on them: flipped triangles turned, holes filled where
 // that takes less than a fifth of a piece's area, open edges in one place joined, triangles that are there twice
 // dropped, self-intersections moved apart (untangle). Pieces that lie in others, pass through larger ones, are open or
-// small ride on the nearest. A skin that needs nothing of this comes back bit for bit.
+// small ride on it, as do sheets that share edges with them (sheet_triangles). A skin that needs nothing of this comes
+// back bit for bit.
 //
 // Throws Error(mismatch) naming the cause where no piece encloses a volume, a large piece that cannot be filled follows
 // other joints than what it would ride on, or self-intersections cannot be moved apart.
@@ -40,7 +43,7 @@ FillableSkin fillable_skin(const Positions& vertices, const Triangles& triangles
 
 // Where every vertex of the skin (V x 3) is carried, V. mesh: tets that carry the vertices of the fillable skin at
 // `hosts`, H. Vertices that were moved, and those that ride, are carried by the tet near their host that holds them
-// best.
+// best; how riders move is for Riders to say.
 std::vector<EmbeddedPoint> carry_skin(const FillableSkin& fillable, const Positions& vertices, const TetMesh& mesh,
                                       const std::vector<EmbeddedPoint>& hosts);
 

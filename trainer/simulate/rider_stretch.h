@@ -1,0 +1,36 @@
+// How far what rides on a body is stretched.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "assets/character.h"
+
+namespace bodyopt {
+
+// The edge of a riding piece that is stretched most in some shapes of the skin.
+class RiderStretch {
+ public:
+  // riding: vertices of the skin.
+  RiderStretch(const Character& character, const std::vector<std::uint32_t>& riding);
+
+  void add(int frame, const Positions& skin);  // V x 3, metres
+
+  double most() const { return most_; }  // of the length at rest; 0: no edge rides
+  // One sentence with the place and a remedy, where it is more than kMost.
+  std::string warning() const;
+
+  static constexpr double kMost = 1.5;
+
+ private:
+  const Character& character_;
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> edges_;
+  std::vector<double> length_;  // of each at rest, metres
+  double most_ = 0;
+  std::size_t edge_ = 0;  // that is stretched most
+  int frame_ = 0;         // in which
+};
+
+}  // namespace bodyopt
