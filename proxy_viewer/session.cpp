@@ -614,6 +614,7 @@ void Session::describe_picture() {
   snapshot.strains = evaluation->strains;
   const float outside = evaluation->outside[0];
   snapshot.outside = outside < kOutsideWorthTelling ? 0 : outside;
+  snapshot.outside_feature = snapshot.outside_by = "";
   if (!(snapshot.outside > 0)) return;
   const Basis& basis = scene.lead().basis();
   const std::uint32_t feature = evaluation->outside_feature[0];

@@ -83,7 +83,7 @@ class Panel {
       x += weight * static_cast<double>(at[0]);
       y += weight * static_cast<double>(at[1]);
     }
-    if (seen < kLeastSeen * all) return {};
+    if (seen <= kLeastSeen * all) return {};
     std::optional<std::array<float, 2>> place;
     double nearest = std::numeric_limits<double>::infinity();
     const double core = 0.5 * *std::max_element(region.weights.begin(), region.weights.end());

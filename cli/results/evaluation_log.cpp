@@ -14,7 +14,8 @@
 namespace bodyopt::cli {
 namespace {
 
-constexpr double kAsBad = 0.9;  // of the error of Direct Delta Mush: what is left out would hardly be seen
+constexpr double kSeenMm = 0.5;  // errors of Direct Delta Mush below are nobody's concern
+constexpr double kAsBad = 0.9;   // of the error of Direct Delta Mush: what is left out would hardly be seen
 
 // Frames worth a look, spread over the shot: those expected to be most wrong, or, where that is not known, that leave
 // what was trained furthest.
@@ -84,7 +85,7 @@ void EvaluationLog::count(const Json& entry) {
     outside_frames_.push_back(frame);
     if (outside > worst_outside_) {
       worst_feature_ = entry.at("outside_feature");
-      worst_by_ = entry.at("outside_by");
+      worst_by_ = entry.value("outside_by", std::string());  // not kept by earlier versions
     }
     worst_outside_ = std::max(worst_outside_, outside);
   }
@@ -112,7 +113,8 @@ void EvaluationLog::expect(const Basis& basis, const std::vector<Pose>& poses) {
     Json& entry = per_frame_[errors.size()];
     entry["expected_rms_mm"] = error.rms_mm;
     if (error.ddm_rms_mm > 0) entry["expected_ddm_rms_mm"] = error.ddm_rms_mm;
-    if (error.rms_mm > kAsBad * error.ddm_rms_mm && error.ddm_rms_mm > 0) no_better_frames_.push_back(entry["frame"]);
+    if (error.ddm_rms_mm > kSeenMm && error.rms_mm > kAsBad * error.ddm_rms_mm)
+      no_better_frames_.push_back(entry["frame"]);
     errors.push_back(error.rms_mm);
   }
   const auto worst = std::max_element(errors.begin(), errors.end());
@@ -192,7 +194,8 @@ std::string EvaluationLog::text() const {
   }
   if (worst_outside_ >= kOutsideWorthTelling) {
     text += count_of(outside_frames_.size(), "frame leaves", "frames leave") +
-            format(" the trained range (most of all %s, by %s), clamped: ", worst_feature_.c_str(), worst_by_.c_str()) +
+            format(" the trained range (most of all %s%s), clamped: ", worst_feature_.c_str(),
+                   worst_by_.empty() ? "" : (", by " + worst_by_).c_str()) +
             format_frame_range(outside_frames_) + "\n";
   }
   text += fades_.text();

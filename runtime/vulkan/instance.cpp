@@ -76,11 +76,23 @@ bool extension_offered(const char* name) {
       name);
 }
 
+// Those of Vulkan on Metal are offered to who asks for them. `extensions` are those of `info`.
+void ask_for_portability(VkInstanceCreateInfo& info, std::vector<const char*>& extensions) {
+  if (extension_offered(VK_KHR_PORTABILITY_ENUMERATION_EXTENSION_NAME)) {
+    extensions.push_back(VK_KHR_PORTABILITY_ENUMERATION_EXTENSION_NAME);
+    info.flags |= VK_INSTANCE_CREATE_ENUMERATE_PORTABILITY_BIT_KHR;
+  }
+  info.enabledExtensionCount = static_cast<std::uint32_t>(extensions.size());
+  info.ppEnabledExtensionNames = extensions.data();
+}
+
 // By an instance that is never destroyed. Else the loader closes the drivers with the last instance, and NVIDIA's (580)
 // cannot be opened more than some thirty times by one process, nor by several threads at once.
 void keep_drivers_loaded() {
   [[maybe_unused]] static const VkInstance kept = [] {
-    const auto info = structure<VkInstanceCreateInfo>(VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO);
+    std::vector<const char*> extensions;
+    auto info = structure<VkInstanceCreateInfo>(VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO);
+    ask_for_portability(info, extensions);
     VkInstance instance = VK_NULL_HANDLE;
     vkCreateInstance(&info, nullptr, &instance);  // fails where there is no driver to keep
     return instance;
@@ -112,7 +124,6 @@ std::vector<std::string> ValidationLog::messages() const {
 
 Instance::Instance(bool validation, const std::vector<const char*>& wanted) : log_(std::make_shared<ValidationLog>()) {
   if (!missing_functions().empty()) return;
-  keep_drivers_loaded();
   if (validation && !layer_installed()) {
     throw Error(ErrorKind::device, std::string("Vulkan validation was asked for, but the layer ") + kValidationLayer +
                                        " is not installed (Debian package: vulkan-validationlayers)");
@@ -145,12 +156,7 @@ Instance::Instance(bool validation, const std::vector<const char*>& wanted) : lo
     info.ppEnabledLayerNames = &kValidationLayer;
     extensions.push_back(VK_EXT_DEBUG_UTILS_EXTENSION_NAME);
   }
-  if (extension_offered(VK_KHR_PORTABILITY_ENUMERATION_EXTENSION_NAME)) {  // Vulkan on Metal
-    extensions.push_back(VK_KHR_PORTABILITY_ENUMERATION_EXTENSION_NAME);
-    info.flags |= VK_INSTANCE_CREATE_ENUMERATE_PORTABILITY_BIT_KHR;
-  }
-  info.enabledExtensionCount = static_cast<std::uint32_t>(extensions.size());
-  info.ppEnabledExtensionNames = extensions.data();
+  ask_for_portability(info, extensions);
   const VkResult result = vkCreateInstance(&info, nullptr, &handle_);
   if (result == VK_ERROR_INCOMPATIBLE_DRIVER) return;  // no driver on this machine
   check(result, "vkCreateInstance");

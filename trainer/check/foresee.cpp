@@ -1,6 +1,7 @@
 #include "trainer/check/foresee.h"
 
 #include <algorithm>
+#include <array>
 #include <initializer_list>
 #include <map>
 #include <numeric>
@@ -48,6 +49,8 @@ std::string remedy_for(const std::string& why) {
       {"more than two triangles", "part the faces that are fused along an edge (Blender: select Non Manifold, split)"},
       {"wind oppositely", "turn its faces the same way (Blender: Recalculate Outside); --picture shows where"},
       {"intersect", "move apart, at rest, what passes through itself; --picture shows where"},
+      {"belong to no triangle", "delete its loose vertices (Blender: Delete Loose)"},
+      {"no triangles", "export the skin with its faces"},
       {"it is flat", "give it a thickness (Blender: Solidify)"},
       {"a large piece", "join that piece to the body, or give it the weights of the skin that it is to ride on"},
       {"pieces", "join the pieces to one skin"},
@@ -98,7 +101,12 @@ std::vector<RestPlace> places_of(const Character& character, const Vertices& ver
 // Vertices at edges that a single triangle has, and at those that two triangles run through in the same direction.
 void find_bad_edges(const Character& character, CharacterForesight& result) {
   std::map<JointPair, std::pair<int, int>> uses;  // of an edge's vertices: from the lower to the higher, and back
+  std::set<std::array<std::uint32_t, 3>> known;
   for (Eigen::Index t = 0; t < character.triangles.rows(); ++t) {
+    std::array<std::uint32_t, 3> corners;
+    for (int k = 0; k < 3; ++k) corners[static_cast<std::size_t>(k)] = character.triangles(t, k);
+    std::ranges::sort(corners);
+    if (!known.insert(corners).second) continue;  // what is there twice is neither open nor turned
     for (int k = 0; k < 3; ++k) {
       const std::uint32_t a = character.triangles(t, k), b = character.triangles(t, (k + 1) % 3);
       auto& [up, down] = uses[std::minmax(a, b)];
