@@ -315,7 +315,7 @@ TEST_F(PlayedCrowdTest, TheLegendCoversNoneOfTheTwo) {
     ASSERT_TRUE(pixel.has_value());
     furthest = std::max(furthest, static_cast<double>((*pixel)[0]));
   }
-  viewport->prompt("orbit 0.01 0");  // so that nothing is framed anew
+  viewport->prompt("dolly 0.01");  // so that nothing is framed anew
   const Image with = viewport->screen.picture;
   viewport->prompt("legend off");
   const Image without = viewport->screen.picture;

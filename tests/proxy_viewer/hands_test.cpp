@@ -290,9 +290,8 @@ TEST_F(HandsTest, SequencesAreWithoutPanelsAndTheScriptWaitsForThem) {
   for (int frame = 4; frame <= 6; ++frame) each.push_back("frame " + std::to_string(frame));
   each.emplace_back("frame 9; in 3; out 6; panels on");
   const std::vector<Image> expected = headless_after_each(each);
-  const auto viewport =
-      open(small(),
-           "frame 9; dolly 1; compare ddm; in 3; out 6; sequence s.####.png; hud off; screenshot after.png; quit");
+  const auto viewport = open(
+      small(), "frame 9; dolly 1; compare ddm; in 3; out 6; sequence s.####.png; hud off; screenshot after.png; quit");
   EXPECT_TRUE(viewport->is_done());
   for (std::size_t k = 0; k < 4; ++k) {
     EXPECT_TRUE(read_png("s.000" + std::to_string(3 + k) + ".png").rgba == expected[k].rgba) << k;
