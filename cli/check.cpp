@@ -2,15 +2,12 @@
 #include "trainer/check/check.h"
 
 #include <algorithm>
-#include <array>
 #include <filesystem>
-#include <span>
 
 #include "assets/wording.h"
 #include "cli/arguments/common.h"
 #include "geometry/extent.h"
-#include "geometry/vertex_normals.h"
-#include "report/region_picture.h"
+#include "report/places_picture.h"
 #include "runtime/core/error.h"
 #include "runtime/core/file_kind.h"
 #include "trainer/check/foresee.h"
@@ -55,52 +52,12 @@ std::string places_text(const std::vector<RestPlace>& places, bool of_two, std::
   return text;
 }
 
-// From the front, and from every side that most skin of a place faces.
-std::vector<std::array<float, 3>> sides_of(const Character& character, const std::vector<RestPlace>& places) {
-  constexpr std::array<std::array<float, 3>, 6> kSides = {
-      {{0, 0, 1}, {0, 0, -1}, {1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}}};
-  constexpr double kFacing = 0.5;  // cosine
-  const Positions normals = vertex_normals(character.vertices, character.triangles).rowwise().normalized();
-  std::array<bool, kSides.size()> is_seen = {true};
-  for (const RestPlace& place : places) {
-    std::array<int, kSides.size()> facing{};
-    for (const std::uint32_t v : place.vertices) {
-      for (std::size_t s = 0; s < kSides.size(); ++s) {
-        const Eigen::RowVector3d side(kSides[s][0], kSides[s][1], kSides[s][2]);
-        if (normals.row(v).dot(side) > kFacing) ++facing[s];
-      }
-    }
-    is_seen[static_cast<std::size_t>(std::max_element(facing.begin(), facing.end()) - facing.begin())] = true;
-  }
-  std::vector<std::array<float, 3>> sides;
-  for (std::size_t s = 0; s < kSides.size(); ++s) {
-    if (is_seen[s]) sides.push_back(kSides[s]);
-  }
-  return sides;
-}
-
-// The skin with these places coloured and numbered in their order, a vertex by the first that has it.
+// The places, numbered in their order.
 void draw_places(const Character& character, const std::vector<RestPlace>& places, const std::string& path) {
-  std::vector<int> place_of(static_cast<std::size_t>(character.vertices.rows()), -1);
-  for (std::size_t p = places.size(); p-- > 0;) {
-    for (const std::uint32_t v : places[p].vertices) place_of[v] = static_cast<int>(p);
-  }
-  std::vector<std::vector<std::uint32_t>> vertices(places.size() + 1);  // the last: the rest
-  for (std::uint32_t v = 0; v < place_of.size(); ++v) {
-    vertices[place_of[v] < 0 ? places.size() : static_cast<std::size_t>(place_of[v])].push_back(v);
-  }
-  const std::vector<double> whole(place_of.size(), 1.0);
-  std::vector<DrawnRegion> drawn;
-  for (const std::vector<std::uint32_t>& of_place : vertices) {
-    drawn.push_back({of_place, std::span(whole).first(of_place.size())});
-  }
-  std::vector<std::array<float, 3>> colours = region_colours(drawn, place_of.size());
-  colours.back() = {0.3f, 0.3f, 0.3f};
-  const std::vector<float> skin(character.vertices.data(), character.vertices.data() + character.vertices.size());
-  const std::span<const std::uint32_t> triangles(character.triangles.data(),
-                                                 static_cast<std::size_t>(character.triangles.size()));
+  std::vector<VertexList> vertices;
+  for (const RestPlace& place : places) vertices.push_back(place.vertices);
   Renderer renderer;
-  write_png(region_picture(renderer, skin, triangles, drawn, colours, 700, 1000, sides_of(character, places)), path);
+  write_png(places_picture(renderer, character.vertices, character.triangles, vertices, 700, 1000), path);
 }
 
 Json verbs_json(const std::vector<VerbForesight>& foreseen) {

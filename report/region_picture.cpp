@@ -199,12 +199,13 @@ Image region_picture(Renderer& renderer, std::span<const float> skin, std::span<
                      std::span<const DrawnRegion> regions, std::span<const std::array<float, 3>> colours,
                      std::uint32_t panel_width, std::uint32_t panel_height,
                      std::span<const std::array<float, 3>> directions) {
-  std::vector<float> blended(skin.size(), 0.0f);
+  constexpr float kInNone = 0.3f;  // grey, linear
+  std::vector<float> blended(skin.size(), kInNone);
   for (std::size_t r = 0; r < regions.size(); ++r) {
     for (std::size_t k = 0; k < regions[r].vertices.size(); ++k) {
       for (std::size_t i = 0; i < 3; ++i) {
         blended[3 * std::size_t{regions[r].vertices[k]} + i] +=
-            static_cast<float>(regions[r].weights[k]) * colours[r][i];
+            static_cast<float>(regions[r].weights[k]) * (colours[r][i] - kInNone);
       }
     }
   }

@@ -12,7 +12,7 @@ namespace bodyopt {
 
 struct DrawnRegion {
   std::span<const std::uint32_t> vertices;
-  std::span<const double> weights;  // as many; of all regions together 1 at every vertex
+  std::span<const double> weights;  // as many; of all regions together 1 at most at every vertex
 };
 
 // A colour for every region (linear RGB), none twice, those of regions that share vertices as different as may be.
@@ -21,7 +21,7 @@ std::vector<std::array<float, 3>> region_colours(std::span<const DrawnRegion> re
 constexpr std::array<std::array<float, 3>, 2> kFrontAndBack = {{{0, 0, 1}, {0, 0, -1}}};
 
 // The skin (V x 3, T x 3) seen from these directions (towards the camera), a panel each, coloured by its regions, each
-// with its number (from 1) where it is seen. Throws what Renderer::draw throws.
+// with its number (from 1) where it is seen; what is in no region is grey. Throws what Renderer::draw throws.
 Image region_picture(Renderer& renderer, std::span<const float> skin, std::span<const std::uint32_t> triangles,
                      std::span<const DrawnRegion> regions, std::span<const std::array<float, 3>> colours,
                      std::uint32_t panel_width, std::uint32_t panel_height,

@@ -8,6 +8,7 @@
 
 #include "report/number_label.h"
 #include "tests/draw/sphere.h"
+#include "tests/report/white_dots.h"
 
 namespace bodyopt {
 namespace {
@@ -38,19 +39,11 @@ TEST(RegionColours, AreDifferentAndMostOfAllForNeighbours) {
   EXPECT_GT(least_of_neighbours, 0.3);
 }
 
-std::size_t whites(const Image& image, std::size_t begin, std::size_t end) {
-  std::size_t count = 0;
-  for (std::size_t y = 0; y < image.height; ++y) {
-    for (std::size_t x = begin; x < end; ++x) count += image.rgba[4 * (y * image.width + x)] == 255 ? 1 : 0;
-  }
-  return count;
-}
-
 TEST(NumberLabel, HasTheDotsOfItsDigitsAndStaysInside) {
   for (const auto& [x, y] : {std::pair(20, 20), std::pair(-50, 900)}) {
     Image image{40, 40, std::vector<std::uint8_t>(std::size_t{4} * 40 * 40, 100)};
     draw_number(image, 18, x, y);
-    EXPECT_EQ(whites(image, 0, 40), 9u * (8 + 13));  // dots of 3 x 3 pixels: 8 in this 1, 13 in the 8
+    EXPECT_EQ(testing::white_dots(image, 0, 40), 8u + 13);  // 8 in this 1, 13 in the 8
   }
 }
 
@@ -76,8 +69,8 @@ TEST(RegionPicture, ShowsEveryRegionWhereItIsSeen) {
   };
   EXPECT_GT(sum(0, 0), 2 * sum(0, 2));
   EXPECT_GT(sum(200, 2), 2 * sum(200, 0));
-  EXPECT_EQ(whites(image, 0, 200), 9u * 8);     // a 1 in front
-  EXPECT_EQ(whites(image, 200, 400), 9u * 11);  // a 2 behind
+  EXPECT_EQ(testing::white_dots(image, 0, 200), 8u);     // a 1 in front
+  EXPECT_EQ(testing::white_dots(image, 200, 400), 11u);  // a 2 behind
 }
 
 TEST(RegionPicture, NumbersNothingThatStandsBehindTheBody) {
