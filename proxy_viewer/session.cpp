@@ -15,6 +15,7 @@
 #include "proxy_viewer/scene/pinned_joints.h"
 #include "proxy_viewer/scene/truth_times.h"
 #include "runtime/core/error.h"
+#include "runtime/core/file_kind.h"
 #include "runtime/deformer/outside.h"
 #include "runtime/modifiers/drive_modifiers.h"
 #include "trainer/transfer/markers_file.h"
@@ -65,7 +66,8 @@ std::vector<std::string> Session::open_first() {
   }
   if (fs::exists(file) && !dataset && !is_character(file)) {
     throw Error(ErrorKind::usage,
-                file + ": a basis (.safetensors) or a character (.glb, .gltf) must come before its clips and caches");
+                file + ": a basis (.safetensors) or a character (.glb, .gltf) must come before its clips and caches" +
+                    looks_like(file));
   }
   ActorFiles files = dataset ? files_of_dataset(file) : ActorFiles{.basis = file};
   files.proxy = options_.proxy;

@@ -10,7 +10,7 @@ std::string looks_like(const std::filesystem::path& path) {
   std::string start(512, '\0');
   file.read(start.data(), static_cast<std::streamsize>(start.size()));
   start.resize(static_cast<std::size_t>(file.gcount()));
-  if (!file.is_open()) return "";
+  if (!file.is_open() || std::filesystem::is_directory(path)) return "";
   if (start.empty()) return "; it is empty";
   const std::pair<const char*, const char*> kinds[] = {
       {"glTF", "a binary glTF file (.glb)"},

@@ -1,6 +1,8 @@
 // What `bodyopt view` opens, without a window.
 #include <gtest/gtest.h>
 
+#include <fstream>
+
 #include "tests/proxy_viewer/small_character.h"
 #include "tests/support/gpu_fixture.h"
 #include "tests/support/limb_glb.h"
@@ -119,6 +121,11 @@ TEST_F(ViewProgramTest, WithoutAWindowSomethingIsToBeWritten) {
   expect(view(shown + " --do 'frame 3; wire on'"), 64, "screenshot");
   expect(view(shown + " --do 'frame 3; screenshot " + path("b.png") + "'"), 0, "");
   EXPECT_TRUE(std::filesystem::exists(path("b.png")));
+}
+
+TEST_F(ViewProgramTest, WhatIsNoCharacterIsNamedWithItsRemedy) {
+  std::ofstream(path("hero.fbx")) << "Kaydara FBX Binary  ";
+  expect(view(path("hero.fbx") + " -o " + path("a.png")), 64, "an FBX file: Blender imports it and exports .glb");
 }
 
 TEST_F(ViewProgramTest, FramesThatTheClipLacksAreRefused) {
