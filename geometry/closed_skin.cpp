@@ -2,17 +2,14 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <map>
-#include <utility>
+#include <string>
+#include <vector>
 
+#include "geometry/bad_edges.h"
 #include "runtime/core/error.h"
 
 namespace bodyopt {
 namespace {
-
-struct EdgeUse {
-  int forward = 0, backward = 0;
-};
 
 [[noreturn]] void refuse(const std::string& defect, const std::string& cause) {
   throw Error(ErrorKind::mismatch, "the skin encloses no volume to simulate: " + defect + " (" + cause + ")");
@@ -23,29 +20,19 @@ struct EdgeUse {
 void require_closed(const Positions& vertices, const Triangles& triangles) {
   if (vertices.rows() == 0 || triangles.rows() == 0) refuse("it has no triangles", "an empty mesh");
   if (!vertices.allFinite()) refuse("a vertex is not a finite number", "a damaged file");
-  std::map<std::pair<std::uint32_t, std::uint32_t>, EdgeUse> edges;
   std::vector<bool> used(static_cast<std::size_t>(vertices.rows()), false);
   for (Eigen::Index t = 0; t < triangles.rows(); ++t) {
-    for (int k = 0; k < 3; ++k) {
-      const std::uint32_t a = triangles(t, k), b = triangles(t, (k + 1) % 3);
-      if (a >= used.size()) refuse("triangle " + std::to_string(t) + " names a missing vertex", "a damaged file");
-      used[a] = true;
-      EdgeUse& use = edges[std::minmax(a, b)];
-      (a < b ? use.forward : use.backward)++;
+    for (const std::uint32_t vertex : triangles.row(t)) {
+      if (vertex >= used.size()) refuse("triangle " + std::to_string(t) + " names a missing vertex", "a damaged file");
+      used[vertex] = true;
     }
   }
-  int open = 0, shared = 0, flipped = 0;
-  for (const auto& [edge, use] : edges) {
-    const int count = use.forward + use.backward;
-    open += count == 1 ? 1 : 0;
-    shared += count > 2 ? 1 : 0;
-    flipped += count == 2 && use.forward != use.backward ? 1 : 0;
-  }
-  std::size_t loose = 0;
-  for (const bool u : used) loose += u ? 0 : 1;
-  if (open > 0) refuse("open: " + std::to_string(open) + " boundary edges", "holes, sheets or missing faces");
-  if (shared > 0) refuse(std::to_string(shared) + " edges join more than two triangles", "parts fused along an edge");
-  if (flipped > 0) refuse(std::to_string(flipped) + " edges join triangles that wind oppositely", "flipped faces");
+  const auto [open, shared, flipped] = find_bad_edges(triangles);
+  const auto loose = std::count(used.begin(), used.end(), false);
+  const auto number = [](const std::vector<VertexPair>& edges) { return std::to_string(edges.size()); };
+  if (!open.empty()) refuse("open: " + number(open) + " boundary edges", "holes, sheets or missing faces");
+  if (!shared.empty()) refuse(number(shared) + " edges join more than two triangles", "parts fused along an edge");
+  if (!flipped.empty()) refuse(number(flipped) + " edges join triangles that wind oppositely", "flipped faces");
   if (loose > 0) refuse(std::to_string(loose) + " vertices belong to no triangle", "loose points in the mesh");
 }
 

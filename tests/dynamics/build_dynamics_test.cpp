@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <omp.h>
 
+#include <cstdio>
 #include <functional>
 
 #include "runtime/core/error.h"
@@ -72,6 +73,23 @@ TEST(BuildDynamics, AnotherCharactersBasisIsRefused) {
 }
 
 // Before tets are looked for, of which there would be none so few.
+// A skin that cannot be filled: where one has to look.
+TEST(BuildDynamics, ARefusalNamesJointAndPlace) {
+  Character sheet = make_limb();
+  sheet.triangles = sheet.triangles.topRows(sheet.triangles.rows() / 2).eval();
+  try {
+    build_dynamics(sheet, {}, build_ddm_basis(sheet, {}), {});
+    FAIL() << "filled";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), ErrorKind::mismatch);
+    const std::string said = error.what(), place = "; the skin is open at 'upper' (";
+    ASSERT_NE(said.find(place), std::string::npos) << said;
+    double x = -1, y = -1, z = -1;
+    ASSERT_EQ(std::sscanf(said.c_str() + said.find(place) + place.size(), "%lf %lf %lf m)", &x, &y, &z), 3) << said;
+    EXPECT_LT((sheet.vertices.rowwise() - Eigen::RowVector3d(x, y, z)).rowwise().norm().minCoeff(), 1e-3);
+  }
+}
+
 TEST(BuildDynamics, NamesThatAreNotThereAreRefusedFirst) {
   const Character limb = make_limb();
   const Basis basis = build_ddm_basis(limb, {});

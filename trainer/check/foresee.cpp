@@ -11,6 +11,7 @@
 
 #include "assets/wording.h"
 #include "base/progress.h"
+#include "geometry/bad_edges.h"
 #include "geometry/closed_skin.h"
 #include "geometry/extent.h"
 #include "geometry/point_grid.h"
@@ -98,29 +99,22 @@ std::vector<RestPlace> places_of(const Character& character, const Vertices& ver
   return places_of(character, found, 1);
 }
 
-// Vertices at edges that a single triangle has, and at those that two triangles run through in the same direction.
-void find_bad_edges(const Character& character, CharacterForesight& result) {
-  std::map<JointPair, std::pair<int, int>> uses;  // of an edge's vertices: from the lower to the higher, and back
+// Without those that are there twice: they are neither open nor turned.
+Triangles each_once(const Triangles& triangles) {
   std::set<std::array<std::uint32_t, 3>> known;
-  for (Eigen::Index t = 0; t < character.triangles.rows(); ++t) {
-    std::array<std::uint32_t, 3> corners;
-    for (int k = 0; k < 3; ++k) corners[static_cast<std::size_t>(k)] = character.triangles(t, k);
+  std::vector<Eigen::Index> kept;
+  for (Eigen::Index t = 0; t < triangles.rows(); ++t) {
+    std::array<std::uint32_t, 3> corners = {triangles(t, 0), triangles(t, 1), triangles(t, 2)};
     std::ranges::sort(corners);
-    if (!known.insert(corners).second) continue;  // what is there twice is neither open nor turned
-    for (int k = 0; k < 3; ++k) {
-      const std::uint32_t a = character.triangles(t, k), b = character.triangles(t, (k + 1) % 3);
-      auto& [up, down] = uses[std::minmax(a, b)];
-      ++(a < b ? up : down);
-    }
+    if (known.insert(corners).second) kept.push_back(t);
   }
-  std::set<std::uint32_t> open, flipped;
-  for (const auto& [edge, use] : uses) {
-    const auto& [up, down] = use;
-    if (up + down == 1) open.insert({edge.first, edge.second});
-    if (up + down == 2 && up != down) flipped.insert({edge.first, edge.second});
-  }
-  result.holes = places_of(character, open);
-  result.flipped = places_of(character, flipped);
+  return triangles(kept, Eigen::all);
+}
+
+std::set<std::uint32_t> vertices_of(const std::vector<VertexPair>& edges) {
+  std::set<std::uint32_t> vertices;
+  for (const auto& [a, b] : edges) vertices.insert({a, b});
+  return vertices;
 }
 
 std::vector<std::uint32_t> vertices_of_riders(const Character& character, const FillableSkin& fillable) {
@@ -379,7 +373,9 @@ CharacterForesight foresee(const Character& character, const std::vector<Clip>& 
   } catch (const Error& error) {
     if (error.kind() != ErrorKind::mismatch) throw;  // the verbs say why
   }
-  find_bad_edges(character, result);
+  const BadEdges bad = find_bad_edges(each_once(character.triangles));
+  result.holes = places_of(character, vertices_of(bad.open));
+  result.flipped = places_of(character, vertices_of(bad.flipped));
   progress.advance();
   result.near_parts = near_parts_of(character);
   progress.advance();

@@ -12,6 +12,7 @@
 #include "runtime/core/strict_json.h"
 #include "runtime/deformer/deformer.h"
 #include "trainer/dynamics/core_springs.h"
+#include "trainer/dynamics/defect_places.h"
 #include "trainer/dynamics/diffuse.h"
 #include "trainer/dynamics/jiggle.h"
 #include "trainer/dynamics/lowest_frequency.h"
@@ -46,6 +47,17 @@ std::vector<Positions> posed_skins(const Basis& basis, const std::vector<Pose>& 
     }
   }
   return skins;
+}
+
+// A refusal says where the skin is amiss.
+DynamicsTets tets_of(const Character& character, const Basis& basis, const DynamicsOptions& options) {
+  const std::vector<Positions> poses = posed_skins(basis, options.poses);
+  try {
+    return make_dynamics_tets(character.vertices, character.triangles, character.weights, options.resolution, poses);
+  } catch (const Error& error) {
+    if (error.kind() != ErrorKind::mismatch) throw;
+    throw Error(error.kind(), error.what() + defect_places(character));
+  }
 }
 
 Json report_of(const Dynamics& dynamics, const DynamicsTets& tets, const JiggleAnatomy& anatomy,
@@ -85,8 +97,7 @@ Dynamics build_dynamics(const Character& character, const std::vector<Muscle>& m
   require_names(options.settings, character, muscles, options.painted);
 
   Progress progress("dynamics", 4);
-  const DynamicsTets tets = make_dynamics_tets(ordered.vertices, ordered.triangles, ordered.weights, options.resolution,
-                                               posed_skins(basis, options.poses));
+  const DynamicsTets tets = tets_of(ordered, basis, options);
   const TetMesh& mesh = tets.cage.mesh;
   progress.advance();
   JiggleAnatomy anatomy = find_anatomy(ordered, muscles, tets.cage, options.materials);
