@@ -66,10 +66,23 @@ struct RigFile {
   std::string text;
 };
 
+// Those that are named; without any, those of people, as far as the names of the joints tell what they are.
+std::vector<anatomy::CarriedMapping> mappings_of(const RigArguments& arguments, const Skeleton& skeleton) {
+  std::vector<anatomy::CarriedMapping> mappings;
+  for (const std::string& path : arguments.mappings) mappings.push_back(anatomy::carried_mapping(path, skeleton));
+  if (!mappings.empty()) return mappings;
+  mappings = anatomy::first_mappings(skeleton);
+  if (mappings.empty()) {
+    spdlog::warn(
+        "no mapping of muscles: too few joints have names that tell which is a thigh or an upper arm of a person "
+        "(write one, or give that of another rig: --mapping)");
+  }
+  return mappings;
+}
+
 void add_mappings(const RigArguments& arguments, const Skeleton& skeleton, std::vector<RigFile>& files) {
-  for (const std::string& path : arguments.mappings) {
-    const anatomy::CarriedMapping mapping = anatomy::carried_mapping(path, skeleton);
-    const fs::path out = fs::path(arguments.out) / fs::path(path).filename();
+  for (const anatomy::CarriedMapping& mapping : mappings_of(arguments, skeleton)) {
+    const fs::path out = fs::path(arguments.out) / mapping.name;
     files.push_back({out, bodyopt::text_of(mapping.json, out)});
     if (mapping.unknown.empty()) continue;
     spdlog::warn("{}: the character has no joint that is known to be {}: write its own in their place", out.string(),
@@ -145,14 +158,15 @@ void add_rig(CLI::App& app) {
   auto arguments = std::make_shared<RigArguments>();
   CLI::App& verb = *app.add_subcommand("rig", "First joint limits, jiggle settings and regions of a rig, to be edited");
   verb.add_option("character", arguments->character, "Character (.glb, .gltf)")->required()->type_name("CHARACTER");
-  verb.add_option("--out", arguments->out, "Folder for limits.json, jiggle.json, regions.json")
+  verb.add_option("--out", arguments->out, "Folder for limits.json, jiggle.json, regions.json and mappings of muscles")
       ->required()
       ->type_name("DIR")
       ->check(refuse_empty);
   verb.add_option("--clip", arguments->clips, "Clips that show how far joints go (default: the character's own)")
       ->type_name("CLIP");
   verb.add_option("--mapping", arguments->mappings,
-                  "Mappings of muscles for another rig, to be written with this rig's joints")
+                  "Mappings of muscles for another rig, to be written with this rig's joints (default: those of a "
+                  "person's legs, trunk and arms)")
       ->type_name("FILE");
   add_joint_map(verb, arguments->joint_map);
   add_unit(verb, arguments->unit);

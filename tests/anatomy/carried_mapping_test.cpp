@@ -45,5 +45,23 @@ TEST(CarriedMapping, MirrorsByTheNewNamesAndIsReadAgain) {
   EXPECT_EQ(read.mirrored_joint("hand_r"), "hand_l");
 }
 
+// Of a rig with legs alone, those of the legs; every segment says where its joint is from, and is read again.
+TEST(FirstMappings, AreThoseWhoseJointsTheRigHas) {
+  const std::vector<CarriedMapping> mappings =
+      first_mappings(rig({"pelvis", "spine_01", "thigh_r", "calf_r", "foot_r", "thigh_l", "calf_l", "foot_l"}));
+  ASSERT_EQ(mappings.size(), 1u);
+  EXPECT_EQ(mappings[0].name, "gait2392.json");
+  EXPECT_EQ(mappings[0].unknown.size(), 2u);  // toes
+  const Json& segments = mappings[0].json.at("segments");
+  EXPECT_EQ(segments[2].at("joint"), "thigh_r");
+  EXPECT_EQ(segments[2].at("source"), "the right thigh by its name");
+  EXPECT_NE(segments[5].at("source").get<std::string>().find("write it here"), std::string::npos);
+  const TemporaryFolder folder;
+  write_json(mappings[0].json, folder / mappings[0].name);
+  EXPECT_EQ(read_mapping(folder / mappings[0].name).segments.size(), segments.size());
+
+  EXPECT_TRUE(first_mappings(rig({"joint0", "joint1", "joint2"})).empty());
+}
+
 }  // namespace
 }  // namespace bodyopt::anatomy

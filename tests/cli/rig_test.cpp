@@ -17,6 +17,7 @@ TEST(RigVerb, WritesWhatTheOtherVerbsRead) {
   const std::string rig = (folder / "rig").string(), rom = (folder / "rom.glb").string(), unit = " --unit 0.01";
   const ProgramResult made = run_bodyopt("rig " + limb.character + unit + " --clip " + limb.motion + " --out " + rig);
   ASSERT_EQ(made.exit_code, 0) << made.output;
+  EXPECT_NE(made.output.find("no mapping of muscles"), std::string::npos) << made.output;
   const Json limits = read_json(rig + "/limits.json", "bodyopt-joint-limits-1");
   for (const Json& dof : limits.at("dofs")) EXPECT_FALSE(dof.at("source").get<std::string>().empty());
   EXPECT_FALSE(read_json(rig + "/regions.json", "bodyopt-regions-1").at("source").get<std::string>().empty());

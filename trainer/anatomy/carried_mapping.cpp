@@ -6,6 +6,7 @@
 #include <set>
 
 #include "assets/joint_roles.h"
+#include "trainer/anatomy/human_mappings.h"
 #include "trainer/anatomy/mapping.h"
 
 namespace bodyopt::anatomy {
@@ -42,34 +43,64 @@ JointRole other_side(JointRole role) {
   return role;
 }
 
-}  // namespace
+std::string name_of(const JointRole& role) {
+  constexpr const char* kParts[] = {"hips",         "spine",         "neck",        "head",         "hip joint",
+                                    "thigh",        "shin",          "foot",        "toe",          "clavicle",
+                                    "upper arm",    "forearm",       "hand",        "palm",         "thumb",
+                                    "index finger", "middle finger", "ring finger", "little finger"};
+  constexpr const char* kSides[] = {"", "left ", "right "};
+  return kSides[static_cast<std::size_t>(role.side)] + std::string(kParts[static_cast<std::size_t>(role.part)]);
+}
 
-CarriedMapping carried_mapping(const std::filesystem::path& path, const Skeleton& skeleton) {
-  const bool mirrors = !read_mapping(path).mirror_joints.empty();
-  CarriedMapping result{read_json(path, "bodyopt-muscle-mapping-1"), {}};
+// `json`: of a mapping that read_mapping() accepts.
+CarriedMapping carry(const std::string& name, const Json& json, const Skeleton& skeleton) {
+  CarriedMapping result{name, json, {}};
   std::vector<NamedJoint> named;
-  for (const std::string& name : named_by(result.json)) named.push_back({name, -1});
+  for (const std::string& joint : named_by(json)) named.push_back({joint, -1});
   const Roles there = roles_by_name(named), here = roles_by_name(named_joints(skeleton));
-  std::map<std::string, std::string> exchange;
+  std::map<std::string, std::string> exchange, source;
   Json mirror = Json::array();
   for (const NamedJoint& joint : named) {
     const auto role = there.find(joint.name);
     const std::optional<std::string> found = role == there.end() ? std::nullopt : joint_of(here, role->second);
     exchange[joint.name] = found.value_or(joint.name);
     if (!found) {
+      source[joint.name] =
+          "no name of this rig's joints tells which does what '" + joint.name + "' does: write it here";
       result.unknown.push_back(joint.name);
       continue;
     }
+    source[joint.name] = "the " + name_of(role->second) + " by its name";
     const std::optional<std::string> other = joint_of(here, other_side(role->second));
     if (role->second.side != BodySide::middle && other) mirror.push_back({*found, *other});
   }
   for (Json& segment : result.json.at("segments")) {
-    segment["joint"] = exchange.at(segment["joint"].get<std::string>());
+    const auto joint = segment["joint"].get<std::string>();
+    segment["joint"] = exchange.at(joint);
+    segment["source"] = source.at(joint);
     for (Json& centre : segment.at("centres")) centre[1] = exchange.at(centre[1].get<std::string>());
   }
-  if (mirrors) result.json["mirror_joints"] = mirror;
-  result.json["source"] = path.filename().string() + ", its joints exchanged for those of this rig that do the same";
+  if (json.contains("mirror_joints") && !json.at("mirror_joints").empty()) result.json["mirror_joints"] = mirror;
+  result.json["source"] = name + ", its joints exchanged for those of this rig that do the same";
   return result;
+}
+
+}  // namespace
+
+CarriedMapping carried_mapping(const std::filesystem::path& path, const Skeleton& skeleton) {
+  read_mapping(path);  // throws where it is none
+  return carry(path.filename().string(), read_json(path, "bodyopt-muscle-mapping-1"), skeleton);
+}
+
+std::vector<CarriedMapping> first_mappings(const Skeleton& skeleton) {
+  std::vector<CarriedMapping> mappings;
+  for (const auto& [name, text] :
+       {std::pair("gait2392.json", kGait2392Mapping), std::pair("myo_arm.json", kMyoArmMapping)}) {
+    const Json json = Json::parse(text);
+    CarriedMapping mapping = carry(name, json, skeleton);
+    if (2 * mapping.unknown.size() <= named_by(json).size()) mappings.push_back(std::move(mapping));
+  }
+  return mappings;
 }
 
 }  // namespace bodyopt::anatomy

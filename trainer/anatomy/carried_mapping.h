@@ -11,11 +11,16 @@
 namespace bodyopt::anatomy {
 
 struct CarriedMapping {
-  Json json;                         // as the file's, to be written
+  std::string name;                  // the file's, without folders
+  Json json;                         // as the file's, to be written; every segment says where its joint is from
   std::vector<std::string> unknown;  // joints for which this rig has none of the same role: their names stay
 };
 
 // Joints are exchanged for those of the same role (joint_roles). Throws Error(file) as read_mapping().
 CarriedMapping carried_mapping(const std::filesystem::path& path, const Skeleton& skeleton);
+
+// Those of rigs/human that make up a person (gait2392.json, myo_arm.json), each of which this rig has half of the
+// joints for, at least.
+std::vector<CarriedMapping> first_mappings(const Skeleton& skeleton);
 
 }  // namespace bodyopt::anatomy

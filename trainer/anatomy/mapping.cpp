@@ -42,7 +42,8 @@ NamePair read_pair(const JsonObject& json, const Json& pair, const char* key) {
 }
 
 SegmentMap read_segment_map(const JsonObject& json) {
-  json.allow({"segments", "joint", "centres"});
+  json.allow({"segments", "joint", "centres", "source"});
+  if (json.has("source")) json.text("source");
   SegmentMap map;
   map.segments = read_names(json, "segments");
   if (map.segments.empty()) json.refuse("'segments' is empty");
