@@ -87,7 +87,7 @@ TEST(RegionPicture, NumbersNothingThatStandsBehindTheBody) {
   const std::array<float, 3> colours[] = {{0.8f, 0.02f, 0.02f}, {0.02f, 0.02f, 0.8f}};
   Renderer renderer;
   const Image image = region_picture(renderer, all.positions, all.triangles, regions, colours, 200, 200);
-  EXPECT_EQ(whites(image, 0, 200), 9u * 8);  // a 1, and no 2
+  EXPECT_EQ(testing::white_dots(image, 0, 200), 8u);  // a 1, and no 2
 }
 
 }  // namespace
