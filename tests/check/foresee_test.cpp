@@ -106,6 +106,22 @@ TEST(Foresee, PiecesThatRideAreListedByJoint) {
   EXPECT_EQ(riding, static_cast<std::size_t>(vertices));
 }
 
+// Not the body, with which it shares an edge.
+TEST(Foresee, AFinThatSharesAnEdgeRidesAlone) {
+  Character limb = make_limb();
+  const auto tip = static_cast<std::uint32_t>(limb.vertices.rows());
+  const std::uint32_t a = limb.triangles(40, 0), b = limb.triangles(40, 1);
+  limb.vertices.conservativeResize(tip + 1, 3);
+  const Eigen::RowVector3d middle = 0.5 * (limb.vertices.row(a) + limb.vertices.row(b));
+  limb.vertices.row(tip) = middle + Eigen::RowVector3d(0, 1.5 * middle[1], 1.5 * middle[2]);
+  limb.weights.push_back(limb.weights[a]);
+  limb.triangles.conservativeResize(limb.triangles.rows() + 1, 3);
+  limb.triangles.bottomRows(1) << a, b, tip;
+  const CharacterForesight foresight = foresee(limb);
+  ASSERT_EQ(foresight.riders.size(), 1u);
+  EXPECT_EQ(foresight.riders.front().vertices, std::vector<std::uint32_t>{tip});
+}
+
 // A vertex pulled through the upper limb: found at its joint, mended by all verbs.
 TEST(Foresee, IntersectionsAreListedByJoint) {
   Character limb = make_limb();

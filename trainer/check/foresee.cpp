@@ -15,7 +15,6 @@
 #include "geometry/closed_skin.h"
 #include "geometry/extent.h"
 #include "geometry/point_grid.h"
-#include "geometry/surface_pieces.h"
 #include "geometry/vertex_normals.h"
 #include "runtime/core/error.h"
 #include "trainer/dynamics/build_dynamics.h"
@@ -117,13 +116,10 @@ std::set<std::uint32_t> vertices_of(const std::vector<VertexPair>& edges) {
   return vertices;
 }
 
-std::vector<std::uint32_t> vertices_of_riders(const Character& character, const FillableSkin& fillable) {
-  const SurfacePieces pieces = surface_pieces(character.vertices.rows(), character.triangles);
-  std::set<int> riding;
-  for (const std::uint32_t v : fillable.riders) riding.insert(pieces.of_vertex[v]);
+std::vector<std::uint32_t> vertices_of_riders(const FillableSkin& fillable) {
   std::vector<std::uint32_t> vertices;
-  for (std::uint32_t v = 0; v < pieces.of_vertex.size(); ++v) {
-    if (riding.contains(pieces.of_vertex[v])) vertices.push_back(v);
+  for (std::uint32_t v = 0; v < fillable.host.size(); ++v) {
+    if (fillable.host[v] < 0) vertices.push_back(v);
   }
   return vertices;
 }
@@ -369,7 +365,7 @@ CharacterForesight foresee(const Character& character, const std::vector<Clip>& 
   try {
     const FillableSkin fillable = fillable_skin(character.vertices, character.triangles, character.weights);
     result.intersections = places_of(character, fillable.tangled);
-    result.riders = places_of(character, vertices_of_riders(character, fillable));
+    result.riders = places_of(character, vertices_of_riders(fillable));
   } catch (const Error& error) {
     if (error.kind() != ErrorKind::mismatch) throw;  // the verbs say why
   }
