@@ -44,9 +44,10 @@ std::string places_text(const std::vector<RestPlace>& places, bool of_two, std::
   std::string text;
   for (std::size_t k = 0; k < std::min(places.size(), kShown); ++k) {
     const RestPlace& place = places[k];
-    text += format("%4zu  %s: %zu vertices, one is %u at %.3f %.3f %.3f m\n", first + k,
-                   (place.joint + (of_two ? " and " + place.other : "")).c_str(), place.vertices.size(), place.vertex,
-                   place.position[0], place.position[1], place.position[2]);
+    text += format("%4zu  %s: %s, one is %u at %.3f %.3f %.3f m\n", first + k,
+                   (place.joint + (of_two ? " and " + place.other : "")).c_str(),
+                   count_of(place.vertices.size(), "vertex", "vertices").c_str(), place.vertex, place.position[0],
+                   place.position[1], place.position[2]);
   }
   if (places.size() > kShown) text += format("  and at %zu more\n", places.size() - kShown);
   return text;
