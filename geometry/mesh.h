@@ -14,6 +14,7 @@ struct JointWeight {
   std::uint32_t joint;
   double weight;
 };
+using SkinWeights = std::vector<std::vector<JointWeight>>;  // V
 
 // How much of their weights two vertices have in common: 1 where they follow the same joints alike, 0 of different
 // ones.

@@ -159,7 +159,7 @@ TEST_F(Anatomy, MusclesTakeTheTetsOfTheirBelly) {
 TEST_F(Anatomy, AThinMusclePullsInTheTetAtItsMiddle) {
   Muscle flexor = make_flexor(), thread = make_flexor();
   thread.radius = 1e-3;
-  const Cage cage = lattice_cage(limb_.vertices, limb_.triangles, 300);
+  const Cage cage = lattice_cage(limb_.vertices, limb_.triangles, limb_.weights, 300);
   for (const std::vector<FibreTet>& fibres :
        {label_muscles(mesh_, {flexor, thread}), label_muscles(cage, {flexor, thread})}) {
     const auto pulls = [](const FibreTet& fibre) { return fibre.muscle == 1; };

@@ -67,7 +67,9 @@ TEST(CageBody, ADraftIsNearTheFullShape) {
 
 TEST(CageBody, HashTellsSkinsInOneCageApart) {
   Character limb = make_limb();
-  const auto hash = [&] { return QuasiStaticBody(limb, {}, lattice_cage(limb.vertices, limb.triangles, 200)).hash(); };
+  const auto hash = [&] {
+    return QuasiStaticBody(limb, {}, lattice_cage(limb.vertices, limb.triangles, limb.weights, 200)).hash();
+  };
   const std::uint64_t before = hash();
   EXPECT_EQ(hash(), before);
   limb.vertices(40, 1) += 1e-6;
@@ -79,7 +81,7 @@ TEST(CageBody, FoldsOfADraftAreHeldApart) {
   const Character limb = make_limb();
   const Pose pose = bent(limb, degrees(140));
   const QuasiStaticBody filled(limb, {}, skin_cage(limb.vertices, limb.triangles, 400)),
-      lattice(limb, {}, lattice_cage(limb.vertices, limb.triangles, 400));
+      lattice(limb, {}, lattice_cage(limb.vertices, limb.triangles, limb.weights, 400));
   const double held = filled.solve(pose).status.contact_depth, free = lattice.solve(pose).status.contact_depth;
   EXPECT_GT(free, 0.01);
   EXPECT_LT(held, 0.5 * free);

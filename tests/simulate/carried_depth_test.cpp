@@ -22,8 +22,8 @@ Positions moved(const Cage& cage, double between) {
 
 TEST(CarriedDepth, IsThatOfOneTubeInAnother) {
   const Character both = make_two_limbs(kApart);
-  for (const Cage& cage :
-       {lattice_cage(both.vertices, both.triangles, 800), skin_cage(both.vertices, both.triangles, 800)}) {
+  for (const Cage& cage : {lattice_cage(both.vertices, both.triangles, both.weights, 800),
+                           skin_cage(both.vertices, both.triangles, 800)}) {
     const CarriedDepth depth(both, cage);
     EXPECT_EQ(depth.deepest(cage.mesh.nodes), 0);
     EXPECT_EQ(depth.deepest(moved(cage, 2.1 * kTubeRadius)), 0);
@@ -45,7 +45,7 @@ TEST(CarriedDepth, ALatticesEmptyCornersAreNoTissue) {
   fork.triangles.conservativeResize(triangles + bridge.triangles.rows(), 3);
   fork.triangles.bottomRows(bridge.triangles.rows()) =
       (bridge.triangles.array() + static_cast<std::uint32_t>(prongs)).matrix();
-  const Cage cage = lattice_cage_of_size(fork.vertices, fork.triangles, 0.15);
+  const Cage cage = lattice_cage_of_size(fork.vertices, fork.triangles, fork.weights, 0.15);
   std::vector<bool> slides(static_cast<std::size_t>(cage.mesh.nodes.rows()), false);
   for (Eigen::Index v = prongs / 2; v < prongs; ++v) {
     if (fork.vertices(v, 0) < 0.26) continue;

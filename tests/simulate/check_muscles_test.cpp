@@ -45,7 +45,7 @@ TEST(CheckMuscles, AllOfThemAreNamed) {
 TEST(CheckMuscles, NoTetSizeIsAdvisedInACage) {
   const Character limb = make_limb();
   const std::vector<Muscle> muscles{make_flexor(), thread("a")};
-  const QuasiStaticBody body(limb, muscles, lattice_cage(limb.vertices, limb.triangles, 300));
+  const QuasiStaticBody body(limb, muscles, lattice_cage(limb.vertices, limb.triangles, limb.weights, 300));
   EXPECT_EQ(check_muscles(limb, muscles, body),
             "1 muscle is thinner than the tetrahedra and pulls in one of them alone: 'a'");
 }

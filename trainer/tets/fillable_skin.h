@@ -8,8 +8,6 @@
 
 namespace bodyopt {
 
-using SkinWeights = std::vector<std::vector<JointWeight>>;  // V
-
 struct FillableSkin {
   Positions vertices;                    // H x 3, rest space, metres: moved where the skin passes through itself
   Triangles triangles;                   // closed, wound outwards, free of self-intersections

@@ -10,6 +10,8 @@
 
 #include "geometry/extent.h"
 #include "runtime/core/error.h"
+#include "trainer/tets/apart_skin.h"
+#include "trainer/tets/cut_cubes.h"
 #include "trainer/tets/voxels.h"
 
 namespace bodyopt {
@@ -60,7 +62,8 @@ struct Part {
 
 class CageMaker {
  public:
-  CageMaker(const Positions& vertices, const Triangles& triangles, double cell) : vertices_(vertices), cell_(cell) {
+  CageMaker(const Positions& vertices, const Triangles& triangles, const SkinWeights& weights, double cell)
+      : vertices_(vertices), cell_(cell) {
     const Eigen::Vector3d low = vertices.colwise().minCoeff(), high = vertices.colwise().maxCoeff();
     const double cube = cell / kSubdivision, margin = cube / 2;
     const Eigen::Vector3d cells = ((high - low).array() + 2 * margin).matrix() / cell;
@@ -68,6 +71,7 @@ class CageMaker {
     grid_ = {low - Eigen::Vector3d::Constant(margin), cube, kSubdivision * cells_};
     voxels_ = voxelise(vertices, triangles, grid_);
     const std::vector<int> piece = label_pieces(grid_, voxels_);
+    cuts_ = cut_cubes(vertices, triangles, weights, grid_, voxels_);
     part_.assign(grid_.total(), -1);
     Eigen::Vector3i at;
     for (at[2] = 0; at[2] < cells_[2]; ++at[2]) {
@@ -121,6 +125,7 @@ class CageMaker {
   }
   std::size_t parity(std::size_t part) const { return static_cast<std::size_t>(parts_[part].cell.sum() % 2); }
   const int (&split_of(std::size_t part) const)[5][4] { return kSplit[parity(part)]; }
+  bool is_cut(const Eigen::Vector3i& cube, int axis) const { return cuts_[grid_.index(cube)] >> axis & 1; }
   std::size_t part_at(const Eigen::Vector3i& cube) const { return static_cast<std::size_t>(part_[grid_.index(cube)]); }
 
   template <typename Visit>
@@ -162,7 +167,8 @@ class CageMaker {
             for (int axis = 0; axis < 3; ++axis) {
               for (const int step : {-1, 1}) {
                 const Eigen::Vector3i next = at + step * Eigen::Vector3i::Unit(axis);
-                if (!within(next) || piece[grid_.index(next)] < 0 || part_[grid_.index(next)] >= 0) continue;
+                if (!within(next) || is_cut(step < 0 ? next : at, axis)) continue;
+                if (piece[grid_.index(next)] < 0 || part_[grid_.index(next)] >= 0) continue;
                 part_[grid_.index(next)] = part;
                 open.push_back(next);
               }
@@ -213,7 +219,7 @@ class CageMaker {
       for (int axis = 0; axis < 3; ++axis) {
         const Eigen::Vector3i next = cube + Eigen::Vector3i::Unit(axis);
         if (next[axis] % kSubdivision != 0 || next[axis] == grid_.count[axis]) continue;
-        if (part_[grid_.index(next)] < 0) continue;
+        if (part_[grid_.index(next)] < 0 || is_cut(cube, axis)) continue;
         const std::size_t other = part_at(next), bit = std::size_t{1} << axis;
         for (std::size_t corner = 0; corner < 8; ++corner) {
           if ((corner & bit) == 0) continue;
@@ -271,7 +277,8 @@ class CageMaker {
   Eigen::Vector3i cells_;
   VoxelGrid grid_;
   std::vector<Voxel> voxels_;
-  std::vector<int> part_;  // of every voxel, -1 outside
+  std::vector<std::uint8_t> cuts_;  // of every voxel, as cut_cubes
+  std::vector<int> part_;           // of every voxel, -1 outside
   std::vector<Part> parts_;
   std::vector<std::array<bool, 5>> used_;  // of every part
   std::vector<int> node_;                  // 8 for every part
@@ -285,15 +292,17 @@ double voxel_count(const Positions& vertices, double cell) {
 
 }  // namespace
 
-Cage lattice_cage_of_size(const Positions& vertices, const Triangles& triangles, double cell) {
+Cage lattice_cage_of_size(const Positions& vertices, const Triangles& triangles, const SkinWeights& weights,
+                          double cell) {
   require_mesh(vertices, triangles);
   if (voxel_count(vertices, cell) > kMostVoxels) {
     throw Error(ErrorKind::usage, "a cage with cells of " + std::to_string(cell) + " m is too fine for this skin");
   }
-  return CageMaker(vertices, triangles, cell).make();
+  return CageMaker(vertices, triangles, weights, cell).make();
 }
 
-Cage lattice_cage(const Positions& vertices, const Triangles& triangles, Eigen::Index max_nodes) {
+Cage lattice_cage(const Positions& vertices, const Triangles& triangles, const SkinWeights& weights,
+                  Eigen::Index max_nodes) {
   require_mesh(vertices, triangles);
   constexpr int kAttempts = 12;
   constexpr double kCloseEnough = 0.97, kPower = 1.0 / 2.4;  // nodes fall about with the power -2.4 of the cell
@@ -305,7 +314,7 @@ Cage lattice_cage(const Positions& vertices, const Triangles& triangles, Eigen::
       cell = best ? (cell + *best) / 2 : 1.2 * cell;
       continue;
     }
-    const auto nodes = static_cast<double>(CageMaker(vertices, triangles, cell).node_count());
+    const auto nodes = static_cast<double>(CageMaker(vertices, triangles, weights, cell).node_count());
     const double share = nodes / static_cast<double>(max_nodes);
     if (share <= 1 && (!best || cell < *best)) best = cell;
     if (share <= 1 && share > kCloseEnough) break;
@@ -316,7 +325,7 @@ Cage lattice_cage(const Positions& vertices, const Triangles& triangles, Eigen::
       cell = (*best + coarsest_too_fine) / 2;
     }
   }
-  return CageMaker(vertices, triangles, *best).make();
+  return CageMaker(vertices, triangles, weights, *best).make();
 }
 
 }  // namespace bodyopt

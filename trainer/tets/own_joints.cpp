@@ -7,13 +7,13 @@
 #include <queue>
 #include <utility>
 
+#include "trainer/tets/apart_skin.h"
+
 namespace bodyopt {
 namespace {
 
 constexpr double kOther = 0.5;    // of a vertex' weights: a tet that follows less of them follows other joints
 constexpr double kOwn = 0.8;      // and one that follows as much follows the same
-constexpr double kApart = 0.6;    // of the weights of two vertices in common: less is skin of other joints
-constexpr double kDetour = 3;     // along the skin, times the way through the air: further is not beside it
 constexpr double kFarthest = -4;  // barycentric weight of a vertex outside its tet: further, it would be a spike
 
 // How far along the edges of a skin.
@@ -136,7 +136,7 @@ class CarriedSkin {
     };
     for (int a = 0; a < 4; ++a) {
       for (const std::uint32_t other : carried_[static_cast<std::size_t>(mesh_.tets(tet, a))]) {
-        if (!is_beside(other) && shared_weight(weights_[v], weights_[other]) < kApart) return true;
+        if (!is_beside(other) && shared_weight(weights_[v], weights_[other]) < kSharedByOne) return true;
       }
     }
     return false;
