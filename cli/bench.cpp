@@ -67,8 +67,8 @@ std::size_t frame_bytes(const Basis& basis) {
 }
 
 struct FrameCost {
-  double seconds = 0;                           // of a frame, the median of all batches
-  std::map<std::string, double> stage_seconds;  // of a frame of that batch, summed over threads
+  double seconds = 0;          // of a frame, the median of all batches
+  StageSeconds batch_seconds;  // of all frames of that batch
 };
 
 FrameCost measure(Deformer& deformer, std::span<const Pose> poses, double seconds) {
@@ -80,8 +80,7 @@ FrameCost measure(Deformer& deformer, std::span<const Pose> poses, double second
     const Stopwatch batch;
     FrameCost cost{0, deformer.evaluate(poses).stage_seconds};
     cost.seconds = batch.seconds() / static_cast<double>(poses.size());
-    for (auto& [stage, time] : cost.stage_seconds) time /= static_cast<double>(poses.size());
-    costs.push_back(std::move(cost));
+    costs.push_back(cost);
   } while (watch.seconds() < seconds || costs.size() < 3);
   const auto middle = costs.begin() + static_cast<std::ptrdiff_t>(costs.size() / 2);
   std::nth_element(costs.begin(), middle, costs.end(),
@@ -120,8 +119,7 @@ void run(const BenchArguments& arguments) {
       Json stage_ms = Json::object();
       text += format("%5zu %9.4f", batch, 1e3 * cost.seconds);
       for (const Stage stage : stages) {
-        const auto time = cost.stage_seconds.find(name_of(stage));
-        const double ms = time == cost.stage_seconds.end() ? 0 : 1e3 * time->second;
+        const double ms = 1e3 * cost.batch_seconds.of(stage).value_or(0) / static_cast<double>(batch);
         stage_ms[name_of(stage)] = ms;
         text += format(" %9.4f", ms);
       }

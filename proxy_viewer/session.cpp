@@ -609,8 +609,7 @@ void Session::warn_of_rates() {
 }
 
 void Session::describe_picture() {
-  snapshot.stage_ms.clear();
-  for (const auto& [stage, seconds] : scene.stage_seconds()) snapshot.stage_ms[stage] = 1e3 * seconds;
+  snapshot.stage_seconds = scene.stage_seconds();
   const Evaluation* evaluation = scene.lead_evaluation();
   if (!evaluation || evaluation->outside.empty()) return;
   snapshot.strains = evaluation->strains;

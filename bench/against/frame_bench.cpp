@@ -36,6 +36,16 @@ std::vector<Pose> random_poses(const Skeleton& skeleton) {
   return poses;
 }
 
+// Earlier versions have a map.
+template <typename Seconds, typename Keep>
+void for_each_stage(const Seconds& stages, const Keep& keep) {
+  if constexpr (requires { stages.begin(); }) {
+    for (const auto& [stage, seconds] : stages) keep(stage, seconds);
+  } else {
+    stages.for_each([&](const auto& stage, double seconds) { keep(stage.name, seconds); });
+  }
+}
+
 // `run`: evaluates frames, gives the seconds of each stage.
 template <typename Run>
 void measure(const char* what, std::size_t frames, const Run& run) {
@@ -50,10 +60,10 @@ void measure(const char* what, std::size_t frames, const Run& run) {
   for (int round = 0; round < 3 || Clock::now() - start < std::chrono::duration<double>(kSeconds); ++round) {
     const auto begin = Clock::now();
     const std::clock_t used = std::clock();
-    const std::map<std::string, double> stages = run();
+    const auto stages = run();
     keep("processors", static_cast<double>(std::clock() - used) / CLOCKS_PER_SEC);
     keep("clock", std::chrono::duration<double>(Clock::now() - begin).count());
-    for (const auto& [stage, seconds] : stages) keep(stage, seconds);
+    for_each_stage(stages, keep);
   }
   for (const auto& [stage, seconds] : quickest) {
     std::printf("%s\t%s\t%.6f\n", what, stage.c_str(), 1e3 * seconds / static_cast<double>(frames));

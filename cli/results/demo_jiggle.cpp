@@ -9,6 +9,7 @@
 #include "report/flip_book.h"
 #include "report/plots.h"
 #include "runtime/core/atomic_file.h"
+#include "runtime/host/stages.h"
 #include "trainer/builtin/arm.h"
 #include "trainer/dynamics/build_dynamics.h"
 #include "trainer/dynamics/measure_jiggle.h"
@@ -34,7 +35,7 @@ Skins skins_of(const Character& character, const Evaluation& evaluation) {
 // Frame by frame: the state that each leaves is what is measured.
 Skins jiggle(const Character& character, const Clip& clip, Deformer& deformer, JiggleReport& report) {
   Skins skins;
-  std::map<std::string, double> seconds;
+  StageSeconds seconds;
   for (std::size_t f = 0; f < report.frames.size(); ++f) {
     const Evaluation frame = deformer.jiggle({&clip.poses[f], 1}, {&report.frames[f], 1});
     skins.push_back(skins_of(character, frame).front());
@@ -42,12 +43,12 @@ Skins jiggle(const Character& character, const Clip& clip, Deformer& deformer, J
     report.rms_mm.push_back(measure.rms_mm);
     report.max_mm.push_back(measure.max_mm);
     report.inverted_tets.push_back(measure.inverted_tets);
-    for (const auto& [stage, more] : frame.stage_seconds) seconds[stage] += more;
+    seconds.add(frame.stage_seconds);
   }
   // Not there: a device without timestamps.
   const double per_frame = 1000 / static_cast<double>(report.frames.size());
-  report.diffuse_ms = per_frame * seconds["diffuse"];
-  report.jiggle_ms = per_frame * seconds["jiggle"];
+  report.diffuse_ms = per_frame * seconds.of(Stage::diffuse).value_or(0);
+  report.jiggle_ms = per_frame * seconds.of(Stage::jiggle).value_or(0);
   return skins;
 }
 

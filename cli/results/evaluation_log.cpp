@@ -7,7 +7,6 @@
 #include "assets/frame_range.h"
 #include "assets/wording.h"
 #include "runtime/deformer/outside.h"
-#include "runtime/host/stages.h"
 #include "trainer/dynamics/measure_jiggle.h"
 #include "trainer/train/coverage/coverage.h"
 
@@ -103,7 +102,11 @@ void EvaluationLog::count(const Json& entry) {
 
 void EvaluationLog::add_times(const Evaluation& part) {
   timed_frames_ += part.outside.size();
-  for (const auto& [stage, seconds] : part.stage_seconds) stage_seconds_[stage] += seconds;
+  stage_seconds_.add(part.stage_seconds);
+}
+
+double EvaluationLog::milliseconds_per_frame(double seconds) const {
+  return 1e3 * seconds / static_cast<double>(std::max<std::size_t>(1, timed_frames_));
 }
 
 void EvaluationLog::expect(const Basis& basis, const std::vector<Pose>& poses) {
@@ -157,11 +160,9 @@ void EvaluationLog::take_up(const Json& kept) {
 
 Json EvaluationLog::summary() const {
   Json milliseconds = Json::object();
-  for (const StageDescription& stage : kStages) {
-    const auto found = stage_seconds_.find(stage.name);
-    if (found == stage_seconds_.end()) continue;
-    milliseconds[stage.name] = 1e3 * found->second / static_cast<double>(std::max<std::size_t>(1, timed_frames_));
-  }
+  stage_seconds_.for_each([&](const StageDescription& stage, double seconds) {
+    milliseconds[stage.name] = milliseconds_per_frame(seconds);
+  });
   const Json worst = worth_a_look(per_frame_);
   Json result{{"frames", frames_.size()},
               {"milliseconds_per_frame", milliseconds},
@@ -186,12 +187,9 @@ Json EvaluationLog::result() const {
 
 std::string EvaluationLog::text() const {
   std::string text;
-  for (const StageDescription& stage : kStages) {
-    const auto found = stage_seconds_.find(stage.name);
-    if (found == stage_seconds_.end()) continue;
-    text += format("  %-8s %8.3f ms a frame\n", stage.name,
-                   1e3 * found->second / static_cast<double>(std::max<std::size_t>(1, timed_frames_)));
-  }
+  stage_seconds_.for_each([&](const StageDescription& stage, double seconds) {
+    text += format("  %-8s %8.3f ms a frame\n", stage.name, milliseconds_per_frame(seconds));
+  });
   if (worst_outside_ >= kOutsideWorthTelling) {
     text += count_of(outside_frames_.size(), "frame leaves", "frames leave") +
             format(" the trained range (most of all %s%s), clamped: ", worst_feature_.c_str(),

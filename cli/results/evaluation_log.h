@@ -7,6 +7,7 @@
 
 #include "cli/arguments/common.h"
 #include "cli/results/fade_log.h"
+#include "runtime/host/stages.h"
 
 namespace bodyopt::cli {
 
@@ -29,6 +30,7 @@ class EvaluationLog {
   std::string text() const;
 
  private:
+  double milliseconds_per_frame(double seconds) const;
   void count(const Json& entry);
   std::vector<std::string> notes() const;
 
@@ -41,7 +43,7 @@ class EvaluationLog {
   int most_jiggle_frame_ = 0, most_expected_frame_ = 0;
   std::uint32_t most_inverted_ = 0, tets_ = 0;
   std::size_t timed_frames_ = 0;
-  std::map<std::string, double> stage_seconds_;
+  StageSeconds stage_seconds_;
   FadeLog fades_;
 };
 

@@ -6,7 +6,6 @@
 
 #include "proxy_viewer/panels/panels.h"
 #include "proxy_viewer/panels/widgets.h"
-#include "runtime/host/stages.h"
 
 namespace bodyopt {
 namespace {
@@ -74,10 +73,8 @@ void draw_hud(const Snapshot& snapshot, const Controls& controls, const PanelLay
   lines.add(snapshot.shown_fps, "fps", std::to_string(controls.playback.dropped()) + " dropped");
   lines.add(snapshot.frame_ms, "ms", "picture");
   lines.add(snapshot.draw_ms, "ms", "draw");
-  for (const StageDescription& stage : kStages) {
-    const auto found = snapshot.stage_ms.find(stage.name);
-    if (found != snapshot.stage_ms.end()) lines.add(found->second, "ms", stage.name);
-  }
+  snapshot.stage_seconds.for_each(
+      [&](const StageDescription& stage, double seconds) { lines.add(1e3 * seconds, "ms", stage.name); });
   if (!snapshot.cast.empty()) lines.add("skin: " + snapshot.cast.front().method);
   if (snapshot.level_count > 1) {
     lines.add("level " + std::to_string(snapshot.level) + " of " + std::to_string(snapshot.level_count - 1));

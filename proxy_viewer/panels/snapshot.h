@@ -4,12 +4,12 @@
 #include <array>
 #include <cstdint>
 #include <limits>
-#include <map>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "runtime/core/transform.h"
+#include "runtime/host/stages.h"
 
 namespace bodyopt {
 
@@ -134,10 +134,10 @@ struct Snapshot {
   std::optional<MatchRow> match;        // none: nobody asked for it
 
   std::string device;
-  double shown_fps = 0;                    // pictures a second, over the last second
-  double frame_ms = 0, draw_ms = 0;        // of the host: the whole picture; of the device: drawing
-  std::map<std::string, double> stage_ms;  // rig, strain, residual, modify, pose, diffuse, jiggle, output
-  double memory_mib = 0;                   // resident
+  double shown_fps = 0;              // pictures a second, over the last second
+  double frame_ms = 0, draw_ms = 0;  // of the host: the whole picture; of the device: drawing
+  StageSeconds stage_seconds;        // of the picture, summed over the cast
+  double memory_mib = 0;             // resident
 };
 
 }  // namespace bodyopt

@@ -291,12 +291,12 @@ Scene::Shown Scene::evaluate(Actor& character, SkinMethod method, std::span<cons
   const Evaluation& evaluation =
       character.evaluate(method, wanted(method, poses), played_frame(character, controls.playback.frame(), controls),
                          weights_of(controls), controls.settings.look.worn);
-  for (const auto& [stage, seconds] : evaluation.stage_seconds) stage_seconds_[stage] += seconds;
+  stage_seconds_.add(evaluation.stage_seconds);
   return {method, &evaluation, character.skin(method)};
 }
 
 std::vector<View> Scene::look(const Controls& controls, const Rectangle& area) {
-  stage_seconds_.clear();
+  stage_seconds_ = {};
   lead_expected_ = nullptr;
   lines_.clear();
   colours_.clear();

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <array>
-#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -12,6 +11,7 @@
 #include "draw/view.h"
 #include "proxy_viewer/commands/controls.h"
 #include "proxy_viewer/scene/actor.h"
+#include "runtime/host/stages.h"
 
 namespace bodyopt {
 
@@ -69,7 +69,7 @@ class Scene {
   std::vector<Vec3> joint_centres(const Controls& controls) const;
 
   // Of the last look: seconds by stage, summed over the cast; strains and outside of the lead.
-  const std::map<std::string, double>& stage_seconds() const { return stage_seconds_; }
+  const StageSeconds& stage_seconds() const { return stage_seconds_; }
   const Evaluation* lead_evaluation() const { return lead_evaluation_; }
   // Of the lead, where it is looked at; null: it is not, or is not known.
   const ExpectedSkin* lead_expected() const { return lead_expected_; }
@@ -114,7 +114,7 @@ class Scene {
   std::vector<std::unique_ptr<Actor>> cast_;
   std::optional<Pose> live_pose_;
   std::optional<MatchedSkins> match_;
-  std::map<std::string, double> stage_seconds_;
+  StageSeconds stage_seconds_;
   const Evaluation* lead_evaluation_ = nullptr;
   const ExpectedSkin* lead_expected_ = nullptr;
   // What views point to.

@@ -84,7 +84,7 @@ class CpuBackend final : public Backend {
       run_parts(stages, work, range);
     });
     for (const Stage stage : stages) run_batch(stage, work);
-    for (const Stage stage : stages) work.result.stage_seconds[name_of(stage)] = work.times.of(stage);
+    for (const Stage stage : stages) work.result.stage_seconds.add(stage, work.times.of(stage));
     return result_;
   }
 
@@ -127,7 +127,7 @@ class CpuBackend final : public Backend {
     result.normals.resize(batch.wants_normals || batch.wants_tangents ? result.positions.size() : 0);
     result.tangents.resize(batch.wants_tangents ? frames * basis_.mesh.output_count() * 4 : 0);
     result.posed.clear();
-    result.stage_seconds.clear();
+    result.stage_seconds = {};
     result.strains.resize(frames * basis_.strain.fibre_count());
     result.excess.resize(frames * basis_.residual.feature_count());
     result.coefficients.resize(frames * basis_.residual.coefficient_count());

@@ -180,7 +180,7 @@ class RunningCall {
     batch_.wants_normals = call_.place != nullptr ? call_.place->normals.data != nullptr : deformer_.wants_normals_;
     batch_.wants_tangents = wants_tangents();
     if (call_.frames) batch_.jiggle = deformer_.plan(batch_, call_.frames->subspan(begin_, count));
-    outcome_.evaluation.stage_seconds[name_of(Stage::rig)] += watch.seconds();
+    outcome_.evaluation.stage_seconds.add(Stage::rig, watch.seconds());
     split_ = deformer_.backend_->split();
     if (split_ != nullptr) return &split_->start(batch_);
     result_ = &deformer_.backend_->run(batch_);
@@ -203,7 +203,7 @@ class RunningCall {
     append_outside(basis, result, batch_.frame_count, evaluation);
     append_fades(basis, batch_, evaluation);
     for (const JiggleFrame& frame : batch_.jiggle) evaluation.starts.push_back(frame.start);
-    for (const auto& [stage, seconds] : result.stage_seconds) evaluation.stage_seconds[stage] += seconds;
+    evaluation.stage_seconds.add(result.stage_seconds);
     begin_ += batch_.frame_count;
   }
 

@@ -3,7 +3,6 @@
 #pragma once
 
 #include <cstdint>
-#include <map>
 #include <span>
 #include <string>
 #include <vector>
@@ -12,6 +11,7 @@
 #include "runtime/core/error.h"
 #include "runtime/core/executor.h"
 #include "runtime/host/jiggle.h"
+#include "runtime/host/stages.h"
 
 namespace bodyopt {
 
@@ -67,7 +67,7 @@ struct BatchResult {
   std::vector<float> strains;       // F x S
   std::vector<float> excess;        // F x feature count: distance outside the trained range, in standard deviations
   std::vector<float> coefficients;  // F x coefficient count, after subtracting those at rest
-  std::map<std::string, double> stage_seconds;
+  StageSeconds stage_seconds;
 };
 
 // Backend::run in two halves, so that the work of several goes to their device at once: what start() gives is ended,

@@ -1,5 +1,7 @@
 #include "runtime/host/stages.h"
 
+#include "runtime/host/backend.h"
+
 namespace bodyopt {
 namespace {
 
@@ -22,6 +24,18 @@ bool applies(Stage stage, const Basis& basis, const Batch& batch) {
 }
 
 }  // namespace
+
+double StageSeconds::sum() const {
+  double sum = 0;
+  for_each([&](const StageDescription&, double seconds) { sum += seconds; });
+  return sum;
+}
+
+void StageSeconds::add(Stage stage, double seconds) { seconds_[index_of(stage)] = of(stage).value_or(0) + seconds; }
+
+void StageSeconds::add(const StageSeconds& other) {
+  other.for_each([&](const StageDescription& description, double seconds) { add(description.stage, seconds); });
+}
 
 std::vector<Stage> stages_of(const Basis& basis, const Batch& batch) {
   std::vector<Stage> stages;

@@ -3,11 +3,14 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
+#include <optional>
 #include <vector>
 
-#include "runtime/host/backend.h"
-
 namespace bodyopt {
+
+struct Basis;
+struct Batch;
 
 enum class Stage { rig, strain, residual, modify, pose, diffuse, jiggle, output };
 
@@ -38,6 +41,25 @@ using PerStage = std::array<Value, kStages.size()>;
 // Of a PerStage.
 constexpr std::size_t index_of(Stage stage) { return static_cast<std::size_t>(stage); }
 constexpr const char* name_of(Stage stage) { return kStages[index_of(stage)].name; }
+
+// Seconds by stage, summed over threads: none of a stage that did not run, or that a device without timestamps ran.
+class StageSeconds {
+ public:
+  std::optional<double> of(Stage stage) const { return seconds_[index_of(stage)]; }
+  double sum() const;
+  // In their order: visit(const StageDescription&, seconds).
+  template <typename Visit>
+  void for_each(const Visit& visit) const {
+    for (const StageDescription& description : kStages) {
+      if (const auto seconds = of(description.stage)) visit(description, *seconds);
+    }
+  }
+  void add(Stage stage, double seconds);
+  void add(const StageSeconds& other);
+
+ private:
+  PerStage<std::optional<double>> seconds_;
+};
 
 // Those that a backend runs for a batch, in their order. Rig is none of them: the batch is what it left.
 std::vector<Stage> stages_of(const Basis& basis, const Batch& batch);

@@ -22,9 +22,7 @@ FrameTime frame_time(const Level& level) {
   double best = std::numeric_limits<double>::infinity(), carrying = best;
   for (int round = 0; round < kRounds; ++round) {
     const Evaluation frames = deformer.evaluate(poses);
-    double seconds = 0;
-    for (const auto& [stage, time] : frames.stage_seconds) seconds += time;
-    best = std::min(best, seconds);
+    best = std::min(best, frames.stage_seconds.sum());
     const Stopwatch watch;
     carry_skin(level.basis.mesh, level.carried, frames.positions, frames.normals, *threads);
     carrying = std::min(carrying, watch.seconds());

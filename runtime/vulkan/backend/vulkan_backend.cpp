@@ -498,9 +498,9 @@ class VulkanBackend final : public Backend, private SplitRun {
       if (!to.empty()) std::memcpy(to.data(), from, download.from.size);
       from += download.from.size;
     }
-    result_.stage_seconds.clear();
+    result_.stage_seconds = {};
     const std::vector<double> seconds = commands_->seconds();
-    for (std::size_t s = 0; s < seconds.size(); ++s) result_.stage_seconds[name_of(stages_[s])] = seconds[s];
+    for (std::size_t s = 0; s < seconds.size(); ++s) result_.stage_seconds.add(stages_[s], seconds[s]);
   }
 
   void refuse_failed() const {
