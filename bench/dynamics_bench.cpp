@@ -43,7 +43,7 @@ struct Body {
   Dynamics filled(std::int64_t tets) const {
     DynamicsOptions options;
     options.resolution = tets;
-    return build_dynamics(arm, {}, basis, options);
+    return build_dynamics(arm, {}, basis, options).dynamics;
   }
 
   // Eight tets of every one. As build_dynamics.

@@ -47,7 +47,7 @@ std::vector<Pose> training_poses(const Dataset& dataset, const Basis& basis) {
   return poses;
 }
 
-Dynamics build(DynamicsArguments& arguments, const Basis& basis) {
+BuiltDynamics build(DynamicsArguments& arguments, const Basis& basis) {
   DynamicsOptions& options = arguments.options;
   if (is_character(arguments.dataset)) {
     const Character character = read_character(arguments.dataset, kept_unit(basis));
@@ -75,28 +75,26 @@ void run(DynamicsArguments arguments) {
   const Basis basis = load_basis(arguments.basis);
   if (!arguments.jiggle.empty()) arguments.options.settings = read_jiggle(arguments.jiggle);
   arguments.options.step.implicit_euler = arguments.integrator == "euler";
-  const Dynamics dynamics = build(arguments, basis);
+  const BuiltDynamics built = build(arguments, basis);
+  const Dynamics& dynamics = built.dynamics;
   validate(dynamics, basis, "the dynamics to be saved");
   save_dynamics(dynamics, arguments.out);
-  if (!arguments.jiggle_out.empty()) write_json(chosen_jiggle(dynamics), arguments.jiggle_out);
+  if (!arguments.jiggle_out.empty()) write_json(jiggle_json(built.settings), arguments.jiggle_out);
   const double seconds = watch.seconds();
 
-  say(dynamics_notes(dynamics));
-  const Json report = Json::parse(dynamics.metadata.at("report"));
+  const DynamicsReport& report = built.report;
+  say(report.notes);
   Json result = {{"dynamics", arguments.out}};
-  result.update(report);
+  result.update(to_json(report));
   for (const auto& [stage, bytes] : table_bytes(dynamics)) result["bytes"][stage] = bytes;
   result["seconds"] = seconds;
-  const Json& quality = report.at("quality");
   const auto megabytes = [&](const char* stage) { return result["bytes"][stage].get<double>() / 1e6; };
   arguments.json.emit(
       result,
       format("%u tetrahedra, %u nodes, %u of them on the skin; quality %.2f at worst, first percentile %.2f, median "
              "%.2f\n%zu springs hold them to the bones of %zu joints\n",
-             dynamics.tets.tet_count(), dynamics.tets.node_count(), dynamics.tets.surface_count(),
-             quality.at("worst").get<double>(), quality.at("first_percentile").get<double>(),
-             quality.at("median").get<double>(), report.at("bone_springs").get<std::size_t>(),
-             report.at("joints_with_bones").get<std::size_t>()) +
+             report.tets, report.nodes, report.surface_nodes, report.quality.worst, report.quality.first_percentile,
+             report.quality.median, report.bone_springs, report.joints_with_bones) +
           format("wrote %s: diffuse %.1f MB, jiggle %.1f MB, in %.1f s\n", arguments.out.c_str(), megabytes("diffuse"),
                  megabytes("jiggle"), seconds));
 }

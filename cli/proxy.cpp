@@ -80,14 +80,14 @@ void run(ProxyArguments arguments) {
   const Source source = of_basis ? basis_source(arguments) : dataset_source(arguments);
   say(source.set.notes);
   std::vector<std::string> notes;
-  std::vector<Level> levels = build_proxy(source.set, arguments.options, notes);
+  auto [levels, report] = build_proxy(source.set, arguments.options, notes);
   say(notes);
   for (Level& level : levels) keep_unit(level.basis, source.unit);
   save_levels(levels, arguments.out);
   const std::vector<AttachedMesh> attached = attach_own_meshes(
       source.character, source.unit, source.set.character.output_count(), levels.front().basis, arguments.out);
   const double seconds = watch.seconds();
-  const Json table = levels_info(levels);
+  const Json table = levels_info(levels, report);
   arguments.json.emit(
       {{"proxy", arguments.out},
        {"seconds", seconds},

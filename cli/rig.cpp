@@ -48,7 +48,8 @@ constexpr Eigen::Index kFewTets = 3000;
 // What `dynamics` chooses for tissue without further word; null, with a warning, where it cannot fill the skin.
 Json first_jiggle(const Character& character) {
   try {
-    return chosen_jiggle(build_dynamics(character, {}, build_ddm_basis(character, {}), {.resolution = kFewTets}));
+    return jiggle_json(
+        build_dynamics(character, {}, build_ddm_basis(character, {}), {.resolution = kFewTets}).settings);
   } catch (const Error& error) {
     if (error.kind() != ErrorKind::mismatch) throw;
     spdlog::warn("no jiggle.json: {}", error.what());

@@ -52,11 +52,11 @@ Skins jiggle(const Character& character, const Clip& clip, Deformer& deformer, J
   return skins;
 }
 
-void describe_tables(const Dynamics& dynamics, JiggleReport& report) {
-  const std::map<std::string, std::size_t> bytes = table_bytes(dynamics);
-  report.tets = dynamics.tets.tet_count();
-  report.nodes = dynamics.tets.node_count();
-  report.worst_quality = Json::parse(dynamics.metadata.at("report")).at("quality").at("worst");
+void describe_tables(const BuiltDynamics& built, JiggleReport& report) {
+  const std::map<std::string, std::size_t> bytes = table_bytes(built.dynamics);
+  report.tets = built.report.tets;
+  report.nodes = built.report.nodes;
+  report.worst_quality = built.report.quality.worst;
   report.diffuse_mb = static_cast<double>(bytes.at("diffuse")) / 1e6;
   report.jiggle_mb = static_cast<double>(bytes.at("jiggle")) / 1e6;
 }
@@ -122,18 +122,18 @@ void draw(const Character& character, const Skins& still, const Skins& jiggling,
 JiggleReport demo_jiggle(const SampleSet& set, const Basis& basis, const DeviceChoice& device,
                          const std::string& pictures_on, const fs::path& folder) {
   JiggleReport report;
-  const Dynamics dynamics =
+  const BuiltDynamics built =
       build_dynamics(set.character, set.muscles, basis,
                      {.settings = read_jiggle(folder / "jiggle.json"), .poses = training_poses(set)});
-  save_dynamics(dynamics, dynamics_beside(folder / "basis.safetensors"));
-  describe_tables(dynamics, report);
+  save_dynamics(built.dynamics, dynamics_beside(folder / "basis.safetensors"));
+  describe_tables(built, report);
 
   const Clip clip = read_clip((folder / "stop.glb").string(), basis.skeleton, {});
   report.moves_after = kStopBegins;
   report.stops = kStopEnds;
   report.frames_per_second = clip.fps;
   for (int frame = clip.first_frame; frame <= clip.last_frame(); ++frame) report.frames.push_back(frame);
-  Deformer deformer(basis, dynamics, {}, device);
+  Deformer deformer(basis, built.dynamics, {}, device);
   const Skins still = skins_of(set.character, deformer.evaluate(clip.poses));
   const Skins jiggling = jiggle(set.character, clip, deformer, report);
   report.device = deformer.device_name();

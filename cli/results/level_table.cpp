@@ -1,12 +1,10 @@
 #include "cli/results/level_table.h"
 
-#include "trainer/proxy/build_proxy.h"
 #include "trainer/proxy/frame_time.h"
 
 namespace bodyopt::cli {
 
-Json levels_info(const std::vector<Level>& levels) {
-  const ProxyReport report = read_proxy_report(levels.front().basis);
+Json levels_info(const std::vector<Level>& levels, const ProxyReport& report) {
   Json list = Json::array();
   for (std::size_t k = 0; k < std::min(levels.size(), report.levels.size()); ++k) {
     const FrameTime time = frame_time(levels[k]);

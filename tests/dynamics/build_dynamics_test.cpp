@@ -18,7 +18,7 @@ TEST(BuildDynamics, IsAFunctionOfItsArgumentsWhateverTheThreads) {
   const Basis basis = build_ddm_basis(limb, {});
   const auto built = [&](int threads) {
     omp_set_num_threads(threads);
-    return build_dynamics(limb, {make_flexor()}, basis, {});
+    return build_dynamics(limb, {make_flexor()}, basis, {}).dynamics;
   };
   const int threads = omp_get_max_threads();
   const Dynamics one = built(1), three = built(3);
@@ -36,8 +36,8 @@ TEST(BuildDynamics, IsAFunctionOfItsArgumentsWhateverTheThreads) {
 TEST(BuildDynamics, IsInTheBasisOrder) {
   const Character limb = make_limb();
   const Basis basis = build_ddm_basis(limb, {});
-  const Dynamics dynamics = build_dynamics(limb, {}, basis, {});
-  const TetTable& tets = dynamics.tets;
+  const BuiltDynamics built = build_dynamics(limb, {}, basis, {});
+  const TetTable& tets = built.dynamics.tets;
   ASSERT_EQ(tets.skin.size(), basis.mesh.vertex_count());
   for (std::size_t v = 0; v < tets.skin.size(); ++v) {
     const TetPoint& point = tets.skin[v];
@@ -50,7 +50,23 @@ TEST(BuildDynamics, IsInTheBasisOrder) {
       EXPECT_NEAR(x, basis.mesh.rest[3 * v + i], 1e-6f);
     }
   }
-  EXPECT_TRUE(dynamics_notes(dynamics).empty());
+  EXPECT_TRUE(built.report.notes.empty());
+}
+
+// What reads the file finds what the caller was given.
+TEST(BuildDynamics, ItsMetadataHoldWhatWasFound) {
+  const Character limb = make_limb();
+  DynamicsOptions options;
+  options.settings.regions = {{JiggleRegion::By::joint, limb.skeleton.joints[1].name, 2.0}};
+  const auto [dynamics, report, settings] = build_dynamics(limb, {}, build_ddm_basis(limb, {}), options);
+  const auto told = [&](const char* key) { return nlohmann::ordered_json::parse(dynamics.metadata.at(key)); };
+  EXPECT_EQ(told("report"), to_json(report));
+  EXPECT_EQ(told("jiggle_settings"), jiggle_json(settings));
+  EXPECT_EQ(report.tets, dynamics.tets.tet_count());
+  EXPECT_EQ(report.surface_nodes, dynamics.tets.surface_count());
+  EXPECT_GT(report.quality.worst, 0);
+  EXPECT_LE(report.quality.worst, report.quality.first_percentile);
+  EXPECT_GT(report.bone_springs, report.joints_with_bones);
 }
 
 TEST(BuildDynamics, AnotherCharactersBasisIsRefused) {

@@ -26,7 +26,7 @@ struct JigglingLimb {
     options.resolution = 600;
     options.step = step;
     options.settings.softness = 4;
-    dynamics = build_dynamics(samples.character, samples.muscles, basis, options);
+    dynamics = build_dynamics(samples.character, samples.muscles, basis, options).dynamics;
   }
 
   Basis basis;

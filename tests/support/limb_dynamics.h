@@ -19,7 +19,7 @@ inline const LimbModel& limb_model() {
     LimbModel made{build_ddm_basis(limb, {}), {}};
     DynamicsOptions options;
     options.resolution = 2500;
-    made.dynamics = build_dynamics(limb, {}, made.basis, options);
+    made.dynamics = build_dynamics(limb, {}, made.basis, options).dynamics;
     return made;
   }();
   return model;
@@ -31,7 +31,7 @@ inline Dynamics limb_dynamics(const JiggleStep& step, const JiggleSettings& sett
   options.resolution = 2500;
   options.step = step;
   options.settings = settings;
-  return build_dynamics(limb_character(), {}, limb_model().basis, options);
+  return build_dynamics(limb_character(), {}, limb_model().basis, options).dynamics;
 }
 
 // Bends and turns, metres and radians.

@@ -17,7 +17,7 @@ struct SmallDynamics {
   std::vector<Muscle> muscles = limb_muscles();
   Basis basis = with_fibres(build_ddm_basis(character, {}));
   DynamicsOptions options{.resolution = 600};
-  Dynamics dynamics = build_dynamics(character, muscles, basis, options);
+  Dynamics dynamics = build_dynamics(character, muscles, basis, options).dynamics;
 
  private:
   static Basis with_fibres(Basis basis) {

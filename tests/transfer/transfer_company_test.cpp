@@ -37,7 +37,7 @@ const Basis& limb_basis() {
 const std::vector<Level>& limb_levels() {
   static const std::vector<Level> levels = [] {
     std::vector<std::string> notes;
-    return build_proxy(few_samples(), {.errors = {5e-4, 1e-3}}, notes);
+    return build_proxy(few_samples(), {.errors = {5e-4, 1e-3}}, notes).levels;
   }();
   return levels;
 }
@@ -196,7 +196,7 @@ TEST(TransferDynamics, SettingsGoToTheTargetsJointsInItsSize) {
   asked.settings.softness = 2;
   asked.settings.flesh = 0.01;
   asked.settings.regions = {{.name = limb.skeleton.joints[1].name, .softness = 3, .flesh = 0.004}};
-  const Dynamics source = build_dynamics(limb, {}, limb_basis(), asked);
+  const Dynamics source = build_dynamics(limb, {}, limb_basis(), asked).dynamics;
   const DynamicsOptions again = asked_options(source);
   EXPECT_EQ(again.resolution, 800);
   EXPECT_EQ(again.settings.flesh, 0.01);
@@ -224,7 +224,7 @@ TEST(TransferDynamics, SaysWhatOfTheSettingsIsLeftOut) {
   asked.resolution = 800;
   asked.settings.regions = {{.by = JiggleRegion::By::painted, .name = "belly", .softness = 3}};
   asked.painted = {{"belly", {0, 1, 2}, {1, 1, 1}}};
-  const Dynamics source = build_dynamics(limb, {}, limb_basis(), asked);
+  const Dynamics source = build_dynamics(limb, {}, limb_basis(), asked).dynamics;
   const TransferPair pair(limb_basis(), limb, {});
   std::vector<std::string> notes;
   const Dynamics carried = transfer_dynamics(pair, limb, limb_basis(), source, {}, notes);

@@ -60,21 +60,18 @@ DynamicsTets tets_of(const Character& character, const Basis& basis, const Dynam
   }
 }
 
-Json report_of(const Dynamics& dynamics, const DynamicsTets& tets, const JiggleAnatomy& anatomy,
-               const std::vector<std::string>& notes) {
-  const TetQuality quality = tet_quality(tets.cage.mesh);
-  const Unfolding& unfolding = tets.unfolding;
+DynamicsReport report_of(const Dynamics& dynamics, const DynamicsTets& tets, const JiggleAnatomy& anatomy,
+                         std::vector<std::string> notes) {
   std::set<int> joints;
   for (const BonePoint& bone : anatomy.bones) joints.insert(bone.joint);
-  return {{"tets", dynamics.tets.tet_count()},
-          {"nodes", dynamics.tets.node_count()},
-          {"surface_nodes", dynamics.tets.surface_count()},
-          {"quality",
-           {{"worst", quality.worst}, {"first_percentile", quality.first_percentile}, {"median", quality.median}}},
-          {"inverted_tets", {{"poses", unfolding.poses}, {"before", unfolding.before}, {"after", unfolding.after}}},
-          {"bone_springs", anatomy.bones.size()},
-          {"joints_with_bones", joints.size()},
-          {"notes", notes}};
+  return {dynamics.tets.tet_count(),
+          dynamics.tets.node_count(),
+          dynamics.tets.surface_count(),
+          tet_quality(tets.cage.mesh),
+          tets.unfolding,
+          anatomy.bones.size(),
+          joints.size(),
+          std::move(notes)};
 }
 
 Json provenance_of(const Character& character, const DynamicsOptions& options) {
@@ -87,8 +84,22 @@ Json provenance_of(const Character& character, const DynamicsOptions& options) {
 
 }  // namespace
 
-Dynamics build_dynamics(const Character& character, const std::vector<Muscle>& muscles, const Basis& basis,
-                        const DynamicsOptions& options) {
+Json to_json(const DynamicsReport& report) {
+  const TetQuality& quality = report.quality;
+  const Unfolding& inverted = report.inverted_tets;
+  return {{"tets", report.tets},
+          {"nodes", report.nodes},
+          {"surface_nodes", report.surface_nodes},
+          {"quality",
+           {{"worst", quality.worst}, {"first_percentile", quality.first_percentile}, {"median", quality.median}}},
+          {"inverted_tets", {{"poses", inverted.poses}, {"before", inverted.before}, {"after", inverted.after}}},
+          {"bone_springs", report.bone_springs},
+          {"joints_with_bones", report.joints_with_bones},
+          {"notes", report.notes}};
+}
+
+BuiltDynamics build_dynamics(const Character& character, const std::vector<Muscle>& muscles, const Basis& basis,
+                             const DynamicsOptions& options) {
   const SingleThreadedProducts single_threaded;
   const std::vector<std::uint32_t> order = morton_order(character.vertices);
   const Character ordered = in_order(character, order);
@@ -111,7 +122,8 @@ Dynamics build_dynamics(const Character& character, const std::vector<Muscle>& m
   JiggleSystem system =
       make_jiggle_system(options.settings, fields, ordered.skeleton, mesh, anatomy, options.materials, notes);
   hold_slow_parts(options.settings.lowest_frequency, fields.softness, ordered.skeleton, mesh, anatomy, system, notes);
-  Dynamics dynamics;
+  BuiltDynamics built;
+  Dynamics& dynamics = built.dynamics;
   dynamics.tets = make_tet_table(tets, fields.skin_amount, fields.skin_limit);
   dynamics.diffuse = make_diffuse_table(mesh, static_cast<Eigen::Index>(tets.surface.size()));
   progress.advance();
@@ -121,10 +133,12 @@ Dynamics build_dynamics(const Character& character, const std::vector<Muscle>& m
   dynamics.metadata["topology_hash"] = hexadecimal(topology_hash(basis.mesh));
   dynamics.metadata["skeleton_hash"] = hexadecimal(skeleton_hash(basis.skeleton));
   const auto text = [](const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace); };
-  dynamics.metadata["report"] = text(report_of(dynamics, tets, anatomy, notes));
+  built.report = report_of(dynamics, tets, anatomy, std::move(notes));
+  built.settings = chosen_settings(options.settings, fields, ordered, anatomy);
+  dynamics.metadata["report"] = text(to_json(built.report));
   dynamics.metadata["provenance"] = text(provenance_of(character, options));
-  dynamics.metadata["jiggle_settings"] = text(jiggle_json(chosen_settings(options.settings, fields, ordered, anatomy)));
-  return dynamics;
+  dynamics.metadata["jiggle_settings"] = text(jiggle_json(built.settings));
+  return built;
 }
 
 DynamicsOptions asked_options(const Dynamics& dynamics) {
@@ -140,14 +154,6 @@ DynamicsOptions asked_options(const Dynamics& dynamics) {
   for (const char* other : {"character", "resolution", "jiggle"}) json.erase(other);
   options.settings = jiggle_settings(json, where);
   return options;
-}
-
-nlohmann::ordered_json chosen_jiggle(const Dynamics& dynamics) {
-  return Json::parse(dynamics.metadata.at("jiggle_settings"));
-}
-
-std::vector<std::string> dynamics_notes(const Dynamics& dynamics) {
-  return Json::parse(dynamics.metadata.at("report")).at("notes").get<std::vector<std::string>>();
 }
 
 }  // namespace bodyopt

@@ -6,6 +6,8 @@
 #include "geometry/region_weights.h"
 #include "runtime/basis/dynamics.h"
 #include "trainer/dynamics/jiggle_settings.h"
+#include "trainer/dynamics/tet_quality.h"
+#include "trainer/dynamics/unfold_tets.h"
 #include "trainer/simulate/materials.h"
 
 namespace bodyopt {
@@ -20,21 +22,31 @@ struct DynamicsOptions {
   std::vector<Pose> poses{};
 };
 
-// Tets, diffuse and jiggle, with a report in the metadata (tets, nodes, quality, unfolding, springs, notes). Throws
-// Error(mismatch) where the basis is of another character, the skin cannot be filled or the settings name what is not
-// there, Error(usage) for settings or steps that make no sense. Shows
-// progress; throws Error(interrupted) after SIGINT, at the end of a step.
-Dynamics build_dynamics(const Character& character, const std::vector<Muscle>& muscles, const Basis& basis,
-                        const DynamicsOptions& options);
+// What was found on the way.
+struct DynamicsReport {
+  std::uint32_t tets = 0, nodes = 0, surface_nodes = 0;
+  TetQuality quality;
+  Unfolding inverted_tets;
+  std::size_t bone_springs = 0, joints_with_bones = 0;
+  std::vector<std::string> notes;  // what the user should know, one sentence each
+};
+// As the metadata "report" of the dynamics.
+nlohmann::ordered_json to_json(const DynamicsReport& report);
+
+struct BuiltDynamics {
+  Dynamics dynamics;
+  DynamicsReport report;
+  JiggleSettings settings;  // that it was built with, what they left open as it was chosen
+};
+
+// Tets, diffuse and jiggle; their metadata hold report and settings, too. Throws Error(mismatch) where the basis is of
+// another character, the skin cannot be filled or the settings name what is not there, Error(usage) for settings or
+// steps that make no sense. Shows progress; throws Error(interrupted) after SIGINT, at the end of a step.
+BuiltDynamics build_dynamics(const Character& character, const std::vector<Muscle>& muscles, const Basis& basis,
+                             const DynamicsOptions& options);
 
 // What it was built for: the tets and steps that were asked for, and the settings as they were given, open where they
 // left something open. Throws Error(file) where its metadata do not say.
 DynamicsOptions asked_options(const Dynamics& dynamics);
-
-// The settings that it was built with, what they left open as it was chosen: a jiggle.json to edit.
-nlohmann::ordered_json chosen_jiggle(const Dynamics& dynamics);
-
-// What of it the user should know, one sentence each.
-std::vector<std::string> dynamics_notes(const Dynamics& dynamics);
 
 }  // namespace bodyopt

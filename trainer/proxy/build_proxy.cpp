@@ -38,13 +38,13 @@ class ProxyBuilder {
       : set_(set), options_(options), notes_(notes) {
     const bool heldout = !set.heldout.empty();
     measured_ = some_samples(heldout ? set.heldout : set.train, kMostMeasured);
-    report_.full_vertices = static_cast<std::uint32_t>(set.character.vertices.rows());
-    report_.measured_on = std::to_string(measured_.size()) + (heldout ? " held-out frames" : " training frames");
+    built_.report.full_vertices = static_cast<std::uint32_t>(set.character.vertices.rows());
+    built_.report.measured_on = std::to_string(measured_.size()) + (heldout ? " held-out frames" : " training frames");
   }
 
   void add(const LevelSkin& made) {
     const auto& [error, skin] = made;
-    const std::string name = "level " + std::to_string(levels_.size());
+    const std::string name = "level " + std::to_string(built_.levels.size());
     const SampleSet samples = proxy_samples(set_, skin);
     for (const std::string& note : samples.notes) notes_.push_back(name + ": " + note);
 
@@ -56,11 +56,14 @@ class ProxyBuilder {
     say_of(trained, name);
     level.basis = std::move(trained.basis);
     measure_result(level, report);
-    levels_.push_back(std::move(level));
-    report_.levels.push_back(report);
+    built_.levels.push_back(std::move(level));
+    built_.report.levels.push_back(report);
   }
 
-  std::vector<Level> take();
+  BuiltProxy take() {
+    built_.levels.front().basis.metadata["levels"] = to_json(built_.report).dump();
+    return std::move(built_);
+  }
 
  private:
   LevelReport measured_skin(const SampleSet& samples, const Level& level, double error) const {
@@ -76,7 +79,7 @@ class ProxyBuilder {
   }
 
   void say_of(const TrainingResult& trained, const std::string& name) {
-    if (levels_.empty()) {  // of the data, which all levels share
+    if (built_.levels.empty()) {  // of the data, which all levels share
       notes_.insert(notes_.end(), trained.warnings.begin(), trained.warnings.end());
     }
     if (const std::vector<std::string> lost = lost_muscles(trained.basis, set_.muscles); !lost.empty()) {
@@ -98,14 +101,8 @@ class ProxyBuilder {
   const ProxyOptions& options_;
   std::vector<std::string>& notes_;
   std::vector<Sample> measured_;
-  ProxyReport report_;
-  std::vector<Level> levels_;
+  BuiltProxy built_;
 };
-
-std::vector<Level> ProxyBuilder::take() {
-  levels_.front().basis.metadata["levels"] = to_json(report_).dump();
-  return std::move(levels_);
-}
 
 }  // namespace
 
@@ -148,7 +145,7 @@ ProxyReport read_proxy_report(const Basis& basis) {
   return report;
 }
 
-std::vector<Level> build_proxy(const SampleSet& set, const ProxyOptions& options, std::vector<std::string>& notes) {
+BuiltProxy build_proxy(const SampleSet& set, const ProxyOptions& options, std::vector<std::string>& notes) {
   check_samples(set);
   ProxyBuilder builder(set, options, notes);
   for (const LevelSkin& skin : level_skins(set.character, shapes_of_skin(set), options.errors, notes))

@@ -18,7 +18,7 @@ struct ProxyOptions {
                          64};  // on so few vertices 256 cost a third more bytes and gain a hundredth of the error
 };
 
-// What was measured of a level, errors in mm: kept in the file as metadata "levels".
+// What was measured of a level, errors in mm.
 struct LevelReport {
   std::uint32_t vertices = 0;                 // welded
   double error = 0;                           // that was asked of its skin
@@ -34,14 +34,20 @@ struct ProxyReport {
   std::string measured_on;  // "72 held-out frames"
   std::vector<LevelReport> levels;
 };
+// As the first level's metadata "levels".
 nlohmann::ordered_json to_json(const ProxyReport& report);
 // Of the first level's metadata; without levels where there is none. Throws Error(file) where it is damaged.
 ProxyReport read_proxy_report(const Basis& basis);
+
+struct BuiltProxy {
+  std::vector<Level> levels;
+  ProxyReport report;
+};
 
 // Simplifies the skin for each error, carries weights, painted regions and shapes over, and trains each as train()
 // does. Shows progress. `notes`: gets what the user should know. Throws as train(), and, before any training,
 // Error(usage) where an error leaves too few vertices, or no fewer than the level before it: of errors that nobody
 // gave only where it is the first; further ones are left out, with a note.
-std::vector<Level> build_proxy(const SampleSet& set, const ProxyOptions& options, std::vector<std::string>& notes);
+BuiltProxy build_proxy(const SampleSet& set, const ProxyOptions& options, std::vector<std::string>& notes);
 
 }  // namespace bodyopt

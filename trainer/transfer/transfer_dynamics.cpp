@@ -70,7 +70,7 @@ Dynamics transfer_dynamics(const TransferPair& pair, const Character& target, co
   if (carried.empty() && tenses(source)) {
     notes.push_back("the source's tissue tenses with its muscles, the target's does not: they come with --muscles");
   }
-  return build_dynamics(target, carried, basis, options);
+  return build_dynamics(target, carried, basis, options).dynamics;
 }
 
 }  // namespace bodyopt
