@@ -29,7 +29,7 @@ struct PictureArguments {
 };
 
 // One frame of one take, with all that goes with it.
-struct Scene {
+struct PicturedFrame {
   Dataset dataset;
   DatasetTake take;
   Character character;
@@ -38,56 +38,56 @@ struct Scene {
 };
 
 // What the dataset's modifiers make of a frame; nothing where it has none, or the frame did not converge.
-std::optional<Positions> curated_skin(const Scene& scene, int number) {
-  if (scene.dataset.modifiers.empty()) return std::nullopt;
-  const ShapeStack stack(read_pose_database(scene.dataset));
+std::optional<Positions> curated_skin(const PicturedFrame& pictured, int number) {
+  if (pictured.dataset.modifiers.empty()) return std::nullopt;
+  const ShapeStack stack(read_pose_database(pictured.dataset));
   say(stack.notes());
   const PoseDatabase& database = stack.database();
   for (std::size_t n = 0; n < database.frames.size(); ++n) {
     const DatabaseFrame& frame = database.frames[n];
-    const bool same_take = database.takes[static_cast<std::size_t>(frame.take)] == scene.take.name;
+    const bool same_take = database.takes[static_cast<std::size_t>(frame.take)] == pictured.take.name;
     if (same_take && frame.frame == number) return stack.shape(n);
   }
   return std::nullopt;
 }
 
-Scene read_scene(const PictureArguments& arguments) {
+PicturedFrame read_pictured_frame(const PictureArguments& arguments) {
   const std::filesystem::path path = dataset_file(arguments.dataset);
-  Scene scene;
-  scene.dataset = read_dataset(path);
-  const auto take = std::find_if(scene.dataset.takes.begin(), scene.dataset.takes.end(), [&](const DatasetTake& t) {
-    return arguments.take.empty() || t.name == arguments.take;
-  });
-  if (take == scene.dataset.takes.end()) {
+  PicturedFrame pictured;
+  pictured.dataset = read_dataset(path);
+  const auto take =
+      std::find_if(pictured.dataset.takes.begin(), pictured.dataset.takes.end(),
+                   [&](const DatasetTake& t) { return arguments.take.empty() || t.name == arguments.take; });
+  if (take == pictured.dataset.takes.end()) {
     throw Error(ErrorKind::usage, path.string() + " has no take '" + arguments.take + "'");
   }
-  scene.take = *take;
+  pictured.take = *take;
   const auto at = std::find(take->frames.begin(), take->frames.end(), arguments.frame);
   if (at == take->frames.end()) {
     throw Error(ErrorKind::usage,
                 format("frame %d is not among the shapes of take '%s'", arguments.frame, take->name.c_str()));
   }
-  scene.character = read_character(scene.dataset.folder / scene.dataset.character, scene.dataset.unit);
-  say(scene.character.notes);
-  scene.clip = read_clip(scene.dataset, scene.take, scene.character.skeleton);
-  say(scene.clip.notes);
-  if (arguments.frame < scene.clip.first_frame || arguments.frame > scene.clip.last_frame()) {
+  pictured.character = read_character(pictured.dataset.folder / pictured.dataset.character, pictured.dataset.unit);
+  say(pictured.character.notes);
+  pictured.clip = read_clip(pictured.dataset, pictured.take, pictured.character.skeleton);
+  say(pictured.clip.notes);
+  if (arguments.frame < pictured.clip.first_frame || arguments.frame > pictured.clip.last_frame()) {
     throw Error(
         ErrorKind::mismatch,
         format("take '%s': frame %d is not in the clip %s, which has frames %d to %d: first_frame or fps may be "
                "wrong, or the clip was replaced",
-               take->name.c_str(), arguments.frame, take->clip.c_str(), scene.clip.first_frame,
-               scene.clip.last_frame()));
+               take->name.c_str(), arguments.frame, take->clip.c_str(), pictured.clip.first_frame,
+               pictured.clip.last_frame()));
   }
-  const ShapeReader shapes(scene.dataset.folder / take->shapes);
+  const ShapeReader shapes(pictured.dataset.folder / take->shapes);
   const auto sample = static_cast<std::uint32_t>(at - take->frames.begin());
-  if (shapes.point_count() != scene.character.output_count() || sample >= shapes.sample_count()) {
+  if (shapes.point_count() != pictured.character.output_count() || sample >= shapes.sample_count()) {
     throw Error(ErrorKind::mismatch, take->shapes + " does not fit the dataset: try `bodyopt check`");
   }
-  const Positions skin =
-      curated_skin(scene, arguments.frame).value_or(welded_from_output(scene.character, shapes.sample(sample).data()));
-  scene.skin.assign(skin.data(), skin.data() + skin.size());
-  return scene;
+  const Positions skin = curated_skin(pictured, arguments.frame)
+                             .value_or(welded_from_output(pictured.character, shapes.sample(sample).data()));
+  pictured.skin.assign(skin.data(), skin.data() + skin.size());
+  return pictured;
 }
 
 // Where the camera looks: around a joint, or at all of the skin.
@@ -106,28 +106,28 @@ Vec3 unit_direction(const std::vector<float>& direction) {
   return (1 / size) * given;
 }
 
-View choose_view(const PictureArguments& arguments, const Scene& scene, const Vec3& towards_camera) {
-  const Pose& pose = scene.clip.poses[static_cast<std::size_t>(arguments.frame - scene.clip.first_frame)];
+View choose_view(const PictureArguments& arguments, const PicturedFrame& pictured, const Vec3& towards_camera) {
+  const Pose& pose = pictured.clip.poses[static_cast<std::size_t>(arguments.frame - pictured.clip.first_frame)];
   std::array<float, 3> direction;
   for (std::size_t i = 0; i < 3; ++i) direction[i] = static_cast<float>(towards_camera[i]);
   const float aspect = static_cast<float>(arguments.size[0]) / static_cast<float>(arguments.size[1]);
   std::array<float, 3> low, high;
   for (std::size_t i = 0; i < 3; ++i) {
-    low[i] = high[i] = scene.skin[i];
-    for (std::size_t v = i; v < scene.skin.size(); v += 3) {
-      low[i] = std::min(low[i], scene.skin[v]);
-      high[i] = std::max(high[i], scene.skin[v]);
+    low[i] = high[i] = pictured.skin[i];
+    for (std::size_t v = i; v < pictured.skin.size(); v += 3) {
+      low[i] = std::min(low[i], pictured.skin[v]);
+      high[i] = std::max(high[i], pictured.skin[v]);
     }
   }
   if (!arguments.around.empty()) {
-    const int joint = scene.character.skeleton.find(arguments.around);
+    const int joint = pictured.character.skeleton.find(arguments.around);
     if (joint < 0) {
       std::vector<std::string> names;
-      for (const Joint& known : scene.character.skeleton.joints) names.push_back(known.name);
+      for (const Joint& known : pictured.character.skeleton.joints) names.push_back(known.name);
       throw Error(ErrorKind::usage,
                   "--around: the character has no joint '" + arguments.around + "'; it has " + list_names(names));
     }
-    const Affine world = posed_joints(scene.character.skeleton, pose.joints)[static_cast<std::size_t>(joint)];
+    const Affine world = posed_joints(pictured.character.skeleton, pose.joints)[static_cast<std::size_t>(joint)];
     for (std::size_t i = 0; i < 3; ++i) {
       low[i] = static_cast<float>(world.m[i][3] - arguments.radius);
       high[i] = static_cast<float>(world.m[i][3] + arguments.radius);
@@ -169,15 +169,15 @@ std::vector<std::array<float, 3>> tet_colours(const QuasiStaticBody& body, const
 }
 
 // What the side-car says the frame was solved of.
-std::uint64_t recorded_inputs(const Scene& scene, int frame) {
-  const DatasetTake& take = scene.take;
+std::uint64_t recorded_inputs(const PicturedFrame& pictured, int frame) {
+  const DatasetTake& take = pictured.take;
   const std::string needs =
       format("--cut-open solves frame %d of take '%s' again and must know what its skin was solved of; ", frame,
              take.name.c_str());
   if (take.shapes_status.empty()) {
     throw Error(ErrorKind::mismatch, needs + "the take has no side-car: do its shapes come from elsewhere?");
   }
-  for (const FrameStatus& status : read_frame_status(scene.dataset.folder / take.shapes_status)) {
+  for (const FrameStatus& status : read_frame_status(pictured.dataset.folder / take.shapes_status)) {
     if (status.frame == frame && status.inputs != 0) return status.inputs;
   }
   throw Error(ErrorKind::mismatch,
@@ -185,42 +185,42 @@ std::uint64_t recorded_inputs(const Scene& scene, int frame) {
 }
 
 // The nodes (N x 3, posed, metres) under the skin of a frame: they are not kept, it is solved again.
-Positions solve_again(const Scene& scene, const QuasiStaticBody& body, const std::vector<Muscle>& muscles, int frame,
-                      std::uint64_t inputs) {
-  const std::uint64_t now = frame_key(body, muscles, scene.clip, frame);
+Positions solve_again(const PicturedFrame& pictured, const QuasiStaticBody& body, const std::vector<Muscle>& muscles,
+                      int frame, std::uint64_t inputs) {
+  const std::uint64_t now = frame_key(body, muscles, pictured.clip, frame);
   if (now != inputs) {
     throw Error(ErrorKind::mismatch,
                 format("--cut-open solves frame %d of take '%s' again, but %s says that its skin was solved of other "
                        "inputs (%s, expected %s): it was simulated with --tet-size or by another version, or the "
                        "character, muscles, materials, clip or controls were changed since; simulate it again",
-                       frame, scene.take.name.c_str(), scene.take.shapes_status.c_str(), hexadecimal(inputs).c_str(),
-                       hexadecimal(now).c_str()));
+                       frame, pictured.take.name.c_str(), pictured.take.shapes_status.c_str(),
+                       hexadecimal(inputs).c_str(), hexadecimal(now).c_str()));
   }
-  return solve_frame(body, muscles, scene.clip, frame).nodes;
+  return solve_frame(body, muscles, pictured.clip, frame).nodes;
 }
 
-Image draw_cut(const PictureArguments& arguments, const Scene& scene, const View& view, Renderer& renderer) {
-  if (scene.take.shapes.ends_with(".nodes")) {
+Image draw_cut(const PictureArguments& arguments, const PicturedFrame& pictured, const View& view, Renderer& renderer) {
+  if (pictured.take.shapes.ends_with(".nodes")) {
     throw Error(ErrorKind::usage, "--cut-open shows the tets under the skin, a draft is solved in a cage around it");
   }
-  const std::uint64_t inputs = recorded_inputs(scene, arguments.frame);
+  const std::uint64_t inputs = recorded_inputs(pictured, arguments.frame);
   std::vector<Muscle> muscles;
-  const Dataset& dataset = scene.dataset;
-  if (!dataset.muscles.empty()) muscles = read_muscles(dataset.folder / dataset.muscles, scene.character.skeleton);
+  const Dataset& dataset = pictured.dataset;
+  if (!dataset.muscles.empty()) muscles = read_muscles(dataset.folder / dataset.muscles, pictured.character.skeleton);
   SimulateOptions options;
   if (!dataset.materials.empty()) options.materials = read_materials(dataset.folder / dataset.materials);
   std::string cage;  // why there is one, where there is one
   options.warn = [&](const std::string& warning) { cage = warning; };
-  const QuasiStaticBody body = make_body(scene.character, muscles, options);
+  const QuasiStaticBody body = make_body(pictured.character, muscles, options);
   if (body.is_cage()) {
     throw Error(ErrorKind::mismatch, "--cut-open shows the tets that fill a skin, and none fill this one: " + cage);
   }
-  const Positions nodes = solve_again(scene, body, muscles, arguments.frame, inputs);
+  const Positions nodes = solve_again(pictured, body, muscles, arguments.frame, inputs);
 
   const CutPlane plane{view.centre, view.direction};
-  const std::span<const std::uint32_t> triangles(scene.character.triangles.data(),
-                                                 static_cast<std::size_t>(scene.character.triangles.size()));
-  const Soup skin = cut_surface(scene.skin, smooth_normals(triangles, scene.skin), triangles, kSkinColour, plane);
+  const std::span<const std::uint32_t> triangles(pictured.character.triangles.data(),
+                                                 static_cast<std::size_t>(pictured.character.triangles.size()));
+  const Soup skin = cut_surface(pictured.skin, smooth_normals(triangles, pictured.skin), triangles, kSkinColour, plane);
   const Soup face = cut_face({nodes.data(), static_cast<std::size_t>(nodes.size())},
                              {body.mesh().tets.data(), static_cast<std::size_t>(body.mesh().tets.size())},
                              tet_colours(body, nodes), plane);
@@ -235,26 +235,26 @@ void run(const PictureArguments& arguments) {
   const Vec3 direction = unit_direction(arguments.direction);
   require_writable(arguments.out);
   arguments.json.require_writable();
-  const Scene scene = read_scene(arguments);
-  const View view = choose_view(arguments, scene, direction);
+  const PicturedFrame pictured = read_pictured_frame(arguments);
+  const View view = choose_view(arguments, pictured, direction);
   Renderer renderer;
   Image image;
   if (arguments.cut_open) {
-    image = draw_cut(arguments, scene, view, renderer);
+    image = draw_cut(arguments, pictured, view, renderer);
   } else {
-    const std::span<const std::uint32_t> triangles(scene.character.triangles.data(),
-                                                   static_cast<std::size_t>(scene.character.triangles.size()));
-    const std::vector<float> normals = smooth_normals(triangles, scene.skin);
-    const DrawMesh mesh{scene.skin, normals, triangles, {}};
+    const std::span<const std::uint32_t> triangles(pictured.character.triangles.data(),
+                                                   static_cast<std::size_t>(pictured.character.triangles.size()));
+    const std::vector<float> normals = smooth_normals(triangles, pictured.skin);
+    const DrawMesh mesh{pictured.skin, normals, triangles, {}};
     image = renderer.draw(std::span(&mesh, 1), view.camera, arguments.size[0], arguments.size[1]);
   }
   write_png(image, arguments.out);
   arguments.json.emit({{"picture", arguments.out},
-                       {"take", scene.take.name},
+                       {"take", pictured.take.name},
                        {"frame", arguments.frame},
                        {"cut_open", arguments.cut_open}},
                       format("wrote %s: frame %d of take '%s'%s\n", arguments.out.c_str(), arguments.frame,
-                             scene.take.name.c_str(), arguments.cut_open ? ", cut open" : ""));
+                             pictured.take.name.c_str(), arguments.cut_open ? ", cut open" : ""));
 }
 
 }  // namespace

@@ -136,8 +136,8 @@ PipelineInfo surface_info(VkSampleCountFlagBits samples, bool ghost) {
 
 struct Viewport::Impl {
   // What draws the scene with so many samples a pixel.
-  struct Scene {
-    Scene(const vulkan::Device& device, VkSampleCountFlagBits samples_)
+  struct ScenePipelines {
+    ScenePipelines(const vulkan::Device& device, VkSampleCountFlagBits samples_)
         : samples(samples_),
           pass(make_scene_pass(device, samples)),
           ground(device, pass.get(),
@@ -257,8 +257,9 @@ struct Viewport::Impl {
   }
 
   void prepare(VkExtent2D size, Edges edges) {
-    std::unique_ptr<Scene>& wanted = edges == Edges::smooth ? smooth : quick;
-    if (!wanted) wanted = std::make_unique<Scene>(device, edges == Edges::smooth ? kSamples : VK_SAMPLE_COUNT_1_BIT);
+    std::unique_ptr<ScenePipelines>& wanted = edges == Edges::smooth ? smooth : quick;
+    if (!wanted)
+      wanted = std::make_unique<ScenePipelines>(device, edges == Edges::smooth ? kSamples : VK_SAMPLE_COUNT_1_BIT);
     const bool fits = picture && scene == wanted.get() && picture->size().width == size.width &&
                       picture->size().height == size.height;
     scene = wanted.get();
@@ -270,8 +271,8 @@ struct Viewport::Impl {
   const vulkan::Device& device;
   RenderPass panel_pass;
   PictureSets sets;
-  std::unique_ptr<Scene> smooth, quick;  // made when they are first wanted
-  const Scene* scene = nullptr;          // of this picture
+  std::unique_ptr<ScenePipelines> smooth, quick;  // made when they are first wanted
+  const ScenePipelines* scene = nullptr;          // of this picture
   vulkan::Buffer palette;
   vulkan::Commands commands;
   std::vector<std::unique_ptr<ShadowMap>> shadows;  // of the views

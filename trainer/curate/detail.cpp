@@ -6,9 +6,9 @@
 namespace bodyopt {
 namespace {
 
-class Detail : public ShapeModifier {
+class BorrowedDetail : public ShapeModifier {
  public:
-  Detail(const Character& character, double radius, const Positions& source)
+  BorrowedDetail(const Character& character, double radius, const Positions& source)
       : radius_(radius),
         smoother_(character.vertices, character.triangles, radius),
         fine_(source - Positions(smoother_(source))) {}
@@ -32,7 +32,7 @@ std::unique_ptr<ShapeModifier> prepare_detail(const ModifierInput& input) {
   const std::size_t source =
       input.database.find(input.parameters.name("take"), input.parameters.integer("frame"), input.place);
   const double radius = 1e-3 * parameter(input, "radius_mm", 20, 0.01, 1000);
-  return std::make_unique<Detail>(input.database.character, radius, input.below(source));
+  return std::make_unique<BorrowedDetail>(input.database.character, radius, input.below(source));
 }
 
 }  // namespace bodyopt

@@ -146,9 +146,9 @@ class Factorisation {
 };
 
 // Lays the fronts out as the run time reads them.
-class Layout {
+class FrontLayout {
  public:
-  Layout(const std::vector<DissectedFront>& tree, const InverseNodes& nodes, int components)
+  FrontLayout(const std::vector<DissectedFront>& tree, const InverseNodes& nodes, int components)
       : tree_(tree),
         nodes_(nodes),
         components_(static_cast<std::uint32_t>(components)),
@@ -295,7 +295,7 @@ BlockInverse invert(const Eigen::SparseMatrix<double>& matrix, const InverseNode
   }
   const std::vector<DissectedFront> tree = dissect(graph_of(matrix, components), nodes.points);
   const Factorisation factors(matrix, tree, components);
-  Layout layout(tree, nodes, components);
+  FrontLayout layout(tree, nodes, components);
   layout.add_panels(factors);
   return layout.take();
 }

@@ -23,7 +23,7 @@ std::vector<InverseWindow> inverse_windows(const std::vector<InverseStrip>& stri
                                            std::uint32_t end, const DeviceInfo& limits);
 
 struct InverseBuffers {
-  struct Level {
+  struct LevelWindows {
     InverseLevel slots;
     std::vector<InverseWindow> up, down;
   };
@@ -35,7 +35,7 @@ struct InverseBuffers {
 
   std::uint32_t unknown_count, slot_count;
   Buffer slot_unknown, child_slots, up, down, values;
-  std::vector<Level> levels;  // leaves first
+  std::vector<LevelWindows> levels;  // leaves first
 };
 
 }  // namespace bodyopt::vulkan

@@ -71,7 +71,8 @@ void record_output_normals(Commands& commands, const OutputNormals& kernel, cons
 }
 
 void record_block_gather(Commands& commands, const BlockGather& kernel, const BlockGatherBuffers& buffers,
-                         const InverseBuffers::Level& level, std::uint32_t right_side_count, std::uint32_t interleave) {
+                         const InverseBuffers::LevelWindows& level, std::uint32_t right_side_count,
+                         std::uint32_t interleave) {
   const InverseBuffers& inverse = buffers.inverse;
   const InverseLevel& slots = level.slots;
   kernel.record(
@@ -81,7 +82,7 @@ void record_block_gather(Commands& commands, const BlockGather& kernel, const Bl
 }
 
 void record_block_up(Commands& commands, const BlockUp& kernel, const BlockUpBuffers& buffers,
-                     const InverseBuffers::Level& level, std::uint32_t right_side_count) {
+                     const InverseBuffers::LevelWindows& level, std::uint32_t right_side_count) {
   const InverseBuffers& inverse = buffers.inverse;
   for (const InverseWindow& window : level.up) {
     kernel.record(commands, {inverse.up, inverse.values_of(window), buffers.gathered, buffers.results},
@@ -91,7 +92,8 @@ void record_block_up(Commands& commands, const BlockUp& kernel, const BlockUpBuf
 }
 
 void record_block_down(Commands& commands, const BlockDown& kernel, const BlockDownBuffers& buffers,
-                       const InverseBuffers::Level& level, std::uint32_t right_side_count, std::uint32_t interleave) {
+                       const InverseBuffers::LevelWindows& level, std::uint32_t right_side_count,
+                       std::uint32_t interleave) {
   const InverseBuffers& inverse = buffers.inverse;
   for (const InverseWindow& window : level.down) {
     kernel.record(

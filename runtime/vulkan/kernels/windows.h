@@ -59,20 +59,22 @@ struct BlockGatherBuffers {
   BufferRange right_sides, results, gathered;
 };
 void record_block_gather(Commands& commands, const BlockGather& kernel, const BlockGatherBuffers& buffers,
-                         const InverseBuffers::Level& level, std::uint32_t right_side_count, std::uint32_t interleave);
+                         const InverseBuffers::LevelWindows& level, std::uint32_t right_side_count,
+                         std::uint32_t interleave);
 
 struct BlockUpBuffers {
   const InverseBuffers& inverse;
   BufferRange gathered, results;
 };
 void record_block_up(Commands& commands, const BlockUp& kernel, const BlockUpBuffers& buffers,
-                     const InverseBuffers::Level& level, std::uint32_t right_side_count);
+                     const InverseBuffers::LevelWindows& level, std::uint32_t right_side_count);
 
 struct BlockDownBuffers {
   const InverseBuffers& inverse;
   BufferRange results, solutions;
 };
 void record_block_down(Commands& commands, const BlockDown& kernel, const BlockDownBuffers& buffers,
-                       const InverseBuffers::Level& level, std::uint32_t right_side_count, std::uint32_t interleave);
+                       const InverseBuffers::LevelWindows& level, std::uint32_t right_side_count,
+                       std::uint32_t interleave);
 
 }  // namespace bodyopt::vulkan
