@@ -1,7 +1,9 @@
 #include "geometry/bad_edges.h"
 
 #include <algorithm>
+#include <array>
 #include <map>
+#include <set>
 
 namespace bodyopt {
 
@@ -25,6 +27,17 @@ BadEdges find_bad_edges(const Triangles& triangles) {
     if (count == 2 && use.forward != use.backward) bad.flipped.push_back(edge);
   }
   return bad;
+}
+
+Triangles each_once(const Triangles& triangles) {
+  std::set<std::array<std::uint32_t, 3>> known;
+  std::vector<Eigen::Index> kept;
+  for (Eigen::Index t = 0; t < triangles.rows(); ++t) {
+    std::array<std::uint32_t, 3> corners = {triangles(t, 0), triangles(t, 1), triangles(t, 2)};
+    std::ranges::sort(corners);
+    if (known.insert(corners).second) kept.push_back(t);
+  }
+  return triangles(kept, Eigen::all);
 }
 
 }  // namespace bodyopt

@@ -20,4 +20,7 @@ struct BadEdges {
 
 BadEdges find_bad_edges(const Triangles& triangles);
 
+// Without those that are there twice, whichever way they wind: their edges are neither open nor turned.
+Triangles each_once(const Triangles& triangles);
+
 }  // namespace bodyopt

@@ -1,16 +1,15 @@
 #include "trainer/check/check.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <functional>
-#include <map>
 #include <set>
 #include <sstream>
 
 #include "assets/shape_reader.h"
 #include "assets/wording.h"
 #include "dataset/regions_file.h"
+#include "geometry/bad_edges.h"
 #include "geometry/extent.h"
 #include "geometry/surface_pieces.h"
 #include "runtime/core/error.h"
@@ -255,24 +254,13 @@ std::string first_problem(const std::vector<TakeCheck>& takes, const std::filesy
 }
 
 std::string describe_surface(const Character& character) {
-  std::map<std::pair<std::uint32_t, std::uint32_t>, int> edges;
-  std::set<std::array<std::uint32_t, 3>> seen;
-  for (Eigen::Index t = 0; t < character.triangles.rows(); ++t) {
-    std::array<std::uint32_t, 3> corners = {character.triangles(t, 0), character.triangles(t, 1),
-                                            character.triangles(t, 2)};
-    std::sort(corners.begin(), corners.end());
-    if (!seen.insert(corners).second) continue;
-    for (std::size_t k = 0; k < 3; ++k) {
-      const std::uint32_t a = corners[k], b = corners[(k + 1) % 3];
-      ++edges[std::minmax(a, b)];
-    }
-  }
-  const auto open = std::count_if(edges.begin(), edges.end(), [](const auto& edge) { return edge.second == 1; });
-  const auto crowded = std::count_if(edges.begin(), edges.end(), [](const auto& edge) { return edge.second > 2; });
+  const Triangles once = each_once(character.triangles);
+  const BadEdges bad = find_bad_edges(once);
+  const std::size_t open = bad.open.size(), crowded = bad.shared.size();
   const int pieces = surface_pieces(character.vertices.rows(), character.triangles).count;
   std::string text = open == 0 ? "closed" : "open (" + std::to_string(open) + " boundary edges)";
   if (crowded > 0) text += ", not manifold (" + std::to_string(crowded) + " edges with more than two triangles)";
-  const std::size_t twice = static_cast<std::size_t>(character.triangles.rows()) - seen.size();
+  const std::size_t twice = static_cast<std::size_t>(character.triangles.rows() - once.rows());
   if (twice > 0) text += ", " + count_of(twice, "triangle", "triangles") + " there twice";
   return text + ", " + std::to_string(pieces) + (pieces == 1 ? " piece" : " pieces");
 }

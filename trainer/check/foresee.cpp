@@ -1,7 +1,6 @@
 #include "trainer/check/foresee.h"
 
 #include <algorithm>
-#include <array>
 #include <initializer_list>
 #include <map>
 #include <numeric>
@@ -96,18 +95,6 @@ std::vector<RestPlace> places_of(const Character& character, const Vertices& ver
     found[{joint, joint}].push_back(v);
   }
   return places_of(character, found, 1);
-}
-
-// Without those that are there twice: they are neither open nor turned.
-Triangles each_once(const Triangles& triangles) {
-  std::set<std::array<std::uint32_t, 3>> known;
-  std::vector<Eigen::Index> kept;
-  for (Eigen::Index t = 0; t < triangles.rows(); ++t) {
-    std::array<std::uint32_t, 3> corners = {triangles(t, 0), triangles(t, 1), triangles(t, 2)};
-    std::ranges::sort(corners);
-    if (known.insert(corners).second) kept.push_back(t);
-  }
-  return triangles(kept, Eigen::all);
 }
 
 std::set<std::uint32_t> vertices_of(const std::vector<VertexPair>& edges) {

@@ -3,12 +3,13 @@
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <algorithm>
-#include <map>
+#include <array>
 #include <numeric>
 #include <optional>
 #include <set>
 #include <span>
 
+#include "geometry/bad_edges.h"
 #include "geometry/closed_skin.h"
 #include "geometry/extent.h"
 #include "geometry/fill_holes.h"
@@ -57,23 +58,12 @@ bool is_closed(const Triangles& triangles) {
   return std::all_of(edges.begin(), edges.end(), [&](const auto& e) { return edges.contains({e.second, e.first}); });
 }
 
-std::vector<bool> on_open_edges(Eigen::Index vertices, const Triangles& triangles) {
-  std::map<std::pair<std::uint32_t, std::uint32_t>, int> edges;
-  for (Eigen::Index t = 0; t < triangles.rows(); ++t) {
-    for (int k = 0; k < 3; ++k) ++edges[std::minmax(triangles(t, k), triangles(t, (k + 1) % 3))];
-  }
-  std::vector<bool> open(static_cast<std::size_t>(vertices), false);
-  for (const auto& [edge, count] : edges) {
-    if (count == 1) open[edge.first] = open[edge.second] = true;
-  }
-  return open;
-}
-
 // The first of the vertices in one place on open edges, for every vertex.
 std::vector<std::uint32_t> merge_open_edges(const Positions& vertices, const Triangles& triangles) {
   std::vector<std::uint32_t> first(static_cast<std::size_t>(vertices.rows())), open;
   std::iota(first.begin(), first.end(), 0u);
-  const std::vector<bool> is_open = on_open_edges(vertices.rows(), triangles);
+  std::vector<bool> is_open(first.size(), false);
+  for (const auto& [a, b] : find_bad_edges(triangles).open) is_open[a] = is_open[b] = true;
   std::vector<Vec3> places;
   for (std::uint32_t v = 0; v < first.size(); ++v) {
     if (!is_open[v]) continue;
