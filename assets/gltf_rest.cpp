@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <stdexcept>
 
 #include "assets/gltf_skeleton.h"
+#include "runtime/core/error.h"
 #include "runtime/host/rig.h"
 
 namespace bodyopt {
@@ -48,7 +48,7 @@ RestNodes read_rest(const GltfFile& file, const NodeTree& tree, double unit) {
     world[n] = bind[static_cast<std::size_t>(joint_of_node[n])];
     try {
       rest.local[n] = decompose(inverse(above) * world[n]);
-    } catch (const std::domain_error&) {
+    } catch (const Error&) {
       file.fail("the nodes above joint '" + bound.skeleton.joints[static_cast<std::size_t>(joint_of_node[n])].name +
                 "' are scaled to nothing");
     }

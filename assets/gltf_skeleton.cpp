@@ -2,9 +2,9 @@
 
 #include <cmath>
 #include <cstdio>
-#include <stdexcept>
 
 #include "assets/wording.h"
+#include "runtime/core/error.h"
 
 namespace bodyopt {
 namespace {
@@ -47,7 +47,7 @@ std::vector<std::string> set_binds(const GltfFile& file, Skeleton& skeleton) {
       const Affine above = joint.parent < 0 ? Affine{} : world[static_cast<std::size_t>(joint.parent)];
       joint.bind = decompose(inverse(above) * bind);
       world[j] = above * affine_from(joint.bind);
-    } catch (const std::domain_error&) {
+    } catch (const Error&) {
       file.fail("the inverse bind matrix of joint '" + joint.name + "' is singular");
     }
     const Affine rest = world[j] * joint.inverse_bind;

@@ -1,7 +1,9 @@
 #include "runtime/core/transform.h"
 
 #include <cmath>
-#include <stdexcept>
+#include <string>
+
+#include "runtime/core/error.h"
 
 namespace bodyopt {
 
@@ -95,7 +97,10 @@ double norm(const Quat& q) { return std::sqrt(q[0] * q[0] + q[1] * q[1] + q[2] *
 Affine inverse(const Affine& a) {
   const Mat3 m = linear_part(a);
   const double d = determinant(m);
-  if (!std::isfinite(d) || std::abs(d) < 1e-30) throw std::domain_error("singular affine matrix");
+  if (!std::isfinite(d) || std::abs(d) < 1e-30) {
+    throw Error(ErrorKind::mismatch, "expected a transform that can be undone, found one of determinant " +
+                                         std::to_string(d) + ": is a joint scaled to nothing?");
+  }
   const Mat3 c = cofactors(m);
   Affine b;
   for (int i = 0; i < 3; ++i) {

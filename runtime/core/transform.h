@@ -24,7 +24,7 @@ bool is_finite(const JointTransform& t);  // false, too, where what is finite wo
 Affine affine_from(const JointTransform& t);
 Affine operator*(const Affine& a, const Affine& b);
 Vec3 operator*(const Affine& a, const Vec3& point);
-// Throws std::domain_error when the linear part is singular.
+// Throws Error(mismatch) when the linear part is singular.
 Affine inverse(const Affine& a);
 
 // Splits an affine into translation, rotation and scale. Shear is dropped: the rotation is the polar factor (the

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <set>
-#include <stdexcept>
 
 #include "assets/gltf_skeleton.h"
 #include "assets/gltf_skin.h"
@@ -112,7 +111,7 @@ class LooseMeshReader {
     const Joint& joint = skeleton_.joints[static_cast<std::size_t>(joint_of_node_[n])];
     try {
       return inverse(joint.inverse_bind) * inverse(world_[n]) * world_[node];
-    } catch (const std::domain_error&) {
+    } catch (const Error&) {
       file_.fail("the transform of joint '" + joint.name + "' is singular (a scale of 0?)");
     }
   }
