@@ -219,8 +219,9 @@ BodyTets choose_tets(const Character& character, const SimulateOptions& options)
   } catch (const Error& error) {
     if (error.kind() != ErrorKind::mismatch) throw;
     return {{},
-            options.tet_size > 0 ? lattice_cage_of_size(character.vertices, character.triangles, character.weights, options.tet_size)
-                                 : make_cage(character.vertices, character.triangles, character.weights, kCageNodes),
+            options.tet_size > 0
+                ? lattice_cage_of_size(character.vertices, character.triangles, character.weights, options.tet_size)
+                : make_cage(character.vertices, character.triangles, character.weights, kCageNodes),
             error.what()};
   }
 }

@@ -1,12 +1,13 @@
 #include "trainer/tets/apart_skin.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <map>
 
 namespace bodyopt {
 
-ApartSkin::ApartSkin(const Positions& vertices, const Triangles& triangles, const SkinWeights& weights)
-    : vertices_(vertices), weights_(weights), distance_(vertices.rows(), triangles) {}
+ApartSkin::ApartSkin(const Positions& vertices, const Triangles& triangles, const SkinWeights& weights, double overlap)
+    : vertices_(vertices), weights_(weights), overlap_(overlap), distance_(vertices.rows(), triangles) {}
 
 std::vector<JointWeight> ApartSkin::weights_at(const SkinPoint& point) const {
   std::map<std::uint32_t, double> sums;
@@ -20,8 +21,15 @@ std::vector<JointWeight> ApartSkin::weights_at(const SkinPoint& point) const {
   return result;
 }
 
+bool ApartSkin::is_behind(const SkinPoint& point, const SkinPoint& other) const {
+  const auto corner = [&](std::size_t k) -> Eigen::Vector3d { return vertices_.row(other.vertices[k]); };
+  const Eigen::Vector3d outwards = (corner(1) - corner(0)).cross(corner(2) - corner(0)).normalized();
+  return (point.position - other.position).dot(outwards) < -overlap_;
+}
+
 bool ApartSkin::operator()(const SkinPoint& a, const SkinPoint& b) const {
   if (shared_weight(weights_at(a), weights_at(b)) >= kSharedByOne) return false;
+  if (is_behind(a, b) || is_behind(b, a)) return false;
   const double farthest = kDetour * (a.position - b.position).norm();
   const std::vector<SurfacePlace> near = distance_.around(vertices_, a, farthest);
   return std::none_of(near.begin(), near.end(), [&](const SurfacePlace& place) {

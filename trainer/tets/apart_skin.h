@@ -10,17 +10,20 @@ constexpr double kSharedByOne = 0.6;  // of the weights of two points in common:
 constexpr double kDetour = 3;         // along the skin, times the way through the air: further is not beside it
 
 // Whether two points of a skin (rest, metres) follow other joints and are far from each other along it, as lips, thighs
-// and fingers that touch are; about a joint they are not. The arrays must outlive this.
+// and fingers that touch are; about a joint they are not. Nor are those between which flesh lies, as in and out of a
+// cheek: one is behind the other by more than `overlap` metres. The arrays must outlive this.
 class ApartSkin {
  public:
-  ApartSkin(const Positions& vertices, const Triangles& triangles, const SkinWeights& weights);
+  ApartSkin(const Positions& vertices, const Triangles& triangles, const SkinWeights& weights, double overlap);
   bool operator()(const SkinPoint& a, const SkinPoint& b) const;
 
  private:
   std::vector<JointWeight> weights_at(const SkinPoint& point) const;
+  bool is_behind(const SkinPoint& point, const SkinPoint& other) const;
 
   const Positions& vertices_;
   const SkinWeights& weights_;
+  double overlap_;
   SurfaceDistance distance_;
 };
 

@@ -54,7 +54,6 @@ Cage make_cage(const Positions& vertices, const Triangles& triangles, const Skin
     if (error.kind() != ErrorKind::mismatch) throw;  // it is not for the skin
     const std::string reason = error.what();
     cage = lattice_cage(vertices, triangles, weights, max_nodes);
-    carry_by_own_joints(vertices, triangles, weights, cage.mesh, cage.skin);
     cage.why_lattice = reason;
   }
   cage.glued = glued_vertices(vertices, triangles, weights, cage.mesh, cage.skin);

@@ -85,7 +85,7 @@ std::vector<std::uint8_t> cut_cubes(const Positions& vertices, const Triangles& 
     return skin[static_cast<std::size_t>(place[index])];
   };
 
-  const ApartSkin apart(vertices, triangles, weights);
+  const ApartSkin apart(vertices, triangles, weights, grid.size);
   std::vector<std::uint8_t> is_apart(neighbours.size());
   parallel_for(neighbours.size(), [&](std::size_t k) {
     is_apart[k] = apart(skin_at(neighbours[k].index), skin_at(neighbours[k].next)) ? 1 : 0;
