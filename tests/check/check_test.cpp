@@ -132,7 +132,8 @@ TEST_F(Check, SamplesLeaveOutHeldOutAndUnconvergedFrames) {
   EXPECT_EQ(set.unconverged, 2);
   ASSERT_EQ(set.heldout.size(), 1u);
   EXPECT_EQ(set.heldout[0].frame, 8);
-  EXPECT_EQ(set.train.size(), 3u);
+  ASSERT_EQ(set.train.size(), 3u);
+  for (std::size_t k = 0; k < 3; ++k) EXPECT_EQ(set.train[k].place, 2 * k);  // of 1, 15 and 29
 }
 
 TEST(HoldOutBlocks, EveryThirdBlockOfTen) {
@@ -153,6 +154,7 @@ std::string advice(std::initializer_list<int> frames_of_takes) {
       set.train.emplace_back();
       set.train.back().take = static_cast<int>(set.takes.size());
       set.train.back().frame = frame;
+      set.train.back().place = static_cast<std::size_t>(frame - 1);
     }
     set.takes.push_back("take");
   }
@@ -166,6 +168,17 @@ TEST(HowToHoldOut, NamesWhatHoldsOutFramesOfTakesOfThisLength) {
   EXPECT_EQ(advice({15, 15}), "train --heldout-every 2 holds out 10 of the 30 frames");
   // Of 16, ten would be left: too few to train on.
   EXPECT_NE(advice({16}).find("too short for --heldout-every"), std::string::npos);
+}
+
+// Blocks are of the frames that were simulated, as hold_out_blocks() counts them.
+TEST(HowToHoldOut, FramesThatAreLeftOutHaveTheirPlaces) {
+  SampleSet set;
+  set.takes = {"take"};
+  for (std::size_t place = 0; place < 40; place += 2) {
+    set.train.emplace_back();
+    set.train.back().place = place;
+  }
+  EXPECT_EQ(how_to_hold_out(set), "train --heldout-every 4 holds out 5 of the 20 frames");
 }
 
 }  // namespace

@@ -52,7 +52,7 @@ SampleSet read_samples(const Dataset& dataset) {
     if (stack->is_dropped(n)) continue;
     const DatabaseFrame& frame = database.frames[n];
     (frame.heldout ? set.heldout : set.train)
-        .push_back({frame.take, frame.frame, frame.pose, {stack, n}, stack->weight(n)});
+        .push_back({frame.take, frame.frame, frame.pose, {stack, n}, stack->weight(n), frame.sample});
   }
   return set;
 }

@@ -22,7 +22,8 @@ struct Sample {
   int frame = 0;
   Pose pose;
   SampleShape shape;
-  double weight = 1;  // how many times it counts
+  double weight = 1;      // how many times it counts
+  std::size_t place = 0;  // among all frames of its take, those that are left out, too; a mirror image has its origin's
 };
 
 // The dataset, split; shapes stay on disk. Unconverged frames are left out and counted.

@@ -31,11 +31,8 @@ void hold_out_blocks(Dataset& dataset, int every) {
 
 std::string how_to_hold_out(const SampleSet& set) {
   for (int every = 5; every >= 2; --every) {
-    std::vector<std::size_t> places(set.takes.size());
-    std::size_t heldout = 0;
-    for (const Sample& sample : set.train) {
-      heldout += is_held_out(places[static_cast<std::size_t>(sample.take)]++, every) ? 1 : 0;
-    }
+    const auto heldout = static_cast<std::size_t>(std::count_if(
+        set.train.begin(), set.train.end(), [&](const Sample& sample) { return is_held_out(sample.place, every); }));
     if (heldout == 0 || set.train.size() - heldout < kFewestFrames) continue;
     return "train --heldout-every " + std::to_string(every) + " holds out " + std::to_string(heldout) + " of the " +
            std::to_string(set.train.size()) + " frames";
