@@ -230,6 +230,13 @@ std::vector<std::string> write_shot(const EvalArguments& arguments, EvaluatedSho
   }
 }
 
+// Where a cache in metres does not lie on the mesh that it is of.
+std::string unit_text(const ShotCacheOptions& cache, const Basis& basis) {
+  const double unit = kept_unit(basis);
+  if (holds_triangles(cache.out) || cache.space.unit != 1 || unit == 0 || unit == 1) return "";
+  return format("the cache is in metres; --unit-out %g lays it on the mesh of the character's own file\n", unit);
+}
+
 void evaluate(const EvalArguments& arguments, EvaluatedShot& shot, const TaskRun* task) {
   const Stopwatch watch;
   ShotCaches caches(arguments.cache, shot);
@@ -251,6 +258,7 @@ void evaluate(const EvalArguments& arguments, EvaluatedShot& shot, const TaskRun
   const ShotMoves moves = measure_shot_moves(shot.deformer->basis(), shot.poses, shot.frames);
   text += text_of(moves);
   for (const fs::path& file : outputs) text += "wrote " + file.string() + "\n";
+  text += unit_text(arguments.cache, shot.deformer->basis());
   Json result = caches.log().result();
   if (folds) result["push_out"] = to_json(*folds);
   if (!moves.moves.empty()) result["modifiers"] = to_json(moves);

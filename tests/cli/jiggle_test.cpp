@@ -168,6 +168,21 @@ TEST_F(Jiggle, CachesAreInTheUnitAndAxisAskedFor) {
   EXPECT_EQ(eval("--unit-out 0", "other.pc2").exit_code, 64);
 }
 
+// Of a file in another unit a cache in metres does not lie on its mesh.
+TEST_F(Jiggle, ACacheInMetresOfAFileThatIsNotSaysWhichUnitLiesOnIt) {
+  const std::string half = path("half.safetensors"), said = "--unit-out 0.5 lays it on the mesh";
+  ASSERT_EQ(run("train --ddm-only " + path("limb.glb") + " --unit 0.5 --out " + half).exit_code, 0);
+  const auto says = [&](const std::string& basis, const std::string& options) {
+    const ProgramResult result = run("eval " + basis + " --clip " + path("swing.glb") +
+                                     " --frames 12 --device cpu --out " + path("cache.pc2") + options);
+    EXPECT_EQ(result.exit_code, 0) << result.output;
+    return result.output.find("--unit-out") != std::string::npos ? result.output : "";
+  };
+  EXPECT_NE(says(half, "").find(said), std::string::npos);
+  EXPECT_EQ(says(half, " --unit-out 0.5"), "");
+  EXPECT_EQ(says(path("limb.safetensors"), ""), "");
+}
+
 // What a safetensors file holds behind its header, which here tells of other settings.
 std::string tensors_of(const std::string& path) {
   std::ifstream stream(path, std::ios::binary);
