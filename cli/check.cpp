@@ -92,7 +92,7 @@ std::vector<Clip> own_clips(const std::string& path, const Skeleton& skeleton, d
   std::vector<Clip> clips;
   for (const std::string& name : clip_names(path)) {
     clips.push_back(read_clip(path + "#" + name, skeleton, {.unit = unit}));
-    say(clips.back().notes);
+    for (const std::string& note : clips.back().notes) say({"clip '" + name + "': " + note});
   }
   return clips;
 }

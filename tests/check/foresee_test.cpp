@@ -236,7 +236,8 @@ TEST(Foresee, ClipsThatScaleAJointAreRefused) {
   for (std::size_t v = 0; v < 2; ++v) {
     EXPECT_EQ(alone.verbs[v].fill, BodyFill::refused);
     EXPECT_FALSE(alone.verbs[v].has_contact);
-    EXPECT_NE(alone.verbs[v].why.find("'lower' is scaled by 1.2"), std::string::npos) << alone.verbs[v].why;
+    EXPECT_NE(alone.verbs[v].why.find("clip 'stretch': joint 'lower' is scaled by 1.2"), std::string::npos)
+        << alone.verbs[v].why;
     EXPECT_EQ(alone.verbs[v].remedy, "remove the scale in clip 'stretch'");
   }
   EXPECT_EQ(alone.verbs[2].fill, BodyFill::skin);

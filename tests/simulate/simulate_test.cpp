@@ -336,8 +336,10 @@ TEST(Simulate, RefusesScaledBonesByName) {
     ADD_FAILURE() << "accepted";
   } catch (const Error& error) {
     EXPECT_EQ(error.kind(), ErrorKind::mismatch);
-    EXPECT_NE(std::string(error.what()).find("'" + make_limb().skeleton.joints[1].name + "' is scaled by 1.0"),
-              std::string::npos)
+    EXPECT_NE(
+        std::string(error.what())
+            .find("clip '" + clip.name + "': joint '" + make_limb().skeleton.joints[1].name + "' is scaled by 1.0"),
+        std::string::npos)
         << error.what();
     EXPECT_NE(std::string(error.what()).find("frame 12"), std::string::npos);
   }

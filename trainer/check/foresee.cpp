@@ -250,12 +250,10 @@ std::string still_joints(const Skeleton& skeleton, const std::vector<bool>& move
 // What simulate says of a clip that scales a joint; empty: nothing.
 std::string refusal_of(const Clip& clip, const Skeleton& skeleton) {
   try {
-    for (std::size_t n = 0; n < clip.poses.size(); ++n) {
-      require_unscaled(skeleton, clip.poses[n], clip.first_frame + static_cast<int>(n));
-    }
+    for (int frame = clip.first_frame; frame <= clip.last_frame(); ++frame) require_unscaled(skeleton, clip, frame);
     return "";
   } catch (const Error& error) {
-    return "clip '" + clip.name + "': " + error.what();
+    return error.what();
   }
 }
 

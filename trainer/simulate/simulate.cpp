@@ -78,7 +78,7 @@ std::vector<Job> jobs_of(const QuasiStaticBody& body, const std::vector<Muscle>&
   for (const int frame : frames) {
     const Pose& pose = pose_of(clip, frame);
     require_flexes(clip, pose, frame);
-    require_unscaled(body.skeleton(), pose, frame);
+    require_unscaled(body.skeleton(), clip, frame);
     const std::vector<double> flex = flex_of(pose, flexed, muscles.size());
     jobs.push_back({pose_hash(body.hash(), pose, flex), &pose, flex});
   }
@@ -200,15 +200,17 @@ BodyTets draft_tets(const Character& character) {
 }  // namespace
 
 // Tissue has the size it has; a scaled bone would leave it or tear it.
-void require_unscaled(const Skeleton& skeleton, const Pose& pose, int frame) {
+void require_unscaled(const Skeleton& skeleton, const Clip& clip, int frame) {
   constexpr double kMostScaling = 1e-3;
+  const Pose& pose = pose_of(clip, frame);
   for (std::size_t j = 0; j < skeleton.size() && j < pose.joints.size(); ++j) {
     const Vec3 &scale = pose.joints[j].scale, &rest = skeleton.joints[j].bind.scale;
     if (length(scale - rest) < kMostScaling) continue;
-    throw Error(ErrorKind::mismatch,
-                "joint '" + skeleton.joints[j].name + "' is scaled by " + std::to_string(scale[0] / rest[0]) + ", " +
-                    std::to_string(scale[1] / rest[1]) + ", " + std::to_string(scale[2] / rest[2]) + " in frame " +
-                    std::to_string(frame) + ": bones that change their size cannot be simulated; remove the scale");
+    throw Error(ErrorKind::mismatch, "clip '" + clip.name + "': joint '" + skeleton.joints[j].name + "' is scaled by " +
+                                         std::to_string(scale[0] / rest[0]) + ", " +
+                                         std::to_string(scale[1] / rest[1]) + ", " +
+                                         std::to_string(scale[2] / rest[2]) + " in frame " + std::to_string(frame) +
+                                         ": bones that change their size cannot be simulated; remove the scale");
   }
 }
 

@@ -52,8 +52,9 @@ SolvedPose solve_frame(const QuasiStaticBody& body, const std::vector<Muscle>& m
 // solve_frame.
 std::uint64_t frame_key(const QuasiStaticBody& body, const std::vector<Muscle>& muscles, const Clip& clip, int frame);
 
-// Throws Error(mismatch) where the pose scales a joint: tissue has the size it has. `frame`: for the message.
-void require_unscaled(const Skeleton& skeleton, const Pose& pose, int frame);
+// Throws Error(mismatch), naming clip, joint and frame, where a frame of the clip scales a joint: tissue has the size
+// it has. Throws Error(usage) for a frame the clip lacks.
+void require_unscaled(const Skeleton& skeleton, const Clip& clip, int frame);
 
 // Simulates the given frames of a clip and writes the cache of `take` (PC2, output vertex order; a draft's nodes) and
 // `status` (side-car). A frame that an earlier run, interrupted or finished, solved with the same inputs is taken over
