@@ -53,12 +53,22 @@ std::string places_text(const std::vector<RestPlace>& places, bool of_two, std::
   return text;
 }
 
-// The places, numbered in their order.
-void draw_places(const Character& character, const std::vector<RestPlace>& places, const std::string& path) {
+// The places, numbered in their order. Returns the numbers of those that no side shows.
+std::vector<std::size_t> draw_places(const Character& character, const std::vector<RestPlace>& places,
+                                     const std::string& path) {
   std::vector<VertexList> vertices;
   for (const RestPlace& place : places) vertices.push_back(place.vertices);
   Renderer renderer;
-  write_png(places_picture(renderer, character.vertices, character.triangles, vertices, 700, 1000), path);
+  const RegionPicture picture = places_picture(renderer, character.vertices, character.triangles, vertices, 700, 1000);
+  write_png(picture.image, path);
+  return picture.hidden;
+}
+
+// "hidden inside, without a number in the picture: 3, 5"
+std::string hidden_text(const std::vector<std::size_t>& hidden) {
+  std::string numbers;
+  for (const std::size_t number : hidden) numbers += (numbers.empty() ? "" : ", ") + std::to_string(number);
+  return numbers.empty() ? "" : "hidden inside, without a number in the picture: " + numbers + "\n";
 }
 
 Json verbs_json(const std::vector<VerbForesight>& foreseen) {
@@ -114,9 +124,12 @@ Json foreseen(const CheckArguments& arguments, const Character& character, std::
   add("parts of different joints nearly touch at rest (a lattice glues them)", foresight.near_parts, true);
   add("a cage holds skin of different joints together", foresight.glued, true);
   add("pieces ride on the others", foresight.riders, false);
-  if (!picture.empty()) draw_places(character, drawn, picture);
+  std::vector<std::size_t> hidden;
+  if (!picture.empty()) hidden = draw_places(character, drawn, picture);
+  text += hidden_text(hidden);
   for (const std::string& remark : foresight.remarks) text += "note: " + remark + "\n";
   return {{"foreseen", verbs_json(foresight.verbs)},
+          {"hidden_in_picture", hidden},
           {"self_intersections", places_json(foresight.intersections, false)},
           {"near_parts", places_json(foresight.near_parts, true)},
           {"glued_parts", places_json(foresight.glued, true)},

@@ -27,7 +27,8 @@ void draw(const Character& character, const std::vector<RegionWeights>& regions,
   std::vector<DrawnRegion> drawn;
   for (const RegionWeights& region : regions) drawn.push_back({region.vertices, region.weights});
   Renderer renderer;
-  write_png(region_picture(renderer, skin, triangles, drawn, region_colours(drawn, skin.size() / 3), 700, 1000), path);
+  write_png(region_picture(renderer, skin, triangles, drawn, region_colours(drawn, skin.size() / 3), 700, 1000).image,
+            path);
 }
 
 void run(const RegionsArguments& arguments) {

@@ -3,7 +3,6 @@
 #include <algorithm>
 
 #include "geometry/vertex_normals.h"
-#include "report/region_picture.h"
 
 namespace bodyopt {
 
@@ -31,8 +30,9 @@ std::vector<std::array<float, 3>> sides_of(const Positions& vertices, const Tria
   return sides;
 }
 
-Image places_picture(Renderer& renderer, const Positions& vertices, const Triangles& triangles,
-                     std::span<const VertexList> places, std::uint32_t panel_width, std::uint32_t panel_height) {
+RegionPicture places_picture(Renderer& renderer, const Positions& vertices, const Triangles& triangles,
+                             std::span<const VertexList> places, std::uint32_t panel_width,
+                             std::uint32_t panel_height) {
   const auto count = static_cast<std::size_t>(vertices.rows());
   std::vector<bool> is_taken(count, false);
   std::vector<VertexList> own;

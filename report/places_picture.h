@@ -8,6 +8,7 @@
 
 #include "draw/renderer.h"
 #include "geometry/mesh.h"
+#include "report/region_picture.h"
 
 namespace bodyopt {
 
@@ -19,7 +20,7 @@ std::vector<std::array<float, 3>> sides_of(const Positions& vertices, const Tria
 
 // The skin (V x 3, rest space) from sides_of(), a panel each: every place in a colour of its own with its number
 // (from 1), a vertex of several with the first, the rest of the skin grey. Throws what Renderer::draw throws.
-Image places_picture(Renderer& renderer, const Positions& vertices, const Triangles& triangles,
-                     std::span<const VertexList> places, std::uint32_t panel_width, std::uint32_t panel_height);
+RegionPicture places_picture(Renderer& renderer, const Positions& vertices, const Triangles& triangles,
+                             std::span<const VertexList> places, std::uint32_t panel_width, std::uint32_t panel_height);
 
 }  // namespace bodyopt

@@ -195,10 +195,10 @@ std::vector<std::array<float, 3>> region_colours(std::span<const DrawnRegion> re
   return result;
 }
 
-Image region_picture(Renderer& renderer, std::span<const float> skin, std::span<const std::uint32_t> triangles,
-                     std::span<const DrawnRegion> regions, std::span<const std::array<float, 3>> colours,
-                     std::uint32_t panel_width, std::uint32_t panel_height,
-                     std::span<const std::array<float, 3>> directions) {
+RegionPicture region_picture(Renderer& renderer, std::span<const float> skin, std::span<const std::uint32_t> triangles,
+                             std::span<const DrawnRegion> regions, std::span<const std::array<float, 3>> colours,
+                             std::uint32_t panel_width, std::uint32_t panel_height,
+                             std::span<const std::array<float, 3>> directions) {
   constexpr float kInNone = 0.3f;  // grey, linear
   std::vector<float> blended(skin.size(), kInNone);
   for (std::size_t r = 0; r < regions.size(); ++r) {
@@ -212,6 +212,7 @@ Image region_picture(Renderer& renderer, std::span<const float> skin, std::span<
   const std::vector<float> normals = smooth_normals(triangles, skin);
   const DrawMesh mesh{skin, normals, triangles, blended};
   std::vector<Image> panels;
+  std::vector<bool> is_numbered(regions.size(), false);
   for (const std::array<float, 3>& direction : directions) {
     const Camera camera =
         frame_points(skin, direction, static_cast<float>(panel_width) / static_cast<float>(panel_height));
@@ -219,11 +220,16 @@ Image region_picture(Renderer& renderer, std::span<const float> skin, std::span<
     const Panel panel(skin, normals, triangles, camera, image);
     for (std::size_t r = 0; r < regions.size(); ++r) {
       const auto place = panel.place_of(regions[r]);
-      if (place)
-        draw_number(image, static_cast<int>(r) + 1, static_cast<int>((*place)[0]), static_cast<int>((*place)[1]));
+      if (!place) continue;
+      draw_number(image, static_cast<int>(r) + 1, static_cast<int>((*place)[0]), static_cast<int>((*place)[1]));
+      is_numbered[r] = true;
     }
   }
-  return side_by_side(panels);
+  RegionPicture picture{side_by_side(panels), {}};
+  for (std::size_t r = 0; r < regions.size(); ++r) {
+    if (!is_numbered[r]) picture.hidden.push_back(r + 1);
+  }
+  return picture;
 }
 
 }  // namespace bodyopt

@@ -20,11 +20,16 @@ std::vector<std::array<float, 3>> region_colours(std::span<const DrawnRegion> re
 
 constexpr std::array<std::array<float, 3>, 2> kFrontAndBack = {{{0, 0, 1}, {0, 0, -1}}};
 
+struct RegionPicture {
+  Image image;
+  std::vector<std::size_t> hidden;  // numbers (from 1) of regions that are seen in no panel, ascending
+};
+
 // The skin (V x 3, T x 3) seen from these directions (towards the camera), a panel each, coloured by its regions, each
 // with its number (from 1) where it is seen; what is in no region is grey. Throws what Renderer::draw throws.
-Image region_picture(Renderer& renderer, std::span<const float> skin, std::span<const std::uint32_t> triangles,
-                     std::span<const DrawnRegion> regions, std::span<const std::array<float, 3>> colours,
-                     std::uint32_t panel_width, std::uint32_t panel_height,
-                     std::span<const std::array<float, 3>> directions = kFrontAndBack);
+RegionPicture region_picture(Renderer& renderer, std::span<const float> skin, std::span<const std::uint32_t> triangles,
+                             std::span<const DrawnRegion> regions, std::span<const std::array<float, 3>> colours,
+                             std::uint32_t panel_width, std::uint32_t panel_height,
+                             std::span<const std::array<float, 3>> directions = kFrontAndBack);
 
 }  // namespace bodyopt

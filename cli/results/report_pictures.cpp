@@ -126,7 +126,8 @@ Image ReportPictures::regions(const std::vector<RegionWeights>& regions) {
   std::vector<DrawnRegion> drawn;
   for (const RegionWeights& region : regions) drawn.push_back({region.vertices, region.weights});
   return region_picture(renderer_, skin, triangles_, drawn, region_colours(drawn, skin.size() / 3), kSkinWidth,
-                        kSkinHeight);
+                        kSkinHeight)
+      .image;
 }
 
 std::vector<std::size_t> by_error(const MethodReport& method) {

@@ -133,6 +133,22 @@ TEST(Foresee, IntersectionsAreListedByJoint) {
   EXPECT_EQ(fills(foresight), (std::vector(3, BodyFill::mended)));
 }
 
+// A limb whose end lies back in its middle: no small move parts them, and the remedy says that a picture shows where.
+TEST(Foresee, IntersectionsThatCannotBeMovedApartAreListed) {
+  Character limb = make_limb();
+  const double last = limb.vertices.col(0).maxCoeff(), fold = 0.6 * last;
+  for (Eigen::Index v = 0; v < limb.vertices.rows(); ++v) {
+    double& x = limb.vertices(v, 0);
+    if (x <= fold) continue;
+    x = 2 * fold - x;
+    limb.vertices(v, 1) += 0.5 * kTubeRadius;
+  }
+  const CharacterForesight foresight = foresee(limb);
+  ASSERT_NE(foresight.verbs[0].why.find("cannot be moved apart"), std::string::npos) << foresight.verbs[0].why;
+  EXPECT_NE(foresight.verbs[0].remedy.find("--picture shows where"), std::string::npos);
+  EXPECT_FALSE(foresight.intersections.empty());
+}
+
 // Two limbs a hair apart that hang on different joints.
 Character near_limbs() {
   Character both = make_two_limbs(2 * kTubeRadius + 0.002);

@@ -35,7 +35,7 @@ class PlacesPicture : public ::testing::Test {
   }
   Image picture(const std::vector<VertexList>& places) const {
     Renderer renderer;
-    return places_picture(renderer, vertices_, triangles_, places, kSide, kSide);
+    return places_picture(renderer, vertices_, triangles_, places, kSide, kSide).image;
   }
 
   Positions vertices_;
@@ -66,6 +66,21 @@ TEST_F(PlacesPicture, NumbersPlacesAndNotTheRest) {
 TEST_F(PlacesPicture, AVertexOfSeveralPlacesHasTheColourOfTheFirst) {
   const VertexList front = cap(2, 1);
   EXPECT_EQ(testing::white_dots(picture({front, front}), 0, kSide), 8u);
+}
+
+// A small sphere within the large one.
+TEST_F(PlacesPicture, SaysWhichPlacesAreHidden) {
+  const Eigen::Index vertices = vertices_.rows(), triangles = triangles_.rows();
+  vertices_.conservativeResize(2 * vertices, 3);
+  vertices_.bottomRows(vertices) = 0.3 * vertices_.topRows(vertices);
+  triangles_.conservativeResize(2 * triangles, 3);
+  triangles_.bottomRows(triangles) = triangles_.topRows(triangles).array() + static_cast<std::uint32_t>(vertices);
+  VertexList inside;
+  for (Eigen::Index v = vertices; v < 2 * vertices; ++v) inside.push_back(static_cast<std::uint32_t>(v));
+  Renderer renderer;
+  const std::vector<VertexList> places = {cap(2, 1), inside, cap(1, 1)};
+  EXPECT_EQ(places_picture(renderer, vertices_, triangles_, places, kSide, kSide).hidden,
+            (std::vector<std::size_t>{2}));
 }
 
 }  // namespace

@@ -58,7 +58,7 @@ TEST(RegionPicture, ShowsEveryRegionWhereItIsSeen) {
   const DrawnRegion regions[] = {{front, {ones.data(), front.size()}}, {back, {ones.data(), back.size()}}};
   const std::array<float, 3> colours[] = {{0.8f, 0.02f, 0.02f}, {0.02f, 0.02f, 0.8f}};
   Renderer renderer;
-  const Image image = region_picture(renderer, sphere.positions, sphere.triangles, regions, colours, 200, 200);
+  const Image image = region_picture(renderer, sphere.positions, sphere.triangles, regions, colours, 200, 200).image;
   ASSERT_EQ(image.width, 400u);
   const auto sum = [&](std::size_t begin, std::size_t channel) {
     double total = 0;
@@ -86,7 +86,7 @@ TEST(RegionPicture, NumbersNothingThatStandsBehindTheBody) {
   const DrawnRegion regions[] = {{large, {ones.data(), large.size()}}, {behind, {ones.data(), behind.size()}}};
   const std::array<float, 3> colours[] = {{0.8f, 0.02f, 0.02f}, {0.02f, 0.02f, 0.8f}};
   Renderer renderer;
-  const Image image = region_picture(renderer, all.positions, all.triangles, regions, colours, 200, 200);
+  const Image image = region_picture(renderer, all.positions, all.triangles, regions, colours, 200, 200).image;
   EXPECT_EQ(testing::white_dots(image, 0, 200), 8u);  // a 1, and no 2
 }
 

@@ -14,6 +14,7 @@
 #include "geometry/closed_skin.h"
 #include "geometry/extent.h"
 #include "geometry/point_grid.h"
+#include "geometry/self_intersections.h"
 #include "geometry/vertex_normals.h"
 #include "runtime/core/error.h"
 #include "trainer/dynamics/build_dynamics.h"
@@ -100,6 +101,16 @@ std::vector<RestPlace> places_of(const Character& character, const Vertices& ver
 std::set<std::uint32_t> vertices_of(const std::vector<VertexPair>& edges) {
   std::set<std::uint32_t> vertices;
   for (const auto& [a, b] : edges) vertices.insert({a, b});
+  return vertices;
+}
+
+std::set<std::uint32_t> vertices_of_intersections(const Character& character) {
+  std::set<std::uint32_t> vertices;
+  for (const TrianglePair& pair : self_intersections(character.vertices, character.triangles)) {
+    for (const Eigen::Index t : {pair.first, pair.second}) {
+      for (int k = 0; k < 3; ++k) vertices.insert(character.triangles(t, k));
+    }
+  }
   return vertices;
 }
 
@@ -353,6 +364,7 @@ CharacterForesight foresee(const Character& character, const std::vector<Clip>& 
     result.riders = places_of(character, vertices_of_riders(fillable));
   } catch (const Error& error) {
     if (error.kind() != ErrorKind::mismatch) throw;  // the verbs say why
+    result.intersections = places_of(character, vertices_of_intersections(character));
   }
   const BadEdges bad = find_bad_edges(each_once(character.triangles));
   result.holes = places_of(character, vertices_of(bad.open));
