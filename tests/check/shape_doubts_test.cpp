@@ -23,6 +23,24 @@ TEST(ShapeDoubts, NameThePartThatDoesNotFollowItsJoint) {
   EXPECT_NE(doubts[0].find("'joint1' follows its joint by 0 %"), std::string::npos) << doubts[0];
 }
 
+// Held by as much as a lattice leaves of a jaw, and by as much as soft tissue lags behind.
+TEST(ShapeDoubts, NameThePartThatIsHeldBackInPart) {
+  const auto doubts_of = [](double following) {
+    SampleSet set = limb_samples(40, 0);
+    for (Sample& sample : set.train) {
+      Pose stiff = sample.pose;
+      stiff.joints[1] = set.character.skeleton.joints[1].bind;
+      sample.shape = Positions(following * skin_linear(set.character, sample.pose) +
+                               (1 - following) * skin_linear(set.character, stiff));
+    }
+    return shape_doubts(set);
+  };
+  const std::vector<std::string> glued = doubts_of(0.6);
+  ASSERT_FALSE(glued.empty());
+  EXPECT_NE(glued[0].find("'joint1' follows its joint by 60 %"), std::string::npos) << glued[0];
+  EXPECT_TRUE(doubts_of(0.8).empty());
+}
+
 TEST(ShapeDoubts, NameAVertexThatFliesAwayByItsFrame) {
   SampleSet set = limb_samples(40, 0);
   Sample& sample = set.train[12];

@@ -411,6 +411,38 @@ TEST(Takes, TestAndEvalCountTheSamePosesAsUnlikeThoseOfTraining) {
   EXPECT_EQ(tested.output.find(told), std::string::npos) << tested.output;
 }
 
+// Training bent the limb by 26 degrees; the clip bends it on, to 170.
+TEST(Takes, EvalTellsWhereNoBetterThanDirectDeltaMushIsExpected) {
+  const TemporaryFolder folder;
+  const LimbFiles files(folder, 1);
+  const std::string data = (folder / "data").string(), basis = (folder / "limb.safetensors").string();
+  const std::string json = (folder / "eval.json").string();
+  const std::string clip = " --clip " + files.motion + " --fps 120";
+  ASSERT_EQ(run_bodyopt("simulate " + files.character + clip + " --draft --frames 1-14 --out " + data).exit_code, 0);
+  ASSERT_EQ(run_bodyopt("train " + data + " --out " + basis).exit_code, 0);
+  Clip further;
+  further.name = "further";
+  const Character limb = make_limb();
+  for (int n = 0; n < 18; ++n) further.poses.push_back(bent(limb, degrees(10.0 * n)));
+  write_clip(further, limb.skeleton, (folder / "further.glb").string());
+  const ProgramResult result = run_bodyopt("eval " + basis + " --clip " + (folder / "further.glb").string() +
+                                           " --out " + (folder / "limb.pc2").string() + " --json " + json);
+  ASSERT_EQ(result.exit_code, 0) << result.output;
+  const nlohmann::json told = nlohmann::json::parse(testing::read_bytes(json));
+  std::vector<int> frames;
+  for (const nlohmann::json& entry : told.at("per_frame")) {
+    const double ddm = entry.value("expected_ddm_rms_mm", 0.0);
+    if (ddm > 0.5 && entry.at("expected_rms_mm").get<double>() > 0.9 * ddm) frames.push_back(entry.at("frame"));
+  }
+  ASSERT_FALSE(frames.empty()) << told.at("per_frame").back();
+  ASSERT_LT(frames.size(), told.at("per_frame").size());
+  EXPECT_EQ(told.at("no_better_than_ddm_frames"), format_frame_range(frames));
+  EXPECT_NE(result.output.find("no better than Direct Delta Mush alone is to be expected in " +
+                               std::to_string(frames.size()) + " frame"),
+            std::string::npos)
+      << result.output;
+}
+
 TEST(Takes, HoldingOutEveryNthBlockSaysWhenThatIsNone) {
   const TemporaryFolder folder;
   const LimbFiles files(folder, 1);
