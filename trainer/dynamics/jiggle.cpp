@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <numeric>
 
 #include "assets/wording.h"
+#include "base/disjoint_sets.h"
 #include "geometry/extent.h"
 #include "runtime/core/error.h"
 #include "trainer/dynamics/block_inverse.h"
@@ -46,24 +46,16 @@ std::vector<TetMaterial> tet_materials(const JiggleSettings& settings, const Eig
 
 // The piece of the body that each node is in: its lowest node.
 std::vector<int> pieces_of(const TetMesh& mesh) {
-  std::vector<int> root(static_cast<std::size_t>(mesh.nodes.rows()));
-  std::iota(root.begin(), root.end(), 0);
-  const auto find = [&](int n) {
-    auto k = static_cast<std::size_t>(n);
-    while (root[k] != static_cast<int>(k)) {
-      root[k] = root[static_cast<std::size_t>(root[k])];
-      k = static_cast<std::size_t>(root[k]);
-    }
-    return static_cast<int>(k);
-  };
+  const auto count = static_cast<std::size_t>(mesh.nodes.rows());
+  DisjointSets sets(count);
   for (Eigen::Index t = 0; t < mesh.tets.rows(); ++t) {
     for (int a = 1; a < 4; ++a) {
-      const int x = find(mesh.tets(t, 0)), y = find(mesh.tets(t, a));
-      root[static_cast<std::size_t>(std::max(x, y))] = std::min(x, y);
+      sets.join(static_cast<std::size_t>(mesh.tets(t, 0)), static_cast<std::size_t>(mesh.tets(t, a)));
     }
   }
-  for (std::size_t n = 0; n < root.size(); ++n) root[n] = find(static_cast<int>(n));
-  return root;
+  std::vector<int> pieces;
+  for (std::size_t n = 0; n < count; ++n) pieces.push_back(static_cast<int>(sets.lowest(n)));
+  return pieces;
 }
 
 // Squared angular frequency of every node's own springs: of those that are held, and of pieces without any.

@@ -1,7 +1,6 @@
 #include "trainer/tets/cut_cubes.h"
 
-#include <numeric>
-
+#include "base/disjoint_sets.h"
 #include "base/parallel.h"
 #include "trainer/tets/apart_skin.h"
 
@@ -47,17 +46,12 @@ std::uint8_t bit(int axis) { return static_cast<std::uint8_t>(1 << axis); }
 
 // Takes back the cuts between what hangs together by nothing else.
 void keep_whole(const VoxelGrid& grid, const std::vector<Voxel>& voxels, std::vector<std::uint8_t>& cuts) {
-  std::vector<std::size_t> root(grid.total());
-  std::iota(root.begin(), root.end(), std::size_t{0});
-  const auto find = [&](std::size_t c) {
-    while (root[c] != c) c = root[c] = root[root[c]];
-    return c;
-  };
+  DisjointSets whole(grid.total());
   for_neighbours(grid, voxels, [&](const Eigen::Vector3i&, int axis, std::size_t index, std::size_t next) {
-    if ((cuts[index] & bit(axis)) == 0) root[find(next)] = find(index);
+    if ((cuts[index] & bit(axis)) == 0) whole.join(index, next);
   });
   for_neighbours(grid, voxels, [&](const Eigen::Vector3i&, int axis, std::size_t index, std::size_t next) {
-    if (find(index) != find(next)) cuts[index] = static_cast<std::uint8_t>(cuts[index] & ~bit(axis));
+    if (whole.lowest(index) != whole.lowest(next)) cuts[index] = static_cast<std::uint8_t>(cuts[index] & ~bit(axis));
   });
 }
 

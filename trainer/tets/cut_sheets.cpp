@@ -4,8 +4,9 @@
 #include <algorithm>
 #include <limits>
 #include <map>
-#include <numeric>
 #include <utility>
+
+#include "base/disjoint_sets.h"
 
 namespace bodyopt {
 namespace {
@@ -28,18 +29,12 @@ bool is_manifold(const TrianglesAt& at) {
 
 // The patch of every triangle: those that edges of two triangles join. It has the number of its first triangle.
 std::vector<std::size_t> patches_of(const TrianglesAt& at, std::size_t triangles) {
-  std::vector<std::size_t> patch(triangles);
-  std::iota(patch.begin(), patch.end(), std::size_t{0});
-  const auto find = [&](std::size_t t) {
-    while (patch[t] != t) t = patch[t] = patch[patch[t]];
-    return t;
-  };
+  DisjointSets sets(triangles);
   for (const auto& [edge, around] : at) {
-    if (around.size() != 2) continue;
-    const std::size_t a = find(static_cast<std::size_t>(around[0])), b = find(static_cast<std::size_t>(around[1]));
-    patch[std::max(a, b)] = std::min(a, b);
+    if (around.size() == 2) sets.join(static_cast<std::size_t>(around[0]), static_cast<std::size_t>(around[1]));
   }
-  for (std::size_t t = 0; t < triangles; ++t) patch[t] = find(t);
+  std::vector<std::size_t> patch;
+  for (std::size_t t = 0; t < triangles; ++t) patch.push_back(sets.lowest(t));
   return patch;
 }
 

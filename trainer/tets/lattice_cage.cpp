@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numeric>
 #include <optional>
 
+#include "base/disjoint_sets.h"
 #include "geometry/extent.h"
 #include "runtime/core/error.h"
 #include "trainer/tets/apart_skin.h"
@@ -206,12 +206,7 @@ class CageMaker {
 
   // Corners that are one node, and which of a part's tets hold tissue.
   void number_nodes() {
-    std::vector<std::size_t> root(8 * parts_.size());
-    std::iota(root.begin(), root.end(), std::size_t{0});
-    const auto find = [&](std::size_t c) {
-      while (root[c] != c) c = root[c] = root[root[c]];
-      return c;
-    };
+    DisjointSets corners(8 * parts_.size());
     used_.assign(parts_.size(), {});
     for_voxels([&](const Eigen::Vector3i& cube, std::size_t) {
       const std::size_t part = part_at(cube);
@@ -223,19 +218,18 @@ class CageMaker {
         const std::size_t other = part_at(next), bit = std::size_t{1} << axis;
         for (std::size_t corner = 0; corner < 8; ++corner) {
           if ((corner & bit) == 0) continue;
-          const std::size_t a = find(8 * part + corner), b = find(8 * other + (corner ^ bit));
-          root[std::max(a, b)] = std::min(a, b);
+          corners.join(8 * part + corner, 8 * other + (corner ^ bit));
         }
       }
     });
-    std::vector<int> number(root.size(), -1);
-    node_.assign(root.size(), -1);
+    std::vector<int> number(8 * parts_.size(), -1);
+    node_.assign(8 * parts_.size(), -1);
     for (std::size_t p = 0; p < parts_.size(); ++p) {
       for (std::size_t k = 0; k < 5; ++k) {
         if (!used_[p][k]) continue;
         for (const int corner : split_of(p)[k]) {
           const std::size_t c = 8 * p + static_cast<std::size_t>(corner);
-          int& node = number[find(c)];
+          int& node = number[corners.lowest(c)];
           if (node < 0) node = static_cast<int>(node_count_++);
           node_[c] = node;
         }

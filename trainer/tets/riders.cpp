@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <limits>
-#include <numeric>
 #include <set>
 #include <utility>
 
+#include "base/disjoint_sets.h"
 #include "geometry/nearest_skin.h"
 #include "geometry/surface_pieces.h"
 #include "runtime/core/error.h"
@@ -84,20 +84,14 @@ class RiderSystem {
 
   // Edges that end at a rider, and the pieces they make.
   void find_pieces(const std::set<Edge>& edges) {
-    std::vector<int> root(standing_.size());
-    std::iota(root.begin(), root.end(), 0);
-    const auto find = [&](int r) {
-      while (root[static_cast<std::size_t>(r)] != r) r = root[static_cast<std::size_t>(r)];
-      return r;
-    };
+    DisjointSets sets(standing_.size());
     for (const auto& [a, b] : edges) {
       if (unknown_[a] < 0 || unknown_[b] < 0) continue;
-      const int i = find(unknown_[a]), j = find(unknown_[b]);
-      root[static_cast<std::size_t>(std::max(i, j))] = std::min(i, j);
+      sets.join(static_cast<std::size_t>(unknown_[a]), static_cast<std::size_t>(unknown_[b]));
     }
     std::vector<int> number(standing_.size(), -1);
     for (std::size_t k = 0; k < standing_.size(); ++k) {
-      int& piece = number[static_cast<std::size_t>(find(static_cast<int>(k)))];
+      int& piece = number[sets.lowest(k)];
       if (piece < 0) {
         piece = static_cast<int>(pieces_.size());
         pieces_.emplace_back();
