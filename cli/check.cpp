@@ -53,7 +53,7 @@ std::string places_text(const std::vector<RestPlace>& places, bool of_two, std::
   return text;
 }
 
-// The places, numbered in their order. Returns the numbers of those that no side shows.
+// The places, numbered in their order. Returns the numbers that it lacks: of places inside, or covered by others.
 std::vector<std::size_t> draw_places(const Character& character, const std::vector<RestPlace>& places,
                                      const std::string& path) {
   std::vector<VertexList> vertices;
@@ -61,14 +61,15 @@ std::vector<std::size_t> draw_places(const Character& character, const std::vect
   Renderer renderer;
   const RegionPicture picture = places_picture(renderer, character.vertices, character.triangles, vertices, 700, 1000);
   write_png(picture.image, path);
-  return picture.hidden;
+  return picture.unnumbered;
 }
 
-// "hidden inside, without a number in the picture: 3, 5"
-std::string hidden_text(const std::vector<std::size_t>& hidden) {
+// "without a number in the picture (inside, or covered by another place): 3, 5"
+std::string unnumbered_text(const std::vector<std::size_t>& unnumbered) {
   std::string numbers;
-  for (const std::size_t number : hidden) numbers += (numbers.empty() ? "" : ", ") + std::to_string(number);
-  return numbers.empty() ? "" : "hidden inside, without a number in the picture: " + numbers + "\n";
+  for (const std::size_t number : unnumbered) numbers += (numbers.empty() ? "" : ", ") + std::to_string(number);
+  return numbers.empty() ? ""
+                         : "without a number in the picture (inside, or covered by another place): " + numbers + "\n";
 }
 
 Json verbs_json(const std::vector<VerbForesight>& foreseen) {
@@ -121,15 +122,12 @@ Json foreseen(const CheckArguments& arguments, const Character& character, std::
   add("the skin passes through itself at rest", foresight.intersections, false);
   add("the skin is open", foresight.holes, false);
   add("faces wind oppositely", foresight.flipped, false);
-  add("parts of different joints nearly touch at rest (a lattice glues them)", foresight.near_parts, true);
+  add("parts of different joints nearly touch at rest (a lattice may glue them)", foresight.near_parts, true);
   add("a cage holds skin of different joints together", foresight.glued, true);
   add("pieces ride on the others", foresight.riders, false);
-  std::vector<std::size_t> hidden;
-  if (!picture.empty()) hidden = draw_places(character, drawn, picture);
-  text += hidden_text(hidden);
+  if (!picture.empty()) text += unnumbered_text(draw_places(character, drawn, picture));
   for (const std::string& remark : foresight.remarks) text += "note: " + remark + "\n";
   return {{"foreseen", verbs_json(foresight.verbs)},
-          {"hidden_in_picture", hidden},
           {"self_intersections", places_json(foresight.intersections, false)},
           {"near_parts", places_json(foresight.near_parts, true)},
           {"glued_parts", places_json(foresight.glued, true)},

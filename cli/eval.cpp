@@ -234,11 +234,13 @@ std::vector<std::string> write_shot(const EvalArguments& arguments, EvaluatedSho
 std::string unit_text(const ShotCacheOptions& cache, const Basis& basis) {
   const double unit = kept_unit(basis);
   if (holds_triangles(cache.out) || cache.space.unit != 1 || unit == 0 || unit == 1) return "";
-  return format("the cache is in metres; --unit-out %g lays it on the mesh of the character's own file\n", unit);
+  return format("the cache is in metres; --unit-out %s lays it on the mesh of the character's own file\n",
+                Json(unit).dump().c_str());
 }
 
 void evaluate(const EvalArguments& arguments, EvaluatedShot& shot, const TaskRun* task) {
   const Stopwatch watch;
+  const std::string about_unit = unit_text(arguments.cache, shot.deformer->basis());  // first: it may be damaged
   ShotCaches caches(arguments.cache, shot);
   shot.deformer->set_normals(holds_normals(arguments.cache.out) || arguments.cache.full_skin ||
                              arguments.device.choice.check);
@@ -258,7 +260,7 @@ void evaluate(const EvalArguments& arguments, EvaluatedShot& shot, const TaskRun
   const ShotMoves moves = measure_shot_moves(shot.deformer->basis(), shot.poses, shot.frames);
   text += text_of(moves);
   for (const fs::path& file : outputs) text += "wrote " + file.string() + "\n";
-  text += unit_text(arguments.cache, shot.deformer->basis());
+  text += about_unit;
   Json result = caches.log().result();
   if (folds) result["push_out"] = to_json(*folds);
   if (!moves.moves.empty()) result["modifiers"] = to_json(moves);

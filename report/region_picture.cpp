@@ -227,7 +227,7 @@ RegionPicture region_picture(Renderer& renderer, std::span<const float> skin, st
   }
   RegionPicture picture{side_by_side(panels), {}};
   for (std::size_t r = 0; r < regions.size(); ++r) {
-    if (!is_numbered[r]) picture.hidden.push_back(r + 1);
+    if (!is_numbered[r]) picture.unnumbered.push_back(r + 1);
   }
   return picture;
 }

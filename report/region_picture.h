@@ -22,7 +22,8 @@ constexpr std::array<std::array<float, 3>, 2> kFrontAndBack = {{{0, 0, 1}, {0, 0
 
 struct RegionPicture {
   Image image;
-  std::vector<std::size_t> hidden;  // numbers (from 1) of regions that are seen in no panel, ascending
+  std::vector<std::size_t>
+      unnumbered;  // numbers (from 1) of regions too little of which is seen in any panel, ascending
 };
 
 // The skin (V x 3, T x 3) seen from these directions (towards the camera), a panel each, coloured by its regions, each

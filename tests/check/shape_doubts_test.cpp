@@ -23,7 +23,7 @@ TEST(ShapeDoubts, NameThePartThatDoesNotFollowItsJoint) {
   EXPECT_NE(doubts[0].find("'joint1' follows its joint by 0 %"), std::string::npos) << doubts[0];
 }
 
-// Held by as much as a lattice leaves of a jaw, and by as much as soft tissue lags behind.
+// By more than tissue lags behind, and by no more.
 TEST(ShapeDoubts, NameThePartThatIsHeldBackInPart) {
   const auto doubts_of = [](double following) {
     SampleSet set = limb_samples(40, 0);

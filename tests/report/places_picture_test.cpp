@@ -79,7 +79,7 @@ TEST_F(PlacesPicture, SaysWhichPlacesAreHidden) {
   for (Eigen::Index v = vertices; v < 2 * vertices; ++v) inside.push_back(static_cast<std::uint32_t>(v));
   Renderer renderer;
   const std::vector<VertexList> places = {cap(2, 1), inside, cap(1, 1)};
-  EXPECT_EQ(places_picture(renderer, vertices_, triangles_, places, kSide, kSide).hidden,
+  EXPECT_EQ(places_picture(renderer, vertices_, triangles_, places, kSide, kSide).unnumbered,
             (std::vector<std::size_t>{2}));
 }
 

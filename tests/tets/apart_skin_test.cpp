@@ -7,48 +7,62 @@
 namespace bodyopt {
 namespace {
 
-// A limb whose lower side follows joint 0 and whose upper side follows another.
-class TwoSides : public ::testing::Test {
- protected:
-  void follow(std::uint32_t above) {
-    for (Eigen::Index v = 0; v < limb_.vertices.rows(); ++v) {
-      limb_.weights[static_cast<std::size_t>(v)] = {{limb_.vertices(v, 2) > 0 ? above : 0u, 1}};
-    }
-  }
-  SkinPoint above(double x) const { return nearest_({x, 0, kTubeRadius}); }
-  SkinPoint below(double x) const { return nearest_({x, 0, -kTubeRadius}); }
-  bool apart(const SkinPoint& a, const SkinPoint& b) const {
-    return ApartSkin(limb_.vertices, limb_.triangles, limb_.weights, kOverlap)(a, b);
-  }
+constexpr double kOverlap = 1e-3, kAnyOverlap = 1;
 
-  static constexpr double kOverlap = 1e-3;
-  Character limb_ = make_limb();
-  NearestSkin nearest_{limb_.vertices, limb_.triangles};
-};
-
-// Half around a tube is at most 1.6 times the way through it.
-TEST_F(TwoSides, OfOneLimbAreBesideEachOther) {
-  follow(1);
-  EXPECT_FALSE(apart(above(0.25), below(0.25)));
-  EXPECT_FALSE(apart(below(0.25), above(0.27)));
+// A limb whose upper side follows another joint.
+Character two_sided_limb() {
+  Character limb = make_limb();
+  for (Eigen::Index v = 0; v < limb.vertices.rows(); ++v) {
+    limb.weights[static_cast<std::size_t>(v)] = {{limb.vertices(v, 2) > 0 ? 1u : 0u, 1}};
+  }
+  return limb;
 }
 
-// Pressed flat they nearly touch, and the way around stays as long: inside out, with air between them, they are skin on
-// skin.
-TEST_F(TwoSides, ThatNearlyTouchAreApartWhereOtherJointsMoveThem) {
-  limb_.vertices.col(2) *= 0.02;
-  const NearestSkin flat(limb_.vertices, limb_.triangles);
-  const SkinPoint a = flat({0.25, 0, 1}), b = flat({0.25, 0, -1});
-  follow(1);
-  EXPECT_FALSE(apart(a, b));  // 1.6 mm of flesh
-  limb_.triangles.col(1).swap(limb_.triangles.col(2));
-  const NearestSkin turned(limb_.vertices, limb_.triangles);
-  const SkinPoint c = turned({0.25, 0, 1}), d = turned({0.25, 0, -1});
-  EXPECT_TRUE(apart(c, d));
-  EXPECT_TRUE(apart(d, c));
-  EXPECT_FALSE(apart(c, c));
-  follow(0);
-  EXPECT_FALSE(apart(c, d));
+bool apart(const Character& skin, const Eigen::Vector3d& a, const Eigen::Vector3d& b, double overlap) {
+  const NearestSkin nearest(skin.vertices, skin.triangles);
+  return ApartSkin(skin.vertices, skin.triangles, skin.weights, overlap)(nearest(a), nearest(b));
+}
+
+// Half around a tube is at most 1.6 times the way through it.
+TEST(ApartSkin, SidesOfALimbAreBesideEachOther) {
+  EXPECT_FALSE(apart(two_sided_limb(), {0.25, 0, kTubeRadius}, {0.25, 0, -kTubeRadius}, kAnyOverlap));
+  EXPECT_FALSE(apart(two_sided_limb(), {0.25, 0, -kTubeRadius}, {0.27, 0, kTubeRadius}, kAnyOverlap));
+}
+
+// Pressed flat the way around is fifty times as long as the way through; but that is flesh, however the triangles wind.
+TEST(ApartSkin, FleshHoldsTheTwoSidesOfAThinPart) {
+  Character limb = two_sided_limb();
+  limb.vertices.col(2) *= 0.02;
+  EXPECT_TRUE(apart(limb, {0.25, 0, 1}, {0.25, 0, -1}, kAnyOverlap));
+  EXPECT_FALSE(apart(limb, {0.25, 0, 1}, {0.25, 0, -1}, kOverlap));
+  limb.triangles.col(1).swap(limb.triangles.col(2));
+  EXPECT_FALSE(apart(limb, {0.25, 0, 1}, {0.25, 0, -1}, kOverlap));
+}
+
+TEST(ApartSkin, SkinThatFacesSkinIsApartWhereOtherJointsMoveIt) {
+  Character limbs = make_two_limbs(2.05 * kTubeRadius);
+  const Eigen::RowVector3d middle = limbs.vertices.colwise().mean();
+  const std::size_t half = limbs.weights.size() / 2;
+  const Eigen::Vector3d one = limbs.vertices.row(0), between = middle;
+  const Eigen::Vector3d aside = (one - between).cwiseProduct(Eigen::Vector3d(0, 1, 1)).normalized();
+  const auto facing = [&] { return apart(limbs, between + 1e-3 * aside, between - 1e-3 * aside, kOverlap); };
+  for (std::size_t v = 0; v < 2 * half; ++v) limbs.weights[v] = {{v < half ? 0u : 1u, 1}};
+  EXPECT_TRUE(facing());
+  limbs.triangles.col(1).swap(limbs.triangles.col(2));
+  EXPECT_TRUE(facing());
+  for (auto& weights : limbs.weights) weights = {{0, 1}};
+  EXPECT_FALSE(facing());
+}
+
+// A strip a metre long, whose two edges follow two joints: no corner is near.
+TEST(ApartSkin, OneTriangleIsBesideItself) {
+  Character strip;
+  strip.vertices.resize(4, 3);
+  strip.vertices << 0, 0, 0, 1, 0, 0, 1, 0.1, 0, 0, 0.1, 0;
+  strip.triangles.resize(2, 3);
+  strip.triangles << 0, 1, 2, 0, 2, 3;
+  strip.weights = {{{0, 1}}, {{0, 1}}, {{1, 1}}, {{1, 1}}};
+  EXPECT_FALSE(apart(strip, {0.5, 0, 0}, {0.5, 0.1, 0}, kOverlap));
 }
 
 }  // namespace

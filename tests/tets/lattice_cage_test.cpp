@@ -173,20 +173,32 @@ TEST(LatticeCage, SkinOfOtherJointsIsCutWhereItTouches) {
     const std::set<int> one = nodes_of(cage, -1), other = nodes_of(cage, 1);
     return std::count_if(one.begin(), one.end(), [&](int node) { return other.contains(node); });
   };
-  const auto cage = [&] {
-    const Cage made = lattice_cage_of_size(fork.vertices, fork.triangles, fork.weights, kCell);
+  const auto cage = [&](double cell) {
+    const Cage made = lattice_cage_of_size(fork.vertices, fork.triangles, fork.weights, cell);
     expect_sound(made, fork, "fork");
     EXPECT_EQ(parts(made.mesh), 1u);
     return made;
   };
-  const Cage glued = cage();
+  const Cage glued = cage(kCell);
   EXPECT_GT(shared(glued), 0);
   for (Eigen::Index v = 0; v < 2 * limb; ++v) {
     if (fork.vertices(v, 0) > kProngs) fork.weights[static_cast<std::size_t>(v)] = {{v < limb ? 1u : 2u, 1}};
   }
-  const Cage cut = cage();
+  const Cage cut = cage(kCell);
   EXPECT_EQ(shared(cut), 0);
   EXPECT_EQ(sampled_volume(cut), sampled_volume(glued));
+  // Wound the other way the same.
+  const Triangles wound = fork.triangles;
+  fork.triangles.col(1).swap(fork.triangles.col(2));
+  EXPECT_EQ(cage(kCell).mesh.tets, cut.mesh.tets);
+  fork.triangles = wound;
+  // What lies between and touches both is held by one of them, in cubes smaller than it.
+  Skin tooth = limb_at(0, 0, 0);
+  tooth.vertices *= 0.15;
+  tooth.vertices.rowwise() += Eigen::RowVector3d(0.35, kBetween / 2, 0);
+  tooth.weights = all_by(3, tooth.vertices.rows());
+  fork = join(fork, tooth);
+  EXPECT_EQ(shared(cage(0.06)), 0);
 }
 
 // About a joint skin of both bones is one; and what hangs on the rest by a touch alone stays.
@@ -254,6 +266,9 @@ TEST(LatticeCage, RefusesWhatIsNoSkin) {
   EXPECT_THROW(lattice_cage(limb.vertices, Triangles(0, 3), limb.weights, 100), Error);
   broken = limb;
   broken.vertices.setConstant(1);
+  EXPECT_THROW(lattice_cage(broken.vertices, broken.triangles, broken.weights, 100), Error);
+  broken = limb;
+  broken.weights.pop_back();
   EXPECT_THROW(lattice_cage(broken.vertices, broken.triangles, broken.weights, 100), Error);
   EXPECT_THROW(lattice_cage_of_size(limb.vertices, limb.triangles, limb.weights, 1e-4), Error);
 }

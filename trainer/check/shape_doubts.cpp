@@ -22,8 +22,7 @@ constexpr std::size_t kBlock = 64;   // frames held at a time where all are look
 constexpr double kMainWeight = 0.8;  // of a vertex that is a joint's own
 constexpr std::size_t kFewestVertices = 5;
 constexpr double kNotable = 0.01;  // of the character's longest extent
-// Soft tissue of real bodies follows its joint by three quarters and more; fingers that a coarse skin glues, by 68 %
-// and less.
+// Skin of real bodies follows its joint by 74 % and more; fingers that a coarser skin holds together, by 68 %.
 constexpr double kLeastFollowing = 0.7;
 constexpr std::size_t kShown = 5;  // strays of a take
 

@@ -9,7 +9,7 @@
 
 namespace bodyopt {
 
-// One sentence each, take by take: parts whose skin follows its joint by less than half (of those that the joint moves
+// One sentence each, take by take: parts whose skin follows its joint by less than 70 % (of those that the joint moves
 // by a hundredth of the body's size or more), as when they were glued to what they touch at rest, found in 48 frames of
 // each take at most; and vertices that fly away from their neighbours in single frames, looked for in all frames.
 std::vector<std::string> shape_doubts(const SampleSet& set);

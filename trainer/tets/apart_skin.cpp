@@ -4,10 +4,16 @@
 #include <algorithm>
 #include <map>
 
+#include "geometry/closed_skin.h"
+
 namespace bodyopt {
 
 ApartSkin::ApartSkin(const Positions& vertices, const Triangles& triangles, const SkinWeights& weights, double overlap)
-    : vertices_(vertices), weights_(weights), overlap_(overlap), distance_(vertices.rows(), triangles) {}
+    : vertices_(vertices),
+      weights_(weights),
+      overlap_(overlap),
+      outwards_(enclosed_volume(vertices, triangles) < 0 ? -1 : 1),
+      distance_(vertices.rows(), triangles) {}
 
 std::vector<JointWeight> ApartSkin::weights_at(const SkinPoint& point) const {
   std::map<std::uint32_t, double> sums;
@@ -23,17 +29,22 @@ std::vector<JointWeight> ApartSkin::weights_at(const SkinPoint& point) const {
 
 bool ApartSkin::is_behind(const SkinPoint& point, const SkinPoint& other) const {
   const auto corner = [&](std::size_t k) -> Eigen::Vector3d { return vertices_.row(other.vertices[k]); };
-  const Eigen::Vector3d outwards = (corner(1) - corner(0)).cross(corner(2) - corner(0)).normalized();
-  return (point.position - other.position).dot(outwards) < -overlap_;
+  const Eigen::Vector3d normal = (corner(1) - corner(0)).cross(corner(2) - corner(0)).normalized();
+  return (point.position - other.position).dot(normal) * outwards_ < -overlap_;
 }
 
 bool ApartSkin::operator()(const SkinPoint& a, const SkinPoint& b) const {
   if (shared_weight(weights_at(a), weights_at(b)) >= kSharedByOne) return false;
   if (is_behind(a, b) || is_behind(b, a)) return false;
+  const auto is_of_b = [&](std::uint32_t v) {
+    return std::find(b.vertices.begin(), b.vertices.end(), v) != b.vertices.end();
+  };
+  // No way over a corner is as short as that straight through one triangle or two.
+  if (std::any_of(a.vertices.begin(), a.vertices.end(), is_of_b)) return false;
   const double farthest = kDetour * (a.position - b.position).norm();
   const std::vector<SurfacePlace> near = distance_.around(vertices_, a, farthest);
   return std::none_of(near.begin(), near.end(), [&](const SurfacePlace& place) {
-    return std::find(b.vertices.begin(), b.vertices.end(), place.vertex) != b.vertices.end() &&
+    return is_of_b(place.vertex) &&
            place.distance + (vertices_.row(place.vertex).transpose() - b.position).norm() <= farthest;
   });
 }

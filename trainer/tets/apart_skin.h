@@ -23,7 +23,7 @@ class ApartSkin {
 
   const Positions& vertices_;
   const SkinWeights& weights_;
-  double overlap_;
+  double overlap_, outwards_;  // 1 where triangles wind outwards, else -1
   SurfaceDistance distance_;
 };
 

@@ -1,5 +1,12 @@
 #include "trainer/tets/cut_cubes.h"
 
+#include <algorithm>
+#include <array>
+#include <functional>
+#include <map>
+#include <set>
+#include <utility>
+
 #include "base/disjoint_sets.h"
 #include "base/parallel.h"
 #include "trainer/tets/apart_skin.h"
@@ -42,17 +49,50 @@ std::vector<Neighbours> neighbours_at_skin(const VoxelGrid& grid, const std::vec
   return result;
 }
 
+std::uint32_t main_joint(const SkinPoint& point, const SkinWeights& weights) {
+  Eigen::Index corner = 0;
+  point.weights.maxCoeff(&corner);
+  return weights[point.vertices[static_cast<std::size_t>(corner)]].front().joint;
+}
+
 std::uint8_t bit(int axis) { return static_cast<std::uint8_t>(1 << axis); }
 
-// Takes back the cuts between what hangs together by nothing else.
-void keep_whole(const VoxelGrid& grid, const std::vector<Voxel>& voxels, std::vector<std::uint8_t>& cuts) {
-  DisjointSets whole(grid.total());
+// Where two parts touch: their lowest cubes, and the joints of the skin on either side.
+using Contact = std::array<std::size_t, 4>;
+
+// Takes back cuts where things hang together by nothing else: of all that a part touches, those from the one joint's
+// skin that it touches most (a maximum spanning forest, Kruskal 1956), so that a tooth between two jaws does not join
+// them. joint_at(index): the main joint of the skin at a cube of `neighbours`.
+void keep_whole(const VoxelGrid& grid, const std::vector<Voxel>& voxels, const std::vector<Neighbours>& neighbours,
+                const std::function<std::uint32_t(std::size_t)>& joint_at, std::vector<std::uint8_t>& cuts) {
+  DisjointSets parts(grid.total());
   for_neighbours(grid, voxels, [&](const Eigen::Vector3i&, int axis, std::size_t index, std::size_t next) {
-    if ((cuts[index] & bit(axis)) == 0) whole.join(index, next);
+    if ((cuts[index] & bit(axis)) == 0) parts.join(index, next);
   });
-  for_neighbours(grid, voxels, [&](const Eigen::Vector3i&, int axis, std::size_t index, std::size_t next) {
-    if (whole.lowest(index) != whole.lowest(next)) cuts[index] = static_cast<std::uint8_t>(cuts[index] & ~bit(axis));
-  });
+  const auto contact_at = [&](const Neighbours& faces) -> Contact {
+    using Side = std::pair<std::size_t, std::uint32_t>;
+    const auto [a, b] = std::minmax(
+        {Side(parts.lowest(faces.index), joint_at(faces.index)), Side(parts.lowest(faces.next), joint_at(faces.next))});
+    return {a.first, b.first, a.second, b.second};
+  };
+  std::map<Contact, std::size_t> touching;  // in so many faces
+  for (const Neighbours& faces : neighbours) {
+    if ((cuts[faces.index] & bit(faces.axis)) != 0) ++touching[contact_at(faces)];
+  }
+  std::vector<std::pair<Contact, std::size_t>> most_first(touching.begin(), touching.end());
+  std::stable_sort(most_first.begin(), most_first.end(),
+                   [](const auto& a, const auto& b) { return a.second > b.second; });
+  DisjointSets whole = parts;
+  std::set<Contact> held;
+  for (const auto& [contact, count] : most_first) {
+    if (whole.lowest(contact[0]) == whole.lowest(contact[1])) continue;
+    whole.join(contact[0], contact[1]);
+    held.insert(contact);
+  }
+  for (const Neighbours& faces : neighbours) {
+    if ((cuts[faces.index] & bit(faces.axis)) == 0 || !held.contains(contact_at(faces))) continue;
+    cuts[faces.index] = static_cast<std::uint8_t>(cuts[faces.index] & ~bit(faces.axis));
+  }
 }
 
 }  // namespace
@@ -88,7 +128,8 @@ std::vector<std::uint8_t> cut_cubes(const Positions& vertices, const Triangles& 
   for (std::size_t k = 0; k < neighbours.size(); ++k) {
     if (is_apart[k] != 0) cuts[neighbours[k].index] |= bit(neighbours[k].axis);
   }
-  keep_whole(grid, voxels, cuts);
+  keep_whole(
+      grid, voxels, neighbours, [&](std::size_t index) { return main_joint(skin_at(index), weights); }, cuts);
   return cuts;
 }
 

@@ -17,7 +17,7 @@
 namespace bodyopt {
 namespace {
 
-constexpr int kSubdivision = 8;  // cubes along a cell's edge: cells closer than about two cubes are glued
+constexpr int kSubdivision = 8;  // cubes along a cell's edge: parts closer than about two cubes may be glued
 constexpr double kMostVoxels = 1 << 25;
 constexpr double kSurfaceShare = 0.5;  // of a cube that the skin passes through
 
@@ -43,7 +43,7 @@ std::array<std::array<Barycentric, 5>, 2> make_barycentric() {
   return result;
 }
 
-void require_mesh(const Positions& vertices, const Triangles& triangles) {
+void require_mesh(const Positions& vertices, const Triangles& triangles, const SkinWeights& weights) {
   const auto refuse = [](const std::string& defect) {
     throw Error(ErrorKind::mismatch, "no cage can be made around the skin: " + defect + " (a damaged file)");
   };
@@ -51,6 +51,7 @@ void require_mesh(const Positions& vertices, const Triangles& triangles) {
   if (!vertices.allFinite()) refuse("a vertex is not a finite number");
   if ((vertices.rowwise() - vertices.row(0)).isZero(0)) refuse("all vertices are in one place");
   if (static_cast<Eigen::Index>(triangles.maxCoeff()) >= vertices.rows()) refuse("a triangle names a missing vertex");
+  if (static_cast<Eigen::Index>(weights.size()) != vertices.rows()) refuse("not every vertex has joint weights");
 }
 
 // A connected part of a cell.
@@ -288,7 +289,7 @@ double voxel_count(const Positions& vertices, double cell) {
 
 Cage lattice_cage_of_size(const Positions& vertices, const Triangles& triangles, const SkinWeights& weights,
                           double cell) {
-  require_mesh(vertices, triangles);
+  require_mesh(vertices, triangles, weights);
   if (voxel_count(vertices, cell) > kMostVoxels) {
     throw Error(ErrorKind::usage, "a cage with cells of " + std::to_string(cell) + " m is too fine for this skin");
   }
@@ -297,7 +298,7 @@ Cage lattice_cage_of_size(const Positions& vertices, const Triangles& triangles,
 
 Cage lattice_cage(const Positions& vertices, const Triangles& triangles, const SkinWeights& weights,
                   Eigen::Index max_nodes) {
-  require_mesh(vertices, triangles);
+  require_mesh(vertices, triangles, weights);
   constexpr int kAttempts = 12;
   constexpr double kCloseEnough = 0.97, kPower = 1.0 / 2.4;  // nodes fall about with the power -2.4 of the cell
   double cell = box_diagonal(vertices) / 20, coarsest_too_fine = 0;

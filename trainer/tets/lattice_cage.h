@@ -12,7 +12,8 @@ namespace bodyopt {
 // where the body holds together without. Separate pieces of skin in one cell are joined. A cell is five tets, those
 // without tissue left out: mean-ratio quality 0.84 or more. A function of its arguments alone.
 //
-// Throws Error(mismatch) when there are no triangles, a vertex is not finite or a triangle names a missing one.
+// Throws Error(mismatch) when there are no triangles, a vertex is not finite or a triangle names a missing one or
+// one has no weights.
 // cell: edge of a cell, metres; Error(usage) when so small that memory would run out.
 Cage lattice_cage_of_size(const Positions& vertices, const Triangles& triangles, const SkinWeights& weights,
                           double cell);
