@@ -45,7 +45,7 @@ TEST(CarriedDepth, ALatticesEmptyCornersAreNoTissue) {
   fork.triangles.conservativeResize(triangles + bridge.triangles.rows(), 3);
   fork.triangles.bottomRows(bridge.triangles.rows()) =
       (bridge.triangles.array() + static_cast<std::uint32_t>(prongs)).matrix();
-  fork.weights.insert(fork.weights.end(), bridge.weights.begin(), bridge.weights.end());
+  fork.weights.assign(static_cast<std::size_t>(prongs + more), {{0, 1}});
   const Cage cage = lattice_cage_of_size(fork.vertices, fork.triangles, fork.weights, 0.15);
   std::vector<bool> slides(static_cast<std::size_t>(cage.mesh.nodes.rows()), false);
   for (Eigen::Index v = prongs / 2; v < prongs; ++v) {

@@ -52,7 +52,8 @@ std::vector<Neighbours> neighbours_at_skin(const VoxelGrid& grid, const std::vec
 std::uint32_t main_joint(const SkinPoint& point, const SkinWeights& weights) {
   Eigen::Index corner = 0;
   point.weights.maxCoeff(&corner);
-  return weights[point.vertices[static_cast<std::size_t>(corner)]].front().joint;
+  const std::vector<JointWeight>& of_corner = weights[point.vertices[static_cast<std::size_t>(corner)]];
+  return of_corner.empty() ? 0 : of_corner.front().joint;
 }
 
 std::uint8_t bit(int axis) { return static_cast<std::uint8_t>(1 << axis); }
