@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <numeric>
+#include <set>
 #include <tuple>
 
 namespace bodyopt {
@@ -95,6 +96,16 @@ class Intersections {
 
 std::vector<TrianglePair> self_intersections(const Positions& vertices, const Triangles& triangles) {
   return Intersections(vertices, triangles).find();
+}
+
+std::vector<std::uint32_t> corners_of(const std::vector<TrianglePair>& pairs, const Triangles& triangles) {
+  std::set<std::uint32_t> corners;
+  for (const TrianglePair& pair : pairs) {
+    for (const Eigen::Index t : {pair.first, pair.second}) {
+      for (int k = 0; k < 3; ++k) corners.insert(triangles(t, k));
+    }
+  }
+  return {corners.begin(), corners.end()};
 }
 
 }  // namespace bodyopt

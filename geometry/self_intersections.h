@@ -16,5 +16,7 @@ struct TrianglePair {
 // corner the edges opposite to it count; triangles with a common edge, and triangles in one plane, are left out.
 // Vertices must be finite.
 std::vector<TrianglePair> self_intersections(const Positions& vertices, const Triangles& triangles);
+// The corners of such triangles, ascending.
+std::vector<std::uint32_t> corners_of(const std::vector<TrianglePair>& pairs, const Triangles& triangles);
 
 }  // namespace bodyopt

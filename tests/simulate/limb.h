@@ -106,7 +106,8 @@ inline Character make_two_limbs(double apart) {
   both.triangles.conservativeResize(2 * triangles, 3);
   both.triangles.bottomRows(triangles) =
       (both.triangles.topRows(triangles).array() + static_cast<std::uint32_t>(count)).matrix();
-  both.weights.insert(both.weights.end(), both.weights.begin(), both.weights.begin() + count);
+  const std::vector<std::vector<JointWeight>> weights = both.weights;
+  both.weights.insert(both.weights.end(), weights.begin(), weights.end());
   return both;
 }
 

@@ -20,7 +20,7 @@ Character two_sided_limb() {
 
 bool apart(const Character& skin, const Eigen::Vector3d& a, const Eigen::Vector3d& b, double overlap) {
   const NearestSkin nearest(skin.vertices, skin.triangles);
-  return ApartSkin(skin.vertices, skin.triangles, skin.weights, overlap)(nearest(a), nearest(b));
+  return ApartSkin(skin.vertices, skin.triangles, skin.weights)(nearest(a), nearest(b), overlap);
 }
 
 // Half around a tube is at most 1.6 times the way through it.

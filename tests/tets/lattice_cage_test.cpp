@@ -268,6 +268,8 @@ TEST(LatticeCage, RefusesWhatIsNoSkin) {
   broken.vertices.setConstant(1);
   EXPECT_THROW(lattice_cage(broken.vertices, broken.triangles, broken.weights, 100), Error);
   broken = limb;
+  broken.weights.back().clear();
+  EXPECT_THROW(lattice_cage(broken.vertices, broken.triangles, broken.weights, 100), Error);
   broken.weights.pop_back();
   EXPECT_THROW(lattice_cage(broken.vertices, broken.triangles, broken.weights, 100), Error);
   EXPECT_THROW(lattice_cage_of_size(limb.vertices, limb.triangles, limb.weights, 1e-4), Error);

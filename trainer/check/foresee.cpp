@@ -104,16 +104,6 @@ std::set<std::uint32_t> vertices_of(const std::vector<VertexPair>& edges) {
   return vertices;
 }
 
-std::set<std::uint32_t> vertices_of_intersections(const Character& character) {
-  std::set<std::uint32_t> vertices;
-  for (const TrianglePair& pair : self_intersections(character.vertices, character.triangles)) {
-    for (const Eigen::Index t : {pair.first, pair.second}) {
-      for (int k = 0; k < 3; ++k) vertices.insert(character.triangles(t, k));
-    }
-  }
-  return vertices;
-}
-
 std::vector<std::uint32_t> vertices_of_riders(const FillableSkin& fillable) {
   std::vector<std::uint32_t> vertices;
   for (std::uint32_t v = 0; v < fillable.host.size(); ++v) {
@@ -364,7 +354,8 @@ CharacterForesight foresee(const Character& character, const std::vector<Clip>& 
     result.riders = places_of(character, vertices_of_riders(fillable));
   } catch (const Error& error) {
     if (error.kind() != ErrorKind::mismatch) throw;  // the verbs say why
-    result.intersections = places_of(character, vertices_of_intersections(character));
+    result.intersections = places_of(
+        character, corners_of(self_intersections(character.vertices, character.triangles), character.triangles));
   }
   const BadEdges bad = find_bad_edges(each_once(character.triangles));
   result.holes = places_of(character, vertices_of(bad.open));

@@ -21,14 +21,6 @@ VertexList first_vertices(const std::vector<VertexPair>& edges) {
   return vertices;
 }
 
-VertexList vertices_of_intersections(const Character& character) {
-  VertexList vertices;
-  for (const TrianglePair& pair : self_intersections(character.vertices, character.triangles)) {
-    vertices.push_back(character.triangles(pair.first, 0));
-  }
-  return vertices;
-}
-
 // The first of every joint's.
 std::string places_of(const Character& character, const std::string& defect, const VertexList& vertices) {
   std::map<std::uint32_t, std::uint32_t> first;
@@ -53,7 +45,8 @@ std::string defect_places(const Character& character) {
   return places_of(character, "is open", first_vertices(bad.open)) +
          places_of(character, "is fused along an edge", first_vertices(bad.shared)) +
          places_of(character, "turns inside out", first_vertices(bad.flipped)) +
-         places_of(character, "passes through itself", vertices_of_intersections(character));
+         places_of(character, "passes through itself",
+                   corners_of(self_intersections(character.vertices, character.triangles), character.triangles));
 }
 
 }  // namespace bodyopt

@@ -8,10 +8,9 @@
 
 namespace bodyopt {
 
-ApartSkin::ApartSkin(const Positions& vertices, const Triangles& triangles, const SkinWeights& weights, double overlap)
+ApartSkin::ApartSkin(const Positions& vertices, const Triangles& triangles, const SkinWeights& weights)
     : vertices_(vertices),
       weights_(weights),
-      overlap_(overlap),
       outwards_(enclosed_volume(vertices, triangles) < 0 ? -1 : 1),
       distance_(vertices.rows(), triangles) {}
 
@@ -27,15 +26,16 @@ std::vector<JointWeight> ApartSkin::weights_at(const SkinPoint& point) const {
   return result;
 }
 
-bool ApartSkin::is_behind(const SkinPoint& point, const SkinPoint& other) const {
+// How far behind the skin at the other, metres.
+double ApartSkin::depth(const SkinPoint& point, const SkinPoint& other) const {
   const auto corner = [&](std::size_t k) -> Eigen::Vector3d { return vertices_.row(other.vertices[k]); };
   const Eigen::Vector3d normal = (corner(1) - corner(0)).cross(corner(2) - corner(0)).normalized();
-  return (point.position - other.position).dot(normal) * outwards_ < -overlap_;
+  return (other.position - point.position).dot(normal) * outwards_;
 }
 
-bool ApartSkin::operator()(const SkinPoint& a, const SkinPoint& b) const {
+bool ApartSkin::operator()(const SkinPoint& a, const SkinPoint& b, double overlap) const {
   if (shared_weight(weights_at(a), weights_at(b)) >= kSharedByOne) return false;
-  if (is_behind(a, b) || is_behind(b, a)) return false;
+  if (std::max(depth(a, b), depth(b, a)) > overlap) return false;
   const auto is_of_b = [&](std::uint32_t v) {
     return std::find(b.vertices.begin(), b.vertices.end(), v) != b.vertices.end();
   };

@@ -14,16 +14,16 @@ constexpr double kDetour = 3;         // along the skin, times the way through t
 // cheek: one is behind the other by more than `overlap` metres. The arrays must outlive this.
 class ApartSkin {
  public:
-  ApartSkin(const Positions& vertices, const Triangles& triangles, const SkinWeights& weights, double overlap);
-  bool operator()(const SkinPoint& a, const SkinPoint& b) const;
+  ApartSkin(const Positions& vertices, const Triangles& triangles, const SkinWeights& weights);
+  bool operator()(const SkinPoint& a, const SkinPoint& b, double overlap) const;
 
  private:
   std::vector<JointWeight> weights_at(const SkinPoint& point) const;
-  bool is_behind(const SkinPoint& point, const SkinPoint& other) const;
+  double depth(const SkinPoint& point, const SkinPoint& other) const;
 
   const Positions& vertices_;
   const SkinWeights& weights_;
-  double overlap_, outwards_;  // 1 where triangles wind outwards, else -1
+  double outwards_;  // 1 where triangles wind outwards, else -1
   SurfaceDistance distance_;
 };
 

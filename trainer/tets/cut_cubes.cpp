@@ -9,7 +9,6 @@
 
 #include "base/disjoint_sets.h"
 #include "base/parallel.h"
-#include "trainer/tets/apart_skin.h"
 
 namespace bodyopt {
 namespace {
@@ -52,8 +51,7 @@ std::vector<Neighbours> neighbours_at_skin(const VoxelGrid& grid, const std::vec
 std::uint32_t main_joint(const SkinPoint& point, const SkinWeights& weights) {
   Eigen::Index corner = 0;
   point.weights.maxCoeff(&corner);
-  const std::vector<JointWeight>& of_corner = weights[point.vertices[static_cast<std::size_t>(corner)]];
-  return of_corner.empty() ? 0 : of_corner.front().joint;
+  return weights[point.vertices[static_cast<std::size_t>(corner)]].front().joint;
 }
 
 std::uint8_t bit(int axis) { return static_cast<std::uint8_t>(1 << axis); }
@@ -98,8 +96,10 @@ void keep_whole(const VoxelGrid& grid, const std::vector<Voxel>& voxels, const s
 
 }  // namespace
 
-std::vector<std::uint8_t> cut_cubes(const Positions& vertices, const Triangles& triangles, const SkinWeights& weights,
-                                    const VoxelGrid& grid, const std::vector<Voxel>& voxels) {
+CubeCuts::CubeCuts(const Positions& vertices, const Triangles& triangles, const SkinWeights& weights)
+    : weights_(weights), nearest_(vertices, triangles), apart_(vertices, triangles, weights) {}
+
+std::vector<std::uint8_t> CubeCuts::in(const VoxelGrid& grid, const std::vector<Voxel>& voxels) const {
   const std::vector<Neighbours> neighbours = neighbours_at_skin(grid, voxels);
   std::vector<int> place(grid.total(), -1);
   std::vector<Eigen::Vector3i> cubes;
@@ -113,24 +113,22 @@ std::vector<std::uint8_t> cut_cubes(const Positions& vertices, const Triangles& 
     add(pair.cube);
     add(pair.cube + Eigen::Vector3i::Unit(pair.axis));
   }
-  const NearestSkin nearest(vertices, triangles);
   std::vector<SkinPoint> skin(cubes.size());
-  parallel_for(cubes.size(), [&](std::size_t k) { skin[k] = nearest(grid.centre(cubes[k])); });
+  parallel_for(cubes.size(), [&](std::size_t k) { skin[k] = nearest_(grid.centre(cubes[k])); });
   const auto skin_at = [&](std::size_t index) -> const SkinPoint& {
     return skin[static_cast<std::size_t>(place[index])];
   };
 
-  const ApartSkin apart(vertices, triangles, weights, grid.size);
   std::vector<std::uint8_t> is_apart(neighbours.size());
   parallel_for(neighbours.size(), [&](std::size_t k) {
-    is_apart[k] = apart(skin_at(neighbours[k].index), skin_at(neighbours[k].next)) ? 1 : 0;
+    is_apart[k] = apart_(skin_at(neighbours[k].index), skin_at(neighbours[k].next), grid.size) ? 1 : 0;
   });
   std::vector<std::uint8_t> cuts(grid.total(), 0);
   for (std::size_t k = 0; k < neighbours.size(); ++k) {
     if (is_apart[k] != 0) cuts[neighbours[k].index] |= bit(neighbours[k].axis);
   }
   keep_whole(
-      grid, voxels, neighbours, [&](std::size_t index) { return main_joint(skin_at(index), weights); }, cuts);
+      grid, voxels, neighbours, [&](std::size_t index) { return main_joint(skin_at(index), weights_); }, cuts);
   return cuts;
 }
 

@@ -301,13 +301,10 @@ class SkinMender {
       result_.triangles.data()[k] = static_cast<std::uint32_t>(result_.host[kept.data()[k]]);
     }
     tangles_ = self_intersections(result_.vertices, result_.triangles);
-    std::set<std::uint32_t> tangled;
-    for (const TrianglePair& pair : tangles_) {
-      for (const Eigen::Index t : {pair.first, pair.second}) {
-        for (int k = 0; k < 3; ++k) tangled.insert(result_.vertex[result_.triangles(t, k)]);
-      }
+    for (const std::uint32_t host : corners_of(tangles_, result_.triangles)) {
+      result_.tangled.push_back(result_.vertex[host]);
     }
-    result_.tangled.assign(tangled.begin(), tangled.end());
+    std::ranges::sort(result_.tangled);
   }
 
   const Positions& vertices_;

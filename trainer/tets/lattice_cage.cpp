@@ -10,7 +10,6 @@
 #include "base/disjoint_sets.h"
 #include "geometry/extent.h"
 #include "runtime/core/error.h"
-#include "trainer/tets/apart_skin.h"
 #include "trainer/tets/cut_cubes.h"
 #include "trainer/tets/voxels.h"
 
@@ -51,7 +50,9 @@ void require_mesh(const Positions& vertices, const Triangles& triangles, const S
   if (!vertices.allFinite()) refuse("a vertex is not a finite number");
   if ((vertices.rowwise() - vertices.row(0)).isZero(0)) refuse("all vertices are in one place");
   if (static_cast<Eigen::Index>(triangles.maxCoeff()) >= vertices.rows()) refuse("a triangle names a missing vertex");
-  if (static_cast<Eigen::Index>(weights.size()) != vertices.rows()) refuse("not every vertex has joint weights");
+  const auto is_bound = [](const std::vector<JointWeight>& vertex) { return !vertex.empty(); };
+  if (static_cast<Eigen::Index>(weights.size()) != vertices.rows() || !std::ranges::all_of(weights, is_bound))
+    refuse("not every vertex has joint weights");
 }
 
 // A connected part of a cell.
@@ -63,7 +64,7 @@ struct Part {
 
 class CageMaker {
  public:
-  CageMaker(const Positions& vertices, const Triangles& triangles, const SkinWeights& weights, double cell)
+  CageMaker(const Positions& vertices, const Triangles& triangles, const CubeCuts& cuts, double cell)
       : vertices_(vertices), cell_(cell) {
     const Eigen::Vector3d low = vertices.colwise().minCoeff(), high = vertices.colwise().maxCoeff();
     const double cube = cell / kSubdivision, margin = cube / 2;
@@ -72,7 +73,7 @@ class CageMaker {
     grid_ = {low - Eigen::Vector3d::Constant(margin), cube, kSubdivision * cells_};
     voxels_ = voxelise(vertices, triangles, grid_);
     const std::vector<int> piece = label_pieces(grid_, voxels_);
-    cuts_ = cut_cubes(vertices, triangles, weights, grid_, voxels_);
+    cuts_ = cuts.in(grid_, voxels_);
     part_.assign(grid_.total(), -1);
     Eigen::Vector3i at;
     for (at[2] = 0; at[2] < cells_[2]; ++at[2]) {
@@ -272,7 +273,7 @@ class CageMaker {
   Eigen::Vector3i cells_;
   VoxelGrid grid_;
   std::vector<Voxel> voxels_;
-  std::vector<std::uint8_t> cuts_;  // of every voxel, as cut_cubes
+  std::vector<std::uint8_t> cuts_;  // of every voxel, see CubeCuts
   std::vector<int> part_;           // of every voxel, -1 outside
   std::vector<Part> parts_;
   std::vector<std::array<bool, 5>> used_;  // of every part
@@ -293,12 +294,13 @@ Cage lattice_cage_of_size(const Positions& vertices, const Triangles& triangles,
   if (voxel_count(vertices, cell) > kMostVoxels) {
     throw Error(ErrorKind::usage, "a cage with cells of " + std::to_string(cell) + " m is too fine for this skin");
   }
-  return CageMaker(vertices, triangles, weights, cell).make();
+  return CageMaker(vertices, triangles, CubeCuts(vertices, triangles, weights), cell).make();
 }
 
 Cage lattice_cage(const Positions& vertices, const Triangles& triangles, const SkinWeights& weights,
                   Eigen::Index max_nodes) {
   require_mesh(vertices, triangles, weights);
+  const CubeCuts cuts(vertices, triangles, weights);
   constexpr int kAttempts = 12;
   constexpr double kCloseEnough = 0.97, kPower = 1.0 / 2.4;  // nodes fall about with the power -2.4 of the cell
   double cell = box_diagonal(vertices) / 20, coarsest_too_fine = 0;
@@ -309,7 +311,7 @@ Cage lattice_cage(const Positions& vertices, const Triangles& triangles, const S
       cell = best ? (cell + *best) / 2 : 1.2 * cell;
       continue;
     }
-    const auto nodes = static_cast<double>(CageMaker(vertices, triangles, weights, cell).node_count());
+    const auto nodes = static_cast<double>(CageMaker(vertices, triangles, cuts, cell).node_count());
     const double share = nodes / static_cast<double>(max_nodes);
     if (share <= 1 && (!best || cell < *best)) best = cell;
     if (share <= 1 && share > kCloseEnough) break;
@@ -320,7 +322,7 @@ Cage lattice_cage(const Positions& vertices, const Triangles& triangles, const S
       cell = (*best + coarsest_too_fine) / 2;
     }
   }
-  return CageMaker(vertices, triangles, weights, *best).make();
+  return CageMaker(vertices, triangles, cuts, *best).make();
 }
 
 }  // namespace bodyopt
