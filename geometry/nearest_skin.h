@@ -5,11 +5,12 @@
 #include <array>
 #include <cstdint>
 #include <memory>
-#include <vector>
 
 #include "geometry/mesh.h"
 
 namespace bodyopt {
+
+class BoxTree;
 
 struct SkinPoint {
   Eigen::Index triangle = -1;
@@ -18,8 +19,8 @@ struct SkinPoint {
   Eigen::Vector3d position = Eigen::Vector3d::Zero();
 };
 
-// Exact nearest-triangle search through a tree of the triangles' centres (nanoflann). There must be a triangle, and the
-// arrays must outlive this. Of triangles equally near, the first.
+// Exact nearest-triangle search through a tree of the triangles' boxes. There must be a triangle, and
+// the arrays must outlive this. Of triangles equally near, the first.
 class NearestSkin {
  public:
   NearestSkin(const Positions& vertices, const Triangles& triangles);
@@ -29,16 +30,12 @@ class NearestSkin {
   SkinPoint facing(const Eigen::Vector3d& point, const Eigen::Vector3d& normal) const;
 
  private:
-  class CentreTree;
   template <typename Wanted>
   SkinPoint search(const Eigen::Vector3d& point, const Wanted& wanted) const;
 
   const Positions& vertices_;
   const Triangles& triangles_;
-  Positions centres_;
-  std::vector<double> radius_;  // of the spheres around centres that hold their triangles, metres
-  double largest_radius_ = 0;
-  std::unique_ptr<CentreTree> tree_;
+  std::unique_ptr<BoxTree> tree_;
 };
 
 }  // namespace bodyopt

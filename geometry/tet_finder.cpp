@@ -34,11 +34,9 @@ std::map<Face, int> tets_of_faces(const Tets& tets) {
 }  // namespace
 
 TetFinder::TetFinder(const TetMesh& mesh, const Positions& vertices, const Triangles& triangles)
-    : nearest_(vertices, triangles) {
+    : nearest_(vertices, triangles), tree_(boxes_of(mesh.nodes, mesh.tets)) {
   for (int t = 0; t < mesh.tets.rows(); ++t) {
-    const Positions corners = mesh.nodes(mesh.tets.row(t), Eigen::all);
-    tets_.push_back(
-        {corners.row(0), corners.colwise().minCoeff(), corners.colwise().maxCoeff(), tet_edges(mesh, t).inverse()});
+    tets_.push_back({mesh.nodes.row(mesh.tets(t, 0)), tet_edges(mesh, t).inverse()});
   }
   const std::map<Face, int> tet_of_face = tets_of_faces(mesh.tets);
   for (Eigen::Index t = 0; t < triangles.rows(); ++t) {
@@ -57,12 +55,14 @@ EmbeddedPoint TetFinder::operator()(const Eigen::Vector3d& point, const Eigen::V
   const int behind =
       behind_[static_cast<std::size_t>(facing.triangle >= 0 ? facing.triangle : nearest_(point).triangle)];
   EmbeddedPoint best{behind, weights(behind, point)};
-  for (int t = 0; !is_outside && t < static_cast<int>(tets_.size()); ++t) {
-    const Tet& tet = tets_[static_cast<std::size_t>(t)];
-    if ((point.array() < tet.low.array()).any() || (point.array() > tet.high.array()).any()) continue;
+  if (is_outside) return best;
+  const auto consider = [&](int t) {
     const Eigen::Vector4d inside = weights(t, point);
-    if (inside.minCoeff() >= 0 && inside.minCoeff() > best.weights.minCoeff()) best = {t, inside};
-  }
+    const double least = inside.minCoeff(), least_of_best = best.weights.minCoeff();
+    if (least >= 0 && (least > least_of_best || (least == least_of_best && t < best.tet))) best = {t, inside};
+    return 0.0;
+  };
+  tree_.search([&](const Eigen::AlignedBox3d& box) { return box.contains(point) ? 0.0 : 1.0; }, consider, 0);
   return best;
 }
 

@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "geometry/box_tree.h"
 #include "geometry/embedding.h"
 #include "geometry/nearest_skin.h"
 
@@ -20,13 +21,14 @@ class TetFinder {
 
  private:
   struct Tet {
-    Eigen::Vector3d origin, low, high;
+    Eigen::Vector3d origin;
     Eigen::Matrix3d inverse;  // of the edges from corner 0
   };
   Eigen::Vector4d weights(int tet, const Eigen::Vector3d& point) const;
 
   NearestSkin nearest_;
   std::vector<Tet> tets_;
+  BoxTree tree_;             // of tets_
   std::vector<int> behind_;  // tet behind every triangle of the surface
 };
 

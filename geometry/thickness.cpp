@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "base/parallel.h"
+#include "geometry/box_tree.h"
 #include "geometry/closed_skin.h"
 #include "geometry/extent.h"
 #include "geometry/vertex_normals.h"
@@ -36,6 +37,23 @@ double hit(const RayTriangle& triangle, const Eigen::Vector3d& origin, const Eig
   return inside && distance > 0 ? distance : kNone;
 }
 
+// Distance along a ray at which it may enter a box; infinite where it passes by (slabs: Kay, Kajiya 1986).
+double entry(const Eigen::AlignedBox3d& box, const Eigen::Vector3d& origin, const Eigen::Vector3d& along) {
+  const double slack = 4 * kEdge * box.diagonal().norm();
+  double from = 0, to = std::numeric_limits<double>::infinity();
+  for (int axis = 0; axis < 3; ++axis) {
+    const double low = box.min()[axis] - slack - origin[axis], high = box.max()[axis] + slack - origin[axis];
+    if (along[axis] == 0) {
+      if (low > 0 || high < 0) return std::numeric_limits<double>::infinity();
+      continue;
+    }
+    const auto [near, far] = std::minmax({low / along[axis], high / along[axis]});
+    from = std::max(from, near);
+    to = std::min(to, far);
+  }
+  return from <= to ? from : std::numeric_limits<double>::infinity();
+}
+
 // Each round averages over a vertex and its neighbours and so widens the average by about an edge's square.
 void smooth(const Triangles& triangles, int rounds, Eigen::VectorXd& values) {
   for (int k = 0; k < rounds; ++k) {
@@ -53,33 +71,32 @@ void smooth(const Triangles& triangles, int rounds, Eigen::VectorXd& values) {
 // Triangles that rays are shot at.
 class RayTarget {
  public:
-  RayTarget(const Positions& vertices, const Triangles& triangles) : triangles_(triangles) {
+  RayTarget(const Positions& vertices, const Triangles& triangles)
+      : triangles_(triangles), tree_(boxes_of(vertices, triangles)) {
     for (Eigen::Index t = 0; t < triangles.rows(); ++t) {
       const Eigen::Vector3d a = vertices.row(triangles(t, 0)), b = vertices.row(triangles(t, 1)),
                             c = vertices.row(triangles(t, 2));
       corners_.push_back({a, b - a, c - a});
-      radius2_.push_back(std::max((b - a).squaredNorm(), (c - a).squaredNorm()));
     }
   }
 
   // The nearest hit of a ray from a vertex, or `farthest`.
   double distance(Eigen::Index vertex, const Eigen::Vector3d& origin, const Eigen::Vector3d& along,
                   double farthest) const {
-    for (std::size_t t = 0; t < corners_.size(); ++t) {
-      const auto of = triangles_.row(static_cast<Eigen::Index>(t)).cast<Eigen::Index>();
-      if (of[0] == vertex || of[1] == vertex || of[2] == vertex) continue;
-      const Eigen::Vector3d to = corners_[t].origin - origin;
-      const double ahead = to.dot(along);
-      if (to.squaredNorm() - ahead * ahead > radius2_[t]) continue;  // the ray passes by
-      farthest = std::min(farthest, hit(corners_[t], origin, along));
-    }
+    const auto consider = [&](int t) {
+      const auto of = triangles_.row(t).cast<Eigen::Index>();
+      const bool starts_there = of[0] == vertex || of[1] == vertex || of[2] == vertex;
+      if (!starts_there) farthest = std::min(farthest, hit(corners_[static_cast<std::size_t>(t)], origin, along));
+      return farthest;
+    };
+    tree_.search([&](const Eigen::AlignedBox3d& box) { return entry(box, origin, along); }, consider, farthest);
     return farthest;
   }
 
  private:
   const Triangles& triangles_;
+  BoxTree tree_;
   std::vector<RayTriangle> corners_;
-  std::vector<double> radius2_;  // of a sphere around the first corner that holds the triangle
 };
 
 }  // namespace

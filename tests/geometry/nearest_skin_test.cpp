@@ -49,5 +49,20 @@ TEST(NearestSkin, IsTheNearestOfAllTriangles) {
   }
 }
 
+// A fan around a vertex, above which all of its triangles are as near.
+TEST(NearestSkin, OfTrianglesEquallyNearTheFirst) {
+  Positions vertices(7, 3);
+  Triangles triangles(6, 3);
+  vertices.row(6).setZero();
+  for (std::uint32_t k = 0; k < 6; ++k) {
+    const double angle = k * EIGEN_PI / 3;
+    vertices.row(k) << std::cos(angle), std::sin(angle), 0;
+    triangles.row((5 * k + 3) % 6) << 6, k, (k + 1) % 6;
+  }
+  const NearestSkin nearest(vertices, triangles);
+  EXPECT_EQ(nearest({0, 0, 0.5}).triangle, 0);
+  EXPECT_EQ(nearest({0, 0, 0}).triangle, 0);
+}
+
 }  // namespace
 }  // namespace bodyopt
