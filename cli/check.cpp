@@ -12,6 +12,7 @@
 #include "runtime/core/file_kind.h"
 #include "trainer/check/foresee.h"
 #include "trainer/check/shape_doubts.h"
+#include "trainer/motion/attached_rig.h"
 #include "trainer/motion/coupled_joints.h"
 #include "trainer/motion/held_turns.h"
 #include "trainer/train/data/samples.h"
@@ -158,9 +159,13 @@ void check_character(const CheckArguments& arguments) {
 }
 
 // What the frames asked for hold beyond the character's limits.
-Json held_beyond_limits(const std::string& path, const Skeleton& skeleton, const std::vector<Pose>& poses,
+Json held_beyond_limits(const std::string& path, const Skeleton& own, const std::vector<Pose>& own_poses,
                         std::string& text) {
-  const JointLimits limits = read_joint_limits(path, skeleton);
+  const JointLimits own_limits = read_joint_limits(path, own);
+  const AttachedRig rig(own, own_limits.detached);
+  const JointLimits limits = rig.attached(own_limits);
+  const Skeleton& skeleton = rig.skeleton();
+  const std::vector<Pose> poses = rig.attached(own_poses);
   Json held = Json::array();
   for (const HeldTurn& turn : held_turns(limits, skeleton, poses)) {
     const std::string description = describe(turn, skeleton, poses.size());

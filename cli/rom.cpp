@@ -5,6 +5,7 @@
 #include "cli/arguments/common.h"
 #include "cli/arguments/example_poses.h"
 #include "runtime/core/error.h"
+#include "trainer/motion/attached_rig.h"
 #include "trainer/motion/coupled_joints.h"
 #include "trainer/motion/first_limits.h"
 #include "trainer/motion/held_turns.h"
@@ -44,11 +45,13 @@ JointLimits limits_for(const RomArguments& arguments, const Character& character
   return first_limits(character, read_poses(arguments.from, character.skeleton, arguments.unit, arguments.joint_map));
 }
 
-std::vector<Pose> example_poses(const RomArguments& arguments, const JointLimits& limits, const Skeleton& skeleton) {
+// On the rig whose limits they are.
+std::vector<Pose> example_poses(const RomArguments& arguments, const JointLimits& limits, const AttachedRig& rig,
+                                const Skeleton& skeleton) {
   std::vector<Pose> examples;
   for (const std::string& source : arguments.from) {
-    const std::vector<Pose> poses = read_poses({source}, skeleton, arguments.unit, arguments.joint_map);
-    say_held_turns(source, poses, limits, skeleton);
+    const std::vector<Pose> poses = rig.attached(read_poses({source}, skeleton, arguments.unit, arguments.joint_map));
+    say_held_turns(source, poses, limits, rig.skeleton());
     examples.insert(examples.end(), poses.begin(), poses.end());
   }
   return examples;
@@ -82,18 +85,21 @@ std::string describe_wanted(const RomArguments& arguments, std::size_t count) {
 
 void run(const RomArguments& arguments) {
   arguments.json.require_writable();
-  const Character character = read_character(arguments.character, arguments.unit);
-  say(character.notes);
+  const Character own = read_character(arguments.character, arguments.unit);
+  say(own.notes);
   refuse_overwriting(arguments.out, arguments.character);
   for (const std::string& clip : arguments.from) refuse_overwriting(arguments.out, split_source(clip).path);
+  const JointLimits own_limits = limits_for(arguments, own);
+  const AttachedRig rig(own.skeleton, own_limits.detached);
+  const Character character = rig.attached(own);
+  const JointLimits limits = rig.attached(own_limits);
   const Skeleton& skeleton = character.skeleton;
-  const JointLimits limits = limits_for(arguments, character);
   RangeOfMotionOptions options = arguments.options;
-  options.examples = example_poses(arguments, limits, skeleton);
+  options.examples = example_poses(arguments, limits, rig, own.skeleton);
 
   const RangeOfMotion motion = range_of_motion(character, limits, options);
   const Clip clip = clip_of(motion, limits, skeleton);
-  write_clip(clip, skeleton, arguments.unit, arguments.out);
+  write_clip(rig.detached(clip), own.skeleton, arguments.unit, arguments.out);
 
   say_few_frames(arguments, limits);
   std::string text = format("%zu frames: rest, %zu of sweeps, %zu of pairs, %zu random\n", clip.poses.size(),

@@ -9,6 +9,7 @@
 #include "assets/joints_with_skin.h"
 #include "assets/wording.h"
 #include "runtime/core/error.h"
+#include "trainer/motion/attached_rig.h"
 #include "trainer/motion/turns_from_bind.h"
 
 namespace bodyopt {
@@ -161,7 +162,10 @@ void add_joint(const Skeleton& skeleton, std::uint32_t joint, const Matrix3d& ax
 
 }  // namespace
 
-JointLimits first_limits(const Character& character, const std::vector<Pose>& poses) {
+JointLimits first_limits(const Character& own, const std::vector<Pose>& own_poses) {
+  const AttachedRig rig(own.skeleton, detached_joints(own));
+  const Character character = rig.attached(own);
+  const std::vector<Pose> poses = rig.attached(own_poses);
   const Skeleton& skeleton = character.skeleton;
   const std::vector<int> with_skin = joints_with_skin(character);
   JointLimits limits;
@@ -187,7 +191,7 @@ JointLimits first_limits(const Character& character, const std::vector<Pose>& po
                                          "' below the root moves some of the skin against the rest: there is nothing "
                                          "to set limits for");
   }
-  return limits;
+  return rig.detached(limits);
 }
 
 }  // namespace bodyopt

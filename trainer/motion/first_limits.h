@@ -14,7 +14,9 @@ namespace bodyopt {
 // that some of the poses turn by 2 degrees or more gets their range, widened by a tenth and a degree, and cut where the
 // three angles get ambiguous. Any other gets a range by where it stands in the skeleton, whatever the body: at a fork
 // (trunk, pelvis, hand), in a chain (limb, neck, tail, finger) or at its tip. A joint deviates by a quarter of its
-// widest range, 15 degrees at most. Every number tells its source. Throws Error(mismatch) where there is no such joint.
+// widest range, 15 degrees at most. Every number tells its source.
+// Joints that are detached from their limb (detached_joints) are judged as if they hung there, and named. Throws
+// Error(mismatch) where there is no such joint.
 JointLimits first_limits(const Character& character, const std::vector<Pose>& poses);
 
 }  // namespace bodyopt

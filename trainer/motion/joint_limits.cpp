@@ -30,7 +30,7 @@ class LimitsReader {
   JointLimits read() {
     const Json json = read_json(path_, kSchema);
     const JsonObject top(json, path_, "the file");
-    top.allow({"schema", "source", "mirrored_joints", "dofs", "deviations", "poses"});
+    top.allow({"schema", "source", "mirrored_joints", "dofs", "deviations", "poses", "detached_joints"});
     if (top.has("source")) limits_.source = top.text("source");
     if (top.has("mirrored_joints")) read_pairs(top.array("mirrored_joints"));
     const Json& list = top.array("dofs");
@@ -39,6 +39,7 @@ class LimitsReader {
     if (top.has("deviations")) read_deviations(top.array("deviations"));
     add_usual_deviations();
     if (top.has("poses")) read_poses(top.array("poses"));
+    if (top.has("detached_joints")) read_detached(top.array("detached_joints"));
     return limits_;
   }
 
@@ -160,6 +161,33 @@ class LimitsReader {
     }
   }
 
+  void read_detached(const Json& list) {
+    for (std::size_t k = 0; k < list.size(); ++k) {
+      const JsonObject object(list[k], path_, "detached_joints[" + std::to_string(k) + "]");
+      object.allow({"joint", "follows", "source"});
+      const DetachedJoint read{joint(object.name("joint")), joint(object.name("follows")),
+                               object.has("source") ? object.text("source") : ""};
+      if (is_detached_.contains(read.joint))
+        object.refuse("has the joint '" + object.name("joint") + "' of an earlier one");
+      is_detached_.insert(read.joint);
+      limits_.detached.push_back(read);
+      if (hangs_under_itself(read.joint)) {
+        object.refuse("lets '" + object.name("joint") + "' follow a joint that itself hangs under it");
+      }
+    }
+  }
+
+  bool hangs_under_itself(std::uint32_t joint) const {
+    int above = static_cast<int>(joint);
+    do {
+      const auto detached = std::find_if(limits_.detached.begin(), limits_.detached.end(),
+                                         [&](const DetachedJoint& of) { return static_cast<int>(of.joint) == above; });
+      above = detached != limits_.detached.end() ? static_cast<int>(detached->follows)
+                                                 : skeleton_.joints[static_cast<std::size_t>(above)].parent;
+    } while (above >= 0 && above != static_cast<int>(joint));
+    return above >= 0;
+  }
+
   void read_poses(const Json& list) {
     for (std::size_t k = 0; k < list.size(); ++k) {
       const JsonObject object(list[k], path_, "poses[" + std::to_string(k) + "]");
@@ -213,6 +241,7 @@ class LimitsReader {
   std::map<std::size_t, std::size_t> mirrored_dofs_;  // either way
   std::map<std::uint32_t, Deviation> deviations_;
   std::set<std::string> names_;
+  std::set<std::uint32_t> is_detached_;
   JointLimits limits_;
 };
 
@@ -249,9 +278,16 @@ Json to_json(const JointLimits& limits, const Skeleton& skeleton) {
     for (std::size_t k = 0; k < limits.dofs.size(); ++k) angles[limits.dofs[k].name] = pose.angles[k];
     poses.push_back({{"name", pose.name}, {"angles", angles}});
   }
+  Json detached = Json::array();
+  for (const DetachedJoint& of : limits.detached) {
+    detached.push_back(
+        {{"joint", skeleton.joints.at(of.joint).name}, {"follows", skeleton.joints.at(of.follows).name}});
+    if (!of.source.empty()) detached.back()["source"] = of.source;
+  }
   Json json = {{"schema", kSchema}};
   if (!limits.source.empty()) json["source"] = limits.source;
   json.update({{"dofs", dofs}, {"deviations", deviations}, {"poses", poses}});
+  if (!detached.empty()) json["detached_joints"] = detached;
   return json;
 }
 

@@ -39,12 +39,20 @@ struct CommonPose {
   std::vector<double> angles;  // one per degree of freedom, degrees, within its limits
 };
 
+// A joint that hangs elsewhere in the rig than its skin does, as feet do that inverse kinematics moves: a range of
+// motion carries it along as if it hung under `follows`, and its degrees of freedom turn it against that.
+struct DetachedJoint {
+  std::uint32_t joint, follows;
+  std::string source{};  // as of a degree of freedom
+};
+
 // A joint's rotation away from the bind pose is its deviation times the product of its turns in the order of the list:
 // the last is applied first.
 struct JointLimits {
   std::vector<DegreeOfFreedom> dofs;
   std::vector<JointDeviation> deviations{};  // at most one for a joint
   std::vector<CommonPose> poses{};
+  std::vector<DetachedJoint> detached{};
   std::string source{};  // of what holds for all of the file
 };
 

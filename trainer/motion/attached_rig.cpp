@@ -1,0 +1,199 @@
+#include "trainer/motion/attached_rig.h"
+
+#include <algorithm>
+#include <set>
+
+#include "assets/joints_with_skin.h"
+#include "runtime/core/error.h"
+#include "runtime/host/rig.h"
+
+namespace bodyopt {
+namespace {
+
+constexpr double kHolds = 0.1;  // of a vertex: with less a joint's skin is not taken to reach there
+
+// Of every pair of joints, the triangles that both hold a corner of.
+std::vector<std::vector<int>> shared_triangles(const Character& character) {
+  const std::size_t count = character.skeleton.size();
+  std::vector<std::vector<int>> shared(count, std::vector<int>(count, 0));
+  for (Eigen::Index t = 0; t < character.triangles.rows(); ++t) {
+    std::set<std::uint32_t> joints;
+    for (const std::uint32_t corner : character.triangles.row(t)) {
+      for (const JointWeight& weight : character.weights[corner]) {
+        if (weight.weight >= kHolds) joints.insert(weight.joint);
+      }
+    }
+    for (const std::uint32_t one : joints) {
+      for (const std::uint32_t other : joints) ++shared[one][other];
+    }
+  }
+  return shared;
+}
+
+bool is_at_or_above(const Skeleton& skeleton, int above, int joint) {
+  while (joint >= 0 && joint != above) joint = skeleton.joints[static_cast<std::size_t>(joint)].parent;
+  return joint == above;
+}
+
+class Detached {
+ public:
+  explicit Detached(const Character& character)
+      : skeleton_(character.skeleton),
+        shared_(shared_triangles(character)),
+        with_skin_(joints_with_skin(character)),
+        of_all_skin_(joints_of_all_skin(character)),
+        all_(*std::max_element(with_skin_.begin(), with_skin_.end())) {}
+
+  // The joint at the end of a limb that the joint's skin goes on from, or -1.
+  int followed_by(std::uint32_t joint) const {
+    const int parent = skeleton_.joints[joint].parent;
+    const bool is_small = 2 * with_skin_[joint] < all_;  // or it is the body that feet go on from
+    if (is_root(joint) || !is_small || touches_one_above(joint)) return -1;
+    int most = -1;
+    for (std::uint32_t k = 0; k < skeleton_.size(); ++k) {
+      if (is_root(k) || is_at_or_above(skeleton_, static_cast<int>(joint), static_cast<int>(k))) continue;
+      if (shared_[joint][k] > (most < 0 ? 0 : shared_[joint][static_cast<std::size_t>(most)]))
+        most = static_cast<int>(k);
+    }
+    if (most < 0) return -1;
+    const auto k = static_cast<std::size_t>(most);
+    return with_skin_[k] == 1 && skeleton_.joints[k].parent != parent ? most : -1;
+  }
+
+ private:
+  // Skin that follows a root follows it for want of another joint.
+  bool is_root(std::size_t joint) const { return skeleton_.joints[joint].parent < 0 || of_all_skin_[joint]; }
+
+  bool touches_one_above(std::size_t joint) const {
+    for (int above = skeleton_.joints[joint].parent; above >= 0;) {
+      const auto k = static_cast<std::size_t>(above);
+      if (!is_root(k) && shared_[joint][k] > 0) return true;
+      above = skeleton_.joints[k].parent;
+    }
+    return false;
+  }
+
+  const Skeleton& skeleton_;
+  std::vector<std::vector<int>> shared_;
+  std::vector<int> with_skin_;
+  std::vector<bool> of_all_skin_;
+  int all_;  // joints with skin
+};
+
+// Own joints in an order in which parents come first.
+std::vector<std::uint32_t> parents_first(const std::vector<int>& parents) {
+  std::vector<std::uint32_t> order;
+  std::vector<bool> done(parents.size(), false);
+  while (order.size() < parents.size()) {
+    const std::size_t before = order.size();
+    for (std::uint32_t j = 0; j < parents.size(); ++j) {
+      if (done[j] || (parents[j] >= 0 && !done[static_cast<std::size_t>(parents[j])])) continue;
+      done[j] = true;
+      order.push_back(j);
+    }
+    if (order.size() == before) throw Error(ErrorKind::mismatch, "joints that follow each other hang on nothing");
+  }
+  return order;
+}
+
+// What the joint's local transform is under another parent, both posed.
+JointTransform local_under(const std::vector<Affine>& world, int parent, const Affine& joint) {
+  return decompose(parent < 0 ? joint : inverse(world[static_cast<std::size_t>(parent)]) * joint);
+}
+
+}  // namespace
+
+std::vector<DetachedJoint> detached_joints(const Character& character) {
+  const Detached detached(character);
+  std::vector<DetachedJoint> result;
+  std::set<int> limbs;
+  for (std::uint32_t j = 0; j < character.skeleton.size(); ++j) {
+    const int follows = detached.followed_by(j);
+    if (follows < 0) continue;
+    limbs.insert(follows);
+    result.push_back({j, static_cast<std::uint32_t>(follows),
+                      "its skin goes on from that of this joint, and of none that it hangs under"});
+  }
+  // What ends a limb that itself goes on from another one's end cannot be told from that.
+  std::erase_if(result, [&](const DetachedJoint& of) { return limbs.contains(static_cast<int>(of.joint)); });
+  return result;
+}
+
+AttachedRig::AttachedRig(const Skeleton& skeleton, const std::vector<DetachedJoint>& detached)
+    : own_(skeleton), detached_(detached), place_(skeleton.size()) {
+  std::vector<int> parents;
+  for (const Joint& joint : skeleton.joints) parents.push_back(joint.parent);
+  for (const DetachedJoint& of : detached) parents[of.joint] = static_cast<int>(of.follows);
+  own_of_ = parents_first(parents);
+  for (std::uint32_t k = 0; k < own_of_.size(); ++k) place_[own_of_[k]] = k;
+  for (const std::uint32_t j : own_of_) {
+    Joint joint = skeleton.joints[j];
+    joint.parent = parents[j] < 0 ? -1 : static_cast<int>(place_[static_cast<std::size_t>(parents[j])]);
+    attached_.joints.push_back(joint);
+  }
+  const Pose bind = attached(bind_pose(skeleton));
+  for (std::size_t k = 0; k < attached_.size(); ++k) attached_.joints[k].bind = bind.joints[k];
+}
+
+Character AttachedRig::attached(Character character) const {
+  character.skeleton = attached_;
+  for (auto& weights : character.weights) {
+    for (JointWeight& weight : weights) weight.joint = place_[weight.joint];
+  }
+  return character;
+}
+
+JointLimits AttachedRig::attached(JointLimits limits) const {
+  for (DegreeOfFreedom& dof : limits.dofs) {
+    for (JointTurn& turn : dof.turns) turn.joint = place_[turn.joint];
+  }
+  for (JointDeviation& deviation : limits.deviations) deviation.joint = place_[deviation.joint];
+  limits.detached.clear();
+  return limits;
+}
+
+JointLimits AttachedRig::detached(JointLimits limits) const {
+  for (DegreeOfFreedom& dof : limits.dofs) {
+    for (JointTurn& turn : dof.turns) turn.joint = own_of_[turn.joint];
+  }
+  for (JointDeviation& deviation : limits.deviations) deviation.joint = own_of_[deviation.joint];
+  limits.detached = detached_;
+  return limits;
+}
+
+Pose AttachedRig::attached(const Pose& pose) const {
+  Pose result = pose;
+  for (std::uint32_t k = 0; k < own_of_.size(); ++k) result.joints[k] = pose.joints[own_of_[k]];
+  if (detached_.empty()) return result;
+  const std::vector<Affine> world = posed_joints(own_, pose.joints);
+  for (const DetachedJoint& of : detached_) {
+    result.joints[place_[of.joint]] = local_under(world, static_cast<int>(of.follows), world[of.joint]);
+  }
+  return result;
+}
+
+std::vector<Pose> AttachedRig::attached(const std::vector<Pose>& poses) const {
+  std::vector<Pose> result;
+  for (const Pose& pose : poses) result.push_back(attached(pose));
+  return result;
+}
+
+Pose AttachedRig::detached(const Pose& pose) const {
+  Pose result = pose;
+  for (std::uint32_t j = 0; j < place_.size(); ++j) result.joints[j] = pose.joints[place_[j]];
+  if (detached_.empty()) return result;
+  const std::vector<Affine> world = posed_joints(attached_, pose.joints);
+  for (const DetachedJoint& of : detached_) {
+    const int parent = own_.joints[of.joint].parent;
+    const int place = parent < 0 ? -1 : static_cast<int>(place_[static_cast<std::size_t>(parent)]);
+    result.joints[of.joint] = local_under(world, place, world[place_[of.joint]]);
+  }
+  return result;
+}
+
+Clip AttachedRig::detached(Clip clip) const {
+  for (Pose& pose : clip.poses) pose = detached(pose);
+  return clip;
+}
+
+}  // namespace bodyopt

@@ -1,0 +1,44 @@
+// Rigs for inverse kinematics hang a foot under the root, where clips put it to the end of its leg. Motion made of
+// turns would leave it behind: it is made on a rig in which every such joint hangs where its skin does.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "assets/character.h"
+#include "assets/clip.h"
+#include "trainer/motion/joint_limits.h"
+
+namespace bodyopt {
+
+// Joints whose skin goes on from the end of a limb (no skin hangs on joints below that) and touches that of no joint
+// they hang under, roots aside; in joint order. Joints with half of the skin's or more below them are bodies, not feet,
+// and those beside the limb's joint turn about the same parent: neither is named.
+std::vector<DetachedJoint> detached_joints(const Character& character);
+
+class AttachedRig {
+ public:
+  // Throws Error(mismatch) where a joint follows itself or one that hangs under it.
+  AttachedRig(const Skeleton& skeleton, const std::vector<DetachedJoint>& detached);
+
+  // The character's skeleton, but that detached joints hang under those that they follow, in an order of its own.
+  const Skeleton& skeleton() const { return attached_; }
+
+  // From the character's own joints to those of skeleton().
+  Character attached(Character character) const;
+  JointLimits attached(JointLimits limits) const;  // without detached joints
+  Pose attached(const Pose& pose) const;
+  std::vector<Pose> attached(const std::vector<Pose>& poses) const;
+
+  // Back.
+  JointLimits detached(JointLimits limits) const;
+  Pose detached(const Pose& pose) const;
+  Clip detached(Clip clip) const;
+
+ private:
+  Skeleton own_, attached_;
+  std::vector<DetachedJoint> detached_;
+  std::vector<std::uint32_t> place_, own_of_;  // of every own joint its index in attached_, and the other way round
+};
+
+}  // namespace bodyopt
