@@ -202,8 +202,8 @@ std::size_t frame_of_largest(const SampleSet& set, const char* joint, int axis, 
 // Two poses that show what the arm can do.
 void add_chosen_pictures(const SampleSet& set, const std::vector<Positions>& shapes, const Basis& basis,
                          const std::string& device, ReportData& report) {
-  ReportPictures pictures(set, shapes, report.methods.back(), basis, device);
-  const std::vector<std::size_t> order = by_error(report.methods.back());
+  ReportPictures pictures(set, shapes, report.methods.back().errors, basis, device);
+  const std::vector<std::size_t> order = by_error(report.methods.back().errors);
   const std::size_t worst = order.back(), median = order[order.size() / 2];
   const std::size_t highest = frame_of_largest(set, "wrist", 1, {worst, median});
   const std::size_t furthest = frame_of_largest(set, "wrist", 2, {worst, median, highest});

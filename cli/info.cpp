@@ -111,7 +111,7 @@ Json basis_info(const std::string& path) {
                  {"joints", joint_names(basis.skeleton)},
                  {"metadata", metadata}};
   if (const Json table = levels_info(levels, read_proxy_report(basis)); !table.empty()) result["levels"] = table;
-  for (const TradeOffPoint& point : read_curve(basis)) result["curve"].push_back(bodyopt::to_json(point));
+  for (const TradeOffPoint& point : read_curve(basis)) result["curve"].push_back(to_json(point));
   if (const std::filesystem::path beside = attachments_beside(path); std::filesystem::exists(beside)) {
     result["attached"] = to_json(load_attachments(beside, basis, path).meshes);
   }

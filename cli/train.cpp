@@ -54,11 +54,11 @@ void run_ddm_only(const TrainArguments& arguments) {
                                                   arguments.out.c_str(), basis.mesh.vertex_count(), per_vertex));
 }
 
-Json ablation(const std::vector<MethodReport>& methods) {
+Json ablation(const std::vector<MethodResult>& methods) {
   Json list = Json::array();
-  for (const MethodReport& method : methods) {
+  for (const MethodResult& method : methods) {
     Json entry = {{"method", method.name}};
-    entry.update(figures_json(method));
+    entry.update(to_json(method));
     list.push_back(entry);
   }
   return list;
@@ -77,16 +77,16 @@ Json result_of(const TrainArguments& arguments, const SampleSet& set, const Trai
                  {"attached", to_json(attached)},
                  {"seconds", seconds}};
   if (set.heldout.empty()) return result;
-  result["errors_mm"] = {{"lbs", errors_json(training.methods[0])},
-                         {"ddm", errors_json(training.methods[1])},
-                         {"full", errors_json(training.methods.back())}};
+  result["errors_mm"] = {{"lbs", to_json(training.methods[0].errors)},
+                         {"ddm", to_json(training.methods[1].errors)},
+                         {"full", to_json(training.methods.back().errors)}};
   if (arguments.ablate) result["ablation"] = ablation(training.methods);
   return result;
 }
 
 // The line of Direct Delta Mush says how far it smooths.
 std::string heldout_table(const Training& training) {
-  std::vector<MethodReport> methods = training.methods;
+  std::vector<MethodResult> methods = training.methods;
   methods[1].name += format(", smoothing radius %.0f mm", 1e3 * training.result.smoothing_radius);
   return method_table(methods);
 }
@@ -170,7 +170,7 @@ SampleSet samples_of(const TrainArguments& arguments, const Dataset& dataset) {
 }
 
 void warn_of_no_gain(const Training& training) {
-  if (training.methods.back().rms < training.methods[1].rms) return;
+  if (training.methods.back().errors.rms < training.methods[1].errors.rms) return;
   spdlog::warn(
       "what was learned is no better than Direct Delta Mush on the held-out frames: the training frames are "
       "too few, or too unlike them");

@@ -85,4 +85,8 @@ ErrorStatistics ErrorAccumulator::finish() const {
   return result;
 }
 
+Json to_json(const ErrorStatistics& errors) {
+  return {{"rms", errors.rms}, {"p99", errors.p99}, {"max", errors.max}, {"jitter", errors.jitter}};
+}
+
 }  // namespace bodyopt

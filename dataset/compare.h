@@ -5,6 +5,8 @@
 #include <span>
 #include <vector>
 
+#include "assets/json_file.h"
+
 namespace bodyopt {
 
 struct ErrorStatistics {
@@ -15,6 +17,8 @@ struct ErrorStatistics {
   std::vector<double> frame_rms;  // per sample, mm
   std::vector<double> frame_max;  // per sample, mm
 };
+// {"rms", "p99", "max", "jitter"}, mm.
+Json to_json(const ErrorStatistics& errors);
 
 // Fed sample by sample, in time order. `frame` numbers tell which samples are consecutive (jitter skips gaps).
 class ErrorAccumulator {

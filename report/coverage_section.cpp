@@ -38,7 +38,7 @@ void add_coverage(const ReportData& data, Page& page) {
   page.chart(heat_strip({data.heldout, coverage.frame_mm, coverage.regions, coverage.region_mm}),
              "The error to expect of every held-out frame, by how far its pose is from what was learned, without "
              "looking at its shape: over the whole skin on top, then in every region.");
-  const MethodReport& full = data.methods.back();
+  const ErrorStatistics& full = data.methods.back().errors;
   page.chart(
       line_plot({"held-out frame",
                  "RMS error, mm",

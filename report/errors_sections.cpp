@@ -11,16 +11,16 @@ constexpr const char *kLbsColour = "#8a92a1", *kDdmColour = "#62aee8", *kLinearC
                      *kFullColour = "#f2b866", *kOtherColour = "#59606d";
 
 // Of the linear correctives, those with the smallest error; null where there are none.
-const MethodReport* best_linear(const ReportData& data) {
-  const MethodReport* best = nullptr;
-  for (const MethodReport& method : data.methods) {
+const MethodResult* best_linear(const ReportData& data) {
+  const MethodResult* best = nullptr;
+  for (const MethodResult& method : data.methods) {
     if (method.name.find(", linear") == std::string::npos) continue;
-    if (best == nullptr || method.rms < best->rms) best = &method;
+    if (best == nullptr || method.errors.rms < best->errors.rms) best = &method;
   }
   return best;
 }
 
-const char* colour_of(const ReportData& data, const MethodReport& method) {
+const char* colour_of(const ReportData& data, const MethodResult& method) {
   if (&method == &data.methods.back()) return kFullColour;
   if (&method == data.methods.data()) return kLbsColour;
   if (&method == data.methods.data() + 1) return kDdmColour;
@@ -28,24 +28,24 @@ const char* colour_of(const ReportData& data, const MethodReport& method) {
 }
 
 // How much smaller (or larger) the error of what was trained is than another method's.
-Headline compare(const ReportData& data, const MethodReport& other, const std::string& name) {
-  const double full = data.methods.back().rms;
-  const std::string of = " error than " + name + " (" + millimetres(other.rms) + ")";
-  if (!(full > 0)) return {"0", "mm", "of error, where " + name + " has " + millimetres(other.rms)};
+Headline compare(const ReportData& data, const MethodResult& other, const std::string& name) {
+  const double full = data.methods.back().errors.rms;
+  const std::string of = " error than " + name + " (" + millimetres(other.errors.rms) + ")";
+  if (!(full > 0)) return {"0", "mm", "of error, where " + name + " has " + millimetres(other.errors.rms)};
   const auto times = [](double ratio) { return number_text(ratio, ratio < 2 ? 3 : 2); };
-  if (other.rms >= full) return {times(other.rms / full), "times", "smaller RMS" + of};
-  return {times(full / std::max(other.rms, 1e-12)), "times", "larger RMS" + of};
+  if (other.errors.rms >= full) return {times(other.errors.rms / full), "times", "smaller RMS" + of};
+  return {times(full / std::max(other.errors.rms, 1e-12)), "times", "larger RMS" + of};
 }
 
 void add_headlines(const ReportData& data, Page& page) {
   std::vector<Headline> headlines;
   if (!data.methods.empty()) {
-    const MethodReport& full = data.methods.back();
-    headlines.push_back({number_text(full.rms), "mm",
-                         "RMS error on the held-out frames; 99 % of the points within " + millimetres(full.p99) +
-                             ", the worst " + millimetres(full.max)});
+    const MethodResult& full = data.methods.back();
+    headlines.push_back({number_text(full.errors.rms), "mm",
+                         "RMS error on the held-out frames; 99 % of the points within " + millimetres(full.errors.p99) +
+                             ", the worst " + millimetres(full.errors.max)});
     headlines.push_back(compare(data, data.methods[1], "DDM alone"));
-    if (const MethodReport* linear = best_linear(data)) {
+    if (const MethodResult* linear = best_linear(data)) {
       headlines.push_back(compare(data, *linear, "linear correctives of equal size"));
     }
   } else {
@@ -56,14 +56,14 @@ void add_headlines(const ReportData& data, Page& page) {
   page.headlines(headlines);
 }
 
-LinePlot curves(const ReportData& data, const std::string& label, std::vector<double> MethodReport::*values) {
+LinePlot curves(const ReportData& data, const std::string& label, std::vector<double> ErrorStatistics::*values) {
   LinePlot plot{"held-out frame", label, data.heldout, {}};
-  const MethodReport* linear = best_linear(data);
+  const MethodResult* linear = best_linear(data);
   for (std::size_t m = 0; m < data.methods.size(); ++m) {
-    const MethodReport& method = data.methods[m];
+    const MethodResult& method = data.methods[m];
     const bool last = m + 1 == data.methods.size();
     if (m < 2 || last || &method == linear) {
-      plot.series.push_back({method.name, colour_of(data, method), method.*values, last});
+      plot.series.push_back({method.name, colour_of(data, method), method.errors.*values, last});
     }
   }
   return plot;
@@ -141,13 +141,13 @@ void add_methods(const ReportData& data, Page& page) {
                    {"bytes per vertex"},
                    {"coefficients"},
                    {"training, s"}};
-  for (const MethodReport& method : data.methods) {
-    bars.push_back({method.name, colour_of(data, method), method.rms, millimetres(method.rms)});
+  for (const MethodResult& method : data.methods) {
+    bars.push_back({method.name, colour_of(data, method), method.errors.rms, millimetres(method.errors.rms)});
     table.rows.push_back({{method.name, {}},
-                          number_cell(method.rms),
-                          number_cell(method.p99),
-                          number_cell(method.max),
-                          number_cell(method.jitter),
+                          number_cell(method.errors.rms),
+                          number_cell(method.errors.p99),
+                          number_cell(method.errors.max),
+                          number_cell(method.errors.jitter),
                           number_cell(method.bytes_per_vertex),
                           number_cell(method.coefficients),
                           number_cell(method.seconds)});
@@ -173,9 +173,9 @@ void add_methods(const ReportData& data, Page& page) {
 void add_curves(const ReportData& data, Page& page) {
   if (data.methods.empty()) return;
   page.heading("Error of every held-out frame");
-  page.chart(line_plot(curves(data, "RMS error, mm", &MethodReport::frame_rms)),
+  page.chart(line_plot(curves(data, "RMS error, mm", &ErrorStatistics::frame_rms)),
              "RMS over all vertices of each held-out frame, in millimetres, on a logarithmic scale.");
-  page.chart(line_plot(curves(data, "largest error, mm", &MethodReport::frame_max)),
+  page.chart(line_plot(curves(data, "largest error, mm", &ErrorStatistics::frame_max)),
              "The worst vertex of each held-out frame, in millimetres, on a logarithmic scale.");
 }
 

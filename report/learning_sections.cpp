@@ -35,11 +35,10 @@ std::string joined(const std::vector<std::string>& names) {
 
 TradeOffPlot plot_of(const ReportData& data) {
   TradeOffPlot plot;
-  for (const TradeOffReport& point : data.trade_off) {
-    plot.curve.push_back({point.bytes_per_vertex, point.expected_rms_mm});
-  }
-  plot.chosen = {data.bytes_per_vertex, data.expected_rms_mm};
-  if (!data.methods.empty()) plot.heldout = {data.bytes_per_vertex, data.methods.back().rms};
+  plot.curve = data.trade_off;
+  plot.chosen.bytes_per_vertex = data.bytes_per_vertex;
+  plot.chosen.expected_mm = data.expected_rms_mm;
+  if (!data.methods.empty()) plot.heldout_mm = data.methods.back().errors.rms;
   return plot;
 }
 
@@ -139,9 +138,9 @@ void add_trade_off(const ReportData& data, Page& page) {
   Table table;
   table.columns = {
       {"bytes per vertex"}, {"expected RMS, mm"}, {"coefficients"}, {"a frame on one core, us (estimate)"}};
-  for (const TradeOffReport& point : data.trade_off) {
+  for (const TradeOffPoint& point : data.trade_off) {
     table.rows.push_back({{std::to_string(std::lround(point.bytes_per_vertex)), {}},
-                          number_cell(point.expected_rms_mm),
+                          number_cell(point.expected_mm),
                           number_cell(point.coefficients),
                           number_cell(point.microseconds)});
   }

@@ -11,8 +11,6 @@
 namespace bodyopt {
 namespace {
 
-using Json = nlohmann::ordered_json;
-
 // JSON has no way to write a number that is not finite; a report that holds one is wrong.
 void require_finite(const Json& json, const std::string& where) {
   if (json.is_number_float() && !std::isfinite(json.get<double>())) {
@@ -24,11 +22,12 @@ void require_finite(const Json& json, const std::string& where) {
 
 void require_curves(const ReportData& data) {
   const std::size_t frames = data.heldout.frames.size();
-  for (const MethodReport& method : data.methods) {
-    if (method.frame_rms.size() != frames || method.frame_max.size() != frames) {
-      throw Error(ErrorKind::mismatch,
-                  "report: " + method.name + " has errors of " + std::to_string(method.frame_rms.size()) + " and " +
-                      std::to_string(method.frame_max.size()) + " frames, expected " + std::to_string(frames));
+  for (const MethodResult& method : data.methods) {
+    if (method.errors.frame_rms.size() != frames || method.errors.frame_max.size() != frames) {
+      throw Error(ErrorKind::mismatch, "report: " + method.name + " has errors of " +
+                                           std::to_string(method.errors.frame_rms.size()) + " and " +
+                                           std::to_string(method.errors.frame_max.size()) + " frames, expected " +
+                                           std::to_string(frames));
     }
   }
 }

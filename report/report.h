@@ -10,20 +10,11 @@
 #include <utility>
 #include <vector>
 
+#include "dataset/results.h"
 #include "draw/renderer.h"
 #include "report/frame_axis.h"
 
 namespace bodyopt {
-
-// Errors of one method on the held-out frames, in millimetres, after the root's translation is taken out.
-struct MethodReport {
-  std::string name;
-  double rms = 0, p99 = 0, max = 0, jitter = 0;
-  std::vector<double> frame_rms, frame_max;  // per held-out frame
-  double bytes_per_vertex = 0;               // of the tables this method needs at run time
-  std::uint32_t coefficients = 0;            // learned coefficients per frame; 0 for skinning alone
-  double seconds = 0;                        // of training
-};
 
 struct PictureReport {
   std::string kind;  // "worst", "median" or "chosen"
@@ -94,12 +85,6 @@ struct TakeReport {
   std::optional<double> rank_correlation;  // of expected with true errors of every frame and part; none where equal
 };
 
-// A basis of another size that the training could have given.
-struct TradeOffReport {
-  double bytes_per_vertex = 0, expected_rms_mm = 0, microseconds = 0;
-  std::uint32_t coefficients = 0;
-};
-
 // Everything needed to repeat a training. Paths as the user gave them.
 struct ProvenanceReport {
   std::string program, command_line;
@@ -162,7 +147,7 @@ struct ReportData {
     std::string how_to_hold_out;  // where none are: a sentence without a full stop
   } dataset;
   // Linear blending, Direct Delta Mush, any others, and last what was trained; none without held-out frames.
-  std::vector<MethodReport> methods;
+  std::vector<MethodResult> methods;
   FrameAxis heldout;              // of the per-frame errors
   std::vector<TakeReport> takes;  // those that hold frames out
   struct {
@@ -170,7 +155,7 @@ struct ReportData {
   } unposing_residual_mm;                            // RMS of what is left to learn after un-posing, training frames
   double bytes_per_vertex = 0, expected_rms_mm = 0;  // of what was trained
   std::vector<std::pair<std::string, double>> bytes_by_stage;  // of what was trained; may be empty
-  std::vector<TradeOffReport> trade_off;                       // by rising bytes; may be empty
+  std::vector<TradeOffPoint> trade_off;                        // by rising bytes; may be empty
   std::vector<RegionReport> regions;
   std::optional<Image> region_picture;  // from the front and from behind, numbered from 1 in their order
   std::vector<MuscleReport> muscles;    // what they explain, falling

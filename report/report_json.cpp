@@ -3,18 +3,16 @@
 namespace bodyopt {
 namespace {
 
-using Json = nlohmann::ordered_json;
-
 // A number, or null where there is none.
 Json optional_number(const std::optional<double>& value) { return value ? Json(*value) : Json(); }
 
 Json methods(const ReportData& data) {
   Json list = Json::array();
-  for (const MethodReport& method : data.methods) {
+  for (const MethodResult& method : data.methods) {
     Json entry = {{"name", method.name}};
-    entry.update(figures_json(method));
-    entry["frame_rms_mm"] = method.frame_rms;
-    entry["frame_max_mm"] = method.frame_max;
+    entry.update(to_json(method));
+    entry["frame_rms_mm"] = method.errors.frame_rms;
+    entry["frame_max_mm"] = method.errors.frame_max;
     list.push_back(entry);
   }
   return list;
@@ -79,12 +77,7 @@ Json takes(const ReportData& data) {
 
 Json trade_off(const ReportData& data) {
   Json json = Json::array();
-  for (const TradeOffReport& point : data.trade_off) {
-    json.push_back({{"bytes_per_vertex", point.bytes_per_vertex},
-                    {"expected_rms_mm", point.expected_rms_mm},
-                    {"microseconds", point.microseconds},
-                    {"coefficients", point.coefficients}});
-  }
+  for (const TradeOffPoint& point : data.trade_off) json.push_back(to_json(point));
   return json;
 }
 
@@ -170,17 +163,6 @@ void add_demo(const DemoReport& demo, Json& json) {
 }
 
 }  // namespace
-
-Json errors_json(const MethodReport& method) {
-  return {{"rms", method.rms}, {"p99", method.p99}, {"max", method.max}, {"jitter", method.jitter}};
-}
-
-Json figures_json(const MethodReport& method) {
-  return {{"errors_mm", errors_json(method)},
-          {"bytes_per_vertex", method.bytes_per_vertex},
-          {"coefficients", method.coefficients},
-          {"seconds", method.seconds}};
-}
 
 Json report_json(const ReportData& data) {
   Json json;

@@ -5,15 +5,14 @@
 #include <string>
 #include <vector>
 
+#include "dataset/results.h"
+
 namespace bodyopt {
 
 struct TradeOffPlot {
-  struct Point {
-    double bytes = 0, mm = 0;  // per vertex; RMS, > 0
-  };
-  std::vector<Point> curve;      // expected, by rising bytes; two at least
-  Point chosen;                  // what was trained, as expected
-  std::optional<Point> heldout;  // the same, as measured on held-out frames
+  std::vector<TradeOffPoint> curve;  // by rising bytes; two at least
+  TradeOffPoint chosen;              // what was trained: bytes and expected error
+  std::optional<double> heldout_mm;  // its RMS error, as measured on held-out frames
 };
 
 // Bytes from left to right, millimetres upwards on a logarithmic scale.

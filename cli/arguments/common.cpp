@@ -217,10 +217,6 @@ void make_folder(const std::filesystem::path& folder) {
   }
 }
 
-Json to_json(const ErrorStatistics& errors) {
-  return {{"rms", errors.rms}, {"p99", errors.p99}, {"max", errors.max}, {"jitter", errors.jitter}};
-}
-
 std::string describe(const ErrorStatistics& errors) {
   return format("RMS %.3f mm, p99 %.3f mm, max %.3f mm, jitter %.3f mm", errors.rms, errors.p99, errors.max,
                 errors.jitter);

@@ -100,7 +100,6 @@ void say(const std::vector<std::string>& notes);
 // Makes the folder where it is missing. Throws Error(file).
 void make_folder(const std::filesystem::path& folder);
 
-Json to_json(const ErrorStatistics& errors);
 std::string describe(const ErrorStatistics& errors);
 double peak_memory_mib();
 std::string format(const char* pattern, ...) __attribute__((format(printf, 1, 2)));

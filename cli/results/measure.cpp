@@ -16,21 +16,6 @@
 namespace bodyopt::cli {
 namespace {
 
-MethodReport method_of(const AblationRow& row) {
-  MethodReport report;
-  report.name = row.name;
-  report.rms = row.errors.rms;
-  report.p99 = row.errors.p99;
-  report.max = row.errors.max;
-  report.jitter = row.errors.jitter;
-  report.frame_rms = row.errors.frame_rms;
-  report.frame_max = row.errors.frame_max;
-  report.bytes_per_vertex = row.bytes_per_vertex;
-  report.coefficients = row.coefficients;
-  report.seconds = row.seconds;
-  return report;
-}
-
 FrameAxis heldout_axis(const SampleSet& set) {
   FrameAxis axis;
   for (std::size_t k = 0; k < set.heldout.size(); ++k) {
@@ -64,9 +49,7 @@ void describe_result(const TrainingResult& result, ReportData& report) {
   for (const auto& [stage, bytes] : table_bytes(basis)) {
     report.bytes_by_stage.emplace_back(stage, static_cast<double>(bytes) / vertices);
   }
-  for (const TradeOffPoint& point : result.curve) {
-    report.trade_off.push_back({point.bytes_per_vertex, point.expected_mm, point.microseconds, point.coefficients});
-  }
+  report.trade_off = result.curve;
   report.expected_rms_mm = result.expected_mm;
   for (const RegionFit& fit : result.fits) {
     report.regions.push_back({fit.name, fit.motion_rms_mm, fit.validation_rms_mm, {}, {}});
@@ -86,7 +69,7 @@ CoverageReport heldout_coverage(const SampleSet& set, const Training& training) 
     report.region_mm.push_back(error.region_mm);
   }
   report.rms_mm = root_mean_square(report.frame_mm);
-  const double correlation = rank_correlation(report.frame_mm, training.methods.back().frame_rms);
+  const double correlation = rank_correlation(report.frame_mm, training.methods.back().errors.frame_rms);
   if (std::isfinite(correlation)) report.rank_correlation = correlation;
   report.worth_simulating = worth_simulating(report.frame_mm, kWorst, spreading_gap(report.frame_mm.size(), kWorst));
   return report;
@@ -147,22 +130,21 @@ Training train_and_measure(const SampleSet& set, const TrainOptions& options, bo
   training.unposing = unposing_residual(set, basis);
   if (set.heldout.empty()) return training;
   std::vector<std::string> unmade;
-  for (const AblationRow& row : ablate ? bodyopt::ablate(set, options, training.result, training.seconds, unmade)
-                                       : compare_with_skinning(set, basis, training.seconds)) {
-    training.methods.push_back(method_of(row));
-  }
+  training.methods = ablate ? bodyopt::ablate(set, options, training.result, training.seconds, unmade)
+                            : compare_with_skinning(set, basis, training.seconds);
   for (const std::string& name : unmade) {
     spdlog::warn("'{}' is not in the table: the least that it learns takes more bytes than the full model", name);
   }
   return training;
 }
 
-std::string method_table(const std::vector<MethodReport>& methods) {
+std::string method_table(const std::vector<MethodResult>& methods) {
   std::string text = format("%-40s %8s %8s %8s %8s %10s %8s\n", "method (errors in mm)", "RMS", "p99", "max", "jitter",
                             "bytes/vtx", "seconds");
-  for (const MethodReport& method : methods) {
-    text += format("%-40s %8.3f %8.3f %8.2f %8.3f %10.0f %8.1f\n", method.name.c_str(), method.rms, method.p99,
-                   method.max, method.jitter, method.bytes_per_vertex, method.seconds);
+  for (const MethodResult& method : methods) {
+    const ErrorStatistics& errors = method.errors;
+    text += format("%-40s %8.3f %8.3f %8.2f %8.3f %10.0f %8.1f\n", method.name.c_str(), errors.rms, errors.p99,
+                   errors.max, errors.jitter, method.bytes_per_vertex, method.seconds);
   }
   return text;
 }
@@ -190,7 +172,7 @@ ReportData report_of(const SampleSet& set, const Training& training, const std::
     const std::vector<RegionWeights>& regions = training.result.regions;
     add_heldout_errors(regions, errors, report);
     if (!pictures_on.empty()) {
-      ReportPictures pictures(set, shapes, training.methods.back(), training.result.basis, pictures_on);
+      ReportPictures pictures(set, shapes, training.methods.back().errors, training.result.basis, pictures_on);
       report.pictures = pictures.worst_and_median();
       report.mean_error = pictures.mean_error(errors);
       report.flexed = pictures.flexed();

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "cli/arguments/common.h"
+#include "dataset/results.h"
 #include "report/report.h"
 #include "trainer/train/fit/train.h"
 #include "trainer/train/judge/heldout.h"
@@ -16,7 +17,7 @@ namespace bodyopt::cli {
 struct Training {
   TrainingResult result;
   double seconds = 0;
-  std::vector<MethodReport> methods;  // linear blending, Direct Delta Mush, any others, the basis; none without
+  std::vector<MethodResult> methods;  // linear blending, Direct Delta Mush, any others, the basis; none without
                                       // held-out frames
   UnposingResidual unposing;
 };
@@ -27,7 +28,7 @@ Training train_and_measure(const SampleSet& set, const TrainOptions& options, bo
                            const std::string& out);
 
 // The methods, a line each.
-std::string method_table(const std::vector<MethodReport>& methods);
+std::string method_table(const std::vector<MethodResult>& methods);
 
 // Those of the held-out frames.
 std::vector<Pose> heldout_poses(const SampleSet& set);

@@ -48,11 +48,11 @@ std::vector<std::pair<std::string, double>> flexed_controls(const SampleSet& set
 
 }  // namespace
 
-ReportPictures::ReportPictures(const SampleSet& set, const std::vector<Positions>& shapes, const MethodReport& method,
-                               const Basis& basis, const std::string& device)
+ReportPictures::ReportPictures(const SampleSet& set, const std::vector<Positions>& shapes,
+                               const ErrorStatistics& errors, const Basis& basis, const std::string& device)
     : set_(set),
       shapes_(shapes),
-      method_(method),
+      errors_(errors),
       basis_(basis),
       skinning_(without_residual(basis), {.name = "cpu"}),
       renderer_(device) {
@@ -61,7 +61,7 @@ ReportPictures::ReportPictures(const SampleSet& set, const std::vector<Positions
 }
 
 // One scale for all pictures, so that their colours can be compared; the few larger errors saturate.
-double ReportPictures::heat_scale_mm() const { return std::max(0.5, std::ceil(4 * method_.p99) / 2); }
+double ReportPictures::heat_scale_mm() const { return std::max(0.5, std::ceil(4 * errors_.p99) / 2); }
 
 PictureReport ReportPictures::frame(const std::string& kind, std::size_t sample, const std::string& caption) {
   constexpr std::uint32_t kWidth = 520, kHeight = 600;
@@ -72,8 +72,8 @@ PictureReport ReportPictures::frame(const std::string& kind, std::size_t sample,
   picture.kind = kind;
   picture.take = set_.takes[static_cast<std::size_t>(set_.heldout[sample].take)];
   picture.frame = set_.heldout[sample].frame;
-  picture.rms_mm = method_.frame_rms[sample];
-  picture.max_mm = method_.frame_max[sample];
+  picture.rms_mm = errors_.frame_rms[sample];
+  picture.max_mm = errors_.frame_max[sample];
   picture.heat_scale_mm = heat_scale_mm();
   picture.caption = caption;
   const Camera camera = frame_pose(pose, {-0.75f, 0.2f, 1.0f}, static_cast<float>(kWidth) / kHeight);
@@ -82,7 +82,7 @@ PictureReport ReportPictures::frame(const std::string& kind, std::size_t sample,
 }
 
 std::vector<PictureReport> ReportPictures::worst_and_median() {
-  const std::vector<std::size_t> order = by_error(method_);
+  const std::vector<std::size_t> order = by_error(errors_);
   return {frame("worst", order.back(), "the held-out frame with the largest RMS error"),
           frame("median", order[order.size() / 2], "half of the held-out frames are better, half are worse")};
 }
@@ -130,11 +130,11 @@ Image ReportPictures::regions(const std::vector<RegionWeights>& regions) {
       .image;
 }
 
-std::vector<std::size_t> by_error(const MethodReport& method) {
-  std::vector<std::size_t> order(method.frame_rms.size());
+std::vector<std::size_t> by_error(const ErrorStatistics& errors) {
+  std::vector<std::size_t> order(errors.frame_rms.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::stable_sort(order.begin(), order.end(),
-                   [&](std::size_t a, std::size_t b) { return method.frame_rms[a] < method.frame_rms[b]; });
+                   [&](std::size_t a, std::size_t b) { return errors.frame_rms[a] < errors.frame_rms[b]; });
   return order;
 }
 

@@ -14,7 +14,7 @@ class ReportPictures {
  public:
   // `shapes` of the held-out frames, one at least, by the basis, and their errors. All must outlive this. Throws
   // Error(device).
-  ReportPictures(const SampleSet& set, const std::vector<Positions>& shapes, const MethodReport& method,
+  ReportPictures(const SampleSet& set, const std::vector<Positions>& shapes, const ErrorStatistics& errors,
                  const Basis& basis, const std::string& device);
 
   // A held-out frame: truth, Direct Delta Mush, result, distance. `kind`, `caption`: as PictureReport.
@@ -31,7 +31,7 @@ class ReportPictures {
 
   const SampleSet& set_;
   const std::vector<Positions>& shapes_;
-  const MethodReport& method_;
+  const ErrorStatistics& errors_;
   const Basis& basis_;
   Deformer skinning_;  // Direct Delta Mush alone
   Renderer renderer_;
@@ -39,6 +39,6 @@ class ReportPictures {
 };
 
 // Indices of the held-out frames by rising RMS error.
-std::vector<std::size_t> by_error(const MethodReport& method);
+std::vector<std::size_t> by_error(const ErrorStatistics& errors);
 
 }  // namespace bodyopt::cli

@@ -32,13 +32,13 @@ std::size_t count(const std::string& text, const std::string& part) {
   return n;
 }
 
-MethodReport method(const std::string& name, double rms, double bytes) {
-  MethodReport report{name, rms, 3 * rms, 9 * rms, 0.1 * rms, {}, {}, bytes, 7, 12.5};
+MethodResult method(const std::string& name, double rms, double bytes) {
+  ErrorStatistics errors{rms, 3 * rms, 9 * rms, 0.1 * rms, 0, 0, {}, {}};
   for (int f = 0; f < 5; ++f) {
-    report.frame_rms.push_back(rms * (1 + 0.1 * f));
-    report.frame_max.push_back(9 * rms * (1 - 0.1 * f));
+    errors.frame_rms.push_back(rms * (1 + 0.1 * f));
+    errors.frame_max.push_back(9 * rms * (1 - 0.1 * f));
   }
-  return report;
+  return {name, errors, bytes, 7, 12.5};
 }
 
 Image some_picture() { return {6, 2, std::vector<std::uint8_t>(48, 255)}; }
@@ -323,7 +323,7 @@ TEST(Report, PageSaysWhatIsHeldOutAndComparesHonestly) {
 TEST(Report, RefusesFiguresThatAreNoneAndWritesNothing) {
   const TemporaryFolder folder;
   ReportData data = example();
-  data.methods[4].p99 = std::numeric_limits<double>::quiet_NaN();
+  data.methods[4].errors.p99 = std::numeric_limits<double>::quiet_NaN();
   try {
     write_report(data, folder.path());
     ADD_FAILURE() << "no error";
@@ -331,7 +331,7 @@ TEST(Report, RefusesFiguresThatAreNoneAndWritesNothing) {
     EXPECT_TRUE(contains(error.what(), "methods.4.errors_mm.p99")) << error.what();
   }
   data = example();
-  data.methods[2].frame_max.pop_back();
+  data.methods[2].errors.frame_max.pop_back();
   EXPECT_THROW(write_report(data, folder.path()), Error);
   EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
   std::ofstream(folder / "file") << "x";
@@ -393,7 +393,7 @@ TEST(Plots, DrawsNothingAtAllAndAllZeros) {
 }
 
 TEST(Plots, TradeOffMarksTheBasisWhereItLies) {
-  const std::string svg = trade_off_plot({{{100, 8}, {200, 4}, {300, 2}}, {200, 4}, TradeOffPlot::Point{200, 5}});
+  const std::string svg = trade_off_plot({{{100, 8}, {200, 4}, {300, 2}}, {200, 4}, 5});
   const auto centre = [&](const std::string& radius, std::size_t which) {
     std::size_t at = 0;
     for (std::size_t k = 0; k <= which; ++k) at = svg.find("r=\"" + radius + "\"", at + 1);

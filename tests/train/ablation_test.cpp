@@ -11,13 +11,13 @@
 namespace bodyopt {
 namespace {
 
-const std::map<std::string, AblationRow>& rows() {
-  static const std::map<std::string, AblationRow> made = [] {
+const std::map<std::string, MethodResult>& rows() {
+  static const std::map<std::string, MethodResult> made = [] {
     const SampleSet set = limb_samples(160, 60);
     const TrainOptions options{.centres = 60};
-    std::map<std::string, AblationRow> by_name;
+    std::map<std::string, MethodResult> by_name;
     std::vector<std::string> unmade;
-    for (const AblationRow& row : ablate(set, options, train(set, options), 1.5, unmade)) by_name[row.name] = row;
+    for (const MethodResult& row : ablate(set, options, train(set, options), 1.5, unmade)) by_name[row.name] = row;
     EXPECT_TRUE(unmade.empty());
     return by_name;
   }();
@@ -48,7 +48,7 @@ TEST(Ablation, EachPartIsWorthSomething) {
 }
 
 TEST(Ablation, SaysWhatEachCosts) {
-  const AblationRow& full = rows().at("full: DDM + strains, kernels, dynamic");
+  const MethodResult& full = rows().at("full: DDM + strains, kernels, dynamic");
   EXPECT_EQ(full.seconds, 1.5);
   EXPECT_EQ(rows().at("DDM").coefficients, 0u);
   EXPECT_LT(rows().at("DDM").bytes_per_vertex, full.bytes_per_vertex);

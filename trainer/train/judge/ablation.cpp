@@ -62,14 +62,14 @@ std::vector<Positions> heldout_by_corrected_lbs(const SampleSet& set, const Basi
   return shapes;
 }
 
-AblationRow row_of(const std::string& name, const SampleSet& set, const Basis& basis, double seconds) {
+MethodResult row_of(const std::string& name, const SampleSet& set, const Basis& basis, double seconds) {
   Deformer deformer(basis, {.name = "cpu"});
   return {name, heldout_errors(set.heldout, heldout_by_basis(set, deformer)), bytes_per_vertex(basis),
           basis.residual.coefficient_count(), seconds};
 }
 
 // `spared_bytes`: of every vertex, what linear blending takes less than Direct Delta Mush.
-AblationRow row_of(const NamedMethod& named, const SampleSet& set, TrainOptions options, double spared_bytes) {
+MethodResult row_of(const NamedMethod& named, const SampleSet& set, TrainOptions options, double spared_bytes) {
   const Stopwatch watch;
   options.method = named.method;
   if (!named.method.kernels || named.method.support == Support::whole_skin) {
@@ -89,15 +89,15 @@ AblationRow row_of(const NamedMethod& named, const SampleSet& set, TrainOptions 
 
 }  // namespace
 
-std::vector<AblationRow> compare_with_skinning(const SampleSet& set, const Basis& full, double seconds) {
+std::vector<MethodResult> compare_with_skinning(const SampleSet& set, const Basis& full, double seconds) {
   return {{"LBS", heldout_errors(set.heldout, heldout_by_lbs(set)), lbs_bytes_per_vertex(set.character), 0, 0},
           row_of("DDM", set, without_residual(full), 0),
           row_of("full: DDM + strains, kernels, dynamic", set, full, seconds)};
 }
 
-std::vector<AblationRow> ablate(const SampleSet& set, const TrainOptions& options, const TrainingResult& full,
-                                double seconds, std::vector<std::string>& unmade) {
-  std::vector<AblationRow> rows = compare_with_skinning(set, full.basis, seconds);
+std::vector<MethodResult> ablate(const SampleSet& set, const TrainOptions& options, const TrainingResult& full,
+                                 double seconds, std::vector<std::string>& unmade) {
+  std::vector<MethodResult> rows = compare_with_skinning(set, full.basis, seconds);
   TrainOptions matched = options;
   matched.smoothing_radius = full.smoothing_radius;  // chosen by the same frames, each would find it again
   matched.budget = bytes_per_vertex(full.basis);

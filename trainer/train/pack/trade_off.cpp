@@ -94,13 +94,6 @@ std::vector<TradeOffPoint> TradeOff::curve() const {
   return points;
 }
 
-nlohmann::ordered_json to_json(const TradeOffPoint& point) {
-  return {{"bytes_per_vertex", point.bytes_per_vertex},
-          {"expected_rms_mm", point.expected_mm},
-          {"coefficients", point.coefficients},
-          {"microseconds", point.microseconds}};
-}
-
 std::string curve_text(const std::vector<TradeOffPoint>& curve) {
   nlohmann::json list = nlohmann::json::array();
   for (const TradeOffPoint& point : curve) list.push_back(nlohmann::json(to_json(point)));

@@ -1,12 +1,11 @@
 // Bytes against millimetres: how much of what was learned a basis keeps.
 #pragma once
 
-#include <cstdint>
 #include <functional>
-#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
+#include "dataset/results.h"
 #include "runtime/basis/basis.h"
 #include "trainer/train/options.h"
 #include "trainer/train/pack/byte_allocation.h"
@@ -14,14 +13,6 @@
 
 namespace bodyopt {
 
-// One of the bases that a training could give.
-struct TradeOffPoint {
-  double bytes_per_vertex = 0;  // of all tables
-  double expected_mm = 0;       // see expected_error
-  double microseconds = 0;      // of a frame, see docs/train.md
-  std::uint32_t coefficients = 0;
-};
-nlohmann::ordered_json to_json(const TradeOffPoint& point);
 std::string curve_text(const std::vector<TradeOffPoint>& curve);
 // Of a basis' metadata; none where it was trained without shapes. Throws Error(file) where it is damaged.
 std::vector<TradeOffPoint> read_curve(const Basis& basis);
