@@ -1,10 +1,9 @@
 #include "trainer/attach/rest_skin.h"
 
-#include <bit>
-
 #include "geometry/extent.h"
 #include "geometry/table_rows.h"
 #include "geometry/vertex_normals.h"
+#include "runtime/basis/joint_omegas.h"
 
 namespace bodyopt {
 
@@ -36,12 +35,8 @@ Eigen::Vector3d RestSkin::normal(const SkinPoint& point) const {
 std::vector<double> RestSkin::joint_weights(const SkinPoint& point) const {
   std::vector<double> weights(skeleton_.size(), 0.0);
   for (Eigen::Index k = 0; k < 3; ++k) {
-    const std::uint32_t vertex = point.vertices[static_cast<std::size_t>(k)];
-    const std::uint32_t block = vertex / kBlockSize, lane = vertex % kBlockSize;
-    for (std::uint32_t e = ddm_.block_begin[block]; e < ddm_.block_begin[block + 1]; ++e) {
-      const std::uint32_t omega = ddm_.moments[(std::size_t{e} * kMomentWords + 6) * kBlockSize + lane];
-      weights[ddm_.block_joints[e]] += point.weights[k] * static_cast<double>(std::bit_cast<float>(omega));
-    }
+    for_each_omega(ddm_, point.vertices[static_cast<std::size_t>(k)],
+                   [&](std::uint32_t joint, double omega) { weights[joint] += point.weights[k] * omega; });
   }
   return weights;
 }

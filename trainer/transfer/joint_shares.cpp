@@ -1,6 +1,6 @@
 #include "trainer/transfer/joint_shares.h"
 
-#include <bit>
+#include "runtime/basis/joint_omegas.h"
 
 namespace bodyopt {
 namespace {
@@ -19,23 +19,11 @@ std::vector<Eigen::Index> columns_of(const Skeleton& skeleton, const std::vector
   return result;
 }
 
-// Of every vertex and joint that holds it: use(vertex, joint, omega).
-template <typename Use>
-void for_each_omega(const Basis& basis, const Use& use) {
-  const DdmTable& ddm = basis.ddm;
-  for (std::uint32_t v = 0; v < basis.mesh.vertex_count(); ++v) {
-    const std::uint32_t block = v / kBlockSize, lane = v % kBlockSize;
-    for (std::uint32_t e = ddm.block_begin[block]; e < ddm.block_begin[block + 1]; ++e) {
-      const std::uint32_t word = ddm.moments[(e * kMomentWords + 6) * kBlockSize + lane];
-      use(v, ddm.block_joints[e], double{std::bit_cast<float>(word)});
-    }
-  }
-}
-
 JointShares shares_of(const Basis& basis, const std::vector<Eigen::Index>& columns, Eigen::Index count) {
   JointShares shares = JointShares::Zero(basis.mesh.vertex_count(), count);
-  for_each_omega(basis,
-                 [&](std::uint32_t v, std::uint32_t joint, double omega) { shares(v, columns[joint]) += omega; });
+  for (std::uint32_t v = 0; v < basis.mesh.vertex_count(); ++v) {
+    for_each_omega(basis.ddm, v, [&](std::uint32_t joint, double omega) { shares(v, columns[joint]) += omega; });
+  }
   return shares;
 }
 
@@ -56,9 +44,11 @@ JointShares target_joint_shares(const Basis& target, const SkeletonMatch& match)
 
 Eigen::VectorXd share_of_matched(const Basis& basis, const std::vector<int>& match) {
   Eigen::VectorXd shares = Eigen::VectorXd::Zero(basis.mesh.vertex_count());
-  for_each_omega(basis, [&](std::uint32_t v, std::uint32_t joint, double omega) {
-    if (match[joint] >= 0) shares[v] += omega;
-  });
+  for (std::uint32_t v = 0; v < basis.mesh.vertex_count(); ++v) {
+    for_each_omega(basis.ddm, v, [&](std::uint32_t joint, double omega) {
+      if (match[joint] >= 0) shares[v] += omega;
+    });
+  }
   return shares;
 }
 

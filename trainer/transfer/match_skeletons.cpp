@@ -14,6 +14,7 @@
 #include "geometry/nearest_rotation.h"
 #include "runtime/core/error.h"
 #include "runtime/host/rig.h"
+#include "runtime/modifiers/world_rotations.h"
 
 namespace bodyopt {
 namespace {
@@ -276,17 +277,6 @@ void note_unmatched(const Skeleton& skeleton, const std::vector<int>& match, con
   if (names.empty()) return;
   notes.push_back("Joints of the " + whose + " that the other does not have: " + list_names(names, 24) + "; " +
                   consequence + ".");
-}
-
-// Rotations of all joints away from their bind pose, world.
-std::vector<Quat> world_rotations(const Skeleton& skeleton, const Pose& pose) {
-  std::vector<Quat> world(skeleton.size());
-  for (std::size_t j = 0; j < skeleton.size(); ++j) {
-    const int parent = skeleton.joints[j].parent;
-    const Quat own = normalized(pose.joints[j].rotation);
-    world[j] = parent < 0 ? own : world[static_cast<std::size_t>(parent)] * own;
-  }
-  return world;
 }
 
 // What follows from which joints are the same.
