@@ -27,11 +27,32 @@ struct CheckArguments {
   JsonOption json;
 };
 
-Json places_json(const std::vector<RestPlace>& places, bool of_two) {
+// Places of one kind of defect; of two: between parts of different joints.
+struct PlaceList {
+  const char *key, *title;
+  const std::vector<RestPlace>& places;
+  bool of_two = false;
+};
+
+// Everything of it that has places, in the order in which these are numbered.
+std::vector<PlaceList> lists_of(const CharacterForesight& foresight) {
+  return {{"self_intersections", "the skin passes through itself at rest", foresight.intersections},
+          {"holes", "the skin is open", foresight.holes},
+          {"flipped", "faces wind oppositely", foresight.flipped},
+          {"near_parts", "parts of different joints nearly touch at rest (a lattice may glue them)",
+           foresight.near_parts, true},
+          {"glued_parts", "a cage holds skin of different joints together", foresight.glued, true},
+          {"riders", "pieces ride on the others", foresight.riders}};
+}
+
+// first: the number of the first; unnumbered: the numbers that the picture lacks, which become null.
+Json places_json(const PlaceList& list, std::size_t first, const std::vector<std::size_t>& unnumbered) {
   Json result = Json::array();
-  for (const RestPlace& place : places) {
-    Json& entry = result.emplace_back(Json{{"joint", place.joint}});
-    if (of_two) entry["other_joint"] = place.other;
+  for (const RestPlace& place : list.places) {
+    const std::size_t number = first + result.size();
+    const bool is_shown = std::ranges::find(unnumbered, number) == unnumbered.end();
+    Json& entry = result.emplace_back(Json{{"number", is_shown ? Json(number) : Json()}, {"joint", place.joint}});
+    if (list.of_two) entry["other_joint"] = place.other;
     entry["vertices"] = place.vertices.size();
     entry["vertex"] = place.vertex;
     entry["position_m"] = {place.position[0], place.position[1], place.position[2]};
@@ -39,14 +60,16 @@ Json places_json(const std::vector<RestPlace>& places, bool of_two) {
   return result;
 }
 
-// first: the number of the first in the picture.
-std::string places_text(const std::vector<RestPlace>& places, bool of_two, std::size_t first) {
+// first: the number of the first.
+std::string places_text(const PlaceList& list, std::size_t first) {
   constexpr std::size_t kShown = 8;
-  std::string text;
+  const std::vector<RestPlace>& places = list.places;
+  if (places.empty()) return "";
+  std::string text = std::string(list.title) + ":\n";
   for (std::size_t k = 0; k < std::min(places.size(), kShown); ++k) {
     const RestPlace& place = places[k];
     text += format("%4zu  %s: %s, one is %u at %.3f %.3f %.3f m\n", first + k,
-                   (place.joint + (of_two ? " and " + place.other : "")).c_str(),
+                   (place.joint + (list.of_two ? " and " + place.other : "")).c_str(),
                    count_of(place.vertices.size(), "vertex", "vertices").c_str(), place.vertex, place.position[0],
                    place.position[1], place.position[2]);
   }
@@ -115,27 +138,23 @@ Json foreseen(const CheckArguments& arguments, const Character& character, std::
   const CharacterForesight foresight =
       foresee(character, own_clips(arguments.path, character.skeleton, arguments.unit));
   text += verbs_text(foresight.verbs);
-  std::vector<RestPlace> drawn;
-  const auto add = [&](const char* what, const std::vector<RestPlace>& places, bool of_two) {
-    if (!places.empty()) text += what + (":\n" + places_text(places, of_two, drawn.size() + 1));
-    drawn.insert(drawn.end(), places.begin(), places.end());
-  };
-  add("the skin passes through itself at rest", foresight.intersections, false);
-  add("the skin is open", foresight.holes, false);
-  add("faces wind oppositely", foresight.flipped, false);
-  add("parts of different joints nearly touch at rest (a lattice may glue them)", foresight.near_parts, true);
-  add("a cage holds skin of different joints together", foresight.glued, true);
-  add("pieces ride on the others", foresight.riders, false);
-  if (!picture.empty()) text += unnumbered_text(draw_places(character, drawn, picture));
+  const std::vector<PlaceList> lists = lists_of(foresight);
+  std::vector<RestPlace> numbered;
+  for (const PlaceList& list : lists) {
+    text += places_text(list, numbered.size() + 1);
+    numbered.insert(numbered.end(), list.places.begin(), list.places.end());
+  }
+  std::vector<std::size_t> unnumbered;
+  if (!picture.empty()) unnumbered = draw_places(character, numbered, picture);
+  text += unnumbered_text(unnumbered);
   for (const std::string& remark : foresight.remarks) text += "note: " + remark + "\n";
-  return {{"foreseen", verbs_json(foresight.verbs)},
-          {"self_intersections", places_json(foresight.intersections, false)},
-          {"near_parts", places_json(foresight.near_parts, true)},
-          {"glued_parts", places_json(foresight.glued, true)},
-          {"holes", places_json(foresight.holes, false)},
-          {"flipped", places_json(foresight.flipped, false)},
-          {"riders", places_json(foresight.riders, false)},
-          {"remarks", foresight.remarks}};
+  Json result = {{"foreseen", verbs_json(foresight.verbs)}, {"remarks", foresight.remarks}};
+  std::size_t first = 1;
+  for (const PlaceList& list : lists) {
+    result[list.key] = places_json(list, first, unnumbered);
+    first += list.places.size();
+  }
+  return result;
 }
 
 void check_character(const CheckArguments& arguments) {

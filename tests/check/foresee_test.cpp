@@ -149,6 +149,19 @@ TEST(Foresee, IntersectionsThatCannotBeMovedApartAreListed) {
   EXPECT_FALSE(foresight.intersections.empty());
 }
 
+// Tetrahedra on a sliver are flat: nothing passes through itself that a picture could show.
+TEST(Foresee, SliversAreNotSaidToBeInThePicture) {
+  Character limb = make_limb();
+  const auto sliver = limb.triangles.row(60);
+  limb.vertices.row(sliver[0]) = 0.5 * (limb.vertices.row(sliver[1]) + limb.vertices.row(sliver[2]));
+  const CharacterForesight foresight = foresee(limb);
+  const VerbForesight& simulate = foresight.verbs[0];
+  ASSERT_NE(simulate.why.find("cannot be filled"), std::string::npos) << simulate.why;
+  EXPECT_TRUE(foresight.intersections.empty());
+  EXPECT_NE(simulate.remedy.find("dissolve slivers"), std::string::npos) << simulate.remedy;
+  EXPECT_EQ(simulate.remedy.find("--picture"), std::string::npos) << simulate.remedy;
+}
+
 // Two limbs a hair apart that hang on different joints.
 Character near_limbs() {
   Character both = make_two_limbs(2 * kTubeRadius + 0.002);

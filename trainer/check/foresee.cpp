@@ -37,7 +37,6 @@ constexpr double kFacing = -0.3;                 // cosine of the normals of ski
 constexpr std::size_t kFewest = 3;               // vertices that make a part
 
 constexpr const char* kNoDraft = "leave out --draft: 'simulate' fills its own skin, with contact";
-constexpr const char* kMendFirst = "mend the skin: see why";
 constexpr const char* kMoreMotion = "simulate more motion: 'bodyopt rom' makes some that shows all a character can do";
 constexpr const char* kFewVertices = "none is needed: so few vertices are as fast as a proxy of them";
 
@@ -48,7 +47,11 @@ std::string remedy_for(const std::string& why) {
        "fill its holes, give sheets a thickness (Blender: Fill Holes, Solidify); --picture shows them"},
       {"more than two triangles", "part the faces that are fused along an edge (Blender: select Non Manifold, split)"},
       {"wind oppositely", "turn its faces the same way (Blender: Recalculate Outside); --picture shows where"},
-      {"intersect", "move apart, at rest, what passes through itself; --picture shows where"},
+      {"cannot be moved apart", "move apart, at rest, what passes through itself; --picture shows where"},
+      {"cannot be filled",
+       "dissolve slivers, and part sheets that lie close at rest (Blender: Degenerate Dissolve); where it passes "
+       "through "
+       "itself is listed, if it does"},
       {"belong to no triangle", "delete its loose vertices (Blender: Delete Loose)"},
       {"no triangles", "export the skin with its faces"},
       {"it is flat", "give it a thickness (Blender: Solidify)"},
@@ -173,7 +176,7 @@ VerbForesight foresee_simulate(const Character& character, bool draft, VerticesO
       return {verb, BodyFill::lattice, nodes, false, why, remedy_for(why), parts};
     }
     const std::string& why = tets.why_cage.empty() ? cage.mending : tets.why_cage;
-    return {verb, BodyFill::coarser, nodes, true, why, draft ? "" : kMendFirst, parts};
+    return {verb, BodyFill::coarser, nodes, true, why, draft ? "" : remedy_for(why), parts};
   } catch (const Error& error) {
     return refusal(verb, error);
   }
