@@ -116,15 +116,21 @@ Curves read_csv_curves(const std::filesystem::path& path) {
   return curves;
 }
 
-// Keys that all lie beyond the clip are most likely of another numbering.
+// Keys that all lie beyond the clip are most likely of another numbering. One note, however many curves have such.
 void note_other_frames(const std::filesystem::path& path, const Curves& curves, Clip& clip) {
+  std::vector<std::string> names;
+  double first = kLargestFrame, last = -kLargestFrame;
   for (const auto& [name, keys] : curves) {
     if (keys.size() < 2 || (keys.front().frame <= clip.last_frame() && keys.back().frame >= clip.first_frame)) continue;
-    clip.notes.push_back(path.string() + ": '" + name + "' has keys from frame " + rounded(keys.front().frame) +
-                         " to " + rounded(keys.back().frame) + ", none within the clip's " +
-                         std::to_string(clip.first_frame) + " to " + std::to_string(clip.last_frame()) +
-                         ": it is held all along (another first frame, or rate?)");
+    names.push_back(name);
+    first = std::min(first, keys.front().frame);
+    last = std::max(last, keys.back().frame);
   }
+  if (names.empty()) return;
+  clip.notes.push_back(path.string() + ": the keys of " + list_names(names) + ", from frame " + rounded(first) +
+                       " to " + rounded(last) + ", are none within the clip's " + std::to_string(clip.first_frame) +
+                       " to " + std::to_string(clip.last_frame()) + ": " + (names.size() == 1 ? "it is" : "they are") +
+                       " held all along (another first frame, or rate?)");
 }
 
 }  // namespace
