@@ -27,6 +27,7 @@
 #include "trainer/curate/modifier_scope.h"
 #include "trainer/curate/pose_space.h"
 #include "trainer/curate/prune.h"
+#include "trainer/train/data/samples.h"
 
 namespace bodyopt {
 namespace {
@@ -234,6 +235,22 @@ TEST(Symmetry, AddsTheMirrorImageOfEveryFrame) {
   EXPECT_LT(rms_mm(mirrored.colwise().mean(), image.colwise().mean()), 1e-3);
   const Positions true_image = limb_truth(limb.character(), limb_muscles(), stack.database().frames[count + 15].pose);
   EXPECT_LT(rms_mm(mirrored, true_image), 0.05);
+}
+
+// Blocks that are held out are counted by places: an image goes where the frame goes that it is the image of.
+TEST(Symmetry, ImagesHaveThePlacesOfTheirOrigins) {
+  const CuratedLimb limb;
+  add_modifier(limb.path(), {.type = "symmetry"});
+  const SampleSet set = read_samples(read_dataset(limb.path()));
+  const auto count = static_cast<std::size_t>(2 * kSweepFrames);
+  ASSERT_EQ(set.train.size(), 2 * count);
+  for (std::size_t n = 0; n < count; ++n) {
+    const Sample &origin = set.train[n], &image = set.train[count + n];
+    EXPECT_EQ(origin.place, n % kSweepFrames);
+    EXPECT_EQ(image.place, origin.place) << n;
+    EXPECT_EQ(frame_name(set, image), "frame " + std::to_string(origin.frame) + " of take '" +
+                                          set.takes[static_cast<std::size_t>(origin.take)] + " mirrored'");
+  }
 }
 
 TEST(Symmetry, TurnsAHumansOtherThumb) {
