@@ -1,6 +1,8 @@
 // Pieces that ride on a simulated body.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "tests/simulate/limb.h"
 #include "tests/support/temporary_folder.h"
 #include "trainer/simulate/rider_stretch.h"
@@ -67,6 +69,31 @@ TEST(Riders, AtRestTheyAreWhereTheyWere) {
   ASSERT_EQ(body.riding().size(), 2u * kRows);
   const Positions rest = body.skin(body.solve(bind_pose(limb.skeleton)).nodes);
   EXPECT_LT((rest - limb.vertices).cwiseAbs().maxCoeff(), 1e-6);
+}
+
+// By the numbers of the file, which need not be those of the welded skin; slivers, and what does not ride, count not.
+TEST(Riders, TheEdgeThatIsStretchedMostIsNamedAsTheFileHasIt) {
+  Character limb = make_limb();
+  const std::vector<std::uint32_t> card = add_card({0.1, 0, 0.04}, {0.1, 0, 0.2}, {0.02, 0, 0}, {{0, 1.0}}, limb);
+  limb.vertices.row(card[1]) = limb.vertices.row(card[0]) + Eigen::RowVector3d(1e-5, 0, 0);  // a sliver
+  limb.weights[card.back()] = {{1, 1.0}};
+  std::reverse(limb.output_vertex.begin(), limb.output_vertex.end());
+  RiderStretch stretch(limb, card);
+  Positions skin = limb.vertices;
+  skin.row(0) *= 3;                                     // does not ride
+  skin.row(card[1]) += Eigen::RowVector3d(1e-4, 0, 0);  // eleven times as long
+  stretch.add(1, skin);
+  EXPECT_EQ(stretch.warning(), "");
+  const std::uint32_t last = card.back(), beside = card[card.size() - 2];
+  skin.row(last) += 0.8 * (limb.vertices.row(last) - limb.vertices.row(beside));
+  stretch.add(7, skin);
+  skin.row(last) = limb.vertices.row(last);
+  stretch.add(8, skin);
+  EXPECT_NEAR(stretch.most(), 1.8, 1e-9);
+  const std::string said = stretch.warning();
+  EXPECT_NE(said.find("1.8 times its length in frame 7"), std::string::npos) << said;
+  EXPECT_NE(said.find(" 0 ('lower')"), std::string::npos) << said;
+  EXPECT_NE(said.find(" 1 ('upper')"), std::string::npos) << said;
 }
 
 // A card whose two halves follow different joints.
