@@ -29,7 +29,8 @@ class Heard {
     std::vector<std::uint32_t> joints = {0, 1, 2}, all = joints;
     for (std::uint32_t s = 0; s < kStrains; ++s) all.push_back(static_cast<std::uint32_t>(kJointFeatures) + s);
     const std::vector<int> folds = blocked_folds(std::vector<int>(kPoses, 0), 20, 5);
-    choose_map(features_, {kJointFeatures, kStrains}, {joints, all}, folds, {}, {.centres = 40}, model_);
+    choose_map(features_, {kJointFeatures, kStrains}, {joints, all}, model_.components.coefficients, folds, {},
+               {.centres = 40}, model_);
   }
 
   std::size_t strains() const {

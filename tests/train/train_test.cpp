@@ -82,6 +82,13 @@ TEST(Train, ReproducesTrainingFramesGivenEnoughComponentsAndCentres) {
   EXPECT_LT(learned.rms, 0.05);
 }
 
+// A component answers to more directions of the features than one.
+TEST(Train, AMapHasMoreCoordinatesThanComponents) {
+  const Basis basis = trained_basis(samples(), {.components = 1, .centres = 12});
+  EXPECT_LE(basis.residual.coefficient_count(), basis.residual.regions.size());
+  EXPECT_GT(basis.residual.coordinate_count(), 2 * basis.residual.regions.size());
+}
+
 TEST(Train, RegionsThatWereWrittenGiveTheSameBasis) {
   const TemporaryFolder folder;
   SampleSet set = samples();

@@ -49,18 +49,17 @@ std::vector<SelectedFeature> selected_features(const MatrixXd& values, const Mat
   return selected;
 }
 
-// The features that tell most, ascending, what each explains, and the coordinates among them.
-void take_features(const MatrixXd& values, const std::vector<std::uint32_t>& choice, std::size_t most,
-                   RegionModel& model) {
-  const MatrixXd& targets = model.components.coefficients;
-  const std::vector<SelectedFeature> selected = selected_features(values, targets, most);
+// The features that tell most of the motion, ascending, what each explains, and the coordinates among them.
+void take_features(const MatrixXd& values, const MatrixXd& motion, const std::vector<std::uint32_t>& choice,
+                   std::size_t most, RegionModel& model) {
+  const std::vector<SelectedFeature> selected = selected_features(values, motion, most);
   model.features.clear();
   model.explained.clear();
   for (const SelectedFeature& feature : selected) {
     model.features.push_back(choice[feature.column]);
-    model.explained.push_back(feature.gain * targets.squaredNorm());
+    model.explained.push_back(feature.gain * motion.squaredNorm());
   }
-  model.projection = projection(values(Eigen::all, columns_of(selected)), targets);
+  model.projection = projection(values(Eigen::all, columns_of(selected)), motion);
 }
 
 std::vector<Index> frames_not_in(const std::vector<int>& folds, int fold) {
@@ -73,15 +72,15 @@ std::vector<Index> frames_not_in(const std::vector<int>& folds, int fold) {
 
 // What features and coordinates that the other folds choose leave of every fold, square metres; with a quarter of the
 // centres, which ranks choices as all of them do.
-double few_frames_error(const MatrixXd& values, const MatrixXd& targets, const std::vector<int>& folds,
-                        const Eigen::VectorXd& weights, std::size_t most, int centres) {
+double few_frames_error(const MatrixXd& values, const MatrixXd& motion, const MatrixXd& targets,
+                        const std::vector<int>& folds, const Eigen::VectorXd& weights, std::size_t most, int centres) {
   double error = 0;
   const int last = *std::max_element(folds.begin(), folds.end());
   for (int fold = 0; fold <= last; ++fold) {
     const std::vector<Index> others = frames_not_in(folds, fold);
-    const MatrixXd known = values(others, Eigen::all), motion = targets(others, Eigen::all);
-    const std::vector<Index> columns = columns_of(selected_features(known, motion, most));
-    const MatrixXd map = projection(known(Eigen::all, columns), motion);
+    const MatrixXd known = values(others, Eigen::all), moved = motion(others, Eigen::all);
+    const std::vector<Index> columns = columns_of(selected_features(known, moved, most));
+    const MatrixXd map = projection(known(Eigen::all, columns), moved);
     const RegressionData data{values(Eigen::all, columns) * map.transpose(), Eigen::RowVectorXd::Zero(map.rows()),
                               targets, weights, folds};
     error += fold_error(data, centres / 4, fold);
@@ -90,8 +89,9 @@ double few_frames_error(const MatrixXd& values, const MatrixXd& targets, const s
 }
 
 // The number of the choice that leaves least in cross-validation.
-std::size_t best_choice(const FeatureSamples& features, const FeatureChoices& choices, const std::vector<int>& folds,
-                        const Eigen::VectorXd& weights, const TrainOptions& options, RegionModel model) {
+std::size_t best_choice(const FeatureSamples& features, const FeatureChoices& choices, const MatrixXd& motion,
+                        const std::vector<int>& folds, const Eigen::VectorXd& weights, const TrainOptions& options,
+                        RegionModel model) {
   const std::size_t most = most_features(options.method);
   const int centres = most_centres(options);
   std::size_t best = 0;
@@ -100,9 +100,9 @@ std::size_t best_choice(const FeatureSamples& features, const FeatureChoices& ch
     const MatrixXd values = from_rest(features, choices[c]);
     double error = 0;
     if (folds.size() <= kFewFrames) {
-      error = few_frames_error(values, model.components.coefficients, folds, weights, most, centres);
+      error = few_frames_error(values, motion, model.components.coefficients, folds, weights, most, centres);
     } else {
-      take_features(values, choices[c], most, model);
+      take_features(values, motion, choices[c], most, model);
       error = trial_error(regression_data(features, model, folds, weights), centres);
     }
     if (!(error < least)) continue;
@@ -113,10 +113,12 @@ std::size_t best_choice(const FeatureSamples& features, const FeatureChoices& ch
 }
 
 // The map of the best of some choices.
-void fit_best_choice(const FeatureSamples& features, const FeatureChoices& choices, const std::vector<int>& folds,
-                     const Eigen::VectorXd& weights, const TrainOptions& options, RegionModel& model) {
-  const FeatureChoices::value_type& best = choices[best_choice(features, choices, folds, weights, options, model)];
-  take_features(from_rest(features, best), best, most_features(options.method), model);
+void fit_best_choice(const FeatureSamples& features, const FeatureChoices& choices, const MatrixXd& motion,
+                     const std::vector<int>& folds, const Eigen::VectorXd& weights, const TrainOptions& options,
+                     RegionModel& model) {
+  const FeatureChoices::value_type& best =
+      choices[best_choice(features, choices, motion, folds, weights, options, model)];
+  take_features(from_rest(features, best), motion, best, most_features(options.method), model);
   const RegressionData data = regression_data(features, model, folds, weights);
   const int centres = most_centres(options);
   const Regression linear = fit_regression(data, 0);
@@ -142,18 +144,18 @@ double least_error(const RegionModel& model) {
 }  // namespace
 
 void choose_map(const FeatureSamples& features, const StrainFeatures& strains, const FeatureChoices& choices,
-                const std::vector<int>& folds, const Eigen::VectorXd& weights, const TrainOptions& options,
-                RegionModel& model) {
+                const MatrixXd& motion, const std::vector<int>& folds, const Eigen::VectorXd& weights,
+                const TrainOptions& options, RegionModel& model) {
   FeatureChoices with, without;
   for (const std::vector<std::uint32_t>& choice : choices) {
     (has_strains(choice, strains) ? with : without).push_back(choice);
   }
   if (folds.size() > kFewFrames || with.empty() || without.empty()) {
-    return fit_best_choice(features, choices, folds, weights, options, model);
+    return fit_best_choice(features, choices, motion, folds, weights, options, model);
   }
   RegionModel simpler = model;
-  fit_best_choice(features, without, folds, weights, options, simpler);
-  fit_best_choice(features, with, folds, weights, options, model);
+  fit_best_choice(features, without, motion, folds, weights, options, simpler);
+  fit_best_choice(features, with, motion, folds, weights, options, model);
   if (!(least_error(model) < kWorthStrains * least_error(simpler))) model = std::move(simpler);
 }
 

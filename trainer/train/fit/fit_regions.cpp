@@ -21,6 +21,9 @@ using Eigen::Index;
 
 // Cross-validation: blocks of consecutive frames, dealt to folds.
 constexpr int kFolds = 5, kLongestRun = 20;
+// Components that coordinates are chosen by where frames are few: with as many as the map gives (32) there were too few
+// coordinates for the poses of a range of motion.
+constexpr int kMotionOfFewFrames = 128;
 
 // Some of the regions and all vertices of theirs and beside them, ascending.
 struct SkinPart {
@@ -132,12 +135,18 @@ RegionModel fit_region(const FitContext& context, std::size_t r, const PartFrame
   const FeatureSamples& features = context.ground.features;
   RegionModel model;
   model.region = context.layout.regions[r];
-  model.components = principal_components(frames.displacements(), frames.region(r), options.components, options.seed);
+  const auto components = [&](int count) {
+    return principal_components(frames.displacements(), frames.region(r), count, options.seed);
+  };
+  model.components = components(options.components);
   model.strays = frames.strays(r);
   model.contradictions = frames.contradictions_of(r, context.pairs, model.components);
   const Basis& basis = context.ground.base.basis;
   const StrainFeatures strains{joint_feature_count(basis.skeleton), basis.strain.fibre_count()};
-  choose_map(features, strains, context.layout.choices[r], context.folds, context.weights, options, model);
+  const Eigen::MatrixXd motion = context.folds.size() <= kFewFrames
+                                     ? components(std::max(kMotionOfFewFrames, options.components)).coefficients
+                                     : model.components.coefficients;
+  choose_map(features, strains, context.layout.choices[r], motion, context.folds, context.weights, options, model);
   normalise(model);
   return model;
 }
