@@ -85,6 +85,12 @@ void add_mappings(const RigArguments& arguments, const Skeleton& skeleton, std::
   for (const anatomy::CarriedMapping& mapping : mappings_of(arguments, skeleton)) {
     const fs::path out = fs::path(arguments.out) / mapping.name;
     files.push_back({out, bodyopt::text_of(mapping.json, out)});
+    for (const anatomy::UnplacedSegment& unplaced : mapping.unplaced) {
+      spdlog::warn(
+          "{}: the first two centres of the segment '{}' go to the joints '{}' and '{}', which are at the same place: "
+          "write two that are apart, or 'muscles import' refuses it",
+          out.string(), unplaced.segment, unplaced.joints[0], unplaced.joints[1]);
+    }
     if (mapping.unknown.empty()) continue;
     spdlog::warn("{}: the character has no joint that is known to be {}: write its own in their place", out.string(),
                  list_names(mapping.unknown));
@@ -105,18 +111,20 @@ bool is_there(const RigFile& file) {
 }
 
 // They are written to be edited: what was edited is not lost. What a run that was cut off has left is no edit.
-void write_new(const std::vector<RigFile>& files) {
-  std::vector<const RigFile*> open;
+void require_unedited(const std::vector<RigFile>& files) {
   for (const RigFile& file : files) {
-    if (!fs::exists(file.path)) {
-      open.push_back(&file);
-    } else if (!is_there(file)) {
-      throw Error(ErrorKind::usage, file.path.string() +
-                                        ": is there already, edited perhaps: remove it, or give "
-                                        "another --out");
-    }
+    if (!fs::exists(file.path) || is_there(file)) continue;
+    throw Error(ErrorKind::usage, file.path.string() +
+                                      ": is there already, edited perhaps: remove it, or give "
+                                      "another --out");
   }
-  for (const RigFile* file : open) write_file_atomically(file->path, std::as_bytes(std::span(file->text)));
+}
+
+void write_new(const std::vector<RigFile>& files) {
+  require_unedited(files);
+  for (const RigFile& file : files) {
+    if (!fs::exists(file.path)) write_file_atomically(file.path, std::as_bytes(std::span(file.text)));
+  }
 }
 
 void run(const RigArguments& arguments) {
@@ -127,13 +135,14 @@ void run(const RigArguments& arguments) {
   const std::vector<Pose> poses = shown_poses(arguments, skeleton);
   const JointLimits limits = first_limits(character, poses);
   const std::vector<RegionWeights> regions = joint_regions(character);
-  const Json jiggle = first_jiggle(character);
 
   const fs::path out = arguments.out;
   std::vector<RigFile> files;
   add_mappings(arguments, skeleton, files);
   files.push_back({out / "limits.json", bodyopt::text_of(to_json(limits, skeleton), out / "limits.json")});
   files.push_back({out / "regions.json", regions_text(regions, character, kRegionSource)});
+  require_unedited(files);  // before what takes long
+  const Json jiggle = first_jiggle(character);
   if (!jiggle.is_null()) files.push_back({out / "jiggle.json", bodyopt::text_of(jiggle, out / "jiggle.json")});
   require_distinct(files);
   make_folder(arguments.out);

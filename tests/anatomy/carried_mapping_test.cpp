@@ -16,6 +16,7 @@ Skeleton rig(std::initializer_list<const char*> names) {
     Joint joint;
     joint.name = name;
     joint.parent = static_cast<int>(skeleton.size()) - 1;
+    joint.inverse_bind.m[1][3] = static_cast<double>(skeleton.size());
     skeleton.joints.push_back(joint);
   }
   return skeleton;
@@ -43,6 +44,19 @@ TEST(CarriedMapping, MirrorsByTheNewNamesAndIsReadAgain) {
   const Mapping read = read_mapping(folder / "arm.json");
   EXPECT_EQ(read.mirrored_joint("lowerarm_r"), "lowerarm_l");
   EXPECT_EQ(read.mirrored_joint("hand_r"), "hand_l");
+}
+
+// As of characters whose legs have one joint each, at the pelvis.
+TEST(CarriedMapping, SaysWhichSegmentsHaveTheirCentresAtOnePlace) {
+  const auto path = kSourceFolder + "/rigs/human/gait2392.json";
+  Skeleton skeleton = rig({"pelvis", "spine_01", "thigh_r", "calf_r", "foot_r", "thigh_l", "calf_l", "foot_l"});
+  EXPECT_TRUE(carried_mapping(path, skeleton).unplaced.empty());
+  skeleton.joints[5].inverse_bind = skeleton.joints[2].inverse_bind;
+  const std::vector<UnplacedSegment> unplaced = carried_mapping(path, skeleton).unplaced;
+  ASSERT_EQ(unplaced.size(), 2u);
+  EXPECT_EQ(unplaced[0].segment, "pelvis");
+  EXPECT_EQ(unplaced[0].joints, (NamePair{"thigh_r", "thigh_l"}));
+  EXPECT_EQ(unplaced[1].segment, "torso");
 }
 
 // Of a rig with legs alone, those of the legs; every segment says where its joint is from, and is read again.

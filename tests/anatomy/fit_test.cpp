@@ -206,7 +206,11 @@ TEST(Fit, WhatDoesNotBelongTogetherIsNamed) {
   expect(leg(), mapping, "'gluteus'");
   mapping = leg_mapping();
   mapping.segments[0].centres[1] = mapping.segments[0].centres[0];
-  expect(leg(), mapping, "'thigh'");
+  expect(leg(), mapping, "the segments 'thigh' and 'thigh' of leg.osim");
+  mapping = leg_mapping();
+  mapping.segments[0].centres[1][1] = "RightHip";
+  expect(leg(), mapping, "the joints 'RightHip' and 'RightHip' of the character 'cube'");
+  expect(leg(), mapping, "name two that are apart");
   mapping = leg_mapping();
   mapping.segments[1].segments.push_back("thigh");
   expect(leg(), mapping, "twice");

@@ -49,6 +49,7 @@ TEST(RigVerb, FinishesWhatWasCutOffAndKeepsWhatWasEdited) {
   const ProgramResult refused = run_bodyopt(verb);
   EXPECT_EQ(refused.exit_code, 64);
   EXPECT_NE(refused.output.find("limits.json: is there already"), std::string::npos) << refused.output;
+  EXPECT_EQ(refused.output.find("dynamics"), std::string::npos) << "found after long work: " << refused.output;
   EXPECT_EQ(testing::read_bytes(limits), edited);
   EXPECT_FALSE(std::filesystem::exists(regions));
 }

@@ -1,6 +1,7 @@
 #include "trainer/anatomy/carried_mapping.h"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <optional>
 #include <set>
@@ -52,9 +53,18 @@ std::string name_of(const JointRole& role) {
   return kSides[static_cast<std::size_t>(role.side)] + std::string(kParts[static_cast<std::size_t>(role.part)]);
 }
 
+// Joints that the rig does not have are nowhere.
+bool is_unplaced(const NamePair& joints, const Skeleton& skeleton) {
+  const int first = skeleton.find(joints[0]), second = skeleton.find(joints[1]);
+  if (first < 0 || second < 0) return false;
+  const Vec3 a = bind_place(skeleton, static_cast<std::size_t>(first));
+  const Vec3 b = bind_place(skeleton, static_cast<std::size_t>(second));
+  return !(std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]) > kNearestCentres);
+}
+
 // `json`: of a mapping that read_mapping() accepts.
 CarriedMapping carry(const std::string& name, const Json& json, const Skeleton& skeleton) {
-  CarriedMapping result{name, json, {}};
+  CarriedMapping result{name, json, {}, {}};
   std::vector<NamedJoint> named;
   for (const std::string& joint : named_by(json)) named.push_back({joint, -1});
   const Roles there = roles_by_name(named), here = roles_by_name(named_joints(skeleton));
@@ -79,6 +89,11 @@ CarriedMapping carry(const std::string& name, const Json& json, const Skeleton& 
     segment["joint"] = exchange.at(joint);
     segment["source"] = source.at(joint);
     for (Json& centre : segment.at("centres")) centre[1] = exchange.at(centre[1].get<std::string>());
+    const NamePair first_two = {segment["centres"][0][1].get<std::string>(),
+                                segment["centres"][1][1].get<std::string>()};
+    if (is_unplaced(first_two, skeleton)) {
+      result.unplaced.push_back({segment["segments"][0].get<std::string>(), first_two});
+    }
   }
   if (json.contains("mirror_joints") && !json.at("mirror_joints").empty()) result.json["mirror_joints"] = mirror;
   result.json["source"] = name + ", its joints exchanged for those of this rig that do the same";

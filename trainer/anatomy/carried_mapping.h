@@ -7,13 +7,21 @@
 
 #include "assets/json_file.h"
 #include "runtime/basis/skeleton.h"
+#include "trainer/anatomy/mapping.h"
 
 namespace bodyopt::anatomy {
+
+// A segment whose first two centres go to joints at the same place: fit_muscles() refuses it.
+struct UnplacedSegment {
+  std::string segment;
+  NamePair joints;
+};
 
 struct CarriedMapping {
   std::string name;                  // the file's, without folders
   Json json;                         // as the file's, to be written; every segment says where its joint is from
   std::vector<std::string> unknown;  // joints for which this rig has none of the same role: their names stay
+  std::vector<UnplacedSegment> unplaced;
 };
 
 // Joints are exchanged for those of the same role (joint_roles). Throws Error(file) as read_mapping().

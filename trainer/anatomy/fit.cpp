@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 #include <set>
+#include <tuple>
 
 #include "geometry/skin_depth.h"
 #include "runtime/core/error.h"
@@ -114,6 +115,24 @@ class SideFit {
     return mapping_.character_axes * mapping_.model_axes.transpose();
   }
 
+  // Of the centres, which are in the model and in the character.
+  void require_apart(const SegmentMap& map, const std::vector<Vector3d>& from, const std::vector<Vector3d>& to) const {
+    const auto refuse = [&](const std::string& first, const std::string& second) {
+      mismatch(mapping_.file + ": the first two centres of '" + map.segments[0] + "' are at the same place: " + first +
+               " and " + second + " are less than 1 mm apart; name two that are apart, first of its centres");
+    };
+    const auto& [first, second] = std::tie(map.centres[0], map.centres[1]);
+    if (!((from[1] - from[0]).norm() > kNearestCentres)) {
+      refuse("the segments '" + first[0] + "'", "'" + second[0] + "' of " + model_.file);
+    }
+    if (!((to[1] - to[0]).norm() > kNearestCentres)) {
+      const auto name = [&](const NamePair& centre) {
+        return character_.skeleton.joints[static_cast<std::size_t>(find_joint(centre[1]))].name;
+      };
+      refuse("the joints '" + name(first) + "'", "'" + name(second) + "' of the character '" + character_.name + "'");
+    }
+  }
+
   void fit_segments(const SegmentMap& map) {
     std::vector<Vector3d> from, to;
     for (const auto& [segment_name, joint_name] : map.centres) {
@@ -122,9 +141,7 @@ class SideFit {
       const auto joint = static_cast<std::size_t>(find_joint(joint_name));
       to.emplace_back(bind_place(character_.skeleton, joint).data());
     }
-    if (!((from[1] - from[0]).norm() > kShortest && (to[1] - to[0]).norm() > kShortest)) {
-      mismatch(mapping_.file + ": the first two centres of '" + map.segments[0] + "' are at the same place");
-    }
+    require_apart(map, from, to);
     FittedSegment fitted{align(from, to, open_turn(find_segment(map.segments[0]))), find_joint(map.joint)};
     for (const std::string& name : map.segments) {
       FittedSegment& segment = segments_[static_cast<std::size_t>(find_segment(name))];

@@ -11,6 +11,9 @@ namespace bodyopt::anatomy {
 
 using NamePair = std::array<std::string, 2>;
 
+// Metres: centres that are nearer to each other do not tell how long a segment is and which way it points.
+constexpr double kNearestCentres = 1e-3;
+
 // Segments of the model that are carried to the character by one affine map.
 struct SegmentMap {
   std::vector<std::string> segments;
