@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 #include <omp.h>
 
+#include <numbers>
+
 #include "runtime/core/error.h"
 #include "runtime/deformer/deformer.h"
 #include "runtime/host/carry_skin.h"
@@ -11,6 +13,7 @@
 #include "tests/support/same_basis.h"
 #include "tests/support/temporary_folder.h"
 #include "trainer/proxy/frame_time.h"
+#include "trainer/proxy/level_skins.h"
 #include "trainer/proxy/taught_samples.h"
 #include "trainer/train/judge/heldout.h"
 #include "trainer/train/skinning/ddm_basis.h"
@@ -174,6 +177,43 @@ TEST(BuildProxy, DefaultErrorsStopWhereNoLevelIsLeft) {
   coarse.character.vertices *= 0.05;
   coarse.character.vertices.row(0) << 0, 0, 10;
   expect_refused(coarse, {}, ErrorKind::usage, "too large for this character");
+}
+
+// A torus of a ring of 0.5 m and a tube of 0.2 m, one joint: nowhere flat, and as coarse as it is round.
+Character torus(int around, int across) {
+  Character character = samples().character;
+  character.skeleton.joints.resize(1);
+  character.vertices.resize(around * across, 3);
+  character.triangles.resize(2 * around * across, 3);
+  for (int i = 0; i < around; ++i) {
+    for (int j = 0; j < across; ++j) {
+      const double u = 2 * std::numbers::pi * i / around, v = 2 * std::numbers::pi * j / across;
+      const double out = 0.5 + 0.2 * std::cos(v);
+      const int here = i * across + j, next = (i + 1) % around * across;
+      character.vertices.row(here) << out * std::cos(u), 0.2 * std::sin(v), out * std::sin(u);
+      const auto a = static_cast<std::uint32_t>(here), b = static_cast<std::uint32_t>(next + j);
+      const auto c = static_cast<std::uint32_t>(next + (j + 1) % across),
+                 d = static_cast<std::uint32_t>(i * across + (j + 1) % across);
+      character.triangles.row(2 * here) << a, b, c;
+      character.triangles.row(2 * here + 1) << a, c, d;
+    }
+  }
+  character.weights.assign(static_cast<std::size_t>(around * across), {{0, 1}});
+  return character;
+}
+
+// As of characters of few vertices: the first of the default errors takes none off, the others do; or none does.
+TEST(LevelSkins, DefaultErrorsBeginWhereTheFirstLevelIs) {
+  const Character fine = torus(28, 14), coarse = torus(16, 8);
+  std::vector<std::string> notes;
+  const std::vector<LevelSkin> skins = level_skins(fine, {fine.vertices}, {}, notes);
+  const std::vector<double> errors = default_errors(fine);
+  ASSERT_EQ(skins.size(), 2u);
+  EXPECT_EQ(skins[0].error, errors[1]);
+  EXPECT_EQ(skins[1].error, errors[2]);
+  ASSERT_EQ(notes.size(), 1u);
+  EXPECT_NE(notes[0].find("there are only 2 levels: an error of 2.8 mm leaves 392"), std::string::npos) << notes[0];
+  EXPECT_THROW(level_skins(coarse, {coarse.vertices}, {}, notes), Error);
 }
 
 TEST(BuildProxy, MusclesThatReachNoSkinAreSaid) {

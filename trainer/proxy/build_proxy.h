@@ -47,7 +47,7 @@ struct BuiltProxy {
 // Simplifies the skin for each error, carries weights, painted regions and shapes over, and trains each as train()
 // does. Shows progress. `notes`: gets what the user should know. Throws as train(), and, before any training,
 // Error(usage) where an error leaves too few vertices, or no fewer than the level before it: of errors that nobody
-// gave only where it is the first; further ones are left out, with a note.
+// gave only where none makes a level; those that make none are left out, with a note.
 BuiltProxy build_proxy(const SampleSet& set, const ProxyOptions& options, std::vector<std::string>& notes);
 
 }  // namespace bodyopt

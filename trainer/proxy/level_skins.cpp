@@ -55,18 +55,25 @@ std::vector<Positions> shapes_of_skin(const SampleSet& set) {
 std::vector<LevelSkin> level_skins(const Character& character, const std::vector<Positions>& shapes,
                                    const std::vector<double>& asked, std::vector<std::string>& notes) {
   std::vector<LevelSkin> skins;
+  std::string problems;
   for (const double error : asked.empty() ? default_errors(character) : asked) {
     SimplifiedSkin skin = simplify_skin(character, shapes, error);
     const std::size_t before =
         skins.empty() ? static_cast<std::size_t>(character.vertices.rows()) : skins.back().skin.vertices.size();
     const std::string problem = objection(skin.vertices.size(), before, error);
-    if (!problem.empty() && (!asked.empty() || skins.empty())) throw Error(ErrorKind::usage, problem);
-    if (!problem.empty()) {
-      const std::string verb = skins.size() == 1 ? "there is only " : "there are only ";
-      notes.push_back(verb + count_of(skins.size(), "level", "levels") + ": " + problem);
-      break;
+    if (problem.empty()) {
+      skins.push_back({error, std::move(skin)});
+    } else if (!asked.empty()) {
+      throw Error(ErrorKind::usage, problem);
+    } else {
+      problems += (problems.empty() ? "" : "; ") + problem;
+      if (skin.vertices.size() < kFewestVertices) break;  // larger errors leave fewer yet
     }
-    skins.push_back({error, std::move(skin)});
+  }
+  if (skins.empty()) throw Error(ErrorKind::usage, problems);
+  if (!problems.empty()) {
+    const std::string verb = skins.size() == 1 ? "there is only " : "there are only ";
+    notes.push_back(verb + count_of(skins.size(), "level", "levels") + ": " + problems);
   }
   return skins;
 }

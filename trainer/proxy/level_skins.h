@@ -22,7 +22,8 @@ std::vector<Positions> shapes_of_skin(const SampleSet& set);
 
 // The character simplified for each error asked for, or for the default ones as far as they make levels. `shapes`: as
 // simplify_skin(). `notes`: gets why there are fewer levels. Throws Error(usage) where an error leaves too few
-// vertices, or no fewer than the level before it: of errors that nobody gave only where it is the first.
+// vertices, or no fewer than the level before it: of errors that nobody gave only where none of them
+// makes a level.
 std::vector<LevelSkin> level_skins(const Character& character, const std::vector<Positions>& shapes,
                                    const std::vector<double>& asked, std::vector<std::string>& notes);
 
