@@ -47,6 +47,7 @@ void Curation::take_over(const std::shared_ptr<const ShapeStack>& stack, Control
   if (stack == stack_) return;
   stack_ = stack;
   report_.reset();
+  controls.curating.compared = false;
   controls.curating.pairs.clear();
   controls.curating.pair = -1;
   name_modifiers(controls);
@@ -187,6 +188,7 @@ void Curation::describe(const Controls& controls, Snapshot& snapshot, std::span<
 
 void Curation::find_contradictions(Controls& controls) {
   report_ = report_consistency(*stack_, kAlikeDegrees, kPairs);
+  controls.curating.compared = true;
   controls.curating.pairs.clear();
   const auto frame_of = [&](std::size_t n) {
     const auto place = std::lower_bound(numbers_.begin(), numbers_.end(), n);

@@ -137,7 +137,10 @@ const Command kCompareCommands[] = {
     {"pair", "NUMBER", "", "Compare", "to the first of two frames that disagree, the worst from 1",
      [](Controls& c, const std::string& a) {
        if (c.curating.pairs.empty()) {
-         throw Error(ErrorKind::usage, "no frames are known to disagree: 'contradictions' looks for them");
+         throw Error(ErrorKind::usage,
+                     c.curating.compared
+                         ? "there is no pair: 'contradictions' found no like poses whose shapes disagree"
+                         : "no frames are known to disagree: 'contradictions' looks for them");
        }
        go_to_pair(c, integer_within(a, 1, static_cast<int>(c.curating.pairs.size())) - 1);
      }},

@@ -57,6 +57,7 @@ struct Curating {
   bool raw = false;                             // shapes before any modifier
   std::vector<std::string> regions, modifiers;  // what commands may name; none: no dataset is open
   std::vector<std::string> frames;              // of the clip's frames, what their takes call them: "rom 40"
+  bool compared = false;                        // pairs were looked for
   std::vector<ListedPair> pairs;                // the worst first
   int pair = -1;                                // that is looked at, from 0
 };

@@ -137,6 +137,7 @@ void draw_brushes(Controls& controls) {
 void draw_pairs(const CurationRow& curation, Controls& controls) {
   if (curation.pairs.empty()) {
     command_button(controls, "contradictions", "Find contradictions", share_of_line(1));
+    if (controls.curating.compared) ImGui::TextDisabled("none: like poses have like shapes");
     return;
   }
   for (std::size_t k = 0; k < curation.pairs.size(); ++k) {

@@ -345,6 +345,14 @@ TEST(Commands, UndoAndRedoAreOfThePoseWithoutABrush) {
   EXPECT_TRUE(controls.settings.pose.joints.contains("Hips"));
 }
 
+TEST(Commands, APairNeedsContradictionsAndSaysWhereThereAreNone) {
+  Controls controls = controls_of_a_session();
+  controls.curating.pairs.clear();
+  EXPECT_NE(message_of(controls, "pair 1").find("'contradictions' looks for them"), std::string::npos);
+  controls.curating.compared = true;
+  EXPECT_NE(message_of(controls, "pair 1").find("'contradictions' found no like poses"), std::string::npos);
+}
+
 TEST(Commands, BrushesNeedADatasetAndStrokesABrush) {
   Controls controls = controls_of_a_session();
   run_command(controls, "brush none");
