@@ -16,6 +16,7 @@
 #include "runtime/basis/safetensors.h"
 #include "runtime/core/error.h"
 #include "runtime/modifiers/drive_modifiers.h"
+#include "trainer/train/data/learned_poses.h"
 #include "trainer/train/pack/trade_off.h"
 
 namespace bodyopt::cli {
@@ -97,6 +98,7 @@ Json basis_info(const std::string& path) {
   Metadata metadata = basis.metadata;
   metadata.erase("curve");
   metadata.erase("levels");
+  metadata.erase(kLearnedPoses);  // hashes
   Json result = {{"kind", "basis"},
                  {"vertices", basis.mesh.vertex_count()},
                  {"output_vertices", basis.mesh.output_count()},

@@ -1,7 +1,10 @@
 // bodyopt test: how well a basis does on shapes that it did not learn from.
+#include <spdlog/spdlog.h>
+
 #include <algorithm>
 #include <filesystem>
 
+#include "assets/frame_range.h"
 #include "cli/arguments/common.h"
 #include "cli/results/fade_log.h"
 #include "runtime/core/error.h"
@@ -24,8 +27,30 @@ Json numbers_of(const MethodErrors& errors) {
           {"expected_mm", errors.expected}};
 }
 
+// Ascending.
+std::vector<int> learned_frames(const TakeErrors& take) {
+  std::vector<int> numbers;
+  for (const FrameErrors& frame : take.frames) {
+    if (frame.learned) numbers.push_back(frame.frame);
+  }
+  std::sort(numbers.begin(), numbers.end());
+  return numbers;
+}
+
+// Of takes that begin at rest one frame or another is as one that was learned.
+void warn_of_learned(const TakeErrors& take) {
+  constexpr std::size_t kMany = 10;  // one frame of so many
+  const std::vector<int> learned = learned_frames(take);
+  if (learned.empty() || kMany * learned.size() < take.frames.size()) return;
+  spdlog::warn(
+      "take '{}': the basis learned from {} of the {} frames tested ({}): their errors tell how well it repeats "
+      "them, not what it makes of others",
+      take.take, learned.size(), take.frames.size(), format_frame_range(learned));
+}
+
 Json details_of(const TakeErrors& take) {
   Json parts = Json::array(), frames = Json::array();
+  const std::vector<int> learned = learned_frames(take);
   for (const PartErrors& part : take.parts) {
     Json entry = {{"part", part.part}, {"area_m2", part.area}};
     entry.update(numbers_of(part.errors));
@@ -40,6 +65,7 @@ Json details_of(const TakeErrors& take) {
   }
   Json result = {{"take", take.take}, {"frames", take.frames.size()}};
   result.update(numbers_of(take.errors));
+  result["learned_frames"] = learned.empty() ? "" : format_frame_range(learned);
   result["rank_correlation"] = take.rank_correlation;
   result["parts"] = parts;
   result["per_frame"] = frames;
@@ -82,6 +108,7 @@ void run(const TestArguments& arguments) {
       "%9s %9s %7s %9s %6s\n",
       "take", "frames", "DDM", "full", "ratio", "expected", "rho");
   for (const TakeErrors& take : test_errors(basis, set)) {
+    warn_of_learned(take);
     Json entry = details_of(take);
     Json harmed = Json::array();
     for (const PartErrors& part : harmed_parts(take, kHarm)) harmed.push_back(part.part);

@@ -13,6 +13,7 @@
 #include "runtime/host/rig.h"
 #include "trainer/train/coverage/coverage.h"
 #include "trainer/train/data/data_warnings.h"
+#include "trainer/train/data/learned_poses.h"
 #include "trainer/train/features/features.h"
 #include "trainer/train/features/strain.h"
 #include "trainer/train/fit/fade.h"
@@ -144,6 +145,7 @@ TrainingResult packed_result(const SampleSet& set, const TrainOptions& options, 
   result.basis.coverage = region_coverage(ground.ordered, model, packed.regions, ground.features, selection);
   result.basis.metadata["curve"] = curve_text(result.curve);
   result.basis.metadata["report"] = report_of(result, set).dump();
+  result.basis.metadata[kLearnedPoses] = learned_poses_text(set);
   return result;
 }
 

@@ -27,6 +27,7 @@ struct FrameErrors {
   MethodErrors errors;
   double fade = 1;           // how much is left of what was learned, the mean over its regions
   std::string fading_joint;  // that takes most of it; none: nothing fades
+  bool learned = false;      // the basis learned from this pose, as far as it tells
 };
 
 struct TakeErrors {
