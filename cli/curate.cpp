@@ -18,6 +18,7 @@
 #include "trainer/curate/frame_sculpting.h"
 #include "trainer/curate/local_models.h"
 #include "trainer/curate/modifier_scope.h"
+#include "trainer/curate/modifier_type.h"
 #include "trainer/curate/prune.h"
 #include "trainer/curate/sculpted_frames.h"
 #include "trainer/train/judge/heldout.h"
@@ -44,31 +45,109 @@ fs::path path_of(const CurateArguments& arguments) {
   return given.extension() == ".json" ? given : given / "dataset.json";
 }
 
-Json modifier_list(const Dataset& dataset) {
-  Json list = bodyopt::to_json(dataset.modifiers);
-  for (Json& modifier : list) modifier["known"] = find_modifier_type(modifier["type"]) != nullptr;
-  return list;
+// Of a database, how many frames of each take a modifier's selections name.
+struct TakenFrames {
+  std::vector<std::pair<std::string, std::size_t>> by_take;  // those of which it takes any
+  std::size_t taken = 0, all = 0;
+};
+
+TakenFrames taken_frames(const PoseDatabase& database, const Modifier& modifier) {
+  const std::vector<char> selected = selected_frames(database, modifier.frames, "modifier '" + modifier.name + "'");
+  TakenFrames result{{}, 0, selected.size()};
+  for (std::size_t n = 0; n < selected.size(); ++n) {
+    if (!selected[n]) continue;
+    const std::string& take = database.takes[static_cast<std::size_t>(database.frames[n].take)];
+    if (result.by_take.empty() || result.by_take.back().first != take) result.by_take.emplace_back(take, 0);
+    ++result.by_take.back().second;
+    ++result.taken;
+  }
+  return result;
 }
 
-std::string stack_text(const Dataset& dataset) {
-  if (dataset.modifiers.empty()) return "no modifiers: the shapes are read as they are\n";
-  std::string text = format("%3s  %-20s %-12s %-4s %8s  %s\n", "", "modifier", "type", "", "strength", "frames; mask");
-  for (std::size_t k = 0; k < dataset.modifiers.size(); ++k) {
-    const Modifier& modifier = dataset.modifiers[k];
-    text += format("%3zu  %-20s %-12s %-4s %8.2f  %s; %s%s\n", k + 1, modifier.name.c_str(), modifier.type.c_str(),
-                   modifier.enabled ? "on" : "off", modifier.strength,
-                   modifier.frames.empty() ? "all" : modifier.frames.dump().c_str(),
-                   modifier.mask.empty() ? "all" : modifier.mask.dump().c_str(),
-                   find_modifier_type(modifier.type) ? "" : "  (of a newer version: not applied)");
+Json to_json(const TakenFrames& frames) {
+  Json takes = Json::object();
+  for (const auto& [take, count] : frames.by_take) takes[take] = count;
+  return {{"taken", frames.taken}, {"all", frames.all}, {"takes", takes}};
+}
+
+// "drops 127 of 161 frames (rom 120, walk 7)".
+std::string text_of(const TakenFrames& frames, const ModifierType& type) {
+  const char* does = "takes";
+  if (type.effect == ModifierType::Effect::drop) does = "drops";
+  if (type.effect == ModifierType::Effect::weight) does = "weighs";
+  std::string takes;
+  for (const auto& [take, count] : frames.by_take) {
+    takes += (takes.empty() ? "" : ", ") + take + " " + std::to_string(count);
+  }
+  return format("%s %zu of %s (%s)", does, frames.taken, count_of(frames.all, "frame", "frames").c_str(),
+                takes.c_str());
+}
+
+// "radius_mm=40, sculpts: 2"; what is long, as a mesh's displacements, is counted.
+std::string short_parameters(const Json& parameters) {
+  std::string text;
+  for (const auto& [key, value] : parameters.items()) {
+    text += (text.empty() ? "" : ", ") + key;
+    text += value.is_structured() ? ": " + std::to_string(value.size()) : "=" + value.dump();
   }
   return text;
 }
 
+// Null, with a warning, where the takes cannot be read: the stack itself can be told all the same.
+std::optional<PoseDatabase> readable_database(const Dataset& dataset) {
+  try {
+    return read_pose_database(dataset);
+  } catch (const Error& error) {
+    say({std::string("how many frames modifiers take is not known: ") + error.what()});
+    return std::nullopt;
+  }
+}
+
+// As readable_database().
+std::optional<TakenFrames> readable_frames(const std::optional<PoseDatabase>& database, const Modifier& modifier) {
+  if (!database || find_modifier_type(modifier.type) == nullptr) return std::nullopt;
+  try {
+    return taken_frames(*database, modifier);
+  } catch (const Error& error) {
+    say({error.what()});
+    return std::nullopt;
+  }
+}
+
+// The stack for programs and for people.
+struct StackReport {
+  Json list;
+  std::string text;
+};
+
+StackReport report_stack(const Dataset& dataset) {
+  StackReport report{bodyopt::to_json(dataset.modifiers), ""};
+  if (dataset.modifiers.empty()) return {report.list, "no modifiers: the shapes are read as they are\n"};
+  const std::optional<PoseDatabase> database = readable_database(dataset);
+  report.text = format("%3s  %-20s %-12s %-4s %8s  %s\n", "", "modifier", "type", "", "strength", "frames; mask");
+  for (std::size_t k = 0; k < dataset.modifiers.size(); ++k) {
+    const Modifier& modifier = dataset.modifiers[k];
+    const ModifierType* type = find_modifier_type(modifier.type);
+    report.list[k]["known"] = type != nullptr;
+    report.text += format("%3zu  %-20s %-12s %-4s %8.2f  %s; %s%s\n", k + 1, modifier.name.c_str(),
+                          modifier.type.c_str(), modifier.enabled ? "on" : "off", modifier.strength,
+                          modifier.frames.empty() ? "all" : modifier.frames.dump().c_str(),
+                          modifier.mask.empty() ? "all" : modifier.mask.dump().c_str(),
+                          type ? "" : "  (of a newer version: not applied)");
+    std::string details = short_parameters(modifier.parameters);
+    if (const std::optional<TakenFrames> frames = readable_frames(database, modifier)) {
+      report.list[k]["frame_counts"] = to_json(*frames);
+      details = text_of(*frames, *type) + (details.empty() ? "" : "; ") + details;
+    }
+    if (!details.empty()) report.text += "     " + details + "\n";
+  }
+  return report;
+}
+
 // The stack as it is now: what every edit ends with.
 void emit_stack(const CurateArguments& arguments) {
-  const Dataset dataset = read_dataset(path_of(arguments));
-  arguments.json.emit({{"dataset", path_of(arguments).string()}, {"modifiers", modifier_list(dataset)}},
-                      stack_text(dataset));
+  const StackReport report = report_stack(read_dataset(path_of(arguments)));
+  arguments.json.emit({{"dataset", path_of(arguments).string()}, {"modifiers", report.list}}, report.text);
 }
 
 // KEY=VALUE, the value JSON or else text.
@@ -235,6 +314,12 @@ void diff(const CurateArguments& arguments) {
       frames.back().update({{"rms_mm", frame.rms_mm}, {"max_mm", frame.max_mm}});
     }
     list.push_back({{"name", effect.name}, {"rms_mm", effect.rms_mm}, {"max_mm", effect.max_mm}, {"frames", frames}});
+    const Modifier& modifier = *std::ranges::find(stack.database().dataset.modifiers, effect.name, &Modifier::name);
+    const ModifierType* type = find_modifier_type(modifier.type);
+    if (type == nullptr || type->effect == ModifierType::Effect::shape) continue;
+    const TakenFrames taken = taken_frames(stack.database(), modifier);
+    list.back()["frame_counts"] = to_json(taken);
+    text += format("%-20s %s\n", "", text_of(taken, *type).c_str());
   }
   say(capped_notes(stack.database().dataset.modifiers, effects));
   if (!arguments.picture.empty()) text += draw_effect(stack, effects.front(), arguments.picture);
@@ -268,8 +353,10 @@ void report(const CurateArguments& arguments) {
   const PoseDatabase& database = stack.database();
   const ConsistencyReport found =
       report_consistency(stack, arguments.degrees, static_cast<std::size_t>(arguments.worst));
-  std::string text =
-      format("%-20s %-20s %-24s %9s %9s %9s\n", "frame", "and frame", "region", "apart mm", "most mm", "degrees");
+  std::string text;
+  if (!found.pairs.empty()) {
+    text = format("%-20s %-20s %-24s %9s %9s %9s\n", "frame", "and frame", "region", "apart mm", "most mm", "degrees");
+  }
   Json pairs = Json::array(), regions = Json::array();
   for (const DisagreeingPair& pair : found.pairs) {
     text += format("%-20s %-20s %-24s %9.2f %9.2f %9.1f\n", frame_text(database, pair.first).c_str(),
@@ -282,7 +369,8 @@ void report(const CurateArguments& arguments) {
                      {"most_mm", pair.most_mm},
                      {"pose_degrees", pair.pose_degrees}});
   }
-  text += format("\n%-24s %11s %9s %10s %12s\n", "region", "neighbours", "alone", "same pose", "deviation mm");
+  text += format("%s%-24s %11s %9s %10s %12s\n", text.empty() ? "" : "\n", "region", "neighbours", "alone", "same pose",
+                 "deviation mm");
   for (const RegionAgreement& region : found.regions) {
     text += format("%-24s %11.0f %8.0f%% %9.0f%% %12.3f\n", region.region.c_str(), region.neighbours,
                    100 * region.single, 100 * region.same_pose, region.deviation_mm);
@@ -301,7 +389,9 @@ void report(const CurateArguments& arguments) {
         count_of(untold, "region has", "regions have").c_str());
   }
   if (found.pairs.empty()) {
-    text += "no like poses have shapes that differ by more than their poses do: there is no pair to draw\n";
+    text += arguments.picture.empty()
+                ? "no like poses have shapes that differ by more than their poses do\n"
+                : "no like poses have shapes that differ by more than their poses do: there is no pair to draw\n";
   } else if (!arguments.picture.empty()) {
     text += draw_pair(stack, found.pairs.front(), arguments.picture);
   }
@@ -413,8 +503,8 @@ void emit_sculpt(const CurateArguments& arguments) {
   const ShapeStack stack(read_pose_database(read_dataset(path_of(arguments))));
   const PoseDatabase& database = stack.database();
   const std::size_t frame = database.find(arguments.take, arguments.frame, "import-frame");
-  Json result = {{"dataset", path_of(arguments).string()}, {"modifiers", modifier_list(database.dataset)}};
-  std::string text = stack_text(database.dataset);
+  auto [list, text] = report_stack(database.dataset);
+  Json result = {{"dataset", path_of(arguments).string()}, {"modifiers", list}};
   const std::optional<SculptReach> reach = reach_of(database, arguments.name, frame);
   if (reach) {
     result["sculpt"] = {{"max_mm", reach->most_mm}, {"other_frames", reach->others}};

@@ -65,6 +65,25 @@ TEST_F(CurateProgram, DiffDrawsNothingOfWhatMovesNothing) {
   EXPECT_FALSE(std::filesystem::exists(at("p.png")));
 }
 
+// Of what moves no vertex how many frames it takes is all that there is to see.
+TEST_F(CurateProgram, SaysHowManyFramesAModifierTakes) {
+  const std::string all = std::to_string(limb_.stack().database().frames.size());
+  const std::string told = " 3 of " + all + " frames (one 3)";
+  const ProgramResult dropped = curate("add", "drop --take one --frames 5-7");
+  ASSERT_EQ(dropped.exit_code, 0) << dropped.output;
+  EXPECT_NE(dropped.output.find("drops" + told), std::string::npos) << dropped.output;
+  EXPECT_NE(curate("diff", "").output.find("drops" + told), std::string::npos);
+  const ProgramResult weighed = curate("add", "weight --take one --frames 5-7 --set weight=4 --json " + at("w.json"));
+  EXPECT_NE(weighed.output.find("weighs" + told + "; weight=4"), std::string::npos) << weighed.output;
+  const Json counts = Json::parse(testing::read_bytes(at("w.json"))).at("modifiers")[1].at("frame_counts");
+  EXPECT_EQ(counts.at("taken"), 3);
+  EXPECT_EQ(counts.at("takes").at("one"), 3);
+  // Two stacks that differ by a parameter alone are told apart.
+  ASSERT_EQ(curate("edit", "weight --set weight=2").exit_code, 0);
+  EXPECT_NE(curate("list", "").output.find("; weight=2"), std::string::npos);
+  EXPECT_NE(curate("undo", "").output.find("; weight=4"), std::string::npos);
+}
+
 // Where most frames are moved as far as the cap lets, that is said.
 TEST_F(CurateProgram, DiffSaysThatConsistencyReachesItsCap) {
   const Character character = limb_character();
