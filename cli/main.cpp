@@ -52,6 +52,33 @@ void require_verb(const CLI::App& app, const std::string& name) {
                                     nearest_names(verbs, name).front() + "' (bodyopt --help lists all)");
 }
 
+// Throws Error(usage) at an option that none of the verbs on the command line has, with the one that may be meant.
+void require_options(const CLI::App& verb) {
+  std::vector<std::string> options = {};
+  for (const CLI::Option* option : verb.get_options()) {
+    for (const std::string& name : option->get_lnames()) options.push_back("--" + name);
+  }
+  for (const std::string& argument : verb.remaining()) {
+    const std::string name = argument.substr(0, argument.find('='));
+    if (!name.starts_with("--") || name == "--" || options.empty()) continue;
+    if (std::find(options.begin(), options.end(), name) != options.end()) continue;  // it stands after another verb
+    throw Error(ErrorKind::usage, "'" + verb.get_name() + "' has no option " + name + "; the nearest is " +
+                                      nearest_names(options, name).front() + " (--help lists all)");
+  }
+  for (const CLI::App* subverb : verb.get_subcommands()) require_options(*subverb);
+}
+
+// `bodyopt help VERB` is `bodyopt VERB --help`.
+std::vector<char*> as_options(int argc, char** argv) {
+  static char help[] = "--help";
+  std::vector<char*> arguments(argv, argv + argc);
+  if (argc > 1 && std::string(argv[1]) == "help") {
+    arguments.erase(arguments.begin() + 1);
+    arguments.push_back(help);
+  }
+  return arguments;
+}
+
 // While a dataset is trained on, the caches of all its takes are open.
 void allow_many_open_files() {
   rlimit limit{};
@@ -87,14 +114,16 @@ int main(int argc, char** argv) {
     std::fputs(app.help().c_str(), stderr);
     return static_cast<int>(ErrorKind::usage);
   }
+  const std::vector<char*> arguments = as_options(argc, argv);
   int parsed = 0;
   const int code = exit_code_of([&] {
-    require_verb(app, argv[1]);
+    require_verb(app, arguments[1]);
     try {
-      app.parse(argc, argv);
+      app.parse(argc, arguments.data());
     } catch (const CLI::Success& success) {
       app.exit(success);
     } catch (const CLI::ParseError& error) {
+      require_options(app);
       app.exit(error);
       parsed = static_cast<int>(ErrorKind::usage);
     }

@@ -48,6 +48,27 @@ TEST(Program, AloneItShowsItsVerbsAndAMisspeltOneGetsTheNearest) {
   EXPECT_NE(misspelt.output.find("the nearest is 'train'"), std::string::npos) << misspelt.output;
 }
 
+TEST(Program, AMisspeltOptionIsNamedWithTheNearest) {
+  for (const auto& [command, told] :
+       {std::pair{"eval x.safetensors --clp y.glb --out z.pc2", "'eval' has no option --clp; the nearest is --clip"},
+        {"eval x.safetensors --clip y.glb --out z.pc2 --frame=1-2",
+         "'eval' has no option --frame; the nearest is --frames"},
+        {"curate add data drop --tke rom", "'add' has no option --tke; the nearest is --take"},
+        {"--versoin", "'bodyopt' has no option --versoin; the nearest is --version"}}) {
+    const ProgramResult misspelt = run_bodyopt(command);
+    EXPECT_EQ(misspelt.exit_code, 64) << command;
+    EXPECT_NE(misspelt.output.find(told), std::string::npos) << misspelt.output;
+  }
+}
+
+TEST(Program, HelpIsAVerbToo) {
+  EXPECT_EQ(run_bodyopt("help").output, run_bodyopt("--help").output);
+  const ProgramResult of_a_verb = run_bodyopt("help curate");
+  EXPECT_EQ(of_a_verb.exit_code, 0);
+  EXPECT_EQ(of_a_verb.output, run_bodyopt("curate --help").output);
+  EXPECT_EQ(run_bodyopt("help frobnicate").exit_code, 64);
+}
+
 TEST(Program, MissingFilesExitWith4AndAreNamed) {
   for (const char* command :
        {"info nowhere.glb", "info nowhere.pc2", "check nowhere/dataset.json", "export nowhere.nodes --out b.pc2",
