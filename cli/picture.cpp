@@ -201,7 +201,9 @@ Positions solve_again(const PicturedFrame& pictured, const QuasiStaticBody& body
 
 Image draw_cut(const PictureArguments& arguments, const PicturedFrame& pictured, const View& view, Renderer& renderer) {
   if (pictured.take.shapes.ends_with(".nodes")) {
-    throw Error(ErrorKind::usage, "--cut-open shows the tets under the skin, a draft is solved in a cage around it");
+    throw Error(ErrorKind::usage, "--cut-open shows what 'simulate' fills a skin with, its tissues apart; take '" +
+                                      pictured.take.name + "' is a draft (" + pictured.take.shapes +
+                                      "), of one tissue and few tets: simulate the frame without --draft");
   }
   const std::uint64_t inputs = recorded_inputs(pictured, arguments.frame);
   std::vector<Muscle> muscles;

@@ -20,15 +20,26 @@ struct RegionsArguments {
   JsonOption json;
 };
 
-void draw(const Character& character, const std::vector<RegionWeights>& regions, const std::string& path) {
+// Returns the numbers of regions that the picture does not show.
+std::vector<std::size_t> draw(const Character& character, const std::vector<RegionWeights>& regions,
+                              const std::string& path) {
   const std::vector<float> skin(character.vertices.data(), character.vertices.data() + character.vertices.size());
   const std::span<const std::uint32_t> triangles(character.triangles.data(),
                                                  static_cast<std::size_t>(character.triangles.size()));
   std::vector<DrawnRegion> drawn;
   for (const RegionWeights& region : regions) drawn.push_back({region.vertices, region.weights});
   Renderer renderer;
-  write_png(region_picture(renderer, skin, triangles, drawn, region_colours(drawn, skin.size() / 3), 700, 1000).image,
-            path);
+  RegionPicture picture =
+      region_picture(renderer, skin, triangles, drawn, region_colours(drawn, skin.size() / 3), 700, 1000, kAllAround);
+  write_png(picture.image, path);
+  return std::move(picture.unnumbered);
+}
+
+std::string not_numbered(const std::vector<std::size_t>& numbers) {
+  std::string text;
+  for (const std::size_t number : numbers) text += (text.empty() ? "" : ", ") + std::to_string(number);
+  return text.empty() ? ""
+                      : " (too little is seen of " + text + " to number " + (numbers.size() == 1 ? "it)" : "them)");
 }
 
 void run(const RegionsArguments& arguments) {
@@ -70,9 +81,10 @@ void run(const RegionsArguments& arguments) {
     text += "wrote " + arguments.out + "\n";
   }
   if (!arguments.picture.empty()) {
-    draw(set.character, regions, arguments.picture);
+    const std::vector<std::size_t> unnumbered = draw(set.character, regions, arguments.picture);
     result["picture"] = arguments.picture;
-    text += "wrote " + arguments.picture + "\n";
+    result["not_numbered"] = unnumbered;
+    text += "wrote " + arguments.picture + not_numbered(unnumbered) + "\n";
   }
   arguments.json.emit(result, text);
 }
@@ -86,7 +98,8 @@ void add_regions(CLI::App& app) {
   verb.add_option("--out", arguments->out, "Also write them, as a file that dataset.json can name")
       ->type_name("FILE.json")
       ->check(must_end_in(".json"));
-  verb.add_option("--picture", arguments->picture, "Also draw them, from the front and from behind")
+  verb.add_option("--picture", arguments->picture,
+                  "Also draw them, numbered, from the front, from the left, from behind and from the right")
       ->type_name("FILE.png")
       ->check(must_end_in(".png"));
   arguments->json.add(verb);

@@ -20,6 +20,9 @@ std::vector<std::array<float, 3>> region_colours(std::span<const DrawnRegion> re
 
 constexpr std::array<std::array<float, 3>, 2> kFrontAndBack = {{{0, 0, 1}, {0, 0, -1}}};
 
+// Front, left, back and right of a character that looks along +z.
+constexpr std::array<std::array<float, 3>, 4> kAllAround = {{{0, 0, 1}, {1, 0, 0}, {0, 0, -1}, {-1, 0, 0}}};
+
 struct RegionPicture {
   Image image;
   std::vector<std::size_t>

@@ -14,6 +14,7 @@
 #include "runtime/core/hexadecimal.h"
 #include "tests/cli/limb_files.h"
 #include "tests/support/hostile_bytes.h"
+#include "tests/support/png_file.h"
 #include "tests/support/run_program.h"
 #include "tests/support/temporary_folder.h"
 
@@ -389,6 +390,47 @@ TEST(Takes, FilesOfTheWrongKindAreCalledByTheirKind) {
     EXPECT_EQ(other.exit_code, 4);
     EXPECT_NE(other.output.find(kind), std::string::npos) << other.output;
   }
+}
+
+TEST(Takes, TestSaysOfWhichPosesTheBasisLearned) {
+  const TemporaryFolder folder;
+  const LimbFiles files(folder, 1);
+  const std::string simulate = "simulate " + files.character + " --clip " + files.motion + " --fps 120 --draft --out ";
+  const std::string data = (folder / "data").string(), other = (folder / "other").string();
+  const std::string basis = (folder / "limb.safetensors").string(), json = (folder / "test.json").string();
+  ASSERT_EQ(run_bodyopt(simulate + data + " --frames 1-14").exit_code, 0);
+  ASSERT_EQ(run_bodyopt(simulate + other + " --frames 14-26").exit_code, 0);
+  ASSERT_EQ(run_bodyopt("train " + data + " --out " + basis).exit_code, 0);
+  const ProgramResult own = run_bodyopt("test " + basis + " " + data + " --json " + json);
+  EXPECT_NE(own.output.find("the basis learned from 14 of the 14 frames tested (1-14)"), std::string::npos)
+      << own.output;
+  EXPECT_EQ(nlohmann::json::parse(testing::read_bytes(json)).at("takes")[0].at("learned_frames"), "1-14");
+  // One of 13 is told, and no reason to warn.
+  const ProgramResult of_other = run_bodyopt("test " + basis + " " + other + " --json " + json);
+  EXPECT_EQ(of_other.output.find("the basis learned from"), std::string::npos) << of_other.output;
+  EXPECT_EQ(nlohmann::json::parse(testing::read_bytes(json)).at("takes")[0].at("learned_frames"), "14");
+}
+
+TEST(Takes, DraftsAreNotCutOpenAndRegionsAreDrawnFromAllAround) {
+  const TemporaryFolder folder;
+  const LimbFiles files(folder, 1);
+  const std::string data = (folder / "data").string();
+  ASSERT_EQ(run_bodyopt("simulate " + files.character + " --clip " + files.motion +
+                        " --fps 120 --draft --frames 1-14 --out " + data)
+                .exit_code,
+            0);
+  const std::string cut = "picture " + data + " --frame 2 --cut-open --out " + (folder / "cut.png").string();
+  const ProgramResult refused = run_bodyopt(cut);
+  EXPECT_EQ(refused.exit_code, 64);
+  EXPECT_NE(refused.output.find("is a draft"), std::string::npos) << refused.output;
+  EXPECT_NE(refused.output.find("without --draft"), std::string::npos) << refused.output;
+
+  const std::string picture = (folder / "regions.png").string(), json = (folder / "regions.json").string();
+  ASSERT_EQ(run_bodyopt("regions " + data + " --picture " + picture + " --json " + json).exit_code, 0);
+  const Image image = testing::read_png(picture);
+  EXPECT_EQ(image.width, 4 * 700u);
+  EXPECT_EQ(image.height, 1000u);
+  EXPECT_TRUE(nlohmann::json::parse(testing::read_bytes(json)).at("not_numbered").is_array());
 }
 
 // Training bent the limb one way; the other clip bends it that way, too, and then another way.

@@ -73,6 +73,26 @@ TEST(RegionPicture, ShowsEveryRegionWhereItIsSeen) {
   EXPECT_EQ(testing::white_dots(image, 200, 400), 11u);  // a 2 behind
 }
 
+// As the flanks of an animal.
+TEST(RegionPicture, ASideIsNumberedWhereItIsSeenFrom) {
+  const testing::Sphere sphere(0.5f);
+  std::vector<std::uint32_t> side;
+  for (std::uint32_t v = 0; v < sphere.positions.size() / 3; ++v) {
+    if (sphere.positions[3 * v] > 0.48f) side.push_back(v);
+  }
+  const std::vector<double> ones(side.size(), 1.0);
+  const DrawnRegion regions[] = {{side, ones}};
+  const std::array<float, 3> colours[] = {{0.8f, 0.02f, 0.02f}};
+  Renderer renderer;
+  const auto drawn = [&](std::span<const std::array<float, 3>> directions) {
+    return region_picture(renderer, sphere.positions, sphere.triangles, regions, colours, 200, 200, directions);
+  };
+  EXPECT_EQ(drawn(kFrontAndBack).unnumbered, std::vector<std::size_t>{1});
+  const RegionPicture around = drawn(kAllAround);
+  EXPECT_TRUE(around.unnumbered.empty());
+  EXPECT_EQ(testing::white_dots(around.image, 200, 400), 8u);  // a 1 on the left
+}
+
 TEST(RegionPicture, NumbersNothingThatStandsBehindTheBody) {
   // A small ball behind a large one: both face the camera.
   testing::Sphere all(0.5f), small(0.2f);
