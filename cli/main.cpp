@@ -54,14 +54,14 @@ void require_verb(const CLI::App& app, const std::string& name) {
 
 // Throws Error(usage) at an option that none of the verbs on the command line has, with the one that may be meant.
 void require_options(const CLI::App& verb) {
-  std::vector<std::string> options = {};
+  std::vector<std::string> options;
   for (const CLI::Option* option : verb.get_options()) {
     for (const std::string& name : option->get_lnames()) options.push_back("--" + name);
   }
   for (const std::string& argument : verb.remaining()) {
     const std::string name = argument.substr(0, argument.find('='));
-    if (!name.starts_with("--") || name == "--" || options.empty()) continue;
-    if (std::find(options.begin(), options.end(), name) != options.end()) continue;  // it stands after another verb
+    if (!name.starts_with("--") || name == "--") continue;
+    if (std::find(options.begin(), options.end(), name) != options.end()) continue;  // after a "--" it is none
     throw Error(ErrorKind::usage, "'" + verb.get_name() + "' has no option " + name + "; the nearest is " +
                                       nearest_names(options, name).front() + " (--help lists all)");
   }
