@@ -210,8 +210,9 @@ JointTransform Bvh::local_at(std::size_t joint, double seconds) const {
 
 Bvh read_bvh(const std::filesystem::path& path) {
   constexpr std::uint64_t kLargestFile = std::uint64_t{4} << 30;  // bytes
-  const std::string text = read_file(path, kLargestFile, "a BVH file");
-  return Parser(path, text).parse();
+  return parse_bvh(read_file(path, kLargestFile, "a BVH file"), path);
 }
+
+Bvh parse_bvh(const std::string& text, const std::filesystem::path& path) { return Parser(path, text).parse(); }
 
 }  // namespace bodyopt

@@ -39,5 +39,7 @@ struct Bvh {
 
 // Throws Error(file) with the line for anything that is not a complete BVH file of finite numbers.
 Bvh read_bvh(const std::filesystem::path& path);
+// The same of what a file holds; `path` is what errors call it.
+Bvh parse_bvh(const std::string& text, const std::filesystem::path& path);
 
 }  // namespace bodyopt

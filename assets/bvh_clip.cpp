@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "assets/bvh.h"
 #include "assets/clip_common.h"
 #include "assets/joint_match.h"
 #include "assets/retarget.h"
@@ -48,7 +47,11 @@ SourceMotion motion_of(const Bvh& bvh) {
 }  // namespace
 
 Clip read_bvh_clip(const std::filesystem::path& path, const SkeletonChoice& choose, const ClipOptions& options) {
-  const Bvh bvh = read_bvh(path);
+  return carry_bvh(read_bvh(path), path, choose, options);
+}
+
+Clip carry_bvh(const Bvh& bvh, const std::filesystem::path& path, const SkeletonChoice& choose,
+               const ClipOptions& options) {
   std::set<std::string> names;
   for (const BvhJoint& joint : bvh.joints) names.insert(joint.name);
   const Skeleton skeleton = choose(names);

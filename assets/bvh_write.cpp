@@ -4,9 +4,13 @@
 #include <numbers>
 #include <sstream>
 
+#include "assets/axis_turns.h"
 #include "assets/bvh_clip.h"
+#include "assets/wording.h"
 #include "runtime/core/atomic_file.h"
 #include "runtime/core/error.h"
+#include "runtime/host/rig.h"
+#include "runtime/modifiers/world_rotations.h"
 
 namespace bodyopt {
 namespace {
@@ -22,9 +26,27 @@ Vec3 zxy_angles(const Quat& rotation) {
   return {degrees * z, degrees * x, degrees * y};
 }
 
+// The bind pose, stood upright as a whole.
+Pose standing_pose(const Skeleton& skeleton) {
+  Pose pose = bind_pose(skeleton);
+  const Quat upright = turn_upright(skeleton);
+  JointTransform& root = pose.joints[0];
+  root.translation = rotate(upright, root.translation);
+  root.rotation = upright * root.rotation;
+  return pose;
+}
+
+Vec3 linear_part_times(const Affine& a, const Vec3& displacement) { return a * displacement - a * Vec3{0, 0, 0}; }
+
 class BvhText {
  public:
-  BvhText(const Clip& clip, const Skeleton& skeleton) : clip_(clip), skeleton_(skeleton) { text_.precision(9); }
+  BvhText(const Clip& clip, const Skeleton& skeleton)
+      : clip_(clip),
+        skeleton_(skeleton),
+        rest_(posed_joints(skeleton, standing_pose(skeleton).joints)),
+        rest_rotation_(world_rotations(skeleton, standing_pose(skeleton))) {
+    text_.precision(9);
+  }
 
   std::string write() {
     text_ << "HIERARCHY\n";
@@ -52,9 +74,16 @@ class BvhText {
     return name.empty() ? "_" : name;
   }
 
+  // From the parent at rest, in the world's axes.
+  Vec3 offset_of(std::size_t joint) const {
+    const Vec3 place = rest_[joint] * Vec3{0, 0, 0};
+    const int parent = skeleton_.joints[joint].parent;
+    return parent < 0 ? place : place - rest_[static_cast<std::size_t>(parent)] * Vec3{0, 0, 0};
+  }
+
   void add_joint(std::size_t joint, std::size_t depth) {
     const std::string tabs(depth, '\t'), inner(depth + 1, '\t');
-    const Vec3& offset = skeleton_.joints[joint].bind.translation;
+    const Vec3 offset = offset_of(joint);
     order_.push_back(joint);
     text_ << tabs << (depth == 0 ? "ROOT " : "JOINT ") << token(skeleton_.joints[joint].name) << "\n"
           << tabs << "{\n"
@@ -71,15 +100,30 @@ class BvhText {
     text_ << tabs << "}\n";
   }
 
+  // Where the pose has it, as a position channel says it.
+  Vec3 position(const Pose& pose, std::size_t joint) const {
+    const int parent = skeleton_.joints[joint].parent;
+    const Vec3& at = pose.joints[joint].translation;
+    if (parent < 0) return at;
+    const Vec3 moved = at - skeleton_.joints[joint].bind.translation;
+    return offset_of(joint) + linear_part_times(rest_[static_cast<std::size_t>(parent)], moved);
+  }
+
   void add_frame(const Pose& pose) {
+    std::vector<Quat> away = world_rotations(skeleton_, pose);  // from rest
+    for (std::size_t joint = 0; joint < away.size(); ++joint) {
+      away[joint] = away[joint] * conjugate(rest_rotation_[joint]);
+    }
     const char* between = "";
     for (const std::size_t joint : order_) {
-      const Vec3& at = pose.joints[joint].translation;
       if (moves_[joint] != 0) {
+        const Vec3 at = position(pose, joint);
         text_ << between << at[0] << " " << at[1] << " " << at[2];
         between = " ";
       }
-      for (const double angle : zxy_angles(pose.joints[joint].rotation)) {
+      const int parent = skeleton_.joints[joint].parent;
+      const Quat own = parent < 0 ? away[joint] : conjugate(away[static_cast<std::size_t>(parent)]) * away[joint];
+      for (const double angle : zxy_angles(own)) {
         text_ << between << angle;
         between = " ";
       }
@@ -89,10 +133,53 @@ class BvhText {
 
   const Clip& clip_;
   const Skeleton& skeleton_;
+  std::vector<Affine> rest_;         // per joint, world
+  std::vector<Quat> rest_rotation_;  // per joint, world
   std::ostringstream text_;
   std::vector<char> moves_ = moving_joints();
   std::vector<std::size_t> order_;  // of the joints in the file
 };
+
+// How far a joint, or what is one length from it in any of its axes, lies from where it should, metres.
+double distance_between(const Affine& a, const Affine& b, double length_of_axes) {
+  double largest = 0;
+  for (std::size_t row = 0; row < 3; ++row) {
+    for (std::size_t column = 0; column < 4; ++column) {
+      const double apart = std::abs(a.m[row][column] - b.m[row][column]);
+      largest = std::max(largest, column < 3 ? length_of_axes * apart : apart);
+    }
+  }
+  return largest;
+}
+
+// The distance from the first to the farthest joint at rest, metres.
+double size_of(const Skeleton& skeleton) {
+  const std::vector<Affine> rest = posed_joints(skeleton, bind_pose(skeleton).joints);
+  double size = 0;
+  for (const Affine& joint : rest) size = std::max(size, length(joint * Vec3{0, 0, 0} - rest[0] * Vec3{0, 0, 0}));
+  return size;
+}
+
+// What reads the text again has the pose of every frame.
+void check_read_back(const std::string& text, const Clip& clip, const Skeleton& skeleton,
+                     const std::filesystem::path& path) {
+  constexpr double kSame = 1e-4;  // of the character's size
+  const auto itself = [&](const auto&) { return skeleton; };
+  const Clip again = carry_bvh(parse_bvh(text, path), path, itself, {.fps = clip.fps});
+  const double size = size_of(skeleton);
+  for (std::size_t k = 0; k < clip.poses.size(); ++k) {
+    const std::vector<Affine> meant = posed_joints(skeleton, clip.poses[k].joints),
+                              found = posed_joints(skeleton, again.poses.at(k).joints);
+    for (std::size_t joint = 0; joint < meant.size(); ++joint) {
+      const double apart = distance_between(meant[joint], found[joint], 0.1 * size);
+      if (apart <= kSame * size) continue;
+      throw Error(ErrorKind::file, path.string() + ": not written; read again, the joint '" +
+                                       skeleton.joints[joint].name + "' would be off by " + rounded(1e3 * apart) +
+                                       " mm in frame " + std::to_string(clip.first_frame + static_cast<int>(k)) +
+                                       ": a BVH holds no scale of joints, and no blanks in their names. Write a .glb");
+    }
+  }
+}
 
 }  // namespace
 
@@ -105,6 +192,7 @@ void write_bvh(const Clip& clip, const Skeleton& skeleton, const std::filesystem
                                      std::to_string(clip.poses.size()) + " frames");
   }
   const std::string text = BvhText(clip, skeleton).write();
+  check_read_back(text, clip, skeleton, path);
   write_file_atomically(path, std::as_bytes(std::span(text)));
 }
 

@@ -14,6 +14,7 @@
 #include "proxy_viewer/scene/open_character.h"
 #include "proxy_viewer/scene/pinned_joints.h"
 #include "proxy_viewer/scene/truth_times.h"
+#include "runtime/basis/character_unit.h"
 #include "runtime/core/error.h"
 #include "runtime/core/file_kind.h"
 #include "runtime/deformer/outside.h"
@@ -341,7 +342,7 @@ void Session::export_clip(const std::string& file) {
   if (has_extension(file, {".bvh"})) {
     write_bvh(clip, lead.basis().skeleton, file);
   } else {
-    write_clip(clip, lead.basis().skeleton, file);
+    write_clip(clip, lead.basis().skeleton, kept_unit(lead.basis()), file);
   }
   controls.say("wrote " + file);
   if (clip.controls.empty()) return;

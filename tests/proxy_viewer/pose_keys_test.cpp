@@ -9,6 +9,7 @@
 #include "assets/shot_modifiers.h"
 #include "proxy_viewer/commands/commands.h"
 #include "proxy_viewer/session.h"
+#include "runtime/basis/character_unit.h"
 #include "tests/proxy_viewer/small_character.h"
 #include "tests/support/error_kind.h"
 #include "tests/support/gpu_fixture.h"
@@ -144,6 +145,33 @@ TEST_F(KeptPoseTest, WhatIsExportedEvaluatesToWhatWasSeen) {
   run("control air 0; key");
   session_.export_skin((folder_ / "still.pc2").string());
   EXPECT_NE(Pc2Reader(folder_ / "still.pc2").sample(8), skin.sample(8));
+}
+
+// A file of a character in centimetres, and its clips.
+TEST_F(KeptPoseTest, AnExportedClipIsInTheUnitOfItsCharacter) {
+  constexpr double kUnit = 0.01;
+  Basis basis = load_basis(small_.basis);
+  keep_unit(basis, kUnit);
+  const std::string file = (folder_ / "centimetres.safetensors").string(), own = (folder_ / "own.glb").string();
+  save_basis(basis, file);
+  write_clip(bending_clip(basis.skeleton), basis.skeleton, kUnit, own);
+  ViewerOptions options;
+  options.files = {file};
+  Session session{open_test_device(), options};
+  session.open_first();
+  session.open(own);
+  session.play_clip();
+  for (const char* written : {"again.glb", "again.bvh"}) {
+    const std::string again = (folder_ / written).string();
+    session.export_clip(again);
+    const Clip meant = read_clip(own, basis.skeleton, {.unit = kUnit}),
+               found = read_clip(again, basis.skeleton, {.unit = clip_unit(again, kUnit)});
+    ASSERT_EQ(found.poses.size(), meant.poses.size());
+    for (std::size_t k = 0; k < meant.poses.size(); ++k) {
+      const Vec3 a = meant.poses[k].joints[0].translation, b = found.poses[k].joints[0].translation;
+      EXPECT_NEAR(length(a - b), 0, 1e-6) << written << " " << k;
+    }
+  }
 }
 
 TEST_F(KeptPoseTest, FilesOfOtherKindsAreRefused) {
