@@ -27,11 +27,18 @@ double bounding_box_diagonal(const std::vector<Vec3>& points) {
   return length(high - low);
 }
 
-// Refuses what is plainly not in metres, unless a unit was given.
-void check_size(const GltfFile& file, double diagonal, double unit) {
+// Refuses what is plainly not in metres; of a unit that was given it says so.
+void check_size(const GltfFile& file, double diagonal, double unit, std::vector<std::string>& notes) {
   if (!(diagonal > 0) || !std::isfinite(diagonal)) file.fail("all vertices of the skin lie at one point");
-  if (unit != 0 || (diagonal >= kSmallestDiagonal && diagonal <= kLargestDiagonal)) return;
+  if (diagonal >= kSmallestDiagonal && diagonal <= kLargestDiagonal) return;
   const double likely = std::pow(10.0, std::round(-std::log10(diagonal / 2)));
+  if (unit != 0) {
+    notes.push_back("With a unit of " + rounded(unit) + " m the skin's bounding box measures " + rounded(diagonal) +
+                    " m from corner to corner, outside " + rounded(kSmallestDiagonal) + " to " +
+                    rounded(kLargestDiagonal) + " m: of a person it would be likely " + rounded(unit * likely) +
+                    " m (--unit).");
+    return;
+  }
   file.fail("the skin's bounding box measures " + rounded(diagonal) + " from corner to corner, " +
             rounded(diagonal / 2) + " times a person's 2 metres; expected metres (" + rounded(kSmallestDiagonal) +
             " to " + rounded(kLargestDiagonal) + "). Say what a unit is, likely --unit " + rounded(likely));
@@ -139,7 +146,7 @@ Character read_character(const std::filesystem::path& path, double unit) {
   if (geometry.positions.empty()) file.fail("the skinned mesh has no vertices");
   for (Vec3& p : geometry.positions) p = metres * skin.rest_scale * p;
   const double diagonal = bounding_box_diagonal(geometry.positions);
-  check_size(file, diagonal, unit);
+  check_size(file, diagonal, unit, character.notes);
   bind_weights(skin, geometry, character.notes);
 
   character.name = geometry.name.empty() ? path.stem().string() : geometry.name;

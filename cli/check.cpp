@@ -136,7 +136,7 @@ std::vector<Clip> own_clips(const std::string& path, const Skeleton& skeleton, d
 Json foreseen(const CheckArguments& arguments, const Character& character, std::string& text) {
   const std::string& picture = arguments.picture;
   const CharacterForesight foresight =
-      foresee(character, own_clips(arguments.path, character.skeleton, arguments.unit));
+      foresee(character, own_clips(arguments.path, character.skeleton, arguments.unit), arguments.unit);
   text += verbs_text(foresight.verbs);
   const std::vector<PlaceList> lists = lists_of(foresight);
   std::vector<RestPlace> numbered;
@@ -204,6 +204,7 @@ Json held_beyond_limits(const std::string& path, const Skeleton& own, const std:
 // Reading it says how it suits the character; limits say whether it keeps to them.
 void check_clip(const CheckArguments& arguments) {
   const Character character = read_character(arguments.path, arguments.unit);
+  say(character.notes);
   std::vector<int> frames;
   const Clip clip = arguments.clip.read(character.skeleton, arguments.unit, frames);
   std::string text = clip.name + ": " + count_of(frames.size(), "frame", "frames") + "\n";
@@ -229,6 +230,14 @@ std::string coupling_of(const Dataset& dataset) {
   return describe(coupled_joints(skeleton, poses), skeleton);
 }
 
+std::string take_text(const TakeCheck& take) {
+  std::string text = format("%s: %u points, %u samples, ", take.name.c_str(), take.points, take.samples);
+  if (take.unconverged > 0) text += format("%u not solved (unconverged, or not simulated yet), ", take.unconverged);
+  if (take.compared == 0) return text + "none compared with the skinned character\n";
+  return text + format("%.2f mm RMS from the skinned character (frame %d, nearest to the bind pose: %.2f mm)\n",
+                       take.fit_mm, take.rest_frame, take.rest_fit_mm);
+}
+
 void check(const CheckArguments& arguments) {
   const std::filesystem::path path = dataset_file(arguments.path);
   const Dataset dataset = read_dataset(path);
@@ -237,16 +246,15 @@ void check(const CheckArguments& arguments) {
   Json result = Json::array();
   std::string text;
   for (const TakeCheck& take : takes) {
-    text += format(
-        "%s: %u points, %u samples, %.2f mm RMS from the skinned character (frame %d, nearest to the bind "
-        "pose: %.2f mm)\n",
-        take.name.c_str(), take.points, take.samples, take.fit_mm, take.rest_frame, take.rest_fit_mm);
+    text += take_text(take);
     for (const std::string& problem : take.problems) text += "  PROBLEM: " + problem + "\n";
     result.push_back({{"name", take.name},
                       {"points", take.points},
                       {"samples", take.samples},
-                      {"fit_mm", take.fit_mm},
-                      {"rest_fit_mm", take.rest_fit_mm},
+                      {"unconverged", take.unconverged},
+                      {"compared", take.compared},
+                      {"fit_mm", take.compared > 0 ? Json(take.fit_mm) : Json()},
+                      {"rest_fit_mm", take.compared > 0 ? Json(take.rest_fit_mm) : Json()},
                       {"problems", take.problems}});
   }
   std::vector<std::string> notes;
@@ -257,12 +265,15 @@ void check(const CheckArguments& arguments) {
     text += verbs_text(foreseen);
     const std::string coupled = coupling_of(dataset);
     if (!coupled.empty()) notes.push_back(coupled);
-    for (const std::vector<std::string>& some : {shape_doubts(samples), short_takes(dataset)}) {
+    for (const std::vector<std::string>& some : {samples.notes, shape_doubts(samples), short_takes(dataset)}) {
       notes.insert(notes.end(), some.begin(), some.end());
     }
   }
   for (const std::string& note : notes) text += "note: " + note + "\n";
-  text += mismatch.empty() ? "it belongs together\n" : "it does not belong together\n";
+  const bool has_problem = std::ranges::any_of(takes, [](const auto& take) { return !take.problems.empty(); });
+  text += mismatch.empty() ? "it belongs together\n"
+          : has_problem    ? "it does not belong together\n"
+                           : "nothing tells whether its files belong together\n";
   arguments.json.emit(
       {{"takes", result}, {"foreseen", verbs_json(foreseen)}, {"notes", notes}, {"belongs_together", mismatch.empty()}},
       text);

@@ -197,7 +197,13 @@ TEST(Character, PlainlyNotMetresIsRefusedWithTheRatio) {
   const std::string text = error_of(ErrorKind::file, [&] { read(blob, folder); });
   EXPECT_NE(text.find("223.6"), std::string::npos) << text;
   EXPECT_NE(text.find("--unit 0.01"), std::string::npos) << text;
-  EXPECT_EQ(read(blob, folder, 0.01).vertices.rows(), 4);
+  const Character centimetres = read(blob, folder, 0.01), giant = read(blob, folder, 1),
+                  tiny = read(blob, folder, 0.0001);
+  EXPECT_EQ(centimetres.vertices.rows(), 4);
+  EXPECT_FALSE(mentions(centimetres.notes, "bounding box"));
+  EXPECT_TRUE(mentions(giant.notes, "measures 223.6 m from corner to corner, outside 0.05 to 50 m"));
+  EXPECT_TRUE(mentions(giant.notes, "likely 0.01 m (--unit)"));
+  EXPECT_TRUE(mentions(tiny.notes, "likely 0.01 m (--unit)"));
   error_of(ErrorKind::usage, [&] { read(blob, folder, -1); });
   error_of(ErrorKind::usage, [&] { read(blob, folder, NAN); });
 }

@@ -240,6 +240,9 @@ TEST(Foresee, OddSizesAndIdleJointsAreRemarkedOn) {
   ASSERT_EQ(foresight.remarks.size(), 2u);
   EXPECT_NE(foresight.remarks[0].find("--unit 0.2"), std::string::npos) << foresight.remarks[0];
   EXPECT_NE(foresight.remarks[1].find("'helper'"), std::string::npos) << foresight.remarks[1];
+  // Of a file whose unit was said: what it should be, and not what should be made of that.
+  const CharacterForesight with_unit = foresee(limb, {}, 0.1);
+  EXPECT_NE(with_unit.remarks[0].find("--unit 0.02"), std::string::npos) << with_unit.remarks[0];
 }
 
 Clip clip_of(std::vector<Pose> poses, const std::string& name = "walk") {

@@ -102,6 +102,7 @@ class TakeChecker {
       : character_(character), muscles_(muscles), take_(take), reader_(dataset.folder / take.shapes) {
     clip_ = read_clip(dataset, take, character.skeleton);
     std::set<int> wrecks = unconverged_frames(dataset, take);
+    result_.unconverged = static_cast<std::uint32_t>(wrecks.size());
     wrecks.merge(replaced_frames(dataset, take));
     for (std::size_t k = 0; k < take.frames.size(); ++k) {
       if (!wrecks.contains(take.frames[k])) solved_.push_back(k);
@@ -109,6 +110,7 @@ class TakeChecker {
     result_.name = take.name;
     result_.points = reader_.point_count();
     result_.samples = reader_.sample_count();
+    result_.compared = static_cast<std::uint32_t>(solved_.size());
   }
 
   TakeCheck run() {
@@ -250,7 +252,13 @@ std::string first_problem(const std::vector<TakeCheck>& takes, const std::filesy
   for (const TakeCheck& take : takes) {
     if (!take.problems.empty()) return path.string() + ", take '" + take.name + "': " + take.problems.front();
   }
-  return "";
+  const auto is_unsolved = [](const TakeCheck& take) { return take.unconverged == take.samples; };
+  if (!std::ranges::all_of(takes, is_unsolved)) return "";
+  std::uint32_t frames = 0;
+  for (const TakeCheck& take : takes) frames += take.samples;
+  return path.string() + ": not one of its " + count_of(frames, "frame is", "frames is") +
+         " solved, nothing to train on: they did not converge, or are not simulated yet; is the character as large as "
+         "it should be?";
 }
 
 std::string describe_surface(const Character& character) {

@@ -289,13 +289,14 @@ std::vector<Pose> poses_of(const std::vector<Clip>& clips) {
   return poses;
 }
 
-std::vector<std::string> remarks_on(const Character& character, const std::vector<Pose>& poses) {
+// `unit`: metres per unit of the file that the character was read with.
+std::vector<std::string> remarks_on(const Character& character, const std::vector<Pose>& poses, double unit) {
   std::vector<std::string> remarks;
   const double extent = longest_extent(character.vertices);
   if (extent > kTallest || extent < kSmallest) {
     remarks.push_back("it measures " + rounded(extent) + " m at its longest: if it is not so " +
                       (extent > kTallest ? "large" : "small") + ", say what a unit of its file is (--unit " +
-                      rounded(kPerson / extent) + " makes it " + rounded(kPerson) + " m)");
+                      rounded(unit * kPerson / extent) + " makes it " + rounded(kPerson) + " m)");
   }
   std::vector<bool> moves(character.skeleton.size(), false);
   for (const std::vector<JointWeight>& vertex : character.weights) {
@@ -330,7 +331,7 @@ const char* name_of(BodyFill fill) {
   return names[static_cast<std::size_t>(fill)];
 }
 
-CharacterForesight foresee(const Character& character, const std::vector<Clip>& clips) {
+CharacterForesight foresee(const Character& character, const std::vector<Clip>& clips, double unit) {
   CharacterForesight result;
   constexpr std::size_t kVerbs = 5;
   Progress progress("check", kVerbs + 2);
@@ -339,7 +340,7 @@ CharacterForesight foresee(const Character& character, const std::vector<Clip>& 
     return verb;
   };
   const std::vector<Pose> poses = poses_of(clips);
-  result.remarks = remarks_on(character, poses);
+  result.remarks = remarks_on(character, poses, unit > 0 ? unit : 1);
   VerticesOfJoints glued;
   VerbForesight full = counted(foresee_simulate(character, false, glued)),
                 draft = counted(foresee_simulate(character, true, glued));

@@ -49,8 +49,8 @@ struct CharacterForesight {
 
 // Fills and simplifies the character as the verbs do: what is foreseen is what they get. `clips`: its own, by
 // which its skin is simplified; none: by the rest skin alone. Where all of them scale joints, simulate is refused.
-// Takes seconds.
-CharacterForesight foresee(const Character& character, const std::vector<Clip>& clips = {});
+// `unit`: metres per unit of its file that it was read with, 0: metres. Takes seconds.
+CharacterForesight foresee(const Character& character, const std::vector<Clip>& clips = {}, double unit = 0);
 
 // What train and proxy will make of a dataset.
 std::vector<VerbForesight> foresee_training(const SampleSet& set);
