@@ -94,7 +94,7 @@ std::string heldout_table(const Training& training) {
 std::string train_text(const SampleSet& set, const Training& training, double seconds) {
   std::string text = format(
       "trained on %zu frames (%d unconverged left out) in %.1f s: %.0f bytes per vertex, %.3f mm RMS expected of poses "
-      "like these\n",
+      "near those trained on\n",
       set.train.size(), set.unconverged, seconds, bytes_per_vertex(training.result.basis), training.result.expected_mm);
   text += format("left to learn after un-posing: LBS %.3f mm, DDM %.3f mm RMS\n", training.unposing.lbs,
                  training.unposing.ddm);
@@ -176,6 +176,17 @@ void warn_of_no_gain(const Training& training) {
       "too few, or too unlike them");
 }
 
+// Where what was measured is of other poses than what is expected.
+void warn_of_far_frames(const Training& training) {
+  constexpr double kFar = 2;
+  const double measured = training.methods.back().errors.rms, expected = training.result.expected_mm;
+  if (!(measured > kFar * expected)) return;
+  spdlog::warn(
+      "the held-out frames are off by {:.3f} mm RMS, and {:.3f} mm are expected of poses near those trained on: they "
+      "are further away, or the training frames are too few; of such poses believe what was measured",
+      measured, expected);
+}
+
 void require_tolerance(const TrainArguments& arguments, double expected) {
   const double tolerance = arguments.options.tolerance_mm;
   if (!(tolerance > 0 && expected > tolerance)) return;
@@ -209,7 +220,10 @@ void run(TrainArguments arguments) {
 
   const Json result = result_of(arguments, set, training, attached, seconds);
   std::string text = train_text(set, training, seconds);
-  if (!set.heldout.empty()) warn_of_no_gain(training);
+  if (!set.heldout.empty()) {
+    warn_of_no_gain(training);
+    warn_of_far_frames(training);
+  }
   if (!arguments.report.empty()) {
     report(arguments, dataset, path, set, training);
     text += "wrote " + (std::filesystem::path(arguments.report) / "report.html").string() + "\n";

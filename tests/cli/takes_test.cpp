@@ -53,6 +53,19 @@ TEST(Takes, SimulateTellsTheUnitThatADatasetWasMadeWith) {
   EXPECT_NE(without.output.find("data/dataset.json was made with --unit 0.001"), std::string::npos) << without.output;
 }
 
+// Of a unit that is said and makes the limb 500 m long.
+TEST(Takes, AUnitThatMakesAGiantIsWarnedOf) {
+  const TemporaryFolder folder;
+  const LimbFiles files(folder, 1);
+  const std::string unit = " --unit 1000 ", told = "With a unit of 1000 m the skin's bounding box measures";
+  for (const std::string& command :
+       {"check " + files.character + unit, "check " + files.character + " --clip " + files.motion + unit,
+        "train --ddm-only " + files.character + " --out " + (folder / "limb.safetensors").string() + unit}) {
+    const ProgramResult result = run_bodyopt(command);
+    EXPECT_NE(result.output.find(told), std::string::npos) << command << "\n" << result.output;
+  }
+}
+
 // Before any work is done, and before anything is written.
 TEST(Takes, SimulateRefusesWhatWouldGoWrongAtItsEnd) {
   const TemporaryFolder folder;
@@ -338,6 +351,15 @@ TEST(Takes, TrainRefusesWhatCheckRefuses) {
   for (std::size_t k = 1; k < status.size(); ++k) status[k].converged = false;
   write_frame_status(status, folder / "data/bend.status.json");
   EXPECT_EQ(run_bodyopt("check " + data).exit_code, 0);
+  for (FrameStatus& frame : status) frame.converged = false;
+  write_frame_status(status, folder / "data/bend.status.json");
+  const std::string json = (folder / "check.json").string();
+  const ProgramResult unsolved = run_bodyopt("check " + data + " --json " + json);
+  EXPECT_EQ(unsolved.exit_code, 3) << unsolved.output;
+  EXPECT_NE(unsolved.output.find("none compared with the skinned character"), std::string::npos) << unsolved.output;
+  EXPECT_NE(unsolved.output.find("not one of its "), std::string::npos) << unsolved.output;
+  EXPECT_EQ(unsolved.output.find("it belongs together"), std::string::npos) << unsolved.output;
+  EXPECT_TRUE(nlohmann::json::parse(testing::read_bytes(json)).at("takes")[0].at("fit_mm").is_null());
 }
 
 // A character in centimetres: its basis reads the clips alike, without being told again.
@@ -497,6 +519,28 @@ TEST(Takes, EvalTellsWhereNoBetterThanDirectDeltaMushIsExpected) {
                                std::to_string(frames.size()) + " frame"),
             std::string::npos)
       << result.output;
+}
+
+// What is expected near the training frames says little of those that bend four times as far.
+TEST(Takes, TrainTellsWhereHeldOutFramesAreFurtherOffThanExpected) {
+  const TemporaryFolder folder;
+  const LimbFiles files(folder, 1);
+  const std::string data = (folder / "data").string();
+  const std::string simulate = "simulate " + files.character + " --draft --out " + data + " --clip ";
+  const std::string train = "train " + data + " --out " + (folder / "limb.safetensors").string();
+  ASSERT_EQ(run_bodyopt(simulate + files.motion + " --fps 120 --frames 1-20 --heldout 9").exit_code, 0);
+  const std::string told = "the held-out frames are off by ";
+  const ProgramResult near = run_bodyopt(train);
+  EXPECT_NE(near.output.find("mm RMS expected of poses near those trained on"), std::string::npos) << near.output;
+  EXPECT_EQ(near.output.find(told), std::string::npos) << near.output;
+  Clip further;
+  further.name = "further";
+  const Character limb = make_limb();
+  for (int n = 0; n < 3; ++n) further.poses.push_back(bent(limb, degrees(90 + 10.0 * n)));
+  write_clip(further, limb.skeleton, (folder / "further.glb").string());
+  ASSERT_EQ(run_bodyopt(simulate + (folder / "further.glb").string() + " --heldout all").exit_code, 0);
+  const ProgramResult far = run_bodyopt(train);
+  EXPECT_NE(far.output.find(told), std::string::npos) << far.output;
 }
 
 TEST(Takes, HoldingOutEveryNthBlockSaysWhenThatIsNone) {
