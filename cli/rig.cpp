@@ -16,6 +16,7 @@
 #include "runtime/core/error.h"
 #include "trainer/anatomy/carried_mapping.h"
 #include "trainer/dynamics/build_dynamics.h"
+#include "trainer/motion/attached_rig.h"
 #include "trainer/motion/first_limits.h"
 #include "trainer/train/skinning/ddm_basis.h"
 
@@ -134,6 +135,8 @@ void run(const RigArguments& arguments) {
   const Skeleton& skeleton = character.skeleton;
   const std::vector<Pose> poses = shown_poses(arguments, skeleton);
   const JointLimits limits = first_limits(character, poses);
+  const std::string detached = detached_text(limits.detached, skeleton);
+  if (!detached.empty()) say({detached});
   const std::vector<RegionWeights> regions = joint_regions(character);
 
   const fs::path out = arguments.out;

@@ -35,6 +35,11 @@ void say_held_turns(const std::string& source, const std::vector<Pose>& poses, c
   say(notes);
 }
 
+void say_detached(const JointLimits& limits, const Skeleton& skeleton) {
+  const std::string text = detached_text(limits.detached, skeleton);
+  if (!text.empty()) say({text});
+}
+
 // Without a file of limits, what the clips show.
 JointLimits limits_for(const RomArguments& arguments, const Character& character) {
   if (!arguments.limits.empty()) return read_joint_limits(arguments.limits, character.skeleton);
@@ -42,7 +47,10 @@ JointLimits limits_for(const RomArguments& arguments, const Character& character
     throw Error(ErrorKind::usage,
                 "rom needs --limits, or clips to take them from (--from); 'bodyopt rig' writes first ones");
   }
-  return first_limits(character, read_poses(arguments.from, character.skeleton, arguments.unit, arguments.joint_map));
+  const JointLimits limits =
+      first_limits(character, read_poses(arguments.from, character.skeleton, arguments.unit, arguments.joint_map));
+  say_detached(limits, character.skeleton);
+  return limits;
 }
 
 // On the rig whose limits they are.

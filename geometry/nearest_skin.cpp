@@ -41,7 +41,10 @@ Eigen::Vector3d nearest_weights(const Eigen::Vector3d& p, const Eigen::Vector3d&
 }  // namespace
 
 NearestSkin::NearestSkin(const Positions& vertices, const Triangles& triangles)
-    : vertices_(vertices), triangles_(triangles), tree_(std::make_unique<BoxTree>(boxes_of(vertices, triangles))) {}
+    : vertices_(vertices),
+      triangles_(triangles),
+      largest_coordinate_(vertices.cwiseAbs().maxCoeff()),
+      tree_(std::make_unique<BoxTree>(boxes_of(vertices, triangles))) {}
 
 NearestSkin::~NearestSkin() = default;
 
@@ -62,8 +65,9 @@ SkinPoint NearestSkin::search(const Eigen::Vector3d& point, const Wanted& wanted
     }
     return least;
   };
-  // A little less, so that what is as near as the nearest is considered, too.
-  const auto bound = [&](const Eigen::AlignedBox3d& box) { return (1 - 1e-12) * box.exteriorDistance(point); };
+  // Less by what roundings of coordinates come to, so that what is as near as the nearest is considered, too.
+  const double slack = 1e-14 * (largest_coordinate_ + point.cwiseAbs().maxCoeff());
+  const auto bound = [&](const Eigen::AlignedBox3d& box) { return box.exteriorDistance(point) - slack; };
   tree_->search(bound, consider, least);
   return best;
 }

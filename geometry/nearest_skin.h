@@ -35,6 +35,7 @@ class NearestSkin {
 
   const Positions& vertices_;
   const Triangles& triangles_;
+  double largest_coordinate_;
   std::unique_ptr<BoxTree> tree_;
 };
 

@@ -59,7 +59,8 @@ EmbeddedPoint TetFinder::operator()(const Eigen::Vector3d& point, const Eigen::V
   const auto consider = [&](int t) {
     const Eigen::Vector4d inside = weights(t, point);
     const double least = inside.minCoeff(), least_of_best = best.weights.minCoeff();
-    if (least >= 0 && (least > least_of_best || (least == least_of_best && t < best.tet))) best = {t, inside};
+    const bool as_deep = least == least_of_best && t < best.tet && best.tet != behind;  // of others the first
+    if (least >= 0 && (least > least_of_best || as_deep)) best = {t, inside};
     return 0.0;
   };
   tree_.search([&](const Eigen::AlignedBox3d& box) { return box.contains(point) ? 0.0 : 1.0; }, consider, 0);

@@ -16,7 +16,8 @@ class TetFinder {
   TetFinder(const TetMesh& mesh, const Positions& vertices, const Triangles& triangles);
 
   // The tet that a point of the skin lies in, or, where it is outside, the tet behind the nearest triangle that faces
-  // as the skin does there. normal: of the skin at the point, away from the body.
+  // as the skin does there; of several tets the one that it lies deepest in. normal: of the skin at the point, away
+  // from the body.
   EmbeddedPoint operator()(const Eigen::Vector3d& point, const Eigen::Vector3d& normal) const;
 
  private:

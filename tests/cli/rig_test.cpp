@@ -3,8 +3,10 @@
 
 #include <filesystem>
 
+#include "assets/clip.h"
 #include "assets/json_file.h"
 #include "tests/cli/limb_files.h"
+#include "tests/support/detached_limb.h"
 #include "tests/support/hostile_bytes.h"
 #include "tests/support/run_program.h"
 
@@ -52,6 +54,27 @@ TEST(RigVerb, FinishesWhatWasCutOffAndKeepsWhatWasEdited) {
   EXPECT_EQ(refused.output.find("dynamics"), std::string::npos) << "found after long work: " << refused.output;
   EXPECT_EQ(testing::read_bytes(limits), edited);
   EXPECT_FALSE(std::filesystem::exists(regions));
+}
+
+// The clip has it at the end of its leg, where the leg's skin goes on in that of the foot.
+TEST(RomVerb, AFootUnderTheRootFollowsItsLeg) {
+  const TemporaryFolder folder;
+  const Character character = detached_limb();
+  const std::string file = (folder / "limb.glb").string(), rig = (folder / "rig").string(),
+                    rom = (folder / "rom.glb").string();
+  write_character(character, file);
+  const ProgramResult made = run_bodyopt("rig " + file + " --out " + rig);
+  ASSERT_EQ(made.exit_code, 0) << made.output;
+  EXPECT_NE(made.output.find("'joint2' follows 'joint1'"), std::string::npos) << made.output;
+  ASSERT_EQ(run_bodyopt("rom " + file + " --limits " + rig + "/limits.json --frames 40 --out " + rom).exit_code, 0);
+  double farthest = 0;
+  for (const Pose& pose : read_clip(rom, character.skeleton, {}).poses) {
+    const std::vector<Affine> world = posed_joints(character.skeleton, pose.joints);
+    const Vec3 foot = world[1] * Vec3{0, 0, 0};
+    EXPECT_LT(length(foot - world[3] * Vec3{0, 0, 0.2}), 1e-5);
+    farthest = std::max(farthest, length(foot - Vec3{0, 0, 0.5}));
+  }
+  EXPECT_GT(farthest, 0.02);
 }
 
 TEST(RomVerb, NeedsNoLimitsWithClips) {

@@ -64,7 +64,8 @@ Seeds limits_seeds() {
   return {R"({"schema": "bodyopt-joint-limits-1", "source": "made up",
  "mirrored_joints": [{"joint": "upper", "mirror": "lower"}],
  "dofs": [{"name": "raise", "mirror": "lower_raise", "rest": 40, "min": 0, "max": 120,
- "turns": [{"joint": "upper", "axis": [1, 2, 2], "share": 0.5}]}]})"};
+ "turns": [{"joint": "upper", "axis": [1, 2, 2], "share": 0.5}]}],
+ "detached_joints": [{"joint": "lower", "follows": "upper", "source": "made up"}]})"};
 }
 void read_limits_file(const std::string& bytes) {
   const JointLimits limits = read_joint_limits(as_file("limits.json", bytes), limb().skeleton);

@@ -49,7 +49,8 @@ TEST(NearestSkin, IsTheNearestOfAllTriangles) {
   }
 }
 
-// A fan around a vertex, above which all of its triangles are as near.
+// A fan around a vertex, above which all of its triangles are as near; a metre away from where coordinates are exact,
+// too.
 TEST(NearestSkin, OfTrianglesEquallyNearTheFirst) {
   Positions vertices(7, 3);
   Triangles triangles(6, 3);
@@ -59,9 +60,11 @@ TEST(NearestSkin, OfTrianglesEquallyNearTheFirst) {
     vertices.row(k) << std::cos(angle), std::sin(angle), 0;
     triangles.row((5 * k + 3) % 6) << 6, k, (k + 1) % 6;
   }
-  const NearestSkin nearest(vertices, triangles);
-  EXPECT_EQ(nearest({0, 0, 0.5}).triangle, 0);
-  EXPECT_EQ(nearest({0, 0, 0}).triangle, 0);
+  for (const double height : {0.0, 1.0}) {
+    vertices.col(2).setConstant(height);
+    const NearestSkin nearest(vertices, triangles);
+    for (const double above : {0.0, 1e-4, 0.5}) EXPECT_EQ(nearest({0, 0, height + above}).triangle, 0) << above;
+  }
 }
 
 }  // namespace

@@ -33,5 +33,45 @@ TEST(Thickness, OfALooseVertexIsTheLeast) {
   EXPECT_EQ(thick.head(count), thickness(limb.vertices.topRows(count), limb.triangles));
 }
 
+// Rays along an axis at triangles that lie across it, whose boxes have no depth.
+TEST(Thickness, OfASlabIsItsHeight) {
+  constexpr int kCells = 12;
+  constexpr double kHeight = 0.1;
+  Positions vertices(2 * (kCells + 1) * (kCells + 1), 3);
+  std::vector<std::array<std::uint32_t, 3>> faces;
+  const auto number = [](int side, int i, int j) {
+    return static_cast<std::uint32_t>((side * (kCells + 1) + i) * (kCells + 1) + j);
+  };
+  const auto add_square = [&](std::uint32_t a, std::uint32_t b, std::uint32_t c, std::uint32_t d) {
+    faces.push_back({a, b, c});
+    faces.push_back({a, c, d});
+  };
+  for (int i = 0; i <= kCells; ++i) {
+    for (int j = 0; j <= kCells; ++j) {
+      for (const int side : {0, 1}) vertices.row(number(side, i, j)) << i / 12.0, side * kHeight, j / 12.0;
+    }
+  }
+  for (int i = 0; i < kCells; ++i) {
+    for (int j = 0; j < kCells; ++j) {
+      add_square(number(0, i, j), number(0, i + 1, j), number(0, i + 1, j + 1), number(0, i, j + 1));
+      add_square(number(1, i, j), number(1, i, j + 1), number(1, i + 1, j + 1), number(1, i + 1, j));
+    }
+    add_square(number(0, i, 0), number(1, i, 0), number(1, i + 1, 0), number(0, i + 1, 0));
+    add_square(number(0, i, kCells), number(0, i + 1, kCells), number(1, i + 1, kCells), number(1, i, kCells));
+    add_square(number(0, 0, i), number(0, 0, i + 1), number(1, 0, i + 1), number(1, 0, i));
+    add_square(number(0, kCells, i), number(1, kCells, i), number(1, kCells, i + 1), number(0, kCells, i + 1));
+  }
+  Triangles triangles(static_cast<Eigen::Index>(faces.size()), 3);
+  for (std::size_t t = 0; t < faces.size(); ++t) {
+    triangles.row(static_cast<Eigen::Index>(t)) << faces[t][0], faces[t][1], faces[t][2];
+  }
+  const Eigen::VectorXd thick = thickness(vertices, triangles, 0);
+  for (int i = 3; i <= kCells - 3; ++i) {
+    for (int j = 3; j <= kCells - 3; ++j) {
+      for (const int side : {0, 1}) EXPECT_NEAR(thick[number(side, i, j)], kHeight, 1e-12) << i << " " << j;
+    }
+  }
+}
+
 }  // namespace
 }  // namespace bodyopt

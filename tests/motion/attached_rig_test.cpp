@@ -3,8 +3,10 @@
 
 #include <gtest/gtest.h>
 
+#include <fstream>
+
 #include "runtime/core/error.h"
-#include "tests/support/capsule_limb.h"
+#include "tests/support/detached_limb.h"
 #include "tests/support/shared_data.h"
 #include "tests/support/temporary_folder.h"
 #include "trainer/motion/first_limits.h"
@@ -12,25 +14,6 @@
 
 namespace bodyopt {
 namespace {
-
-// The limb with its tip under a root of its own, before the joint that it goes on from; with joints of a body that has
-// more skin than the tip.
-Character detached_limb() {
-  const Character limb = limb_character();
-  Character character = limb;
-  Joint root, tip = limb.skeleton.joints[2], body = limb.skeleton.joints[0], elbow = limb.skeleton.joints[1];
-  root.name = "root";
-  tip.parent = 0;
-  tip.bind.translation[2] = 0.5;
-  tip.default_local = tip.bind;
-  body.parent = 0;
-  elbow.parent = 2;
-  character.skeleton.joints = {root, tip, body, elbow};
-  for (auto& weights : character.weights) {
-    for (JointWeight& weight : weights) weight.joint = std::array{2u, 3u, 1u}[weight.joint];
-  }
-  return character;
-}
 
 std::vector<std::pair<std::string, std::string>> names(const std::vector<DetachedJoint>& detached,
                                                        const Skeleton& skeleton) {
@@ -47,6 +30,30 @@ TEST(AttachedRig, FindsAFootUnderTheRootByItsSkin) {
   const Character character = detached_limb();
   EXPECT_EQ(names(detached_joints(character), character.skeleton), (Names{{"joint2", "joint1"}}));
   EXPECT_TRUE(detached_joints(limb_character()).empty());
+}
+
+// Also where it hangs under nothing at all.
+TEST(AttachedRig, FindsAFootWithoutAParent) {
+  Character character = detached_limb();
+  character.skeleton.joints[1].parent = -1;
+  EXPECT_EQ(names(detached_joints(character), character.skeleton), (Names{{"joint2", "joint1"}}));
+}
+
+TEST(AttachedRig, AMirroredFootFollowsItsOwnLeg) {
+  Skeleton skeleton;
+  for (const char* name : {"root", "LeftLeg", "RightLeg", "LeftFoot", "RightFoot"}) {
+    Joint joint;
+    joint.name = name;
+    joint.parent = skeleton.joints.empty() ? -1 : 0;
+    skeleton.joints.push_back(joint);
+  }
+  const TemporaryFolder folder;
+  std::ofstream(folder / "limits.json") << R"({"schema": "bodyopt-joint-limits-1", "mirrored_joints":
+    [{"joint": "LeftLeg", "mirror": "RightLeg"}, {"joint": "LeftFoot", "mirror": "RightFoot"}],
+    "dofs": [{"name": "a", "rest": 0, "min": 0, "max": 9, "turns": [{"joint": "LeftLeg", "axis": [1, 0, 0]}]}],
+    "detached_joints": [{"joint": "RightFoot", "follows": "RightLeg"}]})";
+  EXPECT_EQ(names(read_joint_limits(folder / "limits.json", skeleton).detached, skeleton),
+            (Names{{"RightFoot", "RightLeg"}, {"LeftFoot", "LeftLeg"}}));
 }
 
 TEST(AttachedRig, OfRealBodiesOnlyThoseMadeForInverseKinematics) {
@@ -68,23 +75,31 @@ TEST(AttachedRig, OfRealBodiesOnlyThoseMadeForInverseKinematics) {
 
 // Of whatever pose, and back, and the same places of all joints.
 TEST(AttachedRig, MovesAsTheCharactersOwn) {
-  const Character character = detached_limb();
+  Character character = detached_limb();
+  character.skeleton.joints[0].bind.scale = {100, 100, 100};
   const AttachedRig rig(character.skeleton, detached_joints(character));
   Pose pose = bind_pose(character.skeleton);
   pose.joints[1] = {{0.1, 0.2, 0.4}, axis_angle({0.6, 0.8, 0}, 0.7)};
   pose.joints[2].rotation = axis_angle({1, 0, 0}, 0.5);
   pose.joints[3].rotation = axis_angle({0, 1, 0}, -0.9);
+  pose.unmodified = pose.joints;
+  pose.unmodified[1].translation = {0.3, 0.2, 0.4};
   const Pose attached = rig.attached(pose), back = rig.detached(attached);
   const std::vector<Affine> own = posed_joints(character.skeleton, pose.joints),
-                            world = posed_joints(rig.skeleton(), attached.joints);
+                            world = posed_joints(rig.skeleton(), attached.joints),
+                            again = posed_joints(character.skeleton, back.joints);
+  ASSERT_EQ(back.unmodified.size(), pose.unmodified.size());
+  const std::vector<Affine> unmodified = posed_joints(character.skeleton, back.unmodified),
+                            own_unmodified = posed_joints(character.skeleton, pose.unmodified);
+  EXPECT_NEAR(unmodified[1].m[0][3], own_unmodified[1].m[0][3], 1e-12);
   for (std::size_t j = 0; j < character.skeleton.size(); ++j) {
     const auto k = static_cast<std::size_t>(rig.skeleton().find(character.skeleton.joints[j].name));
     for (int row = 0; row < 3; ++row) {
       for (int column = 0; column < 4; ++column) {
         EXPECT_NEAR(world[k].m[row][column], own[j].m[row][column], 1e-12) << j;
+        EXPECT_NEAR(again[j].m[row][column], own[j].m[row][column], 1e-12) << j;
       }
     }
-    EXPECT_LT(length(back.joints[j].translation - pose.joints[j].translation), 1e-12) << j;
   }
 }
 
@@ -115,6 +130,10 @@ TEST(AttachedRig, JointsThatFollowEachOtherAreRefused) {
   const Skeleton skeleton = detached_limb().skeleton;
   EXPECT_THROW(AttachedRig(skeleton, {{1, 1}}), Error);
   EXPECT_THROW(AttachedRig(skeleton, {{2, 3}}), Error);
+  Skeleton sheared = skeleton;
+  sheared.joints[2].bind.scale = {1, 2, 1};
+  sheared.joints[1].bind.rotation = axis_angle({1, 0, 0}, 0.8);
+  EXPECT_THROW(AttachedRig(sheared, {{1, 3}}), Error);
   const TemporaryFolder folder;
   JointLimits limits = first_limits(detached_limb(), {});
   for (const DetachedJoint& wrong : {DetachedJoint{2, 3}, DetachedJoint{3, 1}}) {  // the tip follows the elbow

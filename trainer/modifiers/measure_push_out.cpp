@@ -14,6 +14,7 @@
 #include "runtime/modifiers/drive_modifiers.h"
 #include "trainer/modifiers/bake_modifier.h"
 #include "trainer/modifiers/bones.h"
+#include "trainer/motion/attached_rig.h"
 #include "trainer/motion/limited_pose.h"
 
 namespace bodyopt {
@@ -148,6 +149,8 @@ std::vector<BentJoint> measure_push_out(const Basis& basis) {
 }
 
 std::vector<BentJoint> measure_push_out(const Basis& basis, const JointLimits& limits) {
+  const AttachedRig rig(basis.skeleton, limits.detached);
+  const JointLimits attached = rig.attached(limits);
   std::vector<std::string> names;
   std::vector<Pose> poses;
   for (std::size_t k = 0; k < limits.dofs.size(); ++k) {
@@ -156,7 +159,7 @@ std::vector<BentJoint> measure_push_out(const Basis& basis, const JointLimits& l
       Posture posture{rest_angles(limits)};
       posture.angles[k] = end;
       names.push_back(dof.name + " " + std::to_string(std::lround(end)));
-      poses.push_back(limited_pose(basis.skeleton, limits, posture));
+      poses.push_back(rig.detached(limited_pose(rig.skeleton(), attached, posture)));
     }
   }
   return measure_folds(basis, names, std::move(poses));

@@ -1,9 +1,11 @@
 #include "trainer/motion/attached_rig.h"
 
 #include <algorithm>
+#include <cmath>
 #include <set>
 
 #include "assets/joints_with_skin.h"
+#include "assets/wording.h"
 #include "runtime/core/error.h"
 #include "runtime/host/rig.h"
 
@@ -30,28 +32,23 @@ std::vector<std::vector<int>> shared_triangles(const Character& character) {
   return shared;
 }
 
-bool is_at_or_above(const Skeleton& skeleton, int above, int joint) {
-  while (joint >= 0 && joint != above) joint = skeleton.joints[static_cast<std::size_t>(joint)].parent;
-  return joint == above;
-}
-
 class Detached {
  public:
   explicit Detached(const Character& character)
       : skeleton_(character.skeleton),
         shared_(shared_triangles(character)),
         with_skin_(joints_with_skin(character)),
-        of_all_skin_(joints_of_all_skin(character)),
-        all_(*std::max_element(with_skin_.begin(), with_skin_.end())) {}
+        of_all_skin_(joints_of_all_skin(character)) {
+    for (std::size_t j = 0; j < with_skin_.size(); ++j) all_ += skeleton_.joints[j].parent < 0 ? with_skin_[j] : 0;
+  }
 
   // The joint at the end of a limb that the joint's skin goes on from, or -1.
   int followed_by(std::uint32_t joint) const {
     const int parent = skeleton_.joints[joint].parent;
-    const bool is_small = 2 * with_skin_[joint] < all_;  // or it is the body that feet go on from
-    if (is_root(joint) || !is_small || touches_one_above(joint)) return -1;
+    if (is_body(joint) || touches_one_above(joint)) return -1;
     int most = -1;
     for (std::uint32_t k = 0; k < skeleton_.size(); ++k) {
-      if (is_root(k) || is_at_or_above(skeleton_, static_cast<int>(joint), static_cast<int>(k))) continue;
+      if (is_root(k) || hangs_under(skeleton_, {}, k, joint)) continue;
       if (shared_[joint][k] > (most < 0 ? 0 : shared_[joint][static_cast<std::size_t>(most)]))
         most = static_cast<int>(k);
     }
@@ -61,8 +58,12 @@ class Detached {
   }
 
  private:
+  // Feet go on from it, not it from them.
+  bool is_body(std::size_t joint) const { return of_all_skin_[joint] || 2 * with_skin_[joint] >= all_; }
   // Skin that follows a root follows it for want of another joint.
-  bool is_root(std::size_t joint) const { return skeleton_.joints[joint].parent < 0 || of_all_skin_[joint]; }
+  bool is_root(std::size_t joint) const {
+    return of_all_skin_[joint] || (skeleton_.joints[joint].parent < 0 && is_body(joint));
+  }
 
   bool touches_one_above(std::size_t joint) const {
     for (int above = skeleton_.joints[joint].parent; above >= 0;) {
@@ -77,7 +78,7 @@ class Detached {
   std::vector<std::vector<int>> shared_;
   std::vector<int> with_skin_;
   std::vector<bool> of_all_skin_;
-  int all_;  // joints with skin
+  int all_ = 0;  // joints with skin
 };
 
 // Own joints in an order in which parents come first.
@@ -101,6 +102,21 @@ JointTransform local_under(const std::vector<Affine>& world, int parent, const A
   return decompose(parent < 0 ? joint : inverse(world[static_cast<std::size_t>(parent)]) * joint);
 }
 
+// Whether the joint's bind under another one is more than a place, a turn and a scale along its axes.
+bool shears(const Skeleton& skeleton, std::uint32_t above, std::uint32_t joint) {
+  constexpr double kMost = 1e-4;  // of its axes' lengths
+  const std::vector<Affine> world = posed_joints(skeleton, bind_pose(skeleton).joints);
+  const Affine local = inverse(world[above]) * world[joint], again = affine_from(decompose(local));
+  double off = 0, size = 0;
+  for (int row = 0; row < 3; ++row) {
+    for (int column = 0; column < 3; ++column) {
+      off = std::max(off, std::abs(again.m[row][column] - local.m[row][column]));
+      size = std::max(size, std::abs(local.m[row][column]));
+    }
+  }
+  return off > kMost * size;
+}
+
 }  // namespace
 
 std::vector<DetachedJoint> detached_joints(const Character& character) {
@@ -109,10 +125,11 @@ std::vector<DetachedJoint> detached_joints(const Character& character) {
   std::set<int> limbs;
   for (std::uint32_t j = 0; j < character.skeleton.size(); ++j) {
     const int follows = detached.followed_by(j);
-    if (follows < 0) continue;
+    const std::uint32_t limb = static_cast<std::uint32_t>(follows);
+    if (follows < 0 || hangs_under(character.skeleton, result, limb, j) || shears(character.skeleton, limb, j))
+      continue;
     limbs.insert(follows);
-    result.push_back({j, static_cast<std::uint32_t>(follows),
-                      "its skin goes on from that of this joint, and of none that it hangs under"});
+    result.push_back({j, limb, "its skin goes on from that of this joint, and of none that it hangs under"});
   }
   // What ends a limb that itself goes on from another one's end cannot be told from that.
   std::erase_if(result, [&](const DetachedJoint& of) { return limbs.contains(static_cast<int>(of.joint)); });
@@ -121,6 +138,18 @@ std::vector<DetachedJoint> detached_joints(const Character& character) {
 
 AttachedRig::AttachedRig(const Skeleton& skeleton, const std::vector<DetachedJoint>& detached)
     : own_(skeleton), detached_(detached), place_(skeleton.size()) {
+  for (const DetachedJoint& of : detached) {
+    const std::string who =
+        "'" + skeleton.joints[of.joint].name + "' cannot follow '" + skeleton.joints[of.follows].name + "'";
+    if (hangs_under(skeleton, {}, of.follows, of.joint))
+      throw Error(ErrorKind::mismatch, who + ", which hangs under it");
+    if (shears(skeleton, of.follows, of.joint)) {
+      throw Error(ErrorKind::mismatch,
+                  who +
+                      ", whose scale is not the same along all axes: apply scales to the rig, or leave "
+                      "it out of detached_joints");
+    }
+  }
   std::vector<int> parents;
   for (const Joint& joint : skeleton.joints) parents.push_back(joint.parent);
   for (const DetachedJoint& of : detached) parents[of.joint] = static_cast<int>(of.follows);
@@ -161,15 +190,34 @@ JointLimits AttachedRig::detached(JointLimits limits) const {
   return limits;
 }
 
-Pose AttachedRig::attached(const Pose& pose) const {
-  Pose result = pose;
-  for (std::uint32_t k = 0; k < own_of_.size(); ++k) result.joints[k] = pose.joints[own_of_[k]];
+std::vector<JointTransform> AttachedRig::attached(const std::vector<JointTransform>& joints) const {
+  std::vector<JointTransform> result;
+  for (const std::uint32_t j : own_of_) result.push_back(joints[j]);
   if (detached_.empty()) return result;
-  const std::vector<Affine> world = posed_joints(own_, pose.joints);
+  const std::vector<Affine> world = posed_joints(own_, joints);
   for (const DetachedJoint& of : detached_) {
-    result.joints[place_[of.joint]] = local_under(world, static_cast<int>(of.follows), world[of.joint]);
+    result[place_[of.joint]] = local_under(world, static_cast<int>(of.follows), world[of.joint]);
   }
   return result;
+}
+
+std::vector<JointTransform> AttachedRig::detached(const std::vector<JointTransform>& joints) const {
+  std::vector<JointTransform> result;
+  for (const std::uint32_t k : place_) result.push_back(joints[k]);
+  if (detached_.empty()) return result;
+  const std::vector<Affine> world = posed_joints(attached_, joints);
+  for (const DetachedJoint& of : detached_) {
+    const int parent = own_.joints[of.joint].parent;
+    const int place = parent < 0 ? -1 : static_cast<int>(place_[static_cast<std::size_t>(parent)]);
+    result[of.joint] = local_under(world, place, world[place_[of.joint]]);
+  }
+  return result;
+}
+
+Pose AttachedRig::attached(Pose pose) const {
+  pose.joints = attached(pose.joints);
+  if (!pose.unmodified.empty()) pose.unmodified = attached(pose.unmodified);
+  return pose;
 }
 
 std::vector<Pose> AttachedRig::attached(const std::vector<Pose>& poses) const {
@@ -178,22 +226,25 @@ std::vector<Pose> AttachedRig::attached(const std::vector<Pose>& poses) const {
   return result;
 }
 
-Pose AttachedRig::detached(const Pose& pose) const {
-  Pose result = pose;
-  for (std::uint32_t j = 0; j < place_.size(); ++j) result.joints[j] = pose.joints[place_[j]];
-  if (detached_.empty()) return result;
-  const std::vector<Affine> world = posed_joints(attached_, pose.joints);
-  for (const DetachedJoint& of : detached_) {
-    const int parent = own_.joints[of.joint].parent;
-    const int place = parent < 0 ? -1 : static_cast<int>(place_[static_cast<std::size_t>(parent)]);
-    result.joints[of.joint] = local_under(world, place, world[place_[of.joint]]);
-  }
-  return result;
+Pose AttachedRig::detached(Pose pose) const {
+  pose.joints = detached(pose.joints);
+  if (!pose.unmodified.empty()) pose.unmodified = detached(pose.unmodified);
+  return pose;
 }
 
 Clip AttachedRig::detached(Clip clip) const {
   for (Pose& pose : clip.poses) pose = detached(pose);
   return clip;
+}
+
+std::string detached_text(const std::vector<DetachedJoint>& detached, const Skeleton& skeleton) {
+  std::vector<std::string> pairs;
+  for (const DetachedJoint& of : detached) {
+    pairs.push_back(skeleton.joints[of.joint].name + "' follows '" + skeleton.joints[of.follows].name);
+  }
+  return pairs.empty() ? ""
+                       : "by its skin " + list_names(pairs, pairs.size()) +
+                             " in motion made from limits, though it hangs elsewhere in the rig";
 }
 
 }  // namespace bodyopt

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include "assets/character.h"
@@ -16,9 +17,12 @@ namespace bodyopt {
 // and those beside the limb's joint turn about the same parent: neither is named.
 std::vector<DetachedJoint> detached_joints(const Character& character);
 
+// "by its skin 'LeftFoot' follows 'LeftLeg' ...", or empty.
+std::string detached_text(const std::vector<DetachedJoint>& detached, const Skeleton& skeleton);
+
 class AttachedRig {
  public:
-  // Throws Error(mismatch) where a joint follows itself or one that hangs under it.
+  // Throws Error(mismatch) where a joint follows itself or one that hangs under it, or one whose scale would shear it.
   AttachedRig(const Skeleton& skeleton, const std::vector<DetachedJoint>& detached);
 
   // The character's skeleton, but that detached joints hang under those that they follow, in an order of its own.
@@ -27,15 +31,18 @@ class AttachedRig {
   // From the character's own joints to those of skeleton().
   Character attached(Character character) const;
   JointLimits attached(JointLimits limits) const;  // without detached joints
-  Pose attached(const Pose& pose) const;
+  Pose attached(Pose pose) const;
   std::vector<Pose> attached(const std::vector<Pose>& poses) const;
 
   // Back.
   JointLimits detached(JointLimits limits) const;
-  Pose detached(const Pose& pose) const;
+  Pose detached(Pose pose) const;
   Clip detached(Clip clip) const;
 
  private:
+  std::vector<JointTransform> attached(const std::vector<JointTransform>& joints) const;
+  std::vector<JointTransform> detached(const std::vector<JointTransform>& joints) const;
+
   Skeleton own_, attached_;
   std::vector<DetachedJoint> detached_;
   std::vector<std::uint32_t> place_, own_of_;  // of every own joint its index in attached_, and the other way round

@@ -161,6 +161,14 @@ class LimitsReader {
     }
   }
 
+  std::uint32_t mirror_image(std::uint32_t joint) const {
+    for (const auto& [one, other] : mirrored_) {
+      if (one == joint) return other;
+      if (other == joint) return one;
+    }
+    return joint;
+  }
+
   void read_detached(const Json& list) {
     for (std::size_t k = 0; k < list.size(); ++k) {
       const JsonObject object(list[k], path_, "detached_joints[" + std::to_string(k) + "]");
@@ -169,23 +177,18 @@ class LimitsReader {
                                object.has("source") ? object.text("source") : ""};
       if (is_detached_.contains(read.joint))
         object.refuse("has the joint '" + object.name("joint") + "' of an earlier one");
-      is_detached_.insert(read.joint);
-      limits_.detached.push_back(read);
-      if (hangs_under_itself(read.joint)) {
+      if (hangs_under(skeleton_, limits_.detached, read.follows, read.joint)) {
         object.refuse("lets '" + object.name("joint") + "' follow a joint that itself hangs under it");
       }
+      is_detached_.insert(read.joint);
+      limits_.detached.push_back(read);
     }
-  }
-
-  bool hangs_under_itself(std::uint32_t joint) const {
-    int above = static_cast<int>(joint);
-    do {
-      const auto detached = std::find_if(limits_.detached.begin(), limits_.detached.end(),
-                                         [&](const DetachedJoint& of) { return static_cast<int>(of.joint) == above; });
-      above = detached != limits_.detached.end() ? static_cast<int>(detached->follows)
-                                                 : skeleton_.joints[static_cast<std::size_t>(above)].parent;
-    } while (above >= 0 && above != static_cast<int>(joint));
-    return above >= 0;
+    const std::vector<DetachedJoint> named = limits_.detached;
+    for (const DetachedJoint& of : named) {
+      const DetachedJoint image{mirror_image(of.joint), mirror_image(of.follows), of.source};
+      const bool closes_circle = hangs_under(skeleton_, limits_.detached, image.follows, image.joint);
+      if (!closes_circle && is_detached_.insert(image.joint).second) limits_.detached.push_back(image);
+    }
   }
 
   void read_poses(const Json& list) {
@@ -246,6 +249,17 @@ class LimitsReader {
 };
 
 }  // namespace
+
+bool hangs_under(const Skeleton& skeleton, const std::vector<DetachedJoint>& detached, std::uint32_t joint,
+                 std::uint32_t above) {
+  int at = static_cast<int>(joint);
+  while (at >= 0 && at != static_cast<int>(above)) {
+    const auto of = std::find_if(detached.begin(), detached.end(),
+                                 [&](const DetachedJoint& d) { return static_cast<int>(d.joint) == at; });
+    at = of != detached.end() ? static_cast<int>(of->follows) : skeleton.joints[static_cast<std::size_t>(at)].parent;
+  }
+  return at >= 0;
+}
 
 JointLimits read_joint_limits(const std::filesystem::path& path, const Skeleton& skeleton) {
   return LimitsReader(path, skeleton).read();

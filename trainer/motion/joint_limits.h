@@ -59,9 +59,13 @@ struct JointLimits {
 // Of joints that degrees of freedom turn, where a file says nothing.
 inline constexpr double kUsualDeviation = 15;  // degrees
 
+// Whether a joint hangs at or under another, detached ones under those that they follow. These must not close a circle.
+bool hangs_under(const Skeleton& skeleton, const std::vector<DetachedJoint>& detached, std::uint32_t joint,
+                 std::uint32_t above);
+
 // A mirrored degree of freedom follows the one it is the mirror image of; mirror images of common poses follow where
-// they differ. Throws Error(file) for bad bytes, and Error(mismatch) for joints the skeleton lacks and for limits that
-// exclude the rest pose.
+// they differ, those of detached joints that are not named. Throws Error(file) for bad bytes, and Error(mismatch) for
+// joints the skeleton lacks and for limits that exclude the rest pose.
 JointLimits read_joint_limits(const std::filesystem::path& path, const Skeleton& skeleton);
 void write_joint_limits(const JointLimits& limits, const Skeleton& skeleton, const std::filesystem::path& path);
 Json to_json(const JointLimits& limits, const Skeleton& skeleton);  // what the file has

@@ -143,9 +143,9 @@ RegionModel fit_region(const FitContext& context, std::size_t r, const PartFrame
   model.contradictions = frames.contradictions_of(r, context.pairs, model.components);
   const Basis& basis = context.ground.base.basis;
   const StrainFeatures strains{joint_feature_count(basis.skeleton), basis.strain.fibre_count()};
-  const Eigen::MatrixXd motion = context.folds.size() <= kFewFrames
-                                     ? components(std::max(kMotionOfFewFrames, options.components)).coefficients
-                                     : model.components.coefficients;
+  const bool asks_for_more = context.folds.size() <= kFewFrames && options.components < kMotionOfFewFrames;
+  const Eigen::MatrixXd motion =
+      asks_for_more ? components(kMotionOfFewFrames).coefficients : model.components.coefficients;
   choose_map(features, strains, context.layout.choices[r], motion, context.folds, context.weights, options, model);
   normalise(model);
   return model;
