@@ -116,21 +116,36 @@ Curves read_csv_curves(const std::filesystem::path& path) {
   return curves;
 }
 
-// Keys that all lie beyond the clip are most likely of another numbering. One note, however many curves have such.
-void note_other_frames(const std::filesystem::path& path, const Curves& curves, Clip& clip) {
+// Curves whose keys all lie on one side of a clip.
+struct CurvesBeyond {
   std::vector<std::string> names;
   double first = kLargestFrame, last = -kLargestFrame;
-  for (const auto& [name, keys] : curves) {
-    if (keys.size() < 2 || (keys.front().frame <= clip.last_frame() && keys.back().frame >= clip.first_frame)) continue;
+
+  void add(const std::string& name, const std::vector<Key>& keys) {
     names.push_back(name);
     first = std::min(first, keys.front().frame);
     last = std::max(last, keys.back().frame);
   }
-  if (names.empty()) return;
-  clip.notes.push_back(path.string() + ": the keys of " + list_names(names) + ", from frame " + rounded(first) +
-                       " to " + rounded(last) + ", are none within the clip's " + std::to_string(clip.first_frame) +
-                       " to " + std::to_string(clip.last_frame()) + ": " + (names.size() == 1 ? "it is" : "they are") +
-                       " held all along (another first frame, or rate?)");
+  std::string text() const {
+    return "of " + list_names(names) + ", from frame " + rounded(first) + " to " + rounded(last) + ",";
+  }
+};
+
+// Keys that all lie beyond the clip are most likely of another numbering. One note, however many curves have such.
+void note_other_frames(const std::filesystem::path& path, const Curves& curves, Clip& clip) {
+  CurvesBeyond before, after;
+  for (const auto& [name, keys] : curves) {
+    if (keys.size() < 2) continue;
+    if (keys.back().frame < clip.first_frame) before.add(name, keys);
+    if (keys.front().frame > clip.last_frame()) after.add(name, keys);
+  }
+  const std::size_t count = before.names.size() + after.names.size();
+  if (count == 0) return;
+  std::string text = before.names.empty() ? "" : " " + before.text();
+  if (!after.names.empty()) text += (text.empty() ? " " : " and ") + after.text();
+  clip.notes.push_back(path.string() + ": the keys" + text + " are none within the clip's " +
+                       std::to_string(clip.first_frame) + " to " + std::to_string(clip.last_frame()) + ": " +
+                       (count == 1 ? "it is" : "they are") + " held all along (another first frame, or rate?)");
 }
 
 }  // namespace

@@ -92,6 +92,18 @@ TEST(Controls, AreReadFromATableAndWrittenBack) {
   for (const char* told : {"'biceps', 'breath.rate'", "frame 12 to 14", "1001 to 1004", "they are held all along"}) {
     EXPECT_NE(other.notes[0].find(told), std::string::npos) << other.notes[0];
   }
+  // Keys on both sides, so that the frames of all of them would hold the clip's.
+  write_bytes(folder / "sides.json",
+              R"({"schema": "bodyopt-controls-1", "fps": 24,
+                  "controls": {"early": [[1, 0], [5, 1]], "late": [[2001, 0], [2005, 1]]}})");
+  Clip between = clip_of(4);
+  between.first_frame = 1001;
+  read_controls(folder / "sides.json", between);
+  ASSERT_EQ(between.notes.size(), 1u);
+  EXPECT_NE(
+      between.notes[0].find("the keys of 'early', from frame 1 to 5, and of 'late', from frame 2001 to 2005, are"),
+      std::string::npos)
+      << between.notes[0];
   for (const char* table : {"", "frame\n1\n", "time,a\n1,2\n", "frame,a,a\n1,2,3\n", "frame,a\n", "frame,a\n1\n",
                             "frame,a\n1,2,3\n", "frame,a\n1,x\n", "frame,a\n1,nan\n", "frame,a\n2,0\n1,0\n"}) {
     write_bytes(folder / "bad.csv", table);
