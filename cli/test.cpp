@@ -8,6 +8,7 @@
 #include "cli/arguments/common.h"
 #include "cli/results/fade_log.h"
 #include "runtime/core/error.h"
+#include "trainer/train/data/learned_poses.h"
 #include "trainer/train/judge/test_errors.h"
 
 namespace bodyopt::cli {
@@ -48,7 +49,8 @@ void warn_of_learned(const TakeErrors& take) {
       take.take, learned.size(), take.frames.size(), format_frame_range(learned));
 }
 
-Json details_of(const TakeErrors& take) {
+// `told`: the basis tells which poses it learned from.
+Json details_of(const TakeErrors& take, bool told) {
   Json parts = Json::array(), frames = Json::array();
   const std::vector<int> learned = learned_frames(take);
   for (const PartErrors& part : take.parts) {
@@ -65,7 +67,8 @@ Json details_of(const TakeErrors& take) {
   }
   Json result = {{"take", take.take}, {"frames", take.frames.size()}};
   result.update(numbers_of(take.errors));
-  result["learned_frames"] = learned.empty() ? "" : format_frame_range(learned);
+  result["learned_frames"] = nullptr;
+  if (told) result["learned_frames"] = learned.empty() ? "" : format_frame_range(learned);
   result["rank_correlation"] = take.rank_correlation;
   result["parts"] = parts;
   result["per_frame"] = frames;
@@ -102,6 +105,12 @@ void run(const TestArguments& arguments) {
   const std::filesystem::path path = dataset_file(arguments.dataset);
   const SampleSet set = read_samples(read_dataset(path));
   say(set.notes);
+  const bool told = tells_learned_poses(basis);
+  if (!told && basis.residual.coefficient_count() > 0) {
+    say(
+        {"the basis does not tell which poses it learned from (one of an older version, or a carried one): whether "
+         "frames tested are among them is not known"});
+  }
   Json takes = Json::array();
   std::string text = format(
       "RMS by area, mm; of the parts of the body, by joint, those that gained least\n%-20s %6s "
@@ -109,7 +118,7 @@ void run(const TestArguments& arguments) {
       "take", "frames", "DDM", "full", "ratio", "expected", "rho");
   for (const TakeErrors& take : test_errors(basis, set)) {
     warn_of_learned(take);
-    Json entry = details_of(take);
+    Json entry = details_of(take, told);
     Json harmed = Json::array();
     for (const PartErrors& part : harmed_parts(take, kHarm)) harmed.push_back(part.part);
     entry["harmed_parts"] = harmed;

@@ -431,6 +431,11 @@ TEST(Takes, TestSaysOfWhichPosesTheBasisLearned) {
   const ProgramResult of_other = run_bodyopt("test " + basis + " " + other + " --json " + json);
   EXPECT_EQ(of_other.output.find("the basis learned from"), std::string::npos) << of_other.output;
   EXPECT_EQ(nlohmann::json::parse(testing::read_bytes(json)).at("takes")[0].at("learned_frames"), "14");
+  // That none was learned, and that it is not known, are two things.
+  ASSERT_EQ(run_bodyopt("train --ddm-only " + files.character + " --out " + basis).exit_code, 0);
+  const ProgramResult untold = run_bodyopt("test " + basis + " " + data + " --json " + json);
+  EXPECT_TRUE(nlohmann::json::parse(testing::read_bytes(json)).at("takes")[0].at("learned_frames").is_null());
+  EXPECT_EQ(untold.output.find("which poses it learned from"), std::string::npos) << untold.output;
 }
 
 TEST(Takes, DraftsAreNotCutOpenAndRegionsAreDrawnFromAllAround) {

@@ -15,6 +15,7 @@
 #include "trainer/proxy/frame_time.h"
 #include "trainer/proxy/level_skins.h"
 #include "trainer/proxy/taught_samples.h"
+#include "trainer/train/data/learned_poses.h"
 #include "trainer/train/judge/heldout.h"
 #include "trainer/train/skinning/ddm_basis.h"
 
@@ -85,6 +86,8 @@ TEST(BuildProxy, TheReportSaysWhatIsTrue) {
     EXPECT_LT(level.distance_rms, level.error);
   }
   EXPECT_TRUE(read_proxy_report(levels()[1].basis).levels.empty());
+  EXPECT_EQ(levels()[0].basis.metadata.count(kLearnedPoses), 1u);
+  EXPECT_EQ(levels()[1].basis.metadata.count(kLearnedPoses), 0u);
   Basis damaged = levels()[0].basis;
   damaged.metadata["levels"] = "{\"levels\": 3}";
   EXPECT_THROW(read_proxy_report(damaged), Error);

@@ -11,6 +11,7 @@
 #include "trainer/proxy/level_skins.h"
 #include "trainer/proxy/proxy_samples.h"
 #include "trainer/proxy/skin_map.h"
+#include "trainer/train/data/learned_poses.h"
 #include "trainer/train/features/strain.h"
 #include "trainer/train/fit/train.h"
 #include "trainer/train/skinning/mesh_table.h"
@@ -55,6 +56,7 @@ class ProxyBuilder {
     TrainingResult trained = train(samples, options_.train);
     say_of(trained, name);
     level.basis = std::move(trained.basis);
+    if (!built_.levels.empty()) level.basis.metadata.erase(kLearnedPoses);  // the first level has them
     measure_result(level, report);
     built_.levels.push_back(std::move(level));
     built_.report.levels.push_back(report);

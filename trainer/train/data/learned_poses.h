@@ -13,17 +13,26 @@ namespace bodyopt {
 constexpr const char* kLearnedPoses = "learned_poses";  // of a basis' metadata
 
 // Of all training frames, as the metadata has them: eight hexadecimal digits of each pose, ascending, without gaps.
-// Two that differ anywhere differ there, but for one of 4 billion.
+// What counts is what was learned from: how joints that bend the skin are turned, and controls, to 1e-4. Two poses that
+// differ there have other digits, but for one pair of 4 billion; so have two of a pair of which a number is just below
+// and just above where it is rounded.
 std::string learned_poses_text(const SampleSet& set);
+
+// Whether it says which poses it learned from: one of an older version, a carried one and one of Direct Delta Mush
+// alone do not.
+bool tells_learned_poses(const Basis& basis);
 
 class LearnedPoses {
  public:
-  explicit LearnedPoses(const Basis& basis);  // none, of a basis that does not tell
-  // Whether a frame of the set has the joints and the controls of a pose that was learned from.
-  bool has(const SampleSet& set, const Pose& pose) const;
+  // None, of a basis that does not tell. `set`: of the basis' character.
+  LearnedPoses(const Basis& basis, const SampleSet& set);
+  // Whether a pose, with the controls of the set, is one that was learned from.
+  bool has(const Pose& pose) const;
 
  private:
-  std::vector<std::string> poses_;  // ascending
+  const SampleSet& set_;
+  std::vector<std::uint32_t> joints_;  // by which a pose is told
+  std::vector<std::string> poses_;     // ascending
 };
 
 }  // namespace bodyopt

@@ -145,13 +145,13 @@ std::vector<TakeErrors> test_errors(const Basis& basis, const SampleSet& set, co
   require_same_character(make_mesh_table(ordered), ordered.skeleton, basis);
   const Eigen::SparseMatrix<double> skin = skin_of_joints(set.character);
   Tester tester(basis, set);
-  const LearnedPoses learned(basis);
+  const LearnedPoses learned(basis, set);
   std::vector<TakeSums> sums(set.takes.size(), TakeSums(skin));
   Progress progress("test", samples.size());
   for (const Sample& sample : samples) {
     FrameErrors frame;
     frame.frame = sample.frame;
-    frame.learned = learned.has(set, sample.pose);
+    frame.learned = learned.has(sample.pose);
     const Squares squares = tester.squares(sample, frame);
     sums[static_cast<std::size_t>(sample.take)].add(std::move(frame), squares);
     progress.advance();
