@@ -70,16 +70,17 @@ Json to_json(const TakenFrames& frames) {
   return {{"taken", frames.taken}, {"all", frames.all}, {"takes", takes}};
 }
 
-// "drops 127 of 161 frames (rom 120, walk 7)".
-std::string text_of(const TakenFrames& frames, const ModifierType& type) {
-  const char* does = "takes";
-  if (type.effect == ModifierType::Effect::drop) does = "drops";
-  if (type.effect == ModifierType::Effect::weight) does = "weighs";
+// "drops 127 of 161 frames (rom 120, walk 7)"; "would drop" where it is switched off.
+std::string text_of(const TakenFrames& frames, const ModifierType& type, bool enabled) {
+  const char* verb = "take";
+  if (type.effect == ModifierType::Effect::drop) verb = "drop";
+  if (type.effect == ModifierType::Effect::weight) verb = "weigh";
+  const std::string does = enabled ? std::string(verb) + "s" : std::string("would ") + verb;
   std::string takes;
   for (const auto& [take, count] : frames.by_take) {
     takes += (takes.empty() ? "" : ", ") + take + " " + std::to_string(count);
   }
-  return format("%s %zu of %s (%s)", does, frames.taken, count_of(frames.all, "frame", "frames").c_str(),
+  return format("%s %zu of %s (%s)", does.c_str(), frames.taken, count_of(frames.all, "frame", "frames").c_str(),
                 takes.c_str());
 }
 
@@ -120,10 +121,9 @@ struct StackReport {
   std::string text;
 };
 
-StackReport report_stack(const Dataset& dataset) {
+StackReport report_stack(const Dataset& dataset, const std::optional<PoseDatabase>& database) {
   StackReport report{bodyopt::to_json(dataset.modifiers), ""};
   if (dataset.modifiers.empty()) return {report.list, "no modifiers: the shapes are read as they are\n"};
-  const std::optional<PoseDatabase> database = readable_database(dataset);
   report.text = format("%3s  %-20s %-12s %-4s %8s  %s\n", "", "modifier", "type", "", "strength", "frames; mask");
   for (std::size_t k = 0; k < dataset.modifiers.size(); ++k) {
     const Modifier& modifier = dataset.modifiers[k];
@@ -137,17 +137,23 @@ StackReport report_stack(const Dataset& dataset) {
     std::string details = short_parameters(modifier.parameters);
     if (const std::optional<TakenFrames> frames = readable_frames(database, modifier)) {
       report.list[k]["frame_counts"] = to_json(*frames);
-      details = text_of(*frames, *type) + (details.empty() ? "" : "; ") + details;
+      details = text_of(*frames, *type, modifier.enabled) + (details.empty() ? "" : "; ") + details;
     }
     if (!details.empty()) report.text += "     " + details + "\n";
   }
   return report;
 }
 
-// The stack as it is now: what every edit ends with.
-void emit_stack(const CurateArguments& arguments) {
-  const StackReport report = report_stack(read_dataset(path_of(arguments)));
+// The stack as it is now: what every edit ends with. `database`: none where it cannot be read.
+void emit_stack(const CurateArguments& arguments, const Dataset& dataset, const std::optional<PoseDatabase>& database) {
+  const StackReport report = report_stack(dataset, database);
   arguments.json.emit({{"dataset", path_of(arguments).string()}, {"modifiers", report.list}}, report.text);
+}
+
+// The same after what needed no database.
+void emit_stack(const CurateArguments& arguments) {
+  const Dataset dataset = read_dataset(path_of(arguments));
+  emit_stack(arguments, dataset, dataset.modifiers.empty() ? std::nullopt : readable_database(dataset));
 }
 
 // KEY=VALUE, the value JSON or else text.
@@ -197,8 +203,8 @@ void add(const CurateArguments& arguments) {
   modifier.frames = selections_of(arguments).value_or(Json::array());
   modifier.mask = mask_of(arguments).value_or(Json::object());
   modifier.parameters = parameters_of(arguments.settings);
-  add_modifier(path_of(arguments), modifier);
-  emit_stack(arguments);
+  const std::optional<PoseDatabase> database = add_modifier(path_of(arguments), modifier);
+  emit_stack(arguments, database->dataset, database);
 }
 
 void edit(const CurateArguments& arguments, bool strength_given) {
@@ -208,8 +214,8 @@ void edit(const CurateArguments& arguments, bool strength_given) {
   change.frames = selections_of(arguments);
   change.mask = mask_of(arguments);
   change.parameters = parameters_of(arguments.settings);
-  change_modifier(path_of(arguments), arguments.name, change);
-  emit_stack(arguments);
+  const std::optional<PoseDatabase> database = change_modifier(path_of(arguments), arguments.name, change);
+  emit_stack(arguments, database->dataset, database);
 }
 
 std::string frame_text(const PoseDatabase& database, std::size_t n) {
@@ -319,7 +325,7 @@ void diff(const CurateArguments& arguments) {
     if (type == nullptr || type->effect == ModifierType::Effect::shape) continue;
     const TakenFrames taken = taken_frames(stack.database(), modifier);
     list.back()["frame_counts"] = to_json(taken);
-    text += format("%-20s %s\n", "", text_of(taken, *type).c_str());
+    text += format("%-20s %s\n", "", text_of(taken, *type, modifier.enabled).c_str());
   }
   say(capped_notes(stack.database().dataset.modifiers, effects));
   if (!arguments.picture.empty()) text += draw_effect(stack, effects.front(), arguments.picture);
@@ -500,10 +506,11 @@ std::optional<SculptReach> reach_of(const PoseDatabase& database, const std::str
 
 // The stack with the sculpt in it, and what the sculpt moves.
 void emit_sculpt(const CurateArguments& arguments) {
-  const ShapeStack stack(read_pose_database(read_dataset(path_of(arguments))));
+  std::optional<PoseDatabase> read = read_pose_database(read_dataset(path_of(arguments)));
+  auto [list, text] = report_stack(read->dataset, read);
+  const ShapeStack stack(std::move(*read));
   const PoseDatabase& database = stack.database();
   const std::size_t frame = database.find(arguments.take, arguments.frame, "import-frame");
-  auto [list, text] = report_stack(database.dataset);
   Json result = {{"dataset", path_of(arguments).string()}, {"modifiers", list}};
   const std::optional<SculptReach> reach = reach_of(database, arguments.name, frame);
   if (reach) {

@@ -82,6 +82,9 @@ TEST_F(CurateProgram, SaysHowManyFramesAModifierTakes) {
   ASSERT_EQ(curate("edit", "weight --set weight=2").exit_code, 0);
   EXPECT_NE(curate("list", "").output.find("; weight=2"), std::string::npos);
   EXPECT_NE(curate("undo", "").output.find("; weight=4"), std::string::npos);
+  // What is switched off does nothing.
+  EXPECT_NE(curate("disable", "drop").output.find("would drop" + told), std::string::npos);
+  EXPECT_NE(curate("disable", "weight").output.find("would weigh" + told), std::string::npos);
 }
 
 // Where most frames are moved as far as the cap lets, that is said.

@@ -102,17 +102,21 @@ void put_over(const Dataset& dataset, const std::string& name, const std::string
 
 }  // namespace
 
-std::string add_modifier(const fs::path& path, Modifier modifier) {
-  edit_modifiers(path, [&](const Dataset& dataset, Modifiers& modifiers) {
+PoseDatabase add_modifier(const fs::path& path, Modifier modifier) {
+  PoseDatabase database;
+  Dataset edited = edit_modifiers(path, [&](const Dataset& dataset, Modifiers& modifiers) {
     modifier.name = free_name(modifiers, modifier);
-    check_modifier(read_pose_database(dataset), modifier);
+    database = read_pose_database(dataset);
+    check_modifier(database, modifier);
     modifiers.push_back(modifier);
   });
-  return modifier.name;
+  database.dataset = std::move(edited);
+  return database;
 }
 
-void change_modifier(const fs::path& path, const std::string& name, const ModifierChange& change,
-                     std::chrono::milliseconds patience) {
+PoseDatabase change_modifier(const fs::path& path, const std::string& name, const ModifierChange& change,
+                             std::chrono::milliseconds patience) {
+  PoseDatabase database;
   const auto edit = [&](const Dataset& dataset, Modifiers& modifiers) {
     Modifier& modifier = *find_modifier(modifiers, name);
     if (change.strength) modifier.strength = *change.strength;
@@ -128,9 +132,12 @@ void change_modifier(const fs::path& path, const std::string& name, const Modifi
       }
       modifier.name = *change.name;
     }
-    check_modifier(read_pose_database(dataset), modifier);
+    database = read_pose_database(dataset);
+    check_modifier(database, modifier);
   };
-  edit_modifiers(path, edit, patience);
+  Dataset edited = edit_modifiers(path, edit, patience);
+  database.dataset = std::move(edited);
+  return database;
 }
 
 void move_modifier(const fs::path& path, const std::string& name, std::size_t place) {

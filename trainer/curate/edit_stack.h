@@ -27,10 +27,12 @@ struct ModifierChange {
   Json parameters = Json::object();  // those named are replaced, null takes one away
 };
 
-// On top of the stack. An empty name becomes its type's, with a number where that is taken. Returns the name.
-std::string add_modifier(const std::filesystem::path& path, Modifier modifier);
-void change_modifier(const std::filesystem::path& path, const std::string& name, const ModifierChange& change,
-                     std::chrono::milliseconds patience = kPatienceForChanges);
+// On top of the stack. An empty name becomes its type's, with a number where that is taken. Returns the database that
+// it was checked against, with the stack as it is then.
+PoseDatabase add_modifier(const std::filesystem::path& path, Modifier modifier);
+// Returns the same.
+PoseDatabase change_modifier(const std::filesystem::path& path, const std::string& name, const ModifierChange& change,
+                             std::chrono::milliseconds patience = kPatienceForChanges);
 // To a place from 1 on.
 void move_modifier(const std::filesystem::path& path, const std::string& name, std::size_t place);
 void enable_modifier(const std::filesystem::path& path, const std::string& name, bool enabled,
