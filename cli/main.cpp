@@ -24,9 +24,12 @@ struct VerbGroup {
   std::vector<void (*)(CLI::App&)> verbs;
 };
 
+// For the list of verbs: as_options() makes of it what it does.
+void add_help(CLI::App& app) { app.add_subcommand("help", "What a verb does: help VERB is VERB --help"); }
+
 void add_verbs(CLI::App& app) {
   const VerbGroup groups[] = {
-      {"To begin with", {add_demo, add_info, add_check, add_devices}},
+      {"To begin with", {add_help, add_demo, add_info, add_check, add_devices}},
       {"A character's muscles and motion", {add_rig, add_muscles, add_rom}},
       {"Shapes to learn from", {add_simulate, add_dataset, add_curate, add_export, add_picture}},
       {"Learning", {add_train, add_test, add_coverage, add_improve, add_regions}},
@@ -52,7 +55,8 @@ void require_verb(const CLI::App& app, const std::string& name) {
                                     nearest_names(verbs, name).front() + "' (bodyopt --help lists all)");
 }
 
-// Throws Error(usage) at an option that none of the verbs on the command line has, with the one that may be meant.
+// Throws Error(usage) at an option that the verb before it on the command line does not have, with the one of that
+// verb that may be meant.
 void require_options(const CLI::App& verb) {
   std::vector<std::string> options;
   for (const CLI::Option* option : verb.get_options()) {

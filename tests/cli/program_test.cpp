@@ -67,6 +67,9 @@ TEST(Program, HelpIsAVerbToo) {
   EXPECT_EQ(of_a_verb.exit_code, 0);
   EXPECT_EQ(of_a_verb.output, run_bodyopt("curate --help").output);
   EXPECT_EQ(run_bodyopt("help frobnicate").exit_code, 64);
+  const ProgramResult misspelt = run_bodyopt("hlep");
+  EXPECT_NE(misspelt.output.find("the nearest is 'help'"), std::string::npos) << misspelt.output;
+  EXPECT_NE(run_bodyopt("--help").output.find("help VERB is VERB --help"), std::string::npos);
 }
 
 TEST(Program, MissingFilesExitWith4AndAreNamed) {
