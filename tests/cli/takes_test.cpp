@@ -21,6 +21,13 @@
 namespace bodyopt {
 namespace {
 
+// A draft of fourteen frames of the limb's motion.
+bool makes_draft(const LimbFiles& files, const std::string& data) {
+  return run_bodyopt("simulate " + files.character + " --clip " + files.motion +
+                     " --fps 120 --draft --frames 1-14 --out " + data)
+             .exit_code == 0;
+}
+
 TEST(Takes, FramesAreAddedNotReplaced) {
   const TemporaryFolder folder;
   const LimbFiles files(folder, 1);
@@ -442,10 +449,7 @@ TEST(Takes, DraftsAreNotCutOpenAndRegionsAreDrawnFromAllAround) {
   const TemporaryFolder folder;
   const LimbFiles files(folder, 1);
   const std::string data = (folder / "data").string();
-  ASSERT_EQ(run_bodyopt("simulate " + files.character + " --clip " + files.motion +
-                        " --fps 120 --draft --frames 1-14 --out " + data)
-                .exit_code,
-            0);
+  ASSERT_TRUE(makes_draft(files, data));
   const std::string cut = "picture " + data + " --frame 2 --cut-open --out " + (folder / "cut.png").string();
   const ProgramResult refused = run_bodyopt(cut);
   EXPECT_EQ(refused.exit_code, 64);
@@ -552,10 +556,7 @@ TEST(Takes, HoldingOutEveryNthBlockSaysWhenThatIsNone) {
   const TemporaryFolder folder;
   const LimbFiles files(folder, 1);
   const std::string data = (folder / "data").string();
-  ASSERT_EQ(run_bodyopt("simulate " + files.character + " --clip " + files.motion +
-                        " --fps 120 --draft --frames 1-14 --out " + data)
-                .exit_code,
-            0);
+  ASSERT_TRUE(makes_draft(files, data));
   const std::string train = "train " + data + " --out " + (folder / "limb.safetensors").string() + " --heldout-every ";
   const ProgramResult none = run_bodyopt(train + "3");
   EXPECT_EQ(none.exit_code, 0) << none.output;

@@ -97,9 +97,28 @@ std::vector<std::uint32_t> parents_first(const std::vector<int>& parents) {
   return order;
 }
 
-// What the joint's local transform is under another parent, both posed.
-JointTransform local_under(const std::vector<Affine>& world, int parent, const Affine& joint) {
-  return decompose(parent < 0 ? joint : inverse(world[static_cast<std::size_t>(parent)]) * joint);
+// The same joints, the k-th of which is the order[k]-th of `from`, as local transforms under their parents in `to`.
+std::vector<JointTransform> rehung(const Skeleton& from, const Skeleton& to, const std::vector<std::uint32_t>& order,
+                                   const std::vector<JointTransform>& joints) {
+  const std::vector<Affine> world = posed_joints(from, joints);
+  std::vector<JointTransform> result;
+  for (std::size_t k = 0; k < order.size(); ++k) {
+    const int above = to.joints[k].parent;
+    const int parent = above < 0 ? -1 : static_cast<int>(order[static_cast<std::size_t>(above)]);
+    const Affine& joint = world[order[k]];
+    if (parent == from.joints[order[k]].parent) {
+      result.push_back(joints[order[k]]);
+    } else {
+      result.push_back(decompose(parent < 0 ? joint : inverse(world[static_cast<std::size_t>(parent)]) * joint));
+    }
+  }
+  return result;
+}
+
+Pose rehung(const Skeleton& from, const Skeleton& to, const std::vector<std::uint32_t>& order, Pose pose) {
+  pose.joints = rehung(from, to, order, pose.joints);
+  if (!pose.unmodified.empty()) pose.unmodified = rehung(from, to, order, pose.unmodified);
+  return pose;
 }
 
 // Whether the joint's bind under another one is more than a place, a turn and a scale along its axes.
@@ -190,35 +209,7 @@ JointLimits AttachedRig::detached(JointLimits limits) const {
   return limits;
 }
 
-std::vector<JointTransform> AttachedRig::attached(const std::vector<JointTransform>& joints) const {
-  std::vector<JointTransform> result;
-  for (const std::uint32_t j : own_of_) result.push_back(joints[j]);
-  if (detached_.empty()) return result;
-  const std::vector<Affine> world = posed_joints(own_, joints);
-  for (const DetachedJoint& of : detached_) {
-    result[place_[of.joint]] = local_under(world, static_cast<int>(of.follows), world[of.joint]);
-  }
-  return result;
-}
-
-std::vector<JointTransform> AttachedRig::detached(const std::vector<JointTransform>& joints) const {
-  std::vector<JointTransform> result;
-  for (const std::uint32_t k : place_) result.push_back(joints[k]);
-  if (detached_.empty()) return result;
-  const std::vector<Affine> world = posed_joints(attached_, joints);
-  for (const DetachedJoint& of : detached_) {
-    const int parent = own_.joints[of.joint].parent;
-    const int place = parent < 0 ? -1 : static_cast<int>(place_[static_cast<std::size_t>(parent)]);
-    result[of.joint] = local_under(world, place, world[place_[of.joint]]);
-  }
-  return result;
-}
-
-Pose AttachedRig::attached(Pose pose) const {
-  pose.joints = attached(pose.joints);
-  if (!pose.unmodified.empty()) pose.unmodified = attached(pose.unmodified);
-  return pose;
-}
+Pose AttachedRig::attached(Pose pose) const { return rehung(own_, attached_, own_of_, std::move(pose)); }
 
 std::vector<Pose> AttachedRig::attached(const std::vector<Pose>& poses) const {
   std::vector<Pose> result;
@@ -226,11 +217,7 @@ std::vector<Pose> AttachedRig::attached(const std::vector<Pose>& poses) const {
   return result;
 }
 
-Pose AttachedRig::detached(Pose pose) const {
-  pose.joints = detached(pose.joints);
-  if (!pose.unmodified.empty()) pose.unmodified = detached(pose.unmodified);
-  return pose;
-}
+Pose AttachedRig::detached(Pose pose) const { return rehung(attached_, own_, place_, std::move(pose)); }
 
 Clip AttachedRig::detached(Clip clip) const {
   for (Pose& pose : clip.poses) pose = detached(pose);

@@ -40,9 +40,6 @@ class AttachedRig {
   Clip detached(Clip clip) const;
 
  private:
-  std::vector<JointTransform> attached(const std::vector<JointTransform>& joints) const;
-  std::vector<JointTransform> detached(const std::vector<JointTransform>& joints) const;
-
   Skeleton own_, attached_;
   std::vector<DetachedJoint> detached_;
   std::vector<std::uint32_t> place_, own_of_;  // of every own joint its index in attached_, and the other way round
