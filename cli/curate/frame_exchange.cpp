@@ -1,0 +1,178 @@
+#include "cli/curate/frame_exchange.h"
+
+#include <algorithm>
+#include <optional>
+
+#include "assets/clip_source.h"
+#include "assets/wording.h"
+#include "cli/curate/frame_names.h"
+#include "cli/curate/stack_report.h"
+#include "runtime/core/error.h"
+#include "trainer/curate/edit_stack.h"
+#include "trainer/curate/exported_frames.h"
+#include "trainer/curate/frame_files.h"
+#include "trainer/curate/frame_sculpting.h"
+#include "trainer/curate/modifier_scope.h"
+#include "trainer/curate/sculpted_frames.h"
+
+namespace bodyopt::cli {
+namespace {
+
+// V x 3, as a frame went to the artist's tool.
+Positions exported_skin(const ShapeStack& stack, std::size_t frame, const ExportedFrame& exported, bool unposed) {
+  if (unposed) return exported.skin;
+  const PoseDatabase& database = stack.database();
+  return stack.space().frame(database.frames[frame].pose).shape(exported.skin - database.character.vertices);
+}
+
+// Returns the export's mark. The frame can be looked at and sculpted without, too: it comes back as a sculpt of what
+// the frame is then.
+std::string remember(const CurateArguments& arguments, const ShapeStack& stack, std::size_t frame,
+                     const ExportedFrame& exported) {
+  try {
+    return keep_exported(path_of(arguments), stack, frame, exported);
+  } catch (const Error& error) {
+    say({std::string("import-frame will not know what was exported, should the stack change: ") + error.what()});
+    return "";
+  }
+}
+
+// Why two stacks make different shapes of a frame, but for what is sculpted in `name`.
+std::string what_differs(std::vector<Modifier> before, std::vector<Modifier> now, const std::string& name) {
+  const auto forget_sculpts = [&](std::vector<Modifier>& modifiers) {
+    const auto own = std::ranges::find(modifiers, name, &Modifier::name);
+    if (own != modifiers.end()) own->parameters = Json::object();
+    return own != modifiers.end();
+  };
+  const bool was_there = forget_sculpts(before), is_there = forget_sculpts(now);
+  if (was_there != is_there) std::erase(was_there ? before : now, Modifier{.name = name, .type = "sculpt"});
+  const std::vector<std::string> names = names_that_differ(before, now);
+  if (!names.empty()) return "modifiers " + list_names(names);
+  return before == now ? "its raw shape" : "the order of the modifiers";
+}
+
+// What the artist should know where the frame is another by now, but for what the modifier itself makes of it.
+std::vector<std::string> changes_since(const ShapeStack& stack, std::size_t frame, const ExportedFrame& exported,
+                                       const std::string& name) {
+  constexpr double kChanged = 1e-5;  // metres
+  const PoseDatabase& database = stack.database();
+  const std::vector<Modifier>& modifiers = database.dataset.modifiers;
+  const auto without = [&](const ExportedFrame& there) {
+    return Positions(there.skin - sculpted_by(database, there.modifiers, name, frame));
+  };
+  const double most = (without(exported_now(stack, frame)) - without(exported)).rowwise().norm().maxCoeff();
+  if (most < kChanged) return {};
+  return {format(
+      "%s has changed by %.2f mm since the mesh was exported (%s): what was sculpted is added to what it is "
+      "now",
+      frame_text(database, frame).c_str(), 1e3 * most, what_differs(exported.modifiers, modifiers, name).c_str())};
+}
+
+// How far the sculpt of a frame reaches, now that it is in the stack; none where the modifier has no sculpt of it.
+struct SculptReach {
+  double most_mm = 0;      // by the modifier's strength and mask
+  double degrees = 0;      // of its spread
+  std::size_t others = 0;  // frames that take of it
+};
+
+std::optional<SculptReach> reach_of(const PoseDatabase& database, const std::string& name, std::size_t frame) {
+  const auto modifier = std::ranges::find(database.dataset.modifiers, name, &Modifier::name);
+  if (modifier == database.dataset.modifiers.end()) return std::nullopt;
+  const SculptedFrames sculpted(database,
+                                JsonObject(modifier->parameters, database.dataset.folder / "dataset.json", name), name);
+  const auto own = std::ranges::find(sculpted.sculpts(), frame, &SculptedFrame::frame);
+  if (own == sculpted.sculpts().end()) return std::nullopt;
+  const Eigen::VectorXd mask = skin_mask(database, modifier->mask, name);
+  SculptReach reach{1e3 * modifier->strength * own->delta.rowwise().norm().cwiseProduct(mask).maxCoeff(),
+                    sculpted.spread()};
+  const auto number = static_cast<std::size_t>(own - sculpted.sculpts().begin());
+  for (std::size_t n = 0; n < database.frames.size(); ++n) {
+    if (n != frame && sculpted.weights(n)[number] > 0) ++reach.others;
+  }
+  return reach;
+}
+
+// The stack with the sculpt in it, and what the sculpt moves.
+void emit_sculpt(const CurateArguments& arguments) {
+  std::optional<PoseDatabase> read = read_pose_database(read_dataset(path_of(arguments)));
+  auto [list, text] = report_stack(read->dataset, read);
+  const ShapeStack stack(std::move(*read));
+  const PoseDatabase& database = stack.database();
+  const std::size_t frame = database.find(arguments.take, arguments.frame, "import-frame");
+  Json result = {{"dataset", path_of(arguments).string()}, {"modifiers", list}};
+  const std::optional<SculptReach> reach = reach_of(database, arguments.name, frame);
+  if (reach) {
+    result["sculpt"] = {{"max_mm", reach->most_mm}, {"other_frames", reach->others}};
+    text += format("the sculpt moves %s by %.2f mm at most, and %s within %g degrees by less\n",
+                   frame_text(database, frame).c_str(), reach->most_mm,
+                   count_of(reach->others, "other frame", "other frames").c_str(), reach->degrees);
+  }
+  const std::string hidden = why_not_shown(database, arguments.name, frame);
+  if (!hidden.empty())
+    say({"the modifier '" + arguments.name + "' " + hidden + ": the frame is not what was sculpted"});
+  arguments.json.emit(result, text);
+}
+
+// Where the mesh alone does not tell what it was made of.
+std::string alike_note(const PoseDatabase& database, std::size_t frame, const ExportedFrame& taken,
+                       std::size_t others) {
+  std::vector<std::string> names;
+  for (const Modifier& modifier : taken.modifiers) names.push_back(modifier.name);
+  return format(
+      "the mesh does not say which export of %s it is of (its name is another), and lies on %s as well: taken is the "
+      "latest, which was made %s",
+      frame_text(database, frame).c_str(), count_of(others, "other", "others").c_str(),
+      names.empty() ? "without modifiers" : ("by the modifiers " + list_names(names)).c_str());
+}
+
+}  // namespace
+
+void export_frame(const CurateArguments& arguments) {
+  require_writable(arguments.out);
+  const ShapeStack stack(read_pose_database(read_dataset(path_of(arguments))));
+  say(stack.notes());
+  const Character& character = stack.database().character;
+  const std::size_t frame = stack.database().find(arguments.take, arguments.frame, "export-frame");
+  const ExportedFrame exported = exported_now(stack, frame);
+  const Positions skin = arguments.unposed ? exported.skin : stack.shape(frame);
+  const Pose& pose = stack.database().frames[frame].pose;
+  const SkinSurface surface = frame_surface(stack.database());
+  const std::string mark = remember(arguments, stack, frame, exported);
+  if (lower_case_extension(arguments.out) == ".glb") {
+    write_frame_gltf(character, surface, skin, arguments.unposed ? bind_pose(character.skeleton) : pose, arguments.out,
+                     mark);
+  } else {
+    write_frame_obj(character, surface, output_from_welded(character, skin), arguments.out, mark);
+  }
+  arguments.json.emit({{"mesh", arguments.out}, {"vertices", character.output_count()}},
+                      format("wrote %s: %u vertices\n", arguments.out.c_str(), character.output_count()));
+}
+
+void import_frame(const CurateArguments& arguments) {
+  const ShapeStack stack(read_pose_database(read_dataset(path_of(arguments))));
+  const PoseDatabase& database = stack.database();
+  const std::size_t frame = database.find(arguments.take, arguments.frame, "import-frame");
+  require_sculpt(database.dataset.modifiers, arguments.name);
+  KeptExports kept = kept_exports(stack, frame, arguments.name);
+  say(kept.notes);
+  std::vector<ExportedFrame>& exports = kept.frames;
+  exports.push_back(exported_now(stack, frame));
+  std::vector<WrittenSkin> skins;
+  for (const ExportedFrame& exported : exports) {
+    skins.push_back({exported_skin(stack, frame, exported, arguments.unposed), exported.mark});
+  }
+  const FrameMesh mesh = read_frame_mesh(database.character, frame_surface(database).texture, skins, arguments.mesh);
+  const ExportedFrame& exported = exports[mesh.of];
+  if (mesh.was_turned) {
+    say(
+        {"the mesh lies turned, as programs write it whose up is another axis (Z, in Blender): it was turned back to "
+         "where it was exported"});
+  }
+  if (mesh.alike > 0) say({alike_note(database, frame, exported, mesh.alike)});
+  say(changes_since(stack, frame, exported, arguments.name));
+  say(add_sculpt(path_of(arguments), arguments.name, arguments.take, arguments.frame, exported, mesh.positions,
+                 arguments.unposed, arguments.spread));
+  emit_sculpt(arguments);
+}
+
+}  // namespace bodyopt::cli

@@ -1,0 +1,97 @@
+#include "cli/curate/stack_effects.h"
+
+#include <algorithm>
+
+#include "assets/wording.h"
+#include "cli/curate/frame_names.h"
+#include "cli/curate/shape_pictures.h"
+#include "cli/curate/stack_report.h"
+#include "runtime/core/error.h"
+#include "trainer/curate/bake.h"
+#include "trainer/curate/local_models.h"
+#include "trainer/curate/modifier_type.h"
+#include "trainer/curate/shape_stack.h"
+
+namespace bodyopt::cli {
+namespace {
+
+// The frame that a modifier moves most, below it and above.
+std::string draw_effect(const ShapeStack& stack, const ModifierEffect& effect, const std::string& path) {
+  if (effect.frames.empty()) {
+    throw Error(ErrorKind::usage,
+                "--picture shows what a modifier moves, and '" + effect.name +
+                    "' moves no vertex of any frame: is it switched off, or of a type that moves none?");
+  }
+  const std::vector<Modifier>& modifiers = stack.database().dataset.modifiers;
+  const auto place =
+      static_cast<std::size_t>(std::ranges::find(modifiers, effect.name, &Modifier::name) - modifiers.begin());
+  const UnposedSpace::Frame space = stack.space().frame(stack.database().frames[effect.worst].pose);
+  const auto left_by = [&](std::size_t count) { return space.shape(stack.offsets(effect.worst, count)); };
+  const Positions before = left_by(place), after = left_by(place + 1);
+  const double scale = std::max(kFinestScale, 1e3 * (after - before).rowwise().norm().maxCoeff());
+  draw_apart(stack.database().character, before, after, scale, path);
+  return format("wrote %s: %s before '%s' and after; how far that is, darkest at %.2f mm\n", path.c_str(),
+                frame_text(stack.database(), effect.worst).c_str(), effect.name.c_str(), scale);
+}
+
+[[noreturn]] void refuse_picture_of_all(const std::vector<Modifier>& modifiers) {
+  std::vector<std::string> names;
+  for (const Modifier& modifier : modifiers) names.push_back(modifier.name);
+  throw Error(
+      ErrorKind::usage,
+      "--picture shows what one modifier moves: name it, as in 'curate diff DATASET NAME --picture FILE.png'; the "
+      "stack has " +
+          list_names(names));
+}
+
+// What of the type consistency reaches its cap in many frames hardly takes history alone.
+std::vector<std::string> capped_notes(const std::vector<Modifier>& modifiers,
+                                      const std::vector<ModifierEffect>& effects) {
+  constexpr std::size_t kMany = 20;  // one frame of so many
+  std::vector<std::string> notes;
+  for (const ModifierEffect& effect : effects) {
+    const Modifier& modifier = *std::ranges::find(modifiers, effect.name, &Modifier::name);
+    if (modifier.type != "consistency") continue;
+    const double cap = modifier.parameters.value("cap_mm", kUsualCapMm) * modifier.strength;
+    const auto capped = static_cast<std::size_t>(
+        std::ranges::count_if(effect.frames, [&](const FrameEffect& frame) { return frame.max_mm > 0.99 * cap; }));
+    if (capped == 0 || capped * kMany < effect.frames.size()) continue;
+    notes.push_back(
+        format("'%s' moves %zu of %zu frames as far as cap_mm lets it (%.3g mm): passes seldom disagree by so "
+               "much; compare the held-out errors with it and without",
+               effect.name.c_str(), capped, effect.frames.size(), cap));
+  }
+  return notes;
+}
+
+}  // namespace
+
+void report_effects(const CurateArguments& arguments) {
+  const ShapeStack stack(read_pose_database(read_dataset(path_of(arguments))));
+  say(stack.notes());
+  if (!arguments.picture.empty() && arguments.name.empty()) refuse_picture_of_all(stack.database().dataset.modifiers);
+  const std::vector<ModifierEffect> effects = measure_modifiers(stack, arguments.name);
+  std::string text = format("%-20s %8s %10s %10s   %s\n", "modifier", "frames", "RMS mm", "max mm", "most of all");
+  Json list = Json::array();
+  for (const ModifierEffect& effect : effects) {
+    text += format("%-20s %8zu %10.3f %10.3f   %s\n", effect.name.c_str(), effect.frames.size(), effect.rms_mm,
+                   effect.max_mm, effect.frames.empty() ? "" : frame_text(stack.database(), effect.worst).c_str());
+    Json frames = Json::array();
+    for (const FrameEffect& frame : effect.frames) {
+      frames.push_back(frame_json(stack.database(), frame.frame));
+      frames.back().update({{"rms_mm", frame.rms_mm}, {"max_mm", frame.max_mm}});
+    }
+    list.push_back({{"name", effect.name}, {"rms_mm", effect.rms_mm}, {"max_mm", effect.max_mm}, {"frames", frames}});
+    const Modifier& modifier = *std::ranges::find(stack.database().dataset.modifiers, effect.name, &Modifier::name);
+    const ModifierType* type = find_modifier_type(modifier.type);
+    if (type == nullptr || type->effect == ModifierType::Effect::shape) continue;
+    const TakenFrames taken = taken_frames(stack.database(), modifier);
+    list.back()["frame_counts"] = to_json(taken);
+    text += format("%-20s %s\n", "", text_of(taken, *type, modifier.enabled).c_str());
+  }
+  say(capped_notes(stack.database().dataset.modifiers, effects));
+  if (!arguments.picture.empty()) text += draw_effect(stack, effects.front(), arguments.picture);
+  arguments.json.emit({{"modifiers", list}}, text);
+}
+
+}  // namespace bodyopt::cli

@@ -1,0 +1,40 @@
+// The stack of modifiers, and how many frames each of them takes, for programs and for people.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "cli/curate/curate_arguments.h"
+#include "dataset/dataset.h"
+#include "trainer/curate/modifier_type.h"
+#include "trainer/curate/pose_database.h"
+
+namespace bodyopt::cli {
+
+// Of a database, how many frames of each take a modifier's selections name.
+struct TakenFrames {
+  std::vector<std::pair<std::string, std::size_t>> by_take;  // those of which it takes any
+  std::size_t taken = 0, all = 0;
+};
+
+TakenFrames taken_frames(const PoseDatabase& database, const Modifier& modifier);
+Json to_json(const TakenFrames& frames);
+// "drops 127 of 161 frames (rom 120, walk 7)"; "would drop" where it is switched off.
+std::string text_of(const TakenFrames& frames, const ModifierType& type, bool enabled);
+
+// The stack for programs and for people.
+struct StackReport {
+  Json list;
+  std::string text;
+};
+
+StackReport report_stack(const Dataset& dataset, const std::optional<PoseDatabase>& database);
+
+// The stack as it is now: what every edit ends with. `database`: none where it cannot be read.
+void emit_stack(const CurateArguments& arguments, const Dataset& dataset, const std::optional<PoseDatabase>& database);
+// The same after what needed no database.
+void emit_stack(const CurateArguments& arguments);
+
+}  // namespace bodyopt::cli
