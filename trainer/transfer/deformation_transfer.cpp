@@ -55,7 +55,7 @@ DeformationTransfer::DeformationTransfer(const Positions& source, const Position
   }
   Eigen::SparseMatrix<double> matrix = stiffness(on_target, triangles, target.rows());
   matrix.diagonal() += anchors_;
-  solver_.compute(matrix);
+  solver_ = SparseSolver(matrix);
 }
 
 Positions DeformationTransfer::operator()(const Positions& displacements) const {

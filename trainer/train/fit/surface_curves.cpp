@@ -1,11 +1,11 @@
 #include "trainer/train/fit/surface_curves.h"
 
-#include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <numeric>
 #include <string>
 
+#include "base/linear_algebra.h"
 #include "base/single_threaded_products.h"
 #include "geometry/extent.h"
 #include "geometry/laplacian.h"
@@ -46,7 +46,8 @@ LeftMotion left_by_linear_map(const SampleSet& set, const Groundwork& ground) {
   const Eigen::MatrixXd x = features(fitted, Eigen::all);
   Eigen::MatrixXd normal = x.transpose() * x;
   normal.diagonal().array() += kPenalty * static_cast<double>(x.rows());
-  const Eigen::MatrixXf prediction = (features(measured, Eigen::all) * normal.llt().solve(x.transpose())).cast<float>();
+  const Eigen::MatrixXf prediction =
+      (features(measured, Eigen::all) * Cholesky(normal).solve(x.transpose())).cast<float>();
   const Displacements left = motion(measured, Eigen::all) - prediction * motion(fitted, Eigen::all);
   const Eigen::RowVectorXd squares = left.cast<double>().colwise().squaredNorm() / static_cast<double>(left.rows());
   const Eigen::VectorXd per_vertex =
