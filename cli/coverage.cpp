@@ -178,18 +178,18 @@ void run(const CoverageArguments& arguments) {
 void add_coverage(CLI::App& app) {
   auto arguments = std::make_shared<CoverageArguments>();
   CLI::App& verb =
-      *app.add_subcommand("coverage", "How well a basis knows the poses of a clip, and which frames to simulate next");
-  verb.add_option("basis", arguments->basis, "Basis (.safetensors)")->required()->type_name("BASIS");
+      add_verb(app, "coverage", "How well a basis knows the poses of a clip, and which frames to simulate next");
+  add_option(verb, "basis", arguments->basis, "Basis (.safetensors)")->required()->type_name("BASIS");
   arguments->clip.add(verb);
-  verb.add_option("--worst", arguments->worst, "Frames to list")->capture_default_str()->check(CLI::Range(1, 10000));
-  verb.add_option("--truth", arguments->truth,
-                  "Shapes of these frames (.pc2, .nodes, or DATASET#TAKE): are the expected errors right?")
+  add_option(verb, "--worst", arguments->worst, "Frames to list")->capture_default_str()->check(CLI::Range(1, 10000));
+  add_option(verb, "--truth", arguments->truth,
+             "Shapes of these frames (.pc2, .nodes, or DATASET#TAKE): are the expected errors right?")
       ->type_name("CACHE");
-  verb.add_option("--picture", arguments->picture, "Heat strip to write: frames from left to right, a row per region")
+  add_option(verb, "--picture", arguments->picture, "Heat strip to write: frames from left to right, a row per region")
       ->type_name("FILE.svg")
       ->check(must_end_in(".svg"));
-  verb.add_option("--unit", arguments->unit,
-                  "Metres per unit of the clip's file (default: as the character was read for training)")
+  add_option(verb, "--unit", arguments->unit,
+             "Metres per unit of the clip's file (default: as the character was read for training)")
       ->check(above_zero);
   arguments->json.add(verb);
   verb.callback([arguments] { run(*arguments); });

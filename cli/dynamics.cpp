@@ -105,30 +105,30 @@ void add_dynamics(CLI::App& app) {
   auto arguments = std::make_shared<DynamicsArguments>();
   DynamicsOptions& options = arguments->options;
   CLI::App& verb =
-      *app.add_subcommand("dynamics", "What lets a trained character's tissue jiggle: a second file beside its basis");
-  verb.add_option("dataset", arguments->dataset,
-                  "dataset.json, or its folder; or the character alone, whose muscles then do not stiffen")
+      add_verb(app, "dynamics", "What lets a trained character's tissue jiggle: a second file beside its basis");
+  add_option(verb, "dataset", arguments->dataset,
+             "dataset.json, or its folder; or the character alone, whose muscles then do not stiffen")
       ->required()
       ->type_name("DATASET");
-  verb.add_option("--basis", arguments->basis, "The basis trained from it")->required()->type_name("BASIS");
+  add_option(verb, "--basis", arguments->basis, "The basis trained from it")->required()->type_name("BASIS");
   add_output(verb, arguments->out, ".safetensors", "Dynamics to write");
-  verb.add_option("--jiggle", arguments->jiggle, "How soft, damped and free tissue is, and where (jiggle.json)")
+  add_option(verb, "--jiggle", arguments->jiggle, "How soft, damped and free tissue is, and where (jiggle.json)")
       ->type_name("FILE")
       ->check(refuse_empty);
-  verb.add_option("--jiggle-out", arguments->jiggle_out, "Write the settings it chose, to edit (jiggle.json)")
+  add_option(verb, "--jiggle-out", arguments->jiggle_out, "Write the settings it chose, to edit (jiggle.json)")
       ->type_name("FILE.json")
       ->check(must_end_in(".json"));
-  verb.add_option("--dynamics-resolution", options.resolution, "Tetrahedra at most")
+  add_option(verb, "--dynamics-resolution", options.resolution, "Tetrahedra at most")
       ->capture_default_str()
       ->check(CLI::Range(100, 1000000));
-  verb.add_option("--fps", options.step.frames_per_second, "Frames a second of the clips to come")
+  add_option(verb, "--fps", options.step.frames_per_second, "Frames a second of the clips to come")
       ->capture_default_str()
       ->check(number_from(kLeastRate, kMostRate));
-  verb.add_option("--substeps", options.step.substeps, "Steps a frame")
+  add_option(verb, "--substeps", options.step.substeps, "Steps a frame")
       ->capture_default_str()
       ->check(CLI::Range(1, 64));
-  verb.add_option("--integrator", arguments->integrator,
-                  "tr-bdf2: keeps oscillations; euler: damps them strongly, for comparison")
+  add_option(verb, "--integrator", arguments->integrator,
+             "tr-bdf2: keeps oscillations; euler: damps them strongly, for comparison")
       ->capture_default_str()
       ->check(CLI::IsMember({"tr-bdf2", "euler"}));
   arguments->json.add(verb);

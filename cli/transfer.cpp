@@ -422,28 +422,28 @@ void run_refine(const RefineArguments& arguments) {
 
 void add_refine(CLI::App& transfer) {
   const auto arguments = std::make_shared<RefineArguments>();
-  CLI::App& verb = *transfer.add_subcommand(
-      "refine", "Carried frames of a dataset, moved to what frames of the body's own in it show");
-  verb.add_option("dataset", arguments->dataset, "Dataset (folder or dataset.json)")->required()->type_name("DATASET");
-  verb.add_option("--carried", arguments->carried, "Takes that 'transfer dataset' wrote; the others are its own")
+  CLI::App& verb =
+      add_verb(transfer, "refine", "Carried frames of a dataset, moved to what frames of the body's own in it show");
+  add_option(verb, "dataset", arguments->dataset, "Dataset (folder or dataset.json)")->required()->type_name("DATASET");
+  add_option(verb, "--carried", arguments->carried, "Takes that 'transfer dataset' wrote; the others are its own")
       ->required()
       ->type_name("TAKE");
-  verb.add_option("--seed", arguments->options.seed, "Seed of every random choice")->capture_default_str();
+  add_option(verb, "--seed", arguments->options.seed, "Seed of every random choice")->capture_default_str();
   arguments->json.add(verb);
   verb.callback([arguments] { run_refine(*arguments); });
 }
 
 void add_shared(CLI::App& verb, TransferArguments& arguments) {
-  verb.add_option("--map", arguments.options.joint_map,
-                  "Which joint of the source is which of the target, where names do not tell (joint_map.json)")
+  add_option(verb, "--map", arguments.options.joint_map,
+             "Which joint of the source is which of the target, where names do not tell (joint_map.json)")
       ->type_name("FILE")
       ->check(refuse_empty);
-  verb.add_option("--markers", arguments.markers, "Vertices of both skins that are the same (markers.json)")
+  add_option(verb, "--markers", arguments.markers, "Vertices of both skins that are the same (markers.json)")
       ->type_name("FILE")
       ->check(refuse_empty);
-  verb.add_flag("--source-size", arguments.source_size,
-                "Displacements in metres as on the source, and not by the target's local size");
-  verb.add_flag("--force", arguments.force, "Go on with bodies that are unlike");
+  add_flag(verb, "--source-size", arguments.source_size,
+           "Displacements in metres as on the source, and not by the target's local size");
+  add_flag(verb, "--force", arguments.force, "Go on with bodies that are unlike");
   add_unit(verb, arguments.unit);
   arguments.json.add(verb);
 }
@@ -451,70 +451,65 @@ void add_shared(CLI::App& verb, TransferArguments& arguments) {
 }  // namespace
 
 void add_transfer(CLI::App& app) {
-  CLI::App& verb = *app.add_subcommand("transfer", "What was simulated or learned, carried to other characters");
+  CLI::App& verb = add_verb(app, "transfer", "What was simulated or learned, carried to other characters");
   verb.require_subcommand(1);
   const auto of_dataset = std::make_shared<TransferArguments>(), of_basis = std::make_shared<TransferArguments>();
 
-  CLI::App& dataset =
-      *verb.add_subcommand("dataset", "A dataset of another character: clips, shapes, muscles, regions");
-  dataset.add_option("source", of_dataset->source, "Dataset (folder or dataset.json)")
+  CLI::App& dataset = add_verb(verb, "dataset", "A dataset of another character: clips, shapes, muscles, regions");
+  add_option(dataset, "source", of_dataset->source, "Dataset (folder or dataset.json)")
       ->required()
       ->type_name("DATASET");
-  dataset.add_option("target", of_dataset->targets, "The other character (.glb, .gltf)")
+  add_option(dataset, "target", of_dataset->targets, "The other character (.glb, .gltf)")
       ->required()
       ->expected(1)
       ->type_name("CHARACTER");
-  dataset.add_option("--out", of_dataset->outs, "Folder of the dataset to write")
+  add_option(dataset, "--out", of_dataset->outs, "Folder of the dataset to write")
       ->required()
       ->expected(1)
       ->type_name("DATASET")
       ->check(refuse_empty);
-  dataset.add_option("--picture", of_dataset->picture, "Picture of the match (.png): by colour, and how sure it is")
+  add_option(dataset, "--picture", of_dataset->picture, "Picture of the match (.png): by colour, and how sure it is")
       ->type_name("FILE")
       ->check(must_end_in(".png"));
   add_shared(dataset, *of_dataset);
   dataset.callback([of_dataset] { run_dataset(*of_dataset); });
 
-  CLI::App& basis = *verb.add_subcommand("basis", "A trained basis for other characters, at no cost at run time");
-  basis.add_option("source", of_basis->source, "Trained basis, or a proxy with all of its levels (.safetensors)")
+  CLI::App& basis = add_verb(verb, "basis", "A trained basis for other characters, at no cost at run time");
+  add_option(basis, "source", of_basis->source, "Trained basis, or a proxy with all of its levels (.safetensors)")
       ->required()
       ->type_name("BASIS");
-  basis.add_option("targets", of_basis->targets, "The other characters (.glb, .gltf)")
+  add_option(basis, "targets", of_basis->targets, "The other characters (.glb, .gltf)")
       ->required()
       ->type_name("CHARACTER");
-  basis.add_option("--out", of_basis->outs, "Bases to write (.safetensors), one per target")
+  add_option(basis, "--out", of_basis->outs, "Bases to write (.safetensors), one per target")
       ->required()
       ->type_name("BASIS")
       ->check(must_end_in(".safetensors"));
-  basis
-      .add_option("--picture", of_basis->picture,
-                  "Picture of the match with the last target (.png): by colour, and how sure it is")
+  add_option(basis, "--picture", of_basis->picture,
+             "Picture of the match with the last target (.png): by colour, and how sure it is")
       ->type_name("FILE")
       ->check(must_end_in(".png"));
-  basis
-      .add_option("--report", of_basis->report,
-                  "Page on how well the bodies match, part by part, and what to simulate next (.html)")
+  add_option(basis, "--report", of_basis->report,
+             "Page on how well the bodies match, part by part, and what to simulate next (.html)")
       ->type_name("FILE")
       ->check(must_end_in(".html"));
-  basis.add_option("--clip", of_basis->clip, "Poses for the report: motion of the source")
+  add_option(basis, "--clip", of_basis->clip, "Poses for the report: motion of the source")
       ->type_name("CLIP")
       ->check(refuse_empty);
-  basis
-      .add_option("--proxy", of_basis->proxy,
-                  "Proxy of the source (default: BASIS.proxy.safetensors beside it), whose levels go with it, to "
-                  "OUT.proxy.safetensors")
+  add_option(basis, "--proxy", of_basis->proxy,
+             "Proxy of the source (default: BASIS.proxy.safetensors beside it), whose levels go with it, to "
+             "OUT.proxy.safetensors")
       ->type_name("BASIS")
       ->check(refuse_empty);
-  basis
-      .add_option("--muscles", of_basis->muscles,
-                  "The source's muscles (muscles.json), for the dynamics that stand beside it: those are made for the "
-                  "targets, too")
+  add_option(basis, "--muscles", of_basis->muscles,
+             "The source's muscles (muscles.json), for the dynamics that stand beside it: those are made for the "
+             "targets, too")
       ->type_name("FILE")
       ->check(refuse_empty);
-  basis.add_flag("--alone", of_basis->alone, "Without the dynamics and the proxy that stand beside the source")
+  add_flag(basis, "--alone", of_basis->alone, "Without the dynamics and the proxy that stand beside the source")
       ->excludes(basis.get_option("--proxy"))
       ->excludes(basis.get_option("--muscles"));
-  basis.add_option("--frames", of_basis->frames, "Frames of it (default: all)")->type_name("R")->check(refuse_empty);
+  add_option(basis, "--frames", of_basis->frames, "Frames of it (default: all)")->type_name("R")->check(refuse_empty);
   add_shared(basis, *of_basis);
   basis.callback([of_basis] { run_basis(*of_basis); });
   add_refine(verb);

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "assets/clip.h"
+#include "cli/arguments/options.h"
 #include "dataset/compare.h"
 #include "runtime/basis/character_unit.h"
 #include "runtime/deformer/deformer.h"
