@@ -40,6 +40,20 @@ install_packages() {
   apt-get install -y -qq --no-install-recommends "${missing[@]}" >/dev/null
 }
 
+# step NAME COMMAND...: runs it; where it fails, says which step it was and how to go on, and ends with its exit code.
+step() {
+  local name=$1 code
+  shift
+  set +e
+  (set -e; "$@")
+  code=$?
+  set -e
+  [ $code -eq 0 ] && return 0
+  echo "$0: '$name' failed (exit code $code); what it printed last says why. Mend that and run the same command again:" >&2
+  echo "what is done already is kept, and it goes on from there." >&2
+  exit $code
+}
+
 # build PRESET [TARGET...]
 build() {
   local preset=$1

@@ -30,8 +30,8 @@ const nlohmann::json& method(const nlohmann::json& report, const std::string& na
 void expect_draft(const std::filesystem::path& demo, const nlohmann::json& report) {
   const Dataset draft = read_dataset(demo / "draft" / "dataset.json");
   const Dataset dataset = read_dataset(demo / "dataset" / "dataset.json");
-  ASSERT_EQ(draft.takes.size(), 1u);
-  const DatasetTake &take = draft.takes[0], &full = dataset.takes.back();
+  ASSERT_EQ(draft.takes.size(), 2u);
+  const DatasetTake &take = draft.takes.back(), &full = dataset.takes.back();
   EXPECT_EQ(take.name, full.name);
   EXPECT_EQ(take.clip, full.clip);
   EXPECT_EQ(take.frames, full.frames);
@@ -93,7 +93,7 @@ TEST(Demo, QuickRunLeavesEverythingAndTheVerbsReadIt) {
 #endif
   const TemporaryFolder folder;
   const std::string out = folder.path().string();
-  const ProgramResult demo = run_bodyopt("demo --quick --out " + out);
+  const ProgramResult demo = run_bodyopt("demo --quick --all --out " + out);
   ASSERT_EQ(demo.exit_code, 0) << demo.output;
   for (const char* name : {"character.glb",
                            "muscles.json",
@@ -105,6 +105,7 @@ TEST(Demo, QuickRunLeavesEverythingAndTheVerbsReadIt) {
                            "draft/dataset.json",
                            "draft/heldout.nodes",
                            "draft/heldout.status.json",
+                           "first.safetensors",
                            "basis.safetensors",
                            "heldout.pc2",
                            "report.html",
@@ -161,14 +162,14 @@ TEST(Demo, QuickRunLeavesEverythingAndTheVerbsReadIt) {
   // What `eval` makes of the stored basis on the CPU is what the demo got from its device.
   const ProgramResult eval =
       run_bodyopt("eval " + out + "/basis.safetensors --clip " + out +
-                  "/heldout.glb --frames 1-24x2 --device cpu --out " + out + "/again.pc2 --json " + out + "/eval.json");
+                  "/heldout.glb --frames 1-24x3 --device cpu --out " + out + "/again.pc2 --json " + out + "/eval.json");
   ASSERT_EQ(eval.exit_code, 0) << eval.output;
   const Pc2Reader again(folder / "again.pc2"), heldout(folder / "heldout.pc2");
   EXPECT_EQ(heldout.start_frame(), again.start_frame());
   EXPECT_EQ(heldout.sample_rate(), again.sample_rate());
   // The truth's errors as `coverage` measures them are those of the report; the strip has a column per frame.
   const ProgramResult coverage = run_bodyopt(
-      "coverage " + out + "/basis.safetensors --clip " + out + "/heldout.glb --frames 1-24x2 --worst 3" + " --truth " +
+      "coverage " + out + "/basis.safetensors --clip " + out + "/heldout.glb --frames 1-24x3 --worst 3" + " --truth " +
       out + "/dataset/heldout.pc2 --picture " + out + "/strip.svg --json " + out + "/coverage.json");
   ASSERT_EQ(coverage.exit_code, 0) << coverage.output;
   const nlohmann::json covered = nlohmann::json::parse(std::ifstream(folder / "coverage.json"));
