@@ -44,7 +44,7 @@ void block_down(const BlockInverse& inverse, const InverseLevel& level, std::spa
                 Executor& threads) {
   const auto strips = std::span(inverse.down).subspan(level.down_begin, level.down_end - level.down_begin);
   const std::size_t grain = grain_of(strips.size(), work_of(strips) * right_side_count);
-  parallel_for(threads, strips.size(), grain, [&](std::size_t begin, std::size_t end) {
+  parallel_parts(threads, strips.size(), grain, [&](std::size_t begin, std::size_t end) {
     HWY_DYNAMIC_DISPATCH(down_strips)
     (inverse, strips.subspan(begin, end - begin), results, right_side_count, interleave, solutions);
   });

@@ -39,7 +39,7 @@ void block_up(const BlockInverse& inverse, const InverseLevel& level, std::span<
               std::uint32_t right_side_count, std::span<float> results, Executor& threads) {
   const auto panels = std::span(inverse.up).subspan(level.up_begin, level.up_end - level.up_begin);
   const std::size_t grain = grain_of(panels.size(), work_of(panels) * right_side_count);
-  parallel_for(threads, panels.size(), grain, [&](std::size_t begin, std::size_t end) {
+  parallel_parts(threads, panels.size(), grain, [&](std::size_t begin, std::size_t end) {
     HWY_DYNAMIC_DISPATCH(up_panels)
     (inverse, level, panels.subspan(begin, end - begin), gathered.data(), right_side_count, results.data());
   });
