@@ -25,8 +25,7 @@ class Progress {
   // kept: what is left of the work when it is interrupted, for the message.
   Progress(std::string label, std::size_t total, std::string kept = "nothing of it is kept");
   ~Progress();
-  // From any thread. Throws Error(interrupted) once SIGINT or SIGTERM was received: not to be called in an OpenMP
-  // critical section, which no exception may leave.
+  // From any thread. Throws Error(interrupted) once SIGINT or SIGTERM was received.
   void advance(std::size_t steps = 1);
 
  private:

@@ -1,6 +1,5 @@
 // The solves of diffuse and jiggle beside sparse direct ones, on the same systems and threads; and a whole step.
 #include <benchmark/benchmark.h>
-#include <omp.h>
 #include <tbb/global_control.h>
 
 #include <Eigen/CholmodSupport>
@@ -137,14 +136,12 @@ std::span<const float> span_of(const Eigen::VectorXf& values) {
   return {values.data(), static_cast<std::size_t>(values.size())};
 }
 
-// As many of oneTBB's threads, for the runtime, and of OpenMP's, for the trainer.
+// As many of oneTBB's threads.
 class Threads {
  public:
   explicit Threads(std::int64_t count)
       : limit_(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(count)),
-        executor_(make_tbb_executor()) {
-    omp_set_num_threads(static_cast<int>(count));
-  }
+        executor_(make_tbb_executor()) {}
   Executor& executor() { return *executor_; }
 
  private:

@@ -7,7 +7,6 @@
 #include "assets/pc2.h"
 #include "base/parallel.h"
 #include "base/progress.h"
-#include "base/single_threaded_products.h"
 #include "dataset/dataset.h"
 #include "runtime/core/error.h"
 #include "trainer/builtin/arm.h"
@@ -58,7 +57,6 @@ void write_take(const BuiltinArm& arm, const QuasiStaticBody& body, const Clip& 
 }
 
 void write_dataset_of_paths(const std::filesystem::path& folder) {
-  const SingleThreadedProducts single_threaded;
   const BuiltinArm arm = build_arm();
   const Clip clip = arm_heldout(arm.character.skeleton, kFrames);
   const QuasiStaticBody body(arm.character, arm.muscles, 0.0);

@@ -38,7 +38,7 @@ double triad_bandwidth(Executor& threads) {
   double best = 0;
   for (int round = 0; round < kRounds; ++round) {
     const Stopwatch watch;
-    parallel_for(threads, kCount, kCount / 64, [&](std::size_t begin, std::size_t end) {
+    parallel_parts(threads, kCount, kCount / 64, [&](std::size_t begin, std::size_t end) {
       for (std::size_t k = begin; k < end; ++k) a[k] = b[k] + 3 * c[k];
     });
     best = std::max(best, 3 * sizeof(float) * kCount / watch.seconds());

@@ -2,11 +2,14 @@
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
 #include <sys/resource.h>
+#include <tbb/global_control.h>
 
 #include <algorithm>
 #include <csignal>
 #include <cstdio>
+#include <cstdlib>
 #include <filesystem>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -91,6 +94,14 @@ void allow_many_open_files() {
   setrlimit(RLIMIT_NOFILE, &limit);
 }
 
+// To OMP_NUM_THREADS, as schedulers tell programs how many cores are theirs: `bodyopt farm` sets it, too.
+std::unique_ptr<tbb::global_control> limit_threads() {
+  const char* given = std::getenv("OMP_NUM_THREADS");
+  const int count = given ? std::atoi(given) : 0;
+  if (count < 1) return nullptr;
+  return std::make_unique<tbb::global_control>(tbb::global_control::max_allowed_parallelism, count);
+}
+
 }  // namespace
 }  // namespace bodyopt::cli
 
@@ -102,6 +113,7 @@ int main(int argc, char** argv) {
   catch_interrupts();
   std::signal(SIGXFSZ, SIG_IGN);  // a file over the limit (ulimit -f) is then an error of writing it, as a full disk is
   allow_many_open_files();
+  const std::unique_ptr<tbb::global_control> limit = limit_threads();
   keep_command_line(argc, argv);
 
   CLI::App app{"Bodyopt learns how a character's skin moves and replays it in real time."};

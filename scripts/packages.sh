@@ -9,11 +9,11 @@ build_packages=(
 )
 # What the program alone runs with: those of its libraries that no other of them brings along.
 worker_packages=(
-  libgomp1 libnglib-6.2 libtinygltf2d libspdlog1.10 libpugixml1v5 libxxhash0 libhwy1 libtbb12 libstb0 libwebp7
+  libnglib-6.2 libtinygltf2d libspdlog1.10 libpugixml1v5 libxxhash0 libhwy1 libtbb12 libstb0 libwebp7
   libwebpmux3 libglfw3 libx11-6
 )
 run_packages=(mesa-vulkan-drivers fonts-dejavu-core)
-test_packages=(vulkan-validationlayers xvfb xauth xdotool clang libomp-dev)
+test_packages=(vulkan-validationlayers xvfb xauth xdotool clang)
 attack_packages=(libclang-rt-dev python3)
 bench_packages=(libbenchmark-dev libsuitesparse-dev)
 sheet_packages=(imagemagick python3)

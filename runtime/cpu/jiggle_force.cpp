@@ -21,7 +21,7 @@ void jiggle_force(const TetTable& tets, const JiggleTable& jiggle, std::span<con
                   std::span<const float> tractions, std::span<const float> direction, std::span<float> product,
                   Executor& threads) {
   const std::size_t nodes = product.size() / 3;
-  parallel_for(threads, nodes, grain_of(1024), [&](std::size_t begin, std::size_t end) {
+  parallel_parts(threads, nodes, grain_of(1024), [&](std::size_t begin, std::size_t end) {
     for (std::size_t node = begin; node < end; ++node) {
       float sum[3] = {};
       float r[9];

@@ -21,7 +21,7 @@ void world_direction(std::span<const float> rotations, std::span<const float> di
 void jiggle_stress(const TetTable& tets, const JiggleTable& jiggle, std::span<const float> rotations,
                    std::span<const float> tet_rotations, std::span<const float> direction, std::span<float> tractions,
                    Executor& threads) {
-  parallel_for(threads, tets.shapes.size(), grain_of(256), [&](std::size_t begin, std::size_t end) {
+  parallel_parts(threads, tets.shapes.size(), grain_of(256), [&](std::size_t begin, std::size_t end) {
     for (std::size_t tet = begin; tet < end; ++tet) {
       const TetElasticity& elasticity = jiggle.elasticity[tet];
       const TetShape& shape = tets.shapes[tet];

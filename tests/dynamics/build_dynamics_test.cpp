@@ -1,13 +1,13 @@
 #include "trainer/dynamics/build_dynamics.h"
 
 #include <gtest/gtest.h>
-#include <omp.h>
 
 #include <cstdio>
 #include <functional>
 
 #include "runtime/core/error.h"
 #include "tests/simulate/limb.h"
+#include "tests/support/on_threads.h"
 #include "trainer/train/skinning/ddm_basis.h"
 
 namespace bodyopt {
@@ -16,13 +16,8 @@ namespace {
 TEST(BuildDynamics, IsAFunctionOfItsArgumentsWhateverTheThreads) {
   const Character limb = make_limb();
   const Basis basis = build_ddm_basis(limb, {});
-  const auto built = [&](int threads) {
-    omp_set_num_threads(threads);
-    return build_dynamics(limb, {make_flexor()}, basis, {}).dynamics;
-  };
-  const int threads = omp_get_max_threads();
-  const Dynamics one = built(1), three = built(3);
-  omp_set_num_threads(threads);
+  const auto built = [&] { return build_dynamics(limb, {make_flexor()}, basis, {}).dynamics; };
+  const Dynamics one = testing::on_threads(1, built), three = testing::on_threads(3, built);
   EXPECT_NO_THROW(validate(one, basis, "built"));
   EXPECT_EQ(one.tets.nodes, three.tets.nodes);
   EXPECT_EQ(one.tets.tets, three.tets.tets);

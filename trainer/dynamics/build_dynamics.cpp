@@ -6,7 +6,6 @@
 
 #include "assets/json_file.h"
 #include "base/progress.h"
-#include "base/single_threaded_products.h"
 #include "runtime/core/error.h"
 #include "runtime/core/hexadecimal.h"
 #include "runtime/core/strict_json.h"
@@ -100,7 +99,6 @@ Json to_json(const DynamicsReport& report) {
 
 BuiltDynamics build_dynamics(const Character& character, const std::vector<Muscle>& muscles, const Basis& basis,
                              const DynamicsOptions& options) {
-  const SingleThreadedProducts single_threaded;
   const std::vector<std::uint32_t> order = morton_order(character.vertices);
   const Character ordered = in_order(character, order);
   require_same_character(make_mesh_table(ordered), ordered.skeleton, basis);

@@ -11,7 +11,6 @@
 #include "assets/pc2.h"
 #include "base/parallel.h"
 #include "base/progress.h"
-#include "base/single_threaded_products.h"
 #include "runtime/core/error.h"
 #include "trainer/simulate/body_hash.h"
 #include "trainer/simulate/check_muscles.h"
@@ -272,7 +271,6 @@ QuasiStaticBody make_body(const Character& character, const std::vector<Muscle>&
 }
 
 SolvedPose solve_frame(const QuasiStaticBody& body, const std::vector<Muscle>& muscles, const Clip& clip, int frame) {
-  const SingleThreadedProducts single_threaded;
   const Job job = jobs_of(body, muscles, clip, {frame}).front();
   return body.solve(*job.pose, job.flex);
 }
@@ -285,7 +283,6 @@ std::vector<FrameStatus> simulate(const Character& character, const std::vector<
                                   const std::vector<int>& frames, const TakeLock& take,
                                   const std::filesystem::path& status, const SimulateOptions& options) {
   require_distinct(frames);
-  const SingleThreadedProducts single_threaded;
   return simulate(make_body(character, muscles, options), character, muscles, clip, frames, take, status, options);
 }
 
@@ -294,7 +291,6 @@ std::vector<FrameStatus> simulate(const QuasiStaticBody& body, const Character& 
                                   const TakeLock& take, const std::filesystem::path& status,
                                   const SimulateOptions& options) {
   require_distinct(frames);
-  const SingleThreadedProducts single_threaded;
   const std::string thin = check_muscles(character, muscles, body);
   if (!thin.empty()) options.warn(thin);
   const std::filesystem::path& cache = take.cache();

@@ -6,7 +6,6 @@
 #include <string>
 
 #include "base/linear_algebra.h"
-#include "base/single_threaded_products.h"
 #include "geometry/extent.h"
 #include "geometry/laplacian.h"
 #include "geometry/nearest_skin.h"
@@ -119,7 +118,6 @@ class CurveMaker {
 
 std::vector<Muscle> surface_curves(const SampleSet& set, const TrainOptions& options) {
   check_samples(set);
-  const SingleThreadedProducts single_threaded;
   const Groundwork ground(set, options);
   const Character& character = ground.ordered;
   const double apart = kApart * longest_extent(character.vertices);
@@ -146,7 +144,6 @@ int needed_surface_curves(const SampleSet& set, const TrainOptions& options) {
   constexpr double kLeft = 1.0 / 3, kNoMotion = 1e-4;  // the latter of the longest extent; less is no motion
   if (!set.muscles.empty() || set.train.size() < kFewest || set.train.size() > kFewFrames) return 0;
   check_samples(set);
-  const SingleThreadedProducts single_threaded;
   const Groundwork ground(set, options);
   const LeftMotion motion = left_by_linear_map(set, ground);
   const double still = kNoMotion * longest_extent(ground.ordered.vertices);

@@ -8,7 +8,6 @@
 #include <numeric>
 
 #include "base/parallel.h"
-#include "base/single_threaded_products.h"
 #include "runtime/core/error.h"
 #include "runtime/host/rig.h"
 #include "trainer/train/coverage/coverage.h"
@@ -153,7 +152,6 @@ TrainingResult packed_result(const SampleSet& set, const TrainOptions& options, 
 template <typename Use>
 auto prepared(const SampleSet& set, TrainOptions options, std::vector<std::string>& notes, const Use& use) {
   check_samples(set);
-  const SingleThreadedProducts single_threaded;
   for (;; options.update = false) {
     StagedFit fit(set, options, notes);
     Groundwork ground(set, fit.options(), fit.curves(), fit.earlier_features());

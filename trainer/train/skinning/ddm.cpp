@@ -5,6 +5,7 @@
 #include <string>
 
 #include "base/linear_algebra.h"
+#include "base/parallel.h"
 #include "geometry/extent.h"
 #include "geometry/laplacian.h"
 #include "runtime/core/error.h"
@@ -58,16 +59,15 @@ std::vector<std::vector<RawMoments>> smooth_moments(const Positions& rest, const
     }
   }
   std::vector<Moments10> smoothed(columns.size());
-#pragma omp parallel for schedule(dynamic)
-  for (std::size_t j = 0; j < columns.size(); ++j) {
-    if (columns[j].cwiseAbs().maxCoeff() == 0) continue;
+  parallel_for(columns.size(), [&](std::size_t j) {
+    if (columns[j].cwiseAbs().maxCoeff() == 0) return;
     Moments10 moments = weighted_moments(rest, columns[j]);
     for (int step = 0; step < options.steps; ++step) {
       const Moments10 right = areas.asDiagonal() * moments;
       moments = solver.solve(right);
     }
     smoothed[j] = std::move(moments);
-  }
+  });
 
   std::vector<std::vector<RawMoments>> raw(weights.size());
   for (std::size_t j = 0; j < smoothed.size(); ++j) {
