@@ -24,6 +24,9 @@ struct Key {
   Kind kind;
 };
 
+// Of a mode of the jiggle that earlier versions had: read, and left out.
+constexpr char kFormerKey[] = "iterations";
+
 // Those of `eval` are its options, with "_" for "-".
 constexpr Key kKeys[] = {{"shot", Kind::text},           {"element", Kind::text},
                          {"basis", Kind::path},          {"clip", Kind::clip},
@@ -35,7 +38,7 @@ constexpr Key kKeys[] = {{"shot", Kind::text},           {"element", Kind::text}
                          {"joint_map", Kind::path},      {"attached", Kind::path},
                          {"jiggle", Kind::flag},         {"dynamics", Kind::path},
                          {"cuts", Kind::text},           {"preroll", Kind::number},
-                         {"iterations", Kind::number},   {"gravity_change", Kind::numbers},
+                         {kFormerKey, Kind::number},     {"gravity_change", Kind::numbers},
                          {"require_device", Kind::flag}, {"modifiers", Kind::path}};
 
 using Values = std::map<std::string, std::vector<std::string>>;  // by key; flags that are off are left out
@@ -197,7 +200,11 @@ class ListReader {
     if (!object.is_object()) throw Error(ErrorKind::usage, "is not an object");
     for (const auto& [key, value] : object.items()) set_value(values, key, words_of(value), folder_);
   }
-  void finish(const Values& values, const std::string& place) {
+  void finish(Values values, const std::string& place) {
+    if (values.erase(kFormerKey) > 0 && list.notes.empty()) {
+      list.notes.push_back(path_.string() + ": '" + kFormerKey +
+                           "' has no effect any more: the jiggle has one way to solve");
+    }
     ShowElement element = element_from(values);
     element.place = place;
     list.elements.push_back(std::move(element));

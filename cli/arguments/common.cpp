@@ -120,6 +120,11 @@ void add_joint_map(CLI::App& verb, std::string& path) {
       ->check(refuse_empty);
 }
 
+void add_former_option(CLI::App& verb, const std::string& name, const std::string& since) {
+  const auto warn = [=](const std::string&) { spdlog::warn("{} has no effect any more: {}", name, since); };
+  verb.add_option_function<std::string>(name, warn)->group("");  // not among the help's
+}
+
 std::string refuse_empty(const std::string& value) {
   return value.empty() ? "expected a value, found an empty one: a shell variable that is not set?" : "";
 }

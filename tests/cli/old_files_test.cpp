@@ -67,6 +67,17 @@ TEST_F(OldFiles, DynamicsGoOnFromAStateToTheSame) {
   expect_close("now.prop0.pc2", "jiggling.prop0.pc2");
 }
 
+TEST_F(OldFiles, WhatAskedForAModeThatIsGoneRuns) {
+  const std::string eval =
+      "eval hero.safetensors --clip bend.glb --frames 5-8 --device cpu --jiggle --state-in hero.state";
+  run(eval + " --out plain.pc2");
+  const ProgramResult asked =
+      run_program("env -C " + folder_.path().string() + " " + kProgram + " " + eval + " --iterations 8 --out now.pc2");
+  EXPECT_EQ(asked.exit_code, 0) << asked.output;
+  EXPECT_EQ(asked.count("--iterations has no effect any more: the jiggle has one way to solve\n"), 1u) << asked.output;
+  expect_same("now.pc2", "plain.pc2");
+}
+
 // As the program said that wrote the basis, with coverage among the metadata.
 TEST_F(OldFiles, ABasisExpectsTheSameError) {
   run("coverage hero.safetensors --clip bend.glb --frames 1-4 --json now.json");

@@ -28,7 +28,7 @@ TEST(BuildDynamics, IsAFunctionOfItsArgumentsWhateverTheThreads) {
   EXPECT_EQ(one.tets.tets, three.tets.tets);
   EXPECT_EQ(one.diffuse.inverse.values, three.diffuse.inverse.values);
   EXPECT_EQ(one.jiggle.inverse.values, three.jiggle.inverse.values);
-  EXPECT_EQ(one.jiggle.held_values, three.jiggle.held_values);
+  EXPECT_EQ(one.jiggle.springs, three.jiggle.springs);
   EXPECT_EQ(one.metadata, three.metadata);
 }
 
