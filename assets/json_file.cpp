@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <nlohmann/json.hpp>
 #include <sstream>
 
 #include "runtime/basis/read_file.h"
@@ -25,7 +26,7 @@ Json read_json(const std::filesystem::path& path, const std::string& schema) {
   if (!kind.empty() && !content.starts_with('{')) {
     throw Error(ErrorKind::file, path.string() + ": expected JSON" + kind);
   }
-  Json json = parse_strict_json<Json>(content, path.string());
+  Json json = parse_strict_json(content, path.string());
   if (!json.is_object() || !json.contains("schema") || !json["schema"].is_string()) {
     throw Error(ErrorKind::file, path.string() + ": expected an object with \"schema\": \"" + schema +
                                      "\"; it is JSON of something else");
@@ -122,6 +123,8 @@ const Json& JsonObject::array(const char* key) const {
 void JsonObject::refuse(const std::string& what) const {
   throw Error(ErrorKind::file, path_.string() + ": " + place_ + " " + what);
 }
+
+bool JsonObject::has(const char* key) const { return object_.contains(key); }
 
 const Json& JsonObject::at(const char* key) const {
   const auto found = object_.find(key);

@@ -1,5 +1,6 @@
 #include "dataset/modifier.h"
 
+#include <nlohmann/json.hpp>
 #include <set>
 
 namespace bodyopt {

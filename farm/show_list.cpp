@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <nlohmann/json.hpp>
 #include <sstream>
 
 #include "assets/json_file.h"
@@ -216,7 +217,7 @@ class ListReader {
 };
 
 void read_object(const std::string& text, const fs::path& path, ListReader& reader) {
-  const Json json = parse_strict_json<Json>(text, path.string());
+  const Json json = parse_strict_json(text, path.string());
   const JsonObject top(json, path, "the top level");
   if (!top.has("schema") || top.text("schema") != kShotsSchema)
     top.refuse(std::string("lacks \"schema\": \"") + kShotsSchema + "\"");
@@ -233,7 +234,7 @@ void read_lines(const std::string& text, const fs::path& path, ListReader& reade
   for (std::string line; std::getline(lines, line);) {
     const std::string place = "line " + std::to_string(++number);
     if (line.find_first_not_of(" \t\r") == std::string::npos) continue;
-    const Json object = parse_strict_json<Json>(line, path.string() + ": " + place);
+    const Json object = parse_strict_json(line, path.string() + ": " + place);
     if (object.is_object() && object.contains("defaults") && object.size() == 1) {
       reader.set_defaults(object["defaults"], place);
     } else {

@@ -4,7 +4,6 @@
 #include <CLI/CLI.hpp>
 #include <filesystem>
 #include <functional>
-#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
@@ -14,8 +13,6 @@
 #include "runtime/deformer/deformer.h"
 
 namespace bodyopt::cli {
-
-using Json = nlohmann::ordered_json;
 
 // Frames a second that clips and dynamics may have.
 constexpr double kLeastRate = 1e-3, kMostRate = 1e5;

@@ -1,6 +1,7 @@
 #include "cli/arguments/task_arguments.h"
 
 #include <map>
+#include <nlohmann/json.hpp>
 
 #include "base/progress.h"
 

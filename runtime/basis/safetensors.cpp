@@ -15,8 +15,6 @@
 namespace bodyopt {
 namespace {
 
-using Json = nlohmann::json;
-
 constexpr std::uint64_t kLargestHeader = 16 << 20;  // bytes; parsed JSON takes many times its text in memory
 constexpr const char* kChecksum = "checksum";
 
@@ -96,7 +94,7 @@ void check_order(const std::filesystem::path& path, std::vector<Range> ranges, s
 }
 
 std::string header_text(const Safetensors& file, const std::vector<std::string>& order) {
-  nlohmann::ordered_json header;
+  Json header;
   header["__metadata__"] = file.metadata;
   std::uint64_t offset = 0;
   for (const std::string& name : order) {
@@ -185,7 +183,7 @@ Safetensors read_safetensors(const std::filesystem::path& path) {
   }
   std::string text(length, '\0');
   if (!stream.read(text.data(), static_cast<std::streamsize>(length))) refuse(path, "the header cannot be read");
-  const Json header = parse_strict_json<Json>(text, path.string());
+  const Json header = parse_strict_json(text, path.string());
   if (!header.is_object()) refuse(path, "the header is not a JSON object");
 
   Safetensors file;

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "runtime/basis/safetensors.h"
+#include "runtime/core/json.h"
 #include "tests/cli/limb_files.h"
 #include "tests/support/hostile_bytes.h"
 #include "tests/support/run_program.h"
@@ -47,13 +48,13 @@ TEST(DynamicsVerb, WritesWhatTheOptionsSayAndInfoReadsIt) {
   }
   EXPECT_EQ(least, 0);
   EXPECT_EQ(most, 1);
-  const auto json = nlohmann::json::parse(std::ifstream(limb.out + ".json"));
+  const auto json = Json::parse(std::ifstream(limb.out + ".json"));
   EXPECT_EQ(json["tets"], dynamics.tets.tet_count());
   EXPECT_EQ(json["bytes"]["jiggle"], table_bytes(dynamics).at("jiggle"));
   EXPECT_GT(json["bone_springs"], 0);
   const ProgramResult info = run_bodyopt("info " + limb.out + " --json -");
   ASSERT_EQ(info.exit_code, 0) << info.output;
-  const auto told = nlohmann::json::parse(info.output);
+  const auto told = Json::parse(info.output);
   EXPECT_EQ(told["kind"], "dynamics");
   EXPECT_EQ(told["nodes"], dynamics.tets.node_count());
   EXPECT_EQ(told["frames_per_second"], 30);
@@ -61,7 +62,7 @@ TEST(DynamicsVerb, WritesWhatTheOptionsSayAndInfoReadsIt) {
   EXPECT_EQ(told["integrator"], "tr-bdf2");
   EXPECT_EQ(told["quality"], json["quality"]);
   EXPECT_EQ(told["inverted_tets"]["poses"], 0);
-  EXPECT_EQ(told["provenance"]["regions"], nlohmann::json::parse(R"([{"joint": "lower", "amount": 0}])"));
+  EXPECT_EQ(told["provenance"]["regions"], Json::parse(R"([{"joint": "lower", "amount": 0}])"));
 }
 
 TEST(DynamicsVerb, InfoNamesATensorOfOneNumber) {

@@ -15,6 +15,7 @@
 #include <string>
 
 #include "assets/pc2.h"
+#include "runtime/core/json.h"
 #include "tests/support/read_bytes.h"
 #include "tests/support/run_program.h"
 #include "tests/support/temporary_folder.h"
@@ -82,7 +83,7 @@ TEST_F(OldFiles, WhatAskedForAModeThatIsGoneRuns) {
 TEST_F(OldFiles, ABasisExpectsTheSameError) {
   run("coverage hero.safetensors --clip bend.glb --frames 1-4 --json now.json");
   std::ifstream stream(folder_ / "now.json");
-  const auto frames = nlohmann::json::parse(stream).at("per_frame");
+  const auto frames = Json::parse(stream).at("per_frame");
   const double then[] = {0.06611640876956965, 0.09364107652589872, 0.1566561812578565, 0.09364107652588065};
   ASSERT_EQ(frames.size(), std::size(then));
   for (std::size_t k = 0; k < frames.size(); ++k) EXPECT_NEAR(frames[k].at("expected_rms_mm"), then[k], 1e-6) << k;

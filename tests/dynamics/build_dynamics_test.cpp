@@ -5,8 +5,10 @@
 
 #include <cstdio>
 #include <functional>
+#include <nlohmann/json.hpp>
 
 #include "runtime/core/error.h"
+#include "runtime/core/json.h"
 #include "tests/simulate/limb.h"
 #include "trainer/train/skinning/ddm_basis.h"
 
@@ -59,7 +61,7 @@ TEST(BuildDynamics, ItsMetadataHoldWhatWasFound) {
   DynamicsOptions options;
   options.settings.regions = {{JiggleRegion::By::joint, limb.skeleton.joints[1].name, 2.0}};
   const auto [dynamics, report, settings] = build_dynamics(limb, {}, build_ddm_basis(limb, {}), options);
-  const auto told = [&](const char* key) { return nlohmann::ordered_json::parse(dynamics.metadata.at(key)); };
+  const auto told = [&](const char* key) { return Json::parse(dynamics.metadata.at(key)); };
   EXPECT_EQ(told("report"), to_json(report));
   EXPECT_EQ(told("jiggle_settings"), jiggle_json(settings));
   EXPECT_EQ(report.tets, dynamics.tets.tet_count());

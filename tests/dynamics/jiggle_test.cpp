@@ -4,6 +4,7 @@
 
 #include <Eigen/SparseCholesky>
 #include <functional>
+#include <nlohmann/json.hpp>
 #include <numbers>
 #include <random>
 

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <omp.h>
 
+#include <nlohmann/json.hpp>
 #include <numbers>
 
 #include "runtime/core/error.h"

@@ -145,7 +145,7 @@ DynamicsOptions asked_options(const Dynamics& dynamics) {
   const std::string where = "the dynamics' metadata 'provenance'";
   const auto text = dynamics.metadata.find("provenance");
   if (text == dynamics.metadata.end()) throw Error(ErrorKind::file, where + " is missing: made by another program?");
-  Json json = parse_strict_json<Json>(text->second, where);
+  Json json = parse_strict_json(text->second, where);
   if (!json.is_object()) throw Error(ErrorKind::file, where + " is no object: damaged?");
   constexpr int kMostTets = 1000000;
   DynamicsOptions options;
