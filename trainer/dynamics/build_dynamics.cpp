@@ -56,7 +56,7 @@ DynamicsTets tets_of(const Character& character, const Basis& basis, const Dynam
     return make_dynamics_tets(character.vertices, character.triangles, character.weights, options.resolution, poses);
   } catch (const Error& error) {
     if (error.kind() != ErrorKind::mismatch) throw;
-    throw Error(error.kind(), error.what() + defect_places(character));
+    throw Error(error.kind(), error.what() + defect_places(character), error.cause());
   }
 }
 
