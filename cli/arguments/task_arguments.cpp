@@ -1,7 +1,6 @@
 #include "cli/arguments/task_arguments.h"
 
 #include <map>
-#include <nlohmann/json.hpp>
 
 #include "base/progress.h"
 
