@@ -39,12 +39,7 @@ Json read_json(const std::filesystem::path& path, const std::string& schema) {
 }
 
 std::string text_of(const Json& json, const std::filesystem::path& path) {
-  try {
-    return json.dump(2) + "\n";
-  } catch (const Json::exception& error) {
-    throw Error(ErrorKind::file,
-                path.string() + ": cannot be written: a name is not UTF-8 text (" + error.what() + ")");
-  }
+  return strict_json_text(json, path.string(), 2) + "\n";
 }
 
 void write_json(const Json& json, const std::filesystem::path& path) {

@@ -26,12 +26,7 @@ void for_each_array(Mesh& mesh, std::size_t k, Visit visit) {
 std::string list_text(const Attachments& attachments, const std::filesystem::path& path) {
   Json list = Json::array();
   for (const AttachedMesh& mesh : attachments.meshes) list.push_back({{"name", mesh.name}, {"bound", mesh.bound}});
-  try {
-    return list.dump();
-  } catch (const Json::exception& error) {
-    throw Error(ErrorKind::file,
-                path.string() + ": cannot be written: a name is not UTF-8 text (" + error.what() + ")");
-  }
+  return strict_json_text(list, path.string());
 }
 
 std::vector<AttachedMesh> named_meshes(const TableReader& reader, const std::filesystem::path& path) {

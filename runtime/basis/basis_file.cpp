@@ -109,12 +109,7 @@ std::vector<double> joint_numbers(const Skeleton& skeleton) {
 }
 
 std::string list_text(const std::vector<std::string>& names, const std::filesystem::path& path) {
-  try {
-    return Json(names).dump();
-  } catch (const Json::exception& error) {
-    throw Error(ErrorKind::file,
-                path.string() + ": cannot be written: a name is not UTF-8 text (" + error.what() + ")");
-  }
+  return strict_json_text(names, path.string());
 }
 
 std::vector<std::string> strings(const TableReader& reader, const std::string& key, const std::filesystem::path& path) {

@@ -76,11 +76,7 @@ const SkinModifier* SkinModifiers::of_type(const std::string& type) const {
 std::string text_of_stack(const std::vector<SkinModifier>& stack, const std::string& place) {
   Json list = Json::array();
   for (const SkinModifier& modifier : stack) list.push_back(json_of(modifier));
-  try {
-    return list.dump();
-  } catch (const Json::exception& error) {
-    throw Error(ErrorKind::file, place + ": cannot be written: a name is not UTF-8 text (" + error.what() + ")");
-  }
+  return strict_json_text(list, place);
 }
 
 std::vector<SkinModifier> stack_from_text(const std::string& text, const std::string& place) {

@@ -57,4 +57,12 @@ Json parse_strict_json(std::string_view text, const std::string& origin) {
   }
 }
 
+std::string strict_json_text(const Json& json, const std::string& origin, int indent) {
+  try {
+    return json.dump(indent);
+  } catch (const Json::exception& error) {
+    throw Error(ErrorKind::file, origin + ": cannot be written: a name is not UTF-8 text (" + error.what() + ")");
+  }
+}
+
 }  // namespace bodyopt
