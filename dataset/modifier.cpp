@@ -3,6 +3,8 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "assets/json_file.h"
+
 namespace bodyopt {
 
 Modifier read_modifier(const Json& json, const std::filesystem::path& path, const std::string& place) {
