@@ -11,11 +11,11 @@
 #include "runtime/basis/read_file.h"
 #include "runtime/core/error.h"
 #include "runtime/core/file_kind.h"
+#include "runtime/core/json.h"
 
 namespace bodyopt {
 namespace {
 
-using nlohmann::json;
 using Bytes = std::vector<unsigned char>;
 
 constexpr int kMaxNesting = 64;
@@ -76,19 +76,19 @@ bool starts_an_object(const Bytes& bytes) {
 }
 
 // Parses with a limit on nesting (destructors and tinygltf recurse), without extras and extensions.
-json parse_json(const std::filesystem::path& path, const std::string& text) {
-  const auto filter = [&](int depth, json::parse_event_t event, const json& value) {
+Json parse_json(const std::filesystem::path& path, const std::string& text) {
+  const auto filter = [&](int depth, Json::parse_event_t event, const Json& value) {
     if (depth > kMaxNesting) fail(path, "its JSON is nested deeper than 64 levels");
-    return event != json::parse_event_t::key || (value != "extras" && value != "extensions");
+    return event != Json::parse_event_t::key || (value != "extras" && value != "extensions");
   };
   try {
-    return json::parse(text, filter);
-  } catch (const json::exception& error) {
+    return Json::parse(text, filter);
+  } catch (const Json::exception& error) {
     fail(path, std::string("its JSON cannot be read (") + error.what() + "); not a glTF file, or damaged");
   }
 }
 
-void check_version(const std::filesystem::path& path, const json& root) {
+void check_version(const std::filesystem::path& path, const Json& root) {
   if (!root.is_object() || !root.contains("asset") || !root["asset"].is_object() ||
       !root["asset"].contains("version") || !root["asset"]["version"].is_string()) {
     fail(path, "has no asset.version; it is not a glTF file");
@@ -104,11 +104,11 @@ bool is_harmless(const std::string& extension) {
          extension == "KHR_mesh_quantization";
 }
 
-void check_extensions(const std::filesystem::path& path, const json& root) {
+void check_extensions(const std::filesystem::path& path, const Json& root) {
   if (!root.contains("extensionsRequired")) return;
-  const json& required = root["extensionsRequired"];
+  const Json& required = root["extensionsRequired"];
   if (!required.is_array()) fail(path, "extensionsRequired is not an array");
-  for (const json& extension : required) {
+  for (const Json& extension : required) {
     if (extension.is_string() && is_harmless(extension)) continue;
     fail(path,
          "requires the extension " + extension.dump() + ", which is not supported; export it without compression");
@@ -116,12 +116,12 @@ void check_extensions(const std::filesystem::path& path, const json& root) {
 }
 
 // What tinygltf would take as 0 where it is no number that may stand there.
-void check_counts(const std::filesystem::path& path, const json& root) {
+void check_counts(const std::filesystem::path& path, const Json& root) {
   for (const char* list : {"bufferViews", "accessors"}) {
     if (!root.contains(list) || !root[list].is_array()) continue;  // tinygltf refuses what is no list
     for (std::size_t k = 0; k < root[list].size(); ++k) {
       for (const char* key : {"byteOffset", "byteLength", "byteStride", "count"}) {
-        const json& entry = root[list][k];
+        const Json& entry = root[list][k];
         if (!entry.is_object() || !entry.contains(key) || entry[key].is_number_unsigned()) continue;
         fail(path, std::string(key) + " of " + list + " " + std::to_string(k) + " is " +
                        entry[key].dump().substr(0, 40) + ", expected a whole number, 0 or above");
@@ -158,7 +158,7 @@ std::filesystem::path external_file(const std::filesystem::path& path, const std
   return file;
 }
 
-Bytes resolve_buffer(const std::filesystem::path& path, const json& buffer, const Bytes* binary) {
+Bytes resolve_buffer(const std::filesystem::path& path, const Json& buffer, const Bytes* binary) {
   if (!buffer.is_object() || !buffer.contains("byteLength") || !buffer["byteLength"].is_number_unsigned()) {
     fail(path, "a buffer has no byteLength");
   }
@@ -193,14 +193,14 @@ GuardedGltf guard_gltf(const std::filesystem::path& path) {
   if (!is_glb && !starts_an_object(bytes)) fail(path, "is not a glTF file (.glb, .gltf)" + looks_like(path));
   const Chunks chunks = is_glb ? split_glb(path, bytes) : Chunks{std::string(bytes.begin(), bytes.end()), {}};
 
-  json root = parse_json(path, chunks.json);
+  Json root = parse_json(path, chunks.json);
   check_version(path, root);
   check_extensions(path, root);
   check_counts(path, root);
 
   GuardedGltf guarded;
   std::size_t buffer_bytes = 0;
-  const json buffers = root.contains("buffers") ? root["buffers"] : json::array();
+  const Json buffers = root.contains("buffers") ? root["buffers"] : Json::array();
   if (!buffers.is_array()) fail(path, "buffers is not an array");
   try {
     for (std::size_t i = 0; i < buffers.size(); ++i) {
@@ -215,7 +215,7 @@ GuardedGltf guard_gltf(const std::filesystem::path& path) {
        {"buffers", "images", "textures", "samplers", "materials", "cameras", "extensionsRequired", "extensionsUsed"}) {
     root.erase(key);
   }
-  guarded.json = root.dump(-1, ' ', false, json::error_handler_t::replace);
+  guarded.json = root.dump(-1, ' ', false, Json::error_handler_t::replace);
   return guarded;
 }
 
@@ -223,9 +223,9 @@ std::vector<std::filesystem::path> gltf_files(const std::filesystem::path& path)
   std::vector<std::filesystem::path> files{path};
   if (path.extension() != ".gltf") return files;
   const Bytes bytes = read_bytes(path);
-  const json root = parse_json(path, std::string(bytes.begin(), bytes.end()));
-  const json buffers = root.contains("buffers") ? root["buffers"] : json::array();
-  for (const json& buffer : buffers) {
+  const Json root = parse_json(path, std::string(bytes.begin(), bytes.end()));
+  const Json buffers = root.contains("buffers") ? root["buffers"] : Json::array();
+  for (const Json& buffer : buffers) {
     if (!buffer.is_object() || !buffer.contains("uri") || !buffer["uri"].is_string()) continue;
     if (const std::string uri = buffer["uri"]; !tinygltf::IsDataURI(uri)) files.push_back(external_file(path, uri));
   }

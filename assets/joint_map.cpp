@@ -1,5 +1,6 @@
 #include "assets/joint_map.h"
 
+#include <nlohmann/json.hpp>
 #include <set>
 
 #include "assets/json_file.h"

@@ -3,12 +3,11 @@
 
 #include <filesystem>
 #include <initializer_list>
-#include <nlohmann/json.hpp>
 #include <string>
 
-namespace bodyopt {
+#include "runtime/core/json.h"
 
-using Json = nlohmann::ordered_json;
+namespace bodyopt {
 
 // Parses a file whose top level is an object with "schema": `schema`. Throws Error(file).
 Json read_json(const std::filesystem::path& path, const std::string& schema);
@@ -33,7 +32,9 @@ class JsonObject {
   const Json& array(const char* key) const;
   bool is_null(const char* key) const;
   const Json& json() const { return object_; }
-  bool has(const char* key) const { return object_.contains(key); }
+  const std::filesystem::path& path() const { return path_; }
+  const std::string& place() const { return place_; }
+  bool has(const char* key) const;
   [[noreturn]] void refuse(const std::string& what) const;
 
  private:

@@ -1,6 +1,7 @@
 #include "assets/muscles.h"
 
 #include <cmath>
+#include <nlohmann/json.hpp>
 #include <set>
 
 #include "assets/json_file.h"

@@ -60,7 +60,10 @@ void write_dataset_of_paths(const std::filesystem::path& folder) {
   const BuiltinArm arm = build_arm();
   const Clip clip = arm_heldout(arm.character.skeleton, kFrames);
   const QuasiStaticBody body(arm.character, arm.muscles, 0.0);
-  Dataset dataset{.folder = folder, .character = "character.glb", .muscles = "muscles.json"};
+  Dataset dataset;
+  dataset.folder = folder;
+  dataset.character = "character.glb";
+  dataset.muscles = "muscles.json";
   write_character(arm.character, folder / dataset.character);
   write_muscles(arm.muscles, arm.character.skeleton, folder / dataset.muscles);
   write_clip(clip, arm.character.skeleton, folder / "acting.glb");

@@ -1,5 +1,6 @@
 // bodyopt attach: meshes that ride on the skin of a basis.
 #include <algorithm>
+#include <nlohmann/json.hpp>
 
 #include "assets/wording.h"
 #include "cli/arguments/common.h"

@@ -1,6 +1,7 @@
 // bodyopt bench: how long a frame of a basis takes on each device, stage by stage, and how near that is to the
 // memory's.
 #include <algorithm>
+#include <nlohmann/json.hpp>
 #include <random>
 
 #include "base/progress.h"

@@ -1,4 +1,6 @@
 // bodyopt curate: the stack of modifiers that a dataset's shapes are read through.
+#include <nlohmann/json.hpp>
+
 #include "assets/wording.h"
 #include "cli/curate/disagreements.h"
 #include "cli/curate/frame_exchange.h"

@@ -1,5 +1,6 @@
 // bodyopt dataset add: shapes that come from elsewhere into a dataset.
 #include <filesystem>
+#include <nlohmann/json.hpp>
 
 #include "cli/arguments/dataset_arguments.h"
 #include "runtime/core/error.h"

@@ -1,4 +1,6 @@
 // bodyopt devices: what can run a basis here.
+#include <nlohmann/json.hpp>
+
 #include "cli/arguments/common.h"
 #include "runtime/vulkan/device.h"
 

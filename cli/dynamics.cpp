@@ -2,6 +2,7 @@
 #include <spdlog/spdlog.h>
 
 #include <filesystem>
+#include <nlohmann/json.hpp>
 #include <set>
 
 #include "assets/controls.h"
@@ -17,7 +18,7 @@ namespace bodyopt::cli {
 namespace {
 
 struct DynamicsArguments {
-  std::string dataset, basis, out, jiggle, jiggle_out, integrator = "tr-bdf2";
+  std::string dataset, basis, out, jiggle, jiggle_out;
   DynamicsOptions options;
   JsonOption json;
 };
@@ -74,7 +75,6 @@ void run(DynamicsArguments arguments) {
   const Stopwatch watch;
   const Basis basis = load_basis(arguments.basis);
   if (!arguments.jiggle.empty()) arguments.options.settings = read_jiggle(arguments.jiggle);
-  arguments.options.step.implicit_euler = arguments.integrator == "euler";
   const BuiltDynamics built = build(arguments, basis);
   const Dynamics& dynamics = built.dynamics;
   validate(dynamics, basis, "the dynamics to be saved");
@@ -127,10 +127,7 @@ void add_dynamics(CLI::App& app) {
   add_option(verb, "--substeps", options.step.substeps, "Steps a frame")
       ->capture_default_str()
       ->check(CLI::Range(1, 64));
-  add_option(verb, "--integrator", arguments->integrator,
-             "tr-bdf2: keeps oscillations; euler: damps them strongly, for comparison")
-      ->capture_default_str()
-      ->check(CLI::IsMember({"tr-bdf2", "euler"}));
+  add_former_option(verb, "--integrator", "all dynamics step by TR-BDF2");
   arguments->json.add(verb);
   verb.callback([arguments] { run(*arguments); });
 }

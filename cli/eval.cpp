@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <nlohmann/json.hpp>
 
 #include "assets/frame_range.h"
 #include "assets/gltf_guard.h"

@@ -1,4 +1,6 @@
 // bodyopt export: a draft's nodes to a point cache that other programs read.
+#include <nlohmann/json.hpp>
+
 #include "assets/nodes_cache.h"
 #include "assets/pc2.h"
 #include "cli/arguments/cache_space.h"

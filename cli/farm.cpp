@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <memory>
+#include <nlohmann/json.hpp>
 
 #include "cli/arguments/common.h"
 #include "cli/arguments/task_arguments.h"
@@ -39,6 +40,7 @@ fs::path plan_folder(const FarmArguments& arguments) { return fs::absolute(argum
 void plan(const FarmArguments& arguments) {
   std::vector<std::string> problems;
   const ShowList list = read_show_list(arguments.list, problems);
+  say(list.notes);
   const FarmPlan plan = plan_show(list, arguments.minutes, problems);
   for (const std::string& problem : problems) spdlog::error("{}", problem);
   if (!problems.empty()) {

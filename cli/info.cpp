@@ -1,6 +1,7 @@
 // bodyopt info: what a file holds.
 #include <filesystem>
 #include <fstream>
+#include <nlohmann/json.hpp>
 
 #include "assets/bvh.h"
 #include "assets/character.h"

@@ -1,4 +1,5 @@
 // bodyopt modifiers: breathing, morphs, sculpts, flexed muscles, sag, relax and push-out for a basis.
+#include <nlohmann/json.hpp>
 #include <optional>
 
 #include "assets/shot_modifiers.h"

@@ -1,5 +1,6 @@
 // bodyopt muscles: from anatomy to muscles.json.
 #include <algorithm>
+#include <nlohmann/json.hpp>
 #include <set>
 
 #include "assets/wording.h"

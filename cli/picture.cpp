@@ -2,10 +2,12 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <nlohmann/json.hpp>
 
 #include "assets/shape_reader.h"
 #include "assets/wording.h"
 #include "cli/arguments/common.h"
+#include "dataset/modifier.h"
 #include "geometry/embedding.h"
 #include "report/pictures.h"
 #include "report/section.h"

@@ -2,6 +2,7 @@
 #include "trainer/train/regions/regions.h"
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
 #include <numeric>
 
 #include "assets/wording.h"

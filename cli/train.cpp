@@ -4,6 +4,7 @@
 #include <spdlog/spdlog.h>
 
 #include <filesystem>
+#include <nlohmann/json.hpp>
 #include <optional>
 
 #include "assets/json_file.h"
@@ -125,7 +126,7 @@ int surface_curves_for(const TrainArguments& arguments, const SampleSet& set) {
     const auto found = earlier.metadata.find("provenance");
     if (found != earlier.metadata.end()) {
       const std::filesystem::path path = arguments.out;
-      const Json provenance = parse_strict_json<Json>(found->second, arguments.out);
+      const Json provenance = parse_strict_json(found->second, arguments.out);
       const JsonObject object(provenance, path, "provenance");
       return object.has("surface_curves") ? object.integer("surface_curves", 0, 1000) : 0;
     }

@@ -2,12 +2,14 @@
 #include <spdlog/spdlog.h>
 
 #include <filesystem>
+#include <nlohmann/json.hpp>
 #include <set>
 
 #include "assets/frame_range.h"
 #include "cli/arguments/common.h"
 #include "cli/results/transfer_page.h"
 #include "cli/results/transfer_picture.h"
+#include "dataset/modifier.h"
 #include "runtime/core/atomic_file.h"
 #include "runtime/core/error.h"
 #include "runtime/core/stopwatch.h"

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <nlohmann/json.hpp>
 
 #include "assets/frame_range.h"
 #include "assets/json_file.h"
@@ -190,7 +191,8 @@ void write_plan(const FarmPlan& plan, const fs::path& folder) {
     for (const FarmStep& step : task.steps) steps.push_back(to_json(step));
     tasks.push_back({{"wave", task.wave}, {"lane", task.lane}, {"steps", steps}});
   }
-  write_json({{"schema", kPlanSchema}, {"show", plan.show}, {"joins", plan.joins}, {"tasks", tasks}}, plan_file(folder));
+  write_json({{"schema", kPlanSchema}, {"show", plan.show}, {"joins", plan.joins}, {"tasks", tasks}},
+             plan_file(folder));
 }
 
 FarmPlan read_plan(const fs::path& folder) {

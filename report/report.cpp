@@ -1,6 +1,7 @@
 #include "report/report.h"
 
 #include <cmath>
+#include <nlohmann/json.hpp>
 #include <span>
 
 #include "report/report_json.h"

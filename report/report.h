@@ -4,7 +4,6 @@
 #include <array>
 #include <cstdint>
 #include <filesystem>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <utility>
@@ -173,6 +172,6 @@ struct ReportData {
 
 // Writes report.json, which it returns, and report.html into `folder`, which is made if need be. Throws Error(mismatch)
 // when a number is not finite or a curve has another length than the frames, Error(file).
-nlohmann::ordered_json write_report(const ReportData& data, const std::filesystem::path& folder);
+Json write_report(const ReportData& data, const std::filesystem::path& folder);
 
 }  // namespace bodyopt

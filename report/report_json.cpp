@@ -1,5 +1,7 @@
 #include "report/report_json.h"
 
+#include <nlohmann/json.hpp>
+
 namespace bodyopt {
 namespace {
 

@@ -8,6 +8,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <limits>
+#include <nlohmann/json.hpp>
 
 #include "assets/frame_range.h"
 #include "assets/matched_joints.h"
@@ -118,6 +119,11 @@ void add_joint_map(CLI::App& verb, std::string& path) {
   add_option(verb, "--joint-map", path, "Which joint of the clip moves which, where names do not tell (joint_map.json)")
       ->type_name("FILE")
       ->check(refuse_empty);
+}
+
+void add_former_option(CLI::App& verb, const std::string& name, const std::string& since) {
+  const auto warn = [=](const std::string&) { spdlog::warn("{} has no effect any more: {}", name, since); };
+  verb.add_option_function<std::string>(name, warn)->group("");  // not among the help's
 }
 
 std::string refuse_empty(const std::string& value) {

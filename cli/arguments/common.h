@@ -4,7 +4,6 @@
 #include <CLI/CLI.hpp>
 #include <filesystem>
 #include <functional>
-#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
@@ -15,8 +14,6 @@
 #include "runtime/deformer/deformer.h"
 
 namespace bodyopt::cli {
-
-using Json = nlohmann::ordered_json;
 
 // Frames a second that clips and dynamics may have.
 constexpr double kLeastRate = 1e-3, kMostRate = 1e5;
@@ -80,6 +77,8 @@ std::filesystem::path dataset_file(const std::filesystem::path& given);
 
 // An option that names a file to write, which must end as said: a slip must not overwrite a character.
 void add_output(CLI::App& verb, std::string& path, const std::string& extension, const std::string& description);
+// An option that earlier versions had: it takes a value and says on standard error that it has no effect, since...
+void add_former_option(CLI::App& verb, const std::string& name, const std::string& since);
 // Throws Error(usage) when `out` is the file `input`.
 void refuse_overwriting(const std::filesystem::path& out, const std::filesystem::path& input);
 // Throws Error(file) now rather than after long work.

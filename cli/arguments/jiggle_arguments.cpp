@@ -63,19 +63,12 @@ void JiggleArguments::add(CLI::App& verb) {
       ->expected(3)
       ->type_name("X Y Z")
       ->group(group);
-  add_option(verb, "--iterations", options.iterations,
-             "Quality: so many conjugate gradient steps on the corotated operator per solve (8: bends, too, to a "
-             "thousandth)")
-      ->check(CLI::Range(0, static_cast<int>(kMostIterations)))
-      ->check([](const std::string& count) {
-        return problem_of_iterations(static_cast<std::uint32_t>(std::stoul(count, nullptr, 0)));
-      })
-      ->group(group);
+  add_former_option(verb, "--iterations", "the jiggle has one way to solve");
 }
 
 void JiggleArguments::check() const {
   const bool any = !dynamics.empty() || !state_in.empty() || !state_out.empty() || state_every > 0 || preroll > 0 ||
-                   !cuts.empty() || !gravity_change.empty() || options.iterations > 0;
+                   !cuts.empty() || !gravity_change.empty();
   if (!jiggle && any) throw Error(ErrorKind::usage, "options of the jiggle need --jiggle");
   if (state_every > 0 && state_out.empty()) throw Error(ErrorKind::usage, "--state-every needs --state-out");
   if (preroll > 0 && !state_in.empty()) {
@@ -108,7 +101,7 @@ std::unique_ptr<Deformer> JiggleArguments::deformer(Basis loaded, const std::str
                                      ": not there; --jiggle needs the dynamics of the basis: make them with 'bodyopt "
                                      "dynamics', or name them with --dynamics");
   }
-  JiggleOptions chosen = options;
+  JiggleOptions chosen;
   chosen.gravity_change = gravity_of(*this);
   if (!cuts.empty()) chosen.cuts = parse_frame_range(cuts);
   std::sort(chosen.cuts.begin(), chosen.cuts.end());

@@ -1,6 +1,7 @@
 #include "cli/results/shot_folds.h"
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
 
 namespace bodyopt::cli {
 namespace {

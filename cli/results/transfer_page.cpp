@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <nlohmann/json.hpp>
 
 #include "cli/results/number_cell.h"
 #include "cli/results/transfer_picture.h"

@@ -169,6 +169,11 @@ Quat slerp(const Quat& a, Quat b, double t) {
   return normalized({wa * a[0] + wb * b[0], wa * a[1] + wb * b[1], wa * a[2] + wb * b[2], wa * a[3] + wb * b[3]});
 }
 
+double angle_between(const Quat& a, const Quat& b) {
+  const auto [x, y, z, w] = conjugate(a) * b;
+  return 2 * std::atan2(std::sqrt(x * x + y * y + z * z), std::abs(w));
+}
+
 Vec3 rotate(const Quat& q, const Vec3& v) {
   const Vec3 u{q[0], q[1], q[2]};
   const Vec3 t = 2.0 * cross(u, v);

@@ -37,6 +37,7 @@ bool has_length(const Quat& q);  // false for a zero or non-finite quaternion
 Quat normalized(const Quat& q);  // identity where it has none
 Quat axis_angle(const Vec3& axis, double angle);
 Quat slerp(const Quat& a, Quat b, double t);
+double angle_between(const Quat& a, const Quat& b);  // of the turn from one to the other, the shorter way: 0 to pi
 Vec3 rotate(const Quat& q, const Vec3& v);
 std::array<std::array<double, 3>, 3> rotation_matrix(const Quat& q);
 

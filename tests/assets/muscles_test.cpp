@@ -4,6 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "runtime/core/json.h"
 #include "tests/support/hostile_bytes.h"
 #include "tests/support/temporary_folder.h"
 
@@ -11,8 +12,6 @@ namespace bodyopt {
 namespace muscles_test {
 
 using namespace testing;
-using Json = nlohmann::ordered_json;
-
 Skeleton arm() {
   Skeleton skeleton;
   for (const char* name : {"shoulder", "elbow", "wrist"}) {

@@ -1,8 +1,10 @@
 // train, attach, eval and info with geometry that rides on the skin.
 #include <cmath>
+#include <nlohmann/json.hpp>
 
 #include "assets/clip.h"
 #include "assets/pc2.h"
+#include "runtime/core/json.h"
 #include "runtime/host/rig.h"
 #include "tests/support/limb_glb.h"
 #include "tests/support/run_program.h"
@@ -121,14 +123,14 @@ TEST_F(Attach, MeshesAreAddedReplacedAndListed) {
   expect(attach(prop(blade()) + " " + basis), 0, ": 3 meshes");
   expect(attach(path("blade.glb") + " " + basis + " --joint joint0"), 0, ": 3 meshes");
   const ProgramResult info = run_bodyopt("info " + path("limb.attached.safetensors") + " --json -");
-  const nlohmann::json meshes = nlohmann::json::parse(info.output).at("meshes");
+  const Json meshes = Json::parse(info.output).at("meshes");
   ASSERT_EQ(meshes.size(), 3u);
   EXPECT_EQ(meshes[0].at("name"), "eye");
   EXPECT_EQ(meshes[1].at("name"), "sleeve");
   EXPECT_EQ(meshes[1].at("vertices"), 31 * 24);
   EXPECT_EQ(meshes[2].at("bound").get<std::string>().rfind("1 piece fixed to joint 'joint0'", 0), 0u) << meshes;
   const ProgramResult of_basis = run_bodyopt("info " + basis + " --json -");
-  EXPECT_EQ(nlohmann::json::parse(of_basis.output).at("attached"), meshes);
+  EXPECT_EQ(Json::parse(of_basis.output).at("attached"), meshes);
   expect(eval(), 0, "shot.sleeve.pc2");
   EXPECT_TRUE(std::filesystem::exists(path("shot.blade.pc2")));
   expect(run_bodyopt("train --ddm-only " + path("limb.glb") + " --out " + basis), 0, "attached eye");

@@ -6,6 +6,7 @@
 #include "assets/pc2.h"
 #include "dataset/dataset.h"
 #include "dataset/file_hashes.h"
+#include "runtime/core/json.h"
 #include "tests/cli/limb_files.h"
 #include "tests/support/hostile_bytes.h"
 #include "tests/support/run_program.h"
@@ -55,7 +56,7 @@ TEST_F(ClipProgram, CheckSaysWhatAClipHoldsBeyondTheLimits) {
   expect(check + files_.motion, 0, "bend: 6 frames");
   expect(check + at("twisted.glb") + limits + " --frames 2", 0, "in the only frame");
   const ProgramResult json = run_bodyopt(check + at("twisted.glb") + limits + " --json -");
-  const nlohmann::json result = nlohmann::json::parse(json.output);
+  const Json result = Json::parse(json.output);
   ASSERT_EQ(result.at("held_beyond_limits").size(), 1u);
   EXPECT_EQ(result["held_beyond_limits"][0]["joint"], "lower");
   EXPECT_NEAR(result["held_beyond_limits"][0]["degrees"], 45, 1e-3);

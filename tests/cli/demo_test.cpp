@@ -10,6 +10,7 @@
 #include "assets/shape_reader.h"
 #include "dataset/compare.h"
 #include "dataset/dataset.h"
+#include "runtime/core/json.h"
 #include "tests/support/decoded_animation.h"
 #include "tests/support/read_bytes.h"
 #include "tests/support/run_program.h"
@@ -19,15 +20,15 @@ namespace bodyopt {
 namespace {
 
 // A row of the ablation in a report.
-const nlohmann::json& method(const nlohmann::json& report, const std::string& name) {
-  for (const nlohmann::json& row : report["methods"]) {
+const Json& method(const Json& report, const std::string& name) {
+  for (const Json& row : report["methods"]) {
     if (row["name"] == name) return row;
   }
   throw std::runtime_error("no method '" + name + "'");
 }
 
 // The draft is of the same frames as the full simulation it is held against, and as far from it as the report says.
-void expect_draft(const std::filesystem::path& demo, const nlohmann::json& report) {
+void expect_draft(const std::filesystem::path& demo, const Json& report) {
   const Dataset draft = read_dataset(demo / "draft" / "dataset.json");
   const Dataset dataset = read_dataset(demo / "dataset" / "dataset.json");
   ASSERT_EQ(draft.takes.size(), 2u);
@@ -61,8 +62,8 @@ void expect_draft(const std::filesystem::path& demo, const nlohmann::json& repor
 }
 
 // A pose that is held has no displacement at all; after the stop the flesh swings, and comes to rest.
-void expect_jiggle(const std::filesystem::path& demo, const nlohmann::json& report) {
-  const nlohmann::json& jiggle = report["jiggle"];
+void expect_jiggle(const std::filesystem::path& demo, const Json& report) {
+  const Json& jiggle = report["jiggle"];
   const auto largest = jiggle["frame_max_mm"].get<std::vector<double>>();
   const auto moves_after = jiggle["moves_after"].get<std::size_t>(), stops = jiggle["stops"].get<std::size_t>();
   ASSERT_GT(largest.size(), stops + 24);
@@ -122,7 +123,7 @@ TEST(Demo, QuickRunLeavesEverythingAndTheVerbsReadIt) {
     EXPECT_TRUE(std::filesystem::exists(folder / name)) << name;
   }
 
-  const nlohmann::json report = nlohmann::json::parse(std::ifstream(folder / "report.json"));
+  const Json report = Json::parse(std::ifstream(folder / "report.json"));
   const auto& box = report["character"]["bounding_box_m"];
   const double size = std::hypot(box[0].get<double>(), box[1].get<double>(), box[2].get<double>());
   EXPECT_GE(report["character"]["vertices"], 6000);
@@ -172,13 +173,13 @@ TEST(Demo, QuickRunLeavesEverythingAndTheVerbsReadIt) {
       "coverage " + out + "/basis.safetensors --clip " + out + "/heldout.glb --frames 1-24x3 --worst 3" + " --truth " +
       out + "/dataset/heldout.pc2 --picture " + out + "/strip.svg --json " + out + "/coverage.json");
   ASSERT_EQ(coverage.exit_code, 0) << coverage.output;
-  const nlohmann::json covered = nlohmann::json::parse(std::ifstream(folder / "coverage.json"));
+  const Json covered = Json::parse(std::ifstream(folder / "coverage.json"));
   ASSERT_EQ(covered["per_frame"].size(), heldout.sample_count());
-  const nlohmann::json evaluated = nlohmann::json::parse(std::ifstream(folder / "eval.json"));
+  const Json evaluated = Json::parse(std::ifstream(folder / "eval.json"));
   ASSERT_EQ(evaluated["per_frame"].size(), heldout.sample_count());
   double sum = 0;
   for (std::size_t k = 0; k < covered["per_frame"].size(); ++k) {
-    const nlohmann::json& frame = covered["per_frame"][k];
+    const Json& frame = covered["per_frame"][k];
     EXPECT_GT(frame["expected_rms_mm"], 0);
     EXPECT_EQ(evaluated["per_frame"][k]["frame"], frame["frame"]);
     EXPECT_EQ(evaluated["per_frame"][k]["expected_rms_mm"], frame["expected_rms_mm"]);

@@ -10,6 +10,7 @@
 #include "assets/pc2.h"
 #include "assets/usda_part.h"
 #include "runtime/core/error.h"
+#include "runtime/core/json.h"
 #include "runtime/deformer/deformer.h"
 #include "tests/support/background_program.h"
 #include "tests/support/read_bytes.h"
@@ -188,7 +189,7 @@ TEST_F(EvalTask, ProgressIsAsProgramsReadIt) {
   const ProgramResult json = eval("--frames 1-20 --progress json", "a.pc2");
   const std::size_t begin = json.output.find("{\"progress\"");
   ASSERT_NE(begin, std::string::npos) << json.output;
-  const auto line = nlohmann::json::parse(json.output.substr(begin, json.output.find('\n', begin) - begin));
+  const auto line = Json::parse(json.output.substr(begin, json.output.find('\n', begin) - begin));
   EXPECT_EQ(line.at("total"), 20);
   EXPECT_NE(eval("--frames 1-20 --progress openjd", "a.pc2").output.find("openjd_progress: 100.0\n"),
             std::string::npos);
@@ -205,17 +206,15 @@ TEST_F(EvalTask, APlannedShowIsDoneWholeAndOnlyOnce) {
   ASSERT_EQ(planned.exit_code, 0) << planned.output;
   const ProgramResult ran = run_bodyopt("farm run " + plan);
   ASSERT_EQ(ran.exit_code, 0) << ran.output;
-  const auto told =
-      nlohmann::json::parse(run_program(kProgram + " farm status " + plan + " --json - 2>/dev/null").output);
-  EXPECT_EQ(told.at("elements"), (nlohmann::json{{"done", 2}}));
+  const auto told = Json::parse(run_program(kProgram + " farm status " + plan + " --json - 2>/dev/null").output);
+  EXPECT_EQ(told.at("elements"), (Json{{"done", 2}}));
   ASSERT_EQ(eval("--frames 1-120", "whole.pc2").exit_code, 0);
   EXPECT_EQ(testing::read_bytes(folder_ / "out" / "long" / "hero.pc2"), testing::read_bytes(path("whole.pc2")));
   EXPECT_TRUE(std::filesystem::exists(folder_ / "out" / "a $(touch hit) 'b' \"c\"\nd;" / "hero.pc2"));
   EXPECT_EQ(run_bodyopt("farm run " + plan).output.find("wrote"), std::string::npos);
   std::filesystem::remove(folder_ / "out" / "long" / "hero.pc2");
-  const auto again =
-      nlohmann::json::parse(run_program(kProgram + " farm status " + plan + " --json - 2>/dev/null").output);
-  EXPECT_EQ(again.at("elements"), (nlohmann::json{{"done", 1}, {"missing", 1}}));
+  const auto again = Json::parse(run_program(kProgram + " farm status " + plan + " --json - 2>/dev/null").output);
+  EXPECT_EQ(again.at("elements"), (Json{{"done", 1}, {"missing", 1}}));
 }
 
 // The page of a show, and its frames as `simulate` takes them; names in it are text.
@@ -233,7 +232,7 @@ TEST_F(EvalTask, AReportIsOnePageWithPicturesOfTheCaches) {
   const ProgramResult ran =
       run_bodyopt("farm report " + plan + " --out " + path("show.html") + " --json " + path("r.json"));
   ASSERT_EQ(ran.exit_code, 0) << ran.output;
-  const auto told = nlohmann::json::parse(testing::read_bytes(path("r.json")));
+  const auto told = Json::parse(testing::read_bytes(path("r.json")));
   EXPECT_EQ(told.at("elements").at(2).at("state"), "missing");
   ASSERT_EQ(told.at("worth_a_look").size(), 6u);
   const std::string page = testing::read_bytes(path("show.html"));

@@ -4,6 +4,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "runtime/core/json.h"
 #include "tests/cli/limb_files.h"
 #include "tests/support/run_program.h"
 
@@ -12,9 +13,7 @@ namespace {
 
 class Improve : public ::testing::Test {
  protected:
-  nlohmann::json json(const std::string& name) const {
-    return nlohmann::json::parse(std::ifstream(folder_ / (name + ".json")));
-  }
+  Json json(const std::string& name) const { return Json::parse(std::ifstream(folder_ / (name + ".json"))); }
   ProgramResult run(const std::string& arguments) const { return run_bodyopt(arguments); }
 
   TemporaryFolder folder_;

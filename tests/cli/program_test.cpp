@@ -7,6 +7,7 @@
 #include "assets/pc2.h"
 #include "dataset/dataset.h"
 #include "runtime/basis/basis.h"
+#include "runtime/core/json.h"
 #include "tests/support/no_vulkan_loader.h"
 #include "tests/support/run_program.h"
 #include "tests/support/temporary_folder.h"
@@ -216,29 +217,29 @@ TEST(Program, RegionsAreWrittenReadBackAndRefused) {
     const ProgramResult result = run_bodyopt(verb + more + " --json " + json);
     EXPECT_EQ(result.exit_code, 0) << result.output;
     std::ifstream file(json);
-    return nlohmann::json::parse(file)["regions"];
+    return Json::parse(file)["regions"];
   };
-  nlohmann::json first = list(" --out " + regions);
+  Json first = list(" --out " + regions);
   EXPECT_EQ(first[0]["from"], "training");
   dataset.regions = "regions.json";
   write_dataset(dataset, folder / "dataset.json");
-  for (nlohmann::json& region : first) region["from"] = "file";
+  for (Json& region : first) region["from"] = "file";
   EXPECT_EQ(list(""), first);
   EXPECT_EQ(run_bodyopt(verb + " --out " + regions).exit_code, 64);  // the file that the dataset names
 
   std::ifstream file(regions);
-  const nlohmann::json good = nlohmann::json::parse(file);
-  const auto exit_code = [&](const nlohmann::json& bad) {
+  const Json good = Json::parse(file);
+  const auto exit_code = [&](const Json& bad) {
     std::ofstream(regions) << bad;
     const int code = run_bodyopt(verb).exit_code;
     EXPECT_EQ(run_bodyopt("check " + folder.path().string()).exit_code, code);
     return code;
   };
-  nlohmann::json bad = good;
+  Json bad = good;
   bad["vertex_count"] = 7;
   EXPECT_EQ(exit_code(bad), 3);
   bad = good;
-  bad["regions"] = nlohmann::json::array({good["regions"][0]});
+  bad["regions"] = Json::array({good["regions"][0]});
   EXPECT_EQ(exit_code(bad), 3);  // uncovered
   bad["complete"] = false;
   EXPECT_EQ(exit_code(bad), 0);
@@ -254,9 +255,9 @@ TEST(Program, BenchTellsOfEveryBatchSize) {
   const ProgramResult result = run_bodyopt(verb + json);
   ASSERT_EQ(result.exit_code, 0) << result.output;
   std::ifstream file(json);
-  const nlohmann::json measured = nlohmann::json::parse(file)["measured"];
+  const Json measured = Json::parse(file)["measured"];
   std::vector<int> batches;
-  for (const nlohmann::json& row : measured) {
+  for (const Json& row : measured) {
     EXPECT_EQ(row["device"], "cpu");
     EXPECT_GT(row["frame_ms"].get<double>(), row["stage_ms"]["pose"].get<double>());
     EXPECT_LT(row["stage_ms"]["strain"].get<double>(), row["stage_ms"]["pose"].get<double>());  // there is none

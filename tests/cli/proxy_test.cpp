@@ -8,6 +8,7 @@
 #include "assets/muscles.h"
 #include "assets/pc2.h"
 #include "runtime/basis/levels.h"
+#include "runtime/core/json.h"
 #include "tests/support/capsule_limb.h"
 #include "tests/support/run_program.h"
 #include "tests/support/temporary_folder.h"
@@ -64,7 +65,7 @@ TEST_F(Proxy, LevelsOfADatasetAreABasisAndCarryTheFullSkin) {
   ASSERT_EQ(data().added.exit_code, 0) << data().added.output;
   ASSERT_EQ(data().trained.exit_code, 0) << data().trained.output;
   ASSERT_EQ(data().made.exit_code, 0) << data().made.output;
-  const auto result = nlohmann::json::parse(std::ifstream(data().proxy + ".json"));
+  const auto result = Json::parse(std::ifstream(data().proxy + ".json"));
   ASSERT_EQ(result["levels"].size(), 2u);
   EXPECT_EQ(result["levels"][0]["error_mm"], 0.3);  // finest first
   EXPECT_GT(result["levels"][0]["bytes"], result["levels"][1]["bytes"]);
@@ -87,7 +88,7 @@ TEST_F(Proxy, LevelsOfADatasetAreABasisAndCarryTheFullSkin) {
   const ProgramResult compared = run_bodyopt("compare " + at("a.pc2") + " " + at("full.pc2") + " --json -");
   ASSERT_EQ(compared.exit_code, 0) << compared.output;
   const std::size_t begin = compared.output.find('{');
-  EXPECT_LT(nlohmann::json::parse(compared.output.substr(begin, compared.output.rfind('}') + 1 - begin))["rms"], 2.0);
+  EXPECT_LT(Json::parse(compared.output.substr(begin, compared.output.rfind('}') + 1 - begin))["rms"], 2.0);
 }
 
 TEST_F(Proxy, InfoTellsTheLevels) {

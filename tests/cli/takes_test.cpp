@@ -12,6 +12,7 @@
 #include "dataset/take_lock.h"
 #include "runtime/basis/safetensors.h"
 #include "runtime/core/hexadecimal.h"
+#include "runtime/core/json.h"
 #include "tests/cli/limb_files.h"
 #include "tests/support/hostile_bytes.h"
 #include "tests/support/png_file.h"
@@ -164,11 +165,11 @@ TEST(Takes, AReportHoldsWhatTrainingMeasured) {
   const std::string report = (folder / "made/report").string(), clip = " --clip " + files.motion + " --fps 120";
   const std::string simulate = "simulate " + files.character + clip + " --draft --out " + data;
   ASSERT_EQ(run_bodyopt(simulate).exit_code, 0);
-  const auto read = [&](const std::string& name) { return nlohmann::json::parse(std::ifstream(folder / name)); };
+  const auto read = [&](const std::string& name) { return Json::parse(std::ifstream(folder / name)); };
   const std::string train = "train " + data + " --out " + basis + " --seed 7 --report " + report;
   const ProgramResult bare = run_bodyopt(train);
   ASSERT_EQ(bare.exit_code, 0) << bare.output;
-  nlohmann::json told = read("made/report/report.json");
+  Json told = read("made/report/report.json");
   EXPECT_EQ(told["methods"].size(), 0u);
   EXPECT_FALSE(told.contains("coverage"));
   EXPECT_GT(told["regions"].size(), 0u);
@@ -181,7 +182,7 @@ TEST(Takes, AReportHoldsWhatTrainingMeasured) {
   const ProgramResult trained = run_bodyopt(train + " --ablate --json " + (folder / "train.json").string());
   ASSERT_EQ(trained.exit_code, 0) << trained.output;
   told = read("made/report/report.json");
-  const nlohmann::json result = read("train.json");
+  const Json result = read("train.json");
   ASSERT_EQ(told["methods"].size(), 12u);
   for (std::size_t m = 0; m < 12; ++m) {
     EXPECT_EQ(told["methods"][m]["name"], result["ablation"][m]["method"]);
@@ -192,7 +193,7 @@ TEST(Takes, AReportHoldsWhatTrainingMeasured) {
   EXPECT_EQ(told["methods"][1]["errors_mm"], result["errors_mm"]["ddm"]);
   EXPECT_EQ(told["heldout"]["frames"], heldout);
   EXPECT_EQ(told["expected_rms_mm"], result["expected_rms_mm"]);
-  const nlohmann::json& provenance = told["provenance"];
+  const Json& provenance = told["provenance"];
   EXPECT_EQ(provenance["options"]["seed"], "7");
   EXPECT_EQ(provenance["basis_checksum"], read_safetensors(basis).metadata.at("checksum"));
   EXPECT_EQ(provenance["takes"][0]["heldout"], format_frame_range(heldout));
@@ -206,7 +207,7 @@ TEST(Takes, AReportHoldsWhatTrainingMeasured) {
   const std::string cache = (folder / "out.pc2").string();
   ASSERT_EQ(run_bodyopt("eval " + shot + " --device cpu --out " + cache + " --json " + cache + ".json").exit_code, 0);
   ASSERT_EQ(run_bodyopt("coverage " + shot + " --json " + cache + ".coverage.json").exit_code, 0);
-  const nlohmann::json evaluated = read("out.pc2.json"), covered = read("out.pc2.coverage.json");
+  const Json evaluated = read("out.pc2.json"), covered = read("out.pc2.coverage.json");
   ASSERT_EQ(evaluated["per_frame"].size(), heldout.size());
   for (std::size_t k = 0; k < heldout.size(); ++k) {
     EXPECT_EQ(evaluated["per_frame"][k]["frame"], heldout[k]);
@@ -366,7 +367,7 @@ TEST(Takes, TrainRefusesWhatCheckRefuses) {
   EXPECT_NE(unsolved.output.find("none compared with the skinned character"), std::string::npos) << unsolved.output;
   EXPECT_NE(unsolved.output.find("not one of its "), std::string::npos) << unsolved.output;
   EXPECT_EQ(unsolved.output.find("it belongs together"), std::string::npos) << unsolved.output;
-  EXPECT_TRUE(nlohmann::json::parse(testing::read_bytes(json)).at("takes")[0].at("fit_mm").is_null());
+  EXPECT_TRUE(Json::parse(testing::read_bytes(json)).at("takes")[0].at("fit_mm").is_null());
 }
 
 // A character in centimetres: its basis reads the clips alike, without being told again.
@@ -433,15 +434,15 @@ TEST(Takes, TestSaysOfWhichPosesTheBasisLearned) {
   const ProgramResult own = run_bodyopt("test " + basis + " " + data + " --json " + json);
   EXPECT_NE(own.output.find("the basis learned from 14 of the 14 frames tested (1-14)"), std::string::npos)
       << own.output;
-  EXPECT_EQ(nlohmann::json::parse(testing::read_bytes(json)).at("takes")[0].at("learned_frames"), "1-14");
+  EXPECT_EQ(Json::parse(testing::read_bytes(json)).at("takes")[0].at("learned_frames"), "1-14");
   // One of 13 is told, and no reason to warn.
   const ProgramResult of_other = run_bodyopt("test " + basis + " " + other + " --json " + json);
   EXPECT_EQ(of_other.output.find("the basis learned from"), std::string::npos) << of_other.output;
-  EXPECT_EQ(nlohmann::json::parse(testing::read_bytes(json)).at("takes")[0].at("learned_frames"), "14");
+  EXPECT_EQ(Json::parse(testing::read_bytes(json)).at("takes")[0].at("learned_frames"), "14");
   // That none was learned, and that it is not known, are two things.
   ASSERT_EQ(run_bodyopt("train --ddm-only " + files.character + " --out " + basis).exit_code, 0);
   const ProgramResult untold = run_bodyopt("test " + basis + " " + data + " --json " + json);
-  EXPECT_TRUE(nlohmann::json::parse(testing::read_bytes(json)).at("takes")[0].at("learned_frames").is_null());
+  EXPECT_TRUE(Json::parse(testing::read_bytes(json)).at("takes")[0].at("learned_frames").is_null());
   EXPECT_EQ(untold.output.find("which poses it learned from"), std::string::npos) << untold.output;
 }
 
@@ -461,7 +462,7 @@ TEST(Takes, DraftsAreNotCutOpenAndRegionsAreDrawnFromAllAround) {
   const Image image = testing::read_png(picture);
   EXPECT_EQ(image.width, 4 * 700u);
   EXPECT_EQ(image.height, 1000u);
-  EXPECT_TRUE(nlohmann::json::parse(testing::read_bytes(json)).at("not_numbered").is_array());
+  EXPECT_TRUE(Json::parse(testing::read_bytes(json)).at("not_numbered").is_array());
 }
 
 // Training bent the limb one way; the other clip bends it that way, too, and then another way.
@@ -515,9 +516,9 @@ TEST(Takes, EvalTellsWhereNoBetterThanDirectDeltaMushIsExpected) {
   const ProgramResult result = run_bodyopt("eval " + basis + " --clip " + (folder / "further.glb").string() +
                                            " --out " + (folder / "limb.pc2").string() + " --json " + json);
   ASSERT_EQ(result.exit_code, 0) << result.output;
-  const nlohmann::json told = nlohmann::json::parse(testing::read_bytes(json));
+  const Json told = Json::parse(testing::read_bytes(json));
   std::vector<int> frames;
-  for (const nlohmann::json& entry : told.at("per_frame")) {
+  for (const Json& entry : told.at("per_frame")) {
     const double ddm = entry.value("expected_ddm_rms_mm", 0.0);
     if (ddm > 0.5 && entry.at("expected_rms_mm").get<double>() > 0.9 * ddm) frames.push_back(entry.at("frame"));
   }

@@ -5,6 +5,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "runtime/core/json.h"
 #include "tests/cli/limb_files.h"
 #include "tests/support/run_program.h"
 
@@ -30,7 +31,7 @@ TEST(Update, AddedFramesAreLearnedWithWhatIsKept) {
   EXPECT_NE(updated.output.find("un-posing new frames"), std::string::npos) << updated.output;
   EXPECT_EQ(updated.output.find("trained from the start"), std::string::npos) << updated.output;
   EXPECT_EQ(updated.output.find(nothing), std::string::npos) << updated.output;
-  EXPECT_EQ(nlohmann::json::parse(std::ifstream(basis + ".json"))["train_frames"], 26);
+  EXPECT_EQ(Json::parse(std::ifstream(basis + ".json"))["train_frames"], 26);
   const ProgramResult anew = run_bodyopt(train + " --update --seed 2");
   ASSERT_EQ(anew.exit_code, 0) << anew.output;
   EXPECT_NE(anew.output.find("trained from the start"), std::string::npos) << anew.output;

@@ -2,9 +2,11 @@
 #include <gtest/gtest.h>
 
 #include <fstream>
+#include <nlohmann/json.hpp>
 #include <sstream>
 
 #include "assets/json_file.h"
+#include "dataset/modifier.h"
 #include "dataset/stack_history.h"
 #include "runtime/basis/read_file.h"
 #include "tests/curate/sweep_history.h"

@@ -7,6 +7,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
+#include "runtime/core/json.h"
 #include "tests/support/hostile_bytes.h"
 #include "tests/support/temporary_folder.h"
 
@@ -14,8 +15,6 @@ namespace bodyopt {
 namespace {
 
 using namespace testing;
-using Json = nlohmann::ordered_json;
-
 Skeleton two_arms() {
   Skeleton skeleton;
   for (const char* name : {"chest", "left_arm", "right_arm"}) {

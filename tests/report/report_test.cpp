@@ -17,6 +17,7 @@
 #include "report/svg.h"
 #include "report/trade_off_plot.h"
 #include "runtime/core/error.h"
+#include "runtime/core/json.h"
 #include "tests/support/paths.h"
 #include "tests/support/read_bytes.h"
 #include "tests/support/temporary_folder.h"
@@ -141,8 +142,8 @@ ReportData example() {
 TEST(Report, JsonIsAsItWas) {
   const TemporaryFolder folder;
   write_report(example(), folder / "made" / "here");
-  const auto written = nlohmann::ordered_json::parse(testing::read_bytes(folder / "made" / "here" / "report.json"));
-  const auto kept = nlohmann::ordered_json::parse(testing::read_bytes(kSourceFolder + "/tests/report/report.json"));
+  const auto written = Json::parse(testing::read_bytes(folder / "made" / "here" / "report.json"));
+  const auto kept = Json::parse(testing::read_bytes(kSourceFolder + "/tests/report/report.json"));
   EXPECT_EQ(written, kept) << written.dump(2);
 }
 
@@ -220,7 +221,7 @@ TEST(Report, NeedsNoHeldOutFrames) {
   EXPECT_TRUE(contains(page, "this basis, expected: 0.6 mm"));
   EXPECT_FALSE(contains(page, "held out: "));
   EXPECT_FALSE(contains(page, "need a Vulkan device"));
-  EXPECT_EQ(nlohmann::json::parse(testing::read_bytes(folder / "report.json")).at("methods").size(), 0u);
+  EXPECT_EQ(Json::parse(testing::read_bytes(folder / "report.json")).at("methods").size(), 0u);
 }
 
 TEST(Report, WithoutADeviceThePageSaysSo) {
@@ -278,7 +279,7 @@ TEST(Report, DraftIsToldWithTheSimulationAlone) {
   write_report(data, folder.path());
   page = testing::read_bytes(folder / "report.html");
   EXPECT_FALSE(contains(page, "draft"));
-  EXPECT_FALSE(nlohmann::json::parse(testing::read_bytes(folder / "report.json")).contains("simulation"));
+  EXPECT_FALSE(Json::parse(testing::read_bytes(folder / "report.json")).contains("simulation"));
 }
 
 TEST(Report, PageIsSelfContainedAndEscaped) {
@@ -343,7 +344,7 @@ TEST(Report, NamesThatAreNoUtf8AreWritten) {
   ReportData data = example();
   data.character.name = "a\xff\xc3";
   write_report(data, folder.path());
-  EXPECT_TRUE(nlohmann::json::accept(testing::read_bytes(folder / "report.json")));
+  EXPECT_TRUE(Json::accept(testing::read_bytes(folder / "report.json")));
 }
 
 TEST(Plots, BreaksTheLineWhereFramesAreMissing) {

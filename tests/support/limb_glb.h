@@ -1,6 +1,9 @@
 // The capsule limb as a glTF file that more can be added to by hand. Nodes 0 to 2 are its joints.
 #pragma once
 
+#include <nlohmann/json.hpp>
+
+#include "runtime/core/json.h"
 #include "tests/assets/gltf_blob.h"
 #include "tests/support/attached_limb.h"
 #include "tests/support/read_bytes.h"
@@ -16,7 +19,7 @@ struct LimbGlb : GltfBlob {
       std::memcpy(&value, bytes.data() + at, 4);
       return value;
     };
-    root = nlohmann::json::parse(bytes.substr(20, word(12)));
+    root = Json::parse(bytes.substr(20, word(12)));
     root.erase("buffers");
     binary = bytes.substr(28 + word(12), word(20 + word(12)));
   }
@@ -35,7 +38,7 @@ struct LimbGlb : GltfBlob {
   }
 
   // A node with that mesh, below a node or (-1) at the top. Returns it.
-  nlohmann::json& add_node(const std::string& name, std::size_t mesh, int parent) {
+  Json& add_node(const std::string& name, std::size_t mesh, int parent) {
     const std::size_t node = root["nodes"].size();
     if (parent >= 0) {
       root["nodes"][static_cast<std::size_t>(parent)]["children"].push_back(node);

@@ -9,6 +9,8 @@
 #include <string>
 #include <vector>
 
+#include "runtime/core/json.h"
+
 namespace bodyopt {
 
 // A safetensors file of our own making: no checks.
@@ -20,7 +22,7 @@ class Tensors {
     file.read(reinterpret_cast<char*>(&size), 8);
     std::string header(size, ' ');
     file.read(header.data(), static_cast<std::streamsize>(size));
-    header_ = nlohmann::json::parse(header);
+    header_ = Json::parse(header);
     bytes_.assign(std::istreambuf_iterator<char>(file), {});
   }
   template <typename T>
@@ -33,7 +35,7 @@ class Tensors {
   }
 
  private:
-  nlohmann::json header_;
+  Json header_;
   std::vector<char> bytes_;
 };
 

@@ -4,7 +4,9 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "dataset/modifier.h"
 #include "geometry/table_rows.h"
+#include "runtime/core/json.h"
 #include "tests/support/run_program.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/transfer/limb_dataset.h"
@@ -112,7 +114,7 @@ TEST_F(TransferDatasetProgram, WhatIsCarriedAgainIsNotCoveredByWhatWasRefinedBef
   expect_runs("dataset add " + path("copy") + " --clip " + path("source/own.glb") + " --name own --shapes " +
               path("source/own.pc2"));
   expect_runs("transfer refine " + path("copy") + " --carried bend --json " + path("r.json"));
-  const auto told = nlohmann::json::parse(std::ifstream(path("r.json")));
+  const auto told = Json::parse(std::ifstream(path("r.json")));
   EXPECT_EQ(told.at("own_frames").get<int>(), 15);
   const auto refinement = [&] { return read_dataset(path("copy/dataset.json")).modifiers.at(0); };
   EXPECT_EQ(refinement().name, "refined bend");

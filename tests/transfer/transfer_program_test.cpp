@@ -7,6 +7,7 @@
 #include "assets/clip.h"
 #include "runtime/basis/basis.h"
 #include "runtime/basis/dynamics.h"
+#include "runtime/core/json.h"
 #include "tests/proxy_viewer/twin_level.h"
 #include "tests/support/capsule_limb.h"
 #include "tests/support/hostile_bytes.h"
@@ -80,7 +81,7 @@ TEST_F(TransferProgram, AProxyIsASourceWithAllOfItsLevels) {
   const std::vector<Level> carried = load_levels(path("a.safetensors"));
   ASSERT_EQ(carried.size(), 2u);
   for (const Level& level : carried) EXPECT_EQ(level.carried.size(), source.mesh.output_count());
-  const auto told = nlohmann::json::parse(std::ifstream(path("r.json"))).at("targets").at(0);
+  const auto told = Json::parse(std::ifstream(path("r.json"))).at("targets").at(0);
   EXPECT_EQ(told.at("levels").get<int>(), 2);
 }
 
@@ -97,7 +98,7 @@ TEST_F(TransferProgram, TheReportSaysWhereBodiesDiffer) {
   const ProgramResult result = transfer(path("other.glb") + " --out " + path("a.safetensors") + " --report " +
                                         path("r.html") + " --clip " + path("bend.glb") + " --json " + path("r.json"));
   ASSERT_EQ(result.exit_code, 0) << result.output;
-  const auto told = nlohmann::json::parse(std::ifstream(path("r.json"))).at("targets").at(0);
+  const auto told = Json::parse(std::ifstream(path("r.json"))).at("targets").at(0);
   ASSERT_EQ(told.at("parts").size(), 3u);
   EXPECT_EQ(told.at("poses").size(), 4u);
   EXPECT_NEAR(told.at("poses").at(0).at("target_volume").get<double>(), 1, 1e-4);
@@ -106,7 +107,7 @@ TEST_F(TransferProgram, TheReportSaysWhereBodiesDiffer) {
   const ProgramResult alike = transfer(path("limb.glb") + " --out " + path("a.safetensors") + " --report " +
                                        path("r.html") + " --json " + path("r.json"));
   ASSERT_EQ(alike.exit_code, 0) << alike.output;
-  const auto parts = nlohmann::json::parse(std::ifstream(path("r.json"))).at("targets").at(0).at("parts");
+  const auto parts = Json::parse(std::ifstream(path("r.json"))).at("targets").at(0).at("parts");
   for (const auto& part : parts) {
     EXPECT_FALSE(part.at("breaks_assumption").get<bool>()) << part;
     EXPECT_NEAR(part.at("size").get<double>(), 1, 1e-6);
@@ -128,7 +129,7 @@ TEST_F(TransferProgram, ATrainedBasisKnowsOnAnotherBodyWhatItDoesNotKnow) {
   const Basis source = load_basis(path("trained.safetensors")), carried = load_basis(path("a.safetensors"));
   EXPECT_EQ(carried.residual.coefficient_count(), source.residual.coefficient_count());
   EXPECT_FALSE(carried.residual.blend.empty());
-  const auto told = nlohmann::json::parse(std::ifstream(path("r.json"))).at("targets").at(0);
+  const auto told = Json::parse(std::ifstream(path("r.json"))).at("targets").at(0);
   ASSERT_EQ(told.at("poses").size(), 14u);
   for (const auto& pose : told.at("poses")) EXPECT_GT(pose.at("expected_rms_mm").get<double>(), 0) << pose;
   const std::string frames = told.at("worth_simulating").get<std::string>();
@@ -151,7 +152,7 @@ TEST_F(TransferProgram, ATargetThatFailsDoesNotTakeTheOthersAlong) {
   EXPECT_FALSE(std::filesystem::exists(path("a.safetensors")));
   EXPECT_TRUE(std::filesystem::exists(path("b.safetensors")));
   EXPECT_TRUE(std::filesystem::exists(path("r.html")));
-  const auto told = nlohmann::json::parse(std::ifstream(path("r.json"))).at("targets");
+  const auto told = Json::parse(std::ifstream(path("r.json"))).at("targets");
   ASSERT_EQ(told.size(), 2u);
   EXPECT_NE(told.at(0).at("error").get<std::string>().find("in common"), std::string::npos);
   EXPECT_EQ(told.at(1).at("basis").get<std::string>(), path("b.safetensors"));
@@ -196,7 +197,7 @@ TEST_F(TransferProgram, NotesSayWhichTargetTheyAreOfAndAllJointsAreListed) {
       transfer(path("more.glb") + " --out " + path("a.safetensors") + " --json " + path("r.json"));
   ASSERT_EQ(result.exit_code, 0) << result.output;
   EXPECT_NE(result.output.find("more.glb: Joints of the target"), std::string::npos) << result.output;
-  const auto told = nlohmann::json::parse(std::ifstream(path("r.json"))).at("targets").at(0);
+  const auto told = Json::parse(std::ifstream(path("r.json"))).at("targets").at(0);
   EXPECT_EQ(told.at("unmatched_target_joints").size(), 30u);
   EXPECT_TRUE(told.at("unmatched_source_joints").empty());
 }
@@ -230,7 +231,7 @@ TEST_F(TransferProgram, UnlikeBodiesAreShownAndRefusedUnlessForced) {
   const ProgramResult forced = transfer(arguments + " --force --json " + path("r.json"));
   EXPECT_EQ(forced.exit_code, 0) << forced.output;
   EXPECT_EQ(load_basis(path("a.safetensors")).mesh.vertex_count(), unlike.vertices.rows());
-  EXPECT_LT(nlohmann::json::parse(std::ifstream(path("r.json"))).at("targets").at(0).at("likeness").get<double>(),
+  EXPECT_LT(Json::parse(std::ifstream(path("r.json"))).at("targets").at(0).at("likeness").get<double>(),
             kLeastLikeness);
 }
 

@@ -1,6 +1,7 @@
 #include "trainer/anatomy/mapping.h"
 
 #include <Eigen/Geometry>
+#include <nlohmann/json.hpp>
 
 #include "assets/json_file.h"
 

@@ -223,7 +223,7 @@ BodyTets choose_tets(const Character& character, const SimulateOptions& options)
             options.tet_size > 0
                 ? lattice_cage_of_size(character.vertices, character.triangles, character.weights, options.tet_size)
                 : make_cage(character.vertices, character.triangles, character.weights, kCageNodes),
-            error.what()};
+            error};
   }
 }
 
@@ -257,11 +257,12 @@ QuasiStaticBody make_body(const Character& character, const std::vector<Muscle>&
     return {character, muscles, *tets.filled, options.materials};
   }
   const Cage& cage = *tets.cage;
-  if (!tets.why_cage.empty()) {
-    options.warn(tets.why_cage + "; it is simulated in a cage of " + std::to_string(cage.mesh.nodes.rows()) +
-                 " nodes, " + (cage.is_lattice ? "a lattice without contact" : "a coarser skin"));
+  if (tets.why_cage) {
+    options.warn(std::string(tets.why_cage->what()) + "; it is simulated in a cage of " +
+                 std::to_string(cage.mesh.nodes.rows()) + " nodes, " +
+                 (cage.is_lattice ? "a lattice without contact" : "a coarser skin"));
   } else if (cage.is_lattice) {
-    options.warn("the draft is made in a lattice, without contact: " + cage.why_lattice);
+    options.warn("the draft is made in a lattice, without contact: " + std::string(cage.why_lattice->what()));
   }
   warn_of_mending(cage.mending, options);
   if (const std::string glued = glued_parts(cage, character); !glued.empty()) {

@@ -1,5 +1,6 @@
 #include "trainer/transfer/markers_file.h"
 
+#include <nlohmann/json.hpp>
 #include <set>
 
 #include "assets/json_file.h"

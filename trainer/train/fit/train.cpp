@@ -84,8 +84,8 @@ std::vector<MuscleShare> muscle_shares(const StrainTable& fibres, const std::vec
 }
 
 // The result as the basis tells it.
-nlohmann::json report_of(const TrainingResult& result, const SampleSet& set) {
-  nlohmann::json regions = nlohmann::json::array(), muscles = nlohmann::json::object();
+Json report_of(const TrainingResult& result, const SampleSet& set) {
+  Json regions = Json::array(), muscles = Json::object();
   for (const RegionFit& fit : result.fits) {
     regions.push_back({{"name", fit.name},
                        {"joint", fit.joint},
