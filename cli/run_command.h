@@ -1,0 +1,17 @@
+// The verbs of the `bodyopt` program, as functions of this process.
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace bodyopt::cli {
+
+// Before the first verb: messages go to standard error, the first interrupt ends a verb soon and the second at once, a
+// file over its limit is an error, and as many files may be open as the system allows.
+void prepare_process();
+
+// What `bodyopt` does with these arguments, which begin with the verb, and the exit code. As often as one likes, one
+// after the other.
+int run_command(const std::vector<std::string>& arguments);
+
+}  // namespace bodyopt::cli
