@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tests/cli/limb_files.h"
-#include "tests/support/run_program.h"
+#include "tests/support/run_verb.h"
 
 namespace bodyopt {
 namespace {
@@ -15,7 +15,7 @@ class Improve : public ::testing::Test {
   nlohmann::json json(const std::string& name) const {
     return nlohmann::json::parse(std::ifstream(folder_ / (name + ".json")));
   }
-  ProgramResult run(const std::string& arguments) const { return run_bodyopt(arguments); }
+  ProgramResult run(const std::string& arguments) const { return run_verb(arguments); }
 
   TemporaryFolder folder_;
   LimbFiles files_{folder_, 1};
