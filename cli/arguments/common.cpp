@@ -194,11 +194,10 @@ std::vector<std::string>& kept_verb_arguments() {
 
 }  // namespace
 
-void keep_command_line(int argc, char** argv) {
+void keep_command_line(const std::vector<std::string>& arguments) {
   kept_command_line() = "bodyopt";
-  keep_verb_arguments({argv + std::min(argc, 2), argv + argc});
-  for (int k = 1; k < argc; ++k) {
-    const std::string argument = argv[k];
+  keep_verb_arguments({arguments.begin() + (arguments.empty() ? 0 : 1), arguments.end()});
+  for (const std::string& argument : arguments) {
     const bool plain = !argument.empty() && argument.find_first_of(" \t\n\"'$*?#&;|<>()\\") == std::string::npos;
     std::string quoted;
     for (const char c : argument) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);

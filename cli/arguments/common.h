@@ -87,8 +87,8 @@ void require_writable(const std::filesystem::path& path);
 // The poses of some frames of a clip.
 std::vector<Pose> poses_of(const Clip& clip, const std::vector<int>& frames);
 
-// What the user typed, "bodyopt" and its arguments; kept by main().
-void keep_command_line(int argc, char** argv);
+// What the user typed, "bodyopt" and its arguments; kept by run_command().
+void keep_command_line(const std::vector<std::string>& arguments);
 const std::string& command_line();
 // What follows the verb on the command line; and of a verb that another runs, what is given to it.
 std::vector<std::string> verb_arguments();

@@ -7,7 +7,7 @@
 #include "runtime/core/json.h"
 #include "tests/simulate/limb.h"
 #include "tests/support/read_bytes.h"
-#include "tests/support/run_program.h"
+#include "tests/support/run_verb.h"
 #include "tests/support/temporary_folder.h"
 
 namespace bodyopt {
@@ -47,7 +47,7 @@ TEST(CheckProgram, PlacesHaveTheNumbersOfTheTextAndOfThePicture) {
   write_character(with_hole_and_rider(), character);
   const auto json_of = [&](const std::string& options) {
     const ProgramResult result =
-        run_bodyopt("check " + character + options + " --json " + (folder / "check.json").string());
+        run_verb("check " + character + options + " --json " + (folder / "check.json").string());
     EXPECT_EQ(result.exit_code, 0) << result.output;
     return Json::parse(testing::read_bytes(folder / "check.json"));
   };
@@ -59,7 +59,7 @@ TEST(CheckProgram, PlacesHaveTheNumbersOfTheTextAndOfThePicture) {
   for (const char* kind : {"self_intersections", "holes", "flipped", "near_parts", "glued_parts", "riders"}) {
     for (const Json& number : numbers[kind]) EXPECT_EQ(number, next++) << kind;
   }
-  const std::string text = run_bodyopt("check " + character).output;
+  const std::string text = run_verb("check " + character).output;
   const Json &hole = listed.at("holes").front(), &rider = listed.at("riders").back();
   for (const Json& place : {hole, rider}) {
     const std::string line = place.at("number").dump() + "  " + place.at("joint").get<std::string>() + ": " +

@@ -13,7 +13,7 @@
 #include "runtime/core/json.h"
 #include "tests/support/decoded_animation.h"
 #include "tests/support/read_bytes.h"
-#include "tests/support/run_program.h"
+#include "tests/support/run_verb.h"
 #include "tests/support/temporary_folder.h"
 
 namespace bodyopt {
@@ -44,7 +44,7 @@ void expect_draft(const std::filesystem::path& demo, const Json& report) {
   EXPECT_EQ(shapes.sample_rate(), truth.sample_rate());
   EXPECT_EQ(shapes.point_count(), truth.point_count());
   EXPECT_LE(NodesReader(draft.folder / take.shapes).node_count(), 1500);
-  EXPECT_EQ(run_bodyopt("check " + draft.folder.string()).exit_code, 0);
+  EXPECT_EQ(run_verb("check " + draft.folder.string()).exit_code, 0);
 
   const std::set<int> unsolved = unconverged_frames(dataset, full);
   ErrorAccumulator errors(truth.point_count());
@@ -94,7 +94,7 @@ TEST(Demo, QuickRunLeavesEverythingAndTheVerbsReadIt) {
 #endif
   const TemporaryFolder folder;
   const std::string out = folder.path().string();
-  const ProgramResult demo = run_bodyopt("demo --quick --all --out " + out);
+  const ProgramResult demo = run_verb("demo --quick --all --out " + out);
   ASSERT_EQ(demo.exit_code, 0) << demo.output;
   for (const char* name : {"character.glb",
                            "muscles.json",
@@ -154,22 +154,22 @@ TEST(Demo, QuickRunLeavesEverythingAndTheVerbsReadIt) {
   EXPECT_EQ(report["trade_off"][0]["coefficients"], 0);
   EXPECT_GT(report["trade_off"].size(), 10u);
 
-  EXPECT_EQ(run_bodyopt("check " + out + "/dataset").exit_code, 0);
+  EXPECT_EQ(run_verb("check " + out + "/dataset").exit_code, 0);
   for (const char* name : {"character.glb", "rom.glb", "dataset/dataset.json", "basis.safetensors", "heldout.pc2"}) {
-    EXPECT_EQ(run_bodyopt("info " + out + "/" + name).exit_code, 0) << name;
+    EXPECT_EQ(run_verb("info " + out + "/" + name).exit_code, 0) << name;
   }
   expect_draft(folder.path(), report);
   expect_jiggle(folder.path(), report);
   // What `eval` makes of the stored basis on the CPU is what the demo got from its device.
   const ProgramResult eval =
-      run_bodyopt("eval " + out + "/basis.safetensors --clip " + out +
-                  "/heldout.glb --frames 1-24x3 --device cpu --out " + out + "/again.pc2 --json " + out + "/eval.json");
+      run_verb("eval " + out + "/basis.safetensors --clip " + out + "/heldout.glb --frames 1-24x3 --device cpu --out " +
+               out + "/again.pc2 --json " + out + "/eval.json");
   ASSERT_EQ(eval.exit_code, 0) << eval.output;
   const Pc2Reader again(folder / "again.pc2"), heldout(folder / "heldout.pc2");
   EXPECT_EQ(heldout.start_frame(), again.start_frame());
   EXPECT_EQ(heldout.sample_rate(), again.sample_rate());
   // The truth's errors as `coverage` measures them are those of the report; the strip has a column per frame.
-  const ProgramResult coverage = run_bodyopt(
+  const ProgramResult coverage = run_verb(
       "coverage " + out + "/basis.safetensors --clip " + out + "/heldout.glb --frames 1-24x3 --worst 3" + " --truth " +
       out + "/dataset/heldout.pc2 --picture " + out + "/strip.svg --json " + out + "/coverage.json");
   ASSERT_EQ(coverage.exit_code, 0) << coverage.output;
@@ -191,7 +191,7 @@ TEST(Demo, QuickRunLeavesEverythingAndTheVerbsReadIt) {
   EXPECT_LE(std::abs(covered["rank_correlation"].get<double>()), 1);
   EXPECT_TRUE(std::filesystem::exists(folder / "strip.svg"));
 
-  const ProgramResult compare = run_bodyopt("compare " + out + "/again.pc2 " + out + "/heldout.pc2 --fail-above 0.01");
+  const ProgramResult compare = run_verb("compare " + out + "/again.pc2 " + out + "/heldout.pc2 --fail-above 0.01");
   EXPECT_EQ(compare.exit_code, 0) << compare.output;
 }
 

@@ -10,7 +10,7 @@
 #include "runtime/core/json.h"
 #include "tests/cli/limb_files.h"
 #include "tests/support/hostile_bytes.h"
-#include "tests/support/run_program.h"
+#include "tests/support/run_verb.h"
 
 namespace bodyopt {
 namespace {
@@ -18,11 +18,11 @@ namespace {
 // A limb in centimetres with its basis of Direct Delta Mush.
 struct LimbBasis {
   LimbBasis() : files(folder, 100) {
-    const ProgramResult made = run_bodyopt("train --ddm-only " + files.character + " --unit 0.01 --out " + basis);
+    const ProgramResult made = run_verb("train --ddm-only " + files.character + " --unit 0.01 --out " + basis);
     EXPECT_EQ(made.exit_code, 0) << made.output;
   }
   ProgramResult dynamics(const std::string& more) const {
-    return run_bodyopt("dynamics " + files.character + " --basis " + basis + " --out " + out + more);
+    return run_verb("dynamics " + files.character + " --basis " + basis + " --out " + out + more);
   }
   TemporaryFolder folder;
   LimbFiles files;
@@ -52,7 +52,7 @@ TEST(DynamicsVerb, WritesWhatTheOptionsSayAndInfoReadsIt) {
   EXPECT_EQ(json["tets"], dynamics.tets.tet_count());
   EXPECT_EQ(json["bytes"]["jiggle"], table_bytes(dynamics).at("jiggle"));
   EXPECT_GT(json["bone_springs"], 0);
-  const ProgramResult info = run_bodyopt("info " + limb.out + " --json -");
+  const ProgramResult info = run_verb("info " + limb.out + " --json -");
   ASSERT_EQ(info.exit_code, 0) << info.output;
   const auto told = Json::parse(info.output);
   EXPECT_EQ(told["kind"], "dynamics");
@@ -72,7 +72,7 @@ TEST(DynamicsVerb, InfoNamesATensorOfOneNumber) {
   file.tensors.at("tets.surface") = {"U32", {}, std::vector<std::byte>(4)};
   file.metadata["checksum"] = content_checksum(file);
   write_safetensors(file, limb.out);
-  const ProgramResult info = run_bodyopt("info " + limb.out);
+  const ProgramResult info = run_verb("info " + limb.out);
   EXPECT_EQ(info.exit_code, 4) << info.output;
   EXPECT_NE(info.output.find(limb.out + ": tensor 'tets.surface' is a single number"), std::string::npos)
       << info.output;
@@ -94,9 +94,8 @@ TEST(DynamicsVerb, MistakesEndWithTheCauseAndWriteNothing) {
   EXPECT_EQ(limb.dynamics(" --fps nan").exit_code, 64);
   EXPECT_EQ(limb.dynamics(" --substeps 0").exit_code, 64);
   EXPECT_FALSE(std::filesystem::exists(limb.out));
-  EXPECT_EQ(
-      run_bodyopt("dynamics " + limb.files.character + " --basis " + limb.basis + " --out " + limb.basis).exit_code,
-      64);
+  EXPECT_EQ(run_verb("dynamics " + limb.files.character + " --basis " + limb.basis + " --out " + limb.basis).exit_code,
+            64);
 }
 
 }  // namespace

@@ -15,6 +15,7 @@
 #include "tests/support/background_program.h"
 #include "tests/support/read_bytes.h"
 #include "tests/support/run_program.h"
+#include "tests/support/run_verb.h"
 #include "tests/support/small_basis.h"
 #include "tests/support/temporary_folder.h"
 
@@ -45,7 +46,7 @@ class EvalTask : public ::testing::Test {
            "' " + options;
   }
   ProgramResult eval(const std::string& options, const std::string& out) const {
-    return run_bodyopt(command(options, out));
+    return run_verb(command(options, out));
   }
 
   TemporaryFolder folder_;
@@ -60,7 +61,7 @@ TEST_F(EvalTask, AListIsMadeAsEachOfItWouldBe) {
               {"element": "a", "frames": "1-9"}, {"element": "b", "frames": ")"
             << frames << R"("}]})";
       };
-  const auto run = [&](const std::string& more) { return run_bodyopt("eval --list " + path("crowd.json") + more); };
+  const auto run = [&](const std::string& more) { return run_verb("eval --list " + path("crowd.json") + more); };
   write_list("5-2001");
   EXPECT_EQ(run("").exit_code, 64);
   EXPECT_FALSE(std::filesystem::exists(path("a.pc2")));
@@ -80,8 +81,8 @@ TEST_F(EvalTask, AListIsMadeAsEachOfItWouldBe) {
 TEST_F(EvalTask, ACheckRunsTheCpuBesideTheDevice) {
   if (!has_vulkan_device()) GTEST_SKIP() << "no Vulkan device";
   const auto on_device = [&](const std::string& options, const std::string& out) {
-    return run_bodyopt("eval " + path("hero.safetensors") + " --clip " + path("walk.glb") +
-                       " --frames 1-5 --require-device --out " + path(out) + options);
+    return run_verb("eval " + path("hero.safetensors") + " --clip " + path("walk.glb") +
+                    " --frames 1-5 --require-device --out " + path(out) + options);
   };
   ASSERT_EQ(on_device("", "a.pc2").exit_code, 0);
   const ProgramResult checked = on_device(" --check", "b.pc2");
@@ -138,7 +139,7 @@ TEST_F(EvalTask, JoinedPartsAreTheWhole) {
       std::string names;
       for (const char part : parts)
         names += " " + path(std::string("part.") + (part == 'a' ? "01" : part == 'b' ? "21" : "22") + ending);
-      return run_bodyopt("join" + names + " --out " + path("joined" + ending));
+      return run_verb("join" + names + " --out " + path("joined" + ending));
     };
     ASSERT_EQ(join("cab").exit_code, 0);
     EXPECT_EQ(testing::read_bytes(path("joined" + ending)), testing::read_bytes(path("whole" + ending)));
@@ -148,7 +149,7 @@ TEST_F(EvalTask, JoinedPartsAreTheWhole) {
   }
   std::ofstream(path("part.01.usda"), std::ios::app) << "}\n";
   std::filesystem::resize_file(path("part.22.usda"), std::filesystem::file_size(path("part.22.usda")) - 3000);
-  EXPECT_EQ(run_bodyopt("join " + path("part.22.usda") + " --out " + path("joined.usda")).exit_code, 4);
+  EXPECT_EQ(run_verb("join " + path("part.22.usda") + " --out " + path("joined.usda")).exit_code, 4);
 }
 
 TEST_F(EvalTask, UsdHoldsTheNumbersOfPc2) {
@@ -202,16 +203,16 @@ TEST_F(EvalTask, APlannedShowIsDoneWholeAndOnlyOnce) {
     {"shot": "a $(touch hit) 'b' \"c\"\nd;", "element": "hero", "frames": "1-40"},
     {"shot": "long", "element": "hero", "frames": "1-120", "frame_ms": 1000}]})";
   const std::string plan = path("plan");
-  const ProgramResult planned = run_bodyopt("farm plan " + path("shots.json") + " --task-minutes 1 --out " + plan);
+  const ProgramResult planned = run_verb("farm plan " + path("shots.json") + " --task-minutes 1 --out " + plan);
   ASSERT_EQ(planned.exit_code, 0) << planned.output;
-  const ProgramResult ran = run_bodyopt("farm run " + plan);
+  const ProgramResult ran = run_verb("farm run " + plan);
   ASSERT_EQ(ran.exit_code, 0) << ran.output;
   const auto told = Json::parse(run_program(kProgram + " farm status " + plan + " --json - 2>/dev/null").output);
   EXPECT_EQ(told.at("elements"), (Json{{"done", 2}}));
   ASSERT_EQ(eval("--frames 1-120", "whole.pc2").exit_code, 0);
   EXPECT_EQ(testing::read_bytes(folder_ / "out" / "long" / "hero.pc2"), testing::read_bytes(path("whole.pc2")));
   EXPECT_TRUE(std::filesystem::exists(folder_ / "out" / "a $(touch hit) 'b' \"c\"\nd;" / "hero.pc2"));
-  EXPECT_EQ(run_bodyopt("farm run " + plan).output.find("wrote"), std::string::npos);
+  EXPECT_EQ(run_verb("farm run " + plan).output.find("wrote"), std::string::npos);
   std::filesystem::remove(folder_ / "out" / "long" / "hero.pc2");
   const auto again = Json::parse(run_program(kProgram + " farm status " + plan + " --json - 2>/dev/null").output);
   EXPECT_EQ(again.at("elements"), (Json{{"done", 1}, {"missing", 1}}));
@@ -226,11 +227,11 @@ TEST_F(EvalTask, AReportIsOnePageWithPicturesOfTheCaches) {
     {"shot": "open", "element": "hero", "frames": "1-2"}]
 })";
   const std::string plan = path("plan");
-  ASSERT_EQ(run_bodyopt("farm plan " + path("shots.json") + " --out " + plan).exit_code, 0);
-  ASSERT_EQ(run_bodyopt("farm run " + plan).exit_code, 0);
+  ASSERT_EQ(run_verb("farm plan " + path("shots.json") + " --out " + plan).exit_code, 0);
+  ASSERT_EQ(run_verb("farm run " + plan).exit_code, 0);
   std::filesystem::remove(folder_ / "out" / "open.pc2");
   const ProgramResult ran =
-      run_bodyopt("farm report " + plan + " --out " + path("show.html") + " --json " + path("r.json"));
+      run_verb("farm report " + plan + " --out " + path("show.html") + " --json " + path("r.json"));
   ASSERT_EQ(ran.exit_code, 0) << ran.output;
   const auto told = Json::parse(testing::read_bytes(path("r.json")));
   EXPECT_EQ(told.at("elements").at(2).at("state"), "missing");
@@ -242,7 +243,7 @@ TEST_F(EvalTask, AReportIsOnePageWithPicturesOfTheCaches) {
   std::size_t pictures = 0;
   for (std::size_t at = 0; (at = page.find("data:image/png", at)) != std::string::npos; ++at) ++pictures;
   EXPECT_EQ(pictures, 2u);  // rows: six frames
-  EXPECT_EQ(run_bodyopt("farm report " + plan + " --out " + path("show.pdf")).exit_code, 64);
+  EXPECT_EQ(run_verb("farm report " + plan + " --out " + path("show.pdf")).exit_code, 64);
 }
 
 }  // namespace

@@ -9,7 +9,7 @@
 #include "assets/pc2.h"
 #include "runtime/core/json.h"
 #include "tests/support/capsule_limb.h"
-#include "tests/support/run_program.h"
+#include "tests/support/run_verb.h"
 #include "tests/support/temporary_folder.h"
 
 namespace bodyopt {
@@ -39,7 +39,7 @@ class Jiggle : public ::testing::Test {
   }
 
   std::string path(const std::string& name) const { return (folder_ / name).string(); }
-  static ProgramResult run(const std::string& arguments) { return run_bodyopt(arguments); }
+  static ProgramResult run(const std::string& arguments) { return run_verb(arguments); }
   ProgramResult eval(const std::string& options, const std::string& out) const {
     return run("eval " + path("limb.safetensors") + " --clip " + path("swing.glb") + " --device cpu --out " +
                path(out) + " " + options);

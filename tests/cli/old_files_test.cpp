@@ -17,7 +17,7 @@
 #include "assets/pc2.h"
 #include "runtime/core/json.h"
 #include "tests/support/read_bytes.h"
-#include "tests/support/run_program.h"
+#include "tests/support/run_verb.h"
 #include "tests/support/temporary_folder.h"
 
 namespace bodyopt {
@@ -30,7 +30,7 @@ class OldFiles : public ::testing::Test {
   OldFiles() { fs::copy(kSourceFolder + "/tests/old_files", folder_.path(), fs::copy_options::recursive); }
 
   void run(const std::string& arguments) {
-    const ProgramResult result = run_program("env -C " + folder_.path().string() + " " + kProgram + " " + arguments);
+    const ProgramResult result = run_verb(arguments);
     EXPECT_EQ(result.exit_code, 0) << arguments << "\n" << result.output;
   }
 
@@ -54,6 +54,7 @@ class OldFiles : public ::testing::Test {
   }
 
   TemporaryFolder folder_;
+  const WorkingFolder here_{folder_.path()};
 };
 
 TEST_F(OldFiles, ABasisAndWhatIsAttachedToItGiveTheSame) {

@@ -12,7 +12,7 @@
 #include "tests/support/capsule_limb.h"
 #include "tests/support/hostile_bytes.h"
 #include "tests/support/read_bytes.h"
-#include "tests/support/run_program.h"
+#include "tests/support/run_verb.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/transfer/limb_dataset.h"
 #include "trainer/train/skinning/ddm_basis.h"
@@ -30,7 +30,7 @@ class TransferProgram : public ::testing::Test {
   }
   std::string path(const std::string& name) const { return (folder_ / name).string(); }
   ProgramResult transfer(const std::string& targets_and_options) const {
-    return run_bodyopt("transfer basis " + path("limb.safetensors") + " " + targets_and_options);
+    return run_verb("transfer basis " + path("limb.safetensors") + " " + targets_and_options);
   }
 
   TemporaryFolder folder_;
@@ -46,8 +46,8 @@ TEST_F(TransferProgram, WritesABasisForEveryTarget) {
 TEST_F(TransferProgram, WhatStandsBesideTheBasisGoesWithIt) {
   const Basis source = load_basis(path("limb.safetensors"));
   save_levels({testing::twin(source)}, path("limb.proxy.safetensors"));
-  const ProgramResult made = run_bodyopt("dynamics " + path("limb.glb") + " --basis " + path("limb.safetensors") +
-                                         " --dynamics-resolution 800 --out " + path("limb.dynamics.safetensors"));
+  const ProgramResult made = run_verb("dynamics " + path("limb.glb") + " --basis " + path("limb.safetensors") +
+                                      " --dynamics-resolution 800 --out " + path("limb.dynamics.safetensors"));
   ASSERT_EQ(made.exit_code, 0) << made.output;
   const ProgramResult result = transfer(path("limb.glb") + " --out " + path("a.safetensors"));
   ASSERT_EQ(result.exit_code, 0) << result.output;
@@ -64,7 +64,7 @@ TEST_F(TransferProgram, ADatasetInPlaceOfABasisIsCalledOne) {
   testing::write_limb_dataset(folder_ / "source", 4);
   for (const char* dataset : {"source", "source/dataset.json"}) {
     const ProgramResult result =
-        run_bodyopt("transfer basis " + path(dataset) + " " + path("limb.glb") + " --out " + path("a.safetensors"));
+        run_verb("transfer basis " + path(dataset) + " " + path("limb.glb") + " --out " + path("a.safetensors"));
     EXPECT_EQ(result.exit_code, 4);
     EXPECT_NE(result.output.find("is a dataset"), std::string::npos) << result.output;
     EXPECT_NE(result.output.find("'bodyopt transfer dataset'"), std::string::npos) << result.output;
@@ -75,8 +75,8 @@ TEST_F(TransferProgram, AProxyIsASourceWithAllOfItsLevels) {
   const Basis source = load_basis(path("limb.safetensors"));
   save_levels({testing::twin(source), testing::twin(source)}, path("twins.safetensors"));
   const ProgramResult result =
-      run_bodyopt("transfer basis " + path("twins.safetensors") + " " + path("limb.glb") + " --out " +
-                  path("a.safetensors") + " --json " + path("r.json") + " --report " + path("r.html"));
+      run_verb("transfer basis " + path("twins.safetensors") + " " + path("limb.glb") + " --out " +
+               path("a.safetensors") + " --json " + path("r.json") + " --report " + path("r.html"));
   ASSERT_EQ(result.exit_code, 0) << result.output;
   const std::vector<Level> carried = load_levels(path("a.safetensors"));
   ASSERT_EQ(carried.size(), 2u);
@@ -117,14 +117,14 @@ TEST_F(TransferProgram, TheReportSaysWhereBodiesDiffer) {
 // All that the report tells of a trained basis: what it expects to be wrong by, and what is worth simulating.
 TEST_F(TransferProgram, ATrainedBasisKnowsOnAnotherBodyWhatItDoesNotKnow) {
   testing::write_limb_dataset(folder_ / "data", 40);
-  const ProgramResult trained = run_bodyopt("train " + path("data") + " --out " + path("trained.safetensors"));
+  const ProgramResult trained = run_verb("train " + path("data") + " --out " + path("trained.safetensors"));
   ASSERT_EQ(trained.exit_code, 0) << trained.output;
   Character thick = limb_character();
   thick.vertices.leftCols<2>() *= 1.3;
   write_character(thick, path("thick.glb"));
-  const ProgramResult result = run_bodyopt(
-      "transfer basis " + path("trained.safetensors") + " " + path("thick.glb") + " --out " + path("a.safetensors") +
-      " --report " + path("r.html") + " --clip " + path("data/bend.glb") + " --frames 1-40x3 --json " + path("r.json"));
+  const ProgramResult result = run_verb("transfer basis " + path("trained.safetensors") + " " + path("thick.glb") +
+                                        " --out " + path("a.safetensors") + " --report " + path("r.html") + " --clip " +
+                                        path("data/bend.glb") + " --frames 1-40x3 --json " + path("r.json"));
   ASSERT_EQ(result.exit_code, 0) << result.output;
   const Basis source = load_basis(path("trained.safetensors")), carried = load_basis(path("a.safetensors"));
   EXPECT_EQ(carried.residual.coefficient_count(), source.residual.coefficient_count());

@@ -1,4 +1,5 @@
-// The `bodyopt` program.
+#include "cli/run_command.h"
+
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
 #include <sys/resource.h>
@@ -8,8 +9,7 @@
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
-#include <filesystem>
-#include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -76,14 +76,28 @@ void require_options(const CLI::App& verb) {
 }
 
 // `bodyopt help VERB` is `bodyopt VERB --help`.
-std::vector<char*> as_options(int argc, char** argv) {
-  static char help[] = "--help";
-  std::vector<char*> arguments(argv, argv + argc);
-  if (argc > 1 && std::string(argv[1]) == "help") {
-    arguments.erase(arguments.begin() + 1);
-    arguments.push_back(help);
+std::vector<std::string> as_options(std::vector<std::string> arguments) {
+  if (arguments.front() == "help") {
+    arguments.erase(arguments.begin());
+    arguments.push_back("--help");
   }
   return arguments;
+}
+
+// Parses, and so runs the verb. Throws Error.
+int parse(CLI::App& app, std::vector<std::string> arguments) {
+  require_verb(app, arguments.front());
+  std::ranges::reverse(arguments);  // as CLI11 takes them
+  try {
+    app.parse(arguments);
+  } catch (const CLI::Success& success) {
+    app.exit(success);
+  } catch (const CLI::ParseError& error) {
+    require_options(app);
+    app.exit(error);
+    return static_cast<int>(ErrorKind::usage);
+  }
+  return 0;
 }
 
 // While a dataset is trained on, the caches of all its takes are open.
@@ -94,28 +108,29 @@ void allow_many_open_files() {
   setrlimit(RLIMIT_NOFILE, &limit);
 }
 
-// To OMP_NUM_THREADS, as schedulers tell programs how many cores are theirs: `bodyopt farm` sets it, too.
-std::unique_ptr<tbb::global_control> limit_threads() {
+// To OMP_NUM_THREADS, as schedulers tell programs how many cores are theirs: `bodyopt farm` sets it, too. It holds for
+// as long as the process lives.
+void limit_threads() {
+  static std::optional<tbb::global_control> limit;
   const char* given = std::getenv("OMP_NUM_THREADS");
   const int count = given ? std::atoi(given) : 0;
-  if (count < 1) return nullptr;
-  return std::make_unique<tbb::global_control>(tbb::global_control::max_allowed_parallelism, count);
+  if (count >= 1) limit.emplace(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(count));
 }
 
 }  // namespace
-}  // namespace bodyopt::cli
 
-int main(int argc, char** argv) {
-  using namespace bodyopt;
-  using namespace bodyopt::cli;
+void prepare_process() {
   spdlog::set_default_logger(spdlog::stderr_color_mt("bodyopt"));
   spdlog::set_pattern("%^%l%$: %v");
   catch_interrupts();
   std::signal(SIGXFSZ, SIG_IGN);  // a file over the limit (ulimit -f) is then an error of writing it, as a full disk is
   allow_many_open_files();
-  const std::unique_ptr<tbb::global_control> limit = limit_threads();
-  keep_command_line(argc, argv);
+  limit_threads();
+}
 
+int run_command(const std::vector<std::string>& arguments) {
+  keep_command_line(arguments);
+  set_progress_style(ProgressStyle::automatic);
   CLI::App app{"Bodyopt learns how a character's skin moves and replays it in real time."};
   app.name("bodyopt");
   app.set_version_flag("--version", BODYOPT_VERSION);
@@ -126,24 +141,14 @@ int main(int argc, char** argv) {
       "bodyopt VERB --help tells of a verb; docs/walkthrough.md leads from a character of your own to a trained one.");
   add_verbs(app);
 
-  if (argc < 2) {
+  if (arguments.empty()) {
     std::fputs(app.help().c_str(), stderr);
     return static_cast<int>(ErrorKind::usage);
   }
-  const std::vector<char*> arguments = as_options(argc, argv);
   int parsed = 0;
-  const int code = exit_code_of([&] {
-    require_verb(app, arguments[1]);
-    try {
-      app.parse(argc, arguments.data());
-    } catch (const CLI::Success& success) {
-      app.exit(success);
-    } catch (const CLI::ParseError& error) {
-      require_options(app);
-      app.exit(error);
-      parsed = static_cast<int>(ErrorKind::usage);
-    }
-  });
+  const int code = exit_code_of([&] { parsed = parse(app, as_options(arguments)); });
   if (code != 0 || parsed != 0) return std::max(code, parsed);
   return std::fflush(stdout) == 0 ? 0 : static_cast<int>(ErrorKind::file);
 }
+
+}  // namespace bodyopt::cli
