@@ -11,7 +11,6 @@
 #include "assets/frame_range.h"
 #include "cli/arguments/common.h"
 #include "report/heat_strip.h"
-#include "report/svg.h"
 #include "runtime/core/atomic_file.h"
 #include "runtime/core/error.h"
 #include "trainer/curate/named_shapes.h"
@@ -48,7 +47,7 @@ std::vector<double> true_errors(const Basis& basis, const std::vector<Pose>& pos
 HeatStrip strip(const std::vector<int>& frames, const std::vector<std::string>& regions,
                 const std::vector<ExpectedError>& errors) {
   HeatStrip strip;
-  strip.frames.frames = frames;
+  strip.frames = frames;
   strip.regions = regions;
   for (const ExpectedError& error : errors) {
     strip.whole_mm.push_back(error.rms_mm);
@@ -167,7 +166,7 @@ void run(const CoverageArguments& arguments) {
     text += compare_with_truth(coverage.rms_mm, true_errors(basis, poses, arguments.truth), result);
   }
   if (!arguments.picture.empty()) {
-    const std::string svg = svg_file(heat_strip(strip(coverage.frames, basis.coverage.names, coverage.errors)));
+    const std::string svg = heat_strip(strip(coverage.frames, basis.coverage.names, coverage.errors));
     write_file_atomically(arguments.picture, std::as_bytes(std::span(svg)));
     text += "wrote " + arguments.picture + "\n";
   }

@@ -158,7 +158,7 @@ void report(const FarmArguments& arguments) {
   for (const FramesToSimulate& next : summary.simulate_next) {
     text += "worth simulating next, for " + next.basis + ": " + simulate_options(next) + "\n";
   }
-  arguments.json.emit(to_json(summary), text + "wrote " + arguments.out + "\n");
+  arguments.json.emit(to_json(plan, summary), text + "wrote " + arguments.out + "\n");
 }
 
 // This program, under the name by which other machines find it, too.

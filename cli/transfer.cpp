@@ -10,6 +10,7 @@
 #include "cli/results/transfer_page.h"
 #include "cli/results/transfer_picture.h"
 #include "dataset/modifier.h"
+#include "report/page.h"
 #include "runtime/core/atomic_file.h"
 #include "runtime/core/error.h"
 #include "runtime/core/stopwatch.h"
@@ -73,30 +74,6 @@ double judge(const TransferPair& pair, const TransferArguments& arguments, const
   if (!arguments.force) throw Error(ErrorKind::mismatch, what + "; --force goes on all the same");
   spdlog::warn(what);
   return alike;
-}
-
-Json names_without(const std::vector<int>& match, const Skeleton& skeleton) {
-  Json names = Json::array();
-  for (std::size_t j = 0; j < match.size(); ++j) {
-    if (match[j] < 0) names.push_back(skeleton.joints[j].name);
-  }
-  return names;
-}
-
-Json facts_of(const TransferPair& pair, double alike) {
-  const Correspondence& correspondence = pair.correspondence;
-  const double count = static_cast<double>(std::max<Eigen::Index>(1, correspondence.distance.size()));
-  return {{"same_topology", correspondence.same_topology},
-          {"size_ratio", pair.match.size},
-          {"matched_joints", std::count_if(pair.match.source_joint.begin(), pair.match.source_joint.end(),
-                                           [](int joint) { return joint >= 0; })},
-          {"unmatched_source_joints", names_without(pair.match.target_joint, pair.source.skeleton)},
-          {"unmatched_target_joints", names_without(pair.match.source_joint, pair.target.skeleton)},
-          {"posed_to_the_source", pair.match.is_aligned()},
-          {"likeness", alike},
-          {"confidence", correspondence.mean_confidence()},
-          {"filled_in_vertices", pair.skin.unsure()},
-          {"fit_rms_mm", 1e3 * std::sqrt(correspondence.distance.squaredNorm() / count)}};
 }
 
 std::string describe(const TransferPair& pair) {
@@ -224,8 +201,8 @@ class BasisTransfer {
         company_(company_of(arguments, source_.front().basis)),
         motion_(motion_for_report(arguments, source_.front().basis)) {}
 
-  // Of one target, as --json has it; what is for people is printed.
-  Json carry(const std::string& target, const std::string& out, Page& page) {
+  // Of one target, as --json has it; what is for people is printed, and the report's pictures are added.
+  Json carry(const std::string& target, const std::string& out, Json& pictures) {
     const Stopwatch watch;
     const Character character = read_character(target, arguments_.unit);
     say_of(target, character.notes);
@@ -235,7 +212,7 @@ class BasisTransfer {
     const std::vector<Level> carried = carried_levels(pair, character, source_, options_, arguments_.unit, notes);
     save_levels(carried, out);
     const Basis& basis = carried.front().basis;
-    Json facts = facts_of(pair, alike);
+    Json facts = to_json(pair, alike);
     facts["target"] = target;
     facts["basis"] = out;
     facts["vertices"] = basis.mesh.vertex_count();
@@ -248,7 +225,7 @@ class BasisTransfer {
     facts["beside"] = beside;
     facts["seconds_with_what_is_beside"] = watch.seconds();
     say_of(target, notes);
-    if (!arguments_.report.empty()) report(pair, alike, basis, target, facts, page);
+    if (!arguments_.report.empty()) report(pair, basis, facts, pictures);
     std::string text = format("wrote %s: %u vertices, %s, %.1f s\n", out.c_str(), basis.mesh.vertex_count(),
                               describe(pair).c_str(), seconds);
     for (const std::string& file : beside) text += "wrote " + file + "\n";
@@ -257,13 +234,12 @@ class BasisTransfer {
   }
 
  private:
-  void report(const TransferPair& pair, double alike, const Basis& basis, const std::string& target, Json& facts,
-              Page& page) const {
+  void report(const TransferPair& pair, const Basis& basis, Json& facts, Json& pictures) const {
     std::vector<ComparedPose> poses;
     if (motion_) poses = compare_poses(pair, basis, motion_->clip, motion_->frames);
     const auto parts = transfer_parts(pair.source, pair.target, pair.match, pair.correspondence);
-    add_transfer(pair, alike, parts, target, basis.mesh, poses, page);
     facts.update(to_json(parts, poses));
+    pictures.push_back(transfer_pictures(pair, basis.mesh, poses));
   }
 
   const TransferArguments& arguments_;
@@ -278,15 +254,15 @@ void run_basis(const TransferArguments& arguments) {
   check_basis_arguments(arguments);
   check_outputs(arguments);
   BasisTransfer transfer(arguments);
-  Page page("Transfer", "What was learned in " + arguments.source + ", on other bodies");
-  Json list = Json::array();
+  Json list = Json::array(), pictures = Json::array();
   std::optional<Error> failure;
   for (std::size_t k = 0; k < arguments.targets.size(); ++k) {
     try {
-      list.push_back(transfer.carry(arguments.targets[k], arguments.outs[k], page));
+      list.push_back(transfer.carry(arguments.targets[k], arguments.outs[k], pictures));
     } catch (const Error& error) {
       if (error.kind() == ErrorKind::interrupted) throw;
       list.push_back({{"target", arguments.targets[k]}, {"error", error.what()}});
+      pictures.push_back(Json::object());
       if (failure) {
         spdlog::error(error.what());
       } else {
@@ -296,8 +272,11 @@ void run_basis(const TransferArguments& arguments) {
   }
   std::string text;
   if (!arguments.report.empty()) {
-    const std::string html = page.text();
-    write_file_atomically(arguments.report, std::as_bytes(std::span(html)));
+    const Json figures = {{"title", "Transfer"},
+                          {"subtitle", "What was learned in " + arguments.source + ", on other bodies"},
+                          {"targets", list}};
+    const std::string page = page_text("transfer", figures, pictures);
+    write_file_atomically(arguments.report, std::as_bytes(std::span(page)));
     text = "wrote " + arguments.report + "\n";
   }
   arguments.json.emit({{"targets", list}, {"peak_memory_mib", peak_memory_mib()}}, text);
@@ -329,7 +308,7 @@ void run_dataset(const TransferArguments& arguments) {
   const double alike = judge(pair, arguments, arguments.targets.front());
   const TransferredDataset told = transfer_dataset(dataset, source_character, pair, target, out);
   say_of(out.string(), told.notes);
-  Json facts = facts_of(pair, alike);
+  Json facts = to_json(pair, alike);
   facts["dataset"] = (out / "dataset.json").string();
   facts["takes"] = told.takes;
   facts["frames"] = told.frames;

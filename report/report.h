@@ -11,9 +11,19 @@
 
 #include "dataset/results.h"
 #include "draw/renderer.h"
-#include "report/frame_axis.h"
 
 namespace bodyopt {
+
+struct TakeStart {
+  std::string name;
+  std::size_t column = 0;  // its first
+};
+
+// Frames from left to right, a column each, take after take.
+struct FrameAxis {
+  std::vector<int> frames;       // of every column
+  std::vector<TakeStart> takes;  // by column, the first at 0; none: all of one take
+};
 
 struct PictureReport {
   std::string kind;  // "worst", "median" or "chosen"

@@ -11,6 +11,7 @@
 #include "tests/proxy_viewer/twin_level.h"
 #include "tests/support/capsule_limb.h"
 #include "tests/support/hostile_bytes.h"
+#include "tests/support/page_contents.h"
 #include "tests/support/read_bytes.h"
 #include "tests/support/run_verb.h"
 #include "tests/support/temporary_folder.h"
@@ -134,10 +135,15 @@ TEST_F(TransferProgram, ATrainedBasisKnowsOnAnotherBodyWhatItDoesNotKnow) {
   for (const auto& pose : told.at("poses")) EXPECT_GT(pose.at("expected_rms_mm").get<double>(), 0) << pose;
   const std::string frames = told.at("worth_simulating").get<std::string>();
   EXPECT_FALSE(frames.empty());
-  const std::string page = testing::read_bytes(path("r.html"));
-  EXPECT_NE(page.find("--frames " + frames), std::string::npos);
-  EXPECT_NE(page.find("expected error"), std::string::npos);
-  EXPECT_NE(page.find("thick.glb"), std::string::npos);
+  const auto contents = testing::page_contents(path("r.html"));
+  EXPECT_EQ(contents.at("kind"), "transfer");
+  EXPECT_EQ(nlohmann::json(contents.at("figures").at("targets").at(0)), told);
+  EXPECT_EQ(std::count_if(told.at("poses").begin(), told.at("poses").end(),
+                          [](const auto& pose) { return pose.at("is_shown").template get<bool>(); }),
+            3);
+  for (const char* picture : {"match", "poses"}) {
+    EXPECT_TRUE(contents.at("pictures").at(0).at(picture).contains("src")) << picture;
+  }
 }
 
 // The others, the report and the JSON are finished; then the first failure is told.
@@ -151,7 +157,10 @@ TEST_F(TransferProgram, ATargetThatFailsDoesNotTakeTheOthersAlong) {
   EXPECT_EQ(result.exit_code, 3) << result.output;
   EXPECT_FALSE(std::filesystem::exists(path("a.safetensors")));
   EXPECT_TRUE(std::filesystem::exists(path("b.safetensors")));
-  EXPECT_TRUE(std::filesystem::exists(path("r.html")));
+  const auto pictures = testing::page_contents(path("r.html")).at("pictures");
+  ASSERT_EQ(pictures.size(), 2u);  // as many as targets
+  EXPECT_TRUE(pictures.at(0).empty());
+  EXPECT_TRUE(pictures.at(1).contains("match"));
   const auto told = Json::parse(std::ifstream(path("r.json"))).at("targets");
   ASSERT_EQ(told.size(), 2u);
   EXPECT_NE(told.at(0).at("error").get<std::string>().find("in common"), std::string::npos);
