@@ -48,7 +48,7 @@ class RegionsReader {
     }
     std::vector<double> result(output_count_, -1);  // not listed
     for (std::size_t k = 0; k < vertices.size(); ++k) {
-      const std::string place = "[" + std::to_string(k) + "] is ";
+      const std::string place = std::string("[").append(std::to_string(k)).append("] is ");
       if (!vertices[k].is_number_unsigned() || vertices[k].get<std::uint64_t>() >= output_count_) {
         region.refuse("'vertices'" + place + vertices[k].dump() + ", expected 0 to " +
                       std::to_string(output_count_ - 1));

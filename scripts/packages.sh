@@ -1,7 +1,7 @@
 # Sourced by the other scripts: the Debian packages Bodyopt needs, and how to get them.
 
 build_packages=(
-  cmake ninja-build g++
+  cmake ninja-build g++ mold
   libvulkan-dev glslang-tools
   libeigen3-dev libnglib-dev libtinygltf-dev nlohmann-json3-dev libcli11-dev libspdlog-dev libxxhash-dev libpugixml-dev
   libhwy-dev libtbb-dev libstb-dev libwebp-dev libglfw3-dev libx11-dev libimgui-dev
