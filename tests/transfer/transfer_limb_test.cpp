@@ -7,6 +7,7 @@
 #include "assets/matched_joints.h"
 #include "assets/pc2.h"
 #include "dataset/dataset.h"
+#include "dataset/modifier.h"
 #include "geometry/extent.h"
 #include "geometry/table_rows.h"
 #include "runtime/deformer/deformer.h"

@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "runtime/core/hexadecimal.h"
+#include "runtime/core/json.h"
 #include "trainer/train/skinning/mesh_table.h"
 
 namespace bodyopt {
