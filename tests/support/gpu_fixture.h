@@ -37,8 +37,10 @@ inline DeviceChoice test_device() {
   return choice;
 }
 
+// One for all tests of this process, which share what it compiles.
 inline std::shared_ptr<const vulkan::Device> open_test_device() {
-  return std::make_shared<const vulkan::Device>(test_device());
+  static const auto device = std::make_shared<const vulkan::Device>(test_device());
+  return device;
 }
 
 class GpuTest : public ::testing::Test {
