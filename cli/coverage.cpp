@@ -126,7 +126,7 @@ Json result_of(const ClipCoverage& coverage, const Basis& basis) {
           {"per_frame", per_frame}};
 }
 
-std::string text_of(const ClipCoverage& coverage) {
+std::string coverage_text(const ClipCoverage& coverage) {
   std::string text = format("%8s %14s   %s\n", "frame", "expected mm", "most of all");
   for (const std::size_t k : coverage.simulated) {
     text += format("%8d %14.3f   %s, %.3f mm\n", coverage.frames[k], coverage.rms_mm[k],
@@ -161,7 +161,7 @@ void run(const CoverageArguments& arguments) {
   const ClipCoverage coverage = coverage_of(basis, std::move(frames), poses, static_cast<std::size_t>(arguments.worst));
 
   Json result = result_of(coverage, basis);
-  std::string text = text_of(coverage);
+  std::string text = coverage_text(coverage);
   if (!arguments.truth.empty()) {
     text += compare_with_truth(coverage.rms_mm, true_errors(basis, poses, arguments.truth), result);
   }

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <nlohmann/json.hpp>
 #include <set>
 #include <sstream>
 
@@ -48,7 +47,7 @@ class RegionsReader {
     }
     std::vector<double> result(output_count_, -1);  // not listed
     for (std::size_t k = 0; k < vertices.size(); ++k) {
-      const std::string place = std::string("[").append(std::to_string(k)).append("] is ");
+      const std::string place = "[" + std::to_string(k) + "] is ";
       if (!vertices[k].is_number_unsigned() || vertices[k].get<std::uint64_t>() >= output_count_) {
         region.refuse("'vertices'" + place + vertices[k].dump() + ", expected 0 to " +
                       std::to_string(output_count_ - 1));
