@@ -190,7 +190,8 @@ void write_plan(const FarmPlan& plan, const fs::path& folder) {
     for (const FarmStep& step : task.steps) steps.push_back(to_json(step));
     tasks.push_back({{"wave", task.wave}, {"lane", task.lane}, {"steps", steps}});
   }
-  write_json({{"schema", kPlanSchema}, {"show", plan.show}, {"joins", plan.joins}, {"tasks", tasks}}, plan_file(folder));
+  write_json({{"schema", kPlanSchema}, {"show", plan.show}, {"joins", plan.joins}, {"tasks", tasks}},
+             plan_file(folder));
 }
 
 FarmPlan read_plan(const fs::path& folder) {

@@ -50,8 +50,7 @@ std::string remedy_for(const std::string& why) {
       {"cannot be moved apart", "move apart, at rest, what passes through itself; --picture shows where"},
       {"cannot be filled",
        "dissolve slivers, and part sheets that lie close at rest (Blender: Degenerate Dissolve); where it passes "
-       "through "
-       "itself is listed, if it does"},
+       "through itself is listed, if it does"},
       {"belong to no triangle", "delete its loose vertices (Blender: Delete Loose)"},
       {"no triangles", "export the skin with its faces"},
       {"it is flat", "give it a thickness (Blender: Solidify)"},
