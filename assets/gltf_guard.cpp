@@ -3,7 +3,6 @@
 #include <tiny_gltf.h>
 
 #include <algorithm>
-#include <cstring>
 #include <nlohmann/json.hpp>
 #include <span>
 #include <string_view>
@@ -26,23 +25,19 @@ constexpr std::uint32_t kJsonChunk = 0x4E4F534A, kBinaryChunk = 0x004E4942;
   throw Error(ErrorKind::file, path.string() + ": " + problem);
 }
 
-Bytes read_bytes(const std::filesystem::path& path) {
-  const std::string bytes = read_file(path, kMaxBufferBytes, "a glTF file");
-  return Bytes(bytes.begin(), bytes.end());
-}
-
 struct Chunks {
   std::string json;
   Bytes binary;
 };
 
-std::uint32_t word_at(const Bytes& bytes, std::size_t offset) {
+std::uint32_t word_at(std::string_view bytes, std::size_t offset) {
   std::uint32_t word = 0;
-  for (int i = 3; i >= 0; --i) word = word << 8 | bytes[offset + static_cast<std::size_t>(i)];
+  for (int i = 3; i >= 0; --i)
+    word = word << 8 | static_cast<unsigned char>(bytes[offset + static_cast<std::size_t>(i)]);
   return word;
 }
 
-Chunks split_glb(const std::filesystem::path& path, const Bytes& bytes) {
+Chunks split_glb(const std::filesystem::path& path, std::string_view bytes) {
   if (bytes.size() < 20) fail(path, "the file ends inside its header; it is cut off");
   if (word_at(bytes, 4) != 2) {
     fail(path, "glTF container version " + std::to_string(word_at(bytes, 4)) + ", expected 2; export it as glTF 2.0");
@@ -69,8 +64,7 @@ Chunks split_glb(const std::filesystem::path& path, const Bytes& bytes) {
 }
 
 // Is a brace the first that is neither white space nor the mark of UTF-8?
-bool starts_an_object(const Bytes& bytes) {
-  const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+bool starts_an_object(std::string_view text) {
   const std::size_t first = text.find_first_not_of(" \t\r\n", text.starts_with("\xef\xbb\xbf") ? 3 : 0);
   return first != std::string_view::npos && text[first] == '{';
 }
@@ -173,7 +167,8 @@ Bytes resolve_buffer(const std::filesystem::path& path, const Json& buffer, cons
     std::string mime;
     if (!tinygltf::DecodeDataURI(&bytes, mime, uri, 0, false)) fail(path, "a buffer's data URI cannot be decoded");
   } else {
-    bytes = read_bytes(external_file(path, uri));
+    const std::string content = read_gltf_bytes(external_file(path, uri));
+    bytes.assign(content.begin(), content.end());
   }
   if (length > bytes.size()) {
     fail(path, "a buffer of " + std::to_string(length) + " bytes has only " + std::to_string(bytes.size()) +
@@ -185,9 +180,12 @@ Bytes resolve_buffer(const std::filesystem::path& path, const Json& buffer, cons
 
 }  // namespace
 
-GuardedGltf guard_gltf(const std::filesystem::path& path) {
-  const Bytes bytes = read_bytes(path);
-  const bool is_glb = bytes.size() >= 4 && std::memcmp(bytes.data(), "glTF", 4) == 0;
+std::string read_gltf_bytes(const std::filesystem::path& path) {
+  return read_file(path, kMaxBufferBytes, "a glTF file");
+}
+
+GuardedGltf guard_gltf(const std::filesystem::path& path, std::string_view bytes) {
+  const bool is_glb = bytes.starts_with("glTF");
   if (!is_glb && path.extension() == ".glb")
     fail(path, "does not start with 'glTF'; it is not a .glb file" + looks_like(path));
   if (!is_glb && !starts_an_object(bytes)) fail(path, "is not a glTF file (.glb, .gltf)" + looks_like(path));
@@ -222,8 +220,7 @@ GuardedGltf guard_gltf(const std::filesystem::path& path) {
 std::vector<std::filesystem::path> gltf_files(const std::filesystem::path& path) {
   std::vector<std::filesystem::path> files{path};
   if (path.extension() != ".gltf") return files;
-  const Bytes bytes = read_bytes(path);
-  const Json root = parse_json(path, std::string(bytes.begin(), bytes.end()));
+  const Json root = parse_json(path, read_gltf_bytes(path));
   const Json buffers = root.contains("buffers") ? root["buffers"] : Json::array();
   for (const Json& buffer : buffers) {
     if (!buffer.is_object() || !buffer.contains("uri") || !buffer["uri"].is_string()) continue;

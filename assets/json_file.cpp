@@ -26,7 +26,11 @@ Json read_json(const std::filesystem::path& path, const std::string& schema) {
   if (!kind.empty() && !content.starts_with('{')) {
     throw Error(ErrorKind::file, path.string() + ": expected JSON" + kind);
   }
-  Json json = parse_strict_json(content, path.string());
+  return parse_json(content, path, schema);
+}
+
+Json parse_json(std::string_view text, const std::filesystem::path& path, const std::string& schema) {
+  Json json = parse_strict_json(text, path.string());
   if (!json.is_object() || !json.contains("schema") || !json["schema"].is_string()) {
     throw Error(ErrorKind::file, path.string() + ": expected an object with \"schema\": \"" + schema +
                                      "\"; it is JSON of something else");

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <initializer_list>
 #include <string>
+#include <string_view>
 
 #include "runtime/core/json.h"
 
@@ -11,6 +12,8 @@ namespace bodyopt {
 
 // Parses a file whose top level is an object with "schema": `schema`. Throws Error(file).
 Json read_json(const std::filesystem::path& path, const std::string& schema);
+// The same of a file's text that is in memory already; messages call it `path`.
+Json parse_json(std::string_view text, const std::filesystem::path& path, const std::string& schema);
 void write_json(const Json& json, const std::filesystem::path& path);
 // What write_json() would write. Throws Error(file), too.
 std::string text_of(const Json& json, const std::filesystem::path& path);

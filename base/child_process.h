@@ -14,6 +14,6 @@ struct ChildResult {
 // Forks: `work` sees the memory of this process and none of its threads, and may not ask for others. What it prints is
 // dropped; interruptions are the parent's matter; it ends with its parent. An exception of `work` is a crash, named by
 // its text. Throws Error(device) where there is no process to be had.
-ChildResult run_in_child(const std::function<std::string()>& work);
+[[nodiscard]] ChildResult run_in_child(const std::function<std::string()>& work);
 
 }  // namespace bodyopt

@@ -20,7 +20,7 @@ enum class ProgressStyle {
 // Of all progress from now on.
 void set_progress_style(ProgressStyle style);
 
-class Progress {
+class [[nodiscard]] Progress {
  public:
   // kept: what is left of the work when it is interrupted, for the message.
   Progress(std::string label, std::size_t total, std::string kept = "nothing of it is kept");
@@ -40,6 +40,6 @@ class Progress {
 
 // From the first call on, SIGINT and SIGTERM set a flag instead of killing the program.
 void catch_interrupts();
-bool interrupted();
+[[nodiscard]] bool interrupted();
 
 }  // namespace bodyopt

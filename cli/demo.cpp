@@ -20,7 +20,6 @@
 #include "runtime/core/stopwatch.h"
 #include "runtime/host/rig.h"
 #include "trainer/builtin/arm.h"
-#include "trainer/builtin/arm_dofs.h"
 #include "trainer/motion/range_of_motion.h"
 #include "trainer/simulate/simulate.h"
 

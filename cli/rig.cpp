@@ -61,8 +61,7 @@ Json first_jiggle(const Character& character) {
 
 constexpr const char* kRegionSource =
     "skin weights, summed by joint: a joint that moves as much skin as 40 vertices, the fewest that train gives a "
-    "region "
-    "of its own, has one; the skin of others is with the nearest joint above that has one";
+    "region of its own, has one; the skin of others is with the nearest joint above that has one";
 
 struct RigFile {
   fs::path path;

@@ -75,6 +75,14 @@ function(bodyopt_precompile FIRST)
   endforeach()
 endfunction()
 
+# The rooms that a host program links: no number in them changes its type unseen. GCC's warnings: clang's are others.
+function(bodyopt_convert_explicitly)
+  foreach(folder ${ARGN})
+    bodyopt_target(${folder} target)
+    target_compile_options(${target} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-Wconversion -Wsign-conversion>)
+  endforeach()
+endfunction()
+
 # A line for each room: its folder, then those of the rooms that it uses.
 function(bodyopt_write_rooms)
   get_property(rooms GLOBAL PROPERTY BODYOPT_ROOMS)

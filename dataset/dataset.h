@@ -91,12 +91,12 @@ void write_frame_status(const std::vector<FrameStatus>& status, const std::files
 
 // Frames of a take whose shapes a modifier that is on gives anew, whole (of the type blend): what the cache has of them
 // is covered.
-std::set<int> replaced_frames(const Dataset& dataset, const DatasetTake& take);
+[[nodiscard]] std::set<int> replaced_frames(const Dataset& dataset, const DatasetTake& take);
 
 // Frames of a take that its side-car does not vouch for, but for those that are replaced; none without a side-car.
-std::set<int> unconverged_frames(const Dataset& dataset, const DatasetTake& take);
+[[nodiscard]] std::set<int> unconverged_frames(const Dataset& dataset, const DatasetTake& take);
 
 // Does a take have shapes that come from elsewhere: those that its side-car has no `inputs` of?
-bool has_given_shapes(const Dataset& dataset, const DatasetTake& take);
+[[nodiscard]] bool has_given_shapes(const Dataset& dataset, const DatasetTake& take);
 
 }  // namespace bodyopt

@@ -28,7 +28,7 @@ class SkinSmoother {
 };
 
 // The same, once.
-Eigen::MatrixXd smoothed(const Positions& rest, const Triangles& triangles, const Eigen::MatrixXd& values,
-                         double radius);
+[[nodiscard]] Eigen::MatrixXd smoothed(const Positions& rest, const Triangles& triangles, const Eigen::MatrixXd& values,
+                                       double radius);
 
 }  // namespace bodyopt

@@ -13,7 +13,8 @@ worker_packages=(
   libwebpmux3 libglfw3 libx11-6
 )
 run_packages=(mesa-vulkan-drivers fonts-dejavu-core)
-test_packages=(vulkan-validationlayers xvfb xauth xdotool clang)
+test_packages=(vulkan-validationlayers xvfb xauth xdotool clang clang-format)
+lint_packages=(clang-tidy)
 attack_packages=(libclang-rt-dev python3)
 bench_packages=(libbenchmark-dev libsuitesparse-dev)
 sheet_packages=(imagemagick python3)

@@ -32,7 +32,7 @@ void write_page(const TransferPair& pair, const Basis& carried, const fs::path& 
 }  // namespace
 
 std::string demo_transfer(const fs::path& folder, bool has_pictures) {
-  write_character(build_stocky_arm().character, folder / "stocky.glb");
+  write_character(build_stocky_arm(), folder / "stocky.glb");
   const Character stocky = read_character(folder / "stocky.glb");
   const Basis source = load_basis(folder / "basis.safetensors");
   const TransferOptions options;

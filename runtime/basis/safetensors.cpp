@@ -57,7 +57,7 @@ Range parse_tensor(const std::filesystem::path& path, const std::string& name, c
     if (!n.is_number_unsigned()) refuse(path, "tensor '" + name + "' has a shape that is not of counts");
     tensor.shape.push_back(n.get<std::uint64_t>());
   }
-  const Range range{(*offsets)[0].get<std::uint64_t>(), (*offsets)[1].get<std::uint64_t>(), name};
+  Range range{(*offsets)[0].get<std::uint64_t>(), (*offsets)[1].get<std::uint64_t>(), name};
   if (range.begin > range.end || range.end > size) {
     refuse(path, "tensor '" + name + "' lies at bytes " + std::to_string(range.begin) + " to " +
                      std::to_string(range.end) + " of " + std::to_string(size));

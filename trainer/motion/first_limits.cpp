@@ -171,8 +171,7 @@ JointLimits first_limits(const Character& own, const std::vector<Pose>& own_pose
   JointLimits limits;
   limits.source =
       "first limits, to be edited: a joint's 'rest' of 0 is the bind pose; 'twist' is about its bone, 'bend' about "
-      "what "
-      "the clips turn it about most, or else nearly left-right, 'side' about the third";
+      "what the clips turn it about most, or else nearly left-right, 'side' about the third";
   for (const std::uint32_t j : bending_joints(character, with_skin)) {
     const std::vector<Quat> turns = turns_from_bind(skeleton, poses, j);
     const Vector3d bone = bone_of(skeleton, j);

@@ -28,8 +28,7 @@ class LimitsReader {
  public:
   LimitsReader(const std::filesystem::path& path, const Skeleton& skeleton) : path_(path), skeleton_(skeleton) {}
 
-  JointLimits read() {
-    const Json json = read_json(path_, kSchema);
+  JointLimits read(const Json& json) {
     const JsonObject top(json, path_, "the file");
     top.allow({"schema", "source", "mirrored_joints", "dofs", "deviations", "poses", "detached_joints"});
     if (top.has("source")) limits_.source = top.text("source");
@@ -263,7 +262,11 @@ bool hangs_under(const Skeleton& skeleton, const std::vector<DetachedJoint>& det
 }
 
 JointLimits read_joint_limits(const std::filesystem::path& path, const Skeleton& skeleton) {
-  return LimitsReader(path, skeleton).read();
+  return LimitsReader(path, skeleton).read(read_json(path, kSchema));
+}
+
+JointLimits parse_joint_limits(std::string_view text, const std::filesystem::path& path, const Skeleton& skeleton) {
+  return LimitsReader(path, skeleton).read(parse_json(text, path, kSchema));
 }
 
 Json to_json(const JointLimits& limits, const Skeleton& skeleton) {
