@@ -119,6 +119,14 @@ const Json& JsonObject::array(const char* key) const {
   return value;
 }
 
+std::vector<JsonObject> JsonObject::objects(const char* key) const {
+  std::vector<JsonObject> objects;
+  for (const Json& item : array(key)) {
+    objects.emplace_back(item, path_, key + ("[" + std::to_string(objects.size()) + "]"));
+  }
+  return objects;
+}
+
 void JsonObject::refuse(const std::string& what) const {
   throw Error(ErrorKind::file, path_.string() + ": " + place_ + " " + what);
 }

@@ -5,6 +5,7 @@
 #include <initializer_list>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "runtime/core/json.h"
 
@@ -33,6 +34,7 @@ class JsonObject {
   bool boolean(const char* key) const;
   std::uint64_t hash(const char* key) const;  // 16 hexadecimal digits
   const Json& array(const char* key) const;
+  std::vector<JsonObject> objects(const char* key) const;  // of a list, by the names "key[0]", "key[1]" ...
   bool is_null(const char* key) const;
   const Json& json() const { return object_; }
   const std::filesystem::path& path() const { return path_; }

@@ -179,9 +179,7 @@ Dataset read_dataset(const std::filesystem::path& path) {
   if (top.has("materials")) dataset.materials = top.name("materials");
   if (top.has("regions")) dataset.regions = top.name("regions");
   std::set<std::string> names;
-  const Json& takes = top.array("takes");
-  for (std::size_t k = 0; k < takes.size(); ++k) {
-    const JsonObject take(takes[k], path, "takes[" + std::to_string(k) + "]");
+  for (const JsonObject& take : top.objects("takes")) {
     dataset.takes.push_back(read_take(take));
     if (!names.insert(dataset.takes.back().name).second) take.refuse("has the name of an earlier take");
   }
@@ -225,9 +223,7 @@ std::vector<FrameStatus> read_frame_status(const std::filesystem::path& path) {
   top.allow({"schema", "frames"});
   std::vector<FrameStatus> status;
   std::set<int> known;
-  const Json& frames = top.array("frames");
-  for (std::size_t k = 0; k < frames.size(); ++k) {
-    const JsonObject frame(frames[k], path, "frames[" + std::to_string(k) + "]");
+  for (const JsonObject& frame : top.objects("frames")) {
     frame.allow({"frame", "residual", "converged", "iterations", "seconds", "inverted_tets", "contact_depth",
                  "volume_change", "inputs"});
     FrameStatus entry;

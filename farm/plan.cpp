@@ -201,8 +201,7 @@ FarmPlan read_plan(const fs::path& folder) {
   const JsonObject top(json, path, "the top level");
   top.allow({"schema", "show", "joins", "tasks"});
   FarmPlan plan{top.text("show"), {}, top.boolean("joins")};
-  for (const Json& entry : top.array("tasks")) {
-    const JsonObject object(entry, path, "tasks[" + std::to_string(plan.tasks.size()) + "]");
+  for (const JsonObject& object : top.objects("tasks")) {
     object.allow({"wave", "lane", "steps"});
     FarmTask task{object.integer("wave", 0), object.integer("lane", 0), {}};
     for (const Json& step : object.array("steps")) task.steps.push_back(step_from(JsonObject(step, path, "a step")));
