@@ -7,7 +7,7 @@ let heatColours = [];
 // One by one, so that figures of another version spoil no other section; those without figures are named below.
 function shownSections(sections, figures, pictures) {
   const without = [];
-  const nodes = Object.entries(sections).map(([name, make]) => {
+  const nodes = sections.map(([name, make]) => {
     try {
       const made = make(figures, pictures);
       if (made === null) without.push(name);

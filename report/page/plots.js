@@ -68,7 +68,7 @@ function colourBar(scaleMm) {
   return plot(360, 40, `colours from 0 to ${millimetres(scaleMm)}`, ...colourRamp(24, 2, 312, scaleMm));
 }
 
-// A logarithmic scale of an area {left, right, top, bottom}: where a value lies, and lines across with values at the left.
+// Where a value lies in an area {left, right, top, bottom} that is logarithmic from low to high.
 function logScale(area, low, high) {
   return (value) => {
     const clamped = Math.min(Math.max(value, low), high);
@@ -76,6 +76,7 @@ function logScale(area, low, high) {
   };
 }
 
+// Lines across such an area, with values at the left.
 function logAxis(area, low, high, label) {
   const y = logScale(area, low, high);
   const drawn = [];

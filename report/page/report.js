@@ -524,7 +524,7 @@ function reportKind({ character, dataset }) {
     subtitle:
       `Bodyopt: learned from ${plural(dataset.train_frames, "frame")}, ` +
       `measured on ${plural(dataset.heldout_frames, "held-out frame")}`,
-    sections: {
+    sections: Object.entries({
       summary: summarySection,
       warnings: warningsSection,
       takes: takesSection,
@@ -540,6 +540,6 @@ function reportKind({ character, dataset }) {
       unposing: unposingSection,
       details: detailsSection,
       provenance: provenanceSection,
-    },
+    }),
   };
 }

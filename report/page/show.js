@@ -117,7 +117,7 @@ function showKind({ show, tasks, elements }) {
   return {
     title: show,
     subtitle: `What the show has come to: ${plural(tasks, "task")}, ${plural(elements.length, "element")}`,
-    sections: {
+    sections: Object.entries({
       summary: showHeadlines,
       "what is not done": openElements,
       "frames worth a look": contactSheet,
@@ -125,6 +125,6 @@ function showKind({ show, tasks, elements }) {
       "what leaves the trained range": flaggedElements,
       slowest: slowestElements,
       hours: hoursOfElements,
-    },
+    }),
   };
 }

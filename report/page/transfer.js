@@ -70,9 +70,6 @@ function targetSection(target, pictures) {
 }
 
 function transferKind({ title, subtitle, targets }) {
-  const shown = targets.map((target, k) => [
-    target.target,
-    (all, pictures) => targetSection(target, pictures[k] ?? {}),
-  ]);
-  return { title, subtitle, sections: Object.fromEntries(shown) };
+  const ofTarget = (target, k) => (all, pictures) => targetSection(target, pictures[k] ?? {});
+  return { title, subtitle, sections: targets.map((target, k) => [target.target, ofTarget(target, k)]) };
 }
