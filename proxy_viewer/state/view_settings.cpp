@@ -4,8 +4,8 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
-#include "assets/wording.h"
 #include "assets/json_fields.h"
+#include "assets/wording.h"
 #include "proxy_viewer/state/sections.h"
 #include "proxy_viewer/state/setting_fields.h"
 #include "runtime/core/error.h"

@@ -1,5 +1,5 @@
-// The one type of JSON: keys keep their order. Here is its name alone, which takes no time to compile; who works with it
-// includes <nlohmann/json.hpp>.
+// The one type of JSON: keys keep their order. Here is its name alone, which takes no time to compile; who works with
+// it includes <nlohmann/json.hpp>.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>

@@ -238,7 +238,7 @@ TEST_F(EvalTask, AReportIsOnePageWithPicturesOfTheCaches) {
   EXPECT_EQ(told.at("elements").at(2).at("state"), "missing");
   ASSERT_EQ(told.at("worth_a_look").size(), 6u);
   const std::string page = testing::read_bytes(path("show.html"));
-  const auto contents = nlohmann::json::parse(testing::page_json(page));
+  const auto contents = Json::parse(testing::page_json(page));
   EXPECT_EQ(contents.at("figures"), told);
   EXPECT_EQ(told.at("elements").at(0).at("shot"), "a<b>$(touch hit) c");
   EXPECT_EQ(page.find("<b>$"), std::string::npos);

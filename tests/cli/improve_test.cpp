@@ -13,9 +13,7 @@ namespace {
 
 class Improve : public ::testing::Test {
  protected:
-  Json json(const std::string& name) const {
-    return Json::parse(std::ifstream(folder_ / (name + ".json")));
-  }
+  Json json(const std::string& name) const { return Json::parse(std::ifstream(folder_ / (name + ".json"))); }
   ProgramResult run(const std::string& arguments) const { return run_verb(arguments); }
 
   TemporaryFolder folder_;

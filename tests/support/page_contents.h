@@ -17,8 +17,6 @@ inline std::string page_json(const std::string& page) {
 }
 
 // Kind, figures, pictures, colours. Throws where it is no JSON.
-inline nlohmann::ordered_json page_contents(const std::filesystem::path& page) {
-  return nlohmann::ordered_json::parse(page_json(read_bytes(page)));
-}
+inline Json page_contents(const std::filesystem::path& page) { return Json::parse(page_json(read_bytes(page))); }
 
 }  // namespace bodyopt::testing
