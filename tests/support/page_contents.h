@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "runtime/core/json.h"
 #include "tests/support/read_bytes.h"
 
 namespace bodyopt::testing {
