@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <utility>
 #include <vector>
 
 namespace bodyopt::cli {
@@ -19,21 +20,20 @@ CLI::Option* add_flag(CLI::App& verb, const std::string& name, bool& value, cons
   return verb.add_flag(name, value, description);
 }
 
-template CLI::Option* add_option(CLI::App&, const std::string&, bool&, const std::string&);
 template CLI::Option* add_option(CLI::App&, const std::string&, int&, const std::string&);
+template CLI::Option* add_option(CLI::App&, const std::string&, std::int64_t&, const std::string&);
 template CLI::Option* add_option(CLI::App&, const std::string&, unsigned&, const std::string&);
 template CLI::Option* add_option(CLI::App&, const std::string&, std::uint64_t&, const std::string&);
+template CLI::Option* add_option(CLI::App&, const std::string&, float&, const std::string&);
 template CLI::Option* add_option(CLI::App&, const std::string&, double&, const std::string&);
 template CLI::Option* add_option(CLI::App&, const std::string&, std::string&, const std::string&);
-template CLI::Option* add_option(CLI::App&, const std::string&, std::filesystem::path&, const std::string&);
 template CLI::Option* add_option(CLI::App&, const std::string&, std::optional<int>&, const std::string&);
-template CLI::Option* add_option(CLI::App&, const std::string&, std::optional<double>&, const std::string&);
 template CLI::Option* add_option(CLI::App&, const std::string&, std::optional<std::uint16_t>&, const std::string&);
-template CLI::Option* add_option(CLI::App&, const std::string&, std::optional<std::string>&, const std::string&);
-template CLI::Option* add_option(CLI::App&, const std::string&, std::vector<int>&, const std::string&);
 template CLI::Option* add_option(CLI::App&, const std::string&, std::vector<unsigned>&, const std::string&);
 template CLI::Option* add_option(CLI::App&, const std::string&, std::vector<float>&, const std::string&);
 template CLI::Option* add_option(CLI::App&, const std::string&, std::vector<double>&, const std::string&);
 template CLI::Option* add_option(CLI::App&, const std::string&, std::vector<std::string>&, const std::string&);
+template CLI::Option* add_option(CLI::App&, const std::string&, std::vector<std::pair<std::string, std::string>>&,
+                                 const std::string&);
 
 }  // namespace bodyopt::cli
