@@ -1,4 +1,5 @@
-// Every set of instructions that the processor has gives the same bits, those of one lane at a time too.
+// Every set of instructions that the processor has gives the same bits, those of one lane at a time too, at whatever
+// addresses numbers stand.
 #include <gtest/gtest.h>
 #include <hwy/targets.h>
 
@@ -9,6 +10,7 @@
 #include "runtime/cpu/ddm_frames.h"
 #include "runtime/cpu/dynamics_kernels.h"
 #include "runtime/cpu/kernels.h"
+#include "tests/support/odd_addresses.h"
 #include "tests/support/random_tables.h"
 #include "tests/support/random_tets.h"
 #include "tests/support/small_inverse.h"
@@ -18,30 +20,36 @@ namespace instruction_sets_test {
 
 constexpr std::uint32_t kJoints = 9;
 
-std::vector<std::uint32_t> bits_of(const std::vector<float>& values) {
+std::vector<std::uint32_t> bits_of(std::span<const float> values) {
   std::vector<std::uint32_t> bits;
   for (const float value : values) bits.push_back(std::bit_cast<std::uint32_t>(value));
   return bits;
 }
 
-// Runs the kernel with each set in turn, into outputs that hold a NaN before.
-void expect_same_bits(std::size_t count, const std::function<void(std::span<float>)>& kernel) {
+// Runs the kernel with each set in turn, into outputs that hold a NaN before; then again, those and its inputs at odd
+// addresses.
+template <typename... Inputs>
+void expect_same_bits(std::size_t count, const std::function<void(std::span<float>)>& kernel, Inputs&... inputs) {
   std::vector<std::uint32_t> first;
   std::size_t sets = 0;
-  for (std::int64_t left = hwy::SupportedTargets(); left != 0; left &= left - 1) {
-    const std::int64_t target = left & -left;
-    hwy::SetSupportedTargetsForTest(target);
+  for (const std::size_t odd : {0u, 1u}) {
+    if (odd != 0) (move_to_odd_addresses(inputs), ...);
+    for (std::int64_t left = hwy::SupportedTargets(); left != 0; left &= left - 1) {
+      const std::int64_t target = left & -left;
+      hwy::SetSupportedTargetsForTest(target);
+      hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+      std::vector<float> values(count + 1, std::numeric_limits<float>::quiet_NaN());
+      const auto outputs = std::span(values).subspan(odd, count);
+      kernel(outputs);
+      for (const float value : outputs) ASSERT_TRUE(std::isfinite(value)) << hwy::TargetName(target);
+      if (first.empty()) first = bits_of(outputs);
+      EXPECT_EQ(bits_of(outputs), first) << hwy::TargetName(target);
+      ++sets;
+    }
+    hwy::SetSupportedTargetsForTest(0);
     hwy::GetChosenTarget().Update(hwy::SupportedTargets());
-    std::vector<float> values(count, std::numeric_limits<float>::quiet_NaN());
-    kernel(values);
-    for (const float value : values) ASSERT_TRUE(std::isfinite(value)) << hwy::TargetName(target);
-    if (first.empty()) first = bits_of(values);
-    EXPECT_EQ(bits_of(values), first) << hwy::TargetName(target);
-    ++sets;
   }
-  hwy::SetSupportedTargetsForTest(0);
-  hwy::GetChosenTarget().Update(hwy::SupportedTargets());
-  EXPECT_GT(sets, 1u);
+  EXPECT_GT(sets, 2u);
 }
 
 struct Skin {
@@ -62,10 +70,13 @@ struct Skin {
 TEST(InstructionSets, PoseSkin) {
   for (const std::uint32_t vertices : {1u, 15u, 16u, 17u, 1237u}) {
     SCOPED_TRACE(vertices);
-    const Skin skin(vertices);
-    expect_same_bits(skin.displacements.size(), [&](std::span<float> positions) {
-      cpu::pose_skin(skin.ddm, kJoints, skin.skinning, skin.origins, skin.displacements, positions);
-    });
+    Skin skin(vertices);
+    expect_same_bits(
+        skin.displacements.size(),
+        [&](std::span<float> positions) {
+          cpu::pose_skin(skin.ddm, kJoints, skin.skinning, skin.origins, skin.displacements, positions);
+        },
+        skin.ddm, skin.skinning, skin.origins, skin.displacements);
   }
 }
 
@@ -73,8 +84,10 @@ TEST(InstructionSets, VertexFrames) {
   Skin skin(700);
   std::vector<std::uint32_t> some;
   for (int k = 0; k < 300; ++k) some.push_back(skin.random.below(skin.vertices));
-  expect_same_bits(12 * some.size(),
-                   [&](std::span<float> frames) { cpu::vertex_frames(skin.ddm, some, skin.skinning.data(), frames); });
+  expect_same_bits(
+      12 * some.size(),
+      [&](std::span<float> frames) { cpu::vertex_frames(skin.ddm, some, skin.skinning.data(), frames); }, skin.ddm,
+      skin.skinning, some);
 }
 
 TEST(InstructionSets, ResidualBlend) {
@@ -82,11 +95,12 @@ TEST(InstructionSets, ResidualBlend) {
   for (const std::uint32_t vertices : {1u, 16u, 1237u}) {
     SCOPED_TRACE(vertices);
     Random random(vertices);
-    const ResidualTable table = random_residual(random, 20, 0, kCoefficients, vertices);
-    const std::vector<float> coefficients = random.floats(2 * kCoefficients, -1, 1);
-    expect_same_bits(std::size_t{6} * vertices, [&](std::span<float> displacements) {
-      cpu::residual_blend(table, coefficients, 2, 0.7f, displacements);
-    });
+    ResidualTable table = random_residual(random, 20, 0, kCoefficients, vertices);
+    std::vector<float> coefficients = random.floats(2 * kCoefficients, -1, 1);
+    expect_same_bits(
+        std::size_t{6} * vertices,
+        [&](std::span<float> displacements) { cpu::residual_blend(table, coefficients, 2, 0.7f, displacements); },
+        table, coefficients);
   }
 }
 
@@ -98,12 +112,15 @@ TEST(InstructionSets, ModifyBlend) {
     SkinModifiers modifiers;
     modifiers.blend_begin = table.blend_begin;
     modifiers.blend = table.blend;
-    const std::vector<float> weights = random.floats(30, -1, 1),
-                             before = random.floats(std::size_t{3} * vertices, -1, 1);
-    expect_same_bits(before.size(), [&](std::span<float> displacements) {
-      std::copy(before.begin(), before.end(), displacements.begin());
-      cpu::modify_blend(modifiers, weights, 1, displacements);
-    });
+    std::vector<float> weights = random.floats(30, -1, 1);
+    const std::vector<float> before = random.floats(std::size_t{3} * vertices, -1, 1);
+    expect_same_bits(
+        before.size(),
+        [&](std::span<float> displacements) {
+          std::copy(before.begin(), before.end(), displacements.begin());
+          cpu::modify_blend(modifiers, weights, 1, displacements);
+        },
+        modifiers, weights);
   }
 }
 
@@ -111,10 +128,11 @@ TEST(InstructionSets, JiggleRotate) {
   for (const std::uint32_t nodes : {4u, 16u, 1237u}) {
     SCOPED_TRACE(nodes);
     Random random(nodes);
-    const TetTable tets = random_tets(random, nodes);
-    const std::vector<float> moved = random.floats(std::size_t{6} * nodes, -1, 1);
-    expect_same_bits(std::size_t{18} * nodes,
-                     [&](std::span<float> rotations) { cpu::jiggle_rotate(tets, moved, 2, rotations); });
+    TetTable tets = random_tets(random, nodes);
+    std::vector<float> moved = random.floats(std::size_t{6} * nodes, -1, 1);
+    expect_same_bits(
+        std::size_t{18} * nodes, [&](std::span<float> rotations) { cpu::jiggle_rotate(tets, moved, 2, rotations); },
+        tets, moved);
   }
 }
 
@@ -123,19 +141,24 @@ TEST(InstructionSets, BlockUpAndDown) {
   for (const std::uint32_t own : {1u, 15u, 37u}) {
     SCOPED_TRACE(own);
     Random random(own);
-    const SmallInverse small(random, own);
-    const BlockInverse& inverse = small.inverse;
-    const std::vector<float> before = random.floats(std::size_t{3} * inverse.slot_count(), -1, 1),
-                             known = random.floats(std::size_t{3} * inverse.unknown_count, -1, 1);
-    for (const InverseLevel& level : inverse.levels) {
-      expect_same_bits(before.size(), [&](std::span<float> results) {
-        std::copy(before.begin(), before.end(), results.begin());
-        cpu::block_up(inverse, level, before, 3, results);
-      });
-      expect_same_bits(known.size(), [&](std::span<float> solutions) {
-        std::copy(known.begin(), known.end(), solutions.begin());
-        cpu::block_down(inverse, level, before, 3, 3, solutions);
-      });
+    BlockInverse inverse = SmallInverse(random, own).inverse;
+    std::vector<float> slots = random.floats(std::size_t{3} * inverse.slot_count(), -1, 1);
+    const std::vector<float> known = random.floats(std::size_t{3} * inverse.unknown_count, -1, 1);
+    for (std::size_t level = 0; level < inverse.levels.size(); ++level) {
+      expect_same_bits(
+          slots.size(),
+          [&](std::span<float> results) {
+            std::copy(slots.begin(), slots.end(), results.begin());
+            cpu::block_up(inverse, inverse.levels[level], slots, 3, results);
+          },
+          inverse, slots);
+      expect_same_bits(
+          known.size(),
+          [&](std::span<float> solutions) {
+            std::copy(known.begin(), known.end(), solutions.begin());
+            cpu::block_down(inverse, inverse.levels[level], slots, 3, 3, solutions);
+          },
+          inverse, slots);
     }
   }
 }
@@ -144,19 +167,20 @@ TEST(InstructionSets, BlockUpAndDown) {
 TEST(InstructionSets, Residual) {
   constexpr std::uint32_t kFrames = 2;
   Random random(5);
-  const ResidualTable table = random_residual(random, 23, 300, 200, 0);
-  const std::vector<float> features = random.floats(kFrames * table.feature_count(), -2, 2),
-                           coordinates = random.floats(kFrames * table.coordinate_count(), -3, 3),
-                           kernels = random.floats(kFrames * table.centre_count(), 0, 1),
-                           rest = random.floats(table.coefficient_count(), -1, 1),
-                           fades = random.floats(kFrames * table.regions.size(), 0, 1);
-  expect_same_bits(coordinates.size(),
-                   [&](std::span<float> to) { cpu::residual_project(table, features, kFrames, to); });
-  expect_same_bits(kernels.size(),
-                   [&](std::span<float> to) { cpu::residual_kernels(table, coordinates, kFrames, to); });
-  expect_same_bits(kFrames * rest.size(), [&](std::span<float> to) {
+  ResidualTable table = random_residual(random, 23, 300, 200, 0);
+  std::vector<float> features = random.floats(kFrames * table.feature_count(), -2, 2),
+                     coordinates = random.floats(kFrames * table.coordinate_count(), -3, 3),
+                     kernels = random.floats(kFrames * table.centre_count(), 0, 1),
+                     rest = random.floats(table.coefficient_count(), -1, 1),
+                     fades = random.floats(kFrames * table.regions.size(), 0, 1);
+  const auto project = [&](std::span<float> to) { cpu::residual_project(table, features, kFrames, to); };
+  const auto kernel = [&](std::span<float> to) { cpu::residual_kernels(table, coordinates, kFrames, to); };
+  const auto coefficients = [&](std::span<float> to) {
     cpu::residual_coefficients(table, coordinates, kernels, rest, fades, kFrames, to);
-  });
+  };
+  expect_same_bits(coordinates.size(), project, table, features);
+  expect_same_bits(kernels.size(), kernel, table, coordinates);
+  expect_same_bits(kFrames * rest.size(), coefficients, table, coordinates, kernels, rest, fades);
 }
 
 // The kernel's own exponential, at and near the centre, far from it, and where it is no number any more.
