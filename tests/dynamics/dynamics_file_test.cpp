@@ -4,6 +4,7 @@
 #include <functional>
 #include <random>
 
+#include "runtime/core/error.h"
 #include "runtime/cpu/dynamics_kernels.h"
 #include "tests/support/forged_word.h"
 #include "tests/support/hostile_bytes.h"

@@ -11,6 +11,7 @@
 #include <numeric>
 
 #include "runtime/core/error.h"
+#include "runtime/deformer/deformer.h"
 #include "runtime/host/jiggle.h"
 #include "tests/support/hostile_bytes.h"
 #include "tests/support/limb_dynamics.h"
