@@ -7,6 +7,7 @@
 #include <random>
 
 #include "geometry/skin_depth.h"
+#include "runtime/core/error.h"
 #include "tests/support/hostile_bytes.h"
 #include "tests/support/paths.h"
 #include "tests/support/shared_data.h"

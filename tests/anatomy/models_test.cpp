@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "runtime/core/error.h"
 #include "tests/anatomy/small_models.h"
 #include "tests/support/hostile_bytes.h"
 #include "tests/support/temporary_folder.h"

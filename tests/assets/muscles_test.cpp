@@ -4,6 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "runtime/core/error.h"
 #include "runtime/core/json.h"
 #include "tests/support/hostile_bytes.h"
 #include "tests/support/temporary_folder.h"

@@ -6,6 +6,7 @@
 #include <cstring>
 
 #include "assets/shape_reader.h"
+#include "runtime/core/error.h"
 #include "tests/support/hostile_bytes.h"
 #include "tests/support/temporary_folder.h"
 

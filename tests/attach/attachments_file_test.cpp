@@ -8,6 +8,7 @@
 #include <span>
 
 #include "runtime/basis/safetensors.h"
+#include "runtime/core/error.h"
 #include "runtime/host/attachments.h"
 #include "tests/support/attached_limb.h"
 #include "tests/support/forged_word.h"

@@ -9,6 +9,7 @@
 #include <fstream>
 #include <thread>
 
+#include "runtime/core/error.h"
 #include "tests/support/hostile_bytes.h"
 #include "tests/support/lowered_limit.h"
 #include "tests/support/temporary_folder.h"

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/support/capsule_limb.h"
+#include "trainer/train/skinning/linear_blend.h"
 
 namespace bodyopt {
 namespace {

@@ -1,4 +1,6 @@
 // From a character alone to what rom, dynamics and train can use.
+#include "runtime/host/rig.h"
+
 #include <gtest/gtest.h>
 
 #include <filesystem>

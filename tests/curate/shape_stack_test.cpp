@@ -30,6 +30,7 @@
 #include "trainer/curate/pose_space.h"
 #include "trainer/curate/prune.h"
 #include "trainer/train/data/samples.h"
+#include "trainer/train/skinning/linear_blend.h"
 
 namespace bodyopt {
 namespace {

@@ -5,6 +5,7 @@
 #include <random>
 
 #include "runtime/basis/table_file.h"
+#include "runtime/core/error.h"
 #include "runtime/cpu/dynamics_kernels.h"
 #include "tests/support/forged_word.h"
 #include "tests/support/hostile_bytes.h"

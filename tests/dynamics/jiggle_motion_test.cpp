@@ -10,6 +10,7 @@
 
 #include "runtime/core/error.h"
 #include "runtime/cpu/dynamics_kernels.h"
+#include "runtime/deformer/deformer.h"
 #include "runtime/host/jiggle.h"
 #include "tests/support/hostile_bytes.h"
 #include "tests/support/limb_dynamics.h"

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "runtime/deformer/deformer.h"
 #include "tests/support/limb_dynamics.h"
 
 namespace bodyopt {

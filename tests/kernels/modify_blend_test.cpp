@@ -1,3 +1,4 @@
+#include "runtime/core/half.h"
 #include "runtime/cpu/kernels.h"
 #include "runtime/vulkan/kernels/windows.h"
 #include "tests/support/kernel_cases.h"

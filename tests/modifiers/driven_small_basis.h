@@ -2,6 +2,7 @@
 #pragma once
 
 #include "runtime/modifiers/drive_modifiers.h"
+#include "tests/support/random_tables.h"
 #include "tests/support/small_basis.h"
 
 namespace bodyopt::testing {

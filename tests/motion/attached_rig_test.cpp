@@ -6,6 +6,8 @@
 #include <fstream>
 
 #include "runtime/core/error.h"
+#include "runtime/host/rig.h"
+#include "tests/support/capsule_limb.h"
 #include "tests/support/detached_limb.h"
 #include "tests/support/shared_data.h"
 #include "tests/support/temporary_folder.h"

@@ -10,6 +10,7 @@
 #include "tests/support/stand_in_human.h"
 #include "trainer/proxy/proxy_samples.h"
 #include "trainer/proxy/skin_map.h"
+#include "trainer/train/skinning/linear_blend.h"
 
 namespace bodyopt {
 namespace {

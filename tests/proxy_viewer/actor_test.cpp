@@ -1,5 +1,7 @@
 #include "proxy_viewer/scene/actor.h"
 
+#include <numbers>
+
 #include "runtime/coverage/expected_error.h"
 #include "runtime/cpu/kernels.h"
 #include "tests/proxy_viewer/characters_fixture.h"

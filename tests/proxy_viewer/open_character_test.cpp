@@ -6,6 +6,7 @@
 #include "tests/support/limb_glb.h"
 #include "tests/support/same_basis.h"
 #include "trainer/train/features/strain.h"
+#include "trainer/train/skinning/ddm_basis.h"
 
 namespace bodyopt::testing {
 namespace {

@@ -13,6 +13,7 @@
 #include "tests/proxy_viewer/small_character.h"
 #include "tests/support/error_kind.h"
 #include "tests/support/gpu_fixture.h"
+#include "tests/support/random_tables.h"
 
 namespace bodyopt::testing {
 namespace pose_keys_test {

@@ -97,7 +97,7 @@ TEST_F(SessionFileTest, EvalMakesOfItWhatWasExported) {
   write(R"({"schema": "bodyopt-session-1", "characters": [{"basis": "hero.glb", "clip": "bend.glb"}]})");
   for (const char* arguments :
        {"small.safetensors --session shot.json", "--session shot.json --clip bend.glb", "--session session.json", ""}) {
-    const ProgramResult refused = run_verb("eval " + arguments + " --out no.pc2");
+    const ProgramResult refused = run_verb(std::string("eval ") + arguments + " --out no.pc2");
     EXPECT_EQ(refused.exit_code, 64) << refused.output;
   }
 }

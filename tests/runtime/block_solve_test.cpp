@@ -1,5 +1,7 @@
 #include "runtime/vulkan/backend/block_solve.h"
 
+#include <bit>
+
 #include "runtime/core/error.h"
 #include "runtime/cpu/dynamics_kernels.h"
 #include "tests/support/gpu_fixture.h"

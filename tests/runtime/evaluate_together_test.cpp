@@ -9,6 +9,7 @@
 #include "runtime/deformer/deformer.h"
 #include "tests/support/cut_executor.h"
 #include "tests/support/error_kind.h"
+#include "tests/support/random_tables.h"
 #include "tests/support/small_basis.h"
 
 namespace bodyopt::testing {

@@ -3,6 +3,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <numbers>
 
 #include "runtime/host/rig.h"
 #include "tests/simulate/limb.h"

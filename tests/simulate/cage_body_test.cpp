@@ -9,6 +9,7 @@
 #include "runtime/host/rig.h"
 #include "tests/builtin/shared_arm.h"
 #include "tests/simulate/limb.h"
+#include "tests/support/shared_data.h"
 #include "tests/support/stand_in_human.h"
 #include "tests/support/temporary_folder.h"
 #include "trainer/simulate/quasi_static.h"

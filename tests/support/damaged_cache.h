@@ -1,23 +1,13 @@
 // A point cache with a number that its writer would not take.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
-#include <fstream>
-#include <limits>
-
-#include "assets/pc2.h"
 
 namespace bodyopt {
 
 // Puts a NaN in the place of number `k` (x, y or z of a point) of a sample.
-inline void put_nan(const std::filesystem::path& cache, std::uint32_t sample, std::size_t k) {
-  constexpr std::size_t kHeader = 32;
-  const std::size_t place = sample * std::size_t{3} * Pc2Reader(cache).point_count() + k;
-  const float nan = std::numeric_limits<float>::quiet_NaN();
-  std::fstream file(cache, std::ios::binary | std::ios::in | std::ios::out);
-  file.seekp(static_cast<std::streamoff>(kHeader + sizeof(float) * place));
-  file.write(reinterpret_cast<const char*>(&nan), sizeof(nan));
-}
+void put_nan(const std::filesystem::path& cache, std::uint32_t sample, std::size_t k);
 
 }  // namespace bodyopt

@@ -66,36 +66,9 @@ KernelRun run_on(KernelSet& kernels, const typename Kernel::Push& push, std::uin
           }};
 }
 
-inline std::vector<std::vector<float>> outputs_of(const vulkan::Device& device, const KernelRun& run) {
-  std::vector<std::size_t> counts;
-  std::vector<vulkan::Buffer> before;
-  for (const Expected& expected : run.outputs) {
-    counts.push_back(expected.values.size());
-    before.push_back(vulkan::upload(device, expected.before, "before"));
-  }
-  return run_kernel(device, counts, [&](auto& commands, const auto& outputs) {
-    for (std::size_t o = 0; o < outputs.size(); ++o) {
-      commands.copy({before[o], 0, sizeof(float) * run.outputs[o].before.size()}, outputs[o]);
-    }
-    run.record(commands, outputs);
-  });
-}
+std::vector<std::vector<float>> outputs_of(const vulkan::Device& device, const KernelRun& run);
 
-inline void expect_reference(const vulkan::Device& device, const std::string& kernel, const KernelRun& run) {
-  const std::vector<std::vector<float>> found = outputs_of(device, run);
-  for (std::size_t o = 0; o < found.size(); ++o) {
-    const Expected& expected = run.outputs[o];
-    const KernelTolerance* tolerance = find_tolerance(kernel, o);
-    ASSERT_NE(tolerance, nullptr) << kernel << ", output " << o << ", has no tolerance";
-    if (expected.compare) {
-      expected.compare(found[o], tolerance->absolute);
-    } else if (expected.is_exact) {
-      expect_close(found[o], expected.values, 0);
-    } else {
-      expect_close(found[o], expected.values, tolerance->absolute, tolerance->relative);
-    }
-  }
-}
+void expect_reference(const vulkan::Device& device, const std::string& kernel, const KernelRun& run);
 
 struct Trial {
   std::uint32_t size, variant;
@@ -110,23 +83,12 @@ struct KernelCases {
   std::function<KernelRun(KernelSet&, const Trial&)> make;
 };
 
-inline std::vector<KernelCases>& kernel_cases() {
-  static std::vector<KernelCases> all;
-  return all;
-}
+std::vector<KernelCases>& kernel_cases();
 
-inline bool add_kernel_cases(KernelCases cases) {
-  kernel_cases().push_back(std::move(cases));
-  return true;
-}
+bool add_kernel_cases(KernelCases cases);
 
 // Of the most usual sizes.
-inline bool add_kernel_cases(const char* kernel, const char* sized, decltype(KernelCases::make) make) {
-  return add_kernel_cases({kernel, sized, "", {kSizes.begin(), kSizes.end()}, {0}, std::move(make)});
-}
-inline bool add_kernel_cases_of_frames(const char* kernel, const char* sized, decltype(KernelCases::make) make) {
-  return add_kernel_cases(
-      {kernel, sized, "frames", {kSizes.begin(), kSizes.end()}, {kFrames.begin(), kFrames.end()}, std::move(make)});
-}
+bool add_kernel_cases(const char* kernel, const char* sized, decltype(KernelCases::make) make);
+bool add_kernel_cases_of_frames(const char* kernel, const char* sized, decltype(KernelCases::make) make);
 
 }  // namespace bodyopt::testing

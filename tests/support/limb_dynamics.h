@@ -1,10 +1,8 @@
 // A limb that jiggles: the synthetic limb with Direct Delta Mush alone, and dynamics of few tets.
 #pragma once
 
-#include "runtime/deformer/deformer.h"
 #include "tests/support/capsule_limb.h"
 #include "trainer/dynamics/build_dynamics.h"
-#include "trainer/train/skinning/ddm_basis.h"
 
 namespace bodyopt {
 
@@ -13,26 +11,10 @@ struct LimbModel {
   Dynamics dynamics;
 };
 
-inline const LimbModel& limb_model() {
-  static const LimbModel model = [] {
-    const Character limb = limb_character();
-    LimbModel made{build_ddm_basis(limb, {}), {}};
-    DynamicsOptions options;
-    options.resolution = 2500;
-    made.dynamics = build_dynamics(limb, {}, made.basis, options).dynamics;
-    return made;
-  }();
-  return model;
-}
+const LimbModel& limb_model();
 
 // The same with other steps.
-inline Dynamics limb_dynamics(const JiggleStep& step, const JiggleSettings& settings = {}) {
-  DynamicsOptions options;
-  options.resolution = 2500;
-  options.step = step;
-  options.settings = settings;
-  return build_dynamics(limb_character(), {}, limb_model().basis, options).dynamics;
-}
+Dynamics limb_dynamics(const JiggleStep& step, const JiggleSettings& settings = {});
 
 // Bends and turns, metres and radians.
 struct LimbPose {
@@ -41,12 +23,6 @@ struct LimbPose {
   double elbow = 0;  // about x
 };
 
-inline Pose limb_pose(const LimbPose& at) {
-  Pose pose = bind_pose(limb_skeleton());
-  pose.joints[0].translation = at.place;
-  pose.joints[0].rotation = axis_angle({0, 1, 0}, at.turn);
-  pose.joints[1].rotation = axis_angle({1, 0, 0}, at.elbow);
-  return pose;
-}
+Pose limb_pose(const LimbPose& at);
 
 }  // namespace bodyopt

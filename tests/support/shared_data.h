@@ -2,7 +2,6 @@
 // stand_in_human.h; the others are skipped without the files, and say why they need them.
 #pragma once
 
-#include <cstdlib>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -12,13 +11,7 @@
 namespace bodyopt {
 
 // The path of a file of the shared data, or nothing when it is not there. BODYOPT_SHARED_DATA overrides the folder.
-inline std::optional<std::filesystem::path> shared_data(const std::string& file) {
-  const char* folder = std::getenv("BODYOPT_SHARED_DATA");
-  const std::filesystem::path path =
-      std::filesystem::path(folder != nullptr ? folder : kSourceFolder + "/../shared/data") / file;
-  if (!std::filesystem::exists(path)) return std::nullopt;
-  return path;
-}
+std::optional<std::filesystem::path> shared_data(const std::string& file);
 
 inline constexpr const char *kNeedsOtherWriters =
                                 "needs files that other programs wrote: the shared data, which is not here",

@@ -5,21 +5,15 @@
 #include <vector>
 
 #include "assets/character.h"
-#include "tests/support/paths.h"
-#include "tests/support/shared_data.h"
 
 namespace bodyopt {
 
 // Closed, of one piece, symmetric, 1.7 m tall; every vertex hangs on the nearest bone. Joints by the names that the
 // human rig has (rigs/human). The bones of the right side do not mirror the left's: each is turned about by some angle
 // of its own, as in files of other programs.
-inline Character stand_in_human() { return read_character(kSourceFolder + "/tests/data/stand_in_human.glb"); }
+Character stand_in_human();
 
 // The stand-in, and the human of the shared data where it is there.
-inline std::vector<Character> humans(const std::string& file) {
-  std::vector<Character> characters{stand_in_human()};
-  if (const auto path = shared_data(file)) characters.push_back(read_character(*path));
-  return characters;
-}
+std::vector<Character> humans(const std::string& file);
 
 }  // namespace bodyopt

@@ -6,10 +6,6 @@
 namespace bodyopt {
 
 // Cubic metres.
-inline double volume(const TetMesh& mesh) {
-  double sum = 0;
-  for (Eigen::Index t = 0; t < mesh.tets.rows(); ++t) sum += tet_edges(mesh, t).determinant() / 6;
-  return sum;
-}
+double volume(const TetMesh& mesh);
 
 }  // namespace bodyopt

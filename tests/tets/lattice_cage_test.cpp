@@ -9,6 +9,7 @@
 #include "runtime/core/error.h"
 #include "tests/builtin/shared_arm.h"
 #include "tests/simulate/limb.h"
+#include "tests/support/shared_data.h"
 #include "tests/support/stand_in_human.h"
 
 namespace bodyopt {

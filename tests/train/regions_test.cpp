@@ -14,6 +14,7 @@
 #include "trainer/train/features/features.h"
 #include "trainer/train/features/strain.h"
 #include "trainer/train/skinning/ddm_basis.h"
+#include "trainer/train/skinning/linear_blend.h"
 #include "trainer/train/skinning/mesh_table.h"
 #include "trainer/train/skinning/unpose.h"
 

@@ -15,6 +15,7 @@
 #include "trainer/train/fit/train.h"
 #include "trainer/train/judge/heldout.h"
 #include "trainer/train/skinning/ddm_basis.h"
+#include "trainer/train/skinning/linear_blend.h"
 #include "trainer/train/skinning/mesh_table.h"
 
 namespace bodyopt {

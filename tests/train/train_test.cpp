@@ -25,6 +25,7 @@
 #include "trainer/train/judge/heldout.h"
 #include "trainer/train/judge/unposing_residual.h"
 #include "trainer/train/pack/trade_off.h"
+#include "trainer/train/skinning/linear_blend.h"
 
 namespace bodyopt {
 namespace train_test {

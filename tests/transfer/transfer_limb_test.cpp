@@ -3,6 +3,7 @@
 
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <numbers>
 
 #include "assets/matched_joints.h"
 #include "assets/pc2.h"
@@ -11,6 +12,7 @@
 #include "geometry/extent.h"
 #include "geometry/table_rows.h"
 #include "runtime/deformer/deformer.h"
+#include "runtime/host/rig.h"
 #include "tests/support/capsule_limb.h"
 #include "tests/support/error_kind.h"
 #include "tests/support/temporary_folder.h"
@@ -19,6 +21,7 @@
 #include "trainer/train/features/features.h"
 #include "trainer/train/fit/train.h"
 #include "trainer/train/skinning/ddm_basis.h"
+#include "trainer/train/skinning/linear_blend.h"
 #include "trainer/train/skinning/mesh_table.h"
 #include "trainer/train/skinning/unpose.h"
 #include "trainer/transfer/carried_features.h"

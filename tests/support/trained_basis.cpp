@@ -1,0 +1,13 @@
+#include "tests/support/trained_basis.h"
+
+#include <utility>
+
+namespace bodyopt {
+
+Basis trained_basis(const SampleSet& set, const TrainOptions& options, std::vector<std::string>* notes) {
+  TrainingResult result = train(set, options);
+  if (notes) notes->insert(notes->end(), result.notes.begin(), result.notes.end());
+  return std::move(result.basis);
+}
+
+}  // namespace bodyopt
