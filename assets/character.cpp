@@ -131,11 +131,14 @@ std::vector<float> output_from_welded(const Character& character, const Position
 }
 
 Character read_character(const std::filesystem::path& path, double unit) {
+  return read_character(GltfFile(path), unit);
+}
+
+Character read_character(const GltfFile& file, double unit) {
   if (!(unit >= 0) || !std::isfinite(unit)) {
     throw Error(ErrorKind::usage, "a unit is a positive number of metres, not " + rounded(unit));
   }
   const double metres = unit == 0 ? 1 : unit;
-  const GltfFile file(path);
   Character character;
   const int skin_index = choose_skin(file, character.notes);
   if (skin_index < 0) {
@@ -149,7 +152,7 @@ Character read_character(const std::filesystem::path& path, double unit) {
   check_size(file, diagonal, unit, character.notes);
   bind_weights(skin, geometry, character.notes);
 
-  character.name = geometry.name.empty() ? path.stem().string() : geometry.name;
+  character.name = geometry.name.empty() ? file.path().stem().string() : geometry.name;
   character.skeleton = std::move(skin.skeleton);
   set_welded(file, geometry, kWeldTolerance * diagonal, character);
   set_triangles(file, geometry, character);

@@ -11,6 +11,8 @@
 
 namespace bodyopt {
 
+class GltfFile;
+
 struct Character {
   std::string name;
   Skeleton skeleton;
@@ -37,6 +39,7 @@ std::vector<float> output_from_welded(const Character& character, const Position
 // Reads .glb or .gltf. `unit` metres per file unit; 0 means "must be metres": a bounding-box diagonal outside
 // 0.05 .. 50 m is refused with the ratio found, and with a unit a note says it. Throws Error(file) or Error(mismatch).
 Character read_character(const std::filesystem::path& path, double unit = 0);
+Character read_character(const GltfFile& file, double unit = 0);
 
 // Does a .glb or .gltf hold a skinned mesh (and not motion alone)? Throws Error(file).
 bool has_skin(const std::filesystem::path& path);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <nlohmann/json.hpp>
 
 #include "assets/gltf_write.h"
 #include "geometry/vertex_normals.h"
@@ -73,14 +74,12 @@ std::vector<std::uint32_t> indices_of(const Character& character, const SkinSurf
   return indices;
 }
 
-nlohmann::ordered_json primitives(const Character& character, const SkinSurface& surface,
-                                  const nlohmann::ordered_json& attributes, GlbWriter& glb) {
-  using nlohmann::ordered_json;
+Json primitives(const Character& character, const SkinSurface& surface, const Json& attributes, GlbWriter& glb) {
   if (surface.materials.empty()) {
     const std::size_t all = glb.add(flat(character.output_triangles), "SCALAR", GlbTarget::indices);
-    return ordered_json::array({{{"attributes", attributes}, {"indices", all}, {"mode", 4}}});
+    return Json::array({{{"attributes", attributes}, {"indices", all}, {"mode", 4}}});
   }
-  ordered_json list = ordered_json::array();
+  Json list = Json::array();
   for (std::size_t m = 0; m < surface.materials.size(); ++m) {
     const std::vector<std::uint32_t> indices = indices_of(character, surface, m);
     if (indices.empty()) continue;
@@ -102,10 +101,9 @@ void write_character(const Character& character, const SkinSurface& surface, con
   if (character.skeleton.size() > 65536 || character.skeleton.size() == 0 || character.output_triangles.rows() == 0) {
     throw Error(ErrorKind::file, path.string() + ": not written; a character has 1 to 65,536 joints and triangles");
   }
-  using nlohmann::ordered_json;
   GlbWriter glb;
   const std::size_t skeleton = glb.add_skeleton(character.skeleton);
-  ordered_json attributes;
+  Json attributes;
   attributes["POSITION"] = glb.add(output_from_welded(character, character.vertices), "VEC3", GlbTarget::vertices);
   attributes["NORMAL"] = glb.add(normals(character), "VEC3", GlbTarget::vertices);
   if (!surface.texture.empty()) {
@@ -117,7 +115,7 @@ void write_character(const Character& character, const SkinSurface& surface, con
     attributes["JOINTS_" + std::to_string(s)] = glb.add(sets[s].joints, "VEC4", GlbTarget::vertices);
     attributes["WEIGHTS_" + std::to_string(s)] = glb.add(sets[s].weights, "VEC4", GlbTarget::vertices);
   }
-  const ordered_json drawn = primitives(character, surface, attributes, glb);
+  const Json drawn = primitives(character, surface, attributes, glb);
   const std::size_t binds = glb.add(inverse_binds(character.skeleton), "MAT4", GlbTarget::none);
 
   std::vector<std::size_t> joints(character.skeleton.size());

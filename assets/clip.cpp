@@ -85,7 +85,8 @@ namespace {
 Clip read_motion(const std::string& source, const SkeletonChoice& choose, const ClipOptions& options) {
   const ClipSource parts = split_source(source);
   const std::string extension = lower_case_extension(parts.path);
-  if (extension == ".glb" || extension == ".gltf") return read_gltf_clip(parts.path, parts.name, choose, options);
+  if (extension == ".glb" || extension == ".gltf")
+    return read_gltf_clip(GltfFile(parts.path), parts.name, choose, options);
   if (extension != ".bvh") {
     throw Error(ErrorKind::file, source + ": not a clip; expected FILE.glb#name, FILE.glb, FILE.gltf or FILE.bvh" +
                                      looks_like(parts.path));

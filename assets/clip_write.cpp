@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <array>
+#include <nlohmann/json.hpp>
 
 #include "assets/clip.h"
 #include "assets/gltf_write.h"
@@ -63,9 +64,7 @@ void write_clip(const Clip& source, const Skeleton& skeleton, const std::filesys
   }
   const std::size_t input = glb.add(times, "SCALAR", GlbTarget::none);
 
-  nlohmann::ordered_json animation = {{"name", clip.name},
-                                      {"samplers", nlohmann::ordered_json::array()},
-                                      {"channels", nlohmann::ordered_json::array()}};
+  Json animation = {{"name", clip.name}, {"samplers", Json::array()}, {"channels", Json::array()}};
   const auto add_channel = [&](const Track& track, std::size_t joint, const char* property, const char* type) {
     const std::size_t output = glb.add(track.values, type, GlbTarget::none);
     animation["channels"].push_back(

@@ -284,16 +284,15 @@ void carry_motion(const GltfFile& file, const Motion& motion, const RestNodes& r
 
 }  // namespace
 
-Clip read_gltf_clip(const std::filesystem::path& path, const std::string& name, const SkeletonChoice& choose,
+Clip read_gltf_clip(const GltfFile& file, const std::string& name, const SkeletonChoice& choose,
                     const ClipOptions& options) {
-  const GltfFile file(path);
   std::set<std::string> names;
   for (const tinygltf::Node& node : file.model().nodes) names.insert(node.name);
   const Skeleton skeleton = choose(names);
   const std::size_t animation = find_animation(file, name);
   Clip clip;
-  clip.name =
-      file.model().animations[animation].name.empty() ? path.stem().string() : file.model().animations[animation].name;
+  clip.name = file.model().animations[animation].name;
+  if (clip.name.empty()) clip.name = file.path().stem().string();
   clip.fps = options.fps;
   clip.first_frame = options.first_frame;
 

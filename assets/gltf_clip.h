@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "assets/clip.h"
+#include "assets/gltf_file.h"
 
 namespace bodyopt {
 
@@ -14,7 +15,7 @@ namespace bodyopt {
 // applied to the joints as they are; what the clip does not animate stays as the skeleton's default. Else the motion is
 // carried over as Retarget says, and how far it travels is scaled by the bones. Nodes above a joint that are no joints
 // themselves are composed in, as for characters.
-Clip read_gltf_clip(const std::filesystem::path& path, const std::string& name, const SkeletonChoice& choose,
+Clip read_gltf_clip(const GltfFile& file, const std::string& name, const SkeletonChoice& choose,
                     const ClipOptions& options);
 
 // As clip_keys(), for a clip that read_gltf_clip() reads.

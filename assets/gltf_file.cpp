@@ -79,8 +79,10 @@ struct GltfFile::View {
   bool normalized;
 };
 
-GltfFile::GltfFile(const std::filesystem::path& path) : path_(path) {
-  GuardedGltf guarded = guard_gltf(path);
+GltfFile::GltfFile(const std::filesystem::path& path) : GltfFile(path, read_gltf_bytes(path)) {}
+
+GltfFile::GltfFile(const std::filesystem::path& path, std::string_view bytes) : path_(path) {
+  GuardedGltf guarded = guard_gltf(path, bytes);
   std::string error, warning;
   bool loaded = false;
   try {

@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace bodyopt {
@@ -16,6 +17,8 @@ class GltfFile {
   // Images, materials, extras and extensions are not loaded. Buffers may be in the file, a data URI, or a file in the
   // same folder. Throws Error(file).
   explicit GltfFile(const std::filesystem::path& path);
+  // The same of a file's bytes that are in memory already; messages call them `path`.
+  GltfFile(const std::filesystem::path& path, std::string_view bytes);
 
   const tinygltf::Model& model() const { return model_; }
   const std::filesystem::path& path() const { return path_; }

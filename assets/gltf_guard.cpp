@@ -3,7 +3,6 @@
 #include <tiny_gltf.h>
 
 #include <algorithm>
-#include <cstring>
 #include <nlohmann/json.hpp>
 #include <span>
 #include <string_view>
@@ -11,11 +10,11 @@
 #include "runtime/basis/read_file.h"
 #include "runtime/core/error.h"
 #include "runtime/core/file_kind.h"
+#include "runtime/core/json.h"
 
 namespace bodyopt {
 namespace {
 
-using nlohmann::json;
 using Bytes = std::vector<unsigned char>;
 
 constexpr int kMaxNesting = 64;
@@ -26,23 +25,19 @@ constexpr std::uint32_t kJsonChunk = 0x4E4F534A, kBinaryChunk = 0x004E4942;
   throw Error(ErrorKind::file, path.string() + ": " + problem);
 }
 
-Bytes read_bytes(const std::filesystem::path& path) {
-  const std::string bytes = read_file(path, kMaxBufferBytes, "a glTF file");
-  return Bytes(bytes.begin(), bytes.end());
-}
-
 struct Chunks {
   std::string json;
   Bytes binary;
 };
 
-std::uint32_t word_at(const Bytes& bytes, std::size_t offset) {
+std::uint32_t word_at(std::string_view bytes, std::size_t offset) {
   std::uint32_t word = 0;
-  for (int i = 3; i >= 0; --i) word = word << 8 | bytes[offset + static_cast<std::size_t>(i)];
+  for (int i = 3; i >= 0; --i)
+    word = word << 8 | static_cast<unsigned char>(bytes[offset + static_cast<std::size_t>(i)]);
   return word;
 }
 
-Chunks split_glb(const std::filesystem::path& path, const Bytes& bytes) {
+Chunks split_glb(const std::filesystem::path& path, std::string_view bytes) {
   if (bytes.size() < 20) fail(path, "the file ends inside its header; it is cut off");
   if (word_at(bytes, 4) != 2) {
     fail(path, "glTF container version " + std::to_string(word_at(bytes, 4)) + ", expected 2; export it as glTF 2.0");
@@ -69,26 +64,25 @@ Chunks split_glb(const std::filesystem::path& path, const Bytes& bytes) {
 }
 
 // Is a brace the first that is neither white space nor the mark of UTF-8?
-bool starts_an_object(const Bytes& bytes) {
-  const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+bool starts_an_object(std::string_view text) {
   const std::size_t first = text.find_first_not_of(" \t\r\n", text.starts_with("\xef\xbb\xbf") ? 3 : 0);
   return first != std::string_view::npos && text[first] == '{';
 }
 
 // Parses with a limit on nesting (destructors and tinygltf recurse), without extras and extensions.
-json parse_json(const std::filesystem::path& path, const std::string& text) {
-  const auto filter = [&](int depth, json::parse_event_t event, const json& value) {
+Json parse_json(const std::filesystem::path& path, const std::string& text) {
+  const auto filter = [&](int depth, Json::parse_event_t event, const Json& value) {
     if (depth > kMaxNesting) fail(path, "its JSON is nested deeper than 64 levels");
-    return event != json::parse_event_t::key || (value != "extras" && value != "extensions");
+    return event != Json::parse_event_t::key || (value != "extras" && value != "extensions");
   };
   try {
-    return json::parse(text, filter);
-  } catch (const json::exception& error) {
+    return Json::parse(text, filter);
+  } catch (const Json::exception& error) {
     fail(path, std::string("its JSON cannot be read (") + error.what() + "); not a glTF file, or damaged");
   }
 }
 
-void check_version(const std::filesystem::path& path, const json& root) {
+void check_version(const std::filesystem::path& path, const Json& root) {
   if (!root.is_object() || !root.contains("asset") || !root["asset"].is_object() ||
       !root["asset"].contains("version") || !root["asset"]["version"].is_string()) {
     fail(path, "has no asset.version; it is not a glTF file");
@@ -104,11 +98,11 @@ bool is_harmless(const std::string& extension) {
          extension == "KHR_mesh_quantization";
 }
 
-void check_extensions(const std::filesystem::path& path, const json& root) {
+void check_extensions(const std::filesystem::path& path, const Json& root) {
   if (!root.contains("extensionsRequired")) return;
-  const json& required = root["extensionsRequired"];
+  const Json& required = root["extensionsRequired"];
   if (!required.is_array()) fail(path, "extensionsRequired is not an array");
-  for (const json& extension : required) {
+  for (const Json& extension : required) {
     if (extension.is_string() && is_harmless(extension)) continue;
     fail(path,
          "requires the extension " + extension.dump() + ", which is not supported; export it without compression");
@@ -116,12 +110,12 @@ void check_extensions(const std::filesystem::path& path, const json& root) {
 }
 
 // What tinygltf would take as 0 where it is no number that may stand there.
-void check_counts(const std::filesystem::path& path, const json& root) {
+void check_counts(const std::filesystem::path& path, const Json& root) {
   for (const char* list : {"bufferViews", "accessors"}) {
     if (!root.contains(list) || !root[list].is_array()) continue;  // tinygltf refuses what is no list
     for (std::size_t k = 0; k < root[list].size(); ++k) {
       for (const char* key : {"byteOffset", "byteLength", "byteStride", "count"}) {
-        const json& entry = root[list][k];
+        const Json& entry = root[list][k];
         if (!entry.is_object() || !entry.contains(key) || entry[key].is_number_unsigned()) continue;
         fail(path, std::string(key) + " of " + list + " " + std::to_string(k) + " is " +
                        entry[key].dump().substr(0, 40) + ", expected a whole number, 0 or above");
@@ -158,7 +152,7 @@ std::filesystem::path external_file(const std::filesystem::path& path, const std
   return file;
 }
 
-Bytes resolve_buffer(const std::filesystem::path& path, const json& buffer, const Bytes* binary) {
+Bytes resolve_buffer(const std::filesystem::path& path, const Json& buffer, const Bytes* binary) {
   if (!buffer.is_object() || !buffer.contains("byteLength") || !buffer["byteLength"].is_number_unsigned()) {
     fail(path, "a buffer has no byteLength");
   }
@@ -173,7 +167,8 @@ Bytes resolve_buffer(const std::filesystem::path& path, const json& buffer, cons
     std::string mime;
     if (!tinygltf::DecodeDataURI(&bytes, mime, uri, 0, false)) fail(path, "a buffer's data URI cannot be decoded");
   } else {
-    bytes = read_bytes(external_file(path, uri));
+    const std::string content = read_gltf_bytes(external_file(path, uri));
+    bytes.assign(content.begin(), content.end());
   }
   if (length > bytes.size()) {
     fail(path, "a buffer of " + std::to_string(length) + " bytes has only " + std::to_string(bytes.size()) +
@@ -185,22 +180,25 @@ Bytes resolve_buffer(const std::filesystem::path& path, const json& buffer, cons
 
 }  // namespace
 
-GuardedGltf guard_gltf(const std::filesystem::path& path) {
-  const Bytes bytes = read_bytes(path);
-  const bool is_glb = bytes.size() >= 4 && std::memcmp(bytes.data(), "glTF", 4) == 0;
+std::string read_gltf_bytes(const std::filesystem::path& path) {
+  return read_file(path, kMaxBufferBytes, "a glTF file");
+}
+
+GuardedGltf guard_gltf(const std::filesystem::path& path, std::string_view bytes) {
+  const bool is_glb = bytes.starts_with("glTF");
   if (!is_glb && path.extension() == ".glb")
     fail(path, "does not start with 'glTF'; it is not a .glb file" + looks_like(path));
   if (!is_glb && !starts_an_object(bytes)) fail(path, "is not a glTF file (.glb, .gltf)" + looks_like(path));
   const Chunks chunks = is_glb ? split_glb(path, bytes) : Chunks{std::string(bytes.begin(), bytes.end()), {}};
 
-  json root = parse_json(path, chunks.json);
+  Json root = parse_json(path, chunks.json);
   check_version(path, root);
   check_extensions(path, root);
   check_counts(path, root);
 
   GuardedGltf guarded;
   std::size_t buffer_bytes = 0;
-  const json buffers = root.contains("buffers") ? root["buffers"] : json::array();
+  const Json buffers = root.contains("buffers") ? root["buffers"] : Json::array();
   if (!buffers.is_array()) fail(path, "buffers is not an array");
   try {
     for (std::size_t i = 0; i < buffers.size(); ++i) {
@@ -215,17 +213,16 @@ GuardedGltf guard_gltf(const std::filesystem::path& path) {
        {"buffers", "images", "textures", "samplers", "materials", "cameras", "extensionsRequired", "extensionsUsed"}) {
     root.erase(key);
   }
-  guarded.json = root.dump(-1, ' ', false, json::error_handler_t::replace);
+  guarded.json = root.dump(-1, ' ', false, Json::error_handler_t::replace);
   return guarded;
 }
 
 std::vector<std::filesystem::path> gltf_files(const std::filesystem::path& path) {
   std::vector<std::filesystem::path> files{path};
   if (path.extension() != ".gltf") return files;
-  const Bytes bytes = read_bytes(path);
-  const json root = parse_json(path, std::string(bytes.begin(), bytes.end()));
-  const json buffers = root.contains("buffers") ? root["buffers"] : json::array();
-  for (const json& buffer : buffers) {
+  const Json root = parse_json(path, read_gltf_bytes(path));
+  const Json buffers = root.contains("buffers") ? root["buffers"] : Json::array();
+  for (const Json& buffer : buffers) {
     if (!buffer.is_object() || !buffer.contains("uri") || !buffer["uri"].is_string()) continue;
     if (const std::string uri = buffer["uri"]; !tinygltf::IsDataURI(uri)) files.push_back(external_file(path, uri));
   }

@@ -17,12 +17,6 @@ int skin_of_motion(const GltfFile& file, std::vector<std::string>& notes) {
   return drawn < 0 && !file.model().skins.empty() ? 0 : drawn;
 }
 
-double degrees_between(const Quat& a, const Quat& b) {
-  const Quat between = conjugate(normalized(a)) * normalized(b);
-  const double sine = std::sqrt(between[0] * between[0] + between[1] * between[1] + between[2] * between[2]);
-  return 2 * std::atan2(sine, std::abs(between[3])) * 180 / std::numbers::pi;
-}
-
 }  // namespace
 
 RestNodes read_rest(const GltfFile& file, const NodeTree& tree, double unit) {
@@ -67,7 +61,9 @@ RestComparison compare_rests(std::span<const JointTransform> rest, std::span<con
   bool same_bones = true, same_directions = true;
   RestComparison comparison;
   for (std::size_t j = 0; j < skeleton.size(); ++j) {
-    const double turned = matched[j] ? degrees_between(pose[j].rotation, rest[j].rotation) : 0;
+    const double turned =
+        matched[j] ? angle_between(normalized(pose[j].rotation), normalized(rest[j].rotation)) * 180 / std::numbers::pi
+                   : 0;
     if (turned > comparison.worst) {
       comparison.worst = turned;
       comparison.joint = skeleton.joints[j].name;

@@ -5,6 +5,7 @@
 #include <cstring>
 #include <fstream>
 #include <map>
+#include <nlohmann/json.hpp>
 #include <string>
 #include <utility>
 
@@ -18,7 +19,6 @@ namespace bodyopt {
 namespace {
 
 namespace fs = std::filesystem;
-using nlohmann::ordered_json;
 
 constexpr std::uint64_t kMostGlbBytes = 0xFFFFFFFFu;  // of a .glb
 constexpr const char* kGenerator = "bodyopt, shapes of a clip";
@@ -82,8 +82,8 @@ void add_animation(const CacheLayout& layout, std::size_t node, GlbWriter& glb) 
                     output = glb.add(weights, "SCALAR", GlbTarget::none);
   glb.root["animations"].push_back(
       {{"name", layout.name},
-       {"samplers", ordered_json::array({{{"input", input}, {"output", output}, {"interpolation", "LINEAR"}}})},
-       {"channels", ordered_json::array({{{"sampler", 0}, {"target", {{"node", node}, {"path", "weights"}}}}})}});
+       {"samplers", Json::array({{{"input", input}, {"output", output}, {"interpolation", "LINEAR"}}})},
+       {"channels", Json::array({{{"sampler", 0}, {"target", {{"node", node}, {"path", "weights"}}}}})}});
 }
 
 // A character is a .glb, too: what stands there under the name of a result is written over only where it is a result.
@@ -146,19 +146,19 @@ void GltfShapesWriter::close() {
   glb.root["asset"]["generator"] = kGenerator;
   SmoothNormals smooth(frame(0), corners_);
   const std::vector<float> normals = smooth(frame(0));
-  ordered_json drawn = {{"attributes",
-                         {{"POSITION", glb.add(frame(0), "VEC3", GlbTarget::vertices)},
-                          {"NORMAL", glb.add(normals, "VEC3", GlbTarget::vertices)}}},
-                        {"indices", glb.add(std::span<const std::uint32_t>(corners_), "SCALAR", GlbTarget::indices)},
-                        {"mode", 4}};
-  ordered_json names = ordered_json::array();
+  Json drawn = {{"attributes",
+                 {{"POSITION", glb.add(frame(0), "VEC3", GlbTarget::vertices)},
+                  {"NORMAL", glb.add(normals, "VEC3", GlbTarget::vertices)}}},
+                {"indices", glb.add(std::span<const std::uint32_t>(corners_), "SCALAR", GlbTarget::indices)},
+                {"mode", 4}};
+  Json names = Json::array();
   for (std::size_t k = 1; k < count; ++k) {
     drawn["targets"].push_back(
         {{"POSITION", glb.add(difference(frame(k), frame(0)), "VEC3", GlbTarget::vertices)},
          {"NORMAL", glb.add(difference(smooth(frame(k)), normals), "VEC3", GlbTarget::vertices)}});
     names.push_back("frame " + std::to_string(layout_.frames[k]));
   }
-  glb.root["meshes"].push_back({{"name", layout_.name}, {"primitives", ordered_json::array({drawn})}});
+  glb.root["meshes"].push_back({{"name", layout_.name}, {"primitives", Json::array({drawn})}});
   glb.root["nodes"].push_back({{"name", layout_.name}, {"mesh", 0}});
   glb.root["scenes"][0]["nodes"].push_back(0);
   if (count > 1) {

@@ -4,14 +4,13 @@
 #include <cmath>
 #include <cstring>
 #include <map>
+#include <nlohmann/json.hpp>
 
 #include "runtime/core/atomic_file.h"
 #include "runtime/core/error.h"
 
 namespace bodyopt {
 namespace {
-
-using nlohmann::ordered_json;
 
 static_assert(std::endian::native == std::endian::little, "glTF is little-endian, and values are copied as they are");
 
@@ -25,7 +24,7 @@ void put_chunk(std::string& bytes, const char* type, const std::string& data) {
   bytes += data;
 }
 
-ordered_json node_of(const Joint& joint) {
+Json node_of(const Joint& joint) {
   const JointTransform& t = joint.default_local;
   return {
       {"name", joint.name}, {"translation", t.translation}, {"rotation", normalized(t.rotation)}, {"scale", t.scale}};
@@ -36,8 +35,8 @@ ordered_json node_of(const Joint& joint) {
 GlbWriter::GlbWriter() {
   root["asset"] = {{"version", "2.0"}, {"generator", "bodyopt"}};
   root["scene"] = 0;
-  root["scenes"] = ordered_json::array({{{"nodes", ordered_json::array()}}});
-  root["nodes"] = ordered_json::array();
+  root["scenes"] = Json::array({{{"nodes", Json::array()}}});
+  root["nodes"] = Json::array();
 }
 
 template <class T>
@@ -52,7 +51,7 @@ std::size_t GlbWriter::add_values(std::span<const T> values, int component_type,
     low[i % components] = std::min(low[i % components], value);
     high[i % components] = std::max(high[i % components], value);
   }
-  ordered_json view = {{"buffer", 0}, {"byteOffset", binary_.size()}, {"byteLength", values.size_bytes()}};
+  Json view = {{"buffer", 0}, {"byteOffset", binary_.size()}, {"byteLength", values.size_bytes()}};
   if (target != GlbTarget::none) view["target"] = static_cast<int>(target);
   root["bufferViews"].push_back(view);
   root["accessors"].push_back({{"bufferView", root["bufferViews"].size() - 1},
@@ -78,7 +77,7 @@ std::size_t GlbWriter::add(std::span<const std::uint32_t> values, const std::str
 }
 
 std::size_t GlbWriter::add_skeleton(const Skeleton& skeleton) {
-  ordered_json& nodes = root["nodes"];
+  Json& nodes = root["nodes"];
   const std::size_t first = nodes.size(), top = first + skeleton.size();
   for (const Joint& joint : skeleton.joints) {
     finite_ = finite_ && is_finite(joint.default_local);
@@ -96,11 +95,11 @@ std::size_t GlbWriter::add_skeleton(const Skeleton& skeleton) {
 void GlbWriter::write(const std::filesystem::path& path) {
   const auto fail = [&](const std::string& problem) { throw Error(ErrorKind::file, path.string() + ": " + problem); };
   if (!finite_) fail("not written, because a number is not finite");
-  root["buffers"] = ordered_json::array({{{"byteLength", binary_.size()}}});
+  root["buffers"] = Json::array({{{"byteLength", binary_.size()}}});
   std::string json;
   try {
     json = root.dump();
-  } catch (const nlohmann::json::exception& error) {
+  } catch (const Json::exception& error) {
     fail(std::string("not written, because a name is not UTF-8 text (") + error.what() + ")");
   }
   json.resize((json.size() + 3) / 4 * 4, ' ');

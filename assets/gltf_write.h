@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "runtime/basis/skeleton.h"
+#include "runtime/core/json.h"
 
 namespace bodyopt {
 
@@ -18,7 +19,7 @@ class GlbWriter {
  public:
   GlbWriter();
 
-  nlohmann::ordered_json root;
+  Json root;
 
   // Each returns the new accessor's index. `type`: SCALAR, VEC2, VEC3, VEC4 or MAT4.
   std::size_t add(std::span<const float> values, const std::string& type, GlbTarget target);

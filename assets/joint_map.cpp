@@ -1,5 +1,6 @@
 #include "assets/joint_map.h"
 
+#include <nlohmann/json.hpp>
 #include <set>
 
 #include "assets/json_file.h"
@@ -10,12 +11,11 @@ std::vector<MappedJoint> read_joint_map(const std::filesystem::path& path) {
   const Json json = read_json(path, "bodyopt-joint-map-1");
   const JsonObject top(json, path, "the file");
   top.allow({"schema", "joints"});
-  const Json& list = top.array("joints");
+  const std::vector<JsonObject> list = top.objects("joints");
   if (list.empty()) top.refuse("maps no joint in 'joints'");
   std::vector<MappedJoint> joints;
   std::set<std::string> from, to;
-  for (std::size_t k = 0; k < list.size(); ++k) {
-    const JsonObject object(list[k], path, "joints[" + std::to_string(k) + "]");
+  for (const JsonObject& object : list) {
     object.allow({"from", "to"});
     const MappedJoint joint{object.name("from"), object.name("to")};
     if (!from.insert(joint.from).second) object.refuse("maps '" + joint.from + "' of the clip for the second time");

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <nlohmann/json.hpp>
 #include <sstream>
 
 #include "runtime/basis/read_file.h"
@@ -25,7 +26,11 @@ Json read_json(const std::filesystem::path& path, const std::string& schema) {
   if (!kind.empty() && !content.starts_with('{')) {
     throw Error(ErrorKind::file, path.string() + ": expected JSON" + kind);
   }
-  Json json = parse_strict_json<Json>(content, path.string());
+  return parse_json(content, path, schema);
+}
+
+Json parse_json(std::string_view text, const std::filesystem::path& path, const std::string& schema) {
+  Json json = parse_strict_json(text, path.string());
   if (!json.is_object() || !json.contains("schema") || !json["schema"].is_string()) {
     throw Error(ErrorKind::file, path.string() + ": expected an object with \"schema\": \"" + schema +
                                      "\"; it is JSON of something else");
@@ -38,12 +43,7 @@ Json read_json(const std::filesystem::path& path, const std::string& schema) {
 }
 
 std::string text_of(const Json& json, const std::filesystem::path& path) {
-  try {
-    return json.dump(2) + "\n";
-  } catch (const Json::exception& error) {
-    throw Error(ErrorKind::file,
-                path.string() + ": cannot be written: a name is not UTF-8 text (" + error.what() + ")");
-  }
+  return strict_json_text(json, path.string(), 2) + "\n";
 }
 
 void write_json(const Json& json, const std::filesystem::path& path) {
@@ -119,9 +119,19 @@ const Json& JsonObject::array(const char* key) const {
   return value;
 }
 
+std::vector<JsonObject> JsonObject::objects(const char* key) const {
+  std::vector<JsonObject> objects;
+  for (const Json& item : array(key)) {
+    objects.emplace_back(item, path_, key + ("[" + std::to_string(objects.size()) + "]"));
+  }
+  return objects;
+}
+
 void JsonObject::refuse(const std::string& what) const {
   throw Error(ErrorKind::file, path_.string() + ": " + place_ + " " + what);
 }
+
+bool JsonObject::has(const char* key) const { return object_.contains(key); }
 
 const Json& JsonObject::at(const char* key) const {
   const auto found = object_.find(key);

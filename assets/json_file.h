@@ -3,15 +3,18 @@
 
 #include <filesystem>
 #include <initializer_list>
-#include <nlohmann/json.hpp>
 #include <string>
+#include <string_view>
+#include <vector>
+
+#include "runtime/core/json.h"
 
 namespace bodyopt {
 
-using Json = nlohmann::ordered_json;
-
 // Parses a file whose top level is an object with "schema": `schema`. Throws Error(file).
 Json read_json(const std::filesystem::path& path, const std::string& schema);
+// The same of a file's text that is in memory already; messages call it `path`.
+Json parse_json(std::string_view text, const std::filesystem::path& path, const std::string& schema);
 void write_json(const Json& json, const std::filesystem::path& path);
 // What write_json() would write. Throws Error(file), too.
 std::string text_of(const Json& json, const std::filesystem::path& path);
@@ -31,9 +34,12 @@ class JsonObject {
   bool boolean(const char* key) const;
   std::uint64_t hash(const char* key) const;  // 16 hexadecimal digits
   const Json& array(const char* key) const;
+  std::vector<JsonObject> objects(const char* key) const;  // of a list, by the names "key[0]", "key[1]" ...
   bool is_null(const char* key) const;
   const Json& json() const { return object_; }
-  bool has(const char* key) const { return object_.contains(key); }
+  const std::filesystem::path& path() const { return path_; }
+  const std::string& place() const { return place_; }
+  bool has(const char* key) const;
   [[noreturn]] void refuse(const std::string& what) const;
 
  private:

@@ -1,6 +1,7 @@
 #include "assets/matched_joints.h"
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
 
 #include "assets/json_file.h"
 

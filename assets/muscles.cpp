@@ -1,6 +1,7 @@
 #include "assets/muscles.h"
 
 #include <cmath>
+#include <nlohmann/json.hpp>
 #include <set>
 
 #include "assets/json_file.h"
@@ -51,10 +52,7 @@ Muscle read_muscle(const JsonObject& json, const std::filesystem::path& path, co
   return muscle;
 }
 
-}  // namespace
-
-std::vector<Muscle> read_muscles(const std::filesystem::path& path, const Skeleton& skeleton) {
-  const Json json = read_json(path, kMusclesSchema);
+std::vector<Muscle> muscles_of(const Json& json, const std::filesystem::path& path, const Skeleton& skeleton) {
   const JsonObject top(json, path, "the file");
   top.allow({"schema", "muscles"});
   std::vector<Muscle> muscles;
@@ -67,6 +65,16 @@ std::vector<Muscle> read_muscles(const std::filesystem::path& path, const Skelet
     if (!names.insert(muscles.back().name).second) entry.refuse("has the name of an earlier muscle");
   }
   return muscles;
+}
+
+}  // namespace
+
+std::vector<Muscle> read_muscles(const std::filesystem::path& path, const Skeleton& skeleton) {
+  return muscles_of(read_json(path, kMusclesSchema), path, skeleton);
+}
+
+std::vector<Muscle> parse_muscles(std::string_view text, const std::filesystem::path& path, const Skeleton& skeleton) {
+  return muscles_of(parse_json(text, path, kMusclesSchema), path, skeleton);
 }
 
 void write_muscles(const std::vector<Muscle>& muscles, const Skeleton& skeleton, const std::filesystem::path& path) {

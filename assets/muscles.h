@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "runtime/basis/skeleton.h"
@@ -24,6 +25,8 @@ struct Muscle {
 
 // Points are stored by joint name. Throws Error(file) for bad bytes, Error(mismatch) for joints the skeleton lacks.
 std::vector<Muscle> read_muscles(const std::filesystem::path& path, const Skeleton& skeleton);
+// The same of a file's text that is in memory already; messages call it `path`.
+std::vector<Muscle> parse_muscles(std::string_view text, const std::filesystem::path& path, const Skeleton& skeleton);
 void write_muscles(const std::vector<Muscle>& muscles, const Skeleton& skeleton, const std::filesystem::path& path);
 
 }  // namespace bodyopt

@@ -25,7 +25,7 @@ class ContentHash {
     for (const double x : transform.scale) add(x);
   }
   void append(const void* data, std::size_t size) { bytes_.append(static_cast<const char*>(data), size); }
-  std::uint64_t value() const { return XXH3_64bits(bytes_.data(), bytes_.size()); }
+  [[nodiscard]] std::uint64_t value() const { return XXH3_64bits(bytes_.data(), bytes_.size()); }
 
  private:
   std::string bytes_;

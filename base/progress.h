@@ -20,13 +20,12 @@ enum class ProgressStyle {
 // Of all progress from now on.
 void set_progress_style(ProgressStyle style);
 
-class Progress {
+class [[nodiscard]] Progress {
  public:
   // kept: what is left of the work when it is interrupted, for the message.
   Progress(std::string label, std::size_t total, std::string kept = "nothing of it is kept");
   ~Progress();
-  // From any thread. Throws Error(interrupted) once SIGINT or SIGTERM was received: not to be called in an OpenMP
-  // critical section, which no exception may leave.
+  // From any thread. Throws Error(interrupted) once SIGINT or SIGTERM was received.
   void advance(std::size_t steps = 1);
 
  private:
@@ -41,6 +40,6 @@ class Progress {
 
 // From the first call on, SIGINT and SIGTERM set a flag instead of killing the program.
 void catch_interrupts();
-bool interrupted();
+[[nodiscard]] bool interrupted();
 
 }  // namespace bodyopt

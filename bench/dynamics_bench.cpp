@@ -1,6 +1,5 @@
 // The solves of diffuse and jiggle beside sparse direct ones, on the same systems and threads; and a whole step.
 #include <benchmark/benchmark.h>
-#include <omp.h>
 #include <tbb/global_control.h>
 
 #include <Eigen/CholmodSupport>
@@ -29,9 +28,10 @@ namespace {
 // The built-in arm.
 struct Body {
   explicit Body(std::int64_t tets) : arm(ordered_arm()), basis(build_ddm_basis(arm, {})) {
-    dynamics = tets > kMostFilled ? refined(tets / 8) : filled(tets);
+    const DynamicsTets filling =
+        tets > kMostFilled ? refined(tets / 8) : make_dynamics_tets(arm.vertices, arm.triangles, arm.weights, tets);
+    make_tables(filling);
     nodes = rows_of(dynamics.tets.nodes);
-    matrix = jiggle_matrix();
     right_side = Eigen::VectorXf::Random(matrix.rows());
   }
 
@@ -40,14 +40,8 @@ struct Body {
     return in_order(character, morton_order(character.vertices));
   }
 
-  Dynamics filled(std::int64_t tets) const {
-    DynamicsOptions options;
-    options.resolution = tets;
-    return build_dynamics(arm, {}, basis, options).dynamics;
-  }
-
-  // Eight tets of every one. As build_dynamics.
-  Dynamics refined(std::int64_t coarse) const {
+  // Eight tets of every one.
+  DynamicsTets refined(std::int64_t coarse) const {
     const FineSkin skin(arm.vertices, arm.triangles);
     const DynamicsTets before = make_dynamics_tets(arm.vertices, arm.triangles, arm.weights, coarse);
     FilledSkin fine = refine_tets(before.cage.mesh, static_cast<Eigen::Index>(before.surface.size()));
@@ -56,6 +50,11 @@ struct Body {
     for (Eigen::Index n = 0; n < fine.skin.vertices.rows(); ++n) {
       tets.surface.push_back(skin.nearest(fine.skin.vertices.row(n)));
     }
+    return tets;
+  }
+
+  // As build_dynamics, and what the block inverse of jiggle is the inverse of.
+  void make_tables(const DynamicsTets& tets) {
     const TetMesh& mesh = tets.cage.mesh;
     const JiggleSettings settings;
     const Materials materials;
@@ -63,39 +62,11 @@ struct Body {
     const JiggleFields fields = spread_settings(settings, arm, {}, {}, tets, anatomy);
     anatomy.bone_springs += core_springs(arm.vertices, arm.triangles, tets.cage, fields.flesh, materials.bone_springs);
     std::vector<std::string> notes;
-    Dynamics result;
-    result.tets = make_tet_table(tets, fields.skin_amount, fields.skin_limit);
-    result.diffuse = make_diffuse_table(mesh, static_cast<Eigen::Index>(tets.surface.size()));
-    result.jiggle = make_jiggle_table(
-        mesh, make_jiggle_system(settings, fields, arm.skeleton, mesh, anatomy, materials, notes), {});
-    return result;
-  }
-
-  // What the block inverse of jiggle is the inverse of, from the tables of the quality mode.
-  SparseMatrix jiggle_matrix() const {
-    TetMesh mesh;
-    mesh.nodes = nodes;
-    mesh.tets.resize(dynamics.tets.tet_count(), 4);
-    std::vector<TetMaterial> materials;
-    for (Eigen::Index t = 0; t < mesh.tets.rows(); ++t) {
-      for (Eigen::Index k = 0; k < 4; ++k) {
-        mesh.tets(t, k) = static_cast<int>(dynamics.tets.tets[static_cast<std::size_t>(4 * t + k)]);
-      }
-      const TetElasticity& e = dynamics.jiggle.elasticity[static_cast<std::size_t>(t)];
-      materials.push_back({static_cast<double>(e.mu), static_cast<double>(e.lambda)});
-    }
-    std::vector<Eigen::Triplet<double>> held;
-    const JiggleTable& jiggle = dynamics.jiggle;
-    for (std::uint32_t n = 0; n < dynamics.tets.node_count(); ++n) {
-      for (std::uint32_t e = jiggle.held_begin[n]; e < jiggle.held_begin[n + 1]; ++e) {
-        for (std::uint32_t i = 0; i < 3; ++i) {
-          held.emplace_back(3 * n + i, 3 * jiggle.held_columns[e] + i, static_cast<double>(jiggle.held_values[e]));
-        }
-      }
-    }
-    SparseMatrix result(3 * nodes.rows(), 3 * nodes.rows());
-    result.setFromTriplets(held.begin(), held.end());
-    return result + elastic_stiffness(mesh, materials);
+    const JiggleSystem system = make_jiggle_system(settings, fields, arm.skeleton, mesh, anatomy, materials, notes);
+    dynamics.tets = make_tet_table(tets, fields.skin_amount, fields.skin_limit);
+    dynamics.diffuse = make_diffuse_table(mesh, static_cast<Eigen::Index>(tets.surface.size()));
+    dynamics.jiggle = make_jiggle_table(mesh, system, {});
+    matrix = jiggle_matrix(mesh, system, {});
   }
 
   static constexpr std::int64_t kMostFilled = 50000;  // its own skin, remeshed, takes about 31,000
@@ -137,14 +108,12 @@ std::span<const float> span_of(const Eigen::VectorXf& values) {
   return {values.data(), static_cast<std::size_t>(values.size())};
 }
 
-// As many of oneTBB's threads, for the runtime, and of OpenMP's, for the trainer.
+// As many of oneTBB's threads.
 class Threads {
  public:
   explicit Threads(std::int64_t count)
       : limit_(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(count)),
-        executor_(make_tbb_executor()) {
-    omp_set_num_threads(static_cast<int>(count));
-  }
+        executor_(make_tbb_executor()) {}
   Executor& executor() { return *executor_; }
 
  private:

@@ -7,7 +7,6 @@
 #include <numeric>
 
 #include "base/parallel.h"
-#include "base/single_threaded_products.h"
 #include "runtime/core/half.h"
 #include "runtime/deformer/deformer.h"
 #include "trainer/train/fit/fit_regions.h"
@@ -58,7 +57,6 @@ SelectedRegion everything_of(const RegionModel& model) {
 }  // namespace
 
 Basis over_large_basis(const SampleSet& set) {
-  const SingleThreadedProducts single_threaded;
   TrainOptions options;
   options.components = static_cast<int>(set.train.size());
   options.centres = 0;

@@ -7,7 +7,6 @@
 #include "assets/pc2.h"
 #include "base/parallel.h"
 #include "base/progress.h"
-#include "base/single_threaded_products.h"
 #include "dataset/dataset.h"
 #include "runtime/core/error.h"
 #include "trainer/builtin/arm.h"
@@ -58,11 +57,13 @@ void write_take(const BuiltinArm& arm, const QuasiStaticBody& body, const Clip& 
 }
 
 void write_dataset_of_paths(const std::filesystem::path& folder) {
-  const SingleThreadedProducts single_threaded;
   const BuiltinArm arm = build_arm();
   const Clip clip = arm_heldout(arm.character.skeleton, kFrames);
   const QuasiStaticBody body(arm.character, arm.muscles, 0.0);
-  Dataset dataset{.folder = folder, .character = "character.glb", .muscles = "muscles.json"};
+  Dataset dataset;
+  dataset.folder = folder;
+  dataset.character = "character.glb";
+  dataset.muscles = "muscles.json";
   write_character(arm.character, folder / dataset.character);
   write_muscles(arm.muscles, arm.character.skeleton, folder / dataset.muscles);
   write_clip(clip, arm.character.skeleton, folder / "acting.glb");

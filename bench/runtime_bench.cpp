@@ -1,5 +1,5 @@
 // Direct Delta Mush on one thread: the product with each set of instructions, beside what others do with the same
-// table and pose. The built-in arm; with BODYOPT_BENCH_CHARACTER, a character (for docs/benchmarks.md the human); and
+// table and pose. The built-in arm; with BODYOPT_BENCH_CHARACTER, a character; and
 // the same with every edge halved as often as it takes to have 100,000 vertices, and every bone split.
 #include <benchmark/benchmark.h>
 #include <hwy/targets.h>

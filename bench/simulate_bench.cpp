@@ -5,7 +5,6 @@
 #include <cmath>
 #include <sstream>
 
-#include "base/single_threaded_products.h"
 #include "bench/newton.h"
 #include "bench/subdivide.h"
 #include "runtime/host/rig.h"
@@ -131,7 +130,6 @@ bool report(benchmark::State& state, const MinimiseResult& result, const Start& 
 }
 
 void BM_Ours(benchmark::State& state) {
-  const SingleThreadedProducts single_threaded;
   const Start start = start_of(static_cast<int>(state.range(0)));
   for (auto _ : state) {
     Positions nodes = start.nodes;
@@ -142,7 +140,6 @@ void BM_Ours(benchmark::State& state) {
 }
 
 void BM_Newton(benchmark::State& state) {
-  const SingleThreadedProducts single_threaded;
   const Start start = start_of(static_cast<int>(state.range(0)));
   for (auto _ : state) {
     Positions nodes = start.nodes;
@@ -153,7 +150,6 @@ void BM_Newton(benchmark::State& state) {
 
 // A frame solved as `simulate` does, and reached through the pose of another frame: how far the shapes differ.
 void BM_Path(benchmark::State& state) {
-  const SingleThreadedProducts single_threaded;
   const Pose& pose = pose_of(static_cast<int>(state.range(0)));
   const Pose through[] = {pose_of(static_cast<int>(state.range(1))), pose};
   for (auto _ : state) {
@@ -180,7 +176,6 @@ const QuasiStaticBody& refined_body() {
 
 // A frame in tets of half the edge, skin and inside: how far the skin's own vertices move.
 void BM_HalvedTets(benchmark::State& state) {
-  const SingleThreadedProducts single_threaded;
   const Pose& pose = pose_of(static_cast<int>(state.range(0)));
   const SolvedPose coarse = arm().body.solve(pose);
   refined_body();

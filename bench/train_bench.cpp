@@ -167,7 +167,7 @@ double left_by_basis_mm() {
 bool has_data(benchmark::State& state) {
   const char* folder = std::getenv("BODYOPT_TRAIN_DATA");
   if (folder != nullptr && fs::exists(fs::path(folder) / "dataset.json")) return true;
-  state.SkipWithError("BODYOPT_TRAIN_DATA names no dataset: docs/benchmarks.md says how to make one");
+  state.SkipWithError("BODYOPT_TRAIN_DATA names no dataset");
   return false;
 }
 

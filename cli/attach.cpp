@@ -1,5 +1,6 @@
 // bodyopt attach: meshes that ride on the skin of a basis.
 #include <algorithm>
+#include <nlohmann/json.hpp>
 
 #include "assets/wording.h"
 #include "cli/arguments/common.h"
@@ -87,30 +88,29 @@ void run(AttachArguments arguments) {
 
 void add_attach(CLI::App& app) {
   auto arguments = std::make_shared<AttachArguments>();
-  CLI::App& verb =
-      *app.add_subcommand("attach", "Meshes that ride on a trained skin: eyes, teeth, nails, props, clothes");
-  verb.add_option("mesh", arguments->mesh,
-                  "glTF file with the meshes, where they are at rest; of the character's own file those that are not "
-                  "its skin")
+  CLI::App& verb = add_verb(app, "attach", "Meshes that ride on a trained skin: eyes, teeth, nails, props, clothes");
+  add_option(verb, "mesh", arguments->mesh,
+             "glTF file with the meshes, where they are at rest; of the character's own file those that are not "
+             "its skin")
       ->required()
       ->type_name("MESH");
-  verb.add_option("basis", arguments->basis, "Basis that they ride on")->required()->type_name("BASIS");
-  verb.add_option("--mode", arguments->mode,
-                  "skin: every vertex follows the skin (clothes); piece: each connected piece is fixed to the skin "
-                  "under it (nails, buttons); joint: to a joint (eyes, teeth, props); auto: what suits each piece")
+  add_option(verb, "basis", arguments->basis, "Basis that they ride on")->required()->type_name("BASIS");
+  add_option(verb, "--mode", arguments->mode,
+             "skin: every vertex follows the skin (clothes); piece: each connected piece is fixed to the skin "
+             "under it (nails, buttons); joint: to a joint (eyes, teeth, props); auto: what suits each piece")
       ->capture_default_str()
       ->check(CLI::IsMember({"auto", "skin", "piece", "joint"}));
-  verb.add_option("--joint", arguments->joint, "Fix them to this joint (default: the one that moves the skin there)")
+  add_option(verb, "--joint", arguments->joint, "Fix them to this joint (default: the one that moves the skin there)")
       ->type_name("NAME")
       ->check(refuse_empty);
-  verb.add_option("--only", arguments->only, "Of the file's meshes those of these names alone")
+  add_option(verb, "--only", arguments->only, "Of the file's meshes those of these names alone")
       ->type_name("NAME")
       ->check(refuse_empty);
-  verb.add_option("--unit", arguments->unit, "Metres per unit of the file (default: that of the character)")
+  add_option(verb, "--unit", arguments->unit, "Metres per unit of the file (default: that of the character)")
       ->check(above_zero);
-  verb.add_option("--out", arguments->out,
-                  "Attachments to write, or to add to: a mesh takes the place of one of its name (default: "
-                  "BASIS.attached.safetensors beside the basis)")
+  add_option(verb, "--out", arguments->out,
+             "Attachments to write, or to add to: a mesh takes the place of one of its name (default: "
+             "BASIS.attached.safetensors beside the basis)")
       ->type_name("FILE.safetensors")
       ->check(must_end_in(".safetensors"));
   arguments->json.add(verb);

@@ -1,6 +1,7 @@
 // bodyopt bench: how long a frame of a basis takes on each device, stage by stage, and how near that is to the
 // memory's.
 #include <algorithm>
+#include <nlohmann/json.hpp>
 #include <random>
 
 #include "base/progress.h"
@@ -38,7 +39,7 @@ double triad_bandwidth(Executor& threads) {
   double best = 0;
   for (int round = 0; round < kRounds; ++round) {
     const Stopwatch watch;
-    parallel_for(threads, kCount, kCount / 64, [&](std::size_t begin, std::size_t end) {
+    parallel_parts(threads, kCount, kCount / 64, [&](std::size_t begin, std::size_t end) {
       for (std::size_t k = begin; k < end; ++k) a[k] = b[k] + 3 * c[k];
     });
     best = std::max(best, 3 * sizeof(float) * kCount / watch.seconds());
@@ -140,13 +141,13 @@ void run(const BenchArguments& arguments) {
 
 void add_bench(CLI::App& app) {
   auto arguments = std::make_shared<BenchArguments>();
-  CLI::App& verb = *app.add_subcommand("bench", "How long a frame takes on each device, stage by stage");
-  verb.add_option("BASIS", arguments->basis, "The trained character")->required();
-  verb.add_option("--device", arguments->device, "Only this one: cpu, or a Vulkan device by index or name");
-  verb.add_option("--seconds", arguments->seconds, "How long each batch size is measured, for a median")
+  CLI::App& verb = add_verb(app, "bench", "How long a frame takes on each device, stage by stage");
+  add_option(verb, "BASIS", arguments->basis, "The trained character")->required();
+  add_option(verb, "--device", arguments->device, "Only this one: cpu, or a Vulkan device by index or name");
+  add_option(verb, "--seconds", arguments->seconds, "How long each batch size is measured, for a median")
       ->check(number_from(0.01, 600))
       ->capture_default_str();
-  verb.add_flag("--one-thread", arguments->one_thread, "The CPU's kernels on one thread");
+  add_flag(verb, "--one-thread", arguments->one_thread, "The CPU's kernels on one thread");
   arguments->json.add(verb);
   verb.callback([arguments] { run(*arguments); });
 }

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <nlohmann/json.hpp>
 
 #include "assets/wording.h"
 #include "cli/arguments/common.h"
@@ -308,23 +309,22 @@ void run(const CheckArguments& arguments) {
 void add_check(CLI::App& app) {
   auto arguments = std::make_shared<CheckArguments>();
   CLI::App& verb =
-      *app.add_subcommand("check", "Does a dataset belong together? Is a character fit for use? Does a clip suit it?");
-  verb.add_option("dataset", arguments->path, "dataset.json or its folder, or a character (.glb, .gltf)")
+      add_verb(app, "check", "Does a dataset belong together? Is a character fit for use? Does a clip suit it?");
+  add_option(verb, "dataset", arguments->path, "dataset.json or its folder, or a character (.glb, .gltf)")
       ->required()
       ->type_name("DATASET");
   arguments->clip.add(verb);
   CLI::Option& clip = *verb.get_option("--clip")->required(false);
-  verb.add_option("--limits", arguments->limits, "Joint limits (limits.json): does the clip hold joints beyond them?")
+  add_option(verb, "--limits", arguments->limits, "Joint limits (limits.json): does the clip hold joints beyond them?")
       ->type_name("FILE")
       ->check(refuse_empty)
       ->needs(&clip);
   for (const char* of_clip : {"--frames", "--fps", "--first-frame", "--controls", "--joint-map"}) {
     verb.get_option(of_clip)->needs(&clip);
   }
-  verb.add_option(
-          "--picture", arguments->picture,
-          "Also draw where a character's skin passes through itself, is open or turned, nearly touches, is held "
-          "together by a cage or rides, numbered as listed, from the sides where that is")
+  add_option(verb, "--picture", arguments->picture,
+             "Also draw where a character's skin passes through itself, is open or turned, nearly touches, is held "
+             "together by a cage or rides, numbered as listed, from the sides where that is")
       ->type_name("FILE.png")
       ->check(must_end_in(".png"));
   add_unit(verb, arguments->unit);

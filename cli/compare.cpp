@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <limits>
+#include <nlohmann/json.hpp>
 
 #include "base/progress.h"
 #include "cli/arguments/common.h"
@@ -58,13 +59,13 @@ void run(const CompareArguments& arguments) {
 
 void add_compare(CLI::App& app) {
   auto arguments = std::make_shared<CompareArguments>();
-  CLI::App& verb = *app.add_subcommand("compare", "Distance between two caches: RMS, p99, maximum and jitter in mm");
-  verb.add_option("a", arguments->a,
-                  "Point cache (.pc2), draft (.nodes), or DATASET#TAKE: a take through its modifiers")
+  CLI::App& verb = add_verb(app, "compare", "Distance between two caches: RMS, p99, maximum and jitter in mm");
+  add_option(verb, "a", arguments->a,
+             "Point cache (.pc2), draft (.nodes), or DATASET#TAKE: a take through its modifiers")
       ->required()
       ->type_name("A");
-  verb.add_option("b", arguments->b, "The same of the same mesh and frames")->required()->type_name("B");
-  verb.add_option("--fail-above", arguments->fail_above, "Exit with 2 when the maximum is above MM millimetres")
+  add_option(verb, "b", arguments->b, "The same of the same mesh and frames")->required()->type_name("B");
+  add_option(verb, "--fail-above", arguments->fail_above, "Exit with 2 when the maximum is above MM millimetres")
       ->type_name("MM")
       ->check(number_from(0, std::numeric_limits<double>::infinity()));
   arguments->json.add(verb);

@@ -4,13 +4,13 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
 #include <span>
 
 #include "assets/controls.h"
 #include "assets/frame_range.h"
 #include "cli/arguments/common.h"
 #include "report/heat_strip.h"
-#include "report/svg.h"
 #include "runtime/core/atomic_file.h"
 #include "runtime/core/error.h"
 #include "trainer/curate/named_shapes.h"
@@ -47,7 +47,7 @@ std::vector<double> true_errors(const Basis& basis, const std::vector<Pose>& pos
 HeatStrip strip(const std::vector<int>& frames, const std::vector<std::string>& regions,
                 const std::vector<ExpectedError>& errors) {
   HeatStrip strip;
-  strip.frames.frames = frames;
+  strip.frames = frames;
   strip.regions = regions;
   for (const ExpectedError& error : errors) {
     strip.whole_mm.push_back(error.rms_mm);
@@ -126,7 +126,7 @@ Json result_of(const ClipCoverage& coverage, const Basis& basis) {
           {"per_frame", per_frame}};
 }
 
-std::string text_of(const ClipCoverage& coverage) {
+std::string coverage_text(const ClipCoverage& coverage) {
   std::string text = format("%8s %14s   %s\n", "frame", "expected mm", "most of all");
   for (const std::size_t k : coverage.simulated) {
     text += format("%8d %14.3f   %s, %.3f mm\n", coverage.frames[k], coverage.rms_mm[k],
@@ -161,12 +161,12 @@ void run(const CoverageArguments& arguments) {
   const ClipCoverage coverage = coverage_of(basis, std::move(frames), poses, static_cast<std::size_t>(arguments.worst));
 
   Json result = result_of(coverage, basis);
-  std::string text = text_of(coverage);
+  std::string text = coverage_text(coverage);
   if (!arguments.truth.empty()) {
     text += compare_with_truth(coverage.rms_mm, true_errors(basis, poses, arguments.truth), result);
   }
   if (!arguments.picture.empty()) {
-    const std::string svg = svg_file(heat_strip(strip(coverage.frames, basis.coverage.names, coverage.errors)));
+    const std::string svg = heat_strip(strip(coverage.frames, basis.coverage.names, coverage.errors));
     write_file_atomically(arguments.picture, std::as_bytes(std::span(svg)));
     text += "wrote " + arguments.picture + "\n";
   }
@@ -178,18 +178,18 @@ void run(const CoverageArguments& arguments) {
 void add_coverage(CLI::App& app) {
   auto arguments = std::make_shared<CoverageArguments>();
   CLI::App& verb =
-      *app.add_subcommand("coverage", "How well a basis knows the poses of a clip, and which frames to simulate next");
-  verb.add_option("basis", arguments->basis, "Basis (.safetensors)")->required()->type_name("BASIS");
+      add_verb(app, "coverage", "How well a basis knows the poses of a clip, and which frames to simulate next");
+  add_option(verb, "basis", arguments->basis, "Basis (.safetensors)")->required()->type_name("BASIS");
   arguments->clip.add(verb);
-  verb.add_option("--worst", arguments->worst, "Frames to list")->capture_default_str()->check(CLI::Range(1, 10000));
-  verb.add_option("--truth", arguments->truth,
-                  "Shapes of these frames (.pc2, .nodes, or DATASET#TAKE): are the expected errors right?")
+  add_option(verb, "--worst", arguments->worst, "Frames to list")->capture_default_str()->check(CLI::Range(1, 10000));
+  add_option(verb, "--truth", arguments->truth,
+             "Shapes of these frames (.pc2, .nodes, or DATASET#TAKE): are the expected errors right?")
       ->type_name("CACHE");
-  verb.add_option("--picture", arguments->picture, "Heat strip to write: frames from left to right, a row per region")
+  add_option(verb, "--picture", arguments->picture, "Heat strip to write: frames from left to right, a row per region")
       ->type_name("FILE.svg")
       ->check(must_end_in(".svg"));
-  verb.add_option("--unit", arguments->unit,
-                  "Metres per unit of the clip's file (default: as the character was read for training)")
+  add_option(verb, "--unit", arguments->unit,
+             "Metres per unit of the clip's file (default: as the character was read for training)")
       ->check(above_zero);
   arguments->json.add(verb);
   verb.callback([arguments] { run(*arguments); });

@@ -1,4 +1,6 @@
 // bodyopt curate: the stack of modifiers that a dataset's shapes are read through.
+#include <nlohmann/json.hpp>
+
 #include "assets/wording.h"
 #include "cli/curate/disagreements.h"
 #include "cli/curate/frame_exchange.h"
@@ -37,37 +39,37 @@ void prune(const CurateArguments& arguments) {
 }
 
 CLI::App& subverb(CLI::App& verb, const char* name, const char* description, const Arguments& arguments) {
-  CLI::App& sub = *verb.add_subcommand(name, description);
-  sub.add_option("dataset", arguments->dataset, "Dataset (folder or dataset.json)")->required()->type_name("DATASET");
+  CLI::App& sub = add_verb(verb, name, description);
+  add_option(sub, "dataset", arguments->dataset, "Dataset (folder or dataset.json)")->required()->type_name("DATASET");
   arguments->json.add(sub);
   return sub;
 }
 
 void add_name(CLI::App& sub, const Arguments& arguments) {
-  sub.add_option("name", arguments->name, "Name of the modifier")->required()->type_name("NAME");
+  add_option(sub, "name", arguments->name, "Name of the modifier")->required()->type_name("NAME");
 }
 
 void add_frame(CLI::App& sub, const Arguments& arguments) {
-  sub.add_option("--take", arguments->take, "Take")->required();
-  sub.add_option("--frame", arguments->frame, "Its frame")->required();
-  sub.add_flag("--unposed", arguments->unposed, "As the rest skin with the frame's displacements, not posed");
+  add_option(sub, "--take", arguments->take, "Take")->required();
+  add_option(sub, "--frame", arguments->frame, "Its frame")->required();
+  add_flag(sub, "--unposed", arguments->unposed, "As the rest skin with the frame's displacements, not posed");
 }
 
 void add_scope(CLI::App& sub, const Arguments& arguments) {
-  sub.add_option("--strength", arguments->strength, "0 (nothing) to 1 (all)")->check(number_from(0, 1));
-  sub.add_option("--take", arguments->take, "Only frames of this take");
-  sub.add_option("--frames", arguments->frames, "Only these frames, e.g. 1001-1100x2");
-  CLI::Option* near = sub.add_option("--near", arguments->near, "Only poses near this frame of --take");
-  sub.add_option("--within", arguments->within, "Degrees that these are away at most")
+  add_option(sub, "--strength", arguments->strength, "0 (nothing) to 1 (all)")->check(number_from(0, 1));
+  add_option(sub, "--take", arguments->take, "Only frames of this take");
+  add_option(sub, "--frames", arguments->frames, "Only these frames, e.g. 1001-1100x2");
+  CLI::Option* near = add_option(sub, "--near", arguments->near, "Only poses near this frame of --take");
+  add_option(sub, "--within", arguments->within, "Degrees that these are away at most")
       ->needs(near)
       ->check(number_from(0, 1e4));
   near->needs(sub.get_option("--within"));
-  sub.add_option("--near-joints", arguments->near_joints, "Joints that count for that (default: all)")->needs(near);
-  sub.add_option("--list", arguments->list, "Only the selection of this name in dataset.json");
-  sub.add_option("--joints", arguments->joints, "Only the skin of these joints");
-  sub.add_option("--muscles", arguments->muscles, "Only the skin over these muscles");
-  sub.add_option("--regions", arguments->regions, "Only these painted regions");
-  sub.add_option("--set", arguments->settings, "A parameter of the type, KEY=VALUE; null takes it away")
+  add_option(sub, "--near-joints", arguments->near_joints, "Joints that count for that (default: all)")->needs(near);
+  add_option(sub, "--list", arguments->list, "Only the selection of this name in dataset.json");
+  add_option(sub, "--joints", arguments->joints, "Only the skin of these joints");
+  add_option(sub, "--muscles", arguments->muscles, "Only the skin over these muscles");
+  add_option(sub, "--regions", arguments->regions, "Only these painted regions");
+  add_option(sub, "--set", arguments->settings, "A parameter of the type, KEY=VALUE; null takes it away")
       ->type_name("KEY=VALUE");
 }
 
@@ -80,8 +82,8 @@ void add_edits(CLI::App& verb) {
     types.push_back(type.name);
     described += std::string("\n  ") + type.name + ": " + type.what;
   }
-  added.add_option("type", shared->type, "Its type")->required()->check(CLI::IsMember(types));
-  added.add_option("--name", shared->name, "Its name (default: the type's)");
+  add_option(added, "type", shared->type, "Its type")->required()->check(CLI::IsMember(types));
+  add_option(added, "--name", shared->name, "Its name (default: the type's)");
   add_scope(added, shared);
   added.footer("Types:" + described);
   added.callback([shared] { add_to_stack(*shared); });
@@ -89,17 +91,17 @@ void add_edits(CLI::App& verb) {
   const auto edited = std::make_shared<CurateArguments>();
   CLI::App& changed = subverb(verb, "edit", "Changes a modifier; what is not named stays", edited);
   add_name(changed, edited);
-  changed.add_option("--name", edited->new_name, "Its new name");
+  add_option(changed, "--name", edited->new_name, "Its new name");
   add_scope(changed, edited);
-  changed.add_flag("--all-frames", edited->everywhere, "All frames again");
-  changed.add_flag("--whole-skin", edited->whole_skin, "The whole skin again");
+  add_flag(changed, "--all-frames", edited->everywhere, "All frames again");
+  add_flag(changed, "--whole-skin", edited->whole_skin, "The whole skin again");
   const CLI::Option* strength = changed.get_option("--strength");
   changed.callback([edited, strength] { edit_stack(*edited, strength->count() > 0); });
 
   const auto named = std::make_shared<CurateArguments>();
   CLI::App& moved = subverb(verb, "move", "Moves a modifier to another place of the stack", named);
   add_name(moved, named);
-  moved.add_option("place", named->place, "Its place, from 1 (nearest to the raw shapes)")
+  add_option(moved, "place", named->place, "Its place, from 1 (nearest to the raw shapes)")
       ->required()
       ->type_name("PLACE");
   moved.callback([named] {
@@ -136,8 +138,7 @@ void add_edits(CLI::App& verb) {
 }  // namespace
 
 void add_curate(CLI::App& app) {
-  CLI::App& verb =
-      *app.add_subcommand("curate", "Modifiers that a dataset's shapes are read through, all of them undoable");
+  CLI::App& verb = add_verb(app, "curate", "Modifiers that a dataset's shapes are read through, all of them undoable");
   verb.require_subcommand(1);
   const auto listed = std::make_shared<CurateArguments>();
   subverb(verb, "list", "The stack, from the raw shapes upwards", listed).callback([listed] { emit_stack(*listed); });
@@ -146,42 +147,39 @@ void add_curate(CLI::App& app) {
   const auto pruned = std::make_shared<CurateArguments>();
   CLI::App& sub_prune = subverb(
       verb, "prune", "Removes caches, and files that neither the stack, its history nor exported frames name", pruned);
-  sub_prune.add_flag(
-      "--history", pruned->history,
+  add_flag(
+      sub_prune, "--history", pruned->history,
       "The history and what was exported, too: no edit before this can be undone, and a mesh is of its frame as it is");
   sub_prune.callback([pruned] { prune(*pruned); });
 
   const auto measured = std::make_shared<CurateArguments>();
   CLI::App& sub_diff = subverb(verb, "diff", "What every modifier does to the shapes, or one does, in mm", measured);
-  sub_diff.add_option("name", measured->name, "Only this modifier")->type_name("NAME");
-  sub_diff
-      .add_option("--picture", measured->picture,
-                  "The frame that it moves most: below the modifier, above it, and how far that is")
+  add_option(sub_diff, "name", measured->name, "Only this modifier")->type_name("NAME");
+  add_option(sub_diff, "--picture", measured->picture,
+             "The frame that it moves most: below the modifier, above it, and how far that is")
       ->type_name("FILE.png")
       ->check(must_end_in(".png"));
   sub_diff.callback([measured] { report_effects(*measured); });
 
   const auto baked = std::make_shared<CurateArguments>();
   CLI::App& sub_bake = subverb(verb, "bake", "Another dataset, whose shapes are what the stack makes of these", baked);
-  sub_bake.add_option("--out", baked->out, "Its folder")->required()->type_name("DIR");
-  sub_bake
-      .add_option("--heldout-every", baked->heldout_every,
-                  "As of train: every Nth block of ten frames of a take is held out, and stays so in the new dataset")
+  add_option(sub_bake, "--out", baked->out, "Its folder")->required()->type_name("DIR");
+  add_option(sub_bake, "--heldout-every", baked->heldout_every,
+             "As of train: every Nth block of ten frames of a take is held out, and stays so in the new dataset")
       ->check(CLI::Range(2, 1000));
   sub_bake.callback([baked] { bake(*baked); });
 
   const auto reported = std::make_shared<CurateArguments>();
   CLI::App& sub_report =
       subverb(verb, "report", "Frames of like poses whose shapes disagree, the worst first", reported);
-  sub_report.add_option("--degrees", reported->degrees, "How far poses are alike")
+  add_option(sub_report, "--degrees", reported->degrees, "How far poses are alike")
       ->capture_default_str()
       ->check(number_from(0.1, 180));
-  sub_report.add_option("--worst", reported->worst, "Pairs to list")
+  add_option(sub_report, "--worst", reported->worst, "Pairs to list")
       ->capture_default_str()
       ->check(CLI::Range(1, 10000));
-  sub_report
-      .add_option("--picture", reported->picture,
-                  "The worst pair in one pose: the first, the second, and how far they are apart")
+  add_option(sub_report, "--picture", reported->picture,
+             "The worst pair in one pose: the first, the second, and how far they are apart")
       ->type_name("FILE.png")
       ->check(must_end_in(".png"));
   sub_report.callback([reported] { report_disagreements(*reported); });
@@ -189,7 +187,7 @@ void add_curate(CLI::App& app) {
   const auto exported = std::make_shared<CurateArguments>();
   CLI::App& sub_export = subverb(verb, "export-frame", "A frame as a mesh, to be sculpted elsewhere", exported);
   add_frame(sub_export, exported);
-  sub_export.add_option("--out", exported->out, "Mesh to write; of a .glb the skeleton is posed")
+  add_option(sub_export, "--out", exported->out, "Mesh to write; of a .glb the skeleton is posed")
       ->required()
       ->type_name("FILE.obj|FILE.glb")
       ->check(
@@ -199,11 +197,11 @@ void add_curate(CLI::App& app) {
   const auto imported = std::make_shared<CurateArguments>();
   CLI::App& sub_import = subverb(verb, "import-frame", "A sculpted mesh back, as a sculpt modifier", imported);
   add_frame(sub_import, imported);
-  sub_import.add_option("--mesh", imported->mesh, "The mesh (.obj, .glb), its vertices in any order")
+  add_option(sub_import, "--mesh", imported->mesh, "The mesh (.obj, .glb), its vertices in any order")
       ->required()
       ->type_name("MESH");
-  sub_import.add_option("--name", imported->name, "Modifier that it goes to, made where there is none")->required();
-  sub_import.add_option("--spread", imported->spread, "Degrees over which it fades in other poses; 0: this pose only")
+  add_option(sub_import, "--name", imported->name, "Modifier that it goes to, made where there is none")->required();
+  add_option(sub_import, "--spread", imported->spread, "Degrees over which it fades in other poses; 0: this pose only")
       ->capture_default_str()
       ->check(number_from(0, 1e4));
   sub_import.callback([imported] { import_frame(*imported); });

@@ -1,5 +1,6 @@
 // bodyopt dataset add: shapes that come from elsewhere into a dataset.
 #include <filesystem>
+#include <nlohmann/json.hpp>
 
 #include "cli/arguments/dataset_arguments.h"
 #include "runtime/core/error.h"
@@ -72,25 +73,23 @@ void add(const AddArguments& arguments) {
 
 void add_dataset(CLI::App& app) {
   auto arguments = std::make_shared<AddArguments>();
-  CLI::App& verb = *app.add_subcommand("dataset", "Poses and shapes to train on");
+  CLI::App& verb = add_verb(app, "dataset", "Poses and shapes to train on");
   verb.require_subcommand(1);
-  CLI::App& subverb = *verb.add_subcommand("add", "Adds shapes that come from elsewhere: a take, or frames to a take");
-  subverb.add_option("dataset", arguments->dataset, "Dataset (folder or dataset.json)")
+  CLI::App& subverb = add_verb(verb, "add", "Adds shapes that come from elsewhere: a take, or frames to a take");
+  add_option(subverb, "dataset", arguments->dataset, "Dataset (folder or dataset.json)")
       ->required()
       ->type_name("DATASET");
   arguments->take.add(subverb);
-  subverb
-      .add_option("--shapes", arguments->shapes,
-                  "Their cache (.pc2, or .nodes of a draft): a sample per frame of --frames, vertices as in the "
-                  "character's file; it is copied")
+  add_option(subverb, "--shapes", arguments->shapes,
+             "Their cache (.pc2, or .nodes of a draft): a sample per frame of --frames, vertices as in the "
+             "character's file; it is copied")
       ->required()
       ->type_name("CACHE");
-  subverb.add_flag("--replace", arguments->replace, "Put the shapes in the place of those that the take has already");
-  CLI::Option* character = subverb
-                               .add_option("--character", arguments->character,
-                                           "Character (.glb, .gltf) of the dataset; begins it where there is none")
+  add_flag(subverb, "--replace", arguments->replace, "Put the shapes in the place of those that the take has already");
+  CLI::Option* character = add_option(subverb, "--character", arguments->character,
+                                      "Character (.glb, .gltf) of the dataset; begins it where there is none")
                                ->type_name("CHARACTER");
-  subverb.add_option("--muscles", arguments->muscles, "muscles.json that goes with --character")
+  add_option(subverb, "--muscles", arguments->muscles, "muscles.json that goes with --character")
       ->needs(character)
       ->type_name("FILE");
   add_unit(subverb, arguments->unit);

@@ -1,10 +1,11 @@
-// bodyopt demo: the whole path on the built-in arm, from character to report.
+// bodyopt demo: the main job on the built-in arm, from character to report.
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <map>
+#include <nlohmann/json.hpp>
 #include <set>
 
 #include "assets/json_file.h"
@@ -19,7 +20,6 @@
 #include "runtime/core/stopwatch.h"
 #include "runtime/host/rig.h"
 #include "trainer/builtin/arm.h"
-#include "trainer/builtin/arm_dofs.h"
 #include "trainer/motion/range_of_motion.h"
 #include "trainer/simulate/simulate.h"
 
@@ -30,7 +30,7 @@ namespace fs = std::filesystem;
 
 struct DemoArguments {
   std::string out;
-  bool quick = false;
+  bool quick = false, all = false;
   DeviceArguments device;
   JsonOption json;
 };
@@ -38,11 +38,13 @@ struct DemoArguments {
 struct DemoSize {
   int rom_frames, heldout_frames;
 };
-constexpr DemoSize kFull{400, 144}, kQuick{48, 24};
+constexpr DemoSize kFull{260, 144}, kQuick{48, 24};
 // Every so manieth frame of the range of motion is also simulated with muscles flexed.
 constexpr int kFlexedStep = 10;
-// Simulating every second frame of the held-out motion shows its whole arc at half the cost.
-constexpr int kHeldoutStep = 2;
+// Simulating every third frame of the held-out motion shows its whole arc at a third of the cost.
+constexpr int kHeldoutStep = 3;
+// The first arm to look at is learned from drafts of every so manieth frame of the range of motion.
+constexpr int kDraftStep = 2;
 
 // Three groups of muscles flexed and relaxed in turns over a clip.
 void write_flex(const fs::path& path, int frames) {
@@ -138,14 +140,21 @@ Dataset simulate_dataset(const fs::path& folder, const DemoSize& size) {
   return dataset;
 }
 
-// The held-out motion as a draft, to be held against the full simulation of it.
+// Drafts of both motions: what the first arm is learned from, and what is held against the full simulation.
 Dataset simulate_draft(const fs::path& folder, const DemoSize& size) {
   Dataset dataset = dataset_in(folder / "draft");
-  dataset.takes = {take_of("heldout", "heldout.glb", every(kHeldoutStep, size.heldout_frames))};
-  dataset.takes[0].shapes = "heldout.nodes";
-  dataset.takes[0].heldout = dataset.takes[0].frames;
+  dataset.takes = {take_of("rom", "rom.glb", every(kDraftStep, size.rom_frames)),
+                   take_of("heldout", "heldout.glb", every(kHeldoutStep, size.heldout_frames))};
+  for (DatasetTake& take : dataset.takes) take.shapes = take.name + ".nodes";
+  dataset.takes[1].heldout = dataset.takes[1].frames;
   simulate_takes(dataset, {.draft = true});
   return dataset;
+}
+
+// An arm to look at while the full simulation runs.
+void learn_from_drafts(const Dataset& draft, const fs::path& folder) {
+  const SampleSet set = read_samples(draft);
+  train_and_measure(set, {}, false, 0, folder / "first.safetensors");
 }
 
 std::vector<Positions> welded_shapes(const SampleSet& set, const Evaluation& evaluation) {
@@ -247,7 +256,7 @@ ReportData measure(const DemoArguments& arguments, const fs::path& folder, const
   say(set.notes);
   if (set.unconverged > 0) spdlog::warn("{} unconverged frames are left out", set.unconverged);
   const fs::path basis_file = folder / "basis.safetensors";
-  const Training training = train_and_measure(set, {}, true, 0, basis_file);
+  const Training training = train_and_measure(set, {}, arguments.all, 0, basis_file);
 
   const std::vector<Pose> poses = heldout_poses(set);
   Deformer device(load_basis(basis_file), arguments.device.choice);
@@ -269,7 +278,9 @@ ReportData measure(const DemoArguments& arguments, const fs::path& folder, const
   const std::string pictures_on = has_pictures ? arguments.device.choice.name : "";
   ReportData report = report_of(set, training, shapes, pictures_on);
   if (has_pictures) add_chosen_pictures(set, shapes, training.result.basis, pictures_on, report);
-  report.jiggle = demo_jiggle(set, training.result.basis, arguments.device.choice, pictures_on, folder);
+  if (arguments.all) {
+    report.jiggle = demo_jiggle(set, training.result.basis, arguments.device.choice, pictures_on, folder);
+  }
   report.character.name = "built-in arm";
   report.device = device.device_name();
   report.provenance = provenance_of(dataset, dataset.folder / "dataset.json", set, {}, basis_file);
@@ -290,6 +301,11 @@ std::string summary(const ReportData& report) {
   return text;
 }
 
+// The command that shows a basis in the viewport.
+std::string to_view(const fs::path& folder, const char* basis) {
+  return "  bodyopt view " + (folder / basis).string() + " " + (folder / "heldout.glb").string() + "\n";
+}
+
 void run(DemoArguments arguments) {
   // It draws, and holds a Vulkan device against the CPU: a software one will do.
   DeviceChoice& device = arguments.device.choice;
@@ -303,25 +319,29 @@ void run(DemoArguments arguments) {
   const DemoSize& size = arguments.quick ? kQuick : kFull;
   write_inputs(folder, size);
   demo.seconds.build_character = building.seconds();
-  Stopwatch simulating;
-  const Dataset dataset = simulate_dataset(folder, size);
-  demo.seconds.simulate = simulating.seconds();
   Stopwatch drafting;
   const Dataset draft = simulate_draft(folder, size);
   demo.seconds.draft = drafting.seconds();
+  learn_from_drafts(draft, folder);
+  arguments.json.print("a first arm, learned from drafts, can be looked at:\n" + to_view(folder, "first.safetensors"));
+  Stopwatch simulating;
+  const Dataset dataset = simulate_dataset(folder, size);
+  demo.seconds.simulate = simulating.seconds();
   const ReportData report = measure(arguments, folder, dataset, draft, demo);
   const Json written = write_report(report, folder);
-  const std::string carried = demo_transfer(folder, report.device != "cpu");
-  arguments.json.emit(written, summary(report) + carried + "wrote " + (folder / "report.html").string() + "\n");
+  const std::string carried = arguments.all ? demo_transfer(folder, report.device != "cpu") : "";
+  arguments.json.emit(written, summary(report) + carried + "wrote " + (folder / "report.html").string() +
+                                   "\nthe arm in the viewport:\n" + to_view(folder, "basis.safetensors"));
 }
 
 }  // namespace
 
 void add_demo(CLI::App& app) {
   auto arguments = std::make_shared<DemoArguments>();
-  CLI::App& verb = *app.add_subcommand("demo", "The whole path on the built-in arm, from character to report");
-  verb.add_option("--out", arguments->out, "Folder for everything that is made")->required()->type_name("DIR");
-  verb.add_flag("--quick", arguments->quick, "A few of the frames: to see it work, not to judge the errors");
+  CLI::App& verb = add_verb(app, "demo", "The whole path on the built-in arm, from character to report");
+  add_option(verb, "--out", arguments->out, "Folder for everything that is made")->required()->type_name("DIR");
+  add_flag(verb, "--quick", arguments->quick, "A few of the frames: to see it work, not to judge the errors");
+  add_flag(verb, "--all", arguments->all, "Also the other methods on the same frames, jiggle, and a stockier arm");
   arguments->device.add(verb);
   arguments->json.add(verb);
   verb.callback([arguments] { run(*arguments); });

@@ -1,4 +1,6 @@
 // bodyopt devices: what can run a basis here.
+#include <nlohmann/json.hpp>
+
 #include "cli/arguments/common.h"
 #include "runtime/vulkan/device.h"
 
@@ -6,7 +8,7 @@ namespace bodyopt::cli {
 
 void add_devices(CLI::App& app) {
   auto json = std::make_shared<JsonOption>();
-  CLI::App& verb = *app.add_subcommand("devices", "List the Vulkan devices of this machine");
+  CLI::App& verb = add_verb(app, "devices", "List the Vulkan devices of this machine");
   json->add(verb);
   verb.callback([json] {
     Json result = Json::array();

@@ -2,6 +2,7 @@
 #include <spdlog/spdlog.h>
 
 #include <filesystem>
+#include <nlohmann/json.hpp>
 #include <set>
 
 #include "assets/controls.h"
@@ -17,7 +18,7 @@ namespace bodyopt::cli {
 namespace {
 
 struct DynamicsArguments {
-  std::string dataset, basis, out, jiggle, jiggle_out, integrator = "tr-bdf2";
+  std::string dataset, basis, out, jiggle, jiggle_out;
   DynamicsOptions options;
   JsonOption json;
 };
@@ -74,7 +75,6 @@ void run(DynamicsArguments arguments) {
   const Stopwatch watch;
   const Basis basis = load_basis(arguments.basis);
   if (!arguments.jiggle.empty()) arguments.options.settings = read_jiggle(arguments.jiggle);
-  arguments.options.step.implicit_euler = arguments.integrator == "euler";
   const BuiltDynamics built = build(arguments, basis);
   const Dynamics& dynamics = built.dynamics;
   validate(dynamics, basis, "the dynamics to be saved");
@@ -105,32 +105,29 @@ void add_dynamics(CLI::App& app) {
   auto arguments = std::make_shared<DynamicsArguments>();
   DynamicsOptions& options = arguments->options;
   CLI::App& verb =
-      *app.add_subcommand("dynamics", "What lets a trained character's tissue jiggle: a second file beside its basis");
-  verb.add_option("dataset", arguments->dataset,
-                  "dataset.json, or its folder; or the character alone, whose muscles then do not stiffen")
+      add_verb(app, "dynamics", "What lets a trained character's tissue jiggle: a second file beside its basis");
+  add_option(verb, "dataset", arguments->dataset,
+             "dataset.json, or its folder; or the character alone, whose muscles then do not stiffen")
       ->required()
       ->type_name("DATASET");
-  verb.add_option("--basis", arguments->basis, "The basis trained from it")->required()->type_name("BASIS");
+  add_option(verb, "--basis", arguments->basis, "The basis trained from it")->required()->type_name("BASIS");
   add_output(verb, arguments->out, ".safetensors", "Dynamics to write");
-  verb.add_option("--jiggle", arguments->jiggle, "How soft, damped and free tissue is, and where (jiggle.json)")
+  add_option(verb, "--jiggle", arguments->jiggle, "How soft, damped and free tissue is, and where (jiggle.json)")
       ->type_name("FILE")
       ->check(refuse_empty);
-  verb.add_option("--jiggle-out", arguments->jiggle_out, "Write the settings it chose, to edit (jiggle.json)")
+  add_option(verb, "--jiggle-out", arguments->jiggle_out, "Write the settings it chose, to edit (jiggle.json)")
       ->type_name("FILE.json")
       ->check(must_end_in(".json"));
-  verb.add_option("--dynamics-resolution", options.resolution, "Tetrahedra at most")
+  add_option(verb, "--dynamics-resolution", options.resolution, "Tetrahedra at most")
       ->capture_default_str()
       ->check(CLI::Range(100, 1000000));
-  verb.add_option("--fps", options.step.frames_per_second, "Frames a second of the clips to come")
+  add_option(verb, "--fps", options.step.frames_per_second, "Frames a second of the clips to come")
       ->capture_default_str()
       ->check(number_from(kLeastRate, kMostRate));
-  verb.add_option("--substeps", options.step.substeps, "Steps a frame")
+  add_option(verb, "--substeps", options.step.substeps, "Steps a frame")
       ->capture_default_str()
       ->check(CLI::Range(1, 64));
-  verb.add_option("--integrator", arguments->integrator,
-                  "tr-bdf2: keeps oscillations; euler: damps them strongly, for comparison")
-      ->capture_default_str()
-      ->check(CLI::IsMember({"tr-bdf2", "euler"}));
+  add_former_option(verb, "--integrator", "all dynamics step by TR-BDF2");
   arguments->json.add(verb);
   verb.callback([arguments] { run(*arguments); });
 }

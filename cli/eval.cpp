@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <nlohmann/json.hpp>
 
 #include "assets/frame_range.h"
 #include "assets/gltf_guard.h"
@@ -339,9 +340,9 @@ void run(EvalArguments arguments) {
 void add_list(CLI::App& verb, std::string& list) {
   const std::vector<CLI::Option*> others = verb.get_options(
       [](const CLI::Option* option) { return !option->check_name("--progress") && !option->check_name("--help"); });
-  CLI::Option& option = *verb.add_option("--list", list,
-                                         "A list of shots (.json, .jsonl, .csv): makes the outputs of all that are not "
-                                         "made yet, one after the other")
+  CLI::Option& option = *add_option(verb, "--list", list,
+                                    "A list of shots (.json, .jsonl, .csv): makes the outputs of all that are not "
+                                    "made yet, one after the other")
                              ->type_name("SHOTS")
                              ->check(refuse_empty);
   for (CLI::Option* other : others) option.excludes(other);
@@ -354,19 +355,18 @@ void add_list(CLI::App& verb, std::string& list) {
 
 void add_eval(CLI::App& app) {
   auto arguments = std::make_shared<EvalArguments>();
-  CLI::App& verb = *app.add_subcommand("eval", "Deform a character through a clip");
+  CLI::App& verb = add_verb(app, "eval", "Deform a character through a clip");
   CLI::Option& basis =
-      *verb.add_option("basis", arguments->cache.basis, "Basis (.safetensors)")->required()->type_name("BASIS");
-  verb.add_option("--level", arguments->cache.level, "Level of detail of a proxy: 0 is the finest")
+      *add_option(verb, "basis", arguments->cache.basis, "Basis (.safetensors)")->required()->type_name("BASIS");
+  add_option(verb, "--level", arguments->cache.level, "Level of detail of a proxy: 0 is the finest")
       ->capture_default_str()
       ->type_name("N");
-  verb.add_flag("--full-skin", arguments->cache.full_skin,
-                "Write the skin of the full character, carried by that of the proxy");
+  add_flag(verb, "--full-skin", arguments->cache.full_skin,
+           "Write the skin of the full character, carried by that of the proxy");
   arguments->clip.add(verb);
   CLI::Option& clip = *verb.get_option("--clip");
-  verb.add_option(
-          "--session", arguments->session,
-          "A session of the viewport: its lead, in place of BASIS, with its clip as it was posed and keyed there")
+  add_option(verb, "--session", arguments->session,
+             "A session of the viewport: its lead, in place of BASIS, with its clip as it was posed and keyed there")
       ->type_name("FILE")
       ->check(refuse_empty)
       ->each([&basis, &clip](const std::string&) {
@@ -374,14 +374,14 @@ void add_eval(CLI::App& app) {
         clip.required(false);
       });
   arguments->device.add(verb);
-  verb.add_flag("--check", arguments->device.choice.check,
-                "Run every stage on the CPU, too, and stop at the first difference");
-  verb.add_option("--unit", arguments->unit,
-                  "Metres per unit of the clip's file (default: as the character was read for training)")
+  add_flag(verb, "--check", arguments->device.choice.check,
+           "Run every stage on the CPU, too, and stop at the first difference");
+  add_option(verb, "--unit", arguments->unit,
+             "Metres per unit of the clip's file (default: as the character was read for training)")
       ->check(above_zero);
-  verb.add_option("--out", arguments->cache.out,
-                  "Cache to write, a PC2 point cache, USD text or glTF with morph targets; '####' in its name is the "
-                  "first frame")
+  add_option(verb, "--out", arguments->cache.out,
+             "Cache to write, a PC2 point cache, USD text or glTF with morph targets; '####' in its name is the "
+             "first frame")
       ->required()
       ->type_name("FILE.pc2|.usda|.glb")
       ->check([](const std::string& name) {
@@ -391,9 +391,9 @@ void add_eval(CLI::App& app) {
         return "'" + name + "' does not end in .pc2, .usda or .glb";
       });
   add_cache_space(verb, arguments->cache.space);
-  verb.add_option("--attached", arguments->cache.attached,
-                  "Geometry that rides on the skin (default: BASIS.attached.safetensors beside the basis, where it is "
-                  "there); each mesh is written as FILE.<mesh>.pc2, .usda or .glb")
+  add_option(verb, "--attached", arguments->cache.attached,
+             "Geometry that rides on the skin (default: BASIS.attached.safetensors beside the basis, where it is "
+             "there); each mesh is written as FILE.<mesh>.pc2, .usda or .glb")
       ->type_name("FILE")
       ->check(refuse_empty);
   arguments->jiggle.add(verb);

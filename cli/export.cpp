@@ -1,4 +1,6 @@
 // bodyopt export: a draft's nodes to a point cache that other programs read.
+#include <nlohmann/json.hpp>
+
 #include "assets/nodes_cache.h"
 #include "assets/pc2.h"
 #include "cli/arguments/cache_space.h"
@@ -29,8 +31,8 @@ void run(const ExportArguments& arguments) {
 
 void add_export(CLI::App& app) {
   auto arguments = std::make_shared<ExportArguments>();
-  CLI::App& verb = *app.add_subcommand("export", "A draft's skin as a point cache for other programs");
-  verb.add_option("draft", arguments->draft, "Nodes of a draft (.nodes)")->required()->type_name("DRAFT");
+  CLI::App& verb = add_verb(app, "export", "A draft's skin as a point cache for other programs");
+  add_option(verb, "draft", arguments->draft, "Nodes of a draft (.nodes)")->required()->type_name("DRAFT");
   add_output(verb, arguments->out, ".pc2", "Point cache to write");
   add_cache_space(verb, arguments->space);
   arguments->json.add(verb);

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <memory>
+#include <nlohmann/json.hpp>
 
 #include "cli/arguments/common.h"
 #include "cli/arguments/task_arguments.h"
@@ -39,6 +40,7 @@ fs::path plan_folder(const FarmArguments& arguments) { return fs::absolute(argum
 void plan(const FarmArguments& arguments) {
   std::vector<std::string> problems;
   const ShowList list = read_show_list(arguments.list, problems);
+  say(list.notes);
   const FarmPlan plan = plan_show(list, arguments.minutes, problems);
   for (const std::string& problem : problems) spdlog::error("{}", problem);
   if (!problems.empty()) {
@@ -156,7 +158,7 @@ void report(const FarmArguments& arguments) {
   for (const FramesToSimulate& next : summary.simulate_next) {
     text += "worth simulating next, for " + next.basis + ": " + simulate_options(next) + "\n";
   }
-  arguments.json.emit(to_json(summary), text + "wrote " + arguments.out + "\n");
+  arguments.json.emit(to_json(plan, summary), text + "wrote " + arguments.out + "\n");
 }
 
 // This program, under the name by which other machines find it, too.
@@ -207,9 +209,9 @@ void cancel(const FarmArguments& arguments) {
 }
 
 CLI::App& add_part(CLI::App& farm, const char* name, const char* description, FarmArguments& arguments) {
-  CLI::App& part = *farm.add_subcommand(name, description);
+  CLI::App& part = add_verb(farm, name, description);
   if (std::string(name) != "plan") {
-    part.add_option("plan", arguments.plan, "Folder that 'farm plan' wrote")
+    add_option(part, "plan", arguments.plan, "Folder that 'farm plan' wrote")
         ->required()
         ->type_name("PLAN")
         ->check(refuse_empty);
@@ -219,14 +221,14 @@ CLI::App& add_part(CLI::App& farm, const char* name, const char* description, Fa
 }
 
 void add_queue(CLI::App& part, FarmArguments& arguments) {
-  part.add_flag("--slurm", arguments.slurm, "Submit to Slurm, as arrays of jobs");
-  part.add_option("--cpus", arguments.queue.needs.cpus, "Cores of a task")
+  add_flag(part, "--slurm", arguments.slurm, "Submit to Slurm, as arrays of jobs");
+  add_option(part, "--cpus", arguments.queue.needs.cpus, "Cores of a task")
       ->capture_default_str()
       ->check(CLI::Range(1, 1024));
-  part.add_option("--tasks-per-gpu", arguments.queue.needs.tasks_per_gpu,
-                  "Ask for a GPU for each task (1), or for a shard of one (more); default: none")
+  add_option(part, "--tasks-per-gpu", arguments.queue.needs.tasks_per_gpu,
+             "Ask for a GPU for each task (1), or for a shard of one (more); default: none")
       ->check(CLI::Range(1, 64));
-  part.add_option("--sbatch", arguments.queue.sbatch, "A further option for sbatch, as --sbatch=--partition=short")
+  add_option(part, "--sbatch", arguments.queue.sbatch, "A further option for sbatch, as --sbatch=--partition=short")
       ->type_name("OPTION");
 }
 
@@ -234,53 +236,52 @@ void add_queue(CLI::App& part, FarmArguments& arguments) {
 
 void add_farm(CLI::App& app) {
   auto arguments = std::make_shared<FarmArguments>();
-  CLI::App& farm = *app.add_subcommand("farm", "Many shots, on a queue of machines");
+  CLI::App& farm = add_verb(app, "farm", "Many shots, on a queue of machines");
   farm.require_subcommand(1);
   CLI::App& planning = add_part(farm, "plan", "Check a list of shots and cut it into tasks", *arguments);
-  planning.add_option("shots", arguments->list, "List of shots (.json, .jsonl, .csv)")->required()->type_name("SHOTS");
-  planning.add_option("--out", arguments->out, "Folder to write the plan into")
+  add_option(planning, "shots", arguments->list, "List of shots (.json, .jsonl, .csv)")->required()->type_name("SHOTS");
+  add_option(planning, "--out", arguments->out, "Folder to write the plan into")
       ->required()
       ->type_name("PLAN")
       ->check(refuse_empty);
-  planning.add_option("--task-minutes", arguments->minutes, "What a task should last, on one core")
+  add_option(planning, "--task-minutes", arguments->minutes, "What a task should last, on one core")
       ->capture_default_str()
       ->check(number_from(1e-3, 1e5));
   planning.callback([arguments] { plan(*arguments); });
 
   CLI::App& submitting = add_part(farm, "submit", "Give what is not done to a queue", *arguments);
   add_queue(submitting, *arguments);
-  submitting
-      .add_option("--openjd", arguments->openjd,
-                  "Instead, write a job template of Open Job Description, for AWS Deadline Cloud and others")
+  add_option(submitting, "--openjd", arguments->openjd,
+             "Instead, write a job template of Open Job Description, for AWS Deadline Cloud and others")
       ->type_name("FILE.json")
       ->check(must_end_in(".json"));
-  submitting.add_option("--opencue", arguments->opencue, "Instead, write a job of OpenCue, for its launchSpec")
+  add_option(submitting, "--opencue", arguments->opencue, "Instead, write a job of OpenCue, for its launchSpec")
       ->type_name("FILE.xml")
       ->check(must_end_in(".xml"));
   submitting.callback([arguments] { submit(*arguments, false); });
   CLI::App& retrying =
       add_part(farm, "retry", "Read everything that is done, and submit what is not whole", *arguments);
   add_queue(retrying, *arguments);
-  retrying.add_flag("--hopeless", arguments->hopeless,
-                    "Also what failed for reasons that running again does not change");
+  add_flag(retrying, "--hopeless", arguments->hopeless,
+           "Also what failed for reasons that running again does not change");
   retrying.callback([arguments] { submit(*arguments, true); });
 
   CLI::App& telling = add_part(farm, "status", "What is done, failed, left", *arguments);
-  telling.add_flag("--verify", arguments->verify, "Read all inputs and outputs, not only their size and time");
+  add_flag(telling, "--verify", arguments->verify, "Read all inputs and outputs, not only their size and time");
   telling.callback([arguments] { status(*arguments); });
   CLI::App& reporting = add_part(farm, "report", "A page on what the show has come to", *arguments);
   add_output(reporting, arguments->out, ".html", "Page to write, self-contained");
-  reporting.add_option("--worst", arguments->worst, "Frames worth a look, at most")
+  add_option(reporting, "--worst", arguments->worst, "Frames worth a look, at most")
       ->capture_default_str()
       ->check(CLI::Range(0, 100));
-  reporting.add_flag("--verify", arguments->verify, "Read all inputs and outputs, not only their size and time");
+  add_flag(reporting, "--verify", arguments->verify, "Read all inputs and outputs, not only their size and time");
   reporting.callback([arguments] { report(*arguments); });
   CLI::App& cancelling = add_part(farm, "cancel", "Take what is queued out of the queue", *arguments);
   cancelling.callback([arguments] { cancel(*arguments); });
 
   CLI::App& running = add_part(farm, "run", "Do tasks on this machine, one after the other", *arguments);
-  running.add_option("tasks", arguments->tasks, "Names of tasks, WAVE.LANE (default: all)")->type_name("TASK...");
-  running.add_option("--progress", arguments->task.progress, "As of eval")->type_name("STYLE");
+  add_option(running, "tasks", arguments->tasks, "Names of tasks, WAVE.LANE (default: all)")->type_name("TASK...");
+  add_option(running, "--progress", arguments->task.progress, "As of eval")->type_name("STYLE");
   running.callback([arguments] { run_tasks(*arguments); });
 }
 

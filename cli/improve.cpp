@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <nlohmann/json.hpp>
 #include <set>
 
 #include "assets/frame_range.h"
@@ -236,22 +237,23 @@ void run(const ImproveArguments& arguments) {
 
 void add_improve(CLI::App& app) {
   auto arguments = std::make_shared<ImproveArguments>();
-  CLI::App& verb = *app.add_subcommand(
-      "improve", "Simulates the frames of shots that a basis knows least, and learns them, as long as it helps");
-  verb.add_option("dataset", arguments->dataset, "dataset.json, or its folder: what the basis was trained on")
+  CLI::App& verb = add_verb(
+      app, "improve", "Simulates the frames of shots that a basis knows least, and learns them, as long as it helps");
+  add_option(verb, "dataset", arguments->dataset, "dataset.json, or its folder: what the basis was trained on")
       ->required()
       ->type_name("DATASET");
-  verb.add_option("--basis", arguments->basis, "The basis to improve, in place")
+  add_option(verb, "--basis", arguments->basis, "The basis to improve, in place")
       ->required()
       ->type_name("BASIS")
       ->check(must_end_in(".safetensors"));
-  verb.add_option("--clip", arguments->clips, "Shots: FILE.glb#name, FILE.glb (its only or first clip) or FILE.bvh")
+  add_option(verb, "--clip", arguments->clips, "Shots: FILE.glb#name, FILE.glb (its only or first clip) or FILE.bvh")
       ->required()
       ->type_name("CLIP");
-  verb.add_option("--frames", arguments->frames, "Frames to simulate at most; every fifth is held out to tell the gain")
+  add_option(verb, "--frames", arguments->frames,
+             "Frames to simulate at most; every fifth is held out to tell the gain")
       ->capture_default_str()
       ->check(CLI::Range(1, 100000));
-  verb.add_option("--fps", arguments->options.fps, "Frames a second at which the shots are sampled")
+  add_option(verb, "--fps", arguments->options.fps, "Frames a second at which the shots are sampled")
       ->capture_default_str()
       ->check(number_from(kLeastRate, kMostRate));
   add_joint_map(verb, arguments->options.joint_map);

@@ -1,6 +1,7 @@
 // bodyopt info: what a file holds.
 #include <filesystem>
 #include <fstream>
+#include <nlohmann/json.hpp>
 
 #include "assets/bvh.h"
 #include "assets/character.h"
@@ -254,9 +255,9 @@ void add_info(CLI::App& app) {
     JsonOption json;
   };
   auto arguments = std::make_shared<InfoArguments>();
-  CLI::App& verb = *app.add_subcommand("info", "What a file holds");
-  verb.add_option("file", arguments->path,
-                  "Character, clip, basis, dynamics, attached geometry, state, point cache or dataset.json")
+  CLI::App& verb = add_verb(app, "info", "What a file holds");
+  add_option(verb, "file", arguments->path,
+             "Character, clip, basis, dynamics, attached geometry, state, point cache or dataset.json")
       ->required()
       ->type_name("FILE");
   add_unit(verb, arguments->unit);

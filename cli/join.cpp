@@ -1,5 +1,6 @@
 // bodyopt join: caches of the parts of a shot to one of the whole.
 #include <algorithm>
+#include <nlohmann/json.hpp>
 
 #include "assets/join_caches.h"
 #include "cli/arguments/common.h"
@@ -50,11 +51,11 @@ void run(JoinArguments arguments) {
 
 void add_join(CLI::App& app) {
   auto arguments = std::make_shared<JoinArguments>();
-  CLI::App& verb = *app.add_subcommand("join", "Caches of the parts of a shot to one of the whole");
-  verb.add_option("parts", arguments->parts, "Caches that 'eval' wrote of parts of a shot, all .pc2 or all .usda")
+  CLI::App& verb = add_verb(app, "join", "Caches of the parts of a shot to one of the whole");
+  add_option(verb, "parts", arguments->parts, "Caches that 'eval' wrote of parts of a shot, all .pc2 or all .usda")
       ->required()
       ->type_name("CACHE...");
-  verb.add_option("--out", arguments->out, "Cache to write, with the ending of the parts")
+  add_option(verb, "--out", arguments->out, "Cache to write, with the ending of the parts")
       ->required()
       ->type_name("FILE")
       ->check(refuse_empty);

@@ -1,4 +1,5 @@
 // bodyopt modifiers: breathing, morphs, sculpts, flexed muscles, sag, relax and push-out for a basis.
+#include <nlohmann/json.hpp>
 #include <optional>
 
 #include "assets/shot_modifiers.h"
@@ -82,13 +83,12 @@ void run(const ModifiersArguments& arguments) {
 
 void add_modifiers(CLI::App& app) {
   auto arguments = std::make_shared<ModifiersArguments>();
-  CLI::App& verb = *app.add_subcommand(
-      "modifiers", "Give a basis modifiers: breathing, morphs, sculpts, flexed muscles, sag, relax, push-out");
-  verb.add_option("basis", arguments->basis, "Basis (.safetensors)")->required()->type_name("BASIS");
-  verb.add_option("stack", arguments->stack, "The stack to make (modifiers.json)")->required()->type_name("STACK");
-  verb.add_option(
-          "--limits", arguments->limits,
-          "Joint limits (limits.json): push-out is measured where joints are bent to them, in place of 130 degrees")
+  CLI::App& verb = add_verb(app, "modifiers",
+                            "Give a basis modifiers: breathing, morphs, sculpts, flexed muscles, sag, relax, push-out");
+  add_option(verb, "basis", arguments->basis, "Basis (.safetensors)")->required()->type_name("BASIS");
+  add_option(verb, "stack", arguments->stack, "The stack to make (modifiers.json)")->required()->type_name("STACK");
+  add_option(verb, "--limits", arguments->limits,
+             "Joint limits (limits.json): push-out is measured where joints are bent to them, in place of 130 degrees")
       ->type_name("FILE")
       ->check(refuse_empty);
   add_output(verb, arguments->out, ".safetensors", "Basis to write, with the modifiers in place of those it had");

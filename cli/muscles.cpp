@@ -1,5 +1,6 @@
 // bodyopt muscles: from anatomy to muscles.json.
 #include <algorithm>
+#include <nlohmann/json.hpp>
 #include <set>
 
 #include "assets/wording.h"
@@ -134,19 +135,17 @@ void import(const ImportArguments& arguments) {
 
 void add_muscles(CLI::App& app) {
   auto arguments = std::make_shared<ImportArguments>();
-  CLI::App& verb = *app.add_subcommand("muscles", "Muscles of a character");
+  CLI::App& verb = add_verb(app, "muscles", "Muscles of a character");
   verb.require_subcommand(1);
-  CLI::App& subverb = *verb.add_subcommand("import", "Carries the muscles of OpenSim or MuJoCo models to a character");
-  subverb.add_option("character", arguments->character, "Character (.glb, .gltf)")->required()->type_name("CHARACTER");
-  subverb
-      .add_option(
-          "--from", arguments->sources,
-          "Muscle model (.osim, MuJoCo .xml) and the mapping (.json) of its segments to the character's joints; "
-          "may be given several times")
+  CLI::App& subverb = add_verb(verb, "import", "Carries the muscles of OpenSim or MuJoCo models to a character");
+  add_option(subverb, "character", arguments->character, "Character (.glb, .gltf)")->required()->type_name("CHARACTER");
+  add_option(subverb, "--from", arguments->sources,
+             "Muscle model (.osim, MuJoCo .xml) and the mapping (.json) of its segments to the character's joints; "
+             "may be given several times")
       ->required()
       ->type_name("MODEL MAPPING");
   add_output(subverb, arguments->out, ".json", "The character's muscles");
-  subverb.add_option("--picture", arguments->picture, "Also draw them, from the front, from behind and from the left")
+  add_option(subverb, "--picture", arguments->picture, "Also draw them, from the front, from behind and from the left")
       ->type_name("FILE.png");
   add_unit(subverb, arguments->unit);
   arguments->json.add(subverb);

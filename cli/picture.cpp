@@ -2,10 +2,12 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <nlohmann/json.hpp>
 
 #include "assets/shape_reader.h"
 #include "assets/wording.h"
 #include "cli/arguments/common.h"
+#include "dataset/modifier.h"
 #include "geometry/embedding.h"
 #include "report/pictures.h"
 #include "report/section.h"
@@ -263,22 +265,22 @@ void run(const PictureArguments& arguments) {
 
 void add_picture(CLI::App& app) {
   auto arguments = std::make_shared<PictureArguments>();
-  CLI::App& verb = *app.add_subcommand("picture", "A picture of a frame of a dataset, whole or cut open");
-  verb.add_option("dataset", arguments->dataset, "Dataset (folder or dataset.json)")->required()->type_name("DATASET");
-  verb.add_option("--take", arguments->take, "Name of the take (default: the first)");
-  verb.add_option("--frame", arguments->frame, "Frame of the take")->required();
-  verb.add_option("--direction", arguments->direction, "From what is looked at towards the camera: x y z")
+  CLI::App& verb = add_verb(app, "picture", "A picture of a frame of a dataset, whole or cut open");
+  add_option(verb, "dataset", arguments->dataset, "Dataset (folder or dataset.json)")->required()->type_name("DATASET");
+  add_option(verb, "--take", arguments->take, "Name of the take (default: the first)");
+  add_option(verb, "--frame", arguments->frame, "Frame of the take")->required();
+  add_option(verb, "--direction", arguments->direction, "From what is looked at towards the camera: x y z")
       ->expected(3)
       ->capture_default_str();
-  CLI::Option* around = verb.add_option("--around", arguments->around, "Joint to look at (default: the whole body)");
-  verb.add_option("--radius", arguments->radius, "Metres around that joint")
+  CLI::Option* around = add_option(verb, "--around", arguments->around, "Joint to look at (default: the whole body)");
+  add_option(verb, "--radius", arguments->radius, "Metres around that joint")
       ->needs(around)
       ->check(above_zero)
       ->capture_default_str();
-  verb.add_flag("--cut-open", arguments->cut_open,
-                "Take away what is in front of the middle: fat yellow, bone white, muscles red, orange where they are "
-                "shorter than at rest, violet where longer. Of frames that `simulate` solved without --tet-size");
-  verb.add_option("--size", arguments->size, "Width and height in pixels")
+  add_flag(verb, "--cut-open", arguments->cut_open,
+           "Take away what is in front of the middle: fat yellow, bone white, muscles red, orange where they are "
+           "shorter than at rest, violet where longer. Of frames that `simulate` solved without --tet-size");
+  add_option(verb, "--size", arguments->size, "Width and height in pixels")
       ->expected(2)
       ->check(CLI::Range(16u, kMaxPictureSize))
       ->capture_default_str();

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <nlohmann/json.hpp>
 
 #include "assets/controls.h"
 #include "cli/arguments/common.h"
@@ -101,25 +102,25 @@ void run(ProxyArguments arguments) {
 
 void add_proxy(CLI::App& app) {
   auto arguments = std::make_shared<ProxyArguments>();
-  CLI::App& verb = *app.add_subcommand("proxy", "Light twins of a character: levels of detail, trained as it is");
-  verb.add_option("source", arguments->source,
-                  "Dataset (dataset.json, or its folder), or a trained basis (.safetensors)")
+  CLI::App& verb = add_verb(app, "proxy", "Light twins of a character: levels of detail, trained as it is");
+  add_option(verb, "source", arguments->source,
+             "Dataset (dataset.json, or its folder), or a trained basis (.safetensors)")
       ->required()
       ->type_name("DATASET|BASIS");
   add_output(verb, arguments->out, ".safetensors", "Levels to write: a basis, the first level, and the others");
-  verb.add_option("--error", arguments->errors_mm,
-                  "What the skin of each level may be off, mm (default: 1/500, 1/250 and 1/125 of the size)")
+  add_option(verb, "--error", arguments->errors_mm,
+             "What the skin of each level may be off, mm (default: 1/500, 1/250 and 1/125 of the size)")
       ->type_name("MM")
       ->check(above_zero)
       ->expected(1, static_cast<int>(kMostLevels));
-  verb.add_option("--character", arguments->character, "The basis' character (.glb, .gltf)")->type_name("CHARACTER");
-  verb.add_option("--muscles", arguments->muscles, "The basis' muscles (muscles.json)")->type_name("FILE");
+  add_option(verb, "--character", arguments->character, "The basis' character (.glb, .gltf)")->type_name("CHARACTER");
+  add_option(verb, "--muscles", arguments->muscles, "The basis' muscles (muscles.json)")->type_name("FILE");
   arguments->clip.add(verb);
   CLI::Option* clip = verb.get_option("--clip")->required(false);
   for (const char* of_clip : {"--frames", "--fps", "--first-frame", "--controls"}) {
     verb.get_option(of_clip)->needs(clip);
   }
-  verb.add_option("--seed", arguments->options.train.seed, "Seed of every random choice")->capture_default_str();
+  add_option(verb, "--seed", arguments->options.train.seed, "Seed of every random choice")->capture_default_str();
   arguments->json.add(verb);
   verb.callback([arguments] { run(*arguments); });
 }

@@ -2,6 +2,7 @@
 #include "trainer/train/regions/regions.h"
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
 #include <numeric>
 
 #include "assets/wording.h"
@@ -93,13 +94,13 @@ void run(const RegionsArguments& arguments) {
 
 void add_regions(CLI::App& app) {
   auto arguments = std::make_shared<RegionsArguments>();
-  CLI::App& verb = *app.add_subcommand("regions", "The regions in which `train` learns the skin: to see and to edit");
-  verb.add_option("dataset", arguments->dataset, "dataset.json, or its folder")->required()->type_name("DATASET");
-  verb.add_option("--out", arguments->out, "Also write them, as a file that dataset.json can name")
+  CLI::App& verb = add_verb(app, "regions", "The regions in which `train` learns the skin: to see and to edit");
+  add_option(verb, "dataset", arguments->dataset, "dataset.json, or its folder")->required()->type_name("DATASET");
+  add_option(verb, "--out", arguments->out, "Also write them, as a file that dataset.json can name")
       ->type_name("FILE.json")
       ->check(must_end_in(".json"));
-  verb.add_option("--picture", arguments->picture,
-                  "Also draw them, numbered, from the front, from the left, from behind and from the right")
+  add_option(verb, "--picture", arguments->picture,
+             "Also draw them, numbered, from the front, from the left, from behind and from the right")
       ->type_name("FILE.png")
       ->check(must_end_in(".png"));
   arguments->json.add(verb);

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <nlohmann/json.hpp>
 #include <set>
 
 #include "assets/joint_regions.h"
@@ -60,8 +61,7 @@ Json first_jiggle(const Character& character) {
 
 constexpr const char* kRegionSource =
     "skin weights, summed by joint: a joint that moves as much skin as 40 vertices, the fewest that train gives a "
-    "region "
-    "of its own, has one; the skin of others is with the nearest joint above that has one";
+    "region of its own, has one; the skin of others is with the nearest joint above that has one";
 
 struct RigFile {
   fs::path path;
@@ -169,17 +169,17 @@ void run(const RigArguments& arguments) {
 
 void add_rig(CLI::App& app) {
   auto arguments = std::make_shared<RigArguments>();
-  CLI::App& verb = *app.add_subcommand("rig", "First joint limits, jiggle settings and regions of a rig, to be edited");
-  verb.add_option("character", arguments->character, "Character (.glb, .gltf)")->required()->type_name("CHARACTER");
-  verb.add_option("--out", arguments->out, "Folder for limits.json, jiggle.json, regions.json and mappings of muscles")
+  CLI::App& verb = add_verb(app, "rig", "First joint limits, jiggle settings and regions of a rig, to be edited");
+  add_option(verb, "character", arguments->character, "Character (.glb, .gltf)")->required()->type_name("CHARACTER");
+  add_option(verb, "--out", arguments->out, "Folder for limits.json, jiggle.json, regions.json and mappings of muscles")
       ->required()
       ->type_name("DIR")
       ->check(refuse_empty);
-  verb.add_option("--clip", arguments->clips, "Clips that show how far joints go (default: the character's own)")
+  add_option(verb, "--clip", arguments->clips, "Clips that show how far joints go (default: the character's own)")
       ->type_name("CLIP");
-  verb.add_option("--mapping", arguments->mappings,
-                  "Mappings of muscles for another rig, to be written with this rig's joints (default: those of a "
-                  "person's legs, trunk and arms)")
+  add_option(verb, "--mapping", arguments->mappings,
+             "Mappings of muscles for another rig, to be written with this rig's joints (default: those of a "
+             "person's legs, trunk and arms)")
       ->type_name("FILE");
   add_joint_map(verb, arguments->joint_map);
   add_unit(verb, arguments->unit);

@@ -1,5 +1,6 @@
 // bodyopt rom: a character and its joint limits to a clip that shows the whole range of motion.
 #include <algorithm>
+#include <nlohmann/json.hpp>
 
 #include "assets/clip_source.h"
 #include "cli/arguments/common.h"
@@ -148,23 +149,21 @@ void run(const RomArguments& arguments) {
 
 void add_rom(CLI::App& app) {
   auto arguments = std::make_shared<RomArguments>();
-  CLI::App& verb =
-      *app.add_subcommand("rom", "A clip of a character's whole range of motion, to simulate and train on");
-  verb.add_option("character", arguments->character, "Character (.glb, .gltf)")->required()->type_name("CHARACTER");
-  verb.add_option("--limits", arguments->limits, "Joint limits (limits.json); default: what the clips of --from show")
+  CLI::App& verb = add_verb(app, "rom", "A clip of a character's whole range of motion, to simulate and train on");
+  add_option(verb, "character", arguments->character, "Character (.glb, .gltf)")->required()->type_name("CHARACTER");
+  add_option(verb, "--limits", arguments->limits, "Joint limits (limits.json); default: what the clips of --from show")
       ->type_name("FILE");
   add_output(verb, arguments->out, ".glb", "The clip to write");
-  verb.add_option("--frames", arguments->options.frames,
-                  "How many frames to make (a number, where other verbs take a list of frames)")
+  add_option(verb, "--frames", arguments->options.frames,
+             "How many frames to make (a number, where other verbs take a list of frames)")
       ->capture_default_str()
       ->check(CLI::Range(1, 1000000));
-  verb.add_option("--seed", arguments->options.seed, "Another seed gives other random poses")->capture_default_str();
-  verb.add_option("--from", arguments->from,
-                  "Clips whose poses the random poses are blended from, beyond the limits if they go there")
+  add_option(verb, "--seed", arguments->options.seed, "Another seed gives other random poses")->capture_default_str();
+  add_option(verb, "--from", arguments->from,
+             "Clips whose poses the random poses are blended from, beyond the limits if they go there")
       ->type_name("CLIP");
-  verb.add_option(
-          "--step", arguments->options.step,
-          "Degrees that a joint may turn from a random frame to the next: for solvers that need a smooth motion")
+  add_option(verb, "--step", arguments->options.step,
+             "Degrees that a joint may turn from a random frame to the next: for solvers that need a smooth motion")
       ->check(number_from(1, 360));
   add_joint_map(verb, arguments->joint_map);
   add_unit(verb, arguments->unit);

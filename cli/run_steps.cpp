@@ -54,7 +54,9 @@ void run_steps(const std::vector<const FarmStep*>& steps, const std::string& pro
 
 void run_show_list(const std::string& file, const std::string& progress) {
   std::vector<std::string> problems;
-  const FarmPlan plan = plan_show(read_show_list(file, problems), kUncutMinutes, problems);
+  const ShowList list = read_show_list(file, problems);
+  say(list.notes);
+  const FarmPlan plan = plan_show(list, kUncutMinutes, problems);
   for (const std::string& problem : problems) spdlog::error("{}", problem);
   if (!problems.empty()) {
     throw Error(ErrorKind::usage, format("%s: %zu problems; nothing is evaluated", file.c_str(), problems.size()));

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <nlohmann/json.hpp>
 
 #include "cli/arguments/common.h"
 #include "cli/arguments/simulate_take.h"
@@ -90,23 +91,22 @@ void run(const SimulateArguments& arguments) {
 
 void add_simulate(CLI::App& app) {
   auto arguments = std::make_shared<SimulateArguments>();
-  CLI::App& verb =
-      *app.add_subcommand("simulate", "Shapes of a character for every frame of a clip, by finite elements");
-  verb.add_option("character", arguments->character, "Character (.glb, .gltf)")->required()->type_name("CHARACTER");
+  CLI::App& verb = add_verb(app, "simulate", "Shapes of a character for every frame of a clip, by finite elements");
+  add_option(verb, "character", arguments->character, "Character (.glb, .gltf)")->required()->type_name("CHARACTER");
   arguments->take.add(verb);
-  verb.add_option("--muscles", arguments->muscles, "muscles.json (default: passive tissue only)")->type_name("FILE");
-  verb.add_option("--materials", arguments->materials,
-                  "Tissue, as in rigs/materials.json (default: what that file says)")
+  add_option(verb, "--muscles", arguments->muscles, "muscles.json (default: passive tissue only)")->type_name("FILE");
+  add_option(verb, "--materials", arguments->materials,
+             "Tissue, as in rigs/materials.json (default: what that file says)")
       ->type_name("FILE");
-  verb.add_option("--out", arguments->out, "Dataset folder; a take is added to the dataset.json in it")
+  add_option(verb, "--out", arguments->out, "Dataset folder; a take is added to the dataset.json in it")
       ->required()
       ->type_name("DATASET_DIR");
-  CLI::Option* size = verb.add_option("--tet-size", arguments->options.tet_size,
-                                      "Largest tet edge inside, metres (default: from the skin)")
+  CLI::Option* size = add_option(verb, "--tet-size", arguments->options.tet_size,
+                                 "Largest tet edge inside, metres (default: from the skin)")
                           ->check(above_zero);
-  verb.add_flag("--draft", arguments->options.draft, "Fast: in a cage of 1,500 nodes or fewer; stores nodes (.nodes)")
+  add_flag(verb, "--draft", arguments->options.draft, "Fast: in a cage of 1,500 nodes or fewer; stores nodes (.nodes)")
       ->excludes(size);
-  verb.add_option("--threads", arguments->options.threads, "Frames solved at once (default: one per core)")
+  add_option(verb, "--threads", arguments->options.threads, "Frames solved at once (default: one per core)")
       ->check(CLI::NonNegativeNumber);
   add_unit(verb, arguments->unit);
   arguments->json.add(verb);

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <nlohmann/json.hpp>
 
 #include "assets/frame_range.h"
 #include "cli/arguments/common.h"
@@ -132,11 +133,11 @@ void run(const TestArguments& arguments) {
 
 void add_test(CLI::App& app) {
   auto arguments = std::make_shared<TestArguments>();
-  CLI::App& verb = *app.add_subcommand(
-      "test", "How well a basis does on shapes that it did not learn from, by area and by part of the body");
-  verb.add_option("basis", arguments->basis, "Basis (.safetensors)")->required()->type_name("BASIS");
-  verb.add_option("dataset", arguments->dataset,
-                  "dataset.json or its folder: its held-out frames are tested, or all of them where none is held out")
+  CLI::App& verb = add_verb(
+      app, "test", "How well a basis does on shapes that it did not learn from, by area and by part of the body");
+  add_option(verb, "basis", arguments->basis, "Basis (.safetensors)")->required()->type_name("BASIS");
+  add_option(verb, "dataset", arguments->dataset,
+             "dataset.json or its folder: its held-out frames are tested, or all of them where none is held out")
       ->required()
       ->type_name("DATASET");
   arguments->json.add(verb);

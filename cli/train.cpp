@@ -4,6 +4,7 @@
 #include <spdlog/spdlog.h>
 
 #include <filesystem>
+#include <nlohmann/json.hpp>
 #include <optional>
 
 #include "assets/json_file.h"
@@ -125,7 +126,7 @@ int surface_curves_for(const TrainArguments& arguments, const SampleSet& set) {
     const auto found = earlier.metadata.find("provenance");
     if (found != earlier.metadata.end()) {
       const std::filesystem::path path = arguments.out;
-      const Json provenance = parse_strict_json<Json>(found->second, arguments.out);
+      const Json provenance = parse_strict_json(found->second, arguments.out);
       const JsonObject object(provenance, path, "provenance");
       return object.has("surface_curves") ? object.integer("surface_curves", 0, 1000) : 0;
     }
@@ -237,57 +238,56 @@ void run(TrainArguments arguments) {
 
 void add_train(CLI::App& app) {
   auto arguments = std::make_shared<TrainArguments>();
-  CLI::App& verb = *app.add_subcommand("train", "Learn a basis from a dataset");
-  verb.add_option("dataset", arguments->dataset, "dataset.json, or its folder")->type_name("DATASET");
+  CLI::App& verb = add_verb(app, "train", "Learn a basis from a dataset");
+  add_option(verb, "dataset", arguments->dataset, "dataset.json, or its folder")->type_name("DATASET");
   CLI::Option* ddm_only =
-      verb.add_option("--ddm-only", arguments->ddm_only, "Make a basis of Direct Delta Mush alone, without shapes")
+      add_option(verb, "--ddm-only", arguments->ddm_only, "Make a basis of Direct Delta Mush alone, without shapes")
           ->type_name("CHARACTER");
   add_output(verb, arguments->out, ".safetensors", "Basis to write");
-  verb.add_option("--heldout-every", arguments->heldout_every,
-                  "Hold out every Nth block of ten frames instead of the frames dataset.json names")
+  add_option(verb, "--heldout-every", arguments->heldout_every,
+             "Hold out every Nth block of ten frames instead of the frames dataset.json names")
       ->check(CLI::Range(2, 1000));
-  verb.add_option("--surface-curves", arguments->surface_curves,
-                  "Also measure strains along so many pairs of curves on the skin, where nothing explains its motion "
-                  "(default: 40 of few frames without muscles of which joints tell little, else 0)")
+  add_option(verb, "--surface-curves", arguments->surface_curves,
+             "Also measure strains along so many pairs of curves on the skin, where nothing explains its motion "
+             "(default: 40 of few frames without muscles of which joints tell little, else 0)")
       ->type_name("N")
       ->check(CLI::Range(0, 1000))
       ->excludes(ddm_only);
-  verb.add_flag(
-          "--update", arguments->options.update,
-          "Learn new and edited frames with the regions, components and hyper-parameters that an earlier training "
-          "to the same file found: several times quicker")
+  add_flag(verb, "--update", arguments->options.update,
+           "Learn new and edited frames with the regions, components and hyper-parameters that an earlier training "
+           "to the same file found: several times quicker")
       ->excludes(ddm_only);
-  verb.add_flag("--ablate", arguments->ablate,
-                "Also train the model with parts left out, and its peers, to as many bytes, and compare them");
-  verb.add_option("--report", arguments->report,
-                  "Folder for report.html and report.json: what was learned, and how well")
+  add_flag(verb, "--ablate", arguments->ablate,
+           "Also train the model with parts left out, and its peers, to as many bytes, and compare them");
+  add_option(verb, "--report", arguments->report,
+             "Folder for report.html and report.json: what was learned, and how well")
       ->type_name("DIR")
       ->check(refuse_empty)
       ->excludes(ddm_only);
-  verb.add_option("--smoothing-radius", arguments->options.smoothing_radius,
-                  "Radius of Direct Delta Mush, metres (default: 1/40 of the size, or twice that where it leaves less "
-                  "to learn)")
+  add_option(verb, "--smoothing-radius", arguments->options.smoothing_radius,
+             "Radius of Direct Delta Mush, metres (default: 1/40 of the size, or twice that where it leaves less "
+             "to learn)")
       ->check(above_zero);
-  CLI::Option* budget = verb.add_option("--budget", arguments->options.budget,
-                                        "The best basis of so many bytes per vertex at most, all tables together");
+  CLI::Option* budget = add_option(verb, "--budget", arguments->options.budget,
+                                   "The best basis of so many bytes per vertex at most, all tables together");
   budget->type_name("BYTES")->check(above_zero)->excludes(ddm_only);
-  verb.add_option("--tolerance", arguments->options.tolerance_mm,
-                  "The smallest basis with an expected RMS error of so many mm at most")
+  add_option(verb, "--tolerance", arguments->options.tolerance_mm,
+             "The smallest basis with an expected RMS error of so many mm at most")
       ->type_name("MM")
       ->check(above_zero)
       ->excludes(ddm_only)
       ->excludes(budget);
-  verb.add_option("--components", arguments->options.components, "Coefficients per region at most")
+  add_option(verb, "--components", arguments->options.components, "Coefficients per region at most")
       ->capture_default_str()
       ->check(CLI::Range(1, 256));
-  verb.add_option("--centres", arguments->options.centres, "Kernel centres per region at most")
+  add_option(verb, "--centres", arguments->options.centres, "Kernel centres per region at most")
       ->capture_default_str()
       ->check(CLI::Range(0, 4096));
-  verb.add_option("--memory", arguments->options.memory_gib,
-                  "GiB that shapes in memory may take; with less, they are read several times")
+  add_option(verb, "--memory", arguments->options.memory_gib,
+             "GiB that shapes in memory may take; with less, they are read several times")
       ->capture_default_str()
       ->check(number_from(1e-6, 1e6));
-  verb.add_option("--seed", arguments->options.seed, "Seed of every random choice")->capture_default_str();
+  add_option(verb, "--seed", arguments->options.seed, "Seed of every random choice")->capture_default_str();
   add_unit(verb, arguments->unit);
   arguments->json.add(verb);
   verb.callback([arguments] { run(*arguments); });

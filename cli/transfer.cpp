@@ -2,12 +2,15 @@
 #include <spdlog/spdlog.h>
 
 #include <filesystem>
+#include <nlohmann/json.hpp>
 #include <set>
 
 #include "assets/frame_range.h"
 #include "cli/arguments/common.h"
 #include "cli/results/transfer_page.h"
 #include "cli/results/transfer_picture.h"
+#include "dataset/modifier.h"
+#include "report/page.h"
 #include "runtime/core/atomic_file.h"
 #include "runtime/core/error.h"
 #include "runtime/core/stopwatch.h"
@@ -71,30 +74,6 @@ double judge(const TransferPair& pair, const TransferArguments& arguments, const
   if (!arguments.force) throw Error(ErrorKind::mismatch, what + "; --force goes on all the same");
   spdlog::warn(what);
   return alike;
-}
-
-Json names_without(const std::vector<int>& match, const Skeleton& skeleton) {
-  Json names = Json::array();
-  for (std::size_t j = 0; j < match.size(); ++j) {
-    if (match[j] < 0) names.push_back(skeleton.joints[j].name);
-  }
-  return names;
-}
-
-Json facts_of(const TransferPair& pair, double alike) {
-  const Correspondence& correspondence = pair.correspondence;
-  const double count = static_cast<double>(std::max<Eigen::Index>(1, correspondence.distance.size()));
-  return {{"same_topology", correspondence.same_topology},
-          {"size_ratio", pair.match.size},
-          {"matched_joints", std::count_if(pair.match.source_joint.begin(), pair.match.source_joint.end(),
-                                           [](int joint) { return joint >= 0; })},
-          {"unmatched_source_joints", names_without(pair.match.target_joint, pair.source.skeleton)},
-          {"unmatched_target_joints", names_without(pair.match.source_joint, pair.target.skeleton)},
-          {"posed_to_the_source", pair.match.is_aligned()},
-          {"likeness", alike},
-          {"confidence", correspondence.mean_confidence()},
-          {"filled_in_vertices", pair.skin.unsure()},
-          {"fit_rms_mm", 1e3 * std::sqrt(correspondence.distance.squaredNorm() / count)}};
 }
 
 std::string describe(const TransferPair& pair) {
@@ -222,8 +201,8 @@ class BasisTransfer {
         company_(company_of(arguments, source_.front().basis)),
         motion_(motion_for_report(arguments, source_.front().basis)) {}
 
-  // Of one target, as --json has it; what is for people is printed.
-  Json carry(const std::string& target, const std::string& out, Page& page) {
+  // Of one target, as --json has it; what is for people is printed, and the report's pictures are added.
+  Json carry(const std::string& target, const std::string& out, Json& pictures) {
     const Stopwatch watch;
     const Character character = read_character(target, arguments_.unit);
     say_of(target, character.notes);
@@ -233,7 +212,7 @@ class BasisTransfer {
     const std::vector<Level> carried = carried_levels(pair, character, source_, options_, arguments_.unit, notes);
     save_levels(carried, out);
     const Basis& basis = carried.front().basis;
-    Json facts = facts_of(pair, alike);
+    Json facts = to_json(pair, alike);
     facts["target"] = target;
     facts["basis"] = out;
     facts["vertices"] = basis.mesh.vertex_count();
@@ -246,7 +225,7 @@ class BasisTransfer {
     facts["beside"] = beside;
     facts["seconds_with_what_is_beside"] = watch.seconds();
     say_of(target, notes);
-    if (!arguments_.report.empty()) report(pair, alike, basis, target, facts, page);
+    if (!arguments_.report.empty()) report(pair, basis, facts, pictures);
     std::string text = format("wrote %s: %u vertices, %s, %.1f s\n", out.c_str(), basis.mesh.vertex_count(),
                               describe(pair).c_str(), seconds);
     for (const std::string& file : beside) text += "wrote " + file + "\n";
@@ -255,13 +234,12 @@ class BasisTransfer {
   }
 
  private:
-  void report(const TransferPair& pair, double alike, const Basis& basis, const std::string& target, Json& facts,
-              Page& page) const {
+  void report(const TransferPair& pair, const Basis& basis, Json& facts, Json& pictures) const {
     std::vector<ComparedPose> poses;
     if (motion_) poses = compare_poses(pair, basis, motion_->clip, motion_->frames);
     const auto parts = transfer_parts(pair.source, pair.target, pair.match, pair.correspondence);
-    add_transfer(pair, alike, parts, target, basis.mesh, poses, page);
     facts.update(to_json(parts, poses));
+    pictures.push_back(transfer_pictures(pair, basis.mesh, poses));
   }
 
   const TransferArguments& arguments_;
@@ -276,15 +254,15 @@ void run_basis(const TransferArguments& arguments) {
   check_basis_arguments(arguments);
   check_outputs(arguments);
   BasisTransfer transfer(arguments);
-  Page page("Transfer", "What was learned in " + arguments.source + ", on other bodies");
-  Json list = Json::array();
+  Json list = Json::array(), pictures = Json::array();
   std::optional<Error> failure;
   for (std::size_t k = 0; k < arguments.targets.size(); ++k) {
     try {
-      list.push_back(transfer.carry(arguments.targets[k], arguments.outs[k], page));
+      list.push_back(transfer.carry(arguments.targets[k], arguments.outs[k], pictures));
     } catch (const Error& error) {
       if (error.kind() == ErrorKind::interrupted) throw;
       list.push_back({{"target", arguments.targets[k]}, {"error", error.what()}});
+      pictures.push_back(Json::object());
       if (failure) {
         spdlog::error(error.what());
       } else {
@@ -294,8 +272,11 @@ void run_basis(const TransferArguments& arguments) {
   }
   std::string text;
   if (!arguments.report.empty()) {
-    const std::string html = page.text();
-    write_file_atomically(arguments.report, std::as_bytes(std::span(html)));
+    const Json figures = {{"title", "Transfer"},
+                          {"subtitle", "What was learned in " + arguments.source + ", on other bodies"},
+                          {"targets", list}};
+    const std::string page = page_text("transfer", figures, pictures);
+    write_file_atomically(arguments.report, std::as_bytes(std::span(page)));
     text = "wrote " + arguments.report + "\n";
   }
   arguments.json.emit({{"targets", list}, {"peak_memory_mib", peak_memory_mib()}}, text);
@@ -327,7 +308,7 @@ void run_dataset(const TransferArguments& arguments) {
   const double alike = judge(pair, arguments, arguments.targets.front());
   const TransferredDataset told = transfer_dataset(dataset, source_character, pair, target, out);
   say_of(out.string(), told.notes);
-  Json facts = facts_of(pair, alike);
+  Json facts = to_json(pair, alike);
   facts["dataset"] = (out / "dataset.json").string();
   facts["takes"] = told.takes;
   facts["frames"] = told.frames;
@@ -422,28 +403,28 @@ void run_refine(const RefineArguments& arguments) {
 
 void add_refine(CLI::App& transfer) {
   const auto arguments = std::make_shared<RefineArguments>();
-  CLI::App& verb = *transfer.add_subcommand(
-      "refine", "Carried frames of a dataset, moved to what frames of the body's own in it show");
-  verb.add_option("dataset", arguments->dataset, "Dataset (folder or dataset.json)")->required()->type_name("DATASET");
-  verb.add_option("--carried", arguments->carried, "Takes that 'transfer dataset' wrote; the others are its own")
+  CLI::App& verb =
+      add_verb(transfer, "refine", "Carried frames of a dataset, moved to what frames of the body's own in it show");
+  add_option(verb, "dataset", arguments->dataset, "Dataset (folder or dataset.json)")->required()->type_name("DATASET");
+  add_option(verb, "--carried", arguments->carried, "Takes that 'transfer dataset' wrote; the others are its own")
       ->required()
       ->type_name("TAKE");
-  verb.add_option("--seed", arguments->options.seed, "Seed of every random choice")->capture_default_str();
+  add_option(verb, "--seed", arguments->options.seed, "Seed of every random choice")->capture_default_str();
   arguments->json.add(verb);
   verb.callback([arguments] { run_refine(*arguments); });
 }
 
 void add_shared(CLI::App& verb, TransferArguments& arguments) {
-  verb.add_option("--map", arguments.options.joint_map,
-                  "Which joint of the source is which of the target, where names do not tell (joint_map.json)")
+  add_option(verb, "--map", arguments.options.joint_map,
+             "Which joint of the source is which of the target, where names do not tell (joint_map.json)")
       ->type_name("FILE")
       ->check(refuse_empty);
-  verb.add_option("--markers", arguments.markers, "Vertices of both skins that are the same (markers.json)")
+  add_option(verb, "--markers", arguments.markers, "Vertices of both skins that are the same (markers.json)")
       ->type_name("FILE")
       ->check(refuse_empty);
-  verb.add_flag("--source-size", arguments.source_size,
-                "Displacements in metres as on the source, and not by the target's local size");
-  verb.add_flag("--force", arguments.force, "Go on with bodies that are unlike");
+  add_flag(verb, "--source-size", arguments.source_size,
+           "Displacements in metres as on the source, and not by the target's local size");
+  add_flag(verb, "--force", arguments.force, "Go on with bodies that are unlike");
   add_unit(verb, arguments.unit);
   arguments.json.add(verb);
 }
@@ -451,70 +432,65 @@ void add_shared(CLI::App& verb, TransferArguments& arguments) {
 }  // namespace
 
 void add_transfer(CLI::App& app) {
-  CLI::App& verb = *app.add_subcommand("transfer", "What was simulated or learned, carried to other characters");
+  CLI::App& verb = add_verb(app, "transfer", "What was simulated or learned, carried to other characters");
   verb.require_subcommand(1);
   const auto of_dataset = std::make_shared<TransferArguments>(), of_basis = std::make_shared<TransferArguments>();
 
-  CLI::App& dataset =
-      *verb.add_subcommand("dataset", "A dataset of another character: clips, shapes, muscles, regions");
-  dataset.add_option("source", of_dataset->source, "Dataset (folder or dataset.json)")
+  CLI::App& dataset = add_verb(verb, "dataset", "A dataset of another character: clips, shapes, muscles, regions");
+  add_option(dataset, "source", of_dataset->source, "Dataset (folder or dataset.json)")
       ->required()
       ->type_name("DATASET");
-  dataset.add_option("target", of_dataset->targets, "The other character (.glb, .gltf)")
+  add_option(dataset, "target", of_dataset->targets, "The other character (.glb, .gltf)")
       ->required()
       ->expected(1)
       ->type_name("CHARACTER");
-  dataset.add_option("--out", of_dataset->outs, "Folder of the dataset to write")
+  add_option(dataset, "--out", of_dataset->outs, "Folder of the dataset to write")
       ->required()
       ->expected(1)
       ->type_name("DATASET")
       ->check(refuse_empty);
-  dataset.add_option("--picture", of_dataset->picture, "Picture of the match (.png): by colour, and how sure it is")
+  add_option(dataset, "--picture", of_dataset->picture, "Picture of the match (.png): by colour, and how sure it is")
       ->type_name("FILE")
       ->check(must_end_in(".png"));
   add_shared(dataset, *of_dataset);
   dataset.callback([of_dataset] { run_dataset(*of_dataset); });
 
-  CLI::App& basis = *verb.add_subcommand("basis", "A trained basis for other characters, at no cost at run time");
-  basis.add_option("source", of_basis->source, "Trained basis, or a proxy with all of its levels (.safetensors)")
+  CLI::App& basis = add_verb(verb, "basis", "A trained basis for other characters, at no cost at run time");
+  add_option(basis, "source", of_basis->source, "Trained basis, or a proxy with all of its levels (.safetensors)")
       ->required()
       ->type_name("BASIS");
-  basis.add_option("targets", of_basis->targets, "The other characters (.glb, .gltf)")
+  add_option(basis, "targets", of_basis->targets, "The other characters (.glb, .gltf)")
       ->required()
       ->type_name("CHARACTER");
-  basis.add_option("--out", of_basis->outs, "Bases to write (.safetensors), one per target")
+  add_option(basis, "--out", of_basis->outs, "Bases to write (.safetensors), one per target")
       ->required()
       ->type_name("BASIS")
       ->check(must_end_in(".safetensors"));
-  basis
-      .add_option("--picture", of_basis->picture,
-                  "Picture of the match with the last target (.png): by colour, and how sure it is")
+  add_option(basis, "--picture", of_basis->picture,
+             "Picture of the match with the last target (.png): by colour, and how sure it is")
       ->type_name("FILE")
       ->check(must_end_in(".png"));
-  basis
-      .add_option("--report", of_basis->report,
-                  "Page on how well the bodies match, part by part, and what to simulate next (.html)")
+  add_option(basis, "--report", of_basis->report,
+             "Page on how well the bodies match, part by part, and what to simulate next (.html)")
       ->type_name("FILE")
       ->check(must_end_in(".html"));
-  basis.add_option("--clip", of_basis->clip, "Poses for the report: motion of the source")
+  add_option(basis, "--clip", of_basis->clip, "Poses for the report: motion of the source")
       ->type_name("CLIP")
       ->check(refuse_empty);
-  basis
-      .add_option("--proxy", of_basis->proxy,
-                  "Proxy of the source (default: BASIS.proxy.safetensors beside it), whose levels go with it, to "
-                  "OUT.proxy.safetensors")
+  add_option(basis, "--proxy", of_basis->proxy,
+             "Proxy of the source (default: BASIS.proxy.safetensors beside it), whose levels go with it, to "
+             "OUT.proxy.safetensors")
       ->type_name("BASIS")
       ->check(refuse_empty);
-  basis
-      .add_option("--muscles", of_basis->muscles,
-                  "The source's muscles (muscles.json), for the dynamics that stand beside it: those are made for the "
-                  "targets, too")
+  add_option(basis, "--muscles", of_basis->muscles,
+             "The source's muscles (muscles.json), for the dynamics that stand beside it: those are made for the "
+             "targets, too")
       ->type_name("FILE")
       ->check(refuse_empty);
-  basis.add_flag("--alone", of_basis->alone, "Without the dynamics and the proxy that stand beside the source")
+  add_flag(basis, "--alone", of_basis->alone, "Without the dynamics and the proxy that stand beside the source")
       ->excludes(basis.get_option("--proxy"))
       ->excludes(basis.get_option("--muscles"));
-  basis.add_option("--frames", of_basis->frames, "Frames of it (default: all)")->type_name("R")->check(refuse_empty);
+  add_option(basis, "--frames", of_basis->frames, "Frames of it (default: all)")->type_name("R")->check(refuse_empty);
   add_shared(basis, *of_basis);
   basis.callback([of_basis] { run_basis(*of_basis); });
   add_refine(verb);

@@ -57,54 +57,54 @@ void run(const ViewArguments& arguments) {
 void add_view(CLI::App& app) {
   auto arguments = std::make_shared<ViewArguments>();
   ViewerOptions& options = arguments->options;
-  CLI::App& verb = *app.add_subcommand("view", "The animators' viewport");
-  verb.add_option("files", options.files,
-                  "Basis (.safetensors), or character (.glb, .gltf) by Direct Delta Mush, its clip and point cache, or "
-                  "a dataset; "
-                  "then others, each followed by its own (default: the built-in arm)")
+  CLI::App& verb = add_verb(app, "view", "The animators' viewport");
+  add_option(verb, "files", options.files,
+             "Basis (.safetensors), or character (.glb, .gltf) by Direct Delta Mush, its clip and point cache, or "
+             "a dataset; "
+             "then others, each followed by its own (default: the built-in arm)")
       ->type_name("BASIS|CHARACTER|DATASET [CLIP]")
       ->check(refuse_empty);
-  verb.add_option("--truth", options.truth,
-                  "Point cache to compare the first character with, or DATASET#TAKE: a take through its modifiers")
+  add_option(verb, "--truth", options.truth,
+             "Point cache to compare the first character with, or DATASET#TAKE: a take through its modifiers")
       ->type_name("CACHE")
       ->check(refuse_empty);
-  verb.add_option("--proxy", options.proxy, "Lighter levels of the first basis, which `proxy` made of it")
+  add_option(verb, "--proxy", options.proxy, "Lighter levels of the first basis, which `proxy` made of it")
       ->type_name("BASIS")
       ->check(refuse_empty);
-  verb.add_option("--character", options.character,
-                  "File of the first basis' character, to compare with linear blending")
+  add_option(verb, "--character", options.character,
+             "File of the first basis' character, to compare with linear blending")
       ->type_name("CHARACTER")
       ->check(refuse_empty);
-  verb.add_option("--ff", options.first, "First frame of the range that is played")->type_name("FRAME");
-  verb.add_option("--lf", options.last, "Last frame")->type_name("FRAME");
-  verb.add_option("--cf", options.current, "Frame to begin at")->type_name("FRAME");
-  verb.add_option("--fps", options.clip.fps, "Frames a second that clips are sampled at (default: 24)")
+  add_option(verb, "--ff", options.first, "First frame of the range that is played")->type_name("FRAME");
+  add_option(verb, "--lf", options.last, "Last frame")->type_name("FRAME");
+  add_option(verb, "--cf", options.current, "Frame to begin at")->type_name("FRAME");
+  add_option(verb, "--fps", options.clip.fps, "Frames a second that clips are sampled at (default: 24)")
       ->check(above_zero);
-  verb.add_option("--size", arguments->size, "Width and height of the picture, pixels")
+  add_option(verb, "--size", arguments->size, "Width and height of the picture, pixels")
       ->expected(2)
       ->allow_extra_args(false)
       ->check(CLI::Range(1u, kMostViewportPixels));
-  verb.add_option("--limits", options.limits,
-                  "Joint limits (limits.json) of the first character: how far joints can be turned")
+  add_option(verb, "--limits", options.limits,
+             "Joint limits (limits.json) of the first character: how far joints can be turned")
       ->type_name("FILE")
       ->check(refuse_empty);
   add_joint_map(verb, options.joint_map);
-  verb.add_option("--state", options.state, "Cameras and settings that the viewport saved")->type_name("FILE");
-  verb.add_option("--do", options.commands, "Commands of the viewport, parted by ';'")->type_name("COMMANDS");
+  add_option(verb, "--state", options.state, "Cameras and settings that the viewport saved")->type_name("FILE");
+  add_option(verb, "--do", options.commands, "Commands of the viewport, parted by ';'")->type_name("COMMANDS");
   add_unit(verb, options.clip.unit);
-  verb.add_option("--live", options.live_port, "Show poses that another program sends to this UDP port of 127.0.0.1")
+  add_option(verb, "--live", options.live_port, "Show poses that another program sends to this UDP port of 127.0.0.1")
       ->type_name("PORT")
       ->check(CLI::Range(0, 65535));
-  verb.add_flag("--no-vsync", arguments->no_vsync, "As many pictures a second as there can be");
-  verb.add_option("--seconds", options.seconds, "Close after so long")->check(above_zero);
-  verb.add_flag("--headless", options.headless, "Without a window");
-  verb.add_option("-o,--out", options.out,
-                  "With --headless: a picture (.png), one per frame where the name has #### or %04d, or all frames in "
-                  "one that moves (.webp)")
+  add_flag(verb, "--no-vsync", arguments->no_vsync, "As many pictures a second as there can be");
+  add_option(verb, "--seconds", options.seconds, "Close after so long")->check(above_zero);
+  add_flag(verb, "--headless", options.headless, "Without a window");
+  add_option(verb, "-o,--out", options.out,
+             "With --headless: a picture (.png), one per frame where the name has #### or %04d, or all frames in "
+             "one that moves (.webp)")
       ->type_name("FILE")
       ->check(refuse_empty);
-  verb.add_option("--device", options.device.name, "Vulkan device: auto, an index or part of a name (default: auto)");
-  verb.add_flag("--validate", options.device.validation, "With Vulkan's validation layers: any message is an error");
+  add_option(verb, "--device", options.device.name, "Vulkan device: auto, an index or part of a name (default: auto)");
+  add_flag(verb, "--validate", options.device.validation, "With Vulkan's validation layers: any message is an error");
   verb.callback([arguments] { run(*arguments); });
 }
 

@@ -26,7 +26,7 @@ class ErrorAccumulator {
   explicit ErrorAccumulator(std::uint32_t vertex_count);
   // a, b: vertex_count x 3, metres.
   void add(int frame, std::span<const float> a, std::span<const float> b);
-  ErrorStatistics finish() const;
+  [[nodiscard]] ErrorStatistics finish() const;
 
  private:
   std::uint32_t vertex_count_;

@@ -3,12 +3,14 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <nlohmann/json.hpp>
 #include <set>
 #include <sstream>
 
 #include "assets/clip_source.h"
 #include "assets/frame_range.h"
 #include "assets/json_file.h"
+#include "dataset/modifier.h"
 #include "runtime/core/atomic_file.h"
 #include "runtime/core/error.h"
 #include "runtime/core/file_lock.h"
@@ -113,7 +115,7 @@ Json to_json(const Dataset& dataset, const std::filesystem::path& path) {
     if (take.carried) entry["carried"] = true;
     json["takes"].push_back(entry);
   }
-  if (!dataset.selections.empty()) json["selections"] = dataset.selections;
+  for (const NamedSelection& selection : dataset.selections) json["selections"][selection.name] = selection.frames;
   if (!dataset.modifiers.empty()) json["modifiers"] = to_json(dataset.modifiers);
   return json;
 }
@@ -158,6 +160,13 @@ void require_same_motion(const DatasetTake& there, const DatasetTake& asked) {
                                        "; asked for " + described(asked) + ": give the new one a --name");
 }
 
+Dataset::Dataset() = default;
+Dataset::Dataset(const Dataset& other) = default;
+Dataset::Dataset(Dataset&& other) noexcept = default;
+Dataset& Dataset::operator=(const Dataset& other) = default;
+Dataset& Dataset::operator=(Dataset&& other) noexcept = default;
+Dataset::~Dataset() = default;
+
 Dataset read_dataset(const std::filesystem::path& path) {
   const Json json = read_json(path, kDatasetSchema);
   const JsonObject top(json, path, "the dataset");
@@ -170,13 +179,14 @@ Dataset read_dataset(const std::filesystem::path& path) {
   if (top.has("materials")) dataset.materials = top.name("materials");
   if (top.has("regions")) dataset.regions = top.name("regions");
   std::set<std::string> names;
-  const Json& takes = top.array("takes");
-  for (std::size_t k = 0; k < takes.size(); ++k) {
-    const JsonObject take(takes[k], path, "takes[" + std::to_string(k) + "]");
+  for (const JsonObject& take : top.objects("takes")) {
     dataset.takes.push_back(read_take(take));
     if (!names.insert(dataset.takes.back().name).second) take.refuse("has the name of an earlier take");
   }
-  if (json.contains("selections")) dataset.selections = JsonObject(json["selections"], path, "'selections'").json();
+  if (top.has("selections")) {
+    const JsonObject selections(json["selections"], path, "'selections'");
+    for (const auto& [name, frames] : selections.json().items()) dataset.selections.push_back({name, frames});
+  }
   if (top.has("modifiers")) dataset.modifiers = read_modifiers(top.array("modifiers"), path);
   return dataset;
 }
@@ -213,9 +223,7 @@ std::vector<FrameStatus> read_frame_status(const std::filesystem::path& path) {
   top.allow({"schema", "frames"});
   std::vector<FrameStatus> status;
   std::set<int> known;
-  const Json& frames = top.array("frames");
-  for (std::size_t k = 0; k < frames.size(); ++k) {
-    const JsonObject frame(frames[k], path, "frames[" + std::to_string(k) + "]");
+  for (const JsonObject& frame : top.objects("frames")) {
     frame.allow({"frame", "residual", "converged", "iterations", "seconds", "inverted_tets", "contact_depth",
                  "volume_change", "inputs"});
     FrameStatus entry;

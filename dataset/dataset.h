@@ -11,9 +11,12 @@
 #include "assets/character.h"
 #include "assets/clip.h"
 #include "assets/muscles.h"
-#include "dataset/modifier.h"
 
 namespace bodyopt {
+
+// dataset/modifier.h, which takes a second to compile.
+struct Modifier;
+struct NamedSelection;
 
 // One clip and its shapes. Sample k of the cache is frame frames[k] of the clip.
 struct DatasetTake {
@@ -31,6 +34,13 @@ struct DatasetTake {
 };
 
 struct Dataset {
+  Dataset();
+  Dataset(const Dataset& other);
+  Dataset(Dataset&& other) noexcept;
+  Dataset& operator=(const Dataset& other);
+  Dataset& operator=(Dataset&& other) noexcept;
+  ~Dataset();
+
   std::filesystem::path folder;
   std::string character;  // relative path
   double unit = 0;        // as read_character
@@ -38,8 +48,8 @@ struct Dataset {
   std::string materials;  // relative path, or empty: the defaults
   std::string regions;    // regions.json, relative path, or empty: chosen by training
   std::vector<DatasetTake> takes;
-  std::vector<Modifier> modifiers{};  // that the shapes are read through, first to last
-  Json selections = Json::object();   // of frames, by name, for modifiers
+  std::vector<Modifier> modifiers;  // that the shapes are read through, first to last
+  std::vector<NamedSelection> selections;
 };
 
 // The clip of a take, with its controls. Throws as read_clip.
@@ -81,12 +91,12 @@ void write_frame_status(const std::vector<FrameStatus>& status, const std::files
 
 // Frames of a take whose shapes a modifier that is on gives anew, whole (of the type blend): what the cache has of them
 // is covered.
-std::set<int> replaced_frames(const Dataset& dataset, const DatasetTake& take);
+[[nodiscard]] std::set<int> replaced_frames(const Dataset& dataset, const DatasetTake& take);
 
 // Frames of a take that its side-car does not vouch for, but for those that are replaced; none without a side-car.
-std::set<int> unconverged_frames(const Dataset& dataset, const DatasetTake& take);
+[[nodiscard]] std::set<int> unconverged_frames(const Dataset& dataset, const DatasetTake& take);
 
 // Does a take have shapes that come from elsewhere: those that its side-car has no `inputs` of?
-bool has_given_shapes(const Dataset& dataset, const DatasetTake& take);
+[[nodiscard]] bool has_given_shapes(const Dataset& dataset, const DatasetTake& take);
 
 }  // namespace bodyopt

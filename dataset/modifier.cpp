@@ -1,6 +1,9 @@
 #include "dataset/modifier.h"
 
+#include <nlohmann/json.hpp>
 #include <set>
+
+#include "assets/json_file.h"
 
 namespace bodyopt {
 

@@ -2,10 +2,11 @@
 #pragma once
 
 #include <filesystem>
+#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
-#include "assets/json_file.h"
+#include "runtime/core/json.h"
 
 namespace bodyopt {
 
@@ -22,6 +23,14 @@ struct Modifier {
   Json newer = Json::object();       // keys that this version does not know
 
   bool operator==(const Modifier&) const = default;
+};
+
+// Frames by a name, for modifiers to choose by.
+struct NamedSelection {
+  std::string name;
+  Json frames;
+
+  bool operator==(const NamedSelection&) const = default;
 };
 
 // `path` and `place` are for messages. Throws Error(file).

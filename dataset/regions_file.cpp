@@ -137,9 +137,7 @@ std::vector<RegionWeights> read_regions(const Dataset& dataset, const Character&
   RegionsReader reader(path, character_path, character);
   std::vector<RegionWeights> regions;
   std::set<std::string> names;
-  const Json& list = top.array("regions");
-  for (std::size_t k = 0; k < list.size(); ++k) {
-    const JsonObject entry(list[k], path, "regions[" + std::to_string(k) + "]");
+  for (const JsonObject& entry : top.objects("regions")) {
     regions.push_back(welded(entry.name("name"), reader.read(entry, top), character));
     if (!names.insert(regions.back().name).second) entry.refuse("has the name of an earlier region");
   }

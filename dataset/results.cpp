@@ -1,5 +1,7 @@
 #include "dataset/results.h"
 
+#include <nlohmann/json.hpp>
+
 namespace bodyopt {
 
 Json to_json(const MethodResult& method) {

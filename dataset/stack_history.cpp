@@ -1,6 +1,9 @@
 #include "dataset/stack_history.h"
 
+#include <nlohmann/json.hpp>
+
 #include "assets/json_file.h"
+#include "dataset/modifier.h"
 #include "runtime/core/error.h"
 #include "runtime/core/file_lock.h"
 

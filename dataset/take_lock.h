@@ -8,7 +8,7 @@
 namespace bodyopt {
 
 // Holds a lock on a take while it lives.
-class TakeLock {
+class [[nodiscard]] TakeLock {
  public:
   // cache: that of the take's shapes; the lock is `.lock` in place of its ending, so that a draft and a full simulation
   // of one name, which share a side-car, exclude each other. Throws Error(file) when another run holds it.

@@ -1,8 +1,9 @@
+#include "draw/heat_colour.h"
+
 #include <algorithm>
 #include <iterator>
 
 #include "draw/oklab.h"
-#include "draw/heat_colour.h"
 
 namespace bodyopt {
 namespace {

@@ -88,35 +88,38 @@ vulkan::Owned<VkSampler, vkDestroySampler> make_sampler(const vulkan::Device& de
   return {device.handle(), sampler};
 }
 
+ShadowMap::Pipelines::Pipelines(const vulkan::Device& device)
+    : pass(make_pass(device)),
+      draw(device, pass.get(),
+           {.vertex = view_shadow_vert_spv,
+            .fragment = view_shadow_frag_spv,
+            .storage_buffers = 1,
+            .push_bytes = sizeof(ShadowPush),
+            .samples = VK_SAMPLE_COUNT_1_BIT,
+            .blending = Blending::greatest,
+            .depth_test = false,
+            .depth_write = false}),
+      blur(device, pass.get(),
+           {.vertex = view_blur_vert_spv,
+            .fragment = view_blur_frag_spv,
+            .samples_image = true,
+            .push_bytes = sizeof(float),
+            .samples = VK_SAMPLE_COUNT_1_BIT,
+            .depth_test = false,
+            .depth_write = false}) {}
+
 ShadowMap::ShadowMap(const vulkan::Device& device)
-    : pass_(make_pass(device)),
+    : pipelines_(device.shared<Pipelines>()),
       hard_(make_picture(device)),
       soft_(make_picture(device)),
-      hard_framebuffer_(make_framebuffer(device, pass_.get(), {kSide, kSide}, {hard_.view.get()})),
-      soft_framebuffer_(make_framebuffer(device, pass_.get(), {kSide, kSide}, {soft_.view.get()})),
-      sampler_(make_sampler(device)),
-      draw_(device, pass_.get(),
-            {.vertex = view_shadow_vert_spv,
-             .fragment = view_shadow_frag_spv,
-             .storage_buffers = 1,
-             .push_bytes = sizeof(ShadowPush),
-             .samples = VK_SAMPLE_COUNT_1_BIT,
-             .blending = Blending::greatest,
-             .depth_test = false,
-             .depth_write = false}),
-      blur_(device, pass_.get(),
-            {.vertex = view_blur_vert_spv,
-             .fragment = view_blur_frag_spv,
-             .samples_image = true,
-             .push_bytes = sizeof(float),
-             .samples = VK_SAMPLE_COUNT_1_BIT,
-             .depth_test = false,
-             .depth_write = false}) {}
+      hard_framebuffer_(make_framebuffer(device, pipelines_.pass.get(), {kSide, kSide}, {hard_.view.get()})),
+      soft_framebuffer_(make_framebuffer(device, pipelines_.pass.get(), {kSide, kSide}, {soft_.view.get()})),
+      sampler_(make_sampler(device)) {}
 
 void ShadowMap::begin(VkCommandBuffer commands, VkFramebuffer framebuffer, const VkRect2D& part) const {
   const VkClearValue clear{};
   auto info = structure<VkRenderPassBeginInfo>(VK_STRUCTURE_TYPE_RENDER_PASS_BEGIN_INFO);
-  info.renderPass = pass_.get();
+  info.renderPass = pipelines_.pass.get();
   info.framebuffer = framebuffer;
   info.renderArea = kWhole;
   info.clearValueCount = 1;
@@ -134,18 +137,19 @@ void ShadowMap::record(VkCommandBuffer commands, PictureSets& sets, const View& 
   }
   const float scale = shadow_scale(view), caster = caster_radius(view);
   begin(commands, hard_framebuffer_.get(), kWhole);
-  draw_.bind(commands);
+  const GraphicsPipeline &draw = pipelines_.draw, &blur = pipelines_.blur;
+  draw.bind(commands);
   for (const SkinDraw& skin : view.skins) {
     if (!skin.shadow) continue;
     const ShadowPush push{{view.middle[0], view.middle[2], scale, view.ground.height},
                           {skin.offset[0], skin.offset[1], skin.offset[2], 1 / (kReach * caster)},
                           skin.first_vertex};
-    draw_.draw(commands, sets.make(draw_, {skin.positions}), push, 3 * skin.triangle_count, skin.triangles);
+    draw.draw(commands, sets.make(draw, {skin.positions}), push, 3 * skin.triangle_count, skin.triangles);
   }
   vkCmdEndRenderPass(commands);
   begin(commands, soft_framebuffer_.get(), used_part(view));
-  blur_.bind(commands);
-  blur_.draw(commands, sets.make(blur_, {}, {hard_.view.get(), sampler_.get()}), scale * caster, 3);
+  blur.bind(commands);
+  blur.draw(commands, sets.make(blur, {}, {hard_.view.get(), sampler_.get()}), scale * caster, 3);
   vkCmdEndRenderPass(commands);
 }
 

@@ -23,11 +23,18 @@ class ShadowMap {
   // What lies outside of the part is cleared.
   void begin(VkCommandBuffer commands, VkFramebuffer framebuffer, const VkRect2D& part) const;
 
-  RenderPass pass_;
+  // Those of a device are shared.
+  struct Pipelines {
+    explicit Pipelines(const vulkan::Device& device);
+
+    RenderPass pass;
+    GraphicsPipeline draw, blur;
+  };
+
+  const Pipelines& pipelines_;
   Attachment hard_, soft_;
   Framebuffer hard_framebuffer_, soft_framebuffer_;
   vulkan::Owned<VkSampler, vkDestroySampler> sampler_;
-  GraphicsPipeline draw_, blur_;
 };
 
 // A sampler that blends neighbouring pixels, and goes on as the edge does.

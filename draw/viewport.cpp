@@ -135,7 +135,7 @@ PipelineInfo surface_info(VkSampleCountFlagBits samples, bool ghost) {
 }  // namespace
 
 struct Viewport::Impl {
-  // What draws the scene with so many samples a pixel.
+  // What draws the scene with so many samples a pixel. Those of a device are shared.
   struct ScenePipelines {
     ScenePipelines(const vulkan::Device& device, VkSampleCountFlagBits samples_)
         : samples(samples_),
@@ -157,6 +157,12 @@ struct Viewport::Impl {
     VkSampleCountFlagBits samples;
     RenderPass pass;
     GraphicsPipeline ground, surface, ghost, line, line_on_top, fibre;
+  };
+  struct SmoothPipelines : ScenePipelines {
+    explicit SmoothPipelines(const vulkan::Device& device) : ScenePipelines(device, kSamples) {}
+  };
+  struct QuickPipelines : ScenePipelines {
+    explicit QuickPipelines(const vulkan::Device& device) : ScenePipelines(device, VK_SAMPLE_COUNT_1_BIT) {}
   };
 
   explicit Impl(const vulkan::Device& d)
@@ -257,12 +263,12 @@ struct Viewport::Impl {
   }
 
   void prepare(VkExtent2D size, Edges edges) {
-    std::unique_ptr<ScenePipelines>& wanted = edges == Edges::smooth ? smooth : quick;
-    if (!wanted)
-      wanted = std::make_unique<ScenePipelines>(device, edges == Edges::smooth ? kSamples : VK_SAMPLE_COUNT_1_BIT);
-    const bool fits = picture && scene == wanted.get() && picture->size().width == size.width &&
-                      picture->size().height == size.height;
-    scene = wanted.get();
+    const ScenePipelines& wanted = edges == Edges::smooth
+                                       ? static_cast<const ScenePipelines&>(device.shared<SmoothPipelines>())
+                                       : device.shared<QuickPipelines>();
+    const bool fits =
+        picture && scene == &wanted && picture->size().width == size.width && picture->size().height == size.height;
+    scene = &wanted;
     if (fits) return;
     picture.reset();
     picture.emplace(device, scene->pass.get(), panel_pass.get(), size, scene->samples);
@@ -271,8 +277,7 @@ struct Viewport::Impl {
   const vulkan::Device& device;
   RenderPass panel_pass;
   PictureSets sets;
-  std::unique_ptr<ScenePipelines> smooth, quick;  // made when they are first wanted
-  const ScenePipelines* scene = nullptr;          // of this picture
+  const ScenePipelines* scene = nullptr;  // of this picture
   vulkan::Buffer palette;
   vulkan::Commands commands;
   std::vector<std::unique_ptr<ShadowMap>> shadows;  // of the views

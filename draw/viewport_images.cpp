@@ -106,7 +106,7 @@ RenderPass make_panel_pass(const vulkan::Device& device) {
 }
 
 ViewportImages::ViewportImages(const vulkan::Device& device, VkRenderPass scene_pass, VkRenderPass panel_pass,
-                                 VkExtent2D size, VkSampleCountFlagBits samples)
+                               VkExtent2D size, VkSampleCountFlagBits samples)
     : size_(size),
       scene_pass_(scene_pass),
       panel_pass_(panel_pass),

@@ -22,7 +22,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Measured on one core of the machine of docs/benchmarks.md: of the skin per vertex, of the jiggle per tetrahedron.
+// Measured on one core of the machine of docs/notes (The farm): of the skin per vertex, of the jiggle per tetrahedron.
 constexpr double kMillisecondsPerPoint = 7e-4, kMillisecondsPerTet = 4e-3;
 
 // A level of a basis, and what was read to go with it.

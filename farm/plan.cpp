@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <nlohmann/json.hpp>
 
 #include "assets/frame_range.h"
 #include "assets/json_file.h"
@@ -190,7 +191,8 @@ void write_plan(const FarmPlan& plan, const fs::path& folder) {
     for (const FarmStep& step : task.steps) steps.push_back(to_json(step));
     tasks.push_back({{"wave", task.wave}, {"lane", task.lane}, {"steps", steps}});
   }
-  write_json({{"schema", kPlanSchema}, {"show", plan.show}, {"joins", plan.joins}, {"tasks", tasks}}, plan_file(folder));
+  write_json({{"schema", kPlanSchema}, {"show", plan.show}, {"joins", plan.joins}, {"tasks", tasks}},
+             plan_file(folder));
 }
 
 FarmPlan read_plan(const fs::path& folder) {
@@ -199,8 +201,7 @@ FarmPlan read_plan(const fs::path& folder) {
   const JsonObject top(json, path, "the top level");
   top.allow({"schema", "show", "joins", "tasks"});
   FarmPlan plan{top.text("show"), {}, top.boolean("joins")};
-  for (const Json& entry : top.array("tasks")) {
-    const JsonObject object(entry, path, "tasks[" + std::to_string(plan.tasks.size()) + "]");
+  for (const JsonObject& object : top.objects("tasks")) {
     object.allow({"wave", "lane", "steps"});
     FarmTask task{object.integer("wave", 0), object.integer("lane", 0), {}};
     for (const Json& step : object.array("steps")) task.steps.push_back(step_from(JsonObject(step, path, "a step")));

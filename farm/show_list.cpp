@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <nlohmann/json.hpp>
 #include <sstream>
 
 #include "assets/json_file.h"
@@ -24,6 +25,9 @@ struct Key {
   Kind kind;
 };
 
+// Of a mode of the jiggle that earlier versions had: read, and left out.
+constexpr char kFormerKey[] = "iterations";
+
 // Those of `eval` are its options, with "_" for "-".
 constexpr Key kKeys[] = {{"shot", Kind::text},           {"element", Kind::text},
                          {"basis", Kind::path},          {"clip", Kind::clip},
@@ -35,7 +39,7 @@ constexpr Key kKeys[] = {{"shot", Kind::text},           {"element", Kind::text}
                          {"joint_map", Kind::path},      {"attached", Kind::path},
                          {"jiggle", Kind::flag},         {"dynamics", Kind::path},
                          {"cuts", Kind::text},           {"preroll", Kind::number},
-                         {"iterations", Kind::number},   {"gravity_change", Kind::numbers},
+                         {kFormerKey, Kind::number},     {"gravity_change", Kind::numbers},
                          {"require_device", Kind::flag}, {"modifiers", Kind::path}};
 
 using Values = std::map<std::string, std::vector<std::string>>;  // by key; flags that are off are left out
@@ -197,7 +201,11 @@ class ListReader {
     if (!object.is_object()) throw Error(ErrorKind::usage, "is not an object");
     for (const auto& [key, value] : object.items()) set_value(values, key, words_of(value), folder_);
   }
-  void finish(const Values& values, const std::string& place) {
+  void finish(Values values, const std::string& place) {
+    if (values.erase(kFormerKey) > 0 && list.notes.empty()) {
+      list.notes.push_back(path_.string() + ": '" + kFormerKey +
+                           "' has no effect any more: the jiggle has one way to solve");
+    }
     ShowElement element = element_from(values);
     element.place = place;
     list.elements.push_back(std::move(element));
@@ -209,7 +217,7 @@ class ListReader {
 };
 
 void read_object(const std::string& text, const fs::path& path, ListReader& reader) {
-  const Json json = parse_strict_json<Json>(text, path.string());
+  const Json json = parse_strict_json(text, path.string());
   const JsonObject top(json, path, "the top level");
   if (!top.has("schema") || top.text("schema") != kShotsSchema)
     top.refuse(std::string("lacks \"schema\": \"") + kShotsSchema + "\"");
@@ -226,7 +234,7 @@ void read_lines(const std::string& text, const fs::path& path, ListReader& reade
   for (std::string line; std::getline(lines, line);) {
     const std::string place = "line " + std::to_string(++number);
     if (line.find_first_not_of(" \t\r") == std::string::npos) continue;
-    const Json object = parse_strict_json<Json>(line, path.string() + ": " + place);
+    const Json object = parse_strict_json(line, path.string() + ": " + place);
     if (object.is_object() && object.contains("defaults") && object.size() == 1) {
       reader.set_defaults(object["defaults"], place);
     } else {

@@ -25,6 +25,7 @@ struct ShowElement {
 struct ShowList {
   std::string show;  // a name for queues
   std::vector<ShowElement> elements;
+  std::vector<std::string> notes;  // for the user
 };
 
 // By the ending: .jsonl, .csv, or else JSON. What is wrong with an element goes to `problems`, a sentence each, and the

@@ -2,6 +2,7 @@
 // done is known by these alone, on whatever machine it was.
 #pragma once
 
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <vector>

@@ -1,6 +1,7 @@
 // One piece of work that is done once: skipped where it is done, taken up where it was interrupted, and recorded.
 #pragma once
 
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <vector>

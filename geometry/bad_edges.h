@@ -18,9 +18,9 @@ struct BadEdges {
   std::vector<VertexPair> flipped;  // of two that run through it in the same direction
 };
 
-BadEdges find_bad_edges(const Triangles& triangles);
+[[nodiscard]] BadEdges find_bad_edges(const Triangles& triangles);
 
 // Without those that are there twice, whichever way they wind: their edges are neither open nor turned.
-Triangles each_once(const Triangles& triangles);
+[[nodiscard]] Triangles each_once(const Triangles& triangles);
 
 }  // namespace bodyopt

@@ -11,29 +11,37 @@
 namespace bodyopt {
 namespace {
 
-[[noreturn]] void refuse(const std::string& defect, const std::string& cause) {
-  throw Error(ErrorKind::mismatch, "the skin encloses no volume to simulate: " + defect + " (" + cause + ")");
+[[noreturn]] void refuse(ErrorCause cause, const std::string& defect, const std::string& likely) {
+  throw Error(ErrorKind::mismatch, "the skin encloses no volume to simulate: " + defect + " (" + likely + ")", cause);
 }
 
 }  // namespace
 
 void require_closed(const Positions& vertices, const Triangles& triangles) {
-  if (vertices.rows() == 0 || triangles.rows() == 0) refuse("it has no triangles", "an empty mesh");
-  if (!vertices.allFinite()) refuse("a vertex is not a finite number", "a damaged file");
+  if (vertices.rows() == 0 || triangles.rows() == 0)
+    refuse(ErrorCause::no_faces, "it has no triangles", "an empty mesh");
+  if (!vertices.allFinite()) refuse(ErrorCause::damaged, "a vertex is not a finite number", "a damaged file");
   std::vector<bool> used(static_cast<std::size_t>(vertices.rows()), false);
   for (Eigen::Index t = 0; t < triangles.rows(); ++t) {
     for (const std::uint32_t vertex : triangles.row(t)) {
-      if (vertex >= used.size()) refuse("triangle " + std::to_string(t) + " names a missing vertex", "a damaged file");
+      if (vertex >= used.size())
+        refuse(ErrorCause::damaged, "triangle " + std::to_string(t) + " names a missing vertex", "a damaged file");
       used[vertex] = true;
     }
   }
   const auto [open, shared, flipped] = find_bad_edges(triangles);
   const auto loose = std::count(used.begin(), used.end(), false);
   const auto number = [](const std::vector<VertexPair>& edges) { return std::to_string(edges.size()); };
-  if (!open.empty()) refuse("open: " + number(open) + " boundary edges", "holes, sheets or missing faces");
-  if (!shared.empty()) refuse(number(shared) + " edges join more than two triangles", "parts fused along an edge");
-  if (!flipped.empty()) refuse(number(flipped) + " edges join triangles that wind oppositely", "flipped faces");
-  if (loose > 0) refuse(std::to_string(loose) + " vertices belong to no triangle", "loose points in the mesh");
+  if (!open.empty())
+    refuse(ErrorCause::open_edges, "open: " + number(open) + " boundary edges", "holes, sheets or missing faces");
+  if (!shared.empty())
+    refuse(ErrorCause::crowded_edges, number(shared) + " edges join more than two triangles",
+           "parts fused along an edge");
+  if (!flipped.empty())
+    refuse(ErrorCause::flipped_edges, number(flipped) + " edges join triangles that wind oppositely", "flipped faces");
+  if (loose > 0)
+    refuse(ErrorCause::loose_vertices, std::to_string(loose) + " vertices belong to no triangle",
+           "loose points in the mesh");
 }
 
 double enclosed_volume(const Positions& vertices, const Triangles& triangles) {

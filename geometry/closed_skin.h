@@ -10,7 +10,7 @@ namespace bodyopt {
 void require_closed(const Positions& vertices, const Triangles& triangles);
 
 // Volume enclosed by a closed skin, cubic metres; negative when its triangles wind inwards.
-double enclosed_volume(const Positions& vertices, const Triangles& triangles);
+[[nodiscard]] double enclosed_volume(const Positions& vertices, const Triangles& triangles);
 
 // Of the edges of all triangles, metres; 0 without triangles.
 double mean_edge(const Positions& vertices, const Triangles& triangles);

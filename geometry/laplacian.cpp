@@ -1,7 +1,6 @@
 #include "geometry/laplacian.h"
 
 #include <Eigen/Geometry>
-#include <Eigen/SparseCholesky>
 #include <algorithm>
 #include <vector>
 
@@ -61,7 +60,7 @@ SkinSmoother::SkinSmoother(const Positions& rest, const Triangles& triangles, do
     : areas_(lumped_areas(rest, triangles)) {
   Eigen::SparseMatrix<double> matrix = radius * radius / (2 * kSmoothingSteps) * cotangent_laplacian(rest, triangles);
   matrix.diagonal() += areas_;
-  solver_.compute(matrix);
+  solver_ = SparseSolver(matrix);
 }
 
 Eigen::MatrixXd SkinSmoother::operator()(const Eigen::MatrixXd& values) const {

@@ -1,8 +1,9 @@
 // Discrete operators of a triangle mesh.
 #pragma once
 
-#include <Eigen/SparseCholesky>
+#include <Eigen/SparseCore>
 
+#include "base/linear_algebra.h"
 #include "geometry/mesh.h"
 
 namespace bodyopt {
@@ -23,11 +24,11 @@ class SkinSmoother {
 
  private:
   Eigen::VectorXd areas_;
-  Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> solver_;
+  SparseSolver solver_;
 };
 
 // The same, once.
-Eigen::MatrixXd smoothed(const Positions& rest, const Triangles& triangles, const Eigen::MatrixXd& values,
-                         double radius);
+[[nodiscard]] Eigen::MatrixXd smoothed(const Positions& rest, const Triangles& triangles, const Eigen::MatrixXd& values,
+                                       double radius);
 
 }  // namespace bodyopt

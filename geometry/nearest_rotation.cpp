@@ -12,4 +12,8 @@ NearestRotation nearest_rotation(const Eigen::Matrix3d& matrix) {
   return {svd.matrixU() * signs.asDiagonal() * svd.matrixV().transpose(), svd.singularValues().cwiseProduct(signs)};
 }
 
+Eigen::Quaterniond least_turn(const Eigen::Vector3d& from, const Eigen::Vector3d& to) {
+  return Eigen::Quaterniond::FromTwoVectors(from, to);
+}
+
 }  // namespace bodyopt

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 
 namespace bodyopt {
 
@@ -13,5 +14,8 @@ struct NearestRotation {
 // In the Frobenius norm (Kabsch 1976, Umeyama 1991): of the sum of to * from^T the rotation that lays `from` best on
 // `to`.
 NearestRotation nearest_rotation(const Eigen::Matrix3d& matrix);
+
+// The shortest turn of one direction to another; where they are opposite, about any axis across.
+Eigen::Quaterniond least_turn(const Eigen::Vector3d& from, const Eigen::Vector3d& to);
 
 }  // namespace bodyopt

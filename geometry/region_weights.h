@@ -30,7 +30,7 @@ void scale_to_one(std::vector<RegionWeights>& regions, Eigen::Index vertices);
 void drop_negligible(std::vector<RegionWeights>& regions);
 
 // The regions on vertices that have other numbers: `number` of each vertex.
-std::vector<RegionWeights> renumbered(const std::vector<RegionWeights>& regions,
-                                      const std::vector<std::uint32_t>& number);
+[[nodiscard]] std::vector<RegionWeights> renumbered(const std::vector<RegionWeights>& regions,
+                                                    const std::vector<std::uint32_t>& number);
 
 }  // namespace bodyopt

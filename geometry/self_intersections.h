@@ -15,7 +15,7 @@ struct TrianglePair {
 // All pairs of triangles of which an edge of one passes through the other, ascending. Of triangles with one common
 // corner the edges opposite to it count; triangles with a common edge, and triangles in one plane, are left out.
 // Vertices must be finite.
-std::vector<TrianglePair> self_intersections(const Positions& vertices, const Triangles& triangles);
+[[nodiscard]] std::vector<TrianglePair> self_intersections(const Positions& vertices, const Triangles& triangles);
 // The corners of such triangles, ascending.
 std::vector<std::uint32_t> corners_of(const std::vector<TrianglePair>& pairs, const Triangles& triangles);
 

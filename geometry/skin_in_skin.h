@@ -15,6 +15,6 @@ struct BuriedVertex {
 // The vertices outside of which, by a micron, the body goes on: the winding number there is 1 or more. Ascending. They
 // are looked for from where triangles pass through each other. The skin winds outwards; where it is open, what lies
 // behind an opening may be missed.
-std::vector<BuriedVertex> skin_in_skin(const Positions& vertices, const Triangles& triangles);
+[[nodiscard]] std::vector<BuriedVertex> skin_in_skin(const Positions& vertices, const Triangles& triangles);
 
 }  // namespace bodyopt

@@ -7,6 +7,6 @@ namespace bodyopt {
 
 // The sum of the normals of the triangles around each vertex, each twice its area long, V x 3; zero where there are
 // none.
-Positions vertex_normals(const Positions& vertices, const Triangles& triangles);
+[[nodiscard]] Positions vertex_normals(const Positions& vertices, const Triangles& triangles);
 
 }  // namespace bodyopt

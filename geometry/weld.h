@@ -19,7 +19,7 @@ struct Weld {
 // Vertices whose coordinates differ by at most `tolerance` and whose weights (ascending by joint) differ by at most
 // 1e-4 become one. Nothing when thousands of different vertices lie within `tolerance`: no skin is like that, and
 // comparing them all would take forever.
-std::optional<Weld> weld_vertices(std::span<const Vec3> positions, std::span<const std::vector<JointWeight>> weights,
-                                  double tolerance);
+[[nodiscard]] std::optional<Weld> weld_vertices(std::span<const Vec3> positions,
+                                                std::span<const std::vector<JointWeight>> weights, double tolerance);
 
 }  // namespace bodyopt

@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <utility>
 
+#include "dataset/modifier.h"
 #include "dataset/stack_history.h"
 #include "trainer/curate/edit_stack.h"
 #include "trainer/curate/local_models.h"

@@ -10,6 +10,7 @@
 #include "assets/clip_source.h"
 #include "assets/controls.h"
 #include "base/progress.h"
+#include "dataset/modifier.h"
 #include "proxy_viewer/describe_scene.h"
 #include "proxy_viewer/scene/open_character.h"
 #include "proxy_viewer/scene/pinned_joints.h"

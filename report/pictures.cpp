@@ -119,6 +119,15 @@ std::array<float, 3> towards_worst(const PosePair& pose) {
   return {normals[worst], normals[worst + 1], normals[worst + 2]};
 }
 
+double heat_scale(double largest) {
+  if (!(largest > 0) || !std::isfinite(largest)) return 1;
+  const double decade = std::pow(10.0, std::floor(std::log10(largest)));
+  for (const double step : {1.0, 1.2, 1.6, 2.0, 2.4, 3.2, 4.0, 6.0, 8.0}) {
+    if (largest <= step * decade * (1 + 1e-12)) return step * decade;
+  }
+  return 10 * decade;
+}
+
 Camera frame_pose(const PosePair& pose, const std::array<float, 3>& direction, float aspect) {
   check_pair(pose);
   std::vector<float> points(pose.truth.begin(), pose.truth.end());

@@ -32,6 +32,9 @@ Image comparison(Renderer& renderer, const PosePair& pose, double scale_mm, cons
 Image heat_on_skin(Renderer& renderer, std::span<const float> skin, std::span<const std::uint32_t> triangles,
                    std::span<const double> heat, std::uint32_t panel_width, std::uint32_t panel_height);
 
+// The smallest scale that is not below `largest` and whose quarters are short numbers; 1 where nothing is above 0.
+double heat_scale(double largest);
+
 // A camera that sees both shapes whole, from a direction (world, towards the camera); aspect of one panel.
 Camera frame_pose(const PosePair& pose, const std::array<float, 3>& direction, float aspect);
 

@@ -50,10 +50,10 @@ double clash(const Oklab& a, const Oklab& b) {
 }
 
 // The skin as a camera sees it.
-class Panel {
+class RegionPanel {
  public:
-  Panel(std::span<const float> skin, std::span<const float> normals, std::span<const std::uint32_t> triangles,
-        const Camera& camera, const Image& image)
+  RegionPanel(std::span<const float> skin, std::span<const float> normals, std::span<const std::uint32_t> triangles,
+              const Camera& camera, const Image& image)
       : skin_(skin),
         normals_(normals),
         camera_(camera),
@@ -217,7 +217,7 @@ RegionPicture region_picture(Renderer& renderer, std::span<const float> skin, st
     const Camera camera =
         frame_points(skin, direction, static_cast<float>(panel_width) / static_cast<float>(panel_height));
     Image& image = panels.emplace_back(renderer.draw(std::span(&mesh, 1), camera, panel_width, panel_height));
-    const Panel panel(skin, normals, triangles, camera, image);
+    const RegionPanel panel(skin, normals, triangles, camera, image);
     for (std::size_t r = 0; r < regions.size(); ++r) {
       const auto place = panel.place_of(regions[r]);
       if (!place) continue;

@@ -1,10 +1,11 @@
 #include "report/report.h"
 
 #include <cmath>
+#include <nlohmann/json.hpp>
 #include <span>
 
+#include "report/page.h"
 #include "report/report_json.h"
-#include "report/report_page.h"
 #include "runtime/core/atomic_file.h"
 #include "runtime/core/error.h"
 
@@ -44,6 +45,22 @@ void require_jiggle(const JiggleReport& jiggle) {
                                        ", expected " + std::to_string(frames));
 }
 
+// As report/page/report.js takes them.
+Json pictures_of(const ReportData& data) {
+  Json pictures = {{"frames", Json::array()}};
+  for (const PictureReport& picture : data.pictures) pictures["frames"].push_back(page_picture(picture.image));
+  if (data.mean_error) pictures["mean_error"] = page_picture(data.mean_error->image);
+  if (data.flexed) pictures["flexed"] = page_picture(data.flexed->image);
+  if (data.region_picture) pictures["regions"] = page_picture(*data.region_picture);
+  if (data.jiggle && data.jiggle->pictures) {
+    const JiggleReport::Pictures& jiggle = *data.jiggle->pictures;
+    pictures["jiggle"] = {{"animation", page_animation(jiggle.animation, jiggle.width, jiggle.height)},
+                          {"slow", page_animation(jiggle.slow_animation, jiggle.width, jiggle.height)},
+                          {"strip", page_picture(jiggle.strip)}};
+  }
+  return pictures;
+}
+
 void write_text(const std::filesystem::path& path, const std::string& text) {
   write_file_atomically(path, std::as_bytes(std::span(text)));
 }
@@ -57,7 +74,7 @@ Json write_report(const ReportData& data, const std::filesystem::path& folder) {
   require_finite(json, "");
   // A name may hold bytes that are no UTF-8: they are replaced, not refused.
   const std::string json_text = json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
-  const std::string page = report_page(data);
+  const std::string page = page_text("report", json, pictures_of(data));
   std::error_code failure;
   std::filesystem::create_directories(folder, failure);
   if (failure) {

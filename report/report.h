@@ -4,7 +4,6 @@
 #include <array>
 #include <cstdint>
 #include <filesystem>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <utility>
@@ -12,9 +11,19 @@
 
 #include "dataset/results.h"
 #include "draw/renderer.h"
-#include "report/frame_axis.h"
 
 namespace bodyopt {
+
+struct TakeStart {
+  std::string name;
+  std::size_t column = 0;  // its first
+};
+
+// Frames from left to right, a column each, take after take.
+struct FrameAxis {
+  std::vector<int> frames;       // of every column
+  std::vector<TakeStart> takes;  // by column, the first at 0; none: all of one take
+};
 
 struct PictureReport {
   std::string kind;  // "worst", "median" or "chosen"
@@ -173,6 +182,6 @@ struct ReportData {
 
 // Writes report.json, which it returns, and report.html into `folder`, which is made if need be. Throws Error(mismatch)
 // when a number is not finite or a curve has another length than the frames, Error(file).
-nlohmann::ordered_json write_report(const ReportData& data, const std::filesystem::path& folder);
+Json write_report(const ReportData& data, const std::filesystem::path& folder);
 
 }  // namespace bodyopt

@@ -1,5 +1,7 @@
 #include "report/report_json.h"
 
+#include <nlohmann/json.hpp>
+
 namespace bodyopt {
 namespace {
 
@@ -129,21 +131,26 @@ Json provenance(const ProvenanceReport& provenance) {
 }
 
 Json jiggle(const JiggleReport& jiggle) {
-  return {{"tets", jiggle.tets},
-          {"nodes", jiggle.nodes},
-          {"worst_quality", jiggle.worst_quality},
-          {"diffuse_mb", jiggle.diffuse_mb},
-          {"jiggle_mb", jiggle.jiggle_mb},
-          {"moves_after", jiggle.moves_after},
-          {"stops", jiggle.stops},
-          {"frames_per_second", jiggle.frames_per_second},
-          {"frames", jiggle.frames},
-          {"frame_rms_mm", jiggle.rms_mm},
-          {"frame_max_mm", jiggle.max_mm},
-          {"frame_inverted_tets", jiggle.inverted_tets},
-          {"diffuse_ms", jiggle.diffuse_ms},
-          {"jiggle_ms", jiggle.jiggle_ms},
-          {"device", jiggle.device}};
+  Json json = {{"tets", jiggle.tets},
+               {"nodes", jiggle.nodes},
+               {"worst_quality", jiggle.worst_quality},
+               {"diffuse_mb", jiggle.diffuse_mb},
+               {"jiggle_mb", jiggle.jiggle_mb},
+               {"moves_after", jiggle.moves_after},
+               {"stops", jiggle.stops},
+               {"frames_per_second", jiggle.frames_per_second},
+               {"frames", jiggle.frames},
+               {"frame_rms_mm", jiggle.rms_mm},
+               {"frame_max_mm", jiggle.max_mm},
+               {"frame_inverted_tets", jiggle.inverted_tets},
+               {"diffuse_ms", jiggle.diffuse_ms},
+               {"jiggle_ms", jiggle.jiggle_ms},
+               {"device", jiggle.device}};
+  if (jiggle.pictures) {
+    json["strip_frames"] = jiggle.pictures->strip_frames;
+    json["heat_scale_mm"] = jiggle.pictures->heat_scale_mm;
+  }
+  return json;
 }
 
 void add_demo(const DemoReport& demo, Json& json) {
@@ -173,7 +180,8 @@ Json report_json(const ReportData& data) {
                        {"bounding_box_m", data.character.bounding_box_m}};
   json["dataset"] = {{"train_frames", data.dataset.train_frames},
                      {"heldout_frames", data.dataset.heldout_frames},
-                     {"unconverged", data.dataset.unconverged}};
+                     {"unconverged", data.dataset.unconverged},
+                     {"how_to_hold_out", data.dataset.how_to_hold_out}};
   json["methods"] = methods(data);
   json["heldout"] = heldout_frames(data);
   json["takes"] = takes(data);

@@ -1,7 +1,7 @@
 # Sourced by the other scripts: the Debian packages Bodyopt needs, and how to get them.
 
 build_packages=(
-  cmake ninja-build g++
+  cmake ninja-build g++ mold
   libvulkan-dev glslang-tools
   libeigen3-dev libnglib-dev libtinygltf-dev nlohmann-json3-dev libcli11-dev libspdlog-dev libxxhash-dev libpugixml-dev
   libhwy-dev libtbb-dev libstb-dev libwebp-dev libglfw3-dev libx11-dev libimgui-dev
@@ -9,15 +9,16 @@ build_packages=(
 )
 # What the program alone runs with: those of its libraries that no other of them brings along.
 worker_packages=(
-  libgomp1 libnglib-6.2 libtinygltf2d libspdlog1.10 libpugixml1v5 libxxhash0 libhwy1 libtbb12 libstb0 libwebp7
+  libnglib-6.2 libtinygltf2d libspdlog1.10 libpugixml1v5 libxxhash0 libhwy1 libtbb12 libstb0 libwebp7
   libwebpmux3 libglfw3 libx11-6
 )
 run_packages=(mesa-vulkan-drivers fonts-dejavu-core)
-test_packages=(vulkan-validationlayers xvfb xauth xdotool clang libomp-dev)
+test_packages=(vulkan-validationlayers xvfb xauth xdotool clang clang-format)
+lint_packages=(clang-tidy)
 attack_packages=(libclang-rt-dev python3)
 bench_packages=(libbenchmark-dev libsuitesparse-dev)
 sheet_packages=(imagemagick python3)
-other_program_packages=(blender python3-numpy slurm-wlm munge)
+other_program_packages=(blender python3-numpy slurm-wlm munge chromium)
 # Node.js from elsewhere brings its own npm, and Debian's would clash with it.
 command -v npm >/dev/null || other_program_packages+=(nodejs npm)
 
@@ -38,6 +39,20 @@ install_packages() {
   export DEBIAN_FRONTEND=noninteractive
   apt-get update -qq
   apt-get install -y -qq --no-install-recommends "${missing[@]}" >/dev/null
+}
+
+# step NAME COMMAND...: runs it; where it fails, says which step it was and how to go on, and ends with its exit code.
+step() {
+  local name=$1 code
+  shift
+  set +e
+  (set -e; "$@")
+  code=$?
+  set -e
+  [ $code -eq 0 ] && return 0
+  echo "$0: '$name' failed (exit code $code); what it printed last says why. Mend that and run the same command again:" >&2
+  echo "what is done already is kept, and it goes on from there." >&2
+  exit $code
 }
 
 # build PRESET [TARGET...]

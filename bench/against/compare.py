@@ -2,7 +2,7 @@
 """How long frames take with the runtime of an earlier commit, and with that of the sources as they are.
   scripts/bench --against COMMIT BASIS [DYNAMICS]
 The earlier runtime is built in a git worktree of its own, which is removed again. Both run in turns, so that what else the
-machine does falls on both; the quickest of all counts. Prints a table for docs/benchmarks.md: ms a frame, and how many
+machine does falls on both; the quickest of all counts. Prints a table: ms a frame, and how many
 times quicker. BASIS and DYNAMICS have to be files that the earlier runtime reads, too. Exits with 2 where a run of either
 fails, after the table of what was measured.
 """

@@ -8,6 +8,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <limits>
+#include <nlohmann/json.hpp>
 
 #include "assets/frame_range.h"
 #include "assets/matched_joints.h"
@@ -17,7 +18,7 @@
 namespace bodyopt::cli {
 
 void JsonOption::add(CLI::App& verb) {
-  verb.add_option("--json", path, "Write the result as JSON to FILE ('-': standard output)")->type_name("FILE");
+  add_option(verb, "--json", path, "Write the result as JSON to FILE ('-': standard output)")->type_name("FILE");
 }
 
 void JsonOption::require_writable() const {
@@ -42,19 +43,19 @@ void JsonOption::emit(const Json& result, const std::string& text) const {
 }
 
 void ClipArguments::add(CLI::App& verb) {
-  verb.add_option("--clip", source, "Motion: FILE.glb#name, FILE.glb (its only or first clip) or FILE.bvh")
+  add_option(verb, "--clip", source, "Motion: FILE.glb#name, FILE.glb (its only or first clip) or FILE.bvh")
       ->required()
       ->type_name("CLIP")
       ->check(refuse_empty);
-  verb.add_option("--frames", frames, "Frames, as 1-100, 1-100x2 or comma lists of them (default: all)")
+  add_option(verb, "--frames", frames, "Frames, as 1-100, 1-100x2 or comma lists of them (default: all)")
       ->type_name("R")
       ->check(refuse_empty);
-  verb.add_option("--fps", options.fps, "Frames a second at which the clip is sampled")
+  add_option(verb, "--fps", options.fps, "Frames a second at which the clip is sampled")
       ->capture_default_str()
       ->check(number_from(kLeastRate, kMostRate));
-  verb.add_option("--first-frame", options.first_frame, "Number of the clip's first frame")->capture_default_str();
-  verb.add_option("--controls", options.controls,
-                  "Controls over the clip's frames, such as muscles flexed (controls.json)")
+  add_option(verb, "--first-frame", options.first_frame, "Number of the clip's first frame")->capture_default_str();
+  add_option(verb, "--controls", options.controls,
+             "Controls over the clip's frames, such as muscles flexed (controls.json)")
       ->type_name("FILE")
       ->check(refuse_empty);
   add_joint_map(verb, options.joint_map);
@@ -103,21 +104,26 @@ std::filesystem::path cache_folder() {
 }
 
 void DeviceArguments::add(CLI::App& verb) {
-  verb.add_option("--device", choice.name, "auto, cpu, or a Vulkan device by index or name (see 'bodyopt devices')")
+  add_option(verb, "--device", choice.name, "auto, cpu, or a Vulkan device by index or name (see 'bodyopt devices')")
       ->capture_default_str()
       ->type_name("D");
-  verb.add_flag("--require-device", choice.require_device, "Fail when there is no Vulkan device, never use the CPU");
+  add_flag(verb, "--require-device", choice.require_device, "Fail when there is no Vulkan device, never use the CPU");
 }
 
 void add_unit(CLI::App& verb, double& unit) {
-  verb.add_option("--unit", unit, "Metres per unit of the character's file (default: it must be in metres)")
+  add_option(verb, "--unit", unit, "Metres per unit of the character's file (default: it must be in metres)")
       ->check(above_zero);
 }
 
 void add_joint_map(CLI::App& verb, std::string& path) {
-  verb.add_option("--joint-map", path, "Which joint of the clip moves which, where names do not tell (joint_map.json)")
+  add_option(verb, "--joint-map", path, "Which joint of the clip moves which, where names do not tell (joint_map.json)")
       ->type_name("FILE")
       ->check(refuse_empty);
+}
+
+void add_former_option(CLI::App& verb, const std::string& name, const std::string& since) {
+  const auto warn = [=](const std::string&) { spdlog::warn("{} has no effect any more: {}", name, since); };
+  verb.add_option_function<std::string>(name, warn)->group("");  // not among the help's
 }
 
 std::string refuse_empty(const std::string& value) {
@@ -149,7 +155,10 @@ std::function<std::string(const std::string&)> must_end_in(const std::string& ex
 }
 
 void add_output(CLI::App& verb, std::string& path, const std::string& extension, const std::string& description) {
-  verb.add_option("--out", path, description)->required()->type_name("FILE" + extension)->check(must_end_in(extension));
+  add_option(verb, "--out", path, description)
+      ->required()
+      ->type_name("FILE" + extension)
+      ->check(must_end_in(extension));
 }
 
 void refuse_overwriting(const std::filesystem::path& out, const std::filesystem::path& input) {
@@ -185,11 +194,10 @@ std::vector<std::string>& kept_verb_arguments() {
 
 }  // namespace
 
-void keep_command_line(int argc, char** argv) {
+void keep_command_line(const std::vector<std::string>& arguments) {
   kept_command_line() = "bodyopt";
-  keep_verb_arguments({argv + std::min(argc, 2), argv + argc});
-  for (int k = 1; k < argc; ++k) {
-    const std::string argument = argv[k];
+  keep_verb_arguments({arguments.begin() + (arguments.empty() ? 0 : 1), arguments.end()});
+  for (const std::string& argument : arguments) {
     const bool plain = !argument.empty() && argument.find_first_of(" \t\n\"'$*?#&;|<>()\\") == std::string::npos;
     std::string quoted;
     for (const char c : argument) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);

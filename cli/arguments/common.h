@@ -4,18 +4,16 @@
 #include <CLI/CLI.hpp>
 #include <filesystem>
 #include <functional>
-#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
 #include "assets/clip.h"
+#include "cli/arguments/options.h"
 #include "dataset/compare.h"
 #include "runtime/basis/character_unit.h"
 #include "runtime/deformer/deformer.h"
 
 namespace bodyopt::cli {
-
-using Json = nlohmann::ordered_json;
 
 // Frames a second that clips and dynamics may have.
 constexpr double kLeastRate = 1e-3, kMostRate = 1e5;
@@ -79,6 +77,8 @@ std::filesystem::path dataset_file(const std::filesystem::path& given);
 
 // An option that names a file to write, which must end as said: a slip must not overwrite a character.
 void add_output(CLI::App& verb, std::string& path, const std::string& extension, const std::string& description);
+// An option that earlier versions had: it takes a value and says on standard error that it has no effect, since...
+void add_former_option(CLI::App& verb, const std::string& name, const std::string& since);
 // Throws Error(usage) when `out` is the file `input`.
 void refuse_overwriting(const std::filesystem::path& out, const std::filesystem::path& input);
 // Throws Error(file) now rather than after long work.
@@ -87,8 +87,8 @@ void require_writable(const std::filesystem::path& path);
 // The poses of some frames of a clip.
 std::vector<Pose> poses_of(const Clip& clip, const std::vector<int>& frames);
 
-// What the user typed, "bodyopt" and its arguments; kept by main().
-void keep_command_line(int argc, char** argv);
+// What the user typed, "bodyopt" and its arguments; kept by run_command().
+void keep_command_line(const std::vector<std::string>& arguments);
 const std::string& command_line();
 // What follows the verb on the command line; and of a verb that another runs, what is given to it.
 std::vector<std::string> verb_arguments();

@@ -48,8 +48,8 @@ std::string TakeArguments::take_name() const { return name.empty() ? called(clip
 
 void TakeArguments::add(CLI::App& verb) {
   clip.add(verb);
-  verb.add_option("--name", name, "Name of the take (default: the clip's)")->check(refuse_as_name);
-  verb.add_option("--heldout", heldout, "Frames never to train on, as a range, or 'all'")
+  add_option(verb, "--name", name, "Name of the take (default: the clip's)")->check(refuse_as_name);
+  add_option(verb, "--heldout", heldout, "Frames never to train on, as a range, or 'all'")
       ->type_name("R")
       ->check(refuse_empty);
 }

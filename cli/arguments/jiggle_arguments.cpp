@@ -34,48 +34,41 @@ Vec3 gravity_of(const JiggleArguments& arguments) {
 
 void JiggleArguments::add(CLI::App& verb) {
   const std::string group = "Jiggle";
-  verb.add_flag("--jiggle", jiggle, "Step the dynamics that 'bodyopt dynamics' made: flesh that moves by inertia")
+  add_flag(verb, "--jiggle", jiggle, "Step the dynamics that 'bodyopt dynamics' made: flesh that moves by inertia")
       ->group(group);
-  verb.add_option("--dynamics", dynamics, "Dynamics (default: BASIS.dynamics.safetensors beside the basis)")
+  add_option(verb, "--dynamics", dynamics, "Dynamics (default: BASIS.dynamics.safetensors beside the basis)")
       ->type_name("FILE")
       ->check(refuse_empty)
       ->group(group);
-  verb.add_option("--state-in", state_in, "Go on from a state that an earlier part of the shot left")
+  add_option(verb, "--state-in", state_in, "Go on from a state that an earlier part of the shot left")
       ->type_name("FILE")
       ->check(refuse_empty)
       ->group(group);
-  verb.add_option("--state-out", state_out, "Leave the state after the last frame")
+  add_option(verb, "--state-out", state_out, "Leave the state after the last frame")
       ->type_name("FILE.state")
       ->check(must_end_in(".state"))
       ->group(group);
-  verb.add_option("--state-every", state_every, "And after every so many frames, as FILE.<frame>.state")
+  add_option(verb, "--state-every", state_every, "And after every so many frames, as FILE.<frame>.state")
       ->check(CLI::Range(1, kMostFrames))
       ->group(group);
-  verb.add_option("--preroll", preroll, "Step so many frames of the clip before the first without writing them")
+  add_option(verb, "--preroll", preroll, "Step so many frames of the clip before the first without writing them")
       ->check(CLI::Range(1, kMostFrames))
       ->group(group);
-  verb.add_option("--cuts", cuts, "Frames at which a new shot begins (jumps are found without)")
+  add_option(verb, "--cuts", cuts, "Frames at which a new shot begins (jumps are found without)")
       ->type_name("R")
       ->check(refuse_empty)
       ->group(group);
-  verb.add_option("--gravity-change", gravity_change,
-                  "Change of gravity against that of the shapes, m/s^2, world (0 9.81 0: weightless)")
+  add_option(verb, "--gravity-change", gravity_change,
+             "Change of gravity against that of the shapes, m/s^2, world (0 9.81 0: weightless)")
       ->expected(3)
       ->type_name("X Y Z")
       ->group(group);
-  verb.add_option("--iterations", options.iterations,
-                  "Quality: so many conjugate gradient steps on the corotated operator per solve (8: bends, too, to a "
-                  "thousandth)")
-      ->check(CLI::Range(0, static_cast<int>(kMostIterations)))
-      ->check([](const std::string& count) {
-        return problem_of_iterations(static_cast<std::uint32_t>(std::stoul(count, nullptr, 0)));
-      })
-      ->group(group);
+  add_former_option(verb, "--iterations", "the jiggle has one way to solve");
 }
 
 void JiggleArguments::check() const {
   const bool any = !dynamics.empty() || !state_in.empty() || !state_out.empty() || state_every > 0 || preroll > 0 ||
-                   !cuts.empty() || !gravity_change.empty() || options.iterations > 0;
+                   !cuts.empty() || !gravity_change.empty();
   if (!jiggle && any) throw Error(ErrorKind::usage, "options of the jiggle need --jiggle");
   if (state_every > 0 && state_out.empty()) throw Error(ErrorKind::usage, "--state-every needs --state-out");
   if (preroll > 0 && !state_in.empty()) {
@@ -108,7 +101,7 @@ std::unique_ptr<Deformer> JiggleArguments::deformer(Basis loaded, const std::str
                                      ": not there; --jiggle needs the dynamics of the basis: make them with 'bodyopt "
                                      "dynamics', or name them with --dynamics");
   }
-  JiggleOptions chosen = options;
+  JiggleOptions chosen;
   chosen.gravity_change = gravity_of(*this);
   if (!cuts.empty()) chosen.cuts = parse_frame_range(cuts);
   std::sort(chosen.cuts.begin(), chosen.cuts.end());

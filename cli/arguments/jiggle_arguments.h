@@ -13,7 +13,6 @@ struct JiggleArguments {
   int state_every = 0;  // frames; 0: at the end alone
   int preroll = 0;      // frames
   std::vector<double> gravity_change;
-  JiggleOptions options;
 
   void add(CLI::App& verb);
   // Throws Error(usage) for options that do not go together or need --jiggle.

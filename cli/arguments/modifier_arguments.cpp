@@ -8,11 +8,11 @@ namespace bodyopt::cli {
 
 void ModifierArguments::add(CLI::App& verb) {
   const std::string group = "Modifiers";
-  verb.add_option("--modifiers", file, "Order, switches, strengths and constants for this shot (modifiers.json)")
+  add_option(verb, "--modifiers", file, "Order, switches, strengths and constants for this shot (modifiers.json)")
       ->type_name("FILE")
       ->check(refuse_empty)
       ->group(group);
-  verb.add_option("--control", settings, "A control at one value over the clip: 'breath=0.5', 'breath.rate=20'")
+  add_option(verb, "--control", settings, "A control at one value over the clip: 'breath=0.5', 'breath.rate=20'")
       ->type_name("NAME=VALUE")
       ->expected(1)
       ->allow_extra_args(false)

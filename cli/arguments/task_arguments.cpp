@@ -17,13 +17,12 @@ const std::map<std::string, ProgressStyle> kStyles = {{"auto", ProgressStyle::au
 
 void TaskArguments::add(CLI::App& verb) {
   const std::string group = "On a farm";
-  verb.add_flag(
-          "--resume", resume,
-          "Do only what is not done: skip an output whose FILE.done.json says that it was made of these inputs by "
-          "these options, go on where a run was interrupted")
+  add_flag(verb, "--resume", resume,
+           "Do only what is not done: skip an output whose FILE.done.json says that it was made of these inputs by "
+           "these options, go on where a run was interrupted")
       ->group(group);
-  verb.add_flag("--pretend", pretend, "Check everything, say what would be done, and write nothing")->group(group);
-  verb.add_option("--progress", progress, "auto, bar, lines, json or openjd (Open Job Description)")
+  add_flag(verb, "--pretend", pretend, "Check everything, say what would be done, and write nothing")->group(group);
+  add_option(verb, "--progress", progress, "auto, bar, lines, json or openjd (Open Job Description)")
       ->capture_default_str()
       ->type_name("STYLE")
       ->check(CLI::IsMember(kStyles))

@@ -1,6 +1,7 @@
 #include "cli/curate/disagreements.h"
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
 
 #include "assets/wording.h"
 #include "cli/curate/frame_names.h"

@@ -1,12 +1,14 @@
 #include "cli/curate/frame_exchange.h"
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
 #include <optional>
 
 #include "assets/clip_source.h"
 #include "assets/wording.h"
 #include "cli/curate/frame_names.h"
 #include "cli/curate/stack_report.h"
+#include "dataset/modifier.h"
 #include "runtime/core/error.h"
 #include "trainer/curate/edit_stack.h"
 #include "trainer/curate/exported_frames.h"

@@ -1,6 +1,7 @@
 // A frame of the database as tables and JSON name it.
 #pragma once
 
+#include <nlohmann/json.hpp>
 #include <string>
 
 #include "assets/json_file.h"

@@ -1,8 +1,10 @@
 #include "cli/curate/stack_edits.h"
 
+#include <nlohmann/json.hpp>
 #include <optional>
 
 #include "cli/curate/stack_report.h"
+#include "dataset/modifier.h"
 #include "runtime/core/error.h"
 #include "trainer/curate/edit_stack.h"
 

@@ -1,11 +1,13 @@
 #include "cli/curate/stack_effects.h"
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
 
 #include "assets/wording.h"
 #include "cli/curate/frame_names.h"
 #include "cli/curate/shape_pictures.h"
 #include "cli/curate/stack_report.h"
+#include "dataset/modifier.h"
 #include "runtime/core/error.h"
 #include "trainer/curate/bake.h"
 #include "trainer/curate/local_models.h"

@@ -1,6 +1,9 @@
 #include "cli/curate/stack_report.h"
 
+#include <nlohmann/json.hpp>
+
 #include "assets/wording.h"
+#include "dataset/modifier.h"
 #include "runtime/core/error.h"
 #include "trainer/curate/modifier_scope.h"
 

@@ -1,6 +1,7 @@
 // The stack of modifiers, and how many frames each of them takes, for programs and for people.
 #pragma once
 
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <utility>

@@ -7,7 +7,7 @@
 #include "cli/arguments/common.h"
 #include "draw/animation.h"
 #include "report/flip_book.h"
-#include "report/plots.h"
+#include "report/pictures.h"
 #include "runtime/core/atomic_file.h"
 #include "runtime/host/stages.h"
 #include "trainer/builtin/arm.h"

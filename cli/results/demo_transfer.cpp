@@ -1,6 +1,7 @@
 #include "cli/results/demo_transfer.h"
 
 #include "cli/results/transfer_page.h"
+#include "report/page.h"
 #include "runtime/core/atomic_file.h"
 #include "trainer/builtin/arm.h"
 #include "trainer/transfer/likeness.h"
@@ -17,17 +18,21 @@ void write_page(const TransferPair& pair, const Basis& carried, const fs::path& 
   const Clip clip = read_clip((folder / "heldout.glb").string(), pair.source.skeleton, {});
   std::vector<int> frames;
   for (int frame = clip.first_frame; frame <= clip.last_frame(); frame += kFrameStep) frames.push_back(frame);
-  Page page("A stockier arm", "What the built-in arm learned, on one of thicker flesh and other triangles");
-  add_transfer(pair, likeness(pair), transfer_parts(pair.source, pair.target, pair.match, pair.correspondence),
-               "stocky.glb", carried.mesh, compare_poses(pair, carried, clip, frames), page);
-  const std::string html = page.text();
-  write_file_atomically(folder / "transfer.html", std::as_bytes(std::span(html)));
+  const std::vector<ComparedPose> poses = compare_poses(pair, carried, clip, frames);
+  Json target = {{"target", "stocky.glb"}, {"vertices", carried.mesh.vertex_count()}};
+  target.update(to_json(pair, likeness(pair)));
+  target.update(to_json(transfer_parts(pair.source, pair.target, pair.match, pair.correspondence), poses));
+  const Json figures = {{"title", "A stockier arm"},
+                        {"subtitle", "What the built-in arm learned, on one of thicker flesh and other triangles"},
+                        {"targets", Json::array({target})}};
+  const std::string page = page_text("transfer", figures, Json::array({transfer_pictures(pair, carried.mesh, poses)}));
+  write_file_atomically(folder / "transfer.html", std::as_bytes(std::span(page)));
 }
 
 }  // namespace
 
 std::string demo_transfer(const fs::path& folder, bool has_pictures) {
-  write_character(build_stocky_arm().character, folder / "stocky.glb");
+  write_character(build_stocky_arm(), folder / "stocky.glb");
   const Character stocky = read_character(folder / "stocky.glb");
   const Basis source = load_basis(folder / "basis.safetensors");
   const TransferOptions options;

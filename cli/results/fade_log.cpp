@@ -1,6 +1,7 @@
 #include "cli/results/fade_log.h"
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
 
 #include "assets/frame_range.h"
 #include "assets/wording.h"

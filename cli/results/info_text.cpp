@@ -1,6 +1,7 @@
 #include "cli/results/info_text.h"
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
 
 #include "cli/results/level_table.h"
 

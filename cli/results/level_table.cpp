@@ -1,5 +1,7 @@
 #include "cli/results/level_table.h"
 
+#include <nlohmann/json.hpp>
+
 #include "trainer/proxy/frame_time.h"
 
 namespace bodyopt::cli {

@@ -1,6 +1,7 @@
 #include "cli/results/provenance.h"
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
 
 #include "assets/frame_range.h"
 #include "dataset/file_hashes.h"

@@ -7,7 +7,6 @@
 
 #include "geometry/table_rows.h"
 #include "report/pictures.h"
-#include "report/plots.h"
 #include "report/region_picture.h"
 
 namespace bodyopt::cli {

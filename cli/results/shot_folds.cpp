@@ -1,6 +1,7 @@
 #include "cli/results/shot_folds.h"
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
 
 namespace bodyopt::cli {
 namespace {
@@ -59,8 +60,7 @@ std::string text_of(const ShotFolds& folds) {
   if (!(measure.sum > 0)) return format("push-out: no skin in skin in the %zu frames looked at\n", folds.frames);
   return format(
       "push-out, %zu frames looked at: skin in skin up to %.1f mm deep, in frame %d; %.1f mm left, %.1f %% of all "
-      "depth "
-      "taken out; other skin moves by %.4f mm at most\n",
+      "depth taken out; other skin moves by %.4f mm at most\n",
       folds.frames, 1e3 * measure.deepest, folds.deepest_frame, 1e3 * measure.deepest_left, 100 * measure.removed(),
       1e3 * measure.elsewhere);
 }

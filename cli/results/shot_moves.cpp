@@ -1,6 +1,7 @@
 #include "cli/results/shot_moves.h"
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
 
 namespace bodyopt::cli {
 namespace {

@@ -12,8 +12,8 @@ namespace bodyopt::cli {
 // cache is gone, the page says so.
 std::string show_page(const FarmPlan& plan, const ShowSummary& summary);
 
-// The same for programs.
-Json to_json(const ShowSummary& summary);
+// The same for programs, without pictures.
+Json to_json(const FarmPlan& plan, const ShowSummary& summary);
 
 // The options of `simulate` that name these frames, quoted for a shell.
 std::string simulate_options(const FramesToSimulate& next);

@@ -1,11 +1,11 @@
 #include "cli/results/transfer_page.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
+#include <nlohmann/json.hpp>
 
-#include "cli/results/number_cell.h"
 #include "cli/results/transfer_picture.h"
+#include "report/page.h"
 #include "report/pictures.h"
 #include "runtime/basis/output_order.h"
 #include "trainer/train/coverage/coverage.h"
@@ -44,47 +44,23 @@ std::string next_frames(const std::vector<ComparedPose>& poses) {
   return frames_to_simulate(frames, expected);
 }
 
-void add_poses(const MeshTable& source, const MeshTable& carried, const std::vector<ComparedPose>& poses, Page& page) {
-  if (poses.empty()) return;
+// Source and target in turn, in every pose that is shown.
+Image poses_picture(const MeshTable& source, const MeshTable& carried, const std::vector<ComparedPose>& poses) {
   Renderer renderer;
   std::vector<Image> row;
-  std::vector<std::string> labels;
   for (const std::size_t k : shown_of(poses.size())) {
     row.push_back(draw_pose(renderer, source, poses[k].source));
     row.push_back(draw_pose(renderer, carried, poses[k].target));
-    labels.push_back(format("frame %d: source", poses[k].frame));
-    labels.push_back("target");
   }
-  page.picture(side_by_side(row), labels, "The same poses",
-               "The source by its basis, the target by what was carried, each as large as the picture.", "");
-  Table table{{{"frame"}, {"volume, source"}, {"volume, target"}, {"expected error, mm"}}, {}};
-  for (const std::size_t k : shown_of(poses.size())) {
-    table.rows.push_back({{std::to_string(poses[k].frame), {}},
-                          number_of("%+.1f %%", 100 * (poses[k].source_volume - 1)),
-                          number_of("%+.1f %%", 100 * (poses[k].target_volume - 1)),
-                          number_of("%.2f", poses[k].expected_rms_mm)});
-  }
-  page.table(table);
-  page.paragraph("Volumes are what the skin encloses, against its rest.");
-  if (const std::string frames = next_frames(poses); !frames.empty()) {
-    page.paragraph("Worth simulating next on the target, by the error that is expected: --frames " + frames);
-  }
+  return side_by_side(row);
 }
 
-void add_parts(const std::vector<TransferPart>& parts, Page& page) {
-  Table table{{{"held by"}, {"vertices"}, {"confidence"}, {"size"}, {"uneven by"}, {""}}, {}};
-  for (const TransferPart& part : parts) {
-    table.rows.push_back({{part.joint, {}},
-                          number_of("%.0f", static_cast<double>(part.vertices)),
-                          number_of("%.2f", part.confidence),
-                          number_of("%.2f", part.size),
-                          number_of("%.0f %%", 100 * part.unevenness),
-                          {part.breaks_assumption ? "another anatomy: a guess" : "", {}}});
+Json names_without(const std::vector<int>& match, const Skeleton& skeleton) {
+  Json names = Json::array();
+  for (std::size_t j = 0; j < match.size(); ++j) {
+    if (match[j] < 0) names.push_back(skeleton.joints[j].name);
   }
-  page.table(table);
-  page.paragraph(
-      "Size: lengths along the skin, target over source. Uneven: how much that differs within the part. What "
-      "is carried rests on parts being alike but for their size; where they are not, simulate or sculpt.");
+  return names;
 }
 
 }  // namespace
@@ -114,24 +90,27 @@ std::vector<ComparedPose> compare_poses(const TransferPair& pair, const Basis& c
   return poses;
 }
 
-void add_transfer(const TransferPair& pair, double alike, const std::vector<TransferPart>& parts,
-                  const std::string& target, const MeshTable& carried, const std::vector<ComparedPose>& poses,
-                  Page& page) {
-  const Correspondence& match = pair.correspondence;
-  page.heading(target);
-  const std::array headlines{
-      Headline{format("%.2f", alike), "", format("likeness: under %.2f are unlike bodies", kLeastLikeness)},
-      Headline{format("%.2f", match.mean_confidence()), "",
-               match.same_topology ? "confidence: the same triangles" : "confidence of the match (1: surely the same)"},
-      Headline{format("%.3g", pair.match.size), "times", "as large as the source"},
-      Headline{std::to_string(pair.skin.unsure()), "of " + std::to_string(match.target.rows()),
-               "vertices are filled in from around"}};
-  page.headlines(headlines);
-  const std::vector<std::string> labels{"source, by place", "target, by its matches", "target, hot where unsure"};
-  page.picture(transfer_picture(pair), labels, "Which point is which",
-               "The same colour is the same point. Both in the pose in which they were matched.", "");
-  add_parts(parts, page);
-  add_poses(pair.source.mesh, carried, poses, page);
+Json transfer_pictures(const TransferPair& pair, const MeshTable& carried, const std::vector<ComparedPose>& poses) {
+  Json pictures = {{"match", page_picture(transfer_picture(pair))}};
+  if (!poses.empty()) pictures["poses"] = page_picture(poses_picture(pair.source.mesh, carried, poses));
+  return pictures;
+}
+
+Json to_json(const TransferPair& pair, double alike) {
+  const Correspondence& correspondence = pair.correspondence;
+  const double count = static_cast<double>(std::max<Eigen::Index>(1, correspondence.distance.size()));
+  return {{"same_topology", correspondence.same_topology},
+          {"size_ratio", pair.match.size},
+          {"matched_joints", std::count_if(pair.match.source_joint.begin(), pair.match.source_joint.end(),
+                                           [](int joint) { return joint >= 0; })},
+          {"unmatched_source_joints", names_without(pair.match.target_joint, pair.source.skeleton)},
+          {"unmatched_target_joints", names_without(pair.match.source_joint, pair.target.skeleton)},
+          {"posed_to_the_source", pair.match.is_aligned()},
+          {"likeness", alike},
+          {"least_likeness", kLeastLikeness},
+          {"confidence", correspondence.mean_confidence()},
+          {"filled_in_vertices", pair.skin.unsure()},
+          {"fit_rms_mm", 1e3 * std::sqrt(correspondence.distance.squaredNorm() / count)}};
 }
 
 Json to_json(const std::vector<TransferPart>& parts, const std::vector<ComparedPose>& poses) {
@@ -146,6 +125,7 @@ Json to_json(const std::vector<TransferPart>& parts, const std::vector<ComparedP
   }
   for (const ComparedPose& pose : poses) {
     volumes.push_back({{"frame", pose.frame},
+                       {"is_shown", !pose.source.empty()},
                        {"source_volume", pose.source_volume},
                        {"target_volume", pose.target_volume},
                        {"expected_rms_mm", pose.expected_rms_mm}});

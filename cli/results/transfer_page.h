@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "cli/arguments/common.h"
-#include "report/html.h"
 #include "trainer/transfer/transfer_pair.h"
 #include "trainer/transfer/transfer_parts.h"
 
@@ -23,13 +22,12 @@ struct ComparedPose {
 std::vector<ComparedPose> compare_poses(const TransferPair& pair, const Basis& carried, const Clip& clip,
                                         const std::vector<int>& frames);
 
-// Adds what is known of one target. `carried`: of which the poses are, if there are any; `alike`: likeness() of the
-// pair. Throws Error(device) where nothing can be drawn.
-void add_transfer(const TransferPair& pair, double alike, const std::vector<TransferPart>& parts,
-                  const std::string& target, const MeshTable& carried, const std::vector<ComparedPose>& poses,
-                  Page& page);
+// The match and, if there are any, the poses, as the page takes them. `carried`: of which the poses are. Throws
+// Error(device) where nothing can be drawn.
+Json transfer_pictures(const TransferPair& pair, const MeshTable& carried, const std::vector<ComparedPose>& poses);
 
-// The same for programs.
+// What is known of one target: of the match (`alike`: likeness() of the pair), and of the parts and poses.
+Json to_json(const TransferPair& pair, double alike);
 Json to_json(const std::vector<TransferPart>& parts, const std::vector<ComparedPose>& poses);
 
 }  // namespace bodyopt::cli

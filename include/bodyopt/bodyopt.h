@@ -135,8 +135,7 @@ typedef struct bodyopt_instance_options {
   const bodyopt_device* device;     /* NULL: the CPU */
   const bodyopt_executor* executor; /* of the CPU; NULL: oneTBB's threads */
   uint32_t jiggles;                 /* 1: bodyopt_jiggle can be called; needs a model with dynamics */
-  uint32_t iterations;              /* of the jiggle's quality mode, per solve, 2 to 1000; 0: without. After one
-                                       alone energy may grow: BODYOPT_USAGE */
+  uint32_t iterations;              /* has no effect: of a mode of the jiggle that there was; leave 0 */
   uint32_t check;                   /* 1: every stage on the device beside the same on the CPU; the first difference is
                                        an error, BODYOPT_DEVICE, that names stage, frame of the call, vertex and both
                                        values */

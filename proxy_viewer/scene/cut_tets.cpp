@@ -23,17 +23,12 @@ constexpr double kHeldAbove = 20;
 // Corners of the face opposite each corner, outward where the volume is positive.
 constexpr std::uint32_t kFaces[4][3] = {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}};
 
-// N. The rows of what holds nodes are inertia and springs, those that a node shares with others included.
+// N.
 std::vector<bool> held_nodes(const JiggleTable& jiggle) {
   const double held_above = std::pow(2 * std::numbers::pi * kHeldAbove, 2);
-  const double damped = 1 + static_cast<double>(jiggle.step.stiffness_damping / jiggle.step.stage());
   std::vector<bool> held;
   for (std::size_t n = 0; n < jiggle.nodes.size(); ++n) {
-    double springs = -double{jiggle.nodes[n].inertia};
-    for (std::uint32_t e = jiggle.held_begin[n]; e < jiggle.held_begin[n + 1]; ++e) {
-      springs += double{jiggle.held_values[e]};
-    }
-    held.push_back(springs > damped * held_above * double{jiggle.nodes[n].mass});
+    held.push_back(double{jiggle.springs[n]} > held_above * double{jiggle.nodes[n].mass});
   }
   return held;
 }

@@ -16,8 +16,6 @@
 namespace bodyopt {
 namespace {
 
-constexpr int kArmFrames = 144;  // six seconds
-
 OpenedCharacter with_ddm(Character character, double unit) {
   OpenedCharacter opened;
   opened.notes = std::move(character.notes);
@@ -66,7 +64,7 @@ OpenedCharacter open_arm(const ClipOptions& options) {
   OpenedCharacter opened = with_ddm(std::move(arm.character), 0);
   Basis& basis = opened.levels.front().basis;
   basis.strain = make_strain_table(basis, arm.muscles);
-  opened.clip = arm_heldout(basis.skeleton, kArmFrames);
+  opened.clip = arm_heldout(basis.skeleton, kArmHeldoutFrames);
   opened.clip->first_frame = options.first_frame;
   opened.notes.push_back(
       "the built-in arm is shown by Direct Delta Mush: `bodyopt demo --out demo` trains it, and `bodyopt view "

@@ -1,8 +1,9 @@
 #include "proxy_viewer/scene/session_file.h"
 
+#include <nlohmann/json.hpp>
 #include <utility>
 
-#include "proxy_viewer/state/json_fields.h"
+#include "assets/json_fields.h"
 #include "proxy_viewer/state/setting_fields.h"
 #include "proxy_viewer/state/setting_limits.h"
 #include "runtime/core/error.h"

@@ -3,27 +3,11 @@
 #include <algorithm>
 #include <iterator>
 
+#include "geometry/table_rows.h"
+#include "geometry/vertex_normals.h"
 #include "runtime/core/error.h"
 
 namespace bodyopt {
-
-std::vector<float> area_normals(std::span<const float> positions, std::span<const std::uint32_t> triangles) {
-  std::vector<float> normals(positions.size(), 0.0f);
-  for (std::size_t t = 0; t + 2 < triangles.size(); t += 3) {
-    const float* corner[3];
-    for (std::size_t k = 0; k < 3; ++k) corner[k] = positions.data() + std::size_t{3} * triangles[t + k];
-    float a[3], b[3];
-    for (std::size_t i = 0; i < 3; ++i) {
-      a[i] = corner[1][i] - corner[0][i];
-      b[i] = corner[2][i] - corner[0][i];
-    }
-    const float area[3] = {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-    for (std::size_t k = 0; k < 3; ++k) {
-      for (std::size_t i = 0; i < 3; ++i) normals[std::size_t{3} * triangles[t + k] + i] += area[i];
-    }
-  }
-  return normals;
-}
 
 WornMeshes::WornMeshes(const vulkan::Device& device, const Basis& basis, Attachments attachments)
     : device_(device), attachments_(std::move(attachments)), carrier_(basis, attachments_) {
@@ -39,7 +23,8 @@ std::vector<WornMesh> WornMeshes::carry(std::span<const std::vector<float>> skin
     const std::vector<std::vector<float>> carried = carrier_.carry(skins[f], poses[f].joints);
     for (std::size_t m = 0; m < count; ++m) {
       std::ranges::copy(carried[m], std::back_inserter(positions[m]));
-      std::ranges::copy(area_normals(carried[m], attachments_.meshes[m].triangles), std::back_inserter(normals[m]));
+      const Positions areas = vertex_normals(rows_of(carried[m]), rows_of(attachments_.meshes[m].triangles));
+      std::ranges::copy(floats_of(areas), std::back_inserter(normals[m]));
     }
   }
   std::vector<WornMesh> meshes;

@@ -34,7 +34,4 @@ class WornMeshes {
   std::vector<vulkan::Buffer> triangles_;
 };
 
-// By the area vectors of the triangles around each vertex, V x 3; zero where there are none.
-std::vector<float> area_normals(std::span<const float> positions, std::span<const std::uint32_t> triangles);
-
 }  // namespace bodyopt

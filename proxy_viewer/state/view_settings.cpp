@@ -1,10 +1,11 @@
 #include "proxy_viewer/state/view_settings.h"
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
 #include <utility>
 
+#include "assets/json_fields.h"
 #include "assets/wording.h"
-#include "proxy_viewer/state/json_fields.h"
 #include "proxy_viewer/state/sections.h"
 #include "proxy_viewer/state/setting_fields.h"
 #include "runtime/core/error.h"

@@ -24,24 +24,19 @@ void for_each_array(Mesh& mesh, std::size_t k, Visit visit) {
 }
 
 std::string list_text(const Attachments& attachments, const std::filesystem::path& path) {
-  nlohmann::ordered_json list = nlohmann::ordered_json::array();
+  Json list = Json::array();
   for (const AttachedMesh& mesh : attachments.meshes) list.push_back({{"name", mesh.name}, {"bound", mesh.bound}});
-  try {
-    return list.dump();
-  } catch (const nlohmann::json::exception& error) {
-    throw Error(ErrorKind::file,
-                path.string() + ": cannot be written: a name is not UTF-8 text (" + error.what() + ")");
-  }
+  return strict_json_text(list, path.string());
 }
 
 std::vector<AttachedMesh> named_meshes(const TableReader& reader, const std::filesystem::path& path) {
-  const auto list = parse_strict_json<nlohmann::json>(reader.metadata("meshes"), path.string() + ", metadata 'meshes'");
-  const auto is_text = [](const nlohmann::json& entry, const char* key) {
+  const auto list = parse_strict_json(reader.metadata("meshes"), path.string() + ", metadata 'meshes'");
+  const auto is_text = [](const Json& entry, const char* key) {
     return entry.contains(key) && entry.at(key).is_string();
   };
   std::vector<AttachedMesh> meshes;
   if (!list.is_array()) reader.refuse("its metadata 'meshes' is not a list");
-  for (const nlohmann::json& entry : list) {
+  for (const Json& entry : list) {
     if (!entry.is_object() || !is_text(entry, "name") || !is_text(entry, "bound")) {
       reader.refuse("its metadata 'meshes' has an entry without the texts 'name' and 'bound'");
     }

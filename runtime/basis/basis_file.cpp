@@ -109,16 +109,11 @@ std::vector<double> joint_numbers(const Skeleton& skeleton) {
 }
 
 std::string list_text(const std::vector<std::string>& names, const std::filesystem::path& path) {
-  try {
-    return nlohmann::json(names).dump();
-  } catch (const nlohmann::json::exception& error) {
-    throw Error(ErrorKind::file,
-                path.string() + ": cannot be written: a name is not UTF-8 text (" + error.what() + ")");
-  }
+  return strict_json_text(names, path.string());
 }
 
 std::vector<std::string> strings(const TableReader& reader, const std::string& key, const std::filesystem::path& path) {
-  const auto list = parse_strict_json<nlohmann::json>(reader.metadata(key), path.string() + ", metadata '" + key + "'");
+  const auto list = parse_strict_json(reader.metadata(key), path.string() + ", metadata '" + key + "'");
   std::vector<std::string> values;
   if (!list.is_array()) reader.refuse("its metadata '" + key + "' is not a list of strings");
   for (const auto& value : list) {

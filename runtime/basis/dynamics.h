@@ -43,7 +43,7 @@ struct DiffuseTable {
 struct JiggleStep {
   float frames_per_second = 24;
   std::uint32_t substeps = 1;   // steps a frame
-  bool implicit_euler = false;  // instead of TR-BDF2
+  bool implicit_euler = false;  // instead of TR-BDF2: of files of earlier versions
   float stiffness_damping = 0;  // beta of C = alpha M + beta K, seconds
 
   float length() const { return 1 / (frames_per_second * static_cast<float>(substeps)); }  // h, seconds
@@ -57,18 +57,17 @@ struct JiggleTable {
   JiggleStep step;
   std::vector<JiggleNode> nodes;  // N
   BlockInverse inverse;           // of A: unknowns are 3 x node + axis, in the nodes' rotated frames
-  // For the quality mode alone, which solves with the corotated operator.
-  std::vector<TetElasticity> elasticity;    // T
-  std::vector<std::uint32_t> held_begin;    // N + 1, into held_columns
-  std::vector<std::uint32_t> held_columns;  // nodes, ascending per row
-  std::vector<float> held_values;           // A without the tets' stiffness: inertia and springs, kg/s^2
+  // N: the springs that hold each node, those it shares with others included, N/m. They are in `inverse`: no step reads
+  // them, but who wants to see what is held.
+  std::vector<float> springs;
 };
 
 struct Dynamics {
   TetTable tets;
   DiffuseTable diffuse;
   JiggleTable jiggle;
-  Metadata metadata;  // topology_hash and skeleton_hash of the basis it belongs to, provenance, report
+  Metadata metadata;          // topology_hash and skeleton_hash of the basis it belongs to, provenance, report
+  std::string file_checksum;  // of the file that they were read from; empty: none
 };
 
 // Checks every count, offset, index and number, and that it belongs to the basis. Throws Error(file) or
@@ -86,7 +85,7 @@ std::filesystem::path dynamics_beside(std::filesystem::path basis);
 // How a file of dynamics is stepped, without the basis it belongs to. Throws Error(file).
 JiggleStep read_step(const Safetensors& file, const std::filesystem::path& path);
 
-// Of all its tables and metadata, as its file has it: 16 hexadecimal digits.
+// Of all its tables and metadata, as the file has it that it was read from, or would have: 16 hexadecimal digits.
 std::string checksum(const Dynamics& dynamics);
 
 // Bytes of the tables a frame needs, by stage: "diffuse", "jiggle" (the tets count with diffuse).

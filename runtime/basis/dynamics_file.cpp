@@ -9,6 +9,7 @@ namespace {
 
 constexpr const char* kDynamicsSchema = "bodyopt-dynamics-1";
 constexpr const char* kSkinLimit = "tets.skin_limit";
+constexpr const char* kSprings = "jiggle.springs";
 
 template <typename Inverse, typename Visit>
 void for_each_array_of(Inverse& inverse, const std::string& table, Visit visit) {
@@ -40,10 +41,7 @@ void for_each_dynamics_array(DynamicsType& dynamics, Visit visit) {
   auto& jiggle = dynamics.jiggle;
   visit("jiggle.nodes", jiggle.nodes, 1);
   for_each_array_of(jiggle.inverse, "jiggle", visit);
-  visit("jiggle.elasticity", jiggle.elasticity, 1);
-  visit("jiggle.held_begin", jiggle.held_begin, 1);
-  visit("jiggle.held_columns", jiggle.held_columns, 1);
-  visit("jiggle.held_values", jiggle.held_values, 1);
+  visit(kSprings, jiggle.springs, 1);
 }
 
 // The step as a row of numbers.
@@ -68,6 +66,25 @@ JiggleStep read_step(TableReader& reader) {
     reader.refuse("jiggle.step is not of finite numbers with 1 to 1024 substeps and 0 or 1 for implicit Euler");
   }
   return step;
+}
+
+// Files of earlier versions have the springs as rows of the matrix that a solver of theirs took, with inertia and
+// damping in them.
+void read_rows_of_springs(TableReader& reader, JiggleTable& jiggle) {
+  std::vector<std::uint32_t> begin;
+  std::vector<float> values;
+  reader.read("jiggle.held_begin", begin, 1);
+  reader.read("jiggle.held_values", values, 1);
+  for (const char* unused : {"jiggle.held_columns", "jiggle.elasticity"}) reader.pass_over(unused);
+  if (begin.size() != jiggle.nodes.size() + 1 || !std::ranges::is_sorted(begin) || begin.back() > values.size()) {
+    reader.refuse("jiggle.held_begin does not fit jiggle.nodes and jiggle.held_values");
+  }
+  const double damped = 1 + static_cast<double>(jiggle.step.stiffness_damping / jiggle.step.stage());
+  for (std::size_t n = 0; n < jiggle.nodes.size(); ++n) {
+    double row = -static_cast<double>(jiggle.nodes[n].inertia);
+    for (std::uint32_t k = begin[n]; k < begin[n + 1]; ++k) row += static_cast<double>(values[k]);
+    jiggle.springs.push_back(static_cast<float>(row / damped));
+  }
 }
 
 Safetensors container(const Dynamics& dynamics) {
@@ -102,22 +119,28 @@ std::filesystem::path dynamics_beside(std::filesystem::path basis) {
   return basis.replace_extension(".dynamics.safetensors");
 }
 
-std::string checksum(const Dynamics& dynamics) { return content_checksum(container(dynamics)); }
+std::string checksum(const Dynamics& dynamics) {
+  return dynamics.file_checksum.empty() ? content_checksum(container(dynamics)) : dynamics.file_checksum;
+}
 
 Dynamics load_dynamics(const std::filesystem::path& path, const Basis& basis) {
   const Safetensors file = read_safetensors(path);
   TableReader reader(file, path, "dynamics");
   reader.require_schema(kDynamicsSchema);
   Dynamics dynamics;
+  const bool has_rows = file.tensors.contains("jiggle.held_begin");
   for_each_dynamics_array(dynamics, [&](const std::string& name, auto& values, std::uint64_t width) {
-    if (name != kSkinLimit || file.tensors.contains(name)) reader.read(name, values, width);
+    const bool may_lack = name == kSkinLimit || (name == kSprings && has_rows);
+    if (!may_lack || file.tensors.contains(name)) reader.read(name, values, width);
   });
   if (!file.tensors.contains(kSkinLimit)) dynamics.tets.skin_limit.assign(dynamics.tets.skin.size(), kNoLimit);
   dynamics.jiggle.step = read_step(reader);
+  if (has_rows) read_rows_of_springs(reader, dynamics.jiggle);
   reader.refuse_unknown_tensors();
   dynamics.diffuse.inverse.unknown_count = dynamics.tets.node_count();
   dynamics.jiggle.inverse.unknown_count = 3 * dynamics.tets.node_count();
   dynamics.metadata = file.metadata;
+  dynamics.file_checksum = reader.metadata("checksum");
   for (const char* own : {"schema", "checksum"}) dynamics.metadata.erase(own);
   validate(dynamics, basis, path.string());
   return dynamics;

@@ -21,8 +21,7 @@ std::uint32_t joint_of(const std::string& name, const Skeleton& skeleton, const 
   throw Error(ErrorKind::file, origin + ": '" + name + "' is no joint of the skeleton");
 }
 
-void append_region(const nlohmann::json& entry, const Skeleton& skeleton, const std::string& origin,
-                   CoverageTable& table) {
+void append_region(const Json& entry, const Skeleton& skeleton, const std::string& origin, CoverageTable& table) {
   constexpr double kMetres = 1e-3;
   const Names joints = entry.at("joints").get<Names>();
   for (const std::string& name : joints) table.joints.push_back(joint_of(name, skeleton, origin));
@@ -41,10 +40,10 @@ void append_region(const nlohmann::json& entry, const Skeleton& skeleton, const 
 CoverageTable earlier_coverage(const std::string& text, const Basis& basis, const std::string& origin) {
   CoverageTable table;
   table.joint_begin = {0};
-  const auto list = parse_strict_json<nlohmann::json>(text, origin);
+  const auto list = parse_strict_json(text, origin);
   try {
-    for (const nlohmann::json& entry : list) append_region(entry, basis.skeleton, origin, table);
-  } catch (const nlohmann::json::exception& error) {
+    for (const Json& entry : list) append_region(entry, basis.skeleton, origin, table);
+  } catch (const Json::exception& error) {
     throw Error(ErrorKind::file, origin + " is damaged: " + error.what());
   }
   return table;

@@ -8,7 +8,7 @@ std::vector<float> vertices_of(const MeshTable& mesh, std::span<const float> out
   std::vector<float> vertices(mesh.rest.size());
   for (std::size_t o = 0; o < mesh.output_vertex.size(); ++o) {
     std::copy_n(output.begin() + static_cast<std::ptrdiff_t>(3 * o), 3,
-                vertices.begin() + static_cast<std::ptrdiff_t>(3 * mesh.output_vertex[o]));
+                vertices.begin() + std::ptrdiff_t{3} * mesh.output_vertex[o]);
   }
   return vertices;
 }

@@ -15,8 +15,6 @@
 namespace bodyopt {
 namespace {
 
-using Json = nlohmann::json;
-
 constexpr std::uint64_t kLargestHeader = 16 << 20;  // bytes; parsed JSON takes many times its text in memory
 constexpr const char* kChecksum = "checksum";
 
@@ -59,7 +57,7 @@ Range parse_tensor(const std::filesystem::path& path, const std::string& name, c
     if (!n.is_number_unsigned()) refuse(path, "tensor '" + name + "' has a shape that is not of counts");
     tensor.shape.push_back(n.get<std::uint64_t>());
   }
-  const Range range{(*offsets)[0].get<std::uint64_t>(), (*offsets)[1].get<std::uint64_t>(), name};
+  Range range{(*offsets)[0].get<std::uint64_t>(), (*offsets)[1].get<std::uint64_t>(), name};
   if (range.begin > range.end || range.end > size) {
     refuse(path, "tensor '" + name + "' lies at bytes " + std::to_string(range.begin) + " to " +
                      std::to_string(range.end) + " of " + std::to_string(size));
@@ -95,8 +93,9 @@ void check_order(const std::filesystem::path& path, std::vector<Range> ranges, s
   if (expected != size) refuse(path, std::to_string(size - expected) + " bytes follow the last tensor");
 }
 
-std::string header_text(const Safetensors& file, const std::vector<std::string>& order) {
-  nlohmann::ordered_json header;
+std::string header_text(const Safetensors& file, const std::vector<std::string>& order,
+                        const std::filesystem::path& path) {
+  Json header;
   header["__metadata__"] = file.metadata;
   std::uint64_t offset = 0;
   for (const std::string& name : order) {
@@ -105,7 +104,7 @@ std::string header_text(const Safetensors& file, const std::vector<std::string>&
         {"dtype", tensor.dtype}, {"shape", tensor.shape}, {"data_offsets", {offset, offset + tensor.bytes.size()}}};
     offset += tensor.bytes.size();
   }
-  std::string text = header.dump();
+  std::string text = strict_json_text(header, path.string());
   text.resize((text.size() + 7) / 8 * 8, ' ');  // tensors start at a multiple of 8
   return text;
 }
@@ -145,13 +144,7 @@ void write_safetensors(const Safetensors& file, const std::filesystem::path& pat
   std::stable_sort(order.begin(), order.end(), [&](const std::string& a, const std::string& b) {
     return dtype_size(file.tensors.at(a).dtype) > dtype_size(file.tensors.at(b).dtype);
   });
-  std::string text;
-  try {
-    text = header_text(file, order);
-  } catch (const Json::exception& error) {
-    throw Error(ErrorKind::file,
-                path.string() + ": cannot be written: a name is not UTF-8 text (" + error.what() + ")");
-  }
+  const std::string text = header_text(file, order, path);
   if (text.size() > kLargestHeader) {
     throw Error(ErrorKind::file, path.string() + ": cannot be written: its names and other strings take " +
                                      std::to_string(text.size()) + " bytes, expected " +
@@ -185,7 +178,7 @@ Safetensors read_safetensors(const std::filesystem::path& path) {
   }
   std::string text(length, '\0');
   if (!stream.read(text.data(), static_cast<std::streamsize>(length))) refuse(path, "the header cannot be read");
-  const Json header = parse_strict_json<Json>(text, path.string());
+  const Json header = parse_strict_json(text, path.string());
   if (!header.is_object()) refuse(path, "the header is not a JSON object");
 
   Safetensors file;

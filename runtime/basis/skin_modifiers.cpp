@@ -10,10 +10,8 @@
 namespace bodyopt {
 namespace {
 
-using StackJson = nlohmann::ordered_json;
-
-StackJson json_of(const SkinModifier& modifier) {
-  StackJson turns = StackJson::array();
+Json json_of(const SkinModifier& modifier) {
+  Json turns = Json::array();
   for (const ModifierTurn& t : modifier.turns) turns.push_back({t.joint, t.component, t.x, t.y, t.z});
   return {{"name", modifier.name},
           {"type", modifier.type},
@@ -26,12 +24,12 @@ StackJson json_of(const SkinModifier& modifier) {
           {"numbers", modifier.numbers}};
 }
 
-ModifierTurn turn_of(const StackJson& row) {
+ModifierTurn turn_of(const Json& row) {
   return {row.at(0).get<std::uint32_t>(), row.at(1).get<std::uint32_t>(), row.at(2).get<float>(),
           row.at(3).get<float>(), row.at(4).get<float>()};
 }
 
-SkinModifier modifier_of(const StackJson& json) {
+SkinModifier modifier_of(const Json& json) {
   SkinModifier modifier;
   json.at("name").get_to(modifier.name);
   json.at("type").get_to(modifier.type);
@@ -41,7 +39,7 @@ SkinModifier modifier_of(const StackJson& json) {
   json.at("components").get_to(modifier.component_count);
   json.at("joints").get_to(modifier.joints);
   json.at("numbers").get_to(modifier.numbers);
-  for (const StackJson& row : json.at("turns")) modifier.turns.push_back(turn_of(row));
+  for (const Json& row : json.at("turns")) modifier.turns.push_back(turn_of(row));
   return modifier;
 }
 
@@ -76,22 +74,18 @@ const SkinModifier* SkinModifiers::of_type(const std::string& type) const {
 }
 
 std::string text_of_stack(const std::vector<SkinModifier>& stack, const std::string& place) {
-  StackJson list = StackJson::array();
+  Json list = Json::array();
   for (const SkinModifier& modifier : stack) list.push_back(json_of(modifier));
-  try {
-    return list.dump();
-  } catch (const nlohmann::json::exception& error) {
-    throw Error(ErrorKind::file, place + ": cannot be written: a name is not UTF-8 text (" + error.what() + ")");
-  }
+  return strict_json_text(list, place);
 }
 
 std::vector<SkinModifier> stack_from_text(const std::string& text, const std::string& place) {
-  const auto list = parse_strict_json<StackJson>(text, place);
+  const auto list = parse_strict_json(text, place);
   std::vector<SkinModifier> stack;
   if (!list.is_array()) throw Error(ErrorKind::file, place + ": is not a list of modifiers; damaged?");
   try {
-    for (const StackJson& json : list) stack.push_back(modifier_of(json));
-  } catch (const nlohmann::json::exception& error) {
+    for (const Json& json : list) stack.push_back(modifier_of(json));
+  } catch (const Json::exception& error) {
     throw Error(ErrorKind::file, place + ": is not a list of modifiers (" + error.what() + "); damaged?");
   }
   return stack;

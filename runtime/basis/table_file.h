@@ -17,8 +17,7 @@ namespace bodyopt {
 // A record of 4-byte scalars is stored as rows of U32 or F32 words; mixed records as U32.
 template <typename T>
 constexpr const char* dtype_of() {
-  if constexpr (std::is_same_v<T, float> || std::is_same_v<T, FeatureRange> || std::is_same_v<T, TetShape> ||
-                std::is_same_v<T, TetElasticity>)
+  if constexpr (std::is_same_v<T, float> || std::is_same_v<T, FeatureRange> || std::is_same_v<T, TetShape>)
     return "F32";
   if constexpr (std::is_same_v<T, double>) return "F64";
   return "U32";
@@ -77,6 +76,9 @@ class TableReader {
     values.resize(count);
     if (!values.empty()) std::memcpy(static_cast<void*>(values.data()), tensor.bytes.data(), tensor.bytes.size());
   }
+
+  // A tensor of earlier versions that nothing is made of any more.
+  void pass_over(const std::string& name) { known_.insert(name); }
 
   std::string metadata(const std::string& key) const {
     const auto found = file_.metadata.find(key);

@@ -50,7 +50,7 @@ class Validator : TableChecks {
   // Every number finite and of sane size, the rotation of unit length.
   static bool usable(const JointTransform& t) {
     bool good = true;
-    for (int i = 0; i < 3; ++i)
+    for (std::size_t i = 0; i < 3; ++i)
       good = good && std::abs(t.translation[i]) <= kLargest && std::abs(t.scale[i]) <= kLargest;
     return good && is_turn(t.rotation);
   }

@@ -9,13 +9,13 @@
 namespace bodyopt {
 
 // The file that a symbolic link names, which is what is replaced, and not the link; of anything else the path.
-std::filesystem::path link_target(const std::filesystem::path& path);
+[[nodiscard]] std::filesystem::path link_target(const std::filesystem::path& path);
 
 // A file being written. commit() flushes it to the disk and renames it; destroyed before that, nothing is left behind.
 // Of a process that is killed `.bodyopt.HOST.PROCESS.RANDOM.tmp` is left beside the file, until another on the same
 // host first writes into that folder. Links in the place of the temporary file are not followed; devices and pipes in
 // the place of the file are not replaced. Every failure throws Error(file) naming the path and the system's reason.
-class AtomicFile {
+class [[nodiscard]] AtomicFile {
  public:
   explicit AtomicFile(const std::filesystem::path& path);
   ~AtomicFile();

@@ -31,7 +31,7 @@ inline Executor& calling_thread() {
 
 // function(begin, end) of every part.
 template <typename Function>
-void parallel_for(Executor& executor, std::size_t count, std::size_t grain, const Function& function) {
+void parallel_parts(Executor& executor, std::size_t count, std::size_t grain, const Function& function) {
   const auto task = [](const void* context, std::size_t begin, std::size_t end) {
     (*static_cast<const Function*>(context))(begin, end);
   };

@@ -10,7 +10,7 @@ namespace bodyopt {
 // A lock of the system on a file of its own, held while this lives. The system gives it up when the process dies,
 // however it dies; what is left of the file then locks nothing. Over NFS it holds between machines where the server
 // gives locks.
-class FileLock {
+class [[nodiscard]] FileLock {
  public:
   // Holds the lock, or does not where another does. Makes `lock`, a file that is nothing else and no link. Throws
   // Error(file) where it cannot be made, and where the file system gives no locks.
@@ -19,20 +19,20 @@ class FileLock {
   FileLock& operator=(FileLock&&) = delete;
   ~FileLock();
 
-  bool is_held() const { return file_ >= 0; }
+  [[nodiscard]] bool is_held() const { return file_ >= 0; }
   // While it is held. A process that opened the file before finds that it is not at its path any more; over NFS it may
   // not, where its machine remembers the folder as it was.
   void remove_file() const;
 
  private:
-  bool take();
+  [[nodiscard]] bool take();
 
   std::filesystem::path path_;
   int file_ = -1;
 };
 
 // Keeps a second run from doing the same work, which would mix up what both write. The lock's file goes with it.
-class RunLock {
+class [[nodiscard]] RunLock {
  public:
   // Throws Error(file), saying `why`, where another run holds it.
   RunLock(const std::filesystem::path& lock, const std::string& why);

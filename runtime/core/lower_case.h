@@ -7,7 +7,7 @@
 
 namespace bodyopt {
 
-inline std::string lower_case(std::string_view text) {
+[[nodiscard]] inline std::string lower_case(std::string_view text) {
   std::string lower(text);
   for (char& c : lower) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
   return lower;

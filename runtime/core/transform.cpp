@@ -18,8 +18,8 @@ bool is_finite(const JointTransform& t) {
 Affine affine_from(const JointTransform& t) {
   const auto r = rotation_matrix(t.rotation);
   Affine a;
-  for (int i = 0; i < 3; ++i) {
-    for (int j = 0; j < 3; ++j) a.m[i][j] = r[i][j] * t.scale[j];
+  for (std::size_t i = 0; i < 3; ++i) {
+    for (std::size_t j = 0; j < 3; ++j) a.m[i][j] = r[i][j] * t.scale[j];
     a.m[i][3] = t.translation[i];
   }
   return a;
@@ -27,7 +27,7 @@ Affine affine_from(const JointTransform& t) {
 
 Affine operator*(const Affine& a, const Affine& b) {
   Affine c;
-  for (int i = 0; i < 3; ++i) {
+  for (std::size_t i = 0; i < 3; ++i) {
     for (int j = 0; j < 4; ++j) {
       c.m[i][j] = a.m[i][0] * b.m[0][j] + a.m[i][1] * b.m[1][j] + a.m[i][2] * b.m[2][j];
     }
@@ -38,7 +38,7 @@ Affine operator*(const Affine& a, const Affine& b) {
 
 Vec3 operator*(const Affine& a, const Vec3& p) {
   Vec3 q;
-  for (int i = 0; i < 3; ++i) q[i] = a.m[i][0] * p[0] + a.m[i][1] * p[1] + a.m[i][2] * p[2] + a.m[i][3];
+  for (std::size_t i = 0; i < 3; ++i) q[i] = a.m[i][0] * p[0] + a.m[i][1] * p[1] + a.m[i][2] * p[2] + a.m[i][3];
   return q;
 }
 
@@ -48,7 +48,7 @@ using Mat3 = std::array<std::array<double, 3>, 3>;
 
 Mat3 linear_part(const Affine& a) {
   Mat3 m;
-  for (int i = 0; i < 3; ++i) m[i] = {a.m[i][0], a.m[i][1], a.m[i][2]};
+  for (std::size_t i = 0; i < 3; ++i) m[i] = {a.m[i][0], a.m[i][1], a.m[i][2]};
   return m;
 }
 
@@ -63,8 +63,8 @@ Mat3 polar_rotation(Mat3 m) {
     const Mat3 c = cofactors(m);
     const double d = determinant(m);
     double change = 0;
-    for (int i = 0; i < 3; ++i) {
-      for (int j = 0; j < 3; ++j) {
+    for (std::size_t i = 0; i < 3; ++i) {
+      for (std::size_t j = 0; j < 3; ++j) {
         const double next = 0.5 * (m[i][j] + c[i][j] / d);
         change = std::max(change, std::abs(next - m[i][j]));
         m[i][j] = next;
@@ -80,8 +80,8 @@ Quat quaternion_from(const Mat3& r) {
   if (trace > 0) {
     return normalized({r[2][1] - r[1][2], r[0][2] - r[2][0], r[1][0] - r[0][1], 1 + trace});
   }
-  const int i = r[0][0] > r[1][1] ? (r[0][0] > r[2][2] ? 0 : 2) : (r[1][1] > r[2][2] ? 1 : 2);
-  const int j = (i + 1) % 3, k = (i + 2) % 3;
+  const std::size_t i = r[0][0] > r[1][1] ? (r[0][0] > r[2][2] ? 0 : 2) : (r[1][1] > r[2][2] ? 1 : 2);
+  const std::size_t j = (i + 1) % 3, k = (i + 2) % 3;
   Quat q;
   q[i] = 1 + r[i][i] - r[j][j] - r[k][k];
   q[j] = r[i][j] + r[j][i];
@@ -103,10 +103,11 @@ Affine inverse(const Affine& a) {
   }
   const Mat3 c = cofactors(m);
   Affine b;
-  for (int i = 0; i < 3; ++i) {
-    for (int j = 0; j < 3; ++j) b.m[i][j] = c[j][i] / d;
+  for (std::size_t i = 0; i < 3; ++i) {
+    for (std::size_t j = 0; j < 3; ++j) b.m[i][j] = c[j][i] / d;
   }
-  for (int i = 0; i < 3; ++i) b.m[i][3] = -(b.m[i][0] * a.m[0][3] + b.m[i][1] * a.m[1][3] + b.m[i][2] * a.m[2][3]);
+  for (std::size_t i = 0; i < 3; ++i)
+    b.m[i][3] = -(b.m[i][0] * a.m[0][3] + b.m[i][1] * a.m[1][3] + b.m[i][2] * a.m[2][3]);
   return b;
 }
 
@@ -124,7 +125,7 @@ JointTransform decompose(const Affine& a) {
     for (double& x : row) x *= sign;
   }
   const Mat3 r = polar_rotation(m);
-  for (int j = 0; j < 3; ++j) t.scale[j] = sign * (r[0][j] * m[0][j] + r[1][j] * m[1][j] + r[2][j] * m[2][j]);
+  for (std::size_t j = 0; j < 3; ++j) t.scale[j] = sign * (r[0][j] * m[0][j] + r[1][j] * m[1][j] + r[2][j] * m[2][j]);
   t.rotation = quaternion_from(r);
   return t;
 }
@@ -167,6 +168,11 @@ Quat slerp(const Quat& a, Quat b, double t) {
     wb = std::sin(t * angle) / s;
   }
   return normalized({wa * a[0] + wb * b[0], wa * a[1] + wb * b[1], wa * a[2] + wb * b[2], wa * a[3] + wb * b[3]});
+}
+
+double angle_between(const Quat& a, const Quat& b) {
+  const auto [x, y, z, w] = conjugate(a) * b;
+  return 2 * std::atan2(std::sqrt(x * x + y * y + z * z), std::abs(w));
 }
 
 Vec3 rotate(const Quat& q, const Vec3& v) {

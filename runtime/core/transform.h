@@ -20,31 +20,33 @@ struct Affine {
   double m[3][4]{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}};
 };
 
-bool is_finite(const JointTransform& t);  // false, too, where what is finite would not stay so in a sum
+[[nodiscard]] bool is_finite(const JointTransform& t);  // false, too, where what is finite would not stay so in a sum
 Affine affine_from(const JointTransform& t);
 Affine operator*(const Affine& a, const Affine& b);
 Vec3 operator*(const Affine& a, const Vec3& point);
 // Throws Error(mismatch) when the linear part is singular.
-Affine inverse(const Affine& a);
+[[nodiscard]] Affine inverse(const Affine& a);
 
 // Splits an affine into translation, rotation and scale. Shear is dropped: the rotation is the polar factor (the
 // rotation nearest to the linear part), the scale its diagonal stretch. A reflection goes to the scale's sign.
-JointTransform decompose(const Affine& a);
+[[nodiscard]] JointTransform decompose(const Affine& a);
 
 Quat operator*(const Quat& a, const Quat& b);
-Quat conjugate(const Quat& q);
-bool has_length(const Quat& q);  // false for a zero or non-finite quaternion
-Quat normalized(const Quat& q);  // identity where it has none
+[[nodiscard]] Quat conjugate(const Quat& q);
+[[nodiscard]] bool has_length(const Quat& q);  // false for a zero or non-finite quaternion
+[[nodiscard]] Quat normalized(const Quat& q);  // identity where it has none
 Quat axis_angle(const Vec3& axis, double angle);
-Quat slerp(const Quat& a, Quat b, double t);
-Vec3 rotate(const Quat& q, const Vec3& v);
+[[nodiscard]] Quat slerp(const Quat& a, Quat b, double t);
+[[nodiscard]] double angle_between(const Quat& a,
+                                   const Quat& b);  // of the turn from one to the other, the shorter way: 0 to pi
+[[nodiscard]] Vec3 rotate(const Quat& q, const Vec3& v);
 std::array<std::array<double, 3>, 3> rotation_matrix(const Quat& q);
 
 Vec3 operator+(const Vec3& a, const Vec3& b);
 Vec3 operator-(const Vec3& a, const Vec3& b);
 Vec3 operator*(double s, const Vec3& a);
 double dot(const Vec3& a, const Vec3& b);
-Vec3 cross(const Vec3& a, const Vec3& b);
+[[nodiscard]] Vec3 cross(const Vec3& a, const Vec3& b);
 double length(const Vec3& a);
 
 }  // namespace bodyopt

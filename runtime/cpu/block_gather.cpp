@@ -11,7 +11,7 @@ void block_gather(const BlockInverse& inverse, const InverseLevel& level, std::s
     const RightSide at(r, interleave, inverse.unknown_count);
     const float* handed = results.data() + std::size_t{r} * inverse.slot_count();
     float* to = gathered.data() + std::size_t{r} * inverse.slot_count();
-    parallel_for(threads, level.end_slot - level.first_slot, grain_of(8), [&](std::size_t begin, std::size_t end) {
+    parallel_parts(threads, level.end_slot - level.first_slot, grain_of(8), [&](std::size_t begin, std::size_t end) {
       for (std::size_t slot = level.first_slot + begin; slot < level.first_slot + end; ++slot) {
         float sum = 0;
         for (std::uint32_t k = 0; k < 2; ++k) {

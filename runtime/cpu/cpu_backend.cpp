@@ -147,7 +147,7 @@ class CpuBackend final : public Backend {
   // function(f), f of the batch, of all frames of a range.
   template <typename Function>
   void over_frames(FrameRange range, const Function& function) const {
-    parallel_for(*executor_, range.count(), 1, [&](std::size_t from, std::size_t to) {
+    parallel_parts(*executor_, range.count(), 1, [&](std::size_t from, std::size_t to) {
       for (std::size_t k = from; k < to; ++k) function(range.begin + k);
     });
   }
@@ -156,7 +156,7 @@ class CpuBackend final : public Backend {
   template <typename Function>
   void over_parts(std::size_t frames, std::size_t elements, const Function& function) const {
     const std::size_t parts = (elements + kPartVertices - 1) / kPartVertices;
-    parallel_for(*executor_, frames * parts, 1, [&](std::size_t begin, std::size_t end) {
+    parallel_parts(*executor_, frames * parts, 1, [&](std::size_t begin, std::size_t end) {
       for (std::size_t k = begin; k < end; ++k) {
         const std::size_t first = k % parts * kPartVertices;
         function(k / parts, first, std::min(kPartVertices, elements - first));
@@ -218,7 +218,7 @@ class CpuBackend final : public Backend {
       work.times.add_since(last, Stage::residual);
     });
     const std::size_t regions = basis_.residual.regions.size();
-    parallel_for(*executor_, range.count() * regions, 1, [&](std::size_t begin, std::size_t end) {
+    parallel_parts(*executor_, range.count() * regions, 1, [&](std::size_t begin, std::size_t end) {
       auto last = StageTimes::Clock::now();
       for (std::size_t k = begin; k < end; ++k) find_coefficients(work, range.begin + k / regions, k % regions);
       work.times.add_since(last, Stage::residual);

@@ -1,6 +1,5 @@
 #include "runtime/cpu/cpu_dynamics.h"
 
-#include "runtime/cpu/corotated_solve.h"
 #include "runtime/cpu/dynamics_kernels.h"
 #include "runtime/host/jiggle_stages.h"
 
@@ -23,7 +22,6 @@ CpuDynamics::CpuDynamics(const JiggleModel& model, Executor& threads)
         &next_.velocity, &next_.nodes, &next_.node_velocity, &u_, &v_, &next_u_, &next_v_, &right_side_, &solution_}) {
     values->assign(numbers_, 0.0f);
   }
-  if (options_.iterations > 0) tet_rotations_.resize(std::size_t{9} * dynamics_.tets.tet_count());
 }
 
 void CpuDynamics::jiggle(const Batch& batch, float weight, std::span<const float> strains,
@@ -66,7 +64,6 @@ void CpuDynamics::begin_frame(const JiggleFrame& frame, std::span<const float> n
   cpu::jiggle_kick(kick, nodes, {motion.displacement, motion.velocity, motion.nodes, motion.node_velocity},
                    {next_.displacement, next_.velocity, next_.nodes, next_.node_velocity}, threads_);
   std::swap(motion, next_);
-  if (options_.iterations > 0) cpu::jiggle_tet_rotate(dynamics_.tets, nodes, tet_rotations_, threads_);
 }
 
 void CpuDynamics::step(const Batch& batch, std::uint32_t f, std::span<const float> strains) {
@@ -83,26 +80,20 @@ void CpuDynamics::step(const Batch& batch, std::uint32_t f, std::span<const floa
   for (std::uint32_t s = 0; s < frame.steps; ++s) {
     cpu::jiggle_begin(jiggle, stages.begin, rotations, strains, controls, motion.displacement, motion.velocity, u_, v_,
                       right_side_, threads_);
-    solve(stages.begin, rotations);
+    solve();
     if (stages.advance) {
       cpu::jiggle_advance(jiggle, *stages.advance, rotations, solution_, u_, v_, next_u_, next_v_, right_side_,
                           threads_);
       u_.swap(next_u_);
       v_.swap(next_v_);
-      solve(*stages.advance, rotations);
+      solve();
     }
     cpu::jiggle_end(stages.end, rotations, solution_, u_, motion.displacement, motion.velocity, threads_);
   }
 }
 
-void CpuDynamics::solve(const JiggleStepPush& stage, std::span<const float> rotations) {
-  if (options_.iterations == 0) {
-    cpu::block_solve(dynamics_.jiggle.inverse, right_side_, 1, 1, scratch_, solution_, threads_);
-    return;
-  }
-  cpu::corotated_start(stage, u_, v_, solution_);
-  cpu::corotated_solve({dynamics_.tets, dynamics_.jiggle, rotations, tet_rotations_}, right_side_, options_.iterations,
-                       corotated_scratch_, solution_, threads_);
+void CpuDynamics::solve() {
+  cpu::block_solve(dynamics_.jiggle.inverse, right_side_, 1, 1, scratch_, solution_, threads_);
 }
 
 }  // namespace bodyopt

@@ -1,7 +1,6 @@
 // Diffuse and jiggle on the CPU: their kernels one after the other.
 #pragma once
 
-#include "runtime/cpu/corotated_solve.h"
 #include "runtime/host/backend.h"
 
 namespace bodyopt {
@@ -23,7 +22,7 @@ class CpuDynamics {
   void step_frames(const Batch& batch, float weight, std::span<const float> strains, std::vector<float>& positions);
   void step(const Batch& batch, std::uint32_t frame, std::span<const float> strains);
   void begin_frame(const JiggleFrame& frame, std::span<const float> nodes);
-  void solve(const JiggleStepPush& stage, std::span<const float> rotations);
+  void solve();
 
   const Dynamics& dynamics_;
   Executor& threads_;
@@ -32,8 +31,6 @@ class CpuDynamics {
   std::vector<float> nodes_, rotations_, diffuse_right_sides_;  // of the batch
   std::vector<float> u_, v_, next_u_, next_v_;                  // of a stage, in the nodes' frames
   std::vector<float> right_side_, solution_, scratch_;
-  std::vector<float> tet_rotations_;
-  cpu::CorotatedScratch corotated_scratch_;
   NodeMotion next_;
 };
 

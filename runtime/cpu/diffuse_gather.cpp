@@ -9,7 +9,7 @@ void diffuse_gather(const DiffuseTable& diffuse, std::uint32_t surface_count, st
   for (std::size_t f = 0; f < frame_count; ++f) {
     const float* x = nodes.data() + 3 * f * count;
     float* to = right_sides.data() + 3 * f * count;
-    parallel_for(threads, count - surface_count, grain_of(64), [&](std::size_t begin, std::size_t end) {
+    parallel_parts(threads, count - surface_count, grain_of(64), [&](std::size_t begin, std::size_t end) {
       for (std::size_t node = surface_count + begin; node < surface_count + end; ++node) {
         float sum[3] = {};
         for (std::uint32_t e = diffuse.row_begin[node]; e < diffuse.row_begin[node + 1]; ++e) {

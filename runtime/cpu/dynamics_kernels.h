@@ -95,37 +95,4 @@ void jiggle_end(const JiggleStepPush& step, std::span<const float> rotations, st
 void jiggle_skin(const TetTable& tets, std::span<const float> positions, std::span<const float> displacement,
                  float weight, std::span<float> moved, Executor& threads = calling_thread());
 
-// Quality mode: conjugate gradients on the corotated operator (docs/pipeline/jiggle.md), in the nodes' frames.
-
-// Rotation of every tet: rot(F_e). nodes N x 3 -> tet_rotations T x 9.
-void jiggle_tet_rotate(const TetTable& tets, std::span<const float> nodes, std::span<float> tet_rotations,
-                       Executor& threads = calling_thread());
-
-// What every tet pulls with: G = volume R_e sigma(R_e^T p), 3 x 3 row-major; sigma = lambda tr(eps) I + 2 mu eps, eps
-// the symmetric gradient. p = R_i direction_i in world axes. direction 3N, node rotations N x 9 -> tractions T x 9.
-void jiggle_stress(const TetTable& tets, const JiggleTable& jiggle, std::span<const float> rotations,
-                   std::span<const float> tet_rotations, std::span<const float> direction, std::span<float> tractions,
-                   Executor& threads = calling_thread());
-
-// A p: product_i = R_i^T (sum_j held_ij R_j direction_j + sum over corners of G grad N). -> product 3N.
-void jiggle_force(const TetTable& tets, const JiggleTable& jiggle, std::span<const float> rotations,
-                  std::span<const float> tractions, std::span<const float> direction, std::span<float> product,
-                  Executor& threads = calling_thread());
-
-// Sum of a_i b_i: kWorkgroupSize partial sums (i = lane, lane + 64, ..), then halves added pairwise (0 + 32, 1 + 33,
-// ..; 0 + 16, ..). -> one value.
-void conjugate_dot(std::span<const float> a, std::span<const float> b, std::span<float> sum);
-
-// alpha = rho / pq (0 where that means nothing: shaders/include/conjugate.h): x' = x + alpha p, r' = r - alpha q. x'
-// may be x, and r' r.
-void conjugate_step(std::span<const float> rho, std::span<const float> pq, std::span<const float> direction,
-                    std::span<const float> product, std::span<const float> solution, std::span<const float> residual,
-                    std::span<float> next_solution, std::span<float> next_residual,
-                    Executor& threads = calling_thread());
-
-// beta = rho' / rho (0 likewise): p' = y + beta p. p' may be p.
-void conjugate_direction(std::span<const float> rho, std::span<const float> next_rho, std::span<const float> y,
-                         std::span<const float> direction, std::span<float> next_direction,
-                         Executor& threads = calling_thread());
-
 }  // namespace bodyopt::cpu

@@ -10,7 +10,7 @@ void jiggle_advance(const JiggleTable& jiggle, const JiggleStepPush& step, std::
                     std::span<const float> solution, std::span<const float> local_displacement,
                     std::span<const float> local_velocity, std::span<float> next_displacement,
                     std::span<float> next_velocity, std::span<float> right_side, Executor& threads) {
-  parallel_for(threads, jiggle.nodes.size(), grain_of(32), [&](std::size_t begin, std::size_t end) {
+  parallel_parts(threads, jiggle.nodes.size(), grain_of(32), [&](std::size_t begin, std::size_t end) {
     for (std::size_t n = begin; n < end; ++n) {
       float r[9], u[3], v[3], b[3];
       std::copy_n(&rotations[9 * n], 9, r);

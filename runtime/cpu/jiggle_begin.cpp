@@ -26,7 +26,7 @@ void jiggle_begin(const JiggleTable& jiggle, const JiggleStepPush& step, std::sp
                   std::span<const float> strains, std::span<const float> controls, std::span<const float> displacement,
                   std::span<const float> velocity, std::span<float> local_displacement, std::span<float> local_velocity,
                   std::span<float> right_side, Executor& threads) {
-  parallel_for(threads, jiggle.nodes.size(), grain_of(64), [&](std::size_t begin, std::size_t end) {
+  parallel_parts(threads, jiggle.nodes.size(), grain_of(64), [&](std::size_t begin, std::size_t end) {
     for (std::size_t n = begin; n < end; ++n) {
       const JiggleNode& node = jiggle.nodes[n];
       float r[9], world_u[3], world_v[3], u[3], v[3], b[3];

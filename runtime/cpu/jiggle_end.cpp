@@ -11,7 +11,7 @@ void jiggle_end(const JiggleStepPush& step, std::span<const float> rotations, st
                 std::span<const float> local_displacement, std::span<float> displacement, std::span<float> velocity,
                 Executor& threads) {
   const std::size_t nodes = displacement.size() / 3;
-  parallel_for(threads, nodes, grain_of(32), [&](std::size_t begin, std::size_t end) {
+  parallel_parts(threads, nodes, grain_of(32), [&](std::size_t begin, std::size_t end) {
     for (std::size_t n = begin; n < end; ++n) {
       float r[9], u[3], v[3], world_u[3], world_v[3];
       std::copy_n(&rotations[9 * n], 9, r);

@@ -6,7 +6,7 @@ namespace bodyopt::cpu {
 void jiggle_kick(const JiggleKickPush& kick, std::span<const float> nodes, const JiggleMotion& before,
                  const JiggleMotionOut& after, Executor& threads) {
   const float origin_step[3] = {kick.origin_step_x, kick.origin_step_y, kick.origin_step_z};
-  parallel_for(threads, nodes.size(), grain_of(16), [&](std::size_t begin, std::size_t end) {
+  parallel_parts(threads, nodes.size(), grain_of(16), [&](std::size_t begin, std::size_t end) {
     for (std::size_t k = begin; k < end; ++k) {
       const float x = nodes[k];
       float u = 0, v = 0, node_velocity = 0;

@@ -50,14 +50,14 @@ namespace {
 // A gradient is found once, not by each of the tet's four nodes.
 void rotate_frame(const TetTable& tets, const float* nodes, std::vector<float>& gradients, float* rotations,
                   Executor& threads) {
-  parallel_for(threads, tets.tet_count(), grain_of(64), [&](std::size_t begin, std::size_t end) {
+  parallel_parts(threads, tets.tet_count(), grain_of(64), [&](std::size_t begin, std::size_t end) {
     for (std::size_t tet = begin; tet < end; ++tet) {
       float gradient[9];
       deformation_gradient(tets, tet, nodes, gradient);
       for (std::size_t i = 0; i < 9; ++i) gradients[9 * tet + i] = tets.shapes[tet].volume * gradient[i];
     }
   });
-  parallel_for(threads, tets.node_count(), grain_of(512), [&](std::size_t begin, std::size_t end) {
+  parallel_parts(threads, tets.node_count(), grain_of(512), [&](std::size_t begin, std::size_t end) {
     HWY_DYNAMIC_DISPATCH(rotate_lanes)(tets, gradients.data(), begin, end, rotations);
   });
 }
@@ -69,7 +69,7 @@ void jiggle_rotate(const TetTable& tets, std::span<const float> nodes, std::uint
   const std::size_t count = tets.node_count();
   // Several frames go to threads whole: where cores share no cache, reading another's gradients takes longer than
   // finding them.
-  parallel_for(threads, frame_count, 1, [&](std::size_t begin, std::size_t end) {
+  parallel_parts(threads, frame_count, 1, [&](std::size_t begin, std::size_t end) {
     std::vector<float> gradients(std::size_t{9} * tets.tet_count());
     for (std::size_t f = begin; f < end; ++f) {
       rotate_frame(tets, nodes.data() + 3 * f * count, gradients, rotations.data() + 9 * f * count,

@@ -6,7 +6,7 @@ namespace bodyopt::cpu {
 
 void jiggle_skin(const TetTable& tets, std::span<const float> positions, std::span<const float> displacement,
                  float weight, std::span<float> moved, Executor& threads) {
-  parallel_for(threads, tets.skin.size(), grain_of(16), [&](std::size_t begin, std::size_t end) {
+  parallel_parts(threads, tets.skin.size(), grain_of(16), [&](std::size_t begin, std::size_t end) {
     for (std::size_t vertex = begin; vertex < end; ++vertex) {
       const TetPoint& point = tets.skin[vertex];
       const float* x = positions.data() + 3 * vertex;

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <span>
 
 #include "runtime/core/executor.h"
 
@@ -17,6 +18,14 @@ constexpr std::size_t grain_of(std::size_t work) { return std::max<std::size_t>(
 // Of `count` elements that are that much work together.
 constexpr std::size_t grain_of(std::size_t count, std::size_t work) {
   return std::max<std::size_t>(1, count * kPartWork / std::max<std::size_t>(1, work));
+}
+
+// Multiply-adds of panels, or strips, of a block inverse.
+template <typename Panel>
+std::size_t work_of(std::span<const Panel> panels) {
+  std::size_t work = 0;
+  for (const Panel& panel : panels) work += std::size_t{panel.row_count} * panel.input_count;
+  return work;
 }
 
 }  // namespace bodyopt::cpu

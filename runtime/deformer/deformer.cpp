@@ -53,9 +53,6 @@ std::unique_ptr<Backend> make_backend(const std::shared_ptr<const CharacterModel
 // Throws Error(usage) where numbers would grow without bound.
 JiggleOptions checked_options(const std::optional<JiggleOptions>& jiggle) {
   if (!jiggle) return {};
-  if (const std::string problem = problem_of_iterations(jiggle->iterations); !problem.empty()) {
-    throw Error(ErrorKind::usage, "the iterations of the jiggle: " + problem);
-  }
   if (const std::string problem = problem_of_gravity_change(jiggle->gravity_change); !problem.empty()) {
     throw Error(ErrorKind::usage, "the change of gravity " + problem);
   }

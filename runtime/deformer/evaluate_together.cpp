@@ -27,7 +27,7 @@ constexpr std::size_t kPartOutputs = 1024;
 template <typename Function>
 void over_outputs(Executor& threads, std::size_t frames, std::size_t outputs, const Function& function) {
   const std::size_t parts = (outputs + kPartOutputs - 1) / kPartOutputs;
-  parallel_for(threads, frames * parts, 1, [&](std::size_t begin, std::size_t end) {
+  parallel_parts(threads, frames * parts, 1, [&](std::size_t begin, std::size_t end) {
     for (std::size_t k = begin; k < end; ++k) {
       const std::size_t first = k % parts * kPartOutputs;
       function(k / parts, first, std::min(kPartOutputs, outputs - first));

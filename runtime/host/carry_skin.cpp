@@ -47,7 +47,7 @@ std::vector<float> carry_skin(const MeshTable& mesh, const CarriedSkin& carried,
   const std::size_t stride = 3 * std::size_t{mesh.output_count()};
   const std::size_t frames = stride == 0 ? 0 : positions.size() / stride;
   std::vector<float> full(3 * frames * carried.size());
-  parallel_for(threads, frames * carried.size(), kLeastPoints, [&](std::size_t begin, std::size_t end) {
+  parallel_parts(threads, frames * carried.size(), kLeastPoints, [&](std::size_t begin, std::size_t end) {
     for (std::size_t k = begin; k < end; ++k) {
       const std::size_t f = k / carried.size();
       const CarriedPoint& point = carried.points[k % carried.size()];

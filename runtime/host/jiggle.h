@@ -13,22 +13,17 @@
 
 namespace bodyopt {
 
-inline constexpr std::uint32_t kMostIterations = 1000;
 inline constexpr double kMostGravityChange = 1000;  // m/s^2 along an axis: a hundred times the earth's
 
 struct JiggleOptions {
   // Change of gravity against that of the shapes, m/s^2, world: the shapes have gravity in them already. Of
   // kMostGravityChange at most.
   Vec3 gravity_change{};
-  // Conjugate gradient iterations on the corotated operator per solve, 2 to kMostIterations; 0: one solve in the nodes'
-  // frames. After one alone, energy may grow.
-  std::uint32_t iterations = 0;
   // Frames at which a new shot begins, ascending. Jumps that no body makes are found without.
   std::vector<int> cuts{};
 };
 
-// What is wrong with them, as the end of a sentence that begins with their name; empty: nothing.
-std::string problem_of_iterations(std::uint32_t iterations);
+// What is wrong with it, as the end of a sentence that begins with its name; empty: nothing.
 std::string problem_of_gravity_change(const Vec3& change);
 
 // Where nodes are and how they move, world axes, N x 3 each: see cpu::JiggleMotion.

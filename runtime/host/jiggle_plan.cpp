@@ -33,14 +33,6 @@ JiggleStart start_of(int frame, bool jumps, const JiggleStep& step, const Jiggle
 
 }  // namespace
 
-std::string problem_of_iterations(std::uint32_t iterations) {
-  if (iterations == 1) return "expected 0 or 2 at least: after one step alone, energy may grow";
-  if (iterations > kMostIterations) {
-    return "expected " + std::to_string(kMostIterations) + " at most, found " + std::to_string(iterations);
-  }
-  return {};
-}
-
 std::string problem_of_gravity_change(const Vec3& change) {
   const auto sound = [](double g) { return std::abs(g) <= kMostGravityChange; };  // a NaN is not
   if (std::ranges::all_of(change, sound)) return {};

@@ -53,7 +53,7 @@ void check_joints(const Skeleton& skeleton, const std::vector<JointTransform>& j
   for (std::size_t j = 0; j < joints.size(); ++j) {
     const JointTransform& t = joints[j];
     double sum = 0;
-    for (int i = 0; i < 3; ++i) sum += std::abs(t.translation[i]) + std::abs(t.scale[i]);
+    for (std::size_t i = 0; i < 3; ++i) sum += std::abs(t.translation[i]) + std::abs(t.scale[i]);
     for (const double x : t.rotation) sum += std::abs(x);
     if (!(sum < 1e12)) {
       throw Error(ErrorKind::mismatch, "the pose of joint '" + skeleton.joints[j].name + "' is not a finite number");
@@ -119,8 +119,8 @@ std::vector<float> joint_features(const Skeleton& skeleton, const std::vector<Jo
   const std::vector<Quat> bind = bind_rotations(skeleton);
   for (const JointFeatures& of : joint_features_of(skeleton)) {
     const auto r = rotation_matrix(rotation_of(of, skeleton, bind, joints));
-    for (int i = 0; i < 3; ++i) {
-      for (int k = 0; k < 3; ++k) features.push_back(static_cast<float>(r[i][k] - (i == k ? 1 : 0)));
+    for (std::size_t i = 0; i < 3; ++i) {
+      for (std::size_t k = 0; k < 3; ++k) features.push_back(static_cast<float>(r[i][k] - (i == k ? 1 : 0)));
     }
   }
   return features;

@@ -47,15 +47,7 @@ inline constexpr std::array kKernelTolerances = {
     KernelTolerance{"jiggle_advance", 1},
     KernelTolerance{"jiggle_advance", 2},
     KernelTolerance{"jiggle_end", 0},
-    KernelTolerance{"jiggle_skin", 0, 1e-7},  // m, of decimetres: a root and a quotient
-    // A rotation's numbers, times how much nearer it is than any other: as jiggle_rotate, of a norm of nine.
-    KernelTolerance{"jiggle_tet_rotate", 0, 1e-5},
-    KernelTolerance{"jiggle_stress", 0},
-    KernelTolerance{"jiggle_force", 0},
-    KernelTolerance{"conjugate_dot", 0},
-    KernelTolerance{"conjugate_step", 0, 5e-7},  // a quotient of the order of 1
-    KernelTolerance{"conjugate_step", 1, 5e-7},
-    KernelTolerance{"conjugate_direction", 0, 5e-7},
+    KernelTolerance{"jiggle_skin", 0, 1e-7},   // m, of decimetres: a root and a quotient
     KernelTolerance{"output_relax", 0, 3e-6},  // m, of a box of 3 m a millionth: quotients and roots of areas
     KernelTolerance{"output_bound", 0},
     KernelTolerance{"output_separate", 0, 3e-6},  // m, as output_relax

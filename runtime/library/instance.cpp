@@ -45,7 +45,6 @@ std::optional<JiggleOptions> jiggle_options(const bodyopt_instance_options& opti
   }
   JiggleOptions jiggle;
   std::ranges::copy(options.gravity_change, jiggle.gravity_change.begin());
-  jiggle.iterations = options.iterations;
   return jiggle;
 }
 

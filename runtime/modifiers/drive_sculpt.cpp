@@ -9,11 +9,6 @@
 namespace bodyopt {
 namespace {
 
-double turn_between(const Quat& a, const Quat& b) {
-  const double cosine = a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3];
-  return 2 * std::acos(std::min(1.0, std::abs(cosine)));
-}
-
 double nearness(double distance, double spread) {
   if (!(distance < spread)) return 0;
   const double near = 1 - distance / spread;
@@ -31,7 +26,7 @@ void drive_sculpt(const ModifierFrames& frames, std::span<float> weights) {
       Quat own;
       for (std::size_t i = 0; i < 4; ++i) own[i] = static_cast<double>(modifier.numbers.at(1 + 4 * k + i));
       const Quat& posed = frames.poses[f].own_joints()[modifier.joints[k]].rotation;
-      furthest = std::max(furthest, turn_between(normalized(own), normalized(posed)));
+      furthest = std::max(furthest, angle_between(normalized(own), normalized(posed)));
     }
     const double always = static_cast<double>(frames.controls[0][f]);
     weights[f] = static_cast<float>(std::lerp(nearness(furthest, spread), 1.0, always));

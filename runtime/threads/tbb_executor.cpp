@@ -1,7 +1,11 @@
 #include "runtime/threads/tbb_executor.h"
 
 #include <tbb/blocked_range.h>
+#include <tbb/global_control.h>
 #include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
+
+#include <algorithm>
 
 #ifdef BODYOPT_SANITIZED_THREADS
 extern "C" void __tsan_acquire(void* address);
@@ -27,14 +31,20 @@ class HandOver {
 class TbbExecutor final : public Executor {
  public:
   void parallel_for(std::size_t count, std::size_t grain, Task task, const void* context) override {
+    if (count <= grain) {
+      if (count > 0) task(context, 0, count);
+      return;
+    }
     // A range is halved while it is longer than oneTBB's grain.
-    const tbb::blocked_range<std::size_t> range(0, count, 2 * grain);
+    const tbb::blocked_range<std::size_t> range(0, count, 2 * grain - 1);
     HandOver work, results;
     work.give();
-    tbb::parallel_for(range, [&](const auto& part) {
-      work.take();
-      task(context, part.begin(), part.end());
-      results.give();
+    tbb::this_task_arena::isolate([&] {
+      tbb::parallel_for(range, [&](const auto& part) {
+        work.take();
+        task(context, part.begin(), part.end());
+        results.give();
+      });
     });
     results.take();
   }
@@ -43,5 +53,11 @@ class TbbExecutor final : public Executor {
 }  // namespace
 
 std::unique_ptr<Executor> make_tbb_executor() { return std::make_unique<TbbExecutor>(); }
+
+std::size_t thread_count() {
+  const int slots = tbb::this_task_arena::max_concurrency();
+  return std::min(static_cast<std::size_t>(slots),
+                  tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism));
+}
 
 }  // namespace bodyopt

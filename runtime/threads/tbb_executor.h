@@ -7,7 +7,10 @@
 
 namespace bodyopt {
 
-// As many threads as oneTBB has: tbb::global_control and the calling thread's arena say how many.
+// On thread_count() threads. One that waits for the others does no work but of its own loop: it may hold a lock.
 std::unique_ptr<Executor> make_tbb_executor();
+
+// As many as oneTBB has: tbb::global_control and the calling thread's arena say how many.
+std::size_t thread_count();
 
 }  // namespace bodyopt

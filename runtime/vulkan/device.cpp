@@ -49,7 +49,8 @@ std::vector<VkQueueFamilyProperties> queue_families(VkPhysicalDevice physical) {
 // A family that computes, with graphics where there is one.
 std::optional<std::uint32_t> compute_family(VkPhysicalDevice physical) {
   const std::vector<VkQueueFamilyProperties> families = queue_families(physical);
-  for (const VkQueueFlags wanted : {VK_QUEUE_COMPUTE_BIT | VK_QUEUE_GRAPHICS_BIT, +VK_QUEUE_COMPUTE_BIT}) {
+  constexpr VkQueueFlags kComputes = VK_QUEUE_COMPUTE_BIT, kDraws = VK_QUEUE_GRAPHICS_BIT;
+  for (const VkQueueFlags wanted : {kComputes | kDraws, kComputes}) {
     for (std::uint32_t f = 0; f < families.size(); ++f) {
       if ((families[f].queueFlags & wanted) == wanted) return f;
     }

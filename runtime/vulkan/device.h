@@ -2,11 +2,13 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <optional>
 #include <string>
 #include <type_traits>
+#include <typeindex>
 #include <vector>
 
 #include "runtime/host/device_choice.h"
@@ -85,6 +87,15 @@ class Device {
 
   MemoryBlocks& memory_blocks() const { return memory_blocks_; }
   VkPipelineCache pipeline_cache() const { return pipeline_cache_; }  // VK_NULL_HANDLE: none
+  // A T(*this) for all who use the device, made when it is first asked for, from any thread, and gone before the
+  // device: pipelines take drivers long to compile. Throws what T's constructor does, which itself asks for none.
+  template <typename T>
+  const T& shared() const {
+    const std::lock_guard lock(shared_mutex_);
+    std::shared_ptr<const void>& made = shared_[typeid(T)];
+    if (!made) made = std::make_shared<const T>(*this);
+    return *static_cast<const T*>(made.get());
+  }
 
   std::vector<std::string> validation_messages() const { return instance_.log()->messages(); }
   std::shared_ptr<const ValidationLog> validation_log() const { return instance_.log(); }
@@ -112,6 +123,8 @@ class Device {
   mutable MemoryBlocks memory_blocks_;
   std::optional<PipelineCache> kept_pipelines_;  // of a device of ours
   VkPipelineCache pipeline_cache_ = VK_NULL_HANDLE;
+  mutable std::mutex shared_mutex_;
+  mutable std::map<std::type_index, std::shared_ptr<const void>> shared_;
 };
 
 }  // namespace bodyopt::vulkan

@@ -21,8 +21,7 @@ const char* advice(VkResult result) {
              "of the character, or the CPU (--device cpu)";
     case VK_TIMEOUT:
       return ": likely the device hangs, or other work keeps it busy. Take fewer frames at a time or a lighter level "
-             "of "
-             "the character, or another --device";
+             "of the character, or another --device";
     default:
       return "";
   }

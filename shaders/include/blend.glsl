@@ -1,5 +1,6 @@
 // What residual_blend and modify_blend share: the sum of a vertex' entries. The including kernel declares kFrames,
-// push, blend_begin, blend and coefficients. Values are `precise`: a multiply and an add stay two roundings, as on the CPU.
+// push, blend_begin, blend and coefficients. Values are `precise`: a multiply and an add stay two roundings, as on the
+// CPU.
 
 // `entry`: of those bound.
 float blend_number(uint entry, uint component, uint lane) {

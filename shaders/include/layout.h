@@ -163,11 +163,6 @@ const float kStill = 1e-15f;
 // A fibre shorter by this share of its rest length is fully active.
 const float kFullActivationStrain = 0.2f;
 
-struct TetElasticity {
-  float lambda, mu;  // Lame's parameters times (1 + beta / d), Pa
-};
-BODYOPT_CHECK_SIZE(TetElasticity, 8)
-
 // In how many steps skin is relaxed, and skin that has crossed skin is taken out of it.
 const uint kRelaxSteps = 4u, kSeparateSteps = 5u;
 
@@ -267,18 +262,6 @@ struct BlockDownPush {
 struct JiggleRotatePush {
   uint node_count;
 };
-// What a node takes of the displacement of another: an entry of the springs' matrix.
-struct HeldNode {
-  uint column;
-  float value;
-};
-BODYOPT_CHECK_SIZE(HeldNode, 8)
-
-// Where a node's corners of tets begin, and its row of the springs' matrix; one more than there are nodes.
-struct NodeRows {
-  uint corner_begin, held_begin;
-};
-BODYOPT_CHECK_SIZE(NodeRows, 8)
 
 // Parts of a motion, of 3 N numbers each: that of the frame before, for instance, is one buffer.
 const uint kMotionDisplacement = 0u, kMotionVelocity = 1u, kMotionNodes = 2u, kMotionNodeVelocity = 3u;
@@ -303,18 +286,6 @@ struct JiggleStepPush {
 struct JiggleSkinPush {
   uint vertex_count, frame;
   float weight;  // of the displacement; 1: as it is
-};
-struct JiggleTetRotatePush {
-  uint tet_count, node_count, frame;
-};
-struct JiggleStressPush {
-  uint tet_count, node_count, frame;
-};
-struct JiggleForcePush {
-  uint node_count, frame;
-};
-struct ConjugatePush {
-  uint count;
 };
 
 #ifdef __cplusplus

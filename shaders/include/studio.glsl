@@ -25,14 +25,16 @@ vec3 clay(vec3 colour, vec3 n, vec3 eye, vec3 up) {
 
 // Flat enough for a colour to be found on the colour bar, shaded enough for the shape to be seen.
 vec3 coloured(vec3 colour, vec3 n, vec3 eye, vec3 up) {
-  const float light = 0.50 + 0.50 * wrapped(dot(n, kKeyDirection)) + 0.08 * dot(n, up) + 0.08 * max(0, dot(n, kFillDirection));
+  const float light =
+      0.50 + 0.50 * wrapped(dot(n, kKeyDirection)) + 0.08 * dot(n, up) + 0.08 * max(0, dot(n, kFillDirection));
   return colour * light * mix(0.75, 1.0, max(0, dot(n, eye)));
 }
 
 // Darker towards the edges and the bottom; noise of half a step hides the steps of 8 bits. at: picture, -1..1, y down.
 vec3 backdrop(vec2 at) {
   const float height = 0.5 - 0.5 * at.y;
-  const float noise = fract(52.9829189 * fract(dot(gl_FragCoord.xy, vec2(0.06711056, 0.00583715)))) - 0.5;  // Jimenez 2014
+  const float noise =
+      fract(52.9829189 * fract(dot(gl_FragCoord.xy, vec2(0.06711056, 0.00583715)))) - 0.5;  // Jimenez 2014
   const vec3 colour = mix(vec3(0.008, 0.008, 0.009), vec3(0.026, 0.028, 0.032), height);
   return colour * (1 - 0.18 * dot(at, at)) + noise * 0.0012;
 }

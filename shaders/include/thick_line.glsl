@@ -1,6 +1,7 @@
 // A line of some pixels' width as two triangles. Needs view.glsl.
 
-// Corner 0..5 of the line from a to b (camera space); half: half its width over half the picture's size, both in pixels.
+// Corner 0..5 of the line from a to b (camera space); half: half its width over half the picture's size, both in
+// pixels.
 vec4 thick_line(View view, vec3 a, vec3 b, bool orthographic, vec2 half_width, uint corner) {
   const float nearest = -1e-4;
   if (!orthographic) {  // what lies behind the camera is cut off: it would come out in front

@@ -23,8 +23,8 @@ void main() {
   for (uint i = 0; i < 3; ++i) {
     uint k = 3 * n + i;
     precise float next_u = push.u_from_u * local_displacement[k] + push.u_from_z * solution[k];
-    precise float next_v = push.v_from_u * local_displacement[k] + push.v_from_z * solution[k] +
-                           push.v_from_v * local_velocity[k];
+    precise float next_v =
+        push.v_from_u * local_displacement[k] + push.v_from_z * solution[k] + push.v_from_v * local_velocity[k];
     u[i] = next_u;
     v[i] = next_v;
   }

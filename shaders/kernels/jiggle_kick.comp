@@ -7,7 +7,7 @@
 // Threads: 3 * push.node_count
 layout(local_size_x = kWorkgroupSize) in;
 layout(push_constant) uniform Constants { JiggleKickPush push; };
-layout(set = 0, binding = 0) readonly buffer B0 { float nodes[]; };  // of the batch
+layout(set = 0, binding = 0) readonly buffer B0 { float nodes[]; };   // of the batch
 layout(set = 0, binding = 1) readonly buffer B1 { float before[]; };  // a motion
 layout(set = 0, binding = 2) writeonly buffer B2 { float after[]; };
 

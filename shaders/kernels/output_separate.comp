@@ -17,7 +17,8 @@ layout(set = 0, binding = 5) readonly buffer B5 { float posed[]; };
 layout(set = 0, binding = 6) readonly buffer B6 { float current[]; };
 layout(set = 0, binding = 7) writeonly buffer B7 { float moved[]; };
 
-// Where the vertices of the workgroup that may lie in a fold are along its axes u, w and n: each, then all of them at 0.
+// Where the vertices of the workgroup that may lie in a fold are along its axes u, w and n: each, then all of them at
+// 0.
 shared float from[3][kWorkgroupSize], to[3][kWorkgroupSize];
 shared uint member_count;
 // Is there skin of the other side above and below any of them, as the parent's side sees it, and, shifted, the child's?

@@ -23,8 +23,8 @@ void main() {
   Region region = regions[r];
   uint coordinate = push.coordinate_count * frame + region.coordinate_begin;
   uint phi = push.centre_count * frame + region.centre_begin;
-  uint row = region.weight_values +
-             (c - region.coefficient_begin) * (1 + region.coordinate_count + region.centre_count);
+  uint row =
+      region.weight_values + (c - region.coefficient_begin) * (1 + region.coordinate_count + region.centre_count);
   precise float sum = weights[row];
   for (uint k = 0; k < region.coordinate_count; ++k) sum += weights[row + 1 + k] * coordinates[coordinate + k];
   row += 1 + region.coordinate_count;

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <nlohmann/json.hpp>
+
 #include "tests/support/paths.h"
 #include "tests/support/temporary_folder.h"
 #include "trainer/anatomy/mapping.h"

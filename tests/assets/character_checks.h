@@ -3,7 +3,10 @@
 
 #include <gtest/gtest.h>
 
+#include <nlohmann/json.hpp>
+
 #include "assets/character.h"
+#include "runtime/core/json.h"
 #include "tests/assets/gltf_blob.h"
 
 namespace bodyopt {
@@ -13,7 +16,7 @@ inline Character read(const GltfBlob& blob, const TemporaryFolder& folder, doubl
   return read_character(folder / "c.glb", unit);
 }
 
-inline nlohmann::json& primitive(GltfBlob& blob) { return blob.root["meshes"][0]["primitives"][0]; }
+inline Json& primitive(GltfBlob& blob) { return blob.root["meshes"][0]["primitives"][0]; }
 
 inline void expect_valid(const Character& c) {
   ASSERT_GT(c.vertices.rows(), 0);

@@ -3,9 +3,11 @@
 
 #include <cmath>
 #include <map>
+#include <nlohmann/json.hpp>
 #include <utility>
 
 #include "assets/character.h"
+#include "runtime/core/json.h"
 #include "tests/assets/character_checks.h"
 #include "tests/assets/gltf_blob.h"
 
@@ -103,8 +105,7 @@ TEST(CharacterHostile, HostileHeadersAreErrors) {
 
 TEST(CharacterHostile, HostileJsonIsAnError) {
   const TemporaryFolder folder;
-  using json = nlohmann::json;
-  const std::vector<std::pair<std::string, json>> patches{
+  const std::vector<std::pair<std::string, Json>> patches{
       {"/asset/version", "1.0"},
       {"/asset/version", 2},
       {"/asset", 5},
@@ -157,10 +158,10 @@ TEST(CharacterHostile, HostileJsonIsAnError) {
       {"/meshes/0/primitives/0/attributes/JOINTS_0", 0},
       {"/meshes/0/primitives/0/attributes", {{"POSITION", 0}}},
       {"/meshes/0/primitives/0/attributes", {{"JOINTS_0", 1}, {"WEIGHTS_0", 2}}},
-      {"/meshes/0/primitives", json::array()},
-      {"/meshes", json::array()},
-      {"/skins", json::array()},
-      {"/skins/0/joints", json::array()},
+      {"/meshes/0/primitives", Json::array()},
+      {"/meshes", Json::array()},
+      {"/skins", Json::array()},
+      {"/skins/0/joints", Json::array()},
       {"/skins/0/joints", {0}},
       {"/skins/0/joints", {0, 0}},
       {"/skins/0/joints", {0, 99}},
@@ -183,7 +184,7 @@ TEST(CharacterHostile, HostileJsonIsAnError) {
   for (const auto& [pointer, value] : patches) {
     GltfBlob blob = two_joint_square();
     blob.root["buffers"] = {{{"byteLength", blob.binary.size()}}};
-    blob.root[json::json_pointer(pointer)] = value;
+    blob.root[Json::json_pointer(pointer)] = value;
     SCOPED_TRACE(pointer + " = " + value.dump());
     error_of(ErrorKind::file, [&] { read(blob, folder); });
   }
@@ -221,7 +222,7 @@ TEST(CharacterHostile, HostileNumbersAreErrors) {
   // One accessor used a hundred thousand times asks for vast memory.
   refuse([](GltfBlob& b) {
     primitive(b)["attributes"]["POSITION"] = b.vectors(std::vector<float>(30000, 0.5f));
-    const nlohmann::json copy = primitive(b);
+    const Json copy = primitive(b);
     for (int i = 0; i < 2000; ++i) b.root["meshes"][0]["primitives"].push_back(copy);
   });
 }

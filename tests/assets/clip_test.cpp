@@ -4,10 +4,12 @@
 #include <sys/stat.h>
 
 #include <cmath>
+#include <nlohmann/json.hpp>
 #include <numbers>
 
 #include "assets/character.h"
 #include "geometry/extent.h"
+#include "runtime/core/json.h"
 #include "runtime/host/rig.h"
 #include "tests/assets/gltf_blob.h"
 #include "tests/support/read_bytes.h"
@@ -34,8 +36,7 @@ Skeleton two_joints() {
 GltfBlob two_nodes() {
   GltfBlob blob;
   blob.root["nodes"] = {{{"name", "root"}, {"children", {1}}}, {{"name", "tip"}, {"translation", {0, 7, 0}}}};
-  blob.root["animations"] = {
-      {{"name", "move"}, {"samplers", nlohmann::json::array()}, {"channels", nlohmann::json::array()}}};
+  blob.root["animations"] = {{{"name", "move"}, {"samplers", Json::array()}, {"channels", Json::array()}}};
   return blob;
 }
 
@@ -196,10 +197,10 @@ TEST(Clip, HostileAnimationsAreErrors) {
                            const std::string& interpolation = "LINEAR") {
     return [=](GltfBlob& b) { animate(b, 0, "translation", times, values, interpolation); };
   };
-  const auto patched = [](const std::string& pointer, const nlohmann::json& value) {
+  const auto patched = [](const std::string& pointer, const Json& value) {
     return [=](GltfBlob& b) {
       animate(b, 0, "translation", {0, 1}, {0, 0, 0, 1, 0, 0});
-      b.root["animations"][0][nlohmann::json::json_pointer(pointer)] = value;
+      b.root["animations"][0][Json::json_pointer(pointer)] = value;
     };
   };
   const std::vector<Damage> damages{
@@ -319,7 +320,7 @@ TEST(Clip, OnlyWhatVariesIsWritten) {
     const std::string bytes = testing::read_bytes(folder / "w.glb");
     std::uint32_t length = 0;
     std::memcpy(&length, bytes.data() + 12, 4);
-    return nlohmann::json::parse(bytes.substr(20, length))["animations"][0]["channels"].size();
+    return Json::parse(bytes.substr(20, length))["animations"][0]["channels"].size();
   };
   EXPECT_EQ(channels(), 1u);                                       // glTF forbids an empty animation
   for (Pose& pose : clip.poses) pose.joints[1].scale = {1, 2, 1};  // still, but not the default

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "runtime/core/error.h"
+#include "runtime/core/json.h"
 #include "tests/support/temporary_folder.h"
 
 namespace bodyopt {
@@ -40,7 +41,7 @@ inline bool mentions(const std::vector<std::string>& notes, const std::string& t
 }
 
 struct GltfBlob {
-  nlohmann::json root = {{"asset", {{"version", "2.0"}}}};
+  Json root = {{"asset", {{"version", "2.0"}}}};
   std::string binary;
 
   template <class T>
@@ -64,7 +65,7 @@ struct GltfBlob {
   std::size_t joints(const std::vector<std::uint8_t>& values) { return add(values, 5121, "VEC4", 4); }
 
   std::string glb() const {
-    nlohmann::json full = root;
+    Json full = root;
     if (!full.contains("buffers")) full["buffers"] = {{{"byteLength", binary.size()}}};
     return glb_of(full.dump(), binary);
   }

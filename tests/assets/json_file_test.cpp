@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <nlohmann/json.hpp>
+
 #include "tests/support/replaced_file.h"
 #include "tests/support/temporary_folder.h"
 

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "runtime/core/error.h"
+#include "runtime/core/json.h"
 #include "tests/support/hostile_bytes.h"
 #include "tests/support/temporary_folder.h"
 
@@ -12,8 +13,6 @@ namespace bodyopt {
 namespace muscles_test {
 
 using namespace testing;
-using Json = nlohmann::ordered_json;
-
 Skeleton arm() {
   Skeleton skeleton;
   for (const char* name : {"shoulder", "elbow", "wrist"}) {

@@ -2,11 +2,13 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <nlohmann/json.hpp>
 #include <numbers>
 
 #include "assets/axis_turns.h"
 #include "assets/character.h"
 #include "assets/clip.h"
+#include "runtime/core/json.h"
 #include "runtime/host/rig.h"
 #include "tests/assets/gltf_blob.h"
 #include "tests/support/shared_data.h"
@@ -64,7 +66,7 @@ Skeleton skeleton_of(const Rig& rig) {
 // The rig's nodes as they rest, and an animation "move" without channels.
 GltfBlob nodes_of(const Rig& rig) {
   GltfBlob blob;
-  blob.root["nodes"] = nlohmann::json::array();
+  blob.root["nodes"] = Json::array();
   const Skeleton skeleton = skeleton_of(rig);
   for (const Joint& joint : skeleton.joints) {
     blob.root["nodes"].push_back(
@@ -73,8 +75,7 @@ GltfBlob nodes_of(const Rig& rig) {
   for (std::size_t j = 0; j < rig.size(); ++j) {
     if (rig[j].parent >= 0) blob.root["nodes"][static_cast<std::size_t>(rig[j].parent)]["children"].push_back(j);
   }
-  blob.root["animations"] = {
-      {{"name", "move"}, {"samplers", nlohmann::json::array()}, {"channels", nlohmann::json::array()}}};
+  blob.root["animations"] = {{{"name", "move"}, {"samplers", Json::array()}, {"channels", Json::array()}}};
   return blob;
 }
 

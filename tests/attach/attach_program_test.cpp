@@ -1,11 +1,13 @@
 // train, attach, eval and info with geometry that rides on the skin.
 #include <cmath>
+#include <nlohmann/json.hpp>
 
 #include "assets/clip.h"
 #include "assets/pc2.h"
+#include "runtime/core/json.h"
 #include "runtime/host/rig.h"
 #include "tests/support/limb_glb.h"
-#include "tests/support/run_program.h"
+#include "tests/support/run_verb.h"
 
 namespace bodyopt {
 namespace {
@@ -21,7 +23,7 @@ class Attach : public ::testing::Test {
     clip.name = "bend";
     for (int f = 0; f < 5; ++f) clip.poses.push_back(limb_pose(limb_character().skeleton, 0.3 * f, 0.1 * f, -0.1 * f));
     write_clip(clip, limb_character().skeleton, path("bend.glb"));
-    trained_ = run_bodyopt("train --ddm-only " + path("limb.glb") + " --out " + path("limb.safetensors"));
+    trained_ = run_verb("train --ddm-only " + path("limb.glb") + " --out " + path("limb.safetensors"));
     ASSERT_EQ(trained_.exit_code, 0) << trained_.output;
   }
 
@@ -36,10 +38,10 @@ class Attach : public ::testing::Test {
     put_bytes(path(mesh.name + ".glb"), blob.glb());
     return path(mesh.name + ".glb");
   }
-  ProgramResult attach(const std::string& arguments) const { return run_bodyopt("attach " + arguments); }
+  ProgramResult attach(const std::string& arguments) const { return run_verb("attach " + arguments); }
   ProgramResult eval(const std::string& options = "") const {
-    return run_bodyopt("eval " + path("limb.safetensors") + " --clip " + path("bend.glb") +
-                       " --frames 2-5 --device cpu " + "--out " + path("shot.pc2") + " " + options);
+    return run_verb("eval " + path("limb.safetensors") + " --clip " + path("bend.glb") + " --frames 2-5 --device cpu " +
+                    "--out " + path("shot.pc2") + " " + options);
   }
   void expect(const ProgramResult& result, int exit_code, const std::string& named) const {
     EXPECT_EQ(result.exit_code, exit_code) << result.output;
@@ -84,19 +86,19 @@ TEST_F(Attach, TrainAndProxyOfADatasetAttachThemToo) {
   writer.close();
   write_clip(motion, set.character.skeleton, path("motion.glb"));
   const std::string data = path("data"), clip = " --clip " + path("motion.glb");
-  expect(run_bodyopt("dataset add " + data + clip + " --shapes " + path("shapes.pc2") + " --character " +
-                     path("limb.glb")),
-         0, "");
+  expect(
+      run_verb("dataset add " + data + clip + " --shapes " + path("shapes.pc2") + " --character " + path("limb.glb")),
+      0, "");
   const std::string attached = "attached eye, 56 vertices: 1 piece fixed to joint 'joint2'";
-  expect(run_bodyopt("train " + data + " --out " + path("full.safetensors")), 0, attached);
-  expect(run_bodyopt("proxy " + data + " --error 1 --out " + path("light.safetensors")), 0, attached);
-  expect(run_bodyopt("proxy " + path("full.safetensors") + clip + " --character " + path("limb.glb") +
-                     " --error 1 --out " + path("taught.safetensors")),
+  expect(run_verb("train " + data + " --out " + path("full.safetensors")), 0, attached);
+  expect(run_verb("proxy " + data + " --error 1 --out " + path("light.safetensors")), 0, attached);
+  expect(run_verb("proxy " + path("full.safetensors") + clip + " --character " + path("limb.glb") +
+                  " --error 1 --out " + path("taught.safetensors")),
          0, attached);
   std::vector<std::vector<float>> eyes;
   for (const char* name : {"full", "light", "taught"}) {
-    expect(run_bodyopt("eval " + path(std::string(name) + ".safetensors") + clip + " --device cpu --out " +
-                       path(std::string(name) + ".pc2")),
+    expect(run_verb("eval " + path(std::string(name) + ".safetensors") + clip + " --device cpu --out " +
+                    path(std::string(name) + ".pc2")),
            0, path(std::string(name) + ".eye.pc2"));
     eyes.push_back(Pc2Reader(path(std::string(name) + ".eye.pc2")).sample(9));
     // The eye, not the skin that a proxy replaces.
@@ -120,18 +122,18 @@ TEST_F(Attach, MeshesAreAddedReplacedAndListed) {
   expect(attach(prop(sleeve(0.008)) + " " + basis), 0, "1 piece following the skin, 8 to 8.8");
   expect(attach(prop(blade()) + " " + basis), 0, ": 3 meshes");
   expect(attach(path("blade.glb") + " " + basis + " --joint joint0"), 0, ": 3 meshes");
-  const ProgramResult info = run_bodyopt("info " + path("limb.attached.safetensors") + " --json -");
-  const nlohmann::json meshes = nlohmann::json::parse(info.output).at("meshes");
+  const ProgramResult info = run_verb("info " + path("limb.attached.safetensors") + " --json -");
+  const Json meshes = Json::parse(info.output).at("meshes");
   ASSERT_EQ(meshes.size(), 3u);
   EXPECT_EQ(meshes[0].at("name"), "eye");
   EXPECT_EQ(meshes[1].at("name"), "sleeve");
   EXPECT_EQ(meshes[1].at("vertices"), 31 * 24);
   EXPECT_EQ(meshes[2].at("bound").get<std::string>().rfind("1 piece fixed to joint 'joint0'", 0), 0u) << meshes;
-  const ProgramResult of_basis = run_bodyopt("info " + basis + " --json -");
-  EXPECT_EQ(nlohmann::json::parse(of_basis.output).at("attached"), meshes);
+  const ProgramResult of_basis = run_verb("info " + basis + " --json -");
+  EXPECT_EQ(Json::parse(of_basis.output).at("attached"), meshes);
   expect(eval(), 0, "shot.sleeve.pc2");
   EXPECT_TRUE(std::filesystem::exists(path("shot.blade.pc2")));
-  expect(run_bodyopt("train --ddm-only " + path("limb.glb") + " --out " + basis), 0, "attached eye");
+  expect(run_verb("train --ddm-only " + path("limb.glb") + " --out " + basis), 0, "attached eye");
   expect(eval(), 0, "shot.sleeve.pc2");  // a new training keeps what was attached
 }
 
@@ -157,9 +159,9 @@ TEST_F(Attach, WhatDoesNotFitIsRefused) {
   Character longer = limb_character();
   longer.vertices *= 1.1;
   write_character(longer, path("longer.glb"));
-  expect(run_bodyopt("train --ddm-only " + path("longer.glb") + " --out " + path("longer.safetensors")), 0, "wrote");
-  expect(run_bodyopt("eval " + path("longer.safetensors") + " --clip " + path("bend.glb") + " --device cpu --out " +
-                     path("x.pc2") + " --attached " + path("limb.attached.safetensors")),
+  expect(run_verb("train --ddm-only " + path("longer.glb") + " --out " + path("longer.safetensors")), 0, "wrote");
+  expect(run_verb("eval " + path("longer.safetensors") + " --clip " + path("bend.glb") + " --device cpu --out " +
+                  path("x.pc2") + " --attached " + path("limb.attached.safetensors")),
          3, "is not attached to");
   EXPECT_FALSE(std::filesystem::exists(path("x.pc2")));
 }
@@ -171,12 +173,12 @@ TEST_F(Attach, StaleAttachmentsBesideABasisAreRefusedByName) {
   other.output_triangles = other.triangles;
   write_character(other, path("other.glb"));
   expect(attach(prop(sleeve(0.008)) + " " + path("limb.safetensors")), 0, "wrote");
-  expect(run_bodyopt("train --ddm-only " + path("other.glb") + " --out " + path("limb.safetensors")), 0, "wrote");
+  expect(run_verb("train --ddm-only " + path("other.glb") + " --out " + path("limb.safetensors")), 0, "wrote");
   const std::string both =
       path("limb.attached.safetensors") + ": is not attached to " + path("limb.safetensors") + ": the mesh is another";
   expect(eval(), 3, both);
   expect(attach(prop(blade()) + " " + path("limb.safetensors")), 3, both);
-  expect(run_bodyopt("info " + path("limb.safetensors")), 3, both);
+  expect(run_verb("info " + path("limb.safetensors")), 3, both);
   EXPECT_FALSE(std::filesystem::exists(path("shot.pc2")));
 }
 

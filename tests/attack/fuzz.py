@@ -16,7 +16,7 @@ def attack(stage, findings, random, clock, tools):
     temporary.mkdir(parents=True)
     files = findings.folder.parent / "fuzz_files"  # kept: what is found is read again with them
     shutil.copytree(stage.for_fuzzers, files)
-    environment = dict(os.environ, BODYOPT_FUZZ_FILES=str(files), TMPDIR=str(temporary), OMP_NUM_THREADS="1")
+    environment = dict(os.environ, BODYOPT_FUZZ_FILES=str(files), TMPDIR=str(temporary))
     listed = run([tools.fuzzer, "--list"], folder)
     made = run([tools.fuzzer, "--write-seeds=seeds"], folder, environment=environment)
     if listed.code != 0 or made.code != 0:

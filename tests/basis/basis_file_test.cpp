@@ -6,6 +6,7 @@
 
 #include "runtime/basis/basis.h"
 #include "runtime/basis/safetensors.h"
+#include "runtime/core/json.h"
 #include "runtime/deformer/deformer.h"
 #include "tests/support/error_kind.h"
 #include "tests/support/forged_word.h"
@@ -19,8 +20,6 @@ namespace bodyopt {
 namespace {
 
 using namespace testing;
-using Json = nlohmann::json;
-
 void read(const std::filesystem::path& path) { load_basis(path); }
 
 // A basis without strain and residual, as `train --ddm-only` makes it.

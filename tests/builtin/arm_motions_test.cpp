@@ -7,18 +7,13 @@
 
 #include "runtime/core/error.h"
 #include "runtime/host/rig.h"
-#include "trainer/builtin/arm.h"
-#include "trainer/builtin/arm_dofs.h"
-#include "trainer/builtin/arm_skeleton.h"
+#include "tests/builtin/shared_arm.h"
 #include "trainer/motion/range_of_motion.h"
 
 namespace bodyopt {
 namespace {
 
-const Skeleton& skeleton() {
-  static const Skeleton built = arm_skeleton();
-  return built;
-}
+const Skeleton& skeleton() { return arm().character.skeleton; }
 
 const JointLimits& limits() {
   static const JointLimits built = arm_limits(skeleton());
@@ -26,8 +21,7 @@ const JointLimits& limits() {
 }
 
 Clip range_of_motion_clip(int frames, std::uint64_t seed) {
-  static const BuiltinArm arm = build_arm();
-  return clip_of(range_of_motion(arm.character, limits(), {.frames = frames, .seed = seed}), limits(), skeleton());
+  return clip_of(range_of_motion(arm().character, limits(), {.frames = frames, .seed = seed}), limits(), skeleton());
 }
 
 // Degrees between two poses of one joint.
@@ -59,6 +53,20 @@ double reach(const std::string& joint) {
   return 1.1 * span(kFingerCurl);
 }
 
+TEST(ArmAngles, AreThoseOfTheLimits) {
+  ASSERT_EQ(limits().dofs.size(), static_cast<std::size_t>(kArmDofCount));
+  EXPECT_EQ(limits().dofs[kClavicleElevation].name, "clavicle_elevation");
+  EXPECT_EQ(limits().dofs[kClavicleProtraction].name, "clavicle_protraction");
+  EXPECT_EQ(limits().dofs[kShoulderAbduction].name, "shoulder_abduction");
+  EXPECT_EQ(limits().dofs[kShoulderFlexion].name, "shoulder_flexion");
+  EXPECT_EQ(limits().dofs[kShoulderRotation].name, "shoulder_rotation");
+  EXPECT_EQ(limits().dofs[kElbowFlexion].name, "elbow_flexion");
+  EXPECT_EQ(limits().dofs[kForearmTwist].name, "forearm_twist");
+  EXPECT_EQ(limits().dofs[kWristFlexion].name, "wrist_flexion");
+  EXPECT_EQ(limits().dofs[kWristDeviation].name, "wrist_deviation");
+  EXPECT_EQ(limits().dofs[kFingerCurl].name, "finger_curl");
+}
+
 TEST(ArmAngles, RestAnglesAreTheBindPose) {
   const Angles rest = rest_angles(limits());
   EXPECT_NEAR(largest_angle(limited_pose(skeleton(), limits(), {rest}), bind_pose(skeleton())), 0, 1e-12);
@@ -85,7 +93,7 @@ TEST(ArmAngles, MoveTheRightWay) {
 }
 
 TEST(Heldout, SharesNoPoseWithTheRangeOfMotion) {
-  const Clip heldout = arm_heldout(skeleton(), 120);
+  const Clip heldout = arm_heldout(skeleton(), kArmHeldoutFrames);
   for (const std::uint64_t seed : {0u, 1u, 2u, 42u}) {
     const Clip training = range_of_motion_clip(480, seed);
     double nearest = 180;
@@ -96,16 +104,25 @@ TEST(Heldout, SharesNoPoseWithTheRangeOfMotion) {
   }
 }
 
-TEST(Heldout, TakesAnyLength) {
-  for (const int count : {1, 2, 20, 75}) {
+TEST(Heldout, TakesAnyLengthUpToItsOwn) {
+  for (const int count : {1, 2, 20, 75, kArmHeldoutFrames}) {
     EXPECT_EQ(arm_heldout(skeleton(), count).poses.size(), static_cast<std::size_t>(count));
   }
-  EXPECT_THROW(arm_heldout(skeleton(), -1), Error);
+  EXPECT_THROW(arm_heldout(skeleton(), 0), Error);
+  EXPECT_THROW(arm_heldout(skeleton(), kArmHeldoutFrames + 1), Error);
   EXPECT_THROW(arm_heldout(Skeleton{}, 10), Error);
 }
 
+TEST(Heldout, OfFewerFramesIsTheSameMotion) {
+  const Clip all = arm_heldout(skeleton(), kArmHeldoutFrames), few = arm_heldout(skeleton(), kArmHeldoutFrames / 6);
+  EXPECT_EQ(few.fps, 24);
+  for (std::size_t k = 0; k < few.poses.size(); ++k) {
+    EXPECT_NEAR(largest_angle(few.poses[k], all.poses[6 * k]), 0, 1e-3) << "frame " << k;
+  }
+}
+
 TEST(Heldout, MovesSmoothlyWithinLimits) {
-  const Clip clip = arm_heldout(skeleton(), 200);  // at 24 frames a second
+  const Clip clip = arm_heldout(skeleton(), kArmHeldoutFrames);  // at 24 frames a second
   EXPECT_EQ(clip.fps, 24);
   std::vector<double> most(skeleton().size());
   for (std::size_t k = 0; k < clip.poses.size(); ++k) {
@@ -170,7 +187,7 @@ double deepest_in_ribs(const Pose& pose) {
 }
 
 TEST(Motions, KeepForearmAndHandOutOfTheRibs) {
-  for (const Pose& pose : arm_heldout(skeleton(), 200).poses) EXPECT_EQ(deepest_in_ribs(pose), 0);
+  for (const Pose& pose : arm_heldout(skeleton(), kArmHeldoutFrames).poses) EXPECT_EQ(deepest_in_ribs(pose), 0);
   for (const Pose& pose : arm_stop(skeleton()).poses) EXPECT_EQ(deepest_in_ribs(pose), 0);
   for (const Pose& pose : range_of_motion_clip(480, 5).poses) EXPECT_EQ(deepest_in_ribs(pose), 0);
 }

@@ -7,8 +7,6 @@
 
 #include "runtime/host/rig.h"
 #include "tests/builtin/shared_arm.h"
-#include "trainer/builtin/arm.h"
-#include "trainer/builtin/arm_dofs.h"
 #include "trainer/motion/limited_pose.h"
 
 namespace bodyopt {

@@ -6,9 +6,10 @@
 #include <map>
 #include <set>
 
+#include "geometry/closed_skin.h"
 #include "runtime/host/rig.h"
 #include "tests/builtin/shared_arm.h"
-#include "trainer/builtin/arm.h"
+#include "tests/support/paths.h"
 
 namespace bodyopt {
 namespace {
@@ -92,19 +93,20 @@ TEST(ArmSkin, HasWellShapedTriangles) {
   }
 }
 
-TEST(ArmSkin, IsTheSameEveryTime) {
-  const BuiltinArm again = build_arm();
-  EXPECT_EQ(again.character.vertices, arm().character.vertices);
-  EXPECT_EQ(again.character.triangles, arm().character.triangles);
-  EXPECT_EQ(skeleton_hash(again.character.skeleton), skeleton_hash(arm().character.skeleton));
-  for (std::size_t v = 0; v < again.character.weights.size(); ++v) {
-    const auto &a = again.character.weights[v], &b = arm().character.weights[v];
-    ASSERT_EQ(a.size(), b.size());
-    for (std::size_t k = 0; k < a.size(); ++k) {
-      ASSERT_EQ(a[k].joint, b[k].joint);
-      ASSERT_EQ(a[k].weight, b[k].weight);
-    }
-  }
+TEST(ArmSkin, IsThatOfTheFile) {
+  const Character file = read_character(kSourceFolder + "/rigs/arm/arm.glb");
+  EXPECT_EQ(file.vertices, arm().character.vertices);
+  EXPECT_EQ(file.triangles, arm().character.triangles);
+  EXPECT_EQ(skeleton_hash(file.skeleton), skeleton_hash(arm().character.skeleton));
+  EXPECT_TRUE(file.notes.empty());
+}
+
+TEST(StockyArm, HasTheSkeletonOfTheArmInMoreFleshAndFewerTriangles) {
+  const Character stocky = build_stocky_arm();
+  EXPECT_EQ(skeleton_hash(stocky.skeleton), skeleton_hash(arm().character.skeleton));
+  EXPECT_LT(stocky.triangles.rows(), arm().character.triangles.rows());
+  const auto volume = [](const Character& c) { return enclosed_volume(c.vertices, c.triangles); };
+  EXPECT_GT(volume(stocky), 1.02 * volume(arm().character));
 }
 
 TEST(ArmSkeleton, BindMatricesUndoTheBindPose) {

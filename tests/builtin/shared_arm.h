@@ -1,4 +1,4 @@
-// The built-in character, built once per test program.
+// The built-in character, read once per test program, and its degrees of freedom.
 #pragma once
 
 #include "trainer/builtin/arm.h"
@@ -9,5 +9,20 @@ inline const BuiltinArm& arm() {
   static const BuiltinArm built = build_arm();
   return built;
 }
+
+// In the order of rigs/arm/limits.json.
+enum ArmDof {
+  kClavicleElevation,
+  kClavicleProtraction,
+  kShoulderAbduction,
+  kShoulderFlexion,
+  kShoulderRotation,
+  kElbowFlexion,
+  kForearmTwist,
+  kWristFlexion,
+  kWristDeviation,
+  kFingerCurl,
+};
+inline constexpr int kArmDofCount = kFingerCurl + 1;
 
 }  // namespace bodyopt

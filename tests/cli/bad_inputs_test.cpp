@@ -9,7 +9,7 @@
 #include "assets/pc2.h"
 #include "tests/cli/limb_files.h"
 #include "tests/support/read_bytes.h"
-#include "tests/support/run_program.h"
+#include "tests/support/run_verb.h"
 #include "tests/support/small_basis.h"
 
 namespace bodyopt {
@@ -62,19 +62,20 @@ std::vector<Answer> recorded() {
   return answers;
 }
 
-Answer answer_of(const TemporaryFolder& folder, const std::string& command) {
-  const ProgramResult result = run_program("env -C " + folder.path().string() + " " + kProgram + " " + command);
+Answer answer_of(const std::string& command) {
+  const ProgramResult result = run_verb(command);
   return {command, std::to_string(result.exit_code) + "\n" + result.output};
 }
 
 TEST(BadInputs, GetTheRecordedMessageAndExitCode) {
   const TemporaryFolder folder;
+  const WorkingFolder here(folder.path());
   write_inputs(folder);
   const std::vector<Answer> expected = recorded();
   EXPECT_GE(expected.size(), 40u);
   std::ofstream now(kBuildFolder + "/bad_inputs.txt");  // to be copied where a message is changed on purpose
   for (const Answer& answer : expected) {
-    const Answer found = answer_of(folder, answer.command);
+    const Answer found = answer_of(answer.command);
     EXPECT_EQ(found, answer) << "all of today's: " << kBuildFolder << "/bad_inputs.txt";
     now << "$ " << found.command << "\n" << found.text;
   }

@@ -4,9 +4,10 @@
 #include <nlohmann/json.hpp>
 
 #include "assets/character.h"
+#include "runtime/core/json.h"
 #include "tests/simulate/limb.h"
 #include "tests/support/read_bytes.h"
-#include "tests/support/run_program.h"
+#include "tests/support/run_verb.h"
 #include "tests/support/temporary_folder.h"
 
 namespace bodyopt {
@@ -32,10 +33,10 @@ Character with_hole_and_rider() {
 }
 
 // The numbers of all places, by the kind of place.
-std::map<std::string, std::vector<nlohmann::json>> numbers_in(const nlohmann::json& result) {
-  std::map<std::string, std::vector<nlohmann::json>> numbers;
+std::map<std::string, std::vector<Json>> numbers_in(const Json& result) {
+  std::map<std::string, std::vector<Json>> numbers;
   for (const char* kind : {"self_intersections", "holes", "flipped", "near_parts", "glued_parts", "riders"}) {
-    for (const nlohmann::json& place : result.at(kind)) numbers[kind].push_back(place.at("number"));
+    for (const Json& place : result.at(kind)) numbers[kind].push_back(place.at("number"));
   }
   return numbers;
 }
@@ -46,21 +47,21 @@ TEST(CheckProgram, PlacesHaveTheNumbersOfTheTextAndOfThePicture) {
   write_character(with_hole_and_rider(), character);
   const auto json_of = [&](const std::string& options) {
     const ProgramResult result =
-        run_bodyopt("check " + character + options + " --json " + (folder / "check.json").string());
+        run_verb("check " + character + options + " --json " + (folder / "check.json").string());
     EXPECT_EQ(result.exit_code, 0) << result.output;
-    return nlohmann::json::parse(testing::read_bytes(folder / "check.json"));
+    return Json::parse(testing::read_bytes(folder / "check.json"));
   };
-  const nlohmann::json listed = json_of("");
+  const Json listed = json_of("");
   auto numbers = numbers_in(listed);
   ASSERT_EQ(numbers["holes"].size(), 1u);
   ASSERT_GE(numbers["riders"].size(), 1u);
   std::size_t next = 1;
   for (const char* kind : {"self_intersections", "holes", "flipped", "near_parts", "glued_parts", "riders"}) {
-    for (const nlohmann::json& number : numbers[kind]) EXPECT_EQ(number, next++) << kind;
+    for (const Json& number : numbers[kind]) EXPECT_EQ(number, next++) << kind;
   }
-  const std::string text = run_bodyopt("check " + character).output;
-  const nlohmann::json &hole = listed.at("holes").front(), &rider = listed.at("riders").back();
-  for (const nlohmann::json& place : {hole, rider}) {
+  const std::string text = run_verb("check " + character).output;
+  const Json &hole = listed.at("holes").front(), &rider = listed.at("riders").back();
+  for (const Json& place : {hole, rider}) {
     const std::string line = place.at("number").dump() + "  " + place.at("joint").get<std::string>() + ": " +
                              place.at("vertices").dump() + " vertices, one is " + place.at("vertex").dump() + " at";
     EXPECT_NE(text.find(line), std::string::npos) << line << "\n" << text;
@@ -68,7 +69,7 @@ TEST(CheckProgram, PlacesHaveTheNumbersOfTheTextAndOfThePicture) {
   auto drawn = numbers_in(json_of(" --picture " + picture));
   EXPECT_EQ(drawn["holes"], numbers["holes"]);
   ASSERT_EQ(drawn["riders"].size(), numbers["riders"].size());
-  for (const nlohmann::json& number : drawn["riders"]) EXPECT_TRUE(number.is_null()) << number;
+  for (const Json& number : drawn["riders"]) EXPECT_TRUE(number.is_null()) << number;
 }
 
 }  // namespace check_program_test

@@ -6,9 +6,10 @@
 #include "assets/pc2.h"
 #include "dataset/dataset.h"
 #include "dataset/file_hashes.h"
+#include "runtime/core/json.h"
 #include "tests/cli/limb_files.h"
 #include "tests/support/hostile_bytes.h"
-#include "tests/support/run_program.h"
+#include "tests/support/run_verb.h"
 #include "trainer/train/skinning/linear_blend.h"
 
 namespace bodyopt {
@@ -38,7 +39,7 @@ class ClipProgram : public ::testing::Test {
     write_bytes(folder_ / "map.json", R"({"schema": "bodyopt-joint-map-1", "joints": )" + joints + "}");
   }
   void expect(const std::string& arguments, int exit_code, const std::string& named) const {
-    const ProgramResult result = run_bodyopt(arguments);
+    const ProgramResult result = run_verb(arguments);
     EXPECT_EQ(result.exit_code, exit_code) << arguments << "\n" << result.output;
     EXPECT_NE(result.output.find(named), std::string::npos) << "expected '" << named << "' in:\n" << result.output;
   }
@@ -54,8 +55,8 @@ TEST_F(ClipProgram, CheckSaysWhatAClipHoldsBeyondTheLimits) {
   expect(check + files_.motion + limits, 0, "no joint is held beyond its limits");
   expect(check + files_.motion, 0, "bend: 6 frames");
   expect(check + at("twisted.glb") + limits + " --frames 2", 0, "in the only frame");
-  const ProgramResult json = run_bodyopt(check + at("twisted.glb") + limits + " --json -");
-  const nlohmann::json result = nlohmann::json::parse(json.output);
+  const ProgramResult json = run_verb(check + at("twisted.glb") + limits + " --json -");
+  const Json result = Json::parse(json.output);
   ASSERT_EQ(result.at("held_beyond_limits").size(), 1u);
   EXPECT_EQ(result["held_beyond_limits"][0]["joint"], "lower");
   EXPECT_NEAR(result["held_beyond_limits"][0]["degrees"], 45, 1e-3);
@@ -73,7 +74,7 @@ TEST_F(ClipProgram, RomSaysItOfTheClipsItIsMadeFrom) {
   const std::string rom =
       "rom " + files_.character + " --limits " + at("limits.json") + " --frames 20 --out " + at("r.glb");
   expect(rom + " --from " + at("twisted.glb"), 0, "twisted.glb: 'lower' is turned by 45 degrees");
-  EXPECT_EQ(run_bodyopt(rom + " --from " + files_.motion).output.find("beyond its limits"), std::string::npos);
+  EXPECT_EQ(run_verb(rom + " --from " + files_.motion).output.find("beyond its limits"), std::string::npos);
   expect(rom + " --from " + at("renamed.glb"), 3, "moves no joint");
   expect(rom + " --from " + at("renamed.glb") + " --joint-map " + at("map.json"), 0, "wrote");
 }

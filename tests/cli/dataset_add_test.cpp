@@ -9,6 +9,7 @@
 #include "tests/support/hostile_bytes.h"
 #include "tests/support/paths.h"
 #include "tests/support/run_program.h"
+#include "tests/support/run_verb.h"
 #include "trainer/train/skinning/linear_blend.h"
 
 namespace bodyopt {
@@ -45,12 +46,12 @@ class DatasetAdd : public ::testing::Test {
 TEST_F(DatasetAdd, BeginsADatasetAndGoesOnWithIt) {
   write_shapes("some.pc2", {2, 5});
   write_shapes("more.pc2", {4, 3});
-  ASSERT_EQ(run_bodyopt(begin() + " --frames 2,5 --shapes " + at("some.pc2")).exit_code, 0);
-  const ProgramResult added = run_bodyopt("dataset add " + at("data/dataset.json") + " --clip " + files_.motion +
-                                          " --frames 4,3 --heldout 3 --shapes " + at("more.pc2") + " --json -");
+  ASSERT_EQ(run_verb(begin() + " --frames 2,5 --shapes " + at("some.pc2")).exit_code, 0);
+  const ProgramResult added = run_verb("dataset add " + at("data/dataset.json") + " --clip " + files_.motion +
+                                       " --frames 4,3 --heldout 3 --shapes " + at("more.pc2") + " --json -");
   ASSERT_EQ(added.exit_code, 0) << added.output;
   EXPECT_NE(added.output.find("\"added\": 2"), std::string::npos) << added.output;
-  ASSERT_EQ(run_bodyopt(begin() + " --name again --shapes " + at("all.pc2")).exit_code, 0);
+  ASSERT_EQ(run_verb(begin() + " --name again --shapes " + at("all.pc2")).exit_code, 0);
   const Dataset dataset = read_dataset(folder_ / "data/dataset.json");
   ASSERT_EQ(dataset.takes.size(), 2u);
   EXPECT_EQ(dataset.character, "../limb.glb");
@@ -60,12 +61,12 @@ TEST_F(DatasetAdd, BeginsADatasetAndGoesOnWithIt) {
   EXPECT_EQ(dataset.takes[1].frames.size(), 6u);
   // Its own copies: the dataset goes where its folder, character and clip go.
   for (const char* name : {"all.pc2", "some.pc2", "more.pc2"}) std::filesystem::remove(folder_ / name);
-  EXPECT_EQ(run_bodyopt("check " + at("data")).exit_code, 0);
+  EXPECT_EQ(run_verb("check " + at("data")).exit_code, 0);
 }
 
 TEST_F(DatasetAdd, WhatIsWrongIsNamedAndNothingIsWritten) {
   const auto expect = [&](int exit_code, const std::string& arguments, const std::string& named) {
-    const ProgramResult result = run_bodyopt(arguments);
+    const ProgramResult result = run_verb(arguments);
     EXPECT_EQ(result.exit_code, exit_code) << arguments << "\n" << result.output;
     EXPECT_NE(result.output.find(named), std::string::npos) << result.output;
     EXPECT_FALSE(std::filesystem::exists(folder_ / "data/dataset.json"));
@@ -94,45 +95,45 @@ TEST_F(DatasetAdd, WhatIsWrongIsNamedAndNothingIsWritten) {
 TEST_F(DatasetAdd, EndedHalfWayTheOldDatasetIsThere) {
   write_shapes("five.pc2", {1, 2, 3, 4, 5});
   write_shapes("last.pc2", {6});
-  ASSERT_EQ(run_bodyopt(begin() + " --frames 1-5 --shapes " + at("five.pc2")).exit_code, 0);
+  ASSERT_EQ(run_verb(begin() + " --frames 1-5 --shapes " + at("five.pc2")).exit_code, 0);
   const std::string before = testing::read_bytes(folder_ / "data/dataset.json");
   const std::string add_last = add() + " --frames 6 --shapes " + at("last.pc2");
   EXPECT_EQ(run_program("ulimit -f 16; " + kProgram + " " + add_last).exit_code, 4);  // the cache grows beyond it
   EXPECT_EQ(testing::read_bytes(folder_ / "data/dataset.json"), before);
-  EXPECT_EQ(run_bodyopt("check " + at("data")).exit_code, 0);
-  ASSERT_EQ(run_bodyopt(add_last).exit_code, 0);
+  EXPECT_EQ(run_verb("check " + at("data")).exit_code, 0);
+  ASSERT_EQ(run_verb(add_last).exit_code, 0);
   EXPECT_EQ(read_dataset(folder_ / "data/dataset.json").takes[0].frames.size(), 6u);
-  EXPECT_EQ(run_bodyopt("check " + at("data")).exit_code, 0);
+  EXPECT_EQ(run_verb("check " + at("data")).exit_code, 0);
 }
 
 // A sculpted correction of a simulated frame stays, over what is simulated.
 TEST_F(DatasetAdd, SimulateDoesNotReplaceWhatWasGiven) {
   const std::string simulate =
       "simulate " + files_.character + " --clip " + files_.motion + " --out " + at("data") + " --frames ";
-  ASSERT_EQ(run_bodyopt(simulate + "1,3").exit_code, 0);
+  ASSERT_EQ(run_verb(simulate + "1,3").exit_code, 0);
   write_shapes("sculpted.pc2", {3});
-  ASSERT_EQ(run_bodyopt(add() + " --frames 3 --shapes " + at("sculpted.pc2")).exit_code, 64);
-  const ProgramResult added = run_bodyopt(add() + " --frames 3 --replace --shapes " + at("sculpted.pc2"));
+  ASSERT_EQ(run_verb(add() + " --frames 3 --shapes " + at("sculpted.pc2")).exit_code, 64);
+  const ProgramResult added = run_verb(add() + " --frames 3 --replace --shapes " + at("sculpted.pc2"));
   ASSERT_EQ(added.exit_code, 0) << added.output;
-  EXPECT_EQ(run_bodyopt(simulate + "5").exit_code, 0);
-  EXPECT_EQ(run_bodyopt("compare " + at("data") + "#bend " + at("data/bend.pc2")).exit_code, 0);
+  EXPECT_EQ(run_verb(simulate + "5").exit_code, 0);
+  EXPECT_EQ(run_verb("compare " + at("data") + "#bend " + at("data/bend.pc2")).exit_code, 0);
   write_shapes("given.pc2", {6});
-  ASSERT_EQ(run_bodyopt(add() + " --frames 6 --shapes " + at("given.pc2")).exit_code, 0);
-  const ProgramResult refused = run_bodyopt(simulate + "4");  // no side-car could tell them apart
+  ASSERT_EQ(run_verb(add() + " --frames 6 --shapes " + at("given.pc2")).exit_code, 0);
+  const ProgramResult refused = run_verb(simulate + "4");  // no side-car could tell them apart
   EXPECT_EQ(refused.exit_code, 3) << refused.output;
   EXPECT_NE(refused.output.find("--name"), std::string::npos) << refused.output;
-  EXPECT_EQ(run_bodyopt(simulate + "4 --name more").exit_code, 0);
-  EXPECT_EQ(run_bodyopt("check " + at("data")).exit_code, 0);
+  EXPECT_EQ(run_verb(simulate + "4 --name more").exit_code, 0);
+  EXPECT_EQ(run_verb("check " + at("data")).exit_code, 0);
 }
 
 // The skin of a draft, as it is or corrected.
 TEST_F(DatasetAdd, ADraftsNodesAreShapes) {
-  ASSERT_EQ(run_bodyopt("simulate " + files_.character + " --clip " + files_.motion + " --draft --frames 2,4 --out " +
-                        at("draft"))
+  ASSERT_EQ(run_verb("simulate " + files_.character + " --clip " + files_.motion + " --draft --frames 2,4 --out " +
+                     at("draft"))
                 .exit_code,
             0);
-  ASSERT_EQ(run_bodyopt(begin() + " --frames 2,4 --shapes " + at("draft/bend.nodes")).exit_code, 0);
-  ASSERT_EQ(run_bodyopt("export " + at("draft/bend.nodes") + " --out " + at("draft.pc2")).exit_code, 0);
+  ASSERT_EQ(run_verb(begin() + " --frames 2,4 --shapes " + at("draft/bend.nodes")).exit_code, 0);
+  ASSERT_EQ(run_verb("export " + at("draft/bend.nodes") + " --out " + at("draft.pc2")).exit_code, 0);
   EXPECT_EQ(testing::read_bytes(folder_ / "data/bend.pc2"), testing::read_bytes(folder_ / "draft.pc2"));
 }
 

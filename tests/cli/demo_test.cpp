@@ -10,28 +10,29 @@
 #include "assets/shape_reader.h"
 #include "dataset/compare.h"
 #include "dataset/dataset.h"
+#include "runtime/core/json.h"
 #include "tests/support/decoded_animation.h"
 #include "tests/support/read_bytes.h"
-#include "tests/support/run_program.h"
+#include "tests/support/run_verb.h"
 #include "tests/support/temporary_folder.h"
 
 namespace bodyopt {
 namespace {
 
 // A row of the ablation in a report.
-const nlohmann::json& method(const nlohmann::json& report, const std::string& name) {
-  for (const nlohmann::json& row : report["methods"]) {
+const Json& method(const Json& report, const std::string& name) {
+  for (const Json& row : report["methods"]) {
     if (row["name"] == name) return row;
   }
   throw std::runtime_error("no method '" + name + "'");
 }
 
 // The draft is of the same frames as the full simulation it is held against, and as far from it as the report says.
-void expect_draft(const std::filesystem::path& demo, const nlohmann::json& report) {
+void expect_draft(const std::filesystem::path& demo, const Json& report) {
   const Dataset draft = read_dataset(demo / "draft" / "dataset.json");
   const Dataset dataset = read_dataset(demo / "dataset" / "dataset.json");
-  ASSERT_EQ(draft.takes.size(), 1u);
-  const DatasetTake &take = draft.takes[0], &full = dataset.takes.back();
+  ASSERT_EQ(draft.takes.size(), 2u);
+  const DatasetTake &take = draft.takes.back(), &full = dataset.takes.back();
   EXPECT_EQ(take.name, full.name);
   EXPECT_EQ(take.clip, full.clip);
   EXPECT_EQ(take.frames, full.frames);
@@ -43,7 +44,7 @@ void expect_draft(const std::filesystem::path& demo, const nlohmann::json& repor
   EXPECT_EQ(shapes.sample_rate(), truth.sample_rate());
   EXPECT_EQ(shapes.point_count(), truth.point_count());
   EXPECT_LE(NodesReader(draft.folder / take.shapes).node_count(), 1500);
-  EXPECT_EQ(run_bodyopt("check " + draft.folder.string()).exit_code, 0);
+  EXPECT_EQ(run_verb("check " + draft.folder.string()).exit_code, 0);
 
   const std::set<int> unsolved = unconverged_frames(dataset, full);
   ErrorAccumulator errors(truth.point_count());
@@ -61,8 +62,8 @@ void expect_draft(const std::filesystem::path& demo, const nlohmann::json& repor
 }
 
 // A pose that is held has no displacement at all; after the stop the flesh swings, and comes to rest.
-void expect_jiggle(const std::filesystem::path& demo, const nlohmann::json& report) {
-  const nlohmann::json& jiggle = report["jiggle"];
+void expect_jiggle(const std::filesystem::path& demo, const Json& report) {
+  const Json& jiggle = report["jiggle"];
   const auto largest = jiggle["frame_max_mm"].get<std::vector<double>>();
   const auto moves_after = jiggle["moves_after"].get<std::size_t>(), stops = jiggle["stops"].get<std::size_t>();
   ASSERT_GT(largest.size(), stops + 24);
@@ -93,7 +94,7 @@ TEST(Demo, QuickRunLeavesEverythingAndTheVerbsReadIt) {
 #endif
   const TemporaryFolder folder;
   const std::string out = folder.path().string();
-  const ProgramResult demo = run_bodyopt("demo --quick --out " + out);
+  const ProgramResult demo = run_verb("demo --quick --all --out " + out);
   ASSERT_EQ(demo.exit_code, 0) << demo.output;
   for (const char* name : {"character.glb",
                            "muscles.json",
@@ -105,6 +106,7 @@ TEST(Demo, QuickRunLeavesEverythingAndTheVerbsReadIt) {
                            "draft/dataset.json",
                            "draft/heldout.nodes",
                            "draft/heldout.status.json",
+                           "first.safetensors",
                            "basis.safetensors",
                            "heldout.pc2",
                            "report.html",
@@ -121,7 +123,7 @@ TEST(Demo, QuickRunLeavesEverythingAndTheVerbsReadIt) {
     EXPECT_TRUE(std::filesystem::exists(folder / name)) << name;
   }
 
-  const nlohmann::json report = nlohmann::json::parse(std::ifstream(folder / "report.json"));
+  const Json report = Json::parse(std::ifstream(folder / "report.json"));
   const auto& box = report["character"]["bounding_box_m"];
   const double size = std::hypot(box[0].get<double>(), box[1].get<double>(), box[2].get<double>());
   EXPECT_GE(report["character"]["vertices"], 6000);
@@ -152,32 +154,32 @@ TEST(Demo, QuickRunLeavesEverythingAndTheVerbsReadIt) {
   EXPECT_EQ(report["trade_off"][0]["coefficients"], 0);
   EXPECT_GT(report["trade_off"].size(), 10u);
 
-  EXPECT_EQ(run_bodyopt("check " + out + "/dataset").exit_code, 0);
+  EXPECT_EQ(run_verb("check " + out + "/dataset").exit_code, 0);
   for (const char* name : {"character.glb", "rom.glb", "dataset/dataset.json", "basis.safetensors", "heldout.pc2"}) {
-    EXPECT_EQ(run_bodyopt("info " + out + "/" + name).exit_code, 0) << name;
+    EXPECT_EQ(run_verb("info " + out + "/" + name).exit_code, 0) << name;
   }
   expect_draft(folder.path(), report);
   expect_jiggle(folder.path(), report);
   // What `eval` makes of the stored basis on the CPU is what the demo got from its device.
   const ProgramResult eval =
-      run_bodyopt("eval " + out + "/basis.safetensors --clip " + out +
-                  "/heldout.glb --frames 1-24x2 --device cpu --out " + out + "/again.pc2 --json " + out + "/eval.json");
+      run_verb("eval " + out + "/basis.safetensors --clip " + out + "/heldout.glb --frames 1-24x3 --device cpu --out " +
+               out + "/again.pc2 --json " + out + "/eval.json");
   ASSERT_EQ(eval.exit_code, 0) << eval.output;
   const Pc2Reader again(folder / "again.pc2"), heldout(folder / "heldout.pc2");
   EXPECT_EQ(heldout.start_frame(), again.start_frame());
   EXPECT_EQ(heldout.sample_rate(), again.sample_rate());
   // The truth's errors as `coverage` measures them are those of the report; the strip has a column per frame.
-  const ProgramResult coverage = run_bodyopt(
-      "coverage " + out + "/basis.safetensors --clip " + out + "/heldout.glb --frames 1-24x2 --worst 3" + " --truth " +
+  const ProgramResult coverage = run_verb(
+      "coverage " + out + "/basis.safetensors --clip " + out + "/heldout.glb --frames 1-24x3 --worst 3" + " --truth " +
       out + "/dataset/heldout.pc2 --picture " + out + "/strip.svg --json " + out + "/coverage.json");
   ASSERT_EQ(coverage.exit_code, 0) << coverage.output;
-  const nlohmann::json covered = nlohmann::json::parse(std::ifstream(folder / "coverage.json"));
+  const Json covered = Json::parse(std::ifstream(folder / "coverage.json"));
   ASSERT_EQ(covered["per_frame"].size(), heldout.sample_count());
-  const nlohmann::json evaluated = nlohmann::json::parse(std::ifstream(folder / "eval.json"));
+  const Json evaluated = Json::parse(std::ifstream(folder / "eval.json"));
   ASSERT_EQ(evaluated["per_frame"].size(), heldout.sample_count());
   double sum = 0;
   for (std::size_t k = 0; k < covered["per_frame"].size(); ++k) {
-    const nlohmann::json& frame = covered["per_frame"][k];
+    const Json& frame = covered["per_frame"][k];
     EXPECT_GT(frame["expected_rms_mm"], 0);
     EXPECT_EQ(evaluated["per_frame"][k]["frame"], frame["frame"]);
     EXPECT_EQ(evaluated["per_frame"][k]["expected_rms_mm"], frame["expected_rms_mm"]);
@@ -189,7 +191,7 @@ TEST(Demo, QuickRunLeavesEverythingAndTheVerbsReadIt) {
   EXPECT_LE(std::abs(covered["rank_correlation"].get<double>()), 1);
   EXPECT_TRUE(std::filesystem::exists(folder / "strip.svg"));
 
-  const ProgramResult compare = run_bodyopt("compare " + out + "/again.pc2 " + out + "/heldout.pc2 --fail-above 0.01");
+  const ProgramResult compare = run_verb("compare " + out + "/again.pc2 " + out + "/heldout.pc2 --fail-above 0.01");
   EXPECT_EQ(compare.exit_code, 0) << compare.output;
 }
 

@@ -10,10 +10,13 @@
 #include "assets/pc2.h"
 #include "assets/usda_part.h"
 #include "runtime/core/error.h"
+#include "runtime/core/json.h"
 #include "runtime/deformer/deformer.h"
 #include "tests/support/background_program.h"
+#include "tests/support/page_contents.h"
 #include "tests/support/read_bytes.h"
 #include "tests/support/run_program.h"
+#include "tests/support/run_verb.h"
 #include "tests/support/small_basis.h"
 #include "tests/support/temporary_folder.h"
 
@@ -44,7 +47,7 @@ class EvalTask : public ::testing::Test {
            "' " + options;
   }
   ProgramResult eval(const std::string& options, const std::string& out) const {
-    return run_bodyopt(command(options, out));
+    return run_verb(command(options, out));
   }
 
   TemporaryFolder folder_;
@@ -59,7 +62,7 @@ TEST_F(EvalTask, AListIsMadeAsEachOfItWouldBe) {
               {"element": "a", "frames": "1-9"}, {"element": "b", "frames": ")"
             << frames << R"("}]})";
       };
-  const auto run = [&](const std::string& more) { return run_bodyopt("eval --list " + path("crowd.json") + more); };
+  const auto run = [&](const std::string& more) { return run_verb("eval --list " + path("crowd.json") + more); };
   write_list("5-2001");
   EXPECT_EQ(run("").exit_code, 64);
   EXPECT_FALSE(std::filesystem::exists(path("a.pc2")));
@@ -79,8 +82,8 @@ TEST_F(EvalTask, AListIsMadeAsEachOfItWouldBe) {
 TEST_F(EvalTask, ACheckRunsTheCpuBesideTheDevice) {
   if (!has_vulkan_device()) GTEST_SKIP() << "no Vulkan device";
   const auto on_device = [&](const std::string& options, const std::string& out) {
-    return run_bodyopt("eval " + path("hero.safetensors") + " --clip " + path("walk.glb") +
-                       " --frames 1-5 --require-device --out " + path(out) + options);
+    return run_verb("eval " + path("hero.safetensors") + " --clip " + path("walk.glb") +
+                    " --frames 1-5 --require-device --out " + path(out) + options);
   };
   ASSERT_EQ(on_device("", "a.pc2").exit_code, 0);
   const ProgramResult checked = on_device(" --check", "b.pc2");
@@ -137,7 +140,7 @@ TEST_F(EvalTask, JoinedPartsAreTheWhole) {
       std::string names;
       for (const char part : parts)
         names += " " + path(std::string("part.") + (part == 'a' ? "01" : part == 'b' ? "21" : "22") + ending);
-      return run_bodyopt("join" + names + " --out " + path("joined" + ending));
+      return run_verb("join" + names + " --out " + path("joined" + ending));
     };
     ASSERT_EQ(join("cab").exit_code, 0);
     EXPECT_EQ(testing::read_bytes(path("joined" + ending)), testing::read_bytes(path("whole" + ending)));
@@ -147,7 +150,7 @@ TEST_F(EvalTask, JoinedPartsAreTheWhole) {
   }
   std::ofstream(path("part.01.usda"), std::ios::app) << "}\n";
   std::filesystem::resize_file(path("part.22.usda"), std::filesystem::file_size(path("part.22.usda")) - 3000);
-  EXPECT_EQ(run_bodyopt("join " + path("part.22.usda") + " --out " + path("joined.usda")).exit_code, 4);
+  EXPECT_EQ(run_verb("join " + path("part.22.usda") + " --out " + path("joined.usda")).exit_code, 4);
 }
 
 TEST_F(EvalTask, UsdHoldsTheNumbersOfPc2) {
@@ -188,7 +191,7 @@ TEST_F(EvalTask, ProgressIsAsProgramsReadIt) {
   const ProgramResult json = eval("--frames 1-20 --progress json", "a.pc2");
   const std::size_t begin = json.output.find("{\"progress\"");
   ASSERT_NE(begin, std::string::npos) << json.output;
-  const auto line = nlohmann::json::parse(json.output.substr(begin, json.output.find('\n', begin) - begin));
+  const auto line = Json::parse(json.output.substr(begin, json.output.find('\n', begin) - begin));
   EXPECT_EQ(line.at("total"), 20);
   EXPECT_NE(eval("--frames 1-20 --progress openjd", "a.pc2").output.find("openjd_progress: 100.0\n"),
             std::string::npos);
@@ -201,21 +204,19 @@ TEST_F(EvalTask, APlannedShowIsDoneWholeAndOnlyOnce) {
     {"shot": "a $(touch hit) 'b' \"c\"\nd;", "element": "hero", "frames": "1-40"},
     {"shot": "long", "element": "hero", "frames": "1-120", "frame_ms": 1000}]})";
   const std::string plan = path("plan");
-  const ProgramResult planned = run_bodyopt("farm plan " + path("shots.json") + " --task-minutes 1 --out " + plan);
+  const ProgramResult planned = run_verb("farm plan " + path("shots.json") + " --task-minutes 1 --out " + plan);
   ASSERT_EQ(planned.exit_code, 0) << planned.output;
-  const ProgramResult ran = run_bodyopt("farm run " + plan);
+  const ProgramResult ran = run_verb("farm run " + plan);
   ASSERT_EQ(ran.exit_code, 0) << ran.output;
-  const auto told =
-      nlohmann::json::parse(run_program(kProgram + " farm status " + plan + " --json - 2>/dev/null").output);
-  EXPECT_EQ(told.at("elements"), (nlohmann::json{{"done", 2}}));
+  const auto told = Json::parse(run_program(kProgram + " farm status " + plan + " --json - 2>/dev/null").output);
+  EXPECT_EQ(told.at("elements"), (Json{{"done", 2}}));
   ASSERT_EQ(eval("--frames 1-120", "whole.pc2").exit_code, 0);
   EXPECT_EQ(testing::read_bytes(folder_ / "out" / "long" / "hero.pc2"), testing::read_bytes(path("whole.pc2")));
   EXPECT_TRUE(std::filesystem::exists(folder_ / "out" / "a $(touch hit) 'b' \"c\"\nd;" / "hero.pc2"));
-  EXPECT_EQ(run_bodyopt("farm run " + plan).output.find("wrote"), std::string::npos);
+  EXPECT_EQ(run_verb("farm run " + plan).output.find("wrote"), std::string::npos);
   std::filesystem::remove(folder_ / "out" / "long" / "hero.pc2");
-  const auto again =
-      nlohmann::json::parse(run_program(kProgram + " farm status " + plan + " --json - 2>/dev/null").output);
-  EXPECT_EQ(again.at("elements"), (nlohmann::json{{"done", 1}, {"missing", 1}}));
+  const auto again = Json::parse(run_program(kProgram + " farm status " + plan + " --json - 2>/dev/null").output);
+  EXPECT_EQ(again.at("elements"), (Json{{"done", 1}, {"missing", 1}}));
 }
 
 // The page of a show, and its frames as `simulate` takes them; names in it are text.
@@ -227,23 +228,25 @@ TEST_F(EvalTask, AReportIsOnePageWithPicturesOfTheCaches) {
     {"shot": "open", "element": "hero", "frames": "1-2"}]
 })";
   const std::string plan = path("plan");
-  ASSERT_EQ(run_bodyopt("farm plan " + path("shots.json") + " --out " + plan).exit_code, 0);
-  ASSERT_EQ(run_bodyopt("farm run " + plan).exit_code, 0);
+  ASSERT_EQ(run_verb("farm plan " + path("shots.json") + " --out " + plan).exit_code, 0);
+  ASSERT_EQ(run_verb("farm run " + plan).exit_code, 0);
   std::filesystem::remove(folder_ / "out" / "open.pc2");
   const ProgramResult ran =
-      run_bodyopt("farm report " + plan + " --out " + path("show.html") + " --json " + path("r.json"));
+      run_verb("farm report " + plan + " --out " + path("show.html") + " --json " + path("r.json"));
   ASSERT_EQ(ran.exit_code, 0) << ran.output;
-  const auto told = nlohmann::json::parse(testing::read_bytes(path("r.json")));
+  const auto told = Json::parse(testing::read_bytes(path("r.json")));
   EXPECT_EQ(told.at("elements").at(2).at("state"), "missing");
   ASSERT_EQ(told.at("worth_a_look").size(), 6u);
   const std::string page = testing::read_bytes(path("show.html"));
-  EXPECT_NE(page.find("a&lt;b&gt;$(touch hit) c"), std::string::npos);
+  const auto contents = Json::parse(testing::page_json(page));
+  EXPECT_EQ(contents.at("figures"), told);
+  EXPECT_EQ(told.at("elements").at(0).at("shot"), "a<b>$(touch hit) c");
   EXPECT_EQ(page.find("<b>$"), std::string::npos);
   EXPECT_EQ(page.find("src=\"http"), std::string::npos);
-  std::size_t pictures = 0;
-  for (std::size_t at = 0; (at = page.find("data:image/png", at)) != std::string::npos; ++at) ++pictures;
-  EXPECT_EQ(pictures, 2u);  // rows: six frames
-  EXPECT_EQ(run_bodyopt("farm report " + plan + " --out " + path("show.pdf")).exit_code, 64);
+  const auto& looks = contents.at("pictures").at("looks");
+  ASSERT_EQ(looks.size(), 6u);
+  for (const auto& look : looks) EXPECT_TRUE(look.at("src").get<std::string>().starts_with("data:image/png;base64,"));
+  EXPECT_EQ(run_verb("farm report " + plan + " --out " + path("show.pdf")).exit_code, 64);
 }
 
 }  // namespace

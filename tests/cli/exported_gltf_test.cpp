@@ -6,7 +6,6 @@
 #include "tests/support/shared_data.h"
 #include "tests/support/temporary_folder.h"
 #include "trainer/builtin/arm.h"
-#include "trainer/builtin/arm_dofs.h"
 #include "trainer/motion/range_of_motion.h"
 
 namespace bodyopt {
@@ -32,6 +31,7 @@ TEST(ExportedGltf, BuiltinCharacterAndClipsAreValid) {
   write_clip(clip_of(motion, limits, skeleton), skeleton, folder / "rom.glb");
   write_clip(arm_heldout(skeleton, 24), skeleton, folder / "heldout.glb");
   expect_valid(folder.path());
+  expect_valid(kSourceFolder + "/rigs/arm");
 }
 
 TEST(ExportedGltf, CharactersReadFromElsewhereAreValidWhenWritten) {

@@ -11,6 +11,7 @@
 #include "tests/support/background_program.h"
 #include "tests/support/hostile_bytes.h"
 #include "tests/support/run_program.h"
+#include "tests/support/run_verb.h"
 
 namespace bodyopt {
 namespace {
@@ -44,17 +45,17 @@ class FileFailures : public ::testing::Test {
 TEST_F(FileFailures, AFailureOfReadingIsAnErrorOfTheFile) {
   for (const char* name : {"a.glb", "a.gltf", "a.bvh", "a.safetensors", "a.pc2", "dataset.json"}) {
     fs::create_symlink("/proc/self/mem", folder_ / name);
-    expect(run_bodyopt("info " + at(name)), 4, at(name));
+    expect(run_verb("info " + at(name)), 4, at(name));
   }
   fs::create_symlink("/proc/self/mem", folder_ / "a.xml");
-  expect(run_bodyopt("muscles import " + files_.character + " --from " + at("a.xml") + " " + at("dataset.json") +
-                     " --out " + at("muscles.json")),
+  expect(run_verb("muscles import " + files_.character + " --from " + at("a.xml") + " " + at("dataset.json") +
+                  " --out " + at("muscles.json")),
          4, "cannot be read to its end");
 }
 
 // A limit on the size of files is as a full disk is.
 TEST_F(FileFailures, ALimitOnTheSizeOfFilesIsAnErrorOfTheFile) {
-  ASSERT_EQ(run_bodyopt("train --ddm-only " + files_.character + " --out " + at("limb.safetensors")).exit_code, 0);
+  ASSERT_EQ(run_verb("train --ddm-only " + files_.character + " --out " + at("limb.safetensors")).exit_code, 0);
   const std::size_t before = entries();
   for (const std::string& command :
        {"train --ddm-only " + files_.character + " --out " + at("again.safetensors"),
@@ -64,7 +65,7 @@ TEST_F(FileFailures, ALimitOnTheSizeOfFilesIsAnErrorOfTheFile) {
   }
   expect(run_program("ulimit -f 1; exec " + kProgram + " " + simulate(at("data"))), 4, "File too large");
   EXPECT_FALSE(fs::exists(folder_ / "data/dataset.json"));
-  expect(run_bodyopt(simulate(at("data"))), 0, "wrote");  // nothing that was left stands in the way
+  expect(run_verb(simulate(at("data"))), 0, "wrote");  // nothing that was left stands in the way
 }
 
 TEST_F(FileFailures, LinksInThePlaceOfAPartialFileOrALockAreNotFollowed) {
@@ -73,7 +74,7 @@ TEST_F(FileFailures, LinksInThePlaceOfAPartialFileOrALockAreNotFollowed) {
     fs::create_directory(folder_ / "data");
     write_bytes(folder_ / "precious", "as it was");
     fs::create_symlink(folder_ / "precious", folder_ / "data" / name);
-    expect(run_bodyopt(simulate(at("data"))), 4, name);
+    expect(run_verb(simulate(at("data"))), 4, name);
     EXPECT_TRUE(read_bytes(folder_ / "precious") == "as it was") << name;
     EXPECT_FALSE(fs::exists(folder_ / "data/bend.nodes"));  // refused before the work
   }
@@ -84,21 +85,20 @@ TEST_F(FileFailures, ANameThatJsonCannotHoldIsRefusedBeforeTheWork) {
   fs::create_directory(folder_ / name);
   fs::copy_file(files_.character, folder_ / name / "limb.glb");
   fs::copy_file(files_.motion, folder_ / name / "bend.glb");
-  expect(run_bodyopt("simulate " + at(name + "/limb.glb") + " --clip " + files_.motion + " --draft --out " + at("a")),
+  expect(run_verb("simulate " + at(name + "/limb.glb") + " --clip " + files_.motion + " --draft --out " + at("a")), 4,
+         "not UTF-8");
+  expect(run_verb("simulate " + files_.character + " --clip " + at(name + "/bend.glb") + " --draft --out " + at("b")),
          4, "not UTF-8");
-  expect(
-      run_bodyopt("simulate " + files_.character + " --clip " + at(name + "/bend.glb") + " --draft --out " + at("b")),
-      4, "not UTF-8");
   for (const char* data : {"a", "b"}) {
     for (const fs::directory_entry& entry : fs::directory_iterator(folder_ / data)) {
       EXPECT_EQ(entry.path().filename(), ".dataset.json.lock");
     }
   }
   const std::string inside = at(name + "/data");  // where no name in the file has to tell of it
-  expect(run_bodyopt("simulate " + at(name + "/limb.glb") + " --clip " + at(name + "/bend.glb") + " --draft --out " +
-                     inside),
-         0, "wrote");
-  expect(run_bodyopt("check " + inside), 0, "");
+  expect(
+      run_verb("simulate " + at(name + "/limb.glb") + " --clip " + at(name + "/bend.glb") + " --draft --out " + inside),
+      0, "wrote");
+  expect(run_verb("check " + inside), 0, "");
 }
 
 TEST_F(FileFailures, ANumberSignInTheNameOfAClipsFileIsPartOfIt) {
@@ -106,14 +106,14 @@ TEST_F(FileFailures, ANumberSignInTheNameOfAClipsFileIsPartOfIt) {
   fs::rename(files_.motion, folder_ / "shots#2/bend#4.glb");
   const std::string clip = at("shots#2/bend#4.glb"), data = at("data");
   const std::string command = "simulate " + files_.character + " --fps 120 --draft --out " + data + " --clip ";
-  expect(run_bodyopt(command + clip + " --frames 1-24"), 0, "wrote");
-  expect(run_bodyopt(command + clip + "#bend --name named --frames 1-2"), 0, "wrote");
+  expect(run_verb(command + clip + " --frames 1-24"), 0, "wrote");
+  expect(run_verb(command + clip + "#bend --name named --frames 1-2"), 0, "wrote");
   const Dataset dataset = read_dataset(data + "/dataset.json");
   ASSERT_EQ(dataset.takes.size(), 2u);
   EXPECT_EQ(dataset.takes[0].clip, "../shots#2/bend#4.glb");
   EXPECT_EQ(dataset.takes[0].name, "bend_4");
   EXPECT_EQ(dataset.takes[1].clip, "../shots#2/bend#4.glb#bend");
-  expect(run_bodyopt("train " + data + " --out " + at("limb.safetensors") + " --report " + at("report")), 0, "wrote");
+  expect(run_verb("train " + data + " --out " + at("limb.safetensors") + " --report " + at("report")), 0, "wrote");
   EXPECT_TRUE(fs::exists(folder_ / "report/report.html"));
 }
 
@@ -143,7 +143,7 @@ TEST_F(FileFailures, NumbersThatAreNoneAreRefusedAsOptions) {
       {"info " + limb, "--unit"},
       {"improve " + at("data") + " --basis " + basis + clip, "--fps"}};
   for (const auto& [command, option] : options) {
-    const ProgramResult result = run_bodyopt(command + " " + option + " nan");
+    const ProgramResult result = run_verb(command + " " + option + " nan");
     EXPECT_EQ(result.exit_code, 64) << command << " " << option << "\n" << result.output;
     EXPECT_NE(result.output.find(option), std::string::npos) << result.output;
   }
@@ -151,20 +151,20 @@ TEST_F(FileFailures, NumbersThatAreNoneAreRefusedAsOptions) {
 
 // Two runs that train one basis would delete what the other keeps.
 TEST_F(FileFailures, OneRunTrainsABasis) {
-  ASSERT_EQ(run_bodyopt("simulate " + files_.character + clip_of_24_frames() + at("data")).exit_code, 0);
+  ASSERT_EQ(run_verb("simulate " + files_.character + clip_of_24_frames() + at("data")).exit_code, 0);
   const std::string train = "train " + at("data") + " --out " + at("limb.safetensors");
   {
     const RunLock other(folder_ / "limb.training.lock", "training");
-    expect(run_bodyopt(train), 4, "another run is training this basis");
+    expect(run_verb(train), 4, "another run is training this basis");
   }
-  expect(run_bodyopt(train), 0, "wrote");
+  expect(run_verb(train), 0, "wrote");
   EXPECT_FALSE(fs::exists(folder_ / "limb.training.lock"));
 }
 
 // More takes than files that may be open by default.
 TEST_F(FileFailures, ManyTakesAreTrainedOn) {
-  ASSERT_EQ(run_bodyopt("simulate " + files_.character + clip_of_24_frames() + at("data")).exit_code, 0);
-  ASSERT_EQ(run_bodyopt("export " + at("data/bend.nodes") + " --out " + at("data/bend.pc2")).exit_code, 0);
+  ASSERT_EQ(run_verb("simulate " + files_.character + clip_of_24_frames() + at("data")).exit_code, 0);
+  ASSERT_EQ(run_verb("export " + at("data/bend.nodes") + " --out " + at("data/bend.pc2")).exit_code, 0);
   Dataset dataset = read_dataset(folder_ / "data/dataset.json");
   dataset.takes[0].shapes = "bend.pc2";
   dataset.takes.resize(60, dataset.takes[0]);

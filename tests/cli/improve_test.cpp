@@ -4,18 +4,17 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "runtime/core/json.h"
 #include "tests/cli/limb_files.h"
-#include "tests/support/run_program.h"
+#include "tests/support/run_verb.h"
 
 namespace bodyopt {
 namespace {
 
 class Improve : public ::testing::Test {
  protected:
-  nlohmann::json json(const std::string& name) const {
-    return nlohmann::json::parse(std::ifstream(folder_ / (name + ".json")));
-  }
-  ProgramResult run(const std::string& arguments) const { return run_bodyopt(arguments); }
+  Json json(const std::string& name) const { return Json::parse(std::ifstream(folder_ / (name + ".json"))); }
+  ProgramResult run(const std::string& arguments) const { return run_verb(arguments); }
 
   TemporaryFolder folder_;
   LimbFiles files_{folder_, 1};

@@ -15,8 +15,9 @@
 #include <string>
 
 #include "assets/pc2.h"
+#include "runtime/core/json.h"
 #include "tests/support/read_bytes.h"
-#include "tests/support/run_program.h"
+#include "tests/support/run_verb.h"
 #include "tests/support/temporary_folder.h"
 
 namespace bodyopt {
@@ -29,7 +30,7 @@ class OldFiles : public ::testing::Test {
   OldFiles() { fs::copy(kSourceFolder + "/tests/old_files", folder_.path(), fs::copy_options::recursive); }
 
   void run(const std::string& arguments) {
-    const ProgramResult result = run_program("env -C " + folder_.path().string() + " " + kProgram + " " + arguments);
+    const ProgramResult result = run_verb(arguments);
     EXPECT_EQ(result.exit_code, 0) << arguments << "\n" << result.output;
   }
 
@@ -53,6 +54,7 @@ class OldFiles : public ::testing::Test {
   }
 
   TemporaryFolder folder_;
+  const WorkingFolder here_{folder_.path()};
 };
 
 TEST_F(OldFiles, ABasisAndWhatIsAttachedToItGiveTheSame) {
@@ -67,11 +69,22 @@ TEST_F(OldFiles, DynamicsGoOnFromAStateToTheSame) {
   expect_close("now.prop0.pc2", "jiggling.prop0.pc2");
 }
 
+TEST_F(OldFiles, WhatAskedForAModeThatIsGoneRuns) {
+  const std::string eval =
+      "eval hero.safetensors --clip bend.glb --frames 5-8 --device cpu --jiggle --state-in hero.state";
+  run(eval + " --out plain.pc2");
+  const ProgramResult asked =
+      run_program("env -C " + folder_.path().string() + " " + kProgram + " " + eval + " --iterations 8 --out now.pc2");
+  EXPECT_EQ(asked.exit_code, 0) << asked.output;
+  EXPECT_EQ(asked.count("--iterations has no effect any more: the jiggle has one way to solve\n"), 1u) << asked.output;
+  expect_same("now.pc2", "plain.pc2");
+}
+
 // As the program said that wrote the basis, with coverage among the metadata.
 TEST_F(OldFiles, ABasisExpectsTheSameError) {
   run("coverage hero.safetensors --clip bend.glb --frames 1-4 --json now.json");
   std::ifstream stream(folder_ / "now.json");
-  const auto frames = nlohmann::json::parse(stream).at("per_frame");
+  const auto frames = Json::parse(stream).at("per_frame");
   const double then[] = {0.06611640876956965, 0.09364107652589872, 0.1566561812578565, 0.09364107652588065};
   ASSERT_EQ(frames.size(), std::size(then));
   for (std::size_t k = 0; k < frames.size(); ++k) EXPECT_NEAR(frames[k].at("expected_rms_mm"), then[k], 1e-6) << k;

@@ -7,8 +7,10 @@
 #include "assets/pc2.h"
 #include "dataset/dataset.h"
 #include "runtime/basis/basis.h"
+#include "runtime/core/json.h"
 #include "tests/support/no_vulkan_loader.h"
 #include "tests/support/run_program.h"
+#include "tests/support/run_verb.h"
 #include "tests/support/temporary_folder.h"
 #include "trainer/builtin/arm.h"
 #include "trainer/train/skinning/ddm_basis.h"
@@ -18,11 +20,11 @@ namespace bodyopt {
 namespace {
 
 TEST(Program, HelpOfEveryVerbExitsWithZero) {
-  EXPECT_EQ(run_bodyopt("--help").exit_code, 0);
+  EXPECT_EQ(run_verb("--help").exit_code, 0);
   for (const char* verb :
        {"demo", "muscles import", "rom", "simulate", "dataset add", "export", "check", "train", "test", "improve",
         "attach", "eval", "compare", "coverage", "picture", "regions", "info", "bench", "devices"}) {
-    const ProgramResult result = run_bodyopt(std::string(verb) + " --help");
+    const ProgramResult result = run_verb(std::string(verb) + " --help");
     EXPECT_EQ(result.exit_code, 0) << verb;
     EXPECT_NE(result.output.find("--json"), std::string::npos) << verb;
   }
@@ -55,21 +57,21 @@ TEST(Program, AMisspeltOptionIsNamedWithTheNearest) {
          "'eval' has no option --frame; the nearest is --frames"},
         {"curate add data drop --tke rom", "'add' has no option --tke; the nearest is --take"},
         {"--versoin", "'bodyopt' has no option --versoin; the nearest is --version"}}) {
-    const ProgramResult misspelt = run_bodyopt(command);
+    const ProgramResult misspelt = run_verb(command);
     EXPECT_EQ(misspelt.exit_code, 64) << command;
     EXPECT_NE(misspelt.output.find(told), std::string::npos) << misspelt.output;
   }
 }
 
 TEST(Program, HelpIsAVerbToo) {
-  EXPECT_EQ(run_bodyopt("help").output, run_bodyopt("--help").output);
-  const ProgramResult of_a_verb = run_bodyopt("help curate");
+  EXPECT_EQ(run_verb("help").output, run_verb("--help").output);
+  const ProgramResult of_a_verb = run_verb("help curate");
   EXPECT_EQ(of_a_verb.exit_code, 0);
-  EXPECT_EQ(of_a_verb.output, run_bodyopt("curate --help").output);
-  EXPECT_EQ(run_bodyopt("help frobnicate").exit_code, 64);
-  const ProgramResult misspelt = run_bodyopt("hlep");
+  EXPECT_EQ(of_a_verb.output, run_verb("curate --help").output);
+  EXPECT_EQ(run_verb("help frobnicate").exit_code, 64);
+  const ProgramResult misspelt = run_verb("hlep");
   EXPECT_NE(misspelt.output.find("the nearest is 'help'"), std::string::npos) << misspelt.output;
-  EXPECT_NE(run_bodyopt("--help").output.find("help VERB is VERB --help"), std::string::npos);
+  EXPECT_NE(run_verb("--help").output.find("help VERB is VERB --help"), std::string::npos);
 }
 
 TEST(Program, MissingFilesExitWith4AndAreNamed) {
@@ -79,7 +81,7 @@ TEST(Program, MissingFilesExitWith4AndAreNamed) {
         "compare nowhere.pc2 nowhere.pc2", "regions nowhere --picture p.png", "picture nowhere --frame 1 --out p.png",
         "muscles import nowhere.glb --from a.osim b.json --out m.json",
         "dataset add nowhere --clip a.glb --shapes a.pc2"}) {
-    const ProgramResult result = run_bodyopt(command);
+    const ProgramResult result = run_verb(command);
     EXPECT_EQ(result.exit_code, 4) << command << "\n" << result.output;
     EXPECT_NE(result.output.find("nowhere"), std::string::npos) << command;
   }
@@ -110,7 +112,7 @@ TEST(Program, RunsOnTheCpuWithoutVulkansLoader) {
   };
   ProgramResult result = run(eval + (folder / "auto.pc2").string());
   EXPECT_EQ(result.exit_code, 0) << result.output;
-  result = run_bodyopt(eval + (folder / "cpu.pc2").string() + " --device cpu");
+  result = run_verb(eval + (folder / "cpu.pc2").string() + " --device cpu");
   ASSERT_EQ(result.exit_code, 0) << result.output;
   const Pc2Reader a(folder / "auto.pc2"), b(folder / "cpu.pc2");
   for (std::uint32_t k = 0; k < 4; ++k) EXPECT_EQ(a.sample(k), b.sample(k));
@@ -137,10 +139,10 @@ TEST(Program, UntrainedBasisOfTheBuiltinArmEvaluatesOnTheCpu) {
   write_character(arm.character, character);
   write_clip(arm_heldout(arm.character.skeleton, 10), arm.character.skeleton, clip);
 
-  ProgramResult result = run_bodyopt("train --ddm-only " + character + " --out " + basis);
+  ProgramResult result = run_verb("train --ddm-only " + character + " --out " + basis);
   ASSERT_EQ(result.exit_code, 0) << result.output;
-  EXPECT_EQ(run_bodyopt("info " + basis).exit_code, 0);
-  result = run_bodyopt("eval " + basis + " --clip " + clip + " --frames 1-9x2 --device cpu --out " + cache);
+  EXPECT_EQ(run_verb("info " + basis).exit_code, 0);
+  result = run_verb("eval " + basis + " --clip " + clip + " --frames 1-9x2 --device cpu --out " + cache);
   ASSERT_EQ(result.exit_code, 0) << result.output;
   const Pc2Reader reader(cache);
   EXPECT_EQ(reader.sample_count(), 5u);
@@ -149,19 +151,18 @@ TEST(Program, UntrainedBasisOfTheBuiltinArmEvaluatesOnTheCpu) {
   EXPECT_EQ(reader.sample_rate(), 2);  // every second frame
   EXPECT_EQ(result.output.find("expected error"), std::string::npos) << result.output;
   // Nothing was learned that could cover anything.
-  EXPECT_EQ(run_bodyopt("coverage " + basis + " --clip " + clip).exit_code, 3);
+  EXPECT_EQ(run_verb("coverage " + basis + " --clip " + clip).exit_code, 3);
   // A slip that would write over the character.
-  EXPECT_EQ(run_bodyopt("eval " + basis + " --clip " + clip + " --device cpu --out " + character).exit_code, 64);
-  EXPECT_EQ(run_bodyopt("info " + character).exit_code, 0);
+  EXPECT_EQ(run_verb("eval " + basis + " --clip " + clip + " --device cpu --out " + character).exit_code, 64);
+  EXPECT_EQ(run_verb("info " + character).exit_code, 0);
 
-  EXPECT_EQ(run_bodyopt("eval " + basis + " --clip " + clip + " --frames 5-99 --device cpu --out " + cache).exit_code,
-            64);
-  EXPECT_EQ(run_bodyopt("eval " + basis + " --clip " + clip + " --device nosuch --out " + cache).exit_code, 5);
-  EXPECT_EQ(run_bodyopt("eval " + basis + " --clip " + clip + " --device cpu --out /nonexistent/x.pc2").exit_code, 4);
+  EXPECT_EQ(run_verb("eval " + basis + " --clip " + clip + " --frames 5-99 --device cpu --out " + cache).exit_code, 64);
+  EXPECT_EQ(run_verb("eval " + basis + " --clip " + clip + " --device nosuch --out " + cache).exit_code, 5);
+  EXPECT_EQ(run_verb("eval " + basis + " --clip " + clip + " --device cpu --out /nonexistent/x.pc2").exit_code, 4);
 
   // Half a basis is refused, and the cache of the earlier run is left as it was.
   std::filesystem::resize_file(basis, std::filesystem::file_size(basis) / 2);
-  EXPECT_EQ(run_bodyopt("eval " + basis + " --clip " + clip + " --device cpu --out " + cache).exit_code, 4);
+  EXPECT_EQ(run_verb("eval " + basis + " --clip " + clip + " --device cpu --out " + cache).exit_code, 4);
   EXPECT_EQ(Pc2Reader(cache).sample_count(), 5u);
 }
 
@@ -193,16 +194,16 @@ TEST(Program, NamesMayBeAnyBytesAndNoneIsADefect) {
   const std::string basis = "'" + name + ".safetensors'", cache = "'" + name + ".pc2'";
   write_character(arm.character, name + ".glb");
   write_clip(arm_heldout(arm.character.skeleton, 2), arm.character.skeleton, clip);
-  const ProgramResult trained = run_bodyopt("train --ddm-only '" + name + ".glb' --out " + basis);
+  const ProgramResult trained = run_verb("train --ddm-only '" + name + ".glb' --out " + basis);
   EXPECT_EQ(trained.exit_code, 0) << trained.output;
   const std::string frames = " --clip " + clip + " --device cpu --json - --out " + cache;
-  const ProgramResult evaluated = run_bodyopt("eval " + basis + frames);
+  const ProgramResult evaluated = run_verb("eval " + basis + frames);
   EXPECT_EQ(evaluated.exit_code, 0) << evaluated.output;
   EXPECT_NE(evaluated.output.find("caf\xef\xbf\xbd 1.pc2"), std::string::npos) << evaluated.output;
   // So long that no file can lie beside it.
   const std::filesystem::path longest = folder / (std::string(242, 'n') + ".safetensors");
   std::filesystem::copy_file(name + ".safetensors", longest);
-  const ProgramResult refused = run_bodyopt("eval " + longest.string() + frames);
+  const ProgramResult refused = run_verb("eval " + longest.string() + frames);
   EXPECT_EQ(refused.exit_code, 4) << refused.output;
   EXPECT_NE(refused.output.find("too long"), std::string::npos) << refused.output;
 }
@@ -213,32 +214,32 @@ TEST(Program, RegionsAreWrittenReadBackAndRefused) {
   const std::string verb = "regions " + folder.path().string(), regions = (folder / "regions.json").string();
   const auto list = [&](const std::string& more) {
     const std::string json = (folder / "list.json").string();
-    const ProgramResult result = run_bodyopt(verb + more + " --json " + json);
+    const ProgramResult result = run_verb(verb + more + " --json " + json);
     EXPECT_EQ(result.exit_code, 0) << result.output;
     std::ifstream file(json);
-    return nlohmann::json::parse(file)["regions"];
+    return Json::parse(file)["regions"];
   };
-  nlohmann::json first = list(" --out " + regions);
+  Json first = list(" --out " + regions);
   EXPECT_EQ(first[0]["from"], "training");
   dataset.regions = "regions.json";
   write_dataset(dataset, folder / "dataset.json");
-  for (nlohmann::json& region : first) region["from"] = "file";
+  for (Json& region : first) region["from"] = "file";
   EXPECT_EQ(list(""), first);
-  EXPECT_EQ(run_bodyopt(verb + " --out " + regions).exit_code, 64);  // the file that the dataset names
+  EXPECT_EQ(run_verb(verb + " --out " + regions).exit_code, 64);  // the file that the dataset names
 
   std::ifstream file(regions);
-  const nlohmann::json good = nlohmann::json::parse(file);
-  const auto exit_code = [&](const nlohmann::json& bad) {
+  const Json good = Json::parse(file);
+  const auto exit_code = [&](const Json& bad) {
     std::ofstream(regions) << bad;
-    const int code = run_bodyopt(verb).exit_code;
-    EXPECT_EQ(run_bodyopt("check " + folder.path().string()).exit_code, code);
+    const int code = run_verb(verb).exit_code;
+    EXPECT_EQ(run_verb("check " + folder.path().string()).exit_code, code);
     return code;
   };
-  nlohmann::json bad = good;
+  Json bad = good;
   bad["vertex_count"] = 7;
   EXPECT_EQ(exit_code(bad), 3);
   bad = good;
-  bad["regions"] = nlohmann::json::array({good["regions"][0]});
+  bad["regions"] = Json::array({good["regions"][0]});
   EXPECT_EQ(exit_code(bad), 3);  // uncovered
   bad["complete"] = false;
   EXPECT_EQ(exit_code(bad), 0);
@@ -251,20 +252,20 @@ TEST(Program, BenchTellsOfEveryBatchSize) {
   const std::string basis = (folder / "arm.safetensors").string(), json = (folder / "bench.json").string();
   save_basis(build_ddm_basis(build_arm().character, {}), basis);
   const std::string verb = "bench " + basis + " --device cpu --one-thread --seconds 0.01 --json ";
-  const ProgramResult result = run_bodyopt(verb + json);
+  const ProgramResult result = run_verb(verb + json);
   ASSERT_EQ(result.exit_code, 0) << result.output;
   std::ifstream file(json);
-  const nlohmann::json measured = nlohmann::json::parse(file)["measured"];
+  const Json measured = Json::parse(file)["measured"];
   std::vector<int> batches;
-  for (const nlohmann::json& row : measured) {
+  for (const Json& row : measured) {
     EXPECT_EQ(row["device"], "cpu");
     EXPECT_GT(row["frame_ms"].get<double>(), row["stage_ms"]["pose"].get<double>());
     EXPECT_LT(row["stage_ms"]["strain"].get<double>(), row["stage_ms"]["pose"].get<double>());  // there is none
     batches.push_back(row["batch"]);
   }
   EXPECT_EQ(batches, (std::vector<int>{1, 4, 16, 64}));
-  EXPECT_EQ(run_bodyopt("bench " + (folder / "none.safetensors").string()).exit_code, 4);
-  EXPECT_EQ(run_bodyopt("bench " + basis + " --device nowhere").exit_code, 5);
+  EXPECT_EQ(run_verb("bench " + (folder / "none.safetensors").string()).exit_code, 4);
+  EXPECT_EQ(run_verb("bench " + basis + " --device nowhere").exit_code, 5);
 }
 
 // By the XDG Base Directory Specification, which has relative paths ignored.

@@ -8,8 +8,9 @@
 #include "assets/muscles.h"
 #include "assets/pc2.h"
 #include "runtime/basis/levels.h"
+#include "runtime/core/json.h"
 #include "tests/support/capsule_limb.h"
-#include "tests/support/run_program.h"
+#include "tests/support/run_verb.h"
 #include "tests/support/temporary_folder.h"
 #include "trainer/builtin/arm.h"
 #include "trainer/train/features/strain.h"
@@ -42,10 +43,10 @@ class Proxy : public ::testing::Test {
       }
       write_character(centimetres, character);
       write_clip(motion, centimetres.skeleton, folder / "motion.glb");
-      added = run_bodyopt("dataset add " + data + clip + " --shapes " + (folder / "shapes.pc2").string() +
-                          " --character " + character + " --unit 0.01");
-      trained = run_bodyopt("train " + data + " --out " + basis);
-      made = run_bodyopt("proxy " + data + " --error 1 0.3 --out " + proxy + " --json " + proxy + ".json");
+      added = run_verb("dataset add " + data + clip + " --shapes " + (folder / "shapes.pc2").string() +
+                       " --character " + character + " --unit 0.01");
+      trained = run_verb("train " + data + " --out " + basis);
+      made = run_verb("proxy " + data + " --error 1 0.3 --out " + proxy + " --json " + proxy + ".json");
     }
     TemporaryFolder folder;
     std::string character = (folder / "limb.glb").string(), clip = " --clip " + (folder / "motion.glb").string(),
@@ -64,7 +65,7 @@ TEST_F(Proxy, LevelsOfADatasetAreABasisAndCarryTheFullSkin) {
   ASSERT_EQ(data().added.exit_code, 0) << data().added.output;
   ASSERT_EQ(data().trained.exit_code, 0) << data().trained.output;
   ASSERT_EQ(data().made.exit_code, 0) << data().made.output;
-  const auto result = nlohmann::json::parse(std::ifstream(data().proxy + ".json"));
+  const auto result = Json::parse(std::ifstream(data().proxy + ".json"));
   ASSERT_EQ(result["levels"].size(), 2u);
   EXPECT_EQ(result["levels"][0]["error_mm"], 0.3);  // finest first
   EXPECT_GT(result["levels"][0]["bytes"], result["levels"][1]["bytes"]);
@@ -73,7 +74,7 @@ TEST_F(Proxy, LevelsOfADatasetAreABasisAndCarryTheFullSkin) {
 
   const auto levels = load_levels(data().proxy);
   const auto points = [&](const std::string& options) {
-    const ProgramResult run = run_bodyopt("eval " + data().proxy + data().clip + options + " --out " + at("a.pc2"));
+    const ProgramResult run = run_verb("eval " + data().proxy + data().clip + options + " --out " + at("a.pc2"));
     EXPECT_EQ(run.exit_code, 0) << run.output;
     return Pc2Reader(at("a.pc2")).point_count();
   };
@@ -82,33 +83,33 @@ TEST_F(Proxy, LevelsOfADatasetAreABasisAndCarryTheFullSkin) {
   EXPECT_EQ(points(" --level 1 --full-skin"), levels[0].carried.size());
   EXPECT_EQ(result["levels"][0]["map_bytes"], levels[0].carried.bytes());
 
-  ASSERT_EQ(run_bodyopt("eval " + data().basis + data().clip + " --out " + at("full.pc2")).exit_code, 0);
+  ASSERT_EQ(run_verb("eval " + data().basis + data().clip + " --out " + at("full.pc2")).exit_code, 0);
   ASSERT_EQ(points(" --full-skin"), Pc2Reader(at("full.pc2")).point_count());
-  const ProgramResult compared = run_bodyopt("compare " + at("a.pc2") + " " + at("full.pc2") + " --json -");
+  const ProgramResult compared = run_verb("compare " + at("a.pc2") + " " + at("full.pc2") + " --json -");
   ASSERT_EQ(compared.exit_code, 0) << compared.output;
   const std::size_t begin = compared.output.find('{');
-  EXPECT_LT(nlohmann::json::parse(compared.output.substr(begin, compared.output.rfind('}') + 1 - begin))["rms"], 2.0);
+  EXPECT_LT(Json::parse(compared.output.substr(begin, compared.output.rfind('}') + 1 - begin))["rms"], 2.0);
 }
 
 TEST_F(Proxy, InfoTellsTheLevels) {
-  const ProgramResult info = run_bodyopt("info " + data().proxy);
+  const ProgramResult info = run_verb("info " + data().proxy);
   ASSERT_EQ(info.exit_code, 0) << info.output;
   for (const char* column : {"us a frame", "with map", "carried"}) {
     EXPECT_NE(info.output.find(column), std::string::npos) << info.output;
   }
   EXPECT_NE(info.output.find("training frames"), std::string::npos) << info.output;
   EXPECT_NE(info.output.find("level 0 could give"), std::string::npos) << info.output;
-  EXPECT_EQ(run_bodyopt("info " + data().basis).output.find("us a frame"), std::string::npos);
+  EXPECT_EQ(run_verb("info " + data().basis).output.find("us a frame"), std::string::npos);
 }
 
 TEST_F(Proxy, ABasisTeachesOne) {
   const std::string out = at("taught.safetensors");
   const std::string command = "proxy " + data().basis + data().clip + " --error 1 --out " + out;
-  const ProgramResult taught = run_bodyopt(command + " --character " + data().character);
+  const ProgramResult taught = run_verb(command + " --character " + data().character);
   ASSERT_EQ(taught.exit_code, 0) << taught.output;
   EXPECT_EQ(load_levels(out).size(), 1u);
   // It remembers the unit: its clips are read as the basis' are.
-  EXPECT_EQ(run_bodyopt("eval " + out + data().clip + " --out " + at("b.pc2")).exit_code, 0);
+  EXPECT_EQ(run_verb("eval " + out + data().clip + " --out " + at("b.pc2")).exit_code, 0);
   EXPECT_EQ(load_basis(out).metadata.at("character_unit_m"), load_basis(data().basis).metadata.at("character_unit_m"));
 }
 
@@ -125,18 +126,18 @@ TEST_F(Proxy, OfABasisWithFibresItAsksForTheMuscles) {
   // Ends at a frame that the clip lacks, before it learns anything.
   const std::string command = "proxy " + file("arm.safetensors") + " --character " + file("arm.glb") + " --clip " +
                               file("clip.glb") + " --frames 3 --out " + file("proxy.safetensors");
-  const ProgramResult without = run_bodyopt(command);
+  const ProgramResult without = run_verb(command);
   EXPECT_EQ(without.exit_code, 64) << without.output;
   EXPECT_NE(without.output.find(std::to_string(basis.strain.fibre_count()) + " fibres"), std::string::npos)
       << without.output;
-  const ProgramResult with = run_bodyopt(command + " --muscles " + file("muscles.json"));
+  const ProgramResult with = run_verb(command + " --muscles " + file("muscles.json"));
   EXPECT_EQ(with.exit_code, 64) << with.output;
   EXPECT_EQ(with.output.find("fibres"), std::string::npos) << with.output;
 }
 
 TEST_F(Proxy, WrongArgumentsAreSaid) {
   const auto expect = [](const std::string& command, int code, const std::string& named) {
-    const ProgramResult run = run_bodyopt(command);
+    const ProgramResult run = run_verb(command);
     EXPECT_EQ(run.exit_code, code) << command << "\n" << run.output;
     EXPECT_NE(run.output.find(named), std::string::npos) << run.output;
   };

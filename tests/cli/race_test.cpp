@@ -10,7 +10,7 @@
 #include "tests/support/background_program.h"
 #include "tests/support/limb_glb.h"
 #include "tests/support/paths.h"
-#include "tests/support/run_program.h"
+#include "tests/support/run_verb.h"
 #include "trainer/train/skinning/linear_blend.h"
 
 namespace bodyopt {
@@ -65,7 +65,7 @@ TEST_F(Race, NoSimulatedTakeIsLost) {
     commands.push_back("simulate " + files_.character + " --clip " + files_.motion +
                        " --draft --threads 1 --frames 1-2 --out " + at("data") + " --name take" + std::to_string(k));
   }
-  ASSERT_EQ(run_bodyopt(commands[0]).exit_code, 0);
+  ASSERT_EQ(run_verb(commands[0]).exit_code, 0);
   for (int k = 1; k < kProcesses; ++k) {
     for (const char* ending : {".nodes", ".status.json"}) {
       std::filesystem::copy_file(at("data/take0") + ending, at("data/take" + std::to_string(k)) + ending);
@@ -76,12 +76,12 @@ TEST_F(Race, NoSimulatedTakeIsLost) {
     run_together(folder_, commands);
     EXPECT_EQ(read_dataset(at("data/dataset.json")).takes.size(), std::size_t{kProcesses});
   }
-  EXPECT_EQ(run_bodyopt("check " + at("data")).exit_code, 0);
+  EXPECT_EQ(run_verb("check " + at("data")).exit_code, 0);
 }
 
 TEST_F(Race, NoAttachedMeshIsLost) {
   write_character(limb_character(), at("capsule.glb"));
-  ASSERT_EQ(run_bodyopt("train --ddm-only " + at("capsule.glb") + " --out " + at("capsule.safetensors")).exit_code, 0);
+  ASSERT_EQ(run_verb("train --ddm-only " + at("capsule.glb") + " --out " + at("capsule.safetensors")).exit_code, 0);
   for (int k = 0; k < kProcesses; ++k) {
     const std::string name = "bead" + std::to_string(k);
     LimbGlb blob(at("scratch.glb"));

@@ -12,10 +12,11 @@
 #include "dataset/take_lock.h"
 #include "runtime/basis/safetensors.h"
 #include "runtime/core/hexadecimal.h"
+#include "runtime/core/json.h"
 #include "tests/cli/limb_files.h"
 #include "tests/support/hostile_bytes.h"
 #include "tests/support/png_file.h"
-#include "tests/support/run_program.h"
+#include "tests/support/run_verb.h"
 #include "tests/support/temporary_folder.h"
 
 namespace bodyopt {
@@ -23,8 +24,8 @@ namespace {
 
 // A draft of fourteen frames of the limb's motion.
 bool makes_draft(const LimbFiles& files, const std::string& data) {
-  return run_bodyopt("simulate " + files.character + " --clip " + files.motion +
-                     " --fps 120 --draft --frames 1-14 --out " + data)
+  return run_verb("simulate " + files.character + " --clip " + files.motion +
+                  " --fps 120 --draft --frames 1-14 --out " + data)
              .exit_code == 0;
 }
 
@@ -33,19 +34,19 @@ TEST(Takes, FramesAreAddedNotReplaced) {
   const LimbFiles files(folder, 1);
   const std::string data = (folder / "data").string();
   const std::string simulate = "simulate " + files.character + " --clip " + files.motion + " --out " + data;
-  ASSERT_EQ(run_bodyopt(simulate + " --frames 2,5").exit_code, 0);
-  ASSERT_EQ(run_bodyopt(simulate + " --frames 3 --heldout 3").exit_code, 0);
+  ASSERT_EQ(run_verb(simulate + " --frames 2,5").exit_code, 0);
+  ASSERT_EQ(run_verb(simulate + " --frames 3 --heldout 3").exit_code, 0);
   const Dataset dataset = read_dataset(folder / "data/dataset.json");
   ASSERT_EQ(dataset.takes.size(), 1u);
   EXPECT_EQ(dataset.takes[0].frames, (std::vector<int>{2, 3, 5}));
   EXPECT_EQ(dataset.takes[0].heldout, std::vector<int>{3});
   EXPECT_EQ(Pc2Reader(folder / "data/bend.pc2").sample_count(), 3u);
-  EXPECT_EQ(run_bodyopt("check " + data).exit_code, 0);
+  EXPECT_EQ(run_verb("check " + data).exit_code, 0);
 
-  const ProgramResult other = run_bodyopt(simulate + " --fps 12");
+  const ProgramResult other = run_verb(simulate + " --fps 12");
   EXPECT_EQ(other.exit_code, 3) << other.output;
   EXPECT_NE(other.output.find("--name"), std::string::npos) << other.output;
-  EXPECT_EQ(run_bodyopt(simulate + " --fps 12 --frames 2 --name slow").exit_code, 0);
+  EXPECT_EQ(run_verb(simulate + " --fps 12 --frames 2 --name slow").exit_code, 0);
   EXPECT_EQ(read_dataset(folder / "data/dataset.json").takes.size(), 2u);
 }
 
@@ -54,8 +55,8 @@ TEST(Takes, SimulateTellsTheUnitThatADatasetWasMadeWith) {
   const LimbFiles files(folder, 1000);
   const std::string simulate =
       "simulate " + files.character + " --clip " + files.motion + " --out " + (folder / "data").string() + " --draft";
-  ASSERT_EQ(run_bodyopt(simulate + " --unit 0.001 --frames 1").exit_code, 0);
-  const ProgramResult without = run_bodyopt(simulate + " --frames 2");
+  ASSERT_EQ(run_verb(simulate + " --unit 0.001 --frames 1").exit_code, 0);
+  const ProgramResult without = run_verb(simulate + " --frames 2");
   EXPECT_NE(without.exit_code, 0);
   EXPECT_NE(without.output.find("data/dataset.json was made with --unit 0.001"), std::string::npos) << without.output;
 }
@@ -68,7 +69,7 @@ TEST(Takes, AUnitThatMakesAGiantIsWarnedOf) {
   for (const std::string& command :
        {"check " + files.character + unit, "check " + files.character + " --clip " + files.motion + unit,
         "train --ddm-only " + files.character + " --out " + (folder / "limb.safetensors").string() + unit}) {
-    const ProgramResult result = run_bodyopt(command);
+    const ProgramResult result = run_verb(command);
     EXPECT_NE(result.output.find(told), std::string::npos) << command << "\n" << result.output;
   }
 }
@@ -80,7 +81,7 @@ TEST(Takes, SimulateRefusesWhatWouldGoWrongAtItsEnd) {
   const std::string data = (folder / "data").string();
   const std::string simulate = "simulate " + files.character + " --clip " + files.motion + " --out " + data;
   const auto expect = [&](int exit_code, const std::string& options, const std::string& named) {
-    const ProgramResult result = run_bodyopt(simulate + options);
+    const ProgramResult result = run_verb(simulate + options);
     EXPECT_EQ(result.exit_code, exit_code) << options << "\n" << result.output;
     EXPECT_NE(result.output.find(named), std::string::npos) << result.output;
     EXPECT_FALSE(std::filesystem::exists(folder / "data/dataset.json"));
@@ -95,7 +96,7 @@ TEST(Takes, SimulateRefusesWhatWouldGoWrongAtItsEnd) {
   const TakeLock another_run(folder / "data/bend.pc2");
   expect(4, " --frames 1", "another run");
   expect(4, " --frames 1 --draft", "another run");
-  EXPECT_EQ(run_bodyopt(simulate + " --frames 1 --name bend-2.b").exit_code, 0);
+  EXPECT_EQ(run_verb(simulate + " --frames 1 --name bend-2.b").exit_code, 0);
 }
 
 // Flexed in the same pose, trained, and flexed again: what the control does is learned under its name.
@@ -110,27 +111,27 @@ TEST(Takes, AFlexedMuscleIsLearnedAsAControl) {
   const std::string simulate = "simulate " + files.character + " --clip " + files.motion + " --fps 48 --muscles " +
                                (folder / "muscles.json").string() + " --out " + data;
   const std::string controls = " --controls " + (folder / "flex.json").string();
-  ASSERT_EQ(run_bodyopt(simulate).exit_code, 0);
-  ASSERT_EQ(run_bodyopt(simulate + controls + " --name flexed").exit_code, 0);
+  ASSERT_EQ(run_verb(simulate).exit_code, 0);
+  ASSERT_EQ(run_verb(simulate + controls + " --name flexed").exit_code, 0);
   EXPECT_EQ(read_dataset(folder / "data/dataset.json").takes[1].controls, "../flex.json");
-  ASSERT_EQ(run_bodyopt("check " + data).exit_code, 0);
-  ASSERT_EQ(run_bodyopt(simulate + controls + " --frames 4,8 --heldout 4,8 --name unseen").exit_code, 0);
-  const ProgramResult trained = run_bodyopt("train " + data + " --out " + basis);
+  ASSERT_EQ(run_verb("check " + data).exit_code, 0);
+  ASSERT_EQ(run_verb(simulate + controls + " --frames 4,8 --heldout 4,8 --name unseen").exit_code, 0);
+  const ProgramResult trained = run_verb("train " + data + " --out " + basis);
   ASSERT_EQ(trained.exit_code, 0) << trained.output;
   const std::string eval = "eval " + basis + " --clip " + files.motion + " --fps 48 --device cpu --out ";
   const std::string relaxed = (folder / "relaxed.pc2").string(), flexed = (folder / "flexed.pc2").string();
-  ASSERT_EQ(run_bodyopt(eval + relaxed).exit_code, 0);
-  ASSERT_EQ(run_bodyopt(eval + flexed + controls).exit_code, 0);
+  ASSERT_EQ(run_verb(eval + relaxed).exit_code, 0);
+  ASSERT_EQ(run_verb(eval + flexed + controls).exit_code, 0);
   const std::string truth = data + "/bend.pc2", flexed_truth = data + "/flexed.pc2";
-  EXPECT_EQ(run_bodyopt("compare " + truth + " " + flexed_truth + " --fail-above 0.8").exit_code, 2);
-  EXPECT_EQ(run_bodyopt("compare " + relaxed + " " + truth + " --fail-above 0.8").exit_code, 0);
-  EXPECT_EQ(run_bodyopt("compare " + flexed + " " + flexed_truth + " --fail-above 0.8").exit_code, 0);
+  EXPECT_EQ(run_verb("compare " + truth + " " + flexed_truth + " --fail-above 0.8").exit_code, 2);
+  EXPECT_EQ(run_verb("compare " + relaxed + " " + truth + " --fail-above 0.8").exit_code, 0);
+  EXPECT_EQ(run_verb("compare " + flexed + " " + flexed_truth + " --fail-above 0.8").exit_code, 0);
 
   std::ofstream(folder / "flex.json") << R"({"schema": "bodyopt-controls-1", "controls": {"extensor": 1}})";
-  const ProgramResult unknown = run_bodyopt(eval + flexed + controls);
+  const ProgramResult unknown = run_verb(eval + flexed + controls);
   EXPECT_EQ(unknown.exit_code, 0);
   EXPECT_NE(unknown.output.find("'extensor'"), std::string::npos) << unknown.output;
-  EXPECT_EQ(run_bodyopt(simulate + controls + " --name other").exit_code, 3);
+  EXPECT_EQ(run_verb(simulate + controls + " --name other").exit_code, 3);
 }
 
 TEST(Takes, ABasisIsAsLargeAsAskedFor) {
@@ -138,18 +139,18 @@ TEST(Takes, ABasisIsAsLargeAsAskedFor) {
   const LimbFiles files(folder, 1);
   const std::string data = (folder / "data").string(), basis = (folder / "limb.safetensors").string();
   const std::string simulate = "simulate " + files.character + " --clip " + files.motion;
-  ASSERT_EQ(run_bodyopt(simulate + " --fps 60 --draft --out " + data).exit_code, 0);
+  ASSERT_EQ(run_verb(simulate + " --fps 60 --draft --out " + data).exit_code, 0);
   const std::string train = "train " + data + " --out " + basis;
-  EXPECT_EQ(run_bodyopt(train + " --budget 400 --tolerance 1").exit_code, 64);
-  EXPECT_EQ(run_bodyopt(train + " --budget -3").exit_code, 64);
-  const ProgramResult small = run_bodyopt(train + " --budget 20");
+  EXPECT_EQ(run_verb(train + " --budget 400 --tolerance 1").exit_code, 64);
+  EXPECT_EQ(run_verb(train + " --budget -3").exit_code, 64);
+  const ProgramResult small = run_verb(train + " --budget 20");
   EXPECT_EQ(small.exit_code, 64);
   EXPECT_NE(small.output.find("--smoothing-radius"), std::string::npos) << small.output;
   EXPECT_FALSE(std::filesystem::exists(basis));
-  const ProgramResult strict = run_bodyopt(train + " --tolerance 1e-6");
+  const ProgramResult strict = run_verb(train + " --tolerance 1e-6");
   EXPECT_EQ(strict.exit_code, 2);
   EXPECT_NE(strict.output.find("are to be expected of the best basis"), std::string::npos) << strict.output;
-  const ProgramResult info = run_bodyopt("info " + basis);
+  const ProgramResult info = run_verb("info " + basis);
   EXPECT_EQ(info.exit_code, 0);
   EXPECT_NE(info.output.find("expected RMS, mm"), std::string::npos) << info.output;
   EXPECT_NE(info.output.find("estimated us: of a frame on one core"), std::string::npos) << info.output;
@@ -163,12 +164,12 @@ TEST(Takes, AReportHoldsWhatTrainingMeasured) {
   const std::string data = (folder / "data").string(), basis = (folder / "limb.safetensors").string();
   const std::string report = (folder / "made/report").string(), clip = " --clip " + files.motion + " --fps 120";
   const std::string simulate = "simulate " + files.character + clip + " --draft --out " + data;
-  ASSERT_EQ(run_bodyopt(simulate).exit_code, 0);
-  const auto read = [&](const std::string& name) { return nlohmann::json::parse(std::ifstream(folder / name)); };
+  ASSERT_EQ(run_verb(simulate).exit_code, 0);
+  const auto read = [&](const std::string& name) { return Json::parse(std::ifstream(folder / name)); };
   const std::string train = "train " + data + " --out " + basis + " --seed 7 --report " + report;
-  const ProgramResult bare = run_bodyopt(train);
+  const ProgramResult bare = run_verb(train);
   ASSERT_EQ(bare.exit_code, 0) << bare.output;
-  nlohmann::json told = read("made/report/report.json");
+  Json told = read("made/report/report.json");
   EXPECT_EQ(told["methods"].size(), 0u);
   EXPECT_FALSE(told.contains("coverage"));
   EXPECT_GT(told["regions"].size(), 0u);
@@ -178,10 +179,10 @@ TEST(Takes, AReportHoldsWhatTrainingMeasured) {
   for (std::size_t k = 0; k < dataset.takes[0].frames.size(); k += 4) heldout.push_back(dataset.takes[0].frames[k]);
   dataset.takes[0].heldout = heldout;
   write_dataset(dataset, folder / "data/dataset.json");
-  const ProgramResult trained = run_bodyopt(train + " --ablate --json " + (folder / "train.json").string());
+  const ProgramResult trained = run_verb(train + " --ablate --json " + (folder / "train.json").string());
   ASSERT_EQ(trained.exit_code, 0) << trained.output;
   told = read("made/report/report.json");
-  const nlohmann::json result = read("train.json");
+  const Json result = read("train.json");
   ASSERT_EQ(told["methods"].size(), 12u);
   for (std::size_t m = 0; m < 12; ++m) {
     EXPECT_EQ(told["methods"][m]["name"], result["ablation"][m]["method"]);
@@ -192,7 +193,7 @@ TEST(Takes, AReportHoldsWhatTrainingMeasured) {
   EXPECT_EQ(told["methods"][1]["errors_mm"], result["errors_mm"]["ddm"]);
   EXPECT_EQ(told["heldout"]["frames"], heldout);
   EXPECT_EQ(told["expected_rms_mm"], result["expected_rms_mm"]);
-  const nlohmann::json& provenance = told["provenance"];
+  const Json& provenance = told["provenance"];
   EXPECT_EQ(provenance["options"]["seed"], "7");
   EXPECT_EQ(provenance["basis_checksum"], read_safetensors(basis).metadata.at("checksum"));
   EXPECT_EQ(provenance["takes"][0]["heldout"], format_frame_range(heldout));
@@ -204,9 +205,9 @@ TEST(Takes, AReportHoldsWhatTrainingMeasured) {
   // What `eval` and `coverage` expect of these frames is what the report says.
   const std::string shot = basis + clip + " --frames " + format_frame_range(heldout);
   const std::string cache = (folder / "out.pc2").string();
-  ASSERT_EQ(run_bodyopt("eval " + shot + " --device cpu --out " + cache + " --json " + cache + ".json").exit_code, 0);
-  ASSERT_EQ(run_bodyopt("coverage " + shot + " --json " + cache + ".coverage.json").exit_code, 0);
-  const nlohmann::json evaluated = read("out.pc2.json"), covered = read("out.pc2.coverage.json");
+  ASSERT_EQ(run_verb("eval " + shot + " --device cpu --out " + cache + " --json " + cache + ".json").exit_code, 0);
+  ASSERT_EQ(run_verb("coverage " + shot + " --json " + cache + ".coverage.json").exit_code, 0);
+  const Json evaluated = read("out.pc2.json"), covered = read("out.pc2.coverage.json");
   ASSERT_EQ(evaluated["per_frame"].size(), heldout.size());
   for (std::size_t k = 0; k < heldout.size(); ++k) {
     EXPECT_EQ(evaluated["per_frame"][k]["frame"], heldout[k]);
@@ -219,20 +220,19 @@ TEST(Takes, APictureShowsAFrame) {
   const TemporaryFolder folder;
   const LimbFiles files(folder, 1);
   const std::string data = (folder / "data").string();
-  ASSERT_EQ(
-      run_bodyopt("simulate " + files.character + " --clip " + files.motion + " --frames 6 --out " + data).exit_code,
-      0);
+  ASSERT_EQ(run_verb("simulate " + files.character + " --clip " + files.motion + " --frames 6 --out " + data).exit_code,
+            0);
   const std::string picture = "picture " + data + " --around lower --radius 0.2 --size 64 64 --out ";
   const std::string whole = (folder / "whole.png").string(), cut = (folder / "cut.png").string();
-  const ProgramResult drawn = run_bodyopt(picture + whole + " --frame 6");
+  const ProgramResult drawn = run_verb(picture + whole + " --frame 6");
   ASSERT_EQ(drawn.exit_code, 0) << drawn.output;
-  ASSERT_EQ(run_bodyopt(picture + cut + " --frame 6 --cut-open").exit_code, 0);
+  ASSERT_EQ(run_verb(picture + cut + " --frame 6 --cut-open").exit_code, 0);
   EXPECT_NE(testing::read_bytes(whole), testing::read_bytes(cut));
-  EXPECT_EQ(run_bodyopt(picture + whole + " --frame 5").exit_code, 64);
-  EXPECT_EQ(run_bodyopt("picture " + data + " --around foot --frame 6 --out " + whole).exit_code, 64);
-  EXPECT_EQ(run_bodyopt(picture + whole + " --frame 6 --direction 0 0 0").exit_code, 64);
-  EXPECT_EQ(run_bodyopt(picture + "/nonexistent/x.png --frame 6").exit_code, 4);
-  const ProgramResult json = run_bodyopt(picture + whole + " --frame 6 --json -");
+  EXPECT_EQ(run_verb(picture + whole + " --frame 5").exit_code, 64);
+  EXPECT_EQ(run_verb("picture " + data + " --around foot --frame 6 --out " + whole).exit_code, 64);
+  EXPECT_EQ(run_verb(picture + whole + " --frame 6 --direction 0 0 0").exit_code, 64);
+  EXPECT_EQ(run_verb(picture + "/nonexistent/x.png --frame 6").exit_code, 4);
+  const ProgramResult json = run_verb(picture + whole + " --frame 6 --json -");
   EXPECT_NE(json.output.find("\"frame\": 6"), std::string::npos) << json.output;
 
   // The clip was replaced by a shorter one.
@@ -242,7 +242,7 @@ TEST(Takes, APictureShowsAFrame) {
   rest.name = "bend";
   rest.poses = {bind_pose(limb.skeleton)};
   write_clip(rest, limb.skeleton, files.motion);
-  const ProgramResult lacking = run_bodyopt(picture + whole + " --frame 6");
+  const ProgramResult lacking = run_verb(picture + whole + " --frame 6");
   EXPECT_EQ(lacking.exit_code, 3) << lacking.output;
   EXPECT_NE(lacking.output.find("frame 6"), std::string::npos) << lacking.output;
 }
@@ -253,13 +253,13 @@ TEST(Takes, OnlyWhatWasSolvedAlikeIsCutOpen) {
   const LimbFiles files(folder, 1);
   const std::string materials = (folder / "m.json").string(), out = (folder / "p.png").string();
   const auto simulate = [&](const std::string& data, const std::string& options) {
-    EXPECT_EQ(run_bodyopt("simulate " + files.character + " --clip " + files.motion + " --frames 2 --out " +
-                          (folder / data).string() + options)
+    EXPECT_EQ(run_verb("simulate " + files.character + " --clip " + files.motion + " --frames 2 --out " +
+                       (folder / data).string() + options)
                   .exit_code,
               0);
   };
   const auto cut = [&](const std::string& data) {
-    return run_bodyopt("picture " + (folder / data).string() + " --frame 2 --size 64 64 --cut-open --out " + out);
+    return run_verb("picture " + (folder / data).string() + " --frame 2 --size 64 64 --cut-open --out " + out);
   };
   const auto expect_refused = [&](const std::string& data, const std::string& named) {
     const ProgramResult result = cut(data);
@@ -304,13 +304,13 @@ TEST(Takes, CheckReadsControlsAndMaterials) {
   write_controls(R"({"flexor": [[3, 1], [6, 2]]})");  // too much only where no frame is simulated
   write_materials(R"("fat": {"shear_modulus_pa": 6e3})");
   const std::string data = (folder / "data").string();
-  ASSERT_EQ(run_bodyopt("simulate " + files.character + " --clip " + files.motion + " --frames 2,3 --muscles " +
-                        (folder / "muscles.json").string() + " --materials " + (folder / "m.json").string() +
-                        " --controls " + (folder / "flex.json").string() + " --out " + data)
+  ASSERT_EQ(run_verb("simulate " + files.character + " --clip " + files.motion + " --frames 2,3 --muscles " +
+                     (folder / "muscles.json").string() + " --materials " + (folder / "m.json").string() +
+                     " --controls " + (folder / "flex.json").string() + " --out " + data)
                 .exit_code,
             0);
   const auto expect = [&](int exit_code, const std::string& named) {
-    const ProgramResult result = run_bodyopt("check " + data);
+    const ProgramResult result = run_verb("check " + data);
     EXPECT_EQ(result.exit_code, exit_code) << result.output;
     EXPECT_NE(result.output.find(named), std::string::npos) << result.output;
   };
@@ -332,7 +332,7 @@ TEST(Takes, TrainRefusesWhatCheckRefuses) {
   const TemporaryFolder folder;
   const LimbFiles files(folder, 1);
   const std::string data = (folder / "data").string(), basis = (folder / "limb.safetensors").string();
-  ASSERT_EQ(run_bodyopt("simulate " + files.character + " --clip " + files.motion + " --out " + data).exit_code, 0);
+  ASSERT_EQ(run_verb("simulate " + files.character + " --clip " + files.motion + " --out " + data).exit_code, 0);
   const auto scale_samples = [&](std::uint32_t count, float scale) {
     const Pc2Reader shapes(folder / "data/bend.pc2");
     Pc2Writer writer(folder / "data/bend.pc2", shapes.point_count(), shapes.sample_count());
@@ -345,7 +345,7 @@ TEST(Takes, TrainRefusesWhatCheckRefuses) {
   };
   scale_samples(6, 100);
   for (const std::string& command : {"check " + data, "train " + data + " --out " + basis}) {
-    const ProgramResult refused = run_bodyopt(command);
+    const ProgramResult refused = run_verb(command);
     EXPECT_EQ(refused.exit_code, 3) << refused.output;
     EXPECT_NE(refused.output.find("take 'bend': the shapes lie"), std::string::npos) << refused.output;
     EXPECT_NE(refused.output.find("centimetres"), std::string::npos) << refused.output;
@@ -357,16 +357,16 @@ TEST(Takes, TrainRefusesWhatCheckRefuses) {
   std::vector<FrameStatus> status = read_frame_status(folder / "data/bend.status.json");
   for (std::size_t k = 1; k < status.size(); ++k) status[k].converged = false;
   write_frame_status(status, folder / "data/bend.status.json");
-  EXPECT_EQ(run_bodyopt("check " + data).exit_code, 0);
+  EXPECT_EQ(run_verb("check " + data).exit_code, 0);
   for (FrameStatus& frame : status) frame.converged = false;
   write_frame_status(status, folder / "data/bend.status.json");
   const std::string json = (folder / "check.json").string();
-  const ProgramResult unsolved = run_bodyopt("check " + data + " --json " + json);
+  const ProgramResult unsolved = run_verb("check " + data + " --json " + json);
   EXPECT_EQ(unsolved.exit_code, 3) << unsolved.output;
   EXPECT_NE(unsolved.output.find("none compared with the skinned character"), std::string::npos) << unsolved.output;
   EXPECT_NE(unsolved.output.find("not one of its "), std::string::npos) << unsolved.output;
   EXPECT_EQ(unsolved.output.find("it belongs together"), std::string::npos) << unsolved.output;
-  EXPECT_TRUE(nlohmann::json::parse(testing::read_bytes(json)).at("takes")[0].at("fit_mm").is_null());
+  EXPECT_TRUE(Json::parse(testing::read_bytes(json)).at("takes")[0].at("fit_mm").is_null());
 }
 
 // A character in centimetres: its basis reads the clips alike, without being told again.
@@ -375,13 +375,13 @@ TEST(Takes, ABasisRemembersTheUnit) {
   const LimbFiles metres(metres_folder, 1), centimetres(centimetres_folder, 100);
   const auto evaluate = [](const TemporaryFolder& folder, const LimbFiles& files, const std::string& unit) {
     const std::string basis = (folder / "b.safetensors").string(), cache = (folder / "c.pc2").string();
-    EXPECT_EQ(run_bodyopt("train --ddm-only " + files.character + unit + " --out " + basis).exit_code, 0);
-    EXPECT_EQ(run_bodyopt("eval " + basis + " --clip " + files.motion + " --device cpu --out " + cache).exit_code, 0);
+    EXPECT_EQ(run_verb("train --ddm-only " + files.character + unit + " --out " + basis).exit_code, 0);
+    EXPECT_EQ(run_verb("eval " + basis + " --clip " + files.motion + " --device cpu --out " + cache).exit_code, 0);
     return cache;
   };
   const std::string a = evaluate(metres_folder, metres, ""),
                     b = evaluate(centimetres_folder, centimetres, " --unit 0.01");
-  const ProgramResult compared = run_bodyopt("compare " + a + " " + b + " --fail-above 0.01");
+  const ProgramResult compared = run_verb("compare " + a + " " + b + " --fail-above 0.01");
   EXPECT_EQ(compared.exit_code, 0) << compared.output;
 }
 
@@ -391,23 +391,23 @@ TEST(Takes, InfoSaysHowLongClipsAre) {
   std::ofstream(folder / "a.bvh") << "HIERARCHY\nROOT hips\n{\nOFFSET 0 0 0\nCHANNELS 3 Xrotation Yrotation Zrotation\n"
                                      "End Site\n{\nOFFSET 0 1 0\n}\n}\nMOTION\nFrames: 3\nFrame Time: 0.25\n"
                                      "0 0 0\n1 0 0\n2 0 0\n";
-  const ProgramResult bvh = run_bodyopt("info " + (folder / "a.bvh").string());
+  const ProgramResult bvh = run_verb("info " + (folder / "a.bvh").string());
   EXPECT_EQ(bvh.exit_code, 0) << bvh.output;
   EXPECT_NE(bvh.output.find("hips"), std::string::npos);
   EXPECT_NE(bvh.output.find("0.5"), std::string::npos);  // seconds
   std::filesystem::resize_file(folder / "a.bvh", std::filesystem::file_size(folder / "a.bvh") - 8);
-  EXPECT_EQ(run_bodyopt("info " + (folder / "a.bvh").string()).exit_code, 4);
+  EXPECT_EQ(run_verb("info " + (folder / "a.bvh").string()).exit_code, 4);
 }
 
 TEST(Takes, FilesOfTheWrongKindAreCalledByTheirKind) {
   const TemporaryFolder folder;
   const LimbFiles files(folder, 1);
   std::filesystem::copy_file(files.character, folder / "dataset.json");
-  const ProgramResult json = run_bodyopt("check " + (folder / "dataset.json").string());
+  const ProgramResult json = run_verb("check " + (folder / "dataset.json").string());
   EXPECT_EQ(json.exit_code, 4);
   EXPECT_NE(json.output.find("looks like a binary glTF"), std::string::npos) << json.output;
   const ProgramResult basis =
-      run_bodyopt("eval " + files.character + " --clip a.glb --out " + (folder / "o.pc2").string());
+      run_verb("eval " + files.character + " --clip a.glb --out " + (folder / "o.pc2").string());
   EXPECT_EQ(basis.exit_code, 4);
   EXPECT_NE(basis.output.find("looks like a binary glTF"), std::string::npos) << basis.output;
   for (const auto& [start, kind] : {std::pair{"Kaydara FBX Binary  ", "an FBX file"},
@@ -415,7 +415,7 @@ TEST(Takes, FilesOfTheWrongKindAreCalledByTheirKind) {
                                     {"PK\x03\x04 and more", "a ZIP archive"},
                                     {"#usda 1.0", "a USD file"}}) {
     std::ofstream(folder / "other.glb", std::ios::binary) << start << std::string(40, ' ');
-    const ProgramResult other = run_bodyopt("info " + (folder / "other.glb").string());
+    const ProgramResult other = run_verb("info " + (folder / "other.glb").string());
     EXPECT_EQ(other.exit_code, 4);
     EXPECT_NE(other.output.find(kind), std::string::npos) << other.output;
   }
@@ -427,21 +427,21 @@ TEST(Takes, TestSaysOfWhichPosesTheBasisLearned) {
   const std::string simulate = "simulate " + files.character + " --clip " + files.motion + " --fps 120 --draft --out ";
   const std::string data = (folder / "data").string(), other = (folder / "other").string();
   const std::string basis = (folder / "limb.safetensors").string(), json = (folder / "test.json").string();
-  ASSERT_EQ(run_bodyopt(simulate + data + " --frames 1-14").exit_code, 0);
-  ASSERT_EQ(run_bodyopt(simulate + other + " --frames 14-26").exit_code, 0);
-  ASSERT_EQ(run_bodyopt("train " + data + " --out " + basis).exit_code, 0);
-  const ProgramResult own = run_bodyopt("test " + basis + " " + data + " --json " + json);
+  ASSERT_EQ(run_verb(simulate + data + " --frames 1-14").exit_code, 0);
+  ASSERT_EQ(run_verb(simulate + other + " --frames 14-26").exit_code, 0);
+  ASSERT_EQ(run_verb("train " + data + " --out " + basis).exit_code, 0);
+  const ProgramResult own = run_verb("test " + basis + " " + data + " --json " + json);
   EXPECT_NE(own.output.find("the basis learned from 14 of the 14 frames tested (1-14)"), std::string::npos)
       << own.output;
-  EXPECT_EQ(nlohmann::json::parse(testing::read_bytes(json)).at("takes")[0].at("learned_frames"), "1-14");
+  EXPECT_EQ(Json::parse(testing::read_bytes(json)).at("takes")[0].at("learned_frames"), "1-14");
   // One of 13 is told, and no reason to warn.
-  const ProgramResult of_other = run_bodyopt("test " + basis + " " + other + " --json " + json);
+  const ProgramResult of_other = run_verb("test " + basis + " " + other + " --json " + json);
   EXPECT_EQ(of_other.output.find("the basis learned from"), std::string::npos) << of_other.output;
-  EXPECT_EQ(nlohmann::json::parse(testing::read_bytes(json)).at("takes")[0].at("learned_frames"), "14");
+  EXPECT_EQ(Json::parse(testing::read_bytes(json)).at("takes")[0].at("learned_frames"), "14");
   // That none was learned, and that it is not known, are two things.
-  ASSERT_EQ(run_bodyopt("train --ddm-only " + files.character + " --out " + basis).exit_code, 0);
-  const ProgramResult untold = run_bodyopt("test " + basis + " " + data + " --json " + json);
-  EXPECT_TRUE(nlohmann::json::parse(testing::read_bytes(json)).at("takes")[0].at("learned_frames").is_null());
+  ASSERT_EQ(run_verb("train --ddm-only " + files.character + " --out " + basis).exit_code, 0);
+  const ProgramResult untold = run_verb("test " + basis + " " + data + " --json " + json);
+  EXPECT_TRUE(Json::parse(testing::read_bytes(json)).at("takes")[0].at("learned_frames").is_null());
   EXPECT_EQ(untold.output.find("which poses it learned from"), std::string::npos) << untold.output;
 }
 
@@ -451,17 +451,17 @@ TEST(Takes, DraftsAreNotCutOpenAndRegionsAreDrawnFromAllAround) {
   const std::string data = (folder / "data").string();
   ASSERT_TRUE(makes_draft(files, data));
   const std::string cut = "picture " + data + " --frame 2 --cut-open --out " + (folder / "cut.png").string();
-  const ProgramResult refused = run_bodyopt(cut);
+  const ProgramResult refused = run_verb(cut);
   EXPECT_EQ(refused.exit_code, 64);
   EXPECT_NE(refused.output.find("is a draft"), std::string::npos) << refused.output;
   EXPECT_NE(refused.output.find("without --draft"), std::string::npos) << refused.output;
 
   const std::string picture = (folder / "regions.png").string(), json = (folder / "regions.json").string();
-  ASSERT_EQ(run_bodyopt("regions " + data + " --picture " + picture + " --json " + json).exit_code, 0);
+  ASSERT_EQ(run_verb("regions " + data + " --picture " + picture + " --json " + json).exit_code, 0);
   const Image image = testing::read_png(picture);
   EXPECT_EQ(image.width, 4 * 700u);
   EXPECT_EQ(image.height, 1000u);
-  EXPECT_TRUE(nlohmann::json::parse(testing::read_bytes(json)).at("not_numbered").is_array());
+  EXPECT_TRUE(Json::parse(testing::read_bytes(json)).at("not_numbered").is_array());
 }
 
 // Training bent the limb one way; the other clip bends it that way, too, and then another way.
@@ -471,8 +471,8 @@ TEST(Takes, TestAndEvalCountTheSamePosesAsUnlikeThoseOfTraining) {
   const std::string data = (folder / "data").string(), other = (folder / "other").string();
   const std::string basis = (folder / "limb.safetensors").string(), aside = (folder / "aside.glb").string();
   const std::string simulate = "simulate " + files.character + " --draft --out ";
-  ASSERT_EQ(run_bodyopt(simulate + data + " --clip " + files.motion + " --fps 120 --frames 1-14").exit_code, 0);
-  ASSERT_EQ(run_bodyopt("train " + data + " --out " + basis).exit_code, 0);
+  ASSERT_EQ(run_verb(simulate + data + " --clip " + files.motion + " --fps 120 --frames 1-14").exit_code, 0);
+  ASSERT_EQ(run_verb("train " + data + " --out " + basis).exit_code, 0);
   const Character limb = make_limb();
   Clip clip;
   clip.name = "aside";
@@ -482,10 +482,10 @@ TEST(Takes, TestAndEvalCountTheSamePosesAsUnlikeThoseOfTraining) {
     pose.joints[1].rotation = pose.joints[1].rotation * axis_angle({0, 1, 0}, degrees(20 + 10.0 * n));
   }
   write_clip(clip, limb.skeleton, aside);
-  ASSERT_EQ(run_bodyopt(simulate + other + " --clip " + aside).exit_code, 0);
-  const ProgramResult tested = run_bodyopt("test " + basis + " " + other);
+  ASSERT_EQ(run_verb(simulate + other + " --clip " + aside).exit_code, 0);
+  const ProgramResult tested = run_verb("test " + basis + " " + other);
   const ProgramResult evaluated =
-      run_bodyopt("eval " + basis + " --clip " + aside + " --out " + (folder / "limb.pc2").string());
+      run_verb("eval " + basis + " --clip " + aside + " --out " + (folder / "limb.pc2").string());
   ASSERT_EQ(tested.exit_code, 0) << tested.output;
   ASSERT_EQ(evaluated.exit_code, 0) << evaluated.output;
   const auto told = [](const std::string& output) {
@@ -505,19 +505,19 @@ TEST(Takes, EvalTellsWhereNoBetterThanDirectDeltaMushIsExpected) {
   const std::string data = (folder / "data").string(), basis = (folder / "limb.safetensors").string();
   const std::string json = (folder / "eval.json").string();
   const std::string clip = " --clip " + files.motion + " --fps 120";
-  ASSERT_EQ(run_bodyopt("simulate " + files.character + clip + " --draft --frames 1-14 --out " + data).exit_code, 0);
-  ASSERT_EQ(run_bodyopt("train " + data + " --out " + basis).exit_code, 0);
+  ASSERT_EQ(run_verb("simulate " + files.character + clip + " --draft --frames 1-14 --out " + data).exit_code, 0);
+  ASSERT_EQ(run_verb("train " + data + " --out " + basis).exit_code, 0);
   Clip further;
   further.name = "further";
   const Character limb = make_limb();
   for (int n = 0; n < 18; ++n) further.poses.push_back(bent(limb, degrees(10.0 * n)));
   write_clip(further, limb.skeleton, (folder / "further.glb").string());
-  const ProgramResult result = run_bodyopt("eval " + basis + " --clip " + (folder / "further.glb").string() +
-                                           " --out " + (folder / "limb.pc2").string() + " --json " + json);
+  const ProgramResult result = run_verb("eval " + basis + " --clip " + (folder / "further.glb").string() + " --out " +
+                                        (folder / "limb.pc2").string() + " --json " + json);
   ASSERT_EQ(result.exit_code, 0) << result.output;
-  const nlohmann::json told = nlohmann::json::parse(testing::read_bytes(json));
+  const Json told = Json::parse(testing::read_bytes(json));
   std::vector<int> frames;
-  for (const nlohmann::json& entry : told.at("per_frame")) {
+  for (const Json& entry : told.at("per_frame")) {
     const double ddm = entry.value("expected_ddm_rms_mm", 0.0);
     if (ddm > 0.5 && entry.at("expected_rms_mm").get<double>() > 0.9 * ddm) frames.push_back(entry.at("frame"));
   }
@@ -537,9 +537,9 @@ TEST(Takes, TrainTellsWhereHeldOutFramesAreFurtherOffThanExpected) {
   const std::string data = (folder / "data").string();
   const std::string simulate = "simulate " + files.character + " --draft --out " + data + " --clip ";
   const std::string train = "train " + data + " --out " + (folder / "limb.safetensors").string();
-  ASSERT_EQ(run_bodyopt(simulate + files.motion + " --fps 120 --frames 1-20 --heldout 9").exit_code, 0);
+  ASSERT_EQ(run_verb(simulate + files.motion + " --fps 120 --frames 1-20 --heldout 9").exit_code, 0);
   const std::string told = "the held-out frames are off by ";
-  const ProgramResult near = run_bodyopt(train);
+  const ProgramResult near = run_verb(train);
   EXPECT_NE(near.output.find("mm RMS expected of poses near those trained on"), std::string::npos) << near.output;
   EXPECT_EQ(near.output.find(told), std::string::npos) << near.output;
   Clip further;
@@ -547,8 +547,8 @@ TEST(Takes, TrainTellsWhereHeldOutFramesAreFurtherOffThanExpected) {
   const Character limb = make_limb();
   for (int n = 0; n < 3; ++n) further.poses.push_back(bent(limb, degrees(90 + 10.0 * n)));
   write_clip(further, limb.skeleton, (folder / "further.glb").string());
-  ASSERT_EQ(run_bodyopt(simulate + (folder / "further.glb").string() + " --heldout all").exit_code, 0);
-  const ProgramResult far = run_bodyopt(train);
+  ASSERT_EQ(run_verb(simulate + (folder / "further.glb").string() + " --heldout all").exit_code, 0);
+  const ProgramResult far = run_verb(train);
   EXPECT_NE(far.output.find(told), std::string::npos) << far.output;
 }
 
@@ -558,12 +558,12 @@ TEST(Takes, HoldingOutEveryNthBlockSaysWhenThatIsNone) {
   const std::string data = (folder / "data").string();
   ASSERT_TRUE(makes_draft(files, data));
   const std::string train = "train " + data + " --out " + (folder / "limb.safetensors").string() + " --heldout-every ";
-  const ProgramResult none = run_bodyopt(train + "3");
+  const ProgramResult none = run_verb(train + "3");
   EXPECT_EQ(none.exit_code, 0) << none.output;
   EXPECT_NE(none.output.find("holds out none of the frames"), std::string::npos) << none.output;
   EXPECT_NE(none.output.find("simulate another clip into the dataset with --heldout all"), std::string::npos)
       << none.output;
-  EXPECT_EQ(run_bodyopt(train + "2").output.find("holds out none"), std::string::npos);
+  EXPECT_EQ(run_verb(train + "2").output.find("holds out none"), std::string::npos);
 }
 
 }  // namespace

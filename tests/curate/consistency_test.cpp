@@ -8,6 +8,7 @@
 #include <functional>
 #include <random>
 
+#include "dataset/modifier.h"
 #include "runtime/core/error.h"
 #include "tests/curate/sweep_history.h"
 #include "trainer/curate/consistency_report.h"

@@ -2,15 +2,17 @@
 #include <gtest/gtest.h>
 
 #include <fstream>
+#include <nlohmann/json.hpp>
 #include <sstream>
 
 #include "assets/json_file.h"
+#include "dataset/modifier.h"
 #include "dataset/stack_history.h"
 #include "runtime/basis/read_file.h"
 #include "tests/curate/sweep_history.h"
 #include "tests/support/png_file.h"
 #include "tests/support/read_bytes.h"
-#include "tests/support/run_program.h"
+#include "tests/support/run_verb.h"
 #include "trainer/curate/edit_stack.h"
 #include "trainer/curate/exported_frames.h"
 
@@ -20,7 +22,7 @@ namespace {
 class CurateProgram : public ::testing::Test {
  protected:
   ProgramResult curate(const std::string& verb, const std::string& options) const {
-    return run_bodyopt("curate " + verb + " " + limb_.folder().string() + " " + options);
+    return run_verb("curate " + verb + " " + limb_.folder().string() + " " + options);
   }
   std::string at(const std::string& name) const { return (limb_.folder() / name).string(); }
 
@@ -94,9 +96,9 @@ TEST_F(CurateProgram, DiffSaysThatConsistencyReachesItsCap) {
       [&](int take, int frame, const Positions& truth) { return with_history(character, take, frame, truth); });
   add_modifier(limb.path(), {.type = "consistency", .parameters = {{"cap_mm", 1}}});
   const std::string diff = "curate diff " + limb.folder().string();
-  EXPECT_NE(run_bodyopt(diff).output.find("as far as cap_mm lets it (1 mm)"), std::string::npos);
+  EXPECT_NE(run_verb(diff).output.find("as far as cap_mm lets it (1 mm)"), std::string::npos);
   change_modifier(limb.path(), "consistency", {.parameters = {{"cap_mm", 20}}});
-  EXPECT_EQ(run_bodyopt(diff).output.find("cap_mm"), std::string::npos);
+  EXPECT_EQ(run_verb(diff).output.find("cap_mm"), std::string::npos);
 }
 
 TEST_F(CurateProgram, AnExportedFrameComesBackAsItIs) {

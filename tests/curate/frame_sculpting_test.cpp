@@ -4,7 +4,9 @@
 #include <gtest/gtest.h>
 
 #include <map>
+#include <nlohmann/json.hpp>
 
+#include "dataset/modifier.h"
 #include "dataset/stack_history.h"
 #include "runtime/core/file_lock.h"
 #include "tests/curate/curated_limb.h"

@@ -8,12 +8,14 @@
 #include <fstream>
 #include <limits>
 #include <map>
+#include <nlohmann/json.hpp>
 #include <numeric>
 #include <random>
 #include <sstream>
 
 #include "assets/gltf_skin.h"
 #include "assets/json_file.h"
+#include "dataset/modifier.h"
 #include "dataset/stack_history.h"
 #include "runtime/core/error.h"
 #include "tests/curate/curated_limb.h"

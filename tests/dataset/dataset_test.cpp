@@ -6,6 +6,7 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
+#include "runtime/core/json.h"
 #include "tests/support/hostile_bytes.h"
 #include "tests/support/temporary_folder.h"
 
@@ -13,8 +14,6 @@ namespace bodyopt {
 namespace {
 
 using namespace testing;
-using Json = nlohmann::ordered_json;
-
 Dataset small_dataset() {
   Dataset dataset;
   dataset.character = "../hero.glb";

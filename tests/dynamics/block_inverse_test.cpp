@@ -1,13 +1,13 @@
 #include "trainer/dynamics/block_inverse.h"
 
 #include <gtest/gtest.h>
-#include <omp.h>
 
 #include <Eigen/SparseCholesky>
 #include <random>
 
 #include "runtime/core/error.h"
 #include "runtime/cpu/dynamics_kernels.h"
+#include "tests/support/on_threads.h"
 #include "trainer/dynamics/dissection.h"
 
 namespace bodyopt::testing {
@@ -118,12 +118,8 @@ TEST(BlockInverse, LeavesUnknownsThatAreNobodys) {
 
 TEST(BlockInverse, IsTheSameOnAnyNumberOfThreads) {
   const System system(600, 3, 2, 11);
-  const int threads = omp_get_max_threads();
-  omp_set_num_threads(1);
-  const BlockInverse one = invert(system.matrix, system.points, 3);
-  omp_set_num_threads(3);
-  const BlockInverse three = invert(system.matrix, system.points, 3);
-  omp_set_num_threads(threads);
+  const auto inverted = [&] { return invert(system.matrix, system.points, 3); };
+  const BlockInverse one = on_threads(1, inverted), three = on_threads(3, inverted);
   EXPECT_EQ(one.values, three.values);
   EXPECT_EQ(one.slot_unknown, three.slot_unknown);
 }

@@ -4,6 +4,7 @@
 #include <functional>
 #include <random>
 
+#include "runtime/basis/table_file.h"
 #include "runtime/core/error.h"
 #include "runtime/cpu/dynamics_kernels.h"
 #include "tests/support/forged_word.h"
@@ -36,8 +37,66 @@ TEST(DynamicsFile, RoundTripIsBitExact) {
   EXPECT_EQ(loaded.jiggle.inverse.unknown_count, dynamics.jiggle.inverse.unknown_count);
   save_dynamics(loaded, folder / "b.safetensors");
   EXPECT_EQ(read_bytes(folder / "a.safetensors"), read_bytes(folder / "b.safetensors"));
-  EXPECT_EQ(loaded.jiggle.held_values, dynamics.jiggle.held_values);
+  EXPECT_EQ(loaded.jiggle.springs, dynamics.jiggle.springs);
   EXPECT_EQ(loaded.tets.nodes, dynamics.tets.nodes);
+}
+
+// Rows of earlier versions: of node 0 its own inertia and spring and one it shares, times 1 + beta / d; of the others
+// inertia alone.
+Safetensors with_rows(Safetensors file, const JiggleTable& jiggle) {
+  const double damped = 1 + static_cast<double>(jiggle.step.stiffness_damping / jiggle.step.stage());
+  std::vector<std::uint32_t> begin = {0, 2}, columns = {0, 1};
+  std::vector<float> values = {jiggle.nodes[0].inertia + static_cast<float>(3e4 * damped),
+                               static_cast<float>(1e4 * damped)};
+  for (std::uint32_t n = 1; n < jiggle.nodes.size(); ++n) {
+    columns.push_back(n);
+    values.push_back(jiggle.nodes[n].inertia);
+    begin.push_back(static_cast<std::uint32_t>(values.size()));
+  }
+  file.tensors.erase("jiggle.springs");
+  file.tensors["jiggle.held_begin"] = tensor_from(begin, 1);
+  file.tensors["jiggle.held_columns"] = tensor_from(columns, 1);
+  file.tensors["jiggle.held_values"] = tensor_from(values, 1);
+  file.tensors["jiggle.elasticity"] = tensor_from(std::vector<float>{1, 2}, 2);
+  file.metadata["checksum"] = content_checksum(file);
+  return file;
+}
+
+// Their springs are the rows' sums, and a state that belongs to the file still does.
+TEST(DynamicsFile, ReadsTheRowsOfEarlierVersions) {
+  const TemporaryFolder folder;
+  const OneTet one;
+  save_dynamics(one.dynamics, folder / "new.safetensors");
+  const Safetensors old = with_rows(read_safetensors(folder / "new.safetensors"), one.dynamics.jiggle);
+  write_safetensors(old, folder / "old.safetensors");
+  const Dynamics loaded = load_dynamics(folder / "old.safetensors", one.basis);
+  EXPECT_NEAR(loaded.jiggle.springs[0], 4e4, 1);
+  EXPECT_EQ(std::vector(loaded.jiggle.springs.begin() + 1, loaded.jiggle.springs.end()), std::vector<float>(3));
+  EXPECT_EQ(checksum(loaded), old.metadata.at("checksum"));
+  EXPECT_EQ(loaded.jiggle.inverse.values, one.dynamics.jiggle.inverse.values);
+
+  save_dynamics(loaded, folder / "again.safetensors");
+  const Safetensors again = read_safetensors(folder / "again.safetensors");
+  EXPECT_FALSE(again.tensors.contains("jiggle.elasticity"));
+  EXPECT_EQ(load_dynamics(folder / "again.safetensors", one.basis).jiggle.springs, loaded.jiggle.springs);
+  EXPECT_NE(again.metadata.at("checksum"), checksum(loaded));
+}
+
+TEST(DynamicsFile, ForgedRowsOfEarlierVersionsAreRefused) {
+  const TemporaryFolder folder;
+  const OneTet one;
+  save_dynamics(one.dynamics, folder / "new.safetensors");
+  const Safetensors old = with_rows(read_safetensors(folder / "new.safetensors"), one.dynamics.jiggle);
+  const auto expect = [&](const char* named, std::vector<std::uint32_t> begin) {
+    Safetensors forged = old;
+    forged.tensors["jiggle.held_begin"] = tensor_from(begin, 1);
+    forged.metadata["checksum"] = content_checksum(forged);
+    write_safetensors(forged, folder / "b.safetensors");
+    expect_refused(reader_of(one.basis), folder / "b.safetensors", read_bytes(folder / "b.safetensors"), named);
+  };
+  for (const auto& begin : {std::vector{0u, 2u, 3u, 4u}, {0u, 2u, 1u, 4u, 5u}, {0u, 2u, 3u, 4u, ~0u}}) {
+    expect("jiggle.held_begin does not fit", begin);
+  }
 }
 
 TEST(DynamicsFile, EveryTruncationIsRefused) {
@@ -131,7 +190,8 @@ TEST(DynamicsFile, ForgedPartsAreRefusedByName) {
   expect("'tets.nodes' is missing", [](Safetensors& f) { f.tensors.erase("tets.nodes"); });
   expect("'mesh.rest' is not one of dynamics",
          [](Safetensors& f) { f.tensors["mesh.rest"] = f.tensors["tets.nodes"]; });
-  expect("'jiggle.elasticity' has type U32", [](Safetensors& f) { f.tensors["jiggle.elasticity"].dtype = "U32"; });
+  expect("'jiggle.springs' has type U32", [](Safetensors& f) { f.tensors["jiggle.springs"].dtype = "U32"; });
+  expect("'jiggle.springs' is missing", [](Safetensors& f) { f.tensors.erase("jiggle.springs"); });
   expect("jiggle.step", set_step(0, 0));
   expect("jiggle.step", set_step(0, std::nanf("")));
   expect("jiggle.step", set_step(1, 0));
@@ -158,8 +218,7 @@ TEST(DynamicsFile, BytesAreCountedByStage) {
                                      24 * dynamics.tets.surface.size() + 28 * dynamics.tets.skin.size() +
                                      4 * (nodes + 1) + 8 * dynamics.diffuse.values.size() +
                                      of_inverse(dynamics.diffuse.inverse));
-  EXPECT_EQ(bytes.at("jiggle"), 24 * nodes + 8 * tets + 4 * (nodes + 1) + 8 * dynamics.jiggle.held_values.size() +
-                                    of_inverse(dynamics.jiggle.inverse));
+  EXPECT_EQ(bytes.at("jiggle"), 28 * nodes + of_inverse(dynamics.jiggle.inverse));
 }
 
 }  // namespace

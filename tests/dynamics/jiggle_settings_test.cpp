@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <nlohmann/json.hpp>
+
+#include "runtime/core/json.h"
 #include "tests/support/hostile_bytes.h"
 #include "tests/support/temporary_folder.h"
 
@@ -37,7 +40,7 @@ TEST(JiggleFile, WhatIsWrittenReadsAsItWas) {
       "density": 950.0, "tension": 6.0, "lowest_frequency": 3.5, "limit": 0.25, "flesh": 0.04, "comment": "of a bear",
       "regions": [{"joint": "Head", "amount": 0.0, "comment": "a skull"}, {"region": "belly", "softness": 4.0}, {"joint": "Hand", "flesh_factor": 1.5}])");
   write_bytes(folder / "jiggle.json", written);
-  EXPECT_EQ(jiggle_json(read_jiggle(folder / "jiggle.json")), nlohmann::ordered_json::parse(written));
+  EXPECT_EQ(jiggle_json(read_jiggle(folder / "jiggle.json")), Json::parse(written));
 }
 
 TEST(JiggleFile, EveryKeyIsRead) {

@@ -1,6 +1,7 @@
 // Diffuse and jiggle on a Vulkan device: as on the CPU, and the same bits however a shot is cut.
 #include "runtime/vulkan/backend/vulkan_dynamics.h"
 
+#include <map>
 #include <numeric>
 
 #include "runtime/core/error.h"
@@ -34,8 +35,8 @@ struct JigglingLimb {
 };
 
 const JigglingLimb& limb(const JiggleStep& step = {}) {
-  static const JigglingLimb plain{{}}, euler{{.substeps = 2, .implicit_euler = true}};
-  return step.implicit_euler ? euler : plain;
+  static std::map<std::pair<std::uint32_t, bool>, JigglingLimb> limbs;
+  return limbs.try_emplace({step.substeps, step.implicit_euler}, step).first->second;
 }
 
 // The limb bends and turns while all of it swings from side to side, 0.1 m, about once a second at 24 frames a second.
@@ -103,14 +104,9 @@ TEST(VulkanDynamics, EqualsTheCpu) {
   std::iota(numbers.begin(), numbers.end(), 1);
   for (const int frame : {16, 19, 20, 21, 22, 50, 51, 52, 40, 41, 42, 43}) numbers.push_back(frame);
   const Shot shot(numbers);
-  JiggleOptions plain, quality;
-  plain.cuts = quality.cuts = {21};
-  plain.gravity_change = quality.gravity_change = {3, 0, 9};
-  quality.iterations = 4;
-  const JigglingLimb& euler = limb({.implicit_euler = true});
-  for (const auto& [name, options, of] : {std::tuple("plain", plain, &limb()),
-                                          {"quality", quality, &limb()},
-                                          {"Euler, two steps a frame", plain, &euler}}) {
+  const JiggleOptions options{.gravity_change = {3, 0, 9}, .cuts = {21}};
+  const JigglingLimb& euler = limb({.substeps = 2, .implicit_euler = true});
+  for (const auto& [name, of] : {std::pair("plain", &limb()), {"Euler, two steps a frame", &euler}}) {
     SCOPED_TRACE(name);
     Deformer cpu = on({.name = "cpu"}, options, *of), gpu = on(test_device(), options, *of);
     const Evaluation expected = shot.run(cpu), actual = shot.run(gpu);
@@ -122,14 +118,13 @@ TEST(VulkanDynamics, EqualsTheCpu) {
   }
 }
 
-// Quality mode takes fewer frames than these in a batch: whole, the shot is cut as well.
+// With eight steps a frame a batch takes fewer frames than these: whole, the shot is cut as well.
 TEST(VulkanDynamics, CutsIntoCallsAndBatchesChangeNoBit) {
   const Shot shot = steady(24);
-  for (const std::uint32_t iterations : {0u, 4u}) {
-    SCOPED_TRACE(iterations);
-    JiggleOptions options;
-    options.iterations = iterations;
-    Deformer whole = on(test_device(), options), cut = on(test_device(), options);
+  for (const std::uint32_t substeps : {1u, 8u}) {
+    SCOPED_TRACE(substeps);
+    const JigglingLimb& of = limb({.substeps = substeps});
+    Deformer whole = on(test_device(), {}, of), cut = on(test_device(), {}, of);
     const Evaluation expected = shot.run(whole);
     Evaluation actual;
     std::size_t begin = 0;
@@ -145,26 +140,23 @@ TEST(VulkanDynamics, CutsIntoCallsAndBatchesChangeNoBit) {
 }
 
 TEST(VulkanDynamics, LimitsBatches) {
-  const auto limit = [](const Dynamics& dynamics, std::uint32_t iterations) {
-    JiggleOptions options;
-    options.iterations = iterations;
+  const auto limit = [](const Dynamics& dynamics) {
     const auto model = std::make_shared<const CharacterModel>(CharacterModel{limb().basis, dynamics});
-    return make_vulkan_backend(std::make_shared<const vulkan::DeviceModel>(open_test_device(), model), options)
+    return make_vulkan_backend(std::make_shared<const vulkan::DeviceModel>(open_test_device(), model), {})
         ->batch_limit();
   };
   Dynamics many_steps = limb().dynamics;
   many_steps.jiggle.step.substeps = 1000;
-  EXPECT_EQ(limit(many_steps, 0), 1u);
-  EXPECT_GE(limit(limb().dynamics, 0), 24u);
-  EXPECT_LT(limit(limb().dynamics, 4), 24u);
+  EXPECT_EQ(limit(many_steps), 1u);
+  EXPECT_GE(limit(limb().dynamics), 24u);
+  EXPECT_LT(limit(limb({.substeps = 8}).dynamics), 24u);
 }
 
 // Frames 1, 2 and 22 of a limb that is pushed sideways, in submissions of so many dispatches.
 struct PushedLimb {
-  PushedLimb(const vulkan::Device& device, std::uint32_t iterations, std::uint32_t most_dispatches) {
+  PushedLimb(const vulkan::Device& device, std::uint32_t most_dispatches) {
     const auto& [basis, dynamics] = limb();
-    JiggleOptions options;
-    options.iterations = iterations;
+    const JiggleOptions options;
     std::vector<float> positions;
     std::vector<JiggleFrame> frames;
     JiggleState state;
@@ -200,25 +192,22 @@ struct PushedLimb {
 
 TEST(VulkanDynamics, LongFramesAreManySubmissionsOfTheSameBits) {
   const vulkan::Device device(test_device());
-  for (const std::uint32_t iterations : {0u, 3u}) {
-    SCOPED_TRACE(iterations);
-    const PushedLimb whole(device, iterations, ~0u), cut(device, iterations, 1);
-    // What 20 frames of damping leave of the push.
-    EXPECT_GT(distance(whole.motion.displacement, std::vector<float>(whole.motion.displacement.size())), 1e-7);
-    expect_same_motion(cut.motion, whole.motion);
-    EXPECT_EQ(whole.submissions, 1u);
-    EXPECT_EQ(cut.submissions, 1 + 21 * (1 + 2 * iterations));  // 21 steps of two solves
-  }
+  const PushedLimb whole(device, ~0u), cut(device, 1);
+  // What 20 frames of damping leave of the push.
+  EXPECT_GT(distance(whole.motion.displacement, std::vector<float>(whole.motion.displacement.size())), 1e-7);
+  expect_same_motion(cut.motion, whole.motion);
+  EXPECT_EQ(whole.submissions, 1u);
+  EXPECT_EQ(cut.submissions, 1u + 21u);  // 21 steps
   EXPECT_EQ(device.validation_messages(), std::vector<std::string>());
 }
 
 // As many dispatches as no submission takes: what the host sends must be there when the first one runs.
 TEST(VulkanDynamics, LongFramesEqualTheCpu) {
-  JiggleOptions options;
-  options.iterations = 16;
-  ASSERT_GT(20 * 2 * 16 * 3 * limb().dynamics.jiggle.inverse.levels.size(), vulkan::Commands::kMostDispatches);
+  constexpr std::uint32_t kSubsteps = 32;
+  const JigglingLimb& of = limb({.substeps = kSubsteps});
+  ASSERT_GT(20 * kSubsteps * 2 * 3 * of.dynamics.jiggle.inverse.levels.size(), vulkan::Commands::kMostDispatches);
   const Shot shot({1, 2, 22});
-  Deformer cpu = on({.name = "cpu"}, options), gpu = on(test_device(), options);
+  Deformer cpu = on({.name = "cpu"}, {}, of), gpu = on(test_device(), {}, of);
   const Evaluation expected = shot.run(cpu), actual = shot.run(gpu);
   EXPECT_EQ(actual.starts.back(), JiggleStart::goes_on);
   EXPECT_LT(distance(actual.positions, expected.positions), 6e-7);
@@ -247,9 +236,7 @@ TEST(VulkanDynamics, GoesOnFromAState) {
 
 // The first batches of a call that fails have run: their motion is taken back.
 TEST(VulkanDynamics, FailedCallLeavesTheMotion) {
-  JiggleOptions options;
-  options.iterations = 4;
-  Deformer deformer = on(test_device(), options);
+  Deformer deformer = on(test_device(), {}, limb({.substeps = 8}));
   Shot shot = steady(24);
   shot.run(deformer, 0, 2);
   const NodeMotion before = deformer.state().motion;
@@ -259,14 +246,10 @@ TEST(VulkanDynamics, FailedCallLeavesTheMotion) {
 }
 
 TEST(VulkanDynamics, HeldPoseIsTheQuasiStaticSkin) {
-  for (const std::uint32_t iterations : {0u, 4u}) {
-    JiggleOptions options;
-    options.iterations = iterations;
-    Deformer deformer = on(test_device(), options);
-    Shot shot = steady(5);
-    for (Pose& pose : shot.poses) pose = waved_limb(9);
-    expect_same_bits(shot.run(deformer), deformer.evaluate(shot.poses));
-  }
+  Deformer deformer = on(test_device());
+  Shot shot = steady(5);
+  for (Pose& pose : shot.poses) pose = waved_limb(9);
+  expect_same_bits(shot.run(deformer), deformer.evaluate(shot.poses));
 }
 
 TEST(VulkanDynamics, TimesEveryStage) {

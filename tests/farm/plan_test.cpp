@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <chrono>
 #include <fstream>
+#include <nlohmann/json.hpp>
 
 #include "assets/clip.h"
 #include "assets/frame_range.h"
@@ -54,6 +55,18 @@ class PlanShow : public ::testing::Test {
   TemporaryFolder folder_;
   std::vector<std::string> problems_;
 };
+
+// Lists of earlier versions ask for a mode of the jiggle that is gone.
+TEST_F(PlanShow, AFormerKeyIsReadAndLeftOut) {
+  const ShowList list = read("a.json", R"({"schema": "bodyopt-shots-1", "defaults": {"basis": "hero.safetensors",
+    "clip": "walk.glb", "out": "{shot}.pc2", "jiggle": true, "iterations": 8}, "elements": [
+    {"shot": "a", "element": "hero"}, {"shot": "b", "element": "hero", "iterations": 4}]})");
+  expect_problems({});
+  ASSERT_EQ(list.elements.size(), 2u);
+  for (const ShowElement& element : list.elements) EXPECT_FALSE(element.has("iterations"));
+  ASSERT_EQ(list.notes.size(), 1u);
+  EXPECT_NE(list.notes[0].find("'iterations' has no effect any more"), std::string::npos) << list.notes[0];
+}
 
 TEST_F(PlanShow, ThreeFormsOfAListAreOne) {
   const ShowList json = read("a.json", R"({"schema": "bodyopt-shots-1", "defaults": {"basis": "hero.safetensors",

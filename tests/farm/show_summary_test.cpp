@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <fstream>
+#include <nlohmann/json.hpp>
 
 #include "farm/task_run.h"
 #include "tests/support/temporary_folder.h"

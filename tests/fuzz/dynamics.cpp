@@ -10,7 +10,7 @@ std::vector<std::string> seeds() { return {testing::read_bytes(given_file("tet.d
 void read(const std::string& bytes) {
   const Dynamics dynamics = load_dynamics(as_file("dynamics.safetensors", with_checksum(bytes)), tet_basis());
   require_finite(dynamics.tets.nodes, "nodes");
-  require_finite(dynamics.jiggle.held_values, "springs");
+  require_finite(dynamics.jiggle.springs, "springs");
 }
 
 const bool added = add_target({"dynamics", seeds, read});

@@ -1,3 +1,6 @@
+#include <nlohmann/json.hpp>
+
+#include "runtime/core/json.h"
 #include "tests/assets/gltf_blob.h"
 #include "tests/fuzz/clip.h"
 #include "tests/fuzz/small_limb.h"
@@ -12,8 +15,7 @@ std::vector<std::string> seeds() {
   GltfBlob other = two_joint_square();
   other.root["nodes"][0]["name"] = "upper";
   other.root["nodes"][1]["name"] = "lower";
-  other.root["animations"] = {
-      {{"name", "step"}, {"channels", nlohmann::json::array()}, {"samplers", nlohmann::json::array()}}};
+  other.root["animations"] = {{{"name", "step"}, {"channels", Json::array()}, {"samplers", Json::array()}}};
   animate(other, 0, "translation", {0, 0.1f}, {0, 0, 0, 1, 0, 0}, "STEP");
   animate(other, 1, "rotation", {0, 0.1f}, {0, 0, 0, 1, 0, 0.6f, 0, 0.8f});
   return {written("bend.glb", [&](const auto& path) { write_clip(bending, limb().skeleton, path); }), other.glb()};

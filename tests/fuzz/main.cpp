@@ -2,6 +2,7 @@
 //   bodyopt_fuzz --list                        names of the readers
 //   bodyopt_fuzz --write-seeds=DIR             sound bytes for each, in DIR/READER, and their words in DIR/READER.dict
 //   bodyopt_fuzz --reader=READER [libFuzzer's options] [CORPUS]
+#include <tbb/global_control.h>
 #include <unistd.h>
 
 #include <cstdint>
@@ -130,6 +131,7 @@ std::string with_checksum(const std::string& bytes) {
 }  // namespace bodyopt::fuzz
 
 extern "C" int LLVMFuzzerInitialize(int* argc, char*** argv) {
+  static const tbb::global_control one_thread(tbb::global_control::max_allowed_parallelism, 1);
   return bodyopt::fuzz::initialize({*argv + 1, *argv + *argc});
 }
 

@@ -12,6 +12,7 @@
 #include "runtime/cpu/kernels.h"
 #include "tests/support/random_tables.h"
 #include "tests/support/random_tets.h"
+#include "tests/support/small_inverse.h"
 
 namespace bodyopt::testing {
 namespace instruction_sets_test {
@@ -115,6 +116,28 @@ TEST(InstructionSets, JiggleRotate) {
     const std::vector<float> moved = random.floats(std::size_t{6} * nodes, -1, 1);
     expect_same_bits(std::size_t{18} * nodes,
                      [&](std::span<float> rotations) { cpu::jiggle_rotate(tets, moved, 2, rotations); });
+  }
+}
+
+// Of panels and strips that are whole, and that are not.
+TEST(InstructionSets, BlockUpAndDown) {
+  for (const std::uint32_t own : {1u, 15u, 37u}) {
+    SCOPED_TRACE(own);
+    Random random(own);
+    const SmallInverse small(random, own);
+    const BlockInverse& inverse = small.inverse;
+    const std::vector<float> before = random.floats(std::size_t{3} * inverse.slot_count(), -1, 1),
+                             known = random.floats(std::size_t{3} * inverse.unknown_count, -1, 1);
+    for (const InverseLevel& level : inverse.levels) {
+      expect_same_bits(before.size(), [&](std::span<float> results) {
+        std::copy(before.begin(), before.end(), results.begin());
+        cpu::block_up(inverse, level, before, 3, results);
+      });
+      expect_same_bits(known.size(), [&](std::span<float> solutions) {
+        std::copy(known.begin(), known.end(), solutions.begin());
+        cpu::block_down(inverse, level, before, 3, 3, solutions);
+      });
+    }
   }
 }
 

@@ -301,13 +301,7 @@ TEST_F(BadCalls, OfTheJigglesOptionsAreRefused) {
     expect(bodyopt_create_instance(model.get(), &options, &instance), BODYOPT_USAGE, said);
     EXPECT_EQ(instance, nullptr);
   };
-  options.iterations = 1;
-  refuses_options("expected 0 or 2 at least: after one step alone, energy may grow");
-  for (const std::uint32_t iterations : {1001u, ~0u}) {
-    options.iterations = iterations;
-    refuses_options("expected 1000 at most, found " + std::to_string(iterations));
-  }
-  options.iterations = 1000;
+  options.iterations = ~0u;  // of a mode that there was: no effect
   for (const double g : {std::nan(""), HUGE_VAL, 1e300, -1000.5}) {
     for (double& axis : options.gravity_change) {
       axis = g;

@@ -6,6 +6,7 @@
 #include "assets/clip.h"
 #include "assets/pc2.h"
 #include "dataset/dataset.h"
+#include "dataset/modifier.h"
 #include "geometry/table_rows.h"
 #include "runtime/modifiers/drive_modifiers.h"
 #include "tests/support/capsule_limb.h"

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "runtime/core/error.h"
+#include "runtime/core/json.h"
 #include "tests/support/hostile_bytes.h"
 #include "tests/support/temporary_folder.h"
 
@@ -15,8 +16,6 @@ namespace bodyopt {
 namespace {
 
 using namespace testing;
-using Json = nlohmann::ordered_json;
-
 Skeleton two_arms() {
   Skeleton skeleton;
   for (const char* name : {"chest", "left_arm", "right_arm"}) {

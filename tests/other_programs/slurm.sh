@@ -37,7 +37,7 @@ on_slurm() {
   "$bodyopt" farm status "$folder/plan" | grep -q "done *2"
   "$bodyopt" farm cancel "$folder/plan"
   "$bodyopt" farm report "$folder/plan" --out "$folder/show.html"
-  grep -q "of 2</i><span>elements are done" "$folder/show.html"
+  [ "$(grep -o '"state":"done"' "$folder/show.html" | wc -l)" = 2 ]
   "$bodyopt" farm submit "$folder/plan" --openjd "$folder/job.json"
   if "$bodyopt" farm submit "$folder/plan" --opencue "$folder/job.xml"; then
     [ "$(id -u)" -ne 0 ] # OpenCue takes no jobs of root

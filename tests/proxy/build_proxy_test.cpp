@@ -1,15 +1,17 @@
 #include "trainer/proxy/build_proxy.h"
 
 #include <gtest/gtest.h>
-#include <omp.h>
 
+#include <nlohmann/json.hpp>
 #include <numbers>
 
 #include "runtime/core/error.h"
 #include "runtime/deformer/deformer.h"
 #include "runtime/host/carry_skin.h"
+#include "runtime/threads/tbb_executor.h"
 #include "tests/support/capsule_limb.h"
 #include "tests/support/gpu_fixture.h"
+#include "tests/support/on_threads.h"
 #include "tests/support/same_basis.h"
 #include "tests/support/temporary_folder.h"
 #include "trainer/proxy/frame_time.h"
@@ -118,11 +120,9 @@ TEST(BuildProxy, RunsOnADeviceAsOnTheCpu) {
 }
 
 TEST(BuildProxy, IsTheSameOnAnyNumberOfThreads) {
-  const int threads = omp_get_max_threads();
-  omp_set_num_threads(threads == 1 ? 3 : 1);
   std::vector<std::string> notes;
-  const std::vector<Level> again = build_proxy(samples(), {.errors = {3e-4, 1e-3}}, notes).levels;
-  omp_set_num_threads(threads);
+  const auto build = [&] { return build_proxy(samples(), {.errors = {3e-4, 1e-3}}, notes).levels; };
+  const std::vector<Level> again = on_threads(thread_count() == 1 ? 3 : 1, build);
   for (std::size_t k = 0; k < 2; ++k) {
     EXPECT_EQ(difference(levels()[k].basis, again[k].basis), "") << k;
     EXPECT_TRUE(same_bits(levels()[k].carried.points, again[k].carried.points)) << k;
@@ -277,7 +277,7 @@ TEST(FrameTime, IsThatOfAFrame) {
   EXPECT_LT(fine.microseconds, 1e5);
   EXPECT_GT(fine.carrying, 0);
   EXPECT_EQ(frame_time({levels()[0].basis, {}}).carrying, 0);
-  EXPECT_EQ(fine.threads, omp_get_max_threads());
+  EXPECT_EQ(fine.threads, static_cast<int>(thread_count()));
 }
 
 }  // namespace

@@ -5,7 +5,7 @@
 #include "proxy_viewer/state/pose_keys.h"
 #include "tests/proxy_viewer/played_viewport.h"
 #include "tests/support/paths.h"
-#include "tests/support/run_program.h"
+#include "tests/support/run_verb.h"
 #include "tests/support/stand_in_human.h"
 
 namespace bodyopt::testing {
@@ -62,8 +62,7 @@ TEST_F(AnimatorTest, WithoutAClipTenSecondsAreThereToPose) {
   viewport->prompt("out 205");
   viewport->prompt("export-skin seen.pc2");
   viewport->prompt("save shot.json");
-  const ProgramResult result = run_program("cd " + folder_.path().string() + " && " + kProgram +
-                                           " eval --session shot.json --device cpu --out evaluated.pc2");
+  const ProgramResult result = run_verb("eval --session shot.json --device cpu --out evaluated.pc2");
   ASSERT_EQ(result.exit_code, 0) << result.output;
   const Pc2Reader seen("seen.pc2"), evaluated("evaluated.pc2");
   ASSERT_EQ(evaluated.sample_count(), 16u);

@@ -3,6 +3,7 @@
 
 #include <chrono>
 
+#include "dataset/modifier.h"
 #include "dataset/stack_history.h"
 #include "runtime/core/file_lock.h"
 #include "tests/curate/curated_limb.h"

@@ -1,4 +1,6 @@
 // Several of the cast: where they stand, which frames they play, which level of detail they show, what they share.
+#include <nlohmann/json.hpp>
+
 #include "assets/matched_joints.h"
 #include "proxy_viewer/matching.h"
 #include "proxy_viewer/picking.h"

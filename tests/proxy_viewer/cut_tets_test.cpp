@@ -7,7 +7,8 @@
 #include <numbers>
 #include <set>
 
-#include "tests/support/corotated_matrix.h"
+#include "tests/simulate/tet_block.h"
+#include "tests/support/random_tets.h"
 
 namespace bodyopt::testing {
 namespace {
@@ -31,6 +32,18 @@ double volume(std::span<const float> nodes, const CutFaces& faces) {
 double volume(std::span<const float> nodes, std::span<const std::uint32_t> tet) {
   const Vec3 o = point(nodes, tet[0]);
   return dot(point(nodes, tet[1]) - o, cross(point(nodes, tet[2]) - o, point(nodes, tet[3]) - o));
+}
+
+// Of cubes with edges of 1.
+TetTable block_tets(int nx, int ny, int nz) {
+  const TetMesh mesh = tet_block(nx, ny, nz, 1);
+  TetTable table;
+  for (Eigen::Index n = 0; n < mesh.nodes.rows(); ++n) append_point(table.nodes, mesh.nodes.row(n).transpose());
+  for (Eigen::Index k = 0; k < mesh.tets.size(); ++k) {
+    table.tets.push_back(static_cast<std::uint32_t>(mesh.tets(k / 4, k % 4)));
+  }
+  complete_tets(table);
+  return table;
 }
 
 class CutTetsTest : public ::testing::Test {
@@ -91,23 +104,18 @@ TEST_F(CutTetsTest, ColoursKinds) {
   }
 }
 
-// Springs of 28 Hz hold what lies below x = 1, those of 14 Hz at 2 do not; fibres run at 0 and from 3 on. Half of a
-// spring pulls by another node, and the table has all of them times 1 + beta / d.
+// Springs of 28 Hz hold what lies below x = 1, those of 14 Hz at 2 do not; fibres run at 0 and from 3 on.
 TEST_F(CutTetsTest, HeldIsWhatSpringsHoldAtEveryCorner) {
   Dynamics dynamics;
   dynamics.tets = block_;
   JiggleTable& jiggle = dynamics.jiggle;
-  jiggle.step.stiffness_damping = jiggle.step.stage();
-  jiggle.held_begin = {0};
   const std::uint32_t nodes = block_.node_count();
   for (std::uint32_t n = 0; n < nodes; ++n) {
     const double x = point(block_.nodes, n)[0], hertz = x < 1.5 ? 28 : x < 2.5 ? 14 : 0;
     const auto spring = static_cast<float>(0.5 * std::pow(2 * std::numbers::pi * hertz, 2));  // N/m, of 0.5 kg
     const bool has_fibre = x < 0.5 || x > 2.5;
     jiggle.nodes.push_back({0.5f, 700, 0, has_fibre ? 1u : 0u, kNoControl, 0});
-    jiggle.held_columns.insert(jiggle.held_columns.end(), {n, (n + 1) % nodes});
-    jiggle.held_values.insert(jiggle.held_values.end(), {700 + spring, spring});
-    jiggle.held_begin.push_back(static_cast<std::uint32_t>(jiggle.held_columns.size()));
+    jiggle.springs.push_back(spring);
   }
   const std::vector<TetKind> kinds = kinds_of(dynamics);
   ASSERT_EQ(kinds.size(), block_.tet_count());

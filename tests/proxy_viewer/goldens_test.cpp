@@ -6,7 +6,7 @@
 #include "tests/support/gpu_fixture.h"
 #include "tests/support/paths.h"
 #include "tests/support/png_file.h"
-#include "tests/support/run_program.h"
+#include "tests/support/run_verb.h"
 
 namespace bodyopt::testing {
 namespace {
@@ -34,8 +34,8 @@ class GoldensTest : public ::testing::Test {
       script += "; save-state " + state + "; " + then[k] + "; screenshot " + file(k + 1) + "; load-state " + state;
     }
     const ProgramResult result =
-        run_bodyopt("view " + files + " --size " + size + " --headless -o " + (folder_ / "last.png").string() +
-                    " --do '" + script + "'" + (device ? " --device " + std::string(device) : ""));
+        run_verb("view " + files + " --size " + size + " --headless -o " + (folder_ / "last.png").string() + " --do '" +
+                 script + "'" + (device ? " --device " + std::string(device) : ""));
     EXPECT_EQ(result.exit_code, 0) << result.output;
     Pictures drawn{read_png(file(0)), {}};
     for (std::size_t k = 0; k < then.size(); ++k) drawn.then.push_back(read_png(file(k + 1)));

@@ -5,7 +5,7 @@
 #include "tests/proxy_viewer/small_character.h"
 #include "tests/support/gpu_fixture.h"
 #include "tests/support/png_file.h"
-#include "tests/support/run_program.h"
+#include "tests/support/run_verb.h"
 
 namespace bodyopt::testing {
 namespace {
@@ -23,9 +23,9 @@ class KeyJumpTest : public ::testing::Test {
 
   ProgramResult view(const std::string& clip, const std::string& script) const {
     const char* device = std::getenv("BODYOPT_TEST_DEVICE");
-    return run_bodyopt("view " + small_.basis + " '" + clip + "' --size 320 180 --headless -o '" +
-                       (folder_ / "last.png").string() + "' --do '" + script + "'" +
-                       (device ? " --device " + std::string(device) : ""));
+    return run_verb("view " + small_.basis + " '" + clip + "' --size 320 180 --headless -o '" +
+                    (folder_ / "last.png").string() + "' --do '" + script + "'" +
+                    (device ? " --device " + std::string(device) : ""));
   }
   Image picture(const std::string& script) const {
     const std::string out = (folder_ / "picture.png").string();

@@ -30,14 +30,14 @@ TEST_F(NamesOfFilesTest, NamesMayBeOfAnyScript) {
     return "'" + (folder_ / name).string() + "'";
   };
   const std::string script = "--do 'frame 7; compare truth; panels on; screenshot ";
-  ASSERT_EQ(run_program(command(all_files() + " --headless " + script + "plain.png'")).exit_code, 0);
+  ASSERT_EQ(view_headless(all_files() + " " + script + "plain.png'").exit_code, 0);
   const std::string basis = renamed(limb_.basis, "Скульптор 彫刻家 🗿.safetensors");
   const std::string clip = renamed(limb_.clip, "歩く é.glb"), truth = renamed(truth_, "حقيقة.pc2");
   renamed((folder_ / "limb.dynamics.safetensors").string(), "Скульптор 彫刻家 🗿.dynamics.safetensors");
   renamed((folder_ / "limb.attached.safetensors").string(), "Скульптор 彫刻家 🗿.attached.safetensors");
   const std::string files = basis + " " + clip + " " + truth + " --proxy " + renamed(proxy_, "ελαφρύ.safetensors");
-  const ProgramResult result = run_program(command(files + " --validate --headless " + script +
-                                                   "写真.png; panels off; save-state état.json' -o 'кадр ####.png'"));
+  const ProgramResult result =
+      view_headless(files + " --validate " + script + "写真.png; panels off; save-state état.json' -o 'кадр ####.png'");
   EXPECT_EQ(result.exit_code, 0) << result.output;
   EXPECT_EQ(picture("写真.png").width, 320u);
   for (const char* name : {"кадр 0001.png", "кадр 0012.png", "état.json"}) {

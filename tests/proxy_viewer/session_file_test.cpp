@@ -10,7 +10,7 @@
 #include "tests/support/error_kind.h"
 #include "tests/support/hostile_bytes.h"
 #include "tests/support/paths.h"
-#include "tests/support/run_program.h"
+#include "tests/support/run_verb.h"
 
 namespace bodyopt::testing {
 namespace {
@@ -79,8 +79,7 @@ TEST_F(SessionFileTest, EvalMakesOfItWhatWasExported) {
       "in 2; out 10; frame 3; turn upper 20 0 0; key; frame 9; turn upper 0 35 0; key; save shot.json; "
       "export-skin seen.pc2";
   { const auto viewport = open(small(), commands); }
-  const ProgramResult result = run_program("cd " + folder_.path().string() + " && " + kProgram +
-                                           " eval --session shot.json --device cpu --out evaluated.pc2");
+  const ProgramResult result = run_verb("eval --session shot.json --device cpu --out evaluated.pc2");
   ASSERT_EQ(result.exit_code, 0) << result.output;
   const Pc2Reader seen("seen.pc2"), evaluated("evaluated.pc2");
   ASSERT_EQ(seen.sample_count(), 9u);
@@ -98,16 +97,14 @@ TEST_F(SessionFileTest, EvalMakesOfItWhatWasExported) {
   write(R"({"schema": "bodyopt-session-1", "characters": [{"basis": "hero.glb", "clip": "bend.glb"}]})");
   for (const char* arguments :
        {"small.safetensors --session shot.json", "--session shot.json --clip bend.glb", "--session session.json", ""}) {
-    const ProgramResult refused =
-        run_program("cd " + folder_.path().string() + " && " + kProgram + " eval " + arguments + " --out no.pc2");
+    const ProgramResult refused = run_verb("eval " + arguments + " --out no.pc2");
     EXPECT_EQ(refused.exit_code, 64) << refused.output;
   }
 }
 
 TEST_F(SessionFileTest, EvalKeepsARangeOfWhichOneEndIsTheClips) {
   { const auto viewport = open(small(), "out 5; save begin.json; export-skin seen.pc2"); }
-  const ProgramResult result = run_program("cd " + folder_.path().string() + " && " + kProgram +
-                                           " eval --session begin.json --device cpu --out evaluated.pc2");
+  const ProgramResult result = run_verb("eval --session begin.json --device cpu --out evaluated.pc2");
   ASSERT_EQ(result.exit_code, 0) << result.output;
   const Pc2Reader seen("seen.pc2"), evaluated("evaluated.pc2");
   EXPECT_LT(seen.sample_count(), 7u);
@@ -118,8 +115,7 @@ TEST_F(SessionFileTest, EvalKeepsARangeOfWhichOneEndIsTheClips) {
 // A script that saves a session leaves a file: it needs neither a window nor a picture.
 TEST_F(SessionFileTest, IsSavedWithoutAWindow) {
   const ProgramResult saved =
-      run_program("cd " + folder_.path().string() + " && " + kProgram +
-                  " view small.safetensors bend.glb --headless --do 'frame 3; turn upper 20 0 0; key; save kept.json'");
+      run_verb("view small.safetensors bend.glb --headless --do 'frame 3; turn upper 20 0 0; key; save kept.json'");
   ASSERT_EQ(saved.exit_code, 0) << saved.output;
   EXPECT_EQ(read_session("kept.json").cast.size(), 1u);
 }

@@ -7,7 +7,7 @@
 #include "tests/support/gpu_fixture.h"
 #include "tests/support/limb_glb.h"
 #include "tests/support/png_file.h"
-#include "tests/support/run_program.h"
+#include "tests/support/run_verb.h"
 
 namespace bodyopt::testing {
 namespace {
@@ -18,8 +18,7 @@ class ViewProgramTest : public ::testing::Test {
 
   ProgramResult view(const std::string& arguments) const {
     const char* device = std::getenv("BODYOPT_TEST_DEVICE");
-    return run_bodyopt("view --size 160 90 --headless " + arguments +
-                       (device ? " --device " + std::string(device) : ""));
+    return run_verb("view --size 160 90 --headless " + arguments + (device ? " --device " + std::string(device) : ""));
   }
   Image picture(const std::string& arguments) const {
     const ProgramResult result = view(arguments + " -o " + path("a.png"));
@@ -47,7 +46,7 @@ TEST_F(ViewProgramTest, ACharacterIsShownWithoutTraining) {
   expect(view(shown + " -o " + path("a.png")), 0, "not trained");
   EXPECT_GT(spot_difference(bent, picture(shown + " --cf 1")).mean, 0.3);
   // The same as of a basis that was made before; and its weights are at hand.
-  const ProgramResult made = run_bodyopt("train --ddm-only " + path("limb.glb") + " --out " + path("limb.safetensors"));
+  const ProgramResult made = run_verb("train --ddm-only " + path("limb.glb") + " --out " + path("limb.safetensors"));
   ASSERT_EQ(made.exit_code, 0) << made.output;
   EXPECT_TRUE(bent.rgba == picture(path("limb.safetensors") + " " + path("bend.glb") + " --cf 5").rgba);
   EXPECT_GT(spot_difference(bent, picture(shown + " --cf 5 --do 'compare lbs; heat on; heat-scale 1'")).mean, 0.3);
@@ -156,10 +155,10 @@ TEST_F(ViewProgramTest, WhatDoesNotGoWithAnOptionIsSaid) {
 
 TEST_F(ViewProgramTest, PicturesAreAsLargeAsScreensAre) {
   const std::string shown = small_.basis + " " + small_.clip + " --headless -o " + path("a.png");
-  const ProgramResult result = run_bodyopt("view --size 3840 60 " + shown);
+  const ProgramResult result = run_verb("view --size 3840 60 " + shown);
   ASSERT_EQ(result.exit_code, 0) << result.output;
   EXPECT_EQ(read_png(path("a.png")).width, 3840u);
-  EXPECT_EQ(run_bodyopt("view --size 8193 60 " + shown).exit_code, 64);
+  EXPECT_EQ(run_verb("view --size 8193 60 " + shown).exit_code, 64);
 }
 
 }  // namespace

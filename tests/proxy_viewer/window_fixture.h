@@ -13,6 +13,7 @@
 #include "tests/support/gpu_fixture.h"
 #include "tests/support/paths.h"
 #include "tests/support/png_file.h"
+#include "tests/support/run_verb.h"
 
 namespace bodyopt::testing {
 
@@ -27,19 +28,31 @@ inline std::string misbehaving_device(const std::string& setting) {
 // Runs `view` with a character in a folder of its own, on lavapipe unless BODYOPT_TEST_DEVICE names another device.
 class WindowTest : public ::testing::Test {
  protected:
-  static void SetUpTestSuite() { test_device(); }  // the driver, for the programs
+  static void SetUpTestSuite() {
+    test_device();  // the driver, for the programs
+    missing_ = XDisplay::missing();
+    if (missing_.empty()) display_ = std::make_unique<XDisplay>();
+  }
+  static void TearDownTestSuite() { display_.reset(); }
 
   void SetUp() override {
-    if (const std::string missing = XDisplay::missing(); !missing.empty()) GTEST_SKIP() << missing;
-    display_ = std::make_unique<XDisplay>();
+    if (!missing_.empty()) GTEST_SKIP() << missing_;
     ASSERT_NE(display_->name(), ":");
   }
 
-  std::string command(const std::string& arguments, const std::string& environment = "") const {
+  static std::string view(const std::string& arguments) {
     const char* device = std::getenv("BODYOPT_TEST_DEVICE");
     const bool chosen = !device || arguments.find("--device") != std::string::npos;
+    return "view --size 320 180 " + (chosen ? "" : "--device " + std::string(device)) + " " + arguments;
+  }
+  std::string command(const std::string& arguments, const std::string& environment = "") const {
     return "env -C " + folder_.path().string() + " DISPLAY=" + display_->name() + " " + environment + " " + kProgram +
-           " view --size 320 180 " + (chosen ? "" : "--device " + std::string(device)) + " " + arguments;
+           " " + view(arguments);
+  }
+  // Without a window, in this process.
+  ProgramResult view_headless(const std::string& arguments) const {
+    const WorkingFolder here(folder_.path());
+    return run_verb(view("--headless " + arguments));
   }
   std::string small(const std::string& arguments) const { return small_.basis + " " + small_.clip + " " + arguments; }
 
@@ -73,18 +86,17 @@ class WindowTest : public ::testing::Test {
     return picture(name);
   }
   Image headless(const std::string& script) {
-    const ProgramResult result =
-        run_program(command(small("--headless --do '" + kPlain + "; " + script + "' -o headless.png")));
+    const ProgramResult result = view_headless(small("--do '" + kPlain + "; " + script + "' -o headless.png"));
     EXPECT_EQ(result.exit_code, 0) << result.output;
     return picture("headless.png");
   }
-  // One program draws them all, each after the scripts before it.
+  // One verb draws them all, each after the scripts before it.
   std::vector<Image> headless_after_each(const std::vector<std::string>& scripts) {
     std::string together = kPlain;
     for (std::size_t k = 0; k < scripts.size(); ++k) {
       together += "; " + scripts[k] + "; screenshot each" + std::to_string(k) + ".png";
     }
-    const ProgramResult result = run_program(command(small("--headless --do '" + together + "; quit'")));
+    const ProgramResult result = view_headless(small("--do '" + together + "; quit'"));
     EXPECT_EQ(result.exit_code, 0) << result.output;
     std::vector<Image> images;
     for (std::size_t k = 0; k < scripts.size(); ++k) images.push_back(picture("each" + std::to_string(k) + ".png"));
@@ -109,9 +121,10 @@ class WindowTest : public ::testing::Test {
     EXPECT_EQ(program.wait(kPatience), exit_code) << program.output();
   }
 
+  static inline std::string missing_;
+  static inline std::unique_ptr<XDisplay> display_;
   TemporaryFolder folder_;
   SmallCharacter small_{folder_};
-  std::unique_ptr<XDisplay> display_;
   std::string window_;
   int screenshots_ = 0;
 };

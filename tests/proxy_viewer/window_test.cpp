@@ -15,8 +15,9 @@ TEST_F(WindowTest, ScriptsWriteTheSamePicturesWithAWindowAndWithout) {
       "compare none; ghost-opacity 0.8; screenshot d.png; quit";
   std::vector<Image> images[2];
   for (const bool headless : {false, true}) {
-    const ProgramResult result = run_program(command(
-        small("--validate --do '" + kPlain + "; " + script + "'" + (headless ? " --headless" : " --seconds 60"))));
+    const std::string arguments = small("--validate --do '" + kPlain + "; " + script + "'");
+    const ProgramResult result =
+        headless ? view_headless(arguments) : run_program(command(arguments + " --seconds 60"));
     ASSERT_EQ(result.exit_code, 0) << result.output;
     for (const char* file : {"a.png", "b.png", "c.png", "d.png"}) {
       images[headless].push_back(picture(file));

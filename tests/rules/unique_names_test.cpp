@@ -21,7 +21,8 @@ const char* const kTopFolders[] = {"runtime", "base", "geometry", "assets",     
                                    "trainer", "draw", "report",   "proxy_viewer", "cli"};
 
 TEST(UniqueNames, NoTwoHeadersHaveAClassOfOneName) {
-  const std::regex definition("^(?:struct|class|enum class) ([A-Z]\\w*)(?: final)?(?: :.*)? \\{.*");
+  const std::regex definition(
+      "^(?:struct|class|enum class) (?:\\[\\[nodiscard\\]\\] )?([A-Z]\\w*)(?: final)?(?: :.*)? \\{.*");
   std::map<std::string, fs::path> headers;
   for (const char* folder : kTopFolders) {
     for (const auto& entry : fs::recursive_directory_iterator(fs::path(bodyopt::kSourceFolder) / folder)) {

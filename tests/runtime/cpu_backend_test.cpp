@@ -86,7 +86,7 @@ TEST(TbbExecutor, DoesEveryElementOnceInPartsAsLongAsAsked) {
   for (const std::size_t count : {0, 1, 99, 100, 101, 100000}) {
     std::vector<std::atomic<int>> done(count);
     std::atomic<std::size_t> shortest = count;
-    parallel_for(*threads, count, 100, [&](std::size_t begin, std::size_t end) {
+    parallel_parts(*threads, count, 100, [&](std::size_t begin, std::size_t end) {
       for (std::size_t k = begin; k < end; ++k) ++done[k];
       for (std::size_t least = shortest; end - begin < least && !shortest.compare_exchange_weak(least, end - begin);) {
       }

@@ -265,8 +265,7 @@ TEST(VulkanBackend, WithoutKernelsIsLinear) {
 }
 
 TEST(VulkanBackend, TimesEveryStage) {
-  const vulkan::Device device(test_device());
-  if (device.timestamp_mask() == 0) GTEST_SKIP() << "the device has no timestamps";
+  if (open_test_device()->timestamp_mask() == 0) GTEST_SKIP() << "the device has no timestamps";
   const Basis basis = random_basis(20, 70);
   const Batch batch = random_batch(basis, 2);
   expect_times(on_device(basis)->run(batch).stage_seconds, stages_of(basis, batch));

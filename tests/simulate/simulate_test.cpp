@@ -1,10 +1,10 @@
 #include "trainer/simulate/simulate.h"
 
 #include <gtest/gtest.h>
-#include <omp.h>
 #include <signal.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
+#include <tbb/global_control.h>
 #include <unistd.h>
 
 #include <chrono>
@@ -67,7 +67,8 @@ int run_in_child(const TemporaryFolder& folder, const Clip& clip, std::size_t la
     setrlimit(RLIMIT_FSIZE, &limit);
     setrlimit(RLIMIT_CORE, &no_core);
     catch_interrupts();
-    omp_set_num_threads(1);  // the parent's threads, for which OpenMP would wait, are not here
+    // The parent's other threads are not here.
+    const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
     int code = 0;
     try {
       run(folder, clip, all_frames(clip), 1);

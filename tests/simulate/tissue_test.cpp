@@ -10,6 +10,7 @@
 #include <random>
 #include <set>
 
+#include "runtime/core/json.h"
 #include "tests/simulate/limb.h"
 #include "tests/simulate/tet_block.h"
 #include "tests/support/read_bytes.h"
@@ -244,7 +245,7 @@ TEST(Tissue, AgreesWithAnIndependentLinearSolution) {
   const std::string bytes = testing::read_bytes(*path);
   std::uint64_t header_size = 0;
   std::memcpy(&header_size, bytes.data(), 8);
-  const auto header = nlohmann::json::parse(bytes.substr(8, header_size));
+  const auto header = Json::parse(bytes.substr(8, header_size));
   const auto data = [&](const std::string& name) {
     return bytes.data() + 8 + header_size + header[name]["data_offsets"][0].get<std::size_t>();
   };

@@ -29,7 +29,8 @@ DeviceChoice test_device() {
 }
 
 std::shared_ptr<const vulkan::Device> open_test_device() {
-  return std::make_shared<const vulkan::Device>(test_device());
+  static const auto device = std::make_shared<const vulkan::Device>(test_device());
+  return device;
 }
 
 void GpuTest::SetUpTestSuite() { device_ = std::make_unique<vulkan::Device>(test_device()); }

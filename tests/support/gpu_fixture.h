@@ -16,6 +16,7 @@ namespace bodyopt::testing {
 // What a test opens. Unless BODYOPT_TEST_DEVICE is set, makes the loader of this process see lavapipe only.
 DeviceChoice test_device();
 
+// One for all tests of this process, which share what it compiles.
 std::shared_ptr<const vulkan::Device> open_test_device();
 
 class GpuTest : public ::testing::Test {

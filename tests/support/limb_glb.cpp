@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <cstring>
+#include <nlohmann/json.hpp>
 
 #include "tests/support/read_bytes.h"
 
@@ -15,7 +16,7 @@ LimbGlb::LimbGlb(const std::filesystem::path& scratch) {
     std::memcpy(&value, bytes.data() + at, 4);
     return value;
   };
-  root = nlohmann::json::parse(bytes.substr(20, word(12)));
+  root = Json::parse(bytes.substr(20, word(12)));
   root.erase("buffers");
   binary = bytes.substr(28 + word(12), word(20 + word(12)));
 }
@@ -32,7 +33,7 @@ std::size_t LimbGlb::add_mesh(const LooseMesh& mesh, double units_per_metre) {
   return root["meshes"].size() - 1;
 }
 
-nlohmann::json& LimbGlb::add_node(const std::string& name, std::size_t mesh, int parent) {
+Json& LimbGlb::add_node(const std::string& name, std::size_t mesh, int parent) {
   const std::size_t node = root["nodes"].size();
   if (parent >= 0) {
     root["nodes"][static_cast<std::size_t>(parent)]["children"].push_back(node);

@@ -1,6 +1,7 @@
 // The capsule limb as a glTF file that more can be added to by hand. Nodes 0 to 2 are its joints.
 #pragma once
 
+#include "runtime/core/json.h"
 #include "tests/assets/gltf_blob.h"
 #include "tests/support/attached_limb.h"
 
@@ -13,7 +14,7 @@ struct LimbGlb : GltfBlob {
   std::size_t add_mesh(const LooseMesh& mesh, double units_per_metre = 1);
 
   // A node with that mesh, below a node or (-1) at the top. Returns it.
-  nlohmann::json& add_node(const std::string& name, std::size_t mesh, int parent);
+  Json& add_node(const std::string& name, std::size_t mesh, int parent);
 };
 
 }  // namespace bodyopt

@@ -13,6 +13,12 @@ namespace bodyopt {
 struct ProgramResult {
   int exit_code = -1;
   std::string output;  // standard output and error
+
+  std::size_t count(const std::string& said) const {
+    std::size_t times = 0;
+    for (std::size_t at = 0; (at = output.find(said, at)) != std::string::npos; ++at) ++times;
+    return times;
+  }
 };
 
 // `command` is a shell command line.

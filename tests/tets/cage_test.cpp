@@ -16,11 +16,12 @@ TEST(MakeCage, TakesTheSkinWhereItCanBeFilled) {
   const Triangles open = character.triangles.topRows(character.triangles.rows() / 2);
   const Cage lattice = make_cage(character.vertices, open, character.weights, 1500);
   EXPECT_TRUE(lattice.is_lattice);
-  EXPECT_NE(lattice.why_lattice.find("boundary edges"), std::string::npos) << lattice.why_lattice;
+  ASSERT_TRUE(lattice.why_lattice);
+  EXPECT_EQ(lattice.why_lattice->cause(), ErrorCause::open_edges) << lattice.why_lattice->what();
   // So coarse a skin leaves too much outside.
   const Cage coarse = make_cage(character.vertices, character.triangles, character.weights, 120);
   EXPECT_TRUE(coarse.is_lattice);
-  EXPECT_FALSE(coarse.why_lattice.empty());
+  EXPECT_TRUE(coarse.why_lattice);
 }
 
 // No word of the skin: a lattice in its place would be another body.
@@ -37,7 +38,9 @@ TEST(MakeCage, PiecesOfSkinGoIntoOneLattice) {
   const Character both = make_two_limbs(0.1);
   const Cage cage = make_cage(both.vertices, both.triangles, both.weights, 500);
   EXPECT_TRUE(cage.is_lattice);
-  EXPECT_NE(cage.why_lattice.find("2 pieces"), std::string::npos) << cage.why_lattice;
+  ASSERT_TRUE(cage.why_lattice);
+  EXPECT_EQ(cage.why_lattice->cause(), ErrorCause::several_pieces);
+  EXPECT_NE(std::string(cage.why_lattice->what()).find("2 pieces"), std::string::npos) << cage.why_lattice->what();
 }
 
 }  // namespace

@@ -13,12 +13,14 @@
 namespace bodyopt {
 namespace {
 
-void expect_refused(const Positions& vertices, const Triangles& triangles, const std::string& defect) {
+void expect_refused(const Positions& vertices, const Triangles& triangles, const std::string& defect,
+                    ErrorCause cause) {
   try {
     tetrahedralise(vertices, triangles, 0.05);
     FAIL() << "expected the skin to be refused for: " << defect;
   } catch (const Error& error) {
     EXPECT_EQ(error.kind(), ErrorKind::mismatch);
+    EXPECT_EQ(error.cause(), cause) << error.what();
     EXPECT_NE(std::string(error.what()).find(defect), std::string::npos) << error.what();
   }
 }
@@ -60,26 +62,26 @@ TEST(Tets, FillASkinThatWindsInwards) {
 TEST(Tets, RefuseDefectsByName) {
   const Character limb = make_limb();
   const Eigen::Index count = limb.triangles.rows();
-  expect_refused(limb.vertices, limb.triangles.topRows(count - 1), "open: 3 boundary edges");
+  expect_refused(limb.vertices, limb.triangles.topRows(count - 1), "open: 3 boundary edges", ErrorCause::open_edges);
   Triangles changed = limb.triangles;
   std::swap(changed(5, 1), changed(5, 2));
-  expect_refused(limb.vertices, changed, "3 edges join triangles that wind oppositely");
+  expect_refused(limb.vertices, changed, "3 edges join triangles that wind oppositely", ErrorCause::flipped_edges);
   changed = limb.triangles;
   changed(0, 0) = 1u << 30;
-  expect_refused(limb.vertices, changed, "missing vertex");
+  expect_refused(limb.vertices, changed, "missing vertex", ErrorCause::damaged);
   Positions loose(limb.vertices.rows() + 1, 3);
   loose << limb.vertices, Eigen::RowVector3d(9, 9, 9);
-  expect_refused(loose, limb.triangles, "1 vertices belong to no triangle");
+  expect_refused(loose, limb.triangles, "1 vertices belong to no triangle", ErrorCause::loose_vertices);
   Positions broken = limb.vertices;
   broken(3, 1) = std::nan("");
-  expect_refused(broken, limb.triangles, "not a finite number");
-  expect_refused(Positions(0, 3), Triangles(0, 3), "no triangles");
+  expect_refused(broken, limb.triangles, "not a finite number", ErrorCause::damaged);
+  expect_refused(Positions(0, 3), Triangles(0, 3), "no triangles", ErrorCause::no_faces);
 }
 
 TEST(Tets, RefuseASkinThatIntersectsItself) {
   Character limb = make_limb();
   for (Eigen::Index v = 5 * kTubeSides; v < 6 * kTubeSides; ++v) limb.vertices(v, 0) += 0.3;
-  expect_refused(limb.vertices, limb.triangles, "cannot be filled");
+  expect_refused(limb.vertices, limb.triangles, "cannot be filled", ErrorCause::unfillable);
 }
 
 TEST(Tets, FillAHuman) {

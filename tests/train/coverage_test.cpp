@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "runtime/core/error.h"
+#include "runtime/core/json.h"
 #include "tests/support/capsule_limb.h"
 #include "tests/support/trained_basis.h"
 #include "trainer/train/fit/train.h"
@@ -135,7 +136,7 @@ TEST(Coverage, NamesTheWorstFramesThatAreNotNeighbours) {
 // By the names that the training's report has.
 TEST(Coverage, RegionsHaveTheirNames) {
   std::vector<std::string> reported;
-  const auto report = nlohmann::json::parse(basis().metadata.at("report"));
+  const auto report = Json::parse(basis().metadata.at("report"));
   for (const auto& region : report.at("regions")) reported.push_back(region.at("name"));
   auto at = reported.begin();  // those that are kept, in the same order
   for (const std::string& name : basis().coverage.names) {

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "runtime/core/error.h"
+#include "runtime/core/json.h"
 #include "tests/support/capsule_limb.h"
 #include "tests/support/trained_basis.h"
 #include "trainer/train/fit/train.h"
@@ -32,9 +33,7 @@ const TrainingResult& usual_result() {
 
 const Basis& usual() { return usual_result().basis; }
 
-double expected_mm(const Basis& basis) {
-  return nlohmann::json::parse(basis.metadata.at("report")).at("expected_rms_mm");
-}
+double expected_mm(const Basis& basis) { return Json::parse(basis.metadata.at("report")).at("expected_rms_mm"); }
 
 double heldout_rms(const Basis& basis) {
   Deformer deformer(basis, {.name = "cpu"});
@@ -85,7 +84,7 @@ TEST(TradeOff, ABudgetIsKeptWhereNothingIsLearned) {
 
 TEST(TradeOff, TheBasisTellsWhatTheTrainingFound) {
   const TrainingResult& found = usual_result();
-  const auto report = nlohmann::json::parse(found.basis.metadata.at("report"));
+  const auto report = Json::parse(found.basis.metadata.at("report"));
   EXPECT_EQ(report.at("expected_rms_mm"), found.expected_mm);
   EXPECT_EQ(report.at("warnings"), found.warnings);
   ASSERT_EQ(report.at("regions").size(), found.fits.size());

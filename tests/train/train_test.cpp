@@ -2,10 +2,10 @@
 #include "trainer/train/fit/train.h"
 
 #include <gtest/gtest.h>
-#include <omp.h>
 
 #include <csignal>
 #include <cstdlib>
+#include <nlohmann/json.hpp>
 #include <numbers>
 
 #include "assets/json_file.h"
@@ -18,6 +18,7 @@
 #include "runtime/host/rig.h"
 #include "tests/support/capsule_limb.h"
 #include "tests/support/gpu_fixture.h"
+#include "tests/support/on_threads.h"
 #include "tests/support/same_basis.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/support/trained_basis.h"
@@ -185,12 +186,8 @@ TEST(Train, FlagsWhatTrainingNeverSaw) {
 TEST(Train, SameResultWithAnyNumberOfThreads) {
   SampleSet set = samples();
   set.train.resize(40);
-  const int threads = omp_get_max_threads();
-  omp_set_num_threads(1);
-  const Basis one = trained_basis(set, {.centres = 20});
-  omp_set_num_threads(2);
-  const Basis two = trained_basis(set, {.centres = 20});
-  omp_set_num_threads(threads);
+  const auto trained = [&] { return trained_basis(set, {.centres = 20}); };
+  const Basis one = testing::on_threads(1, trained), two = testing::on_threads(2, trained);
   EXPECT_EQ(one.ddm.moments, two.ddm.moments);
   EXPECT_EQ(one.residual.weights, two.residual.weights);
   EXPECT_EQ(one.residual.centres, two.residual.centres);
@@ -210,8 +207,7 @@ TEST(Train, RefusesTooLittleData) {
   }
 }
 
-// In a process of its own, because the flag stays set, and started anew, because OpenMP's threads do not survive a
-// fork.
+// In a process of its own, because the flag stays set, and started anew, because threads do not survive a fork.
 TEST(Train, AnInterruptEndsItWithExitCode75AndClaimsNothing) {
   GTEST_FLAG_SET(death_test_style, "threadsafe");
   const auto interrupted_training = [] {

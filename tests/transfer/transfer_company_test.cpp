@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "geometry/table_rows.h"
+#include "runtime/core/json.h"
 #include "runtime/deformer/deformer.h"
 #include "runtime/host/carry_skin.h"
 #include "tests/support/capsule_limb.h"
@@ -59,10 +60,10 @@ Character other_limb(double size) {
 class OtherJoints {
  public:
   OtherJoints() {
-    nlohmann::json joints = nlohmann::json::array();
+    Json joints = Json::array();
     for (const Joint& joint : limb_skeleton().joints)
       joints.push_back({{"from", joint.name}, {"to", "other_" + joint.name}});
-    std::ofstream(file()) << nlohmann::json{{"schema", "bodyopt-joint-map-1"}, {"joints", joints}};
+    std::ofstream(file()) << Json{{"schema", "bodyopt-joint-map-1"}, {"joints", joints}};
   }
   std::string file() const { return (folder_ / "map.json").string(); }
 

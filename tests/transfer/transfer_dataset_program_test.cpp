@@ -4,8 +4,9 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "dataset/modifier.h"
 #include "geometry/table_rows.h"
-#include "tests/support/run_program.h"
+#include "tests/support/run_verb.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/transfer/limb_dataset.h"
 
@@ -16,9 +17,9 @@ class TransferDatasetProgram : public ::testing::Test {
  protected:
   void SetUp() override { testing::write_limb_dataset(folder_ / "source", 40); }
   std::string path(const std::string& name) const { return (folder_ / name).string(); }
-  ProgramResult transfer(const std::string& arguments) const { return run_bodyopt("transfer dataset " + arguments); }
+  ProgramResult transfer(const std::string& arguments) const { return run_verb("transfer dataset " + arguments); }
   void expect_runs(const std::string& arguments) const {
-    const ProgramResult result = run_bodyopt(arguments);
+    const ProgramResult result = run_verb(arguments);
     EXPECT_EQ(result.exit_code, 0) << arguments << "\n" << result.output;
   }
   Positions first_shape(const std::string& dataset) const {
@@ -112,7 +113,7 @@ TEST_F(TransferDatasetProgram, WhatIsCarriedAgainIsNotCoveredByWhatWasRefinedBef
   expect_runs("dataset add " + path("copy") + " --clip " + path("source/own.glb") + " --name own --shapes " +
               path("source/own.pc2"));
   expect_runs("transfer refine " + path("copy") + " --carried bend --json " + path("r.json"));
-  const auto told = nlohmann::json::parse(std::ifstream(path("r.json")));
+  const auto told = Json::parse(std::ifstream(path("r.json")));
   EXPECT_EQ(told.at("own_frames").get<int>(), 15);
   const auto refinement = [&] { return read_dataset(path("copy/dataset.json")).modifiers.at(0); };
   EXPECT_EQ(refinement().name, "refined bend");
@@ -134,7 +135,7 @@ TEST_F(TransferDatasetProgram, RefiningSaysOfHeldOutFramesThatTheyAreCarried) {
   testing::write_limb_take(folder_ / "source", "own", 15, false);
   expect_runs("dataset add " + path("copy") + " --clip " + path("source/own.glb") +
               " --name own --heldout 7 --shapes " + path("source/own.pc2"));
-  const ProgramResult refined = run_bodyopt("transfer refine " + path("copy") + " --carried bend");
+  const ProgramResult refined = run_verb("transfer refine " + path("copy") + " --carried bend");
   EXPECT_EQ(refined.exit_code, 0) << refined.output;
   EXPECT_NE(refined.output.find("3 of the 4 frames held out are carried from the source"), std::string::npos)
       << refined.output;

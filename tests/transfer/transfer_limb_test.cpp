@@ -2,11 +2,13 @@
 #include <gtest/gtest.h>
 
 #include <fstream>
+#include <nlohmann/json.hpp>
 #include <numbers>
 
 #include "assets/matched_joints.h"
 #include "assets/pc2.h"
 #include "dataset/dataset.h"
+#include "dataset/modifier.h"
 #include "geometry/extent.h"
 #include "geometry/table_rows.h"
 #include "runtime/deformer/deformer.h"
@@ -407,7 +409,7 @@ TEST(TransferLimb, ADatasetCarriedToItsOwnCharacterIsTheSame) {
   dataset.muscles = "muscles.json";
   dataset.takes.push_back({"bend", "bend.glb", "", 24, 1, frames, "bend.pc2", "", {3}});
   dataset.modifiers = {{.name = "even", .type = "smooth", .strength = 0.5}};
-  dataset.selections = Json{{"first", {{{"take", "bend"}, {"frames", "1-3"}}}}};
+  dataset.selections.push_back({"first", Json::array({{{"take", "bend"}, {"frames", "1-3"}}})});
 
   const Character read = read_character(folder / "limb.glb");
   const Basis source = build_ddm_basis(read, {});

@@ -7,11 +7,13 @@
 #include "assets/clip.h"
 #include "runtime/basis/basis.h"
 #include "runtime/basis/dynamics.h"
+#include "runtime/core/json.h"
 #include "tests/proxy_viewer/twin_level.h"
 #include "tests/support/capsule_limb.h"
 #include "tests/support/hostile_bytes.h"
+#include "tests/support/page_contents.h"
 #include "tests/support/read_bytes.h"
-#include "tests/support/run_program.h"
+#include "tests/support/run_verb.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/transfer/limb_dataset.h"
 #include "trainer/train/skinning/ddm_basis.h"
@@ -29,7 +31,7 @@ class TransferProgram : public ::testing::Test {
   }
   std::string path(const std::string& name) const { return (folder_ / name).string(); }
   ProgramResult transfer(const std::string& targets_and_options) const {
-    return run_bodyopt("transfer basis " + path("limb.safetensors") + " " + targets_and_options);
+    return run_verb("transfer basis " + path("limb.safetensors") + " " + targets_and_options);
   }
 
   TemporaryFolder folder_;
@@ -45,8 +47,8 @@ TEST_F(TransferProgram, WritesABasisForEveryTarget) {
 TEST_F(TransferProgram, WhatStandsBesideTheBasisGoesWithIt) {
   const Basis source = load_basis(path("limb.safetensors"));
   save_levels({testing::twin(source)}, path("limb.proxy.safetensors"));
-  const ProgramResult made = run_bodyopt("dynamics " + path("limb.glb") + " --basis " + path("limb.safetensors") +
-                                         " --dynamics-resolution 800 --out " + path("limb.dynamics.safetensors"));
+  const ProgramResult made = run_verb("dynamics " + path("limb.glb") + " --basis " + path("limb.safetensors") +
+                                      " --dynamics-resolution 800 --out " + path("limb.dynamics.safetensors"));
   ASSERT_EQ(made.exit_code, 0) << made.output;
   const ProgramResult result = transfer(path("limb.glb") + " --out " + path("a.safetensors"));
   ASSERT_EQ(result.exit_code, 0) << result.output;
@@ -63,7 +65,7 @@ TEST_F(TransferProgram, ADatasetInPlaceOfABasisIsCalledOne) {
   testing::write_limb_dataset(folder_ / "source", 4);
   for (const char* dataset : {"source", "source/dataset.json"}) {
     const ProgramResult result =
-        run_bodyopt("transfer basis " + path(dataset) + " " + path("limb.glb") + " --out " + path("a.safetensors"));
+        run_verb("transfer basis " + path(dataset) + " " + path("limb.glb") + " --out " + path("a.safetensors"));
     EXPECT_EQ(result.exit_code, 4);
     EXPECT_NE(result.output.find("is a dataset"), std::string::npos) << result.output;
     EXPECT_NE(result.output.find("'bodyopt transfer dataset'"), std::string::npos) << result.output;
@@ -74,13 +76,13 @@ TEST_F(TransferProgram, AProxyIsASourceWithAllOfItsLevels) {
   const Basis source = load_basis(path("limb.safetensors"));
   save_levels({testing::twin(source), testing::twin(source)}, path("twins.safetensors"));
   const ProgramResult result =
-      run_bodyopt("transfer basis " + path("twins.safetensors") + " " + path("limb.glb") + " --out " +
-                  path("a.safetensors") + " --json " + path("r.json") + " --report " + path("r.html"));
+      run_verb("transfer basis " + path("twins.safetensors") + " " + path("limb.glb") + " --out " +
+               path("a.safetensors") + " --json " + path("r.json") + " --report " + path("r.html"));
   ASSERT_EQ(result.exit_code, 0) << result.output;
   const std::vector<Level> carried = load_levels(path("a.safetensors"));
   ASSERT_EQ(carried.size(), 2u);
   for (const Level& level : carried) EXPECT_EQ(level.carried.size(), source.mesh.output_count());
-  const auto told = nlohmann::json::parse(std::ifstream(path("r.json"))).at("targets").at(0);
+  const auto told = Json::parse(std::ifstream(path("r.json"))).at("targets").at(0);
   EXPECT_EQ(told.at("levels").get<int>(), 2);
 }
 
@@ -97,7 +99,7 @@ TEST_F(TransferProgram, TheReportSaysWhereBodiesDiffer) {
   const ProgramResult result = transfer(path("other.glb") + " --out " + path("a.safetensors") + " --report " +
                                         path("r.html") + " --clip " + path("bend.glb") + " --json " + path("r.json"));
   ASSERT_EQ(result.exit_code, 0) << result.output;
-  const auto told = nlohmann::json::parse(std::ifstream(path("r.json"))).at("targets").at(0);
+  const auto told = Json::parse(std::ifstream(path("r.json"))).at("targets").at(0);
   ASSERT_EQ(told.at("parts").size(), 3u);
   EXPECT_EQ(told.at("poses").size(), 4u);
   EXPECT_NEAR(told.at("poses").at(0).at("target_volume").get<double>(), 1, 1e-4);
@@ -106,7 +108,7 @@ TEST_F(TransferProgram, TheReportSaysWhereBodiesDiffer) {
   const ProgramResult alike = transfer(path("limb.glb") + " --out " + path("a.safetensors") + " --report " +
                                        path("r.html") + " --json " + path("r.json"));
   ASSERT_EQ(alike.exit_code, 0) << alike.output;
-  const auto parts = nlohmann::json::parse(std::ifstream(path("r.json"))).at("targets").at(0).at("parts");
+  const auto parts = Json::parse(std::ifstream(path("r.json"))).at("targets").at(0).at("parts");
   for (const auto& part : parts) {
     EXPECT_FALSE(part.at("breaks_assumption").get<bool>()) << part;
     EXPECT_NEAR(part.at("size").get<double>(), 1, 1e-6);
@@ -116,27 +118,32 @@ TEST_F(TransferProgram, TheReportSaysWhereBodiesDiffer) {
 // All that the report tells of a trained basis: what it expects to be wrong by, and what is worth simulating.
 TEST_F(TransferProgram, ATrainedBasisKnowsOnAnotherBodyWhatItDoesNotKnow) {
   testing::write_limb_dataset(folder_ / "data", 40);
-  const ProgramResult trained = run_bodyopt("train " + path("data") + " --out " + path("trained.safetensors"));
+  const ProgramResult trained = run_verb("train " + path("data") + " --out " + path("trained.safetensors"));
   ASSERT_EQ(trained.exit_code, 0) << trained.output;
   Character thick = limb_character();
   thick.vertices.leftCols<2>() *= 1.3;
   write_character(thick, path("thick.glb"));
-  const ProgramResult result = run_bodyopt(
-      "transfer basis " + path("trained.safetensors") + " " + path("thick.glb") + " --out " + path("a.safetensors") +
-      " --report " + path("r.html") + " --clip " + path("data/bend.glb") + " --frames 1-40x3 --json " + path("r.json"));
+  const ProgramResult result = run_verb("transfer basis " + path("trained.safetensors") + " " + path("thick.glb") +
+                                        " --out " + path("a.safetensors") + " --report " + path("r.html") + " --clip " +
+                                        path("data/bend.glb") + " --frames 1-40x3 --json " + path("r.json"));
   ASSERT_EQ(result.exit_code, 0) << result.output;
   const Basis source = load_basis(path("trained.safetensors")), carried = load_basis(path("a.safetensors"));
   EXPECT_EQ(carried.residual.coefficient_count(), source.residual.coefficient_count());
   EXPECT_FALSE(carried.residual.blend.empty());
-  const auto told = nlohmann::json::parse(std::ifstream(path("r.json"))).at("targets").at(0);
+  const auto told = Json::parse(std::ifstream(path("r.json"))).at("targets").at(0);
   ASSERT_EQ(told.at("poses").size(), 14u);
   for (const auto& pose : told.at("poses")) EXPECT_GT(pose.at("expected_rms_mm").get<double>(), 0) << pose;
   const std::string frames = told.at("worth_simulating").get<std::string>();
   EXPECT_FALSE(frames.empty());
-  const std::string page = testing::read_bytes(path("r.html"));
-  EXPECT_NE(page.find("--frames " + frames), std::string::npos);
-  EXPECT_NE(page.find("expected error"), std::string::npos);
-  EXPECT_NE(page.find("thick.glb"), std::string::npos);
+  const auto contents = testing::page_contents(path("r.html"));
+  EXPECT_EQ(contents.at("kind"), "transfer");
+  EXPECT_EQ(contents.at("figures").at("targets").at(0), told);
+  EXPECT_EQ(std::count_if(told.at("poses").begin(), told.at("poses").end(),
+                          [](const auto& pose) { return pose.at("is_shown").template get<bool>(); }),
+            3);
+  for (const char* picture : {"match", "poses"}) {
+    EXPECT_TRUE(contents.at("pictures").at(0).at(picture).contains("src")) << picture;
+  }
 }
 
 // The others, the report and the JSON are finished; then the first failure is told.
@@ -150,8 +157,11 @@ TEST_F(TransferProgram, ATargetThatFailsDoesNotTakeTheOthersAlong) {
   EXPECT_EQ(result.exit_code, 3) << result.output;
   EXPECT_FALSE(std::filesystem::exists(path("a.safetensors")));
   EXPECT_TRUE(std::filesystem::exists(path("b.safetensors")));
-  EXPECT_TRUE(std::filesystem::exists(path("r.html")));
-  const auto told = nlohmann::json::parse(std::ifstream(path("r.json"))).at("targets");
+  const auto pictures = testing::page_contents(path("r.html")).at("pictures");
+  ASSERT_EQ(pictures.size(), 2u);  // as many as targets
+  EXPECT_TRUE(pictures.at(0).empty());
+  EXPECT_TRUE(pictures.at(1).contains("match"));
+  const auto told = Json::parse(std::ifstream(path("r.json"))).at("targets");
   ASSERT_EQ(told.size(), 2u);
   EXPECT_NE(told.at(0).at("error").get<std::string>().find("in common"), std::string::npos);
   EXPECT_EQ(told.at(1).at("basis").get<std::string>(), path("b.safetensors"));
@@ -196,7 +206,7 @@ TEST_F(TransferProgram, NotesSayWhichTargetTheyAreOfAndAllJointsAreListed) {
       transfer(path("more.glb") + " --out " + path("a.safetensors") + " --json " + path("r.json"));
   ASSERT_EQ(result.exit_code, 0) << result.output;
   EXPECT_NE(result.output.find("more.glb: Joints of the target"), std::string::npos) << result.output;
-  const auto told = nlohmann::json::parse(std::ifstream(path("r.json"))).at("targets").at(0);
+  const auto told = Json::parse(std::ifstream(path("r.json"))).at("targets").at(0);
   EXPECT_EQ(told.at("unmatched_target_joints").size(), 30u);
   EXPECT_TRUE(told.at("unmatched_source_joints").empty());
 }
@@ -230,7 +240,7 @@ TEST_F(TransferProgram, UnlikeBodiesAreShownAndRefusedUnlessForced) {
   const ProgramResult forced = transfer(arguments + " --force --json " + path("r.json"));
   EXPECT_EQ(forced.exit_code, 0) << forced.output;
   EXPECT_EQ(load_basis(path("a.safetensors")).mesh.vertex_count(), unlike.vertices.rows());
-  EXPECT_LT(nlohmann::json::parse(std::ifstream(path("r.json"))).at("targets").at(0).at("likeness").get<double>(),
+  EXPECT_LT(Json::parse(std::ifstream(path("r.json"))).at("targets").at(0).at("likeness").get<double>(),
             kLeastLikeness);
 }
 

@@ -1,8 +1,8 @@
 #include "trainer/anatomy/align.h"
 
-#include <Eigen/Eigenvalues>
 #include <cmath>
 
+#include "base/linear_algebra.h"
 #include "geometry/nearest_rotation.h"
 
 namespace bodyopt::anatomy {
@@ -29,16 +29,16 @@ Alignment align(const std::vector<Vector3d>& from, const std::vector<Vector3d>& 
   const Eigen::Matrix3Xd a = centred(from, from_mean), b = centred(to, to_mean);
   const Vector3d from_line = from[1] - from[0], to_line = to[1] - to[0];
   // The least turn from the given one that takes the first line to its image decides what the points leave open.
-  const Matrix3d open = Eigen::Quaterniond::FromTwoVectors(turn * from_line, to_line).toRotationMatrix() * turn;
+  const Matrix3d open = least_turn(turn * from_line, to_line).toRotationMatrix() * turn;
   Alignment result;
   result.turn = nearest_rotation(b * a.transpose() + 1e-3 * a.norm() * b.norm() * open).rotation;
   const Matrix3d similarity = b.norm() / a.norm() * result.turn;
 
-  const Eigen::SelfAdjointEigenSolver<Matrix3d> spread(a * a.transpose());
-  Vector3d inverse = spread.eigenvalues();  // of squared spreads
-  for (double& value : inverse) value = value > kThin * kThin * spread.eigenvalues()[2] ? 1 / value : 0;
+  const SymmetricEigen3 spread = symmetric_eigen_3(a * a.transpose());
+  Vector3d inverse = spread.values;  // of squared spreads
+  for (double& value : inverse) value = value > kThin * kThin * spread.values[2] ? 1 / value : 0;
   const Eigen::Matrix<double, Eigen::Dynamic, 3> pseudo_inverse =
-      a.transpose() * spread.eigenvectors() * inverse.asDiagonal() * spread.eigenvectors().transpose();
+      a.transpose() * spread.vectors * inverse.asDiagonal() * spread.vectors.transpose();
   const Matrix3d linear = similarity + (b - similarity * a) * pseudo_inverse;
   result.scale = std::cbrt(std::abs(linear.determinant()));
   result.map.linear() = linear;

@@ -1,6 +1,7 @@
 #include "trainer/anatomy/mapping.h"
 
 #include <Eigen/Geometry>
+#include <nlohmann/json.hpp>
 
 #include "assets/json_file.h"
 
@@ -73,10 +74,7 @@ Mapping read_mapping(const std::filesystem::path& path) {
   mapping.file = path.string();
   mapping.model_axes = read_axes(top, "model_up", "model_forward");
   mapping.character_axes = read_axes(top, "character_up", "character_forward");
-  const Json& segments = top.array("segments");
-  for (std::size_t k = 0; k < segments.size(); ++k) {
-    mapping.segments.push_back(read_segment_map(JsonObject(segments[k], path, "segments[" + std::to_string(k) + "]")));
-  }
+  for (const JsonObject& segment : top.objects("segments")) mapping.segments.push_back(read_segment_map(segment));
   mapping.leave_out = read_names(top, "leave_out");
   if (top.has("mirror_joints")) {
     for (const Json& pair : top.array("mirror_joints")) {

@@ -8,6 +8,7 @@
 
 #include "assets/shape_reader.h"
 #include "assets/wording.h"
+#include "dataset/modifier.h"
 #include "dataset/regions_file.h"
 #include "geometry/bad_edges.h"
 #include "geometry/extent.h"

@@ -40,26 +40,34 @@ constexpr const char* kNoDraft = "leave out --draft: 'simulate' fills its own sk
 constexpr const char* kMoreMotion = "simulate more motion: 'bodyopt rom' makes some that shows all a character can do";
 constexpr const char* kFewVertices = "none is needed: so few vertices are as fast as a proxy of them";
 
-// What mends a skin of which this is said, by words of fillable_skin, require_closed and the cages.
-std::string remedy_for(const std::string& why) {
-  const std::pair<const char*, const char*> remedies[] = {
-      {"boundary edges",
-       "fill its holes, give sheets a thickness (Blender: Fill Holes, Solidify); --picture shows them"},
-      {"more than two triangles", "part the faces that are fused along an edge (Blender: select Non Manifold, split)"},
-      {"wind oppositely", "turn its faces the same way (Blender: Recalculate Outside); --picture shows where"},
-      {"cannot be moved apart", "move apart, at rest, what passes through itself; --picture shows where"},
-      {"cannot be filled",
-       "dissolve slivers, and part sheets that lie close at rest (Blender: Degenerate Dissolve); where it passes "
-       "through "
-       "itself is listed, if it does"},
-      {"belong to no triangle", "delete its loose vertices (Blender: Delete Loose)"},
-      {"no triangles", "export the skin with its faces"},
-      {"it is flat", "give it a thickness (Blender: Solidify)"},
-      {"a large piece", "join that piece to the body, or give it the weights of the skin that it is to ride on"},
-      {"pieces", "join the pieces to one skin"},
-      {"a damaged file", "export it again from where it was made"}};
-  for (const auto& [words, remedy] : remedies) {
-    if (why.find(words) != std::string::npos) return remedy;
+// What mends a skin that is not filled for this.
+std::string remedy_for(const Error& error) {
+  switch (error.cause()) {
+    case ErrorCause::open_edges:
+      return "fill its holes, give sheets a thickness (Blender: Fill Holes, Solidify); --picture shows them";
+    case ErrorCause::crowded_edges:
+      return "part the faces that are fused along an edge (Blender: select Non Manifold, split)";
+    case ErrorCause::flipped_edges:
+      return "turn its faces the same way (Blender: Recalculate Outside); --picture shows where";
+    case ErrorCause::crossing:
+      return "move apart, at rest, what passes through itself; --picture shows where";
+    case ErrorCause::unfillable:
+      return "dissolve slivers, and part sheets that lie close at rest (Blender: Degenerate Dissolve); where it passes "
+             "through itself is listed, if it does";
+    case ErrorCause::loose_vertices:
+      return "delete its loose vertices (Blender: Delete Loose)";
+    case ErrorCause::no_faces:
+      return "export the skin with its faces";
+    case ErrorCause::flat:
+      return "give it a thickness (Blender: Solidify)";
+    case ErrorCause::large_piece:
+      return "join that piece to the body, or give it the weights of the skin that it is to ride on";
+    case ErrorCause::several_pieces:
+      return "join the pieces to one skin";
+    case ErrorCause::damaged:
+      return "export it again from where it was made";
+    case ErrorCause::other:
+      break;
   }
   return "close holes, join the pieces and separate what overlaps at rest";
 }
@@ -147,7 +155,7 @@ std::vector<RestPlace> near_parts_of(const Character& character) {
 
 VerbForesight refusal(const std::string& verb, const Error& error, const char* remedy = nullptr) {
   if (error.kind() == ErrorKind::interrupted) throw error;
-  return {verb, BodyFill::refused, 0, false, error.what(), remedy ? remedy : remedy_for(error.what())};
+  return {verb, BodyFill::refused, 0, false, error.what(), remedy ? remedy : remedy_for(error)};
 }
 
 void add_glued(const Character& character, const Cage& cage, VerticesOfJoints& glued) {
@@ -172,11 +180,11 @@ VerbForesight foresee_simulate(const Character& character, bool draft, VerticesO
     const std::string parts = glued_parts(cage, character);
     add_glued(character, cage, glued);
     if (cage.is_lattice) {
-      const std::string& why = cage.why_lattice.empty() ? tets.why_cage : cage.why_lattice;
-      return {verb, BodyFill::lattice, nodes, false, why, remedy_for(why), parts};
+      const Error& why = cage.why_lattice ? *cage.why_lattice : *tets.why_cage;
+      return {verb, BodyFill::lattice, nodes, false, why.what(), remedy_for(why), parts};
     }
-    const std::string& why = tets.why_cage.empty() ? cage.mending : tets.why_cage;
-    return {verb, BodyFill::coarser, nodes, true, why, draft ? "" : remedy_for(why), parts};
+    if (!tets.why_cage) return {verb, BodyFill::coarser, nodes, true, cage.mending, "", parts};
+    return {verb, BodyFill::coarser, nodes, true, tets.why_cage->what(), remedy_for(*tets.why_cage), parts};
   } catch (const Error& error) {
     return refusal(verb, error);
   }

@@ -7,6 +7,7 @@
 #include "assets/pc2.h"
 #include "base/parallel.h"
 #include "base/progress.h"
+#include "dataset/modifier.h"
 #include "runtime/core/error.h"
 
 namespace bodyopt {
@@ -151,7 +152,7 @@ Dataset bake_dataset(const ShapeStack& stack, const fs::path& folder) {
   baked.materials = elsewhere(from, baked.materials);
   baked.regions = elsewhere(from, baked.regions);
   baked.modifiers.clear();
-  baked.selections = Json::object();
+  baked.selections.clear();
   baked.takes.clear();
   Progress progress("curate: baking", database.frames.size(), "no dataset is written");
   for (std::size_t k = 0; k < database.takes.size(); ++k) {

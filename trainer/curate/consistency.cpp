@@ -31,8 +31,7 @@ class Consistency : public ShapeModifier {
   std::string note() const override {
     if (changes_.size() == 0 || !changes_.isZero(0)) return "";
     return "moves no frame: no like poses disagree, none are near enough to tell ('curate report' says where), or a "
-           "first "
-           "step would have left more than there is";
+           "first step would have left more than there is";
   }
 
  private:

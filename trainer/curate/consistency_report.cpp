@@ -6,6 +6,7 @@
 
 #include "base/parallel.h"
 #include "base/progress.h"
+#include "dataset/modifier.h"
 #include "runtime/core/error.h"
 #include "trainer/curate/deviations.h"
 #include "trainer/curate/pose_space.h"

@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <nlohmann/json.hpp>
 
 #include "assets/frame_range.h"
 #include "assets/wording.h"
+#include "dataset/modifier.h"
 #include "dataset/stack_history.h"
 #include "geometry/extent.h"
 #include "geometry/vertex_normals.h"

@@ -10,6 +10,7 @@
 
 #include "assets/shape_reader.h"
 #include "dataset/dataset.h"
+#include "dataset/modifier.h"
 #include "runtime/core/file_lock.h"
 #include "trainer/curate/exported_frames.h"
 #include "trainer/curate/pose_database.h"

@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <charconv>
+#include <nlohmann/json.hpp>
 #include <string_view>
 
 #include "assets/json_file.h"
 #include "base/content_hash.h"
+#include "dataset/modifier.h"
 #include "runtime/core/error.h"
 #include "trainer/curate/frame_files.h"
 

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "dataset/dataset.h"
+#include "dataset/modifier.h"
 
 namespace bodyopt {
 

@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <iterator>
+#include <nlohmann/json.hpp>
 
 #include "assets/json_file.h"
 #include "assets/shape_reader.h"
+#include "dataset/modifier.h"
 #include "runtime/core/error.h"
 #include "runtime/core/file_lock.h"
 #include "trainer/curate/keep_samples.h"

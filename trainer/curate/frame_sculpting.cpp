@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <nlohmann/json.hpp>
 #include <utility>
 
+#include "dataset/modifier.h"
 #include "dataset/stack_history.h"
 #include "runtime/core/error.h"
 #include "trainer/curate/edit_stack.h"

@@ -1,6 +1,5 @@
 #include "trainer/curate/local_models.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -10,6 +9,7 @@
 #include <optional>
 #include <set>
 
+#include "base/linear_algebra.h"
 #include "base/parallel.h"
 #include "trainer/curate/pose_space.h"
 
@@ -158,11 +158,11 @@ struct Precision {
 };
 
 Precision precision(const Eigen::MatrixXd& covariance) {
-  const Eigen::LLT<Eigen::MatrixXd> solver(covariance);
+  const Cholesky solver(covariance);
   Precision result;
   result.matrix = solver.solve(Eigen::MatrixXd::Identity(covariance.rows(), covariance.cols()));
   const Eigen::VectorXd of_mean = result.matrix.rowwise().sum();
-  result.log_volume = 2 * Eigen::MatrixXd(solver.matrixL()).diagonal().array().log().sum() + std::log(of_mean.sum());
+  result.log_volume = 2 * solver.lower().diagonal().array().log().sum() + std::log(of_mean.sum());
   result.matrix -= of_mean * of_mean.transpose() / of_mean.sum();
   return result;
 }

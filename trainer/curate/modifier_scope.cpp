@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <nlohmann/json.hpp>
 #include <set>
 
 #include "assets/frame_range.h"
 #include "assets/joints_with_skin.h"
 #include "assets/wording.h"
+#include "dataset/modifier.h"
 #include "runtime/core/error.h"
 #include "trainer/curate/pose_space.h"
 
@@ -55,14 +57,15 @@ class Selector {
   }
 
   void add_list(const std::string& name) {
-    const Json& lists = database_.dataset.selections;
-    if (!lists.contains(name) || !lists[name].is_array()) {
+    const std::vector<NamedSelection>& lists = database_.dataset.selections;
+    const auto list = std::ranges::find(lists, name, &NamedSelection::name);
+    if (list == lists.end() || !list->frames.is_array()) {
       throw Error(ErrorKind::mismatch, place_ + ": the dataset has no selection '" + name + "'");
     }
     if (!open_.insert(name).second) {
       throw Error(ErrorKind::mismatch, place_ + ": the selection '" + name + "' names itself");
     }
-    add_all(lists[name]);
+    add_all(list->frames);
     open_.erase(name);
   }
 

@@ -1,9 +1,9 @@
 #include "trainer/curate/pose_map.h"
 
-#include <Eigen/Eigenvalues>
 #include <cmath>
 #include <numbers>
 
+#include "base/linear_algebra.h"
 #include "base/parallel.h"
 #include "runtime/host/rig.h"
 #include "trainer/curate/pose_space.h"
@@ -42,10 +42,10 @@ PoseMap pose_map(const PoseDatabase& database, const SkinPart& part, double degr
   map.neighbours.assign(count, 0);
   const Eigen::MatrixXd features = features_of(database, part);
   if (features.rows() == 0 || features.cols() == 0) return map;
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(features.transpose() * features);
+  const Eigen::MatrixXd directions = symmetric_eigen(features.transpose() * features).vectors;
   const Index axes = std::min<Index>(2, features.cols());
   for (Index k = 0; k < axes; ++k) {
-    Eigen::VectorXd axis = solver.eigenvectors().col(features.cols() - 1 - k);
+    Eigen::VectorXd axis = directions.col(features.cols() - 1 - k);
     Index largest = 0;
     axis.cwiseAbs().maxCoeff(&largest);
     if (axis[largest] < 0) axis = -axis;  // the same way round every time

@@ -1,10 +1,12 @@
 #include "trainer/curate/prune.h"
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
 #include <set>
 #include <string>
 #include <vector>
 
+#include "dataset/modifier.h"
 #include "dataset/stack_history.h"
 #include "trainer/curate/export_records.h"
 

@@ -1,10 +1,12 @@
 #include "trainer/curate/shape_stack.h"
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
 
 #include "assets/character_hash.h"
 #include "assets/wording.h"
 #include "base/content_hash.h"
+#include "dataset/modifier.h"
 #include "runtime/core/error.h"
 #include "trainer/curate/hash_of.h"
 #include "trainer/curate/mirror_image.h"

@@ -6,6 +6,7 @@
 
 #include "assets/character.h"
 #include "runtime/basis/basis.h"
+#include "trainer/train/skinning/unpose.h"
 
 namespace bodyopt {
 
@@ -25,11 +26,7 @@ class UnposedSpace {
 
    private:
     friend class UnposedSpace;
-    struct Placement {
-      Eigen::Matrix3d rotation;
-      Eigen::Vector3d origin, rest;  // where no displacement takes it: origin + rotation * rest
-    };
-    std::vector<Placement> placements_;  // V, welded
+    std::vector<VertexPlacement> placements_;  // V, welded
   };
   // Throws Error(mismatch) where the pose is of another skeleton.
   Frame frame(const Pose& pose) const;

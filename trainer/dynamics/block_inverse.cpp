@@ -2,9 +2,11 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
+#include <atomic>
 #include <numeric>
 #include <string>
 
+#include "base/parallel.h"
 #include "runtime/core/error.h"
 #include "trainer/dynamics/dissection.h"
 
@@ -18,8 +20,10 @@ constexpr Eigen::Index kColumns = 64;
 
 template <typename Work>
 void for_columns(Eigen::Index count, const Work& work) {
-#pragma omp parallel for schedule(dynamic)
-  for (Eigen::Index begin = 0; begin < count; begin += kColumns) work(begin, std::min(kColumns, count - begin));
+  parallel_for(static_cast<std::size_t>((count + kColumns - 1) / kColumns), [&](std::size_t k) {
+    const Eigen::Index begin = static_cast<Eigen::Index>(k) * kColumns;
+    work(begin, std::min(kColumns, count - begin));
+  });
 }
 
 std::size_t at(int index) { return static_cast<std::size_t>(index); }
@@ -55,8 +59,7 @@ class Factorisation {
   void factorise(const std::vector<int>& numbers) {
     // Many small fronts side by side; few large ones one after the other, each on all threads.
     if (numbers.size() >= 8) {
-#pragma omp parallel for schedule(dynamic)
-      for (std::size_t k = 0; k < numbers.size(); ++k) factorise(numbers[k]);
+      parallel_for(numbers.size(), [&](std::size_t k) { factorise(numbers[k]); });
     } else {
       for (const int number : numbers) factorise(number);
     }
@@ -69,10 +72,7 @@ class Factorisation {
     Matrix whole = assemble(front, own + boundary);
     Front& result = fronts_[at(number)];
     const Eigen::LLT<Matrix> factor(whole.topLeftCorner(own, own));
-    if (own > 0 && factor.info() != Eigen::Success) {
-#pragma omp atomic write
-      positive_ = false;
-    }
+    if (own > 0 && factor.info() != Eigen::Success) positive_ = false;
     result.inverse.resize(own, own);
     for_columns(own, [&](Eigen::Index begin, Eigen::Index count) {
       result.inverse.middleCols(begin, count) = factor.solve(Matrix::Identity(own, own).middleCols(begin, count));
@@ -142,7 +142,7 @@ class Factorisation {
   const std::vector<DissectedFront>& tree_;
   Eigen::Index components_;
   std::vector<Front> fronts_;
-  bool positive_ = true;
+  std::atomic<bool> positive_ = true;
 };
 
 // Lays the fronts out as the run time reads them.

@@ -6,7 +6,6 @@
 
 #include "assets/json_file.h"
 #include "base/progress.h"
-#include "base/single_threaded_products.h"
 #include "runtime/core/error.h"
 #include "runtime/core/hexadecimal.h"
 #include "runtime/core/strict_json.h"
@@ -56,7 +55,7 @@ DynamicsTets tets_of(const Character& character, const Basis& basis, const Dynam
     return make_dynamics_tets(character.vertices, character.triangles, character.weights, options.resolution, poses);
   } catch (const Error& error) {
     if (error.kind() != ErrorKind::mismatch) throw;
-    throw Error(error.kind(), error.what() + defect_places(character));
+    throw Error(error.kind(), error.what() + defect_places(character), error.cause());
   }
 }
 
@@ -100,7 +99,6 @@ Json to_json(const DynamicsReport& report) {
 
 BuiltDynamics build_dynamics(const Character& character, const std::vector<Muscle>& muscles, const Basis& basis,
                              const DynamicsOptions& options) {
-  const SingleThreadedProducts single_threaded;
   const std::vector<std::uint32_t> order = morton_order(character.vertices);
   const Character ordered = in_order(character, order);
   require_same_character(make_mesh_table(ordered), ordered.skeleton, basis);
@@ -145,7 +143,7 @@ DynamicsOptions asked_options(const Dynamics& dynamics) {
   const std::string where = "the dynamics' metadata 'provenance'";
   const auto text = dynamics.metadata.find("provenance");
   if (text == dynamics.metadata.end()) throw Error(ErrorKind::file, where + " is missing: made by another program?");
-  Json json = parse_strict_json<Json>(text->second, where);
+  Json json = parse_strict_json(text->second, where);
   if (!json.is_object()) throw Error(ErrorKind::file, where + " is no object: damaged?");
   constexpr int kMostTets = 1000000;
   DynamicsOptions options;

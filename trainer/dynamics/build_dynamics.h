@@ -31,7 +31,7 @@ struct DynamicsReport {
   std::vector<std::string> notes;  // what the user should know, one sentence each
 };
 // As the metadata "report" of the dynamics.
-nlohmann::ordered_json to_json(const DynamicsReport& report);
+Json to_json(const DynamicsReport& report);
 
 struct BuiltDynamics {
   Dynamics dynamics;

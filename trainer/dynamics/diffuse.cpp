@@ -1,8 +1,8 @@
 #include "trainer/dynamics/diffuse.h"
 
-#include <Eigen/SparseCholesky>
 #include <numeric>
 
+#include "base/linear_algebra.h"
 #include "runtime/core/error.h"
 #include "trainer/dynamics/block_inverse.h"
 #include "trainer/simulate/metric.h"
@@ -46,8 +46,8 @@ Eigen::MatrixXd diffuse(const TetMesh& mesh, const Eigen::MatrixXd& on_surface) 
   values.topRows(surface) = on_surface;
   if (inside == 0) return values;
   const SparseMatrix laplacian = laplacian_of(mesh);
-  const Eigen::SimplicialLDLT<SparseMatrix> factor(laplacian.bottomRightCorner(inside, inside));
-  if (factor.info() != Eigen::Success) {
+  const SparseSolver factor(laplacian.bottomRightCorner(inside, inside));
+  if (!factor.is_solvable()) {
     throw Error(ErrorKind::mismatch, "the tetrahedra are too flat to carry values inwards");
   }
   const SparseMatrix to_surface = laplacian.bottomLeftCorner(inside, surface);

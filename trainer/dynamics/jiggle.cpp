@@ -89,6 +89,11 @@ Eigen::VectorXd own_springs(const JiggleFields& fields, const Skeleton& skeleton
   return springs;
 }
 
+// N: mass / d^2 + alpha mass / d.
+Eigen::VectorXd inertia_of(const JiggleSystem& system, double d) {
+  return system.mass.array() * (1 / (d * d) + system.mass_damping.array() / d);
+}
+
 void require_step(const JiggleStep& step) {
   if (!(step.frames_per_second > 0 && std::isfinite(step.frames_per_second))) {
     throw Error(ErrorKind::usage, "the dynamics are for " + std::to_string(step.frames_per_second) +
@@ -114,33 +119,32 @@ JiggleSystem make_jiggle_system(const JiggleSettings& settings, const JiggleFiel
   return system;
 }
 
+SparseMatrix jiggle_matrix(const TetMesh& mesh, const JiggleSystem& system, const JiggleStep& step) {
+  const double d = step.stage(), b = 1 + system.stiffness_damping / d;
+  const SparseMatrix held = b * system.springs + SparseMatrix(inertia_of(system, d).asDiagonal());
+  std::vector<Eigen::Triplet<double>> entries;
+  for (Eigen::Index n = 0; n < held.cols(); ++n) {
+    for (SparseMatrix::InnerIterator entry(held, n); entry; ++entry) {
+      for (Eigen::Index i = 0; i < 3; ++i) entries.emplace_back(3 * entry.row() + i, 3 * n + i, entry.value());
+    }
+  }
+  SparseMatrix matrix(3 * held.rows(), 3 * held.rows());
+  matrix.setFromTriplets(entries.begin(), entries.end());
+  return matrix + b * elastic_stiffness(mesh, system.materials);
+}
+
 JiggleTable make_jiggle_table(const TetMesh& mesh, const JiggleSystem& system, JiggleStep step) {
   require_step(step);
   step.stiffness_damping = static_cast<float>(system.stiffness_damping);
   JiggleTable table;
   table.step = step;
-  const double d = step.stage(), b = 1 + system.stiffness_damping / d;
-  const Eigen::VectorXd inertia = system.mass.array() * (1 / (d * d) + system.mass_damping.array() / d);
-  const Eigen::SparseMatrix<double, Eigen::RowMajor> held = b * system.springs + SparseMatrix(inertia.asDiagonal());
-
-  table.held_begin.push_back(0);
-  std::vector<Eigen::Triplet<double>> entries;
-  for (Eigen::Index n = 0; n < held.rows(); ++n) {
+  const Eigen::VectorXd inertia = inertia_of(system, step.stage()),
+                        springs = system.springs * Eigen::VectorXd::Ones(inertia.size());
+  for (Eigen::Index n = 0; n < inertia.size(); ++n) {
     table.nodes.push_back({static_cast<float>(system.mass[n]), static_cast<float>(inertia[n]), 0, 0, kNoControl, 0});
-    for (Eigen::SparseMatrix<double, Eigen::RowMajor>::InnerIterator entry(held, n); entry; ++entry) {
-      table.held_columns.push_back(static_cast<std::uint32_t>(entry.col()));
-      table.held_values.push_back(static_cast<float>(entry.value()));
-      for (Eigen::Index i = 0; i < 3; ++i) entries.emplace_back(3 * n + i, 3 * entry.col() + i, entry.value());
-    }
-    table.held_begin.push_back(static_cast<std::uint32_t>(table.held_columns.size()));
+    table.springs.push_back(static_cast<float>(springs[n]));
   }
-  SparseMatrix matrix(3 * held.rows(), 3 * held.rows());
-  matrix.setFromTriplets(entries.begin(), entries.end());
-  matrix += b * elastic_stiffness(mesh, system.materials);
-  table.inverse = invert(matrix, mesh.nodes, 3);
-  for (const TetMaterial& material : system.materials) {
-    table.elasticity.push_back({static_cast<float>(b * material.lambda), static_cast<float>(b * material.mu)});
-  }
+  table.inverse = invert(jiggle_matrix(mesh, system, step), mesh.nodes, 3);
   return table;
 }
 

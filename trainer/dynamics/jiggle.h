@@ -24,7 +24,10 @@ JiggleSystem make_jiggle_system(const JiggleSettings& settings, const JiggleFiel
                                 const TetMesh& mesh, const JiggleAnatomy& anatomy, const Materials& materials,
                                 std::vector<std::string>& notes);
 
-// A = M / d^2 + C / d + K + springs, inverted; nodes without muscles. `step` gets the system's beta. Throws
+// A = M / d^2 + C / d + K + springs, 3N x 3N, unknown 3 x node + axis. Of `step` its length alone is looked at.
+SparseMatrix jiggle_matrix(const TetMesh& mesh, const JiggleSystem& system, const JiggleStep& step);
+
+// A, inverted; nodes without muscles. `step` gets the system's beta. Throws
 // Error(usage) where its frames a second or substeps are not above 0.
 JiggleTable make_jiggle_table(const TetMesh& mesh, const JiggleSystem& system, JiggleStep step);
 

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cmath>
+#include <nlohmann/json.hpp>
 #include <sstream>
 #include <utility>
 
@@ -149,10 +150,7 @@ JiggleSettings jiggle_settings(const Json& json, const std::filesystem::path& or
   if (top.has("lowest_frequency")) settings.lowest_frequency = lowest_frequency(top);
   if (top.has("limit")) settings.limit = limit(top);
   if (!top.has("regions")) return settings;
-  const Json& list = top.array("regions");
-  for (std::size_t k = 0; k < list.size(); ++k) {
-    settings.regions.push_back(read_region(JsonObject(list[k], origin, "regions[" + std::to_string(k) + "]")));
-  }
+  for (const JsonObject& region : top.objects("regions")) settings.regions.push_back(read_region(region));
   return settings;
 }
 

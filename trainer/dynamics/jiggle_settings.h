@@ -2,10 +2,11 @@
 #pragma once
 
 #include <filesystem>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <vector>
+
+#include "runtime/core/json.h"
 
 namespace bodyopt {
 
@@ -49,8 +50,8 @@ void require_possible(const JiggleSettings& settings);
 // jiggle.json (docs/formats.md). What the file leaves out keeps its default. Throws Error(file).
 JiggleSettings read_jiggle(const std::filesystem::path& path);
 // Of what such a file holds. Throws Error(file) that names `origin`.
-JiggleSettings jiggle_settings(const nlohmann::ordered_json& json, const std::filesystem::path& origin);
+JiggleSettings jiggle_settings(const Json& json, const std::filesystem::path& origin);
 // What read_jiggle() reads as these settings.
-nlohmann::ordered_json jiggle_json(const JiggleSettings& settings);
+Json jiggle_json(const JiggleSettings& settings);
 
 }  // namespace bodyopt

@@ -1,11 +1,11 @@
 #include "trainer/dynamics/lowest_frequency.h"
 
-#include <Eigen/SparseCholesky>
 #include <algorithm>
 #include <map>
 #include <numbers>
 
 #include "assets/wording.h"
+#include "base/linear_algebra.h"
 #include "runtime/core/error.h"
 
 namespace bodyopt {
@@ -28,8 +28,8 @@ Eigen::VectorXd give_of(const TetMesh& mesh, const SparseMatrix& elastic, const 
   SparseMatrix matrix(3 * nodes, 3 * nodes);
   matrix.setFromTriplets(entries.begin(), entries.end());
   matrix += elastic;
-  const Eigen::SimplicialLDLT<SparseMatrix> factor(matrix);
-  if (factor.info() != Eigen::Success) {
+  const SparseSolver factor(matrix);
+  if (!factor.is_solvable()) {
     throw Error(ErrorKind::mismatch, "the stiffness of the tetrahedra cannot be factorised: some of them are flat");
   }
   Eigen::VectorXd give = Eigen::VectorXd::Zero(nodes);

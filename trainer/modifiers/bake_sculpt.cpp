@@ -1,5 +1,6 @@
 // Sculpt: what an artist's mesh of one pose has beyond the skin that the basis gives there, un-posed.
 #include <algorithm>
+#include <nlohmann/json.hpp>
 #include <numbers>
 
 #include "assets/character.h"

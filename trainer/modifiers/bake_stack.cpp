@@ -1,6 +1,7 @@
 #include "trainer/modifiers/bake_stack.h"
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
 #include <set>
 
 #include "assets/character.h"

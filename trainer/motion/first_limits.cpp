@@ -1,6 +1,5 @@
 #include "trainer/motion/first_limits.h"
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
@@ -8,6 +7,7 @@
 
 #include "assets/joints_with_skin.h"
 #include "assets/wording.h"
+#include "base/linear_algebra.h"
 #include "runtime/core/error.h"
 #include "trainer/motion/attached_rig.h"
 #include "trainer/motion/turns_from_bind.h"
@@ -86,9 +86,9 @@ Vector3d bend_of(const std::vector<Quat>& turns, const Vector3d& bone) {
   }
   const Vector3d usual = across(bone);
   const double radians = kTurns * std::numbers::pi / 180;
-  const Eigen::SelfAdjointEigenSolver<Matrix3d> solver(moments);
-  if (solver.eigenvalues()[2] < radians * radians) return usual;
-  const Vector3d most = solver.eigenvectors().col(2);
+  const SymmetricEigen3 eigen = symmetric_eigen_3(moments);
+  if (eigen.values[2] < radians * radians) return usual;
+  const Vector3d most = eigen.vectors.col(2);
   const Vector3d bend = (most - most.dot(bone) * bone).normalized();
   return bend.dot(usual) < 0 ? Vector3d(-bend) : bend;
 }
@@ -171,8 +171,7 @@ JointLimits first_limits(const Character& own, const std::vector<Pose>& own_pose
   JointLimits limits;
   limits.source =
       "first limits, to be edited: a joint's 'rest' of 0 is the bind pose; 'twist' is about its bone, 'bend' about "
-      "what "
-      "the clips turn it about most, or else nearly left-right, 'side' about the third";
+      "what the clips turn it about most, or else nearly left-right, 'side' about the third";
   for (const std::uint32_t j : bending_joints(character, with_skin)) {
     const std::vector<Quat> turns = turns_from_bind(skeleton, poses, j);
     const Vector3d bone = bone_of(skeleton, j);

@@ -16,8 +16,6 @@ constexpr int kMostRedrawn = 50;  // times that limbs of a pose are in the way
 constexpr int kMostLost = 20;     // poses in a row
 constexpr double kMoves = 0.1;    // degrees
 
-double angle_between(const Quat& a, const Quat& b) { return angle_of(conjugate(a) * b); }
-
 std::vector<Quat> rotations(const std::vector<Pose>& poses, std::uint32_t joint) {
   std::vector<Quat> result;
   for (const Pose& pose : poses) result.push_back(normalized(pose.joints[joint].rotation));
@@ -26,8 +24,8 @@ std::vector<Quat> rotations(const std::vector<Pose>& poses, std::uint32_t joint)
 
 double angle_to_nearest(const Quat& q, const std::vector<Quat>& others) {
   const auto cosine = [&](const Quat& o) { return std::abs(q[0] * o[0] + q[1] * o[1] + q[2] * o[2] + q[3] * o[3]); };
-  return angle_between(q, *std::max_element(others.begin(), others.end(),
-                                            [&](const Quat& a, const Quat& b) { return cosine(a) < cosine(b); }));
+  const auto further = [&](const Quat& a, const Quat& b) { return cosine(a) < cosine(b); };
+  return angle_of(conjugate(q) * *std::max_element(others.begin(), others.end(), further));
 }
 
 bool turns_any(const DegreeOfFreedom& dof, const std::set<std::uint32_t>& joints) {
@@ -62,7 +60,7 @@ std::vector<JointCoverage> coverage(const std::vector<Pose>& frames, const std::
   for (const std::uint32_t joint : joints_that_bend(character)) {
     const Quat bind = normalized(skeleton.joints[joint].bind.rotation);
     const std::vector<Quat> shown = rotations(frames, joint), asked = rotations(wanted, joint);
-    const auto moves = [&](const Quat& q) { return angle_between(q, bind) > kMoves; };
+    const auto moves = [&](const Quat& q) { return angle_of(conjugate(q) * bind) > kMoves; };
     if (std::none_of(shown.begin(), shown.end(), moves) && std::none_of(asked.begin(), asked.end(), moves)) continue;
     const double none = asked.empty() ? std::numeric_limits<double>::quiet_NaN() : 0;
     JointCoverage measured{skeleton.joints[joint].name, none, none};

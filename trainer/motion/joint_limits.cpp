@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <nlohmann/json.hpp>
 #include <set>
 
 #include "assets/json_file.h"
@@ -27,19 +28,18 @@ class LimitsReader {
  public:
   LimitsReader(const std::filesystem::path& path, const Skeleton& skeleton) : path_(path), skeleton_(skeleton) {}
 
-  JointLimits read() {
-    const Json json = read_json(path_, kSchema);
+  JointLimits read(const Json& json) {
     const JsonObject top(json, path_, "the file");
     top.allow({"schema", "source", "mirrored_joints", "dofs", "deviations", "poses", "detached_joints"});
     if (top.has("source")) limits_.source = top.text("source");
-    if (top.has("mirrored_joints")) read_pairs(top.array("mirrored_joints"));
+    if (top.has("mirrored_joints")) read_pairs(top.objects("mirrored_joints"));
     const Json& list = top.array("dofs");
     if (list.empty()) top.refuse("has no degree of freedom in 'dofs'");
     for (std::size_t k = 0; k < list.size(); ++k) read_dof(list[k], "dofs[" + std::to_string(k) + "]");
-    if (top.has("deviations")) read_deviations(top.array("deviations"));
+    if (top.has("deviations")) read_deviations(top.objects("deviations"));
     add_usual_deviations();
-    if (top.has("poses")) read_poses(top.array("poses"));
-    if (top.has("detached_joints")) read_detached(top.array("detached_joints"));
+    if (top.has("poses")) read_poses(top.objects("poses"));
+    if (top.has("detached_joints")) read_detached(top.objects("detached_joints"));
     return limits_;
   }
 
@@ -53,9 +53,8 @@ class LimitsReader {
     return static_cast<std::uint32_t>(joint);
   }
 
-  void read_pairs(const Json& list) {
-    for (std::size_t k = 0; k < list.size(); ++k) {
-      const JsonObject pair(list[k], path_, "mirrored_joints[" + std::to_string(k) + "]");
+  void read_pairs(const std::vector<JsonObject>& list) {
+    for (const JsonObject& pair : list) {
       pair.allow({"joint", "mirror"});
       if (!mirrored_.emplace(joint(pair.name("joint")), joint(pair.name("mirror"))).second) {
         pair.refuse("has the joint '" + pair.name("joint") + "' of an earlier pair");
@@ -135,9 +134,8 @@ class LimitsReader {
   }
 
   // Those named first; then their mirror images that are not named themselves.
-  void read_deviations(const Json& list) {
-    for (std::size_t k = 0; k < list.size(); ++k) {
-      const JsonObject object(list[k], path_, "deviations[" + std::to_string(k) + "]");
+  void read_deviations(const std::vector<JsonObject>& list) {
+    for (const JsonObject& object : list) {
       object.allow({"joint", "degrees", "source"});
       const std::string name = object.name("joint");
       const Deviation deviation{object.number("degrees", 0, kLargestDeviation),
@@ -169,9 +167,8 @@ class LimitsReader {
     return joint;
   }
 
-  void read_detached(const Json& list) {
-    for (std::size_t k = 0; k < list.size(); ++k) {
-      const JsonObject object(list[k], path_, "detached_joints[" + std::to_string(k) + "]");
+  void read_detached(const std::vector<JsonObject>& list) {
+    for (const JsonObject& object : list) {
       object.allow({"joint", "follows", "source"});
       const DetachedJoint read{joint(object.name("joint")), joint(object.name("follows")),
                                object.has("source") ? object.text("source") : ""};
@@ -191,12 +188,11 @@ class LimitsReader {
     }
   }
 
-  void read_poses(const Json& list) {
-    for (std::size_t k = 0; k < list.size(); ++k) {
-      const JsonObject object(list[k], path_, "poses[" + std::to_string(k) + "]");
+  void read_poses(const std::vector<JsonObject>& list) {
+    for (const JsonObject& object : list) {
       object.allow({"name", "source", "angles"});
       if (object.has("source")) object.text("source");
-      const CommonPose pose{object.name("name"), read_angles(list[k], object)};
+      const CommonPose pose{object.name("name"), read_angles(object.json(), object)};
       const CommonPose image{pose.name + ", mirrored", mirror_image(pose.angles)};
       limits_.poses.push_back(pose);
       if (!mirrored_.empty() && image.angles != pose.angles) limits_.poses.push_back(image);
@@ -262,7 +258,11 @@ bool hangs_under(const Skeleton& skeleton, const std::vector<DetachedJoint>& det
 }
 
 JointLimits read_joint_limits(const std::filesystem::path& path, const Skeleton& skeleton) {
-  return LimitsReader(path, skeleton).read();
+  return LimitsReader(path, skeleton).read(read_json(path, kSchema));
+}
+
+JointLimits parse_joint_limits(std::string_view text, const std::filesystem::path& path, const Skeleton& skeleton) {
+  return LimitsReader(path, skeleton).read(parse_json(text, path, kSchema));
 }
 
 Json to_json(const JointLimits& limits, const Skeleton& skeleton) {

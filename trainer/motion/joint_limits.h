@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "assets/json_file.h"
@@ -67,6 +68,8 @@ bool hangs_under(const Skeleton& skeleton, const std::vector<DetachedJoint>& det
 // they differ, those of detached joints that are not named. Throws Error(file) for bad bytes, and Error(mismatch) for
 // joints the skeleton lacks and for limits that exclude the rest pose.
 JointLimits read_joint_limits(const std::filesystem::path& path, const Skeleton& skeleton);
+// The same of a file's text that is in memory already; messages call it `path`.
+JointLimits parse_joint_limits(std::string_view text, const std::filesystem::path& path, const Skeleton& skeleton);
 void write_joint_limits(const JointLimits& limits, const Skeleton& skeleton, const std::filesystem::path& path);
 Json to_json(const JointLimits& limits, const Skeleton& skeleton);  // what the file has
 

@@ -39,9 +39,6 @@ Pose limited_pose(const Skeleton& skeleton, const JointLimits& limits, const Pos
   return pose;
 }
 
-double angle_of(const Quat& q) {
-  const double sine = std::sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2]);
-  return 2 * std::atan2(sine, std::abs(q[3])) * 180 / std::numbers::pi;
-}
+double angle_of(const Quat& q) { return angle_between({0, 0, 0, 1}, q) * 180 / std::numbers::pi; }
 
 }  // namespace bodyopt

@@ -108,7 +108,7 @@ class ProxyBuilder {
 
 }  // namespace
 
-nlohmann::ordered_json to_json(const LevelReport& report) {
+Json to_json(const LevelReport& report) {
   return {{"vertices", report.vertices},
           {"error_mm", report.error},
           {"distance_rms_mm", report.distance_rms},
@@ -121,8 +121,8 @@ nlohmann::ordered_json to_json(const LevelReport& report) {
           {"map_bytes", report.map_bytes}};
 }
 
-nlohmann::ordered_json to_json(const ProxyReport& report) {
-  nlohmann::ordered_json levels = nlohmann::ordered_json::array();
+Json to_json(const ProxyReport& report) {
+  Json levels = Json::array();
   for (const LevelReport& level : report.levels) levels.push_back(to_json(level));
   return {{"full_vertices", report.full_vertices}, {"measured_on", report.measured_on}, {"levels", levels}};
 }
@@ -132,7 +132,7 @@ ProxyReport read_proxy_report(const Basis& basis) {
   const auto text = basis.metadata.find("levels");
   if (text == basis.metadata.end()) return report;
   const std::string where = "the basis' metadata 'levels'";
-  const auto json = parse_strict_json<nlohmann::json>(text->second, where);
+  const auto json = parse_strict_json(text->second, where);
   try {
     report.full_vertices = json.at("full_vertices");
     report.measured_on = json.at("measured_on");
@@ -141,7 +141,7 @@ ProxyReport read_proxy_report(const Basis& basis) {
                                level.at("distance_max_mm"), level.at("skin_rms_mm"), level.at("rms_mm"),
                                level.at("p99_mm"), level.at("max_mm"), level.at("bytes"), level.at("map_bytes")});
     }
-  } catch (const nlohmann::json::exception& error) {
+  } catch (const Json::exception& error) {
     throw Error(ErrorKind::file, where + " is damaged: " + error.what());
   }
   return report;

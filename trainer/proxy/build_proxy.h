@@ -1,7 +1,6 @@
 // Levels of detail of a character, trained on its own shapes.
 #pragma once
 
-#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 
@@ -28,14 +27,14 @@ struct LevelReport {
   double bytes = 0;                  // of its tables
   double map_bytes = 0;              // of what carries the full skin, on top
 };
-nlohmann::ordered_json to_json(const LevelReport& report);
+Json to_json(const LevelReport& report);
 struct ProxyReport {
   std::uint32_t full_vertices = 0;
   std::string measured_on;  // "72 held-out frames"
   std::vector<LevelReport> levels;
 };
 // As the first level's metadata "levels".
-nlohmann::ordered_json to_json(const ProxyReport& report);
+Json to_json(const ProxyReport& report);
 // Of the first level's metadata; without levels where there is none. Throws Error(file) where it is damaged.
 ProxyReport read_proxy_report(const Basis& basis);
 

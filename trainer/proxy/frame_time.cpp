@@ -1,7 +1,5 @@
 #include "trainer/proxy/frame_time.h"
 
-#include <omp.h>
-
 #include <algorithm>
 #include <limits>
 #include <vector>
@@ -28,7 +26,7 @@ FrameTime frame_time(const Level& level) {
     carrying = std::min(carrying, watch.seconds());
   }
   if (level.carried.empty()) carrying = 0;
-  return {1e6 * best / kFrames, 1e6 * carrying / kFrames, omp_get_max_threads()};
+  return {1e6 * best / kFrames, 1e6 * carrying / kFrames, static_cast<int>(thread_count())};
 }
 
 }  // namespace bodyopt

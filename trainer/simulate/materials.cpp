@@ -1,6 +1,7 @@
 #include "trainer/simulate/materials.h"
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
 
 #include "assets/json_file.h"
 

@@ -1,7 +1,6 @@
 #include "trainer/simulate/node_weights.h"
 
-#include <Eigen/SparseCholesky>
-
+#include "base/linear_algebra.h"
 #include "runtime/core/error.h"
 
 namespace bodyopt {
@@ -20,8 +19,8 @@ NodeWeights skin_weights(const Character& character, Eigen::Index rows) {
   return weights;
 }
 
-void require(const Eigen::SimplicialLDLT<SparseMatrix>& factor) {
-  if (factor.info() != Eigen::Success) throw Error(ErrorKind::mismatch, "the tetrahedra are too flat to carry weights");
+void require(const SparseSolver& factor) {
+  if (!factor.is_solvable()) throw Error(ErrorKind::mismatch, "the tetrahedra are too flat to carry weights");
 }
 
 void normalise(NodeWeights& weights) {
@@ -44,7 +43,7 @@ NodeWeights carry_inwards(const Character& character, const SparseMatrix& laplac
   NodeWeights weights = skin_weights(character, laplacian.rows());
   if (inside > 0) {
     const SparseMatrix matrix = laplacian + springs;
-    const Eigen::SimplicialLDLT<SparseMatrix> factor(matrix.bottomRightCorner(inside, inside));
+    const SparseSolver factor(matrix.bottomRightCorner(inside, inside));
     require(factor);
     const SparseMatrix to_skin = matrix.bottomLeftCorner(inside, skin);
     for (Eigen::Index j = 0; j < weights.cols(); ++j) {
@@ -75,7 +74,7 @@ NodeWeights carry_through(const Character& character, const Cage& cage, const Sp
   SparseMatrix matrix(laplacian.rows(), laplacian.rows());
   matrix.setFromTriplets(entries.begin(), entries.end());
   matrix += laplacian + springs;
-  const Eigen::SimplicialLDLT<SparseMatrix> factor(matrix);
+  const SparseSolver factor(matrix);
   require(factor);
   NodeWeights weights = factor.solve(right);
   normalise(weights);

@@ -102,12 +102,6 @@ int single_root(const Skeleton& skeleton) {
   return roots == 1 ? 0 : -1;
 }
 
-double rotation_between(const Quat& a, const Quat& b) {
-  double cosine = 0;
-  for (std::size_t i = 0; i < 4; ++i) cosine += a[i] * b[i];
-  return 2 * std::acos(std::min(std::abs(cosine), 1.0));
-}
-
 using LocalTransforms = std::vector<JointTransform>;
 
 // The straight path in joint angles, u = 0 at one pose, 1 at the other.
@@ -126,7 +120,7 @@ LocalTransforms between(const LocalTransforms& from, const LocalTransforms& to, 
 double widest_turn(const LocalTransforms& from, const LocalTransforms& to) {
   double widest = 0;
   for (std::size_t j = 0; j < from.size(); ++j) {
-    widest = std::max(widest, rotation_between(normalized(from[j].rotation), normalized(to[j].rotation)));
+    widest = std::max(widest, angle_between(normalized(from[j].rotation), normalized(to[j].rotation)));
   }
   return widest;
 }

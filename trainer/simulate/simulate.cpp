@@ -11,7 +11,6 @@
 #include "assets/pc2.h"
 #include "base/parallel.h"
 #include "base/progress.h"
-#include "base/single_threaded_products.h"
 #include "runtime/core/error.h"
 #include "trainer/simulate/body_hash.h"
 #include "trainer/simulate/check_muscles.h"
@@ -224,7 +223,7 @@ BodyTets choose_tets(const Character& character, const SimulateOptions& options)
             options.tet_size > 0
                 ? lattice_cage_of_size(character.vertices, character.triangles, character.weights, options.tet_size)
                 : make_cage(character.vertices, character.triangles, character.weights, kCageNodes),
-            error.what()};
+            error};
   }
 }
 
@@ -258,11 +257,12 @@ QuasiStaticBody make_body(const Character& character, const std::vector<Muscle>&
     return {character, muscles, *tets.filled, options.materials};
   }
   const Cage& cage = *tets.cage;
-  if (!tets.why_cage.empty()) {
-    options.warn(tets.why_cage + "; it is simulated in a cage of " + std::to_string(cage.mesh.nodes.rows()) +
-                 " nodes, " + (cage.is_lattice ? "a lattice without contact" : "a coarser skin"));
+  if (tets.why_cage) {
+    options.warn(std::string(tets.why_cage->what()) + "; it is simulated in a cage of " +
+                 std::to_string(cage.mesh.nodes.rows()) + " nodes, " +
+                 (cage.is_lattice ? "a lattice without contact" : "a coarser skin"));
   } else if (cage.is_lattice) {
-    options.warn("the draft is made in a lattice, without contact: " + cage.why_lattice);
+    options.warn("the draft is made in a lattice, without contact: " + std::string(cage.why_lattice->what()));
   }
   warn_of_mending(cage.mending, options);
   if (const std::string glued = glued_parts(cage, character); !glued.empty()) {
@@ -272,7 +272,6 @@ QuasiStaticBody make_body(const Character& character, const std::vector<Muscle>&
 }
 
 SolvedPose solve_frame(const QuasiStaticBody& body, const std::vector<Muscle>& muscles, const Clip& clip, int frame) {
-  const SingleThreadedProducts single_threaded;
   const Job job = jobs_of(body, muscles, clip, {frame}).front();
   return body.solve(*job.pose, job.flex);
 }
@@ -285,7 +284,6 @@ std::vector<FrameStatus> simulate(const Character& character, const std::vector<
                                   const std::vector<int>& frames, const TakeLock& take,
                                   const std::filesystem::path& status, const SimulateOptions& options) {
   require_distinct(frames);
-  const SingleThreadedProducts single_threaded;
   return simulate(make_body(character, muscles, options), character, muscles, clip, frames, take, status, options);
 }
 
@@ -294,7 +292,6 @@ std::vector<FrameStatus> simulate(const QuasiStaticBody& body, const Character& 
                                   const TakeLock& take, const std::filesystem::path& status,
                                   const SimulateOptions& options) {
   require_distinct(frames);
-  const SingleThreadedProducts single_threaded;
   const std::string thin = check_muscles(character, muscles, body);
   if (!thin.empty()) options.warn(thin);
   const std::filesystem::path& cache = take.cache();

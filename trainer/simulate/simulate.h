@@ -30,8 +30,8 @@ struct SimulateOptions {
 // The tets that frames are solved in: those of the skin, mended where it needs it, or a cage's.
 struct BodyTets {
   std::optional<FilledBody> filled;
-  std::optional<Cage> cage;  // where there is no filled
-  std::string why_cage;      // what kept the skin from being filled; empty in a draft
+  std::optional<Cage> cage;       // where there is no filled
+  std::optional<Error> why_cage;  // what kept the skin from being filled; none in a draft
 };
 BodyTets choose_tets(const Character& character, const SimulateOptions& options);
 

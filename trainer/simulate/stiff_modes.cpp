@@ -15,7 +15,7 @@ StiffModes::StiffModes(const Metric& metric, Eigen::Index node_count, std::vecto
     small.col(static_cast<Eigen::Index>(solved_.size()) - 1) = project(column);
   }
   for (Eigen::Index m = 0; m < count; ++m) small(m, m) += 1 / stiffness[static_cast<std::size_t>(m)];
-  small_.compute(small);
+  small_ = Cholesky(std::move(small));
 }
 
 Eigen::VectorXd StiffModes::project(const Positions& values) const {

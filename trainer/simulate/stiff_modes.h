@@ -1,10 +1,10 @@
 // A few stiff directions on top of the constant metric.
 #pragma once
 
-#include <Eigen/Cholesky>
 #include <utility>
 #include <vector>
 
+#include "base/linear_algebra.h"
 #include "trainer/simulate/metric.h"
 
 namespace bodyopt {
@@ -28,7 +28,7 @@ class StiffModes {
   const Metric& metric_;
   std::vector<SparseMode> modes_;
   std::vector<Positions> solved_;  // of every mode: metric^-1 g
-  Eigen::LLT<Eigen::MatrixXd> small_;
+  Cholesky small_;
 };
 
 }  // namespace bodyopt

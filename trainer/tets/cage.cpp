@@ -1,6 +1,5 @@
 #include "trainer/tets/cage.h"
 
-#include "runtime/core/error.h"
 #include "trainer/tets/lattice_cage.h"
 #include "trainer/tets/skin_cage.h"
 
@@ -32,7 +31,8 @@ Cage filled_skin(const Positions& vertices, const Triangles& triangles, const Sk
   const FillableSkin fillable = fillable_skin(vertices, triangles, weights);
   // Only a lattice holds pieces together that no bone holds.
   if (fillable.pieces > 1) {
-    throw Error(ErrorKind::mismatch, "the skin is in " + std::to_string(fillable.pieces) + " pieces");
+    throw Error(ErrorKind::mismatch, "the skin is in " + std::to_string(fillable.pieces) + " pieces",
+                ErrorCause::several_pieces);
   }
   Cage cage = skin_cage(fillable.vertices, fillable.triangles, max_nodes);
   require_near(cage);
@@ -52,9 +52,8 @@ Cage make_cage(const Positions& vertices, const Triangles& triangles, const Skin
     cage = filled_skin(vertices, triangles, weights, max_nodes);
   } catch (const Error& error) {
     if (error.kind() != ErrorKind::mismatch) throw;  // it is not for the skin
-    const std::string reason = error.what();
     cage = lattice_cage(vertices, triangles, weights, max_nodes);
-    cage.why_lattice = reason;
+    cage.why_lattice = error;
   }
   cage.glued = glued_vertices(vertices, triangles, weights, cage.mesh, cage.skin);
   return cage;

@@ -1,10 +1,12 @@
 // Coarse tetrahedra that carry a skin.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "geometry/embedding.h"
+#include "runtime/core/error.h"
 #include "trainer/tets/fillable_skin.h"
 #include "trainer/tets/own_joints.h"
 #include "trainer/tets/riders.h"
@@ -19,13 +21,13 @@ struct CageSample {
 
 struct Cage {
   TetMesh mesh;
-  std::vector<EmbeddedPoint> skin;  // V: where every vertex lies
-  std::vector<CageSample> samples;  // what is tissue in the cage
-  Riders riders;                    // what of a mended skin has no tets
-  bool is_lattice = false;          // its tets reach beyond the skin and may overlap where parts are close
-  std::string why_lattice;          // what kept the skin from being filled
-  std::string mending;              // what was done to fill it, as FillableSkin::mending
-  std::vector<GluedVertex> glued;   // of make_cage: parts that it holds together and the joints would not
+  std::vector<EmbeddedPoint> skin;   // V: where every vertex lies
+  std::vector<CageSample> samples;   // what is tissue in the cage
+  Riders riders;                     // what of a mended skin has no tets
+  bool is_lattice = false;           // its tets reach beyond the skin and may overlap where parts are close
+  std::optional<Error> why_lattice;  // what kept the skin from being filled
+  std::string mending;               // what was done to fill it, as FillableSkin::mending
+  std::vector<GluedVertex> glued;    // of make_cage: parts that it holds together and the joints would not
 };
 
 // A coarser skin filled with tets (skin_cage) where that comes out well: skin of which one piece is filled

@@ -115,6 +115,7 @@ FilledSkin fill_coarser(const FineSkin& fine, FillLimit limit, const std::functi
   std::optional<FilledSkin> best;
   double best_share = 0;
   std::string refusal = "every one tried had too many nodes or tetrahedra";
+  ErrorCause cause = ErrorCause::other;
   int refused = 0;
   for (int attempt = 0; attempt < kAttempts && refused < kMostRefused; ++attempt) {
     CoarseSkin skin = coarser(fine, scale);
@@ -132,11 +133,12 @@ FilledSkin fill_coarser(const FineSkin& fine, FillLimit limit, const std::functi
     } catch (const Error& error) {
       if (error.kind() != ErrorKind::mismatch && error.kind() != ErrorKind::usage) throw;  // too fine, or not filled
       refusal = error.what() + where_it_passes_through_itself(skin);
+      cause = error.cause();
       ++refused;
       scale *= kLittleFiner;
     }
   }
-  if (!best) throw Error(ErrorKind::mismatch, "no coarser skin can be filled: " + refusal);
+  if (!best) throw Error(ErrorKind::mismatch, "no coarser skin can be filled: " + refusal, cause);
   return std::move(*best);
 }
 

@@ -90,10 +90,11 @@ class SkinMender {
  public:
   SkinMender(const Positions& vertices, const Triangles& triangles, const SkinWeights& weights)
       : vertices_(vertices), triangles_(triangles), weights_(weights) {
-    if (vertices.rows() == 0 || triangles.rows() == 0) refuse("it has no triangles (an empty mesh)");
-    if (!vertices.allFinite()) refuse("a vertex is not a finite number (a damaged file)");
+    if (vertices.rows() == 0 || triangles.rows() == 0)
+      refuse(ErrorCause::no_faces, "it has no triangles (an empty mesh)");
+    if (!vertices.allFinite()) refuse(ErrorCause::damaged, "a vertex is not a finite number (a damaged file)");
     if (static_cast<Eigen::Index>(triangles.maxCoeff()) >= vertices.rows()) {
-      refuse("a triangle names a missing vertex (a damaged file)");
+      refuse(ErrorCause::damaged, "a triangle names a missing vertex (a damaged file)");
     }
   }
 
@@ -108,17 +109,17 @@ class SkinMender {
     result_.intersections = static_cast<Eigen::Index>(tangles_.size());
     const Positions before = result_.vertices;
     if (!untangle(result_.triangles, room, result_.vertices)) {
-      refuse(std::to_string(tangles_.size()) +
-             " pairs of triangles intersect and cannot be moved apart, the first at vertex " +
-             std::to_string(result_.tangled.front()));
+      refuse(ErrorCause::crossing, std::to_string(tangles_.size()) +
+                                       " pairs of triangles intersect and cannot be moved apart, the first at vertex " +
+                                       std::to_string(result_.tangled.front()));
     }
     result_.farthest = (result_.vertices - before).rowwise().norm().maxCoeff();
     return std::move(result_);
   }
 
  private:
-  [[noreturn]] static void refuse(const std::string& reason) {
-    throw Error(ErrorKind::mismatch, "the skin encloses no volume to simulate: " + reason);
+  [[noreturn]] static void refuse(ErrorCause cause, const std::string& reason) {
+    throw Error(ErrorKind::mismatch, "the skin encloses no volume to simulate: " + reason, cause);
   }
 
   void merge_and_drop() {
@@ -232,16 +233,18 @@ class SkinMender {
         continue;
       }
       if (!follows && pieces_[p].area > kLargePiece * area_of(vertices_, triangles_)) {
-        refuse("a large piece, that of vertex " + std::to_string(pieces_[p].first) +
-               ", passes through the others or is open, and follows other joints (pieces that belong together are to "
-               "be joined)");
+        refuse(
+            ErrorCause::large_piece,
+            "a large piece, that of vertex " + std::to_string(pieces_[p].first) +
+                ", passes through the others or is open, and follows other joints (pieces that belong together are to "
+                "be joined)");
       }
       result_.riders.push_back(pieces_[p].first);
     }
   }
   [[noreturn]] void refuse_open() const {
     require_closed(vertices_, triangles_);  // names the defect
-    refuse("it is flat");
+    refuse(ErrorCause::flat, "it is flat");
   }
   bool merged_away(std::size_t p) const { return first_[pieces_[p].first] != pieces_[p].first; }
 

@@ -43,10 +43,10 @@ std::array<std::array<Barycentric, 5>, 2> make_barycentric() {
 }
 
 void require_mesh(const Positions& vertices, const Triangles& triangles, const SkinWeights& weights) {
-  const auto refuse = [](const std::string& defect) {
-    throw Error(ErrorKind::mismatch, "no cage can be made around the skin: " + defect + " (a damaged file)");
+  const auto refuse = [](const std::string& defect, ErrorCause cause = ErrorCause::damaged) {
+    throw Error(ErrorKind::mismatch, "no cage can be made around the skin: " + defect + " (a damaged file)", cause);
   };
-  if (vertices.rows() == 0 || triangles.rows() == 0) refuse("it has no triangles");
+  if (vertices.rows() == 0 || triangles.rows() == 0) refuse("it has no triangles", ErrorCause::no_faces);
   if (!vertices.allFinite()) refuse("a vertex is not a finite number");
   if ((vertices.rowwise() - vertices.row(0)).isZero(0)) refuse("all vertices are in one place");
   if (static_cast<Eigen::Index>(triangles.maxCoeff()) >= vertices.rows()) refuse("a triangle names a missing vertex");

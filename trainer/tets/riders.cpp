@@ -201,8 +201,8 @@ Riders::Riders(const FillableSkin& fillable, const Positions& vertices, const Tr
   const RiderSystem system(fillable, vertices, triangles, weights);
   for (const std::uint32_t v : vertices_) unknown_.push_back(system.unknown(v));
   held_ = system.held();
-  solver_ = std::make_shared<const Eigen::SimplicialLDLT<Matrix>>(system.pulls());
-  if (solver_->info() != Eigen::Success) {
+  solver_ = std::make_shared<const SparseSolver>(system.pulls());
+  if (!solver_->is_solvable()) {
     throw Error(ErrorKind::mismatch, "what rides on the skin cannot be held to it: a piece without area");
   }
 }
@@ -210,7 +210,7 @@ Riders::Riders(const FillableSkin& fillable, const Positions& vertices, const Tr
 Positions Riders::spread(const Positions& values) const {
   if (empty()) return Positions(0, 3);
   const Eigen::MatrixXd sum = held_ * values;
-  return Eigen::MatrixXd(solver_->solve(sum))(unknown_, Eigen::all);
+  return solver_->solve(sum)(unknown_, Eigen::all);
 }
 
 }  // namespace bodyopt

@@ -1,10 +1,11 @@
 // Pieces that ride on a body: hair cards, loose fins, eyes, teeth, buttons.
 #pragma once
 
-#include <Eigen/SparseCholesky>
+#include <Eigen/SparseCore>
 #include <memory>
 #include <vector>
 
+#include "base/linear_algebra.h"
 #include "trainer/tets/fillable_skin.h"
 
 namespace bodyopt {
@@ -30,9 +31,9 @@ class Riders {
  private:
   using Matrix = Eigen::SparseMatrix<double>;
   std::vector<std::uint32_t> vertices_;
-  std::vector<int> unknown_;                                     // R: vertices merged with another share its unknown
-  Matrix held_;                                                  // unknowns x V: what holds each
-  std::shared_ptr<const Eigen::SimplicialLDLT<Matrix>> solver_;  // null where nothing rides
+  std::vector<int> unknown_;                    // R: vertices merged with another share its unknown
+  Matrix held_;                                 // unknowns x V: what holds each
+  std::shared_ptr<const SparseSolver> solver_;  // null where nothing rides
 };
 
 }  // namespace bodyopt

@@ -103,7 +103,8 @@ std::string fill(const Positions& vertices, const Triangles& triangles, double s
 [[noreturn]] void refuse(const std::string& reason) {
   throw Error(ErrorKind::mismatch,
               "the skin cannot be filled with tetrahedra: " + reason +
-                  "; the likely cause is a skin that intersects itself or has slivers between close sheets");
+                  "; the likely cause is a skin that intersects itself or has slivers between close sheets",
+              ErrorCause::unfillable);
 }
 
 }  // namespace

@@ -1,6 +1,9 @@
 #include "trainer/transfer/carry_modifiers.h"
 
+#include <nlohmann/json.hpp>
+
 #include "assets/pc2.h"
+#include "dataset/modifier.h"
 #include "runtime/core/error.h"
 #include "trainer/train/skinning/mesh_table.h"
 
@@ -97,8 +100,9 @@ class ModifierCarrier {
 
 }  // namespace
 
-Json carried_selections(Json selections, const TransferPair& pair) {
-  rename_joints(selections, pair);
+std::vector<NamedSelection> carried_selections(const Dataset& dataset, const TransferPair& pair) {
+  std::vector<NamedSelection> selections = dataset.selections;
+  for (NamedSelection& selection : selections) rename_joints(selection.frames, pair);
   return selections;
 }
 

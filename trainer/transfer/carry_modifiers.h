@@ -20,7 +20,7 @@ std::vector<Modifier> carried_modifiers(const Dataset& dataset, const Character&
                                         const TransferPair& pair, const std::filesystem::path& out,
                                         std::vector<std::string>& notes);
 
-// Named selections of frames, by which modifiers choose, with the target's joints.
-Json carried_selections(Json selections, const TransferPair& pair);
+// Its named selections, with the target's joints.
+std::vector<NamedSelection> carried_selections(const Dataset& dataset, const TransferPair& pair);
 
 }  // namespace bodyopt

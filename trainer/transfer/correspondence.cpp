@@ -170,8 +170,7 @@ Correspondence match_skins(const Basis& source, const Basis& target, const Skele
     }
     result.notes.emplace_back(
         "the triangles are the same, but markers say that vertices of one number are not the same points: the skins "
-        "are "
-        "matched by place");
+        "are matched by place");
   }
   result.fitted = register_skin(source, target, result.target, from, to, match, markers);
   match_by_place(source, target, from, to, result);

@@ -9,7 +9,7 @@ namespace bodyopt {
 namespace {
 
 // Of the extent of the target: how far a gradient's error is summed before the anchors take over. Of 0.05, 0.1, 0.25,
-// 0.5, 1 and 3 this left the least between two builds of one human (docs/benchmarks.md).
+// 0.5, 1 and 3 this left the least between two builds of one human (docs/notes, Transfer).
 constexpr double kReach = 0.1;
 
 // Lengths of the target over those of the source, around every vertex, smoothed over a tenth of the reach.
@@ -55,7 +55,7 @@ DeformationTransfer::DeformationTransfer(const Positions& source, const Position
   }
   Eigen::SparseMatrix<double> matrix = stiffness(on_target, triangles, target.rows());
   matrix.diagonal() += anchors_;
-  solver_.compute(matrix);
+  solver_ = SparseSolver(matrix);
 }
 
 Positions DeformationTransfer::operator()(const Positions& displacements) const {

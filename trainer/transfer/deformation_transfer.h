@@ -1,9 +1,10 @@
 // Deformation transfer (Sumner and Popovic 2004) of un-posed displacements, between two skins of the same triangles.
 #pragma once
 
-#include <Eigen/SparseCholesky>
+#include <Eigen/SparseCore>
 #include <vector>
 
+#include "base/linear_algebra.h"
 #include "geometry/hat_gradients.h"
 
 namespace bodyopt {
@@ -40,7 +41,7 @@ class DeformationTransfer {
   std::vector<TrianglePair> pairs_;
   Eigen::VectorXd anchors_;  // V: area / reach^2
   Eigen::VectorXd sizes_;    // V: s
-  Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> solver_;
+  SparseSolver solver_;
 };
 
 }  // namespace bodyopt

@@ -1,5 +1,6 @@
 #include "trainer/transfer/markers_file.h"
 
+#include <nlohmann/json.hpp>
 #include <set>
 
 #include "assets/json_file.h"
@@ -31,12 +32,11 @@ std::vector<SkinMarker> read_markers(const std::filesystem::path& path) {
   const Json json = read_json(path, kMarkersSchema);
   const JsonObject top(json, path, "the file");
   top.allow({"schema", "markers"});
-  const Json& list = top.array("markers");
+  const std::vector<JsonObject> list = top.objects("markers");
   if (list.empty()) top.refuse("has no marker in 'markers'");
   std::vector<SkinMarker> markers;
   std::set<int> sources, targets;
-  for (std::size_t k = 0; k < list.size(); ++k) {
-    const JsonObject object(list[k], path, "markers[" + std::to_string(k) + "]");
+  for (const JsonObject& object : list) {
     object.allow({"source", "target"});
     const int source = object.integer("source", 0), target = object.integer("target", 0);
     if (!sources.insert(source).second)

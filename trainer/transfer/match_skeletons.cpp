@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <nlohmann/json.hpp>
 #include <numbers>
 #include <set>
 
@@ -236,7 +237,7 @@ class SkeletonAligner {
     }
     if (alike) return inherited;
     if (from.cols() == 1) {
-      return quat_of(Eigen::Quaterniond::FromTwoVectors(from.col(0), to.col(0)) * before);
+      return quat_of(least_turn(from.col(0), to.col(0)) * before);
     }
     // Without centring: bones begin at the joint.
     const Eigen::Matrix3d sum = to * from.transpose() + 0.1 * Eigen::Matrix3d::Identity();

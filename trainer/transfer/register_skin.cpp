@@ -1,8 +1,8 @@
 #include "trainer/transfer/register_skin.h"
 
-#include <Eigen/SparseCholesky>
 #include <cmath>
 
+#include "base/linear_algebra.h"
 #include "base/parallel.h"
 #include "base/progress.h"
 #include "geometry/extent.h"
@@ -83,7 +83,7 @@ class NonRigidFit {
   void pull(double stiffness) {
     Eigen::SparseMatrix<double> matrix = stiffness * membrane_;
     matrix.diagonal() += pulls_ + 1e-6 * areas_;
-    const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> solver(matrix);
+    const SparseSolver solver(matrix);
     const Eigen::MatrixXd right = pulls_.asDiagonal() * (places_ - start_);
     fitted_ = start_ + Positions(solver.solve(right));
   }

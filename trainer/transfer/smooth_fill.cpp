@@ -31,7 +31,7 @@ SmoothFill::SmoothFill(const Positions& skin, const Triangles& triangles, std::v
   matrix.setFromTriplets(among.begin(), among.end());
   from_known_.resize(count, skin.rows());
   from_known_.setFromTriplets(across.begin(), across.end());
-  solver_.compute(matrix);
+  solver_ = SparseSolver(matrix);
 }
 
 void SmoothFill::operator()(Eigen::MatrixXd& values) const {

@@ -1,9 +1,10 @@
 // Values of some vertices of a skin, filled in smoothly from all others.
 #pragma once
 
-#include <Eigen/SparseCholesky>
+#include <Eigen/SparseCore>
 #include <vector>
 
+#include "base/linear_algebra.h"
 #include "geometry/mesh.h"
 
 namespace bodyopt {
@@ -25,7 +26,7 @@ class SmoothFill {
   std::vector<int> unknown_;
   Eigen::VectorXd anchors_;                 // per unknown vertex, so small that only a piece of its own feels it
   Eigen::SparseMatrix<double> from_known_;  // unknown x V
-  Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> solver_;
+  SparseSolver solver_;
 };
 
 // Rows whose value is below `least`, rising.

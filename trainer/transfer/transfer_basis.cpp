@@ -111,12 +111,12 @@ CoverageTable carried_coverage(const TransferPair& pair) {
 void carry_metadata(const TransferPair& pair, Basis& basis) {
   const auto parse = [](const Metadata& metadata, const char* key) {
     const auto text = metadata.find(key);
-    return text == metadata.end() ? nlohmann::json() : nlohmann::json::parse(text->second, nullptr, false);
+    return text == metadata.end() ? Json() : Json::parse(text->second, nullptr, false);
   };
-  nlohmann::json provenance = parse(basis.metadata, "provenance");
-  const nlohmann::json source = parse(pair.source.metadata, "provenance");
+  Json provenance = parse(basis.metadata, "provenance");
+  const Json source = parse(pair.source.metadata, "provenance");
   if (!source.is_discarded()) provenance["transferred_from"] = source;
-  basis.metadata["provenance"] = provenance.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+  basis.metadata["provenance"] = provenance.dump(-1, ' ', false, Json::error_handler_t::replace);
   basis.metadata[kMatchedJoints] = to_json(pair.match, pair.source.skeleton, pair.target.skeleton)
                                        .dump(-1, ' ', false, Json::error_handler_t::replace);
   basis.coverage = carried_coverage(pair);

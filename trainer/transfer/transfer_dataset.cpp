@@ -7,6 +7,7 @@
 #include "assets/shape_reader.h"
 #include "base/parallel.h"
 #include "base/progress.h"
+#include "dataset/modifier.h"
 #include "dataset/regions_file.h"
 #include "dataset/stack_history.h"
 #include "dataset/take_lock.h"
@@ -72,7 +73,7 @@ class DatasetTransfer {
     result_.folder = out;
     result_.character = fs::proximate(fs::absolute(target.file), fs::absolute(out)).string();
     result_.unit = target.unit;
-    result_.selections = carried_selections(dataset.selections, pair);
+    result_.selections = carried_selections(dataset, pair);
   }
 
   TransferredDataset run() {

@@ -12,7 +12,7 @@ TrainOptions smoothing_of(const Basis& source, double size) {
   TrainOptions options;
   const auto text = source.metadata.find("provenance");
   if (text == source.metadata.end()) return options;
-  const nlohmann::json told = nlohmann::json::parse(text->second, nullptr, false);
+  const Json told = Json::parse(text->second, nullptr, false);
   if (!told.is_object()) return options;
   const auto radius = told.find("smoothing_radius_m"), steps = told.find("smoothing_steps");
   if (radius != told.end() && radius->is_number() && radius->get<double>() > 0) {

@@ -140,7 +140,7 @@ class Model:
     ) -> Instance:
         """On a Vulkan device, or the CPU without one.
 
-        iterations: of the jiggle's quality mode, 2 to 1000; 0: without. gravity_change: m/s^2, world, each -1000 to 1000.
+        iterations: has no effect, of a mode that there was. gravity_change: m/s^2, world, each -1000 to 1000.
         check: every stage on the device beside the same on the CPU; the first difference raises Error(5).
         """
 

@@ -118,12 +118,12 @@ DeviceModel::DeviceModel(std::shared_ptr<const Device> device, std::shared_ptr<c
       limits_(limits),
       counts_(model_->basis, model_->tangents),
       tables_(*device_, require_threads_of(model_->basis, counts_, limits_), model_->folds, model_->tangents, limits_),
-      kernels_(*device_) {}
+      kernels_(device_->shared<SkinKernels>()) {}
 
 const DeviceModel::Jiggling& DeviceModel::jiggling() const {
   std::call_once(jiggles_, [&] {
     jiggling_.emplace(Jiggling{DynamicsTables(*device_, require_threads_of(*model_->dynamics, limits_), limits_),
-                               DynamicsKernels(*device_)});
+                               device_->shared<DynamicsKernels>()});
   });
   return *jiggling_;
 }

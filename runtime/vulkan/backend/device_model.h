@@ -69,6 +69,7 @@ struct SkinTables {
   Buffer output_vertex;
 };
 
+// Those of a device are shared.
 struct SkinKernels {
   explicit SkinKernels(const Device& device);
 
@@ -117,7 +118,7 @@ class DeviceModel {
  public:
   struct Jiggling {
     DynamicsTables tables;
-    DynamicsKernels kernels;
+    const DynamicsKernels& kernels;
   };
 
   // Uploads the basis. Throws Error(device) when the tables do not fit the device. What kernels read block by block may
@@ -144,7 +145,7 @@ class DeviceModel {
   DeviceInfo limits_;
   FrameCounts counts_;
   SkinTables tables_;
-  SkinKernels kernels_;
+  const SkinKernels& kernels_;
   mutable std::once_flag jiggles_;
   mutable std::optional<Jiggling> jiggling_;
 };

@@ -45,13 +45,7 @@ VulkanDynamics::VulkanDynamics(const DeviceModel& model, const JiggleOptions& op
       right_side_(floats(device_, dynamics_.tets.nodes.size(), "the right side")),
       solution_(floats(device_, dynamics_.tets.nodes.size(), "the solution")),
       gathered_(floats(device_, tables_.jiggle_inverse.slot_count, "the block inverse's sums")),
-      results_(floats(device_, tables_.jiggle_inverse.slot_count, "the block inverse's sums")) {
-  if (options_.iterations == 0) return;
-  require_threads(dynamics_.tets.tet_count(), "the tets", limits_);
-  corotated_solve_.emplace(
-      device_, dynamics_.tets, dynamics_.jiggle,
-      CorotatedSolve::Tables{tables_.tets, tables_.shapes, tables_.corners, tables_.jiggle_inverse}, limits_);
-}
+      results_(floats(device_, tables_.jiggle_inverse.slot_count, "the block inverse's sums")) {}
 
 std::uint64_t VulkanDynamics::frame_floats() const {
   return std::uint64_t{15} * node_count_ + std::uint64_t{3} * vertex_count_ +
@@ -64,8 +58,7 @@ std::uint64_t VulkanDynamics::batch_limit() const {
   const std::uint64_t by_range = limits_.max_storage_buffer_range / (sizeof(float) * largest);
   const std::uint64_t by_groups = device_.info().max_groups_y / 3;  // a group per right side of diffuse
   const JiggleStep& step = dynamics_.jiggle.step;
-  const std::uint64_t frame_solves =
-      std::uint64_t{step.substeps} * (step.implicit_euler ? 1 : 2) * (std::uint64_t{1} + options_.iterations);
+  const std::uint64_t frame_solves = std::uint64_t{step.substeps} * (step.implicit_euler ? 1 : 2);
   return std::min({by_range, by_groups, kBatchSolves / frame_solves});
 }
 
@@ -122,38 +115,30 @@ void VulkanDynamics::record_kick(Commands& commands, const JiggleFrame& frame, s
   const Buffer& before = motions_[current_];
   current_ = 1 - current_;
   kernels_.jiggle_kick.record(commands, {batch_->nodes, before, motions_[current_]}, push);
-  if (corotated_solve_) corotated_solve_->record_frame(commands, batch_->nodes, number);
 }
 
 void VulkanDynamics::record_step(Commands& commands, const Inputs& inputs, const JiggleStages& stages) const {
   const Buffer& motion = motions_[current_];
   const Buffer& rotations = batch_->rotations;
   const auto& [first, second] = local_;
-  const std::uint32_t frame = stages.begin.frame;
   kernels_.jiggle_begin.record(commands,
                                {tables_.nodes, rotations, inputs.strains, inputs.controls, motion, first.displacement,
                                 first.velocity, right_side_},
                                stages.begin);
-  record_solve(commands, 0, first, frame);
+  record_solve(commands);
   if (stages.advance) {
     kernels_.jiggle_advance.record(commands,
                                    {tables_.nodes, rotations, solution_, first.displacement, first.velocity,
                                     second.displacement, second.velocity, right_side_},
                                    *stages.advance);
-    record_solve(commands, 1, second, frame);
+    record_solve(commands);
   }
   const Local& last = stages.advance ? second : first;
   kernels_.jiggle_end.record(commands, {rotations, solution_, last.displacement, motion}, stages.end);
 }
 
-void VulkanDynamics::record_solve(Commands& commands, std::size_t stage, const Local& local,
-                                  std::uint32_t frame) const {
-  if (!corotated_solve_) {
-    kernels_.block_solve.record(commands, {tables_.jiggle_inverse, right_side_, gathered_, results_, solution_}, 1, 1);
-    return;
-  }
-  corotated_solve_->record_start(commands, stage, local.displacement, local.velocity, solution_);
-  corotated_solve_->record(commands, batch_->rotations, frame, right_side_, options_.iterations, solution_);
+void VulkanDynamics::record_solve(Commands& commands) const {
+  kernels_.block_solve.record(commands, {tables_.jiggle_inverse, right_side_, gathered_, results_, solution_}, 1, 1);
 }
 
 void VulkanDynamics::set_motion(const NodeMotion& motion) {

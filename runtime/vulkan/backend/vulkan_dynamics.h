@@ -8,7 +8,6 @@
 
 #include "runtime/host/backend.h"
 #include "runtime/host/jiggle_stages.h"
-#include "runtime/vulkan/backend/corotated_solve.h"
 #include "runtime/vulkan/backend/device_model.h"
 
 namespace bodyopt::vulkan {
@@ -60,7 +59,7 @@ class VulkanDynamics {
 
   void record_kick(Commands& commands, const JiggleFrame& frame, std::uint32_t number);
   void record_step(Commands& commands, const Inputs& inputs, const JiggleStages& stages) const;
-  void record_solve(Commands& commands, std::size_t stage, const Local& local, std::uint32_t frame) const;
+  void record_solve(Commands& commands) const;
 
   const Device& device_;
   const DeviceInfo& limits_;  // of what a binding sees
@@ -69,7 +68,6 @@ class VulkanDynamics {
   std::uint32_t node_count_, vertex_count_;
   const DynamicsTables& tables_;
   const DynamicsKernels& kernels_;
-  std::optional<CorotatedSolve> corotated_solve_;  // of the quality mode
   std::array<Buffer, 2>
       motions_;                 // kMotionDisplacement and the like; of the last frame, and of the one before or after
   std::size_t current_ = 0;     // motion that is of the last frame

@@ -1,9 +1,9 @@
 #include "trainer/train/features/joint_manifold.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 
+#include "base/linear_algebra.h"
 #include "base/parallel.h"
 #include "runtime/host/rig.h"
 
@@ -41,9 +41,9 @@ std::vector<Index> columns_of(const std::vector<std::uint32_t>& joints) {
 // Rows are orthonormal axes along which the frames (N x F) hardly move.
 MatrixXd axes_not_shown(const MatrixXd& frames) {
   const MatrixXd spread = frames.transpose() * frames / static_cast<double>(std::max<Index>(1, frames.rows()));
-  const Eigen::SelfAdjointEigenSolver<MatrixXd> solver(spread);
-  const Index count = (solver.eigenvalues().array() < kLeastShown * kLeastShown).count();
-  return solver.eigenvectors().leftCols(count).transpose();
+  const SymmetricEigen eigen = symmetric_eigen(spread);
+  const Index count = (eigen.values.array() < kLeastShown * kLeastShown).count();
+  return eigen.vectors.leftCols(count).transpose();
 }
 
 // What the nine columns of each row lie outside the range that others span with rest, squared.

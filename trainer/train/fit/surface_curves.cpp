@@ -1,12 +1,11 @@
 #include "trainer/train/fit/surface_curves.h"
 
-#include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <numeric>
 #include <string>
 
-#include "base/single_threaded_products.h"
+#include "base/linear_algebra.h"
 #include "geometry/extent.h"
 #include "geometry/laplacian.h"
 #include "geometry/nearest_skin.h"
@@ -46,7 +45,8 @@ LeftMotion left_by_linear_map(const SampleSet& set, const Groundwork& ground) {
   const Eigen::MatrixXd x = features(fitted, Eigen::all);
   Eigen::MatrixXd normal = x.transpose() * x;
   normal.diagonal().array() += kPenalty * static_cast<double>(x.rows());
-  const Eigen::MatrixXf prediction = (features(measured, Eigen::all) * normal.llt().solve(x.transpose())).cast<float>();
+  const Eigen::MatrixXf prediction =
+      (features(measured, Eigen::all) * Cholesky(normal).solve(x.transpose())).cast<float>();
   const Displacements left = motion(measured, Eigen::all) - prediction * motion(fitted, Eigen::all);
   const Eigen::RowVectorXd squares = left.cast<double>().colwise().squaredNorm() / static_cast<double>(left.rows());
   const Eigen::VectorXd per_vertex =
@@ -118,7 +118,6 @@ class CurveMaker {
 
 std::vector<Muscle> surface_curves(const SampleSet& set, const TrainOptions& options) {
   check_samples(set);
-  const SingleThreadedProducts single_threaded;
   const Groundwork ground(set, options);
   const Character& character = ground.ordered;
   const double apart = kApart * longest_extent(character.vertices);
@@ -145,7 +144,6 @@ int needed_surface_curves(const SampleSet& set, const TrainOptions& options) {
   constexpr double kLeft = 1.0 / 3, kNoMotion = 1e-4;  // the latter of the longest extent; less is no motion
   if (!set.muscles.empty() || set.train.size() < kFewest || set.train.size() > kFewFrames) return 0;
   check_samples(set);
-  const SingleThreadedProducts single_threaded;
   const Groundwork ground(set, options);
   const LeftMotion motion = left_by_linear_map(set, ground);
   const double still = kNoMotion * longest_extent(ground.ordered.vertices);

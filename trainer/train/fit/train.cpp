@@ -8,7 +8,6 @@
 #include <numeric>
 
 #include "base/parallel.h"
-#include "base/single_threaded_products.h"
 #include "runtime/core/error.h"
 #include "runtime/host/rig.h"
 #include "trainer/train/coverage/coverage.h"
@@ -85,8 +84,8 @@ std::vector<MuscleShare> muscle_shares(const StrainTable& fibres, const std::vec
 }
 
 // The result as the basis tells it.
-nlohmann::json report_of(const TrainingResult& result, const SampleSet& set) {
-  nlohmann::json regions = nlohmann::json::array(), muscles = nlohmann::json::object();
+Json report_of(const TrainingResult& result, const SampleSet& set) {
+  Json regions = Json::array(), muscles = Json::object();
   for (const RegionFit& fit : result.fits) {
     regions.push_back({{"name", fit.name},
                        {"joint", fit.joint},
@@ -153,7 +152,6 @@ TrainingResult packed_result(const SampleSet& set, const TrainOptions& options, 
 template <typename Use>
 auto prepared(const SampleSet& set, TrainOptions options, std::vector<std::string>& notes, const Use& use) {
   check_samples(set);
-  const SingleThreadedProducts single_threaded;
   for (;; options.update = false) {
     StagedFit fit(set, options, notes);
     Groundwork ground(set, fit.options(), fit.curves(), fit.earlier_features());

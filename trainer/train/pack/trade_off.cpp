@@ -95,8 +95,8 @@ std::vector<TradeOffPoint> TradeOff::curve() const {
 }
 
 std::string curve_text(const std::vector<TradeOffPoint>& curve) {
-  nlohmann::json list = nlohmann::json::array();
-  for (const TradeOffPoint& point : curve) list.push_back(nlohmann::json(to_json(point)));
+  Json list = Json::array();
+  for (const TradeOffPoint& point : curve) list.push_back(Json(to_json(point)));
   return list.dump();
 }
 
@@ -104,14 +104,14 @@ std::vector<TradeOffPoint> read_curve(const Basis& basis) {
   const auto text = basis.metadata.find("curve");
   if (text == basis.metadata.end()) return {};
   const std::string where = "the basis' metadata 'curve'";
-  const auto list = parse_strict_json<nlohmann::json>(text->second, where);
+  const auto list = parse_strict_json(text->second, where);
   std::vector<TradeOffPoint> curve;
   try {
     for (const auto& point : list) {
       curve.push_back({point.at("bytes_per_vertex").get<double>(), point.at("expected_rms_mm").get<double>(),
                        point.at("microseconds").get<double>(), point.at("coefficients").get<std::uint32_t>()});
     }
-  } catch (const nlohmann::json::exception& error) {
+  } catch (const Json::exception& error) {
     throw Error(ErrorKind::file, where + " is damaged: " + error.what());
   }
   return curve;

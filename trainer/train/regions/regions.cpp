@@ -1,13 +1,12 @@
 #include "trainer/train/regions/regions.h"
 
-#include <Eigen/Cholesky>
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <map>
 #include <set>
 
+#include "base/linear_algebra.h"
 #include "base/parallel.h"
 #include "geometry/laplacian.h"
 #include "runtime/host/rig.h"
@@ -91,16 +90,18 @@ Index region_count(const std::vector<FeatureGroup>& groups, const Eigen::VectorX
 // What a ridge-penalised linear fit of the columns of `x` leaves of others.
 class WithoutLinearFit {
  public:
-  explicit WithoutLinearFit(const MatrixXd& x) : x_(x) {
-    MatrixXd normal = x.transpose() * x;
-    normal.diagonal().array() += 1e-3 * static_cast<double>(x.rows());
-    factor_.compute(normal);
-  }
+  explicit WithoutLinearFit(const MatrixXd& x) : x_(x), factor_(ridged(x)) {}
   MatrixXd operator()(const MatrixXd& y) const { return y - x_ * factor_.solve(x_.transpose() * y); }
 
  private:
+  static MatrixXd ridged(const MatrixXd& x) {
+    MatrixXd normal = x.transpose() * x;
+    normal.diagonal().array() += 1e-3 * static_cast<double>(x.rows());
+    return normal;
+  }
+
   const MatrixXd& x_;
-  Eigen::LLT<MatrixXd> factor_;
+  Cholesky factor_;
 };
 
 Positions fibre_points(const Basis& basis, std::uint32_t fibre) {
@@ -138,13 +139,6 @@ Eigen::VectorXd energy_per_vertex(const Eigen::RowVectorXf& columns) {
       .cast<double>()
       .colwise()
       .sum();
-}
-
-// An orthonormal basis of the columns' span.
-MatrixXd orthonormal(const MatrixXd& columns) {
-  Eigen::ColPivHouseholderQR<MatrixXd> qr(columns);
-  qr.setThreshold(1e-3);
-  return qr.householderQ() * MatrixXd::Identity(columns.rows(), qr.rank());
 }
 
 // V x G: the energy of |q^T motion|^2 for each of the matrices q, over that of the motion (N x 3V).
@@ -200,7 +194,7 @@ std::vector<FeatureGroup> muscle_groups(const Basis& basis, const std::vector<Mu
     }
     if (group.features.empty()) continue;
     // q^T (Y - its linear fit) = (q - its linear fit)^T Y: the fit is symmetric, and q is so much smaller.
-    regressors.push_back(without_joints(orthonormal(strains(Eigen::all, columns))));
+    regressors.push_back(without_joints(orthonormal_basis(strains(Eigen::all, columns), 1e-3)));
     for (const std::uint32_t joint : spanned_joints(basis.skeleton, muscles[m])) {
       const auto place = std::find(group_joints.begin(), group_joints.end(), joint);
       if (place != group_joints.end()) group.spans.push_back(static_cast<std::size_t>(place - group_joints.begin()));

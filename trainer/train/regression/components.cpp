@@ -1,10 +1,11 @@
 #include "trainer/train/regression/components.h"
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <random>
+
+#include "base/linear_algebra.h"
 
 namespace bodyopt {
 namespace {
@@ -46,8 +47,8 @@ SingularVectors leading_singular_vectors(const Eigen::MatrixXf& matrix, Eigen::I
     space = orthonormal(matrix * other);
   }
   const Eigen::MatrixXd projected = (space.transpose() * matrix).cast<double>();  // size x columns
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(projected * projected.transpose());
-  const Eigen::MatrixXd turn = solver.eigenvectors().rowwise().reverse().leftCols(std::min(count, size));
+  const Eigen::MatrixXd turn =
+      symmetric_eigen(projected * projected.transpose()).vectors.rowwise().reverse().leftCols(std::min(count, size));
   SingularVectors result;
   result.right = turn.transpose() * projected;
   result.values = result.right.rowwise().norm();

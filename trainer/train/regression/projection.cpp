@@ -1,10 +1,9 @@
 #include "trainer/train/regression/projection.h"
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 
+#include "base/linear_algebra.h"
 #include "trainer/train/regression/stored_half.h"
 
 namespace bodyopt {
@@ -24,14 +23,14 @@ MatrixXd projection(const MatrixXd& features, const MatrixXd& targets) {
   const double frames = static_cast<double>(features.rows());
   MatrixXd normal = features.transpose() * features;
   normal.diagonal().array() += kRidge * frames;
-  const MatrixXd map = normal.llt().solve(features.transpose() * targets);
+  const MatrixXd map = Cholesky(normal).solve(features.transpose() * targets);
   // The map's singular values, ascending, are the roots of these; its left singular vectors are their vectors.
-  const Eigen::SelfAdjointEigenSolver<MatrixXd> solver(map * map.transpose());
-  const Eigen::VectorXd squares = solver.eigenvalues().cwiseMax(0).reverse();
+  const SymmetricEigen eigen = symmetric_eigen(map * map.transpose());
+  const Eigen::VectorXd squares = eigen.values.cwiseMax(0).reverse();
   const Eigen::VectorXd scales = (squares / std::max(squares[0], 1e-300)).cwiseSqrt().cwiseSqrt();
   const Index count = (scales.array() > kLeastScale).count();
   const MatrixXd rows =
-      (solver.eigenvectors().rowwise().reverse().leftCols(count) * scales.head(count).asDiagonal()).transpose();
+      (eigen.vectors.rowwise().reverse().leftCols(count) * scales.head(count).asDiagonal()).transpose();
   return rows.unaryExpr(&stored_half);
 }
 

@@ -1,6 +1,5 @@
 #include "trainer/train/regression/regress.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -8,6 +7,7 @@
 #include <optional>
 #include <stdexcept>
 
+#include "base/linear_algebra.h"
 #include "trainer/train/regression/stored_half.h"
 
 namespace bodyopt {
@@ -170,8 +170,8 @@ class KernelRidge {
     const Eigen::VectorXd diagonal = sums.normal.diagonal();
     for (double ridge = 1e-10 * std::max(1.0, sums.normal.trace());; ridge *= 100) {
       sums.normal.diagonal() = diagonal.array() + ridge;
-      const Eigen::LLT<MatrixXd> factor = sums.normal.selfadjointView<Eigen::Lower>().llt();
-      if (factor.info() == Eigen::Success) return factor.solve(sums.right);
+      const Cholesky factor(sums.normal);
+      if (factor.is_positive()) return factor.solve(sums.right);
       if (!std::isfinite(ridge)) throw std::logic_error("normal equations that no ridge makes definite");
     }
   }

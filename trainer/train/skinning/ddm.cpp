@@ -1,11 +1,11 @@
 #include "trainer/train/skinning/ddm.h"
 
-#include <Eigen/Eigenvalues>
-#include <Eigen/SparseCholesky>
 #include <algorithm>
 #include <bit>
 #include <string>
 
+#include "base/linear_algebra.h"
+#include "base/parallel.h"
 #include "geometry/extent.h"
 #include "geometry/laplacian.h"
 #include "runtime/core/error.h"
@@ -46,8 +46,8 @@ std::vector<std::vector<RawMoments>> smooth_moments(const Positions& rest, const
   const double lambda = options.radius * options.radius / (2.0 * options.steps);
   Eigen::SparseMatrix<double> matrix = lambda * cotangent_laplacian(rest, triangles);
   matrix.diagonal() += areas;
-  const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> solver(matrix);
-  if (solver.info() != Eigen::Success) {
+  const SparseSolver solver(matrix);
+  if (!solver.is_solvable()) {
     throw Error(ErrorKind::mismatch, "the smoothing of the skin could not be factorised: its positions are not finite");
   }
 
@@ -59,16 +59,15 @@ std::vector<std::vector<RawMoments>> smooth_moments(const Positions& rest, const
     }
   }
   std::vector<Moments10> smoothed(columns.size());
-#pragma omp parallel for schedule(dynamic)
-  for (std::size_t j = 0; j < columns.size(); ++j) {
-    if (columns[j].cwiseAbs().maxCoeff() == 0) continue;
+  parallel_for(columns.size(), [&](std::size_t j) {
+    if (columns[j].cwiseAbs().maxCoeff() == 0) return;
     Moments10 moments = weighted_moments(rest, columns[j]);
     for (int step = 0; step < options.steps; ++step) {
       const Moments10 right = areas.asDiagonal() * moments;
       moments = solver.solve(right);
     }
     smoothed[j] = std::move(moments);
-  }
+  });
 
   std::vector<std::vector<RawMoments>> raw(weights.size());
   for (std::size_t j = 0; j < smoothed.size(); ++j) {
@@ -115,7 +114,7 @@ VertexMoments centre_moments(const std::vector<RawMoments>& raw, const Eigen::Ve
   }
   // Flat or thin neighbourhoods fall back to the blended rotation of the joints.
   constexpr double kGap = 0.05, kIsotropic = 1e-2;
-  const Eigen::Vector3d s = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(scale * total).eigenvalues();
+  const Eigen::Vector3d s = symmetric_eigen_3(scale * total).values;
   if (!(s[0] + s[1] >= kGap * s[2]) || vertex.radius2 == 0) {
     for (JointMoments& joint : vertex.joints) joint.second += kIsotropic * joint.omega * Eigen::Matrix3d::Identity();
   }

@@ -3,23 +3,24 @@
 #include <nlohmann/json.hpp>
 
 #include "runtime/core/hexadecimal.h"
+#include "runtime/core/json.h"
 #include "trainer/train/skinning/mesh_table.h"
 
 namespace bodyopt {
 
 std::string provenance_text(const Character& character, double radius, const TrainOptions& options, bool updated) {
-  nlohmann::json provenance = {{"program", "bodyopt " BODYOPT_VERSION},
-                               {"character", character.name},
-                               {"smoothing_radius_m", radius},
-                               {"smoothing_steps", options.smoothing_steps},
-                               {"components", options.components},
-                               {"centres", options.centres},
-                               {"budget", options.budget},
-                               {"tolerance_mm", options.tolerance_mm},
-                               {"surface_curves", options.surface_curves},
-                               {"seed", options.seed}};
+  Json provenance = {{"program", "bodyopt " BODYOPT_VERSION},
+                     {"character", character.name},
+                     {"smoothing_radius_m", radius},
+                     {"smoothing_steps", options.smoothing_steps},
+                     {"components", options.components},
+                     {"centres", options.centres},
+                     {"budget", options.budget},
+                     {"tolerance_mm", options.tolerance_mm},
+                     {"surface_curves", options.surface_curves},
+                     {"seed", options.seed}};
   if (updated) provenance["updated"] = true;
-  return provenance.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+  return provenance.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
 DdmBase make_ddm_base(const Character& ordered, double radius, const TrainOptions& options) {

@@ -9,22 +9,44 @@
 
 namespace bodyopt {
 
-Positions unpose_ddm(const Basis& basis, const Pose& pose, const Positions& shape,
-                     std::span<const std::uint32_t> vertices) {
+namespace {
+
+std::vector<std::uint32_t> all_vertices(std::size_t count) {
+  std::vector<std::uint32_t> all(count);
+  std::iota(all.begin(), all.end(), 0u);
+  return all;
+}
+
+}  // namespace
+
+std::vector<VertexPlacement> ddm_placements(const Basis& basis, const Pose& pose,
+                                            std::span<const std::uint32_t> vertices) {
   using RowMajor3 = Eigen::Matrix<float, 3, 3, Eigen::RowMajor>;
   const RigFrame rig = pose_rig(basis.skeleton, pose);
-  const Eigen::Vector3d origin = Eigen::Vector3f(rig.origin).cast<double>();
+  const Eigen::Vector3d root = Eigen::Vector3f(rig.origin).cast<double>();
   std::vector<float> frames(12 * vertices.size());
   cpu::vertex_frames(basis.ddm, vertices, rig.skinning.data(), frames);
-  Positions result(shape.rows(), 3);
+  std::vector<VertexPlacement> placements(vertices.size());
   for (std::size_t k = 0; k < vertices.size(); ++k) {
     const float *r = &frames[12 * k], *t = r + 9;
     const DdmVertex& v = basis.ddm.vertices[vertices[k]];
-    const auto row = static_cast<Eigen::Index>(k);
-    const Eigen::Vector3d moved =
-        shape.row(row).transpose() - origin - Eigen::Map<const Eigen::Vector3f>(t).cast<double>();
-    result.row(row) = Eigen::Map<const RowMajor3>(r).cast<double>().transpose() * moved -
-                      Eigen::Vector3f(v.offset_x, v.offset_y, v.offset_z).cast<double>();
+    placements[k] = {Eigen::Map<const RowMajor3>(r).cast<double>(),
+                     root + Eigen::Map<const Eigen::Vector3f>(t).cast<double>(),
+                     Eigen::Vector3f(v.offset_x, v.offset_y, v.offset_z).cast<double>()};
+  }
+  return placements;
+}
+
+std::vector<VertexPlacement> ddm_placements(const Basis& basis, const Pose& pose) {
+  return ddm_placements(basis, pose, all_vertices(basis.mesh.vertex_count()));
+}
+
+Positions unpose_ddm(const Basis& basis, const Pose& pose, const Positions& shape,
+                     std::span<const std::uint32_t> vertices) {
+  const std::vector<VertexPlacement> placements = ddm_placements(basis, pose, vertices);
+  Positions result(shape.rows(), 3);
+  for (Eigen::Index k = 0; k < shape.rows(); ++k) {
+    result.row(k) = placements[static_cast<std::size_t>(k)].unposed(shape.row(k));
   }
   return result;
 }
@@ -44,22 +66,12 @@ Positions unpose_linear(const Character& character, const Pose& pose, const Posi
   return result;
 }
 
-namespace {
-
-std::vector<std::uint32_t> all_vertices(Eigen::Index count) {
-  std::vector<std::uint32_t> all(static_cast<std::size_t>(count));
-  std::iota(all.begin(), all.end(), 0u);
-  return all;
-}
-
-}  // namespace
-
 Positions unpose_ddm(const Basis& basis, const Pose& pose, const Positions& shape) {
-  return unpose_ddm(basis, pose, shape, all_vertices(shape.rows()));
+  return unpose_ddm(basis, pose, shape, all_vertices(static_cast<std::size_t>(shape.rows())));
 }
 
 Positions unpose_linear(const Character& character, const Pose& pose, const Positions& shape) {
-  return unpose_linear(character, pose, shape, all_vertices(shape.rows()));
+  return unpose_linear(character, pose, shape, all_vertices(static_cast<std::size_t>(shape.rows())));
 }
 
 }  // namespace bodyopt

@@ -9,6 +9,21 @@
 
 namespace bodyopt {
 
+// How a vertex of the rest skin is placed in a pose: what no displacement takes elsewhere is at origin + rotation *
+// rest.
+struct VertexPlacement {
+  Eigen::Matrix3d rotation;
+  Eigen::Vector3d origin, rest;
+
+  Eigen::Vector3d posed(const Eigen::Vector3d& offset) const { return origin + rotation * (rest + offset); }
+  Eigen::Vector3d unposed(const Eigen::Vector3d& posed) const { return rotation.transpose() * (posed - origin) - rest; }
+};
+
+// By the runtime's own Direct Delta Mush, in runtime order.
+std::vector<VertexPlacement> ddm_placements(const Basis& basis, const Pose& pose,
+                                            std::span<const std::uint32_t> vertices);
+std::vector<VertexPlacement> ddm_placements(const Basis& basis, const Pose& pose);
+
 // By the runtime's own Direct Delta Mush, delta d_i = R_i^T (y_i - t_i) - d_i: an isometry, so that nothing is
 // amplified. shape: V x 3, runtime order, posed, metres. -> V x 3, un-posed space, metres.
 Positions unpose_ddm(const Basis& basis, const Pose& pose, const Positions& shape);

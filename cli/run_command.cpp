@@ -1,0 +1,154 @@
+#include "cli/run_command.h"
+
+#include <spdlog/sinks/stdout_color_sinks.h>
+#include <spdlog/spdlog.h>
+#include <sys/resource.h>
+#include <tbb/global_control.h>
+
+#include <algorithm>
+#include <csignal>
+#include <cstdio>
+#include <cstdlib>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "assets/wording.h"
+#include "base/progress.h"
+#include "cli/arguments/common.h"
+#include "cli/arguments/exit_code.h"
+#include "runtime/core/error.h"
+
+namespace bodyopt::cli {
+namespace {
+
+struct VerbGroup {
+  const char* title;
+  std::vector<void (*)(CLI::App&)> verbs;
+};
+
+// For the list of verbs: as_options() makes of it what it does.
+void add_help(CLI::App& app) { app.add_subcommand("help", "What a verb does: help VERB is VERB --help"); }
+
+void add_verbs(CLI::App& app) {
+  const VerbGroup groups[] = {
+      {"To begin with", {add_help, add_demo, add_info, add_check, add_devices}},
+      {"A character's muscles and motion", {add_rig, add_muscles, add_rom}},
+      {"Shapes to learn from", {add_simulate, add_dataset, add_curate, add_export, add_picture}},
+      {"Learning", {add_train, add_test, add_coverage, add_improve, add_regions}},
+      {"What goes with a trained character", {add_proxy, add_dynamics, add_attach, add_transfer, add_modifiers}},
+      {"Using it", {add_eval, add_join, add_view, add_compare, add_bench, add_farm}},
+  };
+  std::size_t grouped = 0;
+  for (const VerbGroup& group : groups) {
+    for (const auto add : group.verbs) add(app);
+    const std::vector<CLI::App*> verbs = app.get_subcommands([](CLI::App*) { return true; });
+    for (; grouped < verbs.size(); ++grouped) verbs[grouped]->group(group.title);
+  }
+}
+
+// Throws Error(usage) where the first argument is no verb, with the verb that may be meant.
+void require_verb(const CLI::App& app, const std::string& name) {
+  std::vector<std::string> verbs;
+  for (const CLI::App* verb : app.get_subcommands([](const CLI::App*) { return true; })) {
+    verbs.push_back(verb->get_name());
+  }
+  if (name.starts_with('-') || std::find(verbs.begin(), verbs.end(), name) != verbs.end()) return;
+  throw Error(ErrorKind::usage, "'" + name + "' is no verb of bodyopt; the nearest is '" +
+                                    nearest_names(verbs, name).front() + "' (bodyopt --help lists all)");
+}
+
+// Throws Error(usage) at an option that the verb before it on the command line does not have, with the one of that
+// verb that may be meant.
+void require_options(const CLI::App& verb) {
+  std::vector<std::string> options;
+  for (const CLI::Option* option : verb.get_options()) {
+    for (const std::string& name : option->get_lnames()) options.push_back("--" + name);
+  }
+  for (const std::string& argument : verb.remaining()) {
+    const std::string name = argument.substr(0, argument.find('='));
+    if (!name.starts_with("--") || name == "--") continue;
+    if (std::find(options.begin(), options.end(), name) != options.end()) continue;  // after a "--" it is none
+    throw Error(ErrorKind::usage, "'" + verb.get_name() + "' has no option " + name + "; the nearest is " +
+                                      nearest_names(options, name).front() + " (--help lists all)");
+  }
+  for (const CLI::App* subverb : verb.get_subcommands()) require_options(*subverb);
+}
+
+// `bodyopt help VERB` is `bodyopt VERB --help`.
+std::vector<std::string> as_options(std::vector<std::string> arguments) {
+  if (arguments.front() == "help") {
+    arguments.erase(arguments.begin());
+    arguments.push_back("--help");
+  }
+  return arguments;
+}
+
+// Parses, and so runs the verb. Throws Error.
+int parse(CLI::App& app, std::vector<std::string> arguments) {
+  require_verb(app, arguments.front());
+  std::ranges::reverse(arguments);  // as CLI11 takes them
+  try {
+    app.parse(arguments);
+  } catch (const CLI::Success& success) {
+    app.exit(success);
+  } catch (const CLI::ParseError& error) {
+    require_options(app);
+    app.exit(error);
+    return static_cast<int>(ErrorKind::usage);
+  }
+  return 0;
+}
+
+// While a dataset is trained on, the caches of all its takes are open.
+void allow_many_open_files() {
+  rlimit limit{};
+  if (getrlimit(RLIMIT_NOFILE, &limit) != 0) return;
+  limit.rlim_cur = limit.rlim_max;
+  setrlimit(RLIMIT_NOFILE, &limit);
+}
+
+// To OMP_NUM_THREADS, as schedulers tell programs how many cores are theirs: `bodyopt farm` sets it, too. It holds for
+// as long as the process lives.
+void limit_threads() {
+  static std::optional<tbb::global_control> limit;
+  const char* given = std::getenv("OMP_NUM_THREADS");
+  const int count = given ? std::atoi(given) : 0;
+  if (count >= 1) limit.emplace(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(count));
+}
+
+}  // namespace
+
+void prepare_process() {
+  spdlog::set_default_logger(spdlog::stderr_color_mt("bodyopt"));
+  spdlog::set_pattern("%^%l%$: %v");
+  catch_interrupts();
+  std::signal(SIGXFSZ, SIG_IGN);  // a file over the limit (ulimit -f) is then an error of writing it, as a full disk is
+  allow_many_open_files();
+  limit_threads();
+}
+
+int run_command(const std::vector<std::string>& arguments) {
+  keep_command_line(arguments);
+  set_progress_style(ProgressStyle::automatic);
+  CLI::App app{"Bodyopt learns how a character's skin moves and replays it in real time."};
+  app.name("bodyopt");
+  app.set_version_flag("--version", BODYOPT_VERSION);
+  app.require_subcommand(1);
+  app.option_defaults()->always_capture_default(false);
+  app.footer(
+      "To see it work: bodyopt demo --quick --out demo, then bodyopt view demo/basis.safetensors demo/heldout.glb\n"
+      "bodyopt VERB --help tells of a verb; docs/walkthrough.md leads from a character of your own to a trained one.");
+  add_verbs(app);
+
+  if (arguments.empty()) {
+    std::fputs(app.help().c_str(), stderr);
+    return static_cast<int>(ErrorKind::usage);
+  }
+  int parsed = 0;
+  const int code = exit_code_of([&] { parsed = parse(app, as_options(arguments)); });
+  if (code != 0 || parsed != 0) return std::max(code, parsed);
+  return std::fflush(stdout) == 0 ? 0 : static_cast<int>(ErrorKind::file);
+}
+
+}  // namespace bodyopt::cli
