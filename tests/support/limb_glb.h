@@ -1,8 +1,6 @@
 // The capsule limb as a glTF file that more can be added to by hand. Nodes 0 to 2 are its joints.
 #pragma once
 
-#include <nlohmann/json.hpp>
-
 #include "runtime/core/json.h"
 #include "tests/assets/gltf_blob.h"
 #include "tests/support/attached_limb.h"

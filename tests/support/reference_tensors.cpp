@@ -5,6 +5,8 @@
 #include <iterator>
 #include <nlohmann/json.hpp>
 
+#include "runtime/core/json.h"
+
 namespace bodyopt {
 
 Tensors::Tensors(const std::filesystem::path& path) {
@@ -13,7 +15,7 @@ Tensors::Tensors(const std::filesystem::path& path) {
   file.read(reinterpret_cast<char*>(&size), 8);
   std::string text(size, ' ');
   file.read(text.data(), static_cast<std::streamsize>(size));
-  const nlohmann::json header = nlohmann::json::parse(text);
+  const Json header = Json::parse(text);
   for (const auto& [name, tensor] : header.items()) {
     if (name != "__metadata__") places_[name] = {tensor.at("data_offsets")[0], tensor.at("data_offsets")[1]};
   }
