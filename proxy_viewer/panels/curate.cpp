@@ -4,7 +4,6 @@
 #include <cmath>
 #include <cstdio>
 
-#include "dataset/modifier.h"
 #include "draw/heat_colour.h"
 #include "proxy_viewer/panels/panels.h"
 #include "proxy_viewer/panels/widgets.h"

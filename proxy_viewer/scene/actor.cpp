@@ -11,7 +11,6 @@
 #include "assets/clip_source.h"
 #include "assets/matched_joints.h"
 #include "assets/shot_modifiers.h"
-#include "dataset/modifier.h"
 #include "proxy_viewer/scene/open_character.h"
 #include "proxy_viewer/scene/posed_clip.h"
 #include "proxy_viewer/state/box.h"
