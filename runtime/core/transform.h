@@ -36,7 +36,7 @@ Quat conjugate(const Quat& q);
 bool has_length(const Quat& q);  // false for a zero or non-finite quaternion
 Quat normalized(const Quat& q);  // identity where it has none
 Quat axis_angle(const Vec3& axis, double angle);
-Quat slerp(const Quat& a, Quat b, double t);
+Quat slerp(Quat a, Quat b, double t);
 Vec3 rotate(const Quat& q, const Vec3& v);
 std::array<std::array<double, 3>, 3> rotation_matrix(const Quat& q);
 
