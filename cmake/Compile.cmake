@@ -3,6 +3,9 @@
 add_library(bodyopt_language INTERFACE)
 target_compile_features(bodyopt_language INTERFACE cxx_std_20)
 target_include_directories(bodyopt_language INTERFACE ${PROJECT_SOURCE_DIR})
+# Eigen cuts sums into blocks by the size of the caches: as it takes them without asking the processor, so that what is
+# learned has the same bits on all.
+target_compile_definitions(bodyopt_language INTERFACE EIGEN_NO_CPUID)
 
 add_library(bodyopt_flags INTERFACE)
 target_compile_options(bodyopt_flags INTERFACE -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -Werror)

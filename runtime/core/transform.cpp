@@ -155,19 +155,25 @@ Quat axis_angle(const Vec3& axis, double angle) {
   return {s * axis[0], s * axis[1], s * axis[2], std::cos(angle / 2)};
 }
 
-Quat slerp(const Quat& a, Quat b, double t) {
+// Where the two are far apart, by halves of the arc: sums, products and square roots have the same bits on every
+// processor, which sines of the C library have not.
+Quat slerp(Quat a, Quat b, double t) {
+  constexpr double kNear = 5e-4, kStraight = 1e-12;  // of 1 - c
   double c = a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3];
   if (c < 0) {
     c = -c;
     for (double& x : b) x = -x;
   }
-  double wa = 1 - t, wb = t;
-  if (c < 0.9995) {
-    const double angle = std::acos(c), s = std::sin(angle);
-    wa = std::sin((1 - t) * angle) / s;
-    wb = std::sin(t * angle) / s;
+  const auto between = [&](double wa, double wb) {
+    return normalized({wa * a[0] + wb * b[0], wa * a[1] + wb * b[1], wa * a[2] + wb * b[2], wa * a[3] + wb * b[3]});
+  };
+  if (1 - c <= kNear) return between(1 - t, t);
+  for (; 1 - c > kStraight; c = std::sqrt((1 + c) / 2)) {
+    const bool first_half = t < 0.5;
+    (first_half ? b : a) = between(1, 1);
+    t = first_half ? 2 * t : 2 * t - 1;
   }
-  return normalized({wa * a[0] + wb * b[0], wa * a[1] + wb * b[1], wa * a[2] + wb * b[2], wa * a[3] + wb * b[3]});
+  return between(1 - t, t);
 }
 
 double angle_between(const Quat& a, const Quat& b) {

@@ -48,10 +48,15 @@ TEST(Transform, RotateAgreesWithTheMatrix) {
   EXPECT_NEAR(length(rotate(axis_angle({0, 0, 1}, M_PI / 2), {1, 0, 0}) - Vec3{0, 1, 0}), 0, 1e-12);
 }
 
-TEST(Transform, SlerpHalfwayIsHalfTheAngle) {
-  const Quat half = slerp({0, 0, 0, 1}, axis_angle({0, 1, 0}, 1.0), 0.5);
-  const Quat expected = axis_angle({0, 1, 0}, 0.5);
-  for (std::size_t i = 0; i < 4; ++i) EXPECT_NEAR(half[i], expected[i], 1e-12);
+TEST(Transform, SlerpTurnsByAShareOfTheAngle) {
+  const Vec3 axis{0.3, 1, -0.2};
+  for (const double angle : {0.07, 1.0, 3.1}) {
+    for (const double share : {0.0, 1e-9, 0.1, 1.0 / 3, 0.5, 0.8, 1.0}) {
+      const Quat turned = slerp({0, 0, 0, 1}, axis_angle(axis, angle), share);
+      const Quat expected = axis_angle(axis, share * angle);
+      for (std::size_t i = 0; i < 4; ++i) EXPECT_NEAR(turned[i], expected[i], 2e-15) << angle << " " << share;
+    }
+  }
 }
 
 TEST(Half, EveryHalfSurvivesTheRoundTrip) {

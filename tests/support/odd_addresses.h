@@ -54,9 +54,8 @@ inline void move_to_odd_addresses(Dynamics& dynamics) {
   DiffuseTable& diffuse = dynamics.diffuse;
   move_to_odd_addresses(diffuse.row_begin, diffuse.columns, diffuse.values);
   move_to_odd_addresses(diffuse.inverse);
-  JiggleTable& jiggle = dynamics.jiggle;
-  move_to_odd_addresses(jiggle.nodes, jiggle.elasticity, jiggle.held_begin, jiggle.held_columns, jiggle.held_values);
-  move_to_odd_addresses(jiggle.inverse);
+  move_to_odd_addresses(dynamics.jiggle.nodes);
+  move_to_odd_addresses(dynamics.jiggle.inverse);
 }
 
 }  // namespace bodyopt::testing

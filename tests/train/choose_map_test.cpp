@@ -12,10 +12,11 @@ namespace {
 
 constexpr Eigen::Index kPoses = 150, kJointFeatures = 3, kStrains = 40;
 
-// Joints that swing and strains at random; `strain`: how much of the motion the first strain makes.
+// Joints that swing and strains at random, of muscles or of curves; `strain`: how much of the motion the first strain
+// makes.
 class Heard {
  public:
-  explicit Heard(double strain) {
+  Heard(double strain, bool of_curves) {
     testing::Random random(5);
     const auto noise = [&](Eigen::Index rows, Eigen::Index columns) {
       return Eigen::MatrixXd(Eigen::MatrixXd::NullaryExpr(rows, columns, [&] { return random.uniform(-1.7, 1.7); }));
@@ -29,8 +30,8 @@ class Heard {
     std::vector<std::uint32_t> joints = {0, 1, 2}, all = joints;
     for (std::uint32_t s = 0; s < kStrains; ++s) all.push_back(static_cast<std::uint32_t>(kJointFeatures) + s);
     const std::vector<int> folds = blocked_folds(std::vector<int>(kPoses, 0), 20, 5);
-    choose_map(features_, {kJointFeatures, kStrains}, {joints, all}, model_.components.coefficients, folds, {},
-               {.centres = 40}, model_);
+    choose_map(features_, {kJointFeatures, kStrains, of_curves}, {joints, all}, model_.components.coefficients, folds,
+               {}, {.centres = 40}, model_);
   }
 
   std::size_t strains() const {
@@ -47,9 +48,12 @@ class Heard {
   RegionModel model_;
 };
 
-TEST(ChooseMap, StrainsThatTellTheMotionAreHeard) { EXPECT_TRUE(Heard(0.8).has(kJointFeatures)); }
+TEST(ChooseMap, StrainsThatTellTheMotionAreHeard) {
+  EXPECT_TRUE(Heard(0.8, false).has(kJointFeatures));
+  EXPECT_TRUE(Heard(0.8, true).has(kJointFeatures));
+}
 
-TEST(ChooseMap, StrainsThatTellNothingAreNot) { EXPECT_EQ(Heard(0).strains(), 0u); }
+TEST(ChooseMap, CurvesThatTellNothingAreNot) { EXPECT_EQ(Heard(0, true).strains(), 0u); }
 
 }  // namespace
 }  // namespace bodyopt

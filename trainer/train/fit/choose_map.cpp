@@ -19,9 +19,9 @@ constexpr std::size_t kMostFeatures = 80, kMostFeaturesOfAll = 200;  // of a reg
 constexpr int kCentreFractions[] = {1, 2, 4};
 // Kernels may leave so much of what a linear map leaves: bytes are not what they are chosen by.
 constexpr double kWorthKernels = 1.05;
-// Strains of few frames have to leave no more than so much of what joints alone leave: of many strains some look useful
-// by chance.
-constexpr double kWorthStrains = 0.9;
+// Of few frames, strains of curves have to leave no more than so much of what joints alone leave: of many curves some
+// look useful by chance. Muscles are there because they move the skin.
+constexpr double kWorthCurves = 0.9;
 
 std::size_t most_features(const Method& method) {
   if (!method.kernels) return std::numeric_limits<std::size_t>::max();
@@ -156,7 +156,8 @@ void choose_map(const FeatureSamples& features, const StrainFeatures& strains, c
   RegionModel simpler = model;
   fit_best_choice(features, without, motion, folds, weights, options, simpler);
   fit_best_choice(features, with, motion, folds, weights, options, model);
-  if (!(least_error(model) < kWorthStrains * least_error(simpler))) model = std::move(simpler);
+  const double most = (strains.of_curves ? kWorthCurves : 1) * least_error(simpler);
+  if (!(least_error(model) < most)) model = std::move(simpler);
 }
 
 void refit_map(const FeatureSamples& features, const std::vector<int>& folds, const Eigen::VectorXd& weights,

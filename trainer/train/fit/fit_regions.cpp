@@ -142,7 +142,8 @@ RegionModel fit_region(const FitContext& context, std::size_t r, const PartFrame
   model.strays = frames.strays(r);
   model.contradictions = frames.contradictions_of(r, context.pairs, model.components);
   const Basis& basis = context.ground.base.basis;
-  const StrainFeatures strains{joint_feature_count(basis.skeleton), basis.strain.fibre_count()};
+  const StrainFeatures strains{joint_feature_count(basis.skeleton), basis.strain.fibre_count(),
+                               context.ground.curve_count == context.ground.muscles.size()};
   const bool asks_for_more = context.folds.size() <= kFewFrames && options.components < kMotionOfFewFrames;
   const Eigen::MatrixXd motion =
       asks_for_more ? components(kMotionOfFewFrames).coefficients : model.components.coefficients;

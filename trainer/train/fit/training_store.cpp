@@ -20,7 +20,7 @@ namespace fs = std::filesystem;
 using Eigen::Index;
 
 // Raised whenever the same inputs are fitted in another way, or kept in another form.
-constexpr std::uint64_t kTrainerVersion = 3;
+constexpr std::uint64_t kTrainerVersion = 4;
 
 void add(ContentHash& hash, const std::vector<RegionWeights>& regions) {
   for (const RegionWeights& region : regions) {

@@ -148,8 +148,14 @@ class KernelRidge {
     }
   };
 
+  // In an even number of rows: the last of an odd number of elements Eigen leaves to the C library, whose exp has other
+  // last bits on processors without FMA.
   MatrixXd kernels(const MatrixXd& points, const MatrixXd& centres) const {
-    return (squared_distances(points, centres) * -inverse_width2_).array().exp();
+    const Index rows = points.rows();
+    MatrixXd values = MatrixXd::Zero(rows + rows % 2, centres.rows());
+    values.topRows(rows) = squared_distances(points, centres) * -inverse_width2_;
+    values = values.array().exp();
+    return values.topRows(rows);
   }
 
   Sums sums_without(const Fold* held_out) const {
