@@ -5,6 +5,7 @@
 
 #include "assets/gltf_clip.h"
 #include "runtime/core/error.h"
+#include "runtime/host/rig.h"
 
 // Declares `name` and `name_end`, between which the assembler puts the bytes of a file of rigs/arm.
 #define BODYOPT_ARM_FILE(name, file)                                                                    \
@@ -24,6 +25,13 @@ constexpr double kFps = 24;
 
 GltfFile arm_file() { return GltfFile("arm.glb", {bodyopt_arm_glb, bodyopt_arm_glb_end}); }
 
+// In their bind pose, and more exactly than the file's inverse bind matrices say, which are in single precision.
+void bind_as_the_nodes_stand(Skeleton& skeleton) {
+  for (Joint& joint : skeleton.joints) joint.bind = joint.default_local;
+  const std::vector<Affine> world = posed_joints(skeleton, bind_pose(skeleton).joints);
+  for (std::size_t j = 0; j < skeleton.size(); ++j) skeleton.joints[j].inverse_bind = inverse(world[j]);
+}
+
 // As many frames a second of the file's motion are taken as `rate` says, and then played at 24 a second.
 Clip arm_clip(const Skeleton& skeleton, const std::string& name, double rate) {
   const auto choose = [&](const std::set<std::string>&) { return skeleton; };
@@ -36,6 +44,7 @@ Clip arm_clip(const Skeleton& skeleton, const std::string& name, double rate) {
 
 BuiltinArm build_arm() {
   Character character = read_character(arm_file());
+  bind_as_the_nodes_stand(character.skeleton);
   std::vector<Muscle> muscles =
       parse_muscles({bodyopt_arm_muscles, bodyopt_arm_muscles_end}, "muscles.json", character.skeleton);
   return {std::move(character), std::move(muscles)};
