@@ -4,6 +4,7 @@
 #include "assets/character.h"
 #include "runtime/host/rig.h"
 #include "tests/support/error_kind.h"
+#include "tests/support/random_tables.h"
 #include "tests/support/shared_data.h"
 #include "tests/support/small_basis.h"
 #include "tests/support/temporary_folder.h"

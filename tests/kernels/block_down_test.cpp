@@ -1,6 +1,7 @@
 #include "runtime/cpu/dynamics_kernels.h"
 #include "runtime/vulkan/kernels/windows.h"
 #include "tests/support/kernel_cases.h"
+#include "tests/support/random_tables.h"
 #include "tests/support/small_inverse.h"
 
 namespace bodyopt::testing {

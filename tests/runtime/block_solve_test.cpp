@@ -5,6 +5,7 @@
 #include "runtime/core/error.h"
 #include "runtime/cpu/dynamics_kernels.h"
 #include "tests/support/gpu_fixture.h"
+#include "tests/support/random_tables.h"
 #include "tests/support/small_inverse.h"
 
 namespace bodyopt::testing {

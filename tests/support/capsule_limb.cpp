@@ -8,7 +8,6 @@
 #include "trainer/train/skinning/linear_blend.h"
 
 namespace bodyopt {
-namespace {
 
 std::vector<JointWeight> limb_weights(double z) {
   const double elbow = std::clamp((z - 0.25) / 0.1, 0.0, 1.0), wrist = std::clamp((z - 0.46) / 0.08, 0.0, 1.0);
@@ -20,8 +19,6 @@ std::vector<JointWeight> limb_weights(double z) {
   std::sort(weights.begin(), weights.end(), [](const auto& a, const auto& b) { return a.weight > b.weight; });
   return weights;
 }
-
-}  // namespace
 
 Skeleton limb_skeleton() {
   Skeleton skeleton;

@@ -10,6 +10,9 @@ constexpr double kLimbLength = 0.6, kLimbRadius = 0.05;
 
 Skeleton limb_skeleton();
 
+// Of a vertex of the rest skin at this height, the largest first.
+std::vector<JointWeight> limb_weights(double z);
+
 // Closed: rings between two poles. One output vertex per welded vertex.
 Character limb_character();
 
