@@ -36,7 +36,7 @@ Skeleton two_joints() {
 GltfBlob two_nodes() {
   GltfBlob blob;
   blob.root["nodes"] = {{{"name", "root"}, {"children", {1}}}, {{"name", "tip"}, {"translation", {0, 7, 0}}}};
-  blob.root["animations"] = {{{"name", "move"}, {"samplers", Json::array()}, {"channels", Json::array()}}};
+  blob.root["animations"] = Json::array({{{"name", "move"}, {"samplers", Json::array()}, {"channels", Json::array()}}});
   return blob;
 }
 

@@ -75,7 +75,7 @@ GltfBlob nodes_of(const Rig& rig) {
   for (std::size_t j = 0; j < rig.size(); ++j) {
     if (rig[j].parent >= 0) blob.root["nodes"][static_cast<std::size_t>(rig[j].parent)]["children"].push_back(j);
   }
-  blob.root["animations"] = {{{"name", "move"}, {"samplers", Json::array()}, {"channels", Json::array()}}};
+  blob.root["animations"] = Json::array({{{"name", "move"}, {"samplers", Json::array()}, {"channels", Json::array()}}});
   return blob;
 }
 

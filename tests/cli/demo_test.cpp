@@ -68,7 +68,8 @@ void expect_jiggle(const std::filesystem::path& demo, const Json& report) {
   const auto moves_after = jiggle["moves_after"].get<std::size_t>(), stops = jiggle["stops"].get<std::size_t>();
   ASSERT_GT(largest.size(), stops + 24);
   for (std::size_t frame = 1; frame < moves_after; ++frame) EXPECT_EQ(largest[frame - 1], 0) << frame;
-  EXPECT_LT(largest[moves_after - 1], 1e-4);  // sampled at a time rounded to single precision: a trace of the next
+  // Keys and times are in single precision, in the clip and in the file that it was made from: a trace of the next.
+  EXPECT_LT(largest[moves_after - 1], 1e-3);
   EXPECT_GT(largest[moves_after], 0);
   const double peak = *std::max_element(largest.begin(), largest.end());
   EXPECT_GT(peak, 5);  // seen

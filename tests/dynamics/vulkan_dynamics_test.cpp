@@ -142,7 +142,7 @@ TEST(VulkanDynamics, CutsIntoCallsAndBatchesChangeNoBit) {
 TEST(VulkanDynamics, LimitsBatches) {
   const auto limit = [](const Dynamics& dynamics) {
     const auto model = std::make_shared<const CharacterModel>(CharacterModel{limb().basis, dynamics});
-    return make_vulkan_backend(std::make_shared<const vulkan::DeviceModel>(open_test_device(), model), {})
+    return make_vulkan_backend(std::make_shared<const vulkan::DeviceModel>(open_test_device(), model), JiggleOptions())
         ->batch_limit();
   };
   Dynamics many_steps = limb().dynamics;

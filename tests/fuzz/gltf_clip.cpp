@@ -15,7 +15,8 @@ std::vector<std::string> seeds() {
   GltfBlob other = two_joint_square();
   other.root["nodes"][0]["name"] = "upper";
   other.root["nodes"][1]["name"] = "lower";
-  other.root["animations"] = {{{"name", "step"}, {"channels", Json::array()}, {"samplers", Json::array()}}};
+  other.root["animations"] =
+      Json::array({{{"name", "step"}, {"channels", Json::array()}, {"samplers", Json::array()}}});
   animate(other, 0, "translation", {0, 0.1f}, {0, 0, 0, 1, 0, 0}, "STEP");
   animate(other, 1, "rotation", {0, 0.1f}, {0, 0, 0, 1, 0, 0.6f, 0, 0.8f});
   return {written("bend.glb", [&](const auto& path) { write_clip(bending, limb().skeleton, path); }), other.glb()};
