@@ -8,6 +8,7 @@
 #include <limits>
 #include <numeric>
 
+#include "runtime/basis/safetensors.h"
 #include "runtime/core/error.h"
 #include "runtime/cpu/dynamics_kernels.h"
 #include "runtime/host/jiggle.h"

@@ -14,6 +14,7 @@
 #include <string>
 #include <vector>
 
+#include "runtime/host/device_choice.h"
 #include "runtime/vulkan/commands.h"
 
 namespace bodyopt::testing {

@@ -1,6 +1,7 @@
 // A basis of random tables, and batches of frames for it.
 #pragma once
 
+#include "runtime/basis/skin_modifiers.h"
 #include "runtime/host/backend.h"
 #include "runtime/host/character_model.h"
 #include "tests/support/random_tables.h"

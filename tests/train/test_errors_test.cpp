@@ -7,6 +7,7 @@
 
 #include "geometry/laplacian.h"
 #include "runtime/core/error.h"
+#include "runtime/deformer/deformer.h"
 #include "tests/support/capsule_limb.h"
 #include "tests/support/trained_basis.h"
 #include "trainer/train/coverage/coverage.h"

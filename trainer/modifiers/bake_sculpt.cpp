@@ -8,6 +8,7 @@
 #include "assets/wording.h"
 #include "runtime/basis/character_unit.h"
 #include "runtime/core/error.h"
+#include "runtime/core/json.h"
 #include "trainer/modifiers/bake_modifier.h"
 #include "trainer/modifiers/evaluated_skin.h"
 #include "trainer/modifiers/joint_holds.h"

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "assets/json_file.h"
 #include "runtime/basis/skeleton.h"
+#include "runtime/core/json.h"
 
 namespace bodyopt {
 

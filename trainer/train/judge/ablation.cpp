@@ -4,6 +4,7 @@
 
 #include "runtime/core/error.h"
 #include "runtime/core/stopwatch.h"
+#include "runtime/deformer/deformer.h"
 #include "trainer/train/fit/train.h"
 #include "trainer/train/judge/heldout.h"
 #include "trainer/train/pack/trade_off.h"
