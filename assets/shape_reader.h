@@ -1,20 +1,24 @@
 // Shapes of any kind of cache, by the ending of its name.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <variant>
 #include <vector>
 
-#include "assets/nodes_cache.h"
-#include "assets/pc2.h"
-
 namespace bodyopt {
+
+class NodesReader;
+class Pc2Reader;
 
 // `.nodes`: a draft (nodes_cache.h); anything else: PC2.
 class ShapeReader {
  public:
   // Throws Error(file).
   explicit ShapeReader(const std::filesystem::path& path);
+  ShapeReader(ShapeReader&&) noexcept;
+  ~ShapeReader();
 
   std::uint32_t point_count() const;
   std::uint32_t sample_count() const;
@@ -24,7 +28,7 @@ class ShapeReader {
   std::vector<float> sample(std::uint32_t k) const;
 
  private:
-  std::variant<Pc2Reader, NodesReader> reader_;
+  std::unique_ptr<const std::variant<Pc2Reader, NodesReader>> reader_;
 };
 
 }  // namespace bodyopt

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "assets/controls.h"
+#include "assets/json_file.h"
 #include "assets/wording.h"
 #include "runtime/core/error.h"
 #include "runtime/modifiers/drive_modifiers.h"

@@ -6,10 +6,11 @@
 #include <vector>
 
 #include "assets/clip.h"
-#include "assets/json_file.h"
 #include "runtime/basis/basis.h"
 
 namespace bodyopt {
+
+class JsonObject;
 
 inline constexpr const char* kModifiersSchema = "bodyopt-modifiers-1";
 

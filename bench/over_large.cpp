@@ -9,6 +9,7 @@
 #include "base/parallel.h"
 #include "runtime/core/half.h"
 #include "runtime/deformer/deformer.h"
+#include "runtime/host/device_choice.h"
 #include "trainer/train/fit/fit_regions.h"
 #include "trainer/train/pack/trade_off.h"
 

@@ -12,10 +12,12 @@
 #include <string>
 
 #include "assets/pc2.h"
+#include "assets/shape_reader.h"
 #include "base/parallel.h"
 #include "bench/over_large.h"
 #include "bench/randomised_svd.h"
 #include "bench/subdivide.h"
+#include "dataset/dataset.h"
 #include "runtime/core/error.h"
 #include "runtime/cpu/kernels.h"
 #include "trainer/train/data/samples.h"
@@ -82,8 +84,8 @@ SampleSet finer(SampleSet set) {
   const Subdivision fine = halve_longest_edges(set.character, kVertices);
   const fs::path path = fs::temp_directory_path() / ("bodyopt_train_bench." + std::to_string(getpid()) + ".pc2");
   write_shapes(set, fine, path);
-  const auto cache =
-      std::make_shared<const ShapeCache>(ShapeReader(path), std::make_shared<const Character>(fine.character));
+  const auto cache = std::make_shared<const ShapeCache>(std::make_shared<const ShapeReader>(path),
+                                                        std::make_shared<const Character>(fine.character));
   fs::remove(path);
   for (std::size_t k = 0; k < set.train.size(); ++k) set.train[k].shape = {cache, static_cast<std::uint32_t>(k)};
   set.character = fine.character;

@@ -8,6 +8,8 @@
 #include "cli/arguments/common.h"
 #include "runtime/core/error.h"
 #include "runtime/core/stopwatch.h"
+#include "runtime/deformer/deformer.h"
+#include "runtime/host/backend.h"
 #include "runtime/host/stages.h"
 #include "runtime/threads/tbb_executor.h"
 #include "runtime/vulkan/device.h"

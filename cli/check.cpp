@@ -11,6 +11,7 @@
 #include "report/places_picture.h"
 #include "runtime/core/error.h"
 #include "runtime/core/file_kind.h"
+#include "runtime/host/stages.h"
 #include "trainer/check/foresee.h"
 #include "trainer/check/shape_doubts.h"
 #include "trainer/motion/attached_rig.h"

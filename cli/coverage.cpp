@@ -9,10 +9,12 @@
 
 #include "assets/controls.h"
 #include "assets/frame_range.h"
+#include "assets/json_file.h"
 #include "cli/arguments/common.h"
 #include "report/heat_strip.h"
 #include "runtime/core/atomic_file.h"
 #include "runtime/core/error.h"
+#include "runtime/deformer/deformer.h"
 #include "trainer/curate/named_shapes.h"
 
 namespace bodyopt::cli {

@@ -7,6 +7,7 @@
 
 #include "assets/frame_range.h"
 #include "assets/gltf_guard.h"
+#include "assets/json_file.h"
 #include "base/progress.h"
 #include "cli/arguments/cache_space.h"
 #include "cli/arguments/common.h"

@@ -18,6 +18,7 @@
 #include "farm/slurm.h"
 #include "runtime/core/atomic_file.h"
 #include "runtime/core/error.h"
+#include "runtime/host/stages.h"
 
 namespace bodyopt::cli {
 namespace {

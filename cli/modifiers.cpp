@@ -2,10 +2,12 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "assets/json_file.h"
 #include "assets/shot_modifiers.h"
 #include "cli/arguments/common.h"
 #include "cli/results/shot_folds.h"
 #include "runtime/basis/levels.h"
+#include "runtime/basis/skin_modifiers.h"
 #include "runtime/modifiers/drive_modifiers.h"
 #include "trainer/modifiers/bake_stack.h"
 #include "trainer/modifiers/measure_breathing.h"

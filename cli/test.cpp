@@ -8,6 +8,7 @@
 #include "assets/frame_range.h"
 #include "cli/arguments/common.h"
 #include "cli/results/fade_log.h"
+#include "dataset/dataset.h"
 #include "runtime/core/error.h"
 #include "trainer/train/data/learned_poses.h"
 #include "trainer/train/judge/test_errors.h"

@@ -16,6 +16,7 @@
 #include "runtime/core/error.h"
 #include "runtime/core/stopwatch.h"
 #include "runtime/core/strict_json.h"
+#include "runtime/deformer/deformer.h"
 #include "trainer/check/check.h"
 #include "trainer/motion/coupled_joints.h"
 #include "trainer/train/data/samples.h"

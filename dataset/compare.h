@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "assets/json_file.h"
+#include "runtime/core/json.h"
 
 namespace bodyopt {
 

@@ -7,6 +7,7 @@
 #include <set>
 #include <sstream>
 
+#include "assets/clip.h"
 #include "assets/clip_source.h"
 #include "assets/frame_range.h"
 #include "assets/json_file.h"

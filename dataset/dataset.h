@@ -8,11 +8,10 @@
 #include <string>
 #include <vector>
 
-#include "assets/character.h"
-#include "assets/clip.h"
-#include "assets/muscles.h"
-
 namespace bodyopt {
+
+struct Clip;
+struct Skeleton;
 
 // dataset/modifier.h, which takes a second to compile.
 struct Modifier;

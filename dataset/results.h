@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <string>
 
-#include "assets/json_file.h"
 #include "dataset/compare.h"
+#include "runtime/core/json.h"
 
 namespace bodyopt {
 

@@ -7,6 +7,7 @@
 #include "draw/srgb.h"
 #include "draw/viewport.h"
 #include "runtime/core/error.h"
+#include "runtime/host/device_choice.h"
 
 namespace bodyopt {
 namespace {

@@ -11,6 +11,7 @@
 #include <nlohmann/json.hpp>
 #include <vector>
 
+#include "assets/json_file.h"
 #include "runtime/core/error.h"
 #include "runtime/core/hexadecimal.h"
 

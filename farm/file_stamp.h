@@ -5,9 +5,11 @@
 #include <filesystem>
 #include <string>
 
-#include "assets/json_file.h"
+#include "runtime/core/json.h"
 
 namespace bodyopt {
+
+class JsonObject;
 
 struct FileStamp {
   std::string path;

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "assets/frame_range.h"
+#include "assets/json_file.h"
 #include "runtime/core/error.h"
 
 namespace bodyopt {

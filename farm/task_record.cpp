@@ -6,6 +6,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
+#include "assets/json_file.h"
 #include "base/content_hash.h"
 #include "runtime/core/error.h"
 #include "runtime/core/hexadecimal.h"

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "farm/file_stamp.h"
+#include "runtime/core/json.h"
 
 namespace bodyopt {
 

@@ -6,6 +6,8 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "assets/json_file.h"
+
 namespace bodyopt {
 namespace {
 

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "assets/clip.h"
-#include "runtime/deformer/deformer.h"
+#include "runtime/host/device_choice.h"
 
 namespace bodyopt {
 

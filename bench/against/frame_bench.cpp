@@ -15,6 +15,7 @@
 
 #include "runtime/basis/dynamics.h"
 #include "runtime/deformer/deformer.h"
+#include "runtime/host/device_choice.h"
 
 namespace bodyopt::bench {
 namespace {

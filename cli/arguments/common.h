@@ -11,7 +11,7 @@
 #include "cli/arguments/options.h"
 #include "dataset/compare.h"
 #include "runtime/basis/character_unit.h"
-#include "runtime/deformer/deformer.h"
+#include "runtime/host/device_choice.h"
 
 namespace bodyopt::cli {
 

@@ -7,7 +7,9 @@
 
 #include "assets/frame_range.h"
 #include "base/progress.h"
+#include "runtime/basis/dynamics.h"
 #include "runtime/core/error.h"
+#include "runtime/deformer/deformer.h"
 
 namespace bodyopt::cli {
 namespace {

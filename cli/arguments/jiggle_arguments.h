@@ -5,6 +5,10 @@
 
 #include "cli/arguments/common.h"
 
+namespace bodyopt {
+class Deformer;
+}  // namespace bodyopt
+
 namespace bodyopt::cli {
 
 struct JiggleArguments {

@@ -5,6 +5,7 @@
 
 #include "assets/clip.h"
 #include "cli/arguments/common.h"
+#include "dataset/dataset.h"
 #include "draw/animation.h"
 #include "report/flip_book.h"
 #include "report/pictures.h"

@@ -7,6 +7,7 @@
 
 #include "assets/frame_range.h"
 #include "assets/wording.h"
+#include "runtime/deformer/deformer.h"
 #include "runtime/deformer/outside.h"
 #include "trainer/dynamics/measure_jiggle.h"
 #include "trainer/train/coverage/coverage.h"

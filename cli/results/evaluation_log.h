@@ -8,7 +8,13 @@
 
 #include "cli/arguments/common.h"
 #include "cli/results/fade_log.h"
+#include "runtime/host/jiggle.h"
 #include "runtime/host/stages.h"
+
+namespace bodyopt {
+class Deformer;
+struct Evaluation;
+}  // namespace bodyopt
 
 namespace bodyopt::cli {
 

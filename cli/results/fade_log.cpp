@@ -5,6 +5,7 @@
 
 #include "assets/frame_range.h"
 #include "assets/wording.h"
+#include "runtime/deformer/deformer.h"
 
 namespace bodyopt::cli {
 namespace {

@@ -7,6 +7,10 @@
 
 #include "cli/arguments/common.h"
 
+namespace bodyopt {
+struct Evaluation;
+}  // namespace bodyopt
+
 namespace bodyopt::cli {
 
 class FadeLog {

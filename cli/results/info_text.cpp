@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "assets/json_file.h"
 #include "cli/results/level_table.h"
 
 namespace bodyopt::cli {

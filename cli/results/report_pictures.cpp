@@ -8,6 +8,7 @@
 #include "geometry/table_rows.h"
 #include "report/pictures.h"
 #include "report/region_picture.h"
+#include "runtime/basis/basis.h"
 
 namespace bodyopt::cli {
 namespace {

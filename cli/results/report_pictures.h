@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "report/report.h"
+#include "runtime/deformer/deformer.h"
 #include "trainer/train/judge/heldout.h"
 
 namespace bodyopt::cli {

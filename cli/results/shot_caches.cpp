@@ -1,5 +1,6 @@
 #include "cli/results/shot_caches.h"
 
+#include "runtime/deformer/evaluation.h"
 #include "runtime/host/carry_skin.h"
 #include "runtime/threads/tbb_executor.h"
 

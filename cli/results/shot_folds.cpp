@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "assets/json_file.h"
+#include "runtime/basis/skin_modifiers.h"
+
 namespace bodyopt::cli {
 namespace {
 

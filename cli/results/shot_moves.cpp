@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "assets/json_file.h"
+
 namespace bodyopt::cli {
 namespace {
 

@@ -14,6 +14,7 @@
 #include "runtime/basis/levels.h"
 #include "runtime/basis/output_order.h"
 #include "runtime/core/error.h"
+#include "runtime/host/stages.h"
 
 namespace bodyopt::cli {
 namespace {

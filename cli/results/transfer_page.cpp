@@ -8,6 +8,7 @@
 #include "report/page.h"
 #include "report/pictures.h"
 #include "runtime/basis/output_order.h"
+#include "runtime/deformer/deformer.h"
 #include "trainer/train/coverage/coverage.h"
 #include "trainer/transfer/likeness.h"
 #include "trainer/transfer/motion_of_target.h"

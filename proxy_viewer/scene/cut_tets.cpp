@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "draw/view.h"
+#include "runtime/basis/dynamics.h"
 
 namespace bodyopt {
 namespace {

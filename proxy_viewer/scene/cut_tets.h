@@ -7,11 +7,12 @@
 #include <span>
 #include <vector>
 
-#include "runtime/basis/dynamics.h"
 #include "runtime/core/transform.h"
 #include "runtime/vulkan/buffer.h"
 
 namespace bodyopt {
+
+struct Dynamics;
 
 // held: by springs that leave no corner room to jiggle: bone, what counts as bone by its depth, what jiggle.json holds.
 enum class TetKind { fat, muscle, held };

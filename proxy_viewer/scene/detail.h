@@ -11,6 +11,7 @@
 #include "proxy_viewer/scene/cut_tets.h"
 #include "proxy_viewer/scene/level_on_device.h"
 #include "runtime/deformer/deformer.h"
+#include "runtime/deformer/evaluate_together.h"
 #include "runtime/vulkan/buffer.h"
 
 namespace bodyopt {

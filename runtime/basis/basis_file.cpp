@@ -8,6 +8,7 @@
 #include "runtime/basis/earlier_coverage.h"
 #include "runtime/basis/earlier_residual.h"
 #include "runtime/basis/levels.h"
+#include "runtime/basis/skin_modifiers.h"
 #include "runtime/basis/table_file.h"
 #include "runtime/core/error.h"
 #include "runtime/core/strict_json.h"

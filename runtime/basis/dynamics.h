@@ -11,9 +11,10 @@
 
 #include "runtime/basis/basis.h"
 #include "runtime/basis/block_inverse.h"
-#include "runtime/basis/safetensors.h"
 
 namespace bodyopt {
+
+struct Safetensors;
 
 struct TetTable {
   std::vector<float> nodes;                 // N x 3

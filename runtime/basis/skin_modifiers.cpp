@@ -4,6 +4,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "runtime/basis/basis.h"
 #include "runtime/core/error.h"
 #include "runtime/core/strict_json.h"
 

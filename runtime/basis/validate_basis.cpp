@@ -5,6 +5,7 @@
 #include <span>
 
 #include "runtime/basis/basis.h"
+#include "runtime/basis/skin_modifiers.h"
 #include "runtime/basis/table_checks.h"
 
 namespace bodyopt {

@@ -1,3 +1,4 @@
+#include "runtime/basis/block_inverse.h"
 #include "runtime/cpu/dynamics_kernels.h"
 
 namespace bodyopt::cpu {

@@ -1,5 +1,6 @@
 #include "runtime/cpu/cpu_dynamics.h"
 
+#include "runtime/basis/dynamics.h"
 #include "runtime/cpu/dynamics_kernels.h"
 #include "runtime/host/jiggle_stages.h"
 

@@ -8,8 +8,16 @@
 #include <span>
 #include <vector>
 
-#include "runtime/basis/dynamics.h"
 #include "runtime/core/executor.h"
+#include "shaders/include/layout.h"
+
+namespace bodyopt {
+struct BlockInverse;
+struct InverseLevel;
+struct DiffuseTable;
+struct JiggleTable;
+struct TetTable;
+}  // namespace bodyopt
 
 namespace bodyopt::cpu {
 

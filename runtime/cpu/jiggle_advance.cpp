@@ -1,5 +1,6 @@
 #include <algorithm>
 
+#include "runtime/basis/dynamics.h"
 #include "runtime/cpu/dynamics_kernels.h"
 #include "runtime/cpu/parallel.h"
 #include "shaders/include/jiggle.h"

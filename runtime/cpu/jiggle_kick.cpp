@@ -1,5 +1,6 @@
 #include "runtime/cpu/dynamics_kernels.h"
 #include "runtime/cpu/parallel.h"
+#include "shaders/include/layout.h"
 
 namespace bodyopt::cpu {
 

@@ -1,3 +1,4 @@
+#include "runtime/basis/dynamics.h"
 #include "runtime/cpu/dynamics_kernels.h"
 #include "runtime/cpu/parallel.h"
 #include "shaders/include/jiggle.h"

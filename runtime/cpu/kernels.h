@@ -9,8 +9,11 @@
 #include <span>
 
 #include "runtime/basis/basis.h"
-#include "runtime/host/fold_tables.h"
-#include "runtime/host/tangent_tables.h"
+
+namespace bodyopt {
+struct FoldTables;
+struct TangentTables;
+}  // namespace bodyopt
 
 namespace bodyopt::cpu {
 

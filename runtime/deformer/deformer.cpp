@@ -9,7 +9,11 @@
 #include "runtime/core/extent.h"
 #include "runtime/cpu/cpu_backend.h"
 #include "runtime/deformer/checked_backend.h"
+#include "runtime/deformer/evaluate_together.h"
 #include "runtime/deformer/make_batch.h"
+#include "runtime/host/backend.h"
+#include "runtime/host/character_model.h"
+#include "runtime/host/device_choice.h"
 #include "runtime/host/rig.h"
 #include "runtime/threads/tbb_executor.h"
 #include "runtime/vulkan/backend/device_model.h"
@@ -161,6 +165,11 @@ void Deformer::set_weights(const Weights& weights) {
 Deformer::~Deformer() = default;
 
 std::string Deformer::device_name() const { return backend_->name(); }
+DeviceSkin Deformer::device_skin() const { return backend_->device_skin(); }
+std::uint32_t Deformer::batch_limit() const { return backend_->batch_limit(); }
+void Deformer::forget_recorded_buffers() { backend_->forget_recorded_buffers(); }
+const Basis& Deformer::basis() const { return model_->basis; }
+const Dynamics* Deformer::dynamics() const { return jiggles_ ? &*model_->dynamics : nullptr; }
 
 Evaluation Deformer::evaluate(std::span<const Pose> poses) { return run({.deformer = this, .poses = poses}); }
 

@@ -10,19 +10,25 @@
 #include <string>
 #include <vector>
 
-#include "runtime/basis/basis.h"
-#include "runtime/deformer/evaluate_together.h"
 #include "runtime/deformer/evaluation.h"
-#include "runtime/host/backend.h"
-#include "runtime/host/character_model.h"
-#include "runtime/host/device_choice.h"
 #include "runtime/host/jiggle.h"
+#include "runtime/host/weights.h"
 
 namespace bodyopt {
+
+class Backend;
+struct Basis;
+struct Batch;
+struct CharacterModel;
+struct DeformerCall;
+struct DeviceChoice;
+struct DeviceSkin;
+struct Pose;
 
 namespace vulkan {
 class Device;
 class DeviceModel;
+struct Recording;
 }  // namespace vulkan
 
 // The mean over the regions of frame k: how much is left of what was learned. 1 without regions.
@@ -70,10 +76,10 @@ class Deformer {
   // Records a frame into a command buffer of the host program; see Backend::record. `frame`: its number where it
   // jiggles.
   void record(const Pose& pose, std::optional<int> frame, const vulkan::Recording& recording);
-  void forget_recorded_buffers() { backend_->forget_recorded_buffers(); }
+  void forget_recorded_buffers();
   // Of the last batch; its buffers live until the next call that evaluates.
-  DeviceSkin device_skin() const { return backend_->device_skin(); }
-  std::uint32_t batch_limit() const { return backend_->batch_limit(); }
+  DeviceSkin device_skin() const;
+  std::uint32_t batch_limit() const;
   // Throws Error(usage) for more poses than that.
   void require_one_batch(std::span<const Pose> poses) const;
 
@@ -88,9 +94,9 @@ class Deformer {
   // Throws as above.
   void set_state(const JiggleState& state);
 
-  const Basis& basis() const { return model_->basis; }
+  const Basis& basis() const;
   const JiggleOptions& jiggle_options() const { return options_; }
-  const Dynamics* dynamics() const { return jiggles_ ? &*model_->dynamics : nullptr; }
+  const Dynamics* dynamics() const;
   std::string device_name() const;
 
  private:

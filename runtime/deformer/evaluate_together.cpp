@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "runtime/core/error.h"
+#include "runtime/core/executor.h"
 #include "runtime/core/stopwatch.h"
 #include "runtime/cpu/kernels.h"
 #include "runtime/deformer/deformer.h"

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "runtime/core/error.h"
 #include "runtime/host/fade.h"
 #include "runtime/host/rig.h"
 

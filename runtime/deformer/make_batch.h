@@ -7,6 +7,8 @@
 
 namespace bodyopt {
 
+struct Pose;
+
 // Throws Error(mismatch) when a pose does not fit the skeleton, or holds a number that is not finite.
 Batch make_batch(const Basis& basis, std::span<const Pose> poses);
 

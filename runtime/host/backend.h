@@ -7,30 +7,20 @@
 #include <string>
 #include <vector>
 
-#include "runtime/basis/basis.h"
-#include "runtime/core/error.h"
-#include "runtime/core/executor.h"
 #include "runtime/host/jiggle.h"
 #include "runtime/host/stages.h"
+#include "runtime/host/weights.h"
 
 namespace bodyopt {
+
+class Executor;
+struct Dynamics;
 
 namespace vulkan {
 class Buffer;
 class Commands;
 struct Recording;
 }  // namespace vulkan
-
-// Of a weight, either way: an animator's exaggeration, and far from where positions would no longer be finite.
-inline constexpr float kMostWeight = 1000;
-
-// How much is shown of what was learned, and of the jiggle: methods to compare by eye. 1, as trained, changes no bit; a
-// weight changes no state.
-struct Weights {
-  float correction = 1, jiggle = 1;
-  bool kernels = true;  // without: of what was learned the part that is linear in joints and strains
-  bool operator==(const Weights&) const = default;
-};
 
 // A skin on the device, F x V x 3 each, world, metres, vertices in runtime order.
 struct DeviceSkin {
@@ -85,7 +75,7 @@ class Backend {
  public:
   virtual ~Backend() = default;
   virtual std::string name() const = 0;
-  virtual Executor& threads() const { return calling_thread(); }  // for what is done with its results
+  virtual Executor& threads() const;  // for what is done with its results
   // Most frames of one batch.
   virtual std::uint32_t batch_limit() const = 0;
   // The result is the backend's until the next batch, whose memory it is, too. Where it throws the motion is that of
@@ -94,9 +84,7 @@ class Backend {
   virtual SplitRun* split() { return nullptr; }  // null: there is no device between the halves
   // Records a batch of one frame for the host program (include/bodyopt/vulkan.h); from then on it does nothing else.
   // Throws Error(usage) where it has no device.
-  virtual void record(const Batch&, const vulkan::Recording&) {
-    throw Error(ErrorKind::usage, "only an instance on a Vulkan device, without a check, can record");
-  }
+  virtual void record(const Batch&, const vulkan::Recording&);
   virtual void forget_recorded_buffers() {}
   // Coefficients at rest, subtracted from then on. Zero until set.
   virtual void set_rest_coefficients(std::span<const float> coefficients) = 0;

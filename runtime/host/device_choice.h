@@ -5,9 +5,9 @@
 #include <memory>
 #include <string>
 
-#include "runtime/core/executor.h"
-
 namespace bodyopt {
+
+class Executor;
 
 // Which backend runs. "auto" takes a discrete GPU, then any other, then the CPU; "cpu"; an index or (part of) a name as
 // listed by `bodyopt devices`. With require_device, "auto" takes a software Vulkan device before it throws. A device

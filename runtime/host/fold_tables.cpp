@@ -5,6 +5,7 @@
 #include <numeric>
 #include <span>
 
+#include "runtime/basis/skin_modifiers.h"
 #include "runtime/host/fold_joints.h"
 #include "shaders/include/fold.h"
 

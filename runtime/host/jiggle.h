@@ -8,10 +8,13 @@
 #include <string>
 #include <vector>
 
-#include "runtime/basis/dynamics.h"
-#include "runtime/basis/skeleton.h"
+#include "runtime/core/transform.h"
+#include "shaders/include/layout.h"
 
 namespace bodyopt {
+
+struct Dynamics;
+struct JiggleStep;
 
 inline constexpr double kMostGravityChange = 1000;  // m/s^2 along an axis: a hundred times the earth's
 

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "runtime/basis/dynamics.h"
 #include "runtime/host/jiggle.h"
 
 namespace bodyopt {

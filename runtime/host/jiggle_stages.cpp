@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "runtime/basis/dynamics.h"
+
 namespace bodyopt {
 namespace {
 

@@ -3,9 +3,13 @@
 
 #include <optional>
 
-#include "runtime/basis/dynamics.h"
+#include "runtime/core/transform.h"
+#include "shaders/include/layout.h"
 
 namespace bodyopt {
+
+struct Dynamics;
+struct JiggleStep;
 
 // A step is: begin, solve; where there is advance: advance, solve; end.
 struct JiggleStages {

@@ -4,6 +4,7 @@
 #include <sstream>
 #include <utility>
 
+#include "runtime/basis/dynamics.h"
 #include "runtime/basis/safetensors.h"
 #include "runtime/core/error.h"
 #include "runtime/core/extent.h"

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "runtime/basis/basis.h"
 #include "shaders/include/fold.h"
 
 namespace bodyopt {

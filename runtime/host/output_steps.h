@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "runtime/basis/skin_modifiers.h"
 #include "runtime/host/backend.h"
 
 namespace bodyopt {

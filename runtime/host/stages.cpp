@@ -1,5 +1,6 @@
 #include "runtime/host/stages.h"
 
+#include "runtime/basis/basis.h"
 #include "runtime/host/backend.h"
 
 namespace bodyopt {

@@ -1,4 +1,5 @@
 // bodyopt.h: Vulkan devices.
+#include "runtime/host/device_choice.h"
 #include "runtime/library/guard.h"
 #include "runtime/library/handles.h"
 

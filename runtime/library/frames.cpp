@@ -5,6 +5,7 @@
 #include <span>
 #include <string>
 
+#include "runtime/deformer/evaluate_together.h"
 #include "runtime/library/guard.h"
 #include "runtime/library/handles.h"
 #include "runtime/library/strides.h"

@@ -1,6 +1,8 @@
 // bodyopt.h: instances and their states.
 #include <algorithm>
 
+#include "runtime/core/executor.h"
+#include "runtime/host/device_choice.h"
 #include "runtime/library/guard.h"
 #include "runtime/library/handles.h"
 

@@ -7,6 +7,7 @@
 #include <limits>
 #include <string>
 
+#include "runtime/basis/basis.h"
 #include "runtime/library/guard.h"
 
 namespace bodyopt {

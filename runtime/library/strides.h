@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "include/bodyopt/bodyopt.h"
+#include "runtime/basis/skeleton.h"
 #include "runtime/deformer/deformer.h"
 
 namespace bodyopt {

@@ -1,3 +1,4 @@
+#include "runtime/basis/skin_modifiers.h"
 #include "runtime/modifiers/skin_modifier_type.h"
 
 namespace bodyopt {

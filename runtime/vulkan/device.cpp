@@ -5,6 +5,7 @@
 
 #include "runtime/core/error.h"
 #include "runtime/core/lower_case.h"
+#include "runtime/host/device_choice.h"
 #include "runtime/vulkan/object.h"
 
 namespace bodyopt::vulkan {

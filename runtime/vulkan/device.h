@@ -11,10 +11,13 @@
 #include <typeindex>
 #include <vector>
 
-#include "runtime/host/device_choice.h"
 #include "runtime/vulkan/instance.h"
 #include "runtime/vulkan/memory.h"
 #include "runtime/vulkan/pipeline_cache.h"
+
+namespace bodyopt {
+struct DeviceChoice;
+}
 
 namespace bodyopt::vulkan {
 

@@ -8,6 +8,7 @@
 #include "runtime/basis/safetensors.h"
 #include "runtime/core/json.h"
 #include "runtime/deformer/deformer.h"
+#include "runtime/host/device_choice.h"
 #include "tests/support/error_kind.h"
 #include "tests/support/forged_word.h"
 #include "tests/support/hostile_bytes.h"

@@ -7,6 +7,7 @@
 #include "runtime/basis/safetensors.h"
 #include "runtime/deformer/deformer.h"
 #include "runtime/host/carry_skin.h"
+#include "runtime/host/device_choice.h"
 #include "tests/support/forged_word.h"
 #include "tests/support/hostile_bytes.h"
 #include "tests/support/same_basis.h"

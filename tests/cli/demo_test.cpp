@@ -6,6 +6,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "assets/nodes_cache.h"
 #include "assets/pc2.h"
 #include "assets/shape_reader.h"
 #include "dataset/compare.h"

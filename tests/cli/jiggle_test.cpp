@@ -6,6 +6,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "assets/clip.h"
 #include "assets/pc2.h"
 #include "runtime/core/json.h"
 #include "tests/support/capsule_limb.h"

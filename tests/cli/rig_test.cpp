@@ -8,6 +8,7 @@
 
 #include "assets/clip.h"
 #include "assets/json_file.h"
+#include "dataset/dataset.h"
 #include "tests/cli/limb_files.h"
 #include "tests/support/detached_limb.h"
 #include "tests/support/hostile_bytes.h"

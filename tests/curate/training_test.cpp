@@ -4,6 +4,7 @@
 #include <array>
 
 #include "runtime/deformer/deformer.h"
+#include "runtime/host/device_choice.h"
 #include "tests/curate/curated_limb.h"
 #include "tests/curate/sweep_history.h"
 #include "trainer/curate/edit_stack.h"

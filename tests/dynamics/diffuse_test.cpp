@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "geometry/table_rows.h"
+#include "runtime/basis/dynamics.h"
 #include "runtime/cpu/dynamics_kernels.h"
 #include "tests/simulate/limb.h"
 #include "tests/support/fem_reference.h"

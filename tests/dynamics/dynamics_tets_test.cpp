@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "geometry/closed_skin.h"
+#include "runtime/basis/dynamics.h"
 #include "runtime/core/error.h"
 #include "tests/builtin/shared_arm.h"
 #include "tests/simulate/limb.h"

@@ -8,9 +8,11 @@
 #include <limits>
 #include <numeric>
 
+#include "runtime/basis/safetensors.h"
 #include "runtime/core/error.h"
 #include "runtime/cpu/dynamics_kernels.h"
 #include "runtime/deformer/deformer.h"
+#include "runtime/host/device_choice.h"
 #include "runtime/host/jiggle.h"
 #include "tests/support/hostile_bytes.h"
 #include "tests/support/limb_dynamics.h"

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <random>
 
+#include "runtime/basis/dynamics.h"
 #include "runtime/cpu/dynamics_kernels.h"
 #include "runtime/host/jiggle_stages.h"
 #include "tests/simulate/tet_block.h"

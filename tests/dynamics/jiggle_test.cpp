@@ -9,6 +9,7 @@
 #include <random>
 
 #include "geometry/extent.h"
+#include "runtime/basis/dynamics.h"
 #include "runtime/core/error.h"
 #include "runtime/cpu/dynamics_kernels.h"
 #include "tests/simulate/limb.h"

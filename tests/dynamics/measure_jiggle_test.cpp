@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "runtime/deformer/deformer.h"
+#include "runtime/host/device_choice.h"
 #include "tests/support/limb_dynamics.h"
 
 namespace bodyopt {

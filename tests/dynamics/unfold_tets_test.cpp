@@ -6,6 +6,7 @@
 
 #include "geometry/table_rows.h"
 #include "runtime/deformer/deformer.h"
+#include "runtime/host/device_choice.h"
 #include "tests/support/capsule_limb.h"
 #include "tests/support/limb_dynamics.h"
 #include "trainer/dynamics/diffuse.h"

@@ -1,3 +1,4 @@
+#include "assets/nodes_cache.h"
 #include "assets/shape_reader.h"
 #include "tests/fuzz/fuzz_target.h"
 

@@ -5,6 +5,7 @@
 #include <functional>
 
 #include "include/bodyopt/vulkan.h"
+#include "runtime/basis/dynamics.h"
 #include "runtime/core/hexadecimal.h"
 #include "tests/library/c_api.h"
 #include "tests/support/small_basis.h"

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "include/bodyopt/bodyopt.hpp"
+#include "runtime/basis/basis.h"
 #include "runtime/deformer/deformer.h"
 #include "tests/support/paths.h"
 

@@ -2,6 +2,7 @@
 #include <cstddef>
 #include <thread>
 
+#include "runtime/basis/dynamics.h"
 #include "runtime/coverage/expected_error.h"
 #include "tests/library/c_api.h"
 #include "tests/support/gpu_fixture.h"

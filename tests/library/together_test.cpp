@@ -1,4 +1,5 @@
 // Many instances in one call: the bits of one after the other, and one that fails leaves the others right.
+#include "runtime/deformer/evaluate_together.h"
 #include "tests/library/c_api.h"
 #include "tests/support/gpu_fixture.h"
 

@@ -5,6 +5,7 @@
 #include <cstring>
 
 #include "runtime/deformer/deformer.h"
+#include "runtime/host/device_choice.h"
 #include "tests/modifiers/driven_small_basis.h"
 #include "tests/support/error_kind.h"
 

@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "runtime/deformer/deformer.h"
+#include "runtime/host/device_choice.h"
 #include "runtime/modifiers/drive_modifiers.h"
 #include "tests/support/error_kind.h"
 #include "tests/support/limb_dynamics.h"

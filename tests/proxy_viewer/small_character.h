@@ -5,7 +5,9 @@
 
 #include "assets/clip.h"
 #include "assets/pc2.h"
+#include "dataset/dataset.h"
 #include "runtime/deformer/deformer.h"
+#include "runtime/host/device_choice.h"
 #include "tests/support/capsule_limb.h"
 #include "tests/support/small_basis.h"
 #include "tests/support/small_dynamics.h"

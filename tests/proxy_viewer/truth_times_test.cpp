@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "assets/pc2.h"
 #include "tests/support/temporary_folder.h"
 
 namespace bodyopt::testing {

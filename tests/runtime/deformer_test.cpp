@@ -1,5 +1,6 @@
 #include "runtime/deformer/deformer.h"
 
+#include "runtime/basis/basis.h"
 #include "tests/support/gpu_fixture.h"
 #include "tests/support/paths.h"
 

@@ -7,6 +7,7 @@
 
 #include "runtime/core/error.h"
 #include "runtime/deformer/deformer.h"
+#include "runtime/host/character_model.h"
 #include "tests/support/cut_executor.h"
 #include "tests/support/error_kind.h"
 #include "tests/support/random_tables.h"

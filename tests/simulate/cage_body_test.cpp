@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "assets/nodes_cache.h"
 #include "assets/shape_reader.h"
 #include "runtime/core/error.h"
 #include "runtime/host/rig.h"

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "runtime/host/device_choice.h"
 #include "runtime/vulkan/commands.h"
 
 namespace bodyopt::testing {

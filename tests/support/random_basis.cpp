@@ -4,6 +4,8 @@
 #include <optional>
 #include <string>
 
+#include "runtime/basis/skin_modifiers.h"
+
 namespace bodyopt::testing {
 
 Basis random_basis(std::uint32_t fibres, std::uint32_t coefficients) {

@@ -1,5 +1,7 @@
 #include "tests/support/same_basis.h"
 
+#include "runtime/basis/skin_modifiers.h"
+
 namespace bodyopt::testing {
 
 bool same_bits(const Skeleton& a, const Skeleton& b) {

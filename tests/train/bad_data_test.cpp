@@ -7,7 +7,10 @@
 #include <tuple>
 
 #include "assets/pc2.h"
+#include "assets/shape_reader.h"
 #include "runtime/core/error.h"
+#include "runtime/deformer/deformer.h"
+#include "runtime/host/device_choice.h"
 #include "tests/support/capsule_limb.h"
 #include "tests/support/damaged_cache.h"
 #include "tests/support/same_basis.h"
@@ -262,8 +265,8 @@ TEST(BadData, AFileThatHoldsNoNumbersIsNamedWithItsFrame) {
   }
   writer.close();
   put_nan(path, 55, 3 * 17 + 1);
-  const auto cache =
-      std::make_shared<const ShapeCache>(ShapeReader(path), std::make_shared<const Character>(set.character));
+  const auto cache = std::make_shared<const ShapeCache>(std::make_shared<const ShapeReader>(path),
+                                                        std::make_shared<const Character>(set.character));
   for (std::uint32_t n = 0; n < 80; ++n) set.train[n].shape = {cache, n};
   try {
     trained_basis(set, kSmall);

@@ -3,6 +3,7 @@
 
 #include "runtime/core/error.h"
 #include "runtime/deformer/deformer.h"
+#include "runtime/host/device_choice.h"
 #include "tests/support/capsule_limb.h"
 #include "tests/support/trained_basis.h"
 #include "trainer/train/fit/train.h"

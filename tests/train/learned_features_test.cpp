@@ -5,6 +5,7 @@
 
 #include "runtime/coverage/expected_error.h"
 #include "runtime/deformer/deformer.h"
+#include "runtime/host/device_choice.h"
 #include "runtime/host/rig.h"
 #include "tests/support/capsule_limb.h"
 #include "tests/support/trained_basis.h"

@@ -10,6 +10,7 @@
 
 #include "runtime/core/error.h"
 #include "runtime/deformer/deformer.h"
+#include "runtime/host/device_choice.h"
 #include "tests/support/capsule_limb.h"
 #include "tests/support/same_basis.h"
 #include "tests/support/temporary_folder.h"

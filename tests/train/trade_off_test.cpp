@@ -7,6 +7,8 @@
 
 #include "runtime/core/error.h"
 #include "runtime/core/json.h"
+#include "runtime/deformer/deformer.h"
+#include "runtime/host/device_choice.h"
 #include "tests/support/capsule_limb.h"
 #include "tests/support/trained_basis.h"
 #include "trainer/train/fit/train.h"

@@ -3,6 +3,7 @@
 
 #include <string>
 
+#include "assets/clip.h"
 #include "assets/pc2.h"
 #include "dataset/dataset.h"
 #include "dataset/regions_file.h"

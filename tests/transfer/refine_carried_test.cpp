@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "runtime/host/device_choice.h"
 #include "tests/support/capsule_limb.h"
 #include "tests/support/error_kind.h"
 #include "trainer/train/skinning/ddm_basis.h"

@@ -9,6 +9,7 @@
 #include "runtime/core/json.h"
 #include "runtime/deformer/deformer.h"
 #include "runtime/host/carry_skin.h"
+#include "runtime/host/device_choice.h"
 #include "tests/support/capsule_limb.h"
 #include "tests/support/error_kind.h"
 #include "tests/support/temporary_folder.h"

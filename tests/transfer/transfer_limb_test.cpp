@@ -12,6 +12,7 @@
 #include "geometry/extent.h"
 #include "geometry/table_rows.h"
 #include "runtime/deformer/deformer.h"
+#include "runtime/host/device_choice.h"
 #include "runtime/host/rig.h"
 #include "tests/support/capsule_limb.h"
 #include "tests/support/error_kind.h"

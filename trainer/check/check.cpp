@@ -6,6 +6,7 @@
 #include <set>
 #include <sstream>
 
+#include "assets/clip.h"
 #include "assets/shape_reader.h"
 #include "assets/wording.h"
 #include "dataset/modifier.h"

@@ -9,6 +9,8 @@
 
 namespace bodyopt {
 
+struct Character;
+
 struct TakeCheck {
   std::string name;
   std::uint32_t points = 0, samples = 0;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "assets/clip.h"
 #include "assets/clip_source.h"
 #include "assets/pc2.h"
 #include "base/parallel.h"

@@ -2,6 +2,7 @@
 #include <map>
 
 #include "assets/frame_range.h"
+#include "assets/json_file.h"
 #include "runtime/core/error.h"
 #include "trainer/curate/hash_of.h"
 #include "trainer/curate/modifier_type.h"

@@ -1,4 +1,5 @@
 // detail: what smoothing takes from one frame, in the place of what it takes from others.
+#include "assets/json_file.h"
 #include "geometry/laplacian.h"
 #include "trainer/curate/hash_of.h"
 #include "trainer/curate/modifier_type.h"

@@ -9,12 +9,13 @@
 #include <string>
 #include <vector>
 
-#include "assets/json_file.h"
 #include "trainer/curate/offset_cache.h"
 #include "trainer/curate/pose_database.h"
 #include "trainer/curate/unposed_space.h"
 
 namespace bodyopt {
+
+class JsonObject;
 
 // One frame on its way through the stack.
 struct FrameInHand {

@@ -1,3 +1,4 @@
+#include "assets/json_file.h"
 #include "trainer/curate/modifier_type.h"
 
 namespace bodyopt {

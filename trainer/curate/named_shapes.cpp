@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <optional>
 
+#include "assets/pc2.h"
 #include "assets/wording.h"
 #include "runtime/core/error.h"
 

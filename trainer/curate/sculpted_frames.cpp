@@ -4,6 +4,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "assets/json_file.h"
 #include "runtime/core/error.h"
 #include "trainer/curate/pose_space.h"
 

@@ -7,10 +7,11 @@
 #include <string>
 #include <vector>
 
-#include "assets/json_file.h"
 #include "trainer/curate/pose_database.h"
 
 namespace bodyopt {
+
+class JsonObject;
 
 struct SculptedFrame {
   std::size_t frame = 0;  // of the database

@@ -10,6 +10,7 @@
 #include "runtime/core/hexadecimal.h"
 #include "runtime/core/strict_json.h"
 #include "runtime/deformer/deformer.h"
+#include "runtime/host/device_choice.h"
 #include "trainer/dynamics/core_springs.h"
 #include "trainer/dynamics/defect_places.h"
 #include "trainer/dynamics/diffuse.h"

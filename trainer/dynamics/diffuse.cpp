@@ -3,6 +3,7 @@
 #include <numeric>
 
 #include "base/linear_algebra.h"
+#include "runtime/basis/dynamics.h"
 #include "runtime/core/error.h"
 #include "trainer/dynamics/block_inverse.h"
 #include "trainer/simulate/metric.h"

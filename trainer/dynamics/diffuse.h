@@ -2,9 +2,10 @@
 #pragma once
 
 #include "geometry/tet_mesh.h"
-#include "runtime/basis/dynamics.h"
 
 namespace bodyopt {
+
+struct DiffuseTable;
 
 // The first `surface_count` nodes of the mesh are given, the others follow: the finite-element Laplacian of the rest
 // tets, split, and its inner part inverted. Throws Error(mismatch) where that is singular.

@@ -5,6 +5,7 @@
 
 #include "geometry/closed_skin.h"
 #include "geometry/extent.h"
+#include "runtime/basis/dynamics.h"
 #include "runtime/core/error.h"
 #include "trainer/dynamics/tet_quality.h"
 #include "trainer/tets/skin_cage.h"

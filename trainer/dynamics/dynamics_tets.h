@@ -4,11 +4,12 @@
 #include <vector>
 
 #include "geometry/nearest_skin.h"
-#include "runtime/basis/dynamics.h"
 #include "trainer/dynamics/unfold_tets.h"
 #include "trainer/tets/cage.h"
 
 namespace bodyopt {
+
+struct TetTable;
 
 struct DynamicsTets {
   Cage cage;                       // its first B nodes lie on the skin

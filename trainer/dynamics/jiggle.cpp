@@ -7,6 +7,7 @@
 #include "assets/wording.h"
 #include "base/disjoint_sets.h"
 #include "geometry/extent.h"
+#include "runtime/basis/dynamics.h"
 #include "runtime/core/error.h"
 #include "trainer/dynamics/block_inverse.h"
 #include "trainer/train/skinning/mesh_table.h"

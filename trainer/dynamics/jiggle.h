@@ -1,11 +1,15 @@
 // Jiggle: the linear finite-element step of what moves on the quasi-static body.
 #pragma once
 
-#include "runtime/basis/dynamics.h"
 #include "trainer/dynamics/elasticity.h"
 #include "trainer/dynamics/jiggle_fields.h"
 
 namespace bodyopt {
+
+struct Basis;
+struct JiggleNode;
+struct JiggleStep;
+struct JiggleTable;
 
 // M u'' + C u' + (K + springs) u = f, C = mass_damping M + beta (K + springs).
 struct JiggleSystem {

@@ -4,7 +4,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "runtime/basis/dynamics.h"
 #include "runtime/cpu/dynamics_kernels.h"
+#include "runtime/host/jiggle.h"
 
 namespace bodyopt {
 namespace {

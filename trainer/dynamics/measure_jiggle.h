@@ -1,9 +1,10 @@
 // What diffuse and jiggle do in a frame.
 #pragma once
 
-#include "runtime/host/jiggle.h"
-
 namespace bodyopt {
+
+struct Dynamics;
+struct NodeMotion;
 
 struct JiggleMeasure {
   std::uint32_t inverted_tets = 0;  // inside out where diffuse carries them

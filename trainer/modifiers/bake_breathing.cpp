@@ -10,6 +10,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "assets/json_file.h"
 #include "geometry/closed_skin.h"
 #include "geometry/laplacian.h"
 #include "geometry/table_rows.h"

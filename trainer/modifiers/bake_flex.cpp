@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "assets/json_file.h"
 #include "assets/muscles.h"
 #include "assets/wording.h"
 #include "geometry/laplacian.h"

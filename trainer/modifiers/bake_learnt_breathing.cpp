@@ -2,6 +2,7 @@
 #include <cstdio>
 
 #include "assets/character.h"
+#include "assets/json_file.h"
 #include "dataset/dataset.h"
 #include "geometry/table_rows.h"
 #include "runtime/core/error.h"

@@ -6,11 +6,12 @@
 #include <string>
 #include <vector>
 
-#include "assets/json_file.h"
 #include "geometry/mesh.h"
 #include "runtime/basis/basis.h"
 
 namespace bodyopt {
+
+class JsonObject;
 
 struct BakeInput {
   const Basis& basis;

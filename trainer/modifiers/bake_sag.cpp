@@ -1,6 +1,7 @@
 // Sag: how far soft parts hang by the dynamics' tables, for a difference of gravity along each axis of every joint.
 #include <algorithm>
 
+#include "assets/json_file.h"
 #include "geometry/table_rows.h"
 #include "runtime/basis/dynamics.h"
 #include "runtime/core/error.h"

@@ -5,9 +5,11 @@
 
 #include "assets/character.h"
 #include "assets/clip.h"
+#include "assets/json_file.h"
 #include "assets/wording.h"
 #include "runtime/basis/character_unit.h"
 #include "runtime/core/error.h"
+#include "runtime/core/json.h"
 #include "trainer/modifiers/bake_modifier.h"
 #include "trainer/modifiers/evaluated_skin.h"
 #include "trainer/modifiers/joint_holds.h"

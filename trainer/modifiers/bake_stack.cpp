@@ -5,6 +5,7 @@
 #include <set>
 
 #include "assets/character.h"
+#include "assets/json_file.h"
 #include "assets/shape_reader.h"
 #include "assets/shot_modifiers.h"
 #include "assets/wording.h"

@@ -1,6 +1,7 @@
 #include "trainer/modifiers/evaluated_skin.h"
 
 #include "runtime/deformer/deformer.h"
+#include "runtime/host/device_choice.h"
 
 namespace bodyopt {
 

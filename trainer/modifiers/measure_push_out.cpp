@@ -10,6 +10,7 @@
 #include "geometry/skin_in_skin.h"
 #include "geometry/table_rows.h"
 #include "geometry/thickness.h"
+#include "runtime/basis/skin_modifiers.h"
 #include "runtime/host/rig.h"
 #include "runtime/modifiers/drive_modifiers.h"
 #include "trainer/modifiers/bake_modifier.h"

@@ -6,8 +6,8 @@
 #include <string_view>
 #include <vector>
 
-#include "assets/json_file.h"
 #include "runtime/basis/skeleton.h"
+#include "runtime/core/json.h"
 
 namespace bodyopt {
 

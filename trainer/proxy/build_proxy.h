@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "runtime/basis/levels.h"
+#include "runtime/core/json.h"
 #include "trainer/train/data/samples.h"
 #include "trainer/train/options.h"
 

@@ -7,6 +7,7 @@
 #include "runtime/core/stopwatch.h"
 #include "runtime/deformer/deformer.h"
 #include "runtime/host/carry_skin.h"
+#include "runtime/host/device_choice.h"
 #include "runtime/threads/tbb_executor.h"
 
 namespace bodyopt {

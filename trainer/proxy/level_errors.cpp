@@ -7,6 +7,7 @@
 #include "geometry/table_rows.h"
 #include "runtime/deformer/deformer.h"
 #include "runtime/host/carry_skin.h"
+#include "runtime/host/device_choice.h"
 #include "runtime/threads/tbb_executor.h"
 #include "trainer/proxy/skin_map.h"
 #include "trainer/train/data/unposed_shapes.h"

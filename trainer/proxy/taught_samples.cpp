@@ -2,6 +2,7 @@
 
 #include "base/progress.h"
 #include "runtime/deformer/deformer.h"
+#include "runtime/host/device_choice.h"
 #include "trainer/train/skinning/mesh_table.h"
 #include "trainer/train/skinning/same_character.h"
 

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "base/disjoint_sets.h"
+#include "base/linear_algebra.h"
 #include "geometry/nearest_skin.h"
 #include "geometry/surface_pieces.h"
 #include "runtime/core/error.h"

@@ -5,10 +5,11 @@
 #include <memory>
 #include <vector>
 
-#include "base/linear_algebra.h"
 #include "trainer/tets/fillable_skin.h"
 
 namespace bodyopt {
+
+class SparseSolver;
 
 // What rides has no tets. It takes the displacement of the body where it touches it, spread along its own surface: it
 // moves as one piece of stuff, whatever other part of the body happens to be near. Where a sheet shares edges with the

@@ -6,6 +6,7 @@
 #include "assets/wording.h"
 #include "base/progress.h"
 #include "runtime/core/error.h"
+#include "runtime/host/device_choice.h"
 #include "trainer/train/fit/train.h"
 
 namespace bodyopt {

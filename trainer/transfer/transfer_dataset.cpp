@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <span>
 
+#include "assets/clip.h"
 #include "assets/pc2.h"
 #include "assets/shape_reader.h"
 #include "base/parallel.h"

@@ -5,15 +5,17 @@
 #include <memory>
 #include <vector>
 
-#include "assets/character.h"
-#include "assets/shape_reader.h"
-#include "trainer/curate/shape_stack.h"
+#include "geometry/mesh.h"
 
 namespace bodyopt {
 
+struct Character;
+class ShapeReader;
+class ShapeStack;
+
 // A cache and the character whose skin it shows. Shapes may be read on several threads.
 struct ShapeCache {
-  ShapeReader reader;
+  std::shared_ptr<const ShapeReader> reader;
   std::shared_ptr<const Character> character;
 };
 
@@ -31,27 +33,13 @@ class SampleShape {
   SampleShape(std::shared_ptr<const ShapeStack> stack, std::size_t frame) : stack_(std::move(stack)), frame_(frame) {}
 
   // The same shape at some of the vertices, in that order.
-  SampleShape at(std::shared_ptr<const VertexRows> rows) const {
-    SampleShape result = *this;
-    result.rows_ = std::move(rows);
-    return result;
-  }
+  SampleShape at(std::shared_ptr<const VertexRows> rows) const;
 
   // Welded, V x 3, posed, metres. Throws Error(file) at a damaged sample.
-  Positions read() const {
-    if (!rows_) return whole();
-    const Positions all = whole();
-    Positions some(static_cast<Eigen::Index>(rows_->size()), 3);
-    for (std::size_t k = 0; k < rows_->size(); ++k) some.row(static_cast<Eigen::Index>(k)) = all.row((*rows_)[k]);
-    return some;
-  }
+  Positions read() const;
 
  private:
-  Positions whole() const {
-    if (stack_) return stack_->shape(frame_);
-    if (cache_) return welded_from_output(*cache_->character, cache_->reader.sample(sample_).data());
-    return positions_ ? *positions_ : Positions();
-  }
+  Positions whole() const;
 
   std::shared_ptr<const Positions> positions_;
   std::shared_ptr<const ShapeCache> cache_;

@@ -11,6 +11,7 @@
 #include "dataset/regions_file.h"
 #include "runtime/core/error.h"
 #include "runtime/core/transform.h"
+#include "trainer/curate/shape_stack.h"
 
 namespace bodyopt {
 namespace {

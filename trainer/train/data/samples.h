@@ -6,11 +6,12 @@
 
 #include "assets/character.h"
 #include "assets/muscles.h"
-#include "dataset/dataset.h"
 #include "geometry/region_weights.h"
 #include "trainer/train/data/sample_shape.h"
 
 namespace bodyopt {
+
+struct Dataset;
 
 // Of so few training frames more is tried, with more care, and bytes are no matter: see choose_map and
 // TradeOff::choose.

@@ -4,6 +4,8 @@
 
 #include "runtime/core/error.h"
 #include "runtime/core/stopwatch.h"
+#include "runtime/deformer/deformer.h"
+#include "runtime/host/device_choice.h"
 #include "trainer/train/fit/train.h"
 #include "trainer/train/judge/heldout.h"
 #include "trainer/train/pack/trade_off.h"

@@ -5,7 +5,10 @@
 #include <map>
 #include <numeric>
 
+#include "dataset/dataset.h"
 #include "geometry/table_rows.h"
+#include "runtime/basis/basis.h"
+#include "runtime/deformer/deformer.h"
 #include "trainer/train/skinning/linear_blend.h"
 
 namespace bodyopt {

@@ -5,10 +5,12 @@
 #include <vector>
 
 #include "dataset/compare.h"
-#include "runtime/deformer/deformer.h"
 #include "trainer/train/data/samples.h"
 
 namespace bodyopt {
+
+struct Basis;
+class Deformer;
 
 // Marks every `every`-th block of ten consecutive simulated frames of each take as held out, and nothing else.
 void hold_out_blocks(Dataset& dataset, int every);

@@ -9,6 +9,7 @@
 #include "runtime/coverage/expected_error.h"
 #include "runtime/coverage/region_shares.h"
 #include "runtime/deformer/deformer.h"
+#include "runtime/host/device_choice.h"
 #include "trainer/train/coverage/coverage.h"
 #include "trainer/train/data/learned_poses.h"
 #include "trainer/train/judge/heldout.h"
