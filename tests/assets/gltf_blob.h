@@ -86,9 +86,9 @@ struct GltfBlob {
 // Adds a channel to the first animation, which must be there.
 inline void animate(GltfBlob& blob, int node, const std::string& path, const std::vector<float>& times,
                     const std::vector<float>& values, const std::string& interpolation = "LINEAR") {
-  auto& animation = blob.root["animations"][0];
   const std::size_t input = blob.scalars(times);
   const std::size_t output = path == "rotation" ? blob.quads(values) : blob.vectors(values);
+  Json& animation = blob.root["animations"][0];  // which more keys of the root would move
   animation["channels"].push_back(
       {{"sampler", animation["samplers"].size()}, {"target", {{"node", node}, {"path", path}}}});
   animation["samplers"].push_back({{"input", input}, {"output", output}, {"interpolation", interpolation}});

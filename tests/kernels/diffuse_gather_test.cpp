@@ -1,3 +1,5 @@
+#include <Eigen/Cholesky>
+
 #include "runtime/cpu/dynamics_kernels.h"
 #include "runtime/vulkan/kernels/kernels.h"
 #include "tests/simulate/tet_block.h"

@@ -1,3 +1,5 @@
+#include <Eigen/Geometry>
+
 #include "runtime/cpu/dynamics_kernels.h"
 #include "runtime/vulkan/kernels/kernels.h"
 #include "tests/support/kernel_cases.h"
