@@ -7,12 +7,12 @@
 #include "cli/arguments/common.h"
 #include "report/muscle_picture.h"
 #include "runtime/core/error.h"
-#include "trainer/anatomy/fit.h"
+#include "trainer/muscle_models/fit.h"
 
 namespace bodyopt::cli {
 namespace {
 
-using anatomy::FittedMuscle;
+using muscle_models::FittedMuscle;
 
 struct ImportArguments {
   std::string character, out, picture;
@@ -22,19 +22,19 @@ struct ImportArguments {
 };
 
 // How the paths of a model that bend around surfaces come out, in its default pose.
-Json wrap_report(const anatomy::Model& model, const std::vector<std::string>& leave_out) {
-  const anatomy::ModelPose pose = pose_model(model, default_values(model));
+Json wrap_report(const muscle_models::Model& model, const std::vector<std::string>& leave_out) {
+  const muscle_models::ModelPose pose = pose_model(model, default_values(model));
   const std::set<std::string> ignored(leave_out.begin(), leave_out.end());
   Json report = Json::array();
-  for (const anatomy::ModelMuscle& muscle : model.muscles) {
+  for (const muscle_models::ModelMuscle& muscle : model.muscles) {
     if (muscle.wraps.empty() || ignored.contains(muscle.name)) continue;
     Json honoured = Json::array(), straight = Json::array();
-    for (const anatomy::Wrap& wrap : muscle.wraps) (anatomy::honoured(wrap) ? honoured : straight).push_back(wrap.name);
-    anatomy::ModelMuscle unwrapped = muscle;
+    for (const muscle_models::Wrap& wrap : muscle.wraps) (muscle_models::honoured(wrap) ? honoured : straight).push_back(wrap.name);
+    muscle_models::ModelMuscle unwrapped = muscle;
     unwrapped.wraps.clear();
-    std::vector<anatomy::PathStop> chords = trace_path(muscle, pose);
+    std::vector<muscle_models::PathStop> chords = trace_path(muscle, pose);
     const double length = path_length(chords);
-    for (anatomy::PathStop& stop : chords) stop.arc = 0;
+    for (muscle_models::PathStop& stop : chords) stop.arc = 0;
     report.push_back({{"muscle", muscle.name},
                       {"honoured", honoured},
                       {"not_honoured", straight},
@@ -57,12 +57,12 @@ Json muscle_report(const std::vector<FittedMuscle>& fitted) {
   return report;
 }
 
-bool depends_on_pose(const anatomy::ModelMuscle& muscle) {
+bool depends_on_pose(const muscle_models::ModelMuscle& muscle) {
   return std::any_of(muscle.path.begin(), muscle.path.end(),
-                     [](const anatomy::PathPoint& point) { return point.condition || !point.moving.empty(); });
+                     [](const muscle_models::PathPoint& point) { return point.condition || !point.moving.empty(); });
 }
 
-std::string describe_source(const anatomy::Model& model, const std::vector<FittedMuscle>& fitted, const Json& wraps) {
+std::string describe_source(const muscle_models::Model& model, const std::vector<FittedMuscle>& fitted, const Json& wraps) {
   double push = 0;
   int thinned = 0;
   for (const FittedMuscle& muscle : fitted) {
@@ -106,9 +106,9 @@ void import(const ImportArguments& arguments) {
   Json sources = Json::array();
   std::string text;
   for (const auto& [model_path, mapping_path] : arguments.sources) {
-    const anatomy::Model model = anatomy::read_model(model_path);
+    const muscle_models::Model model = muscle_models::read_model(model_path);
     say(model.notes);
-    const anatomy::Mapping mapping = anatomy::read_mapping(mapping_path);
+    const muscle_models::Mapping mapping = muscle_models::read_mapping(mapping_path);
     const std::vector<FittedMuscle> fitted = fit_muscles(model, mapping, character);
     for (const FittedMuscle& muscle : fitted) {
       if (!names.insert(muscle.muscle.name).second) {

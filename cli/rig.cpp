@@ -15,7 +15,7 @@
 #include "dataset/regions_file.h"
 #include "runtime/core/atomic_file.h"
 #include "runtime/core/error.h"
-#include "trainer/anatomy/carried_mapping.h"
+#include "trainer/muscle_models/carried_mapping.h"
 #include "trainer/dynamics/build_dynamics.h"
 #include "trainer/motion/attached_rig.h"
 #include "trainer/motion/first_limits.h"
@@ -69,11 +69,11 @@ struct RigFile {
 };
 
 // Those that are named; without any, those of people, as far as the names of the joints tell what they are.
-std::vector<anatomy::CarriedMapping> mappings_of(const RigArguments& arguments, const Skeleton& skeleton) {
-  std::vector<anatomy::CarriedMapping> mappings;
-  for (const std::string& path : arguments.mappings) mappings.push_back(anatomy::carried_mapping(path, skeleton));
+std::vector<muscle_models::CarriedMapping> mappings_of(const RigArguments& arguments, const Skeleton& skeleton) {
+  std::vector<muscle_models::CarriedMapping> mappings;
+  for (const std::string& path : arguments.mappings) mappings.push_back(muscle_models::carried_mapping(path, skeleton));
   if (!mappings.empty()) return mappings;
-  mappings = anatomy::first_mappings(skeleton);
+  mappings = muscle_models::first_mappings(skeleton);
   if (mappings.empty()) {
     spdlog::warn(
         "no mapping of muscles: too few joints have names that tell which is a thigh or an upper arm of a person "
@@ -83,10 +83,10 @@ std::vector<anatomy::CarriedMapping> mappings_of(const RigArguments& arguments, 
 }
 
 void add_mappings(const RigArguments& arguments, const Skeleton& skeleton, std::vector<RigFile>& files) {
-  for (const anatomy::CarriedMapping& mapping : mappings_of(arguments, skeleton)) {
+  for (const muscle_models::CarriedMapping& mapping : mappings_of(arguments, skeleton)) {
     const fs::path out = fs::path(arguments.out) / mapping.name;
     files.push_back({out, bodyopt::text_of(mapping.json, out)});
-    for (const anatomy::UnplacedSegment& unplaced : mapping.unplaced) {
+    for (const muscle_models::UnplacedSegment& unplaced : mapping.unplaced) {
       spdlog::warn(
           "{}: the first two centres of the segment '{}' go to the joints '{}' and '{}', which are at the same place: "
           "write two that are apart, or 'muscles import' refuses it",

@@ -1,5 +1,5 @@
-# The mappings of muscles of rigs/human as text in a header of trainer/anatomy: the program knows them wherever it runs.
-set(mappings "// Made by cmake/HumanMappings.cmake.\n#pragma once\n\nnamespace bodyopt::anatomy {\n")
+# The mappings of muscles of rigs/human as text in a header of trainer/muscle_models: the program knows them wherever it runs.
+set(mappings "// Made by cmake/HumanMappings.cmake.\n#pragma once\n\nnamespace bodyopt::muscle_models {\n")
 foreach(pair kGait2392Mapping=gait2392 kMyoArmMapping=myo_arm)
   string(REPLACE "=" ";" pair ${pair})
   list(GET pair 0 constant)
@@ -9,6 +9,6 @@ foreach(pair kGait2392Mapping=gait2392 kMyoArmMapping=myo_arm)
   file(READ ${file} text)
   string(APPEND mappings "\nconstexpr const char* ${constant} = R\"json(${text})json\";\n")
 endforeach()
-string(APPEND mappings "\n}  // namespace bodyopt::anatomy\n")
-file(CONFIGURE OUTPUT ${BODYOPT_GENERATED}/trainer/anatomy/human_mappings.h CONTENT "${mappings}" @ONLY)
-target_include_directories(bodyopt_trainer_anatomy PRIVATE ${BODYOPT_GENERATED})
+string(APPEND mappings "\n}  // namespace bodyopt::muscle_models\n")
+file(CONFIGURE OUTPUT ${BODYOPT_GENERATED}/trainer/muscle_models/human_mappings.h CONTENT "${mappings}" @ONLY)
+target_include_directories(bodyopt_trainer_muscle_models PRIVATE ${BODYOPT_GENERATED})

@@ -6,7 +6,7 @@
 #include "assets/pc2.h"
 #include "runtime/deformer/deformer.h"
 #include "runtime/host/device_choice.h"
-#include "tests/anatomy/small_models.h"
+#include "tests/muscle_models/small_models.h"
 #include "tests/assets/gltf_blob.h"
 #include "tests/attack/limb_mapping.h"
 #include "tests/simulate/limb.h"

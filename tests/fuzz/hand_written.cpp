@@ -9,7 +9,7 @@
 #include "tests/fuzz/fuzz_target.h"
 #include "tests/fuzz/small_limb.h"
 #include "tests/support/paths.h"
-#include "trainer/anatomy/mapping.h"
+#include "trainer/muscle_models/mapping.h"
 #include "trainer/dynamics/jiggle_settings.h"
 #include "trainer/motion/joint_limits.h"
 #include "trainer/simulate/materials.h"
@@ -75,7 +75,7 @@ void read_limits_file(const std::string& bytes) {
 Seeds mapping_seeds() {
   return {attack::kLimbMapping, testing::read_bytes(kSourceFolder + "/rigs/human/myo_arm.json")};
 }
-void read_mapping_file(const std::string& bytes) { anatomy::read_mapping(as_file("mapping.json", bytes)); }
+void read_mapping_file(const std::string& bytes) { muscle_models::read_mapping(as_file("mapping.json", bytes)); }
 
 Seeds regions_seeds() {
   return {R"({"schema": "bodyopt-regions-1", "vertex_count": 232, "complete": false, "regions": [

@@ -1,16 +1,16 @@
 // Musculoskeletal models; those that are accepted are posed, and their paths traced.
-#include "tests/anatomy/small_models.h"
+#include "tests/muscle_models/small_models.h"
 #include "tests/fuzz/fuzz_target.h"
-#include "trainer/anatomy/model.h"
+#include "trainer/muscle_models/model.h"
 
 namespace bodyopt::fuzz {
 namespace {
 
 void read_as(const std::string& name, const std::string& bytes) {
-  const anatomy::Model model = anatomy::read_model(as_file(name, bytes).string());
-  const anatomy::ModelPose pose = anatomy::pose_model(model, anatomy::default_values(model));
-  for (const anatomy::ModelMuscle& muscle : model.muscles) {
-    require_finite(std::vector{anatomy::path_length(anatomy::trace_path(muscle, pose))}, "the length of a muscle");
+  const muscle_models::Model model = muscle_models::read_model(as_file(name, bytes).string());
+  const muscle_models::ModelPose pose = muscle_models::pose_model(model, muscle_models::default_values(model));
+  for (const muscle_models::ModelMuscle& muscle : model.muscles) {
+    require_finite(std::vector{muscle_models::path_length(muscle_models::trace_path(muscle, pose))}, "the length of a muscle");
   }
 }
 

@@ -5,12 +5,12 @@
 #include <numbers>
 
 #include "runtime/core/error.h"
-#include "tests/anatomy/small_models.h"
+#include "tests/muscle_models/small_models.h"
 #include "tests/support/hostile_bytes.h"
 #include "tests/support/temporary_folder.h"
-#include "trainer/anatomy/model.h"
+#include "trainer/muscle_models/model.h"
 
-namespace bodyopt::anatomy {
+namespace bodyopt::muscle_models {
 namespace {
 
 using namespace testing;
@@ -264,4 +264,4 @@ TEST(Model, OtherFilesAreRefused) {
 }
 
 }  // namespace
-}  // namespace bodyopt::anatomy
+}  // namespace bodyopt::muscle_models

@@ -4,7 +4,7 @@
 #include <Eigen/Geometry>
 #include <vector>
 
-namespace bodyopt::anatomy {
+namespace bodyopt::muscle_models {
 
 struct Alignment {
   Eigen::Affine3d map = Eigen::Affine3d::Identity();
@@ -18,4 +18,4 @@ struct Alignment {
 Alignment align(const std::vector<Eigen::Vector3d>& from, const std::vector<Eigen::Vector3d>& to,
                 const Eigen::Matrix3d& turn);
 
-}  // namespace bodyopt::anatomy
+}  // namespace bodyopt::muscle_models

@@ -1,11 +1,11 @@
-#include "trainer/anatomy/mapping.h"
+#include "trainer/muscle_models/mapping.h"
 
 #include <Eigen/Geometry>
 #include <nlohmann/json.hpp>
 
 #include "assets/json_file.h"
 
-namespace bodyopt::anatomy {
+namespace bodyopt::muscle_models {
 namespace {
 
 Eigen::Vector3d read_axis(const JsonObject& json, const char* key) {
@@ -87,4 +87,4 @@ Mapping read_mapping(const std::filesystem::path& path) {
   return mapping;
 }
 
-}  // namespace bodyopt::anatomy
+}  // namespace bodyopt::muscle_models

@@ -1,9 +1,9 @@
-#include "trainer/anatomy/curve.h"
+#include "trainer/muscle_models/curve.h"
 
 #include <algorithm>
 #include <cstddef>
 
-namespace bodyopt::anatomy {
+namespace bodyopt::muscle_models {
 namespace {
 
 // A sixth of the spline's second derivative at each knot.
@@ -89,4 +89,4 @@ Curve Curve::scaled(double factor) const {
   return curve;
 }
 
-}  // namespace bodyopt::anatomy
+}  // namespace bodyopt::muscle_models

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-namespace bodyopt::anatomy {
+namespace bodyopt::muscle_models {
 
 struct XmlFile {
   // Throws Error(file) when the file cannot be read, is no XML, or nests too deeply.
@@ -30,4 +30,4 @@ int require_shallow(const std::filesystem::path& path, pugi::xml_node tree);
 std::vector<double> parse_numbers(const std::filesystem::path& path, pugi::xml_node element, const std::string& what,
                                   const std::string& text, std::size_t least, std::size_t most);
 
-}  // namespace bodyopt::anatomy
+}  // namespace bodyopt::muscle_models

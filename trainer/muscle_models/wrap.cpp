@@ -1,9 +1,9 @@
-#include "trainer/anatomy/wrap.h"
+#include "trainer/muscle_models/wrap.h"
 
 #include <cmath>
 #include <numbers>
 
-namespace bodyopt::anatomy {
+namespace bodyopt::muscle_models {
 namespace {
 
 using Eigen::Vector2d;
@@ -116,4 +116,4 @@ std::optional<Arc> wrap_around(Wrap::Shape shape, double radius, const std::opti
   return arc;
 }
 
-}  // namespace bodyopt::anatomy
+}  // namespace bodyopt::muscle_models

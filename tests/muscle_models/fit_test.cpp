@@ -1,5 +1,5 @@
 // Models carried to characters: identities, mirroring, points under the skin, what does not belong together.
-#include "trainer/anatomy/fit.h"
+#include "trainer/muscle_models/fit.h"
 
 #include <gtest/gtest.h>
 
@@ -12,9 +12,9 @@
 #include "tests/support/paths.h"
 #include "tests/support/shared_data.h"
 #include "tests/support/temporary_folder.h"
-#include "trainer/anatomy/align.h"
+#include "trainer/muscle_models/align.h"
 
-namespace bodyopt::anatomy {
+namespace bodyopt::muscle_models {
 namespace {
 
 using namespace testing;
@@ -279,4 +279,4 @@ TEST(HumanMappings, GiveTheHumanItsMuscles) {
 }
 
 }  // namespace
-}  // namespace bodyopt::anatomy
+}  // namespace bodyopt::muscle_models

@@ -7,9 +7,9 @@
 #include <sstream>
 
 #include "tests/support/shared_data.h"
-#include "trainer/anatomy/model.h"
+#include "trainer/muscle_models/model.h"
 
-namespace bodyopt::anatomy {
+namespace bodyopt::muscle_models {
 namespace {
 
 std::vector<std::vector<std::string>> read_csv(const std::filesystem::path& path) {
@@ -114,4 +114,4 @@ TEST(OpenSimReference, ElbowAgreesWithItsMujocoTwin) {
 }
 
 }  // namespace
-}  // namespace bodyopt::anatomy
+}  // namespace bodyopt::muscle_models

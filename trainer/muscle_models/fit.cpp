@@ -1,4 +1,4 @@
-#include "trainer/anatomy/fit.h"
+#include "trainer/muscle_models/fit.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,9 +8,9 @@
 
 #include "geometry/skin_depth.h"
 #include "runtime/core/error.h"
-#include "trainer/anatomy/align.h"
+#include "trainer/muscle_models/align.h"
 
-namespace bodyopt::anatomy {
+namespace bodyopt::muscle_models {
 namespace {
 
 using Eigen::Matrix3d;
@@ -236,4 +236,4 @@ std::vector<FittedMuscle> fit_muscles(const Model& model, const Mapping& mapping
   return fitted;
 }
 
-}  // namespace bodyopt::anatomy
+}  // namespace bodyopt::muscle_models

@@ -4,9 +4,9 @@
 #include <Eigen/Geometry>
 #include <optional>
 
-#include "trainer/anatomy/model.h"
+#include "trainer/muscle_models/model.h"
 
-namespace bodyopt::anatomy {
+namespace bodyopt::muscle_models {
 
 struct Arc {
   Eigen::Vector3d from, to;  // where the path meets the surface and leaves it
@@ -20,4 +20,4 @@ struct Arc {
 std::optional<Arc> wrap_around(Wrap::Shape shape, double radius, const std::optional<Eigen::Vector3d>& side,
                                const Eigen::Vector3d& start, const Eigen::Vector3d& end);
 
-}  // namespace bodyopt::anatomy
+}  // namespace bodyopt::muscle_models

@@ -1,4 +1,4 @@
-#include "trainer/anatomy/carried_mapping.h"
+#include "trainer/muscle_models/carried_mapping.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,10 +8,10 @@
 #include <set>
 
 #include "assets/joint_roles.h"
-#include "trainer/anatomy/human_mappings.h"
-#include "trainer/anatomy/mapping.h"
+#include "trainer/muscle_models/human_mappings.h"
+#include "trainer/muscle_models/mapping.h"
 
-namespace bodyopt::anatomy {
+namespace bodyopt::muscle_models {
 namespace {
 
 using Roles = std::map<std::string, JointRole>;  // by joint
@@ -119,4 +119,4 @@ std::vector<CarriedMapping> first_mappings(const Skeleton& skeleton) {
   return mappings;
 }
 
-}  // namespace bodyopt::anatomy
+}  // namespace bodyopt::muscle_models

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-namespace bodyopt::anatomy {
+namespace bodyopt::muscle_models {
 
 using NamePair = std::array<std::string, 2>;
 
@@ -39,4 +39,4 @@ struct Mapping {
 // Throws Error(file).
 Mapping read_mapping(const std::filesystem::path& path);
 
-}  // namespace bodyopt::anatomy
+}  // namespace bodyopt::muscle_models

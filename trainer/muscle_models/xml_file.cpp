@@ -1,4 +1,4 @@
-#include "trainer/anatomy/xml_file.h"
+#include "trainer/muscle_models/xml_file.h"
 
 #include <charconv>
 #include <cmath>
@@ -6,7 +6,7 @@
 #include "runtime/basis/read_file.h"
 #include "runtime/core/error.h"
 
-namespace bodyopt::anatomy {
+namespace bodyopt::muscle_models {
 namespace {
 
 constexpr std::uint64_t kLargestFile = 64 << 20;  // bytes
@@ -67,4 +67,4 @@ std::vector<double> parse_numbers(const std::filesystem::path& path, pugi::xml_n
   return numbers;
 }
 
-}  // namespace bodyopt::anatomy
+}  // namespace bodyopt::muscle_models

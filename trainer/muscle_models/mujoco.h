@@ -3,9 +3,9 @@
 
 #include <filesystem>
 
-#include "trainer/anatomy/model.h"
+#include "trainer/muscle_models/model.h"
 
-namespace bodyopt::anatomy {
+namespace bodyopt::muscle_models {
 
 // Includes are read from the folder of `path`, as MuJoCo does; one that is missing is left out with a note. Honoured:
 // hinge and slide joints, default classes, the compiler's angle and eulerseq, joint couplings (in the default pose),
@@ -13,4 +13,4 @@ namespace bodyopt::anatomy {
 // Throws Error(file).
 Model read_mujoco(const std::filesystem::path& path);
 
-}  // namespace bodyopt::anatomy
+}  // namespace bodyopt::muscle_models

@@ -1,11 +1,11 @@
-#include "trainer/anatomy/align.h"
+#include "trainer/muscle_models/align.h"
 
 #include <cmath>
 
 #include "base/linear_algebra.h"
 #include "geometry/nearest_rotation.h"
 
-namespace bodyopt::anatomy {
+namespace bodyopt::muscle_models {
 namespace {
 
 using Eigen::Matrix3d;
@@ -46,4 +46,4 @@ Alignment align(const std::vector<Vector3d>& from, const std::vector<Vector3d>& 
   return result;
 }
 
-}  // namespace bodyopt::anatomy
+}  // namespace bodyopt::muscle_models

@@ -5,10 +5,10 @@
 
 #include "assets/character.h"
 #include "assets/muscles.h"
-#include "trainer/anatomy/mapping.h"
-#include "trainer/anatomy/model.h"
+#include "trainer/muscle_models/mapping.h"
+#include "trainer/muscle_models/model.h"
 
-namespace bodyopt::anatomy {
+namespace bodyopt::muscle_models {
 
 struct FittedMuscle {
   Muscle muscle;
@@ -21,4 +21,4 @@ struct FittedMuscle {
 // Throws Error(mismatch) naming the muscle, segment or joint when model, mapping and character do not belong together.
 std::vector<FittedMuscle> fit_muscles(const Model& model, const Mapping& mapping, const Character& character);
 
-}  // namespace bodyopt::anatomy
+}  // namespace bodyopt::muscle_models

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-namespace bodyopt::anatomy {
+namespace bodyopt::muscle_models {
 
 class Curve {
  public:
@@ -26,4 +26,4 @@ class Curve {
   std::vector<Piece> pieces_;
 };
 
-}  // namespace bodyopt::anatomy
+}  // namespace bodyopt::muscle_models

@@ -8,9 +8,9 @@
 
 #include "assets/json_file.h"
 #include "runtime/basis/skeleton.h"
-#include "trainer/anatomy/mapping.h"
+#include "trainer/muscle_models/mapping.h"
 
-namespace bodyopt::anatomy {
+namespace bodyopt::muscle_models {
 
 // A segment whose first two centres go to joints at the same place: fit_muscles() refuses it.
 struct UnplacedSegment {
@@ -32,4 +32,4 @@ CarriedMapping carried_mapping(const std::filesystem::path& path, const Skeleton
 // joints for, at least.
 std::vector<CarriedMapping> first_mappings(const Skeleton& skeleton);
 
-}  // namespace bodyopt::anatomy
+}  // namespace bodyopt::muscle_models

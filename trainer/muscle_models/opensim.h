@@ -3,12 +3,12 @@
 
 #include <filesystem>
 
-#include "trainer/anatomy/model.h"
+#include "trainer/muscle_models/model.h"
 
-namespace bodyopt::anatomy {
+namespace bodyopt::muscle_models {
 
 // Joints: CustomJoint, WeldJoint. Functions: Constant, LinearFunction, SimmSpline, MultiplierFunction. Path points:
 // fixed, conditional, moving. Wrap objects are named, not honoured. Throws Error(file).
 Model read_opensim(const std::filesystem::path& path);
 
-}  // namespace bodyopt::anatomy
+}  // namespace bodyopt::muscle_models

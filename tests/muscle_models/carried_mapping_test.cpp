@@ -1,5 +1,5 @@
 // Mappings of muscles that were made for one rig, with the joints of another.
-#include "trainer/anatomy/carried_mapping.h"
+#include "trainer/muscle_models/carried_mapping.h"
 
 #include <gtest/gtest.h>
 
@@ -7,9 +7,9 @@
 
 #include "tests/support/paths.h"
 #include "tests/support/temporary_folder.h"
-#include "trainer/anatomy/mapping.h"
+#include "trainer/muscle_models/mapping.h"
 
-namespace bodyopt::anatomy {
+namespace bodyopt::muscle_models {
 namespace {
 
 Skeleton rig(std::initializer_list<const char*> names) {
@@ -80,4 +80,4 @@ TEST(FirstMappings, AreThoseWhoseJointsTheRigHas) {
 }
 
 }  // namespace
-}  // namespace bodyopt::anatomy
+}  // namespace bodyopt::muscle_models

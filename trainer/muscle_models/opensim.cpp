@@ -1,4 +1,4 @@
-#include "trainer/anatomy/opensim.h"
+#include "trainer/muscle_models/opensim.h"
 
 #include <cstring>
 #include <map>
@@ -6,9 +6,9 @@
 
 #include "assets/wording.h"
 #include "runtime/core/error.h"
-#include "trainer/anatomy/xml_file.h"
+#include "trainer/muscle_models/xml_file.h"
 
-namespace bodyopt::anatomy {
+namespace bodyopt::muscle_models {
 namespace {
 
 using Eigen::AngleAxisd;
@@ -269,4 +269,4 @@ class OpenSimReader {
 
 Model read_opensim(const std::filesystem::path& path) { return OpenSimReader(path).read(); }
 
-}  // namespace bodyopt::anatomy
+}  // namespace bodyopt::muscle_models

@@ -1,4 +1,4 @@
-#include "trainer/anatomy/mujoco.h"
+#include "trainer/muscle_models/mujoco.h"
 
 #include <sys/stat.h>
 
@@ -9,9 +9,9 @@
 
 #include "assets/wording.h"
 #include "runtime/core/error.h"
-#include "trainer/anatomy/xml_file.h"
+#include "trainer/muscle_models/xml_file.h"
 
-namespace bodyopt::anatomy {
+namespace bodyopt::muscle_models {
 namespace {
 
 using Eigen::AngleAxisd;
@@ -418,4 +418,4 @@ class MujocoReader {
 
 Model read_mujoco(const std::filesystem::path& path) { return MujocoReader(path).read(); }
 
-}  // namespace bodyopt::anatomy
+}  // namespace bodyopt::muscle_models

@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "trainer/anatomy/curve.h"
+#include "trainer/muscle_models/curve.h"
 
-namespace bodyopt::anatomy {
+namespace bodyopt::muscle_models {
 
 // An angle (radians) or a displacement (metres) of a joint.
 struct Coordinate {
@@ -109,4 +109,4 @@ bool honoured(const Wrap& wrap);
 // Reads .osim or MuJoCo .xml by the file's ending. Throws Error(file).
 Model read_model(const std::string& path);
 
-}  // namespace bodyopt::anatomy
+}  // namespace bodyopt::muscle_models

@@ -1,14 +1,14 @@
-#include "trainer/anatomy/model.h"
+#include "trainer/muscle_models/model.h"
 
 #include <algorithm>
 #include <filesystem>
 
 #include "runtime/core/error.h"
-#include "trainer/anatomy/mujoco.h"
-#include "trainer/anatomy/opensim.h"
-#include "trainer/anatomy/wrap.h"
+#include "trainer/muscle_models/mujoco.h"
+#include "trainer/muscle_models/opensim.h"
+#include "trainer/muscle_models/wrap.h"
 
-namespace bodyopt::anatomy {
+namespace bodyopt::muscle_models {
 namespace {
 
 using Eigen::Isometry3d;
@@ -110,4 +110,4 @@ Model read_model(const std::string& path) {
               path + ": expected a muscle model, .osim (OpenSim) or .xml (MuJoCo), found '" + ending + "'");
 }
 
-}  // namespace bodyopt::anatomy
+}  // namespace bodyopt::muscle_models
