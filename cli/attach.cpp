@@ -79,9 +79,9 @@ void run(AttachArguments arguments) {
   say(notes);
   const std::vector<AttachedMesh> bound = bind_meshes(chosen(std::move(meshes), arguments), basis, options);
   const Attachments attachments = attach(bound, arguments.out, basis, arguments.basis);
-  arguments.json.emit({{"attachments", arguments.out}, {"meshes", to_json(attachments.meshes)}},
-                      describe(bound) + format("wrote %s: %s\n", arguments.out.c_str(),
-                                               count_of(attachments.meshes.size(), "mesh", "meshes").c_str()));
+  arguments.json.emit(
+      {{"attachments", arguments.out}, {"meshes", to_json(attachments.meshes)}},
+      describe(bound) + format("wrote {}: {}\n", arguments.out, count_of(attachments.meshes.size(), "mesh", "meshes")));
 }
 
 }  // namespace

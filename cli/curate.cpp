@@ -27,14 +27,14 @@ void bake(const CurateArguments& arguments) {
   std::size_t frames = 0;
   for (const DatasetTake& take : baked.takes) frames += take.frames.size();
   arguments.json.emit({{"dataset", arguments.out}, {"takes", baked.takes.size()}, {"frames", frames}},
-                      format("wrote %s: %zu frames of %zu takes, whose shapes are what the modifiers made of them\n",
-                             arguments.out.c_str(), frames, baked.takes.size()));
+                      format("wrote {}: {} frames of {} takes, whose shapes are what the modifiers made of them\n",
+                             arguments.out, frames, baked.takes.size()));
 }
 
 void prune(const CurateArguments& arguments) {
   const PrunedFiles gone = prune_modifiers(path_of(arguments), arguments.history);
   arguments.json.emit({{"files", gone.files}, {"bytes", gone.bytes}},
-                      format("removed %s, %.1f MiB\n", count_of(gone.files, "file", "files").c_str(),
+                      format("removed {}, {:.1f} MiB\n", count_of(gone.files, "file", "files"),
                              static_cast<double>(gone.bytes) / (1 << 20)));
 }
 

@@ -71,8 +71,8 @@ std::vector<fs::path> inputs_of(const EvalArguments& arguments) {
 Level chosen_level(const EvalArguments& arguments) {
   std::vector<Level> levels = load_levels(arguments.cache.basis);
   if (arguments.cache.level >= levels.size()) {
-    throw Error(ErrorKind::usage, format("--level asks for level %zu; %s has levels 0 to %zu", arguments.cache.level,
-                                         arguments.cache.basis.c_str(), levels.size() - 1));
+    throw Error(ErrorKind::usage, format("--level asks for level {}; {} has levels 0 to {}", arguments.cache.level,
+                                         arguments.cache.basis, levels.size() - 1));
   }
   Level level = std::move(levels[arguments.cache.level]);
   if (arguments.cache.full_skin && level.carried.empty()) {
@@ -160,7 +160,7 @@ std::string with_first_frame(const std::string& pattern, int frame) {
   const std::size_t begin = pattern.find('#');
   if (begin == std::string::npos) return pattern;
   const std::size_t end = std::min(pattern.find_first_not_of('#', begin), pattern.size());
-  return pattern.substr(0, begin) + format("%0*d", static_cast<int>(end - begin), frame) + pattern.substr(end);
+  return pattern.substr(0, begin) + format("{:0{}}", frame, end - begin) + pattern.substr(end);
 }
 
 Evaluation evaluate_part(const EvalArguments& arguments, Deformer& deformer, std::span<const Pose> poses,
@@ -169,7 +169,7 @@ Evaluation evaluate_part(const EvalArguments& arguments, Deformer& deformer, std
     return arguments.jiggle.jiggle ? deformer.jiggle(poses, frames) : deformer.evaluate(poses);
   } catch (const Error& error) {
     if (!arguments.device.choice.check) throw;
-    throw Error(error.kind(), format("frame %d: ", frames.front()) + error.what());
+    throw Error(error.kind(), format("frame {}: ", frames.front()) + error.what());
   }
 }
 
@@ -236,8 +236,8 @@ std::vector<std::string> write_shot(const EvalArguments& arguments, EvaluatedSho
 std::string unit_text(const ShotCacheOptions& cache, const Basis& basis) {
   const double unit = kept_unit(basis);
   if (holds_triangles(cache.out) || cache.space.unit != 1 || unit == 0 || unit == 1) return "";
-  return format("the cache is in metres; --unit-out %s lays it on the mesh of the character's own file\n",
-                Json(unit).dump().c_str());
+  return format("the cache is in metres; --unit-out {} lays it on the mesh of the character's own file\n",
+                Json(unit).dump());
 }
 
 void evaluate(const EvalArguments& arguments, EvaluatedShot& shot, const TaskRun* task) {
@@ -254,8 +254,8 @@ void evaluate(const EvalArguments& arguments, EvaluatedShot& shot, const TaskRun
   summary["seconds"] = seconds;
   summary["device"] = shot.deformer->device_name();
   if (task != nullptr) task->finish(outputs, summary);
-  std::string text = format("%zu frames of %u points on %s in %.2f s\n", shot.frames.size(), caches.points(),
-                            shot.deformer->device_name().c_str(), seconds) +
+  std::string text = format("{} frames of {} points on {} in {:.2f} s\n", shot.frames.size(), caches.points(),
+                            shot.deformer->device_name(), seconds) +
                      caches.log().text();
   const std::optional<ShotFolds> folds = measure_shot_folds(shot.deformer->basis(), shot.poses, shot.frames);
   if (folds) text += text_of(*folds);
@@ -284,11 +284,10 @@ void pretend(const EvalArguments& arguments, const EvaluatedShot& shot, const Ta
     if (task->done({arguments.cache.out})) doing = "is done already:";
     if (const auto checkpoint = task->read_checkpoint()) kept = checkpoint->frames;
   }
-  std::string text =
-      format("%s frames %s of '%s' on %s, to %s\n", doing.c_str(), format_frame_range(shot.frames).c_str(),
-             (arguments.clip.source.empty() ? shot.clip.name : arguments.clip.source).c_str(),
-             shot.deformer->device_name().c_str(), arguments.cache.out.c_str());
-  if (kept > 0) text += format("an interrupted run left %zu of them\n", kept);
+  std::string text = format("{} frames {} of '{}' on {}, to {}\n", doing, format_frame_range(shot.frames),
+                            arguments.clip.source.empty() ? shot.clip.name : arguments.clip.source,
+                            shot.deformer->device_name(), arguments.cache.out);
+  if (kept > 0) text += format("an interrupted run left {} of them\n", kept);
   arguments.json.emit({{"pretended", true},
                        {"done", doing == "is done already:"},
                        {"frames", format_frame_range(shot.frames)},

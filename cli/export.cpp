@@ -24,7 +24,7 @@ void run(const ExportArguments& arguments) {
   writer.close();
   arguments.json.emit(
       {{"out", arguments.out}, {"points", draft.point_count()}, {"samples", draft.sample_count()}},
-      format("wrote %s: %u points, %u samples\n", arguments.out.c_str(), draft.point_count(), draft.sample_count()));
+      format("wrote {}: {} points, {} samples\n", arguments.out, draft.point_count(), draft.sample_count()));
 }
 
 }  // namespace

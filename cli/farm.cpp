@@ -45,8 +45,7 @@ void plan(const FarmArguments& arguments) {
   const FarmPlan plan = plan_show(list, arguments.minutes, problems);
   for (const std::string& problem : problems) spdlog::error("{}", problem);
   if (!problems.empty()) {
-    throw Error(ErrorKind::usage,
-                format("%s: %zu problems; nothing is planned", arguments.list.c_str(), problems.size()));
+    throw Error(ErrorKind::usage, format("{}: {} problems; nothing is planned", arguments.list, problems.size()));
   }
   make_folder(arguments.out);
   write_plan(plan, fs::absolute(arguments.out));
@@ -64,9 +63,9 @@ void plan(const FarmArguments& arguments) {
                        {"tasks", plan.tasks.size()},
                        {"waves", plan.wave_count()},
                        {"core_hours", seconds / 3600}},
-                      format("%zu elements, %zu frames: %zu tasks in %d waves, about %.2f core hours\nwrote %s\n",
+                      format("{} elements, {} frames: {} tasks in {} waves, about {:.2f} core hours\nwrote {}\n",
                              list.elements.size(), frames, plan.tasks.size(), plan.wave_count(), seconds / 3600,
-                             (fs::path(arguments.out) / "plan.json").c_str()));
+                             (fs::path(arguments.out) / "plan.json").string()));
 }
 
 void run_tasks(const FarmArguments& arguments) {
@@ -127,10 +126,9 @@ void status(const FarmArguments& arguments) {
     }
   }
   std::string text;
-  for (const auto& [state, count] : counts) text += format("%-8s %6d\n", state.c_str(), count);
+  for (const auto& [state, count] : counts) text += format("{:8} {:6}\n", state, count);
   const Json queue = queue_of(arguments);
-  for (const auto& [state, count] : queue.items())
-    text += format("%-8s %6d in the queue\n", state.c_str(), count.get<int>());
+  for (const auto& [state, count] : queue.items()) text += format("{:8} {:6} in the queue\n", state, count.get<int>());
   arguments.json.emit({{"elements", counts}, {"queue", queue}, {"open", open}}, text + failures);
 }
 
@@ -201,12 +199,12 @@ void submit(const FarmArguments& arguments, bool is_retry) {
   }
   arguments.json.emit({{"tasks", tasks.size()}, {"jobs", jobs}},
                       tasks.empty() ? "nothing is left to do\n"
-                                    : format("submitted %zu tasks in %zu arrays\n", tasks.size(), jobs.size()));
+                                    : format("submitted {} tasks in {} arrays\n", tasks.size(), jobs.size()));
 }
 
 void cancel(const FarmArguments& arguments) {
   const std::size_t jobs = cancel_in_slurm(plan_folder(arguments));
-  arguments.json.emit({{"jobs", jobs}}, format("cancelled %zu arrays\n", jobs));
+  arguments.json.emit({{"jobs", jobs}}, format("cancelled {} arrays\n", jobs));
 }
 
 CLI::App& add_part(CLI::App& farm, const char* name, const char* description, FarmArguments& arguments) {

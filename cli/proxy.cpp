@@ -95,7 +95,7 @@ void run(ProxyArguments arguments) {
        {"levels", table},
        {"attached", cli::to_json(attached)},
        {"notes", notes}},
-      describe(attached) + level_table(table) + format("wrote %s in %.1f s\n", arguments.out.c_str(), seconds));
+      describe(attached) + level_table(table) + format("wrote {} in {:.1f} s\n", arguments.out, seconds));
 }
 
 }  // namespace

@@ -160,7 +160,7 @@ void run(const RigArguments& arguments) {
                        {"degrees_of_freedom", limits.dofs.size()},
                        {"from_clips", from_clips},
                        {"regions", regions.size()}},
-                      format("%zu degrees of freedom, %td from %zu frames of clips, the others by rule; %zu regions\n",
+                      format("{} degrees of freedom, {} from {} frames of clips, the others by rule; {} regions\n",
                              limits.dofs.size(), from_clips, poses.size(), regions.size()) +
                           "wrote " + list_names(names, names.size()) + "\n");
 }

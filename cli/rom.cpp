@@ -77,10 +77,10 @@ std::vector<Pose> wanted_poses(const Character& character, const JointLimits& li
 void say_few_frames(const RomArguments& arguments, const JointLimits& limits) {
   const std::size_t needed = frames_for_sweeps(limits);
   if (static_cast<std::size_t>(arguments.options.frames) >= needed) return;
-  say({format(
-      "%d frames are too few to sweep each of %zu degrees of freedom from end to end by itself, which takes %zu: "
-      "random poses have to show the rest",
-      arguments.options.frames, limits.dofs.size(), needed)});
+  say(
+      {format("{} frames are too few to sweep each of {} degrees of freedom from end to end by itself, which takes {}: "
+              "random poses have to show the rest",
+              arguments.options.frames, limits.dofs.size(), needed)});
 }
 
 std::string describe_wanted(const RomArguments& arguments, std::size_t count) {
@@ -89,7 +89,7 @@ std::string describe_wanted(const RomArguments& arguments, std::size_t count) {
     return "how much of the limits is shown was not measured: no random pose within them was found in which no limbs "
            "overlap; narrow those that reach through the body\n";
   }
-  return format("degrees from %zu random poses, in which no limbs overlap, to the nearest frame:\n", count);
+  return format("degrees from {} random poses, in which no limbs overlap, to the nearest frame:\n", count);
 }
 
 void run(const RomArguments& arguments) {
@@ -111,16 +111,17 @@ void run(const RomArguments& arguments) {
   write_clip(rig.detached(clip), own.skeleton, arguments.unit, arguments.out);
 
   say_few_frames(arguments, limits);
-  std::string text = format("%zu frames: rest, %zu of sweeps, %zu of pairs, %zu random\n", clip.poses.size(),
+  std::string text = format("{} frames: rest, {} of sweeps, {} of pairs, {} random\n", clip.poses.size(),
                             motion.sweep_frames, motion.pair_frames, motion.random_frames);
-  text += format("the largest step from a frame to the next is %.1f degrees", motion.largest_step);
-  text += options.step < RangeOfMotionOptions{}.step ? format(", of random frames %.1f at most\n", options.step) : "\n";
+  text += format("the largest step from a frame to the next is {:.1f} degrees", motion.largest_step);
+  text +=
+      options.step < RangeOfMotionOptions{}.step ? format(", of random frames {:.1f} at most\n", options.step) : "\n";
   const std::vector<Pose> wanted = wanted_poses(character, limits, options);
   text += describe_wanted(arguments, wanted.size());
   Json per_joint = Json::array();
   for (const JointCoverage& joint : coverage(clip.poses, wanted, character)) {
     if (wanted.empty()) break;
-    text += format("  %-20s mean %5.1f  largest %5.1f\n", joint.joint.c_str(), joint.mean, joint.largest);
+    text += format("  {:20} mean {:5.1f}  largest {:5.1f}\n", joint.joint, joint.mean, joint.largest);
     per_joint.push_back({{"joint", joint.joint}, {"mean_degrees", joint.mean}, {"largest_degrees", joint.largest}});
   }
   Json coupled = Json::array();

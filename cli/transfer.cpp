@@ -68,9 +68,9 @@ double judge(const TransferPair& pair, const TransferArguments& arguments, const
   const double alike = likeness(pair);
   if (alike >= kLeastLikeness) return alike;
   const std::string what = format(
-      "%s: is like the source's body by %.2f only (1: the same skin on the same joints; below %.2f is refused): "
-      "an unlike body, joints of other meaning, or a rest pose far off%s",
-      target.c_str(), alike, kLeastLikeness, arguments.picture.empty() ? "; --picture FILE.png shows where" : "");
+      "{}: is like the source's body by {:.2f} only (1: the same skin on the same joints; below {:.2f} is refused): "
+      "an unlike body, joints of other meaning, or a rest pose far off{}",
+      target, alike, kLeastLikeness, arguments.picture.empty() ? "; --picture FILE.png shows where" : "");
   if (!arguments.force) throw Error(ErrorKind::mismatch, what + "; --force goes on all the same");
   spdlog::warn(what);
   return alike;
@@ -79,10 +79,10 @@ double judge(const TransferPair& pair, const TransferArguments& arguments, const
 std::string describe(const TransferPair& pair) {
   const Correspondence& correspondence = pair.correspondence;
   if (correspondence.same_topology) {
-    return format("the same triangles, confidence %.2f", correspondence.mean_confidence());
+    return format("the same triangles, confidence {:.2f}", correspondence.mean_confidence());
   }
-  return format("confidence %.2f, %lld of %lld vertices filled in", correspondence.mean_confidence(),
-                static_cast<long long>(pair.skin.unsure()), static_cast<long long>(correspondence.target.rows()));
+  return format("confidence {:.2f}, {} of {} vertices filled in", correspondence.mean_confidence(), pair.skin.unsure(),
+                correspondence.target.rows());
 }
 
 // What the report shows the bodies in.
@@ -172,7 +172,7 @@ void check_basis_arguments(const TransferArguments& arguments) {
             ": is a dataset, expected a trained basis (.safetensors): 'bodyopt transfer dataset' carries datasets");
   }
   if (arguments.outs.size() != arguments.targets.size()) {
-    throw Error(ErrorKind::usage, format("%zu targets and %zu --out: every target needs a basis to write",
+    throw Error(ErrorKind::usage, format("{} targets and {} --out: every target needs a basis to write",
                                          arguments.targets.size(), arguments.outs.size()));
   }
   std::set<std::filesystem::path> places;
@@ -226,8 +226,8 @@ class BasisTransfer {
     facts["seconds_with_what_is_beside"] = watch.seconds();
     say_of(target, notes);
     if (!arguments_.report.empty()) report(pair, basis, facts, pictures);
-    std::string text = format("wrote %s: %u vertices, %s, %.1f s\n", out.c_str(), basis.mesh.vertex_count(),
-                              describe(pair).c_str(), seconds);
+    std::string text =
+        format("wrote {}: {} vertices, {}, {:.1f} s\n", out, basis.mesh.vertex_count(), describe(pair), seconds);
     for (const std::string& file : beside) text += "wrote " + file + "\n";
     arguments_.json.print(text);
     return facts;
@@ -314,8 +314,8 @@ void run_dataset(const TransferArguments& arguments) {
   facts["frames"] = told.frames;
   facts["seconds"] = watch.seconds();
   facts["peak_memory_mib"] = peak_memory_mib();
-  arguments.json.emit(facts, format("wrote %s: %zu takes, %zu frames, %s, %.1f s\n", (out / "dataset.json").c_str(),
-                                    told.takes, told.frames, describe(pair).c_str(), watch.seconds()));
+  arguments.json.emit(facts, format("wrote {}: {} takes, {} frames, {}, {:.1f} s\n", (out / "dataset.json").string(),
+                                    told.takes, told.frames, describe(pair), watch.seconds()));
 }
 
 struct RefineArguments {
@@ -340,7 +340,7 @@ std::size_t say_carried_judge(const SampleSet& set, const std::set<std::string>&
   }));
   if (count > 0) {
     say({format(
-        "%zu of the %zu frames held out are carried from the source: errors that 'train' and 'test' measure on "
+        "{} of the {} frames held out are carried from the source: errors that 'train' and 'test' measure on "
         "them tell how near to the source's shapes the basis is, not to this body's; hold out frames of its own "
         "(simulate --heldout)",
         count, set.heldout.size())});
@@ -396,9 +396,9 @@ void run_refine(const RefineArguments& arguments) {
        {"carried_heldout_frames", carried_judge},
        {"difference_mm", refined.difference_mm()},
        {"seconds", watch.seconds()}},
-      format("%zu carried frames moved to what %zu own frames show, which were %.2f mm RMS off them, in "
-             "%.1f s: modifiers '%s' and the like of the dataset's stack\n",
-             count, all - count, refined.difference_mm(), watch.seconds(), refinement_of(*carried.begin()).c_str()));
+      format("{} carried frames moved to what {} own frames show, which were {:.2f} mm RMS off them, in "
+             "{:.1f} s: modifiers '{}' and the like of the dataset's stack\n",
+             count, all - count, refined.difference_mm(), watch.seconds(), refinement_of(*carried.begin())));
 }
 
 void add_refine(CLI::App& transfer) {

@@ -4,7 +4,6 @@
 #include <sys/resource.h>
 
 #include <algorithm>
-#include <cstdarg>
 #include <cstdio>
 #include <cstdlib>
 #include <limits>
@@ -85,8 +84,8 @@ Clip ClipArguments::choose_frames(Clip clip, std::vector<int>& frame_numbers) co
   for (const int frame : frame_numbers) {
     if (frame < clip.first_frame || frame > clip.last_frame()) {
       throw Error(ErrorKind::usage,
-                  format("--frames asks for frame %d; '%s' has frames %d to %d at %g frames a second", frame,
-                         (source.empty() ? clip.name : source).c_str(), clip.first_frame, clip.last_frame(), clip.fps));
+                  format("--frames asks for frame {}; '{}' has frames {} to {} at {:g} frames a second", frame,
+                         source.empty() ? clip.name : source, clip.first_frame, clip.last_frame(), clip.fps));
     }
   }
   return clip;
@@ -138,7 +137,7 @@ std::function<std::string(const std::string&)> number_from(double low, double hi
     const bool is_number = end == begin + text.size() && !text.empty();
     return is_number && value >= low && value <= high
                ? std::string()
-               : format("expected a number from %g to %g, found '%s'", low, high, begin);
+               : format("expected a number from {:g} to {:g}, found '{}'", low, high, begin);
   };
 }
 
@@ -226,7 +225,7 @@ void make_folder(const std::filesystem::path& folder) {
 }
 
 std::string describe(const ErrorStatistics& errors) {
-  return format("RMS %.3f mm, p99 %.3f mm, max %.3f mm, jitter %.3f mm", errors.rms, errors.p99, errors.max,
+  return format("RMS {:.3f} mm, p99 {:.3f} mm, max {:.3f} mm, jitter {:.3f} mm", errors.rms, errors.p99, errors.max,
                 errors.jitter);
 }
 
@@ -234,18 +233,6 @@ double peak_memory_mib() {
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);
   return static_cast<double>(usage.ru_maxrss) / 1024;
-}
-
-std::string format(const char* pattern, ...) {
-  va_list arguments, again;
-  va_start(arguments, pattern);
-  va_copy(again, arguments);
-  const int size = std::vsnprintf(nullptr, 0, pattern, arguments);
-  va_end(arguments);
-  std::string text(static_cast<std::size_t>(size), '\0');
-  std::vsnprintf(text.data(), text.size() + 1, pattern, again);
-  va_end(again);
-  return text;
 }
 
 }  // namespace bodyopt::cli

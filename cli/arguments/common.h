@@ -1,6 +1,8 @@
 // What the verbs share: their registration, the clip arguments, the result's two forms.
 #pragma once
 
+#include <fmt/core.h>
+
 #include <CLI/CLI.hpp>
 #include <filesystem>
 #include <functional>
@@ -14,6 +16,8 @@
 #include "runtime/host/device_choice.h"
 
 namespace bodyopt::cli {
+
+using fmt::format;
 
 // Frames a second that clips and dynamics may have.
 constexpr double kLeastRate = 1e-3, kMostRate = 1e5;
@@ -102,7 +106,6 @@ void make_folder(const std::filesystem::path& folder);
 
 std::string describe(const ErrorStatistics& errors);
 double peak_memory_mib();
-std::string format(const char* pattern, ...) __attribute__((format(printf, 1, 2)));
 
 // One per verb, in the file of its name: declares its arguments and what it runs.
 void add_demo(CLI::App& app);

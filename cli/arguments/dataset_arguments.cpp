@@ -70,7 +70,7 @@ DatasetTake TakeArguments::take(const std::vector<int>& frames, const fs::path& 
     for (const int frame : take.heldout) {
       if (has(frames, frame)) continue;
       throw Error(ErrorKind::usage,
-                  format("--heldout names frame %d, which is not among the frames of --frames", frame));
+                  format("--heldout names frame {}, which is not among the frames of --frames", frame));
     }
   }
   return take;

@@ -117,18 +117,19 @@ void JiggleArguments::check_frames(const Deformer& deformer, const Clip& clip, c
   if (!jiggle) return;
   const double rate = static_cast<double>(deformer.dynamics()->jiggle.step.frames_per_second);
   if (std::abs(clip.fps - rate) > 1e-3 * rate) {
-    throw Error(ErrorKind::mismatch,
-                format("the dynamics step %g frames a second, the clip has %g: sample it with --fps %g, or make the "
-                       "dynamics anew with 'bodyopt dynamics --fps %g'",
-                       rate, clip.fps, rate, clip.fps));
+    throw Error(
+        ErrorKind::mismatch,
+        format("the dynamics step {:g} frames a second, the clip has {:g}: sample it with --fps {:g}, or make the "
+               "dynamics anew with 'bodyopt dynamics --fps {:g}'",
+               rate, clip.fps, rate, clip.fps));
   }
   if (!std::is_sorted(frames.begin(), frames.end())) {
     throw Error(ErrorKind::usage, "--jiggle needs frames in rising order");
   }
   const JiggleState state = deformer.state();
   if (state.known > 0 && !frames.empty() && frames.front() <= state.frame) {
-    throw Error(ErrorKind::usage, format("%s is the state after frame %d; the frames begin at %d, expected %d",
-                                         state_in.c_str(), state.frame, frames.front(), state.frame + 1));
+    throw Error(ErrorKind::usage, format("{} is the state after frame {}; the frames begin at {}, expected {}",
+                                         state_in, state.frame, frames.front(), state.frame + 1));
   }
   if (state.known > 0 && !frames.empty() && frames.front() > state.frame + 1) {
     spdlog::warn(

@@ -64,10 +64,10 @@ std::vector<std::string> changes_since(const ShapeStack& stack, std::size_t fram
   };
   const double most = (without(exported_now(stack, frame)) - without(exported)).rowwise().norm().maxCoeff();
   if (most < kChanged) return {};
-  return {format(
-      "%s has changed by %.2f mm since the mesh was exported (%s): what was sculpted is added to what it is "
-      "now",
-      frame_text(database, frame).c_str(), 1e3 * most, what_differs(exported.modifiers, modifiers, name).c_str())};
+  return {
+      format("{} has changed by {:.2f} mm since the mesh was exported ({}): what was sculpted is added to what it is "
+             "now",
+             frame_text(database, frame), 1e3 * most, what_differs(exported.modifiers, modifiers, name))};
 }
 
 // How far the sculpt of a frame reaches, now that it is in the stack; none where the modifier has no sculpt of it.
@@ -105,9 +105,9 @@ void emit_sculpt(const CurateArguments& arguments) {
   const std::optional<SculptReach> reach = reach_of(database, arguments.name, frame);
   if (reach) {
     result["sculpt"] = {{"max_mm", reach->most_mm}, {"other_frames", reach->others}};
-    text += format("the sculpt moves %s by %.2f mm at most, and %s within %g degrees by less\n",
-                   frame_text(database, frame).c_str(), reach->most_mm,
-                   count_of(reach->others, "other frame", "other frames").c_str(), reach->degrees);
+    text += format("the sculpt moves {} by {:.2f} mm at most, and {} within {:g} degrees by less\n",
+                   frame_text(database, frame), reach->most_mm, count_of(reach->others, "other frame", "other frames"),
+                   reach->degrees);
   }
   const std::string hidden = why_not_shown(database, arguments.name, frame);
   if (!hidden.empty())
@@ -121,10 +121,10 @@ std::string alike_note(const PoseDatabase& database, std::size_t frame, const Ex
   std::vector<std::string> names;
   for (const Modifier& modifier : taken.modifiers) names.push_back(modifier.name);
   return format(
-      "the mesh does not say which export of %s it is of (its name is another), and lies on %s as well: taken is the "
-      "latest, which was made %s",
-      frame_text(database, frame).c_str(), count_of(others, "other", "others").c_str(),
-      names.empty() ? "without modifiers" : ("by the modifiers " + list_names(names)).c_str());
+      "the mesh does not say which export of {} it is of (its name is another), and lies on {} as well: taken is the "
+      "latest, which was made {}",
+      frame_text(database, frame), count_of(others, "other", "others"),
+      names.empty() ? "without modifiers" : "by the modifiers " + list_names(names));
 }
 
 }  // namespace
@@ -147,7 +147,7 @@ void export_frame(const CurateArguments& arguments) {
     write_frame_obj(character, surface, output_from_welded(character, skin), arguments.out, mark);
   }
   arguments.json.emit({{"mesh", arguments.out}, {"vertices", character.output_count()}},
-                      format("wrote %s: %u vertices\n", arguments.out.c_str(), character.output_count()));
+                      format("wrote {}: {} vertices\n", arguments.out, character.output_count()));
 }
 
 void import_frame(const CurateArguments& arguments) {

@@ -32,8 +32,8 @@ std::string draw_effect(const ShapeStack& stack, const ModifierEffect& effect, c
   const Positions before = left_by(place), after = left_by(place + 1);
   const double scale = std::max(kFinestScale, 1e3 * (after - before).rowwise().norm().maxCoeff());
   draw_apart(stack.database().character, before, after, scale, path);
-  return format("wrote %s: %s before '%s' and after; how far that is, darkest at %.2f mm\n", path.c_str(),
-                frame_text(stack.database(), effect.worst).c_str(), effect.name.c_str(), scale);
+  return format("wrote {}: {} before '{}' and after; how far that is, darkest at {:.2f} mm\n", path,
+                frame_text(stack.database(), effect.worst), effect.name, scale);
 }
 
 [[noreturn]] void refuse_picture_of_all(const std::vector<Modifier>& modifiers) {
@@ -59,9 +59,9 @@ std::vector<std::string> capped_notes(const std::vector<Modifier>& modifiers,
         std::ranges::count_if(effect.frames, [&](const FrameEffect& frame) { return frame.max_mm > 0.99 * cap; }));
     if (capped == 0 || capped * kMany < effect.frames.size()) continue;
     notes.push_back(
-        format("'%s' moves %zu of %zu frames as far as cap_mm lets it (%.3g mm): passes seldom disagree by so "
+        format("'{}' moves {} of {} frames as far as cap_mm lets it ({:.3g} mm): passes seldom disagree by so "
                "much; compare the held-out errors with it and without",
-               effect.name.c_str(), capped, effect.frames.size(), cap));
+               effect.name, capped, effect.frames.size(), cap));
   }
   return notes;
 }
@@ -73,11 +73,12 @@ void report_effects(const CurateArguments& arguments) {
   say(stack.notes());
   if (!arguments.picture.empty() && arguments.name.empty()) refuse_picture_of_all(stack.database().dataset.modifiers);
   const std::vector<ModifierEffect> effects = measure_modifiers(stack, arguments.name);
-  std::string text = format("%-20s %8s %10s %10s   %s\n", "modifier", "frames", "RMS mm", "max mm", "most of all");
+  std::string text =
+      format("{:20} {:>8} {:>10} {:>10}   {}\n", "modifier", "frames", "RMS mm", "max mm", "most of all");
   Json list = Json::array();
   for (const ModifierEffect& effect : effects) {
-    text += format("%-20s %8zu %10.3f %10.3f   %s\n", effect.name.c_str(), effect.frames.size(), effect.rms_mm,
-                   effect.max_mm, effect.frames.empty() ? "" : frame_text(stack.database(), effect.worst).c_str());
+    text += format("{:20} {:8} {:10.3f} {:10.3f}   {}\n", effect.name, effect.frames.size(), effect.rms_mm,
+                   effect.max_mm, effect.frames.empty() ? "" : frame_text(stack.database(), effect.worst));
     Json frames = Json::array();
     for (const FrameEffect& frame : effect.frames) {
       frames.push_back(frame_json(stack.database(), frame.frame));
@@ -89,7 +90,7 @@ void report_effects(const CurateArguments& arguments) {
     if (type == nullptr || type->effect == ModifierType::Effect::shape) continue;
     const TakenFrames taken = taken_frames(stack.database(), modifier);
     list.back()["frame_counts"] = to_json(taken);
-    text += format("%-20s %s\n", "", text_of(taken, *type, modifier.enabled).c_str());
+    text += format("{:20} {}\n", "", text_of(taken, *type, modifier.enabled));
   }
   say(capped_notes(stack.database().dataset.modifiers, effects));
   if (!arguments.picture.empty()) text += draw_effect(stack, effects.front(), arguments.picture);

@@ -42,7 +42,7 @@ std::string demo_transfer(const fs::path& folder, bool has_pictures) {
   say(notes);
   save_basis(carried, folder / "stocky.safetensors");
   if (has_pictures) write_page(pair, carried, folder);
-  return format("carried to a stockier arm of %u vertices (this one: %u), matched with a confidence of %.2f\n",
+  return format("carried to a stockier arm of {} vertices (this one: {}), matched with a confidence of {:.2f}\n",
                 carried.mesh.vertex_count(), source.mesh.vertex_count(), pair.correspondence.mean_confidence());
 }
 

@@ -190,18 +190,18 @@ Json EvaluationLog::result() const {
 std::string EvaluationLog::text() const {
   std::string text;
   stage_seconds_.for_each([&](const StageDescription& stage, double seconds) {
-    text += format("  %-8s %8.3f ms a frame\n", stage.name, milliseconds_per_frame(seconds));
+    text += format("  {:8} {:8.3f} ms a frame\n", stage.name, milliseconds_per_frame(seconds));
   });
   if (worst_outside_ >= kOutsideWorthTelling) {
     text += count_of(outside_frames_.size(), "frame leaves", "frames leave") +
-            format(" the trained range (most of all %s%s), clamped: ", worst_feature_.c_str(),
-                   worst_by_.empty() ? "" : (", by " + worst_by_).c_str()) +
+            format(" the trained range (most of all {}{}), clamped: ", worst_feature_,
+                   worst_by_.empty() ? "" : ", by " + worst_by_) +
             format_frame_range(outside_frames_) + "\n";
   }
   text += fades_.text();
   if (most_expected_mm_ > 0) {
-    text += format("expected error: %.3f mm RMS, most in frame %d: %.3f mm", mean_expected_mm_, most_expected_frame_,
-                   most_expected_mm_);
+    text += format("expected error: {:.3f} mm RMS, most in frame {}: {:.3f} mm", mean_expected_mm_,
+                   most_expected_frame_, most_expected_mm_);
     // Judged by cross-validation of the training frames: of other poses nothing tells how far off even DDM is.
     if (!fades_.empty()) {
       text += "; poses that training did not show can be further off: test compares with their shapes";
@@ -213,7 +213,8 @@ std::string EvaluationLog::text() const {
             count_of(no_better_frames_.size(), "frame", "frames") + ": " + format_frame_range(no_better_frames_) + "\n";
   }
   if (most_jiggle_mm_ > 0) {
-    text += format("the jiggle moves the skin by %.2f mm at most, in frame %d\n", most_jiggle_mm_, most_jiggle_frame_);
+    text +=
+        format("the jiggle moves the skin by {:.2f} mm at most, in frame {}\n", most_jiggle_mm_, most_jiggle_frame_);
   }
   if (!limited_frames_.empty()) {
     std::vector<std::string> joints;
@@ -223,7 +224,7 @@ std::string EvaluationLog::text() const {
   }
   if (!inverted_frames_.empty()) {
     text += count_of(inverted_frames_.size(), "frame has", "frames have") +
-            format(" tetrahedra that are inside out before they jiggle, %u of %u at most: ", most_inverted_, tets_) +
+            format(" tetrahedra that are inside out before they jiggle, {} of {} at most: ", most_inverted_, tets_) +
             format_frame_range(inverted_frames_) + "\n";
   }
   for (const std::string& note : notes()) text += note + "\n";

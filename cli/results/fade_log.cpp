@@ -38,9 +38,9 @@ std::string FadeLog::text() const {
                                      [](const auto& a, const auto& b) { return a.second < b.second; });
   return count_of(frames_.size(), "frame holds a pose", "frames hold poses") +
          format(
-             " that training did not show (most of all of %s); there the correction fades, to %.0f %% at the least: "
-             "%s\n",
-             most->first.c_str(), 100 * least_, format_frame_range(frames_).c_str());
+             " that training did not show (most of all of {}); there the correction fades, to {:.0f} % at the least: "
+             "{}\n",
+             most->first, 100 * least_, format_frame_range(frames_));
 }
 
 }  // namespace bodyopt::cli

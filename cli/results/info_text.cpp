@@ -20,19 +20,19 @@ std::string text_of(const Json& value);
 // Counted, where it is long.
 std::string text_within(const Json& value) {
   if (!value.is_structured() || (value.size() <= kLong && !is_list_of_objects(value))) return text_of(value);
-  return format("%zu (--json names them)", value.size());
+  return format("{} (--json names them)", value.size());
 }
 
 // "vertices 12, name shirt"; "Hips, Spine".
 std::string text_of(const Json& value) {
   if (value.is_string()) return value.get<std::string>();
-  if (value.is_number_float()) return format("%.5g", value.get<double>());
+  if (value.is_number_float()) return format("{:.5g}", value.get<double>());
   if (!value.is_structured()) return value.dump();
   if (value.empty()) return "none";
   std::string text;
   std::size_t shown = 0;
   for (const auto& [key, item] : value.items()) {
-    if (shown == kMostShown) return text + format(", and %zu more", value.size() - shown);
+    if (shown == kMostShown) return text + format(", and {} more", value.size() - shown);
     text += (shown++ > 0 ? ", " : "") + (value.is_object() ? key + " " : "") + text_within(item);
   }
   return text;
@@ -40,10 +40,10 @@ std::string text_of(const Json& value) {
 
 // Objects in a list have lines of their own.
 std::string line(const std::string& key, const Json& value) {
-  if (!is_list_of_objects(value)) return format("%-18s %s\n", key.c_str(), text_of(value).c_str());
+  if (!is_list_of_objects(value)) return format("{:18} {}\n", key, text_of(value));
   std::string text;
   for (std::size_t k = 0; k < value.size(); ++k) {
-    text += format("%-18s %s\n", k == 0 ? key.c_str() : "", text_of(value[k]).c_str());
+    text += format("{:18} {}\n", k == 0 ? key : "", text_of(value[k]));
   }
   return text;
 }
@@ -60,10 +60,10 @@ std::string metadata_lines(const Json& metadata) {
 
 // The bases that a training could give, a line each.
 std::string curve_table(const Json& curve, bool of_levels) {
-  std::string text = format("\nwhat training%s could give:\n%16s %16s %12s %14s\n", of_levels ? " level 0" : "",
+  std::string text = format("\nwhat training{} could give:\n{:>16} {:>16} {:>12} {:>14}\n", of_levels ? " level 0" : "",
                             "bytes per vertex", "expected RMS, mm", "coefficients", "estimated us");
   for (const Json& point : curve) {
-    text += format("%16.0f %16.3f %12u %14.0f\n", point.at("bytes_per_vertex").get<double>(),
+    text += format("{:16.0f} {:16.3f} {:12} {:14.0f}\n", point.at("bytes_per_vertex").get<double>(),
                    point.at("expected_rms_mm").get<double>(), point.at("coefficients").get<unsigned>(),
                    point.at("microseconds").get<double>());
   }

@@ -60,10 +60,10 @@ Json to_json(const ShotFolds& folds) {
 
 std::string text_of(const ShotFolds& folds) {
   const FoldMeasure& measure = folds.measure;
-  if (!(measure.sum > 0)) return format("push-out: no skin in skin in the %zu frames looked at\n", folds.frames);
+  if (!(measure.sum > 0)) return format("push-out: no skin in skin in the {} frames looked at\n", folds.frames);
   return format(
-      "push-out, %zu frames looked at: skin in skin up to %.1f mm deep, in frame %d; %.1f mm left, %.1f %% of all "
-      "depth taken out; other skin moves by %.4f mm at most\n",
+      "push-out, {} frames looked at: skin in skin up to {:.1f} mm deep, in frame {}; {:.1f} mm left, {:.1f} % of all "
+      "depth taken out; other skin moves by {:.4f} mm at most\n",
       folds.frames, 1e3 * measure.deepest, folds.deepest_frame, 1e3 * measure.deepest_left, 100 * measure.removed(),
       1e3 * measure.elsewhere);
 }
@@ -79,10 +79,10 @@ Json to_json(const std::vector<BentJoint>& folds) {
 
 std::string text_of(const std::vector<BentJoint>& folds, const std::string& how_far) {
   if (folds.empty()) return "no skin crosses skin where a joint is bent " + how_far + "\n";
-  std::string text = format("%-30s %9s %9s %10s %13s\n", ("bent " + how_far).c_str(), "deep mm", "left mm", "taken out",
-                            "elsewhere mm");
+  std::string text =
+      format("{:30} {:>9} {:>9} {:>10} {:>13}\n", "bent " + how_far, "deep mm", "left mm", "taken out", "elsewhere mm");
   for (const BentJoint& fold : folds) {
-    text += format("%-30s %9.1f %9.1f %8.1f %% %13.4f\n", fold.joint.c_str(), 1e3 * fold.measure.deepest,
+    text += format("{:30} {:9.1f} {:9.1f} {:8.1f} % {:13.4f}\n", fold.joint, 1e3 * fold.measure.deepest,
                    1e3 * fold.measure.deepest_left, 100 * fold.measure.removed(), 1e3 * fold.measure.elsewhere);
   }
   return text;

@@ -44,11 +44,11 @@ std::string text_of(const ShotMoves& shot) {
   for (std::size_t k = 0; k < shot.moves.size(); ++k) {
     const ModifierMove& move = shot.moves[k];
     if (move.largest == 0) {
-      text += format("modifier %s, %zu frames looked at: moves nothing\n", move.modifier.c_str(), shot.frames);
+      text += format("modifier {}, {} frames looked at: moves nothing\n", move.modifier, shot.frames);
       continue;
     }
-    text += format("modifier %s, %zu frames looked at: moves the skin by %.2f mm at most, in frame %d\n",
-                   move.modifier.c_str(), shot.frames, 1e3 * move.largest, shot.numbers[k]);
+    text += format("modifier {}, {} frames looked at: moves the skin by {:.2f} mm at most, in frame {}\n",
+                   move.modifier, shot.frames, 1e3 * move.largest, shot.numbers[k]);
   }
   return text;
 }
