@@ -315,18 +315,15 @@ void add_check(CLI::App& app) {
       ->type_name("DATASET");
   arguments->clip.add(verb);
   CLI::Option& clip = *verb.get_option("--clip")->required(false);
-  add_option(verb, "--limits", arguments->limits, "Joint limits (limits.json): does the clip hold joints beyond them?")
-      ->type_name("FILE")
-      ->check(refuse_empty)
+  add_option(verb, "--limits", arguments->limits, "FILE",
+             "Joint limits (limits.json): does the clip hold joints beyond them?")
       ->needs(&clip);
   for (const char* of_clip : {"--frames", "--fps", "--first-frame", "--controls", "--joint-map"}) {
     verb.get_option(of_clip)->needs(&clip);
   }
-  add_option(verb, "--picture", arguments->picture,
+  add_option(verb, "--picture", arguments->picture, "FILE.png",
              "Also draw where a character's skin passes through itself, is open or turned, nearly touches, is held "
-             "together by a cage or rides, numbered as listed, from the sides where that is")
-      ->type_name("FILE.png")
-      ->check(must_end_in(".png"));
+             "together by a cage or rides, numbered as listed, from the sides where that is");
   add_unit(verb, arguments->unit);
   arguments->json.add(verb);
   verb.callback([arguments] { run(*arguments); });

@@ -186,9 +186,8 @@ void add_coverage(CLI::App& app) {
   add_option(verb, "--truth", arguments->truth,
              "Shapes of these frames (.pc2, .nodes, or DATASET#TAKE): are the expected errors right?")
       ->type_name("CACHE");
-  add_option(verb, "--picture", arguments->picture, "Heat strip to write: frames from left to right, a row per region")
-      ->type_name("FILE.svg")
-      ->check(must_end_in(".svg"));
+  add_option(verb, "--picture", arguments->picture, "FILE.svg",
+             "Heat strip to write: frames from left to right, a row per region");
   add_option(verb, "--unit", arguments->unit,
              "Metres per unit of the clip's file (default: as the character was read for training)")
       ->check(above_zero);

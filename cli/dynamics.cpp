@@ -112,13 +112,11 @@ void add_dynamics(CLI::App& app) {
       ->required()
       ->type_name("DATASET");
   add_option(verb, "--basis", arguments->basis, "The basis trained from it")->required()->type_name("BASIS");
-  add_output(verb, arguments->out, ".safetensors", "Dynamics to write");
-  add_option(verb, "--jiggle", arguments->jiggle, "How soft, damped and free tissue is, and where (jiggle.json)")
-      ->type_name("FILE")
-      ->check(refuse_empty);
-  add_option(verb, "--jiggle-out", arguments->jiggle_out, "Write the settings it chose, to edit (jiggle.json)")
-      ->type_name("FILE.json")
-      ->check(must_end_in(".json"));
+  add_option(verb, "--out", arguments->out, "FILE.safetensors", "Dynamics to write")->required();
+  add_option(verb, "--jiggle", arguments->jiggle, "FILE",
+             "How soft, damped and free tissue is, and where (jiggle.json)");
+  add_option(verb, "--jiggle-out", arguments->jiggle_out, "FILE.json",
+             "Write the settings it chose, to edit (jiggle.json)");
   add_option(verb, "--dynamics-resolution", options.resolution, "Tetrahedra at most")
       ->capture_default_str()
       ->check(CLI::Range(100, 1000000));

@@ -340,11 +340,9 @@ void run(EvalArguments arguments) {
 void add_list(CLI::App& verb, std::string& list) {
   const std::vector<CLI::Option*> others = verb.get_options(
       [](const CLI::Option* option) { return !option->check_name("--progress") && !option->check_name("--help"); });
-  CLI::Option& option = *add_option(verb, "--list", list,
+  CLI::Option& option = *add_option(verb, "--list", list, "SHOTS",
                                     "A list of shots (.json, .jsonl, .csv): makes the outputs of all that are not "
-                                    "made yet, one after the other")
-                             ->type_name("SHOTS")
-                             ->check(refuse_empty);
+                                    "made yet, one after the other");
   for (CLI::Option* other : others) option.excludes(other);
   option.each([&verb](const std::string&) {
     for (CLI::Option* other : verb.get_options()) other->required(false);
@@ -365,10 +363,8 @@ void add_eval(CLI::App& app) {
            "Write the skin of the full character, carried by that of the proxy");
   arguments->clip.add(verb);
   CLI::Option& clip = *verb.get_option("--clip");
-  add_option(verb, "--session", arguments->session,
+  add_option(verb, "--session", arguments->session, "FILE",
              "A session of the viewport: its lead, in place of BASIS, with its clip as it was posed and keyed there")
-      ->type_name("FILE")
-      ->check(refuse_empty)
       ->each([&basis, &clip](const std::string&) {
         basis.required(false);
         clip.required(false);
@@ -391,11 +387,9 @@ void add_eval(CLI::App& app) {
         return "'" + name + "' does not end in .pc2, .usda or .glb";
       });
   add_cache_space(verb, arguments->cache.space);
-  add_option(verb, "--attached", arguments->cache.attached,
+  add_option(verb, "--attached", arguments->cache.attached, "FILE",
              "Geometry that rides on the skin (default: BASIS.attached.safetensors beside the basis, where it is "
-             "there); each mesh is written as FILE.<mesh>.pc2, .usda or .glb")
-      ->type_name("FILE")
-      ->check(refuse_empty);
+             "there); each mesh is written as FILE.<mesh>.pc2, .usda or .glb");
   arguments->jiggle.add(verb);
   arguments->modifiers.add(verb);
   arguments->task.add(verb);

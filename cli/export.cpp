@@ -33,7 +33,7 @@ void add_export(CLI::App& app) {
   auto arguments = std::make_shared<ExportArguments>();
   CLI::App& verb = add_verb(app, "export", "A draft's skin as a point cache for other programs");
   add_option(verb, "draft", arguments->draft, "Nodes of a draft (.nodes)")->required()->type_name("DRAFT");
-  add_output(verb, arguments->out, ".pc2", "Point cache to write");
+  add_option(verb, "--out", arguments->out, "FILE.pc2", "Point cache to write")->required();
   add_cache_space(verb, arguments->space);
   arguments->json.add(verb);
   verb.callback([arguments] { run(*arguments); });

@@ -89,11 +89,11 @@ void add_modifiers(CLI::App& app) {
                             "Give a basis modifiers: breathing, morphs, sculpts, flexed muscles, sag, relax, push-out");
   add_option(verb, "basis", arguments->basis, "Basis (.safetensors)")->required()->type_name("BASIS");
   add_option(verb, "stack", arguments->stack, "The stack to make (modifiers.json)")->required()->type_name("STACK");
-  add_option(verb, "--limits", arguments->limits,
-             "Joint limits (limits.json): push-out is measured where joints are bent to them, in place of 130 degrees")
-      ->type_name("FILE")
-      ->check(refuse_empty);
-  add_output(verb, arguments->out, ".safetensors", "Basis to write, with the modifiers in place of those it had");
+  add_option(verb, "--limits", arguments->limits, "FILE",
+             "Joint limits (limits.json): push-out is measured where joints are bent to them, in place of 130 degrees");
+  add_option(verb, "--out", arguments->out, "FILE.safetensors",
+             "Basis to write, with the modifiers in place of those it had")
+      ->required();
   arguments->json.add(verb);
   verb.callback([arguments] { run(*arguments); });
 }

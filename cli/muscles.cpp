@@ -145,7 +145,7 @@ void add_muscles(CLI::App& app) {
              "may be given several times")
       ->required()
       ->type_name("MODEL MAPPING");
-  add_output(subverb, arguments->out, ".json", "The character's muscles");
+  add_option(subverb, "--out", arguments->out, "FILE.json", "The character's muscles")->required();
   add_option(subverb, "--picture", arguments->picture, "Also draw them, from the front, from behind and from the left")
       ->type_name("FILE.png");
   add_unit(subverb, arguments->unit);

@@ -281,7 +281,7 @@ void add_picture(CLI::App& app) {
       ->expected(2)
       ->check(CLI::Range(16u, kMaxPictureSize))
       ->capture_default_str();
-  add_output(verb, arguments->out, ".png", "Picture to write");
+  add_option(verb, "--out", arguments->out, "FILE.png", "Picture to write")->required();
   arguments->json.add(verb);
   verb.callback([arguments] { run(*arguments); });
 }

@@ -107,7 +107,9 @@ void add_proxy(CLI::App& app) {
              "Dataset (dataset.json, or its folder), or a trained basis (.safetensors)")
       ->required()
       ->type_name("DATASET|BASIS");
-  add_output(verb, arguments->out, ".safetensors", "Levels to write: a basis, the first level, and the others");
+  add_option(verb, "--out", arguments->out, "FILE.safetensors",
+             "Levels to write: a basis, the first level, and the others")
+      ->required();
   add_option(verb, "--error", arguments->errors_mm,
              "What the skin of each level may be off, mm (default: 1/500, 1/250 and 1/125 of the size)")
       ->type_name("MM")

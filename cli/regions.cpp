@@ -96,13 +96,9 @@ void add_regions(CLI::App& app) {
   auto arguments = std::make_shared<RegionsArguments>();
   CLI::App& verb = add_verb(app, "regions", "The regions in which `train` learns the skin: to see and to edit");
   add_option(verb, "dataset", arguments->dataset, "dataset.json, or its folder")->required()->type_name("DATASET");
-  add_option(verb, "--out", arguments->out, "Also write them, as a file that dataset.json can name")
-      ->type_name("FILE.json")
-      ->check(must_end_in(".json"));
-  add_option(verb, "--picture", arguments->picture,
-             "Also draw them, numbered, from the front, from the left, from behind and from the right")
-      ->type_name("FILE.png")
-      ->check(must_end_in(".png"));
+  add_option(verb, "--out", arguments->out, "FILE.json", "Also write them, as a file that dataset.json can name");
+  add_option(verb, "--picture", arguments->picture, "FILE.png",
+             "Also draw them, numbered, from the front, from the left, from behind and from the right");
   arguments->json.add(verb);
   verb.callback([arguments] { run(*arguments); });
 }

@@ -171,10 +171,9 @@ void add_rig(CLI::App& app) {
   auto arguments = std::make_shared<RigArguments>();
   CLI::App& verb = add_verb(app, "rig", "First joint limits, jiggle settings and regions of a rig, to be edited");
   add_option(verb, "character", arguments->character, "Character (.glb, .gltf)")->required()->type_name("CHARACTER");
-  add_option(verb, "--out", arguments->out, "Folder for limits.json, jiggle.json, regions.json and mappings of muscles")
-      ->required()
-      ->type_name("DIR")
-      ->check(refuse_empty);
+  add_option(verb, "--out", arguments->out, "DIR",
+             "Folder for limits.json, jiggle.json, regions.json and mappings of muscles")
+      ->required();
   add_option(verb, "--clip", arguments->clips, "Clips that show how far joints go (default: the character's own)")
       ->type_name("CLIP");
   add_option(verb, "--mapping", arguments->mappings,

@@ -154,7 +154,7 @@ void add_rom(CLI::App& app) {
   add_option(verb, "character", arguments->character, "Character (.glb, .gltf)")->required()->type_name("CHARACTER");
   add_option(verb, "--limits", arguments->limits, "Joint limits (limits.json); default: what the clips of --from show")
       ->type_name("FILE");
-  add_output(verb, arguments->out, ".glb", "The clip to write");
+  add_option(verb, "--out", arguments->out, "FILE.glb", "The clip to write")->required();
   add_option(verb, "--frames", arguments->options.frames,
              "How many frames to make (a number, where other verbs take a list of frames)")
       ->capture_default_str()

@@ -245,7 +245,7 @@ void add_train(CLI::App& app) {
   CLI::Option* ddm_only =
       add_option(verb, "--ddm-only", arguments->ddm_only, "Make a basis of Direct Delta Mush alone, without shapes")
           ->type_name("CHARACTER");
-  add_output(verb, arguments->out, ".safetensors", "Basis to write");
+  add_option(verb, "--out", arguments->out, "FILE.safetensors", "Basis to write")->required();
   add_option(verb, "--heldout-every", arguments->heldout_every,
              "Hold out every Nth block of ten frames instead of the frames dataset.json names")
       ->check(CLI::Range(2, 1000));
@@ -261,10 +261,8 @@ void add_train(CLI::App& app) {
       ->excludes(ddm_only);
   add_flag(verb, "--ablate", arguments->ablate,
            "Also train the model with parts left out, and its peers, to as many bytes, and compare them");
-  add_option(verb, "--report", arguments->report,
+  add_option(verb, "--report", arguments->report, "DIR",
              "Folder for report.html and report.json: what was learned, and how well")
-      ->type_name("DIR")
-      ->check(refuse_empty)
       ->excludes(ddm_only);
   add_option(verb, "--smoothing-radius", arguments->options.smoothing_radius,
              "Radius of Direct Delta Mush, metres (default: 1/40 of the size, or twice that where it leaves less "

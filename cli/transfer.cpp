@@ -415,13 +415,9 @@ void add_refine(CLI::App& transfer) {
 }
 
 void add_shared(CLI::App& verb, TransferArguments& arguments) {
-  add_option(verb, "--map", arguments.options.joint_map,
-             "Which joint of the source is which of the target, where names do not tell (joint_map.json)")
-      ->type_name("FILE")
-      ->check(refuse_empty);
-  add_option(verb, "--markers", arguments.markers, "Vertices of both skins that are the same (markers.json)")
-      ->type_name("FILE")
-      ->check(refuse_empty);
+  add_option(verb, "--map", arguments.options.joint_map, "FILE",
+             "Which joint of the source is which of the target, where names do not tell (joint_map.json)");
+  add_option(verb, "--markers", arguments.markers, "FILE", "Vertices of both skins that are the same (markers.json)");
   add_flag(verb, "--source-size", arguments.source_size,
            "Displacements in metres as on the source, and not by the target's local size");
   add_flag(verb, "--force", arguments.force, "Go on with bodies that are unlike");
@@ -444,14 +440,9 @@ void add_transfer(CLI::App& app) {
       ->required()
       ->expected(1)
       ->type_name("CHARACTER");
-  add_option(dataset, "--out", of_dataset->outs, "Folder of the dataset to write")
-      ->required()
-      ->expected(1)
-      ->type_name("DATASET")
-      ->check(refuse_empty);
-  add_option(dataset, "--picture", of_dataset->picture, "Picture of the match (.png): by colour, and how sure it is")
-      ->type_name("FILE")
-      ->check(must_end_in(".png"));
+  add_option(dataset, "--out", of_dataset->outs, "DATASET", "Folder of the dataset to write")->required()->expected(1);
+  add_option(dataset, "--picture", of_dataset->picture, "FILE.png",
+             "Picture of the match (.png): by colour, and how sure it is");
   add_shared(dataset, *of_dataset);
   dataset.callback([of_dataset] { run_dataset(*of_dataset); });
 
@@ -466,31 +457,21 @@ void add_transfer(CLI::App& app) {
       ->required()
       ->type_name("BASIS")
       ->check(must_end_in(".safetensors"));
-  add_option(basis, "--picture", of_basis->picture,
-             "Picture of the match with the last target (.png): by colour, and how sure it is")
-      ->type_name("FILE")
-      ->check(must_end_in(".png"));
-  add_option(basis, "--report", of_basis->report,
-             "Page on how well the bodies match, part by part, and what to simulate next (.html)")
-      ->type_name("FILE")
-      ->check(must_end_in(".html"));
-  add_option(basis, "--clip", of_basis->clip, "Poses for the report: motion of the source")
-      ->type_name("CLIP")
-      ->check(refuse_empty);
-  add_option(basis, "--proxy", of_basis->proxy,
+  add_option(basis, "--picture", of_basis->picture, "FILE.png",
+             "Picture of the match with the last target (.png): by colour, and how sure it is");
+  add_option(basis, "--report", of_basis->report, "FILE.html",
+             "Page on how well the bodies match, part by part, and what to simulate next (.html)");
+  add_option(basis, "--clip", of_basis->clip, "CLIP", "Poses for the report: motion of the source");
+  add_option(basis, "--proxy", of_basis->proxy, "BASIS",
              "Proxy of the source (default: BASIS.proxy.safetensors beside it), whose levels go with it, to "
-             "OUT.proxy.safetensors")
-      ->type_name("BASIS")
-      ->check(refuse_empty);
-  add_option(basis, "--muscles", of_basis->muscles,
+             "OUT.proxy.safetensors");
+  add_option(basis, "--muscles", of_basis->muscles, "FILE",
              "The source's muscles (muscles.json), for the dynamics that stand beside it: those are made for the "
-             "targets, too")
-      ->type_name("FILE")
-      ->check(refuse_empty);
+             "targets, too");
   add_flag(basis, "--alone", of_basis->alone, "Without the dynamics and the proxy that stand beside the source")
       ->excludes(basis.get_option("--proxy"))
       ->excludes(basis.get_option("--muscles"));
-  add_option(basis, "--frames", of_basis->frames, "Frames of it (default: all)")->type_name("R")->check(refuse_empty);
+  add_option(basis, "--frames", of_basis->frames, "R", "Frames of it (default: all)");
   add_shared(basis, *of_basis);
   basis.callback([of_basis] { run_basis(*of_basis); });
   add_refine(verb);

@@ -42,21 +42,15 @@ void JsonOption::emit(const Json& result, const std::string& text) const {
 }
 
 void ClipArguments::add(CLI::App& verb) {
-  add_option(verb, "--clip", source, "Motion: FILE.glb#name, FILE.glb (its only or first clip) or FILE.bvh")
-      ->required()
-      ->type_name("CLIP")
-      ->check(refuse_empty);
-  add_option(verb, "--frames", frames, "Frames, as 1-100, 1-100x2 or comma lists of them (default: all)")
-      ->type_name("R")
-      ->check(refuse_empty);
+  add_option(verb, "--clip", source, "CLIP", "Motion: FILE.glb#name, FILE.glb (its only or first clip) or FILE.bvh")
+      ->required();
+  add_option(verb, "--frames", frames, "R", "Frames, as 1-100, 1-100x2 or comma lists of them (default: all)");
   add_option(verb, "--fps", options.fps, "Frames a second at which the clip is sampled")
       ->capture_default_str()
       ->check(number_from(kLeastRate, kMostRate));
   add_option(verb, "--first-frame", options.first_frame, "Number of the clip's first frame")->capture_default_str();
-  add_option(verb, "--controls", options.controls,
-             "Controls over the clip's frames, such as muscles flexed (controls.json)")
-      ->type_name("FILE")
-      ->check(refuse_empty);
+  add_option(verb, "--controls", options.controls, "FILE",
+             "Controls over the clip's frames, such as muscles flexed (controls.json)");
   add_joint_map(verb, options.joint_map);
 }
 
@@ -115,49 +109,8 @@ void add_unit(CLI::App& verb, double& unit) {
 }
 
 void add_joint_map(CLI::App& verb, std::string& path) {
-  add_option(verb, "--joint-map", path, "Which joint of the clip moves which, where names do not tell (joint_map.json)")
-      ->type_name("FILE")
-      ->check(refuse_empty);
-}
-
-void add_former_option(CLI::App& verb, const std::string& name, const std::string& since) {
-  const auto warn = [=](const std::string&) { spdlog::warn("{} has no effect any more: {}", name, since); };
-  verb.add_option_function<std::string>(name, warn)->group("");  // not among the help's
-}
-
-std::string refuse_empty(const std::string& value) {
-  return value.empty() ? "expected a value, found an empty one: a shell variable that is not set?" : "";
-}
-
-std::function<std::string(const std::string&)> number_from(double low, double high) {
-  return [low, high](const std::string& text) {
-    const char* begin = text.c_str();
-    char* end = nullptr;
-    const double value = std::strtod(begin, &end);
-    const bool is_number = end == begin + text.size() && !text.empty();
-    return is_number && value >= low && value <= high
-               ? std::string()
-               : format("expected a number from {:g} to {:g}, found '{}'", low, high, begin);
-  };
-}
-
-std::string above_zero(const std::string& text) {
-  const bool is_one =
-      number_from(std::numeric_limits<double>::denorm_min(), std::numeric_limits<double>::max())(text).empty();
-  return is_one ? "" : "expected a number above 0, found '" + text + "'";
-}
-
-std::function<std::string(const std::string&)> must_end_in(const std::string& extension) {
-  return [extension](const std::string& name) {
-    return name.ends_with(extension) ? std::string() : "'" + name + "' does not end in " + extension;
-  };
-}
-
-void add_output(CLI::App& verb, std::string& path, const std::string& extension, const std::string& description) {
-  add_option(verb, "--out", path, description)
-      ->required()
-      ->type_name("FILE" + extension)
-      ->check(must_end_in(extension));
+  add_option(verb, "--joint-map", path, "FILE",
+             "Which joint of the clip moves which, where names do not tell (joint_map.json)");
 }
 
 void refuse_overwriting(const std::filesystem::path& out, const std::filesystem::path& input) {

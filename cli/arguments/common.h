@@ -64,25 +64,9 @@ struct DeviceArguments {
 void add_unit(CLI::App& verb, double& unit);
 void add_joint_map(CLI::App& verb, std::string& path);
 
-// A check of options: an empty value is most likely a shell variable that is not set, and must not mean the default.
-std::string refuse_empty(const std::string& value);
-
-// A check of options: a number, finite, within these ends.
-std::function<std::string(const std::string&)> number_from(double low, double high);
-
-// A check of options: a number above 0 and finite, which CLI11 does not ask of "nan".
-std::string above_zero(const std::string& text);
-
-// A check of options: the file's name ends as said.
-std::function<std::string(const std::string&)> must_end_in(const std::string& extension);
-
 // A dataset given by its folder or its dataset.json: that file.
 std::filesystem::path dataset_file(const std::filesystem::path& given);
 
-// An option that names a file to write, which must end as said: a slip must not overwrite a character.
-void add_output(CLI::App& verb, std::string& path, const std::string& extension, const std::string& description);
-// An option that earlier versions had: it takes a value and says on standard error that it has no effect, since...
-void add_former_option(CLI::App& verb, const std::string& name, const std::string& since);
 // Throws Error(usage) when `out` is the file `input`.
 void refuse_overwriting(const std::filesystem::path& out, const std::filesystem::path& input);
 // Throws Error(file) now rather than after long work.

@@ -38,28 +38,18 @@ void JiggleArguments::add(CLI::App& verb) {
   const std::string group = "Jiggle";
   add_flag(verb, "--jiggle", jiggle, "Step the dynamics that 'bodyopt dynamics' made: flesh that moves by inertia")
       ->group(group);
-  add_option(verb, "--dynamics", dynamics, "Dynamics (default: BASIS.dynamics.safetensors beside the basis)")
-      ->type_name("FILE")
-      ->check(refuse_empty)
+  add_option(verb, "--dynamics", dynamics, "FILE", "Dynamics (default: BASIS.dynamics.safetensors beside the basis)")
       ->group(group);
-  add_option(verb, "--state-in", state_in, "Go on from a state that an earlier part of the shot left")
-      ->type_name("FILE")
-      ->check(refuse_empty)
+  add_option(verb, "--state-in", state_in, "FILE", "Go on from a state that an earlier part of the shot left")
       ->group(group);
-  add_option(verb, "--state-out", state_out, "Leave the state after the last frame")
-      ->type_name("FILE.state")
-      ->check(must_end_in(".state"))
-      ->group(group);
+  add_option(verb, "--state-out", state_out, "FILE.state", "Leave the state after the last frame")->group(group);
   add_option(verb, "--state-every", state_every, "And after every so many frames, as FILE.<frame>.state")
       ->check(CLI::Range(1, kMostFrames))
       ->group(group);
   add_option(verb, "--preroll", preroll, "Step so many frames of the clip before the first without writing them")
       ->check(CLI::Range(1, kMostFrames))
       ->group(group);
-  add_option(verb, "--cuts", cuts, "Frames at which a new shot begins (jumps are found without)")
-      ->type_name("R")
-      ->check(refuse_empty)
-      ->group(group);
+  add_option(verb, "--cuts", cuts, "R", "Frames at which a new shot begins (jumps are found without)")->group(group);
   add_option(verb, "--gravity-change", gravity_change,
              "Change of gravity against that of the shapes, m/s^2, world (0 9.81 0: weightless)")
       ->expected(3)

@@ -8,9 +8,8 @@ namespace bodyopt::cli {
 
 void ModifierArguments::add(CLI::App& verb) {
   const std::string group = "Modifiers";
-  add_option(verb, "--modifiers", file, "Order, switches, strengths and constants for this shot (modifiers.json)")
-      ->type_name("FILE")
-      ->check(refuse_empty)
+  add_option(verb, "--modifiers", file, "FILE",
+             "Order, switches, strengths and constants for this shot (modifiers.json)")
       ->group(group);
   add_option(verb, "--control", settings, "A control at one value over the clip: 'breath=0.5', 'breath.rate=20'")
       ->type_name("NAME=VALUE")

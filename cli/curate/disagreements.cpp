@@ -1,9 +1,9 @@
-#include "cli/curate/disagreements.h"
-
+// Frames of like poses whose shapes disagree.
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "assets/wording.h"
+#include "cli/curate/curate_arguments.h"
 #include "cli/curate/frame_names.h"
 #include "cli/curate/shape_pictures.h"
 #include "trainer/curate/consistency_report.h"

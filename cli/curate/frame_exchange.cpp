@@ -1,11 +1,11 @@
-#include "cli/curate/frame_exchange.h"
-
+// A frame as a mesh to be sculpted elsewhere, and back as a sculpt.
 #include <algorithm>
 #include <nlohmann/json.hpp>
 #include <optional>
 
 #include "assets/clip_source.h"
 #include "assets/wording.h"
+#include "cli/curate/curate_arguments.h"
 #include "cli/curate/frame_names.h"
 #include "cli/curate/stack_report.h"
 #include "dataset/modifier.h"

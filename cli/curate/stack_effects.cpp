@@ -1,9 +1,9 @@
-#include "cli/curate/stack_effects.h"
-
+// What the modifiers of the stack do to the shapes.
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "assets/wording.h"
+#include "cli/curate/curate_arguments.h"
 #include "cli/curate/frame_names.h"
 #include "cli/curate/shape_pictures.h"
 #include "cli/curate/stack_report.h"
