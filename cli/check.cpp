@@ -8,7 +8,7 @@
 #include "assets/wording.h"
 #include "cli/arguments/common.h"
 #include "geometry/extent.h"
-#include "report/places_picture.h"
+#include "report/region_picture.h"
 #include "runtime/core/error.h"
 #include "runtime/core/file_kind.h"
 #include "runtime/host/stages.h"

@@ -3,7 +3,6 @@
 
 #include "assets/nodes_cache.h"
 #include "assets/pc2.h"
-#include "cli/arguments/cache_space.h"
 #include "cli/arguments/common.h"
 
 namespace bodyopt::cli {

@@ -5,7 +5,7 @@
 #include "assets/json_file.h"
 #include "assets/shot_modifiers.h"
 #include "cli/arguments/common.h"
-#include "cli/results/shot_folds.h"
+#include "cli/results/modifier_effects.h"
 #include "runtime/basis/levels.h"
 #include "runtime/basis/skin_modifiers.h"
 #include "runtime/modifiers/drive_modifiers.h"

@@ -13,7 +13,7 @@
 #include "runtime/core/stopwatch.h"
 #include "trainer/check/check.h"
 #include "trainer/proxy/build_proxy.h"
-#include "trainer/proxy/taught_samples.h"
+#include "trainer/proxy/proxy_samples.h"
 
 namespace bodyopt::cli {
 namespace {

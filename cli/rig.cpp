@@ -11,7 +11,6 @@
 #include "assets/json_file.h"
 #include "assets/wording.h"
 #include "cli/arguments/common.h"
-#include "cli/arguments/example_poses.h"
 #include "dataset/regions_file.h"
 #include "runtime/core/atomic_file.h"
 #include "runtime/core/error.h"

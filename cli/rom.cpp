@@ -4,7 +4,6 @@
 
 #include "assets/clip_source.h"
 #include "cli/arguments/common.h"
-#include "cli/arguments/example_poses.h"
 #include "runtime/core/error.h"
 #include "trainer/motion/attached_rig.h"
 #include "trainer/motion/coupled_joints.h"

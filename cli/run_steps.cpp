@@ -5,7 +5,6 @@
 #include <algorithm>
 
 #include "cli/arguments/common.h"
-#include "cli/arguments/exit_code.h"
 #include "runtime/core/atomic_file.h"
 #include "runtime/core/error.h"
 

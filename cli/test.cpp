@@ -7,7 +7,7 @@
 
 #include "assets/frame_range.h"
 #include "cli/arguments/common.h"
-#include "cli/results/fade_log.h"
+#include "cli/results/evaluation_log.h"
 #include "dataset/dataset.h"
 #include "runtime/core/error.h"
 #include "trainer/train/data/learned_poses.h"

@@ -6,7 +6,9 @@
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
+#include <filesystem>
 #include <limits>
+#include <new>
 #include <nlohmann/json.hpp>
 
 #include "assets/frame_range.h"
@@ -186,6 +188,50 @@ double peak_memory_mib() {
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);
   return static_cast<double>(usage.ru_maxrss) / 1024;
+}
+
+int exit_code_of(const std::function<void()>& body) {
+  try {
+    body();
+    return 0;
+  } catch (const Error& error) {
+    spdlog::error("{}", error.what());
+    return error.exit_code();
+  } catch (const std::filesystem::filesystem_error& error) {  // a name that is too long, a loop of links
+    spdlog::error("{}", error.what());
+    return static_cast<int>(ErrorKind::file);
+  } catch (const std::bad_alloc&) {
+    spdlog::error("out of memory");
+    return static_cast<int>(ErrorKind::interrupted);
+  } catch (const std::exception& error) {
+    spdlog::error("a defect of bodyopt: {}", error.what());
+    return 70;
+  }
+}
+
+void add_cache_space(CLI::App& verb, CacheSpace& space) {
+  add_option(verb, "--unit-out", space.unit,
+             "Metres per unit of the cache: the character's own --unit lays it on the mesh of its file")
+      ->capture_default_str()
+      ->check(above_zero);
+  const std::map<std::string, bool> axes = {{"y", false}, {"z", true}};
+  add_option(verb, "--axis", space.z_up, "Which axis of the cache is up: y as in glTF, or z as Blender has it")
+      ->transform(CLI::CheckedTransformer(axes))
+      ->option_text("y|z");
+}
+
+std::vector<Pose> read_poses(const std::vector<std::string>& sources, const Skeleton& skeleton, double unit,
+                             const std::string& joint_map) {
+  std::vector<Pose> poses;
+  for (const std::string& source : sources) {
+    ClipOptions options;
+    options.unit = clip_unit(source, unit);
+    options.joint_map = joint_map;
+    const Clip clip = read_clip(source, skeleton, options);
+    say(clip.notes);
+    poses.insert(poses.end(), clip.poses.begin(), clip.poses.end());
+  }
+  return poses;
 }
 
 }  // namespace bodyopt::cli

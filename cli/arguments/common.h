@@ -10,9 +10,11 @@
 #include <vector>
 
 #include "assets/clip.h"
+#include "assets/pc2.h"
 #include "cli/arguments/options.h"
 #include "dataset/compare.h"
 #include "runtime/basis/character_unit.h"
+#include "runtime/basis/skeleton.h"
 #include "runtime/host/device_choice.h"
 
 namespace bodyopt::cli {
@@ -90,6 +92,17 @@ void make_folder(const std::filesystem::path& folder);
 
 std::string describe(const ErrorStatistics& errors);
 double peak_memory_mib();
+
+// Runs it; says on standard error what went wrong, and returns the exit code that README lists for it.
+int exit_code_of(const std::function<void()>& body);
+
+// --unit-out, --axis: of verbs that write caches for other programs.
+void add_cache_space(CLI::App& verb, CacheSpace& space);
+
+// The poses of some clips, 24 a second. Says their notes. Throws as read_clip(). `unit`: of the character; `joint_map`:
+// empty for none.
+std::vector<Pose> read_poses(const std::vector<std::string>& sources, const Skeleton& skeleton, double unit,
+                             const std::string& joint_map);
 
 // One per verb, in the file of its name: declares its arguments and what it runs.
 void add_demo(CLI::App& app);

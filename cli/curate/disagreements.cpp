@@ -4,8 +4,8 @@
 
 #include "assets/wording.h"
 #include "cli/curate/curate_arguments.h"
-#include "cli/curate/frame_names.h"
 #include "cli/curate/shape_pictures.h"
+#include "cli/curate/stack_report.h"
 #include "trainer/curate/consistency_report.h"
 #include "trainer/curate/shape_stack.h"
 
@@ -20,8 +20,8 @@ std::string draw_pair(const ShapeStack& stack, const DisagreeingPair& pair, cons
   return format(
       "wrote {}: {}; the same with what {}, whose pose is {:.1f} degrees off, has in the region {} that poses do not "
       "explain; how far that is, darkest at {:.2f} mm\n",
-      path, frame_text(stack.database(), pair.first), frame_text(stack.database(), pair.second), pair.pose_degrees,
-      pair.region, scale);
+      path, stack.database().name_of(pair.first), stack.database().name_of(pair.second), pair.pose_degrees, pair.region,
+      scale);
 }
 
 }  // namespace
@@ -39,8 +39,8 @@ void report_disagreements(const CurateArguments& arguments) {
   }
   Json pairs = Json::array(), regions = Json::array();
   for (const DisagreeingPair& pair : found.pairs) {
-    text += format("{:20} {:20} {:24} {:9.2f} {:9.2f} {:9.1f}\n", frame_text(database, pair.first),
-                   frame_text(database, pair.second), pair.region, pair.apart_mm, pair.most_mm, pair.pose_degrees);
+    text += format("{:20} {:20} {:24} {:9.2f} {:9.2f} {:9.1f}\n", database.name_of(pair.first),
+                   database.name_of(pair.second), pair.region, pair.apart_mm, pair.most_mm, pair.pose_degrees);
     pairs.push_back({{"first", frame_json(database, pair.first)},
                      {"second", frame_json(database, pair.second)},
                      {"region", pair.region},

@@ -6,7 +6,6 @@
 #include "assets/clip_source.h"
 #include "assets/wording.h"
 #include "cli/curate/curate_arguments.h"
-#include "cli/curate/frame_names.h"
 #include "cli/curate/stack_report.h"
 #include "dataset/modifier.h"
 #include "runtime/core/error.h"
@@ -67,7 +66,7 @@ std::vector<std::string> changes_since(const ShapeStack& stack, std::size_t fram
   return {
       format("{} has changed by {:.2f} mm since the mesh was exported ({}): what was sculpted is added to what it is "
              "now",
-             frame_text(database, frame), 1e3 * most, what_differs(exported.modifiers, modifiers, name))};
+             database.name_of(frame), 1e3 * most, what_differs(exported.modifiers, modifiers, name))};
 }
 
 // How far the sculpt of a frame reaches, now that it is in the stack; none where the modifier has no sculpt of it.
@@ -78,8 +77,8 @@ struct SculptReach {
 };
 
 std::optional<SculptReach> reach_of(const PoseDatabase& database, const std::string& name, std::size_t frame) {
-  const auto modifier = std::ranges::find(database.dataset.modifiers, name, &Modifier::name);
-  if (modifier == database.dataset.modifiers.end()) return std::nullopt;
+  const Modifier* modifier = find_modifier(database.dataset.modifiers, name);
+  if (!modifier) return std::nullopt;
   const SculptedFrames sculpted(database,
                                 JsonObject(modifier->parameters, database.dataset.folder / "dataset.json", name), name);
   const auto own = std::ranges::find(sculpted.sculpts(), frame, &SculptedFrame::frame);
@@ -106,7 +105,7 @@ void emit_sculpt(const CurateArguments& arguments) {
   if (reach) {
     result["sculpt"] = {{"max_mm", reach->most_mm}, {"other_frames", reach->others}};
     text += format("the sculpt moves {} by {:.2f} mm at most, and {} within {:g} degrees by less\n",
-                   frame_text(database, frame), reach->most_mm, count_of(reach->others, "other frame", "other frames"),
+                   database.name_of(frame), reach->most_mm, count_of(reach->others, "other frame", "other frames"),
                    reach->degrees);
   }
   const std::string hidden = why_not_shown(database, arguments.name, frame);
@@ -123,7 +122,7 @@ std::string alike_note(const PoseDatabase& database, std::size_t frame, const Ex
   return format(
       "the mesh does not say which export of {} it is of (its name is another), and lies on {} as well: taken is the "
       "latest, which was made {}",
-      frame_text(database, frame), count_of(others, "other", "others"),
+      database.name_of(frame), count_of(others, "other", "others"),
       names.empty() ? "without modifiers" : "by the modifiers " + list_names(names));
 }
 

@@ -48,7 +48,7 @@ TakenFrames taken_frames(const PoseDatabase& database, const Modifier& modifier)
   TakenFrames result{{}, 0, selected.size()};
   for (std::size_t n = 0; n < selected.size(); ++n) {
     if (!selected[n]) continue;
-    const std::string& take = database.takes[static_cast<std::size_t>(database.frames[n].take)];
+    const std::string& take = database.take_of(n);
     if (result.by_take.empty() || result.by_take.back().first != take) result.by_take.emplace_back(take, 0);
     ++result.by_take.back().second;
     ++result.taken;
@@ -72,6 +72,10 @@ std::string text_of(const TakenFrames& frames, const ModifierType& type, bool en
     takes += (takes.empty() ? "" : ", ") + take + " " + std::to_string(count);
   }
   return format("{} {} of {} ({})", does, frames.taken, count_of(frames.all, "frame", "frames"), takes);
+}
+
+Json frame_json(const PoseDatabase& database, std::size_t n) {
+  return {{"take", database.take_of(n)}, {"frame", database.frames[n].frame}};
 }
 
 StackReport report_stack(const Dataset& dataset, const std::optional<PoseDatabase>& database) {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <optional>
 
-#include "draw/heat_colour.h"
+#include "draw/colours.h"
 #include "proxy_viewer/panels/panels.h"
 #include "proxy_viewer/panels/widgets.h"
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "draw/srgb.h"
+#include "draw/colours.h"
 
 namespace bodyopt {
 namespace {

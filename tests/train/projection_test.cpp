@@ -5,8 +5,6 @@
 
 #include <random>
 
-#include "trainer/train/regression/stored_half.h"
-
 namespace bodyopt {
 namespace {
 

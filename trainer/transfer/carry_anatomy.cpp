@@ -7,7 +7,7 @@
 #include "geometry/table_rows.h"
 #include "runtime/host/rig.h"
 #include "trainer/transfer/joint_warp.h"
-#include "trainer/transfer/sure_places.h"
+#include "trainer/transfer/transfer_pair.h"
 
 namespace bodyopt {
 namespace {

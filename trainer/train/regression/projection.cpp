@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "base/linear_algebra.h"
-#include "trainer/train/regression/stored_half.h"
 
 namespace bodyopt {
 
