@@ -3,7 +3,6 @@
 
 #include <spdlog/spdlog.h>
 
-#include <cmath>
 #include <limits>
 #include <nlohmann/json.hpp>
 

@@ -1,5 +1,4 @@
 // bodyopt dynamics: the tables of diffuse and jiggle for a trained basis.
-#include <spdlog/spdlog.h>
 
 #include <filesystem>
 #include <nlohmann/json.hpp>

@@ -1,5 +1,4 @@
 // bodyopt improve: what shots lack is simulated and learned, as long as it helps.
-#include <spdlog/spdlog.h>
 
 #include <algorithm>
 #include <filesystem>

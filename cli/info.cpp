@@ -1,7 +1,6 @@
 // bodyopt info: what a file holds.
 #include <algorithm>
 #include <filesystem>
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <string>
 

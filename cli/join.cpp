@@ -1,5 +1,4 @@
 // bodyopt join: caches of the parts of a shot to one of the whole.
-#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "assets/join_caches.h"

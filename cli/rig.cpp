@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "assets/joint_regions.h"
+#include "assets/joints_with_skin.h"
 #include "assets/json_file.h"
 #include "assets/wording.h"
 #include "cli/arguments/common.h"

@@ -1,5 +1,4 @@
 // bodyopt rom: a character and its joint limits to a clip that shows the whole range of motion.
-#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "assets/clip_source.h"

@@ -1,7 +1,6 @@
 #include "draw/viewport.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstring>
 #include <optional>
 #include <string>

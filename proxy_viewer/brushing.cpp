@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
 
 #include "draw/camera.h"
 #include "runtime/core/error.h"

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "cli/arguments/common.h"
-#include "trainer/modifiers/measure_moves.h"
+#include "trainer/modifiers/evaluated_skin.h"
 #include "trainer/modifiers/measure_push_out.h"
 
 namespace bodyopt::cli {

@@ -1,7 +1,6 @@
 // How a transfer went, as a page for people.
 #pragma once
 
-#include <string>
 #include <vector>
 
 #include "cli/arguments/common.h"

@@ -1,6 +1,5 @@
 // What the colours of a heat map mean, and of distances the largest of the frame.
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <optional>
 

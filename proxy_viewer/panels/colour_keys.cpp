@@ -1,5 +1,4 @@
 // What the colours of muscle fibres, of cut tetrahedra and of a match mean: a line each, at the bottom of the picture.
-#include <algorithm>
 #include <array>
 #include <cstdio>
 #include <utility>

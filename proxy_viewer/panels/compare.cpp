@@ -1,5 +1,4 @@
 // With what the character is compared, how both are shown, and how far they are apart.
-#include <algorithm>
 #include <cmath>
 #include <cstdio>
 

@@ -1,7 +1,6 @@
 #include "proxy_viewer/scene/session_file.h"
 
 #include <nlohmann/json.hpp>
-#include <utility>
 
 #include "assets/json_fields.h"
 #include "proxy_viewer/state/setting_fields.h"

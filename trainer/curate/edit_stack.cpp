@@ -1,7 +1,6 @@
 #include "trainer/curate/edit_stack.h"
 
 #include <algorithm>
-#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "assets/frame_range.h"

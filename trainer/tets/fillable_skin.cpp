@@ -1,7 +1,6 @@
 #include "trainer/tets/fillable_skin.h"
 
 #include <Eigen/Geometry>
-#include <Eigen/LU>
 #include <algorithm>
 #include <array>
 #include <numeric>

@@ -1,6 +1,5 @@
 #include "trainer/transfer/carry_anatomy.h"
 
-#include <Eigen/Geometry>
 #include <algorithm>
 
 #include "assets/wording.h"

@@ -1,8 +1,6 @@
 // Two bodies laid onto each other: whether one may be carried to the other, and where the source's skin lies on it.
 #pragma once
 
-#include <memory>
-
 #include "assets/character.h"
 #include "trainer/transfer/skin_transfer.h"
 

@@ -3,8 +3,6 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <array>
-#include <cmath>
-#include <numeric>
 
 #include "base/parallel.h"
 #include "runtime/host/fade.h"

@@ -1,7 +1,6 @@
 #include "trainer/train/regression/projection.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "base/linear_algebra.h"
 
