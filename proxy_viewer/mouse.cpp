@@ -43,13 +43,9 @@ void turn_ring(const Scene& scene, const Rectangle& picture, const TurnRing& rin
 
 void move_pin(const Scene& scene, const Rectangle& picture, const std::array<float, 2>& to, Controls& controls) {
   Vec3& pin = controls.settings.pose.pins.at(controls.joint);
-  const Camera camera = controls.camera.camera();
-  const Vec3 towards = to_double(camera.eye) - to_double(camera.target);
-  const Ray ray = ray_through(camera, view_at(scene, controls, picture, to[0]), static_cast<double>(to[0]),
-                              static_cast<double>(to[1]));
-  const double slope = dot(ray.along, towards);
-  if (slope == 0) return;
-  pin = ray.from + (dot(pin - ray.from, towards) / slope) * ray.along;
+  const Rectangle view = view_at(scene, controls, picture, to[0]);
+  const double x = static_cast<double>(to[0]), y = static_cast<double>(to[1]);
+  pin = moved_under_pixel(controls.camera.camera(), view, x, y, pin).value_or(pin);
 }
 
 // Under a pixel; none: nothing is there that can be dragged.
