@@ -1,7 +1,6 @@
 #include "assets/bvh_clip.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "assets/clip_common.h"
 #include "assets/joint_match.h"

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 #include "assets/gltf_skeleton.h"
 #include "assets/gltf_skin.h"

@@ -6,7 +6,6 @@
 
 #include "assets/bvh_clip.h"
 #include "assets/clip_common.h"
-#include "assets/clip_keys.h"
 #include "assets/clip_source.h"
 #include "assets/controls.h"
 #include "assets/gltf_clip.h"

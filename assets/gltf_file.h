@@ -5,7 +5,6 @@
 #include <tiny_gltf.h>
 
 #include <filesystem>
-#include <span>
 #include <string>
 #include <string_view>
 #include <vector>

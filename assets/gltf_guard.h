@@ -1,7 +1,6 @@
 // What is checked and taken out of a glTF file before tinygltf sees it.
 #pragma once
 
-#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <string_view>

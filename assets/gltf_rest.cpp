@@ -1,7 +1,5 @@
 #include "assets/gltf_rest.h"
 
-#include <algorithm>
-#include <cmath>
 #include <numbers>
 
 #include "assets/gltf_skeleton.h"

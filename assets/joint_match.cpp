@@ -3,9 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <nlohmann/json.hpp>
 #include <set>
 
-#include "assets/joint_map.h"
+#include "assets/json_file.h"
 #include "assets/wording.h"
 #include "runtime/core/error.h"
 #include "runtime/core/lower_case.h"
@@ -169,6 +170,24 @@ std::vector<int> match_joints(std::span<const NamedJoint> source, const Skeleton
   const std::vector<std::string> by_role = matcher.match_by_role();
   if (!by_role.empty()) notes.push_back("Matched by naming convention: " + list_names(by_role, 40) + ".");
   return matcher.match();
+}
+
+std::vector<MappedJoint> read_joint_map(const std::filesystem::path& path) {
+  const Json json = read_json(path, "bodyopt-joint-map-1");
+  const JsonObject top(json, path, "the file");
+  top.allow({"schema", "joints"});
+  const std::vector<JsonObject> list = top.objects("joints");
+  if (list.empty()) top.refuse("maps no joint in 'joints'");
+  std::vector<MappedJoint> joints;
+  std::set<std::string> from, to;
+  for (const JsonObject& object : list) {
+    object.allow({"from", "to"});
+    const MappedJoint joint{object.name("from"), object.name("to")};
+    if (!from.insert(joint.from).second) object.refuse("maps '" + joint.from + "' of the clip for the second time");
+    if (!to.insert(joint.to).second) object.refuse("maps to '" + joint.to + "' for the second time");
+    joints.push_back(joint);
+  }
+  return joints;
 }
 
 }  // namespace bodyopt

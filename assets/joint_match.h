@@ -1,6 +1,7 @@
 // Which joint of a clip's file moves which joint of a character.
 #pragma once
 
+#include <filesystem>
 #include <span>
 #include <string>
 #include <vector>
@@ -19,5 +20,13 @@ namespace bodyopt {
 // there, and as read_joint_map().
 std::vector<int> match_joints(std::span<const NamedJoint> source, const Skeleton& skeleton,
                               const std::string& joint_map, const std::string& whose, std::vector<std::string>& notes);
+
+// Of joint_map.json, which tells where names do not.
+struct MappedJoint {
+  std::string from, to;  // of the clip's file, of the character
+};
+
+// Each joint of either side once. Throws Error(file).
+std::vector<MappedJoint> read_joint_map(const std::filesystem::path& path);
 
 }  // namespace bodyopt

@@ -56,4 +56,9 @@ std::vector<NamedJoint> named_joints(const Skeleton& skeleton);
 // beside a "LeftArm". Nothing for other names, and for a second joint of the same role.
 std::vector<std::optional<JointRole>> joint_roles(std::span<const NamedJoint> joints);
 
+// The name of what is on the other side of a body: "RightArm" for "LeftArm", also left and LEFT; a letter that stands
+// alone, as in "L_Arm", "arm_l", "Bip01 L Arm", "arm.L"; or one at the end of a word with capitals, "LThumb", "ThumbL".
+// Empty where `names` has no such name.
+std::string mirrored_name(const std::string& name, std::span<const std::string> names);
+
 }  // namespace bodyopt

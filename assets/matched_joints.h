@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "assets/clip.h"
-#include "assets/joint_map.h"
+#include "assets/joint_match.h"
 #include "runtime/basis/basis.h"
 
 namespace bodyopt {

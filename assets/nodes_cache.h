@@ -2,8 +2,6 @@
 #pragma once
 
 #include <filesystem>
-#include <memory>
-#include <span>
 #include <vector>
 
 #include "geometry/embedding.h"

@@ -2,9 +2,7 @@
 // up, one line per sample, so that caches of two parts of a shot can be joined line by line (join_caches.h).
 #pragma once
 
-#include <cstdint>
 #include <filesystem>
-#include <memory>
 #include <span>
 
 #include "assets/cache_writer.h"

@@ -4,10 +4,8 @@
 
 #include <Eigen/CholmodSupport>
 #include <Eigen/SparseCholesky>
-#include <map>
 #include <memory>
 
-#include "bench/refine_tets.h"
 #include "geometry/table_rows.h"
 #include "runtime/cpu/dynamics_kernels.h"
 #include "runtime/host/jiggle_stages.h"
@@ -18,7 +16,6 @@
 #include "trainer/dynamics/core_springs.h"
 #include "trainer/dynamics/diffuse.h"
 #include "trainer/dynamics/jiggle.h"
-#include "trainer/tets/skin_cage.h"
 #include "trainer/train/skinning/ddm_basis.h"
 #include "trainer/train/skinning/mesh_table.h"
 
@@ -27,10 +24,8 @@ namespace {
 
 // The built-in arm.
 struct Body {
-  explicit Body(std::int64_t tets) : arm(ordered_arm()), basis(build_ddm_basis(arm, {})) {
-    const DynamicsTets filling =
-        tets > kMostFilled ? refined(tets / 8) : make_dynamics_tets(arm.vertices, arm.triangles, arm.weights, tets);
-    make_tables(filling);
+  Body() : arm(ordered_arm()), basis(build_ddm_basis(arm, {})) {
+    make_tables(make_dynamics_tets(arm.vertices, arm.triangles, arm.weights, kTets));
     nodes = rows_of(dynamics.tets.nodes);
     right_side = Eigen::VectorXf::Random(matrix.rows());
   }
@@ -38,19 +33,6 @@ struct Body {
   static Character ordered_arm() {
     const Character character = build_arm().character;
     return in_order(character, morton_order(character.vertices));
-  }
-
-  // Eight tets of every one.
-  DynamicsTets refined(std::int64_t coarse) const {
-    const FineSkin skin(arm.vertices, arm.triangles);
-    const DynamicsTets before = make_dynamics_tets(arm.vertices, arm.triangles, arm.weights, coarse);
-    FilledSkin fine = refine_tets(before.cage.mesh, static_cast<Eigen::Index>(before.surface.size()));
-    fine.mesh.nodes = fine.mesh.nodes.cast<float>().cast<double>().eval();  // what the tables have
-    DynamicsTets tets{cage_in(skin, fine), {}, {}};
-    for (Eigen::Index n = 0; n < fine.skin.vertices.rows(); ++n) {
-      tets.surface.push_back(skin.nearest(fine.skin.vertices.row(n)));
-    }
-    return tets;
   }
 
   // As build_dynamics, and what the block inverse of jiggle is the inverse of.
@@ -69,7 +51,7 @@ struct Body {
     matrix = jiggle_matrix(mesh, system, {});
   }
 
-  static constexpr std::int64_t kMostFilled = 50000;  // its own skin, remeshed, takes about 31,000
+  static constexpr std::int64_t kTets = 25000;  // at most
 
   Character arm;
   Basis basis;
@@ -79,11 +61,9 @@ struct Body {
   Eigen::VectorXf right_side;
 };
 
-const Body& body(std::int64_t tets) {
-  static std::map<std::int64_t, std::unique_ptr<Body>> bodies;
-  std::unique_ptr<Body>& entry = bodies[tets];
-  if (!entry) entry = std::make_unique<Body>(tets);
-  return *entry;
+const Body& body() {
+  static const Body built;
+  return built;
 }
 
 double megabytes(const BlockInverse& inverse) {
@@ -121,17 +101,17 @@ class Threads {
   std::unique_ptr<Executor> executor_;
 };
 
-// Arguments of all: tets, threads.
+// The argument of all: threads.
 void BM_Precompute(benchmark::State& state) {
-  const Body& b = body(state.range(0));
-  Threads threads(state.range(1));
+  const Body& b = body();
+  Threads threads(state.range(0));
   for (auto _ : state) benchmark::DoNotOptimize(invert(b.matrix, b.nodes, 3).values.data());
   describe(state, b);
 }
 
 void BM_BlockInverse(benchmark::State& state) {
-  const Body& b = body(state.range(0));
-  Threads threads(state.range(1));
+  const Body& b = body();
+  Threads threads(state.range(0));
   const BlockInverse& inverse = b.dynamics.jiggle.inverse;
   Eigen::VectorXf solution(b.matrix.rows());
   std::vector<float> scratch;
@@ -149,8 +129,8 @@ void BM_BlockInverse(benchmark::State& state) {
 
 template <typename Solver>
 void direct_solve(benchmark::State& state) {
-  const Body& b = body(state.range(0));
-  Threads threads(state.range(1));
+  const Body& b = body();
+  Threads threads(state.range(0));
   const Solver solver(b.matrix);
   const Eigen::VectorXd right_side = b.right_side.cast<double>();
   Eigen::VectorXd solution(right_side.size());
@@ -185,8 +165,8 @@ struct Frame {
 };
 
 void BM_Diffuse(benchmark::State& state) {
-  const Body& b = body(state.range(0));
-  Threads threads(state.range(1));
+  const Body& b = body();
+  Threads threads(state.range(0));
   Frame f(b);
   for (auto _ : state) {
     cpu::diffuse_surface(b.dynamics.tets, f.positions, f.origins, 1, f.nodes, threads.executor());
@@ -199,8 +179,8 @@ void BM_Diffuse(benchmark::State& state) {
 }
 
 void BM_JiggleStep(benchmark::State& state) {
-  const Body& b = body(state.range(0));
-  Threads threads(state.range(1));
+  const Body& b = body();
+  Threads threads(state.range(0));
   const JiggleTable& jiggle = b.dynamics.jiggle;
   Frame f(b);
   const JiggleStages stages = jiggle_stages(jiggle.step, {});
@@ -220,10 +200,7 @@ void BM_JiggleStep(benchmark::State& state) {
 }
 
 void arguments(benchmark::internal::Benchmark* benchmark) {
-  benchmark->ArgNames({"tets", "threads"})->Unit(benchmark::kMillisecond)->UseRealTime();
-  for (const std::int64_t tets : {25000, 100000}) {
-    for (const std::int64_t threads : {1, 2}) benchmark->Args({tets, threads});
-  }
+  benchmark->ArgName("threads")->Unit(benchmark::kMillisecond)->UseRealTime()->Arg(1)->Arg(2);
 }
 
 BENCHMARK(BM_Precompute)->Apply(arguments);

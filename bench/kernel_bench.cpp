@@ -2,8 +2,6 @@
 // all windows of one. lavapipe, unless BODYOPT_TEST_DEVICE names another device.
 #include <benchmark/benchmark.h>
 
-#include <algorithm>
-
 #include "tests/support/kernel_cases.h"
 
 namespace bodyopt::bench {

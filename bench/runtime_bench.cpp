@@ -1,6 +1,6 @@
 // Direct Delta Mush on one thread: the product with each set of instructions, beside what others do with the same
-// table and pose. The built-in arm; with BODYOPT_BENCH_CHARACTER, a character; and
-// the same with every edge halved as often as it takes to have 100,000 vertices, and every bone split.
+// table and pose. The built-in arm; with BODYOPT_BENCH_CHARACTER, a character, and the same with every edge halved as
+// often as it takes to have 100,000 vertices.
 #include <benchmark/benchmark.h>
 #include <hwy/targets.h>
 
@@ -13,7 +13,6 @@
 #include <random>
 #include <string>
 
-#include "bench/split_bones.h"
 #include "bench/subdivide.h"
 #include "runtime/core/half.h"
 #include "runtime/cpu/kernels.h"
@@ -105,7 +104,7 @@ struct Body {
 Character human() { return read_character(std::getenv("BODYOPT_BENCH_CHARACTER")); }
 
 Character large_human() {
-  Character character = split_bones(human());
+  Character character = human();
   while (4 * static_cast<std::size_t>(character.vertices.rows()) < kLargeVertices) {
     character = halve_all_edges(character).character;
   }

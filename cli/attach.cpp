@@ -79,9 +79,9 @@ void run(AttachArguments arguments) {
   say(notes);
   const std::vector<AttachedMesh> bound = bind_meshes(chosen(std::move(meshes), arguments), basis, options);
   const Attachments attachments = attach(bound, arguments.out, basis, arguments.basis);
-  arguments.json.emit({{"attachments", arguments.out}, {"meshes", to_json(attachments.meshes)}},
-                      describe(bound) + format("wrote %s: %s\n", arguments.out.c_str(),
-                                               count_of(attachments.meshes.size(), "mesh", "meshes").c_str()));
+  arguments.json.emit(
+      {{"attachments", arguments.out}, {"meshes", to_json(attachments.meshes)}},
+      describe(bound) + format("wrote {}: {}\n", arguments.out, count_of(attachments.meshes.size(), "mesh", "meshes")));
 }
 
 }  // namespace
@@ -100,19 +100,14 @@ void add_attach(CLI::App& app) {
              "under it (nails, buttons); joint: to a joint (eyes, teeth, props); auto: what suits each piece")
       ->capture_default_str()
       ->check(CLI::IsMember({"auto", "skin", "piece", "joint"}));
-  add_option(verb, "--joint", arguments->joint, "Fix them to this joint (default: the one that moves the skin there)")
-      ->type_name("NAME")
-      ->check(refuse_empty);
-  add_option(verb, "--only", arguments->only, "Of the file's meshes those of these names alone")
-      ->type_name("NAME")
-      ->check(refuse_empty);
+  add_option(verb, "--joint", arguments->joint, "NAME",
+             "Fix them to this joint (default: the one that moves the skin there)");
+  add_option(verb, "--only", arguments->only, "NAME", "Of the file's meshes those of these names alone");
   add_option(verb, "--unit", arguments->unit, "Metres per unit of the file (default: that of the character)")
       ->check(above_zero);
-  add_option(verb, "--out", arguments->out,
+  add_option(verb, "--out", arguments->out, "FILE.safetensors",
              "Attachments to write, or to add to: a mesh takes the place of one of its name (default: "
-             "BASIS.attached.safetensors beside the basis)")
-      ->type_name("FILE.safetensors")
-      ->check(must_end_in(".safetensors"));
+             "BASIS.attached.safetensors beside the basis)");
   arguments->json.add(verb);
   verb.callback([arguments] { run(*arguments); });
 }

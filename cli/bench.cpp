@@ -107,26 +107,26 @@ void run(const BenchArguments& arguments) {
   const double bytes = static_cast<double>(frame_bytes(basis));
   Json rows = Json::array();
   std::string text =
-      format("%u vertices, %zu joints: %.2f MB a frame; triad %.1f GB/s; ms a frame, stages summed over threads\n",
+      format("{} vertices, {} joints: {:.2f} MB a frame; triad {:.1f} GB/s; ms a frame, stages summed over threads\n",
              basis.mesh.vertex_count(), basis.skeleton.size(), bytes / 1e6, triad / 1e9);
   std::vector<Stage> stages = {Stage::rig};
   for (const Stage stage : stages_of(basis, Batch{})) stages.push_back(stage);
-  text += format("%5s %9s", "batch", "frame");
-  for (const Stage stage : stages) text += format(" %9s", name_of(stage));
-  text += format(" %7s %8s  %s\n", "GB/s", "of triad", "device");
+  text += format("{:>5} {:>9}", "batch", "frame");
+  for (const Stage stage : stages) text += format(" {:>9}", name_of(stage));
+  text += format(" {:>7} {:>8}  {}\n", "GB/s", "of triad", "device");
   for (const std::string& name : devices_of(arguments)) {
     Deformer deformer(basis, {.name = name, .executor = threads, .pipeline_cache = cache_folder()});
     for (const std::size_t batch : {1, 4, 16, 64}) {
       const FrameCost cost = measure(deformer, std::span(poses).first(batch), arguments.seconds);
       const double bandwidth = bytes / cost.seconds;
       Json stage_ms = Json::object();
-      text += format("%5zu %9.4f", batch, 1e3 * cost.seconds);
+      text += format("{:5} {:9.4f}", batch, 1e3 * cost.seconds);
       for (const Stage stage : stages) {
         const double ms = 1e3 * cost.batch_seconds.of(stage).value_or(0) / static_cast<double>(batch);
         stage_ms[name_of(stage)] = ms;
-        text += format(" %9.4f", ms);
+        text += format(" {:9.4f}", ms);
       }
-      text += format(" %7.2f %7.0f%%  %s\n", bandwidth / 1e9, 100 * bandwidth / triad, deformer.device_name().c_str());
+      text += format(" {:7.2f} {:7.0f}%  {}\n", bandwidth / 1e9, 100 * bandwidth / triad, deformer.device_name());
       rows.push_back({{"device", deformer.device_name()},
                       {"batch", batch},
                       {"frame_ms", 1e3 * cost.seconds},

@@ -8,7 +8,7 @@
 #include "assets/wording.h"
 #include "cli/arguments/common.h"
 #include "geometry/extent.h"
-#include "report/places_picture.h"
+#include "report/region_picture.h"
 #include "runtime/core/error.h"
 #include "runtime/core/file_kind.h"
 #include "runtime/host/stages.h"
@@ -70,12 +70,12 @@ std::string places_text(const PlaceList& list, std::size_t first) {
   std::string text = std::string(list.title) + ":\n";
   for (std::size_t k = 0; k < std::min(places.size(), kShown); ++k) {
     const RestPlace& place = places[k];
-    text += format("%4zu  %s: %s, one is %u at %.3f %.3f %.3f m\n", first + k,
-                   (place.joint + (list.of_two ? " and " + place.other : "")).c_str(),
-                   count_of(place.vertices.size(), "vertex", "vertices").c_str(), place.vertex, place.position[0],
+    text += format("{:4}  {}: {}, one is {} at {:.3f} {:.3f} {:.3f} m\n", first + k,
+                   place.joint + (list.of_two ? " and " + place.other : ""),
+                   count_of(place.vertices.size(), "vertex", "vertices"), place.vertex, place.position[0],
                    place.position[1], place.position[2]);
   }
-  if (places.size() > kShown) text += format("  and at %zu more\n", places.size() - kShown);
+  if (places.size() > kShown) text += format("  and at {} more\n", places.size() - kShown);
   return text;
 }
 
@@ -113,13 +113,13 @@ Json verbs_json(const std::vector<VerbForesight>& foreseen) {
 }
 
 std::string verbs_text(const std::vector<VerbForesight>& foreseen) {
-  std::string text = format("%-17s %-13s %7s  %-8s why\n", "verb", "fills", "nodes", "contact");
+  std::string text = format("{:17} {:13} {:>7}  {:8} why\n", "verb", "fills", "nodes", "contact");
   for (const VerbForesight& verb : foreseen) {
     const bool simulates = verb.verb.starts_with("simulate");
-    text += format("%-17s %-13s %7td  %-8s %s\n", verb.verb.c_str(), name_of(verb.fill), verb.nodes,
-                   simulates ? (verb.has_contact ? "yes" : "no") : "-", verb.why.c_str());
-    if (!verb.glued.empty()) text += format("%-17s holds together: %s\n", "", verb.glued.c_str());
-    if (!verb.remedy.empty()) text += format("%-17s remedy: %s\n", "", verb.remedy.c_str());
+    text += format("{:17} {:13} {:7}  {:8} {}\n", verb.verb, name_of(verb.fill), verb.nodes,
+                   simulates ? (verb.has_contact ? "yes" : "no") : "-", verb.why);
+    if (!verb.glued.empty()) text += format("{:17} holds together: {}\n", "", verb.glued);
+    if (!verb.remedy.empty()) text += format("{:17} remedy: {}\n", "", verb.remedy);
   }
   return text;
 }
@@ -163,10 +163,9 @@ void check_character(const CheckArguments& arguments) {
   const Character character = read_character(arguments.path, arguments.unit);
   const Eigen::RowVector3d box = box_sides(character.vertices);
   const std::string surface = describe_surface(character);
-  std::string text =
-      format("%s: %u vertices, %td after welding seams, %zu joints, %.3f x %.3f x %.3f m\nsurface: %s\n",
-             character.name.c_str(), character.output_count(), static_cast<std::ptrdiff_t>(character.vertices.rows()),
-             character.skeleton.size(), box(0), box(1), box(2), surface.c_str());
+  std::string text = format(
+      "{}: {} vertices, {} after welding seams, {} joints, {:.3f} x {:.3f} x {:.3f} m\nsurface: {}\n", character.name,
+      character.output_count(), character.vertices.rows(), character.skeleton.size(), box(0), box(1), box(2), surface);
   for (const std::string& note : character.notes) text += "note: " + note + "\n";
   Json result = {{"vertices", character.output_count()},
                  {"welded_vertices", character.vertices.rows()},
@@ -233,10 +232,10 @@ std::string coupling_of(const Dataset& dataset) {
 }
 
 std::string take_text(const TakeCheck& take) {
-  std::string text = format("%s: %u points, %u samples, ", take.name.c_str(), take.points, take.samples);
-  if (take.unconverged > 0) text += format("%u not solved (unconverged, or not simulated yet), ", take.unconverged);
+  std::string text = format("{}: {} points, {} samples, ", take.name, take.points, take.samples);
+  if (take.unconverged > 0) text += format("{} not solved (unconverged, or not simulated yet), ", take.unconverged);
   if (take.compared == 0) return text + "none compared with the skinned character\n";
-  return text + format("%.2f mm RMS from the skinned character (frame %d, nearest to the bind pose: %.2f mm)\n",
+  return text + format("{:.2f} mm RMS from the skinned character (frame {}, nearest to the bind pose: {:.2f} mm)\n",
                        take.fit_mm, take.rest_frame, take.rest_fit_mm);
 }
 
@@ -316,18 +315,15 @@ void add_check(CLI::App& app) {
       ->type_name("DATASET");
   arguments->clip.add(verb);
   CLI::Option& clip = *verb.get_option("--clip")->required(false);
-  add_option(verb, "--limits", arguments->limits, "Joint limits (limits.json): does the clip hold joints beyond them?")
-      ->type_name("FILE")
-      ->check(refuse_empty)
+  add_option(verb, "--limits", arguments->limits, "FILE",
+             "Joint limits (limits.json): does the clip hold joints beyond them?")
       ->needs(&clip);
   for (const char* of_clip : {"--frames", "--fps", "--first-frame", "--controls", "--joint-map"}) {
     verb.get_option(of_clip)->needs(&clip);
   }
-  add_option(verb, "--picture", arguments->picture,
+  add_option(verb, "--picture", arguments->picture, "FILE.png",
              "Also draw where a character's skin passes through itself, is open or turned, nearly touches, is held "
-             "together by a cage or rides, numbered as listed, from the sides where that is")
-      ->type_name("FILE.png")
-      ->check(must_end_in(".png"));
+             "together by a cage or rides, numbered as listed, from the sides where that is");
   add_unit(verb, arguments->unit);
   arguments->json.add(verb);
   verb.callback([arguments] { run(*arguments); });

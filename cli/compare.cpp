@@ -3,7 +3,6 @@
 
 #include <spdlog/spdlog.h>
 
-#include <cmath>
 #include <limits>
 #include <nlohmann/json.hpp>
 
@@ -26,10 +25,9 @@ void run(const CompareArguments& arguments) {
   const NamedShapes a(arguments.a), b(arguments.b);
   if (a.point_count() != b.point_count() || a.sample_count() != b.sample_count()) {
     throw Error(ErrorKind::mismatch,
-                format("%s has %u points and %u samples, %s has %u points and %u samples: they are caches of different "
+                format("{} has {} points and {} samples, {} has {} points and {} samples: they are caches of different "
                        "meshes or frame ranges",
-                       arguments.a.c_str(), a.point_count(), a.sample_count(), arguments.b.c_str(), b.point_count(),
-                       b.sample_count()));
+                       arguments.a, a.point_count(), a.sample_count(), arguments.b, b.point_count(), b.sample_count()));
   }
   if (a.start_frame() != b.start_frame() || a.sample_rate() != b.sample_rate()) {
     spdlog::warn("{} starts at frame {} and has one frame in {}, {} at {} and one in {}: are they of the same frames?",
@@ -47,11 +45,12 @@ void run(const CompareArguments& arguments) {
   result["worst_vertex"] = errors.worst_vertex;
   result["samples"] = a.sample_count();
   result["points"] = a.point_count();
-  arguments.json.emit(result, describe(errors) + format("\nworst: sample %u (counted from 0), vertex %u\n",
+  arguments.json.emit(result, describe(errors) + format("\nworst: sample {} (counted from 0), vertex {}\n",
                                                         errors.worst_frame, errors.worst_vertex));
   if (errors.max > arguments.fail_above) {
-    throw Error(ErrorKind::quality, format("the maximum of %.4f mm is above the limit of %g mm (sample %u, vertex %u)",
-                                           errors.max, arguments.fail_above, errors.worst_frame, errors.worst_vertex));
+    throw Error(ErrorKind::quality,
+                format("the maximum of {:.4f} mm is above the limit of {:g} mm (sample {}, vertex {})", errors.max,
+                       arguments.fail_above, errors.worst_frame, errors.worst_vertex));
   }
 }
 

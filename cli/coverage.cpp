@@ -32,11 +32,10 @@ struct CoverageArguments {
 std::vector<double> true_errors(const Basis& basis, const std::vector<Pose>& poses, const std::string& path) {
   const NamedShapes truth(path);
   if (truth.sample_count() != poses.size() || truth.point_count() != basis.mesh.output_count()) {
-    throw Error(
-        ErrorKind::mismatch,
-        format("%s has %u samples of %u points, the frames asked for are %zu of %u: another clip, frame range "
-               "or mesh",
-               path.c_str(), truth.sample_count(), truth.point_count(), poses.size(), basis.mesh.output_count()));
+    throw Error(ErrorKind::mismatch,
+                format("{} has {} samples of {} points, the frames asked for are {} of {}: another clip, frame range "
+                       "or mesh",
+                       path, truth.sample_count(), truth.point_count(), poses.size(), basis.mesh.output_count()));
   }
   Deformer deformer(basis, {.name = "cpu"});
   ErrorAccumulator accumulator(truth.point_count());
@@ -129,12 +128,12 @@ Json result_of(const ClipCoverage& coverage, const Basis& basis) {
 }
 
 std::string coverage_text(const ClipCoverage& coverage) {
-  std::string text = format("%8s %14s   %s\n", "frame", "expected mm", "most of all");
+  std::string text = format("{:>8} {:>14}   {}\n", "frame", "expected mm", "most of all");
   for (const std::size_t k : coverage.simulated) {
-    text += format("%8d %14.3f   %s, %.3f mm\n", coverage.frames[k], coverage.rms_mm[k],
-                   coverage.worst[k].region.c_str(), coverage.worst[k].mm);
+    text += format("{:8} {:14.3f}   {}, {:.3f} mm\n", coverage.frames[k], coverage.rms_mm[k], coverage.worst[k].region,
+                   coverage.worst[k].mm);
   }
-  text += format("expected over %zu frames: %.3f mm RMS\n", coverage.frames.size(), root_mean_square(coverage.rms_mm));
+  text += format("expected over {} frames: {:.3f} mm RMS\n", coverage.frames.size(), root_mean_square(coverage.rms_mm));
   return text + "worth simulating next: --frames " + next_frames(coverage) + "\n";
 }
 
@@ -144,7 +143,7 @@ std::string compare_with_truth(const std::vector<double>& expected, const std::v
   for (std::size_t k = 0; k < measured.size(); ++k) result["per_frame"][k]["true_rms_mm"] = measured[k];
   result["rank_correlation"] = correlation;
   result["true_rms_mm"] = root_mean_square(measured);
-  return format("true: %.3f mm RMS; the frames' expected and true errors rank alike with Spearman's rho %.3f\n",
+  return format("true: {:.3f} mm RMS; the frames' expected and true errors rank alike with Spearman's rho {:.3f}\n",
                 root_mean_square(measured), correlation);
 }
 
@@ -187,9 +186,8 @@ void add_coverage(CLI::App& app) {
   add_option(verb, "--truth", arguments->truth,
              "Shapes of these frames (.pc2, .nodes, or DATASET#TAKE): are the expected errors right?")
       ->type_name("CACHE");
-  add_option(verb, "--picture", arguments->picture, "Heat strip to write: frames from left to right, a row per region")
-      ->type_name("FILE.svg")
-      ->check(must_end_in(".svg"));
+  add_option(verb, "--picture", arguments->picture, "FILE.svg",
+             "Heat strip to write: frames from left to right, a row per region");
   add_option(verb, "--unit", arguments->unit,
              "Metres per unit of the clip's file (default: as the character was read for training)")
       ->check(above_zero);

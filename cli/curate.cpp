@@ -2,10 +2,7 @@
 #include <nlohmann/json.hpp>
 
 #include "assets/wording.h"
-#include "cli/curate/disagreements.h"
-#include "cli/curate/frame_exchange.h"
-#include "cli/curate/stack_edits.h"
-#include "cli/curate/stack_effects.h"
+#include "cli/curate/curate_arguments.h"
 #include "cli/curate/stack_report.h"
 #include "dataset/stack_history.h"
 #include "trainer/curate/bake.h"
@@ -27,14 +24,14 @@ void bake(const CurateArguments& arguments) {
   std::size_t frames = 0;
   for (const DatasetTake& take : baked.takes) frames += take.frames.size();
   arguments.json.emit({{"dataset", arguments.out}, {"takes", baked.takes.size()}, {"frames", frames}},
-                      format("wrote %s: %zu frames of %zu takes, whose shapes are what the modifiers made of them\n",
-                             arguments.out.c_str(), frames, baked.takes.size()));
+                      format("wrote {}: {} frames of {} takes, whose shapes are what the modifiers made of them\n",
+                             arguments.out, frames, baked.takes.size()));
 }
 
 void prune(const CurateArguments& arguments) {
   const PrunedFiles gone = prune_modifiers(path_of(arguments), arguments.history);
   arguments.json.emit({{"files", gone.files}, {"bytes", gone.bytes}},
-                      format("removed %s, %.1f MiB\n", count_of(gone.files, "file", "files").c_str(),
+                      format("removed {}, {:.1f} MiB\n", count_of(gone.files, "file", "files"),
                              static_cast<double>(gone.bytes) / (1 << 20)));
 }
 
@@ -155,10 +152,8 @@ void add_curate(CLI::App& app) {
   const auto measured = std::make_shared<CurateArguments>();
   CLI::App& sub_diff = subverb(verb, "diff", "What every modifier does to the shapes, or one does, in mm", measured);
   add_option(sub_diff, "name", measured->name, "Only this modifier")->type_name("NAME");
-  add_option(sub_diff, "--picture", measured->picture,
-             "The frame that it moves most: below the modifier, above it, and how far that is")
-      ->type_name("FILE.png")
-      ->check(must_end_in(".png"));
+  add_option(sub_diff, "--picture", measured->picture, "FILE.png",
+             "The frame that it moves most: below the modifier, above it, and how far that is");
   sub_diff.callback([measured] { report_effects(*measured); });
 
   const auto baked = std::make_shared<CurateArguments>();
@@ -178,10 +173,8 @@ void add_curate(CLI::App& app) {
   add_option(sub_report, "--worst", reported->worst, "Pairs to list")
       ->capture_default_str()
       ->check(CLI::Range(1, 10000));
-  add_option(sub_report, "--picture", reported->picture,
-             "The worst pair in one pose: the first, the second, and how far they are apart")
-      ->type_name("FILE.png")
-      ->check(must_end_in(".png"));
+  add_option(sub_report, "--picture", reported->picture, "FILE.png",
+             "The worst pair in one pose: the first, the second, and how far they are apart");
   sub_report.callback([reported] { report_disagreements(*reported); });
 
   const auto exported = std::make_shared<CurateArguments>();

@@ -64,10 +64,9 @@ void add(const AddArguments& arguments) {
        {"frames", added.take.frames.size()},
        {"shapes", added.take.shapes},
        {"fit_mm", added.check.fit_mm}},
-      format("%s: %zu frames added, %d replaced, %.2f mm RMS from the skinned character; it has %zu now\n"
-             "wrote %s\n",
-             added.take.name.c_str(), more, added.replaced, added.check.fit_mm, added.take.frames.size(),
-             path.c_str()));
+      format("{}: {} frames added, {} replaced, {:.2f} mm RMS from the skinned character; it has {} now\n"
+             "wrote {}\n",
+             added.take.name, more, added.replaced, added.check.fit_mm, added.take.frames.size(), path.string()));
 }
 
 }  // namespace

@@ -11,8 +11,7 @@
 #include "assets/json_file.h"
 #include "assets/pc2.h"
 #include "cli/arguments/common.h"
-#include "cli/results/demo_jiggle.h"
-#include "cli/results/demo_transfer.h"
+#include "cli/results/demo_extras.h"
 #include "cli/results/measure.h"
 #include "cli/results/provenance.h"
 #include "cli/results/report_pictures.h"
@@ -289,14 +288,14 @@ ReportData measure(const DemoArguments& arguments, const fs::path& folder, const
 }
 
 std::string summary(const ReportData& report) {
-  std::string text = format("%u training frames, %u held out, %s\n", report.dataset.train_frames,
-                            report.dataset.heldout_frames, report.device.c_str());
+  std::string text = format("{} training frames, {} held out, {}\n", report.dataset.train_frames,
+                            report.dataset.heldout_frames, report.device);
   text += method_table(report.methods);
-  text += format("a draft of the held-out motion: RMS %.3f mm, max %.3f, in %.0f s\n", report.demo->draft_rms_mm,
+  text += format("a draft of the held-out motion: RMS {:.3f} mm, max {:.3f}, in {:.0f} s\n", report.demo->draft_rms_mm,
                  report.demo->draft_max_mm, report.demo->seconds.draft);
-  text += format("left to learn after un-posing: LBS %.3f mm, DDM %.3f mm\n", report.unposing_residual_mm.lbs,
+  text += format("left to learn after un-posing: LBS {:.3f} mm, DDM {:.3f} mm\n", report.unposing_residual_mm.lbs,
                  report.unposing_residual_mm.ddm);
-  text += format("%.0f bytes per vertex; CPU and device differ by %.2g m at most\n", report.bytes_per_vertex,
+  text += format("{:.0f} bytes per vertex; CPU and device differ by {:.2g} m at most\n", report.bytes_per_vertex,
                  report.demo->cpu_gpu_max_difference_m);
   return text;
 }

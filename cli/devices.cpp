@@ -21,9 +21,8 @@ void add_devices(CLI::App& app) {
                         {"api_version", device.api_version},
                         {"memory_mib", device.memory_bytes >> 20},
                         {"max_storage_buffer_mib", device.max_storage_buffer_range >> 20}});
-      text += format("%u  %s (%s), %s, Vulkan %s, %llu MiB\n", device.index, device.name.c_str(), device.type.c_str(),
-                     device.driver.c_str(), device.api_version.c_str(),
-                     static_cast<unsigned long long>(device.memory_bytes >> 20));
+      text += format("{}  {} ({}), {}, Vulkan {}, {} MiB\n", device.index, device.name, device.type, device.driver,
+                     device.api_version, device.memory_bytes >> 20);
     }
     text += "-  cpu (always there)\n";
     json->emit({{"devices", result}}, text);

@@ -1,5 +1,4 @@
 // bodyopt dynamics: the tables of diffuse and jiggle for a trained basis.
-#include <spdlog/spdlog.h>
 
 #include <filesystem>
 #include <nlohmann/json.hpp>
@@ -36,9 +35,9 @@ std::vector<Pose> training_poses(const Dataset& dataset, const Basis& basis) {
     for (const int frame : take.frames) {
       if (frame < clip.first_frame || frame > clip.last_frame()) {
         throw Error(ErrorKind::mismatch,
-                    format("take '%s': frame %d is not in the clip %s, which has frames %d to %d: first_frame or fps "
+                    format("take '{}': frame {} is not in the clip {}, which has frames {} to {}: first_frame or fps "
                            "may be wrong",
-                           take.name.c_str(), frame, take.clip.c_str(), clip.first_frame, clip.last_frame()));
+                           take.name, frame, take.clip, clip.first_frame, clip.last_frame()));
       }
       if (!heldout.contains(frame)) frames.push_back(frame);
     }
@@ -91,11 +90,12 @@ void run(DynamicsArguments arguments) {
   const auto megabytes = [&](const char* stage) { return result["bytes"][stage].get<double>() / 1e6; };
   arguments.json.emit(
       result,
-      format("%u tetrahedra, %u nodes, %u of them on the skin; quality %.2f at worst, first percentile %.2f, median "
-             "%.2f\n%zu springs hold them to the bones of %zu joints\n",
-             report.tets, report.nodes, report.surface_nodes, report.quality.worst, report.quality.first_percentile,
-             report.quality.median, report.bone_springs, report.joints_with_bones) +
-          format("wrote %s: diffuse %.1f MB, jiggle %.1f MB, in %.1f s\n", arguments.out.c_str(), megabytes("diffuse"),
+      format(
+          "{} tetrahedra, {} nodes, {} of them on the skin; quality {:.2f} at worst, first percentile {:.2f}, median "
+          "{:.2f}\n{} springs hold them to the bones of {} joints\n",
+          report.tets, report.nodes, report.surface_nodes, report.quality.worst, report.quality.first_percentile,
+          report.quality.median, report.bone_springs, report.joints_with_bones) +
+          format("wrote {}: diffuse {:.1f} MB, jiggle {:.1f} MB, in {:.1f} s\n", arguments.out, megabytes("diffuse"),
                  megabytes("jiggle"), seconds));
 }
 
@@ -111,13 +111,11 @@ void add_dynamics(CLI::App& app) {
       ->required()
       ->type_name("DATASET");
   add_option(verb, "--basis", arguments->basis, "The basis trained from it")->required()->type_name("BASIS");
-  add_output(verb, arguments->out, ".safetensors", "Dynamics to write");
-  add_option(verb, "--jiggle", arguments->jiggle, "How soft, damped and free tissue is, and where (jiggle.json)")
-      ->type_name("FILE")
-      ->check(refuse_empty);
-  add_option(verb, "--jiggle-out", arguments->jiggle_out, "Write the settings it chose, to edit (jiggle.json)")
-      ->type_name("FILE.json")
-      ->check(must_end_in(".json"));
+  add_option(verb, "--out", arguments->out, "FILE.safetensors", "Dynamics to write")->required();
+  add_option(verb, "--jiggle", arguments->jiggle, "FILE",
+             "How soft, damped and free tissue is, and where (jiggle.json)");
+  add_option(verb, "--jiggle-out", arguments->jiggle_out, "FILE.json",
+             "Write the settings it chose, to edit (jiggle.json)");
   add_option(verb, "--dynamics-resolution", options.resolution, "Tetrahedra at most")
       ->capture_default_str()
       ->check(CLI::Range(100, 1000000));

@@ -9,15 +9,12 @@
 #include "assets/gltf_guard.h"
 #include "assets/json_file.h"
 #include "base/progress.h"
-#include "cli/arguments/cache_space.h"
 #include "cli/arguments/common.h"
-#include "cli/arguments/jiggle_arguments.h"
-#include "cli/arguments/modifier_arguments.h"
+#include "cli/arguments/shot_arguments.h"
 #include "cli/arguments/task_arguments.h"
 #include "cli/results/attachments.h"
+#include "cli/results/modifier_effects.h"
 #include "cli/results/shot_caches.h"
-#include "cli/results/shot_folds.h"
-#include "cli/results/shot_moves.h"
 #include "cli/run_steps.h"
 #include "proxy_viewer/scene/open_character.h"
 #include "proxy_viewer/scene/posed_clip.h"
@@ -71,8 +68,8 @@ std::vector<fs::path> inputs_of(const EvalArguments& arguments) {
 Level chosen_level(const EvalArguments& arguments) {
   std::vector<Level> levels = load_levels(arguments.cache.basis);
   if (arguments.cache.level >= levels.size()) {
-    throw Error(ErrorKind::usage, format("--level asks for level %zu; %s has levels 0 to %zu", arguments.cache.level,
-                                         arguments.cache.basis.c_str(), levels.size() - 1));
+    throw Error(ErrorKind::usage, format("--level asks for level {}; {} has levels 0 to {}", arguments.cache.level,
+                                         arguments.cache.basis, levels.size() - 1));
   }
   Level level = std::move(levels[arguments.cache.level]);
   if (arguments.cache.full_skin && level.carried.empty()) {
@@ -160,7 +157,7 @@ std::string with_first_frame(const std::string& pattern, int frame) {
   const std::size_t begin = pattern.find('#');
   if (begin == std::string::npos) return pattern;
   const std::size_t end = std::min(pattern.find_first_not_of('#', begin), pattern.size());
-  return pattern.substr(0, begin) + format("%0*d", static_cast<int>(end - begin), frame) + pattern.substr(end);
+  return pattern.substr(0, begin) + format("{:0{}}", frame, end - begin) + pattern.substr(end);
 }
 
 Evaluation evaluate_part(const EvalArguments& arguments, Deformer& deformer, std::span<const Pose> poses,
@@ -169,7 +166,7 @@ Evaluation evaluate_part(const EvalArguments& arguments, Deformer& deformer, std
     return arguments.jiggle.jiggle ? deformer.jiggle(poses, frames) : deformer.evaluate(poses);
   } catch (const Error& error) {
     if (!arguments.device.choice.check) throw;
-    throw Error(error.kind(), format("frame %d: ", frames.front()) + error.what());
+    throw Error(error.kind(), format("frame {}: ", frames.front()) + error.what());
   }
 }
 
@@ -236,8 +233,8 @@ std::vector<std::string> write_shot(const EvalArguments& arguments, EvaluatedSho
 std::string unit_text(const ShotCacheOptions& cache, const Basis& basis) {
   const double unit = kept_unit(basis);
   if (holds_triangles(cache.out) || cache.space.unit != 1 || unit == 0 || unit == 1) return "";
-  return format("the cache is in metres; --unit-out %s lays it on the mesh of the character's own file\n",
-                Json(unit).dump().c_str());
+  return format("the cache is in metres; --unit-out {} lays it on the mesh of the character's own file\n",
+                Json(unit).dump());
 }
 
 void evaluate(const EvalArguments& arguments, EvaluatedShot& shot, const TaskRun* task) {
@@ -254,8 +251,8 @@ void evaluate(const EvalArguments& arguments, EvaluatedShot& shot, const TaskRun
   summary["seconds"] = seconds;
   summary["device"] = shot.deformer->device_name();
   if (task != nullptr) task->finish(outputs, summary);
-  std::string text = format("%zu frames of %u points on %s in %.2f s\n", shot.frames.size(), caches.points(),
-                            shot.deformer->device_name().c_str(), seconds) +
+  std::string text = format("{} frames of {} points on {} in {:.2f} s\n", shot.frames.size(), caches.points(),
+                            shot.deformer->device_name(), seconds) +
                      caches.log().text();
   const std::optional<ShotFolds> folds = measure_shot_folds(shot.deformer->basis(), shot.poses, shot.frames);
   if (folds) text += text_of(*folds);
@@ -284,11 +281,10 @@ void pretend(const EvalArguments& arguments, const EvaluatedShot& shot, const Ta
     if (task->done({arguments.cache.out})) doing = "is done already:";
     if (const auto checkpoint = task->read_checkpoint()) kept = checkpoint->frames;
   }
-  std::string text =
-      format("%s frames %s of '%s' on %s, to %s\n", doing.c_str(), format_frame_range(shot.frames).c_str(),
-             (arguments.clip.source.empty() ? shot.clip.name : arguments.clip.source).c_str(),
-             shot.deformer->device_name().c_str(), arguments.cache.out.c_str());
-  if (kept > 0) text += format("an interrupted run left %zu of them\n", kept);
+  std::string text = format("{} frames {} of '{}' on {}, to {}\n", doing, format_frame_range(shot.frames),
+                            arguments.clip.source.empty() ? shot.clip.name : arguments.clip.source,
+                            shot.deformer->device_name(), arguments.cache.out);
+  if (kept > 0) text += format("an interrupted run left {} of them\n", kept);
   arguments.json.emit({{"pretended", true},
                        {"done", doing == "is done already:"},
                        {"frames", format_frame_range(shot.frames)},
@@ -341,11 +337,9 @@ void run(EvalArguments arguments) {
 void add_list(CLI::App& verb, std::string& list) {
   const std::vector<CLI::Option*> others = verb.get_options(
       [](const CLI::Option* option) { return !option->check_name("--progress") && !option->check_name("--help"); });
-  CLI::Option& option = *add_option(verb, "--list", list,
+  CLI::Option& option = *add_option(verb, "--list", list, "SHOTS",
                                     "A list of shots (.json, .jsonl, .csv): makes the outputs of all that are not "
-                                    "made yet, one after the other")
-                             ->type_name("SHOTS")
-                             ->check(refuse_empty);
+                                    "made yet, one after the other");
   for (CLI::Option* other : others) option.excludes(other);
   option.each([&verb](const std::string&) {
     for (CLI::Option* other : verb.get_options()) other->required(false);
@@ -366,10 +360,8 @@ void add_eval(CLI::App& app) {
            "Write the skin of the full character, carried by that of the proxy");
   arguments->clip.add(verb);
   CLI::Option& clip = *verb.get_option("--clip");
-  add_option(verb, "--session", arguments->session,
+  add_option(verb, "--session", arguments->session, "FILE",
              "A session of the viewport: its lead, in place of BASIS, with its clip as it was posed and keyed there")
-      ->type_name("FILE")
-      ->check(refuse_empty)
       ->each([&basis, &clip](const std::string&) {
         basis.required(false);
         clip.required(false);
@@ -392,11 +384,9 @@ void add_eval(CLI::App& app) {
         return "'" + name + "' does not end in .pc2, .usda or .glb";
       });
   add_cache_space(verb, arguments->cache.space);
-  add_option(verb, "--attached", arguments->cache.attached,
+  add_option(verb, "--attached", arguments->cache.attached, "FILE",
              "Geometry that rides on the skin (default: BASIS.attached.safetensors beside the basis, where it is "
-             "there); each mesh is written as FILE.<mesh>.pc2, .usda or .glb")
-      ->type_name("FILE")
-      ->check(refuse_empty);
+             "there); each mesh is written as FILE.<mesh>.pc2, .usda or .glb");
   arguments->jiggle.add(verb);
   arguments->modifiers.add(verb);
   arguments->task.add(verb);

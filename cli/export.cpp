@@ -3,7 +3,6 @@
 
 #include "assets/nodes_cache.h"
 #include "assets/pc2.h"
-#include "cli/arguments/cache_space.h"
 #include "cli/arguments/common.h"
 
 namespace bodyopt::cli {
@@ -24,7 +23,7 @@ void run(const ExportArguments& arguments) {
   writer.close();
   arguments.json.emit(
       {{"out", arguments.out}, {"points", draft.point_count()}, {"samples", draft.sample_count()}},
-      format("wrote %s: %u points, %u samples\n", arguments.out.c_str(), draft.point_count(), draft.sample_count()));
+      format("wrote {}: {} points, {} samples\n", arguments.out, draft.point_count(), draft.sample_count()));
 }
 
 }  // namespace
@@ -33,7 +32,7 @@ void add_export(CLI::App& app) {
   auto arguments = std::make_shared<ExportArguments>();
   CLI::App& verb = add_verb(app, "export", "A draft's skin as a point cache for other programs");
   add_option(verb, "draft", arguments->draft, "Nodes of a draft (.nodes)")->required()->type_name("DRAFT");
-  add_output(verb, arguments->out, ".pc2", "Point cache to write");
+  add_option(verb, "--out", arguments->out, "FILE.pc2", "Point cache to write")->required();
   add_cache_space(verb, arguments->space);
   arguments->json.add(verb);
   verb.callback([arguments] { run(*arguments); });

@@ -45,8 +45,7 @@ void plan(const FarmArguments& arguments) {
   const FarmPlan plan = plan_show(list, arguments.minutes, problems);
   for (const std::string& problem : problems) spdlog::error("{}", problem);
   if (!problems.empty()) {
-    throw Error(ErrorKind::usage,
-                format("%s: %zu problems; nothing is planned", arguments.list.c_str(), problems.size()));
+    throw Error(ErrorKind::usage, format("{}: {} problems; nothing is planned", arguments.list, problems.size()));
   }
   make_folder(arguments.out);
   write_plan(plan, fs::absolute(arguments.out));
@@ -64,9 +63,9 @@ void plan(const FarmArguments& arguments) {
                        {"tasks", plan.tasks.size()},
                        {"waves", plan.wave_count()},
                        {"core_hours", seconds / 3600}},
-                      format("%zu elements, %zu frames: %zu tasks in %d waves, about %.2f core hours\nwrote %s\n",
+                      format("{} elements, {} frames: {} tasks in {} waves, about {:.2f} core hours\nwrote {}\n",
                              list.elements.size(), frames, plan.tasks.size(), plan.wave_count(), seconds / 3600,
-                             (fs::path(arguments.out) / "plan.json").c_str()));
+                             (fs::path(arguments.out) / "plan.json").string()));
 }
 
 void run_tasks(const FarmArguments& arguments) {
@@ -127,10 +126,9 @@ void status(const FarmArguments& arguments) {
     }
   }
   std::string text;
-  for (const auto& [state, count] : counts) text += format("%-8s %6d\n", state.c_str(), count);
+  for (const auto& [state, count] : counts) text += format("{:8} {:6}\n", state, count);
   const Json queue = queue_of(arguments);
-  for (const auto& [state, count] : queue.items())
-    text += format("%-8s %6d in the queue\n", state.c_str(), count.get<int>());
+  for (const auto& [state, count] : queue.items()) text += format("{:8} {:6} in the queue\n", state, count.get<int>());
   arguments.json.emit({{"elements", counts}, {"queue", queue}, {"open", open}}, text + failures);
 }
 
@@ -201,21 +199,18 @@ void submit(const FarmArguments& arguments, bool is_retry) {
   }
   arguments.json.emit({{"tasks", tasks.size()}, {"jobs", jobs}},
                       tasks.empty() ? "nothing is left to do\n"
-                                    : format("submitted %zu tasks in %zu arrays\n", tasks.size(), jobs.size()));
+                                    : format("submitted {} tasks in {} arrays\n", tasks.size(), jobs.size()));
 }
 
 void cancel(const FarmArguments& arguments) {
   const std::size_t jobs = cancel_in_slurm(plan_folder(arguments));
-  arguments.json.emit({{"jobs", jobs}}, format("cancelled %zu arrays\n", jobs));
+  arguments.json.emit({{"jobs", jobs}}, format("cancelled {} arrays\n", jobs));
 }
 
 CLI::App& add_part(CLI::App& farm, const char* name, const char* description, FarmArguments& arguments) {
   CLI::App& part = add_verb(farm, name, description);
   if (std::string(name) != "plan") {
-    add_option(part, "plan", arguments.plan, "Folder that 'farm plan' wrote")
-        ->required()
-        ->type_name("PLAN")
-        ->check(refuse_empty);
+    add_option(part, "plan", arguments.plan, "PLAN", "Folder that 'farm plan' wrote")->required();
   }
   arguments.json.add(part);
   return part;
@@ -241,10 +236,7 @@ void add_farm(CLI::App& app) {
   farm.require_subcommand(1);
   CLI::App& planning = add_part(farm, "plan", "Check a list of shots and cut it into tasks", *arguments);
   add_option(planning, "shots", arguments->list, "List of shots (.json, .jsonl, .csv)")->required()->type_name("SHOTS");
-  add_option(planning, "--out", arguments->out, "Folder to write the plan into")
-      ->required()
-      ->type_name("PLAN")
-      ->check(refuse_empty);
+  add_option(planning, "--out", arguments->out, "PLAN", "Folder to write the plan into")->required();
   add_option(planning, "--task-minutes", arguments->minutes, "What a task should last, on one core")
       ->capture_default_str()
       ->check(number_from(1e-3, 1e5));
@@ -252,13 +244,10 @@ void add_farm(CLI::App& app) {
 
   CLI::App& submitting = add_part(farm, "submit", "Give what is not done to a queue", *arguments);
   add_queue(submitting, *arguments);
-  add_option(submitting, "--openjd", arguments->openjd,
-             "Instead, write a job template of Open Job Description, for AWS Deadline Cloud and others")
-      ->type_name("FILE.json")
-      ->check(must_end_in(".json"));
-  add_option(submitting, "--opencue", arguments->opencue, "Instead, write a job of OpenCue, for its launchSpec")
-      ->type_name("FILE.xml")
-      ->check(must_end_in(".xml"));
+  add_option(submitting, "--openjd", arguments->openjd, "FILE.json",
+             "Instead, write a job template of Open Job Description, for AWS Deadline Cloud and others");
+  add_option(submitting, "--opencue", arguments->opencue, "FILE.xml",
+             "Instead, write a job of OpenCue, for its launchSpec");
   submitting.callback([arguments] { submit(*arguments, false); });
   CLI::App& retrying =
       add_part(farm, "retry", "Read everything that is done, and submit what is not whole", *arguments);
@@ -271,7 +260,7 @@ void add_farm(CLI::App& app) {
   add_flag(telling, "--verify", arguments->verify, "Read all inputs and outputs, not only their size and time");
   telling.callback([arguments] { status(*arguments); });
   CLI::App& reporting = add_part(farm, "report", "A page on what the show has come to", *arguments);
-  add_output(reporting, arguments->out, ".html", "Page to write, self-contained");
+  add_option(reporting, "--out", arguments->out, "FILE.html", "Page to write, self-contained")->required();
   add_option(reporting, "--worst", arguments->worst, "Frames worth a look, at most")
       ->capture_default_str()
       ->check(CLI::Range(0, 100));

@@ -1,5 +1,4 @@
 // bodyopt improve: what shots lack is simulated and learned, as long as it helps.
-#include <spdlog/spdlog.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -221,10 +220,11 @@ void run(const ImproveArguments& arguments) {
                       {"expected_on_the_rest_before_mm", rest_before},
                       {"expected_on_the_rest_after_mm", rest_after}});
     const std::string on = test.empty()
-                               ? format("of these shots none is held out; on the %zu trained on", set.train.size())
-                               : format("on the %zu that are held out", test.size());
-    text += format("%zu frames more: %s %.3f -> %.3f mm RMS (DDM %.3f); expected of the rest %.3f -> %.3f mm\n",
-                   chosen.size(), on.c_str(), before.full, after.full, before.ddm, rest_before, rest_after);
+                               ? format("of these shots none is held out; on the {} trained on", set.train.size())
+                               : format("on the {} that are held out", test.size());
+    text +=
+        format("{} frames more: {} {:.3f} -> {:.3f} mm RMS (DDM {:.3f}); expected of the rest {:.3f} -> {:.3f} mm\n",
+               chosen.size(), on, before.full, after.full, before.ddm, rest_before, rest_after);
     if (test.empty() || after.full <= (1 - kWorthIt) * before.full) continue;
     text += "more frames of these shots gain nothing\n";
     break;

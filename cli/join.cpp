@@ -1,5 +1,4 @@
 // bodyopt join: caches of the parts of a shot to one of the whole.
-#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "assets/join_caches.h"
@@ -55,10 +54,7 @@ void add_join(CLI::App& app) {
   add_option(verb, "parts", arguments->parts, "Caches that 'eval' wrote of parts of a shot, all .pc2 or all .usda")
       ->required()
       ->type_name("CACHE...");
-  add_option(verb, "--out", arguments->out, "Cache to write, with the ending of the parts")
-      ->required()
-      ->type_name("FILE")
-      ->check(refuse_empty);
+  add_option(verb, "--out", arguments->out, "FILE", "Cache to write, with the ending of the parts")->required();
   arguments->task.add(verb);
   arguments->json.add(verb);
   verb.callback([arguments] { run(*arguments); });

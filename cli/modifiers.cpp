@@ -5,7 +5,7 @@
 #include "assets/json_file.h"
 #include "assets/shot_modifiers.h"
 #include "cli/arguments/common.h"
-#include "cli/results/shot_folds.h"
+#include "cli/results/modifier_effects.h"
 #include "runtime/basis/levels.h"
 #include "runtime/basis/skin_modifiers.h"
 #include "runtime/modifiers/drive_modifiers.h"
@@ -24,9 +24,9 @@ struct ModifiersArguments {
 // Beside what physiology publishes of an adult of 1.75 m; docs/modifiers.md has the sources.
 std::string breath_table(const std::vector<BreathMeasure>& breaths) {
   const char* const published[] = {"0.4 to 0.6 l, +2 to +5 %, 10 to 40 mm", "2 to 3 l, up to +12 %, 10 to 40 mm"};
-  std::string text = format("%-8s %7s %12s %9s   published\n", "breath", "litres", "chest girth", "belly mm");
+  std::string text = format("{:8} {:>7} {:>12} {:>9}   published\n", "breath", "litres", "chest girth", "belly mm");
   for (std::size_t k = 0; k < breaths.size(); ++k) {
-    text += format("%-8s %7.2f %+10.1f %% %9.1f   %s\n", breaths[k].name.c_str(), breaths[k].litres,
+    text += format("{:8} {:7.2f} {:+10.1f} % {:9.1f}   {}\n", breaths[k].name, breaths[k].litres,
                    100 * breaths[k].girth_share, breaths[k].belly_mm, published[k]);
   }
   return text;
@@ -57,10 +57,10 @@ void run(const ModifiersArguments& arguments) {
 
   const Basis& basis = levels.front().basis;
   const double bytes = static_cast<double>(table_bytes(basis).at("modify"));
-  std::string text = format("%-16s %-12s %10s\n", "modifier", "type", "components");
+  std::string text = format("{:16} {:12} {:>10}\n", "modifier", "type", "components");
   Json list = Json::array();
   for (const SkinModifier& modifier : basis.modifiers.stack) {
-    text += format("%-16s %-12s %10u\n", modifier.name.c_str(), modifier.type.c_str(), modifier.component_count);
+    text += format("{:16} {:12} {:10}\n", modifier.name, modifier.type, modifier.component_count);
     list.push_back({{"name", modifier.name}, {"type", modifier.type}, {"components", modifier.component_count}});
     if (modifier.type == "breathing" && modifier.component_count == 2) {
       const std::vector<BreathMeasure> breaths = measure_breathing(basis, modifier);
@@ -73,7 +73,7 @@ void run(const ModifiersArguments& arguments) {
       list.back()["folds"] = to_json(folds);
     }
   }
-  text += format("%.1f bytes a vertex\nwrote %s\n", bytes / basis.mesh.vertex_count(), arguments.out.c_str());
+  text += format("{:.1f} bytes a vertex\nwrote {}\n", bytes / basis.mesh.vertex_count(), arguments.out);
   arguments.json.emit({{"modifiers", list},
                        {"channels", modifier_channels(basis.modifiers)},
                        {"bytes_per_vertex", bytes / basis.mesh.vertex_count()},
@@ -89,11 +89,11 @@ void add_modifiers(CLI::App& app) {
                             "Give a basis modifiers: breathing, morphs, sculpts, flexed muscles, sag, relax, push-out");
   add_option(verb, "basis", arguments->basis, "Basis (.safetensors)")->required()->type_name("BASIS");
   add_option(verb, "stack", arguments->stack, "The stack to make (modifiers.json)")->required()->type_name("STACK");
-  add_option(verb, "--limits", arguments->limits,
-             "Joint limits (limits.json): push-out is measured where joints are bent to them, in place of 130 degrees")
-      ->type_name("FILE")
-      ->check(refuse_empty);
-  add_output(verb, arguments->out, ".safetensors", "Basis to write, with the modifiers in place of those it had");
+  add_option(verb, "--limits", arguments->limits, "FILE",
+             "Joint limits (limits.json): push-out is measured where joints are bent to them, in place of 130 degrees");
+  add_option(verb, "--out", arguments->out, "FILE.safetensors",
+             "Basis to write, with the modifiers in place of those it had")
+      ->required();
   arguments->json.add(verb);
   verb.callback([arguments] { run(*arguments); });
 }

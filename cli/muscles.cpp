@@ -69,16 +69,17 @@ std::string describe_source(const muscle_models::Model& model, const std::vector
     push = std::max(push, muscle.largest_push);
     thinned += muscle.muscle.radius < muscle.full_radius ? 1 : 0;
   }
-  std::string text = format("%s: %zu muscles; points moved under the skin by %.1f mm at most; %d made thinner to fit\n",
-                            model.file.c_str(), fitted.size(), 1000 * push, thinned);
+  std::string text =
+      format("{}: {} muscles; points moved under the skin by {:.1f} mm at most; {} made thinner to fit\n", model.file,
+             fitted.size(), 1000 * push, thinned);
   const auto reduced = std::count_if(model.muscles.begin(), model.muscles.end(), depends_on_pose);
   if (reduced > 0) {
-    text += format("  %td have conditional or moving points, kept as they are in the model's default pose\n", reduced);
+    text += format("  {} have conditional or moving points, kept as they are in the model's default pose\n", reduced);
   }
   for (const Json& wrap : wraps) {
     if (wrap["not_honoured"].empty()) continue;
-    text += format("  %s: not bent around %s\n", wrap["muscle"].get<std::string>().c_str(),
-                   list_names(wrap["not_honoured"].get<std::vector<std::string>>()).c_str());
+    text += format("  {}: not bent around {}\n", wrap["muscle"].get<std::string>(),
+                   list_names(wrap["not_honoured"].get<std::vector<std::string>>()));
   }
   return text;
 }
@@ -127,7 +128,7 @@ void import(const ImportArguments& arguments) {
   }
   write_muscles(muscles, character.skeleton, arguments.out);
   if (!arguments.picture.empty()) draw(character, muscles, arguments.picture);
-  text += format("wrote %s: %zu muscles\n", arguments.out.c_str(), muscles.size());
+  text += format("wrote {}: {} muscles\n", arguments.out, muscles.size());
   arguments.json.emit({{"muscles", arguments.out}, {"count", muscles.size()}, {"sources", sources}}, text);
 }
 
@@ -144,7 +145,7 @@ void add_muscles(CLI::App& app) {
              "may be given several times")
       ->required()
       ->type_name("MODEL MAPPING");
-  add_output(subverb, arguments->out, ".json", "The character's muscles");
+  add_option(subverb, "--out", arguments->out, "FILE.json", "The character's muscles")->required();
   add_option(subverb, "--picture", arguments->picture, "Also draw them, from the front, from behind and from the left")
       ->type_name("FILE.png");
   add_unit(subverb, arguments->unit);

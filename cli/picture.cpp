@@ -66,8 +66,7 @@ PicturedFrame read_pictured_frame(const PictureArguments& arguments) {
   pictured.take = *take;
   const auto at = std::find(take->frames.begin(), take->frames.end(), arguments.frame);
   if (at == take->frames.end()) {
-    throw Error(ErrorKind::usage,
-                format("frame %d is not among the shapes of take '%s'", arguments.frame, take->name.c_str()));
+    throw Error(ErrorKind::usage, format("frame {} is not among the shapes of take '{}'", arguments.frame, take->name));
   }
   pictured.character = read_character(pictured.dataset.folder / pictured.dataset.character, pictured.dataset.unit);
   say(pictured.character.notes);
@@ -76,10 +75,9 @@ PicturedFrame read_pictured_frame(const PictureArguments& arguments) {
   if (arguments.frame < pictured.clip.first_frame || arguments.frame > pictured.clip.last_frame()) {
     throw Error(
         ErrorKind::mismatch,
-        format("take '%s': frame %d is not in the clip %s, which has frames %d to %d: first_frame or fps may be "
+        format("take '{}': frame {} is not in the clip {}, which has frames {} to {}: first_frame or fps may be "
                "wrong, or the clip was replaced",
-               take->name.c_str(), arguments.frame, take->clip.c_str(), pictured.clip.first_frame,
-               pictured.clip.last_frame()));
+               take->name, arguments.frame, take->clip, pictured.clip.first_frame, pictured.clip.last_frame()));
   }
   const ShapeReader shapes(pictured.dataset.folder / take->shapes);
   const auto sample = static_cast<std::uint32_t>(at - take->frames.begin());
@@ -102,8 +100,9 @@ Vec3 unit_direction(const std::vector<float>& direction) {
   const Vec3 given{direction[0], direction[1], direction[2]};
   const double size = length(given);
   if (!(size > 0 && std::isfinite(size))) {
-    throw Error(ErrorKind::usage, format("--direction %g %g %g points nowhere: expected finite numbers, not all 0",
-                                         given[0], given[1], given[2]));
+    throw Error(ErrorKind::usage,
+                format("--direction {:g} {:g} {:g} points nowhere: expected finite numbers, not all 0", given[0],
+                       given[1], given[2]));
   }
   return (1 / size) * given;
 }
@@ -173,9 +172,8 @@ std::vector<std::array<float, 3>> tet_colours(const QuasiStaticBody& body, const
 // What the side-car says the frame was solved of.
 std::uint64_t recorded_inputs(const PicturedFrame& pictured, int frame) {
   const DatasetTake& take = pictured.take;
-  const std::string needs =
-      format("--cut-open solves frame %d of take '%s' again and must know what its skin was solved of; ", frame,
-             take.name.c_str());
+  const std::string needs = format(
+      "--cut-open solves frame {} of take '{}' again and must know what its skin was solved of; ", frame, take.name);
   if (take.shapes_status.empty()) {
     throw Error(ErrorKind::mismatch, needs + "the take has no side-car: do its shapes come from elsewhere?");
   }
@@ -192,11 +190,10 @@ Positions solve_again(const PicturedFrame& pictured, const QuasiStaticBody& body
   const std::uint64_t now = frame_key(body, muscles, pictured.clip, frame);
   if (now != inputs) {
     throw Error(ErrorKind::mismatch,
-                format("--cut-open solves frame %d of take '%s' again, but %s says that its skin was solved of other "
-                       "inputs (%s, expected %s): it was simulated with --tet-size or by another version, or the "
+                format("--cut-open solves frame {} of take '{}' again, but {} says that its skin was solved of other "
+                       "inputs ({}, expected {}): it was simulated with --tet-size or by another version, or the "
                        "character, muscles, materials, clip or controls were changed since; simulate it again",
-                       frame, pictured.take.name.c_str(), pictured.take.shapes_status.c_str(),
-                       hexadecimal(inputs).c_str(), hexadecimal(now).c_str()));
+                       frame, pictured.take.name, pictured.take.shapes_status, hexadecimal(inputs), hexadecimal(now)));
   }
   return solve_frame(body, muscles, pictured.clip, frame).nodes;
 }
@@ -257,8 +254,8 @@ void run(const PictureArguments& arguments) {
                        {"take", pictured.take.name},
                        {"frame", arguments.frame},
                        {"cut_open", arguments.cut_open}},
-                      format("wrote %s: frame %d of take '%s'%s\n", arguments.out.c_str(), arguments.frame,
-                             pictured.take.name.c_str(), arguments.cut_open ? ", cut open" : ""));
+                      format("wrote {}: frame {} of take '{}'{}\n", arguments.out, arguments.frame, pictured.take.name,
+                             arguments.cut_open ? ", cut open" : ""));
 }
 
 }  // namespace
@@ -284,7 +281,7 @@ void add_picture(CLI::App& app) {
       ->expected(2)
       ->check(CLI::Range(16u, kMaxPictureSize))
       ->capture_default_str();
-  add_output(verb, arguments->out, ".png", "Picture to write");
+  add_option(verb, "--out", arguments->out, "FILE.png", "Picture to write")->required();
   arguments->json.add(verb);
   verb.callback([arguments] { run(*arguments); });
 }

@@ -13,7 +13,7 @@
 #include "runtime/core/stopwatch.h"
 #include "trainer/check/check.h"
 #include "trainer/proxy/build_proxy.h"
-#include "trainer/proxy/taught_samples.h"
+#include "trainer/proxy/proxy_samples.h"
 
 namespace bodyopt::cli {
 namespace {
@@ -95,7 +95,7 @@ void run(ProxyArguments arguments) {
        {"levels", table},
        {"attached", cli::to_json(attached)},
        {"notes", notes}},
-      describe(attached) + level_table(table) + format("wrote %s in %.1f s\n", arguments.out.c_str(), seconds));
+      describe(attached) + level_table(table) + format("wrote {} in {:.1f} s\n", arguments.out, seconds));
 }
 
 }  // namespace
@@ -107,7 +107,9 @@ void add_proxy(CLI::App& app) {
              "Dataset (dataset.json, or its folder), or a trained basis (.safetensors)")
       ->required()
       ->type_name("DATASET|BASIS");
-  add_output(verb, arguments->out, ".safetensors", "Levels to write: a basis, the first level, and the others");
+  add_option(verb, "--out", arguments->out, "FILE.safetensors",
+             "Levels to write: a basis, the first level, and the others")
+      ->required();
   add_option(verb, "--error", arguments->errors_mm,
              "What the skin of each level may be off, mm (default: 1/500, 1/250 and 1/125 of the size)")
       ->type_name("MM")

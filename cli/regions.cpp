@@ -60,15 +60,15 @@ void run(const RegionsArguments& arguments) {
 
   Json list = Json::array();
   std::string text =
-      format("%3s  %-28s %-9s %9s   %s\n", "", "region", "from", "vertices", "joints that move its skin");
+      format("{:>3}  {:28} {:9} {:>9}   {}\n", "", "region", "from", "vertices", "joints that move its skin");
   for (std::size_t r = 0; r < regions.size(); ++r) {
     const RegionWeights& region = regions[r];
     const bool of_file = std::any_of(set.regions.begin(), set.regions.end(),
                                      [&](const RegionWeights& other) { return other.name == region.name; });
     const double size = std::accumulate(region.weights.begin(), region.weights.end(), 0.0);
     const std::vector<std::string> joints = joints_of(set.character, region);
-    text += format("%3zu  %-28s %-9s %9.0f   %s\n", r + 1, region.name.c_str(), of_file ? "file" : "training", size,
-                   list_names(joints, 3).c_str());
+    text += format("{:3}  {:28} {:9} {:9.0f}   {}\n", r + 1, region.name, of_file ? "file" : "training", size,
+                   list_names(joints, 3));
     list.push_back({{"number", r + 1},
                     {"name", region.name},
                     {"from", of_file ? "file" : "training"},
@@ -96,13 +96,9 @@ void add_regions(CLI::App& app) {
   auto arguments = std::make_shared<RegionsArguments>();
   CLI::App& verb = add_verb(app, "regions", "The regions in which `train` learns the skin: to see and to edit");
   add_option(verb, "dataset", arguments->dataset, "dataset.json, or its folder")->required()->type_name("DATASET");
-  add_option(verb, "--out", arguments->out, "Also write them, as a file that dataset.json can name")
-      ->type_name("FILE.json")
-      ->check(must_end_in(".json"));
-  add_option(verb, "--picture", arguments->picture,
-             "Also draw them, numbered, from the front, from the left, from behind and from the right")
-      ->type_name("FILE.png")
-      ->check(must_end_in(".png"));
+  add_option(verb, "--out", arguments->out, "FILE.json", "Also write them, as a file that dataset.json can name");
+  add_option(verb, "--picture", arguments->picture, "FILE.png",
+             "Also draw them, numbered, from the front, from the left, from behind and from the right");
   arguments->json.add(verb);
   verb.callback([arguments] { run(*arguments); });
 }

@@ -7,11 +7,10 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "assets/joint_regions.h"
+#include "assets/joints_with_skin.h"
 #include "assets/json_file.h"
 #include "assets/wording.h"
 #include "cli/arguments/common.h"
-#include "cli/arguments/example_poses.h"
 #include "dataset/regions_file.h"
 #include "runtime/core/atomic_file.h"
 #include "runtime/core/error.h"
@@ -160,7 +159,7 @@ void run(const RigArguments& arguments) {
                        {"degrees_of_freedom", limits.dofs.size()},
                        {"from_clips", from_clips},
                        {"regions", regions.size()}},
-                      format("%zu degrees of freedom, %td from %zu frames of clips, the others by rule; %zu regions\n",
+                      format("{} degrees of freedom, {} from {} frames of clips, the others by rule; {} regions\n",
                              limits.dofs.size(), from_clips, poses.size(), regions.size()) +
                           "wrote " + list_names(names, names.size()) + "\n");
 }
@@ -171,10 +170,9 @@ void add_rig(CLI::App& app) {
   auto arguments = std::make_shared<RigArguments>();
   CLI::App& verb = add_verb(app, "rig", "First joint limits, jiggle settings and regions of a rig, to be edited");
   add_option(verb, "character", arguments->character, "Character (.glb, .gltf)")->required()->type_name("CHARACTER");
-  add_option(verb, "--out", arguments->out, "Folder for limits.json, jiggle.json, regions.json and mappings of muscles")
-      ->required()
-      ->type_name("DIR")
-      ->check(refuse_empty);
+  add_option(verb, "--out", arguments->out, "DIR",
+             "Folder for limits.json, jiggle.json, regions.json and mappings of muscles")
+      ->required();
   add_option(verb, "--clip", arguments->clips, "Clips that show how far joints go (default: the character's own)")
       ->type_name("CLIP");
   add_option(verb, "--mapping", arguments->mappings,

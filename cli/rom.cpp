@@ -1,10 +1,8 @@
 // bodyopt rom: a character and its joint limits to a clip that shows the whole range of motion.
-#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "assets/clip_source.h"
 #include "cli/arguments/common.h"
-#include "cli/arguments/example_poses.h"
 #include "runtime/core/error.h"
 #include "trainer/motion/attached_rig.h"
 #include "trainer/motion/coupled_joints.h"
@@ -77,10 +75,10 @@ std::vector<Pose> wanted_poses(const Character& character, const JointLimits& li
 void say_few_frames(const RomArguments& arguments, const JointLimits& limits) {
   const std::size_t needed = frames_for_sweeps(limits);
   if (static_cast<std::size_t>(arguments.options.frames) >= needed) return;
-  say({format(
-      "%d frames are too few to sweep each of %zu degrees of freedom from end to end by itself, which takes %zu: "
-      "random poses have to show the rest",
-      arguments.options.frames, limits.dofs.size(), needed)});
+  say(
+      {format("{} frames are too few to sweep each of {} degrees of freedom from end to end by itself, which takes {}: "
+              "random poses have to show the rest",
+              arguments.options.frames, limits.dofs.size(), needed)});
 }
 
 std::string describe_wanted(const RomArguments& arguments, std::size_t count) {
@@ -89,7 +87,7 @@ std::string describe_wanted(const RomArguments& arguments, std::size_t count) {
     return "how much of the limits is shown was not measured: no random pose within them was found in which no limbs "
            "overlap; narrow those that reach through the body\n";
   }
-  return format("degrees from %zu random poses, in which no limbs overlap, to the nearest frame:\n", count);
+  return format("degrees from {} random poses, in which no limbs overlap, to the nearest frame:\n", count);
 }
 
 void run(const RomArguments& arguments) {
@@ -111,16 +109,17 @@ void run(const RomArguments& arguments) {
   write_clip(rig.detached(clip), own.skeleton, arguments.unit, arguments.out);
 
   say_few_frames(arguments, limits);
-  std::string text = format("%zu frames: rest, %zu of sweeps, %zu of pairs, %zu random\n", clip.poses.size(),
+  std::string text = format("{} frames: rest, {} of sweeps, {} of pairs, {} random\n", clip.poses.size(),
                             motion.sweep_frames, motion.pair_frames, motion.random_frames);
-  text += format("the largest step from a frame to the next is %.1f degrees", motion.largest_step);
-  text += options.step < RangeOfMotionOptions{}.step ? format(", of random frames %.1f at most\n", options.step) : "\n";
+  text += format("the largest step from a frame to the next is {:.1f} degrees", motion.largest_step);
+  text +=
+      options.step < RangeOfMotionOptions{}.step ? format(", of random frames {:.1f} at most\n", options.step) : "\n";
   const std::vector<Pose> wanted = wanted_poses(character, limits, options);
   text += describe_wanted(arguments, wanted.size());
   Json per_joint = Json::array();
   for (const JointCoverage& joint : coverage(clip.poses, wanted, character)) {
     if (wanted.empty()) break;
-    text += format("  %-20s mean %5.1f  largest %5.1f\n", joint.joint.c_str(), joint.mean, joint.largest);
+    text += format("  {:20} mean {:5.1f}  largest {:5.1f}\n", joint.joint, joint.mean, joint.largest);
     per_joint.push_back({{"joint", joint.joint}, {"mean_degrees", joint.mean}, {"largest_degrees", joint.largest}});
   }
   Json coupled = Json::array();
@@ -153,7 +152,7 @@ void add_rom(CLI::App& app) {
   add_option(verb, "character", arguments->character, "Character (.glb, .gltf)")->required()->type_name("CHARACTER");
   add_option(verb, "--limits", arguments->limits, "Joint limits (limits.json); default: what the clips of --from show")
       ->type_name("FILE");
-  add_output(verb, arguments->out, ".glb", "The clip to write");
+  add_option(verb, "--out", arguments->out, "FILE.glb", "The clip to write")->required();
   add_option(verb, "--frames", arguments->options.frames,
              "How many frames to make (a number, where other verbs take a list of frames)")
       ->capture_default_str()

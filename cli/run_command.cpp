@@ -16,7 +16,6 @@
 #include "assets/wording.h"
 #include "base/progress.h"
 #include "cli/arguments/common.h"
-#include "cli/arguments/exit_code.h"
 #include "runtime/core/error.h"
 
 namespace bodyopt::cli {

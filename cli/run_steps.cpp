@@ -5,7 +5,6 @@
 #include <algorithm>
 
 #include "cli/arguments/common.h"
-#include "cli/arguments/exit_code.h"
 #include "runtime/core/atomic_file.h"
 #include "runtime/core/error.h"
 
@@ -49,7 +48,7 @@ void run_steps(const std::vector<const FarmStep*>& steps, const std::string& pro
       throw Error(ErrorKind::interrupted, step->out + " was interrupted; the same command goes on with it");
     }
   }
-  if (failed > 0) throw Error(static_cast<ErrorKind>(last), format("%zu of %zu steps failed", failed, steps.size()));
+  if (failed > 0) throw Error(static_cast<ErrorKind>(last), format("{} of {} steps failed", failed, steps.size()));
 }
 
 void run_show_list(const std::string& file, const std::string& progress) {
@@ -59,7 +58,7 @@ void run_show_list(const std::string& file, const std::string& progress) {
   const FarmPlan plan = plan_show(list, kUncutMinutes, problems);
   for (const std::string& problem : problems) spdlog::error("{}", problem);
   if (!problems.empty()) {
-    throw Error(ErrorKind::usage, format("%s: %zu problems; nothing is evaluated", file.c_str(), problems.size()));
+    throw Error(ErrorKind::usage, format("{}: {} problems; nothing is evaluated", file, problems.size()));
   }
   std::vector<const FarmStep*> steps;
   for (const FarmTask& task : plan.tasks) {

@@ -31,7 +31,7 @@ Json summary(const std::vector<FrameStatus>& status, std::string& text) {
       residual = std::max(residual, frame.residual);
     } else {
       ++unconverged;
-      text += format("frame %d did not converge (residual %.2e, %d inverted tets): train will leave it out\n",
+      text += format("frame {} did not converge (residual {:.2e}, {} inverted tets): train will leave it out\n",
                      frame.frame, frame.residual, frame.inverted_tets);
     }
     inverted += frame.inverted_tets;
@@ -52,13 +52,13 @@ Json summary(const std::vector<FrameStatus>& status, std::string& text) {
   }
   const double mean_seconds = seconds / static_cast<double>(std::max<std::size_t>(status.size(), 1));
   text +=
-      format("%zu frames, %d unconverged, %d inverted tets, largest residual kept %.2e, %.2f s of solving a frame\n",
+      format("{} frames, {} unconverged, {} inverted tets, largest residual kept {:.2e}, {:.2f} s of solving a frame\n",
              status.size(), unconverged, inverted, residual, mean_seconds);
   if (depth > 0) {
-    text += format("skin in skin: %.2f mm at the deepest (frame %d), more than %g mm in %d frames\n", 1e3 * depth,
+    text += format("skin in skin: {:.2f} mm at the deepest (frame {}), more than {:g} mm in {} frames\n", 1e3 * depth,
                    deepest_frame, 1e3 * kDeep, deep);
   }
-  if (volume != 0) text += format("volume of the muscle that changes most: %+.2f %%\n", 1e2 * volume);
+  if (volume != 0) text += format("volume of the muscle that changes most: {:+.2f} %\n", 1e2 * volume);
   return {{"frames", status.size()},           {"unconverged", unconverged},
           {"inverted_tets", inverted},         {"largest_residual", residual},
           {"seconds_per_frame", mean_seconds}, {"contact_depth_mm", 1e3 * depth},

@@ -7,7 +7,7 @@
 
 #include "assets/frame_range.h"
 #include "cli/arguments/common.h"
-#include "cli/results/fade_log.h"
+#include "cli/results/evaluation_log.h"
 #include "dataset/dataset.h"
 #include "runtime/core/error.h"
 #include "trainer/train/data/learned_poses.h"
@@ -78,24 +78,24 @@ Json details_of(const TakeErrors& take, bool told) {
 }
 
 std::string columns_of(const MethodErrors& errors) {
-  return format("%9.3f %9.3f %7.3f %9.3f", errors.ddm, errors.full, errors.ddm > 0 ? errors.full / errors.ddm : 0.0,
-                errors.expected);
+  return format("{:9.3f} {:9.3f} {:7.3f} {:9.3f}", errors.ddm, errors.full,
+                errors.ddm > 0 ? errors.full / errors.ddm : 0.0, errors.expected);
 }
 
 std::string lines_of(const TakeErrors& take) {
-  std::string text = format("%-20s %6zu %s %6.2f\n", take.take.c_str(), take.frames.size(),
-                            columns_of(take.errors).c_str(), take.rank_correlation);
+  std::string text =
+      format("{:20} {:6} {} {:6.2f}\n", take.take, take.frames.size(), columns_of(take.errors), take.rank_correlation);
   std::vector<PartErrors> parts = take.parts;
   std::sort(parts.begin(), parts.end(), [](const PartErrors& a, const PartErrors& b) {
     return a.errors.full * b.errors.ddm > b.errors.full * a.errors.ddm;
   });
   parts.resize(std::min<std::size_t>(3, parts.size()));
   for (const PartErrors& part : parts) {
-    text += format("  %-18s %6s %s\n", part.part.c_str(), "", columns_of(part.errors).c_str());
+    text += format("  {:18} {:>6} {}\n", part.part, "", columns_of(part.errors));
   }
   const std::size_t harmed = harmed_parts(take, kHarm).size();
   text += harmed == 0 ? "  no part is worse than untrained\n"
-                      : format("  %zu of %zu parts are worse than untrained\n", harmed, take.parts.size());
+                      : format("  {} of {} parts are worse than untrained\n", harmed, take.parts.size());
   FadeLog fades;
   for (const FrameErrors& frame : take.frames) fades.add(frame.frame, frame.fade, frame.fading_joint);
   return text + (fades.text().empty() ? "" : "  " + fades.text());
@@ -115,8 +115,8 @@ void run(const TestArguments& arguments) {
   }
   Json takes = Json::array();
   std::string text = format(
-      "RMS by area, mm; of the parts of the body, by joint, those that gained least\n%-20s %6s "
-      "%9s %9s %7s %9s %6s\n",
+      "RMS by area, mm; of the parts of the body, by joint, those that gained least\n{:20} {:>6} "
+      "{:>9} {:>9} {:>7} {:>9} {:>6}\n",
       "take", "frames", "DDM", "full", "ratio", "expected", "rho");
   for (const TakeErrors& take : test_errors(basis, set)) {
     warn_of_learned(take);

@@ -48,12 +48,13 @@ void run_ddm_only(const TrainArguments& arguments) {
   const std::vector<AttachedMesh> attached =
       attach_own_meshes(arguments.ddm_only, arguments.unit, character.output_count(), basis, arguments.out);
   const double per_vertex = bytes_per_vertex(basis);
-  arguments.json.emit({{"basis", arguments.out},
-                       {"vertices", basis.mesh.vertex_count()},
-                       {"bytes_per_vertex", per_vertex},
-                       {"attached", to_json(attached)}},
-                      describe(attached) + format("wrote %s: Direct Delta Mush of %u vertices, %.0f bytes per vertex\n",
-                                                  arguments.out.c_str(), basis.mesh.vertex_count(), per_vertex));
+  arguments.json.emit(
+      {{"basis", arguments.out},
+       {"vertices", basis.mesh.vertex_count()},
+       {"bytes_per_vertex", per_vertex},
+       {"attached", to_json(attached)}},
+      describe(attached) + format("wrote {}: Direct Delta Mush of {} vertices, {:.0f} bytes per vertex\n",
+                                  arguments.out, basis.mesh.vertex_count(), per_vertex));
 }
 
 Json ablation(const std::vector<MethodResult>& methods) {
@@ -89,19 +90,19 @@ Json result_of(const TrainArguments& arguments, const SampleSet& set, const Trai
 // The line of Direct Delta Mush says how far it smooths.
 std::string heldout_table(const Training& training) {
   std::vector<MethodResult> methods = training.methods;
-  methods[1].name += format(", smoothing radius %.0f mm", 1e3 * training.result.smoothing_radius);
+  methods[1].name += format(", smoothing radius {:.0f} mm", 1e3 * training.result.smoothing_radius);
   return method_table(methods);
 }
 
 std::string train_text(const SampleSet& set, const Training& training, double seconds) {
   std::string text = format(
-      "trained on %zu frames (%d unconverged left out) in %.1f s: %.0f bytes per vertex, %.3f mm RMS expected of poses "
+      "trained on {} frames ({} unconverged left out) in {:.1f} s: {:.0f} bytes per vertex, {:.3f} mm RMS expected of poses "
       "near those trained on\n",
       set.train.size(), set.unconverged, seconds, bytes_per_vertex(training.result.basis), training.result.expected_mm);
-  text += format("left to learn after un-posing: LBS %.3f mm, DDM %.3f mm RMS\n", training.unposing.lbs,
+  text += format("left to learn after un-posing: LBS {:.3f} mm, DDM {:.3f} mm RMS\n", training.unposing.lbs,
                  training.unposing.ddm);
   if (!set.heldout.empty()) {
-    text += format("held out, %zu frames:\n", set.heldout.size()) + heldout_table(training);
+    text += format("held out, {} frames:\n", set.heldout.size()) + heldout_table(training);
   }
   return text;
 }
@@ -192,10 +193,10 @@ void warn_of_far_frames(const Training& training) {
 void require_tolerance(const TrainArguments& arguments, double expected) {
   const double tolerance = arguments.options.tolerance_mm;
   if (!(tolerance > 0 && expected > tolerance)) return;
-  throw Error(ErrorKind::quality, format("%s: %.3g mm RMS were asked for, and %.3f are to be expected of the best "
+  throw Error(ErrorKind::quality, format("{}: {:.3g} mm RMS were asked for, and {:.3f} are to be expected of the best "
                                          "basis that these frames give, which was written: more frames, or muscles "
                                          "that the skin lacks, may lower that",
-                                         arguments.out.c_str(), tolerance, expected));
+                                         arguments.out, tolerance, expected));
 }
 
 void run(TrainArguments arguments) {
@@ -244,7 +245,7 @@ void add_train(CLI::App& app) {
   CLI::Option* ddm_only =
       add_option(verb, "--ddm-only", arguments->ddm_only, "Make a basis of Direct Delta Mush alone, without shapes")
           ->type_name("CHARACTER");
-  add_output(verb, arguments->out, ".safetensors", "Basis to write");
+  add_option(verb, "--out", arguments->out, "FILE.safetensors", "Basis to write")->required();
   add_option(verb, "--heldout-every", arguments->heldout_every,
              "Hold out every Nth block of ten frames instead of the frames dataset.json names")
       ->check(CLI::Range(2, 1000));
@@ -260,10 +261,8 @@ void add_train(CLI::App& app) {
       ->excludes(ddm_only);
   add_flag(verb, "--ablate", arguments->ablate,
            "Also train the model with parts left out, and its peers, to as many bytes, and compare them");
-  add_option(verb, "--report", arguments->report,
+  add_option(verb, "--report", arguments->report, "DIR",
              "Folder for report.html and report.json: what was learned, and how well")
-      ->type_name("DIR")
-      ->check(refuse_empty)
       ->excludes(ddm_only);
   add_option(verb, "--smoothing-radius", arguments->options.smoothing_radius,
              "Radius of Direct Delta Mush, metres (default: 1/40 of the size, or twice that where it leaves less "

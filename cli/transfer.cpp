@@ -8,7 +8,6 @@
 #include "assets/frame_range.h"
 #include "cli/arguments/common.h"
 #include "cli/results/transfer_page.h"
-#include "cli/results/transfer_picture.h"
 #include "dataset/modifier.h"
 #include "report/page.h"
 #include "runtime/core/atomic_file.h"
@@ -17,13 +16,13 @@
 #include "trainer/check/check.h"
 #include "trainer/curate/edit_stack.h"
 #include "trainer/train/skinning/ddm_basis.h"
-#include "trainer/transfer/likeness.h"
 #include "trainer/transfer/markers_file.h"
 #include "trainer/transfer/refine_carried.h"
 #include "trainer/transfer/transfer_basis.h"
 #include "trainer/transfer/transfer_dataset.h"
 #include "trainer/transfer/transfer_dynamics.h"
 #include "trainer/transfer/transfer_levels.h"
+#include "trainer/transfer/transfer_pair.h"
 #include "trainer/transfer/transfer_parts.h"
 
 namespace bodyopt::cli {
@@ -68,9 +67,9 @@ double judge(const TransferPair& pair, const TransferArguments& arguments, const
   const double alike = likeness(pair);
   if (alike >= kLeastLikeness) return alike;
   const std::string what = format(
-      "%s: is like the source's body by %.2f only (1: the same skin on the same joints; below %.2f is refused): "
-      "an unlike body, joints of other meaning, or a rest pose far off%s",
-      target.c_str(), alike, kLeastLikeness, arguments.picture.empty() ? "; --picture FILE.png shows where" : "");
+      "{}: is like the source's body by {:.2f} only (1: the same skin on the same joints; below {:.2f} is refused): "
+      "an unlike body, joints of other meaning, or a rest pose far off{}",
+      target, alike, kLeastLikeness, arguments.picture.empty() ? "; --picture FILE.png shows where" : "");
   if (!arguments.force) throw Error(ErrorKind::mismatch, what + "; --force goes on all the same");
   spdlog::warn(what);
   return alike;
@@ -79,10 +78,10 @@ double judge(const TransferPair& pair, const TransferArguments& arguments, const
 std::string describe(const TransferPair& pair) {
   const Correspondence& correspondence = pair.correspondence;
   if (correspondence.same_topology) {
-    return format("the same triangles, confidence %.2f", correspondence.mean_confidence());
+    return format("the same triangles, confidence {:.2f}", correspondence.mean_confidence());
   }
-  return format("confidence %.2f, %lld of %lld vertices filled in", correspondence.mean_confidence(),
-                static_cast<long long>(pair.skin.unsure()), static_cast<long long>(correspondence.target.rows()));
+  return format("confidence {:.2f}, {} of {} vertices filled in", correspondence.mean_confidence(), pair.skin.unsure(),
+                correspondence.target.rows());
 }
 
 // What the report shows the bodies in.
@@ -172,7 +171,7 @@ void check_basis_arguments(const TransferArguments& arguments) {
             ": is a dataset, expected a trained basis (.safetensors): 'bodyopt transfer dataset' carries datasets");
   }
   if (arguments.outs.size() != arguments.targets.size()) {
-    throw Error(ErrorKind::usage, format("%zu targets and %zu --out: every target needs a basis to write",
+    throw Error(ErrorKind::usage, format("{} targets and {} --out: every target needs a basis to write",
                                          arguments.targets.size(), arguments.outs.size()));
   }
   std::set<std::filesystem::path> places;
@@ -226,8 +225,8 @@ class BasisTransfer {
     facts["seconds_with_what_is_beside"] = watch.seconds();
     say_of(target, notes);
     if (!arguments_.report.empty()) report(pair, basis, facts, pictures);
-    std::string text = format("wrote %s: %u vertices, %s, %.1f s\n", out.c_str(), basis.mesh.vertex_count(),
-                              describe(pair).c_str(), seconds);
+    std::string text =
+        format("wrote {}: {} vertices, {}, {:.1f} s\n", out, basis.mesh.vertex_count(), describe(pair), seconds);
     for (const std::string& file : beside) text += "wrote " + file + "\n";
     arguments_.json.print(text);
     return facts;
@@ -314,8 +313,8 @@ void run_dataset(const TransferArguments& arguments) {
   facts["frames"] = told.frames;
   facts["seconds"] = watch.seconds();
   facts["peak_memory_mib"] = peak_memory_mib();
-  arguments.json.emit(facts, format("wrote %s: %zu takes, %zu frames, %s, %.1f s\n", (out / "dataset.json").c_str(),
-                                    told.takes, told.frames, describe(pair).c_str(), watch.seconds()));
+  arguments.json.emit(facts, format("wrote {}: {} takes, {} frames, {}, {:.1f} s\n", (out / "dataset.json").string(),
+                                    told.takes, told.frames, describe(pair), watch.seconds()));
 }
 
 struct RefineArguments {
@@ -340,7 +339,7 @@ std::size_t say_carried_judge(const SampleSet& set, const std::set<std::string>&
   }));
   if (count > 0) {
     say({format(
-        "%zu of the %zu frames held out are carried from the source: errors that 'train' and 'test' measure on "
+        "{} of the {} frames held out are carried from the source: errors that 'train' and 'test' measure on "
         "them tell how near to the source's shapes the basis is, not to this body's; hold out frames of its own "
         "(simulate --heldout)",
         count, set.heldout.size())});
@@ -396,9 +395,9 @@ void run_refine(const RefineArguments& arguments) {
        {"carried_heldout_frames", carried_judge},
        {"difference_mm", refined.difference_mm()},
        {"seconds", watch.seconds()}},
-      format("%zu carried frames moved to what %zu own frames show, which were %.2f mm RMS off them, in "
-             "%.1f s: modifiers '%s' and the like of the dataset's stack\n",
-             count, all - count, refined.difference_mm(), watch.seconds(), refinement_of(*carried.begin()).c_str()));
+      format("{} carried frames moved to what {} own frames show, which were {:.2f} mm RMS off them, in "
+             "{:.1f} s: modifiers '{}' and the like of the dataset's stack\n",
+             count, all - count, refined.difference_mm(), watch.seconds(), refinement_of(*carried.begin())));
 }
 
 void add_refine(CLI::App& transfer) {
@@ -415,13 +414,9 @@ void add_refine(CLI::App& transfer) {
 }
 
 void add_shared(CLI::App& verb, TransferArguments& arguments) {
-  add_option(verb, "--map", arguments.options.joint_map,
-             "Which joint of the source is which of the target, where names do not tell (joint_map.json)")
-      ->type_name("FILE")
-      ->check(refuse_empty);
-  add_option(verb, "--markers", arguments.markers, "Vertices of both skins that are the same (markers.json)")
-      ->type_name("FILE")
-      ->check(refuse_empty);
+  add_option(verb, "--map", arguments.options.joint_map, "FILE",
+             "Which joint of the source is which of the target, where names do not tell (joint_map.json)");
+  add_option(verb, "--markers", arguments.markers, "FILE", "Vertices of both skins that are the same (markers.json)");
   add_flag(verb, "--source-size", arguments.source_size,
            "Displacements in metres as on the source, and not by the target's local size");
   add_flag(verb, "--force", arguments.force, "Go on with bodies that are unlike");
@@ -444,14 +439,9 @@ void add_transfer(CLI::App& app) {
       ->required()
       ->expected(1)
       ->type_name("CHARACTER");
-  add_option(dataset, "--out", of_dataset->outs, "Folder of the dataset to write")
-      ->required()
-      ->expected(1)
-      ->type_name("DATASET")
-      ->check(refuse_empty);
-  add_option(dataset, "--picture", of_dataset->picture, "Picture of the match (.png): by colour, and how sure it is")
-      ->type_name("FILE")
-      ->check(must_end_in(".png"));
+  add_option(dataset, "--out", of_dataset->outs, "DATASET", "Folder of the dataset to write")->required()->expected(1);
+  add_option(dataset, "--picture", of_dataset->picture, "FILE.png",
+             "Picture of the match (.png): by colour, and how sure it is");
   add_shared(dataset, *of_dataset);
   dataset.callback([of_dataset] { run_dataset(*of_dataset); });
 
@@ -466,31 +456,21 @@ void add_transfer(CLI::App& app) {
       ->required()
       ->type_name("BASIS")
       ->check(must_end_in(".safetensors"));
-  add_option(basis, "--picture", of_basis->picture,
-             "Picture of the match with the last target (.png): by colour, and how sure it is")
-      ->type_name("FILE")
-      ->check(must_end_in(".png"));
-  add_option(basis, "--report", of_basis->report,
-             "Page on how well the bodies match, part by part, and what to simulate next (.html)")
-      ->type_name("FILE")
-      ->check(must_end_in(".html"));
-  add_option(basis, "--clip", of_basis->clip, "Poses for the report: motion of the source")
-      ->type_name("CLIP")
-      ->check(refuse_empty);
-  add_option(basis, "--proxy", of_basis->proxy,
+  add_option(basis, "--picture", of_basis->picture, "FILE.png",
+             "Picture of the match with the last target (.png): by colour, and how sure it is");
+  add_option(basis, "--report", of_basis->report, "FILE.html",
+             "Page on how well the bodies match, part by part, and what to simulate next (.html)");
+  add_option(basis, "--clip", of_basis->clip, "CLIP", "Poses for the report: motion of the source");
+  add_option(basis, "--proxy", of_basis->proxy, "BASIS",
              "Proxy of the source (default: BASIS.proxy.safetensors beside it), whose levels go with it, to "
-             "OUT.proxy.safetensors")
-      ->type_name("BASIS")
-      ->check(refuse_empty);
-  add_option(basis, "--muscles", of_basis->muscles,
+             "OUT.proxy.safetensors");
+  add_option(basis, "--muscles", of_basis->muscles, "FILE",
              "The source's muscles (muscles.json), for the dynamics that stand beside it: those are made for the "
-             "targets, too")
-      ->type_name("FILE")
-      ->check(refuse_empty);
+             "targets, too");
   add_flag(basis, "--alone", of_basis->alone, "Without the dynamics and the proxy that stand beside the source")
       ->excludes(basis.get_option("--proxy"))
       ->excludes(basis.get_option("--muscles"));
-  add_option(basis, "--frames", of_basis->frames, "Frames of it (default: all)")->type_name("R")->check(refuse_empty);
+  add_option(basis, "--frames", of_basis->frames, "R", "Frames of it (default: all)");
   add_shared(basis, *of_basis);
   basis.callback([of_basis] { run_basis(*of_basis); });
   add_refine(verb);

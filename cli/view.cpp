@@ -58,23 +58,15 @@ void add_view(CLI::App& app) {
   auto arguments = std::make_shared<ViewArguments>();
   ViewerOptions& options = arguments->options;
   CLI::App& verb = add_verb(app, "view", "The animators' viewport");
-  add_option(verb, "files", options.files,
+  add_option(verb, "files", options.files, "BASIS|CHARACTER|DATASET [CLIP]",
              "Basis (.safetensors), or character (.glb, .gltf) by Direct Delta Mush, its clip and point cache, or "
              "a dataset; "
-             "then others, each followed by its own (default: the built-in arm)")
-      ->type_name("BASIS|CHARACTER|DATASET [CLIP]")
-      ->check(refuse_empty);
-  add_option(verb, "--truth", options.truth,
-             "Point cache to compare the first character with, or DATASET#TAKE: a take through its modifiers")
-      ->type_name("CACHE")
-      ->check(refuse_empty);
-  add_option(verb, "--proxy", options.proxy, "Lighter levels of the first basis, which `proxy` made of it")
-      ->type_name("BASIS")
-      ->check(refuse_empty);
-  add_option(verb, "--character", options.character,
-             "File of the first basis' character, to compare with linear blending")
-      ->type_name("CHARACTER")
-      ->check(refuse_empty);
+             "then others, each followed by its own (default: the built-in arm)");
+  add_option(verb, "--truth", options.truth, "CACHE",
+             "Point cache to compare the first character with, or DATASET#TAKE: a take through its modifiers");
+  add_option(verb, "--proxy", options.proxy, "BASIS", "Lighter levels of the first basis, which `proxy` made of it");
+  add_option(verb, "--character", options.character, "CHARACTER",
+             "File of the first basis' character, to compare with linear blending");
   add_option(verb, "--ff", options.first, "First frame of the range that is played")->type_name("FRAME");
   add_option(verb, "--lf", options.last, "Last frame")->type_name("FRAME");
   add_option(verb, "--cf", options.current, "Frame to begin at")->type_name("FRAME");
@@ -84,10 +76,8 @@ void add_view(CLI::App& app) {
       ->expected(2)
       ->allow_extra_args(false)
       ->check(CLI::Range(1u, kMostViewportPixels));
-  add_option(verb, "--limits", options.limits,
-             "Joint limits (limits.json) of the first character: how far joints can be turned")
-      ->type_name("FILE")
-      ->check(refuse_empty);
+  add_option(verb, "--limits", options.limits, "FILE",
+             "Joint limits (limits.json) of the first character: how far joints can be turned");
   add_joint_map(verb, options.joint_map);
   add_option(verb, "--state", options.state, "Cameras and settings that the viewport saved")->type_name("FILE");
   add_option(verb, "--do", options.commands, "Commands of the viewport, parted by ';'")->type_name("COMMANDS");
@@ -98,11 +88,9 @@ void add_view(CLI::App& app) {
   add_flag(verb, "--no-vsync", arguments->no_vsync, "As many pictures a second as there can be");
   add_option(verb, "--seconds", options.seconds, "Close after so long")->check(above_zero);
   add_flag(verb, "--headless", options.headless, "Without a window");
-  add_option(verb, "-o,--out", options.out,
+  add_option(verb, "-o,--out", options.out, "FILE",
              "With --headless: a picture (.png), one per frame where the name has #### or %04d, or all frames in "
-             "one that moves (.webp)")
-      ->type_name("FILE")
-      ->check(refuse_empty);
+             "one that moves (.webp)");
   add_option(verb, "--device", options.device.name, "Vulkan device: auto, an index or part of a name (default: auto)");
   add_flag(verb, "--validate", options.device.validation, "With Vulkan's validation layers: any message is an error");
   verb.callback([arguments] { run(*arguments); });

@@ -1,11 +1,17 @@
 #include "dataset/modifier.h"
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 #include <set>
 
 #include "assets/json_file.h"
 
 namespace bodyopt {
+
+const Modifier* find_modifier(const std::vector<Modifier>& modifiers, const std::string& name) {
+  const auto found = std::ranges::find(modifiers, name, &Modifier::name);
+  return found == modifiers.end() ? nullptr : &*found;
+}
 
 Modifier read_modifier(const Json& json, const std::filesystem::path& path, const std::string& place) {
   const JsonObject object(json, path, place);

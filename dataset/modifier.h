@@ -25,6 +25,9 @@ struct Modifier {
   bool operator==(const Modifier&) const = default;
 };
 
+// The one of a name; null where there is none.
+const Modifier* find_modifier(const std::vector<Modifier>& modifiers, const std::string& name);
+
 // Frames by a name, for modifiers to choose by.
 struct NamedSelection {
   std::string name;

@@ -4,7 +4,6 @@
 #include <cstdint>
 #include <initializer_list>
 #include <span>
-#include <vector>
 
 #include "draw/attachment.h"
 #include "runtime/vulkan/descriptor_sets.h"

@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-#include "draw/srgb.h"
+#include "draw/colours.h"
 #include "draw/viewport.h"
 #include "runtime/core/error.h"
 #include "runtime/host/device_choice.h"

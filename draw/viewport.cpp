@@ -1,14 +1,13 @@
 #include "draw/viewport.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstring>
 #include <optional>
 #include <string>
 
 #include "draw/camera.h"
+#include "draw/colours.h"
 #include "draw/graphics_pipeline.h"
-#include "draw/heat_colour.h"
 #include "draw/shadow_map.h"
 #include "draw/viewport_images.h"
 #include "runtime/core/error.h"

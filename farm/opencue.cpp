@@ -7,8 +7,7 @@
 #include <set>
 #include <sstream>
 
-#include "farm/number_ranges.h"
-#include "farm/shell_word.h"
+#include "farm/job_text.h"
 #include "runtime/core/error.h"
 
 namespace bodyopt {

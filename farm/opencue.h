@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "farm/job_text.h"
 #include "farm/plan.h"
-#include "farm/task_needs.h"
 
 namespace bodyopt {
 

@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "farm/number_ranges.h"
+#include "farm/job_text.h"
 #include "runtime/core/error.h"
 
 namespace bodyopt {

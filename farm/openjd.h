@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "assets/json_file.h"
+#include "farm/job_text.h"
 #include "farm/plan.h"
-#include "farm/task_needs.h"
 
 namespace bodyopt {
 

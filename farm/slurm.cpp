@@ -11,9 +11,8 @@
 #include <tuple>
 
 #include "assets/json_file.h"
-#include "farm/number_ranges.h"
+#include "farm/job_text.h"
 #include "farm/run_command.h"
-#include "farm/shell_word.h"
 #include "runtime/core/atomic_file.h"
 #include "runtime/core/error.h"
 #include "runtime/core/file_lock.h"

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "farm/job_text.h"
 #include "farm/plan.h"
-#include "farm/task_needs.h"
 
 namespace bodyopt {
 

@@ -1,7 +1,6 @@
 #include "geometry/brush_stroke.h"
 
 #include <algorithm>
-#include <cmath>
 #include <utility>
 
 #include "geometry/vertex_normals.h"

@@ -1,6 +1,5 @@
 #include "geometry/untangle.h"
 
-#include <algorithm>
 #include <vector>
 
 #include "geometry/self_intersections.h"

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
 
 #include "draw/camera.h"
 #include "runtime/core/error.h"
@@ -108,13 +107,10 @@ void Brushing::drag(const Rectangle& area, const std::array<double, 2>& pixel) {
 
 // What is held stays under the mouse, as far away as it was.
 void Brushing::pull(const Rectangle& area, const std::array<double, 2>& pixel) {
-  const Camera camera = controls_.camera.camera();
-  const Vec3 towards = to_double(camera.eye) - to_double(camera.target);
-  const Ray ray =
-      ray_through(camera, view_at(scene_, controls_, area, static_cast<float>(pixel[0])), pixel[0], pixel[1]);
-  const double slope = dot(ray.along, towards);
-  if (slope == 0) return;
-  const Vec3 to = ray.from + (dot(held_ - ray.from, towards) / slope) * ray.along, way = to - held_;
+  const Rectangle view = view_at(scene_, controls_, area, static_cast<float>(pixel[0]));
+  const auto to = moved_under_pixel(controls_.camera.camera(), view, pixel[0], pixel[1], held_);
+  if (!to) return;
+  const Vec3 way = *to - held_;
   sculpting_->pull({way[0], way[1], way[2]});
   ring_->centre = held_ + brush_.strength * way;
   show();

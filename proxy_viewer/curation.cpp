@@ -69,7 +69,7 @@ void Curation::begin(const std::shared_ptr<const ShapeStack>& stack, std::vector
   stack_ = stack;
   if (!stack) return;
   numbers_ = std::move(numbers);
-  for (const std::size_t number : numbers_) controls.curating.frames.push_back(frame_text(number));
+  for (const std::size_t number : numbers_) controls.curating.frames.push_back(stack_->database().name_of(number));
   parts_ = skin_parts(stack->database());
   double widest = -1;
   for (const SkinPart& part : parts_) {
@@ -93,11 +93,6 @@ void Curation::choose_region(const std::string& name) {
   if (part == parts_.end()) return;
   region_ = name;
   map_ = pose_map(stack_->database(), *part, kAlikeDegrees);
-}
-
-std::string Curation::frame_text(std::size_t number) const {
-  const DatabaseFrame& frame = stack_->database().frames[number];
-  return stack_->database().takes[static_cast<std::size_t>(frame.take)] + " " + std::to_string(frame.frame);
 }
 
 std::size_t Curation::number_of(int frame) const {
@@ -140,7 +135,7 @@ std::vector<PoseDot> Curation::dots(const std::vector<double>& heat) const {
   for (std::size_t k = 0; k < numbers_.size(); ++k) {
     const Eigen::RowVector2d place = map_.places.row(static_cast<Index>(numbers_[k])) / extent;
     dots.push_back({static_cast<float>(place.x()), static_cast<float>(place.y()), static_cast<float>(heat[k] / hottest),
-                    frame_text(numbers_[k])});
+                    stack_->database().name_of(numbers_[k])});
   }
   return dots;
 }
@@ -181,8 +176,8 @@ void Curation::describe(const Controls& controls, Snapshot& snapshot, std::span<
   for (std::size_t k = 0; report_ && k < report_->pairs.size(); ++k) {
     const DisagreeingPair& pair = report_->pairs[k];
     std::snprintf(text, sizeof(text), "%.2f mm  ", pair.apart_mm);
-    row.pairs.push_back(text + frame_text(pair.first) + " \xe2\x80\x93 " + frame_text(pair.second) + "  " +
-                        pair.region);
+    row.pairs.push_back(text + stack_->database().name_of(pair.first) + " \xe2\x80\x93 " +
+                        stack_->database().name_of(pair.second) + "  " + pair.region);
   }
   snapshot.curation = std::move(row);
 }

@@ -42,7 +42,6 @@ class Curation {
   void choose_region(const std::string& name);
   std::vector<PoseDot> dots(const std::vector<double>& heat) const;
   std::vector<double> values(MapColour colour, const Snapshot& snapshot, std::span<const double> brushed) const;
-  std::string frame_text(std::size_t number) const;
   std::filesystem::path path() const { return stack_->database().dataset.folder / "dataset.json"; }
 
   std::shared_ptr<const ShapeStack> stack_;

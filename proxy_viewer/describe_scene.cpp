@@ -6,30 +6,15 @@
 namespace bodyopt {
 namespace {
 
-const char* name_of(SkinMethod method) {
-  switch (method) {
-    case SkinMethod::lbs:
-      return "linear blending";
-    case SkinMethod::ddm:
-      return "Direct Delta Mush";
-    case SkinMethod::linear:
-      return "linear";
-    case SkinMethod::full:
-      return "full";
-    case SkinMethod::jiggle:
-      return "jiggle";
-    case SkinMethod::proxy:
-      return "proxy";
-    case SkinMethod::truth:
-      return "truth";
-  }
-  return "";
-}
+// As the enumeration.
+constexpr const char* kMethodNames[] = {
+    "linear blending", "Direct Delta Mush", "linear", "full", "jiggle", "proxy", "truth"};
 
 // A basis that learned nothing is what it would be without that.
 const char* name_of(SkinMethod method, const Basis& basis) {
   const bool adds_learned = method == SkinMethod::full || method == SkinMethod::linear;
-  return name_of(adds_learned && basis.residual.coefficient_count() == 0 ? SkinMethod::ddm : method);
+  const bool is_ddm = adds_learned && basis.residual.coefficient_count() == 0;
+  return kMethodNames[static_cast<std::size_t>(is_ddm ? SkinMethod::ddm : method)];
 }
 
 CharacterRow describe(const Actor& character) {

@@ -1,7 +1,7 @@
 #include "proxy_viewer/matching.h"
 
 #include "geometry/table_rows.h"
-#include "trainer/transfer/match_colours.h"
+#include "trainer/transfer/correspondence.h"
 #include "trainer/transfer/match_skeletons.h"
 #include "trainer/transfer/motion_of_target.h"
 #include "trainer/transfer/transfer_parts.h"

@@ -15,7 +15,6 @@
 #include "proxy_viewer/describe_scene.h"
 #include "proxy_viewer/mouse.h"
 #include "proxy_viewer/panels/panels.h"
-#include "proxy_viewer/panels/shown_texts.h"
 #include "runtime/core/error.h"
 
 namespace bodyopt {

@@ -112,6 +112,15 @@ Ray ray_through(const Camera& camera, const Rectangle& area, double x, double y)
   return {eye, across - axes.back, cut};
 }
 
+std::optional<Vec3> moved_under_pixel(const Camera& camera, const Rectangle& area, double x, double y,
+                                      const Vec3& point) {
+  const Vec3 towards = to_double(camera.eye) - to_double(camera.target);
+  const Ray ray = ray_through(camera, area, x, y);
+  const double slope = dot(ray.along, towards);
+  if (slope == 0) return std::nullopt;
+  return ray.from + (dot(point - ray.from, towards) / slope) * ray.along;
+}
+
 std::optional<RayHit> first_hit(const Ray& ray, std::span<const float> vertices,
                                 std::span<const std::uint32_t> triangles) {
   const auto corner = [&](std::size_t k) { return vertex(vertices, triangles[k]); };

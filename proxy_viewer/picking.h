@@ -44,6 +44,10 @@ struct Ray {
 // Through a pixel of the area that the camera fills.
 Ray ray_through(const Camera& camera, const Rectangle& area, double x, double y);
 
+// A point moved to where it is seen at a pixel of that area, as far from the eye as it was; none: nowhere.
+std::optional<Vec3> moved_under_pixel(const Camera& camera, const Rectangle& area, double x, double y,
+                                      const Vec3& point);
+
 struct RayHit {
   Vec3 at, normal;  // the triangle's, unit, towards where the ray comes from
   std::size_t triangle;

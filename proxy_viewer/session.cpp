@@ -18,7 +18,7 @@
 #include "runtime/basis/character_unit.h"
 #include "runtime/core/error.h"
 #include "runtime/core/file_kind.h"
-#include "runtime/deformer/outside.h"
+#include "runtime/deformer/evaluation.h"
 #include "runtime/modifiers/drive_modifiers.h"
 #include "trainer/transfer/markers_file.h"
 

@@ -4,8 +4,7 @@
 #include <cmath>
 #include <cstdio>
 
-#include "draw/heat_colour.h"
-#include "draw/srgb.h"
+#include "draw/colours.h"
 #include "report/page.h"
 #include "report/pictures.h"
 #include "runtime/core/error.h"

@@ -4,8 +4,7 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
-#include "draw/heat_colour.h"
-#include "draw/srgb.h"
+#include "draw/colours.h"
 #include "report/page_html.h"
 
 namespace bodyopt {

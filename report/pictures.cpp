@@ -4,7 +4,7 @@
 #include <cmath>
 #include <vector>
 
-#include "draw/heat_colour.h"
+#include "draw/colours.h"
 #include "geometry/table_rows.h"
 #include "geometry/vertex_normals.h"
 #include "runtime/core/error.h"

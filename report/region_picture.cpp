@@ -5,11 +5,12 @@
 #include <limits>
 #include <optional>
 #include <set>
+#include <string>
 #include <utility>
 
 #include "draw/camera.h"
-#include "draw/oklab.h"
-#include "report/number_label.h"
+#include "draw/colours.h"
+#include "geometry/vertex_normals.h"
 #include "report/pictures.h"
 
 namespace bodyopt {
@@ -165,6 +166,21 @@ class RegionPanel {
   float tolerance_ = 0;                       // metres
 };
 
+constexpr int kColumns = 3, kRows = 5, kScale = 3, kMargin = 3;  // of a digit; pixels a dot; pixels around the number
+
+// Dots of every digit, row by row from the top left.
+constexpr int kDigits[10] = {0b111'101'101'101'111, 0b010'110'010'010'111, 0b111'001'111'100'111, 0b111'001'111'001'111,
+                             0b101'101'111'001'001, 0b111'100'111'001'111, 0b111'100'111'101'111, 0b111'001'001'001'001,
+                             0b111'101'111'101'111, 0b111'101'111'001'111};
+
+bool is_dot(const std::string& digits, int x, int y) {
+  if (x < 0 || y < 0) return false;
+  const int dot_x = x / kScale, row = y / kScale, column = dot_x % (kColumns + 1);
+  const auto place = static_cast<std::size_t>(dot_x / (kColumns + 1));
+  if (place >= digits.size() || column >= kColumns || row >= kRows) return false;
+  return kDigits[digits[place] - '0'] >> (kRows * kColumns - 1 - (row * kColumns + column)) & 1;
+}
+
 }  // namespace
 
 std::vector<std::array<float, 3>> region_colours(std::span<const DrawnRegion> regions, std::size_t vertices) {
@@ -230,6 +246,67 @@ RegionPicture region_picture(Renderer& renderer, std::span<const float> skin, st
     if (!is_numbered[r]) picture.unnumbered.push_back(r + 1);
   }
   return picture;
+}
+
+void draw_number(Image& image, int number, int x, int y) {
+  const std::string digits = std::to_string(number);
+  const int width = kScale * ((kColumns + 1) * static_cast<int>(digits.size()) - 1) + 2 * kMargin;
+  const int height = kScale * kRows + 2 * kMargin;
+  const int right = static_cast<int>(image.width) - width, bottom = static_cast<int>(image.height) - height;
+  const int left = std::max(0, std::min(x - width / 2, right)), top = std::max(0, std::min(y - height / 2, bottom));
+  for (int j = 0; j < std::min(height, static_cast<int>(image.height)); ++j) {
+    for (int i = 0; i < std::min(width, static_cast<int>(image.width)); ++i) {
+      const std::uint8_t shade = is_dot(digits, i - kMargin, j - kMargin) ? 255 : 30;
+      const auto pixel = static_cast<std::size_t>(top + j) * image.width + static_cast<std::size_t>(left + i);
+      std::fill_n(image.rgba.begin() + static_cast<std::ptrdiff_t>(4 * pixel), 3, shade);
+    }
+  }
+}
+
+std::vector<std::array<float, 3>> sides_of(const Positions& vertices, const Triangles& triangles,
+                                           std::span<const VertexList> places) {
+  constexpr std::array<std::array<float, 3>, 6> kSides = {
+      {{0, 0, 1}, {0, 0, -1}, {1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}}};
+  constexpr double kFacing = 0.5;  // cosine
+  const Positions normals = vertex_normals(vertices, triangles).rowwise().normalized();
+  std::array<bool, kSides.size()> is_seen = {true};
+  for (const VertexList& place : places) {
+    std::array<int, kSides.size()> facing{};
+    for (const std::uint32_t v : place) {
+      for (std::size_t s = 0; s < kSides.size(); ++s) {
+        const Eigen::RowVector3d side(kSides[s][0], kSides[s][1], kSides[s][2]);
+        if (normals.row(v).dot(side) > kFacing) ++facing[s];
+      }
+    }
+    is_seen[static_cast<std::size_t>(std::max_element(facing.begin(), facing.end()) - facing.begin())] = true;
+  }
+  std::vector<std::array<float, 3>> sides;
+  for (std::size_t s = 0; s < kSides.size(); ++s) {
+    if (is_seen[s]) sides.push_back(kSides[s]);
+  }
+  return sides;
+}
+
+RegionPicture places_picture(Renderer& renderer, const Positions& vertices, const Triangles& triangles,
+                             std::span<const VertexList> places, std::uint32_t panel_width,
+                             std::uint32_t panel_height) {
+  const auto count = static_cast<std::size_t>(vertices.rows());
+  std::vector<bool> is_taken(count, false);
+  std::vector<VertexList> own;
+  for (const VertexList& place : places) {
+    own.emplace_back();
+    for (const std::uint32_t v : place) {
+      if (!is_taken[v]) own.back().push_back(v);
+      is_taken[v] = true;
+    }
+  }
+  const std::vector<double> whole(count, 1.0);
+  std::vector<DrawnRegion> drawn;
+  for (const VertexList& vertices_of : own) drawn.push_back({vertices_of, std::span(whole).first(vertices_of.size())});
+  const std::vector<float> skin(vertices.data(), vertices.data() + vertices.size());
+  const std::span<const std::uint32_t> corners(triangles.data(), static_cast<std::size_t>(triangles.size()));
+  return region_picture(renderer, skin, corners, drawn, region_colours(drawn, count), panel_width, panel_height,
+                        sides_of(vertices, triangles, places));
 }
 
 }  // namespace bodyopt

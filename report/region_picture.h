@@ -1,4 +1,5 @@
-// A picture of the regions in which the skin is learned.
+// Pictures of parts of a skin, numbered: of the regions in which it is learned, of places where something is to be
+// seen.
 #pragma once
 
 #include <array>
@@ -6,7 +7,9 @@
 #include <span>
 #include <vector>
 
+#include "draw/png.h"
 #include "draw/renderer.h"
+#include "geometry/mesh.h"
 
 namespace bodyopt {
 
@@ -35,5 +38,19 @@ RegionPicture region_picture(Renderer& renderer, std::span<const float> skin, st
                              std::span<const DrawnRegion> regions, std::span<const std::array<float, 3>> colours,
                              std::uint32_t panel_width, std::uint32_t panel_height,
                              std::span<const std::array<float, 3>> directions = kFrontAndBack);
+
+// White digits on a dark plate around the pixel (x, y), shifted as far as it takes to stay inside the picture.
+void draw_number(Image& image, int number, int x, int y);
+
+using VertexList = std::vector<std::uint32_t>;
+
+// Towards the camera: from the front (+z) and from every side (of the six along the axes) that most of a place faces.
+std::vector<std::array<float, 3>> sides_of(const Positions& vertices, const Triangles& triangles,
+                                           std::span<const VertexList> places);
+
+// The skin (V x 3, rest space) from sides_of(), a panel each: every place in a colour of its own with its number
+// (from 1), a vertex of several with the first, the rest of the skin grey. Throws what Renderer::draw throws.
+RegionPicture places_picture(Renderer& renderer, const Positions& vertices, const Triangles& triangles,
+                             std::span<const VertexList> places, std::uint32_t panel_width, std::uint32_t panel_height);
 
 }  // namespace bodyopt

@@ -1,7 +1,6 @@
 #include "report/section.h"
 
 #include <algorithm>
-#include <cmath>
 
 namespace bodyopt {
 namespace {

@@ -3,11 +3,10 @@
 #include <spdlog/spdlog.h>
 #include <sys/resource.h>
 
-#include <algorithm>
-#include <cstdarg>
 #include <cstdio>
 #include <cstdlib>
-#include <limits>
+#include <filesystem>
+#include <new>
 #include <nlohmann/json.hpp>
 
 #include "assets/frame_range.h"
@@ -43,21 +42,15 @@ void JsonOption::emit(const Json& result, const std::string& text) const {
 }
 
 void ClipArguments::add(CLI::App& verb) {
-  add_option(verb, "--clip", source, "Motion: FILE.glb#name, FILE.glb (its only or first clip) or FILE.bvh")
-      ->required()
-      ->type_name("CLIP")
-      ->check(refuse_empty);
-  add_option(verb, "--frames", frames, "Frames, as 1-100, 1-100x2 or comma lists of them (default: all)")
-      ->type_name("R")
-      ->check(refuse_empty);
+  add_option(verb, "--clip", source, "CLIP", "Motion: FILE.glb#name, FILE.glb (its only or first clip) or FILE.bvh")
+      ->required();
+  add_option(verb, "--frames", frames, "R", "Frames, as 1-100, 1-100x2 or comma lists of them (default: all)");
   add_option(verb, "--fps", options.fps, "Frames a second at which the clip is sampled")
       ->capture_default_str()
       ->check(number_from(kLeastRate, kMostRate));
   add_option(verb, "--first-frame", options.first_frame, "Number of the clip's first frame")->capture_default_str();
-  add_option(verb, "--controls", options.controls,
-             "Controls over the clip's frames, such as muscles flexed (controls.json)")
-      ->type_name("FILE")
-      ->check(refuse_empty);
+  add_option(verb, "--controls", options.controls, "FILE",
+             "Controls over the clip's frames, such as muscles flexed (controls.json)");
   add_joint_map(verb, options.joint_map);
 }
 
@@ -85,8 +78,8 @@ Clip ClipArguments::choose_frames(Clip clip, std::vector<int>& frame_numbers) co
   for (const int frame : frame_numbers) {
     if (frame < clip.first_frame || frame > clip.last_frame()) {
       throw Error(ErrorKind::usage,
-                  format("--frames asks for frame %d; '%s' has frames %d to %d at %g frames a second", frame,
-                         (source.empty() ? clip.name : source).c_str(), clip.first_frame, clip.last_frame(), clip.fps));
+                  format("--frames asks for frame {}; '{}' has frames {} to {} at {:g} frames a second", frame,
+                         source.empty() ? clip.name : source, clip.first_frame, clip.last_frame(), clip.fps));
     }
   }
   return clip;
@@ -116,49 +109,8 @@ void add_unit(CLI::App& verb, double& unit) {
 }
 
 void add_joint_map(CLI::App& verb, std::string& path) {
-  add_option(verb, "--joint-map", path, "Which joint of the clip moves which, where names do not tell (joint_map.json)")
-      ->type_name("FILE")
-      ->check(refuse_empty);
-}
-
-void add_former_option(CLI::App& verb, const std::string& name, const std::string& since) {
-  const auto warn = [=](const std::string&) { spdlog::warn("{} has no effect any more: {}", name, since); };
-  verb.add_option_function<std::string>(name, warn)->group("");  // not among the help's
-}
-
-std::string refuse_empty(const std::string& value) {
-  return value.empty() ? "expected a value, found an empty one: a shell variable that is not set?" : "";
-}
-
-std::function<std::string(const std::string&)> number_from(double low, double high) {
-  return [low, high](const std::string& text) {
-    const char* begin = text.c_str();
-    char* end = nullptr;
-    const double value = std::strtod(begin, &end);
-    const bool is_number = end == begin + text.size() && !text.empty();
-    return is_number && value >= low && value <= high
-               ? std::string()
-               : format("expected a number from %g to %g, found '%s'", low, high, begin);
-  };
-}
-
-std::string above_zero(const std::string& text) {
-  const bool is_one =
-      number_from(std::numeric_limits<double>::denorm_min(), std::numeric_limits<double>::max())(text).empty();
-  return is_one ? "" : "expected a number above 0, found '" + text + "'";
-}
-
-std::function<std::string(const std::string&)> must_end_in(const std::string& extension) {
-  return [extension](const std::string& name) {
-    return name.ends_with(extension) ? std::string() : "'" + name + "' does not end in " + extension;
-  };
-}
-
-void add_output(CLI::App& verb, std::string& path, const std::string& extension, const std::string& description) {
-  add_option(verb, "--out", path, description)
-      ->required()
-      ->type_name("FILE" + extension)
-      ->check(must_end_in(extension));
+  add_option(verb, "--joint-map", path, "FILE",
+             "Which joint of the clip moves which, where names do not tell (joint_map.json)");
 }
 
 void refuse_overwriting(const std::filesystem::path& out, const std::filesystem::path& input) {
@@ -226,7 +178,7 @@ void make_folder(const std::filesystem::path& folder) {
 }
 
 std::string describe(const ErrorStatistics& errors) {
-  return format("RMS %.3f mm, p99 %.3f mm, max %.3f mm, jitter %.3f mm", errors.rms, errors.p99, errors.max,
+  return format("RMS {:.3f} mm, p99 {:.3f} mm, max {:.3f} mm, jitter {:.3f} mm", errors.rms, errors.p99, errors.max,
                 errors.jitter);
 }
 
@@ -236,16 +188,48 @@ double peak_memory_mib() {
   return static_cast<double>(usage.ru_maxrss) / 1024;
 }
 
-std::string format(const char* pattern, ...) {
-  va_list arguments, again;
-  va_start(arguments, pattern);
-  va_copy(again, arguments);
-  const int size = std::vsnprintf(nullptr, 0, pattern, arguments);
-  va_end(arguments);
-  std::string text(static_cast<std::size_t>(size), '\0');
-  std::vsnprintf(text.data(), text.size() + 1, pattern, again);
-  va_end(again);
-  return text;
+int exit_code_of(const std::function<void()>& body) {
+  try {
+    body();
+    return 0;
+  } catch (const Error& error) {
+    spdlog::error("{}", error.what());
+    return error.exit_code();
+  } catch (const std::filesystem::filesystem_error& error) {  // a name that is too long, a loop of links
+    spdlog::error("{}", error.what());
+    return static_cast<int>(ErrorKind::file);
+  } catch (const std::bad_alloc&) {
+    spdlog::error("out of memory");
+    return static_cast<int>(ErrorKind::interrupted);
+  } catch (const std::exception& error) {
+    spdlog::error("a defect of bodyopt: {}", error.what());
+    return 70;
+  }
+}
+
+void add_cache_space(CLI::App& verb, CacheSpace& space) {
+  add_option(verb, "--unit-out", space.unit,
+             "Metres per unit of the cache: the character's own --unit lays it on the mesh of its file")
+      ->capture_default_str()
+      ->check(above_zero);
+  const std::map<std::string, bool> axes = {{"y", false}, {"z", true}};
+  add_option(verb, "--axis", space.z_up, "Which axis of the cache is up: y as in glTF, or z as Blender has it")
+      ->transform(CLI::CheckedTransformer(axes))
+      ->option_text("y|z");
+}
+
+std::vector<Pose> read_poses(const std::vector<std::string>& sources, const Skeleton& skeleton, double unit,
+                             const std::string& joint_map) {
+  std::vector<Pose> poses;
+  for (const std::string& source : sources) {
+    ClipOptions options;
+    options.unit = clip_unit(source, unit);
+    options.joint_map = joint_map;
+    const Clip clip = read_clip(source, skeleton, options);
+    say(clip.notes);
+    poses.insert(poses.end(), clip.poses.begin(), clip.poses.end());
+  }
+  return poses;
 }
 
 }  // namespace bodyopt::cli

@@ -1,6 +1,8 @@
 // What the verbs share: their registration, the clip arguments, the result's two forms.
 #pragma once
 
+#include <fmt/core.h>
+
 #include <CLI/CLI.hpp>
 #include <filesystem>
 #include <functional>
@@ -8,12 +10,16 @@
 #include <vector>
 
 #include "assets/clip.h"
+#include "assets/pc2.h"
 #include "cli/arguments/options.h"
 #include "dataset/compare.h"
 #include "runtime/basis/character_unit.h"
+#include "runtime/basis/skeleton.h"
 #include "runtime/host/device_choice.h"
 
 namespace bodyopt::cli {
+
+using fmt::format;
 
 // Frames a second that clips and dynamics may have.
 constexpr double kLeastRate = 1e-3, kMostRate = 1e5;
@@ -60,25 +66,9 @@ struct DeviceArguments {
 void add_unit(CLI::App& verb, double& unit);
 void add_joint_map(CLI::App& verb, std::string& path);
 
-// A check of options: an empty value is most likely a shell variable that is not set, and must not mean the default.
-std::string refuse_empty(const std::string& value);
-
-// A check of options: a number, finite, within these ends.
-std::function<std::string(const std::string&)> number_from(double low, double high);
-
-// A check of options: a number above 0 and finite, which CLI11 does not ask of "nan".
-std::string above_zero(const std::string& text);
-
-// A check of options: the file's name ends as said.
-std::function<std::string(const std::string&)> must_end_in(const std::string& extension);
-
 // A dataset given by its folder or its dataset.json: that file.
 std::filesystem::path dataset_file(const std::filesystem::path& given);
 
-// An option that names a file to write, which must end as said: a slip must not overwrite a character.
-void add_output(CLI::App& verb, std::string& path, const std::string& extension, const std::string& description);
-// An option that earlier versions had: it takes a value and says on standard error that it has no effect, since...
-void add_former_option(CLI::App& verb, const std::string& name, const std::string& since);
 // Throws Error(usage) when `out` is the file `input`.
 void refuse_overwriting(const std::filesystem::path& out, const std::filesystem::path& input);
 // Throws Error(file) now rather than after long work.
@@ -102,7 +92,17 @@ void make_folder(const std::filesystem::path& folder);
 
 std::string describe(const ErrorStatistics& errors);
 double peak_memory_mib();
-std::string format(const char* pattern, ...) __attribute__((format(printf, 1, 2)));
+
+// Runs it; says on standard error what went wrong, and returns the exit code that README lists for it.
+int exit_code_of(const std::function<void()>& body);
+
+// --unit-out, --axis: of verbs that write caches for other programs.
+void add_cache_space(CLI::App& verb, CacheSpace& space);
+
+// The poses of some clips, 24 a second. Says their notes. Throws as read_clip(). `unit`: of the character; `joint_map`:
+// empty for none.
+std::vector<Pose> read_poses(const std::vector<std::string>& sources, const Skeleton& skeleton, double unit,
+                             const std::string& joint_map);
 
 // One per verb, in the file of its name: declares its arguments and what it runs.
 void add_demo(CLI::App& app);

@@ -49,9 +49,7 @@ std::string TakeArguments::take_name() const { return name.empty() ? called(clip
 void TakeArguments::add(CLI::App& verb) {
   clip.add(verb);
   add_option(verb, "--name", name, "Name of the take (default: the clip's)")->check(refuse_as_name);
-  add_option(verb, "--heldout", heldout, "Frames never to train on, as a range, or 'all'")
-      ->type_name("R")
-      ->check(refuse_empty);
+  add_option(verb, "--heldout", heldout, "R", "Frames never to train on, as a range, or 'all'");
 }
 
 DatasetTake TakeArguments::take(const std::vector<int>& frames, const fs::path& folder) const {
@@ -70,7 +68,7 @@ DatasetTake TakeArguments::take(const std::vector<int>& frames, const fs::path& 
     for (const int frame : take.heldout) {
       if (has(frames, frame)) continue;
       throw Error(ErrorKind::usage,
-                  format("--heldout names frame %d, which is not among the frames of --frames", frame));
+                  format("--heldout names frame {}, which is not among the frames of --frames", frame));
     }
   }
   return take;

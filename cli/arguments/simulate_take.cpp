@@ -35,15 +35,15 @@ DatasetTake new_take(const SimulationArguments& arguments, const std::vector<int
 void add_frames(const Dataset& dataset, const DatasetTake& there, DatasetTake& take) {
   if (there.shapes != take.shapes && fs::path(there.shapes).stem() == fs::path(take.shapes).stem()) {
     const bool draft = fs::path(there.shapes).extension() == ".nodes";
-    throw Error(ErrorKind::mismatch, format("the take '%s' is %s: %s --draft to add frames to it", there.name.c_str(),
+    throw Error(ErrorKind::mismatch, format("the take '{}' is {}: {} --draft to add frames to it", there.name,
                                             draft ? "a draft" : "no draft", draft ? "give" : "leave out"));
   }
   require_same_motion(there, take);
   if (there.shapes != take.shapes || has_given_shapes(dataset, there)) {
     throw Error(ErrorKind::mismatch,
-                format("the take '%s' has shapes that do not come from simulate (%s), which would replace them; give "
+                format("the take '{}' has shapes that do not come from simulate ({}), which would replace them; give "
                        "the new one a --name",
-                       there.name.c_str(), there.shapes.c_str()));
+                       there.name, there.shapes));
   }
   const auto known = std::count_if(take.frames.begin(), take.frames.end(), [&](int frame) {
     return std::find(there.frames.begin(), there.frames.end(), frame) != there.frames.end();
@@ -63,7 +63,7 @@ Character read_character_of(const SimulationArguments& arguments, const fs::path
     if (arguments.unit != 0 || !fs::exists(dataset_path)) throw;
     const double known = read_dataset(dataset_path).unit;
     if (known == 0) throw;
-    throw Error(error.kind(), format("%s; %s was made with --unit %g", error.what(), dataset_path.c_str(), known));
+    throw Error(error.kind(), format("{}; {} was made with --unit {:g}", error.what(), dataset_path.string(), known));
   }
 }
 

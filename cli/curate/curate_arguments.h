@@ -1,4 +1,4 @@
-// What the verbs below `curate` are told.
+// What the verbs below `curate` are told, and what they do.
 #pragma once
 
 #include <filesystem>
@@ -24,9 +24,20 @@ struct CurateArguments {
 using Arguments = std::shared_ptr<CurateArguments>;
 
 // Of its dataset.json.
-inline std::filesystem::path path_of(const CurateArguments& arguments) {
-  const std::filesystem::path given = arguments.dataset;
-  return given.extension() == ".json" ? given : given / "dataset.json";
-}
+inline std::filesystem::path path_of(const CurateArguments& arguments) { return dataset_file(arguments.dataset); }
+
+// Modifiers put on the stack, and changed. `strength_given`: what is not named stays.
+void add_to_stack(const CurateArguments& arguments);
+void edit_stack(const CurateArguments& arguments, bool strength_given);
+
+// What the modifiers of the stack do to the shapes.
+void report_effects(const CurateArguments& arguments);
+
+// Frames of like poses whose shapes disagree.
+void report_disagreements(const CurateArguments& arguments);
+
+// A frame as a mesh to be sculpted elsewhere, and back as a sculpt.
+void export_frame(const CurateArguments& arguments);
+void import_frame(const CurateArguments& arguments);
 
 }  // namespace bodyopt::cli

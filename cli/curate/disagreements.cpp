@@ -1,11 +1,11 @@
-#include "cli/curate/disagreements.h"
-
+// Frames of like poses whose shapes disagree.
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "assets/wording.h"
-#include "cli/curate/frame_names.h"
+#include "cli/curate/curate_arguments.h"
 #include "cli/curate/shape_pictures.h"
+#include "cli/curate/stack_report.h"
 #include "trainer/curate/consistency_report.h"
 #include "trainer/curate/shape_stack.h"
 
@@ -18,10 +18,10 @@ std::string draw_pair(const ShapeStack& stack, const DisagreeingPair& pair, cons
   const double scale = std::max(kFinestScale, pair.most_mm);
   draw_apart(stack.database().character, shapes.first, shapes.second, scale, path);
   return format(
-      "wrote %s: %s; the same with what %s, whose pose is %.1f degrees off, has in the region %s that poses do not "
-      "explain; how far that is, darkest at %.2f mm\n",
-      path.c_str(), frame_text(stack.database(), pair.first).c_str(), frame_text(stack.database(), pair.second).c_str(),
-      pair.pose_degrees, pair.region.c_str(), scale);
+      "wrote {}: {}; the same with what {}, whose pose is {:.1f} degrees off, has in the region {} that poses do not "
+      "explain; how far that is, darkest at {:.2f} mm\n",
+      path, stack.database().name_of(pair.first), stack.database().name_of(pair.second), pair.pose_degrees, pair.region,
+      scale);
 }
 
 }  // namespace
@@ -34,13 +34,13 @@ void report_disagreements(const CurateArguments& arguments) {
       report_consistency(stack, arguments.degrees, static_cast<std::size_t>(arguments.worst));
   std::string text;
   if (!found.pairs.empty()) {
-    text = format("%-20s %-20s %-24s %9s %9s %9s\n", "frame", "and frame", "region", "apart mm", "most mm", "degrees");
+    text = format("{:20} {:20} {:24} {:>9} {:>9} {:>9}\n", "frame", "and frame", "region", "apart mm", "most mm",
+                  "degrees");
   }
   Json pairs = Json::array(), regions = Json::array();
   for (const DisagreeingPair& pair : found.pairs) {
-    text += format("%-20s %-20s %-24s %9.2f %9.2f %9.1f\n", frame_text(database, pair.first).c_str(),
-                   frame_text(database, pair.second).c_str(), pair.region.c_str(), pair.apart_mm, pair.most_mm,
-                   pair.pose_degrees);
+    text += format("{:20} {:20} {:24} {:9.2f} {:9.2f} {:9.1f}\n", database.name_of(pair.first),
+                   database.name_of(pair.second), pair.region, pair.apart_mm, pair.most_mm, pair.pose_degrees);
     pairs.push_back({{"first", frame_json(database, pair.first)},
                      {"second", frame_json(database, pair.second)},
                      {"region", pair.region},
@@ -48,11 +48,11 @@ void report_disagreements(const CurateArguments& arguments) {
                      {"most_mm", pair.most_mm},
                      {"pose_degrees", pair.pose_degrees}});
   }
-  text += format("%s%-24s %11s %9s %10s %12s\n", text.empty() ? "" : "\n", "region", "neighbours", "alone", "same pose",
-                 "deviation mm");
+  text += format("{}{:24} {:>11} {:>9} {:>10} {:>12}\n", text.empty() ? "" : "\n", "region", "neighbours", "alone",
+                 "same pose", "deviation mm");
   for (const RegionAgreement& region : found.regions) {
-    text += format("%-24s %11.0f %8.0f%% %9.0f%% %12.3f\n", region.region.c_str(), region.neighbours,
-                   100 * region.single, 100 * region.same_pose, region.deviation_mm);
+    text += format("{:24} {:11.0f} {:8.0f}% {:9.0f}% {:12.3f}\n", region.region, region.neighbours, 100 * region.single,
+                   100 * region.same_pose, region.deviation_mm);
     regions.push_back({{"region", region.region},
                        {"neighbours", region.neighbours},
                        {"alone", region.single},
@@ -63,9 +63,9 @@ void report_disagreements(const CurateArguments& arguments) {
       std::ranges::count_if(found.regions, [](const RegionAgreement& region) { return region.same_pose == 0; }));
   if (untold > 0) {
     text += format(
-        "%s no frame in the same pose as one of another motion: too few neighbours to tell whether shapes "
+        "{} no frame in the same pose as one of another motion: too few neighbours to tell whether shapes "
         "disagree there\n",
-        count_of(untold, "region has", "regions have").c_str());
+        count_of(untold, "region has", "regions have"));
   }
   if (found.pairs.empty()) {
     text += arguments.picture.empty()

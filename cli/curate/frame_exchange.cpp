@@ -1,12 +1,11 @@
-#include "cli/curate/frame_exchange.h"
-
+// A frame as a mesh to be sculpted elsewhere, and back as a sculpt.
 #include <algorithm>
 #include <nlohmann/json.hpp>
 #include <optional>
 
 #include "assets/clip_source.h"
 #include "assets/wording.h"
-#include "cli/curate/frame_names.h"
+#include "cli/curate/curate_arguments.h"
 #include "cli/curate/stack_report.h"
 #include "dataset/modifier.h"
 #include "runtime/core/error.h"
@@ -64,10 +63,10 @@ std::vector<std::string> changes_since(const ShapeStack& stack, std::size_t fram
   };
   const double most = (without(exported_now(stack, frame)) - without(exported)).rowwise().norm().maxCoeff();
   if (most < kChanged) return {};
-  return {format(
-      "%s has changed by %.2f mm since the mesh was exported (%s): what was sculpted is added to what it is "
-      "now",
-      frame_text(database, frame).c_str(), 1e3 * most, what_differs(exported.modifiers, modifiers, name).c_str())};
+  return {
+      format("{} has changed by {:.2f} mm since the mesh was exported ({}): what was sculpted is added to what it is "
+             "now",
+             database.name_of(frame), 1e3 * most, what_differs(exported.modifiers, modifiers, name))};
 }
 
 // How far the sculpt of a frame reaches, now that it is in the stack; none where the modifier has no sculpt of it.
@@ -78,8 +77,8 @@ struct SculptReach {
 };
 
 std::optional<SculptReach> reach_of(const PoseDatabase& database, const std::string& name, std::size_t frame) {
-  const auto modifier = std::ranges::find(database.dataset.modifiers, name, &Modifier::name);
-  if (modifier == database.dataset.modifiers.end()) return std::nullopt;
+  const Modifier* modifier = find_modifier(database.dataset.modifiers, name);
+  if (!modifier) return std::nullopt;
   const SculptedFrames sculpted(database,
                                 JsonObject(modifier->parameters, database.dataset.folder / "dataset.json", name), name);
   const auto own = std::ranges::find(sculpted.sculpts(), frame, &SculptedFrame::frame);
@@ -105,9 +104,9 @@ void emit_sculpt(const CurateArguments& arguments) {
   const std::optional<SculptReach> reach = reach_of(database, arguments.name, frame);
   if (reach) {
     result["sculpt"] = {{"max_mm", reach->most_mm}, {"other_frames", reach->others}};
-    text += format("the sculpt moves %s by %.2f mm at most, and %s within %g degrees by less\n",
-                   frame_text(database, frame).c_str(), reach->most_mm,
-                   count_of(reach->others, "other frame", "other frames").c_str(), reach->degrees);
+    text += format("the sculpt moves {} by {:.2f} mm at most, and {} within {:g} degrees by less\n",
+                   database.name_of(frame), reach->most_mm, count_of(reach->others, "other frame", "other frames"),
+                   reach->degrees);
   }
   const std::string hidden = why_not_shown(database, arguments.name, frame);
   if (!hidden.empty())
@@ -121,10 +120,10 @@ std::string alike_note(const PoseDatabase& database, std::size_t frame, const Ex
   std::vector<std::string> names;
   for (const Modifier& modifier : taken.modifiers) names.push_back(modifier.name);
   return format(
-      "the mesh does not say which export of %s it is of (its name is another), and lies on %s as well: taken is the "
-      "latest, which was made %s",
-      frame_text(database, frame).c_str(), count_of(others, "other", "others").c_str(),
-      names.empty() ? "without modifiers" : ("by the modifiers " + list_names(names)).c_str());
+      "the mesh does not say which export of {} it is of (its name is another), and lies on {} as well: taken is the "
+      "latest, which was made {}",
+      database.name_of(frame), count_of(others, "other", "others"),
+      names.empty() ? "without modifiers" : "by the modifiers " + list_names(names));
 }
 
 }  // namespace
@@ -147,7 +146,7 @@ void export_frame(const CurateArguments& arguments) {
     write_frame_obj(character, surface, output_from_welded(character, skin), arguments.out, mark);
   }
   arguments.json.emit({{"mesh", arguments.out}, {"vertices", character.output_count()}},
-                      format("wrote %s: %u vertices\n", arguments.out.c_str(), character.output_count()));
+                      format("wrote {}: {} vertices\n", arguments.out, character.output_count()));
 }
 
 void import_frame(const CurateArguments& arguments) {

@@ -1,8 +1,8 @@
-#include "cli/curate/stack_edits.h"
-
+// Modifiers put on the stack, and changed.
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "cli/curate/curate_arguments.h"
 #include "cli/curate/stack_report.h"
 #include "dataset/modifier.h"
 #include "runtime/core/error.h"

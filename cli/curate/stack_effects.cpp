@@ -1,10 +1,9 @@
-#include "cli/curate/stack_effects.h"
-
+// What the modifiers of the stack do to the shapes.
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "assets/wording.h"
-#include "cli/curate/frame_names.h"
+#include "cli/curate/curate_arguments.h"
 #include "cli/curate/shape_pictures.h"
 #include "cli/curate/stack_report.h"
 #include "dataset/modifier.h"
@@ -25,15 +24,14 @@ std::string draw_effect(const ShapeStack& stack, const ModifierEffect& effect, c
                     "' moves no vertex of any frame: is it switched off, or of a type that moves none?");
   }
   const std::vector<Modifier>& modifiers = stack.database().dataset.modifiers;
-  const auto place =
-      static_cast<std::size_t>(std::ranges::find(modifiers, effect.name, &Modifier::name) - modifiers.begin());
+  const auto place = static_cast<std::size_t>(find_modifier(modifiers, effect.name) - modifiers.data());
   const UnposedSpace::Frame space = stack.space().frame(stack.database().frames[effect.worst].pose);
   const auto left_by = [&](std::size_t count) { return space.shape(stack.offsets(effect.worst, count)); };
   const Positions before = left_by(place), after = left_by(place + 1);
   const double scale = std::max(kFinestScale, 1e3 * (after - before).rowwise().norm().maxCoeff());
   draw_apart(stack.database().character, before, after, scale, path);
-  return format("wrote %s: %s before '%s' and after; how far that is, darkest at %.2f mm\n", path.c_str(),
-                frame_text(stack.database(), effect.worst).c_str(), effect.name.c_str(), scale);
+  return format("wrote {}: {} before '{}' and after; how far that is, darkest at {:.2f} mm\n", path,
+                stack.database().name_of(effect.worst), effect.name, scale);
 }
 
 [[noreturn]] void refuse_picture_of_all(const std::vector<Modifier>& modifiers) {
@@ -52,16 +50,16 @@ std::vector<std::string> capped_notes(const std::vector<Modifier>& modifiers,
   constexpr std::size_t kMany = 20;  // one frame of so many
   std::vector<std::string> notes;
   for (const ModifierEffect& effect : effects) {
-    const Modifier& modifier = *std::ranges::find(modifiers, effect.name, &Modifier::name);
+    const Modifier& modifier = *find_modifier(modifiers, effect.name);
     if (modifier.type != "consistency") continue;
     const double cap = modifier.parameters.value("cap_mm", kUsualCapMm) * modifier.strength;
     const auto capped = static_cast<std::size_t>(
         std::ranges::count_if(effect.frames, [&](const FrameEffect& frame) { return frame.max_mm > 0.99 * cap; }));
     if (capped == 0 || capped * kMany < effect.frames.size()) continue;
     notes.push_back(
-        format("'%s' moves %zu of %zu frames as far as cap_mm lets it (%.3g mm): passes seldom disagree by so "
+        format("'{}' moves {} of {} frames as far as cap_mm lets it ({:.3g} mm): passes seldom disagree by so "
                "much; compare the held-out errors with it and without",
-               effect.name.c_str(), capped, effect.frames.size(), cap));
+               effect.name, capped, effect.frames.size(), cap));
   }
   return notes;
 }
@@ -73,23 +71,24 @@ void report_effects(const CurateArguments& arguments) {
   say(stack.notes());
   if (!arguments.picture.empty() && arguments.name.empty()) refuse_picture_of_all(stack.database().dataset.modifiers);
   const std::vector<ModifierEffect> effects = measure_modifiers(stack, arguments.name);
-  std::string text = format("%-20s %8s %10s %10s   %s\n", "modifier", "frames", "RMS mm", "max mm", "most of all");
+  std::string text =
+      format("{:20} {:>8} {:>10} {:>10}   {}\n", "modifier", "frames", "RMS mm", "max mm", "most of all");
   Json list = Json::array();
   for (const ModifierEffect& effect : effects) {
-    text += format("%-20s %8zu %10.3f %10.3f   %s\n", effect.name.c_str(), effect.frames.size(), effect.rms_mm,
-                   effect.max_mm, effect.frames.empty() ? "" : frame_text(stack.database(), effect.worst).c_str());
+    text += format("{:20} {:8} {:10.3f} {:10.3f}   {}\n", effect.name, effect.frames.size(), effect.rms_mm,
+                   effect.max_mm, effect.frames.empty() ? "" : stack.database().name_of(effect.worst));
     Json frames = Json::array();
     for (const FrameEffect& frame : effect.frames) {
       frames.push_back(frame_json(stack.database(), frame.frame));
       frames.back().update({{"rms_mm", frame.rms_mm}, {"max_mm", frame.max_mm}});
     }
     list.push_back({{"name", effect.name}, {"rms_mm", effect.rms_mm}, {"max_mm", effect.max_mm}, {"frames", frames}});
-    const Modifier& modifier = *std::ranges::find(stack.database().dataset.modifiers, effect.name, &Modifier::name);
+    const Modifier& modifier = *find_modifier(stack.database().dataset.modifiers, effect.name);
     const ModifierType* type = find_modifier_type(modifier.type);
     if (type == nullptr || type->effect == ModifierType::Effect::shape) continue;
     const TakenFrames taken = taken_frames(stack.database(), modifier);
     list.back()["frame_counts"] = to_json(taken);
-    text += format("%-20s %s\n", "", text_of(taken, *type, modifier.enabled).c_str());
+    text += format("{:20} {}\n", "", text_of(taken, *type, modifier.enabled));
   }
   say(capped_notes(stack.database().dataset.modifiers, effects));
   if (!arguments.picture.empty()) text += draw_effect(stack, effects.front(), arguments.picture);

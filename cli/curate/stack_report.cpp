@@ -48,7 +48,7 @@ TakenFrames taken_frames(const PoseDatabase& database, const Modifier& modifier)
   TakenFrames result{{}, 0, selected.size()};
   for (std::size_t n = 0; n < selected.size(); ++n) {
     if (!selected[n]) continue;
-    const std::string& take = database.takes[static_cast<std::size_t>(database.frames[n].take)];
+    const std::string& take = database.take_of(n);
     if (result.by_take.empty() || result.by_take.back().first != take) result.by_take.emplace_back(take, 0);
     ++result.by_take.back().second;
     ++result.taken;
@@ -71,23 +71,25 @@ std::string text_of(const TakenFrames& frames, const ModifierType& type, bool en
   for (const auto& [take, count] : frames.by_take) {
     takes += (takes.empty() ? "" : ", ") + take + " " + std::to_string(count);
   }
-  return format("%s %zu of %s (%s)", does.c_str(), frames.taken, count_of(frames.all, "frame", "frames").c_str(),
-                takes.c_str());
+  return format("{} {} of {} ({})", does, frames.taken, count_of(frames.all, "frame", "frames"), takes);
+}
+
+Json frame_json(const PoseDatabase& database, std::size_t n) {
+  return {{"take", database.take_of(n)}, {"frame", database.frames[n].frame}};
 }
 
 StackReport report_stack(const Dataset& dataset, const std::optional<PoseDatabase>& database) {
   StackReport report{bodyopt::to_json(dataset.modifiers), ""};
   if (dataset.modifiers.empty()) return {report.list, "no modifiers: the shapes are read as they are\n"};
-  report.text = format("%3s  %-20s %-12s %-4s %8s  %s\n", "", "modifier", "type", "", "strength", "frames; mask");
+  report.text = format("{:>3}  {:20} {:12} {:4} {:>8}  {}\n", "", "modifier", "type", "", "strength", "frames; mask");
   for (std::size_t k = 0; k < dataset.modifiers.size(); ++k) {
     const Modifier& modifier = dataset.modifiers[k];
     const ModifierType* type = find_modifier_type(modifier.type);
     report.list[k]["known"] = type != nullptr;
-    report.text += format("%3zu  %-20s %-12s %-4s %8.2f  %s; %s%s\n", k + 1, modifier.name.c_str(),
-                          modifier.type.c_str(), modifier.enabled ? "on" : "off", modifier.strength,
-                          modifier.frames.empty() ? "all" : modifier.frames.dump().c_str(),
-                          modifier.mask.empty() ? "all" : modifier.mask.dump().c_str(),
-                          type ? "" : "  (of a newer version: not applied)");
+    report.text += format(
+        "{:3}  {:20} {:12} {:4} {:8.2f}  {}; {}{}\n", k + 1, modifier.name, modifier.type,
+        modifier.enabled ? "on" : "off", modifier.strength, modifier.frames.empty() ? "all" : modifier.frames.dump(),
+        modifier.mask.empty() ? "all" : modifier.mask.dump(), type ? "" : "  (of a newer version: not applied)");
     std::string details = short_parameters(modifier.parameters);
     if (const std::optional<TakenFrames> frames = readable_frames(database, modifier)) {
       report.list[k]["frame_counts"] = to_json(*frames);

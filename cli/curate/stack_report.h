@@ -25,6 +25,9 @@ Json to_json(const TakenFrames& frames);
 // "drops 127 of 161 frames (rom 120, walk 7)"; "would drop" where it is switched off.
 std::string text_of(const TakenFrames& frames, const ModifierType& type, bool enabled);
 
+// A frame of the database.
+Json frame_json(const PoseDatabase& database, std::size_t n);
+
 // The stack for programs and for people.
 struct StackReport {
   Json list;

@@ -60,7 +60,7 @@ Attachments attach(const std::vector<AttachedMesh>& meshes, const fs::path& path
 std::string describe(const std::vector<AttachedMesh>& meshes) {
   std::string text;
   for (const AttachedMesh& mesh : meshes) {
-    text += format("attached %s, %u vertices: %s\n", mesh.name.c_str(), mesh.vertex_count(), mesh.bound.c_str());
+    text += format("attached {}, {} vertices: {}\n", mesh.name, mesh.vertex_count(), mesh.bound);
   }
   return text;
 }

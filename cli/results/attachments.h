@@ -2,7 +2,6 @@
 #pragma once
 
 #include <memory>
-#include <optional>
 
 #include "assets/cache_writer.h"
 #include "cli/arguments/common.h"

@@ -8,7 +8,7 @@
 #include "assets/frame_range.h"
 #include "assets/wording.h"
 #include "runtime/deformer/deformer.h"
-#include "runtime/deformer/outside.h"
+#include "runtime/deformer/evaluation.h"
 #include "trainer/dynamics/measure_jiggle.h"
 #include "trainer/train/coverage/coverage.h"
 
@@ -54,6 +54,8 @@ std::string nearest_joint(const Basis& basis, std::uint32_t vertex) {
   const auto joints = std::views::iota(std::size_t{0}, basis.skeleton.size());
   return basis.skeleton.joints[*std::ranges::min_element(joints, {}, squared_distance)].name;
 }
+
+constexpr double kNoted = 0.95;  // of what was learned: more is hardly seen
 
 }  // namespace
 
@@ -190,18 +192,18 @@ Json EvaluationLog::result() const {
 std::string EvaluationLog::text() const {
   std::string text;
   stage_seconds_.for_each([&](const StageDescription& stage, double seconds) {
-    text += format("  %-8s %8.3f ms a frame\n", stage.name, milliseconds_per_frame(seconds));
+    text += format("  {:8} {:8.3f} ms a frame\n", stage.name, milliseconds_per_frame(seconds));
   });
   if (worst_outside_ >= kOutsideWorthTelling) {
     text += count_of(outside_frames_.size(), "frame leaves", "frames leave") +
-            format(" the trained range (most of all %s%s), clamped: ", worst_feature_.c_str(),
-                   worst_by_.empty() ? "" : (", by " + worst_by_).c_str()) +
+            format(" the trained range (most of all {}{}), clamped: ", worst_feature_,
+                   worst_by_.empty() ? "" : ", by " + worst_by_) +
             format_frame_range(outside_frames_) + "\n";
   }
   text += fades_.text();
   if (most_expected_mm_ > 0) {
-    text += format("expected error: %.3f mm RMS, most in frame %d: %.3f mm", mean_expected_mm_, most_expected_frame_,
-                   most_expected_mm_);
+    text += format("expected error: {:.3f} mm RMS, most in frame {}: {:.3f} mm", mean_expected_mm_,
+                   most_expected_frame_, most_expected_mm_);
     // Judged by cross-validation of the training frames: of other poses nothing tells how far off even DDM is.
     if (!fades_.empty()) {
       text += "; poses that training did not show can be further off: test compares with their shapes";
@@ -213,7 +215,8 @@ std::string EvaluationLog::text() const {
             count_of(no_better_frames_.size(), "frame", "frames") + ": " + format_frame_range(no_better_frames_) + "\n";
   }
   if (most_jiggle_mm_ > 0) {
-    text += format("the jiggle moves the skin by %.2f mm at most, in frame %d\n", most_jiggle_mm_, most_jiggle_frame_);
+    text +=
+        format("the jiggle moves the skin by {:.2f} mm at most, in frame {}\n", most_jiggle_mm_, most_jiggle_frame_);
   }
   if (!limited_frames_.empty()) {
     std::vector<std::string> joints;
@@ -223,11 +226,40 @@ std::string EvaluationLog::text() const {
   }
   if (!inverted_frames_.empty()) {
     text += count_of(inverted_frames_.size(), "frame has", "frames have") +
-            format(" tetrahedra that are inside out before they jiggle, %u of %u at most: ", most_inverted_, tets_) +
+            format(" tetrahedra that are inside out before they jiggle, {} of {} at most: ", most_inverted_, tets_) +
             format_frame_range(inverted_frames_) + "\n";
   }
   for (const std::string& note : notes()) text += note + "\n";
   return text;
+}
+
+void FadeLog::add(const Skeleton& skeleton, const Evaluation& evaluation, std::size_t k, int frame, Json& entry) {
+  const double fade = mean_fade(evaluation, k);
+  const int joint = evaluation.fading_joint[k];
+  const std::string name = joint < 0 ? "" : skeleton.joints[static_cast<std::size_t>(joint)].name;
+  entry["fade"] = fade;
+  entry["fading_joint"] = name;
+  add(frame, fade, name);
+}
+
+void FadeLog::add(int frame, const Json& entry) { add(frame, entry.at("fade"), entry.at("fading_joint")); }
+
+void FadeLog::add(int frame, double fade, const std::string& joint) {
+  if (fade >= kNoted) return;
+  frames_.push_back(frame);
+  ++joints_[joint];
+  least_ = std::min(least_, fade);
+}
+
+std::string FadeLog::text() const {
+  if (frames_.empty()) return "";
+  const auto most = std::max_element(joints_.begin(), joints_.end(),
+                                     [](const auto& a, const auto& b) { return a.second < b.second; });
+  return count_of(frames_.size(), "frame holds a pose", "frames hold poses") +
+         format(
+             " that training did not show (most of all of {}); there the correction fades, to {:.0f} % at the least: "
+             "{}\n",
+             most->first, 100 * least_, format_frame_range(frames_));
 }
 
 }  // namespace bodyopt::cli

@@ -139,11 +139,11 @@ Training train_and_measure(const SampleSet& set, const TrainOptions& options, bo
 }
 
 std::string method_table(const std::vector<MethodResult>& methods) {
-  std::string text = format("%-40s %8s %8s %8s %8s %10s %8s\n", "method (errors in mm)", "RMS", "p99", "max", "jitter",
-                            "bytes/vtx", "seconds");
+  std::string text = format("{:40} {:>8} {:>8} {:>8} {:>8} {:>10} {:>8}\n", "method (errors in mm)", "RMS", "p99",
+                            "max", "jitter", "bytes/vtx", "seconds");
   for (const MethodResult& method : methods) {
     const ErrorStatistics& errors = method.errors;
-    text += format("%-40s %8.3f %8.3f %8.2f %8.3f %10.0f %8.1f\n", method.name.c_str(), errors.rms, errors.p99,
+    text += format("{:40} {:8.3f} {:8.3f} {:8.2f} {:8.3f} {:10.0f} {:8.1f}\n", method.name, errors.rms, errors.p99,
                    errors.max, errors.jitter, method.bytes_per_vertex, method.seconds);
   }
   return text;

@@ -9,7 +9,6 @@
 #include "report/report.h"
 #include "trainer/train/fit/train.h"
 #include "trainer/train/judge/heldout.h"
-#include "trainer/train/judge/unposing_residual.h"
 #include "trainer/train/options.h"
 
 namespace bodyopt::cli {

@@ -44,8 +44,8 @@ std::vector<std::pair<std::string, std::string>> options_of(const Json& provenan
     list.emplace_back(name, provenance.at(name) > 0.0 ? provenance.at(name).dump() : "none");
   }
   if (provenance.value("updated", false)) list.emplace_back("updated", "from an earlier training of other frames");
-  list.emplace_back("memory_gib", format("%.9g", options.memory_gib));
-  if (unit > 0) list.emplace_back("unit_m", format("%.9g", unit));
+  list.emplace_back("memory_gib", format("{:.9g}", options.memory_gib));
+  if (unit > 0) list.emplace_back("unit_m", format("{:.9g}", unit));
   return list;
 }
 

@@ -1,10 +1,10 @@
 // How a transfer went, as a page for people.
 #pragma once
 
-#include <string>
 #include <vector>
 
 #include "cli/arguments/common.h"
+#include "draw/renderer.h"
 #include "trainer/transfer/transfer_pair.h"
 #include "trainer/transfer/transfer_parts.h"
 
@@ -29,5 +29,10 @@ Json transfer_pictures(const TransferPair& pair, const MeshTable& carried, const
 // What is known of one target: of the match (`alike`: likeness() of the pair), and of the parts and poses.
 Json to_json(const TransferPair& pair, double alike);
 Json to_json(const std::vector<TransferPart>& parts, const std::vector<ComparedPose>& poses);
+
+// A picture of which point is which: the source, coloured by place; the target, each point in the colour of its match;
+// the target again, from clay where the match is sure to hot where it is not. Both in the common pose, each as large as
+// the other. Throws Error(device).
+Image transfer_picture(const TransferPair& pair);
 
 }  // namespace bodyopt::cli

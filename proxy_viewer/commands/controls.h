@@ -15,7 +15,6 @@
 #include "proxy_viewer/state/orbit_camera.h"
 #include "proxy_viewer/state/playback.h"
 #include "proxy_viewer/state/pose_history.h"
-#include "proxy_viewer/state/standing.h"
 #include "proxy_viewer/state/view_settings.h"
 
 namespace bodyopt {

@@ -2,10 +2,10 @@
 #include <algorithm>
 #include <tuple>
 
-#include "assets/mirrored_name.h"
+#include "assets/joint_roles.h"
 #include "proxy_viewer/commands/command_arguments.h"
 #include "proxy_viewer/commands/command_tables.h"
-#include "proxy_viewer/state/mirrored_angles.h"
+#include "proxy_viewer/state/euler_angles.h"
 #include "proxy_viewer/state/setting_fields.h"
 
 namespace bodyopt {

@@ -1,8 +1,11 @@
 // When the errors of the lead are measured, and where they are worst.
 #pragma once
 
+#include <span>
+
 #include "proxy_viewer/compare/error_curve.h"
 #include "proxy_viewer/scene/scene.h"
+#include "runtime/basis/basis.h"
 
 namespace bodyopt {
 
@@ -41,5 +44,8 @@ class ErrorMeasuring {
   bool while_playing_;
   ErrorCurve curve_;
 };
+
+// Of the skin at a vertex, output vertex order: unit, outwards; zero where the triangles around it have no area.
+Vec3 normal_at(const MeshTable& mesh, std::span<const float> output, std::uint32_t vertex);
 
 }  // namespace bodyopt

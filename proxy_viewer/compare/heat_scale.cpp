@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "proxy_viewer/state/setting_limits.h"
+#include "proxy_viewer/state/view_settings.h"
 
 namespace bodyopt {
 

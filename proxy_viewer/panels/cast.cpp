@@ -3,7 +3,7 @@
 
 #include "proxy_viewer/panels/panels.h"
 #include "proxy_viewer/panels/widgets.h"
-#include "proxy_viewer/state/setting_limits.h"
+#include "proxy_viewer/state/view_settings.h"
 
 namespace bodyopt {
 namespace {

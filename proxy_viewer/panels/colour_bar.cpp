@@ -1,10 +1,9 @@
 // What the colours of a heat map mean, and of distances the largest of the frame.
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <optional>
 
-#include "draw/heat_colour.h"
+#include "draw/colours.h"
 #include "proxy_viewer/panels/panels.h"
 #include "proxy_viewer/panels/widgets.h"
 

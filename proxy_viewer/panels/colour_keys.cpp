@@ -1,5 +1,4 @@
 // What the colours of muscle fibres, of cut tetrahedra and of a match mean: a line each, at the bottom of the picture.
-#include <algorithm>
 #include <array>
 #include <cstdio>
 #include <utility>
@@ -13,7 +12,7 @@
 namespace bodyopt {
 namespace {
 
-constexpr float kKeyMargin = 14, kKeyPadding = 8, kGap = 7, kKeyBarWidth = 120, kSquare = 11;
+constexpr float kKeyMargin = 14, kKeyPadding = 8, kKeyGap = 7, kKeyBarWidth = 120, kSquare = 11;
 constexpr int kKeySteps = 40;
 
 // Words and colours in a line, from the left; a line without room is left out.
@@ -25,11 +24,11 @@ class KeyLine {
   void add_text(const std::string& text) {
     const ImVec2 size = ImGui::CalcTextSize(text.c_str());
     texts_.push_back({x_, text});
-    x_ += size.x + kGap;
+    x_ += size.x + kKeyGap;
   }
   void add_square(ImU32 colour) {
     fields_.push_back({x_, kSquare, colour, colour});
-    x_ += kSquare + kGap;
+    x_ += kSquare + kKeyGap;
   }
   void add_strains() {
     const auto colour_at = [](int k) {
@@ -39,11 +38,11 @@ class KeyLine {
     for (int k = 0; k < kKeySteps; ++k) {
       fields_.push_back({x_ + static_cast<float>(k) * kStep, kStep, colour_at(k), colour_at(k + 1)});
     }
-    x_ += kKeyBarWidth + kGap;
+    x_ += kKeyBarWidth + kKeyGap;
   }
 
   void draw() const {
-    const float end = x_ - kGap, half = 0.5f * ImGui::GetTextLineHeight();
+    const float end = x_ - kKeyGap, half = 0.5f * ImGui::GetTextLineHeight();
     if (end + kKeyPadding > right_) return;
     ImDrawList& list = *ImGui::GetBackgroundDrawList();
     list.AddRectFilled({kKeyMargin - kKeyPadding, middle_ - half - 3}, {end + kKeyPadding, middle_ + half + 3},

@@ -1,11 +1,10 @@
 // With what the character is compared, how both are shown, and how far they are apart.
-#include <algorithm>
 #include <cmath>
 #include <cstdio>
 
 #include "proxy_viewer/panels/panels.h"
 #include "proxy_viewer/panels/widgets.h"
-#include "proxy_viewer/state/setting_limits.h"
+#include "proxy_viewer/state/view_settings.h"
 
 namespace bodyopt {
 namespace {

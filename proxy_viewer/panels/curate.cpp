@@ -4,10 +4,10 @@
 #include <cmath>
 #include <cstdio>
 
-#include "draw/heat_colour.h"
+#include "draw/colours.h"
 #include "proxy_viewer/panels/panels.h"
 #include "proxy_viewer/panels/widgets.h"
-#include "proxy_viewer/state/setting_limits.h"
+#include "proxy_viewer/state/view_settings.h"
 
 namespace bodyopt {
 namespace {

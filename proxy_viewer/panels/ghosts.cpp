@@ -1,7 +1,7 @@
 // Frames before and after, see-through.
 #include "proxy_viewer/panels/panels.h"
 #include "proxy_viewer/panels/widgets.h"
-#include "proxy_viewer/state/setting_limits.h"
+#include "proxy_viewer/state/view_settings.h"
 
 namespace bodyopt {
 

@@ -1,6 +1,7 @@
 // The panels, one file each in panels/. Each reads the snapshot and writes the controls; none computes.
 #pragma once
 
+#include <functional>
 #include <string>
 
 #include "draw/view.h"
@@ -59,5 +60,9 @@ void draw_ghosts(const Snapshot& snapshot, Controls& controls);
 void draw_cast(const Snapshot& snapshot, Controls& controls);
 void draw_transfer(const Snapshot& snapshot, Controls& controls);
 void draw_output(const Snapshot& snapshot, Controls& controls);
+
+// Every text of the panels that people wrote, in any script: names in files, messages, what is being typed.
+void visit_texts(const Snapshot& snapshot, const Controls& controls,
+                 const std::function<void(const std::string&)>& visit);
 
 }  // namespace bodyopt

@@ -179,16 +179,8 @@ void draw_buttons(Controls& controls) {
   }
   const float width = ImGui::GetCursorPosX() - left - 3;
   ImGui::NewLine();
-  const Command& mode = *find_command("mode");
-  const std::string current = mode.value(controls);
   ImGui::SetNextItemWidth(0.5f * width - 2);
-  if (ImGui::BeginCombo("##mode", current.c_str())) {
-    for (const std::string& choice : choices_of(mode)) {
-      if (ImGui::Selectable(choice.c_str(), choice == current)) attempt(controls, "mode " + choice);
-    }
-    ImGui::EndCombo();
-  }
-  explain(mode);
+  command_choice(controls, "mode", nullptr);
   ImGui::SameLine();
   double speed = playback.speed();
   const double low = Playback::kSlowest, high = Playback::kFastest;

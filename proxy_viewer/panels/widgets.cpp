@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "draw/srgb.h"
+#include "draw/colours.h"
 
 namespace bodyopt {
 namespace {
@@ -104,7 +104,7 @@ void command_choice(Controls& controls, const char* command, const char* text,
   const Command& c = *find_command(command);
   const std::string current = c.value(controls);
   ImGui::PushID(command);
-  label_before(text);
+  if (text) label_before(text);
   if (ImGui::BeginCombo("##choice", current.c_str())) {
     for (const std::string& choice : choices_of(c)) {
       const bool missing = available && std::ranges::find(*available, choice) == available->end();

@@ -40,7 +40,7 @@ void command_button(Controls& controls, const char* command, const char* text = 
 // Lit while it is on.
 void command_switch(Controls& controls, const char* command, const char* text, float width);
 void command_tick(Controls& controls, const char* command, const char* text = nullptr);
-// One of the words of its argument, after a label; `available`: those that can be had now (null: all).
+// One of the words of its argument, after a label (null: none); `available`: those that can be had now (null: all).
 void command_choice(Controls& controls, const char* command, const char* text,
                     const std::vector<std::string>* available = nullptr);
 

@@ -7,7 +7,7 @@
 #include <optional>
 
 #include "proxy_viewer/platform/fonts.h"
-#include "proxy_viewer/platform/window_event.h"
+#include "proxy_viewer/platform/screen.h"
 #include "runtime/vulkan/device.h"
 #include "runtime/vulkan/object.h"
 

@@ -1,18 +1,38 @@
 #include "proxy_viewer/platform/window.h"
 
-#define GLFW_INCLUDE_VULKAN
 #include <GLFW/glfw3.h>
+#include <X11/Xlib.h>
 
 #include <algorithm>
+#include <array>
+#include <iostream>
 #include <utility>
 
 #include "draw/attachment.h"
-#include "proxy_viewer/platform/display_errors.h"
 #include "proxy_viewer/platform/key_names.h"
 #include "runtime/core/error.h"
 #include "runtime/vulkan/make.h"
 
+#define GLFW_INCLUDE_VULKAN
+
 namespace bodyopt {
+namespace {
+
+// Must not ask the display for anything.
+int say(Display* display, XErrorEvent* error) {
+  std::array<char, 256> text{};
+  XGetErrorText(display, error->error_code, text.data(), static_cast<int>(text.size()));
+  std::cerr << "warning: the display refused request " << static_cast<int>(error->request_code) << ": " << text.data()
+            << "\n";
+  return 0;  // ignored
+}
+
+// From now on what an X display refuses is a warning on standard error; by itself Xlib would end the program, as when
+// another program's window, from which files are dragged, goes away meanwhile. GLFW takes the handler away whenever it
+// opens a window: to be called after that. Does nothing on other displays.
+void survive_display_errors() { XSetErrorHandler(say); }
+
+}  // namespace
 
 using vulkan::check;
 using vulkan::structure;

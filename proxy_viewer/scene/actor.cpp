@@ -7,7 +7,7 @@
 #include <sstream>
 #include <utility>
 
-#include "assets/clip_keys.h"
+#include "assets/clip.h"
 #include "assets/clip_source.h"
 #include "assets/matched_joints.h"
 #include "assets/shot_modifiers.h"

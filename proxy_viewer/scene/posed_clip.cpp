@@ -1,7 +1,6 @@
 #include "proxy_viewer/scene/posed_clip.h"
 
 #include <algorithm>
-#include <cmath>
 #include <numbers>
 #include <utility>
 

@@ -1,11 +1,10 @@
 #include "proxy_viewer/scene/session_file.h"
 
 #include <nlohmann/json.hpp>
-#include <utility>
 
 #include "assets/json_fields.h"
 #include "proxy_viewer/state/setting_fields.h"
-#include "proxy_viewer/state/setting_limits.h"
+#include "proxy_viewer/state/view_settings.h"
 #include "runtime/core/error.h"
 
 namespace bodyopt {

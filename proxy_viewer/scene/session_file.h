@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "proxy_viewer/scene/actor.h"
-#include "proxy_viewer/state/standing.h"
 #include "proxy_viewer/state/view_settings.h"
 
 namespace bodyopt {

@@ -17,6 +17,9 @@ Vec3 other_angles(const Vec3& degrees) {
           std::remainder(degrees[2] + 180, 360)};
 }
 
+// At x = 0: an axis is reflected, and the sense of turning as well.
+Quat reflected(const Quat& turn) { return {turn[0], -turn[1], -turn[2], turn[3]}; }
+
 }  // namespace
 
 Quat turn_of(const Vec3& degrees) {
@@ -37,6 +40,11 @@ Vec3 degrees_of(const Quat& turn) {
   }
   const Vec3 degrees = (1 / kDegree) * radians, other = other_angles(degrees);
   return sum(other) < sum(degrees) ? other : degrees;
+}
+
+Vec3 mirrored_angles(const Vec3& degrees, const Quat& axes, const Quat& other_axes) {
+  const Quat in_world = axes * turn_of(degrees) * conjugate(axes);
+  return degrees_of(conjugate(other_axes) * reflected(in_world) * other_axes);
 }
 
 }  // namespace bodyopt

@@ -4,8 +4,6 @@
 
 #include <numbers>
 
-#include "proxy_viewer/state/setting_limits.h"
-#include "proxy_viewer/state/standing.h"
 #include "proxy_viewer/state/view_settings.h"
 
 namespace bodyopt {

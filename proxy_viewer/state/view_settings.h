@@ -9,6 +9,7 @@
 
 #include "proxy_viewer/state/orbit_camera.h"
 #include "proxy_viewer/state/playback.h"
+#include "runtime/core/transform.h"
 
 namespace bodyopt {
 
@@ -108,5 +109,25 @@ ViewSettings read_view_settings(const std::filesystem::path& path);
 // What no single field tells: names of sections, a range that ends before it begins. Throws Error(file).
 void require_good_settings(const ViewSettings& settings, const std::filesystem::path& path);
 void write_view_settings(const ViewSettings& settings, const std::filesystem::path& path);  // throws Error(file)
+
+// How far settings go: in commands, sliders and the state file alike.
+inline constexpr int kMostGhosts = 12, kLongestGhostStep = 1000;   // either way; frames
+inline constexpr int kMostCopies = 100, kLongestCopyDelay = 1000;  // frames
+inline constexpr int kCoarsestLevel = 15;
+inline constexpr int kFurthestAhead = 100000;                      // frames, either way
+inline constexpr double kMostJiggle = 4;                           // times what is simulated
+inline constexpr double kFinestHeat = 0.01, kCoarsestHeat = 1000;  // mm, of the hottest colour
+inline constexpr double kFinestBrush = 0.1, kWidestBrush = 1e4;    // mm, of its radius
+inline constexpr double kWidestSpread = 360;                       // degrees, of what is brushed over poses
+inline constexpr double kMostTurn = 360;                           // degrees, either way
+inline constexpr double kMostControl = 1e6;                        // either way
+
+// How one of the cast stands and plays while it is not the lead, and what of it a session keeps.
+struct Standing {
+  std::optional<Vec3> at;  // where its root begins, its ground for the height, metres, world; none: where there is room
+  std::optional<int> ahead;  // frames ahead of the lead, round and round in its own clip; none: frame by frame
+  std::optional<int> level;  // of detail, 0 the finest; none: as its size in the picture asks
+  bool operator==(const Standing&) const = default;
+};
 
 }  // namespace bodyopt

@@ -2,7 +2,6 @@
 // afterwards. Vertices are in runtime order (Morton order of the welded skin) unless a name says otherwise.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <map>

@@ -5,8 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "runtime/basis/basis.h"
-#include "runtime/basis/earlier_coverage.h"
-#include "runtime/basis/earlier_residual.h"
+#include "runtime/basis/earlier_tables.h"
 #include "runtime/basis/levels.h"
 #include "runtime/basis/skin_modifiers.h"
 #include "runtime/basis/table_file.h"

@@ -1,7 +1,6 @@
 #include "runtime/basis/skin_modifiers.h"
 
 #include <algorithm>
-#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "runtime/basis/basis.h"

@@ -2,7 +2,6 @@
 #include <bit>
 #include <cmath>
 #include <set>
-#include <span>
 
 #include "runtime/basis/basis.h"
 #include "runtime/basis/skin_modifiers.h"

@@ -1,4 +1,3 @@
-#include <cmath>
 
 #include "runtime/basis/levels.h"
 #include "runtime/basis/table_checks.h"

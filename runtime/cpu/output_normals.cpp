@@ -1,11 +1,9 @@
-#include <algorithm>
 #include <cmath>
 #include <vector>
 
 #include "runtime/cpu/kernels.h"
 
 namespace bodyopt::cpu {
-
 namespace {
 
 void area_vector(const float* x, const std::uint32_t* triangle, float* area) {

@@ -41,4 +41,7 @@ struct SkinPlace {
   PlacedVertices tangents{};
 };
 
+// Standard deviations beyond the trained range (Evaluation::outside) that are worth telling: less is written as 0.0.
+constexpr float kOutsideWorthTelling = 0.05f;
+
 }  // namespace bodyopt

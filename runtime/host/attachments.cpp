@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 
 #include "runtime/core/error.h"
 #include "runtime/host/rig.h"

@@ -1,7 +1,6 @@
 // How much of what was learned holds in a pose. On the host, as the rig stage: a few numbers per joint and frame.
 #pragma once
 
-#include <cstdint>
 #include <span>
 #include <vector>
 

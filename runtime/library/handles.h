@@ -4,7 +4,6 @@
 #include <memory>
 #include <mutex>
 #include <optional>
-#include <string>
 
 #include "include/bodyopt/bodyopt.h"
 #include "runtime/coverage/expected_error.h"

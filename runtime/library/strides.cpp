@@ -1,10 +1,8 @@
 #include "runtime/library/strides.h"
 
-#include <bit>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <limits>
 #include <string>
 
 #include "runtime/basis/basis.h"

@@ -1,7 +1,6 @@
 // Sag: how gravity differs from the earth's, downwards, as each joint feels it.
 //   joints: those that soft parts go with;  components: three to a joint, for a difference of once the earth's gravity
 //   along x, y and z of the rest space that the joint carries along
-#include <cmath>
 #include <numbers>
 #include <stdexcept>
 

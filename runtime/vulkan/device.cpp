@@ -1,7 +1,6 @@
 #include "runtime/vulkan/device.h"
 
 #include <algorithm>
-#include <cstring>
 
 #include "runtime/core/error.h"
 #include "runtime/core/lower_case.h"

@@ -3,7 +3,6 @@
 
 #include <cstdint>
 #include <span>
-#include <vector>
 
 #include "runtime/vulkan/device.h"
 #include "runtime/vulkan/object.h"

@@ -2,7 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include "assets/joint_map.h"
 #include "tests/assets/gltf_blob.h"
 
 namespace bodyopt {

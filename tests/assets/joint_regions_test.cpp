@@ -1,8 +1,7 @@
 // Regions by skin weights.
-#include "assets/joint_regions.h"
-
 #include <gtest/gtest.h>
 
+#include "assets/joints_with_skin.h"
 #include "tests/support/capsule_limb.h"
 
 namespace bodyopt {

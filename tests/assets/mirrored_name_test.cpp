@@ -1,9 +1,9 @@
-#include "assets/mirrored_name.h"
-
 #include <gtest/gtest.h>
 
 #include <utility>
 #include <vector>
+
+#include "assets/joint_roles.h"
 
 namespace bodyopt {
 namespace {

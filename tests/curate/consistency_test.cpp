@@ -12,7 +12,6 @@
 #include "runtime/core/error.h"
 #include "tests/curate/sweep_history.h"
 #include "trainer/curate/consistency_report.h"
-#include "trainer/curate/deviations.h"
 #include "trainer/curate/edit_stack.h"
 #include "trainer/curate/local_models.h"
 

@@ -14,9 +14,8 @@
 #include <limits>
 #include <random>
 
-#include "draw/heat_colour.h"
+#include "draw/colours.h"
 #include "draw/renderer.h"
-#include "draw/srgb.h"
 #include "runtime/core/error.h"
 #include "tests/support/read_bytes.h"
 #include "tests/support/temporary_folder.h"

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <limits>
 
-#include "draw/heat_colour.h"
+#include "draw/colours.h"
 #include "report/pictures.h"
 #include "runtime/core/error.h"
 #include "tests/draw/sphere.h"

@@ -5,7 +5,7 @@
 #include "dataset/stack_history.h"
 #include "tests/fuzz/fuzz_target.h"
 #include "tests/fuzz/small_limb.h"
-#include "trainer/curate/export_records.h"
+#include "trainer/curate/exported_frames.h"
 #include "trainer/curate/frame_files.h"
 #include "trainer/transfer/markers_file.h"
 

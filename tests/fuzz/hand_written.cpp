@@ -2,7 +2,7 @@
 #include <array>
 
 #include "assets/controls.h"
-#include "assets/joint_map.h"
+#include "assets/joint_match.h"
 #include "dataset/regions_file.h"
 #include "proxy_viewer/state/view_settings.h"
 #include "tests/attack/limb_mapping.h"

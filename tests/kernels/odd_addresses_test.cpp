@@ -48,7 +48,7 @@ std::vector<float> all_of(const BatchResult& result) {
 
 // All stages of two frames, by tables of both kinds.
 TEST(OddAddresses, ChangeNoBit) {
-  const Basis basis = with_push_out(with_relax(with_random_modifiers(random_basis(20, 70), 6)));
+  const Basis basis = with_on_top(with_on_top(with_random_modifiers(random_basis(20, 70), 6), kRelax), kPushOut);
   const auto model = std::make_shared<CharacterModel>(basis, random_dynamics(basis),
                                                       Random(1).floats(2 * basis.mesh.output_count(), 0, 1));
   Batch batch = random_batch(basis, 2);

@@ -1,4 +1,3 @@
-#include "trainer/modifiers/measure_moves.h"
 
 #include <gtest/gtest.h>
 

@@ -9,8 +9,8 @@
 #include "runtime/core/error.h"
 #include "tests/support/capsule_limb.h"
 #include "tests/support/temporary_folder.h"
+#include "trainer/motion/held_turns.h"
 #include "trainer/motion/limited_pose.h"
-#include "trainer/motion/turns_from_bind.h"
 
 namespace bodyopt {
 namespace {

@@ -18,7 +18,7 @@
 #include "trainer/motion/body_spheres.h"
 #include "trainer/motion/explore.h"
 #include "trainer/motion/joint_coverage.h"
-#include "trainer/motion/walk.h"
+#include "trainer/motion/limited_pose.h"
 
 namespace bodyopt {
 namespace {

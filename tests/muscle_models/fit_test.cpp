@@ -12,7 +12,6 @@
 #include "tests/support/paths.h"
 #include "tests/support/shared_data.h"
 #include "tests/support/temporary_folder.h"
-#include "trainer/muscle_models/align.h"
 
 namespace bodyopt::muscle_models {
 namespace {

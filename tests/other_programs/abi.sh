@@ -2,14 +2,11 @@
 # Compares what programs see of libbodyopt.so with tests/library/interface_0.abi, what was last kept (there is no release yet), by libabigail:
 # fails at any change but a new function. `abi.sh --keep` makes the file anew.
 # Only the functions of bodyopt.h and vulkan.h are compiled, with debug information; the release build has configured.
-set -euo pipefail
-cd "$(dirname "$0")/../.."
+. "$(dirname "$0")/head.bash"
 . scripts/packages.sh
 install_packages abigail-tools
 
 kept=tests/library/interface_0.abi
-folder=$(mktemp -d)
-trap 'rm -rf "$folder"' EXIT
 g++ -std=c++20 -g -O0 -fPIC -shared -Wl,-soname,libbodyopt.so.0 -Wl,--version-script=cmake/bodyopt.map \
   -I. -Ibuild/release/generated -DBODYOPT_VERSION='""' runtime/library/*.cpp -o "$folder/libbodyopt.so"
 abidw --exported-interfaces-only --headers-dir include/bodyopt --drop-private-types --no-corpus-path --no-show-locs --no-comp-dir-path \

@@ -1,14 +1,7 @@
 #!/usr/bin/env bash
 # Chromium shows the pages that the program writes: no script fails, figures and pictures are there, names are text.
-set -euo pipefail
-cd "$(dirname "$0")/../.."
-if ! command -v chromium >/dev/null || ! command -v node >/dev/null; then
-  echo "skipped: Chromium or Node.js is not installed (scripts/test --all installs both)"
-  exit 0
-fi
-folder=$(mktemp -d)
-trap 'rm -rf "$folder"' EXIT
-bodyopt=build/release/bin/bodyopt
+. "$(dirname "$0")/head.bash"
+needs chromium node
 $bodyopt demo --quick --out "$folder/demo" >/dev/null
 cat >"$folder/shots.json" <<'END'
 {"schema": "bodyopt-shots-1",

@@ -1,10 +1,6 @@
 #!/usr/bin/env bash
 # A show on a real Slurm of three virtual nodes: submitted, damaged, retried; every output as an undisturbed run makes it.
-set -euo pipefail
-cd "$(dirname "$0")/../.."
-folder=$(mktemp -d)
-trap 'rm -rf "$folder"' EXIT
-bodyopt=$PWD/build/release/bin/bodyopt
+. "$(dirname "$0")/head.bash"
 
 show() {
   "$bodyopt" demo --quick --out "$folder/demo" >/dev/null

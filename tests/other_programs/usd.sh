@@ -1,15 +1,12 @@
 #!/usr/bin/env bash
 # three.js' USDLoader, an independent reader, finds in a .usda that we evaluated the points of the .pc2 of the same frames.
-set -euo pipefail
-cd "$(dirname "$0")/../.."
+. "$(dirname "$0")/head.bash"
+needs node
 modules=$PWD/build/npm/node_modules
-if ! command -v node >/dev/null || [ ! -d "$modules/three" ]; then
+if [ ! -d "$modules/three" ]; then
   echo "skipped: three.js is not installed (scripts/test --all installs it by npm)"
   exit 0
 fi
-folder=$(mktemp -d)
-trap 'rm -rf "$folder"' EXIT
-bodyopt=build/release/bin/bodyopt
 $bodyopt demo --quick --out "$folder/demo" >/dev/null
 cache() { # FRAMES OUT
   $bodyopt eval "$folder/demo/basis.safetensors" --clip "$folder/demo/heldout.glb" --device cpu --frames "$1" --out "$2" >/dev/null

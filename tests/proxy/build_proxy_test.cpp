@@ -16,7 +16,7 @@
 #include "tests/support/temporary_folder.h"
 #include "trainer/proxy/frame_time.h"
 #include "trainer/proxy/level_skins.h"
-#include "trainer/proxy/taught_samples.h"
+#include "trainer/proxy/proxy_samples.h"
 #include "trainer/train/data/learned_poses.h"
 #include "trainer/train/judge/heldout.h"
 #include "trainer/train/skinning/ddm_basis.h"

@@ -1,7 +1,6 @@
 #include "proxy_viewer/compare/error_measuring.h"
 
 #include "draw/camera.h"
-#include "proxy_viewer/scene/skin_normal.h"
 #include "tests/proxy_viewer/small_character.h"
 #include "tests/support/error_kind.h"
 #include "tests/support/gpu_fixture.h"

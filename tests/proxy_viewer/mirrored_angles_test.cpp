@@ -1,4 +1,3 @@
-#include "proxy_viewer/state/mirrored_angles.h"
 
 #include <gtest/gtest.h>
 

@@ -9,7 +9,6 @@
 #include <set>
 
 #include "proxy_viewer/commands/commands.h"
-#include "proxy_viewer/panels/shown_texts.h"
 #include "proxy_viewer/platform/gui.h"
 #include "proxy_viewer/state/sections.h"
 #include "tests/support/error_kind.h"

@@ -10,7 +10,6 @@
 
 #include "assets/json_file.h"
 #include "proxy_viewer/state/sections.h"
-#include "proxy_viewer/state/setting_limits.h"
 #include "runtime/core/error.h"
 #include "tests/support/hostile_bytes.h"
 #include "tests/support/random_tables.h"

@@ -2,8 +2,7 @@
 
 #include <cmath>
 
-#include "draw/heat_colour.h"
-#include "draw/srgb.h"
+#include "draw/colours.h"
 #include "shaders/include/layout.h"
 #include "tests/draw/sphere.h"
 #include "tests/support/error_kind.h"

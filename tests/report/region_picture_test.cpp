@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "report/number_label.h"
 #include "tests/draw/sphere.h"
 #include "tests/report/white_dots.h"
 

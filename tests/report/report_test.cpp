@@ -7,7 +7,7 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
-#include "draw/heat_colour.h"
+#include "draw/colours.h"
 #include "report/heat_strip.h"
 #include "report/page.h"
 #include "report/pictures.h"

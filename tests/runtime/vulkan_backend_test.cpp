@@ -107,7 +107,7 @@ TEST(VulkanBackend, StrainsOfTurnedJointsEqualTheCpuBackend) {
 }
 
 TEST(VulkanBackend, RelaxEqualsTheCpuBackend) {
-  const Basis plain = with_random_modifiers(random_basis(20, 70), 7), basis = with_relax(plain);
+  const Basis plain = with_random_modifiers(random_basis(20, 70), 7), basis = with_on_top(plain, kRelax);
   const auto cpu = make_cpu_backend(model_of(basis)), gpu = on_device(basis), without = on_device(plain);
   Batch batch = random_batch(basis, 3), same = batch;
   same.modifiers.resize(std::size_t{3} * 7);
@@ -134,7 +134,7 @@ TEST(VulkanBackend, RelaxEqualsTheCpuBackend) {
 // After relax, and alone; with normals and without.
 TEST(VulkanBackend, PushOutEqualsTheCpuBackend) {
   const Basis plain = with_random_modifiers(random_basis(20, 70), 7);
-  for (const Basis& basis : {with_push_out(plain), with_push_out(with_relax(plain))}) {
+  for (const Basis& basis : {with_on_top(plain, kPushOut), with_on_top(with_on_top(plain, kRelax), kPushOut)}) {
     const std::size_t components = basis.modifiers.component_count(), first = components - 6;
     const auto cpu = make_cpu_backend(model_of(basis)), gpu = on_device(basis);
     Batch batch = random_batch(basis, 3);
@@ -195,7 +195,7 @@ TEST(VulkanBackend, InstancesOfAModelDoNotDisturbEachOther) {
 
 // A device whose bindings see little: tables by blocks of vertices are seen through windows, others are named.
 TEST(VulkanBackend, SeesTablesThroughWindows) {
-  const Basis basis = with_relax(with_random_modifiers(random_basis(20, 70), 7));
+  const Basis basis = with_on_top(with_random_modifiers(random_basis(20, 70), 7), kRelax);
   const auto model = model_of(basis);
   const auto device = open_test_device();
   vulkan::DeviceInfo limits = device->info();

@@ -1,7 +1,7 @@
 // Kernels that read the triangles around vertices through windows.
 #pragma once
 
-#include "runtime/vulkan/kernels/fan_buffers.h"
+#include "runtime/vulkan/kernels/block_buffers.h"
 #include "tests/support/kernel_cases.h"
 #include "tests/support/small_windows.h"
 

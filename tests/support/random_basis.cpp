@@ -4,8 +4,6 @@
 #include <optional>
 #include <string>
 
-#include "runtime/basis/skin_modifiers.h"
-
 namespace bodyopt::testing {
 
 Basis random_basis(std::uint32_t fibres, std::uint32_t coefficients) {
@@ -41,21 +39,13 @@ Basis with_random_modifiers(Basis basis, std::uint32_t components) {
   return basis;
 }
 
-Basis with_relax(Basis basis) {
+Basis with_on_top(Basis basis, const PosedSkinType& type) {
   const std::uint32_t component = basis.modifiers.component_count();
   SkinModifier& modifier = basis.modifiers.stack.emplace_back();
-  modifier.name = modifier.type = kRelax.name;
+  modifier.name = modifier.type = type.name;
   modifier.first_component = component;
-  modifier.component_count = 1;
-  return basis;
-}
-
-Basis with_push_out(Basis basis) {
-  const std::uint32_t component = basis.modifiers.component_count();
-  SkinModifier& modifier = basis.modifiers.stack.emplace_back();
-  modifier.name = modifier.type = kPushOut.name;
-  modifier.first_component = component;
-  modifier.component_count = 6;
+  modifier.component_count = type.components + 2 * type.joint_components;
+  if (type.joint_components == 0) return basis;
   modifier.joints = {2, 4};
   modifier.numbers = {0.2f, 0, 0, 0, 9, 1, 0, 0, 0, 0, 0, 9, 1, 0, 0};
   for (std::size_t j = 1; j < basis.skeleton.size(); ++j) basis.skeleton.joints[j].parent = static_cast<int>(j) - 1;

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <memory>
 
+#include "runtime/basis/skin_modifiers.h"
 #include "runtime/host/backend.h"
 #include "runtime/host/character_model.h"
 #include "tests/support/random_tables.h"
@@ -18,11 +19,8 @@ Basis random_basis(std::uint32_t fibres, std::uint32_t coefficients);
 // The basis with a stack of as many components, two to a modifier.
 Basis with_random_modifiers(Basis basis, std::uint32_t components);
 
-// With relax on top.
-Basis with_relax(Basis basis);
-
-// With push-out on top, whose folds hold all skin.
-Basis with_push_out(Basis basis);
+// With kRelax or kPushOut on top, whose folds hold all skin.
+Basis with_on_top(Basis basis, const PosedSkinType& type);
 
 // The basis need not be sound.
 std::shared_ptr<const CharacterModel> model_of(const Basis& basis);

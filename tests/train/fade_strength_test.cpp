@@ -1,6 +1,4 @@
 // How strongly what was learned fades: as the frames themselves say, where they say anything.
-#include "trainer/train/fit/fade_strength.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -10,6 +8,7 @@
 #include "runtime/host/rig.h"
 #include "tests/support/capsule_limb.h"
 #include "tests/support/trained_basis.h"
+#include "trainer/train/fit/fade.h"
 #include "trainer/train/judge/test_errors.h"
 
 namespace bodyopt {

@@ -1,5 +1,4 @@
 // A joint that all of the skin hangs under: it is no part of a pose to learn.
-#include "trainer/train/features/learned_features.h"
 
 #include <gtest/gtest.h>
 

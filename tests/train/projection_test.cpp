@@ -3,9 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/QR>
 #include <random>
-
-#include "trainer/train/regression/stored_half.h"
 
 namespace bodyopt {
 namespace {

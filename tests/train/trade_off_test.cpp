@@ -13,7 +13,6 @@
 #include "tests/support/trained_basis.h"
 #include "trainer/train/fit/train.h"
 #include "trainer/train/judge/heldout.h"
-#include "trainer/train/judge/unposing_residual.h"
 #include "trainer/train/skinning/ddm_basis.h"
 
 namespace bodyopt {

@@ -23,7 +23,6 @@
 #include "tests/support/temporary_folder.h"
 #include "tests/support/trained_basis.h"
 #include "trainer/train/judge/heldout.h"
-#include "trainer/train/judge/unposing_residual.h"
 #include "trainer/train/pack/trade_off.h"
 #include "trainer/train/skinning/linear_blend.h"
 

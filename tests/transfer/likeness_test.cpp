@@ -1,12 +1,11 @@
 // How alike limbs are that differ in one thing alone.
-#include "trainer/transfer/likeness.h"
-
 #include <gtest/gtest.h>
 
 #include "geometry/laplacian.h"
 #include "geometry/table_rows.h"
 #include "tests/support/capsule_limb.h"
 #include "trainer/train/skinning/ddm_basis.h"
+#include "trainer/transfer/transfer_pair.h"
 
 namespace bodyopt {
 namespace {

@@ -10,7 +10,7 @@
 #include "tests/transfer/refined_limb.h"
 #include "trainer/train/skinning/ddm_basis.h"
 #include "trainer/transfer/carry_anatomy.h"
-#include "trainer/transfer/sure_places.h"
+#include "trainer/transfer/transfer_pair.h"
 
 namespace bodyopt {
 namespace {

@@ -25,10 +25,10 @@
 #include "trainer/train/skinning/linear_blend.h"
 #include "trainer/train/skinning/mesh_table.h"
 #include "trainer/train/skinning/unpose.h"
-#include "trainer/transfer/carried_features.h"
 #include "trainer/transfer/carry_modifiers.h"
-#include "trainer/transfer/match_colours.h"
+#include "trainer/transfer/correspondence.h"
 #include "trainer/transfer/transfer_basis.h"
+#include "trainer/transfer/transfer_columns.h"
 #include "trainer/transfer/transfer_dataset.h"
 
 namespace bodyopt {

@@ -17,8 +17,8 @@
 #include "tests/support/temporary_folder.h"
 #include "tests/transfer/limb_dataset.h"
 #include "trainer/train/skinning/ddm_basis.h"
-#include "trainer/transfer/likeness.h"
 #include "trainer/transfer/markers_file.h"
+#include "trainer/transfer/transfer_pair.h"
 
 namespace bodyopt {
 namespace {

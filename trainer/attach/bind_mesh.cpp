@@ -2,7 +2,6 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <cmath>
 #include <map>
 #include <numeric>
 
@@ -10,8 +9,10 @@
 #include "base/parallel.h"
 #include "geometry/extent.h"
 #include "geometry/surface_pieces.h"
+#include "geometry/table_rows.h"
 #include "geometry/vertex_normals.h"
 #include "geometry/weld.h"
+#include "runtime/basis/joint_omegas.h"
 #include "runtime/core/error.h"
 
 namespace bodyopt {
@@ -263,6 +264,40 @@ class MeshBinder {
 
 AttachedMesh bind_mesh(const LooseMesh& mesh, const RestSkin& skin, const AttachOptions& options) {
   return MeshBinder(mesh, skin, options).bind();
+}
+
+RestSkin::RestSkin(const Basis& basis)
+    : skeleton_(basis.skeleton),
+      ddm_(basis.ddm),
+      vertices_(rows_of(basis.mesh.rest)),
+      triangles_(rows_of(basis.mesh.triangles)),
+      diagonal_(box_diagonal(vertices_)),
+      search_(vertices_, triangles_) {
+  normals_ = vertex_normals(vertices_, triangles_);
+  normals_.rowwise().normalize();
+}
+
+SkinPoint RestSkin::facing(const Eigen::Vector3d& point, const Eigen::Vector3d& normal) const {
+  const SkinPoint nearest = search_(point), facing = search_.facing(point, normal);
+  if (facing.triangle < 0) return nearest;
+  return (facing.position - point).norm() <= 2 * (nearest.position - point).norm() ? facing : nearest;
+}
+
+Eigen::Vector3d RestSkin::normal(const SkinPoint& point) const {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (Eigen::Index k = 0; k < 3; ++k) {
+    sum += point.weights[k] * normals_.row(point.vertices[static_cast<std::size_t>(k)]).transpose();
+  }
+  return sum.normalized();
+}
+
+std::vector<double> RestSkin::joint_weights(const SkinPoint& point) const {
+  std::vector<double> weights(skeleton_.size(), 0.0);
+  for (Eigen::Index k = 0; k < 3; ++k) {
+    for_each_omega(ddm_, point.vertices[static_cast<std::size_t>(k)],
+                   [&](std::uint32_t joint, double omega) { weights[joint] += point.weights[k] * omega; });
+  }
+  return weights;
 }
 
 }  // namespace bodyopt

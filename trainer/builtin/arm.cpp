@@ -1,7 +1,6 @@
 #include "trainer/builtin/arm.h"
 
 #include <string>
-#include <string_view>
 
 #include "assets/gltf_clip.h"
 #include "runtime/core/error.h"

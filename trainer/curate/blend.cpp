@@ -49,10 +49,9 @@ std::unique_ptr<ShapeModifier> prepare_blend(const ModifierInput& input) {
   std::map<std::size_t, std::uint32_t> samples;
   const std::string take = input.parameters.name("take");
   for (std::size_t n = 0; n < input.database.frames.size(); ++n) {
-    const DatabaseFrame& frame = input.database.frames[n];
-    if (input.database.takes[static_cast<std::size_t>(frame.take)] != take) continue;
+    if (input.database.take_of(n) != take) continue;
     for (std::uint32_t k = 0; k < frames.size(); ++k) {
-      if (frames[k] == frame.frame) samples[n] = k;
+      if (frames[k] == input.database.frames[n].frame) samples[n] = k;
     }
   }
   if (samples.empty()) {

@@ -5,7 +5,7 @@
 #include "base/parallel.h"
 #include "base/progress.h"
 #include "geometry/laplacian.h"
-#include "trainer/curate/deviations.h"
+#include "trainer/curate/consistency_report.h"
 #include "trainer/curate/hash_of.h"
 #include "trainer/curate/modifier_type.h"
 

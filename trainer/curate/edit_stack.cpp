@@ -1,7 +1,6 @@
 #include "trainer/curate/edit_stack.h"
 
 #include <algorithm>
-#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "assets/frame_range.h"
@@ -25,9 +24,8 @@ using Modifiers = std::vector<Modifier>;
 // Of the character's size: no sculpt moves a vertex so far, and files round by less than so little.
 constexpr double kTooFar = 0.2, kAsItIs = 1e-6;
 
-Modifiers::iterator find_modifier(Modifiers& modifiers, const std::string& name) {
-  const auto found =
-      std::find_if(modifiers.begin(), modifiers.end(), [&](const Modifier& there) { return there.name == name; });
+Modifiers::iterator modifier_named(const std::string& name, Modifiers& modifiers) {
+  const auto found = std::ranges::find(modifiers, name, &Modifier::name);
   if (found != modifiers.end()) return found;
   std::vector<std::string> names;
   for (const Modifier& there : modifiers) names.push_back(there.name);
@@ -36,17 +34,13 @@ Modifiers::iterator find_modifier(Modifiers& modifiers, const std::string& name)
                   (names.empty() ? "it has none" : "the nearest are " + list_names(nearest_names(names, name))));
 }
 
-bool has_name(const Modifiers& modifiers, const std::string& name) {
-  return std::any_of(modifiers.begin(), modifiers.end(), [&](const Modifier& there) { return there.name == name; });
-}
-
 std::string free_name(const Modifiers& modifiers, const Modifier& modifier) {
-  if (!modifier.name.empty() && !has_name(modifiers, modifier.name)) return modifier.name;
+  if (!modifier.name.empty() && !find_modifier(modifiers, modifier.name)) return modifier.name;
   if (!modifier.name.empty()) {
     throw Error(ErrorKind::usage, "the dataset has a modifier '" + modifier.name + "' already");
   }
   std::string name = modifier.type;
-  for (int k = 2; has_name(modifiers, name); ++k) name = modifier.type + std::to_string(k);
+  for (int k = 2; find_modifier(modifiers, name); ++k) name = modifier.type + std::to_string(k);
   return name;
 }
 
@@ -120,7 +114,7 @@ PoseDatabase change_modifier(const fs::path& path, const std::string& name, cons
                              std::chrono::milliseconds patience) {
   PoseDatabase database;
   const auto edit = [&](const Dataset& dataset, Modifiers& modifiers) {
-    Modifier& modifier = *find_modifier(modifiers, name);
+    Modifier& modifier = *modifier_named(name, modifiers);
     if (change.strength) modifier.strength = *change.strength;
     if (change.frames) modifier.frames = *change.frames;
     if (change.mask) modifier.mask = *change.mask;
@@ -129,7 +123,7 @@ PoseDatabase change_modifier(const fs::path& path, const std::string& name, cons
       if (value.is_null()) modifier.parameters.erase(key);
     }
     if (change.name && *change.name != name) {
-      if (has_name(modifiers, *change.name)) {
+      if (find_modifier(modifiers, *change.name)) {
         throw Error(ErrorKind::usage, "the dataset has a modifier '" + *change.name + "' already");
       }
       modifier.name = *change.name;
@@ -144,7 +138,7 @@ PoseDatabase change_modifier(const fs::path& path, const std::string& name, cons
 
 void move_modifier(const fs::path& path, const std::string& name, std::size_t place) {
   edit_modifiers(path, [&](const Dataset&, Modifiers& modifiers) {
-    const auto found = find_modifier(modifiers, name);
+    const auto found = modifier_named(name, modifiers);
     if (place < 1 || place > modifiers.size()) {
       throw Error(ErrorKind::usage, "the stack has the places 1 to " + std::to_string(modifiers.size()) +
                                         ", asked for " + std::to_string(place));
@@ -157,11 +151,12 @@ void move_modifier(const fs::path& path, const std::string& name, std::size_t pl
 
 void enable_modifier(const fs::path& path, const std::string& name, bool enabled, std::chrono::milliseconds patience) {
   edit_modifiers(
-      path, [&](const Dataset&, Modifiers& modifiers) { find_modifier(modifiers, name)->enabled = enabled; }, patience);
+      path, [&](const Dataset&, Modifiers& modifiers) { modifier_named(name, modifiers)->enabled = enabled; },
+      patience);
 }
 
 void remove_modifier(const fs::path& path, const std::string& name) {
-  edit_modifiers(path, [&](const Dataset&, Modifiers& modifiers) { modifiers.erase(find_modifier(modifiers, name)); });
+  edit_modifiers(path, [&](const Dataset&, Modifiers& modifiers) { modifiers.erase(modifier_named(name, modifiers)); });
 }
 
 void check_modifier(const PoseDatabase& database, const Modifier& modifier) {
@@ -201,8 +196,8 @@ void put_shapes_over(const fs::path& path, const std::string& name, const std::s
 }
 
 void require_sculpt(const Modifiers& modifiers, const std::string& name) {
-  const auto found = std::ranges::find(modifiers, name, &Modifier::name);
-  if (found == modifiers.end() || found->type == "sculpt") return;
+  const Modifier* found = find_modifier(modifiers, name);
+  if (!found || found->type == "sculpt") return;
   throw Error(ErrorKind::usage, "the modifier '" + name + "' is of the type " + found->type);
 }
 
@@ -211,14 +206,12 @@ std::vector<std::string> put_sculpt(const PoseDatabase& database, Modifiers& mod
                                     double spread_degrees) {
   if (!after.allFinite()) throw Error(ErrorKind::mismatch, "the sculpt holds a number that is not finite");
   require_sculpt(modifiers, name);
-  if (!has_name(modifiers, name)) modifiers.push_back({.name = name, .type = "sculpt"});
-  Modifier& modifier = *find_modifier(modifiers, name);
+  if (!find_modifier(modifiers, name)) modifiers.push_back({.name = name, .type = "sculpt"});
+  Modifier& modifier = *modifier_named(name, modifiers);
   const Character& character = database.character;
   const std::string offsets = keep_samples(database.dataset, name, 1,
                                            [&](std::size_t) { return output_from_welded(character, after - before); });
-  const DatabaseFrame& sculpted = database.frames[frame];
-  name_sculpt(modifier, database.takes[static_cast<std::size_t>(sculpted.take)], sculpted.frame, offsets,
-              spread_degrees);
+  name_sculpt(modifier, database.take_of(frame), database.frames[frame].frame, offsets, spread_degrees);
   return sculpt_notes(character, before, after);
 }
 

@@ -19,7 +19,6 @@
 #include "runtime/core/hexadecimal.h"
 #include "trainer/curate/local_models.h"
 #include "trainer/curate/match_vertices.h"
-#include "trainer/curate/turned_mesh.h"
 
 namespace bodyopt {
 namespace {

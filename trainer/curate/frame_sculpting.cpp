@@ -17,15 +17,9 @@ namespace {
 constexpr double kUsualSpread = 30;  // degrees
 constexpr double kAlike = 0.05;      // of the character's size, that the sides of a body differ by at most
 
-const Modifier* modifier_of(const PoseDatabase& database, const std::string& name) {
-  const std::vector<Modifier>& modifiers = database.dataset.modifiers;
-  const auto found = std::ranges::find(modifiers, name, &Modifier::name);
-  return found == modifiers.end() ? nullptr : &*found;
-}
-
 SculptedFrames sculpts_of(const PoseDatabase& database, const std::string& name, std::size_t frame,
                           std::optional<double> spread) {
-  const Modifier* modifier = modifier_of(database, name);
+  const Modifier* modifier = find_modifier(database.dataset.modifiers, name);
   const std::string why = why_not_shown(database, name, frame);
   if (!why.empty()) {
     throw Error(ErrorKind::usage,
@@ -49,7 +43,7 @@ Eigen::Vector3d point_on(const Positions& surface, const SkinPoint& at) {
 }  // namespace
 
 std::string why_not_shown(const PoseDatabase& database, const std::string& name, std::size_t frame) {
-  const Modifier* modifier = modifier_of(database, name);
+  const Modifier* modifier = find_modifier(database.dataset.modifiers, name);
   if (!modifier) return "";
   if (modifier->type != "sculpt") return "is of the type " + modifier->type + ", not sculpt";
   if (!modifier->enabled) return "is switched off";
@@ -146,7 +140,7 @@ std::vector<std::string> FrameSculpting::put_into(std::vector<Modifier>& modifie
 
 std::vector<std::string> FrameSculpting::keep(std::chrono::milliseconds patience) const {
   const PoseDatabase& database = stack_->database();
-  const std::string& take = database.takes[static_cast<std::size_t>(database.frames[frame_].take)];
+  const std::string& take = database.take_of(frame_);
   const int number = database.frames[frame_].frame;
   const Positions strokes = surface_ - begun_;
   std::vector<std::string> notes;

@@ -1,9 +1,13 @@
-// Which vertex is which, after another program has written a mesh in an order of its own.
+// Which vertex is which, and which way is up, after another program has written a mesh in ways of its own.
 #pragma once
 
+#include <Eigen/Core>
+#include <filesystem>
+#include <span>
 #include <vector>
 
 #include "geometry/mesh.h"
+#include "trainer/curate/frame_files.h"
 
 namespace bodyopt {
 
@@ -28,5 +32,12 @@ std::vector<int> match_vertices(const TexturedSurface& known, const TexturedSurf
 
 // How many vertices of `given` lie where one of `known` does (within `tolerance`, metres).
 std::size_t vertices_in_place(const Positions& known, const Positions& given, double tolerance);
+
+// The rotation between coordinate axes that brings a mesh (`given`: N x 3, metres, in any order) to where one of the
+// skins lies that it may be of: none where its extent is theirs as it is, or is theirs in no turn. Half of its vertices
+// or more then lie where that skin has them; where fewer do, but its extent is that of the skin turned, throws
+// Error(mismatch): which way is up is not to be told.
+Eigen::Matrix3d turn_back(std::span<const WrittenSkin> written, const Positions& given,
+                          const std::filesystem::path& path);
 
 }  // namespace bodyopt

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "assets/mirrored_name.h"
+#include "assets/joint_roles.h"
 #include "runtime/core/error.h"
 #include "runtime/host/rig.h"
 

@@ -1,7 +1,6 @@
 #include "trainer/curate/modifier_scope.h"
 
 #include <algorithm>
-#include <cmath>
 #include <nlohmann/json.hpp>
 #include <set>
 

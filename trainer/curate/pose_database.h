@@ -33,6 +33,9 @@ struct PoseDatabase {
   std::vector<std::string> notes;
   std::vector<std::shared_ptr<const ShapeReader>> readers;  // by take
 
+  const std::string& take_of(std::size_t frame) const { return takes[static_cast<std::size_t>(frames[frame].take)]; }
+  // "rom 40".
+  std::string name_of(std::size_t frame) const { return take_of(frame) + " " + std::to_string(frames[frame].frame); }
   // V x 3, welded, posed, metres, as the cache has it. On any thread. Throws Error(file) at a damaged sample.
   Positions raw_shape(std::size_t frame) const;
   // Index of a frame by its take's name and its number; throws Error(mismatch), naming `place`, where there is none.

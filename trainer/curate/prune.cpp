@@ -8,7 +8,7 @@
 
 #include "dataset/modifier.h"
 #include "dataset/stack_history.h"
-#include "trainer/curate/export_records.h"
+#include "trainer/curate/exported_frames.h"
 
 namespace bodyopt {
 namespace {

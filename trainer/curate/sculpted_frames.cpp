@@ -1,7 +1,6 @@
 #include "trainer/curate/sculpted_frames.h"
 
 #include <algorithm>
-#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "assets/json_file.h"

@@ -1,7 +1,6 @@
 #include "trainer/curate/shape_stack.h"
 
 #include <algorithm>
-#include <nlohmann/json.hpp>
 
 #include "assets/character_hash.h"
 #include "assets/wording.h"

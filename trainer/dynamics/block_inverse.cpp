@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <atomic>
 #include <numeric>
-#include <string>
 
 #include "base/parallel.h"
 #include "runtime/core/error.h"

@@ -1,7 +1,6 @@
 // What of a body its tetrahedra are: bones, muscles, parts that go with joints.
 #pragma once
 
-#include <string>
 #include <vector>
 
 #include "assets/muscles.h"

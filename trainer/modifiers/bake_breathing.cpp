@@ -4,7 +4,6 @@
 // De Troyer, Kirkwood, Wilson 2005.) A weight of 1 of either component adds a litre to what the skin encloses (Konno
 // and Mead 1967: the volume that chest and belly gain together is the air breathed), so that what lies below the
 // diaphragm keeps its volume.
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <cmath>

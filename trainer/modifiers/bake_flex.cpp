@@ -1,6 +1,5 @@
 // Flex: a muscle that tenses without moving its joints bulges at its belly and draws in towards its ends. Of one muscle
 // of muscles.json, or of all.
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <numbers>

@@ -5,7 +5,7 @@
 #include "runtime/core/error.h"
 #include "runtime/host/fold_joints.h"
 #include "trainer/modifiers/bake_modifier.h"
-#include "trainer/modifiers/bones.h"
+#include "trainer/modifiers/joint_holds.h"
 
 namespace bodyopt {
 namespace {

@@ -3,19 +3,49 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 #include <set>
+#include <vector>
 
 #include "assets/character.h"
 #include "assets/json_file.h"
 #include "assets/shape_reader.h"
 #include "assets/shot_modifiers.h"
 #include "assets/wording.h"
+#include "geometry/mesh.h"
 #include "runtime/basis/character_unit.h"
+#include "runtime/basis/skin_modifiers.h"
 #include "runtime/core/error.h"
 #include "trainer/modifiers/bake_modifier.h"
-#include "trainer/modifiers/pack_components.h"
+#include "trainer/train/pack/blend_entry.h"
 
 namespace bodyopt {
 namespace {
+
+constexpr double kNegligible = 1e-6;  // metres
+
+BlockVectors block_of(const Positions& component, Eigen::Index first) {
+  const Eigen::Index lanes = std::min<Eigen::Index>(kBlockSize, component.rows() - first);
+  BlockVectors vectors = BlockVectors::Zero();
+  vectors.leftCols(lanes) = component.middleRows(first, lanes).transpose();
+  return vectors;
+}
+
+// Fills blend_begin and blend. Each component V x 3, metres. A block takes an entry of eight bits a number for each
+// component that moves it by more than a micron, and a second one for what the first leaves where that is more.
+void pack_components(const std::vector<Positions>& components, std::uint32_t vertex_count, SkinModifiers& modifiers) {
+  modifiers.blend.clear();
+  modifiers.blend_begin = {0};
+  for (Eigen::Index first = 0; first < vertex_count; first += kBlockSize) {
+    for (std::uint32_t k = 0; k < components.size(); ++k) {
+      BlockVectors left = block_of(components[k], first);
+      for (int entry = 0; entry < 2 && left.cwiseAbs().maxCoeff() > kNegligible; ++entry) {
+        const PackedEntry packed = pack_entry(left, k);
+        modifiers.blend.push_back(packed.entry);
+        left = packed.left;
+      }
+    }
+    modifiers.blend_begin.push_back(static_cast<std::uint32_t>(modifiers.blend.size()));
+  }
+}
 
 struct BakeType {
   const char* name;

@@ -1,8 +1,10 @@
-// The skin that a basis shows, as geometry is computed on.
+// The skin that a basis shows, as geometry is computed on, and how far each modifier moves it.
 #pragma once
 
+#include <cstddef>
 #include <memory>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "geometry/mesh.h"
@@ -25,5 +27,15 @@ class EvaluatedSkin {
 
 // The same basis without what modifiers add.
 Basis without_modifiers(Basis basis);
+
+// Of a modifier that is switched on, over some poses.
+struct ModifierMove {
+  std::string modifier;
+  double largest = 0;    // metres, of one vertex, beside the skin without this modifier alone
+  std::size_t pose = 0;  // in which it is
+};
+
+// In the stack's order. `poses` have the weights of the basis' modifiers (drive_modifiers). The skin is quasi-static.
+std::vector<ModifierMove> measure_moves(const Basis& basis, std::span<const Pose> poses);
 
 }  // namespace bodyopt

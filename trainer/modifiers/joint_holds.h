@@ -1,10 +1,11 @@
-// Which joints hold which part of the skin, by the omegas of Direct Delta Mush.
+// Joints: which hold which part of the skin, by the omegas of Direct Delta Mush, and the bones between them.
 #pragma once
 
 #include <Eigen/Core>
 #include <vector>
 
 #include "runtime/basis/basis.h"
+#include "runtime/basis/skeleton.h"
 
 namespace bodyopt {
 
@@ -14,5 +15,9 @@ Eigen::VectorXd held_by(const Basis& basis, const std::vector<char>& chosen);
 // Of every joint what it holds of the skin; they sum to 1. `weights`: V, >= 0, how
 // much each vertex counts; all alike where all are 0.
 std::vector<double> joint_shares_of(const Basis& basis, Eigen::VectorXd weights);
+
+// The bone (rest space, metres) from a joint to the middle of those that follow it, or, of the last of a chain, on from
+// its parent; zero of a joint that stands alone.
+Vec3 bone_of(const Skeleton& skeleton, std::uint32_t joint);
 
 }  // namespace bodyopt

@@ -14,7 +14,7 @@
 #include "runtime/host/rig.h"
 #include "runtime/modifiers/drive_modifiers.h"
 #include "trainer/modifiers/bake_modifier.h"
-#include "trainer/modifiers/bones.h"
+#include "trainer/modifiers/joint_holds.h"
 #include "trainer/motion/attached_rig.h"
 #include "trainer/motion/limited_pose.h"
 

@@ -1,7 +1,6 @@
 #include "trainer/motion/blend_clips.h"
 
 #include <algorithm>
-#include <cmath>
 #include <numbers>
 
 #include "trainer/motion/explore.h"

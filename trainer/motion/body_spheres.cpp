@@ -1,6 +1,5 @@
 #include "trainer/motion/body_spheres.h"
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 

@@ -1,7 +1,6 @@
 #include "trainer/motion/coupled_joints.h"
 
 #include <Eigen/Cholesky>
-#include <cmath>
 #include <numbers>
 
 #include "assets/wording.h"

@@ -10,7 +10,7 @@
 #include "base/linear_algebra.h"
 #include "runtime/core/error.h"
 #include "trainer/motion/attached_rig.h"
-#include "trainer/motion/turns_from_bind.h"
+#include "trainer/motion/held_turns.h"
 
 namespace bodyopt {
 namespace {

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "runtime/basis/skeleton.h"
 #include "trainer/motion/joint_limits.h"
 
 namespace bodyopt {
@@ -27,5 +28,12 @@ std::string describe(const HeldTurn& turn, const Skeleton& skeleton, std::size_t
 // Names of joints that some frame turns but no degree of freedom does; roots turn as they like and are left out.
 std::vector<std::string> turning_without_limits(const JointLimits& limits, const Skeleton& skeleton,
                                                 const std::vector<Pose>& poses);
+
+// How every pose turns a joint away from the bind pose, about the world's axes with all parents at rest: as
+// joint_turns().
+std::vector<Quat> turns_from_bind(const Skeleton& skeleton, const std::vector<Pose>& poses, std::size_t joint);
+
+// From a joint to the middle of the joints below, in the bind pose, metres; zero where there are none.
+Vec3 length_of_bone(const Skeleton& skeleton, std::size_t joint);
 
 }  // namespace bodyopt

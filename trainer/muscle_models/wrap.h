@@ -1,7 +1,6 @@
 // The shortest way around a sphere or a cylinder.
 #pragma once
 
-#include <Eigen/Geometry>
 #include <optional>
 
 #include "trainer/muscle_models/model.h"

@@ -7,7 +7,6 @@
 #include "assets/wording.h"
 #include "runtime/core/error.h"
 #include "runtime/core/strict_json.h"
-#include "trainer/proxy/level_errors.h"
 #include "trainer/proxy/level_skins.h"
 #include "trainer/proxy/proxy_samples.h"
 #include "trainer/proxy/skin_map.h"

@@ -1,7 +1,5 @@
 #include "trainer/simulate/body_hash.h"
 
-#include <string>
-
 #include "base/content_hash.h"
 
 namespace bodyopt {

@@ -1,7 +1,6 @@
 // Skin against skin in deep folds.
 #pragma once
 
-#include <cstdint>
 #include <map>
 #include <span>
 #include <vector>

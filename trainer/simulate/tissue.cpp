@@ -1,6 +1,5 @@
 #include "trainer/simulate/tissue.h"
 
-#include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>

@@ -1,7 +1,6 @@
 #include "trainer/tets/fillable_skin.h"
 
 #include <Eigen/Geometry>
-#include <Eigen/LU>
 #include <algorithm>
 #include <array>
 #include <numeric>
@@ -12,14 +11,13 @@
 #include "geometry/bad_edges.h"
 #include "geometry/closed_skin.h"
 #include "geometry/extent.h"
-#include "geometry/fill_holes.h"
+#include "geometry/mend_surface.h"
 #include "geometry/nearest_skin.h"
 #include "geometry/self_intersections.h"
 #include "geometry/skin_depth.h"
 #include "geometry/surface_pieces.h"
 #include "geometry/untangle.h"
 #include "geometry/weld.h"
-#include "geometry/wind_alike.h"
 #include "runtime/core/error.h"
 #include "trainer/tets/cut_sheets.h"
 

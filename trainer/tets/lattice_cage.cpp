@@ -1,6 +1,5 @@
 #include "trainer/tets/lattice_cage.h"
 
-#include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <algorithm>
 #include <array>

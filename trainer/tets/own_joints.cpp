@@ -1,7 +1,6 @@
 #include "trainer/tets/own_joints.h"
 
 #include <algorithm>
-#include <array>
 #include <functional>
 #include <map>
 #include <queue>

@@ -1,6 +1,5 @@
 #include "trainer/tets/tets.h"
 
-#include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <cmath>
 #include <cstdint>

@@ -1,13 +1,12 @@
 #include "trainer/transfer/carry_anatomy.h"
 
-#include <Eigen/Geometry>
 #include <algorithm>
 
 #include "assets/wording.h"
 #include "geometry/table_rows.h"
 #include "runtime/host/rig.h"
 #include "trainer/transfer/joint_warp.h"
-#include "trainer/transfer/sure_places.h"
+#include "trainer/transfer/transfer_pair.h"
 
 namespace bodyopt {
 namespace {

@@ -49,4 +49,10 @@ Correspondence match_skins(const Basis& source, const Basis& target, const Skele
 // T' x 3, the target's, runtime vertices.
 Eigen::VectorXd source_confidence(const Correspondence& correspondence, const Triangles& triangles);
 
+// Linear RGB of points by their place in the box around them. V x 3 metres to V x 3.
+Positions place_colours(const Positions& rest);
+
+// V' x 3: of every vertex of the target the colour of the point of the source that it is. `colours`: V x 3.
+Positions matched_colours(const Correspondence& correspondence, const Positions& colours);
+
 }  // namespace bodyopt

@@ -6,7 +6,6 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 #include <numbers>
-#include <set>
 
 #include "assets/joint_match.h"
 #include "assets/json_file.h"

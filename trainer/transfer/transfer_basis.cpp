@@ -6,9 +6,8 @@
 #include "assets/matched_joints.h"
 #include "geometry/table_rows.h"
 #include "trainer/train/features/features.h"
-#include "trainer/transfer/carried_features.h"
-#include "trainer/transfer/sure_places.h"
 #include "trainer/transfer/transfer_columns.h"
+#include "trainer/transfer/transfer_pair.h"
 
 namespace bodyopt {
 namespace {

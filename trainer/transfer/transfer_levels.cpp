@@ -1,20 +1,60 @@
 #include "trainer/transfer/transfer_levels.h"
 
 #include <algorithm>
+#include <cstddef>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <numbers>
+#include <string>
+#include <vector>
 
+#include "assets/character.h"
 #include "assets/wording.h"
 #include "geometry/table_rows.h"
 #include "runtime/core/error.h"
+#include "runtime/core/transform.h"
 #include "trainer/proxy/build_proxy.h"
+#include "trainer/proxy/level_skins.h"
+#include "trainer/proxy/proxy_samples.h"
 #include "trainer/proxy/skin_map.h"
+#include "trainer/train/skinning/linear_blend.h"
 #include "trainer/train/skinning/mesh_table.h"
-#include "trainer/transfer/own_level_skins.h"
 #include "trainer/transfer/transfer_basis.h"
 
 namespace bodyopt {
 namespace {
+
+// Of a level of detail.
+struct TargetSkin {
+  double error;  // asked of it, millimetres
+  Character skin;
+};
+
+constexpr double kTurn = 40 * std::numbers::pi / 180;
+
+Positions bent(const Character& character, const Vec3& axis, double angle) {
+  Pose pose = bind_pose(character.skeleton);
+  const Quat turn = axis_angle(axis, angle);
+  for (std::size_t j = 0; j < pose.joints.size(); ++j) {
+    if (character.skeleton.joints[j].parent >= 0) pose.joints[j].rotation = pose.joints[j].rotation * turn;
+  }
+  return skin_linear(character, pose);
+}
+
+// The skin simplified for the default errors, as far as they make levels, `most` at most, by its rest shape and by
+// linear blending of all joints turned 40 degrees about each of their axes, either way: no motion of it is known, and a
+// skin simplified at rest alone keeps no vertices where limbs bend. `notes`, errors: as level_skins().
+std::vector<TargetSkin> own_level_skins(const Character& character, std::size_t most, std::vector<std::string>& notes) {
+  std::vector<Positions> shapes = {character.vertices};
+  for (const Vec3& axis : {Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}}) {
+    for (const double angle : {kTurn, -kTurn}) shapes.push_back(bent(character, axis, angle));
+  }
+  std::vector<TargetSkin> levels;
+  for (const LevelSkin& level : level_skins(character, shapes, {}, notes)) {
+    if (levels.size() < most) levels.push_back({1e3 * level.error, proxy_character(character, level.skin)});
+  }
+  return levels;
+}
 
 // How much further from the target's skin than from the source's, in its size, the finest level may lie.
 constexpr double kNearEnough = 3;

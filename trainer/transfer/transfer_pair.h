@@ -1,7 +1,5 @@
-// A source and a target, and all that is known of how the one becomes the other.
+// Two bodies laid onto each other: whether one may be carried to the other, and where the source's skin lies on it.
 #pragma once
-
-#include <memory>
 
 #include "assets/character.h"
 #include "trainer/transfer/skin_transfer.h"
@@ -29,5 +27,22 @@ struct TransferPair {
   Correspondence correspondence;
   SkinTransfer skin;
 };
+
+// V x 3, runtime order of the source, metres, in the common pose: as fitted where the match is sure, and everywhere for
+// the same triangles; elsewhere as the joints warp it, moved as smoothly as what is sure around it was moved from
+// there.
+Positions sure_places(const TransferPair& pair);
+
+// Below this two bodies are unlike: see docs/transfer.md.
+constexpr double kLeastLikeness = 0.36;
+
+// 0 .. 1, the product of
+// - how alike the skins are in normal and joints where they are matched, by area, the mean of both;
+// - h^2, h: how much of the skin is held by joints that both have, on the body that has more of it, for a finer rig is
+//   not another body;
+// - exp(-d^2 - u^2), d: the other proportions of the bones, u: those of the skin, the standard deviation of the
+//   logarithm of lengths along it.
+// How near the fit came says where to fill in, and not whether they are alike.
+double likeness(const TransferPair& pair);
 
 }  // namespace bodyopt

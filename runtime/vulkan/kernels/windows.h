@@ -1,9 +1,7 @@
 // Kernels that read a table which may be larger than one binding: one dispatch for each window of it.
 #pragma once
 
-#include "runtime/vulkan/kernels/blend_buffers.h"
-#include "runtime/vulkan/kernels/ddm_buffers.h"
-#include "runtime/vulkan/kernels/fan_buffers.h"
+#include "runtime/vulkan/kernels/block_buffers.h"
 #include "runtime/vulkan/kernels/inverse_buffers.h"
 #include "runtime/vulkan/kernels/kernels.h"
 

@@ -6,6 +6,7 @@
 #include <set>
 #include <string>
 
+#include "assets/character.h"
 #include "assets/controls.h"
 #include "assets/shape_reader.h"
 #include "dataset/regions_file.h"
@@ -79,6 +80,26 @@ void check_samples(const SampleSet& set) {
 std::string frame_name(const SampleSet& set, const Sample& sample) {
   return "frame " + std::to_string(sample.frame) + " of take '" + set.takes[static_cast<std::size_t>(sample.take)] +
          "'";
+}
+
+SampleShape SampleShape::at(std::shared_ptr<const VertexRows> rows) const {
+  SampleShape result = *this;
+  result.rows_ = std::move(rows);
+  return result;
+}
+
+Positions SampleShape::read() const {
+  if (!rows_) return whole();
+  const Positions all = whole();
+  Positions some(static_cast<Eigen::Index>(rows_->size()), 3);
+  for (std::size_t k = 0; k < rows_->size(); ++k) some.row(static_cast<Eigen::Index>(k)) = all.row((*rows_)[k]);
+  return some;
+}
+
+Positions SampleShape::whole() const {
+  if (stack_) return stack_->shape(frame_);
+  if (cache_) return welded_from_output(*cache_->character, cache_->reader->sample(sample_).data());
+  return positions_ ? *positions_ : Positions();
 }
 
 }  // namespace bodyopt

@@ -1,17 +1,57 @@
 // The frames of a dataset that are trained on, and those held out.
 #pragma once
 
+#include <cstdint>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "assets/character.h"
 #include "assets/muscles.h"
+#include "geometry/mesh.h"
 #include "geometry/region_weights.h"
-#include "trainer/train/data/sample_shape.h"
 
 namespace bodyopt {
 
+class ShapeReader;
+class ShapeStack;
 struct Dataset;
+
+// A cache and the character whose skin it shows. Shapes may be read on several threads.
+struct ShapeCache {
+  std::shared_ptr<const ShapeReader> reader;
+  std::shared_ptr<const Character> character;
+};
+
+// Welded vertices, of a skin whose others are left out.
+using VertexRows = std::vector<std::uint32_t>;
+
+// The shape of one frame, fetched when it is needed: in memory, a sample of a cache, or a frame of a dataset through
+// its modifiers; of the whole skin or of some of its vertices.
+class SampleShape {
+ public:
+  SampleShape() = default;
+  SampleShape(Positions positions) : positions_(std::make_shared<const Positions>(std::move(positions))) {}
+  SampleShape(std::shared_ptr<const ShapeCache> cache, std::uint32_t sample)
+      : cache_(std::move(cache)), sample_(sample) {}
+  SampleShape(std::shared_ptr<const ShapeStack> stack, std::size_t frame) : stack_(std::move(stack)), frame_(frame) {}
+
+  // The same shape at some of the vertices, in that order.
+  SampleShape at(std::shared_ptr<const VertexRows> rows) const;
+
+  // Welded, V x 3, posed, metres. Throws Error(file) at a damaged sample.
+  Positions read() const;
+
+ private:
+  Positions whole() const;
+
+  std::shared_ptr<const Positions> positions_;
+  std::shared_ptr<const ShapeCache> cache_;
+  std::shared_ptr<const ShapeStack> stack_;
+  std::shared_ptr<const VertexRows> rows_;  // none: the whole skin
+  std::uint32_t sample_ = 0;
+  std::size_t frame_ = 0;
+};
 
 // Of so few training frames more is tried, with more care, and bytes are no matter: see choose_map and
 // TradeOff::choose.

@@ -1,7 +1,6 @@
 #include "trainer/train/data/stray_vertices.h"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 #include <utility>
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "assets/joints_with_skin.h"
 #include "base/parallel.h"
 #include "runtime/core/error.h"
 #include "runtime/cpu/kernels.h"
@@ -100,6 +101,16 @@ FeatureSamples measure_features(const Basis& basis, std::span<const Pose* const>
   samples.rest = standardised.row(0).cast<double>();
   samples.values = standardised.bottomRows(frames).cast<double>();
   return samples;
+}
+
+std::vector<JointFeatures> learned_features(const Character& character) {
+  const std::vector<bool> of_all_skin = joints_of_all_skin(character);
+  const std::vector<JointFeatures> usual = joint_features_of(character.skeleton);
+  std::vector<JointFeatures> features = usual;
+  for (JointFeatures& of : features) {
+    if (of_all_skin[of.joint]) of.above = of.joint;
+  }
+  return features == usual ? std::vector<JointFeatures>{} : features;
 }
 
 }  // namespace bodyopt

@@ -3,9 +3,9 @@
 
 #include <Eigen/Core>
 #include <span>
-#include <string>
 #include <vector>
 
+#include "assets/character.h"
 #include "runtime/basis/basis.h"
 
 namespace bodyopt {
@@ -37,5 +37,10 @@ std::vector<std::uint32_t> varying_features(const Eigen::MatrixXd& features, std
 // Strains of one pose, S: of the basis' fibres, or of others on its skin, for which it needs skeleton and ddm alone.
 std::vector<float> measure_strains(const Basis& basis, const Pose& pose);
 std::vector<float> measure_strains(const Basis& basis, const StrainTable& fibres, const Pose& pose);
+
+// Which joints' turns a character's skin is learned by: as joint_features_of() its skeleton, but that joints which all
+// of the skin hangs under count as not turning: they bend none of it, and a body that leans must not look like one in a
+// pose that training lacks. Empty where there are none but roots, as in Skeleton.
+std::vector<JointFeatures> learned_features(const Character& character);
 
 }  // namespace bodyopt

@@ -1,7 +1,6 @@
 #include "trainer/train/features/joint_manifold.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "base/linear_algebra.h"
 #include "base/parallel.h"

@@ -1,12 +1,15 @@
 #include "trainer/train/fit/fade.h"
 
+#include <Eigen/Core>
 #include <algorithm>
-#include <numeric>
+#include <array>
 
+#include "base/parallel.h"
+#include "runtime/host/fade.h"
 #include "runtime/host/rig.h"
 #include "trainer/train/features/joint_manifold.h"
 #include "trainer/train/features/strain.h"
-#include "trainer/train/fit/fade_strength.h"
+#include "trainer/train/regression/components.h"
 
 namespace bodyopt {
 namespace {
@@ -84,6 +87,86 @@ Shares skin_shares(const FeatureJoints& joints, const Character& character, cons
   return shares;
 }
 
+using Eigen::Index;
+
+constexpr std::array kStrengths = {4.0, 1.0, 1.0 / 4, 1.0 / 16, 1.0 / 64};  // from the usual one on
+constexpr double kAsGood = 1.01;                                            // root mean square, to the least
+constexpr int kParts = 5;
+
+// The frames in parts, one after the other, each as far from the rest as another shot.
+std::vector<int> parts_of(std::size_t frames) {
+  std::vector<int> parts;
+  for (std::size_t n = 0; n < frames; ++n) parts.push_back(static_cast<int>(kParts * n / frames));
+  return parts;
+}
+
+std::vector<Index> frames_of(const std::vector<int>& parts, int part, bool inside) {
+  std::vector<Index> frames;
+  for (std::size_t n = 0; n < parts.size(); ++n) {
+    if ((parts[n] == part) == inside) frames.push_back(static_cast<Index>(n));
+  }
+  return frames;
+}
+
+std::vector<FeatureRange> shown_ranges(const RawFeatures& frames) {
+  std::vector<FeatureRange> ranges(static_cast<std::size_t>(frames.cols()));
+  for (Index k = 0; k < frames.cols(); ++k) {
+    ranges[static_cast<std::size_t>(k)].low = std::min(0.0f, frames.col(k).minCoeff());
+    ranges[static_cast<std::size_t>(k)].high = std::max(0.0f, frames.col(k).maxCoeff());
+  }
+  return ranges;
+}
+
+// N x regions: how far every frame stands off what the other parts show, as each region minds it.
+Eigen::MatrixXd frames_off(const Groundwork& ground, const std::vector<int>& folds, const FadeTable& table,
+                           const std::vector<int>& parts) {
+  const Skeleton& skeleton = ground.base.basis.skeleton;
+  const RawFeatures joints = ground.features.raw.leftCols(joint_feature_count(skeleton));
+  Eigen::MatrixXd off(joints.rows(), static_cast<Index>(table.region_begin.size()) - 1);
+  for (int part = 0; part < kParts; ++part) {
+    const std::vector<Index> others = frames_of(parts, part, false), own = frames_of(parts, part, true);
+    const RawFeatures shown = joints(others, Eigen::all);
+    std::vector<int> others_folds;
+    for (const Index n : others) others_folds.push_back(folds[static_cast<std::size_t>(n)]);
+    ResidualTable residual;
+    residual.regions.resize(static_cast<std::size_t>(off.cols()));
+    residual.features = shown_ranges(shown);
+    residual.fade = joint_manifold(skeleton, shown, others_folds);
+    residual.fade.region_begin = table.region_begin;
+    residual.fade.region_joints = table.region_joints;
+    residual.fade.region_weights = table.region_weights;
+    parallel_for(own.size(), [&](std::size_t k) {
+      const std::span<const float> frame(joints.row(own[k]).data(), static_cast<std::size_t>(joints.cols()));
+      const std::vector<float> fades = region_fades(residual, frame);
+      for (std::size_t r = 0; r < fades.size(); ++r) off(own[k], static_cast<Index>(r)) = 1 / double{fades[r]} - 1;
+    });
+  }
+  return off;
+}
+
+// What is left of a region's motion with each strength, square metres.
+std::array<double, kStrengths.size()> left_of(const Groundwork& ground, const RegionModel& region,
+                                              const std::vector<int>& parts, const Eigen::VectorXd& off) {
+  const Regression& fit = region.fits.front();
+  const RegressionData data = regression_data(ground.features, region, parts);
+  const Eigen::VectorXd lengths = component_lengths(region.components, region.region);
+  const Eigen::MatrixXd motion = region.components.coefficients * lengths.asDiagonal();
+  const Eigen::MatrixXd predicted =
+      motion + refit_regression(data, static_cast<int>(fit.centres.rows()), fit).errors * lengths.asDiagonal();
+  std::array<double, kStrengths.size()> left{};
+  for (std::size_t s = 0; s < left.size(); ++s) {
+    const Eigen::ArrayXd fade = (1 + kStrengths[s] * off.array()).inverse();
+    left[s] = (predicted.array().colwise() * fade - motion.array()).square().sum();
+  }
+  return left;
+}
+
+double strongest_of_the_best(const std::array<double, kStrengths.size()>& left) {
+  const double most = kAsGood * kAsGood * *std::min_element(left.begin(), left.end());
+  const auto strongest = std::find_if(left.begin(), left.end(), [&](double squares) { return squares <= most; });
+  return strongest == left.end() ? kStrengths.front() : kStrengths[static_cast<std::size_t>(strongest - left.begin())];
+}
+
 }  // namespace
 
 FadeTable fade_table(const Groundwork& ground, const std::vector<RegionModel>& regions, const std::vector<int>& folds) {
@@ -110,6 +193,17 @@ FadeTable fade_table(const Groundwork& ground, const std::vector<RegionModel>& r
     }
   }
   return table;
+}
+
+std::vector<double> fade_strengths(const Groundwork& ground, const std::vector<RegionModel>& regions,
+                                   const std::vector<int>& folds, const FadeTable& table) {
+  const std::vector<int> parts = parts_of(folds.size());
+  const Eigen::MatrixXd off = frames_off(ground, folds, table, parts);
+  std::vector<double> strengths(regions.size());
+  parallel_for(regions.size(), [&](std::size_t r) {
+    strengths[r] = strongest_of_the_best(left_of(ground, regions[r], parts, off.col(static_cast<Index>(r))));
+  });
+  return strengths;
 }
 
 }  // namespace bodyopt

@@ -17,4 +17,14 @@ FadeTable fade_table(const Groundwork& ground, const std::vector<RegionModel>& r
 // That of some of its regions, ascending.
 FadeTable fade_of(const FadeTable& table, const std::vector<std::size_t>& regions);
 
+// How strongly it fades: what the weights of each region in a fade table are to be multiplied by: 4, or as much less as
+// frames ask for that are as far off as those of another shot. Fifths of the frames, one after the other, are left out;
+// the others say what was shown, and what fits of them predict of the fifth is faded by it. The strongest fade stays
+// that leaves a hundredth more than the best: where nothing tells, as in a range of motion that shows all that it holds
+// out, that is 4. A correction that rests on joints which stand as far off as they ever turned is as likely wrong as
+// right; four times that, because a wrong one is worse than none: measured on limits that couple joints. `regions`:
+// components scaled, as fitted; `folds`: as RegressionData has them; `table`: its region weights for a strength of 1.
+std::vector<double> fade_strengths(const Groundwork& ground, const std::vector<RegionModel>& regions,
+                                   const std::vector<int>& folds, const FadeTable& table);
+
 }  // namespace bodyopt

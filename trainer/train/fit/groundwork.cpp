@@ -5,7 +5,7 @@
 
 #include "geometry/extent.h"
 #include "runtime/host/rig.h"
-#include "trainer/train/features/learned_features.h"
+#include "trainer/train/features/features.h"
 #include "trainer/train/features/strain.h"
 #include "trainer/train/pack/trade_off.h"
 #include "trainer/train/skinning/mesh_table.h"

@@ -10,7 +10,7 @@
 #include "runtime/basis/safetensors.h"
 #include "runtime/core/error.h"
 #include "runtime/core/hexadecimal.h"
-#include "trainer/train/features/learned_features.h"
+#include "trainer/train/features/features.h"
 #include "trainer/train/fit/surface_curves.h"
 
 namespace bodyopt {

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "dataset/compare.h"
+#include "runtime/basis/basis.h"
 #include "trainer/train/data/samples.h"
 
 namespace bodyopt {
@@ -38,5 +39,12 @@ double region_rms(const VertexErrors& errors, const RegionWeights& region);
 
 // The basis without its residual and strains: Direct Delta Mush alone.
 Basis without_residual(const Basis& basis);
+
+// RMS (mm) of what is left to learn after un-posing each shape by DDM, and by linear blend skinning, the mean over
+// frames taken out of neither: over vertices and at most 200 training frames, spread evenly.
+struct UnposingResidual {
+  double lbs = 0, ddm = 0;
+};
+UnposingResidual unposing_residual(const SampleSet& set, const Basis& basis);
 
 }  // namespace bodyopt

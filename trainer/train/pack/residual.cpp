@@ -1,7 +1,6 @@
 #include "trainer/train/pack/residual.h"
 
 #include <algorithm>
-#include <cmath>
 #include <iterator>
 
 #include "runtime/core/half.h"

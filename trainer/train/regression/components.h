@@ -3,7 +3,6 @@
 
 #include <Eigen/Core>
 #include <cstdint>
-#include <vector>
 
 #include "geometry/region_weights.h"
 

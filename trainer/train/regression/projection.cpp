@@ -1,10 +1,8 @@
 #include "trainer/train/regression/projection.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "base/linear_algebra.h"
-#include "trainer/train/regression/stored_half.h"
 
 namespace bodyopt {
 

@@ -2,6 +2,10 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
+#include <cmath>
+
+#include "runtime/core/half.h"
 
 namespace bodyopt {
 
@@ -12,5 +16,13 @@ namespace bodyopt {
 // the learned map give: Radhakrishnan, Beaglehole, Pandit and Belkin 2024, for a linear map and a gentler power). D is
 // at most K; 0 where there are no features.
 Eigen::MatrixXd projection(const Eigen::MatrixXd& features, const Eigen::MatrixXd& targets);
+
+// A number as the basis stores it: a half that is normal or 0, so that what is fitted is fitted to what will run.
+inline double stored_half(double value) {
+  const double largest{float_from_half(kLargestHalf)}, smallest{float_from_half(kSmallestNormalHalf)};
+  const float clamped = static_cast<float>(std::clamp(value, -largest, largest));
+  const double rounded{float_from_half(half_from_float(clamped))};
+  return std::abs(rounded) < smallest ? 0 : rounded;
+}
 
 }  // namespace bodyopt

@@ -8,7 +8,7 @@
 #include <stdexcept>
 
 #include "base/linear_algebra.h"
-#include "trainer/train/regression/stored_half.h"
+#include "trainer/train/regression/projection.h"
 
 namespace bodyopt {
 namespace {

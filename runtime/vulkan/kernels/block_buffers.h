@@ -1,0 +1,58 @@
+// Tables on the device of which a kernel sees a window of blocks.
+#pragma once
+
+#include <vector>
+
+#include "runtime/basis/basis.h"
+#include "runtime/vulkan/kernels/block_windows.h"
+#include "shaders/include/layout.h"
+
+namespace bodyopt::vulkan {
+
+struct DdmBuffers {
+  // `limits`: as of block_windows. Throws Error(device).
+  DdmBuffers(const Device& device, const DdmTable& ddm, const DeviceInfo& limits);
+
+  BufferRange moments_of(const BlockWindow& window) const {
+    return {moments, window.entries_offset, window.entries_size};
+  }
+  BufferRange vertices_of(const BlockWindow& window) const {
+    return {vertices, window.vertices_offset, window.vertices_size};
+  }
+
+  Buffer block_begin, block_joints, moments, vertices;
+  std::vector<BlockWindow> windows;
+};
+
+// The fan of every vertex on the device: the triangles around it, one vertex after the other, so that a window of
+// vertices sees a range of them.
+struct FanBuffers {
+  // `limits`: as of block_windows. Throws Error(device).
+  FanBuffers(const Device& device, const MeshTable& mesh, const DeviceInfo& limits);
+
+  BufferRange triangles_of(const BlockWindow& window) const {
+    return {triangles, window.entries_offset, window.entries_size};
+  }
+
+  Buffer begin, triangles;  // as vertex_triangle_begin; three corners of each triangle
+  std::vector<BlockWindow> windows;
+};
+
+// Entries of a blend on the device: of the residual, or of the modifiers.
+struct BlendBuffers {
+  // `limits`: as of block_windows. Throws Error(device).
+  BlendBuffers(const Device& device, const std::vector<std::uint32_t>& begin, const std::vector<BlendEntry>& blend,
+               const DeviceInfo& limits)
+      : block_begin(upload_whole(device, begin, "the blend's blocks", limits)),
+        entries(upload(device, blend, "the blend")),
+        windows(block_windows({begin, sizeof(BlendEntry), 0, "the blend"}, limits)) {}
+
+  BufferRange entries_of(const BlockWindow& window) const {
+    return {entries, window.entries_offset, window.entries_size};
+  }
+
+  Buffer block_begin, entries;
+  std::vector<BlockWindow> windows;
+};
+
+}  // namespace bodyopt::vulkan
