@@ -1,116 +1,101 @@
-// Real models against tendon lengths that MuJoCo computed.
+// Real models against the tendon lengths that MuJoCo computes (tests/other_programs/mujoco.sh).
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <fstream>
-#include <map>
-#include <sstream>
+#include <nlohmann/json.hpp>
 
+#include "runtime/core/json.h"
+#include "tests/support/paths.h"
 #include "tests/support/shared_data.h"
 #include "trainer/muscle_models/model.h"
 
 namespace bodyopt::muscle_models {
 namespace {
 
-std::vector<std::vector<std::string>> read_csv(const std::filesystem::path& path) {
-  std::vector<std::vector<std::string>> rows;
-  std::ifstream file(path);
-  for (std::string line; std::getline(file, line);) {
-    rows.emplace_back();
-    std::istringstream cells(line);
-    for (std::string cell; std::getline(cells, cell, ',');) rows.back().push_back(cell);
-  }
-  return rows;
-}
+using Row = std::vector<double>;
 
-struct Differences {
-  std::map<std::string, double> traced, straight;  // per tendon, the largest over all poses, metres
-  int unwrapped = 0;
+struct Lengths {
+  std::vector<std::string> joints, tendons;
+  std::vector<Row> poses, lengths;  // [pose][joint], [pose][tendon]
+
+  Row of(const std::string& muscle) const {
+    const auto tendon = std::find(tendons.begin(), tendons.end(), muscle + "_tendon");
+    EXPECT_NE(tendon, tendons.end()) << "no reference for " << muscle;
+    Row result;
+    for (const Row& row : lengths) result.push_back(row.at(static_cast<std::size_t>(tendon - tendons.begin())));
+    return result;
+  }
 };
 
-Differences against_reference(const Model& model, const std::filesystem::path& csv) {
-  const auto rows = read_csv(csv);
-  EXPECT_EQ(rows.size(), 34u);
-  Differences result;
-  for (const ModelMuscle& muscle : model.muscles) result.unwrapped += muscle.wraps.empty() ? 1 : 0;
-  for (std::size_t r = 1; r < rows.size(); ++r) {
-    std::vector<double> values = default_values(model);
-    for (std::size_t c = 0; c < rows[0].size(); ++c) {
-      if (!rows[0][c].starts_with("q:")) continue;
-      const int coordinate = model.find_coordinate(rows[0][c].substr(2));
-      if (coordinate >= 0) values[static_cast<std::size_t>(coordinate)] = std::stod(rows[r][c]);
+Lengths read_lengths(const std::string& model) {
+  std::ifstream file(kSourceFolder + "/tests/data/mujoco_lengths/" + model + ".json");
+  const Json json = Json::parse(file);
+  return {json.at("joints"), json.at("tendons"), json.at("poses"), json.at("lengths")};
+}
+
+// Per pose; joints that the model does not have are left out.
+Row traced(const Model& model, const ModelMuscle& muscle, const Lengths& reference) {
+  Row result;
+  for (const Row& pose : reference.poses) {
+    Row values = default_values(model);
+    for (std::size_t k = 0; k < pose.size(); ++k) {
+      const int coordinate = model.find_coordinate(reference.joints[k]);
+      if (coordinate >= 0) values[static_cast<std::size_t>(coordinate)] = pose[k];
     }
-    const ModelPose pose = pose_model(model, values);
-    for (const ModelMuscle& muscle : model.muscles) {
-      const auto column = std::find(rows[0].begin(), rows[0].end(), "L:" + muscle.name + "_tendon");
-      if (column == rows[0].end()) {
-        ADD_FAILURE() << "no reference for " << muscle.name;
-        continue;
-      }
-      const double truth = std::stod(rows[r][static_cast<std::size_t>(column - rows[0].begin())]);
-      ModelMuscle bare = muscle;
-      bare.wraps.clear();
-      double& traced = result.traced[muscle.name];
-      double& straight = result.straight[muscle.name];
-      traced = std::max(traced, std::abs(path_length(trace_path(muscle, pose)) - truth));
-      straight = std::max(straight, std::abs(path_length(trace_path(bare, pose)) - truth));
-    }
+    result.push_back(path_length(trace_path(muscle, pose_model(model, values))));
   }
   return result;
 }
 
-void expect_lengths(const char* file, const char* csv, std::size_t muscles, int unwrapped) {
-  const auto path = shared_data(file);
-  const auto reference = shared_data(csv);
-  if (!path || !reference) GTEST_SKIP() << kNeedsReferences;
+double largest_difference(const Row& a, const Row& b) {
+  double largest = 0;
+  for (std::size_t k = 0; k < b.size(); ++k) largest = std::max(largest, std::abs(a.at(k) - b[k]));
+  return largest;
+}
+
+void expect_lengths(const std::string& folder, const std::string& name, std::size_t muscles, int unwrapped) {
+  const auto path = shared_data("muscles/myo_sim/" + folder + "/" + name + ".xml");
+  if (!path) GTEST_SKIP() << kNeedsOtherWriters;
   const Model model = read_model(*path);
+  const Lengths reference = read_lengths(name);
   ASSERT_EQ(model.muscles.size(), muscles);
-  const Differences differences = against_reference(model, *reference);
-  EXPECT_EQ(differences.unwrapped, unwrapped);
+  ASSERT_EQ(reference.poses.size(), 34u);
   for (const ModelMuscle& muscle : model.muscles) {
-    bool all_honoured = true;
-    for (const Wrap& wrap : muscle.wraps) all_honoured = all_honoured && honoured(wrap);
-    EXPECT_TRUE(all_honoured) << muscle.name;
-    // The one known difference: in some poses MuJoCo bends this path where it is traced straight.
-    const double bound = muscle.name == "iliacus_r" ? 7e-3 : 1e-6;
-    EXPECT_LT(differences.traced.at(muscle.name), bound) << muscle.name;
-    if (!muscle.wraps.empty()) {
-      std::printf("%-12s traced %9.6f mm, straight %7.3f mm\n", muscle.name.c_str(),
-                  1000 * differences.traced.at(muscle.name), 1000 * differences.straight.at(muscle.name));
+    EXPECT_TRUE(std::all_of(muscle.wraps.begin(), muscle.wraps.end(), honoured)) << muscle.name;
+    const Row truth = reference.of(muscle.name);
+    const double difference = largest_difference(traced(model, muscle, reference), truth);
+    EXPECT_LT(difference, 1e-6) << muscle.name;
+    if (muscle.wraps.empty()) {
+      --unwrapped;
+      continue;
     }
+    ModelMuscle bare = muscle;
+    bare.wraps.clear();
+    std::printf("%-12s traced %9.6f mm, straight %7.3f mm\n", muscle.name.c_str(), 1000 * difference,
+                1000 * largest_difference(traced(model, bare, reference), truth));
   }
+  EXPECT_EQ(unwrapped, 0);
 }
 
-TEST(MujocoReference, ElbowTendonLengths) {
-  expect_lengths("muscles/myo_sim/elbow/myoelbow_2dof6muscles.xml",
-                 "muscles/mujoco_reference/myoelbow_2dof6muscles.csv", 6, 1);
-}
-
-TEST(MujocoReference, LegTendonLengths) {
-  expect_lengths("muscles/myo_sim/leg/myolegs.xml", "muscles/mujoco_reference/myolegs.csv", 80, 44);
-}
+TEST(MujocoReference, ArmTendonLengths) { expect_lengths("arm", "myoarm", 63, 7); }
+TEST(MujocoReference, ElbowTendonLengths) { expect_lengths("elbow", "myoelbow_2dof6muscles", 6, 1); }
+TEST(MujocoReference, LegTendonLengths) { expect_lengths("leg", "myolegs", 80, 44); }
 
 // The same elbow as an OpenSim model, written with more digits: an unwrapped muscle agrees to what was rounded off.
 TEST(OpenSimReference, ElbowAgreesWithItsMujocoTwin) {
   const auto path = shared_data("muscles/opensim/arm26.osim");
-  const auto reference = shared_data("muscles/mujoco_reference/myoelbow_2dof6muscles.csv");
-  if (!path || !reference) GTEST_SKIP() << kNeedsReferences;
+  if (!path) GTEST_SKIP() << kNeedsOtherWriters;
   const Model model = read_model(*path);
   ASSERT_EQ(model.muscles.size(), 6u);
-  const auto rows = read_csv(*reference);
   const auto muscle = std::find_if(model.muscles.begin(), model.muscles.end(),
                                    [](const ModelMuscle& one) { return one.name == "BICshort"; });
   ASSERT_NE(muscle, model.muscles.end());
-  ASSERT_EQ(rows[0][7], "L:BICshort_tendon");
-  for (std::size_t r = 1; r < rows.size(); ++r) {
-    std::vector<double> values = default_values(model);
-    for (const std::size_t c : {1, 2}) {
-      values[static_cast<std::size_t>(model.find_coordinate(rows[0][c].substr(2)))] = std::stod(rows[r][c]);
-    }
-    ModelMuscle bare = *muscle;
-    bare.wraps.clear();
-    EXPECT_NEAR(path_length(trace_path(bare, pose_model(model, values))), std::stod(rows[r][7]), 3e-4) << r;
-  }
+  const Lengths reference = read_lengths("myoelbow_2dof6muscles");
+  for (const std::string& joint : reference.joints) EXPECT_GE(model.find_coordinate(joint), 0) << joint;
+  ModelMuscle bare = *muscle;
+  bare.wraps.clear();
+  EXPECT_LT(largest_difference(traced(model, bare, reference), reference.of("BICshort")), 3e-4);
 }
 
 }  // namespace

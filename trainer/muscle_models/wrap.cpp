@@ -17,7 +17,7 @@ double cross(const Vector2d& a, const Vector2d& b) { return a.x() * b.y() - a.y(
 Vector2d touch(const Vector2d& p, double radius, double sign) {
   const double square = p.squaredNorm();
   const double along = radius * radius / square;
-  const double across = radius * std::sqrt(square - radius * radius) / square;
+  const double across = radius * std::sqrt(std::max(square - radius * radius, 0.0)) / square;
   return along * p + sign * across * Vector2d(p.y(), -p.x());
 }
 
@@ -27,6 +27,9 @@ bool segments_cross(const Vector2d& a, const Vector2d& b, const Vector2d& c, con
   const double u = cross(c - a, d - c) / determinant, v = cross(c - a, b - a) / determinant;
   return u >= 0 && u <= 1 && v >= 0 && v <= 1;
 }
+
+// Of a point at the origin, that of the first axis.
+Vector2d direction(const Vector2d& p) { return p.norm() > kTiny ? Vector2d(p.normalized()) : Vector2d::UnitX(); }
 
 struct FlatArc {
   Vector2d from, to;
@@ -41,7 +44,8 @@ std::optional<FlatArc> around_circle(double radius, const std::optional<Vector2d
   const Vector2d closest = start + nearest * line;
   if (closest.norm() > radius && (!side || closest.dot(*side) >= 0)) return std::nullopt;
 
-  // Both ways around: the better is nearer to the side, or without one the shorter; never one that crosses itself.
+  // Both ways around: the better is nearer to the side, or without one the shorter, the second where they are as good;
+  // never one that crosses itself.
   constexpr double kCrossed = -1e4;
   double best = -2 * -kCrossed;
   FlatArc arc{};
@@ -50,7 +54,7 @@ std::optional<FlatArc> around_circle(double radius, const std::optional<Vector2d
     const Vector2d from = touch(start, radius, sign), to = touch(end, radius, -sign);
     double goodness = side ? (from + to).normalized().dot(*side) : -(from - to).squaredNorm();
     if (segments_cross(start, from, end, to)) goodness = kCrossed;
-    if (goodness > best) {
+    if (goodness >= best) {
       best = goodness;
       arc = {from, to, 0};
       way = sign;
@@ -73,35 +77,50 @@ std::optional<FlatArc> through_circle(double radius, const Vector2d& start, cons
   const double nearest = std::clamp(-start.dot(line) / line.squaredNorm(), 0.0, 1.0);
   if ((start + nearest * line).norm() <= radius) return std::nullopt;  // it passes inside as it is
   const double angle = std::atan2(cross(start, end), start.dot(end));
-  double low = 0, high = 1;
-  for (int step = 0; step < 60; ++step) {
-    const double z = 0.5 * (low + high);
-    const bool too_small = std::asin(a * z) + std::asin(b * z) - 2 * std::asin(z) + std::abs(angle) > 0;
-    (too_small ? low : high) = z;
+  const auto too_small = [&](double z) {
+    return std::asin(a * z) + std::asin(b * z) - 2 * std::asin(z) + std::abs(angle) > 0;
+  };
+  // So near to a tangent MuJoCo's solver gives up and takes the point below the middle between the ends; its models
+  // are fitted to the lengths it computes.
+  constexpr double kGrazing = 1 - 1e-7;
+  Vector2d touching = radius * (start + end).normalized();
+  if (!too_small(kGrazing)) {
+    double low = 0, high = kGrazing;
+    for (int step = 0; step < 60; ++step) {
+      const double z = 0.5 * (low + high);
+      (too_small(z) ? low : high) = z;
+    }
+    const double turn = std::copysign(std::asin(low) - std::asin(a * low), angle);
+    touching = radius * (Eigen::Rotation2Dd(turn) * start.normalized());
   }
-  const double turn = std::copysign(std::asin(low) - std::asin(a * low), angle);
-  const Vector2d touching = radius * (Eigen::Rotation2Dd(turn) * start.normalized());
   return FlatArc{touching, touching, 0};
+}
+
+using Plane = Eigen::Matrix<double, 2, 3>;  // two axes
+
+// Through a sphere's centre and both ends; where these three are on a line, also through the side.
+Plane plane_through(const std::optional<Vector3d>& side, const Vector3d& start, const Vector3d& end) {
+  const Vector3d along = start.normalized();
+  Vector3d normal = start.cross(end);
+  if (!(normal.norm() > kTiny) && side) normal = start.cross(*side);
+  if (!(normal.norm() > kTiny)) normal = along.unitOrthogonal();
+  Plane plane;
+  plane << along.transpose(), normal.normalized().cross(along).transpose();
+  return plane;
 }
 
 }  // namespace
 
 std::optional<Arc> wrap_around(Wrap::Shape shape, double radius, const std::optional<Vector3d>& side,
                                const Vector3d& start, const Vector3d& end) {
-  // The plane of the bend: through the sphere's centre and both ends, or across the cylinder.
-  Eigen::Matrix<double, 2, 3> plane = Eigen::Matrix<double, 2, 3>::Identity();
-  if (shape == Wrap::Shape::sphere) {
-    const Vector3d normal = start.cross(end);
-    if (!(normal.norm() > kTiny)) return std::nullopt;
-    plane.row(0) = start.normalized();
-    plane.row(1) = normal.normalized().cross(start.normalized());
-  }
+  if (!(start.norm() > kTiny && end.norm() > kTiny)) return std::nullopt;
+  const Plane plane = shape == Wrap::Shape::sphere ? plane_through(side, start, end) : Plane::Identity();
   std::optional<FlatArc> flat;
   if (side && side->norm() < radius) {
     flat = through_circle(radius, plane * start, plane * end);
   } else {
     std::optional<Vector2d> flat_side;
-    if (side) flat_side = Vector2d(plane * *side).normalized();
+    if (side) flat_side = direction(plane * *side);
     flat = around_circle(radius, flat_side, plane * start, plane * end);
   }
   if (!flat) return std::nullopt;
