@@ -64,28 +64,6 @@ std::string_view without_prefix(std::string_view name) {
   return name;
 }
 
-// "LeftHandIndex1" and "left_hand.index-1" are left, hand, index, 1; "LThumb" is l, thumb.
-std::vector<std::string> words_of(std::string_view name) {
-  const auto kind = [&](std::size_t i) {  // of a character: 0 none, 1 digit, 2 small letter, 3 capital
-    const auto c = static_cast<unsigned char>(name[i]);
-    return std::isdigit(c) ? 1 : (std::islower(c) ? 2 : (std::isupper(c) ? 3 : 0));
-  };
-  std::vector<std::string> words;
-  bool inside = false;
-  for (std::size_t i = 0; i < name.size(); ++i) {
-    const int now = kind(i), before = i > 0 ? kind(i - 1) : 0;
-    if (now == 0) {
-      inside = false;
-      continue;
-    }
-    const bool ends_capitals = now == 3 && before == 3 && i + 1 < name.size() && kind(i + 1) == 2;
-    if (!inside || ends_capitals || (now != before && !(before == 3 && now == 2))) words.emplace_back();
-    words.back() += static_cast<char>(std::tolower(static_cast<unsigned char>(name[i])));
-    inside = true;
-  }
-  return words;
-}
-
 std::optional<BodySide> side_of(std::string_view word) {
   if (word == "l" || word == "left") return BodySide::left;
   if (word == "r" || word == "right") return BodySide::right;
@@ -109,7 +87,7 @@ void split_side(ParsedName& name) {
 }
 
 ParsedName parse_name(const std::string& name) {
-  std::vector<std::string> words = words_of(without_prefix(name));
+  std::vector<std::string> words = name_words(name);
   const auto numbers = std::erase_if(words, [](const std::string& word) { return std::isdigit(word[0]) != 0; });
   ParsedName parsed;
   if (words.empty() || numbers > 1) return parsed;  // two numbers: digits of a hand or foot, each rig in its own way
@@ -193,6 +171,35 @@ std::string replaced(const std::string& name, const std::string& from, const std
 }
 
 }  // namespace
+
+std::vector<std::string> name_words(std::string_view whole_name) {
+  const std::string_view name = without_prefix(whole_name);
+  const auto kind = [&](std::size_t i) {  // of a character: 0 none, 1 digit, 2 small letter, 3 capital
+    const auto c = static_cast<unsigned char>(name[i]);
+    return std::isdigit(c) ? 1 : (std::islower(c) ? 2 : (std::isupper(c) ? 3 : 0));
+  };
+  std::vector<std::string> words;
+  bool inside = false;
+  for (std::size_t i = 0; i < name.size(); ++i) {
+    const int now = kind(i), before = i > 0 ? kind(i - 1) : 0;
+    if (now == 0) {
+      inside = false;
+      continue;
+    }
+    const bool ends_capitals = now == 3 && before == 3 && i + 1 < name.size() && kind(i + 1) == 2;
+    if (!inside || ends_capitals || (now != before && !(before == 3 && now == 2))) words.emplace_back();
+    words.back() += static_cast<char>(std::tolower(static_cast<unsigned char>(name[i])));
+    inside = true;
+  }
+  return words;
+}
+
+BodySide side_of_name(std::string_view name) {
+  for (const std::string& word : name_words(name)) {
+    if (const auto side = side_of(word)) return *side;
+  }
+  return BodySide::middle;
+}
 
 std::vector<NamedJoint> named_joints(const Skeleton& skeleton) {
   std::vector<NamedJoint> joints;

@@ -5,6 +5,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "runtime/basis/skeleton.h"
@@ -48,6 +49,13 @@ struct NamedJoint {
   std::string name;
   int parent = -1;  // index, -1 for none; parents come before children
 };
+
+// The words of a joint's name in small letters, without what stands before the names of all joints alike:
+// "LeftHandIndex1" and "left_hand.index-1" are left, hand, index, 1; "LThumb" is l, thumb.
+std::vector<std::string> name_words(std::string_view name);
+
+// By a word of the name, whatever else it says; middle where none tells.
+BodySide side_of_name(std::string_view name);
 
 std::vector<NamedJoint> named_joints(const Skeleton& skeleton);
 

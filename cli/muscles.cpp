@@ -7,6 +7,7 @@
 #include "cli/arguments/common.h"
 #include "report/muscle_picture.h"
 #include "runtime/core/error.h"
+#include "trainer/anatomy/trunk_muscles.h"
 #include "trainer/muscle_models/fit.h"
 
 namespace bodyopt::cli {
@@ -18,6 +19,7 @@ struct ImportArguments {
   std::string character, out, picture;
   std::vector<std::pair<std::string, std::string>> sources;  // model, mapping
   double unit = 0;
+  bool has_trunk = false;
   JsonOption json;
 };
 
@@ -29,7 +31,8 @@ Json wrap_report(const muscle_models::Model& model, const std::vector<std::strin
   for (const muscle_models::ModelMuscle& muscle : model.muscles) {
     if (muscle.wraps.empty() || ignored.contains(muscle.name)) continue;
     Json honoured = Json::array(), straight = Json::array();
-    for (const muscle_models::Wrap& wrap : muscle.wraps) (muscle_models::honoured(wrap) ? honoured : straight).push_back(wrap.name);
+    for (const muscle_models::Wrap& wrap : muscle.wraps)
+      (muscle_models::honoured(wrap) ? honoured : straight).push_back(wrap.name);
     muscle_models::ModelMuscle unwrapped = muscle;
     unwrapped.wraps.clear();
     std::vector<muscle_models::PathStop> chords = trace_path(muscle, pose);
@@ -62,7 +65,8 @@ bool depends_on_pose(const muscle_models::ModelMuscle& muscle) {
                      [](const muscle_models::PathPoint& point) { return point.condition || !point.moving.empty(); });
 }
 
-std::string describe_source(const muscle_models::Model& model, const std::vector<FittedMuscle>& fitted, const Json& wraps) {
+std::string describe_source(const muscle_models::Model& model, const std::vector<FittedMuscle>& fitted,
+                            const Json& wraps) {
   double push = 0;
   int thinned = 0;
   for (const FittedMuscle& muscle : fitted) {
@@ -126,10 +130,19 @@ void import(const ImportArguments& arguments) {
                        {"muscles", muscle_report(fitted)},
                        {"wraps", wraps}});
   }
+  std::size_t of_trunk = 0;
+  if (arguments.has_trunk) {
+    const TrunkMuscles trunk = trunk_muscles(character, muscles);
+    say(trunk.notes);
+    of_trunk = trunk.muscles.size();
+    muscles.insert(muscles.end(), trunk.muscles.begin(), trunk.muscles.end());
+    text += format("trunk and neck: {} muscles, laid by the skeleton's landmarks\n", of_trunk);
+  }
   write_muscles(muscles, character.skeleton, arguments.out);
   if (!arguments.picture.empty()) draw(character, muscles, arguments.picture);
   text += format("wrote {}: {} muscles\n", arguments.out, muscles.size());
-  arguments.json.emit({{"muscles", arguments.out}, {"count", muscles.size()}, {"sources", sources}}, text);
+  arguments.json.emit(
+      {{"muscles", arguments.out}, {"count", muscles.size()}, {"sources", sources}, {"of_trunk", of_trunk}}, text);
 }
 
 }  // namespace
@@ -145,6 +158,9 @@ void add_muscles(CLI::App& app) {
              "may be given several times")
       ->required()
       ->type_name("MODEL MAPPING");
+  add_flag(subverb, "--trunk", arguments->has_trunk,
+           "Also the muscles of a human's trunk and neck that models of legs and arms lack, laid by the "
+           "landmarks of the character's own skeleton");
   add_option(subverb, "--out", arguments->out, "FILE.json", "The character's muscles")->required();
   add_option(subverb, "--picture", arguments->picture, "Also draw them, from the front, from behind and from the left")
       ->type_name("FILE.png");

@@ -32,7 +32,7 @@ void add_help(CLI::App& app) { app.add_subcommand("help", "What a verb does: hel
 void add_verbs(CLI::App& app) {
   const VerbGroup groups[] = {
       {"To begin with", {add_help, add_demo, add_info, add_check, add_devices}},
-      {"A character's muscles and motion", {add_rig, add_muscles, add_rom}},
+      {"A character's muscles and motion", {add_rig, add_muscles, add_anatomy, add_rom}},
       {"Shapes to learn from", {add_simulate, add_dataset, add_curate, add_export, add_picture}},
       {"Learning", {add_train, add_test, add_coverage, add_improve, add_regions}},
       {"What goes with a trained character", {add_proxy, add_dynamics, add_attach, add_transfer, add_modifiers}},

@@ -113,6 +113,7 @@ void add_muscles(CLI::App& app);
 void add_dataset(CLI::App& app);
 void add_curate(CLI::App& app);
 void add_check(CLI::App& app);
+void add_anatomy(CLI::App& app);
 void add_train(CLI::App& app);
 void add_test(CLI::App& app);
 void add_improve(CLI::App& app);

@@ -9,6 +9,7 @@
 #include "tests/fuzz/fuzz_target.h"
 #include "tests/fuzz/small_limb.h"
 #include "tests/support/paths.h"
+#include "trainer/anatomy/corrections.h"
 #include "trainer/muscle_models/mapping.h"
 #include "trainer/dynamics/jiggle_settings.h"
 #include "trainer/motion/joint_limits.h"
@@ -77,6 +78,18 @@ Seeds mapping_seeds() {
 }
 void read_mapping_file(const std::string& bytes) { muscle_models::read_mapping(as_file("mapping.json", bytes)); }
 
+Seeds corrections_seeds() {
+  return {R"({"schema": "bodyopt-anatomy-corrections-1", "kind": "biped", "body_fat": 0.2,
+ "bones": [{"joint": "lower", "carries": false, "thicker": 0.001}],
+ "fat": [{"region": "trunk", "factor": 1.5}, {"joint": "upper", "factor": 0.5}],
+ "muscles": [{"muscle": "flexor", "volume": 90}, {"muscle": "extensor", "factor": 1.2}]})"};
+}
+void read_corrections_file(const std::string& bytes) {
+  const AnatomyCorrections corrections = read_corrections(as_file("anatomy.json", bytes), limb().skeleton);
+  for (const auto& [joint, of] : corrections.bones) require_finite(std::array{of.thicker}, "a bone");
+  for (const auto& [muscle, of] : corrections.muscles) require_finite(std::array{of.volume, of.factor}, "a muscle");
+}
+
 Seeds regions_seeds() {
   return {R"({"schema": "bodyopt-regions-1", "vertex_count": 232, "complete": false, "regions": [
  {"name": "elbow", "vertices": [100, 101, 102], "weights": [0.25, 1, 0.5]}]})"};
@@ -106,6 +119,7 @@ const bool added = add_target({"muscles", muscles_seeds, read_muscles_file}) &&
                    add_target({"jiggle_settings", jiggle_seeds, read_jiggle_file}) &&
                    add_target({"joint_limits", limits_seeds, read_limits_file}) &&
                    add_target({"mapping", mapping_seeds, read_mapping_file}) &&
+                   add_target({"corrections", corrections_seeds, read_corrections_file}) &&
                    add_target({"regions", regions_seeds, read_regions_file}) &&
                    add_target({"view_settings", view_seeds, read_view_file});
 

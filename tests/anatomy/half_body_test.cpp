@@ -1,0 +1,94 @@
+// Halves of bodies: what is its own mirror image is looked at once, what lost an arm twice.
+#include "trainer/anatomy/half_body.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "tests/anatomy/egg_human.h"
+#include "tests/support/capsule_limb.h"
+#include "tests/support/stand_in_human.h"
+
+namespace {
+
+using namespace bodyopt;
+
+// The same, moved along x.
+Character moved(Character character, double way) {
+  character.vertices.col(0).array() += way;
+  for (Joint& joint : character.skeleton.joints) {
+    if (joint.parent < 0) joint.bind.translation[0] += way;
+    for (int k = 0; k < 3; ++k) joint.inverse_bind.m[k][3] -= joint.inverse_bind.m[k][0] * way;
+  }
+  return character;
+}
+
+TEST(HalfBody, SymmetricHumanIsOneHalf) {
+  const std::vector<HalfBody> halves = halves_of(moved(egg_human(), 0.75));
+  ASSERT_EQ(halves.size(), 1u);
+  const HalfBody& half = halves.front();
+  EXPECT_TRUE(half.has_plane);
+  EXPECT_TRUE(half.is_own_mirror);
+  const int left = half.find(BodyPart::thigh), right = half.find(BodyPart::thigh, BodySide::right);
+  ASSERT_GE(left, 0);
+  ASSERT_GE(right, 0);
+  const auto place = [&](int joint) { return half.places[static_cast<std::size_t>(joint)]; };
+  EXPECT_GT(place(left).x(), 0.02);
+  EXPECT_NEAR(place(left).x(), -place(right).x(), 1e-12);
+  EXPECT_NEAR(place(half.find(BodyPart::head)).x(), 0, 1e-12);
+}
+
+TEST(HalfBody, SidesAreEachOthersCounterparts) {
+  const Character human = stand_in_human();
+  const std::vector<int> others = mirrored_joints(human);
+  const int left = human.skeleton.find("LeftForeArm"), right = human.skeleton.find("RightForeArm");
+  ASSERT_GE(left, 0);
+  EXPECT_EQ(others[static_cast<std::size_t>(left)], right);
+  EXPECT_EQ(others[static_cast<std::size_t>(right)], left);
+  const int head = human.skeleton.find("Head");
+  EXPECT_EQ(others[static_cast<std::size_t>(head)], head);
+}
+
+TEST(HalfBody, SidesAreFoundByPlaceWhereNamesTellNone) {
+  Character human = egg_human();
+  const std::vector<int> named = mirrored_joints(human);
+  for (std::size_t j = 0; j < human.skeleton.size(); ++j) human.skeleton.joints[j].name = "bone" + std::to_string(j);
+  EXPECT_EQ(mirrored_joints(human), named);
+}
+
+TEST(HalfBody, BodyThatIsNotItsMirrorImageHasTwoHalves) {
+  Character human = egg_human();
+  const auto hand = static_cast<std::uint32_t>(human.skeleton.find("LeftHand"));
+  for (std::size_t v = 0; v < human.weights.size(); ++v) {
+    if (human.weights[v].front().joint == hand) human.vertices(static_cast<Eigen::Index>(v), 0) *= 0.8;
+  }
+  const std::vector<HalfBody> halves = halves_of(human);
+  ASSERT_EQ(halves.size(), 2u);
+  for (const HalfBody& half : halves) EXPECT_FALSE(half.is_own_mirror);
+  // The plane stays where the joints have it, and each half has its own arm at the left.
+  const Eigen::Vector3d place(0.3, 1, 0);
+  EXPECT_NEAR((halves[0].from_rest * place).x(), -(halves[1].from_rest * place).x(), 1e-12);
+  EXPECT_EQ(halves[0].find(BodyPart::hand), human.skeleton.find("LeftHand"));
+  EXPECT_EQ(halves[1].find(BodyPart::hand), human.skeleton.find("RightHand"));
+  for (const HalfBody& half : halves)
+    EXPECT_GT(half.places[static_cast<std::size_t>(half.find(BodyPart::hand))].x(), 0.1);
+}
+
+TEST(HalfBody, LimbAloneHasNoPlane) {
+  const std::vector<HalfBody> halves = halves_of(limb_character());
+  ASSERT_EQ(halves.size(), 1u);
+  EXPECT_FALSE(halves.front().has_plane);
+  EXPECT_FALSE(halves.front().is_own_mirror);
+}
+
+TEST(HalfBody, PathsAreSeenFromTheirSide) {
+  const Character human = stand_in_human();  // as it was modelled: not quite its own mirror image
+  const std::vector<HalfBody> halves = halves_of(human);
+  ASSERT_EQ(halves.size(), 2u);
+  const Muscle muscle{.name = "m", .path = {{0, {-0.2, 1, 0}}, {0, {-0.1, 0.5, 0.1}}}};
+  EXPECT_GT(halves[1].path_of(muscle).path[0].position[0], 0.15);
+  EXPECT_LT(halves[0].path_of(muscle).path[0].position[0], -0.15);
+  EXPECT_DOUBLE_EQ(halves[1].path_of(muscle).path[1].position[2], halves[0].path_of(muscle).path[1].position[2]);
+}
+
+}  // namespace

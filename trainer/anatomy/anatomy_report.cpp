@@ -1,0 +1,228 @@
+#include "trainer/anatomy/anatomy_report.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "assets/joint_roles.h"
+#include "assets/wording.h"
+#include "base/parallel.h"
+
+namespace bodyopt {
+namespace {
+
+constexpr auto kRegions = std::size_t{kBodyRegions};
+constexpr std::size_t kKinds = static_cast<std::size_t>(TissueKind::other_lean) + 1;
+constexpr double kSmallestTrusted = 0.6, kLargestTrusted = 1.5;  // of a limb
+constexpr double kOffBone = 2e-3;                                // metres
+constexpr double kLeastShare = 0.2;                              // of a muscle's target
+
+// Cubic metres on one side of a body.
+struct SideVolumes {
+  std::array<std::array<double, kKinds>, kRegions> parts{};
+  std::vector<double> muscles;
+};
+
+using Sides = std::array<SideVolumes, 2>;
+
+double total(const std::array<double, kKinds>& tissues) {
+  double sum = 0;
+  for (const double volume : tissues) sum += volume;
+  return sum;
+}
+
+// What the field tells at the samples of a half, or at their mirror images.
+void add_half(const AnatomyField& field, const AnatomyField::Half& half, bool mirrored, SideVolumes& side) {
+  const Eigen::Vector3d turn(mirrored ? -1 : 1, 1, 1);
+  const Eigen::Affine3d to_rest = half.body.from_rest.inverse() * Eigen::Scaling(turn);
+  std::vector<TissueAt> found(static_cast<std::size_t>(half.grid.size()));
+  parallel_for(found.size(), [&](std::size_t s) {
+    found[s] = field.tissue_at(to_rest * half.grid.points.row(static_cast<Eigen::Index>(s)).transpose());
+  });
+  for (std::size_t s = 0; s < found.size(); ++s) {
+    const auto kind = static_cast<std::size_t>(found[s].kind);
+    side.parts[static_cast<std::size_t>(half.tissue.region[s])][kind] += half.grid.volume();
+    if (found[s].kind == TissueKind::muscle) {
+      side.muscles[static_cast<std::size_t>(found[s].muscle)] += half.grid.volume();
+    }
+  }
+  std::array<double, kKinds>& head = side.parts[static_cast<std::size_t>(BodyRegion::head)];
+  const double brain = std::min(half.tissue.brain, head[static_cast<std::size_t>(TissueKind::bone)]);
+  head[static_cast<std::size_t>(TissueKind::bone)] -= brain;
+  head[static_cast<std::size_t>(TissueKind::other_lean)] += brain;
+}
+
+Sides volumes_of_sides(const AnatomyField& field, std::size_t muscles) {
+  Sides sides;
+  for (SideVolumes& side : sides) side.muscles.resize(muscles);
+  for (std::size_t h = 0; h < field.halves().size(); ++h) add_half(field, field.halves()[h], false, sides[h]);
+  if (field.is_own_mirror()) add_half(field, field.halves().front(), true, sides[1]);
+  return sides;
+}
+
+double largest_difference(const Sides& sides, const std::vector<Muscle>& muscles) {
+  double largest = 0;
+  const auto compare = [&](double a, double b) {
+    if (a + b > 0) largest = std::max(largest, 2 * std::abs(a - b) / (a + b));
+  };
+  for (std::size_t r = 0; r < kRegions; ++r) compare(total(sides[0].parts[r]), total(sides[1].parts[r]));
+  std::vector<std::string> names;
+  for (const Muscle& muscle : muscles) names.push_back(muscle.name);
+  for (std::size_t m = 0; m < names.size(); ++m) {
+    const auto other = std::ranges::find(names, mirrored_name(names[m], names));
+    if (other == names.end()) continue;
+    const auto o = static_cast<std::size_t>(other - names.begin());
+    compare(sides[0].muscles[m] + sides[1].muscles[m], sides[0].muscles[o] + sides[1].muscles[o]);
+  }
+  return largest;
+}
+
+AnatomyReport::OfPart part_of(const char* name, const std::array<double, kKinds>& tissues) {
+  const double volume = total(tissues);
+  const auto share = [&](TissueKind kind) { return tissues[static_cast<std::size_t>(kind)] / volume; };
+  AnatomyReport::OfPart part{name,
+                             volume,
+                             share(TissueKind::bone),
+                             share(TissueKind::fat),
+                             share(TissueKind::cavity),
+                             share(TissueKind::muscle),
+                             0};
+  // Also what rounding put outside at the skin itself.
+  part.other_lean = share(TissueKind::other_lean) + share(TissueKind::tendon) + share(TissueKind::outside);
+  return part;
+}
+
+std::vector<AnatomyReport::OfPart> parts_of(const Sides& sides) {
+  std::vector<AnatomyReport::OfPart> parts;
+  std::array<double, kKinds> body{};
+  for (std::size_t r = 0; r < kRegions; ++r) {
+    std::array<double, kKinds> both{};
+    for (std::size_t k = 0; k < kKinds; ++k) {
+      both[k] = sides[0].parts[r][k] + sides[1].parts[r][k];
+      body[k] += both[k];
+    }
+    if (total(both) > 0) parts.push_back(part_of(name_of(static_cast<BodyRegion>(r)), both));
+  }
+  parts.push_back(part_of("body", body));
+  return parts;
+}
+
+// What the division says of a region, of one of the muscles that share it. other: of a half that stands for both, where
+// the numbers of the other half are.
+void tell_muscle(const Division::OfMuscle& region, const Character& character, const AnatomyField::Half* other,
+                 AnatomyReport::OfMuscle& muscle) {
+  muscle.target = region.target / static_cast<double>(std::max<std::size_t>(1, region.slips.size()));
+  muscle.pieces = region.pieces;
+  for (std::size_t end = 0; end < 2; ++end) {
+    muscle.ends_off_bone[end] = region.ends_off_bone[end];
+    int joint = region.end_joint[end];
+    if (joint >= 0 && other) joint = other->joint[static_cast<std::size_t>(joint)];
+    muscle.bones[end] = joint < 0 ? "" : character.skeleton.joints[static_cast<std::size_t>(joint)].name;
+  }
+}
+
+// Of muscles that share a region each has an equal part.
+std::vector<AnatomyReport::OfMuscle> muscles_of(const Character& character, const std::vector<Muscle>& muscles,
+                                                const AnatomyField& field, const Sides& sides) {
+  std::vector<AnatomyReport::OfMuscle> told(muscles.size());
+  for (std::size_t m = 0; m < muscles.size(); ++m) told[m].name = muscles[m].name;
+  const auto tell = [&](const Division::OfMuscle& region, const AnatomyField::Half* other) {
+    const auto number = [&](int muscle) {
+      return static_cast<std::size_t>(other ? other->muscle[static_cast<std::size_t>(muscle)] : muscle);
+    };
+    const std::vector<int> slips = region.slips.empty() ? std::vector<int>{region.muscle} : region.slips;
+    const std::size_t m = number(region.muscle);
+    const double volume = (sides[0].muscles[m] + sides[1].muscles[m]) / static_cast<double>(slips.size());
+    for (const int slip : slips) {
+      told[number(slip)].volume = volume;
+      tell_muscle(region, character, other, told[number(slip)]);
+    }
+  };
+  for (const AnatomyField::Half& half : field.halves()) {
+    for (const Division::OfMuscle& region : half.division.muscles) {
+      tell(region, nullptr);
+      if (field.is_own_mirror()) tell(region, &half);
+    }
+  }
+  return told;
+}
+
+// Two halves of their own have factors of their own: "left arm".
+std::map<std::string, double> limb_factors_of(const AnatomyField& field) {
+  if (field.halves().size() == 1) return field.halves().front().division.limb_factors;
+  std::map<std::string, double> factors;
+  for (std::size_t h = 0; h < field.halves().size(); ++h) {
+    for (const auto& [limb, factor] : field.halves()[h].division.limb_factors) {
+      factors[(h == 0 ? "left " : "right ") + limb] = factor;
+    }
+  }
+  return factors;
+}
+
+std::string with_number(const char* pattern, double number) {
+  char text[64];
+  std::snprintf(text, sizeof text, pattern, number);
+  return text;
+}
+
+// "recfem_l (origin, 4.1 mm)"
+std::vector<std::string> ends_off_bone(const AnatomyReport& report) {
+  std::vector<std::string> ends;
+  for (const AnatomyReport::OfMuscle& muscle : report.muscles) {
+    for (std::size_t end = 0; end < 2; ++end) {
+      if (muscle.ends_off_bone[end] <= kOffBone) continue;
+      ends.push_back(muscle.name + (end == 0 ? " (origin, " : " (insertion, ") +
+                     with_number("%.1f mm)", 1e3 * muscle.ends_off_bone[end]));
+    }
+  }
+  return ends;
+}
+
+std::vector<std::string> warnings_of(const AnatomyReport& report, const AnatomyField& field) {
+  std::vector<std::string> warnings;
+  for (const AnatomyField::Half& half : field.halves()) {
+    for (const std::vector<std::string>* notes : {&half.grid.notes, &half.tissue.notes}) {
+      for (const std::string& note : *notes) {
+        if (std::ranges::find(warnings, note) == warnings.end()) warnings.push_back(note);
+      }
+    }
+  }
+  for (const auto& [limb, factor] : report.limb_factors) {
+    if (factor >= kSmallestTrusted && factor <= kLargestTrusted) continue;
+    warnings.push_back(limb + ": its muscles fill its lean tissue at " + with_number("%.2f", factor) +
+                       " times the volumes that anatomists measured (0.6 to 1.5 is usual): the body fat asked for, or "
+                       "muscles that are missing, may not suit this skin");
+  }
+  if (const std::vector<std::string> ends = ends_off_bone(report); !ends.empty()) {
+    warnings.push_back(count_of(ends.size(), "end of a muscle is", "ends of muscles are") +
+                       " more than 2 mm off the bone: " + list_names(ends, ends.size()));
+  }
+  std::vector<std::string> small;
+  for (const AnatomyReport::OfMuscle& muscle : report.muscles) {
+    if (muscle.target > 0 && muscle.volume < kLeastShare * muscle.target) {
+      small.push_back(muscle.name + with_number(" (%.0f %%)", 100 * muscle.volume / muscle.target));
+    }
+  }
+  if (!small.empty()) {
+    warnings.push_back(
+        count_of(small.size(), "muscle has", "muscles have") +
+        " less than 20 % of the volume wanted: paths may lie outside the skin: " + list_names(small, small.size()));
+  }
+  return warnings;
+}
+
+}  // namespace
+
+AnatomyReport report_anatomy(const Character& character, const std::vector<Muscle>& muscles,
+                             const AnatomyField& field) {
+  const Sides sides = volumes_of_sides(field, muscles.size());
+  AnatomyReport report;
+  report.parts = parts_of(sides);
+  report.muscles = muscles_of(character, muscles, field, sides);
+  report.limb_factors = limb_factors_of(field);
+  if (field.halves().front().body.has_plane) report.mirror_difference = largest_difference(sides, muscles);
+  report.warnings = warnings_of(report, field);
+  return report;
+}
+
+}  // namespace bodyopt

@@ -1,0 +1,41 @@
+// What a body is made of, in numbers: by its parts and by its muscles.
+#pragma once
+
+#include <array>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "trainer/anatomy/field.h"
+
+namespace bodyopt {
+
+struct AnatomyReport {
+  struct OfPart {
+    std::string name;
+    double volume = 0;  // cubic metres
+    // Shares of it; sum 1. Tendons and the brain count among other_lean.
+    double bone = 0, fat = 0, cavity = 0, muscle = 0, other_lean = 0;
+  };
+  struct OfMuscle {
+    std::string name;
+    double volume = 0, target = 0;              // cubic metres; target: a table's, scaled, or else of its radius
+    int pieces = 1;                             // connected ones
+    std::array<double, 2> ends_off_bone{0, 0};  // metres: origin, insertion
+    std::array<std::string, 2> bones;           // joints that they are tied to; empty: none
+  };
+  std::vector<OfPart> parts;      // both sides together, those that the body has; last "body", all of it
+  std::vector<OfMuscle> muscles;  // as the list of muscles has them
+  std::map<std::string, double> limb_factors;
+  // The largest difference of a part's or a muscle's volume between left and right, over their mean, found by looking
+  // at the field on both sides; nothing: the body has no sides.
+  std::optional<double> mirror_difference;
+  // Where skin and paths do not fit each other, and what could not be placed, one sentence each.
+  std::vector<std::string> warnings;
+};
+
+// By asking tissue_at() at every sample of the grid and, where one half stands for both, at its mirror image.
+AnatomyReport report_anatomy(const Character& character, const std::vector<Muscle>& muscles, const AnatomyField& field);
+
+}  // namespace bodyopt

@@ -1,0 +1,55 @@
+// A body without tables of its own: any but a human. Bones lie along chains of joints, as thick as the body allows.
+#pragma once
+
+#include "trainer/anatomy/bone.h"
+#include "trainer/anatomy/spine_curve.h"
+
+namespace bodyopt {
+
+struct Animal {
+  const BodySurvey& survey;
+  const JointChains& chains;
+  const SpineCurve& spine;
+  BodyKind kind;
+  double size;  // metres: the longest extent, which radii are told by
+
+  const Eigen::Vector3d& place(int joint) const { return survey.body().places[static_cast<std::size_t>(joint)]; }
+  const std::string& name(int joint) const { return survey.body().joints[static_cast<std::size_t>(joint)].name; }
+};
+
+// What chest and belly leave of a section, as shares of it.
+struct CavityWalls {
+  double aside, below;  // of the half width, of the height: muscle and bone there
+  double chest = 0;     // the part of the cavity, from its front, that ribs are about
+  double end = 0.18;    // of its length: its ends narrow over so much
+};
+
+class AnimalCavity {
+ public:
+  explicit AnimalCavity(const Animal& animal);
+  bool empty() const { return to_ <= from_; }
+  double from() const { return from_; }
+  double to() const { return to_; }
+  double chest_from() const { return to_ - walls_.chest * (to_ - from_); }
+  // To its wall, roughly, metres; negative inside. `grown`: of a cavity so much larger on all sides.
+  double distance(const Spot& spot, const SpineCurve::Spot& at, double grown = 0) const;
+  double distance(const Spot& spot) const;
+
+ private:
+  const Animal& animal_;
+  CavityWalls walls_;
+  double from_ = 0, to_ = 0;  // rows of the spine
+};
+
+// Radii are multiplied by `thickness`. Joints that a correction lets carry bone have one, too.
+std::vector<Bone> limb_bones(const Animal& animal, const AnatomyCorrections& corrections, double thickness);
+std::vector<Bone> girdle_bones(const Animal& animal, double thickness);
+// Vertebrae with their spinous processes; ribs, breastbone.
+std::vector<Bone> axis_bones(const Animal& animal, const AnimalCavity& cavity, double thickness);
+// What lies deep in the head, if it has a joint of its own.
+std::vector<Bone> skull_bones(const Animal& animal);
+
+// Of vertebrae, metres: of their middles' bodies.
+double vertebra_radius(const Animal& animal, const SpineCurve::Row& row);
+
+}  // namespace bodyopt

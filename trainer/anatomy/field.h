@@ -1,0 +1,76 @@
+// The inside of a body as a field: what tissue lies at any point, whatever tets it is later simulated in.
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "trainer/anatomy/body_kind.h"
+#include "trainer/anatomy/division.h"
+
+namespace bodyopt {
+
+struct AnatomyOptions {
+  double body_fat = 0.15;            // of the body's mass, 0.02 to 0.6
+  std::optional<BodyKind> kind;      // none: recognised
+  double cell = 0;                   // metres; 0: default_cell()
+  AnatomyCorrections corrections{};  // of bones, fat and muscles; its kind and body fat are the caller's to take
+};
+
+struct TissueAt {
+  TissueKind kind = TissueKind::outside;
+  int joint = -1;   // of a bone
+  int muscle = -1;  // of muscle and tendon
+};
+
+class AnatomyField {
+ public:
+  // Throws Error(usage) for options out of range, Error(mismatch) where the skin encloses nothing.
+  AnatomyField(const Character& character, const std::vector<Muscle>& muscles, const AnatomyOptions& options = {});
+
+  // Any point of rest space. Of a skin that is its own mirror image, left and right are the same to the last bit.
+  TissueAt tissue_at(const Eigen::Vector3d& point) const;
+  // Unit, rest space, from origin to insertion, of the muscle at a point; zero where there is none.
+  Eigen::Vector3d fibre_at(const Eigen::Vector3d& point) const;
+
+  // A spring in series with a muscle's belly: it ties the belly's outer end to the bone of a joint.
+  struct Tendon {
+    int muscle, joint;
+    Eigen::Vector3d belly_end, foot;  // rest space
+    double length;                    // metres, along the path
+    double largest_force;             // newtons: 180 kPa times the belly's mean section
+    double stiffness() const { return largest_force / (0.04 * length); }  // N/m; Zajac 1989
+  };
+  const std::vector<Tendon>& tendons() const { return tendons_; }
+
+  BodyKind kind() const { return kind_; }
+  const std::string& why_kind() const { return why_kind_; }
+  bool is_own_mirror() const { return halves_.size() == 1 && halves_.front().body.has_plane; }
+  std::uint64_t hash() const;  // of all that tissue_at() and tendons() tell
+
+  struct Half {
+    HalfBody body;
+    BodyGrid grid;
+    InnerTissue tissue;
+    Division division;
+    std::vector<int> joint, muscle;  // in the character and in its list, for the other half of a body that is its own
+                                     // mirror image: what the numbers of this half are there
+  };
+  const std::vector<Half>& halves() const { return halves_; }
+
+ private:
+  struct Place {
+    const Half* half;
+    Eigen::Vector3d point;  // in the half's space
+    bool is_other_side;     // of a body that is its own mirror image
+  };
+  Place place_of(const Eigen::Vector3d& point) const;
+
+  std::vector<Half> halves_;
+  std::vector<Tendon> tendons_;
+  BodyKind kind_ = BodyKind::biped;
+  std::string why_kind_;
+};
+
+}  // namespace bodyopt

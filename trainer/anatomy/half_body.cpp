@@ -1,0 +1,208 @@
+#include "trainer/anatomy/half_body.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "assets/joint_roles.h"
+#include "geometry/extent.h"
+#include "geometry/point_grid.h"
+#include "trainer/anatomy/body_frame.h"
+
+namespace bodyopt {
+namespace {
+
+using Eigen::Index;
+using Eigen::Vector3d;
+
+constexpr double kMirrorTolerance = 1e-4;  // of the body's extent: a vertex and the mirror image of its counterpart
+constexpr double kPlaceTolerance = 0.02;   // of the body's extent: joints that are each other's mirror image
+
+Vector3d mirrored(const Vector3d& point, double middle) { return {2 * middle - point.x(), point.y(), point.z()}; }
+
+std::vector<Vector3d> joint_places(const Skeleton& skeleton) {
+  std::vector<Vector3d> places;
+  for (std::size_t j = 0; j < skeleton.size(); ++j) places.emplace_back(bind_place(skeleton, j).data());
+  return places;
+}
+
+double middle_of_skin(const Positions& vertices) {
+  return vertices.rows() > 0 ? 0.5 * (vertices.col(0).minCoeff() + vertices.col(0).maxCoeff()) : 0;
+}
+
+bool is_mirror_image(const Positions& vertices, double middle) {
+  const double tolerance = kMirrorTolerance * longest_extent(vertices);
+  std::vector<int> all;
+  for (Index v = 0; v < vertices.rows(); ++v) all.push_back(static_cast<int>(v));
+  if (all.empty()) return false;
+  const PointGrid grid(vertices, all, tolerance);
+  return std::all_of(all.begin(), all.end(), [&](int v) {
+    const Eigen::RowVector3d image = mirrored(vertices.row(v), middle).transpose();
+    bool found = false;
+    const auto look = [&](int n) { found = found || (vertices.row(n) - image).norm() <= tolerance; };
+    grid.visit(image.array() - tolerance, image.array() + tolerance, look);
+    return found;
+  });
+}
+
+// The joint of the other side's name; -1: none has it.
+std::vector<int> counterparts_by_name(const Skeleton& skeleton) {
+  std::vector<std::string> names;
+  for (const Joint& joint : skeleton.joints) names.push_back(joint.name);
+  std::vector<int> counterparts;
+  for (const std::string& name : names) counterparts.push_back(skeleton.find(mirrored_name(name, names)));
+  return counterparts;
+}
+
+double median(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+// Between the joints of either side, so that a lost arm does not move it; the skin's middle where names tell no sides.
+double median_plane(const Character& character, const std::vector<int>& counterparts) {
+  const double middle = middle_of_skin(character.vertices);
+  if (is_mirror_image(character.vertices, middle)) return middle;
+  const std::vector<Vector3d> places = joint_places(character.skeleton);
+  std::vector<double> middles;
+  for (std::size_t j = 0; j < places.size(); ++j) {
+    if (counterparts[j] < 0) continue;
+    middles.push_back(0.5 * (places[j].x() + places[static_cast<std::size_t>(counterparts[j])].x()));
+  }
+  return middles.empty() ? middle : median(middles);
+}
+
+// Of the joints from this on that have no counterpart the one nearest to where the mirror has it; of those in one
+// place, the one whose parent is the counterpart of the joint's parent.
+int counterpart_by_place(const std::vector<Vector3d>& places, const Skeleton& skeleton,
+                         const std::vector<int>& counterparts, std::size_t joint, double middle, double tolerance) {
+  const Vector3d image = mirrored(places[joint], middle);
+  const int parent = skeleton.joints[joint].parent;
+  const int parents_counterpart = parent < 0 ? -1 : counterparts[static_cast<std::size_t>(parent)];
+  int nearest = -1;
+  double least = tolerance;
+  for (std::size_t k = joint; k < places.size(); ++k) {
+    if (counterparts[k] >= 0) continue;
+    const double beside = skeleton.joints[k].parent == parents_counterpart ? 0 : 0.5 * tolerance;
+    const double apart = (places[k] - image).norm() + beside;
+    if (apart >= least) continue;
+    least = apart;
+    nearest = static_cast<int>(k);
+  }
+  return nearest;
+}
+
+std::vector<int> mirrored_joints_about(const Character& character, std::vector<int> counterparts, double middle) {
+  const std::vector<Vector3d> places = joint_places(character.skeleton);
+  const double tolerance = kPlaceTolerance * longest_extent(character.vertices);
+  for (std::size_t j = 0; j < places.size(); ++j) {
+    if (counterparts[j] >= 0) continue;
+    const int other = counterpart_by_place(places, character.skeleton, counterparts, j, middle, tolerance);
+    if (other < 0) continue;
+    counterparts[j] = other;
+    counterparts[static_cast<std::size_t>(other)] = static_cast<int>(j);
+  }
+  return counterparts;
+}
+
+// Has each joint that moves skin beside the plane a counterpart?
+bool has_counterparts(const Character& character, const std::vector<int>& counterparts) {
+  for (const auto& of_vertex : character.weights) {
+    for (const JointWeight& weight : of_vertex) {
+      if (counterparts[weight.joint] < 0) return false;
+    }
+  }
+  return true;
+}
+
+BodySide other_side(BodySide side) {
+  if (side == BodySide::middle) return side;
+  return side == BodySide::left ? BodySide::right : BodySide::left;
+}
+
+void turn_over(HalfBody& half) {
+  half.triangles.col(1).swap(half.triangles.col(2));
+  for (std::optional<JointRole>& role : half.roles) {
+    if (role) role->side = other_side(role->side);
+  }
+}
+
+// Joints where those of both sides are on average, so that neither side's rounding decides.
+void make_symmetric(std::vector<Vector3d>& places, const std::vector<int>& counterparts) {
+  const std::vector<Vector3d> own = places;
+  for (std::size_t j = 0; j < own.size(); ++j) {
+    if (counterparts[j] < 0) continue;
+    places[j] = 0.5 * (own[j] + mirrored(own[static_cast<std::size_t>(counterparts[j])], 0));
+  }
+}
+
+// Of a character that was turned to stand in its frame.
+HalfBody half_of(const Character& character, const Eigen::Matrix3d& frame, double middle, bool is_left) {
+  HalfBody half;
+  const double side = is_left ? 1 : -1;
+  half.from_rest = Eigen::Scaling(side, 1.0, 1.0) * Eigen::Translation3d(-middle, 0, 0);
+  half.vertices = character.vertices;
+  half.vertices.col(0) = side * (character.vertices.col(0).array() - middle);
+  half.triangles = character.triangles;
+  half.weights = character.weights;
+  for (const Vector3d& place : joint_places(character.skeleton)) half.places.push_back(half.from_rest * place);
+  half.from_rest = half.from_rest * frame;
+  half.joints = named_joints(character.skeleton);
+  half.roles = joint_roles(half.joints);
+  if (!is_left) turn_over(half);
+  return half;
+}
+
+}  // namespace
+
+int HalfBody::find(BodyPart part, BodySide side, std::size_t nested) const {
+  const JointRole wanted{part, part <= BodyPart::head ? BodySide::middle : side, nested};
+  const auto found = std::find(roles.begin(), roles.end(), std::optional(wanted));
+  return found == roles.end() ? -1 : static_cast<int>(found - roles.begin());
+}
+
+Muscle HalfBody::path_of(const Muscle& muscle) const {
+  Muscle result = muscle;
+  for (MusclePoint& point : result.path) {
+    const Vector3d place = from_rest * Vector3d(point.position.data());
+    point.position = {place.x(), place.y(), place.z()};
+  }
+  return result;
+}
+
+HalfBody body_in_frame(const Character& rest) {
+  const Eigen::Matrix3d frame = body_frame(rest);
+  const Character character = turned(rest, frame);
+  return half_of(character, frame, median_plane(character, counterparts_by_name(character.skeleton)), true);
+}
+
+std::vector<HalfBody> halves_of(const Character& rest, std::optional<BodyKind> kind) {
+  const Eigen::Matrix3d frame = body_frame(rest);
+  const Character character = turned(rest, frame);
+  if (kind.value_or(recognise_kind(rest).kind) == BodyKind::limb) {
+    HalfBody whole = half_of(character, frame, 0, true);
+    whole.has_plane = whole.is_own_mirror = false;
+    return {whole};
+  }
+  const std::vector<int> by_name = counterparts_by_name(character.skeleton);
+  const double middle = median_plane(character, by_name);
+  const std::vector<int> counterparts = mirrored_joints_about(character, by_name, middle);
+  HalfBody left = half_of(character, frame, middle, true);
+  left.is_own_mirror = is_mirror_image(character.vertices, middle) && has_counterparts(character, counterparts);
+  if (left.is_own_mirror) {
+    make_symmetric(left.places, counterparts);
+    return {left};
+  }
+  HalfBody right = half_of(character, frame, middle, false);
+  right.is_own_mirror = false;
+  return {left, right};
+}
+
+std::vector<int> mirrored_joints(const Character& rest) {
+  const Character character = turned(rest, body_frame(rest));
+  const std::vector<int> by_name = counterparts_by_name(character.skeleton);
+  return mirrored_joints_about(character, by_name, median_plane(character, by_name));
+}
+
+}  // namespace bodyopt

@@ -1,0 +1,85 @@
+#include "trainer/anatomy/inner_tissue.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <string>
+
+#include "base/parallel.h"
+#include "trainer/anatomy/animal_tissue.h"
+#include "trainer/anatomy/fat.h"
+#include "trainer/anatomy/human_bones.h"
+
+namespace bodyopt {
+namespace {
+
+using Eigen::Index;
+
+constexpr std::array kTissueNames{"outside", "bone", "fat", "cavity", "muscle", "tendon", "other_lean"};
+constexpr double kSkin = 1.6;  // millimetres
+
+// What is bone in the head, deeper than the skull is thick, above its base.
+double brain_volume(const BodySurvey& survey, const HumanFrame& frame, const InnerTissue& tissue) {
+  if (!frame.head) return 0;
+  int samples = 0;
+  for (std::size_t s = 0; s < survey.spots().size(); ++s) {
+    const Spot& spot = survey.spots()[s];
+    const double skull = tissue.bone[static_cast<Index>(s)] + 7 * frame.mm;
+    const double forward = std::clamp((spot.point.z() - frame.head->at.z()) / (40 * frame.mm), 0.0, 1.0);
+    const double base = frame.head->at.y() + (15 + 30 * forward) * frame.mm;
+    samples += spot.region == BodyRegion::head && skull < 0 && spot.point.y() > base ? 1 : 0;
+  }
+  return samples * survey.grid().volume();
+}
+
+void find_human_tissue(BodySurvey& survey, const HumanFrame& frame, const InnerTissueOptions& options,
+                       InnerTissue& tissue) {
+  for (const std::string& part : frame.missing)
+    tissue.notes.push_back("no joints for " + part + " were found on this side: there are no bones there");
+  const Eigen::VectorXd pattern = corrected_pattern(survey, human_fat_pattern(survey, frame), options.corrections);
+  take_fat(survey, fit_fat(survey, pattern, kSkin * frame.mm, options.body_fat), options.body_fat, tissue);
+  HumanSkeleton skeleton{survey, frame};
+  add_leg(skeleton);
+  add_foot(skeleton);
+  add_arm(skeleton);
+  add_hand(skeleton);
+  add_pelvis(skeleton);
+  const SpineLine spine = spine_line(skeleton);
+  add_spine(skeleton, spine);
+  const auto crest = skeleton.landmarks.find("iliac_crest");
+  const RibCage cage(skeleton, crest == skeleton.landmarks.end() ? spine.low : crest->second.y());
+  add_rib_cage(skeleton, cage);
+  add_shoulder_girdle(skeleton, cage);
+  add_head(skeleton);
+  find_bone(survey, corrected_bones(skeleton.bones, survey.body(), options.corrections), tissue);
+  tissue.brain = brain_volume(survey, frame, tissue);
+  const auto cavity = human_cavity(skeleton, spine, cage);
+  tissue.cavity.resize(survey.grid().size());
+  parallel_for(survey.spots().size(),
+               [&](std::size_t s) { tissue.cavity[static_cast<Index>(s)] = cavity(survey.spots()[s]); });
+  tissue.landmarks = skeleton.landmarks;
+}
+
+}  // namespace
+
+const char* name_of(TissueKind kind) { return kTissueNames[static_cast<std::size_t>(kind)]; }
+
+TissueKind InnerTissue::kind(int sample) const {
+  if (bone[sample] < 0) return TissueKind::bone;
+  if (fat[sample] < 0) return TissueKind::fat;
+  return cavity[sample] < 0 ? TissueKind::cavity : TissueKind::other_lean;
+}
+
+InnerTissue find_inner_tissue(const HalfBody& body, const BodyGrid& grid, const InnerTissueOptions& options) {
+  const HumanFrame frame = frame_of(body);
+  if (options.kind != BodyKind::biped || !frame.has_leg() || !frame.has_arm())
+    return find_animal_tissue(body, grid, options);
+  InnerTissue tissue;
+  tissue.notes = grid.notes;
+  BodySurvey survey(body, grid, regions_of_joints(body));
+  for (const Spot& spot : survey.spots()) tissue.region.push_back(spot.region);
+  find_human_tissue(survey, frame, options, tissue);
+  return tissue;
+}
+
+}  // namespace bodyopt

@@ -1,0 +1,48 @@
+// Bone, fat and cavity of one half of a body, at the samples of its grid.
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "trainer/anatomy/body_grid.h"
+#include "trainer/anatomy/corrections.h"
+
+namespace bodyopt {
+
+// The parts that volumes are told by.
+enum class BodyRegion : std::uint8_t { trunk, hip, neck, head, thigh, calf, foot, upper_arm, forearm, hand, tail, fin };
+constexpr int kBodyRegions = 12;
+const char* name_of(BodyRegion region);
+// J: by the roles of joints; a joint without one belongs to the region of its parent.
+std::vector<BodyRegion> regions_of_joints(const HalfBody& body);
+
+enum class TissueKind : std::uint8_t { outside, bone, fat, cavity, muscle, tendon, other_lean };
+const char* name_of(TissueKind kind);
+
+// Signed fields, so that they are read between samples, too: what is bone comes before fat, fat before cavity; the rest
+// is lean tissue, which muscles share.
+struct InnerTissue {
+  Eigen::VectorXd bone;            // S: distance to the surface of the nearest bone, roughly, metres; negative inside
+  std::vector<int> bone_joint;     // S: the joint of that bone
+  Eigen::VectorXd fat;             // S: depth beyond the inner border of the fat, metres; negative in fat and skin
+  Eigen::VectorXd cavity;          // S: distance to the wall of chest or belly, roughly, metres; negative inside
+  std::vector<BodyRegion> region;  // S
+  double fat_scale = 1;            // of the regional pattern, so that the body's fat is what was asked for
+  double brain = 0;                // cubic metres of this half that are bone here, and brain in truth
+
+  // Places of bones that muscles are tied to and pictures name, by name: "iliac_crest", "acromion", ... half space.
+  std::map<std::string, Eigen::Vector3d> landmarks;
+  std::vector<std::string> notes;  // what of the skeleton could not be placed, one sentence each
+
+  TissueKind kind(int sample) const;  // bone, fat, cavity, or other_lean
+};
+
+struct InnerTissueOptions {
+  double body_fat = 0.15;  // of the body's mass, 0.02 to 0.6
+  BodyKind kind = BodyKind::biped;
+  AnatomyCorrections corrections{};  // of bones and fat
+};
+InnerTissue find_inner_tissue(const HalfBody& body, const BodyGrid& grid, const InnerTissueOptions& options);
+
+}  // namespace bodyopt

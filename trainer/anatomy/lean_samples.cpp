@@ -1,0 +1,25 @@
+#include "trainer/anatomy/lean_samples.h"
+
+namespace bodyopt {
+
+LeanSamples::LeanSamples(const BodyGrid& own_grid, const InnerTissue& own_tissue)
+    : grid(own_grid), tissue(own_tissue), lean(static_cast<std::size_t>(own_grid.size()), -1) {
+  for (int s = 0; s < grid.size(); ++s) {
+    if (tissue.kind(s) != TissueKind::other_lean) continue;
+    lean[static_cast<std::size_t>(s)] = static_cast<int>(sample.size());
+    sample.push_back(s);
+  }
+  points = grid.points(sample, Eigen::all);
+  for (const int s : sample) {
+    std::array<int, 6> beside{};
+    for (int k = 0; k < 6; ++k) {
+      Eigen::Vector3i cell = grid.cells[static_cast<std::size_t>(s)];
+      cell[k / 2] += k % 2 == 0 ? -1 : 1;
+      const int other = grid.sample_at(cell);
+      beside[static_cast<std::size_t>(k)] = other < 0 ? -1 : lean[static_cast<std::size_t>(other)];
+    }
+    neighbours.push_back(beside);
+  }
+}
+
+}  // namespace bodyopt

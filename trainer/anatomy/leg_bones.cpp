@@ -1,0 +1,155 @@
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+#include "trainer/anatomy/human_bones.h"
+#include "trainer/anatomy/shapes.h"
+
+namespace bodyopt {
+namespace {
+
+using Eigen::Vector3d;
+
+// Of a bone of the leg: down along it, outwards, and forwards.
+struct LegAxes {
+  Vector3d down, out, forward;
+  LegAxes(const Vector3d& from, const Vector3d& to) {
+    down = (to - from).normalized();
+    out = across(Vector3d::UnitX(), down, Vector3d::UnitX());
+    forward = out.cross(down);
+    if (forward.z() < 0) forward = -forward;
+  }
+  Eigen::Matrix3d rows() const { return (Eigen::Matrix3d() << out, forward, down).finished().transpose(); }
+};
+
+// A rig's hip and knee do not lie on the bone's axis: the shaft goes through the sections of the thigh, a little to the
+// front and outside of their middle.
+Vector3d shaft_place(const HumanSkeleton& skeleton, const LegAxes& axes, double down, double out) {
+  constexpr double kForward = 0.06, kFarthest = 30;
+  const Vector3d at = (1 - down) * skeleton.frame.hip->at + down * skeleton.frame.knee->at;
+  const auto section = skeleton.survey.section(at, axes.down, BodyRegion::thigh, axes.out);
+  if (!section) return at;
+  const Vector3d aside = section->middle + section->half_width * (out * axes.out + kForward * axes.forward) - at;
+  const double way = aside.norm(), farthest = skeleton.mm(kFarthest);
+  return way > farthest ? Vector3d(at + farthest / way * aside) : Vector3d(at + aside);
+}
+
+void add_femur(HumanSkeleton& skeleton) {
+  const auto& [hip_joint, hip] = *skeleton.frame.hip;
+  const Vector3d knee = skeleton.frame.knee->at;
+  const LegAxes axes(hip, knee);
+  const auto mm = [&](double length) { return skeleton.mm(length); };
+  const Vector3d trochanter = hip + mm(46) * axes.out + mm(6) * axes.down;
+  const std::vector<ChainLink> shaft{{trochanter, mm(15)},
+                                     {hip + mm(36) * axes.out + mm(45) * axes.down, mm(14)},
+                                     {shaft_place(skeleton, axes, 0.3, 0.22), mm(13.5)},
+                                     {shaft_place(skeleton, axes, 0.5, 0.12), mm(13)},
+                                     {shaft_place(skeleton, axes, 0.7, 0.05), mm(13.5)},
+                                     {hip + 0.86 * (knee - hip), mm(16)},
+                                     {knee - mm(14) * axes.down, mm(21)}};
+  const double head = mm(23.5), neck = mm(14), greater = mm(16);
+  skeleton.add(hip_joint, [=, hip = hip](const Spot& spot) {
+    return std::min({sphere_distance(spot.point, hip, head), cone_distance(spot.point, hip, trochanter, neck, greater),
+                     chain_distance(spot.point, shaft)});
+  });
+  const Vector3d condyles = knee - mm(4) * axes.down, radii(mm(38), mm(28), mm(19));
+  skeleton.add(hip_joint, [=, rows = axes.rows()](const Spot& spot) {
+    return ellipsoid_distance(spot.point, condyles, rows, radii);
+  });
+  skeleton.landmarks["greater_trochanter"] = trochanter + greater * axes.out;
+  skeleton.landmarks["femoral_condyle"] = knee + mm(36) * axes.out;
+  skeleton.landmarks["knee"] = knee;
+}
+
+// The shin bone is felt in front and inside: there its shaft moves outwards until only fat is over it.
+Vector3d under_the_fat(const HumanSkeleton& skeleton, const Vector3d& from, const Vector3d& towards, double radius,
+                       double farthest) {
+  const double step = skeleton.mm(1);
+  for (double way = 0; way < farthest; way += step) {
+    const Spot spot = skeleton.survey.spot(from + way * towards);
+    if (spot.depth < spot.fat + radius + skeleton.mm(1)) return spot.point;
+  }
+  return from + farthest * towards;
+}
+
+void add_shank(HumanSkeleton& skeleton) {
+  const auto& [joint, knee] = *skeleton.frame.knee;
+  const Vector3d ankle = skeleton.frame.ankle->at, along = ankle - knee;
+  const LegAxes axes(knee, ankle);
+  const auto mm = [&](double length) { return skeleton.mm(length); };
+  const Vector3d forward_and_in = (axes.forward - 0.7 * axes.out).normalized();
+  std::vector<ChainLink> tibia{{knee + mm(26) * axes.down, mm(30)}};
+  for (const auto& [down, radius, shaft] :
+       {std::array{0.16, 20., 21.}, {.33, 14., 13.5}, {.6, 12.5, 11.5}, {.85, 13., 13.}})
+    tibia.push_back({under_the_fat(skeleton, knee + down * along, forward_and_in, mm(radius), mm(35)), mm(shaft)});
+  tibia.push_back({ankle - mm(6) * axes.down, mm(19)});
+  const Vector3d plateau = knee + mm(28) * axes.down, radii(mm(36), mm(26), mm(20));
+  const std::vector<ChainLink> fibula{{knee + mm(38) * axes.out - mm(18) * axes.forward + mm(35) * axes.down, mm(9)},
+                                      {knee + 0.5 * along + mm(26) * axes.out - mm(10) * axes.forward, mm(6)},
+                                      {ankle + mm(27) * axes.out - mm(6) * axes.forward + mm(8) * axes.down, mm(10)}};
+  const Vector3d malleolus = ankle - mm(24) * axes.out;
+  const double malleolus_radius = mm(11);
+  skeleton.add(joint, [=, rows = axes.rows()](const Spot& spot) {
+    return std::min({chain_distance(spot.point, tibia), ellipsoid_distance(spot.point, plateau, rows, radii),
+                     chain_distance(spot.point, fibula), sphere_distance(spot.point, malleolus, malleolus_radius)});
+  });
+  skeleton.landmarks["tibial_tuberosity"] = tibia[1].place + tibia[1].radius * axes.forward;
+  skeleton.landmarks["fibular_head"] = fibula.front().place;
+}
+
+void add_patella(HumanSkeleton& skeleton) {
+  const auto& [joint, knee] = *skeleton.frame.knee;
+  const LegAxes axes(skeleton.frame.hip->at, knee);
+  const auto mm = [&](double length) { return skeleton.mm(length); };
+  const Vector3d patella = under_the_fat(skeleton, knee - mm(8) * axes.down, axes.forward, mm(9), mm(80));
+  const Vector3d radii(mm(21), mm(10), mm(22));
+  skeleton.add(joint, [=, rows = axes.rows()](const Spot& spot) {
+    return ellipsoid_distance(spot.point, patella, rows, radii);
+  });
+  skeleton.landmarks["patella"] = patella;
+}
+
+}  // namespace
+
+void add_leg(HumanSkeleton& skeleton) {
+  if (!skeleton.frame.has_leg()) return;
+  add_femur(skeleton);
+  add_shank(skeleton);
+  add_patella(skeleton);
+}
+
+void add_foot(HumanSkeleton& skeleton) {
+  if (!skeleton.frame.ankle || !skeleton.frame.toe) return;
+  const auto& [joint, ankle] = *skeleton.frame.ankle;
+  const Vector3d toe = skeleton.frame.toe->at, up = Vector3d::UnitY();
+  const auto mm = [&](double length) { return skeleton.mm(length); };
+  const Vector3d forward = across(toe - ankle, up, Vector3d::UnitZ());
+  Vector3d out = up.cross(forward);
+  if (out.x() < 0) out = -out;
+  const Eigen::Matrix3d rows = (Eigen::Matrix3d() << out, forward, up).finished().transpose();
+  double sole = ankle.y();
+  for (const Spot& spot : skeleton.survey.spots()) {
+    if (spot.region == BodyRegion::foot) sole = std::min(sole, spot.point.y());
+  }
+  const Vector3d talus = ankle - mm(16) * up + mm(8) * forward, talus_radii(mm(21), mm(28), mm(17));
+  Vector3d heel = ankle - mm(38) * forward;
+  heel.y() = std::max(sole + mm(30), ankle.y() - mm(48));
+  const std::vector<ChainLink> calcaneus{{heel, mm(21)}, {ankle - mm(34) * up + mm(25) * forward, mm(17)}};
+  const Vector3d tarsus = ankle - mm(30) * up + mm(45) * forward, tarsus_radii(mm(28), mm(26), mm(15));
+  skeleton.add(
+      joint, [=](const Spot& spot) { return chain_distance(spot.point, calcaneus); }, 8);
+  skeleton.add(joint, [=](const Spot& spot) {
+    return std::min(ellipsoid_distance(spot.point, talus, rows, talus_radii),
+                    ellipsoid_distance(spot.point, tarsus, rows, tarsus_radii));
+  });
+  for (int ray = 0; ray < 5; ++ray) {
+    const double aside = mm(15) * (ray - 2), radius = mm(8), end_radius = mm(ray == 0 ? 9 : 6.5);
+    const Vector3d from = tarsus + 0.6 * aside * out + mm(10) * forward;
+    const Vector3d to = toe + aside * out - mm(4 + 6 * std::abs(ray - 1)) * forward;
+    skeleton.add(joint, [=](const Spot& spot) { return cone_distance(spot.point, from, to, radius, end_radius); });
+  }
+  skeleton.add_cores(BodyRegion::foot, [&](int j) { return j == joint ? 0 : 0.52; });
+  skeleton.landmarks["heel"] = heel - mm(20) * forward;
+}
+
+}  // namespace bodyopt

@@ -1,0 +1,42 @@
+// Which muscles may have a sample of lean tissue, by the distance to their paths.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "trainer/anatomy/lean_samples.h"
+#include "trainer/anatomy/muscle_paths.h"
+
+namespace bodyopt {
+
+// Of the thickest place's section, at a share of the path: 0 on tendons.
+double belly_section(const HalfMuscle& muscle, double along);
+
+class MuscleCandidates {
+ public:
+  // Muscles (M), how far from its path each reaches at most (M, metres). A muscle has samples only in regions of the
+  // body that its path goes through. Parts of a sheet share the fan between their paths.
+  MuscleCandidates(const LeanSamples& lean, const std::vector<HalfMuscle>& muscles, const std::vector<double>& reach);
+
+  // Measures again where paths moved a little.
+  void update(const LeanSamples& lean, const std::vector<HalfMuscle>& muscles);
+
+  // Of lean sample i: entries begin(i) to begin(i + 1).
+  std::size_t begin(std::size_t lean_sample) const { return begin_[lean_sample]; }
+  int muscle(std::size_t entry) const { return muscle_[entry]; }
+  // Metres to the surface of a spindle about the path whose largest radius is `radius`, negative inside. Of all muscles
+  // a sample goes to that with the least.
+  double distance(std::size_t entry, double radius) const { return to_path_[entry] - radius * thickness_[entry]; }
+  double along(std::size_t entry) const { return along_[entry]; }  // the path, 0 to 1
+  // The entry of a muscle at a sample, or begin(i + 1).
+  std::size_t find(std::size_t lean_sample, int muscle) const;
+
+ private:
+  std::vector<std::size_t> begin_;        // L + 1
+  std::vector<std::uint16_t> muscle_;     // E
+  std::vector<float> to_path_;            // E: metres
+  std::vector<float> thickness_, along_;  // E: the belly's radius, of its largest; of the path, 0 to 1
+  std::vector<std::vector<std::pair<int, std::size_t>>> of_muscle_;  // M: samples and their entries
+};
+
+}  // namespace bodyopt

@@ -1,0 +1,198 @@
+#include "trainer/anatomy/muscle_paths.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "assets/joint_roles.h"
+
+namespace bodyopt {
+namespace {
+
+using Eigen::Index;
+using Eigen::Vector3d;
+
+constexpr double kNearCounterpart = 0.1;  // of a path's length: a muscle in the place of the mirror image
+constexpr double kStraightBelly = 2;      // a belly's volume over r^2 l: two thirds of a cylinder's
+
+Positions path_in_half(const HalfBody& body, const Muscle& muscle) {
+  const Muscle carried = body.path_of(muscle);
+  Positions path(static_cast<Index>(carried.path.size()), 3);
+  for (Index k = 0; k < path.rows(); ++k) {
+    path.row(k) = Vector3d(carried.path[static_cast<std::size_t>(k)].position.data()).transpose();
+  }
+  return resampled(path, kPathPoints);
+}
+
+Positions turned_over(const Positions& path) {
+  Positions image = path;
+  image.col(0) *= -1;
+  return image;
+}
+
+std::vector<int> muscles_by_name(const std::vector<Muscle>& muscles) {
+  std::vector<std::string> names;
+  for (const Muscle& muscle : muscles) names.push_back(muscle.name);
+  std::vector<int> counterparts;
+  for (const std::string& name : names) {
+    const auto found = std::find(names.begin(), names.end(), mirrored_name(name, names));
+    counterparts.push_back(found == names.end() ? -1 : static_cast<int>(found - names.begin()));
+  }
+  return counterparts;
+}
+
+// By the mean distance of their points, among muscles that have no counterpart yet.
+int muscle_by_place(const std::vector<Positions>& paths, const std::vector<int>& counterparts, std::size_t muscle) {
+  const Positions image = turned_over(paths[muscle]);
+  double least = kNearCounterpart * path_length(image);
+  int nearest = -1;
+  for (std::size_t k = 0; k < paths.size(); ++k) {
+    if (k == muscle || counterparts[k] >= 0) continue;
+    const double apart = (paths[k] - image).rowwise().norm().mean();
+    if (apart >= least) continue;
+    least = apart;
+    nearest = static_cast<int>(k);
+  }
+  return nearest;
+}
+
+std::vector<int> pair_up(const std::vector<Muscle>& muscles, const std::vector<Positions>& paths) {
+  std::vector<int> counterparts = muscles_by_name(muscles);
+  for (std::size_t m = 0; m < muscles.size(); ++m) {
+    if (counterparts[m] >= 0) continue;
+    const int other = muscle_by_place(paths, counterparts, m);
+    if (other < 0) continue;
+    counterparts[m] = other;
+    counterparts[static_cast<std::size_t>(other)] = static_cast<int>(m);
+  }
+  return counterparts;
+}
+
+// The joint that stands where the mirror image of another would.
+int joint_across(const HalfBody& body, int joint) {
+  std::vector<std::string> names;
+  for (const NamedJoint& named : body.joints) names.push_back(named.name);
+  const auto at = static_cast<std::size_t>(joint);
+  const auto found = std::find(names.begin(), names.end(), mirrored_name(names[at], names));
+  if (found != names.end()) return static_cast<int>(found - names.begin());
+  Vector3d image = body.places[at];
+  image.x() *= -1;
+  const auto nearest = std::min_element(body.places.begin(), body.places.end(), [&](const auto& a, const auto& b) {
+    return (a - image).squaredNorm() < (b - image).squaredNorm();
+  });
+  return static_cast<int>(nearest - body.places.begin());
+}
+
+int depth_of(const HalfBody& body, std::uint32_t joint) {
+  int depth = 0;
+  for (int j = static_cast<int>(joint); j >= 0; j = body.joints[static_cast<std::size_t>(j)].parent) ++depth;
+  return depth;
+}
+
+HalfMuscle half_muscle(const HalfBody& body, const std::vector<Muscle>& muscles, int number, const Positions& path) {
+  const Muscle& muscle = muscles[static_cast<std::size_t>(number)];
+  HalfMuscle half;
+  half.muscles = {number};
+  half.name = matching_name(muscle.name);
+  half.whole = find_whole_muscle(muscle.name);
+  half.path = path;
+  half.joint = {static_cast<int>(muscle.path.front().joint), static_cast<int>(muscle.path.back().joint)};
+  if (half.whole) {
+    half.belly_from = half.whole->belly_from;
+    half.belly_to = half.whole->belly_to;
+    // Some models begin at the end that is farther from the trunk.
+    if (depth_of(body, muscle.path.front().joint) > depth_of(body, muscle.path.back().joint)) {
+      half.belly_from = 1 - half.whole->belly_to;
+      half.belly_to = 1 - half.whole->belly_from;
+    }
+  }
+  half.volume_by_radius = kStraightBelly * muscle.radius * muscle.radius * path_length(path);
+  return half;
+}
+
+// Slips of one muscle become one, with the mean of their paths.
+void merge_slips(std::vector<HalfMuscle>& muscles) {
+  std::vector<HalfMuscle> merged;
+  std::vector<int> slips;
+  for (const HalfMuscle& muscle : muscles) {
+    const auto same = std::find_if(merged.begin(), merged.end(), [&](const HalfMuscle& other) {
+      return muscle.whole && muscle.whole->slips_share_a_region && other.whole == muscle.whole;
+    });
+    if (same == merged.end()) {
+      merged.push_back(muscle);
+      slips.push_back(1);
+      continue;
+    }
+    const double count = slips[static_cast<std::size_t>(same - merged.begin())]++;
+    same->path = (count * same->path + muscle.path) / (count + 1);
+    same->volume_by_radius += muscle.volume_by_radius;
+    same->muscles.insert(same->muscles.end(), muscle.muscles.begin(), muscle.muscles.end());
+  }
+  muscles = std::move(merged);
+}
+
+}  // namespace
+
+double path_length(const Positions& path) {
+  return (path.bottomRows(path.rows() - 1) - path.topRows(path.rows() - 1)).rowwise().norm().sum();
+}
+
+Positions resampled(const Positions& path, int count) {
+  std::vector<double> along{0};
+  for (Index k = 1; k < path.rows(); ++k) along.push_back(along.back() + (path.row(k) - path.row(k - 1)).norm());
+  Positions result(count, 3);
+  Index after = 1;
+  for (Index k = 0; k < count; ++k) {
+    const double at = along.back() * static_cast<double>(k) / (count - 1);
+    while (after + 1 < path.rows() && along[static_cast<std::size_t>(after)] < at) ++after;
+    const double from = along[static_cast<std::size_t>(after - 1)], to = along[static_cast<std::size_t>(after)];
+    const double share = to > from ? std::clamp((at - from) / (to - from), 0.0, 1.0) : 0;
+    result.row(k) = (1 - share) * path.row(after - 1) + share * path.row(after);
+  }
+  return result;
+}
+
+Eigen::MatrixXd smoothed_along(const Eigen::MatrixXd& rows, double width) {
+  const auto reach = static_cast<Index>(std::ceil(4 * width));
+  Eigen::MatrixXd result = Eigen::MatrixXd::Zero(rows.rows(), rows.cols());
+  double sum = 0;
+  for (Index offset = -reach; offset <= reach; ++offset) {
+    const double weight = std::exp(-0.5 * static_cast<double>(offset * offset) / (width * width));
+    sum += weight;
+    for (Index k = 0; k < rows.rows(); ++k) {
+      result.row(k) += weight * rows.row(std::clamp<Index>(k + offset, 0, rows.rows() - 1));
+    }
+  }
+  return result / sum;
+}
+
+std::vector<int> mirrored_muscles(const HalfBody& body, const std::vector<Muscle>& muscles) {
+  std::vector<Positions> paths;
+  for (const Muscle& muscle : muscles) paths.push_back(path_in_half(body, muscle));
+  return pair_up(muscles, paths);
+}
+
+std::vector<HalfMuscle> muscles_of_half(const HalfBody& body, const std::vector<Muscle>& muscles) {
+  std::vector<Positions> paths;
+  for (const Muscle& muscle : muscles) paths.push_back(path_in_half(body, muscle));
+  const std::vector<int> counterparts = pair_up(muscles, paths);
+  const auto outwards = [&](int m) { return paths[static_cast<std::size_t>(m)].col(0).mean(); };
+  std::vector<HalfMuscle> halves;
+  for (int m = 0; m < static_cast<int>(muscles.size()); ++m) {
+    Positions path = paths[static_cast<std::size_t>(m)];
+    const int other = body.is_own_mirror ? counterparts[static_cast<std::size_t>(m)] : -1;
+    if (other >= 0) {
+      if (outwards(m) < outwards(other) || (outwards(m) == outwards(other) && other < m)) continue;
+      path = 0.5 * (path + turned_over(paths[static_cast<std::size_t>(other)]));
+    }
+    const bool is_across = body.has_plane && outwards(m) < 0;
+    if (is_across && (other >= 0 || !body.is_own_mirror)) continue;
+    halves.push_back(half_muscle(body, muscles, m, is_across ? turned_over(path) : path));
+    if (!is_across) continue;
+    for (int& joint : halves.back().joint) joint = joint_across(body, joint);
+  }
+  merge_slips(halves);
+  return halves;
+}
+
+}  // namespace bodyopt

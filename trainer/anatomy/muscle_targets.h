@@ -1,0 +1,32 @@
+// Of which volume a muscle is, as anatomists measured, and where along its path its belly lies.
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace bodyopt {
+
+// A row of rigs/human/muscle_volumes.json.
+struct WholeMuscle {
+  std::string name;                // as anatomists call it
+  std::vector<std::string> names;  // of it and its parts in models of muscles, by matching_name()
+  double volume = 0;               // cubic metres, one side of an adult of 7.1 l of leg muscles
+  double belly_from = 0, belly_to = 1;
+  std::string limb;                   // of Division::limb_factors
+  bool is_sheet = false;              // its parts lie side by side without a gap
+  bool slips_share_a_region = false;  // its parts are told apart by their tendons alone
+};
+
+const std::vector<WholeMuscle>& whole_muscles();
+
+// The letters and digits of a muscle's name, small, without its side: "TRIlong_l" is "trilong".
+std::string matching_name(const std::string& name);
+
+// How well a table's name (of matching_name()) names a muscle: its letters where they are the muscle's but for a number
+// at its end, or, six letters and more, its beginning; otherwise 0.
+std::size_t match_length(const std::string& muscle, const std::string& table_name);
+
+// The longest match; null: no row names it.
+const WholeMuscle* find_whole_muscle(const std::string& name);
+
+}  // namespace bodyopt

@@ -1,0 +1,51 @@
+// A flat section of a body: what tissue lies at every pixel of it.
+#pragma once
+
+#include <array>
+#include <functional>
+#include <optional>
+#include <vector>
+
+#include "geometry/tet_mesh.h"
+#include "trainer/anatomy/field.h"
+
+namespace bodyopt {
+
+// Pixels in space, row by row from the top left.
+struct SectionPlane {
+  Eigen::Vector3d corner;       // of the picture, top left, metres
+  Eigen::Vector3d right, down;  // unit, at right angles
+  double pixel = 0.001;         // metres, an edge of a pixel
+  int width = 0, height = 0;    // pixels
+
+  int size() const { return width * height; }
+  Eigen::Vector3d middle(int pixel_number) const;  // of a pixel
+};
+
+// A plane whose pictures have `middle` in the middle and `sides` (to the right, down; metres), at least a pixel each.
+SectionPlane plane_around(const Eigen::Vector3d& middle, const Eigen::Vector3d& right, const Eigen::Vector3d& down,
+                          const std::array<double, 2>& sides, double pixel);
+
+struct RestPoint {
+  Eigen::Vector3d position;
+  Eigen::Index tet = -1;  // that it lies in, of tets that were moved
+};
+// Where the pixels of a plane lie at rest, width x height; nothing: in no tissue.
+using RestPoints = std::vector<std::optional<RestPoint>>;
+
+// Of a plane through tets that were moved (nodes, N x 3; further rows are not looked at): a pixel goes back with the
+// tet that it lies in. `is_tissue`: of a point at rest; of several tets the first counts whose point is tissue, else
+// the first: those of a lattice may overlap, and reach beyond the skin.
+RestPoints rest_points(const SectionPlane& plane, const TetMesh& rest, const Positions& moved,
+                       const std::function<bool(const Eigen::Vector3d&)>& is_tissue);
+
+struct TissueSection {
+  int width = 0, height = 0;
+  std::vector<TissueAt> tissue;  // width x height, row by row from the top
+};
+
+// Of points inside of a skin: what a field, which reads between samples, leaves out next to the skin is fat.
+TissueSection section_of(const SectionPlane& plane, const RestPoints& rest,
+                         const std::function<TissueAt(const Eigen::Vector3d&)>& tissue_at);
+
+}  // namespace bodyopt
