@@ -14,10 +14,10 @@
 #include "dataset/regions_file.h"
 #include "runtime/core/atomic_file.h"
 #include "runtime/core/error.h"
-#include "trainer/muscle_models/carried_mapping.h"
 #include "trainer/dynamics/build_dynamics.h"
 #include "trainer/motion/attached_rig.h"
 #include "trainer/motion/first_limits.h"
+#include "trainer/muscle_models/carried_mapping.h"
 #include "trainer/train/skinning/ddm_basis.h"
 
 namespace bodyopt::cli {

@@ -10,9 +10,9 @@
 #include "tests/fuzz/small_limb.h"
 #include "tests/support/paths.h"
 #include "trainer/anatomy/corrections.h"
-#include "trainer/muscle_models/mapping.h"
 #include "trainer/dynamics/jiggle_settings.h"
 #include "trainer/motion/joint_limits.h"
+#include "trainer/muscle_models/mapping.h"
 #include "trainer/simulate/materials.h"
 
 namespace bodyopt::fuzz {

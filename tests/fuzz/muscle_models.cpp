@@ -1,6 +1,6 @@
 // Musculoskeletal models; those that are accepted are posed, and their paths traced.
-#include "tests/muscle_models/small_models.h"
 #include "tests/fuzz/fuzz_target.h"
+#include "tests/muscle_models/small_models.h"
 #include "trainer/muscle_models/model.h"
 
 namespace bodyopt::fuzz {
@@ -10,7 +10,8 @@ void read_as(const std::string& name, const std::string& bytes) {
   const muscle_models::Model model = muscle_models::read_model(as_file(name, bytes).string());
   const muscle_models::ModelPose pose = muscle_models::pose_model(model, muscle_models::default_values(model));
   for (const muscle_models::ModelMuscle& muscle : model.muscles) {
-    require_finite(std::vector{muscle_models::path_length(muscle_models::trace_path(muscle, pose))}, "the length of a muscle");
+    require_finite(std::vector{muscle_models::path_length(muscle_models::trace_path(muscle, pose))},
+                   "the length of a muscle");
   }
 }
 
