@@ -38,6 +38,18 @@ TEST(HalfBody, SymmetricHumanIsOneHalf) {
   EXPECT_NEAR(place(half.find(BodyPart::head)).x(), 0, 1e-12);
 }
 
+// A rig beside its skin, which is hardly its own mirror image: the plane is the skin's.
+TEST(HalfBody, PlaneIsWhereTheSkinMirrorsBest) {
+  const Character human = egg_human();
+  Character beside = moved(human, 0.03);
+  beside.vertices = human.vertices;
+  for (Eigen::Index v = 0; v < beside.vertices.rows(); v += 7) beside.vertices(v, 1) += 2e-3;
+  const std::vector<HalfBody> halves = halves_of(beside);
+  ASSERT_EQ(halves.size(), 2u);
+  const double middle = 0.5 * (human.vertices.col(0).minCoeff() + human.vertices.col(0).maxCoeff());
+  EXPECT_NEAR((halves.front().from_rest * Eigen::Vector3d(middle, 0, 0)).x(), 0, 1e-9);
+}
+
 TEST(HalfBody, SidesAreEachOthersCounterparts) {
   const Character human = stand_in_human();
   const std::vector<int> others = mirrored_joints(human);

@@ -30,21 +30,6 @@ Vector3d left_by_names(const Skeleton& skeleton) {
   return sum[0] / count[0] - sum[1] / count[1];
 }
 
-// How far on average the skin is from its mirror image across an axis, through the middle of its bounding box.
-double mirror_error(const Character& character, const NearestSkin& skin, int axis) {
-  constexpr Index kMost = 400;  // vertices that are looked at, evenly spread
-  const Positions& vertices = character.vertices;
-  const double twice = vertices.col(axis).minCoeff() + vertices.col(axis).maxCoeff();
-  const Index step = std::max<Index>(1, vertices.rows() / kMost);
-  double sum = 0, count = 0;
-  for (Index v = 0; v < vertices.rows(); v += step, ++count) {
-    Vector3d image = vertices.row(v);
-    image[axis] = twice - image[axis];
-    sum += (skin(image).position - image).norm();
-  }
-  return sum / count;
-}
-
 // The turn about y that brings an axis of the ground, +x, -x, +z or -z, to +x.
 Matrix3d turn_to_left(const Vector3d& axis) {
   const Vector3d up = Vector3d::UnitY();
@@ -54,6 +39,18 @@ Matrix3d turn_to_left(const Vector3d& axis) {
 }
 
 }  // namespace
+
+double mirror_error(const Positions& vertices, const NearestSkin& skin, int axis, double middle) {
+  constexpr Index kMost = 400;  // vertices that are looked at, evenly spread
+  const Index step = std::max<Index>(1, vertices.rows() / kMost);
+  double sum = 0, count = 0;
+  for (Index v = 0; v < vertices.rows(); v += step, ++count) {
+    Vector3d image = vertices.row(v);
+    image[axis] = 2 * middle - image[axis];
+    sum += (skin(image).position - image).norm();
+  }
+  return sum / count;
+}
 
 Character turned(const Character& character, const Matrix3d& rotation) {
   Character result = character;
@@ -81,7 +78,11 @@ Matrix3d body_frame(const Character& character) {
     const Character standing = turned(character, frame);
     const NearestSkin skin(standing.vertices, standing.triangles);
     // A body that looks along x has its left at -z.
-    if (mirror_error(standing, skin, 2) < 0.5 * mirror_error(standing, skin, 0)) axis = -Vector3d::UnitZ();
+    const auto error = [&](int across) {
+      const auto along = standing.vertices.col(across);
+      return mirror_error(standing.vertices, skin, across, 0.5 * (along.minCoeff() + along.maxCoeff()));
+    };
+    if (error(2) < 0.5 * error(0)) axis = -Vector3d::UnitZ();
   }
   return turn_to_left(axis) * frame;
 }

@@ -6,6 +6,7 @@
 
 #include "assets/joint_roles.h"
 #include "geometry/extent.h"
+#include "geometry/nearest_skin.h"
 #include "geometry/point_grid.h"
 #include "trainer/anatomy/body_frame.h"
 
@@ -60,7 +61,8 @@ double median(std::vector<double> values) {
   return *middle;
 }
 
-// Between the joints of either side, so that a lost arm does not move it; the skin's middle where names tell no sides.
+// The skin's middle, or that of the joints of either side where the skin is more nearly its own mirror image about
+// that: a lost arm moves the first, and a rig that stands beside its skin the second.
 double median_plane(const Character& character, const std::vector<int>& counterparts) {
   const double middle = middle_of_skin(character.vertices);
   if (is_mirror_image(character.vertices, middle)) return middle;
@@ -70,7 +72,11 @@ double median_plane(const Character& character, const std::vector<int>& counterp
     if (counterparts[j] < 0) continue;
     middles.push_back(0.5 * (places[j].x() + places[static_cast<std::size_t>(counterparts[j])].x()));
   }
-  return middles.empty() ? middle : median(middles);
+  if (middles.empty() || character.triangles.rows() == 0) return middle;
+  const NearestSkin skin(character.vertices, character.triangles);
+  const double of_joints = median(middles);
+  const auto error = [&](double at) { return mirror_error(character.vertices, skin, 0, at); };
+  return error(of_joints) < error(middle) ? of_joints : middle;
 }
 
 // Of the joints from this on that have no counterpart the one nearest to where the mirror has it; of those in one

@@ -130,7 +130,8 @@ std::vector<NamedPlane> telling_planes(const AnatomyField& field, int pixels) {
   const AnatomyField::Half& half = field.halves().front();
   std::vector<Cut> cuts;
   if (field.kind() == BodyKind::biped || field.kind() == BodyKind::limb) cuts = human_cuts(half.body);
-  if (cuts.empty()) cuts = cuts_along(half.body);
+  constexpr std::size_t kFewest = 3;  // fewer are of joints that are a human's by name alone, and tell little
+  if (cuts.size() < kFewest) cuts = cuts_along(half.body);
   std::vector<NamedPlane> planes;
   for (const Cut& cut : cuts) {
     const std::vector<int> samples = samples_at(cut, half);
