@@ -18,6 +18,7 @@ using Use = JointLimb::Use;
 
 constexpr double kSkinOfSize = 0.0009;                   // thickness of the skin, as a share of the body's size
 constexpr double kFatOfSize = 0.004;                     // where the pattern is 1, at a scale of 1
+constexpr double kLimbOfBody = 0.43;                     // of a body's size: an arm with its shoulder, alone
 constexpr double kFewestBone = 0.075, kMostBone = 0.12;  // of the volume: what thickness of bones is chosen for
 
 // Limbs by how far along them a joint is: an upper and a lower part, and what stands or grasps.
@@ -26,6 +27,7 @@ BodyRegion region_of_limb(const HalfBody& body, const JointChains& chains, int j
   if (limb.use == Use::fin || limb.use == Use::none) return BodyRegion::fin;
   const std::string& name = body.joints[static_cast<std::size_t>(joint)].name;
   if (!body.has_plane && is_named(name, {"torso", "body", "chest", "clavicle"})) return BodyRegion::trunk;
+  if (!body.has_plane && is_named(name, {"shoulder", "upperarm"})) return BodyRegion::upper_arm;
   if (!body.has_plane && is_named(name, {"wrist", "hand", "finger", "thumb"})) return BodyRegion::hand;
   const auto length_to = [&](int to) {
     double length = 0;
@@ -168,7 +170,7 @@ InnerTissue find_animal_tissue(const HalfBody& body, const BodyGrid& grid, const
   const JointChains chains = find_chains(body);
   BodySurvey survey(body, grid, animal_regions(body, chains));
   for (const Spot& spot : survey.spots()) tissue.region.push_back(spot.region);
-  const double size = longest_extent(body.vertices);
+  const double size = longest_extent(body.vertices) / (options.kind == BodyKind::limb ? kLimbOfBody : 1);
   const Eigen::VectorXd pattern = corrected_pattern(survey, animal_fat_pattern(survey, size), options.corrections);
   take_fat(survey, fit_fat(survey, pattern, kSkinOfSize * size, options.body_fat), options.body_fat, tissue);
   const SpineCurve spine(survey, chains, options.kind);
