@@ -133,4 +133,22 @@ TEST(AnatomyField, OfABodyThatLostItsArm) {
   EXPECT_FALSE(field.halves().front().tissue.notes.empty()) << "the skin is open";
 }
 
+// Of another character, or made by hand.
+TEST(AnatomyField, MusclesThatDoNotFitTheSkeletonAreRefused) {
+  const MusclePoint hip{0, {0.1, 0.9, 0}}, nowhere{999, {0.1, 0.5, 0}}, knee{1, {0.1, 0.5, 0}};
+  const auto refused = [](const Muscle& muscle) {
+    return bodyopt::testing::kind_of([&] { AnatomyField(egg_human(), {muscle}, coarse()); });
+  };
+  Muscle muscle;
+  muscle.name = "stray";
+  muscle.radius = 0.01;
+  for (const std::vector<MusclePoint>& path : {std::vector{hip}, std::vector{hip, nowhere}}) {
+    muscle.path = path;
+    EXPECT_EQ(refused(muscle), ErrorKind::mismatch);
+  }
+  muscle.path = {hip, knee};
+  muscle.radius = 0;
+  EXPECT_EQ(refused(muscle), ErrorKind::mismatch);
+}
+
 }  // namespace

@@ -28,6 +28,19 @@ void check_options(const AnatomyOptions& options) {
                 "anatomy: the edge of a cell is " + std::to_string(options.cell) + ", expected metres");
 }
 
+void require_fit(const Character& character, const std::vector<Muscle>& muscles) {
+  if (character.skeleton.size() == 0) throw Error(ErrorKind::mismatch, "the character has no joints to drive it");
+  for (const Muscle& muscle : muscles) {
+    if (muscle.path.size() < 2 || !(muscle.radius > 0)) {
+      throw Error(ErrorKind::mismatch, "muscle '" + muscle.name + "' needs two points or more and a radius above 0");
+    }
+    for (const MusclePoint& point : muscle.path) {
+      if (point.joint < character.skeleton.size()) continue;
+      throw Error(ErrorKind::mismatch, "muscle '" + muscle.name + "' is bound to a joint the skeleton lacks");
+    }
+  }
+}
+
 // The number of each muscle on the other side; its own where that has none.
 std::vector<int> other_muscles(const HalfBody& body, const std::vector<Muscle>& muscles) {
   std::vector<int> others = mirrored_muscles(body, muscles);
@@ -178,6 +191,7 @@ std::vector<int> other_joints(const Character& character) {
 AnatomyField::AnatomyField(const Character& character, const std::vector<Muscle>& muscles,
                            const AnatomyOptions& options) {
   check_options(options);
+  require_fit(character, muscles);
   const RecognisedKind recognised = recognise_kind(character);
   kind_ = options.kind.value_or(recognised.kind);
   why_kind_ = options.kind ? "as asked for" : recognised.why;

@@ -26,7 +26,8 @@ struct TissueAt {
 
 class AnatomyField {
  public:
-  // Throws Error(usage) for options out of range, Error(mismatch) where the skin encloses nothing.
+  // Throws Error(usage) for options out of range, Error(mismatch) where the skin encloses nothing or the muscles do not
+  // fit the skeleton.
   AnatomyField(const Character& character, const std::vector<Muscle>& muscles, const AnatomyOptions& options = {});
 
   // Any point of rest space. Of a skin that is its own mirror image, left and right are the same to the last bit.
