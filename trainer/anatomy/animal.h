@@ -17,6 +17,11 @@ struct Animal {
   const std::string& name(int joint) const { return survey.body().joints[static_cast<std::size_t>(joint)].name; }
 };
 
+// A joint that holds the piece of trunk which a lone limb comes with.
+bool holds_piece_of_trunk(const Animal& animal, int joint);
+// There, to the middle of the ribs, metres; negative inside.
+double rib_shell_distance(const Animal& animal, const Spot& spot);
+
 // What chest and belly leave of a section, as shares of it.
 struct CavityWalls {
   double aside, below;  // of the half width, of the height: muscle and bone there

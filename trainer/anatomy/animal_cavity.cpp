@@ -42,6 +42,16 @@ bool may_hold_cavity(BodyRegion region) {
 
 }  // namespace
 
+bool holds_piece_of_trunk(const Animal& animal, int joint) {
+  return animal.kind == BodyKind::limb && joint >= 0 && animal.chains.has_skin(joint) &&
+         is_named(animal.name(joint), {"torso", "body", "chest", "spine", "hips"});
+}
+
+double rib_shell_distance(const Animal& animal, const Spot& spot) {
+  constexpr double kWall = 0.013;  // of the body's size: muscle over the ribs
+  return spot.fat + kWall * animal.size - spot.depth;
+}
+
 double vertebra_radius(const Animal& animal, const SpineCurve::Row& row) {
   constexpr double kShare = 0.11, kMost = 0.0095;  // of the section's height, of the body's size
   const double part = kShare * (row.up + row.down), most = kMost * animal.size;
@@ -74,6 +84,7 @@ double AnimalCavity::distance(const bodyopt::Spot& spot, const SpineCurve::Spot&
 }
 
 double AnimalCavity::distance(const bodyopt::Spot& spot) const {
+  if (holds_piece_of_trunk(animal_, spot.joint)) return rib_shell_distance(animal_, spot);
   if (empty() || !may_hold_cavity(spot.region)) return animal_.size;
   return distance(spot, animal_.spine.spot(spot.point, from_, to_));
 }

@@ -77,6 +77,9 @@ class LimbBones {
         if (is_hand(joint)) add_core(joint);
       }
     }
+    for (int joint = 0; joint < static_cast<int>(animal_.survey.body().joints.size()); ++joint) {
+      if (holds_piece_of_trunk(animal_, joint)) add_ribs(joint);
+    }
     return std::move(bones_);
   }
 
@@ -124,8 +127,7 @@ class LimbBones {
   // piece of trunk has no bone from its root.
   bool is_strut(const JointLimb& limb, int above, int joint) const {
     if (above != limb.joints.front()) return false;
-    if (animal_.kind == BodyKind::limb)
-      return is_named(animal_.name(above), {"torso", "body", "chest", "spine", "hips"});
+    if (animal_.kind == BodyKind::limb) return holds_piece_of_trunk(animal_, above);
     const Vector3d along = animal_.place(joint) - animal_.place(above);
     return limb.use == Use::leg && std::abs(along.x()) > 0.7 * along.norm();
   }
@@ -193,6 +195,15 @@ class LimbBones {
     constexpr double kCore = 0.55;  // of the half thickness
     bones_.push_back({joint, kCover * animal_.size, [joint, far = animal_.size](const Spot& spot) {
                         return spot.joint == joint ? kCore * spot.half_thickness - spot.depth : far;
+                      }});
+  }
+
+  // A shell as thin as ribs would be if they were spread over the gaps between them.
+  void add_ribs(int joint) {
+    constexpr double kHalf = 0.0009;  // of the body's size
+    bones_.push_back({joint, kCover * animal_.size, [joint, &animal = animal_](const Spot& spot) {
+                        if (spot.joint != joint) return animal.size;
+                        return std::abs(rib_shell_distance(animal, spot)) - kHalf * animal.size;
                       }});
   }
 
