@@ -93,4 +93,17 @@ void write_muscles(const std::vector<Muscle>& muscles, const Skeleton& skeleton,
   write_json({{"schema", kMusclesSchema}, {"muscles", list}}, path);
 }
 
+void require_fit(const std::vector<Muscle>& muscles, const Skeleton& skeleton) {
+  if (skeleton.size() == 0) throw Error(ErrorKind::mismatch, "the character has no joints to drive it");
+  for (const Muscle& muscle : muscles) {
+    if (muscle.path.size() < 2 || !(muscle.radius > 0)) {
+      throw Error(ErrorKind::mismatch, "muscle '" + muscle.name + "' needs two points or more and a radius above 0");
+    }
+    for (const MusclePoint& point : muscle.path) {
+      if (point.joint < skeleton.size()) continue;
+      throw Error(ErrorKind::mismatch, "muscle '" + muscle.name + "' is bound to a joint the skeleton lacks");
+    }
+  }
+}
+
 }  // namespace bodyopt

@@ -29,4 +29,8 @@ std::vector<Muscle> read_muscles(const std::filesystem::path& path, const Skelet
 std::vector<Muscle> parse_muscles(std::string_view text, const std::filesystem::path& path, const Skeleton& skeleton);
 void write_muscles(const std::vector<Muscle>& muscles, const Skeleton& skeleton, const std::filesystem::path& path);
 
+// Throws Error(mismatch) for a skeleton without joints, a path of fewer than two points or bound to a joint that the
+// skeleton lacks, and a radius that is not above 0.
+void require_fit(const std::vector<Muscle>& muscles, const Skeleton& skeleton);
+
 }  // namespace bodyopt

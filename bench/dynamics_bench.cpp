@@ -40,7 +40,7 @@ struct Body {
     const TetMesh& mesh = tets.cage.mesh;
     const JiggleSettings settings;
     const Materials materials;
-    JiggleAnatomy anatomy = find_anatomy(arm, {}, tets.cage, materials);
+    JiggleAnatomy anatomy = find_anatomy(arm, AnatomyField(arm, {}), 0, tets.cage, materials);
     const JiggleFields fields = spread_settings(settings, arm, {}, {}, tets, anatomy);
     anatomy.bone_springs += core_springs(arm.vertices, arm.triangles, tets.cage, fields.flesh, materials.bone_springs);
     std::vector<std::string> notes;

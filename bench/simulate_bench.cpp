@@ -15,7 +15,8 @@ constexpr int kHeldoutFrames = 144;
 struct Arm {
   BuiltinArm arm = build_arm();
   Clip clip = arm_heldout(arm.character.skeleton, kHeldoutFrames);
-  QuasiStaticBody body{arm.character, arm.muscles, fill_skin(arm.character, 0)};
+  QuasiStaticBody body{arm.character, arm.muscles, AnatomyField(arm.character, arm.muscles),
+                       fill_skin(arm.character, 0)};
 };
 
 const Arm& arm() {
@@ -55,7 +56,7 @@ void BM_Path(benchmark::State& state) {
 const QuasiStaticBody& refined_body() {
   const auto build = [] {
     const Character fine = halve_all_edges(arm().arm.character).character;
-    return QuasiStaticBody(fine, arm().arm.muscles, fill_skin(fine, 0));
+    return QuasiStaticBody(fine, arm().arm.muscles, 0.0);
   };
   static const QuasiStaticBody built = build();
   return built;

@@ -7,23 +7,27 @@
 
 #include "assets/wording.h"
 #include "cli/arguments/common.h"
+#include "cli/arguments/field_arguments.h"
 #include "geometry/extent.h"
 #include "report/region_picture.h"
 #include "runtime/core/error.h"
 #include "runtime/core/file_kind.h"
 #include "runtime/host/stages.h"
+#include "trainer/anatomy/anatomy_report.h"
 #include "trainer/check/foresee.h"
 #include "trainer/check/shape_doubts.h"
 #include "trainer/motion/attached_rig.h"
 #include "trainer/motion/coupled_joints.h"
 #include "trainer/motion/held_turns.h"
+#include "trainer/simulate/simulate.h"
 #include "trainer/train/data/samples.h"
 
 namespace bodyopt::cli {
 namespace {
 
 struct CheckArguments {
-  std::string path, limits, picture;
+  std::string path, limits, picture, muscles;
+  FieldArguments anatomy;
   ClipArguments clip;
   double unit = 0;
   JsonOption json;
@@ -159,6 +163,12 @@ Json foreseen(const CheckArguments& arguments, const Character& character, std::
   return result;
 }
 
+// Where skin and muscles do not fit each other.
+std::vector<std::string> misfits(const Character& character, const std::vector<Muscle>& muscles,
+                                 const AnatomyOptions& options) {
+  return report_anatomy(character, muscles, AnatomyField(character, muscles, options)).warnings;
+}
+
 void check_character(const CheckArguments& arguments) {
   const Character character = read_character(arguments.path, arguments.unit);
   const Eigen::RowVector3d box = box_sides(character.vertices);
@@ -174,6 +184,12 @@ void check_character(const CheckArguments& arguments) {
                  {"surface", surface},
                  {"notes", character.notes}};
   result.update(foreseen(arguments, character, text));
+  if (!arguments.muscles.empty()) {
+    const std::vector<Muscle> muscles = read_muscles(arguments.muscles, character.skeleton);
+    const std::vector<std::string> found = misfits(character, muscles, arguments.anatomy.options(character.skeleton));
+    for (const std::string& misfit : found) text += "note: " + misfit + "\n";
+    result["anatomy"] = found;
+  }
   if (!arguments.picture.empty()) text += "wrote " + arguments.picture + "\n";
   arguments.json.emit(result, text);
 }
@@ -266,7 +282,10 @@ void check(const CheckArguments& arguments) {
     text += verbs_text(foreseen);
     const std::string coupled = coupling_of(dataset);
     if (!coupled.empty()) notes.push_back(coupled);
-    for (const std::vector<std::string>& some : {samples.notes, shape_doubts(samples), short_takes(dataset)}) {
+    std::vector<std::string> anatomy;
+    if (!samples.muscles.empty())
+      anatomy = misfits(samples.character, samples.muscles, anatomy_options(dataset, samples.character.skeleton));
+    for (const std::vector<std::string>& some : {samples.notes, shape_doubts(samples), short_takes(dataset), anatomy}) {
       notes.insert(notes.end(), some.begin(), some.end());
     }
   }
@@ -290,6 +309,9 @@ void run(const CheckArguments& arguments) {
       throw Error(ErrorKind::usage, "--picture draws a character (.glb, .gltf) alone");
     }
     require_writable(arguments.picture);
+  }
+  if (!arguments.muscles.empty() && (!is_character || !arguments.clip.source.empty())) {
+    throw Error(ErrorKind::usage, "--muscles are checked with a character (.glb, .gltf) alone; a dataset has its own");
   }
   if (!arguments.clip.source.empty()) {
     if (!is_character) throw Error(ErrorKind::usage, "--clip is checked with a character (.glb, .gltf), not a dataset");
@@ -321,6 +343,10 @@ void add_check(CLI::App& app) {
   for (const char* of_clip : {"--frames", "--fps", "--first-frame", "--controls", "--joint-map"}) {
     verb.get_option(of_clip)->needs(&clip);
   }
+  CLI::Option* muscles = add_option(verb, "--muscles", arguments->muscles, "FILE",
+                                    "A character's muscles.json: do its paths fit its skin?");
+  arguments->anatomy.add(verb);
+  for (const char* of_anatomy : {"--body-fat", "--kind", "--corrections"}) verb.get_option(of_anatomy)->needs(muscles);
   add_option(verb, "--picture", arguments->picture, "FILE.png",
              "Also draw where a character's skin passes through itself, is open or turned, nearly touches, is held "
              "together by a cage or rides, numbered as listed, from the sides where that is");

@@ -38,7 +38,13 @@ Dataset dataset_of(const AddArguments& arguments, const fs::path& path) {
   asked.character = relative_to(asked.folder, arguments.character);
   asked.unit = arguments.unit;
   asked.muscles = relative_to(asked.folder, arguments.muscles);
-  if (exists) asked.materials = read_dataset(path).materials;  // only simulations are made with them
+  if (exists) {  // only simulations are made with these
+    const Dataset there = read_dataset(path);
+    asked.materials = there.materials;
+    asked.body_fat = there.body_fat;
+    asked.kind = there.kind;
+    asked.corrections = there.corrections;
+  }
   return open_dataset(asked, path);
 }
 

@@ -15,6 +15,7 @@
 #include "cli/results/measure.h"
 #include "cli/results/provenance.h"
 #include "cli/results/report_pictures.h"
+#include "cli/results/section_pictures.h"
 #include "runtime/core/error.h"
 #include "runtime/core/stopwatch.h"
 #include "runtime/host/rig.h"
@@ -276,7 +277,10 @@ ReportData measure(const DemoArguments& arguments, const fs::path& folder, const
   const std::vector<Positions> shapes = welded_shapes(set, evaluated);
   const std::string pictures_on = has_pictures ? arguments.device.choice.name : "";
   ReportData report = report_of(set, training, shapes, pictures_on);
-  if (has_pictures) add_chosen_pictures(set, shapes, training.result.basis, pictures_on, report);
+  if (has_pictures) {
+    add_chosen_pictures(set, shapes, training.result.basis, pictures_on, report);
+    report.sections = section_pictures(set, anatomy_options(dataset, set.character.skeleton));
+  }
   if (arguments.all) {
     report.jiggle = demo_jiggle(set, training.result.basis, arguments.device.choice, pictures_on, folder);
   }

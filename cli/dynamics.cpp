@@ -12,6 +12,7 @@
 #include "runtime/core/error.h"
 #include "runtime/core/stopwatch.h"
 #include "trainer/dynamics/build_dynamics.h"
+#include "trainer/simulate/simulate.h"
 
 namespace bodyopt::cli {
 namespace {
@@ -61,6 +62,7 @@ BuiltDynamics build(DynamicsArguments& arguments, const Basis& basis) {
   std::vector<Muscle> muscles;
   if (!dataset.muscles.empty()) muscles = read_muscles(dataset.folder / dataset.muscles, character.skeleton);
   if (!dataset.materials.empty()) options.materials = read_materials(dataset.folder / dataset.materials);
+  options.anatomy = anatomy_options(dataset, character.skeleton);
   options.painted = read_regions(dataset, character);
   options.poses = training_poses(dataset, basis);
   return build_dynamics(character, muscles, basis, options);

@@ -128,6 +128,7 @@ void simulate_chosen(const Dataset& dataset, const std::vector<Shot>& shots, con
     simulation.character = in_folder(dataset.character);
     simulation.muscles = in_folder(dataset.muscles);
     simulation.materials = in_folder(dataset.materials);
+    simulation.anatomy = {dataset.body_fat, dataset.kind, in_folder(dataset.corrections)};
     simulation.out = dataset.folder.string();
     simulation.unit = dataset.unit;
     simulation.take = shots[s].take;

@@ -4,16 +4,18 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "assets/nodes_cache.h"
 #include "assets/shape_reader.h"
 #include "assets/wording.h"
 #include "cli/arguments/common.h"
 #include "dataset/modifier.h"
-#include "geometry/embedding.h"
+#include "draw/cut_surface.h"
 #include "report/pictures.h"
-#include "report/section.h"
+#include "report/section_picture.h"
 #include "runtime/core/error.h"
 #include "runtime/core/hexadecimal.h"
 #include "runtime/host/rig.h"
+#include "trainer/anatomy/pixels_inside.h"
 #include "trainer/curate/shape_stack.h"
 #include "trainer/simulate/simulate.h"
 
@@ -139,35 +141,7 @@ View choose_view(const PictureArguments& arguments, const PicturedFrame& picture
   return view;
 }
 
-constexpr std::array<float, 3> kSkinColour{0.52f, 0.42f, 0.36f}, kFatColour{0.72f, 0.58f, 0.34f},
-    kBoneColour{0.80f, 0.78f, 0.70f};
-
-// Relaxed at rest length: dark red. Shortened by up to a third: brighter; stretched by as much: bluer.
-std::array<float, 3> muscle_colour(double stretch) {
-  constexpr double kFullStretch = 0.33;
-  const auto t = static_cast<float>(std::clamp((stretch - 1) / kFullStretch, -1.0, 1.0));
-  constexpr std::array<float, 3> rest{0.36f, 0.06f, 0.05f}, shorter{0.95f, 0.30f, 0.04f}, longer{0.12f, 0.10f, 0.55f};
-  const std::array<float, 3>& end = t < 0 ? shorter : longer;
-  std::array<float, 3> colour;
-  for (std::size_t i = 0; i < 3; ++i) colour[i] = std::lerp(rest[i], end[i], std::abs(t));
-  return colour;
-}
-
-std::vector<std::array<float, 3>> tet_colours(const QuasiStaticBody& body, const Positions& nodes) {
-  const TetMesh& mesh = body.mesh();
-  std::vector<std::array<float, 3>> colours(static_cast<std::size_t>(mesh.tets.rows()), kFatColour);
-  for (const FibreTet& fibre : body.fibres()) {
-    const Eigen::Matrix3d strain = tet_edges({nodes, mesh.tets, 0}, fibre.tet) * tet_edges(mesh, fibre.tet).inverse();
-    colours[static_cast<std::size_t>(fibre.tet)] = muscle_colour((strain * fibre.direction).norm());
-  }
-  std::vector<double> bone(colours.size(), 0);  // cubic metres
-  for (const BonePoint& point : body.bones()) bone[static_cast<std::size_t>(point.tet)] += point.volume;
-  for (std::size_t t = 0; t < bone.size(); ++t) {
-    const double volume = tet_edges(mesh, static_cast<Eigen::Index>(t)).determinant() / 6;
-    if (bone[t] > 0.5 * volume) colours[t] = kBoneColour;
-  }
-  return colours;
-}
+constexpr std::array<float, 3> kSkinColour{0.52f, 0.42f, 0.36f};
 
 // What the side-car says the frame was solved of.
 std::uint64_t recorded_inputs(const PicturedFrame& pictured, int frame) {
@@ -184,47 +158,99 @@ std::uint64_t recorded_inputs(const PicturedFrame& pictured, int frame) {
               needs + take.shapes_status + " does not say: written by hand, or by another program?");
 }
 
-// The nodes (N x 3, posed, metres) under the skin of a frame: they are not kept, it is solved again.
-Positions solve_again(const PicturedFrame& pictured, const QuasiStaticBody& body, const std::vector<Muscle>& muscles,
-                      int frame, std::uint64_t inputs) {
-  const std::uint64_t now = frame_key(body, muscles, pictured.clip, frame);
-  if (now != inputs) {
-    throw Error(ErrorKind::mismatch,
-                format("--cut-open solves frame {} of take '{}' again, but {} says that its skin was solved of other "
-                       "inputs ({}, expected {}): it was simulated with --tet-size or by another version, or the "
-                       "character, muscles, materials, clip or controls were changed since; simulate it again",
-                       frame, pictured.take.name, pictured.take.shapes_status, hexadecimal(inputs), hexadecimal(now)));
+void require_same_inputs(const PicturedFrame& pictured, std::uint64_t now, std::uint64_t inputs, int frame) {
+  if (now == inputs) return;
+  throw Error(ErrorKind::mismatch,
+              format("--cut-open solves frame {} of take '{}' again, but {} says that its skin was solved of other "
+                     "inputs ({}, expected {}): it was simulated with --tet-size or by another version, or the "
+                     "character, muscles, materials, clip or controls were changed since; simulate it again",
+                     frame, pictured.take.name, pictured.take.shapes_status, hexadecimal(inputs), hexadecimal(now)));
+}
+
+// The body of a take, as it was simulated.
+struct CutBody {
+  std::vector<Muscle> muscles;
+  QuasiStaticBody body;
+  Positions nodes;  // of the frame, posed
+};
+
+// The nodes of a draft are kept; of other takes the frame is solved again.
+CutBody cut_body(const PicturedFrame& pictured, int frame) {
+  const std::uint64_t inputs = recorded_inputs(pictured, frame);
+  const Dataset& dataset = pictured.dataset;
+  std::vector<Muscle> muscles;
+  if (!dataset.muscles.empty()) muscles = read_muscles(dataset.folder / dataset.muscles, pictured.character.skeleton);
+  SimulateOptions options;
+  options.draft = pictured.take.shapes.ends_with(".nodes");
+  if (!dataset.materials.empty()) options.materials = read_materials(dataset.folder / dataset.materials);
+  options.anatomy = anatomy_options(dataset, pictured.character.skeleton);
+  QuasiStaticBody body = make_body(pictured.character, muscles, options);
+  require_same_inputs(pictured, frame_key(body, muscles, pictured.clip, frame), inputs, frame);
+  if (!options.draft) {
+    Positions nodes = solve_frame(body, muscles, pictured.clip, frame).nodes;
+    return {std::move(muscles), std::move(body), std::move(nodes)};
   }
-  return solve_frame(body, muscles, pictured.clip, frame).nodes;
+  const auto sample = std::ranges::find(pictured.take.frames, frame) - pictured.take.frames.begin();
+  Positions nodes = NodesReader(dataset.folder / pictured.take.shapes).nodes(static_cast<std::uint32_t>(sample));
+  return {std::move(muscles), std::move(body), std::move(nodes)};
+}
+
+// Of the picture's own pixels, in the plane through the middle of the view.
+SectionPlane plane_of_view(const View& view, const std::vector<std::uint32_t>& size) {
+  const ViewAxes axes = view_axes(view.direction);
+  const double height = 2 * distance_to_target(view.camera) * std::tan(0.5 * double{view.camera.vertical_angle});
+  const double pixel = height / size[1];
+  const auto eigen = [](const Vec3& v) { return Eigen::Vector3d(v[0], v[1], v[2]); };
+  return plane_around(eigen(view.centre), eigen(axes.right), -eigen(axes.up), {pixel * size[0], height}, pixel);
+}
+
+// How long the fibres are at every pixel, times their length at rest.
+std::vector<double> fibre_stretch(const CutBody& cut, const AnatomyField& field, const RestPoints& rest) {
+  const TetMesh& mesh = cut.body.mesh();
+  const TetMesh moved{cut.nodes, mesh.tets, 0};
+  std::vector<double> stretch(rest.size(), 1.0);
+  for (std::size_t pixel = 0; pixel < rest.size(); ++pixel) {
+    if (!rest[pixel]) continue;
+    const Eigen::Vector3d fibre = field.fibre_at(rest[pixel]->position);
+    if (fibre.isZero()) continue;
+    const Eigen::Matrix3d strain = tet_edges(moved, rest[pixel]->tet) * tet_edges(mesh, rest[pixel]->tet).inverse();
+    stretch[pixel] = (strain * fibre).norm();
+  }
+  return stretch;
+}
+
+// Tets of a cage reach beyond the skin.
+void keep_inside(const SectionPlane& plane, const PicturedFrame& pictured, RestPoints& rest) {
+  const Positions skin = Eigen::Map<const Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor>>(
+                             pictured.skin.data(), static_cast<Eigen::Index>(pictured.skin.size() / 3), 3)
+                             .cast<double>();
+  const std::vector<bool> inside = pixels_inside(plane, skin, pictured.character.triangles);
+  for (std::size_t pixel = 0; pixel < rest.size(); ++pixel) {
+    if (!inside[pixel]) rest[pixel].reset();
+  }
+}
+
+// The field of tissues where the plane cuts the tets.
+Soup cut_face(const CutBody& cut, const PicturedFrame& pictured, const SectionPlane& plane) {
+  const AnatomyField field(pictured.character, cut.muscles,
+                           anatomy_options(pictured.dataset, pictured.character.skeleton));
+  const auto is_tissue = [&](const Eigen::Vector3d& point) {
+    return field.tissue_at(point).kind != TissueKind::outside;
+  };
+  RestPoints rest = rest_points(plane, cut.body.mesh(), cut.nodes, is_tissue);
+  const auto tissue_at = [&](const Eigen::Vector3d& point) { return field.tissue_at(point); };
+  keep_inside(plane, pictured, rest);
+  const TissueSection section = section_of(plane, rest, tissue_at);
+  return standing_section(plane, TissueColours(cut.muscles).picture(section, fibre_stretch(cut, field, rest)));
 }
 
 Image draw_cut(const PictureArguments& arguments, const PicturedFrame& pictured, const View& view, Renderer& renderer) {
-  if (pictured.take.shapes.ends_with(".nodes")) {
-    throw Error(ErrorKind::usage, "--cut-open shows what 'simulate' fills a skin with, its tissues apart; take '" +
-                                      pictured.take.name + "' is a draft (" + pictured.take.shapes +
-                                      "), of one tissue and few tets: simulate the frame without --draft");
-  }
-  const std::uint64_t inputs = recorded_inputs(pictured, arguments.frame);
-  std::vector<Muscle> muscles;
-  const Dataset& dataset = pictured.dataset;
-  if (!dataset.muscles.empty()) muscles = read_muscles(dataset.folder / dataset.muscles, pictured.character.skeleton);
-  SimulateOptions options;
-  if (!dataset.materials.empty()) options.materials = read_materials(dataset.folder / dataset.materials);
-  std::string cage;  // why there is one, where there is one
-  options.warn = [&](const std::string& warning) { cage = warning; };
-  const QuasiStaticBody body = make_body(pictured.character, muscles, options);
-  if (body.is_cage()) {
-    throw Error(ErrorKind::mismatch, "--cut-open shows the tets that fill a skin, and none fill this one: " + cage);
-  }
-  const Positions nodes = solve_again(pictured, body, muscles, arguments.frame, inputs);
-
+  const CutBody cut = cut_body(pictured, arguments.frame);
   const CutPlane plane{view.centre, view.direction};
   const std::span<const std::uint32_t> triangles(pictured.character.triangles.data(),
                                                  static_cast<std::size_t>(pictured.character.triangles.size()));
   const Soup skin = cut_surface(pictured.skin, smooth_normals(triangles, pictured.skin), triangles, kSkinColour, plane);
-  const Soup face = cut_face({nodes.data(), static_cast<std::size_t>(nodes.size())},
-                             {body.mesh().tets.data(), static_cast<std::size_t>(body.mesh().tets.size())},
-                             tet_colours(body, nodes), plane);
+  const Soup face = cut_face(cut, pictured, plane_of_view(view, arguments.size));
   std::vector<DrawMesh> meshes;
   for (const Soup* soup : {&skin, &face}) {
     if (!soup->triangles.empty()) meshes.push_back({soup->positions, soup->normals, soup->triangles, soup->colours});
@@ -275,8 +301,9 @@ void add_picture(CLI::App& app) {
       ->check(above_zero)
       ->capture_default_str();
   add_flag(verb, "--cut-open", arguments->cut_open,
-           "Take away what is in front of the middle: fat yellow, bone white, muscles red, orange where they are "
-           "shorter than at rest, violet where longer. Of frames that `simulate` solved without --tet-size");
+           "Take away what is in front of the middle: bone ivory, fat yellow, cavity grey-blue, every muscle a red of "
+           "its own, more orange the shorter than at rest, more violet the longer. Of frames that `simulate` solved "
+           "without --tet-size");
   add_option(verb, "--size", arguments->size, "Width and height in pixels")
       ->expected(2)
       ->check(CLI::Range(16u, kMaxPictureSize))

@@ -98,6 +98,7 @@ void add_simulate(CLI::App& app) {
   add_option(verb, "--materials", arguments->materials,
              "Tissue, as in rigs/materials.json (default: what that file says)")
       ->type_name("FILE");
+  arguments->anatomy.add(verb);
   add_option(verb, "--out", arguments->out, "Dataset folder; a take is added to the dataset.json in it")
       ->required()
       ->type_name("DATASET_DIR");

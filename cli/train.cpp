@@ -12,6 +12,7 @@
 #include "cli/results/attachments.h"
 #include "cli/results/measure.h"
 #include "cli/results/provenance.h"
+#include "cli/results/section_pictures.h"
 #include "report/report_json.h"
 #include "runtime/core/error.h"
 #include "runtime/core/stopwatch.h"
@@ -19,6 +20,7 @@
 #include "runtime/deformer/deformer.h"
 #include "trainer/check/check.h"
 #include "trainer/motion/coupled_joints.h"
+#include "trainer/simulate/simulate.h"
 #include "trainer/train/data/samples.h"
 #include "trainer/train/fit/surface_curves.h"
 #include "trainer/train/judge/heldout.h"
@@ -114,6 +116,7 @@ void report(const TrainArguments& arguments, const Dataset& dataset, const std::
   if (!has_pictures) spdlog::warn("no Vulkan device: the report has no pictures");
   Deformer full(training.result.basis, {.name = "cpu"});
   ReportData data = report_of(set, training, heldout_by_basis(set, full), has_pictures ? "auto" : "");
+  if (has_pictures) data.sections = section_pictures(set, anatomy_options(dataset, set.character.skeleton));
   data.device = full.device_name();
   data.character.name = std::filesystem::path(dataset.character).stem().string();
   data.provenance = provenance_of(dataset, path, set, arguments.options, arguments.out);

@@ -78,6 +78,8 @@ void add_view(CLI::App& app) {
       ->check(CLI::Range(1u, kMostViewportPixels));
   add_option(verb, "--limits", options.limits, "FILE",
              "Joint limits (limits.json) of the first character: how far joints can be turned");
+  add_option(verb, "--muscles", options.muscles, "FILE",
+             "Muscles (muscles.json) of the first character, to be told apart where it is cut open");
   add_joint_map(verb, options.joint_map);
   add_option(verb, "--state", options.state, "Cameras and settings that the viewport saved")->type_name("FILE");
   add_option(verb, "--do", options.commands, "Commands of the viewport, parted by ';'")->type_name("COMMANDS");

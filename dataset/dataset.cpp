@@ -68,6 +68,9 @@ std::string described(const Dataset& dataset) {
   std::ostringstream text;
   text << "'" << dataset.character << "' (unit " << (dataset.unit > 0 ? dataset.unit : 1.0) << " m) with muscles '"
        << dataset.muscles << "' and materials '" << dataset.materials << "'";
+  if (dataset.body_fat > 0) text << ", body fat " << dataset.body_fat;
+  if (!dataset.kind.empty()) text << ", kind '" << dataset.kind << "'";
+  if (!dataset.corrections.empty()) text << ", corrections '" << dataset.corrections << "'";
   return text.str();
 }
 
@@ -100,6 +103,9 @@ Json to_json(const Dataset& dataset, const std::filesystem::path& path) {
   if (dataset.unit > 0) json["unit"] = dataset.unit;
   if (!dataset.muscles.empty()) json["muscles"] = relative_path(dataset.muscles, folder);
   if (!dataset.materials.empty()) json["materials"] = relative_path(dataset.materials, folder);
+  if (dataset.body_fat > 0) json["body_fat"] = dataset.body_fat;
+  if (!dataset.kind.empty()) json["kind"] = dataset.kind;
+  if (!dataset.corrections.empty()) json["corrections"] = relative_path(dataset.corrections, folder);
   if (!dataset.regions.empty()) json["regions"] = relative_path(dataset.regions, folder);
   json["takes"] = Json::array();
   for (const DatasetTake& take : dataset.takes) {
@@ -171,13 +177,17 @@ Dataset::~Dataset() = default;
 Dataset read_dataset(const std::filesystem::path& path) {
   const Json json = read_json(path, kDatasetSchema);
   const JsonObject top(json, path, "the dataset");
-  top.allow({"schema", "character", "unit", "muscles", "materials", "regions", "takes", "selections", "modifiers"});
+  top.allow({"schema", "character", "unit", "muscles", "materials", "body_fat", "kind", "corrections", "regions",
+             "takes", "selections", "modifiers"});
   Dataset dataset;
   dataset.folder = path.parent_path().empty() ? "." : path.parent_path();
   dataset.character = top.name("character");
   if (top.has("unit")) dataset.unit = top.number("unit", 0, 1e6);
   if (top.has("muscles")) dataset.muscles = top.text("muscles");
   if (top.has("materials")) dataset.materials = top.name("materials");
+  if (top.has("body_fat")) dataset.body_fat = top.number("body_fat", 0.02, 0.6);
+  if (top.has("kind")) dataset.kind = top.name("kind");
+  if (top.has("corrections")) dataset.corrections = top.name("corrections");
   if (top.has("regions")) dataset.regions = top.name("regions");
   std::set<std::string> names;
   for (const JsonObject& take : top.objects("takes")) {

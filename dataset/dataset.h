@@ -41,11 +41,14 @@ struct Dataset {
   ~Dataset();
 
   std::filesystem::path folder;
-  std::string character;  // relative path
-  double unit = 0;        // as read_character
-  std::string muscles;    // relative path, or empty
-  std::string materials;  // relative path, or empty: the defaults
-  std::string regions;    // regions.json, relative path, or empty: chosen by training
+  std::string character;    // relative path
+  double unit = 0;          // as read_character
+  std::string muscles;      // relative path, or empty
+  std::string materials;    // relative path, or empty: the defaults
+  double body_fat = 0;      // share of the body's mass; 0: the default
+  std::string kind;         // of body, as --kind of simulate; empty: recognised
+  std::string corrections;  // of the anatomy, relative path, or empty
+  std::string regions;      // regions.json, relative path, or empty: chosen by training
   std::vector<DatasetTake> takes;
   std::vector<Modifier> modifiers;  // that the shapes are read through, first to last
   std::vector<NamedSelection> selections;
@@ -61,7 +64,7 @@ void require_same_motion(const DatasetTake& there, const DatasetTake& asked);
 // Throws Error(file) on bad bytes, wrong schema version or missing keys.
 Dataset read_dataset(const std::filesystem::path& path);
 // The dataset in `path`, or, where there is none yet, `asked`. One dataset holds the takes of one character: throws
-// Error(mismatch) where that in the file has another character, unit, muscles or materials.
+// Error(mismatch) where that in the file has another character, unit, muscles, materials or anatomy.
 Dataset open_dataset(const Dataset& asked, const std::filesystem::path& path);
 // Written to a temporary name, then renamed. `path` is the dataset.json; its folder must exist.
 void write_dataset(const Dataset& dataset, const std::filesystem::path& path);

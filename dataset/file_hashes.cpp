@@ -43,6 +43,7 @@ std::vector<HashedFile> hashed_files(const Dataset& dataset) {
   add("character", dataset.character);
   add("muscles", dataset.muscles);
   add("materials", dataset.materials);
+  add("corrections", dataset.corrections);
   add("regions", dataset.regions);
   for (const DatasetTake& take : dataset.takes) {
     const std::string of_take = "take '" + take.name + "': ";

@@ -152,6 +152,7 @@ void Application::act(std::span<const WindowEvent> events, double passed) {
   controls_.playback.advance(passed);
   if (live_.poll()) pending_pictures_ = std::max(pending_pictures_, 1);
   look_at_files();
+  if (session_.sectioning.has_news()) pending_pictures_ = 2;
   run_script();
   measure_errors();
   draw_if_needed(controls_.playback.frame() != shown || !options_.vsync, passed);

@@ -116,6 +116,10 @@ std::map<std::string, std::string> describe_missing(const Scene& scene) {
       missing[command] = "a match is of two bodies: open the one that is transferred to after the lead";
     }
   }
+  if (!lead.character()) {
+    missing["anatomy on"] =
+        "what lies inside is found from the skin weights in the character's file: begin with --character hero.glb";
+  }
   if (!lead.has_at_finest(SkinMethod::lbs)) {
     missing["compare lbs"] =
         "the weights of linear blending are in the character's file: begin with --character hero.glb";

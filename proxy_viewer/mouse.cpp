@@ -135,6 +135,11 @@ std::array<double, 2> mouse_pixel() {
 
 }  // namespace
 
+std::optional<std::array<double, 2>> mouse_over_picture() {
+  if (ImGui::GetIO().WantCaptureMouse || !ImGui::IsMousePosValid()) return std::nullopt;
+  return mouse_pixel();
+}
+
 bool brush_by_mouse(Brushing& brushing, const Rectangle& area, Controls& controls) {
   const ImGuiIO& io = ImGui::GetIO();
   if (brushing.is_pressed()) {

@@ -76,6 +76,7 @@ void Painter::draw(const PictureSize& size, Edges edges, double passed) {
   session_.warn_of_truth_times();
   session_.curation.look(scene_, controls_);
   controls_.attempt([&] { session_.matching.look(); });
+  controls_.attempt([&] { session_.sectioning.look(is_busy()); });
   scene_.lead().show_raw(controls_.curating.raw);
   if (controls_.headless) errors_.measure_shown_frame();
   controls_.attempt([&] { choose_heat(); });
@@ -106,6 +107,7 @@ void Painter::draw_panels_over(const PictureSize& size, double passed) {
   describe_pins(scene_, controls_, snapshot_);
   describe_comparison(scene_, controls_, errors_.curve(), snapshot_);
   session_.matching.describe(snapshot_);
+  session_.sectioning.describe(area_, mouse_over_picture(), snapshot_);
   const Brushing& brushing = session_.brushing;
   const bool shows_stroke = brushing.is_pressed() || controls_.curating.colour == MapColour::sculpt;
   session_.curation.describe(controls_, snapshot_,

@@ -54,6 +54,7 @@ std::string end_of_limb(const Skeleton& skeleton, const std::string& joint) {
 Session::Session(std::shared_ptr<const vulkan::Device> device, const ViewerOptions& options)
     : scene(device),
       matching(device, scene, controls),
+      sectioning(device, scene, controls),
       options_(options),
       clip_options_(options.clip),
       device_name_(device->info().name),
@@ -75,6 +76,7 @@ std::vector<std::string> Session::open_first() {
   files.proxy = options_.proxy;
   files.character = options_.character;
   files.limits = options_.limits;
+  if (!options_.muscles.empty()) files.muscles = options_.muscles;
   files.joint_map = options_.joint_map;
   std::vector<std::string> notes = add(files);
   if (dataset) controls.settings.compare.with = CompareWith::truth;
@@ -130,7 +132,10 @@ ActorFiles Session::files_of_dataset(const std::string& file) {
   const fs::path path = fs::is_directory(file) ? fs::path(file) / "dataset.json" : fs::path(file);
   const Dataset dataset = read_dataset(path);
   if (scene.empty()) clip_options_.unit = dataset.unit;
-  return {.basis = (dataset.folder / dataset.character).string(), .clip = path.string(), .truth = path.string()};
+  return {.basis = (dataset.folder / dataset.character).string(),
+          .clip = path.string(),
+          .truth = path.string(),
+          .muscles = dataset.muscles.empty() ? "" : (dataset.folder / dataset.muscles).string()};
 }
 
 void Session::require_dataset() const {
@@ -236,6 +241,7 @@ void Session::reload(const std::vector<fs::path>& files) {
   for (auto& [index, actor] : replacements) {
     const std::uint32_t before = scene.cast()[index]->finest_basis().mesh.vertex_count();
     if (index < 2) matching.forget();
+    sectioning.forget();
     if (index < 2 && actor->finest_basis().mesh.vertex_count() != before) forget_pair();  // markers number vertices
     actor->set_posing(scene.cast()[index]->posing());
     scene.swap(index, actor);

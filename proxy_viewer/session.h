@@ -16,6 +16,7 @@
 #include "proxy_viewer/platform/watched_files.h"
 #include "proxy_viewer/scene/scene.h"
 #include "proxy_viewer/scene/session_file.h"
+#include "proxy_viewer/sectioning.h"
 #include "proxy_viewer/viewer.h"
 
 namespace bodyopt {
@@ -36,6 +37,7 @@ class Session {
   Curation curation;
   Brushing brushing{scene, controls, curation};
   Matching matching;
+  Sectioning sectioning;
 
   // The first of the options' files, which must be a basis or a character, or the built-in arm where there is none.
   // Gives what is to be said of it. Throws Error(usage), and as the readers do.

@@ -20,6 +20,7 @@ struct ViewerOptions {
   std::string proxy;                        // of the first basis: its coarser levels of detail
   std::string character;                    // of the first basis: for linear blending
   std::string limits;                       // of the first character's joints
+  std::string muscles;                      // of the first character: for its section
   std::string joint_map;                    // of the first character's clips
   std::string state;                        // cameras and settings to begin with
   std::string commands;                     // a script, run once all is loaded

@@ -51,6 +51,7 @@ Json pictures_of(const ReportData& data) {
   for (const PictureReport& picture : data.pictures) pictures["frames"].push_back(page_picture(picture.image));
   if (data.mean_error) pictures["mean_error"] = page_picture(data.mean_error->image);
   if (data.flexed) pictures["flexed"] = page_picture(data.flexed->image);
+  if (data.sections) pictures["sections"] = page_picture(data.sections->image);
   if (data.region_picture) pictures["regions"] = page_picture(*data.region_picture);
   if (data.jiggle && data.jiggle->pictures) {
     const JiggleReport::Pictures& jiggle = *data.jiggle->pictures;

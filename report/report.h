@@ -52,6 +52,14 @@ struct FlexReport {
   Image image;  // at rest, flexed, and how far flexing moves the skin
 };
 
+// Sections through the field of tissues, at rest and in the frame in which muscles are flexed or shortened most.
+struct SectionsReport {
+  std::string take;
+  int frame = 0;
+  std::vector<std::string> names;  // of the numbers in the picture, from 1
+  Image image;                     // pairs: at rest, and then
+};
+
 struct RegionReport {
   std::string name;
   double moves_mm = 0, left_mm = 0;  // RMS of the un-posed motion of the training frames; what cross-validation leaves
@@ -174,7 +182,8 @@ struct ReportData {
   double train_seconds = 0, peak_memory_mib = 0;
   std::vector<PictureReport> pictures;  // in the order in which they are shown; none without a Vulkan device
   std::optional<MeanErrorReport> mean_error;
-  std::optional<FlexReport> flexed;  // none where no control was learned
+  std::optional<FlexReport> flexed;        // none where no control was learned
+  std::optional<SectionsReport> sections;  // none where there are no muscles
   ProvenanceReport provenance;
   std::optional<JiggleReport> jiggle;
   std::optional<DemoReport> demo;

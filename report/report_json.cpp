@@ -203,6 +203,10 @@ Json report_json(const ReportData& data) {
                           {"heat_scale_mm", data.mean_error->heat_scale_mm}};
   }
   if (data.flexed) json["flexed"] = flexed(*data.flexed);
+  if (data.sections) {
+    json["sections"] = {
+        {"take", data.sections->take}, {"frame", data.sections->frame}, {"names", data.sections->names}};
+  }
   if (data.jiggle) json["jiggle"] = jiggle(*data.jiggle);
   json["provenance"] = provenance(data.provenance);
   if (data.demo) add_demo(*data.demo, json);

@@ -37,7 +37,13 @@ Image section_image(const TissueSection& section, const TissueColours& colours) 
   return image;
 }
 
-Image numbered_sheet(std::span<const Image> pictures) {
+Soup standing_section(const SectionPlane& plane, std::span<const std::uint8_t> rgba) {
+  const auto vec = [](const Eigen::Vector3d& v) { return Vec3{v.x(), v.y(), v.z()}; };
+  return standing_picture({vec(plane.corner), vec(plane.pixel * plane.right), vec(plane.pixel * plane.down),
+                           static_cast<std::uint32_t>(plane.width), rgba});
+}
+
+Image numbered_sheet(std::span<const Image> pictures, std::uint32_t of_one) {
   constexpr std::uint32_t kColumns = 4, kMargin = 6;
   std::uint32_t width = 1, height = 1;
   for (const Image& picture : pictures) {
@@ -51,7 +57,8 @@ Image numbered_sheet(std::span<const Image> pictures) {
     const Image& picture = pictures[k];
     const std::uint32_t left = k % kColumns * width, top = k / kColumns * height;
     paste(picture, left + (width - picture.width) / 2, top + (height - picture.height) / 2, sheet);
-    draw_number(sheet, static_cast<int>(k) + 1, static_cast<int>(left) + 16, static_cast<int>(top) + 16);
+    if (k % of_one != 0) continue;
+    draw_number(sheet, static_cast<int>(k / of_one) + 1, static_cast<int>(left) + 16, static_cast<int>(top) + 16);
   }
   return sheet;
 }

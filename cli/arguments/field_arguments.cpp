@@ -1,6 +1,7 @@
 #include "cli/arguments/field_arguments.h"
 
-#include "cli/arguments/options.h"
+#include "cli/arguments/dataset_arguments.h"
+#include "trainer/simulate/simulate.h"
 
 namespace bodyopt::cli {
 namespace {
@@ -21,15 +22,17 @@ void FieldArguments::add(CLI::App& verb) {
 }
 
 AnatomyOptions FieldArguments::options(const Skeleton& skeleton) const {
-  AnatomyOptions options;
-  if (!corrections.empty()) {
-    options.corrections = read_corrections(corrections, skeleton);
-    options.body_fat = options.corrections.body_fat.value_or(options.body_fat);
-    options.kind = options.corrections.kind;
-  }
-  if (body_fat > 0) options.body_fat = body_fat;
-  if (!kind.empty()) options.kind = body_kind_of(kind);
-  return options;
+  Dataset given;
+  given.body_fat = body_fat;
+  given.kind = kind;
+  given.corrections = corrections;
+  return anatomy_options(given, skeleton);
+}
+
+void FieldArguments::put_into(Dataset& dataset) const {
+  dataset.body_fat = body_fat;
+  dataset.kind = kind;
+  dataset.corrections = relative_to(dataset.folder, corrections);
 }
 
 }  // namespace bodyopt::cli

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "cli/arguments/common.h"
+#include "dataset/dataset.h"
 #include "trainer/anatomy/field.h"
 
 namespace bodyopt::cli {
@@ -13,6 +14,8 @@ struct FieldArguments {
   void add(CLI::App& verb);
   // Throws as read_corrections().
   AnatomyOptions options(const Skeleton& skeleton) const;
+  // As the dataset keeps them.
+  void put_into(Dataset& dataset) const;
 };
 
 }  // namespace bodyopt::cli

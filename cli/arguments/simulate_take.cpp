@@ -21,6 +21,7 @@ Dataset asked_dataset(const SimulationArguments& arguments, const fs::path& fold
   dataset.unit = arguments.unit;
   dataset.muscles = relative_to(folder, arguments.muscles);
   dataset.materials = relative_to(folder, arguments.materials);
+  arguments.anatomy.put_into(dataset);
   return dataset;
 }
 
@@ -79,6 +80,7 @@ std::vector<FrameStatus> simulate_take(const SimulationArguments& arguments) {
   SimulateOptions options = arguments.options;
   options.warn = [](const std::string& warning) { say({warning}); };
   options.inform = [](const std::string& text) { spdlog::info(text); };
+  options.anatomy = arguments.anatomy.options(character.skeleton);
   if (!arguments.materials.empty()) options.materials = read_materials(arguments.materials);
   std::vector<int> frames;
   const Clip clip = arguments.take.clip.read(character.skeleton, arguments.unit, frames);

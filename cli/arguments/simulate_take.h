@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "cli/arguments/dataset_arguments.h"
+#include "cli/arguments/field_arguments.h"
 #include "trainer/simulate/simulate.h"
 
 namespace bodyopt::cli {
@@ -13,6 +14,7 @@ struct SimulationArguments {
   std::string character, muscles, materials;
   std::string out;  // the dataset's folder
   double unit = 0;
+  FieldArguments anatomy;
   TakeArguments take;
   SimulateOptions options;
 };

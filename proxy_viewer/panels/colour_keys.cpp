@@ -1,4 +1,6 @@
-// What the colours of muscle fibres, of cut tetrahedra and of a match mean: a line each, at the bottom of the picture.
+// What the colours of muscle fibres, of cut tetrahedra, of a section and of a match mean: a line each, at the bottom of
+// the picture; and what of the section is under the mouse.
+#include <algorithm>
 #include <array>
 #include <cstdio>
 #include <utility>
@@ -87,6 +89,19 @@ void draw_tet_key(float middle, float right) {
   line.draw();
 }
 
+void draw_section_key(const SectionRow& section, float middle, float right) {
+  KeyLine line(middle, right);
+  if (!section.is_ready) line.add_text("finding what lies inside\xe2\x80\xa6");
+  for (const TissueRow& tissue : section.tissues) {
+    const auto [red, green, blue] = tissue.colour;
+    line.add_square(IM_COL32(red, green, blue, 255));
+    line.add_text(tissue.name);
+  }
+  if (section.is_ready) line.add_text("muscles in reds of their own");
+  line.draw();
+  if (!section.under_mouse.empty()) ImGui::SetTooltip("%s", section.under_mouse.c_str());
+}
+
 void draw_match_key(float middle, float right) {
   KeyLine line(middle, right);
   line.add_text("the same colour is the same point of both");
@@ -106,6 +121,10 @@ void draw_colour_keys(const Snapshot& snapshot, const Controls& controls, const 
   }
   if (look.tets && snapshot.cast.front().tets > 0) {
     draw_tet_key(middle, layout.right());
+    middle -= line;
+  }
+  if (snapshot.section) {
+    draw_section_key(*snapshot.section, middle, layout.right());
     middle -= line;
   }
   const bool by_match = snapshot.match && controls.settings.compare.match == MatchView::colours;

@@ -106,6 +106,19 @@ struct MatchRow {
   std::string to_simulate{};  // frames of what the second plays that would teach it most; empty: not known
 };
 
+// A tissue as a section shows it.
+struct TissueRow {
+  std::string name;
+  std::array<std::uint8_t, 3> colour;  // sRGB
+};
+
+// The section through the lead.
+struct SectionRow {
+  bool is_ready = false;  // what lies inside was found
+  std::vector<TissueRow> tissues{};
+  std::string under_mouse{};  // empty: none is
+};
+
 struct Snapshot {
   std::vector<CharacterRow> cast;  // the first is the lead, of whom the rest speaks
   std::vector<JointRow> joints;
@@ -132,6 +145,9 @@ struct Snapshot {
   std::optional<CurationRow> curation;  // none: no dataset is open
   std::optional<LiveRow> live;          // none: the clip is shown
   std::optional<MatchRow> match;        // none: nobody asked for it
+
+  bool has_character = false;         // its weights are at hand, so that its inside can be found
+  std::optional<SectionRow> section;  // none: it is not asked for
 
   std::string device;
   double shown_fps = 0;              // pictures a second, over the last second

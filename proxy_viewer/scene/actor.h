@@ -33,6 +33,7 @@ struct ActorFiles {
   std::string clip{}, truth{}, proxy{};
   std::string character{};  // for linear blending
   std::string limits{};     // of its joints
+  std::string muscles{};    // for its section
   std::string joint_map{};  // of its clips
 
   std::filesystem::path dynamics() const;
@@ -68,6 +69,9 @@ class Actor {
   bool has_dynamics() const { return finest().jiggles(); }
   // Why it does not jiggle although it has dynamics: they step at another rate than the clip. Empty: it does.
   std::string why_still() const;
+
+  // With its weights; null: they are not at hand.
+  const Character* character() const { return linear_blend_ ? &linear_blend_->character() : nullptr; }
 
   // These throw as the constructor, and leave what was there.
   void open_clip(const std::string& source);  // of a dataset: its frames, one after the other, takes as keys

@@ -18,6 +18,7 @@ class LinearBlend {
   LinearBlend(const std::filesystem::path& path, const Basis& basis, double unit);
   explicit LinearBlend(Character character) : character_(std::move(character)) {}
 
+  const Character& character() const { return character_; }
   // O x 3, the output vertices, metres, world.
   std::vector<float> skin(const Pose& pose) const;
 

@@ -437,7 +437,12 @@ void Scene::add_character(std::size_t index, const Controls& controls, std::vect
     skin.shadow = skin.wire = false;
   }
   const bool flips = compared && s.compare.layout == CompareLayout::hold && controls.shows_compared();
-  views[0].skins.push_back(flips ? second : skin);
+  const bool opened = index == 0 && cut_open_;
+  if (opened) {
+    add_cut_open(skin, views[0]);
+  } else {
+    views[0].skins.push_back(flips ? second : skin);
+  }
   if (views.size() > 1) {
     if (!is_missing) views[1].skins.push_back(compared ? second : skin);
   } else if (compared && s.compare.layout == CompareLayout::overlay && !s.compare.activation) {
@@ -447,7 +452,7 @@ void Scene::add_character(std::size_t index, const Controls& controls, std::vect
   }
   if (s.look.worn) {
     const SkinMethod first = flips ? compared->method : method;
-    dress(character.worn(first), 0, skin, kWornColour, views[0]);
+    if (!opened) dress(character.worn(first), 0, skin, kWornColour, views[0]);
     if (views.size() > 1 && !is_missing) {
       dress(character.worn(compared ? compared->method : method), 0, skin, kWornColour, views[1]);
     }
@@ -458,6 +463,22 @@ void Scene::add_character(std::size_t index, const Controls& controls, std::vect
     if (s.look.fibres) add_fibres(character, shown, skin.offset, view);
   }
   if (poses.size() > 1) add_copies_and_ghosts(character, poses, shown, skin, controls, views);
+}
+
+// Neither heat nor wires are of it.
+void Scene::add_cut_open(const SkinDraw& skin, View& view) const {
+  for (const CutOpenSkin::Part* part : {&cut_open_->skin, &cut_open_->face}) {
+    if (part->triangle_count == 0) continue;
+    SkinDraw draw = without_heat(skin);
+    draw.triangles = &part->triangles;
+    draw.triangle_count = part->triangle_count;
+    draw.positions = &part->positions;
+    draw.normals = &part->normals;
+    draw.colours = &part->colours;
+    draw.first_vertex = 0;
+    draw.wire = false;
+    view.skins.push_back(draw);
+  }
 }
 
 // They are quasi-static: they have no past.

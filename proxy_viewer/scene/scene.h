@@ -20,6 +20,15 @@ struct MatchedSkins {
   std::array<vulkan::Buffer, 2> unsure;   // V: one less the confidence
 };
 
+// The part of the lead's skin that a plane leaves, and the section that closes it.
+struct CutOpenSkin {
+  struct Part {
+    vulkan::Buffer positions, normals, colours, triangles;
+    std::uint32_t triangle_count = 0;  // 0: there is none, and no buffers
+  };
+  Part skin, face;
+};
+
 class Scene {
  public:
   explicit Scene(std::shared_ptr<const vulkan::Device> device) : device_(std::move(device)) {}
@@ -39,6 +48,8 @@ class Scene {
   void reset_jiggle();
   // What the settings may colour the two by, until it is taken back; they must be the two that were matched.
   void show_match(std::optional<MatchedSkins> match) { match_ = std::move(match); }
+  // In place of the lead's skin, where it is given; world.
+  void show_cut_open(std::optional<CutOpenSkin> skin) { cut_open_ = std::move(skin); }
   bool empty() const { return cast_.empty(); }
   std::vector<std::unique_ptr<Actor>>& cast() { return cast_; }
   const std::vector<std::unique_ptr<Actor>>& cast() const { return cast_; }
@@ -99,6 +110,7 @@ class Scene {
   void colour_by_match(std::size_t index, const ViewSettings& settings, SkinDraw& skin) const;
   void add_tets(Actor& character, const Pose& pose, const SkinDraw& skin, const Controls& controls,
                 std::vector<View>& views);
+  void add_cut_open(const SkinDraw& skin, View& view) const;
   void add_marker(const Vec3& at, std::uint32_t colour, View& view);
   void add_markings(const Controls& controls, View& view);
   const Standing& standing(const Actor& character, const Controls& controls) const;
@@ -113,6 +125,7 @@ class Scene {
   std::vector<std::unique_ptr<Actor>> cast_;
   std::optional<Pose> live_pose_;
   std::optional<MatchedSkins> match_;
+  std::optional<CutOpenSkin> cut_open_;
   StageSeconds stage_seconds_;
   const Evaluation* lead_evaluation_ = nullptr;
   const ExpectedSkin* lead_expected_ = nullptr;

@@ -22,6 +22,7 @@ constexpr auto kFileFields = [](auto& list, auto& files) {
   list.text("proxy", files.proxy);
   list.text("character", files.character);
   list.text("limits", files.limits);
+  list.text("muscles", files.muscles);
   list.text("joint_map", files.joint_map);
 };
 
@@ -45,7 +46,8 @@ template <typename Change>
 void change_paths(SessionFile& session, const Change& change) {
   for (SessionCharacter& character : session.cast) {
     ActorFiles& f = character.files;
-    for (std::string* file : {&f.basis, &f.clip, &f.truth, &f.proxy, &f.character, &f.limits, &f.joint_map}) {
+    for (std::string* file :
+         {&f.basis, &f.clip, &f.truth, &f.proxy, &f.character, &f.limits, &f.muscles, &f.joint_map}) {
       if (!file->empty()) *file = change(fs::path(*file)).string();
     }
   }

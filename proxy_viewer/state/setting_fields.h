@@ -38,6 +38,9 @@ inline constexpr auto kLookFields = [](auto& list, auto& look) {
   list.boolean("fibres", look.fibres);
   list.boolean("tets", look.tets);
   list.number("tet_cut", look.tet_cut, 0, 1);
+  list.boolean("anatomy", look.anatomy);
+  list.choice("anatomy_axis", look.anatomy_axis, kSectionAxisNames);
+  list.number("anatomy_at", look.anatomy_at, 0, 1);
   list.boolean("shadow", look.shadow);
   list.boolean("worn", look.worn);
   list.boolean("follow", look.follow);

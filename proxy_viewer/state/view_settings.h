@@ -17,6 +17,7 @@ enum class LookStyle { clay, matcap, flat, normals };
 enum class CompareWith { none, lbs, ddm, linear, full, jiggle, truth, proxy };
 enum class CompareLayout { side_by_side, overlay, wipe, hold };
 enum class MatchView { none, colours, confidence };
+enum class SectionAxis { x, y, z };
 
 // In commands, panels and the state file; in the order of the enumerations.
 inline constexpr std::array kPlayModeNames{"loop", "ping-pong", "once"};
@@ -24,12 +25,16 @@ inline constexpr std::array kStyleNames{"clay", "matcap", "flat", "normals"};
 inline constexpr std::array kComparisonNames{"none", "lbs", "ddm", "linear", "full", "jiggle", "truth", "proxy"};
 inline constexpr std::array kLayoutNames{"side-by-side", "overlay", "wipe", "hold"};
 inline constexpr std::array kMatchNames{"none", "colours", "confidence"};
+inline constexpr std::array kSectionAxisNames{"x", "y", "z"};
 
 struct ViewSettings {
   struct Look {
     LookStyle style = LookStyle::clay;
     bool wire = false, grid = true, axes = true, skeleton = false, fibres = false, tets = false;
-    double tet_cut = 0.5;  // share of the tets that is cut away, from the front
+    double tet_cut = 0.5;                       // share of the tets that is cut away, from the front
+    bool anatomy = false;                       // the lead cut open by a plane that shows its tissues
+    SectionAxis anatomy_axis = SectionAxis::y;  // of the world, that the plane is across
+    double anatomy_at = 0.5;                    // of its skin's extent along that, from the lowest
     bool shadow = true;
     bool worn = true;          // clothes, eyes: what is attached to the skin
     bool follow = true;        // the camera goes along with the character

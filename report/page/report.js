@@ -370,6 +370,23 @@ function flexedSection(figures, pictures) {
   );
 }
 
+function sectionsSection(figures, pictures) {
+  const { sections } = figures;
+  if (!sections || !pictures.sections) return null;
+  const named = sections.names.map((name, k) => `${k + 1} ${name}`);
+  return section(
+    "What lies inside",
+    pictureFigure(
+      pictures.sections,
+      ["at rest", "flexed", "at rest", "flexed"],
+      `Sections at rest, and in frame ${sections.frame} of take '${sections.take}', in which muscles are flexed most`,
+      `${named.join(", ")}. Bone ivory, fat yellow, cavity grey-blue, tendon white, other lean tissue pale red; every ` +
+        "muscle a red of its own. Points of the posed sections go back to rest by the joints of the nearest skin: a " +
+        "picture, and not the simulation's tets.",
+    ),
+  );
+}
+
 // "take 'walk': 12, 40; take 'run': 7", in the order of the frames.
 function frameList(axis, columns) {
   const lists = new Map();
@@ -535,6 +552,7 @@ function reportKind({ character, dataset }) {
       regions: regionsSection,
       muscles: musclesSection,
       flexing: flexedSection,
+      sections: sectionsSection,
       coverage: coverageSection,
       "trade-off": tradeOffSection,
       unposing: unposingSection,

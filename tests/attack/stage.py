@@ -32,6 +32,7 @@ VERBS = [
     Verb("curate add", "curate add elsewhere smooth --take s0", same_bytes=False),
     Verb("curate bake", "curate bake elsewhere --out baked", once=True),
     Verb("muscles import", "muscles import limb.glb --from model.osim mapping.json --out imported.json"),
+    Verb("anatomy", "anatomy limb.glb --muscles muscles.json --picture anatomy.png --json anatomy.report.json"),
     Verb("rig", "rig limb.glb --out rig"),
     Verb("rom", "rom limb.glb --limits limits.json --frames 400 --out rom.glb"),
     Verb("train", "train draft --out limb.safetensors --surface-curves 3"),

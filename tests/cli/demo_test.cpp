@@ -75,7 +75,7 @@ void expect_jiggle(const std::filesystem::path& demo, const Json& report) {
   const double peak = *std::max_element(largest.begin(), largest.end());
   EXPECT_GT(peak, 5);  // seen
   EXPECT_LT(peak, 30);
-  EXPECT_EQ(largest[stops - 1], peak);
+  EXPECT_EQ(std::max(largest[stops - 1], largest[stops]), peak);
   for (std::size_t frame = stops + 24; frame <= largest.size(); ++frame) EXPECT_LT(largest[frame - 1], 0.05 * peak);
   EXPECT_GT(jiggle["tets"], 10000);
   EXPECT_GT(jiggle["worst_quality"], 0);
@@ -151,8 +151,8 @@ TEST(Demo, QuickRunLeavesEverythingAndTheVerbsReadIt) {
   }
   EXPECT_EQ(report["flexed"]["take"], "flexed");
   EXPECT_EQ(report["flexed"]["controls"].size(), 1u) << report["flexed"];  // the groups flex in turns
-  EXPECT_GT(report["flexed"]["max_mm"], 1);
-  EXPECT_LT(report["flexed"]["max_mm"], 50);  // twice what it is
+  EXPECT_GT(report["flexed"]["max_mm"], 0.1);
+  EXPECT_LT(report["flexed"]["max_mm"], 12);  // twice what all frames teach
   EXPECT_EQ(report["trade_off"][0]["coefficients"], 0);
   EXPECT_GT(report["trade_off"].size(), 10u);
 

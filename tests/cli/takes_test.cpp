@@ -216,6 +216,15 @@ TEST(Takes, AReportHoldsWhatTrainingMeasured) {
   }
 }
 
+// Is anything yellow, as nothing of a picture is that is not cut open?
+bool shows_fat(const Image& image) {
+  for (std::size_t pixel = 0; pixel < image.rgba.size(); pixel += 4) {
+    const std::uint8_t* at = &image.rgba[pixel];
+    if (at[0] > 2 * at[2] && at[1] > at[2] + 40) return true;
+  }
+  return false;
+}
+
 TEST(Takes, APictureShowsAFrame) {
   const TemporaryFolder folder;
   const LimbFiles files(folder, 1);
@@ -227,7 +236,8 @@ TEST(Takes, APictureShowsAFrame) {
   const ProgramResult drawn = run_verb(picture + whole + " --frame 6");
   ASSERT_EQ(drawn.exit_code, 0) << drawn.output;
   ASSERT_EQ(run_verb(picture + cut + " --frame 6 --cut-open").exit_code, 0);
-  EXPECT_NE(testing::read_bytes(whole), testing::read_bytes(cut));
+  EXPECT_FALSE(shows_fat(testing::read_png(whole)));
+  EXPECT_TRUE(shows_fat(testing::read_png(cut)));
   EXPECT_EQ(run_verb(picture + whole + " --frame 5").exit_code, 64);
   EXPECT_EQ(run_verb("picture " + data + " --around foot --frame 6 --out " + whole).exit_code, 64);
   EXPECT_EQ(run_verb(picture + whole + " --frame 6 --direction 0 0 0").exit_code, 64);
@@ -286,7 +296,8 @@ TEST(Takes, OnlyWhatWasSolvedAlikeIsCutOpen) {
   open.output_triangles = open.triangles = Triangles(open.triangles.bottomRows(2 * open.triangles.rows() / 3));
   write_character(open, files.character);
   simulate("caged", "");
-  expect_refused("caged", "cage");
+  const ProgramResult caged = cut("caged");
+  EXPECT_EQ(caged.exit_code, 0) << caged.output;
 }
 
 // A control that flexes nothing, or is no share of what a muscle can, is found before a long simulation or training.
@@ -445,16 +456,15 @@ TEST(Takes, TestSaysOfWhichPosesTheBasisLearned) {
   EXPECT_EQ(untold.output.find("which poses it learned from"), std::string::npos) << untold.output;
 }
 
-TEST(Takes, DraftsAreNotCutOpenAndRegionsAreDrawnFromAllAround) {
+TEST(Takes, DraftsAreCutOpenAndRegionsAreDrawnFromAllAround) {
   const TemporaryFolder folder;
   const LimbFiles files(folder, 1);
   const std::string data = (folder / "data").string();
   ASSERT_TRUE(makes_draft(files, data));
-  const std::string cut = "picture " + data + " --frame 2 --cut-open --out " + (folder / "cut.png").string();
-  const ProgramResult refused = run_verb(cut);
-  EXPECT_EQ(refused.exit_code, 64);
-  EXPECT_NE(refused.output.find("is a draft"), std::string::npos) << refused.output;
-  EXPECT_NE(refused.output.find("without --draft"), std::string::npos) << refused.output;
+  const std::string cut = (folder / "cut.png").string();
+  const ProgramResult opened = run_verb("picture " + data + " --frame 2 --size 64 64 --cut-open --out " + cut);
+  ASSERT_EQ(opened.exit_code, 0) << opened.output;
+  EXPECT_TRUE(shows_fat(testing::read_png(cut)));
 
   const std::string picture = (folder / "regions.png").string(), json = (folder / "regions.json").string();
   ASSERT_EQ(run_verb("regions " + data + " --picture " + picture + " --json " + json).exit_code, 0);
@@ -498,7 +508,7 @@ TEST(Takes, TestAndEvalCountTheSamePosesAsUnlikeThoseOfTraining) {
   EXPECT_EQ(told(tested.output), told(evaluated.output));
 }
 
-// Training bent the limb by 26 degrees; the clip bends it on, to 170.
+// Training bent the limb by 26 degrees; the clip bends it on, to 170, and twists it.
 TEST(Takes, EvalTellsWhereNoBetterThanDirectDeltaMushIsExpected) {
   const TemporaryFolder folder;
   const LimbFiles files(folder, 1);
@@ -510,7 +520,10 @@ TEST(Takes, EvalTellsWhereNoBetterThanDirectDeltaMushIsExpected) {
   Clip further;
   further.name = "further";
   const Character limb = make_limb();
-  for (int n = 0; n < 18; ++n) further.poses.push_back(bent(limb, degrees(10.0 * n)));
+  for (int n = 0; n < 18; ++n) {
+    Pose& pose = further.poses.emplace_back(bent(limb, degrees(10.0 * n)));
+    pose.joints[1].rotation = pose.joints[1].rotation * axis_angle({1, 0, 0}, degrees(8.0 * n));
+  }
   write_clip(further, limb.skeleton, (folder / "further.glb").string());
   const ProgramResult result = run_verb("eval " + basis + " --clip " + (folder / "further.glb").string() + " --out " +
                                         (folder / "limb.pc2").string() + " --json " + json);

@@ -22,7 +22,7 @@ struct LimbJiggle {
   explicit LimbJiggle(const JiggleSettings& given = {}, const std::vector<RegionWeights>& painted = {})
       : settings(given),
         tets(make_dynamics_tets(limb.vertices, limb.triangles, limb.weights, 25000)),
-        anatomy(find_anatomy(limb, muscles, tets.cage, {})),
+        anatomy(find_anatomy(limb, AnatomyField(limb, muscles, kLimbAnatomy), muscles.size(), tets.cage, {})),
         fields(spread_settings(settings, limb, muscles, painted, tets, anatomy)),
         system(make_jiggle_system(settings, fields, limb.skeleton, mesh, anatomy, {}, notes)) {}
 
@@ -87,7 +87,7 @@ Character limb_with_hand() {
 TEST(Jiggle, WhereALimbEndsSkinLiesOnBone) {
   const Character limb = limb_with_hand();
   const DynamicsTets tets = make_dynamics_tets(limb.vertices, limb.triangles, limb.weights, 25000);
-  const JiggleAnatomy anatomy = find_anatomy(limb, {}, tets.cage, {});
+  const JiggleAnatomy anatomy = find_anatomy(limb, AnatomyField(limb, {}, kLimbAnatomy), 0, tets.cage, {});
   EXPECT_EQ(anatomy.is_end, (std::vector<bool>{false, false, true}));
   EXPECT_EQ(LimbJiggle().anatomy.is_end, (std::vector<bool>{false, false}));
 
@@ -336,7 +336,7 @@ TEST(Jiggle, PiecesWithoutBonesArePinnedAndNamed) {
   const Character both = make_two_limbs(0.2);
   const DynamicsTets tets = make_dynamics_tets(both.vertices, both.triangles, both.weights, 25000);
   const TetMesh& mesh = tets.cage.mesh;
-  JiggleAnatomy anatomy = find_anatomy(both, {}, tets.cage, {});
+  JiggleAnatomy anatomy = find_anatomy(both, AnatomyField(both, {}, kLimbAnatomy), 0, tets.cage, {});
   const JiggleFields fields = spread_settings({}, both, {}, {}, tets, anatomy);
   const auto is_first = [&](int n) { return mesh.nodes(n, 1) < 0.1; };
   anatomy.bone_springs.prune([&](Eigen::Index n, Eigen::Index, double) { return is_first(static_cast<int>(n)); });

@@ -367,6 +367,28 @@ TEST_F(PanelsTest, ColoursOfFibresAndTetsAreExplainedWhereThereAreSome) {
   EXPECT_EQ(drawn(bare_character(), {"fibres on", "tets on"}), 0);
 }
 
+// A word while it is worked out; then the colours of tissues.
+TEST_F(PanelsTest, TissuesOfASectionAreExplained) {
+  Snapshot snapshot = small_character();
+  snapshot.compared.clear();
+  Controls controls;
+  for (const char* off : {"panels off", "hud off"}) run_command(controls, off);
+  draw(snapshot, controls);
+  EXPECT_EQ(vertices(), 0);
+  snapshot.section.emplace();
+  draw(snapshot, controls);
+  const int word = vertices();
+  EXPECT_GT(word, 0);
+  snapshot.section = SectionRow{true, {{"bone", {236, 228, 204}}, {"fat", {232, 196, 92}}}, ""};
+  draw(snapshot, controls);
+  const int colours = vertices();
+  EXPECT_GT(colours, 0);
+  EXPECT_NE(colours, word);
+  snapshot.section->under_mouse = "biceps_l";
+  for (int k = 0; k < 2; ++k) draw(snapshot, controls);
+  EXPECT_GT(vertices(), colours);
+}
+
 TEST_F(PanelsTest, GoodNewsGoByThemselvesAndErrorsWhenTheyAreClicked) {
   const Snapshot snapshot = small_character();
   Controls controls;

@@ -31,7 +31,8 @@ class RandomSettings {
     if (yes()) s.playback.out = 500 + static_cast<int>(random_.below(1000));
     s.camera = view();
     for (std::uint32_t k = random_.below(3); k > 0; --k) s.cameras[name()] = view();
-    s.look = {choice<LookStyle>(4), yes(), yes(), yes(), yes(), yes(), yes(), number(0, 1), yes(), yes(), yes(), {}};
+    s.look = {choice<LookStyle>(4),   yes(),        yes(), yes(), yes(), yes(), yes(), number(0, 1), yes(),
+              choice<SectionAxis>(3), number(0, 1), yes(), yes(), yes(), {}};
     if (yes()) s.look.level = integer(0, 15);
     s.compare = {choice<CompareWith>(8), choice<CompareLayout>(4), number(0, 1), yes(), {}, yes(), yes()};
     if (yes()) s.compare.heat_scale_mm = number(0.1, 100);

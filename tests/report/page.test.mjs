@@ -68,6 +68,7 @@ function reportPictures() {
     frames: [picture, picture, picture, picture],
     mean_error: picture,
     flexed: picture,
+    sections: picture,
     regions: picture,
     jiggle: { animation: picture, slow: picture, strip: picture },
   };
@@ -102,13 +103,14 @@ test("everything of a report is shown", () => {
     "Regions of the skin",
     "What the muscles explain",
     "What flexing does",
+    "What lies inside",
     "Expected errors: what the basis does not know",
     "Bytes against millimetres",
     "What is left to learn",
     "Details",
     "To repeat it",
   ]);
-  assert.equal(page.all("img").length, 10);
+  assert.equal(page.all("img").length, 11);
   assert.equal(page.all("path").length, 4 + 4 + 2 + 2 + 1);
   assert.ok(!/NaN|undefined|null|There is nothing|cannot be/.test(text), text);
 });
@@ -164,11 +166,20 @@ test("Direct Delta Mush is beside the result, and flexing is shown", () => {
   assert.match(many.text, /d 0\.11 and 1 control more\./);
 });
 
+test("sections are named by their numbers, at rest and flexed beside each other", () => {
+  const { page, text } = report();
+  const labels = page.all("div").filter((div) => div.attributes.class === "columns");
+  assert.ok(labels.some((div) => div.textContent === "at restflexedat restflexed"));
+  assert.match(text, /in frame 21 of take 'flexed'.*1 thigh, 2 upper arm\. Bone ivory/);
+  const without = report((figures) => delete figures.sections);
+  assert.doesNotMatch(without.text, /Bone ivory/);
+});
+
 test("without held-out frames nothing is measured, and the page says so", () => {
   const { text } = report((figures, pictures) => {
     Object.assign(figures, { methods: [], heldout: { frames: [], takes: [] }, pictures: [], takes: [] });
     figures.dataset = { ...figures.dataset, heldout_frames: 0, how_to_hold_out: "say --heldout" };
-    for (const name of ["coverage", "mean_error", "flexed", "jiggle", "simulation"]) delete figures[name];
+    for (const name of ["coverage", "mean_error", "flexed", "sections", "jiggle", "simulation"]) delete figures[name];
     for (const name of Object.keys(pictures)) delete pictures[name];
   });
   assert.match(text, /holds out no frames.*are missing: say --heldout\./);
@@ -176,7 +187,7 @@ test("without held-out frames nothing is measured, and the page says so", () => 
   assert.match(text, /this basis, expected: 0\.6 mm/);
   assert.doesNotMatch(text, /held out: /);
   assert.doesNotMatch(text, /need a Vulkan device/);
-  assert.match(text, /There is nothing to show of: takes, pictures, methods, curves, jiggle, flexing, coverage\./);
+  assert.match(text, /There is nothing to show of: takes, pictures, methods, curves, jiggle, flexing, sections, coverage\./);
 });
 
 test("without a device the page says so", () => {
@@ -237,7 +248,7 @@ test("names that are markup are text", () => {
   });
   assert.equal(document.title, `How the skin of ${hostile} moves`);
   assert.ok(text.includes(`1. ${hostile}`));
-  assert.equal(page.all("img").length, 10);
+  assert.equal(page.all("img").length, 11);
   for (const image of page.all("img")) assert.ok(image.attributes.src.startsWith("data:image/"));
 });
 

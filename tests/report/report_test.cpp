@@ -129,6 +129,7 @@ ReportData example() {
   }
   data.mean_error = MeanErrorReport{2, 1.5, some_picture()};
   data.flexed = FlexReport{"flexed", 21, {{"biceps", 1}, {"triceps", 0.25}}, 6.5, 10, some_picture()};
+  data.sections = SectionsReport{"flexed", 21, {"thigh", "upper arm"}, some_picture()};
   add_jiggle(data);
   add_provenance(data);
   return data;
@@ -160,7 +161,8 @@ TEST(Report, PageHoldsAPictureOfEveryKind) {
   EXPECT_EQ(pictures.at("frames").size(), data.pictures.size());
   const Json expected = {{"src", data_url("image/png", encode_png(some_picture()))}, {"width", 6}, {"height", 2}};
   EXPECT_EQ(pictures.at("frames").at(3), expected);
-  for (const char* name : {"mean_error", "flexed", "regions"}) EXPECT_EQ(pictures.at(name), expected) << name;
+  for (const char* name : {"mean_error", "flexed", "sections", "regions"})
+    EXPECT_EQ(pictures.at(name), expected) << name;
   EXPECT_EQ(pictures.at("jiggle").at("strip"), expected);
   const Json animation = {{"src", "data:image/webp;base64,UklGRg=="}, {"width", 6}, {"height", 2}};
   EXPECT_EQ(pictures.at("jiggle").at("animation"), animation);
@@ -178,6 +180,7 @@ TEST(Report, NeedsNoHeldOutFrames) {
   data.coverage.reset();
   data.mean_error.reset();
   data.flexed.reset();
+  data.sections.reset();
   data.region_picture.reset();
   data.pictures.clear();
   data.jiggle.reset();
@@ -196,6 +199,7 @@ TEST(Report, WithoutADeviceThereAreNoPictures) {
   data.pictures.clear();
   data.mean_error.reset();
   data.flexed.reset();
+  data.sections.reset();
   data.region_picture.reset();
   data.jiggle->pictures.reset();
   write_report(data, folder.path());

@@ -9,10 +9,12 @@
 #include "assets/character.h"
 #include "assets/clip.h"
 #include "assets/muscles.h"
+#include "trainer/anatomy/field.h"
 
 namespace bodyopt {
 
 constexpr double kTubeLength = 0.5, kTubeRadius = 0.04;  // metres
+const AnatomyOptions kLimbAnatomy{.cell = 0.004};        // coarse: its fine points are tested elsewhere
 constexpr int kTubeSides = 10, kTubeRings = 23;
 
 // Rings of vertices and a tip at each end; triangles wind outwards.

@@ -26,12 +26,17 @@ TEST(Materials, EveryValueOfTheFileReachesTheShape) {
   const TemporaryFolder folder;
   const Character limb = make_limb();
   const TetMesh mesh = fill_skin(limb, 0.05);
+  Muscle extensor = make_flexor();
+  extensor.name = "extensor";
+  for (MusclePoint& point : extensor.path) point.position[1] *= -1;
+  const std::vector<Muscle> muscles{make_flexor(), extensor};
+  const AnatomyField anatomy(limb, muscles, kLimbAnatomy);
   const Pose pose = bent(limb, degrees(40));
-  const std::vector<double> flex{0.5};
+  const std::vector<double> flex{0.5, 0};
   const auto solved = [&](const Materials& materials) {
-    return QuasiStaticBody(limb, {make_flexor()}, mesh, materials).solve(pose, flex);
+    return QuasiStaticBody(limb, muscles, anatomy, mesh, materials).solve(pose, flex);
   };
-  const QuasiStaticBody body(limb, {make_flexor()}, mesh);
+  const QuasiStaticBody body(limb, muscles, anatomy, mesh);
   const SolvedPose standard = body.solve(pose, flex);
   for (const char* entry :
        {R"("fat": {"shear_modulus_pa": 6e3})", R"("fat": {"lame_lambda_pa": 40e3})",
@@ -44,13 +49,14 @@ TEST(Materials, EveryValueOfTheFileReachesTheShape) {
     const SolvedPose other = solved(materials);
     EXPECT_TRUE(other.status.converged) << entry;
     EXPECT_GT((other.nodes - standard.nodes).rowwise().norm().maxCoeff(), 2e-5) << entry;
-    EXPECT_NE(QuasiStaticBody(limb, {make_flexor()}, mesh, materials).hash(), body.hash()) << entry;
+    EXPECT_NE(QuasiStaticBody(limb, muscles, anatomy, mesh, materials).hash(), body.hash()) << entry;
   }
   // Contact is felt in a fold only.
   write_bytes(folder / "m.json", file_of(R"("contact": {"stiffness_pa_per_m": 1e6})"));
-  const Pose folded = bent(limb, degrees(120));
-  const SolvedPose hard = QuasiStaticBody(limb, {}, mesh).solve(folded),
-                   soft = QuasiStaticBody(limb, {}, mesh, read_materials(folder / "m.json")).solve(folded);
+  const AnatomyField passive(limb, {}, kLimbAnatomy);
+  const Pose folded = bent(limb, degrees(140));
+  const SolvedPose hard = QuasiStaticBody(limb, {}, passive, mesh).solve(folded),
+                   soft = QuasiStaticBody(limb, {}, passive, mesh, read_materials(folder / "m.json")).solve(folded);
   EXPECT_GT(soft.status.contact_depth, 1.5 * hard.status.contact_depth);
 }
 

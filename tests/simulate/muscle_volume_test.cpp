@@ -4,9 +4,8 @@
 
 #include <Eigen/Geometry>
 
-#include "tests/simulate/limb.h"
+#include "tests/simulate/tube_field.h"
 #include "trainer/simulate/materials.h"
-#include "trainer/simulate/muscle_fibres.h"
 #include "trainer/simulate/quasi_static.h"
 #include "trainer/tets/tets.h"
 
@@ -15,7 +14,7 @@ namespace {
 
 struct Case {
   Case() : limb(make_limb()), mesh(tetrahedralise(limb.vertices, limb.triangles, 0.05)) {
-    fibres = label_muscles(mesh, {make_flexor()});
+    fibres = find_tissue(mesh, tube_tissue).fibres;
     for (std::size_t k = 0; k < fibres.size(); k += 3) fibres[k].share = 0.4;
   }
   Character limb;
@@ -62,7 +61,7 @@ TEST(MuscleVolume, GradientAndModesAreTheDerivative) {
 
 TEST(MuscleVolume, IsKeptWhenAMuscleShortens) {
   const Character limb = make_limb();
-  const QuasiStaticBody body(limb, {make_flexor()}, 0.05);
+  const QuasiStaticBody body(limb, {make_flexor()}, 0.05, kLimbAnatomy);
   for (const double angle : {60.0, 120.0}) {
     EXPECT_LT(std::abs(body.solve(bent(limb, degrees(angle))).status.volume_change), 0.02) << angle;
   }

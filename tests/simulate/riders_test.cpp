@@ -38,7 +38,8 @@ std::vector<std::uint32_t> add_card(const Eigen::RowVector3d& from, const Eigen:
 }
 
 double most_stretched(const Character& character, const Pose& pose, bool draft) {
-  const QuasiStaticBody body = make_body(character, {}, {.tet_size = 0.05, .threads = 1, .draft = draft});
+  const QuasiStaticBody body =
+      make_body(character, {}, {.tet_size = 0.05, .threads = 1, .draft = draft, .anatomy = kLimbAnatomy});
   RiderStretch stretch(character, body.riding());
   stretch.add(1, body.skin(body.solve(pose).nodes));
   return stretch.most();
@@ -65,7 +66,7 @@ TEST(Riders, ACardNearTwoPartsFollowsItsOwn) {
 TEST(Riders, AtRestTheyAreWhereTheyWere) {
   Character limb = make_limb();
   add_card({0.1, 0, 0.04}, {0.1, 0, 0.2}, {0.02, 0, 0}, {{0, 1.0}}, limb);
-  const QuasiStaticBody body = make_body(limb, {}, {.tet_size = 0.05, .threads = 1});
+  const QuasiStaticBody body = make_body(limb, {}, {.tet_size = 0.05, .threads = 1, .anatomy = kLimbAnatomy});
   ASSERT_EQ(body.riding().size(), 2u * kRows);
   const Positions rest = body.skin(body.solve(bind_pose(limb.skeleton)).nodes);
   EXPECT_LT((rest - limb.vertices).cwiseAbs().maxCoeff(), 1e-6);
@@ -107,7 +108,7 @@ TEST(Riders, WhatIsStretchedIsSaidWithItsPlace) {
   clip.poses = {bent(limb, 0), bent(limb, degrees(80))};
   const auto warned = [&] {
     std::string text;
-    SimulateOptions options{.tet_size = 0.05, .threads = 1};
+    SimulateOptions options{.tet_size = 0.05, .threads = 1, .anatomy = kLimbAnatomy};
     options.warn = [&](const std::string& warning) { text += warning; };
     simulate(limb, {}, clip, {1, 2}, folder / "take.pc2", folder / "take.json", options);
     return text;

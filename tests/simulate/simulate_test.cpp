@@ -52,7 +52,7 @@ Outcome run(const TemporaryFolder& folder, const Clip& clip, const std::vector<i
   const Character limb = make_limb();
   Outcome result;
   result.status = simulate(limb, {make_flexor()}, clip, frames, folder / "take.pc2", folder / "take.json",
-                           SimulateOptions{0.05, threads});
+                           SimulateOptions{.tet_size = 0.05, .threads = threads, .anatomy = kLimbAnatomy});
   result.cache = testing::read_bytes(folder / "take.pc2");
   return result;
 }
@@ -176,7 +176,8 @@ TEST(Simulate, AFrameSolvedAloneIsTheOneThatIsStored) {
   clip.controls = {"flexor"};
   for (Pose& pose : clip.poses) pose.controls = {0.5};
   const Outcome stored = run(folder, clip, {12, 14}, 1);
-  const QuasiStaticBody body = make_body(limb, muscles, SimulateOptions{0.05, 1});
+  const QuasiStaticBody body =
+      make_body(limb, muscles, SimulateOptions{.tet_size = 0.05, .threads = 1, .anatomy = kLimbAnatomy});
   EXPECT_EQ(frame_key(body, muscles, clip, 12), stored.status[0].inputs);
   EXPECT_EQ(frame_key(body, muscles, clip, 14), stored.status[1].inputs);
   const Positions nodes = solve_frame(body, muscles, clip, 14).nodes;
@@ -185,9 +186,11 @@ TEST(Simulate, AFrameSolvedAloneIsTheOneThatIsStored) {
 
   Materials soft;
   soft.fat.mu /= 2;
-  EXPECT_NE(frame_key(make_body(limb, muscles, {.tet_size = 0.05, .materials = soft}), muscles, clip, 14),
+  EXPECT_NE(frame_key(make_body(limb, muscles, {.tet_size = 0.05, .materials = soft, .anatomy = kLimbAnatomy}), muscles,
+                      clip, 14),
             stored.status[1].inputs);
-  EXPECT_NE(frame_key(make_body(limb, muscles, {.tet_size = 0.02}), muscles, clip, 14), stored.status[1].inputs);
+  EXPECT_NE(frame_key(make_body(limb, muscles, {.tet_size = 0.02, .anatomy = kLimbAnatomy}), muscles, clip, 14),
+            stored.status[1].inputs);
   clip.poses[3].controls = {0.25};
   EXPECT_NE(frame_key(body, muscles, clip, 14), stored.status[1].inputs);
 }
@@ -197,7 +200,7 @@ TEST(Simulate, MusclesThatWouldDoNothingAreSaid) {
   const Character limb = make_limb();
   const Clip clip = bending_clip(limb, 1);
   std::string warning;
-  SimulateOptions options{0.05, 1};
+  SimulateOptions options{.tet_size = 0.05, .threads = 1, .anatomy = kLimbAnatomy};
   options.warn = [&](const std::string& text) { warning += text; };
   const auto with = [&](const Muscle& other) {
     simulate(limb, {make_flexor(), other}, clip, {11}, folder / "take.pc2", folder / "take.json", options);

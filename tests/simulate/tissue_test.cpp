@@ -41,15 +41,15 @@ Positions mapped(const Positions& nodes, const Eigen::Matrix3d& linear, const Ei
 }
 
 // Central differences along random directions.
-void expect_gradient(const Tissue& tissue, const Positions& nodes, const std::vector<double>& activation,
+void expect_gradient(const Tissue& tissue, const Positions& nodes, const std::vector<FibreDrive>& drives,
                      const Tissue::BarrierShape& shape = Tissue::kBarrier) {
   Positions gradient = Positions::Zero(nodes.rows(), 3), unused = gradient;
-  ASSERT_TRUE(std::isfinite(tissue.add_gradient(nodes, activation, gradient, shape).energy));
+  ASSERT_TRUE(std::isfinite(tissue.add_gradient(nodes, drives, gradient, shape).energy));
   for (unsigned seed = 1; seed <= 5; ++seed) {
     const Positions direction = shaken(Positions::Zero(nodes.rows(), 3), 1, seed);
     const double step = 1e-7;
-    const double up = tissue.add_gradient(nodes + step * direction, activation, unused, shape).energy;
-    const double down = tissue.add_gradient(nodes - step * direction, activation, unused, shape).energy;
+    const double up = tissue.add_gradient(nodes + step * direction, drives, unused, shape).energy;
+    const double down = tissue.add_gradient(nodes - step * direction, drives, unused, shape).energy;
     const double expected = (up - down) / (2 * step);
     EXPECT_NEAR(gradient.cwiseProduct(direction).sum(), expected, 1e-5 * gradient.norm() * direction.norm());
   }
@@ -71,11 +71,11 @@ TEST(Tissue, FibreGradientsAreTheEnergysDerivative) {
   std::vector<FibreTet> fibres = fibres_everywhere(mesh, {1, 0.3, -0.2});
   for (const int t : {0, 7, 7, 11}) fibres.push_back({t, 0, Eigen::Vector3d(0.2, -1, 0.4).normalized(), 0.5});
   const Tissue tissue(mesh, all(mesh, Materials{}.muscle), fibres);
-  expect_gradient(tissue, shaken(mesh.nodes, 0.0005, 9), {0.7});       // active alone, near rest
-  expect_gradient(tissue, shaken(1.2 * mesh.nodes, 0.0005, 10), {0});  // passive alone, stretched
-  expect_gradient(tissue, shaken(1.2 * mesh.nodes, 0.0005, 11), {1});  // both
+  expect_gradient(tissue, shaken(mesh.nodes, 0.0005, 9), {{0.7, 0.7}});       // active alone, near rest
+  expect_gradient(tissue, shaken(1.2 * mesh.nodes, 0.0005, 10), {{0, 0.7}});  // passive alone, stretched
+  expect_gradient(tissue, shaken(1.2 * mesh.nodes, 0.0005, 11), {{1, 0.7}});  // both
   const Eigen::Vector3d shorter(0.65, 1.2, 1.2);
-  expect_gradient(tissue, shaken(mapped(mesh.nodes, shorter.asDiagonal(), {0, 0, 0}), 0.0003, 12), {1});
+  expect_gradient(tissue, shaken(mapped(mesh.nodes, shorter.asDiagonal(), {0, 0, 0}), 0.0003, 12), {{1, 0.7}});
 }
 
 // Against a plain evaluation, tet by tet, of the energy in the header.
@@ -112,14 +112,15 @@ TEST(Tissue, EnergyIsTheDocumentedOne) {
       }
       if (t == 4 || t == 9) {
         const double s = (f * second).norm();
-        density += 0.25 * (0.9 * Materials{}.active_fibre / 2 * std::pow(std::max(s - 0.7, 0.0), 2) +
+        density += 0.25 * (0.9 * Materials{}.active_fibre / 2 * std::pow(std::max(s - 0.85, 0.0), 2) +
                            Materials{}.passive_fibre / 2 * std::pow(std::max(s - 1, 0.0), 2));
       }
       expected += volume * density;
     }
     Positions gradient = Positions::Zero(nodes.rows(), 3);
     const Tissue tissue(mesh, materials, fibres);
-    const double found = tissue.add_gradient(nodes, std::vector<double>{0.6, 0.9}, gradient, shape).energy;
+    const double found =
+        tissue.add_gradient(nodes, std::vector<FibreDrive>{{0.6, 0.7}, {0.9, 0.85}}, gradient, shape).energy;
     EXPECT_NEAR(found, expected, 1e-10 * std::abs(expected));
   }
 }
@@ -129,7 +130,8 @@ TEST(Tissue, RigidMotionMakesNoForce) {
   const Tissue tissue(mesh, all(mesh, Materials{}.muscle), fibres_everywhere(mesh, {0, 1, 1}));
   const Eigen::Matrix3d turn = Eigen::AngleAxisd(2.1, Eigen::Vector3d(1, 2, 3).normalized()).toRotationMatrix();
   Positions gradient = Positions::Zero(mesh.nodes.rows(), 3);
-  const Tissue::Sum sum = tissue.add_gradient(mapped(mesh.nodes, turn, {5, -3, 1}), std::vector<double>{0}, gradient);
+  const Tissue::Sum sum =
+      tissue.add_gradient(mapped(mesh.nodes, turn, {5, -3, 1}), std::vector<FibreDrive>{{0, 1}}, gradient);
   EXPECT_NEAR(sum.energy, 0, 1e-12);
   EXPECT_LT(gradient.cwiseAbs().maxCoeff(), 1e-9);  // newtons; a strain of one percent makes 1e-2
 }

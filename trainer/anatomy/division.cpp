@@ -28,7 +28,6 @@ Division::OfMuscle described(const HalfMuscle& muscle, const std::array<BoneFoot
   for (const std::size_t end : {0U, 1U}) {
     result.ends_off_bone[end] = feet[end].distance;
     result.end_joint[end] = feet[end].joint;
-    result.foot[end] = feet[end].place;
   }
   if (muscle.whole) result.limb = muscle.whole->limb;
   return result;

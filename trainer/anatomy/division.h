@@ -20,7 +20,6 @@ struct Division {
     int pieces = 1;                       // connected pieces of its region
     double ends_off_bone[2] = {0, 0};     // metres: origin, insertion; to the nearest bone of its joints
     int end_joint[2] = {-1, -1};          // the bones that its ends are tied to
-    Eigen::Vector3d foot[2];              // on those bones, half space
     std::string limb;                     // of limb_factors; empty: none
   };
   std::vector<OfMuscle> muscles;

@@ -16,7 +16,6 @@ using Eigen::Vector3d;
 using Eigen::Vector3i;
 
 constexpr double kLeastFat = 0.02, kMostFat = 0.6;
-constexpr double kMuscleStress = 180e3;  // pascals at full activation
 
 void check_options(const AnatomyOptions& options) {
   if (!(options.body_fat >= kLeastFat && options.body_fat <= kMostFat)) {
@@ -26,19 +25,6 @@ void check_options(const AnatomyOptions& options) {
   if (!(options.cell >= 0) || !std::isfinite(options.cell))
     throw Error(ErrorKind::usage,
                 "anatomy: the edge of a cell is " + std::to_string(options.cell) + ", expected metres");
-}
-
-void require_fit(const Character& character, const std::vector<Muscle>& muscles) {
-  if (character.skeleton.size() == 0) throw Error(ErrorKind::mismatch, "the character has no joints to drive it");
-  for (const Muscle& muscle : muscles) {
-    if (muscle.path.size() < 2 || !(muscle.radius > 0)) {
-      throw Error(ErrorKind::mismatch, "muscle '" + muscle.name + "' needs two points or more and a radius above 0");
-    }
-    for (const MusclePoint& point : muscle.path) {
-      if (point.joint < character.skeleton.size()) continue;
-      throw Error(ErrorKind::mismatch, "muscle '" + muscle.name + "' is bound to a joint the skeleton lacks");
-    }
-  }
 }
 
 // The number of each muscle on the other side; its own where that has none.
@@ -146,39 +132,6 @@ TissueAt tissue_in(const AnatomyField::Half& half, const Corners& corners, doubl
   return {half.division.is_tendon[static_cast<std::size_t>(s)] ? TissueKind::tendon : TissueKind::muscle, -1, muscle};
 }
 
-// From the end of a belly along the path to the bone.
-double length_beyond(const Positions& path, double belly_end, bool is_origin, Vector3d& end) {
-  const double at = belly_end * static_cast<double>(path.rows() - 1);
-  const auto row = std::clamp<Index>(static_cast<Index>(at), 0, path.rows() - 2);
-  end = path.row(row) + (at - static_cast<double>(row)) * (path.row(row + 1) - path.row(row));
-  double length = (path.row(is_origin ? row : row + 1).transpose() - end).norm();
-  for (Index k = is_origin ? 0 : row + 1; k < (is_origin ? row : path.rows() - 1); ++k)
-    length += (path.row(k + 1) - path.row(k)).norm();
-  return length;
-}
-
-std::vector<AnatomyField::Tendon> tendons_of(const AnatomyField::Half& half, bool is_other_side) {
-  constexpr double kShortest = 0.5;  // of a cell: a belly that reaches its bone is held there, not rigidly
-  const Eigen::Affine3d side(Eigen::Scaling(is_other_side ? -1.0 : 1.0, 1.0, 1.0));
-  const Eigen::Affine3d to_rest = half.body.from_rest.inverse() * side;
-  std::vector<AnatomyField::Tendon> tendons;
-  for (const Division::OfMuscle& of : half.division.muscles) {
-    const double belly = (of.belly_to - of.belly_from) * path_length(of.path);
-    if (!(belly > 0)) continue;
-    for (const int end : {0, 1}) {
-      if (of.end_joint[end] < 0) continue;
-      Vector3d belly_end;
-      const double length = length_beyond(of.path, end == 0 ? of.belly_from : of.belly_to, end == 0, belly_end);
-      const auto joint = static_cast<std::size_t>(of.end_joint[end]), muscle = static_cast<std::size_t>(of.muscle);
-      tendons.push_back({is_other_side ? half.muscle[muscle] : of.muscle,
-                         is_other_side ? half.joint[joint] : of.end_joint[end], to_rest * belly_end,
-                         to_rest * of.foot[end], std::max(length, kShortest * half.grid.cell),
-                         kMuscleStress * of.volume / belly});
-    }
-  }
-  return tendons;
-}
-
 // A joint without a counterpart stands for itself.
 std::vector<int> other_joints(const Character& character) {
   std::vector<int> others = mirrored_joints(character);
@@ -191,7 +144,7 @@ std::vector<int> other_joints(const Character& character) {
 AnatomyField::AnatomyField(const Character& character, const std::vector<Muscle>& muscles,
                            const AnatomyOptions& options) {
   check_options(options);
-  require_fit(character, muscles);
+  require_fit(muscles, character.skeleton);
   const RecognisedKind recognised = recognise_kind(character);
   kind_ = options.kind.value_or(recognised.kind);
   why_kind_ = options.kind ? "as asked for" : recognised.why;
@@ -206,11 +159,15 @@ AnatomyField::AnatomyField(const Character& character, const std::vector<Muscle>
     half.muscle = other_muscles(half.body, muscles);
     halves_.push_back(std::move(half));
   }
+  belly_lengths_.assign(muscles.size(), 0);
   for (const Half& half : halves_) {
-    for (const bool is_other_side : {false, true}) {
-      if (is_other_side && !is_own_mirror()) continue;
-      const std::vector<Tendon> more = tendons_of(half, is_other_side);
-      tendons_.insert(tendons_.end(), more.begin(), more.end());
+    for (const Division::OfMuscle& of : half.division.muscles) {
+      const double belly = (of.belly_to - of.belly_from) * path_length(of.path);
+      for (const int slip : of.slips) {
+        const auto m = static_cast<std::size_t>(slip);
+        belly_lengths_[m] = belly;
+        if (is_own_mirror()) belly_lengths_[static_cast<std::size_t>(half.muscle[m])] = belly;
+      }
     }
   }
 }
@@ -225,7 +182,7 @@ AnatomyField::Place AnatomyField::place_of(const Vector3d& point) const {
 }
 
 TissueAt AnatomyField::tissue_at(const Vector3d& point) const {
-  if (!point.allFinite()) return {};
+  if (halves_.empty() || !point.allFinite()) return {};
   const Place place = place_of(point);
   const Corners corners(*place.half, place.point);
   const double depth = corners.depth(place.half->grid, place.point);
@@ -237,13 +194,27 @@ TissueAt AnatomyField::tissue_at(const Vector3d& point) const {
 }
 
 Vector3d AnatomyField::fibre_at(const Vector3d& point) const {
-  if (!point.allFinite()) return Vector3d::Zero();
+  if (halves_.empty() || !point.allFinite()) return Vector3d::Zero();
   const Place place = place_of(point);
   const int s = lean_sample(*place.half, Corners(*place.half, place.point));
   if (s < 0 || tissue_at(point).muscle < 0) return Vector3d::Zero();
   Vector3d fibre = place.half->division.fibre.row(s);
   if (place.is_other_side) fibre.x() = -fibre.x();
   return place.half->body.from_rest.linear().transpose() * fibre;
+}
+
+std::vector<int> AnatomyField::slips_of(int muscle) const {
+  for (const Half& half : halves_) {
+    for (const Division::OfMuscle& of : half.division.muscles) {
+      if (of.slips.empty()) continue;
+      if (of.muscle == muscle) return of.slips;
+      if (!is_own_mirror() || half.muscle[static_cast<std::size_t>(of.muscle)] != muscle) continue;
+      std::vector<int> slips;
+      for (const int slip : of.slips) slips.push_back(half.muscle[static_cast<std::size_t>(slip)]);
+      return slips;
+    }
+  }
+  return {muscle};
 }
 
 std::uint64_t AnatomyField::hash() const {
@@ -267,14 +238,7 @@ std::uint64_t AnatomyField::hash() const {
     hash.append(half.division.fibre.data(), static_cast<std::size_t>(half.division.fibre.size()) * sizeof(double));
     for (const Division::OfMuscle& of : half.division.muscles) hash.add(static_cast<std::uint64_t>(of.muscle));
   }
-  for (const Tendon& tendon : tendons_) {
-    hash.add(static_cast<std::uint64_t>(tendon.muscle));
-    hash.add(static_cast<std::uint64_t>(tendon.joint));
-    for (int axis = 0; axis < 3; ++axis) hash.add(tendon.belly_end[axis]);
-    for (int axis = 0; axis < 3; ++axis) hash.add(tendon.foot[axis]);
-    hash.add(tendon.length);
-    hash.add(tendon.largest_force);
-  }
+  for (const double length : belly_lengths_) hash.add(length);
   return hash.value();
 }
 

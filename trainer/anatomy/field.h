@@ -13,7 +13,7 @@ namespace bodyopt {
 
 struct AnatomyOptions {
   double body_fat = 0.15;            // of the body's mass, 0.02 to 0.6
-  std::optional<BodyKind> kind;      // none: recognised
+  std::optional<BodyKind> kind{};    // none: recognised
   double cell = 0;                   // metres; 0: default_cell()
   AnatomyCorrections corrections{};  // of bones, fat and muscles; its kind and body fat are the caller's to take
 };
@@ -26,8 +26,9 @@ struct TissueAt {
 
 class AnatomyField {
  public:
-  // Throws Error(usage) for options out of range, Error(mismatch) where the skin encloses nothing or the muscles do not
-  // fit the skeleton.
+  AnatomyField() = default;  // of nothing: all is outside
+  // Throws Error(usage) for options out of range, Error(mismatch) where the skin encloses nothing (flat) or the muscles
+  // do not fit the skeleton.
   AnatomyField(const Character& character, const std::vector<Muscle>& muscles, const AnatomyOptions& options = {});
 
   // Any point of rest space. Of a skin that is its own mirror image, left and right are the same to the last bit.
@@ -35,20 +36,16 @@ class AnatomyField {
   // Unit, rest space, from origin to insertion, of the muscle at a point; zero where there is none.
   Eigen::Vector3d fibre_at(const Eigen::Vector3d& point) const;
 
-  // A spring in series with a muscle's belly: it ties the belly's outer end to the bone of a joint.
-  struct Tendon {
-    int muscle, joint;
-    Eigen::Vector3d belly_end, foot;  // rest space
-    double length;                    // metres, along the path
-    double largest_force;             // newtons: 180 kPa times the belly's mean section
-    double stiffness() const { return largest_force / (0.04 * length); }  // N/m; Zajac 1989
-  };
-  const std::vector<Tendon>& tendons() const { return tendons_; }
+  // All muscles of the list that share the region that tissue_at() tells as this one's, itself among them.
+  std::vector<int> slips_of(int muscle) const;
+
+  // Of each muscle of the list, metres along its path at rest; 0 of those without a region.
+  const std::vector<double>& belly_lengths() const { return belly_lengths_; }
 
   BodyKind kind() const { return kind_; }
   const std::string& why_kind() const { return why_kind_; }
   bool is_own_mirror() const { return halves_.size() == 1 && halves_.front().body.has_plane; }
-  std::uint64_t hash() const;  // of all that tissue_at() and tendons() tell
+  std::uint64_t hash() const;  // of all that tissue_at() and belly_lengths() tell
 
   struct Half {
     HalfBody body;
@@ -69,7 +66,7 @@ class AnatomyField {
   Place place_of(const Eigen::Vector3d& point) const;
 
   std::vector<Half> halves_;
-  std::vector<Tendon> tendons_;
+  std::vector<double> belly_lengths_;
   BodyKind kind_ = BodyKind::biped;
   std::string why_kind_;
 };

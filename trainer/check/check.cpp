@@ -19,6 +19,7 @@
 #include "trainer/curate/shape_stack.h"
 #include "trainer/simulate/materials.h"
 #include "trainer/simulate/muscle_fibres.h"
+#include "trainer/simulate/simulate.h"
 #include "trainer/train/skinning/linear_blend.h"
 
 namespace bodyopt {
@@ -241,6 +242,7 @@ std::vector<TakeCheck> check_dataset(const Dataset& dataset) {
   std::vector<Muscle> muscles;
   if (!dataset.muscles.empty()) muscles = read_muscles(dataset.folder / dataset.muscles, character.skeleton);
   if (!dataset.materials.empty()) read_materials(dataset.folder / dataset.materials);
+  anatomy_options(dataset, character.skeleton);
   read_regions(dataset, character);
   std::vector<TakeCheck> checks;
   for (const DatasetTake& take : dataset.takes) checks.push_back(TakeChecker(dataset, character, muscles, take).run());

@@ -151,6 +151,7 @@ Dataset bake_dataset(const ShapeStack& stack, const fs::path& folder) {
   baked.character = elsewhere(from, baked.character);
   baked.muscles = elsewhere(from, baked.muscles);
   baked.materials = elsewhere(from, baked.materials);
+  baked.corrections = elsewhere(from, baked.corrections);
   baked.regions = elsewhere(from, baked.regions);
   baked.modifiers.clear();
   baked.selections.clear();

@@ -63,13 +63,13 @@ DynamicsTets tets_of(const Character& character, const Basis& basis, const Dynam
 DynamicsReport report_of(const Dynamics& dynamics, const DynamicsTets& tets, const JiggleAnatomy& anatomy,
                          std::vector<std::string> notes) {
   std::set<int> joints;
-  for (const BonePoint& bone : anatomy.bones) joints.insert(bone.joint);
+  for (const BonePart& bone : anatomy.tissue.bones) joints.insert(bone.joint);
   return {dynamics.tets.tet_count(),
           dynamics.tets.node_count(),
           dynamics.tets.surface_count(),
           tet_quality(tets.cage.mesh),
           tets.unfolding,
-          anatomy.bones.size(),
+          anatomy.tissue.bones.size(),
           joints.size(),
           std::move(notes)};
 }
@@ -110,7 +110,8 @@ BuiltDynamics build_dynamics(const Character& character, const std::vector<Muscl
   const DynamicsTets tets = tets_of(ordered, basis, options);
   const TetMesh& mesh = tets.cage.mesh;
   progress.advance();
-  JiggleAnatomy anatomy = find_anatomy(ordered, muscles, tets.cage, options.materials);
+  const AnatomyField field(character, muscles, options.anatomy);
+  JiggleAnatomy anatomy = find_anatomy(ordered, field, muscles.size(), tets.cage, options.materials);
   const JiggleFields fields =
       spread_settings(options.settings, ordered, muscles, in_runtime_order(options.painted, order), tets, anatomy);
   anatomy.bone_springs +=

@@ -5,6 +5,7 @@
 #include "assets/muscles.h"
 #include "geometry/region_weights.h"
 #include "runtime/basis/dynamics.h"
+#include "trainer/anatomy/field.h"
 #include "trainer/dynamics/jiggle_settings.h"
 #include "trainer/dynamics/tet_quality.h"
 #include "trainer/dynamics/unfold_tets.h"
@@ -16,7 +17,8 @@ struct DynamicsOptions {
   Eigen::Index resolution = 25000;  // tets at most
   JiggleStep step{};                // stiffness_damping is found from the settings
   JiggleSettings settings{};
-  Materials materials{};                 // fat, muscle and bone springs
+  Materials materials{};  // tissues and bone springs
+  AnatomyOptions anatomy{};
   std::vector<RegionWeights> painted{};  // of welded vertices, as read_regions gives them: what settings may name
   // With the basis' controls. Diffuse is not to turn tets inside out in these; of many, some are looked at.
   std::vector<Pose> poses{};

@@ -10,6 +10,7 @@
 #include "runtime/basis/dynamics.h"
 #include "runtime/core/error.h"
 #include "trainer/dynamics/block_inverse.h"
+#include "trainer/simulate/muscle_fibres.h"
 #include "trainer/train/skinning/mesh_table.h"
 
 namespace bodyopt {
@@ -17,7 +18,7 @@ namespace {
 
 // Tissue that jiggles is softer than the simulation's, and its tets, coarse and linear, are stiffer than what they
 // stand for: with this the thighs and the chest of a person swing at 6 to 7 Hz, the belly at 5.
-constexpr double kSofterThanSimulated = 2.5;
+constexpr double kSofterThanSimulated = 3.5;
 // A body of several times a person's size, in a unit of its own or not, moves as many times as far in a second. Its
 // tissue is as many times squared stiffer: it swings as fast, and as far for its size.
 constexpr double kPerson = 1.8;         // metres, the longest extent
@@ -33,14 +34,13 @@ double angular(double hertz) { return 2 * std::numbers::pi * hertz; }
 std::vector<TetMaterial> tet_materials(const JiggleSettings& settings, const Eigen::VectorXd& softness,
                                        const TetMesh& mesh, const JiggleAnatomy& anatomy, const Materials& materials) {
   const double stiffer = std::pow(std::max(1.0, longest_extent(mesh.nodes) / kPerson), 2);
-  std::vector<TetMaterial> result;
+  std::vector<TetMaterial> result = tet_materials(anatomy.tissue.shares, materials);
   for (Eigen::Index t = 0; t < mesh.tets.rows(); ++t) {
     double log_softness = 0;
     for (int a = 0; a < 4; ++a) log_softness += std::log(softness[mesh.tets(t, a)]) / 4;
-    const double muscle = anatomy.muscle_of_tets[static_cast<std::size_t>(t)];
-    const double mu = stiffer * std::lerp(materials.fat.mu, materials.muscle.mu, muscle) /
-                      (kSofterThanSimulated * std::exp(log_softness));
-    result.push_back({mu, 2 * mu * settings.poisson / (1 - 2 * settings.poisson)});
+    TetMaterial& material = result[static_cast<std::size_t>(t)];
+    material.mu *= stiffer / (kSofterThanSimulated * std::exp(log_softness));
+    material.lambda = 2 * material.mu * settings.poisson / (1 - 2 * settings.poisson);
   }
   return result;
 }

@@ -20,7 +20,7 @@ struct JiggleSystem {
   SparseMatrix springs;                // N x N, N/m, alike in all directions
 };
 
-// The settings in numbers: stiffness is that of fat and muscle, by their shares, over the softness; of bodies larger
+// The settings in numbers: stiffness is that of the tissues, by their shares, over the softness; of bodies larger
 // than a person by the square of how much larger. Damping ratios are
 // met at 3 Hz. Nodes that are held, and pieces of the body that no bone holds, get springs of their own, which `notes`
 // tells of.

@@ -5,21 +5,19 @@
 
 #include "assets/muscles.h"
 #include "trainer/simulate/bone_springs.h"
-#include "trainer/simulate/muscle_fibres.h"
 
 namespace bodyopt {
 
 struct JiggleAnatomy {
-  std::vector<BonePoint> bones;
-  SparseMatrix bone_springs;           // N x N, N/m
-  NodeWeights joint_share;             // N x J, rows sum to 1
-  std::vector<bool> is_end;            // J: a limb ends with this joint (a head, hand, foot, tip of a tail)
-  std::vector<double> muscle_of_tets;  // T: the share that is muscle
-  Eigen::MatrixXd muscle_share;        // N x M: the part of a node's tissue that each muscle is
+  TetTissue tissue;
+  SparseMatrix bone_springs;     // N x N, N/m
+  NodeWeights joint_share;       // N x J, rows sum to 1
+  std::vector<bool> is_end;      // J: a limb ends with this joint (a head, hand, foot, tip of a tail)
+  Eigen::MatrixXd muscle_share;  // N x M: the part of a node's tissue that each muscle is
 };
 
-// As simulation finds them in a cage. Throws Error(mismatch) where a muscle is bound to a joint the skeleton lacks.
-JiggleAnatomy find_anatomy(const Character& character, const std::vector<Muscle>& muscles, const Cage& cage,
-                           const Materials& materials);
+// As simulation finds them in a cage. field: of the character and its muscles, of which there are so many.
+JiggleAnatomy find_anatomy(const Character& character, const AnatomyField& field, std::size_t muscle_count,
+                           const Cage& cage, const Materials& materials);
 
 }  // namespace bodyopt

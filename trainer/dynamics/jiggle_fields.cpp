@@ -8,6 +8,7 @@
 #include "geometry/thickness.h"
 #include "runtime/core/error.h"
 #include "trainer/dynamics/diffuse.h"
+#include "trainer/simulate/muscle_fibres.h"
 #include "trainer/train/skinning/mesh_table.h"
 
 namespace bodyopt {

@@ -6,18 +6,19 @@ namespace bodyopt {
 namespace {
 
 // Raised whenever the same inputs give other shapes or another side-car, so that no unfinished cache mixes two solvers.
-constexpr std::uint64_t kSolverVersion = 7, kCageVersion = 3;
+constexpr std::uint64_t kSolverVersion = 8, kCageVersion = 3;
 
 }  // namespace
 
 std::uint64_t body_hash(const Character& character, const std::vector<Muscle>& muscles, const Materials& materials,
-                        const TetMesh& mesh, bool carries_skin) {
+                        const TetMesh& mesh, bool carries_skin, std::uint64_t anatomy) {
   ContentHash hash;
   hash.add(kSolverVersion);
+  hash.add(anatomy);
   for (const double constant :
-       {materials.fat.mu, materials.fat.lambda, materials.muscle.mu, materials.muscle.lambda, materials.muscle_bulk,
-        materials.active_fibre, materials.active_slack, materials.passive_fibre, materials.bone_springs,
-        materials.skin_bending, materials.contact}) {
+       {materials.fat.mu, materials.fat.lambda, materials.muscle.mu, materials.muscle.lambda, materials.cavity.mu,
+        materials.cavity.lambda, materials.muscle_bulk, materials.active_fibre, materials.active_slack,
+        materials.passive_fibre, materials.bone_springs, materials.skin_bending, materials.contact}) {
     hash.add(constant);
   }
   hash.append(mesh.nodes.data(), static_cast<std::size_t>(mesh.nodes.size()) * sizeof(double));

@@ -8,10 +8,10 @@
 
 namespace bodyopt {
 
-// xxh3 of tets, skeleton, skin weights, muscles, materials and the version of the solver; of the skin too where the
-// tets are a cage, which does not show all of it.
+// xxh3 of tets, skeleton, skin weights, muscles, materials, AnatomyField::hash() and the version of the solver; of the
+// skin too where the tets are a cage, which does not show all of it.
 std::uint64_t body_hash(const Character& character, const std::vector<Muscle>& muscles, const Materials& materials,
-                        const TetMesh& mesh, bool is_cage);
+                        const TetMesh& mesh, bool carries_skin, std::uint64_t anatomy);
 
 // xxh3 of a pose and of how far each muscle is flexed, on top of a body's hash.
 std::uint64_t pose_hash(std::uint64_t body, const Pose& pose, const std::vector<double>& flex);

@@ -17,26 +17,32 @@ Eigen::Vector3d apply(const Affine& transform, const Eigen::Vector3d& point, dou
 
 }  // namespace
 
-BoneSprings::BoneSprings(const TetMesh& mesh, const std::vector<BonePoint>& points, std::size_t joint_count,
-                         const Materials& materials)
+std::vector<JointSpring> bone_springs(const std::vector<BonePart>& bones, const Materials& materials) {
+  std::vector<JointSpring> springs;
+  for (const BonePart& bone : bones) springs.push_back({bone.tet, bone.joint, materials.bone_springs * bone.moments});
+  return springs;
+}
+
+BoneSprings::BoneSprings(const TetMesh& mesh, const std::vector<JointSpring>& springs, std::size_t joint_count)
     : rest_(mesh.nodes),
       stiffness_(mesh.nodes.rows(), mesh.nodes.rows()),
       by_joint_(NodeWeights::Zero(mesh.nodes.rows(), static_cast<Eigen::Index>(joint_count))),
       main_joint_(static_cast<std::size_t>(mesh.nodes.rows()), -1) {
   std::vector<Eigen::Triplet<double>> entries;
   std::map<std::pair<int, int>, Moment> moments;
-  for (const BonePoint& point : points) {
-    Eigen::Vector3d position = Eigen::Vector3d::Zero();
-    for (int a = 0; a < 4; ++a) position += point.weights[a] * mesh.nodes.row(mesh.tets(point.tet, a)).transpose();
+  for (const JointSpring& spring : springs) {
     for (int a = 0; a < 4; ++a) {
-      const int node = mesh.tets(point.tet, a);
-      const double share = materials.bone_springs * point.volume * point.weights[a];
-      Moment& moment =
-          moments.try_emplace({node, point.joint}, Moment{node, point.joint, 0, Eigen::Vector3d::Zero()}).first->second;
-      moment.sum += share;
-      moment.first += share * position;
-      by_joint_(node, point.joint) += share;
-      for (int b = 0; b < 4; ++b) entries.emplace_back(node, mesh.tets(point.tet, b), share * point.weights[b]);
+      const int node = mesh.tets(spring.tet, a);
+      Moment& moment = moments.try_emplace({node, spring.joint}, Moment{node, spring.joint, 0, Eigen::Vector3d::Zero()})
+                           .first->second;
+      for (int b = 0; b < 4; ++b) {
+        const int other = mesh.tets(spring.tet, b);
+        const double stiffness = spring.stiffness(a, b);
+        moment.sum += stiffness;
+        moment.first += stiffness * mesh.nodes.row(other).transpose();
+        by_joint_(node, spring.joint) += stiffness;
+        entries.emplace_back(node, other, stiffness);
+      }
     }
   }
   stiffness_.setFromTriplets(entries.begin(), entries.end());

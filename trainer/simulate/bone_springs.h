@@ -1,12 +1,22 @@
-// Springs that hold the tissue inside a bone to the bone: energy = sum over bone points k/2 |x(point) - T_joint X|^2.
+// Springs that tie tissue to joints: energy = sum over springs 1/2 the integral of k |x - T_joint X|^2.
 #pragma once
 
 #include <span>
 #include <vector>
 
-#include "trainer/simulate/bones.h"
+#include "trainer/simulate/node_weights.h"
+#include "trainer/simulate/tet_tissue.h"
 
 namespace bodyopt {
+
+// Ties a part of a tet to where a joint carries it.
+struct JointSpring {
+  int tet, joint;
+  Eigen::Matrix4d stiffness;  // N/m: the integral of k times the products of barycentric weights
+};
+
+// Bone goes with its joint.
+std::vector<JointSpring> bone_springs(const std::vector<BonePart>& bones, const Materials& materials);
 
 // Where the springs pull in one pose: energy, up to a constant of the pose, 1/2 u.S u - u.pull, u = nodes - base.
 struct SpringPose {
@@ -15,8 +25,7 @@ struct SpringPose {
 
 class BoneSprings {
  public:
-  BoneSprings(const TetMesh& mesh, const std::vector<BonePoint>& points, std::size_t joint_count,
-              const Materials& materials = {});
+  BoneSprings(const TetMesh& mesh, const std::vector<JointSpring>& springs, std::size_t joint_count);
 
   // skinning: J, rest space to posed.
   SpringPose pose(std::span<const Affine> skinning) const;
@@ -27,11 +36,11 @@ class BoneSprings {
   const NodeWeights& joint_stiffness() const { return by_joint_; }  // N x J, N/m: row sums of S by joint
 
  private:
-  // Moments of the bone points of one joint around one node, weighted by stiffness x barycentric weight.
+  // Moments of the springs to one joint around one node.
   struct Moment {
     int node, joint;
     double sum;             // N/m
-    Eigen::Vector3d first;  // N: sum of weight x rest position
+    Eigen::Vector3d first;  // N: sum of stiffness x rest position
   };
   Positions rest_;
   SparseMatrix stiffness_;

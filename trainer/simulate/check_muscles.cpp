@@ -28,21 +28,17 @@ std::string check_muscles(const Character& character, const std::vector<Muscle>&
     throw Error(ErrorKind::mismatch, "the muscle '" + muscle.name +
                                          "' lies outside the skin: muscles of another character, or in another unit?");
   }
-  std::vector<int> tets(muscles.size(), 0);
-  std::vector<double> share(muscles.size(), 0);
-  for (const FibreTet& fibre : body.fibres()) {
-    ++tets[static_cast<std::size_t>(fibre.muscle)];
-    share[static_cast<std::size_t>(fibre.muscle)] += fibre.share;
-  }
-  std::vector<std::string> thin;
+  std::vector<bool> has_room(muscles.size(), false);
+  for (const FibreTet& fibre : body.tissue().fibres) has_room[static_cast<std::size_t>(fibre.muscle)] = true;
+  std::vector<std::string> without;
   for (std::size_t m = 0; m < muscles.size(); ++m) {
-    if (tets[m] == 1 && share[m] < 1) thin.push_back(muscles[m].name);
+    if (!has_room[m]) without.push_back(muscles[m].name);
   }
-  if (thin.empty()) return "";
+  if (without.empty()) return "";
   // All of them: each is to be made thicker or left out.
-  return count_of(thin.size(), "muscle is thinner than the tetrahedra and pulls in one of them alone: ",
-                  "muscles are thinner than the tetrahedra and pull in one of them alone: ") +
-         list_names(thin, thin.size()) + (body.is_cage() ? "" : "; a smaller --tet-size may help");
+  return count_of(without.size(), "muscle finds no room in the body and pulls nothing: ",
+                  "muscles find no room in the body and pull nothing: ") +
+         list_names(without, without.size());
 }
 
 }  // namespace bodyopt

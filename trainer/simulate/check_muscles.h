@@ -9,8 +9,8 @@
 
 namespace bodyopt {
 
-// One sentence naming the muscles that fill no tet, and so pull in a part of one; empty when there are none. Throws
-// Error(mismatch) naming a muscle whose whole path lies outside the skin.
+// One sentence naming the muscles that have no tissue, thinner than the anatomy tells apart; empty when there are none.
+// Throws Error(mismatch) naming a muscle whose whole path lies outside the skin.
 std::string check_muscles(const Character& character, const std::vector<Muscle>& muscles, const QuasiStaticBody& body);
 
 }  // namespace bodyopt

@@ -7,7 +7,7 @@
 namespace bodyopt {
 namespace {
 
-constexpr std::size_t kMemory = 8;
+constexpr std::size_t kMemory = 20;
 constexpr double kArmijo = 1e-4;
 constexpr int kMaxHalvings = 30;
 // Relative rounding of an energy: smaller differences cannot tell up from down.

@@ -37,6 +37,7 @@ Materials read_materials(const std::filesystem::path& path) {
       {"fat", {{"shear_modulus_pa", &m.fat.mu}, {"lame_lambda_pa", &m.fat.lambda}}},
       {"muscle",
        {{"shear_modulus_pa", &m.muscle.mu}, {"lame_lambda_pa", &m.muscle.lambda}, {"bulk_modulus_pa", &m.muscle_bulk}}},
+      {"cavity", {{"shear_modulus_pa", &m.cavity.mu}, {"lame_lambda_pa", &m.cavity.lambda}}},
       {"active_fibres", {{"stiffness_pa", &m.active_fibre}, {"slack_stretch", &m.active_slack}}},
       {"passive_fibres", {{"stiffness_pa", &m.passive_fibre}}},
       {"bone_springs", {{"stiffness_n_per_m4", &m.bone_springs}}},
@@ -45,7 +46,8 @@ Materials read_materials(const std::filesystem::path& path) {
   };
   const Json json = read_json(path, kSchema);
   const JsonObject top(json, path, "the file");
-  top.allow({"schema", "fat", "muscle", "active_fibres", "passive_fibres", "bone_springs", "skin", "contact"});
+  top.allow(
+      {"schema", "fat", "muscle", "cavity", "active_fibres", "passive_fibres", "bone_springs", "skin", "contact"});
   for (const Entry& entry : entries) {
     if (top.has(entry.name)) read_entry(json[entry.name], path, entry);
   }

@@ -14,16 +14,18 @@ struct TetMaterial {
 
 struct Materials {
   TetMaterial fat{4e3, 80e3};
-  TetMaterial muscle{8e3, 80e3};
+  TetMaterial muscle{8e3, 80e3};  // and other lean tissue
+  TetMaterial cavity{1e3, 80e3};  // of chest and belly: soft, and nearly as incompressible as what is around it
   // Holds the volume of a muscle as a whole: active fibres squeeze it with up to a third of their stress.
   double muscle_bulk = 3e6;  // Pa
-  // Active fibres pull with activation x stiffness x (stretch - slack): beyond slack a fibre does not shorten by
-  // itself.
+  // Active fibres pull with activation x stiffness x (stretch - slack): they shorten to slack, to which bones, joints
+  // and tendons let them (FibreDrive), and never below the least.
   double active_fibre = 600e3;  // Pa
-  double active_slack = 0.7;    // stretch
+  double active_slack = 0.7;    // stretch, the least
   double passive_fibre = 20e3;  // Pa, beyond rest length
-  // Bones hold the tissue inside them by springs: an arm bone of 0.16 litres pulled by 50 N gives way 0.3 mm.
-  double bone_springs = 1e9;  // N/m per cubic metre of bone
+  // Bones hold the tissue inside them by springs: an arm bone of 0.16 litres pulled by 50 N gives way 1 mm. Stiffer
+  // ones take up to twice the iterations.
+  double bone_springs = 3e8;  // N/m per cubic metre of bone
   // Keeps wrinkles from being as short as the mesh allows.
   double skin_bending = 4e-3;  // N m
   // Skin that has passed through skin by a depth is pushed back by a pressure of stiffness x depth (1 + depth / 2 mm).

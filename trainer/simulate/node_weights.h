@@ -2,9 +2,13 @@
 #pragma once
 
 #include "assets/character.h"
-#include "trainer/simulate/bones.h"
+#include "trainer/simulate/metric.h"
+#include "trainer/tets/cage.h"
 
 namespace bodyopt {
+
+// Joint weights of every node, N x J: rows sum to one.
+using NodeWeights = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
 // Skin weights carried inwards: on the skin they are the character's, inside they are the joint-wise minimum of
 // 1/2 w.laplacian w + bone springs pulling each bone's own weight to one. `springs` (N x N) and `bone_share` (N x J,

@@ -38,7 +38,7 @@ constexpr double kContactMargin = 5e-3;
 // is taken as it is: some nodes never come to rest on their planes.
 constexpr int kContactIterations = 20, kContactRounds = 16;
 // A step of the solver moves no node further than this part of the body's longest extent.
-constexpr double kMaxMove = 0.005;
+constexpr double kMaxMove = 0.01;
 // A cage's few large tets lock at the lambda that finer ones bear: on the human in 1,500 nodes a quarter brings the
 // draft from 6.4 to 5.3 mm of the full shapes (RMS), a tenth only to 5.0 mm, more slowly.
 constexpr double kCageLambda = 0.25;
@@ -46,19 +46,6 @@ constexpr double kLeastFilled = 0.1;  // of a cage's tet: emptier ones would hav
 // A strain that counts as none: residuals are relative to the forces of this strain at least. The energy at rest is not
 // zero, so that its rounding hides the last digits of smaller strains and a body at rest could never converge.
 constexpr double kStrainFloor = 1e-4;
-
-void require_fit(const Character& character, const std::vector<Muscle>& muscles) {
-  if (character.skeleton.size() == 0) throw Error(ErrorKind::mismatch, "the character has no joints to drive it");
-  for (const Muscle& muscle : muscles) {
-    if (muscle.path.size() < 2 || !(muscle.radius > 0)) {
-      throw Error(ErrorKind::mismatch, "muscle '" + muscle.name + "' needs two points or more and a radius above 0");
-    }
-    for (const MusclePoint& point : muscle.path) {
-      if (point.joint < character.skeleton.size()) continue;
-      throw Error(ErrorKind::mismatch, "muscle '" + muscle.name + "' is bound to a joint the skeleton lacks");
-    }
-  }
-}
 
 void require_flex(std::span<const double> flex, std::size_t muscles) {
   if (!flex.empty() && flex.size() != muscles) {
@@ -70,29 +57,27 @@ void require_flex(std::span<const double> flex, std::size_t muscles) {
   }
 }
 
-// A cage's tets reach beyond the skin: they are as stiff as the share of them that is tissue. muscle: share of each tet
-// that is muscle.
-std::vector<TetMaterial> cage_materials(const Cage& cage, const std::vector<double>& muscle, const Materials& of) {
-  std::vector<double> tissue(muscle.size(), 0);
-  for (const CageSample& sample : cage.samples) tissue[static_cast<std::size_t>(sample.point.tet)] += sample.volume;
-  std::vector<TetMaterial> result;
-  for (std::size_t t = 0; t < muscle.size(); ++t) {
-    const double volume = tet_edges(cage.mesh, static_cast<Eigen::Index>(t)).determinant() / 6;
-    const double filled = std::clamp(tissue[t] / volume, kLeastFilled, 1.0);
-    const double fat = std::max(filled - muscle[t], 0.0);
-    result.push_back({fat * of.fat.mu + muscle[t] * of.muscle.mu,
-                      kCageLambda * (fat * of.fat.lambda + muscle[t] * of.muscle.lambda)});
-  }
-  return result;
+// A cage's tets reach beyond the skin: they are as stiff as the share of them that is tissue.
+std::vector<TetMaterial> cage_materials(std::vector<TissueShares> shares, const Materials& of) {
+  for (TissueShares& share : shares) share.fat += std::max(kLeastFilled - share.sum(), 0.0);
+  std::vector<TetMaterial> materials = tet_materials(shares, of);
+  for (TetMaterial& material : materials) material.lambda *= kCageLambda;
+  return materials;
 }
 
-// Of tets that tissue fills, by the share of muscle in each.
-std::vector<TetMaterial> full_materials(const std::vector<double>& muscle, const Materials& of) {
-  std::vector<TetMaterial> result;
-  for (const double share : muscle) {
-    result.push_back({std::lerp(of.fat.mu, of.muscle.mu, share), std::lerp(of.fat.lambda, of.muscle.lambda, share)});
+// Of a skin that the anatomy finds nothing in, a sheet: tets that go with one joint are its bone.
+std::vector<BonePart> bones_by_weights(const TetMesh& mesh, const NodeWeights& weights) {
+  constexpr double kLeast = 0.9;
+  const Eigen::Matrix4d moments = (Eigen::Matrix4d::Ones() + Eigen::Matrix4d::Identity()) / 20;
+  std::vector<BonePart> bones;
+  for (int t = 0; t < mesh.tets.rows(); ++t) {
+    Eigen::RowVectorXd mean = Eigen::RowVectorXd::Zero(weights.cols());
+    for (int a = 0; a < 4; ++a) mean += 0.25 * weights.row(mesh.tets(t, a));
+    Eigen::Index joint = 0;
+    if (mean.maxCoeff(&joint) < kLeast) continue;
+    bones.push_back({t, static_cast<int>(joint), tet_edges(mesh, t).determinant() / 6 * moments});
   }
-  return result;
+  return bones;
 }
 
 // The only root, or -1: the joint whose motion moves the whole body.
@@ -211,54 +196,55 @@ FilledBody fill_mended_skin(const Character& character, double size) {
   }
 }
 
-QuasiStaticBody::QuasiStaticBody(const Character& character, const std::vector<Muscle>& muscles, TetMesh mesh,
-                                 const Materials& materials)
-    : QuasiStaticBody(character, muscles, std::move(mesh), materials, nullptr) {}
+QuasiStaticBody::QuasiStaticBody(const Character& character, const std::vector<Muscle>& muscles,
+                                 const AnatomyField& anatomy, TetMesh mesh, const Materials& materials)
+    : QuasiStaticBody(character, muscles, anatomy, std::move(mesh), materials, nullptr) {}
 
-QuasiStaticBody::QuasiStaticBody(const Character& character, const std::vector<Muscle>& muscles, const Cage& cage,
-                                 const Materials& materials)
-    : QuasiStaticBody(character, muscles, cage.mesh, materials, &cage) {}
+QuasiStaticBody::QuasiStaticBody(const Character& character, const std::vector<Muscle>& muscles,
+                                 const AnatomyField& anatomy, const Cage& cage, const Materials& materials)
+    : QuasiStaticBody(character, muscles, anatomy, cage.mesh, materials, &cage) {}
 
-QuasiStaticBody::QuasiStaticBody(const Character& character, const std::vector<Muscle>& muscles, const FilledBody& body,
-                                 const Materials& materials)
-    : QuasiStaticBody(body.filled, muscles, body.mesh, materials, nullptr) {
+QuasiStaticBody::QuasiStaticBody(const Character& character, const std::vector<Muscle>& muscles,
+                                 const AnatomyField& anatomy, const FilledBody& body, const Materials& materials)
+    : QuasiStaticBody(body.filled, muscles, anatomy, body.mesh, materials, nullptr) {
   embedding_ = body.skin;
   carry_riders(character, body.riders);
-  hash_ = body_hash(character, muscles, materials, mesh_, true);
+  hash_ = body_hash(character, muscles, materials, mesh_, true, anatomy.hash());
 }
 
-QuasiStaticBody::QuasiStaticBody(const Character& character, const std::vector<Muscle>& muscles, TetMesh mesh,
-                                 const Materials& materials, const Cage* cage)
+QuasiStaticBody::QuasiStaticBody(const Character& character, const std::vector<Muscle>& muscles,
+                                 const AnatomyField& anatomy, TetMesh mesh, const Materials& materials,
+                                 const Cage* cage)
     : skeleton_(character.skeleton),
       muscles_(muscles),
+      bellies_(anatomy.belly_lengths()),
+      least_slack_(materials.active_slack),
       mesh_(std::move(mesh)),
       embedding_(cage != nullptr ? cage->skin : std::vector<EmbeddedPoint>{}),
       carriers_(mesh_.tets),
       skin_count_(character.vertices.rows()) {
-  require_fit(character, muscles);
   const auto tet_count = static_cast<std::size_t>(mesh_.tets.rows());
   const auto joint_count = static_cast<Eigen::Index>(skeleton_.size());
 
-  fibres_ = cage != nullptr ? label_muscles(*cage, muscles) : label_muscles(mesh_, muscles);
-  std::vector<double> muscle(tet_count, 0);
-  for (const FibreTet& fibre : fibres_) {
-    double& share = muscle[static_cast<std::size_t>(fibre.tet)];
-    share = std::min(share + fibre.share, 1.0);
-  }
+  bellies_.resize(muscles.size());  // a field of nothing has none
+  inside_ = cage != nullptr ? find_tissue(*cage, anatomy) : find_tissue(mesh_, anatomy);
   const std::vector<TetMaterial> tets =
-      cage != nullptr ? cage_materials(*cage, muscle, materials) : full_materials(muscle, materials);
-  tissue_ = std::make_unique<Tissue>(mesh_, tets, fibres_, materials);
-  volume_ = std::make_unique<MuscleVolume>(mesh_, fibres_, muscles.size(), materials);
+      cage != nullptr ? cage_materials(inside_.shares, materials) : tet_materials(inside_.shares, materials);
+  tissue_ = std::make_unique<Tissue>(mesh_, tets, inside_.fibres, materials);
+  volume_ = std::make_unique<MuscleVolume>(mesh_, inside_.fibres, muscles.size(), materials);
 
+  std::vector<double> muscle;
+  for (const TissueShares& shares : inside_.shares) muscle.push_back(shares.muscle);
   const SparseMatrix laplacian = tet_laplacian(mesh_, metric_stiffness(tets, muscle, materials));
-  const SparseMatrix no_springs(laplacian.rows(), laplacian.cols());
   const auto carry = [&](const SparseMatrix& springs, const NodeWeights& bone_share) {
     return cage != nullptr ? carry_through(character, *cage, laplacian, springs, bone_share)
                            : carry_inwards(character, laplacian, springs, bone_share);
   };
-  const NodeWeights smooth = carry(no_springs, NodeWeights::Zero(laplacian.rows(), joint_count));
-  bones_ = cage != nullptr ? find_bones(*cage, character, smooth) : find_bones(mesh_, character, smooth);
-  springs_ = std::make_unique<BoneSprings>(mesh_, bones_, skeleton_.size(), materials);
+  if (inside_.bones.empty()) {
+    const SparseMatrix no_springs(laplacian.rows(), laplacian.cols());
+    inside_.bones = bones_by_weights(mesh_, carry(no_springs, NodeWeights::Zero(laplacian.rows(), joint_count)));
+  }
+  springs_ = std::make_unique<BoneSprings>(mesh_, bone_springs(inside_.bones, materials), skeleton_.size());
   weights_ = carry(springs_->stiffness(), springs_->joint_stiffness());
   for (Eigen::Index n = 0; n < weights_.rows(); ++n) {
     std::vector<JointWeight>& entries = node_joints_.emplace_back();
@@ -289,7 +275,7 @@ QuasiStaticBody::QuasiStaticBody(const Character& character, const std::vector<M
   force_floor_ = std::sqrt(force_floor_);
   max_move_ = kMaxMove * longest_extent(mesh_.nodes);
   if (cage != nullptr) carry_riders(character, cage->riders);
-  hash_ = body_hash(character, muscles, materials, mesh_, cage != nullptr);
+  hash_ = body_hash(character, muscles, materials, mesh_, cage != nullptr, anatomy.hash());
 }
 
 void QuasiStaticBody::carry_riders(const Character& whole, const Riders& riders) {
@@ -334,9 +320,10 @@ QuasiStaticBody::Target QuasiStaticBody::target(const std::vector<JointTransform
                                                 std::span<const double> flex) const {
   const JointFrames frames(skeleton_, local);
   Target result;
-  result.activation = activations(muscles_, frames.skinning);
+  result.drives = fibre_drives(muscles_, bellies_, frames.skinning, least_slack_);
   for (std::size_t m = 0; m < flex.size(); ++m) {
-    result.activation[m] = std::lerp(result.activation[m], muscles_[m].max_activation, flex[m]);
+    double& activation = result.drives[m].activation;
+    activation = std::lerp(activation, muscles_[m].max_activation, flex[m]);
   }
   result.springs = springs_->pose(frames.skinning);
   result.skinned.resize(mesh_.nodes.rows(), 3);
@@ -366,7 +353,7 @@ Objective QuasiStaticBody::energy(const Target& at, std::span<const ContactPlane
                                   const Tissue::BarrierShape& barrier, bool hold_volume) const {
   return [this, &at, contact, barrier, hold_volume](const Positions& x, Positions& gradient) {
     gradient.setZero();
-    const Tissue::Sum tissue = tissue_->add_gradient(x, at.activation, gradient, barrier);
+    const Tissue::Sum tissue = tissue_->add_gradient(x, at.drives, gradient, barrier);
     double energy = tissue.energy + springs_->add_gradient(at.springs, x, gradient);
     if (hold_volume) energy += volume_->add_gradient(x, gradient);
     if (bending_) energy += bending_->add_gradient(at.curvature, x, gradient);

@@ -40,18 +40,20 @@ FilledBody fill_mended_skin(const Character& character, double size);
 // Everything that does not depend on the pose. Constant after construction: many threads may solve with one.
 class QuasiStaticBody {
  public:
-  // Tets whose first V nodes are the skin's vertices, or a cage that carries the skin. Throw Error(mismatch) when the
-  // muscles do not fit the skeleton.
-  QuasiStaticBody(const Character& character, const std::vector<Muscle>& muscles, TetMesh mesh,
-                  const Materials& materials = {});
-  QuasiStaticBody(const Character& character, const std::vector<Muscle>& muscles, const Cage& cage,
-                  const Materials& materials = {});
+  // Tets whose first V nodes are the skin's vertices, or a cage that carries the skin. anatomy: what lies inside, of
+  // this character and these muscles; it is looked at here only.
+  QuasiStaticBody(const Character& character, const std::vector<Muscle>& muscles, const AnatomyField& anatomy,
+                  TetMesh mesh, const Materials& materials = {});
+  QuasiStaticBody(const Character& character, const std::vector<Muscle>& muscles, const AnatomyField& anatomy,
+                  const Cage& cage, const Materials& materials = {});
   // Tets of a mended skin, which carry all of it.
-  QuasiStaticBody(const Character& character, const std::vector<Muscle>& muscles, const FilledBody& body,
-                  const Materials& materials = {});
+  QuasiStaticBody(const Character& character, const std::vector<Muscle>& muscles, const AnatomyField& anatomy,
+                  const FilledBody& body, const Materials& materials = {});
   // In tets of fill_skin, throwing as it does.
-  QuasiStaticBody(const Character& character, const std::vector<Muscle>& muscles, double tet_size)
-      : QuasiStaticBody(character, muscles, fill_skin(character, tet_size)) {}
+  QuasiStaticBody(const Character& character, const std::vector<Muscle>& muscles, double tet_size,
+                  const AnatomyOptions& anatomy = {})
+      : QuasiStaticBody(character, muscles, AnatomyField(character, muscles, anatomy), fill_skin(character, tet_size)) {
+  }
 
   // The equilibrium reached from rest along the straight path in joint angles, a pure function of the pose. A single
   // root's motion is taken out and put back at the end: there is no gravity, so the body does not feel it.
@@ -85,8 +87,8 @@ class QuasiStaticBody {
   const std::vector<EmbeddedPoint>& embedding() const { return embedding_; }  // V, in the carriers; empty: first nodes
   const std::vector<std::uint32_t>& riding() const { return riding_; }        // R: vertices of the skin
   bool is_cage() const { return carried_depth_ != nullptr; }
-  const std::vector<FibreTet>& fibres() const { return fibres_; }
-  const std::vector<BonePoint>& bones() const { return bones_; }
+  const TetTissue& tissue() const { return inside_; }
+  const BoneSprings& springs() const { return *springs_; }
   const NodeWeights& weights() const { return weights_; }
 
   // xxh3 of everything a solution depends on, the pose apart: two bodies of the same hash give the same shapes.
@@ -95,14 +97,14 @@ class QuasiStaticBody {
  private:
   // A pose without the motion of the root, ready to solve in.
   struct Target {
-    std::vector<double> activation;
+    std::vector<FibreDrive> drives;
     SpringPose springs;
     Positions curvature;         // V x 3: of the skin, turned with the joints; empty in a cage
     Positions skinned;           // N x 3: the rest nodes by linear blend skinning
     std::vector<Quat> rotation;  // N: blended joint rotations
   };
-  QuasiStaticBody(const Character& character, const std::vector<Muscle>& muscles, TetMesh mesh,
-                  const Materials& materials, const Cage* cage);
+  QuasiStaticBody(const Character& character, const std::vector<Muscle>& muscles, const AnatomyField& anatomy,
+                  TetMesh mesh, const Materials& materials, const Cage* cage);
   SolvedPose attempt(std::span<const Pose> path, std::span<const double> flex, double step_size,
                      const Tissue::BarrierShape& barrier) const;
   Target target(const std::vector<JointTransform>& local, std::span<const double> flex) const;
@@ -122,6 +124,8 @@ class QuasiStaticBody {
 
   Skeleton skeleton_;
   std::vector<Muscle> muscles_;
+  std::vector<double> bellies_;  // per muscle, metres
+  double least_slack_ = 0;
   TetMesh mesh_;
   std::vector<EmbeddedPoint> embedding_;
   Tets carriers_;
@@ -130,8 +134,7 @@ class QuasiStaticBody {
   std::vector<std::uint32_t> riding_;
   Positions skin_rest_;       // V x 3, where something rides
   SkinWeights skin_weights_;  // V, where something rides
-  std::vector<FibreTet> fibres_;
-  std::vector<BonePoint> bones_;
+  TetTissue inside_;
   NodeWeights weights_;
   std::vector<std::vector<JointWeight>> node_joints_;  // N: the weights again, small ones dropped, sum 1
   std::unique_ptr<Tissue> tissue_;

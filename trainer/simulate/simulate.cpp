@@ -118,9 +118,10 @@ void adopt_finished(const std::filesystem::path& cache, const std::filesystem::p
   const auto other = std::count_if(finished.begin(), finished.end(),
                                    [&](const FrameStatus& frame) { return !wanted.contains(frame.inputs); });
   if (other > 0) {
-    warn(std::to_string(other) + " finished frames in " + cache.string() +
-         " are of other inputs (character, muscles, materials, tet size, motion, controls or version) and will be "
-         "replaced");
+    warn(
+        std::to_string(other) + " finished frames in " + cache.string() +
+        " are of other inputs (character, muscles, materials, body fat, kind, tet size, motion, controls or version) and will be "
+        "replaced");
   }
   if (draft) {
     adopt_samples(NodesReader(cache), finished, jobs, values, partial);
@@ -213,6 +214,22 @@ void require_unscaled(const Skeleton& skeleton, const Clip& clip, int frame) {
   }
 }
 
+AnatomyOptions anatomy_options(const Dataset& dataset, const Skeleton& skeleton) {
+  AnatomyOptions options;
+  if (!dataset.corrections.empty()) {
+    options.corrections = read_corrections(dataset.folder / dataset.corrections, skeleton);
+    options.body_fat = options.corrections.body_fat.value_or(options.body_fat);
+    options.kind = options.corrections.kind;
+  }
+  if (dataset.body_fat > 0) options.body_fat = dataset.body_fat;
+  if (!dataset.kind.empty()) options.kind = body_kind_of(dataset.kind);
+  if (!dataset.kind.empty() && !options.kind) {
+    throw Error(ErrorKind::file, (dataset.folder / "dataset.json").string() + ": 'kind' is '" + dataset.kind +
+                                     "', expected one of " + body_kind_names() + ": misspelt?");
+  }
+  return options;
+}
+
 BodyTets choose_tets(const Character& character, const SimulateOptions& options) {
   if (options.draft) return draft_tets(character);
   try {
@@ -246,15 +263,27 @@ std::string glued_parts(const Cage& cage, const Character& character) {
   return text;
 }
 
+AnatomyField look_inside(const Character& character, const std::vector<Muscle>& muscles,
+                         const SimulateOptions& options) {
+  try {
+    return {character, muscles, options.anatomy};
+  } catch (const Error& error) {
+    if (error.cause() != ErrorCause::flat) throw;
+    options.warn(std::string(error.what()) + "; it is simulated as fat, held where its skin follows one joint");
+    return {};
+  }
+}
+
 QuasiStaticBody make_body(const Character& character, const std::vector<Muscle>& muscles,
                           const SimulateOptions& options) {
   const BodyTets tets = choose_tets(character, options);
   options.inform(solved_in(tets));
+  const AnatomyField anatomy = look_inside(character, muscles, options);
   if (tets.filled) {
     warn_of_mending(tets.filled->mending, options);
     const bool is_whole = tets.filled->mending.empty() && !options.draft;  // a draft stores where its nodes carry skin
-    if (is_whole) return {character, muscles, tets.filled->mesh, options.materials};
-    return {character, muscles, *tets.filled, options.materials};
+    if (is_whole) return {character, muscles, anatomy, tets.filled->mesh, options.materials};
+    return {character, muscles, anatomy, *tets.filled, options.materials};
   }
   const Cage& cage = *tets.cage;
   if (tets.why_cage) {
@@ -268,7 +297,7 @@ QuasiStaticBody make_body(const Character& character, const std::vector<Muscle>&
   if (const std::string glued = glued_parts(cage, character); !glued.empty()) {
     options.warn("the cage cannot split what nearly touches at rest, and holds together: " + glued);
   }
-  return {character, muscles, cage, options.materials};
+  return {character, muscles, anatomy, cage, options.materials};
 }
 
 SolvedPose solve_frame(const QuasiStaticBody& body, const std::vector<Muscle>& muscles, const Clip& clip, int frame) {

@@ -21,11 +21,20 @@ struct SimulateOptions {
   int threads = 0;      // 0: all
   bool draft = false;   // in a cage of 1,500 nodes or fewer; the cache then holds nodes (nodes_cache.h)
   Materials materials{};
+  AnatomyOptions anatomy{};
   // Told before the work begins; of what rides and is stretched, at the end.
   std::function<void(const std::string&)> warn = [](const std::string&) {};
   // Told what the frames are solved in: the skin, the mended skin, a coarser skin or a lattice, and its contact.
   std::function<void(const std::string&)> inform = [](const std::string&) {};
 };
+
+// What a dataset says of the inside of its character; before what its corrections say of body fat and kind. Throws
+// Error(file) for a kind of body that is not known, and as read_corrections().
+AnatomyOptions anatomy_options(const Dataset& dataset, const Skeleton& skeleton);
+
+// What lies inside; nothing, with a warning, where the skin encloses nothing. Throws as AnatomyField otherwise.
+AnatomyField look_inside(const Character& character, const std::vector<Muscle>& muscles,
+                         const SimulateOptions& options);
 
 // The tets that frames are solved in: those of the skin, mended where it needs it, or a cage's.
 struct BodyTets {

@@ -46,7 +46,7 @@ struct Tissue::Strain {
 
 Tissue::Tissue(const TetMesh& mesh, const std::vector<TetMaterial>& tets, std::vector<FibreTet> fibres,
                const Materials& materials)
-    : active_(materials.active_fibre), slack_(materials.active_slack), passive_(materials.passive_fibre) {
+    : active_(materials.active_fibre), passive_(materials.passive_fibre) {
   const int count = static_cast<int>(mesh.tets.rows());
   for (int t = 0; t < count; ++t) mean_volume_ += tet_edges(mesh, t).determinant() / 6 / count;
   std::stable_sort(fibres.begin(), fibres.end(), [](const FibreTet& a, const FibreTet& b) { return a.tet < b.tet; });
@@ -150,7 +150,7 @@ double Tissue::strain(const Batch& batch, const Corners& corners, Strain& strain
 }
 
 // Adds to force[corner][axis][lane]; returns the energy.
-double Tissue::fibre_force(const FibreBatch& batch, const Corners& corners, std::span<const double> activation,
+double Tissue::fibre_force(const FibreBatch& batch, const Corners& corners, std::span<const FibreDrive> drives,
                            double (&force)[3][3][kLanes]) const {
   double energy = 0;
   for (int lane = 0; lane < kLanes; ++lane) {
@@ -160,8 +160,9 @@ double Tissue::fibre_force(const FibreBatch& batch, const Corners& corners, std:
              corners.edge[2][i][lane] * batch.slope[2][lane];
     }
     const double stretch = std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
-    const double active = std::max(stretch - slack_, 0.0), passive = std::max(stretch - 1, 0.0);
-    const double stiffness = activation[static_cast<std::size_t>(batch.muscle[lane])] * active_;
+    const FibreDrive& drive = drives[static_cast<std::size_t>(batch.muscle[lane])];
+    const double active = std::max(stretch - drive.slack, 0.0), passive = std::max(stretch - 1, 0.0);
+    const double stiffness = drive.activation * active_;
     energy += batch.volume[lane] * 0.5 * (stiffness * active * active + passive_ * passive * passive);
     const double pull = batch.volume[lane] * (stiffness * active + passive_ * passive) / std::max(stretch, 1e-12);
     for (int a = 0; a < 3; ++a) {
@@ -194,7 +195,7 @@ void Tissue::scatter(const int (&node)[4][kLanes], const double (&force)[3][3][k
   }
 }
 
-Tissue::Sum Tissue::add_gradient(const Positions& nodes, std::span<const double> activation, Positions& gradient,
+Tissue::Sum Tissue::add_gradient(const Positions& nodes, std::span<const FibreDrive> drives, Positions& gradient,
                                  const BarrierShape& shape) const {
   Sum sum;
   for (std::size_t b = 0; b < batches_.size(); ++b) {
@@ -239,14 +240,14 @@ Tissue::Sum Tissue::add_gradient(const Positions& nodes, std::span<const double>
       }
     }
     for (int lane = 0; lane < kLanes; ++lane) sum.energy += batch.volume[lane] * density[lane];
-    if (b < fibres_.size()) sum.energy += fibre_force(fibres_[b], corners, activation, force);
+    if (b < fibres_.size()) sum.energy += fibre_force(fibres_[b], corners, drives, force);
     scatter(batch.node, force, gradient, sum);
   }
   for (const FurtherFibres& batch : further_) {
     Corners corners;
     gather(batch.node, nodes, corners);
     double force[3][3][kLanes] = {};
-    sum.energy += fibre_force(batch.fibres, corners, activation, force);
+    sum.energy += fibre_force(batch.fibres, corners, drives, force);
     scatter(batch.node, force, gradient, sum);
   }
   return sum;

@@ -6,6 +6,7 @@
 
 #include "geometry/tet_mesh.h"
 #include "trainer/simulate/materials.h"
+#include "trainer/simulate/muscle_fibres.h"
 
 namespace bodyopt {
 
@@ -23,7 +24,7 @@ struct FibreTet {
 //   + kappa (J - b)^2 (-ln(J / b)), b = kBarrierVolume,  where J < b; its tangent below J = shape.steepest:
 //     kappa = kBarrierWeight lambda, shape.least_volume   inverted tets recover
 //     mean volume / volume times as much in tiny tets
-//   + activation k_a/2 (s - slack)^2                     where s > slack, muscles only
+//   + activation k_a/2 (s - slack)^2                     where s > slack, muscles only (FibreDrive)
 //   + k_p/2 (s - 1)^2                                    where s > 1, muscles only
 // Zero with zero gradient at rest when all activations are zero.
 class Tissue {
@@ -51,8 +52,8 @@ class Tissue {
   // neighbours press inside out unfelt. From far away tiny tets that are firm would stop all others.
   static constexpr BarrierShape kBarrier{0.005, 0}, kSteepBarrier{0.002, 0}, kFirmBarrier{0.002, 1e-3};
 
-  // Adds the gradient (joules per metre, N x 3) of the energy at `nodes` (N x 3) to `gradient`. activation: per muscle.
-  Sum add_gradient(const Positions& nodes, std::span<const double> activation, Positions& gradient,
+  // Adds the gradient (joules per metre, N x 3) of the energy at `nodes` (N x 3) to `gradient`. drives: per muscle.
+  Sum add_gradient(const Positions& nodes, std::span<const FibreDrive> drives, Positions& gradient,
                    const BarrierShape& shape = kBarrier) const;
 
   struct Inverted {
@@ -88,13 +89,13 @@ class Tissue {
   void gather(const int (&node)[4][kLanes], const Positions& nodes, Corners& corners) const;
   void scatter(const int (&node)[4][kLanes], const double (&force)[3][3][kLanes], Positions& gradient, Sum& sum) const;
   double strain(const Batch& batch, const Corners& corners, Strain& strain) const;
-  double fibre_force(const FibreBatch& batch, const Corners& corners, std::span<const double> activation,
+  double fibre_force(const FibreBatch& batch, const Corners& corners, std::span<const FibreDrive> drives,
                      double (&force)[3][3][kLanes]) const;
 
   std::vector<Batch> batches_;
   std::vector<FibreBatch> fibres_;  // of the first batches
   std::vector<FurtherFibres> further_;
-  double active_, slack_, passive_;
+  double active_, passive_;
   double mean_volume_ = 0;  // of a tet, cubic metres
 };
 

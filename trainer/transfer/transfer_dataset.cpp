@@ -95,6 +95,8 @@ class DatasetTransfer {
   Dataset with_names() {
     if (!dataset_.muscles.empty()) result_.muscles = "muscles.json";
     if (!dataset_.materials.empty()) result_.materials = "materials.json";
+    result_.body_fat = dataset_.body_fat;
+    result_.kind = dataset_.kind;
     if (!dataset_.regions.empty()) result_.regions = "regions.json";
     return result_;
   }

@@ -1,6 +1,8 @@
-#include "report/section.h"
+#include "draw/cut_surface.h"
 
 #include <algorithm>
+
+#include "draw/colours.h"
 
 namespace bodyopt {
 namespace {
@@ -56,26 +58,24 @@ Soup cut_surface(std::span<const float> positions, std::span<const float> normal
   return soup;
 }
 
-Soup cut_face(std::span<const double> nodes, std::span<const int> tets, std::span<const std::array<float, 3>> colours,
-              const CutPlane& plane) {
+Soup standing_picture(const StandingPicture& picture) {
   Soup soup;
-  for (std::size_t t = 0; t < colours.size(); ++t) {
-    std::vector<Corner> below, above;
-    for (std::size_t k = 0; k < 4; ++k) {
-      const double* p = nodes.data() + 3 * static_cast<std::ptrdiff_t>(tets[4 * t + k]);
-      const Vec3 position{p[0], p[1], p[2]};
-      const Corner corner{position, plane.normal, height_above(plane, position)};
-      (corner.height <= 0 ? below : above).push_back(corner);
-    }
-    if (below.empty() || above.empty()) continue;
-    std::vector<Corner> polygon;
-    for (const Corner& a : below) {
-      for (const Corner& b : above) polygon.push_back(between(a, b));
-    }
-    if (polygon.size() == 4) std::swap(polygon[2], polygon[3]);  // 0-0, 0-1, 1-0, 1-1: around, not across
-    const Vec3 first = polygon[1].position - polygon[0].position, last = polygon.back().position - polygon[0].position;
-    if (dot(cross(first, last), plane.normal) < 0) std::reverse(polygon.begin(), polygon.end());
-    add_polygon(polygon, colours[t], soup);
+  const Vec3 out = cross(picture.down, picture.right);
+  const Vec3 normal = 1 / length(out) * out;
+  const std::size_t pixels = picture.rgba.size() / 4;
+  for (std::size_t from = 0, to = 0; from < pixels; from = to) {
+    const std::span colour = picture.rgba.subspan(4 * from, 4);
+    const std::size_t row_end = (from / picture.width + 1) * picture.width;
+    for (to = from + 1; to < row_end && std::ranges::equal(colour, picture.rgba.subspan(4 * to, 4));) ++to;
+    if (colour[3] == 0) continue;
+    const Vec3 top_left = picture.corner + static_cast<double>(from / picture.width) * picture.down +
+                          static_cast<double>(from % picture.width) * picture.right;
+    const Vec3 along = static_cast<double>(to - from) * picture.right;
+    const Corner corners[] = {{top_left, normal, 0},
+                              {top_left + picture.down, normal, 0},
+                              {top_left + picture.down + along, normal, 0},
+                              {top_left + along, normal, 0}};
+    add_polygon(corners, {linear(colour[0]), linear(colour[1]), linear(colour[2])}, soup);
   }
   return soup;
 }

@@ -1,4 +1,4 @@
-// A body cut open: what lies behind a plane, closed by a face through its tetrahedra.
+// A body cut open: what of its surface lies behind a plane, and the picture that closes it.
 #pragma once
 
 #include <array>
@@ -24,8 +24,13 @@ struct Soup {
 Soup cut_surface(std::span<const float> positions, std::span<const float> normals,
                  std::span<const std::uint32_t> triangles, const std::array<float, 3>& colour, const CutPlane& plane);
 
-// Where the plane passes through tets (nodes N x 3, tets T x 4): a triangle or two for each, in its colour.
-Soup cut_face(std::span<const double> nodes, std::span<const int> tets, std::span<const std::array<float, 3>> colours,
-              const CutPlane& plane);
+// A picture that stands in space.
+struct StandingPicture {
+  Vec3 corner, right, down;            // of the pixels, top left, metres; one pixel on, metres
+  std::uint32_t width = 0;             // pixels
+  std::span<const std::uint8_t> rgba;  // height x width x 4, sRGB
+};
+// Rectangles of the pixels of one colour that stand side by side; none of those whose alpha is 0.
+Soup standing_picture(const StandingPicture& picture);
 
 }  // namespace bodyopt

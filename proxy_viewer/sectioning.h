@@ -1,0 +1,71 @@
+// The lead cut open by a plane that shows what lies inside: the field of its tissues, found once in the background.
+#pragma once
+
+#include <array>
+#include <future>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "proxy_viewer/commands/controls.h"
+#include "proxy_viewer/panels/snapshot.h"
+#include "proxy_viewer/scene/scene.h"
+#include "trainer/anatomy/section.h"
+
+namespace bodyopt {
+
+struct Anatomy;  // a character, its muscles and its field
+
+class Sectioning {
+ public:
+  // All must outlive it.
+  Sectioning(std::shared_ptr<const vulkan::Device> device, Scene& scene, Controls& controls);
+  ~Sectioning();  // waits for what is being worked out
+
+  // Where the settings ask for it, begins to work out what lies inside the lead, which takes seconds, once for each
+  // character; and once it is known gives the scene the cut skin and its section, again only where pose or plane are
+  // others. Headless it waits. `coarse`: in fewer pixels, while something moves. Throws Error(usage) where the lead's
+  // weights are not at hand, and as AnatomyField and read_muscles(); nothing is asked for then.
+  void look(bool coarse);
+  // What lies inside became known since the last look.
+  bool has_news() const;
+  void forget();  // the cast's files have changed
+
+  // mouse: pixels of the picture; none: it is not over it.
+  void describe(const Rectangle& area, const std::optional<std::array<double, 2>>& mouse, Snapshot& snapshot) const;
+
+ private:
+  using Found = std::shared_future<std::shared_ptr<const Anatomy>>;
+
+  // What the section that is shown was made of.
+  struct Shown {
+    std::shared_ptr<const Anatomy> anatomy;
+    std::vector<Pose> pose;  // one
+    double correction;
+    SectionAxis axis;
+    double at;
+    bool from_above;  // what is before the plane along the axis is taken away
+    bool coarse;
+    bool operator==(const Shown& other) const;
+  };
+
+  Found& find();
+  std::shared_ptr<const Anatomy> found();
+  Shown wanted(std::shared_ptr<const Anatomy> anatomy, bool coarse) const;
+  void cut();
+  std::string name_of(const TissueAt& tissue) const;
+  std::string tissue_under(const Rectangle& area, const std::array<double, 2>& mouse) const;
+
+  std::shared_ptr<const vulkan::Device> device_;
+  Scene& scene_;
+  Controls& controls_;
+  std::map<std::string, Found> fields_;  // by the files that they are of
+  bool waits_ = false;                   // for that of the lead
+  std::optional<Shown> shown_;
+  SectionPlane plane_;
+  TissueSection section_;
+};
+
+}  // namespace bodyopt
