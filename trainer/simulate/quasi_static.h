@@ -86,7 +86,6 @@ class QuasiStaticBody {
   const Tets& carriers() const { return carriers_; }
   const std::vector<EmbeddedPoint>& embedding() const { return embedding_; }  // V, in the carriers; empty: first nodes
   const std::vector<std::uint32_t>& riding() const { return riding_; }        // R: vertices of the skin
-  bool is_cage() const { return carried_depth_ != nullptr; }
   const TetTissue& tissue() const { return inside_; }
   const BoneSprings& springs() const { return *springs_; }
   const NodeWeights& weights() const { return weights_; }
