@@ -14,6 +14,8 @@
 namespace bodyopt {
 namespace {
 
+constexpr double kBone = Materials{}.bone_springs;  // N/m per cubic metre
+
 class Anatomy : public ::testing::Test {
  protected:
   Anatomy()
@@ -22,13 +24,13 @@ class Anatomy : public ::testing::Test {
         laplacian_(tet_laplacian(mesh_, std::vector<double>(static_cast<std::size_t>(mesh_.tets.rows()), 1e4))),
         weights_(carry_inwards(limb_, laplacian_, SparseMatrix(mesh_.nodes.rows(), mesh_.nodes.rows()),
                                NodeWeights::Zero(mesh_.nodes.rows(), 2))),
-        springs_(bone_springs(find_tissue(mesh_, tube_tissue).bones, {})) {}
+        bones_(find_tissue(mesh_, tube_tissue).bones) {}
 
   Character limb_;
   TetMesh mesh_;
   SparseMatrix laplacian_;
   NodeWeights weights_;
-  std::vector<JointSpring> springs_;
+  std::vector<BonePart> bones_;
 };
 
 Positions turned(const Positions& nodes, const Affine& motion) {
@@ -57,29 +59,29 @@ TEST_F(Anatomy, WeightsInsideFollowTheSkin) {
 TEST_F(Anatomy, SpringsPullLikeTheDocumentedEnergy) {
   struct PointSpring {
     Eigen::Vector4d weights;
-    double stiffness;
+    double volume;
   };
   std::srand(4);
   std::vector<PointSpring> points;
-  std::vector<JointSpring> joint_springs;
-  for (const JointSpring& spring : springs_) {
+  std::vector<BonePart> parts;
+  for (const BonePart& bone : bones_) {
     Eigen::Vector4d weights = Eigen::Vector4d::Random().cwiseAbs();
     weights /= weights.sum();
-    points.push_back({weights, spring.stiffness.sum()});
-    joint_springs.push_back({spring.tet, spring.joint, spring.stiffness.sum() * weights * weights.transpose()});
+    points.push_back({weights, bone.volume()});
+    parts.push_back({bone.tet, bone.joint, bone.volume() * weights * weights.transpose()});
   }
-  const BoneSprings springs(mesh_, joint_springs, 2);
+  const BoneSprings springs(mesh_, parts, kBone, 2);
   const std::vector<Affine> skinning = skinning_matrices(limb_.skeleton, bent(limb_, 0.8).joints);
   const SpringPose pose = springs.pose(skinning);
   const auto energy = [&](const Positions& nodes) {
     double sum = 0;
     for (std::size_t k = 0; k < points.size(); ++k) {
-      const JointSpring& spring = joint_springs[k];
+      const BonePart& bone = parts[k];
       Eigen::Vector3d now = Eigen::Vector3d::Zero();
-      for (int a = 0; a < 4; ++a) now += points[k].weights[a] * nodes.row(mesh_.tets(spring.tet, a)).transpose();
-      const Eigen::Vector3d rest = rest_position(mesh_, {spring.tet, points[k].weights});
-      const Vec3 target = skinning[static_cast<std::size_t>(spring.joint)] * Vec3{rest[0], rest[1], rest[2]};
-      sum += 0.5 * points[k].stiffness * (now - Eigen::Vector3d(target[0], target[1], target[2])).squaredNorm();
+      for (int a = 0; a < 4; ++a) now += points[k].weights[a] * nodes.row(mesh_.tets(bone.tet, a)).transpose();
+      const Eigen::Vector3d rest = rest_position(mesh_, {bone.tet, points[k].weights});
+      const Vec3 target = skinning[static_cast<std::size_t>(bone.joint)] * Vec3{rest[0], rest[1], rest[2]};
+      sum += 0.5 * kBone * points[k].volume * (now - Eigen::Vector3d(target[0], target[1], target[2])).squaredNorm();
     }
     return sum;
   };
@@ -97,7 +99,7 @@ TEST_F(Anatomy, RigidMotionPullsNoSpringAndBendsNoSkin) {
   const Quat rotation = axis_angle({0.6, 0, 0.8}, 1.9);
   const Affine motion = affine_from({{3, -2, 1}, rotation, {1, 1, 1}});
   const Positions nodes = turned(mesh_.nodes, motion);
-  const BoneSprings springs(mesh_, springs_, 2);
+  const BoneSprings springs(mesh_, bones_, kBone, 2);
   Positions gradient = Positions::Zero(nodes.rows(), 3);
   springs.add_gradient(springs.pose(std::vector<Affine>{motion, motion}), nodes, gradient);
   EXPECT_LT(gradient.cwiseAbs().maxCoeff(), 1e-8);  // newtons; a millimetre makes about one

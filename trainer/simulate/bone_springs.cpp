@@ -17,30 +17,24 @@ Eigen::Vector3d apply(const Affine& transform, const Eigen::Vector3d& point, dou
 
 }  // namespace
 
-std::vector<JointSpring> bone_springs(const std::vector<BonePart>& bones, const Materials& materials) {
-  std::vector<JointSpring> springs;
-  for (const BonePart& bone : bones) springs.push_back({bone.tet, bone.joint, materials.bone_springs * bone.moments});
-  return springs;
-}
-
-BoneSprings::BoneSprings(const TetMesh& mesh, const std::vector<JointSpring>& springs, std::size_t joint_count)
+BoneSprings::BoneSprings(const TetMesh& mesh, const std::vector<BonePart>& bones, double k, std::size_t joint_count)
     : rest_(mesh.nodes),
       stiffness_(mesh.nodes.rows(), mesh.nodes.rows()),
       by_joint_(NodeWeights::Zero(mesh.nodes.rows(), static_cast<Eigen::Index>(joint_count))),
       main_joint_(static_cast<std::size_t>(mesh.nodes.rows()), -1) {
   std::vector<Eigen::Triplet<double>> entries;
   std::map<std::pair<int, int>, Moment> moments;
-  for (const JointSpring& spring : springs) {
+  for (const BonePart& bone : bones) {
     for (int a = 0; a < 4; ++a) {
-      const int node = mesh.tets(spring.tet, a);
-      Moment& moment = moments.try_emplace({node, spring.joint}, Moment{node, spring.joint, 0, Eigen::Vector3d::Zero()})
-                           .first->second;
+      const int node = mesh.tets(bone.tet, a);
+      Moment& moment =
+          moments.try_emplace({node, bone.joint}, Moment{node, bone.joint, 0, Eigen::Vector3d::Zero()}).first->second;
       for (int b = 0; b < 4; ++b) {
-        const int other = mesh.tets(spring.tet, b);
-        const double stiffness = spring.stiffness(a, b);
+        const int other = mesh.tets(bone.tet, b);
+        const double stiffness = k * bone.moments(a, b);
         moment.sum += stiffness;
         moment.first += stiffness * mesh.nodes.row(other).transpose();
-        by_joint_(node, spring.joint) += stiffness;
+        by_joint_(node, bone.joint) += stiffness;
         entries.emplace_back(node, other, stiffness);
       }
     }

@@ -1,4 +1,4 @@
-// Springs that tie tissue to joints: energy = sum over springs 1/2 the integral of k |x - T_joint X|^2.
+// Springs by which bones go with their joints: energy = sum over bones 1/2 the integral of k |x - T_joint X|^2.
 #pragma once
 
 #include <span>
@@ -9,15 +9,6 @@
 
 namespace bodyopt {
 
-// Ties a part of a tet to where a joint carries it.
-struct JointSpring {
-  int tet, joint;
-  Eigen::Matrix4d stiffness;  // N/m: the integral of k times the products of barycentric weights
-};
-
-// Bone goes with its joint.
-std::vector<JointSpring> bone_springs(const std::vector<BonePart>& bones, const Materials& materials);
-
 // Where the springs pull in one pose: energy, up to a constant of the pose, 1/2 u.S u - u.pull, u = nodes - base.
 struct SpringPose {
   Positions base, pull;  // N x 3, metres and newtons
@@ -25,7 +16,8 @@ struct SpringPose {
 
 class BoneSprings {
  public:
-  BoneSprings(const TetMesh& mesh, const std::vector<JointSpring>& springs, std::size_t joint_count);
+  // k: Materials::bone_springs.
+  BoneSprings(const TetMesh& mesh, const std::vector<BonePart>& bones, double k, std::size_t joint_count);
 
   // skinning: J, rest space to posed.
   SpringPose pose(std::span<const Affine> skinning) const;
