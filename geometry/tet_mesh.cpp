@@ -33,6 +33,12 @@ Eigen::Matrix3d tet_edges(const TetMesh& mesh, Eigen::Index tet) {
   return edges;
 }
 
+double volume(const TetMesh& mesh) {
+  double sum = 0;
+  for (Eigen::Index t = 0; t < mesh.tets.rows(); ++t) sum += tet_edges(mesh, t).determinant() / 6;
+  return sum;
+}
+
 std::vector<Eigen::Vector4d> tet_lattice(int rows) {
   std::vector<Eigen::Vector4d> points;
   for (int i = 0; i <= rows; ++i) {

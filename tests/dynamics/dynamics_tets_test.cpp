@@ -10,7 +10,6 @@
 #include "runtime/core/error.h"
 #include "tests/builtin/shared_arm.h"
 #include "tests/simulate/limb.h"
-#include "tests/support/tet_volume.h"
 #include "trainer/dynamics/tet_quality.h"
 
 namespace bodyopt {

@@ -8,7 +8,6 @@
 #include "runtime/core/error.h"
 #include "tests/simulate/limb.h"
 #include "tests/support/stand_in_human.h"
-#include "tests/support/tet_volume.h"
 
 namespace bodyopt {
 namespace {

@@ -115,7 +115,7 @@ BuiltDynamics build_dynamics(const Character& character, const std::vector<Muscl
   const JiggleFields fields =
       spread_settings(options.settings, ordered, muscles, in_runtime_order(options.painted, order), tets, anatomy);
   anatomy.bone_springs +=
-      core_springs(ordered.vertices, ordered.triangles, tets.cage, fields.flesh, options.materials.bone_springs);
+      core_springs(ordered.vertices, ordered.triangles, tets.cage, fields.flesh, bone_stiffness(options.materials, mesh));
   progress.advance();
   std::vector<std::string> notes;
   if (!tets.cage.mending.empty()) notes.push_back("the skin was mended for the tetrahedra alone: " + tets.cage.mending);

@@ -46,7 +46,7 @@ JiggleAnatomy find_anatomy(const Character& character, const AnatomyField& field
   anatomy.joint_share = carry_through(character, cage, laplacian, no_springs, NodeWeights::Zero(nodes, joints));
   anatomy.tissue = find_tissue(cage, field);
   anatomy.bone_springs =
-      BoneSprings(mesh, anatomy.tissue.bones, materials.bone_springs, character.skeleton.size()).stiffness();
+      BoneSprings(mesh, anatomy.tissue.bones, bone_stiffness(materials, mesh), character.skeleton.size()).stiffness();
 
   anatomy.muscle_share = Eigen::MatrixXd::Zero(nodes, static_cast<Eigen::Index>(muscle_count));
   Eigen::VectorXd volume = Eigen::VectorXd::Zero(nodes);  // around each node

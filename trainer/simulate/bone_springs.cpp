@@ -1,10 +1,14 @@
 #include "trainer/simulate/bone_springs.h"
 
+#include <algorithm>
+#include <cmath>
 #include <map>
 #include <utility>
 
 namespace bodyopt {
 namespace {
+
+constexpr double kHumanVolume = 0.07;  // cubic metres
 
 Eigen::Vector3d apply(const Affine& transform, const Eigen::Vector3d& point, double share = 1) {
   Eigen::Vector3d result;
@@ -16,6 +20,10 @@ Eigen::Vector3d apply(const Affine& transform, const Eigen::Vector3d& point, dou
 }
 
 }  // namespace
+
+double bone_stiffness(const Materials& materials, const TetMesh& mesh) {
+  return materials.bone_springs * std::min(1.0, std::pow(kHumanVolume / volume(mesh), 2.0 / 3));
+}
 
 BoneSprings::BoneSprings(const TetMesh& mesh, const std::vector<BonePart>& bones, double k, std::size_t joint_count)
     : rest_(mesh.nodes),

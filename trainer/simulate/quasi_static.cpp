@@ -244,7 +244,7 @@ QuasiStaticBody::QuasiStaticBody(const Character& character, const std::vector<M
     const SparseMatrix no_springs(laplacian.rows(), laplacian.cols());
     inside_.bones = bones_by_weights(mesh_, carry(no_springs, NodeWeights::Zero(laplacian.rows(), joint_count)));
   }
-  springs_ = std::make_unique<BoneSprings>(mesh_, inside_.bones, materials.bone_springs, skeleton_.size());
+  springs_ = std::make_unique<BoneSprings>(mesh_, inside_.bones, bone_stiffness(materials, mesh_), skeleton_.size());
   weights_ = carry(springs_->stiffness(), springs_->joint_stiffness());
   for (Eigen::Index n = 0; n < weights_.rows(); ++n) {
     std::vector<JointWeight>& entries = node_joints_.emplace_back();
