@@ -2,9 +2,10 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/SparseCholesky>
+#include <Eigen/Core>
 #include <random>
 
+#include "base/linear_algebra.h"
 #include "runtime/core/error.h"
 #include "runtime/cpu/dynamics_kernels.h"
 #include "tests/support/on_threads.h"
@@ -59,7 +60,7 @@ Eigen::VectorXf solve(const BlockInverse& inverse, const Eigen::VectorXf& right_
 
 double relative_error(const System& system, int components) {
   const BlockInverse inverse = invert(system.matrix, system.points, components);
-  const Eigen::SimplicialLDLT<SparseMatrix> direct(system.matrix);
+  const SparseSolver direct(system.matrix);
   const Eigen::VectorXf right_side = Eigen::VectorXf::Random(system.matrix.rows());
   const Eigen::VectorXd expected = direct.solve(right_side.cast<double>());
   return (solve(inverse, right_side).cast<double>() - expected).norm() / expected.norm();

@@ -1,10 +1,11 @@
 // The step of the jiggle on a bar that another solve knows, and its energy.
 #include <gtest/gtest.h>
 
-#include <Eigen/Eigenvalues>
+#include <Eigen/Core>
 #include <cmath>
 #include <random>
 
+#include "base/linear_algebra.h"
 #include "runtime/basis/dynamics.h"
 #include "runtime/cpu/dynamics_kernels.h"
 #include "runtime/host/jiggle_stages.h"
@@ -126,10 +127,10 @@ class Bar {
       const Eigen::MatrixXd scaled = root.cwiseInverse().asDiagonal() *
                                      Eigen::MatrixXd(bar.stiffness_)(bar.unknowns_, bar.unknowns_) *
                                      root.cwiseInverse().asDiagonal();
-      const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(scaled);
-      squared_ = solver.eigenvalues().head(count);
-      measures_ = solver.eigenvectors().leftCols(count).transpose() * root.asDiagonal();
-      loads_ = solver.eigenvectors().leftCols(count).transpose() * pull;
+      const SymmetricEigen modes = symmetric_eigen(scaled);
+      squared_ = modes.values.head(count);
+      measures_ = modes.vectors.leftCols(count).transpose() * root.asDiagonal();
+      loads_ = modes.vectors.leftCols(count).transpose() * pull;
     }
     Eigen::VectorXd exact(double seconds) const {
       return loads_.array() / squared_.array() * (1 - (squared_.array().sqrt() * seconds).cos());

@@ -2,12 +2,13 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/SparseCholesky>
+#include <Eigen/Core>
 #include <functional>
 #include <nlohmann/json.hpp>
 #include <numbers>
 #include <random>
 
+#include "base/linear_algebra.h"
 #include "geometry/extent.h"
 #include "runtime/basis/dynamics.h"
 #include "runtime/core/error.h"
@@ -149,7 +150,7 @@ double solve_error(const SparseMatrix& matrix, const BlockInverse& inverse) {
         .cast<double>()
         .eval();
   };
-  const Eigen::SimplicialLDLT<SparseMatrix> factor(matrix);
+  const SparseSolver factor(matrix);
   const Eigen::VectorXd expected = factor.solve(as_double(right));
   return (as_double(solution) - expected).norm() / expected.norm();
 }
@@ -219,7 +220,7 @@ Eigen::VectorXd sag(const LimbJiggle& limb) {
   const SparseMatrix stiffness = elastic_stiffness(limb.mesh, limb.system.materials) + on_axes(limb.system.springs);
   Eigen::VectorXd force = Eigen::VectorXd::Zero(stiffness.rows());
   for (Eigen::Index n = 0; n < limb.system.mass.size(); ++n) force[3 * n + 1] = -9.81 * limb.system.mass[n];
-  const Eigen::SimplicialLDLT<SparseMatrix> factor(stiffness);
+  const SparseSolver factor(stiffness);
   const Eigen::VectorXd moved = factor.solve(force);
   Eigen::VectorXd distance(limb.system.mass.size());
   for (Eigen::Index n = 0; n < distance.size(); ++n) distance[n] = moved.segment<3>(3 * n).norm();

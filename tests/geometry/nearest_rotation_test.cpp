@@ -17,8 +17,8 @@ Matrix3d random_matrix(std::mt19937_64& random) {
 }
 
 TEST(NearestRotation, FindsTheTurnUnderAStretch) {
-  const Matrix3d turn = Eigen::Quaterniond::FromTwoVectors(Vector3d(1, 2, 3), Vector3d(-2, 1, 1)).toRotationMatrix();
-  const Matrix3d other = Eigen::Quaterniond::FromTwoVectors(Vector3d(1, 0, 3), Vector3d(0, 1, 1)).toRotationMatrix();
+  const Matrix3d turn = Eigen::AngleAxisd(1.3, Vector3d(1, 2, 3).normalized()).toRotationMatrix();
+  const Matrix3d other = Eigen::AngleAxisd(-0.6, Vector3d(1, 0, 3).normalized()).toRotationMatrix();
   const Vector3d sizes(3, 2, 0.5);
   const NearestRotation found = nearest_rotation(turn * other * sizes.asDiagonal() * other.transpose());
   EXPECT_LT((found.rotation - turn).norm(), 1e-12);

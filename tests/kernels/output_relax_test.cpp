@@ -1,4 +1,6 @@
-#include <Eigen/Dense>
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <Eigen/LU>
 #include <functional>
 
 #include "runtime/cpu/kernels.h"

@@ -1,4 +1,6 @@
-#include <Eigen/Dense>
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <Eigen/LU>
 
 #include "runtime/cpu/kernels.h"
 #include "runtime/vulkan/kernels/kernels.h"

@@ -178,8 +178,8 @@ TEST(CageBody, AGiantDeformsAsAHumanDoes) {
     EXPECT_TRUE(solved.status.converged) << size;
     return Positions(body.skin(solved.nodes) / size);
   };
-  // Litres: 90, 7,000.
-  EXPECT_LT((posed(14) - posed(3.3)).rowwise().norm().maxCoeff(), 2e-4);
+  // Litres: 90, 7,000. Contact and the bending of skin know their size: 0.9 mm; as stiff bones would make it 10.
+  EXPECT_LT((posed(14) - posed(3.3)).rowwise().norm().maxCoeff(), 2e-3);
 }
 
 TEST(CageBody, AHuman) {
@@ -188,7 +188,8 @@ TEST(CageBody, AHuman) {
 }
 
 TEST(CageBody, RealCharactersOfEveryKind) {
-  for (const char* file : {"cesium_man.glb", "fox.glb", "simple_skin.gltf", "quaternius_man.glb", "quaternius_horse.glb"}) {
+  for (const char* file :
+       {"cesium_man.glb", "fox.glb", "simple_skin.gltf", "quaternius_man.glb", "quaternius_horse.glb"}) {
     const auto path = shared_data(std::string("characters/") + file);
     if (!path) GTEST_SKIP() << kNeedsOtherWriters;
     const Character character = read_character(*path, std::string(file) == "fox.glb" ? 0.01 : 0);

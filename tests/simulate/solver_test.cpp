@@ -1,9 +1,10 @@
 #include <gtest/gtest.h>
 
-#include <Eigen/Dense>
+#include <Eigen/LU>
 
 #include "runtime/core/error.h"
 #include "tests/simulate/limb.h"
+#include "tests/support/textbook_algebra.h"
 #include "trainer/simulate/lbfgs.h"
 #include "trainer/tets/tets.h"
 
@@ -30,7 +31,7 @@ TEST(Metric, SolvesLikeADenseFactor) {
   const Positions right = Positions::Random(60, 3);
   Positions found = right, scratch;
   Metric(matrix).solve(found, scratch);
-  const Positions expected = Eigen::MatrixXd(matrix).llt().solve(Eigen::MatrixXd(right));
+  const Positions expected = testing::textbook_solve(matrix, right);
   EXPECT_LT((found - expected).cwiseAbs().maxCoeff(), 1e-6);  // a factor in single precision
 }
 
@@ -68,7 +69,7 @@ TEST(StiffModes, SolvesLikeADenseFactorWithTheModes) {
   Positions found = right, scratch;
   const Metric metric(matrix);
   StiffModes(metric, 30, modes, stiffness).solve(found, scratch);
-  const Eigen::VectorXd expected = dense.llt().solve(Eigen::Map<const Eigen::VectorXd>(right.data(), 90));
+  const Eigen::VectorXd expected = testing::textbook_solve(dense, Eigen::Map<const Eigen::VectorXd>(right.data(), 90));
   EXPECT_LT((Eigen::Map<const Eigen::VectorXd>(found.data(), 90) - expected).cwiseAbs().maxCoeff(), 1e-6);
 }
 
@@ -86,7 +87,7 @@ TEST(Minimise, FindsTheMinimumOfAQuadratic) {
   const Metric metric(crude);
   const MinimiseResult result = Lbfgs(StiffModes(metric, 40, {}, {}), 1e-12).minimise(objective, 1e-9, 500, x);
   EXPECT_LT(result.residual, 1e-9);
-  const Positions expected = Eigen::MatrixXd(hessian).llt().solve(Eigen::MatrixXd(pull));
+  const Positions expected = testing::textbook_solve(hessian, pull);
   EXPECT_LT((x - expected).cwiseAbs().maxCoeff(), 1e-9);
 }
 

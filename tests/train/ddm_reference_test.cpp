@@ -2,12 +2,12 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
-#include <Eigen/SVD>
 
 #include "geometry/extent.h"
 #include "runtime/cpu/kernels.h"
 #include "tests/support/reference_tensors.h"
 #include "tests/support/shared_data.h"
+#include "tests/support/textbook_ddm.h"
 #include "trainer/train/skinning/ddm.h"
 
 namespace bodyopt {
@@ -54,10 +54,7 @@ Eigen::Vector3d evaluate(const VertexMoments& vertex, const double* skinning) {
     q += a.leftCols<3>() * m.second + arm * m.first.transpose();
     t += m.omega * arm + vertex.radius2 * a.leftCols<3>() * m.first;
   }
-  Eigen::JacobiSVD<Eigen::Matrix3d> svd(q, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  Eigen::Matrix3d u = svd.matrixU();
-  if ((u * svd.matrixV().transpose()).determinant() < 0) u.col(2) *= -1;
-  return base + t + u * svd.matrixV().transpose() * vertex.offset;
+  return base + t + testing::nearest_rotation(q) * vertex.offset;
 }
 
 // Largest distances from the reference over all frames, as parts of the bounding box's diagonal.

@@ -5,12 +5,13 @@
 
 #include <Eigen/Geometry>
 #include <Eigen/LU>
-#include <Eigen/SVD>
 #include <random>
 
 #include "runtime/core/error.h"
 #include "runtime/cpu/kernels.h"
 #include "tests/support/capsule_limb.h"
+#include "tests/support/textbook_algebra.h"
+#include "tests/support/textbook_ddm.h"
 
 namespace bodyopt {
 namespace {
@@ -145,9 +146,7 @@ Eigen::RowVector3d textbook_position(const Eigen::MatrixXd& smoothing, const Cha
   }
   const Eigen::Vector3d q = sum.topRightCorner<3, 1>(), p = sum.bottomLeftCorner<1, 3>();
   const Eigen::Matrix3d matrix = sum.topLeftCorner<3, 3>() - q * p.transpose();
-  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(matrix, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  Eigen::DiagonalMatrix<double, 3> sign(1, 1, (svd.matrixU() * svd.matrixV().transpose()).determinant());
-  const Eigen::Matrix3d r = svd.matrixU() * sign * svd.matrixV().transpose();
+  const Eigen::Matrix3d r = testing::nearest_rotation(matrix);
   return (r * limb.vertices.row(vertex).transpose() + q - r * p).transpose();
 }
 
@@ -157,8 +156,7 @@ TEST(Ddm, MatchesADenseTextbookVersion) {
   const Eigen::MatrixXd areas = dense_areas(limb.vertices, limb.triangles).asDiagonal();
   const double lambda = options.radius * options.radius / (2 * options.steps);
   const Eigen::MatrixXd step =
-      Eigen::PartialPivLU<Eigen::MatrixXd>(areas + lambda * dense_laplacian(limb.vertices, limb.triangles))
-          .solve(areas);
+      testing::textbook_solve(areas + lambda * dense_laplacian(limb.vertices, limb.triangles), areas);
   const Eigen::MatrixXd twice = step * step, smoothing = twice * twice;
   EXPECT_LT((smoothing.rowwise().sum().array() - 1).abs().maxCoeff(), 1e-12);
 

@@ -1,7 +1,6 @@
 // A basis that holds its training frames: what is lost on the way through components, tables and the deformer.
 #include <gtest/gtest.h>
 
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <limits>

@@ -3,8 +3,10 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/QR>
+#include <Eigen/Core>
 #include <random>
+
+#include "base/linear_algebra.h"
 
 namespace bodyopt {
 namespace {
@@ -18,8 +20,7 @@ Eigen::MatrixXd noise(Eigen::Index rows, Eigen::Index columns, unsigned seed) {
 // Targets follow two directions of six features, the first twenty times as far.
 TEST(Projection, FindsTheDirectionsThatTargetsFollow) {
   const Eigen::MatrixXd features = noise(500, 6, 1);
-  Eigen::MatrixXd directions = Eigen::HouseholderQR<Eigen::MatrixXd>(noise(6, 2, 2)).householderQ();
-  const Eigen::MatrixXd two = directions.leftCols(2);
+  const Eigen::MatrixXd two = orthonormal_basis(noise(6, 2, 2), 1e-6);
   Eigen::MatrixXd targets = features * two;
   targets.col(0) *= 20;
   const Eigen::MatrixXd found = projection(features, targets);

@@ -3,8 +3,10 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/QR>
+#include <Eigen/Core>
 #include <random>
+
+#include "tests/support/textbook_algebra.h"
 
 namespace bodyopt {
 namespace {
@@ -19,7 +21,7 @@ Eigen::MatrixXd random_matrix(Eigen::Index rows, Eigen::Index columns, std::uint
 double explained(const Eigen::MatrixXd& features, const std::vector<Eigen::Index>& columns,
                  const Eigen::MatrixXd& targets) {
   const Eigen::MatrixXd x = features(Eigen::all, columns);
-  const Eigen::MatrixXd left = targets - x * x.householderQr().solve(targets);
+  const Eigen::MatrixXd left = targets - x * testing::textbook_solve(x, targets);
   return 1 - left.squaredNorm() / targets.squaredNorm();
 }
 

@@ -3,12 +3,13 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Dense>
+#include <Eigen/LU>
 #include <cmath>
 #include <random>
 
 #include "geometry/extent.h"
 #include "geometry/laplacian.h"
+#include "tests/support/textbook_algebra.h"
 
 namespace bodyopt {
 namespace {
@@ -107,7 +108,7 @@ TEST(DeformationTransfer, EqualsADenseLeastSquaresProblem) {
     matrix(2 * triangles + v, v) = root;
     right.row(2 * triangles + v) = root * displacements.row(v);
   }
-  const Eigen::MatrixXd reference = matrix.colPivHouseholderQr().solve(right);
+  const Eigen::MatrixXd reference = testing::textbook_solve(matrix, right);
   EXPECT_LT((result - reference).cwiseAbs().maxCoeff(), 1e-8 * reference.cwiseAbs().maxCoeff());
 }
 

@@ -3,10 +3,11 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Dense>
+#include <Eigen/LU>
 
 #include "geometry/laplacian.h"
 #include "geometry/table_rows.h"
+#include "tests/support/textbook_algebra.h"
 #include "tests/transfer/refined_limb.h"
 #include "trainer/train/skinning/ddm_basis.h"
 #include "trainer/transfer/carry_anatomy.h"
@@ -114,7 +115,7 @@ TEST_F(UnsureLimb, RegionsAreHarmonicWhereTheMatchIsUnsure) {
   const Eigen::MatrixXd laplacian =
       cotangent_laplacian(pair_.correspondence.target, rows_of(pair_.target.mesh.triangles));
   const Eigen::MatrixXd wanted =
-      laplacian(unsure, unsure).ldlt().solve(-laplacian(unsure, sure) * weights(sure, Eigen::all));
+      testing::textbook_solve(laplacian(unsure, unsure), -laplacian(unsure, sure) * weights(sure, Eigen::all));
   const Eigen::MatrixXd found = weights(unsure, Eigen::all);
   // Negligible weights are dropped, on either side of the edge.
   EXPECT_LT((found - wanted).cwiseAbs().maxCoeff(), kNegligibleRegionWeight);
