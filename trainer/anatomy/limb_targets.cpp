@@ -17,7 +17,7 @@ struct FilledLimb {
                   // tendons, in the trunk the muscles between the ribs and the diaphragm
 };
 constexpr std::array<FilledLimb, 5> kLimbs{
-    {{"leg", 0.885}, {"calf", 0.84}, {"arm", 0.98}, {"forearm", 0.985}, {"trunk", 0.74}}};
+    {{"leg", 0.867}, {"calf", 0.83}, {"arm", 0.98}, {"forearm", 0.985}, {"trunk", 0.74}}};
 constexpr double kLeastFactor = 0.2;
 constexpr double kMostFactor = 1.6;  // more is a limb whose other muscles are missing: what they leave is other lean
 constexpr int kPasses = 10;
