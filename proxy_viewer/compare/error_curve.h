@@ -1,5 +1,5 @@
 // How far the lead is from what it is compared with, frame by frame of its clip: measured while there is time, kept
-// until something changes that it depends on.
+// until something changes that it depends on; and the error that is shown in the hottest colour.
 #pragma once
 
 #include <cstdint>
@@ -57,6 +57,21 @@ class ErrorCurve {
   std::vector<bool> is_measured_;
   std::size_t measured_ = 0;
   std::size_t stride_ = 0, cursor_ = 0;  // of the frames that come next
+};
+
+// The next 1, 2 or 5 times a power of ten, within what the scale can be set to.
+double round_heat(double mm);
+
+// Of errors, where the animator gives none.
+class HeatScale {
+ public:
+  // `p99_mm`: what 99 of 100 vertices are below; none: it is not known. Gives millimetres. While frames follow each
+  // other they only rise: colours shall mean the same, but a clip may begin at rest, where nothing is off.
+  double choose(std::optional<double> p99_mm, bool playing);
+
+ private:
+  double mm_ = 10;
+  bool is_chosen_ = false;
 };
 
 }  // namespace bodyopt
