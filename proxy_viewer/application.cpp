@@ -98,22 +98,19 @@ void Application::set_title() {
   if (screen_) screen_->set_title(session_.scene.lead().name() + " \xe2\x80\x93 Bodyopt");
 }
 
-// What was known of the lead may be so no longer.
-template <typename Action>
-void Application::change_cast(const Action& action) {
-  action();
-  errors_.forget();
-  painter_.forget_heat();
-  set_title();
-  live_.follow_lead();
-}
-
-// The cast stays as it is.
+// What was known of the lead may be so no longer. The cast stays as it is.
 template <typename Action>
 void Application::change_shapes(const Action& action) {
   action();
   errors_.forget();
   painter_.forget_heat();
+}
+
+template <typename Action>
+void Application::change_cast(const Action& action) {
+  change_shapes(action);
+  set_title();
+  live_.follow_lead();
 }
 
 void Application::reload(const std::vector<std::filesystem::path>& files) {

@@ -25,6 +25,7 @@ class Curation {
   void describe(const Controls& controls, Snapshot& snapshot, std::span<const double> brushed) const;
 
   bool is_open() const { return stack_ != nullptr; }
+  void require_open() const;  // throws Error(usage)
   const std::shared_ptr<const ShapeStack>& stack() const { return stack_; }
   // Of a frame of the clip, in the database.
   std::size_t number_of(int frame) const;

@@ -8,12 +8,8 @@
 #include <utility>
 
 #include "draw/camera.h"
-#include "draw/view.h"
 #include "proxy_viewer/commands/commands.h"
-#include "proxy_viewer/commands/controls.h"
 #include "proxy_viewer/picking.h"
-#include "proxy_viewer/scene/scene.h"
-#include "proxy_viewer/scene/turn_rings.h"
 
 namespace bodyopt {
 namespace {

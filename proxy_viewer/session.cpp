@@ -80,8 +80,7 @@ std::vector<std::string> Session::open_first() {
   files.joint_map = options_.joint_map;
   std::vector<std::string> notes = add(files);
   if (dataset) controls.settings.compare.with = CompareWith::truth;
-  describe_cast();
-  watch();
+  take_note_of_cast();
   return notes;
 }
 
@@ -122,8 +121,7 @@ std::vector<std::string> Session::open(const std::string& file) {
                     ": expected a basis (.safetensors), a character (.glb, .gltf), a clip "
                     "(.glb, .gltf, .bvh), a point cache (.pc2), a session, markers or a state (.json)");
   }
-  describe_cast();
-  watch();
+  take_note_of_cast();
   return notes;
 }
 
@@ -138,11 +136,6 @@ ActorFiles Session::files_of_dataset(const std::string& file) {
           .muscles = dataset.muscles.empty() ? "" : (dataset.folder / dataset.muscles).string()};
 }
 
-void Session::require_dataset() const {
-  if (curation.is_open()) return;
-  throw Error(ErrorKind::usage, "no dataset is open: begin with bodyopt view DATASET");
-}
-
 // What a stack makes of frames may be other frames: of mirrored poses, or without those that are dropped.
 void Session::read_dataset_again() {
   brushing.forget();
@@ -155,7 +148,7 @@ void Session::read_dataset_again() {
 }
 
 void Session::edit_stack(const ModifierEdit& edit) {
-  require_dataset();
+  curation.require_open();
   curation.edit(edit);
   read_dataset_again();
 }
@@ -180,29 +173,28 @@ void Session::pin(const PinRequest& request) {
 }
 
 void Session::keep_strokes() {
-  require_dataset();
+  curation.require_open();
   if (!brushing.has_change()) return;
   for (const std::string& note : brushing.keep()) controls.warn(note);
   read_dataset_again();
 }
 
 void Session::step_stack(bool back) {
-  require_dataset();
+  curation.require_open();
   if (back && brushing.has_change()) return read_dataset_again();  // which could not be kept
   curation.step(back);
   read_dataset_again();
 }
 
 void Session::find_contradictions() {
-  require_dataset();
+  curation.require_open();
   curation.find_contradictions(controls);
 }
 
 void Session::open_truth(Actor& character, const std::string& file) {
   character.open_truth(file);
   controls.settings.compare.with = CompareWith::truth;
-  describe_cast();
-  watch();
+  take_note_of_cast();
 }
 
 bool Session::is_character(const std::string& file) const {
@@ -226,17 +218,16 @@ void Session::give_same_clip() {
     scene.cast()[c]->open_clip_of(scene.lead());
     for (const std::string& note : scene.cast()[c]->clip().notes) controls.warn(note);
   }
-  describe_cast();
-  watch();
+  take_note_of_cast();
 }
 
 void Session::reload(const std::vector<fs::path>& files) {
-  std::vector<Replacement> replacements;
+  std::vector<std::pair<std::size_t, std::unique_ptr<Actor>>> replacements;  // by place in the cast
   for (std::size_t c = 0; c < scene.cast().size(); ++c) {
     const ActorFiles& own = scene.cast()[c]->files();
     const std::vector<fs::path> paths = own.paths();
     if (std::ranges::find_first_of(paths, files) == paths.end()) continue;
-    replacements.push_back({c, scene.make(own, clip_options_)});
+    replacements.emplace_back(c, scene.make(own, clip_options_));
   }
   for (auto& [index, actor] : replacements) {
     const std::uint32_t before = scene.cast()[index]->finest_basis().mesh.vertex_count();
@@ -278,8 +269,7 @@ void Session::remove(int number) {
   receiver_ = receiver_ == index ? 0 : receiver_ - (receiver_ > index ? 1 : 0);
   if (index == 0) return show_lead();
   if (index == 1) forget_pair();
-  describe_cast();
-  watch();
+  take_note_of_cast();
 }
 
 std::size_t Session::require_character(int number) const {
@@ -303,8 +293,7 @@ void Session::show_lead() {
   followed_.reset();
   controls.requests.frame_selection = true;  // the stage is around another
   pose_lead();
-  describe_cast();
-  watch();
+  take_note_of_cast();
   play_on();
 }
 
@@ -402,8 +391,7 @@ void Session::open_session(const std::string& file) {
   controls.joint = opened_->joint;
   controls.marker.reset();
   followed_.reset();
-  describe_cast();
-  watch();
+  take_note_of_cast();
 }
 
 bool Session::restore_view() {
@@ -582,6 +570,11 @@ void Session::warn_of_truth_times() {
     if (!truth_times_.contains(text)) controls.warn(text);
   }
   truth_times_ = std::move(times);
+}
+
+void Session::take_note_of_cast() {
+  describe_cast();
+  watch();
 }
 
 void Session::describe_cast() {

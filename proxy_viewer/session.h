@@ -99,18 +99,12 @@ class Session {
  private:
   void frame_points(std::vector<float> points, std::uint32_t width, std::uint32_t height, Covered covered);
   void look_at(const std::vector<float>& points, std::uint32_t width, std::uint32_t height, Covered covered);
-  struct Replacement {
-    std::size_t index;  // in the cast
-    std::unique_ptr<Actor> actor;
-  };
-
   bool is_character(const std::string& file) const;
   std::vector<std::string> add(const ActorFiles& files);
   ActorFiles files_of_dataset(const std::string& file);
   void open_session(const std::string& file);
   void open_markers(const std::string& file);
   void use_settings(const ViewSettings& settings);
-  void require_dataset() const;
   void read_dataset_again();
   void play_as(const PlaySettings& settings);
   void apply_range(const PlaySettings& settings);
@@ -121,6 +115,7 @@ class Session {
   void forget_pair();  // one of the first two is another: markers and the match are of none now
   void play_on();
   void describe_cast();
+  void take_note_of_cast();  // of what is open, and of its files
   void warn_of_rates();
   void watch() { watched_ = WatchedFiles(files()); }
 

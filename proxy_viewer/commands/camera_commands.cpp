@@ -2,8 +2,6 @@
 #include <numbers>
 
 #include "proxy_viewer/commands/command_arguments.h"
-#include "proxy_viewer/commands/command_tables.h"
-#include "proxy_viewer/state/setting_fields.h"
 
 namespace bodyopt {
 namespace {
@@ -12,8 +10,8 @@ constexpr double kTurn = std::numbers::pi / 36;  // 5 degrees
 constexpr double kMostPan = 100;
 
 const Command kCameraCommands[] = {
-    {"frame-selection", "", "F", "Camera", "see all of the character, or of the joint that is selected",
-     [](Controls& c, const std::string&) { c.requests.frame_selection = true; }},
+    request_command<&Requests::frame_selection>("frame-selection", "F", "Camera",
+                                                "see all of the character, or of the joint that is selected"),
     {"front", "", "1", "Camera", "from the front",
      [](Controls& c, const std::string&) { c.camera.view_axis(AxisView::front); }},
     {"back", "", "Ctrl+1", "Camera", "from behind",
@@ -40,9 +38,7 @@ const Command kCameraCommands[] = {
        if (wanted != c.camera.view().cut_away) c.camera.toggle_cut_away();
      },
      [](const Controls& c) { return name_of(c.camera.view().cut_away); }},
-    {"follow", "[on|off]", "V", "Camera", "go along with the character",
-     [](Controls& c, const std::string& a) { toggle(c.settings.look.follow, a); },
-     [](const Controls& c) { return name_of(c.settings.look.follow); }},
+    switch_command<&ViewSettings::Look::follow>("follow", "V", "Camera", "go along with the character"),
     {"orbit", "DEGREES DEGREES", "", "Camera", "around the target, to the right and up",
      [](Controls& c, const std::string& a) {
        const auto w = words(a, 2, "two angles in degrees");

@@ -6,8 +6,7 @@ namespace bodyopt {
 namespace {
 
 double value_of(const ControlRow& row, const Controls& controls) {
-  const auto found = controls.settings.pose.controls.find(row.name);
-  return found == controls.settings.pose.controls.end() ? row.usual : found->second;
+  return set_or(controls.settings.pose.controls, row.name, row.usual);
 }
 
 // Within its modifier, whose name stands above it.

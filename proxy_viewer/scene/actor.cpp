@@ -1,44 +1,48 @@
 #include "proxy_viewer/scene/actor.h"
 
-#include <algorithm>
 #include <cmath>
-#include <filesystem>
 #include <iterator>
 #include <sstream>
 #include <utility>
 
-#include "assets/clip.h"
 #include "assets/clip_source.h"
 #include "assets/matched_joints.h"
 #include "assets/shot_modifiers.h"
-#include "proxy_viewer/scene/open_character.h"
 #include "proxy_viewer/scene/posed_clip.h"
-#include "proxy_viewer/state/box.h"
 #include "proxy_viewer/state/pose_keys.h"
 #include "runtime/basis/character_unit.h"
 #include "runtime/basis/output_order.h"
 #include "runtime/core/error.h"
+#include "runtime/core/extent.h"
 #include "runtime/cpu/kernels.h"
 #include "runtime/host/carry_skin.h"
 #include "runtime/host/rig.h"
 #include "runtime/vulkan/device.h"
+#include "trainer/train/skinning/linear_blend.h"
 
 namespace bodyopt {
 namespace {
 
 namespace fs = std::filesystem;
 
-double diagonal(std::span<const float> points) {
-  Box box;
-  for (std::size_t k = 0; k + 2 < points.size(); k += 3) box.add(Vec3{points[k], points[k + 1], points[k + 2]});
-  return points.empty() ? 0 : 2 * box.radius();
-}
-
 // Of the frames of a dataset, one a sample.
 std::vector<Pose> frame_poses(const NamedShapes& shapes) {
   std::vector<Pose> poses;
   for (const std::size_t n : shapes.numbers()) poses.push_back(shapes.stack()->database().frames[n].pose);
   return poses;
+}
+
+// The character that a basis was trained on: its skin weights are in the character's file alone.
+Character read_own_character(const std::string& path, const Basis& basis) {
+  Character character = read_character(path, kept_unit(basis));
+  if (character.output_count() != basis.mesh.output_count() ||
+      skeleton_hash(character.skeleton) != skeleton_hash(basis.skeleton)) {
+    throw Error(ErrorKind::mismatch,
+                path + ": is not the character of the basis: it has " + std::to_string(character.output_count()) +
+                    " vertices and " + std::to_string(character.skeleton.size()) + " joints, the basis " +
+                    std::to_string(basis.mesh.output_count()) + " and " + std::to_string(basis.skeleton.size()));
+  }
+  return character;
 }
 
 }  // namespace
@@ -73,9 +77,9 @@ Actor::Actor(std::shared_ptr<const vulkan::Device> device, const ActorFiles& fil
     attached = load_attachments(files.attached(), finest().basis(), files.basis);
   }
   if (!files.character.empty()) {
-    linear_blend_ = std::make_unique<LinearBlend>(files.character, finest().basis(), kept_unit(finest().basis()));
-  } else if (opened.character) {
-    linear_blend_ = std::make_unique<LinearBlend>(std::move(*opened.character));
+    character_ = read_own_character(files.character, finest().basis());
+  } else {
+    character_ = std::move(opened.character);
   }
   if (!attached.meshes.empty()) {
     worn_ = std::make_unique<WornMeshes>(*device_, finest().basis(), std::move(attached));
@@ -158,7 +162,7 @@ bool Actor::has(SkinMethod method) const {
 bool Actor::has_at_finest(SkinMethod method) const {
   if (method == SkinMethod::jiggle) return has_dynamics() && why_still().empty();
   if (method == SkinMethod::proxy) return details_.size() > 1 && !details_[1]->carried().empty();
-  if (method == SkinMethod::lbs) return linear_blend_ != nullptr;
+  if (method == SkinMethod::lbs) return character_.has_value();
   return method != SkinMethod::truth || truth_.has_value();
 }
 
@@ -274,15 +278,10 @@ std::size_t Actor::clip_index(int frame) const {
   return static_cast<std::size_t>(std::clamp(frame, clip_.first_frame, clip_.last_frame()) - clip_.first_frame);
 }
 
-const std::optional<JointRange>& Actor::range(std::size_t joint) const {
-  static constexpr std::optional<JointRange> kNone;
-  return joint < ranges_.size() ? ranges_[joint] : kNone;
-}
-
 std::optional<JointRange> Actor::free_turns(std::size_t joint, int frame) const {
-  const std::optional<JointRange>& own = range(joint);
-  if (!own) return std::nullopt;
-  return turns_within(*own, basis().skeleton.joints[joint].bind.rotation, clip_pose(frame).joints[joint].rotation);
+  if (joint >= ranges_.size() || !ranges_[joint]) return std::nullopt;
+  return turns_within(*ranges_[joint], basis().skeleton.joints[joint].bind.rotation,
+                      clip_pose(frame).joints[joint].rotation);
 }
 
 Pose Actor::posed(Pose pose, const ViewSettings::PoseKey& posing) const {
@@ -413,8 +412,13 @@ std::vector<std::vector<float>> Actor::skins_on_host(SkinMethod method) const {
 
 void Actor::show_linear_blend(const Pose& pose) {
   if (same(blended_of_, {&pose, 1})) return;
-  blended_ = upload_output(linear_blend_->skin(pose));
+  blended_ = upload_output(linear_skin(pose));
   blended_of_ = {pose};
+}
+
+// O x 3.
+std::vector<float> Actor::linear_skin(const Pose& pose) const {
+  return output_from_welded(*character_, skin_linear(*character_, pose));
 }
 
 // A proxy that stands alone carries the full skin, not that of its own finest level, which its meshes ride on.
@@ -454,7 +458,7 @@ std::vector<float> Actor::measure(SkinMethod method, const Pose& pose, int frame
   if (method == SkinMethod::proxy) {
     return full_skin(*details_[1], details_[1]->measure(SkinMethod::full, pose, correction), 0);
   }
-  if (method == SkinMethod::lbs) return linear_blend_->skin(pose);
+  if (method == SkinMethod::lbs) return linear_skin(pose);
   if (method != SkinMethod::truth) return finest().measure(method, pose, correction).positions;
   return read_sample(truth_->shapes.as_they_are(), truth_time(frame).value());
 }
@@ -486,13 +490,13 @@ Actor::HostedSkin Actor::upload_output(std::span<const float> points) {
 
 void Actor::measure_size() {
   const MeshTable& mesh = finest().basis().mesh;
-  size_ = diagonal(mesh.rest);
+  size_ = box_diagonal(mesh.rest);
   std::vector<float> points = mesh.rest;
   if (worn_) {
     const std::vector<float> worn = worn_points(output_of(mesh, mesh.rest), bind_pose(finest().basis().skeleton));
     std::ranges::copy(worn, std::back_inserter(points));
   }
-  reach_ = diagonal(points);
+  reach_ = box_diagonal(points);
 }
 
 void Actor::measure_ground() {

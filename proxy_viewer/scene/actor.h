@@ -14,7 +14,6 @@
 #include "assets/clip.h"
 #include "assets/pc2.h"
 #include "proxy_viewer/scene/detail.h"
-#include "proxy_viewer/scene/linear_blend.h"
 #include "proxy_viewer/scene/open_character.h"
 #include "proxy_viewer/scene/pinned_joints.h"
 #include "proxy_viewer/scene/truth_times.h"
@@ -71,7 +70,7 @@ class Actor {
   std::string why_still() const;
 
   // With its weights; null: they are not at hand.
-  const Character* character() const { return linear_blend_ ? &linear_blend_->character() : nullptr; }
+  const Character* character() const { return character_ ? &*character_ : nullptr; }
 
   // These throw as the constructor, and leave what was there.
   void open_clip(const std::string& source);  // of a dataset: its frames, one after the other, takes as keys
@@ -179,13 +178,13 @@ class Actor {
   const Pose& clip_pose(int frame) const { return clip_.poses[clip_index(frame)]; }
   Pose posed(Pose pose, const ViewSettings::PoseKey& posing) const;
   Pose modified_pose(int frame, const ViewSettings::Posing& posing) const;
-  const std::optional<JointRange>& range(std::size_t joint) const;
   bool has_worn_skin() const;
   std::vector<float> full_skin(const Detail& detail, const Evaluation& evaluation, std::size_t pose) const;
   const HostedSkin* hosted_skin(SkinMethod method) const;
   std::vector<std::vector<float>> skins_on_host(SkinMethod method) const;
   const Evaluation& carry_proxy();
   void show_linear_blend(const Pose& pose);
+  std::vector<float> linear_skin(const Pose& pose) const;
   HostedSkin upload_output(std::span<const float> points);
   void show_truth(int frame);
   std::vector<float> shown_truth(int frame, const SampleTime& time) const;
@@ -215,8 +214,8 @@ class Actor {
   std::optional<Truth> truth_;
   std::unique_ptr<WornMeshes> worn_;
   std::map<SkinMethod, Worn> worn_on_;
-  Pose hosted_pose_;  // of the skins from the host that were evaluated last
-  std::unique_ptr<LinearBlend> linear_blend_;
+  Pose hosted_pose_;                    // of the skins from the host that were evaluated last
+  std::optional<Character> character_;  // with its weights, where they are at hand
 };
 
 }  // namespace bodyopt

@@ -2,14 +2,12 @@
 
 #include <cmath>
 
+#include "draw/view.h"
+
 namespace bodyopt {
 namespace {
 
 namespace fs = std::filesystem;
-
-struct Segment {
-  std::uint32_t from, to, fibre;
-};
 
 // Fibre points name strain vertices; drawing needs those of the skin.
 std::vector<FibrePoint> points_on_skin(const StrainTable& strain) {
@@ -22,8 +20,8 @@ std::vector<FibrePoint> points_on_skin(const StrainTable& strain) {
   return points;
 }
 
-std::vector<Segment> segments_of(const StrainTable& strain) {
-  std::vector<Segment> segments;
+std::vector<FibreSegment> segments_of(const StrainTable& strain) {
+  std::vector<FibreSegment> segments;
   for (std::uint32_t fibre = 0; fibre < strain.fibre_count(); ++fibre) {
     for (std::uint32_t p = strain.fibre_begin[fibre] + 1; p < strain.fibre_begin[fibre + 1]; ++p) {
       segments.push_back({p - 1, p, fibre});
@@ -65,7 +63,7 @@ LevelOnDevice::LevelOnDevice(const std::shared_ptr<const vulkan::Device>& device
       carried(std::move(level.carried)),
       distance(rms_distance(carried)) {
   triangles = vulkan::upload(*device, basis().mesh.triangles, "the triangles");
-  const std::vector<Segment> segments = segments_of(basis().strain);
+  const std::vector<FibreSegment> segments = segments_of(basis().strain);
   fibre_segments = vulkan::upload(*device, segments, "the fibres");
   fibre_points = vulkan::upload(*device, points_on_skin(basis().strain), "the fibre points");
   fibre_segment_count = static_cast<std::uint32_t>(segments.size());

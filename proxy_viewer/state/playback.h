@@ -40,8 +40,6 @@ class Playback {
   void toggle();
   void step(int frames);  // pauses; beyond the range, too, as far as the clip has frames
   // The others play on if they were playing.
-  void go_to_in();
-  void go_to_out();
   void go_to_previous_key();  // stays where there is none
   void go_to_next_key();
   void scrub(int frame);                // beyond the clip: its first or last

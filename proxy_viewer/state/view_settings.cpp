@@ -6,7 +6,6 @@
 
 #include "assets/json_fields.h"
 #include "assets/wording.h"
-#include "proxy_viewer/state/sections.h"
 #include "proxy_viewer/state/setting_fields.h"
 #include "runtime/core/error.h"
 
