@@ -152,10 +152,6 @@ void describe_cast(const Scene& scene, Snapshot& snapshot) {
   snapshot.first_frame = lead.clip().first_frame;
 }
 
-void describe_pins(const Scene& scene, const Controls& controls, Snapshot& snapshot) {
-  snapshot.missed_pins = scene.lead().missed_pins(controls.playback.frame(), controls.settings.pose);
-}
-
 void describe_turns(const Scene& scene, int frame, Snapshot& snapshot) {
   for (std::size_t j = 0; j < snapshot.joints.size(); ++j) {
     const std::optional<JointRange> free = scene.lead().free_turns(j, frame);

@@ -105,7 +105,7 @@ void Painter::draw_panels_over(const PictureSize& size, double passed) {
     steer_by_mouse(scene_, area_, height, controls_);
   }
   describe_turns(scene_, controls_.playback.frame(), snapshot_);
-  describe_pins(scene_, controls_, snapshot_);
+  snapshot_.missed_pins = scene_.lead().missed_pins(controls_.playback.frame(), controls_.settings.pose);
   describe_comparison(scene_, controls_, errors_.curve(), snapshot_);
   session_.matching.describe(snapshot_);
   session_.sectioning.describe(area_, mouse_over_picture(), snapshot_);

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "proxy_viewer/compare/error_curve.h"
+#include "proxy_viewer/compare/error_measuring.h"
 
 namespace bodyopt::testing {
 namespace {
