@@ -184,6 +184,7 @@ void Curation::require_open() const {
 }
 
 void Curation::find_contradictions(Controls& controls) {
+  require_open();
   report_ = report_consistency(*stack_, kAlikeDegrees, kPairs);
   controls.curating.compared = true;
   controls.curating.pairs.clear();
@@ -198,10 +199,14 @@ void Curation::find_contradictions(Controls& controls) {
 }
 
 void Curation::edit(const ModifierEdit& edit) const {
+  require_open();
   if (edit.enabled) enable_modifier(path(), edit.name, *edit.enabled, kAtOnce);
   if (edit.strength) change_modifier(path(), edit.name, {.strength = edit.strength}, kAtOnce);
 }
 
-void Curation::step(bool back) const { (back ? undo_modifiers : redo_modifiers)(path(), kAtOnce); }
+void Curation::step(bool back) const {
+  require_open();
+  (back ? undo_modifiers : redo_modifiers)(path(), kAtOnce);
+}
 
 }  // namespace bodyopt

@@ -29,9 +29,10 @@ class Curation {
   const std::shared_ptr<const ShapeStack>& stack() const { return stack_; }
   // Of a frame of the clip, in the database.
   std::size_t number_of(int frame) const;
-  // Compares like poses of the whole dataset. Shows progress.
+  // Compares like poses of the whole dataset. Shows progress. Throws as require_open().
   void find_contradictions(Controls& controls);
-  // Throw as change_modifier() and undo_modifiers(); Error(file) within a moment where another process is editing.
+  // Throw as require_open(), change_modifier() and undo_modifiers(); Error(file) within a moment where another process
+  // is editing.
   void edit(const ModifierEdit& edit) const;
   void step(bool back) const;
 

@@ -10,7 +10,7 @@
 
 #include "draw/animation.h"
 #include "draw/png.h"
-#include "proxy_viewer/commands/controls.h"
+#include "proxy_viewer/painter.h"
 
 namespace bodyopt {
 
@@ -88,5 +88,35 @@ std::unique_ptr<PictureSeries> turntable_series(const std::string& pattern, Cont
 
 // All of it, with a line of progress on the terminal.
 void make_all(PictureSeries& series, const DrawPicture& draw);
+
+// All of these, as they are asked for. In a window one picture by one, so that it answers.
+class PictureTaking {
+ public:
+  // Both must outlive it.
+  PictureTaking(Painter& painter, Session& session) : painter_(painter), session_(session) {}
+
+  // These throw Error(usage) for a name of another kind, Error(file), and for what cannot be drawn.
+  void take_screenshot(const std::string& file);
+  void take_sequence(const std::string& pattern);
+  void take_turntable(const std::string& pattern);
+
+  bool goes_on() const { return series_ != nullptr; }
+  bool stops() const { return stops_; }
+  // Before the next picture; what was written is kept.
+  void stop() { stops_ = true; }
+  // The next picture of those that go on, drawn without what is there to work with.
+  void go_on();
+  void show_progress();
+
+ private:
+  void make(std::unique_ptr<PictureSeries> series);
+  Image draw_playblast();
+
+  Painter& painter_;
+  Session& session_;
+  std::unique_ptr<PictureSeries> series_;  // that is being made
+  PictureSize series_size_{};
+  bool stops_ = false;
+};
 
 }  // namespace bodyopt

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <initializer_list>
+#include <iostream>
 #include <iterator>
 #include <utility>
 
@@ -148,7 +149,6 @@ void Session::read_dataset_again() {
 }
 
 void Session::edit_stack(const ModifierEdit& edit) {
-  curation.require_open();
   curation.edit(edit);
   read_dataset_again();
 }
@@ -180,15 +180,9 @@ void Session::keep_strokes() {
 }
 
 void Session::step_stack(bool back) {
-  curation.require_open();
   if (back && brushing.has_change()) return read_dataset_again();  // which could not be kept
   curation.step(back);
   read_dataset_again();
-}
-
-void Session::find_contradictions() {
-  curation.require_open();
-  curation.find_contradictions(controls);
 }
 
 void Session::open_truth(Actor& character, const std::string& file) {
@@ -394,6 +388,44 @@ void Session::open_session(const std::string& file) {
   take_note_of_cast();
 }
 
+void Session::listen(std::uint16_t port) {
+  const Basis& basis = scene.lead().basis();
+  live_ = std::make_unique<LivePose>(port, basis.skeleton.size(), basis.residual.controls.size());
+  controls.live = true;
+  const std::string listening = "listening for poses on 127.0.0.1:" + std::to_string(live_->port());
+  std::cerr << listening << "\n";
+  controls.say(listening);
+}
+
+void Session::expect_poses_of_lead() {
+  if (!live_) return;
+  const Basis& basis = scene.lead().basis();
+  try {
+    if (live_->expect(basis.skeleton.size(), basis.residual.controls.size())) scene.leave_live_pose();
+  } catch (...) {  // nor are those that were listened for
+    live_.reset();
+    controls.live.reset();
+    snapshot.live.reset();
+    scene.leave_live_pose();
+    throw;
+  }
+}
+
+bool Session::poll_live() {
+  if (!live_) return false;
+  if (!*controls.live) {
+    scene.leave_live_pose();
+    snapshot.live.reset();
+    return false;
+  }
+  const std::size_t rejected = live_->rejected();
+  std::optional<Pose> pose = live_->poll();
+  const bool is_new = pose || live_->rejected() > rejected;
+  if (pose) scene.set_live_pose(std::move(*pose));
+  snapshot.live = LiveRow{live_->frame(), live_->rejected(), live_->last_rejection()};
+  return is_new;
+}
+
 bool Session::restore_view() {
   if (!opened_) return false;
   const SessionFile session = *std::exchange(opened_, std::nullopt);
@@ -474,12 +506,8 @@ void Session::play_clip() {
 }
 
 void Session::play_as(const PlaySettings& settings) {
-  controls.playback.apply(settings);
-  apply_range(settings);
-}
-
-void Session::apply_range(const PlaySettings& settings) {
   Playback& playback = controls.playback;
+  playback.apply(settings);
   const int first = playback.first(), last = playback.last();
   const int in = settings.in.value_or(first), out = settings.out.value_or(last);
   playback.set_range(first, last);
