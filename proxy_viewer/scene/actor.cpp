@@ -8,6 +8,8 @@
 #include "assets/clip_source.h"
 #include "assets/matched_joints.h"
 #include "assets/shot_modifiers.h"
+#include "geometry/table_rows.h"
+#include "geometry/vertex_normals.h"
 #include "proxy_viewer/scene/posed_clip.h"
 #include "proxy_viewer/state/pose_keys.h"
 #include "runtime/basis/character_unit.h"
@@ -46,6 +48,48 @@ Character read_own_character(const std::string& path, const Basis& basis) {
 }
 
 }  // namespace
+
+WornMeshes::WornMeshes(const vulkan::Device& device, const Basis& basis, Attachments attachments)
+    : device_(device), attachments_(std::move(attachments)), carrier_(basis, attachments_) {
+  for (const AttachedMesh& mesh : attachments_.meshes) {
+    triangles_.push_back(vulkan::upload(device_, mesh.triangles, "attached triangles"));
+  }
+}
+
+std::vector<WornMesh> WornMeshes::carry(std::span<const std::vector<float>> skins, std::span<const Pose> poses) const {
+  const std::size_t count = attachments_.meshes.size();
+  std::vector<std::vector<float>> positions(count), normals(count);
+  for (std::size_t f = 0; f < skins.size(); ++f) {
+    const std::vector<std::vector<float>> carried = carrier_.carry(skins[f], poses[f].joints);
+    for (std::size_t m = 0; m < count; ++m) {
+      std::ranges::copy(carried[m], std::back_inserter(positions[m]));
+      const Positions areas = vertex_normals(rows_of(carried[m]), rows_of(attachments_.meshes[m].triangles));
+      std::ranges::copy(floats_of(areas), std::back_inserter(normals[m]));
+    }
+  }
+  std::vector<WornMesh> meshes;
+  for (std::size_t m = 0; m < count; ++m) {
+    const AttachedMesh& mesh = attachments_.meshes[m];
+    if (sizeof(float) * positions[m].size() > device_.info().max_storage_buffer_range) {
+      throw Error(ErrorKind::usage, "mesh '" + mesh.name + "' is too large to be shown " +
+                                        std::to_string(skins.size()) +
+                                        " times at once: fewer copies or ghosts, or 'worn off'");
+    }
+    meshes.push_back({&triangles_[m], mesh.triangle_count(),
+                      static_cast<std::uint32_t>(positions[m].size() / (3 * std::max<std::size_t>(1, skins.size()))),
+                      vulkan::upload(device_, positions[m], "attached positions"),
+                      vulkan::upload(device_, normals[m], "attached normals")});
+  }
+  return meshes;
+}
+
+std::vector<float> WornMeshes::points(std::span<const float> skin, const Pose& pose) const {
+  std::vector<float> points;
+  for (const std::vector<float>& mesh : carrier_.carry(skin, pose.joints)) {
+    std::ranges::copy(mesh, std::back_inserter(points));
+  }
+  return points;
+}
 
 fs::path ActorFiles::dynamics() const { return dynamics_beside(basis); }
 
@@ -149,7 +193,7 @@ std::string Actor::name() const { return files_.basis.empty() ? "arm" : fs::path
 
 std::size_t Actor::level_within(double metres) const {
   std::size_t level = details_.size() - 1;
-  while (level > 0 && details_[level]->distance() > metres) --level;
+  while (level > 0 && details_[level]->level().distance > metres) --level;
   return level;
 }
 
@@ -161,7 +205,7 @@ bool Actor::has(SkinMethod method) const {
 
 bool Actor::has_at_finest(SkinMethod method) const {
   if (method == SkinMethod::jiggle) return has_dynamics() && why_still().empty();
-  if (method == SkinMethod::proxy) return details_.size() > 1 && !details_[1]->carried().empty();
+  if (method == SkinMethod::proxy) return details_.size() > 1 && !details_[1]->level().carried.empty();
   if (method == SkinMethod::lbs) return character_.has_value();
   return method != SkinMethod::truth || truth_.has_value();
 }
@@ -208,7 +252,7 @@ void Actor::show_raw(bool raw) {
 
 void Actor::show_sculpted(int frame, std::vector<float> points) {
   if (!truth_) return;
-  truth_->sculpted = Sculpted{frame, std::move(points)};
+  truth_->sculpted.emplace(frame, std::move(points));
   truth_->shown.reset();
 }
 
@@ -297,13 +341,7 @@ std::vector<MissedPin> Actor::missed_pins(int frame, const ViewSettings::PoseKey
 Pose Actor::pose(int frame, const ViewSettings::Posing& posing) const {
   if (!basis().modifiers.empty()) return modified_pose(frame, posing);
   Pose pose = posed(clip_pose(frame), posing);
-  const std::vector<std::string>& controls = basis().residual.controls;
-  for (const auto& [control, value] : posing.controls) {
-    const auto at = std::find(controls.begin(), controls.end(), control);
-    if (at == controls.end()) continue;
-    pose.controls.resize(controls.size(), 0.0f);
-    pose.controls[static_cast<std::size_t>(at - controls.begin())] = static_cast<float>(value);
-  }
+  if (!posing.controls.empty()) set_posed_controls(basis().residual.controls, posing, pose);
   return pose;
 }
 
@@ -423,7 +461,7 @@ std::vector<float> Actor::linear_skin(const Pose& pose) const {
 
 // A proxy that stands alone carries the full skin, not that of its own finest level, which its meshes ride on.
 bool Actor::has_worn_skin() const {
-  return level_ == 0 || shown().carried().size() == finest().basis().mesh.output_count();
+  return level_ == 0 || shown().level().carried.size() == finest().basis().mesh.output_count();
 }
 
 // O x 3 of the finest level.
@@ -431,8 +469,9 @@ std::vector<float> Actor::full_skin(const Detail& detail, const Evaluation& eval
   const MeshTable& mesh = detail.basis().mesh;
   const std::size_t count = std::size_t{3} * mesh.output_count();
   const std::span<const float> positions = std::span(evaluation.positions).subspan(pose * count, count);
-  if (&detail == details_.front().get() || detail.carried().empty()) return {positions.begin(), positions.end()};
-  return carry_skin(mesh, detail.carried(), positions, std::span(evaluation.normals).subspan(pose * count, count));
+  if (&detail == details_.front().get() || detail.level().carried.empty()) return {positions.begin(), positions.end()};
+  return carry_skin(mesh, detail.level().carried, positions,
+                    std::span(evaluation.normals).subspan(pose * count, count));
 }
 
 // As it was evaluated last.
@@ -473,7 +512,7 @@ void Actor::show_truth(int frame) {
 
 std::vector<float> Actor::shown_truth(int frame, const SampleTime& time) const {
   if (truth_->raw) return truth_->shapes.raw_sample(time.sample);
-  if (truth_->sculpted && truth_->sculpted->frame == frame) return truth_->sculpted->points;
+  if (truth_->sculpted && truth_->sculpted->first == frame) return truth_->sculpted->second;
   return read_sample(truth_->shapes, time);
 }
 

@@ -17,10 +17,10 @@
 #include "proxy_viewer/scene/open_character.h"
 #include "proxy_viewer/scene/pinned_joints.h"
 #include "proxy_viewer/scene/truth_times.h"
-#include "proxy_viewer/scene/worn_meshes.h"
 #include "proxy_viewer/state/joint_ranges.h"
 #include "proxy_viewer/state/view_settings.h"
 #include "runtime/deformer/deformer.h"
+#include "runtime/host/attachments.h"
 #include "runtime/vulkan/buffer.h"
 
 namespace bodyopt {
@@ -40,6 +40,32 @@ struct ActorFiles {
   std::filesystem::path levels() const;  // the proxy; empty: none, and none can be there
   // All of them, those beside the basis whether they are there or not: to be watched.
   std::vector<std::filesystem::path> paths() const;
+};
+
+// Attached geometry: carried on the host, uploaded when it moves.
+// A mesh on F skins.
+struct WornMesh {
+  const vulkan::Buffer* triangles = nullptr;
+  std::uint32_t triangle_count = 0, vertex_count = 0;
+  vulkan::Buffer positions, normals;  // F x N x 3
+};
+
+class WornMeshes {
+ public:
+  // The basis must outlive it.
+  WornMeshes(const vulkan::Device& device, const Basis& basis, Attachments attachments);
+
+  // On each of the skins, O x 3, at its pose. On the device, as long as this lives. Throws Error(usage) for more than
+  // the device shows at once.
+  std::vector<WornMesh> carry(std::span<const std::vector<float>> skins, std::span<const Pose> poses) const;
+  // On the host, all meshes one after the other, N x 3.
+  std::vector<float> points(std::span<const float> skin, const Pose& pose) const;
+
+ private:
+  const vulkan::Device& device_;
+  Attachments attachments_;
+  AttachmentCarrier carrier_;
+  std::vector<vulkan::Buffer> triangles_;
 };
 
 class Actor {
@@ -157,16 +183,12 @@ class Actor {
     std::vector<Pose> poses;
     std::vector<WornMesh> meshes;
   };
-  struct Sculpted {
-    int frame;
-    std::vector<float> points;
-  };
   struct Truth {
     NamedShapes shapes;
     std::optional<SampleTime> shown;
     HostedSkin skin;
     bool raw = false;
-    std::optional<Sculpted> sculpted{};
+    std::optional<std::pair<int, std::vector<float>>> sculpted{};  // frame, points
   };
 
   Detail& finest() { return *details_.front(); }

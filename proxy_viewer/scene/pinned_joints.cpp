@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "proxy_viewer/state/joint_ranges.h"
 #include "runtime/host/rig.h"
 #include "runtime/modifiers/world_rotations.h"
 

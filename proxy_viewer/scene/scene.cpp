@@ -62,7 +62,7 @@ float grid_spacing(double size) {
 SkinDraw draw_of(const Actor& character, const DeviceSkin& shown, const Controls& controls) {
   const ViewSettings::Look& look = controls.settings.look;
   SkinDraw skin;
-  skin.triangles = &character.shown().triangles();
+  skin.triangles = &character.shown().level().triangles;
   skin.triangle_count = static_cast<std::uint32_t>(character.basis().mesh.triangles.size() / 3);
   skin.positions = shown.positions;
   skin.normals = shown.normals;
@@ -111,12 +111,6 @@ LinePoint line_point(const Vec3& at, std::uint32_t colour) {
 // Of those that stand in a row: to the right, to the left, further to the right...
 double place_in_row(std::size_t index) {
   return index % 2 == 1 ? static_cast<double>(index + 1) / 2 : -static_cast<double>(index) / 2;
-}
-
-Rectangle left_half(const Rectangle& r) { return {r.x, r.y, r.width / 2, r.height}; }
-Rectangle right_half(const Rectangle& r) {
-  const std::uint32_t left = r.width / 2;
-  return {r.x + static_cast<std::int32_t>(left), r.y, r.width - left, r.height};
 }
 
 constexpr double kRadius = 0.09;  // of the character's size
@@ -366,7 +360,9 @@ std::vector<Rectangle> Scene::view_areas(const ViewSettings& settings, const Rec
   const bool two = !cast_.empty() && compare.layout == CompareLayout::side_by_side && !compare.activation &&
                    compared_method(lead(), settings);
   if (!two) return {area};
-  return {left_half(area), right_half(area)};
+  const std::uint32_t left = area.width / 2;
+  return {{area.x, area.y, left, area.height},
+          {area.x + static_cast<std::int32_t>(left), area.y, area.width - left, area.height}};
 }
 
 void Scene::add_marker(const Vec3& at, std::uint32_t colour, View& view) {
@@ -605,15 +601,15 @@ void Scene::add_rings(const Controls& controls, const std::array<float, 3>& offs
 }
 
 void Scene::add_fibres(const Actor& character, const Shown& shown, const std::array<float, 3>& offset, View& view) {
-  if (character.shown().fibre_segment_count() == 0 || shown.method == SkinMethod::truth) return;
+  if (character.shown().level().fibre_segment_count == 0 || shown.method == SkinMethod::truth) return;
   std::vector<std::uint32_t> colours;
   const std::uint32_t fibres = character.basis().strain.fibre_count();
   for (std::uint32_t f = 0; f < fibres; ++f) colours.push_back(strain_colour(shown.evaluation->strains[f]));
   colours_.push_back(std::move(colours));
   FibreDraw draw;
-  draw.segments = &character.shown().fibre_segments();
-  draw.segment_count = character.shown().fibre_segment_count();
-  draw.points = &character.shown().fibre_points();
+  draw.segments = &character.shown().level().fibre_segments;
+  draw.segment_count = character.shown().level().fibre_segment_count;
+  draw.points = &character.shown().level().fibre_points;
   draw.positions = shown.skin.positions;
   draw.normals = shown.skin.normals;
   draw.colours = colours_.back();

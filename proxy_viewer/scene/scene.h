@@ -139,8 +139,8 @@ class Scene {
 SkinMethod shown_method(const Actor& character, const ViewSettings& settings);
 std::optional<SkinMethod> compared_method(const Actor& character, const ViewSettings& settings);
 
-// A ring around the joint that is selected, by which it is turned in the picture: of one
-// of its three angles (joint_ranges.h). Metres, world; degrees.
+// A ring around the joint that is selected, by which it is turned in the picture: of one of its three angles
+// (joint_ranges.h). Metres, world; degrees.
 struct TurnRing {
   std::size_t axis;    // x, y, z
   Vec3 centre, along;  // along: of the axis, unit; seen against it, angles grow to the left
