@@ -53,8 +53,6 @@ void Playback::play() {
   if (mode_ == PlayMode::once && shown_ == end()) shown_ = start();
 }
 
-void Playback::pause() { playing_ = false; }
-
 void Playback::toggle() { playing_ ? pause() : play(); }
 
 void Playback::step(int frames) {

@@ -36,7 +36,7 @@ class Playback {
   int advance(double seconds);
 
   void play();  // at the end of a range that is played once: from its beginning
-  void pause();
+  void pause() { playing_ = false; }
   void toggle();
   void step(int frames);  // pauses; beyond the range, too, as far as the clip has frames
   // The others play on if they were playing.
