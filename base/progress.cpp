@@ -8,6 +8,7 @@
 #include <cstdio>
 
 #include "runtime/core/error.h"
+#include "runtime/core/formatted.h"
 
 namespace bodyopt {
 namespace {
@@ -30,12 +31,6 @@ double pause() {
     default:
       return 1;
   }
-}
-
-std::string formatted(const char* pattern, auto... values) {
-  char text[200];
-  std::snprintf(text, sizeof(text), pattern, values...);
-  return text;
 }
 
 }  // namespace

@@ -25,8 +25,7 @@ Application::Application(const ViewerOptions& options, std::shared_ptr<const vul
       session_(device, options_),
       errors_(session_.scene, controls_, device->info().type != "cpu"),
       painter_(device, session_, errors_, screen, {options.width, options.height}),
-      pictures_(painter_, session_),
-      live_(session_) {
+      pictures_(painter_, session_) {
   controls_.headless = !screen;
   controls_.panels = controls_.settings.hud.on = screen != nullptr;
   open_files();
@@ -55,7 +54,7 @@ void Application::begin() {
   const bool restored = session_.restore_view();
   if (!options_.state.empty()) session_.load_state(options_.state);
   begin_frames(restored);
-  if (options_.live_port) live_.listen(*options_.live_port);
+  if (options_.live_port) session_.listen(*options_.live_port);
   if (screen_) controls_.say("H: all keys");
   session_.follow();
   if (controls_.requests.frame_selection) frame_what_comes();
@@ -98,22 +97,19 @@ void Application::set_title() {
   if (screen_) screen_->set_title(session_.scene.lead().name() + " \xe2\x80\x93 Bodyopt");
 }
 
-// What was known of the lead may be so no longer.
-template <typename Action>
-void Application::change_cast(const Action& action) {
-  action();
-  errors_.forget();
-  painter_.forget_heat();
-  set_title();
-  live_.follow_lead();
-}
-
-// The cast stays as it is.
+// What was known of the lead may be so no longer. The cast stays as it is.
 template <typename Action>
 void Application::change_shapes(const Action& action) {
   action();
   errors_.forget();
   painter_.forget_heat();
+}
+
+template <typename Action>
+void Application::change_cast(const Action& action) {
+  change_shapes(action);
+  set_title();
+  session_.expect_poses_of_lead();
 }
 
 void Application::reload(const std::vector<std::filesystem::path>& files) {
@@ -134,7 +130,7 @@ void Application::make_pictures() {
 double Application::patience() const {
   if (pictures_.goes_on() || pending_pictures_ > 0 || !unheard_.empty() || !options_.vsync || errors_.has_work())
     return 0;
-  return controls_.playback.playing() || live_.listens() ? kBusy : kIdle;
+  return controls_.playback.playing() || session_.listens() ? kBusy : kIdle;
 }
 
 void Application::turn(std::span<const WindowEvent> events, double passed) {
@@ -150,7 +146,7 @@ void Application::act(std::span<const WindowEvent> events, double passed) {
   if (pictures_.goes_on()) return go_on_with_pictures(passed);
   const int shown = controls_.playback.frame();
   controls_.playback.advance(passed);
-  if (live_.poll()) pending_pictures_ = std::max(pending_pictures_, 1);
+  if (session_.poll_live()) pending_pictures_ = std::max(pending_pictures_, 1);
   look_at_files();
   if (session_.sectioning.has_news()) pending_pictures_ = 2;
   run_script();
@@ -313,7 +309,7 @@ void Application::fulfil_of_dataset(const Requests& requests) {
   if (requests.stroke || requests.keep_strokes) {
     controls_.attempt([&] { change_shapes([&] { session_.keep_strokes(); }); });
   }
-  if (requests.contradictions) controls_.attempt([&] { session_.find_contradictions(); });
+  if (requests.contradictions) controls_.attempt([&] { session_.curation.find_contradictions(controls_); });
 }
 
 }  // namespace bodyopt

@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "proxy_viewer/live_feed.h"
-#include "proxy_viewer/picture_taking.h"
+#include "proxy_viewer/picture_files.h"
+#include "proxy_viewer/session.h"
 #include "proxy_viewer/viewer.h"
 
 namespace bodyopt {
@@ -65,7 +65,6 @@ class Application {
   ErrorMeasuring errors_;
   Painter painter_;
   PictureTaking pictures_;
-  LiveFeed live_;
   std::deque<WindowEvent> unheard_;
   std::deque<std::string> script_;  // commands that have not run
   bool script_waits_ = false;       // for what its last command asked for

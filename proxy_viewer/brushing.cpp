@@ -19,7 +19,7 @@ constexpr double kClosest = 1;     // pixels
 
 // The frame that is shown. What was brushed on another is kept first.
 void Brushing::take_up_frame() {
-  if (!curation_.is_open()) throw Error(ErrorKind::usage, "no dataset is open: begin with bodyopt view DATASET");
+  curation_.require_open();
   if (controls_.curating.raw) {
     throw Error(ErrorKind::usage, "what is shown is before any modifier, as is no stroke: 'raw off'");
   }

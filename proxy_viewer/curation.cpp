@@ -2,11 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <utility>
 
 #include "dataset/modifier.h"
 #include "dataset/stack_history.h"
+#include "runtime/core/error.h"
+#include "runtime/core/formatted.h"
 #include "trainer/curate/edit_stack.h"
 #include "trainer/curate/local_models.h"
 
@@ -89,7 +90,7 @@ void Curation::begin(const std::shared_ptr<const ShapeStack>& stack, std::vector
 
 void Curation::choose_region(const std::string& name) {
   const auto part =
-      std::find_if(parts_.begin(), parts_.end(), [&](const SkinPart& p) { return p.region.name == name; });
+      std::ranges::find(parts_, name, [](const SkinPart& p) -> const std::string& { return p.region.name; });
   if (part == parts_.end()) return;
   region_ = name;
   map_ = pose_map(stack_->database(), *part, kAlikeDegrees);
@@ -148,41 +149,42 @@ void Curation::describe(const Controls& controls, Snapshot& snapshot, std::span<
   const MapColour colour = brushed.empty() ? controls.curating.colour : MapColour::sculpt;
   const std::vector<double> heat = values(colour, snapshot, brushed);
   row.dots = dots(heat);
-  const auto hottest = std::max_element(heat.begin(), heat.end(),
-                                        [](double a, double b) { return std::isnan(a) ? !std::isnan(b) : a < b; });
+  const auto hottest = std::ranges::max_element(heat, {}, [](double h) { return std::isnan(h) ? -INFINITY : h; });
   const bool known = std::isfinite(*hottest);
-  char text[96];
   switch (colour) {
     case MapColour::coverage:
-      std::snprintf(text, sizeof(text), "hot: fewer than %.0f poses within %.0f degrees", kDense, kAlikeDegrees);
+      row.legend = formatted("hot: fewer than %.0f poses within %.0f degrees", kDense, kAlikeDegrees);
       break;
     case MapColour::contradiction:
-      std::snprintf(text, sizeof(text), known ? "hottest: %.2f mm from like poses" : "not compared yet", *hottest);
+      row.legend = known ? formatted("hottest: %.2f mm from like poses", *hottest) : "not compared yet";
       break;
     case MapColour::error:
-      std::snprintf(text, sizeof(text), known ? "hottest: %.2f mm RMS" : "not measured yet", *hottest);
+      row.legend = known ? formatted("hottest: %.2f mm RMS", *hottest) : "not measured yet";
       break;
     case MapColour::sculpt:
-      std::snprintf(text, sizeof(text), "%s", known ? "hottest: takes all of the stroke" : "nothing was brushed yet");
+      row.legend = known ? "hottest: takes all of the stroke" : "nothing was brushed yet";
       break;
     case MapColour::weight:
-      std::snprintf(text, sizeof(text), "hottest: counts %g times in training", *hottest);
+      row.legend = formatted("hottest: counts %g times in training", *hottest);
       break;
   }
-  row.legend = text;
   for (const Modifier& modifier : stack_->database().dataset.modifiers) {
     row.modifiers.push_back({modifier.name, modifier.type, modifier.enabled, modifier.strength});
   }
   for (std::size_t k = 0; report_ && k < report_->pairs.size(); ++k) {
     const DisagreeingPair& pair = report_->pairs[k];
-    std::snprintf(text, sizeof(text), "%.2f mm  ", pair.apart_mm);
-    row.pairs.push_back(text + stack_->database().name_of(pair.first) + " \xe2\x80\x93 " +
-                        stack_->database().name_of(pair.second) + "  " + pair.region);
+    row.pairs.push_back(formatted("%.2f mm  ", pair.apart_mm) + stack_->database().name_of(pair.first) +
+                        " \xe2\x80\x93 " + stack_->database().name_of(pair.second) + "  " + pair.region);
   }
   snapshot.curation = std::move(row);
 }
 
+void Curation::require_open() const {
+  if (!is_open()) throw Error(ErrorKind::usage, "no dataset is open: begin with bodyopt view DATASET");
+}
+
 void Curation::find_contradictions(Controls& controls) {
+  require_open();
   report_ = report_consistency(*stack_, kAlikeDegrees, kPairs);
   controls.curating.compared = true;
   controls.curating.pairs.clear();
@@ -197,16 +199,14 @@ void Curation::find_contradictions(Controls& controls) {
 }
 
 void Curation::edit(const ModifierEdit& edit) const {
+  require_open();
   if (edit.enabled) enable_modifier(path(), edit.name, *edit.enabled, kAtOnce);
   if (edit.strength) change_modifier(path(), edit.name, {.strength = edit.strength}, kAtOnce);
 }
 
 void Curation::step(bool back) const {
-  if (back) {
-    undo_modifiers(path(), kAtOnce);
-  } else {
-    redo_modifiers(path(), kAtOnce);
-  }
+  require_open();
+  (back ? undo_modifiers : redo_modifiers)(path(), kAtOnce);
 }
 
 }  // namespace bodyopt

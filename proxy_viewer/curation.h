@@ -25,12 +25,14 @@ class Curation {
   void describe(const Controls& controls, Snapshot& snapshot, std::span<const double> brushed) const;
 
   bool is_open() const { return stack_ != nullptr; }
+  void require_open() const;  // throws Error(usage)
   const std::shared_ptr<const ShapeStack>& stack() const { return stack_; }
   // Of a frame of the clip, in the database.
   std::size_t number_of(int frame) const;
-  // Compares like poses of the whole dataset. Shows progress.
+  // Compares like poses of the whole dataset. Shows progress. Throws as require_open().
   void find_contradictions(Controls& controls);
-  // Throw as change_modifier() and undo_modifiers(); Error(file) within a moment where another process is editing.
+  // Throw as require_open(), change_modifier() and undo_modifiers(); Error(file) within a moment where another process
+  // is editing.
   void edit(const ModifierEdit& edit) const;
   void step(bool back) const;
 

@@ -42,11 +42,8 @@ void describe_shown(const Actor& character, const ViewSettings& settings, Charac
 std::vector<JointRow> describe(const Skeleton& skeleton) {
   std::vector<JointRow> rows;
   for (const Joint& joint : skeleton.joints) {
-    JointRow row;
-    row.name = joint.name;
-    row.parent = joint.parent;
-    row.depth = joint.parent < 0 ? 0 : rows[static_cast<std::size_t>(joint.parent)].depth + 1;
-    rows.push_back(row);
+    const int depth = joint.parent < 0 ? 0 : rows[static_cast<std::size_t>(joint.parent)].depth + 1;
+    rows.push_back({joint.name, joint.parent, depth});
   }
   return rows;
 }
@@ -58,10 +55,8 @@ std::vector<ControlRow> describe_controls(const ResidualTable& residual) {
   for (std::size_t k = 0; k < count; ++k) {
     const FeatureRange& range = residual.features[residual.features.size() - count + k];
     const bool varies = range.low < range.high;
-    ControlRow& row = rows.emplace_back();
-    row.name = residual.controls[k];
-    row.low = varies ? static_cast<double>(range.low) : 0;
-    row.high = varies ? static_cast<double>(range.high) : 1;
+    rows.push_back({residual.controls[k], varies ? static_cast<double>(range.low) : 0,
+                    varies ? static_cast<double>(range.high) : 1});
   }
   return rows;
 }
@@ -72,8 +67,7 @@ void add_modifiers(const SkinModifiers& modifiers, Snapshot& snapshot) {
   for (const SkinModifier& modifier : modifiers.stack) {
     snapshot.modifiers.push_back({modifier.name, modifier.type});
     const auto add = [&](const std::string& channel, const SkinModifierControl& control) {
-      const auto constant = modifier.constants.find(control.name);
-      const double usual = static_cast<double>(constant == modifier.constants.end() ? control.usual : constant->second);
+      const auto usual = static_cast<double>(set_or(modifier.constants, control.name, control.usual));
       snapshot.controls.push_back({channel, static_cast<double>(control.low), static_cast<double>(control.high), usual,
                                    modifier.name, control.what});
     };
@@ -111,35 +105,36 @@ std::vector<std::string> possible_comparisons(const Actor& lead, ViewSettings se
 std::map<std::string, std::string> describe_missing(const Scene& scene) {
   const Actor& lead = scene.lead();
   std::map<std::string, std::string> missing;
+  const auto lacks = [&](std::initializer_list<const char*> commands, const std::string& why) {
+    for (const char* command : commands) missing[command] = why;
+  };
   if (scene.cast().size() < 2) {
-    for (const char* command : {"match colours", "match confidence"}) {
-      missing[command] = "a match is of two bodies: open the one that is transferred to after the lead";
-    }
+    lacks({"match colours", "match confidence"},
+          "a match is of two bodies: open the one that is transferred to after the lead");
   }
   if (!lead.character()) {
-    missing["anatomy on"] =
-        "what lies inside is found from the skin weights in the character's file: begin with --character hero.glb";
+    lacks({"anatomy on"},
+          "what lies inside is found from the skin weights in the character's file: begin with --character hero.glb");
   }
   if (!lead.has_at_finest(SkinMethod::lbs)) {
-    missing["compare lbs"] =
-        "the weights of linear blending are in the character's file: begin with --character hero.glb";
+    lacks({"compare lbs"},
+          "the weights of linear blending are in the character's file: begin with --character hero.glb");
   }
   if (!lead.has_at_finest(SkinMethod::proxy)) {
-    missing["compare proxy"] =
-        "there is no proxy: begin with --proxy hero_proxy.safetensors, which 'bodyopt proxy' makes";
+    lacks({"compare proxy"},
+          "there is no proxy: begin with --proxy hero_proxy.safetensors, which 'bodyopt proxy' makes");
   }
   if (!lead.has_at_finest(SkinMethod::truth)) {
-    missing["compare truth"] = "there is no point cache: open one (.pc2), or begin with --truth hero.pc2";
+    lacks({"compare truth"}, "there is no point cache: open one (.pc2), or begin with --truth hero.pc2");
   }
   if (!lead.has_dynamics()) {
-    for (const char* command : {"compare jiggle", "jiggle on", "tets on"}) {
-      missing[command] = "there are no dynamics beside the basis: 'bodyopt dynamics' makes them";
-    }
+    lacks({"compare jiggle", "jiggle on", "tets on"},
+          "there are no dynamics beside the basis: 'bodyopt dynamics' makes them");
   } else if (const std::string why = lead.why_still(); !why.empty()) {
-    for (const char* command : {"compare jiggle", "jiggle on"}) missing[command] = why;
+    lacks({"compare jiggle", "jiggle on"}, why);
   }
   if (lead.basis().strain.names.empty()) {
-    missing["fibres on"] = "the basis has no muscles: they are given to 'bodyopt train'";
+    lacks({"fibres on"}, "the basis has no muscles: they are given to 'bodyopt train'");
   }
   return missing;
 }
@@ -155,13 +150,6 @@ void describe_cast(const Scene& scene, Snapshot& snapshot) {
   snapshot.fibres = lead.basis().strain.names;
   snapshot.clip_fps = lead.clip().fps;
   snapshot.first_frame = lead.clip().first_frame;
-}
-
-void describe_pins(const Scene& scene, const Controls& controls, Snapshot& snapshot) {
-  snapshot.missed_pins.clear();
-  for (const MissedPin& pin : scene.lead().missed_pins(controls.playback.frame(), controls.settings.pose)) {
-    snapshot.missed_pins.push_back({pin.joint, 1e3 * pin.away, pin.by_limits});
-  }
 }
 
 void describe_turns(const Scene& scene, int frame, Snapshot& snapshot) {

@@ -1,7 +1,7 @@
 // What panels are told of a scene.
 #pragma once
 
-#include "proxy_viewer/compare/error_curve.h"
+#include "proxy_viewer/compare/error_measuring.h"
 #include "proxy_viewer/panels/snapshot.h"
 #include "proxy_viewer/scene/scene.h"
 
@@ -13,10 +13,7 @@ std::map<std::string, std::string> describe_missing(const Scene& scene);
 // What stays as it is until files are read: the cast, and the lead's joints, controls, fibres and clip.
 void describe_cast(const Scene& scene, Snapshot& snapshot);
 
-// Pins that the lead's limbs do not reach in the frame that is shown.
-void describe_pins(const Scene& scene, const Controls& controls, Snapshot& snapshot);
-
-// How far the lead's joints may be turned in it.
+// How far the lead's joints may be turned in a frame.
 void describe_turns(const Scene& scene, int frame, Snapshot& snapshot);
 
 // What is shown and compared now, and how far apart it is.

@@ -8,12 +8,8 @@
 #include <utility>
 
 #include "draw/camera.h"
-#include "draw/view.h"
 #include "proxy_viewer/commands/commands.h"
-#include "proxy_viewer/commands/controls.h"
 #include "proxy_viewer/picking.h"
-#include "proxy_viewer/scene/scene.h"
-#include "proxy_viewer/scene/turn_rings.h"
 
 namespace bodyopt {
 namespace {
@@ -87,16 +83,10 @@ constexpr float kClick = 4;  // pixels: less is no drag
 
 float pixels_a_point() { return ImGui::GetIO().DisplayFramebufferScale.x; }
 
-// Of the picture.
-ImVec2 mouse_at() {
-  const ImVec2 at = ImGui::GetIO().MousePos;
-  return {pixels_a_point() * at.x, pixels_a_point() * at.y};
-}
+ImVec2 pixels_of(const ImVec2& points) { return {pixels_a_point() * points.x, pixels_a_point() * points.y}; }
 
-ImVec2 mouse_moved() {
-  const ImVec2 by = ImGui::GetIO().MouseDelta;
-  return {pixels_a_point() * by.x, pixels_a_point() * by.y};
-}
+// Of the picture.
+ImVec2 mouse_at() { return pixels_of(ImGui::GetIO().MousePos); }
 
 // First one of the lead, then the same of the other.
 void mark(Scene& scene, const Rectangle& area, Controls& controls) {
@@ -185,7 +175,7 @@ void steer_by_mouse(Scene& scene, const Rectangle& area, std::uint32_t height, C
   const ImGuiIO& io = ImGui::GetIO();
   if (io.WantCaptureMouse) return;
   const double per_pixel = 3.2 / std::max(1u, height);  // half a turn across the window's height
-  const ImVec2 at = mouse_at(), by = mouse_moved();
+  const ImVec2 at = mouse_at(), by = pixels_of(io.MouseDelta);
   const double x = static_cast<double>(by.x), y = static_cast<double>(by.y);
   // Not with what moved before the button went down.
   if (ImGui::IsMouseClicked(0) && !io.KeyShift) {

@@ -9,6 +9,7 @@
 #include <fstream>
 #include <iostream>
 #include <iterator>
+#include <ranges>
 #include <utility>
 #include <vector>
 
@@ -104,7 +105,7 @@ void Painter::draw_panels_over(const PictureSize& size, double passed) {
     steer_by_mouse(scene_, area_, height, controls_);
   }
   describe_turns(scene_, controls_.playback.frame(), snapshot_);
-  describe_pins(scene_, controls_, snapshot_);
+  snapshot_.missed_pins = scene_.lead().missed_pins(controls_.playback.frame(), controls_.settings.pose);
   describe_comparison(scene_, controls_, errors_.curve(), snapshot_);
   session_.matching.describe(snapshot_);
   session_.sectioning.describe(area_, mouse_over_picture(), snapshot_);
@@ -144,8 +145,11 @@ void Painter::choose_level() {
   const ViewSettings& s = controls_.settings;
   const bool all_finest = s.compare.with != CompareWith::none || s.look.tets, matched = snapshot_.match.has_value();
   const bool lead_finest = all_finest || matched || (s.jiggle.on && scene_.lead().has_at_finest(SkinMethod::jiggle));
+  // Of any; who has fewer shows the coarsest there is.
+  const std::size_t most_levels =
+      std::ranges::max(scene_.cast() | std::views::transform([](const auto& one) { return one->level_count(); }));
   const std::size_t automatic =
-      detail_.choose(1e-3 * snapshot_.frame_ms, controls_.playback.playing() && !lead_finest, most_levels());
+      detail_.choose(1e-3 * snapshot_.frame_ms, controls_.playback.playing() && !lead_finest, most_levels);
   for (std::size_t c = 0; c < scene_.cast().size(); ++c) {
     const std::optional<int>& own = c == 0 ? s.look.level : controls_.standings[c].level;
     const std::optional<int>& asked = own ? own : s.look.level;
@@ -155,13 +159,6 @@ void Painter::choose_level() {
   }
   snapshot_.level = scene_.lead().level();
   snapshot_.level_count = scene_.lead().level_count();
-}
-
-// Of any; who has fewer shows the coarsest there is.
-std::size_t Painter::most_levels() const {
-  std::size_t most = 1;
-  for (const auto& character : scene_.cast()) most = std::max(most, character->level_count());
-  return most;
 }
 
 void Painter::describe_time(Clock::time_point start) {

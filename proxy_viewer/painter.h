@@ -9,7 +9,6 @@
 
 #include "draw/viewport.h"
 #include "proxy_viewer/compare/error_measuring.h"
-#include "proxy_viewer/compare/heat_scale.h"
 #include "proxy_viewer/platform/gui.h"
 #include "proxy_viewer/platform/screen.h"
 #include "proxy_viewer/session.h"
@@ -59,7 +58,6 @@ class Painter {
   void draw_panels_over(const PictureSize& size, double passed);
   void choose_heat();
   void choose_level();
-  std::size_t most_levels() const;
   void describe_time(Clock::time_point start);
 
   const bool is_software_;

@@ -1,8 +1,10 @@
 #include "proxy_viewer/picture_files.h"
 
-#include <filesystem>
+#include <algorithm>
+#include <iomanip>
 #include <numbers>
 #include <span>
+#include <sstream>
 #include <utility>
 #include <vector>
 
@@ -22,6 +24,39 @@ constexpr const char* kNewScreenshot = "bodyopt.####.png";
 constexpr const char* kMoving = ".webp";
 constexpr const char* kKept = "the pictures that were written are kept";
 
+struct Place {
+  std::size_t begin, end;  // in the name
+  std::size_t digits;
+};
+
+// %d, or %04d and the like with one or two digits of width.
+std::optional<Place> percent_place(const std::string& name, std::size_t begin) {
+  const std::size_t letter = std::min(name.find_first_not_of("0123456789", begin + 1), name.size());
+  if (name[letter] != 'd') return {};
+  const std::string width = name.substr(begin + 1, letter - begin - 1);
+  if (width.empty()) return Place{begin, letter + 1, 1};
+  if (width.front() != '0' || width.size() < 2 || width.size() > 3) return {};
+  return Place{begin, letter + 1, std::stoul(width)};
+}
+
+// The first place for the frame.
+std::optional<Place> find_place(const std::string& name) {
+  for (std::size_t begin = 0; begin < name.size(); ++begin) {
+    if (name[begin] == '#') {
+      const std::size_t end = std::min(name.find_first_not_of('#', begin), name.size());
+      return Place{begin, end, end - begin};
+    }
+    if (name[begin] != '%') continue;
+    if (const auto place = percent_place(name, begin)) return place;
+  }
+  return {};
+}
+
+struct Finally {
+  std::function<void()> action;
+  ~Finally() { action(); }
+};
+
 std::string free_name() {
   const FrameSequenceName name(kNewScreenshot, 2);
   int k = 1;
@@ -30,6 +65,30 @@ std::string free_name() {
 }
 
 }  // namespace
+
+FrameSequenceName::FrameSequenceName(const std::filesystem::path& pattern, std::size_t frame_count)
+    : folder_(pattern.parent_path()), after_(pattern.filename().string()) {
+  const auto refuse = [&](const std::string& problem) {
+    throw Error(ErrorKind::usage, pattern.string() + ": " + problem +
+                                      "; expected one place for the frame, for instance img.####.png or img.%04d.png");
+  };
+  const auto place = find_place(after_);
+  if (!place && frame_count > 1) {
+    refuse("is the name of one picture, and there are " + std::to_string(frame_count) + " frames");
+  }
+  if (!place) return;
+  digits_ = std::max<std::size_t>(place->digits, 1);
+  before_ = after_.substr(0, place->begin);
+  after_.erase(0, place->end);
+  if (find_place(after_)) refuse("has more than one place for the frame");
+}
+
+std::filesystem::path FrameSequenceName::operator()(int frame) const {
+  if (digits_ == 0) return folder_ / after_;
+  std::ostringstream name;
+  name << before_ << std::setw(static_cast<int>(digits_)) << std::setfill('0') << std::internal << frame << after_;
+  return folder_ / name.str();
+}
 
 void require_picture_name(const std::string& file, bool may_move) {
   const std::string extension = lower_case_extension(file);
@@ -106,6 +165,58 @@ void make_all(PictureSeries& series, const DrawPicture& draw) {
   Progress progress("pictures", series.count(), kKept);
   while (series.make_next(draw)) progress.advance();
   progress.advance();
+}
+
+void PictureTaking::take_screenshot(const std::string& file) {
+  painter_.settle();
+  write_screenshot(
+      file, [this] { return painter_.draw_still(painter_.size()); }, session_.controls);
+}
+
+void PictureTaking::take_sequence(const std::string& pattern) {
+  make(frame_series(pattern, session_.scene.lead().clip().fps, session_.controls));
+}
+
+void PictureTaking::take_turntable(const std::string& pattern) { make(turntable_series(pattern, session_.controls)); }
+
+void PictureTaking::make(std::unique_ptr<PictureSeries> series) {
+  painter_.set_series(true);
+  if (session_.controls.headless) {
+    const Finally ends{[this] { painter_.set_series(false); }};
+    return make_all(*series, [this] { return painter_.draw_still(painter_.size()); });
+  }
+  series_ = std::move(series);
+  series_size_ = painter_.size();
+  stops_ = false;
+}
+
+void PictureTaking::go_on() {
+  bool goes_on = false;
+  if (std::exchange(stops_, false)) {
+    session_.controls.say("stopped after " + std::to_string(series_->made()) + " of " +
+                          std::to_string(series_->count()) + " pictures");
+  } else {
+    session_.controls.attempt([&] { goes_on = series_->make_next([this] { return draw_playblast(); }); });
+  }
+  if (goes_on) return;
+  series_.reset();
+  painter_.set_series(false);
+}
+
+void PictureTaking::show_progress() {
+  painter_.show_message(std::to_string(series_->made()) + " of " + std::to_string(series_->count()) +
+                        " pictures: Escape stops");
+}
+
+Image PictureTaking::draw_playblast() {
+  Controls& controls = session_.controls;
+  bool* const shown[] = {&controls.panels, &controls.settings.hud.on, &controls.cheat_sheet, &controls.prompt};
+  std::array<bool, std::size(shown)> before;
+  for (std::size_t k = 0; k < before.size(); ++k) before[k] = std::exchange(*shown[k], false);
+  const Finally put_back{[&] {
+    for (std::size_t k = 0; k < before.size(); ++k) *shown[k] = before[k];
+  }};
+  return painter_.draw_still(series_size_);
 }
 
 }  // namespace bodyopt

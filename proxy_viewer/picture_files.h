@@ -1,6 +1,8 @@
 // Pictures on disk: one, one of every frame, one from all around. What was written before an interruption is kept.
 #pragma once
 
+#include <cstddef>
+#include <filesystem>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -8,10 +10,25 @@
 
 #include "draw/animation.h"
 #include "draw/png.h"
-#include "proxy_viewer/commands/controls.h"
-#include "proxy_viewer/platform/frame_sequence_name.h"
+#include "proxy_viewer/painter.h"
 
 namespace bodyopt {
+
+// A file name with a place for the frame: `img.####.png` (as many digits at least as there are #) or `img.%04d.png`.
+// Both write a minus before the digits and count it among them.
+class FrameSequenceName {
+ public:
+  // Without a place the name is that of a single picture. Throws Error(usage) for more than one place, and for
+  // more than one frame without a place.
+  FrameSequenceName(const std::filesystem::path& pattern, std::size_t frame_count);
+
+  std::filesystem::path operator()(int frame) const;
+
+ private:
+  std::filesystem::path folder_;
+  std::string before_, after_;  // the place
+  std::size_t digits_ = 0;      // 0: no place
+};
 
 using DrawPicture = std::function<Image()>;  // of what the controls say
 
@@ -71,5 +88,35 @@ std::unique_ptr<PictureSeries> turntable_series(const std::string& pattern, Cont
 
 // All of it, with a line of progress on the terminal.
 void make_all(PictureSeries& series, const DrawPicture& draw);
+
+// All of these, as they are asked for. In a window one picture by one, so that it answers.
+class PictureTaking {
+ public:
+  // Both must outlive it.
+  PictureTaking(Painter& painter, Session& session) : painter_(painter), session_(session) {}
+
+  // These throw Error(usage) for a name of another kind, Error(file), and for what cannot be drawn.
+  void take_screenshot(const std::string& file);
+  void take_sequence(const std::string& pattern);
+  void take_turntable(const std::string& pattern);
+
+  bool goes_on() const { return series_ != nullptr; }
+  bool stops() const { return stops_; }
+  // Before the next picture; what was written is kept.
+  void stop() { stops_ = true; }
+  // The next picture of those that go on, drawn without what is there to work with.
+  void go_on();
+  void show_progress();
+
+ private:
+  void make(std::unique_ptr<PictureSeries> series);
+  Image draw_playblast();
+
+  Painter& painter_;
+  Session& session_;
+  std::unique_ptr<PictureSeries> series_;  // that is being made
+  PictureSize series_size_{};
+  bool stops_ = false;
+};
 
 }  // namespace bodyopt

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <initializer_list>
+#include <iostream>
 #include <iterator>
 #include <utility>
 
@@ -80,8 +81,7 @@ std::vector<std::string> Session::open_first() {
   files.joint_map = options_.joint_map;
   std::vector<std::string> notes = add(files);
   if (dataset) controls.settings.compare.with = CompareWith::truth;
-  describe_cast();
-  watch();
+  take_note_of_cast();
   return notes;
 }
 
@@ -122,8 +122,7 @@ std::vector<std::string> Session::open(const std::string& file) {
                     ": expected a basis (.safetensors), a character (.glb, .gltf), a clip "
                     "(.glb, .gltf, .bvh), a point cache (.pc2), a session, markers or a state (.json)");
   }
-  describe_cast();
-  watch();
+  take_note_of_cast();
   return notes;
 }
 
@@ -138,11 +137,6 @@ ActorFiles Session::files_of_dataset(const std::string& file) {
           .muscles = dataset.muscles.empty() ? "" : (dataset.folder / dataset.muscles).string()};
 }
 
-void Session::require_dataset() const {
-  if (curation.is_open()) return;
-  throw Error(ErrorKind::usage, "no dataset is open: begin with bodyopt view DATASET");
-}
-
 // What a stack makes of frames may be other frames: of mirrored poses, or without those that are dropped.
 void Session::read_dataset_again() {
   brushing.forget();
@@ -155,7 +149,6 @@ void Session::read_dataset_again() {
 }
 
 void Session::edit_stack(const ModifierEdit& edit) {
-  require_dataset();
   curation.edit(edit);
   read_dataset_again();
 }
@@ -180,29 +173,22 @@ void Session::pin(const PinRequest& request) {
 }
 
 void Session::keep_strokes() {
-  require_dataset();
+  curation.require_open();
   if (!brushing.has_change()) return;
   for (const std::string& note : brushing.keep()) controls.warn(note);
   read_dataset_again();
 }
 
 void Session::step_stack(bool back) {
-  require_dataset();
   if (back && brushing.has_change()) return read_dataset_again();  // which could not be kept
   curation.step(back);
   read_dataset_again();
 }
 
-void Session::find_contradictions() {
-  require_dataset();
-  curation.find_contradictions(controls);
-}
-
 void Session::open_truth(Actor& character, const std::string& file) {
   character.open_truth(file);
   controls.settings.compare.with = CompareWith::truth;
-  describe_cast();
-  watch();
+  take_note_of_cast();
 }
 
 bool Session::is_character(const std::string& file) const {
@@ -226,17 +212,16 @@ void Session::give_same_clip() {
     scene.cast()[c]->open_clip_of(scene.lead());
     for (const std::string& note : scene.cast()[c]->clip().notes) controls.warn(note);
   }
-  describe_cast();
-  watch();
+  take_note_of_cast();
 }
 
 void Session::reload(const std::vector<fs::path>& files) {
-  std::vector<Replacement> replacements;
+  std::vector<std::pair<std::size_t, std::unique_ptr<Actor>>> replacements;  // by place in the cast
   for (std::size_t c = 0; c < scene.cast().size(); ++c) {
     const ActorFiles& own = scene.cast()[c]->files();
     const std::vector<fs::path> paths = own.paths();
     if (std::ranges::find_first_of(paths, files) == paths.end()) continue;
-    replacements.push_back({c, scene.make(own, clip_options_)});
+    replacements.emplace_back(c, scene.make(own, clip_options_));
   }
   for (auto& [index, actor] : replacements) {
     const std::uint32_t before = scene.cast()[index]->finest_basis().mesh.vertex_count();
@@ -278,8 +263,7 @@ void Session::remove(int number) {
   receiver_ = receiver_ == index ? 0 : receiver_ - (receiver_ > index ? 1 : 0);
   if (index == 0) return show_lead();
   if (index == 1) forget_pair();
-  describe_cast();
-  watch();
+  take_note_of_cast();
 }
 
 std::size_t Session::require_character(int number) const {
@@ -303,8 +287,7 @@ void Session::show_lead() {
   followed_.reset();
   controls.requests.frame_selection = true;  // the stage is around another
   pose_lead();
-  describe_cast();
-  watch();
+  take_note_of_cast();
   play_on();
 }
 
@@ -402,8 +385,45 @@ void Session::open_session(const std::string& file) {
   controls.joint = opened_->joint;
   controls.marker.reset();
   followed_.reset();
-  describe_cast();
-  watch();
+  take_note_of_cast();
+}
+
+void Session::listen(std::uint16_t port) {
+  const Basis& basis = scene.lead().basis();
+  live_ = std::make_unique<LivePose>(port, basis.skeleton.size(), basis.residual.controls.size());
+  controls.live = true;
+  const std::string listening = "listening for poses on 127.0.0.1:" + std::to_string(live_->port());
+  std::cerr << listening << "\n";
+  controls.say(listening);
+}
+
+void Session::expect_poses_of_lead() {
+  if (!live_) return;
+  const Basis& basis = scene.lead().basis();
+  try {
+    if (live_->expect(basis.skeleton.size(), basis.residual.controls.size())) scene.leave_live_pose();
+  } catch (...) {  // nor are those that were listened for
+    live_.reset();
+    controls.live.reset();
+    snapshot.live.reset();
+    scene.leave_live_pose();
+    throw;
+  }
+}
+
+bool Session::poll_live() {
+  if (!live_) return false;
+  if (!*controls.live) {
+    scene.leave_live_pose();
+    snapshot.live.reset();
+    return false;
+  }
+  const std::size_t rejected = live_->rejected();
+  std::optional<Pose> pose = live_->poll();
+  const bool is_new = pose || live_->rejected() > rejected;
+  if (pose) scene.set_live_pose(std::move(*pose));
+  snapshot.live = LiveRow{live_->frame(), live_->rejected(), live_->last_rejection()};
+  return is_new;
 }
 
 bool Session::restore_view() {
@@ -486,12 +506,8 @@ void Session::play_clip() {
 }
 
 void Session::play_as(const PlaySettings& settings) {
-  controls.playback.apply(settings);
-  apply_range(settings);
-}
-
-void Session::apply_range(const PlaySettings& settings) {
   Playback& playback = controls.playback;
+  playback.apply(settings);
   const int first = playback.first(), last = playback.last();
   const int in = settings.in.value_or(first), out = settings.out.value_or(last);
   playback.set_range(first, last);
@@ -582,6 +598,11 @@ void Session::warn_of_truth_times() {
     if (!truth_times_.contains(text)) controls.warn(text);
   }
   truth_times_ = std::move(times);
+}
+
+void Session::take_note_of_cast() {
+  describe_cast();
+  watch();
 }
 
 void Session::describe_cast() {

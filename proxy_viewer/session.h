@@ -13,6 +13,7 @@
 #include "proxy_viewer/curation.h"
 #include "proxy_viewer/matching.h"
 #include "proxy_viewer/panels/snapshot.h"
+#include "proxy_viewer/platform/live_pose.h"
 #include "proxy_viewer/platform/watched_files.h"
 #include "proxy_viewer/scene/scene.h"
 #include "proxy_viewer/scene/session_file.h"
@@ -66,7 +67,6 @@ class Session {
   void step_stack(bool back);
   // What was brushed goes into the stack, where anything was; it stays in hand where it throws.
   void keep_strokes();
-  void find_contradictions();
   // The range as it is posed and keyed, before modifiers: .glb or .bvh; its controls as FILE.controls.json beside it,
   // where there are any. The lead's skin over the range, quasi-static: .pc2, .usda or .glb. Throw Error(file).
   void export_clip(const std::string& file);
@@ -76,6 +76,16 @@ class Session {
   void save(const std::string& file);
   void save_state(const std::string& file);
   void load_state(const std::string& file);
+
+  // Poses that another program sends, in place of the lead's clip for as long as they are wanted. Says on which port.
+  // Throws as LivePose.
+  void listen(std::uint16_t port);
+  bool listens() const { return live_ != nullptr; }
+  // The lead may be another: a pose of other joints is none of it. Where its poses do not fit a packet, nobody listens
+  // any longer; throws as LivePose.
+  void expect_poses_of_lead();
+  // The newest of the poses that came. Whether there is something new to see.
+  bool poll_live();
 
   // What a session that was opened has set, once; false: none was.
   bool restore_view();
@@ -99,21 +109,14 @@ class Session {
  private:
   void frame_points(std::vector<float> points, std::uint32_t width, std::uint32_t height, Covered covered);
   void look_at(const std::vector<float>& points, std::uint32_t width, std::uint32_t height, Covered covered);
-  struct Replacement {
-    std::size_t index;  // in the cast
-    std::unique_ptr<Actor> actor;
-  };
-
   bool is_character(const std::string& file) const;
   std::vector<std::string> add(const ActorFiles& files);
   ActorFiles files_of_dataset(const std::string& file);
   void open_session(const std::string& file);
   void open_markers(const std::string& file);
   void use_settings(const ViewSettings& settings);
-  void require_dataset() const;
   void read_dataset_again();
   void play_as(const PlaySettings& settings);
-  void apply_range(const PlaySettings& settings);
   std::size_t require_character(int number) const;   // its index
   void refuse_input(const std::string& file) const;  // throws Error(usage) where it is one of files()
   void pose_lead();
@@ -121,6 +124,7 @@ class Session {
   void forget_pair();  // one of the first two is another: markers and the match are of none now
   void play_on();
   void describe_cast();
+  void take_note_of_cast();  // of what is open, and of its files
   void warn_of_rates();
   void watch() { watched_ = WatchedFiles(files()); }
 
@@ -128,6 +132,7 @@ class Session {
   ClipOptions clip_options_;  // its unit: of a dataset, where one is opened
   const std::string device_name_;
   WatchedFiles watched_;
+  std::unique_ptr<LivePose> live_;     // none: nobody listens
   std::optional<SessionFile> opened_;  // whose view is not restored yet
   std::size_t receiver_ = 0;           // of clips and caches, in the cast
   std::set<std::string> truth_times_;  // what was said of them

@@ -2,8 +2,6 @@
 #include <numbers>
 
 #include "proxy_viewer/commands/command_arguments.h"
-#include "proxy_viewer/commands/command_tables.h"
-#include "proxy_viewer/state/setting_fields.h"
 
 namespace bodyopt {
 namespace {
@@ -11,21 +9,22 @@ namespace {
 constexpr double kTurn = std::numbers::pi / 36;  // 5 degrees
 constexpr double kMostPan = 100;
 
+template <AxisView axis>
+void view_axis(Controls& controls, const std::string&) {
+  controls.camera.view_axis(axis);
+}
+
 const Command kCameraCommands[] = {
-    {"frame-selection", "", "F", "Camera", "see all of the character, or of the joint that is selected",
-     [](Controls& c, const std::string&) { c.requests.frame_selection = true; }},
-    {"front", "", "1", "Camera", "from the front",
-     [](Controls& c, const std::string&) { c.camera.view_axis(AxisView::front); }},
-    {"back", "", "Ctrl+1", "Camera", "from behind",
-     [](Controls& c, const std::string&) { c.camera.view_axis(AxisView::back); }},
+    request_command<&Requests::frame_selection>("frame-selection", "F", "Camera",
+                                                "see all of the character, or of the joint that is selected"),
+    {"front", "", "1", "Camera", "from the front", view_axis<AxisView::front>},
+    {"back", "", "Ctrl+1", "Camera", "from behind", view_axis<AxisView::back>},
     {"right", "", "3", "Camera", "from the right of the picture: the character's left side",
-     [](Controls& c, const std::string&) { c.camera.view_axis(AxisView::right); }},
+     view_axis<AxisView::right>},
     {"left", "", "Ctrl+3", "Camera", "from the left of the picture: the character's right side",
-     [](Controls& c, const std::string&) { c.camera.view_axis(AxisView::left); }},
-    {"top", "", "7", "Camera", "from above",
-     [](Controls& c, const std::string&) { c.camera.view_axis(AxisView::top); }},
-    {"bottom", "", "Ctrl+7", "Camera", "from below",
-     [](Controls& c, const std::string&) { c.camera.view_axis(AxisView::bottom); }},
+     view_axis<AxisView::left>},
+    {"top", "", "7", "Camera", "from above", view_axis<AxisView::top>},
+    {"bottom", "", "Ctrl+7", "Camera", "from below", view_axis<AxisView::bottom>},
     {"orthographic", "[on|off]", "5", "Camera", "without perspective, or with it",
      [](Controls& c, const std::string& a) {
        bool wanted = c.camera.view().orthographic;
@@ -40,9 +39,7 @@ const Command kCameraCommands[] = {
        if (wanted != c.camera.view().cut_away) c.camera.toggle_cut_away();
      },
      [](const Controls& c) { return name_of(c.camera.view().cut_away); }},
-    {"follow", "[on|off]", "V", "Camera", "go along with the character",
-     [](Controls& c, const std::string& a) { toggle(c.settings.look.follow, a); },
-     [](const Controls& c) { return name_of(c.settings.look.follow); }},
+    switch_command<&ViewSettings::Look::follow>("follow", "V", "Camera", "go along with the character"),
     {"orbit", "DEGREES DEGREES", "", "Camera", "around the target, to the right and up",
      [](Controls& c, const std::string& a) {
        const auto w = words(a, 2, "two angles in degrees");

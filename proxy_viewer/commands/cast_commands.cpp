@@ -1,11 +1,29 @@
 // Ghosts, and the others of the cast.
 #include "proxy_viewer/commands/command_arguments.h"
-#include "proxy_viewer/commands/command_tables.h"
 #include "proxy_viewer/state/setting_fields.h"
 #include "runtime/core/error.h"
 
 namespace bodyopt {
 namespace {
+
+// Of one of the cast, which are counted from 1, but the lead.
+Standing& standing_of(Controls& controls, const std::string& number) {
+  const int index = integer(number);
+  if (index >= 2 && static_cast<std::size_t>(index) <= controls.standings.size()) {
+    return controls.standings[static_cast<std::size_t>(index) - 1];
+  }
+  refuse(number, "one of the cast but the lead, expected a number from 2 to " +
+                     std::to_string(controls.standings.size()) + ", as the cast panel counts them");
+}
+
+// Of a vertex of one of the cast.
+std::uint32_t vertex_of(const Controls& controls, std::size_t character, const std::string& number) {
+  if (character >= controls.output_counts.size()) {
+    throw Error(ErrorKind::usage, "markers are of two bodies: open the one that is transferred to after the lead");
+  }
+  const int last = static_cast<int>(controls.output_counts[character]) - 1;
+  return static_cast<std::uint32_t>(integer_within(number, 0, last));
+}
 
 const Command kCastCommands[] = {
     {"ghosts", "BEFORE AFTER", "", "Look", "frames before and after, see-through",
@@ -67,15 +85,14 @@ const Command kCastCommands[] = {
     {"ahead", "NUMBER FRAMES|auto", "", "Playback", "one of the cast goes round in its own clip; auto: frame by frame",
      [](Controls& c, const std::string& a) {
        const std::vector<std::string> all = words(a, 2, "a number of the cast and a number of frames, or auto");
-       standing_of(c, all[0]).ahead = automatic_or(all[1], -kFurthestAhead, kFurthestAhead);
+       standing_of(c, all[0]).ahead = automatic_or(all[1], -kFurthestAhead, kFurthestAhead, integer_within);
      }},
     {"level-of", "NUMBER auto|0|1|2...", "", "Look", "of detail, of one of the cast; auto: by its size in the picture",
      [](Controls& c, const std::string& a) {
        const std::vector<std::string> all = words(a, 2, "a number of the cast and a level, or auto");
-       standing_of(c, all[0]).level = automatic_or(all[1], 0, kCoarsestLevel);
+       standing_of(c, all[0]).level = automatic_or(all[1], 0, kCoarsestLevel, integer_within);
      }},
-    {"same-clip", "", "", "Playback", "all of the cast play the lead's clip",
-     [](Controls& c, const std::string&) { c.requests.same_clip = true; }},
+    request_command<&Requests::same_clip>("same-clip", "", "Playback", "all of the cast play the lead's clip"),
 };
 
 }  // namespace

@@ -20,11 +20,6 @@ const std::string& known(const std::string& name, const std::vector<std::string>
   refuse(name, std::string("a ") + what + "; the nearest is '" + nearest_names(names, name).front() + "'");
 }
 
-const std::string& selected(const Controls& controls) {
-  if (controls.joint.empty()) throw Error(ErrorKind::usage, "no joint is selected, nor was one named");
-  return controls.joint;
-}
-
 double number(const std::string& text) {
   double value = 0;
   const auto [end, problem] = std::from_chars(text.data(), text.data() + text.size(), value);
@@ -47,17 +42,6 @@ int integer(const std::string& text) {
   const auto [end, problem] = std::from_chars(text.data(), text.data() + text.size(), value);
   if (problem != std::errc{} || end != text.data() + text.size()) refuse(text, "a whole number");
   return value;
-}
-
-int frame_of_clip(const Controls& controls, const std::string& text) {
-  if (text.find(' ') != std::string::npos) {
-    const std::vector<std::string>& frames = controls.curating.frames;
-    const auto place = std::ranges::find(frames, known(text, frames, "frame of a dataset's take")) - frames.begin();
-    return controls.playback.first() + static_cast<int>(place);
-  }
-  const int frame = integer(text);
-  controls.playback.require_frame(frame);
-  return frame;
 }
 
 int integer_within(const std::string& text, int low, int high) {
@@ -91,43 +75,11 @@ void toggle(bool& value, const std::string& argument) {
   }
 }
 
-void require_keys(const Playback& playback) {
-  if (!playback.keys().empty()) return;
-  throw Error(ErrorKind::usage,
-              "the clip has no keys to go to: a BVH samples its motion, and so does a clip with a key at most frames");
-}
-
 std::pair<std::string, std::string> split_last(const std::string& text, const std::string& expected) {
   const std::size_t blank = text.find_last_of(kBlank);
   const std::size_t end = blank == std::string::npos ? blank : text.find_last_not_of(kBlank, blank);
   if (end == std::string::npos) refuse(text, expected);
   return {text.substr(0, end + 1), text.substr(blank + 1)};
-}
-
-const Quat& axes_of(const Controls& controls, const std::string& joint) {
-  const auto at = std::find(controls.joint_names.begin(), controls.joint_names.end(), joint);
-  return controls.joint_axes.at(static_cast<std::size_t>(at - controls.joint_names.begin()));
-}
-
-Standing& standing_of(Controls& controls, const std::string& number) {
-  const int index = integer(number);
-  if (index >= 2 && static_cast<std::size_t>(index) <= controls.standings.size()) {
-    return controls.standings[static_cast<std::size_t>(index) - 1];
-  }
-  refuse(number, "one of the cast but the lead, expected a number from 2 to " +
-                     std::to_string(controls.standings.size()) + ", as the cast panel counts them");
-}
-
-std::uint32_t vertex_of(const Controls& controls, std::size_t character, const std::string& number) {
-  if (character >= controls.output_counts.size()) {
-    throw Error(ErrorKind::usage, "markers are of two bodies: open the one that is transferred to after the lead");
-  }
-  const int last = static_cast<int>(controls.output_counts[character]) - 1;
-  return static_cast<std::uint32_t>(integer_within(number, 0, last));
-}
-
-std::optional<int> automatic_or(const std::string& text, int low, int high) {
-  return text == "auto" ? std::nullopt : std::optional(integer_within(text, low, high));
 }
 
 }  // namespace bodyopt

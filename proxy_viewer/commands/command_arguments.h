@@ -1,14 +1,17 @@
-// What commands are given, as text, and what is said of it. All throw Error(usage) that names what was expected.
+// What the tables of commands are made of: what commands are given, as text, and what is said of it; and the tables.
+// What reads text throws Error(usage) that names what was expected.
 #pragma once
 
 #include <array>
-#include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
+#include <tuple>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
-#include "proxy_viewer/commands/controls.h"
+#include "proxy_viewer/commands/commands.h"
 
 namespace bodyopt {
 
@@ -19,16 +22,11 @@ inline constexpr const char* kBlank = " \t\r";
 // Throws Error(usage) for a name that is none of these.
 const std::string& known(const std::string& name, const std::vector<std::string>& names, const char* what);
 
-const std::string& selected(const Controls& controls);
-
 double number(const std::string& text);
 
 double number_within(const std::string& text, double low, double high);
 
 int integer(const std::string& text);
-
-// "12", or as the take of a dataset that is open numbers it: "rom 40".
-int frame_of_clip(const Controls& controls, const std::string& text);
 
 int integer_within(const std::string& text, int low, int high);
 
@@ -67,21 +65,57 @@ std::string name_of(bool on);
 // Without an argument the other way round.
 void toggle(bool& value, const std::string& argument);
 
-void require_keys(const Playback& playback);
-
 // What is before the last blank, and the word after it.
 std::pair<std::string, std::string> split_last(const std::string& text, const std::string& expected);
 
-// Of the bind pose, joint to world; `joint` is one of joint_names.
-const Quat& axes_of(const Controls& controls, const std::string& joint);
+// "auto", or what number_within() or integer_within() read.
+template <typename Number>
+std::optional<Number> automatic_or(const std::string& text, std::type_identity_t<Number> low,
+                                   std::type_identity_t<Number> high,
+                                   Number (*within)(const std::string&, Number, Number)) {
+  return text == "auto" ? std::nullopt : std::optional(within(text, low, high));
+}
 
-// Of one of the cast, which are counted from 1, but the lead.
-Standing& standing_of(Controls& controls, const std::string& number);
+// The commands of each kind, in the order of menus and cheat sheet; commands() has all of them, in this order.
+std::span<const Command> playback_commands();
+std::span<const Command> camera_commands();
+std::span<const Command> look_commands();
+std::span<const Command> compare_commands();
+std::span<const Command> pose_commands();
+std::span<const Command> cast_commands();
+std::span<const Command> file_commands();
 
-// Of a vertex of one of the cast.
-std::uint32_t vertex_of(const Controls& controls, std::size_t character, const std::string& number);
+// Of a command that goes on while its key is held.
+inline constexpr bool kRepeats = true;
 
-// "auto", or a whole number within these.
-std::optional<int> automatic_or(const std::string& text, int low, int high);
+// What switches and choices are members of.
+auto parts_with_values(auto& c) {
+  return std::tie(c, c.settings.look, c.settings.compare, c.settings.jiggle, c.settings.hud, c.curating, c.brush);
+}
+
+template <typename Value, typename Part>
+auto& value_at(auto& controls, Value Part::*member) {
+  using Found = std::conditional_t<std::is_const_v<std::remove_reference_t<decltype(controls)>>, const Part, Part>;
+  return std::get<Found&>(parts_with_values(controls)).*member;
+}
+
+template <auto member>
+constexpr Command switch_command(const char* name, const char* key, const char* menu, const char* help) {
+  constexpr auto run = [](Controls& c, const std::string& a) { toggle(value_at(c, member), a); };
+  return {name, "[on|off]", key, menu, help, run, [](const Controls& c) { return name_of(value_at(c, member)); }};
+}
+
+// One of the names, which `argument` has, too.
+template <const auto& names, auto member>
+constexpr Command choice_command(const char* name, const char* argument, const char* menu, const char* help) {
+  constexpr auto run = [](Controls& c, const std::string& a) { choose(value_at(c, member), a, names); };
+  return {name, argument, "", menu, help, run, [](const Controls& c) { return name_of(value_at(c, member), names); }};
+}
+
+// Of what the application does once a picture is drawn.
+template <bool Requests::*asked>
+constexpr Command request_command(const char* name, const char* key, const char* menu, const char* help) {
+  return {name, "", key, menu, help, [](Controls& c, const std::string&) { c.requests.*asked = true; }};
+}
 
 }  // namespace bodyopt

@@ -5,7 +5,6 @@
 
 #include "assets/wording.h"
 #include "proxy_viewer/commands/command_arguments.h"
-#include "proxy_viewer/commands/command_tables.h"
 #include "runtime/core/error.h"
 
 namespace bodyopt {

@@ -1,10 +1,7 @@
 // What is compared, and curated.
-#include <optional>
 #include <utility>
 
 #include "proxy_viewer/commands/command_arguments.h"
-#include "proxy_viewer/commands/command_tables.h"
-#include "proxy_viewer/state/setting_fields.h"
 #include "runtime/core/error.h"
 
 namespace bodyopt {
@@ -27,49 +24,36 @@ const Command kCompareCommands[] = {
        if (c.settings.compare.with == shown) c.say("that is what is shown: there is nothing beside it");
      },
      [](const Controls& c) { return name_of(c.settings.compare.with, kComparisonNames); }},
-    {"layout", "side-by-side|overlay|wipe|hold", "", "Compare", "of a comparison",
-     [](Controls& c, const std::string& a) { choose(c.settings.compare.layout, a, kLayoutNames); },
-     [](const Controls& c) { return name_of(c.settings.compare.layout, kLayoutNames); }},
+    choice_command<kLayoutNames, &ViewSettings::Compare::layout>("layout", "side-by-side|overlay|wipe|hold", "Compare",
+                                                                 "of a comparison"),
     {"next-layout", "", "L", "Compare", "side by side, overlay, wipe, hold",
      [](Controls& c, const std::string&) { choose_next(c.settings.compare.layout, kLayoutNames); }},
     {"wipe", "0-1", "", "Compare", "where, of the picture's width",
      [](Controls& c, const std::string& a) { c.settings.compare.wipe = number_within(a, 0, 1); }},
-    {"heat", "[on|off]", "E", "Compare", "colour by the distance, in millimetres",
-     [](Controls& c, const std::string& a) { toggle(c.settings.compare.heat, a); },
-     [](const Controls& c) { return name_of(c.settings.compare.heat); }},
+    switch_command<&ViewSettings::Compare::heat>("heat", "E", "Compare", "colour by the distance, in millimetres"),
     {"heat-scale", "auto|MM", "", "Compare", "the hottest colour; auto: by what was measured",
      [](Controls& c, const std::string& a) {
-       if (a == "auto") {
-         c.settings.compare.heat_scale_mm = std::nullopt;
-       } else {
-         c.settings.compare.heat_scale_mm = number_within(a, kFinestHeat, kCoarsestHeat);
-       }
+       c.settings.compare.heat_scale_mm = automatic_or(a, kFinestHeat, kCoarsestHeat, number_within);
      }},
-    {"activation", "[on|off]", "", "Compare", "colour by what was learned: the distance to Direct Delta Mush",
-     [](Controls& c, const std::string& a) { toggle(c.settings.compare.activation, a); },
-     [](const Controls& c) { return name_of(c.settings.compare.activation); }},
-    {"coverage", "[on|off]", "", "Compare", "colour by the error to expect of the pose, in millimetres",
-     [](Controls& c, const std::string& a) { toggle(c.settings.compare.coverage, a); },
-     [](const Controls& c) { return name_of(c.settings.compare.coverage); }},
-    {"match", "none|colours|confidence", "", "Compare",
-     "colour the lead and the second of the cast by which point is which, or by how sure that is",
-     [](Controls& c, const std::string& a) { choose(c.settings.compare.match, a, kMatchNames); },
-     [](const Controls& c) { return name_of(c.settings.compare.match, kMatchNames); }},
-    {"worst-frame", "", "N", "Compare", "to the frame that is furthest from what it is compared with",
-     [](Controls& c, const std::string&) { c.requests.worst_frame = true; }},
-    {"worst-vertex", "", "Shift+N", "Compare", "to the vertex that is furthest off in this frame",
-     [](Controls& c, const std::string&) { c.requests.worst_vertex = true; }},
+    switch_command<&ViewSettings::Compare::activation>("activation", "", "Compare",
+                                                       "colour by what was learned: the distance to Direct Delta Mush"),
+    switch_command<&ViewSettings::Compare::coverage>("coverage", "", "Compare",
+                                                     "colour by the error to expect of the pose, in millimetres"),
+    choice_command<kMatchNames, &ViewSettings::Compare::match>(
+        "match", "none|colours|confidence", "Compare",
+        "colour the lead and the second of the cast by which point is which, or by how sure that is"),
+    request_command<&Requests::worst_frame>("worst-frame", "N", "Compare",
+                                            "to the frame that is furthest from what it is compared with"),
+    request_command<&Requests::worst_vertex>("worst-vertex", "Shift+N", "Compare",
+                                             "to the vertex that is furthest off in this frame"),
 
     {"region", "NAME", "", "Compare", "of the dataset's map of poses",
      [](Controls& c, const std::string& a) { c.curating.region = known(a, c.curating.regions, "region"); }},
-    {"map-colour", "coverage|contradiction|error|sculpt|weight", "", "Compare",
-     "of the map: thin data, like poses that disagree, the distance, what takes part in the last stroke, or how much "
-     "frames count",
-     [](Controls& c, const std::string& a) { choose(c.curating.colour, a, kMapColourNames); },
-     [](const Controls& c) { return name_of(c.curating.colour, kMapColourNames); }},
-    {"raw", "[on|off]", "", "Compare", "the dataset's shapes before any modifier",
-     [](Controls& c, const std::string& a) { toggle(c.curating.raw, a); },
-     [](const Controls& c) { return name_of(c.curating.raw); }},
+    choice_command<kMapColourNames, &Curating::colour>(
+        "map-colour", "coverage|contradiction|error|sculpt|weight", "Compare",
+        "of the map: thin data, like poses that disagree, the distance, what takes part in the last stroke, or how much "
+        "frames count"),
+    switch_command<&Curating::raw>("raw", "", "Compare", "the dataset's shapes before any modifier"),
     {"modifier", "NAME on|off", "", "Compare", "switches a modifier of the dataset",
      [](Controls& c, const std::string& a) {
        const auto [name, state] = split_last(a, "a modifier, and on or off");
@@ -105,17 +89,10 @@ const Command kCompareCommands[] = {
      [](Controls& c, const std::string& a) { c.brush.radius_mm = number_within(a, kFinestBrush, kWidestBrush); }},
     {"brush-strength", "0-1", "", "Compare", "of the brush",
      [](Controls& c, const std::string& a) { c.brush.strength = number_within(a, 0, 1); }},
-    {"brush-symmetry", "[on|off]", "", "Compare", "the brush does the same on the other side of the body",
-     [](Controls& c, const std::string& a) { toggle(c.brush.symmetric, a); },
-     [](const Controls& c) { return name_of(c.brush.symmetric); }},
+    switch_command<&BrushInHand::symmetric>("brush-symmetry", "", "Compare",
+                                            "the brush does the same on the other side of the body"),
     {"brush-spread", "auto|DEGREES", "", "Compare", "to poses how near a stroke reaches; auto: as the modifier's",
-     [](Controls& c, const std::string& a) {
-       if (a == "auto") {
-         c.brush.spread = std::nullopt;
-       } else {
-         c.brush.spread = number_within(a, 0, kWidestSpread);
-       }
-     }},
+     [](Controls& c, const std::string& a) { c.brush.spread = automatic_or(a, 0, kWidestSpread, number_within); }},
     {"brush-modifier", "NAME", "", "Compare",
      "the sculpt of the dataset's stack that takes strokes; a new name makes one",
      [](Controls& c, const std::string& a) { c.brush.modifier = a; }},
@@ -130,10 +107,10 @@ const Command kCompareCommands[] = {
          path.push_back({number_within(w[k], 0, 1), number_within(w[k + 1], 0, 1)});
        c.requests.stroke = std::move(path);
      }},
-    {"keep-strokes", "", "", "Compare", "writes what was brushed and could not be written before",
-     [](Controls& c, const std::string&) { c.requests.keep_strokes = true; }},
-    {"contradictions", "", "", "Compare", "looks for like poses whose shapes disagree",
-     [](Controls& c, const std::string&) { c.requests.contradictions = true; }},
+    request_command<&Requests::keep_strokes>("keep-strokes", "", "Compare",
+                                             "writes what was brushed and could not be written before"),
+    request_command<&Requests::contradictions>("contradictions", "", "Compare",
+                                               "looks for like poses whose shapes disagree"),
     {"pair", "NUMBER", "", "Compare", "to the first of two frames that disagree, the worst from 1",
      [](Controls& c, const std::string& a) {
        if (c.curating.pairs.empty()) {

@@ -3,7 +3,6 @@
 #include <exception>
 #include <iostream>
 
-#include "proxy_viewer/state/pose_keys.h"
 #include "runtime/core/error.h"
 
 namespace bodyopt {

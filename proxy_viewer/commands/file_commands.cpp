@@ -1,8 +1,6 @@
 // What is written, and what is around the picture.
 #include "proxy_viewer/commands/command_arguments.h"
-#include "proxy_viewer/commands/command_tables.h"
-#include "proxy_viewer/state/sections.h"
-#include "proxy_viewer/state/setting_fields.h"
+#include "proxy_viewer/state/view_settings.h"
 
 namespace bodyopt {
 namespace {
@@ -45,31 +43,20 @@ const Command kFileCommands[] = {
      [](Controls& c, const std::string& a) { c.requests.lead = integer(a); }},
     {"remove", "NUMBER", "", "File", "a character of the cast; its files stay",
      [](Controls& c, const std::string& a) { c.requests.remove = integer(a); }},
-    {"reload", "", "F5", "File", "read all files again",
-     [](Controls& c, const std::string&) { c.requests.reload = true; }},
+    request_command<&Requests::reload>("reload", "F5", "File", "read all files again"),
     {"browse", "open|save|save-state|load-state|export-clip|export-skin|screenshot|sequence|turntable", "", "File",
      "chooses the file of a command from the list of a folder",
      [](Controls& c, const std::string& a) {
        const std::string command = known(a, browsed_commands(), "command that takes a file");
        c.dialog = browse_folder(command, ".", proposed_name(command, "."));
      }},
-    {"quit", "", "Ctrl+Q", "File", "close the viewport",
-     [](Controls& c, const std::string&) { c.requests.quit = true; }},
-    {"panels", "[on|off]", "Tab", "View", "panels, or the picture alone",
-     [](Controls& c, const std::string& a) { toggle(c.panels, a); },
-     [](const Controls& c) { return name_of(c.panels); }},
-    {"hud", "[on|off]", "Z", "View", "figures over the picture",
-     [](Controls& c, const std::string& a) { toggle(c.settings.hud.on, a); },
-     [](const Controls& c) { return name_of(c.settings.hud.on); }},
-    {"legend", "[on|off]", "", "View", "names of what is compared, and what colours mean",
-     [](Controls& c, const std::string& a) { toggle(c.settings.hud.legend, a); },
-     [](const Controls& c) { return name_of(c.settings.hud.legend); }},
-    {"cheat-sheet", "[on|off]", "H", "View", "all keys",
-     [](Controls& c, const std::string& a) { toggle(c.cheat_sheet, a); },
-     [](const Controls& c) { return name_of(c.cheat_sheet); }},
-    {"prompt", "[on|off]", "Enter", "View", "type a command",
-     [](Controls& c, const std::string& a) { toggle(c.prompt, a); },
-     [](const Controls& c) { return name_of(c.prompt); }},
+    request_command<&Requests::quit>("quit", "Ctrl+Q", "File", "close the viewport"),
+    switch_command<&Controls::panels>("panels", "Tab", "View", "panels, or the picture alone"),
+    switch_command<&ViewSettings::Hud::on>("hud", "Z", "View", "figures over the picture"),
+    switch_command<&ViewSettings::Hud::legend>("legend", "", "View",
+                                               "names of what is compared, and what colours mean"),
+    switch_command<&Controls::cheat_sheet>("cheat-sheet", "H", "View", "all keys"),
+    switch_command<&Controls::prompt>("prompt", "Enter", "View", "type a command"),
     {"side-panel", "[on|off]", "Q", "View", "the panel on the right",
      [](Controls& c, const std::string& a) {
        toggle(c.settings.hud.panels.try_emplace(kSidePanel, true).first->second, a);

@@ -2,12 +2,28 @@
 #include <algorithm>
 
 #include "proxy_viewer/commands/command_arguments.h"
-#include "proxy_viewer/commands/command_tables.h"
-#include "proxy_viewer/state/setting_fields.h"
 #include "runtime/core/error.h"
 
 namespace bodyopt {
 namespace {
+
+// "12", or as the take of a dataset that is open numbers it: "rom 40".
+int frame_of_clip(const Controls& controls, const std::string& text) {
+  if (text.find(' ') != std::string::npos) {
+    const std::vector<std::string>& frames = controls.curating.frames;
+    const auto place = std::ranges::find(frames, known(text, frames, "frame of a dataset's take")) - frames.begin();
+    return controls.playback.first() + static_cast<int>(place);
+  }
+  const int frame = integer(text);
+  controls.playback.require_frame(frame);
+  return frame;
+}
+
+void require_keys(const Playback& playback) {
+  if (!playback.keys().empty()) return;
+  throw Error(ErrorKind::usage,
+              "the clip has no keys to go to: a BVH samples its motion, and so does a clip with a key at most frames");
+}
 
 const Command kPlaybackCommands[] = {
     {"play", "", "Space", "Playback", "play or pause", [](Controls& c, const std::string&) { c.playback.toggle(); },
@@ -17,9 +33,9 @@ const Command kPlaybackCommands[] = {
     {"step-back", "", "Left", "Playback", "one frame back",
      [](Controls& c, const std::string&) { c.playback.step(-1); }, nullptr, kRepeats},
     {"first", "", "Home", "Playback", "to the first frame of the range",
-     [](Controls& c, const std::string&) { c.playback.go_to_in(); }},
+     [](Controls& c, const std::string&) { c.playback.scrub(c.playback.in()); }},
     {"last", "", "End", "Playback", "to the last frame of the range",
-     [](Controls& c, const std::string&) { c.playback.go_to_out(); }},
+     [](Controls& c, const std::string&) { c.playback.scrub(c.playback.out()); }},
     {"next-key", "", "Up", "Playback", "to the next key",
      [](Controls& c, const std::string&) {
        require_keys(c.playback);

@@ -4,12 +4,24 @@
 
 #include "assets/joint_roles.h"
 #include "proxy_viewer/commands/command_arguments.h"
-#include "proxy_viewer/commands/command_tables.h"
-#include "proxy_viewer/state/euler_angles.h"
-#include "proxy_viewer/state/setting_fields.h"
+#include "proxy_viewer/state/joint_ranges.h"
+#include "runtime/core/error.h"
 
 namespace bodyopt {
 namespace {
+
+// The joint that is named, or is selected where none is.
+std::string named_or_selected(const Controls& controls, const std::string& name) {
+  if (!name.empty()) return known(name, controls.joint_names, "joint");
+  if (controls.joint.empty()) throw Error(ErrorKind::usage, "no joint is selected, nor was one named");
+  return controls.joint;
+}
+
+// Of the bind pose, joint to world; `joint` is one of joint_names.
+const Quat& axes_of(const Controls& controls, const std::string& joint) {
+  const auto at = std::ranges::find(controls.joint_names, joint);
+  return controls.joint_axes.at(static_cast<std::size_t>(at - controls.joint_names.begin()));
+}
 
 const Command kPoseCommands[] = {
     {"select", "[JOINT]", "", "Pose", "a joint; nothing: none",
@@ -47,7 +59,7 @@ const Command kPoseCommands[] = {
      }},
     {"unpin", "[JOINT]", "", "Pose", "lets go of the joint that is selected",
      [](Controls& c, const std::string& a) {
-       const std::string joint = a.empty() ? selected(c) : known(a, c.joint_names, "joint");
+       const std::string joint = named_or_selected(c, a);
        if (c.settings.pose.pins.erase(joint) == 0) c.say(joint + " has no pin");
      }},
     {"move-key", "FROM TO", "", "Pose", "the key of a frame to another",
@@ -75,17 +87,14 @@ const Command kPoseCommands[] = {
      }},
     {"mirror", "[JOINT]", "P", "Pose", "turns the other side's joint as the one that is selected",
      [](Controls& c, const std::string& a) {
-       const std::string joint = a.empty() ? selected(c) : known(a, c.joint_names, "joint");
+       const std::string joint = named_or_selected(c, a);
        const std::string other = mirrored_name(joint, c.joint_names);
        if (other.empty()) refuse(joint, "a joint that another side has, too");
-       const auto turned = c.settings.pose.joints.find(joint);
-       const Vec3 angles = turned == c.settings.pose.joints.end() ? Vec3{} : turned->second;
+       const Vec3 angles = set_or(c.settings.pose.joints, joint, {});
        c.settings.pose.joints[other] = mirrored_angles(angles, axes_of(c, joint), axes_of(c, other));
      }},
     {"reset-joint", "[JOINT]", "Shift+R", "Pose", "the joint that is selected as the clip has it",
-     [](Controls& c, const std::string& a) {
-       c.settings.pose.joints.erase(a.empty() ? selected(c) : known(a, c.joint_names, "joint"));
-     }},
+     [](Controls& c, const std::string& a) { c.settings.pose.joints.erase(named_or_selected(c, a)); }},
     {"control", "NAME VALUE", "", "Pose", "a control of the basis, as a muscle's activation",
      [](Controls& c, const std::string& a) {
        const auto [name, value] = split_last(a, "a control and a number");
@@ -112,13 +121,10 @@ const Command kPoseCommands[] = {
      }},
     {"correction", "0-1", "", "Pose", "how much is shown of what was learned",
      [](Controls& c, const std::string& a) { c.settings.pose.correction = number_within(a, 0, 1); }},
-    {"jiggle", "[on|off]", "J", "Pose", "flesh that moves by inertia",
-     [](Controls& c, const std::string& a) { toggle(c.settings.jiggle.on, a); },
-     [](const Controls& c) { return name_of(c.settings.jiggle.on); }},
+    switch_command<&ViewSettings::Jiggling::on>("jiggle", "J", "Pose", "flesh that moves by inertia"),
     {"jiggle-amount", "0-4", "", "Pose", "how much is shown of the jiggle",
      [](Controls& c, const std::string& a) { c.settings.jiggle.amount = number_within(a, 0, kMostJiggle); }},
-    {"reset-jiggle", "", "", "Pose", "the jiggle begins anew",
-     [](Controls& c, const std::string&) { c.requests.reset_jiggle = true; }},
+    request_command<&Requests::reset_jiggle>("reset-jiggle", "", "Pose", "the jiggle begins anew"),
 };
 
 }  // namespace

@@ -1,14 +1,81 @@
-// When the errors of the lead are measured, and where they are worst.
+// How far the lead is from what it is compared with, frame by frame of its clip: measured while there is time, kept
+// until something changes that it depends on. Where it is furthest, and the error that is shown in the hottest colour.
 #pragma once
 
+#include <cstdint>
+#include <limits>
+#include <optional>
 #include <span>
+#include <vector>
 
-#include "proxy_viewer/compare/error_curve.h"
 #include "proxy_viewer/scene/scene.h"
 #include "runtime/basis/basis.h"
 
 namespace bodyopt {
 
+// Of vertex distances, mm; not a number: not measured, or nothing to measure. As everywhere the root's motion, which
+// both sides share, is taken out by the subtraction.
+struct FrameError {
+  float rms = std::numeric_limits<float>::quiet_NaN(), max = rms, p99 = rms;
+  std::uint32_t worst_vertex = 0;  // that is furthest off, output order
+  Vec3 worst{};                    // where it is, metres, world
+};
+
+// Both V x 3, metres.
+FrameError frame_error(std::span<const float> shown, std::span<const float> compared);
+
+class ErrorCurve {
+ public:
+  // What is to be measured. Forgets what was measured of anything else, and says so.
+  bool look_at(const Actor& character, const ViewSettings& settings);
+  void forget();  // files have changed
+
+  // One more frame: `frame`, where it was not measured, or one far from those that were. False when all are. Throws
+  // Error(file) of a truth that went away, and then measures no more.
+  bool measure_next(Actor& character, int frame);
+
+  // Per frame of the clip; none where nothing is compared.
+  const std::vector<FrameError>& errors() const { return errors_; }
+  bool is_measured(std::size_t index) const { return is_measured_[index]; }
+  std::size_t measured_count() const { return measured_; }
+  bool is_complete() const { return measured_ == errors_.size(); }
+  std::optional<std::size_t> worst() const;  // of those that were measured: its index
+  std::optional<float> largest_p99() const;  // of those, mm
+
+ private:
+  // Jiggle has a past that a single frame does not: measured is what it swings about.
+  struct Subject {
+    SkinMethod shown, compared;
+    ViewSettings::Posing posing;
+    bool operator==(const Subject&) const = default;
+  };
+
+  void begin(std::size_t count);
+  std::optional<std::size_t> next(std::optional<std::size_t> wanted);
+
+  std::optional<Subject> subject_;
+  std::vector<FrameError> errors_;
+  std::vector<bool> is_measured_;
+  std::size_t measured_ = 0;
+  std::size_t stride_ = 0, cursor_ = 0;  // of the frames that come next
+};
+
+// The next 1, 2 or 5 times a power of ten, within what the scale can be set to.
+double round_heat(double mm);
+
+// Of errors, where the animator gives none.
+class HeatScale {
+ public:
+  // `p99_mm`: what 99 of 100 vertices are below; none: it is not known. Gives millimetres. While frames follow each
+  // other they only rise: colours shall mean the same, but a clip may begin at rest, where nothing is off.
+  double choose(std::optional<double> p99_mm, bool playing);
+
+ private:
+  double mm_ = 10;
+  bool is_chosen_ = false;
+};
+
+// When the errors are measured, and where they are worst.
 class ErrorMeasuring {
  public:
   // Both must outlive it. `while_playing`: where it costs no pictures.
@@ -37,7 +104,6 @@ class ErrorMeasuring {
   std::size_t shown_index() const;  // of the frame that is shown
   bool measure_next() { return curve_.measure_next(scene_.lead(), controls_.playback.frame()); }
   void require_comparison();
-  Vec3 worst_normal(const FrameError& error);
 
   Scene& scene_;
   Controls& controls_;

@@ -1,9 +1,9 @@
-// Who is in the scene.
+// Who is in the scene, and ghosts of the lead.
 #include <filesystem>
 
 #include "proxy_viewer/panels/panels.h"
 #include "proxy_viewer/panels/widgets.h"
-#include "proxy_viewer/state/view_settings.h"
+#include "runtime/core/formatted.h"
 
 namespace bodyopt {
 namespace {
@@ -53,9 +53,7 @@ void draw_cast(const Snapshot& snapshot, Controls& controls) {
     draw_line("vertices", with_commas(row.vertices));
     draw_line("triangles", with_commas(row.triangles));
     if (row.tets > 0) draw_line("tetrahedra", with_commas(row.tets));
-    char size[32];
-    std::snprintf(size, sizeof(size), "%.1f MiB", static_cast<double>(row.bytes) / (1 << 20));
-    draw_line("tables", size);
+    draw_line("tables", formatted("%.1f MiB", static_cast<double>(row.bytes) / (1 << 20)));
     draw_line("clip", row.clip.empty() ? "bind pose" : row.clip);
     if (!row.truth.empty()) draw_line("truth", std::filesystem::path(row.truth).filename().string());
     ImGui::Separator();
@@ -66,6 +64,18 @@ void draw_cast(const Snapshot& snapshot, Controls& controls) {
   ImGui::PushTextWrapPos(0);
   ImGui::TextDisabled("drop files onto the window to add them");
   ImGui::PopTextWrapPos();
+}
+
+// Frames before and after, see-through.
+void draw_ghosts(const Snapshot&, Controls& controls) {
+  constexpr int kLongestStep = 48;  // of the slider: it is to be set by hand
+  ViewSettings::Ghosts& ghosts = controls.settings.ghosts;
+  command_tick(controls, "toggle-ghosts", "On");
+  slide("Before", ghosts.before, 0, kMostGhosts, "%d", "ghosts of frames before, in blue");
+  slide("After", ghosts.after, 0, kMostGhosts, "%d", "ghosts of frames after, in orange");
+  slide("Step", ghosts.step, 1, kLongestStep, ghosts.step == 1 ? "%d frame" : "%d frames",
+        find_command("ghost-step")->help);
+  slide("Opacity", ghosts.opacity, 0, 1, "%.2f", find_command("ghost-opacity")->help);
 }
 
 }  // namespace bodyopt

@@ -6,6 +6,7 @@
 #include "draw/colours.h"
 #include "proxy_viewer/panels/panels.h"
 #include "proxy_viewer/panels/widgets.h"
+#include "runtime/core/formatted.h"
 
 namespace bodyopt {
 namespace {
@@ -37,11 +38,7 @@ std::optional<Heat> heat_of(const Snapshot& snapshot, const Controls& controls) 
 }
 
 // Three digits, or as many as it has before the point.
-std::string millimetres(double value) {
-  char text[32];
-  std::snprintf(text, sizeof(text), std::abs(value) < 100 ? "%.3g" : "%.0f", value);
-  return text;
-}
+std::string millimetres(double value) { return formatted(std::abs(value) < 100 ? "%.3g" : "%.0f", value); }
 
 // Ends at `right`; its middle is at y.
 void draw_text(ImDrawList& list, float right, float y, ImU32 colour, const std::string& text) {

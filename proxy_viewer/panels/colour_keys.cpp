@@ -1,8 +1,5 @@
 // What the colours of muscle fibres, of cut tetrahedra, of a section and of a match mean: a line each, at the bottom of
 // the picture; and what of the section is under the mouse.
-#include <algorithm>
-#include <array>
-#include <cstdio>
 #include <utility>
 #include <vector>
 
@@ -10,6 +7,7 @@
 #include "proxy_viewer/panels/widgets.h"
 #include "proxy_viewer/scene/cut_tets.h"
 #include "proxy_viewer/state/strain_colour.h"
+#include "runtime/core/formatted.h"
 
 namespace bodyopt {
 namespace {
@@ -70,12 +68,11 @@ class KeyLine {
 };
 
 void draw_fibre_key(float middle, float right) {
-  std::array<char, 32> percent{};
-  std::snprintf(percent.data(), percent.size(), "%.0f %%", 100 * static_cast<double>(kFullStrain));
+  const std::string percent = formatted("%.0f %%", 100 * static_cast<double>(kFullStrain));
   KeyLine line(middle, right);
-  line.add_text(std::string("shortened ") + percent.data());
+  line.add_text("shortened " + percent);
   line.add_strains();
-  line.add_text(std::string("stretched ") + percent.data());
+  line.add_text("stretched " + percent);
   line.draw();
 }
 

@@ -1,20 +1,18 @@
 // With what the character is compared, how both are shown, and how far they are apart.
 #include <cmath>
-#include <cstdio>
 
 #include "proxy_viewer/panels/panels.h"
 #include "proxy_viewer/panels/widgets.h"
-#include "proxy_viewer/state/view_settings.h"
+#include "runtime/core/formatted.h"
 
 namespace bodyopt {
 namespace {
 
 void draw_error(const char* what, float millimetres) {
-  char text[32];
-  std::snprintf(text, sizeof(text), "%.2f mm", static_cast<double>(millimetres));
+  const std::string text = formatted("%.2f mm", static_cast<double>(millimetres));
   ImGui::TextDisabled("%s", what);
-  ImGui::SameLine(ImGui::GetWindowContentRegionMax().x - ImGui::CalcTextSize(text).x);
-  ImGui::TextUnformatted(text);
+  ImGui::SameLine(ImGui::GetWindowContentRegionMax().x - ImGui::CalcTextSize(text.c_str()).x);
+  ImGui::TextUnformatted(text.c_str());
 }
 
 void draw_errors(const Snapshot& snapshot, Controls& controls) {
@@ -63,9 +61,7 @@ void draw_compare(const Snapshot& snapshot, Controls& controls) {
   ImGui::BeginDisabled(!snapshot.knows_coverage);
   command_tick(controls, "coverage", "Heat of expected error");
   ImGui::EndDisabled();
-  if (compare.heat || compare.activation || compare.coverage) {
-    draw_heat_scale(controls);
-  }
+  if (compare.heat || compare.activation || compare.coverage) draw_heat_scale(controls);
   if (!snapshot.compared.empty()) draw_errors(snapshot, controls);
 }
 

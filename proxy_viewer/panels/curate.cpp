@@ -2,12 +2,11 @@
 // most.
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 #include "draw/colours.h"
 #include "proxy_viewer/panels/panels.h"
 #include "proxy_viewer/panels/widgets.h"
-#include "proxy_viewer/state/view_settings.h"
+#include "runtime/core/formatted.h"
 
 namespace bodyopt {
 namespace {
@@ -96,10 +95,8 @@ void draw_modifier(const StackRow& row, Controls& controls) {
     controls.typed.dragged_strength = strength;
   }
   if (!dragged || ImGui::IsItemActive()) return;  // the stack is edited once the mouse lets go
-  char text[32];
-  std::snprintf(text, sizeof(text), " %.3f", strength);
   controls.typed.dragged_strength.reset();
-  attempt(controls, "strength " + row.name + text);
+  attempt(controls, "strength " + row.name + formatted(" %.3f", strength));
 }
 
 void draw_stack(const CurationRow& curation, Controls& controls) {

@@ -1,11 +1,11 @@
 // Figures over the picture: how fast, what of it the stages take, on which device, how much memory, what was dropped,
 // and how far from what was trained.
 #include <algorithm>
-#include <cstdio>
 #include <string>
 
 #include "proxy_viewer/panels/panels.h"
 #include "proxy_viewer/panels/widgets.h"
+#include "runtime/core/formatted.h"
 
 namespace bodyopt {
 namespace {
@@ -23,9 +23,7 @@ class Lines {
   }
 
   void add(double value, const char* unit, const std::string& what) {
-    char number[32];
-    std::snprintf(number, sizeof(number), "%.*f %s", value < 100 ? 2 : 0, value, unit);
-    add(std::string(number) + "  " + what);
+    add(formatted("%.*f %s  ", value < 100 ? 2 : 0, value, unit) + what);
   }
 
  private:
@@ -48,20 +46,16 @@ void add_live(const LiveRow& live, Lines& lines) {
 }
 
 void add_pins(const Snapshot& snapshot, Lines& lines) {
-  for (const PinRow& pin : snapshot.missed_pins) {
-    char text[64];
-    std::snprintf(text, sizeof(text), ": %.0f mm from its pin, %s", pin.away_mm,
-                  pin.by_limits ? "held by joint limits" : "out of reach");
-    lines.add(pin.joint + text, kErrorColour);
+  for (const MissedPin& pin : snapshot.missed_pins) {
+    const char* const why = pin.by_limits ? "held by joint limits" : "out of reach";
+    lines.add(pin.joint + formatted(": %.0f mm from its pin, %s", 1e3 * pin.away, why), kErrorColour);
   }
 }
 
 // They hold for all frames, and are easily forgotten.
 void add_turned(const Snapshot& snapshot, const ViewSettings::Posing& pose, Lines& lines) {
-  const auto count = std::ranges::count_if(snapshot.joints, [&](const JointRow& row) {
-    const auto turn = pose.joints.find(row.name);
-    return turn != pose.joints.end() && turn->second != Vec3{};
-  });
+  const auto count = std::ranges::count_if(
+      snapshot.joints, [&](const JointRow& row) { return set_or(pose.joints, row.name, {}) != Vec3{}; });
   if (count > 0) lines.add(std::to_string(count) + (count == 1 ? " joint turned" : " joints turned"), kAccent);
 }
 

@@ -1,4 +1,5 @@
-// The modifiers of the lead, in their order: a switch, the strength, and the controls of each.
+// What moves the skin beyond its joints: the modifiers of the lead, in their order, with a switch, the strength, and
+// the controls of each; and jiggle.
 #include "proxy_viewer/panels/panels.h"
 #include "proxy_viewer/panels/widgets.h"
 
@@ -6,8 +7,7 @@ namespace bodyopt {
 namespace {
 
 double value_of(const ControlRow& row, const Controls& controls) {
-  const auto found = controls.settings.pose.controls.find(row.name);
-  return found == controls.settings.pose.controls.end() ? row.usual : found->second;
+  return set_or(controls.settings.pose.controls, row.name, row.usual);
 }
 
 // Within its modifier, whose name stands above it.
@@ -45,6 +45,22 @@ void draw_modifiers(const Snapshot& snapshot, Controls& controls) {
     }
     ImGui::PopID();
   }
+}
+
+// Flesh that moves by inertia.
+void draw_jiggle(const Snapshot& snapshot, Controls& controls) {
+  if (snapshot.cast.empty() || snapshot.cast.front().tets == 0) {
+    ImGui::PushTextWrapPos();
+    ImGui::TextDisabled("%s", set_or(controls.missing, "jiggle on", "no dynamics").c_str());
+    ImGui::PopTextWrapPos();
+    return;
+  }
+  command_tick(controls, "jiggle", "On");
+  ImGui::SameLine();
+  command_button(controls, "reset-jiggle", "Begin anew");
+  ImGui::BeginDisabled(!controls.settings.jiggle.on);
+  slide("Amount", controls.settings.jiggle.amount, 0, kMostJiggle, "%.2f x", find_command("jiggle-amount")->help);
+  ImGui::EndDisabled();
 }
 
 }  // namespace bodyopt

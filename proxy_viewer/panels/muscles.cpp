@@ -7,6 +7,7 @@
 #include "proxy_viewer/panels/panels.h"
 #include "proxy_viewer/panels/widgets.h"
 #include "proxy_viewer/state/strain_colour.h"
+#include "runtime/core/formatted.h"
 
 namespace bodyopt {
 namespace {
@@ -26,10 +27,9 @@ void draw_row(const std::string& name, float strain) {
   list.PushClipRect(at, {middle - half - 48, at.y + kMuscleRow}, true);
   list.AddText({at.x, at.y + 1}, ImGui::GetColorU32(ImGuiCol_Text), name.c_str());
   list.PopClipRect();
-  char percent[16];
-  std::snprintf(percent, sizeof(percent), "%+.0f %%", 100 * static_cast<double>(strain));
-  const float text = ImGui::CalcTextSize(percent).x;
-  list.AddText({middle - half - 6 - text, at.y + 1}, kQuiet, percent);
+  const std::string percent = formatted("%+.0f %%", 100 * static_cast<double>(strain));
+  const float text = ImGui::CalcTextSize(percent.c_str()).x;
+  list.AddText({middle - half - 6 - text, at.y + 1}, kQuiet, percent.c_str());
   ImGui::Dummy({width, kMuscleRow});
   if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s: %+.1f %%", name.c_str(), 100 * static_cast<double>(strain));
 }

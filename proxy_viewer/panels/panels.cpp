@@ -1,10 +1,9 @@
 #include "proxy_viewer/panels/panels.h"
 
-#include <imgui.h>
-
 #include <algorithm>
+#include <array>
 
-#include "proxy_viewer/state/sections.h"
+#include "proxy_viewer/panels/widgets.h"
 
 namespace bodyopt {
 namespace {
@@ -20,6 +19,39 @@ PanelLayout layout_of(const Controls& controls, float width, float height) {
   if (height >= kLowest) layout.timeline = kTimeline;
   if (width >= kNarrowest && shows_side_panel(controls.settings)) layout.side = width < kNarrow ? kNarrowSide : kSide;
   return layout;
+}
+
+using Draw = void (*)(const Snapshot&, Controls&);
+
+// As kSections.
+constexpr std::array<Draw, kSections.size()> kDraw = {draw_look, draw_cameras,   draw_compare, draw_curate, draw_pose,
+                                                      draw_keys, draw_modifiers, draw_muscles, draw_jiggle, draw_ghosts,
+                                                      draw_cast, draw_transfer,  draw_output};
+
+// The panel on the right, its sections one above the other.
+void draw_side_panel(const Snapshot& snapshot, Controls& controls, const PanelLayout& layout) {
+  ImGui::SetNextWindowPos({layout.right(), layout.menu});
+  ImGui::SetNextWindowSize({layout.side, std::max(1.0f, layout.bottom() - layout.menu - layout.messages)});
+  ImGui::Begin("Side", nullptr, kFixedWindow);
+  for (std::size_t k = 0; k < kSections.size(); ++k) {
+    const Section& section = kSections[k];
+    if (kDraw[k] == draw_curate && !snapshot.curation) continue;
+    if (kDraw[k] == draw_transfer && snapshot.cast.size() < 2) continue;
+    const bool was_open = is_open(controls.settings, section);
+    ImGui::SetNextItemOpen(was_open, ImGuiCond_Always);
+    const bool open = ImGui::CollapsingHeader(section.title);
+    if (controls.typed.revealed_section == section.name) {
+      ImGui::SetScrollHereY(0);
+      controls.typed.revealed_section.clear();
+    }
+    if (open != was_open) controls.settings.hud.panels[section.name] = open;
+    if (!open) continue;
+    ImGui::PushID(section.name);
+    kDraw[k](snapshot, controls);
+    ImGui::PopID();
+    ImGui::Spacing();
+  }
+  ImGui::End();
 }
 
 }  // namespace
@@ -41,6 +73,12 @@ Rectangle draw_panels(const Snapshot& snapshot, Controls& controls, std::uint32_
   if (controls.cheat_sheet) draw_cheat_sheet(controls, layout);
   const auto pixels = [](float value) { return static_cast<std::uint32_t>(std::max(1.0f, value)); };
   return {0, static_cast<std::int32_t>(layout.menu), pixels(layout.right()), pixels(layout.bottom() - layout.menu)};
+}
+
+void draw_loading(const std::string& text) {
+  const ImVec2 all = ImGui::GetIO().DisplaySize, size = ImGui::CalcTextSize(text.c_str());
+  ImGui::GetBackgroundDrawList()->AddText({0.5f * (all.x - size.x), 0.5f * (all.y - size.y)},
+                                          ImGui::GetColorU32(ImGuiCol_Text), text.c_str());
 }
 
 void visit_texts(const Snapshot& snapshot, const Controls& controls,

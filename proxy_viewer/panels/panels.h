@@ -29,7 +29,6 @@ struct PanelLayout {
 
 void draw_menu_bar(const Snapshot& snapshot, Controls& controls);
 void draw_timeline(const Snapshot& snapshot, Controls& controls, const PanelLayout& layout);
-void draw_side_panel(const Snapshot& snapshot, Controls& controls, const PanelLayout& layout);
 void draw_cheat_sheet(Controls& controls, const PanelLayout& layout);
 void draw_prompt(Controls& controls, const PanelLayout& layout);
 void draw_file_dialog(Controls& controls, const PanelLayout& layout);

@@ -12,8 +12,7 @@ constexpr float kListHeight = 132, kIndent = 9;
 constexpr int kDeepest = 8;  // of what is indented
 
 bool is_turned(const Controls& controls, const std::string& joint) {
-  const auto found = controls.settings.pose.joints.find(joint);
-  return found != controls.settings.pose.joints.end() && found->second != Vec3{};
+  return set_or(controls.settings.pose.joints, joint, {}) != Vec3{};
 }
 
 void draw_row(const JointRow& row, bool indented, Controls& controls) {
@@ -64,8 +63,7 @@ void draw_list(const Snapshot& snapshot, Controls& controls) {
 
 void draw_angles(const JointRow& row, Controls& controls) {
   std::map<std::string, Vec3>& turned = controls.settings.pose.joints;
-  const auto found = turned.find(row.name);
-  Vec3 angles = found == turned.end() ? Vec3{} : found->second;
+  Vec3 angles = set_or(turned, row.name, {});
   bool moved = false;
   const char* const names[] = {"Turn X", "Turn Y", "Turn Z"};
   for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -86,13 +84,11 @@ std::string words_of(std::string name) {
 
 // Of the joint that is selected, by the names of its limits.
 void draw_axes(const Snapshot& snapshot, Controls& controls) {
-  std::map<std::string, double>& axes = controls.settings.pose.axes;
   for (const AxisRow& row : snapshot.axes) {
     if (row.joint != controls.joint) continue;
-    const auto found = axes.find(row.name);
-    double angle = found == axes.end() ? 0 : found->second;
+    double angle = set_or(controls.settings.pose.axes, row.name, 0);
     if (slide(words_of(row.name).c_str(), angle, row.low, row.high, "%.1f\xc2\xb0", find_command("axis")->help)) {
-      axes[row.name] = angle;
+      controls.settings.pose.axes[row.name] = angle;
     }
   }
 }
@@ -121,13 +117,11 @@ void draw_joint(const Snapshot& snapshot, Controls& controls) {
 }
 
 void draw_controls(const Snapshot& snapshot, Controls& controls) {
-  std::map<std::string, double>& values = controls.settings.pose.controls;
   for (const ControlRow& row : snapshot.controls) {
     if (!row.modifier.empty()) continue;
-    const auto found = values.find(row.name);
-    double value = found == values.end() ? 0 : found->second;
+    double value = set_or(controls.settings.pose.controls, row.name, 0);
     if (slide(row.name.c_str(), value, row.low, row.high, "%.2f", find_command("control")->help)) {
-      values[row.name] = value;
+      controls.settings.pose.controls[row.name] = value;
     }
   }
 }

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "runtime/core/transform.h"
+#include "proxy_viewer/scene/pinned_joints.h"
 #include "runtime/host/stages.h"
 
 namespace bodyopt {
@@ -26,13 +26,6 @@ struct ControlRow {
   double usual = 0;          // where nothing sets it
   std::string modifier{};    // whose it is; empty: trained
   std::string what{};        // a line
-};
-
-// A pin that its limb does not reach.
-struct PinRow {
-  std::string joint;
-  double away_mm = 0;
-  bool by_limits = false;  // of the joints; otherwise it is out of reach
 };
 
 struct AxisRow {
@@ -123,7 +116,7 @@ struct Snapshot {
   std::vector<CharacterRow> cast;  // the first is the lead, of whom the rest speaks
   std::vector<JointRow> joints;
   std::vector<AxisRow> axes;
-  std::vector<PinRow> missed_pins;
+  std::vector<MissedPin> missed_pins;
   std::vector<ControlRow> controls;
   std::vector<ModifierRow> modifiers;  // in the order in which they are applied
   std::vector<std::string> fibres;

@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <cstdio>
 #include <utility>
 
 #include "proxy_viewer/panels/panels.h"
 #include "proxy_viewer/panels/widgets.h"
 #include "proxy_viewer/platform/fonts.h"
+#include "runtime/core/formatted.h"
 
 namespace bodyopt {
 namespace {
@@ -36,21 +36,15 @@ void draw_ticks(ImDrawList& list, const Bar& bar) {
   const double per_pixel = static_cast<double>(bar.last - bar.first) / static_cast<double>(std::max(1.0f, bar.size.x));
   std::int64_t distance = 1;
   for (int k = 0; static_cast<double>(distance) <= 60 * per_pixel; ++k) distance *= k % 2 == 0 ? 5 : 2;
-  char text[24];
   for (std::int64_t frame = bar.first / distance * distance; frame <= bar.last; frame += distance) {
     if (frame < bar.first) continue;
     const float x = bar.x(static_cast<double>(frame));
     list.AddLine({x, bar.at.y + bar.size.y - 6}, {x, bar.at.y + bar.size.y}, kTick);
-    std::snprintf(text, sizeof(text), "%lld", static_cast<long long>(frame));
-    list.AddText(nullptr, 12, {x + 3, bar.at.y + bar.size.y - 14}, kTick, text);
+    list.AddText(nullptr, 12, {x + 3, bar.at.y + bar.size.y - 14}, kTick, std::to_string(frame).c_str());
   }
 }
 
-std::string text_of(float error) {
-  char text[32];
-  std::snprintf(text, sizeof(text), "%.2f mm", static_cast<double>(error));
-  return text;
-}
+std::string text_of(float error) { return formatted("%.2f mm", static_cast<double>(error)); }
 
 // The frames that were measured, brighter than the others, and their RMS from the bottom; `worst`: the full height.
 void draw_error_columns(ImDrawList& list, const Bar& bar, const std::vector<ErrorRow>& errors, float worst) {

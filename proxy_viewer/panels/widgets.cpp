@@ -40,6 +40,22 @@ void show_tooltip(const std::string& text) {
   ImGui::EndTooltip();
 }
 
+struct Scalar {
+  void* value;
+  const void *low, *high;
+};
+
+bool slide_scalar(const char* label, ImGuiDataType type, const Scalar& scalar, const char* format, const char* help,
+                  ImGuiSliderFlags flags) {
+  ImGui::PushID(label);
+  label_before(label);
+  const bool moved = ImGui::SliderScalar("##bar", type, scalar.value, scalar.low, scalar.high, format,
+                                         flags | ImGuiSliderFlags_AlwaysClamp);
+  if (help) show_tooltip(help);
+  ImGui::PopID();
+  return moved;
+}
+
 }  // namespace
 
 ImU32 opaque(const std::array<float, 3>& linear) {
@@ -112,8 +128,7 @@ void command_choice(Controls& controls, const char* command, const char* text,
       if (ImGui::Selectable(choice.c_str(), choice == current, flags)) {
         attempt(controls, std::string(command) + " " + choice);
       }
-      const auto why = controls.missing.find(std::string(command) + " " + choice);
-      if (missing) show_tooltip(why == controls.missing.end() ? "it is what is shown" : why->second);
+      if (missing) show_tooltip(set_or(controls.missing, command + (" " + choice), "it is what is shown"));
     }
     ImGui::EndCombo();
   }
@@ -138,22 +153,11 @@ float share_of_line(int count) {
 
 bool slide(const char* label, double& value, double low, double high, const char* format, const char* help,
            ImGuiSliderFlags flags) {
-  ImGui::PushID(label);
-  label_before(label);
-  const bool moved = ImGui::SliderScalar("##bar", ImGuiDataType_Double, &value, &low, &high, format,
-                                         flags | ImGuiSliderFlags_AlwaysClamp);
-  if (help) show_tooltip(help);
-  ImGui::PopID();
-  return moved;
+  return slide_scalar(label, ImGuiDataType_Double, {&value, &low, &high}, format, help, flags);
 }
 
 bool slide(const char* label, int& value, int low, int high, const char* format, const char* help) {
-  ImGui::PushID(label);
-  label_before(label);
-  const bool moved = ImGui::SliderInt("##bar", &value, low, high, format, ImGuiSliderFlags_AlwaysClamp);
-  if (help) show_tooltip(help);
-  ImGui::PopID();
-  return moved;
+  return slide_scalar(label, ImGuiDataType_S32, {&value, &low, &high}, format, help, 0);
 }
 
 }  // namespace bodyopt

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <utility>
 
 namespace bodyopt {
 namespace {
@@ -96,8 +95,6 @@ bool Fonts::has_letters_of(const std::string& text) const {
     return letter != IM_UNICODE_CODEPOINT_INVALID && font.FindGlyphNoFallback(letter);
   });
 }
-
-std::optional<std::string> Fonts::take_problem() { return std::exchange(problem_, std::nullopt); }
 
 ImFont* large_font() { return ImGui::GetIO().Fonts->Fonts.back(); }
 

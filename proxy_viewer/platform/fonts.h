@@ -6,6 +6,7 @@
 
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace bodyopt {
@@ -21,7 +22,7 @@ class Fonts {
   // Loads the letters that are new, between two pictures; false: there are none, and the atlas is as it was.
   bool load_new();
   // What no font here has, once.
-  std::optional<std::string> take_problem();
+  std::optional<std::string> take_problem() { return std::exchange(problem_, std::nullopt); }
 
  private:
   bool open_fonts();

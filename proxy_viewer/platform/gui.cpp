@@ -6,6 +6,7 @@
 #include <imgui_internal.h>
 
 #include <algorithm>
+#include <ranges>
 #include <utility>
 
 #include "proxy_viewer/platform/key_names.h"
@@ -55,29 +56,6 @@ void set_style() {
   c[ImGuiCol_ScrollbarGrab] = grey(0.25f);
 }
 
-// What Dear ImGui wants to hear of, by the names of key_names.h.
-constexpr std::pair<const char*, ImGuiKey> kKeys[] = {{"Tab", ImGuiKey_Tab},
-                                                      {"Left", ImGuiKey_LeftArrow},
-                                                      {"Right", ImGuiKey_RightArrow},
-                                                      {"Up", ImGuiKey_UpArrow},
-                                                      {"Down", ImGuiKey_DownArrow},
-                                                      {"PageUp", ImGuiKey_PageUp},
-                                                      {"Home", ImGuiKey_Home},
-                                                      {"End", ImGuiKey_End},
-                                                      {"PageDown", ImGuiKey_PageDown},
-                                                      {"Insert", ImGuiKey_Insert},
-                                                      {"Delete", ImGuiKey_Delete},
-                                                      {"Backspace", ImGuiKey_Backspace},
-                                                      {"Space", ImGuiKey_Space},
-                                                      {"Enter", ImGuiKey_Enter},
-                                                      {"Escape", ImGuiKey_Escape},
-                                                      {"A", ImGuiKey_A},
-                                                      {"C", ImGuiKey_C},
-                                                      {"V", ImGuiKey_V},
-                                                      {"X", ImGuiKey_X},
-                                                      {"Y", ImGuiKey_Y},
-                                                      {"Z", ImGuiKey_Z}};
-
 // Of the cursor over text fields and edges; others are arrows.
 int standard_cursor(ImGuiMouseCursor cursor) {
   if (cursor == ImGuiMouseCursor_TextInput) return GLFW_IBEAM_CURSOR;
@@ -91,7 +69,7 @@ int standard_cursor(ImGuiMouseCursor cursor) {
 Gui::Gui() : before_(ImGui::GetCurrentContext()), context_(ImGui::CreateContext()) {
   IMGUI_CHECKVERSION();
   ImGui::SetCurrentContext(context_);
-  for (const auto& [name, key] : kKeys) ImGui::GetIO().KeyMap[key] = key;
+  std::ranges::copy(std::views::iota(0, int{ImGuiKey_COUNT}), ImGui::GetIO().KeyMap);
   ImGui::GetIO().IniFilename = nullptr;  // settings are kept in the state file
   ImGui::GetIO().LogFilename = nullptr;
   // As the Vulkan backend can: long lists have more corners than 16 bits count.
@@ -138,35 +116,28 @@ void Gui::hear(const WindowEvent& event) {
 }
 
 void Gui::hear_key(const KeyEvent& event) {
-  const std::string name = bare_key(event.name);
-  const auto* const found =
-      std::find_if(std::begin(kKeys), std::end(kKeys), [&](const auto& key) { return name == key.first; });
-  if (found == std::end(kKeys) || event.action == KeyAction::repeated) return;
-  Press& press = keys_.at(static_cast<std::size_t>(found->second));
+  const std::optional<int> key = imgui_key(bare_key(event.name));
+  if (!key || event.action == KeyAction::repeated) return;
   const bool down = event.action == KeyAction::pressed;
-  if (down) ImGui::GetIO().KeysDownDuration[found->second] = -1;  // also right after it was let go
-  if (down) press.pressed = true;
-  press.released = !down;
-  if (down || !press.pressed) ImGui::GetIO().KeysDown[found->second] = down;
+  if (down) ImGui::GetIO().KeysDownDuration[*key] = -1;  // also right after it was let go
+  keys_.at(static_cast<std::size_t>(*key)).hear(down, ImGui::GetIO().KeysDown[*key]);
 }
 
 void Gui::hear_button(const ButtonEvent& event) {
   if (event.button < 0 || static_cast<std::size_t>(event.button) >= buttons_.size()) return;
-  Press& press = buttons_[static_cast<std::size_t>(event.button)];
-  if (event.down) press.pressed = true;
-  press.released = !event.down;
-  if (event.down || !press.pressed) ImGui::GetIO().MouseDown[event.button] = event.down;
+  buttons_[static_cast<std::size_t>(event.button)].hear(event.down, ImGui::GetIO().MouseDown[event.button]);
 }
 
 // Of what went up again since the last picture, now that a picture has it down.
 void Gui::let_go() {
-  ImGuiIO& io = ImGui::GetIO();
-  for (std::size_t k = 0; k < keys_.size(); ++k) {
-    if (std::exchange(keys_[k], {}).released) io.KeysDown[k] = false;
-  }
-  for (std::size_t k = 0; k < buttons_.size(); ++k) {
-    if (std::exchange(buttons_[k], {}).released) io.MouseDown[k] = false;
-  }
+  const auto let_go_of = [](auto& presses, bool* is_down) {
+    for (Press& press : presses) {
+      if (std::exchange(press, {}).released) *is_down = false;
+      ++is_down;
+    }
+  };
+  let_go_of(keys_, ImGui::GetIO().KeysDown);
+  let_go_of(buttons_, ImGui::GetIO().MouseDown);
 }
 
 void Gui::shape_cursor() {

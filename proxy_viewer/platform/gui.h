@@ -52,6 +52,13 @@ class Gui {
   // Of a key or a button since the last picture.
   struct Press {
     bool pressed = false, released = false;
+
+    // `is_down`: in the next picture, which has also what goes up again before it.
+    void hear(bool down, bool& is_down) {
+      pressed |= down;
+      released = !down;
+      if (down || !pressed) is_down = down;
+    }
   };
 
   ImGuiContext *before_, *context_;

@@ -1,6 +1,7 @@
 // Names of keys as commands have them: "Space", "Shift+Left", "F12", "W".
 #pragma once
 
+#include <optional>
 #include <string>
 
 namespace bodyopt {
@@ -12,5 +13,8 @@ std::string key_name(int key, const std::string& printed, int modifiers);
 
 // "Left" of "Shift+Left".
 std::string bare_key(const std::string& name);
+
+// What Dear ImGui calls a bare key (ImGuiKey); none: it does not want to hear of it.
+std::optional<int> imgui_key(const std::string& name);
 
 }  // namespace bodyopt

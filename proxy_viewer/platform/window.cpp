@@ -4,18 +4,20 @@
 #include <X11/Xlib.h>
 
 #include <algorithm>
-#include <array>
 #include <iostream>
 #include <utility>
 
 #include "draw/attachment.h"
 #include "proxy_viewer/platform/key_names.h"
 #include "runtime/core/error.h"
+#include "runtime/vulkan/commands.h"
 #include "runtime/vulkan/make.h"
 
-#define GLFW_INCLUDE_VULKAN
-
 namespace bodyopt {
+
+using vulkan::check;
+using vulkan::structure;
+
 namespace {
 
 // Must not ask the display for anything.
@@ -32,26 +34,10 @@ int say(Display* display, XErrorEvent* error) {
 // opens a window: to be called after that. Does nothing on other displays.
 void survive_display_errors() { XSetErrorHandler(say); }
 
-}  // namespace
-
-using vulkan::check;
-using vulkan::structure;
-
-namespace {
-
 std::string glfw_problem() {
   const char* text = nullptr;
   glfwGetError(&text);
   return text ? text : "no reason given";
-}
-
-using Semaphore = vulkan::Owned<VkSemaphore, vkDestroySemaphore>;
-
-Semaphore make_semaphore(VkDevice device) {
-  const auto info = structure<VkSemaphoreCreateInfo>(VK_STRUCTURE_TYPE_SEMAPHORE_CREATE_INFO);
-  VkSemaphore semaphore = VK_NULL_HANDLE;
-  check(vkCreateSemaphore(device, &info, nullptr, &semaphore), "vkCreateSemaphore");
-  return {device, semaphore};
 }
 
 KeyAction key_action(int action) {
@@ -65,9 +51,8 @@ VkSurfaceFormatKHR choose_format(VkPhysicalDevice physical, VkSurfaceKHR surface
       "vkGetPhysicalDeviceSurfaceFormatsKHR",
       [&](auto* count, auto* items) { return vkGetPhysicalDeviceSurfaceFormatsKHR(physical, surface, count, items); });
   for (const VkFormat wanted : {VK_FORMAT_B8G8R8A8_UNORM, VK_FORMAT_R8G8B8A8_UNORM}) {
-    for (const VkSurfaceFormatKHR& format : formats) {
-      if (format.format == wanted) return format;
-    }
+    const auto found = std::ranges::find(formats, wanted, &VkSurfaceFormatKHR::format);
+    if (found != formats.end()) return *found;
   }
   throw Error(ErrorKind::device, "the window's surface offers no 8-bit colours");
 }
@@ -80,7 +65,7 @@ VkPresentModeKHR choose_mode(VkPhysicalDevice physical, VkSurfaceKHR surface, bo
         return vkGetPhysicalDeviceSurfacePresentModesKHR(physical, surface, count, items);
       });
   for (const VkPresentModeKHR wanted : {VK_PRESENT_MODE_IMMEDIATE_KHR, VK_PRESENT_MODE_MAILBOX_KHR}) {
-    if (std::find(modes.begin(), modes.end(), wanted) != modes.end()) return wanted;
+    if (std::ranges::find(modes, wanted) != modes.end()) return wanted;
   }
   return VK_PRESENT_MODE_FIFO_KHR;
 }
@@ -101,16 +86,12 @@ struct Window::Swapchain {
                                          "' cannot show pictures in this window; try another with --device, or "
                                          "--headless");
     }
-    acquired = make_semaphore(device.handle());
-    copied = vulkan::make_fence(device.handle());
-    pool = vulkan::make_command_pool(device);
-    commands = vulkan::allocate_commands(device.handle(), pool.get());
+    acquired = vulkan::make_fence(device.handle());
   }
 
   ~Swapchain() {
     vkDeviceWaitIdle(device.handle());
     if (chain != VK_NULL_HANDLE) vkDestroySwapchainKHR(device.handle(), chain, nullptr);
-    finished.clear();
     vkDestroySurfaceKHR(device.instance(), surface, nullptr);
   }
 
@@ -142,21 +123,19 @@ struct Window::Swapchain {
     check(vkCreateSwapchainKHR(device.handle(), &info, nullptr, &made), "vkCreateSwapchainKHR");
     if (chain != VK_NULL_HANDLE) vkDestroySwapchainKHR(device.handle(), chain, nullptr);
     chain = made;
-    std::uint32_t count = 0;
-    check(vkGetSwapchainImagesKHR(device.handle(), chain, &count, nullptr), "vkGetSwapchainImagesKHR");
-    images.resize(count);
-    check(vkGetSwapchainImagesKHR(device.handle(), chain, &count, images.data()), "vkGetSwapchainImagesKHR");
-    finished.clear();
-    for (std::uint32_t k = 0; k < count; ++k) finished.push_back(make_semaphore(device.handle()));
+    images = vulkan::enumerate<VkImage>("vkGetSwapchainImagesKHR", [&](auto* count, auto* items) {
+      return vkGetSwapchainImagesKHR(device.handle(), chain, count, items);
+    });
     return true;
   }
 
+  // Waits for the image, and for the copy.
   void copy(const Viewport& viewport, VkImage to) {
-    check(vkResetCommandPool(device.handle(), pool.get(), 0), "vkResetCommandPool");
-    auto begin = structure<VkCommandBufferBeginInfo>(VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO);
-    begin.flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT;
-    check(vkBeginCommandBuffer(commands, &begin), "vkBeginCommandBuffer");
-    pass_on(commands, to,
+    const VkFence fence = acquired.get();
+    check(vkWaitForFences(device.handle(), 1, &fence, VK_TRUE, ~std::uint64_t{0}), "vkWaitForFences");
+    check(vkResetFences(device.handle(), 1, &fence), "vkResetFences");
+    commands.begin();
+    pass_on(commands.handle(), to,
             {VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, VK_PIPELINE_STAGE_TRANSFER_BIT,
              VK_PIPELINE_STAGE_TRANSFER_BIT, 0, VK_ACCESS_TRANSFER_WRITE_BIT});
     const auto corner = [](std::uint32_t width, std::uint32_t height) {
@@ -167,12 +146,13 @@ struct Window::Swapchain {
     blit.srcOffsets[1] = corner(viewport.size().width, viewport.size().height);
     blit.dstOffsets[1] = corner(size.width, size.height);
     const bool same = viewport.size().width == size.width && viewport.size().height == size.height;
-    vkCmdBlitImage(commands, viewport.image(), VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, to,
+    vkCmdBlitImage(commands.handle(), viewport.image(), VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, to,
                    VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &blit, same ? VK_FILTER_NEAREST : VK_FILTER_LINEAR);
-    pass_on(commands, to,
+    pass_on(commands.handle(), to,
             {VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, VK_IMAGE_LAYOUT_PRESENT_SRC_KHR, VK_PIPELINE_STAGE_TRANSFER_BIT,
              VK_PIPELINE_STAGE_BOTTOM_OF_PIPE_BIT, VK_ACCESS_TRANSFER_WRITE_BIT, 0});
-    check(vkEndCommandBuffer(commands), "vkEndCommandBuffer");
+    commands.end();
+    commands.run();
   }
 
   std::shared_ptr<const vulkan::Device> owned_device;  // must outlive the surface
@@ -182,11 +162,8 @@ struct Window::Swapchain {
   VkSwapchainKHR chain = VK_NULL_HANDLE;
   VkExtent2D size{};
   std::vector<VkImage> images;
-  std::vector<Semaphore> finished;  // per image: its copy
-  Semaphore acquired;
-  vulkan::Fence copied;
-  vulkan::CommandPool pool;
-  VkCommandBuffer commands = VK_NULL_HANDLE;
+  vulkan::Fence acquired;
+  vulkan::Commands commands{device};
 };
 
 Window::Window(const WindowOptions& options) : vsync_(options.vsync) {
@@ -291,7 +268,7 @@ bool Window::show_once(const Viewport& viewport) {
   }
   std::uint32_t image = 0;
   VkResult result =
-      vkAcquireNextImageKHR(s.device.handle(), s.chain, 1'000'000'000, s.acquired.get(), VK_NULL_HANDLE, &image);
+      vkAcquireNextImageKHR(s.device.handle(), s.chain, 1'000'000'000, VK_NULL_HANDLE, s.acquired.get(), &image);
   if (result == VK_ERROR_OUT_OF_DATE_KHR) {
     s.rebuild({width, height});
     return false;
@@ -299,21 +276,8 @@ bool Window::show_once(const Viewport& viewport) {
   if (result == VK_TIMEOUT || result == VK_NOT_READY) return true;  // nobody looks
   if (result != VK_SUBOPTIMAL_KHR) check(result, "vkAcquireNextImageKHR");
   s.copy(viewport, s.images[image]);
-  const VkSemaphore wait = s.acquired.get(), signal = s.finished[image].get();
-  const VkFence fence = s.copied.get();
-  const VkPipelineStageFlags stage = VK_PIPELINE_STAGE_TRANSFER_BIT;
-  auto submit = structure<VkSubmitInfo>(VK_STRUCTURE_TYPE_SUBMIT_INFO);
-  submit.waitSemaphoreCount = submit.signalSemaphoreCount = submit.commandBufferCount = 1;
-  submit.pWaitSemaphores = &wait;
-  submit.pWaitDstStageMask = &stage;
-  submit.pSignalSemaphores = &signal;
-  submit.pCommandBuffers = &s.commands;
-  check(vkResetFences(s.device.handle(), 1, &fence), "vkResetFences");
-  check(vkQueueSubmit(s.device.queue(), 1, &submit, fence), "vkQueueSubmit");
-  check(vkWaitForFences(s.device.handle(), 1, &fence, VK_TRUE, ~std::uint64_t{0}), "vkWaitForFences");
   auto present = structure<VkPresentInfoKHR>(VK_STRUCTURE_TYPE_PRESENT_INFO_KHR);
-  present.waitSemaphoreCount = present.swapchainCount = 1;
-  present.pWaitSemaphores = &signal;
+  present.swapchainCount = 1;
   present.pSwapchains = &s.chain;
   present.pImageIndices = &image;
   result = vkQueuePresentKHR(s.device.queue(), &present);

@@ -1,38 +1,31 @@
 #include "proxy_viewer/scene/actor.h"
 
-#include <algorithm>
 #include <cmath>
-#include <filesystem>
 #include <iterator>
 #include <sstream>
 #include <utility>
 
-#include "assets/clip.h"
 #include "assets/clip_source.h"
 #include "assets/matched_joints.h"
 #include "assets/shot_modifiers.h"
-#include "proxy_viewer/scene/open_character.h"
+#include "geometry/table_rows.h"
+#include "geometry/vertex_normals.h"
 #include "proxy_viewer/scene/posed_clip.h"
-#include "proxy_viewer/state/box.h"
 #include "proxy_viewer/state/pose_keys.h"
 #include "runtime/basis/character_unit.h"
 #include "runtime/basis/output_order.h"
 #include "runtime/core/error.h"
+#include "runtime/core/extent.h"
 #include "runtime/cpu/kernels.h"
 #include "runtime/host/carry_skin.h"
 #include "runtime/host/rig.h"
 #include "runtime/vulkan/device.h"
+#include "trainer/train/skinning/linear_blend.h"
 
 namespace bodyopt {
 namespace {
 
 namespace fs = std::filesystem;
-
-double diagonal(std::span<const float> points) {
-  Box box;
-  for (std::size_t k = 0; k + 2 < points.size(); k += 3) box.add(Vec3{points[k], points[k + 1], points[k + 2]});
-  return points.empty() ? 0 : 2 * box.radius();
-}
 
 // Of the frames of a dataset, one a sample.
 std::vector<Pose> frame_poses(const NamedShapes& shapes) {
@@ -41,7 +34,62 @@ std::vector<Pose> frame_poses(const NamedShapes& shapes) {
   return poses;
 }
 
+// The character that a basis was trained on: its skin weights are in the character's file alone.
+Character read_own_character(const std::string& path, const Basis& basis) {
+  Character character = read_character(path, kept_unit(basis));
+  if (character.output_count() != basis.mesh.output_count() ||
+      skeleton_hash(character.skeleton) != skeleton_hash(basis.skeleton)) {
+    throw Error(ErrorKind::mismatch,
+                path + ": is not the character of the basis: it has " + std::to_string(character.output_count()) +
+                    " vertices and " + std::to_string(character.skeleton.size()) + " joints, the basis " +
+                    std::to_string(basis.mesh.output_count()) + " and " + std::to_string(basis.skeleton.size()));
+  }
+  return character;
+}
+
 }  // namespace
+
+WornMeshes::WornMeshes(const vulkan::Device& device, const Basis& basis, Attachments attachments)
+    : device_(device), attachments_(std::move(attachments)), carrier_(basis, attachments_) {
+  for (const AttachedMesh& mesh : attachments_.meshes) {
+    triangles_.push_back(vulkan::upload(device_, mesh.triangles, "attached triangles"));
+  }
+}
+
+std::vector<WornMesh> WornMeshes::carry(std::span<const std::vector<float>> skins, std::span<const Pose> poses) const {
+  const std::size_t count = attachments_.meshes.size();
+  std::vector<std::vector<float>> positions(count), normals(count);
+  for (std::size_t f = 0; f < skins.size(); ++f) {
+    const std::vector<std::vector<float>> carried = carrier_.carry(skins[f], poses[f].joints);
+    for (std::size_t m = 0; m < count; ++m) {
+      std::ranges::copy(carried[m], std::back_inserter(positions[m]));
+      const Positions areas = vertex_normals(rows_of(carried[m]), rows_of(attachments_.meshes[m].triangles));
+      std::ranges::copy(floats_of(areas), std::back_inserter(normals[m]));
+    }
+  }
+  std::vector<WornMesh> meshes;
+  for (std::size_t m = 0; m < count; ++m) {
+    const AttachedMesh& mesh = attachments_.meshes[m];
+    if (sizeof(float) * positions[m].size() > device_.info().max_storage_buffer_range) {
+      throw Error(ErrorKind::usage, "mesh '" + mesh.name + "' is too large to be shown " +
+                                        std::to_string(skins.size()) +
+                                        " times at once: fewer copies or ghosts, or 'worn off'");
+    }
+    meshes.push_back({&triangles_[m], mesh.triangle_count(),
+                      static_cast<std::uint32_t>(positions[m].size() / (3 * std::max<std::size_t>(1, skins.size()))),
+                      vulkan::upload(device_, positions[m], "attached positions"),
+                      vulkan::upload(device_, normals[m], "attached normals")});
+  }
+  return meshes;
+}
+
+std::vector<float> WornMeshes::points(std::span<const float> skin, const Pose& pose) const {
+  std::vector<float> points;
+  for (const std::vector<float>& mesh : carrier_.carry(skin, pose.joints)) {
+    std::ranges::copy(mesh, std::back_inserter(points));
+  }
+  return points;
+}
 
 fs::path ActorFiles::dynamics() const { return dynamics_beside(basis); }
 
@@ -73,9 +121,9 @@ Actor::Actor(std::shared_ptr<const vulkan::Device> device, const ActorFiles& fil
     attached = load_attachments(files.attached(), finest().basis(), files.basis);
   }
   if (!files.character.empty()) {
-    linear_blend_ = std::make_unique<LinearBlend>(files.character, finest().basis(), kept_unit(finest().basis()));
-  } else if (opened.character) {
-    linear_blend_ = std::make_unique<LinearBlend>(std::move(*opened.character));
+    character_ = read_own_character(files.character, finest().basis());
+  } else {
+    character_ = std::move(opened.character);
   }
   if (!attached.meshes.empty()) {
     worn_ = std::make_unique<WornMeshes>(*device_, finest().basis(), std::move(attached));
@@ -145,7 +193,7 @@ std::string Actor::name() const { return files_.basis.empty() ? "arm" : fs::path
 
 std::size_t Actor::level_within(double metres) const {
   std::size_t level = details_.size() - 1;
-  while (level > 0 && details_[level]->distance() > metres) --level;
+  while (level > 0 && details_[level]->level().distance > metres) --level;
   return level;
 }
 
@@ -157,8 +205,8 @@ bool Actor::has(SkinMethod method) const {
 
 bool Actor::has_at_finest(SkinMethod method) const {
   if (method == SkinMethod::jiggle) return has_dynamics() && why_still().empty();
-  if (method == SkinMethod::proxy) return details_.size() > 1 && !details_[1]->carried().empty();
-  if (method == SkinMethod::lbs) return linear_blend_ != nullptr;
+  if (method == SkinMethod::proxy) return details_.size() > 1 && !details_[1]->level().carried.empty();
+  if (method == SkinMethod::lbs) return character_.has_value();
   return method != SkinMethod::truth || truth_.has_value();
 }
 
@@ -204,7 +252,7 @@ void Actor::show_raw(bool raw) {
 
 void Actor::show_sculpted(int frame, std::vector<float> points) {
   if (!truth_) return;
-  truth_->sculpted = Sculpted{frame, std::move(points)};
+  truth_->sculpted.emplace(frame, std::move(points));
   truth_->shown.reset();
 }
 
@@ -274,15 +322,10 @@ std::size_t Actor::clip_index(int frame) const {
   return static_cast<std::size_t>(std::clamp(frame, clip_.first_frame, clip_.last_frame()) - clip_.first_frame);
 }
 
-const std::optional<JointRange>& Actor::range(std::size_t joint) const {
-  static constexpr std::optional<JointRange> kNone;
-  return joint < ranges_.size() ? ranges_[joint] : kNone;
-}
-
 std::optional<JointRange> Actor::free_turns(std::size_t joint, int frame) const {
-  const std::optional<JointRange>& own = range(joint);
-  if (!own) return std::nullopt;
-  return turns_within(*own, basis().skeleton.joints[joint].bind.rotation, clip_pose(frame).joints[joint].rotation);
+  if (joint >= ranges_.size() || !ranges_[joint]) return std::nullopt;
+  return turns_within(*ranges_[joint], basis().skeleton.joints[joint].bind.rotation,
+                      clip_pose(frame).joints[joint].rotation);
 }
 
 Pose Actor::posed(Pose pose, const ViewSettings::PoseKey& posing) const {
@@ -298,13 +341,7 @@ std::vector<MissedPin> Actor::missed_pins(int frame, const ViewSettings::PoseKey
 Pose Actor::pose(int frame, const ViewSettings::Posing& posing) const {
   if (!basis().modifiers.empty()) return modified_pose(frame, posing);
   Pose pose = posed(clip_pose(frame), posing);
-  const std::vector<std::string>& controls = basis().residual.controls;
-  for (const auto& [control, value] : posing.controls) {
-    const auto at = std::find(controls.begin(), controls.end(), control);
-    if (at == controls.end()) continue;
-    pose.controls.resize(controls.size(), 0.0f);
-    pose.controls[static_cast<std::size_t>(at - controls.begin())] = static_cast<float>(value);
-  }
+  if (!posing.controls.empty()) set_posed_controls(basis().residual.controls, posing, pose);
   return pose;
 }
 
@@ -413,13 +450,18 @@ std::vector<std::vector<float>> Actor::skins_on_host(SkinMethod method) const {
 
 void Actor::show_linear_blend(const Pose& pose) {
   if (same(blended_of_, {&pose, 1})) return;
-  blended_ = upload_output(linear_blend_->skin(pose));
+  blended_ = upload_output(linear_skin(pose));
   blended_of_ = {pose};
+}
+
+// O x 3.
+std::vector<float> Actor::linear_skin(const Pose& pose) const {
+  return output_from_welded(*character_, skin_linear(*character_, pose));
 }
 
 // A proxy that stands alone carries the full skin, not that of its own finest level, which its meshes ride on.
 bool Actor::has_worn_skin() const {
-  return level_ == 0 || shown().carried().size() == finest().basis().mesh.output_count();
+  return level_ == 0 || shown().level().carried.size() == finest().basis().mesh.output_count();
 }
 
 // O x 3 of the finest level.
@@ -427,8 +469,9 @@ std::vector<float> Actor::full_skin(const Detail& detail, const Evaluation& eval
   const MeshTable& mesh = detail.basis().mesh;
   const std::size_t count = std::size_t{3} * mesh.output_count();
   const std::span<const float> positions = std::span(evaluation.positions).subspan(pose * count, count);
-  if (&detail == details_.front().get() || detail.carried().empty()) return {positions.begin(), positions.end()};
-  return carry_skin(mesh, detail.carried(), positions, std::span(evaluation.normals).subspan(pose * count, count));
+  if (&detail == details_.front().get() || detail.level().carried.empty()) return {positions.begin(), positions.end()};
+  return carry_skin(mesh, detail.level().carried, positions,
+                    std::span(evaluation.normals).subspan(pose * count, count));
 }
 
 // As it was evaluated last.
@@ -454,7 +497,7 @@ std::vector<float> Actor::measure(SkinMethod method, const Pose& pose, int frame
   if (method == SkinMethod::proxy) {
     return full_skin(*details_[1], details_[1]->measure(SkinMethod::full, pose, correction), 0);
   }
-  if (method == SkinMethod::lbs) return linear_blend_->skin(pose);
+  if (method == SkinMethod::lbs) return linear_skin(pose);
   if (method != SkinMethod::truth) return finest().measure(method, pose, correction).positions;
   return read_sample(truth_->shapes.as_they_are(), truth_time(frame).value());
 }
@@ -469,7 +512,7 @@ void Actor::show_truth(int frame) {
 
 std::vector<float> Actor::shown_truth(int frame, const SampleTime& time) const {
   if (truth_->raw) return truth_->shapes.raw_sample(time.sample);
-  if (truth_->sculpted && truth_->sculpted->frame == frame) return truth_->sculpted->points;
+  if (truth_->sculpted && truth_->sculpted->first == frame) return truth_->sculpted->second;
   return read_sample(truth_->shapes, time);
 }
 
@@ -486,13 +529,13 @@ Actor::HostedSkin Actor::upload_output(std::span<const float> points) {
 
 void Actor::measure_size() {
   const MeshTable& mesh = finest().basis().mesh;
-  size_ = diagonal(mesh.rest);
+  size_ = box_diagonal(mesh.rest);
   std::vector<float> points = mesh.rest;
   if (worn_) {
     const std::vector<float> worn = worn_points(output_of(mesh, mesh.rest), bind_pose(finest().basis().skeleton));
     std::ranges::copy(worn, std::back_inserter(points));
   }
-  reach_ = diagonal(points);
+  reach_ = box_diagonal(points);
 }
 
 void Actor::measure_ground() {

@@ -14,14 +14,13 @@
 #include "assets/clip.h"
 #include "assets/pc2.h"
 #include "proxy_viewer/scene/detail.h"
-#include "proxy_viewer/scene/linear_blend.h"
 #include "proxy_viewer/scene/open_character.h"
 #include "proxy_viewer/scene/pinned_joints.h"
 #include "proxy_viewer/scene/truth_times.h"
-#include "proxy_viewer/scene/worn_meshes.h"
 #include "proxy_viewer/state/joint_ranges.h"
 #include "proxy_viewer/state/view_settings.h"
 #include "runtime/deformer/deformer.h"
+#include "runtime/host/attachments.h"
 #include "runtime/vulkan/buffer.h"
 
 namespace bodyopt {
@@ -41,6 +40,32 @@ struct ActorFiles {
   std::filesystem::path levels() const;  // the proxy; empty: none, and none can be there
   // All of them, those beside the basis whether they are there or not: to be watched.
   std::vector<std::filesystem::path> paths() const;
+};
+
+// Attached geometry: carried on the host, uploaded when it moves.
+// A mesh on F skins.
+struct WornMesh {
+  const vulkan::Buffer* triangles = nullptr;
+  std::uint32_t triangle_count = 0, vertex_count = 0;
+  vulkan::Buffer positions, normals;  // F x N x 3
+};
+
+class WornMeshes {
+ public:
+  // The basis must outlive it.
+  WornMeshes(const vulkan::Device& device, const Basis& basis, Attachments attachments);
+
+  // On each of the skins, O x 3, at its pose. On the device, as long as this lives. Throws Error(usage) for more than
+  // the device shows at once.
+  std::vector<WornMesh> carry(std::span<const std::vector<float>> skins, std::span<const Pose> poses) const;
+  // On the host, all meshes one after the other, N x 3.
+  std::vector<float> points(std::span<const float> skin, const Pose& pose) const;
+
+ private:
+  const vulkan::Device& device_;
+  Attachments attachments_;
+  AttachmentCarrier carrier_;
+  std::vector<vulkan::Buffer> triangles_;
 };
 
 class Actor {
@@ -71,7 +96,7 @@ class Actor {
   std::string why_still() const;
 
   // With its weights; null: they are not at hand.
-  const Character* character() const { return linear_blend_ ? &linear_blend_->character() : nullptr; }
+  const Character* character() const { return character_ ? &*character_ : nullptr; }
 
   // These throw as the constructor, and leave what was there.
   void open_clip(const std::string& source);  // of a dataset: its frames, one after the other, takes as keys
@@ -158,16 +183,12 @@ class Actor {
     std::vector<Pose> poses;
     std::vector<WornMesh> meshes;
   };
-  struct Sculpted {
-    int frame;
-    std::vector<float> points;
-  };
   struct Truth {
     NamedShapes shapes;
     std::optional<SampleTime> shown;
     HostedSkin skin;
     bool raw = false;
-    std::optional<Sculpted> sculpted{};
+    std::optional<std::pair<int, std::vector<float>>> sculpted{};  // frame, points
   };
 
   Detail& finest() { return *details_.front(); }
@@ -179,13 +200,13 @@ class Actor {
   const Pose& clip_pose(int frame) const { return clip_.poses[clip_index(frame)]; }
   Pose posed(Pose pose, const ViewSettings::PoseKey& posing) const;
   Pose modified_pose(int frame, const ViewSettings::Posing& posing) const;
-  const std::optional<JointRange>& range(std::size_t joint) const;
   bool has_worn_skin() const;
   std::vector<float> full_skin(const Detail& detail, const Evaluation& evaluation, std::size_t pose) const;
   const HostedSkin* hosted_skin(SkinMethod method) const;
   std::vector<std::vector<float>> skins_on_host(SkinMethod method) const;
   const Evaluation& carry_proxy();
   void show_linear_blend(const Pose& pose);
+  std::vector<float> linear_skin(const Pose& pose) const;
   HostedSkin upload_output(std::span<const float> points);
   void show_truth(int frame);
   std::vector<float> shown_truth(int frame, const SampleTime& time) const;
@@ -215,8 +236,8 @@ class Actor {
   std::optional<Truth> truth_;
   std::unique_ptr<WornMeshes> worn_;
   std::map<SkinMethod, Worn> worn_on_;
-  Pose hosted_pose_;  // of the skins from the host that were evaluated last
-  std::unique_ptr<LinearBlend> linear_blend_;
+  Pose hosted_pose_;                    // of the skins from the host that were evaluated last
+  std::optional<Character> character_;  // with its weights, where they are at hand
 };
 
 }  // namespace bodyopt

@@ -1,20 +1,56 @@
-// One level of detail as one of the cast shows it: its skin by several methods, each on the device.
+// A level of detail: what of it never changes, on the device once for all of the cast who show it; and as one of the
+// cast shows it, its skin by several methods.
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "proxy_viewer/scene/cut_tets.h"
-#include "proxy_viewer/scene/level_on_device.h"
+#include "runtime/basis/levels.h"
+#include "runtime/coverage/expected_error.h"
+#include "runtime/coverage/region_shares.h"
 #include "runtime/deformer/deformer.h"
 #include "runtime/deformer/evaluate_together.h"
+#include "runtime/host/character_model.h"
+#include "runtime/vulkan/backend/device_model.h"
 #include "runtime/vulkan/buffer.h"
 
 namespace bodyopt {
+
+struct LevelOnDevice {
+  // `dynamics`: of the same basis, where there are any. Throws Error(device).
+  LevelOnDevice(const std::shared_ptr<const vulkan::Device>& device, Level level, std::optional<Dynamics> dynamics);
+
+  const Basis& basis() const { return model->basis; }
+
+  std::shared_ptr<const CharacterModel> model;
+  std::shared_ptr<const vulkan::DeviceModel> tables;
+  CarriedSkin carried;  // empty in an ordinary basis
+  double distance = 0;  // of the full skin's vertices from the level's at rest, RMS, metres
+  vulkan::Buffer triangles, fibre_segments, fibre_points;
+  std::uint32_t fibre_segment_count = 0;
+  std::optional<ErrorExpectation> expectation;  // where there is coverage
+  RegionShares shares;                          // of the regions, where there is coverage
+};
+
+// The levels of bases that are shown. Those of the same files, unchanged, are made once.
+class LevelPool {
+ public:
+  using Levels = std::vector<std::shared_ptr<const LevelOnDevice>>;
+
+  // What `make` gives of the files, or gave before, while somebody shows it.
+  Levels get(const std::vector<std::filesystem::path>& files, const std::function<Levels()>& make);
+
+ private:
+  std::map<std::string, std::vector<std::weak_ptr<const LevelOnDevice>>> made_;  // by names, sizes and times
+};
 
 // What makes the skin. lbs: linear blending; ddm: Direct Delta Mush, what is learned left out; linear: of what is
 // learned the part that is linear in joints and strains; proxy: the full skin as the next coarser level carries it;
@@ -58,9 +94,8 @@ class Detail {
 
   Detail(std::shared_ptr<const vulkan::Device> device, std::shared_ptr<const LevelOnDevice> level);
 
+  const LevelOnDevice& level() const { return *level_; }
   const Basis& basis() const { return level_->basis(); }
-  const CarriedSkin& carried() const { return level_->carried; }  // empty in an ordinary basis
-  double distance() const { return level_->distance; }            // of the full skin at rest, RMS, metres
   bool jiggles() const { return level_->model->dynamics.has_value(); }
   // Frames a second that the jiggle steps; the level must have dynamics.
   double jiggle_rate() const { return static_cast<double>(level_->model->dynamics->jiggle.step.frames_per_second); }
@@ -82,11 +117,6 @@ class Detail {
 
   // The quasi-static result on the host, of one pose: does not touch what is shown. `correction`: see Weights.
   Evaluation measure(SkinMethod method, const Pose& pose, float correction = 1);
-
-  const vulkan::Buffer& triangles() const { return level_->triangles; }
-  const vulkan::Buffer& fibre_segments() const { return level_->fibre_segments; }
-  const vulkan::Buffer& fibre_points() const { return level_->fibre_points; }
-  std::uint32_t fibre_segment_count() const { return level_->fibre_segment_count; }
 
  private:
   friend void evaluate_together(std::span<const SkinRequest> requests);

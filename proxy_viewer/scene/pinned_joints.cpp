@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "proxy_viewer/state/euler_angles.h"
 #include "runtime/host/rig.h"
+#include "runtime/modifiers/world_rotations.h"
 
 namespace bodyopt {
 namespace {
@@ -26,7 +26,7 @@ Quat swing(const Vec3& from, const Vec3& to) {
   return axis_angle(size > kTiny * length(from) * length(to) ? 1 / size * across : any_across(from), angle);
 }
 
-Vec3 centre(const Affine& joint) { return {joint.m[0][3], joint.m[1][3], joint.m[2][3]}; }
+Vec3 centre(const Affine& joint) { return joint * Vec3{0, 0, 0}; }
 
 class Limb {
  public:
@@ -46,7 +46,7 @@ class Limb {
 
  private:
   std::size_t parent(std::size_t joint) const { return static_cast<std::size_t>(skeleton_.joints[joint].parent); }
-  std::vector<Quat> rotations() const { return joint_rotations(skeleton_, pose_); }
+  std::vector<Quat> rotations() const { return world_rotations(skeleton_, pose_); }
 
   // By a rotation of the world, as far as the joint's range lets it.
   void turn(std::size_t joint, const Quat& by) {
@@ -87,14 +87,13 @@ std::vector<MissedPin> missed_pins(const Skeleton& skeleton, const std::vector<s
   if (pins.empty()) return {};
   const std::vector<Affine> held = posed_joints(skeleton, pinned(skeleton, ranges, pose, pins).joints),
                             free = posed_joints(skeleton, pinned(skeleton, {}, pose, pins).joints);
-  const auto away = [](const Affine& joint, const Vec3& pin) { return length(joint * Vec3{0, 0, 0} - pin); };
   std::vector<MissedPin> missed;
   for (const auto& [joint, pin] : pins) {
     const int found = skeleton.find(joint);
     if (found < 0) continue;
     const auto j = static_cast<std::size_t>(found);
-    const double by = away(held[j], pin);
-    if (by > kMissed) missed.push_back({joint, by, away(free[j], pin) < by - kMissed});
+    const double by = length(centre(held[j]) - pin);
+    if (by > kMissed) missed.push_back({joint, by, length(centre(free[j]) - pin) < by - kMissed});
   }
   return missed;
 }
@@ -103,16 +102,6 @@ bool ends_a_limb(const Skeleton& skeleton, const std::string& joint) {
   const int found = skeleton.find(joint);
   const int above = found < 0 ? -1 : skeleton.joints[static_cast<std::size_t>(found)].parent;
   return above >= 0 && skeleton.joints[static_cast<std::size_t>(above)].parent >= 0;
-}
-
-std::vector<Quat> joint_rotations(const Skeleton& skeleton, const Pose& pose) {
-  std::vector<Quat> rotations;
-  for (std::size_t j = 0; j < skeleton.size(); ++j) {
-    const int parent = skeleton.joints[j].parent;
-    const Quat& local = pose.joints[j].rotation;
-    rotations.push_back(normalized(parent < 0 ? local : rotations[static_cast<std::size_t>(parent)] * local));
-  }
-  return rotations;
 }
 
 Pose pinned(const Skeleton& skeleton, const std::vector<std::optional<JointRange>>& ranges, Pose pose,

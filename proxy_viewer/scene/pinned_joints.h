@@ -40,7 +40,4 @@ std::vector<MissedPin> missed_pins(const Skeleton& skeleton, const std::vector<s
 // Has the joint two above it, that can reach for it?
 bool ends_a_limb(const Skeleton& skeleton, const std::string& joint);
 
-// World rotations of the joints of a pose, J; scale is left out.
-std::vector<Quat> joint_rotations(const Skeleton& skeleton, const Pose& pose);
-
 }  // namespace bodyopt

@@ -5,7 +5,6 @@
 #include <utility>
 
 #include "proxy_viewer/scene/pinned_joints.h"
-#include "proxy_viewer/state/euler_angles.h"
 #include "proxy_viewer/state/pose_keys.h"
 #include "runtime/host/rig.h"
 

@@ -3,14 +3,15 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <numbers>
 #include <set>
 
 #include "draw/camera.h"
-#include "proxy_viewer/scene/turn_rings.h"
-#include "proxy_viewer/state/box.h"
+#include "proxy_viewer/state/joint_ranges.h"
 #include "proxy_viewer/state/pose_keys.h"
 #include "proxy_viewer/state/strain_colour.h"
 #include "runtime/host/rig.h"
+#include "runtime/modifiers/world_rotations.h"
 
 namespace bodyopt {
 namespace {
@@ -30,10 +31,23 @@ constexpr double kSkinAround = 0.12;  // of joints, of the character's size
 constexpr float kSkinOverTets = 0.12f;
 constexpr double kSphere = 0.75;  // around the joints, of the character's size
 
+// An upright box around points.
+struct Box {
+  Vec3 low{1e30, 1e30, 1e30}, high{-1e30, -1e30, -1e30};  // of no point
+
+  void add(const Vec3& point) {
+    for (std::size_t i = 0; i < 3; ++i) {
+      low[i] = std::min(low[i], point[i]);
+      high[i] = std::max(high[i], point[i]);
+    }
+  }
+  double radius() const { return 0.5 * length(high - low); }
+};
+
 std::vector<Vec3> centres_of(const Actor& character, const Pose& pose) {
   std::vector<Vec3> centres;
   for (const Affine& joint : posed_joints(character.basis().skeleton, pose.joints)) {
-    centres.push_back({joint.m[0][3], joint.m[1][3], joint.m[2][3]});
+    centres.push_back(joint * Vec3{0, 0, 0});
   }
   return centres;
 }
@@ -45,27 +59,14 @@ float grid_spacing(double size) {
   return static_cast<float>(power * (share < 2 ? 1 : share < 5 ? 2 : 5));
 }
 
-SurfaceStyle surface_style(LookStyle style) {
-  switch (style) {
-    case LookStyle::matcap:
-      return SurfaceStyle::matcap;
-    case LookStyle::flat:
-      return SurfaceStyle::flat;
-    case LookStyle::normals:
-      return SurfaceStyle::normals;
-    default:
-      return SurfaceStyle::clay;
-  }
-}
-
 SkinDraw draw_of(const Actor& character, const DeviceSkin& shown, const Controls& controls) {
   const ViewSettings::Look& look = controls.settings.look;
   SkinDraw skin;
-  skin.triangles = &character.shown().triangles();
+  skin.triangles = &character.shown().level().triangles;
   skin.triangle_count = static_cast<std::uint32_t>(character.basis().mesh.triangles.size() / 3);
   skin.positions = shown.positions;
   skin.normals = shown.normals;
-  skin.style = surface_style(look.style);
+  skin.style = static_cast<SurfaceStyle>(look.style);  // of the same names
   skin.wire = look.wire;
   skin.shadow = look.shadow;
   skin.heat_range = static_cast<float>(1e-3 * controls.heat_mm());
@@ -102,10 +103,23 @@ std::span<const Pose> wanted(SkinMethod method, std::span<const Pose> poses) {
   return method == SkinMethod::full ? poses : poses.first(1);
 }
 
-Rectangle left_half(const Rectangle& r) { return {r.x, r.y, r.width / 2, r.height}; }
-Rectangle right_half(const Rectangle& r) {
-  const std::uint32_t left = r.width / 2;
-  return {r.x + static_cast<std::int32_t>(left), r.y, r.width - left, r.height};
+LinePoint line_point(const Vec3& at, std::uint32_t colour) {
+  const auto [x, y, z] = to_float(at);
+  return {x, y, z, colour};
+}
+
+// Of those that stand in a row: to the right, to the left, further to the right...
+double place_in_row(std::size_t index) {
+  return index % 2 == 1 ? static_cast<double>(index + 1) / 2 : -static_cast<double>(index) / 2;
+}
+
+constexpr double kRadius = 0.09;  // of the character's size
+constexpr double kFree = 180;     // degrees, either way, of what has no limits
+
+Vec3 unit(std::size_t axis) {
+  Vec3 along{};
+  along[axis % 3] = 1;
+  return along;
 }
 
 }  // namespace
@@ -115,27 +129,11 @@ SkinMethod shown_method(const Actor& character, const ViewSettings& settings) {
 }
 
 std::optional<SkinMethod> compared_method(const Actor& character, const ViewSettings& settings) {
-  const auto wanted = [&]() -> std::optional<SkinMethod> {
-    if (settings.compare.activation) return SkinMethod::ddm;
-    switch (settings.compare.with) {
-      case CompareWith::lbs:
-        return SkinMethod::lbs;
-      case CompareWith::ddm:
-        return SkinMethod::ddm;
-      case CompareWith::linear:
-        return SkinMethod::linear;
-      case CompareWith::full:
-        return SkinMethod::full;
-      case CompareWith::jiggle:
-        return SkinMethod::jiggle;
-      case CompareWith::proxy:
-        return SkinMethod::proxy;
-      case CompareWith::truth:
-        return SkinMethod::truth;
-      default:
-        return std::nullopt;
-    }
-  }();
+  static constexpr std::optional<SkinMethod> kMethods[] = {std::nullopt,       SkinMethod::lbs,  SkinMethod::ddm,
+                                                           SkinMethod::linear, SkinMethod::full, SkinMethod::jiggle,
+                                                           SkinMethod::truth,  SkinMethod::proxy};  // as CompareWith
+  const ViewSettings::Compare& compare = settings.compare;
+  const auto wanted = compare.activation ? SkinMethod::ddm : kMethods[static_cast<std::size_t>(compare.with)];
   if (!wanted || !character.has(*wanted) || *wanted == shown_method(character, settings)) return std::nullopt;
   return wanted;
 }
@@ -167,17 +165,15 @@ void Scene::forget_look() {
   lead_expected_ = nullptr;
 }
 
-// Those of one shot stay where their clips have them. Who would begin inside another is put beside it, in a row: to the
-// right, to the left, further to the right...
+// Those of one shot stay where their clips have them. Who would begin inside another is put beside it, in a row.
 std::array<float, 3> Scene::free_place(std::size_t index) const {
   const auto begins_inside = [&](const std::unique_ptr<Actor>& other) {
     const Vec3 apart = cast_[index]->start() - other->start();
     return std::hypot(apart[0], apart[2]) < kOverlap * cast_[index]->size();
   };
   if (std::none_of(cast_.begin(), cast_.begin() + static_cast<std::ptrdiff_t>(index), begins_inside)) return {0, 0, 0};
-  const double step = kSpacing * cast_[index]->size();
-  const double side = index % 2 == 1 ? static_cast<double>(index + 1) / 2 : -static_cast<double>(index) / 2;
-  return {static_cast<float>(step * side), static_cast<float>(cast_.front()->ground() - cast_[index]->ground()), 0};
+  return to_float(
+      {kSpacing * cast_[index]->size() * place_in_row(index), cast_.front()->ground() - cast_[index]->ground(), 0});
 }
 
 // Where it is to begin, or where there is room.
@@ -220,10 +216,8 @@ std::size_t Scene::level_by_size(std::size_t index, const Controls& controls, st
 
 // Of the lead: in rows behind it.
 std::array<float, 3> Scene::place_copy(std::size_t copy) const {
-  const std::size_t column = copy % kColumns, row = copy / kColumns;
-  const double side = column % 2 == 1 ? static_cast<double>(column + 1) / 2 : -static_cast<double>(column) / 2;
   const double step = kSpacing * cast_.front()->size();
-  return {static_cast<float>(step * side), 0, static_cast<float>(-step * static_cast<double>(row))};
+  return to_float({step * place_in_row(copy % kColumns), 0, -step * static_cast<double>(copy / kColumns)});
 }
 
 void Scene::reset_jiggle() {
@@ -356,7 +350,7 @@ void Scene::surround(const Controls& controls, View& view) const {
     }
     around_largest = std::max(around_largest, around);
   }
-  view.middle = to_float(all.middle());
+  view.middle = to_float(0.5 * (all.low + all.high));
   view.radius = static_cast<float>(all.radius() + around_largest);
   view.ground.caster = static_cast<float>(smallest);
 }
@@ -366,7 +360,9 @@ std::vector<Rectangle> Scene::view_areas(const ViewSettings& settings, const Rec
   const bool two = !cast_.empty() && compare.layout == CompareLayout::side_by_side && !compare.activation &&
                    compared_method(lead(), settings);
   if (!two) return {area};
-  return {left_half(area), right_half(area)};
+  const std::uint32_t left = area.width / 2;
+  return {{area.x, area.y, left, area.height},
+          {area.x + static_cast<std::int32_t>(left), area.y, area.width - left, area.height}};
 }
 
 void Scene::add_marker(const Vec3& at, std::uint32_t colour, View& view) {
@@ -376,11 +372,15 @@ void Scene::add_marker(const Vec3& at, std::uint32_t colour, View& view) {
     for (const double side : {-reach, reach}) {
       Vec3 end = at;
       end[axis] += side;
-      cross.push_back({static_cast<float>(end[0]), static_cast<float>(end[1]), static_cast<float>(end[2]), colour});
+      cross.push_back(line_point(end, colour));
     }
   }
-  lines_.push_back(std::move(cross));
-  view.lines.push_back({lines_.back(), {}, 2, true});
+  add_lines(std::move(cross), {}, 2, view);
+}
+
+void Scene::add_lines(std::vector<LinePoint> points, const std::array<float, 3>& offset, float width, View& view) {
+  lines_.push_back(std::move(points));
+  view.lines.push_back({lines_.back(), offset, width, true});
 }
 
 // Pairs in one colour each, the one that waits for its other in white.
@@ -492,28 +492,27 @@ void Scene::add_copies_and_ghosts(Actor& character, std::span<const Pose> poses,
   extra.positions = others.skin.positions;
   extra.normals = others.skin.normals;
   const std::size_t ghosts = static_cast<std::size_t>(s.ghosts.before + s.ghosts.after);
-  for (std::size_t k = ghosts + 1; k < poses.size(); ++k) {
-    extra.first_vertex = static_cast<std::uint32_t>(k) * character.basis().mesh.vertex_count();
-    extra.offset = place_copy(k - ghosts);
+  const auto add = [&](std::size_t pose, const std::array<float, 3>& worn_colour) {
+    extra.first_vertex = static_cast<std::uint32_t>(pose) * character.basis().mesh.vertex_count();
     for (View& view : views) {
       view.skins.push_back(extra);
-      dress(worn, k, extra, kWornColour, view);
+      dress(worn, pose, extra, worn_colour, view);
     }
+  };
+  for (std::size_t k = ghosts + 1; k < poses.size(); ++k) {
+    extra.offset = place_copy(k - ghosts);
+    add(k, kWornColour);
   }
   extra.offset = skin.offset;
   extra.wire = extra.shadow = false;
   for (std::size_t g = 1; g <= ghosts; ++g) {
-    extra.first_vertex = static_cast<std::uint32_t>(g) * character.basis().mesh.vertex_count();
     const bool before = g <= static_cast<std::size_t>(s.ghosts.before);
     const std::size_t away = before ? g : g - static_cast<std::size_t>(s.ghosts.before);
     const int count = before ? s.ghosts.before : s.ghosts.after;
     extra.colour = before ? kBeforeColour : kAfterColour;
     const double fades = 1 - 0.6 * static_cast<double>(away - 1) / std::max(1, count);
     extra.alpha = static_cast<float>(std::clamp(s.ghosts.opacity * fades, 0.0, 0.99));
-    for (View& view : views) {
-      view.skins.push_back(extra);
-      dress(worn, g, extra, extra.colour, view);
-    }
+    add(g, extra.colour);
   }
 }
 
@@ -531,8 +530,7 @@ void Scene::add_tets(Actor& character, const Pose& pose, const SkinDraw& skin, c
                      std::vector<View>& views) {
   const ViewSettings& s = controls.settings;
   const Camera camera = controls.camera.camera();
-  Vec3 towards;
-  for (std::size_t i = 0; i < 3; ++i) towards[i] = static_cast<double>(camera.eye[i] - camera.target[i]);
+  Vec3 towards = to_double(camera.eye) - to_double(camera.target);
   towards = 1 / length(towards) * towards;
   const bool jiggles = shown_method(character, s) == SkinMethod::jiggle;
   const auto amount = jiggles ? std::optional(static_cast<float>(s.jiggle.amount)) : std::nullopt;
@@ -552,29 +550,24 @@ void Scene::add_skeleton(const Actor& character, const Pose& pose, const std::ar
                          const Controls& controls, View& view) {
   const Skeleton& skeleton = character.basis().skeleton;
   const std::vector<Vec3> centres = centres_of(character, pose);
-  const auto point = [](const Vec3& at, std::uint32_t colour) {
-    return LinePoint{static_cast<float>(at[0]), static_cast<float>(at[1]), static_cast<float>(at[2]), colour};
-  };
   std::vector<LinePoint> bones, joints;
   const double cross = 0.008 * character.size();
   for (std::size_t j = 0; j < centres.size(); ++j) {
     const bool selected = skeleton.joints[j].name == controls.joint;
     const int parent = skeleton.joints[j].parent;
     if (parent >= 0) {
-      bones.push_back(point(centres[static_cast<std::size_t>(parent)], kBone));
-      bones.push_back(point(centres[j], kBone));
+      bones.push_back(line_point(centres[static_cast<std::size_t>(parent)], kBone));
+      bones.push_back(line_point(centres[j], kBone));
     }
     for (std::size_t i = 0; i < 3; ++i) {
       Vec3 along{};
       along[i] = selected ? 2 * cross : cross;
-      joints.push_back(point(centres[j] - along, selected ? kSelected : kJoint));
-      joints.push_back(point(centres[j] + along, selected ? kSelected : kJoint));
+      joints.push_back(line_point(centres[j] - along, selected ? kSelected : kJoint));
+      joints.push_back(line_point(centres[j] + along, selected ? kSelected : kJoint));
     }
   }
-  lines_.push_back(std::move(bones));
-  view.lines.push_back({lines_.back(), offset, 3, true});
-  lines_.push_back(std::move(joints));
-  view.lines.push_back({lines_.back(), offset, 1.5f, true});
+  add_lines(std::move(bones), offset, 3, view);
+  add_lines(std::move(joints), offset, 1.5f, view);
 }
 
 // Of the joint that is selected: bright as far as it may turn, with a hand at its angle. And the pins.
@@ -582,9 +575,7 @@ void Scene::add_rings(const Controls& controls, const std::array<float, 3>& offs
   constexpr int kSteps = 72;
   std::vector<LinePoint> lines;
   const auto draw = [&](const Vec3& from, const Vec3& to, std::uint32_t colour) {
-    for (const Vec3& at : {from, to}) {
-      lines.push_back({static_cast<float>(at[0]), static_cast<float>(at[1]), static_cast<float>(at[2]), colour});
-    }
+    for (const Vec3& at : {from, to}) lines.push_back(line_point(at, colour));
   };
   for (const TurnRing& ring : turn_rings(*this, controls)) {
     const std::uint32_t colour = kAxisColours[ring.axis];
@@ -606,20 +597,19 @@ void Scene::add_rings(const Controls& controls, const std::array<float, 3>& offs
       for (std::size_t k = 0; k < 4; ++k) draw(corners[k], corners[(k + 1) % 4], is_missed ? kMarked : kSelected);
     }
   }
-  lines_.push_back(std::move(lines));
-  view.lines.push_back({lines_.back(), offset, 2, true});
+  add_lines(std::move(lines), offset, 2, view);
 }
 
 void Scene::add_fibres(const Actor& character, const Shown& shown, const std::array<float, 3>& offset, View& view) {
-  if (character.shown().fibre_segment_count() == 0 || shown.method == SkinMethod::truth) return;
+  if (character.shown().level().fibre_segment_count == 0 || shown.method == SkinMethod::truth) return;
   std::vector<std::uint32_t> colours;
   const std::uint32_t fibres = character.basis().strain.fibre_count();
   for (std::uint32_t f = 0; f < fibres; ++f) colours.push_back(strain_colour(shown.evaluation->strains[f]));
   colours_.push_back(std::move(colours));
   FibreDraw draw;
-  draw.segments = &character.shown().fibre_segments();
-  draw.segment_count = character.shown().fibre_segment_count();
-  draw.points = &character.shown().fibre_points();
+  draw.segments = &character.shown().level().fibre_segments;
+  draw.segment_count = character.shown().level().fibre_segment_count;
+  draw.points = &character.shown().level().fibre_points;
   draw.positions = shown.skin.positions;
   draw.normals = shown.skin.normals;
   draw.colours = colours_.back();
@@ -636,14 +626,14 @@ Pose Scene::lead_pose(const Controls& controls) const { return pose_at(lead(), c
 
 std::vector<float> Scene::lead_skin(const Controls& controls) {
   return lead().measure(SkinMethod::full, lead_pose(controls), controls.playback.frame(),
-                        static_cast<float>(controls.settings.pose.correction));
+                        weights_of(controls).correction);
 }
 
 std::vector<float> Scene::skin_on_stage(std::size_t index, const Controls& controls) {
   const int frame = controls.playback.frame();
   const std::array<float, 3> offset = place(index, controls);
   std::vector<float> skin = cast_[index]->measure(SkinMethod::full, pose_at(*cast_[index], frame, controls), frame,
-                                                  static_cast<float>(controls.settings.pose.correction));
+                                                  weights_of(controls).correction);
   for (std::size_t k = 0; k < skin.size(); ++k) skin[k] += offset[k % 3];
   return skin;
 }
@@ -693,6 +683,32 @@ std::vector<float> Scene::points_to_frame(const Controls& controls) {
     for (std::size_t k = 0; k < own.size(); ++k) points.push_back(own[k] + offset[k % 3]);
   }
   return points;
+}
+
+Vec3 TurnRing::point(double degrees) const {
+  return centre + radius * rotate(axis_angle(along, degrees * std::numbers::pi / 180), zero);
+}
+
+std::vector<TurnRing> turn_rings(const Scene& scene, const Controls& controls) {
+  if (scene.empty() || controls.joint.empty()) return {};
+  const Actor& lead = scene.lead();
+  const int found = lead.basis().skeleton.find(controls.joint);
+  if (found < 0) return {};
+  const auto joint = static_cast<std::size_t>(found);
+  const Vec3 angles = set_or(controls.settings.pose.joints, controls.joint, {});
+  const Quat posed = world_rotations(lead.basis().skeleton, scene.lead_pose(controls))[joint];
+  const Quat before = posed * conjugate(turn_of(angles));  // where the clip has it
+  const std::optional<JointRange> free = lead.free_turns(joint, controls.playback.frame());
+  const Vec3 centre = scene.joint_centres(controls)[joint];
+  // x is applied first: y and z carry its axis along.
+  const Quat carried[] = {before * turn_of({0, angles[1], angles[2]}), before * turn_of({0, 0, angles[2]}), before};
+  std::vector<TurnRing> rings;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    rings.push_back({axis, centre, rotate(carried[axis], unit(axis)), rotate(carried[axis], unit(axis + 1)),
+                     kRadius * lead.size() * (1 - 0.06 * static_cast<double>(axis)), free ? free->low[axis] : -kFree,
+                     free ? free->high[axis] : kFree, angles[axis]});
+  }
+  return rings;
 }
 
 }  // namespace bodyopt

@@ -111,6 +111,7 @@ class Scene {
   void add_tets(Actor& character, const Pose& pose, const SkinDraw& skin, const Controls& controls,
                 std::vector<View>& views);
   void add_cut_open(const SkinDraw& skin, View& view) const;
+  void add_lines(std::vector<LinePoint> points, const std::array<float, 3>& offset, float width, View& view);
   void add_marker(const Vec3& at, std::uint32_t colour, View& view);
   void add_markings(const Controls& controls, View& view);
   const Standing& standing(const Actor& character, const Controls& controls) const;
@@ -137,5 +138,20 @@ class Scene {
 // The method that settings choose, and what it is compared with: none where the character has no such skin.
 SkinMethod shown_method(const Actor& character, const ViewSettings& settings);
 std::optional<SkinMethod> compared_method(const Actor& character, const ViewSettings& settings);
+
+// A ring around the joint that is selected, by which it is turned in the picture: of one of its three angles
+// (joint_ranges.h). Metres, world; degrees.
+struct TurnRing {
+  std::size_t axis;    // x, y, z
+  Vec3 centre, along;  // along: of the axis, unit; seen against it, angles grow to the left
+  Vec3 zero;           // unit, across: where 0 is
+  double radius;
+  double low, high, angle;  // that may be added to the clip, and is
+
+  Vec3 point(double degrees) const;
+};
+
+// Of the lead at the frame; none where no joint is selected. What the limits hold has no room between low and high.
+std::vector<TurnRing> turn_rings(const Scene& scene, const Controls& controls);
 
 }  // namespace bodyopt

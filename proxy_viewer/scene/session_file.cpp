@@ -4,7 +4,6 @@
 
 #include "assets/json_fields.h"
 #include "proxy_viewer/state/setting_fields.h"
-#include "proxy_viewer/state/view_settings.h"
 #include "runtime/core/error.h"
 
 namespace bodyopt {

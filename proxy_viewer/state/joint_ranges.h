@@ -1,14 +1,25 @@
-// How far the joints of a character may turn.
+// Turns of joints as sliders have them, about x, then y, then z, degrees; and how far the joints of a character may
+// turn.
 #pragma once
 
 #include <optional>
 #include <vector>
 
+#include "runtime/core/transform.h"
 #include "trainer/motion/joint_limits.h"
 
 namespace bodyopt {
 
-// Of a joint's turn away from the bind pose, as angles about its own axes (see euler_angles.h), degrees.
+Quat turn_of(const Vec3& degrees);
+
+// Of the angles that make the turn, those that are smallest in sum.
+Vec3 degrees_of(const Quat& turn);
+
+// Of a joint's turn, the one of the other side's joint that makes it the mirror
+// image at the plane x = 0. `axes`, `other_axes`: rotations of the two in the bind pose, joint to world.
+Vec3 mirrored_angles(const Vec3& degrees, const Quat& axes, const Quat& other_axes);
+
+// Of a joint's turn away from the bind pose, as angles about its own axes, degrees.
 struct JointRange {
   Vec3 low{}, high{};
 };

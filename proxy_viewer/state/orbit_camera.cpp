@@ -5,7 +5,6 @@
 #include <numbers>
 #include <vector>
 
-#include "draw/camera.h"
 #include "runtime/core/error.h"
 
 namespace bodyopt {

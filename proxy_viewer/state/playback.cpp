@@ -53,24 +53,12 @@ void Playback::play() {
   if (mode_ == PlayMode::once && shown_ == end()) shown_ = start();
 }
 
-void Playback::pause() { playing_ = false; }
-
-void Playback::toggle() {
-  if (playing_) {
-    pause();
-  } else {
-    play();
-  }
-}
+void Playback::toggle() { playing_ ? pause() : play(); }
 
 void Playback::step(int frames) {
   pause();
   show(shown_ + frames);
 }
-
-void Playback::go_to_in() { show(in_); }
-
-void Playback::go_to_out() { show(out_); }
 
 void Playback::go_to_previous_key() {
   const auto here = std::lower_bound(keys_.begin(), keys_.end(), shown_);

@@ -36,12 +36,10 @@ class Playback {
   int advance(double seconds);
 
   void play();  // at the end of a range that is played once: from its beginning
-  void pause();
+  void pause() { playing_ = false; }
   void toggle();
   void step(int frames);  // pauses; beyond the range, too, as far as the clip has frames
   // The others play on if they were playing.
-  void go_to_in();
-  void go_to_out();
   void go_to_previous_key();  // stays where there is none
   void go_to_next_key();
   void scrub(int frame);                // beyond the clip: its first or last

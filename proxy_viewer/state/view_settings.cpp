@@ -2,11 +2,9 @@
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
-#include <utility>
 
 #include "assets/json_fields.h"
 #include "assets/wording.h"
-#include "proxy_viewer/state/sections.h"
 #include "proxy_viewer/state/setting_fields.h"
 #include "runtime/core/error.h"
 

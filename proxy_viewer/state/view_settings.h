@@ -6,6 +6,9 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <type_traits>
+#include <utility>
+#include <vector>
 
 #include "proxy_viewer/state/orbit_camera.h"
 #include "proxy_viewer/state/playback.h"
@@ -109,6 +112,13 @@ struct ViewSettings {
   bool operator==(const ViewSettings&) const = default;
 };
 
+// What is set by a name, as joints and controls are; otherwise `usual`.
+template <typename Value>
+Value set_or(const std::map<std::string, Value>& set, const std::string& name, std::type_identity_t<Value> usual) {
+  const auto found = set.find(name);
+  return found == set.end() ? std::move(usual) : found->second;
+}
+
 // What the file leaves out keeps its default. Throws Error(file).
 ViewSettings read_view_settings(const std::filesystem::path& path);
 // What no single field tells: names of sections, a range that ends before it begins. Throws Error(file).
@@ -126,6 +136,46 @@ inline constexpr double kFinestBrush = 0.1, kWidestBrush = 1e4;    // mm, of its
 inline constexpr double kWidestSpread = 360;                       // degrees, of what is brushed over poses
 inline constexpr double kMostTurn = 360;                           // degrees, either way
 inline constexpr double kMostControl = 1e6;                        // either way
+
+// The sections of the side panel, and which are open: kept with the settings, by name.
+struct Section {
+  const char* name;   // "look": in settings and commands
+  const char* title;  // "Look"
+  bool open;          // to begin with
+};
+
+constexpr std::array<Section, 13> kSections = {{{"look", "Look", true},
+                                                {"cameras", "Cameras", false},
+                                                {"compare", "Compare", true},
+                                                {"curate", "Curate", true},
+                                                {"pose", "Pose", true},
+                                                {"keys", "Keys", false},
+                                                {"modifiers", "Modifiers", false},
+                                                {"muscles", "Muscles", false},
+                                                {"jiggle", "Jiggle", false},
+                                                {"ghosts", "Ghosts", false},
+                                                {"cast", "Cast", false},
+                                                {"transfer", "Transfer", false},
+                                                {"output", "Output", false}}};
+constexpr const char* kSidePanel = "side";  // all of them
+
+inline std::vector<std::string> section_names() {
+  std::vector<std::string> names;
+  for (const Section& section : kSections) names.emplace_back(section.name);
+  return names;
+}
+
+inline bool is_open(const ViewSettings& settings, const Section& section) {
+  return set_or(settings.hud.panels, section.name, section.open);
+}
+
+inline bool shows_side_panel(const ViewSettings& settings) { return set_or(settings.hud.panels, kSidePanel, true); }
+
+// Closes the others.
+inline void open_section(ViewSettings& settings, const std::string& name) {
+  settings.hud.panels[kSidePanel] = true;
+  for (const Section& section : kSections) settings.hud.panels[section.name] = section.name == name;
+}
 
 // How one of the cast stands and plays while it is not the lead, and what of it a session keeps.
 struct Standing {

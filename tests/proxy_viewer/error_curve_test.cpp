@@ -1,8 +1,7 @@
-#include "proxy_viewer/compare/error_curve.h"
-
 #include <cmath>
 #include <set>
 
+#include "proxy_viewer/compare/error_measuring.h"
 #include "tests/proxy_viewer/small_character.h"
 #include "tests/support/gpu_fixture.h"
 

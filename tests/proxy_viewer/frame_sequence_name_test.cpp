@@ -1,10 +1,9 @@
-#include "proxy_viewer/platform/frame_sequence_name.h"
-
 #include <gtest/gtest.h>
 
 #include <cstdio>
 #include <limits>
 
+#include "proxy_viewer/picture_files.h"
 #include "runtime/core/error.h"
 
 namespace bodyopt::testing {

@@ -1,8 +1,8 @@
-#include "proxy_viewer/compare/heat_scale.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
+
+#include "proxy_viewer/compare/error_measuring.h"
 
 namespace bodyopt::testing {
 namespace {

@@ -4,8 +4,6 @@
 
 #include <numbers>
 
-#include "proxy_viewer/state/euler_angles.h"
-
 namespace bodyopt::testing {
 namespace {
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <vector>
 
-#include "proxy_viewer/state/euler_angles.h"
+#include "proxy_viewer/state/joint_ranges.h"
 #include "runtime/basis/skeleton.h"
 #include "runtime/host/rig.h"
 #include "tests/support/random_tables.h"

@@ -250,9 +250,9 @@ TEST(Playback, StepsPauseAndStayInTheClip) {
   EXPECT_EQ(playback.frame(), 1);
   playback.step(kMost);
   EXPECT_EQ(playback.frame(), 10);
-  playback.go_to_in();
+  playback.scrub(playback.in());
   EXPECT_EQ(playback.frame(), 4);
-  playback.go_to_out();
+  playback.scrub(playback.out());
   EXPECT_EQ(playback.frame(), 6);
 }
 

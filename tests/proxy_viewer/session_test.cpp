@@ -5,7 +5,7 @@
 
 #include "proxy_viewer/commands/commands.h"
 #include "proxy_viewer/describe_scene.h"
-#include "proxy_viewer/state/euler_angles.h"
+#include "proxy_viewer/state/joint_ranges.h"
 #include "runtime/core/error.h"
 #include "tests/curate/curated_limb.h"
 #include "tests/proxy_viewer/small_character.h"

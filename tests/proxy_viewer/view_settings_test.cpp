@@ -9,7 +9,6 @@
 #include <set>
 
 #include "assets/json_file.h"
-#include "proxy_viewer/state/sections.h"
 #include "runtime/core/error.h"
 #include "tests/support/hostile_bytes.h"
 #include "tests/support/random_tables.h"
