@@ -22,7 +22,7 @@ struct ShapeStack::Layer {
   bool kept = false;
   std::vector<char> selected;
   Eigen::VectorXd mask;
-  std::unique_ptr<ShapeModifier> shape{};
+  ShapeModifier shape{};
   std::uint64_t identity = 0;  // a hash of its type, strength and mask
 };
 
@@ -144,7 +144,7 @@ void ShapeStack::add_shape(std::size_t place, Layer layer, const ModifierType& t
   layer.shape = type.prepare({database_, *space_, parameters, layer.name, layer.selected, frozen, layer.mask,
                               [this, place](std::size_t frame) { return offsets(frame, place); },
                               [this, place](std::size_t frame) { return key(frame, place); }, cache_});
-  if (const std::string note = layer.shape->note(); !note.empty()) notes_.push_back(layer.name + " " + note);
+  if (!layer.shape.note.empty()) notes_.push_back(layer.name + " " + layer.shape.note);
   layers_.push_back(std::move(layer));
 }
 
@@ -212,7 +212,7 @@ std::vector<ShapeStack::Change> ShapeStack::changes_of(std::size_t frame, std::s
   for (const Layer& layer : layers_) {
     const bool acts = layer.place < count && layer.selected[frame] && !(stays && layer.automatic);
     if (!acts) continue;
-    if (const std::optional<std::uint64_t> cause = layer.shape->cause(frame)) changes.push_back({&layer, *cause});
+    if (const std::optional<std::uint64_t> cause = layer.shape.cause(frame)) changes.push_back({&layer, *cause});
   }
   return changes;
 }
@@ -277,7 +277,7 @@ Positions ShapeStack::begun(std::size_t frame) const {
 
 void ShapeStack::apply(const Layer& layer, const FrameInHand& frame, Positions& offsets) const {
   Positions changed = offsets;
-  layer.shape->apply(frame, changed);
+  layer.shape.apply(frame, changed);
   Eigen::VectorXd share = layer.modifier->strength * layer.mask;
   if (layer.automatic && !freezes_.empty()) share.array() *= 1 - frozen_part(frame.number).array();
   const Positions change = changed - offsets;
