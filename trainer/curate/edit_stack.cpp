@@ -100,13 +100,12 @@ void put_over(const Dataset& dataset, const std::string& name, const std::string
 
 PoseDatabase add_modifier(const fs::path& path, Modifier modifier) {
   PoseDatabase database;
-  Dataset edited = edit_modifiers(path, [&](const Dataset& dataset, Modifiers& modifiers) {
+  database.dataset = edit_modifiers(path, [&](const Dataset& dataset, Modifiers& modifiers) {
     modifier.name = free_name(modifiers, modifier);
     database = read_pose_database(dataset);
     check_modifier(database, modifier);
     modifiers.push_back(modifier);
   });
-  database.dataset = std::move(edited);
   return database;
 }
 
@@ -131,8 +130,7 @@ PoseDatabase change_modifier(const fs::path& path, const std::string& name, cons
     database = read_pose_database(dataset);
     check_modifier(database, modifier);
   };
-  Dataset edited = edit_modifiers(path, edit, patience);
-  database.dataset = std::move(edited);
+  database.dataset = edit_modifiers(path, edit, patience);
   return database;
 }
 
