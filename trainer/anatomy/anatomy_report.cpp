@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <numeric>
 
 #include "assets/joint_roles.h"
 #include "assets/wording.h"
@@ -25,11 +26,7 @@ struct SideVolumes {
 
 using Sides = std::array<SideVolumes, 2>;
 
-double total(const std::array<double, kKinds>& tissues) {
-  double sum = 0;
-  for (const double volume : tissues) sum += volume;
-  return sum;
-}
+double total(const std::array<double, kKinds>& tissues) { return std::accumulate(tissues.begin(), tissues.end(), 0.0); }
 
 // What the field tells at the samples of a half, or at their mirror images.
 void add_half(const AnatomyField& field, const AnatomyField::Half& half, bool mirrored, SideVolumes& side) {

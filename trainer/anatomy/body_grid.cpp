@@ -139,6 +139,16 @@ int BodyGrid::sample_at(const Vector3d& point) const {
   return sample_at(Vector3i(at.cast<int>()));
 }
 
+std::array<int, 6> BodyGrid::beside(int at) const {
+  std::array<int, 6> samples{};
+  for (int k = 0; k < 6; ++k) {
+    Vector3i cell = cells[static_cast<std::size_t>(at)];
+    cell[k / 2] += k % 2 == 0 ? -1 : 1;
+    samples[static_cast<std::size_t>(k)] = sample_at(cell);
+  }
+  return samples;
+}
+
 double BodyGrid::on_skin(const Eigen::VectorXd& values, int at) const {
   const SkinPoint& point = skin[static_cast<std::size_t>(at)];
   double sum = 0;

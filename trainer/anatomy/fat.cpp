@@ -127,14 +127,13 @@ FatFit fit_fat(const BodySurvey& survey, const Eigen::VectorXd& pattern, double 
     const double scale = (low + high) / 2;
     (fat_volume(survey, thickness(scale)) * share_of_mass < body_fat ? low : high) = scale;
   }
-  FatFit fit{(low + high) / 2, thickness((low + high) / 2), 0};
+  FatFit fit{thickness((low + high) / 2), 0};
   fit.body_fat = fat_volume(survey, fit.thickness) * share_of_mass;
   return fit;
 }
 
 void take_fat(BodySurvey& survey, const FatFit& fit, double asked, InnerTissue& tissue) {
   survey.set_fat(fit.thickness);
-  tissue.fat_scale = fit.scale;
   tissue.fat.resize(survey.grid().size());
   for (Index s = 0; s < tissue.fat.size(); ++s)
     tissue.fat[s] = survey.spots()[static_cast<std::size_t>(s)].depth - survey.spots()[static_cast<std::size_t>(s)].fat;

@@ -13,7 +13,6 @@ Eigen::VectorXd corrected_pattern(const BodySurvey& survey, const Eigen::VectorX
                                   const AnatomyCorrections& corrections);
 
 struct FatFit {
-  double scale = 1;           // of the pattern
   Eigen::VectorXd thickness;  // V, metres: skin and fat
   double body_fat = 0;        // of the body's mass: what was asked for, or the most that the body has room for
 };

@@ -6,7 +6,7 @@
 #include <string>
 
 #include "base/parallel.h"
-#include "trainer/anatomy/animal_tissue.h"
+#include "trainer/anatomy/animal.h"
 #include "trainer/anatomy/fat.h"
 #include "trainer/anatomy/human_bones.h"
 

@@ -77,18 +77,7 @@ std::size_t match_length(const std::string& muscle, const std::string& table_nam
 }
 
 const WholeMuscle* find_whole_muscle(const std::string& name) {
-  const std::string wanted = matching_name(name);
-  const WholeMuscle* found = nullptr;
-  std::size_t longest = 0;
-  for (const WholeMuscle& muscle : whole_muscles()) {
-    for (const std::string& table_name : muscle.names) {
-      const std::size_t length = match_length(wanted, table_name);
-      if (length <= longest) continue;
-      longest = length;
-      found = &muscle;
-    }
-  }
-  return found;
+  return longest_match(whole_muscles(), matching_name(name));
 }
 
 }  // namespace bodyopt

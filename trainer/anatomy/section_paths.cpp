@@ -131,21 +131,6 @@ class SectionedLimb {
   std::vector<int> near_;  // samples beside the limb
 };
 
-template <typename Row>
-const Row* row_of(const std::vector<Row>& rows, const std::string& muscle) {
-  const Row* found = nullptr;
-  std::size_t longest = 0;
-  for (const Row& row : rows) {
-    for (const std::string& name : row.names) {
-      const std::size_t length = match_length(muscle, name);
-      if (length <= longest) continue;
-      longest = length;
-      found = &row;
-    }
-  }
-  return found;
-}
-
 // The rows' places, between what of the model's path lies above and below them.
 void guide(const SectionedLimb& limb, const std::vector<SectionPlace>& places, HalfMuscle& muscle) {
   const Index count = muscle.path.rows();
@@ -234,12 +219,12 @@ void guide_paths(const HalfBody& body, const LeanSamples& lean, std::vector<Half
     const SectionedLimb limb(body, lean, sections, landmarks.millimetre());
     if (!limb.exists()) continue;
     parallel_for(muscles.size(), [&](std::size_t m) {
-      const LimbSections::OfMuscle* row = row_of(sections.muscles, muscles[m].name);
+      const LimbSections::OfMuscle* row = longest_match(sections.muscles, muscles[m].name);
       if (row) guide(limb, row->places, muscles[m]);
     });
   }
   parallel_for(muscles.size(), [&](std::size_t m) {
-    const LandmarkPath* row = row_of(section_table().paths, muscles[m].name);
+    const LandmarkPath* row = longest_match(section_table().paths, muscles[m].name);
     if (row) guide(landmarks, *row, muscles[m]);
     move_into_lean(lean, muscles[m]);
   });

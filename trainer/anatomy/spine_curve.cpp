@@ -18,18 +18,10 @@ constexpr int kRowSmoothings = 4;
 struct SpineDepth {
   double tail, trunk, neck;
 };
-SpineDepth spine_depth(BodyKind kind) {
-  switch (kind) {
-    case BodyKind::fish:
-      return {0.48, 0.38, 0.4};
-    case BodyKind::snake:
-      return {0.4, 0.32, 0.35};
-    case BodyKind::biped:
-      return {0.5, 0.3, 0.45};
-    default:
-      return {0.48, 0.2, 0.45};
-  }
-}
+// By BodyKind.
+constexpr SpineDepth kUsualDepth{0.48, 0.2, 0.45};
+constexpr SpineDepth kSpineDepths[] = {{0.5, 0.3, 0.45},  kUsualDepth, kUsualDepth, {0.4, 0.32, 0.35},
+                                       {0.48, 0.38, 0.4}, kUsualDepth, kUsualDepth};
 
 Vector3d in_plane(const BodyGrid& grid, const Vector3d& point) { return {grid.cell / 2, point.y(), point.z()}; }
 
@@ -195,7 +187,7 @@ void SpineCurve::find_trunk(const JointChains& chains, BodyKind kind) {
 }
 
 void SpineCurve::lift(BodyKind kind) {
-  const SpineDepth depth = spine_depth(kind);
+  const SpineDepth& depth = kSpineDepths[static_cast<std::size_t>(kind)];
   constexpr double kRump = 0.5;  // of the height at the hips: a tail is thinner, what lies before it is still trunk
   const double last = static_cast<double>(rows_.size() - 1), fade = 0.06 * last;
   const Row hips = at(hip_);
