@@ -111,13 +111,10 @@ void add_muscle(const Muscle& muscle, const Character& character, Eigen::VectorX
 template <typename Named>
 const Named& find_named(const std::vector<Named>& all, const std::string& name, const char* what,
                         const std::string& place) {
-  std::vector<std::string> known;
-  for (const Named& one : all) {
-    if (one.name == name) return one;
-    known.push_back(one.name);
-  }
+  const auto found = std::ranges::find(all, name, &Named::name);
+  if (found != all.end()) return *found;
   throw Error(ErrorKind::mismatch,
-              place + ": the dataset has no " + what + " '" + name + "'; it has " + list_names(known));
+              place + ": the dataset has no " + what + " '" + name + "'; it has " + list_names(names_of(all)));
 }
 
 }  // namespace

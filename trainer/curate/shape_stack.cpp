@@ -54,6 +54,19 @@ std::uint64_t identity_of(const Modifier& modifier, const Eigen::VectorXd& mask)
   return hash.value();
 }
 
+void require_known_parameters(const Modifier& modifier, const ModifierType& type, const std::string& name) {
+  for (const auto& [key, value] : modifier.parameters.items()) {
+    const bool known = std::any_of(type.parameters.begin(), type.parameters.end(),
+                                   [&k = key](const char* there) { return k == there; });
+    if (known) continue;
+    const std::vector<std::string> names(type.parameters.begin(), type.parameters.end());
+    throw Error(ErrorKind::mismatch, name + " has no parameter '" + key + "': misspelt? " +
+                                         (names.empty() ? "Its type has none" : "Its type has " + list_names(names)));
+  }
+}
+
+std::string modifier_name(const Modifier& modifier) { return "modifier '" + modifier.name + "'"; }
+
 }  // namespace
 
 ShapeStack::ShapeStack(PoseDatabase database, std::shared_ptr<const UnposedSpace> space)
@@ -89,23 +102,6 @@ const UnposedSpace& ShapeStack::space() const {
   });
   return *space_;
 }
-
-namespace {
-
-void require_known_parameters(const Modifier& modifier, const ModifierType& type, const std::string& name) {
-  for (const auto& [key, value] : modifier.parameters.items()) {
-    const bool known = std::any_of(type.parameters.begin(), type.parameters.end(),
-                                   [&k = key](const char* there) { return k == there; });
-    if (known) continue;
-    const std::vector<std::string> names(type.parameters.begin(), type.parameters.end());
-    throw Error(ErrorKind::mismatch, name + " has no parameter '" + key + "': misspelt? " +
-                                         (names.empty() ? "Its type has none" : "Its type has " + list_names(names)));
-  }
-}
-
-std::string modifier_name(const Modifier& modifier) { return "modifier '" + modifier.name + "'"; }
-
-}  // namespace
 
 void ShapeStack::check_scope(const PoseDatabase& database, const Modifier& modifier) {
   require_known_parameters(modifier, *find_modifier_type(modifier.type), modifier_name(modifier));
