@@ -151,8 +151,7 @@ InnerTissue find_animal_tissue(const HalfBody& body, const BodyGrid& grid, const
   BodySurvey survey(body, grid, animal_regions(body, chains));
   for (const Spot& spot : survey.spots()) tissue.region.push_back(spot.region);
   const double size = longest_extent(body.vertices) / (options.kind == BodyKind::limb ? kLimbOfBody : 1);
-  const Eigen::VectorXd pattern = corrected_pattern(survey, animal_fat_pattern(survey, size), options.corrections);
-  take_fat(survey, fit_fat(survey, pattern, kSkinOfSize * size, options.body_fat), options.body_fat, tissue);
+  lay_fat(survey, animal_fat_pattern(survey, size), kSkinOfSize * size, options, tissue);
   const SpineCurve spine(survey, chains, options.kind);
   const Animal animal{survey, chains, spine, options.kind, size};
   const AnimalCavity cavity(animal);

@@ -1,9 +1,8 @@
-#include "trainer/anatomy/fibre_directions.h"
-
 #include <algorithm>
 #include <cmath>
 
 #include "base/parallel.h"
+#include "trainer/anatomy/division_steps.h"
 
 namespace bodyopt {
 namespace {

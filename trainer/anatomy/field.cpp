@@ -58,24 +58,25 @@ struct Corners {
     }
   }
 
-  // How deep a point lies: below the planes that touch the skin at the points nearest to its samples. None: nowhere.
+  // How deep a point lies: below the planes that touch the skin at the points nearest to its samples.
   double depth(const BodyGrid& grid, const Vector3d& point) const {
-    double sum = 0, weights = 0;
-    for (std::size_t k = 0; k < 8; ++k) {
-      if (sample[k] < 0) continue;
+    return mean([&](std::size_t k) {
       const Vector3d& skin = grid.skin[static_cast<std::size_t>(sample[k])].position;
       const Vector3d inwards = grid.points.row(sample[k]).transpose() - skin;
       const Vector3d from = (is_mirrored[k] ? Vector3d(-point.x(), point.y(), point.z()) : point) - skin;
-      sum += weight[k] * from.dot(inwards) / std::max(inwards.norm(), 1e-12);
-      weights += weight[k];
-    }
-    return weights > 0 ? sum / weights : -1;
+      return weight[k] * from.dot(inwards) / std::max(inwards.norm(), 1e-12);
+    });
   }
   double read(const Eigen::VectorXd& values) const {
+    return mean([&](std::size_t k) { return weight[k] * values[sample[k]]; });
+  }
+  // Of those that have a sample; no number where none has.
+  template <typename Weighted>
+  double mean(const Weighted& weighted) const {
     double sum = 0, weights = 0;
     for (std::size_t k = 0; k < 8; ++k) {
       if (sample[k] < 0) continue;
-      sum += weight[k] * values[sample[k]];
+      sum += weighted(k);
       weights += weight[k];
     }
     return sum / weights;

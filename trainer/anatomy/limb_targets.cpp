@@ -1,8 +1,7 @@
-#include "trainer/anatomy/limb_targets.h"
-
 #include <algorithm>
 #include <array>
 
+#include "trainer/anatomy/division_steps.h"
 #include "trainer/anatomy/muscle_candidates.h"
 
 namespace bodyopt {

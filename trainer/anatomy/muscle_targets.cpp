@@ -33,7 +33,7 @@ WholeMuscle read_whole_muscle(const JsonObject& json) {
   muscle.name = json.name("name");
   muscle.names.push_back(matching_name(muscle.name));
   if (json.has("names")) {
-    for (const Json& name : json.array("names")) muscle.names.push_back(matching_name(name.get<std::string>()));
+    for (const std::string& name : json.names("names")) muscle.names.push_back(matching_name(name));
   }
   muscle.volume = 1e-6 * json.number("cm3", 0.1, 1e4);
   const Json& belly = json.array("belly");

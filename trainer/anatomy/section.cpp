@@ -123,11 +123,7 @@ std::vector<std::vector<Crossing>> crossings_of_rows(const SectionPlane& plane, 
 
 Eigen::Affine3d affine(const Affine& transform) {
   Eigen::Affine3d result = Eigen::Affine3d::Identity();
-  for (std::size_t i = 0; i < 3; ++i) {
-    for (std::size_t k = 0; k < 4; ++k) {
-      result(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(k)) = transform.m[i][k];
-    }
-  }
+  result.affine() = Eigen::Map<const Eigen::Matrix<double, 3, 4, Eigen::RowMajor>>(&transform.m[0][0]);
   return result;
 }
 

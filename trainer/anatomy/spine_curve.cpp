@@ -27,15 +27,6 @@ Vector3d in_plane(const BodyGrid& grid, const Vector3d& point) { return {grid.ce
 
 bool is_in(const BodyGrid& grid, const Vector3d& point) { return grid.sample_at(point) >= 0; }
 
-template <typename Value>
-void smooth(std::vector<SpineCurve::Row>& rows, Value SpineCurve::Row::*value) {
-  for (int round = 0; round < kRowSmoothings; ++round) {
-    const std::vector<SpineCurve::Row> old = rows;
-    for (std::size_t k = 1; k + 1 < rows.size(); ++k)
-      rows[k].*value = 0.25 * (old[k - 1].*value) + 0.5 * (old[k].*value) + 0.25 * (old[k + 1].*value);
-  }
-}
-
 // Where joints of the axis stand in the median plane; those outside the body where their skin is.
 struct Stop {
   Vector3d place;
@@ -154,7 +145,7 @@ void SpineCurve::measure(const BodySurvey& survey) {
                                               : 0.5 * (before - behind) * Vector3d::UnitZ();
   }
   spread();
-  smooth(rows_, &Row::middle);
+  smooth(rows_, &Row::middle, kRowSmoothings);
   spread();
   turn();
   for (Row& row : rows_) {
@@ -163,9 +154,9 @@ void SpineCurve::measure(const BodySurvey& survey) {
     row.half_width = std::min(way_out(grid, row.middle, Vector3d::UnitX(), most), 0.9 * (row.up + row.down));
     if (const int s = grid.sample_at(row.middle); s >= 0) row.joint = survey.spots()[static_cast<std::size_t>(s)].joint;
   }
-  smooth(rows_, &Row::up);
-  smooth(rows_, &Row::down);
-  smooth(rows_, &Row::half_width);
+  smooth(rows_, &Row::up, kRowSmoothings);
+  smooth(rows_, &Row::down, kRowSmoothings);
+  smooth(rows_, &Row::half_width, kRowSmoothings);
 }
 
 void SpineCurve::find_trunk(const JointChains& chains, BodyKind kind) {
@@ -200,7 +191,7 @@ void SpineCurve::lift(BodyKind kind) {
     const double share = tail * depth.tail + neck * depth.neck + (1 - tail - neck) * depth.trunk;
     row.place = row.middle + (row.up - share * (row.up + row.down)) * row.dorsal;
   }
-  smooth(rows_, &Row::place);
+  smooth(rows_, &Row::place, kRowSmoothings);
 }
 
 SpineCurve::Row SpineCurve::at(double row) const {

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "assets/joint_roles.h"
+#include "assets/wording.h"
 
 namespace bodyopt {
 namespace {
@@ -40,8 +41,8 @@ Rgb tinted(const Rgb& colour, double stretch) {
 }  // namespace
 
 TissueColours::TissueColours(const std::vector<Muscle>& muscles) {
-  std::vector<std::string> names, distinct;
-  for (const Muscle& muscle : muscles) names.push_back(muscle.name);
+  const std::vector<std::string> names = names_of(muscles);
+  std::vector<std::string> distinct;
   for (const std::string& name : names) {
     const std::string other = mirrored_name(name, names);
     const auto known = std::ranges::find_if(

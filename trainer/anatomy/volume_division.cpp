@@ -143,7 +143,6 @@ VolumeDivision::VolumeDivision(const LeanSamples& lean, std::vector<HalfMuscle>&
       scale_(scale),
       candidates_(lean, muscles, reaches(muscles, targets_, scale)),
       label_(lean.size(), -1),
-      pieces_(muscles.size(), 1),
       volume_(muscles.size(), 0) {
   for (std::size_t m = 0; m < muscles.size(); ++m) {
     first_path_.push_back(muscles[m].path);
@@ -180,7 +179,6 @@ void VolumeDivision::divide() {
   }
   label_ = best_label;
   measure();
-  for (std::size_t m = 0; m < muscles_.size(); ++m) pieces_[m] = volume_[m] > 0 ? 1 : 0;
 }
 
 // On one thread: it takes 4 ms, hundreds of times, and to wait for others that often costs more where they are busy.
