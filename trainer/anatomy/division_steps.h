@@ -11,9 +11,9 @@
 
 namespace bodyopt {
 
-// The paths of models are lines of action, not middles of bellies.
-// Moves the middles of paths to where rigs/human/muscle_sections.json has them, where a body has the joints and
-// landmarks for it; then those parts of bellies that do not lie in lean tissue to the nearest that do.
+// Moves the middles of paths, which models have as lines of action, to where rigs/human/muscle_sections.json has them,
+// where a body has the joints and landmarks for it; then those parts of bellies that do not lie in lean tissue to the
+// nearest that do.
 void guide_paths(const HalfBody& body, const LeanSamples& lean, std::vector<HalfMuscle>& muscles);
 
 // The volumes that muscles should have in a body: published ones, scaled to its limbs.

@@ -90,6 +90,7 @@ struct FatFit {
   double body_fat = 0;        // of the body's mass: what was asked for, or the most that the body has room for
 };
 
+// By halving: of thicker patterns there is more fat.
 FatFit fit_fat(const BodySurvey& survey, const Eigen::VectorXd& pattern, double skin, double body_fat) {
   constexpr double kUnderSkin = 0.8, kFatDensity = 0.92, kBodyDensity = 1.01;  // kilograms a litre
   constexpr double kMostOfHalf = 0.45, kLeast = 0.05, kMost = 12;

@@ -21,7 +21,6 @@ constexpr double kBesidePlane = 0.0015;
 constexpr double kRayStep = 0.001;                       // metres
 constexpr double kBoneReach = 0.05, kLimbRadius = 0.12;  // metres, of a man of 1.75 m
 
-// The tables of rigs/human/muscle_sections.json.
 // One muscle's belly in one section of a limb.
 struct SectionPlace {
   double along;  // from the limb's upper joint, 0, to its lower, 1
@@ -45,10 +44,12 @@ struct LandmarkPath {
   std::vector<std::optional<LandmarkPoint>> points;
 };
 
+// rigs/human/muscle_sections.json.
 struct SectionTable {
   std::vector<LimbSections> limbs;
   std::vector<LandmarkPath> paths;
 };
+
 constexpr std::pair<const char*, BodyPart> kLimbJoints[] = {
     {"thigh", BodyPart::thigh},         {"shin", BodyPart::shin},       {"foot", BodyPart::foot},
     {"upper_arm", BodyPart::upper_arm}, {"forearm", BodyPart::forearm}, {"hand", BodyPart::hand}};
