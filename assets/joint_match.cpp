@@ -17,12 +17,6 @@ namespace {
 using Roles = std::vector<std::optional<JointRole>>;
 using JointPair = std::pair<std::size_t, std::size_t>;  // of the source, of the skeleton
 
-std::vector<std::string> names_of(std::span<const NamedJoint> joints) {
-  std::vector<std::string> names;
-  for (const NamedJoint& joint : joints) names.push_back(joint.name);
-  return names;
-}
-
 // The joints of a part from the lowest up.
 std::vector<std::size_t> chain_of(const Roles& roles, BodyPart part) {
   std::map<std::size_t, std::size_t> chain;

@@ -234,4 +234,13 @@ std::string mirrored_name(const std::string& name, std::span<const std::string> 
   return {};
 }
 
+std::vector<int> mirrored_places(std::span<const std::string> names) {
+  std::vector<int> places;
+  for (const std::string& name : names) {
+    const auto other = std::find(names.begin(), names.end(), mirrored_name(name, names));
+    places.push_back(other == names.end() ? -1 : static_cast<int>(other - names.begin()));
+  }
+  return places;
+}
+
 }  // namespace bodyopt

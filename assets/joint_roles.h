@@ -68,5 +68,7 @@ std::vector<std::optional<JointRole>> joint_roles(std::span<const NamedJoint> jo
 // alone, as in "L_Arm", "arm_l", "Bip01 L Arm", "arm.L"; or one at the end of a word with capitals, "LThumb", "ThumbL".
 // Empty where `names` has no such name.
 std::string mirrored_name(const std::string& name, std::span<const std::string> names);
+// Of every name the place of that of the other side; -1 where there is none.
+std::vector<int> mirrored_places(std::span<const std::string> names);
 
 }  // namespace bodyopt

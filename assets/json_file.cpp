@@ -119,6 +119,15 @@ const Json& JsonObject::array(const char* key) const {
   return value;
 }
 
+std::vector<std::string> JsonObject::names(const char* key) const {
+  std::vector<std::string> names;
+  for (const Json& name : array(key)) {
+    if (!name.is_string()) refuse(std::string("'") + key + "' is not a list of names");
+    names.push_back(name.get<std::string>());
+  }
+  return names;
+}
+
 std::vector<JsonObject> JsonObject::objects(const char* key) const {
   std::vector<JsonObject> objects;
   for (const Json& item : array(key)) {

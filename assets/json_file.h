@@ -34,6 +34,7 @@ class JsonObject {
   bool boolean(const char* key) const;
   std::uint64_t hash(const char* key) const;  // 16 hexadecimal digits
   const Json& array(const char* key) const;
+  std::vector<std::string> names(const char* key) const;   // of a list of texts
   std::vector<JsonObject> objects(const char* key) const;  // of a list, by the names "key[0]", "key[1]" ...
   bool is_null(const char* key) const;
   const Json& json() const { return object_; }

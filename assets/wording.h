@@ -11,6 +11,14 @@ namespace bodyopt {
 // "'a', 'b', 'c'", cut after `shown` with the count of the rest; "none" for nothing.
 std::string list_names(std::span<const std::string> names, std::size_t shown = 12);
 
+// Of things that have a name.
+template <typename Named>
+std::vector<std::string> names_of(const Named& all) {
+  std::vector<std::string> names;
+  for (const auto& one : all) names.push_back(one.name);
+  return names;
+}
+
 // "1 vertex", "3 vertices".
 std::string count_of(std::size_t count, const std::string& one, const std::string& many);
 

@@ -27,4 +27,11 @@ void parallel_for(std::size_t count, const std::function<void(std::size_t)>& bod
   if (failure) std::rethrow_exception(failure);
 }
 
+void parallel_for_short(std::size_t count, const std::function<void(std::size_t)>& body) {
+  constexpr std::size_t kTogether = 512;
+  parallel_for((count + kTogether - 1) / kTogether, [&](std::size_t block) {
+    for (std::size_t k = block * kTogether; k < std::min(count, (block + 1) * kTogether); ++k) body(k);
+  });
+}
+
 }  // namespace bodyopt

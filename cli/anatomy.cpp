@@ -9,7 +9,7 @@
 #include "runtime/core/error.h"
 #include "runtime/core/stopwatch.h"
 #include "trainer/anatomy/anatomy_report.h"
-#include "trainer/anatomy/pixels_inside.h"
+#include "trainer/anatomy/section.h"
 #include "trainer/anatomy/telling_planes.h"
 
 namespace bodyopt::cli {

@@ -15,7 +15,7 @@
 #include "runtime/core/error.h"
 #include "runtime/core/hexadecimal.h"
 #include "runtime/host/rig.h"
-#include "trainer/anatomy/pixels_inside.h"
+#include "trainer/anatomy/section.h"
 #include "trainer/curate/shape_stack.h"
 #include "trainer/simulate/simulate.h"
 

@@ -19,6 +19,20 @@ struct SkinPoint {
   Eigen::Vector3d position = Eigen::Vector3d::Zero();
 };
 
+// What a point of the skin has of what its vertices have: of rows, or of numbers.
+template <typename Rows>
+Eigen::Matrix<double, 1, Rows::ColsAtCompileTime> at_point(const Eigen::MatrixBase<Rows>& rows, const SkinPoint& at) {
+  Eigen::Matrix<double, 1, Rows::ColsAtCompileTime> sum =
+      Eigen::Matrix<double, 1, Rows::ColsAtCompileTime>::Zero(rows.cols());
+  for (int k = 0; k < 3; ++k) sum += at.weights[k] * rows.row(at.vertices[static_cast<std::size_t>(k)]);
+  return sum;
+}
+inline double at_point(const Eigen::VectorXd& values, const SkinPoint& at) {
+  double sum = 0;
+  for (int k = 0; k < 3; ++k) sum += at.weights[k] * values[at.vertices[static_cast<std::size_t>(k)]];
+  return sum;
+}
+
 // Exact nearest-triangle search through a tree of the triangles' boxes. There must be a triangle, and
 // the arrays must outlive this. Of triangles equally near, the first.
 class NearestSkin {

@@ -18,6 +18,17 @@ struct RegionWeights {
   std::vector<double> weights;
 };
 
+// The mean over a region of what its vertices have, by its weights; 0 of none. value(k): of its k-th vertex.
+template <typename Value>
+double mean_over(const RegionWeights& region, const Value& value) {
+  double sum = 0, weights = 0;
+  for (std::size_t k = 0; k < region.vertices.size(); ++k) {
+    sum += region.weights[k] * value(k);
+    weights += region.weights[k];
+  }
+  return weights > 0 ? sum / weights : 0;
+}
+
 // What all regions together have of each of `vertices` vertices.
 Eigen::VectorXd sum_of_weights(const std::vector<RegionWeights>& regions, Eigen::Index vertices);
 

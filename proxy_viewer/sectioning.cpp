@@ -14,7 +14,7 @@
 #include "report/section_picture.h"
 #include "runtime/core/error.h"
 #include "runtime/host/rig.h"
-#include "trainer/anatomy/posed_section.h"
+#include "trainer/anatomy/section.h"
 #include "trainer/anatomy/tissue_colours.h"
 #include "trainer/builtin/arm.h"
 #include "trainer/curate/named_shapes.h"

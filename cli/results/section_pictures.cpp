@@ -7,8 +7,7 @@
 #include "report/section_picture.h"
 #include "runtime/core/error.h"
 #include "runtime/host/rig.h"
-#include "trainer/anatomy/pixels_inside.h"
-#include "trainer/anatomy/posed_section.h"
+#include "trainer/anatomy/section.h"
 #include "trainer/anatomy/telling_planes.h"
 
 namespace bodyopt::cli {

@@ -1,9 +1,8 @@
-#include "trainer/anatomy/posed_section.h"
-
 #include <gtest/gtest.h>
 
 #include "runtime/host/rig.h"
 #include "tests/support/capsule_limb.h"
+#include "trainer/anatomy/section.h"
 #include "trainer/train/skinning/linear_blend.h"
 
 namespace bodyopt {

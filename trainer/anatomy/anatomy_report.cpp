@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <numeric>
 
 #include "assets/joint_roles.h"
 #include "assets/wording.h"
@@ -25,11 +26,7 @@ struct SideVolumes {
 
 using Sides = std::array<SideVolumes, 2>;
 
-double total(const std::array<double, kKinds>& tissues) {
-  double sum = 0;
-  for (const double volume : tissues) sum += volume;
-  return sum;
-}
+double total(const std::array<double, kKinds>& tissues) { return std::accumulate(tissues.begin(), tissues.end(), 0.0); }
 
 // What the field tells at the samples of a half, or at their mirror images.
 void add_half(const AnatomyField& field, const AnatomyField::Half& half, bool mirrored, SideVolumes& side) {
@@ -66,12 +63,10 @@ double largest_difference(const Sides& sides, const std::vector<Muscle>& muscles
     if (a + b > 0) largest = std::max(largest, 2 * std::abs(a - b) / (a + b));
   };
   for (std::size_t r = 0; r < kRegions; ++r) compare(total(sides[0].parts[r]), total(sides[1].parts[r]));
-  std::vector<std::string> names;
-  for (const Muscle& muscle : muscles) names.push_back(muscle.name);
-  for (std::size_t m = 0; m < names.size(); ++m) {
-    const auto other = std::ranges::find(names, mirrored_name(names[m], names));
-    if (other == names.end()) continue;
-    const auto o = static_cast<std::size_t>(other - names.begin());
+  const std::vector<int> others = mirrored_places(names_of(muscles));
+  for (std::size_t m = 0; m < others.size(); ++m) {
+    if (others[m] < 0) continue;
+    const auto o = static_cast<std::size_t>(others[m]);
     compare(sides[0].muscles[m] + sides[1].muscles[m], sides[0].muscles[o] + sides[1].muscles[o]);
   }
   return largest;

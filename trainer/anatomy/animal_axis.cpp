@@ -6,8 +6,6 @@
 namespace bodyopt {
 namespace {
 
-using Eigen::Index;
-
 // Shares of the body's size.
 constexpr double kVertebra = 0.022, kProcess = 0.0022, kRib = 0.0035, kAxisCover = 0.002;
 constexpr double kRibShare = 0.42;  // of the length that a rib and the gap beside it take
@@ -29,14 +27,12 @@ class AxisPart {
     double distance = vertebra(at, row, height);
     if (at.is_beyond()) return distance;
     if (has_processes(animal_.kind)) distance = std::min(distance, process(spot, at, row, height));
-    if (!cavity_.empty() && at.row >= cavity_.chest_from() && at.row <= cavity_.to() && has_ribs())
+    if (!cavity_.empty() && at.row >= cavity_.chest_from() && at.row <= cavity_.to() && has_processes(animal_.kind))
       distance = std::min({distance, rib(spot, at, row), breastbone(at, row)});
     return distance;
   }
 
  private:
-  bool has_ribs() const { return has_processes(animal_.kind); }
-
   double vertebra(const SpineCurve::Spot& at, const SpineCurve::Row& row, double height) const {
     return std::hypot(at.aside, height, at.beyond) - thickness_ * vertebra_radius(animal_, row);
   }

@@ -7,37 +7,15 @@ namespace bodyopt {
 namespace {
 
 // Of lungs, heart and gut: horses and other quadrupeds have thin flanks, birds a breast full of muscle, fish their gut
-// in the lower third, between thick flanks.
-CavityWalls walls_of(BodyKind kind) {
-  switch (kind) {
-    case BodyKind::quadruped:
-      return {0.18, 0.10, 0.6};
-    case BodyKind::bird:
-      return {0.25, 0.36, 0.7};
-    case BodyKind::snake:
-      return {0.42, 0.22, 1, 0.1};
-    case BodyKind::fish:
-      return {0.35, 0.12, 1};
-    case BodyKind::many_legs:
-      return {0.3, 0.25};
-    default:
-      return {0.22, 0.16, 0.5};
-  }
-}
+// in the lower third, between thick flanks. By BodyKind.
+constexpr CavityWalls kWalls[] = {{0.22, 0.16, 0.5}, {0.18, 0.10, 0.6}, {0.25, 0.36, 0.7}, {0.42, 0.22, 1, 0.1},
+                                  {0.35, 0.12, 1},   {0.3, 0.25},       {0.22, 0.16, 0.5}};
 
 // The skin of upper limbs reaches over the trunk.
 bool may_hold_cavity(BodyRegion region) {
-  switch (region) {
-    case BodyRegion::head:
-    case BodyRegion::neck:
-    case BodyRegion::tail:
-    case BodyRegion::foot:
-    case BodyRegion::hand:
-    case BodyRegion::fin:
-      return false;
-    default:
-      return true;
-  }
+  constexpr BodyRegion kNone[] = {BodyRegion::head, BodyRegion::neck, BodyRegion::tail,
+                                  BodyRegion::foot, BodyRegion::hand, BodyRegion::fin};
+  return std::ranges::find(kNone, region) == std::end(kNone);
 }
 
 }  // namespace
@@ -58,7 +36,8 @@ double vertebra_radius(const Animal& animal, const SpineCurve::Row& row) {
   return 2 * part * most / (part + most);
 }
 
-AnimalCavity::AnimalCavity(const Animal& animal) : animal_(animal), walls_(walls_of(animal.kind)) {
+AnimalCavity::AnimalCavity(const Animal& animal)
+    : animal_(animal), walls_(kWalls[static_cast<std::size_t>(animal.kind)]) {
   if (animal.spine.empty() || animal.kind == BodyKind::limb) return;
   const double hip = animal.spine.hip(), shoulder = animal.spine.shoulder();
   // The thoracic inlet lies a little before the shoulders' roots, the pelvic outlet at the hips.

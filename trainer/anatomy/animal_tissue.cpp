@@ -1,6 +1,5 @@
-#include "trainer/anatomy/animal_tissue.h"
-
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -96,33 +95,14 @@ std::vector<BodyRegion> animal_regions(const HalfBody& body, const JointChains& 
   return regions;
 }
 
-// Of fat under the skin: thick on the trunk, thin on heads and lower limbs.
-double fat_share(BodyRegion region) {
-  switch (region) {
-    case BodyRegion::trunk:
-      return 1;
-    case BodyRegion::hip:
-      return 1.2;
-    case BodyRegion::thigh:
-    case BodyRegion::tail:
-      return 0.8;
-    case BodyRegion::upper_arm:
-    case BodyRegion::neck:
-      return 0.6;
-    case BodyRegion::calf:
-    case BodyRegion::forearm:
-    case BodyRegion::head:
-      return 0.35;
-    default:
-      return 0.2;
-  }
-}
+// Of fat under the skin, by BodyRegion: thick on the trunk, thin on heads and lower limbs.
+constexpr std::array<double, kBodyRegions> kFatShares{1, 1.2, 0.6, 0.35, 0.8, 0.35, 0.2, 0.6, 0.35, 0.2, 0.8, 0.2};
 
 // V, metres. Limbs that are thin have less than the trunk at any place of theirs.
 Eigen::VectorXd animal_fat_pattern(const BodySurvey& survey, double size) {
   const Eigen::MatrixXd weights = survey.region_weights();
   Eigen::VectorXd pattern = Eigen::VectorXd::Zero(weights.rows());
-  for (int r = 0; r < kBodyRegions; ++r) pattern += fat_share(static_cast<BodyRegion>(r)) * weights.col(r);
+  for (std::size_t r = 0; r < kFatShares.size(); ++r) pattern += kFatShares[r] * weights.col(static_cast<Index>(r));
   return kFatOfSize * size * pattern;
 }
 
@@ -171,8 +151,7 @@ InnerTissue find_animal_tissue(const HalfBody& body, const BodyGrid& grid, const
   BodySurvey survey(body, grid, animal_regions(body, chains));
   for (const Spot& spot : survey.spots()) tissue.region.push_back(spot.region);
   const double size = longest_extent(body.vertices) / (options.kind == BodyKind::limb ? kLimbOfBody : 1);
-  const Eigen::VectorXd pattern = corrected_pattern(survey, animal_fat_pattern(survey, size), options.corrections);
-  take_fat(survey, fit_fat(survey, pattern, kSkinOfSize * size, options.body_fat), options.body_fat, tissue);
+  lay_fat(survey, animal_fat_pattern(survey, size), kSkinOfSize * size, options, tissue);
   const SpineCurve spine(survey, chains, options.kind);
   const Animal animal{survey, chains, spine, options.kind, size};
   const AnimalCavity cavity(animal);

@@ -56,9 +56,7 @@ Character turned(const Character& character, const Matrix3d& rotation) {
   Character result = character;
   result.vertices = character.vertices * rotation.transpose();
   Affine back;  // turned space to rest space
-  for (int r = 0; r < 3; ++r) {
-    for (int c = 0; c < 3; ++c) back.m[r][c] = rotation(c, r);
-  }
+  Eigen::Map<Eigen::Matrix<double, 3, 4, Eigen::RowMajor>>(&back.m[0][0]).leftCols<3>() = rotation.transpose();
   for (Joint& joint : result.skeleton.joints) joint.inverse_bind = joint.inverse_bind * back;
   return result;
 }

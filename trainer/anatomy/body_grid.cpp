@@ -20,7 +20,6 @@ using Eigen::Vector3i;
 
 constexpr double kReferenceCell = 0.005, kReferenceVolume = 0.06;  // metres, cubic metres
 constexpr double kFewestCells = 60, kMostCells = 1000;             // along the longest side of a body
-constexpr std::size_t kPointsATime = 512;
 
 // Columns of cells along one axis, and how the skin winds about their cells.
 class Columns {
@@ -139,11 +138,18 @@ int BodyGrid::sample_at(const Vector3d& point) const {
   return sample_at(Vector3i(at.cast<int>()));
 }
 
+std::array<int, 6> BodyGrid::beside(int at) const {
+  std::array<int, 6> samples{};
+  for (int k = 0; k < 6; ++k) {
+    Vector3i cell = cells[static_cast<std::size_t>(at)];
+    cell[k / 2] += k % 2 == 0 ? -1 : 1;
+    samples[static_cast<std::size_t>(k)] = sample_at(cell);
+  }
+  return samples;
+}
+
 double BodyGrid::on_skin(const Eigen::VectorXd& values, int at) const {
-  const SkinPoint& point = skin[static_cast<std::size_t>(at)];
-  double sum = 0;
-  for (int k = 0; k < 3; ++k) sum += point.weights[k] * values[point.vertices[static_cast<std::size_t>(k)]];
-  return sum;
+  return at_point(values, skin[static_cast<std::size_t>(at)]);
 }
 
 BodyGrid sample_body(const HalfBody& body, double cell) {
@@ -164,13 +170,11 @@ BodyGrid sample_body(const HalfBody& body, double cell) {
   grid.depth.resize(grid.size());
   grid.skin.resize(count);
   const NearestSkin nearest(body.vertices, body.triangles);
-  parallel_for((count + kPointsATime - 1) / kPointsATime, [&](std::size_t block) {
-    for (std::size_t s = block * kPointsATime; s < std::min(count, (block + 1) * kPointsATime); ++s) {
-      const Vector3d point = grid.low + cell * (grid.cells[s].cast<double>().array() + 0.5).matrix();
-      grid.points.row(static_cast<Index>(s)) = point.transpose();
-      grid.skin[s] = nearest(point);
-      grid.depth[static_cast<Index>(s)] = (grid.skin[s].position - point).norm();
-    }
+  parallel_for_short(count, [&](std::size_t s) {
+    const Vector3d point = grid.low + cell * (grid.cells[s].cast<double>().array() + 0.5).matrix();
+    grid.points.row(static_cast<Index>(s)) = point.transpose();
+    grid.skin[s] = nearest(point);
+    grid.depth[static_cast<Index>(s)] = (grid.skin[s].position - point).norm();
   });
   return grid;
 }
@@ -188,17 +192,14 @@ Eigen::VectorXd half_thickness(const HalfBody& body, const NearestSkin& skin) {
   const double inwards = enclosed_volume(body.vertices, body.triangles) < 0 ? 1 : -1;
   const Positions normals = vertex_normals(body.vertices, body.triangles);
   Eigen::VectorXd thickness = Eigen::VectorXd::Zero(body.vertices.rows());
-  const auto count = static_cast<std::size_t>(body.vertices.rows());
-  parallel_for((count + kPointsATime - 1) / kPointsATime, [&](std::size_t block) {
-    for (std::size_t n = block * kPointsATime; n < std::min(count, (block + 1) * kPointsATime); ++n) {
-      const auto v = static_cast<Index>(n);
-      const Vector3d from = body.vertices.row(v), along = inwards * normals.row(v).transpose().normalized();
-      for (double way = kFirstStep * extent; way < kFarthest * extent; way *= kStep) {
-        const Vector3d point = from + way * along;
-        const double depth = (skin(point).position - point).norm();
-        thickness[v] = std::max(thickness[v], depth);
-        if (depth < kKeepsUp * way) break;
-      }
+  parallel_for_short(static_cast<std::size_t>(body.vertices.rows()), [&](std::size_t n) {
+    const auto v = static_cast<Index>(n);
+    const Vector3d from = body.vertices.row(v), along = inwards * normals.row(v).transpose().normalized();
+    for (double way = kFirstStep * extent; way < kFarthest * extent; way *= kStep) {
+      const Vector3d point = from + way * along;
+      const double depth = (skin(point).position - point).norm();
+      thickness[v] = std::max(thickness[v], depth);
+      if (depth < kKeepsUp * way) break;
     }
   });
   return thickness;

@@ -1,6 +1,7 @@
 // A regular grid of samples inside one half of a body.
 #pragma once
 
+#include <array>
 #include <string>
 #include <vector>
 
@@ -24,6 +25,7 @@ struct BodyGrid {
   int size() const { return static_cast<int>(cells.size()); }
   int sample_at(const Eigen::Vector3i& at) const;  // -1 outside
   int sample_at(const Eigen::Vector3d& point) const;
+  std::array<int, 6> beside(int sample) const;  // samples that share a face, along -x, +x, -y ...; -1: outside
   double volume() const { return cell * cell * cell; }
   // A value per vertex of the skin, at the skin point nearest to a sample.
   double on_skin(const Eigen::VectorXd& values, int sample) const;

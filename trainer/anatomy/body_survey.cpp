@@ -12,16 +12,8 @@ namespace {
 using Eigen::Index;
 using Eigen::Vector3d;
 
-constexpr std::size_t kSpotsATime = 512;
-
 bool is_middle(BodyRegion region) {
   return is_trunk(region) || region == BodyRegion::neck || region == BodyRegion::head;
-}
-
-double at_skin(const Eigen::VectorXd& values, const SkinPoint& skin) {
-  double sum = 0;
-  for (int k = 0; k < 3; ++k) sum += skin.weights[k] * values[skin.vertices[static_cast<std::size_t>(k)]];
-  return sum;
 }
 
 // The joint with the largest weight there; of equal ones the first.
@@ -61,15 +53,14 @@ BodySurvey::BodySurvey(const HalfBody& body, const BodyGrid& grid, const std::ve
       half_thickness_(bodyopt::half_thickness(body, skin_)),
       fat_(Eigen::VectorXd::Zero(body.vertices.rows())),
       spots_(static_cast<std::size_t>(grid.size())) {
-  parallel_for((spots_.size() + kSpotsATime - 1) / kSpotsATime, [&](std::size_t block) {
-    for (std::size_t s = block * kSpotsATime; s < std::min(spots_.size(), (block + 1) * kSpotsATime); ++s)
-      spots_[s] = spot_under(grid.points.row(static_cast<Index>(s)), grid.skin[s]);
+  parallel_for_short(spots_.size(), [&](std::size_t s) {
+    spots_[s] = spot_under(grid.points.row(static_cast<Index>(s)), grid.skin[s]);
   });
 }
 
 void BodySurvey::set_fat(const Eigen::VectorXd& thickness) {
   fat_ = thickness;
-  for (std::size_t s = 0; s < spots_.size(); ++s) spots_[s].fat = at_skin(fat_, grid_.skin[s]);
+  for (std::size_t s = 0; s < spots_.size(); ++s) spots_[s].fat = at_point(fat_, grid_.skin[s]);
 }
 
 Spot BodySurvey::spot(const Vector3d& point) const { return spot_under(point, skin_(point)); }
@@ -77,8 +68,8 @@ Spot BodySurvey::spot(const Vector3d& point) const { return spot_under(point, sk
 Spot BodySurvey::spot_under(const Vector3d& point, const SkinPoint& skin) const {
   return {point,
           (skin.position - point).norm(),
-          at_skin(half_thickness_, skin),
-          at_skin(fat_, skin),
+          at_point(half_thickness_, skin),
+          at_point(fat_, skin),
           joint_at(body_.weights, skin),
           region_at(body_.weights, regions_, skin)};
 }

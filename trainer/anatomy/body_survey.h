@@ -61,4 +61,14 @@ class BodySurvey {
 
 bool is_trunk(BodyRegion region);  // or hip
 
+// A value of rows, by a quarter of what those beside them have, so many times; the first and the last stay.
+template <typename Row, typename Value>
+void smooth(std::vector<Row>& rows, Value Row::*value, int rounds) {
+  for (int round = 0; round < rounds; ++round) {
+    const std::vector<Row> old = rows;
+    for (std::size_t k = 1; k + 1 < rows.size(); ++k)
+      rows[k].*value = 0.25 * (old[k - 1].*value) + 0.5 * (old[k].*value) + 0.25 * (old[k + 1].*value);
+  }
+}
+
 }  // namespace bodyopt

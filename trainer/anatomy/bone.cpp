@@ -23,19 +23,16 @@ std::vector<Bone> corrected_bones(const std::vector<Bone>& bones, const HalfBody
 }
 
 void find_bone(const BodySurvey& survey, const std::vector<Bone>& bones, InnerTissue& tissue) {
-  constexpr std::size_t kBonesAtATime = 512;
   const std::vector<Spot>& spots = survey.spots();
   tissue.bone.setConstant(static_cast<Eigen::Index>(spots.size()), kFarFromBone);
   tissue.bone_joint.assign(spots.size(), -1);
-  parallel_for((spots.size() + kBonesAtATime - 1) / kBonesAtATime, [&](std::size_t block) {
-    for (std::size_t s = block * kBonesAtATime; s < std::min(spots.size(), (block + 1) * kBonesAtATime); ++s) {
-      double& nearest = tissue.bone[static_cast<Eigen::Index>(s)];
-      for (const Bone& bone : bones) {
-        const double distance = std::max(bone.distance(spots[s]), bone.cover - spots[s].depth);
-        if (distance >= nearest) continue;
-        nearest = distance;
-        tissue.bone_joint[s] = bone.joint;
-      }
+  parallel_for_short(spots.size(), [&](std::size_t s) {
+    double& nearest = tissue.bone[static_cast<Eigen::Index>(s)];
+    for (const Bone& bone : bones) {
+      const double distance = std::max(bone.distance(spots[s]), bone.cover - spots[s].depth);
+      if (distance >= nearest) continue;
+      nearest = distance;
+      tissue.bone_joint[s] = bone.joint;
     }
   });
 }

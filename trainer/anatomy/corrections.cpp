@@ -31,6 +31,10 @@ std::string region_of(const JsonObject& object) {
   object.refuse("\"region\" is '" + name + "', expected one of " + known);
 }
 
+std::vector<JsonObject> objects_of(const JsonObject& top, const char* key) {
+  return top.has(key) ? top.objects(key) : std::vector<JsonObject>{};
+}
+
 void read_fat(const JsonObject& object, const Skeleton& skeleton, AnatomyCorrections& corrections) {
   object.allow({"region", "joint", "factor"});
   if (object.has("region") == object.has("joint")) object.refuse("expected either \"region\" or \"joint\"");
@@ -68,20 +72,14 @@ AnatomyCorrections read_corrections(const std::filesystem::path& path, const Ske
     if (!corrections.kind) top.refuse("\"kind\" is '" + top.name("kind") + "', expected one of " + body_kind_names());
   }
   if (top.has("body_fat")) corrections.body_fat = top.number("body_fat", 0.02, 0.6);
-  if (top.has("bones")) {
-    for (const JsonObject& object : top.objects("bones")) {
-      object.allow({"joint", "carries", "thicker"});
-      AnatomyCorrections::OfBone& of = corrections.bones[joint_of(object, skeleton)];
-      if (object.has("carries")) of.carries = object.boolean("carries");
-      if (object.has("thicker")) of.thicker = object.number("thicker", -kThickestMetres, kThickestMetres);
-    }
+  for (const JsonObject& object : objects_of(top, "bones")) {
+    object.allow({"joint", "carries", "thicker"});
+    AnatomyCorrections::OfBone& of = corrections.bones[joint_of(object, skeleton)];
+    if (object.has("carries")) of.carries = object.boolean("carries");
+    if (object.has("thicker")) of.thicker = object.number("thicker", -kThickestMetres, kThickestMetres);
   }
-  if (top.has("fat")) {
-    for (const JsonObject& object : top.objects("fat")) read_fat(object, skeleton, corrections);
-  }
-  if (top.has("muscles")) {
-    for (const JsonObject& object : top.objects("muscles")) read_muscle(object, corrections);
-  }
+  for (const JsonObject& object : objects_of(top, "fat")) read_fat(object, skeleton, corrections);
+  for (const JsonObject& object : objects_of(top, "muscles")) read_muscle(object, corrections);
   return corrections;
 }
 

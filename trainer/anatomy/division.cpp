@@ -2,10 +2,8 @@
 
 #include <cmath>
 
-#include "trainer/anatomy/fibre_directions.h"
-#include "trainer/anatomy/limb_targets.h"
+#include "trainer/anatomy/division_steps.h"
 #include "trainer/anatomy/muscle_ends.h"
-#include "trainer/anatomy/section_paths.h"
 #include "trainer/anatomy/volume_division.h"
 
 namespace bodyopt {
@@ -92,7 +90,7 @@ Division divide_muscles(const HalfBody& body, const BodyGrid& grid, const InnerT
     division.muscles.push_back(described(own[m], feet[m]));
     division.muscles.back().volume = power.volume()[m];
     division.muscles.back().target = targets.volume[m];
-    division.muscles.back().pieces = power.pieces()[m];
+    division.muscles.back().pieces = power.volume()[m] > 0 ? 1 : 0;  // each is one, where it has any
   }
   division.limb_factors = targets.factors;
   label_grid(lean, power, tendon_samples(lean, own, feet),

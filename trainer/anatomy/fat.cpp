@@ -63,6 +63,52 @@ double fat_volume(const BodySurvey& survey, const Eigen::VectorXd& thickness) {
   return cells * grid.volume();
 }
 
+// A pattern times what corrections say of regions and joints.
+Eigen::VectorXd corrected_pattern(const BodySurvey& survey, const Eigen::VectorXd& pattern,
+                                  const AnatomyCorrections& corrections) {
+  const HalfBody& body = survey.body();
+  const auto factor_in = [](const std::map<std::string, double>& factors, const std::string& name) {
+    const auto found = factors.find(name);
+    return found == factors.end() ? 1.0 : found->second;
+  };
+  std::vector<double> factors;
+  for (std::size_t j = 0; j < body.joints.size(); ++j) {
+    factors.push_back(factor_in(corrections.region_fat, name_of(survey.regions()[j])) *
+                      factor_in(corrections.joint_fat, body.joints[j].name));
+  }
+  Eigen::VectorXd result = pattern;
+  for (std::size_t v = 0; v < body.weights.size(); ++v) {
+    double factor = 0;
+    for (const JointWeight& weight : body.weights[v]) factor += weight.weight * factors[weight.joint];
+    result[static_cast<Index>(v)] *= factor;
+  }
+  return result;
+}
+
+struct FatFit {
+  Eigen::VectorXd thickness;  // V, metres: skin and fat
+  double body_fat = 0;        // of the body's mass: what was asked for, or the most that the body has room for
+};
+
+// By halving: of thicker patterns there is more fat.
+FatFit fit_fat(const BodySurvey& survey, const Eigen::VectorXd& pattern, double skin, double body_fat) {
+  constexpr double kUnderSkin = 0.8, kFatDensity = 0.92, kBodyDensity = 1.01;  // kilograms a litre
+  constexpr double kMostOfHalf = 0.45, kLeast = 0.05, kMost = 12;
+  constexpr int kHalvings = 30;
+  const Eigen::ArrayXd room = kMostOfHalf * survey.half_thickness().array().max(2.5 * skin);
+  const auto thickness = [&](double scale) -> Eigen::VectorXd { return (skin + scale * pattern.array()).min(room); };
+  const double body = survey.grid().size() * survey.grid().volume();
+  const double share_of_mass = kFatDensity / (kUnderSkin * kBodyDensity * body);
+  double low = kLeast, high = kMost;
+  for (int k = 0; k < kHalvings; ++k) {
+    const double scale = (low + high) / 2;
+    (fat_volume(survey, thickness(scale)) * share_of_mass < body_fat ? low : high) = scale;
+  }
+  FatFit fit{thickness((low + high) / 2), 0};
+  fit.body_fat = fat_volume(survey, fit.thickness) * share_of_mass;
+  return fit;
+}
+
 }  // namespace
 
 Eigen::VectorXd human_fat_pattern(const BodySurvey& survey, const HumanFrame& frame) {
@@ -93,56 +139,18 @@ Eigen::VectorXd human_fat_pattern(const BodySurvey& survey, const HumanFrame& fr
   return pattern;
 }
 
-Eigen::VectorXd corrected_pattern(const BodySurvey& survey, const Eigen::VectorXd& pattern,
-                                  const AnatomyCorrections& corrections) {
-  const HalfBody& body = survey.body();
-  const auto factor_in = [](const std::map<std::string, double>& factors, const std::string& name) {
-    const auto found = factors.find(name);
-    return found == factors.end() ? 1.0 : found->second;
-  };
-  std::vector<double> factors;
-  for (std::size_t j = 0; j < body.joints.size(); ++j) {
-    factors.push_back(factor_in(corrections.region_fat, name_of(survey.regions()[j])) *
-                      factor_in(corrections.joint_fat, body.joints[j].name));
-  }
-  Eigen::VectorXd result = pattern;
-  for (std::size_t v = 0; v < body.weights.size(); ++v) {
-    double factor = 0;
-    for (const JointWeight& weight : body.weights[v]) factor += weight.weight * factors[weight.joint];
-    result[static_cast<Index>(v)] *= factor;
-  }
-  return result;
-}
-
-FatFit fit_fat(const BodySurvey& survey, const Eigen::VectorXd& pattern, double skin, double body_fat) {
-  constexpr double kUnderSkin = 0.8, kFatDensity = 0.92, kBodyDensity = 1.01;  // kilograms a litre
-  constexpr double kMostOfHalf = 0.45, kLeast = 0.05, kMost = 12;
-  constexpr int kHalvings = 30;
-  const Eigen::ArrayXd room = kMostOfHalf * survey.half_thickness().array().max(2.5 * skin);
-  const auto thickness = [&](double scale) -> Eigen::VectorXd { return (skin + scale * pattern.array()).min(room); };
-  const double body = survey.grid().size() * survey.grid().volume();
-  const double share_of_mass = kFatDensity / (kUnderSkin * kBodyDensity * body);
-  double low = kLeast, high = kMost;
-  for (int k = 0; k < kHalvings; ++k) {
-    const double scale = (low + high) / 2;
-    (fat_volume(survey, thickness(scale)) * share_of_mass < body_fat ? low : high) = scale;
-  }
-  FatFit fit{(low + high) / 2, thickness((low + high) / 2), 0};
-  fit.body_fat = fat_volume(survey, fit.thickness) * share_of_mass;
-  return fit;
-}
-
-void take_fat(BodySurvey& survey, const FatFit& fit, double asked, InnerTissue& tissue) {
+void lay_fat(BodySurvey& survey, const Eigen::VectorXd& pattern, double skin, const InnerTissueOptions& options,
+             InnerTissue& tissue) {
+  constexpr double kNear = 0.01;
+  const FatFit fit = fit_fat(survey, corrected_pattern(survey, pattern, options.corrections), skin, options.body_fat);
   survey.set_fat(fit.thickness);
-  tissue.fat_scale = fit.scale;
   tissue.fat.resize(survey.grid().size());
   for (Index s = 0; s < tissue.fat.size(); ++s)
     tissue.fat[s] = survey.spots()[static_cast<std::size_t>(s)].depth - survey.spots()[static_cast<std::size_t>(s)].fat;
-  constexpr double kNear = 0.01;
   const auto percent = [](double share) { return std::to_string(std::lround(100 * share)) + " %"; };
-  if (std::abs(fit.body_fat - asked) > kNear) {
+  if (std::abs(fit.body_fat - options.body_fat) > kNear) {
     tissue.notes.push_back("the body has room for " + percent(fit.body_fat) + " of fat under its skin, not for the " +
-                           percent(asked) + " asked for");
+                           percent(options.body_fat) + " asked for");
   }
 }
 

@@ -1,9 +1,8 @@
-#include "trainer/anatomy/fibre_directions.h"
-
 #include <algorithm>
 #include <cmath>
 
 #include "base/parallel.h"
+#include "trainer/anatomy/division_steps.h"
 
 namespace bodyopt {
 namespace {
@@ -51,15 +50,10 @@ std::vector<MuscleRegion> muscle_regions(const LeanSamples& lean, std::size_t mu
 
 // Does a sample share a face with the bone of a joint?
 bool touches_bone(const LeanSamples& lean, int lean_sample, int joint) {
-  const auto s = static_cast<std::size_t>(lean.sample[static_cast<std::size_t>(lean_sample)]);
-  for (int k = 0; k < 6; ++k) {
-    Eigen::Vector3i cell = lean.grid.cells[s];
-    cell[k / 2] += k % 2 == 0 ? -1 : 1;
-    const int other = lean.grid.sample_at(cell);
-    if (other < 0 || lean.tissue.kind(other) != TissueKind::bone) continue;
-    if (lean.tissue.bone_joint[static_cast<std::size_t>(other)] == joint) return true;
-  }
-  return false;
+  return std::ranges::any_of(lean.grid.beside(lean.sample[static_cast<std::size_t>(lean_sample)]), [&](int other) {
+    return other >= 0 && lean.tissue.kind(other) == TissueKind::bone &&
+           lean.tissue.bone_joint[static_cast<std::size_t>(other)] == joint;
+  });
 }
 
 double quantile(VectorXd values, double share) {

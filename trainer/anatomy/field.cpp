@@ -27,10 +27,9 @@ void check_options(const AnatomyOptions& options) {
                 "anatomy: the edge of a cell is " + std::to_string(options.cell) + ", expected metres");
 }
 
-// The number of each muscle on the other side; its own where that has none.
-std::vector<int> other_muscles(const HalfBody& body, const std::vector<Muscle>& muscles) {
-  std::vector<int> others = mirrored_muscles(body, muscles);
-  for (std::size_t m = 0; m < others.size(); ++m) others[m] = others[m] < 0 ? static_cast<int>(m) : others[m];
+// What has no counterpart stands for itself.
+std::vector<int> or_itself(std::vector<int> others) {
+  for (std::size_t k = 0; k < others.size(); ++k) others[k] = others[k] < 0 ? static_cast<int>(k) : others[k];
   return others;
 }
 
@@ -59,24 +58,25 @@ struct Corners {
     }
   }
 
-  // How deep a point lies: below the planes that touch the skin at the points nearest to its samples. None: nowhere.
+  // How deep a point lies: below the planes that touch the skin at the points nearest to its samples.
   double depth(const BodyGrid& grid, const Vector3d& point) const {
-    double sum = 0, weights = 0;
-    for (std::size_t k = 0; k < 8; ++k) {
-      if (sample[k] < 0) continue;
+    return mean([&](std::size_t k) {
       const Vector3d& skin = grid.skin[static_cast<std::size_t>(sample[k])].position;
       const Vector3d inwards = grid.points.row(sample[k]).transpose() - skin;
       const Vector3d from = (is_mirrored[k] ? Vector3d(-point.x(), point.y(), point.z()) : point) - skin;
-      sum += weight[k] * from.dot(inwards) / std::max(inwards.norm(), 1e-12);
-      weights += weight[k];
-    }
-    return weights > 0 ? sum / weights : -1;
+      return weight[k] * from.dot(inwards) / std::max(inwards.norm(), 1e-12);
+    });
   }
   double read(const Eigen::VectorXd& values) const {
+    return mean([&](std::size_t k) { return weight[k] * values[sample[k]]; });
+  }
+  // Of those that have a sample; no number where none has.
+  template <typename Weighted>
+  double mean(const Weighted& weighted) const {
     double sum = 0, weights = 0;
     for (std::size_t k = 0; k < 8; ++k) {
       if (sample[k] < 0) continue;
-      sum += weight[k] * values[sample[k]];
+      sum += weighted(k);
       weights += weight[k];
     }
     return sum / weights;
@@ -132,13 +132,6 @@ TissueAt tissue_in(const AnatomyField::Half& half, const Corners& corners, doubl
   return {half.division.is_tendon[static_cast<std::size_t>(s)] ? TissueKind::tendon : TissueKind::muscle, -1, muscle};
 }
 
-// A joint without a counterpart stands for itself.
-std::vector<int> other_joints(const Character& character) {
-  std::vector<int> others = mirrored_joints(character);
-  for (std::size_t j = 0; j < others.size(); ++j) others[j] = others[j] < 0 ? static_cast<int>(j) : others[j];
-  return others;
-}
-
 }  // namespace
 
 AnatomyField::AnatomyField(const Character& character, const std::vector<Muscle>& muscles,
@@ -155,8 +148,8 @@ AnatomyField::AnatomyField(const Character& character, const std::vector<Muscle>
     half.grid = sample_body(half.body, cell);
     half.tissue = find_inner_tissue(half.body, half.grid, {options.body_fat, kind_, options.corrections});
     half.division = divide_muscles(half.body, half.grid, half.tissue, muscles, options.corrections);
-    half.joint = other_joints(character);
-    half.muscle = other_muscles(half.body, muscles);
+    half.joint = or_itself(mirrored_joints(character));
+    half.muscle = or_itself(mirrored_muscles(half.body, muscles));
     halves_.push_back(std::move(half));
   }
   belly_lengths_.assign(muscles.size(), 0);

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "assets/joint_roles.h"
+#include "assets/wording.h"
 #include "geometry/extent.h"
 #include "geometry/nearest_skin.h"
 #include "geometry/point_grid.h"
@@ -47,13 +48,7 @@ bool is_mirror_image(const Positions& vertices, double middle) {
 }
 
 // The joint of the other side's name; -1: none has it.
-std::vector<int> counterparts_by_name(const Skeleton& skeleton) {
-  std::vector<std::string> names;
-  for (const Joint& joint : skeleton.joints) names.push_back(joint.name);
-  std::vector<int> counterparts;
-  for (const std::string& name : names) counterparts.push_back(skeleton.find(mirrored_name(name, names)));
-  return counterparts;
-}
+std::vector<int> counterparts_by_name(const Skeleton& skeleton) { return mirrored_places(names_of(skeleton.joints)); }
 
 double median(std::vector<double> values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);

@@ -40,7 +40,6 @@ class Table {
   Table() = default;
   Table(std::vector<std::pair<double, double>> rows) : rows_(std::move(rows)) {}  // ascending
   double operator()(double at) const;
-  const std::vector<std::pair<double, double>>& rows() const { return rows_; }
 
  private:
   std::vector<std::pair<double, double>> rows_;

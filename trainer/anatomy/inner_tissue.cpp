@@ -6,7 +6,7 @@
 #include <string>
 
 #include "base/parallel.h"
-#include "trainer/anatomy/animal_tissue.h"
+#include "trainer/anatomy/animal.h"
 #include "trainer/anatomy/fat.h"
 #include "trainer/anatomy/human_bones.h"
 
@@ -36,8 +36,7 @@ void find_human_tissue(BodySurvey& survey, const HumanFrame& frame, const InnerT
                        InnerTissue& tissue) {
   for (const std::string& part : frame.missing)
     tissue.notes.push_back("no joints for " + part + " were found on this side: there are no bones there");
-  const Eigen::VectorXd pattern = corrected_pattern(survey, human_fat_pattern(survey, frame), options.corrections);
-  take_fat(survey, fit_fat(survey, pattern, kSkin * frame.mm, options.body_fat), options.body_fat, tissue);
+  lay_fat(survey, human_fat_pattern(survey, frame), kSkin * frame.mm, options, tissue);
   HumanSkeleton skeleton{survey, frame};
   add_leg(skeleton);
   add_foot(skeleton);

@@ -28,7 +28,6 @@ struct InnerTissue {
   Eigen::VectorXd fat;             // S: depth beyond the inner border of the fat, metres; negative in fat and skin
   Eigen::VectorXd cavity;          // S: distance to the wall of chest or belly, roughly, metres; negative inside
   std::vector<BodyRegion> region;  // S
-  double fat_scale = 1;            // of the regional pattern, so that the body's fat is what was asked for
   double brain = 0;                // cubic metres of this half that are bone here, and brain in truth
 
   // Places of bones that muscles are tied to and pictures name, by name: "iliac_crest", "acromion", ... half space.

@@ -76,10 +76,4 @@ std::optional<Vector3d> LandmarkPlaces::place(const LandmarkPoint& point) const 
   return nearest < 0 ? place : Vector3d(lean_.grid.points.row(nearest));
 }
 
-int nearest_lean(const LeanSamples& lean, const Vector3d& point) {
-  Index nearest = -1;
-  if (lean.size() > 0) (lean.points.rowwise() - point.transpose()).rowwise().squaredNorm().minCoeff(&nearest);
-  return nearest < 0 ? -1 : lean.sample[static_cast<std::size_t>(nearest)];
-}
-
 }  // namespace bodyopt

@@ -34,7 +34,4 @@ class LandmarkPlaces {
   double millimetre_;
 };
 
-// The lean sample nearest to a point, in the grid; -1: there is none.
-int nearest_lean(const LeanSamples& lean, const Eigen::Vector3d& point);
-
 }  // namespace bodyopt

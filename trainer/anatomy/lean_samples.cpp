@@ -11,14 +11,8 @@ LeanSamples::LeanSamples(const BodyGrid& own_grid, const InnerTissue& own_tissue
   }
   points = grid.points(sample, Eigen::all);
   for (const int s : sample) {
-    std::array<int, 6> beside{};
-    for (int k = 0; k < 6; ++k) {
-      Eigen::Vector3i cell = grid.cells[static_cast<std::size_t>(s)];
-      cell[k / 2] += k % 2 == 0 ? -1 : 1;
-      const int other = grid.sample_at(cell);
-      beside[static_cast<std::size_t>(k)] = other < 0 ? -1 : lean[static_cast<std::size_t>(other)];
-    }
-    neighbours.push_back(beside);
+    neighbours.push_back(grid.beside(s));
+    for (int& other : neighbours.back()) other = other < 0 ? -1 : lean[static_cast<std::size_t>(other)];
   }
 }
 

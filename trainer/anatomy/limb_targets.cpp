@@ -1,8 +1,7 @@
-#include "trainer/anatomy/limb_targets.h"
-
 #include <algorithm>
 #include <array>
 
+#include "trainer/anatomy/division_steps.h"
 #include "trainer/anatomy/muscle_candidates.h"
 
 namespace bodyopt {
@@ -24,23 +23,11 @@ constexpr int kPasses = 10;
 
 // The limb that a place's lean tissue belongs to; kLimbs.size(): none. The hips are the leg's up to the iliac crest.
 std::size_t limb_at(BodyRegion region, double height, double crest) {
-  switch (region) {
-    case BodyRegion::thigh:
-      return 0;
-    case BodyRegion::calf:
-      return 1;
-    case BodyRegion::upper_arm:
-      return 2;
-    case BodyRegion::forearm:
-      return 3;
-    case BodyRegion::hip:
-      return height < crest ? 0 : 4;
-    case BodyRegion::trunk:
-    case BodyRegion::neck:
-      return 4;
-    default:
-      return kLimbs.size();
-  }
+  constexpr std::size_t kLeg = 0, kTrunk = 4, kNone = kLimbs.size();
+  // By BodyRegion.
+  constexpr std::array<std::size_t, kBodyRegions> kOfRegion{kTrunk, kTrunk, kTrunk, kNone, kLeg,  1,
+                                                            kNone,  2,      3,      kNone, kNone, kNone};
+  return region == BodyRegion::hip && height < crest ? kLeg : kOfRegion[static_cast<std::size_t>(region)];
 }
 
 using Shares = std::array<double, kLimbs.size() + 1>;  // one by one of kLimbs, and of none

@@ -86,9 +86,7 @@ void draw_to_bone(const BoneSurface& bones, double scale, std::vector<HalfMuscle
     for (const int end : {0, 1}) {
       const Vector3d own = muscle.path.row(end == 0 ? 0 : last);
       const BoneFoot foot = bones.foot(own, muscle.joint[static_cast<std::size_t>(end)]);
-      if (foot.joint < 0) continue;
-      muscle.off_bone[static_cast<std::size_t>(end)] = foot.distance;
-      if (foot.distance > kFarthestBone * scale) continue;
+      if (foot.joint < 0 || foot.distance > kFarthestBone * scale) continue;
       for (Index k = 0; k <= last; ++k) {
         const double way = static_cast<double>(end == 0 ? k : last - k) / static_cast<double>(last);
         const double share = std::max(1 - way / kDrawnAlong, 0.0);

@@ -34,7 +34,7 @@ class BoneSurface {
 };
 
 // Draws the ends of paths to the nearest bone where that is not farther than 45 mm (of a man of 1.75 m), the ends'
-// thirds along with them; what is farther away stays. off_bone says how far each was.
+// thirds along with them; what is farther away stays.
 void draw_to_bone(const BoneSurface& bones, double scale, std::vector<HalfMuscle>& muscles);
 
 // S: the muscle whose tendon lies there, -1: none's. A tendon reaches from a belly's end along the path to its bone.

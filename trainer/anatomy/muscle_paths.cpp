@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "assets/joint_roles.h"
+#include "assets/wording.h"
 
 namespace bodyopt {
 namespace {
@@ -30,17 +31,6 @@ Positions turned_over(const Positions& path) {
   return image;
 }
 
-std::vector<int> muscles_by_name(const std::vector<Muscle>& muscles) {
-  std::vector<std::string> names;
-  for (const Muscle& muscle : muscles) names.push_back(muscle.name);
-  std::vector<int> counterparts;
-  for (const std::string& name : names) {
-    const auto found = std::find(names.begin(), names.end(), mirrored_name(name, names));
-    counterparts.push_back(found == names.end() ? -1 : static_cast<int>(found - names.begin()));
-  }
-  return counterparts;
-}
-
 // By the mean distance of their points, among muscles that have no counterpart yet.
 int muscle_by_place(const std::vector<Positions>& paths, const std::vector<int>& counterparts, std::size_t muscle) {
   const Positions image = turned_over(paths[muscle]);
@@ -57,7 +47,7 @@ int muscle_by_place(const std::vector<Positions>& paths, const std::vector<int>&
 }
 
 std::vector<int> pair_up(const std::vector<Muscle>& muscles, const std::vector<Positions>& paths) {
-  std::vector<int> counterparts = muscles_by_name(muscles);
+  std::vector<int> counterparts = mirrored_places(names_of(muscles));
   for (std::size_t m = 0; m < muscles.size(); ++m) {
     if (counterparts[m] >= 0) continue;
     const int other = muscle_by_place(paths, counterparts, m);
@@ -70,8 +60,7 @@ std::vector<int> pair_up(const std::vector<Muscle>& muscles, const std::vector<P
 
 // The joint that stands where the mirror image of another would.
 int joint_across(const HalfBody& body, int joint) {
-  std::vector<std::string> names;
-  for (const NamedJoint& named : body.joints) names.push_back(named.name);
+  const std::vector<std::string> names = names_of(body.joints);
   const auto at = static_cast<std::size_t>(joint);
   const auto found = std::find(names.begin(), names.end(), mirrored_name(names[at], names));
   if (found != names.end()) return static_cast<int>(found - names.begin());

@@ -14,15 +14,14 @@ constexpr int kPathPoints = 48;
 
 // What is to have one region: a muscle, or the slips that share one.
 struct HalfMuscle {
-  std::vector<int> muscles;              // in the list of all
-  std::string name;                      // matching_name() of the first
-  const WholeMuscle* whole = nullptr;    // null: no table has it
-  Positions path;                        // kPathPoints x 3, half space, at equal distances, origin first
-  std::array<int, 2> joint{-1, -1};      // of this half, that the ends move with
-  double belly_from = 0, belly_to = 1;   // along the path
-  double volume_by_radius = 0;           // cubic metres: of a belly of the muscle's radius, 2 r^2 l
-  bool is_guided = false;                // a table says where its middle lies
-  std::array<double, 2> off_bone{0, 0};  // metres: of the ends as they were given, to the bone of their joints
+  std::vector<int> muscles;             // in the list of all
+  std::string name;                     // matching_name() of the first
+  const WholeMuscle* whole = nullptr;   // null: no table has it
+  Positions path;                       // kPathPoints x 3, half space, at equal distances, origin first
+  std::array<int, 2> joint{-1, -1};     // of this half, that the ends move with
+  double belly_from = 0, belly_to = 1;  // along the path
+  double volume_by_radius = 0;          // cubic metres: of a belly of the muscle's radius, 2 r^2 l
+  bool is_guided = false;               // a table says where its middle lies
 };
 
 double path_length(const Positions& path);

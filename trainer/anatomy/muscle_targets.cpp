@@ -33,7 +33,7 @@ WholeMuscle read_whole_muscle(const JsonObject& json) {
   muscle.name = json.name("name");
   muscle.names.push_back(matching_name(muscle.name));
   if (json.has("names")) {
-    for (const Json& name : json.array("names")) muscle.names.push_back(matching_name(name.get<std::string>()));
+    for (const std::string& name : json.names("names")) muscle.names.push_back(matching_name(name));
   }
   muscle.volume = 1e-6 * json.number("cm3", 0.1, 1e4);
   const Json& belly = json.array("belly");
@@ -77,18 +77,7 @@ std::size_t match_length(const std::string& muscle, const std::string& table_nam
 }
 
 const WholeMuscle* find_whole_muscle(const std::string& name) {
-  const std::string wanted = matching_name(name);
-  const WholeMuscle* found = nullptr;
-  std::size_t longest = 0;
-  for (const WholeMuscle& muscle : whole_muscles()) {
-    for (const std::string& table_name : muscle.names) {
-      const std::size_t length = match_length(wanted, table_name);
-      if (length <= longest) continue;
-      longest = length;
-      found = &muscle;
-    }
-  }
-  return found;
+  return longest_match(whole_muscles(), matching_name(name));
 }
 
 }  // namespace bodyopt

@@ -26,7 +26,22 @@ std::string matching_name(const std::string& name);
 // at its end, or, six letters and more, its beginning; otherwise 0.
 std::size_t match_length(const std::string& muscle, const std::string& table_name);
 
-// The longest match; null: no row names it.
+// Of rows that have `names` (of matching_name()) that with the longest match; null: none names the muscle.
+template <typename Row>
+const Row* longest_match(const std::vector<Row>& rows, const std::string& muscle) {
+  const Row* found = nullptr;
+  std::size_t longest = 0;
+  for (const Row& row : rows) {
+    for (const std::string& name : row.names) {
+      const std::size_t length = match_length(muscle, name);
+      if (length <= longest) continue;
+      longest = length;
+      found = &row;
+    }
+  }
+  return found;
+}
+
 const WholeMuscle* find_whole_muscle(const std::string& name);
 
 }  // namespace bodyopt

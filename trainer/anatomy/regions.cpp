@@ -9,32 +9,14 @@ namespace {
 constexpr std::array kRegionNames{"trunk", "hip",       "neck",    "head", "thigh", "calf",
                                   "foot",  "upper_arm", "forearm", "hand", "tail",  "fin"};
 
+// By BodyPart; of what follows, hands.
+constexpr BodyRegion kRegionOfPart[] = {BodyRegion::hip,   BodyRegion::trunk,     BodyRegion::neck,
+                                        BodyRegion::head,  BodyRegion::hip,       BodyRegion::thigh,
+                                        BodyRegion::calf,  BodyRegion::foot,      BodyRegion::foot,
+                                        BodyRegion::trunk, BodyRegion::upper_arm, BodyRegion::forearm};
+
 BodyRegion region_of_part(BodyPart part) {
-  switch (part) {
-    case BodyPart::hips:
-    case BodyPart::hip_joint:
-      return BodyRegion::hip;
-    case BodyPart::neck:
-      return BodyRegion::neck;
-    case BodyPart::head:
-      return BodyRegion::head;
-    case BodyPart::thigh:
-      return BodyRegion::thigh;
-    case BodyPart::shin:
-      return BodyRegion::calf;
-    case BodyPart::foot:
-    case BodyPart::toe:
-      return BodyRegion::foot;
-    case BodyPart::spine:
-    case BodyPart::clavicle:
-      return BodyRegion::trunk;
-    case BodyPart::upper_arm:
-      return BodyRegion::upper_arm;
-    case BodyPart::forearm:
-      return BodyRegion::forearm;
-    default:
-      return BodyRegion::hand;
-  }
+  return part < BodyPart::hand ? kRegionOfPart[static_cast<std::size_t>(part)] : BodyRegion::hand;
 }
 
 // Some rigs begin the spine at the hips.

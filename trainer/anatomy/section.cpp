@@ -1,10 +1,11 @@
 #include "trainer/anatomy/section.h"
 
-#include <Eigen/LU>
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 
 #include "base/parallel.h"
+#include "geometry/nearest_skin.h"
 
 namespace bodyopt {
 namespace {
@@ -76,6 +77,97 @@ std::optional<CutTet> cut_tet(const SectionPlane& plane, const TetMesh& rest, co
   return CutTet{pixels_under(plane, cut), corners[0], rest.nodes.row(rest.tets(tet, 0)), weights, tet_edges(rest, tet)};
 }
 
+// Where a row of pixels enters (1) or leaves (-1) the skin.
+struct Crossing {
+  double at;  // pixels from the left
+  int turn;
+};
+
+// Of a triangle's corners above and below a plane: where its edges pass through, in pixels from the corner.
+std::vector<Eigen::Vector2d> cut_triangle(const SectionPlane& plane, const std::array<Eigen::Vector3d, 3>& corners) {
+  const Eigen::Vector3d normal = plane.right.cross(plane.down);
+  std::vector<Eigen::Vector2d> ends;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const Eigen::Vector3d a = corners[k] - plane.corner, b = corners[(k + 1) % 3] - plane.corner;
+    const double above = normal.dot(a), below = normal.dot(b);
+    if ((above > 0) == (below > 0)) continue;
+    const Eigen::Vector3d at = (a + above / (above - below) * (b - a)) / plane.pixel;
+    ends.emplace_back(plane.right.dot(at), plane.down.dot(at));
+  }
+  return ends;
+}
+
+std::vector<std::vector<Crossing>> crossings_of_rows(const SectionPlane& plane, const Positions& skin,
+                                                     const Triangles& triangles) {
+  std::vector<std::vector<Crossing>> rows(static_cast<std::size_t>(plane.height));
+  for (const auto& triangle : triangles.rowwise()) {
+    std::array<Eigen::Vector3d, 3> corners;
+    for (int k = 0; k < 3; ++k) corners[static_cast<std::size_t>(k)] = skin.row(triangle[k]);
+    const std::vector<Eigen::Vector2d> ends = cut_triangle(plane, corners);
+    if (ends.size() != 2) continue;
+    const Eigen::Vector3d outward = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
+    const int turn = plane.right.dot(outward) < 0 ? 1 : -1;
+    const auto [upper, lower] =
+        std::minmax(ends[0], ends[1], [](const auto& a, const auto& b) { return a.y() < b.y(); });
+    const double last = std::min(std::ceil(lower.y() - 0.5), double(plane.height));
+    for (double row = std::max(0.0, std::ceil(upper.y() - 0.5)); row < last; ++row) {
+      const double share = (row + 0.5 - upper.y()) / (lower.y() - upper.y());
+      rows[static_cast<std::size_t>(row)].push_back({std::lerp(upper.x(), lower.x(), share), turn});
+    }
+  }
+  for (std::vector<Crossing>& row : rows) {
+    std::ranges::stable_sort(row, {}, &Crossing::at);
+  }
+  return rows;
+}
+
+Eigen::Affine3d affine(const Affine& transform) {
+  Eigen::Affine3d result = Eigen::Affine3d::Identity();
+  result.affine() = Eigen::Map<const Eigen::Matrix<double, 3, 4, Eigen::RowMajor>>(&transform.m[0][0]);
+  return result;
+}
+
+class BackToRest {
+ public:
+  explicit BackToRest(const PosedBody& body) : body_(body), nearest_(body.skin, body.character.triangles) {
+    for (const Affine& joint : body.skinning) skinning_.push_back(affine(joint));
+  }
+
+  // Nothing where the joints blend to no space at all.
+  std::optional<RestPoint> operator()(const Eigen::Vector3d& point) const {
+    constexpr double kFade = 8;  // times what the skin is off by: so slowly that nothing folds over
+    const SkinPoint skin = nearest_(point);
+    Eigen::Matrix4d blend = Eigen::Matrix4d::Zero();
+    Eigen::Vector3d at_rest = Eigen::Vector3d::Zero();
+    for (std::size_t k = 0; k < 3; ++k) {
+      const double share = skin.weights[static_cast<Eigen::Index>(k)];
+      at_rest += share * body_.character.vertices.row(skin.vertices[k]).transpose();
+      for (const JointWeight& of : body_.character.weights[skin.vertices[k]]) {
+        blend += share * of.weight * skinning_[of.joint].matrix();
+      }
+    }
+    const Eigen::Affine3d back(Eigen::Affine3d(blend).inverse());
+    if (!back.matrix().allFinite()) return std::nullopt;
+    const Eigen::Vector3d off = at_rest - back * skin.position;
+    const double depth = (point - skin.position).norm(), reach = kFade * off.norm();
+    const double share = depth < reach ? 1 - depth / reach : 0;
+    return RestPoint{back * point + share * off};
+  }
+
+ private:
+  const PosedBody& body_;
+  NearestSkin nearest_;
+  std::vector<Eigen::Affine3d> skinning_;
+};
+
+// Row by row, on several threads.
+void for_each_pixel(const SectionPlane& plane, const std::function<void(std::size_t pixel)>& body) {
+  const auto width = static_cast<std::size_t>(plane.width);
+  parallel_for(static_cast<std::size_t>(plane.height), [&](std::size_t y) {
+    for (std::size_t pixel = y * width; pixel < (y + 1) * width; ++pixel) body(pixel);
+  });
+}
+
 }  // namespace
 
 Eigen::Vector3d SectionPlane::middle(int pixel_number) const {
@@ -112,16 +204,56 @@ RestPoints rest_points(const SectionPlane& plane, const TetMesh& rest, const Pos
   return points;
 }
 
+std::vector<bool> pixels_inside(const SectionPlane& plane, const Positions& skin, const Triangles& triangles) {
+  std::vector<bool> inside(static_cast<std::size_t>(plane.size()));
+  const std::vector<std::vector<Crossing>> rows = crossings_of_rows(plane, skin, triangles);
+  for (std::size_t y = 0; y < rows.size(); ++y) {
+    auto next = rows[y].begin();
+    int winding = 0;
+    for (int x = 0; x < plane.width; ++x) {
+      for (; next != rows[y].end() && next->at < x + 0.5; ++next) winding += next->turn;
+      inside[y * static_cast<std::size_t>(plane.width) + static_cast<std::size_t>(x)] = winding != 0;
+    }
+  }
+  return inside;
+}
+
+RestPoints rest_points(const SectionPlane& plane, const Positions& skin, const Triangles& triangles) {
+  const std::vector<bool> inside = pixels_inside(plane, skin, triangles);
+  RestPoints points(inside.size());
+  for (std::size_t pixel = 0; pixel < inside.size(); ++pixel) {
+    if (inside[pixel]) points[pixel] = RestPoint{plane.middle(static_cast<int>(pixel))};
+  }
+  return points;
+}
+
+SectionPlane moved_plane(const SectionPlane& plane, const Affine& joint) {
+  const Eigen::Affine3d move = affine(joint);
+  SectionPlane moved = plane;
+  moved.corner = move * plane.corner;
+  moved.right = (move.linear() * plane.right).normalized();
+  const Eigen::Vector3d down = move.linear() * plane.down;
+  moved.down = (down - down.dot(moved.right) * moved.right).normalized();
+  return moved;
+}
+
+RestPoints rest_points(const SectionPlane& plane, const PosedBody& body) {
+  RestPoints points(static_cast<std::size_t>(plane.size()));
+  const std::vector<bool> inside = pixels_inside(plane, body.skin, body.character.triangles);
+  const BackToRest back(body);
+  for_each_pixel(plane, [&](std::size_t pixel) {
+    if (inside[pixel]) points[pixel] = back(plane.middle(static_cast<int>(pixel)));
+  });
+  return points;
+}
+
 TissueSection section_of(const SectionPlane& plane, const RestPoints& rest,
                          const std::function<TissueAt(const Eigen::Vector3d&)>& tissue_at) {
   TissueSection section{plane.width, plane.height, std::vector<TissueAt>(rest.size())};
-  parallel_for(static_cast<std::size_t>(plane.height), [&](std::size_t y) {
-    const auto width = static_cast<std::size_t>(plane.width);
-    for (std::size_t pixel = y * width; pixel < (y + 1) * width; ++pixel) {
-      if (!rest[pixel]) continue;
-      TissueAt& tissue = section.tissue[pixel] = tissue_at(rest[pixel]->position);
-      if (tissue.kind == TissueKind::outside) tissue.kind = TissueKind::fat;
-    }
+  for_each_pixel(plane, [&](std::size_t pixel) {
+    if (!rest[pixel]) return;
+    TissueAt& tissue = section.tissue[pixel] = tissue_at(rest[pixel]->position);
+    if (tissue.kind == TissueKind::outside) tissue.kind = TissueKind::fat;
   });
   return section;
 }

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "geometry/tet_mesh.h"
+#include "runtime/core/transform.h"
 #include "trainer/anatomy/field.h"
 
 namespace bodyopt {
@@ -38,6 +39,28 @@ using RestPoints = std::vector<std::optional<RestPoint>>;
 // the first: those of a lattice may overlap, and reach beyond the skin.
 RestPoints rest_points(const SectionPlane& plane, const TetMesh& rest, const Positions& moved,
                        const std::function<bool(const Eigen::Vector3d&)>& is_tissue);
+
+// width x height: where the crossings of the skin (V x 3, at rest or posed) along a row do not sum to none.
+std::vector<bool> pixels_inside(const SectionPlane& plane, const Positions& skin, const Triangles& triangles);
+
+// Of a plane through a body at rest: the pixels inside of its skin, where they are.
+RestPoints rest_points(const SectionPlane& plane, const Positions& skin, const Triangles& triangles);
+
+// By what a body's skin and its joints did. All must outlive it.
+struct PosedBody {
+  const Character& character;
+  const Positions& skin;                // V x 3, posed, metres
+  const std::vector<Affine>& skinning;  // J, rest space to posed
+};
+
+// Of a plane through a body that was posed, where no tets tell how its inside moved: a pixel inside of the skin goes
+// back by the inverse of the linear blend of the joints that hold the skin nearest to it, and by as much as the skin
+// there differs from that blend, less the deeper it lies. A picture, not mechanics: at sharp bends tissues of both
+// sides meet at a seam.
+RestPoints rest_points(const SectionPlane& plane, const PosedBody& body);
+
+// The plane where a joint takes it.
+SectionPlane moved_plane(const SectionPlane& plane, const Affine& joint);
 
 struct TissueSection {
   int width = 0, height = 0;

@@ -1,11 +1,13 @@
-#include "trainer/anatomy/section_paths.h"
-
 #include <algorithm>
 #include <cmath>
+#include <nlohmann/json.hpp>
+#include <numbers>
 #include <optional>
 
 #include "base/parallel.h"
-#include "trainer/anatomy/section_table.h"
+#include "trainer/anatomy/division_steps.h"
+#include "trainer/anatomy/human_tables.h"
+#include "trainer/anatomy/landmark_points.h"
 
 namespace bodyopt {
 namespace {
@@ -18,6 +20,94 @@ constexpr double kOverlap = 0.04;    // of a limb's length: model points so near
 constexpr double kBesidePlane = 0.0015;
 constexpr double kRayStep = 0.001;                       // metres
 constexpr double kBoneReach = 0.05, kLimbRadius = 0.12;  // metres, of a man of 1.75 m
+
+// One muscle's belly in one section of a limb.
+struct SectionPlace {
+  double along;  // from the limb's upper joint, 0, to its lower, 1
+  double angle;  // radians, from the front towards the outside
+  double share;  // of the way from the section's origin to the fascia
+};
+
+struct LimbSections {
+  BodyPart from, to;   // joints
+  bool is_about_bone;  // the section's origin is its bone, otherwise its middle
+  struct OfMuscle {
+    std::vector<std::string> names;  // of matching_name()
+    std::vector<SectionPlace> places;
+  };
+  std::vector<OfMuscle> muscles;
+};
+
+// A whole path by landmarks, from one end to the other; what is none is the model's own end.
+struct LandmarkPath {
+  std::vector<std::string> names;
+  std::vector<std::optional<LandmarkPoint>> points;
+};
+
+// rigs/human/muscle_sections.json.
+struct SectionTable {
+  std::vector<LimbSections> limbs;
+  std::vector<LandmarkPath> paths;
+};
+
+constexpr std::pair<const char*, BodyPart> kLimbJoints[] = {
+    {"thigh", BodyPart::thigh},         {"shin", BodyPart::shin},       {"foot", BodyPart::foot},
+    {"upper_arm", BodyPart::upper_arm}, {"forearm", BodyPart::forearm}, {"hand", BodyPart::hand}};
+
+BodyPart read_joint(const JsonObject& json, const char* key) {
+  const std::string name = json.name(key);
+  for (const auto& [known, part] : kLimbJoints) {
+    if (name == known) return part;
+  }
+  json.refuse("'" + name + "' is no joint of a limb");
+}
+
+std::vector<std::string> read_matching_names(const JsonObject& json) {
+  std::vector<std::string> names;
+  for (const std::string& name : json.names("names")) names.push_back(matching_name(name));
+  return names;
+}
+
+LimbSections read_limb(const JsonObject& json) {
+  json.allow({"from", "to", "about", "source", "muscles"});
+  LimbSections limb{read_joint(json, "from"), read_joint(json, "to"), json.name("about") == "bone", {}};
+  for (const JsonObject& row : json.objects("muscles")) {
+    row.allow({"names", "at"});
+    LimbSections::OfMuscle muscle{read_matching_names(row), {}};
+    for (const Json& place : row.array("at")) {
+      if (!place.is_array() || place.size() != 3) row.refuse("'at' holds something else than [along, angle, share]");
+      muscle.places.push_back(
+          {place[0].get<double>(), place[1].get<double>() * std::numbers::pi / 180, place[2].get<double>()});
+    }
+    if (muscle.places.size() < 2) row.refuse("'at' has fewer than two places");
+    limb.muscles.push_back(std::move(muscle));
+  }
+  return limb;
+}
+
+LandmarkPath read_path(const JsonObject& json) {
+  json.allow({"names", "points"});
+  LandmarkPath path{read_matching_names(json), {}};
+  for (const Json& point : json.array("points")) {
+    path.points.emplace_back();
+    if (point != "own") path.points.back() = read_landmark_point(JsonObject(point, json.path(), json.place()));
+  }
+  if (path.points.size() < 2) json.refuse("'points' are fewer than two");
+  return path;
+}
+
+const SectionTable& section_table() {
+  static const SectionTable table = [] {
+    const std::filesystem::path path = "rigs/human/muscle_sections.json";
+    const Json json = parse_json(kMuscleSections, path, "bodyopt-muscle-sections-1");
+    const JsonObject top(json, path, "the file");
+    SectionTable read;
+    for (const JsonObject& limb : top.objects("limbs")) read.limbs.push_back(read_limb(limb));
+    for (const JsonObject& one : top.objects("paths")) read.paths.push_back(read_path(one));
+    return read;
+  }();
+  return table;
+}
 
 Vector3d perpendicular(const Vector3d& direction, const Vector3d& axis) {
   return (direction - direction.dot(axis) * axis).stableNormalized();
@@ -131,21 +221,6 @@ class SectionedLimb {
   std::vector<int> near_;  // samples beside the limb
 };
 
-template <typename Row>
-const Row* row_of(const std::vector<Row>& rows, const std::string& muscle) {
-  const Row* found = nullptr;
-  std::size_t longest = 0;
-  for (const Row& row : rows) {
-    for (const std::string& name : row.names) {
-      const std::size_t length = match_length(muscle, name);
-      if (length <= longest) continue;
-      longest = length;
-      found = &row;
-    }
-  }
-  return found;
-}
-
 // The rows' places, between what of the model's path lies above and below them.
 void guide(const SectionedLimb& limb, const std::vector<SectionPlace>& places, HalfMuscle& muscle) {
   const Index count = muscle.path.rows();
@@ -205,6 +280,13 @@ void guide(const LandmarkPlaces& landmarks, const LandmarkPath& row, HalfMuscle&
   muscle.is_guided = true;
 }
 
+// The lean sample nearest to a point, in the grid; -1: there is none.
+int nearest_lean(const LeanSamples& lean, const Vector3d& point) {
+  Index nearest = -1;
+  if (lean.size() > 0) (lean.points.rowwise() - point.transpose()).rowwise().squaredNorm().minCoeff(&nearest);
+  return nearest < 0 ? -1 : lean.sample[static_cast<std::size_t>(nearest)];
+}
+
 // What of a belly lies in bone, fat or a cavity moves to the nearest lean tissue.
 void move_into_lean(const LeanSamples& lean, HalfMuscle& muscle) {
   bool has_moved = false;
@@ -234,12 +316,12 @@ void guide_paths(const HalfBody& body, const LeanSamples& lean, std::vector<Half
     const SectionedLimb limb(body, lean, sections, landmarks.millimetre());
     if (!limb.exists()) continue;
     parallel_for(muscles.size(), [&](std::size_t m) {
-      const LimbSections::OfMuscle* row = row_of(sections.muscles, muscles[m].name);
+      const LimbSections::OfMuscle* row = longest_match(sections.muscles, muscles[m].name);
       if (row) guide(limb, row->places, muscles[m]);
     });
   }
   parallel_for(muscles.size(), [&](std::size_t m) {
-    const LandmarkPath* row = row_of(section_table().paths, muscles[m].name);
+    const LandmarkPath* row = longest_match(section_table().paths, muscles[m].name);
     if (row) guide(landmarks, *row, muscles[m]);
     move_into_lean(lean, muscles[m]);
   });

@@ -18,15 +18,6 @@ double forward_of_back(const HumanSkeleton& skeleton, const BodySurvey::Depths& 
   return depths.back + std::min(skeleton.mm(kFromSkin(share)) + fat, kMost * (depths.front - depths.back));
 }
 
-std::vector<std::pair<double, double>> smoothed(std::vector<std::pair<double, double>> rows) {
-  for (int k = 0; k < kCurveSmoothings; ++k) {
-    const auto before = rows;
-    for (std::size_t n = 1; n + 1 < rows.size(); ++n)
-      rows[n].second = 0.25 * before[n - 1].second + 0.5 * before[n].second + 0.25 * before[n + 1].second;
-  }
-  return rows;
-}
-
 }  // namespace
 
 SpineLine spine_line(const HumanSkeleton& skeleton) {
@@ -42,7 +33,8 @@ SpineLine spine_line(const HumanSkeleton& skeleton) {
     if (const auto depths = skeleton.survey.depths(height))
       rows.emplace_back(height, forward_of_back(skeleton, *depths, height, share));
   }
-  spine.forward = Table(smoothed(rows));
+  smooth(rows, &std::pair<double, double>::second, kCurveSmoothings);
+  spine.forward = Table(rows);
   const auto at = [&](double share) { return std::lerp(spine.low, spine.high, share); };
   const auto mm = [&](double length) { return skeleton.mm(length); };
   spine.half_width = Table({{at(0), mm(26)}, {at(0.3), mm(24)}, {at(0.6), mm(16)}, {at(1), mm(12)}});

@@ -18,31 +18,14 @@ constexpr int kRowSmoothings = 4;
 struct SpineDepth {
   double tail, trunk, neck;
 };
-SpineDepth spine_depth(BodyKind kind) {
-  switch (kind) {
-    case BodyKind::fish:
-      return {0.48, 0.38, 0.4};
-    case BodyKind::snake:
-      return {0.4, 0.32, 0.35};
-    case BodyKind::biped:
-      return {0.5, 0.3, 0.45};
-    default:
-      return {0.48, 0.2, 0.45};
-  }
-}
+// By BodyKind.
+constexpr SpineDepth kUsualDepth{0.48, 0.2, 0.45};
+constexpr SpineDepth kSpineDepths[] = {{0.5, 0.3, 0.45},  kUsualDepth, kUsualDepth, {0.4, 0.32, 0.35},
+                                       {0.48, 0.38, 0.4}, kUsualDepth, kUsualDepth};
 
 Vector3d in_plane(const BodyGrid& grid, const Vector3d& point) { return {grid.cell / 2, point.y(), point.z()}; }
 
 bool is_in(const BodyGrid& grid, const Vector3d& point) { return grid.sample_at(point) >= 0; }
-
-template <typename Value>
-void smooth(std::vector<SpineCurve::Row>& rows, Value SpineCurve::Row::*value) {
-  for (int round = 0; round < kRowSmoothings; ++round) {
-    const std::vector<SpineCurve::Row> old = rows;
-    for (std::size_t k = 1; k + 1 < rows.size(); ++k)
-      rows[k].*value = 0.25 * (old[k - 1].*value) + 0.5 * (old[k].*value) + 0.25 * (old[k + 1].*value);
-  }
-}
 
 // Where joints of the axis stand in the median plane; those outside the body where their skin is.
 struct Stop {
@@ -162,7 +145,7 @@ void SpineCurve::measure(const BodySurvey& survey) {
                                               : 0.5 * (before - behind) * Vector3d::UnitZ();
   }
   spread();
-  smooth(rows_, &Row::middle);
+  smooth(rows_, &Row::middle, kRowSmoothings);
   spread();
   turn();
   for (Row& row : rows_) {
@@ -171,9 +154,9 @@ void SpineCurve::measure(const BodySurvey& survey) {
     row.half_width = std::min(way_out(grid, row.middle, Vector3d::UnitX(), most), 0.9 * (row.up + row.down));
     if (const int s = grid.sample_at(row.middle); s >= 0) row.joint = survey.spots()[static_cast<std::size_t>(s)].joint;
   }
-  smooth(rows_, &Row::up);
-  smooth(rows_, &Row::down);
-  smooth(rows_, &Row::half_width);
+  smooth(rows_, &Row::up, kRowSmoothings);
+  smooth(rows_, &Row::down, kRowSmoothings);
+  smooth(rows_, &Row::half_width, kRowSmoothings);
 }
 
 void SpineCurve::find_trunk(const JointChains& chains, BodyKind kind) {
@@ -195,7 +178,7 @@ void SpineCurve::find_trunk(const JointChains& chains, BodyKind kind) {
 }
 
 void SpineCurve::lift(BodyKind kind) {
-  const SpineDepth depth = spine_depth(kind);
+  const SpineDepth& depth = kSpineDepths[static_cast<std::size_t>(kind)];
   constexpr double kRump = 0.5;  // of the height at the hips: a tail is thinner, what lies before it is still trunk
   const double last = static_cast<double>(rows_.size() - 1), fade = 0.06 * last;
   const Row hips = at(hip_);
@@ -208,7 +191,7 @@ void SpineCurve::lift(BodyKind kind) {
     const double share = tail * depth.tail + neck * depth.neck + (1 - tail - neck) * depth.trunk;
     row.place = row.middle + (row.up - share * (row.up + row.down)) * row.dorsal;
   }
-  smooth(rows_, &Row::place);
+  smooth(rows_, &Row::place, kRowSmoothings);
 }
 
 SpineCurve::Row SpineCurve::at(double row) const {

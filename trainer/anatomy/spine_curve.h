@@ -32,7 +32,6 @@ class SpineCurve {
 
   const std::vector<Row>& rows() const { return rows_; }
   bool empty() const { return rows_.size() < 2; }
-  double length() const { return rows_.back().along; }
   Row at(double row) const;  // interpolated
   // The nearest place on rows `from` to `to`.
   Spot spot(const Eigen::Vector3d& point, double from, double to) const;

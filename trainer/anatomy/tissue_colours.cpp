@@ -5,13 +5,15 @@
 #include <string>
 
 #include "assets/joint_roles.h"
+#include "assets/wording.h"
 
 namespace bodyopt {
 namespace {
 
-constexpr Rgb kBoneColour{236, 228, 204}, kFatColour{232, 196, 92}, kCavityColour{112, 128, 148},
-    kTendonColour{250, 250, 246}, kOtherLeanColour{222, 150, 138}, kShortenedColour{250, 148, 40},
-    kStretchedColour{98, 88, 196};
+constexpr Rgb kOtherLeanColour{222, 150, 138}, kShortenedColour{250, 148, 40}, kStretchedColour{98, 88, 196};
+// By TissueKind; muscles have colours of their own.
+constexpr Rgb kColours[] = {kOtherLeanColour, {236, 228, 204}, {232, 196, 92},  {112, 128, 148},
+                            kOtherLeanColour, {250, 250, 246}, kOtherLeanColour};
 
 bool same_tissue(const TissueAt& a, const TissueAt& b) { return a.kind == b.kind && a.muscle == b.muscle; }
 
@@ -39,8 +41,8 @@ Rgb tinted(const Rgb& colour, double stretch) {
 }  // namespace
 
 TissueColours::TissueColours(const std::vector<Muscle>& muscles) {
-  std::vector<std::string> names, distinct;
-  for (const Muscle& muscle : muscles) names.push_back(muscle.name);
+  const std::vector<std::string> names = names_of(muscles);
+  std::vector<std::string> distinct;
   for (const std::string& name : names) {
     const std::string other = mirrored_name(name, names);
     const auto known = std::ranges::find_if(
@@ -51,20 +53,8 @@ TissueColours::TissueColours(const std::vector<Muscle>& muscles) {
 }
 
 Rgb TissueColours::of(const TissueAt& tissue) const {
-  switch (tissue.kind) {
-    case TissueKind::bone:
-      return kBoneColour;
-    case TissueKind::fat:
-      return kFatColour;
-    case TissueKind::cavity:
-      return kCavityColour;
-    case TissueKind::tendon:
-      return kTendonColour;
-    case TissueKind::muscle:
-      return muscles_[static_cast<std::size_t>(tissue.muscle)];
-    default:
-      return kOtherLeanColour;
-  }
+  return tissue.kind == TissueKind::muscle ? muscles_[static_cast<std::size_t>(tissue.muscle)]
+                                           : kColours[static_cast<std::size_t>(tissue.kind)];
 }
 
 std::vector<std::uint8_t> TissueColours::picture(const TissueSection& section, std::span<const double> stretch) const {

@@ -2,13 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <nlohmann/json.hpp>
 
 #include "runtime/core/error.h"
 #include "trainer/anatomy/human_tables.h"
 #include "trainer/anatomy/landmark_points.h"
-#include "trainer/anatomy/muscle_paths.h"
+#include "trainer/anatomy/muscle_ends.h"
 
 namespace bodyopt {
 namespace {
@@ -38,28 +37,13 @@ const std::vector<TrunkMuscleRow>& trunk_muscle_rows() {
   return rows;
 }
 
-// The joint of the bone nearest to a place; -1: there is none.
-int joint_of_nearest_bone(const LeanSamples& lean, const Vector3d& place) {
-  double least = std::numeric_limits<double>::max();
-  int joint = -1;
-  for (int s = 0; s < lean.grid.size(); ++s) {
-    const auto at = static_cast<std::size_t>(s);
-    if (!(lean.tissue.bone[s] < 0) || lean.tissue.bone_joint[at] < 0) continue;
-    const double squared = (lean.grid.points.row(s).transpose() - place).squaredNorm();
-    if (squared >= least) continue;
-    least = squared;
-    joint = lean.tissue.bone_joint[at];
-  }
-  return joint;
-}
-
 // In half space; without a path where a landmark is missing.
-Muscle lay(const TrunkMuscleRow& row, const LandmarkPlaces& landmarks, const LeanSamples& lean) {
+Muscle lay(const TrunkMuscleRow& row, const LandmarkPlaces& landmarks, const BoneSurface& bones) {
   Muscle muscle;
   Positions path(static_cast<Index>(row.points.size()), 3);
   for (std::size_t k = 0; k < row.points.size(); ++k) {
     const std::optional<Vector3d> place = landmarks.place(row.points[k]);
-    const int joint = place ? joint_of_nearest_bone(lean, *place) : -1;
+    const int joint = place ? bones.foot(*place, -1).joint : -1;
     if (joint < 0) return {};
     path.row(static_cast<Index>(k)) = place->transpose();
     muscle.path.push_back({static_cast<std::uint32_t>(joint), {place->x(), place->y(), place->z()}});
@@ -102,10 +86,11 @@ TrunkMuscles trunk_muscles(const Character& character, const std::vector<Muscle>
     const InnerTissue tissue = find_inner_tissue(body, grid, {body_fat, recognise_kind(character).kind});
     const LeanSamples lean(grid, tissue);
     const LandmarkPlaces landmarks(body, lean);
+    const BoneSurface bones(body, grid, tissue);
     const bool is_left = body.from_rest.linear()(0, 0) > 0;
     for (const TrunkMuscleRow& row : trunk_muscle_rows()) {
       if (is_among(others, row.name)) continue;
-      const Muscle laid = lay(row, landmarks, lean);
+      const Muscle laid = lay(row, landmarks, bones);
       if (laid.path.empty()) {
         result.notes.push_back("'" + row.name + "' is not laid: the skeleton lacks a landmark that it needs");
         continue;

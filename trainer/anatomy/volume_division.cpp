@@ -2,9 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <numbers>
+#include <queue>
+#include <tuple>
 
-#include "trainer/anatomy/region_growth.h"
+#include "base/disjoint_sets.h"
 
 namespace bodyopt {
 namespace {
@@ -61,6 +64,68 @@ void keep_near(const Positions& moved, const Positions& first, double most, Posi
   }
 }
 
+// Of each muscle's samples (label, L, -1: none's), the largest piece that is connected through faces stays; returns
+// what falls away, and has no label.
+std::vector<int> keep_largest_pieces(const LeanSamples& lean, std::size_t muscles, std::vector<int>& label) {
+  DisjointSets pieces(lean.size());
+  for (std::size_t i = 0; i < lean.size(); ++i) {
+    for (const int beside : lean.neighbours[i]) {
+      const auto j = static_cast<std::size_t>(beside);
+      if (beside >= 0 && label[i] >= 0 && label[j] == label[i]) pieces.join(i, j);
+    }
+  }
+  std::vector<int> size(lean.size(), 0);  // at a piece's lowest sample
+  for (std::size_t i = 0; i < lean.size(); ++i) ++size[pieces.lowest(i)];
+  std::vector<std::size_t> largest(muscles, lean.size());  // its lowest sample
+  for (std::size_t i = 0; i < lean.size(); ++i) {
+    if (label[i] < 0) continue;
+    std::size_t& best = largest[static_cast<std::size_t>(label[i])];
+    if (best == lean.size() || size[i] > size[best]) best = i;
+  }
+  std::vector<int> loose;
+  for (std::size_t i = 0; i < lean.size(); ++i) {
+    if (label[i] < 0 || pieces.lowest(i) == largest[static_cast<std::size_t>(label[i])]) continue;
+    loose.push_back(static_cast<int>(i));
+    label[i] = -1;
+  }
+  return loose;
+}
+
+// Loose samples go, the least distance first, to muscles that have a neighbour of theirs already, where they are nearer
+// than `farthest` to the muscle's spindle (radii: M).
+void grow_into(const LeanSamples& lean, const MuscleCandidates& candidates, const std::vector<double>& radii,
+               double farthest, const std::vector<int>& loose, std::vector<int>& label) {
+  using Step = std::tuple<double, int, int>;  // distance, sample, muscle
+  std::priority_queue<Step, std::vector<Step>, std::greater<>> steps;
+  std::vector<bool> is_loose(lean.size(), false);
+  for (const int i : loose) is_loose[static_cast<std::size_t>(i)] = true;
+  const auto offer = [&](int sample, int muscle) {
+    const auto i = static_cast<std::size_t>(sample);
+    const std::size_t entry = candidates.find(i, muscle);
+    if (entry == candidates.begin(i + 1)) return;
+    const double distance = candidates.distance(entry, radii[static_cast<std::size_t>(muscle)]);
+    if (distance < farthest) steps.emplace(distance, sample, muscle);
+  };
+  for (const int i : loose) {
+    for (const int beside : lean.neighbours[static_cast<std::size_t>(i)]) {
+      if (beside >= 0 && label[static_cast<std::size_t>(beside)] >= 0)
+        offer(i, label[static_cast<std::size_t>(beside)]);
+    }
+  }
+  while (!steps.empty()) {
+    const auto [distance, sample, muscle] = steps.top();
+    steps.pop();
+    const auto i = static_cast<std::size_t>(sample);
+    if (label[i] >= 0) continue;
+    label[i] = muscle;
+    for (const int beside : lean.neighbours[i]) {
+      if (beside < 0 || !is_loose[static_cast<std::size_t>(beside)] || label[static_cast<std::size_t>(beside)] >= 0)
+        continue;
+      offer(beside, muscle);
+    }
+  }
+}
+
 }  // namespace
 
 // Of Rprop (Riedmiller and Braun 1993): each radius has a step of its own.
@@ -78,7 +143,6 @@ VolumeDivision::VolumeDivision(const LeanSamples& lean, std::vector<HalfMuscle>&
       scale_(scale),
       candidates_(lean, muscles, reaches(muscles, targets_, scale)),
       label_(lean.size(), -1),
-      pieces_(muscles.size(), 1),
       volume_(muscles.size(), 0) {
   for (std::size_t m = 0; m < muscles.size(); ++m) {
     first_path_.push_back(muscles[m].path);
@@ -115,7 +179,6 @@ void VolumeDivision::divide() {
   }
   label_ = best_label;
   measure();
-  for (std::size_t m = 0; m < muscles_.size(); ++m) pieces_[m] = volume_[m] > 0 ? 1 : 0;
 }
 
 // On one thread: it takes 4 ms, hundreds of times, and to wait for others that often costs more where they are busy.

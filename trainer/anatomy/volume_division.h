@@ -18,7 +18,6 @@ class VolumeDivision {
   void divide();
 
   const std::vector<int>& label() const { return label_; }       // L: muscle, -1: none's
-  const std::vector<int>& pieces() const { return pieces_; }     // M: 1, 0 without samples
   const std::vector<double>& volume() const { return volume_; }  // M, cubic metres
   std::vector<double> along_path() const;                        // L: 0 to 1 along the path of the sample's muscle
 
@@ -39,7 +38,7 @@ class VolumeDivision {
   std::vector<Positions> first_path_;  // M
   MuscleCandidates candidates_;
   std::vector<double> squares_;  // M, square metres: of the spindles' radii, negative for less than none
-  std::vector<int> label_, pieces_;
+  std::vector<int> label_;
   std::vector<double> volume_;
 };
 

@@ -148,11 +148,9 @@ Dataset bake_dataset(const ShapeStack& stack, const fs::path& folder) {
   Dataset baked = database.dataset;
   const fs::path& from = database.dataset.folder;
   baked.folder = folder;
-  baked.character = elsewhere(from, baked.character);
-  baked.muscles = elsewhere(from, baked.muscles);
-  baked.materials = elsewhere(from, baked.materials);
-  baked.corrections = elsewhere(from, baked.corrections);
-  baked.regions = elsewhere(from, baked.regions);
+  for (std::string* file : {&baked.character, &baked.muscles, &baked.materials, &baked.corrections, &baked.regions}) {
+    *file = elsewhere(from, *file);
+  }
   baked.modifiers.clear();
   baked.selections.clear();
   baked.takes.clear();

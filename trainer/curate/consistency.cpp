@@ -17,32 +17,6 @@ using Eigen::Index;
 // Raised whenever the same frames are made to agree in another way.
 constexpr std::uint64_t kConsistencyVersion = 10;
 
-class Consistency : public ShapeModifier {
- public:
-  // `changes`: N x 3V, what is added to every frame.
-  explicit Consistency(Displacements changes) : changes_(std::move(changes)) {}
-  std::optional<std::uint64_t> cause(std::size_t frame) const override {
-    if (change(frame).isZero(0)) return std::nullopt;
-    return hash_of(Positions(change(frame).cast<double>()));
-  }
-  void apply(const FrameInHand& frame, Positions& offsets) const override {
-    offsets += change(frame.number).cast<double>();
-  }
-  std::string note() const override {
-    if (changes_.size() == 0 || !changes_.isZero(0)) return "";
-    return "moves no frame: no like poses disagree, none are near enough to tell ('curate report' says where), or a "
-           "first step would have left more than there is";
-  }
-
- private:
-  using Change = Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor>;
-  Eigen::Map<const Change> change(std::size_t frame) const {
-    return {changes_.row(static_cast<Index>(frame)).data(), changes_.cols() / 3, 3};
-  }
-
-  Displacements changes_;
-};
-
 struct ConsistencySettings {
   double degrees, smooth, cap;  // metres
   int iterations;
@@ -143,20 +117,40 @@ std::uint64_t key_of(const ModifierInput& input, const ConsistencySettings& sett
 
 }  // namespace
 
-std::unique_ptr<ShapeModifier> prepare_consistency(const ModifierInput& input) {
+ShapeModifier prepare_consistency(const ModifierInput& input) {
   const ConsistencySettings settings{parameter(input, "degrees", kAlikeDegrees, 0.1, 180),
                                      1e-3 * parameter(input, "smooth_mm", 10, 0.01, 1000),
                                      1e-3 * parameter(input, "cap_mm", kUsualCapMm, 0, 1000),
                                      static_cast<int>(parameter(input, "iterations", 10, 1, 20))};
   const std::uint64_t key = key_of(input, settings);
   const PoseDatabase& database = input.database;
-  Displacements changes(static_cast<Index>(database.frames.size()), 3 * database.character.vertices.rows());
-  if (changes.size() > 0 && !input.cache.find(key, {changes.data(), static_cast<std::size_t>(changes.size())})) {
-    changes = all_displacements(database, "curate: un-posing", input.below);
-    changes = made_consistent(input, settings, changes) - changes;
-    input.cache.keep(key, {changes.data(), static_cast<std::size_t>(changes.size())});
+  // N x 3V: what is added to every frame.
+  const auto changes = std::make_shared<Displacements>(static_cast<Index>(database.frames.size()),
+                                                       3 * database.character.vertices.rows());
+  const std::span<float> numbers(changes->data(), static_cast<std::size_t>(changes->size()));
+  if (!numbers.empty() && !input.cache.find(key, numbers)) {
+    *changes = all_displacements(database, "curate: un-posing", input.below);
+    *changes = made_consistent(input, settings, *changes) - *changes;
+    input.cache.keep(key, numbers);
   }
-  return std::make_unique<Consistency>(std::move(changes));
+  const auto change = [changes](std::size_t frame) -> Positions {
+    using Change = Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor>;
+    const float* row = changes->row(static_cast<Index>(frame)).data();
+    return Eigen::Map<const Change>(row, changes->cols() / 3, 3).cast<double>();
+  };
+  ShapeModifier modifier{
+      .cause = [change](std::size_t frame) -> std::optional<std::uint64_t> {
+        const Positions own = change(frame);
+        if (own.isZero(0)) return std::nullopt;
+        return hash_of(own);
+      },
+      .apply = [change](const FrameInHand& frame, Positions& offsets) { offsets += change(frame.number); }};
+  if (!numbers.empty() && changes->isZero(0)) {
+    modifier.note =
+        "moves no frame: no like poses disagree, none are near enough to tell ('curate report' says where), or a "
+        "first step would have left more than there is";
+  }
+  return modifier;
 }
 
 }  // namespace bodyopt

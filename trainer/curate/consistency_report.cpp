@@ -11,18 +11,14 @@
 #include "trainer/curate/pose_space.h"
 
 namespace bodyopt {
-namespace {
-
 using Eigen::Index;
+
+namespace {
 
 // Root mean square over the region of a row of its vertices' vectors, mm.
 double region_rms_mm(const RegionWeights& region, const Eigen::RowVectorXf& row) {
-  double sum = 0, weights = 0;
-  for (std::size_t k = 0; k < region.vertices.size(); ++k) {
-    sum += region.weights[k] * double{row.segment<3>(3 * static_cast<Index>(k)).squaredNorm()};
-    weights += region.weights[k];
-  }
-  return weights > 0 ? 1e3 * std::sqrt(sum / weights) : 0;
+  const auto square = [&](std::size_t k) { return double{row.segment<3>(3 * static_cast<Index>(k)).squaredNorm()}; };
+  return 1e3 * std::sqrt(mean_over(region, square));
 }
 
 // Of a row of the vectors of a region's vertices, as far as the region has them.
@@ -161,8 +157,6 @@ PairInOnePose in_one_pose(const ShapeStack& stack, const DisagreeingPair& pair) 
   const UnposedSpace::Frame pose = stack.space().frame(database.frames[pair.first].pose);
   return {pose.shape(first), pose.shape(second)};
 }
-
-using Eigen::Index;
 
 Eigen::RowVectorXf frame_deviation(const Displacements& displacements, const SkinPart& part,
                                    const std::vector<FrameShare>& shares) {

@@ -45,39 +45,27 @@ void put_back(const std::vector<Positions>& around, double limit, Positions& own
   }
 }
 
-class Despike : public ShapeModifier {
- public:
-  Despike(const ModifierInput& input, double limit)
-      : database_(input.database), below_(input.below), key_below_(input.key_below), limit_(limit) {}
-
-  std::optional<std::uint64_t> cause(std::size_t frame) const override {
-    const std::vector<std::size_t> around = frames_around(database_, frame);
-    if (around.size() < kFewest) return std::nullopt;
-    ContentHash hash;
-    hash.add(limit_);
-    for (const std::size_t other : around) hash.add(key_below_(other));
-    return hash.value();
-  }
-
-  void apply(const FrameInHand& frame, Positions& offsets) const override {
-    const std::vector<std::size_t> around = frames_around(database_, frame.number);
-    if (around.size() < kFewest) return;
-    std::vector<Positions> shapes;
-    for (const std::size_t other : around) shapes.push_back(below_(other));
-    put_back(shapes, limit_, offsets);
-  }
-
- private:
-  const PoseDatabase& database_;
-  std::function<Positions(std::size_t frame)> below_;
-  std::function<std::uint64_t(std::size_t frame)> key_below_;
-  double limit_;  // metres
-};
-
 }  // namespace
 
-std::unique_ptr<ShapeModifier> prepare_despike(const ModifierInput& input) {
-  return std::make_unique<Despike>(input, 1e-3 * parameter(input, "limit_mm", 5, 0.01, 1e4));
+ShapeModifier prepare_despike(const ModifierInput& input) {
+  const double limit = 1e-3 * parameter(input, "limit_mm", 5, 0.01, 1e4);  // metres
+  const auto around = [&database = input.database](std::size_t frame) { return frames_around(database, frame); };
+  return {.cause = [=, key_below = input.key_below](std::size_t frame) -> std::optional<std::uint64_t> {
+            const std::vector<std::size_t> others = around(frame);
+            if (others.size() < kFewest) return std::nullopt;
+            ContentHash hash;
+            hash.add(limit);
+            for (const std::size_t other : others) hash.add(key_below(other));
+            return hash.value();
+          },
+          .apply =
+              [=, below = input.below](const FrameInHand& frame, Positions& offsets) {
+                const std::vector<std::size_t> others = around(frame.number);
+                if (others.size() < kFewest) return;
+                std::vector<Positions> shapes;
+                for (const std::size_t other : others) shapes.push_back(below(other));
+                put_back(shapes, limit, offsets);
+              }};
 }
 
 }  // namespace bodyopt

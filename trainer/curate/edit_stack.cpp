@@ -27,8 +27,7 @@ constexpr double kTooFar = 0.2, kAsItIs = 1e-6;
 Modifiers::iterator modifier_named(const std::string& name, Modifiers& modifiers) {
   const auto found = std::ranges::find(modifiers, name, &Modifier::name);
   if (found != modifiers.end()) return found;
-  std::vector<std::string> names;
-  for (const Modifier& there : modifiers) names.push_back(there.name);
+  const std::vector<std::string> names = names_of(modifiers);
   throw Error(ErrorKind::usage,
               "the dataset has no modifier '" + name + "'; " +
                   (names.empty() ? "it has none" : "the nearest are " + list_names(nearest_names(names, name))));
@@ -100,13 +99,12 @@ void put_over(const Dataset& dataset, const std::string& name, const std::string
 
 PoseDatabase add_modifier(const fs::path& path, Modifier modifier) {
   PoseDatabase database;
-  Dataset edited = edit_modifiers(path, [&](const Dataset& dataset, Modifiers& modifiers) {
+  database.dataset = edit_modifiers(path, [&](const Dataset& dataset, Modifiers& modifiers) {
     modifier.name = free_name(modifiers, modifier);
     database = read_pose_database(dataset);
     check_modifier(database, modifier);
     modifiers.push_back(modifier);
   });
-  database.dataset = std::move(edited);
   return database;
 }
 
@@ -131,8 +129,7 @@ PoseDatabase change_modifier(const fs::path& path, const std::string& name, cons
     database = read_pose_database(dataset);
     check_modifier(database, modifier);
   };
-  Dataset edited = edit_modifiers(path, edit, patience);
-  database.dataset = std::move(edited);
+  database.dataset = edit_modifiers(path, edit, patience);
   return database;
 }
 
@@ -161,10 +158,8 @@ void remove_modifier(const fs::path& path, const std::string& name) {
 
 void check_modifier(const PoseDatabase& database, const Modifier& modifier) {
   if (!find_modifier_type(modifier.type)) {
-    std::vector<std::string> names;
-    for (const ModifierType& type : modifier_types()) names.push_back(type.name);
-    throw Error(ErrorKind::usage,
-                "there is no type of modifier '" + modifier.type + "'; there are " + list_names(names));
+    throw Error(ErrorKind::usage, "there is no type of modifier '" + modifier.type + "'; there are " +
+                                      list_names(names_of(modifier_types())));
   }
   PoseDatabase alone = database;
   alone.dataset.modifiers = {modifier};

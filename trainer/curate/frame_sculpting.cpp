@@ -32,14 +32,6 @@ SculptedFrames sculpts_of(const PoseDatabase& database, const std::string& name,
           "modifier '" + name + "'"};
 }
 
-Eigen::Vector3d point_on(const Positions& surface, const SkinPoint& at) {
-  Eigen::Vector3d point = Eigen::Vector3d::Zero();
-  for (int k = 0; k < 3; ++k) {
-    point += at.weights[k] * surface.row(at.vertices[static_cast<std::size_t>(k)]).transpose();
-  }
-  return point;
-}
-
 }  // namespace
 
 std::string why_not_shown(const PoseDatabase& database, const std::string& name, std::size_t frame) {
@@ -76,7 +68,7 @@ void FrameSculpting::begin(const Brush& brush, bool mirrored) {
 
 void FrameSculpting::touch(const SkinPoint& at) {
   at_ = at;
-  at_.position = point_on(surface_, at);
+  at_.position = at_point(surface_, at);
   std::vector<SkinPoint> hands{at_};
   if (is_mirrored_) hands.push_back(mirror_image(at_));
   stroke_->touch(hands);
@@ -101,7 +93,7 @@ SkinPoint FrameSculpting::mirror_image(const SkinPoint& at) {
   const Positions& rest = character().vertices;
   if (!rest_) rest_ = std::make_unique<NearestSkin>(rest, character().triangles);
   const Eigen::RowVector3d low = rest.colwise().minCoeff(), high = rest.colwise().maxCoeff();
-  Eigen::Vector3d image = point_on(rest, at);
+  Eigen::Vector3d image = at_point(rest, at);
   image.x() = low.x() + high.x() - image.x();
   SkinPoint found = (*rest_)(image);
   const double apart = (found.position - image).norm();
@@ -109,7 +101,7 @@ SkinPoint FrameSculpting::mirror_image(const SkinPoint& at) {
     throw Error(ErrorKind::mismatch, "the mirror image of this point is " + std::to_string(std::lround(1e3 * apart)) +
                                          " mm from the skin: the character is not symmetric here (brush-symmetry off)");
   }
-  found.position = point_on(surface_, found);
+  found.position = at_point(surface_, found);
   return found;
 }
 

@@ -29,21 +29,6 @@ Opposite opposite_corners(const Triangles& triangles) {
   return corners;
 }
 
-// The one vertex that lies within the tolerance, -1 where there is none or are several. `owners`: of the points.
-int only_vertex_near(const PointGrid& grid, const Positions& points, const std::vector<int>& owners,
-                     const Eigen::RowVector3d& place, double tolerance) {
-  int found = -1;
-  bool several = false;
-  const Eigen::RowVector3d reach = Eigen::RowVector3d::Constant(tolerance);
-  grid.visit(place - reach, place + reach, [&](int n) {
-    if ((points.row(n) - place).norm() > tolerance) return;
-    const int owner = owners[static_cast<std::size_t>(n)];
-    several = several || (found >= 0 && found != owner);
-    found = owner;
-  });
-  return several ? -1 : found;
-}
-
 constexpr int kDisputed = -2;
 
 // Points that have an owner each, to be found by places.
@@ -54,8 +39,18 @@ class OwnedPoints {
         owners_(std::move(owners)),
         tolerance_(tolerance),
         grid_(points_, all(), tolerance) {}
+  // The one owner of points within the tolerance, -1 where there is none or are several.
   int only_owner_at(const Eigen::RowVector3d& place) const {
-    return only_vertex_near(grid_, points_, owners_, place, tolerance_);
+    int found = -1;
+    bool several = false;
+    const Eigen::RowVector3d reach = Eigen::RowVector3d::Constant(tolerance_);
+    grid_.visit(place - reach, place + reach, [&](int n) {
+      if ((points_.row(n) - place).norm() > tolerance_) return;
+      const int owner = owners_[static_cast<std::size_t>(n)];
+      several = several || (found >= 0 && found != owner);
+      found = owner;
+    });
+    return several ? -1 : found;
   }
 
  private:

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "assets/joint_roles.h"
+#include "assets/wording.h"
 #include "runtime/core/error.h"
 #include "runtime/host/rig.h"
 
@@ -19,18 +20,15 @@ Quat mirrored(const Quat& q) { return {q[0], -q[1], -q[2], q[3]}; }  // across a
 // Of every name the place of that of the other side, or its own.
 std::vector<std::size_t> name_counterparts(const std::vector<std::string>& names) {
   std::vector<std::size_t> counterparts;
-  for (std::size_t k = 0; k < names.size(); ++k) {
-    const auto other = std::ranges::find(names, mirrored_name(names[k], names));
-    counterparts.push_back(other == names.end() ? k : static_cast<std::size_t>(other - names.begin()));
+  for (const int other : mirrored_places(names)) {
+    counterparts.push_back(other < 0 ? counterparts.size() : static_cast<std::size_t>(other));
   }
   return counterparts;
 }
 
 // The joint of the other side's name, or itself; both must lie where the mirror has them.
 std::vector<std::size_t> joint_counterparts(const Skeleton& skeleton, double middle, double size) {
-  std::vector<std::string> names;
-  for (const Joint& joint : skeleton.joints) names.push_back(joint.name);
-  std::vector<std::size_t> counterparts = name_counterparts(names);
+  std::vector<std::size_t> counterparts = name_counterparts(names_of(skeleton.joints));
   for (std::size_t j = 0; j < skeleton.size(); ++j) {
     const std::size_t other = counterparts[j];
     const Vec3 own = bind_place(skeleton, j), image{2 * middle - own[0], own[1], own[2]};
@@ -98,9 +96,7 @@ Pose MirrorImage::pose(const Pose& pose) const {
 Positions MirrorImage::shape(const Positions& shape) const {
   Positions result(shape.rows(), 3);
   for (Index v = 0; v < shape.rows(); ++v) {
-    const SkinPoint& at = image_[static_cast<std::size_t>(v)];
-    result.row(v).setZero();
-    for (int k = 0; k < 3; ++k) result.row(v) += at.weights[k] * shape.row(at.vertices[static_cast<std::size_t>(k)]);
+    result.row(v) = at_point(shape, image_[static_cast<std::size_t>(v)]);
     result(v, 0) = 2 * middle_ - result(v, 0);
   }
   return result;

@@ -16,18 +16,8 @@ namespace {
 
 using Eigen::Index;
 
-std::vector<std::string> names_in(const Json& list, const JsonObject& object, const char* key) {
-  std::vector<std::string> names;
-  for (const Json& name : list) {
-    if (!name.is_string()) object.refuse(std::string("'") + key + "' is not a list of names");
-    names.push_back(name.get<std::string>());
-  }
-  return names;
-}
-
 std::vector<std::string> names_in(const JsonObject& object, const char* key) {
-  if (!object.has(key)) return {};
-  return names_in(object.array(key), object, key);
+  return object.has(key) ? object.names(key) : std::vector<std::string>{};
 }
 
 // Adds the frames of selections to `selected`. `open`: lists that are being read.
@@ -83,16 +73,7 @@ class Selector {
   }
 
   void add_frames(const JsonObject& selection) {
-    int take = -1;
-    if (selection.has("take")) {
-      const std::string name = selection.name("take");
-      const auto found = std::find(database_.takes.begin(), database_.takes.end(), name);
-      if (found == database_.takes.end()) {
-        throw Error(ErrorKind::mismatch,
-                    place_ + ": the dataset has no take '" + name + "'; it has " + list_names(database_.takes));
-      }
-      take = static_cast<int>(found - database_.takes.begin());
-    }
+    const int take = selection.has("take") ? database_.take_named(selection.name("take"), place_) : -1;
     std::set<int> numbers;
     if (selection.has("frames")) {
       for (const int frame : parse_frame_range(selection.name("frames"))) numbers.insert(frame);
@@ -130,13 +111,10 @@ void add_muscle(const Muscle& muscle, const Character& character, Eigen::VectorX
 template <typename Named>
 const Named& find_named(const std::vector<Named>& all, const std::string& name, const char* what,
                         const std::string& place) {
-  std::vector<std::string> known;
-  for (const Named& one : all) {
-    if (one.name == name) return one;
-    known.push_back(one.name);
-  }
+  const auto found = std::ranges::find(all, name, &Named::name);
+  if (found != all.end()) return *found;
   throw Error(ErrorKind::mismatch,
-              place + ": the dataset has no " + what + " '" + name + "'; it has " + list_names(known));
+              place + ": the dataset has no " + what + " '" + name + "'; it has " + list_names(names_of(all)));
 }
 
 }  // namespace

@@ -23,18 +23,15 @@ struct FrameInHand {
   const UnposedSpace::Frame& space;
 };
 
-// A modifier that knows all it needs.
-class ShapeModifier {
- public:
-  virtual ~ShapeModifier() = default;
-  // Changes the offsets (V x 3, un-posed, metres) of one frame. Mask, strength, selection and frozen parts are seen to
-  // by the stack. On any thread.
-  virtual void apply(const FrameInHand& frame, Positions& offsets) const = 0;
+// A modifier that knows all it needs. Its functions are called on any thread.
+struct ShapeModifier {
   // A hash of all that apply() makes of a frame's pose and offsets depends on: what was worked out is known again by
-  // it. None: it leaves the frame as it is. On any thread.
-  virtual std::optional<std::uint64_t> cause(std::size_t frame) const = 0;
-  // What whoever reads the shapes should know, after the modifier's name; mostly nothing.
-  virtual std::string note() const { return ""; }
+  // it. None: it leaves the frame as it is.
+  std::function<std::optional<std::uint64_t>(std::size_t frame)> cause{};
+  // Changes the offsets (V x 3, un-posed, metres) of one frame. Mask, strength, selection and frozen parts are seen to
+  // by the stack.
+  std::function<void(const FrameInHand& frame, Positions& offsets)> apply{};
+  std::string note{};  // what whoever reads the shapes should know, after the modifier's name; mostly nothing
 };
 
 struct ModifierInput {
@@ -56,12 +53,12 @@ struct ModifierType {
   enum class Effect { shape, drop, weight, freeze, mirror };
   const char* name;
   const char* what;  // one line
-  Effect effect;
-  bool automatic;  // leaves frozen frames and parts alone
-  bool kept;       // what it makes of a frame is cached: that takes longer to work out than to read
   std::vector<const char*> parameters;
   // With Effect::shape. Throws Error(mismatch) or Error(file) where the parameters do not fit the dataset.
-  std::unique_ptr<ShapeModifier> (*prepare)(const ModifierInput& input);
+  ShapeModifier (*prepare)(const ModifierInput& input);
+  bool automatic = false;  // leaves frozen frames and parts alone
+  bool kept = false;       // what it makes of a frame is cached: that takes longer to work out than to read
+  Effect effect = Effect::shape;
 };
 
 std::span<const ModifierType> modifier_types();
@@ -71,14 +68,14 @@ const ModifierType* find_modifier_type(const std::string& name);
 // A number of the parameters, `usual` where it is not named.
 double parameter(const ModifierInput& input, const char* key, double usual, double low, double high);
 
-std::unique_ptr<ShapeModifier> prepare_sculpt(const ModifierInput& input);
-std::unique_ptr<ShapeModifier> prepare_smooth(const ModifierInput& input);
-std::unique_ptr<ShapeModifier> prepare_relax(const ModifierInput& input);
-std::unique_ptr<ShapeModifier> prepare_volume(const ModifierInput& input);
-std::unique_ptr<ShapeModifier> prepare_blend(const ModifierInput& input);
-std::unique_ptr<ShapeModifier> prepare_detail(const ModifierInput& input);
-std::unique_ptr<ShapeModifier> prepare_inflate(const ModifierInput& input);
-std::unique_ptr<ShapeModifier> prepare_despike(const ModifierInput& input);
-std::unique_ptr<ShapeModifier> prepare_consistency(const ModifierInput& input);
+ShapeModifier prepare_sculpt(const ModifierInput& input);
+ShapeModifier prepare_smooth(const ModifierInput& input);
+ShapeModifier prepare_relax(const ModifierInput& input);
+ShapeModifier prepare_volume(const ModifierInput& input);
+ShapeModifier prepare_blend(const ModifierInput& input);
+ShapeModifier prepare_detail(const ModifierInput& input);
+ShapeModifier prepare_inflate(const ModifierInput& input);
+ShapeModifier prepare_despike(const ModifierInput& input);
+ShapeModifier prepare_consistency(const ModifierInput& input);
 
 }  // namespace bodyopt

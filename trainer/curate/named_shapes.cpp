@@ -58,13 +58,9 @@ void NamedShapes::open_dataset_frames(const fs::path& dataset, const std::string
   std::shared_ptr<const UnposedSpace> space = space_of ? space_of(read) : nullptr;
   stack_ = std::make_shared<const ShapeStack>(std::move(read), std::move(space));
   const PoseDatabase& database = stack_->database();
-  const auto found = std::find(database.takes.begin(), database.takes.end(), take);
-  if (!take.empty() && found == database.takes.end()) {
-    throw Error(ErrorKind::mismatch,
-                name_ + ": the dataset has no take '" + take + "'; it has " + list_names(database.takes));
-  }
+  const int number = take.empty() ? -1 : database.take_named(take, name_);
   for (std::size_t n = 0; n < database.frames.size(); ++n) {
-    const bool is_asked = take.empty() || database.frames[n].take == found - database.takes.begin();
+    const bool is_asked = take.empty() || database.frames[n].take == number;
     if (is_asked && !stack_->is_dropped(n)) numbers_.push_back(n);
   }
   if (numbers_.empty()) throw Error(ErrorKind::mismatch, name_ + ": no frame of it is solved and not dropped");

@@ -60,14 +60,17 @@ Positions PoseDatabase::raw_shape(std::size_t frame) const {
   return welded_from_output(character, readers[static_cast<std::size_t>(of.take)]->sample(of.sample).data());
 }
 
+int PoseDatabase::take_named(const std::string& name, const std::string& place) const {
+  const auto found = std::ranges::find(takes, name);
+  if (found != takes.end()) return static_cast<int>(found - takes.begin());
+  throw Error(ErrorKind::mismatch, place + ": the dataset has no take '" + name + "'; it has " + list_names(takes));
+}
+
 std::size_t PoseDatabase::find(const std::string& take, int frame, const std::string& place) const {
-  const auto name = std::find(takes.begin(), takes.end(), take);
-  if (name == takes.end()) {
-    throw Error(ErrorKind::mismatch, place + ": the dataset has no take '" + take + "'; it has " + list_names(takes));
-  }
+  const int number = take_named(take, place);
   std::vector<int> below, above;
   for (std::size_t n = 0; n < frames.size(); ++n) {
-    if (frames[n].take != name - takes.begin()) continue;
+    if (frames[n].take != number) continue;
     if (frames[n].frame == frame) return n;
     (frames[n].frame < frame ? below : above).push_back(frames[n].frame);
   }

@@ -38,6 +38,8 @@ struct PoseDatabase {
   std::string name_of(std::size_t frame) const { return take_of(frame) + " " + std::to_string(frames[frame].frame); }
   // V x 3, welded, posed, metres, as the cache has it. On any thread. Throws Error(file) at a damaged sample.
   Positions raw_shape(std::size_t frame) const;
+  // Number of a take; throws Error(mismatch), naming `place`, where there is none of the name.
+  int take_named(const std::string& name, const std::string& place) const;
   // Index of a frame by its take's name and its number; throws Error(mismatch), naming `place`, where there is none.
   std::size_t find(const std::string& take, int frame, const std::string& place) const;
 };

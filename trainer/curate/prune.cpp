@@ -82,7 +82,7 @@ void bound_cache(const fs::path& folder, std::uint64_t bytes, const fs::path& ke
     sum += cache.size;
     if (file != kept) caches.push_back(cache);
   }
-  std::sort(caches.begin(), caches.end(), [](const Cache& a, const Cache& b) { return a.used < b.used; });
+  std::ranges::sort(caches, {}, &Cache::used);
   PrunedFiles pruned;
   for (std::size_t k = 0; k < caches.size() && sum > bytes; ++k) {
     remove_file(caches[k].path, pruned);

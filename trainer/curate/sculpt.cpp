@@ -4,28 +4,15 @@
 #include "trainer/curate/sculpted_frames.h"
 
 namespace bodyopt {
-namespace {
 
-class Sculpt : public ShapeModifier {
- public:
-  explicit Sculpt(SculptedFrames sculpted) : sculpted_(std::move(sculpted)) {}
-
-  std::optional<std::uint64_t> cause(std::size_t frame) const override {
-    const Positions sum = sculpted_.sum(frame);
-    if (sum.isZero(0)) return std::nullopt;
-    return hash_of(sum);
-  }
-
-  void apply(const FrameInHand& frame, Positions& offsets) const override { offsets += sculpted_.sum(frame.number); }
-
- private:
-  SculptedFrames sculpted_;
-};
-
-}  // namespace
-
-std::unique_ptr<ShapeModifier> prepare_sculpt(const ModifierInput& input) {
-  return std::make_unique<Sculpt>(SculptedFrames(input.database, input.parameters, input.place));
+ShapeModifier prepare_sculpt(const ModifierInput& input) {
+  const auto sculpted = std::make_shared<const SculptedFrames>(input.database, input.parameters, input.place);
+  return {.cause = [=](std::size_t frame) -> std::optional<std::uint64_t> {
+            const Positions sum = sculpted->sum(frame);
+            if (sum.isZero(0)) return std::nullopt;
+            return hash_of(sum);
+          },
+          .apply = [=](const FrameInHand& frame, Positions& offsets) { offsets += sculpted->sum(frame.number); }};
 }
 
 }  // namespace bodyopt

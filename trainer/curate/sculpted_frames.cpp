@@ -32,16 +32,6 @@ SculptedFrame read_sculpt(const PoseDatabase& database, const JsonObject& sculpt
           welded_from_output(character, reader.sample(0).data())};
 }
 
-std::vector<std::uint32_t> read_joints(const Character& character, const JsonObject& parameters,
-                                       const std::string& place) {
-  std::vector<std::string> names;
-  for (const Json& name : parameters.array("joints")) {
-    if (!name.is_string()) parameters.refuse("'joints' is not a list of names");
-    names.push_back(name.get<std::string>());
-  }
-  return joints_named(character.skeleton, names, place);
-}
-
 }  // namespace
 
 SculptedFrames::SculptedFrames(const PoseDatabase& database, const JsonObject& parameters, const std::string& place)
@@ -51,7 +41,9 @@ SculptedFrames::SculptedFrames(const PoseDatabase& database, const JsonObject& p
   for (const Json& sculpt : parameters.array("sculpts")) {
     sculpts_.push_back(read_sculpt(database, JsonObject(sculpt, path, place + ": a sculpt"), place));
   }
-  if (parameters.has("joints")) named_joints_ = read_joints(database.character, parameters, place);
+  if (parameters.has("joints")) {
+    named_joints_ = joints_named(database.character.skeleton, parameters.names("joints"), place);
+  }
   choose_joints();
 }
 

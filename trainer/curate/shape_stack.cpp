@@ -22,7 +22,7 @@ struct ShapeStack::Layer {
   bool kept = false;
   std::vector<char> selected;
   Eigen::VectorXd mask;
-  std::unique_ptr<ShapeModifier> shape{};
+  ShapeModifier shape{};
   std::uint64_t identity = 0;  // a hash of its type, strength and mask
 };
 
@@ -53,6 +53,19 @@ std::uint64_t identity_of(const Modifier& modifier, const Eigen::VectorXd& mask)
   hash.append(mask.data(), static_cast<std::size_t>(mask.size()) * sizeof(double));
   return hash.value();
 }
+
+void require_known_parameters(const Modifier& modifier, const ModifierType& type, const std::string& name) {
+  for (const auto& [key, value] : modifier.parameters.items()) {
+    const bool known = std::any_of(type.parameters.begin(), type.parameters.end(),
+                                   [&k = key](const char* there) { return k == there; });
+    if (known) continue;
+    const std::vector<std::string> names(type.parameters.begin(), type.parameters.end());
+    throw Error(ErrorKind::mismatch, name + " has no parameter '" + key + "': misspelt? " +
+                                         (names.empty() ? "Its type has none" : "Its type has " + list_names(names)));
+  }
+}
+
+std::string modifier_name(const Modifier& modifier) { return "modifier '" + modifier.name + "'"; }
 
 }  // namespace
 
@@ -89,23 +102,6 @@ const UnposedSpace& ShapeStack::space() const {
   });
   return *space_;
 }
-
-namespace {
-
-void require_known_parameters(const Modifier& modifier, const ModifierType& type, const std::string& name) {
-  for (const auto& [key, value] : modifier.parameters.items()) {
-    const bool known = std::any_of(type.parameters.begin(), type.parameters.end(),
-                                   [&k = key](const char* there) { return k == there; });
-    if (known) continue;
-    const std::vector<std::string> names(type.parameters.begin(), type.parameters.end());
-    throw Error(ErrorKind::mismatch, name + " has no parameter '" + key + "': misspelt? " +
-                                         (names.empty() ? "Its type has none" : "Its type has " + list_names(names)));
-  }
-}
-
-std::string modifier_name(const Modifier& modifier) { return "modifier '" + modifier.name + "'"; }
-
-}  // namespace
 
 void ShapeStack::check_scope(const PoseDatabase& database, const Modifier& modifier) {
   require_known_parameters(modifier, *find_modifier_type(modifier.type), modifier_name(modifier));
@@ -144,7 +140,7 @@ void ShapeStack::add_shape(std::size_t place, Layer layer, const ModifierType& t
   layer.shape = type.prepare({database_, *space_, parameters, layer.name, layer.selected, frozen, layer.mask,
                               [this, place](std::size_t frame) { return offsets(frame, place); },
                               [this, place](std::size_t frame) { return key(frame, place); }, cache_});
-  if (const std::string note = layer.shape->note(); !note.empty()) notes_.push_back(layer.name + " " + note);
+  if (!layer.shape.note.empty()) notes_.push_back(layer.name + " " + layer.shape.note);
   layers_.push_back(std::move(layer));
 }
 
@@ -212,7 +208,7 @@ std::vector<ShapeStack::Change> ShapeStack::changes_of(std::size_t frame, std::s
   for (const Layer& layer : layers_) {
     const bool acts = layer.place < count && layer.selected[frame] && !(stays && layer.automatic);
     if (!acts) continue;
-    if (const std::optional<std::uint64_t> cause = layer.shape->cause(frame)) changes.push_back({&layer, *cause});
+    if (const std::optional<std::uint64_t> cause = layer.shape.cause(frame)) changes.push_back({&layer, *cause});
   }
   return changes;
 }
@@ -277,7 +273,7 @@ Positions ShapeStack::begun(std::size_t frame) const {
 
 void ShapeStack::apply(const Layer& layer, const FrameInHand& frame, Positions& offsets) const {
   Positions changed = offsets;
-  layer.shape->apply(frame, changed);
+  layer.shape.apply(frame, changed);
   Eigen::VectorXd share = layer.modifier->strength * layer.mask;
   if (layer.automatic && !freezes_.empty()) share.array() *= 1 - frozen_part(frame.number).array();
   const Positions change = changed - offsets;

@@ -4,24 +4,13 @@
 #include "trainer/curate/modifier_type.h"
 
 namespace bodyopt {
-namespace {
 
-class Smooth : public ShapeModifier {
- public:
-  Smooth(const Character& character, double radius)
-      : radius_(radius), smoother_(character.vertices, character.triangles, radius) {}
-  std::optional<std::uint64_t> cause(std::size_t) const override { return hash_of(radius_); }
-  void apply(const FrameInHand&, Positions& offsets) const override { offsets = smoother_(offsets); }
-
- private:
-  double radius_;  // metres
-  SkinSmoother smoother_;
-};
-
-}  // namespace
-
-std::unique_ptr<ShapeModifier> prepare_smooth(const ModifierInput& input) {
-  return std::make_unique<Smooth>(input.database.character, 1e-3 * parameter(input, "radius_mm", 10, 0.01, 1000));
+ShapeModifier prepare_smooth(const ModifierInput& input) {
+  const Character& character = input.database.character;
+  const double radius = 1e-3 * parameter(input, "radius_mm", 10, 0.01, 1000);  // metres
+  const auto smoother = std::make_shared<const SkinSmoother>(character.vertices, character.triangles, radius);
+  return {.cause = [=](std::size_t) { return hash_of(radius); },
+          .apply = [=](const FrameInHand&, Positions& offsets) { offsets = (*smoother)(offsets); }};
 }
 
 }  // namespace bodyopt

@@ -18,7 +18,6 @@
 #include "trainer/dynamics/lowest_frequency.h"
 #include "trainer/dynamics/tet_quality.h"
 #include "trainer/train/skinning/mesh_table.h"
-#include "trainer/train/skinning/same_character.h"
 
 namespace bodyopt {
 namespace {
@@ -114,8 +113,8 @@ BuiltDynamics build_dynamics(const Character& character, const std::vector<Muscl
   JiggleAnatomy anatomy = find_anatomy(ordered, field, muscles.size(), tets.cage, options.materials);
   const JiggleFields fields =
       spread_settings(options.settings, ordered, muscles, in_runtime_order(options.painted, order), tets, anatomy);
-  anatomy.bone_springs +=
-      core_springs(ordered.vertices, ordered.triangles, tets.cage, fields.flesh, bone_stiffness(options.materials, mesh));
+  anatomy.bone_springs += core_springs(ordered.vertices, ordered.triangles, tets.cage, fields.flesh,
+                                       bone_stiffness(options.materials, mesh));
   progress.advance();
   std::vector<std::string> notes;
   if (!tets.cage.mending.empty()) notes.push_back("the skin was mended for the tetrahedra alone: " + tets.cage.mending);

@@ -38,13 +38,6 @@ std::vector<std::size_t> matches(const std::vector<std::string>& names, const Ji
                                        ": misspelt, or made for another character?");
 }
 
-template <typename List>
-std::vector<std::string> names_of(const List& list) {
-  std::vector<std::string> names;
-  for (const auto& entry : list) names.push_back(entry.name);
-  return names;
-}
-
 std::vector<std::size_t> joints_of(const JiggleRegion& region, const Character& character,
                                    const JiggleSettings& settings) {
   return matches(names_of(character.skeleton.joints), region, "joint", settings);

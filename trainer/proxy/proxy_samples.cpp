@@ -7,7 +7,6 @@
 #include "runtime/deformer/deformer.h"
 #include "runtime/host/device_choice.h"
 #include "trainer/train/skinning/mesh_table.h"
-#include "trainer/train/skinning/same_character.h"
 
 namespace bodyopt {
 namespace {

@@ -22,11 +22,7 @@ class BodyCarrier {
 
   // The nearest joint that the target has, at or above `joint` of the source; -1 for none.
   int joint_of(std::uint32_t joint) const {
-    int j = static_cast<int>(joint);
-    while (j >= 0 && pair_.match.target_joint[static_cast<std::size_t>(j)] < 0) {
-      j = pair_.source.skeleton.joints[static_cast<std::size_t>(j)].parent;
-    }
-    return j;
+    return matched_at_or_above(pair_.source.skeleton, pair_.match.target_joint, static_cast<int>(joint));
   }
 
   double size_at(int source_joint) const { return warp_[static_cast<std::size_t>(source_joint)].size; }

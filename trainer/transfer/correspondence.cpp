@@ -14,7 +14,6 @@
 #include "runtime/core/error.h"
 #include "runtime/cpu/ddm_frames.h"
 #include "runtime/host/rig.h"
-#include "trainer/transfer/joint_shares.h"
 #include "trainer/transfer/joint_warp.h"
 
 namespace bodyopt {
@@ -168,13 +167,8 @@ struct Look {
   JointShares shares;
 
   double alike(Eigen::Index vertex, const Look& other, const SkinPoint& at) const {
-    Eigen::RowVectorXd mixed = Eigen::RowVectorXd::Zero(shares.cols());
-    Eigen::Vector3d normal = Eigen::Vector3d::Zero();
-    for (int k = 0; k < 3; ++k) {
-      const std::uint32_t corner = at.vertices[static_cast<std::size_t>(k)];
-      mixed += at.weights[k] * other.shares.row(corner);
-      normal += at.weights[k] * other.normals.row(corner).transpose();
-    }
+    const Eigen::RowVectorXd mixed = at_point(other.shares, at);
+    const Eigen::Vector3d normal = at_point(other.normals, at);
     const double angle = normals.row(vertex).normalized().dot(normal.normalized().transpose());
     return std::max(0.0, angle) * mixed.cwiseMin(shares.row(vertex)).sum();
   }
@@ -284,10 +278,7 @@ Eigen::VectorXd source_confidence(const Correspondence& correspondence, const Tr
   Eigen::VectorXd result = Eigen::VectorXd::Zero(correspondence.fitted.rows());
   parallel_for(static_cast<std::size_t>(result.size()), [&](std::size_t v) {
     const auto row = static_cast<Eigen::Index>(v);
-    const SkinPoint at = nearest(correspondence.fitted.row(row).transpose());
-    for (int k = 0; k < 3; ++k) {
-      result[row] += at.weights[k] * correspondence.confidence[at.vertices[static_cast<std::size_t>(k)]];
-    }
+    result[row] = at_point(correspondence.confidence, nearest(correspondence.fitted.row(row).transpose()));
   });
   return result;
 }
@@ -304,8 +295,7 @@ Positions place_colours(const Positions& rest) {
 Positions matched_colours(const Correspondence& correspondence, const Positions& colours) {
   Positions result = Positions::Zero(correspondence.target.rows(), 3);
   for (Eigen::Index v = 0; v < result.rows(); ++v) {
-    const SkinPoint& at = correspondence.at[static_cast<std::size_t>(v)];
-    for (int k = 0; k < 3; ++k) result.row(v) += at.weights[k] * colours.row(at.vertices[static_cast<std::size_t>(k)]);
+    result.row(v) = at_point(colours, correspondence.at[static_cast<std::size_t>(v)]);
   }
   return result;
 }

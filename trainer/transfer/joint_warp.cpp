@@ -1,19 +1,32 @@
 #include "trainer/transfer/joint_warp.h"
 
 #include "geometry/table_rows.h"
+#include "runtime/basis/joint_omegas.h"
 #include "runtime/host/rig.h"
-#include "trainer/transfer/joint_shares.h"
 
 namespace bodyopt {
 namespace {
 
-Positions joint_places(const Skeleton& skeleton, const Pose& pose) {
-  const std::vector<Affine> world = posed_joints(skeleton, pose.joints);
-  Positions places(static_cast<Eigen::Index>(world.size()), 3);
-  for (std::size_t j = 0; j < world.size(); ++j) {
-    for (int i = 0; i < 3; ++i) places(static_cast<Eigen::Index>(j), i) = world[j].m[i][3];
+// Column of every joint of a skeleton: `column` of itself, or of the nearest joint above that has one; else the first.
+std::vector<Eigen::Index> columns_of(const Skeleton& skeleton, const std::vector<int>& column) {
+  std::vector<Eigen::Index> result(skeleton.size(), 0);
+  for (std::size_t j = 0; j < skeleton.size(); ++j) {
+    const int parent = skeleton.joints[j].parent;
+    if (column[j] >= 0) {
+      result[j] = column[j];
+    } else if (parent >= 0) {
+      result[j] = result[static_cast<std::size_t>(parent)];
+    }
   }
-  return places;
+  return result;
+}
+
+JointShares shares_of(const Basis& basis, const std::vector<Eigen::Index>& columns, Eigen::Index count) {
+  JointShares shares = JointShares::Zero(basis.mesh.vertex_count(), count);
+  for (std::uint32_t v = 0; v < basis.mesh.vertex_count(); ++v) {
+    for_each_omega(basis.ddm, v, [&](std::uint32_t joint, double omega) { shares(v, columns[joint]) += omega; });
+  }
+  return shares;
 }
 
 // Per joint of the source, the lengths of its bones to the nearest matched joints below: target's over source's; 0
@@ -22,10 +35,7 @@ std::vector<double> bone_ratios(const Skeleton& source, const SkeletonMatch& mat
                                 const Positions& to) {
   std::vector<double> own(source.size(), 0.0), other = own;
   for (std::size_t j = 0; j < source.size(); ++j) {
-    int above = source.joints[j].parent;
-    while (above >= 0 && match.target_joint[static_cast<std::size_t>(above)] < 0) {
-      above = source.joints[static_cast<std::size_t>(above)].parent;
-    }
+    const int above = matched_at_or_above(source, match.target_joint, source.joints[j].parent);
     if (above < 0 || match.target_joint[j] < 0) continue;
     const auto a = static_cast<std::size_t>(above);
     own[a] += (from.row(static_cast<Eigen::Index>(j)) - from.row(above)).norm();
@@ -36,6 +46,29 @@ std::vector<double> bone_ratios(const Skeleton& source, const SkeletonMatch& mat
 }
 
 }  // namespace
+
+JointShares source_joint_shares(const Basis& source, const SkeletonMatch& match) {
+  std::vector<int> column(match.target_joint.size(), -1);
+  for (std::size_t j = 0; j < column.size(); ++j) {
+    if (match.target_joint[j] >= 0) column[j] = static_cast<int>(j);
+  }
+  return shares_of(source, columns_of(source.skeleton, column), static_cast<Eigen::Index>(source.skeleton.size()));
+}
+
+JointShares target_joint_shares(const Basis& target, const SkeletonMatch& match) {
+  return shares_of(target, columns_of(target.skeleton, match.source_joint),
+                   static_cast<Eigen::Index>(match.target_joint.size()));
+}
+
+Eigen::VectorXd share_of_matched(const Basis& basis, const std::vector<int>& match) {
+  Eigen::VectorXd shares = Eigen::VectorXd::Zero(basis.mesh.vertex_count());
+  for (std::uint32_t v = 0; v < basis.mesh.vertex_count(); ++v) {
+    for_each_omega(basis.ddm, v, [&](std::uint32_t joint, double omega) {
+      if (match[joint] >= 0) shares[v] += omega;
+    });
+  }
+  return shares;
+}
 
 std::vector<JointWarp> joint_warps(const Basis& source, const Basis& target, const SkeletonMatch& match) {
   const Positions from = joint_places(source.skeleton, bind_pose(source.skeleton)),

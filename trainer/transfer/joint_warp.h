@@ -1,4 +1,5 @@
-// Where the joints alone would bring the source's body on the target.
+// How much of each vertex the joints hold that both characters have, and where they alone would bring the source's
+// body.
 #pragma once
 
 #include <vector>
@@ -8,6 +9,16 @@
 #include "trainer/transfer/match_skeletons.h"
 
 namespace bodyopt {
+
+// V x joints of the source: the omegas of Direct Delta Mush, each row summing to 1. Joints that the other does not have
+// count as the nearest above them that it has.
+using JointShares = Eigen::MatrixXd;
+
+JointShares source_joint_shares(const Basis& source, const SkeletonMatch& match);
+JointShares target_joint_shares(const Basis& target, const SkeletonMatch& match);
+
+// V: of each vertex, what joints hold that have a match themselves; `match`: per joint of the basis, -1 for none.
+Eigen::VectorXd share_of_matched(const Basis& basis, const std::vector<int>& match);
 
 // x -> to + size (x - from), from the source's rest to the common pose, metres.
 struct JointWarp {

@@ -29,18 +29,6 @@ using Points = Eigen::Matrix3Xd;
 Eigen::Quaterniond quaternion_of(const Quat& q) { return {q[3], q[0], q[1], q[2]}; }
 Quat quat_of(const Eigen::Quaterniond& q) { return normalized({q.x(), q.y(), q.z(), q.w()}); }
 
-std::vector<JointTransform> bind_locals(const Skeleton& skeleton) { return bind_pose(skeleton).joints; }
-
-// 3 x J, world.
-Points bind_positions(const Skeleton& skeleton) {
-  const std::vector<Affine> world = posed_joints(skeleton, bind_locals(skeleton));
-  Points points(3, static_cast<Eigen::Index>(world.size()));
-  for (std::size_t j = 0; j < world.size(); ++j) {
-    for (int i = 0; i < 3; ++i) points(i, static_cast<Eigen::Index>(j)) = world[j].m[i][3];
-  }
-  return points;
-}
-
 struct RigidFit {
   Eigen::Matrix3d rotation;
   double size = 1;
@@ -114,8 +102,8 @@ class SkeletonAligner {
   SkeletonAligner(const Skeleton& source, const Skeleton& target, SkeletonMatch& match)
       : target_(target),
         match_(match),
-        from_(bind_positions(target)),
-        to_(bind_positions(source)),
+        from_(joint_places(target, bind_pose(target)).transpose()),
+        to_(joint_places(source, bind_pose(source)).transpose()),
         roles_(joint_roles(named_joints(target))),
         source_roles_(joint_roles(named_joints(source))) {
     collect_bones();
@@ -139,10 +127,7 @@ class SkeletonAligner {
     double own = 0, other = 0;
     for (std::size_t j = 0; j < target_.size(); ++j) {
       if (match_.source_joint[j] < 0) continue;
-      int above = target_.joints[j].parent;
-      while (above >= 0 && match_.source_joint[static_cast<std::size_t>(above)] < 0) {
-        above = target_.joints[static_cast<std::size_t>(above)].parent;
-      }
+      const int above = matched_at_or_above(target_, match_.source_joint, target_.joints[j].parent);
       if (above < 0) continue;
       const auto a = static_cast<std::size_t>(above);
       const Eigen::Vector3d from = at(from_, j) - at(from_, a), to = source_at(j) - source_at(a);
@@ -304,6 +289,22 @@ SkeletonMatch completed(SkeletonMatch match, const Skeleton& source, const Skele
 
 bool SkeletonMatch::is_aligned() const {
   return std::any_of(alignment.begin(), alignment.end(), [](const Quat& q) { return q != Quat{0, 0, 0, 1}; });
+}
+
+int matched_at_or_above(const Skeleton& skeleton, const std::vector<int>& match, int joint) {
+  while (joint >= 0 && match[static_cast<std::size_t>(joint)] < 0) {
+    joint = skeleton.joints[static_cast<std::size_t>(joint)].parent;
+  }
+  return joint;
+}
+
+Positions joint_places(const Skeleton& skeleton, const Pose& pose) {
+  const std::vector<Affine> world = posed_joints(skeleton, pose.joints);
+  Positions places(static_cast<Eigen::Index>(world.size()), 3);
+  for (std::size_t j = 0; j < world.size(); ++j) {
+    for (int i = 0; i < 3; ++i) places(static_cast<Eigen::Index>(j), i) = world[j].m[i][3];
+  }
+  return places;
 }
 
 Json to_json(const SkeletonMatch& match, const Skeleton& source, const Skeleton& target) {

@@ -33,6 +33,12 @@ struct SkeletonMatch {
 // match_joints().
 SkeletonMatch match_skeletons(const Skeleton& source, const Skeleton& target, const std::string& joint_map);
 
+// The nearest joint at or above one (-1: of none) that has a match; -1 for none. `match`: per joint of the skeleton.
+int matched_at_or_above(const Skeleton& skeleton, const std::vector<int>& match, int joint);
+
+// J x 3, world: of a skeleton's joints in a pose.
+Positions joint_places(const Skeleton& skeleton, const Pose& pose);
+
 // Which joints are the same, for the metadata of what is carried (assets/matched_joints.h).
 Json to_json(const SkeletonMatch& match, const Skeleton& source, const Skeleton& target);
 

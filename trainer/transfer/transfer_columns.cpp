@@ -40,8 +40,7 @@ struct BlockOfColumn {
 
 // Sorts by rising energy, and gives how many of the least have no more than `allowed` together.
 std::size_t least_worth(std::vector<BlockOfColumn>& entries, double allowed) {
-  std::stable_sort(entries.begin(), entries.end(),
-                   [](const BlockOfColumn& a, const BlockOfColumn& b) { return a.energy < b.energy; });
+  std::ranges::stable_sort(entries, {}, &BlockOfColumn::energy);
   std::size_t count = 0;
   for (double sum = 0; count < entries.size(); ++count) {
     sum += entries[count].energy;
@@ -144,9 +143,7 @@ std::vector<float> coefficients_at(const ResidualTable& residual, const std::vec
 
 // The nearest joint at or above `joint` that both have, of the target; -1 for none.
 int target_at_or_above(const Skeleton& source, const SkeletonMatch& match, int joint) {
-  while (joint >= 0 && match.target_joint[static_cast<std::size_t>(joint)] < 0) {
-    joint = source.joints[static_cast<std::size_t>(joint)].parent;
-  }
+  joint = matched_at_or_above(source, match.target_joint, joint);
   return joint < 0 ? -1 : match.target_joint[static_cast<std::size_t>(joint)];
 }
 

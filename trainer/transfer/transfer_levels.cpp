@@ -84,22 +84,16 @@ class SkinLayer {
     result.vertices.resize(rest.rows(), 3);
     for (Eigen::Index v = 0; v < rest.rows(); ++v) {
       const SkinPoint at = place_of(rest.row(v).transpose());
-      result.vertices.row(v) = mixed(target_.vertices, at);
+      result.vertices.row(v) = at_point(target_.vertices, at);
       result.weights.push_back(mixed_weights(at));
     }
     return result;
   }
 
  private:
-  static Eigen::RowVector3d mixed(const Positions& rows, const SkinPoint& at) {
-    Eigen::RowVector3d sum = Eigen::RowVector3d::Zero();
-    for (int k = 0; k < 3; ++k) sum += at.weights[k] * rows.row(at.vertices[static_cast<std::size_t>(k)]);
-    return sum;
-  }
-
   // Of a point of the source's skin at rest: where on the target's, in the order of its file.
   SkinPoint place_of(const Eigen::Vector3d& point) const {
-    SkinPoint at = on_target_(mixed(pair_.correspondence.fitted, on_source_(point)).transpose());
+    SkinPoint at = on_target_(at_point(pair_.correspondence.fitted, on_source_(point)).transpose());
     for (std::uint32_t& vertex : at.vertices) vertex = order_[vertex];
     return at;
   }

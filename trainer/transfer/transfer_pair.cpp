@@ -7,7 +7,6 @@
 #include "geometry/laplacian.h"
 #include "geometry/table_rows.h"
 #include "trainer/train/skinning/ddm_basis.h"
-#include "trainer/transfer/joint_shares.h"
 #include "trainer/transfer/joint_warp.h"
 
 namespace bodyopt {

@@ -5,7 +5,7 @@
 
 #include "geometry/laplacian.h"
 #include "geometry/table_rows.h"
-#include "trainer/transfer/joint_shares.h"
+#include "trainer/transfer/joint_warp.h"
 
 namespace bodyopt {
 namespace {
@@ -73,8 +73,7 @@ std::vector<TransferPart> transfer_parts(const Basis& source, const Basis& targe
         part.confidence < kSureMean || build > std::log(kOtherBuild) || part.unevenness > kUnevenStretch;
     list.push_back(part);
   }
-  std::stable_sort(list.begin(), list.end(),
-                   [](const TransferPart& a, const TransferPart& b) { return a.confidence < b.confidence; });
+  std::ranges::stable_sort(list, {}, &TransferPart::confidence);
   return list;
 }
 

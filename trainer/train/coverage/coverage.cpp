@@ -45,6 +45,19 @@ std::vector<double> means_at(const std::vector<std::size_t>& closest, const std:
   return centres > 0 ? sums : std::vector<double>{mean};
 }
 
+// Positions of the values in ascending order; equal values share the mean of theirs.
+std::vector<double> ranks(const std::vector<double>& values) {
+  std::vector<std::size_t> order(values.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return values[a] < values[b]; });
+  std::vector<double> result(values.size());
+  for (std::size_t begin = 0, end = 0; begin < order.size(); begin = end) {
+    while (end < order.size() && values[order[end]] == values[order[begin]]) ++end;
+    for (std::size_t k = begin; k < end; ++k) result[order[k]] = 0.5 * static_cast<double>(begin + end - 1);
+  }
+  return result;
+}
+
 }  // namespace
 
 ErrorModel calibrate(const RegressionData& data, const Regression& regression, const std::vector<double>& left,
@@ -107,23 +120,6 @@ std::vector<ExpectedError> expected_errors(const Basis& basis, const std::vector
   });
   return results;
 }
-
-namespace {
-
-// Positions of the values in ascending order; equal values share the mean of theirs.
-std::vector<double> ranks(const std::vector<double>& values) {
-  std::vector<std::size_t> order(values.size());
-  std::iota(order.begin(), order.end(), std::size_t{0});
-  std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return values[a] < values[b]; });
-  std::vector<double> result(values.size());
-  for (std::size_t begin = 0, end = 0; begin < order.size(); begin = end) {
-    while (end < order.size() && values[order[end]] == values[order[begin]]) ++end;
-    for (std::size_t k = begin; k < end; ++k) result[order[k]] = 0.5 * static_cast<double>(begin + end - 1);
-  }
-  return result;
-}
-
-}  // namespace
 
 double root_mean_square(const std::vector<double>& values) {
   double sum = 0;

@@ -21,12 +21,10 @@ Eigen::VectorXd some_direction(Index count) {
 
 // Root mean square over the region of a displacement.
 double size_in(const RegionWeights& region, const Eigen::RowVectorXf& row) {
-  double sum = 0, weights = 0;
-  for (std::size_t v = 0; v < region.vertices.size(); ++v) {
-    sum += region.weights[v] * double{row.segment<3>(3 * Index{region.vertices[v]}).squaredNorm()};
-    weights += region.weights[v];
-  }
-  return std::sqrt(sum / weights);
+  const auto square = [&](std::size_t k) {
+    return double{row.segment<3>(3 * Index{region.vertices[k]}).squaredNorm()};
+  };
+  return std::sqrt(mean_over(region, square));
 }
 
 }  // namespace
@@ -62,7 +60,7 @@ std::vector<FramePair> frames_of_one_pose(const Eigen::MatrixXd& features) {
       if (frame != first) pairs.push_back({static_cast<std::size_t>(first), static_cast<std::size_t>(frame)});
     }
   }
-  std::sort(pairs.begin(), pairs.end(), [](const FramePair& a, const FramePair& b) { return a.second < b.second; });
+  std::ranges::sort(pairs, {}, &FramePair::second);
   return pairs;
 }
 

@@ -91,9 +91,7 @@ SampleShape SampleShape::at(std::shared_ptr<const VertexRows> rows) const {
 Positions SampleShape::read() const {
   if (!rows_) return whole();
   const Positions all = whole();
-  Positions some(static_cast<Eigen::Index>(rows_->size()), 3);
-  for (std::size_t k = 0; k < rows_->size(); ++k) some.row(static_cast<Eigen::Index>(k)) = all.row((*rows_)[k]);
-  return some;
+  return all(*rows_, Eigen::all);
 }
 
 Positions SampleShape::whole() const {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "base/rows_where.h"
 #include "trainer/train/regression/projection.h"
 #include "trainer/train/regression/select_features.h"
 
@@ -44,8 +45,7 @@ std::vector<Index> columns_of(const std::vector<SelectedFeature>& selected) {
 // By column.
 std::vector<SelectedFeature> selected_features(const MatrixXd& values, const MatrixXd& targets, std::size_t most) {
   std::vector<SelectedFeature> selected = select_features(values, targets, most);
-  std::sort(selected.begin(), selected.end(),
-            [](const SelectedFeature& a, const SelectedFeature& b) { return a.column < b.column; });
+  std::ranges::sort(selected, {}, &SelectedFeature::column);
   return selected;
 }
 
@@ -62,14 +62,6 @@ void take_features(const MatrixXd& values, const MatrixXd& motion, const std::ve
   model.projection = projection(values(Eigen::all, columns_of(selected)), motion);
 }
 
-std::vector<Index> frames_not_in(const std::vector<int>& folds, int fold) {
-  std::vector<Index> frames;
-  for (std::size_t n = 0; n < folds.size(); ++n) {
-    if (folds[n] >= 0 && folds[n] != fold) frames.push_back(static_cast<Index>(n));
-  }
-  return frames;
-}
-
 // What features and coordinates that the other folds choose leave of every fold, square metres; with a quarter of the
 // centres, which ranks choices as all of them do.
 double few_frames_error(const MatrixXd& values, const MatrixXd& motion, const MatrixXd& targets,
@@ -77,7 +69,7 @@ double few_frames_error(const MatrixXd& values, const MatrixXd& motion, const Ma
   double error = 0;
   const int last = *std::max_element(folds.begin(), folds.end());
   for (int fold = 0; fold <= last; ++fold) {
-    const std::vector<Index> others = frames_not_in(folds, fold);
+    const std::vector<Index> others = rows_where(folds, [&](int of) { return of >= 0 && of != fold; });
     const MatrixXd known = values(others, Eigen::all), moved = motion(others, Eigen::all);
     const std::vector<Index> columns = columns_of(selected_features(known, moved, most));
     const MatrixXd map = projection(known(Eigen::all, columns), moved);
@@ -137,8 +129,7 @@ bool has_strains(const std::vector<std::uint32_t>& choice, const StrainFeatures&
 }
 
 double least_error(const RegionModel& model) {
-  const auto less = [](const Regression& a, const Regression& b) { return a.validation_error < b.validation_error; };
-  return std::min_element(model.fits.begin(), model.fits.end(), less)->validation_error;
+  return std::ranges::min_element(model.fits, {}, &Regression::validation_error)->validation_error;
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <array>
 
 #include "base/parallel.h"
+#include "base/rows_where.h"
 #include "runtime/host/fade.h"
 #include "runtime/host/rig.h"
 #include "trainer/train/features/joint_manifold.h"
@@ -100,14 +101,6 @@ std::vector<int> parts_of(std::size_t frames) {
   return parts;
 }
 
-std::vector<Index> frames_of(const std::vector<int>& parts, int part, bool inside) {
-  std::vector<Index> frames;
-  for (std::size_t n = 0; n < parts.size(); ++n) {
-    if ((parts[n] == part) == inside) frames.push_back(static_cast<Index>(n));
-  }
-  return frames;
-}
-
 std::vector<FeatureRange> shown_ranges(const RawFeatures& frames) {
   std::vector<FeatureRange> ranges(static_cast<std::size_t>(frames.cols()));
   for (Index k = 0; k < frames.cols(); ++k) {
@@ -124,7 +117,8 @@ Eigen::MatrixXd frames_off(const Groundwork& ground, const std::vector<int>& fol
   const RawFeatures joints = ground.features.raw.leftCols(joint_feature_count(skeleton));
   Eigen::MatrixXd off(joints.rows(), static_cast<Index>(table.region_begin.size()) - 1);
   for (int part = 0; part < kParts; ++part) {
-    const std::vector<Index> others = frames_of(parts, part, false), own = frames_of(parts, part, true);
+    const std::vector<Index> others = rows_where(parts, [&](int of) { return of != part; }),
+                             own = rows_where(parts, [&](int of) { return of == part; });
     const RawFeatures shown = joints(others, Eigen::all);
     std::vector<int> others_folds;
     for (const Index n : others) others_folds.push_back(folds[static_cast<std::size_t>(n)]);

@@ -14,9 +14,6 @@ namespace bodyopt {
 // training, as strongly as fade_strengths() says.
 FadeTable fade_table(const Groundwork& ground, const std::vector<RegionModel>& regions, const std::vector<int>& folds);
 
-// That of some of its regions, ascending.
-FadeTable fade_of(const FadeTable& table, const std::vector<std::size_t>& regions);
-
 // How strongly it fades: what the weights of each region in a fade table are to be multiplied by: 4, or as much less as
 // frames ask for that are as far off as those of another shot. Fifths of the frames, one after the other, are left out;
 // the others say what was shown, and what fits of them predict of the fifth is faded by it. The strongest fade stays

@@ -5,6 +5,7 @@
 #include <set>
 
 #include "assets/wording.h"
+#include "base/rows_where.h"
 #include "trainer/train/fit/surface_curves.h"
 #include "trainer/train/pack/trade_off.h"
 #include "trainer/train/skinning/ddm_basis.h"
@@ -32,7 +33,8 @@ std::vector<int> frames_in(const std::vector<std::uint64_t>& earlier, const std:
 StagedFit::StagedFit(const SampleSet& set, const TrainOptions& options, std::vector<std::string>& notes)
     : set_(set), options_(options), notes_(notes), store_(options.keep_in) {
   if (store_.keeps()) look_back();
-  curves_ = choose_curves();
+  if (options.surface_curves == 0 || !options.method.strains) return;
+  curves_ = updates_ ? earlier_->curves : surface_curves(set, options);
 }
 
 void StagedFit::look_back() {
@@ -90,11 +92,6 @@ bool StagedFit::can_update() const {
   return true;
 }
 
-std::vector<Muscle> StagedFit::choose_curves() const {
-  if (options_.surface_curves == 0 || !options_.method.strains) return {};
-  return updates_ ? earlier_->curves : surface_curves(set_, options_);
-}
-
 TrainOptions StagedFit::options() const {
   TrainOptions options = options_;
   if (updates_) options.smoothing_radius = earlier_->smoothing_radius;
@@ -110,10 +107,7 @@ EarlierFeatures StagedFit::earlier_features() const {
 bool StagedFit::suits(const Groundwork& ground) const {
   if (!updates_) return true;
   const Eigen::MatrixXd& values = ground.features.values;
-  std::vector<Eigen::Index> known;
-  for (std::size_t n = 0; n < earlier_frames_.size(); ++n) {
-    if (earlier_frames_[n] >= 0) known.push_back(static_cast<Eigen::Index>(n));
-  }
+  const std::vector<Eigen::Index> known = rows_where(earlier_frames_, [](int frame) { return frame >= 0; });
   const auto count = static_cast<std::uint32_t>(values.cols());
   Eigen::MatrixXd before = values(known, Eigen::all);
   const Eigen::RowVectorXd mean = before.colwise().mean();

@@ -39,7 +39,6 @@ class StagedFit {
  private:
   void look_back();  // at what an earlier training kept
   bool can_update() const;
-  std::vector<Muscle> choose_curves() const;
   void keep(const Groundwork& ground, const Layout& layout) const;
   std::vector<std::size_t> update(const FitContext& context, std::vector<RegionModel>& models,
                                   const std::vector<std::size_t>& missing, const RegionDone& done,

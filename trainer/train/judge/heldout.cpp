@@ -24,6 +24,22 @@ bool is_held_out(std::size_t place, int every) {
   return (place / kBlock) % static_cast<std::size_t>(every) == static_cast<std::size_t>(every) - 1;
 }
 
+// The samples of a take are numbered in steps of its frame spacing, so that every second frame still counts as
+// consecutive; takes are set far apart.
+std::vector<int> sample_numbers(const std::vector<Sample>& samples) {
+  std::map<int, int> spacing;
+  for (std::size_t k = 1; k < samples.size(); ++k) {
+    if (samples[k].take != samples[k - 1].take) continue;
+    int& step = spacing[samples[k].take];
+    step = std::gcd(step, samples[k].frame - samples[k - 1].frame);
+  }
+  std::vector<int> numbers;
+  for (const Sample& sample : samples) {
+    numbers.push_back(sample.take * 10'000'000 + sample.frame / std::max(1, spacing[sample.take]));
+  }
+  return numbers;
+}
+
 }  // namespace
 
 void hold_out_blocks(Dataset& dataset, int every) {
@@ -63,26 +79,6 @@ std::vector<Positions> heldout_by_basis(const SampleSet& set, Deformer& deformer
   return shapes;
 }
 
-namespace {
-
-// The samples of a take are numbered in steps of its frame spacing, so that every second frame still counts as
-// consecutive; takes are set far apart.
-std::vector<int> sample_numbers(const std::vector<Sample>& samples) {
-  std::map<int, int> spacing;
-  for (std::size_t k = 1; k < samples.size(); ++k) {
-    if (samples[k].take != samples[k - 1].take) continue;
-    int& step = spacing[samples[k].take];
-    step = std::gcd(step, samples[k].frame - samples[k - 1].frame);
-  }
-  std::vector<int> numbers;
-  for (const Sample& sample : samples) {
-    numbers.push_back(sample.take * 10'000'000 + sample.frame / std::max(1, spacing[sample.take]));
-  }
-  return numbers;
-}
-
-}  // namespace
-
 ErrorStatistics heldout_errors(const std::vector<Sample>& heldout, const std::vector<Positions>& shapes) {
   if (shapes.empty()) return {};
   ErrorAccumulator accumulator(static_cast<std::uint32_t>(shapes.front().rows()));
@@ -105,12 +101,7 @@ VertexErrors vertex_errors(const SampleSet& set, const std::vector<Positions>& s
 }
 
 double region_rms(const VertexErrors& errors, const RegionWeights& region) {
-  double sum = 0, weight = 0;
-  for (std::size_t k = 0; k < region.vertices.size(); ++k) {
-    sum += region.weights[k] * errors.mean_square[region.vertices[k]];
-    weight += region.weights[k];
-  }
-  return weight > 0 ? std::sqrt(sum / weight) : 0;
+  return std::sqrt(mean_over(region, [&](std::size_t k) { return errors.mean_square[region.vertices[k]]; }));
 }
 
 Basis without_residual(const Basis& basis) {

@@ -14,7 +14,6 @@
 #include "trainer/train/data/learned_poses.h"
 #include "trainer/train/judge/heldout.h"
 #include "trainer/train/skinning/mesh_table.h"
-#include "trainer/train/skinning/same_character.h"
 
 namespace bodyopt {
 namespace {

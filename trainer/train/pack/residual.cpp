@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <iterator>
 
+#include "base/rows_where.h"
 #include "runtime/core/half.h"
 #include "trainer/train/features/strain.h"
 #include "trainer/train/pack/blend_entry.h"
@@ -11,6 +12,10 @@
 
 namespace bodyopt {
 namespace {
+
+using Eigen::Index;
+
+constexpr std::uint32_t kMostCoefficients = 65536;
 
 // What fades of some regions.
 FadeTable fade_of(const FadeTable& table, const std::vector<std::size_t>& regions) {
@@ -28,52 +33,6 @@ FadeTable fade_of(const FadeTable& table, const std::vector<std::size_t>& region
   }
   return some;
 }
-
-using Eigen::Index;
-
-constexpr std::uint32_t kMostCoefficients = 65536;
-
-}  // namespace
-
-RegressionData regression_data(const FeatureSamples& features, const RegionModel& region, const std::vector<int>& folds,
-                               const Eigen::VectorXd& weights) {
-  RegressionData data;
-  const std::vector<Index> columns(region.features.begin(), region.features.end());
-  data.features = features.values(Eigen::all, columns) * region.projection.transpose();
-  data.rest = features.rest(columns) * region.projection.transpose();
-  data.targets = region.components.coefficients;
-  data.weights = weights;
-  data.folds = folds;
-  return data;
-}
-
-std::vector<Index> heldout_frames(const ResidualModel& model) {
-  std::vector<Index> frames;
-  for (std::size_t n = 0; n < model.folds.size(); ++n) {
-    if (model.folds[n] >= 0) frames.push_back(static_cast<Index>(n));
-  }
-  return frames;
-}
-
-void drop_unused_fibres(StrainTable& strain, ResidualTable& residual, std::uint32_t first) {
-  std::vector<bool> used(residual.features.size(), false);
-  for (const std::uint32_t feature : residual.region_features) used[feature] = true;
-  std::vector<FeatureRange> features;
-  std::vector<std::uint32_t> place(residual.features.size()), kept;
-  const std::uint32_t end = first + strain.fibre_count();
-  for (std::uint32_t f = 0; f < residual.feature_count(); ++f) {
-    const bool fibre = f >= first && f < end;
-    if (fibre && !used[f]) continue;
-    place[f] = static_cast<std::uint32_t>(features.size());
-    features.push_back(residual.features[f]);
-    if (fibre) kept.push_back(f - first);
-  }
-  residual.features = std::move(features);
-  for (std::uint32_t& feature : residual.region_features) feature = place[feature];
-  strain = keep_fibres(strain, kept);
-}
-
-namespace {
 
 BlockVectors vectors_in(std::uint32_t block, const RegionModel& model, Index component) {
   const std::vector<std::uint32_t>& vertices = model.region.vertices;
@@ -175,6 +134,40 @@ class Packer {
 };
 
 }  // namespace
+
+RegressionData regression_data(const FeatureSamples& features, const RegionModel& region, const std::vector<int>& folds,
+                               const Eigen::VectorXd& weights) {
+  RegressionData data;
+  const std::vector<Index> columns(region.features.begin(), region.features.end());
+  data.features = features.values(Eigen::all, columns) * region.projection.transpose();
+  data.rest = features.rest(columns) * region.projection.transpose();
+  data.targets = region.components.coefficients;
+  data.weights = weights;
+  data.folds = folds;
+  return data;
+}
+
+std::vector<Index> heldout_frames(const ResidualModel& model) {
+  return rows_where(model.folds, [](int fold) { return fold >= 0; });
+}
+
+void drop_unused_fibres(StrainTable& strain, ResidualTable& residual, std::uint32_t first) {
+  std::vector<bool> used(residual.features.size(), false);
+  for (const std::uint32_t feature : residual.region_features) used[feature] = true;
+  std::vector<FeatureRange> features;
+  std::vector<std::uint32_t> place(residual.features.size()), kept;
+  const std::uint32_t end = first + strain.fibre_count();
+  for (std::uint32_t f = 0; f < residual.feature_count(); ++f) {
+    const bool fibre = f >= first && f < end;
+    if (fibre && !used[f]) continue;
+    place[f] = static_cast<std::uint32_t>(features.size());
+    features.push_back(residual.features[f]);
+    if (fibre) kept.push_back(f - first);
+  }
+  residual.features = std::move(features);
+  for (std::uint32_t& feature : residual.region_features) feature = place[feature];
+  strain = keep_fibres(strain, kept);
+}
 
 std::vector<BlockRounding> rounding_of(const RegionModel& region, Eigen::Index component) {
   std::vector<BlockRounding> rounding;

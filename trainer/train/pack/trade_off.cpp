@@ -23,8 +23,7 @@ constexpr double kDdmNanoseconds = 0.1, kResidualNanoseconds = 0.045;
 constexpr int kCurvePoints = 14;
 
 bool is_empty(const Selection& selection) {
-  return std::all_of(selection.begin(), selection.end(),
-                     [](const SelectedRegion& region) { return region.blocks.empty(); });
+  return std::ranges::all_of(selection, [](const SelectedRegion& region) { return region.blocks.empty(); });
 }
 
 // Of a frame on one core, which reads the tables of Direct Delta Mush and of the residual once.

@@ -206,41 +206,6 @@ std::vector<FeatureGroup> muscle_groups(const Basis& basis, const std::vector<Mu
   return groups;
 }
 
-}  // namespace
-
-std::vector<std::uint32_t> spanned_joints(const Skeleton& skeleton, const Muscle& muscle) {
-  std::vector<int> points_below(skeleton.size(), 0);
-  for (const MusclePoint& point : muscle.path) {
-    for (int j = static_cast<int>(point.joint); j >= 0; j = skeleton.joints[static_cast<std::size_t>(j)].parent) {
-      ++points_below[static_cast<std::size_t>(j)];
-    }
-  }
-  std::vector<std::uint32_t> joints;
-  for (std::size_t j = 0; j < skeleton.size(); ++j) {
-    const bool between = points_below[j] > 0 && points_below[j] < static_cast<int>(muscle.path.size());
-    if (between) joints.push_back(static_cast<std::uint32_t>(j));
-  }
-  return joints;
-}
-
-std::vector<FeatureGroup> make_feature_groups(const Basis& basis, const std::vector<VertexMoments>& moments,
-                                              const std::vector<Muscle>& muscles, const MatrixXd& features,
-                                              const Displacements& displacements) {
-  const Index joint_features = joint_feature_count(basis.skeleton);
-  std::vector<FeatureGroup> groups = joint_groups(basis.skeleton, moments, features);
-  for (FeatureGroup& group : muscle_groups(basis, muscles, features, joint_features, displacements)) {
-    groups.push_back(std::move(group));
-  }
-  for (Index k = joint_features + basis.strain.fibre_count(); k < features.cols(); ++k) {
-    FeatureGroup& control = groups.emplace_back();
-    control.features = varying_features(features, static_cast<std::uint32_t>(k), 1);
-    control.influence = Eigen::VectorXd::Ones(static_cast<Index>(moments.size()));
-  }
-  return groups;
-}
-
-namespace {
-
 // Regions of what is `left` of every vertex.
 std::vector<RegionWeights> automatic_regions(const Character& character, const std::vector<FeatureGroup>& groups,
                                              const Eigen::VectorXd& left) {
@@ -279,7 +244,54 @@ void name_after_joints(const Character& character, std::vector<RegionWeights>& r
   }
 }
 
+double distance_to(const Character& character, const RegionWeights& region, const FeatureGroup& group) {
+  if (group.points.rows() == 0) return 0;
+  const double core = std::min(0.5, *std::max_element(region.weights.begin(), region.weights.end()));
+  double nearest = std::numeric_limits<double>::infinity();
+  for (std::size_t v = 0; v < region.vertices.size(); ++v) {
+    if (region.weights[v] < core) continue;
+    const Eigen::RowVector3d here = character.vertices.row(region.vertices[v]);
+    nearest = std::min(nearest, (group.points.rowwise() - here).rowwise().squaredNorm().minCoeff());
+  }
+  return std::sqrt(nearest);
+}
+
+double mean_influence(const RegionWeights& region, const FeatureGroup& group) {
+  return mean_over(region, [&](std::size_t k) { return group.influence[region.vertices[k]]; });
+}
+
 }  // namespace
+
+std::vector<std::uint32_t> spanned_joints(const Skeleton& skeleton, const Muscle& muscle) {
+  std::vector<int> points_below(skeleton.size(), 0);
+  for (const MusclePoint& point : muscle.path) {
+    for (int j = static_cast<int>(point.joint); j >= 0; j = skeleton.joints[static_cast<std::size_t>(j)].parent) {
+      ++points_below[static_cast<std::size_t>(j)];
+    }
+  }
+  std::vector<std::uint32_t> joints;
+  for (std::size_t j = 0; j < skeleton.size(); ++j) {
+    const bool between = points_below[j] > 0 && points_below[j] < static_cast<int>(muscle.path.size());
+    if (between) joints.push_back(static_cast<std::uint32_t>(j));
+  }
+  return joints;
+}
+
+std::vector<FeatureGroup> make_feature_groups(const Basis& basis, const std::vector<VertexMoments>& moments,
+                                              const std::vector<Muscle>& muscles, const MatrixXd& features,
+                                              const Displacements& displacements) {
+  const Index joint_features = joint_feature_count(basis.skeleton);
+  std::vector<FeatureGroup> groups = joint_groups(basis.skeleton, moments, features);
+  for (FeatureGroup& group : muscle_groups(basis, muscles, features, joint_features, displacements)) {
+    groups.push_back(std::move(group));
+  }
+  for (Index k = joint_features + basis.strain.fibre_count(); k < features.cols(); ++k) {
+    FeatureGroup& control = groups.emplace_back();
+    control.features = varying_features(features, static_cast<std::uint32_t>(k), 1);
+    control.influence = Eigen::VectorXd::Ones(static_cast<Index>(moments.size()));
+  }
+  return groups;
+}
 
 std::vector<std::string> joints_of(const Character& character, const RegionWeights& region) {
   constexpr double kNotable = 0.05;
@@ -314,36 +326,10 @@ std::vector<RegionWeights> make_regions(const Character& character, const std::v
   }
   scale_to_one(regions, vertices);
   // Neighbours in runtime order lie near each other: they share the most vertices.
-  std::sort(regions.begin(), regions.end(),
-            [](const RegionWeights& a, const RegionWeights& b) { return a.vertices < b.vertices; });
+  std::ranges::sort(regions, {}, &RegionWeights::vertices);
   name_after_joints(character, regions);
   return regions;
 }
-
-namespace {
-
-double distance_to(const Character& character, const RegionWeights& region, const FeatureGroup& group) {
-  if (group.points.rows() == 0) return 0;
-  const double core = std::min(0.5, *std::max_element(region.weights.begin(), region.weights.end()));
-  double nearest = std::numeric_limits<double>::infinity();
-  for (std::size_t v = 0; v < region.vertices.size(); ++v) {
-    if (region.weights[v] < core) continue;
-    const Eigen::RowVector3d here = character.vertices.row(region.vertices[v]);
-    nearest = std::min(nearest, (group.points.rowwise() - here).rowwise().squaredNorm().minCoeff());
-  }
-  return std::sqrt(nearest);
-}
-
-double mean_influence(const RegionWeights& region, const FeatureGroup& group) {
-  double sum = 0, weight = 0;
-  for (std::size_t v = 0; v < region.vertices.size(); ++v) {
-    sum += region.weights[v] * group.influence[region.vertices[v]];
-    weight += region.weights[v];
-  }
-  return sum / weight;
-}
-
-}  // namespace
 
 std::vector<std::uint32_t> region_features(const Character& character, const RegionWeights& region,
                                            const std::vector<FeatureGroup>& groups, double radius) {

@@ -8,6 +8,7 @@
 #include <stdexcept>
 
 #include "base/linear_algebra.h"
+#include "base/rows_where.h"
 #include "trainer/train/regression/projection.h"
 
 namespace bodyopt {
@@ -21,14 +22,9 @@ constexpr double kWidths[] = {1, 2, 4, 0.5};
 constexpr double kLinearPenalties[] = {1e-4, 1e-3, 1e-2, 1e-1, 1};
 constexpr double kKernelPenalties[] = {1e-5, 1e-4, 1e-3, 1e-2, 1e-1};
 
-struct Centres {
-  MatrixXd points;          // M x F
-  std::vector<int> frames;  // M, -1 for the rest pose
-};
-
 // Farthest-point sampling, starting with the rest pose. Distances are those of the frames as they are, so that none is
-// chosen twice.
-Centres choose_centres(const RegressionData& data, int count) {
+// chosen twice. A regression of these centres and nothing else yet.
+Regression choose_centres(const RegressionData& data, int count) {
   const Index most = std::min<Index>(count, data.features.rows() + 1);
   MatrixXd points(most, data.features.cols());
   std::vector<int> frames;
@@ -40,7 +36,10 @@ Centres choose_centres(const RegressionData& data, int count) {
     frames.push_back(static_cast<int>(farthest));
     nearest = nearest.cwiseMin((data.features.rowwise() - points.row(m)).rowwise().squaredNorm());
   }
-  return {points.topRows(static_cast<Index>(frames.size())).unaryExpr(&stored_half), frames};
+  Regression regression;
+  regression.centres = points.topRows(static_cast<Index>(frames.size())).unaryExpr(&stored_half);
+  regression.centre_frames = std::move(frames);
+  return regression;
 }
 
 double median_distance(const MatrixXd& centres) {
@@ -75,10 +74,7 @@ class KernelRidge {
     regressors.array().colwise() *= scales_.array();
     const int last = *std::max_element(data.folds.begin(), data.folds.end());
     for (int fold = -1; fold <= last; ++fold) {
-      std::vector<Index> rows;
-      for (std::size_t n = 0; n < data.folds.size(); ++n) {
-        if (data.folds[n] == fold) rows.push_back(static_cast<Index>(n));
-      }
+      const std::vector<Index> rows = rows_where(data.folds, [&](int of) { return of == fold; });
       Fold& part = fold < 0 ? guards_ : folds_.emplace_back();
       part.rows = rows;
       part.regressors = regressors(rows, Eigen::all);
@@ -192,15 +188,8 @@ class KernelRidge {
 double inverse_width2(double width, double median) { return 0.5 / std::pow(width * median, 2); }
 
 KernelRidge middling_ridge(const RegressionData& data, int centre_count) {
-  const MatrixXd centres = choose_centres(data, centre_count).points;
+  const MatrixXd centres = choose_centres(data, centre_count).centres;
   return {data, centres, inverse_width2(kWidths[1], median_distance(centres))};
-}
-
-Regression at_centres(Centres centres) {
-  Regression regression;
-  regression.centres = std::move(centres.points);
-  regression.centre_frames = std::move(centres.frames);
-  return regression;
 }
 
 void finish(const KernelRidge& ridge, const Penalty& penalty, Regression& regression) {
@@ -229,7 +218,7 @@ double fold_error(const RegressionData& data, int centre_count, int fold) {
 
 // One hyper-parameter after the other: all combinations would be four times as many fits.
 Regression fit_regression(const RegressionData& data, int centre_count) {
-  Regression best = at_centres(choose_centres(data, centre_count));
+  Regression best = choose_centres(data, centre_count);
   best.validation_error = std::numeric_limits<double>::infinity();
   const bool has_kernels = best.centres.rows() > 0;
   const double median = median_distance(best.centres);
@@ -259,7 +248,7 @@ Regression fit_regression(const RegressionData& data, int centre_count) {
 }
 
 Regression refit_regression(const RegressionData& data, int centre_count, const Regression& earlier) {
-  Regression regression = at_centres(choose_centres(data, centre_count));
+  Regression regression = choose_centres(data, centre_count);
   const KernelRidge ridge(data, regression.centres, earlier.inverse_width2);
   finish(ridge, earlier.penalty, regression);
   const Eigen::VectorXd weights = frame_weights(data);

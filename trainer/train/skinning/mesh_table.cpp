@@ -1,7 +1,10 @@
 #include "trainer/train/skinning/mesh_table.h"
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
+
+#include "runtime/core/error.h"
 
 namespace bodyopt {
 namespace {
@@ -36,9 +39,7 @@ std::vector<std::uint32_t> morton_order(const Positions& vertices) {
 }
 
 Positions in_order(const Positions& welded, const std::vector<std::uint32_t>& order) {
-  Positions result(welded.rows(), 3);
-  for (std::size_t v = 0; v < order.size(); ++v) result.row(static_cast<Eigen::Index>(v)) = welded.row(order[v]);
-  return result;
+  return welded(order, Eigen::all);
 }
 
 Character in_order(const Character& character, const std::vector<std::uint32_t>& order) {
@@ -75,6 +76,20 @@ MeshTable make_mesh_table(const Character& character) {
     mesh.vertex_triangles[next[mesh.triangles[k]]++] = static_cast<std::uint32_t>(k / 3);
   }
   return mesh;
+}
+
+void require_same_character(const MeshTable& mesh, const Skeleton& skeleton, const Basis& basis) {
+  constexpr double kSamePlace = 1e-5;  // metres
+  const auto refuse = [](const std::string& what) {
+    throw Error(ErrorKind::mismatch, "the basis is not of this character: " + what +
+                                         "; was the character edited since the training, or is it another one?");
+  };
+  if (topology_hash(mesh) != topology_hash(basis.mesh)) refuse("its vertices or triangles are others");
+  if (skeleton_hash(skeleton) != skeleton_hash(basis.skeleton)) refuse("its skeleton is another");
+  for (std::size_t k = 0; k < mesh.rest.size(); ++k) {
+    if (std::abs(static_cast<double>(mesh.rest[k] - basis.mesh.rest[k])) <= kSamePlace) continue;
+    refuse("its vertices stand elsewhere at rest");
+  }
 }
 
 }  // namespace bodyopt

@@ -21,4 +21,8 @@ Character in_order(const Character& character, const std::vector<std::uint32_t>&
 // `character` in runtime order.
 MeshTable make_mesh_table(const Character& character);
 
+// Throws Error(mismatch) where the basis has other vertices or triangles, another skeleton, or another rest skin than
+// `mesh` (as make_mesh_table) and `skeleton`.
+void require_same_character(const MeshTable& mesh, const Skeleton& skeleton, const Basis& basis);
+
 }  // namespace bodyopt
