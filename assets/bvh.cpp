@@ -25,18 +25,18 @@ class Parser {
       next();
       parse_tree();
     }
-    if (bvh_.joints.empty()) fail("expected ROOT, found '" + std::string(peek()) + "'");
+    if (bvh_.joints.empty()) fail("expected ROOT, found '", peek(), "'");
     if (bvh_.channel_count == 0) fail("no joint has a channel; there is no motion to read");
     parse_motion();
     return std::move(bvh_);
   }
 
  private:
-  [[noreturn]] void fail(const std::string& problem) const {
+  [[noreturn]] void fail(const auto&... problem) const {
     const auto read = text_.substr(0, text_.size() - rest_.size());
-    const auto line = 1 + std::count(read.begin(), read.end(), '\n');
-    throw Error(ErrorKind::file, path_.string() + ", line " + std::to_string(line) + ": " + problem +
-                                     (rest_.empty() ? " (the file ends here; it is cut off)" : ""));
+    const auto line = 1 + std::ranges::count(read, '\n');
+    throw Error(ErrorKind::file, path_, ", line ", line, ": ", problem...,
+                rest_.empty() ? " (the file ends here; it is cut off)" : "");
   }
 
   void skip_space() {
@@ -45,8 +45,7 @@ class Parser {
 
   std::string_view peek() {
     skip_space();
-    return rest_.substr(0,
-                        static_cast<std::size_t>(std::find_if(rest_.begin(), rest_.end(), is_space) - rest_.begin()));
+    return rest_.substr(0, static_cast<std::size_t>(std::ranges::find_if(rest_, is_space) - rest_.begin()));
   }
 
   std::string_view next() {
@@ -58,7 +57,7 @@ class Parser {
 
   void expect(const std::string& word) {
     const std::string_view token = peek();
-    if (lower_case(token) != word) fail("expected '" + word + "', found '" + std::string(token.substr(0, 40)) + "'");
+    if (lower_case(token) != word) fail("expected '", word, "', found '", token.substr(0, 40), "'");
     next();
   }
 
@@ -69,7 +68,7 @@ class Parser {
     double value = 0;
     const auto [end, error] = std::from_chars(token.data(), token.data() + token.size(), value);
     if (error != std::errc() || end != token.data() + token.size() || !std::isfinite(value)) {
-      fail("expected a finite number, found '" + shown + "'");
+      fail("expected a finite number, found '", shown, "'");
     }
     return value;
   }
@@ -77,7 +76,7 @@ class Parser {
   std::size_t count(const std::string& what, std::size_t most) {
     const double value = number();
     if (!(value >= 0) || value != std::floor(value) || value > static_cast<double>(most)) {
-      fail(what + " must be a whole number from 0 to " + std::to_string(most));
+      fail(what, " must be a whole number from 0 to ", most);
     }
     return static_cast<std::size_t>(value);
   }
@@ -113,10 +112,10 @@ class Parser {
                                            "xrotation", "yrotation", "zrotation"};
       const std::string_view token = next();
       const auto found = std::find(std::begin(kNames), std::end(kNames), lower_case(token));
-      if (found == std::end(kNames)) fail("unknown channel '" + std::string(token.substr(0, 40)) + "'");
+      if (found == std::end(kNames)) fail("unknown channel '", token.substr(0, 40), "'");
       const auto channel = static_cast<BvhChannel>(found - std::begin(kNames));
-      if (std::find(joint.channels.begin(), joint.channels.end(), channel) != joint.channels.end()) {
-        fail("joint '" + joint.name + "' has a channel twice");
+      if (std::ranges::find(joint.channels, channel) != joint.channels.end()) {
+        fail("joint '", joint.name, "' has a channel twice");
       }
       joint.channels.push_back(channel);
     }
@@ -145,7 +144,7 @@ class Parser {
       offset();
       expect("}");
     } else {
-      fail("expected JOINT, End Site or '}', found '" + word.substr(0, 40) + "'");
+      fail("expected JOINT, End Site or '}', found '", word.substr(0, 40), "'");
     }
   }
 
@@ -163,7 +162,7 @@ class Parser {
     const std::size_t values = bvh_.frame_count * bvh_.channel_count;
     bvh_.values.reserve(values);
     for (std::size_t i = 0; i < values; ++i) bvh_.values.push_back(number());
-    if (!peek().empty()) fail("more values than " + std::to_string(bvh_.frame_count) + " frames have");
+    if (!peek().empty()) fail("more values than ", bvh_.frame_count, " frames have");
   }
 
   std::filesystem::path path_;
@@ -174,7 +173,7 @@ class Parser {
 }  // namespace
 
 bool BvhJoint::has_position() const {
-  return std::any_of(channels.begin(), channels.end(), [](BvhChannel c) { return c <= BvhChannel::z_position; });
+  return std::ranges::any_of(channels, [](BvhChannel c) { return c <= BvhChannel::z_position; });
 }
 
 JointTransform Bvh::local(std::size_t joint, std::size_t frame) const {

@@ -7,6 +7,7 @@
 #include "assets/retarget.h"
 #include "assets/wording.h"
 #include "runtime/core/error.h"
+#include "runtime/core/transformed.h"
 
 namespace bodyopt {
 namespace {
@@ -60,13 +61,11 @@ Clip carry_bvh(const Bvh& bvh, const std::filesystem::path& path, const Skeleton
   clip.first_frame = options.first_frame;
 
   const SourceMotion motion = motion_of(bvh);
-  std::vector<NamedJoint> joints;
-  for (const SourceJoint& joint : motion.joints) joints.push_back(joint.joint);
+  const std::vector<NamedJoint> joints = transformed(motion.joints, &SourceJoint::joint);
   const std::vector<int> match =
       match_joints(joints, skeleton, options.joint_map, "the clip " + path.string(), clip.notes);
-  if (std::all_of(match.begin(), match.end(), [](int b) { return b < 0; })) {
-    std::vector<std::string> listed;
-    for (const NamedJoint& joint : joints) listed.push_back(joint.name);
+  if (std::ranges::all_of(match, [](int b) { return b < 0; })) {
+    const std::vector<std::string> listed = transformed(joints, &NamedJoint::name);
     fail_unmatched(path.string(), skeleton, listed);
   }
   note_unmatched(bvh, skeleton, match, clip.notes);
@@ -77,8 +76,7 @@ Clip carry_bvh(const Bvh& bvh, const std::filesystem::path& path, const Skeleton
   if (unit == 0) {
     unit = retarget.fitted_unit();
     if (unit == 0) {
-      throw Error(ErrorKind::mismatch,
-                  path.string() + ": too few joints match to tell its unit from the bones; say it (--unit)");
+      throw Error(ErrorKind::mismatch, path, ": too few joints match to tell its unit from the bones; say it (--unit)");
     }
     clip.notes.push_back("One BVH unit is taken as " + rounded(unit) + " m, from the length of the bones.");
   }

@@ -172,10 +172,9 @@ void check_read_back(const std::string& text, const Clip& clip, const Skeleton& 
     for (std::size_t joint = 0; joint < meant.size(); ++joint) {
       const double apart = distance_between(meant[joint], found[joint], 0.1 * size);
       if (apart <= kSame * size) continue;
-      throw Error(ErrorKind::file, path.string() + ": not written; read again, the joint '" +
-                                       skeleton.joints[joint].name + "' would be off by " + rounded(1e3 * apart) +
-                                       " mm in frame " + std::to_string(clip.first_frame + static_cast<int>(k)) +
-                                       ": a BVH holds no scale of joints, and no blanks in their names. Write a .glb");
+      throw Error(ErrorKind::file, path, ": not written; read again, the joint '", skeleton.joints[joint].name,
+                  "' would be off by ", rounded(1e3 * apart), " mm in frame ", clip.first_frame + static_cast<int>(k),
+                  ": a BVH holds no scale of joints, and no blanks in their names. Write a .glb");
     }
   }
 }
@@ -185,10 +184,9 @@ void check_read_back(const std::string& text, const Clip& clip, const Skeleton& 
 void write_bvh(const Clip& clip, const Skeleton& skeleton, const std::filesystem::path& path) {
   const auto roots = std::ranges::count(skeleton.joints, -1, &Joint::parent);
   if (roots != 1 || clip.poses.empty() || !(clip.fps > 0)) {
-    throw Error(ErrorKind::file, path.string() +
-                                     ": not written; a BVH takes a skeleton with one root and a clip with " +
-                                     "frames, there are " + std::to_string(roots) + " roots and " +
-                                     std::to_string(clip.poses.size()) + " frames");
+    throw Error(ErrorKind::file, path,
+                ": not written; a BVH takes a skeleton with one root and a clip with frames, there are ", roots,
+                " roots and ", clip.poses.size(), " frames");
   }
   const std::string text = BvhText(clip, skeleton).write();
   check_read_back(text, clip, skeleton, path);

@@ -3,7 +3,6 @@
 #include <utility>
 
 #include "assets/gltf_shapes.h"
-#include "assets/pc2.h"
 #include "assets/usda.h"
 
 namespace bodyopt {

@@ -38,9 +38,9 @@ void check_size(const GltfFile& file, double diagonal, double unit, std::vector<
                     " m (--unit).");
     return;
   }
-  file.fail("the skin's bounding box measures " + rounded(diagonal) + " from corner to corner, " +
-            rounded(diagonal / 2) + " times a person's 2 metres; expected metres (" + rounded(kSmallestDiagonal) +
-            " to " + rounded(kLargestDiagonal) + "). Say what a unit is, likely --unit " + rounded(likely));
+  file.fail("the skin's bounding box measures ", rounded(diagonal), " from corner to corner, ", rounded(diagonal / 2),
+            " times a person's 2 metres; expected metres (", rounded(kSmallestDiagonal), " to ",
+            rounded(kLargestDiagonal), "). Say what a unit is, likely --unit ", rounded(likely));
 }
 
 void bind_weights(const SkinSkeleton& skin, SkinGeometry& geometry, std::vector<std::string>& notes) {
@@ -51,7 +51,7 @@ void bind_weights(const SkinSkeleton& skin, SkinGeometry& geometry, std::vector<
       weights.push_back({0, 1});  // parents come first: joint 0 is a root
       ++unbound;
     }
-    std::sort(weights.begin(), weights.end(), [](const auto& a, const auto& b) { return a.joint < b.joint; });
+    std::ranges::sort(weights, {}, &JointWeight::joint);
   }
   if (unbound > 0) {
     notes.push_back(count_of(unbound, "vertex has", "vertices have") + " no weights; bound to the root joint '" +
@@ -63,8 +63,8 @@ void set_welded(const GltfFile& file, const SkinGeometry& geometry, double toler
   std::optional<Weld> weld = weld_vertices(geometry.positions, geometry.weights, tolerance);
   if (!weld) {
     file.fail(
-        "thousands of different vertices lie at one point (within a millionth of the bounding box); is a stray "
-        "vertex far away?");
+        "thousands of different vertices lie at one point (within a millionth of the bounding box); is a stray vertex "
+        "far away?");
   }
   const std::size_t count = weld->first.size();
   character.vertices.resize(static_cast<Eigen::Index>(count), 3);
@@ -72,8 +72,7 @@ void set_welded(const GltfFile& file, const SkinGeometry& geometry, double toler
     const Vec3& p = geometry.positions[weld->first[v]];
     character.vertices.row(static_cast<Eigen::Index>(v)) << p[0], p[1], p[2];
     character.weights.push_back(geometry.weights[weld->first[v]]);
-    std::stable_sort(character.weights.back().begin(), character.weights.back().end(),
-                     [](const JointWeight& a, const JointWeight& b) { return a.weight > b.weight; });
+    std::ranges::stable_sort(character.weights.back(), std::greater{}, &JointWeight::weight);
   }
   if (const std::size_t merged = geometry.positions.size() - count; merged > 0) {
     character.notes.push_back(count_of(merged, "seam duplicate", "seam duplicates") +
@@ -104,7 +103,7 @@ void set_triangles(const GltfFile& file, const SkinGeometry& geometry, Character
     character.notes.push_back(count_of(dropped, "triangle without area was", "triangles without area were") +
                               " dropped (corners at one point).");
   }
-  const auto loose = static_cast<std::size_t>(std::count(used.begin(), used.end(), false));
+  const auto loose = static_cast<std::size_t>(std::ranges::count(used, false));
   if (loose > 0) character.notes.push_back(count_of(loose, "vertex belongs", "vertices belong") + " to no triangle.");
 }
 
@@ -135,7 +134,7 @@ Character read_character(const std::filesystem::path& path, double unit) {
 
 Character read_character(const GltfFile& file, double unit) {
   if (!(unit >= 0) || !std::isfinite(unit)) {
-    throw Error(ErrorKind::usage, "a unit is a positive number of metres, not " + rounded(unit));
+    throw Error(ErrorKind::usage, "a unit is a positive number of metres, not ", rounded(unit));
   }
   const double metres = unit == 0 ? 1 : unit;
   Character character;

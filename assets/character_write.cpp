@@ -1,7 +1,6 @@
 #include "assets/character_write.h"
 
 #include <algorithm>
-#include <array>
 #include <nlohmann/json.hpp>
 
 #include "assets/gltf_write.h"
@@ -99,7 +98,7 @@ void write_character(const Character& character, const std::filesystem::path& pa
 
 void write_character(const Character& character, const SkinSurface& surface, const std::filesystem::path& path) {
   if (character.skeleton.size() > 65536 || character.skeleton.size() == 0 || character.output_triangles.rows() == 0) {
-    throw Error(ErrorKind::file, path.string() + ": not written; a character has 1 to 65,536 joints and triangles");
+    throw Error(ErrorKind::file, path, ": not written; a character has 1 to 65,536 joints and triangles");
   }
   GlbWriter glb;
   const std::size_t skeleton = glb.add_skeleton(character.skeleton);

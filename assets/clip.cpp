@@ -14,6 +14,7 @@
 #include "runtime/core/error.h"
 #include "runtime/core/file_kind.h"
 #include "runtime/core/lower_case.h"
+#include "runtime/core/transformed.h"
 
 namespace bodyopt {
 namespace {
@@ -22,11 +23,10 @@ constexpr double kMaxClipFrames = 1e6, kMaxTransforms = 2e7;  // of a clip: more
 
 void check_options(const ClipOptions& options) {
   if (!(options.fps > 0) || !(options.fps <= 1e5)) {
-    throw Error(ErrorKind::usage,
-                "frames per second must be above 0 and at most 100,000, not " + std::to_string(options.fps));
+    throw Error(ErrorKind::usage, "frames per second must be above 0 and at most 100,000, not ", options.fps);
   }
   if (!(options.unit >= 0) || !std::isfinite(options.unit)) {
-    throw Error(ErrorKind::usage, "a unit is a positive number of metres, not " + std::to_string(options.unit));
+    throw Error(ErrorKind::usage, "a unit is a positive number of metres, not ", options.unit);
   }
 }
 
@@ -46,30 +46,27 @@ std::size_t frame_count(const std::string& file, double duration, std::size_t jo
   const double last = duration * options.fps;
   const double frames = std::floor(last + 1e-3 + std::min(1e-5 * last, 0.5)) + 1;
   if (!(frames <= kMaxClipFrames) || frames * static_cast<double>(joints) > kMaxTransforms) {
-    throw Error(ErrorKind::file, file + ": the motion lasts " + std::to_string(duration) +
-                                     " seconds, too many frames at " + std::to_string(options.fps) +
-                                     " per second; the file is damaged, or --fps too high");
+    throw Error(ErrorKind::file, file, ": the motion lasts ", duration, " seconds, too many frames at ", options.fps,
+                " per second; the file is damaged, or --fps too high");
   }
   if (options.first_frame > std::numeric_limits<int>::max() - static_cast<int>(frames)) {
-    throw Error(ErrorKind::usage, "the first frame " + std::to_string(options.first_frame) + " is too large");
+    throw Error(ErrorKind::usage, "the first frame ", options.first_frame, " is too large");
   }
   return static_cast<std::size_t>(frames);
 }
 
 void fail_unmatched(const std::string& file, const Skeleton& skeleton, std::span<const std::string> names) {
-  std::vector<std::string> joints;
-  for (const Joint& joint : skeleton.joints) joints.push_back(joint.name);
-  throw Error(ErrorKind::mismatch,
-              file + ": moves no joint of the character; the clip has " + list_names(names) + ", the character " +
-                  list_names(joints) +
-                  ". Was it made for another skeleton? A joint map (--joint-map) can say what moves what");
+  const std::vector<std::string> joints = transformed(skeleton.joints, &Joint::name);
+  throw Error(ErrorKind::mismatch, file, ": moves no joint of the character; the clip has ", list_names(names),
+              ", the character ", list_names(joints),
+              ". Was it made for another skeleton? A joint map (--joint-map) can say what moves what");
 }
 
 void check_positions(const Clip& clip, const std::string& file) {
   for (const Pose& pose : clip.poses) {
     for (const JointTransform& t : pose.joints) {
       if (!std::isfinite(length(t.translation))) {
-        throw Error(ErrorKind::file, file + ": its positions are out of range; the file is damaged");
+        throw Error(ErrorKind::file, file, ": its positions are out of range; the file is damaged");
       }
     }
   }
@@ -87,12 +84,12 @@ Clip read_motion(const std::string& source, const SkeletonChoice& choose, const 
   if (extension == ".glb" || extension == ".gltf")
     return read_gltf_clip(GltfFile(parts.path), parts.name, choose, options);
   if (extension != ".bvh") {
-    throw Error(ErrorKind::file, source + ": not a clip; expected FILE.glb#name, FILE.glb, FILE.gltf or FILE.bvh" +
-                                     looks_like(parts.path));
+    throw Error(ErrorKind::file, source, ": not a clip; expected FILE.glb#name, FILE.glb, FILE.gltf or FILE.bvh",
+                looks_like(parts.path));
   }
   if (!parts.name.empty()) {
-    throw Error(ErrorKind::file,
-                source + ": a .bvh file holds a single clip without a name; leave out '#" + parts.name + "'");
+    throw Error(ErrorKind::file, source, ": a .bvh file holds a single clip without a name; leave out '#", parts.name,
+                "'");
   }
   return read_bvh_clip(parts.path, choose, options);
 }
@@ -119,13 +116,11 @@ std::vector<int> clip_keys(const std::string& source, const ClipOptions& options
 
 std::vector<std::string> clip_names(const std::filesystem::path& path) {
   if (lower_case_extension(path) == ".bvh") {
-    if (!std::filesystem::exists(path)) throw Error(ErrorKind::file, path.string() + ": no such file");
+    if (!std::filesystem::exists(path)) throw Error(ErrorKind::file, path, ": no such file");
     return {path.stem().string()};
   }
   const GltfFile file(path);
-  std::vector<std::string> names;
-  for (const tinygltf::Animation& animation : file.model().animations) names.push_back(animation.name);
-  return names;
+  return transformed(file.model().animations, [&](const tinygltf::Animation& animation) { return animation.name; });
 }
 
 }  // namespace bodyopt

@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <array>
 #include <nlohmann/json.hpp>
 
 #include "assets/clip.h"
@@ -45,9 +44,8 @@ Clip with_continuous_rotations(Clip clip) {
 
 void check(const Clip& clip, const Skeleton& skeleton, const std::filesystem::path& path) {
   const auto fits = [&](const Pose& pose) { return pose.joints.size() == skeleton.size(); };
-  if (clip.poses.empty() || skeleton.size() == 0 || !(clip.fps > 0) ||
-      !std::all_of(clip.poses.begin(), clip.poses.end(), fits)) {
-    throw Error(ErrorKind::file, path.string() + ": not written; the clip has no frames, or not the skeleton's joints");
+  if (clip.poses.empty() || skeleton.size() == 0 || !(clip.fps > 0) || !std::ranges::all_of(clip.poses, fits)) {
+    throw Error(ErrorKind::file, path, ": not written; the clip has no frames, or not the skeleton's joints");
   }
 }
 

@@ -28,24 +28,24 @@ struct Key {
 std::vector<Key> read_curve(const Json& json, const JsonObject& place, const std::string& name) {
   const auto number = [&](const Json& value, double limit) {
     const double x = value.is_number() ? value.get<double>() : std::nan("");
-    if (!(std::abs(x) <= limit)) place.refuse("'" + name + "' holds " + value.dump() + ", expected a finite number");
+    if (!(std::abs(x) <= limit)) place.refuse("'", name, "' holds ", value.dump(), ", expected a finite number");
     return x;
   };
   if (json.is_number()) return {{0, number(json, kLargestValue)}};
-  if (!json.is_array() || json.empty()) place.refuse("'" + name + "' is neither a number nor a list of [frame, value]");
+  if (!json.is_array() || json.empty()) place.refuse("'", name, "' is neither a number nor a list of [frame, value]");
   std::vector<Key> curve;
   for (const Json& key : json) {
-    if (!key.is_array() || key.size() != 2) place.refuse("'" + name + "' has a key that is not [frame, value]");
+    if (!key.is_array() || key.size() != 2) place.refuse("'", name, "' has a key that is not [frame, value]");
     curve.push_back({number(key[0], kLargestFrame), number(key[1], kLargestValue)});
     if (curve.size() > 1 && !(curve.back().frame > curve[curve.size() - 2].frame)) {
-      place.refuse("'" + name + "' has keys whose frames do not rise");
+      place.refuse("'", name, "' has keys whose frames do not rise");
     }
   }
   return curve;
 }
 
 double value_at(const std::vector<Key>& curve, double frame) {
-  const auto after = std::find_if(curve.begin(), curve.end(), [&](const Key& key) { return key.frame > frame; });
+  const auto after = std::ranges::find_if(curve, [&](const Key& key) { return key.frame > frame; });
   if (after == curve.begin()) return curve.front().value;
   if (after == curve.end()) return curve.back().value;
   const Key &a = after[-1], &b = *after;
@@ -62,9 +62,8 @@ Curves read_json_curves(const std::filesystem::path& path, const Clip& clip) {
     top.refuse("lacks 'controls', an object of curves by name");
   const double rate = top.has("fps") ? top.number("fps", 1e-3, 1e5) : clip.fps;
   if (std::abs(rate - clip.fps) > 1e-3 * rate) {
-    throw Error(ErrorKind::mismatch, path.string() + ": its frames are " + rounded(rate) +
-                                         " a second, those of the clip " + rounded(clip.fps) +
-                                         ": sample the clip with --fps " + rounded(rate));
+    throw Error(ErrorKind::mismatch, path, ": its frames are ", rounded(rate), " a second, those of the clip ",
+                rounded(clip.fps), ": sample the clip with --fps ", rounded(rate));
   }
   Curves curves;
   for (const auto& [name, value] : json["controls"].items()) curves.emplace_back(name, read_curve(value, top, name));
@@ -87,8 +86,8 @@ Curves read_csv_curves(const std::filesystem::path& path) {
   std::string line;
   std::getline(text, line);
   const std::vector<std::string> names = csv_cells(line);
-  const auto refuse = [&](std::size_t number, const std::string& what) {
-    throw Error(ErrorKind::file, path.string() + ", line " + std::to_string(number) + ": " + what);
+  const auto refuse = [&](std::size_t number, const auto&... what) {
+    throw Error(ErrorKind::file, path, ", line ", number, ": ", what...);
   };
   if (names.size() < 2 || names[0] != "frame" || std::set(names.begin(), names.end()).size() != names.size()) {
     refuse(1, "expected 'frame', and the names of controls, each once, parted by commas");
@@ -98,15 +97,13 @@ Curves read_csv_curves(const std::filesystem::path& path) {
   for (std::size_t number = 2; std::getline(text, line); ++number) {
     const std::vector<std::string> cells = csv_cells(line);
     if (cells.empty()) continue;
-    if (cells.size() != names.size()) {
-      refuse(number, "has " + std::to_string(cells.size()) + " cells, expected " + std::to_string(names.size()));
-    }
+    if (cells.size() != names.size()) refuse(number, "has ", cells.size(), " cells, expected ", names.size());
     std::vector<double> values;
     for (const std::string& cell : cells) {
       char* end = nullptr;
       values.push_back(std::strtod(cell.c_str(), &end));
       if (cell.empty() || *end != '\0' || !(std::abs(values.back()) <= kLargestFrame)) {
-        refuse(number, "holds '" + cell + "', expected a finite number");
+        refuse(number, "holds '", cell, "', expected a finite number");
       }
     }
     std::vector<Key>& first = curves.front().second;
@@ -185,14 +182,14 @@ std::vector<std::string> arrange_controls(const std::vector<std::string>& names,
   for (Pose& pose : clip.poses) {
     std::vector<float> arranged;
     for (const std::string& name : names) {
-      const auto at = std::find(clip.controls.begin(), clip.controls.end(), name) - clip.controls.begin();
+      const auto at = std::ranges::find(clip.controls, name) - clip.controls.begin();
       arranged.push_back(at < std::ssize(clip.controls) ? pose.controls[static_cast<std::size_t>(at)] : 0.0f);
     }
     pose.controls = std::move(arranged);
   }
   std::vector<std::string> unknown;
   for (const std::string& name : clip.controls) {
-    if (std::find(names.begin(), names.end(), name) == names.end()) unknown.push_back(name);
+    if (std::ranges::find(names, name) == names.end()) unknown.push_back(name);
   }
   clip.controls = names;
   return unknown;

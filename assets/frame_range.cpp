@@ -12,16 +12,16 @@ namespace {
 
 constexpr std::int64_t kMaxFrames = 10'000'000;
 
-[[noreturn]] void fail(const std::string& text, const std::string& problem) {
-  throw Error(ErrorKind::usage,
-              "frame range '" + text + "': " + problem + "; expected for instance 1001-1100, 1001-1100x2 or 1,5,10-20");
+[[noreturn]] void fail(const std::string& text, const auto&... problem) {
+  throw Error(ErrorKind::usage, "frame range '", text, "': ", problem...,
+              "; expected for instance 1001-1100, 1001-1100x2 or 1,5,10-20");
 }
 
 // Takes an integer off the front of `rest`.
 int take_integer(std::string_view& rest, const std::string& text) {
   int value = 0;
   const auto [end, error] = std::from_chars(rest.data(), rest.data() + rest.size(), value);
-  if (error != std::errc()) fail(text, "expected a whole number at '" + std::string(rest) + "'");
+  if (error != std::errc()) fail(text, "expected a whole number at '", rest, "'");
   rest.remove_prefix(static_cast<std::size_t>(end - rest.data()));
   return value;
 }
@@ -43,7 +43,7 @@ Span parse_span(std::string_view item, const std::string& text) {
     span.last = take_integer(item, text);
     if (take(item, 'x')) span.step = take_integer(item, text);
   }
-  if (!item.empty()) fail(text, "cannot read '" + std::string(item) + "'");
+  if (!item.empty()) fail(text, "cannot read '", item, "'");
   if (span.last < span.first) fail(text, "a range ends before it starts");
   if (span.step < 1) fail(text, "the step after 'x' must be 1 or more");
   return span;

@@ -15,7 +15,7 @@ Interpolation interpolation_of(const GltfFile& file, const std::string& name, co
   if (name == "LINEAR") return Interpolation::linear;
   if (name == "STEP") return Interpolation::step;
   if (name == "CUBICSPLINE") return Interpolation::cubic;
-  file.fail(what + ": unknown interpolation '" + name + "'");
+  file.fail(what, ": unknown interpolation '", name, "'");
 }
 
 AnimationChannel read_channel(const GltfFile& file, const tinygltf::AnimationSampler& sampler, std::size_t node,
@@ -25,11 +25,10 @@ AnimationChannel read_channel(const GltfFile& file, const tinygltf::AnimationSam
   const bool is_rotation = path == ChannelPath::rotation;
   channel.values =
       file.numbers(sampler.output, is_rotation ? TINYGLTF_TYPE_VEC4 : TINYGLTF_TYPE_VEC3, what + " values");
-  if (!std::is_sorted(channel.times.begin(), channel.times.end())) file.fail(what + ": its times decrease");
+  if (!std::ranges::is_sorted(channel.times)) file.fail(what, ": its times decrease");
   const std::size_t per_key = components(path) * (channel.interpolation == Interpolation::cubic ? 3 : 1);
   if (channel.values.size() != per_key * channel.times.size()) {
-    file.fail(what + ": " + std::to_string(channel.times.size()) + " times but " +
-              std::to_string(channel.values.size() / components(path)) + " values");
+    file.fail(what, ": ", channel.times.size(), " times but ", channel.values.size() / components(path), " values");
   }
   return channel;
 }
@@ -101,12 +100,12 @@ std::vector<AnimationChannel> read_channels(const GltfFile& file, std::size_t an
     }
     const bool is_translation = target.target_path == "translation", is_rotation = target.target_path == "rotation";
     if (!is_translation && !is_rotation && target.target_path != "scale") {
-      file.fail(what + ": unknown path '" + target.target_path + "'");
+      file.fail(what, ": unknown path '", target.target_path, "'");
     }
-    if (target.target_node >= std::ssize(file.model().nodes)) file.fail(what + ": animates a node that does not exist");
-    if (target.sampler < 0 || target.sampler >= std::ssize(source.samplers)) file.fail(what + ": has no sampler");
+    if (target.target_node >= std::ssize(file.model().nodes)) file.fail(what, ": animates a node that does not exist");
+    if (target.sampler < 0 || target.sampler >= std::ssize(source.samplers)) file.fail(what, ": has no sampler");
     if (!seen.insert({target.target_node, target.target_path}).second) {
-      file.fail(what + ": animates the " + target.target_path + " of a node for the second time");
+      file.fail(what, ": animates the ", target.target_path, " of a node for the second time");
     }
     channels.push_back(read_channel(
         file, source.samplers[static_cast<std::size_t>(target.sampler)], static_cast<std::size_t>(target.target_node),

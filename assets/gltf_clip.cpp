@@ -12,6 +12,7 @@
 #include "assets/retarget.h"
 #include "assets/wording.h"
 #include "runtime/core/error.h"
+#include "runtime/core/transformed.h"
 
 namespace bodyopt {
 namespace {
@@ -30,7 +31,7 @@ std::size_t find_animation(const GltfFile& file, const std::string& name) {
     names.push_back(animation_name(model, a));
     if (names.back() == name) return a;
   }
-  file.fail("has no clip '" + name + "'; its clips are " + list_names(names));
+  file.fail("has no clip '", name, "'; its clips are ", list_names(names));
 }
 
 // What joints are matched by, per node. Joints of the file's own skin come before other nodes (a mesh may be called
@@ -154,8 +155,7 @@ void note_scale(const Clip& clip, const Skeleton& skeleton, std::vector<std::str
   std::vector<std::string> scaled;
   for (std::size_t j = 0; j < skeleton.size(); ++j) {
     const Vec3& rest = skeleton.joints[j].default_local.scale;
-    if (std::any_of(clip.poses.begin(), clip.poses.end(),
-                    [&](const Pose& pose) { return length(pose.joints[j].scale - rest) > 1e-4; })) {
+    if (std::ranges::any_of(clip.poses, [&](const Pose& pose) { return length(pose.joints[j].scale - rest) > 1e-4; })) {
       scaled.push_back(skeleton.joints[j].name);
     }
   }
@@ -166,9 +166,8 @@ void note_scale(const Clip& clip, const Skeleton& skeleton, std::vector<std::str
 }
 
 [[noreturn]] void fail_build(const GltfFile& file, double ratio) {
-  throw Error(ErrorKind::mismatch, file.path().string() + ": the bones it moves are " + std::to_string(ratio) +
-                                       " times as long as the character's: it was made for another character, or in "
-                                       "another unit");
+  throw Error(ErrorKind::mismatch, file.path(), ": the bones it moves are ", ratio,
+              " times as long as the character's: it was made for another character, or in another unit");
 }
 
 bool is_other_build(double ratio) {
@@ -201,8 +200,7 @@ void copy_motion(const GltfFile& file, Motion motion, std::size_t frames, Clip& 
 
 // With the bind pose. Nodes that no skin vouches for may also stand as the character's own do.
 RestComparison compare_with_character(const Motion& motion, const RestNodes& rest) {
-  std::vector<bool> matched;
-  for (const int node : motion.joint_nodes) matched.push_back(node >= 0);
+  const std::vector<bool> matched = transformed(motion.joint_nodes, [&](const int node) { return node >= 0; });
   std::vector<JointTransform> bind, own;
   for (const Joint& joint : motion.skeleton.joints) {
     bind.push_back(joint.bind);
@@ -230,9 +228,7 @@ SourceMotion source_of(const Motion& motion, const RestNodes& rest) {
   }
   source.locals_at = [&motion](double seconds) {
     const std::vector<JointTransform> nodes = motion.nodes_at(seconds);
-    std::vector<JointTransform> locals;
-    for (const std::size_t n : motion.tree.order) locals.push_back(nodes[n]);
-    return locals;
+    return transformed(motion.tree.order, [&](const std::size_t n) { return nodes[n]; });
   };
   return source;
 }
@@ -259,8 +255,8 @@ void note_lost_scale(const Motion& motion, std::size_t frames, double fps, std::
 bool has_few_in_common(const Motion& motion) {
   std::set<std::size_t> animated;
   for (const AnimationChannel& channel : motion.channels) animated.insert(channel.node);
-  const auto matched = static_cast<std::size_t>(
-      std::count_if(motion.joint_nodes.begin(), motion.joint_nodes.end(), [](int node) { return node >= 0; }));
+  const auto matched =
+      static_cast<std::size_t>(std::ranges::count_if(motion.joint_nodes, [](int node) { return node >= 0; }));
   return 3 * matched < std::min(motion.skeleton.size(), animated.size());
 }
 

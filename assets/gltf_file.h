@@ -9,6 +9,8 @@
 #include <string_view>
 #include <vector>
 
+#include "runtime/core/error.h"
+
 namespace bodyopt {
 
 class GltfFile {
@@ -31,7 +33,7 @@ class GltfFile {
   std::vector<std::uint32_t> indices(int accessor, int type, const std::string& what) const;
 
   // Throws Error(file), the message starting with the path.
-  [[noreturn]] void fail(const std::string& problem) const;
+  [[noreturn]] void fail(const auto&... problem) const { throw Error(ErrorKind::file, path_, ": ", problem...); }
 
  private:
   struct View;

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
-#include <string_view>
 
 #include "runtime/basis/read_file.h"
 #include "runtime/core/error.h"
@@ -20,8 +19,8 @@ constexpr int kMaxNesting = 64;
 constexpr std::size_t kMaxBufferBytes = std::size_t{4} << 30;  // many buffers may name the same large file
 constexpr std::uint32_t kJsonChunk = 0x4E4F534A, kBinaryChunk = 0x004E4942;
 
-[[noreturn]] void fail(const std::filesystem::path& path, const std::string& problem) {
-  throw Error(ErrorKind::file, path.string() + ": " + problem);
+[[noreturn]] void fail(const std::filesystem::path& path, const auto&... problem) {
+  throw Error(ErrorKind::file, path, ": ", problem...);
 }
 
 struct Chunks {
@@ -39,11 +38,11 @@ std::uint32_t word_at(std::string_view bytes, std::size_t offset) {
 Chunks split_glb(const std::filesystem::path& path, std::string_view bytes) {
   if (bytes.size() < 20) fail(path, "the file ends inside its header; it is cut off");
   if (word_at(bytes, 4) != 2) {
-    fail(path, "glTF container version " + std::to_string(word_at(bytes, 4)) + ", expected 2; export it as glTF 2.0");
+    fail(path, "glTF container version ", word_at(bytes, 4), ", expected 2; export it as glTF 2.0");
   }
   if (word_at(bytes, 8) != bytes.size()) {
-    fail(path, "its header says " + std::to_string(word_at(bytes, 8)) + " bytes, the file has " +
-                   std::to_string(bytes.size()) + "; it is cut off or damaged");
+    fail(path, "its header says ", word_at(bytes, 8), " bytes, the file has ", bytes.size(),
+         "; it is cut off or damaged");
   }
   Chunks chunks;
   for (std::size_t offset = 12; offset < bytes.size();) {
@@ -77,7 +76,7 @@ Json parse_json(const std::filesystem::path& path, const std::string& text) {
   try {
     return Json::parse(text, filter);
   } catch (const Json::exception& error) {
-    fail(path, std::string("its JSON cannot be read (") + error.what() + "); not a glTF file, or damaged");
+    fail(path, "its JSON cannot be read (", error.what(), "); not a glTF file, or damaged");
   }
 }
 
@@ -87,7 +86,7 @@ void check_version(const std::filesystem::path& path, const Json& root) {
     fail(path, "has no asset.version; it is not a glTF file");
   }
   const std::string version = root["asset"]["version"];
-  if (version.rfind("2.", 0) != 0) fail(path, "glTF version " + version + ", expected 2.0; export it as glTF 2.0");
+  if (version.rfind("2.", 0) != 0) fail(path, "glTF version ", version, ", expected 2.0; export it as glTF 2.0");
 }
 
 // Extensions that change only what is not read here (materials, textures, lights) or what is read anyway.
@@ -103,8 +102,7 @@ void check_extensions(const std::filesystem::path& path, const Json& root) {
   if (!required.is_array()) fail(path, "extensionsRequired is not an array");
   for (const Json& extension : required) {
     if (extension.is_string() && is_harmless(extension)) continue;
-    fail(path,
-         "requires the extension " + extension.dump() + ", which is not supported; export it without compression");
+    fail(path, "requires the extension ", extension.dump(), ", which is not supported; export it without compression");
   }
 }
 
@@ -116,8 +114,8 @@ void check_counts(const std::filesystem::path& path, const Json& root) {
       for (const char* key : {"byteOffset", "byteLength", "byteStride", "count"}) {
         const Json& entry = root[list][k];
         if (!entry.is_object() || !entry.contains(key) || entry[key].is_number_unsigned()) continue;
-        fail(path, std::string(key) + " of " + list + " " + std::to_string(k) + " is " +
-                       entry[key].dump().substr(0, 40) + ", expected a whole number, 0 or above");
+        fail(path, key, " of ", list, " ", k, " is ", entry[key].dump().substr(0, 40),
+             ", expected a whole number, 0 or above");
       }
     }
   }
@@ -141,13 +139,13 @@ std::string percent_decoded(const std::string& uri) {
 std::filesystem::path external_file(const std::filesystem::path& path, const std::string& uri) {
   const std::filesystem::path relative = percent_decoded(uri);
   if (relative.is_absolute() || uri.find("://") != std::string::npos) {
-    fail(path, "buffer '" + uri + "' lies outside the file's folder; only files beside it are read");
+    fail(path, "buffer '", uri, "' lies outside the file's folder; only files beside it are read");
   }
   const std::filesystem::path folder = std::filesystem::weakly_canonical(std::filesystem::absolute(path)).parent_path();
   const std::filesystem::path file = std::filesystem::weakly_canonical(folder / relative);
   const auto [end, unused] = std::mismatch(folder.begin(), folder.end(), file.begin(), file.end());
   if (end != folder.end())
-    fail(path, "buffer '" + uri + "' lies outside the file's folder; only files beside it are read");
+    fail(path, "buffer '", uri, "' lies outside the file's folder; only files beside it are read");
   return file;
 }
 
@@ -170,8 +168,7 @@ Bytes resolve_buffer(const std::filesystem::path& path, const Json& buffer, cons
     bytes.assign(content.begin(), content.end());
   }
   if (length > bytes.size()) {
-    fail(path, "a buffer of " + std::to_string(length) + " bytes has only " + std::to_string(bytes.size()) +
-                   "; the file is cut off or damaged");
+    fail(path, "a buffer of ", length, " bytes has only ", bytes.size(), "; the file is cut off or damaged");
   }
   bytes.resize(length);
   return bytes;
@@ -186,8 +183,8 @@ std::string read_gltf_bytes(const std::filesystem::path& path) {
 GuardedGltf guard_gltf(const std::filesystem::path& path, std::string_view bytes) {
   const bool is_glb = bytes.starts_with("glTF");
   if (!is_glb && path.extension() == ".glb")
-    fail(path, "does not start with 'glTF'; it is not a .glb file" + looks_like(path));
-  if (!is_glb && !starts_an_object(bytes)) fail(path, "is not a glTF file (.glb, .gltf)" + looks_like(path));
+    fail(path, "does not start with 'glTF'; it is not a .glb file", looks_like(path));
+  if (!is_glb && !starts_an_object(bytes)) fail(path, "is not a glTF file (.glb, .gltf)", looks_like(path));
   const Chunks chunks = is_glb ? split_glb(path, bytes) : Chunks{std::string(bytes.begin(), bytes.end()), {}};
 
   Json root = parse_json(path, chunks.json);
@@ -206,7 +203,7 @@ GuardedGltf guard_gltf(const std::filesystem::path& path, std::string_view bytes
       if (buffer_bytes > kMaxBufferBytes) fail(path, "its buffers hold more than 4 GiB");
     }
   } catch (const std::filesystem::filesystem_error& error) {
-    fail(path, std::string("a buffer's file cannot be found: ") + error.what());
+    fail(path, "a buffer's file cannot be found: ", error.what());
   }
   for (const char* key :
        {"buffers", "images", "textures", "samplers", "materials", "cameras", "extensionsRequired", "extensionsUsed"}) {

@@ -42,8 +42,7 @@ JointTransform node_transform(const GltfFile& file, std::size_t index, double un
   const tinygltf::Node& node = file.model().nodes[index];
   const auto has = [&](const std::vector<double>& values, std::size_t count) {
     if (!values.empty() && values.size() != count) {
-      file.fail(node_label(file.model(), index) + " has a transform of " + std::to_string(values.size()) +
-                " numbers, expected " + std::to_string(count));
+      file.fail(node_label(file.model(), index), " has a transform of ", values.size(), " numbers, expected ", count);
     }
     return !values.empty();
   };
@@ -56,7 +55,7 @@ JointTransform node_transform(const GltfFile& file, std::size_t index, double un
     if (has(node.rotation, 4)) std::copy(node.rotation.begin(), node.rotation.end(), t.rotation.begin());
   }
   t.translation = unit * t.translation;
-  if (!is_finite(t)) file.fail(node_label(file.model(), index) + " has a transform that is not finite");
+  if (!is_finite(t)) file.fail(node_label(file.model(), index), " has a transform that is not finite");
   repairs.has_no_turn = !has_length(t.rotation);
   t.rotation = normalized(t.rotation);
   return t;
@@ -84,10 +83,10 @@ NodeTree read_nodes(const GltfFile& file, double unit, std::vector<std::string>&
   for (std::size_t n = 0; n < model.nodes.size(); ++n) {
     for (const int child : model.nodes[n].children) {
       if (child < 0 || child >= std::ssize(model.nodes)) {
-        file.fail(node_label(model, n) + " has the child " + std::to_string(child) + ", which does not exist");
+        file.fail(node_label(model, n), " has the child ", child, ", which does not exist");
       }
       int& parent = tree.parent[static_cast<std::size_t>(child)];
-      if (parent >= 0) file.fail(node_label(model, static_cast<std::size_t>(child)) + " has two parents");
+      if (parent >= 0) file.fail(node_label(model, static_cast<std::size_t>(child)), " has two parents");
       parent = static_cast<int>(n);
     }
     NodeRepairs repairs;
@@ -110,15 +109,14 @@ SkinJoints read_skin_joints(const GltfFile& file, int skin, std::vector<std::str
   const tinygltf::Model& model = file.model();
   SkinJoints joints;
   joints.nodes = model.skins[static_cast<std::size_t>(skin)].joints;
-  if (joints.nodes.empty()) file.fail("skin " + std::to_string(skin) + " has no joints");
+  if (joints.nodes.empty()) file.fail("skin ", skin, " has no joints");
   std::set<int> seen;
   std::set<std::string> taken;
   for (std::size_t k = 0; k < joints.nodes.size(); ++k) {
     const int node = joints.nodes[k];
-    if (node < 0 || node >= std::ssize(model.nodes))
-      file.fail("joint " + std::to_string(k) + " is no node of the file");
+    if (node < 0 || node >= std::ssize(model.nodes)) file.fail("joint ", k, " is no node of the file");
     if (!seen.insert(node).second) {
-      file.fail(node_label(model, static_cast<std::size_t>(node)) + " is listed twice as a joint");
+      file.fail(node_label(model, static_cast<std::size_t>(node)), " is listed twice as a joint");
     }
     taken.insert(model.nodes[static_cast<std::size_t>(node)].name);
   }
@@ -149,10 +147,8 @@ int choose_skin(const GltfFile& file, std::vector<std::string>& notes) {
   std::vector<std::size_t> vertices(model.skins.size(), 0);
   for (const tinygltf::Node& node : model.nodes) {
     if (node.skin < 0 || node.mesh < 0) continue;
-    if (node.skin >= std::ssize(model.skins))
-      file.fail("a node uses skin " + std::to_string(node.skin) + " of " + std::to_string(model.skins.size()));
-    if (node.mesh >= std::ssize(model.meshes))
-      file.fail("a node uses mesh " + std::to_string(node.mesh) + " of " + std::to_string(model.meshes.size()));
+    if (node.skin >= std::ssize(model.skins)) file.fail("a node uses skin ", node.skin, " of ", model.skins.size());
+    if (node.mesh >= std::ssize(model.meshes)) file.fail("a node uses mesh ", node.mesh, " of ", model.meshes.size());
     for (const auto& primitive : model.meshes[static_cast<std::size_t>(node.mesh)].primitives) {
       const auto position = primitive.attributes.find("POSITION");
       if (position == primitive.attributes.end() || position->second < 0 ||

@@ -41,7 +41,7 @@ RestNodes read_rest(const GltfFile& file, const NodeTree& tree, double unit) {
     try {
       rest.local[n] = decompose(inverse(above) * world[n]);
     } catch (const Error&) {
-      file.fail("the nodes above joint '" + bound.skeleton.joints[static_cast<std::size_t>(joint_of_node[n])].name +
+      file.fail("the nodes above joint '", bound.skeleton.joints[static_cast<std::size_t>(joint_of_node[n])].name,
                 "' are scaled to nothing");
     }
   }

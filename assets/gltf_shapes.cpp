@@ -94,9 +94,9 @@ void refuse_other_file(const fs::path& path) {
   std::string head(256, '\0');
   file.read(head.data(), static_cast<std::streamsize>(head.size()));
   if (head.find(kGenerator) != std::string::npos) return;
-  throw Error(ErrorKind::usage, path.string() +
-                                    " is there already, and holds no shapes that bodyopt wrote: is it a character or a "
-                                    "clip? Choose another name, or remove it");
+  throw Error(ErrorKind::usage, path,
+              " is there already, and holds no shapes that bodyopt wrote: is it a character or a "
+              "clip? Choose another name, or remove it");
 }
 
 }  // namespace
@@ -108,10 +108,8 @@ GltfShapesWriter::GltfShapesWriter(const fs::path& path, CacheLayout layout)
   // Positions and normals, and of every frame a weight of each target.
   const std::uint64_t bytes = 24 * layout_.points * frames + 4 * (frames * frames + corners_.size());
   if (bytes <= kMostGlbBytes) return;
-  throw Error(ErrorKind::usage,
-              path.string() + ": " + std::to_string(layout_.frames.size()) + " frames of " +
-                  std::to_string(layout_.points) +
-                  " points take more than the 4 GiB that a .glb can hold: write fewer frames, or .pc2");
+  throw Error(ErrorKind::usage, path, ": ", layout_.frames.size(), " frames of ", layout_.points,
+              " points take more than the 4 GiB that a .glb can hold: write fewer frames, or .pc2");
 }
 
 std::span<const float> GltfShapesWriter::frame(std::size_t k) const {
@@ -122,16 +120,13 @@ std::span<const float> GltfShapesWriter::frame(std::size_t k) const {
 void GltfShapesWriter::append(std::span<const float> positions, std::span<const float> /*normals*/) {
   const std::size_t size = 3 * std::size_t{layout_.points}, done = positions_.size() / size;
   if (positions.size() != size || done == layout_.frames.size()) {
-    throw Error(ErrorKind::mismatch, path_.string() + ": a sample of " + std::to_string(positions.size() / 3) +
-                                         " points was given after " + std::to_string(done) + " frames to one of " +
-                                         std::to_string(layout_.points) + " points and " +
-                                         std::to_string(layout_.frames.size()) + " frames");
+    throw Error(ErrorKind::mismatch, path_, ": a sample of ", positions.size() / 3, " points was given after ", done,
+                " frames to one of ", layout_.points, " points and ", layout_.frames.size(), " frames");
   }
   for (std::size_t k = 0; k < size; ++k) {
     if (std::isfinite(positions[k])) continue;
-    throw Error(ErrorKind::file, path_.string() + ": frame " + std::to_string(layout_.frames[done]) + ", point " +
-                                     std::to_string(k / 3) +
-                                     " is not a finite number: did a simulation, or what it began from, blow up?");
+    throw Error(ErrorKind::file, path_, ": frame ", layout_.frames[done], ", point ", k / 3,
+                " is not a finite number: did a simulation, or what it began from, blow up?");
   }
   positions_.insert(positions_.end(), positions.begin(), positions.end());
 }
@@ -139,8 +134,7 @@ void GltfShapesWriter::append(std::span<const float> positions, std::span<const 
 void GltfShapesWriter::close() {
   const std::size_t count = layout_.frames.size(), done = positions_.size() / (3 * std::size_t{layout_.points});
   if (done != count || count == 0) {
-    throw Error(ErrorKind::file, path_.string() + ": " + std::to_string(done) + " of " + std::to_string(count) +
-                                     " frames were given; nothing is written");
+    throw Error(ErrorKind::file, path_, ": ", done, " of ", count, " frames were given; nothing is written");
   }
   GlbWriter glb;
   glb.root["asset"]["generator"] = kGenerator;
@@ -178,8 +172,8 @@ void GltfShapesWriter::take_up(const fs::path& stem, std::size_t frames) {
   positions_.resize(bytes.size() / sizeof(float));
   std::memcpy(positions_.data(), bytes.data(), positions_.size() * sizeof(float));
   if (positions_.size() == 3 * frames * layout_.points) return;
-  throw Error(ErrorKind::file, shapes_aside(stem).string() + ": does not hold the " + std::to_string(frames) +
-                                   " frames that were put aside: damaged, or of another run?");
+  throw Error(ErrorKind::file, shapes_aside(stem), ": does not hold the ", frames,
+              " frames that were put aside: damaged, or of another run?");
 }
 
 std::vector<fs::path> GltfShapesWriter::aside(const fs::path& stem) const { return {shapes_aside(stem)}; }

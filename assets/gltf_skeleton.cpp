@@ -48,14 +48,14 @@ std::vector<std::string> set_binds(const GltfFile& file, Skeleton& skeleton) {
       joint.bind = decompose(inverse(above) * bind);
       world[j] = above * affine_from(joint.bind);
     } catch (const Error&) {
-      file.fail("the inverse bind matrix of joint '" + joint.name + "' is singular");
+      file.fail("the inverse bind matrix of joint '", joint.name, "' is singular");
     }
     const Affine rest = world[j] * joint.inverse_bind;
     double error = 0;
     for (int r = 0; r < 3; ++r) {
       for (int c = 0; c < 4; ++c) error += std::abs(rest.m[r][c] - (r == c ? 1 : 0));
     }
-    if (!(error < 10)) file.fail("the inverse bind matrix of joint '" + joint.name + "' is nearly singular");
+    if (!(error < 10)) file.fail("the inverse bind matrix of joint '", joint.name, "' is nearly singular");
     if (error > 1e-3) sheared.push_back(joint.name);
   }
   return sheared;
@@ -74,8 +74,7 @@ std::vector<Affine> read_inverse_binds(const GltfFile& file, int skin, std::size
   if (accessor < 0) return binds;  // the specification's default: identity
   const std::vector<double> columns = file.numbers(accessor, TINYGLTF_TYPE_MAT4, "inverse bind matrices");
   if (columns.size() < 16 * joint_count) {
-    file.fail("has " + std::to_string(columns.size() / 16) + " inverse bind matrices for " +
-              std::to_string(joint_count) + " joints");
+    file.fail("has ", columns.size() / 16, " inverse bind matrices for ", joint_count, " joints");
   }
   for (std::size_t j = 0; j < joint_count; ++j) {
     const double* m = columns.data() + 16 * j;
@@ -83,7 +82,7 @@ std::vector<Affine> read_inverse_binds(const GltfFile& file, int skin, std::size
       for (std::size_t c = 0; c < 4; ++c) binds[j].m[r][c] = m[4 * c + r] * (c == 3 ? unit : 1);
     }
     if (std::abs(m[3]) + std::abs(m[7]) + std::abs(m[11]) + std::abs(m[15] - 1) > 1e-4) {
-      file.fail("inverse bind matrix " + std::to_string(j) + " is no affine matrix (its last row is not 0 0 0 1)");
+      file.fail("inverse bind matrix ", j, " is no affine matrix (its last row is not 0 0 0 1)");
     }
   }
   return binds;
@@ -112,7 +111,7 @@ SkinSkeleton read_skin_skeleton(const GltfFile& file, int skin, double unit, std
     default_world.push_back(joint.parent < 0 ? own : default_world[static_cast<std::size_t>(joint.parent)] * own);
     for (const auto& row : default_world.back().m) {
       for (const double x : row) {
-        if (!std::isfinite(x)) file.fail("the transform of joint '" + joint.name + "' is out of range");
+        if (!std::isfinite(x)) file.fail("the transform of joint '", joint.name, "' is out of range");
       }
     }
     result.skeleton.joints.push_back(std::move(joint));

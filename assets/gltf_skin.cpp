@@ -29,9 +29,7 @@ std::vector<std::uint32_t> element_order(const GltfFile& file, const tinygltf::P
   if (primitive.indices < 0) return order;
   order = file.indices(primitive.indices, TINYGLTF_TYPE_SCALAR, what + " indices");
   for (const std::uint32_t index : order) {
-    if (index >= vertex_count) {
-      file.fail(what + ": index " + std::to_string(index) + " of " + std::to_string(vertex_count) + " vertices");
-    }
+    if (index >= vertex_count) file.fail(what, ": index ", index, " of ", vertex_count, " vertices");
   }
   return order;
 }
@@ -45,7 +43,7 @@ void append_triangles(const GltfFile& file, const tinygltf::Primitive& primitive
   };
   switch (primitive.mode) {
     case TINYGLTF_MODE_TRIANGLES:
-      if (v.size() % 3 != 0) file.fail(what + ": " + std::to_string(v.size()) + " indices are no whole triangles");
+      if (v.size() % 3 != 0) file.fail(what, ": ", v.size(), " indices are no whole triangles");
       for (std::size_t i = 0; i + 2 < v.size(); i += 3) append(v[i], v[i + 1], v[i + 2]);
       return;
     case TINYGLTF_MODE_TRIANGLE_STRIP:
@@ -55,7 +53,7 @@ void append_triangles(const GltfFile& file, const tinygltf::Primitive& primitive
       for (std::size_t i = 1; i + 1 < v.size(); ++i) append(v[0], v[i], v[i + 1]);
       return;
     default:
-      file.fail(what + ": made of points or lines (mode " + std::to_string(primitive.mode) + "), expected triangles");
+      file.fail(what, ": made of points or lines (mode ", primitive.mode, "), expected triangles");
   }
 }
 
@@ -68,22 +66,19 @@ void add_weight_set(const GltfFile& file, const tinygltf::Primitive& primitive, 
   const auto values =
       file.numbers(attribute(primitive, "WEIGHTS" + suffix), TINYGLTF_TYPE_VEC4, what + " WEIGHTS" + suffix);
   if (joints.size() != 4 * weights.size() || values.size() != 4 * weights.size()) {
-    file.fail(what + ": JOINTS" + suffix + " or WEIGHTS" + suffix + " has another count than the positions");
+    file.fail(what, ": JOINTS", suffix, " or WEIGHTS", suffix, " has another count than the positions");
   }
   for (std::size_t k = 0; k < values.size(); ++k) {
     if (values[k] < 0) ++repairs.negative;
     if (values[k] <= 0) continue;
-    if (joints[k] >= joint_count) {
-      file.fail(what + ": joint " + std::to_string(joints[k]) + " of " + std::to_string(joint_count) + " joints");
-    }
+    if (joints[k] >= joint_count) file.fail(what, ": joint ", joints[k], " of ", joint_count, " joints");
     weights[k / 4].push_back({joints[k], values[k]});
   }
 }
 
 // Ascending by joint, each joint once, sum 1.
 void normalize(std::vector<JointWeight>& weights, SkinRepairs& repairs) {
-  std::sort(weights.begin(), weights.end(),
-            [](const JointWeight& a, const JointWeight& b) { return a.joint < b.joint; });
+  std::ranges::sort(weights, {}, &JointWeight::joint);
   double sum = 0;
   std::size_t kept = 0;
   for (const JointWeight& w : weights) {
@@ -115,7 +110,7 @@ std::size_t append_primitive(const GltfFile& file, const tinygltf::Primitive& pr
 void append_weights(const GltfFile& file, const tinygltf::Primitive& primitive, std::size_t count,
                     std::size_t joint_count, const std::string& what, SkinGeometry& geometry, SkinRepairs& repairs) {
   std::vector<std::vector<JointWeight>> weights(count);
-  if (attribute(primitive, "JOINTS_0") < 0) file.fail(what + ": has no skin weights (JOINTS_0, WEIGHTS_0)");
+  if (attribute(primitive, "JOINTS_0") < 0) file.fail(what, ": has no skin weights (JOINTS_0, WEIGHTS_0)");
   for (int set = 0; attribute(primitive, "JOINTS_" + std::to_string(set)) >= 0; ++set) {
     add_weight_set(file, primitive, set, joint_count, what, weights, repairs);
   }
@@ -148,9 +143,7 @@ struct SkinPrimitive {
 
 void append_primitives(const GltfFile& file, const tinygltf::Node& node, std::vector<SkinPrimitive>& primitives) {
   const tinygltf::Model& model = file.model();
-  if (node.mesh >= std::ssize(model.meshes)) {
-    file.fail("a node uses mesh " + std::to_string(node.mesh) + " of " + std::to_string(model.meshes.size()));
-  }
+  if (node.mesh >= std::ssize(model.meshes)) file.fail("a node uses mesh ", node.mesh, " of ", model.meshes.size());
   const tinygltf::Mesh& mesh = model.meshes[static_cast<std::size_t>(node.mesh)];
   for (std::size_t p = 0; p < mesh.primitives.size(); ++p) {
     primitives.push_back({mesh.primitives[p], "mesh " + std::to_string(node.mesh) + " primitive " + std::to_string(p)});
@@ -173,13 +166,11 @@ std::vector<double> colours_of(const GltfFile& file, int accessor, std::size_t c
                      accessors[static_cast<std::size_t>(accessor)].type == TINYGLTF_TYPE_VEC4;
   const std::vector<double> numbers = file.numbers(accessor, alpha ? TINYGLTF_TYPE_VEC4 : TINYGLTF_TYPE_VEC3, what);
   const std::size_t components = alpha ? 4 : 3;
-  if (numbers.size() != components * count) file.fail(what + " has another count than the positions");
+  if (numbers.size() != components * count) file.fail(what, " has another count than the positions");
   std::vector<double> colours;
   for (std::size_t k = 0; k < numbers.size(); ++k) {
     if (k % components == 3) continue;
-    if (!(numbers[k] >= 0 && numbers[k] <= 1)) {
-      file.fail(what + ": element " + std::to_string(k / components) + " is not from 0 to 1");
-    }
+    if (!(numbers[k] >= 0 && numbers[k] <= 1)) file.fail(what, ": element ", k / components, " is not from 0 to 1");
     colours.push_back(numbers[k]);
   }
   return colours;
@@ -212,9 +203,7 @@ SkinGeometry read_skin_geometry(const GltfFile& file, int skin, std::vector<std:
 SkinGeometry read_node_geometry(const GltfFile& file, std::size_t index, std::vector<std::string>& notes) {
   const tinygltf::Model& model = file.model();
   const tinygltf::Node& node = model.nodes[index];
-  if (node.skin >= std::ssize(model.skins)) {
-    file.fail("a node uses skin " + std::to_string(node.skin) + " of " + std::to_string(model.skins.size()));
-  }
+  if (node.skin >= std::ssize(model.skins)) file.fail("a node uses skin ", node.skin, " of ", model.skins.size());
   SkinGeometry geometry;
   SkinRepairs repairs;
   std::vector<SkinPrimitive> primitives;
@@ -249,14 +238,14 @@ std::vector<Vec3> read_morph_target(const std::filesystem::path& character, int 
     const auto position = attributes.find("POSITION");
     if (position == attributes.end()) continue;
     const auto numbers = file.numbers(position->second, TINYGLTF_TYPE_VEC3, what + " morph target");
-    if (numbers.size() != 3 * count) file.fail(what + ": a morph target has another count than the positions");
+    if (numbers.size() != 3 * count) file.fail(what, ": a morph target has another count than the positions");
     for (std::size_t k = 0; k < count; ++k) {
       moved[first + k] = scale * Vec3{numbers[3 * k], numbers[3 * k + 1], numbers[3 * k + 2]};
     }
   }
   if (static_cast<std::size_t>(target) >= most) {
-    file.fail("has no morph target " + std::to_string(target) + "; it has " +
-              count_of(most, "morph target", "morph targets") + ", numbered from 0");
+    file.fail("has no morph target ", target, "; it has ", count_of(most, "morph target", "morph targets"),
+              ", numbered from 0");
   }
   return moved;
 }
@@ -282,7 +271,7 @@ std::vector<double> read_vertex_colours(const std::filesystem::path& character, 
     }
   }
   if (!known.contains(name)) {
-    file.fail("its skin has no vertex colours '" + name + "'; it has " +
+    file.fail("its skin has no vertex colours '", name, "'; it has ",
               list_names(std::vector<std::string>(known.begin(), known.end())));
   }
   return colours;
@@ -300,7 +289,7 @@ std::vector<double> read_texture_coordinates(const std::filesystem::path& charac
         file.numbers(attribute(primitive, "POSITION"), TINYGLTF_TYPE_VEC3, what + " POSITION").size() / 3;
     const std::vector<double> own =
         file.numbers(attribute(primitive, "TEXCOORD_0"), TINYGLTF_TYPE_VEC2, what + " TEXCOORD_0");
-    if (own.size() != 2 * count) file.fail(what + " TEXCOORD_0 has another count than the positions");
+    if (own.size() != 2 * count) file.fail(what, " TEXCOORD_0 has another count than the positions");
     all.insert(all.end(), own.begin(), own.end());
   }
   return all;

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <cstring>
 #include <map>
-#include <nlohmann/json.hpp>
 
 #include "runtime/core/atomic_file.h"
 #include "runtime/core/error.h"
@@ -93,14 +92,14 @@ std::size_t GlbWriter::add_skeleton(const Skeleton& skeleton) {
 }
 
 void GlbWriter::write(const std::filesystem::path& path) {
-  const auto fail = [&](const std::string& problem) { throw Error(ErrorKind::file, path.string() + ": " + problem); };
+  const auto fail = [&](const auto&... problem) { throw Error(ErrorKind::file, path, ": ", problem...); };
   if (!finite_) fail("not written, because a number is not finite");
   root["buffers"] = Json::array({{{"byteLength", binary_.size()}}});
   std::string json;
   try {
     json = root.dump();
   } catch (const Json::exception& error) {
-    fail(std::string("not written, because a name is not UTF-8 text (") + error.what() + ")");
+    fail("not written, because a name is not UTF-8 text (", error.what(), ")");
   }
   json.resize((json.size() + 3) / 4 * 4, ' ');
   const std::size_t total = 12 + 8 + json.size() + 8 + binary_.size();

@@ -10,20 +10,21 @@
 #include "base/progress.h"
 #include "runtime/core/atomic_file.h"
 #include "runtime/core/error.h"
+#include "runtime/core/transformed.h"
 
 namespace bodyopt {
 namespace {
 
 namespace fs = std::filesystem;
 
-[[noreturn]] void refuse_part(const fs::path& path, const std::string& what) {
-  throw Error(ErrorKind::mismatch, path.string() + ": " + what);
+[[noreturn]] void refuse_part(const fs::path& path, const auto&... what) {
+  throw Error(ErrorKind::mismatch, path, ": ", what...);
 }
 
 void require_apart(const fs::path& before, int last, const fs::path& after, int first) {
   if (first > last) return;
-  refuse_part(after, "begins with frame " + std::to_string(first) + ", and " + before.string() + " ends with frame " +
-                         std::to_string(last) + ": parts of one shot have no frames in common");
+  refuse_part(after, "begins with frame ", first, ", and ", before, " ends with frame ", last,
+              ": parts of one shot have no frames in common");
 }
 
 int frame_number(const fs::path& path, double frame) {
@@ -41,16 +42,13 @@ std::vector<int> frames_of(const Pc2Reader& part) {
 }
 
 void join_pc2(const std::vector<fs::path>& paths, const fs::path& out) {
-  std::vector<Pc2Reader> parts;
-  for (const fs::path& path : paths) parts.emplace_back(path);
-  std::sort(parts.begin(), parts.end(),
-            [](const Pc2Reader& a, const Pc2Reader& b) { return a.start_frame() < b.start_frame(); });
+  std::vector<Pc2Reader> parts = transformed(paths, [&](const fs::path& path) { return Pc2Reader(path); });
+  std::ranges::sort(parts, [](const Pc2Reader& a, const Pc2Reader& b) { return a.start_frame() < b.start_frame(); });
   std::vector<int> frames;
   for (std::size_t k = 0; k < parts.size(); ++k) {
     if (parts[k].point_count() != parts[0].point_count()) {
-      refuse_part(parts[k].path(), "has " + std::to_string(parts[k].point_count()) + " points, and " +
-                                       parts[0].path().string() + " has " + std::to_string(parts[0].point_count()) +
-                                       ": caches of two meshes");
+      refuse_part(parts[k].path(), "has ", parts[k].point_count(), " points, and ", parts[0].path(), " has ",
+                  parts[0].point_count(), ": caches of two meshes");
     }
     const std::vector<int> more = frames_of(parts[k]);
     if (k > 0 && !frames.empty() && !more.empty()) {
@@ -71,13 +69,12 @@ void join_pc2(const std::vector<fs::path>& paths, const fs::path& out) {
 }
 
 void join_usda(const std::vector<fs::path>& paths, const fs::path& out) {
-  std::vector<UsdaPart> parts;
-  for (const fs::path& path : paths) parts.emplace_back(path);
-  std::sort(parts.begin(), parts.end(), [](const UsdaPart& a, const UsdaPart& b) { return a.frames() < b.frames(); });
+  std::vector<UsdaPart> parts = transformed(paths, [&](const fs::path& path) { return UsdaPart(path); });
+  std::ranges::sort(parts, [](const UsdaPart& a, const UsdaPart& b) { return a.frames() < b.frames(); });
   std::size_t frames = 0;
   for (std::size_t k = 0; k < parts.size(); ++k) {
     if (parts[k].head() != parts[0].head() || parts[k].between() != parts[0].between()) {
-      refuse_part(parts[k].path(), "is of another mesh or frame rate than " + parts[0].path().string());
+      refuse_part(parts[k].path(), "is of another mesh or frame rate than ", parts[0].path());
     }
     if (k > 0) {
       require_apart(parts[k - 1].path(), parts[k - 1].frames().back(), parts[k].path(), parts[k].frames().front());
@@ -109,15 +106,14 @@ void join_usda(const std::vector<fs::path>& paths, const fs::path& out) {
 }  // namespace
 
 void join_caches(const std::vector<fs::path>& parts, const fs::path& out) {
-  if (parts.empty()) throw Error(ErrorKind::usage, out.string() + ": there are no parts to join");
+  if (parts.empty()) throw Error(ErrorKind::usage, out, ": there are no parts to join");
   for (const fs::path& part : parts) {
     if (part.extension() == out.extension()) continue;
-    refuse_part(part, "and " + out.string() + " are of different formats: parts and whole are all .pc2 or all .usda");
+    refuse_part(part, "and ", out, " are of different formats: parts and whole are all .pc2 or all .usda");
   }
   if (out.extension() == ".glb") {
-    throw Error(ErrorKind::usage, out.string() +
-                                      ": parts of glTF cannot be joined: evaluate the whole shot to one .glb, or "
-                                      "its parts to .pc2 or .usda");
+    throw Error(ErrorKind::usage, out,
+                ": parts of glTF cannot be joined: evaluate the whole shot to one .glb, or its parts to .pc2 or .usda");
   }
   if (out.extension() == ".usda") {
     join_usda(parts, out);

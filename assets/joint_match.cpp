@@ -10,6 +10,7 @@
 #include "assets/wording.h"
 #include "runtime/core/error.h"
 #include "runtime/core/lower_case.h"
+#include "runtime/core/transformed.h"
 
 namespace bodyopt {
 namespace {
@@ -84,7 +85,7 @@ class Matcher {
   bool has_all_names() const {
     const std::vector<std::string> names = names_of(source_);
     const std::set<std::string> known(names.begin(), names.end());
-    return std::all_of(target_.begin(), target_.end(), [&](const auto& joint) { return known.contains(joint.name); });
+    return std::ranges::all_of(target_, [&](const auto& joint) { return known.contains(joint.name); });
   }
 
   void pair(std::size_t s, std::size_t t) {
@@ -94,18 +95,17 @@ class Matcher {
 
   static std::size_t find(const std::vector<NamedJoint>& joints, const std::string& name, const std::string& path,
                           const std::string& whose) {
-    const auto found =
-        std::find_if(joints.begin(), joints.end(), [&](const auto& joint) { return joint.name == name; });
+    const auto found = std::ranges::find_if(joints, [&](const auto& joint) { return joint.name == name; });
     if (found != joints.end()) return static_cast<std::size_t>(found - joints.begin());
-    throw Error(ErrorKind::mismatch, path + ": maps the joint '" + name + "', which " + whose +
-                                         " does not have: " + list_names(nearest_names(names_of(joints), name)) +
-                                         " are nearest. A map of another clip or character?");
+    throw Error(ErrorKind::mismatch, path, ": maps the joint '", name, "', which ", whose,
+                " does not have: ", list_names(nearest_names(names_of(joints), name)),
+                " are nearest. A map of another clip or character?");
   }
 
   // Equal names that stand for different parts of the body.
   bool contradicts(std::size_t s, std::size_t t) const {
     const auto has_other = [&](const JointPair& pair) { return (pair.first == s) != (pair.second == t); };
-    if (std::any_of(role_pairs_.begin(), role_pairs_.end(), has_other)) return true;
+    if (std::ranges::any_of(role_pairs_, has_other)) return true;
     const auto &own = source_roles_[s], &other = target_roles_[t];
     return own && other && (own->part != other->part || own->side != other->side);
   }
@@ -115,7 +115,7 @@ class Matcher {
     for (std::size_t t = 0; t < target_.size(); ++t) {
       const std::optional<JointRole>& role = target_roles_[t];
       if (!role || role->part == BodyPart::spine || role->part == BodyPart::neck) continue;
-      const auto found = std::find(source_roles_.begin(), source_roles_.end(), role);
+      const auto found = std::ranges::find(source_roles_, role);
       if (found != source_roles_.end()) {
         role_pairs_.emplace_back(static_cast<std::size_t>(found - source_roles_.begin()), t);
       }
@@ -177,8 +177,8 @@ std::vector<MappedJoint> read_joint_map(const std::filesystem::path& path) {
   for (const JsonObject& object : list) {
     object.allow({"from", "to"});
     const MappedJoint joint{object.name("from"), object.name("to")};
-    if (!from.insert(joint.from).second) object.refuse("maps '" + joint.from + "' of the clip for the second time");
-    if (!to.insert(joint.to).second) object.refuse("maps to '" + joint.to + "' for the second time");
+    if (!from.insert(joint.from).second) object.refuse("maps '", joint.from, "' of the clip for the second time");
+    if (!to.insert(joint.to).second) object.refuse("maps to '", joint.to, "' for the second time");
     joints.push_back(joint);
   }
   return joints;

@@ -4,7 +4,8 @@
 #include <array>
 #include <cctype>
 #include <set>
-#include <string_view>
+
+#include "runtime/core/transformed.h"
 
 namespace bodyopt {
 namespace {
@@ -45,7 +46,7 @@ constexpr PartName kSideNames[] = {
 // clang-format on
 
 const PartName* find_part(std::span<const PartName> names, std::string_view word) {
-  const auto found = std::find_if(names.begin(), names.end(), [&](const PartName& name) { return name.word == word; });
+  const auto found = std::ranges::find(names, word, &PartName::word);
   return found == names.end() ? nullptr : &*found;
 }
 
@@ -125,7 +126,7 @@ class PartNames {
 
  private:
   bool has(BodySide side, std::initializer_list<const char*> words) const {
-    return std::any_of(words.begin(), words.end(), [&](const char* word) { return known_.contains({side, word}); });
+    return std::ranges::any_of(words, [&](const char* word) { return known_.contains({side, word}); });
   }
 
   BodyPart part_among(BodyPart usual, const std::string& word, BodySide side) const {
@@ -165,7 +166,7 @@ std::string replaced(const std::string& name, const std::string& from, const std
   for (std::size_t at = name.find(from); at != std::string::npos; at = name.find(from, at + 1)) {
     if (from.size() == 1 && !is_side(name, at)) continue;
     const std::string other = std::string(name).replace(at, from.size(), to);
-    if (std::find(names.begin(), names.end(), other) != names.end()) return other;
+    if (std::ranges::find(names, other) != names.end()) return other;
   }
   return {};
 }
@@ -202,9 +203,7 @@ BodySide side_of_name(std::string_view name) {
 }
 
 std::vector<NamedJoint> named_joints(const Skeleton& skeleton) {
-  std::vector<NamedJoint> joints;
-  for (const Joint& joint : skeleton.joints) joints.push_back({joint.name, joint.parent});
-  return joints;
+  return transformed(skeleton.joints, [&](const Joint& joint) { return NamedJoint{joint.name, joint.parent}; });
 }
 
 std::vector<std::optional<JointRole>> joint_roles(std::span<const NamedJoint> joints) {

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "runtime/core/transformed.h"
+
 namespace bodyopt {
 namespace {
 
@@ -42,10 +44,8 @@ std::vector<int> joints_with_skin(const Character& character) {
 
 std::vector<bool> joints_of_all_skin(const Character& character) {
   const std::vector<int> have = have_skin(character);
-  const auto all = std::count(have.begin(), have.end(), 1);
-  std::vector<bool> result;
-  for (const int count : joints_with_skin(character)) result.push_back(all > 0 && count == all);
-  return result;
+  const auto all = std::ranges::count(have, 1);
+  return transformed(joints_with_skin(character), [&](const int count) { return all > 0 && count == all; });
 }
 
 std::vector<std::uint32_t> joints_that_bend(const Character& character) {

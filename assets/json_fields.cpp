@@ -40,13 +40,13 @@ FieldReader FieldReader::object(const char* key) const {
 void FieldReader::finish() const {
   for (const auto& [key, value] : json().items()) {
     if (std::ranges::find(known_, key) != known_.end()) continue;
-    refuse("has the unknown key '" + key + "': misspelt (the nearest are " + list_names(nearest_names(known_, key)) +
+    refuse("has the unknown key '", key, "': misspelt (the nearest are ", list_names(nearest_names(known_, key)),
            "), or of a newer version?");
   }
 }
 
 void FieldReader::refuse_value(const char* key, const std::string& expected) const {
-  refuse("'" + std::string(key) + "' is " + json()[key].dump() + ", expected " + expected);
+  refuse("'", key, "' is ", json()[key].dump(), ", expected ", expected);
 }
 
 }  // namespace bodyopt

@@ -90,7 +90,7 @@ class FieldReader : private JsonObject {
       int frame = 0;
       const auto [end, problem] = std::from_chars(name.data(), name.data() + name.size(), frame);
       if (problem != std::errc{} || end != name.data() + name.size()) {
-        refuse("'" + std::string(key) + "' has '" + name + "', expected the number of a frame");
+        refuse("'", key, "' has '", name, "', expected the number of a frame");
       }
       values[frame] = std::move(value);
     }

@@ -8,7 +8,6 @@
 
 #include "runtime/basis/read_file.h"
 #include "runtime/core/atomic_file.h"
-#include "runtime/core/error.h"
 #include "runtime/core/file_kind.h"
 #include "runtime/core/strict_json.h"
 
@@ -23,21 +22,19 @@ constexpr std::uint64_t kLargestFile = 64 << 20;  // bytes; parsed JSON takes ma
 Json read_json(const std::filesystem::path& path, const std::string& schema) {
   const std::string content = read_file(path, kLargestFile, "a file of ours");
   const std::string kind = looks_like(path);
-  if (!kind.empty() && !content.starts_with('{')) {
-    throw Error(ErrorKind::file, path.string() + ": expected JSON" + kind);
-  }
+  if (!kind.empty() && !content.starts_with('{')) throw Error(ErrorKind::file, path, ": expected JSON", kind);
   return parse_json(content, path, schema);
 }
 
 Json parse_json(std::string_view text, const std::filesystem::path& path, const std::string& schema) {
   Json json = parse_strict_json(text, path.string());
   if (!json.is_object() || !json.contains("schema") || !json["schema"].is_string()) {
-    throw Error(ErrorKind::file, path.string() + ": expected an object with \"schema\": \"" + schema +
-                                     "\"; it is JSON of something else");
+    throw Error(ErrorKind::file, path, ": expected an object with \"schema\": \"", schema,
+                "\"; it is JSON of something else");
   }
   if (json["schema"] != schema) {
-    throw Error(ErrorKind::file, path.string() + ": its schema is '" + json["schema"].get<std::string>() +
-                                     "', expected '" + schema + "': another kind of file, or another version");
+    throw Error(ErrorKind::file, path, ": its schema is '", json["schema"].get<std::string>(), "', expected '", schema,
+                "': another kind of file, or another version");
   }
   return json;
 }
@@ -58,21 +55,21 @@ JsonObject::JsonObject(const Json& object, const std::filesystem::path& path, st
 
 void JsonObject::allow(std::initializer_list<const char*> keys) const {
   for (const auto& [key, value] : object_.items()) {
-    if (std::none_of(keys.begin(), keys.end(), [&k = key](const char* known) { return k == known; })) {
-      refuse("has the unknown key '" + key + "': misspelt?");
+    if (std::ranges::none_of(keys, [&k = key](const char* known) { return k == known; })) {
+      refuse("has the unknown key '", key, "': misspelt?");
     }
   }
 }
 
 std::string JsonObject::text(const char* key) const {
   const Json& value = at(key);
-  if (!value.is_string()) refuse(std::string("'") + key + "' is not text");
+  if (!value.is_string()) refuse("'", key, "' is not text");
   return value.get<std::string>();
 }
 
 std::string JsonObject::name(const char* key) const {
   const std::string value = text(key);
-  if (value.empty()) refuse(std::string("'") + key + "' is empty");
+  if (value.empty()) refuse("'", key, "' is empty");
   return value;
 }
 
@@ -91,14 +88,13 @@ bool JsonObject::is_null(const char* key) const { return at(key).is_null(); }
 
 int JsonObject::integer(const char* key, double low, double high) const {
   const double value = number(key, low, high);
-  if (value != std::floor(value))
-    refuse(std::string("'") + key + "' is " + at(key).dump() + ", expected a whole number");
+  if (value != std::floor(value)) refuse("'", key, "' is ", at(key).dump(), ", expected a whole number");
   return static_cast<int>(value);
 }
 
 bool JsonObject::boolean(const char* key) const {
   const Json& value = at(key);
-  if (!value.is_boolean()) refuse(std::string("'") + key + "' is " + value.dump() + ", expected true or false");
+  if (!value.is_boolean()) refuse("'", key, "' is ", value.dump(), ", expected true or false");
   return value.get<bool>();
 }
 
@@ -107,15 +103,13 @@ std::uint64_t JsonObject::hash(const char* key) const {
   std::uint64_t value = 0;
   const char* end = digits.data() + digits.size();
   const auto [stop, failure] = std::from_chars(digits.data(), end, value, 16);
-  if (digits.size() != 16 || failure != std::errc() || stop != end) {
-    refuse(std::string("'") + key + "' is not 16 hexadecimal digits");
-  }
+  if (digits.size() != 16 || failure != std::errc() || stop != end) refuse("'", key, "' is not 16 hexadecimal digits");
   return value;
 }
 
 const Json& JsonObject::array(const char* key) const {
   const Json& value = at(key);
-  if (!value.is_array()) refuse(std::string("'") + key + "' is not a list");
+  if (!value.is_array()) refuse("'", key, "' is not a list");
   return value;
 }
 
@@ -136,15 +130,11 @@ std::vector<JsonObject> JsonObject::objects(const char* key) const {
   return objects;
 }
 
-void JsonObject::refuse(const std::string& what) const {
-  throw Error(ErrorKind::file, path_.string() + ": " + place_ + " " + what);
-}
-
 bool JsonObject::has(const char* key) const { return object_.contains(key); }
 
 const Json& JsonObject::at(const char* key) const {
   const auto found = object_.find(key);
-  if (found == object_.end()) refuse(std::string("lacks '") + key + "'");
+  if (found == object_.end()) refuse("lacks '", key, "'");
   return *found;
 }
 

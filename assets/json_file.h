@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "runtime/core/error.h"
 #include "runtime/core/json.h"
 
 namespace bodyopt {
@@ -41,7 +42,10 @@ class JsonObject {
   const std::filesystem::path& path() const { return path_; }
   const std::string& place() const { return place_; }
   bool has(const char* key) const;
-  [[noreturn]] void refuse(const std::string& what) const;
+  // The message goes on with these parts.
+  [[noreturn]] void refuse(const auto&... what) const {
+    throw Error(ErrorKind::file, path_, ": ", place_, " ", what...);
+  }
 
  private:
   const Json& at(const char* key) const;

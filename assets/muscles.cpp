@@ -6,6 +6,7 @@
 
 #include "assets/json_file.h"
 #include "runtime/core/error.h"
+#include "runtime/core/transformed.h"
 
 namespace bodyopt {
 namespace {
@@ -17,8 +18,8 @@ MusclePoint read_point(const JsonObject& json, const std::filesystem::path& path
   const std::string name = json.text("joint");
   const int joint = skeleton.find(name);
   if (joint < 0) {
-    throw Error(ErrorKind::mismatch, path.string() + ": a muscle is bound to the joint '" + name +
-                                         "', which the character does not have: muscles of another character?");
+    throw Error(ErrorKind::mismatch, path, ": a muscle is bound to the joint '", name,
+                "', which the character does not have: muscles of another character?");
   }
   const Json& position = json.array("position");
   MusclePoint point{static_cast<std::uint32_t>(joint), {}};
@@ -80,10 +81,9 @@ std::vector<Muscle> parse_muscles(std::string_view text, const std::filesystem::
 void write_muscles(const std::vector<Muscle>& muscles, const Skeleton& skeleton, const std::filesystem::path& path) {
   Json list = Json::array();
   for (const Muscle& muscle : muscles) {
-    Json points = Json::array();
-    for (const MusclePoint& point : muscle.path) {
-      points.push_back({{"joint", skeleton.joints.at(point.joint).name}, {"position", point.position}});
-    }
+    const Json points = transformed(muscle.path, [&](const MusclePoint& point) {
+      return Json{{"joint", skeleton.joints.at(point.joint).name}, {"position", point.position}};
+    });
     list.push_back({{"name", muscle.name},
                     {"radius", muscle.radius},
                     {"fibre_count", muscle.fibre_count},
@@ -97,11 +97,11 @@ void require_fit(const std::vector<Muscle>& muscles, const Skeleton& skeleton) {
   if (skeleton.size() == 0) throw Error(ErrorKind::mismatch, "the character has no joints to drive it");
   for (const Muscle& muscle : muscles) {
     if (muscle.path.size() < 2 || !(muscle.radius > 0)) {
-      throw Error(ErrorKind::mismatch, "muscle '" + muscle.name + "' needs two points or more and a radius above 0");
+      throw Error(ErrorKind::mismatch, "muscle '", muscle.name, "' needs two points or more and a radius above 0");
     }
     for (const MusclePoint& point : muscle.path) {
       if (point.joint < skeleton.size()) continue;
-      throw Error(ErrorKind::mismatch, "muscle '" + muscle.name + "' is bound to a joint the skeleton lacks");
+      throw Error(ErrorKind::mismatch, "muscle '", muscle.name, "' is bound to a joint the skeleton lacks");
     }
   }
 }

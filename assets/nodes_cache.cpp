@@ -15,8 +15,8 @@ namespace {
 constexpr const char* kNodesSchema = "bodyopt-nodes-1";
 constexpr double kSteps = 65535;
 
-[[noreturn]] void refuse_cache(const std::filesystem::path& path, const std::string& what) {
-  throw Error(ErrorKind::file, path.string() + ": " + what + " (not a cache of nodes, or a damaged one)");
+[[noreturn]] void refuse_cache(const std::filesystem::path& path, const auto&... what) {
+  throw Error(ErrorKind::file, path, ": ", what..., " (not a cache of nodes, or a damaged one)");
 }
 
 template <typename T>
@@ -30,14 +30,14 @@ template <typename T>
 std::vector<T> values_of(const std::filesystem::path& path, const Safetensors& file, const std::string& name,
                          const std::string& dtype, const std::vector<std::uint64_t>& shape) {
   const auto found = file.tensors.find(name);
-  if (found == file.tensors.end()) refuse_cache(path, "it has no tensor '" + name + "'");
+  if (found == file.tensors.end()) refuse_cache(path, "it has no tensor '", name, "'");
   const Tensor& tensor = found->second;
   bool fits = tensor.dtype == dtype && tensor.shape.size() == shape.size();
   for (std::size_t i = 0; fits && i < shape.size(); ++i) {
     const std::uint64_t n = tensor.shape[i];
     fits = shape[i] == 0 ? n > 0 && n <= std::numeric_limits<std::int32_t>::max() : n == shape[i];
   }
-  if (!fits) refuse_cache(path, "tensor '" + name + "' has another type or shape than its neighbours need");
+  if (!fits) refuse_cache(path, "tensor '", name, "' has another type or shape than its neighbours need");
   std::vector<T> values(tensor.bytes.size() / sizeof(T));
   std::memcpy(values.data(), tensor.bytes.data(), tensor.bytes.size());
   return values;
@@ -45,7 +45,7 @@ std::vector<T> values_of(const std::filesystem::path& path, const Safetensors& f
 
 std::string metadata_of(const std::filesystem::path& path, const Safetensors& file, const std::string& key) {
   const auto found = file.metadata.find(key);
-  if (found == file.metadata.end()) refuse_cache(path, "its metadata has no '" + key + "'");
+  if (found == file.metadata.end()) refuse_cache(path, "its metadata has no '", key, "'");
   return found->second;
 }
 
@@ -77,7 +77,7 @@ NodesWriter::NodesWriter(std::filesystem::path path, const Tets& tets, const std
 }
 
 void NodesWriter::append(const Positions& nodes) {
-  if (!nodes.allFinite()) throw Error(ErrorKind::file, path_.string() + ": a node that is not finite was given");
+  if (!nodes.allFinite()) throw Error(ErrorKind::file, path_, ": a node that is not finite was given");
   node_count_ = static_cast<std::uint64_t>(nodes.rows());
   const Eigen::RowVector3d low = nodes.colwise().minCoeff(), high = nodes.colwise().maxCoeff();
   bounds_.insert(bounds_.end(), low.data(), low.data() + 3);
@@ -101,15 +101,14 @@ void NodesWriter::close() {
 NodesReader::NodesReader(const std::filesystem::path& path) : path_(path) {
   const Safetensors file = read_safetensors(path);
   if (metadata_of(path, file, "schema") != kNodesSchema) {
-    refuse_cache(path, "its schema is '" + metadata_of(path, file, "schema") + "', expected '" + kNodesSchema + "'");
+    refuse_cache(path, "its schema is '", metadata_of(path, file, "schema"), "', expected '", kNodesSchema, "'");
   }
   metadata_of(path, file, "checksum");  // read_safetensors has held it against the content
   const auto whole_number = [&](const char* key) {
     const std::string text = metadata_of(path, file, key);
     int value = 0;
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-    if (error != std::errc() || end != text.data() + text.size())
-      refuse_cache(path, std::string(key) + " is '" + text + "'");
+    if (error != std::errc() || end != text.data() + text.size()) refuse_cache(path, key, " is '", text, "'");
     return static_cast<float>(value);
   };
   start_frame_ = whole_number("start_frame");
@@ -123,10 +122,8 @@ NodesReader::NodesReader(const std::filesystem::path& path) : path_(path) {
   nodes_ = values_of<std::uint16_t>(path, file, "nodes", "U16", {bounds_.size() / 6, 0, 3});
   samples_ = static_cast<std::uint32_t>(bounds_.size() / 6);
   node_count_ = static_cast<Eigen::Index>(nodes_.size() / 3 / samples_);
-  if (*std::max_element(corners.begin(), corners.end()) >= node_count_)
-    refuse_cache(path, "a tet names a missing node");
-  if (*std::max_element(tet.begin(), tet.end()) >= corners.size() / 4)
-    refuse_cache(path, "a point lies in a missing tet");
+  if (*std::ranges::max_element(corners) >= node_count_) refuse_cache(path, "a tet names a missing node");
+  if (*std::ranges::max_element(tet) >= corners.size() / 4) refuse_cache(path, "a point lies in a missing tet");
   tets_.resize(static_cast<Eigen::Index>(corners.size() / 4), 4);
   std::copy(corners.begin(), corners.end(), tets_.data());
   for (std::size_t p = 0; p < tet.size(); ++p) {
@@ -135,10 +132,7 @@ NodesReader::NodesReader(const std::filesystem::path& path) : path_(path) {
 }
 
 Positions NodesReader::nodes(std::uint32_t k) const {
-  if (k >= samples_) {
-    throw Error(ErrorKind::mismatch, path_.string() + ": sample " + std::to_string(k) + " was asked for, it has " +
-                                         std::to_string(samples_));
-  }
+  if (k >= samples_) throw Error(ErrorKind::mismatch, path_, ": sample ", k, " was asked for, it has ", samples_);
   const double* bounds = bounds_.data() + 6 * std::size_t{k};
   const auto count = static_cast<std::size_t>(node_count_);
   const std::uint16_t* steps = nodes_.data() + 3 * count * k;
@@ -155,8 +149,7 @@ std::vector<float> NodesReader::sample(std::uint32_t k) const {
   std::vector<float> result(points.data(), points.data() + points.size());
   for (std::size_t i = 0; i < result.size(); ++i) {
     if (std::isfinite(result[i])) continue;
-    throw Error(ErrorKind::file, path_.string() + ": sample " + std::to_string(k) + ", point " + std::to_string(i / 3) +
-                                     " is not a finite number (a damaged file)");
+    throw Error(ErrorKind::file, path_, ": sample ", k, ", point ", i / 3, " is not a finite number (a damaged file)");
   }
   return result;
 }

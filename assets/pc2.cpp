@@ -27,16 +27,15 @@ namespace {
 
 constexpr char kMagic[12] = "POINTCACHE2";
 
-[[noreturn]] void refuse(const std::filesystem::path& path, const std::string& what) {
-  throw Error(ErrorKind::file, path.string() + ": " + what + " (not a PC2 point cache, or a damaged or cut-off one)");
+[[noreturn]] void refuse(const std::filesystem::path& path, const auto&... what) {
+  throw Error(ErrorKind::file, path, ": ", what..., " (not a PC2 point cache, or a damaged or cut-off one)");
 }
 
 void require_finite(const std::filesystem::path& path, std::uint32_t sample, std::span<const float> values) {
   for (std::size_t i = 0; i < values.size(); ++i) {
     if (std::isfinite(values[i])) continue;
-    throw Error(ErrorKind::file, path.string() + ": sample " + std::to_string(sample) + ", point " +
-                                     std::to_string(i / 3) +
-                                     " is not a finite number: did a simulation, or what it began from, blow up?");
+    throw Error(ErrorKind::file, path, ": sample ", sample, ", point ", i / 3,
+                " is not a finite number: did a simulation, or what it began from, blow up?");
   }
 }
 
@@ -56,10 +55,10 @@ struct Pc2Reader::File {
     descriptor = open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);  // a pipe must not block
     struct stat status {};
     if (descriptor < 0 || fstat(descriptor, &status) != 0 || !S_ISREG(status.st_mode)) {
-      throw Error(ErrorKind::file, path.string() + ": cannot be read: no such file, or no permission?");
+      throw Error(ErrorKind::file, path, ": cannot be read: no such file, or no permission?");
     }
     size = static_cast<std::uint64_t>(status.st_size);
-    if (size < sizeof(Pc2Header)) refuse(path, "it has " + std::to_string(size) + " bytes, less than a header");
+    if (size < sizeof(Pc2Header)) refuse(path, "it has ", size, " bytes, less than a header");
   }
 
   void read(void* to, std::size_t bytes, std::uint64_t offset, const std::string& what) const {
@@ -72,18 +71,18 @@ struct Pc2Reader::File {
         continue;
       }
       const std::string reason = got < 0 ? std::strerror(errno) : "it ends before";
-      throw Error(ErrorKind::file, path.string() + ": " + what + " cannot be read: " + reason +
-                                       ": was the file cut off, or is it being written?");
+      throw Error(ErrorKind::file, path, ": ", what, " cannot be read: ", reason,
+                  ": was the file cut off, or is it being written?");
     }
   }
 
   void check() {
     read(&header, sizeof(Pc2Header), 0, "the header");
     if (std::memcmp(header.magic, kMagic, sizeof(kMagic)) != 0) refuse(path, "it does not start with POINTCACHE2");
-    if (header.version != 1) refuse(path, "its version is " + std::to_string(header.version) + ", expected 1");
+    if (header.version != 1) refuse(path, "its version is ", header.version, ", expected 1");
     if (header.points < 1 || header.samples < 0) {
-      refuse(path, "it claims " + std::to_string(header.samples) + " samples of " + std::to_string(header.points) +
-                       " points, expected 0 or more samples of 1 or more points");
+      refuse(path, "it claims ", header.samples, " samples of ", header.points,
+             " points, expected 0 or more samples of 1 or more points");
     }
     if (!std::isfinite(header.start_frame) || !std::isfinite(header.sample_rate)) {
       refuse(path, "its start frame or sample rate is not a number");
@@ -92,8 +91,8 @@ struct Pc2Reader::File {
     const std::uint64_t values = static_cast<std::uint64_t>(header.points) * static_cast<std::uint64_t>(header.samples);
     const std::uint64_t bytes = size - sizeof(Pc2Header);
     if (bytes % 12 != 0 || bytes / 12 != values) {
-      refuse(path, std::to_string(header.samples) + " samples of " + std::to_string(header.points) +
-                       " points take 12 bytes a point, found " + std::to_string(bytes) + " bytes after the header");
+      refuse(path, header.samples, " samples of ", header.points, " points take 12 bytes a point, found ", bytes,
+             " bytes after the header");
     }
   }
 };
@@ -116,8 +115,7 @@ float Pc2Reader::sample_rate() const { return file_->header.sample_rate; }
 
 std::vector<float> Pc2Reader::sample(std::uint32_t k) const {
   if (k >= sample_count()) {
-    throw Error(ErrorKind::mismatch, file_->path.string() + ": sample " + std::to_string(k) +
-                                         " was asked for, it has " + std::to_string(sample_count()));
+    throw Error(ErrorKind::mismatch, file_->path, ": sample ", k, " was asked for, it has ", sample_count());
   }
   std::vector<float> values(3 * std::size_t{point_count()});
   const std::size_t bytes = sizeof(float) * values.size();
@@ -143,9 +141,8 @@ std::uint32_t checked_count(const std::filesystem::path& path, std::uint32_t cou
                             const char* what) {
   constexpr std::uint32_t kMost = std::numeric_limits<std::int32_t>::max();
   if (count >= least && count <= kMost) return count;
-  throw Error(ErrorKind::file, path.string() + ": cannot be written: it would have " + std::to_string(count) + ' ' +
-                                   what + ", a PC2 cache holds " + std::to_string(least) + " to " +
-                                   std::to_string(kMost));
+  throw Error(ErrorKind::file, path, ": cannot be written: it would have ", count, ' ', what, ", a PC2 cache holds ",
+              least, " to ", kMost);
 }
 
 std::vector<float> in_space(std::span<const float> points, const CacheSpace& space) {
@@ -182,12 +179,12 @@ Pc2Writer::~Pc2Writer() = default;
 
 void Pc2Writer::append(std::span<const float> sample) {
   if (sample.size() != file_->stride) {
-    throw Error(ErrorKind::mismatch, file_->path.string() + ": a sample of " + std::to_string(sample.size() / 3) +
-                                         " points was given to a cache of " + std::to_string(file_->stride / 3));
+    throw Error(ErrorKind::mismatch, file_->path, ": a sample of ", sample.size() / 3,
+                " points was given to a cache of ", file_->stride / 3);
   }
   if (file_->written == file_->expected) {
-    throw Error(ErrorKind::mismatch, file_->path.string() + ": more than the " + std::to_string(file_->expected) +
-                                         " samples it was opened for were given");
+    throw Error(ErrorKind::mismatch, file_->path, ": more than the ", file_->expected,
+                " samples it was opened for were given");
   }
   const bool as_it_is = file_->space.unit == 1 && !file_->space.z_up;
   const std::vector<float> changed = as_it_is ? std::vector<float>() : in_space(sample, file_->space);
@@ -199,8 +196,8 @@ void Pc2Writer::append(std::span<const float> sample) {
 
 void Pc2Writer::close() {
   if (file_->written != file_->expected) {
-    throw Error(ErrorKind::file, file_->path.string() + ": " + std::to_string(file_->written) + " of " +
-                                     std::to_string(file_->expected) + " samples were given; nothing is written");
+    throw Error(ErrorKind::file, file_->path, ": ", file_->written, " of ", file_->expected,
+                " samples were given; nothing is written");
   }
   file_->out.commit();
 }

@@ -10,6 +10,7 @@
 #include "assets/axis_turns.h"
 #include "assets/wording.h"
 #include "geometry/nearest_rotation.h"
+#include "runtime/core/transformed.h"
 #include "runtime/host/rig.h"
 
 namespace bodyopt {
@@ -63,12 +64,6 @@ std::vector<Affine> source_transforms(const std::vector<SourceJoint>& joints,
   return world;
 }
 
-std::vector<JointTransform> rest_locals(const std::vector<SourceJoint>& joints) {
-  std::vector<JointTransform> locals;
-  for (const SourceJoint& joint : joints) locals.push_back(joint.rest);
-  return locals;
-}
-
 Vec3 origin_of(const Affine& a) { return {a.m[0][3], a.m[1][3], a.m[2][3]}; }
 
 bool is_middle_of_trunk(const JointRole& role) {
@@ -85,7 +80,7 @@ bool is_of_trunk(const JointRole& role) {
 Retarget::Retarget(const SourceMotion& motion, const Skeleton& skeleton, std::vector<int> match, std::size_t frames,
                    double fps, std::vector<std::string>& notes)
     : motion_(motion), skeleton_(skeleton), match_(std::move(match)), alignment_(skeleton.size(), Quat{0, 0, 0, 1}) {
-  const std::vector<JointTransform> rest = rest_locals(motion.joints);
+  const std::vector<JointTransform> rest = transformed(motion.joints, &SourceJoint::rest);
   rest_ = source_transforms(motion.joints, rest);
   rest_rotation_ = source_rotations(motion.joints, rest);
   for (const Joint& joint : skeleton.joints) {

@@ -8,6 +8,7 @@
 #include "assets/json_file.h"
 #include "assets/wording.h"
 #include "runtime/core/error.h"
+#include "runtime/core/transformed.h"
 #include "runtime/modifiers/drive_modifiers.h"
 #include "runtime/modifiers/skin_modifier_type.h"
 
@@ -23,19 +24,17 @@ void read_constants(const JsonObject& json, const SkinModifierType& type, SkinMo
   for (const SkinModifierControl& control : type.controls) names.emplace_back(control.name);
   for (const auto& [name, value] : controls.items()) {
     if (std::ranges::find(names, name) == names.end()) {
-      json.refuse("has the unknown control '" + name + "'; '" + std::string(type.name) + "' has " + list_names(names));
+      json.refuse("has the unknown control '", name, "'; '", type.name, "' has ", list_names(names));
     }
     if (!value.is_number() || !(std::abs(value.get<double>()) <= kMostControl)) {
-      json.refuse("has the control '" + name + "' at " + value.dump() + ", expected a finite number");
+      json.refuse("has the control '", name, "' at ", value.dump(), ", expected a finite number");
     }
     modifier.constants[name] = value.get<float>();
   }
 }
 
 std::vector<std::string> names_of(const SkinModifiers& modifiers) {
-  std::vector<std::string> names;
-  for (const SkinModifier& modifier : modifiers.stack) names.push_back(modifier.name);
-  return names;
+  return transformed(modifiers.stack, &SkinModifier::name);
 }
 
 }  // namespace
@@ -46,7 +45,7 @@ bool is_shot_modifier_key(const std::string& key) {
 
 void read_shot_modifier(const JsonObject& json, SkinModifier& modifier) {
   const SkinModifierType* type = find_skin_modifier_type(modifier.type);
-  if (type == nullptr) json.refuse("is of the type '" + modifier.type + "', which this version does not know");
+  if (type == nullptr) json.refuse("is of the type '", modifier.type, "', which this version does not know");
   if (json.has("on")) modifier.on = json.boolean("on");
   if (json.has("strength")) {
     modifier.constants[kModifierStrength.name] =
@@ -68,9 +67,8 @@ void choose_modifiers(const std::filesystem::path& path, SkinModifiers& modifier
     const auto found = std::ranges::find(rest, name, &SkinModifier::name);
     if (found == rest.end()) {
       const bool twice = std::ranges::find(names, name) != names.end();
-      throw Error(ErrorKind::mismatch,
-                  path.string() + ": the modifier '" + name +
-                      (twice ? "' is named twice" : "' is none of the basis'; it has " + list_names(names)));
+      throw Error(ErrorKind::mismatch, path, ": the modifier '", name,
+                  twice ? "' is named twice" : "' is none of the basis'; it has " + list_names(names));
     }
     chosen.push_back(std::move(*found));
     rest.erase(found);
@@ -87,10 +85,10 @@ void set_channels(const std::vector<std::string>& settings, const std::vector<st
     char* end = nullptr;
     const double value = std::strtod(text.c_str(), &end);
     if (name.empty() || text.empty() || *end != '\0' || !(std::abs(value) <= kMostControl)) {
-      throw Error(ErrorKind::usage, "a control is set as NAME=VALUE with a finite number, found '" + setting + "'");
+      throw Error(ErrorKind::usage, "a control is set as NAME=VALUE with a finite number, found '", setting, "'");
     }
     if (std::ranges::find(known, name) == known.end()) {
-      throw Error(ErrorKind::usage, "the basis has no control '" + name + "'; it has " + list_names(known, 40));
+      throw Error(ErrorKind::usage, "the basis has no control '", name, "'; it has ", list_names(known, 40));
     }
     const auto channel = static_cast<std::size_t>(std::ranges::find(clip.controls, name) - clip.controls.begin());
     if (channel == clip.controls.size()) clip.controls.push_back(name);

@@ -68,8 +68,8 @@ UsdaWriter::UsdaWriter(const fs::path& path, CacheLayout layout)
 
 void UsdaWriter::write_sample(AtomicFile& file, std::span<const float> values) const {
   if (values.size() != 3 * std::size_t{layout_.points}) {
-    throw Error(ErrorKind::mismatch, path_.string() + ": a sample of " + std::to_string(values.size() / 3) +
-                                         " points was given to a cache of " + std::to_string(layout_.points));
+    throw Error(ErrorKind::mismatch, path_, ": a sample of ", values.size() / 3, " points was given to a cache of ",
+                layout_.points);
   }
   const int frame = layout_.frames[written_];
   std::string text = "        " + std::to_string(frame) + ": [";
@@ -77,9 +77,8 @@ void UsdaWriter::write_sample(AtomicFile& file, std::span<const float> values) c
   char digits[32];
   for (std::size_t k = 0; k < values.size(); ++k) {
     if (!std::isfinite(values[k])) {
-      throw Error(ErrorKind::file, path_.string() + ": frame " + std::to_string(frame) + ", point " +
-                                       std::to_string(k / 3) +
-                                       " is not a finite number: did a simulation, or what it began from, blow up?");
+      throw Error(ErrorKind::file, path_, ": frame ", frame, ", point ", k / 3,
+                  " is not a finite number: did a simulation, or what it began from, blow up?");
     }
     text += k % 3 != 0 ? ", " : k == 0 ? "(" : ", (";
     text.append(digits, std::to_chars(digits, digits + sizeof(digits), values[k]).ptr);
@@ -90,8 +89,7 @@ void UsdaWriter::write_sample(AtomicFile& file, std::span<const float> values) c
 
 void UsdaWriter::append(std::span<const float> positions, std::span<const float> normals) {
   if (written_ == layout_.frames.size()) {
-    throw Error(ErrorKind::mismatch, path_.string() + ": more than the " + std::to_string(written_) +
-                                         " frames it was opened for were given");
+    throw Error(ErrorKind::mismatch, path_, ": more than the ", written_, " frames it was opened for were given");
   }
   has_normals_ = !normals.empty();
   write_sample(points_, positions);
@@ -101,8 +99,8 @@ void UsdaWriter::append(std::span<const float> positions, std::span<const float>
 
 void UsdaWriter::close() {
   if (written_ != layout_.frames.size()) {
-    throw Error(ErrorKind::file, path_.string() + ": " + std::to_string(written_) + " of " +
-                                     std::to_string(layout_.frames.size()) + " frames were given; nothing is written");
+    throw Error(ErrorKind::file, path_, ": ", written_, " of ", layout_.frames.size(),
+                " frames were given; nothing is written");
   }
   if (has_normals_) {
     write_text(points_, head_of_normals());

@@ -9,7 +9,7 @@
 namespace bodyopt {
 
 UsdaPart::UsdaPart(const std::filesystem::path& path) : path_(path), file_(path) {
-  if (!file_) throw Error(ErrorKind::file, path.string() + ": cannot be read: no such file, or no permission?");
+  if (!file_) throw Error(ErrorKind::file, path, ": cannot be read: no such file, or no permission?");
   while (next() && line_ != kUsdaPointSamples) {
     if (line_.starts_with(kUsdaLastFrame)) {
       last_frame_ = line_;
@@ -60,9 +60,8 @@ std::vector<float> UsdaPart::points(std::size_t sample) {
 }
 
 void UsdaPart::refuse() const {
-  throw Error(ErrorKind::file, path_.string() +
-                                   ": is no .usda that 'bodyopt eval' wrote, or is damaged or cut off: only such can "
-                                   "be joined or drawn");
+  throw Error(ErrorKind::file, path_,
+              ": is no .usda that 'bodyopt eval' wrote, or is damaged or cut off: only such can be joined or drawn");
 }
 
 void UsdaPart::find_frames() {

@@ -51,7 +51,7 @@ std::vector<std::string> nearest_names(std::span<const std::string> names, const
   constexpr std::size_t kShown = 3;
   std::vector<std::pair<std::size_t, std::string>> ranked;
   for (const std::string& name : names) ranked.emplace_back(edits_between(name, wanted), name);
-  std::stable_sort(ranked.begin(), ranked.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+  std::ranges::stable_sort(ranked, {}, &std::pair<std::size_t, std::string>::first);
   std::vector<std::string> nearest;
   for (std::size_t k = 0; k < ranked.size() && k < kShown; ++k) nearest.push_back(ranked[k].second);
   return nearest;

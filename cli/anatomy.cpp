@@ -143,24 +143,22 @@ void run(const AnatomyArguments& arguments) {
 }  // namespace
 
 void add_anatomy(CLI::App& app) {
-  auto arguments = std::make_shared<AnatomyArguments>();
-  CLI::App& verb =
-      add_verb(app, "anatomy", "What lies inside a character: bone, fat, cavity, muscles; in numbers and in sections");
-  add_option(verb, "character", arguments->character, "Character (.glb, .gltf)")->required()->type_name("CHARACTER");
-  add_option(verb, "--muscles", arguments->muscles, "muscles.json (default: no muscles are told apart)")
+  const auto [verb, arguments] = add_verb<AnatomyArguments>(
+      app, "anatomy", "What lies inside a character: bone, fat, cavity, muscles; in numbers and in sections", run);
+  add_required(verb, "character", arguments.character, "CHARACTER", "Character (.glb, .gltf)");
+  add_option(verb, "--muscles", arguments.muscles, "muscles.json (default: no muscles are told apart)")
       ->type_name("FILE");
-  arguments->field.add(verb);
-  add_option(verb, "--cell", arguments->cell_mm,
+  arguments.field.add(verb);
+  add_option(verb, "--cell", arguments.cell_mm,
              "Millimetres between samples (default: 5 of a human, by the body's volume)")
       ->check(above_zero);
-  add_option(verb, "--picture", arguments->picture,
+  add_option(verb, "--picture", arguments.picture,
              "Also draw sections: of a human thigh, calf, hip, loin, chest, upper arm and forearm; of others five "
              "across and one along the middle")
       ->type_name("FILE.png")
       ->check(must_end_in(".png"));
-  add_unit(verb, arguments->unit);
-  arguments->json.add(verb);
-  verb.callback([arguments] { run(*arguments); });
+  add_unit(verb, arguments.unit);
+  arguments.json.add(verb);
 }
 
 }  // namespace bodyopt::cli

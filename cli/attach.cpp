@@ -6,6 +6,7 @@
 #include "cli/arguments/common.h"
 #include "cli/results/attachments.h"
 #include "runtime/core/error.h"
+#include "runtime/core/transformed.h"
 
 namespace bodyopt::cli {
 namespace {
@@ -20,10 +21,9 @@ struct AttachArguments {
 int named_joint(const std::string& name, const Skeleton& skeleton) {
   const int joint = skeleton.find(name);
   if (joint >= 0) return joint;
-  std::vector<std::string> known;
-  for (const Joint& own : skeleton.joints) known.push_back(own.name);
-  throw Error(ErrorKind::usage, "--joint: the character has no joint '" + name + "'; the nearest names are " +
-                                    list_names(nearest_names(known, name)));
+  const std::vector<std::string> known = transformed(skeleton.joints, &Joint::name);
+  throw Error(ErrorKind::usage, "--joint: the character has no joint '", name, "'; the nearest names are ",
+              list_names(nearest_names(known, name)));
 }
 
 AttachOptions options_of(const AttachArguments& arguments, const Skeleton& skeleton) {
@@ -33,7 +33,7 @@ AttachOptions options_of(const AttachArguments& arguments, const Skeleton& skele
   if (arguments.mode == "joint") options.mode = AttachMode::joint;
   if (arguments.joint.empty()) return options;
   if (arguments.mode != "auto" && arguments.mode != "joint") {
-    throw Error(ErrorKind::usage, "--joint fixes a mesh to a joint: it does not go with --mode " + arguments.mode);
+    throw Error(ErrorKind::usage, "--joint fixes a mesh to a joint: it does not go with --mode ", arguments.mode);
   }
   options.mode = AttachMode::joint;
   options.joint = named_joint(arguments.joint, skeleton);
@@ -42,22 +42,20 @@ AttachOptions options_of(const AttachArguments& arguments, const Skeleton& skele
 
 // Those asked for.
 std::vector<LooseMesh> chosen(std::vector<LooseMesh> meshes, const AttachArguments& arguments) {
-  std::vector<std::string> names;
-  for (const LooseMesh& mesh : meshes) names.push_back(mesh.name);
+  const std::vector<std::string> names = transformed(meshes, &LooseMesh::name);
   for (const std::string& name : arguments.only) {
-    if (std::find(names.begin(), names.end(), name) != names.end()) continue;
-    throw Error(ErrorKind::file,
-                arguments.mesh + ": has no mesh '" + name + "' to attach; it has " + list_names(names));
+    if (std::ranges::find(names, name) != names.end()) continue;
+    throw Error(ErrorKind::file, arguments.mesh, ": has no mesh '", name, "' to attach; it has ", list_names(names));
   }
   if (!arguments.only.empty()) {
     std::erase_if(meshes, [&](const LooseMesh& mesh) {
-      return std::find(arguments.only.begin(), arguments.only.end(), mesh.name) == arguments.only.end();
+      return std::ranges::find(arguments.only, mesh.name) == arguments.only.end();
     });
   }
   if (meshes.empty()) {
-    throw Error(ErrorKind::file, arguments.mesh +
-                                     ": has no mesh to attach, expected one besides the character's skin "
-                                     "(meshes on that same skin are a part of it)");
+    throw Error(ErrorKind::file, arguments.mesh,
+                ": has no mesh to attach, expected one besides the character's skin "
+                "(meshes on that same skin are a part of it)");
   }
   return meshes;
 }
@@ -87,29 +85,26 @@ void run(AttachArguments arguments) {
 }  // namespace
 
 void add_attach(CLI::App& app) {
-  auto arguments = std::make_shared<AttachArguments>();
-  CLI::App& verb = add_verb(app, "attach", "Meshes that ride on a trained skin: eyes, teeth, nails, props, clothes");
-  add_option(verb, "mesh", arguments->mesh,
-             "glTF file with the meshes, where they are at rest; of the character's own file those that are not "
-             "its skin")
-      ->required()
-      ->type_name("MESH");
-  add_option(verb, "basis", arguments->basis, "Basis that they ride on")->required()->type_name("BASIS");
-  add_option(verb, "--mode", arguments->mode,
+  const auto [verb, arguments] = add_verb<AttachArguments, AttachArguments>(
+      app, "attach", "Meshes that ride on a trained skin: eyes, teeth, nails, props, clothes", run);
+  add_required(verb, "mesh", arguments.mesh, "MESH",
+               "glTF file with the meshes, where they are at rest; of the character's own file those that are not "
+               "its skin");
+  add_required(verb, "basis", arguments.basis, "BASIS", "Basis that they ride on");
+  add_option(verb, "--mode", arguments.mode,
              "skin: every vertex follows the skin (clothes); piece: each connected piece is fixed to the skin "
              "under it (nails, buttons); joint: to a joint (eyes, teeth, props); auto: what suits each piece")
       ->capture_default_str()
       ->check(CLI::IsMember({"auto", "skin", "piece", "joint"}));
-  add_option(verb, "--joint", arguments->joint, "NAME",
+  add_option(verb, "--joint", arguments.joint, "NAME",
              "Fix them to this joint (default: the one that moves the skin there)");
-  add_option(verb, "--only", arguments->only, "NAME", "Of the file's meshes those of these names alone");
-  add_option(verb, "--unit", arguments->unit, "Metres per unit of the file (default: that of the character)")
+  add_option(verb, "--only", arguments.only, "NAME", "Of the file's meshes those of these names alone");
+  add_option(verb, "--unit", arguments.unit, "Metres per unit of the file (default: that of the character)")
       ->check(above_zero);
-  add_option(verb, "--out", arguments->out, "FILE.safetensors",
+  add_option(verb, "--out", arguments.out, "FILE.safetensors",
              "Attachments to write, or to add to: a mesh takes the place of one of its name (default: "
              "BASIS.attached.safetensors beside the basis)");
-  arguments->json.add(verb);
-  verb.callback([arguments] { run(*arguments); });
+  arguments.json.add(verb);
 }
 
 }  // namespace bodyopt::cli

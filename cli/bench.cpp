@@ -142,16 +142,13 @@ void run(const BenchArguments& arguments) {
 }  // namespace
 
 void add_bench(CLI::App& app) {
-  auto arguments = std::make_shared<BenchArguments>();
-  CLI::App& verb = add_verb(app, "bench", "How long a frame takes on each device, stage by stage");
-  add_option(verb, "BASIS", arguments->basis, "The trained character")->required();
-  add_option(verb, "--device", arguments->device, "Only this one: cpu, or a Vulkan device by index or name");
-  add_option(verb, "--seconds", arguments->seconds, "How long each batch size is measured, for a median")
-      ->check(number_from(0.01, 600))
-      ->capture_default_str();
-  add_flag(verb, "--one-thread", arguments->one_thread, "The CPU's kernels on one thread");
-  arguments->json.add(verb);
-  verb.callback([arguments] { run(*arguments); });
+  const auto [verb, arguments] =
+      add_verb<BenchArguments>(app, "bench", "How long a frame takes on each device, stage by stage", run);
+  add_option(verb, "BASIS", arguments.basis, "The trained character")->required();
+  add_option(verb, "--device", arguments.device, "Only this one: cpu, or a Vulkan device by index or name");
+  add_number(verb, "--seconds", arguments.seconds, 0.01, 600, "How long each batch size is measured, for a median");
+  add_flag(verb, "--one-thread", arguments.one_thread, "The CPU's kernels on one thread");
+  arguments.json.add(verb);
 }
 
 }  // namespace bodyopt::cli

@@ -12,6 +12,7 @@
 #include "report/region_picture.h"
 #include "runtime/core/error.h"
 #include "runtime/core/file_kind.h"
+#include "runtime/core/transformed.h"
 #include "runtime/host/stages.h"
 #include "trainer/anatomy/anatomy_report.h"
 #include "trainer/check/foresee.h"
@@ -103,17 +104,11 @@ std::string unnumbered_text(const std::vector<std::size_t>& unnumbered) {
 }
 
 Json verbs_json(const std::vector<VerbForesight>& foreseen) {
-  Json verbs = Json::array();
-  for (const VerbForesight& verb : foreseen) {
-    verbs.push_back({{"verb", verb.verb},
-                     {"fills", name_of(verb.fill)},
-                     {"nodes", verb.nodes},
-                     {"contact", verb.has_contact},
-                     {"why", verb.why},
-                     {"remedy", verb.remedy},
-                     {"glued", verb.glued}});
-  }
-  return verbs;
+  return transformed(foreseen, [&](const VerbForesight& verb) {
+    return Json{
+        {"verb", verb.verb}, {"fills", name_of(verb.fill)}, {"nodes", verb.nodes}, {"contact", verb.has_contact},
+        {"why", verb.why},   {"remedy", verb.remedy},       {"glued", verb.glued}};
+  });
 }
 
 std::string verbs_text(const std::vector<VerbForesight>& foreseen) {
@@ -239,9 +234,7 @@ std::string coupling_of(const Dataset& dataset) {
   std::vector<Pose> poses;
   for (const DatasetTake& take : dataset.takes) {
     std::vector<int> learned = take.frames;
-    std::erase_if(learned, [&](int frame) {
-      return std::find(take.heldout.begin(), take.heldout.end(), frame) != take.heldout.end();
-    });
+    std::erase_if(learned, [&](int frame) { return std::ranges::find(take.heldout, frame) != take.heldout.end(); });
     for (Pose& pose : poses_of(read_clip(dataset, take, skeleton), learned)) poses.push_back(std::move(pose));
   }
   return describe(coupled_joints(skeleton, poses), skeleton);
@@ -319,9 +312,8 @@ void run(const CheckArguments& arguments) {
   }
   if (is_character) return check_character(arguments);
   if (extension != ".json" && std::filesystem::is_regular_file(arguments.path)) {
-    throw Error(ErrorKind::file, arguments.path +
-                                     ": expected a dataset (.json, or its folder) or a character (.glb, .gltf)" +
-                                     looks_like(arguments.path));
+    throw Error(ErrorKind::file, arguments.path,
+                ": expected a dataset (.json, or its folder) or a character (.glb, .gltf)", looks_like(arguments.path));
   }
   check(arguments);
 }
@@ -329,30 +321,26 @@ void run(const CheckArguments& arguments) {
 }  // namespace
 
 void add_check(CLI::App& app) {
-  auto arguments = std::make_shared<CheckArguments>();
-  CLI::App& verb =
-      add_verb(app, "check", "Does a dataset belong together? Is a character fit for use? Does a clip suit it?");
-  add_option(verb, "dataset", arguments->path, "dataset.json or its folder, or a character (.glb, .gltf)")
-      ->required()
-      ->type_name("DATASET");
-  arguments->clip.add(verb);
+  const auto [verb, arguments] = add_verb<CheckArguments>(
+      app, "check", "Does a dataset belong together? Is a character fit for use? Does a clip suit it?", run);
+  add_required(verb, "dataset", arguments.path, "DATASET", "dataset.json or its folder, or a character (.glb, .gltf)");
+  arguments.clip.add(verb);
   CLI::Option& clip = *verb.get_option("--clip")->required(false);
-  add_option(verb, "--limits", arguments->limits, "FILE",
+  add_option(verb, "--limits", arguments.limits, "FILE",
              "Joint limits (limits.json): does the clip hold joints beyond them?")
       ->needs(&clip);
   for (const char* of_clip : {"--frames", "--fps", "--first-frame", "--controls", "--joint-map"}) {
     verb.get_option(of_clip)->needs(&clip);
   }
-  CLI::Option* muscles = add_option(verb, "--muscles", arguments->muscles, "FILE",
+  CLI::Option* muscles = add_option(verb, "--muscles", arguments.muscles, "FILE",
                                     "A character's muscles.json: do its paths fit its skin?");
-  arguments->anatomy.add(verb);
+  arguments.anatomy.add(verb);
   for (const char* of_anatomy : {"--body-fat", "--kind", "--corrections"}) verb.get_option(of_anatomy)->needs(muscles);
-  add_option(verb, "--picture", arguments->picture, "FILE.png",
+  add_option(verb, "--picture", arguments.picture, "FILE.png",
              "Also draw where a character's skin passes through itself, is open or turned, nearly touches, is held "
              "together by a cage or rides, numbered as listed, from the sides where that is");
-  add_unit(verb, arguments->unit);
-  arguments->json.add(verb);
-  verb.callback([arguments] { run(*arguments); });
+  add_unit(verb, arguments.unit);
+  arguments.json.add(verb);
 }
 
 }  // namespace bodyopt::cli

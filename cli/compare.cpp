@@ -57,18 +57,15 @@ void run(const CompareArguments& arguments) {
 }  // namespace
 
 void add_compare(CLI::App& app) {
-  auto arguments = std::make_shared<CompareArguments>();
-  CLI::App& verb = add_verb(app, "compare", "Distance between two caches: RMS, p99, maximum and jitter in mm");
-  add_option(verb, "a", arguments->a,
-             "Point cache (.pc2), draft (.nodes), or DATASET#TAKE: a take through its modifiers")
-      ->required()
-      ->type_name("A");
-  add_option(verb, "b", arguments->b, "The same of the same mesh and frames")->required()->type_name("B");
-  add_option(verb, "--fail-above", arguments->fail_above, "Exit with 2 when the maximum is above MM millimetres")
+  const auto [verb, arguments] = add_verb<CompareArguments>(
+      app, "compare", "Distance between two caches: RMS, p99, maximum and jitter in mm", run);
+  add_required(verb, "a", arguments.a, "A",
+               "Point cache (.pc2), draft (.nodes), or DATASET#TAKE: a take through its modifiers");
+  add_required(verb, "b", arguments.b, "B", "The same of the same mesh and frames");
+  add_option(verb, "--fail-above", arguments.fail_above, "Exit with 2 when the maximum is above MM millimetres")
       ->type_name("MM")
       ->check(number_from(0, std::numeric_limits<double>::infinity()));
-  arguments->json.add(verb);
-  verb.callback([arguments] { run(*arguments); });
+  arguments.json.add(verb);
 }
 
 }  // namespace bodyopt::cli

@@ -14,6 +14,7 @@
 #include "report/heat_strip.h"
 #include "runtime/core/atomic_file.h"
 #include "runtime/core/error.h"
+#include "runtime/core/transformed.h"
 #include "runtime/deformer/deformer.h"
 #include "trainer/curate/named_shapes.h"
 
@@ -64,7 +65,7 @@ struct RegionError {
 
 RegionError worst_region(const std::vector<std::string>& regions, const ExpectedError& error) {
   if (regions.empty()) return {};
-  const auto worst = std::max_element(error.region_mm.begin(), error.region_mm.end());
+  const auto worst = std::ranges::max_element(error.region_mm);
   return {regions[static_cast<std::size_t>(worst - error.region_mm.begin())], *worst};
 }
 
@@ -99,9 +100,8 @@ ClipCoverage coverage_of(const Basis& basis, std::vector<int> frames, const std:
 }
 
 std::string next_frames(const ClipCoverage& coverage) {
-  std::vector<int> next;
-  for (const std::size_t k : coverage.simulated) next.push_back(coverage.frames[k]);
-  std::sort(next.begin(), next.end());
+  std::vector<int> next = transformed(coverage.simulated, [&](const std::size_t k) { return coverage.frames[k]; });
+  std::ranges::sort(next);
   return format_frame_range(next);
 }
 
@@ -177,22 +177,20 @@ void run(const CoverageArguments& arguments) {
 }  // namespace
 
 void add_coverage(CLI::App& app) {
-  auto arguments = std::make_shared<CoverageArguments>();
-  CLI::App& verb =
-      add_verb(app, "coverage", "How well a basis knows the poses of a clip, and which frames to simulate next");
-  add_option(verb, "basis", arguments->basis, "Basis (.safetensors)")->required()->type_name("BASIS");
-  arguments->clip.add(verb);
-  add_option(verb, "--worst", arguments->worst, "Frames to list")->capture_default_str()->check(CLI::Range(1, 10000));
-  add_option(verb, "--truth", arguments->truth,
+  const auto [verb, arguments] = add_verb<CoverageArguments>(
+      app, "coverage", "How well a basis knows the poses of a clip, and which frames to simulate next", run);
+  add_required(verb, "basis", arguments.basis, "BASIS", "Basis (.safetensors)");
+  arguments.clip.add(verb);
+  add_number(verb, "--worst", arguments.worst, 1, 10000, "Frames to list");
+  add_option(verb, "--truth", arguments.truth,
              "Shapes of these frames (.pc2, .nodes, or DATASET#TAKE): are the expected errors right?")
       ->type_name("CACHE");
-  add_option(verb, "--picture", arguments->picture, "FILE.svg",
+  add_option(verb, "--picture", arguments.picture, "FILE.svg",
              "Heat strip to write: frames from left to right, a row per region");
-  add_option(verb, "--unit", arguments->unit,
+  add_option(verb, "--unit", arguments.unit,
              "Metres per unit of the clip's file (default: as the character was read for training)")
       ->check(above_zero);
-  arguments->json.add(verb);
-  verb.callback([arguments] { run(*arguments); });
+  arguments.json.add(verb);
 }
 
 }  // namespace bodyopt::cli

@@ -31,7 +31,7 @@ Dataset dataset_of(const AddArguments& arguments, const fs::path& path) {
   const bool exists = fs::exists(path);
   if (arguments.character.empty()) {
     if (exists) return read_dataset(path);
-    throw Error(ErrorKind::file, path.string() + ": there is no such dataset; --character FILE begins one");
+    throw Error(ErrorKind::file, path, ": there is no such dataset; --character FILE begins one");
   }
   Dataset asked;
   asked.folder = folder_of(path);
@@ -78,30 +78,25 @@ void add(const AddArguments& arguments) {
 }  // namespace
 
 void add_dataset(CLI::App& app) {
-  auto arguments = std::make_shared<AddArguments>();
   CLI::App& verb = add_verb(app, "dataset", "Poses and shapes to train on");
   verb.require_subcommand(1);
-  CLI::App& subverb = add_verb(verb, "add", "Adds shapes that come from elsewhere: a take, or frames to a take");
-  add_option(subverb, "dataset", arguments->dataset, "Dataset (folder or dataset.json)")
-      ->required()
-      ->type_name("DATASET");
-  arguments->take.add(subverb);
-  add_option(subverb, "--shapes", arguments->shapes,
-             "Their cache (.pc2, or .nodes of a draft): a sample per frame of --frames, vertices as in the "
-             "character's file; it is copied")
-      ->required()
-      ->type_name("CACHE");
-  add_flag(subverb, "--replace", arguments->replace, "Put the shapes in the place of those that the take has already");
-  CLI::Option* character = add_option(subverb, "--character", arguments->character,
+  const auto [subverb, arguments] =
+      add_verb<AddArguments>(verb, "add", "Adds shapes that come from elsewhere: a take, or frames to a take", add);
+  add_required(subverb, "dataset", arguments.dataset, "DATASET", "Dataset (folder or dataset.json)");
+  arguments.take.add(subverb);
+  add_required(subverb, "--shapes", arguments.shapes, "CACHE",
+               "Their cache (.pc2, or .nodes of a draft): a sample per frame of --frames, vertices as in the "
+               "character's file; it is copied");
+  add_flag(subverb, "--replace", arguments.replace, "Put the shapes in the place of those that the take has already");
+  CLI::Option* character = add_option(subverb, "--character", arguments.character,
                                       "Character (.glb, .gltf) of the dataset; begins it where there is none")
                                ->type_name("CHARACTER");
-  add_option(subverb, "--muscles", arguments->muscles, "muscles.json that goes with --character")
+  add_option(subverb, "--muscles", arguments.muscles, "muscles.json that goes with --character")
       ->needs(character)
       ->type_name("FILE");
-  add_unit(subverb, arguments->unit);
+  add_unit(subverb, arguments.unit);
   subverb.get_option("--unit")->needs(character);
-  arguments->json.add(subverb);
-  subverb.callback([arguments] { add(*arguments); });
+  arguments.json.add(subverb);
 }
 
 }  // namespace bodyopt::cli

@@ -104,32 +104,23 @@ void run(DynamicsArguments arguments) {
 }  // namespace
 
 void add_dynamics(CLI::App& app) {
-  auto arguments = std::make_shared<DynamicsArguments>();
-  DynamicsOptions& options = arguments->options;
-  CLI::App& verb =
-      add_verb(app, "dynamics", "What lets a trained character's tissue jiggle: a second file beside its basis");
-  add_option(verb, "dataset", arguments->dataset,
-             "dataset.json, or its folder; or the character alone, whose muscles then do not stiffen")
-      ->required()
-      ->type_name("DATASET");
-  add_option(verb, "--basis", arguments->basis, "The basis trained from it")->required()->type_name("BASIS");
-  add_option(verb, "--out", arguments->out, "FILE.safetensors", "Dynamics to write")->required();
-  add_option(verb, "--jiggle", arguments->jiggle, "FILE",
+  const auto [verb, arguments] = add_verb<DynamicsArguments, DynamicsArguments>(
+      app, "dynamics", "What lets a trained character's tissue jiggle: a second file beside its basis", run);
+  DynamicsOptions& options = arguments.options;
+  add_required(verb, "dataset", arguments.dataset, "DATASET",
+               "dataset.json, or its folder; or the character alone, whose muscles then do not stiffen");
+  add_required(verb, "--basis", arguments.basis, "BASIS", "The basis trained from it");
+  add_option(verb, "--out", arguments.out, "FILE.safetensors", "Dynamics to write")->required();
+  add_option(verb, "--jiggle", arguments.jiggle, "FILE",
              "How soft, damped and free tissue is, and where (jiggle.json)");
-  add_option(verb, "--jiggle-out", arguments->jiggle_out, "FILE.json",
+  add_option(verb, "--jiggle-out", arguments.jiggle_out, "FILE.json",
              "Write the settings it chose, to edit (jiggle.json)");
-  add_option(verb, "--dynamics-resolution", options.resolution, "Tetrahedra at most")
-      ->capture_default_str()
-      ->check(CLI::Range(100, 1000000));
-  add_option(verb, "--fps", options.step.frames_per_second, "Frames a second of the clips to come")
-      ->capture_default_str()
-      ->check(number_from(kLeastRate, kMostRate));
-  add_option(verb, "--substeps", options.step.substeps, "Steps a frame")
-      ->capture_default_str()
-      ->check(CLI::Range(1, 64));
+  add_number(verb, "--dynamics-resolution", options.resolution, 100, 1000000, "Tetrahedra at most");
+  add_number(verb, "--fps", options.step.frames_per_second, kLeastRate, kMostRate,
+             "Frames a second of the clips to come");
+  add_number(verb, "--substeps", options.step.substeps, 1, 64, "Steps a frame");
   add_former_option(verb, "--integrator", "all dynamics step by TR-BDF2");
-  arguments->json.add(verb);
-  verb.callback([arguments] { run(*arguments); });
+  arguments.json.add(verb);
 }
 
 }  // namespace bodyopt::cli

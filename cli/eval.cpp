@@ -2,7 +2,6 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
-#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "assets/frame_range.h"
@@ -73,8 +72,8 @@ Level chosen_level(const EvalArguments& arguments) {
   }
   Level level = std::move(levels[arguments.cache.level]);
   if (arguments.cache.full_skin && level.carried.empty()) {
-    throw Error(ErrorKind::usage,
-                arguments.cache.basis + " is no proxy: --full-skin has nothing to carry; leave it out");
+    throw Error(ErrorKind::usage, arguments.cache.basis,
+                " is no proxy: --full-skin has nothing to carry; leave it out");
   }
   return level;
 }
@@ -89,8 +88,8 @@ void take_session(EvalArguments& arguments) {
   arguments.posed = session.cast.front();
   const ActorFiles& files = arguments.posed.files;
   if (!is_basis(files.basis)) {
-    throw Error(ErrorKind::usage, arguments.session + ": its lead is '" + files.basis +
-                                      "', expected a trained basis (.safetensors): 'bodyopt train' makes one");
+    throw Error(ErrorKind::usage, arguments.session, ": its lead is '", files.basis,
+                "', expected a trained basis (.safetensors): 'bodyopt train' makes one");
   }
   arguments.cache.basis = files.basis;
   arguments.clip.source = files.clip;
@@ -106,10 +105,9 @@ void keep_range(const EvalArguments& arguments, const Clip& clip, std::vector<in
   std::erase_if(
       frames, [&](int frame) { return frame < arguments.in.value_or(frame) || frame > arguments.out.value_or(frame); });
   if (frames.empty()) {
-    throw Error(ErrorKind::usage, arguments.session + ": '" +
-                                      (arguments.clip.source.empty() ? clip.name : arguments.clip.source) +
-                                      "' has no frame of the range that it plays: was the clip replaced? --frames "
-                                      "chooses others");
+    throw Error(ErrorKind::usage, arguments.session, ": '",
+                arguments.clip.source.empty() ? clip.name : arguments.clip.source,
+                "' has no frame of the range that it plays: was the clip replaced? --frames chooses others");
   }
 }
 
@@ -136,8 +134,7 @@ EvaluatedShot read_shot(const EvalArguments& arguments) {
   }
   if (arguments.cache.full_skin && holds_triangles(arguments.cache.out)) {
     throw Error(ErrorKind::usage,
-                "--full-skin writes .pc2: the topology of the full skin, which .usda and .glb hold, is not "
-                "in a proxy");
+                "--full-skin writes .pc2: the topology of the full skin, which .usda and .glb hold, is not in a proxy");
   }
   shot.carried = std::move(level.carried);
   arguments.modifiers.choose(level.basis);
@@ -166,7 +163,7 @@ Evaluation evaluate_part(const EvalArguments& arguments, Deformer& deformer, std
     return arguments.jiggle.jiggle ? deformer.jiggle(poses, frames) : deformer.evaluate(poses);
   } catch (const Error& error) {
     if (!arguments.device.choice.check) throw;
-    throw Error(error.kind(), format("frame {}: ", frames.front()) + error.what());
+    throw Error(error.kind(), format("frame {}: ", frames.front()), error.what());
   }
 }
 
@@ -337,9 +334,9 @@ void run(EvalArguments arguments) {
 void add_list(CLI::App& verb, std::string& list) {
   const std::vector<CLI::Option*> others = verb.get_options(
       [](const CLI::Option* option) { return !option->check_name("--progress") && !option->check_name("--help"); });
-  CLI::Option& option = *add_option(verb, "--list", list, "SHOTS",
-                                    "A list of shots (.json, .jsonl, .csv): makes the outputs of all that are not "
-                                    "made yet, one after the other");
+  CLI::Option& option = *add_option(
+      verb, "--list", list, "SHOTS",
+      "A list of shots (.json, .jsonl, .csv): makes the outputs of all that are not made yet, one after the other");
   for (CLI::Option* other : others) option.excludes(other);
   option.each([&verb](const std::string&) {
     for (CLI::Option* other : verb.get_options()) other->required(false);
@@ -349,50 +346,47 @@ void add_list(CLI::App& verb, std::string& list) {
 }  // namespace
 
 void add_eval(CLI::App& app) {
-  auto arguments = std::make_shared<EvalArguments>();
-  CLI::App& verb = add_verb(app, "eval", "Deform a character through a clip");
-  CLI::Option& basis =
-      *add_option(verb, "basis", arguments->cache.basis, "Basis (.safetensors)")->required()->type_name("BASIS");
-  add_option(verb, "--level", arguments->cache.level, "Level of detail of a proxy: 0 is the finest")
+  const auto [verb, arguments] =
+      add_verb<EvalArguments, EvalArguments>(app, "eval", "Deform a character through a clip", run);
+  CLI::Option& basis = *add_required(verb, "basis", arguments.cache.basis, "BASIS", "Basis (.safetensors)");
+  add_option(verb, "--level", arguments.cache.level, "Level of detail of a proxy: 0 is the finest")
       ->capture_default_str()
       ->type_name("N");
-  add_flag(verb, "--full-skin", arguments->cache.full_skin,
+  add_flag(verb, "--full-skin", arguments.cache.full_skin,
            "Write the skin of the full character, carried by that of the proxy");
-  arguments->clip.add(verb);
+  arguments.clip.add(verb);
   CLI::Option& clip = *verb.get_option("--clip");
-  add_option(verb, "--session", arguments->session, "FILE",
+  add_option(verb, "--session", arguments.session, "FILE",
              "A session of the viewport: its lead, in place of BASIS, with its clip as it was posed and keyed there")
       ->each([&basis, &clip](const std::string&) {
         basis.required(false);
         clip.required(false);
       });
-  arguments->device.add(verb);
-  add_flag(verb, "--check", arguments->device.choice.check,
+  arguments.device.add(verb);
+  add_flag(verb, "--check", arguments.device.choice.check,
            "Run every stage on the CPU, too, and stop at the first difference");
-  add_option(verb, "--unit", arguments->unit,
+  add_option(verb, "--unit", arguments.unit,
              "Metres per unit of the clip's file (default: as the character was read for training)")
       ->check(above_zero);
-  add_option(verb, "--out", arguments->cache.out,
-             "Cache to write, a PC2 point cache, USD text or glTF with morph targets; '####' in its name is the "
-             "first frame")
-      ->required()
-      ->type_name("FILE.pc2|.usda|.glb")
+  add_required(
+      verb, "--out", arguments.cache.out, "FILE.pc2|.usda|.glb",
+      "Cache to write, a PC2 point cache, USD text or glTF with morph targets; '####' in its name is the first frame")
       ->check([](const std::string& name) {
         for (const char* ending : {".pc2", ".usda", ".glb"}) {
           if (must_end_in(ending)(name).empty()) return std::string();
         }
         return "'" + name + "' does not end in .pc2, .usda or .glb";
       });
-  add_cache_space(verb, arguments->cache.space);
-  add_option(verb, "--attached", arguments->cache.attached, "FILE",
-             "Geometry that rides on the skin (default: BASIS.attached.safetensors beside the basis, where it is "
-             "there); each mesh is written as FILE.<mesh>.pc2, .usda or .glb");
-  arguments->jiggle.add(verb);
-  arguments->modifiers.add(verb);
-  arguments->task.add(verb);
-  arguments->json.add(verb);
-  add_list(verb, arguments->list);
-  verb.callback([arguments] { run(*arguments); });
+  add_cache_space(verb, arguments.cache.space);
+  add_option(
+      verb, "--attached", arguments.cache.attached, "FILE",
+      "Geometry that rides on the skin (default: BASIS.attached.safetensors beside the basis, where it is there); "
+      "each mesh is written as FILE.<mesh>.pc2, .usda or .glb");
+  arguments.jiggle.add(verb);
+  arguments.modifiers.add(verb);
+  arguments.task.add(verb);
+  arguments.json.add(verb);
+  add_list(verb, arguments.list);
 }
 
 }  // namespace bodyopt::cli

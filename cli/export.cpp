@@ -29,13 +29,12 @@ void run(const ExportArguments& arguments) {
 }  // namespace
 
 void add_export(CLI::App& app) {
-  auto arguments = std::make_shared<ExportArguments>();
-  CLI::App& verb = add_verb(app, "export", "A draft's skin as a point cache for other programs");
-  add_option(verb, "draft", arguments->draft, "Nodes of a draft (.nodes)")->required()->type_name("DRAFT");
-  add_option(verb, "--out", arguments->out, "FILE.pc2", "Point cache to write")->required();
-  add_cache_space(verb, arguments->space);
-  arguments->json.add(verb);
-  verb.callback([arguments] { run(*arguments); });
+  const auto [verb, arguments] =
+      add_verb<ExportArguments>(app, "export", "A draft's skin as a point cache for other programs", run);
+  add_required(verb, "draft", arguments.draft, "DRAFT", "Nodes of a draft (.nodes)");
+  add_option(verb, "--out", arguments.out, "FILE.pc2", "Point cache to write")->required();
+  add_cache_space(verb, arguments.space);
+  arguments.json.add(verb);
 }
 
 }  // namespace bodyopt::cli

@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <functional>
 #include <memory>
 #include <nlohmann/json.hpp>
 
@@ -72,14 +73,13 @@ void run_tasks(const FarmArguments& arguments) {
   const FarmPlan plan = read_plan(plan_folder(arguments));
   std::vector<const FarmTask*> tasks;
   for (const FarmTask& task : plan.tasks) {
-    if (arguments.tasks.empty() ||
-        std::find(arguments.tasks.begin(), arguments.tasks.end(), task.name()) != arguments.tasks.end()) {
+    if (arguments.tasks.empty() || std::ranges::find(arguments.tasks, task.name()) != arguments.tasks.end()) {
       tasks.push_back(&task);
     }
   }
   if (tasks.size() < arguments.tasks.size()) {
-    throw Error(ErrorKind::usage, arguments.plan + ": has no task '" + arguments.tasks.front() +
-                                      "'; tasks are named WAVE.LANE, as in plan.json");
+    throw Error(ErrorKind::usage, arguments.plan, ": has no task '", arguments.tasks.front(),
+                "'; tasks are named WAVE.LANE, as in plan.json");
   }
   std::vector<const FarmStep*> steps;
   for (const FarmTask* task : tasks) {
@@ -137,7 +137,7 @@ std::vector<const FarmTask*> open_tasks(const FarmPlan& plan, bool is_retry, boo
   const std::vector<std::vector<StepStatus>> statuses = status_of(plan, BODYOPT_VERSION, is_retry);
   std::vector<const FarmTask*> tasks;
   for (std::size_t t = 0; t < plan.tasks.size(); ++t) {
-    const bool is_open = std::any_of(statuses[t].begin(), statuses[t].end(), [&](const StepStatus& status) {
+    const bool is_open = std::ranges::any_of(statuses[t], [&](const StepStatus& status) {
       return status.state != StepState::done && (!is_retry || hopeless || status.may_be_retried);
     });
     if (is_open) tasks.push_back(&plan.tasks[t]);
@@ -164,7 +164,7 @@ void report(const FarmArguments& arguments) {
 std::string own_program() { return fs::read_symlink("/proc/self/exe").string(); }
 
 void require_no_problems(const std::vector<std::string>& problems, const std::string& file) {
-  if (!problems.empty()) throw Error(ErrorKind::usage, file + ": would break a rule: " + problems.front());
+  if (!problems.empty()) throw Error(ErrorKind::usage, file, ": would break a rule: ", problems.front());
 }
 
 void write_openjd(const FarmArguments& arguments, const FarmPlan& plan) {
@@ -207,20 +207,21 @@ void cancel(const FarmArguments& arguments) {
   arguments.json.emit({{"jobs", jobs}}, format("cancelled {} arrays\n", jobs));
 }
 
-CLI::App& add_part(CLI::App& farm, const char* name, const char* description, FarmArguments& arguments) {
+// All parts share `arguments`: a run of the program is of one part.
+CLI::App& add_part(CLI::App& farm, const char* name, const char* description,
+                   const std::shared_ptr<FarmArguments>& arguments, std::function<void(const FarmArguments&)> run) {
   CLI::App& part = add_verb(farm, name, description);
+  part.callback([=] { run(*arguments); });
   if (std::string(name) != "plan") {
-    add_option(part, "plan", arguments.plan, "PLAN", "Folder that 'farm plan' wrote")->required();
+    add_option(part, "plan", arguments->plan, "PLAN", "Folder that 'farm plan' wrote")->required();
   }
-  arguments.json.add(part);
+  arguments->json.add(part);
   return part;
 }
 
 void add_queue(CLI::App& part, FarmArguments& arguments) {
   add_flag(part, "--slurm", arguments.slurm, "Submit to Slurm, as arrays of jobs");
-  add_option(part, "--cpus", arguments.queue.needs.cpus, "Cores of a task")
-      ->capture_default_str()
-      ->check(CLI::Range(1, 1024));
+  add_number(part, "--cpus", arguments.queue.needs.cpus, 1, 1024, "Cores of a task");
   add_option(part, "--tasks-per-gpu", arguments.queue.needs.tasks_per_gpu,
              "Ask for a GPU for each task (1), or for a shard of one (more); default: none")
       ->check(CLI::Range(1, 64));
@@ -234,45 +235,35 @@ void add_farm(CLI::App& app) {
   auto arguments = std::make_shared<FarmArguments>();
   CLI::App& farm = add_verb(app, "farm", "Many shots, on a queue of machines");
   farm.require_subcommand(1);
-  CLI::App& planning = add_part(farm, "plan", "Check a list of shots and cut it into tasks", *arguments);
-  add_option(planning, "shots", arguments->list, "List of shots (.json, .jsonl, .csv)")->required()->type_name("SHOTS");
+  CLI::App& planning = add_part(farm, "plan", "Check a list of shots and cut it into tasks", arguments, plan);
+  add_required(planning, "shots", arguments->list, "SHOTS", "List of shots (.json, .jsonl, .csv)");
   add_option(planning, "--out", arguments->out, "PLAN", "Folder to write the plan into")->required();
-  add_option(planning, "--task-minutes", arguments->minutes, "What a task should last, on one core")
-      ->capture_default_str()
-      ->check(number_from(1e-3, 1e5));
-  planning.callback([arguments] { plan(*arguments); });
+  add_number(planning, "--task-minutes", arguments->minutes, 1e-3, 1e5, "What a task should last, on one core");
 
-  CLI::App& submitting = add_part(farm, "submit", "Give what is not done to a queue", *arguments);
+  CLI::App& submitting = add_part(farm, "submit", "Give what is not done to a queue", arguments,
+                                  [](const FarmArguments& given) { submit(given, false); });
   add_queue(submitting, *arguments);
   add_option(submitting, "--openjd", arguments->openjd, "FILE.json",
              "Instead, write a job template of Open Job Description, for AWS Deadline Cloud and others");
   add_option(submitting, "--opencue", arguments->opencue, "FILE.xml",
              "Instead, write a job of OpenCue, for its launchSpec");
-  submitting.callback([arguments] { submit(*arguments, false); });
-  CLI::App& retrying =
-      add_part(farm, "retry", "Read everything that is done, and submit what is not whole", *arguments);
+  CLI::App& retrying = add_part(farm, "retry", "Read everything that is done, and submit what is not whole", arguments,
+                                [](const FarmArguments& given) { submit(given, true); });
   add_queue(retrying, *arguments);
   add_flag(retrying, "--hopeless", arguments->hopeless,
            "Also what failed for reasons that running again does not change");
-  retrying.callback([arguments] { submit(*arguments, true); });
 
-  CLI::App& telling = add_part(farm, "status", "What is done, failed, left", *arguments);
+  CLI::App& telling = add_part(farm, "status", "What is done, failed, left", arguments, status);
   add_flag(telling, "--verify", arguments->verify, "Read all inputs and outputs, not only their size and time");
-  telling.callback([arguments] { status(*arguments); });
-  CLI::App& reporting = add_part(farm, "report", "A page on what the show has come to", *arguments);
+  CLI::App& reporting = add_part(farm, "report", "A page on what the show has come to", arguments, report);
   add_option(reporting, "--out", arguments->out, "FILE.html", "Page to write, self-contained")->required();
-  add_option(reporting, "--worst", arguments->worst, "Frames worth a look, at most")
-      ->capture_default_str()
-      ->check(CLI::Range(0, 100));
+  add_number(reporting, "--worst", arguments->worst, 0, 100, "Frames worth a look, at most");
   add_flag(reporting, "--verify", arguments->verify, "Read all inputs and outputs, not only their size and time");
-  reporting.callback([arguments] { report(*arguments); });
-  CLI::App& cancelling = add_part(farm, "cancel", "Take what is queued out of the queue", *arguments);
-  cancelling.callback([arguments] { cancel(*arguments); });
+  add_part(farm, "cancel", "Take what is queued out of the queue", arguments, cancel);
 
-  CLI::App& running = add_part(farm, "run", "Do tasks on this machine, one after the other", *arguments);
+  CLI::App& running = add_part(farm, "run", "Do tasks on this machine, one after the other", arguments, run_tasks);
   add_option(running, "tasks", arguments->tasks, "Names of tasks, WAVE.LANE (default: all)")->type_name("TASK...");
   add_option(running, "--progress", arguments->task.progress, "As of eval")->type_name("STYLE");
-  running.callback([arguments] { run_tasks(*arguments); });
 }
 
 }  // namespace bodyopt::cli

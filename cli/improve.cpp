@@ -97,8 +97,8 @@ std::vector<Chosen> choose(std::vector<Shot>& shots, const std::vector<double>& 
     left.frames.clear();
     left.poses.clear();
     for (std::size_t k = 0; k < shots[s].frames.size(); ++k) {
-      const bool taken = std::any_of(chosen.begin(), chosen.end(),
-                                     [&](const Chosen& c) { return c.shot == s && c.frame == shots[s].frames[k]; });
+      const bool taken =
+          std::ranges::any_of(chosen, [&](const Chosen& c) { return c.shot == s && c.frame == shots[s].frames[k]; });
       if (taken) continue;
       left.frames.push_back(shots[s].frames[k]);
       left.poses.push_back(shots[s].poses[k]);
@@ -122,8 +122,8 @@ void simulate_chosen(const Dataset& dataset, const std::vector<Shot>& shots, con
       if (c.heldout) heldout.push_back(c.frame);
     }
     if (frames.empty()) continue;
-    std::sort(frames.begin(), frames.end());
-    std::sort(heldout.begin(), heldout.end());
+    std::ranges::sort(frames);
+    std::ranges::sort(heldout);
     SimulationArguments simulation;
     simulation.character = in_folder(dataset.character);
     simulation.muscles = in_folder(dataset.muscles);
@@ -167,7 +167,7 @@ std::vector<Sample> tested(const SampleSet& set, const std::vector<Shot>& shots)
 TrainOptions options_of(const Basis& basis, const std::string& path) {
   const auto found = basis.metadata.find("provenance");
   if (found == basis.metadata.end() || basis.coverage.empty()) {
-    throw Error(ErrorKind::mismatch, path + " was not trained on shapes: improve goes on from what train wrote");
+    throw Error(ErrorKind::mismatch, path, " was not trained on shapes: improve goes on from what train wrote");
   }
   const Json provenance = Json::parse(found->second);
   TrainOptions options;
@@ -237,29 +237,21 @@ void run(const ImproveArguments& arguments) {
 }  // namespace
 
 void add_improve(CLI::App& app) {
-  auto arguments = std::make_shared<ImproveArguments>();
-  CLI::App& verb = add_verb(
-      app, "improve", "Simulates the frames of shots that a basis knows least, and learns them, as long as it helps");
-  add_option(verb, "dataset", arguments->dataset, "dataset.json, or its folder: what the basis was trained on")
-      ->required()
-      ->type_name("DATASET");
-  add_option(verb, "--basis", arguments->basis, "The basis to improve, in place")
-      ->required()
-      ->type_name("BASIS")
+  const auto [verb, arguments] = add_verb<ImproveArguments>(
+      app, "improve", "Simulates the frames of shots that a basis knows least, and learns them, as long as it helps",
+      run);
+  add_required(verb, "dataset", arguments.dataset, "DATASET",
+               "dataset.json, or its folder: what the basis was trained on");
+  add_required(verb, "--basis", arguments.basis, "BASIS", "The basis to improve, in place")
       ->check(must_end_in(".safetensors"));
-  add_option(verb, "--clip", arguments->clips, "Shots: FILE.glb#name, FILE.glb (its only or first clip) or FILE.bvh")
-      ->required()
-      ->type_name("CLIP");
-  add_option(verb, "--frames", arguments->frames,
-             "Frames to simulate at most; every fifth is held out to tell the gain")
-      ->capture_default_str()
-      ->check(CLI::Range(1, 100000));
-  add_option(verb, "--fps", arguments->options.fps, "Frames a second at which the shots are sampled")
-      ->capture_default_str()
-      ->check(number_from(kLeastRate, kMostRate));
-  add_joint_map(verb, arguments->options.joint_map);
-  arguments->json.add(verb);
-  verb.callback([arguments] { run(*arguments); });
+  add_required(verb, "--clip", arguments.clips, "CLIP",
+               "Shots: FILE.glb#name, FILE.glb (its only or first clip) or FILE.bvh");
+  add_number(verb, "--frames", arguments.frames, 1, 100000,
+             "Frames to simulate at most; every fifth is held out to tell the gain");
+  add_number(verb, "--fps", arguments.options.fps, kLeastRate, kMostRate,
+             "Frames a second at which the shots are sampled");
+  add_joint_map(verb, arguments.options.joint_map);
+  arguments.json.add(verb);
 }
 
 }  // namespace bodyopt::cli

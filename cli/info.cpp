@@ -18,6 +18,7 @@
 #include "runtime/basis/dynamics.h"
 #include "runtime/basis/safetensors.h"
 #include "runtime/core/error.h"
+#include "runtime/core/transformed.h"
 #include "runtime/host/jiggle.h"
 #include "runtime/modifiers/drive_modifiers.h"
 #include "trainer/train/data/learned_poses.h"
@@ -99,16 +100,11 @@ std::string info_text(const Json& result) {
   return result.contains("curve") ? text + curve_table(result.at("curve"), has_levels) : text;
 }
 
-Json joint_names(const Skeleton& skeleton) {
-  Json names = Json::array();
-  for (const Joint& joint : skeleton.joints) names.push_back(joint.name);
-  return names;
-}
+Json joint_names(const Skeleton& skeleton) { return transformed(skeleton.joints, &Joint::name); }
 
 Json bvh_info(const std::string& path) {
   const Bvh bvh = read_bvh(path);
-  Json names = Json::array();
-  for (const BvhJoint& joint : bvh.joints) names.push_back(joint.name);
+  const Json names = transformed(bvh.joints, &BvhJoint::name);
   return {{"kind", "motion"},
           {"frames", bvh.frame_count},
           {"frames_per_second", 1 / bvh.frame_time},
@@ -154,15 +150,13 @@ Json character_info(const std::string& path, double unit) {
 }
 
 Json json_of_modifiers(const SkinModifiers& modifiers) {
-  Json list = Json::array();
-  for (const SkinModifier& modifier : modifiers.stack) {
-    list.push_back({{"name", modifier.name},
-                    {"type", modifier.type},
-                    {"on", modifier.on},
-                    {"constants", modifier.constants},
-                    {"components", modifier.component_count}});
-  }
-  return list;
+  return transformed(modifiers.stack, [&](const SkinModifier& modifier) {
+    return Json{{"name", modifier.name},
+                {"type", modifier.type},
+                {"on", modifier.on},
+                {"constants", modifier.constants},
+                {"components", modifier.component_count}};
+  });
 }
 
 Json basis_info(const std::string& path) {
@@ -202,11 +196,11 @@ Json dynamics_info(const std::string& path, const Safetensors& file) {
   const auto rows = [&](const char* name) {
     const auto found = file.tensors.find(name);
     if (found == file.tensors.end()) {
-      throw Error(ErrorKind::file, path + ": tensor '" + name + "' is missing: damaged dynamics");
+      throw Error(ErrorKind::file, path, ": tensor '", name, "' is missing: damaged dynamics");
     }
     if (found->second.shape.empty()) {
-      throw Error(ErrorKind::file,
-                  path + ": tensor '" + name + "' is a single number, expected an array: damaged dynamics");
+      throw Error(ErrorKind::file, path, ": tensor '", name,
+                  "' is a single number, expected an array: damaged dynamics");
     }
     return found->second.shape.front();
   };
@@ -226,9 +220,7 @@ Json dynamics_info(const std::string& path, const Safetensors& file) {
   // What the trainer wrote of them is JSON: the report's entries stand among the others.
   for (const char* own : {"report", "provenance"}) {
     const Json told = Json::parse(metadata[own], nullptr, false);
-    if (!told.is_object()) {
-      throw Error(ErrorKind::file, path + ": its " + own + " is not a JSON object: damaged dynamics");
-    }
+    if (!told.is_object()) throw Error(ErrorKind::file, path, ": its ", own, " is not a JSON object: damaged dynamics");
     metadata.erase(own);
     if (own == std::string("report")) {
       result.update(told);
@@ -286,14 +278,13 @@ Json nodes_info(const std::string& path) {
 
 Json dataset_info(const std::string& path) {
   const Dataset dataset = read_dataset(path);
-  Json takes = Json::array();
-  for (const DatasetTake& take : dataset.takes) {
-    takes.push_back({{"name", take.name},
-                     {"clip", take.clip},
-                     {"frames", format_frame_range(take.frames)},
-                     {"heldout", format_frame_range(take.heldout)},
-                     {"shapes", take.shapes}});
-  }
+  const Json takes = transformed(dataset.takes, [&](const DatasetTake& take) {
+    return Json{{"name", take.name},
+                {"clip", take.clip},
+                {"frames", format_frame_range(take.frames)},
+                {"heldout", format_frame_range(take.heldout)},
+                {"shapes", take.shapes}};
+  });
   return {{"kind", "dataset"},
           {"character", dataset.character},
           {"muscles", dataset.muscles},
@@ -302,9 +293,7 @@ Json dataset_info(const std::string& path) {
 }
 
 Json info(std::string path, double unit) {
-  if (!std::filesystem::exists(path)) {
-    throw Error(ErrorKind::file, path + ": no such file");
-  }
+  if (!std::filesystem::exists(path)) throw Error(ErrorKind::file, path, ": no such file");
   path = dataset_file(path).string();
   const std::string extension = std::filesystem::path(path).extension();
   if (extension == ".glb" || extension == ".gltf") {
@@ -317,31 +306,30 @@ Json info(std::string path, double unit) {
   if (extension == ".nodes") return nodes_info(path);
   if (extension == ".bvh") return bvh_info(path);
   if (extension == ".json") return dataset_info(path);
-  throw Error(ErrorKind::file,
-              path + ": expected .glb, .gltf, .bvh, .safetensors, .state, .pc2, .nodes or dataset .json, found '" +
-                  extension + "'");
+  throw Error(ErrorKind::file, path,
+              ": expected .glb, .gltf, .bvh, .safetensors, .state, .pc2, .nodes or dataset .json, found '", extension,
+              "'");
+}
+
+struct InfoArguments {
+  std::string path;
+  double unit = 0;
+  JsonOption json;
+};
+
+void show(const InfoArguments& arguments) {
+  const Json result = info(arguments.path, arguments.unit);
+  arguments.json.emit(result, info_text(result));
 }
 
 }  // namespace
 
 void add_info(CLI::App& app) {
-  struct InfoArguments {
-    std::string path;
-    double unit = 0;
-    JsonOption json;
-  };
-  auto arguments = std::make_shared<InfoArguments>();
-  CLI::App& verb = add_verb(app, "info", "What a file holds");
-  add_option(verb, "file", arguments->path,
-             "Character, clip, basis, dynamics, attached geometry, state, point cache or dataset.json")
-      ->required()
-      ->type_name("FILE");
-  add_unit(verb, arguments->unit);
-  arguments->json.add(verb);
-  verb.callback([arguments] {
-    const Json result = info(arguments->path, arguments->unit);
-    arguments->json.emit(result, info_text(result));
-  });
+  const auto [verb, arguments] = add_verb<InfoArguments>(app, "info", "What a file holds", show);
+  add_required(verb, "file", arguments.path, "FILE",
+               "Character, clip, basis, dynamics, attached geometry, state, point cache or dataset.json");
+  add_unit(verb, arguments.unit);
+  arguments.json.add(verb);
 }
 
 }  // namespace bodyopt::cli

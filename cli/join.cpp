@@ -49,15 +49,13 @@ void run(JoinArguments arguments) {
 }  // namespace
 
 void add_join(CLI::App& app) {
-  auto arguments = std::make_shared<JoinArguments>();
-  CLI::App& verb = add_verb(app, "join", "Caches of the parts of a shot to one of the whole");
-  add_option(verb, "parts", arguments->parts, "Caches that 'eval' wrote of parts of a shot, all .pc2 or all .usda")
-      ->required()
-      ->type_name("CACHE...");
-  add_option(verb, "--out", arguments->out, "FILE", "Cache to write, with the ending of the parts")->required();
-  arguments->task.add(verb);
-  arguments->json.add(verb);
-  verb.callback([arguments] { run(*arguments); });
+  const auto [verb, arguments] =
+      add_verb<JoinArguments, JoinArguments>(app, "join", "Caches of the parts of a shot to one of the whole", run);
+  add_required(verb, "parts", arguments.parts, "CACHE...",
+               "Caches that 'eval' wrote of parts of a shot, all .pc2 or all .usda");
+  add_option(verb, "--out", arguments.out, "FILE", "Cache to write, with the ending of the parts")->required();
+  arguments.task.add(verb);
+  arguments.json.add(verb);
 }
 
 }  // namespace bodyopt::cli

@@ -3,11 +3,11 @@
 #include <optional>
 
 #include "assets/json_file.h"
-#include "assets/shot_modifiers.h"
 #include "cli/arguments/common.h"
 #include "cli/results/modifier_effects.h"
 #include "runtime/basis/levels.h"
 #include "runtime/basis/skin_modifiers.h"
+#include "runtime/core/transformed.h"
 #include "runtime/modifiers/drive_modifiers.h"
 #include "trainer/modifiers/bake_stack.h"
 #include "trainer/modifiers/measure_breathing.h"
@@ -33,14 +33,12 @@ std::string breath_table(const std::vector<BreathMeasure>& breaths) {
 }
 
 Json json_of_breaths(const std::vector<BreathMeasure>& breaths) {
-  Json list = Json::array();
-  for (const BreathMeasure& breath : breaths) {
-    list.push_back({{"breath", breath.name},
-                    {"litres", breath.litres},
-                    {"girth_share", breath.girth_share},
-                    {"belly_mm", breath.belly_mm}});
-  }
-  return list;
+  return transformed(breaths, [&](const BreathMeasure& breath) {
+    return Json{{"breath", breath.name},
+                {"litres", breath.litres},
+                {"girth_share", breath.girth_share},
+                {"belly_mm", breath.belly_mm}};
+  });
 }
 
 void run(const ModifiersArguments& arguments) {
@@ -84,18 +82,17 @@ void run(const ModifiersArguments& arguments) {
 }  // namespace
 
 void add_modifiers(CLI::App& app) {
-  auto arguments = std::make_shared<ModifiersArguments>();
-  CLI::App& verb = add_verb(app, "modifiers",
-                            "Give a basis modifiers: breathing, morphs, sculpts, flexed muscles, sag, relax, push-out");
-  add_option(verb, "basis", arguments->basis, "Basis (.safetensors)")->required()->type_name("BASIS");
-  add_option(verb, "stack", arguments->stack, "The stack to make (modifiers.json)")->required()->type_name("STACK");
-  add_option(verb, "--limits", arguments->limits, "FILE",
+  const auto [verb, arguments] = add_verb<ModifiersArguments>(
+      app, "modifiers", "Give a basis modifiers: breathing, morphs, sculpts, flexed muscles, sag, relax, push-out",
+      run);
+  add_required(verb, "basis", arguments.basis, "BASIS", "Basis (.safetensors)");
+  add_required(verb, "stack", arguments.stack, "STACK", "The stack to make (modifiers.json)");
+  add_option(verb, "--limits", arguments.limits, "FILE",
              "Joint limits (limits.json): push-out is measured where joints are bent to them, in place of 130 degrees");
-  add_option(verb, "--out", arguments->out, "FILE.safetensors",
+  add_option(verb, "--out", arguments.out, "FILE.safetensors",
              "Basis to write, with the modifiers in place of those it had")
       ->required();
-  arguments->json.add(verb);
-  verb.callback([arguments] { run(*arguments); });
+  arguments.json.add(verb);
 }
 
 }  // namespace bodyopt::cli

@@ -7,6 +7,7 @@
 #include "cli/arguments/common.h"
 #include "report/muscle_picture.h"
 #include "runtime/core/error.h"
+#include "runtime/core/transformed.h"
 #include "trainer/anatomy/trunk_muscles.h"
 #include "trainer/muscle_models/fit.h"
 
@@ -49,20 +50,18 @@ Json wrap_report(const muscle_models::Model& model, const std::vector<std::strin
 }
 
 Json muscle_report(const std::vector<FittedMuscle>& fitted) {
-  Json report = Json::array();
-  for (const FittedMuscle& muscle : fitted) {
-    report.push_back({{"name", muscle.muscle.name},
-                      {"points", muscle.muscle.path.size()},
-                      {"radius_mm", 1000 * muscle.muscle.radius},
-                      {"full_radius_mm", 1000 * muscle.full_radius},
-                      {"pushed_mm", 1000 * muscle.largest_push}});
-  }
-  return report;
+  return transformed(fitted, [&](const FittedMuscle& muscle) {
+    return Json{{"name", muscle.muscle.name},
+                {"points", muscle.muscle.path.size()},
+                {"radius_mm", 1000 * muscle.muscle.radius},
+                {"full_radius_mm", 1000 * muscle.full_radius},
+                {"pushed_mm", 1000 * muscle.largest_push}};
+  });
 }
 
 bool depends_on_pose(const muscle_models::ModelMuscle& muscle) {
-  return std::any_of(muscle.path.begin(), muscle.path.end(),
-                     [](const muscle_models::PathPoint& point) { return point.condition || !point.moving.empty(); });
+  return std::ranges::any_of(
+      muscle.path, [](const muscle_models::PathPoint& point) { return point.condition || !point.moving.empty(); });
 }
 
 std::string describe_source(const muscle_models::Model& model, const std::vector<FittedMuscle>& fitted,
@@ -76,7 +75,7 @@ std::string describe_source(const muscle_models::Model& model, const std::vector
   std::string text =
       format("{}: {} muscles; points moved under the skin by {:.1f} mm at most; {} made thinner to fit\n", model.file,
              fitted.size(), 1000 * push, thinned);
-  const auto reduced = std::count_if(model.muscles.begin(), model.muscles.end(), depends_on_pose);
+  const auto reduced = std::ranges::count_if(model.muscles, depends_on_pose);
   if (reduced > 0) {
     text += format("  {} have conditional or moving points, kept as they are in the model's default pose\n", reduced);
   }
@@ -117,8 +116,8 @@ void import(const ImportArguments& arguments) {
     const std::vector<FittedMuscle> fitted = fit_muscles(model, mapping, character);
     for (const FittedMuscle& muscle : fitted) {
       if (!names.insert(muscle.muscle.name).second) {
-        throw Error(ErrorKind::mismatch, model_path + ": the muscle '" + muscle.muscle.name +
-                                             "' comes from an earlier --from already: leave it out in one mapping");
+        throw Error(ErrorKind::mismatch, model_path, ": the muscle '", muscle.muscle.name,
+                    "' comes from an earlier --from already: leave it out in one mapping");
       }
       muscles.push_back(muscle.muscle);
     }
@@ -148,25 +147,22 @@ void import(const ImportArguments& arguments) {
 }  // namespace
 
 void add_muscles(CLI::App& app) {
-  auto arguments = std::make_shared<ImportArguments>();
   CLI::App& verb = add_verb(app, "muscles", "Muscles of a character");
   verb.require_subcommand(1);
-  CLI::App& subverb = add_verb(verb, "import", "Carries the muscles of OpenSim or MuJoCo models to a character");
-  add_option(subverb, "character", arguments->character, "Character (.glb, .gltf)")->required()->type_name("CHARACTER");
-  add_option(subverb, "--from", arguments->sources,
-             "Muscle model (.osim, MuJoCo .xml) and the mapping (.json) of its segments to the character's joints; "
-             "may be given several times")
-      ->required()
-      ->type_name("MODEL MAPPING");
-  add_flag(subverb, "--trunk", arguments->has_trunk,
+  const auto [subverb, arguments] = add_verb<ImportArguments>(
+      verb, "import", "Carries the muscles of OpenSim or MuJoCo models to a character", import);
+  add_required(subverb, "character", arguments.character, "CHARACTER", "Character (.glb, .gltf)");
+  add_required(subverb, "--from", arguments.sources, "MODEL MAPPING",
+               "Muscle model (.osim, MuJoCo .xml) and the mapping (.json) of its segments to the character's joints; "
+               "may be given several times");
+  add_flag(subverb, "--trunk", arguments.has_trunk,
            "Also the muscles of a human's trunk and neck that models of legs and arms lack, laid by the "
            "landmarks of the character's own skeleton");
-  add_option(subverb, "--out", arguments->out, "FILE.json", "The character's muscles")->required();
-  add_option(subverb, "--picture", arguments->picture, "Also draw them, from the front, from behind and from the left")
+  add_option(subverb, "--out", arguments.out, "FILE.json", "The character's muscles")->required();
+  add_option(subverb, "--picture", arguments.picture, "Also draw them, from the front, from behind and from the left")
       ->type_name("FILE.png");
-  add_unit(subverb, arguments->unit);
-  arguments->json.add(subverb);
-  subverb.callback([arguments] { import(*arguments); });
+  add_unit(subverb, arguments.unit);
+  arguments.json.add(subverb);
 }
 
 }  // namespace bodyopt::cli

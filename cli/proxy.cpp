@@ -34,8 +34,8 @@ struct Source {
 
 Source dataset_source(const ProxyArguments& arguments) {
   if (!arguments.character.empty() || !arguments.muscles.empty() || !arguments.clip.source.empty()) {
-    throw Error(ErrorKind::usage,
-                "--character, --muscles and --clip go with a basis; a dataset (" + arguments.source + ") has its own");
+    throw Error(ErrorKind::usage, "--character, --muscles and --clip go with a basis; a dataset (", arguments.source,
+                ") has its own");
   }
   const std::filesystem::path path = dataset_file(arguments.source);
   const Dataset dataset = read_dataset(path);
@@ -74,7 +74,7 @@ Source basis_source(const ProxyArguments& arguments) {
 void run(ProxyArguments arguments) {
   require_writable(arguments.out);
   arguments.json.require_writable();
-  std::sort(arguments.errors_mm.begin(), arguments.errors_mm.end());
+  std::ranges::sort(arguments.errors_mm);
   for (const double error : arguments.errors_mm) arguments.options.errors.push_back(1e-3 * error);
   const Stopwatch watch;
   const bool of_basis = arguments.source.ends_with(".safetensors");
@@ -101,30 +101,27 @@ void run(ProxyArguments arguments) {
 }  // namespace
 
 void add_proxy(CLI::App& app) {
-  auto arguments = std::make_shared<ProxyArguments>();
-  CLI::App& verb = add_verb(app, "proxy", "Light twins of a character: levels of detail, trained as it is");
-  add_option(verb, "source", arguments->source,
-             "Dataset (dataset.json, or its folder), or a trained basis (.safetensors)")
-      ->required()
-      ->type_name("DATASET|BASIS");
-  add_option(verb, "--out", arguments->out, "FILE.safetensors",
+  const auto [verb, arguments] = add_verb<ProxyArguments, ProxyArguments>(
+      app, "proxy", "Light twins of a character: levels of detail, trained as it is", run);
+  add_required(verb, "source", arguments.source, "DATASET|BASIS",
+               "Dataset (dataset.json, or its folder), or a trained basis (.safetensors)");
+  add_option(verb, "--out", arguments.out, "FILE.safetensors",
              "Levels to write: a basis, the first level, and the others")
       ->required();
-  add_option(verb, "--error", arguments->errors_mm,
+  add_option(verb, "--error", arguments.errors_mm,
              "What the skin of each level may be off, mm (default: 1/500, 1/250 and 1/125 of the size)")
       ->type_name("MM")
       ->check(above_zero)
       ->expected(1, static_cast<int>(kMostLevels));
-  add_option(verb, "--character", arguments->character, "The basis' character (.glb, .gltf)")->type_name("CHARACTER");
-  add_option(verb, "--muscles", arguments->muscles, "The basis' muscles (muscles.json)")->type_name("FILE");
-  arguments->clip.add(verb);
+  add_option(verb, "--character", arguments.character, "The basis' character (.glb, .gltf)")->type_name("CHARACTER");
+  add_option(verb, "--muscles", arguments.muscles, "The basis' muscles (muscles.json)")->type_name("FILE");
+  arguments.clip.add(verb);
   CLI::Option* clip = verb.get_option("--clip")->required(false);
   for (const char* of_clip : {"--frames", "--fps", "--first-frame", "--controls"}) {
     verb.get_option(of_clip)->needs(clip);
   }
-  add_option(verb, "--seed", arguments->options.train.seed, "Seed of every random choice")->capture_default_str();
-  arguments->json.add(verb);
-  verb.callback([arguments] { run(*arguments); });
+  add_option(verb, "--seed", arguments.options.train.seed, "Seed of every random choice")->capture_default_str();
+  arguments.json.add(verb);
 }
 
 }  // namespace bodyopt::cli

@@ -9,7 +9,6 @@
 #include "cli/arguments/common.h"
 #include "dataset/regions_file.h"
 #include "report/region_picture.h"
-#include "runtime/core/error.h"
 #include "trainer/train/data/samples.h"
 #include "trainer/train/fit/train.h"
 
@@ -63,8 +62,8 @@ void run(const RegionsArguments& arguments) {
       format("{:>3}  {:28} {:9} {:>9}   {}\n", "", "region", "from", "vertices", "joints that move its skin");
   for (std::size_t r = 0; r < regions.size(); ++r) {
     const RegionWeights& region = regions[r];
-    const bool of_file = std::any_of(set.regions.begin(), set.regions.end(),
-                                     [&](const RegionWeights& other) { return other.name == region.name; });
+    const bool of_file =
+        std::ranges::any_of(set.regions, [&](const RegionWeights& other) { return other.name == region.name; });
     const double size = std::accumulate(region.weights.begin(), region.weights.end(), 0.0);
     const std::vector<std::string> joints = joints_of(set.character, region);
     text += format("{:3}  {:28} {:9} {:9.0f}   {}\n", r + 1, region.name, of_file ? "file" : "training", size,
@@ -93,14 +92,13 @@ void run(const RegionsArguments& arguments) {
 }  // namespace
 
 void add_regions(CLI::App& app) {
-  auto arguments = std::make_shared<RegionsArguments>();
-  CLI::App& verb = add_verb(app, "regions", "The regions in which `train` learns the skin: to see and to edit");
-  add_option(verb, "dataset", arguments->dataset, "dataset.json, or its folder")->required()->type_name("DATASET");
-  add_option(verb, "--out", arguments->out, "FILE.json", "Also write them, as a file that dataset.json can name");
-  add_option(verb, "--picture", arguments->picture, "FILE.png",
+  const auto [verb, arguments] = add_verb<RegionsArguments>(
+      app, "regions", "The regions in which `train` learns the skin: to see and to edit", run);
+  add_required(verb, "dataset", arguments.dataset, "DATASET", "dataset.json, or its folder");
+  add_option(verb, "--out", arguments.out, "FILE.json", "Also write them, as a file that dataset.json can name");
+  add_option(verb, "--picture", arguments.picture, "FILE.png",
              "Also draw them, numbered, from the front, from the left, from behind and from the right");
-  arguments->json.add(verb);
-  verb.callback([arguments] { run(*arguments); });
+  arguments.json.add(verb);
 }
 
 }  // namespace bodyopt::cli

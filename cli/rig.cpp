@@ -14,6 +14,7 @@
 #include "dataset/regions_file.h"
 #include "runtime/core/atomic_file.h"
 #include "runtime/core/error.h"
+#include "runtime/core/transformed.h"
 #include "trainer/dynamics/build_dynamics.h"
 #include "trainer/motion/attached_rig.h"
 #include "trainer/motion/first_limits.h"
@@ -101,7 +102,7 @@ void require_distinct(const std::vector<RigFile>& files) {
   std::set<fs::path> seen;
   for (const RigFile& file : files) {
     if (seen.insert(file.path).second) continue;
-    throw Error(ErrorKind::usage, file.path.string() + ": two files would be written to it: rename a mapping");
+    throw Error(ErrorKind::usage, file.path, ": two files would be written to it: rename a mapping");
   }
 }
 
@@ -114,9 +115,9 @@ bool is_there(const RigFile& file) {
 void require_unedited(const std::vector<RigFile>& files) {
   for (const RigFile& file : files) {
     if (!fs::exists(file.path) || is_there(file)) continue;
-    throw Error(ErrorKind::usage, file.path.string() +
-                                      ": is there already, edited perhaps: remove it, or give "
-                                      "another --out");
+    throw Error(ErrorKind::usage, file.path,
+                ": is there already, edited perhaps: remove it, or give "
+                "another --out");
   }
 }
 
@@ -149,11 +150,9 @@ void run(const RigArguments& arguments) {
   require_distinct(files);
   make_folder(arguments.out);
   write_new(files);
-  std::vector<std::string> names;
-  for (const RigFile& file : files) names.push_back(file.path.string());
-  const auto from_clips = std::count_if(limits.dofs.begin(), limits.dofs.end(), [](const DegreeOfFreedom& dof) {
-    return dof.source.starts_with("what the clips");
-  });
+  const std::vector<std::string> names = transformed(files, [&](const RigFile& file) { return file.path.string(); });
+  const auto from_clips = std::ranges::count_if(
+      limits.dofs, [](const DegreeOfFreedom& dof) { return dof.source.starts_with("what the clips"); });
   arguments.json.emit({{"files", names},
                        {"frames", poses.size()},
                        {"degrees_of_freedom", limits.dofs.size()},
@@ -167,22 +166,21 @@ void run(const RigArguments& arguments) {
 }  // namespace
 
 void add_rig(CLI::App& app) {
-  auto arguments = std::make_shared<RigArguments>();
-  CLI::App& verb = add_verb(app, "rig", "First joint limits, jiggle settings and regions of a rig, to be edited");
-  add_option(verb, "character", arguments->character, "Character (.glb, .gltf)")->required()->type_name("CHARACTER");
-  add_option(verb, "--out", arguments->out, "DIR",
+  const auto [verb, arguments] =
+      add_verb<RigArguments>(app, "rig", "First joint limits, jiggle settings and regions of a rig, to be edited", run);
+  add_required(verb, "character", arguments.character, "CHARACTER", "Character (.glb, .gltf)");
+  add_option(verb, "--out", arguments.out, "DIR",
              "Folder for limits.json, jiggle.json, regions.json and mappings of muscles")
       ->required();
-  add_option(verb, "--clip", arguments->clips, "Clips that show how far joints go (default: the character's own)")
+  add_option(verb, "--clip", arguments.clips, "Clips that show how far joints go (default: the character's own)")
       ->type_name("CLIP");
-  add_option(verb, "--mapping", arguments->mappings,
+  add_option(verb, "--mapping", arguments.mappings,
              "Mappings of muscles for another rig, to be written with this rig's joints (default: those of a "
              "person's legs, trunk and arms)")
       ->type_name("FILE");
-  add_joint_map(verb, arguments->joint_map);
-  add_unit(verb, arguments->unit);
-  arguments->json.add(verb);
-  verb.callback([arguments] { run(*arguments); });
+  add_joint_map(verb, arguments.joint_map);
+  add_unit(verb, arguments.unit);
+  arguments.json.add(verb);
 }
 
 }  // namespace bodyopt::cli

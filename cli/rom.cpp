@@ -4,6 +4,7 @@
 #include "assets/clip_source.h"
 #include "cli/arguments/common.h"
 #include "runtime/core/error.h"
+#include "runtime/core/transformed.h"
 #include "trainer/motion/attached_rig.h"
 #include "trainer/motion/coupled_joints.h"
 #include "trainer/motion/first_limits.h"
@@ -27,10 +28,9 @@ constexpr std::size_t kCoverageSamples = 1000;
 // Poses that no body takes make a basis of such poses: what the clip holds beyond the limits is said.
 void say_held_turns(const std::string& source, const std::vector<Pose>& poses, const JointLimits& limits,
                     const Skeleton& skeleton) {
-  std::vector<std::string> notes;
-  for (const HeldTurn& turn : held_turns(limits, skeleton, poses)) {
-    notes.push_back(source + ": " + describe(turn, skeleton, poses.size()));
-  }
+  const std::vector<std::string> notes = transformed(held_turns(limits, skeleton, poses), [&](const HeldTurn& turn) {
+    return source + ": " + describe(turn, skeleton, poses.size());
+  });
   say(notes);
 }
 
@@ -147,27 +147,24 @@ void run(const RomArguments& arguments) {
 }  // namespace
 
 void add_rom(CLI::App& app) {
-  auto arguments = std::make_shared<RomArguments>();
-  CLI::App& verb = add_verb(app, "rom", "A clip of a character's whole range of motion, to simulate and train on");
-  add_option(verb, "character", arguments->character, "Character (.glb, .gltf)")->required()->type_name("CHARACTER");
-  add_option(verb, "--limits", arguments->limits, "Joint limits (limits.json); default: what the clips of --from show")
+  const auto [verb, arguments] = add_verb<RomArguments>(
+      app, "rom", "A clip of a character's whole range of motion, to simulate and train on", run);
+  add_required(verb, "character", arguments.character, "CHARACTER", "Character (.glb, .gltf)");
+  add_option(verb, "--limits", arguments.limits, "Joint limits (limits.json); default: what the clips of --from show")
       ->type_name("FILE");
-  add_option(verb, "--out", arguments->out, "FILE.glb", "The clip to write")->required();
-  add_option(verb, "--frames", arguments->options.frames,
-             "How many frames to make (a number, where other verbs take a list of frames)")
-      ->capture_default_str()
-      ->check(CLI::Range(1, 1000000));
-  add_option(verb, "--seed", arguments->options.seed, "Another seed gives other random poses")->capture_default_str();
-  add_option(verb, "--from", arguments->from,
+  add_option(verb, "--out", arguments.out, "FILE.glb", "The clip to write")->required();
+  add_number(verb, "--frames", arguments.options.frames, 1, 1000000,
+             "How many frames to make (a number, where other verbs take a list of frames)");
+  add_option(verb, "--seed", arguments.options.seed, "Another seed gives other random poses")->capture_default_str();
+  add_option(verb, "--from", arguments.from,
              "Clips whose poses the random poses are blended from, beyond the limits if they go there")
       ->type_name("CLIP");
-  add_option(verb, "--step", arguments->options.step,
+  add_option(verb, "--step", arguments.options.step,
              "Degrees that a joint may turn from a random frame to the next: for solvers that need a smooth motion")
       ->check(number_from(1, 360));
-  add_joint_map(verb, arguments->joint_map);
-  add_unit(verb, arguments->unit);
-  arguments->json.add(verb);
-  verb.callback([arguments] { run(*arguments); });
+  add_joint_map(verb, arguments.joint_map);
+  add_unit(verb, arguments.unit);
+  arguments.json.add(verb);
 }
 
 }  // namespace bodyopt::cli

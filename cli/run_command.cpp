@@ -10,8 +10,6 @@
 #include <cstdio>
 #include <cstdlib>
 #include <optional>
-#include <string>
-#include <vector>
 
 #include "assets/wording.h"
 #include "base/progress.h"
@@ -52,9 +50,9 @@ void require_verb(const CLI::App& app, const std::string& name) {
   for (const CLI::App* verb : app.get_subcommands([](const CLI::App*) { return true; })) {
     verbs.push_back(verb->get_name());
   }
-  if (name.starts_with('-') || std::find(verbs.begin(), verbs.end(), name) != verbs.end()) return;
-  throw Error(ErrorKind::usage, "'" + name + "' is no verb of bodyopt; the nearest is '" +
-                                    nearest_names(verbs, name).front() + "' (bodyopt --help lists all)");
+  if (name.starts_with('-') || std::ranges::find(verbs, name) != verbs.end()) return;
+  throw Error(ErrorKind::usage, "'", name, "' is no verb of bodyopt; the nearest is '",
+              nearest_names(verbs, name).front(), "' (bodyopt --help lists all)");
 }
 
 // Throws Error(usage) at an option that the verb before it on the command line does not have, with the one of that
@@ -67,9 +65,9 @@ void require_options(const CLI::App& verb) {
   for (const std::string& argument : verb.remaining()) {
     const std::string name = argument.substr(0, argument.find('='));
     if (!name.starts_with("--") || name == "--") continue;
-    if (std::find(options.begin(), options.end(), name) != options.end()) continue;  // after a "--" it is none
-    throw Error(ErrorKind::usage, "'" + verb.get_name() + "' has no option " + name + "; the nearest is " +
-                                      nearest_names(options, name).front() + " (--help lists all)");
+    if (std::ranges::find(options, name) != options.end()) continue;  // after a "--" it is none
+    throw Error(ErrorKind::usage, "'", verb.get_name(), "' has no option ", name, "; the nearest is ",
+                nearest_names(options, name).front(), " (--help lists all)");
   }
   for (const CLI::App* subverb : verb.get_subcommands()) require_options(*subverb);
 }

@@ -5,7 +5,6 @@
 #include <algorithm>
 
 #include "cli/arguments/common.h"
-#include "runtime/core/atomic_file.h"
 #include "runtime/core/error.h"
 
 namespace bodyopt::cli {
@@ -21,14 +20,14 @@ int run_step(const FarmStep& step, const std::string& progress) {
     keep_verb_arguments(words);
     words.insert(words.begin(), step.arguments.front());
     words.insert(words.end(), {"--progress", progress});
-    std::reverse(words.begin(), words.end());  // as CLI11 takes them
+    std::ranges::reverse(words);  // as CLI11 takes them
     CLI::App app;
     add_eval(app);
     add_join(app);
     try {
       app.parse(words);
     } catch (const CLI::ParseError& error) {
-      throw Error(ErrorKind::usage, step.out + ": its command cannot be read: " + error.what());
+      throw Error(ErrorKind::usage, step.out, ": its command cannot be read: ", error.what());
     }
     std::fflush(stdout);
   });
@@ -45,7 +44,7 @@ void run_steps(const std::vector<const FarmStep*>& steps, const std::string& pro
     ++failed;
     last = code;
     if (code == static_cast<int>(ErrorKind::interrupted)) {
-      throw Error(ErrorKind::interrupted, step->out + " was interrupted; the same command goes on with it");
+      throw Error(ErrorKind::interrupted, step->out, " was interrupted; the same command goes on with it");
     }
   }
   if (failed > 0) throw Error(static_cast<ErrorKind>(last), format("{} of {} steps failed", failed, steps.size()));

@@ -90,28 +90,26 @@ void run(const SimulateArguments& arguments) {
 }  // namespace
 
 void add_simulate(CLI::App& app) {
-  auto arguments = std::make_shared<SimulateArguments>();
-  CLI::App& verb = add_verb(app, "simulate", "Shapes of a character for every frame of a clip, by finite elements");
-  add_option(verb, "character", arguments->character, "Character (.glb, .gltf)")->required()->type_name("CHARACTER");
-  arguments->take.add(verb);
-  add_option(verb, "--muscles", arguments->muscles, "muscles.json (default: passive tissue only)")->type_name("FILE");
-  add_option(verb, "--materials", arguments->materials,
+  const auto [verb, arguments] = add_verb<SimulateArguments>(
+      app, "simulate", "Shapes of a character for every frame of a clip, by finite elements", run);
+  add_required(verb, "character", arguments.character, "CHARACTER", "Character (.glb, .gltf)");
+  arguments.take.add(verb);
+  add_option(verb, "--muscles", arguments.muscles, "muscles.json (default: passive tissue only)")->type_name("FILE");
+  add_option(verb, "--materials", arguments.materials,
              "Tissue, as in rigs/materials.json (default: what that file says)")
       ->type_name("FILE");
-  arguments->anatomy.add(verb);
-  add_option(verb, "--out", arguments->out, "Dataset folder; a take is added to the dataset.json in it")
-      ->required()
-      ->type_name("DATASET_DIR");
-  CLI::Option* size = add_option(verb, "--tet-size", arguments->options.tet_size,
+  arguments.anatomy.add(verb);
+  add_required(verb, "--out", arguments.out, "DATASET_DIR",
+               "Dataset folder; a take is added to the dataset.json in it");
+  CLI::Option* size = add_option(verb, "--tet-size", arguments.options.tet_size,
                                  "Largest tet edge inside, metres (default: from the skin)")
                           ->check(above_zero);
-  add_flag(verb, "--draft", arguments->options.draft, "Fast: in a cage of 1,500 nodes or fewer; stores nodes (.nodes)")
+  add_flag(verb, "--draft", arguments.options.draft, "Fast: in a cage of 1,500 nodes or fewer; stores nodes (.nodes)")
       ->excludes(size);
-  add_option(verb, "--threads", arguments->options.threads, "Frames solved at once (default: one per core)")
+  add_option(verb, "--threads", arguments.options.threads, "Frames solved at once (default: one per core)")
       ->check(CLI::NonNegativeNumber);
-  add_unit(verb, arguments->unit);
-  arguments->json.add(verb);
-  verb.callback([arguments] { run(*arguments); });
+  add_unit(verb, arguments.unit);
+  arguments.json.add(verb);
 }
 
 }  // namespace bodyopt::cli

@@ -9,7 +9,7 @@
 #include "cli/arguments/common.h"
 #include "cli/results/evaluation_log.h"
 #include "dataset/dataset.h"
-#include "runtime/core/error.h"
+#include "runtime/core/transformed.h"
 #include "trainer/train/data/learned_poses.h"
 #include "trainer/train/judge/test_errors.h"
 
@@ -36,7 +36,7 @@ std::vector<int> learned_frames(const TakeErrors& take) {
   for (const FrameErrors& frame : take.frames) {
     if (frame.learned) numbers.push_back(frame.frame);
   }
-  std::sort(numbers.begin(), numbers.end());
+  std::ranges::sort(numbers);
   return numbers;
 }
 
@@ -46,8 +46,8 @@ void warn_of_learned(const TakeErrors& take) {
   const std::vector<int> learned = learned_frames(take);
   if (learned.empty() || kMany * learned.size() < take.frames.size()) return;
   spdlog::warn(
-      "take '{}': the basis learned from {} of the {} frames tested ({}): their errors tell how well it repeats "
-      "them, not what it makes of others",
+      "take '{}': the basis learned from {} of the {} frames tested ({}): their errors tell how well it repeats them, "
+      "not what it makes of others",
       take.take, learned.size(), take.frames.size(), format_frame_range(learned));
 }
 
@@ -86,7 +86,7 @@ std::string lines_of(const TakeErrors& take) {
   std::string text =
       format("{:20} {:6} {} {:6.2f}\n", take.take, take.frames.size(), columns_of(take.errors), take.rank_correlation);
   std::vector<PartErrors> parts = take.parts;
-  std::sort(parts.begin(), parts.end(), [](const PartErrors& a, const PartErrors& b) {
+  std::ranges::sort(parts, [](const PartErrors& a, const PartErrors& b) {
     return a.errors.full * b.errors.ddm > b.errors.full * a.errors.ddm;
   });
   parts.resize(std::min<std::size_t>(3, parts.size()));
@@ -115,14 +115,13 @@ void run(const TestArguments& arguments) {
   }
   Json takes = Json::array();
   std::string text = format(
-      "RMS by area, mm; of the parts of the body, by joint, those that gained least\n{:20} {:>6} "
-      "{:>9} {:>9} {:>7} {:>9} {:>6}\n",
+      "RMS by area, mm; of the parts of the body, by joint, those that gained least\n{:20} {:>6} {:>9} {:>9} {:>7} "
+      "{:>9} {:>6}\n",
       "take", "frames", "DDM", "full", "ratio", "expected", "rho");
   for (const TakeErrors& take : test_errors(basis, set)) {
     warn_of_learned(take);
     Json entry = details_of(take, told);
-    Json harmed = Json::array();
-    for (const PartErrors& part : harmed_parts(take, kHarm)) harmed.push_back(part.part);
+    const Json harmed = transformed(harmed_parts(take, kHarm), &PartErrors::part);
     entry["harmed_parts"] = harmed;
     takes.push_back(entry);
     text += lines_of(take);
@@ -133,16 +132,12 @@ void run(const TestArguments& arguments) {
 }  // namespace
 
 void add_test(CLI::App& app) {
-  auto arguments = std::make_shared<TestArguments>();
-  CLI::App& verb = add_verb(
-      app, "test", "How well a basis does on shapes that it did not learn from, by area and by part of the body");
-  add_option(verb, "basis", arguments->basis, "Basis (.safetensors)")->required()->type_name("BASIS");
-  add_option(verb, "dataset", arguments->dataset,
-             "dataset.json or its folder: its held-out frames are tested, or all of them where none is held out")
-      ->required()
-      ->type_name("DATASET");
-  arguments->json.add(verb);
-  verb.callback([arguments] { run(*arguments); });
+  const auto [verb, arguments] = add_verb<TestArguments>(
+      app, "test", "How well a basis does on shapes that it did not learn from, by area and by part of the body", run);
+  add_required(verb, "basis", arguments.basis, "BASIS", "Basis (.safetensors)");
+  add_required(verb, "dataset", arguments.dataset, "DATASET",
+               "dataset.json or its folder: its held-out frames are tested, or all of them where none is held out");
+  arguments.json.add(verb);
 }
 
 }  // namespace bodyopt::cli

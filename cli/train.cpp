@@ -13,7 +13,6 @@
 #include "cli/results/measure.h"
 #include "cli/results/provenance.h"
 #include "cli/results/section_pictures.h"
-#include "report/report_json.h"
 #include "runtime/core/error.h"
 #include "runtime/core/stopwatch.h"
 #include "runtime/core/strict_json.h"
@@ -163,7 +162,7 @@ SampleSet samples_of(const TrainArguments& arguments, const Dataset& dataset) {
   say(set.notes);
   if (arguments.ablate && set.heldout.empty()) {
     throw Error(ErrorKind::usage,
-                "--ablate compares methods on held-out frames, and there are none: " + how_to_hold_out(set));
+                "--ablate compares methods on held-out frames, and there are none: ", how_to_hold_out(set));
   }
   const std::string coupled =
       describe(coupled_joints(set.character.skeleton, training_poses(set)), set.character.skeleton);
@@ -242,58 +241,51 @@ void run(TrainArguments arguments) {
 }  // namespace
 
 void add_train(CLI::App& app) {
-  auto arguments = std::make_shared<TrainArguments>();
-  CLI::App& verb = add_verb(app, "train", "Learn a basis from a dataset");
-  add_option(verb, "dataset", arguments->dataset, "dataset.json, or its folder")->type_name("DATASET");
+  const auto [verb, arguments] =
+      add_verb<TrainArguments, TrainArguments>(app, "train", "Learn a basis from a dataset", run);
+  add_option(verb, "dataset", arguments.dataset, "dataset.json, or its folder")->type_name("DATASET");
   CLI::Option* ddm_only =
-      add_option(verb, "--ddm-only", arguments->ddm_only, "Make a basis of Direct Delta Mush alone, without shapes")
+      add_option(verb, "--ddm-only", arguments.ddm_only, "Make a basis of Direct Delta Mush alone, without shapes")
           ->type_name("CHARACTER");
-  add_option(verb, "--out", arguments->out, "FILE.safetensors", "Basis to write")->required();
-  add_option(verb, "--heldout-every", arguments->heldout_every,
+  add_option(verb, "--out", arguments.out, "FILE.safetensors", "Basis to write")->required();
+  add_option(verb, "--heldout-every", arguments.heldout_every,
              "Hold out every Nth block of ten frames instead of the frames dataset.json names")
       ->check(CLI::Range(2, 1000));
-  add_option(verb, "--surface-curves", arguments->surface_curves,
+  add_option(verb, "--surface-curves", arguments.surface_curves,
              "Also measure strains along so many pairs of curves on the skin, where nothing explains its motion "
              "(default: 40 of few frames without muscles of which joints tell little, else 0)")
       ->type_name("N")
       ->check(CLI::Range(0, 1000))
       ->excludes(ddm_only);
-  add_flag(verb, "--update", arguments->options.update,
+  add_flag(verb, "--update", arguments.options.update,
            "Learn new and edited frames with the regions, components and hyper-parameters that an earlier training "
            "to the same file found: several times quicker")
       ->excludes(ddm_only);
-  add_flag(verb, "--ablate", arguments->ablate,
+  add_flag(verb, "--ablate", arguments.ablate,
            "Also train the model with parts left out, and its peers, to as many bytes, and compare them");
-  add_option(verb, "--report", arguments->report, "DIR",
+  add_option(verb, "--report", arguments.report, "DIR",
              "Folder for report.html and report.json: what was learned, and how well")
       ->excludes(ddm_only);
-  add_option(verb, "--smoothing-radius", arguments->options.smoothing_radius,
+  add_option(verb, "--smoothing-radius", arguments.options.smoothing_radius,
              "Radius of Direct Delta Mush, metres (default: 1/40 of the size, or twice that where it leaves less "
              "to learn)")
       ->check(above_zero);
-  CLI::Option* budget = add_option(verb, "--budget", arguments->options.budget,
+  CLI::Option* budget = add_option(verb, "--budget", arguments.options.budget,
                                    "The best basis of so many bytes per vertex at most, all tables together");
   budget->type_name("BYTES")->check(above_zero)->excludes(ddm_only);
-  add_option(verb, "--tolerance", arguments->options.tolerance_mm,
+  add_option(verb, "--tolerance", arguments.options.tolerance_mm,
              "The smallest basis with an expected RMS error of so many mm at most")
       ->type_name("MM")
       ->check(above_zero)
       ->excludes(ddm_only)
       ->excludes(budget);
-  add_option(verb, "--components", arguments->options.components, "Coefficients per region at most")
-      ->capture_default_str()
-      ->check(CLI::Range(1, 256));
-  add_option(verb, "--centres", arguments->options.centres, "Kernel centres per region at most")
-      ->capture_default_str()
-      ->check(CLI::Range(0, 4096));
-  add_option(verb, "--memory", arguments->options.memory_gib,
-             "GiB that shapes in memory may take; with less, they are read several times")
-      ->capture_default_str()
-      ->check(number_from(1e-6, 1e6));
-  add_option(verb, "--seed", arguments->options.seed, "Seed of every random choice")->capture_default_str();
-  add_unit(verb, arguments->unit);
-  arguments->json.add(verb);
-  verb.callback([arguments] { run(*arguments); });
+  add_number(verb, "--components", arguments.options.components, 1, 256, "Coefficients per region at most");
+  add_number(verb, "--centres", arguments.options.centres, 0, 4096, "Kernel centres per region at most");
+  add_number(verb, "--memory", arguments.options.memory_gib, 1e-6, 1e6,
+             "GiB that shapes in memory may take; with less, they are read several times");
+  add_option(verb, "--seed", arguments.options.seed, "Seed of every random choice")->capture_default_str();
+  add_unit(verb, arguments.unit);
+  arguments.json.add(verb);
 }
 
 }  // namespace bodyopt::cli

@@ -70,7 +70,7 @@ double judge(const TransferPair& pair, const TransferArguments& arguments, const
       "{}: is like the source's body by {:.2f} only (1: the same skin on the same joints; below {:.2f} is refused): "
       "an unlike body, joints of other meaning, or a rest pose far off{}",
       target, alike, kLeastLikeness, arguments.picture.empty() ? "; --picture FILE.png shows where" : "");
-  if (!arguments.force) throw Error(ErrorKind::mismatch, what + "; --force goes on all the same");
+  if (!arguments.force) throw Error(ErrorKind::mismatch, what, "; --force goes on all the same");
   spdlog::warn(what);
   return alike;
 }
@@ -100,7 +100,7 @@ std::optional<ReportMotion> motion_for_report(const TransferArguments& arguments
   motion.frames = parse_frame_range(arguments.frames.empty() ? all : arguments.frames);
   const auto [least, most] = std::ranges::minmax(motion.frames);
   if (least < first || most > last) {
-    throw Error(ErrorKind::usage, "--frames " + arguments.frames + ": '" + arguments.clip + "' has frames " + all);
+    throw Error(ErrorKind::usage, "--frames ", arguments.frames, ": '", arguments.clip, "' has frames ", all);
   }
   return motion;
 }
@@ -120,8 +120,8 @@ Company company_of(const TransferArguments& arguments, const Basis& source) {
                                                               : std::filesystem::path(arguments.proxy);
   if (std::filesystem::exists(dynamics)) company.dynamics = load_dynamics(dynamics, source);
   if (!arguments.muscles.empty() && !company.dynamics) {
-    throw Error(ErrorKind::usage,
-                "--muscles is for the dynamics beside the source, and there are none: no file " + dynamics.string());
+    throw Error(ErrorKind::usage, "--muscles is for the dynamics beside the source, and there are none: no file ",
+                dynamics);
   }
   if (!arguments.muscles.empty()) company.muscles = read_muscles(arguments.muscles, source.skeleton);
   if (!arguments.proxy.empty() || std::filesystem::exists(proxy)) {
@@ -139,7 +139,7 @@ std::vector<Level> carried_levels(const TransferPair& pair, const Character& tar
     levels.push_back({transfer_basis(pair, options, notes), {}});
   } else {
     levels = transfer_levels(pair, target, source, options, notes);
-    if (levels.empty()) throw Error(ErrorKind::mismatch, target.name + ": " + notes.back());
+    if (levels.empty()) throw Error(ErrorKind::mismatch, target.name, ": ", notes.back());
   }
   for (Level& level : levels) keep_unit(level.basis, unit);
   return levels;
@@ -165,10 +165,8 @@ std::vector<std::string> carry_company(const Company& company, const TransferPai
 void check_basis_arguments(const TransferArguments& arguments) {
   const std::filesystem::path dataset = dataset_file(arguments.source);
   if (dataset.extension() == ".json" && std::filesystem::exists(dataset)) {
-    throw Error(
-        ErrorKind::file,
-        arguments.source +
-            ": is a dataset, expected a trained basis (.safetensors): 'bodyopt transfer dataset' carries datasets");
+    throw Error(ErrorKind::file, arguments.source,
+                ": is a dataset, expected a trained basis (.safetensors): 'bodyopt transfer dataset' carries datasets");
   }
   if (arguments.outs.size() != arguments.targets.size()) {
     throw Error(ErrorKind::usage, format("{} targets and {} --out: every target needs a basis to write",
@@ -177,7 +175,7 @@ void check_basis_arguments(const TransferArguments& arguments) {
   std::set<std::filesystem::path> places;
   for (const std::string& out : arguments.outs) {
     if (!places.insert(std::filesystem::weakly_canonical(out)).second) {
-      throw Error(ErrorKind::usage, "--out names " + out + " twice: every target needs a basis of its own");
+      throw Error(ErrorKind::usage, "--out names ", out, " twice: every target needs a basis of its own");
     }
     refuse_overwriting(out, arguments.source);
     require_writable(out);
@@ -401,16 +399,13 @@ void run_refine(const RefineArguments& arguments) {
 }
 
 void add_refine(CLI::App& transfer) {
-  const auto arguments = std::make_shared<RefineArguments>();
-  CLI::App& verb =
-      add_verb(transfer, "refine", "Carried frames of a dataset, moved to what frames of the body's own in it show");
-  add_option(verb, "dataset", arguments->dataset, "Dataset (folder or dataset.json)")->required()->type_name("DATASET");
-  add_option(verb, "--carried", arguments->carried, "Takes that 'transfer dataset' wrote; the others are its own")
-      ->required()
-      ->type_name("TAKE");
-  add_option(verb, "--seed", arguments->options.seed, "Seed of every random choice")->capture_default_str();
-  arguments->json.add(verb);
-  verb.callback([arguments] { run_refine(*arguments); });
+  const auto [verb, arguments] = add_verb<RefineArguments>(
+      transfer, "refine", "Carried frames of a dataset, moved to what frames of the body's own in it show", run_refine);
+  add_required(verb, "dataset", arguments.dataset, "DATASET", "Dataset (folder or dataset.json)");
+  add_required(verb, "--carried", arguments.carried, "TAKE",
+               "Takes that 'transfer dataset' wrote; the others are its own");
+  add_option(verb, "--seed", arguments.options.seed, "Seed of every random choice")->capture_default_str();
+  arguments.json.add(verb);
 }
 
 void add_shared(CLI::App& verb, TransferArguments& arguments) {
@@ -429,50 +424,39 @@ void add_shared(CLI::App& verb, TransferArguments& arguments) {
 void add_transfer(CLI::App& app) {
   CLI::App& verb = add_verb(app, "transfer", "What was simulated or learned, carried to other characters");
   verb.require_subcommand(1);
-  const auto of_dataset = std::make_shared<TransferArguments>(), of_basis = std::make_shared<TransferArguments>();
 
-  CLI::App& dataset = add_verb(verb, "dataset", "A dataset of another character: clips, shapes, muscles, regions");
-  add_option(dataset, "source", of_dataset->source, "Dataset (folder or dataset.json)")
-      ->required()
-      ->type_name("DATASET");
-  add_option(dataset, "target", of_dataset->targets, "The other character (.glb, .gltf)")
-      ->required()
-      ->expected(1)
-      ->type_name("CHARACTER");
-  add_option(dataset, "--out", of_dataset->outs, "DATASET", "Folder of the dataset to write")->required()->expected(1);
-  add_option(dataset, "--picture", of_dataset->picture, "FILE.png",
+  const auto [dataset, of_dataset] = add_verb<TransferArguments>(
+      verb, "dataset", "A dataset of another character: clips, shapes, muscles, regions", run_dataset);
+  add_required(dataset, "source", of_dataset.source, "DATASET", "Dataset (folder or dataset.json)");
+  add_required(dataset, "target", of_dataset.targets, "CHARACTER", "The other character (.glb, .gltf)")->expected(1);
+  add_option(dataset, "--out", of_dataset.outs, "DATASET", "Folder of the dataset to write")->required()->expected(1);
+  add_option(dataset, "--picture", of_dataset.picture, "FILE.png",
              "Picture of the match (.png): by colour, and how sure it is");
-  add_shared(dataset, *of_dataset);
-  dataset.callback([of_dataset] { run_dataset(*of_dataset); });
+  add_shared(dataset, of_dataset);
 
-  CLI::App& basis = add_verb(verb, "basis", "A trained basis for other characters, at no cost at run time");
-  add_option(basis, "source", of_basis->source, "Trained basis, or a proxy with all of its levels (.safetensors)")
-      ->required()
-      ->type_name("BASIS");
-  add_option(basis, "targets", of_basis->targets, "The other characters (.glb, .gltf)")
-      ->required()
-      ->type_name("CHARACTER");
-  add_option(basis, "--out", of_basis->outs, "Bases to write (.safetensors), one per target")
-      ->required()
-      ->type_name("BASIS")
+  const auto [basis, of_basis] = add_verb<TransferArguments>(
+      verb, "basis", "A trained basis for other characters, at no cost at run time", run_basis);
+  add_required(basis, "source", of_basis.source, "BASIS",
+               "Trained basis, or a proxy with all of its levels (.safetensors)");
+  add_required(basis, "targets", of_basis.targets, "CHARACTER", "The other characters (.glb, .gltf)");
+  add_required(basis, "--out", of_basis.outs, "BASIS", "Bases to write (.safetensors), one per target")
       ->check(must_end_in(".safetensors"));
-  add_option(basis, "--picture", of_basis->picture, "FILE.png",
+  add_option(basis, "--picture", of_basis.picture, "FILE.png",
              "Picture of the match with the last target (.png): by colour, and how sure it is");
-  add_option(basis, "--report", of_basis->report, "FILE.html",
+  add_option(basis, "--report", of_basis.report, "FILE.html",
              "Page on how well the bodies match, part by part, and what to simulate next (.html)");
-  add_option(basis, "--clip", of_basis->clip, "CLIP", "Poses for the report: motion of the source");
-  add_option(basis, "--proxy", of_basis->proxy, "BASIS",
+  add_option(basis, "--clip", of_basis.clip, "CLIP", "Poses for the report: motion of the source");
+  add_option(basis, "--proxy", of_basis.proxy, "BASIS",
              "Proxy of the source (default: BASIS.proxy.safetensors beside it), whose levels go with it, to "
              "OUT.proxy.safetensors");
-  add_option(basis, "--muscles", of_basis->muscles, "FILE",
+  add_option(basis, "--muscles", of_basis.muscles, "FILE",
              "The source's muscles (muscles.json), for the dynamics that stand beside it: those are made for the "
              "targets, too");
-  add_flag(basis, "--alone", of_basis->alone, "Without the dynamics and the proxy that stand beside the source")
+  add_flag(basis, "--alone", of_basis.alone, "Without the dynamics and the proxy that stand beside the source")
       ->excludes(basis.get_option("--proxy"))
       ->excludes(basis.get_option("--muscles"));
-  add_option(basis, "--frames", of_basis->frames, "R", "Frames of it (default: all)");
-  add_shared(basis, *of_basis);
-  basis.callback([of_basis] { run_basis(*of_basis); });
+  add_option(basis, "--frames", of_basis.frames, "R", "Frames of it (default: all)");
+  add_shared(basis, of_basis);
   add_refine(verb);
 }
 

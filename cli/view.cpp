@@ -55,9 +55,8 @@ void run(const ViewArguments& arguments) {
 }  // namespace
 
 void add_view(CLI::App& app) {
-  auto arguments = std::make_shared<ViewArguments>();
-  ViewerOptions& options = arguments->options;
-  CLI::App& verb = add_verb(app, "view", "The animators' viewport");
+  const auto [verb, arguments] = add_verb<ViewArguments>(app, "view", "The animators' viewport", run);
+  ViewerOptions& options = arguments.options;
   add_option(verb, "files", options.files, "BASIS|CHARACTER|DATASET [CLIP]",
              "Basis (.safetensors), or character (.glb, .gltf) by Direct Delta Mush, its clip and point cache, or "
              "a dataset; "
@@ -72,7 +71,7 @@ void add_view(CLI::App& app) {
   add_option(verb, "--cf", options.current, "Frame to begin at")->type_name("FRAME");
   add_option(verb, "--fps", options.clip.fps, "Frames a second that clips are sampled at (default: 24)")
       ->check(above_zero);
-  add_option(verb, "--size", arguments->size, "Width and height of the picture, pixels")
+  add_option(verb, "--size", arguments.size, "Width and height of the picture, pixels")
       ->expected(2)
       ->allow_extra_args(false)
       ->check(CLI::Range(1u, kMostViewportPixels));
@@ -87,7 +86,7 @@ void add_view(CLI::App& app) {
   add_option(verb, "--live", options.live_port, "Show poses that another program sends to this UDP port of 127.0.0.1")
       ->type_name("PORT")
       ->check(CLI::Range(0, 65535));
-  add_flag(verb, "--no-vsync", arguments->no_vsync, "As many pictures a second as there can be");
+  add_flag(verb, "--no-vsync", arguments.no_vsync, "As many pictures a second as there can be");
   add_option(verb, "--seconds", options.seconds, "Close after so long")->check(above_zero);
   add_flag(verb, "--headless", options.headless, "Without a window");
   add_option(verb, "-o,--out", options.out, "FILE",
@@ -95,7 +94,6 @@ void add_view(CLI::App& app) {
              "one that moves (.webp)");
   add_option(verb, "--device", options.device.name, "Vulkan device: auto, an index or part of a name (default: auto)");
   add_flag(verb, "--validate", options.device.validation, "With Vulkan's validation layers: any message is an error");
-  verb.callback([arguments] { run(*arguments); });
 }
 
 }  // namespace bodyopt::cli

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
-#include <string>
 
 #include "runtime/core/error.h"
 
@@ -18,9 +17,8 @@ ErrorAccumulator::ErrorAccumulator(std::uint32_t vertex_count) : vertex_count_(v
 
 void ErrorAccumulator::add(int frame, std::span<const float> a, std::span<const float> b) {
   if (a.size() != 3 * std::size_t{vertex_count_} || b.size() != a.size()) {
-    throw Error(ErrorKind::mismatch, "frame " + std::to_string(frame) + ": shapes of " + std::to_string(a.size() / 3) +
-                                         " and " + std::to_string(b.size() / 3) + " vertices are compared, expected " +
-                                         std::to_string(vertex_count_) + " each");
+    throw Error(ErrorKind::mismatch, "frame ", frame, ": shapes of ", a.size() / 3, " and ", b.size() / 3,
+                " vertices are compared, expected ", vertex_count_, " each");
   }
   std::vector<float> error(a.size());
   double sum = 0, largest = 0;
@@ -33,9 +31,8 @@ void ErrorAccumulator::add(int frame, std::span<const float> a, std::span<const 
     }
     const double distance = std::sqrt(distance2);
     if (!(distance <= kLargestDistance)) {
-      throw Error(ErrorKind::mismatch, "frame " + std::to_string(frame) + ": vertex " + std::to_string(v) + " is " +
-                                           std::to_string(distance) +
-                                           " mm off, expected a finite distance: one of the shapes holds no numbers");
+      throw Error(ErrorKind::mismatch, "frame ", frame, ": vertex ", v, " is ", distance,
+                  " mm off, expected a finite distance: one of the shapes holds no numbers");
     }
     distances_.push_back(static_cast<float>(distance));
     sum += distance2;

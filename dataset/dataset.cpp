@@ -2,9 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <nlohmann/json.hpp>
-#include <set>
 #include <sstream>
 
 #include "assets/clip.h"
@@ -32,7 +30,7 @@ std::vector<int> frames_of(const JsonObject& take, const char* key) {
   try {
     return parse_frame_range(text);
   } catch (const Error& error) {
-    take.refuse(std::string("'") + key + "': " + std::string(error.what()).substr(0, kMaxReason));
+    take.refuse("'", key, "': ", std::string(error.what()).substr(0, kMaxReason));
   }
 }
 
@@ -46,8 +44,8 @@ std::string range_text(const std::vector<int>& frames, const DatasetTake& take, 
     begin = end;
   }
   if (!frames.empty() && parse_frame_range(text) != frames) {
-    throw Error(ErrorKind::file, path.string() + ": cannot be written: take '" + take.name +
-                                     "' names a frame twice, expected every frame once");
+    throw Error(ErrorKind::file, path, ": cannot be written: take '", take.name,
+                "' names a frame twice, expected every frame once");
   }
   return text;
 }
@@ -92,7 +90,7 @@ DatasetTake read_take(const JsonObject& json) {
   if (take.frames.empty()) json.refuse("names no frames");
   const std::set<int> known(take.frames.begin(), take.frames.end());
   for (const int frame : take.heldout) {
-    if (!known.contains(frame)) json.refuse("holds out frame " + std::to_string(frame) + ", which it does not have");
+    if (!known.contains(frame)) json.refuse("holds out frame ", frame, ", which it does not have");
   }
   return take;
 }
@@ -128,8 +126,7 @@ Json to_json(const Dataset& dataset, const std::filesystem::path& path) {
 }
 
 Dataset with_take(Dataset dataset, const DatasetTake& take) {
-  const auto place = std::find_if(dataset.takes.begin(), dataset.takes.end(),
-                                  [&](const DatasetTake& there) { return there.name == take.name; });
+  const auto place = std::ranges::find(dataset.takes, take.name, &DatasetTake::name);
   if (place == dataset.takes.end()) {
     dataset.takes.push_back(take);
   } else {
@@ -163,8 +160,8 @@ void require_same_motion(const DatasetTake& there, const DatasetTake& asked) {
     if (!take.joint_map.empty()) text << ", joint map '" << take.joint_map << "'";
     return text.str();
   };
-  throw Error(ErrorKind::mismatch, "the dataset has a take '" + there.name + "' already, of " + described(there) +
-                                       "; asked for " + described(asked) + ": give the new one a --name");
+  throw Error(ErrorKind::mismatch, "the dataset has a take '", there.name, "' already, of ", described(there),
+              "; asked for ", described(asked), ": give the new one a --name");
 }
 
 Dataset::Dataset() = default;
@@ -207,8 +204,7 @@ Dataset open_dataset(const Dataset& asked, const std::filesystem::path& path) {
   Dataset there = read_dataset(path);
   const std::string found = described(there), wanted = described(asked);
   if (found == wanted) return there;
-  throw Error(ErrorKind::mismatch,
-              path.string() + " holds shapes of " + found + "; asked for " + wanted + ": use another folder");
+  throw Error(ErrorKind::mismatch, path, " holds shapes of ", found, "; asked for ", wanted, ": use another folder");
 }
 
 void write_dataset(const Dataset& dataset, const std::filesystem::path& path) {
@@ -249,7 +245,7 @@ std::vector<FrameStatus> read_frame_status(const std::filesystem::path& path) {
     if (frame.has("volume_change") && !frame.is_null("volume_change"))  // below -1: turned inside out
       entry.volume_change = frame.number("volume_change", -1e9, 1e9);
     if (frame.has("inputs")) entry.inputs = frame.hash("inputs");
-    if (!known.insert(entry.frame).second) frame.refuse("names frame " + std::to_string(entry.frame) + " again");
+    if (!known.insert(entry.frame).second) frame.refuse("names frame ", entry.frame, " again");
     if (entry.converged && !(entry.residual < kConverged && entry.inverted_tets == 0)) {
       frame.refuse("says 'converged' of a frame with a residual of 1e-4 or more, or inverted tets: edited by hand?");
     }

@@ -20,7 +20,7 @@ std::uint64_t file_hash(const std::filesystem::path& path) {
   while (file.read(bytes.data(), bytes.size()) || file.gcount() > 0) {
     XXH3_64bits_update(state.get(), bytes.data(), static_cast<std::size_t>(file.gcount()));
   }
-  if (!file.eof()) throw Error(ErrorKind::file, path.string() + ": cannot be read: it is not there, or damaged");
+  if (!file.eof()) throw Error(ErrorKind::file, path, ": cannot be read: it is not there, or damaged");
   return XXH3_64bits_digest(state.get());
 }
 

@@ -1,10 +1,10 @@
 #include "dataset/modifier.h"
 
 #include <algorithm>
-#include <nlohmann/json.hpp>
 #include <set>
 
 #include "assets/json_file.h"
+#include "runtime/core/transformed.h"
 
 namespace bodyopt {
 
@@ -23,7 +23,7 @@ Modifier read_modifier(const Json& json, const std::filesystem::path& path, cons
   if (object.has("frames")) modifier.frames = object.array("frames");
   for (const auto& [key, value] : json.items()) {
     if (key == "mask" || key == "parameters") {
-      if (!value.is_object()) object.refuse("'" + key + "' is not an object");
+      if (!value.is_object()) object.refuse("'", key, "' is not an object");
       (key == "mask" ? modifier.mask : modifier.parameters) = value;
     } else if (key != "name" && key != "type" && key != "enabled" && key != "strength" && key != "frames") {
       modifier.newer[key] = value;
@@ -56,9 +56,7 @@ std::vector<Modifier> read_modifiers(const Json& list, const std::filesystem::pa
 }
 
 Json to_json(const std::vector<Modifier>& modifiers) {
-  Json list = Json::array();
-  for (const Modifier& modifier : modifiers) list.push_back(to_json(modifier));
-  return list;
+  return transformed(modifiers, [&](const Modifier& modifier) { return to_json(modifier); });
 }
 
 }  // namespace bodyopt

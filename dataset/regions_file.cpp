@@ -1,14 +1,12 @@
 #include "dataset/regions_file.h"
 
 #include <algorithm>
-#include <cmath>
 #include <map>
 #include <set>
 #include <sstream>
 
 #include "assets/gltf_skin.h"
 #include "assets/json_file.h"
-#include "assets/wording.h"
 #include "runtime/core/atomic_file.h"
 #include "runtime/core/error.h"
 
@@ -36,38 +34,35 @@ class RegionsReader {
   std::vector<double> listed_weights(const JsonObject& region, const JsonObject& top) const {
     const int count = top.integer("vertex_count", 0);
     if (static_cast<std::uint32_t>(count) != output_count_) {
-      throw Error(ErrorKind::mismatch, path_.string() + ": its weights are for " + std::to_string(count) +
-                                           " vertices, the character has " + std::to_string(output_count_) +
-                                           ": painted on another mesh?");
+      throw Error(ErrorKind::mismatch, path_, ": its weights are for ", count, " vertices, the character has ",
+                  output_count_, ": painted on another mesh?");
     }
     const Json &vertices = region.array("vertices"), &weights = region.array("weights");
     if (vertices.size() != weights.size()) {
-      region.refuse("has " + std::to_string(vertices.size()) + " 'vertices' and " + std::to_string(weights.size()) +
-                    " 'weights', expected as many");
+      region.refuse("has ", vertices.size(), " 'vertices' and ", weights.size(), " 'weights', expected as many");
     }
     std::vector<double> result(output_count_, -1);  // not listed
     for (std::size_t k = 0; k < vertices.size(); ++k) {
       const std::string place = "[" + std::to_string(k) + "] is ";
       if (!vertices[k].is_number_unsigned() || vertices[k].get<std::uint64_t>() >= output_count_) {
-        region.refuse("'vertices'" + place + vertices[k].dump() + ", expected 0 to " +
-                      std::to_string(output_count_ - 1));
+        region.refuse("'vertices'", place, vertices[k].dump(), ", expected 0 to ", output_count_ - 1);
       }
       const double weight = weights[k].is_number() ? weights[k].get<double>() : std::nan("");
       if (!(weight >= 0 && weight <= 1)) {
-        region.refuse("'weights'" + place + weights[k].dump() + ", expected a number from 0 to 1");
+        region.refuse("'weights'", place, weights[k].dump(), ", expected a number from 0 to 1");
       }
       double& entry = result[vertices[k].get<std::uint64_t>()];
-      if (entry >= 0) region.refuse("'vertices'" + place + vertices[k].dump() + ", which is there already");
+      if (entry >= 0) region.refuse("'vertices'", place, vertices[k].dump(), ", which is there already");
       entry = weight;
     }
-    std::replace(result.begin(), result.end(), -1.0, 0.0);
+    std::ranges::replace(result, -1.0, 0.0);
     return result;
   }
 
   std::vector<double> painted_weights(const JsonObject& region) {
     const std::string name = region.name("colour"), channel = region.name("channel");
-    const auto found = std::find(kChannels.begin(), kChannels.end(), channel);
-    if (found == kChannels.end()) region.refuse("'channel' is '" + channel + "', expected red, green or blue");
+    const auto found = std::ranges::find(kChannels, channel);
+    if (found == kChannels.end()) region.refuse("'channel' is '", channel, "', expected red, green or blue");
     if (!colours_.contains(name)) colours_[name] = read_vertex_colours(character_path_, name);
     const std::vector<double>& colours = colours_[name];
     std::vector<double> result(output_count_);
@@ -146,8 +141,8 @@ std::vector<RegionWeights> read_regions(const Dataset& dataset, const Character&
   drop_negligible(regions);
   for (const RegionWeights& region : regions) {
     if (!region.vertices.empty()) continue;
-    throw Error(ErrorKind::mismatch, path.string() + ": the region '" + region.name +
-                                         "' has a share of 3 % or more of no vertex: was nothing painted?");
+    throw Error(ErrorKind::mismatch, path, ": the region '", region.name,
+                "' has a share of 3 % or more of no vertex: was nothing painted?");
   }
   if (complete) {
     scale_to_one(regions, vertices);

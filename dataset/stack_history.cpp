@@ -5,7 +5,7 @@
 #include "assets/json_file.h"
 #include "dataset/modifier.h"
 #include "runtime/core/error.h"
-#include "runtime/core/file_lock.h"
+#include "runtime/core/transformed.h"
 
 namespace bodyopt {
 namespace {
@@ -57,8 +57,7 @@ void write_history(StackHistory& history, const Dataset& dataset) {
     history.states.erase(history.states.begin(), history.states.end() - kMostStates);
     history.now = std::min(history.now, kMostStates - 1);
   }
-  Json states = Json::array();
-  for (const std::vector<Modifier>& state : history.states) states.push_back(to_json(state));
+  const Json states = transformed(history.states, [&](const std::vector<Modifier>& state) { return to_json(state); });
   fs::create_directories(history_path(dataset).parent_path());
   write_json({{"schema", kHistorySchema}, {"now", history.now}, {"states", states}}, history_path(dataset));
 }
@@ -76,8 +75,9 @@ Dataset step(const fs::path& path, bool back, std::chrono::milliseconds patience
   const Dataset dataset = read_dataset(path);
   StackHistory history = read_history(dataset);
   if (back ? history.now == 0 : history.now + 1 == history.states.size()) {
-    throw Error(ErrorKind::usage, path.string() + (back ? ": there is no edit of the modifiers left to undo"
-                                                        : ": there is no undone edit of the modifiers to redo"));
+    throw Error(ErrorKind::usage, path,
+                back ? ": there is no edit of the modifiers left to undo"
+                     : ": there is no undone edit of the modifiers to redo");
   }
   history.now += back ? std::size_t(-1) : 1;
   return write_both(dataset, history, path);

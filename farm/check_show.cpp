@@ -8,7 +8,6 @@
 #include <sstream>
 
 #include "assets/clip.h"
-#include "assets/controls.h"
 #include "assets/frame_range.h"
 #include "assets/matched_joints.h"
 #include "runtime/basis/attachments.h"
@@ -16,6 +15,7 @@
 #include "runtime/basis/dynamics.h"
 #include "runtime/basis/levels.h"
 #include "runtime/core/error.h"
+#include "runtime/core/transformed.h"
 
 namespace bodyopt {
 namespace {
@@ -69,7 +69,7 @@ void require_rising(const std::string& range) {
   for (std::string part; std::getline(parts, part, ',');) {
     const std::vector<int> frames = parse_frame_range(part);
     if (last && frames.front() <= *last) {
-      throw Error(ErrorKind::usage, "the parts of frames " + range + " overlap or are not in order");
+      throw Error(ErrorKind::usage, "the parts of frames ", range, " overlap or are not in order");
     }
     last = frames.back();
   }
@@ -94,8 +94,7 @@ class ShowChecker {
     std::vector<Level> levels = load_levels(basis);
     const std::size_t number = std::strtoul(level.c_str(), nullptr, 10);
     if (number >= levels.size()) {
-      throw Error(ErrorKind::usage, "level " + level + " is asked for; " + basis + " has levels 0 to " +
-                                        std::to_string(levels.size() - 1));
+      throw Error(ErrorKind::usage, "level ", level, " is asked for; ", basis, " has levels 0 to ", levels.size() - 1);
     }
     return {std::move(levels[number].basis), levels.size()};
   }
@@ -122,9 +121,8 @@ class ShowChecker {
     const std::vector<int> frames = parse_frame_range(range);
     for (const int frame : {frames.front(), frames.back()}) {
       if (frame >= span.first && frame <= span.last) continue;
-      throw Error(ErrorKind::usage, "frame " + std::to_string(frame) + " is asked for; '" + element.clip +
-                                        "' has frames " + std::to_string(span.first) + " to " +
-                                        std::to_string(span.last));
+      throw Error(ErrorKind::usage, "frame ", frame, " is asked for; '", element.clip, "' has frames ", span.first,
+                  " to ", span.last);
     }
     return frames;
   }
@@ -139,22 +137,19 @@ class ShowChecker {
     const fs::path beside = attachments_beside(element.basis);
     const std::string file = element.option("attached", fs::exists(beside) ? beside.string() : "");
     if (file.empty()) return {};
-    return attached_.get(file + '\0' + element.basis, [&] {
-      std::vector<std::string> names;
-      for (const AttachedMesh& mesh : load_attachments(file, basis).meshes) names.push_back(mesh.name);
-      return names;
-    });
+    return attached_.get(file + '\0' + element.basis,
+                         [&] { return transformed(load_attachments(file, basis).meshes, &AttachedMesh::name); });
   }
 
   void check_output(const ShowElement& element, const std::vector<std::string>& attached) {
     const fs::path out = element.out;
     if (out.extension() != ".pc2" && out.extension() != ".usda") {
-      throw Error(ErrorKind::usage, "out '" + element.out + "' does not end in .pc2 or .usda");
+      throw Error(ErrorKind::usage, "out '", element.out, "' does not end in .pc2 or .usda");
     }
     if (element.out.find_first_of("#{}") != std::string::npos) {
-      throw Error(ErrorKind::usage, "out '" + element.out +
-                                        "' holds '#' or an unknown {field}: known are {shot} and "
-                                        "{element}; parts of a shot are named by the plan");
+      throw Error(
+          ErrorKind::usage, "out '", element.out,
+          "' holds '#' or an unknown {field}: known are {shot} and {element}; parts of a shot are named by the plan");
     }
     folders_.get(out.parent_path().string(), [&] { return require_writable_folder(out.parent_path()); });
     std::vector<std::string> files{element.out};
@@ -164,9 +159,8 @@ class ShowChecker {
     for (const std::string& file : files) {
       const auto [known, is_new] = writers_.emplace(file, &element);
       if (!is_new) {
-        throw Error(ErrorKind::usage, "writes " + file + ", as does " + known->second->place +
-                                          ": give them names of "
-                                          "their own, with {shot} and {element}");
+        throw Error(ErrorKind::usage, "writes ", file, ", as does ", known->second->place,
+                    ": give them names of their own, with {shot} and {element}");
       }
     }
   }
@@ -175,9 +169,7 @@ class ShowChecker {
   static bool require_writable_folder(fs::path folder) {
     while (!fs::exists(folder) && folder.has_relative_path()) folder = folder.parent_path();
     if (fs::is_directory(folder) && access(folder.c_str(), W_OK) == 0) return true;
-    throw Error(ErrorKind::file, folder.string() +
-                                     ": cannot be written into: expected a folder that is writable from "
-                                     "here");
+    throw Error(ErrorKind::file, folder, ": cannot be written into: expected a folder that is writable from here");
   }
 
   Once<LeveledBasis> characters_;

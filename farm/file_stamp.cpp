@@ -34,8 +34,8 @@ FileTimes times_of(const fs::path& path) {
 }
 
 [[noreturn]] void fail(const fs::path& path, const std::string& reason) {
-  throw Error(ErrorKind::file,
-              path.string() + ": cannot be read: " + reason + " (was it removed, or the folder it is in taken away?)");
+  throw Error(ErrorKind::file, path, ": cannot be read: ", reason,
+              " (was it removed, or the folder it is in taken away?)");
 }
 
 std::uint64_t hash_of_content(const fs::path& path) {

@@ -7,7 +7,6 @@
 #include <set>
 #include <sstream>
 
-#include "farm/job_text.h"
 #include "runtime/core/error.h"
 
 namespace bodyopt {
@@ -17,7 +16,7 @@ constexpr std::size_t kMostLayers = 1000, kMostFrames = 100'000;
 constexpr char kFrameToken[] = "#IFRAME#";  // the frame's number, in a command
 
 bool is_name(const std::string& text) {
-  return text.size() >= 3 && std::all_of(text.begin(), text.end(), [](unsigned char c) {
+  return text.size() >= 3 && std::ranges::all_of(text, [](unsigned char c) {
            return c < 128 && (std::isalnum(c) != 0 || c == '_' || c == '.');
          });
 }
@@ -112,9 +111,9 @@ class OpencueChecker {
 
   void check_command(const std::string& own, const std::string& command) {
     const std::size_t at = command.find(kFrameToken);
-    require(at != std::string::npos && std::count(command.begin(), command.end(), '#') == 2,
+    require(at != std::string::npos && std::ranges::count(command, '#') == 2,
             own + "'s command does not hold #IFRAME# once and no other '#', which OpenCue would replace");
-    require(std::none_of(command.begin(), command.end(), [](unsigned char c) { return c < ' ' || c == 127; }),
+    require(std::ranges::none_of(command, [](unsigned char c) { return c < ' ' || c == 127; }),
             own + "'s command holds a control character");
   }
 

@@ -5,7 +5,6 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "farm/job_text.h"
 #include "runtime/core/error.h"
 
 namespace bodyopt {
@@ -22,8 +21,7 @@ std::string step_name(int wave) { return "wave " + std::to_string(wave); }
 Json host_requirements(const TaskNeeds& needs) {
   if (needs.tasks_per_gpu > 1) {
     throw Error(ErrorKind::usage,
-                "Open Job Description knows no shares of a GPU: ask for a whole one for each task (1), "
-                "or for none");
+                "Open Job Description knows no shares of a GPU: ask for a whole one for each task (1), or for none");
   }
   Json amounts = Json::array({{{"name", "amount.worker.vcpu"}, {"min", needs.cpus}}});
   if (needs.tasks_per_gpu == 1) amounts.push_back({{"name", "amount.worker.gpu"}, {"min", 1}});
@@ -78,7 +76,7 @@ class OpenjdChecker {
 
   std::string name(const Json& object, std::size_t longest, const std::string& what) {
     const std::string text = object.value("name", "");
-    const bool is_plain = std::none_of(text.begin(), text.end(), [](unsigned char c) { return c < ' ' || c == 127; });
+    const bool is_plain = std::ranges::none_of(text, [](unsigned char c) { return c < ' ' || c == 127; });
     require(!text.empty() && text.size() <= longest && is_plain, what + " has no name, or too long or odd a one");
     return text;
   }

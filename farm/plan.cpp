@@ -7,7 +7,7 @@
 #include "assets/frame_range.h"
 #include "assets/json_file.h"
 #include "farm/check_show.h"
-#include "runtime/core/error.h"
+#include "runtime/core/transformed.h"
 
 namespace bodyopt {
 namespace {
@@ -111,7 +111,7 @@ class Planner {
     for (std::size_t k = 0; k < joins_.size(); ++k) {
       plan.tasks.push_back({waves, static_cast<int>(k), std::move(joins_[k])});
     }
-    std::stable_sort(plan.tasks.begin(), plan.tasks.end(), [](const FarmTask& a, const FarmTask& b) {
+    std::ranges::stable_sort(plan.tasks, [](const FarmTask& a, const FarmTask& b) {
       return std::pair(a.wave, a.lane) < std::pair(b.wave, b.lane);
     });
     return plan;
@@ -165,7 +165,7 @@ FarmStep step_from(const JsonObject& object) {
   for (const char* option : {"--clip", "--frames", "--out"}) {
     const auto at = std::ranges::find(step.arguments, option);
     const bool given = at != step.arguments.end() && at + 1 != step.arguments.end() && !(at + 1)->starts_with("--");
-    if (step.arguments[0] == "eval" && !given) object.refuse(std::string("has arguments without '") + option + "'");
+    if (step.arguments[0] == "eval" && !given) object.refuse("has arguments without '", option, "'");
   }
   step.frames = static_cast<std::size_t>(object.integer("frames", 0));
   step.seconds = object.number("seconds", 0, 1e12);
@@ -186,8 +186,7 @@ FarmPlan plan_show(const ShowList& list, double minutes_per_task, std::vector<st
 void write_plan(const FarmPlan& plan, const fs::path& folder) {
   Json tasks = Json::array();
   for (const FarmTask& task : plan.tasks) {
-    Json steps = Json::array();
-    for (const FarmStep& step : task.steps) steps.push_back(to_json(step));
+    const Json steps = transformed(task.steps, [&](const FarmStep& step) { return to_json(step); });
     tasks.push_back({{"wave", task.wave}, {"lane", task.lane}, {"steps", steps}});
   }
   write_json({{"schema", kPlanSchema}, {"show", plan.show}, {"joins", plan.joins}, {"tasks", tasks}},

@@ -22,12 +22,12 @@ constexpr std::size_t kMostOutput = 64 << 20;
 }  // namespace
 
 CommandResult run_command(const std::vector<std::string>& words, double seconds) {
-  const auto fail = [&](const std::string& what) { throw Error(ErrorKind::device, "'" + words.front() + "' " + what); };
+  const auto fail = [&](const auto&... what) { throw Error(ErrorKind::device, "'", words.front(), "' ", what...); };
   std::vector<char*> pointers;
   for (const std::string& word : words) pointers.push_back(const_cast<char*>(word.c_str()));
   pointers.push_back(nullptr);
   int ends[2];
-  if (pipe2(ends, O_CLOEXEC) != 0) fail(std::string("cannot be started: ") + std::strerror(errno));
+  if (pipe2(ends, O_CLOEXEC) != 0) fail("cannot be started: ", std::strerror(errno));
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);
   posix_spawn_file_actions_adddup2(&actions, ends[1], STDOUT_FILENO);
@@ -38,7 +38,7 @@ CommandResult run_command(const std::vector<std::string>& words, double seconds)
   close(ends[1]);
   if (failure != 0) {
     close(ends[0]);
-    fail(std::string("cannot be started: ") + std::strerror(failure) + " (is it installed?)");
+    fail("cannot be started: ", std::strerror(failure), " (is it installed?)");
   }
   CommandResult result;
   bool is_late = false;
@@ -59,7 +59,7 @@ CommandResult run_command(const std::vector<std::string>& words, double seconds)
   int status = 0;
   while (waitpid(process, &status, 0) < 0 && errno == EINTR) {
   }
-  if (is_late) fail("gave no answer in " + std::to_string(static_cast<int>(seconds)) + " s");
+  if (is_late) fail("gave no answer in ", static_cast<int>(seconds), " s");
   result.exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
   return result;
 }

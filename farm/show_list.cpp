@@ -60,7 +60,7 @@ std::vector<std::string> words_of(const Json& value) {
   if (value.is_boolean()) return {value.get<bool>() ? "true" : "false"};
   if (value.is_number()) return {value.dump()};
   if (!value.is_array())
-    throw Error(ErrorKind::usage, "is " + value.dump().substr(0, 40) + ", expected a text or a number");
+    throw Error(ErrorKind::usage, "is ", value.dump().substr(0, 40), ", expected a text or a number");
   std::vector<std::string> words;
   for (const Json& item : value) {
     if (!item.is_number()) throw Error(ErrorKind::usage, "is a list of something else than numbers");
@@ -71,21 +71,21 @@ std::vector<std::string> words_of(const Json& value) {
 
 const Key& known_key(const std::string& name) {
   const auto* key = std::find_if(std::begin(kKeys), std::end(kKeys), [&](const Key& k) { return name == k.name; });
-  if (key == std::end(kKeys)) throw Error(ErrorKind::usage, "the key '" + name + "' is unknown: misspelt?");
+  if (key == std::end(kKeys)) throw Error(ErrorKind::usage, "the key '", name, "' is unknown: misspelt?");
   return *key;
 }
 
 // Puts a value under its key, checked for its kind.
 void set_value(Values& values, const std::string& name, std::vector<std::string> words, const fs::path& folder) {
   const Key& key = known_key(name);
-  const auto fail = [&](const std::string& expected) {
-    throw Error(ErrorKind::usage, "'" + name + "' is '" + words.front().substr(0, 60) + "', expected " + expected);
+  const auto fail = [&](const auto&... expected) {
+    throw Error(ErrorKind::usage, "'", name, "' is '", words.front().substr(0, 60), "', expected ", expected...);
   };
   for (const std::string& word : words) {
     if (word.find('\0') != std::string::npos) fail("a text without zero bytes");
     if (word.starts_with("--")) fail("a value, not what looks like an option");
   }
-  if (words.empty()) throw Error(ErrorKind::usage, "'" + name + "' is empty");
+  if (words.empty()) throw Error(ErrorKind::usage, "'", name, "' is empty");
   if (key.kind == Kind::flag) {
     if (words.front() != "true" && words.front() != "false") fail("true or false");
     if (words.front() == "true") {
@@ -101,9 +101,9 @@ void set_value(Values& values, const std::string& name, std::vector<std::string>
     for (std::string word; text >> word;) words.push_back(word);
   }
   const bool is_numeric = key.kind == Kind::number || key.kind == Kind::numbers;
-  if (is_numeric && !std::all_of(words.begin(), words.end(), is_number)) fail("a number");
+  if (is_numeric && !std::ranges::all_of(words, is_number)) fail("a number");
   if (key.kind != Kind::numbers && words.size() != 1) fail("one value");
-  if (words.empty() || words.front().empty()) throw Error(ErrorKind::usage, "'" + name + "' is empty");
+  if (words.empty() || words.front().empty()) throw Error(ErrorKind::usage, "'", name, "' is empty");
   if (key.kind == Kind::path || key.kind == Kind::clip) words.front() = absolute(folder, words.front());
   values[name] = words;
 }
@@ -111,7 +111,7 @@ void set_value(Values& values, const std::string& name, std::vector<std::string>
 std::string take(Values& values, const char* key, bool is_required) {
   const auto found = values.find(key);
   if (found == values.end()) {
-    if (is_required) throw Error(ErrorKind::usage, std::string("'") + key + "' is missing");
+    if (is_required) throw Error(ErrorKind::usage, "'", key, "' is missing");
     return "";
   }
   const std::string value = found->second.front();
@@ -124,7 +124,7 @@ std::string with_names(std::string pattern, const std::string& shot, const std::
   for (const auto& [field, name] : {std::pair("{shot}", shot), std::pair("{element}", element)}) {
     for (std::size_t at = 0; (at = pattern.find(field, at)) != std::string::npos; at += name.size()) {
       if (name.find('/') != std::string::npos || name == "..") {
-        throw Error(ErrorKind::usage, "the name '" + name + "' cannot be part of a file's name, as 'out' asks");
+        throw Error(ErrorKind::usage, "the name '", name, "' cannot be part of a file's name, as 'out' asks");
       }
       pattern.replace(at, std::string(field).size(), name);
     }
@@ -143,11 +143,11 @@ ShowElement element_from(Values values) {
   const std::string cost = take(values, "frame_ms", false);
   if (!cost.empty()) element.frame_ms = std::atof(cost.c_str());
   if (!(element.frame_ms >= 0 && element.frame_ms < 1e9)) {
-    throw Error(ErrorKind::usage, "'frame_ms' is '" + cost + "', expected milliseconds, 0 or more");
+    throw Error(ErrorKind::usage, "'frame_ms' is '", cost, "', expected milliseconds, 0 or more");
   }
   for (auto& [key, words] : values) {
     std::string option = key;
-    std::replace(option.begin(), option.end(), '_', '-');
+    std::ranges::replace(option, '_', '-');
     element.options[option] = words;
   }
   return element;
@@ -172,8 +172,7 @@ class ListReader {
   void add_row(const std::vector<std::string>& keys, const std::vector<std::string>& row, const std::string& place) {
     try_to(place, [&] {
       if (row.size() != keys.size()) {
-        throw Error(ErrorKind::usage, "has " + std::to_string(row.size()) + " values, and there are " +
-                                          std::to_string(keys.size()) + " columns");
+        throw Error(ErrorKind::usage, "has ", row.size(), " values, and there are ", keys.size(), " columns");
       }
       Values values = defaults_;
       for (std::size_t k = 0; k < keys.size(); ++k) {
@@ -219,8 +218,7 @@ class ListReader {
 void read_object(const std::string& text, const fs::path& path, ListReader& reader) {
   const Json json = parse_strict_json(text, path.string());
   const JsonObject top(json, path, "the top level");
-  if (!top.has("schema") || top.text("schema") != kShotsSchema)
-    top.refuse(std::string("lacks \"schema\": \"") + kShotsSchema + "\"");
+  if (!top.has("schema") || top.text("schema") != kShotsSchema) top.refuse("lacks \"schema\": \"", kShotsSchema, "\"");
   top.allow({"schema", "show", "defaults", "elements"});
   if (top.has("show")) reader.list.show = top.name("show");
   if (top.has("defaults")) reader.set_defaults(json["defaults"], "defaults");
@@ -305,9 +303,9 @@ std::vector<std::vector<std::string>> parse_csv(const std::string& text, const s
       field += c;
     }
   }
-  if (is_quoted) throw Error(ErrorKind::file, origin + ": a quotation mark is opened and not closed: cut off?");
+  if (is_quoted) throw Error(ErrorKind::file, origin, ": a quotation mark is opened and not closed: cut off?");
   end_row();
-  if (rows.empty()) throw Error(ErrorKind::file, origin + ": is empty; expected a row that names the columns");
+  if (rows.empty()) throw Error(ErrorKind::file, origin, ": is empty; expected a row that names the columns");
   return rows;
 }
 

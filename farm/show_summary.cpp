@@ -14,7 +14,7 @@ namespace {
 
 // The words after an option of a step; none where it has it not.
 std::vector<std::string> option_of(const FarmStep& step, const std::string& option) {
-  auto at = std::find(step.arguments.begin(), step.arguments.end(), option);
+  auto at = std::ranges::find(step.arguments, option);
   std::vector<std::string> words;
   while (at != step.arguments.end() && ++at != step.arguments.end() && !at->starts_with("--")) words.push_back(*at);
   return words;
@@ -34,7 +34,7 @@ std::vector<WorthyFrame> worthy_frames(const Json& list, const FarmStep& step, c
   for (const Json& entry : list) {
     const JsonObject object(entry, path, "worth_a_look");
     const int frame = object.integer("frame");
-    const auto at = std::find(frames.begin(), frames.end(), frame);
+    const auto at = std::ranges::find(frames, frame);
     if (at == frames.end()) object.refuse("names a frame that the task does not have");
     worthy.push_back({&step, frame, static_cast<std::uint32_t>(at - frames.begin()),
                       object.number("expected_rms_mm", 0, 1e9), object.number("outside", 0, 1e12)});
@@ -112,7 +112,7 @@ class ShowSummarizer {
 
   ShowSummary finish(std::size_t most) {
     std::vector<WorthyFrame>& worthy = summary_.worth_a_look;
-    std::stable_sort(worthy.begin(), worthy.end(), is_worse);
+    std::ranges::stable_sort(worthy, is_worse);
     worthy.resize(std::min(most, worthy.size()));
     summary_.simulate_next = frames_to_simulate(worthy);
     return std::move(summary_);

@@ -4,18 +4,17 @@
 
 #include <algorithm>
 #include <cctype>
-#include <map>
 #include <nlohmann/json.hpp>
 #include <set>
 #include <sstream>
 #include <tuple>
 
 #include "assets/json_file.h"
-#include "farm/job_text.h"
 #include "farm/run_command.h"
 #include "runtime/core/atomic_file.h"
 #include "runtime/core/error.h"
 #include "runtime/core/file_lock.h"
+#include "runtime/core/transformed.h"
 
 namespace bodyopt {
 namespace {
@@ -85,9 +84,7 @@ std::string joined(const std::vector<std::string>& words, const char* separator)
 
 CommandResult ask_slurm(const std::vector<std::string>& words) {
   CommandResult result = run_command(words, kPatience);
-  if (result.exit_code != 0) {
-    throw Error(ErrorKind::device, words.front() + " refused: " + result.output.substr(0, 2000));
-  }
+  if (result.exit_code != 0) throw Error(ErrorKind::device, words.front(), " refused: ", result.output.substr(0, 2000));
   return result;
 }
 
@@ -140,12 +137,12 @@ std::vector<std::string> submit_to_slurm(const std::vector<const FarmTask*>& tas
                                          const SlurmOptions& options) {
   const RunLock lock(folder / ".submit.lock", "submitting this plan");
   if (!jobs_in_queue(folder).empty()) {
-    throw Error(ErrorKind::usage, folder.string() +
-                                      ": its jobs are in the queue already: 'bodyopt farm status' tells of "
-                                      "them, 'bodyopt farm cancel' takes them out");
+    throw Error(ErrorKind::usage, folder,
+                ": its jobs are in the queue already: 'bodyopt farm status' tells of "
+                "them, 'bodyopt farm cancel' takes them out");
   }
   if (folder.string().find('\\') != std::string::npos) {
-    throw Error(ErrorKind::usage, folder.string() + ": Slurm does not write logs into folders with '\\' in their name");
+    throw Error(ErrorKind::usage, folder, ": Slurm does not write logs into folders with '\\' in their name");
   }
   fs::create_directories(folder / "logs");
   const std::string script = slurm_script(program, folder);
@@ -153,8 +150,7 @@ std::vector<std::string> submit_to_slurm(const std::vector<const FarmTask*>& tas
   chmod((folder / "task.sh").c_str(), 0755);
   std::vector<std::string> jobs;
   for (SlurmArray& array : slurm_arrays(tasks, plan.show, plan.joins, folder, options)) {
-    std::vector<std::string> before;
-    for (const std::size_t k : array.after) before.push_back(jobs[k]);
+    const std::vector<std::string> before = transformed(array.after, [&](const std::size_t k) { return jobs[k]; });
     for (std::string& word : array.words) {
       if (word == "--dependency=afterany:{before}") word = "--dependency=afterany:" + joined(before, ":");
     }
@@ -172,7 +168,7 @@ std::map<std::string, int> jobs_in_queue(const fs::path& folder) {
   std::istringstream lines(ask_slurm({"squeue", "--me", "--noheader", "--array", "--format=%F %T"}).output);
   std::map<std::string, int> states;
   for (std::string job, state; lines >> job >> state;) {
-    if (std::find(jobs.begin(), jobs.end(), job) != jobs.end()) ++states[state];
+    if (std::ranges::find(jobs, job) != jobs.end()) ++states[state];
   }
   return states;
 }

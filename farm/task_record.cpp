@@ -3,12 +3,12 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <nlohmann/json.hpp>
 
 #include "assets/json_file.h"
 #include "base/content_hash.h"
 #include "runtime/core/error.h"
 #include "runtime/core/hexadecimal.h"
+#include "runtime/core/transformed.h"
 
 namespace bodyopt {
 namespace {
@@ -18,7 +18,7 @@ namespace fs = std::filesystem;
 constexpr char kDoneSchema[] = "bodyopt-done-1", kFailedSchema[] = "bodyopt-failed-1";
 
 bool is_one_of(const std::string& name, std::initializer_list<const char*> names) {
-  return std::any_of(names.begin(), names.end(), [&](const char* known) { return name == known; });
+  return std::ranges::any_of(names, [&](const char* known) { return name == known; });
 }
 
 // A clip's file is an input; which clip of it is an option.
@@ -28,15 +28,11 @@ std::string clip_within(const std::string& source) {
 }
 
 Json stamps(const std::vector<FileStamp>& files) {
-  Json list = Json::array();
-  for (const FileStamp& file : files) list.push_back(to_json(file));
-  return list;
+  return transformed(files, [&](const FileStamp& file) { return to_json(file); });
 }
 
 std::vector<FileStamp> read_stamps(const JsonObject& object, const char* key, const fs::path& path) {
-  std::vector<FileStamp> files;
-  for (const Json& file : object.array(key)) files.push_back(file_stamp(JsonObject(file, path, key)));
-  return files;
+  return transformed(object.array(key), [&](const Json& file) { return file_stamp(JsonObject(file, path, key)); });
 }
 
 }  // namespace
@@ -55,7 +51,7 @@ std::uint64_t task_options(const std::vector<std::string>& arguments) {
       options.back() += '\0' + (is_clip ? clip_within(argument) : is_input ? std::string() : argument);
     }
   }
-  std::sort(options.begin(), options.end());
+  std::ranges::sort(options);
   ContentHash hash;
   for (const std::string& option : options) hash.add(option);
   return hash.value();
@@ -132,13 +128,11 @@ void remove_failure(const fs::path& output) {
 
 bool is_current(const TaskKey& key, const std::string& version, std::uint64_t options, bool read_all) {
   return key.version == version && key.options == options &&
-         std::all_of(key.inputs.begin(), key.inputs.end(),
-                     [&](const FileStamp& file) { return is_unchanged(file, read_all); });
+         std::ranges::all_of(key.inputs, [&](const FileStamp& file) { return is_unchanged(file, read_all); });
 }
 
 bool is_whole(const TaskRecord& record, bool read_all) {
-  return std::all_of(record.outputs.begin(), record.outputs.end(),
-                     [&](const FileStamp& file) { return is_unchanged(file, read_all); });
+  return std::ranges::all_of(record.outputs, [&](const FileStamp& file) { return is_unchanged(file, read_all); });
 }
 
 }  // namespace bodyopt

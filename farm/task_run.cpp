@@ -3,10 +3,10 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <nlohmann/json.hpp>
 #include <utility>
 
 #include "assets/json_file.h"
+#include "runtime/core/transformed.h"
 
 namespace bodyopt {
 namespace {
@@ -35,8 +35,9 @@ std::optional<TaskRecord> TaskRun::done(const std::vector<fs::path>& outputs) co
   std::optional<TaskRecord> record = read_record(output_);
   if (!record || !is_same(record->key, key_) || !is_whole(*record, true)) return std::nullopt;
   for (const fs::path& output : outputs) {
-    if (std::none_of(record->outputs.begin(), record->outputs.end(),
-                     [&](const FileStamp& file) { return fs::path(file.path).filename() == output.filename(); })) {
+    if (std::ranges::none_of(record->outputs, [&](const FileStamp& file) {
+          return fs::path(file.path).filename() == output.filename();
+        })) {
       return std::nullopt;
     }
   }
@@ -46,9 +47,8 @@ std::optional<TaskRecord> TaskRun::done(const std::vector<fs::path>& outputs) co
 void TaskRun::require_same_inputs() const {
   for (const FileStamp& input : key_.inputs) {
     if (is_unchanged(input, false)) continue;
-    throw Error(ErrorKind::interrupted, input.path +
-                                            ": was changed while it was evaluated; nothing is written, for it would "
-                                            "be of neither: run again");
+    throw Error(ErrorKind::interrupted, input.path,
+                ": was changed while it was evaluated; nothing is written, for it would be of neither: run again");
   }
 }
 
@@ -70,8 +70,7 @@ void TaskRun::fail(const Error& error) const {
 fs::path TaskRun::checkpoint_folder() const { return fs::path(output_) += ".checkpoint"; }
 
 void TaskRun::write_checkpoint(const Checkpoint& checkpoint, const std::vector<fs::path>& files) const {
-  Json list = Json::array();
-  for (const fs::path& file : files) list.push_back(to_json(stamp_file(file)));
+  const Json list = transformed(files, [&](const fs::path& file) { return to_json(stamp_file(file)); });
   write_json({{"schema", kCheckpointSchema},
               {"made_of", to_json(key_)},
               {"frames", checkpoint.frames},

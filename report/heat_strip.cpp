@@ -20,11 +20,12 @@ constexpr std::size_t kWholeRows = 2;      // the whole skin's row is twice as h
 void check(const HeatStrip& strip) {
   const std::size_t frames = strip.frames.size();
   const bool fits = frames > 0 && strip.whole_mm.size() == frames && strip.regions_mm.size() == frames &&
-                    std::all_of(strip.regions_mm.begin(), strip.regions_mm.end(),
-                                [&](const std::vector<double>& frame) { return frame.size() == strip.regions.size(); });
+                    std::ranges::all_of(strip.regions_mm, [&](const std::vector<double>& frame) {
+                      return frame.size() == strip.regions.size();
+                    });
   if (!fits) {
-    throw Error(ErrorKind::mismatch, "heat strip: expected errors of " + std::to_string(frames) + " frames and " +
-                                         std::to_string(strip.regions.size()) + " regions");
+    throw Error(ErrorKind::mismatch, "heat strip: expected errors of ", frames, " frames and ", strip.regions.size(),
+                " regions");
   }
 }
 

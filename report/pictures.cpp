@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <vector>
 
 #include "draw/colours.h"
 #include "geometry/table_rows.h"
@@ -16,16 +15,13 @@ void check_pair(const PosePair& pose) {
   const bool skinned_alike = pose.skinning.empty() || pose.skinning.size() == pose.truth.size();
   if (pose.truth.empty() || pose.truth.size() != pose.result.size() || !skinned_alike || pose.truth.size() % 3 != 0 ||
       pose.triangles.size() % 3 != 0) {
-    throw Error(ErrorKind::mismatch, "picture: truth, skinning and result hold " + std::to_string(pose.truth.size()) +
-                                         ", " + std::to_string(pose.skinning.size()) + " and " +
-                                         std::to_string(pose.result.size()) + " numbers, the triangles " +
-                                         std::to_string(pose.triangles.size()) +
-                                         " corners; expected three per vertex, the same in all, and three corners");
+    throw Error(ErrorKind::mismatch, "picture: truth, skinning and result hold ", pose.truth.size(), ", ",
+                pose.skinning.size(), " and ", pose.result.size(), " numbers, the triangles ", pose.triangles.size(),
+                " corners; expected three per vertex, the same in all, and three corners");
   }
   const std::size_t vertices = pose.truth.size() / 3;
-  if (std::any_of(pose.triangles.begin(), pose.triangles.end(), [&](std::uint32_t v) { return v >= vertices; })) {
-    throw Error(ErrorKind::mismatch,
-                "picture: a triangle names a vertex beyond the " + std::to_string(vertices) + " there are");
+  if (std::ranges::any_of(pose.triangles, [&](std::uint32_t v) { return v >= vertices; })) {
+    throw Error(ErrorKind::mismatch, "picture: a triangle names a vertex beyond the ", vertices, " there are");
   }
 }
 

@@ -12,6 +12,7 @@
 #include "draw/colours.h"
 #include "geometry/vertex_normals.h"
 #include "report/pictures.h"
+#include "runtime/core/transformed.h"
 
 namespace bodyopt {
 namespace {
@@ -87,7 +88,7 @@ class RegionPanel {
     if (seen <= kLeastSeen * all) return {};
     std::optional<std::array<float, 2>> place;
     double nearest = std::numeric_limits<double>::infinity();
-    const double core = 0.5 * *std::max_element(region.weights.begin(), region.weights.end());
+    const double core = 0.5 * *std::ranges::max_element(region.weights);
     for (std::size_t k = 0; k < region.vertices.size(); ++k) {
       if (region.weights[k] < core || !is_seen(region.vertices[k])) continue;
       const std::array<float, 2> at = pixel(region.vertices[k]);
@@ -206,9 +207,7 @@ std::vector<std::array<float, 3>> region_colours(std::span<const DrawnRegion> re
       }
     }
   }
-  std::vector<std::array<float, 3>> result;
-  for (const Oklab& colour : colours) result.push_back(linear_rgb(colour));
-  return result;
+  return transformed(colours, [&](const Oklab& colour) { return linear_rgb(colour); });
 }
 
 RegionPicture region_picture(Renderer& renderer, std::span<const float> skin, std::span<const std::uint32_t> triangles,
@@ -278,7 +277,7 @@ std::vector<std::array<float, 3>> sides_of(const Positions& vertices, const Tria
         if (normals.row(v).dot(side) > kFacing) ++facing[s];
       }
     }
-    is_seen[static_cast<std::size_t>(std::max_element(facing.begin(), facing.end()) - facing.begin())] = true;
+    is_seen[static_cast<std::size_t>(std::ranges::max_element(facing) - facing.begin())] = true;
   }
   std::vector<std::array<float, 3>> sides;
   for (std::size_t s = 0; s < kSides.size(); ++s) {

@@ -15,7 +15,7 @@ namespace {
 // JSON has no way to write a number that is not finite; a report that holds one is wrong.
 void require_finite(const Json& json, const std::string& where) {
   if (json.is_number_float() && !std::isfinite(json.get<double>())) {
-    throw Error(ErrorKind::mismatch, "report: " + where + " is not a finite number");
+    throw Error(ErrorKind::mismatch, "report: ", where, " is not a finite number");
   }
   if (!json.is_structured()) return;
   for (const auto& [key, value] : json.items()) require_finite(value, where.empty() ? key : where + "." + key);
@@ -25,10 +25,8 @@ void require_curves(const ReportData& data) {
   const std::size_t frames = data.heldout.frames.size();
   for (const MethodResult& method : data.methods) {
     if (method.errors.frame_rms.size() != frames || method.errors.frame_max.size() != frames) {
-      throw Error(ErrorKind::mismatch, "report: " + method.name + " has errors of " +
-                                           std::to_string(method.errors.frame_rms.size()) + " and " +
-                                           std::to_string(method.errors.frame_max.size()) + " frames, expected " +
-                                           std::to_string(frames));
+      throw Error(ErrorKind::mismatch, "report: ", method.name, " has errors of ", method.errors.frame_rms.size(),
+                  " and ", method.errors.frame_max.size(), " frames, expected ", frames);
     }
   }
 }
@@ -39,10 +37,9 @@ void require_jiggle(const JiggleReport& jiggle) {
       jiggle.inverted_tets.size() == frames) {
     return;
   }
-  throw Error(ErrorKind::mismatch, "report: the jiggle has displacements of " + std::to_string(jiggle.rms_mm.size()) +
-                                       " and " + std::to_string(jiggle.max_mm.size()) +
-                                       " frames and inverted tets of " + std::to_string(jiggle.inverted_tets.size()) +
-                                       ", expected " + std::to_string(frames));
+  throw Error(ErrorKind::mismatch, "report: the jiggle has displacements of ", jiggle.rms_mm.size(), " and ",
+              jiggle.max_mm.size(), " frames and inverted tets of ", jiggle.inverted_tets.size(), ", expected ",
+              frames);
 }
 
 // As report/page/report.js takes them.
@@ -78,9 +75,7 @@ Json write_report(const ReportData& data, const std::filesystem::path& folder) {
   const std::string page = page_text("report", json, pictures_of(data));
   std::error_code failure;
   std::filesystem::create_directories(folder, failure);
-  if (failure) {
-    throw Error(ErrorKind::file, folder.string() + ": the report's folder cannot be made: " + failure.message());
-  }
+  if (failure) throw Error(ErrorKind::file, folder, ": the report's folder cannot be made: ", failure.message());
   write_text(folder / "report.json", json_text);
   write_text(folder / "report.html", page);
   return json;

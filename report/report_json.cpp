@@ -2,6 +2,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "runtime/core/transformed.h"
+
 namespace bodyopt {
 namespace {
 
@@ -27,23 +29,19 @@ Json heldout_frames(const ReportData& data) {
 }
 
 Json regions(const ReportData& data) {
-  Json list = Json::array();
-  for (const RegionReport& region : data.regions) {
-    list.push_back({{"name", region.name},
-                    {"moves_rms_mm", region.moves_mm},
-                    {"validation_rms_mm", region.left_mm},
-                    {"heldout_expected_rms_mm", optional_number(region.expected_mm)},
-                    {"heldout_true_rms_mm", optional_number(region.true_mm)}});
-  }
-  return list;
+  return transformed(data.regions, [&](const RegionReport& region) {
+    return Json{{"name", region.name},
+                {"moves_rms_mm", region.moves_mm},
+                {"validation_rms_mm", region.left_mm},
+                {"heldout_expected_rms_mm", optional_number(region.expected_mm)},
+                {"heldout_true_rms_mm", optional_number(region.true_mm)}};
+  });
 }
 
 Json muscles(const ReportData& data) {
-  Json list = Json::array();
-  for (const MuscleReport& muscle : data.muscles) {
-    list.push_back({{"name", muscle.name}, {"explains_percent", muscle.percent}});
-  }
-  return list;
+  return transformed(data.muscles, [&](const MuscleReport& muscle) {
+    return Json{{"name", muscle.name}, {"explains_percent", muscle.percent}};
+  });
 }
 
 Json coverage(const CoverageReport& coverage) {
@@ -78,23 +76,15 @@ Json takes(const ReportData& data) {
 }
 
 Json trade_off(const ReportData& data) {
-  Json json = Json::array();
-  for (const TradeOffPoint& point : data.trade_off) json.push_back(to_json(point));
-  return json;
+  return transformed(data.trade_off, [&](const TradeOffPoint& point) { return to_json(point); });
 }
 
 Json pictures(const ReportData& data) {
-  Json json = Json::array();
-  for (const PictureReport& picture : data.pictures) {
-    json.push_back({{"kind", picture.kind},
-                    {"take", picture.take},
-                    {"frame", picture.frame},
-                    {"rms_mm", picture.rms_mm},
-                    {"max_mm", picture.max_mm},
-                    {"heat_scale_mm", picture.heat_scale_mm},
-                    {"caption", picture.caption}});
-  }
-  return json;
+  return transformed(data.pictures, [&](const PictureReport& picture) {
+    return Json{{"kind", picture.kind},      {"take", picture.take},     {"frame", picture.frame},
+                {"rms_mm", picture.rms_mm},  {"max_mm", picture.max_mm}, {"heat_scale_mm", picture.heat_scale_mm},
+                {"caption", picture.caption}};
+  });
 }
 
 Json pairs(const auto& entries) {

@@ -5,7 +5,6 @@
 
 #include <cstdio>
 #include <cstdlib>
-#include <filesystem>
 #include <new>
 #include <nlohmann/json.hpp>
 
@@ -45,9 +44,7 @@ void ClipArguments::add(CLI::App& verb) {
   add_option(verb, "--clip", source, "CLIP", "Motion: FILE.glb#name, FILE.glb (its only or first clip) or FILE.bvh")
       ->required();
   add_option(verb, "--frames", frames, "R", "Frames, as 1-100, 1-100x2 or comma lists of them (default: all)");
-  add_option(verb, "--fps", options.fps, "Frames a second at which the clip is sampled")
-      ->capture_default_str()
-      ->check(number_from(kLeastRate, kMostRate));
+  add_number(verb, "--fps", options.fps, kLeastRate, kMostRate, "Frames a second at which the clip is sampled");
   add_option(verb, "--first-frame", options.first_frame, "Number of the clip's first frame")->capture_default_str();
   add_option(verb, "--controls", options.controls, "FILE",
              "Controls over the clip's frames, such as muscles flexed (controls.json)");
@@ -116,7 +113,7 @@ void add_joint_map(CLI::App& verb, std::string& path) {
 void refuse_overwriting(const std::filesystem::path& out, const std::filesystem::path& input) {
   std::error_code ignored;
   if (std::filesystem::equivalent(out, input, ignored)) {
-    throw Error(ErrorKind::usage, "--out " + out.string() + " would write over the input of that name");
+    throw Error(ErrorKind::usage, "--out ", out, " would write over the input of that name");
   }
 }
 
@@ -171,9 +168,9 @@ void make_folder(const std::filesystem::path& folder) {
   std::error_code ignored;
   std::filesystem::create_directories(folder, ignored);
   if (!std::filesystem::is_directory(folder)) {
-    throw Error(ErrorKind::file, "'" + folder.string() +
-                                     "' cannot be made a folder: a file of that name is in the "
-                                     "way, or the folder above is not writable");
+    throw Error(ErrorKind::file, "'", folder,
+                "' cannot be made a folder: a file of that name is in the "
+                "way, or the folder above is not writable");
   }
 }
 

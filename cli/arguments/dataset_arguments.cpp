@@ -34,13 +34,11 @@ std::string refuse_as_name(const std::string& name) {
   const auto fits = [](char c) {
     return std::isalnum(static_cast<unsigned char>(c)) || c == '-' || c == '_' || c == '.';
   };
-  if (!name.empty() && name.front() != '.' && std::all_of(name.begin(), name.end(), fits)) return "";
+  if (!name.empty() && name.front() != '.' && std::ranges::all_of(name, fits)) return "";
   return "expected a name of letters, digits, '-', '_' and '.', and no '.' first, found '" + name + "'";
 }
 
-bool has(const std::vector<int>& frames, int frame) {
-  return std::find(frames.begin(), frames.end(), frame) != frames.end();
-}
+bool has(const std::vector<int>& frames, int frame) { return std::ranges::find(frames, frame) != frames.end(); }
 
 }  // namespace
 
@@ -79,8 +77,8 @@ std::string relative_to(const fs::path& folder, const std::string& path) {
 }
 
 void say_heldout(const DatasetTake& take, const DatasetTake& asked) {
-  const auto kept = std::count_if(asked.frames.begin(), asked.frames.end(),
-                                  [&](int frame) { return has(take.heldout, frame) && !has(asked.heldout, frame); });
+  const auto kept = std::ranges::count_if(
+      asked.frames, [&](int frame) { return has(take.heldout, frame) && !has(asked.heldout, frame); });
   if (kept == 0) return;
   spdlog::warn("{} of {} frames are held out: train will not learn from them", kept, asked.frames.size());
 }

@@ -31,6 +31,17 @@ CLI::Option* add_option(CLI::App& verb, const std::string& name, Text& value, co
   });
 }
 
+template <typename Number>
+CLI::Option* add_number(CLI::App& verb, const std::string& name, Number& value, double low, double high,
+                        const std::string& description) {
+  CLI::Option* option = add_option(verb, name, value, description)->capture_default_str();
+  if constexpr (std::is_integral_v<Number>) {
+    return option->check(CLI::Range(static_cast<int>(low), static_cast<int>(high)));
+  } else {
+    return option->check(number_from(low, high));
+  }
+}
+
 CLI::Option* add_flag(CLI::App& verb, const std::string& name, bool& value, const std::string& description) {
   return verb.add_flag(name, value, description);
 }
@@ -83,5 +94,11 @@ template CLI::Option* add_option(CLI::App&, const std::string&, std::vector<std:
 template CLI::Option* add_option(CLI::App&, const std::string&, std::string&, const std::string&, const std::string&);
 template CLI::Option* add_option(CLI::App&, const std::string&, std::vector<std::string>&, const std::string&,
                                  const std::string&);
+
+template CLI::Option* add_number(CLI::App&, const std::string&, int&, double, double, const std::string&);
+template CLI::Option* add_number(CLI::App&, const std::string&, std::int64_t&, double, double, const std::string&);
+template CLI::Option* add_number(CLI::App&, const std::string&, unsigned&, double, double, const std::string&);
+template CLI::Option* add_number(CLI::App&, const std::string&, float&, double, double, const std::string&);
+template CLI::Option* add_number(CLI::App&, const std::string&, double&, double, double, const std::string&);
 
 }  // namespace bodyopt::cli

@@ -4,12 +4,29 @@
 
 #include <CLI/CLI.hpp>
 #include <functional>
+#include <memory>
 #include <string>
+#include <type_traits>
 
 namespace bodyopt::cli {
 
 // A verb of the program, or a verb below one.
 CLI::App& add_verb(CLI::App& parent, const std::string& name, const std::string& description);
+
+// One with arguments of its own, which live as long as it does; it runs with them. `Parameter`: as `run` takes them.
+template <typename Arguments>
+struct DeclaredVerb {
+  CLI::App& verb;
+  Arguments& arguments;
+};
+template <typename Arguments, typename Parameter = const Arguments&>
+DeclaredVerb<Arguments> add_verb(CLI::App& parent, const std::string& name, const std::string& description,
+                                 void (*run)(std::type_identity_t<Parameter>)) {
+  const auto arguments = std::make_shared<Arguments>();
+  CLI::App& verb = add_verb(parent, name, description);
+  verb.callback([arguments, run] { run(*arguments); });
+  return {verb, *arguments};
+}
 
 // `value` takes what the user gives; its types are those that options.cpp lists.
 template <typename Value>
@@ -19,6 +36,18 @@ CLI::Option* add_option(CLI::App& verb, const std::string& name, Value& value, c
 // default. `type`: as the help calls it; "FILE.png" is a name that ends in .png: a slip must not overwrite a character.
 template <typename Text>
 CLI::Option* add_option(CLI::App& verb, const std::string& name, Text& value, const std::string& type,
+                        const std::string& description);
+
+// One that must be given. `type`: as the help calls it.
+template <typename Value>
+CLI::Option* add_required(CLI::App& verb, const std::string& name, Value& value, const std::string& type,
+                          const std::string& description) {
+  return add_option(verb, name, value, description)->required()->type_name(type);
+}
+
+// A number, finite, within these ends; the help shows its default.
+template <typename Number>
+CLI::Option* add_number(CLI::App& verb, const std::string& name, Number& value, double low, double high,
                         const std::string& description);
 
 CLI::Option* add_flag(CLI::App& verb, const std::string& name, bool& value, const std::string& description);

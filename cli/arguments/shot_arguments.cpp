@@ -72,12 +72,12 @@ void JiggleArguments::check() const {
   if (!state_out.empty()) {
     std::error_code ignored;
     if (!state_in.empty() && fs::equivalent(state_in, state_out, ignored)) {
-      throw Error(ErrorKind::usage, "--state-out " + state_out + " would write over --state-in");
+      throw Error(ErrorKind::usage, "--state-out ", state_out, " would write over --state-in");
     }
     require_writable(state_out);
   }
   if (const std::string problem = problem_of_gravity_change(gravity_of(*this)); !problem.empty()) {
-    throw Error(ErrorKind::usage, "--gravity-change " + problem);
+    throw Error(ErrorKind::usage, "--gravity-change ", problem);
   }
 }
 
@@ -91,14 +91,14 @@ std::unique_ptr<Deformer> JiggleArguments::deformer(Basis loaded, const std::str
   if (!jiggle) return std::make_unique<Deformer>(std::move(loaded), device);
   const std::string file = this->file(basis);
   if (dynamics.empty() && !fs::exists(file)) {
-    throw Error(ErrorKind::file, file +
-                                     ": not there; --jiggle needs the dynamics of the basis: make them with 'bodyopt "
-                                     "dynamics', or name them with --dynamics");
+    throw Error(ErrorKind::file, file,
+                ": not there; --jiggle needs the dynamics of the basis: make them with 'bodyopt "
+                "dynamics', or name them with --dynamics");
   }
   JiggleOptions chosen;
   chosen.gravity_change = gravity_of(*this);
   if (!cuts.empty()) chosen.cuts = parse_frame_range(cuts);
-  std::sort(chosen.cuts.begin(), chosen.cuts.end());
+  std::ranges::sort(chosen.cuts);
   Dynamics tables = load_dynamics(file, loaded);
   auto result = std::make_unique<Deformer>(std::move(loaded), std::move(tables), chosen, device);
   if (!state_in.empty()) result->set_state(load_state(state_in, *result->dynamics()));
@@ -115,9 +115,7 @@ void JiggleArguments::check_frames(const Deformer& deformer, const Clip& clip, c
                "dynamics anew with 'bodyopt dynamics --fps {:g}'",
                rate, clip.fps, rate, clip.fps));
   }
-  if (!std::is_sorted(frames.begin(), frames.end())) {
-    throw Error(ErrorKind::usage, "--jiggle needs frames in rising order");
-  }
+  if (!std::ranges::is_sorted(frames)) throw Error(ErrorKind::usage, "--jiggle needs frames in rising order");
   const JiggleState state = deformer.state();
   if (state.known > 0 && !frames.empty() && frames.front() <= state.frame) {
     throw Error(ErrorKind::usage, format("{} is the state after frame {}; the frames begin at {}, expected {}",
@@ -181,8 +179,8 @@ void ModifierArguments::add(CLI::App& verb) {
 void ModifierArguments::choose(Basis& basis) const {
   if (file.empty()) return;
   if (basis.modifiers.empty()) {
-    throw Error(ErrorKind::mismatch,
-                "the basis has no modifiers that " + file + " could choose of: give it some with 'bodyopt modifiers'");
+    throw Error(ErrorKind::mismatch, "the basis has no modifiers that ", file,
+                " could choose of: give it some with 'bodyopt modifiers'");
   }
   choose_modifiers(file, basis.modifiers);
 }

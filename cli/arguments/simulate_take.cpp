@@ -46,9 +46,8 @@ void add_frames(const Dataset& dataset, const DatasetTake& there, DatasetTake& t
                        "the new one a --name",
                        there.name, there.shapes));
   }
-  const auto known = std::count_if(take.frames.begin(), take.frames.end(), [&](int frame) {
-    return std::find(there.frames.begin(), there.frames.end(), frame) != there.frames.end();
-  });
+  const auto known = std::ranges::count_if(
+      take.frames, [&](int frame) { return std::ranges::find(there.frames, frame) != there.frames.end(); });
   if (known > 0) spdlog::info("{} of {} frames are in the take '{}' already", known, take.frames.size(), there.name);
   const DatasetTake asked = take;
   take.frames = unite_frames(take.frames, there.frames);

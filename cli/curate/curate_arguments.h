@@ -2,7 +2,6 @@
 #pragma once
 
 #include <filesystem>
-#include <memory>
 #include <string>
 #include <vector>
 
@@ -20,8 +19,6 @@ struct CurateArguments {
   bool history = false, unposed = false, everywhere = false, whole_skin = false;
   JsonOption json;
 };
-
-using Arguments = std::shared_ptr<CurateArguments>;
 
 // Of its dataset.json.
 inline std::filesystem::path path_of(const CurateArguments& arguments) { return dataset_file(arguments.dataset); }

@@ -63,8 +63,8 @@ void report_disagreements(const CurateArguments& arguments) {
       std::ranges::count_if(found.regions, [](const RegionAgreement& region) { return region.same_pose == 0; }));
   if (untold > 0) {
     text += format(
-        "{} no frame in the same pose as one of another motion: too few neighbours to tell whether shapes "
-        "disagree there\n",
+        "{} no frame in the same pose as one of another motion: too few neighbours to tell whether shapes disagree "
+        "there\n",
         count_of(untold, "region has", "regions have"));
   }
   if (found.pairs.empty()) {

@@ -9,6 +9,7 @@
 #include "cli/curate/stack_report.h"
 #include "dataset/modifier.h"
 #include "runtime/core/error.h"
+#include "runtime/core/transformed.h"
 #include "trainer/curate/edit_stack.h"
 #include "trainer/curate/exported_frames.h"
 #include "trainer/curate/frame_files.h"
@@ -63,10 +64,9 @@ std::vector<std::string> changes_since(const ShapeStack& stack, std::size_t fram
   };
   const double most = (without(exported_now(stack, frame)) - without(exported)).rowwise().norm().maxCoeff();
   if (most < kChanged) return {};
-  return {
-      format("{} has changed by {:.2f} mm since the mesh was exported ({}): what was sculpted is added to what it is "
-             "now",
-             database.name_of(frame), 1e3 * most, what_differs(exported.modifiers, modifiers, name))};
+  return {format(
+      "{} has changed by {:.2f} mm since the mesh was exported ({}): what was sculpted is added to what it is now",
+      database.name_of(frame), 1e3 * most, what_differs(exported.modifiers, modifiers, name))};
 }
 
 // How far the sculpt of a frame reaches, now that it is in the stack; none where the modifier has no sculpt of it.
@@ -117,8 +117,7 @@ void emit_sculpt(const CurateArguments& arguments) {
 // Where the mesh alone does not tell what it was made of.
 std::string alike_note(const PoseDatabase& database, std::size_t frame, const ExportedFrame& taken,
                        std::size_t others) {
-  std::vector<std::string> names;
-  for (const Modifier& modifier : taken.modifiers) names.push_back(modifier.name);
+  const std::vector<std::string> names = transformed(taken.modifiers, &Modifier::name);
   return format(
       "the mesh does not say which export of {} it is of (its name is another), and lies on {} as well: taken is the "
       "latest, which was made {}",
@@ -158,10 +157,9 @@ void import_frame(const CurateArguments& arguments) {
   say(kept.notes);
   std::vector<ExportedFrame>& exports = kept.frames;
   exports.push_back(exported_now(stack, frame));
-  std::vector<WrittenSkin> skins;
-  for (const ExportedFrame& exported : exports) {
-    skins.push_back({exported_skin(stack, frame, exported, arguments.unposed), exported.mark});
-  }
+  const std::vector<WrittenSkin> skins = transformed(exports, [&](const ExportedFrame& exported) {
+    return WrittenSkin{exported_skin(stack, frame, exported, arguments.unposed), exported.mark};
+  });
   const FrameMesh mesh = read_frame_mesh(database.character, frame_surface(database).texture, skins, arguments.mesh);
   const ExportedFrame& exported = exports[mesh.of];
   if (mesh.was_turned) {

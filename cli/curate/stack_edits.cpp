@@ -17,7 +17,7 @@ Json parameters_of(const std::vector<std::string>& settings) {
   for (const std::string& setting : settings) {
     const std::size_t equals = setting.find('=');
     if (equals == std::string::npos || equals == 0) {
-      throw Error(ErrorKind::usage, "--set takes KEY=VALUE, not '" + setting + "'");
+      throw Error(ErrorKind::usage, "--set takes KEY=VALUE, not '", setting, "'");
     }
     const Json value = Json::parse(setting.substr(equals + 1), nullptr, false);
     parameters[setting.substr(0, equals)] = value.is_discarded() ? Json(setting.substr(equals + 1)) : value;

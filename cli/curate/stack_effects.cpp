@@ -8,6 +8,7 @@
 #include "cli/curate/stack_report.h"
 #include "dataset/modifier.h"
 #include "runtime/core/error.h"
+#include "runtime/core/transformed.h"
 #include "trainer/curate/bake.h"
 #include "trainer/curate/local_models.h"
 #include "trainer/curate/modifier_type.h"
@@ -19,9 +20,8 @@ namespace {
 // The frame that a modifier moves most, below it and above.
 std::string draw_effect(const ShapeStack& stack, const ModifierEffect& effect, const std::string& path) {
   if (effect.frames.empty()) {
-    throw Error(ErrorKind::usage,
-                "--picture shows what a modifier moves, and '" + effect.name +
-                    "' moves no vertex of any frame: is it switched off, or of a type that moves none?");
+    throw Error(ErrorKind::usage, "--picture shows what a modifier moves, and '", effect.name,
+                "' moves no vertex of any frame: is it switched off, or of a type that moves none?");
   }
   const std::vector<Modifier>& modifiers = stack.database().dataset.modifiers;
   const auto place = static_cast<std::size_t>(find_modifier(modifiers, effect.name) - modifiers.data());
@@ -35,13 +35,12 @@ std::string draw_effect(const ShapeStack& stack, const ModifierEffect& effect, c
 }
 
 [[noreturn]] void refuse_picture_of_all(const std::vector<Modifier>& modifiers) {
-  std::vector<std::string> names;
-  for (const Modifier& modifier : modifiers) names.push_back(modifier.name);
+  const std::vector<std::string> names = transformed(modifiers, &Modifier::name);
   throw Error(
       ErrorKind::usage,
       "--picture shows what one modifier moves: name it, as in 'curate diff DATASET NAME --picture FILE.png'; the "
-      "stack has " +
-          list_names(names));
+      "stack has ",
+      list_names(names));
 }
 
 // What of the type consistency reaches its cap in many frames hardly takes history alone.
@@ -56,10 +55,10 @@ std::vector<std::string> capped_notes(const std::vector<Modifier>& modifiers,
     const auto capped = static_cast<std::size_t>(
         std::ranges::count_if(effect.frames, [&](const FrameEffect& frame) { return frame.max_mm > 0.99 * cap; }));
     if (capped == 0 || capped * kMany < effect.frames.size()) continue;
-    notes.push_back(
-        format("'{}' moves {} of {} frames as far as cap_mm lets it ({:.3g} mm): passes seldom disagree by so "
-               "much; compare the held-out errors with it and without",
-               effect.name, capped, effect.frames.size(), cap));
+    notes.push_back(format(
+        "'{}' moves {} of {} frames as far as cap_mm lets it ({:.3g} mm): passes seldom disagree by so much; compare "
+        "the held-out errors with it and without",
+        effect.name, capped, effect.frames.size(), cap));
   }
   return notes;
 }

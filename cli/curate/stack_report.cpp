@@ -1,7 +1,5 @@
 #include "cli/curate/stack_report.h"
 
-#include <nlohmann/json.hpp>
-
 #include "assets/wording.h"
 #include "dataset/modifier.h"
 #include "runtime/core/error.h"

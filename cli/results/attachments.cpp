@@ -8,6 +8,7 @@
 #include "runtime/core/error.h"
 #include "runtime/core/file_lock.h"
 #include "runtime/core/hexadecimal.h"
+#include "runtime/core/transformed.h"
 
 namespace bodyopt::cli {
 namespace {
@@ -35,9 +36,7 @@ Attachments attachments_in(const fs::path& path, const Basis& basis, const std::
 std::vector<AttachedMesh> bind_meshes(const std::vector<LooseMesh>& meshes, const Basis& basis,
                                       const AttachOptions& options) {
   const RestSkin skin(basis);
-  std::vector<AttachedMesh> bound;
-  for (const LooseMesh& mesh : meshes) bound.push_back(bind_mesh(mesh, skin, options));
-  return bound;
+  return transformed(meshes, [&](const LooseMesh& mesh) { return bind_mesh(mesh, skin, options); });
 }
 
 Attachments attach(const std::vector<AttachedMesh>& meshes, const fs::path& path, const Basis& basis,
@@ -45,8 +44,7 @@ Attachments attach(const std::vector<AttachedMesh>& meshes, const fs::path& path
   const FileLock lock = lock_to_change(path);
   Attachments attachments = attachments_in(path, basis, basis_name);
   for (const AttachedMesh& mesh : meshes) {
-    const auto same = std::find_if(attachments.meshes.begin(), attachments.meshes.end(),
-                                   [&](const AttachedMesh& known) { return known.name == mesh.name; });
+    const auto same = std::ranges::find(attachments.meshes, mesh.name, &AttachedMesh::name);
     if (same == attachments.meshes.end()) {
       attachments.meshes.push_back(mesh);
     } else {
@@ -66,14 +64,12 @@ std::string describe(const std::vector<AttachedMesh>& meshes) {
 }
 
 Json to_json(const std::vector<AttachedMesh>& meshes) {
-  Json list = Json::array();
-  for (const AttachedMesh& mesh : meshes) {
-    list.push_back({{"name", mesh.name},
-                    {"vertices", mesh.vertex_count()},
-                    {"triangles", mesh.triangle_count()},
-                    {"bound", mesh.bound}});
-  }
-  return list;
+  return transformed(meshes, [&](const AttachedMesh& mesh) {
+    return Json{{"name", mesh.name},
+                {"vertices", mesh.vertex_count()},
+                {"triangles", mesh.triangle_count()},
+                {"bound", mesh.bound}};
+  });
 }
 
 std::vector<AttachedMesh> attach_own_meshes(const fs::path& character, double unit, std::size_t skin_vertices,

@@ -105,7 +105,7 @@ void draw(const Character& character, const Skins& still, const Skins& jiggling,
   const std::vector<std::size_t> arm = vertices_between(character, "shoulder", "thumb"),
                                  flesh = vertices_between(character, "shoulder", "forearm");
   JiggleReport::Pictures pictures;
-  pictures.heat_scale_mm = heat_scale(*std::max_element(report.max_mm.begin(), report.max_mm.end()));
+  pictures.heat_scale_mm = heat_scale(*std::ranges::max_element(report.max_mm));
   pictures.strip = flip_book_strip(renderer, book, frames, pictures.heat_scale_mm,
                                    panel_of(jiggling, frames.front(), flesh, 400, 260));
   for (const std::size_t k : frames) pictures.strip_frames.push_back(report.frames[k]);

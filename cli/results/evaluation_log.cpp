@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <nlohmann/json.hpp>
 #include <ranges>
 
 #include "assets/frame_range.h"
 #include "assets/wording.h"
+#include "runtime/core/transformed.h"
 #include "runtime/deformer/deformer.h"
 #include "runtime/deformer/evaluation.h"
 #include "trainer/dynamics/measure_jiggle.h"
@@ -27,7 +27,7 @@ Json worth_a_look(const Json& per_frame) {
     expected.push_back(entry.value("expected_rms_mm", 0.0));
     outside.push_back(entry.value("outside", 0.0));
   }
-  const bool is_known = std::any_of(expected.begin(), expected.end(), [](double mm) { return mm > 0; });
+  const bool is_known = std::ranges::any_of(expected, [](double mm) { return mm > 0; });
   Json list = Json::array();
   for (const std::size_t k :
        worth_simulating(is_known ? expected : outside, kMost, spreading_gap(per_frame.size(), kMost))) {
@@ -37,9 +37,7 @@ Json worth_a_look(const Json& per_frame) {
 }
 
 std::vector<int> frame_numbers(const Json& list) {
-  std::vector<int> frames;
-  for (const Json& entry : list) frames.push_back(entry.at("frame"));
-  return frames;
+  return transformed(list, [&](const Json& entry) { return entry.at("frame").get<int>(); });
 }
 
 // The joint that stands nearest to a vertex at rest.
@@ -124,7 +122,7 @@ void EvaluationLog::expect(const Basis& basis, const std::vector<Pose>& poses) {
       no_better_frames_.push_back(entry["frame"]);
     errors.push_back(error.rms_mm);
   }
-  const auto worst = std::max_element(errors.begin(), errors.end());
+  const auto worst = std::ranges::max_element(errors);
   mean_expected_mm_ = root_mean_square(errors);
   most_expected_mm_ = *worst;
   most_expected_frame_ = frames_[static_cast<std::size_t>(worst - errors.begin())];
@@ -253,8 +251,7 @@ void FadeLog::add(int frame, double fade, const std::string& joint) {
 
 std::string FadeLog::text() const {
   if (frames_.empty()) return "";
-  const auto most = std::max_element(joints_.begin(), joints_.end(),
-                                     [](const auto& a, const auto& b) { return a.second < b.second; });
+  const auto most = std::ranges::max_element(joints_, {}, [](const auto& joint) { return joint.second; });
   return count_of(frames_.size(), "frame holds a pose", "frames hold poses") +
          format(
              " that training did not show (most of all of {}); there the correction fades, to {:.0f} % at the least: "

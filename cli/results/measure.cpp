@@ -8,6 +8,7 @@
 #include "cli/results/report_pictures.h"
 #include "geometry/extent.h"
 #include "runtime/core/stopwatch.h"
+#include "runtime/core/transformed.h"
 #include "trainer/train/coverage/coverage.h"
 #include "trainer/train/judge/ablation.h"
 #include "trainer/train/judge/test_errors.h"
@@ -55,8 +56,7 @@ void describe_result(const TrainingResult& result, ReportData& report) {
     report.regions.push_back({fit.name, fit.motion_rms_mm, fit.validation_rms_mm, {}, {}});
   }
   for (const MuscleShare& muscle : result.muscles) report.muscles.push_back({muscle.name, muscle.percent});
-  std::stable_sort(report.muscles.begin(), report.muscles.end(),
-                   [](const MuscleReport& a, const MuscleReport& b) { return a.percent > b.percent; });
+  std::ranges::stable_sort(report.muscles, std::greater{}, &MuscleReport::percent);
   report.warnings = result.warnings;
 }
 
@@ -79,17 +79,15 @@ CoverageReport heldout_coverage(const SampleSet& set, const Training& training) 
 void add_heldout_errors(const std::vector<RegionWeights>& weights, const VertexErrors& errors, ReportData& report) {
   const CoverageReport& coverage = *report.coverage;
   for (RegionReport& region : report.regions) {
-    const auto kept = std::find(coverage.regions.begin(), coverage.regions.end(), region.name);
+    const auto kept = std::ranges::find(coverage.regions, region.name);
     if (kept == coverage.regions.end()) continue;
-    std::vector<double> frames;
-    for (const std::vector<double>& frame : coverage.region_mm) {
-      frames.push_back(frame[static_cast<std::size_t>(kept - coverage.regions.begin())]);
-    }
+    const std::vector<double> frames = transformed(coverage.region_mm, [&](const std::vector<double>& frame) {
+      return frame[static_cast<std::size_t>(kept - coverage.regions.begin())];
+    });
     region.expected_mm = root_mean_square(frames);
   }
   for (const RegionWeights& region : weights) {
-    const auto same = std::find_if(report.regions.begin(), report.regions.end(),
-                                   [&](const RegionReport& other) { return other.name == region.name; });
+    const auto same = std::ranges::find(report.regions, region.name, &RegionReport::name);
     if (same != report.regions.end()) same->true_mm = region_rms(errors, region);
   }
 }
@@ -97,8 +95,8 @@ void add_heldout_errors(const std::vector<RegionWeights>& weights, const VertexE
 AreaErrorsReport area_errors(const MethodErrors& errors) { return {errors.ddm, errors.full, errors.expected}; }
 
 bool is_foreign(const SampleSet& set, const std::string& take) {
-  return std::none_of(set.train.begin(), set.train.end(),
-                      [&](const Sample& sample) { return set.takes[static_cast<std::size_t>(sample.take)] == take; });
+  return std::ranges::none_of(
+      set.train, [&](const Sample& sample) { return set.takes[static_cast<std::size_t>(sample.take)] == take; });
 }
 
 std::vector<TakeReport> take_reports(const SampleSet& set, const Basis& basis) {
@@ -149,11 +147,7 @@ std::string method_table(const std::vector<MethodResult>& methods) {
   return text;
 }
 
-std::vector<Pose> heldout_poses(const SampleSet& set) {
-  std::vector<Pose> poses;
-  for (const Sample& sample : set.heldout) poses.push_back(sample.pose);
-  return poses;
-}
+std::vector<Pose> heldout_poses(const SampleSet& set) { return transformed(set.heldout, &Sample::pose); }
 
 ReportData report_of(const SampleSet& set, const Training& training, const std::vector<Positions>& shapes,
                      const std::string& pictures_on) {

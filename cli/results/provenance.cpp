@@ -17,7 +17,7 @@ std::vector<int> frames_of(const std::vector<Sample>& samples, std::size_t take)
   for (const Sample& sample : samples) {
     if (static_cast<std::size_t>(sample.take) == take) frames.push_back(sample.frame);
   }
-  std::sort(frames.begin(), frames.end());
+  std::ranges::sort(frames);
   return frames;
 }
 
@@ -25,11 +25,10 @@ ProvenanceReport::Take take_of(const DatasetTake& take, std::size_t index, const
   const std::vector<int> trained = frames_of(set.train, index), heldout = frames_of(set.heldout, index);
   std::vector<int> left_out;
   for (const int frame : take.frames) {
-    const bool used = std::binary_search(trained.begin(), trained.end(), frame) ||
-                      std::binary_search(heldout.begin(), heldout.end(), frame);
+    const bool used = std::ranges::binary_search(trained, frame) || std::ranges::binary_search(heldout, frame);
     if (!used) left_out.push_back(frame);
   }
-  std::sort(left_out.begin(), left_out.end());
+  std::ranges::sort(left_out);
   return {take.name, format_frame_range(trained), format_frame_range(heldout), format_frame_range(left_out)};
 }
 

@@ -42,7 +42,7 @@ std::vector<std::pair<std::string, double>> flexed_controls(const SampleSet& set
   for (std::size_t c = 0; c < sample.pose.controls.size(); ++c) {
     if (sample.pose.controls[c] > 0) flexed.emplace_back(set.controls[c], sample.pose.controls[c]);
   }
-  std::stable_sort(flexed.begin(), flexed.end(), [](const auto& a, const auto& b) { return a.second > b.second; });
+  std::ranges::stable_sort(flexed, std::greater{}, &std::pair<std::string, double>::second);
   return flexed;
 }
 
@@ -133,8 +133,8 @@ Image ReportPictures::regions(const std::vector<RegionWeights>& regions) {
 std::vector<std::size_t> by_error(const ErrorStatistics& errors) {
   std::vector<std::size_t> order(errors.frame_rms.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
-  std::stable_sort(order.begin(), order.end(),
-                   [&](std::size_t a, std::size_t b) { return errors.frame_rms[a] < errors.frame_rms[b]; });
+  std::ranges::stable_sort(order,
+                           [&](std::size_t a, std::size_t b) { return errors.frame_rms[a] < errors.frame_rms[b]; });
   return order;
 }
 

@@ -29,7 +29,7 @@ class CacheDrawer {
     const std::vector<float> points = read(step.out, worthy.sample);
     const MeshTable& mesh = mesh_of(step);
     if (points.size() != 3 * mesh.output_vertex.size()) {
-      throw Error(ErrorKind::mismatch, step.out + ": is of another mesh than its basis");
+      throw Error(ErrorKind::mismatch, step.out, ": is of another mesh than its basis");
     }
     const std::vector<float> skin = vertices_of(mesh, points);
     const std::vector<float> normals = smooth_normals(mesh.triangles, skin);
@@ -42,19 +42,19 @@ class CacheDrawer {
   static std::vector<float> read(const std::string& cache, std::uint32_t sample) {
     if (cache.ends_with(".usda")) return UsdaPart(cache).points(sample);
     const ShapeReader reader(cache);
-    if (sample >= reader.sample_count()) throw Error(ErrorKind::mismatch, cache + ": has fewer samples than frames");
+    if (sample >= reader.sample_count()) throw Error(ErrorKind::mismatch, cache, ": has fewer samples than frames");
     return reader.sample(sample);
   }
 
   const MeshTable& mesh_of(const FarmStep& step) {
-    const auto level = std::find(step.arguments.begin(), step.arguments.end(), "--level");
+    const auto level = std::ranges::find(step.arguments, "--level");
     const std::string number = level == step.arguments.end() || level + 1 == step.arguments.end() ? "0" : *(level + 1);
     const std::string key = step.arguments.at(1) + '\0' + number;
     auto found = meshes_.find(key);
     if (found == meshes_.end()) {
       std::vector<Level> levels = load_levels(step.arguments.at(1));
       const std::size_t index = std::strtoul(number.c_str(), nullptr, 10);
-      if (index >= levels.size()) throw Error(ErrorKind::mismatch, step.arguments.at(1) + ": has no level " + number);
+      if (index >= levels.size()) throw Error(ErrorKind::mismatch, step.arguments.at(1), ": has no level ", number);
       found = meshes_.emplace(key, std::move(levels[index].basis.mesh)).first;
     }
     return found->second;

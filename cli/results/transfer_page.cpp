@@ -15,7 +15,6 @@
 #include "trainer/train/coverage/coverage.h"
 #include "trainer/transfer/correspondence.h"
 #include "trainer/transfer/motion_of_target.h"
-#include "trainer/transfer/transfer_pair.h"
 
 namespace bodyopt::cli {
 namespace {
@@ -137,8 +136,7 @@ Json to_json(const TransferPair& pair, double alike) {
   const double count = static_cast<double>(std::max<Eigen::Index>(1, correspondence.distance.size()));
   return {{"same_topology", correspondence.same_topology},
           {"size_ratio", pair.match.size},
-          {"matched_joints", std::count_if(pair.match.source_joint.begin(), pair.match.source_joint.end(),
-                                           [](int joint) { return joint >= 0; })},
+          {"matched_joints", std::ranges::count_if(pair.match.source_joint, [](int joint) { return joint >= 0; })},
           {"unmatched_source_joints", names_without(pair.match.target_joint, pair.source.skeleton)},
           {"unmatched_target_joints", names_without(pair.match.source_joint, pair.target.skeleton)},
           {"posed_to_the_source", pair.match.is_aligned()},

@@ -115,9 +115,9 @@ std::string list_text(const std::vector<std::string>& names, const std::filesyst
 std::vector<std::string> strings(const TableReader& reader, const std::string& key, const std::filesystem::path& path) {
   const auto list = parse_strict_json(reader.metadata(key), path.string() + ", metadata '" + key + "'");
   std::vector<std::string> values;
-  if (!list.is_array()) reader.refuse("its metadata '" + key + "' is not a list of strings");
+  if (!list.is_array()) reader.refuse("its metadata '", key, "' is not a list of strings");
   for (const auto& value : list) {
-    if (!value.is_string()) reader.refuse("its metadata '" + key + "' is not a list of strings");
+    if (!value.is_string()) reader.refuse("its metadata '", key, "' is not a list of strings");
     values.push_back(value.get<std::string>());
   }
   return values;
@@ -144,8 +144,8 @@ std::vector<JointFeatures> read_joint_features(TableReader& reader) {
   reader.read(kFeatureTurns, turns, kTurnNumbers);
   std::vector<JointFeatures> features(joints.size() / 2);
   if (turns.size() != features.size() * kTurnNumbers) {
-    reader.refuse("it has the joints of " + std::to_string(features.size()) + " groups of features, and the turns of " +
-                  std::to_string(turns.size() / kTurnNumbers));
+    reader.refuse("it has the joints of ", features.size(), " groups of features, and the turns of ",
+                  turns.size() / kTurnNumbers);
   }
   for (std::size_t k = 0; k < features.size(); ++k) {
     const double* row = turns.data() + k * kTurnNumbers;
@@ -164,16 +164,15 @@ Skeleton read_skeleton(const Safetensors& file, TableReader& reader, const std::
   reader.read("skeleton.joints", numbers, kJointNumbers);
   reader.read("skeleton.parents", parents, 1);
   if (numbers.size() != names.size() * kJointNumbers || parents.size() != names.size()) {
-    reader.refuse("it names " + std::to_string(names.size()) + " joints, but has the numbers of " +
-                  std::to_string(numbers.size() / kJointNumbers));
+    reader.refuse("it names ", names.size(), " joints, but has the numbers of ", numbers.size() / kJointNumbers);
   }
   for (std::size_t j = 0; j < names.size(); ++j) {
     const double* row = numbers.data() + j * kJointNumbers;
     Joint joint;
     joint.name = names[j];
     if (parents[j] > j) {
-      reader.refuse("skeleton.parents[" + std::to_string(j) + "] is " + std::to_string(parents[j]) +
-                    ", expected at most " + std::to_string(j) + " (one more than a joint before it, 0 for a root)");
+      reader.refuse("skeleton.parents[", j, "] is ", parents[j], ", expected at most ", j,
+                    " (one more than a joint before it, 0 for a root)");
     }
     joint.parent = static_cast<int>(parents[j]) - 1;
     joint.bind = transform_at(row);
@@ -262,7 +261,7 @@ CarriedSkin read_carried(TableReader& reader, const std::string& prefix) {
   std::vector<float> step;
   reader.read(prefix + kCarried, carried.points, 1);
   reader.read(prefix + kCarriedStep, step, 1);
-  if (step.size() != 1) reader.refuse("tensor '" + prefix + kCarriedStep + "' is not of one number");
+  if (step.size() != 1) reader.refuse("tensor '", prefix, kCarriedStep, "' is not of one number");
   carried.step = step.front();
   return carried;
 }
@@ -279,8 +278,7 @@ void read_tables(TableReader& reader, const std::string& prefix, bool earlier, B
     // Far more than a trainer gave one, and few enough to be rows of coordinates.
     constexpr std::uint32_t kMostFeatures = 4096;
     if (region.feature_count <= kMostFeatures) continue;
-    reader.refuse("a region listens to " + std::to_string(region.feature_count) + " features, expected at most " +
-                  std::to_string(kMostFeatures));
+    reader.refuse("a region listens to ", region.feature_count, " features, expected at most ", kMostFeatures);
   }
   take_earlier_regions(regions, basis.residual);
 }

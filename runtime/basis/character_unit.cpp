@@ -26,8 +26,8 @@ double kept_unit(const Basis& basis) {
   const char* end = entry->second.data() + entry->second.size();
   const auto [stop, failure] = std::from_chars(entry->second.data(), end, unit);
   if (failure != std::errc() || stop != end || !(unit > 0 && std::isfinite(unit))) {
-    throw Error(ErrorKind::file, "the basis says that its character's unit is '" + entry->second +
-                                     "', expected metres above 0: the file is damaged");
+    throw Error(ErrorKind::file, "the basis says that its character's unit is '", entry->second,
+                "', expected metres above 0: the file is damaged");
   }
   return unit;
 }

@@ -54,9 +54,7 @@ JiggleStep read_step(TableReader& reader) {
   constexpr float kMostSubsteps = 1024;
   std::vector<float> numbers;
   reader.read("jiggle.step", numbers, 4);
-  if (numbers.size() != 4) {
-    reader.refuse("jiggle.step has " + std::to_string(numbers.size() / 4) + " rows, expected 1");
-  }
+  if (numbers.size() != 4) reader.refuse("jiggle.step has ", numbers.size() / 4, " rows, expected 1");
   JiggleStep step;
   step.frames_per_second = numbers[0];
   step.substeps = numbers[1] >= 1 && numbers[1] <= kMostSubsteps ? static_cast<std::uint32_t>(numbers[1]) : 0;

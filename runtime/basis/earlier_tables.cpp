@@ -29,7 +29,7 @@ void append_scaled(const Numbers& values, double scale, std::vector<float>& to) 
 std::uint32_t joint_of(const std::string& name, const Skeleton& skeleton, const std::string& origin) {
   const int joint = skeleton.find(name);
   if (joint >= 0) return static_cast<std::uint32_t>(joint);
-  throw Error(ErrorKind::file, origin + ": '" + name + "' is no joint of the skeleton");
+  throw Error(ErrorKind::file, origin, ": '", name, "' is no joint of the skeleton");
 }
 
 void append_region(const Json& entry, const Skeleton& skeleton, const std::string& origin, CoverageTable& table) {
@@ -75,7 +75,7 @@ CoverageTable earlier_coverage(const std::string& text, const Basis& basis, cons
   try {
     for (const Json& entry : list) append_region(entry, basis.skeleton, origin, table);
   } catch (const Json::exception& error) {
-    throw Error(ErrorKind::file, origin + " is damaged: " + error.what());
+    throw Error(ErrorKind::file, origin, " is damaged: ", error.what());
   }
   return table;
 }

@@ -25,7 +25,7 @@ struct Closing {
 }  // namespace
 
 std::string read_file(const std::filesystem::path& path, std::uint64_t most, const std::string& expected) {
-  const auto refuse = [&](const std::string& what) { throw Error(ErrorKind::file, path.string() + ": " + what); };
+  const auto refuse = [&](const auto&... what) { throw Error(ErrorKind::file, path, ": ", what...); };
   const Closing open_file{open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK)};  // a pipe must not block
   struct stat status {};
   if (open_file.file < 0 || fstat(open_file.file, &status) != 0 || !S_ISREG(status.st_mode)) {
@@ -34,8 +34,7 @@ std::string read_file(const std::filesystem::path& path, std::uint64_t most, con
   std::string bytes;
   const auto refuse_size = [&](std::uint64_t size) {
     if (size <= most) return;
-    refuse("has " + std::to_string(size) + " bytes or more, expected " + std::to_string(most) + " at most: not " +
-           expected + "?");
+    refuse("has ", size, " bytes or more, expected ", most, " at most: not ", expected, "?");
   };
   const auto size = static_cast<std::uint64_t>(status.st_size);
   refuse_size(size);
@@ -47,7 +46,7 @@ std::string read_file(const std::filesystem::path& path, std::uint64_t most, con
     bytes.resize(begin + static_cast<std::size_t>(std::max<ssize_t>(got, 0)));
     if (got == 0) break;
     if (got < 0 && errno != EINTR) {
-      refuse("cannot be read to its end: " + std::string(std::strerror(errno)) + ": a disk or network that fails?");
+      refuse("cannot be read to its end: ", std::strerror(errno), ": a disk or network that fails?");
     }
     refuse_size(bytes.size());
   }

@@ -18,17 +18,17 @@ namespace {
 constexpr std::uint64_t kLargestHeader = 16 << 20;  // bytes; parsed JSON takes many times its text in memory
 constexpr const char* kChecksum = "checksum";
 
-[[noreturn]] void refuse(const std::filesystem::path& path, const std::string& what) {
-  throw Error(ErrorKind::file, path.string() + ": " + what + " (not a safetensors file, or a damaged or cut-off one)");
+[[noreturn]] void refuse(const std::filesystem::path& path, const auto&... what) {
+  throw Error(ErrorKind::file, path, ": ", what..., " (not a safetensors file, or a damaged or cut-off one)");
 }
 
 // Elements x size, or refusal when the product does not fit what is there.
 std::uint64_t checked_bytes(const std::filesystem::path& path, const std::string& name, const Tensor& tensor,
                             std::uint64_t available) {
   std::uint64_t bytes = dtype_size(tensor.dtype);
-  if (std::find(tensor.shape.begin(), tensor.shape.end(), 0u) != tensor.shape.end()) return 0;
+  if (std::ranges::find(tensor.shape, 0u) != tensor.shape.end()) return 0;
   for (const std::uint64_t n : tensor.shape) {
-    if (n > available / bytes) refuse(path, "tensor '" + name + "' is larger than the file");
+    if (n > available / bytes) refuse(path, "tensor '", name, "' is larger than the file");
     bytes *= n;
   }
   return bytes;
@@ -47,25 +47,23 @@ Range parse_tensor(const std::filesystem::path& path, const std::string& name, c
   if (dtype == entry.end() || !dtype->is_string() || shape == entry.end() || !shape->is_array() ||
       offsets == entry.end() || !offsets->is_array() || offsets->size() != 2 || !(*offsets)[0].is_number_unsigned() ||
       !(*offsets)[1].is_number_unsigned() || entry.size() != 3) {
-    refuse(path, "tensor '" + name + "' is not described by a dtype, a shape and two data_offsets");
+    refuse(path, "tensor '", name, "' is not described by a dtype, a shape and two data_offsets");
   }
   tensor.dtype = dtype->get<std::string>();
   if (dtype_size(tensor.dtype) == 0) {
-    refuse(path, "tensor '" + name + "' has type " + tensor.dtype + ", expected F32, F64, U16 or U32");
+    refuse(path, "tensor '", name, "' has type ", tensor.dtype, ", expected F32, F64, U16 or U32");
   }
   for (const Json& n : *shape) {
-    if (!n.is_number_unsigned()) refuse(path, "tensor '" + name + "' has a shape that is not of counts");
+    if (!n.is_number_unsigned()) refuse(path, "tensor '", name, "' has a shape that is not of counts");
     tensor.shape.push_back(n.get<std::uint64_t>());
   }
   Range range{(*offsets)[0].get<std::uint64_t>(), (*offsets)[1].get<std::uint64_t>(), name};
   if (range.begin > range.end || range.end > size) {
-    refuse(path, "tensor '" + name + "' lies at bytes " + std::to_string(range.begin) + " to " +
-                     std::to_string(range.end) + " of " + std::to_string(size));
+    refuse(path, "tensor '", name, "' lies at bytes ", range.begin, " to ", range.end, " of ", size);
   }
   const std::uint64_t expected = checked_bytes(path, name, tensor, size), found = range.end - range.begin;
   if (found != expected) {
-    refuse(path, "tensor '" + name + "' has " + std::to_string(found) + " bytes, expected " + std::to_string(expected) +
-                     " by its shape");
+    refuse(path, "tensor '", name, "' has ", found, " bytes, expected ", expected, " by its shape");
   }
   return range;
 }
@@ -73,7 +71,7 @@ Range parse_tensor(const std::filesystem::path& path, const std::string& name, c
 std::map<std::string, std::string> parse_metadata(const std::filesystem::path& path, const Json& entries) {
   std::map<std::string, std::string> metadata;
   for (const auto& [key, value] : entries.items()) {
-    if (!value.is_string()) refuse(path, "metadata '" + key + "' is not a string");
+    if (!value.is_string()) refuse(path, "metadata '", key, "' is not a string");
     metadata[key] = value.get<std::string>();
   }
   return metadata;
@@ -81,16 +79,16 @@ std::map<std::string, std::string> parse_metadata(const std::filesystem::path& p
 
 // Tensors lie one after the other, without a gap, to the end of the file.
 void check_order(const std::filesystem::path& path, std::vector<Range> ranges, std::uint64_t size) {
-  std::sort(ranges.begin(), ranges.end());
+  std::ranges::sort(ranges);
   std::uint64_t expected = 0;
   for (const Range& range : ranges) {
     if (range.begin != expected) {
-      refuse(path, "tensor '" + range.name + "' starts at byte " + std::to_string(range.begin) + ", expected " +
-                       std::to_string(expected) + ": it leaves a gap or overlaps another");
+      refuse(path, "tensor '", range.name, "' starts at byte ", range.begin, ", expected ", expected,
+             ": it leaves a gap or overlaps another");
     }
     expected = range.end;
   }
-  if (expected != size) refuse(path, std::to_string(size - expected) + " bytes follow the last tensor");
+  if (expected != size) refuse(path, size - expected, " bytes follow the last tensor");
 }
 
 std::string header_text(const Safetensors& file, const std::vector<std::string>& order,
@@ -141,14 +139,13 @@ void write_safetensors(const Safetensors& file, const std::filesystem::path& pat
   std::vector<std::string> order;
   for (const auto& [name, tensor] : file.tensors) order.push_back(name);
   // The widest types first, so that every tensor stands at a multiple of its type's size.
-  std::stable_sort(order.begin(), order.end(), [&](const std::string& a, const std::string& b) {
+  std::ranges::stable_sort(order, [&](const std::string& a, const std::string& b) {
     return dtype_size(file.tensors.at(a).dtype) > dtype_size(file.tensors.at(b).dtype);
   });
   const std::string text = header_text(file, order, path);
   if (text.size() > kLargestHeader) {
-    throw Error(ErrorKind::file, path.string() + ": cannot be written: its names and other strings take " +
-                                     std::to_string(text.size()) + " bytes, expected " +
-                                     std::to_string(kLargestHeader) + " at most");
+    throw Error(ErrorKind::file, path, ": cannot be written: its names and other strings take ", text.size(),
+                " bytes, expected ", kLargestHeader, " at most");
   }
   const std::uint64_t length = text.size();
   AtomicFile out(path);
@@ -162,19 +159,16 @@ Safetensors read_safetensors(const std::filesystem::path& path) {
   std::error_code ignored;
   std::ifstream stream;
   if (std::filesystem::is_regular_file(path, ignored)) stream.open(path, std::ios::binary | std::ios::ate);
-  if (!stream.is_open()) {
-    throw Error(ErrorKind::file, path.string() + ": cannot be read: no such file, or no permission?");
-  }
+  if (!stream.is_open()) throw Error(ErrorKind::file, path, ": cannot be read: no such file, or no permission?");
   // Of the file that is open: by the path another may have taken its place.
   const auto size = static_cast<std::uint64_t>(stream.tellg());
   stream.seekg(0);
 
   std::uint64_t length = 0;
   if (size < 8 || !stream.read(reinterpret_cast<char*>(&length), 8))
-    refuse(path, "shorter than a header" + looks_like(path));
+    refuse(path, "shorter than a header", looks_like(path));
   if (length > std::min(kLargestHeader, size - 8)) {
-    refuse(path,
-           "its header claims " + std::to_string(length) + " of " + std::to_string(size) + " bytes" + looks_like(path));
+    refuse(path, "its header claims ", length, " of ", size, " bytes", looks_like(path));
   }
   std::string text(length, '\0');
   if (!stream.read(text.data(), static_cast<std::streamsize>(length))) refuse(path, "the header cannot be read");
@@ -185,7 +179,7 @@ Safetensors read_safetensors(const std::filesystem::path& path) {
   const std::uint64_t data_begin = 8 + length, data_size = size - data_begin;
   std::vector<Range> ranges;
   for (const auto& [name, entry] : header.items()) {
-    if (!entry.is_object()) refuse(path, "entry '" + name + "' is not an object");
+    if (!entry.is_object()) refuse(path, "entry '", name, "' is not an object");
     if (name == "__metadata__") {
       file.metadata = parse_metadata(path, entry);
     } else {
@@ -198,12 +192,12 @@ Safetensors read_safetensors(const std::filesystem::path& path) {
     tensor.bytes.resize(range.end - range.begin);
     stream.seekg(static_cast<std::streamoff>(data_begin + range.begin));
     if (!stream.read(reinterpret_cast<char*>(tensor.bytes.data()), static_cast<std::streamsize>(tensor.bytes.size()))) {
-      refuse(path, "tensor '" + range.name + "' cannot be read");
+      refuse(path, "tensor '", range.name, "' cannot be read");
     }
   }
   const auto checksum = file.metadata.find(kChecksum);
   if (checksum != file.metadata.end() && checksum->second != content_checksum(file)) {
-    refuse(path, "its checksum is " + content_checksum(file) + ", expected " + checksum->second);
+    refuse(path, "its checksum is ", content_checksum(file), ", expected ", checksum->second);
   }
   return file;
 }

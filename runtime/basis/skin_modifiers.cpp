@@ -6,6 +6,7 @@
 #include "runtime/basis/basis.h"
 #include "runtime/core/error.h"
 #include "runtime/core/strict_json.h"
+#include "runtime/core/transformed.h"
 
 namespace bodyopt {
 namespace {
@@ -74,19 +75,18 @@ const SkinModifier* SkinModifiers::of_type(const std::string& type) const {
 }
 
 std::string text_of_stack(const std::vector<SkinModifier>& stack, const std::string& place) {
-  Json list = Json::array();
-  for (const SkinModifier& modifier : stack) list.push_back(json_of(modifier));
+  const Json list = transformed(stack, [&](const SkinModifier& modifier) { return json_of(modifier); });
   return strict_json_text(list, place);
 }
 
 std::vector<SkinModifier> stack_from_text(const std::string& text, const std::string& place) {
   const auto list = parse_strict_json(text, place);
   std::vector<SkinModifier> stack;
-  if (!list.is_array()) throw Error(ErrorKind::file, place + ": is not a list of modifiers; damaged?");
+  if (!list.is_array()) throw Error(ErrorKind::file, place, ": is not a list of modifiers; damaged?");
   try {
     for (const Json& json : list) stack.push_back(modifier_of(json));
   } catch (const Json::exception& error) {
-    throw Error(ErrorKind::file, place + ": is not a list of modifiers (" + error.what() + "); damaged?");
+    throw Error(ErrorKind::file, place, ": is not a list of modifiers (", error.what(), "); damaged?");
   }
   return stack;
 }

@@ -29,40 +29,34 @@ class TableChecks {
     return std::string(name) + "[" + std::to_string(k) + "]";
   }
 
-  [[noreturn]] void refuse(const std::string& what) const {
-    throw Error(ErrorKind::file, origin_ + ": " + what + " (damaged, or made by a defective program)");
+  [[noreturn]] void refuse(const auto&... what) const {
+    throw Error(ErrorKind::file, origin_, ": ", what..., " (damaged, or made by a defective program)");
   }
 
   void expect_size(const char* name, std::size_t found, std::size_t expected) const {
-    if (found != expected) {
-      refuse(std::string(name) + " has " + std::to_string(found) + " entries, expected " + std::to_string(expected));
-    }
+    if (found != expected) refuse(name, " has ", found, " entries, expected ", expected);
   }
 
   void expect_below(const char* name, std::span<const std::uint32_t> indices, std::size_t limit) const {
     for (std::size_t k = 0; k < indices.size(); ++k) {
       if (indices[k] < limit) continue;
-      refuse(element(name, k) + " is " + std::to_string(indices[k]) + ", expected an index below " +
-             std::to_string(limit));
+      refuse(element(name, k), " is ", indices[k], ", expected an index below ", limit);
     }
   }
 
   void expect_offsets(const char* name, const Indices& begin, std::size_t rows, std::size_t end) const {
     expect_size(name, begin.size(), rows + 1);
-    if (begin[0] != 0) refuse(std::string(name) + " starts at " + std::to_string(begin[0]) + ", expected 0");
+    if (begin[0] != 0) refuse(name, " starts at ", begin[0], ", expected 0");
     for (std::size_t k = 0; k < rows; ++k) {
       if (begin[k] <= begin[k + 1]) continue;
-      refuse(element(name, k + 1) + " is " + std::to_string(begin[k + 1]) + ", expected at least " +
-             std::to_string(begin[k]));
+      refuse(element(name, k + 1), " is ", begin[k + 1], ", expected at least ", begin[k]);
     }
-    if (begin[rows] != end) {
-      refuse(std::string(name) + " ends at " + std::to_string(begin[rows]) + ", expected " + std::to_string(end));
-    }
+    if (begin[rows] != end) refuse(name, " ends at ", begin[rows], ", expected ", end);
   }
 
   void expect_number(const char* name, std::size_t k, double value) const {
     if (std::abs(value) <= kLargest) return;  // false for NaN
-    refuse(element(name, k) + " is " + std::to_string(value) + ", expected a number of at most 1e9");
+    refuse(element(name, k), " is ", value, ", expected a number of at most 1e9");
   }
 
   void expect_numbers(const char* name, std::span<const float> values) const {

@@ -55,22 +55,22 @@ class TableReader {
   // Throws where the metadata do not name this schema, or no checksum (which read_safetensors compares).
   void require_schema(const std::string& schema) const {
     const std::string found = metadata("schema");
-    if (found != schema) refuse("its schema is '" + found + "', expected '" + schema + "'");
+    if (found != schema) refuse("its schema is '", found, "', expected '", schema, "'");
     metadata("checksum");
   }
 
   template <typename T>
   void read(const std::string& name, std::vector<T>& values, std::uint64_t width) {
     const auto found = file_.tensors.find(name);
-    if (found == file_.tensors.end()) refuse("tensor '" + name + "' is missing");
+    if (found == file_.tensors.end()) refuse("tensor '", name, "' is missing");
     const Tensor& tensor = found->second;
     if (tensor.dtype != dtype_of<T>()) {
-      refuse("tensor '" + name + "' has type " + tensor.dtype + ", expected " + dtype_of<T>());
+      refuse("tensor '", name, "' has type ", tensor.dtype, ", expected ", dtype_of<T>());
     }
     const std::size_t count = tensor.bytes.size() / sizeof(T);
     if (tensor.shape != shape_of<T>(count, width)) {
-      refuse("tensor '" + name + "' has a shape of " + std::to_string(tensor.shape.size()) +
-             " dimensions whose rows are not of " + std::to_string(width * words_of<T>()) + " values");
+      refuse("tensor '", name, "' has a shape of ", tensor.shape.size(), " dimensions whose rows are not of ",
+             width * words_of<T>(), " values");
     }
     known_.insert(name);
     values.resize(count);
@@ -82,18 +82,18 @@ class TableReader {
 
   std::string metadata(const std::string& key) const {
     const auto found = file_.metadata.find(key);
-    if (found == file_.metadata.end()) refuse("its metadata lacks '" + key + "'");
+    if (found == file_.metadata.end()) refuse("its metadata lacks '", key, "'");
     return found->second;
   }
 
   void refuse_unknown_tensors() const {
     for (const auto& [name, tensor] : file_.tensors) {
-      if (!known_.contains(name)) refuse("tensor '" + name + "' is not one of " + kind_);
+      if (!known_.contains(name)) refuse("tensor '", name, "' is not one of ", kind_);
     }
   }
 
-  [[noreturn]] void refuse(const std::string& what) const {
-    throw Error(ErrorKind::file, path_.string() + ": " + what + " (not " + kind_ + ", or one of another version)");
+  [[noreturn]] void refuse(const auto&... what) const {
+    throw Error(ErrorKind::file, path_, ": ", what..., " (not ", kind_, ", or one of another version)");
   }
 
  private:

@@ -12,10 +12,9 @@ namespace {
 
 constexpr std::size_t kMostVertices = std::size_t{1} << 26;  // of one mesh
 
-[[noreturn]] void refuse_owner(const std::string& origin, const std::string& basis_name, const std::string& what) {
-  throw Error(ErrorKind::mismatch, origin + ": is not attached to " + basis_name + ": " + what +
-                                       " (another character, or edited since? Remove the file and attach the meshes "
-                                       "anew)");
+[[noreturn]] void refuse_owner(const std::string& origin, const std::string& basis_name, const auto&... what) {
+  throw Error(ErrorKind::mismatch, origin, ": is not attached to ", basis_name, ": ", what...,
+              " (another character, or edited since? Remove the file and attach the meshes anew)");
 }
 
 // What a mesh is by itself.
@@ -26,7 +25,7 @@ class MeshValidator : TableChecks {
   void run() const {
     if (mesh_.name != attachment_name(mesh_.name)) refuse("its name is none that a file can have");
     if (mesh_.rest.empty() || mesh_.rest.size() % 3 != 0 || mesh_.vertex_count() > kMostVertices) {
-      refuse("rest has " + std::to_string(mesh_.rest.size()) + " entries, expected three to a vertex, of 1 to 2^26");
+      refuse("rest has ", mesh_.rest.size(), " entries, expected three to a vertex, of 1 to 2^26");
     }
     expect_numbers("rest", mesh_.rest);
     if (mesh_.triangles.size() % 3 != 0) refuse("triangles is not of three corners each");
@@ -47,11 +46,11 @@ class MeshValidator : TableChecks {
     float sum = 0;
     for (const float weight : {point.wa, point.wb, point.wc}) {
       expect_number("points", k, static_cast<double>(weight));
-      if (weight < -kWeightTolerance) refuse(element("points", k) + " has a weight below 0");
+      if (weight < -kWeightTolerance) refuse(element("points", k), " has a weight below 0");
       sum += weight;
     }
     if (std::abs(sum - 1) > kWeightTolerance) {
-      refuse(element("points", k) + " has weights that add up to " + std::to_string(sum) + ", expected 1");
+      refuse(element("points", k), " has weights that add up to ", sum, ", expected 1");
     }
   }
 
@@ -76,7 +75,7 @@ class BindingValidator : TableChecks {
       const std::array corners = {mesh_.points[k].a, mesh_.points[k].b, mesh_.points[k].c};
       expect_below("points", corners, basis_.mesh.vertex_count());
       for (const std::uint32_t v : corners) {
-        if (!shown_[v]) refuse(element("points", k) + " is on a vertex that the basis does not put out");
+        if (!shown_[v]) refuse(element("points", k), " is on a vertex that the basis does not put out");
       }
     }
     for (std::size_t k = 0; k < mesh_.anchors.size(); ++k) {
@@ -114,11 +113,10 @@ void expect_owner(const Attachments& attachments, const char* key, std::uint64_t
                   const std::string& origin, const std::string& basis_name) {
   const auto found = attachments.metadata.find(key);
   if (found == attachments.metadata.end()) {
-    throw Error(ErrorKind::file,
-                origin + ": its metadata lack '" + key + "' (damaged, or made by a defective program)");
+    throw Error(ErrorKind::file, origin, ": its metadata lack '", key, "' (damaged, or made by a defective program)");
   }
   if (found->second == hexadecimal(hash)) return;
-  refuse_owner(origin, basis_name, "the " + what + " is another");
+  refuse_owner(origin, basis_name, "the ", what, " is another");
 }
 
 std::string origin_of(const AttachedMesh& mesh, const std::string& origin) {
@@ -136,20 +134,20 @@ std::string attachment_name(const std::string& name) {
   std::size_t size = std::min(result.size(), kLongestAttachedName);
   while (size < result.size() && size > 0 && (static_cast<unsigned char>(result[size]) & 0xC0) == 0x80) --size;
   result.resize(size);
-  std::replace_if(result.begin(), result.end(), is_refused_by_files, '_');
+  std::ranges::replace_if(result, is_refused_by_files, '_');
   return result.empty() ? "_" : result;
 }
 
 void validate(const Attachments& attachments, const std::string& origin) {
   if (attachments.meshes.size() > kMostAttachedMeshes) {
-    throw Error(ErrorKind::file, origin + ": has " + std::to_string(attachments.meshes.size()) +
-                                     " meshes, expected at most " + std::to_string(kMostAttachedMeshes));
+    throw Error(ErrorKind::file, origin, ": has ", attachments.meshes.size(), " meshes, expected at most ",
+                kMostAttachedMeshes);
   }
   std::set<std::string> names;
   for (const AttachedMesh& mesh : attachments.meshes) {
     MeshValidator(mesh, origin_of(mesh, origin)).run();
     if (names.insert(mesh.name).second) continue;
-    throw Error(ErrorKind::file, origin + ": has two meshes called '" + mesh.name + "', expected each name once");
+    throw Error(ErrorKind::file, origin, ": has two meshes called '", mesh.name, "', expected each name once");
   }
 }
 

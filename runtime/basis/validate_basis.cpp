@@ -27,7 +27,7 @@ class Validator : TableChecks {
     check_strain();
     check_residual();
     check_regions();
-    check_blend();
+    expect_entries("residual.blend", basis_.residual.blend, basis_.residual.coefficient_region.size());
     check_fade();
     check_coverage();
     check_modifiers();
@@ -62,16 +62,15 @@ class Validator : TableChecks {
       const Joint& joint = joints[j];
       const std::string name = "joint " + std::to_string(j) + " ('" + joint.name + "')";
       if (joint.parent < -1 || joint.parent >= static_cast<int>(j)) {
-        refuse(name + " has parent " + std::to_string(joint.parent) + ", expected a joint before it, or -1");
+        refuse(name, " has parent ", joint.parent, ", expected a joint before it, or -1");
       }
       if (!usable(joint.bind) || !usable(joint.default_local)) {
-        refuse(name + " has a transform that is not of finite numbers with a rotation of unit length");
+        refuse(name, " has a transform that is not of finite numbers with a rotation of unit length");
       }
       for (const auto& row : joint.inverse_bind.m) {
         for (const double x : row) {
           if (!(std::abs(x) <= kLargest)) {
-            refuse(name + " has " + std::to_string(x) +
-                   " in its inverse bind matrix, expected a number of at most 1e9");
+            refuse(name, " has ", x, " in its inverse bind matrix, expected a number of at most 1e9");
           }
         }
       }
@@ -90,10 +89,9 @@ class Validator : TableChecks {
       const JointFeatures& of = features[k];
       const std::string name = element("skeleton.features", k);
       if (of.joint >= basis_.skeleton.size() || !is_above(of.above, of.joint)) {
-        refuse(name + " is of joint " + std::to_string(of.joint) + " below " + std::to_string(of.above) +
-               ", expected a joint and one above it");
+        refuse(name, " is of joint ", of.joint, " below ", of.above, ", expected a joint and one above it");
       }
-      if (!is_turn(of.above_turn) || !is_turn(of.own_turn)) refuse(name + " turns by no rotation of unit length");
+      if (!is_turn(of.above_turn) || !is_turn(of.own_turn)) refuse(name, " turns by no rotation of unit length");
     }
   }
 
@@ -104,8 +102,7 @@ class Validator : TableChecks {
     for (const auto& [name, size] :
          {std::pair("mesh.rest", mesh.rest.size()), std::pair("mesh.triangles", mesh.triangles.size()),
           std::pair("mesh.output_triangles", mesh.output_triangles.size())}) {
-      if (size % 3 != 0)
-        refuse(std::string(name) + " has " + std::to_string(size) + " entries, expected three to a row");
+      if (size % 3 != 0) refuse(name, " has ", size, " entries, expected three to a row");
     }
     expect_numbers("mesh.rest", mesh.rest);
     expect_below("mesh.triangles", mesh.triangles, vertices);
@@ -117,8 +114,8 @@ class Validator : TableChecks {
     for (std::size_t c = 0; c < mesh.triangles.size(); ++c) {
       const std::uint32_t v = mesh.triangles[c], k = next[v]++;
       if (k < mesh.vertex_triangle_begin[v + 1] && mesh.vertex_triangles[k] == c / 3) continue;
-      refuse("mesh.vertex_triangles does not list triangle " + std::to_string(c / 3) + " at vertex " +
-             std::to_string(v) + " in ascending order, expected at " + std::to_string(k));
+      refuse("mesh.vertex_triangles does not list triangle ", c / 3, " at vertex ", v,
+             " in ascending order, expected at ", k);
     }
   }
 
@@ -136,7 +133,7 @@ class Validator : TableChecks {
       if (!halves) {
         expect_number("ddm.moments", k, static_cast<double>(std::bit_cast<float>(word)));
       } else if (!finite_halves(word)) {
-        refuse(element("ddm.moments", k) + " holds a half that is infinite or not a number, expected finite ones");
+        refuse(element("ddm.moments", k), " holds a half that is infinite or not a number, expected finite ones");
       }
     }
     for (std::size_t v = 0; v < ddm.vertices.size(); ++v) check_ddm_vertex(v, v < vertices);
@@ -150,15 +147,14 @@ class Validator : TableChecks {
       expect_number("ddm.vertices", v, static_cast<double>(x));
     }
     if (vertex.radius2 < 0) {
-      refuse(element("ddm.vertices", v) + " has the squared radius " + std::to_string(vertex.radius2) +
-             ", expected 0 or more");
+      refuse(element("ddm.vertices", v), " has the squared radius ", vertex.radius2, ", expected 0 or more");
     }
     const std::size_t block = v / kBlockSize;
     const auto first = ddm.block_joints.begin() + ddm.block_begin[block];
     const auto last = ddm.block_joints.begin() + ddm.block_begin[block + 1];
     if (vertex.base_joint >= basis_.skeleton.size() || (used && std::find(first, last, vertex.base_joint) == last)) {
-      refuse(element("ddm.vertices", v) + " has base joint " + std::to_string(vertex.base_joint) +
-             ", expected one of the " + std::to_string(last - first) + " joints of its block");
+      refuse(element("ddm.vertices", v), " has base joint ", vertex.base_joint, ", expected one of the ", last - first,
+             " joints of its block");
     }
   }
 
@@ -174,22 +170,22 @@ class Validator : TableChecks {
       const FibrePoint& p = strain.points[k];
       for (const std::uint32_t index : {p.a, p.b, p.c}) {
         if (index < strain.vertices.size()) continue;
-        refuse(element("strain.points", k) + " names strain vertex " + std::to_string(index) +
-               ", expected an index below " + std::to_string(strain.vertices.size()));
+        refuse(element("strain.points", k), " names strain vertex ", index, ", expected an index below ",
+               strain.vertices.size());
       }
       for (const float w : {p.wa, p.wb, p.wc}) expect_number("strain.points", k, static_cast<double>(w));
       const float sum = p.wa + p.wb + p.wc;
       if (std::abs(sum - 1) > kWeightTolerance) {
-        refuse(element("strain.points", k) + " has weights that sum to " + std::to_string(sum) + ", expected 1");
+        refuse(element("strain.points", k), " has weights that sum to ", sum, ", expected 1");
       }
     }
     expect_numbers("strain.rest_length", strain.rest_length);
     for (std::size_t k = 0; k < fibres; ++k) {
       if (strain.fibre_begin[k + 1] - strain.fibre_begin[k] < 2) {
-        refuse("fibre " + std::to_string(k) + " ('" + strain.names[k] + "') has fewer than 2 points");
+        refuse("fibre ", k, " ('", strain.names[k], "') has fewer than 2 points");
       }
       if (strain.rest_length[k] < kShortestFibre) {
-        refuse(element("strain.rest_length", k) + " is " + std::to_string(strain.rest_length[k]) +
+        refuse(element("strain.rest_length", k), " is ", strain.rest_length[k],
                " m, expected a length above 0 (1e-6 or more)");
       }
     }
@@ -216,7 +212,7 @@ class Validator : TableChecks {
   void expect_halves(const char* name, const Indices& words) const {
     for (std::size_t k = 0; k < words.size(); ++k) {
       if (finite_halves(words[k])) continue;
-      refuse(element(name, k) + " holds a half that is infinite or not a number, expected finite ones");
+      refuse(element(name, k), " holds a half that is infinite or not a number, expected finite ones");
     }
   }
 
@@ -226,12 +222,12 @@ class Validator : TableChecks {
       expect_number("residual.features", k, static_cast<double>(x));
     }
     if (range.low > range.high) {
-      refuse(element("residual.features", k) + " has a range from " + std::to_string(range.low) + " to " +
-             std::to_string(range.high) + ", expected low <= high");
+      refuse(element("residual.features", k), " has a range from ", range.low, " to ", range.high,
+             ", expected low <= high");
     }
     const float farthest = std::max(std::abs(range.low - range.mean), std::abs(range.high - range.mean));
     if (range.inverse_scale < 0 || farthest * range.inverse_scale > kLargestFeature) {
-      refuse(element("residual.features", k) + " has the inverse scale " + std::to_string(range.inverse_scale) +
+      refuse(element("residual.features", k), " has the inverse scale ", range.inverse_scale,
              ", expected 0 or more, and a range of at most 1e6 standard deviations");
     }
   }
@@ -247,10 +243,10 @@ class Validator : TableChecks {
           region.projection_values != projections || region.centre_begin != centres ||
           region.centre_values != centre_values || region.coefficient_begin != coefficients ||
           region.weight_values != weights) {
-        refuse(element("residual.regions", r) + " has offsets that do not follow the region before it");
+        refuse(element("residual.regions", r), " has offsets that do not follow the region before it");
       }
       if (!(region.inverse_width2 >= 0 && region.inverse_width2 <= kLargest)) {
-        refuse(element("residual.regions", r) + " has the inverse width " + std::to_string(region.inverse_width2) +
+        refuse(element("residual.regions", r), " has the inverse width ", region.inverse_width2,
                ", expected a number from 0 to 1e9");
       }
       features += region.feature_count;
@@ -262,7 +258,7 @@ class Validator : TableChecks {
       weights += std::size_t{region.coefficient_count} *
                  (1 + std::size_t{region.coordinate_count} + std::size_t{region.centre_count});
       if (coefficients > kMostCoefficients) {
-        refuse("the regions have " + std::to_string(coefficients) + " coefficients or more, expected at most 65536");
+        refuse("the regions have ", coefficients, " coefficients or more, expected at most 65536");
       }
       expect_region("residual.coordinate_region", residual.coordinate_region, region.coordinate_begin,
                     region.coordinate_count, r);
@@ -282,29 +278,21 @@ class Validator : TableChecks {
   void expect_region(const char* name, const Indices& regions, std::size_t begin, std::size_t count,
                      std::size_t region) const {
     if (begin + count > regions.size()) {
-      refuse(std::string(name) + " has " + std::to_string(regions.size()) + " entries, expected " +
-             std::to_string(begin + count) + " or more by the regions");
+      refuse(name, " has ", regions.size(), " entries, expected ", begin + count, " or more by the regions");
     }
     for (std::size_t k = begin; k < begin + count; ++k) {
-      if (regions[k] != region) {
-        refuse(element(name, k) + " is " + std::to_string(regions[k]) + ", expected " + std::to_string(region));
-      }
+      if (regions[k] != region) refuse(element(name, k), " is ", regions[k], ", expected ", region);
     }
-  }
-
-  void check_blend() const {
-    expect_entries("residual.blend", basis_.residual.blend, basis_.residual.coefficient_region.size());
   }
 
   void expect_entries(const char* name, const std::vector<BlendEntry>& blend, std::size_t coefficients) const {
     for (std::size_t k = 0; k < blend.size(); ++k) {
       const std::uint32_t head = blend[k].scale_coefficient;
       if ((head >> 16) >= coefficients) {
-        refuse(element(name, k) + " names coefficient " + std::to_string(head >> 16) + ", expected an index below " +
-               std::to_string(coefficients));
+        refuse(element(name, k), " names coefficient ", head >> 16, ", expected an index below ", coefficients);
       }
       if (!finite_halves(head & 0xffffu)) {
-        refuse(element(name, k) + " has a scale that is infinite or not a number, expected a finite half");
+        refuse(element(name, k), " has a scale that is infinite or not a number, expected a finite half");
       }
     }
   }
@@ -320,12 +308,12 @@ class Validator : TableChecks {
     std::set<std::string> names;
     for (const SkinModifier& modifier : modifiers.stack) {
       if (modifier.name.empty() || !names.insert(modifier.name).second) {
-        refuse("the modifier '" + modifier.name + "' has no name of its own");
+        refuse("the modifier '", modifier.name, "' has no name of its own");
       }
       check_modifier(modifier, used);
     }
     if (std::ranges::find(used, 0) != used.end()) refuse("there are components that no modifier has");
-    if (names.size() > kMostModifiers) refuse("there are more than " + std::to_string(kMostModifiers) + " modifiers");
+    if (names.size() > kMostModifiers) refuse("there are more than ", kMostModifiers, " modifiers");
     expect_offsets("modifiers.blend_begin", modifiers.blend_begin, basis_.mesh.block_count(), modifiers.blend.size());
     expect_entries("modifiers.blend", modifiers.blend, used.size());
     check_posed_skin(modifiers);
@@ -336,12 +324,12 @@ class Validator : TableChecks {
       const auto count = std::ranges::count(modifiers.stack, type->name, &SkinModifier::type);
       if (count == 0) continue;
       const std::string name = std::string("the type '") + type->name + "'";
-      if (count > 1) refuse("there are " + std::to_string(count) + " modifiers of " + name + ", expected one");
+      if (count > 1) refuse("there are ", count, " modifiers of ", name, ", expected one");
       const SkinModifier& modifier = *modifiers.of_type(type->name);
       const std::size_t joints = modifier.joints.size();
       if (modifier.component_count != type->components + joints * type->joint_components ||
           modifier.numbers.size() != type->numbers + joints * type->joint_numbers) {
-        refuse("the modifier '" + modifier.name + "' has not the components and numbers of " + name);
+        refuse("the modifier '", modifier.name, "' has not the components and numbers of ", name);
       }
     }
   }
@@ -351,12 +339,11 @@ class Validator : TableChecks {
     const std::string name = "the modifier '" + modifier.name + "'";
     const std::size_t end = std::size_t{modifier.first_component} + modifier.component_count;
     if (end > kMostModifierComponents) {
-      refuse(name + " has components up to " + std::to_string(end) + ", expected at most " +
-             std::to_string(kMostModifierComponents));
+      refuse(name, " has components up to ", end, ", expected at most ", kMostModifierComponents);
     }
     if (used.size() < end) used.resize(end, 0);
     for (std::size_t k = modifier.first_component; k < end; ++k) {
-      if (used[k]++ > 0) refuse(name + " has components of another");
+      if (used[k]++ > 0) refuse(name, " has components of another");
     }
     expect_below("the joints of a modifier", modifier.joints, basis_.skeleton.size());
     expect_numbers("the numbers of a modifier", modifier.numbers);
@@ -364,8 +351,7 @@ class Validator : TableChecks {
     for (std::size_t k = 0; k < modifier.turns.size(); ++k) {
       const ModifierTurn& turn = modifier.turns[k];
       if (turn.joint >= basis_.skeleton.size() || turn.component >= modifier.component_count) {
-        refuse(name + " turns joint " + std::to_string(turn.joint) + " by component " + std::to_string(turn.component) +
-               ", which it does not have");
+        refuse(name, " turns joint ", turn.joint, " by component ", turn.component, ", which it does not have");
       }
       for (const float x : {turn.x, turn.y, turn.z}) expect_number("the turns of a modifier", k, double{x});
     }
@@ -417,7 +403,7 @@ class Validator : TableChecks {
     std::size_t centres = 0;
     for (std::size_t r = 0; r < regions; ++r) {
       if (coverage.joint_begin[r] == coverage.joint_begin[r + 1]) {
-        refuse("coverage, region " + std::to_string(r) + ": no joint moves it, expected at least one");
+        refuse("coverage, region ", r, ": no joint moves it, expected at least one");
       }
       centres += std::max(1u, basis_.residual.regions[r].centre_count);
     }
@@ -431,7 +417,7 @@ class Validator : TableChecks {
     }
     expect_not_below_zero("coverage.sizes", coverage.sizes);
     for (std::size_t r = 0; r < regions; ++r) {
-      if (!(coverage.sizes[r] > 0)) refuse(element("coverage.sizes", r) + " is 0, expected more");
+      if (!(coverage.sizes[r] > 0)) refuse(element("coverage.sizes", r), " is 0, expected more");
     }
     expect_not_below_zero("coverage.growth", coverage.growth);
     expect_numbers("coverage.usual", coverage.usual);
@@ -443,14 +429,14 @@ class Validator : TableChecks {
   void expect_not_below_zero(const char* name, const std::vector<float>& values) const {
     expect_numbers(name, values);
     for (std::size_t k = 0; k < values.size(); ++k) {
-      if (values[k] < 0) refuse(element(name, k) + " is " + std::to_string(values[k]) + ", expected 0 or more");
+      if (values[k] < 0) refuse(element(name, k), " is ", values[k], ", expected 0 or more");
     }
   }
 
   std::size_t feature_joint_count() const {
     if (!basis_.skeleton.features.empty()) return basis_.skeleton.features.size();
-    return static_cast<std::size_t>(std::count_if(basis_.skeleton.joints.begin(), basis_.skeleton.joints.end(),
-                                                  [](const Joint& joint) { return joint.parent >= 0; }));
+    return static_cast<std::size_t>(
+        std::ranges::count_if(basis_.skeleton.joints, [](const Joint& joint) { return joint.parent >= 0; }));
   }
 
   const Basis& basis_;

@@ -28,8 +28,7 @@ class InverseValidator : TableChecks {
 
   void run() const {
     if (inverse_.unknown_count != unknowns_) {
-      refuse(std::string(name_.slots) + " is of " + std::to_string(inverse_.unknown_count) + " unknowns, expected " +
-             std::to_string(unknowns_));
+      refuse(name_.slots, " is of ", inverse_.unknown_count, " unknowns, expected ", unknowns_);
     }
     expect_below(name_.slots, inverse_.slot_unknown, unknowns_);
     expect_size(name_.children, inverse_.child_slots.size(), 2 * inverse_.slot_unknown.size());
@@ -56,7 +55,7 @@ class InverseValidator : TableChecks {
       const InverseLevel& level = inverse_.levels[k];
       if (level.first_slot != slots || level.own_end < slots || level.end_slot < level.own_end ||
           level.up_begin != up || level.up_end < up || level.down_begin != down || level.down_end < down) {
-        refuse(element(name_.levels, k) + " has ranges that do not follow the level before it");
+        refuse(element(name_.levels, k), " has ranges that do not follow the level before it");
       }
       slots = level.end_slot;
       up = level.up_end;
@@ -75,8 +74,7 @@ class InverseValidator : TableChecks {
       for (std::uint32_t slot = inverse_.levels[k].first_slot; slot < inverse_.levels[k].own_end; ++slot) {
         const std::uint32_t unknown = inverse_.slot_unknown[slot];
         if (unknown < first_ || owner[unknown] != nobody) {
-          refuse(element(name_.slots, slot) + " is " + std::to_string(unknown) +
-                 ", expected an unknown that is solved for, once");
+          refuse(element(name_.slots, slot), " is ", unknown, ", expected an unknown that is solved for, once");
         }
         owner[unknown] = k;
       }
@@ -84,14 +82,13 @@ class InverseValidator : TableChecks {
     const auto missing =
         std::find(owner.begin() + static_cast<std::ptrdiff_t>(std::min(first_, unknowns_)), owner.end(), nobody);
     if (missing != owner.end()) {
-      refuse(std::string(name_.slots) + " does not hold unknown " + std::to_string(missing - owner.begin()) +
-             " as any front's own");
+      refuse(name_.slots, " does not hold unknown ", missing - owner.begin(), " as any front's own");
     }
     for (std::size_t k = 0; k < inverse_.levels.size(); ++k) {
       for (std::uint32_t slot = inverse_.levels[k].own_end; slot < inverse_.levels[k].end_slot; ++slot) {
         const std::size_t solved = owner[inverse_.slot_unknown[slot]];
         if (solved > k && solved != nobody) continue;
-        refuse(element(name_.slots, slot) + " is " + std::to_string(inverse_.slot_unknown[slot]) +
+        refuse(element(name_.slots, slot), " is ", inverse_.slot_unknown[slot],
                ", expected an unknown that a level above solves");
       }
     }
@@ -102,8 +99,7 @@ class InverseValidator : TableChecks {
       const std::uint32_t child = inverse_.child_slots[k];
       if (child == kNoSlot) continue;
       if (child < level.first_slot && inverse_.slot_unknown[child] == inverse_.slot_unknown[k / 2]) continue;
-      refuse(element(name_.children, k) + " is " + std::to_string(child) +
-             ", expected a slot of the same unknown of a level below");
+      refuse(element(name_.children, k), " is ", child, ", expected a slot of the same unknown of a level below");
     }
   }
 
@@ -120,26 +116,24 @@ class InverseValidator : TableChecks {
       };
       if (panel.row_count == 0 || panel.row_count > kBlockSize || !within(panel.first_slot, panel.row_count, rows) ||
           (panel.input_count > 0 && !within(panel.first_input, panel.input_count, inputs))) {
-        refuse(element(name, k) + " has rows or columns that are not slots of its level");
+        refuse(element(name, k), " has rows or columns that are not slots of its level");
       }
       if (panel.first_slot < inputs.end && inputs.begin == rows.begin &&
           panel.first_slot + panel.row_count > inputs.end) {
-        refuse(element(name, k) + " has rows of own and of boundary slots, expected one kind");
+        refuse(element(name, k), " has rows of own and of boundary slots, expected one kind");
       }
       if (end_value(panel) > inverse_.values.size()) {
-        refuse(element(name, k) + " needs numbers up to " + std::to_string(end_value(panel)) + ", there are " +
-               std::to_string(inverse_.values.size()));
+        refuse(element(name, k), " needs numbers up to ", end_value(panel), ", there are ", inverse_.values.size());
       }
       for (std::uint32_t row = 0; row < panel.row_count; ++row) {
         auto slot = given[panel.first_slot + row - rows.begin];
-        if (slot) refuse(element(name, k) + " gives slot " + std::to_string(panel.first_slot + row) + " once more");
+        if (slot) refuse(element(name, k), " gives slot ", panel.first_slot + row, " once more");
         slot = true;
         ++count;
       }
     }
     if (count == given.size()) return;
-    refuse(std::string(name) + " gives " + std::to_string(count) + " of the " + std::to_string(given.size()) +
-           " slots of the level that begins at slot " + std::to_string(rows.begin));
+    refuse(name, " gives ", count, " of the ", given.size(), " slots of the level that begins at slot ", rows.begin);
   }
 
   const BlockInverse& inverse_;
@@ -169,16 +163,16 @@ class DynamicsValidator : TableChecks {
   }
 
  private:
-  [[noreturn]] void refuse_basis(const std::string& what) const {
-    throw Error(ErrorKind::mismatch, origin_ + ": these dynamics are not of this basis: " + what +
-                                         " (made for another character, or before it was edited?)");
+  [[noreturn]] void refuse_basis(const auto&... what) const {
+    throw Error(ErrorKind::mismatch, origin_, ": these dynamics are not of this basis: ", what...,
+                " (made for another character, or before it was edited?)");
   }
 
   void check_owner() const {
     const auto expect = [&](const char* key, std::uint64_t hash, const char* what) {
       const auto found = dynamics_.metadata.find(key);
-      if (found == dynamics_.metadata.end()) refuse(std::string("its metadata lack '") + key + "'");
-      if (found->second != hexadecimal(hash)) refuse_basis(std::string("the ") + what + " is another");
+      if (found == dynamics_.metadata.end()) refuse("its metadata lack '", key, "'");
+      if (found->second != hexadecimal(hash)) refuse_basis("the ", what, " is another");
     };
     expect("topology_hash", topology_hash(basis_.mesh), "mesh");
     expect("skeleton_hash", skeleton_hash(basis_.skeleton), "skeleton");
@@ -187,8 +181,7 @@ class DynamicsValidator : TableChecks {
   void check_tets() const {
     const TetTable& tets = dynamics_.tets;
     if (tets.nodes.size() % 3 != 0 || tets.nodes.empty() || nodes_ > kMostNodes) {
-      refuse("tets.nodes has " + std::to_string(tets.nodes.size()) +
-             " entries, expected three to a node, of 1 to 2^24");
+      refuse("tets.nodes has ", tets.nodes.size(), " entries, expected three to a node, of 1 to 2^24");
     }
     expect_size("tets.tets", tets.tets.size(), 4 * tets_);
     expect_numbers("tets.nodes", tets.nodes);
@@ -198,7 +191,7 @@ class DynamicsValidator : TableChecks {
       for (const float x : shape.inverse_edges) expect_number("tets.shapes", t, static_cast<double>(x));
       expect_number("tets.shapes", t, static_cast<double>(shape.volume));
       if (!(shape.volume > 0)) {
-        refuse(element("tets.shapes", t) + " has a volume of " + std::to_string(shape.volume) + ", expected above 0");
+        refuse(element("tets.shapes", t), " has a volume of ", shape.volume, ", expected above 0");
       }
     }
   }
@@ -211,12 +204,11 @@ class DynamicsValidator : TableChecks {
     for (std::size_t c = 0; c < tets.tets.size(); ++c) {
       const std::uint32_t node = tets.tets[c], k = next[node]++;
       if (k < tets.corner_begin[node + 1] && tets.corners[k] == c) continue;
-      refuse("tets.corners does not list corner " + std::to_string(c) + " at node " + std::to_string(node) +
-             " in ascending order, expected at " + std::to_string(k));
+      refuse("tets.corners does not list corner ", c, " at node ", node, " in ascending order, expected at ", k);
     }
     for (std::size_t n = 0; n < nodes_; ++n) {
       if (tets.corner_begin[n] == tets.corner_begin[n + 1]) {
-        refuse("tets.nodes: node " + std::to_string(n) + " belongs to no tetrahedron");
+        refuse("tets.nodes: node ", n, " belongs to no tetrahedron");
       }
     }
   }
@@ -224,8 +216,7 @@ class DynamicsValidator : TableChecks {
   void check_surface() const {
     const TetTable& tets = dynamics_.tets;
     if (tets.surface.empty() || tets.surface.size() > nodes_) {
-      refuse("tets.surface has " + std::to_string(tets.surface.size()) + " entries, expected 1 to " +
-             std::to_string(nodes_));
+      refuse("tets.surface has ", tets.surface.size(), " entries, expected 1 to ", nodes_);
     }
     const std::vector<float>& rest = basis_.mesh.rest;
     const auto [low, high] = std::minmax_element(rest.begin(), rest.end());
@@ -252,21 +243,19 @@ class DynamicsValidator : TableChecks {
     for (std::size_t v = 0; v < tets.skin.size(); ++v) {
       const TetPoint& point = tets.skin[v];
       if (point.tet >= tets_) {
-        refuse(element("tets.skin", v) + " names tetrahedron " + std::to_string(point.tet) +
-               ", expected an index below " + std::to_string(tets_));
+        refuse(element("tets.skin", v), " names tetrahedron ", point.tet, ", expected an index below ", tets_);
       }
       expect_weights("tets.skin", v, std::array{point.w0, point.w1, point.w2, point.w3});
       expect_number("tets.skin", v, static_cast<double>(point.amount));
       if (point.amount < 0) {
-        refuse(element("tets.skin", v) + " takes an amount of " + std::to_string(point.amount) +
-               ", expected 0 or more");
+        refuse(element("tets.skin", v), " takes an amount of ", point.amount, ", expected 0 or more");
       }
     }
     expect_size("tets.skin_limit", tets.skin_limit.size(), basis_.mesh.vertex_count());
     for (std::size_t v = 0; v < tets.skin_limit.size(); ++v) {
       const float limit = tets.skin_limit[v];
       if (!(limit > 0 && limit <= kNoLimit)) {
-        refuse(element("tets.skin_limit", v) + " is " + std::to_string(limit) + ", expected metres above 0");
+        refuse(element("tets.skin_limit", v), " is ", limit, ", expected metres above 0");
       }
     }
   }
@@ -280,7 +269,7 @@ class DynamicsValidator : TableChecks {
       size = std::max(size, std::abs(w));
     }
     if (std::abs(sum - 1) <= kWeightTolerance * size) return;
-    refuse(element(name, k) + " has weights that sum to " + std::to_string(sum) + ", expected 1");
+    refuse(element(name, k), " has weights that sum to ", sum, ", expected 1");
   }
 
   void check_diffuse() const {
@@ -300,8 +289,8 @@ class DynamicsValidator : TableChecks {
     const JiggleStep& step = dynamics_.jiggle.step;
     if (!(step.frames_per_second > 0 && step.frames_per_second <= kMostFrames) || step.substeps == 0 ||
         step.substeps > kMostSubsteps) {
-      refuse("jiggle.step has " + std::to_string(step.frames_per_second) + " frames a second of " +
-             std::to_string(step.substeps) + " substeps, expected numbers above 0, of at most 1000000 and 1024");
+      refuse("jiggle.step has ", step.frames_per_second, " frames a second of ", step.substeps,
+             " substeps, expected numbers above 0, of at most 1000000 and 1024");
     }
     expect_number("jiggle.step", 3, static_cast<double>(step.stiffness_damping));
     if (step.stiffness_damping < 0) refuse("jiggle.step has a damping below 0");
@@ -320,13 +309,13 @@ class DynamicsValidator : TableChecks {
     const JiggleNode& node = dynamics_.jiggle.nodes[n];
     for (const float x : {node.mass, node.inertia, node.stiffening}) {
       expect_number("jiggle.nodes", n, static_cast<double>(x));
-      if (x < 0) refuse(element("jiggle.nodes", n) + " has a number of " + std::to_string(x) + ", expected 0 or more");
+      if (x < 0) refuse(element("jiggle.nodes", n), " has a number of ", x, ", expected 0 or more");
     }
     if (std::uint64_t{node.first_fibre} + node.fibre_count > basis_.strain.fibre_count()) {
-      refuse_basis(element("jiggle.nodes", n) + " is of fibres that its strain table does not have");
+      refuse_basis(element("jiggle.nodes", n), " is of fibres that its strain table does not have");
     }
     if (node.control != kNoControl && node.control >= basis_.residual.controls.size()) {
-      refuse_basis(element("jiggle.nodes", n) + " is flexed by a control that it does not have");
+      refuse_basis(element("jiggle.nodes", n), " is flexed by a control that it does not have");
     }
   }
 

@@ -11,24 +11,23 @@ class LevelValidator : TableChecks {
 
   void check_count(std::size_t count) const {
     if (count >= 1 && count <= kMostLevels) return;
-    refuse("it has " + std::to_string(count) + " levels, expected 1 to " + std::to_string(kMostLevels));
+    refuse("it has ", count, " levels, expected 1 to ", kMostLevels);
   }
 
   void check_carried(const Level& level) const {
     const std::size_t triangles = level.basis.mesh.output_triangles.size() / 3;
     if (!(level.carried.step >= 0 && static_cast<double>(level.carried.step) * 32768 <= kLargest)) {
-      refuse("carried.step is " + std::to_string(level.carried.step) + " m, expected 0 to " +
-             std::to_string(kLargest / 32768));
+      refuse("carried.step is ", level.carried.step, " m, expected 0 to ", kLargest / 32768);
     }
     for (std::size_t k = 0; k < level.carried.size(); ++k) {
       const CarriedPoint& point = level.carried.points[k];
       if (point.triangle >= triangles) {
-        refuse(element("carried.points", k) + " lies on triangle " + std::to_string(point.triangle) +
-               ", expected an index below " + std::to_string(triangles));
+        refuse(element("carried.points", k), " lies on triangle ", point.triangle, ", expected an index below ",
+               triangles);
       }
       if (point.b + point.c > 255) {
-        refuse(element("carried.points", k) + " has the barycentric weights " + std::to_string(point.b) + " and " +
-               std::to_string(point.c) + " of 255, expected 255 at most in all");
+        refuse(element("carried.points", k), " has the barycentric weights ", point.b, " and ", point.c,
+               " of 255, expected 255 at most in all");
       }
     }
   }

@@ -123,19 +123,19 @@ void AtomicFile::require_replaceable() const {
   std::error_code ignored;
   const fs::file_status status = fs::status(path_, ignored);
   if (fs::is_directory(status) || !path_.has_filename()) {
-    throw Error(ErrorKind::file, path_.string() + ": cannot be written: it is a folder; expected the name of a file");
+    throw Error(ErrorKind::file, path_, ": cannot be written: it is a folder; expected the name of a file");
   }
   if (fs::exists(status) && !fs::is_regular_file(status)) {
-    throw Error(ErrorKind::file, path_.string() +
-                                     ": cannot be written: it is a device or a pipe, which a rename would replace; "
-                                     "expected the name of a file");
+    throw Error(ErrorKind::file, path_,
+                ": cannot be written: it is a device or a pipe, which a rename would replace; "
+                "expected the name of a file");
   }
 }
 
 void AtomicFile::fail(const char* doing) const {
   const std::string reason = std::strerror(errno);
-  throw Error(ErrorKind::file, path_.string() + ": " + doing + ": " + reason +
-                                   " (is the folder there and writable, and is the disk not full?)");
+  throw Error(ErrorKind::file, path_, ": ", doing, ": ", reason,
+              " (is the folder there and writable, and is the disk not full?)");
 }
 
 void AtomicFile::write(std::span<const std::byte> bytes) {
@@ -159,8 +159,8 @@ void AtomicFile::write_file(const std::filesystem::path& file) {
   errno = reason;
   if (got > 0) fail("cannot be written");
   if (got == 0) return;
-  throw Error(ErrorKind::file, file.string() + ": cannot be read: " + std::strerror(reason) +
-                                   " (was it removed, or its folder taken away?)");
+  throw Error(ErrorKind::file, file, ": cannot be read: ", std::strerror(reason),
+              " (was it removed, or its folder taken away?)");
 }
 
 void AtomicFile::write_unfinished(AtomicFile& other) {

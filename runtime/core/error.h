@@ -2,8 +2,12 @@
 // what was found and the likely cause; the kind decides the program's exit code.
 #pragma once
 
+#include <concepts>
+#include <filesystem>
 #include <stdexcept>
 #include <string>
+#include <string_view>
+#include <type_traits>
 
 namespace bodyopt {
 
@@ -32,10 +36,35 @@ enum class ErrorCause {
   several_pieces,
 };
 
+// A text, a character, a file's name, or a number, which is written as std::to_string() does.
+template <typename Part>
+concept MessagePart = std::convertible_to<const Part&, std::string_view> || std::same_as<Part, std::filesystem::path> ||
+    (std::is_arithmetic_v<Part> && !std::same_as<Part, bool>);
+
+// All parts of a message as one text.
+template <MessagePart... Parts>
+std::string concat(const Parts&... parts) {
+  std::string text;
+  const auto append = [&]<typename Part>(const Part& part) {
+    if constexpr (std::same_as<Part, std::filesystem::path>) {
+      text += part.string();
+    } else if constexpr (std::is_arithmetic_v<Part> && !std::same_as<Part, char>) {
+      text += std::to_string(part);
+    } else {
+      text += part;
+    }
+  };
+  (append(parts), ...);
+  return text;
+}
+
 class Error : public std::runtime_error {
  public:
   Error(ErrorKind kind, const std::string& message, ErrorCause cause = ErrorCause::other)
       : std::runtime_error(message), kind_(kind), cause_(cause) {}
+  // The message from its parts.
+  template <MessagePart... Parts>
+  explicit Error(ErrorKind kind, const Parts&... parts) : Error(kind, concat(parts...)) {}
   ErrorKind kind() const { return kind_; }
   ErrorCause cause() const { return cause_; }
   int exit_code() const { return static_cast<int>(kind_); }

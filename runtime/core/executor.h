@@ -1,6 +1,7 @@
 // Threads that the runtime works on: those of the host program where it lends some.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 
 namespace bodyopt {
@@ -36,6 +37,25 @@ void parallel_parts(Executor& executor, std::size_t count, std::size_t grain, co
     (*static_cast<const Function*>(context))(begin, end);
   };
   executor.parallel_for(count, grain, task, &function);
+}
+
+// function(k) of every element.
+template <typename Function>
+void parallel_each(Executor& executor, std::size_t count, std::size_t grain, const Function& function) {
+  parallel_parts(executor, count, grain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t k = begin; k < end; ++k) function(k);
+  });
+}
+
+// function(frame, first, count) of all pieces of `size` elements of every frame, the last of a frame smaller.
+template <typename Function>
+void parallel_pieces(Executor& executor, std::size_t frames, std::size_t elements, std::size_t size,
+                     const Function& function) {
+  const std::size_t pieces = (elements + size - 1) / size;
+  parallel_each(executor, frames * pieces, 1, [&](std::size_t k) {
+    const std::size_t first = k % pieces * size;
+    function(k / pieces, first, std::min(size, elements - first));
+  });
 }
 
 }  // namespace bodyopt

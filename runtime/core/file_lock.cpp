@@ -6,7 +6,6 @@
 #include <unistd.h>
 
 #include <cerrno>
-#include <chrono>
 #include <cstring>
 #include <sstream>
 #include <thread>
@@ -22,7 +21,7 @@ namespace fs = std::filesystem;
 using namespace std::chrono_literals;
 
 [[noreturn]] void fail(const fs::path& path, const std::string& doing, const char* cause) {
-  throw Error(ErrorKind::file, path.string() + ": " + doing + ": " + std::strerror(errno) + " (" + cause + ")");
+  throw Error(ErrorKind::file, path, ": ", doing, ": ", std::strerror(errno), " (", cause, ")");
 }
 
 int open_lock(const fs::path& path) {
@@ -36,7 +35,7 @@ int open_lock(const fs::path& path) {
   struct stat status {};
   if (fstat(file, &status) != 0 || !S_ISREG(status.st_mode)) {
     close(file);
-    throw Error(ErrorKind::file, path.string() + ": is no file, and locks are files of their own: remove it");
+    throw Error(ErrorKind::file, path, ": is no file, and locks are files of their own: remove it");
   }
   return file;
 }
@@ -96,7 +95,7 @@ bool FileLock::take() {
 void FileLock::remove_file() const { unlink(path_.c_str()); }
 
 RunLock::RunLock(const fs::path& lock, const std::string& why) : lock_(lock) {
-  if (!lock_.is_held()) throw Error(ErrorKind::file, lock.string() + ": another run is " + why);
+  if (!lock_.is_held()) throw Error(ErrorKind::file, lock, ": another run is ", why);
 }
 
 RunLock::~RunLock() { lock_.remove_file(); }

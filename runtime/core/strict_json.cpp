@@ -18,14 +18,13 @@ class StrictJsonGuard {
     using Event = Json::parse_event_t;
     if (event == Event::object_start || event == Event::array_start) {
       if (open_.size() == kMaxDepth) {
-        refuse("is nested deeper than " + std::to_string(kMaxDepth) +
-               " levels; it was not written by us or is damaged");
+        refuse("is nested deeper than ", kMaxDepth, " levels; it was not written by us or is damaged");
       }
       open_.emplace_back();
     } else if (event == Event::object_end || event == Event::array_end) {
       open_.pop_back();
     } else if (event == Event::key && !open_.back().insert(value.get<std::string>()).second) {
-      refuse("has the key '" + value.get<std::string>() +
+      refuse("has the key '", value.get<std::string>(),
              "' twice in one object; expected once (copied by hand, or damaged)");
     }
   }
@@ -33,9 +32,7 @@ class StrictJsonGuard {
  private:
   static constexpr std::size_t kMaxDepth = 32;
 
-  [[noreturn]] void refuse(const std::string& what) const {
-    throw Error(ErrorKind::file, origin_ + ": its JSON " + what);
-  }
+  [[noreturn]] void refuse(const auto&... what) const { throw Error(ErrorKind::file, origin_, ": its JSON ", what...); }
 
   const std::string& origin_;
   std::vector<std::set<std::string>> open_;  // keys so far of every object and list that is not closed yet
@@ -52,8 +49,8 @@ Json parse_strict_json(std::string_view text, const std::string& origin) {
       return true;
     });
   } catch (const Json::exception& error) {
-    throw Error(ErrorKind::file, origin + ": its JSON cannot be read (" +
-                                     std::string(error.what()).substr(0, kMaxReason) + "); damaged or cut off?");
+    throw Error(ErrorKind::file, origin, ": its JSON cannot be read (", std::string(error.what()).substr(0, kMaxReason),
+                "); damaged or cut off?");
   }
 }
 
@@ -61,7 +58,7 @@ std::string strict_json_text(const Json& json, const std::string& origin, int in
   try {
     return json.dump(indent);
   } catch (const Json::exception& error) {
-    throw Error(ErrorKind::file, origin + ": cannot be written: a name is not UTF-8 text (" + error.what() + ")");
+    throw Error(ErrorKind::file, origin, ": cannot be written: a name is not UTF-8 text (", error.what(), ")");
   }
 }
 

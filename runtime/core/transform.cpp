@@ -1,7 +1,6 @@
 #include "runtime/core/transform.h"
 
 #include <cmath>
-#include <string>
 
 #include "runtime/core/error.h"
 
@@ -98,8 +97,8 @@ Affine inverse(const Affine& a) {
   const Mat3 m = linear_part(a);
   const double d = determinant(m);
   if (!std::isfinite(d) || std::abs(d) < 1e-30) {
-    throw Error(ErrorKind::mismatch, "expected a transform that can be undone, found one of determinant " +
-                                         std::to_string(d) + ": is a joint scaled to nothing?");
+    throw Error(ErrorKind::mismatch, "expected a transform that can be undone, found one of determinant ", d,
+                ": is a joint scaled to nothing?");
   }
   const Mat3 c = cofactors(m);
   Affine b;

@@ -1,6 +1,5 @@
 #include "runtime/cpu/dynamics_kernels.h"
 #include "runtime/cpu/parallel.h"
-#include "runtime/cpu/right_side.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "runtime/cpu/block_down.cpp"

@@ -1,7 +1,6 @@
 #include "runtime/basis/block_inverse.h"
 #include "runtime/cpu/dynamics_kernels.h"
 #include "runtime/cpu/parallel.h"
-#include "runtime/cpu/right_side.h"
 
 namespace bodyopt::cpu {
 

@@ -144,24 +144,25 @@ class CpuBackend final : public Backend {
     }
   }
 
-  // function(f), f of the batch, of all frames of a range.
+  // function(f), f of the batch, of all frames of a range, as work of a stage.
   template <typename Function>
-  void over_frames(FrameRange range, const Function& function) const {
-    parallel_parts(*executor_, range.count(), 1, [&](std::size_t from, std::size_t to) {
-      for (std::size_t k = from; k < to; ++k) function(range.begin + k);
+  void over_frames(Work& work, Stage stage, FrameRange range, const Function& function) const {
+    parallel_each(*executor_, range.count(), 1, [&](std::size_t k) {
+      auto last = StageTimes::Clock::now();
+      function(range.begin + k);
+      work.times.add_since(last, stage);
     });
   }
 
-  // function(frame, first, count) of all parts of `elements` vertices or triangles in each of all frames.
+  // function(frame, first, count) of all parts of `elements` vertices or triangles in each of all frames, the same.
   template <typename Function>
-  void over_parts(std::size_t frames, std::size_t elements, const Function& function) const {
-    const std::size_t parts = (elements + kPartVertices - 1) / kPartVertices;
-    parallel_parts(*executor_, frames * parts, 1, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t k = begin; k < end; ++k) {
-        const std::size_t first = k % parts * kPartVertices;
-        function(k / parts, first, std::min(kPartVertices, elements - first));
-      }
-    });
+  void over_parts(Work& work, Stage stage, std::size_t frames, std::size_t elements, const Function& function) const {
+    parallel_pieces(*executor_, frames, elements, kPartVertices,
+                    [&](std::size_t frame, std::size_t first, std::size_t count) {
+                      auto last = StageTimes::Clock::now();
+                      function(frame, first, count);
+                      work.times.add_since(last, stage);
+                    });
   }
 
   std::size_t vertex_count() const { return basis_.mesh.vertex_count(); }
@@ -192,30 +193,26 @@ class CpuBackend final : public Backend {
     if (basis_.strain.vertices.empty()) return;
     const Batch& batch = work.batch;
     scratch_.frames.resize(std::max(scratch_.frames.size(), cpu::kFrameNumbers * range.count() * block_count()));
-    over_parts(range.count(), vertex_count(), [&](std::size_t k, std::size_t first, std::size_t count) {
-      auto last = StageTimes::Clock::now();
-      const std::size_t block = first / kBlockSize, blocks = (count + kBlockSize - 1) / kBlockSize;
-      cpu::block_frames(basis_.ddm, of_frame(learned_skinning(batch), range.begin + k, batch.frame_count).data(),
-                        static_cast<std::uint32_t>(block), known_frames(k, block).first(cpu::kFrameNumbers * blocks));
-      work.times.add_since(last, Stage::strain);
-    });
-    over_frames(range, [&](std::size_t f) {
-      auto last = StageTimes::Clock::now();
+    over_parts(
+        work, Stage::strain, range.count(), vertex_count(), [&](std::size_t k, std::size_t first, std::size_t count) {
+          const std::size_t block = first / kBlockSize, blocks = (count + kBlockSize - 1) / kBlockSize;
+          cpu::block_frames(basis_.ddm, of_frame(learned_skinning(batch), range.begin + k, batch.frame_count).data(),
+                            static_cast<std::uint32_t>(block),
+                            known_frames(k, block).first(cpu::kFrameNumbers * blocks));
+        });
+    over_frames(work, Stage::strain, range, [&](std::size_t f) {
       const auto positions = of_frame(scratch_.fibre_positions, f, batch.frame_count);
       cpu::place_strain_vertices(basis_.ddm, basis_.strain, known_frames(f - range.begin, 0), positions);
       cpu::strain_measure(basis_.strain, positions, of_frame(work.result.strains, f, batch.frame_count));
-      work.times.add_since(last, Stage::strain);
     });
   }
 
   void find_coefficients(Work& work, FrameRange range) {
     const Batch& batch = work.batch;
-    over_frames(range, [&](std::size_t f) {
-      auto last = StageTimes::Clock::now();
+    over_frames(work, Stage::residual, range, [&](std::size_t f) {
       const auto frame = [&](auto& values) { return of_frame(values, f, batch.frame_count); };
       cpu::residual_features(basis_.residual.features, frame(batch.joint_features), frame(work.result.strains),
                              frame(batch.controls), 1, frame(scratch_.features), frame(work.result.excess));
-      work.times.add_since(last, Stage::residual);
     });
     const std::size_t regions = basis_.residual.regions.size();
     parallel_parts(*executor_, range.count() * regions, 1, [&](std::size_t begin, std::size_t end) {
@@ -244,28 +241,30 @@ class CpuBackend final : public Backend {
 
   // What stages do part by part, one after the other while a part is in the nearest cache.
   void run_parts(std::span<const Stage> stages, Work& work, FrameRange range) {
-    over_parts(range.count(), vertex_count(), [&](std::size_t k, std::size_t first, std::size_t count) {
-      const auto frame = [&](auto& values) { return of_frame(values, range.begin + k, work.batch.frame_count); };
-      const auto block = static_cast<std::uint32_t>(first / kBlockSize);
-      float numbers[3 * kPartVertices];
-      const std::span<float> displacements(numbers, 3 * count);
-      const std::span<float> known =
-          poses_as_learned(work.batch, range.begin + k) ? known_frames(k, block) : std::span<float>();
-      auto last = StageTimes::Clock::now();
-      for (const Stage stage : stages) {
-        if (stage == Stage::residual) {
-          cpu::blend_blocks(basis_.residual, frame(work.result.coefficients).data(), weights_.correction, block,
-                            displacements);
-        } else if (stage == Stage::modify) {
-          cpu::modify_blocks(basis_.modifiers, frame(work.batch.modifiers).data(), block, displacements);
-        } else if (stage == Stage::pose) {
-          cpu::pose_blocks(basis_.ddm, frame(work.batch.skinning).data(), known.data(),
-                           &work.batch.origins[4 * (range.begin + k)], block, displacements,
-                           frame(work.result.positions).subspan(3 * first, 3 * count));
-        }
-        work.times.add_since(last, stage);
-      }
-    });
+    parallel_pieces(
+        *executor_, range.count(), vertex_count(), kPartVertices,
+        [&](std::size_t k, std::size_t first, std::size_t count) {
+          const auto frame = [&](auto& values) { return of_frame(values, range.begin + k, work.batch.frame_count); };
+          const auto block = static_cast<std::uint32_t>(first / kBlockSize);
+          float numbers[3 * kPartVertices];
+          const std::span<float> displacements(numbers, 3 * count);
+          const std::span<float> known =
+              poses_as_learned(work.batch, range.begin + k) ? known_frames(k, block) : std::span<float>();
+          auto last = StageTimes::Clock::now();
+          for (const Stage stage : stages) {
+            if (stage == Stage::residual) {
+              cpu::blend_blocks(basis_.residual, frame(work.result.coefficients).data(), weights_.correction, block,
+                                displacements);
+            } else if (stage == Stage::modify) {
+              cpu::modify_blocks(basis_.modifiers, frame(work.batch.modifiers).data(), block, displacements);
+            } else if (stage == Stage::pose) {
+              cpu::pose_blocks(basis_.ddm, frame(work.batch.skinning).data(), known.data(),
+                               &work.batch.origins[4 * (range.begin + k)], block, displacements,
+                               frame(work.result.positions).subspan(3 * first, 3 * count));
+            }
+            work.times.add_since(last, stage);
+          }
+        });
   }
 
   // What modifiers do that move the skin in the end.
@@ -290,12 +289,10 @@ class CpuBackend final : public Backend {
 
   void relax(Work& work, const OutputStep& step) {
     const std::size_t frames = work.batch.frame_count;
-    over_parts(frames, vertex_count(), [&](std::size_t f, std::size_t first, std::size_t count) {
-      auto last = StageTimes::Clock::now();
+    over_parts(work, Stage::output, frames, vertex_count(), [&](std::size_t f, std::size_t first, std::size_t count) {
       cpu::relax_part(basis_.mesh, of_frame(work.batch.modifiers, f, frames)[step.modifier->first_component],
                       of_frame(work.result.positions, f, frames), first,
                       of_frame(scratch_.finished, f, frames).subspan(3 * first, 3 * count));
-      work.times.add_since(last, Stage::output);
     });
   }
 
@@ -305,16 +302,15 @@ class CpuBackend final : public Backend {
     std::atomic<bool> moves = false;
     for_ranges(work.batch.frame_count, [&](FrameRange range) {
       find_bent_folds(work, push, range);
-      over_parts(range.count(), vertex_count(), [&](std::size_t k, std::size_t first, std::size_t count) {
-        auto last = StageTimes::Clock::now();
-        const auto frame = [&](auto& values) { return of_frame(values, range.begin + k, work.batch.frame_count); };
-        if (cpu::separate_part(basis_.mesh, model_->folds, push, scratch_.bent_folds[k].all(),
-                               {frame(scratch_.unfinished), frame(work.result.positions)}, first,
-                               frame(scratch_.finished).subspan(3 * first, 3 * count))) {
-          moves = true;
-        }
-        work.times.add_since(last, Stage::output);
-      });
+      over_parts(
+          work, Stage::output, range.count(), vertex_count(), [&](std::size_t k, std::size_t first, std::size_t count) {
+            const auto frame = [&](auto& values) { return of_frame(values, range.begin + k, work.batch.frame_count); };
+            if (cpu::separate_part(basis_.mesh, model_->folds, push, scratch_.bent_folds[k].all(),
+                                   {frame(scratch_.unfinished), frame(work.result.positions)}, first,
+                                   frame(scratch_.finished).subspan(3 * first, 3 * count))) {
+              moves = true;
+            }
+          });
     });
     return moves;
   }
@@ -323,14 +319,12 @@ class CpuBackend final : public Backend {
     const OutputBoundPush bound = bound_push(basis_);
     const std::size_t numbers = std::size_t{6} * bound.box_count;
     scratch_.boxes.resize(std::max(scratch_.boxes.size(), numbers * range.count()));
-    over_frames(range, [&](std::size_t f) {
-      auto last = StageTimes::Clock::now();
+    over_frames(work, Stage::output, range, [&](std::size_t f) {
       const std::size_t k = f - range.begin;
       const std::span<float> boxes = std::span(scratch_.boxes).subspan(k * numbers, numbers);
       cpu::output_bound(model_->folds.triangles, bound, of_frame(work.result.positions, f, work.batch.frame_count),
                         boxes);
       scratch_.bent_folds[k].find(push, of_frame(work.batch.modifiers, f, work.batch.frame_count), boxes);
-      work.times.add_since(last, Stage::output);
     });
   }
 
@@ -340,30 +334,27 @@ class CpuBackend final : public Backend {
     for_ranges(frames, [&](FrameRange range) {
       scratch_.areas.resize(std::max(scratch_.areas.size(), numbers * range.count()));
       const std::span<float> areas(scratch_.areas);
-      over_parts(range.count(), triangles, [&](std::size_t k, std::size_t first, std::size_t count) {
-        auto last = StageTimes::Clock::now();
-        cpu::area_vectors(model_->near.triangles, of_frame(work.result.positions, range.begin + k, frames), first,
-                          areas.subspan(k * numbers + cpu::kAreaNumbers * first, cpu::kAreaNumbers * count));
-        work.times.add_since(last, Stage::output);
-      });
-      over_parts(range.count(), vertex_count(), [&](std::size_t k, std::size_t first, std::size_t count) {
-        auto last = StageTimes::Clock::now();
-        cpu::part_normals(basis_.mesh, model_->near.vertex_triangles, areas.subspan(k * numbers, numbers), first,
-                          of_frame(work.result.normals, range.begin + k, frames).subspan(3 * first, 3 * count));
-        work.times.add_since(last, Stage::output);
-      });
+      over_parts(
+          work, Stage::output, range.count(), triangles, [&](std::size_t k, std::size_t first, std::size_t count) {
+            cpu::area_vectors(model_->near.triangles, of_frame(work.result.positions, range.begin + k, frames), first,
+                              areas.subspan(k * numbers + cpu::kAreaNumbers * first, cpu::kAreaNumbers * count));
+          });
+      over_parts(
+          work, Stage::output, range.count(), vertex_count(), [&](std::size_t k, std::size_t first, std::size_t count) {
+            cpu::part_normals(basis_.mesh, model_->near.vertex_triangles, areas.subspan(k * numbers, numbers), first,
+                              of_frame(work.result.normals, range.begin + k, frames).subspan(3 * first, 3 * count));
+          });
     });
   }
 
   void find_tangents(Work& work) {
     const std::size_t frames = work.batch.frame_count;
-    over_parts(frames, basis_.mesh.output_count(), [&](std::size_t f, std::size_t first, std::size_t count) {
-      auto last = StageTimes::Clock::now();
-      cpu::output_tangents(model_->tangents, of_frame(work.result.positions, f, frames),
-                           of_frame(work.result.normals, f, frames), first,
-                           of_frame(work.result.tangents, f, frames).subspan(4 * first, 4 * count));
-      work.times.add_since(last, Stage::output);
-    });
+    over_parts(work, Stage::output, frames, basis_.mesh.output_count(),
+               [&](std::size_t f, std::size_t first, std::size_t count) {
+                 cpu::output_tangents(model_->tangents, of_frame(work.result.positions, f, frames),
+                                      of_frame(work.result.normals, f, frames), first,
+                                      of_frame(work.result.tangents, f, frames).subspan(4 * first, 4 * count));
+               });
   }
 
   const std::shared_ptr<const CharacterModel> model_;

@@ -11,16 +11,14 @@ void diffuse_surface(const TetTable& tets, std::span<const float> positions, std
     const float* x = positions.data() + 3 * f * vertices;
     const float* origin = origins.data() + 4 * f;
     float* to = nodes.data() + 3 * f * tets.node_count();
-    parallel_parts(threads, tets.surface.size(), grain_of(16), [&](std::size_t begin, std::size_t end) {
-      for (std::size_t node = begin; node < end; ++node) {
-        const SurfacePoint& point = tets.surface[node];
-        const float *a = x + std::size_t{3} * point.a, *b = x + std::size_t{3} * point.b,
-                    *c = x + std::size_t{3} * point.c;
-        // Each less the origin: far from it, the rounding of the weights would show in their sum.
-        for (std::size_t i = 0; i < 3; ++i) {
-          to[3 * node + i] =
-              point.wa * (a[i] - origin[i]) + point.wb * (b[i] - origin[i]) + point.wc * (c[i] - origin[i]);
-        }
+    parallel_each(threads, tets.surface.size(), grain_of(16), [&](std::size_t node) {
+      const SurfacePoint& point = tets.surface[node];
+      const float *a = x + std::size_t{3} * point.a, *b = x + std::size_t{3} * point.b,
+                  *c = x + std::size_t{3} * point.c;
+      // Each less the origin: far from it, the rounding of the weights would show in their sum.
+      for (std::size_t i = 0; i < 3; ++i) {
+        to[3 * node + i] =
+            point.wa * (a[i] - origin[i]) + point.wb * (b[i] - origin[i]) + point.wc * (c[i] - origin[i]);
       }
     });
   }

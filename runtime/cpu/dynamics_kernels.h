@@ -4,6 +4,7 @@
 // any number of them.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -29,6 +30,16 @@ void diffuse_surface(const TetTable& tets, std::span<const float> positions, std
 // Diffuse stage: -L_IB X_B. nodes F x N x 3 -> right_sides F x N x 3, of all nodes but the first B (which are left).
 void diffuse_gather(const DiffuseTable& diffuse, std::uint32_t surface_count, std::span<const float> nodes,
                     std::uint32_t frame_count, std::span<float> right_sides, Executor& threads = calling_thread());
+
+// Where the unknowns of one of many right sides stand, see below.
+struct RightSide {
+  RightSide(std::uint32_t number, std::uint32_t interleave, std::uint32_t unknown_count)
+      : step(interleave), begin(std::size_t{number / interleave} * unknown_count * interleave + number % interleave) {}
+
+  std::size_t operator()(std::uint32_t unknown) const { return begin + std::size_t{unknown} * step; }
+
+  std::size_t step, begin;
+};
 
 // One level of a solve with R right sides. Unknown q of right side r stands at
 // (r / interleave) * unknown_count * interleave + q * interleave + r % interleave: with an interleave of 3, x, y and z

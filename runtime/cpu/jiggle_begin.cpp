@@ -27,23 +27,21 @@ void jiggle_begin(const JiggleTable& jiggle, const JiggleStepPush& step, std::sp
                   std::span<const float> strains, std::span<const float> controls, std::span<const float> displacement,
                   std::span<const float> velocity, std::span<float> local_displacement, std::span<float> local_velocity,
                   std::span<float> right_side, Executor& threads) {
-  parallel_parts(threads, jiggle.nodes.size(), grain_of(64), [&](std::size_t begin, std::size_t end) {
-    for (std::size_t n = begin; n < end; ++n) {
-      const JiggleNode& node = jiggle.nodes[n];
-      float r[9], world_u[3], world_v[3], u[3], v[3], b[3];
-      std::copy_n(&rotations[9 * n], 9, r);
-      std::copy_n(&displacement[3 * n], 3, world_u);
-      std::copy_n(&velocity[3 * n], 3, world_v);
-      turn_back(r, world_u, u);
-      turn_back(r, world_v, v);
-      const float pull = step.duration * (node.stiffening * activation(node, strains, controls));
-      const float drag = 1 + step.duration * pull;
-      for (int i = 0; i < 3; ++i) v[i] = (v[i] - pull * u[i]) / drag;
-      node_right_side(node, step, r, u, v, b);
-      std::copy_n(u, 3, &local_displacement[3 * n]);
-      std::copy_n(v, 3, &local_velocity[3 * n]);
-      std::copy_n(b, 3, &right_side[3 * n]);
-    }
+  parallel_each(threads, jiggle.nodes.size(), grain_of(64), [&](std::size_t n) {
+    const JiggleNode& node = jiggle.nodes[n];
+    float r[9], world_u[3], world_v[3], u[3], v[3], b[3];
+    std::copy_n(&rotations[9 * n], 9, r);
+    std::copy_n(&displacement[3 * n], 3, world_u);
+    std::copy_n(&velocity[3 * n], 3, world_v);
+    turn_back(r, world_u, u);
+    turn_back(r, world_v, v);
+    const float pull = step.duration * (node.stiffening * activation(node, strains, controls));
+    const float drag = 1 + step.duration * pull;
+    for (int i = 0; i < 3; ++i) v[i] = (v[i] - pull * u[i]) / drag;
+    node_right_side(node, step, r, u, v, b);
+    std::copy_n(u, 3, &local_displacement[3 * n]);
+    std::copy_n(v, 3, &local_velocity[3 * n]);
+    std::copy_n(b, 3, &right_side[3 * n]);
   });
 }
 

@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <vector>
 
-#include "runtime/cpu/deformation.h"
+#include "runtime/basis/dynamics.h"
 #include "runtime/cpu/dynamics_kernels.h"
 #include "runtime/cpu/parallel.h"
 
@@ -47,15 +47,30 @@ HWY_EXPORT(rotate_lanes);
 
 namespace {
 
+// Deformation gradient of a tet: F = D(X) D^-1, row-major. nodes: N x 3 of the frame.
+void deformation_gradient(const TetTable& tets, std::size_t tet, const float* nodes, float (&f)[9]) {
+  const std::uint32_t* corners = tets.tets.data() + 4 * tet;
+  const float* inverse = tets.shapes[tet].inverse_edges;
+  const float* origin = nodes + std::size_t{3} * corners[0];
+  float edges[9];
+  for (std::size_t j = 0; j < 3; ++j) {
+    const float* corner = nodes + std::size_t{3} * corners[1 + j];
+    for (std::size_t i = 0; i < 3; ++i) edges[3 * i + j] = corner[i] - origin[i];
+  }
+  for (std::size_t i = 0; i < 3; ++i) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      f[3 * i + k] = edges[3 * i] * inverse[k] + edges[3 * i + 1] * inverse[3 + k] + edges[3 * i + 2] * inverse[6 + k];
+    }
+  }
+}
+
 // A gradient is found once, not by each of the tet's four nodes.
 void rotate_frame(const TetTable& tets, const float* nodes, std::vector<float>& gradients, float* rotations,
                   Executor& threads) {
-  parallel_parts(threads, tets.tet_count(), grain_of(64), [&](std::size_t begin, std::size_t end) {
-    for (std::size_t tet = begin; tet < end; ++tet) {
-      float gradient[9];
-      deformation_gradient(tets, tet, nodes, gradient);
-      for (std::size_t i = 0; i < 9; ++i) gradients[9 * tet + i] = tets.shapes[tet].volume * gradient[i];
-    }
+  parallel_each(threads, tets.tet_count(), grain_of(64), [&](std::size_t tet) {
+    float gradient[9];
+    deformation_gradient(tets, tet, nodes, gradient);
+    for (std::size_t i = 0; i < 9; ++i) gradients[9 * tet + i] = tets.shapes[tet].volume * gradient[i];
   });
   parallel_parts(threads, tets.node_count(), grain_of(512), [&](std::size_t begin, std::size_t end) {
     HWY_DYNAMIC_DISPATCH(rotate_lanes)(tets, gradients.data(), begin, end, rotations);

@@ -7,8 +7,6 @@
 #define BODYOPT_LANE_PANEL_H
 #endif
 
-#include <type_traits>
-
 #include "runtime/basis/block_inverse.h"
 #include "runtime/cpu/lanes.h"
 

@@ -45,12 +45,10 @@ void compare(const StageOutput& output, const Frames& frames) {
   for (std::size_t k = 0; k < output.cpu.size(); ++k) {
     const double device = output.device[k], cpu = output.cpu[k];
     if (std::abs(device - cpu) <= output.tolerance) continue;  // false, too, where one is not a number
-    throw Error(ErrorKind::device, std::string("the check found a difference in the stage '") + name_of(output.stage) +
-                                       "', frame " + std::to_string(frames.first + k / stride) + " of the call, " +
-                                       output.element(k % stride / output.width) + ": the device has " +
-                                       number_text(device) + ", the CPU " + number_text(cpu) + ", the tolerance is " +
-                                       number_text(output.tolerance) +
-                                       "; likely a defect of the device's driver or of the kernel");
+    throw Error(ErrorKind::device, "the check found a difference in the stage '", name_of(output.stage), "', frame ",
+                frames.first + k / stride, " of the call, ", output.element(k % stride / output.width),
+                ": the device has ", number_text(device), ", the CPU ", number_text(cpu), ", the tolerance is ",
+                number_text(output.tolerance), "; likely a defect of the device's driver or of the kernel");
   }
 }
 

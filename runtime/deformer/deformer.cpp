@@ -58,29 +58,26 @@ std::unique_ptr<Backend> make_backend(const std::shared_ptr<const CharacterModel
 JiggleOptions checked_options(const std::optional<JiggleOptions>& jiggle) {
   if (!jiggle) return {};
   if (const std::string problem = problem_of_gravity_change(jiggle->gravity_change); !problem.empty()) {
-    throw Error(ErrorKind::usage, "the change of gravity " + problem);
+    throw Error(ErrorKind::usage, "the change of gravity ", problem);
   }
   return *jiggle;
 }
 
 void check_weight(float weight, const char* name) {
   if (std::abs(weight) <= kMostWeight) return;
-  throw Error(ErrorKind::usage, std::string("the weight of the ") + name + " is " + std::to_string(weight) +
-                                    ", expected a finite number, of " + std::to_string(std::lround(kMostWeight)) +
-                                    " at most either way");
+  throw Error(ErrorKind::usage, "the weight of the ", name, " is ", weight, ", expected a finite number, of ",
+              std::lround(kMostWeight), " at most either way");
 }
 
 void check_state(const JiggleState& state, const Basis& basis, const Dynamics* dynamics) {
-  const auto refuse = [](const std::string& what) {
-    throw Error(ErrorKind::mismatch, "the state of the jiggle " + what + ": it is of another character, or damaged");
+  const auto refuse = [](const auto&... what) {
+    throw Error(ErrorKind::mismatch, "the state of the jiggle ", what..., ": it is of another character, or damaged");
   };
   if (dynamics == nullptr) refuse("was given to a character without dynamics");
   const auto check = [&](const auto& values, std::size_t count, const char* name) {
-    if (values.size() != count) {
-      refuse("has " + std::to_string(values.size()) + " numbers of '" + name + "', expected " + std::to_string(count));
-    }
+    if (values.size() != count) refuse("has ", values.size(), " numbers of '", name, "', expected ", count);
     for (const auto value : values) {
-      if (!std::isfinite(value)) refuse(std::string("has a number of '") + name + "' that is not finite");
+      if (!std::isfinite(value)) refuse("has a number of '", name, "' that is not finite");
     }
   };
   check(state.joints, 3 * basis.skeleton.size(), "joints");
@@ -189,8 +186,8 @@ Evaluation Deformer::run(const DeformerCall& call) {
 
 void Deformer::require_one_batch(std::span<const Pose> poses) const {
   if (poses.size() <= batch_limit()) return;
-  throw Error(ErrorKind::usage, std::to_string(poses.size()) + " poses at once are more than the " +
-                                    std::to_string(batch_limit()) + " that fit on '" + device_name() + "'");
+  throw Error(ErrorKind::usage, poses.size(), " poses at once are more than the ", batch_limit(), " that fit on '",
+              device_name(), "'");
 }
 
 void Deformer::require_tangents() const {

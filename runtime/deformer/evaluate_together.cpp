@@ -24,29 +24,17 @@ namespace {
 // Output vertices that a thread places at a time.
 constexpr std::size_t kPartOutputs = 1024;
 
-// function(frame, first, count) of all parts of the output vertices of all frames.
-template <typename Function>
-void over_outputs(Executor& threads, std::size_t frames, std::size_t outputs, const Function& function) {
-  const std::size_t parts = (outputs + kPartOutputs - 1) / kPartOutputs;
-  parallel_parts(threads, frames * parts, 1, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t k = begin; k < end; ++k) {
-      const std::size_t first = k % parts * kPartOutputs;
-      function(k / parts, first, std::min(kPartOutputs, outputs - first));
-    }
-  });
-}
-
 // F x V x 3 in runtime order into the caller's memory in output order, frames `begin` and after.
 void place_output(Executor& threads, const MeshTable& mesh, std::span<const float> values, const PlacedVertices& place,
                   std::size_t begin) {
   if (place.data == nullptr || values.empty()) return;
   const std::size_t numbers = 3 * std::size_t{mesh.vertex_count()};
-  over_outputs(threads, values.size() / numbers, mesh.output_count(),
-               [&](std::size_t f, std::size_t first, std::size_t count) {
-                 cpu::output_place(std::span(mesh.output_vertex).subspan(first, count),
-                                   values.subspan(f * numbers, numbers), place.element_stride,
-                                   place.data + (begin + f) * place.frame_stride + first * place.element_stride);
-               });
+  parallel_pieces(threads, values.size() / numbers, mesh.output_count(), kPartOutputs,
+                  [&](std::size_t f, std::size_t first, std::size_t count) {
+                    cpu::output_place(std::span(mesh.output_vertex).subspan(first, count),
+                                      values.subspan(f * numbers, numbers), place.element_stride,
+                                      place.data + (begin + f) * place.frame_stride + first * place.element_stride);
+                  });
 }
 
 // The same, appended: F x O x 3.
@@ -62,13 +50,13 @@ void append_output(Executor& threads, const MeshTable& mesh, std::span<const flo
 void place_tangents(Executor& threads, std::span<const float> tangents, std::size_t outputs,
                     const PlacedVertices& place, std::size_t begin) {
   if (tangents.empty()) return;
-  over_outputs(threads, tangents.size() / (4 * outputs), outputs,
-               [&](std::size_t f, std::size_t first, std::size_t count) {
-                 std::byte* to = place.data + (begin + f) * place.frame_stride + first * place.element_stride;
-                 for (std::size_t o = first; o < first + count; ++o, to += place.element_stride) {
-                   std::memcpy(to, &tangents[4 * (f * outputs + o)], 4 * sizeof(float));
-                 }
-               });
+  parallel_pieces(threads, tangents.size() / (4 * outputs), outputs, kPartOutputs,
+                  [&](std::size_t f, std::size_t first, std::size_t count) {
+                    std::byte* to = place.data + (begin + f) * place.frame_stride + first * place.element_stride;
+                    for (std::size_t o = first; o < first + count; ++o, to += place.element_stride) {
+                      std::memcpy(to, &tangents[4 * (f * outputs + o)], 4 * sizeof(float));
+                    }
+                  });
 }
 
 // By how much a feature lies outside its range, as Evaluation::outside_by. `excess`: of all features, in standard
@@ -163,8 +151,7 @@ class RunningCall {
       throw Error(ErrorKind::usage, "the character was loaded without dynamics: it cannot jiggle");
     }
     if (call_.frames->size() != call_.poses.size()) {
-      throw Error(ErrorKind::usage, std::to_string(call_.poses.size()) + " poses have " +
-                                        std::to_string(call_.frames->size()) + " frame numbers");
+      throw Error(ErrorKind::usage, call_.poses.size(), " poses have ", call_.frames->size(), " frame numbers");
     }
     is_several_ = call_.poses.size() > deformer_.batch_limit();
     before_ = is_several_ ? deformer_.state() : deformer_.state_;

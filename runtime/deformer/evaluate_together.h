@@ -1,7 +1,6 @@
 // Calls of several deformers at once.
 #pragma once
 
-#include <exception>
 #include <optional>
 #include <span>
 #include <vector>

@@ -14,8 +14,8 @@ std::vector<float> modifier_weights(const Basis& basis, const Pose& pose) {
   const std::size_t count = basis.modifiers.component_count();
   if (count == 0) return {};
   if (!pose.modifiers.empty() && pose.modifiers.size() != count) {
-    throw Error(ErrorKind::mismatch, "a pose has " + std::to_string(pose.modifiers.size()) +
-                                         " weights of modifiers, the basis has " + std::to_string(count));
+    throw Error(ErrorKind::mismatch, "a pose has ", pose.modifiers.size(), " weights of modifiers, the basis has ",
+                count);
   }
   for (const float weight : pose.modifiers) {
     if (!std::isfinite(weight)) throw Error(ErrorKind::mismatch, "a modifier's weight is not a finite number");
@@ -28,12 +28,12 @@ std::vector<float> modifier_weights(const Basis& basis, const Pose& pose) {
 void check_controls(const Basis& basis, const Pose& pose) {
   const std::size_t controls = basis.residual.controls.size();
   if (!pose.controls.empty() && pose.controls.size() != controls) {
-    throw Error(ErrorKind::mismatch, "a pose has " + std::to_string(pose.controls.size()) +
-                                         " control values, the basis has " + std::to_string(controls) + " controls");
+    throw Error(ErrorKind::mismatch, "a pose has ", pose.controls.size(), " control values, the basis has ", controls,
+                " controls");
   }
   for (std::size_t c = 0; c < pose.controls.size(); ++c) {
     if (std::isfinite(pose.controls[c])) continue;
-    throw Error(ErrorKind::mismatch, "the control '" + basis.residual.controls[c] + "' is not a finite number");
+    throw Error(ErrorKind::mismatch, "the control '", basis.residual.controls[c], "' is not a finite number");
   }
 }
 

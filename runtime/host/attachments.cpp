@@ -1,7 +1,6 @@
 #include "runtime/host/attachments.h"
 
 #include <algorithm>
-#include <array>
 
 #include "runtime/core/error.h"
 #include "runtime/host/rig.h"
@@ -41,7 +40,7 @@ AttachmentCarrier::AttachmentCarrier(const Basis& basis, const Attachments& atta
   for (const AttachedMesh& mesh : attachments.meshes) {
     for (const SurfacePoint& point : mesh.points) corners_.insert(corners_.end(), {point.a, point.b, point.c});
   }
-  std::sort(corners_.begin(), corners_.end());
+  std::ranges::sort(corners_);
   corners_.erase(std::unique(corners_.begin(), corners_.end()), corners_.end());
   for (std::uint32_t k = 0; k < corners_.size(); ++k) slot_of_[corners_[k]] = k;
 }
@@ -119,10 +118,9 @@ Affine AttachmentCarrier::frame(const AttachedMesh& mesh, std::size_t anchor, st
 std::vector<std::vector<float>> AttachmentCarrier::carry(std::span<const float> positions,
                                                          std::span<const JointTransform> joints) const {
   if (positions.size() != 3 * std::size_t{basis_.mesh.output_count()} || joints.size() != basis_.skeleton.size()) {
-    throw Error(ErrorKind::mismatch, "geometry attached to a skin of " + std::to_string(basis_.mesh.output_count()) +
-                                         " points and " + std::to_string(basis_.skeleton.size()) +
-                                         " joints was given " + std::to_string(positions.size() / 3) + " points and " +
-                                         std::to_string(joints.size()) + " joints: those of another character");
+    throw Error(ErrorKind::mismatch, "geometry attached to a skin of ", basis_.mesh.output_count(), " points and ",
+                basis_.skeleton.size(), " joints was given ", positions.size() / 3, " points and ", joints.size(),
+                " joints: those of another character");
   }
   const std::vector<Affine> skinning = skinning_matrices(basis_.skeleton, joints);
   std::vector<Matrix> motions;

@@ -47,18 +47,16 @@ std::vector<float> carry_skin(const MeshTable& mesh, const CarriedSkin& carried,
   const std::size_t stride = 3 * std::size_t{mesh.output_count()};
   const std::size_t frames = stride == 0 ? 0 : positions.size() / stride;
   std::vector<float> full(3 * frames * carried.size());
-  parallel_parts(threads, frames * carried.size(), kLeastPoints, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t k = begin; k < end; ++k) {
-      const std::size_t f = k / carried.size();
-      const CarriedPoint& point = carried.points[k % carried.size()];
-      const CarryFrame frame =
-          carry_frame(mesh, positions.subspan(f * stride, stride), normals.subspan(f * stride, stride), point);
-      const float along_normal = carried.step * point.along_normal, along_edge = carried.step * point.along_edge,
-                  across = carried.step * point.across;
-      for (std::size_t i = 0; i < 3; ++i) {
-        full[3 * k + i] =
-            frame.position[i] + along_normal * frame.normal[i] + along_edge * frame.edge[i] + across * frame.across[i];
-      }
+  parallel_each(threads, frames * carried.size(), kLeastPoints, [&](std::size_t k) {
+    const std::size_t f = k / carried.size();
+    const CarriedPoint& point = carried.points[k % carried.size()];
+    const CarryFrame frame =
+        carry_frame(mesh, positions.subspan(f * stride, stride), normals.subspan(f * stride, stride), point);
+    const float along_normal = carried.step * point.along_normal, along_edge = carried.step * point.along_edge,
+                across = carried.step * point.across;
+    for (std::size_t i = 0; i < 3; ++i) {
+      full[3 * k + i] =
+          frame.position[i] + along_normal * frame.normal[i] + along_edge * frame.edge[i] + across * frame.across[i];
     }
   });
   return full;

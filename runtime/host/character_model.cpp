@@ -1,7 +1,5 @@
 #include "runtime/host/character_model.h"
 
-#include <utility>
-
 namespace bodyopt {
 
 std::shared_ptr<const CharacterModel> make_character_model(Basis basis, std::optional<Dynamics> dynamics,

@@ -61,7 +61,7 @@ int fading_joint(const ResidualTable& residual, std::span<const float> joint_fea
   for (std::size_t k = 0; k < fade.region_joints.size(); ++k) {
     taken[fade.region_joints[k]] += double{fade.region_weights[k]} * off[fade.region_joints[k]];
   }
-  const auto most = std::max_element(taken.begin(), taken.end());
+  const auto most = std::ranges::max_element(taken);
   return most != taken.end() && *most > 0 ? static_cast<int>(most - taken.begin()) : -1;
 }
 

@@ -67,13 +67,13 @@ class StateReader {
   explicit StateReader(const std::filesystem::path& path) : path_(path), file_(read_safetensors(path)) {
     metadata("checksum");
     if (metadata("schema") != kSchema) {
-      refuse("it is not a state of the jiggle (schema '" + metadata("schema") + "', expected '" + kSchema + "')");
+      refuse("it is not a state of the jiggle (schema '", metadata("schema"), "', expected '", kSchema, "')");
     }
   }
 
   const std::string& metadata(const std::string& key) const {
     const auto found = file_.metadata.find(key);
-    if (found == file_.metadata.end()) refuse("its metadata lacks '" + key + "'");
+    if (found == file_.metadata.end()) refuse("its metadata lacks '", key, "'");
     return found->second;
   }
 
@@ -84,27 +84,25 @@ class StateReader {
       if (end == metadata(key).size()) return value;
     } catch (const std::exception&) {
     }
-    refuse("its '" + key + "' is not a whole number: '" + metadata(key) + "'");
+    refuse("its '", key, "' is not a whole number: '", metadata(key), "'");
   }
 
   template <typename T>
   void read(const std::string& name, std::vector<T>& values) const {
     const auto found = file_.tensors.find(name);
-    if (found == file_.tensors.end()) refuse("tensor '" + name + "' is missing");
+    if (found == file_.tensors.end()) refuse("tensor '", name, "' is missing");
     const Tensor& tensor = found->second;
     if (tensor.dtype != (sizeof(T) == 8 ? "F64" : "F32") || tensor.shape.size() != 2 || tensor.shape[1] != 3) {
-      refuse("tensor '" + name + "' is not rows of three numbers");
+      refuse("tensor '", name, "' is not rows of three numbers");
     }
     values.resize(tensor.bytes.size() / sizeof(T));
     if (!values.empty()) std::memcpy(values.data(), tensor.bytes.data(), tensor.bytes.size());
     for (const T value : values) {
-      if (!std::isfinite(value)) refuse("tensor '" + name + "' has a number that is not finite");
+      if (!std::isfinite(value)) refuse("tensor '", name, "' has a number that is not finite");
     }
   }
 
-  [[noreturn]] void refuse(const std::string& what) const {
-    throw Error(ErrorKind::file, path_.string() + ": " + what);
-  }
+  [[noreturn]] void refuse(const auto&... what) const { throw Error(ErrorKind::file, path_, ": ", what...); }
 
  private:
   const std::filesystem::path& path_;
@@ -145,9 +143,8 @@ StateFile read_state(const std::filesystem::path& path) {
 JiggleState load_state(const std::filesystem::path& path, const Dynamics& dynamics) {
   StateFile file = read_state(path);
   if (file.dynamics != checksum(dynamics)) {
-    throw Error(ErrorKind::mismatch, path.string() + ": it is a state of other dynamics (checksum " + file.dynamics +
-                                         ", these have " + checksum(dynamics) +
-                                         "): made again since, or of another character");
+    throw Error(ErrorKind::mismatch, path, ": it is a state of other dynamics (checksum ", file.dynamics,
+                ", these have ", checksum(dynamics), "): made again since, or of another character");
   }
   require_bounded(file.state, dynamics, path);
   return std::move(file.state);

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "runtime/core/error.h"
+#include "runtime/core/transformed.h"
 
 namespace bodyopt {
 
@@ -33,9 +34,7 @@ std::vector<JointFeatures> joint_features_of(const Skeleton& skeleton) {
 }
 
 std::vector<std::uint32_t> feature_joints(const Skeleton& skeleton) {
-  std::vector<std::uint32_t> joints;
-  for (const JointFeatures& of : joint_features_of(skeleton)) joints.push_back(of.joint);
-  return joints;
+  return transformed(joint_features_of(skeleton), &JointFeatures::joint);
 }
 
 std::uint32_t joint_feature_count(const Skeleton& skeleton) {
@@ -46,9 +45,8 @@ namespace {
 
 void check_joints(const Skeleton& skeleton, const std::vector<JointTransform>& joints) {
   if (joints.size() != skeleton.size()) {
-    throw Error(ErrorKind::mismatch, "a pose of " + std::to_string(joints.size()) +
-                                         " joints was given to a skeleton of " + std::to_string(skeleton.size()) +
-                                         ": it was made for another skeleton");
+    throw Error(ErrorKind::mismatch, "a pose of ", joints.size(), " joints was given to a skeleton of ",
+                skeleton.size(), ": it was made for another skeleton");
   }
   for (std::size_t j = 0; j < joints.size(); ++j) {
     const JointTransform& t = joints[j];
@@ -56,11 +54,11 @@ void check_joints(const Skeleton& skeleton, const std::vector<JointTransform>& j
     for (std::size_t i = 0; i < 3; ++i) sum += std::abs(t.translation[i]) + std::abs(t.scale[i]);
     for (const double x : t.rotation) sum += std::abs(x);
     if (!(sum < 1e12)) {
-      throw Error(ErrorKind::mismatch, "the pose of joint '" + skeleton.joints[j].name + "' is not a finite number");
+      throw Error(ErrorKind::mismatch, "the pose of joint '", skeleton.joints[j].name, "' is not a finite number");
     }
     if (!has_length(t.rotation)) {
-      throw Error(ErrorKind::mismatch, "the rotation of joint '" + skeleton.joints[j].name +
-                                           "' has the length 0: expected a quaternion x y z w");
+      throw Error(ErrorKind::mismatch, "the rotation of joint '", skeleton.joints[j].name,
+                  "' has the length 0: expected a quaternion x y z w");
     }
   }
 }

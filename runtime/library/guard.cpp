@@ -46,10 +46,10 @@ bodyopt_result keep_error(const std::exception_ptr& error) noexcept {
 
 void require_struct_size(std::size_t found, std::size_t first, std::size_t present, const char* name) {
   if (first <= found && found <= present) return;
-  throw Error(ErrorKind::usage, std::string("the struct_size of '") + name + "' is " + std::to_string(found) +
-                                    ", expected " + std::to_string(first) + " to " + std::to_string(present) +
-                                    ": it was not set to the structure's sizeof, or the program was compiled for " +
-                                    "another version than the library " + bodyopt_version());
+  throw Error(ErrorKind::usage, "the struct_size of '", name, "' is ", found, ", expected ", first, " to ", present,
+              ": it was not set to the structure's sizeof, or the program was compiled for "
+              "another version than the library ",
+              bodyopt_version());
 }
 
 }  // namespace bodyopt

@@ -4,7 +4,6 @@
 #include <cstddef>
 #include <cstring>
 #include <exception>
-#include <string>
 
 #include "include/bodyopt/bodyopt.h"
 #include "runtime/core/error.h"
@@ -31,7 +30,7 @@ bodyopt_result guarded(const Function& function) noexcept {
 // Throws Error(usage) for a null pointer. `name`: of the argument.
 template <typename T>
 void require(T* pointer, const char* name) {
-  if (pointer == nullptr) throw Error(ErrorKind::usage, std::string("the argument '") + name + "' is a null pointer");
+  if (pointer == nullptr) throw Error(ErrorKind::usage, "the argument '", name, "' is a null pointer");
 }
 
 // What an aligned pointer points to. Throws as above.

@@ -14,8 +14,7 @@ namespace {
 Basis load_level(const std::string& path, std::uint32_t level) {
   std::vector<Level> levels = load_levels(path);
   if (level >= levels.size()) {
-    throw Error(ErrorKind::usage, path + " has no level of detail " + std::to_string(level) + ", only 0 to " +
-                                      std::to_string(levels.size() - 1));
+    throw Error(ErrorKind::usage, path, " has no level of detail ", level, ", only 0 to ", levels.size() - 1);
   }
   return std::move(levels[level].basis);
 }
@@ -31,10 +30,7 @@ void copy_all(const std::vector<T>& values, T* to, std::size_t size, const char*
   const std::size_t bytes = values.size() * sizeof(T);
   if (bytes == 0) return;
   require(to, name);
-  if (size < bytes) {
-    throw Error(ErrorKind::usage, std::string("'") + name + "' has " + std::to_string(size) + " bytes, " +
-                                      std::to_string(bytes) + " are needed");
-  }
+  if (size < bytes) throw Error(ErrorKind::usage, "'", name, "' has ", size, " bytes, ", bytes, " are needed");
   std::ranges::copy(values, to);
 }
 

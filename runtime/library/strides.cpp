@@ -1,7 +1,6 @@
 #include "runtime/library/strides.h"
 
 #include <cmath>
-#include <cstddef>
 #include <cstdint>
 #include <string>
 
@@ -11,18 +10,15 @@
 namespace bodyopt {
 namespace {
 
-void refuse(const std::string& what) { throw Error(ErrorKind::usage, what); }
+[[noreturn]] void refuse(const auto&... what) { throw Error(ErrorKind::usage, what...); }
 
 // `stride`, or `packed` where it is 0. Throws Error(usage) unless it has room for an element and keeps its alignment.
 std::size_t checked_stride(std::size_t stride, std::size_t packed, std::size_t unit, const std::string& name) {
   if (stride == 0) return packed;
   if (stride < packed) {
-    refuse("the " + name + " is " + std::to_string(stride) + " bytes, at least " + std::to_string(packed) +
-           " are needed (0: without gaps)");
+    refuse("the ", name, " is ", stride, " bytes, at least ", packed, " are needed (0: without gaps)");
   }
-  if (stride % unit != 0) {
-    refuse("the " + name + " is " + std::to_string(stride) + " bytes, which is no multiple of " + std::to_string(unit));
-  }
+  if (stride % unit != 0) refuse("the ", name, " is ", stride, " bytes, which is no multiple of ", unit);
   return stride;
 }
 
@@ -30,7 +26,7 @@ std::size_t checked_stride(std::size_t stride, std::size_t packed, std::size_t u
 std::size_t checked_size(std::size_t a, std::size_t b, std::size_t c, const std::string& name) {
   std::size_t result = 0;
   if (__builtin_mul_overflow(a, b, &result) || __builtin_add_overflow(result, c, &result)) {
-    refuse("the strides of '" + name + "' are too large");
+    refuse("the strides of '", name, "' are too large");
   }
   return result;
 }
@@ -38,7 +34,7 @@ std::size_t checked_size(std::size_t a, std::size_t b, std::size_t c, const std:
 template <typename T>
 void require_aligned(const T* data, const std::string& name) {
   if (reinterpret_cast<std::uintptr_t>(data) % alignof(T) != 0) {
-    refuse("'" + name + "' is not aligned to " + std::to_string(alignof(T)) + " bytes");
+    refuse("'", name, "' is not aligned to ", alignof(T), " bytes");
   }
 }
 
@@ -53,8 +49,7 @@ void check_output(bodyopt_floats& output, std::size_t frames, std::size_t elemen
   output.frame_stride = checked_stride(output.frame_stride, frame, sizeof(float), name + ".frame_stride");
   const std::size_t needed = checked_size(frames - 1, output.frame_stride, frame, name);
   if (output.size < needed) {
-    refuse("'" + name + "' has " + std::to_string(output.size) + " bytes, " + std::to_string(needed) +
-           " are needed for " + std::to_string(frames) + " frames");
+    refuse("'", name, "' has ", output.size, " bytes, ", needed, " are needed for ", frames, " frames");
   }
 }
 
@@ -71,8 +66,7 @@ void scatter(std::span<const float> values, const bodyopt_floats& output, std::s
 
 void require_count(std::uint32_t found, std::size_t expected, const char* of) {
   if (found == expected) return;
-  throw Error(ErrorKind::mismatch, std::string("the poses have ") + std::to_string(found) + " " + of +
-                                       ", the basis has " + std::to_string(expected));
+  throw Error(ErrorKind::mismatch, "the poses have ", found, " ", of, ", the basis has ", expected);
 }
 
 }  // namespace
@@ -132,22 +126,21 @@ std::vector<float> read_texture(const bodyopt_load_options& options, const Basis
   const std::size_t vertices = basis.mesh.output_count(), both = 2 * sizeof(float);
   if (options.texture == nullptr || vertices == 0) return {};
   if (options.texture_count != vertices) {
-    throw Error(ErrorKind::mismatch, "the texture coordinates are of " + std::to_string(options.texture_count) +
-                                         " vertices, the model has " + std::to_string(vertices) +
-                                         " (each level of detail has its own)");
+    throw Error(ErrorKind::mismatch, "the texture coordinates are of ", options.texture_count,
+                " vertices, the model has ", vertices, " (each level of detail has its own)");
   }
   require_aligned(options.texture, "options.texture");
   const std::size_t stride = checked_stride(options.texture_stride, both, sizeof(float), "options.texture_stride");
   const std::size_t needed = checked_size(vertices - 1, stride, both, "options.texture");
   if (options.texture_size < needed) {
-    refuse("'options.texture' has " + std::to_string(options.texture_size) + " bytes, " + std::to_string(needed) +
-           " are needed for " + std::to_string(vertices) + " vertices");
+    refuse("'options.texture' has ", options.texture_size, " bytes, ", needed, " are needed for ", vertices,
+           " vertices");
   }
   std::vector<float> texture(2 * vertices);
   for (std::size_t v = 0; v < vertices; ++v) {
     std::memcpy(&texture[2 * v], reinterpret_cast<const std::byte*>(options.texture) + v * stride, both);
     if (std::isfinite(texture[2 * v]) && std::isfinite(texture[2 * v + 1])) continue;
-    throw Error(ErrorKind::mismatch, "a texture coordinate of vertex " + std::to_string(v) + " is not finite");
+    throw Error(ErrorKind::mismatch, "a texture coordinate of vertex ", v, " is not finite");
   }
   return texture;
 }

@@ -15,20 +15,13 @@ vulkan::PlacedOutput placed_output(const bodyopt_vulkan_output& output, std::siz
   if (output.buffer == VK_NULL_HANDLE || vertices == 0) return {};
   constexpr VkDeviceSize kMost = VkDeviceSize{1} << 34;  // words are counted in 32 bits
   const VkDeviceSize element = numbers * sizeof(float);
-  const auto refuse = [&](const std::string& what) {
-    throw Error(ErrorKind::usage, std::string("'recording.") + name + "' " + what);
-  };
+  const auto refuse = [&](const auto&... what) { throw Error(ErrorKind::usage, "'recording.", name, "' ", what...); };
   const VkDeviceSize stride = output.element_stride == 0 ? element : output.element_stride;
-  if (stride < element) {
-    refuse("has an element_stride of " + std::to_string(stride) + " bytes, at least " + std::to_string(element) +
-           " are needed");
-  }
+  if (stride < element) refuse("has an element_stride of ", stride, " bytes, at least ", element, " are needed");
   if (stride % 4 != 0 || output.offset % 4 != 0) refuse("has a stride or an offset that is no multiple of 4 bytes");
   if (output.size > kMost || stride > kMost || output.offset > kMost) refuse("is larger than can be addressed");
   const VkDeviceSize needed = output.offset + (vertices - 1) * stride + element;
-  if (output.size < needed) {
-    refuse("has " + std::to_string(output.size) + " bytes, " + std::to_string(needed) + " are needed");
-  }
+  if (output.size < needed) refuse("has ", output.size, " bytes, ", needed, " are needed");
   return {output.buffer, output.size, output.offset, stride};
 }
 
@@ -53,7 +46,7 @@ bodyopt_result bodyopt_record(bodyopt_instance* instance, const bodyopt_poses* p
     Deformer& deformer = *required(instance, "instance").deformer;
     const GivenPoses given(poses, deformer.basis());
     if (given.count() != 1) {
-      throw Error(ErrorKind::usage, "'poses' has " + std::to_string(given.count()) + " frames; a recording is of one");
+      throw Error(ErrorKind::usage, "'poses' has ", given.count(), " frames; a recording is of one");
     }
     const auto wanted = read_struct(recording, offsetof(bodyopt_recording, tangents), "recording");
     required(wanted.commands, "recording.commands");

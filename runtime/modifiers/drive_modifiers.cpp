@@ -13,8 +13,8 @@ namespace {
 
 const SkinModifierType& type_of(const SkinModifier& modifier) {
   if (const SkinModifierType* type = find_skin_modifier_type(modifier.type)) return *type;
-  throw Error(ErrorKind::mismatch, "the modifier '" + modifier.name + "' is of the type '" + modifier.type +
-                                       "', which this version does not know: made by a newer one?");
+  throw Error(ErrorKind::mismatch, "the modifier '", modifier.name, "' is of the type '", modifier.type,
+              "', which this version does not know: made by a newer one?");
 }
 
 std::string channel_name(const SkinModifier& modifier, const SkinModifierControl& control) {
@@ -83,13 +83,12 @@ void turn_joints(const SkinModifier& modifier, std::span<const float> weights, s
 void apply_modifier(const Basis& basis, const SkinModifier& modifier, std::span<const std::string> channels,
                     double rate, std::span<Pose> poses, std::vector<std::string>& notes) {
   const SkinModifierType& type = type_of(modifier);
-  const auto refuse = [&](const std::string& what) {
-    throw Error(ErrorKind::mismatch, "the modifier '" + modifier.name + "' " + what + " that its type '" +
-                                         modifier.type + "' needs: damaged, or of another version");
+  const auto refuse = [&](const auto&... what) {
+    throw Error(ErrorKind::mismatch, "the modifier '", modifier.name, "' ", what..., " that its type '", modifier.type,
+                "' needs: damaged, or of another version");
   };
   if (type.components != kAsBaked && modifier.component_count != type.components) {
-    refuse("has " + std::to_string(modifier.component_count) + " components, not the " +
-           std::to_string(type.components));
+    refuse("has ", modifier.component_count, " components, not the ", type.components);
   }
   const ChannelReader reader(modifier, channels, poses, notes);
   const std::vector<float> strength = reader.values(kModifierStrength);

@@ -49,7 +49,6 @@ std::span<const SkinModifierType> skin_modifier_types();
 const SkinModifierType* find_skin_modifier_type(const std::string& name);
 
 void drive_breathing(const ModifierFrames& frames, std::span<float> weights);
-void drive_constant(const ModifierFrames& frames, std::span<float> weights);
 void drive_sculpt(const ModifierFrames& frames, std::span<float> weights);
 void drive_flex(const ModifierFrames& frames, std::span<float> weights);
 void drive_sag(const ModifierFrames& frames, std::span<float> weights);

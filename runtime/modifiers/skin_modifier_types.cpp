@@ -1,7 +1,15 @@
+#include <algorithm>
+
 #include "runtime/basis/skin_modifiers.h"
 #include "runtime/modifiers/skin_modifier_type.h"
 
 namespace bodyopt {
+namespace {
+
+// Weights of 1: the strength alone says how much is shown.
+void drive_constant(const ModifierFrames&, std::span<float> weights) { std::ranges::fill(weights, 1.0f); }
+
+}  // namespace
 
 std::span<const SkinModifierType> skin_modifier_types() {
   static const std::vector<SkinModifierType> types = {

@@ -37,9 +37,8 @@ Buffer::Buffer(const Device& device, VkDeviceSize bytes, Memory memory, const ch
                                VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT,
                                VK_MEMORY_PROPERTY_HOST_CACHED_BIT);
   if (needs.size > device.heap_bytes(type)) {
-    throw Error(ErrorKind::device, std::string(name) + ": " + std::to_string(needs.size) + " bytes do not fit the " +
-                                       std::to_string(device.heap_bytes(type)) + " bytes of memory of '" +
-                                       device.info().name + "'");
+    throw Error(ErrorKind::device, name, ": ", needs.size, " bytes do not fit the ", device.heap_bytes(type),
+                " bytes of memory of '", device.info().name, "'");
   }
   memory_ = device.memory_blocks().take(handle, needs, {type, memory == Memory::staging}, name);
   require(vkBindBufferMemory(handle, buffer, memory_.block->memory.get(), memory_.offset), "vkBindBufferMemory");
@@ -47,10 +46,11 @@ Buffer::Buffer(const Device& device, VkDeviceSize bytes, Memory memory, const ch
 
 void require_binding(std::size_t bytes, const char* name, const DeviceInfo& limits) {
   if (bytes <= limits.max_storage_buffer_range) return;
-  throw Error(ErrorKind::device, std::string(name) + ": " + std::to_string(bytes) + " bytes, which kernels need at " +
-                                     "once, are more than the " + std::to_string(limits.max_storage_buffer_range) +
-                                     " bytes that a binding of '" + limits.name +
-                                     "' can see; the CPU has no such limit");
+  throw Error(ErrorKind::device, name, ": ", bytes,
+              " bytes, which kernels need at "
+              "once, are more than the ",
+              limits.max_storage_buffer_range, " bytes that a binding of '", limits.name,
+              "' can see; the CPU has no such limit");
 }
 
 Buffer upload_bytes(const Device& device, std::span<const std::byte> bytes, const char* name) {

@@ -17,10 +17,8 @@ constexpr std::uint64_t kTimeout = 300'000'000'000;  // nanoseconds; a software 
 void require_threads(std::uint64_t threads, const char* name, const DeviceInfo& limits) {
   const std::uint64_t most = std::uint64_t{limits.max_groups_x} * kWorkgroupSize;
   if (threads <= most) return;
-  throw Error(ErrorKind::device, std::string(name) + ": " + std::to_string(threads) +
-                                     " threads, which a kernel runs at once, are more than the " +
-                                     std::to_string(most) + " that '" + limits.name +
-                                     "' can start; the CPU has no such limit");
+  throw Error(ErrorKind::device, name, ": ", threads, " threads, which a kernel runs at once, are more than the ", most,
+              " that '", limits.name, "' can start; the CPU has no such limit");
 }
 
 Commands::Commands(const Device& device, std::uint32_t most_dispatches)
@@ -130,9 +128,9 @@ VkDescriptorSet Commands::make_set(const Kernel& kernel, std::span<const BufferR
   std::vector<VkDescriptorBufferInfo> buffers;
   for (const BufferRange& range : bindings) {
     if (range.size > device_.info().max_storage_buffer_range) {
-      throw Error(ErrorKind::device, "a table of " + std::to_string(range.size) + " bytes is larger than the " +
-                                         std::to_string(device_.info().max_storage_buffer_range) +
-                                         " bytes that a binding of '" + device_.info().name + "' can see");
+      throw Error(ErrorKind::device, "a table of ", range.size, " bytes is larger than the ",
+                  device_.info().max_storage_buffer_range, " bytes that a binding of '", device_.info().name,
+                  "' can see");
     }
     buffers.push_back({range.buffer, range.offset, range.size});
   }
@@ -150,11 +148,9 @@ void Commands::record_dispatch(const Kernel& kernel, std::span<const BufferRange
   if (elements == 0 || frames == 0) return;
   const std::uint32_t groups = (elements - 1) / kWorkgroupSize + 1;
   if (groups > device_.info().max_groups_x || frames > device_.info().max_groups_y) {
-    throw Error(ErrorKind::device, "the Vulkan device '" + device_.info().name + "' runs at most " +
-                                       std::to_string(device_.info().max_groups_x) + " x " +
-                                       std::to_string(device_.info().max_groups_y) + " workgroups at once, " +
-                                       std::to_string(groups) + " x " + std::to_string(frames) +
-                                       " are needed; the CPU has no such limit");
+    throw Error(ErrorKind::device, "the Vulkan device '", device_.info().name, "' runs at most ",
+                device_.info().max_groups_x, " x ", device_.info().max_groups_y, " workgroups at once, ", groups, " x ",
+                frames, " are needed; the CPU has no such limit");
   }
   const VkDescriptorSet set = bind(kernel, bindings);
   std::vector<BufferUse> uses;

@@ -18,18 +18,10 @@ std::string version_text(std::uint32_t version) {
 }
 
 const char* type_name(VkPhysicalDeviceType type) {
-  switch (type) {
-    case VK_PHYSICAL_DEVICE_TYPE_DISCRETE_GPU:
-      return "discrete";
-    case VK_PHYSICAL_DEVICE_TYPE_INTEGRATED_GPU:
-      return "integrated";
-    case VK_PHYSICAL_DEVICE_TYPE_VIRTUAL_GPU:
-      return "virtual";
-    case VK_PHYSICAL_DEVICE_TYPE_CPU:
-      return "cpu";
-    default:
-      return "other";
-  }
+  if (type == VK_PHYSICAL_DEVICE_TYPE_DISCRETE_GPU) return "discrete";
+  if (type == VK_PHYSICAL_DEVICE_TYPE_INTEGRATED_GPU) return "integrated";
+  if (type == VK_PHYSICAL_DEVICE_TYPE_VIRTUAL_GPU) return "virtual";
+  return type == VK_PHYSICAL_DEVICE_TYPE_CPU ? "cpu" : "other";
 }
 
 int preference(const std::string& type) {
@@ -108,8 +100,7 @@ std::vector<DeviceInfo> describe_all(const std::vector<VkPhysicalDevice>& physic
 
 const DeviceInfo* find_device(const std::vector<DeviceInfo>& devices, const std::string& name) {
   const DeviceInfo* found = nullptr;
-  const bool is_index =
-      !name.empty() && std::all_of(name.begin(), name.end(), [](char c) { return '0' <= c && c <= '9'; });
+  const bool is_index = !name.empty() && std::ranges::all_of(name, [](char c) { return '0' <= c && c <= '9'; });
   for (const DeviceInfo& device : devices) {
     if (name == "auto") {
       if (device.problem.empty() && (!found || preference(device.type) < preference(found->type))) found = &device;
@@ -186,11 +177,10 @@ std::uint32_t choose_device(const std::vector<DeviceInfo>& devices, const std::s
   const DeviceInfo* found = find_device(devices, name);
   if (!found) {
     const std::string wanted = name == "auto" ? "no usable Vulkan device" : "no Vulkan device '" + name + "'";
-    throw Error(ErrorKind::device, wanted + "; " + listing(devices));
+    throw Error(ErrorKind::device, wanted, "; ", listing(devices));
   }
   if (!found->problem.empty()) {
-    throw Error(ErrorKind::device,
-                "the Vulkan device '" + found->name + "' " + found->problem + "; " + listing(devices));
+    throw Error(ErrorKind::device, "the Vulkan device '", found->name, "' ", found->problem, "; ", listing(devices));
   }
   return found->index;
 }
@@ -220,12 +210,12 @@ Device::Device(const HostDevice& host)
       pipeline_cache_(host.pipeline_cache) {
   info_ = describe(physical_, 0);
   if (!info_.problem.empty()) {
-    throw Error(ErrorKind::device, "the host's Vulkan device '" + info_.name + "' " + info_.problem);
+    throw Error(ErrorKind::device, "the host's Vulkan device '", info_.name, "' ", info_.problem);
   }
   const std::vector<VkQueueFamilyProperties> families = queue_families(physical_);
   if (queue_family_ >= families.size() || !(families[queue_family_].queueFlags & VK_QUEUE_COMPUTE_BIT)) {
-    throw Error(ErrorKind::device, "the queue family " + std::to_string(queue_family_) + " of '" + info_.name +
-                                       "' does not compute, or is none of its " + std::to_string(families.size()));
+    throw Error(ErrorKind::device, "the queue family ", queue_family_, " of '", info_.name,
+                "' does not compute, or is none of its ", families.size());
   }
   describe_queue();
 }
@@ -249,7 +239,7 @@ std::uint32_t Device::memory_type(std::uint32_t type_bits, VkMemoryPropertyFlags
       if ((type_bits >> t & 1u) && (memory_.memoryTypes[t].propertyFlags & wanted) == wanted) return t;
     }
   }
-  throw Error(ErrorKind::device, "the Vulkan device '" + info_.name + "' has no memory of the kind needed");
+  throw Error(ErrorKind::device, "the Vulkan device '", info_.name, "' has no memory of the kind needed");
 }
 
 }  // namespace bodyopt::vulkan

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cstring>
+#include <iterator>
+#include <utility>
 
 #include "runtime/core/error.h"
 #include "runtime/vulkan/object.h"
@@ -28,30 +30,20 @@ const char* advice(VkResult result) {
 }
 
 const char* result_name(VkResult result) {
-  switch (result) {
-    case VK_ERROR_OUT_OF_HOST_MEMORY:
-      return "out of host memory";
-    case VK_ERROR_OUT_OF_DEVICE_MEMORY:
-      return "out of device memory";
-    case VK_ERROR_INITIALIZATION_FAILED:
-      return "initialization failed";
-    case VK_ERROR_DEVICE_LOST:
-      return "the device was lost";
-    case VK_ERROR_LAYER_NOT_PRESENT:
-      return "layer not present";
-    case VK_ERROR_EXTENSION_NOT_PRESENT:
-      return "extension not present";
-    case VK_ERROR_FEATURE_NOT_PRESENT:
-      return "feature not present";
-    case VK_ERROR_INCOMPATIBLE_DRIVER:
-      return "incompatible driver";
-    case VK_ERROR_TOO_MANY_OBJECTS:
-      return "too many objects";
-    case VK_TIMEOUT:
-      return "timed out";
-    default:
-      return "error";
-  }
+  static constexpr std::pair<VkResult, const char*> kNames[] = {
+      {VK_ERROR_OUT_OF_HOST_MEMORY, "out of host memory"},
+      {VK_ERROR_OUT_OF_DEVICE_MEMORY, "out of device memory"},
+      {VK_ERROR_INITIALIZATION_FAILED, "initialization failed"},
+      {VK_ERROR_DEVICE_LOST, "the device was lost"},
+      {VK_ERROR_LAYER_NOT_PRESENT, "layer not present"},
+      {VK_ERROR_EXTENSION_NOT_PRESENT, "extension not present"},
+      {VK_ERROR_FEATURE_NOT_PRESENT, "feature not present"},
+      {VK_ERROR_INCOMPATIBLE_DRIVER, "incompatible driver"},
+      {VK_ERROR_TOO_MANY_OBJECTS, "too many objects"},
+      {VK_TIMEOUT, "timed out"},
+  };
+  const auto found = std::ranges::find(kNames, result, &std::pair<VkResult, const char*>::first);
+  return found == std::end(kNames) ? "error" : found->second;
 }
 
 VKAPI_ATTR VkBool32 VKAPI_CALL collect(VkDebugUtilsMessageSeverityFlagBitsEXT, VkDebugUtilsMessageTypeFlagsEXT,
@@ -63,8 +55,8 @@ VKAPI_ATTR VkBool32 VKAPI_CALL collect(VkDebugUtilsMessageSeverityFlagBitsEXT, V
 bool layer_installed() {
   const auto layers =
       enumerate<VkLayerProperties>("vkEnumerateInstanceLayerProperties", vkEnumerateInstanceLayerProperties);
-  return std::any_of(layers.begin(), layers.end(),
-                     [](const VkLayerProperties& l) { return std::strcmp(l.layerName, kValidationLayer) == 0; });
+  return std::ranges::any_of(
+      layers, [](const VkLayerProperties& l) { return std::strcmp(l.layerName, kValidationLayer) == 0; });
 }
 
 bool extension_offered(const char* name) {
@@ -101,14 +93,14 @@ void keep_drivers_loaded() {
 }  // namespace
 
 bool lists_extension(const std::vector<VkExtensionProperties>& extensions, const char* name) {
-  return std::any_of(extensions.begin(), extensions.end(),
-                     [&](const VkExtensionProperties& e) { return std::strcmp(e.extensionName, name) == 0; });
+  return std::ranges::any_of(extensions,
+                             [&](const VkExtensionProperties& e) { return std::strcmp(e.extensionName, name) == 0; });
 }
 
 void check(VkResult result, const char* call) {
   if (result == VK_SUCCESS || result == VK_INCOMPLETE) return;
-  throw Error(ErrorKind::device, std::string("Vulkan: ") + call + " failed: " + result_name(result) + " (VkResult " +
-                                     std::to_string(static_cast<int>(result)) + ")" + advice(result));
+  throw Error(ErrorKind::device, "Vulkan: ", call, " failed: ", result_name(result), " (VkResult ",
+              static_cast<int>(result), ")", advice(result));
 }
 
 void ValidationLog::add(std::string message) {
@@ -124,8 +116,8 @@ std::vector<std::string> ValidationLog::messages() const {
 Instance::Instance(bool validation, const std::vector<const char*>& wanted) : log_(std::make_shared<ValidationLog>()) {
   if (!missing_functions().empty()) return;
   if (validation && !layer_installed()) {
-    throw Error(ErrorKind::device, std::string("Vulkan validation was asked for, but the layer ") + kValidationLayer +
-                                       " is not installed (Debian package: vulkan-validationlayers)");
+    throw Error(ErrorKind::device, "Vulkan validation was asked for, but the layer ", kValidationLayer,
+                " is not installed (Debian package: vulkan-validationlayers)");
   }
   keep_drivers_loaded();
   auto application = structure<VkApplicationInfo>(VK_STRUCTURE_TYPE_APPLICATION_INFO);

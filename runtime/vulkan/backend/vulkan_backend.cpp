@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <array>
 #include <cstring>
-#include <optional>
 #include <utility>
 
 #include "runtime/core/error.h"
@@ -505,14 +504,14 @@ class VulkanBackend final : public Backend, private SplitRun {
 
   void refuse_failed() const {
     if (!failed_) return;
-    throw Error(ErrorKind::device, "the Vulkan device '" + name() + "' failed earlier and is not used again");
+    throw Error(ErrorKind::device, "the Vulkan device '", name(), "' failed earlier and is not used again");
   }
 
   void refuse_validation_messages() const {
     const std::vector<std::string> messages = device_.validation_messages();
     if (messages.empty()) return;
-    throw Error(ErrorKind::device, "Vulkan validation reported " + std::to_string(messages.size()) + " messages on '" +
-                                       name() + "', first: " + messages.front());
+    throw Error(ErrorKind::device, "Vulkan validation reported ", messages.size(), " messages on '", name(),
+                "', first: ", messages.front());
   }
 
   std::shared_ptr<const DeviceModel> model_;
@@ -546,8 +545,8 @@ template <typename Suits>
 bool has_device(const Suits& suits) {
   try {
     const std::vector<vulkan::DeviceInfo> devices = vulkan::list_devices();
-    return std::any_of(devices.begin(), devices.end(),
-                       [&](const vulkan::DeviceInfo& device) { return device.problem.empty() && suits(device); });
+    return std::ranges::any_of(
+        devices, [&](const vulkan::DeviceInfo& device) { return device.problem.empty() && suits(device); });
   } catch (const Error&) {
     return false;
   }

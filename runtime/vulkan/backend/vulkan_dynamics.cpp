@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cstring>
 
-#include "runtime/host/jiggle_stages.h"
 #include "shaders/include/layout.h"
 
 namespace bodyopt::vulkan {

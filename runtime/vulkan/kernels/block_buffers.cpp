@@ -1,7 +1,5 @@
 #include "runtime/vulkan/kernels/block_buffers.h"
 
-#include "shaders/include/layout.h"
-
 namespace bodyopt::vulkan {
 namespace {
 

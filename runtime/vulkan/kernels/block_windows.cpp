@@ -52,9 +52,8 @@ std::vector<BlockWindow> block_windows(const BlockTable& table, const DeviceInfo
       }
     }
     if (low == first) {
-      throw Error(ErrorKind::device, std::string("one block of ") + table.name + " is larger than the " +
-                                         std::to_string(limits.max_storage_buffer_range) +
-                                         " bytes that a binding of '" + limits.name + "' can see");
+      throw Error(ErrorKind::device, "one block of ", table.name, " is larger than the ",
+                  limits.max_storage_buffer_range, " bytes that a binding of '", limits.name, "' can see");
     }
     windows.push_back(make_window(table, first, low, alignment));
     first = low;

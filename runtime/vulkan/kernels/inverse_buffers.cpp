@@ -36,10 +36,9 @@ std::vector<InverseWindow> windows_over(const std::vector<Panel>& panels, std::u
     if (!windows.empty() && add_panel(windows.back(), panels[p], limits)) continue;
     windows.push_back({p, 0, 0, 0});
     if (add_panel(windows.back(), panels[p], limits)) continue;
-    throw Error(ErrorKind::device, std::to_string((end_value(panels[p]) - panels[p].first_value) * sizeof(float)) +
-                                       " bytes of a block inverse that are needed together are more than the " +
-                                       std::to_string(limits.max_storage_buffer_range) + " bytes that a binding of '" +
-                                       limits.name + "' can see");
+    throw Error(ErrorKind::device, (end_value(panels[p]) - panels[p].first_value) * sizeof(float),
+                " bytes of a block inverse that are needed together are more than the ",
+                limits.max_storage_buffer_range, " bytes that a binding of '", limits.name, "' can see");
   }
   return windows;
 }
