@@ -2,7 +2,6 @@
 #pragma once
 
 #include <functional>
-#include <iterator>
 #include <ranges>
 #include <type_traits>
 #include <vector>

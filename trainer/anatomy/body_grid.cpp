@@ -141,9 +141,9 @@ int BodyGrid::sample_at(const Vector3d& point) const {
 std::array<int, 6> BodyGrid::beside(int at) const {
   std::array<int, 6> samples{};
   for (int k = 0; k < 6; ++k) {
-    Vector3i cell = cells[static_cast<std::size_t>(at)];
-    cell[k / 2] += k % 2 == 0 ? -1 : 1;
-    samples[static_cast<std::size_t>(k)] = sample_at(cell);
+    Vector3i place = cells[static_cast<std::size_t>(at)];
+    place[k / 2] += k % 2 == 0 ? -1 : 1;
+    samples[static_cast<std::size_t>(k)] = sample_at(place);
   }
   return samples;
 }

@@ -16,8 +16,8 @@ struct SpringPose {
 };
 
 // N/m per cubic metre of bone in a body of this size: Materials::bone_springs up to the size of a human. Elastic forces
-// grow with a body's length squared and those of springs with its fourth power, so that a giant's bones, as stiff, would
-// turn tets inside out: they give way by the same share of its length as a human's.
+// grow with a body's length squared and those of springs with its fourth power, so that a giant's bones, as stiff,
+// would turn tets inside out: they give way by the same share of its length as a human's.
 double bone_stiffness(const Materials& materials, const TetMesh& mesh);
 
 class BoneSprings {
