@@ -38,7 +38,7 @@ struct DemoArguments {
 struct DemoSize {
   int rom_frames, heldout_frames;
 };
-constexpr DemoSize kFull{190, 144}, kQuick{32, 24};
+constexpr DemoSize kFull{190, 144}, kQuick{48, 24};
 // Every so manieth frame of the range of motion is also simulated with muscles flexed.
 constexpr int kFlexedStep = 10;
 // Simulating every third frame of the held-out motion shows its whole arc at a third of the cost.

@@ -1,6 +1,7 @@
 #include "dataset/regions_file.h"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <set>
 #include <sstream>

@@ -1,6 +1,7 @@
 #include "proxy_viewer/picture_files.h"
 
 #include <algorithm>
+#include <array>
 #include <iomanip>
 #include <numbers>
 #include <span>

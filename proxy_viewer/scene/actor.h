@@ -42,8 +42,7 @@ struct ActorFiles {
   std::vector<std::filesystem::path> paths() const;
 };
 
-// Attached geometry: carried on the host, uploaded when it moves.
-// A mesh on F skins.
+// Attached geometry, a mesh on F skins: carried on the host, uploaded when it moves.
 struct WornMesh {
   const vulkan::Buffer* triangles = nullptr;
   std::uint32_t triangle_count = 0, vertex_count = 0;

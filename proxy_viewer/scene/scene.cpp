@@ -113,10 +113,10 @@ double place_in_row(std::size_t index) {
   return index % 2 == 1 ? static_cast<double>(index + 1) / 2 : -static_cast<double>(index) / 2;
 }
 
-constexpr double kRadius = 0.09;  // of the character's size
-constexpr double kFree = 180;     // degrees, either way, of what has no limits
+constexpr double kRingRadius = 0.09;  // of the character's size
+constexpr double kFreeTurn = 180;     // degrees, either way, of what has no limits
 
-Vec3 unit(std::size_t axis) {
+Vec3 unit_axis(std::size_t axis) {
   Vec3 along{};
   along[axis % 3] = 1;
   return along;
@@ -704,9 +704,9 @@ std::vector<TurnRing> turn_rings(const Scene& scene, const Controls& controls) {
   const Quat carried[] = {before * turn_of({0, angles[1], angles[2]}), before * turn_of({0, 0, angles[2]}), before};
   std::vector<TurnRing> rings;
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    rings.push_back({axis, centre, rotate(carried[axis], unit(axis)), rotate(carried[axis], unit(axis + 1)),
-                     kRadius * lead.size() * (1 - 0.06 * static_cast<double>(axis)), free ? free->low[axis] : -kFree,
-                     free ? free->high[axis] : kFree, angles[axis]});
+    rings.push_back({axis, centre, rotate(carried[axis], unit_axis(axis)), rotate(carried[axis], unit_axis(axis + 1)),
+                     kRingRadius * lead.size() * (1 - 0.06 * static_cast<double>(axis)),
+                     free ? free->low[axis] : -kFreeTurn, free ? free->high[axis] : kFreeTurn, angles[axis]});
   }
   return rings;
 }

@@ -137,7 +137,7 @@ TEST(Demo, QuickRunLeavesEverythingAndTheVerbsReadIt) {
   const auto rms = [&](const std::string& name) { return method(report, name)["errors_mm"]["rms"].get<double>(); };
   EXPECT_EQ(report["methods"].size(), 12u);  // all rows of the ablation
   EXPECT_EQ(report["methods"].back()["name"], full);
-  // Thirty-two frames are too few for the claim that the whole demo makes (half of DDM's error), but what was learned
+  // Forty-eight frames are too few for the claim that the whole demo makes (half of DDM's error), but what was learned
   // must already help.
   EXPECT_LT(rms(full), 0.8 * rms("DDM"));
   EXPECT_LT(rms("DDM"), rms("LBS"));

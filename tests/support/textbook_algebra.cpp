@@ -2,6 +2,7 @@
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/QR>
+#include <Eigen/SVD>
 
 namespace bodyopt::testing {
 
@@ -12,6 +13,11 @@ Eigen::MatrixXd textbook_solve(const Eigen::MatrixXd& matrix, const Eigen::Matri
 Eigen::VectorXd generalised_eigenvalues(const Eigen::MatrixXd& stiffness, const Eigen::MatrixXd& mass) {
   return Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd>(stiffness, mass, Eigen::EigenvaluesOnly)
       .eigenvalues();
+}
+
+TextbookSvd textbook_svd(const Eigen::MatrixXd& matrix) {
+  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(matrix, Eigen::ComputeThinU);
+  return {svd.singularValues(), svd.matrixU()};
 }
 
 }  // namespace bodyopt::testing

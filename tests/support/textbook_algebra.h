@@ -12,4 +12,10 @@ Eigen::MatrixXd textbook_solve(const Eigen::MatrixXd& matrix, const Eigen::Matri
 // Ascending, of stiffness x = value mass x, both symmetric, mass positive definite.
 Eigen::VectorXd generalised_eigenvalues(const Eigen::MatrixXd& stiffness, const Eigen::MatrixXd& mass);
 
+struct TextbookSvd {
+  Eigen::VectorXd values;  // descending
+  Eigen::MatrixXd left;    // N x values: the left singular vectors
+};
+TextbookSvd textbook_svd(const Eigen::MatrixXd& matrix);  // N x K
+
 }  // namespace bodyopt::testing

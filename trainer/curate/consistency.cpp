@@ -127,11 +127,11 @@ ShapeModifier prepare_consistency(const ModifierInput& input) {
   // N x 3V: what is added to every frame.
   const auto changes = std::make_shared<Displacements>(static_cast<Index>(database.frames.size()),
                                                        3 * database.character.vertices.rows());
-  const std::span<float> numbers(changes->data(), static_cast<std::size_t>(changes->size()));
-  if (!numbers.empty() && !input.cache.find(key, numbers)) {
+  const auto numbers = [&] { return std::span(changes->data(), static_cast<std::size_t>(changes->size())); };
+  if (changes->size() > 0 && !input.cache.find(key, numbers())) {
     *changes = all_displacements(database, "curate: un-posing", input.below);
     *changes = made_consistent(input, settings, *changes) - *changes;
-    input.cache.keep(key, numbers);
+    input.cache.keep(key, numbers());
   }
   const auto change = [changes](std::size_t frame) -> Positions {
     using Change = Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor>;
@@ -145,7 +145,7 @@ ShapeModifier prepare_consistency(const ModifierInput& input) {
         return hash_of(own);
       },
       .apply = [change](const FrameInHand& frame, Positions& offsets) { offsets += change(frame.number); }};
-  if (!numbers.empty() && changes->isZero(0)) {
+  if (changes->size() > 0 && changes->isZero(0)) {
     modifier.note =
         "moves no frame: no like poses disagree, none are near enough to tell ('curate report' says where), or a "
         "first step would have left more than there is";

@@ -8,7 +8,7 @@
 namespace bodyopt {
 namespace {
 
-constexpr double kHumanVolume = 0.07;  // cubic metres
+constexpr double kLargestHuman = 0.15;  // cubic metres; a cage that sticks out of its skin is larger
 
 Eigen::Vector3d apply(const Affine& transform, const Eigen::Vector3d& point, double share = 1) {
   Eigen::Vector3d result;
@@ -22,7 +22,7 @@ Eigen::Vector3d apply(const Affine& transform, const Eigen::Vector3d& point, dou
 }  // namespace
 
 double bone_stiffness(const Materials& materials, const TetMesh& mesh) {
-  return materials.bone_springs * std::min(1.0, std::pow(kHumanVolume / volume(mesh), 2.0 / 3));
+  return materials.bone_springs * std::min(1.0, std::pow(kLargestHuman / volume(mesh), 2.0 / 3));
 }
 
 BoneSprings::BoneSprings(const TetMesh& mesh, const std::vector<BonePart>& bones, double k, std::size_t joint_count)

@@ -15,9 +15,9 @@ struct SpringPose {
   Positions base, pull;  // N x 3, metres and newtons
 };
 
-// N/m per cubic metre of bone in a body of this size: Materials::bone_springs up to the size of a human. Elastic forces
-// grow with a body's length squared and those of springs with its fourth power, so that a giant's bones, as stiff,
-// would turn tets inside out: they give way by the same share of its length as a human's.
+// N/m per cubic metre of bone in a body of this size: Materials::bone_springs up to the size of the largest human.
+// Elastic forces grow with a body's length squared and those of springs with its fourth power, so that a giant's bones,
+// as stiff, would turn tets inside out: they give way by the same share of its length as a human's.
 double bone_stiffness(const Materials& materials, const TetMesh& mesh);
 
 class BoneSprings {
