@@ -10,6 +10,7 @@
 #include "draw/camera.h"
 #include "proxy_viewer/commands/commands.h"
 #include "proxy_viewer/picking.h"
+#include "proxy_viewer/scene/turn_rings.h"
 
 namespace bodyopt {
 namespace {
