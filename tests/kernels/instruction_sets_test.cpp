@@ -1,7 +1,8 @@
 // Every set of instructions that the processor has gives the same bits, those of one lane at a time too, at whatever
 // addresses numbers stand.
+#include "tests/support/instruction_sets.h"
+
 #include <gtest/gtest.h>
-#include <hwy/targets.h>
 
 #include <bit>
 #include <cmath>
@@ -32,25 +33,19 @@ std::vector<std::uint32_t> bits_of(std::span<const float> values) {
 template <typename... Inputs>
 void expect_same_bits(std::size_t count, const std::function<void(std::span<float>)>& kernel, Inputs&... inputs) {
   std::vector<std::uint32_t> first;
-  std::size_t sets = 0;
+  int sets = 0;
   for (const std::size_t odd : {0u, 1u}) {
     if (odd != 0) (move_to_odd_addresses(inputs), ...);
-    for (std::int64_t left = hwy::SupportedTargets(); left != 0; left &= left - 1) {
-      const std::int64_t target = left & -left;
-      hwy::SetSupportedTargetsForTest(target);
-      hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+    sets += with_each_instruction_set([&](const std::string& name) {
       std::vector<float> values(count + 1, std::numeric_limits<float>::quiet_NaN());
       const auto outputs = std::span(values).subspan(odd, count);
       kernel(outputs);
-      for (const float value : outputs) ASSERT_TRUE(std::isfinite(value)) << hwy::TargetName(target);
+      for (const float value : outputs) ASSERT_TRUE(std::isfinite(value)) << name;
       if (first.empty()) first = bits_of(outputs);
-      EXPECT_EQ(bits_of(outputs), first) << hwy::TargetName(target);
-      ++sets;
-    }
-    hwy::SetSupportedTargetsForTest(0);
-    hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+      EXPECT_EQ(bits_of(outputs), first) << name;
+    });
   }
-  EXPECT_GT(sets, 2u);
+  EXPECT_GT(sets, 2);
 }
 
 struct Skin {

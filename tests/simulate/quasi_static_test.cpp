@@ -135,7 +135,7 @@ TEST_F(QuasiStatic, TheReportedResidualIsTheForceLeftOver) {
     q = normalized(sum);
   }
   Positions gradient = Positions::Zero(solved.nodes.rows(), 3);
-  const Tissue::Sum sum = tissue.add_gradient(
+  const TissueSum sum = tissue.add_gradient(
       solved.nodes,
       fibre_drives({make_flexor()}, AnatomyField(*limb_, {make_flexor()}, kLimbAnatomy).belly_lengths(), skinning, 0.7),
       gradient);

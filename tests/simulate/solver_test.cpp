@@ -29,7 +29,8 @@ SparseMatrix random_definite(int size, unsigned seed) {
 TEST(Metric, SolvesLikeADenseFactor) {
   const SparseMatrix matrix = random_definite(60, 5);
   const Positions right = Positions::Random(60, 3);
-  Positions found = right, scratch;
+  Positions found = right;
+  Metric::Scratch scratch;
   Metric(matrix).solve(found, scratch);
   const Positions expected = testing::textbook_solve(matrix, right);
   EXPECT_LT((found - expected).cwiseAbs().maxCoeff(), 1e-6);  // a factor in single precision
@@ -66,7 +67,8 @@ TEST(StiffModes, SolvesLikeADenseFactorWithTheModes) {
     dense += stiffness[m] * g * g.transpose();
   }
   const Positions right = Positions::Random(30, 3);
-  Positions found = right, scratch;
+  Positions found = right;
+  Metric::Scratch scratch;
   const Metric metric(matrix);
   StiffModes(metric, 30, modes, stiffness).solve(found, scratch);
   const Eigen::VectorXd expected = testing::textbook_solve(dense, Eigen::Map<const Eigen::VectorXd>(right.data(), 90));

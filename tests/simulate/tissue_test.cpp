@@ -130,7 +130,7 @@ TEST(Tissue, RigidMotionMakesNoForce) {
   const Tissue tissue(mesh, all(mesh, Materials{}.muscle), fibres_everywhere(mesh, {0, 1, 1}));
   const Eigen::Matrix3d turn = Eigen::AngleAxisd(2.1, Eigen::Vector3d(1, 2, 3).normalized()).toRotationMatrix();
   Positions gradient = Positions::Zero(mesh.nodes.rows(), 3);
-  const Tissue::Sum sum =
+  const TissueSum sum =
       tissue.add_gradient(mapped(mesh.nodes, turn, {5, -3, 1}), std::vector<FibreDrive>{{0, 1}}, gradient);
   EXPECT_NEAR(sum.energy, 0, 1e-12);
   EXPECT_LT(gradient.cwiseAbs().maxCoeff(), 1e-9);  // newtons; a strain of one percent makes 1e-2
@@ -335,7 +335,7 @@ TEST(Tissue, ALargelyBentBeamIsTheElastica) {
   for (const Eigen::Index n : held) metric.coeffRef(n, n) += 1e9;
   const Objective objective = [&](const Positions& x, Positions& gradient) {
     gradient.setZero();
-    Tissue::Sum sum = tissue.add_gradient(x, {}, gradient);
+    TissueSum sum = tissue.add_gradient(x, {}, gradient);
     for (const Eigen::Index n : held) gradient.row(n).setZero();
     gradient.col(2)
         .setZero();  // so narrow a beam would buckle sideways; without Poisson's effect it does not feel this

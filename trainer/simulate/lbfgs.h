@@ -46,7 +46,7 @@ class Lbfgs {
   const StiffModes& metric_;
   double force_floor_, max_move_;
   std::deque<Pair> memory_;
-  Positions scratch_;
+  Metric::Scratch scratch_;
 };
 
 }  // namespace bodyopt

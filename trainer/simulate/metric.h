@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "geometry/tet_mesh.h"
+#include "trainer/simulate/factor_panels.h"
 #include "trainer/simulate/materials.h"
 
 namespace bodyopt {
@@ -23,19 +24,15 @@ std::vector<double> metric_stiffness(const std::vector<TetMaterial>& tets, const
 // kept in single precision: a metric needs no more digits, and reading it is what a solve costs.
 class Metric {
  public:
+  using Scratch = Eigen::Matrix<double, Eigen::Dynamic, 4, Eigen::RowMajor>;  // the fourth right side is zero
+
   explicit Metric(const SparseMatrix& matrix);
   // Replaces `values` (N x 3) by the inverse metric times it. `scratch` is resized as needed.
-  void solve(Positions& values, Positions& scratch) const;
+  void solve(Positions& values, Scratch& scratch) const;
 
  private:
-  struct Entry {
-    int row;
-    float value;
-  };
-  std::vector<int> order_;                 // original index of each row of the factor
-  std::vector<double> inverse_diagonal_;   // of L
-  std::vector<std::size_t> column_begin_;  // N + 1, into entries_: L below its diagonal, column by column
-  std::vector<Entry> entries_;
+  std::vector<int> order_;  // original index of each row of the factor
+  FactorPanels panels_;
 };
 
 }  // namespace bodyopt

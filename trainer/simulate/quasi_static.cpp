@@ -353,7 +353,7 @@ Objective QuasiStaticBody::energy(const Target& at, std::span<const ContactPlane
                                   const Tissue::BarrierShape& barrier, bool hold_volume) const {
   return [this, &at, contact, barrier, hold_volume](const Positions& x, Positions& gradient) {
     gradient.setZero();
-    const Tissue::Sum tissue = tissue_->add_gradient(x, at.drives, gradient, barrier);
+    const TissueSum tissue = tissue_->add_gradient(x, at.drives, gradient, barrier);
     double energy = tissue.energy + springs_->add_gradient(at.springs, x, gradient);
     if (hold_volume) energy += volume_->add_gradient(x, gradient);
     if (bending_) energy += bending_->add_gradient(at.curvature, x, gradient);

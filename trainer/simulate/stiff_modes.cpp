@@ -7,14 +7,15 @@ StiffModes::StiffModes(const Metric& metric, Eigen::Index node_count, std::vecto
     : metric_(metric), modes_(std::move(modes)) {
   const auto count = static_cast<Eigen::Index>(modes_.size());
   Eigen::MatrixXd small(count, count);
-  Positions scratch;
-  for (const SparseMode& mode : modes_) {
-    Positions& column = solved_.emplace_back(Positions::Zero(node_count, 3));
-    for (const auto& [node, vector] : mode) column.row(node) += vector;
-    metric_.solve(column, scratch);
-    small.col(static_cast<Eigen::Index>(solved_.size()) - 1) = project(column);
+  Positions solved(node_count, 3);
+  Metric::Scratch scratch;
+  for (Eigen::Index m = 0; m < count; ++m) {
+    solved.setZero();
+    for (const auto& [node, vector] : modes_[static_cast<std::size_t>(m)]) solved.row(node) += vector;
+    metric_.solve(solved, scratch);
+    small.col(m) = project(solved);
+    small(m, m) += 1 / stiffness[static_cast<std::size_t>(m)];
   }
-  for (Eigen::Index m = 0; m < count; ++m) small(m, m) += 1 / stiffness[static_cast<std::size_t>(m)];
   small_ = Cholesky(std::move(small));
 }
 
@@ -28,13 +29,17 @@ Eigen::VectorXd StiffModes::project(const Positions& values) const {
   return result;
 }
 
-void StiffModes::solve(Positions& values, Positions& scratch) const {
-  metric_.solve(values, scratch);
-  if (modes_.empty()) return;
-  const Eigen::VectorXd share = small_.solve(project(values));
+// With A the metric and G the modes as columns: A^-1 (v - G c), c = (1 / stiffness + G^T A^-1 G)^-1 G^T A^-1 v. A
+// second solve with A reads less than A^-1 G would take.
+void StiffModes::solve(Positions& values, Metric::Scratch& scratch) const {
+  if (modes_.empty()) return metric_.solve(values, scratch);
+  Positions solved = values;
+  metric_.solve(solved, scratch);
+  const Eigen::VectorXd share = small_.solve(project(solved));
   for (std::size_t m = 0; m < modes_.size(); ++m) {
-    values.noalias() -= share[static_cast<Eigen::Index>(m)] * solved_[m];
+    for (const auto& [node, vector] : modes_[m]) values.row(node) -= share[static_cast<Eigen::Index>(m)] * vector;
   }
+  metric_.solve(values, scratch);
 }
 
 }  // namespace bodyopt

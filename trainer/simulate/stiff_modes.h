@@ -20,14 +20,14 @@ class StiffModes {
              const std::vector<double>& stiffness);
 
   // Replaces values (N x 3) by the inverse times values. scratch: any; it is resized.
-  void solve(Positions& values, Positions& scratch) const;
+  void solve(Positions& values, Metric::Scratch& scratch) const;
 
  private:
+  // Of values (N x 3): their share along every mode.
   Eigen::VectorXd project(const Positions& values) const;
 
   const Metric& metric_;
   std::vector<SparseMode> modes_;
-  std::vector<Positions> solved_;  // of every mode: metric^-1 g
   Cholesky small_;
 };
 

@@ -6,7 +6,7 @@
 
 #include "geometry/tet_mesh.h"
 #include "trainer/simulate/materials.h"
-#include "trainer/simulate/muscle_fibres.h"
+#include "trainer/simulate/tissue_batches.h"
 
 namespace bodyopt {
 
@@ -33,11 +33,6 @@ class Tissue {
   Tissue(const TetMesh& mesh, const std::vector<TetMaterial>& tets, std::vector<FibreTet> fibres,
          const Materials& materials = {});
 
-  struct Sum {
-    double energy = 0;        // joules
-    double force_square = 0;  // N^2: over all tets, the squared forces each puts on its four nodes
-  };
-
   // A tet compressed below this share of its volume is pushed back by a logarithmic barrier, so many lambdas strong.
   static constexpr double kBarrierVolume = 0.3, kBarrierWeight = 2;
 
@@ -53,8 +48,8 @@ class Tissue {
   static constexpr BarrierShape kBarrier{0.005, 0}, kSteepBarrier{0.002, 0}, kFirmBarrier{0.002, 1e-3};
 
   // Adds the gradient (joules per metre, N x 3) of the energy at `nodes` (N x 3) to `gradient`. drives: per muscle.
-  Sum add_gradient(const Positions& nodes, std::span<const FibreDrive> drives, Positions& gradient,
-                   const BarrierShape& shape = kBarrier) const;
+  TissueSum add_gradient(const Positions& nodes, std::span<const FibreDrive> drives, Positions& gradient,
+                         const BarrierShape& shape = kBarrier) const;
 
   struct Inverted {
     int tets = 0;
@@ -63,39 +58,9 @@ class Tissue {
   Inverted inverted(const Positions& nodes) const;  // tets with J <= 0
 
  private:
-  static constexpr int kLanes = 8;
-
-  // Eight tets side by side, so that the compiler works on several at once. Empty lanes have no volume.
-  struct Batch {
-    int node[4][kLanes];
-    double slope[3][3][kLanes];  // gradient of the shape functions of corners 1..3, 1/m; corner 0: minus their sum
-    double volume[kLanes], mu[kLanes], lambda[kLanes];
-  };
-  struct FibreBatch {
-    double slope[3][kLanes];  // the same slopes along the fibre
-    double volume[kLanes];    // zero in lanes without fibres
-    int muscle[kLanes];
-  };
-  struct Corners;
-  struct Strain;
-
-  // Of muscles that share their tets with those of fibres_.
-  struct FurtherFibres {
-    int node[4][kLanes];
-    FibreBatch fibres;
-  };
-
   void add_further(const TetMesh& mesh, const std::vector<FibreTet>& fibres);
-  void gather(const int (&node)[4][kLanes], const Positions& nodes, Corners& corners) const;
-  void scatter(const int (&node)[4][kLanes], const double (&force)[3][3][kLanes], Positions& gradient, Sum& sum) const;
-  double strain(const Batch& batch, const Corners& corners, Strain& strain) const;
-  double fibre_force(const FibreBatch& batch, const Corners& corners, std::span<const FibreDrive> drives,
-                     double (&force)[3][3][kLanes]) const;
 
-  std::vector<Batch> batches_;
-  std::vector<FibreBatch> fibres_;  // of the first batches
-  std::vector<FurtherFibres> further_;
-  double active_, passive_;
+  TissueBatches batches_;
   double mean_volume_ = 0;  // of a tet, cubic metres
 };
 
