@@ -54,8 +54,15 @@ EmbeddedPoint TetFinder::operator()(const Eigen::Vector3d& point, const Eigen::V
   const bool is_outside = facing.triangle >= 0 && (point - facing.position).dot(normal) > 0;
   const int behind =
       behind_[static_cast<std::size_t>(facing.triangle >= 0 ? facing.triangle : nearest_(point).triangle)];
+  return is_outside ? EmbeddedPoint{behind, weights(behind, point)} : deepest(point, behind);
+}
+
+EmbeddedPoint TetFinder::operator()(const Eigen::Vector3d& point) const {
+  return deepest(point, behind_[static_cast<std::size_t>(nearest_(point).triangle)]);
+}
+
+EmbeddedPoint TetFinder::deepest(const Eigen::Vector3d& point, int behind) const {
   EmbeddedPoint best{behind, weights(behind, point)};
-  if (is_outside) return best;
   const auto consider = [&](int t) {
     const Eigen::Vector4d inside = weights(t, point);
     const double least = inside.minCoeff(), least_of_best = best.weights.minCoeff();
@@ -73,6 +80,14 @@ Eigen::Vector4d TetFinder::weights(int t, const Eigen::Vector3d& point) const {
   result.tail<3>() = tet.inverse * (point - tet.origin);
   result[0] = 1 - result.tail<3>().sum();
   return result;
+}
+
+std::vector<EmbeddedPoint> nodes_in(const TetMesh& mesh, const Positions& nodes) {
+  const Triangles surface = surface_of(mesh.tets);
+  const TetFinder find(mesh, mesh.nodes, surface);
+  std::vector<EmbeddedPoint> points;
+  for (const auto& node : nodes.rowwise()) points.push_back(find(node));
+  return points;
 }
 
 }  // namespace bodyopt

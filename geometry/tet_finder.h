@@ -19,12 +19,15 @@ class TetFinder {
   // as the skin does there; of several tets the one that it lies deepest in. normal: of the skin at the point, away
   // from the body.
   EmbeddedPoint operator()(const Eigen::Vector3d& point, const Eigen::Vector3d& normal) const;
+  // The same of a point inside the body, with the tet behind the nearest triangle where none holds it.
+  EmbeddedPoint operator()(const Eigen::Vector3d& point) const;
 
  private:
   struct Tet {
     Eigen::Vector3d origin;
     Eigen::Matrix3d inverse;  // of the edges from corner 0
   };
+  EmbeddedPoint deepest(const Eigen::Vector3d& point, int behind) const;
   Eigen::Vector4d weights(int tet, const Eigen::Vector3d& point) const;
 
   NearestSkin nearest_;
@@ -32,5 +35,8 @@ class TetFinder {
   BoxTree tree_;             // of tets_
   std::vector<int> behind_;  // tet behind every triangle of the surface
 };
+
+// Where each node of a mesh lies in another one of about the same shape.
+std::vector<EmbeddedPoint> nodes_in(const TetMesh& mesh, const Positions& nodes);
 
 }  // namespace bodyopt

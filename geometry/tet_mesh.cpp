@@ -3,10 +3,18 @@
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <map>
 #include <utility>
 
 namespace bodyopt {
+namespace {
+
+// Corners of the face opposite to each corner, outwards for a tet of positive volume.
+constexpr int kFace[4][3] = {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}};
+
+}  // namespace
 
 void orient(TetMesh& mesh) {
   mesh.worst_quality = 1;
@@ -50,6 +58,33 @@ std::vector<Eigen::Vector4d> tet_lattice(int rows) {
     }
   }
   return points;
+}
+
+Triangles surface_of(const Tets& tets) {
+  struct Face {
+    std::array<int, 3> corners;
+    int uses;
+  };
+  std::map<std::array<int, 3>, Face> faces;
+  for (Eigen::Index t = 0; t < tets.rows(); ++t) {
+    for (const auto& face : kFace) {
+      const std::array<int, 3> corners{tets(t, face[0]), tets(t, face[1]), tets(t, face[2])};
+      std::array<int, 3> key = corners;
+      std::sort(key.begin(), key.end());
+      ++faces.try_emplace(key, Face{corners, 0}).first->second.uses;
+    }
+  }
+  std::vector<std::array<int, 3>> open;
+  for (const auto& [key, face] : faces) {
+    if (face.uses == 1) open.push_back(face.corners);
+  }
+  Triangles triangles(static_cast<Eigen::Index>(open.size()), 3);
+  for (std::size_t t = 0; t < open.size(); ++t) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      triangles(static_cast<Eigen::Index>(t), static_cast<Eigen::Index>(k)) = static_cast<std::uint32_t>(open[t][k]);
+    }
+  }
+  return triangles;
 }
 
 }  // namespace bodyopt

@@ -22,6 +22,9 @@ void orient(TetMesh& mesh);
 // Edges from corner 0 to corners 1..3 as columns, metres; their determinant is six times the tet's volume.
 Eigen::Matrix3d tet_edges(const TetMesh& mesh, Eigen::Index tet);
 
+// The faces that belong to one tet only, outwards.
+Triangles surface_of(const Tets& tets);
+
 double volume(const TetMesh& mesh);  // of all tets, cubic metres
 
 // Mean-ratio quality, 0 (flat) .. 1 (regular): 12 (3 volume)^(2/3) over the sum of squared edges (Liu and Joe 1994).

@@ -69,6 +69,24 @@ TEST(CageBody, ADraftIsNearTheFullShape) {
   EXPECT_LT(rms(full.skin(a.nodes), draft.skin(b.nodes)), 0.5 * rms(full.skin(a.nodes), skinned));
 }
 
+TEST(CageBody, WalksToTheShapeThatTheOwnTetsWalkTo) {
+  const Character limb = make_limb();
+  const std::vector<Muscle> muscles{make_flexor()};
+  const QuasiStaticBody own(limb, muscles, 0.05, kLimbAnatomy);
+  QuasiStaticBody nested(limb, muscles, 0.05, kLimbAnatomy);
+  nested.walk_in(std::make_unique<QuasiStaticBody>(caged(limb, muscles, 100)));
+  EXPECT_NE(nested.hash(), own.hash());
+  for (const double turn : {40.0, 80.0}) {
+    const Pose pose = bent(limb, degrees(turn));
+    const SolvedPose a = own.solve(pose), b = nested.solve(pose);
+    EXPECT_TRUE(b.status.converged);
+    EXPECT_NE(a.nodes, b.nodes);
+    EXPECT_LT((a.nodes - b.nodes).rowwise().norm().maxCoeff(), 1e-5);
+  }
+  const Pose folded = bent(limb, degrees(150));  // deeper than the cage's contact can tell
+  EXPECT_EQ(own.solve(folded).nodes, nested.solve(folded).nodes);
+}
+
 TEST(CageBody, HashTellsSkinsInOneCageApart) {
   Character limb = make_limb();
   const auto hash = [&] {

@@ -3,7 +3,6 @@
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <map>
 #include <optional>
@@ -26,37 +25,6 @@ constexpr double kContactReach = 2e-3;  // m: a depth at which the pressure has 
 
 // Metres: planes that are wrong by more about the depth of their node are joined by a new one.
 constexpr double kPlaneError = 3e-4;
-
-// Corners of the face opposite to each corner, outwards for a tet of positive volume.
-constexpr int kFace[4][3] = {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}};
-
-// The faces that belong to one tet.
-Triangles boundary(const Tets& tets) {
-  struct Face {
-    std::array<int, 3> corners;
-    int uses;
-  };
-  std::map<std::array<int, 3>, Face> faces;
-  for (Eigen::Index t = 0; t < tets.rows(); ++t) {
-    for (const auto& face : kFace) {
-      const std::array<int, 3> corners{tets(t, face[0]), tets(t, face[1]), tets(t, face[2])};
-      std::array<int, 3> key = corners;
-      std::sort(key.begin(), key.end());
-      ++faces.try_emplace(key, Face{corners, 0}).first->second.uses;
-    }
-  }
-  std::vector<std::array<int, 3>> open;
-  for (const auto& [key, face] : faces) {
-    if (face.uses == 1) open.push_back(face.corners);
-  }
-  Triangles triangles(static_cast<Eigen::Index>(open.size()), 3);
-  for (std::size_t t = 0; t < open.size(); ++t) {
-    for (std::size_t k = 0; k < 3; ++k) {
-      triangles(static_cast<Eigen::Index>(t), static_cast<Eigen::Index>(k)) = static_cast<std::uint32_t>(open[t][k]);
-    }
-  }
-  return triangles;
-}
 
 Eigen::Vector3d row(const Positions& nodes, Eigen::Index n) { return nodes.row(n).transpose(); }
 
@@ -88,7 +56,7 @@ Eigen::Matrix3d edges_of(const Tets& tets, int tet, const Positions& nodes) {
 SkinContact::SkinContact(const TetMesh& mesh, const Materials& materials)
     : tets_(mesh.tets),
       rest_(mesh.nodes),
-      surface_(boundary(mesh.tets)),
+      surface_(surface_of(mesh.tets)),
       area_(static_cast<std::size_t>(mesh.nodes.rows()), 0.0),
       stiffness_(materials.contact) {
   const Positions& nodes = mesh.nodes;

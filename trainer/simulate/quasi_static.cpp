@@ -5,8 +5,10 @@
 #include <cmath>
 #include <numbers>
 
+#include "base/content_hash.h"
 #include "geometry/closed_skin.h"
 #include "geometry/extent.h"
+#include "geometry/tet_finder.h"
 #include "runtime/core/error.h"
 #include "runtime/core/stopwatch.h"
 #include "runtime/host/rig.h"
@@ -30,7 +32,10 @@ constexpr double kMaxFlex = 0.25;                         // a step, of full act
 // matter recover by themselves.
 constexpr double kMostInverted = 1e-6;
 constexpr double kShortestStep = 1.0 / 32;  // of a full step
-constexpr double kDefaultSize = 3;          // mean edges of the skin
+// A cage's shape is where the own tets start: not where its skin lies deeper in skin than this, metres, or where more
+// of the own tets would be inside out.
+constexpr double kDeepFold = 3e-3, kMostTangled = 1e-4;
+constexpr double kDefaultSize = 3;  // mean edges of the skin
 constexpr double kMinWeight = 1e-3;
 // Parts nearer than this, metres, may come into contact while a shape is relaxed.
 constexpr double kContactMargin = 5e-3;
@@ -316,8 +321,7 @@ Positions QuasiStaticBody::skin(const Positions& nodes) const {
   return embedding_.empty() ? Positions(nodes.topRows(skin_count_)) : embed(embedding_, carriers_, nodes);
 }
 
-QuasiStaticBody::Target QuasiStaticBody::target(const std::vector<JointTransform>& local,
-                                                std::span<const double> flex) const {
+QuasiStaticBody::Target QuasiStaticBody::target(const LocalTransforms& local, std::span<const double> flex) const {
   const JointFrames frames(skeleton_, local);
   Target result;
   result.drives = fibre_drives(muscles_, bellies_, frames.skinning, least_slack_);
@@ -399,13 +403,16 @@ MinimiseResult QuasiStaticBody::settle(const Target& at, const Tissue::BarrierSh
 SolvedPose QuasiStaticBody::solve_along(std::span<const Pose> path, std::span<const double> flex) const {
   const Stopwatch watch;
   require_flex(flex, muscles_.size());
-  SolvedPose solved = attempt(path, flex, 1, Tissue::kBarrier);
+  std::optional<SolvedPose> nested;
+  if (cage_ && path.size() == 1) nested = settle_from_cage(path.front(), flex);
+  SolvedPose solved = nested ? std::move(*nested) : attempt(path, flex, 1, Tissue::kBarrier);
   if (!solved.status.converged) {
     const int before = solved.status.iterations;
     SolvedPose again = attempt(path, flex, 0.5, Tissue::kSteepBarrier);
     if (again.status.converged) solved = std::move(again);
     solved.status.iterations = before + again.status.iterations;
   }
+  put_back_root_motion(path.back(), solved.nodes);
   append_riders(path.back(), solved.nodes);
   solved.status.seconds = watch.seconds();
   return solved;
@@ -427,25 +434,47 @@ void QuasiStaticBody::settle_upright(const Target& at, const Tissue::BarrierShap
   solved.status.residual = result.residual;
 }
 
+std::vector<JointTransform> QuasiStaticBody::without_root_motion(const Pose& pose) const {
+  if (pose.joints.size() != skeleton_.size()) {
+    throw Error(ErrorKind::mismatch, "a pose of " + std::to_string(pose.joints.size()) +
+                                         " joints was given to a body of " + std::to_string(skeleton_.size()));
+  }
+  LocalTransforms local = pose.joints;
+  if (const int root = single_root(skeleton_); root >= 0) {
+    local[static_cast<std::size_t>(root)] = skeleton_.joints[static_cast<std::size_t>(root)].bind;
+  }
+  return local;
+}
+
+void QuasiStaticBody::put_back_root_motion(const Pose& pose, Positions& nodes) const {
+  const int root = single_root(skeleton_);
+  if (root < 0) return;
+  const auto joint = static_cast<std::size_t>(root);
+  const Affine& inverse_bind = skeleton_.joints[joint].inverse_bind;
+  const Affine moved = affine_from(pose.joints[joint]) * inverse_bind;
+  move_all(moved * inverse(affine_from(skeleton_.joints[joint].bind) * inverse_bind), nodes);
+}
+
+void QuasiStaticBody::judge(SolvedPose& solved) const {
+  solved.status.inverted_tets = tissue_->inverted(solved.nodes).tets;
+  solved.status.contact_depth =
+      carried_depth_ ? carried_depth_->deepest(solved.nodes) : contact_->deepest(solved.nodes);
+  solved.status.volume_change = volume_->largest_change(solved.nodes);
+  solved.status.converged = is_converged(solved.status);
+}
+
 // step_size: of the largest steps allowed.
 SolvedPose QuasiStaticBody::attempt(std::span<const Pose> path, std::span<const double> flex, double step_size,
                                     const Tissue::BarrierShape& barrier) const {
   const double hardest = flex.empty() ? 0 : *std::max_element(flex.begin(), flex.end());
-  const int root = single_root(skeleton_);
-
   SolvedPose solved;
   Positions& nodes = solved.nodes;
   nodes = mesh_.nodes;
   LocalTransforms from = bind_pose(skeleton_).joints;
   Target here = target(from, {});
   for (const Pose& pose : path) {
-    if (pose.joints.size() != skeleton_.size()) {
-      throw Error(ErrorKind::mismatch, "a pose of " + std::to_string(pose.joints.size()) +
-                                           " joints was given to a body of " + std::to_string(skeleton_.size()));
-    }
     const bool last = &pose == &path.back();
-    LocalTransforms to = pose.joints;
-    if (root >= 0) to[static_cast<std::size_t>(root)] = skeleton_.joints[static_cast<std::size_t>(root)].bind;
+    LocalTransforms to = without_root_motion(pose);
     const double longest = std::max(widest_turn(from, to) / kMaxTurn, last ? hardest / kMaxFlex : 0);
     const int steps = static_cast<int>(std::ceil(std::max(longest / step_size, 1.0)));
     double at = 0, step = 1.0 / steps;
@@ -469,16 +498,28 @@ SolvedPose QuasiStaticBody::attempt(std::span<const Pose> path, std::span<const 
     }
     from = std::move(to);
   }
-  solved.status.inverted_tets = tissue_->inverted(nodes).tets;
-  solved.status.contact_depth = carried_depth_ ? carried_depth_->deepest(nodes) : contact_->deepest(nodes);
-  solved.status.volume_change = volume_->largest_change(nodes);
-  solved.status.converged = is_converged(solved.status);
-  if (root >= 0) {
-    const auto joint = static_cast<std::size_t>(root);
-    const Affine& inverse_bind = skeleton_.joints[joint].inverse_bind;
-    const Affine moved = affine_from(path.back().joints[joint]) * inverse_bind;
-    move_all(moved * inverse(affine_from(skeleton_.joints[joint].bind) * inverse_bind), nodes);
-  }
+  judge(solved);
+  return solved;
+}
+
+void QuasiStaticBody::walk_in(std::unique_ptr<const QuasiStaticBody> cage) {
+  cage_ = std::move(cage);
+  in_cage_ = nodes_in(cage_->mesh_, mesh_.nodes);
+  ContentHash hash;
+  hash.add(hash_);
+  hash.add(cage_->hash_);
+  hash_ = hash.value();
+}
+
+// Nothing where the cage finds no rest or is folded deeper than its own contact can tell, or what it carries is
+// tangled.
+std::optional<SolvedPose> QuasiStaticBody::settle_from_cage(const Pose& pose, std::span<const double> flex) const {
+  SolvedPose solved = cage_->attempt(std::span(&pose, 1), flex, 1, Tissue::kBarrier);
+  if (!solved.status.converged || solved.status.contact_depth > kDeepFold) return {};
+  solved.nodes = embed(in_cage_, cage_->mesh_.tets, solved.nodes);
+  if (tissue_->inverted(solved.nodes).share > kMostTangled) return {};
+  settle_upright(target(without_root_motion(pose), flex), Tissue::kBarrier, solved);
+  judge(solved);
   return solved;
 }
 

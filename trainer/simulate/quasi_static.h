@@ -1,6 +1,9 @@
 // The shape a body takes in a pose: elastic equilibrium between bones that drive and skin that is free.
 #pragma once
 
+#include <memory>
+#include <optional>
+
 #include "assets/character.h"
 #include "dataset/dataset.h"
 #include "trainer/simulate/bone_springs.h"
@@ -55,8 +58,12 @@ class QuasiStaticBody {
       : QuasiStaticBody(character, muscles, AnatomyField(character, muscles, anatomy), fill_skin(character, tet_size)) {
   }
 
+  // From now on poses are reached in a cage that carries the same skin, and only settled in this body's tets.
+  void walk_in(std::unique_ptr<const QuasiStaticBody> cage);
+
   // The equilibrium reached from rest along the straight path in joint angles, a pure function of the pose. A single
-  // root's motion is taken out and put back at the end: there is no gravity, so the body does not feel it.
+  // root's motion is taken out and put back at the end: there is no gravity, so the body does not feel it. A cage
+  // (walk_in) takes the path where it comes to rest without deep folds, and its shape is where this body starts.
   //
   // residual = sqrt(sum over all nodes of |f_i|^2) / sqrt(sum over all tets and their four nodes of |f_ta|^2), where
   // f_ta is the elastic force (passive, active and barrier terms together) of tet t on its node a, and f_i is the sum
@@ -94,6 +101,7 @@ class QuasiStaticBody {
   std::uint64_t hash() const { return hash_; }
 
  private:
+  using LocalTransforms = std::vector<JointTransform>;
   // A pose without the motion of the root, ready to solve in.
   struct Target {
     std::vector<FibreDrive> drives;
@@ -104,9 +112,14 @@ class QuasiStaticBody {
   };
   QuasiStaticBody(const Character& character, const std::vector<Muscle>& muscles, const AnatomyField& anatomy,
                   TetMesh mesh, const Materials& materials, const Cage* cage);
+  // Each with the root's motion taken out, and without what rides.
   SolvedPose attempt(std::span<const Pose> path, std::span<const double> flex, double step_size,
                      const Tissue::BarrierShape& barrier) const;
-  Target target(const std::vector<JointTransform>& local, std::span<const double> flex) const;
+  std::optional<SolvedPose> settle_from_cage(const Pose& pose, std::span<const double> flex) const;
+  LocalTransforms without_root_motion(const Pose& pose) const;
+  void put_back_root_motion(const Pose& pose, Positions& nodes) const;
+  void judge(SolvedPose& solved) const;  // sets its status but for residual and iterations
+  Target target(const LocalTransforms& local, std::span<const double> flex) const;
   Positions carried(const Target& from, const Target& to, const Positions& nodes) const;
   // What rides becomes nodes of its own.
   void carry_riders(const Character& whole, const Riders& riders);
@@ -143,7 +156,9 @@ class QuasiStaticBody {
   std::unique_ptr<SkinContact> contact_;  // null in a lattice, whose cells overlap where parts of the body are close
   std::unique_ptr<CarriedDepth> carried_depth_;  // null without a cage
   std::unique_ptr<Metric> metric_;
-  double force_floor_ = 0, max_move_ = 0;  // of the solver
+  std::unique_ptr<const QuasiStaticBody> cage_;  // null where poses are walked to in the own tets
+  std::vector<EmbeddedPoint> in_cage_;           // N
+  double force_floor_ = 0, max_move_ = 0;        // of the solver
   std::uint64_t hash_ = 0;
 };
 

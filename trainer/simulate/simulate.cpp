@@ -274,6 +274,20 @@ AnatomyField look_inside(const Character& character, const std::vector<Muscle>& 
   }
 }
 
+namespace {
+
+// Lets a body walk in a coarser skin, where there is one: a lattice has no contact.
+QuasiStaticBody walking_in_cage(QuasiStaticBody body, const Character& character, const std::vector<Muscle>& muscles,
+                                const AnatomyField& anatomy, const SimulateOptions& options) {
+  const Cage cage = make_cage(character.vertices, character.triangles, character.weights, kDraftNodes);
+  if (!cage.is_lattice && cage.mesh.nodes.rows() < body.mesh().nodes.rows()) {
+    body.walk_in(std::make_unique<QuasiStaticBody>(character, muscles, anatomy, cage, options.materials));
+  }
+  return body;
+}
+
+}  // namespace
+
 QuasiStaticBody make_body(const Character& character, const std::vector<Muscle>& muscles,
                           const SimulateOptions& options) {
   const BodyTets tets = choose_tets(character, options);
@@ -281,9 +295,11 @@ QuasiStaticBody make_body(const Character& character, const std::vector<Muscle>&
   const AnatomyField anatomy = look_inside(character, muscles, options);
   if (tets.filled) {
     warn_of_mending(tets.filled->mending, options);
-    const bool is_whole = tets.filled->mending.empty() && !options.draft;  // a draft stores where its nodes carry skin
-    if (is_whole) return {character, muscles, anatomy, tets.filled->mesh, options.materials};
-    return {character, muscles, anatomy, *tets.filled, options.materials};
+    if (options.draft) return {character, muscles, anatomy, *tets.filled, options.materials};  // its nodes are stored
+    const bool is_whole = tets.filled->mending.empty();
+    QuasiStaticBody body = is_whole ? QuasiStaticBody{character, muscles, anatomy, tets.filled->mesh, options.materials}
+                                    : QuasiStaticBody{character, muscles, anatomy, *tets.filled, options.materials};
+    return walking_in_cage(std::move(body), character, muscles, anatomy, options);
   }
   const Cage& cage = *tets.cage;
   if (tets.why_cage) {
