@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "tests/anatomy/egg_human.h"
@@ -84,6 +85,54 @@ TEST(HalfBody, BodyThatIsNotItsMirrorImageHasTwoHalves) {
   EXPECT_EQ(halves[1].find(BodyPart::hand), human.skeleton.find("RightHand"));
   for (const HalfBody& half : halves)
     EXPECT_GT(half.places[static_cast<std::size_t>(half.find(BodyPart::hand))].x(), 0.1);
+}
+
+// Which triangles have a corner that mostly follows one of these joints.
+std::vector<bool> triangles_of(const Character& human, const std::vector<std::string>& joints) {
+  std::vector<bool> own(static_cast<std::size_t>(human.triangles.rows()), false);
+  for (Eigen::Index t = 0; t < human.triangles.rows(); ++t) {
+    for (const std::uint32_t v : human.triangles.row(t)) {
+      const std::string& joint = human.skeleton.joints[human.weights[v].front().joint].name;
+      if (std::ranges::find(joints, joint) != joints.end()) own[static_cast<std::size_t>(t)] = true;
+    }
+  }
+  return own;
+}
+
+Character without_triangles(Character human, const std::vector<bool>& lost) {
+  std::vector<Eigen::Index> kept;
+  for (std::size_t t = 0; t < lost.size(); ++t) {
+    if (!lost[t]) kept.push_back(static_cast<Eigen::Index>(t));
+  }
+  human.triangles = Triangles(human.triangles(kept, Eigen::all));
+  return human;
+}
+
+// Its vertices may be there still, loose.
+TEST(HalfBody, LimbWithoutTrianglesIsNotMirroredAway) {
+  const Character human = egg_human();
+  for (const std::vector<std::string>& limb :
+       {std::vector<std::string>{"LeftForeArm", "LeftHand"}, {"RightLeg", "RightFoot"}}) {
+    const std::vector<HalfBody> halves = halves_of(without_triangles(human, triangles_of(human, limb)));
+    ASSERT_EQ(halves.size(), 2u) << limb.front();
+    EXPECT_NEAR((halves[0].from_rest * Eigen::Vector3d(0.1, 1, 0)).x(), 0.1, 1e-9) << "the plane stays";
+  }
+}
+
+TEST(HalfBody, HoleOfOneTriangleIsSeen) {
+  const Character human = egg_human();
+  std::vector<bool> hole(static_cast<std::size_t>(human.triangles.rows()), false);
+  hole[static_cast<std::size_t>(human.triangles.rows() / 2)] = true;
+  EXPECT_EQ(halves_of(without_triangles(human, hole)).size(), 2u);
+}
+
+TEST(HalfBody, LooseVerticesAreNoSkin) {
+  Character human = egg_human();
+  const Eigen::Index count = human.vertices.rows();
+  human.vertices.conservativeResize(count + 1, 3);
+  human.vertices.row(count) << 0.4, 1, 0;
+  human.weights.push_back(human.weights.front());
+  EXPECT_EQ(halves_of(human).size(), 1u);
 }
 
 TEST(HalfBody, LimbAloneHasNoPlane) {

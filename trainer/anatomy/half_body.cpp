@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 #include "assets/joint_roles.h"
 #include "assets/wording.h"
+#include "geometry/bad_edges.h"
 #include "geometry/extent.h"
 #include "geometry/nearest_skin.h"
 #include "geometry/point_grid.h"
@@ -28,20 +30,37 @@ std::vector<Vector3d> joint_places(const Skeleton& skeleton) {
   return places;
 }
 
-double middle_of_skin(const Positions& vertices) {
-  return vertices.rows() > 0 ? 0.5 * (vertices.col(0).minCoeff() + vertices.col(0).maxCoeff()) : 0;
+// The vertices that triangles join, and the middles of open edges, which tell of a missing triangle. Triangles' own
+// middles would tell of diagonals, which modellers do not mirror.
+Positions outline_of(const Character& character) {
+  std::vector<Index> rows(character.triangles.data(), character.triangles.data() + character.triangles.size());
+  std::ranges::sort(rows);
+  rows.erase(std::unique(rows.begin(), rows.end()), rows.end());
+  const std::vector<VertexPair> open = find_bad_edges(character.triangles).open;
+  const auto joined = static_cast<Index>(rows.size());
+  Positions outline(joined + static_cast<Index>(open.size()), 3);
+  outline.topRows(joined) = character.vertices(rows, Eigen::all);
+  for (std::size_t k = 0; k < open.size(); ++k) {
+    const auto& [a, b] = open[k];
+    outline.row(joined + static_cast<Index>(k)) = 0.5 * (character.vertices.row(a) + character.vertices.row(b));
+  }
+  return outline;
 }
 
-bool is_mirror_image(const Positions& vertices, double middle) {
-  const double tolerance = kMirrorTolerance * longest_extent(vertices);
-  std::vector<int> all;
-  for (Index v = 0; v < vertices.rows(); ++v) all.push_back(static_cast<int>(v));
+double middle_of(const Positions& outline) {
+  return outline.rows() > 0 ? 0.5 * (outline.col(0).minCoeff() + outline.col(0).maxCoeff()) : 0;
+}
+
+bool is_mirror_image(const Positions& outline, double middle) {
+  const double tolerance = kMirrorTolerance * longest_extent(outline);
+  std::vector<int> all(static_cast<std::size_t>(outline.rows()));
+  std::iota(all.begin(), all.end(), 0);
   if (all.empty()) return false;
-  const PointGrid grid(vertices, all, tolerance);
+  const PointGrid grid(outline, all, tolerance);
   return std::all_of(all.begin(), all.end(), [&](int v) {
-    const Eigen::RowVector3d image = mirrored(vertices.row(v), middle).transpose();
+    const Eigen::RowVector3d image = mirrored(outline.row(v), middle).transpose();
     bool found = false;
-    const auto look = [&](int n) { found = found || (vertices.row(n) - image).norm() <= tolerance; };
+    const auto look = [&](int n) { found = found || (outline.row(n) - image).norm() <= tolerance; };
     grid.visit(image.array() - tolerance, image.array() + tolerance, look);
     return found;
   });
@@ -59,8 +78,9 @@ double median(std::vector<double> values) {
 // The skin's middle, or that of the joints of either side where the skin is more nearly its own mirror image about
 // that: a lost arm moves the first, and a rig that stands beside its skin the second.
 double median_plane(const Character& character, const std::vector<int>& counterparts) {
-  const double middle = middle_of_skin(character.vertices);
-  if (is_mirror_image(character.vertices, middle)) return middle;
+  const Positions outline = outline_of(character);
+  const double middle = middle_of(outline);
+  if (is_mirror_image(outline, middle)) return middle;
   const std::vector<Vector3d> places = joint_places(character.skeleton);
   std::vector<double> middles;
   for (std::size_t j = 0; j < places.size(); ++j) {
@@ -70,7 +90,7 @@ double median_plane(const Character& character, const std::vector<int>& counterp
   if (middles.empty() || character.triangles.rows() == 0) return middle;
   const NearestSkin skin(character.vertices, character.triangles);
   const double of_joints = median(middles);
-  const auto error = [&](double at) { return mirror_error(character.vertices, skin, 0, at); };
+  const auto error = [&](double at) { return mirror_error(outline, skin, 0, at); };
   return error(of_joints) < error(middle) ? of_joints : middle;
 }
 
@@ -190,7 +210,7 @@ std::vector<HalfBody> halves_of(const Character& rest, std::optional<BodyKind> k
   const double middle = median_plane(character, by_name);
   const std::vector<int> counterparts = mirrored_joints_about(character, by_name, middle);
   HalfBody left = half_of(character, frame, middle, true);
-  left.is_own_mirror = is_mirror_image(character.vertices, middle) && has_counterparts(character, counterparts);
+  left.is_own_mirror = is_mirror_image(outline_of(character), middle) && has_counterparts(character, counterparts);
   if (left.is_own_mirror) {
     make_symmetric(left.places, counterparts);
     return {left};

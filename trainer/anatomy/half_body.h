@@ -31,7 +31,7 @@ struct HalfBody {
   Muscle path_of(const Muscle& muscle) const;
 };
 
-// The halves of a body: one where its skin is its own mirror image (nearest mirrored vertex within 1e-4 of its height)
+// The halves of a body: one where its skin is its own mirror image (vertices and open edges within 1e-4 of its extent)
 // or where it has no median plane, as limbs alone; otherwise the left and the right one. kind: as recognised where not
 // given.
 std::vector<HalfBody> halves_of(const Character& character, std::optional<BodyKind> kind = {});
