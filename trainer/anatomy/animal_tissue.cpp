@@ -17,6 +17,7 @@ using Use = JointLimb::Use;
 
 constexpr double kSkinOfSize = 0.0009;                   // thickness of the skin, as a share of the body's size
 constexpr double kFatOfSize = 0.004;                     // where the pattern is 1, at a scale of 1
+constexpr double kRibs = 0.005;                          // of a body's size: trunk, whatever limb's skin is over it
 constexpr double kLimbOfBody = 0.43;                     // of a body's size: an arm with its shoulder, alone
 constexpr double kFewestBone = 0.075, kMostBone = 0.12;  // of the volume: what thickness of bones is chosen for
 
@@ -157,8 +158,10 @@ InnerTissue find_animal_tissue(const HalfBody& body, const BodyGrid& grid, const
   const AnimalCavity cavity(animal);
   lay_bones(animal, cavity, options.corrections, tissue);
   tissue.cavity.resize(grid.size());
-  parallel_for(survey.spots().size(),
-               [&](std::size_t s) { tissue.cavity[static_cast<Index>(s)] = cavity.distance(survey.spots()[s]); });
+  parallel_for(survey.spots().size(), [&](std::size_t s) {
+    const double distance = tissue.cavity[static_cast<Index>(s)] = cavity.distance(survey.spots()[s]);
+    if (distance < kRibs * size && !is_trunk(tissue.region[s])) tissue.region[s] = BodyRegion::trunk;
+  });
   note_missing(animal, cavity, tissue);
   return tissue;
 }
