@@ -87,13 +87,13 @@ std::string anatomy_text(const AnatomyReport& report, const AnatomyField& field,
     text += format("{}: muscles of {:.2f} times the measured volumes\n", limb, factor);
   }
   if (report.mirror_difference) {
-    text += format("left and right differ by {:.2g} % at most\n", 100 * *report.mirror_difference);
+    text += format("left and right differ by {:.3g} % at most\n", 100 * *report.mirror_difference);
   }
   for (const std::string& warning : report.warnings) text += "warning: " + warning + "\n";
   return text + format("found in {:.1f} s\n", seconds);
 }
 
-// As memory goes.
+// More samples than this do not fit into most memories.
 void require_few_samples(const Character& character, double cell) {
   constexpr double kMost = 2e7;
   const double samples = std::abs(enclosed_volume(character.vertices, character.triangles)) / (cell * cell * cell);
@@ -134,7 +134,8 @@ void run(const AnatomyArguments& arguments) {
   const Stopwatch stopwatch;
   const AnatomyField field(character, muscles, options);
   const double seconds = stopwatch.seconds();
-  const AnatomyReport report = report_anatomy(character, muscles, field);
+  AnatomyReport report = report_anatomy(character, muscles, field);
+  if (const std::string crossing = skin_crossing(character); !crossing.empty()) report.warnings.push_back(crossing);
   std::string text = anatomy_text(report, field, seconds);
   if (!arguments.picture.empty()) text += draw_sections(arguments.picture, field, character, muscles);
   arguments.json.emit(anatomy_json(report, field, seconds), text);

@@ -83,6 +83,25 @@ TEST(Anatomy, RefusesWhatItCannotBeAsked) {
   EXPECT_EQ(run_verb("anatomy " + character + " --picture /nonexistent/x.png").exit_code, 4);
 }
 
+// Its sides differ by more than a hundred percent, which is told in digits alone.
+TEST(Anatomy, OfABodyThatIsNotItsMirrorImage) {
+  const auto horse = shared_data("characters/quaternius_horse.glb");
+  if (!horse) GTEST_SKIP() << kNeedsOtherWriters;
+  const ProgramResult result = run_verb("anatomy " + horse->string() + " --unit 0.3 --cell 20");
+  ASSERT_EQ(result.exit_code, 0) << result.output;
+  EXPECT_NE(result.output.find("left and right differ by 1"), std::string::npos) << result.output;
+  EXPECT_EQ(result.output.find("e+"), std::string::npos) << result.output;
+}
+
+TEST(Anatomy, OfASkinThatPassesThroughItself) {
+  const auto trex = shared_data("characters/quaternius_trex.glb");
+  if (!trex) GTEST_SKIP() << kNeedsOtherWriters;
+  const ProgramResult result = run_verb("anatomy " + trex->string() + " --unit 0.4 --cell 100");
+  ASSERT_EQ(result.exit_code, 0) << result.output;
+  EXPECT_NE(result.output.find("passes through itself at 2 pairs of triangles, most at 'Neck'"), std::string::npos)
+      << result.output;
+}
+
 TEST(Anatomy, HumansAreTheirOwnMirrorImages) {
   const auto human = shared_data("characters/human_muscular.glb");
   if (!human) GTEST_SKIP() << kNeedsRealBodies;

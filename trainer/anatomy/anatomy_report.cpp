@@ -8,6 +8,9 @@
 #include "assets/joint_roles.h"
 #include "assets/wording.h"
 #include "base/parallel.h"
+#include "geometry/extent.h"
+#include "geometry/self_intersections.h"
+#include "trainer/anatomy/muscle_paths.h"
 
 namespace bodyopt {
 namespace {
@@ -17,6 +20,9 @@ constexpr std::size_t kKinds = static_cast<std::size_t>(TissueKind::other_lean) 
 constexpr double kSmallestTrusted = 0.6, kLargestTrusted = 1.5;  // of a limb
 constexpr double kOffBone = 2e-3;                                // metres
 constexpr double kLeastShare = 0.2;                              // of a muscle's target
+constexpr double kLeastLean = 0.4;                               // of a limb's part: half and more is usual
+constexpr double kLeastTissue = 0.01;                            // of a part: less differs by how samples fall
+constexpr double kOffMirrorImage = 0.01;                         // of the body's extent
 
 // Cubic metres on one side of a body.
 struct SideVolumes {
@@ -62,7 +68,15 @@ double largest_difference(const Sides& sides, const std::vector<Muscle>& muscles
   const auto compare = [&](double a, double b) {
     if (a + b > 0) largest = std::max(largest, 2 * std::abs(a - b) / (a + b));
   };
-  for (std::size_t r = 0; r < kRegions; ++r) compare(total(sides[0].parts[r]), total(sides[1].parts[r]));
+  for (std::size_t r = 0; r < kRegions; ++r) {
+    const auto &left = sides[0].parts[r], &right = sides[1].parts[r];
+    const double both = total(left) + total(right);
+    compare(total(left), total(right));
+    for (const TissueKind kind : {TissueKind::bone, TissueKind::fat, TissueKind::muscle}) {
+      const auto k = static_cast<std::size_t>(kind);
+      if (left[k] + right[k] > kLeastTissue * both) compare(left[k], right[k]);
+    }
+  }
   const std::vector<int> others = mirrored_places(names_of(muscles));
   for (std::size_t m = 0; m < others.size(); ++m) {
     if (others[m] < 0) continue;
@@ -173,8 +187,41 @@ std::vector<std::string> ends_off_bone(const AnatomyReport& report) {
   return ends;
 }
 
-std::vector<std::string> warnings_of(const AnatomyReport& report, const AnatomyField& field) {
+// Of a skin that is its own mirror image left and right are averaged, which hides that they lie elsewhere.
+std::string averaged_apart(const std::vector<Muscle>& muscles, const AnatomyField& field) {
+  if (!field.is_own_mirror()) return "";
+  const HalfBody& body = field.halves().front().body;
+  const std::vector<double> off = off_mirror_images(body, muscles);
+  const double most = kOffMirrorImage * longest_extent(body.vertices);
+  std::vector<std::string> apart;
+  for (std::size_t m = 0; m < muscles.size(); ++m) {
+    if (off[m] > most) apart.push_back(muscles[m].name + with_number(" (%.0f mm)", 1e3 * off[m]));
+  }
+  if (apart.empty()) return "";
+  return count_of(apart.size(), "muscle does", "muscles do") +
+         " not lie where the mirror image of the other side's would; the mean of both is taken: " + list_names(apart);
+}
+
+std::string parts_without_lean(const AnatomyReport& report) {
+  std::vector<std::string> parts;
+  for (const BodyRegion region : {BodyRegion::thigh, BodyRegion::calf, BodyRegion::upper_arm, BodyRegion::forearm}) {
+    for (const AnatomyReport::OfPart& part : report.parts) {
+      const double lean = part.muscle + part.other_lean;
+      if (part.name == name_of(region) && lean < kLeastLean)
+        parts.push_back(part.name + with_number(" (%.0f %%)", 100 * lean));
+    }
+  }
+  if (parts.empty()) return "";
+  return "bone and fat leave little room for muscles, half of a limb or more as a rule: " + list_names(parts) +
+         ": the body fat asked for may not suit this skin";
+}
+
+std::vector<std::string> warnings_of(const AnatomyReport& report, const std::vector<Muscle>& muscles,
+                                     const AnatomyField& field) {
   std::vector<std::string> warnings;
+  for (const std::string& warning : {averaged_apart(muscles, field), parts_without_lean(report)}) {
+    if (!warning.empty()) warnings.push_back(warning);
+  }
   for (const AnatomyField::Half& half : field.halves()) {
     for (const std::vector<std::string>* notes : {&half.grid.notes, &half.tissue.notes}) {
       for (const std::string& note : *notes) {
@@ -216,8 +263,24 @@ AnatomyReport report_anatomy(const Character& character, const std::vector<Muscl
   report.muscles = muscles_of(character, muscles, field, sides);
   report.limb_factors = limb_factors_of(field);
   if (field.halves().front().body.has_plane) report.mirror_difference = largest_difference(sides, muscles);
-  report.warnings = warnings_of(report, field);
+  report.warnings = warnings_of(report, muscles, field);
   return report;
+}
+
+std::string skin_crossing(const Character& character) {
+  const std::vector<TrianglePair> pairs = self_intersections(character.vertices, character.triangles);
+  if (pairs.empty()) return "";
+  std::map<std::uint32_t, std::vector<std::uint32_t>> by_joint;
+  for (const std::uint32_t vertex : corners_of(pairs, character.triangles)) {
+    by_joint[character.weights[vertex].front().joint].push_back(vertex);
+  }
+  const auto& [joint, vertices] = *std::ranges::max_element(
+      by_joint, [](const auto& a, const auto& b) { return a.second.size() < b.second.size(); });
+  std::string place;
+  for (const double x : character.vertices.row(vertices.front())) place += with_number(" %.3g", x);
+  return "the skin passes through itself at " + count_of(pairs.size(), "pair", "pairs") + " of triangles, most at '" +
+         character.skeleton.joints[joint].name + "', first at" + place +
+         " m: what is in both parts there counts as one's";
 }
 
 }  // namespace bodyopt

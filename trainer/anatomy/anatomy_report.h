@@ -21,14 +21,15 @@ struct AnatomyReport {
   struct OfMuscle {
     std::string name;
     double volume = 0, target = 0;              // cubic metres; target: a table's, scaled, or else of its radius
-    int pieces = 1;                             // connected ones
+    int pieces = 0;                             // connected ones
     std::array<double, 2> ends_off_bone{0, 0};  // metres: origin, insertion
     std::array<std::string, 2> bones;           // joints that they are tied to; empty: none
   };
   std::vector<OfPart> parts;      // both sides together, those that the body has; last "body", all of it
   std::vector<OfMuscle> muscles;  // as the list of muscles has them
   std::map<std::string, double> limb_factors;
-  // The largest difference of a part's or a muscle's volume between left and right, over their mean, found by looking
+  // The largest difference of a part's, of its bone's, fat's or muscle's, or of a muscle's volume between left and
+  // right, over their mean, found by looking
   // at the field on both sides; nothing: the body has no sides.
   std::optional<double> mirror_difference;
   // Where skin and paths do not fit each other, and what could not be placed, one sentence each.
@@ -37,5 +38,8 @@ struct AnatomyReport {
 
 // By asking tissue_at() at every sample of the grid and, where one half stands for both, at its mirror image.
 AnatomyReport report_anatomy(const Character& character, const std::vector<Muscle>& muscles, const AnatomyField& field);
+
+// One sentence on where the skin passes through itself, and so parts' volumes are not their own; empty: nowhere.
+std::string skin_crossing(const Character& character);
 
 }  // namespace bodyopt

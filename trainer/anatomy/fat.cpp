@@ -87,10 +87,10 @@ Eigen::VectorXd corrected_pattern(const BodySurvey& survey, const Eigen::VectorX
 
 struct FatFit {
   Eigen::VectorXd thickness;  // V, metres: skin and fat
-  double body_fat = 0;        // of the body's mass: what was asked for, or the most that the body has room for
+  double body_fat = 0;        // of the body's mass: what was asked for, or the nearest that the body has room for
 };
 
-// By halving: of thicker patterns there is more fat.
+// Halving finds it, for of thicker patterns there is more fat.
 FatFit fit_fat(const BodySurvey& survey, const Eigen::VectorXd& pattern, double skin, double body_fat) {
   constexpr double kUnderSkin = 0.8, kFatDensity = 0.92, kBodyDensity = 1.01;  // kilograms a litre
   constexpr double kMostOfHalf = 0.45, kLeast = 0.05, kMost = 12;
@@ -148,9 +148,12 @@ void lay_fat(BodySurvey& survey, const Eigen::VectorXd& pattern, double skin, co
   for (Index s = 0; s < tissue.fat.size(); ++s)
     tissue.fat[s] = survey.spots()[static_cast<std::size_t>(s)].depth - survey.spots()[static_cast<std::size_t>(s)].fat;
   const auto percent = [](double share) { return std::to_string(std::lround(100 * share)) + " %"; };
-  if (std::abs(fit.body_fat - options.body_fat) > kNear) {
-    tissue.notes.push_back("the body has room for " + percent(fit.body_fat) + " of fat under its skin, not for the " +
+  if (fit.body_fat < options.body_fat - kNear) {
+    tissue.notes.push_back("the body has room for " + percent(fit.body_fat) + " of fat, not for the " +
                            percent(options.body_fat) + " asked for");
+  } else if (fit.body_fat > options.body_fat + kNear) {
+    tissue.notes.push_back("skin and the least fat below it count as " + percent(fit.body_fat) +
+                           " of body fat, more than the " + percent(options.body_fat) + " asked for");
   }
 }
 

@@ -16,13 +16,17 @@ using Eigen::Vector3d;
 constexpr double kNearCounterpart = 0.1;  // of a path's length: a muscle in the place of the mirror image
 constexpr double kStraightBelly = 2;      // a belly's volume over r^2 l: two thirds of a cylinder's
 
-Positions path_in_half(const HalfBody& body, const Muscle& muscle) {
-  const Muscle carried = body.path_of(muscle);
-  Positions path(static_cast<Index>(carried.path.size()), 3);
-  for (Index k = 0; k < path.rows(); ++k) {
-    path.row(k) = Vector3d(carried.path[static_cast<std::size_t>(k)].position.data()).transpose();
+std::vector<Positions> paths_in_half(const HalfBody& body, const std::vector<Muscle>& muscles) {
+  std::vector<Positions> paths;
+  for (const Muscle& muscle : muscles) {
+    const Muscle carried = body.path_of(muscle);
+    Positions path(static_cast<Index>(carried.path.size()), 3);
+    for (Index k = 0; k < path.rows(); ++k) {
+      path.row(k) = Vector3d(carried.path[static_cast<std::size_t>(k)].position.data()).transpose();
+    }
+    paths.push_back(resampled(path, kPathPoints));
   }
-  return resampled(path, kPathPoints);
+  return paths;
 }
 
 Positions turned_over(const Positions& path) {
@@ -156,14 +160,23 @@ Eigen::MatrixXd smoothed_along(const Eigen::MatrixXd& rows, double width) {
 }
 
 std::vector<int> mirrored_muscles(const HalfBody& body, const std::vector<Muscle>& muscles) {
-  std::vector<Positions> paths;
-  for (const Muscle& muscle : muscles) paths.push_back(path_in_half(body, muscle));
-  return pair_up(muscles, paths);
+  return pair_up(muscles, paths_in_half(body, muscles));
+}
+
+std::vector<double> off_mirror_images(const HalfBody& body, const std::vector<Muscle>& muscles) {
+  const std::vector<Positions> paths = paths_in_half(body, muscles);
+  const std::vector<int> counterparts = pair_up(muscles, paths);
+  std::vector<double> off(muscles.size(), 0);
+  for (std::size_t m = 0; m < muscles.size(); ++m) {
+    if (counterparts[m] < 0) continue;
+    const Positions image = turned_over(paths[static_cast<std::size_t>(counterparts[m])]);
+    off[m] = (paths[m] - image).rowwise().norm().mean();
+  }
+  return off;
 }
 
 std::vector<HalfMuscle> muscles_of_half(const HalfBody& body, const std::vector<Muscle>& muscles) {
-  std::vector<Positions> paths;
-  for (const Muscle& muscle : muscles) paths.push_back(path_in_half(body, muscle));
+  const std::vector<Positions> paths = paths_in_half(body, muscles);
   const std::vector<int> counterparts = pair_up(muscles, paths);
   const auto outwards = [&](int m) { return paths[static_cast<std::size_t>(m)].col(0).mean(); };
   std::vector<HalfMuscle> halves;

@@ -33,6 +33,9 @@ Eigen::MatrixXd smoothed_along(const Eigen::MatrixXd& rows, double width);
 // M: the muscle on the other side of each, by its name or its place; -1: none.
 std::vector<int> mirrored_muscles(const HalfBody& body, const std::vector<Muscle>& muscles);
 
+// M, metres: how far a path lies on average from the mirror image of its counterpart's; 0 without a counterpart.
+std::vector<double> off_mirror_images(const HalfBody& body, const std::vector<Muscle>& muscles);
+
 // Those on this half's side of the median plane. Of a body that is its own mirror image, paths of left and right are
 // averaged, and a muscle that only the right side has is here, too.
 std::vector<HalfMuscle> muscles_of_half(const HalfBody& body, const std::vector<Muscle>& muscles);
