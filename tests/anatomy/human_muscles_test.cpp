@@ -1,6 +1,7 @@
 // Muscles of humans: as much of them in each limb as anatomists find, each of its volume, on any grid.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <map>
@@ -9,7 +10,7 @@
 #include "tests/anatomy/tube_body.h"
 #include "tests/support/error_kind.h"
 #include "tests/support/shared_data.h"
-#include "trainer/anatomy/division.h"
+#include "trainer/anatomy/anatomy_report.h"
 #include "trainer/anatomy/trunk_muscles.h"
 #include "trainer/muscle_models/fit.h"
 
@@ -23,10 +24,7 @@ constexpr double kCoarse = 0.005;
 struct DividedHuman {
   Character character;
   std::vector<Muscle> muscles;
-  HalfBody body;
-  BodyGrid grid;
-  InnerTissue tissue;
-  Division division;
+  AnatomyField field;
 
   DividedHuman(const std::filesystem::path& path, double body_fat, double cell) : character(read_character(path)) {
     for (const auto& [model, mapping] : {std::pair("opensim/gait2392_thelen2003muscle.osim", "gait2392.json"),
@@ -39,21 +37,29 @@ struct DividedHuman {
     }
     const TrunkMuscles trunk = trunk_muscles(character, muscles, body_fat);
     muscles.insert(muscles.end(), trunk.muscles.begin(), trunk.muscles.end());
-    body = halves_of(character).front();
-    grid = sample_body(body, cell);
-    tissue = find_inner_tissue(body, grid, {body_fat, BodyKind::biped});
-    division = divide_muscles(body, grid, tissue, muscles);
+    field = AnatomyField(character, muscles, {.body_fat = body_fat, .kind = BodyKind::biped, .cell = cell});
   }
 
-  double muscle_share(BodyRegion region) const {
-    int muscle = 0, all = 0;
-    for (std::size_t s = 0; s < division.label.size(); ++s) {
-      if (tissue.region[s] != region) continue;
-      ++all;
-      muscle += division.label[s] >= 0 && !division.is_tendon[s] ? 1 : 0;
+  const InnerTissue& tissue() const { return field.halves().front().tissue; }
+  const Division& division() const { return field.halves().front().division; }
+
+  int samples(BodyRegion region) const { return static_cast<int>(std::ranges::count(tissue().region, region)); }
+  int muscle_samples(BodyRegion region) const {
+    int muscle = 0;
+    for (std::size_t s = 0; s < division().label.size(); ++s) {
+      muscle += tissue().region[s] == region && division().label[s] >= 0 && !division().is_tendon[s] ? 1 : 0;
     }
-    return static_cast<double>(muscle) / all;
+    return muscle;
   }
+  int bone_samples(BodyPart part) const {
+    const int joint = field.halves().front().body.find(part);
+    int bone = 0;
+    for (std::size_t s = 0; s < tissue().bone_joint.size(); ++s) {
+      bone += tissue().bone[static_cast<Eigen::Index>(s)] < 0 && tissue().bone_joint[s] == joint ? 1 : 0;
+    }
+    return bone;
+  }
+  double muscle_share(BodyRegion region) const { return static_cast<double>(muscle_samples(region)) / samples(region); }
 };
 
 constexpr std::array<std::pair<const char*, double>, 3> kHumans{
@@ -95,7 +101,7 @@ TEST_F(MusclesOfHumans, EachHasItsVolumeInOnePiece) {
   for (const auto& [name, human] : divided_humans()) {
     double sum = 0;
     int count = 0;
-    for (const Division::OfMuscle& muscle : human.division.muscles) {
+    for (const Division::OfMuscle& muscle : human.division().muscles) {
       const std::string& own = human.muscles[static_cast<std::size_t>(muscle.muscle)].name;
       EXPECT_EQ(muscle.pieces, 1) << name << " " << own;
       EXPECT_GT(muscle.volume, 0.2 * muscle.target) << name << " " << own;
@@ -108,31 +114,50 @@ TEST_F(MusclesOfHumans, EachHasItsVolumeInOnePiece) {
   }
 }
 
-TEST_F(MusclesOfHumans, PathsEndOnTheirBonesOrAreFar) {
+// 16 in young men, of muscle without its tendons (Maden-Wilkinson et al. 2014).
+TEST_F(MusclesOfHumans, ThighIsThirteenFemursAndMore) {
   for (const auto& [name, human] : divided_humans()) {
-    for (const Division::OfMuscle& muscle : human.division.muscles) {
-      for (const double off : muscle.ends_off_bone) EXPECT_TRUE(off < 0.002 || off > 0.04) << name << " " << off;
+    const double ratio =
+        static_cast<double>(human.muscle_samples(BodyRegion::thigh)) / human.bone_samples(BodyPart::thigh);
+    EXPECT_GT(ratio, 13) << name;
+    EXPECT_LT(ratio, 18) << name;
+  }
+}
+
+TEST_F(MusclesOfHumans, PathsEndOnTheirBonesOrAreToldToBeFar) {
+  for (const auto& [name, human] : divided_humans()) {
+    const AnatomyReport report = report_anatomy(human.character, human.muscles, human.field);
+    std::string warnings;
+    for (const std::string& warning : report.warnings) warnings += warning + "\n";
+    for (const AnatomyReport::OfMuscle& muscle : report.muscles) {
+      for (const std::size_t end : {0U, 1U}) {
+        const double off = muscle.ends_off_bone[end];
+        EXPECT_TRUE(off < 0.002 || off > 0.04) << name << " " << muscle.name << " " << off;
+        const bool is_told =
+            warnings.find(muscle.name + (end == 0 ? " (origin, " : " (insertion, ")) != std::string::npos;
+        EXPECT_EQ(is_told, off > 0.002) << name << " " << muscle.name << " " << off;
+      }
     }
   }
 }
 
 TEST_F(MusclesOfHumans, FibresAreUnitVectorsWhereMusclesAre) {
   const DividedHuman& human = divided_humans().at("human_muscular");
-  for (std::size_t s = 0; s < human.division.label.size(); ++s) {
-    const bool is_muscle = human.division.label[s] >= 0 && !human.division.is_tendon[s];
-    ASSERT_NEAR(human.division.fibre.row(static_cast<Eigen::Index>(s)).norm(), is_muscle ? 1 : 0, 1e-9) << s;
+  for (std::size_t s = 0; s < human.division().label.size(); ++s) {
+    const bool is_muscle = human.division().label[s] >= 0 && !human.division().is_tendon[s];
+    ASSERT_NEAR(human.division().fibre.row(static_cast<Eigen::Index>(s)).norm(), is_muscle ? 1 : 0, 1e-9) << s;
   }
 }
 
 TEST_F(MusclesOfHumans, FinerGridTellsTheSame) {
   const DividedHuman& coarse = divided_humans().at("human_muscular");
   const DividedHuman fine(*shared_data("characters/human_muscular.glb"), 0.13, 0.0035);
-  ASSERT_EQ(fine.division.muscles.size(), coarse.division.muscles.size());
+  ASSERT_EQ(fine.division().muscles.size(), coarse.division().muscles.size());
   double sum = 0;
   int count = 0;
-  for (std::size_t m = 0; m < fine.division.muscles.size(); ++m) {
-    if (coarse.division.muscles[m].target < 20e-6) continue;
-    sum += std::pow(fine.division.muscles[m].volume / coarse.division.muscles[m].volume - 1, 2);
+  for (std::size_t m = 0; m < fine.division().muscles.size(); ++m) {
+    if (coarse.division().muscles[m].target < 20e-6) continue;
+    sum += std::pow(fine.division().muscles[m].volume / coarse.division().muscles[m].volume - 1, 2);
     ++count;
   }
   EXPECT_LT(std::sqrt(sum / count), 0.08);

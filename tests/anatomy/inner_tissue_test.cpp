@@ -35,10 +35,6 @@ struct Inside {
   double of_kind(TissueKind kind) const {
     return volume([&](int s) { return tissue.kind(s) == kind; });
   }
-  double of_kind(TissueKind kind, BodyRegion region) const {
-    return volume(
-        [&](int s) { return tissue.kind(s) == kind && tissue.region[static_cast<std::size_t>(s)] == region; });
-  }
   double bone_of(BodyPart part) const {
     const int joint = body.find(part);
     return volume([&](int s) {
@@ -76,16 +72,6 @@ TEST_F(InsideOfHumans, BoneIsATenthOfTheBody) {
     EXPECT_GT(bone, 0.09 * inside.all()) << name;
     EXPECT_LT(bone, 0.13 * inside.all()) << name;
     EXPECT_NEAR(2e6 * inside.tissue.brain, 1300, 400) << name;
-  }
-}
-
-// 16 in young men, of muscle without its tendons (Maden-Wilkinson et al. 2014).
-TEST_F(InsideOfHumans, ThighIsTenFemursAndMore) {
-  for (const auto& [name, inside] : humans_inside()) {
-    const double muscle = 0.93 * inside.of_kind(TissueKind::other_lean, BodyRegion::thigh);
-    const double ratio = muscle / inside.bone_of(BodyPart::thigh);
-    EXPECT_GT(ratio, 13) << name;
-    EXPECT_LT(ratio, 18) << name;
   }
 }
 

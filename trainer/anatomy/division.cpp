@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "base/disjoint_sets.h"
 #include "trainer/anatomy/division_steps.h"
 #include "trainer/anatomy/muscle_ends.h"
 #include "trainer/anatomy/volume_division.h"
@@ -11,7 +12,7 @@ namespace {
 
 using Eigen::Index;
 
-// Of lengths, against a man of 60 l; of an arm or a leg alone, against his.
+// Lengths are told against a man of 60 l, those of an arm or a leg alone against his.
 double scale_of(const HalfBody& body, const BodyGrid& grid) {
   return std::cbrt(grid.size() * grid.volume() / (body.has_plane ? 0.03 : 0.004));
 }
@@ -31,7 +32,7 @@ Division::OfMuscle described(const HalfMuscle& muscle, const std::array<BoneFoot
   return result;
 }
 
-// From lean samples to those of the grid.
+// Lean samples are some of the grid's.
 void label_grid(const LeanSamples& lean, const VolumeDivision& power, const std::vector<int>& tendon,
                 const Positions& fibres, Division& division) {
   division.label = tendon;
@@ -44,6 +45,21 @@ void label_grid(const LeanSamples& lean, const VolumeDivision& power, const std:
     division.label[s] = power.label()[i];
     division.is_tendon[s] = false;
     division.fibre.row(lean.sample[i]) = fibres.row(static_cast<Index>(i));
+  }
+}
+
+// Samples of a muscle that share a face are of one piece; tendons are of none.
+void count_pieces(const BodyGrid& grid, Division& division) {
+  DisjointSets pieces(division.label.size());
+  const auto is_belly = [&](std::size_t s) { return division.label[s] >= 0 && !division.is_tendon[s]; };
+  for (std::size_t s = 0; s < division.label.size(); ++s) {
+    for (const int other : grid.beside(static_cast<int>(s))) {
+      const auto o = static_cast<std::size_t>(other);
+      if (other >= 0 && is_belly(s) && is_belly(o) && division.label[s] == division.label[o]) pieces.join(s, o);
+    }
+  }
+  for (std::size_t s = 0; s < division.label.size(); ++s) {
+    if (is_belly(s) && pieces.lowest(s) == s) ++division.muscles[static_cast<std::size_t>(division.label[s])].pieces;
   }
 }
 
@@ -90,11 +106,11 @@ Division divide_muscles(const HalfBody& body, const BodyGrid& grid, const InnerT
     division.muscles.push_back(described(own[m], feet[m]));
     division.muscles.back().volume = power.volume()[m];
     division.muscles.back().target = targets.volume[m];
-    division.muscles.back().pieces = power.volume()[m] > 0 ? 1 : 0;  // each is one, where it has any
   }
   division.limb_factors = targets.factors;
   label_grid(lean, power, tendon_samples(lean, own, feet),
              fibre_directions(lean, own, joints, power.label(), power.along_path()), division);
+  count_pieces(grid, division);
   return division;
 }
 

@@ -17,7 +17,7 @@ struct Division {
     Positions path;                       // 48 x 3, half space: drawn to its bones and to the middle of its own region
     double belly_from = 0, belly_to = 1;  // along the path
     double volume = 0, target = 0;        // cubic metres; target: a table's, scaled, or else what its radius says
-    int pieces = 1;                       // connected pieces of its region
+    int pieces = 0;                       // of its region, connected through faces of cells
     double ends_off_bone[2] = {0, 0};     // metres: origin, insertion; to the nearest bone of its joints
     int end_joint[2] = {-1, -1};          // the bones that its ends are tied to
     std::string limb;                     // of limb_factors; empty: none
