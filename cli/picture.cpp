@@ -170,6 +170,7 @@ void require_same_inputs(const PicturedFrame& pictured, std::uint64_t now, std::
 // The body of a take, as it was simulated.
 struct CutBody {
   std::vector<Muscle> muscles;
+  AnatomyField field;
   QuasiStaticBody body;
   Positions nodes;  // of the frame, posed
 };
@@ -184,15 +185,16 @@ CutBody cut_body(const PicturedFrame& pictured, int frame) {
   options.draft = pictured.take.shapes.ends_with(".nodes");
   if (!dataset.materials.empty()) options.materials = read_materials(dataset.folder / dataset.materials);
   options.anatomy = anatomy_options(dataset, pictured.character.skeleton);
-  QuasiStaticBody body = make_body(pictured.character, muscles, options);
+  AnatomyField field(pictured.character, muscles, options.anatomy);
+  QuasiStaticBody body = make_body(pictured.character, muscles, field, options);
   require_same_inputs(pictured, frame_key(body, muscles, pictured.clip, frame), inputs, frame);
   if (!options.draft) {
     Positions nodes = solve_frame(body, muscles, pictured.clip, frame).nodes;
-    return {std::move(muscles), std::move(body), std::move(nodes)};
+    return {std::move(muscles), std::move(field), std::move(body), std::move(nodes)};
   }
   const auto sample = std::ranges::find(pictured.take.frames, frame) - pictured.take.frames.begin();
   Positions nodes = NodesReader(dataset.folder / pictured.take.shapes).nodes(static_cast<std::uint32_t>(sample));
-  return {std::move(muscles), std::move(body), std::move(nodes)};
+  return {std::move(muscles), std::move(field), std::move(body), std::move(nodes)};
 }
 
 // Of the picture's own pixels, in the plane through the middle of the view.
@@ -205,13 +207,13 @@ SectionPlane plane_of_view(const View& view, const std::vector<std::uint32_t>& s
 }
 
 // How long the fibres are at every pixel, times their length at rest.
-std::vector<double> fibre_stretch(const CutBody& cut, const AnatomyField& field, const RestPoints& rest) {
+std::vector<double> fibre_stretch(const CutBody& cut, const RestPoints& rest) {
   const TetMesh& mesh = cut.body.mesh();
   const TetMesh moved{cut.nodes, mesh.tets, 0};
   std::vector<double> stretch(rest.size(), 1.0);
   for (std::size_t pixel = 0; pixel < rest.size(); ++pixel) {
     if (!rest[pixel]) continue;
-    const Eigen::Vector3d fibre = field.fibre_at(rest[pixel]->position);
+    const Eigen::Vector3d fibre = cut.field.fibre_at(rest[pixel]->position);
     if (fibre.isZero()) continue;
     const Eigen::Matrix3d strain = tet_edges(moved, rest[pixel]->tet) * tet_edges(mesh, rest[pixel]->tet).inverse();
     stretch[pixel] = (strain * fibre).norm();
@@ -232,16 +234,12 @@ void keep_inside(const SectionPlane& plane, const PicturedFrame& pictured, RestP
 
 // The field of tissues where the plane cuts the tets.
 Soup cut_face(const CutBody& cut, const PicturedFrame& pictured, const SectionPlane& plane) {
-  const AnatomyField field(pictured.character, cut.muscles,
-                           anatomy_options(pictured.dataset, pictured.character.skeleton));
-  const auto is_tissue = [&](const Eigen::Vector3d& point) {
-    return field.tissue_at(point).kind != TissueKind::outside;
-  };
+  const auto tissue_at = [&](const Eigen::Vector3d& point) { return cut.field.tissue_at(point); };
+  const auto is_tissue = [&](const Eigen::Vector3d& point) { return tissue_at(point).kind != TissueKind::outside; };
   RestPoints rest = rest_points(plane, cut.body.mesh(), cut.nodes, is_tissue);
-  const auto tissue_at = [&](const Eigen::Vector3d& point) { return field.tissue_at(point); };
   keep_inside(plane, pictured, rest);
   const TissueSection section = section_of(plane, rest, tissue_at);
-  return standing_section(plane, TissueColours(cut.muscles).picture(section, fibre_stretch(cut, field, rest)));
+  return standing_section(plane, TissueColours(cut.muscles).picture(section, fibre_stretch(cut, rest)));
 }
 
 Image draw_cut(const PictureArguments& arguments, const PicturedFrame& pictured, const View& view, Renderer& renderer) {

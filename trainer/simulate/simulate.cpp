@@ -290,9 +290,13 @@ QuasiStaticBody walking_in_cage(QuasiStaticBody body, const Character& character
 
 QuasiStaticBody make_body(const Character& character, const std::vector<Muscle>& muscles,
                           const SimulateOptions& options) {
+  return make_body(character, muscles, look_inside(character, muscles, options), options);
+}
+
+QuasiStaticBody make_body(const Character& character, const std::vector<Muscle>& muscles, const AnatomyField& anatomy,
+                          const SimulateOptions& options) {
   const BodyTets tets = choose_tets(character, options);
   options.inform(solved_in(tets));
-  const AnatomyField anatomy = look_inside(character, muscles, options);
   if (tets.filled) {
     warn_of_mending(tets.filled->mending, options);
     if (options.draft) return {character, muscles, anatomy, *tets.filled, options.materials};  // its nodes are stored

@@ -52,6 +52,9 @@ std::string glued_parts(const Cage& cage, const Character& character);
 // skin that tets cannot fill.
 QuasiStaticBody make_body(const Character& character, const std::vector<Muscle>& muscles,
                           const SimulateOptions& options);
+// Makes the same of what look_inside() found.
+QuasiStaticBody make_body(const Character& character, const std::vector<Muscle>& muscles, const AnatomyField& anatomy,
+                          const SimulateOptions& options);
 
 // One frame of a clip, its controls flexing muscles. Throws Error(usage) for a frame the clip lacks, Error(mismatch)
 // for controls that flex no muscle or are not within 0..1.
