@@ -121,4 +121,24 @@ Eigen::VectorXd thickness(const Positions& vertices, const Triangles& triangles,
   return (count.array() > 0).select(sum.array() / count.array(), kThinnest * extent);
 }
 
+Eigen::VectorXd half_thickness(const Positions& vertices, const Triangles& triangles, const NearestSkin& skin) {
+  constexpr double kFirstStep = 1.0 / 600, kFarthest = 0.12;  // of the body's extent
+  constexpr double kStep = 1.15, kKeepsUp = 0.8;
+  const double extent = longest_extent(vertices);
+  const double inwards = enclosed_volume(vertices, triangles) < 0 ? 1 : -1;
+  const Positions normals = vertex_normals(vertices, triangles);
+  Eigen::VectorXd thickness = Eigen::VectorXd::Zero(vertices.rows());
+  parallel_for_short(static_cast<std::size_t>(vertices.rows()), [&](std::size_t n) {
+    const auto v = static_cast<Eigen::Index>(n);
+    const Eigen::Vector3d from = vertices.row(v), along = inwards * normals.row(v).transpose().normalized();
+    for (double way = kFirstStep * extent; way < kFarthest * extent; way *= kStep) {
+      const Eigen::Vector3d point = from + way * along;
+      const double depth = (skin(point).position - point).norm();
+      thickness[v] = std::max(thickness[v], depth);
+      if (depth < kKeepsUp * way) break;
+    }
+  });
+  return thickness;
+}
+
 }  // namespace bodyopt

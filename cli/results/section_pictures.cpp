@@ -9,6 +9,7 @@
 #include "runtime/host/rig.h"
 #include "trainer/anatomy/section.h"
 #include "trainer/anatomy/telling_planes.h"
+#include "trainer/simulate/muscle_fibres.h"
 
 namespace bodyopt::cli {
 namespace {
@@ -18,13 +19,8 @@ double largest_shortening(const SampleSet& set, const Sample& sample) {
   const std::vector<Affine> skinning = skinning_matrices(set.character.skeleton, sample.pose.joints);
   double largest = 0;
   for (const Muscle& muscle : set.muscles) {
-    double now = 0, rest = 0;
-    for (std::size_t k = 1; k < muscle.path.size(); ++k) {
-      const MusclePoint &a = muscle.path[k - 1], &b = muscle.path[k];
-      now += length(skinning[b.joint] * b.position - skinning[a.joint] * a.position);
-      rest += length(b.position - a.position);
-    }
-    if (rest > 0) largest = std::max(largest, 1 - now / rest);
+    const double rest = rest_length(muscle);
+    if (rest > 0) largest = std::max(largest, 1 - path_length(muscle, skinning) / rest);
   }
   return largest;
 }

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/anatomy/egg_human.h"
 #include "tests/simulate/limb.h"
 
 namespace bodyopt {
@@ -20,6 +21,20 @@ TEST(Thickness, DoesNotDependOnTheWinding) {
   const Triangles inside_out = limb.triangles.rowwise().reverse();
   EXPECT_LT((thickness(limb.vertices, inside_out) - thickness(limb.vertices, limb.triangles)).cwiseAbs().maxCoeff(),
             1e-9);
+}
+
+// Of an egg its short half axis, in the middle of its height.
+TEST(HalfThickness, IsThatOfTheBodyBehind) {
+  const Character egg = egg_human();
+  const NearestSkin skin(egg.vertices, egg.triangles);
+  const Eigen::VectorXd half = half_thickness(egg.vertices, egg.triangles, skin);
+  EXPECT_GT(half.minCoeff(), 0);
+  for (Eigen::Index v = 0; v < half.size(); ++v) {
+    const bool is_in_the_middle = std::abs(egg.vertices(v, 1) - 0.875) < 0.1 && std::abs(egg.vertices(v, 0)) < 0.05;
+    if (is_in_the_middle) {
+      EXPECT_NEAR(half[v], 0.2, 0.025);
+    }
+  }
 }
 
 // As thin as anything is taken to be: no NaN, nor does it spread.

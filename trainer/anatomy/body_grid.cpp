@@ -8,7 +8,6 @@
 #include "base/parallel.h"
 #include "geometry/closed_skin.h"
 #include "geometry/extent.h"
-#include "geometry/vertex_normals.h"
 #include "runtime/core/error.h"
 
 namespace bodyopt {
@@ -102,7 +101,7 @@ BodyGrid empty_grid(const HalfBody& body, double cell) {
 // Columns along z decide; where the skin has a hole, those along x and y.
 void fill(const HalfBody& body, BodyGrid& grid) {
   const std::array<Columns, 3> columns{Columns(body, grid, 2), Columns(body, grid, 0), Columns(body, grid, 1)};
-  std::size_t open = 0;
+  bool is_closed = true;
   grid.sample.assign(static_cast<std::size_t>(grid.count.prod()), -1);
   auto next = grid.sample.begin();
   for (int x = 0; x < grid.count.x(); ++x) {
@@ -112,17 +111,17 @@ void fill(const HalfBody& body, BodyGrid& grid) {
         const auto closed =
             std::find_if(columns.begin(), columns.end(), [&](const auto& c) { return c.is_closed(cell); });
         const auto is_open = [&](const auto& c) { return !c.is_closed(cell); };
-        open += std::any_of(columns.begin(), columns.end(), is_open) ? 1 : 0;
+        is_closed = is_closed && std::none_of(columns.begin(), columns.end(), is_open);
         if (closed == columns.end() || !closed->is_inside(cell)) continue;
         *next = grid.size();
         grid.cells.push_back(cell);
       }
     }
   }
-  if (open == 0) return;
-  grid.notes.push_back("the skin is not closed: lines through " + std::to_string(open) +
-                       " cells leave it more often than they enter it; what lies inside is told along other "
-                       "directions there");
+  if (is_closed) return;
+  grid.notes.push_back(
+      "the skin is not closed: some lines leave it more often than they enter it; what lies inside is told along other "
+      "directions there");
 }
 
 }  // namespace
@@ -183,26 +182,6 @@ double default_cell(const Character& character) {
   const double volume = std::abs(enclosed_volume(character.vertices, character.triangles));
   const double extent = longest_extent(character.vertices);
   return std::clamp(kReferenceCell * std::cbrt(volume / kReferenceVolume), extent / kMostCells, extent / kFewestCells);
-}
-
-Eigen::VectorXd half_thickness(const HalfBody& body, const NearestSkin& skin) {
-  constexpr double kFirstStep = 1.0 / 600, kFarthest = 0.12;  // of the body's extent
-  constexpr double kStep = 1.15, kKeepsUp = 0.8;
-  const double extent = longest_extent(body.vertices);
-  const double inwards = enclosed_volume(body.vertices, body.triangles) < 0 ? 1 : -1;
-  const Positions normals = vertex_normals(body.vertices, body.triangles);
-  Eigen::VectorXd thickness = Eigen::VectorXd::Zero(body.vertices.rows());
-  parallel_for_short(static_cast<std::size_t>(body.vertices.rows()), [&](std::size_t n) {
-    const auto v = static_cast<Index>(n);
-    const Vector3d from = body.vertices.row(v), along = inwards * normals.row(v).transpose().normalized();
-    for (double way = kFirstStep * extent; way < kFarthest * extent; way *= kStep) {
-      const Vector3d point = from + way * along;
-      const double depth = (skin(point).position - point).norm();
-      thickness[v] = std::max(thickness[v], depth);
-      if (depth < kKeepsUp * way) break;
-    }
-  });
-  return thickness;
 }
 
 }  // namespace bodyopt

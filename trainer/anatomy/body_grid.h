@@ -39,8 +39,4 @@ BodyGrid sample_body(const HalfBody& body, double cell);
 // Cell edges so that a body of 1.75 m and 60 l has 5 mm: by the cube root of the volume that the skin encloses.
 double default_cell(const Character& character);
 
-// V: half the thickness of the body behind each vertex, metres: the largest depth reached by walking inwards along the
-// normal while the depth keeps up with 0.8 of the way (the medial radius).
-Eigen::VectorXd half_thickness(const HalfBody& body, const NearestSkin& skin);
-
 }  // namespace bodyopt

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "base/parallel.h"
+#include "geometry/thickness.h"
 
 namespace bodyopt {
 namespace {
@@ -50,7 +51,7 @@ BodySurvey::BodySurvey(const HalfBody& body, const BodyGrid& grid, const std::ve
       grid_(grid),
       regions_(regions),
       skin_(body.vertices, body.triangles),
-      half_thickness_(bodyopt::half_thickness(body, skin_)),
+      half_thickness_(bodyopt::half_thickness(body.vertices, body.triangles, skin_)),
       fat_(Eigen::VectorXd::Zero(body.vertices.rows())),
       spots_(static_cast<std::size_t>(grid.size())) {
   parallel_for_short(spots_.size(), [&](std::size_t s) {

@@ -97,7 +97,7 @@ VectorXd laplacian_of(const MuscleRegion& region, const VectorXd& held, const Ve
   return result;
 }
 
-// By conjugate gradients.
+// Conjugate gradients find it, from the place along the path.
 VectorXd harmonic(const MuscleRegion& region, const VectorXd& held) {
   VectorXd values = (held.array() >= 0).select(held, region.along);
   VectorXd residual = -laplacian_of(region, held, values), way = residual;

@@ -24,7 +24,7 @@ constexpr int kPasses = 10;
 // The limb that a place's lean tissue belongs to; kLimbs.size(): none. The hips are the leg's up to the iliac crest.
 std::size_t limb_at(BodyRegion region, double height, double crest) {
   constexpr std::size_t kLeg = 0, kTrunk = 4, kNone = kLimbs.size();
-  // By BodyRegion.
+  // Rows are in the order of BodyRegion.
   constexpr std::array<std::size_t, kBodyRegions> kOfRegion{kTrunk, kTrunk, kTrunk, kNone, kLeg,  1,
                                                             kNone,  2,      3,      kNone, kNone, kNone};
   return region == BodyRegion::hip && height < crest ? kLeg : kOfRegion[static_cast<std::size_t>(region)];

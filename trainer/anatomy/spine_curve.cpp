@@ -18,7 +18,7 @@ constexpr int kRowSmoothings = 4;
 struct SpineDepth {
   double tail, trunk, neck;
 };
-// By BodyKind.
+// They are in the order of BodyKind.
 constexpr SpineDepth kUsualDepth{0.48, 0.2, 0.45};
 constexpr SpineDepth kSpineDepths[] = {{0.5, 0.3, 0.45},  kUsualDepth, kUsualDepth, {0.4, 0.32, 0.35},
                                        {0.48, 0.38, 0.4}, kUsualDepth, kUsualDepth};

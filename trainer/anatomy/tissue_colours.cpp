@@ -11,7 +11,7 @@ namespace bodyopt {
 namespace {
 
 constexpr Rgb kOtherLeanColour{222, 150, 138}, kShortenedColour{250, 148, 40}, kStretchedColour{98, 88, 196};
-// By TissueKind; muscles have colours of their own.
+// They are in the order of TissueKind; muscles have colours of their own.
 constexpr Rgb kColours[] = {kOtherLeanColour, {236, 228, 204}, {232, 196, 92},  {112, 128, 148},
                             kOtherLeanColour, {250, 250, 246}, kOtherLeanColour};
 
