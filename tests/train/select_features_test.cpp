@@ -4,6 +4,8 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Core>
+#include <algorithm>
+#include <array>
 #include <random>
 
 #include "tests/support/textbook_algebra.h"
@@ -65,6 +67,21 @@ TEST(SelectFeatures, LuckIsNotTaken) {
   EXPECT_LT(selected[0].column, 2u);
   EXPECT_LT(selected[1].column, 2u);
   EXPECT_LE(selected.size(), 3u);
+}
+
+// A muscle flexed in a few frames moves little of what all frames move, and is what those frames are there for.
+TEST(SelectFeatures, WhatSomebodyMovesNeedNotOutdoChance) {
+  Eigen::MatrixXd features = random_matrix(200, 6, 4);
+  features.col(5).setZero();
+  features.col(5).topRows(8).setOnes();
+  Eigen::MatrixXd targets = features.leftCols(2) * random_matrix(2, 3, 5) + 0.3 * random_matrix(200, 3, 8);
+  targets.col(0) += 0.2 * features.col(5);
+  const auto takes = [&](std::span<const Eigen::Index> deliberate) {
+    const std::vector<SelectedFeature> selected = select_features(features, targets, 6, deliberate);
+    return std::ranges::find(selected, 5u, &SelectedFeature::column) != selected.end();
+  };
+  EXPECT_FALSE(takes({}));
+  EXPECT_TRUE(takes(std::array<Eigen::Index, 1>{5}));
 }
 
 }  // namespace

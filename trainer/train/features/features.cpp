@@ -89,6 +89,7 @@ FeatureSamples measure_features(const Basis& basis, std::span<const Pose* const>
   });
 
   FeatureSamples samples;
+  samples.control_count = static_cast<std::uint32_t>(controls);
   samples.raw = raw.bottomRows(frames);
   for (Eigen::Index k = 0; k < count; ++k) {
     samples.ranges.push_back(range_of(samples.raw.col(k).cast<double>(), double{raw(0, k)}));

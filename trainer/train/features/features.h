@@ -17,6 +17,7 @@ struct FeatureSamples {
   std::vector<FeatureRange> ranges;  // F
   Eigen::MatrixXd values;            // N x F, clamped and standardised
   Eigen::RowVectorXd rest;           // F: those of the bind pose, controls zero
+  std::uint32_t control_count = 0;   // the last features
 };
 
 // Rows of an earlier measurement with the same basis: which one is that of each pose, -1 for none.

@@ -31,9 +31,22 @@ std::size_t most_features(const Method& method) {
 
 int most_centres(const TrainOptions& options) { return options.method.kernels ? options.centres : 0; }
 
-MatrixXd from_rest(const FeatureSamples& features, const std::vector<std::uint32_t>& choice) {
+// Features that a map may have.
+struct Candidates {
+  const std::vector<std::uint32_t>& choice;
+  MatrixXd values;              // N x choice, less their values at rest
+  std::vector<Index> controls;  // those of the columns that are controls
+};
+
+Candidates candidates_of(const FeatureSamples& features, const std::vector<std::uint32_t>& choice) {
   const std::vector<Index> columns(choice.begin(), choice.end());
-  return features.values(Eigen::all, columns).rowwise() - Eigen::RowVectorXd(features.rest(columns));
+  Candidates result{
+      choice, features.values(Eigen::all, columns).rowwise() - Eigen::RowVectorXd(features.rest(columns)), {}};
+  const Index first_control = features.values.cols() - static_cast<Index>(features.control_count);
+  for (std::size_t k = 0; k < columns.size(); ++k) {
+    if (columns[k] >= first_control) result.controls.push_back(static_cast<Index>(k));
+  }
+  return result;
 }
 
 std::vector<Index> columns_of(const std::vector<SelectedFeature>& selected) {
@@ -43,35 +56,36 @@ std::vector<Index> columns_of(const std::vector<SelectedFeature>& selected) {
 }
 
 // By column.
-std::vector<SelectedFeature> selected_features(const MatrixXd& values, const MatrixXd& targets, std::size_t most) {
-  std::vector<SelectedFeature> selected = select_features(values, targets, most);
+std::vector<SelectedFeature> selected_features(const Candidates& candidates, const MatrixXd& values,
+                                               const MatrixXd& targets, std::size_t most) {
+  std::vector<SelectedFeature> selected = select_features(values, targets, most, candidates.controls);
   std::ranges::sort(selected, {}, &SelectedFeature::column);
   return selected;
 }
 
 // The features that tell most of the motion, ascending, what each explains, and the coordinates among them.
-void take_features(const MatrixXd& values, const MatrixXd& motion, const std::vector<std::uint32_t>& choice,
-                   std::size_t most, RegionModel& model) {
-  const std::vector<SelectedFeature> selected = selected_features(values, motion, most);
+void take_features(const Candidates& candidates, const MatrixXd& motion, std::size_t most, RegionModel& model) {
+  const std::vector<SelectedFeature> selected = selected_features(candidates, candidates.values, motion, most);
   model.features.clear();
   model.explained.clear();
   for (const SelectedFeature& feature : selected) {
-    model.features.push_back(choice[feature.column]);
+    model.features.push_back(candidates.choice[feature.column]);
     model.explained.push_back(feature.gain * motion.squaredNorm());
   }
-  model.projection = projection(values(Eigen::all, columns_of(selected)), motion);
+  model.projection = projection(candidates.values(Eigen::all, columns_of(selected)), motion);
 }
 
 // What features and coordinates that the other folds choose leave of every fold, square metres; with a quarter of the
 // centres, which ranks choices as all of them do.
-double few_frames_error(const MatrixXd& values, const MatrixXd& motion, const MatrixXd& targets,
+double few_frames_error(const Candidates& candidates, const MatrixXd& motion, const MatrixXd& targets,
                         const std::vector<int>& folds, const Eigen::VectorXd& weights, std::size_t most, int centres) {
+  const MatrixXd& values = candidates.values;
   double error = 0;
   const int last = *std::max_element(folds.begin(), folds.end());
   for (int fold = 0; fold <= last; ++fold) {
     const std::vector<Index> others = rows_where(folds, [&](int of) { return of >= 0 && of != fold; });
     const MatrixXd known = values(others, Eigen::all), moved = motion(others, Eigen::all);
-    const std::vector<Index> columns = columns_of(selected_features(known, moved, most));
+    const std::vector<Index> columns = columns_of(selected_features(candidates, known, moved, most));
     const MatrixXd map = projection(known(Eigen::all, columns), moved);
     const RegressionData data{values(Eigen::all, columns) * map.transpose(), Eigen::RowVectorXd::Zero(map.rows()),
                               targets, weights, folds};
@@ -89,12 +103,12 @@ std::size_t best_choice(const FeatureSamples& features, const FeatureChoices& ch
   std::size_t best = 0;
   double least = std::numeric_limits<double>::infinity();
   for (std::size_t c = 0; c < choices.size(); ++c) {
-    const MatrixXd values = from_rest(features, choices[c]);
+    const Candidates candidates = candidates_of(features, choices[c]);
     double error = 0;
     if (folds.size() <= kFewFrames) {
-      error = few_frames_error(values, motion, model.components.coefficients, folds, weights, most, centres);
+      error = few_frames_error(candidates, motion, model.components.coefficients, folds, weights, most, centres);
     } else {
-      take_features(values, motion, choices[c], most, model);
+      take_features(candidates, motion, most, model);
       error = trial_error(regression_data(features, model, folds, weights), centres);
     }
     if (!(error < least)) continue;
@@ -110,7 +124,7 @@ void fit_best_choice(const FeatureSamples& features, const FeatureChoices& choic
                      RegionModel& model) {
   const FeatureChoices::value_type& best =
       choices[best_choice(features, choices, motion, folds, weights, options, model)];
-  take_features(from_rest(features, best), motion, best, most_features(options.method), model);
+  take_features(candidates_of(features, best), motion, most_features(options.method), model);
   const RegressionData data = regression_data(features, model, folds, weights);
   const int centres = most_centres(options);
   const Regression linear = fit_regression(data, 0);

@@ -17,7 +17,8 @@ constexpr double kLuck = 4;
 
 }  // namespace
 
-std::vector<SelectedFeature> select_features(const MatrixXd& features, const MatrixXd& targets, std::size_t limit) {
+std::vector<SelectedFeature> select_features(const MatrixXd& features, const MatrixXd& targets, std::size_t limit,
+                                             std::span<const Index> deliberate) {
   std::vector<SelectedFeature> selected;
   const double energy = targets.squaredNorm(), frames = static_cast<double>(features.rows());
   if (!(energy > 0)) return selected;
@@ -30,9 +31,10 @@ std::vector<SelectedFeature> select_features(const MatrixXd& features, const Mat
     const Eigen::VectorXd left = products.diagonal();
     const Eigen::VectorXd gains =
         (left.array() > kNoise).select(with_targets.rowwise().squaredNorm().array() / left.array().max(kNoise), 0.0);
+    Eigen::VectorXd least = Eigen::VectorXd::Constant(gains.size(), std::max(kLeastGain, kLuck * unexplained / frames));
+    for (const Index column : deliberate) least[column] = kLeastGain;
     Index best = 0;
-    const double least = std::max(kLeastGain, kLuck * unexplained / frames);
-    if (gains.size() == 0 || !(gains.maxCoeff(&best) > least)) break;
+    if (gains.size() == 0 || !((gains.array() > least.array()).select(gains, 0.0).maxCoeff(&best) > 0)) break;
     selected.push_back({static_cast<std::uint32_t>(best), gains[best]});
     unexplained -= gains[best];
     const double pivot = std::sqrt(left[best]);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <span>
 #include <vector>
 
 namespace bodyopt {
@@ -14,8 +15,9 @@ struct SelectedFeature {
 // Columns of `features` (N x F, standardised, less their values at rest) in the order in which each explains most of
 // what is left of the targets (N x K) in a linear fit: orthogonal matching pursuit (Pati et al. 1993) for several
 // targets. At most `limit`; none that earlier ones tell already, or that explains no more than features that have
-// nothing to do with the targets may by chance.
+// nothing to do with the targets may by chance. Of `deliberate` columns, ascending, somebody made the frames that tell
+// of them: chance is no concern.
 std::vector<SelectedFeature> select_features(const Eigen::MatrixXd& features, const Eigen::MatrixXd& targets,
-                                             std::size_t limit);
+                                             std::size_t limit, std::span<const Eigen::Index> deliberate = {});
 
 }  // namespace bodyopt
