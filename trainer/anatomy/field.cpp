@@ -27,6 +27,16 @@ void check_options(const AnatomyOptions& options) {
                 "anatomy: the edge of a cell is " + std::to_string(options.cell) + ", expected metres");
 }
 
+// Throws Error(mismatch) for a muscle that is corrected and not given; without muscles nothing of them counts.
+void require_known(const AnatomyCorrections& corrections, const std::vector<Muscle>& muscles) {
+  for (const auto& [name, of] : corrections.muscles) {
+    const auto is_named = [&n = name](const Muscle& muscle) { return muscle.name == n; };
+    if (muscles.empty() || std::ranges::any_of(muscles, is_named)) continue;
+    throw Error(ErrorKind::mismatch, "the corrections name the muscle '" + name + "', which is none of the " +
+                                         std::to_string(muscles.size()) + " given: misspelt?");
+  }
+}
+
 // What has no counterpart stands for itself.
 std::vector<int> or_itself(std::vector<int> others) {
   for (std::size_t k = 0; k < others.size(); ++k) others[k] = others[k] < 0 ? static_cast<int>(k) : others[k];
@@ -138,6 +148,7 @@ AnatomyField::AnatomyField(const Character& character, const std::vector<Muscle>
                            const AnatomyOptions& options) {
   check_options(options);
   require_fit(muscles, character.skeleton);
+  require_known(options.corrections, muscles);
   const RecognisedKind recognised = recognise_kind(character);
   kind_ = options.kind.value_or(recognised.kind);
   why_kind_ = options.kind ? "as asked for" : recognised.why;

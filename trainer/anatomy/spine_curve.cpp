@@ -157,6 +157,10 @@ void SpineCurve::measure(const BodySurvey& survey) {
   smooth(rows_, &Row::up, kRowSmoothings);
   smooth(rows_, &Row::down, kRowSmoothings);
   smooth(rows_, &Row::half_width, kRowSmoothings);
+  for (std::size_t k = 0; k + 1 < rows_.size(); ++k) {
+    const Eigen::Vector2d from = rows_[k].middle.tail<2>(), step = rows_[k + 1].middle.tail<2>() - from;
+    segments_.push_back({from, step / std::max(step.norm(), 1e-12), step.norm()});
+  }
 }
 
 void SpineCurve::find_trunk(const JointChains& chains, BodyKind kind) {
@@ -215,21 +219,18 @@ SpineCurve::Row SpineCurve::at(double row) const {
 SpineCurve::Spot SpineCurve::spot(const Vector3d& point, double from, double to) const {
   const auto first = static_cast<std::size_t>(std::max(from, 0.0));
   const auto last = std::min(static_cast<std::size_t>(std::ceil(to)), rows_.size() - 1);
-  const Vector3d flat(0, point.y(), point.z());
+  const Eigen::Vector2d flat = point.tail<2>();
   double nearest = std::numeric_limits<double>::infinity();
   Spot spot;
   for (std::size_t k = first; k < last; ++k) {
-    const Vector3d a(0, rows_[k].middle.y(), rows_[k].middle.z()),
-        b(0, rows_[k + 1].middle.y(), rows_[k + 1].middle.z());
-    const double length = (b - a).norm();
-    const Vector3d along = (b - a) / std::max(length, 1e-12);
-    const double way = (flat - a).dot(along), within = std::clamp(way, 0.0, length);
-    const double apart = (flat - a - within * along).squaredNorm();
+    const auto& [start, along, length] = segments_[k];
+    const Eigen::Vector2d offset = flat - start;
+    const double way = offset.dot(along), within = std::clamp(way, 0.0, length);
+    const double apart = (offset - within * along).squaredNorm();
     if (apart >= nearest) continue;
     nearest = apart;
     spot.row = static_cast<double>(k) + within / std::max(length, 1e-12);
-    const Vector3d dorsal = along.cross(Vector3d::UnitX());
-    spot.height = (flat - a).dot(dorsal);
+    spot.height = offset.x() * along.y() - offset.y() * along.x();
     const bool is_end = (k == first && way < 0) || (k + 1 == last && way > length);
     spot.beyond = is_end ? std::abs(way - within) : 0;  // at a bend the curve goes on
   }

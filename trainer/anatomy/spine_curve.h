@@ -49,7 +49,14 @@ class SpineCurve {
   void turn();    // forward and dorsal from the rows' middles
   void spread();  // rows at equal distances along their middles
 
+  // From a row to the next, in the median plane (y, z).
+  struct Segment {
+    Eigen::Vector2d from, along;  // along: unit
+    double length;
+  };
+
   std::vector<Row> rows_;
+  std::vector<Segment> segments_;
   double hip_ = 0, shoulder_ = 0;
 };
 
