@@ -29,4 +29,9 @@ Quat turn_upright(const Skeleton& skeleton) {
   return none;
 }
 
+Positions upright_skin(const Skeleton& skeleton, const Positions& vertices) {
+  const auto rows = rotation_matrix(turn_upright(skeleton));
+  return vertices * Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(&rows[0][0]).transpose();
+}
+
 }  // namespace bodyopt

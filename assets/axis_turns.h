@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "geometry/mesh.h"
 #include "runtime/basis/skeleton.h"
 
 namespace bodyopt {
@@ -14,5 +15,8 @@ std::vector<Quat> axis_turns();
 // turns the first joint, within 15 degrees, from the bind pose to where the file's nodes have it; none where that
 // leaves upright what is upright.
 Quat turn_upright(const Skeleton& skeleton);
+
+// A skin at rest (V x 3) so turned, for pictures.
+Positions upright_skin(const Skeleton& skeleton, const Positions& vertices);
 
 }  // namespace bodyopt

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
+#include "assets/axis_turns.h"
 #include "assets/wording.h"
 #include "cli/arguments/common.h"
 #include "cli/arguments/field_arguments.h"
@@ -90,7 +91,8 @@ std::vector<std::size_t> draw_places(const Character& character, const std::vect
   std::vector<VertexList> vertices;
   for (const RestPlace& place : places) vertices.push_back(place.vertices);
   Renderer renderer;
-  const RegionPicture picture = places_picture(renderer, character.vertices, character.triangles, vertices, 700, 1000);
+  const Positions skin = upright_skin(character.skeleton, character.vertices);
+  const RegionPicture picture = places_picture(renderer, skin, character.triangles, vertices, 700, 1000);
   write_png(picture.image, path);
   return picture.unnumbered;
 }

@@ -304,9 +304,10 @@ std::string summary(const ReportData& report) {
   return text;
 }
 
-// The command that shows a basis in the viewport.
+// The command that shows a basis in the viewport, by this program, wherever it lies.
 std::string to_view(const fs::path& folder, const char* basis) {
-  return "  bodyopt view " + (folder / basis).string() + " " + (folder / "heldout.glb").string() + "\n";
+  return "  " + fs::proximate(fs::read_symlink("/proc/self/exe")).string() + " view " + (folder / basis).string() +
+         " " + (folder / "heldout.glb").string() + "\n";
 }
 
 void run(DemoArguments arguments) {

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <numeric>
 
+#include "assets/axis_turns.h"
 #include "assets/wording.h"
 #include "cli/arguments/common.h"
 #include "dataset/regions_file.h"
@@ -23,7 +24,8 @@ struct RegionsArguments {
 // Returns the numbers of regions that the picture does not show.
 std::vector<std::size_t> draw(const Character& character, const std::vector<RegionWeights>& regions,
                               const std::string& path) {
-  const std::vector<float> skin(character.vertices.data(), character.vertices.data() + character.vertices.size());
+  const Positions upright = upright_skin(character.skeleton, character.vertices);
+  const std::vector<float> skin(upright.data(), upright.data() + upright.size());
   const std::span<const std::uint32_t> triangles(character.triangles.data(),
                                                  static_cast<std::size_t>(character.triangles.size()));
   std::vector<DrawnRegion> drawn;

@@ -18,7 +18,7 @@ function shownSections(sections, figures, pictures) {
       return element("p", { class: "missing broken" }, `The section "${name}" cannot be shown: ${why}.`);
     }
   });
-  const told = element("p", { class: "missing" }, `There is nothing to show of: ${without.join(", ")}.`);
+  const told = element("p", { class: "missing" }, `Not in this report, for want of figures: ${without.join(", ")}.`);
   return [...nodes, without.length > 0 ? told : null].filter((node) => node !== null);
 }
 

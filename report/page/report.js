@@ -50,7 +50,7 @@ function reportHeadlines(figures) {
 
 function summarySection(figures) {
   const { character, dataset } = figures;
-  const muscles = character.muscles > 0 ? `, with ${plural(character.muscles, "muscle")}` : "";
+  const muscles = character.muscles > 0 ? `, with ${plural(character.muscles, "muscle")},` : "";
   const measured =
     figures.methods.length === 0
       ? "The dataset holds out no frames, so nothing here is measured on motion that was not trained on: errors, " +
@@ -63,7 +63,7 @@ function summarySection(figures) {
     "section",
     {},
     paragraph(
-      `Bodyopt learned from ${plural(dataset.train_frames, "frame")} what the skin of this character${muscles}, ` +
+      `Bodyopt learned from ${plural(dataset.train_frames, "frame")} what the skin of this character${muscles} ` +
         "does beyond Direct Delta Mush (DDM).",
     ),
     paragraph(measured),
