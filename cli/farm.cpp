@@ -163,22 +163,22 @@ void report(const FarmArguments& arguments) {
 // This program, under the name by which other machines find it, too.
 std::string own_program() { return fs::read_symlink("/proc/self/exe").string(); }
 
-void require_no_problems(const std::vector<std::string>& problems, const std::string& file) {
-  if (!problems.empty()) throw Error(ErrorKind::usage, file, ": would break a rule: ", problems.front());
+void require_no_problem(const std::string& problem, const std::string& file) {
+  if (!problem.empty()) throw Error(ErrorKind::usage, file, ": would break a rule: ", problem);
 }
 
 void write_openjd(const FarmArguments& arguments, const FarmPlan& plan) {
   const Json job = openjd_template(plan, plan_folder(arguments), own_program(), arguments.queue.needs);
-  require_no_problems(check_openjd(job), arguments.openjd);
+  require_no_problem(plan.tasks.empty() ? "there are no steps" : "", arguments.openjd);
   write_json(job, arguments.openjd);
   arguments.json.emit({{"template", arguments.openjd}}, "wrote " + arguments.openjd + "\n");
 }
 
 void write_opencue(const FarmArguments& arguments, const FarmPlan& plan) {
-  const passwd* const user = getpwuid(geteuid());
-  const std::string job = opencue_job(plan, plan_folder(arguments), own_program(), user != nullptr ? user->pw_name : "",
-                                      arguments.queue.needs);
-  require_no_problems(check_opencue(job), arguments.opencue);
+  const passwd* const entry = getpwuid(geteuid());
+  const std::string user = entry != nullptr ? entry->pw_name : "";
+  const std::string job = opencue_job(plan, plan_folder(arguments), own_program(), user, arguments.queue.needs);
+  require_no_problem(opencue_problem(plan, plan_folder(arguments), own_program(), user), arguments.opencue);
   write_file_atomically(arguments.opencue, std::as_bytes(std::span(job)));
   arguments.json.emit({{"job", arguments.opencue}}, "wrote " + arguments.opencue + "\n");
 }

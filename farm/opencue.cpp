@@ -4,7 +4,6 @@
 #include <cctype>
 #include <map>
 #include <pugixml.hpp>
-#include <set>
 #include <sstream>
 
 #include "runtime/core/error.h"
@@ -13,6 +12,7 @@ namespace bodyopt {
 namespace {
 
 constexpr std::size_t kMostLayers = 1000, kMostFrames = 100'000;
+constexpr char kLayerRule[] = "there are no layers, or more than 1,000";
 constexpr char kFrameToken[] = "#IFRAME#";  // the frame's number, in a command
 
 bool is_name(const std::string& text) {
@@ -62,90 +62,11 @@ void add_dependency(pugi::xml_node depends, const std::string& job, int wave, in
   put(depend, "onlayer", layer_name(on));
 }
 
-class OpencueChecker {
- public:
-  std::vector<std::string> check(const std::string& xml) {
-    pugi::xml_document document;
-    const pugi::xml_parse_result result = document.load_string(xml.c_str());
-    require(static_cast<bool>(result), std::string("it is no XML: ") + result.description());
-    const pugi::xml_node spec = document.child("spec"), job = spec.child("job");
-    in_order(spec, {"show", "shot", "user", "job", "depends"});
-    for (const char* child : {"show", "shot", "user"}) name(spec.child(child).text().get(), child);
-    require(spec.child("user").text().get() != std::string("root"), "no job may be root's");
-    in_order(job, {"paused", "layers"});
-    name(job.attribute("name").value(), "job");
-    for (const pugi::xml_node layer : job.child("layers").children()) check_layer(layer);
-    require(!layers_.empty() && layers_.size() <= kMostLayers, "there are no layers, or more than 1,000");
-    require(frames_ <= kMostFrames, "there are more than 100,000 frames");
-    for (const pugi::xml_node depend : spec.child("depends").children()) check_dependency(depend);
-    return problems_;
-  }
-
- private:
-  void require(bool holds, const std::string& problem) {
-    if (!holds) problems_.push_back(problem);
-  }
-
-  void name(const std::string& text, const std::string& whose) {
-    require(is_name(text), "'" + text + "' is no name of a " + whose + ": 3 or more letters, digits, '.' and '_'");
-  }
-
-  void in_order(const pugi::xml_node& node, const std::vector<std::string>& names) {
-    std::size_t at = 0;
-    for (const pugi::xml_node child : node.children()) {
-      const auto found = std::find(names.begin() + static_cast<std::ptrdiff_t>(at), names.end(), child.name());
-      require(found != names.end(), std::string(node.name()) + " has an unknown or misplaced " + child.name());
-      if (found != names.end()) at = static_cast<std::size_t>(found - names.begin());
-    }
-  }
-
-  void check_layer(const pugi::xml_node& layer) {
-    const std::string own = layer.attribute("name").value(), cores = layer.child("cores").text().get();
-    name(own, "layer");
-    require(layers_.insert(own).second, "two layers are called " + own);
-    in_order(layer, {"cmd", "range", "chunk", "cores", "threadable", "gpus", "env"});
-    require(cores.find('.') != std::string::npos, own + " has cores without a decimal point: those are hundredths");
-    check_command(own, layer.child("cmd").text().get());
-    count_frames(own, layer.child("range").text().get());
-  }
-
-  void check_command(const std::string& own, const std::string& command) {
-    const std::size_t at = command.find(kFrameToken);
-    require(at != std::string::npos && std::ranges::count(command, '#') == 2,
-            own + "'s command does not hold #IFRAME# once and no other '#', which OpenCue would replace");
-    require(std::ranges::none_of(command, [](unsigned char c) { return c < ' ' || c == 127; }),
-            own + "'s command holds a control character");
-  }
-
-  void count_frames(const std::string& own, const std::string& range) {
-    std::istringstream parts(range);
-    std::size_t frames = 0;
-    for (std::string part; std::getline(parts, part, ',');) {
-      unsigned first = 0, last = 0;
-      char end = 0;
-      const int found = std::sscanf(part.c_str(), "%u-%u%c", &first, &last, &end);
-      const bool is_one = found == 1 && part.find_first_not_of("0123456789") == std::string::npos;
-      const bool is_range = found == 2 && last > first;
-      require(is_one || is_range, own + " has the range '" + range + "', expected such as 1-5,7");
-      frames += is_range ? last - first + 1 : 1;
-    }
-    require(frames > 0, own + " has no frames");
-    frames_ += frames;
-  }
-
-  void check_dependency(const pugi::xml_node& depend) {
-    in_order(depend, {"depjob", "deplayer", "onjob", "onlayer"});
-    const std::string one = depend.child("deplayer").text().get(), other = depend.child("onlayer").text().get();
-    const std::string type = depend.attribute("type").value();
-    require(type == "LAYER_ON_LAYER" || type == "FRAME_BY_FRAME", "a dependency is of the type '" + type + "'");
-    require(one != other && layers_.contains(one) && layers_.contains(other),
-            "'" + one + "' depends on '" + other + "': not two layers of the job");
-  }
-
-  std::set<std::string> layers_;
-  std::size_t frames_ = 0;
-  std::vector<std::string> problems_;
-};
+std::map<int, std::vector<int>> lanes_by_wave(const FarmPlan& plan) {
+  std::map<int, std::vector<int>> waves;
+  for (const FarmTask& task : plan.tasks) waves[task.wave].push_back(task.lane);
+  return waves;
+}
 
 }  // namespace
 
@@ -156,8 +77,7 @@ std::string opencue_job(const FarmPlan& plan, const std::filesystem::path& folde
                 "OpenCue knows shares of a GPU by their memory alone: ask for a whole one for each "
                 "task (1), or for none");
   }
-  std::map<int, std::vector<int>> waves;
-  for (const FarmTask& task : plan.tasks) waves[task.wave].push_back(task.lane);
+  const std::map<int, std::vector<int>> waves = lanes_by_wave(plan);
   const std::string job_name = "bodyopt_" + cue_name(plan.show);
   pugi::xml_document document;
   document.append_child(pugi::node_doctype)
@@ -187,6 +107,21 @@ std::string opencue_job(const FarmPlan& plan, const std::filesystem::path& folde
   return text.str();
 }
 
-std::vector<std::string> check_opencue(const std::string& xml) { return OpencueChecker().check(xml); }
+std::string opencue_problem(const FarmPlan& plan, const std::filesystem::path& folder, const std::string& program,
+                            const std::string& user) {
+  if (!is_name(user)) return "'" + user + "' is no name of a user: 3 or more letters, digits, '.' and '_'";
+  if (user == "root") return "no job may be root's";
+  const std::size_t layers = lanes_by_wave(plan).size();
+  if (layers == 0) return kLayerRule;
+  const std::string first = layer_name(plan.tasks.front().wave), words = program + folder.string();
+  if (words.find('#') != std::string::npos) {
+    return first + "'s command does not hold #IFRAME# once and no other '#', which OpenCue would replace";
+  }
+  if (std::ranges::any_of(words, [](unsigned char c) { return c < ' ' || c == 127; })) {
+    return first + "'s command holds a control character";
+  }
+  if (layers > kMostLayers) return kLayerRule;
+  return plan.tasks.size() > kMostFrames ? "there are more than 100,000 frames" : "";
+}
 
 }  // namespace bodyopt

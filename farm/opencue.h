@@ -3,7 +3,6 @@
 
 #include <filesystem>
 #include <string>
-#include <vector>
 
 #include "farm/job_text.h"
 #include "farm/plan.h"
@@ -16,11 +15,10 @@ namespace bodyopt {
 std::string opencue_job(const FarmPlan& plan, const std::filesystem::path& folder, const std::string& program,
                         const std::string& user, const TaskNeeds& needs);
 
-// What of the rules below a job breaks, a sentence each; of OpenCue's these are the ones that a generated job could
-// break. Elements in the order of the DTD; names of 3 or more letters, digits, '.' and '_', in layers each once; a user
-// that is not root; 1 to 1,000 layers and at most 100,000 frames; ranges as "1-5,7"; cores with a decimal point
-// (without, they are hundredths); a command that holds #IFRAME# once and no other '#', and no control characters;
-// dependencies between two layers of the job.
-std::vector<std::string> check_opencue(const std::string& xml);
+// Which of OpenCue's rules a plan, the names in its command or a user break, in a sentence; empty: none. A user has a
+// name of 3 or more letters, digits, '.' and '_', and is not root; there are 1 to 1,000 layers and at most 100,000
+// frames; a command holds no other '#' than that of #IFRAME#, and no control characters.
+std::string opencue_problem(const FarmPlan& plan, const std::filesystem::path& folder, const std::string& program,
+                            const std::string& user);
 
 }  // namespace bodyopt

@@ -3,7 +3,6 @@
 
 #include <filesystem>
 #include <string>
-#include <vector>
 
 #include "assets/json_file.h"
 #include "farm/job_text.h"
@@ -16,13 +15,5 @@ namespace bodyopt {
 // for.
 Json openjd_template(const FarmPlan& plan, const std::filesystem::path& folder, const std::string& program,
                      const TaskNeeds& needs);
-
-// What of the rules below a template breaks, a sentence each; of the specification these are the ones that a generated
-// template could break. Version "jobtemplate-2023-09"; only known keys; names of 1 to 128 (steps: 64) characters
-// without control characters, of steps and parameters each once; 1 or more steps; dependencies on other steps that
-// exist; task parameters INT with a range of 1 or more numbers, as "1-5" and commas, without ':' (there it is a step);
-// a command, and fields "{{...}}" that name a parameter of the template; amounts of hosts that the specification names,
-// above 0.
-std::vector<std::string> check_openjd(const Json& job);
 
 }  // namespace bodyopt
