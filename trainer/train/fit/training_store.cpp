@@ -1,15 +1,17 @@
 #include "trainer/train/fit/training_store.h"
 
 #include <algorithm>
+#include <array>
 #include <cstring>
 
 #include "assets/character_hash.h"
 #include "base/content_hash.h"
 #include "base/parallel.h"
 #include "base/progress.h"
-#include "runtime/basis/safetensors.h"
+#include "runtime/basis/table_file.h"
 #include "runtime/core/error.h"
 #include "runtime/core/hexadecimal.h"
+#include "runtime/core/transformed.h"
 #include "trainer/train/features/features.h"
 #include "trainer/train/fit/surface_curves.h"
 
@@ -78,41 +80,79 @@ std::uint64_t frame_key(const SampleSet& set, const Sample& sample) {
   return hash.value();
 }
 
-// Tensors of a file, by name.
-template <typename Number>
-constexpr const char* dtype_of() {
-  if constexpr (std::is_same_v<Number, double>) return "F64";
-  if constexpr (std::is_same_v<Number, float>) return "F32";
-  if constexpr (std::is_same_v<Number, std::uint32_t>) return "U32";
-}
+// What one record of a list is stored as a row of; a key of 64 bits as halves.
+template <typename Record>
+struct NumberOf {
+  using Type = Record;
+};
+template <>
+struct NumberOf<std::uint64_t> {
+  using Type = std::uint32_t;
+};
+template <typename Number, std::size_t count>
+struct NumberOf<std::array<Number, count>> {
+  using Type = Number;
+};
 
-template <typename Number>
-void put(Safetensors& file, const std::string& name, const Number* data, std::vector<std::uint64_t> shape) {
-  Tensor tensor{dtype_of<Number>(), std::move(shape), {}};
-  std::uint64_t count = 1;
-  for (const std::uint64_t n : tensor.shape) count *= n;
-  tensor.bytes.resize(count * sizeof(Number));
-  if (count > 0) std::memcpy(tensor.bytes.data(), data, tensor.bytes.size());
-  file.tensors[name] = std::move(tensor);
-}
+constexpr const char *kLayoutSchema = "bodyopt-training-layout-1", *kRegionSchema = "bodyopt-training-region-1";
 
-template <typename Number>
-void put(Safetensors& file, const std::string& name, const std::vector<Number>& values) {
-  put(file, name, values.data(), {values.size()});
-}
-
-// In the order in which they lie in memory.
-void put(Safetensors& file, const std::string& name, const Eigen::MatrixXd& columns) {
-  put(file, name, columns.data(),
-      {static_cast<std::uint64_t>(columns.cols()), static_cast<std::uint64_t>(columns.rows())});
-}
-void put(Safetensors& file, const std::string& name, const RawFeatures& rows) {
-  put(file, name, rows.data(), {static_cast<std::uint64_t>(rows.rows()), static_cast<std::uint64_t>(rows.cols())});
-}
-
-class KeptFile {
+// Both classes below give names to values in a file: one puts them there, the other takes them. A visitor that is given
+// either says once what the file holds.
+class KeptFileWriter {
  public:
-  explicit KeptFile(const fs::path& path) : path_(path) {
+  explicit KeptFileWriter(const char* schema) { file_.metadata["schema"] = schema; }
+
+  void operator()(const std::string& name, const std::string& text) { file_.metadata[name] = text; }
+  void operator()(const std::string& name, std::uint64_t key) { file_.metadata[name] = hexadecimal(key); }
+  template <typename Record>
+  void operator()(const std::string& name, const std::vector<Record>& values) {
+    using Number = typename NumberOf<Record>::Type;
+    put<Number>(name, values.data(), {values.size() * (sizeof(Record) / sizeof(Number))});
+  }
+  // In the order in which they lie in memory.
+  template <typename Matrix>
+  void operator()(const std::string& name, const Eigen::PlainObjectBase<Matrix>& values) {
+    put<typename Matrix::Scalar>(
+        name, values.data(),
+        {static_cast<std::uint64_t>(values.outerSize()), static_cast<std::uint64_t>(values.innerSize())});
+  }
+  void numbers(const std::string& name, const std::vector<const double*>& numbers, const std::string&) {
+    (*this)(name, transformed(numbers, [](const double* number) { return *number; }));
+  }
+  // Items by number: `visit` with the name of each. `part`: what every one of them has.
+  void each(const std::string& name, const char*, const auto& items, auto visit) {
+    for (std::size_t k = 0; k < items.size(); ++k) visit(name + std::to_string(k), items[k]);
+  }
+  // A member of every item.
+  void column(const std::string& name, const auto& items, auto member, const char* = nullptr) {
+    (*this)(name, transformed(items, member));
+  }
+
+  void write(const fs::path& path) {
+    std::error_code error;
+    fs::create_directories(path.parent_path(), error);
+    if (error) throw Error(ErrorKind::file, path.parent_path().string() + " cannot be made: " + error.message());
+    file_.metadata["checksum"] = content_checksum(file_);
+    write_safetensors(file_, path);
+  }
+
+ private:
+  template <typename Number>
+  void put(const std::string& name, const void* data, std::vector<std::uint64_t> shape) {
+    Tensor tensor{dtype_of<Number>(), std::move(shape), {}};
+    std::uint64_t count = 1;
+    for (const std::uint64_t n : tensor.shape) count *= n;
+    tensor.bytes.resize(count * sizeof(Number));
+    if (count > 0) std::memcpy(tensor.bytes.data(), data, tensor.bytes.size());
+    file_.tensors[name] = std::move(tensor);
+  }
+
+  Safetensors file_;
+};
+
+class KeptFileReader {
+ public:
+  explicit KeptFileReader(const fs::path& path) : path_(path) {
     try {
       file_ = read_safetensors(path);
     } catch (const Error& error) {
@@ -121,38 +161,49 @@ class KeptFile {
   }
 
   bool is(const char* schema) const { return text("schema") == schema; }
-  std::string text(const std::string& name) const {
-    const auto found = file_.metadata.find(name);
-    if (found == file_.metadata.end()) refuse("it lacks '" + name + "'");
-    return found->second;
-  }
-  std::uint64_t key(const std::string& name) const {
+
+  void operator()(const std::string& name, std::string& value) const { value = text(name); }
+  void operator()(const std::string& name, std::uint64_t& key) const {
     try {
-      return std::stoull(text(name), nullptr, 16);
+      key = std::stoull(text(name), nullptr, 16);
     } catch (const std::logic_error&) {
       refuse("its '" + name + "' is no hash");
     }
   }
-  bool has(const std::string& name) const { return file_.tensors.contains(name); }
-
-  template <typename Number>
-  std::vector<Number> list(const std::string& name) const {
-    const Tensor& found = tensor(name, 1, dtype_of<Number>());
-    std::vector<Number> values(found.shape[0]);
+  template <typename Record>
+  void operator()(const std::string& name, std::vector<Record>& values) const {
+    const Tensor& found = tensor(name, 1, dtype_of<typename NumberOf<Record>::Type>());
+    if (found.bytes.size() % sizeof(Record) != 0) refuse_shape(name);
+    values.resize(found.bytes.size() / sizeof(Record));
     if (!values.empty()) std::memcpy(values.data(), found.bytes.data(), found.bytes.size());
-    return values;
   }
-  Eigen::MatrixXd matrix(const std::string& name) const {
-    const Tensor& found = tensor(name, 2, dtype_of<double>());
-    Eigen::MatrixXd columns(static_cast<Index>(found.shape[1]), static_cast<Index>(found.shape[0]));
-    if (columns.size() > 0) std::memcpy(columns.data(), found.bytes.data(), found.bytes.size());
-    return columns;
+  template <typename Matrix>
+  void operator()(const std::string& name, Eigen::PlainObjectBase<Matrix>& values) const {
+    const Tensor& found = tensor(name, 2, dtype_of<typename Matrix::Scalar>());
+    const auto outer = static_cast<Index>(found.shape[0]), inner = static_cast<Index>(found.shape[1]);
+    if (Matrix::ColsAtCompileTime == 1 && outer != 1) refuse_shape(name);
+    values.resize(Matrix::IsRowMajor ? outer : inner, Matrix::IsRowMajor ? inner : outer);
+    if (values.size() > 0) std::memcpy(values.data(), found.bytes.data(), found.bytes.size());
   }
-  RawFeatures features(const std::string& name) const {
-    const Tensor& found = tensor(name, 2, dtype_of<float>());
-    RawFeatures rows(static_cast<Index>(found.shape[0]), static_cast<Index>(found.shape[1]));
-    if (rows.size() > 0) std::memcpy(rows.data(), found.bytes.data(), found.bytes.size());
-    return rows;
+  // Refuses another count of them, which is what `problem` says.
+  void numbers(const std::string& name, const std::vector<double*>& numbers, const std::string& problem) const {
+    std::vector<double> values;
+    (*this)(name, values);
+    if (values.size() != numbers.size()) refuse(problem);
+    for (std::size_t k = 0; k < values.size(); ++k) *numbers[k] = values[k];
+  }
+  void each(const std::string& name, const char* part, auto& items, auto visit) const {
+    for (std::size_t k = 0; file_.tensors.contains(name + std::to_string(k) + part); ++k) {
+      visit(name + std::to_string(k), items.emplace_back());
+    }
+  }
+  // Without a `problem`, which is what another count of them is, the column says how many items there are.
+  void column(const std::string& name, auto& items, auto member, const char* problem = nullptr) const {
+    std::vector<std::decay_t<decltype(items[0].*member)>> values;
+    (*this)(name, values);
+    if (problem == nullptr) items.resize(values.size());
+    if (values.size() != items.size()) refuse(problem);
+    for (std::size_t k = 0; k < values.size(); ++k) items[k].*member = values[k];
   }
 
   [[noreturn]] void refuse(const std::string& what) const {
@@ -164,13 +215,20 @@ class KeptFile {
     return ". It is of an earlier training: delete the folder " + path_.parent_path().string() +
            " to train from the start";
   }
+  [[noreturn]] void refuse_shape(const std::string& name) const {
+    refuse("'" + name + "' has another type or shape than expected");
+  }
+
+  std::string text(const std::string& name) const {
+    const auto found = file_.metadata.find(name);
+    if (found == file_.metadata.end()) refuse("it lacks '" + name + "'");
+    return found->second;
+  }
 
   const Tensor& tensor(const std::string& name, std::size_t dimensions, const char* dtype) const {
     const auto found = file_.tensors.find(name);
     if (found == file_.tensors.end()) refuse("it lacks '" + name + "'");
-    if (found->second.shape.size() != dimensions || found->second.dtype != dtype) {
-      refuse("'" + name + "' has another type or shape than expected");
-    }
+    if (found->second.shape.size() != dimensions || found->second.dtype != dtype) refuse_shape(name);
     return found->second;
   }
 
@@ -178,150 +236,86 @@ class KeptFile {
   Safetensors file_;
 };
 
-constexpr const char *kLayoutSchema = "bodyopt-training-layout-1", *kRegionSchema = "bodyopt-training-region-1";
-
-Safetensors new_file(const char* schema, std::uint64_t key) {
-  Safetensors file;
-  file.metadata["schema"] = schema;
-  file.metadata["key"] = hexadecimal(key);
-  return file;
-}
-
-void write(Safetensors file, const fs::path& path) {
-  std::error_code error;
-  fs::create_directories(path.parent_path(), error);
-  if (error) throw Error(ErrorKind::file, path.parent_path().string() + " cannot be made: " + error.message());
-  file.metadata["checksum"] = content_checksum(file);
-  write_safetensors(file, path);
-}
-
-void put(Safetensors& file, const std::string& prefix, const RegionWeights& region) {
-  file.metadata[prefix + "name"] = region.name;
-  put(file, prefix + "vertices", region.vertices);
-  put(file, prefix + "weights", region.weights);
-}
-
-RegionWeights region_weights(const KeptFile& file, const std::string& prefix) {
-  return {file.text(prefix + "name"), file.list<std::uint32_t>(prefix + "vertices"),
-          file.list<double>(prefix + "weights")};
-}
-
-// Keys are 64 bits, of which tensors hold halves.
-std::vector<std::uint32_t> halves(const std::vector<std::uint64_t>& keys) {
-  std::vector<std::uint32_t> halves;
-  for (const std::uint64_t key : keys) {
-    halves.push_back(static_cast<std::uint32_t>(key));
-    halves.push_back(static_cast<std::uint32_t>(key >> 32));
-  }
-  return halves;
-}
-
-std::vector<std::uint64_t> joined(const std::vector<std::uint32_t>& halves) {
-  std::vector<std::uint64_t> keys;
-  for (std::size_t k = 0; k + 1 < halves.size(); k += 2) keys.push_back(halves[k] | std::uint64_t{halves[k + 1]} << 32);
-  return keys;
-}
-
-void put(Safetensors& file, const Components& components) {
-  put(file, "coefficients", components.coefficients);
-  put(file, "basis", components.basis);
-  put(file, "energy", Eigen::MatrixXd(components.energy));
-  put(file, "truncated", Eigen::MatrixXd(components.truncated));
-}
-
-Components components_in(const KeptFile& file) {
-  return {file.matrix("coefficients"), file.matrix("basis"), file.matrix("energy"), file.matrix("truncated")};
-}
-
-void put(Safetensors& file, const std::string& prefix, const Regression& fit) {
-  put(file, prefix + "centres", fit.centres);
-  put(file, prefix + "weights", fit.weights);
-  put(file, prefix + "errors", fit.errors);
-  put(file, prefix + "centre_frames", std::vector<std::uint32_t>(fit.centre_frames.begin(), fit.centre_frames.end()));
-  put(file, prefix + "dials",
-      std::vector{fit.inverse_width2, fit.penalty.linear, fit.penalty.kernel, fit.validation_error});
-}
-
-Regression regression_in(const KeptFile& file, const std::string& prefix) {
-  Regression fit;
-  fit.centres = file.matrix(prefix + "centres");
-  fit.weights = file.matrix(prefix + "weights");
-  fit.errors = file.matrix(prefix + "errors");
-  for (const std::uint32_t frame : file.list<std::uint32_t>(prefix + "centre_frames")) {
-    fit.centre_frames.push_back(static_cast<int>(frame));
-  }
-  const std::vector<double> dials = file.list<double>(prefix + "dials");
-  if (dials.size() != 4) file.refuse("'" + prefix + "dials' are not four");
-  fit.inverse_width2 = dials[0];
-  fit.penalty = {dials[1], dials[2]};
-  fit.validation_error = dials[3];
-  return fit;
-}
-
-std::string curve_prefix(std::size_t number) { return "curve." + std::to_string(number) + "."; }
-
-void put_curves(Safetensors& file, const std::vector<Muscle>& curves) {
-  for (std::size_t c = 0; c < curves.size(); ++c) {
-    std::vector<std::uint32_t> joints;
-    std::vector<double> positions;
-    for (const MusclePoint& point : curves[c].path) {
-      joints.push_back(point.joint);
-      positions.insert(positions.end(), point.position.begin(), point.position.end());
-    }
-    file.metadata[curve_prefix(c) + "name"] = curves[c].name;
-    put(file, curve_prefix(c) + "joints", joints);
-    put(file, curve_prefix(c) + "positions", positions);
-  }
-}
-
-std::vector<Muscle> curves_in(const KeptFile& file) {
-  std::vector<Muscle> curves;
-  for (std::size_t c = 0; file.has(curve_prefix(c) + "joints"); ++c) {
-    const auto joints = file.list<std::uint32_t>(curve_prefix(c) + "joints");
-    const auto positions = file.list<double>(curve_prefix(c) + "positions");
-    if (positions.size() != 3 * joints.size()) file.refuse("a curve has other positions than joints");
-    std::vector<MusclePoint> path;
-    for (std::size_t k = 0; k < joints.size(); ++k) {
-      path.push_back({joints[k], {positions[3 * k], positions[3 * k + 1], positions[3 * k + 2]}});
-    }
-    curves.push_back(surface_curve(file.text(curve_prefix(c) + "name"), std::move(path)));
-  }
-  return curves;
-}
-
-std::string fit_prefix(std::size_t number) { return "fit." + std::to_string(number) + "."; }
-
-void put(Safetensors& file, const std::vector<Contradiction>& contradictions, const std::vector<StrayVertex>& strays) {
-  std::vector<std::uint32_t> frames, places;
+// Contradictions and strays as they lie in a file: frames or places two by two.
+struct ProblemLists {
+  std::vector<std::array<std::uint32_t, 2>> frames, places;
   std::vector<double> apart, distances;
-  for (const Contradiction& c : contradictions) {
-    frames.push_back(static_cast<std::uint32_t>(c.frames.first));
-    frames.push_back(static_cast<std::uint32_t>(c.frames.second));
-    apart.push_back(c.distance);
+};
+
+ProblemLists problem_lists(const RegionModel& model) {
+  ProblemLists lists;
+  for (const Contradiction& c : model.contradictions) {
+    lists.frames.push_back({static_cast<std::uint32_t>(c.frames.first), static_cast<std::uint32_t>(c.frames.second)});
+    lists.apart.push_back(c.distance);
   }
-  for (const StrayVertex& stray : strays) {
-    places.push_back(static_cast<std::uint32_t>(stray.frame));
-    places.push_back(stray.vertex);
-    distances.push_back(stray.distance);
+  for (const StrayVertex& stray : model.strays) {
+    lists.places.push_back({static_cast<std::uint32_t>(stray.frame), stray.vertex});
+    lists.distances.push_back(stray.distance);
   }
-  put(file, "contradictions.frames", frames);
-  put(file, "contradictions.distances", apart);
-  put(file, "strays.places", places);
-  put(file, "strays.distances", distances);
+  return lists;
 }
 
-void read_data_problems(const KeptFile& file, RegionModel& model) {
-  const auto frames = file.list<std::uint32_t>("contradictions.frames"),
-             places = file.list<std::uint32_t>("strays.places");
-  const auto apart = file.list<double>("contradictions.distances"), distances = file.list<double>("strays.distances");
-  if (frames.size() != 2 * apart.size() || places.size() != 2 * distances.size())
-    file.refuse("its lists differ in length");
-  for (std::size_t k = 0; k < apart.size(); ++k) {
-    model.contradictions.push_back({{frames[2 * k], frames[2 * k + 1]}, apart[k], model.region.name});
+void take_problems(const ProblemLists& lists, RegionModel& model) {
+  for (std::size_t k = 0; k < lists.apart.size(); ++k) {
+    model.contradictions.push_back({{lists.frames[k][0], lists.frames[k][1]}, lists.apart[k], model.region.name});
   }
-  for (std::size_t k = 0; k < distances.size(); ++k) {
-    model.strays.push_back({places[2 * k], places[2 * k + 1], distances[k]});
+  for (std::size_t k = 0; k < lists.distances.size(); ++k) {
+    model.strays.push_back({lists.places[k][0], lists.places[k][1], lists.distances[k]});
   }
+}
+
+// The visitors, of constant values for a writer, of others for a reader.
+void visit_problems(auto& file, auto& lists) {
+  file("contradictions.frames", lists.frames);
+  file("strays.places", lists.places);
+  file("contradictions.distances", lists.apart);
+  file("strays.distances", lists.distances);
+}
+
+void visit_region(auto& file, const std::string& prefix, auto& region) {
+  file(prefix + "name", region.name);
+  file(prefix + "vertices", region.vertices);
+  file(prefix + "weights", region.weights);
+}
+
+void visit_fit(auto& file, const std::string& name, auto& fit) {
+  file(name + ".centres", fit.centres);
+  file(name + ".weights", fit.weights);
+  file(name + ".errors", fit.errors);
+  file(name + ".centre_frames", fit.centre_frames);
+  file.numbers(name + ".dials", {&fit.inverse_width2, &fit.penalty.linear, &fit.penalty.kernel, &fit.validation_error},
+               "'" + name + ".dials' are not four");
+}
+
+void visit_model(auto& file, auto& model) {
+  visit_region(file, "", model.region);
+  file("features", model.features);
+  file("worth", model.explained);
+  file("projection", model.projection);
+  file("coefficients", model.components.coefficients);
+  file("basis", model.components.basis);
+  file("energy", model.components.energy);
+  file("truncated", model.components.truncated);
+  file.each("fit.", ".dials", model.fits, [&](const std::string& name, auto& fit) { visit_fit(file, name, fit); });
+}
+
+void visit_layout(auto& file, auto& kept) {
+  file("key", kept.key);
+  file("subject", kept.from.subject);
+  file("frames", kept.from.frames);
+  file("takes", kept.from.takes);
+  file.numbers("smoothing_radius", {&kept.smoothing_radius}, "it does not have one smoothing radius");
+  file.each("curve.", ".joints", kept.curves, [&](const std::string& name, auto& curve) {
+    file.column(name + ".joints", curve.path, &MusclePoint::joint);
+    file.column(name + ".positions", curve.path, &MusclePoint::position, "a curve has other positions than joints");
+    file(name + ".name", curve.name);
+  });
+  file("features", kept.features);
+  file.each("region.", ".vertices", kept.layout.regions,
+            [&](const std::string& name, auto& region) { visit_region(file, name + ".", region); });
+  file.each("region.", ".vertices", kept.layout.choices, [&](const std::string& name, auto& choices) {
+    file.each(name + ".choice.", "", choices, [&](const std::string& each, auto& choice) { file(each, choice); });
+  });
 }
 
 }  // namespace
@@ -391,80 +385,51 @@ fs::path TrainingStore::region_path(std::size_t number, std::uint64_t key) const
 
 std::optional<KeptLayout> TrainingStore::layout() const {
   if (!keeps() || !fs::exists(layout_path())) return std::nullopt;
-  const KeptFile file(layout_path());
+  const KeptFileReader file(layout_path());
   if (!file.is(kLayoutSchema)) return std::nullopt;
   KeptLayout kept;
-  kept.key = file.key("key");
-  kept.from = {file.key("subject"), joined(file.list<std::uint32_t>("frames")), file.key("takes"), {}};
-  const std::vector<double> radius = file.list<double>("smoothing_radius");
-  if (radius.size() != 1) file.refuse("it does not have one smoothing radius");
-  kept.smoothing_radius = radius[0];
-  kept.curves = curves_in(file);
-  kept.features = file.features("features");
+  visit_layout(file, kept);
+  for (Muscle& curve : kept.curves) curve = surface_curve(curve.name, std::move(curve.path));
   if (static_cast<std::size_t>(kept.features.rows()) != kept.from.frames.size()) {
     file.refuse("its features are not of its frames");
-  }
-  for (std::size_t r = 0;; ++r) {
-    const std::string prefix = "region." + std::to_string(r) + ".";
-    if (!file.has(prefix + "vertices")) break;
-    kept.layout.regions.push_back(region_weights(file, prefix));
-    FeatureChoices& choices = kept.layout.choices.emplace_back();
-    for (std::size_t c = 0; file.has(prefix + "choice." + std::to_string(c)); ++c) {
-      choices.push_back(file.list<std::uint32_t>(prefix + "choice." + std::to_string(c)));
-    }
   }
   return kept;
 }
 
 void TrainingStore::keep(const KeptLayout& kept) const {
   if (!keeps()) return;
-  Safetensors file = new_file(kLayoutSchema, kept.key);
-  file.metadata["subject"] = hexadecimal(kept.from.subject);
-  file.metadata["takes"] = hexadecimal(kept.from.takes);
-  put_curves(file, kept.curves);
-  put(file, "frames", halves(kept.from.frames));
-  put(file, "smoothing_radius", std::vector{kept.smoothing_radius});
-  put(file, "features", kept.features);
-  for (std::size_t r = 0; r < kept.layout.regions.size(); ++r) {
-    const std::string prefix = "region." + std::to_string(r) + ".";
-    put(file, prefix, kept.layout.regions[r]);
-    for (std::size_t c = 0; c < kept.layout.choices[r].size(); ++c) {
-      put(file, prefix + "choice." + std::to_string(c), kept.layout.choices[r][c]);
-    }
-  }
-  write(std::move(file), layout_path());
+  KeptFileWriter file(kLayoutSchema);
+  visit_layout(file, kept);
+  file.write(layout_path());
 }
 
 std::optional<RegionModel> TrainingStore::region(std::size_t number, std::uint64_t key) const {
   if (!keeps() || !fs::exists(region_path(number, key))) return std::nullopt;
-  const KeptFile file(region_path(number, key));
+  const KeptFileReader file(region_path(number, key));
   if (!file.is(kRegionSchema)) return std::nullopt;
-  if (file.key("key") != key) file.refuse("it is of another training than its name says");
+  std::uint64_t found = 0;
+  file("key", found);
+  if (found != key) file.refuse("it is of another training than its name says");
   RegionModel model;
-  model.region = region_weights(file, "");
-  model.features = file.list<std::uint32_t>("features");
-  model.explained = file.list<double>("worth");
-  model.projection = file.matrix("projection");
-  model.components = components_in(file);
-  for (std::size_t f = 0; file.has(fit_prefix(f) + "dials"); ++f) {
-    model.fits.push_back(regression_in(file, fit_prefix(f)));
-  }
+  visit_model(file, model);
   if (model.fits.empty()) file.refuse("it holds no fit");
-  read_data_problems(file, model);
+  ProblemLists lists;
+  visit_problems(file, lists);
+  if (lists.frames.size() != lists.apart.size() || lists.places.size() != lists.distances.size()) {
+    file.refuse("its lists differ in length");
+  }
+  take_problems(lists, model);
   return model;
 }
 
 void TrainingStore::keep(std::size_t number, std::uint64_t key, const RegionModel& model) const {
   if (!keeps()) return;
-  Safetensors file = new_file(kRegionSchema, key);
-  put(file, "", model.region);
-  put(file, "features", model.features);
-  put(file, "worth", model.explained);
-  put(file, "projection", model.projection);
-  put(file, model.components);
-  for (std::size_t f = 0; f < model.fits.size(); ++f) put(file, fit_prefix(f), model.fits[f]);
-  put(file, model.contradictions, model.strays);
-  write(std::move(file), region_path(number, key));
+  KeptFileWriter file(kRegionSchema);
+  file("key", key);
+  visit_model(file, model);
+  const ProblemLists lists = problem_lists(model);
+  visit_problems(file, lists);
+  file.write(region_path(number, key));
 }
 
 void TrainingStore::forget_other_regions(std::uint64_t key) const {
