@@ -1,5 +1,9 @@
 #include "draw/attachment.h"
 
+#include <vector>
+
+#include "runtime/core/transformed.h"
+
 namespace bodyopt {
 
 using vulkan::check;
@@ -9,6 +13,18 @@ namespace {
 
 VkImageAspectFlags aspect_of(VkFormat format) {
   return format == kDepthFormat ? VK_IMAGE_ASPECT_DEPTH_BIT : VK_IMAGE_ASPECT_COLOR_BIT;
+}
+
+VkAttachmentDescription description_of(const PassAttachment& image) {
+  return {0,
+          image.format,
+          image.samples,
+          image.load,
+          image.store,
+          VK_ATTACHMENT_LOAD_OP_DONT_CARE,
+          VK_ATTACHMENT_STORE_OP_DONT_CARE,
+          image.before,
+          image.after};
 }
 
 }  // namespace
@@ -67,11 +83,12 @@ Framebuffer make_framebuffer(const vulkan::Device& device, VkRenderPass render_p
   return {device.handle(), framebuffer};
 }
 
-RenderPass make_render_pass(const vulkan::Device& device, std::span<const VkAttachmentDescription> attachments,
+RenderPass make_render_pass(const vulkan::Device& device, std::span<const PassAttachment> attachments,
                             const VkSubpassDescription& subpass, std::span<const VkSubpassDependency> dependencies) {
+  const std::vector<VkAttachmentDescription> descriptions = transformed(attachments, description_of);
   auto info = structure<VkRenderPassCreateInfo>(VK_STRUCTURE_TYPE_RENDER_PASS_CREATE_INFO);
-  info.attachmentCount = static_cast<std::uint32_t>(attachments.size());
-  info.pAttachments = attachments.data();
+  info.attachmentCount = static_cast<std::uint32_t>(descriptions.size());
+  info.pAttachments = descriptions.data();
   info.subpassCount = 1;
   info.pSubpasses = &subpass;
   info.dependencyCount = static_cast<std::uint32_t>(dependencies.size());
@@ -81,17 +98,14 @@ RenderPass make_render_pass(const vulkan::Device& device, std::span<const VkAtta
   return {device.handle(), pass};
 }
 
-VkAttachmentDescription PassAttachment::description() const {
-  VkAttachmentDescription a{};
-  a.format = format;
-  a.samples = samples;
-  a.loadOp = load;
-  a.storeOp = store;
-  a.stencilLoadOp = VK_ATTACHMENT_LOAD_OP_DONT_CARE;
-  a.stencilStoreOp = VK_ATTACHMENT_STORE_OP_DONT_CARE;
-  a.initialLayout = before;
-  a.finalLayout = after;
-  return a;
+RenderPass make_colour_pass(const vulkan::Device& device, const PassAttachment& image,
+                            std::span<const VkSubpassDependency> dependencies) {
+  const VkAttachmentReference colour{0, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL};
+  VkSubpassDescription subpass{};
+  subpass.pipelineBindPoint = VK_PIPELINE_BIND_POINT_GRAPHICS;
+  subpass.colorAttachmentCount = 1;
+  subpass.pColorAttachments = &colour;
+  return make_render_pass(device, {&image, 1}, subpass, dependencies);
 }
 
 void pass_on(VkCommandBuffer commands, VkImage image, const ImagePassage& passage) {

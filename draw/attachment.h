@@ -34,10 +34,6 @@ ImageView make_view(const vulkan::Device& device, VkImage image, VkFormat format
 Framebuffer make_framebuffer(const vulkan::Device& device, VkRenderPass render_pass, VkExtent2D size,
                              std::initializer_list<VkImageView> views);
 
-// Of one subpass.
-RenderPass make_render_pass(const vulkan::Device& device, std::span<const VkAttachmentDescription> attachments,
-                            const VkSubpassDescription& subpass, std::span<const VkSubpassDependency> dependencies);
-
 // How a render pass takes an image, and leaves it.
 struct PassAttachment {
   VkFormat format;
@@ -45,9 +41,13 @@ struct PassAttachment {
   VkAttachmentLoadOp load;
   VkAttachmentStoreOp store;
   VkImageLayout before, after;
-
-  VkAttachmentDescription description() const;
 };
+
+// Of one subpass; the second draws into one image, and no other.
+RenderPass make_render_pass(const vulkan::Device& device, std::span<const PassAttachment> attachments,
+                            const VkSubpassDescription& subpass, std::span<const VkSubpassDependency> dependencies);
+RenderPass make_colour_pass(const vulkan::Device& device, const PassAttachment& image,
+                            std::span<const VkSubpassDependency> dependencies);
 
 // A change of layout, or no change, between commands that write and commands that read.
 struct ImagePassage {

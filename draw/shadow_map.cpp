@@ -46,18 +46,6 @@ VkRect2D used_part(const View& view) {
 }
 
 RenderPass make_pass(const vulkan::Device& device) {
-  const VkAttachmentDescription attachment = PassAttachment{kFormat,
-                                                            VK_SAMPLE_COUNT_1_BIT,
-                                                            VK_ATTACHMENT_LOAD_OP_CLEAR,
-                                                            VK_ATTACHMENT_STORE_OP_STORE,
-                                                            VK_IMAGE_LAYOUT_UNDEFINED,
-                                                            VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL}
-                                                 .description();
-  const VkAttachmentReference colour{0, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL};
-  VkSubpassDescription subpass{};
-  subpass.pipelineBindPoint = VK_PIPELINE_BIND_POINT_GRAPHICS;
-  subpass.colorAttachmentCount = 1;
-  subpass.pColorAttachments = &colour;
   const VkAccessFlags writes = VK_ACCESS_COLOR_ATTACHMENT_READ_BIT | VK_ACCESS_COLOR_ATTACHMENT_WRITE_BIT;
   const std::array dependencies = {
       VkSubpassDependency{VK_SUBPASS_EXTERNAL, 0, VK_PIPELINE_STAGE_FRAGMENT_SHADER_BIT,
@@ -65,7 +53,10 @@ RenderPass make_pass(const vulkan::Device& device) {
       VkSubpassDependency{0, VK_SUBPASS_EXTERNAL, VK_PIPELINE_STAGE_COLOR_ATTACHMENT_OUTPUT_BIT,
                           VK_PIPELINE_STAGE_FRAGMENT_SHADER_BIT, VK_ACCESS_COLOR_ATTACHMENT_WRITE_BIT,
                           VK_ACCESS_SHADER_READ_BIT, 0}};
-  return make_render_pass(device, {&attachment, 1}, subpass, dependencies);
+  return make_colour_pass(device,
+                          {kFormat, VK_SAMPLE_COUNT_1_BIT, VK_ATTACHMENT_LOAD_OP_CLEAR, VK_ATTACHMENT_STORE_OP_STORE,
+                           VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL},
+                          dependencies);
 }
 
 Attachment make_picture(const vulkan::Device& device) {

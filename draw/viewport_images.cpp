@@ -36,18 +36,14 @@ void begin(VkCommandBuffer commands, VkRenderPass pass, VkFramebuffer framebuffe
 
 RenderPass make_scene_pass(const vulkan::Device& device, VkSampleCountFlagBits samples) {
   const bool resolves = samples != VK_SAMPLE_COUNT_1_BIT;
-  std::vector<VkAttachmentDescription> attachments = {
-      PassAttachment{kColourFormat, VK_SAMPLE_COUNT_1_BIT,
-                     resolves ? VK_ATTACHMENT_LOAD_OP_DONT_CARE : VK_ATTACHMENT_LOAD_OP_CLEAR,
-                     VK_ATTACHMENT_STORE_OP_STORE, VK_IMAGE_LAYOUT_UNDEFINED, kColourLayout}
-          .description(),
-      PassAttachment{kDepthFormat, samples, VK_ATTACHMENT_LOAD_OP_CLEAR, VK_ATTACHMENT_STORE_OP_DONT_CARE,
-                     VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_DEPTH_STENCIL_ATTACHMENT_OPTIMAL}
-          .description()};
+  std::vector<PassAttachment> attachments = {
+      {kColourFormat, VK_SAMPLE_COUNT_1_BIT, resolves ? VK_ATTACHMENT_LOAD_OP_DONT_CARE : VK_ATTACHMENT_LOAD_OP_CLEAR,
+       VK_ATTACHMENT_STORE_OP_STORE, VK_IMAGE_LAYOUT_UNDEFINED, kColourLayout},
+      {kDepthFormat, samples, VK_ATTACHMENT_LOAD_OP_CLEAR, VK_ATTACHMENT_STORE_OP_DONT_CARE, VK_IMAGE_LAYOUT_UNDEFINED,
+       VK_IMAGE_LAYOUT_DEPTH_STENCIL_ATTACHMENT_OPTIMAL}};
   if (resolves) {
-    attachments.push_back(PassAttachment{kColourFormat, samples, VK_ATTACHMENT_LOAD_OP_CLEAR,
-                                         VK_ATTACHMENT_STORE_OP_DONT_CARE, VK_IMAGE_LAYOUT_UNDEFINED, kColourLayout}
-                              .description());
+    attachments.push_back({kColourFormat, samples, VK_ATTACHMENT_LOAD_OP_CLEAR, VK_ATTACHMENT_STORE_OP_DONT_CARE,
+                           VK_IMAGE_LAYOUT_UNDEFINED, kColourLayout});
   }
   const VkAttachmentReference picture{0, kColourLayout}, several{2, kColourLayout};
   const VkAttachmentReference depth{1, VK_IMAGE_LAYOUT_DEPTH_STENCIL_ATTACHMENT_OPTIMAL};
@@ -58,51 +54,28 @@ RenderPass make_scene_pass(const vulkan::Device& device, VkSampleCountFlagBits s
   subpass.pResolveAttachments = resolves ? &picture : nullptr;
   subpass.pDepthStencilAttachment = &depth;
 
-  std::array<VkSubpassDependency, 2> dependencies{};
-  // The picture before may still be on its way out.
-  dependencies[0] = {VK_SUBPASS_EXTERNAL,
-                     0,
-                     kDrawing | VK_PIPELINE_STAGE_TRANSFER_BIT,
-                     kDrawing,
-                     VK_ACCESS_TRANSFER_READ_BIT | kColourAccess | kDepthAccess,
-                     kColourAccess | kDepthAccess,
-                     0};
-  dependencies[1] = {0,
-                     VK_SUBPASS_EXTERNAL,
-                     VK_PIPELINE_STAGE_COLOR_ATTACHMENT_OUTPUT_BIT,
-                     VK_PIPELINE_STAGE_COLOR_ATTACHMENT_OUTPUT_BIT,
-                     VK_ACCESS_COLOR_ATTACHMENT_WRITE_BIT,
-                     kColourAccess,
-                     0};
+  const std::array dependencies = {
+      // The picture before may still be on its way out.
+      VkSubpassDependency{VK_SUBPASS_EXTERNAL, 0, kDrawing | VK_PIPELINE_STAGE_TRANSFER_BIT, kDrawing,
+                          VK_ACCESS_TRANSFER_READ_BIT | kColourAccess | kDepthAccess, kColourAccess | kDepthAccess, 0},
+      VkSubpassDependency{0, VK_SUBPASS_EXTERNAL, VK_PIPELINE_STAGE_COLOR_ATTACHMENT_OUTPUT_BIT,
+                          VK_PIPELINE_STAGE_COLOR_ATTACHMENT_OUTPUT_BIT, VK_ACCESS_COLOR_ATTACHMENT_WRITE_BIT,
+                          kColourAccess, 0}};
   return make_render_pass(device, attachments, subpass, dependencies);
 }
 
 RenderPass make_panel_pass(const vulkan::Device& device) {
-  const std::array attachments = {PassAttachment{kPictureFormat, VK_SAMPLE_COUNT_1_BIT, VK_ATTACHMENT_LOAD_OP_LOAD,
-                                                 VK_ATTACHMENT_STORE_OP_STORE, kColourLayout,
-                                                 VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL}
-                                      .description()};
-  const VkAttachmentReference colour{0, kColourLayout};
-  VkSubpassDescription subpass{};
-  subpass.pipelineBindPoint = VK_PIPELINE_BIND_POINT_GRAPHICS;
-  subpass.colorAttachmentCount = 1;
-  subpass.pColorAttachments = &colour;
-  std::array<VkSubpassDependency, 2> dependencies{};
-  dependencies[0] = {VK_SUBPASS_EXTERNAL,
-                     0,
-                     VK_PIPELINE_STAGE_COLOR_ATTACHMENT_OUTPUT_BIT,
-                     VK_PIPELINE_STAGE_COLOR_ATTACHMENT_OUTPUT_BIT,
-                     VK_ACCESS_COLOR_ATTACHMENT_WRITE_BIT,
-                     kColourAccess,
-                     0};
-  dependencies[1] = {0,
-                     VK_SUBPASS_EXTERNAL,
-                     VK_PIPELINE_STAGE_COLOR_ATTACHMENT_OUTPUT_BIT,
-                     VK_PIPELINE_STAGE_TRANSFER_BIT,
-                     VK_ACCESS_COLOR_ATTACHMENT_WRITE_BIT,
-                     VK_ACCESS_TRANSFER_READ_BIT,
-                     0};
-  return make_render_pass(device, attachments, subpass, dependencies);
+  const std::array dependencies = {
+      VkSubpassDependency{VK_SUBPASS_EXTERNAL, 0, VK_PIPELINE_STAGE_COLOR_ATTACHMENT_OUTPUT_BIT,
+                          VK_PIPELINE_STAGE_COLOR_ATTACHMENT_OUTPUT_BIT, VK_ACCESS_COLOR_ATTACHMENT_WRITE_BIT,
+                          kColourAccess, 0},
+      VkSubpassDependency{0, VK_SUBPASS_EXTERNAL, VK_PIPELINE_STAGE_COLOR_ATTACHMENT_OUTPUT_BIT,
+                          VK_PIPELINE_STAGE_TRANSFER_BIT, VK_ACCESS_COLOR_ATTACHMENT_WRITE_BIT,
+                          VK_ACCESS_TRANSFER_READ_BIT, 0}};
+  return make_colour_pass(device,
+                          {kPictureFormat, VK_SAMPLE_COUNT_1_BIT, VK_ATTACHMENT_LOAD_OP_LOAD,
+                           VK_ATTACHMENT_STORE_OP_STORE, kColourLayout, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL},
+                          dependencies);
 }
 
 ViewportImages::ViewportImages(const vulkan::Device& device, VkRenderPass scene_pass, VkRenderPass panel_pass,
