@@ -79,13 +79,6 @@ inline constexpr std::array kStageTolerances = {
     StageTolerance{Stage::output, "normals", 2e-2},   // a place's error over the edge of a small triangle
 };
 
-// Null where there is none.
-constexpr const KernelTolerance* find_tolerance(std::string_view kernel, std::size_t output) {
-  for (const KernelTolerance& tolerance : kKernelTolerances) {
-    if (tolerance.kernel == kernel && tolerance.output == output) return &tolerance;
-  }
-  return nullptr;
-}
 // One that there is not does not compile.
 consteval StageTolerance tolerance_of(Stage stage, std::string_view output) {
   for (const StageTolerance& tolerance : kStageTolerances) {

@@ -16,6 +16,14 @@
 
 namespace bodyopt::testing {
 
+// Null where there is none.
+inline const KernelTolerance* find_tolerance(std::string_view kernel, std::size_t output) {
+  for (const KernelTolerance& tolerance : kKernelTolerances) {
+    if (tolerance.kernel == kernel && tolerance.output == output) return &tolerance;
+  }
+  return nullptr;
+}
+
 // Kernels of one device, each made once.
 class KernelSet {
  public:
