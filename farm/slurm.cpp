@@ -71,9 +71,8 @@ std::vector<std::string> jobs_of(const fs::path& folder) {
   const fs::path path = jobs_file(folder);
   if (!fs::exists(path)) return {};
   const Json json = read_json(path, kJobsSchema);
-  std::vector<std::string> jobs;
-  for (const Json& job : JsonObject(json, path, "the top level").array("jobs")) jobs.push_back(job.get<std::string>());
-  return jobs;
+  return transformed(JsonObject(json, path, "the top level").array("jobs"),
+                     [&](const Json& job) { return job.get<std::string>(); });
 }
 
 std::string joined(const std::vector<std::string>& words, const char* separator) {

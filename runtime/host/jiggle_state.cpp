@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "runtime/basis/dynamics.h"
-#include "runtime/basis/safetensors.h"
+#include "runtime/basis/table_file.h"
 #include "runtime/core/error.h"
 #include "runtime/core/extent.h"
 #include "runtime/host/jiggle.h"
@@ -20,14 +20,6 @@ constexpr const char* kSchema = "bodyopt-jiggle-state-1";
 constexpr double kMostJiggle = 1e3;  // off its quasi-static place
 constexpr double kMostPlace = 1e6;   // in the world
 constexpr int kMostFrame = 2000000000;
-
-template <typename T>
-Tensor rows_of_three(const std::vector<T>& values) {
-  Tensor tensor{sizeof(T) == 8 ? "F64" : "F32", {values.size() / 3, 3}, {}};
-  tensor.bytes.resize(values.size() * sizeof(T));
-  if (!values.empty()) std::memcpy(tensor.bytes.data(), values.data(), tensor.bytes.size());
-  return tensor;
-}
 
 // Applies `visit(name, array)` to every array of a state.
 template <typename State, typename Visit>
@@ -92,7 +84,7 @@ class StateReader {
     const auto found = file_.tensors.find(name);
     if (found == file_.tensors.end()) refuse("tensor '", name, "' is missing");
     const Tensor& tensor = found->second;
-    if (tensor.dtype != (sizeof(T) == 8 ? "F64" : "F32") || tensor.shape.size() != 2 || tensor.shape[1] != 3) {
+    if (tensor.dtype != dtype_of<T>() || tensor.shape.size() != 2 || tensor.shape[1] != 3) {
       refuse("tensor '", name, "' is not rows of three numbers");
     }
     values.resize(tensor.bytes.size() / sizeof(T));
@@ -114,8 +106,8 @@ class StateReader {
 void save_state(const JiggleState& state, const Dynamics& dynamics, const std::filesystem::path& path) {
   require_bounded(state, dynamics, path);
   Safetensors file;
-  for_each_array(state, [&](const char* name, const auto& values) { file.tensors[name] = rows_of_three(values); });
-  file.tensors["origin"] = rows_of_three(std::vector<double>(state.origin, state.origin + 3));
+  for_each_array(state, [&](const char* name, const auto& values) { file.tensors[name] = tensor_from(values, 3); });
+  file.tensors["origin"] = tensor_from(std::vector<double>(state.origin, state.origin + 3), 3);
   file.metadata = {{"schema", kSchema},
                    {"dynamics", checksum(dynamics)},
                    {"frame", std::to_string(state.frame)},

@@ -17,6 +17,7 @@
 #include "runtime/core/atomic_file.h"
 #include "runtime/core/error.h"
 #include "runtime/core/hexadecimal.h"
+#include "runtime/core/transformed.h"
 #include "trainer/curate/local_models.h"
 #include "trainer/curate/match_vertices.h"
 
@@ -251,10 +252,8 @@ FrameMesh made_of(std::span<const WrittenSkin> written, const Positions& given, 
   const auto marked = std::ranges::find(written, mark, &WrittenSkin::mark);
   if (!mark.empty() && marked != written.end()) return {{}, static_cast<std::size_t>(marked - written.begin())};
   if (written.size() == 1) return {};
-  std::vector<std::size_t> unmoved;
-  for (const WrittenSkin& one : written) {
-    unmoved.push_back(vertices_in_place(one.skin, given, unmoved_distance(one.skin)));
-  }
+  std::vector<std::size_t> unmoved = transformed(
+      written, [&](const WrittenSkin& one) { return vertices_in_place(one.skin, given, unmoved_distance(one.skin)); });
   const std::size_t best = static_cast<std::size_t>(std::ranges::max_element(unmoved) - unmoved.begin());
   const Positions& taken = written[best].skin;
   FrameMesh mesh{{}, best};

@@ -7,6 +7,7 @@
 #include "geometry/extent.h"
 #include "runtime/basis/dynamics.h"
 #include "runtime/core/error.h"
+#include "runtime/core/transformed.h"
 #include "trainer/dynamics/tet_quality.h"
 #include "trainer/tets/skin_cage.h"
 #include "trainer/tets/tets.h"
@@ -73,9 +74,7 @@ void keep_on_skin(const Positions& vertices, DynamicsTets& tets) {
     (is_on ? on : off).push_back(n);
   }
   tets.surface = [&] {
-    std::vector<SkinPoint> kept;
-    for (const int n : on) kept.push_back(tets.surface[static_cast<std::size_t>(n)]);
-    return kept;
+    return transformed(on, [&](const int n) { return tets.surface[static_cast<std::size_t>(n)]; });
   }();
   std::vector<int> order = on;
   order.insert(order.end(), off.begin(), off.end());

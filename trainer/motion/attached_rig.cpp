@@ -7,6 +7,7 @@
 #include "assets/joints_with_skin.h"
 #include "assets/wording.h"
 #include "runtime/core/error.h"
+#include "runtime/core/transformed.h"
 #include "runtime/host/rig.h"
 
 namespace bodyopt {
@@ -169,8 +170,7 @@ AttachedRig::AttachedRig(const Skeleton& skeleton, const std::vector<DetachedJoi
                       "it out of detached_joints");
     }
   }
-  std::vector<int> parents;
-  for (const Joint& joint : skeleton.joints) parents.push_back(joint.parent);
+  std::vector<int> parents = transformed(skeleton.joints, &Joint::parent);
   for (const DetachedJoint& of : detached) parents[of.joint] = static_cast<int>(of.follows);
   own_of_ = parents_first(parents);
   for (std::uint32_t k = 0; k < own_of_.size(); ++k) place_[own_of_[k]] = k;
@@ -212,9 +212,7 @@ JointLimits AttachedRig::detached(JointLimits limits) const {
 Pose AttachedRig::attached(Pose pose) const { return rehung(own_, attached_, own_of_, std::move(pose)); }
 
 std::vector<Pose> AttachedRig::attached(const std::vector<Pose>& poses) const {
-  std::vector<Pose> result;
-  for (const Pose& pose : poses) result.push_back(attached(pose));
-  return result;
+  return transformed(poses, [&](const Pose& pose) { return attached(pose); });
 }
 
 Pose AttachedRig::detached(Pose pose) const { return rehung(attached_, own_, place_, std::move(pose)); }
@@ -225,10 +223,9 @@ Clip AttachedRig::detached(Clip clip) const {
 }
 
 std::string detached_text(const std::vector<DetachedJoint>& detached, const Skeleton& skeleton) {
-  std::vector<std::string> pairs;
-  for (const DetachedJoint& of : detached) {
-    pairs.push_back(skeleton.joints[of.joint].name + "' follows '" + skeleton.joints[of.follows].name);
-  }
+  const std::vector<std::string> pairs = transformed(detached, [&](const DetachedJoint& of) {
+    return skeleton.joints[of.joint].name + "' follows '" + skeleton.joints[of.follows].name;
+  });
   return pairs.empty() ? ""
                        : "by its skin " + list_names(pairs, pairs.size()) +
                              " in motion made from limits, though it hangs elsewhere in the rig";

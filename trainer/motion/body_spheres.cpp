@@ -5,6 +5,7 @@
 
 #include "base/parallel.h"
 #include "geometry/vertex_normals.h"
+#include "runtime/core/transformed.h"
 #include "runtime/host/rig.h"
 
 namespace bodyopt {
@@ -118,9 +119,7 @@ std::optional<std::pair<std::uint32_t, std::uint32_t>> SelfOverlap::find(const P
 
 std::vector<Vec3> SelfOverlap::posed_centres(const Pose& pose) const {
   const std::vector<Affine> skinning = skinning_matrices(character_.skeleton, pose.joints);
-  std::vector<Vec3> centres;
-  for (const BodySphere& sphere : spheres_) centres.push_back(skinning[sphere.joint] * sphere.centre);
-  return centres;
+  return transformed(spheres_, [&](const BodySphere& sphere) { return skinning[sphere.joint] * sphere.centre; });
 }
 
 double SelfOverlap::depth(const SpherePair& pair, const std::vector<Vec3>& centres) const {

@@ -34,11 +34,8 @@ constexpr Rule kTip{10, 5, "rule for the tip of a chain; no clip turns it"};
 
 // Joints that move some of the skin against the rest of it. What moves all of it is a root, wherever it stands.
 std::vector<std::uint32_t> bending_joints(const Character& character, const std::vector<int>& with_skin) {
-  const std::vector<bool> of_all_skin = joints_of_all_skin(character);
-  std::vector<std::uint32_t> joints;
-  for (std::uint32_t j = 0; j < with_skin.size(); ++j) {
-    if (character.skeleton.joints[j].parent >= 0 && with_skin[j] > 0 && !of_all_skin[j]) joints.push_back(j);
-  }
+  std::vector<std::uint32_t> joints = joints_that_bend(character);
+  std::erase_if(joints, [&](std::uint32_t j) { return with_skin[j] == 0; });
   return joints;
 }
 

@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "assets/wording.h"
+#include "runtime/core/transformed.h"
 #include "runtime/host/rig.h"
 #include "trainer/motion/limited_pose.h"
 
@@ -169,11 +170,9 @@ std::vector<std::string> turning_without_limits(const JointLimits& limits, const
 std::vector<Quat> turns_from_bind(const Skeleton& skeleton, const std::vector<Pose>& poses, std::size_t joint) {
   const Quat world = bind_rotations(skeleton)[joint];
   const Quat to_bind = world * conjugate(normalized(skeleton.joints[joint].bind.rotation));
-  std::vector<Quat> turns;
-  for (const Pose& pose : poses) {
-    turns.push_back(normalized(to_bind * normalized(pose.joints[joint].rotation) * conjugate(world)));
-  }
-  return turns;
+  return transformed(poses, [&](const Pose& pose) {
+    return normalized(to_bind * normalized(pose.joints[joint].rotation) * conjugate(world));
+  });
 }
 
 Vec3 length_of_bone(const Skeleton& skeleton, std::size_t joint) {

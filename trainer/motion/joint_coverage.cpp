@@ -7,6 +7,7 @@
 #include <set>
 
 #include "assets/joints_with_skin.h"
+#include "runtime/core/transformed.h"
 #include "trainer/motion/explore.h"
 
 namespace bodyopt {
@@ -17,9 +18,7 @@ constexpr int kMostLost = 20;     // poses in a row
 constexpr double kMoves = 0.1;    // degrees
 
 std::vector<Quat> rotations(const std::vector<Pose>& poses, std::uint32_t joint) {
-  std::vector<Quat> result;
-  for (const Pose& pose : poses) result.push_back(normalized(pose.joints[joint].rotation));
-  return result;
+  return transformed(poses, [&](const Pose& pose) { return normalized(pose.joints[joint].rotation); });
 }
 
 double angle_to_nearest(const Quat& q, const std::vector<Quat>& others) {

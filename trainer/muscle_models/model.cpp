@@ -4,6 +4,7 @@
 #include <filesystem>
 
 #include "runtime/core/error.h"
+#include "runtime/core/transformed.h"
 #include "trainer/muscle_models/mujoco.h"
 #include "trainer/muscle_models/opensim.h"
 #include "trainer/muscle_models/wrap.h"
@@ -61,9 +62,7 @@ int Model::find_segment(const std::string& name) const { return find_named(segme
 int Model::find_coordinate(const std::string& name) const { return find_named(coordinates, name); }
 
 std::vector<double> default_values(const Model& model) {
-  std::vector<double> values;
-  for (const Coordinate& coordinate : model.coordinates) values.push_back(coordinate.default_value);
-  return values;
+  return transformed(model.coordinates, &Coordinate::default_value);
 }
 
 ModelPose pose_model(const Model& model, const std::vector<double>& values) {

@@ -9,6 +9,7 @@
 #include "geometry/extent.h"
 #include "geometry/table_rows.h"
 #include "runtime/core/error.h"
+#include "runtime/core/transformed.h"
 #include "runtime/deformer/deformer.h"
 #include "runtime/host/carry_skin.h"
 #include "runtime/host/device_choice.h"
@@ -122,9 +123,7 @@ ErrorStatistics level_errors(const Level& level, const Character& full, const st
 }
 
 std::vector<Sample> some_samples(const std::vector<Sample>& samples, std::size_t most) {
-  std::vector<Sample> some;
-  for (const std::size_t k : spread_evenly(samples.size(), most)) some.push_back(samples[k]);
-  return some;
+  return transformed(spread_evenly(samples.size(), most), [&](const std::size_t k) { return samples[k]; });
 }
 
 }  // namespace bodyopt

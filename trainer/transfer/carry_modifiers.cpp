@@ -5,6 +5,7 @@
 #include "assets/pc2.h"
 #include "dataset/modifier.h"
 #include "runtime/core/error.h"
+#include "runtime/core/transformed.h"
 #include "trainer/train/skinning/mesh_table.h"
 
 namespace bodyopt {
@@ -110,9 +111,7 @@ std::vector<Modifier> carried_modifiers(const Dataset& dataset, const Character&
                                         const TransferPair& pair, const fs::path& out,
                                         std::vector<std::string>& notes) {
   ModifierCarrier carrier(dataset, source_character, pair, out, notes);
-  std::vector<Modifier> carried;
-  for (const Modifier& modifier : dataset.modifiers) carried.push_back(carrier.carry(modifier));
-  return carried;
+  return transformed(dataset.modifiers, [&](const Modifier& modifier) { return carrier.carry(modifier); });
 }
 
 }  // namespace bodyopt

@@ -6,6 +6,7 @@
 #include "base/parallel.h"
 #include "base/progress.h"
 #include "runtime/core/half.h"
+#include "runtime/core/transformed.h"
 #include "runtime/cpu/kernels.h"
 #include "runtime/host/rig.h"
 #include "trainer/train/pack/blend_entry.h"
@@ -199,10 +200,8 @@ void transfer_columns(const SkinTransfer& transfer, std::uint32_t source_vertice
 
 std::vector<JointFeatures> carried_features(const Skeleton& source, const Skeleton& target,
                                             const SkeletonMatch& match) {
-  std::vector<JointFeatures> features;
-  for (const JointFeatures& of : joint_features_of(source)) {
-    features.push_back(carried(of, source, target, match));
-  }
+  const std::vector<JointFeatures> features = transformed(
+      joint_features_of(source), [&](const JointFeatures& of) { return carried(of, source, target, match); });
   return features == joint_features_of(target) ? std::vector<JointFeatures>{} : features;
 }
 

@@ -12,6 +12,7 @@
 #include "dataset/regions_file.h"
 #include "runtime/core/error.h"
 #include "runtime/core/transform.h"
+#include "runtime/core/transformed.h"
 #include "trainer/curate/shape_stack.h"
 
 namespace bodyopt {
@@ -59,11 +60,7 @@ SampleSet read_samples(const Dataset& dataset) {
   return set;
 }
 
-std::vector<Pose> training_poses(const SampleSet& set) {
-  std::vector<Pose> poses;
-  for (const Sample& sample : set.train) poses.push_back(sample.pose);
-  return poses;
-}
+std::vector<Pose> training_poses(const SampleSet& set) { return transformed(set.train, &Sample::pose); }
 
 void check_samples(const SampleSet& set) {
   if (set.train.size() < kFewestFrames) {

@@ -8,6 +8,7 @@
 
 #include "geometry/nearest_skin.h"
 #include "geometry/table_rows.h"
+#include "runtime/core/transformed.h"
 #include "trainer/train/features/features.h"
 
 namespace bodyopt {
@@ -191,9 +192,7 @@ StrainTable keep_fibres(const StrainTable& strain, const std::vector<std::uint32
 std::vector<std::size_t> fibre_muscles(const StrainTable& strain, const std::vector<Muscle>& muscles) {
   std::map<std::string, std::size_t> index;
   for (std::size_t m = 0; m < muscles.size(); ++m) index[muscles[m].name] = m;
-  std::vector<std::size_t> result;
-  for (const std::string& name : strain.names) result.push_back(index.at(name.substr(0, name.rfind('/'))));
-  return result;
+  return transformed(strain.names, [&](const std::string& name) { return index.at(name.substr(0, name.rfind('/'))); });
 }
 
 }  // namespace bodyopt

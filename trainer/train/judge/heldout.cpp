@@ -9,6 +9,7 @@
 #include "dataset/dataset.h"
 #include "geometry/table_rows.h"
 #include "runtime/basis/basis.h"
+#include "runtime/core/transformed.h"
 #include "runtime/deformer/deformer.h"
 #include "trainer/train/data/unposed_shapes.h"
 #include "trainer/train/skinning/linear_blend.h"
@@ -33,11 +34,9 @@ std::vector<int> sample_numbers(const std::vector<Sample>& samples) {
     int& step = spacing[samples[k].take];
     step = std::gcd(step, samples[k].frame - samples[k - 1].frame);
   }
-  std::vector<int> numbers;
-  for (const Sample& sample : samples) {
-    numbers.push_back(sample.take * 10'000'000 + sample.frame / std::max(1, spacing[sample.take]));
-  }
-  return numbers;
+  return transformed(samples, [&](const Sample& sample) {
+    return sample.take * 10'000'000 + sample.frame / std::max(1, spacing[sample.take]);
+  });
 }
 
 }  // namespace
@@ -63,9 +62,7 @@ std::string how_to_hold_out(const SampleSet& set) {
 }
 
 std::vector<Positions> heldout_by_lbs(const SampleSet& set) {
-  std::vector<Positions> shapes;
-  for (const Sample& sample : set.heldout) shapes.push_back(skin_linear(set.character, sample.pose));
-  return shapes;
+  return transformed(set.heldout, [&](const Sample& sample) { return skin_linear(set.character, sample.pose); });
 }
 
 std::vector<Positions> heldout_by_basis(const SampleSet& set, Deformer& deformer) {
