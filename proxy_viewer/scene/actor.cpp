@@ -16,6 +16,7 @@
 #include "runtime/basis/output_order.h"
 #include "runtime/core/error.h"
 #include "runtime/core/extent.h"
+#include "runtime/core/transformed.h"
 #include "runtime/cpu/kernels.h"
 #include "runtime/host/carry_skin.h"
 #include "runtime/host/rig.h"
@@ -29,9 +30,7 @@ namespace fs = std::filesystem;
 
 // Of the frames of a dataset, one a sample.
 std::vector<Pose> frame_poses(const NamedShapes& shapes) {
-  std::vector<Pose> poses;
-  for (const std::size_t n : shapes.numbers()) poses.push_back(shapes.stack()->database().frames[n].pose);
-  return poses;
+  return transformed(shapes.numbers(), [&](const std::size_t n) { return shapes.stack()->database().frames[n].pose; });
 }
 
 // The character that a basis was trained on: its skin weights are in the character's file alone.

@@ -9,6 +9,7 @@
 #include "proxy_viewer/scene/turn_rings.h"
 #include "proxy_viewer/state/pose_keys.h"
 #include "proxy_viewer/state/strain_colour.h"
+#include "runtime/core/transformed.h"
 #include "runtime/host/rig.h"
 
 namespace bodyopt {
@@ -43,11 +44,9 @@ struct Box {
 };
 
 std::vector<Vec3> centres_of(const Actor& character, const Pose& pose) {
-  std::vector<Vec3> centres;
-  for (const Affine& joint : posed_joints(character.basis().skeleton, pose.joints)) {
-    centres.push_back(joint * Vec3{0, 0, 0});
-  }
-  return centres;
+  return transformed(posed_joints(character.basis().skeleton, pose.joints), [&](const Affine& joint) {
+    return joint * Vec3{0, 0, 0};
+  });
 }
 
 // A round number of metres, about a tenth of the size.

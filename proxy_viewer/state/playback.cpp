@@ -6,6 +6,7 @@
 #include <string>
 
 #include "runtime/core/error.h"
+#include "runtime/core/transformed.h"
 
 namespace bodyopt {
 namespace {
@@ -117,9 +118,7 @@ void Playback::apply(const PlaySettings& settings) {
 }
 
 std::vector<int> Playback::keys() const {
-  std::vector<int> frames;
-  for (const Index key : keys_) frames.push_back(frame_at(key));
-  return frames;
+  return transformed(keys_, [&](const Index key) { return frame_at(key); });
 }
 
 void Playback::show(Index index) {

@@ -170,10 +170,6 @@ const Dynamics* Deformer::dynamics() const { return jiggles_ ? &*model_->dynamic
 
 Evaluation Deformer::evaluate(std::span<const Pose> poses) { return run({.deformer = this, .poses = poses}); }
 
-Evaluation Deformer::evaluate_on_device(std::span<const Pose> poses) {
-  return run({.deformer = this, .poses = poses, .stays_on_device = true});
-}
-
 Evaluation Deformer::jiggle(std::span<const Pose> poses, std::span<const int> frames) {
   return run({.deformer = this, .poses = poses, .frames = frames});
 }

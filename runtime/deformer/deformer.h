@@ -70,9 +70,6 @@ class Deformer {
   // Error(usage) without dynamics; the state is then that of before.
   Evaluation jiggle(std::span<const Pose> poses, std::span<const int> frames);
 
-  // As evaluate(), with the same bits, for a deformer on a device of others: positions and normals stay there and are
-  // none of the result. One batch: throws Error(usage) for more than batch_limit() poses.
-  Evaluation evaluate_on_device(std::span<const Pose> poses);
   // Records a frame into a command buffer of the host program; see Backend::record. `frame`: its number where it
   // jiggles.
   void record(const Pose& pose, std::optional<int> frame, const vulkan::Recording& recording);

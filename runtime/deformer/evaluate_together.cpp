@@ -10,6 +10,7 @@
 #include "runtime/core/error.h"
 #include "runtime/core/executor.h"
 #include "runtime/core/stopwatch.h"
+#include "runtime/core/transformed.h"
 #include "runtime/cpu/kernels.h"
 #include "runtime/deformer/deformer.h"
 #include "runtime/deformer/make_batch.h"
@@ -252,9 +253,7 @@ std::vector<CallOutcome> evaluate_together(std::span<const DeformerCall> calls) 
     running.emplace_back(calls[k]);
   }
   while (std::ranges::any_of(running, &RunningCall::has_more)) run_batches(running);
-  std::vector<CallOutcome> outcomes;
-  for (RunningCall& call : running) outcomes.push_back(std::move(call).outcome());
-  return outcomes;
+  return transformed(running, [&](RunningCall& call) { return std::move(call).outcome(); });
 }
 
 }  // namespace bodyopt

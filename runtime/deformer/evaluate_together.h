@@ -17,7 +17,9 @@ struct DeformerCall {
   Deformer* deformer = nullptr;
   std::span<const Pose> poses;
   std::optional<std::span<const int>> frames{};  // a number of each pose: the skin jiggles; none: it is quasi-static
-  bool stays_on_device = false;                  // see Deformer::evaluate_on_device
+  // On a device of others: positions and normals stay there, with the same bits, and are none of the result. One batch:
+  // Error(usage) for more than batch_limit() poses.
+  bool stays_on_device = false;
   // Where positions, normals and tangents are written, which are then none of the result. Error(usage) for tangents of
   // a model without texture coordinates.
   const SkinPlace* place = nullptr;

@@ -4,6 +4,7 @@
 
 #include "runtime/coverage/expected_error.h"
 #include "runtime/cpu/kernels.h"
+#include "runtime/deformer/evaluate_together.h"
 #include "tests/proxy_viewer/characters_fixture.h"
 #include "tests/support/attached_limb.h"
 #include "tests/support/error_kind.h"
@@ -165,8 +166,12 @@ TEST_F(ActorTest, LinearPartIsLinearInFeatures) {
 TEST_F(ActorTest, MorePosesThanABatchTakesAreRefused) {
   Deformer deformer(std::make_shared<const vulkan::DeviceModel>(device_, make_character_model(small_->made)));
   const std::vector<Pose> poses(deformer.batch_limit() + std::size_t{1}, bind_pose(small_->made.skeleton));
-  EXPECT_EQ(kind_of([&] { deformer.evaluate_on_device(poses); }), ErrorKind::usage);
-  EXPECT_NO_THROW(deformer.evaluate_on_device(std::span(poses).first(2)));
+  const auto evaluate_some = [&](std::size_t count) {
+    const DeformerCall call{.deformer = &deformer, .poses = std::span(poses).first(count), .stays_on_device = true};
+    if (const auto error = evaluate_together({&call, 1}).front().error) std::rethrow_exception(error);
+  };
+  EXPECT_EQ(kind_of([&] { evaluate_some(poses.size()); }), ErrorKind::usage);
+  EXPECT_NO_THROW(evaluate_some(2));
 }
 
 TEST_F(ActorTest, PoseOfAFrameBeyondTheClipIsTheNearest) {
