@@ -276,12 +276,16 @@ AnatomyField look_inside(const Character& character, const std::vector<Muscle>& 
 
 namespace {
 
-// Lets a body walk in a coarser skin, where there is one: a lattice has no contact.
+// Lets a body walk in a coarser skin, where there is one and it is much coarser. A lattice would have no contact.
 QuasiStaticBody walking_in_cage(QuasiStaticBody body, const Character& character, const std::vector<Muscle>& muscles,
                                 const AnatomyField& anatomy, const SimulateOptions& options) {
-  const Cage cage = make_cage(character.vertices, character.triangles, character.weights, kDraftNodes);
-  if (!cage.is_lattice && cage.mesh.nodes.rows() < body.mesh().nodes.rows()) {
+  constexpr Eigen::Index kCoarser = 2;
+  if (body.mesh().nodes.rows() < kCoarser * kDraftNodes) return body;
+  try {
+    const Cage cage = filled_cage(character.vertices, character.triangles, character.weights, kDraftNodes);
     body.walk_in(std::make_unique<QuasiStaticBody>(character, muscles, anatomy, cage, options.materials));
+  } catch (const Error& error) {
+    if (error.kind() != ErrorKind::mismatch) throw;
   }
   return body;
 }

@@ -26,7 +26,9 @@ SkinWeights of_hosts(const SkinWeights& weights, const FillableSkin& fillable) {
   return hosts;
 }
 
-Cage filled_skin(const Positions& vertices, const Triangles& triangles, const SkinWeights& weights,
+}  // namespace
+
+Cage filled_cage(const Positions& vertices, const Triangles& triangles, const SkinWeights& weights,
                  Eigen::Index max_nodes) {
   const FillableSkin fillable = fillable_skin(vertices, triangles, weights);
   // Only a lattice holds pieces together that no bone holds.
@@ -43,13 +45,11 @@ Cage filled_skin(const Positions& vertices, const Triangles& triangles, const Sk
   return cage;
 }
 
-}  // namespace
-
 Cage make_cage(const Positions& vertices, const Triangles& triangles, const SkinWeights& weights,
                Eigen::Index max_nodes) {
   Cage cage;
   try {
-    cage = filled_skin(vertices, triangles, weights, max_nodes);
+    cage = filled_cage(vertices, triangles, weights, max_nodes);
   } catch (const Error& error) {
     if (error.kind() != ErrorKind::mismatch) throw;  // it is not for the skin
     cage = lattice_cage(vertices, triangles, weights, max_nodes);

@@ -36,5 +36,8 @@ struct Cage {
 // nodes or fewer. Throws as lattice_cage.
 Cage make_cage(const Positions& vertices, const Triangles& triangles, const SkinWeights& weights,
                Eigen::Index max_nodes);
+// The first kind alone; `glued` stays empty. Throws Error(mismatch) where it does not come out well.
+Cage filled_cage(const Positions& vertices, const Triangles& triangles, const SkinWeights& weights,
+                 Eigen::Index max_nodes);
 
 }  // namespace bodyopt
