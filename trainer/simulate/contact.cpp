@@ -7,6 +7,7 @@
 #include <map>
 #include <optional>
 
+#include "geometry/nearest_skin.h"
 #include "geometry/point_grid.h"
 #include "geometry/vertex_normals.h"
 
@@ -27,20 +28,6 @@ constexpr double kContactReach = 2e-3;  // m: a depth at which the pressure has 
 constexpr double kPlaneError = 3e-4;
 
 Eigen::Vector3d row(const Positions& nodes, Eigen::Index n) { return nodes.row(n).transpose(); }
-
-double distance_to_triangle(const Eigen::Vector3d& p, const Eigen::Vector3d& a, const Eigen::Vector3d& b,
-                            const Eigen::Vector3d& c) {
-  const auto to_edge = [&p](const Eigen::Vector3d& from, const Eigen::Vector3d& to) {
-    const Eigen::Vector3d edge = to - from;
-    const double u = std::clamp((p - from).dot(edge) / edge.squaredNorm(), 0.0, 1.0);
-    return (from + u * edge - p).norm();
-  };
-  const Eigen::Vector3d normal = (b - a).cross(c - a);
-  const bool above = normal.dot((b - a).cross(p - a)) >= 0 && normal.dot((c - b).cross(p - b)) >= 0 &&
-                     normal.dot((a - c).cross(p - c)) >= 0;
-  if (above && normal.squaredNorm() > 0) return std::abs(normal.normalized().dot(p - a));
-  return std::min({to_edge(a, b), to_edge(b, c), to_edge(c, a)});
-}
 
 // From 0 at `from` to 1 at `to`.
 double ramp(double x, double from, double to) { return std::clamp((x - from) / (to - from), 0.0, 1.0); }
@@ -72,14 +59,10 @@ SkinContact::SkinContact(const TetMesh& mesh, const Materials& materials)
   for (const double a : area_) area += a;
   cell_ = 0.9 * std::sqrt(area / static_cast<double>(skin_.size()));
   depth_.assign(area_.size(), 0.0);
-  double longest = 0;
-  for (Eigen::Index t = 0; t < surface_.rows(); ++t) {
-    for (int k = 0; k < 3; ++k) {
-      longest = std::max(longest, (nodes.row(surface_(t, k)) - nodes.row(surface_(t, (k + 1) % 3))).norm());
-    }
-  }
+  const NearestSkin skin(nodes, surface_);
   for (std::size_t n = 0; n < depth_.size(); ++n) {
-    if (!(area_[n] > 0)) depth_[n] = depth_of(row(nodes, static_cast<Eigen::Index>(n)), nodes, longest);
+    const Eigen::Vector3d place = row(nodes, static_cast<Eigen::Index>(n));
+    if (!(area_[n] > 0)) depth_[n] = (skin(place).position - place).norm();
   }
   for (const double around : area_) edge_.push_back(std::sqrt(2 / std::sqrt(3.0) * around));  // six regular triangles
   for (Eigen::Index t = 0; t < tets_.rows(); ++t) {
@@ -89,23 +72,20 @@ SkinContact::SkinContact(const TetMesh& mesh, const Materials& materials)
   }
 }
 
-// Distance of a point from the surface. A triangle with a corner further away than `longest` (its edge at most) beyond
-// the nearest found cannot be nearer.
-double SkinContact::depth_of(const Eigen::Vector3d& p, const Positions& nodes, double longest) const {
-  double nearest = 1e300;
-  for (Eigen::Index t = 0; t < surface_.rows(); ++t) {
-    const Eigen::Vector3d a = row(nodes, surface_(t, 0));
-    const double reach = nearest + longest;
-    if ((a - p).squaredNorm() > reach * reach) continue;
-    nearest = std::min(nearest, distance_to_triangle(p, a, row(nodes, surface_(t, 1)), row(nodes, surface_(t, 2))));
-  }
-  return nearest;
-}
-
 SkinContact::Box SkinContact::box_of(int tet, const Positions& nodes, double margin) const {
   const auto corner = [&](int a) { return nodes.row(tets_(tet, a)); };
   return {corner(0).cwiseMin(corner(1)).cwiseMin(corner(2)).cwiseMin(corner(3)).array() - margin,
           corner(0).cwiseMax(corner(1)).cwiseMax(corner(2)).cwiseMax(corner(3)).array() + margin};
+}
+
+Eigen::Vector3d SkinContact::way_in(int tet, const Positions& nodes) const {
+  const Eigen::Matrix3d edges = edges_of(tets_, tet, nodes);
+  const auto depth = [&](int corner) { return depth_[static_cast<std::size_t>(tets_(tet, corner))]; };
+  Eigen::Vector3d way = Eigen::Vector3d::Zero();
+  for (int a = 0; a < 3; ++a) {
+    way += (depth(a + 1) - depth(0)) * edges.col((a + 1) % 3).cross(edges.col((a + 2) % 3));
+  }
+  return edges.determinant() < 0 ? Eigen::Vector3d(-way) : way;
 }
 
 SkinContact::DepthField SkinContact::depth_field(int tet, const Positions& nodes) const {
@@ -158,11 +138,12 @@ std::vector<ContactPlane> SkinContact::find(const Positions& nodes, double margi
   std::map<int, ContactPlane> best;  // of each node: the tet it is inside of, or the nearest
   for (const int t : deep_) {
     const auto [low, high] = box_of(t, nodes, margin);
+    const Eigen::RowVector3d way = way_in(t, nodes).transpose();
     std::optional<DepthField> field;
     grid.visit(low, high, [&](int n) {
-      if (is_same_part(n, t)) return;
+      // Nearly all that lie near are neighbours, whose skin faces the other way: that is told soonest.
+      if (!(normals.row(n).dot(way) > 0) || is_same_part(n, t)) return;
       if (!field) field = depth_field(t, nodes);
-      if (!(normals.row(n).dot(field->slope.transpose()) > 0)) return;
       ContactPlane candidate = plane(n, t, *field, nodes);
       if (candidate.weights.minCoeff() < kMostOutside || candidate.offset < -margin) return;
       candidate.share = share(candidate, *field, normals.row(n));

@@ -47,7 +47,6 @@ class SkinContact {
   double deepest(const Positions& nodes) const;
 
  private:
-  double depth_of(const Eigen::Vector3d& point, const Positions& nodes, double longest) const;
   // The material depth inside a posed tet.
   struct DepthField {
     Eigen::Vector3d origin, slope;  // of corner 0; of the depth
@@ -60,6 +59,8 @@ class SkinContact {
     Eigen::RowVector3d low, high;
   };
   Box box_of(int tet, const Positions& nodes, double margin) const;
+  // Along the slope of the depth in a posed tet, of any length.
+  Eigen::Vector3d way_in(int tet, const Positions& nodes) const;
   DepthField depth_field(int tet, const Positions& nodes) const;
   bool is_same_part(int node, int tet) const;
   ContactPlane plane(int node, int tet, const DepthField& field, const Positions& nodes) const;
