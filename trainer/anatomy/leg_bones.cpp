@@ -34,12 +34,24 @@ Vector3d shaft_place(const HumanSkeleton& skeleton, const LegAxes& axes, double 
   return way > farthest ? Vector3d(at + farthest / way * aside) : Vector3d(at + aside);
 }
 
+// Shin and greater trochanter are felt below the skin: a bone moves outwards until only fat is over it.
+Vector3d under_the_fat(const HumanSkeleton& skeleton, const Vector3d& from, const Vector3d& towards, double radius,
+                       double farthest) {
+  const double step = skeleton.mm(1);
+  for (double way = 0; way < farthest; way += step) {
+    const Spot spot = skeleton.survey.spot(from + way * towards);
+    if (spot.depth < spot.fat + radius + skeleton.mm(1)) return spot.point;
+  }
+  return from + farthest * towards;
+}
+
 void add_femur(HumanSkeleton& skeleton) {
   const auto& [hip_joint, hip] = *skeleton.frame.hip;
   const Vector3d knee = skeleton.frame.knee->at;
   const LegAxes axes(hip, knee);
   const auto mm = [&](double length) { return skeleton.mm(length); };
-  const Vector3d trochanter = hip + mm(46) * axes.out + mm(6) * axes.down;
+  const double head = mm(23.5), neck = mm(14), greater = mm(16);
+  const Vector3d trochanter = under_the_fat(skeleton, hip + mm(6) * axes.down, axes.out, greater, mm(46));
   const std::vector<ChainLink> shaft{{trochanter, mm(15)},
                                      {hip + mm(36) * axes.out + mm(45) * axes.down, mm(14)},
                                      {shaft_place(skeleton, axes, 0.3, 0.22), mm(13.5)},
@@ -47,7 +59,6 @@ void add_femur(HumanSkeleton& skeleton) {
                                      {shaft_place(skeleton, axes, 0.7, 0.05), mm(13.5)},
                                      {hip + 0.86 * (knee - hip), mm(16)},
                                      {knee - mm(14) * axes.down, mm(21)}};
-  const double head = mm(23.5), neck = mm(14), greater = mm(16);
   skeleton.add(hip_joint, [=, hip = hip](const Spot& spot) {
     return std::min({sphere_distance(spot.point, hip, head), cone_distance(spot.point, hip, trochanter, neck, greater),
                      chain_distance(spot.point, shaft)});
@@ -59,17 +70,6 @@ void add_femur(HumanSkeleton& skeleton) {
   skeleton.landmarks["greater_trochanter"] = trochanter + greater * axes.out;
   skeleton.landmarks["femoral_condyle"] = knee + mm(36) * axes.out;
   skeleton.landmarks["knee"] = knee;
-}
-
-// The shin bone is felt in front and inside: there its shaft moves outwards until only fat is over it.
-Vector3d under_the_fat(const HumanSkeleton& skeleton, const Vector3d& from, const Vector3d& towards, double radius,
-                       double farthest) {
-  const double step = skeleton.mm(1);
-  for (double way = 0; way < farthest; way += step) {
-    const Spot spot = skeleton.survey.spot(from + way * towards);
-    if (spot.depth < spot.fat + radius + skeleton.mm(1)) return spot.point;
-  }
-  return from + farthest * towards;
 }
 
 void add_shank(HumanSkeleton& skeleton) {
