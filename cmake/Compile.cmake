@@ -8,7 +8,9 @@ target_include_directories(bodyopt_language INTERFACE ${PROJECT_SOURCE_DIR})
 target_compile_definitions(bodyopt_language INTERFACE EIGEN_NO_CPUID)
 
 add_library(bodyopt_flags INTERFACE)
-target_compile_options(bodyopt_flags INTERFACE -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -Werror)
+# clang would tell of what shadows a name of another source that is compiled together with it.
+target_compile_options(bodyopt_flags INTERFACE -Wall -Wextra -Wpedantic $<$<CXX_COMPILER_ID:GNU>:-Wshadow>
+                       -Wnon-virtual-dtor -Werror)
 # GCC 12 reports overlapping and overlong copies inside its own std::string (its bugs 105651 and 105329).
 target_compile_options(bodyopt_flags INTERFACE
                        $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict;-Wno-stringop-overflow;-Wno-array-bounds>)

@@ -265,8 +265,8 @@ TEST(BadData, AFileThatHoldsNoNumbersIsNamedWithItsFrame) {
   }
   writer.close();
   put_nan(path, 55, 3 * 17 + 1);
-  const auto cache = std::make_shared<const ShapeCache>(std::make_shared<const ShapeReader>(path),
-                                                        std::make_shared<const Character>(set.character));
+  const auto cache = std::make_shared<const ShapeCache>(
+      ShapeCache{std::make_shared<const ShapeReader>(path), std::make_shared<const Character>(set.character)});
   for (std::uint32_t n = 0; n < 80; ++n) set.train[n].shape = {cache, n};
   try {
     trained_basis(set, kSmall);

@@ -148,7 +148,7 @@ void add_foot(HumanSkeleton& skeleton) {
     const Vector3d to = toe + aside * out - mm(4 + 6 * std::abs(ray - 1)) * forward;
     skeleton.add(joint, [=](const Spot& spot) { return cone_distance(spot.point, from, to, radius, end_radius); });
   }
-  skeleton.add_cores(BodyRegion::foot, [&](int j) { return j == joint ? 0 : 0.52; });
+  skeleton.add_cores(BodyRegion::foot, [foot = joint](int j) { return j == foot ? 0 : 0.52; });
   skeleton.landmarks["heel"] = heel - mm(20) * forward;
 }
 
