@@ -22,11 +22,12 @@ void require_takes(const SampleSet& set, const std::set<std::string>& names) {
 
 // Takes the samples of the body's own frames out of the set, which keeps the carried ones.
 std::vector<Sample> take_own(SampleSet& set, const std::set<std::string>& carried) {
-  const auto own = std::ranges::stable_partition(set.train, [&](const Sample& sample) {
+  const auto is_carried = [&](const Sample& sample) {
     return carried.contains(set.takes[static_cast<std::size_t>(sample.take)]);
-  });
-  std::vector<Sample> taken(std::make_move_iterator(own.begin()), std::make_move_iterator(own.end()));
-  set.train.erase(own.begin(), own.end());
+  };
+  const auto own = std::stable_partition(set.train.begin(), set.train.end(), is_carried);
+  std::vector<Sample> taken(std::make_move_iterator(own), std::make_move_iterator(set.train.end()));
+  set.train.erase(own, set.train.end());
   if (taken.empty()) {
     throw Error(ErrorKind::mismatch,
                 "all takes are carried: there is no frame of the body's own to learn from; simulate some into the "
