@@ -86,7 +86,7 @@ class MusclesOfHumans : public ::testing::Test {
 
 TEST_F(MusclesOfHumans, LimbsAreAsMuchMuscleAsSectionsShow) {
   for (const auto& [name, human] : divided_humans()) {
-    const auto expect = [&](BodyRegion region, double least, double most) {
+    const auto expect = [&name = name, &human = human](BodyRegion region, double least, double most) {
       EXPECT_GT(human.muscle_share(region), least) << name << " " << name_of(region);
       EXPECT_LT(human.muscle_share(region), most) << name << " " << name_of(region);
     };

@@ -126,7 +126,7 @@ TEST(Bvh, HostileTextIsAnError) {
   };
   for (const auto& [what, with] : damages) {
     SCOPED_TRACE(std::string(what) + " -> " + with);
-    error_of(ErrorKind::file, [&] { parse(folder, replaced(kSmall, what, with)); });
+    error_of(ErrorKind::file, [&, what = what, with = with] { parse(folder, replaced(kSmall, what, with)); });
   }
   error_of(ErrorKind::file, [&] { parse(folder, std::string("\0\xff\xfe", 3)); });
   std::string deep = "HIERARCHY ROOT a\n{ OFFSET 0 0 0 CHANNELS 0 ";

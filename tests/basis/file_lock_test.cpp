@@ -71,7 +71,7 @@ TEST(FileLock, WhatIsNoFileOfItsOwnIsRefused) {
   std::filesystem::create_directory(folder / "folder");
   ASSERT_EQ(mkfifo((folder / "pipe").c_str(), 0600), 0);
   for (const char* name : {"link", "dangling", "folder", "pipe", "no/such"}) {
-    EXPECT_TRUE(refuses([](const auto& path) { RunLock(path, "doing this"); }, folder / name, name));
+    EXPECT_TRUE(refuses([](const auto& path) { const RunLock lock(path, "doing this"); }, folder / name, name));
   }
   EXPECT_EQ(read_bytes(folder / "precious"), "as it was");
   EXPECT_FALSE(std::filesystem::exists(folder / "nowhere"));

@@ -56,7 +56,7 @@ TEST(BuildDynamics, ItsMetadataHoldWhatWasFound) {
   DynamicsOptions options;
   options.settings.regions = {{JiggleRegion::By::joint, limb.skeleton.joints[1].name, 2.0}};
   const auto [dynamics, report, settings] = build_dynamics(limb, {}, build_ddm_basis(limb, {}), options);
-  const auto told = [&](const char* key) { return Json::parse(dynamics.metadata.at(key)); };
+  const auto told = [&metadata = dynamics.metadata](const char* key) { return Json::parse(metadata.at(key)); };
   EXPECT_EQ(told("report"), to_json(report));
   EXPECT_EQ(told("jiggle_settings"), jiggle_json(settings));
   EXPECT_EQ(report.tets, dynamics.tets.tet_count());

@@ -209,7 +209,7 @@ TEST(Jiggle, RefusesStatesThatAreDamagedOrOfOtherDynamics) {
                                                                   {"nodes", 1e9},
                                                                   {"node_velocity", 1e30},
                                                                   {"origin", -1e300}}) {
-    refused("'" + name + "' has the number", [&](Safetensors& f) {
+    refused("'" + name + "' has the number", [name = name, number = number](Safetensors& f) {
       Tensor& tensor = f.tensors.at(name);
       const auto small = static_cast<float>(number);
       const bool is_double = tensor.dtype == "F64";
