@@ -65,27 +65,12 @@ HWY_INLINE void backward(const FactorPanels& factor, const FactorPanel& panel, d
 }
 
 // Calls `solve` with the panel's width as a constant, for its columns to stay in registers.
-template <typename Solve>
+template <int kWidth = 1, typename Solve>
 HWY_INLINE void with_width(int width, const Solve& solve) {
-  static_assert(FactorPanels::kWidest == 8);
-  switch (width) {
-    case 1:
-      return solve.template operator()<1>();
-    case 2:
-      return solve.template operator()<2>();
-    case 3:
-      return solve.template operator()<3>();
-    case 4:
-      return solve.template operator()<4>();
-    case 5:
-      return solve.template operator()<5>();
-    case 6:
-      return solve.template operator()<6>();
-    case 7:
-      return solve.template operator()<7>();
-    default:
-      return solve.template operator()<8>();
+  if constexpr (kWidth < FactorPanels::kWidest) {
+    if (width > kWidth) return with_width<kWidth + 1>(width, solve);
   }
+  solve.template operator()<kWidth>();
 }
 
 void forward_all(const FactorPanels& factor, double* values) {
