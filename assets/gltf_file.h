@@ -23,10 +23,12 @@ class GltfFile {
 
   const tinygltf::Model& model() const { return model_; }
   const std::filesystem::path& path() const { return path_; }
+  // Of what the scene does not show, one sentence each: its nodes draw nothing in the model.
+  const std::vector<std::string>& notes() const { return notes_; }
 
-  // The numbers of an accessor, count x components, normalised integers as reals. `what` names the accessor in
-  // messages; `type` is TINYGLTF_TYPE_*. Throws Error(file): index, type or range wrong, sparse, a NaN or infinity, or
-  // (against small files that ask for vast memory) far more numbers asked for than the file has bytes.
+  // The numbers of an accessor, count x components, normalised integers as reals, zeros where it has no data. `what`
+  // names the accessor in messages; `type` is TINYGLTF_TYPE_*. Throws Error(file): index, type or range wrong, a NaN or
+  // infinity, or (against small files that ask for vast memory) far more numbers asked for than the file has bytes.
   std::vector<double> numbers(int accessor, int type, const std::string& what) const;
 
   // As numbers, for unsigned integer accessors of joint and vertex indices.
@@ -36,11 +38,15 @@ class GltfFile {
   [[noreturn]] void fail(const auto&... problem) const { throw Error(ErrorKind::file, path_, ": ", problem...); }
 
  private:
-  struct View;
-  View view(int accessor, int type, const std::string& what) const;
+  struct Elements;
+  const tinygltf::Accessor& accessor(int index, int type, const std::string& what) const;
+  std::vector<double> decode(const Elements& elements, const std::string& what) const;
+  std::vector<double> decode(const tinygltf::Accessor& accessor, const std::string& what) const;
+  void keep_what_is_shown();
 
   std::filesystem::path path_;
   tinygltf::Model model_;
+  std::vector<std::string> notes_;
   mutable std::size_t bytes_left_ = 0;  // how much more may be decoded
 };
 

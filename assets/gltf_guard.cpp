@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "assets/gltf_meshopt.h"
 #include "runtime/basis/read_file.h"
 #include "runtime/core/error.h"
 #include "runtime/core/file_kind.h"
@@ -42,7 +43,8 @@ Chunks split_glb(const std::filesystem::path& path, std::string_view bytes) {
   }
   if (word_at(bytes, 8) != bytes.size()) {
     fail(path, "its header says ", word_at(bytes, 8), " bytes, the file has ", bytes.size(),
-         "; it is cut off or damaged");
+         word_at(bytes, 8) > bytes.size() ? "; it is cut off or damaged"
+                                          : "; something was appended to it, or it is damaged");
   }
   Chunks chunks;
   for (std::size_t offset = 12; offset < bytes.size();) {
@@ -67,11 +69,15 @@ bool starts_an_object(std::string_view text) {
   return first != std::string_view::npos && text[first] == '{';
 }
 
-// Parses with a limit on nesting (destructors and tinygltf recurse), without extras and extensions.
+// How deep the JSON of what the file's lists hold lies, as buffer views do.
+constexpr int kListed = 3;
+
+// Parses with a limit on nesting (destructors and tinygltf recurse), without extras, and without extensions but of what
+// the file's lists hold.
 Json parse_json(const std::filesystem::path& path, const std::string& text) {
   const auto filter = [&](int depth, Json::parse_event_t event, const Json& value) {
     if (depth > kMaxNesting) fail(path, "its JSON is nested deeper than 64 levels");
-    return event != Json::parse_event_t::key || (value != "extras" && value != "extensions");
+    return event != Json::parse_event_t::key || (value != "extras" && (value != "extensions" || depth == kListed));
   };
   try {
     return Json::parse(text, filter);
@@ -89,11 +95,34 @@ void check_version(const std::filesystem::path& path, const Json& root) {
   if (version.rfind("2.", 0) != 0) fail(path, "glTF version ", version, ", expected 2.0; export it as glTF 2.0");
 }
 
-// Extensions that change only what is not read here (materials, textures, lights) or what is read anyway.
+// Extensions that change only what is not read here (materials, textures, lights, what avatars do) or that are read.
 bool is_harmless(const std::string& extension) {
-  const auto starts = [&](const char* prefix) { return extension.rfind(prefix, 0) == 0; };
-  return starts("KHR_materials_") || starts("KHR_texture_") || starts("EXT_texture_") || starts("KHR_lights_") ||
-         extension == "KHR_mesh_quantization";
+  constexpr const char* kBeginnings[] = {"KHR_materials_", "EXT_materials_", "ADOBE_materials_",
+                                         "KHR_texture_",   "EXT_texture_",   "MSFT_texture_",
+                                         "KHR_lights_",    "EXT_lights_",    "VRM",
+                                         "KHR_xmp",        "KHR_audio",      "MSFT_lod"};
+  return std::ranges::any_of(kBeginnings, [&](const char* beginning) { return extension.starts_with(beginning); }) ||
+         extension == "KHR_mesh_quantization" || extension == "EXT_meshopt_compression";
+}
+
+bool names(const Json& root, const char* list, const char* extension) {
+  return root.contains(list) && root[list].is_array() && std::ranges::find(root[list], extension) != root[list].end();
+}
+
+// Meshes compressed by Draco leave their accessors without data.
+void check_compression(const std::filesystem::path& path, const Json& root) {
+  constexpr const char* kDraco = "KHR_draco_mesh_compression";
+  bool lacks_data = names(root, "extensionsRequired", kDraco);
+  if (names(root, "extensionsUsed", kDraco) && root.contains("accessors") && root["accessors"].is_array()) {
+    for (const Json& accessor : root["accessors"]) {
+      lacks_data =
+          lacks_data || (accessor.is_object() && !accessor.contains("bufferView") && !accessor.contains("sparse"));
+    }
+  }
+  if (lacks_data) {
+    fail(path, "its meshes are compressed by Draco (", kDraco,
+         "), which is not read here; export it without that compression");
+  }
 }
 
 void check_extensions(const std::filesystem::path& path, const Json& root) {
@@ -102,7 +131,8 @@ void check_extensions(const std::filesystem::path& path, const Json& root) {
   if (!required.is_array()) fail(path, "extensionsRequired is not an array");
   for (const Json& extension : required) {
     if (extension.is_string() && is_harmless(extension)) continue;
-    fail(path, "requires the extension ", extension.dump(), ", which is not supported; export it without compression");
+    fail(path, "requires the extension ", extension.dump().substr(0, 80),
+         ", which is not read here, and says that it cannot be read without; export it without that extension");
   }
 }
 
@@ -156,6 +186,7 @@ Bytes resolve_buffer(const std::filesystem::path& path, const Json& buffer, cons
   const std::uint64_t length = buffer["byteLength"];
   Bytes bytes;
   if (!buffer.contains("uri")) {
+    if (binary == nullptr && buffer.contains("extensions")) return bytes;  // what compressed views fill
     if (binary == nullptr) fail(path, "a buffer has no data (no uri and no BIN chunk)");
     bytes = *binary;
   } else if (!buffer["uri"].is_string()) {
@@ -164,7 +195,11 @@ Bytes resolve_buffer(const std::filesystem::path& path, const Json& buffer, cons
     std::string mime;
     if (!tinygltf::DecodeDataURI(&bytes, mime, uri, 0, false)) fail(path, "a buffer's data URI cannot be decoded");
   } else {
-    const std::string content = read_gltf_bytes(external_file(path, uri));
+    const std::filesystem::path beside = external_file(path, uri);
+    if (!std::filesystem::exists(beside)) {
+      fail(path, "its buffer '", uri, "' is missing: a .gltf file and the buffers beside it belong together");
+    }
+    const std::string content = read_gltf_bytes(beside);
     bytes.assign(content.begin(), content.end());
   }
   if (length > bytes.size()) {
@@ -182,13 +217,16 @@ std::string read_gltf_bytes(const std::filesystem::path& path) {
 
 GuardedGltf guard_gltf(const std::filesystem::path& path, std::string_view bytes) {
   const bool is_glb = bytes.starts_with("glTF");
-  if (!is_glb && path.extension() == ".glb")
-    fail(path, "does not start with 'glTF'; it is not a .glb file", looks_like(path));
-  if (!is_glb && !starts_an_object(bytes)) fail(path, "is not a glTF file (.glb, .gltf)", looks_like(path));
+  if (!is_glb && !starts_an_object(bytes)) {
+    const bool should_be = path.extension() == ".glb" || path.extension() == ".vrm";
+    fail(path, should_be ? "does not start with 'glTF'; it is not a .glb file" : "is not a glTF file (.glb, .gltf)",
+         looks_like(path));
+  }
   const Chunks chunks = is_glb ? split_glb(path, bytes) : Chunks{std::string(bytes.begin(), bytes.end()), {}};
 
   Json root = parse_json(path, chunks.json);
   check_version(path, root);
+  check_compression(path, root);
   check_extensions(path, root);
   check_counts(path, root);
 
@@ -204,6 +242,12 @@ GuardedGltf guard_gltf(const std::filesystem::path& path, std::string_view bytes
     }
   } catch (const std::filesystem::filesystem_error& error) {
     fail(path, "a buffer's file cannot be found: ", error.what());
+  }
+  decompress_views(path, root, guarded.buffers);
+  for (auto& list : root) {
+    for (auto& listed : list) {
+      if (listed.is_object()) listed.erase("extensions");
+    }
   }
   for (const char* key :
        {"buffers", "images", "textures", "samplers", "materials", "cameras", "extensionsRequired", "extensionsUsed"}) {

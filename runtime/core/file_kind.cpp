@@ -28,6 +28,7 @@ std::string looks_like(const std::filesystem::path& path) {
       {"Ogawa", "an Alembic cache"},
       {"\x89HDF", "an Alembic cache"},
       {"# ", "a text file, perhaps an OBJ"},
+      {"version https://git-lfs", "a pointer of Git LFS, in the place of a file that was not fetched (git lfs pull)"},
       {"<!DOCTYPE", "a web page"},
       {"<html", "a web page"},
       {"PK\x03\x04", "a ZIP archive"}};

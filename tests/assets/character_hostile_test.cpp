@@ -47,6 +47,7 @@ TEST(CharacterHostile, FilesOfOtherKindsAreNamed) {
       {"PXR-USDC", "a USD file"},
       {"<?xml version=\"1.0\"?>\n<COLLADA version=\"1.4.1\">", "a COLLADA file"},
       {"# Blender\nv 0 0 0\n", "an OBJ"},
+      {"version https://git-lfs.github.com/spec/v1\noid", "a pointer of Git LFS"},
       {"", "it is empty"}};
   for (const auto& [bytes, kind] : files) {
     for (const char* name : {"hero.gltf", "hero.fbx"}) {
@@ -103,6 +104,12 @@ TEST(CharacterHostile, HostileHeadersAreErrors) {
   error_of(ErrorKind::file, [&] { read_character(folder / "deep.gltf"); });
 }
 
+Json sparse(int count, int indices, int type, int values) {
+  return {{"count", count},
+          {"indices", {{"bufferView", indices}, {"componentType", type}}},
+          {"values", {{"bufferView", values}}}};
+}
+
 TEST(CharacterHostile, HostileJsonIsAnError) {
   const TemporaryFolder folder;
   const std::vector<std::pair<std::string, Json>> patches{
@@ -129,8 +136,14 @@ TEST(CharacterHostile, HostileJsonIsAnError) {
       {"/accessors/0/componentType", 5125},
       {"/accessors/0/type", "VEC4"},
       {"/accessors/0/type", "VEC9"},
-      {"/accessors/0/sparse",
-       {{"count", 1}, {"indices", {{"bufferView", 0}, {"componentType", 5123}}}, {"values", {{"bufferView", 0}}}}},
+      {"/accessors/0/sparse", sparse(99, 1, 5121, 0)},
+      {"/accessors/0/sparse", sparse(-1, 1, 5121, 0)},
+      {"/accessors/0/sparse", sparse(2147483647, 1, 5121, 0)},
+      {"/accessors/0/sparse", sparse(1, 99, 5121, 0)},
+      {"/accessors/0/sparse", sparse(1, 1, 5126, 0)},
+      {"/accessors/0/sparse", sparse(1, 1, 5121, -1)},
+      {"/accessors/0/sparse", sparse(2, 1, 5121, 3)},
+      {"/scenes", Json::array({{{"nodes", {2}}}, 7})},
       {"/accessors/1/componentType", 5126},
       {"/accessors/1/count", 3},
       {"/accessors/2/count", 3},
