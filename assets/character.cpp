@@ -2,46 +2,21 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "assets/gltf_skeleton.h"
 #include "assets/gltf_skin.h"
+#include "assets/gltf_unit.h"
 #include "assets/wording.h"
 #include "geometry/weld.h"
 #include "runtime/core/error.h"
+#include "runtime/core/transformed.h"
+#include "runtime/host/rig.h"
 
 namespace bodyopt {
 namespace {
 
-constexpr double kSmallestDiagonal = 0.05, kLargestDiagonal = 50;  // metres
-constexpr double kWeldTolerance = 1e-6;                            // of the bounding box's diagonal
-
-double bounding_box_diagonal(const std::vector<Vec3>& points) {
-  Vec3 low = points[0], high = points[0];
-  for (const Vec3& p : points) {
-    for (std::size_t i = 0; i < 3; ++i) {
-      low[i] = std::min(low[i], p[i]);
-      high[i] = std::max(high[i], p[i]);
-    }
-  }
-  return length(high - low);
-}
-
-// Refuses what is plainly not in metres; of a unit that was given it says so.
-void check_size(const GltfFile& file, double diagonal, double unit, std::vector<std::string>& notes) {
-  if (!(diagonal > 0) || !std::isfinite(diagonal)) file.fail("all vertices of the skin lie at one point");
-  if (diagonal >= kSmallestDiagonal && diagonal <= kLargestDiagonal) return;
-  const double likely = std::pow(10.0, std::round(-std::log10(diagonal / 2)));
-  if (unit != 0) {
-    notes.push_back("With a unit of " + rounded(unit) + " m the skin's bounding box measures " + rounded(diagonal) +
-                    " m from corner to corner, outside " + rounded(kSmallestDiagonal) + " to " +
-                    rounded(kLargestDiagonal) + " m: of a person it would be likely " + rounded(unit * likely) +
-                    " m (--unit).");
-    return;
-  }
-  file.fail("the skin's bounding box measures ", rounded(diagonal), " from corner to corner, ", rounded(diagonal / 2),
-            " times a person's 2 metres; expected metres (", rounded(kSmallestDiagonal), " to ",
-            rounded(kLargestDiagonal), "). Say what a unit is, likely --unit ", rounded(likely));
-}
+constexpr double kWeldTolerance = 1e-6;  // of the bounding box's diagonal
 
 void bind_weights(const SkinSkeleton& skin, SkinGeometry& geometry, std::vector<std::string>& notes) {
   std::size_t unbound = 0;
@@ -57,6 +32,42 @@ void bind_weights(const SkinSkeleton& skin, SkinGeometry& geometry, std::vector<
     notes.push_back(count_of(unbound, "vertex has", "vertices have") + " no weights; bound to the root joint '" +
                     skin.skeleton.joints[0].name + "'.");
   }
+}
+
+// What the joints do to all of the skin, mirrored with its outside outside.
+void set_rest(const Vec3& scale, SkinGeometry& geometry) {
+  for (Vec3& p : geometry.positions) p = {scale[0] * p[0], scale[1] * p[1], scale[2] * p[2]};
+  if (scale[0] > 0) return;
+  for (auto& [a, b, c] : geometry.triangles) std::swap(b, c);
+}
+
+// Is the skin, as joints without shear place it, where the file's nodes show it? What some joints turn inside out no
+// rotation places.
+void check_shown(const GltfFile& file, const SkinSkeleton& skin, const SkinGeometry& geometry, double diagonal,
+                 std::vector<std::string>& notes) {
+  constexpr double kOff = 1e-4;  // of the diagonal
+  const std::vector<Affine> placed =
+      skinning_matrices(skin.skeleton, transformed(skin.skeleton.joints, &Joint::default_local));
+  double most = 0;
+  std::set<std::string> mirrored;
+  for (std::size_t v = 0; v < geometry.positions.size(); ++v) {
+    Vec3 off{0, 0, 0};
+    for (const auto& [joint, weight] : geometry.weights[v]) {
+      const Vec3& p = geometry.positions[v];
+      off = off + weight * (placed[joint] * p - skin.shown[joint] * p);
+      if (weight > 1e-3 && determinant(skin.shown[joint]) < -1e-6) mirrored.insert(skin.skeleton.joints[joint].name);
+    }
+    most = std::max(most, length(off));
+  }
+  if (!mirrored.empty()) {
+    file.fail("joints turn the skin inside out, and others do not: ",
+              list_names(std::vector<std::string>(mirrored.begin(), mirrored.end())),
+              "; a scale below zero? Apply it to mesh and joints before the export");
+  }
+  if (!(most > kOff * diagonal)) return;
+  notes.push_back("As the file stands, the skin lies up to " + rounded(most) +
+                  " m from where it should: its nodes shear it (a scale that is not the same in all directions above "
+                  "turned joints), which joints cannot. Apply that scale before the export.");
 }
 
 void set_welded(const GltfFile& file, const SkinGeometry& geometry, double tolerance, Character& character) {
@@ -133,23 +144,22 @@ Character read_character(const std::filesystem::path& path, double unit) {
 }
 
 Character read_character(const GltfFile& file, double unit) {
-  if (!(unit >= 0) || !std::isfinite(unit)) {
-    throw Error(ErrorKind::usage, "a unit is a positive number of metres, not ", rounded(unit));
-  }
-  const double metres = unit == 0 ? 1 : unit;
   Character character;
-  const int skin_index = choose_skin(file, character.notes);
+  character.notes = file.notes();
+  const int skin_index = choose_skin(file);
   if (skin_index < 0) {
     file.fail("has no skinned mesh (a node with both a mesh and a skin); bind the mesh to joints and export the skin");
   }
+  const double metres = file_unit(file, unit, character.notes);
+  if (unit != 0 || metres != 1) character.unit = metres;
   SkinSkeleton skin = read_skin_skeleton(file, skin_index, metres, character.notes);
   SkinGeometry geometry = read_skin_geometry(file, skin_index, character.notes);
   if (geometry.positions.empty()) file.fail("the skinned mesh has no vertices");
-  for (Vec3& p : geometry.positions) p = metres * skin.rest_scale * p;
+  set_rest(metres * skin.rest_scale, geometry);
   const double diagonal = bounding_box_diagonal(geometry.positions);
-  check_size(file, diagonal, unit, character.notes);
   bind_weights(skin, geometry, character.notes);
 
+  check_shown(file, skin, geometry, diagonal, character.notes);
   character.name = geometry.name.empty() ? file.path().stem().string() : geometry.name;
   character.skeleton = std::move(skin.skeleton);
   set_welded(file, geometry, kWeldTolerance * diagonal, character);

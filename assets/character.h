@@ -16,6 +16,7 @@ class GltfFile;
 struct Character {
   std::string name;
   Skeleton skeleton;
+  double unit = 0;  // metres per unit of its file, where that was given or found; 0: it is in metres
 
   // Welded: what is solved on. Seam duplicates (same position, same weights to 1e-4) are one vertex.
   Positions vertices;                             // V x 3, rest space, metres
@@ -36,12 +37,12 @@ struct Character {
 Positions welded_from_output(const Character& character, const float* output);
 std::vector<float> output_from_welded(const Character& character, const Positions& welded);
 
-// Reads .glb or .gltf. `unit` metres per file unit; 0 means "must be metres": a bounding-box diagonal outside
-// 0.05 .. 50 m is refused with the ratio found, and with a unit a note says it. Throws Error(file) or Error(mismatch).
+// Reads .glb, .gltf or .vrm. `unit`: metres per file unit, 0 for what file_unit() finds. Throws Error(file), also where
+// some joints turn the skin inside out and others do not, or Error(mismatch).
 Character read_character(const std::filesystem::path& path, double unit = 0);
 Character read_character(const GltfFile& file, double unit = 0);
 
-// Does a .glb or .gltf hold a skinned mesh (and not motion alone)? Throws Error(file).
+// Does a glTF file hold a skinned mesh (and not motion alone)? Throws Error(file).
 bool has_skin(const std::filesystem::path& path);
 
 // Writes a .glb with one skinned mesh in output vertex order. Throws Error(file).

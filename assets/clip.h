@@ -25,7 +25,7 @@ struct Clip {
 struct ClipOptions {
   double fps = 24;
   int first_frame = 1;
-  double unit = 0;          // metres per file unit; 0: as the character was read (glTF: 1), BVH: fitted to the skeleton
+  double unit = 0;  // metres per file unit; 0: what the file tells (glTF: file_unit()), or the length of the bones
   std::string controls{};   // controls.json that goes with the clip; empty: none
   std::string joint_map{};  // joint_map.json: which joint moves which, where names do not tell; empty: none
 };

@@ -8,11 +8,14 @@
 #include "assets/gltf_animation.h"
 #include "assets/gltf_nodes.h"
 #include "assets/gltf_rest.h"
+#include "assets/gltf_skeleton.h"
+#include "assets/gltf_unit.h"
 #include "assets/joint_match.h"
 #include "assets/retarget.h"
 #include "assets/wording.h"
 #include "runtime/core/error.h"
 #include "runtime/core/transformed.h"
+#include "runtime/host/rig.h"
 
 namespace bodyopt {
 namespace {
@@ -34,6 +37,16 @@ std::size_t find_animation(const GltfFile& file, const std::string& name) {
   file.fail("has no clip '", name, "'; its clips are ", list_names(names));
 }
 
+// As who reads the character finds it. A skin that tells nothing, as of a stand-in, does not matter to motion.
+double unit_of_skin(const GltfFile& file) {
+  std::vector<std::string> unused;
+  try {
+    return file_unit(file, 0, unused);
+  } catch (const Error&) {
+    return 1;
+  }
+}
+
 // What joints are matched by, per node. Joints of the file's own skin come before other nodes (a mesh may be called
 // like a joint), animated nodes before still ones; other nodes have no name.
 std::vector<std::string> joint_names(const GltfFile& file, const std::vector<bool>& animated) {
@@ -41,7 +54,7 @@ std::vector<std::string> joint_names(const GltfFile& file, const std::vector<boo
   std::vector<std::string> names(model.nodes.size());
   std::set<std::string> known;
   std::vector<std::string> unused;  // what reading the character notes already
-  if (const int skin = choose_skin(file, unused); skin >= 0) {
+  if (const int skin = choose_skin(file); skin >= 0) {
     const SkinJoints joints = read_skin_joints(file, skin, unused);
     for (std::size_t k = 0; k < joints.nodes.size(); ++k) {
       names[static_cast<std::size_t>(joints.nodes[k])] = joints.names[k];
@@ -97,6 +110,7 @@ struct Motion {
   std::vector<int> joint_nodes;
   JointFold fold;
   double unit;
+  double size = 1;  // how much more its joints are scaled than the skeleton's, by an armature: no joint takes that over
 
   std::vector<JointTransform> nodes_at(double seconds) const {
     std::vector<JointTransform> nodes = tree.local;
@@ -106,10 +120,31 @@ struct Motion {
     return nodes;
   }
 
+  bool is_topmost(std::size_t joint) const {
+    return fold.joint_above(static_cast<std::size_t>(joint_nodes[joint])) < 0;
+  }
+
+  // Of joints with a node, as large as the skeleton's.
+  std::vector<JointTransform> locals(std::span<const JointTransform> nodes) const {
+    std::vector<JointTransform> all = fold.locals(nodes);
+    for (std::size_t j = 0; j < all.size(); ++j) {
+      if (joint_nodes[j] >= 0) resize(j, 1 / size, size, all[j]);
+    }
+    return all;
+  }
+
+  void resize(std::size_t joint, double scale, double length, JointTransform& t) const {
+    if (is_topmost(joint)) {
+      t.scale = scale * t.scale;
+    } else {
+      t.translation = length * t.translation;
+    }
+  }
+
   // Joint by joint.
   Pose at(double seconds) const {
     Pose pose;
-    pose.joints = fold.locals(nodes_at(seconds));
+    pose.joints = locals(nodes_at(seconds));
     for (std::size_t j = 0; j < skeleton.size(); ++j) {
       if (!fold.is_animated(j)) pose.joints[j] = skeleton.joints[j].default_local;
     }
@@ -175,6 +210,12 @@ bool is_other_build(double ratio) {
   return !(ratio < kMostRatio && ratio * kMostRatio > 1);
 }
 
+// No build is so much larger or smaller.
+bool is_other_unit(double ratio) {
+  constexpr double kMostRatio = 8;
+  return !(ratio < kMostRatio && ratio * kMostRatio > 1);
+}
+
 // The offsets of joints are the character's own build: a clip that brings very different ones is of another.
 void require_same_build(const GltfFile& file, const Motion& motion, const Clip& clip) {
   double own = 0, brought = 0;
@@ -189,13 +230,66 @@ void require_same_build(const GltfFile& file, const Motion& motion, const Clip& 
 void copy_motion(const GltfFile& file, Motion motion, std::size_t frames, Clip& clip) {
   for (std::size_t j = 0; j < motion.skeleton.size(); ++j) {  // what is not animated stays as the skeleton has it
     if (motion.joint_nodes[j] >= 0 && !motion.fold.is_folded(j)) {
-      motion.tree.local[static_cast<std::size_t>(motion.joint_nodes[j])] = motion.skeleton.joints[j].default_local;
+      JointTransform& own = motion.tree.local[static_cast<std::size_t>(motion.joint_nodes[j])];
+      own = motion.skeleton.joints[j].default_local;
+      motion.resize(j, motion.size, 1 / motion.size, own);
     }
   }
   note_moved(motion, clip.notes);
   for (std::size_t k = 0; k < frames; ++k) clip.poses.push_back(motion.at(static_cast<double>(k) / clip.fps));
   require_same_build(file, motion, clip);
   note_scale(clip, motion.skeleton, clip.notes);
+}
+
+// At rest; 1 where an armature scales joints as the skeleton's own.
+double size_of(const Motion& motion, const RestNodes& rest) {
+  NodeTree tree = motion.tree;
+  tree.exact = transformed(rest.local, affine_from);
+  const std::vector<Affine> world = world_of_nodes(tree),
+                            bind = posed_joints(motion.skeleton, bind_pose(motion.skeleton).joints);
+  std::vector<double> sizes;
+  for (std::size_t j = 0; j < bind.size(); ++j) {
+    if (motion.joint_nodes[j] < 0) continue;
+    const double own = determinant(bind[j]);
+    const double brought = determinant(world[static_cast<std::size_t>(motion.joint_nodes[j])]);
+    sizes.push_back(std::cbrt(std::abs(brought / own)));
+  }
+  return common_scale(std::move(sizes));
+}
+
+// How long the bones are at rest that both have, beside the skeleton's; 1 where there are none.
+double length_of(const Motion& motion, const RestNodes& rest) {
+  const std::vector<JointTransform> locals = motion.locals(rest.local);
+  double own = 0, brought = 0;
+  for (std::size_t j = 0; j < locals.size(); ++j) {
+    const int parent = motion.skeleton.joints[j].parent, node = motion.joint_nodes[j];
+    if (parent < 0 || node < 0 || motion.fold.joint_above(static_cast<std::size_t>(node)) != parent) continue;
+    own += length(motion.skeleton.joints[j].bind.translation);
+    brought += length(locals[j].translation);
+  }
+  return own > 0 && brought > 0 && std::isfinite(brought / own) ? brought / own : 1;
+}
+
+// Where the file's nodes put joints and where joints without shear do, as they stand.
+void note_shear(const Motion& motion, std::vector<std::string>& notes) {
+  constexpr double kOff = 1e-4;  // of how far joints are from the origin
+  const std::vector<Affine> world = world_of_nodes(motion.tree);
+  const std::vector<JointTransform> locals = motion.fold.locals(motion.tree.local);
+  std::vector<Affine> without(locals.size());
+  double most = 0, farthest = 0;
+  for (const std::size_t n : motion.tree.order) {
+    const int j = motion.fold.joint_of_node()[n], above = motion.fold.joint_above(n);
+    if (j < 0) continue;
+    const Affine own = affine_from(locals[static_cast<std::size_t>(j)]);
+    Affine& placed = without[static_cast<std::size_t>(j)];
+    placed = above < 0 ? own : without[static_cast<std::size_t>(above)] * own;
+    const Vec3 origin = world[n] * Vec3{0, 0, 0};
+    most = std::max(most, length(placed * Vec3{0, 0, 0} - origin));
+    farthest = std::max(farthest, length(origin));
+  }
+  if (!(most > kOff * farthest)) return;
+  notes.push_back("Nodes of the clip's file shear its joints, which joints of a character cannot: they lie up to " +
+                  rounded(most) + " m from where they should. Apply scales before the export.");
 }
 
 // With the bind pose. Nodes that no skin vouches for may also stand as the character's own do.
@@ -206,7 +300,7 @@ RestComparison compare_with_character(const Motion& motion, const RestNodes& res
     bind.push_back(joint.bind);
     own.push_back(joint.default_local);
   }
-  const std::vector<JointTransform> locals = motion.fold.locals(rest.local);
+  const std::vector<JointTransform> locals = motion.locals(rest.local);
   RestComparison with_bind = compare_rests(locals, bind, matched, motion.skeleton);
   if (rest.is_bound || with_bind.fit != RestFit::other) return with_bind;
   return compare_rests(locals, own, matched, motion.skeleton);
@@ -292,7 +386,8 @@ Clip read_gltf_clip(const GltfFile& file, const std::string& name, const Skeleto
   clip.fps = options.fps;
   clip.first_frame = options.first_frame;
 
-  const double unit = options.unit == 0 ? 1 : options.unit;
+  std::vector<std::string> unused;  // what reading the file notes twice
+  const double unit = options.unit == 0 ? unit_of_skin(file) : options.unit;
   NodeTree tree = read_nodes(file, unit, clip.notes);
   std::vector<AnimationChannel> channels = read_channels(file, animation, clip.notes);
   std::vector<bool> animated(tree.parent.size(), false);
@@ -301,14 +396,24 @@ Clip read_gltf_clip(const GltfFile& file, const std::string& name, const Skeleto
     animated[channel.node] = true;
     duration = std::max(duration, channel.times.back());
   }
-  const RestNodes rest = read_rest(file, tree, unit);
+  RestNodes rest = read_rest(file, tree, unit);
   const std::vector<int> joint_nodes = match_nodes(file, tree, skeleton, animated, options.joint_map, clip.notes);
   JointFold fold(tree, joint_nodes, animated);
   Motion motion{skeleton, std::move(channels), std::move(tree), joint_nodes, std::move(fold), unit};
   note_names(file, motion, animated, clip.notes);
   const std::size_t frames =
       frame_count(file.path().string(), duration, std::max(skeleton.size(), animated.size()), options);
+  motion.size = size_of(motion, rest);
+  if (const double longer = length_of(motion, rest); is_other_unit(longer)) {
+    if (has_few_in_common(motion)) fail_build(file, longer);
+    motion.unit = unit / longer;
+    motion.tree = read_nodes(file, motion.unit, unused);
+    rest = read_rest(file, motion.tree, motion.unit);
+    clip.notes.push_back("A unit of the clip's file is taken as " + rounded(motion.unit) +
+                         " m, from the length of the bones.");
+  }
 
+  note_shear(motion, clip.notes);
   const RestComparison rests = compare_with_character(motion, rest);
   if (rests.fit == RestFit::other) {
     carry_motion(file, motion, rest, frames, clip);

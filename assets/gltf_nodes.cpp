@@ -18,19 +18,26 @@ bool is_identity(const JointTransform& t) {
   return t.translation == Vec3{0, 0, 0} && t.scale == Vec3{1, 1, 1} && std::abs(t.rotation[3]) == 1;
 }
 
-JointTransform from_matrix(const std::vector<double>& columns, bool& sheared) {
+Affine from_columns(const std::vector<double>& columns) {
   Affine a;
-  double size = 0;
   for (std::size_t r = 0; r < 3; ++r) {
     for (std::size_t c = 0; c < 4; ++c) a.m[r][c] = columns[4 * c + r];
-    for (std::size_t c = 0; c < 3; ++c) size = std::max(size, std::abs(a.m[r][c]));
   }
-  const JointTransform t = decompose(a);
+  return a;
+}
+
+bool is_sheared(const Affine& a, const JointTransform& t) {
+  double size = 0;
+  for (const auto& row : a.m) {
+    for (int c = 0; c < 3; ++c) size = std::max(size, std::abs(row[c]));
+  }
   const Affine back = affine_from(t);
   for (int r = 0; r < 3; ++r) {
-    for (int c = 0; c < 3; ++c) sheared = sheared || std::abs(back.m[r][c] - a.m[r][c]) > 1e-4 * size;
+    for (int c = 0; c < 3; ++c) {
+      if (std::abs(back.m[r][c] - a.m[r][c]) > 1e-4 * size) return true;
+    }
   }
-  return t;
+  return false;
 }
 
 // What of a node's transform could not be taken as it is.
@@ -38,7 +45,7 @@ struct NodeRepairs {
   bool sheared = false, has_no_turn = false;
 };
 
-JointTransform node_transform(const GltfFile& file, std::size_t index, double unit, NodeRepairs& repairs) {
+void append_transform(const GltfFile& file, std::size_t index, double unit, NodeTree& tree, NodeRepairs& repairs) {
   const tinygltf::Node& node = file.model().nodes[index];
   const auto has = [&](const std::vector<double>& values, std::size_t count) {
     if (!values.empty() && values.size() != count) {
@@ -47,8 +54,12 @@ JointTransform node_transform(const GltfFile& file, std::size_t index, double un
     return !values.empty();
   };
   JointTransform t;
-  if (has(node.matrix, 16)) {
-    t = from_matrix(node.matrix, repairs.sheared);
+  Affine exact;
+  const bool is_matrix = has(node.matrix, 16);
+  if (is_matrix) {
+    exact = from_columns(node.matrix);
+    t = decompose(exact);
+    repairs.sheared = is_sheared(exact, t);
   } else {
     if (has(node.translation, 3)) std::copy(node.translation.begin(), node.translation.end(), t.translation.begin());
     if (has(node.scale, 3)) std::copy(node.scale.begin(), node.scale.end(), t.scale.begin());
@@ -58,7 +69,10 @@ JointTransform node_transform(const GltfFile& file, std::size_t index, double un
   if (!is_finite(t)) file.fail(node_label(file.model(), index), " has a transform that is not finite");
   repairs.has_no_turn = !has_length(t.rotation);
   t.rotation = normalized(t.rotation);
-  return t;
+  if (!is_matrix) exact = affine_from(t);
+  for (std::size_t r = 0; r < 3; ++r) exact.m[r][3] = t.translation[r];
+  tree.local.push_back(t);
+  tree.exact.push_back(exact);
 }
 
 // Parents before children; shorter than the tree when there is a cycle.
@@ -90,7 +104,7 @@ NodeTree read_nodes(const GltfFile& file, double unit, std::vector<std::string>&
       parent = static_cast<int>(n);
     }
     NodeRepairs repairs;
-    tree.local.push_back(node_transform(file, n, unit, repairs));
+    append_transform(file, n, unit, tree, repairs);
     const std::string name = model.nodes[n].name.empty() ? std::to_string(n) : model.nodes[n].name;
     if (repairs.sheared) sheared_nodes.push_back(name);
     if (repairs.has_no_turn) turnless_nodes.push_back(name);
@@ -103,6 +117,14 @@ NodeTree read_nodes(const GltfFile& file, double unit, std::vector<std::string>&
   tree.order = topological_order(model, tree.parent);
   if (tree.order.size() != model.nodes.size()) file.fail("its nodes form a cycle");
   return tree;
+}
+
+std::vector<Affine> world_of_nodes(const NodeTree& tree) {
+  std::vector<Affine> world(tree.parent.size());
+  for (const std::size_t n : tree.order) {
+    world[n] = tree.parent[n] < 0 ? tree.exact[n] : world[static_cast<std::size_t>(tree.parent[n])] * tree.exact[n];
+  }
+  return world;
 }
 
 SkinJoints read_skin_joints(const GltfFile& file, int skin, std::vector<std::string>& notes) {
@@ -140,37 +162,6 @@ SkinJoints read_skin_joints(const GltfFile& file, int skin, std::vector<std::str
     notes.push_back("Joints with the name of another got a suffix: " + list_names(renamed) + ".");
   }
   return joints;
-}
-
-int choose_skin(const GltfFile& file, std::vector<std::string>& notes) {
-  const tinygltf::Model& model = file.model();
-  std::vector<std::size_t> vertices(model.skins.size(), 0);
-  for (const tinygltf::Node& node : model.nodes) {
-    if (node.skin < 0 || node.mesh < 0) continue;
-    if (node.skin >= std::ssize(model.skins)) file.fail("a node uses skin ", node.skin, " of ", model.skins.size());
-    if (node.mesh >= std::ssize(model.meshes)) file.fail("a node uses mesh ", node.mesh, " of ", model.meshes.size());
-    for (const auto& primitive : model.meshes[static_cast<std::size_t>(node.mesh)].primitives) {
-      const auto position = primitive.attributes.find("POSITION");
-      if (position == primitive.attributes.end() || position->second < 0 ||
-          position->second >= std::ssize(model.accessors)) {
-        file.fail("a skinned primitive has no positions");
-      }
-      vertices[static_cast<std::size_t>(node.skin)] +=
-          model.accessors[static_cast<std::size_t>(position->second)].count;
-    }
-  }
-  int best = -1;
-  for (std::size_t s = 0; s < vertices.size(); ++s) {
-    if (vertices[s] > 0 && (best < 0 || vertices[s] > vertices[static_cast<std::size_t>(best)])) {
-      best = static_cast<int>(s);
-    }
-  }
-  if (best >= 0 && model.skins.size() > 1) {
-    notes.push_back("The file has " + std::to_string(model.skins.size()) + " skins; skin " + std::to_string(best) +
-                    " (" + std::to_string(vertices[static_cast<std::size_t>(best)]) +
-                    " vertices) is used, the others are left out.");
-  }
-  return best;
 }
 
 JointFold::JointFold(const NodeTree& tree, std::span<const int> joint_nodes, const std::vector<bool>& animated)

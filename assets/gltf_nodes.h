@@ -14,11 +14,15 @@ struct NodeTree {
   std::vector<int> parent;            // -1 at the top
   std::vector<std::size_t> order;     // parents before children
   std::vector<JointTransform> local;  // metres, unit rotations
+  std::vector<Affine> exact;          // the same, with the shear that a matrix may hold
 };
 
 // `unit`: metres per file unit. Adds a note when a node's matrix holds shear, which is dropped. Throws Error(file) for
 // cycles, two parents, indices out of range, numbers that are not finite.
 NodeTree read_nodes(const GltfFile& file, double unit, std::vector<std::string>& notes);
+
+// Per node, from its space to the world; metres.
+std::vector<Affine> world_of_nodes(const NodeTree& tree);
 
 // The joints of a skin by name: unnamed joints are called joint_<index in the skin>, a name that is already taken gets
 // a suffix and a note. Throws Error(file) for an empty skin, joints out of range or listed twice.
@@ -27,9 +31,6 @@ struct SkinJoints {
   std::vector<std::string> names;
 };
 SkinJoints read_skin_joints(const GltfFile& file, int skin, std::vector<std::string>& notes);
-
-// The skin whose nodes draw the most vertices (a note names it when there are several), or -1 when nothing is skinned.
-int choose_skin(const GltfFile& file, std::vector<std::string>& notes);
 
 // Local transforms of joints from those of nodes: the nodes above a joint that are no joints themselves, up to the
 // nearest one that is, are folded into it. Resting identity nodes change nothing and are left out.

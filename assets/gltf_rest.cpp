@@ -10,8 +10,8 @@ namespace bodyopt {
 namespace {
 
 // The skin that motion is of: that which draws most, or one whose mesh was left out.
-int skin_of_motion(const GltfFile& file, std::vector<std::string>& notes) {
-  const int drawn = choose_skin(file, notes);
+int skin_of_motion(const GltfFile& file) {
+  const int drawn = choose_skin(file);
   return drawn < 0 && !file.model().skins.empty() ? 0 : drawn;
 }
 
@@ -20,7 +20,7 @@ int skin_of_motion(const GltfFile& file, std::vector<std::string>& notes) {
 RestNodes read_rest(const GltfFile& file, const NodeTree& tree, double unit) {
   RestNodes rest{tree.local, false};
   std::vector<std::string> unused;  // what reading the character notes already
-  const int skin = skin_of_motion(file, unused);
+  const int skin = skin_of_motion(file);
   if (skin < 0 || file.model().skins[static_cast<std::size_t>(skin)].inverseBindMatrices < 0) return rest;
   const SkinSkeleton bound = read_skin_skeleton(file, skin, unit, unused);
   const std::vector<int> nodes = read_skin_joints(file, skin, unused).nodes;

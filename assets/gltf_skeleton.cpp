@@ -1,10 +1,12 @@
 #include "assets/gltf_skeleton.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 
 #include "assets/wording.h"
 #include "runtime/core/error.h"
+#include "runtime/core/transformed.h"
 
 namespace bodyopt {
 namespace {
@@ -25,15 +27,27 @@ std::vector<std::size_t> parents_first(const JointFold& fold, const std::vector<
   return order;
 }
 
-// The factor by which the default pose scales the skin, when it is the same for all joints within 1 %; otherwise 1.
-double common_scale(const Skeleton& skeleton, const std::vector<Affine>& default_world) {
-  double common = 0;
-  for (std::size_t j = 0; j < skeleton.size(); ++j) {
-    const double scale = std::cbrt(std::abs(determinant(default_world[j] * skeleton.joints[j].inverse_bind)));
-    if (j == 0) common = scale;
-    if (!(std::abs(scale - common) <= 0.01 * common)) return 1;
+// What the default pose does to the whole skin.
+Vec3 common_scale_and_mirror(const std::vector<Affine>& shown) {
+  const double scale = common_scale(transformed(shown, [](const Affine& a) { return std::cbrt(determinant(a)); }));
+  return {scale, std::abs(scale), std::abs(scale)};
+}
+
+void scale_rest(SkinSkeleton& skin, std::vector<std::string>& notes) {
+  const auto scale = [&](Affine& a) {
+    for (auto& row : a.m) {
+      for (std::size_t c = 0; c < 3; ++c) row[c] /= skin.rest_scale[c];
+    }
+  };
+  for (Joint& joint : skin.skeleton.joints) scale(joint.inverse_bind);
+  for (Affine& shown : skin.shown) scale(shown);
+  if (const double size = skin.rest_scale[1]; size != 1) {
+    char factor[32];
+    std::snprintf(factor, sizeof factor, "%.6g", size);
+    notes.push_back(std::string("The joints scale the whole skin by ") + factor +
+                    " (mesh and world have different units); the rest shape was scaled by it.");
   }
-  return common > 0 && std::isfinite(common) && std::abs(common - 1) > 1e-3 ? common : 1;
+  if (skin.rest_scale[0] < 0) notes.push_back("The joints mirror the whole skin; the rest shape was mirrored.");
 }
 
 // Local bind transforms from the inverse bind matrices; returns the names of joints whose bind matrix holds shear.
@@ -61,7 +75,84 @@ std::vector<std::string> set_binds(const GltfFile& file, Skeleton& skeleton) {
   return sheared;
 }
 
+// What joints_of_skins() says of one; `binds` are those of `skin`.
+std::vector<std::uint32_t> joints_in_skin(const GltfFile& file, int other, int skin, const std::vector<Affine>& binds) {
+  const std::vector<int>&theirs = file.model().skins[static_cast<std::size_t>(other)].joints,
+        &own = file.model().skins[static_cast<std::size_t>(skin)].joints;
+  std::vector<std::uint32_t> same;
+  for (const int joint : theirs) {
+    const auto found = std::ranges::find(own, joint);
+    if (found == own.end()) return {};
+    same.push_back(static_cast<std::uint32_t>(found - own.begin()));
+  }
+  if (other == skin) return same;
+  const std::vector<Affine> their_binds = read_inverse_binds(file, other, theirs.size(), 1);
+  double size = 0;
+  for (const Affine& bind : binds) size = std::max(size, length({bind.m[0][3], bind.m[1][3], bind.m[2][3]}));
+  for (std::size_t j = 0; j < same.size(); ++j) {
+    const Affine &a = their_binds[j], &b = binds[same[j]];
+    const double scale = std::cbrt(std::abs(determinant(b)));
+    for (int r = 0; r < 3; ++r) {
+      for (int c = 0; c < 4; ++c) {
+        if (!(std::abs(a.m[r][c] - b.m[r][c]) <= 1e-4 * (c == 3 ? size : scale))) return {};
+      }
+    }
+  }
+  return same;
+}
+
 }  // namespace
+
+int choose_skin(const GltfFile& file) {
+  const tinygltf::Model& model = file.model();
+  std::vector<std::size_t> vertices(model.skins.size(), 0);
+  for (const tinygltf::Node& node : model.nodes) {
+    if (node.skin < 0 || node.mesh < 0) continue;
+    if (node.skin >= std::ssize(model.skins)) file.fail("a node uses skin ", node.skin, " of ", model.skins.size());
+    if (node.mesh >= std::ssize(model.meshes)) file.fail("a node uses mesh ", node.mesh, " of ", model.meshes.size());
+    for (const auto& primitive : model.meshes[static_cast<std::size_t>(node.mesh)].primitives) {
+      const auto position = primitive.attributes.find("POSITION");
+      if (position == primitive.attributes.end() || position->second < 0 ||
+          position->second >= std::ssize(model.accessors)) {
+        file.fail("a skinned primitive has no positions");
+      }
+      vertices[static_cast<std::size_t>(node.skin)] +=
+          model.accessors[static_cast<std::size_t>(position->second)].count;
+    }
+  }
+  const auto most = std::ranges::max_element(vertices);
+  if (most == vertices.end() || *most == 0) return -1;
+  int best = static_cast<int>(most - vertices.begin());
+  const auto joints_of = [&](int skin) { return model.skins[static_cast<std::size_t>(skin)].joints.size(); };
+  for (int skin = 0; skin < std::ssize(vertices); ++skin) {
+    const std::size_t count = joints_of(skin);
+    if (vertices[static_cast<std::size_t>(skin)] == 0 || count <= joints_of(best)) continue;
+    if (!joints_in_skin(file, best, skin, read_inverse_binds(file, skin, count, 1)).empty()) best = skin;
+  }
+  return best;
+}
+
+std::vector<std::vector<std::uint32_t>> joints_of_skins(const GltfFile& file, int skin) {
+  const std::size_t count = file.model().skins[static_cast<std::size_t>(skin)].joints.size();
+  const std::vector<Affine> binds = read_inverse_binds(file, skin, count, 1);
+  std::vector<std::vector<std::uint32_t>> joints;
+  for (int other = 0; other < std::ssize(file.model().skins); ++other) {
+    joints.push_back(joints_in_skin(file, other, skin, binds));
+  }
+  return joints;
+}
+
+double common_scale(std::vector<double> scales) {
+  std::erase_if(scales, [](double scale) { return scale == 0 || !std::isfinite(scale); });
+  if (scales.empty()) return 1;
+  std::ranges::sort(scales);
+  const double median = scales[scales.size() / 2], size = std::abs(median);
+  const auto agree =
+      std::ranges::count_if(scales, [&](const double scale) { return std::abs(scale - median) <= 0.01 * size; });
+  const bool is_unit = !(size > 0.5 && size < 2);
+  if (2 * agree <= std::ssize(scales) && !is_unit) return 1;
+  return std::abs(size - 1) > 1e-3 ? median : std::copysign(1.0, median);
+}
 
 double determinant(const Affine& a) {
   const Vec3 x{a.m[0][0], a.m[0][1], a.m[0][2]}, y{a.m[1][0], a.m[1][1], a.m[1][2]}, z{a.m[2][0], a.m[2][1], a.m[2][2]};
@@ -94,11 +185,10 @@ SkinSkeleton read_skin_skeleton(const GltfFile& file, int skin, double unit, std
   const JointFold fold(tree, joints.nodes, std::vector<bool>(tree.parent.size(), false));
   const std::vector<JointTransform> locals = fold.locals(tree.local);
   const std::vector<Affine> inverse_binds = read_inverse_binds(file, skin, joints.nodes.size(), unit);
+  const std::vector<Affine> world = world_of_nodes(tree);
 
   SkinSkeleton result;
   result.joint_of_skin.resize(joints.nodes.size());
-  std::vector<JointTransform> default_locals;
-  std::vector<Affine> default_world;
   for (const std::size_t k : parents_first(fold, joints.nodes)) {
     result.joint_of_skin[k] = static_cast<std::uint32_t>(result.skeleton.size());
     const int above = fold.joint_above(static_cast<std::size_t>(joints.nodes[k]));
@@ -107,9 +197,8 @@ SkinSkeleton read_skin_skeleton(const GltfFile& file, int skin, double unit, std
     joint.parent = above < 0 ? -1 : static_cast<int>(result.joint_of_skin[static_cast<std::size_t>(above)]);
     joint.default_local = locals[k];
     joint.inverse_bind = inverse_binds[k];
-    const Affine own = affine_from(joint.default_local);
-    default_world.push_back(joint.parent < 0 ? own : default_world[static_cast<std::size_t>(joint.parent)] * own);
-    for (const auto& row : default_world.back().m) {
+    result.shown.push_back(world[static_cast<std::size_t>(joints.nodes[k])] * joint.inverse_bind);
+    for (const auto& row : result.shown.back().m) {
       for (const double x : row) {
         if (!std::isfinite(x)) file.fail("the transform of joint '", joint.name, "' is out of range");
       }
@@ -117,18 +206,8 @@ SkinSkeleton read_skin_skeleton(const GltfFile& file, int skin, double unit, std
     result.skeleton.joints.push_back(std::move(joint));
   }
 
-  result.rest_scale = common_scale(result.skeleton, default_world);
-  if (result.rest_scale != 1) {
-    for (Joint& joint : result.skeleton.joints) {
-      for (auto& row : joint.inverse_bind.m) {
-        for (int c = 0; c < 3; ++c) row[c] /= result.rest_scale;
-      }
-    }
-    char factor[32];
-    std::snprintf(factor, sizeof factor, "%.6g", result.rest_scale);
-    notes.push_back(std::string("The joints scale the whole skin by ") + factor +
-                    " (mesh and world have different units); the rest shape was scaled by it.");
-  }
+  result.rest_scale = common_scale_and_mirror(result.shown);
+  if (result.rest_scale != Vec3{1, 1, 1}) scale_rest(result, notes);
   const std::vector<std::string> sheared = set_binds(file, result.skeleton);
   if (!sheared.empty()) {
     notes.push_back(

@@ -11,15 +11,30 @@ namespace bodyopt {
 struct SkinSkeleton {
   Skeleton skeleton;
   std::vector<std::uint32_t> joint_of_skin;  // skeleton joint of each joint of the skin
-  // Exporters often leave a mesh in other units than the world and let the joints scale it. Where the default pose
-  // scales the whole skin alike, the rest space is scaled instead: multiply rest positions by this.
-  double rest_scale = 1;
+  // Exporters often leave a mesh in other units than the world and let the joints scale it, or mirror it. Where the
+  // default pose does that to most joints alike, it is done to the rest space instead: multiply rest positions by this.
+  // Its first number is negative where they are mirrored.
+  Vec3 rest_scale{1, 1, 1};
+  // Per joint of the skeleton: from that rest space, in metres, to the world, as the file's nodes stand.
+  std::vector<Affine> shown;
 };
 
 // Parents come before children; the order of the file is kept where it already is so. Nodes between joints and above
 // the roots are folded into the local transforms, so that posed_joints gives the file's world matrices. `unit`: metres
 // per file unit. Throws Error(file).
 SkinSkeleton read_skin_skeleton(const GltfFile& file, int skin, double unit, std::vector<std::string>& notes);
+
+// The skin whose nodes draw the most vertices, or one that has all of its joints and more, bound alike; -1 when nothing
+// is skinned. Throws Error(file).
+int choose_skin(const GltfFile& file);
+
+// Per skin of the file, the joints of `skin` that its joints are, in its order, where all of them are bound as there:
+// the meshes of both are then one character. Empty else. Throws Error(file).
+std::vector<std::vector<std::uint32_t>> joints_of_skins(const GltfFile& file, int skin);
+
+// What most of some joints' scales are, within 1 %, and that none of them need hide: their median. 1 where fewer agree,
+// unless it can only be that of another unit.
+double common_scale(std::vector<double> scales);
 
 // Of the linear part.
 double determinant(const Affine& a);

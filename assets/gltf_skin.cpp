@@ -5,8 +5,8 @@
 #include <numeric>
 #include <set>
 
-#include "assets/gltf_nodes.h"
 #include "assets/gltf_skeleton.h"
+#include "assets/gltf_unit.h"
 #include "assets/wording.h"
 
 namespace bodyopt {
@@ -14,7 +14,15 @@ namespace {
 
 // How often something was repaired, over all primitives.
 struct SkinRepairs {
-  std::size_t off_sum = 0, negative = 0, unskinned_meshes = 0, morphed = 0;
+  std::size_t off_sum = 0, negative = 0, morphed = 0, shaped = 0;
+  std::vector<std::string> other_meshes;
+};
+
+struct SkinPrimitive {
+  const tinygltf::Primitive& primitive;
+  std::string what;                          // how messages call it
+  const std::vector<double>& morph_weights;  // by default, per target; what is not there is 0
+  std::vector<std::uint32_t> joints;         // of the skin, per joint of the node's own; empty where it has none
 };
 
 int attribute(const tinygltf::Primitive& primitive, const std::string& name) {
@@ -58,8 +66,9 @@ void append_triangles(const GltfFile& file, const tinygltf::Primitive& primitive
 }
 
 // Adds one JOINTS_n/WEIGHTS_n set to the weights of `count` vertices.
-void add_weight_set(const GltfFile& file, const tinygltf::Primitive& primitive, int set, std::size_t joint_count,
-                    const std::string& what, std::vector<std::vector<JointWeight>>& weights, SkinRepairs& repairs) {
+void add_weight_set(const GltfFile& file, const SkinPrimitive& part, int set,
+                    std::vector<std::vector<JointWeight>>& weights, SkinRepairs& repairs) {
+  const auto& [primitive, what, morph_weights, own_joints] = part;
   const std::string suffix = "_" + std::to_string(set);
   const auto joints =
       file.indices(attribute(primitive, "JOINTS" + suffix), TINYGLTF_TYPE_VEC4, what + " JOINTS" + suffix);
@@ -71,8 +80,8 @@ void add_weight_set(const GltfFile& file, const tinygltf::Primitive& primitive, 
   for (std::size_t k = 0; k < values.size(); ++k) {
     if (values[k] < 0) ++repairs.negative;
     if (values[k] <= 0) continue;
-    if (joints[k] >= joint_count) file.fail(what, ": joint ", joints[k], " of ", joint_count, " joints");
-    weights[k / 4].push_back({joints[k], values[k]});
+    if (joints[k] >= own_joints.size()) file.fail(what, ": joint ", joints[k], " of ", own_joints.size(), " joints");
+    weights[k / 4].push_back({own_joints[joints[k]], values[k]});
   }
 }
 
@@ -95,24 +104,51 @@ void normalize(std::vector<JointWeight>& weights, SkinRepairs& repairs) {
   for (JointWeight& w : weights) w.weight /= sum;
 }
 
-// Returns the number of vertices.
-std::size_t append_primitive(const GltfFile& file, const tinygltf::Primitive& primitive, const std::string& what,
-                             SkinGeometry& geometry, SkinRepairs& repairs) {
-  const auto numbers = file.numbers(attribute(primitive, "POSITION"), TINYGLTF_TYPE_VEC3, what + " POSITION");
-  const std::size_t count = numbers.size() / 3;
-  append_triangles(file, primitive, count, what, geometry);
-  for (std::size_t i = 0; i < count; ++i)
-    geometry.positions.push_back({numbers[3 * i], numbers[3 * i + 1], numbers[3 * i + 2]});
-  if (!primitive.targets.empty()) ++repairs.morphed;
-  return count;
+std::size_t vertex_count(const GltfFile& file, const SkinPrimitive& part) {
+  return file.numbers(attribute(part.primitive, "POSITION"), TINYGLTF_TYPE_VEC3, part.what + " POSITION").size() / 3;
 }
 
-void append_weights(const GltfFile& file, const tinygltf::Primitive& primitive, std::size_t count,
-                    std::size_t joint_count, const std::string& what, SkinGeometry& geometry, SkinRepairs& repairs) {
-  std::vector<std::vector<JointWeight>> weights(count);
-  if (attribute(primitive, "JOINTS_0") < 0) file.fail(what, ": has no skin weights (JOINTS_0, WEIGHTS_0)");
-  for (int set = 0; attribute(primitive, "JOINTS_" + std::to_string(set)) >= 0; ++set) {
-    add_weight_set(file, primitive, set, joint_count, what, weights, repairs);
+// What a morph target moves, a vector per vertex; empty where it moves nothing.
+std::vector<Vec3> moved_by(const GltfFile& file, const SkinPrimitive& part, std::size_t target, std::size_t count) {
+  const auto& attributes = part.primitive.targets[target];
+  const auto position = attributes.find("POSITION");
+  if (position == attributes.end()) return {};
+  const auto numbers = file.numbers(position->second, TINYGLTF_TYPE_VEC3, part.what + " morph target");
+  if (numbers.size() != 3 * count) file.fail(part.what, ": a morph target has another count than the positions");
+  std::vector<Vec3> moved;
+  for (std::size_t k = 0; k < count; ++k) moved.push_back({numbers[3 * k], numbers[3 * k + 1], numbers[3 * k + 2]});
+  return moved;
+}
+
+// With the morph targets as strong as they are by default.
+std::vector<Vec3> read_positions(const GltfFile& file, const SkinPrimitive& part, SkinRepairs& repairs) {
+  const auto numbers = file.numbers(attribute(part.primitive, "POSITION"), TINYGLTF_TYPE_VEC3, part.what + " POSITION");
+  std::vector<Vec3> positions;
+  for (std::size_t k = 0; k < numbers.size(); k += 3) positions.push_back({numbers[k], numbers[k + 1], numbers[k + 2]});
+  bool is_shaped = false;
+  for (std::size_t t = 0; t < std::min(part.primitive.targets.size(), part.morph_weights.size()); ++t) {
+    if (part.morph_weights[t] == 0) continue;
+    is_shaped = true;
+    const std::vector<Vec3> moved = moved_by(file, part, t, positions.size());
+    for (std::size_t k = 0; k < moved.size(); ++k) positions[k] = positions[k] + part.morph_weights[t] * moved[k];
+  }
+  if (std::ranges::any_of(positions, [](const Vec3& p) { return !std::isfinite(length(p)); })) {
+    file.fail(part.what, ": its morph targets move it out of range");
+  }
+  if (is_shaped) ++repairs.shaped;
+  if (!part.primitive.targets.empty()) ++repairs.morphed;
+  return positions;
+}
+
+void append_primitive(const GltfFile& file, const SkinPrimitive& part, SkinGeometry& geometry, SkinRepairs& repairs) {
+  const std::vector<Vec3> positions = read_positions(file, part, repairs);
+  append_triangles(file, part.primitive, positions.size(), part.what, geometry);
+  geometry.positions.insert(geometry.positions.end(), positions.begin(), positions.end());
+  if (part.joints.empty()) return;
+  std::vector<std::vector<JointWeight>> weights(positions.size());
+  if (attribute(part.primitive, "JOINTS_0") < 0) file.fail(part.what, ": has no skin weights (JOINTS_0, WEIGHTS_0)");
+  for (int set = 0; attribute(part.primitive, "JOINTS_" + std::to_string(set)) >= 0; ++set) {
+    add_weight_set(file, part, set, weights, repairs);
   }
   for (std::vector<JointWeight>& w : weights) {
     normalize(w, repairs);
@@ -128,33 +164,39 @@ void add_notes(const SkinRepairs& repairs, std::vector<std::string>& notes) {
     notes.push_back("The weights of " + count_of(repairs.off_sum, "vertex", "vertices") +
                     " did not add up to one (off by more than 0.001); they were normalised.");
   }
-  if (repairs.morphed > 0) notes.push_back("Morph targets are left out.");
-  if (repairs.unskinned_meshes > 0) {
-    notes.push_back(
-        count_of(repairs.unskinned_meshes, "mesh that is not on the skin is", "meshes that are not on the skin are") +
-        " no part of it (bodyopt attach: what rides on the skin).");
+  if (repairs.shaped > 0) {
+    notes.push_back("Morph targets are taken as strong as they are by default, and do not move.");
+  } else if (repairs.morphed > 0) {
+    notes.push_back("Morph targets are left out.");
+  }
+  if (!repairs.other_meshes.empty()) {
+    notes.push_back("Meshes that are not on the skin are no part of it: " + list_names(repairs.other_meshes) +
+                    " (bodyopt attach: what rides on the skin).");
   }
 }
 
-struct SkinPrimitive {
-  const tinygltf::Primitive& primitive;
-  std::string what;  // how messages call it
-};
+bool is_on_skin(const tinygltf::Node& node, const std::vector<std::vector<std::uint32_t>>& joints) {
+  return node.mesh >= 0 && node.skin >= 0 && !joints[static_cast<std::size_t>(node.skin)].empty();
+}
 
-void append_primitives(const GltfFile& file, const tinygltf::Node& node, std::vector<SkinPrimitive>& primitives) {
+void append_primitives(const GltfFile& file, const tinygltf::Node& node, const std::vector<std::uint32_t>& joints,
+                       std::vector<SkinPrimitive>& primitives) {
   const tinygltf::Model& model = file.model();
   if (node.mesh >= std::ssize(model.meshes)) file.fail("a node uses mesh ", node.mesh, " of ", model.meshes.size());
   const tinygltf::Mesh& mesh = model.meshes[static_cast<std::size_t>(node.mesh)];
   for (std::size_t p = 0; p < mesh.primitives.size(); ++p) {
-    primitives.push_back({mesh.primitives[p], "mesh " + std::to_string(node.mesh) + " primitive " + std::to_string(p)});
+    primitives.push_back({mesh.primitives[p], "mesh " + std::to_string(node.mesh) + " primitive " + std::to_string(p),
+                          node.weights.empty() ? mesh.weights : node.weights, joints});
   }
 }
 
 // In output order.
 std::vector<SkinPrimitive> skin_primitives(const GltfFile& file, int skin) {
+  const std::vector<std::vector<std::uint32_t>> joints = joints_of_skins(file, skin);
   std::vector<SkinPrimitive> primitives;
   for (const tinygltf::Node& node : file.model().nodes) {
-    if (node.mesh >= 0 && node.skin == skin) append_primitives(file, node, primitives);
+    if (is_on_skin(node, joints))
+      append_primitives(file, node, joints[static_cast<std::size_t>(node.skin)], primitives);
   }
   return primitives;
 }
@@ -180,22 +222,21 @@ std::vector<double> colours_of(const GltfFile& file, int accessor, std::size_t c
 
 SkinGeometry read_skin_geometry(const GltfFile& file, int skin, std::vector<std::string>& notes) {
   const tinygltf::Model& model = file.model();
-  const std::size_t joint_count = model.skins[static_cast<std::size_t>(skin)].joints.size();
+  const std::vector<std::vector<std::uint32_t>> joints = joints_of_skins(file, skin);
   SkinGeometry geometry;
   SkinRepairs repairs;
   for (const tinygltf::Node& node : model.nodes) {
     if (node.mesh < 0) continue;
-    if (node.skin != skin) {
-      ++repairs.unskinned_meshes;
-      continue;
-    }
+    if (node.mesh >= std::ssize(model.meshes)) file.fail("a node uses mesh ", node.mesh, " of ", model.meshes.size());
     const tinygltf::Mesh& mesh = model.meshes[static_cast<std::size_t>(node.mesh)];
-    if (geometry.name.empty()) geometry.name = node.name.empty() ? mesh.name : node.name;
+    const std::string& name = node.name.empty() ? mesh.name : node.name;
+    if (!is_on_skin(node, joints)) {
+      repairs.other_meshes.push_back(name.empty() ? "mesh " + std::to_string(node.mesh) : name);
+    } else if (geometry.name.empty()) {
+      geometry.name = name;
+    }
   }
-  for (const auto& [primitive, what] : skin_primitives(file, skin)) {
-    const std::size_t count = append_primitive(file, primitive, what, geometry, repairs);
-    append_weights(file, primitive, count, joint_count, what, geometry, repairs);
-  }
+  for (const SkinPrimitive& part : skin_primitives(file, skin)) append_primitive(file, part, geometry, repairs);
   add_notes(repairs, notes);
   return geometry;
 }
@@ -207,62 +248,64 @@ SkinGeometry read_node_geometry(const GltfFile& file, std::size_t index, std::ve
   SkinGeometry geometry;
   SkinRepairs repairs;
   std::vector<SkinPrimitive> primitives;
-  append_primitives(file, node, primitives);
+  std::vector<std::uint32_t> joints;
+  if (node.skin >= 0) joints.resize(model.skins[static_cast<std::size_t>(node.skin)].joints.size());
+  std::iota(joints.begin(), joints.end(), 0u);
+  append_primitives(file, node, joints, primitives);
   geometry.name = node.name.empty() ? model.meshes[static_cast<std::size_t>(node.mesh)].name : node.name;
-  for (const auto& [primitive, what] : primitives) {
-    const std::size_t count = append_primitive(file, primitive, what, geometry, repairs);
-    if (node.skin < 0) continue;
-    const std::size_t joints = model.skins[static_cast<std::size_t>(node.skin)].joints.size();
-    append_weights(file, primitive, count, joints, what, geometry, repairs);
-  }
+  for (const SkinPrimitive& part : primitives) append_primitive(file, part, geometry, repairs);
   add_notes(repairs, notes);
   return geometry;
+}
+
+std::vector<Vec3> read_skin_positions(const GltfFile& file, int skin) {
+  SkinRepairs unused;
+  std::vector<Vec3> all;
+  for (const SkinPrimitive& part : skin_primitives(file, skin)) {
+    const std::vector<Vec3> positions = read_positions(file, part, unused);
+    all.insert(all.end(), positions.begin(), positions.end());
+  }
+  return all;
 }
 
 std::vector<Vec3> read_morph_target(const std::filesystem::path& character, int target, double unit) {
   const GltfFile file(character);
   std::vector<std::string> unused;
-  const int skin = choose_skin(file, unused);
+  const int skin = choose_skin(file);
   if (skin < 0) file.fail("has no skinned mesh");
-  const double metres = unit > 0 ? unit : 1, scale = metres * read_skin_skeleton(file, skin, metres, unused).rest_scale;
-  std::vector<Vec3> moved;
+  const double metres = file_unit(file, unit, unused);
+  const Vec3 scale = metres * read_skin_skeleton(file, skin, metres, unused).rest_scale;
+  std::vector<Vec3> all;
   std::size_t most = 0;
-  for (const auto& [primitive, what] : skin_primitives(file, skin)) {
-    const std::size_t count =
-        file.numbers(attribute(primitive, "POSITION"), TINYGLTF_TYPE_VEC3, what + " POSITION").size() / 3;
-    most = std::max(most, primitive.targets.size());
-    const std::size_t first = moved.size();
-    moved.resize(first + count, Vec3{0, 0, 0});
-    if (static_cast<std::size_t>(target) >= primitive.targets.size()) continue;
-    const auto& attributes = primitive.targets[static_cast<std::size_t>(target)];
-    const auto position = attributes.find("POSITION");
-    if (position == attributes.end()) continue;
-    const auto numbers = file.numbers(position->second, TINYGLTF_TYPE_VEC3, what + " morph target");
-    if (numbers.size() != 3 * count) file.fail(what, ": a morph target has another count than the positions");
-    for (std::size_t k = 0; k < count; ++k) {
-      moved[first + k] = scale * Vec3{numbers[3 * k], numbers[3 * k + 1], numbers[3 * k + 2]};
+  for (const SkinPrimitive& part : skin_primitives(file, skin)) {
+    const std::size_t count = vertex_count(file, part), first = all.size();
+    most = std::max(most, part.primitive.targets.size());
+    all.resize(first + count, Vec3{0, 0, 0});
+    if (static_cast<std::size_t>(target) >= part.primitive.targets.size()) continue;
+    const std::vector<Vec3> moved = moved_by(file, part, static_cast<std::size_t>(target), count);
+    for (std::size_t k = 0; k < moved.size(); ++k) {
+      for (std::size_t i = 0; i < 3; ++i) all[first + k][i] = scale[i] * moved[k][i];
     }
   }
   if (static_cast<std::size_t>(target) >= most) {
     file.fail("has no morph target ", target, "; it has ", count_of(most, "morph target", "morph targets"),
               ", numbered from 0");
   }
-  return moved;
+  return all;
 }
 
 std::vector<double> read_vertex_colours(const std::filesystem::path& character, const std::string& name) {
   const GltfFile file(character);
-  std::vector<std::string> unused;
   std::vector<double> colours;
   std::set<std::string> known;
-  const int skin = choose_skin(file, unused);
+  const int skin = choose_skin(file);
   if (skin < 0) file.fail("has no skinned mesh");
-  for (const auto& [primitive, what] : skin_primitives(file, skin)) {
+  for (const SkinPrimitive& part : skin_primitives(file, skin)) {
+    const auto& [primitive, what, morph_weights, joints] = part;
     for (const auto& [key, accessor] : primitive.attributes) {
       if (key.starts_with("COLOR_")) known.insert(key);
     }
-    const std::size_t count =
-        file.numbers(attribute(primitive, "POSITION"), TINYGLTF_TYPE_VEC3, what + " POSITION").size() / 3;
+    const std::size_t count = vertex_count(file, part);
     if (name.starts_with("COLOR_") && attribute(primitive, name) >= 0) {
       const std::vector<double> own = colours_of(file, attribute(primitive, name), count, what + " " + name);
       colours.insert(colours.end(), own.begin(), own.end());
@@ -279,14 +322,13 @@ std::vector<double> read_vertex_colours(const std::filesystem::path& character, 
 
 std::vector<double> read_texture_coordinates(const std::filesystem::path& character) {
   const GltfFile file(character);
-  std::vector<std::string> unused;
   std::vector<double> all;
-  const int skin = choose_skin(file, unused);
+  const int skin = choose_skin(file);
   if (skin < 0) file.fail("has no skinned mesh");
-  for (const auto& [primitive, what] : skin_primitives(file, skin)) {
+  for (const SkinPrimitive& part : skin_primitives(file, skin)) {
+    const auto& [primitive, what, morph_weights, joints] = part;
     if (attribute(primitive, "TEXCOORD_0") < 0) return {};
-    const std::size_t count =
-        file.numbers(attribute(primitive, "POSITION"), TINYGLTF_TYPE_VEC3, what + " POSITION").size() / 3;
+    const std::size_t count = vertex_count(file, part);
     const std::vector<double> own =
         file.numbers(attribute(primitive, "TEXCOORD_0"), TINYGLTF_TYPE_VEC2, what + " TEXCOORD_0");
     if (own.size() != 2 * count) file.fail(what, " TEXCOORD_0 has another count than the positions");

@@ -1,4 +1,5 @@
-// The geometry of a skin: every primitive of every node that uses it, one after the other.
+// The geometry of a skin: every primitive of every node that uses it, or one that joints_of_skins() says is the same,
+// one after the other. Morph targets are as strong as they are by default.
 #pragma once
 
 #include <array>
@@ -25,8 +26,11 @@ SkinGeometry read_skin_geometry(const GltfFile& file, int skin, std::vector<std:
 // The mesh of one node, which has one; without weights where the node has no skin. Throws as above.
 SkinGeometry read_node_geometry(const GltfFile& file, std::size_t node, std::vector<std::string>& notes);
 
+// Of read_skin_geometry(). Throws as above.
+std::vector<Vec3> read_skin_positions(const GltfFile& file, int skin);
+
 // O in output order, metres, rest space: what a morph target of a character's skin moves; 0 where only other parts of
-// the skin have it. `unit`: metres per unit of the file, 0 for metres. Throws Error(file), also where no part has it.
+// the skin have it. `unit`: as file_unit() has it. Throws Error(file), also where no part has it.
 std::vector<Vec3> read_morph_target(const std::filesystem::path& character, int target, double unit);
 
 // O x 3 in output order: red, green and blue of an attribute of a character's skin, COLOR_0 say, from 0 to 1; 0 where

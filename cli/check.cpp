@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "assets/axis_turns.h"
+#include "assets/clip_source.h"
 #include "assets/wording.h"
 #include "cli/arguments/common.h"
 #include "cli/arguments/field_arguments.h"
@@ -298,7 +299,7 @@ void check(const CheckArguments& arguments) {
 void run(const CheckArguments& arguments) {
   arguments.json.require_writable();
   const std::string extension = std::filesystem::path(arguments.path).extension();
-  const bool is_character = extension == ".glb" || extension == ".gltf";
+  const bool is_character = is_called_gltf(arguments.path);
   if (!arguments.picture.empty()) {
     if (!is_character || !arguments.clip.source.empty()) {
       throw Error(ErrorKind::usage, "--picture draws a character (.glb, .gltf) alone");

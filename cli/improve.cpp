@@ -209,8 +209,9 @@ void run(const ImproveArguments& arguments) {
     const SampleSet set = read_samples(grown);
     const std::vector<Sample> test = tested(set, shots), &measured = test.empty() ? set.train : test;
     const MethodErrors before = errors_on(basis, set, measured);
-    basis = train_and_measure(set, options, false, grown.unit, arguments.basis).result.basis;
-    attach_own_meshes(grown.folder / grown.character, grown.unit, set.character.output_count(), basis, arguments.basis);
+    basis = train_and_measure(set, options, false, set.character.unit, arguments.basis).result.basis;
+    attach_own_meshes(grown.folder / grown.character, set.character.unit, set.character.output_count(), basis,
+                      arguments.basis);
     const MethodErrors after = errors_on(basis, set, measured);
     const double rest_before = root_mean_square(expected), rest_after = root_mean_square(expected_of(basis, shots));
     rounds.push_back({{"frames", chosen.size()},

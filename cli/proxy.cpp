@@ -29,7 +29,6 @@ struct ProxyArguments {
 struct Source {
   SampleSet set;
   std::filesystem::path character;  // its file
-  double unit = 0;                  // that it was read with
 };
 
 Source dataset_source(const ProxyArguments& arguments) {
@@ -41,7 +40,7 @@ Source dataset_source(const ProxyArguments& arguments) {
   const Dataset dataset = read_dataset(path);
   const std::string mismatch = first_problem(check_dataset(dataset), path);
   if (!mismatch.empty()) throw Error(ErrorKind::mismatch, mismatch);
-  return {read_samples(dataset), dataset.folder / dataset.character, dataset.unit};
+  return {read_samples(dataset), dataset.folder / dataset.character};
 }
 
 Source basis_source(const ProxyArguments& arguments) {
@@ -68,7 +67,7 @@ Source basis_source(const ProxyArguments& arguments) {
   }
   SampleSet set = taught_samples(character, muscles, teacher, poses_of(clip, frames), frames);
   set.notes = character.notes;
-  return {std::move(set), arguments.character, unit};
+  return {std::move(set), arguments.character};
 }
 
 void run(ProxyArguments arguments) {
@@ -83,10 +82,11 @@ void run(ProxyArguments arguments) {
   std::vector<std::string> notes;
   auto [levels, report] = build_proxy(source.set, arguments.options, notes);
   say(notes);
-  for (Level& level : levels) keep_unit(level.basis, source.unit);
+  for (Level& level : levels) keep_unit(level.basis, source.set.character.unit);
   save_levels(levels, arguments.out);
-  const std::vector<AttachedMesh> attached = attach_own_meshes(
-      source.character, source.unit, source.set.character.output_count(), levels.front().basis, arguments.out);
+  const std::vector<AttachedMesh> attached =
+      attach_own_meshes(source.character, source.set.character.unit, source.set.character.output_count(),
+                        levels.front().basis, arguments.out);
   const double seconds = watch.seconds();
   const Json table = levels_info(levels, report);
   arguments.json.emit(

@@ -106,7 +106,7 @@ void run(const RomArguments& arguments) {
 
   const RangeOfMotion motion = range_of_motion(character, limits, options);
   const Clip clip = clip_of(motion, limits, skeleton);
-  write_clip(rig.detached(clip), own.skeleton, arguments.unit, arguments.out);
+  write_clip(rig.detached(clip), own.skeleton, own.unit, arguments.out);
 
   say_few_frames(arguments, limits);
   std::string text = format("{} frames: rest, {} of sweeps, {} of pairs, {} random\n", clip.poses.size(),

@@ -44,10 +44,10 @@ void run_ddm_only(const TrainArguments& arguments) {
   const Character character = read_character(arguments.ddm_only, arguments.unit);
   say(character.notes);
   Basis basis = build_ddm_basis(character, arguments.options);
-  keep_unit(basis, arguments.unit);
+  keep_unit(basis, character.unit);
   save_basis(basis, arguments.out);
   const std::vector<AttachedMesh> attached =
-      attach_own_meshes(arguments.ddm_only, arguments.unit, character.output_count(), basis, arguments.out);
+      attach_own_meshes(arguments.ddm_only, character.unit, character.output_count(), basis, arguments.out);
   const double per_vertex = bytes_per_vertex(basis);
   arguments.json.emit(
       {{"basis", arguments.out},
@@ -217,9 +217,10 @@ void run(TrainArguments arguments) {
   const SampleSet set = samples_of(arguments, dataset);
   arguments.options.surface_curves = surface_curves_for(arguments, set);
   const double preparing = watch.seconds();
-  const Training training = train_and_measure(set, arguments.options, arguments.ablate, dataset.unit, arguments.out);
+  const Training training =
+      train_and_measure(set, arguments.options, arguments.ablate, set.character.unit, arguments.out);
   const std::vector<AttachedMesh> attached =
-      attach_own_meshes(dataset.folder / dataset.character, dataset.unit, set.character.output_count(),
+      attach_own_meshes(dataset.folder / dataset.character, set.character.unit, set.character.output_count(),
                         training.result.basis, arguments.out);
   const double seconds = preparing + training.seconds;
 

@@ -206,7 +206,7 @@ class BasisTransfer {
     const TransferPair pair(source_.front().basis, character, options_);
     const double alike = judge(pair, arguments_, target);
     std::vector<std::string> notes;
-    const std::vector<Level> carried = carried_levels(pair, character, source_, options_, arguments_.unit, notes);
+    const std::vector<Level> carried = carried_levels(pair, character, source_, options_, character.unit, notes);
     save_levels(carried, out);
     const Basis& basis = carried.front().basis;
     Json facts = to_json(pair, alike);
@@ -218,7 +218,7 @@ class BasisTransfer {
     const double seconds = watch.seconds();
     facts["seconds"] = seconds;
     const std::vector<std::string> beside =
-        carry_company(company_, pair, character, basis, out, arguments_.unit, options_, notes);
+        carry_company(company_, pair, character, basis, out, character.unit, options_, notes);
     facts["beside"] = beside;
     facts["seconds_with_what_is_beside"] = watch.seconds();
     say_of(target, notes);

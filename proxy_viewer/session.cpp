@@ -101,7 +101,7 @@ std::vector<std::string> Session::open(const std::string& file) {
     notes = add({.basis = file});
     receiver_ = scene.cast().size() - 1;
     controls.requests.frame_selection = true;  // to see it, too
-  } else if (has_extension(file, {".glb", ".gltf", ".bvh"})) {
+  } else if (is_called_gltf(split_source(file).path) || has_extension(file, {".bvh"})) {
     receiver.open_clip(file);
     notes = receiver.clip().notes;
     if (receiver_ == 0) play_clip();
@@ -193,7 +193,7 @@ void Session::open_truth(Actor& character, const std::string& file) {
 
 bool Session::is_character(const std::string& file) const {
   if (has_extension(file, {".safetensors"})) return true;
-  if (!has_extension(file, {".glb", ".gltf"})) return false;
+  if (!is_called_gltf(split_source(file).path)) return false;
   return is_another_character(file, scene.empty() ? Skeleton{} : scene.cast()[receiver_]->basis().skeleton);
 }
 

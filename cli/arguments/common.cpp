@@ -101,7 +101,8 @@ void DeviceArguments::add(CLI::App& verb) {
 }
 
 void add_unit(CLI::App& verb, double& unit) {
-  add_option(verb, "--unit", unit, "Metres per unit of the character's file (default: it must be in metres)")
+  add_option(verb, "--unit", unit,
+             "Metres per unit of the character's file (default: metres, or the unit that its size tells)")
       ->check(above_zero);
 }
 

@@ -14,11 +14,11 @@ namespace {
 namespace fs = std::filesystem;
 
 // What the arguments say of a dataset in that folder.
-Dataset asked_dataset(const SimulationArguments& arguments, const fs::path& folder) {
+Dataset asked_dataset(const SimulationArguments& arguments, double unit, const fs::path& folder) {
   Dataset dataset;
   dataset.folder = folder;
   dataset.character = relative_to(folder, arguments.character);
-  dataset.unit = arguments.unit;
+  dataset.unit = unit;
   dataset.muscles = relative_to(folder, arguments.muscles);
   dataset.materials = relative_to(folder, arguments.materials);
   arguments.anatomy.put_into(dataset);
@@ -56,15 +56,8 @@ void add_frames(const Dataset& dataset, const DatasetTake& there, DatasetTake& t
 }
 
 // A dataset that is there knows the unit of its character, which the arguments may lack.
-Character read_character_of(const SimulationArguments& arguments, const fs::path& dataset_path) {
-  try {
-    return read_character(arguments.character, arguments.unit);
-  } catch (const Error& error) {
-    if (arguments.unit != 0 || !fs::exists(dataset_path)) throw;
-    const double known = read_dataset(dataset_path).unit;
-    if (known == 0) throw;
-    throw Error(error.kind(), format("{}; {} was made with --unit {:g}", error.what(), dataset_path.string(), known));
-  }
+double unit_of(const SimulationArguments& arguments, const fs::path& dataset_path) {
+  return arguments.unit == 0 && fs::exists(dataset_path) ? read_dataset(dataset_path).unit : arguments.unit;
 }
 
 }  // namespace
@@ -72,7 +65,8 @@ Character read_character_of(const SimulationArguments& arguments, const fs::path
 std::vector<FrameStatus> simulate_take(const SimulationArguments& arguments) {
   const fs::path folder = arguments.out;
   const fs::path dataset_path = folder / "dataset.json";
-  const Character character = read_character_of(arguments, dataset_path);
+  const double unit = unit_of(arguments, dataset_path);
+  const Character character = read_character(arguments.character, unit);
   say(character.notes);
   std::vector<Muscle> muscles;
   if (!arguments.muscles.empty()) muscles = read_muscles(arguments.muscles, character.skeleton);
@@ -82,12 +76,12 @@ std::vector<FrameStatus> simulate_take(const SimulationArguments& arguments) {
   options.anatomy = arguments.anatomy.options(character.skeleton);
   if (!arguments.materials.empty()) options.materials = read_materials(arguments.materials);
   std::vector<int> frames;
-  const Clip clip = arguments.take.clip.read(character.skeleton, arguments.unit, frames);
+  const Clip clip = arguments.take.clip.read(character.skeleton, unit, frames);
 
   make_folder(folder);
   DatasetTake take = new_take(arguments, frames, folder);
   const TakeLock lock(folder / take.shapes);  // until dataset.json names the frames that the shapes are of
-  const Dataset asked = asked_dataset(arguments, folder);
+  const Dataset asked = asked_dataset(arguments, unit, folder);
   const Dataset dataset = open_dataset(asked, dataset_path);
   for (const DatasetTake& there : dataset.takes) {
     if (there.name == take.name) add_frames(dataset, there, take);

@@ -78,9 +78,9 @@ std::vector<AttachedMesh> attach_own_meshes(const fs::path& character, double un
     std::vector<std::string> notes;
     const std::vector<LooseMesh> meshes =
         read_loose_meshes(character, basis.skeleton, skin_vertices, unit > 0 ? unit : 1, notes);
+    const std::vector<AttachedMesh> bound = bind_own_meshes(meshes, basis, notes);
     say(notes);
-    if (meshes.empty()) return {};
-    const std::vector<AttachedMesh> bound = bind_meshes(meshes, basis, {});
+    if (bound.empty()) return {};
     attach(bound, attachments_beside(basis_path), basis, basis_path.string());
     return bound;
   } catch (const Error& error) {

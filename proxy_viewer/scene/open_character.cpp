@@ -16,26 +16,24 @@
 namespace bodyopt {
 namespace {
 
-OpenedCharacter with_ddm(Character character, double unit) {
+OpenedCharacter with_ddm(Character character) {
   OpenedCharacter opened;
   opened.notes = std::move(character.notes);
   Level& level = opened.levels.emplace_back();
   level.basis = build_ddm_basis(character, {});
-  keep_unit(level.basis, unit);
+  keep_unit(level.basis, character.unit);
   opened.character = std::move(character);
   return opened;
 }
 
 // Its eyes, teeth, clothes: as `train` attaches them.
-void attach_own_meshes(const std::string& path, const ClipOptions& options, OpenedCharacter& opened) {
+void attach_own_meshes(const std::string& path, OpenedCharacter& opened) {
   const Basis& basis = opened.levels.front().basis;
   try {
-    const double unit = options.unit > 0 ? options.unit : 1;
-    const RestSkin skin(basis);
-    for (const LooseMesh& mesh :
-         read_loose_meshes(path, basis.skeleton, basis.mesh.output_count(), unit, opened.notes)) {
-      opened.attached.meshes.push_back(bind_mesh(mesh, skin, {.unit = unit}));
-    }
+    const double unit = opened.character->unit > 0 ? opened.character->unit : 1;
+    const std::vector<LooseMesh> meshes =
+        read_loose_meshes(path, basis.skeleton, basis.mesh.output_count(), unit, opened.notes);
+    opened.attached.meshes = bind_own_meshes(meshes, basis, opened.notes);
   } catch (const Error& error) {
     opened.notes.push_back(std::string("the character's other meshes are not shown: ") + error.what());
   }
@@ -52,8 +50,8 @@ void play_own_clip(const std::string& path, const ClipOptions& options, OpenedCh
 }
 
 OpenedCharacter open_untrained(const std::string& path, const ClipOptions& options) {
-  OpenedCharacter opened = with_ddm(read_character(path, options.unit), options.unit);
-  attach_own_meshes(path, options, opened);
+  OpenedCharacter opened = with_ddm(read_character(path, options.unit));
+  attach_own_meshes(path, opened);
   play_own_clip(path, options, opened);
   opened.notes.push_back(path + " is shown by Direct Delta Mush, made just now: it is not trained");
   return opened;
@@ -61,7 +59,7 @@ OpenedCharacter open_untrained(const std::string& path, const ClipOptions& optio
 
 OpenedCharacter open_arm(const ClipOptions& options) {
   BuiltinArm arm = build_arm();
-  OpenedCharacter opened = with_ddm(std::move(arm.character), 0);
+  OpenedCharacter opened = with_ddm(std::move(arm.character));
   Basis& basis = opened.levels.front().basis;
   basis.strain = make_strain_table(basis, arm.muscles);
   opened.clip = arm_heldout(basis.skeleton, kArmHeldoutFrames);

@@ -190,20 +190,32 @@ TEST(Character, UnitScalesEverything) {
   EXPECT_LT(bind_error(centimetres.skeleton), 1e-12);
 }
 
-TEST(Character, PlainlyNotMetresIsRefusedWithTheRatio) {
+// A person's size tells the unit of what is plainly not in metres; what is given is heeded.
+TEST(Character, PlainlyNotMetresIsReadInTheUnitThatItsSizeTells) {
   const TemporaryFolder folder;
-  GltfBlob blob = two_joint_square();
-  primitive(blob)["attributes"]["POSITION"] = blob.vectors({0, 0, 0, 100, 0, 0, 100, 200, 0, 0, 200, 0});
-  const std::string text = error_of(ErrorKind::file, [&] { read(blob, folder); });
-  EXPECT_NE(text.find("223.6"), std::string::npos) << text;
-  EXPECT_NE(text.find("--unit 0.01"), std::string::npos) << text;
-  const Character centimetres = read(blob, folder, 0.01), giant = read(blob, folder, 1),
-                  tiny = read(blob, folder, 0.0001);
-  EXPECT_EQ(centimetres.vertices.rows(), 4);
-  EXPECT_FALSE(mentions(centimetres.notes, "bounding box"));
+  const auto square = [](float size) {
+    GltfBlob blob = two_joint_square();
+    primitive(blob)["attributes"]["POSITION"] = blob.vectors({0, 0, 0, size, 0, 0, size, 2 * size, 0, 0, 2 * size, 0});
+    return blob;
+  };
+  for (const auto& [size, unit] : {std::pair{100.0f, 0.01}, {30.0f, 0.01}, {1500.0f, 0.001}, {0.01f, 100.0}}) {
+    const Character found = read(square(size), folder), given = read(square(size), folder, unit);
+    EXPECT_EQ(found.unit, unit);
+    EXPECT_TRUE(mentions(found.notes, "a unit is taken as ")) << size;
+    EXPECT_TRUE(given.notes.empty());
+    EXPECT_EQ(found.vertices, given.vertices);
+    EXPECT_EQ(found.skeleton.joints[1].inverse_bind.m[1][3], given.skeleton.joints[1].inverse_bind.m[1][3]);
+  }
+  for (const float size : {1e-5f, 1e6f}) {
+    const std::string text = error_of(ErrorKind::file, [&] { read(square(size), folder); });
+    EXPECT_NE(text.find("(--unit)"), std::string::npos) << text;
+  }
+  const GltfBlob blob = square(100);
+  const Character giant = read(blob, folder, 1), tiny = read(blob, folder, 0.0001);
   EXPECT_TRUE(mentions(giant.notes, "measures 223.6 m from corner to corner, outside 0.05 to 50 m"));
   EXPECT_TRUE(mentions(giant.notes, "likely 0.01 m (--unit)"));
   EXPECT_TRUE(mentions(tiny.notes, "likely 0.01 m (--unit)"));
+  EXPECT_EQ(read(square(1), folder).unit, 0);
   error_of(ErrorKind::usage, [&] { read(blob, folder, -1); });
   error_of(ErrorKind::usage, [&] { read(blob, folder, NAN); });
 }
@@ -220,19 +232,73 @@ TEST(Character, NamesJointsThatHaveNoneOrTheSame) {
   EXPECT_TRUE(mentions(c.notes, "'bone_2'"));
 }
 
-TEST(Character, LargestSkinIsChosen) {
+// Of other binds than the character's, a skin is another's; of the same it is one with it.
+TEST(Character, LargestSkinIsChosenWithThoseThatAreAlike) {
   const TemporaryFolder folder;
   GltfBlob blob = two_joint_square();
   auto small = primitive(blob);
   small.erase("indices");
-  small["attributes"]["POSITION"] = blob.vectors({0, 0, 0, 1, 0, 0, 0, 1, 0});
+  small["attributes"]["POSITION"] = blob.vectors({0, 0, 1, 1, 0, 1, 0, 1, 1});
+  small["attributes"]["JOINTS_0"] = blob.joints({0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0});
+  small["attributes"]["WEIGHTS_0"] = blob.quads({1, 0, 0, 0, .25f, .75f, 0, 0, 0, 1, 0, 0});
   blob.root["meshes"].push_back({{"primitives", {small}}});
   blob.root["skins"].insert(blob.root["skins"].begin(), blob.root["skins"][0]);
   blob.root["nodes"][2]["skin"] = 1;
-  blob.root["nodes"].push_back({{"mesh", 1}, {"skin", 0}});
-  const Character c = read(blob, folder);
-  EXPECT_EQ(c.vertices.rows(), 4);
-  EXPECT_TRUE(mentions(c.notes, "2 skins; skin 1"));
+  blob.root["nodes"].push_back({{"mesh", 1}, {"skin", 0}, {"name", "hat"}});
+  const Character both = read(blob, folder);
+  EXPECT_EQ(both.vertices.rows(), 7);
+  EXPECT_EQ(both.output_triangles.rows(), 3);
+  EXPECT_FALSE(mentions(both.notes, "no part of it"));
+
+  std::vector<float> binds = identity_matrices(2);
+  binds[16 + 13] = -1;
+  std::rotate(binds.begin(), binds.begin() + 16, binds.end());
+  blob.root["skins"][0] = {{"joints", {1, 0}}, {"inverseBindMatrices", blob.matrices(binds)}};
+  const Character permuted = read(blob, folder);  // the same joints the other way round
+  EXPECT_EQ(permuted.vertices.rows(), 7);
+  EXPECT_EQ(permuted.weights[5][0].joint, 0u);
+  EXPECT_NEAR(permuted.weights[5][0].weight, 0.75, 1e-12);
+
+  binds[13] = -0.9f;
+  blob.root["skins"][0]["inverseBindMatrices"] = blob.matrices(binds);
+  const Character largest = read(blob, folder);
+  EXPECT_EQ(largest.vertices.rows(), 4);
+  EXPECT_TRUE(mentions(largest.notes, "no part of it: 'hat'"));
+}
+
+TEST(Character, OfSeveralScenesTheOneThatShowsItIsRead) {
+  const TemporaryFolder folder;
+  GltfBlob blob = two_joint_square();
+  blob.root["nodes"].push_back({{"mesh", 0}, {"skin", 0}, {"name", "coarse"}});
+  const auto read_with = [&](const Json& scenes, const Json& own) {
+    blob.root["scenes"] = scenes;
+    blob.root["scene"] = own;
+    return read(blob, folder);
+  };
+  const Json whole = {{"nodes", {0, 2}}}, coarse = {{"nodes", {0, 3}}}, none = {{"nodes", {0}}};
+  const Character first = read_with({whole, coarse}, 0), second = read_with({whole, coarse}, 1);
+  EXPECT_TRUE(first.name == "square" && second.name == "coarse") << first.name << second.name;
+  EXPECT_TRUE(mentions(first.notes, "does not show are left out: 'coarse'"));
+  const Character other = read_with({none, coarse}, 0);
+  EXPECT_EQ(other.name, "coarse");
+  EXPECT_TRUE(mentions(other.notes, "scene 1 is read"));
+  const Character all = read_with({none, none}, 0);
+  EXPECT_EQ(all.output_count(), 8u);
+  EXPECT_TRUE(mentions(all.notes, "all of its nodes are read"));
+  error_of(ErrorKind::file, [&] { read_with(Json::array({whole}), 1); });
+}
+
+// Half of the skin by a joint that turns it inside out.
+TEST(Character, JointsThatTurnPartOfItInsideOutAreRefused) {
+  const TemporaryFolder folder;
+  GltfBlob blob = two_joint_square();
+  blob.root["nodes"][1]["scale"] = {1, 1, -1};
+  EXPECT_NE(error_of(ErrorKind::file, [&] { read(blob, folder); }).find("turn the skin inside out"), std::string::npos);
+  blob.root["nodes"][0]["scale"] = {1, 1, -1};
+  blob.root["nodes"][1].erase("scale");
+  const Character mirrored = read(blob, folder);  // all of it: read with its outside outside
+  EXPECT_EQ(mirrored.output_triangles.row(0), (Eigen::Matrix<std::uint32_t, 1, 3>(0, 2, 1)));
+  EXPECT_TRUE(mentions(mirrored.notes, "mirror the whole skin"));
 }
 
 void expect_same(const Character& a, const Character& b) {

@@ -35,7 +35,7 @@ Skeleton two_joints() {
 // An animation-only file: nodes "root" and "tip", no channel yet.
 GltfBlob two_nodes() {
   GltfBlob blob;
-  blob.root["nodes"] = {{{"name", "root"}, {"children", {1}}}, {{"name", "tip"}, {"translation", {0, 7, 0}}}};
+  blob.root["nodes"] = {{{"name", "root"}, {"children", {1}}}, {{"name", "tip"}, {"translation", {0, 3, 0}}}};
   blob.root["animations"] = Json::array({{{"name", "move"}, {"samplers", Json::array()}, {"channels", Json::array()}}});
   return blob;
 }
@@ -110,7 +110,7 @@ TEST(Clip, WhatIsNotAnimatedStaysAsTheSkeletonHasIt) {
   animate(blob, 1, "rotation", {0, 1}, {0, 0, 0, 1, 1, 0, 0, 0});
   const Clip clip = clip_of(blob, folder);
   EXPECT_EQ(clip.poses.size(), 25u);
-  EXPECT_EQ(clip.poses[3].joints[1].translation, (Vec3{0, 1, 0}));  // not the 7 of the clip's file
+  EXPECT_EQ(clip.poses[3].joints[1].translation, (Vec3{0, 1, 0}));  // not the 3 of the clip's file
   EXPECT_TRUE(clip.notes.empty());
 }
 
@@ -122,7 +122,7 @@ TEST(Clip, AnimatedNodesAboveJointsAreComposedIn) {
   animate(blob, 0, "translation", {0, 1}, {0, 0, 0, 0, 1, 0});
   const Clip clip = clip_of(blob, folder, {.fps = 2});
   EXPECT_NEAR(length(clip.poses[1].joints[0].translation - Vec3{5, 1, 0}), 0, 1e-6);
-  EXPECT_NEAR(clip.poses[1].joints[0].scale[2], 2, 1e-9);
+  EXPECT_NEAR(clip.poses[1].joints[0].scale[2], 1, 1e-9);  // the armature's is no joint's
   EXPECT_FALSE(mentions(clip.notes, "armature"));
 }
 
@@ -175,8 +175,55 @@ TEST(Clip, ChoosesByName) {
 TEST(Clip, UnitScalesTranslations) {
   const TemporaryFolder folder;
   GltfBlob blob = two_nodes();
+  blob.root["nodes"][1]["translation"] = {0, 100, 0};
   animate(blob, 0, "translation", {0, 1}, {100, 0, 0, 100, 0, 0});
   EXPECT_NEAR(clip_of(blob, folder, {.unit = 0.01}).poses[7].joints[0].translation[0], 1, 1e-9);
+}
+
+// Whatever the unit of the file, of an armature in it and its axes: joints stand where they do in metres, unscaled.
+TEST(Clip, UnitsAreToldByTheBonesAndArmaturesScaleNoJoint) {
+  const TemporaryFolder folder;
+  const float s = std::sqrt(0.5f);
+  for (const double unit : {1.0, 0.01, 0.001, 0.0254}) {
+    for (const double armature : {1.0, 0.01, 100.0}) {
+      for (const double given : {0.0, 0.01}) {
+        if (unit == 0.0254 && given != 0) continue;  // bones 2.5 times as long may be another build's
+        SCOPED_TRACE(std::to_string(unit) + " " + std::to_string(armature) + " " + std::to_string(given));
+        const double inner = 1 / (unit * armature);
+        GltfBlob blob = two_nodes();
+        blob.root["nodes"][0]["name"] = "Root";  // matched by a convention
+        blob.root["nodes"][0]["translation"] = {0, 0, 0.9 * inner};
+        blob.root["nodes"][0]["rotation"] = {s, 0, 0, s};
+        blob.root["nodes"][1]["translation"] = {0, inner, 0};
+        blob.root["nodes"].push_back({{"name", "armature"},
+                                      {"scale", {armature, armature, armature}},
+                                      {"rotation", {-s, 0, 0, s}},
+                                      {"children", {0}}});
+        const auto to = static_cast<float>(inner);
+        animate(blob, 0, "translation", {0, 1}, {0, 0, 0.9f * to, to, 0, 0.9f * to});
+        animate(blob, 1, "rotation", {0, 1}, {0, 0, 0, 1, 0, 0, s, s});
+        const Clip clip = clip_of(blob, folder, {.unit = given});
+        const std::vector<JointTransform>& last = clip.poses.back().joints;
+        EXPECT_NEAR(length(last[0].translation - Vec3{1, 0.9, 0}), 0, 1e-5);
+        EXPECT_NEAR(length(last[0].scale - Vec3{1, 1, 1}), 0, 1e-6);
+        EXPECT_NEAR(length(last[1].translation - Vec3{0, 1, 0}), 0, 1e-6);
+        EXPECT_NEAR(last[1].rotation[2], s, 1e-6);
+        EXPECT_FALSE(mentions(clip.notes, "scales"));
+        EXPECT_EQ(mentions(clip.notes, "from the length of the bones"), unit != (given == 0 ? 1 : given));
+      }
+    }
+  }
+}
+
+TEST(Clip, ShearIsToldInMetres) {
+  const TemporaryFolder folder;
+  GltfBlob blob = two_nodes();
+  blob.root["nodes"][0]["rotation"] = {0, 0, std::sin(kPi / 12), std::cos(kPi / 12)};
+  blob.root["nodes"].push_back({{"name", "armature"}, {"scale", {1, 1.4, 0.7}}, {"children", {0}}});
+  animate(blob, 0, "translation", {0, 1}, {0, 0, 0, 0, 1, 0});
+  EXPECT_TRUE(mentions(clip_of(blob, folder).notes, "Nodes of the clip's file shear its joints"));
+  blob.root["nodes"][2]["scale"] = {2, 2, 2};
+  EXPECT_FALSE(mentions(clip_of(blob, folder).notes, "shear"));
 }
 
 TEST(Clip, OptionsOutOfRangeAreUsageErrors) {

@@ -266,6 +266,21 @@ AttachedMesh bind_mesh(const LooseMesh& mesh, const RestSkin& skin, const Attach
   return MeshBinder(mesh, skin, options).bind();
 }
 
+std::vector<AttachedMesh> bind_own_meshes(const std::vector<LooseMesh>& meshes, const Basis& basis,
+                                          std::vector<std::string>& notes) {
+  std::vector<AttachedMesh> bound;
+  if (meshes.empty()) return bound;
+  const RestSkin skin(basis);
+  for (const LooseMesh& mesh : meshes) {
+    try {
+      bound.push_back(bind_mesh(mesh, skin, {}));
+    } catch (const Error& error) {
+      notes.push_back(std::string("Not attached: ") + error.what());
+    }
+  }
+  return bound;
+}
+
 RestSkin::RestSkin(const Basis& basis)
     : skeleton_(basis.skeleton),
       ddm_(basis.ddm),

@@ -1,6 +1,7 @@
 // Binds a mesh to a skin: every connected piece of it follows the skin, or is fixed to a spot of it, or to a joint.
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "geometry/nearest_skin.h"
@@ -58,5 +59,9 @@ struct AttachOptions {
 // that of the mesh's own weights, or the one that moves most of the skin nearest to the piece.
 // Throws Error(mismatch) where the mesh is nowhere near the skin, Error(file) where it has no area.
 AttachedMesh bind_mesh(const LooseMesh& mesh, const RestSkin& skin, const AttachOptions& options);
+
+// The further meshes of a basis' own character. Those that cannot be bound are left out, each with a note.
+std::vector<AttachedMesh> bind_own_meshes(const std::vector<LooseMesh>& meshes, const Basis& basis,
+                                          std::vector<std::string>& notes);
 
 }  // namespace bodyopt

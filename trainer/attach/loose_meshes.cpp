@@ -16,20 +16,22 @@ class LooseMeshReader {
  public:
   LooseMeshReader(const std::filesystem::path& path, const Skeleton& skeleton, std::size_t skin_vertices, double unit,
                   std::vector<std::string>& notes)
-      : file_(path), skeleton_(skeleton), unit_(unit), notes_(notes), tree_(read_nodes(file_, unit, notes)) {
-    std::vector<std::string> unused;  // said when the character was read
-    const int first_skin = choose_skin(file_, unused);
-    for (int skin = 0; skin < std::ssize(file_.model().skins); ++skin) {
-      if (vertex_count(skin) == skin_vertices) character_skin_ = skin;
-    }
-    set_world();
+      : file_(path),
+        skeleton_(skeleton),
+        unit_(unit),
+        notes_(notes),
+        tree_(read_nodes(file_, unit_, notes)),
+        world_(world_of_nodes(tree_)) {
+    const int first_skin = choose_skin(file_);
+    find_character(first_skin, skin_vertices);
+    for (int skin = 0; skin < std::ssize(file_.model().skins); ++skin) find_character(skin, skin_vertices);
     set_joints(is_character() ? character_skin_ : first_skin);
   }
 
   std::vector<LooseMesh> read() {
     const auto& nodes = file_.model().nodes;
     for (std::size_t n = 0; n < nodes.size(); ++n) {
-      if (nodes[n].mesh < 0 || (is_character() && nodes[n].skin == character_skin_)) continue;
+      if (nodes[n].mesh < 0 || character_skins_.contains(nodes[n].skin)) continue;
       if (!is_character()) {
         add(n);
         continue;
@@ -50,24 +52,13 @@ class LooseMeshReader {
  private:
   bool is_character() const { return character_skin_ >= 0; }
 
-  // Of a skin's meshes; choose_skin() has checked the indices.
-  std::size_t vertex_count(int skin) const {
-    const tinygltf::Model& model = file_.model();
-    std::size_t count = 0;
-    for (const tinygltf::Node& node : model.nodes) {
-      if (node.mesh < 0 || node.skin != skin) continue;
-      for (const auto& primitive : model.meshes[static_cast<std::size_t>(node.mesh)].primitives) {
-        count += model.accessors[static_cast<std::size_t>(primitive.attributes.at("POSITION"))].count;
-      }
-    }
-    return count;
-  }
-
-  void set_world() {
-    world_.resize(tree_.parent.size());
-    for (const std::size_t n : tree_.order) {
-      const Affine own = affine_from(tree_.local[n]);
-      world_[n] = tree_.parent[n] < 0 ? own : world_[static_cast<std::size_t>(tree_.parent[n])] * own;
+  // Is it this skin, with those that are one with it?
+  void find_character(int skin, std::size_t skin_vertices) {
+    if (skin < 0 || is_character() || read_skin_positions(file_, skin).size() != skin_vertices) return;
+    character_skin_ = skin;
+    const std::vector<std::vector<std::uint32_t>> joints = joints_of_skins(file_, skin);
+    for (int other = 0; other < std::ssize(joints); ++other) {
+      if (!joints[static_cast<std::size_t>(other)].empty()) character_skins_.insert(other);
     }
   }
 
@@ -103,9 +94,16 @@ class LooseMeshReader {
     return n < 0 ? -1 : joint_of_node_[static_cast<std::size_t>(n)];
   }
 
-  // A node's space to the character's rest space.
+  int node_of_first_joint() const {
+    const auto found = std::ranges::find(joint_of_node_, 0);
+    return found == joint_of_node_.end() ? -1 : static_cast<int>(found - joint_of_node_.begin());
+  }
+
+  // A node's space to the character's rest space. In the character's own file what is below no joint is seen from its
+  // first.
   Affine rest_of(std::size_t node) const {
-    const int above = joint_node(node);
+    int above = joint_node(node);
+    if (above < 0 && is_character()) above = node_of_first_joint();
     if (above < 0) return world_[node];
     const auto n = static_cast<std::size_t>(above);
     const Joint& joint = skeleton_.joints[static_cast<std::size_t>(joint_of_node_[n])];
@@ -135,8 +133,7 @@ class LooseMeshReader {
     const Affine to_rest = rest_of(node);
     for (const Vec3& p : geometry.positions) mesh.vertices.push_back(to_rest * p);
     mesh.joint = joint_above(node);
-    if (determinant(to_rest) > 0) return;
-    for (auto& [a, b, c] : mesh.triangles) std::swap(b, c);  // mirrored: the outside stays outside
+    if (determinant(to_rest) < 0) turn_inside_out(mesh);
   }
 
   void place_skinned(int skin, const SkinGeometry& geometry, LooseMesh& mesh) {
@@ -147,29 +144,39 @@ class LooseMeshReader {
     for (std::size_t k = 0; k < joints.nodes.size(); ++k) {
       to_rest.push_back(rest_of(static_cast<std::size_t>(joints.nodes[k])) * binds[k]);
     }
+    bool is_foreign = true;
     for (std::size_t v = 0; v < geometry.positions.size(); ++v) {
       Vec3 rest{0, 0, 0};
       std::vector<JointWeight> weights = geometry.weights[v];
       if (weights.empty()) weights.push_back({0, 1});
       for (JointWeight& w : weights) {
         rest = rest + w.weight * (to_rest[w.joint] * geometry.positions[v]);
-        w.joint = character_joint(joints, w.joint);
+        const int joint = joint_above(static_cast<std::size_t>(joints.nodes[w.joint]));
+        if (joint < 0 && !is_character()) refuse_joint(joints.names[w.joint]);
+        is_foreign = is_foreign && joint < 0;
+        w.joint = static_cast<std::uint32_t>(std::max(0, joint));
       }
       mesh.vertices.push_back(rest);
       mesh.weights.push_back(std::move(weights));
     }
+    if (determinant(to_rest.front()) < 0) turn_inside_out(mesh);
+    if (!is_foreign) return;
+    mesh.joint = 0;
+    notes_.push_back("Mesh '" + mesh.name + "' is skinned to joints of another character: it is fixed to '" +
+                     skeleton_.joints.front().name + "' as it stands.");
   }
 
-  std::uint32_t character_joint(const SkinJoints& joints, std::uint32_t k) const {
-    const int joint = joint_above(static_cast<std::size_t>(joints.nodes[k]));
-    if (joint >= 0) return static_cast<std::uint32_t>(joint);
-    std::vector<std::string> known;
-    for (const Joint& own : skeleton_.joints) known.push_back(own.name);
-    throw Error(ErrorKind::mismatch, file_.path().string() + ": a mesh is skinned to joint '" + joints.names[k] +
+  // Mirrored: the outside stays outside.
+  static void turn_inside_out(LooseMesh& mesh) {
+    for (auto& [a, b, c] : mesh.triangles) std::swap(b, c);
+  }
+
+  [[noreturn]] void refuse_joint(const std::string& name) const {
+    const std::vector<std::string> known = names_of(skeleton_.joints);
+    throw Error(ErrorKind::mismatch, file_.path().string() + ": a mesh is skinned to joint '" + name +
                                          "', which the character does not have, nor one above it; the nearest names "
                                          "are " +
-                                         list_names(nearest_names(known, joints.names[k])) +
-                                         ": a mesh of another character?");
+                                         list_names(nearest_names(known, name)) + ": a mesh of another character?");
   }
 
   std::string unique_name(const std::string& wanted) {
@@ -186,8 +193,9 @@ class LooseMeshReader {
   double unit_;
   std::vector<std::string>& notes_;
   NodeTree tree_;
-  int character_skin_ = -1;  // the character's own, where the file is its
   std::vector<Affine> world_;
+  int character_skin_ = -1;         // where the file is the character's own
+  std::set<int> character_skins_;   // and those that are one with it
   std::vector<int> joint_of_node_;  // the character's, -1 for none
   std::set<std::string> names_;
   std::vector<LooseMesh> meshes_;
