@@ -1,5 +1,7 @@
 #include "assets/character.h"
 
+#include <meshoptimizer.h>
+
 #include "assets/gltf_skin.h"
 #include "tests/assets/gltf_blob.h"
 #include "tests/fuzz/fuzz_target.h"
@@ -11,7 +13,25 @@ std::vector<std::string> seeds() {
   GltfBlob coloured = two_joint_square();
   coloured.root["meshes"][0]["primitives"][0]["attributes"]["COLOR_0"] =
       coloured.vectors({0, 0, 0, 0, 0.5f, 0, 1, 0, 0, 0, 0, 1});
-  return {coloured.glb()};
+  GltfBlob sparse = coloured;
+  sparse.root["accessors"][0]["sparse"] = {
+      {"count", 1}, {"indices", {{"bufferView", 1}, {"componentType", 5121}}}, {"values", {{"bufferView", 0}}}};
+  sparse.root["meshes"][0]["primitives"][0]["targets"] = {{{"POSITION", 0}}};
+  sparse.root["meshes"][0]["weights"] = {0.5};
+  sparse.root["scenes"] = {{{"nodes", {0, 2}}}};
+  // The view of the positions, as EXT_meshopt_compression has it.
+  GltfBlob compressed = coloured;
+  std::vector<unsigned char> encoded(1024);
+  encoded.resize(meshopt_encodeVertexBuffer(encoded.data(), encoded.size(), compressed.binary.data(), 4, 12));
+  compressed.root["bufferViews"][0]["extensions"]["EXT_meshopt_compression"] = {
+      {"buffer", 0},
+      {"byteOffset", compressed.binary.size()},
+      {"byteLength", encoded.size()},
+      {"byteStride", 12},
+      {"count", 4},
+      {"mode", "ATTRIBUTES"}};
+  compressed.binary.append(reinterpret_cast<const char*>(encoded.data()), encoded.size());
+  return {coloured.glb(), sparse.glb(), compressed.glb()};
 }
 
 void read(const std::string& bytes) {
