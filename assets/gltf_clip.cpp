@@ -241,10 +241,9 @@ void copy_motion(const GltfFile& file, Motion motion, std::size_t frames, Clip& 
   note_scale(clip, motion.skeleton, clip.notes);
 }
 
-// At rest; 1 where an armature scales joints as the skeleton's own.
-double size_of(const Motion& motion, const RestNodes& rest) {
+double size_of(const Motion& motion, std::span<const JointTransform> nodes) {
   NodeTree tree = motion.tree;
-  tree.exact = transformed(rest.local, affine_from);
+  tree.exact = transformed(nodes, affine_from);
   const std::vector<Affine> world = world_of_nodes(tree),
                             bind = posed_joints(motion.skeleton, bind_pose(motion.skeleton).joints);
   std::vector<double> sizes;
@@ -255,6 +254,18 @@ double size_of(const Motion& motion, const RestNodes& rest) {
     sizes.push_back(std::cbrt(std::abs(brought / own)));
   }
   return common_scale(std::move(sizes));
+}
+
+// At rest; 1 where an armature scales joints as the skeleton's own. Nodes that no skin vouches for may stand in a frame
+// that stretches joints, which is motion.
+double size_at_rest(const Motion& motion, const RestNodes& rest) {
+  const double size = size_of(motion, rest.local);
+  if (rest.is_bound || size == 1 || is_other_build(size)) return size;
+  std::vector<JointTransform> unstretched = rest.local;
+  for (const int node : motion.joint_nodes) {
+    if (node >= 0) unstretched[static_cast<std::size_t>(node)].scale = {1, 1, 1};
+  }
+  return size_of(motion, unstretched);
 }
 
 // How long the bones are at rest that both have, beside the skeleton's; 1 where there are none.
@@ -403,7 +414,7 @@ Clip read_gltf_clip(const GltfFile& file, const std::string& name, const Skeleto
   note_names(file, motion, animated, clip.notes);
   const std::size_t frames =
       frame_count(file.path().string(), duration, std::max(skeleton.size(), animated.size()), options);
-  motion.size = size_of(motion, rest);
+  motion.size = size_at_rest(motion, rest);
   if (const double longer = length_of(motion, rest); is_other_unit(longer)) {
     if (has_few_in_common(motion)) fail_build(file, longer);
     motion.unit = unit / longer;

@@ -215,6 +215,17 @@ TEST(Clip, UnitsAreToldByTheBonesAndArmaturesScaleNoJoint) {
   }
 }
 
+// An animation alone may be exported as it stands in a frame: what is stretched there is motion.
+TEST(Clip, AStretchedFrameIsNoArmature) {
+  const TemporaryFolder folder;
+  GltfBlob blob = two_nodes();
+  blob.root["nodes"][0]["scale"] = {1.3, 1.3, 1.3};
+  animate(blob, 0, "scale", {0, 1}, {1, 1, 1, 1.3f, 1.3f, 1.3f});
+  const Clip clip = clip_of(blob, folder);
+  EXPECT_NEAR(clip.poses.front().joints[0].scale[1], 1, 1e-6);
+  EXPECT_NEAR(clip.poses.back().joints[0].scale[1], 1.3, 1e-6);
+}
+
 TEST(Clip, ShearIsToldInMetres) {
   const TemporaryFolder folder;
   GltfBlob blob = two_nodes();
