@@ -5,6 +5,7 @@
 #include "tests/support/error_kind.h"
 #include "tests/support/limb_glb.h"
 #include "tests/support/same_basis.h"
+#include "tests/support/shared_data.h"
 #include "trainer/train/features/strain.h"
 #include "trainer/train/skinning/ddm_basis.h"
 
@@ -53,6 +54,20 @@ TEST(OpenCharacter, ItsUnitIsThatOfItsClipsAndMeshes) {
   EXPECT_EQ(opened.levels[0].basis.metadata.at("character_unit_m"), "0.5");
   EXPECT_NEAR(opened.attached.meshes[0].rest[2], 0.26, 0.01);
   EXPECT_NEAR(opened.clip->poses[0].joints[1].translation[2], 0.15, 1e-6);
+}
+
+// Whose file is in centimetres, and `open` is told no unit.
+TEST(OpenCharacter, AUnitThatItsSizeTellsIsThatOfItsClips) {
+  const auto path = shared_data("characters/fox.glb");
+  if (!path) GTEST_SKIP() << kNeedsOtherWriters;
+  const OpenedCharacter found = open_character(*path, {}), told = open_character(*path, {.unit = 0.01});
+  EXPECT_EQ(found.levels[0].basis.metadata, told.levels[0].basis.metadata);
+  EXPECT_EQ(difference(found.levels[0].basis, told.levels[0].basis), "");
+  ASSERT_TRUE(found.clip && told.clip);
+  for (std::size_t j = 0; j < told.clip->poses[0].joints.size(); ++j) {
+    EXPECT_EQ(found.clip->poses[0].joints[j].translation, told.clip->poses[0].joints[j].translation);
+  }
+  EXPECT_TRUE(mentions(found.notes, "a unit is taken as 0.01 m"));
 }
 
 TEST(OpenCharacter, WithoutAClipThereIsNone) {
