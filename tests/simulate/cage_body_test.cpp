@@ -24,7 +24,7 @@ namespace {
 QuasiStaticBody caged(const Character& character, const std::vector<Muscle>& muscles, Eigen::Index nodes) {
   const AnatomyOptions coarse{.cell = 2 * default_cell(character)};
   return {character, muscles, look_inside(character, muscles, {.anatomy = coarse}),
-          make_cage(character.vertices, character.triangles, character.weights, nodes)};
+          make_cage(character.vertices, character.triangles, character.weights, {nodes, 0, nodes})};
 }
 
 double rms(const Positions& a, const Positions& b) { return std::sqrt((a - b).rowwise().squaredNorm().mean()); }
@@ -48,8 +48,8 @@ TEST(CageBody, BindPoseIsTheRestSkin) {
 TEST(CageBody, ADraftIsNearTheFullShape) {
   const Character limb = make_limb();
   const std::vector<Muscle> muscles{make_flexor()};
-  const QuasiStaticBody full(limb, muscles, 0.05, kLimbAnatomy), draft = caged(limb, muscles, 1500),
-                                                                 coarse = caged(limb, muscles, 200);
+  const QuasiStaticBody full = own_body(limb, muscles, 0.05, kLimbAnatomy), draft = caged(limb, muscles, 1500),
+                        coarse = caged(limb, muscles, 200);
   const Pose pose = bent(limb, degrees(70));
   const SolvedPose a = full.solve(pose), b = draft.solve(pose), c = coarse.solve(pose);
   EXPECT_TRUE(b.status.converged);
@@ -72,8 +72,8 @@ TEST(CageBody, ADraftIsNearTheFullShape) {
 TEST(CageBody, WalksToTheShapeThatTheOwnTetsWalkTo) {
   const Character limb = make_limb();
   const std::vector<Muscle> muscles{make_flexor()};
-  const QuasiStaticBody own(limb, muscles, 0.05, kLimbAnatomy);
-  QuasiStaticBody nested(limb, muscles, 0.05, kLimbAnatomy);
+  const QuasiStaticBody own = own_body(limb, muscles, 0.05, kLimbAnatomy);
+  QuasiStaticBody nested = own_body(limb, muscles, 0.05, kLimbAnatomy);
   nested.walk_in(std::make_unique<QuasiStaticBody>(caged(limb, muscles, 100)));
   EXPECT_NE(nested.hash(), own.hash());
   for (const double turn : {40.0, 80.0}) {
@@ -152,7 +152,7 @@ TEST(CageBody, SkinsWithHolesAreMendedAndSaid) {
       simulate(limb, {make_flexor()}, bend(limb, 3), {1, 2, 3}, folder / "take.pc2", folder / "take.json", options);
   EXPECT_NE(warning.find("holes filled with"), std::string::npos) << warning;
   for (const FrameStatus& frame : status) EXPECT_TRUE(frame.converged);
-  const QuasiStaticBody full(make_limb(), {make_flexor()}, 0.05, kLimbAnatomy);
+  const QuasiStaticBody full = own_body(make_limb(), {make_flexor()}, 0.05, kLimbAnatomy);
   const Positions expected = full.skin(full.solve(bent(limb, degrees(50))).nodes);
   const Positions found = welded_from_output(limb, ShapeReader(folder / "take.pc2").sample(2).data());
   EXPECT_LT(rms(found, expected), 0.003);
@@ -191,7 +191,7 @@ TEST(CageBody, AGiantDeformsAsAHumanDoes) {
       for (auto& row : joint.inverse_bind.m) row[3] *= size;
     }
     const QuasiStaticBody body(limb, {}, look_inside(limb, {}, {.anatomy = {.cell = size * kLimbAnatomy.cell}}),
-                               make_cage(limb.vertices, limb.triangles, limb.weights, 400));
+                               make_cage(limb.vertices, limb.triangles, limb.weights, {400, 0, 400}));
     const SolvedPose solved = body.solve(bent(limb, degrees(60)));
     EXPECT_TRUE(solved.status.converged) << size;
     return Positions(body.skin(solved.nodes) / size);
