@@ -10,6 +10,7 @@
 
 #include "assets/wording.h"
 #include "base/progress.h"
+#include "base/spread_evenly.h"
 #include "geometry/bad_edges.h"
 #include "geometry/closed_skin.h"
 #include "geometry/extent.h"

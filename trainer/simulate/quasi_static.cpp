@@ -3,6 +3,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "base/content_hash.h"
@@ -458,6 +459,17 @@ std::optional<SolvedPose> QuasiStaticBody::settle_from_linear(const Pose& pose, 
   settle_upright(target(without_root_motion(pose), flex), Tissue::kBarrier, solved);
   judge(solved);
   return solved;
+}
+
+double QuasiStaticBody::discretisation_error(const Pose& pose, std::span<const double> flex,
+                                             const Positions& skin) const {
+  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+  if (!coarser_) return kNone;
+  const SolvedPose coarse = coarser_->solve(pose, flex);
+  if (!coarse.status.converged) return kNone;
+  const double larger = std::cbrt(static_cast<double>(mesh_.tets.rows()) / coarser_->mesh_.tets.rows());
+  const double distance = std::sqrt((coarser_->skin(coarse.nodes) - skin).rowwise().squaredNorm().mean());
+  return larger > 1 ? distance / (larger * larger - 1) : kNone;
 }
 
 }  // namespace bodyopt

@@ -36,6 +36,13 @@ class QuasiStaticBody {
   // settled in this one.
   void walk_in(std::unique_ptr<const QuasiStaticBody> linear);
 
+  // A body of the same skin in fewer, larger tets, by which it can tell its discretisation error.
+  void compare_with(std::unique_ptr<const QuasiStaticBody> coarser) { coarser_ = std::move(coarser); }
+  // How far the skin of a solved pose (V x 3) is from that in ever smaller tets, metres, RMS: from the coarser body's,
+  // errors taken to fall with the square of the tets' size (Richardson). Not a number without a coarser body, or where
+  // that does not converge.
+  double discretisation_error(const Pose& pose, std::span<const double> flex, const Positions& skin) const;
+
   // The equilibrium reached from rest along the straight path in joint angles, a pure function of the pose. A single
   // root's motion is taken out and put back at the end: there is no gravity, so the body does not feel it. The linear
   // body (walk_in) takes the path where it comes to rest without deep folds; its shape is where this body starts.
@@ -130,7 +137,8 @@ class QuasiStaticBody {
   std::unique_ptr<Metric> metric_;
   std::unique_ptr<const QuasiStaticBody> linear_;  // null where poses are walked to in the own tets
   std::vector<EmbeddedPoint> in_linear_;           // N
-  double force_floor_ = 0, max_move_ = 0;          // of the solver
+  std::unique_ptr<const QuasiStaticBody> coarser_;
+  double force_floor_ = 0, max_move_ = 0;  // of the solver
   std::uint64_t hash_ = 0;
 };
 

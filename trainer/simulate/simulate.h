@@ -52,6 +52,11 @@ QuasiStaticBody make_body(const Character& character, const std::vector<Muscle>&
 QuasiStaticBody make_body(const Character& character, const std::vector<Muscle>& muscles, const AnatomyField& anatomy,
                           const SimulateOptions& options);
 
+// make_body(), and where that is a coarser skin a body of a third of its nodes beside it, so that simulate() can tell
+// its discretisation error.
+QuasiStaticBody make_compared_body(const Character& character, const std::vector<Muscle>& muscles,
+                                   const SimulateOptions& options);
+
 // One frame of a clip, its controls flexing muscles. Throws Error(usage) for a frame the clip lacks, Error(mismatch)
 // for controls that flex no muscle or are not within 0..1.
 SolvedPose solve_frame(const QuasiStaticBody& body, const std::vector<Muscle>& muscles, const Clip& clip, int frame);
@@ -71,7 +76,7 @@ void require_unscaled(const Skeleton& skeleton, const Clip& clip, int frame);
 std::vector<FrameStatus> simulate(const Character& character, const std::vector<Muscle>& muscles, const Clip& clip,
                                   const std::vector<int>& frames, const TakeLock& take,
                                   const std::filesystem::path& status, const SimulateOptions& options);
-// The same of a body that make_body() made with these options: several takes of it share its tets.
+// The same of a body that make_compared_body() made with these options: several takes of it share its tets.
 std::vector<FrameStatus> simulate(const QuasiStaticBody& body, const Character& character,
                                   const std::vector<Muscle>& muscles, const Clip& clip, const std::vector<int>& frames,
                                   const TakeLock& take, const std::filesystem::path& status,
