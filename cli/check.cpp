@@ -281,7 +281,8 @@ void check(const CheckArguments& arguments) {
     std::vector<std::string> anatomy;
     if (!samples.muscles.empty())
       anatomy = misfits(samples.character, samples.muscles, anatomy_options(dataset, samples.character.skeleton));
-    for (const std::vector<std::string>& some : {samples.notes, shape_doubts(samples), short_takes(dataset), anatomy}) {
+    for (const std::vector<std::string>& some :
+         {samples.notes, shape_doubts(samples), short_takes(dataset), coarse_takes(dataset), anatomy}) {
       notes.insert(notes.end(), some.begin(), some.end());
     }
   }

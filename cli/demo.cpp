@@ -120,7 +120,7 @@ void simulate_takes(const Dataset& dataset, const SimulateOptions& options) {
   fs::create_directories(dataset.folder);
   const Character character = read_character(dataset.folder / dataset.character);
   const std::vector<Muscle> muscles = read_muscles(dataset.folder / dataset.muscles, character.skeleton);
-  const QuasiStaticBody body = make_body(character, muscles, options);
+  const QuasiStaticBody body = make_compared_body(character, muscles, options);
   for (const DatasetTake& take : dataset.takes) {
     simulate(body, character, muscles, read_clip(dataset, take, character.skeleton), take.frames,
              dataset.folder / take.shapes, dataset.folder / take.shapes_status, options);

@@ -23,7 +23,7 @@ constexpr double kDeep = 5e-3;
 // What a TD has to know of a run; `text` names the frames that need a look.
 Json summary(const std::vector<FrameStatus>& status, std::string& text) {
   int unconverged = 0, inverted = 0, deep = 0;
-  double residual = 0, seconds = 0, depth = 0, volume = 0;
+  double residual = 0, seconds = 0, depth = 0, volume = 0, error = 0;
   int deepest_frame = 0;
   Json per_frame = Json::array();
   for (const FrameStatus& frame : status) {
@@ -49,6 +49,10 @@ Json summary(const std::vector<FrameStatus>& status, std::string& text) {
                          {"inverted_tets", frame.inverted_tets},
                          {"contact_depth_mm", 1e3 * frame.contact_depth},
                          {"volume_change", frame.volume_change}});
+    if (std::isfinite(frame.discretisation_error)) {
+      per_frame.back()["discretisation_error_mm"] = 1e3 * frame.discretisation_error;
+      error = std::max(error, frame.discretisation_error);
+    }
   }
   const double mean_seconds = seconds / static_cast<double>(std::max<std::size_t>(status.size(), 1));
   text +=
@@ -59,10 +63,16 @@ Json summary(const std::vector<FrameStatus>& status, std::string& text) {
                    deepest_frame, 1e3 * kDeep, deep);
   }
   if (volume != 0) text += format("volume of the muscle that changes most: {:+.2f} %\n", 1e2 * volume);
-  return {{"frames", status.size()},           {"unconverged", unconverged},
-          {"inverted_tets", inverted},         {"largest_residual", residual},
-          {"seconds_per_frame", mean_seconds}, {"contact_depth_mm", 1e3 * depth},
-          {"largest_volume_change", volume},   {"per_frame", per_frame}};
+  if (error > 0) text += format("finer tets would move the skin by about {:.1f} mm (RMS, estimated)\n", 1e3 * error);
+  return {{"frames", status.size()},
+          {"unconverged", unconverged},
+          {"inverted_tets", inverted},
+          {"largest_residual", residual},
+          {"seconds_per_frame", mean_seconds},
+          {"contact_depth_mm", 1e3 * depth},
+          {"largest_volume_change", volume},
+          {"discretisation_error_mm", 1e3 * error},
+          {"per_frame", per_frame}};
 }
 
 // What is odd about the take's shapes.
@@ -102,10 +112,9 @@ void add_simulate(CLI::App& app) {
   add_required(verb, "--out", arguments.out, "DATASET_DIR",
                "Dataset folder; a take is added to the dataset.json in it");
   CLI::Option* size = add_option(verb, "--tet-size", arguments.options.tet_size,
-                                 "Largest tet edge inside, metres (default: from the skin)")
+                                 "Fill the skin itself with tets of this edge inside, metres (default: a coarser skin)")
                           ->check(above_zero);
-  add_flag(verb, "--draft", arguments.options.draft, "Fast: in a cage of 1,500 nodes or fewer; stores nodes (.nodes)")
-      ->excludes(size);
+  add_flag(verb, "--draft", arguments.options.draft, "Fast: in larger tets; stores nodes (.nodes)")->excludes(size);
   add_option(verb, "--threads", arguments.options.threads, "Frames solved at once (default: one per core)")
       ->check(CLI::NonNegativeNumber);
   add_unit(verb, arguments.unit);

@@ -233,7 +233,7 @@ std::vector<FrameStatus> read_frame_status(const std::filesystem::path& path) {
   std::set<int> known;
   for (const JsonObject& frame : top.objects("frames")) {
     frame.allow({"frame", "residual", "converged", "iterations", "seconds", "inverted_tets", "contact_depth",
-                 "volume_change", "inputs"});
+                 "volume_change", "discretisation_error", "inputs"});
     FrameStatus entry;
     entry.frame = frame.integer("frame");
     entry.residual = frame.is_null("residual") ? kNoResidual : frame.number("residual", 0, 1e300);
@@ -245,6 +245,7 @@ std::vector<FrameStatus> read_frame_status(const std::filesystem::path& path) {
       entry.contact_depth = frame.number("contact_depth", 0, 1e9);
     if (frame.has("volume_change") && !frame.is_null("volume_change"))  // below -1: turned inside out
       entry.volume_change = frame.number("volume_change", -1e9, 1e9);
+    if (frame.has("discretisation_error")) entry.discretisation_error = frame.number("discretisation_error", 0, 1e9);
     if (frame.has("inputs")) entry.inputs = frame.hash("inputs");
     if (!known.insert(entry.frame).second) frame.refuse("names frame ", entry.frame, " again");
     if (entry.converged && !(entry.residual < kConverged && entry.inverted_tets == 0)) {
@@ -266,6 +267,7 @@ void write_frame_status(const std::vector<FrameStatus>& status, const std::files
                   {"inverted_tets", entry.inverted_tets},
                   {"contact_depth", std::isfinite(entry.contact_depth) ? Json(entry.contact_depth) : Json()},
                   {"volume_change", std::isfinite(entry.volume_change) ? Json(entry.volume_change) : Json()}};
+    if (std::isfinite(entry.discretisation_error)) frame["discretisation_error"] = entry.discretisation_error;
     if (entry.inputs != 0) frame["inputs"] = hexadecimal(entry.inputs);
     frames.push_back(frame);
   }

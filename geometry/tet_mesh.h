@@ -14,6 +14,8 @@ struct TetMesh {
   Positions nodes;           // N x 3, rest space, metres
   Tets tets;                 // positive volume
   double worst_quality = 0;  // smallest mean-ratio quality, 0 (flat) .. 1 (regular)
+  // Every eight tets in a row are one of second order, cut at the middles of its edges (trainer/tets/second_order.h).
+  bool is_second_order = false;
 };
 
 // Turns every tet to positive volume and sets the worst quality.

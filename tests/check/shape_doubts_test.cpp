@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/support/capsule_limb.h"
+#include "tests/support/temporary_folder.h"
 #include "trainer/train/skinning/linear_blend.h"
 
 namespace bodyopt {
@@ -81,6 +82,24 @@ TEST(ShortTakes, AreThoseOfWhichNothingCanBeHeldOut) {
   const std::vector<std::string> sentences = short_takes(dataset);
   ASSERT_EQ(sentences.size(), 1u);
   EXPECT_NE(sentences[0].find("'take 10' has 10 frames"), std::string::npos);
+}
+
+TEST(CoarseTakes, AreThoseThatTrainingComesNearerToThanTheyAreToTheTruth) {
+  const TemporaryFolder folder;
+  Dataset dataset;
+  dataset.folder = folder.path();
+  for (const double error : {0.4e-3, 1.24e-3}) {
+    DatasetTake& take = dataset.takes.emplace_back();
+    take.name = take.shapes_status = "take" + std::to_string(dataset.takes.size());
+    std::vector<FrameStatus> status(3);
+    for (int k = 0; k < 3; ++k) status[static_cast<std::size_t>(k)].frame = k;
+    status[1].discretisation_error = error;
+    write_frame_status(status, folder / take.shapes_status);
+  }
+  dataset.takes.emplace_back().name = "without a side-car";
+  const std::vector<std::string> sentences = coarse_takes(dataset);
+  ASSERT_EQ(sentences.size(), 1u);
+  EXPECT_NE(sentences[0].find("'take2': finer tets would move the skin by about 1.2 mm"), std::string::npos);
 }
 
 }  // namespace

@@ -20,13 +20,15 @@ class Anatomy : public ::testing::Test {
  protected:
   Anatomy()
       : limb_(make_limb()),
-        mesh_(tetrahedralise(limb_.vertices, limb_.triangles, 0.05)),
+        cage_(own_cage(limb_.vertices, limb_.triangles, limb_.weights, 0.05)),
+        mesh_(cage_.mesh),
         laplacian_(tet_laplacian(mesh_, std::vector<double>(static_cast<std::size_t>(mesh_.tets.rows()), 1e4))),
-        weights_(carry_inwards(limb_, laplacian_, SparseMatrix(mesh_.nodes.rows(), mesh_.nodes.rows()),
+        weights_(carry_through(limb_, cage_, laplacian_, SparseMatrix(mesh_.nodes.rows(), mesh_.nodes.rows()),
                                NodeWeights::Zero(mesh_.nodes.rows(), 2))),
         bones_(find_tissue(mesh_, tube_tissue).bones) {}
 
   Character limb_;
+  Cage cage_;
   TetMesh mesh_;
   SparseMatrix laplacian_;
   NodeWeights weights_;

@@ -18,7 +18,7 @@ class ArmMuscles : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {
     arm_ = new BuiltinArm(build_arm());
-    body_ = new QuasiStaticBody(arm_->character, arm_->muscles, 0.0);
+    body_ = new QuasiStaticBody(own_body(arm_->character, arm_->muscles, 0));
   }
   static void TearDownTestSuite() {
     delete body_;

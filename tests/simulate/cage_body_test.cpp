@@ -13,9 +13,11 @@
 #include "tests/support/shared_data.h"
 #include "tests/support/stand_in_human.h"
 #include "tests/support/temporary_folder.h"
+#include "trainer/builtin/arm.h"
 #include "trainer/simulate/quasi_static.h"
 #include "trainer/simulate/simulate.h"
 #include "trainer/tets/lattice_cage.h"
+#include "trainer/tets/second_order.h"
 #include "trainer/tets/skin_cage.h"
 
 namespace bodyopt {
@@ -24,7 +26,7 @@ namespace {
 QuasiStaticBody caged(const Character& character, const std::vector<Muscle>& muscles, Eigen::Index nodes) {
   const AnatomyOptions coarse{.cell = 2 * default_cell(character)};
   return {character, muscles, look_inside(character, muscles, {.anatomy = coarse}),
-          make_cage(character.vertices, character.triangles, character.weights, nodes)};
+          make_cage(character.vertices, character.triangles, character.weights, {nodes, 0, nodes})};
 }
 
 double rms(const Positions& a, const Positions& b) { return std::sqrt((a - b).rowwise().squaredNorm().mean()); }
@@ -48,8 +50,8 @@ TEST(CageBody, BindPoseIsTheRestSkin) {
 TEST(CageBody, ADraftIsNearTheFullShape) {
   const Character limb = make_limb();
   const std::vector<Muscle> muscles{make_flexor()};
-  const QuasiStaticBody full(limb, muscles, 0.05, kLimbAnatomy), draft = caged(limb, muscles, 1500),
-                                                                 coarse = caged(limb, muscles, 200);
+  const QuasiStaticBody full = own_body(limb, muscles, 0.05, kLimbAnatomy), draft = caged(limb, muscles, 1500),
+                        coarse = caged(limb, muscles, 200);
   const Pose pose = bent(limb, degrees(70));
   const SolvedPose a = full.solve(pose), b = draft.solve(pose), c = coarse.solve(pose);
   EXPECT_TRUE(b.status.converged);
@@ -69,22 +71,79 @@ TEST(CageBody, ADraftIsNearTheFullShape) {
   EXPECT_LT(rms(full.skin(a.nodes), draft.skin(b.nodes)), 0.5 * rms(full.skin(a.nodes), skinned));
 }
 
+// Of second order in a coarser skin.
+QuasiStaticBody quadratic(const Character& character, const std::vector<Muscle>& muscles, Eigen::Index nodes,
+                          bool walks) {
+  const Cage cage = filled_cage(character.vertices, character.triangles, character.weights, nodes);
+  const AnatomyOptions coarse{.cell = 2 * default_cell(character)};
+  const AnatomyField anatomy(character, muscles, coarse);
+  QuasiStaticBody body(character, muscles, anatomy, second_order(cage));
+  if (walks) body.walk_in(std::make_unique<QuasiStaticBody>(character, muscles, anatomy, cage));
+  return body;
+}
+
 TEST(CageBody, WalksToTheShapeThatTheOwnTetsWalkTo) {
   const Character limb = make_limb();
-  const std::vector<Muscle> muscles{make_flexor()};
-  const QuasiStaticBody own(limb, muscles, 0.05, kLimbAnatomy);
-  QuasiStaticBody nested(limb, muscles, 0.05, kLimbAnatomy);
-  nested.walk_in(std::make_unique<QuasiStaticBody>(caged(limb, muscles, 100)));
+  const QuasiStaticBody own = quadratic(limb, {make_flexor()}, 150, false),
+                        nested = quadratic(limb, {make_flexor()}, 150, true);
   EXPECT_NE(nested.hash(), own.hash());
   for (const double turn : {40.0, 80.0}) {
     const Pose pose = bent(limb, degrees(turn));
     const SolvedPose a = own.solve(pose), b = nested.solve(pose);
     EXPECT_TRUE(b.status.converged);
     EXPECT_NE(a.nodes, b.nodes);
-    EXPECT_LT((a.nodes - b.nodes).rowwise().norm().maxCoeff(), 1e-5);
+    EXPECT_LT((a.nodes - b.nodes).rowwise().norm().maxCoeff(), 2e-5);
   }
-  const Pose folded = bent(limb, degrees(150));  // deeper than the cage's contact can tell
+  const Pose folded = bent(limb, degrees(150));  // deeper than the contact of linear tets can tell
   EXPECT_EQ(own.solve(folded).nodes, nested.solve(folded).nodes);
+}
+
+// Against tets a good deal finer.
+TEST(CageBody, TellsHowFarFinerTetsWouldMoveTheSkin) {
+  const Character limb = make_limb();
+  const std::vector<Muscle> muscles{make_flexor()};
+  QuasiStaticBody body = quadratic(limb, muscles, 120, true);
+  const Pose pose = bent(limb, degrees(60));
+  const Positions skin = body.skin(body.solve(pose).nodes);
+  EXPECT_TRUE(std::isnan(body.discretisation_error(pose, {}, skin)));
+  body.compare_with(std::make_unique<QuasiStaticBody>(quadratic(limb, muscles, 60, true)));
+  const QuasiStaticBody fine = quadratic(limb, muscles, 600, true);
+  const double found = body.discretisation_error(pose, {}, skin),
+               expected = rms(skin, fine.skin(fine.solve(pose).nodes));
+  EXPECT_GT(found, 0.4 * expected);
+  EXPECT_LT(found, 2.5 * expected);
+}
+
+// What is simulated is the body, not its tets: half as many and twice as many give the same shape.
+TEST(CageBody, TheShapeHangsLittleOnTheSizeOfTets) {
+  const Pose pose = arm_heldout(arm().character.skeleton, 144).poses[35];
+  const auto skin = [&](Eigen::Index nodes) {
+    const QuasiStaticBody body = quadratic(arm().character, arm().muscles, nodes, true);
+    const SolvedPose solved = body.solve(pose);
+    EXPECT_TRUE(solved.status.converged);
+    return body.skin(solved.nodes);
+  };
+  EXPECT_LT(rms(skin(2000), skin(4000)), 0.5e-3);
+}
+
+// Tet by tet: flesh of these materials gives way a little, where bone presses it most.
+TEST(CageBody, VolumeIsKeptEverywhere) {
+  const Character limb = make_limb();
+  const QuasiStaticBody body = quadratic(limb, {make_flexor()}, 300, true);
+  const SolvedPose solved = body.solve(bent(limb, degrees(60)));
+  const TetMesh posed{solved.nodes, body.mesh().tets};
+  std::vector<double> changes;
+  for (Eigen::Index t = 0; t < posed.tets.rows(); t += 8) {
+    double now = 0, rest = 0;
+    for (Eigen::Index eighth = t; eighth < t + 8; ++eighth) {
+      now += tet_edges(posed, eighth).determinant();
+      rest += tet_edges(body.mesh(), eighth).determinant();
+    }
+    changes.push_back(std::abs(now / rest - 1));
+  }
+  std::sort(changes.begin(), changes.end());
+  EXPECT_LT(changes[changes.size() * 9 / 10], 0.025);
+  EXPECT_LT(changes[changes.size() * 99 / 100], 0.075);
 }
 
 TEST(CageBody, HashTellsSkinsInOneCageApart) {
@@ -152,7 +211,7 @@ TEST(CageBody, SkinsWithHolesAreMendedAndSaid) {
       simulate(limb, {make_flexor()}, bend(limb, 3), {1, 2, 3}, folder / "take.pc2", folder / "take.json", options);
   EXPECT_NE(warning.find("holes filled with"), std::string::npos) << warning;
   for (const FrameStatus& frame : status) EXPECT_TRUE(frame.converged);
-  const QuasiStaticBody full(make_limb(), {make_flexor()}, 0.05, kLimbAnatomy);
+  const QuasiStaticBody full = own_body(make_limb(), {make_flexor()}, 0.05, kLimbAnatomy);
   const Positions expected = full.skin(full.solve(bent(limb, degrees(50))).nodes);
   const Positions found = welded_from_output(limb, ShapeReader(folder / "take.pc2").sample(2).data());
   EXPECT_LT(rms(found, expected), 0.003);
@@ -191,7 +250,7 @@ TEST(CageBody, AGiantDeformsAsAHumanDoes) {
       for (auto& row : joint.inverse_bind.m) row[3] *= size;
     }
     const QuasiStaticBody body(limb, {}, look_inside(limb, {}, {.anatomy = {.cell = size * kLimbAnatomy.cell}}),
-                               make_cage(limb.vertices, limb.triangles, limb.weights, 400));
+                               make_cage(limb.vertices, limb.triangles, limb.weights, {400, 0, 400}));
     const SolvedPose solved = body.solve(bent(limb, degrees(60)));
     EXPECT_TRUE(solved.status.converged) << size;
     return Positions(body.skin(solved.nodes) / size);

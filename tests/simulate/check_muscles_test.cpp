@@ -17,7 +17,7 @@ Muscle thread(const std::string& name) {
 
 std::string said(const std::vector<Muscle>& muscles) {
   const Character limb = make_limb();
-  return check_muscles(limb, muscles, QuasiStaticBody(limb, muscles, 0.05, kLimbAnatomy));
+  return check_muscles(limb, muscles, own_body(limb, muscles, 0.05, kLimbAnatomy));
 }
 
 TEST(CheckMuscles, ThoseWithoutRoomAreCountedAndNamed) {
@@ -44,7 +44,7 @@ TEST(CheckMuscles, PathsOutsideTheSkinAreRefusedHoweverThick) {
   for (MusclePoint& point : stray.path) point.position[1] += 0.3;
   const Character limb = make_limb();
   const std::vector<Muscle> muscles{stray};
-  const QuasiStaticBody body(limb, muscles, 0.05, kLimbAnatomy);
+  const QuasiStaticBody body = own_body(limb, muscles, 0.05, kLimbAnatomy);
   try {
     check_muscles(limb, muscles, body);
     ADD_FAILURE();

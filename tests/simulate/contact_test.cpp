@@ -251,7 +251,7 @@ TEST(Contact, ANodeBetweenTwoSlopesComesToRest) {
 // A limb folded on itself: skin lies on skin.
 TEST(Contact, AFoldedLimbRestsOnItself) {
   const Character limb = make_limb();
-  const QuasiStaticBody body(limb, {}, 0.05, kLimbAnatomy);
+  const QuasiStaticBody body = own_body(limb, {}, 0.05, kLimbAnatomy);
   const SolvedPose solved = body.solve(bent(limb, degrees(140)));
   EXPECT_TRUE(solved.status.converged);
   EXPECT_EQ(solved.status.inverted_tets, 0);

@@ -10,6 +10,7 @@
 #include "assets/clip.h"
 #include "assets/muscles.h"
 #include "trainer/anatomy/field.h"
+#include "trainer/simulate/quasi_static.h"
 
 namespace bodyopt {
 
@@ -111,6 +112,13 @@ inline Character make_two_limbs(double apart) {
   const std::vector<std::vector<JointWeight>> weights = both.weights;
   both.weights.insert(both.weights.end(), weights.begin(), weights.end());
   return both;
+}
+
+// A body of linear tets that fill its own skin. size: largest edge inside, metres; 0: from the skin.
+inline QuasiStaticBody own_body(const Character& character, const std::vector<Muscle>& muscles, double size,
+                                const AnatomyOptions& anatomy = {}) {
+  return {character, muscles, AnatomyField(character, muscles, anatomy),
+          own_cage(character.vertices, character.triangles, character.weights, size)};
 }
 
 }  // namespace bodyopt

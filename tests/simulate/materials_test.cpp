@@ -25,7 +25,7 @@ TEST(Materials, TheShippedFileSaysWhatTheDefaultsAre) {
 TEST(Materials, EveryValueOfTheFileReachesTheShape) {
   const TemporaryFolder folder;
   const Character limb = make_limb();
-  const TetMesh mesh = fill_skin(limb, 0.05);
+  const Cage cage = own_cage(limb.vertices, limb.triangles, limb.weights, 0.05);
   Muscle extensor = make_flexor();
   extensor.name = "extensor";
   for (MusclePoint& point : extensor.path) point.position[1] *= -1;
@@ -34,9 +34,9 @@ TEST(Materials, EveryValueOfTheFileReachesTheShape) {
   const Pose pose = bent(limb, degrees(40));
   const std::vector<double> flex{0.5, 0};
   const auto solved = [&](const Materials& materials) {
-    return QuasiStaticBody(limb, muscles, anatomy, mesh, materials).solve(pose, flex);
+    return QuasiStaticBody(limb, muscles, anatomy, cage, materials).solve(pose, flex);
   };
-  const QuasiStaticBody body(limb, muscles, anatomy, mesh);
+  const QuasiStaticBody body(limb, muscles, anatomy, cage);
   const SolvedPose standard = body.solve(pose, flex);
   for (const char* entry :
        {R"("fat": {"shear_modulus_pa": 6e3})", R"("fat": {"lame_lambda_pa": 40e3})",
@@ -49,14 +49,14 @@ TEST(Materials, EveryValueOfTheFileReachesTheShape) {
     const SolvedPose other = solved(materials);
     EXPECT_TRUE(other.status.converged) << entry;
     EXPECT_GT((other.nodes - standard.nodes).rowwise().norm().maxCoeff(), 2e-5) << entry;
-    EXPECT_NE(QuasiStaticBody(limb, muscles, anatomy, mesh, materials).hash(), body.hash()) << entry;
+    EXPECT_NE(QuasiStaticBody(limb, muscles, anatomy, cage, materials).hash(), body.hash()) << entry;
   }
   // Contact is felt in a fold only.
   write_bytes(folder / "m.json", file_of(R"("contact": {"stiffness_pa_per_m": 1e6})"));
   const AnatomyField passive(limb, {}, kLimbAnatomy);
   const Pose folded = bent(limb, degrees(140));
-  const SolvedPose hard = QuasiStaticBody(limb, {}, passive, mesh).solve(folded),
-                   soft = QuasiStaticBody(limb, {}, passive, mesh, read_materials(folder / "m.json")).solve(folded);
+  const SolvedPose hard = QuasiStaticBody(limb, {}, passive, cage).solve(folded),
+                   soft = QuasiStaticBody(limb, {}, passive, cage, read_materials(folder / "m.json")).solve(folded);
   EXPECT_GT(soft.status.contact_depth, 1.5 * hard.status.contact_depth);
 }
 

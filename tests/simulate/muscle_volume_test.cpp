@@ -61,7 +61,7 @@ TEST(MuscleVolume, GradientAndModesAreTheDerivative) {
 
 TEST(MuscleVolume, IsKeptWhenAMuscleShortens) {
   const Character limb = make_limb();
-  const QuasiStaticBody body(limb, {make_flexor()}, 0.05, kLimbAnatomy);
+  const QuasiStaticBody body = own_body(limb, {make_flexor()}, 0.05, kLimbAnatomy);
   for (const double angle : {60.0, 120.0}) {
     EXPECT_LT(std::abs(body.solve(bent(limb, degrees(angle))).status.volume_change), 0.02) << angle;
   }

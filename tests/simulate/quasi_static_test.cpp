@@ -21,7 +21,7 @@ class QuasiStatic : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {
     limb_ = new Character(make_limb());
-    body_ = new QuasiStaticBody(*limb_, {make_flexor()}, 0.05, kLimbAnatomy);
+    body_ = new QuasiStaticBody(own_body(*limb_, {make_flexor()}, 0.05, kLimbAnatomy));
   }
   static void TearDownTestSuite() {
     delete body_;
@@ -146,7 +146,7 @@ TEST_F(QuasiStatic, TheReportedResidualIsTheForceLeftOver) {
 }
 
 TEST_F(QuasiStatic, EndsMoveWithTheirBones) {
-  const QuasiStaticBody passive(*limb_, {}, 0.05, kLimbAnatomy);
+  const QuasiStaticBody passive = own_body(*limb_, {}, 0.05, kLimbAnatomy);
   const Pose pose = bent(*limb_, degrees(90));
   const SolvedPose solved = passive.solve(pose);
   EXPECT_TRUE(solved.status.converged);
@@ -173,7 +173,7 @@ TEST_F(QuasiStatic, EndsMoveWithTheirBones) {
 }
 
 TEST_F(QuasiStatic, AFlexedMuscleBulges) {
-  const QuasiStaticBody passive(*limb_, {}, 0.05, kLimbAnatomy);
+  const QuasiStaticBody passive = own_body(*limb_, {}, 0.05, kLimbAnatomy);
   const Pose pose = bent(*limb_, degrees(60));
   const double rest = girth(limb_->vertices);
   const double relaxed = girth(skin(passive.solve(pose)));
@@ -242,12 +242,14 @@ bool open_node(TetMesh& mesh, int node, double edge) {
 // Tiny tets among large ones, in a limb squeezed along its length: the large ones would press some of them inside out
 // and be in equilibrium all the same.
 TEST_F(QuasiStatic, TinyTetsEndUpright) {
-  TetMesh mesh = fill_skin(*limb_, 0.05);
+  Cage cage = own_cage(limb_->vertices, limb_->triangles, limb_->weights, 0.05);
+  TetMesh& mesh = cage.mesh;
   const int skin = static_cast<int>(limb_->vertices.rows()), count = static_cast<int>(mesh.nodes.rows());
   int opened = 0;
   for (int node = skin; node < count; ++node) opened += open_node(mesh, node, 2e-4) ? 1 : 0;
   ASSERT_GT(opened, 0);
-  const QuasiStaticBody body(*limb_, {}, AnatomyField(*limb_, {}, kLimbAnatomy), mesh);
+  cage.skin = own_nodes(mesh, skin);
+  const QuasiStaticBody body(*limb_, {}, AnatomyField(*limb_, {}, kLimbAnatomy), cage);
   for (const double shorter : {0.1, 0.11, 0.12}) {
     Pose pose = bind_pose(limb_->skeleton);
     pose.joints[1].translation[0] -= shorter;
@@ -258,24 +260,24 @@ TEST_F(QuasiStatic, TinyTetsEndUpright) {
 }
 
 TEST_F(QuasiStatic, HashTellsInputsApart) {
-  EXPECT_EQ(QuasiStaticBody(*limb_, {make_flexor()}, 0.05, kLimbAnatomy).hash(), body_->hash());
+  EXPECT_EQ(own_body(*limb_, {make_flexor()}, 0.05, kLimbAnatomy).hash(), body_->hash());
   Muscle stronger = make_flexor();
   stronger.radius += 1e-6;
-  EXPECT_NE(QuasiStaticBody(*limb_, {stronger}, 0.05, kLimbAnatomy).hash(), body_->hash());
-  EXPECT_NE(QuasiStaticBody(*limb_, {}, 0.05, kLimbAnatomy).hash(), body_->hash());
+  EXPECT_NE(own_body(*limb_, {stronger}, 0.05, kLimbAnatomy).hash(), body_->hash());
+  EXPECT_NE(own_body(*limb_, {}, 0.05, kLimbAnatomy).hash(), body_->hash());
 }
 
 TEST_F(QuasiStatic, RefusesWhatDoesNotBelongTogether) {
   EXPECT_THROW(body_->solve(Pose{}), Error);
   Muscle stray = make_flexor();
   stray.path[1].joint = 9;
-  EXPECT_THROW(QuasiStaticBody(*limb_, {stray}, 0.05, kLimbAnatomy), Error);
+  EXPECT_THROW(own_body(*limb_, {stray}, 0.05, kLimbAnatomy), Error);
   Muscle short_path = make_flexor();
   short_path.path.resize(1);
-  EXPECT_THROW(QuasiStaticBody(*limb_, {short_path}, 0.05, kLimbAnatomy), Error);
+  EXPECT_THROW(own_body(*limb_, {short_path}, 0.05, kLimbAnatomy), Error);
   Character boneless = *limb_;
   boneless.skeleton.joints.clear();
-  EXPECT_THROW(QuasiStaticBody(boneless, {}, 0.05, kLimbAnatomy), Error);
+  EXPECT_THROW(own_body(boneless, {}, 0.05, kLimbAnatomy), Error);
 }
 
 }  // namespace

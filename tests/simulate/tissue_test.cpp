@@ -16,6 +16,7 @@
 #include "tests/support/read_bytes.h"
 #include "tests/support/shared_data.h"
 #include "trainer/simulate/lbfgs.h"
+#include "trainer/tets/second_order.h"
 
 namespace bodyopt {
 namespace {
@@ -355,6 +356,74 @@ TEST(Tissue, ALargelyBentBeamIsTheElastica) {
   RecordProperty("back", std::to_string(-moved[0] / kLength));
   EXPECT_NEAR(-moved[1] / kLength, 0.30172, 0.02 * 0.30172);
   EXPECT_NEAR(-moved[0] / kLength, 0.05643, 0.02 * 0.05643);
+}
+
+// Values of the ten shape functions of a tet of second order and their gradients, from the textbook (Zienkiewicz and
+// Taylor): corners w_a (2 w_a - 1), middles 4 w_a w_b.
+Eigen::Matrix3d textbook_strain(const TetMesh& eighths, Eigen::Index tet, const Positions& nodes,
+                                const Eigen::Vector4d& w) {
+  const auto row = [&](int a, int b) { return eighths.tets(8 * tet + a, b); };
+  Eigen::Matrix3d edges;
+  for (int a = 0; a < 3; ++a) edges.col(a) = eighths.nodes.row(row(a + 1, a + 1)) - eighths.nodes.row(row(0, 0));
+  Eigen::Matrix<double, 4, 3> slopes;
+  slopes.bottomRows<3>() = edges.inverse();
+  slopes.row(0) = -slopes.bottomRows<3>().colwise().sum();
+  Eigen::Matrix3d strain = Eigen::Matrix3d::Zero();
+  for (int a = 0; a < 4; ++a) {
+    strain += nodes.row(row(a, a)).transpose() * ((4 * w[a] - 1) * slopes.row(a));
+    for (int b = a + 1; b < 4; ++b) {
+      strain += nodes.row(row(a, b)).transpose() * (4 * (w[a] * slopes.row(b) + w[b] * slopes.row(a)));
+    }
+  }
+  return strain;
+}
+
+TEST(TissueOfSecondOrder, EnergyIsThatOfTheTextbooksElement) {
+  const TetMesh linear = tet_block(2, 2, 1, 0.02), mesh = second_order(linear);
+  const Positions nodes = shaken(mesh.nodes, 0.0005, 5);
+  const Eigen::Vector3d direction = Eigen::Vector3d(1, 2, 2) / 3;
+  const Materials materials;
+  const FibreDrive drive{0.5, 0.7};
+  Positions gradient = Positions::Zero(mesh.nodes.rows(), 3);
+  const double found = Tissue(mesh, all(mesh, materials.fat), fibres_everywhere(mesh, direction))
+                           .add_gradient(nodes, std::vector{drive}, gradient)
+                           .energy;
+  double expected = 0;
+  for (Eigen::Index t = 0; t < linear.tets.rows(); ++t) {
+    const double volume = tet_edges(linear, t).determinant() / 6;
+    for (int q = 0; q < 4; ++q) {
+      Eigen::Vector4d w = Eigen::Vector4d::Constant(0.1381966011250105);  // Keast 1986, degree 2
+      w[q] = 0.5854101966249685;
+      const Eigen::Matrix3d f = textbook_strain(mesh, t, nodes, w);
+      const double mu = materials.fat.mu, lambda = materials.fat.lambda, beyond = f.determinant() - 1 - mu / lambda;
+      double density = mu / 2 * (f.squaredNorm() - 3) + lambda / 2 * (beyond * beyond - mu / lambda * mu / lambda);
+      const double stretch = (f * direction).norm();
+      density += 0.5 * drive.activation * materials.active_fibre * std::pow(std::max(stretch - drive.slack, 0.0), 2);
+      density += 0.5 * materials.passive_fibre * std::pow(std::max(stretch - 1, 0.0), 2);
+      expected += volume / 4 * density;
+    }
+  }
+  EXPECT_NEAR(found, expected, 1e-9 * expected);
+}
+
+TEST(TissueOfSecondOrder, GradientsAreTheEnergysDerivative) {
+  const TetMesh mesh = second_order(tet_block(2, 2, 1, 0.02));
+  const Tissue tissue(mesh, all(mesh, Materials{}.fat), fibres_everywhere(mesh, {1, 2, 2}));
+  expect_gradient(tissue, shaken(mesh.nodes, 0.001, 7), {{0.5, 0.7}});
+  const Positions squashed = mapped(mesh.nodes, Eigen::Vector3d(0.25, 1, 0.9).asDiagonal(), {0, 0, 0});
+  expect_gradient(tissue, shaken(squashed, 0.0001, 8), {{0.5, 0.7}});
+}
+
+// Which linear tets cannot: each material belongs to its own quarter of a tet, and a field that is not linear is held.
+TEST(TissueOfSecondOrder, MaterialsAreSharedByVolume) {
+  const TetMesh mesh = second_order(tet_block(1, 1, 1, 0.02));
+  std::vector<TetMaterial> soft = all(mesh, {1e3, 1e4}), mixed = soft;
+  for (std::size_t t = 0; t < mixed.size(); t += 2) mixed[t] = {3e3, 3e4};
+  const Positions stretched = mapped(mesh.nodes, Eigen::Vector3d(1.1, 1, 1).asDiagonal(), {0, 0, 0});
+  Positions gradient = Positions::Zero(mesh.nodes.rows(), 3);
+  const double of_soft = Tissue(mesh, soft, {}).add_gradient(stretched, {}, gradient).energy;
+  const double of_mixed = Tissue(mesh, mixed, {}).add_gradient(stretched, {}, gradient).energy;
+  EXPECT_NEAR(of_mixed, 2 * of_soft, 1e-9 * of_soft);  // half of the volume is three times as stiff
 }
 
 }  // namespace

@@ -10,6 +10,7 @@
 
 #include "assets/wording.h"
 #include "base/progress.h"
+#include "base/spread_evenly.h"
 #include "geometry/bad_edges.h"
 #include "geometry/closed_skin.h"
 #include "geometry/extent.h"
@@ -169,22 +170,17 @@ void add_glued(const Character& character, const Cage& cage, VerticesOfJoints& g
 VerbForesight foresee_simulate(const Character& character, bool draft, VerticesOfJoints& glued) {
   const std::string verb = draft ? "simulate --draft" : "simulate";
   try {
-    const BodyTets tets = choose_tets(character, {.draft = draft});
-    if (tets.filled) {
-      const std::string& mending = tets.filled->mending;
-      return {verb, mending.empty() ? BodyFill::skin : BodyFill::mended, tets.filled->mesh.nodes.rows(), true, mending,
-              ""};
-    }
-    const Cage& cage = *tets.cage;
+    const Cage cage = choose_cage(character, {.draft = draft});
     const Eigen::Index nodes = cage.mesh.nodes.rows();
     const std::string parts = glued_parts(cage, character);
     add_glued(character, cage, glued);
-    if (cage.is_lattice) {
-      const Error& why = cage.why_lattice ? *cage.why_lattice : *tets.why_cage;
-      return {verb, BodyFill::lattice, nodes, false, why.what(), remedy_for(why), parts};
+    if (cage.why_lattice) {
+      return {verb, BodyFill::lattice, nodes, false, cage.why_lattice->what(), remedy_for(*cage.why_lattice), parts};
     }
-    if (!tets.why_cage) return {verb, BodyFill::coarser, nodes, true, cage.mending, "", parts};
-    return {verb, BodyFill::coarser, nodes, true, tets.why_cage->what(), remedy_for(*tets.why_cage), parts};
+    const BodyFill fill = !cage.is_own_skin      ? BodyFill::coarser
+                          : cage.mending.empty() ? BodyFill::skin
+                                                 : BodyFill::mended;
+    return {verb, fill, nodes, true, cage.mending, "", parts};
   } catch (const Error& error) {
     return refusal(verb, error);
   }

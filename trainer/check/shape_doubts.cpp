@@ -2,9 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iomanip>
 #include <numeric>
+#include <sstream>
 
 #include "assets/wording.h"
+#include "base/spread_evenly.h"
 #include "geometry/extent.h"
 #include "runtime/host/rig.h"
 #include "trainer/train/data/stray_vertices.h"
@@ -167,6 +170,25 @@ std::vector<std::string> short_takes(const Dataset& dataset) {
     if (take.frames.size() >= kFewest || !take.heldout.empty()) continue;
     sentences.push_back("take '" + take.name + "' has " + count_of(take.frames.size(), "frame", "frames") +
                         ": too short for train --heldout-every to hold any of it out");
+  }
+  return sentences;
+}
+
+std::vector<std::string> coarse_takes(const Dataset& dataset) {
+  constexpr double kLearned = 0.5e-3;  // metres, RMS: training comes as near as this to much of what it learns from
+  std::vector<std::string> sentences;
+  for (const DatasetTake& take : dataset.takes) {
+    if (take.shapes_status.empty()) continue;
+    double error = 0;
+    for (const FrameStatus& frame : read_frame_status(dataset.folder / take.shapes_status)) {
+      if (std::isfinite(frame.discretisation_error)) error = std::max(error, frame.discretisation_error);
+    }
+    if (!(error > kLearned)) continue;
+    std::ostringstream sentence;
+    sentence << "take '" << take.name << "': finer tets would move the skin by about " << std::fixed
+             << std::setprecision(1) << 1e3 * error
+             << " mm (RMS, estimated), more than training leaves unlearned of it";
+    sentences.push_back(sentence.str());
   }
   return sentences;
 }

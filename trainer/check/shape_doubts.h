@@ -17,4 +17,8 @@ std::vector<std::string> shape_doubts(const SampleSet& set);
 // Takes of which hold_out_blocks() can hold out nothing, without frames held out: one sentence each.
 std::vector<std::string> short_takes(const Dataset& dataset);
 
+// One sentence for every take whose simulation is further from that in ever finer tets than training comes to it, as
+// its side-car estimates. Throws Error(file) as read_frame_status().
+std::vector<std::string> coarse_takes(const Dataset& dataset);
+
 }  // namespace bodyopt

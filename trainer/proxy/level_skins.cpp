@@ -6,6 +6,7 @@
 
 #include "assets/wording.h"
 #include "base/parallel.h"
+#include "base/spread_evenly.h"
 #include "geometry/extent.h"
 #include "geometry/table_rows.h"
 #include "runtime/core/error.h"

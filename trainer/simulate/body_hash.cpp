@@ -6,12 +6,12 @@ namespace bodyopt {
 namespace {
 
 // Raised whenever the same inputs give other shapes or another side-car, so that no unfinished cache mixes two solvers.
-constexpr std::uint64_t kSolverVersion = 11, kCageVersion = 3;
+constexpr std::uint64_t kSolverVersion = 12;
 
 }  // namespace
 
 std::uint64_t body_hash(const Character& character, const std::vector<Muscle>& muscles, const Materials& materials,
-                        const TetMesh& mesh, bool carries_skin, std::uint64_t anatomy) {
+                        const TetMesh& mesh, std::uint64_t anatomy) {
   ContentHash hash;
   hash.add(kSolverVersion);
   hash.add(anatomy);
@@ -23,12 +23,9 @@ std::uint64_t body_hash(const Character& character, const std::vector<Muscle>& m
   }
   hash.append(mesh.nodes.data(), static_cast<std::size_t>(mesh.nodes.size()) * sizeof(double));
   hash.append(mesh.tets.data(), static_cast<std::size_t>(mesh.tets.size()) * sizeof(int));
-  if (carries_skin) {
-    hash.add(kCageVersion);
-    hash.append(character.vertices.data(), static_cast<std::size_t>(character.vertices.size()) * sizeof(double));
-    hash.append(character.triangles.data(),
-                static_cast<std::size_t>(character.triangles.size()) * sizeof(std::uint32_t));
-  }
+  hash.add(static_cast<std::uint64_t>(mesh.is_second_order));
+  hash.append(character.vertices.data(), static_cast<std::size_t>(character.vertices.size()) * sizeof(double));
+  hash.append(character.triangles.data(), static_cast<std::size_t>(character.triangles.size()) * sizeof(std::uint32_t));
   for (const Joint& joint : character.skeleton.joints) {
     hash.add(static_cast<std::uint64_t>(joint.parent));
     hash.add(joint.bind);

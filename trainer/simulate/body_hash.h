@@ -8,10 +8,9 @@
 
 namespace bodyopt {
 
-// xxh3 of tets, skeleton, skin weights, muscles, materials, AnatomyField::hash() and the version of the solver; of the
-// skin too where the tets are a cage, which does not show all of it.
+// xxh3 of tets, skin, skeleton, skin weights, muscles, materials, AnatomyField::hash() and the version of the solver.
 std::uint64_t body_hash(const Character& character, const std::vector<Muscle>& muscles, const Materials& materials,
-                        const TetMesh& mesh, bool carries_skin, std::uint64_t anatomy);
+                        const TetMesh& mesh, std::uint64_t anatomy);
 
 // xxh3 of a pose and of how far each muscle is flexed, on top of a body's hash.
 std::uint64_t pose_hash(std::uint64_t body, const Pose& pose, const std::vector<double>& flex);

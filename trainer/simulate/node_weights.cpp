@@ -9,8 +9,9 @@ namespace {
 // How hard a skin vertex pulls a cage's nodes to its own weights, in mean diagonals of the Laplacian.
 constexpr double kSkinPull = 10;
 
-NodeWeights skin_weights(const Character& character, Eigen::Index rows) {
-  NodeWeights weights = NodeWeights::Zero(rows, static_cast<Eigen::Index>(character.skeleton.size()));
+NodeWeights skin_weights(const Character& character) {
+  NodeWeights weights =
+      NodeWeights::Zero(character.vertices.rows(), static_cast<Eigen::Index>(character.skeleton.size()));
   for (std::size_t v = 0; v < character.weights.size(); ++v) {
     for (const JointWeight& w : character.weights[v]) {
       weights(static_cast<Eigen::Index>(v), static_cast<Eigen::Index>(w.joint)) = w.weight;
@@ -37,28 +38,10 @@ void normalise(NodeWeights& weights) {
 
 }  // namespace
 
-NodeWeights carry_inwards(const Character& character, const SparseMatrix& laplacian, const SparseMatrix& springs,
-                          const NodeWeights& bone_share) {
-  const Eigen::Index skin = character.vertices.rows(), inside = laplacian.rows() - skin;
-  NodeWeights weights = skin_weights(character, laplacian.rows());
-  if (inside > 0) {
-    const SparseMatrix matrix = laplacian + springs;
-    const SparseSolver factor(matrix.bottomRightCorner(inside, inside));
-    require(factor);
-    const SparseMatrix to_skin = matrix.bottomLeftCorner(inside, skin);
-    for (Eigen::Index j = 0; j < weights.cols(); ++j) {
-      const Eigen::VectorXd right = bone_share.col(j).tail(inside) - to_skin * weights.col(j).head(skin);
-      weights.col(j).tail(inside) = factor.solve(right);
-    }
-  }
-  normalise(weights);
-  return weights;
-}
-
 NodeWeights carry_through(const Character& character, const Cage& cage, const SparseMatrix& laplacian,
                           const SparseMatrix& springs, const NodeWeights& bone_share) {
   const double pull = kSkinPull * laplacian.diagonal().mean();
-  const NodeWeights on_skin = skin_weights(character, character.vertices.rows());
+  const NodeWeights on_skin = skin_weights(character);
   NodeWeights right = bone_share;
   std::vector<Eigen::Triplet<double>> entries;
   for (std::size_t v = 0; v < cage.skin.size(); ++v) {

@@ -3,20 +3,18 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "base/content_hash.h"
-#include "geometry/closed_skin.h"
 #include "geometry/extent.h"
-#include "geometry/tet_finder.h"
 #include "runtime/core/error.h"
 #include "runtime/core/stopwatch.h"
 #include "runtime/host/rig.h"
 #include "trainer/simulate/body_hash.h"
 #include "trainer/simulate/lbfgs.h"
 #include "trainer/simulate/node_weights.h"
-#include "trainer/tets/fillable_skin.h"
-#include "trainer/tets/tets.h"
+#include "trainer/tets/second_order.h"
 
 namespace bodyopt {
 namespace {
@@ -32,10 +30,9 @@ constexpr double kMaxFlex = 0.25;                         // a step, of full act
 // matter recover by themselves.
 constexpr double kMostInverted = 1e-6;
 constexpr double kShortestStep = 1.0 / 32;  // of a full step
-// A cage's shape is where the own tets start: not where its skin lies deeper in skin than this, metres, or where more
-// of the own tets would be inside out.
+// The shape in linear tets is where those of second order start: not where its skin lies deeper in skin than this,
+// metres, or where more of them would be inside out.
 constexpr double kDeepFold = 3e-3, kMostTangled = 1e-4;
-constexpr double kDefaultSize = 3;  // mean edges of the skin
 constexpr double kMinWeight = 1e-3;
 // Parts nearer than this, metres, may come into contact while a shape is relaxed.
 constexpr double kContactMargin = 5e-3;
@@ -44,9 +41,9 @@ constexpr double kContactMargin = 5e-3;
 constexpr int kContactIterations = 20, kContactRounds = 16;
 // A step of the solver moves no node further than this part of the body's longest extent.
 constexpr double kMaxMove = 0.01;
-// A cage's few large tets lock at the lambda that finer ones bear: on the human in 1,500 nodes a quarter brings the
-// draft from 6.4 to 5.3 mm of the full shapes (RMS), a tenth only to 5.0 mm, more slowly.
-constexpr double kCageLambda = 0.25;
+// A cage's few large linear tets lock at the lambda that finer ones bear: with a quarter of it they come nearest to the
+// shapes of finer ones.
+constexpr double kCoarseLambda = 0.25;
 constexpr double kLeastFilled = 0.1;  // of a cage's tet: emptier ones would have next to no stiffness
 // A strain that counts as none: residuals are relative to the forces of this strain at least. The energy at rest is not
 // zero, so that its rounding hides the last digits of smaller strains and a body at rest could never converge.
@@ -62,11 +59,12 @@ void require_flex(std::span<const double> flex, std::size_t muscles) {
   }
 }
 
-// A cage's tets reach beyond the skin: they are as stiff as the share of them that is tissue.
-std::vector<TetMaterial> cage_materials(std::vector<TissueShares> shares, const Materials& of) {
+// A lattice's tets reach beyond the skin: they are as stiff as the share of them that is tissue.
+std::vector<TetMaterial> materials_in(const Cage& cage, std::vector<TissueShares> shares, const Materials& of) {
   for (TissueShares& share : shares) share.fat += std::max(kLeastFilled - share.sum(), 0.0);
   std::vector<TetMaterial> materials = tet_materials(shares, of);
-  for (TetMaterial& material : materials) material.lambda *= kCageLambda;
+  if (cage.mesh.is_second_order || cage.is_own_skin) return materials;
+  for (TetMaterial& material : materials) material.lambda *= kCoarseLambda;
   return materials;
 }
 
@@ -166,91 +164,34 @@ void move_all(const Affine& motion, Positions& nodes) {
 
 bool is_converged(const FrameStatus& status) { return status.residual < kTolerance && status.inverted_tets == 0; }
 
-TetMesh fill_skin(const Character& character, double size) {
-  return tetrahedralise(character.vertices, character.triangles,
-                        size > 0 ? size : kDefaultSize * mean_edge(character.vertices, character.triangles));
-}
-
-namespace {
-
-FilledBody fill(const Character& character, const FillableSkin& fillable, double size) {
-  FilledBody body{character, {}, {}, {}, fillable.mending()};
-  body.filled.output_vertex.clear();
-  body.filled.output_triangles.resize(0, 3);
-  body.filled.vertices = fillable.vertices;
-  body.filled.triangles = fillable.triangles;
-  body.filled.weights.clear();
-  for (const std::uint32_t v : fillable.vertex) body.filled.weights.push_back(character.weights[v]);
-  body.mesh = fill_skin(body.filled, size);
-  body.skin = carry_skin(fillable, character.vertices, body.mesh, own_nodes(body.mesh, fillable.vertices.rows()));
-  body.riders = Riders(fillable, character.vertices, character.triangles, character.weights);
-  return body;
-}
-
-}  // namespace
-
-FilledBody fill_mended_skin(const Character& character, double size) {
-  constexpr int kMostRoom = 9;
-  for (int room = 1;; room *= 3) {  // with too little left between what has come apart Netgen gives up
-    const FillableSkin fillable = fillable_skin(character.vertices, character.triangles, character.weights, room);
-    try {
-      return fill(character, fillable, size);
-    } catch (const Error& error) {
-      if (error.kind() != ErrorKind::mismatch || fillable.intersections == 0 || room >= kMostRoom) throw;
-    }
-  }
-}
-
-QuasiStaticBody::QuasiStaticBody(const Character& character, const std::vector<Muscle>& muscles,
-                                 const AnatomyField& anatomy, TetMesh mesh, const Materials& materials)
-    : QuasiStaticBody(character, muscles, anatomy, std::move(mesh), materials, nullptr) {}
-
 QuasiStaticBody::QuasiStaticBody(const Character& character, const std::vector<Muscle>& muscles,
                                  const AnatomyField& anatomy, const Cage& cage, const Materials& materials)
-    : QuasiStaticBody(character, muscles, anatomy, cage.mesh, materials, &cage) {}
-
-QuasiStaticBody::QuasiStaticBody(const Character& character, const std::vector<Muscle>& muscles,
-                                 const AnatomyField& anatomy, const FilledBody& body, const Materials& materials)
-    : QuasiStaticBody(body.filled, muscles, anatomy, body.mesh, materials, nullptr) {
-  embedding_ = body.skin;
-  carry_riders(character, body.riders);
-  hash_ = body_hash(character, muscles, materials, mesh_, true, anatomy.hash());
-}
-
-QuasiStaticBody::QuasiStaticBody(const Character& character, const std::vector<Muscle>& muscles,
-                                 const AnatomyField& anatomy, TetMesh mesh, const Materials& materials,
-                                 const Cage* cage)
     : skeleton_(character.skeleton),
       muscles_(muscles),
       bellies_(anatomy.belly_lengths()),
       least_slack_(materials.active_slack),
-      mesh_(std::move(mesh)),
-      embedding_(cage != nullptr ? cage->skin : std::vector<EmbeddedPoint>{}),
-      carriers_(mesh_.tets),
-      skin_count_(character.vertices.rows()) {
+      mesh_(cage.mesh),
+      embedding_(cage.skin),
+      carriers_(mesh_.tets) {
   const auto tet_count = static_cast<std::size_t>(mesh_.tets.rows());
   const auto joint_count = static_cast<Eigen::Index>(skeleton_.size());
 
   bellies_.resize(muscles.size());  // a field of nothing has none
-  inside_ = cage != nullptr ? find_tissue(*cage, anatomy) : find_tissue(mesh_, anatomy);
-  const std::vector<TetMaterial> tets =
-      cage != nullptr ? cage_materials(inside_.shares, materials) : tet_materials(inside_.shares, materials);
+  inside_ = find_tissue(cage, anatomy);
+  const std::vector<TetMaterial> tets = materials_in(cage, inside_.shares, materials);
   tissue_ = std::make_unique<Tissue>(mesh_, tets, inside_.fibres, materials);
   volume_ = std::make_unique<MuscleVolume>(mesh_, inside_.fibres, muscles.size(), materials);
 
   std::vector<double> muscle;
   for (const TissueShares& shares : inside_.shares) muscle.push_back(shares.muscle);
   const SparseMatrix laplacian = tet_laplacian(mesh_, metric_stiffness(tets, muscle, materials));
-  const auto carry = [&](const SparseMatrix& springs, const NodeWeights& bone_share) {
-    return cage != nullptr ? carry_through(character, *cage, laplacian, springs, bone_share)
-                           : carry_inwards(character, laplacian, springs, bone_share);
-  };
   if (inside_.bones.empty()) {
     const SparseMatrix no_springs(laplacian.rows(), laplacian.cols());
-    inside_.bones = bones_by_weights(mesh_, carry(no_springs, NodeWeights::Zero(laplacian.rows(), joint_count)));
+    inside_.bones = bones_by_weights(
+        mesh_, carry_through(character, cage, laplacian, no_springs, NodeWeights::Zero(laplacian.rows(), joint_count)));
   }
   springs_ = std::make_unique<BoneSprings>(mesh_, inside_.bones, bone_stiffness(materials, mesh_), skeleton_.size());
-  weights_ = carry(springs_->stiffness(), springs_->joint_stiffness());
+  weights_ = carry_through(character, cage, laplacian, springs_->stiffness(), springs_->joint_stiffness());
   for (Eigen::Index n = 0; n < weights_.rows(); ++n) {
     std::vector<JointWeight>& entries = node_joints_.emplace_back();
     double sum = 0;
@@ -263,12 +204,14 @@ QuasiStaticBody::QuasiStaticBody(const Character& character, const std::vector<M
   }
 
   SparseMatrix metric = laplacian + springs_->stiffness();
-  if (cage == nullptr) {
-    bending_ = std::make_unique<SkinBending>(character.vertices, character.triangles, mesh_.nodes.rows(), materials);
+  if (!cage.is_lattice) {
+    const Triangles surface = surface_of(mesh_.tets);
+    bending_ = std::make_unique<SkinBending>(mesh_.nodes.topRows(surface.maxCoeff() + 1), surface, mesh_.nodes.rows(),
+                                             materials);
     metric += bending_->stiffness();
+    contact_ = std::make_unique<SkinContact>(mesh_, materials);
   }
-  if (cage == nullptr || !cage->is_lattice) contact_ = std::make_unique<SkinContact>(mesh_, materials);
-  if (cage != nullptr) carried_depth_ = std::make_unique<CarriedDepth>(character, *cage);
+  carried_depth_ = std::make_unique<CarriedDepth>(character, cage);
   // A part no bone holds would leave the metric singular; this much holds it without being felt.
   const double diagonal = metric.diagonal().maxCoeff();
   for (Eigen::Index n = 0; n < metric.rows(); ++n) metric.coeffRef(n, n) += 1e-9 * diagonal;
@@ -279,8 +222,8 @@ QuasiStaticBody::QuasiStaticBody(const Character& character, const std::vector<M
   }
   force_floor_ = std::sqrt(force_floor_);
   max_move_ = kMaxMove * longest_extent(mesh_.nodes);
-  if (cage != nullptr) carry_riders(character, cage->riders);
-  hash_ = body_hash(character, muscles, materials, mesh_, cage != nullptr, anatomy.hash());
+  carry_riders(character, cage.riders);
+  hash_ = body_hash(character, muscles, materials, mesh_, anatomy.hash());
 }
 
 void QuasiStaticBody::carry_riders(const Character& whole, const Riders& riders) {
@@ -315,10 +258,6 @@ void QuasiStaticBody::append_riders(const Pose& pose, Positions& nodes) const {
     const BlendedFrame at = frames.blend(skin_weights_[v], skin_rest_.row(v));
     nodes.row(own + r) = (at.position + turned(at.rotation, spread.row(r).transpose())).transpose();
   }
-}
-
-Positions QuasiStaticBody::skin(const Positions& nodes) const {
-  return embedding_.empty() ? Positions(nodes.topRows(skin_count_)) : embed(embedding_, carriers_, nodes);
 }
 
 QuasiStaticBody::Target QuasiStaticBody::target(const LocalTransforms& local, std::span<const double> flex) const {
@@ -404,7 +343,7 @@ SolvedPose QuasiStaticBody::solve_along(std::span<const Pose> path, std::span<co
   const Stopwatch watch;
   require_flex(flex, muscles_.size());
   std::optional<SolvedPose> nested;
-  if (cage_ && path.size() == 1) nested = settle_from_cage(path.front(), flex);
+  if (linear_ && path.size() == 1) nested = settle_from_linear(path.front(), flex);
   SolvedPose solved = nested ? std::move(*nested) : attempt(path, flex, 1, Tissue::kBarrier);
   if (!solved.status.converged) {
     const int before = solved.status.iterations;
@@ -457,8 +396,7 @@ void QuasiStaticBody::put_back_root_motion(const Pose& pose, Positions& nodes) c
 
 void QuasiStaticBody::judge(SolvedPose& solved) const {
   solved.status.inverted_tets = tissue_->inverted(solved.nodes).tets;
-  solved.status.contact_depth =
-      carried_depth_ ? carried_depth_->deepest(solved.nodes) : contact_->deepest(solved.nodes);
+  solved.status.contact_depth = carried_depth_->deepest(solved.nodes);
   solved.status.volume_change = volume_->largest_change(solved.nodes);
   solved.status.converged = is_converged(solved.status);
 }
@@ -502,25 +440,36 @@ SolvedPose QuasiStaticBody::attempt(std::span<const Pose> path, std::span<const 
   return solved;
 }
 
-void QuasiStaticBody::walk_in(std::unique_ptr<const QuasiStaticBody> cage) {
-  cage_ = std::move(cage);
-  in_cage_ = nodes_in(cage_->mesh_, mesh_.nodes);
+void QuasiStaticBody::walk_in(std::unique_ptr<const QuasiStaticBody> linear) {
+  linear_ = std::move(linear);
+  in_linear_ = nodes_in_linear(mesh_);
   ContentHash hash;
   hash.add(hash_);
-  hash.add(cage_->hash_);
+  hash.add(linear_->hash_);
   hash_ = hash.value();
 }
 
-// Nothing where the cage finds no rest or is folded deeper than its own contact can tell, or what it carries is
+// Nothing where the linear tets find no rest or are folded deeper than their contact can tell, or what they carry is
 // tangled.
-std::optional<SolvedPose> QuasiStaticBody::settle_from_cage(const Pose& pose, std::span<const double> flex) const {
-  SolvedPose solved = cage_->attempt(std::span(&pose, 1), flex, 1, Tissue::kBarrier);
+std::optional<SolvedPose> QuasiStaticBody::settle_from_linear(const Pose& pose, std::span<const double> flex) const {
+  SolvedPose solved = linear_->attempt(std::span(&pose, 1), flex, 1, Tissue::kBarrier);
   if (!solved.status.converged || solved.status.contact_depth > kDeepFold) return {};
-  solved.nodes = embed(in_cage_, cage_->mesh_.tets, solved.nodes);
+  solved.nodes = embed(in_linear_, linear_->mesh_.tets, solved.nodes);
   if (tissue_->inverted(solved.nodes).share > kMostTangled) return {};
   settle_upright(target(without_root_motion(pose), flex), Tissue::kBarrier, solved);
   judge(solved);
   return solved;
+}
+
+double QuasiStaticBody::discretisation_error(const Pose& pose, std::span<const double> flex,
+                                             const Positions& skin) const {
+  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+  if (!coarser_) return kNone;
+  const SolvedPose coarse = coarser_->solve(pose, flex);
+  if (!coarse.status.converged) return kNone;
+  const double larger = std::cbrt(static_cast<double>(mesh_.tets.rows()) / coarser_->mesh_.tets.rows());
+  const double distance = std::sqrt((coarser_->skin(coarse.nodes) - skin).rowwise().squaredNorm().mean());
+  return larger > 1 ? distance / (larger * larger - 1) : kNone;
 }
 
 }  // namespace bodyopt

@@ -25,45 +25,27 @@ struct SolvedPose {
 // residual below 1e-4 and no inverted tet.
 bool is_converged(const FrameStatus& status);
 
-// Tets that fill a closed skin. size: largest edge wanted inside, metres; 0: three times the skin's mean edge. Throws
-// as tetrahedralise.
-TetMesh fill_skin(const Character& character, double size);
-
-// A skin filled with tets whose first nodes are the vertices of what of it can be filled.
-struct FilledBody {
-  Character filled;  // its vertices, triangles and weights are those of the fillable skin; without output vertices
-  TetMesh mesh;
-  std::vector<EmbeddedPoint> skin;  // V: where every vertex of the whole skin is carried
-  Riders riders;                    // what of it has no tets
-  std::string mending;              // FillableSkin::mending; empty: the skin is filled as it is
-};
-// size as fill_skin. Throws as fillable_skin and tetrahedralise.
-FilledBody fill_mended_skin(const Character& character, double size);
-
 // Everything that does not depend on the pose. Constant after construction: many threads may solve with one.
 class QuasiStaticBody {
  public:
-  // Tets whose first V nodes are the skin's vertices, or a cage that carries the skin. anatomy: what lies inside, of
-  // this character and these muscles; it is looked at here only.
-  QuasiStaticBody(const Character& character, const std::vector<Muscle>& muscles, const AnatomyField& anatomy,
-                  TetMesh mesh, const Materials& materials = {});
+  // anatomy: what lies inside, of this character and these muscles; it is looked at here only.
   QuasiStaticBody(const Character& character, const std::vector<Muscle>& muscles, const AnatomyField& anatomy,
                   const Cage& cage, const Materials& materials = {});
-  // Tets of a mended skin, which carry all of it.
-  QuasiStaticBody(const Character& character, const std::vector<Muscle>& muscles, const AnatomyField& anatomy,
-                  const FilledBody& body, const Materials& materials = {});
-  // In tets of fill_skin, throwing as it does.
-  QuasiStaticBody(const Character& character, const std::vector<Muscle>& muscles, double tet_size,
-                  const AnatomyOptions& anatomy = {})
-      : QuasiStaticBody(character, muscles, AnatomyField(character, muscles, anatomy), fill_skin(character, tet_size)) {
-  }
 
-  // From now on poses are reached in a cage that carries the same skin, and only settled in this body's tets.
-  void walk_in(std::unique_ptr<const QuasiStaticBody> cage);
+  // From now on poses are reached in a body of the linear tets that this one's were made of (second_order), and only
+  // settled in this one.
+  void walk_in(std::unique_ptr<const QuasiStaticBody> linear);
+
+  // A body of the same skin in fewer, larger tets, by which it can tell its discretisation error.
+  void compare_with(std::unique_ptr<const QuasiStaticBody> coarser) { coarser_ = std::move(coarser); }
+  // How far the skin of a solved pose (V x 3) is from that in ever smaller tets, metres, RMS: from the coarser body's,
+  // errors taken to fall with the square of the tets' size (Richardson). Not a number without a coarser body, or where
+  // that does not converge.
+  double discretisation_error(const Pose& pose, std::span<const double> flex, const Positions& skin) const;
 
   // The equilibrium reached from rest along the straight path in joint angles, a pure function of the pose. A single
-  // root's motion is taken out and put back at the end: there is no gravity, so the body does not feel it. A cage
-  // (walk_in) takes the path where it comes to rest without deep folds, and its shape is where this body starts.
+  // root's motion is taken out and put back at the end: there is no gravity, so the body does not feel it. The linear
+  // body (walk_in) takes the path where it comes to rest without deep folds; its shape is where this body starts.
   //
   // residual = sqrt(sum over all nodes of |f_i|^2) / sqrt(sum over all tets and their four nodes of |f_ta|^2), where
   // f_ta is the elastic force (passive, active and barrier terms together) of tet t on its node a, and f_i is the sum
@@ -81,17 +63,17 @@ class QuasiStaticBody {
   // path.
   SolvedPose solve_along(std::span<const Pose> path, std::span<const double> flex) const;
 
-  // V x 3: where the nodes of a solved pose (N + R x 3) take the skin. With tets of the skin as it is these are the
-  // first V nodes. A vertex that rides is a node of its own: it goes where its joints take it by linear blending,
-  // displaced, in its turned frame, as the body is where it holds the piece (Riders).
-  Positions skin(const Positions& nodes) const;
+  // V x 3: where the nodes of a solved pose (N + R x 3) take the skin. A vertex that rides is a node of its own: it
+  // goes where its joints take it by linear blending, displaced, in its turned frame, as the body is where it holds the
+  // piece (Riders).
+  Positions skin(const Positions& nodes) const { return embed(embedding_, carriers_, nodes); }
 
   const Skeleton& skeleton() const { return skeleton_; }
   const TetMesh& mesh() const { return mesh_; }
   Eigen::Index node_count() const { return mesh_.nodes.rows() + static_cast<Eigen::Index>(riding_.size()); }  // N + R
   // What carries the skin: the tets of the mesh, then for each vertex that rides four times its own node.
   const Tets& carriers() const { return carriers_; }
-  const std::vector<EmbeddedPoint>& embedding() const { return embedding_; }  // V, in the carriers; empty: first nodes
+  const std::vector<EmbeddedPoint>& embedding() const { return embedding_; }  // V, in the carriers
   const std::vector<std::uint32_t>& riding() const { return riding_; }        // R: vertices of the skin
   const TetTissue& tissue() const { return inside_; }
   const BoneSprings& springs() const { return *springs_; }
@@ -106,16 +88,14 @@ class QuasiStaticBody {
   struct Target {
     std::vector<FibreDrive> drives;
     SpringPose springs;
-    Positions curvature;         // V x 3: of the skin, turned with the joints; empty in a cage
+    Positions curvature;         // of the surface, turned with the joints; empty in a lattice
     Positions skinned;           // N x 3: the rest nodes by linear blend skinning
     std::vector<Quat> rotation;  // N: blended joint rotations
   };
-  QuasiStaticBody(const Character& character, const std::vector<Muscle>& muscles, const AnatomyField& anatomy,
-                  TetMesh mesh, const Materials& materials, const Cage* cage);
   // Each with the root's motion taken out, and without what rides.
   SolvedPose attempt(std::span<const Pose> path, std::span<const double> flex, double step_size,
                      const Tissue::BarrierShape& barrier) const;
-  std::optional<SolvedPose> settle_from_cage(const Pose& pose, std::span<const double> flex) const;
+  std::optional<SolvedPose> settle_from_linear(const Pose& pose, std::span<const double> flex) const;
   LocalTransforms without_root_motion(const Pose& pose) const;
   void put_back_root_motion(const Pose& pose, Positions& nodes) const;
   void judge(SolvedPose& solved) const;  // sets its status but for residual and iterations
@@ -141,7 +121,6 @@ class QuasiStaticBody {
   TetMesh mesh_;
   std::vector<EmbeddedPoint> embedding_;
   Tets carriers_;
-  Eigen::Index skin_count_ = 0;
   Riders riders_;
   std::vector<std::uint32_t> riding_;
   Positions skin_rest_;       // V x 3, where something rides
@@ -152,13 +131,14 @@ class QuasiStaticBody {
   std::unique_ptr<Tissue> tissue_;
   std::unique_ptr<MuscleVolume> volume_;
   std::unique_ptr<BoneSprings> springs_;
-  std::unique_ptr<SkinBending> bending_;  // null in a cage, whose tets are longer than the wrinkles it would prevent
+  std::unique_ptr<SkinBending> bending_;  // null in a lattice, whose surface is steps
   std::unique_ptr<SkinContact> contact_;  // null in a lattice, whose cells overlap where parts of the body are close
-  std::unique_ptr<CarriedDepth> carried_depth_;  // null without a cage
+  std::unique_ptr<CarriedDepth> carried_depth_;
   std::unique_ptr<Metric> metric_;
-  std::unique_ptr<const QuasiStaticBody> cage_;  // null where poses are walked to in the own tets
-  std::vector<EmbeddedPoint> in_cage_;           // N
-  double force_floor_ = 0, max_move_ = 0;        // of the solver
+  std::unique_ptr<const QuasiStaticBody> linear_;  // null where poses are walked to in the own tets
+  std::vector<EmbeddedPoint> in_linear_;           // N
+  std::unique_ptr<const QuasiStaticBody> coarser_;
+  double force_floor_ = 0, max_move_ = 0;  // of the solver
   std::uint64_t hash_ = 0;
 };
 

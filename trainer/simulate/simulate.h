@@ -17,14 +17,14 @@
 namespace bodyopt {
 
 struct SimulateOptions {
-  double tet_size = 0;  // metres; 0: chosen from the skin's edge lengths
+  double tet_size = 0;  // of the skin's own tets inside, metres; 0: a coarser skin
   int threads = 0;      // 0: all
-  bool draft = false;   // in a cage of 1,500 nodes or fewer; the cache then holds nodes (nodes_cache.h)
+  bool draft = false;   // in a coarser cage; the cache then holds nodes (nodes_cache.h)
   Materials materials{};
   AnatomyOptions anatomy{};
   // Told before the work begins; of what rides and is stretched, at the end.
   std::function<void(const std::string&)> warn = [](const std::string&) {};
-  // Told what the frames are solved in: the skin, the mended skin, a coarser skin or a lattice, and its contact.
+  // Told what the frames are solved in: a coarser skin, the skin, the mended skin or a lattice, and its contact.
   std::function<void(const std::string&)> inform = [](const std::string&) {};
 };
 
@@ -36,25 +36,26 @@ AnatomyOptions anatomy_options(const Dataset& dataset, const Skeleton& skeleton)
 AnatomyField look_inside(const Character& character, const std::vector<Muscle>& muscles,
                          const SimulateOptions& options);
 
-// The tets that frames are solved in: those of the skin, mended where it needs it, or a cage's.
-struct BodyTets {
-  std::optional<FilledBody> filled;
-  std::optional<Cage> cage;       // where there is no filled
-  std::optional<Error> why_cage;  // what kept the skin from being filled; none in a draft
-};
-BodyTets choose_tets(const Character& character, const SimulateOptions& options);
+// What frames are solved in: a coarser skin filled with tets; the skin's own tets where that fails, or with a tet_size;
+// a lattice where these fail, too. Throws as lattice_cage.
+Cage choose_cage(const Character& character, const SimulateOptions& options);
 
 // Which parts a cage holds together though their joints would part them: "'Jaw' and 'Head' (12 vertices)", most first;
 // empty where there are none.
 std::string glued_parts(const Cage& cage, const Character& character);
 
-// The body that frames are solved with: conforming tets; a draft's cage; or, with a warning that says why, a cage for a
-// skin that tets cannot fill.
+// The body that frames are solved with, in choose_cage(): in tets of second order where they fill the skin and are not
+// too many; in linear ones otherwise. Warns of a lattice, and says why.
 QuasiStaticBody make_body(const Character& character, const std::vector<Muscle>& muscles,
                           const SimulateOptions& options);
 // Makes the same of what look_inside() found.
 QuasiStaticBody make_body(const Character& character, const std::vector<Muscle>& muscles, const AnatomyField& anatomy,
                           const SimulateOptions& options);
+
+// make_body(), and where that is a coarser skin a body of a third of its nodes beside it, so that simulate() can tell
+// its discretisation error.
+QuasiStaticBody make_compared_body(const Character& character, const std::vector<Muscle>& muscles,
+                                   const SimulateOptions& options);
 
 // One frame of a clip, its controls flexing muscles. Throws Error(usage) for a frame the clip lacks, Error(mismatch)
 // for controls that flex no muscle or are not within 0..1.
@@ -75,7 +76,7 @@ void require_unscaled(const Skeleton& skeleton, const Clip& clip, int frame);
 std::vector<FrameStatus> simulate(const Character& character, const std::vector<Muscle>& muscles, const Clip& clip,
                                   const std::vector<int>& frames, const TakeLock& take,
                                   const std::filesystem::path& status, const SimulateOptions& options);
-// The same of a body that make_body() made with these options: several takes of it share its tets.
+// The same of a body that make_compared_body() made with these options: several takes of it share its tets.
 std::vector<FrameStatus> simulate(const QuasiStaticBody& body, const Character& character,
                                   const std::vector<Muscle>& muscles, const Clip& clip, const std::vector<int>& frames,
                                   const TakeLock& take, const std::filesystem::path& status,

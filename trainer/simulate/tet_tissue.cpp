@@ -2,6 +2,7 @@
 
 #include <Eigen/LU>
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <span>
 #include <utility>
@@ -11,10 +12,8 @@
 namespace bodyopt {
 namespace {
 
-constexpr int kSampleRows = 6;  // along a tet's edge, less one: 84 samples
-// How far from the faces they lie, in distances between samples: with this the mean of the squares of barycentric
-// weights is that over the tet, a tenth. Nearer to them what lies along edges would count too much.
-constexpr double kSampleInset = 0.4365;
+// Samples along a tet's edge, less one: 84 in all, 20 of each eighth of a tet of second order.
+constexpr int kSampleRows = 6, kEighthRows = 3;
 
 struct Sample {
   Eigen::Vector4d weights;  // barycentric
@@ -71,13 +70,16 @@ TetSums sum_samples(const TetMesh& mesh, Eigen::Index tet, std::span<const Sampl
 }
 
 // Barycentric; alike for all corners.
-std::vector<Eigen::Vector4d> sample_weights() {
+std::vector<Eigen::Vector4d> sample_weights(int rows) {
+  // How far from the faces they lie, in distances between samples: with this the mean of the squares of barycentric
+  // weights is that over the tet, a tenth. Nearer to them what lies along edges would count too much.
+  const double inset = (std::sqrt(0.25 * rows * rows + rows) - 0.5 * rows) / 2;
   std::vector<Eigen::Vector4d> samples;
-  for (int i = 0; i <= kSampleRows; ++i) {
-    for (int j = 0; i + j <= kSampleRows; ++j) {
-      for (int k = 0; i + j + k <= kSampleRows; ++k) {
-        const Eigen::Vector4d corner(i, j, k, kSampleRows - i - j - k);
-        samples.push_back((corner.array() + kSampleInset) / (kSampleRows + 4 * kSampleInset));
+  for (int i = 0; i <= rows; ++i) {
+    for (int j = 0; i + j <= rows; ++j) {
+      for (int k = 0; i + j + k <= rows; ++k) {
+        const Eigen::Vector4d corner(i, j, k, rows - i - j - k);
+        samples.push_back((corner.array() + inset) / (rows + 4 * inset));
       }
     }
   }
@@ -86,7 +88,7 @@ std::vector<Eigen::Vector4d> sample_weights() {
 
 // At points spread evenly in every tet.
 std::vector<TetSums> sum_evenly(const TetMesh& mesh, const TissueField& field) {
-  const std::vector<Eigen::Vector4d> lattice = sample_weights();
+  const std::vector<Eigen::Vector4d> lattice = sample_weights(mesh.is_second_order ? kEighthRows : kSampleRows);
   std::vector<TetSums> sums(static_cast<std::size_t>(mesh.tets.rows()));
   parallel_for(sums.size(), [&](std::size_t t) {
     const auto tet = static_cast<Eigen::Index>(t);

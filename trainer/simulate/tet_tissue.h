@@ -45,7 +45,8 @@ struct TetTissue {
   static constexpr double kLeastShare = 0.02;
 };
 
-// From 84 samples a tet. What the field does not know, as where a skin was mended, is fat.
+// From 84 samples a tet, 20 in each eighth of one of second order. What the field does not know, as where a skin was
+// mended, is fat.
 TetTissue find_tissue(const TetMesh& mesh, const TissueField& field);
 
 // The same of a cage. Tets of a lattice reach beyond the skin and overlap: they are as full as the cage's samples.

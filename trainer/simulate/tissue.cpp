@@ -35,6 +35,15 @@ std::vector<FibreTet> take_repeated(std::vector<FibreTet>& fibres) {
 Tissue::Tissue(const TetMesh& mesh, const std::vector<TetMaterial>& tets, std::vector<FibreTet> fibres,
                const Materials& materials)
     : batches_{{}, {}, {}, materials.active_fibre, materials.passive_fibre} {
+  if (!mesh.is_second_order) {
+    add_batches(mesh, tets, std::move(fibres));
+    return;
+  }
+  points_ = QuadraturePoints(mesh);
+  add_batches(points_.tets(mesh), QuadraturePoints::of_points(tets), QuadraturePoints::of_points(fibres));
+}
+
+void Tissue::add_batches(const TetMesh& mesh, const std::vector<TetMaterial>& tets, std::vector<FibreTet> fibres) {
   const int count = static_cast<int>(mesh.tets.rows());
   for (int t = 0; t < count; ++t) mean_volume_ += tet_edges(mesh, t).determinant() / 6 / count;
   std::stable_sort(fibres.begin(), fibres.end(), [](const FibreTet& a, const FibreTet& b) { return a.tet < b.tet; });
@@ -106,16 +115,24 @@ void add_barrier(const TetBatch& batch, double steepest, double least_volume, Ba
 
 TissueSum Tissue::add_gradient(const Positions& nodes, std::span<const FibreDrive> drives, Positions& gradient,
                                const BarrierShape& shape) const {
-  return add_tissue_forces(batches_, nodes.data(), drives, shape.steepest, shape.least_volume * mean_volume_,
-                           gradient.data());
+  const auto add = [&](const Positions& at, Positions& to) {
+    return add_tissue_forces(batches_, at.data(), drives, shape.steepest, shape.least_volume * mean_volume_, to.data());
+  };
+  if (points_.empty()) return add(nodes, gradient);
+  const Positions corners = points_.corners(nodes);
+  Positions of_corners = Positions::Zero(corners.rows(), 3);
+  const TissueSum sum = add(corners, of_corners);
+  points_.add_gradient(of_corners, gradient);
+  return sum;
 }
 
 Tissue::Inverted Tissue::inverted(const Positions& nodes) const {
+  const Positions corners = points_.empty() ? Positions() : points_.corners(nodes);
   Inverted result;
   double volume = 0;
   for (const TetBatch& batch : batches_.tets) {
     double ratios[kTetLanes];
-    find_volume_ratios(batch, nodes.data(), ratios);
+    find_volume_ratios(batch, points_.empty() ? nodes.data() : corners.data(), ratios);
     for (int lane = 0; lane < kTetLanes; ++lane) {
       volume += batch.volume[lane];
       if (!(batch.volume[lane] > 0) || ratios[lane] > 0) continue;

@@ -6,17 +6,10 @@
 
 #include "geometry/tet_mesh.h"
 #include "trainer/simulate/materials.h"
+#include "trainer/simulate/quadrature_points.h"
 #include "trainer/simulate/tissue_batches.h"
 
 namespace bodyopt {
-
-// A tet of a muscle: where its fibres run, and whose activation drives them.
-struct FibreTet {
-  int tet;
-  int muscle;
-  Eigen::Vector3d direction;  // unit, rest space
-  double share = 1;           // of the tet's volume that is this muscle
-};
 
 // Energy density per tet, F the deformation gradient, J = det F, a the fibre direction, s = |F a|:
 //   mu/2 (|F|^2 - 3) + lambda/2 ((J - 1 - mu/lambda)^2 - (mu/lambda)^2)        stable neo-Hookean (Smith et al. 2018),
@@ -27,9 +20,12 @@ struct FibreTet {
 //   + activation k_a/2 (s - slack)^2                     where s > slack, muscles only (FibreDrive)
 //   + k_p/2 (s - 1)^2                                    where s > 1, muscles only
 // Zero with zero gradient at rest when all activations are zero.
+//
+// A tet of second order has four points at which this is summed, the rule of degree 2. The deformation gradient at a
+// point is that of a linear tet whose corners are sums of the ten nodes; what is said of tets is true of these.
 class Tissue {
  public:
-  // tets: one material per tet. A tet may have fibres of several muscles.
+  // tets: one material per tet, as are fibres. A tet may have fibres of several muscles.
   Tissue(const TetMesh& mesh, const std::vector<TetMaterial>& tets, std::vector<FibreTet> fibres,
          const Materials& materials = {});
 
@@ -58,8 +54,10 @@ class Tissue {
   Inverted inverted(const Positions& nodes) const;  // tets with J <= 0
 
  private:
+  void add_batches(const TetMesh& mesh, const std::vector<TetMaterial>& tets, std::vector<FibreTet> fibres);
   void add_further(const TetMesh& mesh, const std::vector<FibreTet>& fibres);
 
+  QuadraturePoints points_;  // none in linear tets
   TissueBatches batches_;
   double mean_volume_ = 0;  // of a tet, cubic metres
 };

@@ -1,5 +1,8 @@
 #include "trainer/tets/cage.h"
 
+#include <optional>
+#include <utility>
+
 #include "trainer/tets/lattice_cage.h"
 #include "trainer/tets/skin_cage.h"
 
@@ -46,17 +49,28 @@ Cage filled_cage(const Positions& vertices, const Triangles& triangles, const Sk
 }
 
 Cage make_cage(const Positions& vertices, const Triangles& triangles, const SkinWeights& weights,
-               Eigen::Index max_nodes) {
-  Cage cage;
-  try {
-    cage = filled_cage(vertices, triangles, weights, max_nodes);
-  } catch (const Error& error) {
-    if (error.kind() != ErrorKind::mismatch) throw;  // it is not for the skin
-    cage = lattice_cage(vertices, triangles, weights, max_nodes);
-    cage.why_lattice = error;
+               const CageLimits& limits) {
+  std::optional<Error> why;
+  const auto attempt = [&](const auto& fill) -> std::optional<Cage> {
+    try {
+      return fill();
+    } catch (const Error& error) {
+      if (error.kind() != ErrorKind::mismatch) throw;  // it is not for the skin
+      why = error;
+      return {};
+    }
+  };
+  std::optional<Cage> cage = attempt([&] { return filled_cage(vertices, triangles, weights, limits.nodes); });
+  if (!cage && vertices.rows() <= limits.own_nodes) {
+    cage = attempt([&] { return own_cage(vertices, triangles, weights, 0); });
+    if (cage && cage->mesh.nodes.rows() > limits.own_nodes) cage.reset();
   }
-  cage.glued = glued_vertices(vertices, triangles, weights, cage.mesh, cage.skin);
-  return cage;
+  if (!cage) {
+    cage = lattice_cage(vertices, triangles, weights, limits.lattice_nodes);
+    cage->why_lattice = why;
+  }
+  cage->glued = glued_vertices(vertices, triangles, weights, cage->mesh, cage->skin);
+  return std::move(*cage);
 }
 
 }  // namespace bodyopt

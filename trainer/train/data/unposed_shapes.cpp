@@ -51,10 +51,4 @@ UnposedFrames UnposedShapes::operator()(const std::string& title, std::span<cons
   return {std::move(displacements), std::move(strays)};
 }
 
-std::vector<std::size_t> spread_evenly(std::size_t count, std::size_t most) {
-  std::vector<std::size_t> numbers(std::min(count, most));
-  for (std::size_t k = 0; k < numbers.size(); ++k) numbers[k] = k * count / numbers.size();
-  return numbers;
-}
-
 }  // namespace bodyopt

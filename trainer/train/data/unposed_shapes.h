@@ -46,7 +46,4 @@ class UnposedShapes {
   StrayVertices neighbours_;
 };
 
-// At most `most` of the numbers 0 .. count - 1, spread evenly.
-std::vector<std::size_t> spread_evenly(std::size_t count, std::size_t most);
-
 }  // namespace bodyopt

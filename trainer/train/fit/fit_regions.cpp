@@ -9,6 +9,7 @@
 
 #include "base/parallel.h"
 #include "base/progress.h"
+#include "base/spread_evenly.h"
 #include "geometry/extent.h"
 #include "runtime/host/rig.h"
 #include "trainer/train/fit/choose_map.h"

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <numeric>
 
+#include "base/spread_evenly.h"
 #include "geometry/extent.h"
 #include "runtime/host/rig.h"
 #include "trainer/train/features/features.h"

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "base/linear_algebra.h"
+#include "base/spread_evenly.h"
 #include "geometry/extent.h"
 #include "geometry/laplacian.h"
 #include "geometry/nearest_skin.h"

@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "base/parallel.h"
+#include "base/spread_evenly.h"
 #include "dataset/dataset.h"
 #include "geometry/table_rows.h"
 #include "runtime/basis/basis.h"

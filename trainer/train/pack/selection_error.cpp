@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "base/parallel.h"
+#include "base/spread_evenly.h"
 
 namespace bodyopt {
 
