@@ -59,6 +59,7 @@ Clip carry_bvh(const Bvh& bvh, const std::filesystem::path& path, const Skeleton
   clip.name = path.stem().string();
   clip.fps = options.fps;
   clip.first_frame = options.first_frame;
+  clip.notes = bvh.notes;
 
   const SourceMotion motion = motion_of(bvh);
   const std::vector<NamedJoint> joints = transformed(motion.joints, &SourceJoint::joint);
