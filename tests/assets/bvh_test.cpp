@@ -297,6 +297,45 @@ TEST(Bvh, StatedUnitIsTaken) {
   EXPECT_NEAR(length(carried(skeleton, clip.poses[0], 0, {0, 1, 0}) - Vec3{1, 2, 3}), 0, 1e-9);
 }
 
+// Lengths may be in position channels alone.
+TEST(Bvh, OffsetsMayBeZeroBesidePositions) {
+  const TemporaryFolder folder;
+  std::string text = replaced(kSmall, "CHANNELS 3 Yrotation", "CHANNELS 6 Xposition Yposition Zposition Yrotation");
+  text = replaced(replaced(text, "1 2 3 0 0 0 0", "1 2 3 0 0 0 0 10 0 0"), "90 0 0 10", "90 0 0 0 10 0 10");
+  put_bytes(folder / "lengths.bvh", text);
+  put_bytes(folder / "none.bvh", replaced(text, "OFFSET 0 10 0", "OFFSET 0 0 0"));
+  const Skeleton skeleton = small_skeleton();
+  const Clip expected = read_clip((folder / "lengths.bvh").string(), skeleton, {}),
+             clip = read_clip((folder / "none.bvh").string(), skeleton, {});
+  for (std::size_t k = 0; k < expected.poses.size(); ++k) {
+    for (std::size_t j = 0; j < 3; ++j) {
+      const Vec3 at = carried(skeleton, clip.poses[k], j, {1, 2, 3});
+      EXPECT_NEAR(length(at - carried(skeleton, expected.poses[k], j, {1, 2, 3})), 0, 1e-9);
+    }
+  }
+  put_bytes(folder / "flat.bvh",
+            replaced(replaced(kSmall, "OFFSET 0 10 0", "OFFSET 0 0 0"), "OFFSET 0 5 2", "OFFSET 0 0 0"));
+  const std::string message =
+      error_of(ErrorKind::mismatch, [&] { read_clip((folder / "flat.bvh").string(), skeleton, {}); });
+  EXPECT_NE(message.find("all its OFFSETs are zero"), std::string::npos) << message;
+}
+
+TEST(Bvh, TheAxisThatIsUpCanBeSaid) {
+  const TemporaryFolder folder;
+  put_bytes(folder / "a.bvh", kSmall);
+  const std::string path = (folder / "a.bvh").string();
+  const Skeleton skeleton = small_skeleton();
+  for (const char* up : {"x", "y", "z", "-x", "-y", "-z"}) {
+    const Clip clip = read_clip(path, skeleton, {.up = up});
+    const Vec3 trunk = posed_joints(skeleton, clip.poses[0].joints)[1] * Vec3{0, 0, 0} -
+                       posed_joints(skeleton, clip.poses[0].joints)[0] * Vec3{0, 0, 0};
+    const double sign = up[0] == '-' ? -1 : 1;
+    EXPECT_NEAR(trunk[1], std::string(up).back() == 'y' ? sign : 0, 1e-9) << up;
+  }
+  error_of(ErrorKind::usage, [&] { read_clip(path, skeleton, {.up = "up"}); });
+  error_of(ErrorKind::usage, [&] { read_clip(path, skeleton, {.up = "-"}); });
+}
+
 TEST(Bvh, StrangersAreAMismatch) {
   const TemporaryFolder folder;
   put_bytes(folder / "a.bvh", kSmall);
