@@ -55,6 +55,12 @@ bool is_of_trunk(const std::optional<JointRole>& role) {
   return role && (role->part <= BodyPart::hip_joint || role->part == BodyPart::clavicle);
 }
 
+// Their bones are short, and go as the build has it.
+bool is_short(const std::optional<JointRole>& role) {
+  return role &&
+         (role->part == BodyPart::neck || role->part == BodyPart::hip_joint || role->part == BodyPart::clavicle);
+}
+
 }  // namespace
 
 Retarget::Retarget(const SourceMotion& motion, const Skeleton& skeleton, std::vector<int> match, std::size_t frames,
@@ -192,6 +198,24 @@ bool Retarget::trunks_rest_alike() const {
   return angle_between(fit_rotation(from, to, {0, 0, 0, 1}), {0, 0, 0, 1}) < kTurned;
 }
 
+// The bones from a joint lie to each other in the source as they do in the skeleton.
+bool Retarget::trunks_are_of_one_build() const {
+  constexpr double kAlike = std::numbers::pi / 36;
+  std::vector<std::vector<Vec3>> from(skeleton_.size()), to(skeleton_.size());
+  for (const BonePair& pair : pairs_) {
+    if (!is_of_trunk(roles_[pair.above]) || !(length(pair.source) > 0)) continue;
+    from[pair.above].push_back(pair.skeleton);
+    to[pair.above].push_back(pair.source);
+  }
+  for (std::size_t j = 0; j < from.size(); ++j) {
+    const Quat fitted = fit_rotation(from[j], to[j], {0, 0, 0, 1});
+    for (std::size_t k = 0; k < from[j].size(); ++k) {
+      if (angle_between_bones(rotate(fitted, from[j][k]), to[j][k]) > kAlike) return false;
+    }
+  }
+  return true;
+}
+
 // In the world's axes.
 Quat Retarget::away_from_rest(const SourceFrame& frame, std::size_t joint) const {
   return turn_ * frame.rotation[joint] * conjugate(rest_.rotation[joint]) * conjugate(turn_);
@@ -208,6 +232,42 @@ Quat Retarget::twisted_alike(std::size_t joint) const {
     sum += matrix(conjugate(away_from_rest(frame, own)) * away_from_rest(frame, other));
   }
   return nearest_quaternion(sum) * alignment_[static_cast<std::size_t>(above)];
+}
+
+// To the front of the skeleton as it is bound; zero where its names do not tell.
+Vec3 Retarget::front() const {
+  Vec3 left{0, 0, 0};
+  for (std::size_t j = 0; j < roles_.size(); ++j) {
+    if (!roles_[j] || roles_[j]->part != BodyPart::thigh) continue;
+    left = left + (roles_[j]->side == BodySide::left ? 1 : -1) * (bind_[j] * Vec3{0, 0, 0});
+  }
+  return cross(left, {0, 1, 0});
+}
+
+// The alignment by which knees and elbows bend as those of bodies do: knees back, elbows of stretched out arms to the
+// front. Nothing of other joints, and where they hardly bend, or this way and that.
+std::optional<Quat> Retarget::bent_alike(std::size_t joint) const {
+  constexpr double kBent = 0.3, kOneWay = 0.8;
+  const bool is_arm = roles_[joint] && roles_[joint]->part == BodyPart::upper_arm,
+             is_leg = roles_[joint] && roles_[joint]->part == BodyPart::thigh;
+  const auto bone = std::ranges::find(pairs_, joint, &BonePair::above);
+  if (!(is_arm || is_leg) || bone == pairs_.end()) return std::nullopt;
+  const auto next = std::ranges::find(pairs_, bone->joint, &BonePair::above);
+  if (next == pairs_.end()) return std::nullopt;
+  const auto across = [](const Vec3& of, const Vec3& from) { return of - (dot(of, from) / dot(from, from)) * from; };
+  Vec3 bend{0, 0, 0};
+  double whole = 0;
+  for (const SourceFrame& frame : frames_) {
+    const Vec3 lower = frame.bone(*next), side = (1 / length(lower)) * across(lower, frame.bone(*bone));
+    bend = bend + rotate(conjugate(frame.rotation[bone->source_above]), side);
+    whole += length(side);
+  }
+  const Vec3 bound = across((is_arm ? 1 : -1) * front(), bone->skeleton);
+  const bool bends = length(bend) > kBent * static_cast<double>(frames_.size()) && length(bend) > kOneWay * whole;
+  if (!bends || !(length(bound) > 0)) return std::nullopt;
+  return fit_rotation({bone->skeleton, bound},
+                      {rotate(turn_, bone->source), rotate(turn_ * rest_.rotation[bone->source_above], bend)},
+                      {0, 0, 0, 1});
 }
 
 bool Retarget::has_bones_along_axes() const {
@@ -247,6 +307,7 @@ Quat Retarget::nearest_of_axes(std::size_t joint, const Quat& alignment) const {
 void Retarget::align_rests(std::vector<std::string>& notes) {
   constexpr double kBuildAlike = std::numbers::pi / 4, kNoWay = 2 * std::numbers::pi / 3;
   const bool trunks_alike = trunks_rest_alike(), along_axes = !is_pose_ && has_bones_along_axes();
+  const bool of_one_build = trunks_are_of_one_build();
   std::vector<std::vector<const BonePair*>> bones(skeleton_.size());
   for (const BonePair& pair : pairs_) bones[pair.above].push_back(&pair);
   double worst = 0;
@@ -274,7 +335,8 @@ void Retarget::align_rests(std::vector<std::string>& notes) {
       alignment_[j] = {0, 0, 0, 1};
       continue;
     }
-    if (!is_pose_ || turned > kNoWay) alignment_[j] = twisted_alike(j);
+    if (!is_pose_ || turned > kNoWay) alignment_[j] = bent_alike(j).value_or(twisted_alike(j));
+    if (!is_pose_ && !of_one_build && is_short(roles_[j])) continue;
     if (along_axes) alignment_[j] = nearest_of_axes(j, fit_rotation(from, to, alignment_[j]));
     alignment_[j] = fit_rotation(from, to, alignment_[j]);
     if (apart <= worst) continue;

@@ -96,7 +96,31 @@ struct Moves {
   std::vector<Vec3> places;  // of the hips
 };
 
-// Every joint swings about an axis of its own, to either side alike; the hips go somewhere, or stay.
+// Knees go back, elbows of stretched out arms to the front; what is above them is twisted about its bone.
+struct Bends {
+  double angle = 0;  // 0: none
+  Turns twist{body().size(), Quat{0, 0, 0, 1}};
+
+  Quat of(std::size_t joint, double share) const {
+    const double bent = angle * (1 + 0.5 * share);
+    if (joint == 7 || joint == 11) return axis_angle({0, joint == 7 ? -1.0 : 1.0, 0}, bent);
+    return axis_angle({1, 0, 0}, bent);
+  }
+};
+
+bool is_hinge(std::size_t joint) { return joint == 7 || joint == 11 || joint == 14 || joint == 18; }
+
+Bends bends_of(Random& random) {
+  Bends bends;
+  if (random.below(2) == 0) return bends;
+  bends.angle = random.uniform(0.6, 1);
+  for (std::size_t j = 0; j < body().size(); ++j) {
+    if (is_hinge(j)) bends.twist[above(j)] = axis_angle(body()[j].offset, random.uniform(-1.3, 1.3));
+  }
+  return bends;
+}
+
+// Every joint swings about an axis of its own, to either side alike, or bends; the hips go somewhere, or stay.
 Moves moves_of(Random& random) {
   constexpr std::size_t kFrames = 24;
   Moves moves;
@@ -109,6 +133,7 @@ Moves moves_of(Random& random) {
   for (std::size_t j = 0; j < body().size(); ++j) {
     swings.push_back({random.turn(is_root(j) ? 0.35 : 0.7), 1.0 + random.below(3), random.uniform(0, 2 * kPi)});
   }
+  const Bends bends = bends_of(random);
   const Quat faces = axis_angle({0, 1, 0}, random.uniform(-kPi, kPi));
   for (std::size_t k = 0; k < kFrames; ++k) {
     const double along = static_cast<double>(k) / kFrames;
@@ -116,7 +141,8 @@ Moves moves_of(Random& random) {
     for (std::size_t j = 0; j < body().size(); ++j) {
       const auto& [to, times, phase] = swings[j];
       const double share = std::sin(2 * kPi * times * along + phase);
-      const Quat swung = slerp({0, 0, 0, 1}, share < 0 ? conjugate(to) : to, std::abs(share));
+      Quat swung = slerp({0, 0, 0, 1}, share < 0 ? conjugate(to) : to, std::abs(share)) * bends.twist[j];
+      if (bends.angle > 0 && is_hinge(j)) swung = bends.of(j, share);
       turns.push_back(normalized((is_root(j) ? faces : turns[above(j)]) * swung));
     }
     moves.turns.push_back(turns);
