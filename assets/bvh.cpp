@@ -176,7 +176,7 @@ class Parser {
     }
   }
 
-  // The lines tell how many frames there are: writers that are stopped, or write on, declare another number.
+  // Writers that are stopped, or write on, declare another number of frames than there are.
   void parse_motion() {
     constexpr std::size_t kMostFrames = 1000000000;
     expect("motion");
@@ -187,15 +187,18 @@ class Parser {
     bvh_.frame_time = number();
     if (!(bvh_.frame_time > 0)) fail("the frame time must be above 0");
     while (!peek().empty()) bvh_.values.push_back(number());
-    bvh_.frame_count = bvh_.values.size() / bvh_.channel_count;
-    if (bvh_.frame_count == 0) fail("there is no frame of ", bvh_.channel_count, " values");
-    if (const std::size_t more = bvh_.values.size() % bvh_.channel_count; more > 0) {
-      fail("the last of ", bvh_.frame_count + 1, " frames has ", more, " values, and the joints have ",
-           bvh_.channel_count, " channels: the file is cut off, or its lines are of other joints");
+    const std::size_t held = bvh_.values.size() / bvh_.channel_count, more = bvh_.values.size() % bvh_.channel_count;
+    if (more > 0) {
+      throw Error(ErrorKind::file, path_, ": the last of ", held + 1, " frames has ", more,
+                  " values, and the joints have ", bvh_.channel_count,
+                  " channels: the file is cut off, or its lines are of other joints");
     }
-    if (declared == bvh_.frame_count) return;
-    bvh_.notes.push_back("The BVH declares " + std::to_string(declared) + " frames and holds " +
-                         std::to_string(bvh_.frame_count) + "; those that it holds are read.");
+    if (held == 0) fail("there are no frames");
+    bvh_.frame_count = declared == 0 ? held : std::min(declared, held);
+    bvh_.values.resize(bvh_.frame_count * bvh_.channel_count);
+    if (declared == held) return;
+    bvh_.notes.push_back("The BVH declares " + std::to_string(declared) + " frames and holds " + std::to_string(held) +
+                         "; " + std::to_string(bvh_.frame_count) + " are read.");
   }
 
   std::filesystem::path path_;

@@ -38,7 +38,7 @@ struct Bvh {
   JointTransform local_at(std::size_t joint, double seconds) const;
 };
 
-// UTF-8 or UTF-16. As many frames as there are values for, whatever number is declared. Throws Error(file) with the
+// UTF-8 or UTF-16. As many frames as are declared, or else as there are values for. Throws Error(file) with the
 // line for anything that is not a BVH file of finite numbers and whole frames.
 Bvh read_bvh(const std::filesystem::path& path);
 // The same of what a file holds; `path` is what errors call it.
