@@ -157,14 +157,31 @@ double Retarget::fitted_unit() const {
   return unit > 0 && std::isfinite(unit) ? unit : 0;
 }
 
-// Trunk and legs go up and down at rest as the skeleton's do; arms may be anywhere.
+// From the right joint of a part to the left; zero without both.
+Vec3 Retarget::leftwards(BodyPart part, const std::function<Vec3(std::size_t joint)>& place) const {
+  const auto find = [&](BodySide side) {
+    return std::ranges::find(roles_, std::optional(JointRole{part, side})) - roles_.begin();
+  };
+  const auto left = static_cast<std::size_t>(find(BodySide::left)),
+             right = static_cast<std::size_t>(find(BodySide::right));
+  if (std::max(left, right) >= roles_.size() || match_[left] < 0 || match_[right] < 0) return {0, 0, 0};
+  return place(left) - place(right);
+}
+
+// Trunk and legs go up and down at rest as the skeleton's do, hips and shoulders lie across; arms may be anywhere.
 bool Retarget::rests_in_a_pose(const Quat& fitted) const {
   constexpr double kUpright = 0.7, kAlike = 0.5;  // cosines
-  return std::ranges::all_of(pairs_, [&](const BonePair& pair) {
-    const bool is_of_arm = roles_[pair.joint] && roles_[pair.joint]->part >= BodyPart::clavicle;
-    return is_of_arm || std::abs(cosine(pair.skeleton, {0, 1, 0})) < kUpright ||
-           cosine(pair.skeleton, rotate(fitted, pair.source)) > kAlike;
-  });
+  const auto bound = [&](std::size_t joint) { return bind_[joint] * Vec3{0, 0, 0}; };
+  const auto rests = [&](std::size_t joint) { return rest_.place(static_cast<std::size_t>(match_[joint])); };
+  const auto lies_across = [&](BodyPart part) {
+    return cosine(leftwards(part, bound), rotate(fitted, leftwards(part, rests))) > kAlike;
+  };
+  return lies_across(BodyPart::thigh) && lies_across(BodyPart::upper_arm) &&
+         std::ranges::all_of(pairs_, [&](const BonePair& pair) {
+           const bool is_of_arm = roles_[pair.joint] && roles_[pair.joint]->part >= BodyPart::clavicle;
+           return is_of_arm || std::abs(cosine(pair.skeleton, {0, 1, 0})) < kUpright ||
+                  cosine(pair.skeleton, rotate(fitted, pair.source)) > kAlike;
+         });
 }
 
 // In the axes of the joints, as they are on the mean: what lies between them and has no match may not rest in a pose.
@@ -234,16 +251,6 @@ Quat Retarget::twisted_alike(std::size_t joint) const {
   return nearest_quaternion(sum) * alignment_[static_cast<std::size_t>(above)];
 }
 
-// To the front of the skeleton as it is bound; zero where its names do not tell.
-Vec3 Retarget::front() const {
-  Vec3 left{0, 0, 0};
-  for (std::size_t j = 0; j < roles_.size(); ++j) {
-    if (!roles_[j] || roles_[j]->part != BodyPart::thigh) continue;
-    left = left + (roles_[j]->side == BodySide::left ? 1 : -1) * (bind_[j] * Vec3{0, 0, 0});
-  }
-  return cross(left, {0, 1, 0});
-}
-
 // The alignment by which knees and elbows bend as those of bodies do: knees back, elbows of stretched out arms to the
 // front. Nothing of other joints, and where they hardly bend, or this way and that.
 std::optional<Quat> Retarget::bent_alike(std::size_t joint) const {
@@ -262,7 +269,8 @@ std::optional<Quat> Retarget::bent_alike(std::size_t joint) const {
     bend = bend + rotate(conjugate(frame.rotation[bone->source_above]), side);
     whole += length(side);
   }
-  const Vec3 bound = across((is_arm ? 1 : -1) * front(), bone->skeleton);
+  const Vec3 left = leftwards(BodyPart::thigh, [&](std::size_t j) { return bind_[j] * Vec3{0, 0, 0}; });
+  const Vec3 bound = across(cross((is_arm ? 1 : -1) * left, {0, 1, 0}), bone->skeleton);
   const bool bends = length(bend) > kBent * static_cast<double>(frames_.size()) && length(bend) > kOneWay * whole;
   if (!bends || !(length(bound) > 0)) return std::nullopt;
   return fit_rotation({bone->skeleton, bound},

@@ -1,6 +1,7 @@
 // Motion of one skeleton carried to another that may rest in another pose.
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -51,7 +52,7 @@ class Retarget {
   bool trunks_are_of_one_build() const;
   int matched_above(std::size_t joint) const;
   Quat twisted_alike(std::size_t joint) const;
-  Vec3 front() const;
+  Vec3 leftwards(BodyPart part, const std::function<Vec3(std::size_t joint)>& place) const;
   std::optional<Quat> bent_alike(std::size_t joint) const;
   bool has_bones_along_axes() const;
   Quat nearest_of_axes(std::size_t joint, const Quat& alignment) const;
