@@ -1,10 +1,13 @@
 #include "assets/bvh.h"
 
+#include <iconv.h>
+
 #include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <numbers>
 #include <string_view>
+#include <utility>
 
 #include "runtime/basis/read_file.h"
 #include "runtime/core/error.h"
@@ -14,6 +17,26 @@ namespace bodyopt {
 namespace {
 
 bool is_space(char c) { return c == ' ' || c == '\t' || c == '\n' || c == '\r' || c == '\f' || c == '\v'; }
+
+// UTF-16, by its byte order mark or by the zero beside the first letter, as UTF-8; without what editors and DOS put at
+// either end: a byte order mark, ^Z, zeros.
+std::string plain_text(std::string text, const std::filesystem::path& path) {
+  const bool is_big = text.starts_with("\xfe\xff") || text.starts_with('\0');
+  if (is_big || text.starts_with("\xff\xfe") || (text.size() > 1 && text[1] == '\0')) {
+    const iconv_t converter = iconv_open("UTF-8", is_big ? "UTF-16BE" : "UTF-16LE");
+    std::string converted(2 * text.size(), '\0');
+    char *from = text.data(), *to = converted.data();
+    std::size_t left = text.size(), room = converted.size();
+    const bool failed = iconv(converter, &from, &left, &to, &room) == static_cast<std::size_t>(-1);
+    iconv_close(converter);
+    if (failed) throw Error(ErrorKind::file, path, ": expected text, found damaged UTF-16 or no text at all");
+    text = converted.substr(0, converted.size() - room);
+  }
+  if (text.starts_with("\xef\xbb\xbf")) text.erase(0, 3);
+  const std::string_view fill("\0\x1a", 2), blank(" \t\r\n\0\x1a", 6);
+  text.resize(std::min(text.find_first_of(fill, text.find_last_not_of(blank) + 1), text.size()));  // npos + 1 is 0
+  return text;
+}
 
 class Parser {
  public:
@@ -55,10 +78,14 @@ class Parser {
     return token;
   }
 
+  // What follows a colon or a brace needs no space before it.
   void expect(const std::string& word) {
     const std::string_view token = peek();
-    if (lower_case(token) != word) fail("expected '", word, "', found '", token.substr(0, 40), "'");
-    next();
+    const bool is_word = std::isalpha(static_cast<unsigned char>(word.back())) != 0;
+    if (lower_case(is_word ? token : token.substr(0, word.size())) != word) {
+      fail("expected '", word, "', found '", token.substr(0, 40), "'");
+    }
+    rest_.remove_prefix(word.size());
   }
 
   double number() {
@@ -68,7 +95,8 @@ class Parser {
     double value = 0;
     const auto [end, error] = std::from_chars(token.data(), token.data() + token.size(), value);
     if (error != std::errc() || end != token.data() + token.size() || !std::isfinite(value)) {
-      fail("expected a finite number, found '", shown, "'");
+      const char* cause = shown.find(',') == std::string::npos ? "" : ": decimals take a point";
+      fail("expected a finite number, found '", shown, "'", cause);
     }
     return value;
   }
@@ -148,21 +176,29 @@ class Parser {
     }
   }
 
+  // Writers that are stopped, or write on, declare another number of frames than there are.
   void parse_motion() {
+    constexpr std::size_t kMostFrames = 1000000000;
     expect("motion");
     expect("frames:");
-    // Every value takes two bytes at least.
-    bvh_.frame_count =
-        count("the number of frames, for the length of the file,", rest_.size() / (2 * bvh_.channel_count) + 1);
-    if (bvh_.frame_count == 0) fail("there are no frames");
+    const std::size_t declared = count("the number of frames", kMostFrames);
     expect("frame");
     expect("time:");
     bvh_.frame_time = number();
     if (!(bvh_.frame_time > 0)) fail("the frame time must be above 0");
-    const std::size_t values = bvh_.frame_count * bvh_.channel_count;
-    bvh_.values.reserve(values);
-    for (std::size_t i = 0; i < values; ++i) bvh_.values.push_back(number());
-    if (!peek().empty()) fail("more values than ", bvh_.frame_count, " frames have");
+    while (!peek().empty()) bvh_.values.push_back(number());
+    const std::size_t held = bvh_.values.size() / bvh_.channel_count, more = bvh_.values.size() % bvh_.channel_count;
+    if (more > 0) {
+      throw Error(ErrorKind::file, path_, ": the last of ", held + 1, " frames has ", more,
+                  " values, and the joints have ", bvh_.channel_count,
+                  " channels: the file is cut off, or its lines are of other joints");
+    }
+    if (held == 0) fail("there are no frames");
+    bvh_.frame_count = declared == 0 ? held : std::min(declared, held);
+    bvh_.values.resize(bvh_.frame_count * bvh_.channel_count);
+    if (declared == held) return;
+    bvh_.notes.push_back("The BVH declares " + std::to_string(declared) + " frames and holds " + std::to_string(held) +
+                         "; " + std::to_string(bvh_.frame_count) + " are read.");
   }
 
   std::filesystem::path path_;
@@ -212,6 +248,9 @@ Bvh read_bvh(const std::filesystem::path& path) {
   return parse_bvh(read_file(path, kLargestFile, "a BVH file"), path);
 }
 
-Bvh parse_bvh(const std::string& text, const std::filesystem::path& path) { return Parser(path, text).parse(); }
+Bvh parse_bvh(std::string text, const std::filesystem::path& path) {
+  text = plain_text(std::move(text), path);
+  return Parser(path, text).parse();
+}
 
 }  // namespace bodyopt

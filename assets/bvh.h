@@ -27,7 +27,8 @@ struct Bvh {
   std::vector<BvhJoint> joints;
   double frame_time = 0;  // seconds
   std::size_t frame_count = 0, channel_count = 0;
-  std::vector<double> values;  // frames x channels; file units and degrees
+  std::vector<double> values;      // frames x channels; file units and degrees
+  std::vector<std::string> notes;  // where the file is not as it says
 
   double duration() const { return frame_time * static_cast<double>(frame_count - 1); }
   // The joint's transform relative to its parent. Rotations apply in the order written, the first outermost; position
@@ -37,9 +38,10 @@ struct Bvh {
   JointTransform local_at(std::size_t joint, double seconds) const;
 };
 
-// Throws Error(file) with the line for anything that is not a complete BVH file of finite numbers.
+// UTF-8 or UTF-16. As many frames as are declared, or else as there are values for. Throws Error(file) with the
+// line for anything that is not a BVH file of finite numbers and whole frames.
 Bvh read_bvh(const std::filesystem::path& path);
 // The same of what a file holds; `path` is what errors call it.
-Bvh parse_bvh(const std::string& text, const std::filesystem::path& path);
+Bvh parse_bvh(std::string text, const std::filesystem::path& path);
 
 }  // namespace bodyopt

@@ -27,13 +27,18 @@ void note_unmatched(const Bvh& bvh, const Skeleton& skeleton, const std::vector<
   if (!foreign.empty()) notes.push_back("BVH joints that the skeleton does not have: " + list_names(foreign) + ".");
 }
 
-// The BVH must outlive it.
-SourceMotion motion_of(const Bvh& bvh) {
+bool is_without_length(const BvhJoint& joint) { return joint.parent < 0 || joint.offset == Vec3{0, 0, 0}; }
+
+// The BVH must outlive it. Position channels stand in place of offsets, which may then be zero and tell nothing.
+SourceMotion motion_of(const Bvh& bvh, const std::string& up) {
   SourceMotion motion;
   motion.kind = "BVH";
-  for (const BvhJoint& joint : bvh.joints) {
+  motion.up = up;
+  for (std::size_t b = 0; b < bvh.joints.size(); ++b) {
+    const BvhJoint& joint = bvh.joints[b];
     JointTransform rest;
-    rest.translation = joint.offset;
+    const bool is_empty = joint.parent >= 0 && joint.has_position() && is_without_length(joint);
+    rest.translation = is_empty ? bvh.local(b, 0).translation : joint.offset;
     motion.joints.push_back({{joint.name, joint.parent}, rest, joint.has_position()});
   }
   motion.locals_at = [&bvh](double seconds) {
@@ -59,8 +64,9 @@ Clip carry_bvh(const Bvh& bvh, const std::filesystem::path& path, const Skeleton
   clip.name = path.stem().string();
   clip.fps = options.fps;
   clip.first_frame = options.first_frame;
+  clip.notes = bvh.notes;
 
-  const SourceMotion motion = motion_of(bvh);
+  const SourceMotion motion = motion_of(bvh, options.up);
   const std::vector<NamedJoint> joints = transformed(motion.joints, &SourceJoint::joint);
   const std::vector<int> match =
       match_joints(joints, skeleton, options.joint_map, "the clip " + path.string(), clip.notes);
@@ -76,7 +82,10 @@ Clip carry_bvh(const Bvh& bvh, const std::filesystem::path& path, const Skeleton
   if (unit == 0) {
     unit = retarget.fitted_unit();
     if (unit == 0) {
-      throw Error(ErrorKind::mismatch, path, ": too few joints match to tell its unit from the bones; say it (--unit)");
+      throw Error(ErrorKind::mismatch, path, ": its unit cannot be told from its bones, since ",
+                  std::ranges::all_of(bvh.joints, is_without_length) ? "all its OFFSETs are zero"
+                                                                     : "too few joints match (--joint-map)",
+                  "; say it (eval --unit)");
     }
     clip.notes.push_back("One BVH unit is taken as " + rounded(unit) + " m, from the length of the bones.");
   }

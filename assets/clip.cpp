@@ -10,6 +10,7 @@
 #include "assets/controls.h"
 #include "assets/gltf_clip.h"
 #include "assets/gltf_file.h"
+#include "assets/motion_up.h"
 #include "assets/wording.h"
 #include "runtime/core/error.h"
 #include "runtime/core/file_kind.h"
@@ -27,6 +28,9 @@ void check_options(const ClipOptions& options) {
   }
   if (!(options.unit >= 0) || !std::isfinite(options.unit)) {
     throw Error(ErrorKind::usage, "a unit is a positive number of metres, not ", options.unit);
+  }
+  if (!options.up.empty() && !named_axis(options.up)) {
+    throw Error(ErrorKind::usage, "an axis that is up is x, y, z, -x, -y or -z, not '", options.up, "'");
   }
 }
 
@@ -85,7 +89,12 @@ namespace {
 
 Clip read_motion(const std::string& source, const SkeletonChoice& choose, const ClipOptions& options) {
   const ClipSource parts = split_source(source);
-  if (is_called_gltf(parts.path)) return read_gltf_clip(GltfFile(parts.path), parts.name, choose, options);
+  if (is_called_gltf(parts.path)) {
+    if (!options.up.empty()) {
+      throw Error(ErrorKind::usage, source, ": glTF has y up; --up is for BVH files");
+    }
+    return read_gltf_clip(GltfFile(parts.path), parts.name, choose, options);
+  }
   if (lower_case_extension(parts.path) != ".bvh") {
     throw Error(ErrorKind::file, source, ": not a clip; expected FILE.glb#name, FILE.glb, FILE.gltf or FILE.bvh",
                 looks_like(parts.path));

@@ -28,6 +28,7 @@ struct ClipOptions {
   double unit = 0;  // metres per file unit; 0: what the file tells (glTF: file_unit()), or the length of the bones
   std::string controls{};   // controls.json that goes with the clip; empty: none
   std::string joint_map{};  // joint_map.json: which joint moves which, where names do not tell; empty: none
+  std::string up{};         // axis of a BVH that is up: x, y, z, -x, -y, -z; empty: its motion tells
 };
 
 // The unit of a clip for a character that was read with `character_unit`: glTF clips share it, BVH is fitted (0).

@@ -104,12 +104,42 @@ ParsedName parse_name(const std::string& name) {
   return parsed;
 }
 
+bool ends_word(std::string_view name, std::size_t at) {
+  const auto before = static_cast<unsigned char>(name[at - 1]);
+  if (std::isalnum(before) == 0) return true;
+  return std::isupper(before) == 0 && at < name.size() && std::isupper(static_cast<unsigned char>(name[at])) != 0;
+}
+
+// Whole words that two thirds of the names begin with: "Bip01 ", "CC_Base_". Nothing where they say a part or a side.
+std::string_view shared_prefix(std::span<const NamedJoint> joints) {
+  constexpr std::size_t kFewest = 4;
+  std::vector<std::string_view> names;
+  for (const NamedJoint& joint : joints) {
+    if (!joint.name.empty()) names.push_back(joint.name);
+  }
+  if (names.size() < kFewest) return {};
+  std::ranges::sort(names);
+  const std::size_t many = (2 * names.size() + 2) / 3;
+  std::string_view longest;
+  for (std::size_t first = 0; first + many <= names.size(); ++first) {
+    const std::string_view name = names[first], last = names[first + many - 1];
+    auto length = static_cast<std::size_t>(std::ranges::mismatch(name, last).in1 - name.begin());
+    while (length > 0 && !ends_word(name, length)) --length;
+    if (length > longest.size()) longest = name.substr(0, length);
+  }
+  const auto tells = [](const std::string& word) {
+    return side_of(word) || find_part(kMiddleNames, word) || find_part(kSideNames, word);
+  };
+  return std::ranges::any_of(name_words(longest), tells) ? std::string_view() : longest;
+}
+
 // The parts of a skeleton by its names, those that mean different things on different rigs by the names beside them.
 class PartNames {
  public:
   explicit PartNames(std::span<const NamedJoint> joints) {
+    const std::string prefix(shared_prefix(joints));
     for (const NamedJoint& joint : joints) {
-      names_.push_back(parse_name(joint.name));
+      names_.push_back(parse_name(joint.name.substr(joint.name.starts_with(prefix) ? prefix.size() : 0)));
       known_.insert({names_.back().side, names_.back().word});
     }
   }

@@ -59,7 +59,8 @@ BodySide side_of_name(std::string_view name);
 
 std::vector<NamedJoint> named_joints(const Skeleton& skeleton);
 
-// The names of CMU's motion capture (as 3ds Max, MotionBuilder, Poser and Daz have them), Mixamo, HumanIK and Unreal.
+// The names of CMU's motion capture (as 3ds Max, MotionBuilder, Poser and Daz have them), Mixamo, HumanIK and Unreal,
+// also behind words that most names begin with, whatever they are ("Bip01 L Thigh").
 // What a name means may depend on the others: "LeftShoulder" is the upper arm beside a "LeftCollar", the clavicle
 // beside a "LeftArm". Nothing for other names, and for a second joint of the same role.
 std::vector<std::optional<JointRole>> joint_roles(std::span<const NamedJoint> joints);

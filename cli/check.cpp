@@ -333,7 +333,7 @@ void add_check(CLI::App& app) {
   add_option(verb, "--limits", arguments.limits, "FILE",
              "Joint limits (limits.json): does the clip hold joints beyond them?")
       ->needs(&clip);
-  for (const char* of_clip : {"--frames", "--fps", "--first-frame", "--controls", "--joint-map"}) {
+  for (const char* of_clip : {"--frames", "--fps", "--first-frame", "--controls", "--joint-map", "--up"}) {
     verb.get_option(of_clip)->needs(&clip);
   }
   CLI::Option* muscles = add_option(verb, "--muscles", arguments.muscles, "FILE",

@@ -23,7 +23,6 @@ namespace {
 
 struct CoverageArguments {
   std::string basis, truth, picture;
-  double unit = 0;
   int worst = 20;
   ClipArguments clip;
   JsonOption json;
@@ -153,8 +152,7 @@ void run(const CoverageArguments& arguments) {
   const Basis basis = load_basis(arguments.basis);
   ErrorExpectation{basis};  // refuses a basis without coverage before the clip is read
   std::vector<int> frames;
-  const double unit = arguments.unit > 0 ? arguments.unit : kept_unit(basis);
-  Clip clip = arguments.clip.read(basis, unit, frames);
+  Clip clip = arguments.clip.read(basis, kept_unit(basis), frames);
   for (const std::string& name : arrange_controls(basis.residual.controls, clip)) {
     spdlog::warn("control '{}' is none that the basis was trained with: it has no effect", name);
   }
@@ -187,9 +185,7 @@ void add_coverage(CLI::App& app) {
       ->type_name("CACHE");
   add_option(verb, "--picture", arguments.picture, "FILE.svg",
              "Heat strip to write: frames from left to right, a row per region");
-  add_option(verb, "--unit", arguments.unit,
-             "Metres per unit of the clip's file (default: as the character was read for training)")
-      ->check(above_zero);
+  arguments.clip.add_unit(verb);
   arguments.json.add(verb);
 }
 

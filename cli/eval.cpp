@@ -28,7 +28,6 @@ namespace fs = std::filesystem;
 
 struct EvalArguments {
   ShotCacheOptions cache;
-  double unit = 0;
   ClipArguments clip;
   DeviceArguments device;
   JiggleArguments jiggle;
@@ -122,7 +121,7 @@ Clip read_shot_clip(const EvalArguments& arguments, const Basis& basis, std::vec
   if (arguments.clip.source.empty()) {
     return arguments.clip.choose_frames(still_clip(basis.skeleton, arguments.clip.options), frames);
   }
-  return arguments.clip.read(basis, arguments.unit > 0 ? arguments.unit : kept_unit(basis), frames);
+  return arguments.clip.read(basis, kept_unit(basis), frames);
 }
 
 EvaluatedShot read_shot(const EvalArguments& arguments) {
@@ -365,9 +364,7 @@ void add_eval(CLI::App& app) {
   arguments.device.add(verb);
   add_flag(verb, "--check", arguments.device.choice.check,
            "Run every stage on the CPU, too, and stop at the first difference");
-  add_option(verb, "--unit", arguments.unit,
-             "Metres per unit of the clip's file (default: as the character was read for training)")
-      ->check(above_zero);
+  arguments.clip.add_unit(verb);
   add_required(
       verb, "--out", arguments.cache.out, "FILE.pc2|.usda|.glb",
       "Cache to write, a PC2 point cache, USD text or glTF with morph targets; '####' in its name is the first frame")

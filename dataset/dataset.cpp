@@ -74,7 +74,7 @@ std::string described(const Dataset& dataset) {
 }
 
 DatasetTake read_take(const JsonObject& json) {
-  json.allow({"name", "clip", "fps", "first_frame", "frames", "controls", "joint_map", "shapes", "shapes_status",
+  json.allow({"name", "clip", "fps", "first_frame", "frames", "controls", "joint_map", "up", "shapes", "shapes_status",
               "heldout", "carried"});
   DatasetTake take;
   take.name = json.name("name");
@@ -84,6 +84,7 @@ DatasetTake read_take(const JsonObject& json) {
   take.frames = frames_of(json, "frames");
   if (json.has("controls")) take.controls = json.name("controls");
   if (json.has("joint_map")) take.joint_map = json.name("joint_map");
+  if (json.has("up")) take.up = json.name("up");
   take.shapes = json.name("shapes");
   if (json.has("shapes_status")) take.shapes_status = json.text("shapes_status");
   if (json.has("heldout")) take.heldout = frames_of(json, "heldout");
@@ -116,6 +117,7 @@ Json to_json(const Dataset& dataset, const std::filesystem::path& path) {
                   {"shapes", relative_path(take.shapes, folder)}};
     if (!take.controls.empty()) entry["controls"] = relative_path(take.controls, folder);
     if (!take.joint_map.empty()) entry["joint_map"] = relative_path(take.joint_map, folder);
+    if (!take.up.empty()) entry["up"] = take.up;
     if (!take.shapes_status.empty()) entry["shapes_status"] = relative_path(take.shapes_status, folder);
     if (!take.heldout.empty()) entry["heldout"] = range_text(take.heldout, take, path);
     if (take.carried) entry["carried"] = true;
@@ -144,6 +146,7 @@ Clip read_clip(const Dataset& dataset, const DatasetTake& take, const Skeleton& 
   options.first_frame = take.first_frame;
   const std::string source = (dataset.folder / take.clip).string();
   options.unit = clip_unit(source, dataset.unit);
+  options.up = take.up;
   if (!take.controls.empty()) options.controls = (dataset.folder / take.controls).string();
   if (!take.joint_map.empty()) options.joint_map = (dataset.folder / take.joint_map).string();
   return read_clip(source, skeleton, options);
@@ -151,7 +154,7 @@ Clip read_clip(const Dataset& dataset, const DatasetTake& take, const Skeleton& 
 
 void require_same_motion(const DatasetTake& there, const DatasetTake& asked) {
   if (there.clip == asked.clip && there.fps == asked.fps && there.first_frame == asked.first_frame &&
-      there.controls == asked.controls && there.joint_map == asked.joint_map) {
+      there.controls == asked.controls && there.joint_map == asked.joint_map && there.up == asked.up) {
     return;
   }
   const auto described = [](const DatasetTake& take) {
@@ -159,6 +162,7 @@ void require_same_motion(const DatasetTake& there, const DatasetTake& asked) {
     text << "'" << take.clip << "' at " << take.fps << " frames a second from frame " << take.first_frame
          << ", controls '" << take.controls << "'";
     if (!take.joint_map.empty()) text << ", joint map '" << take.joint_map << "'";
+    if (!take.up.empty()) text << ", up " << take.up;
     return text.str();
   };
   throw Error(ErrorKind::mismatch, "the dataset has a take '", there.name, "' already, of ", described(there),

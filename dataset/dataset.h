@@ -29,6 +29,7 @@ struct DatasetTake {
   std::string shapes_status;  // side-car JSON of simulate, relative path; empty for shapes from elsewhere
   std::vector<int> heldout;   // frames never trained on
   std::string joint_map{};    // joint_map.json of the clip, relative path, or empty
+  std::string up{};           // as ClipOptions
   bool carried = false;       // from another character, by 'transfer dataset', which may do so again
 };
 

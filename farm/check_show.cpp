@@ -105,10 +105,11 @@ class ShowChecker {
     options.first_frame = std::atoi(element.option("first-frame", "1").c_str());
     options.controls = element.option("controls", "");
     options.joint_map = element.option("joint-map", "");
-    const double unit = std::atof(element.option("unit", "0").c_str());
-    options.unit = clip_unit(element.clip, unit > 0 ? unit : kept_unit(basis));
+    options.up = element.option("up", "");
+    options.unit = std::atof(element.option("unit", "0").c_str());
+    if (options.unit == 0) options.unit = clip_unit(element.clip, kept_unit(basis));
     std::string key = element.clip + '\0' + element.basis;
-    for (const char* option : {"fps", "first-frame", "controls", "joint-map", "unit"}) {
+    for (const char* option : {"fps", "first-frame", "controls", "joint-map", "unit", "up"}) {
       key += '\0' + element.option(option, "");
     }
     const FrameSpan span = spans_.get(key, [&] {

@@ -28,6 +28,7 @@ struct Key {
 // Of a mode of the jiggle that earlier versions had: read, and left out.
 constexpr char kFormerKey[] = "iterations";
 
+// clang-format off
 // Those of `eval` are its options, with "_" for "-".
 constexpr Key kKeys[] = {{"shot", Kind::text},           {"element", Kind::text},
                          {"basis", Kind::path},          {"clip", Kind::clip},
@@ -40,7 +41,9 @@ constexpr Key kKeys[] = {{"shot", Kind::text},           {"element", Kind::text}
                          {"jiggle", Kind::flag},         {"dynamics", Kind::path},
                          {"cuts", Kind::text},           {"preroll", Kind::number},
                          {kFormerKey, Kind::number},     {"gravity_change", Kind::numbers},
-                         {"require_device", Kind::flag}, {"modifiers", Kind::path}};
+                         {"require_device", Kind::flag}, {"modifiers", Kind::path},
+                         {"up", Kind::text}};
+// clang-format on
 
 using Values = std::map<std::string, std::vector<std::string>>;  // by key; flags that are off are left out
 

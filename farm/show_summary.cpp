@@ -70,7 +70,7 @@ bool is_worse(const WorthyFrame& a, const WorthyFrame& b) {
 // How `simulate` is to read a clip as `eval` did.
 std::vector<std::string> clip_options(const FarmStep& step) {
   std::vector<std::string> words;
-  for (const char* option : {"--fps", "--first-frame", "--unit", "--controls", "--joint-map"}) {
+  for (const char* option : {"--fps", "--first-frame", "--unit", "--controls", "--joint-map", "--up"}) {
     const std::vector<std::string> values = option_of(step, option);
     if (values.empty()) continue;
     words.emplace_back(option);

@@ -49,6 +49,14 @@ void ClipArguments::add(CLI::App& verb) {
   add_option(verb, "--controls", options.controls, "FILE",
              "Controls over the clip's frames, such as muscles flexed (controls.json)");
   add_joint_map(verb, options.joint_map);
+  add_option(verb, "--up", options.up, "AXIS",
+             "Axis of a BVH that is up: x, y, z, --up=-x, =-y, =-z (default: its motion tells)");
+}
+
+void ClipArguments::add_unit(CLI::App& verb) {
+  add_option(verb, "--unit", options.unit,
+             "Metres per unit of the clip's file (default: as the character was read for training; a BVH's bones tell)")
+      ->check(above_zero);
 }
 
 Clip ClipArguments::read(const Skeleton& skeleton, double unit, std::vector<int>& frame_numbers) const {
@@ -61,7 +69,7 @@ Clip ClipArguments::read(const Basis& basis, double unit, std::vector<int>& fram
 
 ClipOptions ClipArguments::in_unit(double unit) const {
   ClipOptions result = options;
-  result.unit = clip_unit(source, unit);
+  if (result.unit == 0) result.unit = clip_unit(source, unit);
   return result;
 }
 

@@ -36,11 +36,13 @@ struct JsonOption {
   void emit(const Json& result, const std::string& text) const;
 };
 
-// --clip CLIP [--frames R] [--fps N] [--first-frame N] [--controls FILE] [--joint-map FILE]
+// --clip CLIP [--frames R] [--fps N] [--first-frame N] [--controls FILE] [--joint-map FILE] [--up AXIS] [--unit N]
 struct ClipArguments {
   std::string source, frames;
   ClipOptions options;
   void add(CLI::App& verb);
+  // --unit, of verbs in which it is that of no character.
+  void add_unit(CLI::App& verb);
   // Reads the clip, says its notes, and gives the frames asked for (all without --frames). Throws Error(usage) when a
   // frame lies outside the clip.
   // `unit`: that of the character.

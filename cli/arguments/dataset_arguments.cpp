@@ -58,6 +58,7 @@ DatasetTake TakeArguments::take(const std::vector<int>& frames, const fs::path& 
   take.first_frame = clip.options.first_frame;
   take.controls = relative_to(folder, clip.options.controls);
   take.joint_map = relative_to(folder, clip.options.joint_map);
+  take.up = clip.options.up;
   take.frames = frames;
   if (heldout == "all") {
     take.heldout = frames;

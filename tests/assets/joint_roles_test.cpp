@@ -108,6 +108,44 @@ TEST(JointRoles, OfMixamoHumanIkAndUnreal) {
                 {"neck_01", BodyPart::neck}});
 }
 
+// Whatever a program puts before all names.
+TEST(JointRoles, BehindAPrefixThatJointsShare) {
+  const std::vector<Expected> joints = {{"Pelvis", BodyPart::hips},
+                                        {"Spine", BodyPart::spine},
+                                        {"Spine1", BodyPart::spine, BodySide::middle, 1},
+                                        {"Neck", BodyPart::neck},
+                                        {"Head", BodyPart::head},
+                                        {"L Clavicle", BodyPart::clavicle, kL},
+                                        {"L UpperArm", BodyPart::upper_arm, kL},
+                                        {"L Forearm", BodyPart::forearm, kL},
+                                        {"L Hand", BodyPart::hand, kL},
+                                        {"R Thigh", BodyPart::thigh, kR},
+                                        {"R Calf", BodyPart::shin, kR},
+                                        {"R Foot", BodyPart::foot, kR}};
+  for (const std::string prefix : {"Bip01 ", "Bip001 ", "CC_Base_", "b_", "x:Hero-", "joint"}) {
+    std::vector<std::string> names;
+    for (const Expected& joint : joints) names.push_back(prefix + joint.name);
+    std::vector<NamedJoint> named{{"Bip01", -1}, {"Camera", -1}};
+    for (const std::string& name : names) named.push_back({name, static_cast<int>(named.size()) - 1});
+    const auto roles = joint_roles(named);
+    for (std::size_t j = 0; j < joints.size(); ++j) {
+      EXPECT_TRUE(roles[j + 2] == (JointRole{joints[j].part, joints[j].side, joints[j].nested})) << names[j];
+    }
+  }
+}
+
+// What they share may be what they are.
+TEST(JointRoles, ASharedPartOrSideIsNoPrefix) {
+  expect_roles({{"LeftShoulder", BodyPart::clavicle, kL},
+                {"LeftArm", BodyPart::upper_arm, kL},
+                {"LeftForeArm", BodyPart::forearm, kL},
+                {"LeftHand", BodyPart::hand, kL}});
+  expect_roles({{"spine_01", BodyPart::spine},
+                {"spine_02", BodyPart::spine, BodySide::middle, 1},
+                {"spine_03", BodyPart::spine, BodySide::middle, 2},
+                {"spine_04", BodyPart::spine, BodySide::middle, 3}});
+}
+
 TEST(JointRoles, SidesStandAtEitherEndInAnyDress) {
   for (const char* name : {"LeftUpperArm", "left_upper_arm", "UpperArm.L", "upperarm-left", "L_UpperArm", "lUpperArm",
                            "leftupperarm", "UPPERARM_L", "upper arm l", "UpperArm01.L"}) {

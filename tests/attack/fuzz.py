@@ -51,7 +51,7 @@ def fuzz(findings, fuzzer, environment, folder, reader, seed, seconds):
 
 
 def first_cause(output):
-    for pattern in (r"NaN: accepted.*", r"WRONG: .*", r"runtime error: .*", r"what\(\): .*", r"SUMMARY: .*", r"ERROR: .*"):
+    for pattern in (r"NaN: accepted.*", r"WRONG: .*", r"wrong motion: .*", r"runtime error: .*", r"what\(\): .*", r"SUMMARY: .*", r"ERROR: .*"):
         found = re.search(pattern, output)
         if found:
             return found.group(0)

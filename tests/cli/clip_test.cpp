@@ -3,7 +3,9 @@
 
 #include <nlohmann/json.hpp>
 
+#include "assets/bvh_clip.h"
 #include "assets/pc2.h"
+#include "cli/arguments/common.h"
 #include "dataset/dataset.h"
 #include "dataset/file_hashes.h"
 #include "runtime/core/json.h"
@@ -118,6 +120,28 @@ TEST_F(ClipProgram, MapsOfOtherJointsAreRefused) {
   expect(check + at("map.json"), 4, "maps no joint");
   expect(check + "''", 64, "--joint-map");
   expect(check + at("none.json"), 4, "none.json");
+}
+
+TEST_F(ClipProgram, WhatABvhDoesNotSayCanBeSaid) {
+  Clip clip = read_clip(files_.motion, limb_.skeleton, {});
+  for (Pose& pose : clip.poses) pose.joints[0].translation = {0, 3, 0};
+  write_bvh(clip, limb_.skeleton, folder_ / "bend.bvh");
+  const auto place = [&](double unit, const std::string& up) {
+    cli::ClipArguments arguments;
+    arguments.source = at("bend.bvh");
+    arguments.options.unit = unit;
+    arguments.options.up = up;
+    std::vector<int> frames;
+    return arguments.read(limb_.skeleton, 0.01, frames).poses[0].joints[0].translation;
+  };
+  EXPECT_NEAR(length(place(0, "") - Vec3{0, 3, 0}), 0, 1e-5);  // in metres, as its bones tell
+  EXPECT_NEAR(length(place(0.5, "") - Vec3{0, 1.5, 0}), 0, 1e-5);
+  EXPECT_NEAR(length(place(0, "z") - Vec3{0, 0, -3}), 0, 1e-5);
+
+  const std::string check = "check " + files_.character + " --clip ";
+  expect(check + at("bend.bvh") + " --up -z", 0, "its axis -z is up");
+  expect(check + at("bend.bvh") + " --up up", 64, "not 'up'");
+  expect(check + files_.motion + " --up z", 64, "glTF has y up");
 }
 
 }  // namespace clip_program_test

@@ -25,6 +25,7 @@ Dataset small_dataset() {
       {"walk", "clips/walk.glb#walk 1", "", 23.976, -3, {-3, -2, -1, 5, 7, 9}, "walk.pc2", "walk.status.json", {5, 7}},
       {"run", "run.bvh", "flex.json", 24, 1, {10, 1, 2, 3}, "run.pc2", "", {}}};
   dataset.takes[1].joint_map = "names.json";
+  dataset.takes[1].up = "-z";
   return dataset;
 }
 
@@ -47,6 +48,7 @@ void expect_same(const Dataset& a, const Dataset& b) {
     EXPECT_EQ(x.shapes_status, y.shapes_status);
     EXPECT_EQ(x.heldout, y.heldout);
     EXPECT_EQ(x.joint_map, y.joint_map);
+    EXPECT_EQ(x.up, y.up);
   }
 }
 

@@ -88,6 +88,7 @@ DatasetTake baked_take(const ShapeStack& stack, int number, const std::vector<st
   take.controls = elsewhere(from, take.controls);
   take.joint_map = mirrored ? "" : elsewhere(from, take.joint_map);
   if (mirrored) {
+    take.up.clear();
     take.clip = write_poses(stack, kept, take, folder);
     take.first_frame = take.frames.front();
   } else {

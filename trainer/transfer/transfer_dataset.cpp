@@ -166,6 +166,7 @@ class DatasetTransfer {
     carried.clip = take.name + ".glb";
     carried.carried = true;
     carried.joint_map.clear();
+    carried.up.clear();
     carried.shapes = take.name + ".pc2";
     carried.shapes_status = take.shapes_status.empty() ? "" : take.name + ".status.json";
     carried.controls = take.controls.empty() ? "" : take.name + ".controls.json";
