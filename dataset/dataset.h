@@ -30,6 +30,7 @@ struct DatasetTake {
   std::vector<int> heldout;   // frames never trained on
   std::string joint_map{};    // joint_map.json of the clip, relative path, or empty
   bool carried = false;       // from another character, by 'transfer dataset', which may do so again
+  bool as_given = false;      // its shapes lie as they are meant to, wherever that is
 };
 
 struct Dataset {
