@@ -1,9 +1,12 @@
 #include "assets/pc2.h"
 
+#include <endian.h>
 #include <fcntl.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <bit>
 #include <cerrno>
 #include <cmath>
 #include <cstring>
@@ -12,6 +15,7 @@
 
 #include "runtime/core/atomic_file.h"
 #include "runtime/core/error.h"
+#include "runtime/core/file_kind.h"
 
 namespace bodyopt {
 
@@ -27,8 +31,11 @@ namespace {
 
 constexpr char kMagic[12] = "POINTCACHE2";
 
+bool is_mdd(const std::filesystem::path& path) { return path.extension() == ".mdd" || path.extension() == ".MDD"; }
+
 [[noreturn]] void refuse(const std::filesystem::path& path, const auto&... what) {
-  throw Error(ErrorKind::file, path, ": ", what..., " (not a PC2 point cache, or a damaged or cut-off one)");
+  const char* kind = is_mdd(path) ? "an MDD" : "a PC2";
+  throw Error(ErrorKind::file, path, ": ", what..., " (not ", kind, " point cache, or a damaged or cut-off one)");
 }
 
 void require_finite(const std::filesystem::path& path, std::uint32_t sample, std::span<const float> values) {
@@ -46,6 +53,7 @@ struct Pc2Reader::File {
   int descriptor = -1;
   std::uint64_t size = 0;
   Pc2Header header{};
+  std::uint64_t begin = sizeof(Pc2Header);  // of the samples
 
   ~File() {
     if (descriptor >= 0) close(descriptor);
@@ -58,7 +66,6 @@ struct Pc2Reader::File {
       throw Error(ErrorKind::file, path, ": cannot be read: no such file, or no permission?");
     }
     size = static_cast<std::uint64_t>(status.st_size);
-    if (size < sizeof(Pc2Header)) refuse(path, "it has ", size, " bytes, less than a header");
   }
 
   void read(void* to, std::size_t bytes, std::uint64_t offset, const std::string& what) const {
@@ -76,24 +83,53 @@ struct Pc2Reader::File {
     }
   }
 
-  void check() {
+  void require_header(std::size_t bytes) const {
+    if (size < bytes) refuse(path, "it has ", size, " bytes, less than a header");
+  }
+
+  void read_pc2_header() {
+    require_header(sizeof(Pc2Header));
     read(&header, sizeof(Pc2Header), 0, "the header");
-    if (std::memcmp(header.magic, kMagic, sizeof(kMagic)) != 0) refuse(path, "it does not start with POINTCACHE2");
-    if (header.version != 1) refuse(path, "its version is ", header.version, ", expected 1");
-    if (header.points < 1 || header.samples < 0) {
-      refuse(path, "it claims ", header.samples, " samples of ", header.points,
-             " points, expected 0 or more samples of 1 or more points");
+    if (std::memcmp(header.magic, kMagic, sizeof(kMagic)) != 0) {
+      read_mdd_header();
+      const std::string kind = holds_samples() ? "; it looks like an MDD point cache: call it .mdd" : looks_like(path);
+      refuse(path, "it does not start with POINTCACHE2", kind);
     }
+    if (header.version != 1) refuse(path, "its version is ", header.version, ", expected 1");
     if (!std::isfinite(header.start_frame) || !std::isfinite(header.sample_rate)) {
       refuse(path, "its start frame or sample rate is not a number");
     }
+  }
+
+  // Then come the times of the samples, in seconds: they do not tell a frame's number.
+  void read_mdd_header() {
+    std::uint32_t counts[2];
+    require_header(sizeof(counts));
+    read(counts, sizeof(counts), 0, "the header");
+    header.samples = static_cast<std::int32_t>(be32toh(counts[0]));
+    header.points = static_cast<std::int32_t>(be32toh(counts[1]));
+    header.start_frame = header.sample_rate = 1;
+    begin = sizeof(counts) + sizeof(float) * std::uint64_t{static_cast<std::uint32_t>(header.samples)};
+  }
+
+  void check() {
+    is_mdd(path) ? read_mdd_header() : read_pc2_header();
+    const std::string kind = is_mdd(path) ? looks_like(path) : "";  // which has no mark at its beginning
+    if (header.points < 1 || header.samples < 0) {
+      refuse(path, "it claims ", header.samples, " samples of ", header.points,
+             " points, expected 0 or more samples of 1 or more points", kind);
+    }
+    if (!holds_samples()) {
+      refuse(path, header.samples, " samples of ", header.points, " points take 12 bytes a point, found ",
+             size - std::min(size, begin), " bytes after the header", kind);
+    }
+  }
+
+  bool holds_samples() const {
     // Below 2^62 values; the bytes they take may not fit 64 bits, so the file's are divided instead.
     const std::uint64_t values = static_cast<std::uint64_t>(header.points) * static_cast<std::uint64_t>(header.samples);
-    const std::uint64_t bytes = size - sizeof(Pc2Header);
-    if (bytes % 12 != 0 || bytes / 12 != values) {
-      refuse(path, header.samples, " samples of ", header.points, " points take 12 bytes a point, found ", bytes,
-             " bytes after the header");
-    }
+    return header.points > 0 && header.samples >= 0 && size >= begin && (size - begin) % 12 == 0 &&
+           (size - begin) / 12 == values;
   }
 };
 
@@ -119,7 +155,10 @@ std::vector<float> Pc2Reader::sample(std::uint32_t k) const {
   }
   std::vector<float> values(3 * std::size_t{point_count()});
   const std::size_t bytes = sizeof(float) * values.size();
-  file_->read(values.data(), bytes, sizeof(Pc2Header) + std::uint64_t{k} * bytes, "sample " + std::to_string(k));
+  file_->read(values.data(), bytes, file_->begin + std::uint64_t{k} * bytes, "sample " + std::to_string(k));
+  if (is_mdd(file_->path)) {
+    for (float& value : values) value = std::bit_cast<float>(be32toh(std::bit_cast<std::uint32_t>(value)));
+  }
   require_finite(file_->path, k, values);
   return values;
 }

@@ -1,5 +1,7 @@
 // PC2 point caches (3ds Max, Blender, Houdini): header "POINTCACHE2\0", int32 version 1, int32 points, float start
-// frame, float sample rate, int32 samples; then samples x points x 3 little-endian floats.
+// frame, float sample rate, int32 samples; then samples x points x 3 little-endian floats. Also read, by the ending
+// .mdd: MDD point caches (LightWave, Blender), big-endian: int32 samples, int32 points, the samples' times in seconds;
+// then samples x points x 3 floats. They do not number their frames: the first counts as 1.
 #pragma once
 
 #include <cstdint>

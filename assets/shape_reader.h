@@ -12,7 +12,7 @@ namespace bodyopt {
 class NodesReader;
 class Pc2Reader;
 
-// `.nodes`: a draft (nodes_cache.h); anything else: PC2.
+// `.nodes`: a draft (nodes_cache.h); anything else: PC2 or MDD (pc2.h).
 class ShapeReader {
  public:
   // Throws Error(file).

@@ -60,7 +60,7 @@ void add_compare(CLI::App& app) {
   const auto [verb, arguments] = add_verb<CompareArguments>(
       app, "compare", "Distance between two caches: RMS, p99, maximum and jitter in mm", run);
   add_required(verb, "a", arguments.a, "A",
-               "Point cache (.pc2), draft (.nodes), or DATASET#TAKE: a take through its modifiers");
+               "Point cache (.pc2, .mdd), draft (.nodes), or DATASET#TAKE: a take through its modifiers");
   add_required(verb, "b", arguments.b, "B", "The same of the same mesh and frames");
   add_option(verb, "--fail-above", arguments.fail_above, "Exit with 2 when the maximum is above MM millimetres")
       ->type_name("MM")

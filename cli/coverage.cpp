@@ -181,7 +181,7 @@ void add_coverage(CLI::App& app) {
   arguments.clip.add(verb);
   add_number(verb, "--worst", arguments.worst, 1, 10000, "Frames to list");
   add_option(verb, "--truth", arguments.truth,
-             "Shapes of these frames (.pc2, .nodes, or DATASET#TAKE): are the expected errors right?")
+             "Shapes of these frames (.pc2, .mdd, .nodes, or DATASET#TAKE): are the expected errors right?")
       ->type_name("CACHE");
   add_option(verb, "--picture", arguments.picture, "FILE.svg",
              "Heat strip to write: frames from left to right, a row per region");

@@ -15,7 +15,7 @@ namespace fs = std::filesystem;
 struct AddArguments {
   std::string dataset, shapes, character, muscles;
   double unit = 0;
-  bool replace = false;
+  bool replace = false, as_given = false;
   TakeArguments take;
   JsonOption json;
 };
@@ -57,7 +57,8 @@ void add(const AddArguments& arguments) {
   say(character.notes);
   std::vector<int> frames;
   arguments.take.clip.read(character.skeleton, dataset.unit, frames);
-  const DatasetTake given = arguments.take.take(frames, dataset.folder);
+  DatasetTake given = arguments.take.take(frames, dataset.folder);
+  given.as_given = arguments.as_given;
   const AddedShapes added = add_shapes(dataset, path, given, arguments.shapes, arguments.replace);
   say_heldout(added.take, given);
 
@@ -85,9 +86,11 @@ void add_dataset(CLI::App& app) {
   add_required(subverb, "dataset", arguments.dataset, "DATASET", "Dataset (folder or dataset.json)");
   arguments.take.add(subverb);
   add_required(subverb, "--shapes", arguments.shapes, "CACHE",
-               "Their cache (.pc2, or .nodes of a draft): a sample per frame of --frames, vertices as in the "
+               "Their cache (.pc2, .mdd, or .nodes of a draft): a sample per frame of --frames, vertices as in the "
                "character's file; it is copied");
   add_flag(subverb, "--replace", arguments.replace, "Put the shapes in the place of those that the take has already");
+  add_flag(subverb, "--as-given", arguments.as_given,
+           "The shapes lie where they are meant to, though they seem late, moved, turned or of another size");
   CLI::Option* character = add_option(subverb, "--character", arguments.character,
                                       "Character (.glb, .gltf) of the dataset; begins it where there is none")
                                ->type_name("CHARACTER");

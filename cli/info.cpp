@@ -303,12 +303,12 @@ Json info(std::string path, double unit) {
   }
   if (extension == ".safetensors") return trained_info(path);
   if (extension == ".state") return state_info(path);
-  if (extension == ".pc2") return cache_info(path);
+  if (extension == ".pc2" || extension == ".mdd") return cache_info(path);
   if (extension == ".nodes") return nodes_info(path);
   if (extension == ".bvh") return bvh_info(path);
   if (extension == ".json") return dataset_info(path);
   throw Error(ErrorKind::file, path,
-              ": expected .glb, .gltf, .vrm, .bvh, .safetensors, .state, .pc2, .nodes or dataset .json, found '",
+              ": expected .glb, .gltf, .vrm, .bvh, .safetensors, .state, .pc2, .mdd, .nodes or dataset .json, found '",
               extension, "'");
 }
 

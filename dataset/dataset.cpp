@@ -75,7 +75,7 @@ std::string described(const Dataset& dataset) {
 
 DatasetTake read_take(const JsonObject& json) {
   json.allow({"name", "clip", "fps", "first_frame", "frames", "controls", "joint_map", "up", "shapes", "shapes_status",
-              "heldout", "carried"});
+              "heldout", "carried", "as_given"});
   DatasetTake take;
   take.name = json.name("name");
   take.clip = json.name("clip");
@@ -89,6 +89,7 @@ DatasetTake read_take(const JsonObject& json) {
   if (json.has("shapes_status")) take.shapes_status = json.text("shapes_status");
   if (json.has("heldout")) take.heldout = frames_of(json, "heldout");
   if (json.has("carried")) take.carried = json.boolean("carried");
+  if (json.has("as_given")) take.as_given = json.boolean("as_given");
   if (take.frames.empty()) json.refuse("names no frames");
   const std::set<int> known(take.frames.begin(), take.frames.end());
   for (const int frame : take.heldout) {
@@ -121,6 +122,7 @@ Json to_json(const Dataset& dataset, const std::filesystem::path& path) {
     if (!take.shapes_status.empty()) entry["shapes_status"] = relative_path(take.shapes_status, folder);
     if (!take.heldout.empty()) entry["heldout"] = range_text(take.heldout, take, path);
     if (take.carried) entry["carried"] = true;
+    if (take.as_given) entry["as_given"] = true;
     json["takes"].push_back(entry);
   }
   for (const NamedSelection& selection : dataset.selections) json["selections"][selection.name] = selection.frames;

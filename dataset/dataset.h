@@ -31,6 +31,7 @@ struct DatasetTake {
   std::string joint_map{};    // joint_map.json of the clip, relative path, or empty
   std::string up{};           // as ClipOptions
   bool carried = false;       // from another character, by 'transfer dataset', which may do so again
+  bool as_given = false;      // its shapes lie as they are meant to, wherever that is
 };
 
 struct Dataset {

@@ -125,7 +125,7 @@ std::map<std::string, std::string> describe_missing(const Scene& scene) {
           "there is no proxy: begin with --proxy hero_proxy.safetensors, which 'bodyopt proxy' makes");
   }
   if (!lead.has_at_finest(SkinMethod::truth)) {
-    lacks({"compare truth"}, "there is no point cache: open one (.pc2), or begin with --truth hero.pc2");
+    lacks({"compare truth"}, "there is no point cache: open one (.pc2, .mdd), or begin with --truth hero.pc2");
   }
   if (!lead.has_dynamics()) {
     lacks({"compare jiggle", "jiggle on", "tets on"},

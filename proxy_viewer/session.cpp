@@ -105,7 +105,7 @@ std::vector<std::string> Session::open(const std::string& file) {
     receiver.open_clip(file);
     notes = receiver.clip().notes;
     if (receiver_ == 0) play_clip();
-  } else if (has_extension(file, {".pc2"})) {
+  } else if (has_extension(file, {".pc2", ".mdd"})) {
     open_truth(receiver, file);
     return notes;
   } else if (has_extension(file, {".json"}) && is_session(file)) {
@@ -120,7 +120,7 @@ std::vector<std::string> Session::open(const std::string& file) {
     throw Error(ErrorKind::usage,
                 file +
                     ": expected a basis (.safetensors), a character (.glb, .gltf), a clip "
-                    "(.glb, .gltf, .bvh), a point cache (.pc2), a session, markers or a state (.json)");
+                    "(.glb, .gltf, .bvh), a point cache (.pc2, .mdd), a session, markers or a state (.json)");
   }
   take_note_of_cast();
   return notes;

@@ -4,10 +4,12 @@
 #include <sys/stat.h>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstring>
 #include <limits>
 
+#include "assets/shape_reader.h"
 #include "runtime/core/error.h"
 #include "tests/support/damaged_cache.h"
 #include "tests/support/hostile_bytes.h"
@@ -165,6 +167,66 @@ TEST(Pc2, HostileHeadersAreRefused) {
   std::string other = cache(1, 2, 2, 48);
   other[5] = 'X';
   expect(other, "POINTCACHE2");
+}
+
+// Big-endian, as LightWave and Blender write it.
+std::string mdd(std::uint32_t samples, std::uint32_t points, const std::vector<float>& numbers) {
+  std::string file;
+  const auto add = [&](std::uint32_t word) {
+    for (int byte = 3; byte >= 0; --byte) file += static_cast<char>(word >> 8 * byte & 0xff);
+  };
+  add(samples);
+  add(points);
+  for (const float number : numbers) add(std::bit_cast<std::uint32_t>(number));
+  return file;
+}
+
+std::string small_mdd() {
+  std::vector<float> numbers = {0, 0.04f};  // seconds
+  numbers.insert(numbers.end(), kFirst.begin(), kFirst.end());
+  numbers.insert(numbers.end(), kSecond.begin(), kSecond.end());
+  return mdd(2, 2, numbers);
+}
+
+TEST(Mdd, IsReadWhereAPc2Is) {
+  const TemporaryFolder folder;
+  for (const char* name : {"a.mdd", "a.MDD"}) {
+    write_bytes(folder / name, small_mdd());
+    const ShapeReader reader(folder / name);
+    EXPECT_EQ(reader.point_count(), 2u);
+    EXPECT_EQ(reader.sample_count(), 2u);
+    EXPECT_EQ(reader.start_frame(), 1.0f);
+    EXPECT_EQ(reader.sample_rate(), 1.0f);
+    const std::vector<float> first = reader.sample(0);
+    EXPECT_EQ(std::memcmp(first.data(), kFirst.data(), 24), 0);
+    EXPECT_EQ(reader.sample(1), kSecond);
+  }
+}
+
+TEST(Mdd, DamagedOnesAreRefusedOrGiveNumbers) {
+  const TemporaryFolder folder;
+  expect_every_truncation_refused(read, folder / "a.mdd", small_mdd());
+  EXPECT_GT(damage_bytes(read, folder / "a.mdd", small_mdd(), 2000), 200u);
+  const std::uint32_t most = std::numeric_limits<std::int32_t>::max();
+  const auto expect = [&](const std::string& bytes, const std::string& named) {
+    expect_refused(read, folder / "a.mdd", bytes, named);
+  };
+  expect(mdd(1, 0, {0}), "0 points");
+  expect(mdd(most + 1, 1, {0}), "samples of 1 points");
+  expect(mdd(most, most, {0}), "samples of");
+  expect(mdd(1, 1, {0, 1, std::nanf(""), 3}), "sample 0, point 0");
+  expect(mdd(1, 1, {0, 1, 2, 3, 4}), "16 bytes after the header");
+}
+
+TEST(Mdd, CachesByWrongNamesAndAlembicAreNamed) {
+  const TemporaryFolder folder;
+  write_small(folder / "a.pc2");
+  expect_refused(read, folder / "b.mdd", read_bytes(folder / "a.pc2"), "looks like a PC2 point cache");
+  expect_refused(read, folder / "b.pc2", small_mdd(), "call it .mdd");
+  for (const char* name : {"b.abc", "b.pc2", "b.mdd"}) {
+    expect_refused(read, folder / name, "Ogawa" + std::string(100, '\1'), "an Alembic cache (.abc): Blender");
+    expect_refused(read, folder / name, "\x89HDF" + std::string(100, '\1'), "an Alembic cache (.abc): Houdini");
+  }
 }
 
 TEST(Pc2, NanIsNamed) {

@@ -55,6 +55,13 @@ class AddShapes : public ::testing::Test {
     return take;
   }
 
+  // Its shapes are moved on purpose.
+  DatasetTake meant(const std::vector<int>& frames) const {
+    DatasetTake take = take_of(frames);
+    take.as_given = true;
+    return take;
+  }
+
   fs::path path() const { return folder_ / "data/dataset.json"; }
 
   AddedShapes add(const DatasetTake& take, const fs::path& source, bool replace = false) const {
@@ -138,11 +145,11 @@ TEST_F(AddShapes, InPiecesIsAsTheWhole) {
 TEST_F(AddShapes, AFrameIsReplacedOnlyWhenAsked) {
   add(take_of({1, 2, 3, 5}), write_shapes({1, 2, 3, 5}));
   const fs::path sculpted = write_shapes({3, 4}, 0.004);
-  expect_refused(take_of({3, 4}), sculpted, ErrorKind::usage, "has the frames 3 already: --replace");
-  EXPECT_EQ(add(take_of({3, 4}), sculpted, true).replaced, 1);
+  expect_refused(meant({3, 4}), sculpted, ErrorKind::usage, "has the frames 3 already: --replace");
+  EXPECT_EQ(add(meant({3, 4}), sculpted, true).replaced, 1);
   expect_shapes({{1, 0}, {2, 0}, {3, 0}, {4, 0.004}, {5, 0}});
   expect_seen(3, 0.004);
-  add(take_of({3}), write_shapes({3}, 0.006), true);
+  add(meant({3}), write_shapes({3}, 0.006), true);
   expect_seen(3, 0.006);
   expect_seen(4, 0.004);
   undo_modifiers(path());
@@ -161,6 +168,16 @@ TEST_F(AddShapes, WhatDoesNotBelongIsRefusedAndNothingChanges) {
   DatasetTake other = take_of({3, 4});
   other.fps = 12;
   expect_refused(other, write_shapes({3, 4}), ErrorKind::mismatch, "--name");
+}
+
+TEST_F(AddShapes, WhatIsMovedIsTakenWhereItIsMeantAndStaysMeant) {
+  expect_refused(take_of({1, 2}), write_shapes({1, 2}, 0.01), ErrorKind::mismatch, "moved by 0.01 0 0 m in all frames");
+  add(meant({1, 2}), write_shapes({1, 2}, 0.01));
+  expect_shapes({{1, 0.01}, {2, 0.01}});
+  EXPECT_TRUE(read_dataset(path()).takes[0].as_given);
+  expect_refused(take_of({3}), write_shapes({3}, 0.01), ErrorKind::mismatch, "as_given");
+  add(take_of({3}), write_shapes({3}));
+  expect_shapes({{1, 0.01}, {2, 0.01}, {3, 0}});
 }
 
 // Found only when half of the new cache is written.

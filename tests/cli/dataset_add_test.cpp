@@ -90,6 +90,21 @@ TEST_F(DatasetAdd, WhatIsWrongIsNamedAndNothingIsWritten) {
   expect(3, begin() + " --shapes " + at("other.pc2"), "3 points");
 }
 
+TEST_F(DatasetAdd, ShapesElsewhereAreTakenWhereThatIsMeant) {
+  Pc2Writer writer(folder_ / "moved.pc2", character_.output_count(), 6);
+  for (const Pose& pose : clip_.poses) {
+    Positions shape = skin_linear(character_, pose);
+    shape.col(1).array() += 0.03;
+    writer.append(output_from_welded(character_, shape));
+  }
+  writer.close();
+  const ProgramResult refused = run_verb(begin() + " --shapes " + at("moved.pc2"));
+  EXPECT_EQ(refused.exit_code, 3) << refused.output;
+  EXPECT_NE(refused.output.find("moved by 0 0.03 0 m in all frames"), std::string::npos) << refused.output;
+  EXPECT_EQ(run_verb(begin() + " --as-given --shapes " + at("moved.pc2")).exit_code, 0);
+  EXPECT_EQ(run_verb("check " + at("data")).exit_code, 0);
+}
+
 // A file larger than allowed kills the program while it writes the new cache.
 // Kills at any moment are the matter of scripts/attack.
 TEST_F(DatasetAdd, EndedHalfWayTheOldDatasetIsThere) {

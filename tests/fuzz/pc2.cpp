@@ -13,15 +13,26 @@ std::vector<std::string> seeds() {
   })};
 }
 
-void read(const std::string& bytes) {
-  const Pc2Reader reader(as_file("cache.pc2", bytes));
+// Two samples of one point.
+std::vector<std::string> mdd_seeds() {
+  std::string bytes(8 + 2 * 4 + 2 * 12, '\0');
+  bytes[3] = 2;
+  bytes[7] = 1;
+  return {bytes};
+}
+
+void read_cache(const std::filesystem::path& path) {
+  const Pc2Reader reader(path);
   require_finite(std::vector{reader.start_frame(), reader.sample_rate()}, "start frame and sample rate");
   for (std::uint32_t k = 0; k < reader.sample_count(); ++k) {
     require_finite(reader.sample(k), "a sample");
   }
 }
 
-const bool added = add_target({"pc2", seeds, read});
+void read(const std::string& bytes) { read_cache(as_file("cache.pc2", bytes)); }
+void read_mdd(const std::string& bytes) { read_cache(as_file("cache.mdd", bytes)); }
+
+const bool added = add_target({"pc2", seeds, read}) && add_target({"mdd", mdd_seeds, read_mdd});
 
 }  // namespace
 }  // namespace bodyopt::fuzz

@@ -67,6 +67,25 @@ TEST(OpenSim, SplineIsTheCubicThroughItsPointsAndStraightOutside) {
   EXPECT_NEAR(spline(-3), 2 * (cubic(-1) + 2 * 0.5), 1e-12);
 }
 
+TEST(OpenSim, PolynomialsAndPolylinesAreRead) {
+  const TemporaryFolder folder;
+  const auto at = [&](const std::string& function, double x) {
+    const Model model =
+        read(folder, "limb.osim", replaced(small_osim(), "<Constant><value>0.04</value></Constant>", function));
+    return trace_path(model.muscles[0], pose_model(model, {x})).back().position.x() -
+           trace_path(model.muscles[0], pose_model(model, {x})).front().position.x();
+  };
+  const auto on_x = [&](const std::string& function) { return at(function, 0); };
+  EXPECT_NEAR(on_x("<PolynomialFunction><coefficients>3 2 0.5</coefficients></PolynomialFunction>"), 0.46, 1e-15);
+  EXPECT_NEAR(on_x("<PiecewiseLinearFunction><x>1 2 4</x><y>1 2 3</y></PiecewiseLinearFunction>"), -0.04, 1e-15);
+  EXPECT_NEAR(on_x("<SimmSpline name=\"x_location\"><x>-1 1</x><y>1 2</y></SimmSpline>"), 1.46, 1e-15);
+  const Curve line = Curve::polyline({1, 2, 4}, {1, 2, 3});
+  EXPECT_NEAR(line(3), 2.5, 1e-15);
+  EXPECT_NEAR(line(6), 4, 1e-15);
+  const Curve powers = Curve::polynomial({0.5, 2, 3});
+  EXPECT_NEAR(powers(2), 16.5, 1e-15);
+}
+
 TEST(OpenSim, RefusesEveryTruncationAndNamesWhatIsWrong) {
   const TemporaryFolder folder;
   const Reader read_path = [](const std::filesystem::path& path) { read_model(path); };
@@ -85,11 +104,18 @@ TEST(OpenSim, RefusesEveryTruncationAndNamesWhatIsWrong) {
          "/bodyset/thigh</socket_parent_frame>\n<location>0.04", "thigh");
   expect("/jointset/elbow/flexion</socket_coordinate>", "/jointset/knee</socket_coordinate>", "/jointset/knee");
   expect("<wrap_object>bone", "<wrap_object>horn", "horn");
-  expect("\"40000\"", "\"30000\"", "save it again");
+  expect("\"40000\"", "\"30515\"", "save it again");
+  expect("\"40000\"", "\"10904\"", "save it again");
   expect("<socket_parent>/ground<", "<socket_parent>/bodyset/fore<", "leads to the ground");
   expect("/bodyset/fore</socket_child_frame>", "/bodyset/upper</socket_child_frame>", "second joint");
-  expect_refused(read_path, path,
-                 replaced(replaced(good, "<CustomJoint", "<BallJoint"), "</CustomJoint", "</BallJoint"), "WeldJoint");
+  const auto with_joint = [&](const std::string& joint) {
+    return replaced(replaced(good, "<CustomJoint", "<" + joint), "</CustomJoint", "</" + joint);
+  };
+  expect_refused(read_path, path, with_joint("EllipsoidJoint"), "BallJoint");
+  expect_refused(read_path, path, with_joint("BallJoint"), "has 1 coordinate, expected 3");
+  expect("<socket_parent>/bodyset/upper</socket_parent>", "<socket_parent>/elbow/end</socket_parent>", "a loop?");
+  expect("<Constant><value>0.04</value></Constant>", "<Sine/>", "PolynomialFunction");
+  expect("<x_location><Constant><value>0.04</value></Constant></x_location>", "", "<x_location>");
   expect("<length_units>meters", "<length_units>inches", "inches");
 }
 

@@ -81,6 +81,23 @@ TEST(Ddm, RigidMotionOfRandomHingesIsRigid) {
   }
 }
 
+TEST(Ddm, ABodyOfAnySizeHasTheSameShape) {
+  const Character limb = limb_character();
+  const auto bent = [&](double size) {
+    const Positions rest = size * limb.vertices;
+    const DdmTable table =
+        pack_ddm(ddm_moments(rest, limb.triangles, limb.weights, {.radius = default_smoothing_radius(rest)}));
+    std::vector<Rows> skinning(limb.skeleton.size(), Rows::Identity());
+    for (std::size_t j = 1; j < skinning.size(); ++j) skinning[j] = rigid({1, 0.3, -0.2}, 1.1, {0, 0.1 * size, 0});
+    return Positions(packed_positions(table, rest.rows(), flatten(skinning)) / size);
+  };
+  const Positions usual = bent(1);
+  EXPECT_GT((usual - limb.vertices).norm(), 0.1);
+  for (const double size : {0.01, 0.1, 0.37, 3.0, 23.5, 100.0}) {
+    EXPECT_LT((bent(size) - usual).cwiseAbs().maxCoeff(), 1e-6) << size;
+  }
+}
+
 TEST(Ddm, MomentsAreThoseOfAPartitionOfUnity) {
   const Character limb = limb_character();
   for (const double prune : {0.0, 1e-4, 1e-2}) {

@@ -170,6 +170,7 @@ DatasetTake with_frames(const DatasetTake& old, DatasetTake take, const std::vec
                         const std::vector<int>& fresh, const Dataset& dataset, NewFiles& files) {
   const std::string name = take.name;
   take.heldout = unite_frames(old.heldout, take.heldout);
+  take.as_given = take.as_given || old.as_given;
   if (fresh.empty()) {
     take.frames = old.frames;
     take.shapes = old.shapes;

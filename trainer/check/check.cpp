@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <set>
 #include <sstream>
 
@@ -16,6 +15,7 @@
 #include "geometry/surface_pieces.h"
 #include "runtime/core/error.h"
 #include "runtime/host/rig.h"
+#include "trainer/check/misplaced_shapes.h"
 #include "trainer/curate/shape_stack.h"
 #include "trainer/simulate/materials.h"
 #include "trainer/simulate/muscle_fibres.h"
@@ -41,39 +41,6 @@ double distance_from_bind(const Skeleton& skeleton, const Pose& pose) {
     sum += 2 * std::acos(std::min(1.0, std::abs(q[3])));
   }
   return sum;
-}
-
-struct Hypothesis {
-  std::string cause;
-  std::function<Positions(const Positions&)> undo;
-};
-
-std::vector<Hypothesis> hypotheses() {
-  std::vector<Hypothesis> list;
-  const std::pair<double, const char*> units[] = {{0.01, "centimetres"}, {0.001, "millimetres"}, {0.0254, "inches"},
-                                                  {0.3048, "feet"},      {0.1, "decimetres"},    {100, "hectometres"}};
-  for (const auto& [scale, name] : units) {
-    list.push_back({std::string("the shapes are in ") + name + ", not metres",
-                    [scale = scale](const Positions& p) { return Positions(scale * p); }});
-  }
-  list.push_back({"the shapes are Z-up, the character Y-up", [](const Positions& p) {
-                    Positions q = p;
-                    q.col(1) = p.col(2);
-                    q.col(2) = -p.col(1);
-                    return q;
-                  }});
-  list.push_back({"the shapes are Y-up, the character Z-up", [](const Positions& p) {
-                    Positions q = p;
-                    q.col(1) = -p.col(2);
-                    q.col(2) = p.col(1);
-                    return q;
-                  }});
-  list.push_back({"the shapes are mirrored left to right", [](const Positions& p) {
-                    Positions q = p;
-                    q.col(0) = -p.col(0);
-                    return q;
-                  }});
-  return list;
 }
 
 // What keeps a take's controls from flexing muscles in its frames; empty: nothing.
@@ -164,26 +131,22 @@ class TakeChecker {
   }
 
   Positions skinned(int frame) const {
-    const int last = static_cast<int>(clip_.poses.size()) - 1;
-    const int index = std::clamp(frame - clip_.first_frame, 0, last);
-    return skin_linear(character_, clip_.poses[static_cast<std::size_t>(index)]);
-  }
-
-  // RMS over the probed samples of the distance between the shapes, changed by `undo`, and the skinned rest, `shift`
-  // frames later.
-  double fit(const std::function<Positions(const Positions&)>& undo, int shift) const {
-    double sum = 0;
-    for (const std::size_t k : probes_) {
-      sum += std::pow(rms_distance(undo(shape(k)), skinned(take_.frames[k] + shift)), 2);
-    }
-    return std::sqrt(sum / static_cast<double>(probes_.size()));
+    return skin_linear(character_, clip_.poses[static_cast<std::size_t>(frame - clip_.first_frame)]);
   }
 
   void check_fit() {
     if (solved_.empty()) return;
     constexpr std::size_t kProbes = 12;
-    for (std::size_t k = 0; k < kProbes; ++k) probes_.push_back(solved_[k * (solved_.size() - 1) / (kProbes - 1)]);
-    probes_.erase(std::unique(probes_.begin(), probes_.end()), probes_.end());
+    std::vector<int> frames;
+    std::vector<Positions> shapes;
+    double sum = 0;
+    for (std::size_t n = 0; n < kProbes; ++n) {
+      const std::size_t k = solved_[n * (solved_.size() - 1) / (kProbes - 1)];
+      if (!frames.empty() && take_.frames[k] == frames.back()) continue;
+      frames.push_back(take_.frames[k]);
+      shapes.push_back(shape(k));
+      sum += std::pow(rms_distance(shapes.back(), skinned(frames.back())), 2);
+    }
 
     std::size_t nearest = solved_.front();
     double nearest_distance = 1e300;
@@ -195,33 +158,26 @@ class TakeChecker {
         nearest = k;
       }
     }
-    const auto same = [](const Positions& p) { return p; };
     result_.rest_frame = take_.frames[nearest];
     result_.rest_fit_mm = 1e3 * rms_distance(shape(nearest), skinned(take_.frames[nearest]));
-    const double found = fit(same, 0);
+    const double found = std::sqrt(sum / static_cast<double>(frames.size()));
     result_.fit_mm = 1e3 * found;
-    const double limit = kBelongs * box_diagonal(character_.vertices);
-    if (found <= limit) return;
+    if (!take_.as_given) judge(found, find_misplacement(character_, clip_, frames, shapes));
+  }
 
-    std::string cause = "the shapes are of another motion, or their vertices stand in another order";
-    double best = std::min(limit, found / 2);
-    for (const Hypothesis& hypothesis : hypotheses()) {
-      const double error = fit(hypothesis.undo, 0);
-      if (error < best) {
-        best = error;
-        cause = hypothesis.cause;
-      }
+  void judge(double found, const Misplacement& misplacement) {
+    constexpr const char* kMeant = " (if they are meant so, \"as_given\": true in the take says it)";
+    const double limit = kBelongs * box_diagonal(character_.vertices);
+    std::string problem = "the shapes lie " + rounded(1e3 * found) + " mm from the skinned character (RMS";
+    if (!misplacement.cause.empty()) {
+      problem += "; " + rounded(1e3 * misplacement.left * found) + " mm without this): " + misplacement.cause;
+    } else if (found > limit) {
+      problem += "; expected below " + rounded(1e3 * limit) +
+                 " mm): the shapes are of another motion, or their vertices stand in another order";
+    } else {
+      return;
     }
-    for (const int shift : {-30, -10, -5, -2, -1, 1, 2, 5, 10, 30}) {
-      const double error = fit(same, shift);
-      if (error < best) {
-        best = error;
-        cause = "the frames are numbered " + std::to_string(std::abs(shift)) + (shift < 0 ? " too high" : " too low");
-      }
-    }
-    result_.problems.push_back("the shapes lie " + std::to_string(static_cast<int>(std::lround(1e3 * found))) +
-                               " mm from the skinned character (RMS; expected below " +
-                               std::to_string(static_cast<int>(std::lround(1e3 * limit))) + " mm): " + cause);
+    result_.problems.push_back(problem + kMeant);
   }
 
   const Character& character_;
@@ -231,7 +187,6 @@ class TakeChecker {
   Clip clip_;
   std::vector<std::size_t>
       solved_;  // samples, without those that training leaves out or does not see: they may be wrecks
-  std::vector<std::size_t> probes_;
   TakeCheck result_;
 };
 

@@ -19,7 +19,8 @@ struct TakeCheck {
   double fit_mm = 0;       // RMS distance of shapes from linear blend skinning, over some frames spread over the take
   double rest_fit_mm = 0;  // the same for the frame whose pose is nearest to the bind pose
   int rest_frame = 0;
-  std::vector<std::string> problems;  // each names what was expected, what was found and the likely cause
+  std::vector<std::string> problems;  // each names what was expected, what was found and the likely cause; where shapes
+                                      // lie is none of a take that is `as_given`
 };
 
 // One entry per take, of its raw shapes. Throws Error(file) where something cannot be read at all, and Error(mismatch)

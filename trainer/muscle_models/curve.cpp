@@ -50,8 +50,7 @@ Curve Curve::polynomial(std::vector<double> coefficients) {
   return curve;
 }
 
-Curve Curve::spline(const std::vector<double>& x, const std::vector<double>& y) {
-  const std::vector<double> sixth = second_derivatives(x, y);
+Curve Curve::pieces(const std::vector<double>& x, const std::vector<double>& y, const std::vector<double>& sixth) {
   Curve curve;
   for (std::size_t i = 0; i + 1 < x.size(); ++i) {
     const double h = x[i + 1] - x[i];
@@ -63,6 +62,14 @@ Curve Curve::spline(const std::vector<double>& x, const std::vector<double>& y) 
   const double h = x.back() - last.x;
   curve.pieces_.push_back({x.back(), {y.back(), last.a[1] + h * (2 * last.a[2] + h * 3 * last.a[3]), 0, 0}});
   return curve;
+}
+
+Curve Curve::spline(const std::vector<double>& x, const std::vector<double>& y) {
+  return pieces(x, y, second_derivatives(x, y));
+}
+
+Curve Curve::polyline(const std::vector<double>& x, const std::vector<double>& y) {
+  return pieces(x, y, std::vector<double>(x.size(), 0.0));
 }
 
 double Curve::operator()(double x) const {

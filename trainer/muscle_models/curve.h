@@ -14,6 +14,9 @@ class Curve {
   // OpenSim's SimmSpline is the same function.
   static Curve spline(const std::vector<double>& x, const std::vector<double>& y);
 
+  // Straight from point to point, and on beyond the ends; points as above.
+  static Curve polyline(const std::vector<double>& x, const std::vector<double>& y);
+
   double operator()(double x) const;
   Curve scaled(double factor) const;
 
@@ -22,6 +25,8 @@ class Curve {
     double x = 0;                // where it begins
     double a[4] = {0, 0, 0, 0};  // sum of a[k] (t - x)^k
   };
+  // Cubics from point to point, by a sixth of the second derivative at each.
+  static Curve pieces(const std::vector<double>& x, const std::vector<double>& y, const std::vector<double>& sixth);
   std::vector<double> polynomial_;
   std::vector<Piece> pieces_;
 };

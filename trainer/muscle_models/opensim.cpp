@@ -1,6 +1,6 @@
 #include "trainer/muscle_models/opensim.h"
 
-#include <cstring>
+#include <algorithm>
 #include <map>
 #include <set>
 
@@ -17,9 +17,49 @@ using Eigen::Vector3d;
 using pugi::xml_node;
 
 constexpr std::size_t kLongestSpline = 10000, kMostSegments = 1000;
+constexpr int kDeepestFrame = 16;  // offset frames in offset frames
+constexpr const char* kGround = "ground";
 
 // The last part of a path like "/jointset/knee_r/knee_angle_r".
 std::string last_part(const std::string& path) { return path.substr(path.find_last_of('/') + 1); }
+
+// What an element says, without the blanks around it that version 2 writes.
+std::string text(xml_node element, const char* child) {
+  constexpr const char* kBlanks = " \t\r\n";
+  const std::string value = element.child_value(child);
+  const std::size_t begin = value.find_first_not_of(kBlanks);
+  return begin == std::string::npos ? "" : value.substr(begin, value.find_last_not_of(kBlanks) + 1 - begin);
+}
+
+// Version 4 keeps joints in a set of their own, earlier ones in the body that each moves.
+std::vector<xml_node> joints_of(xml_node model) {
+  std::vector<xml_node> joints;
+  for (const xml_node joint : model.child("JointSet").child("objects").children()) joints.push_back(joint);
+  for (const xml_node body : model.child("BodySet").child("objects").children("Body")) {
+    for (const xml_node joint : body.child("Joint").children()) joints.push_back(joint);
+  }
+  return joints;
+}
+
+std::vector<xml_node> coordinates_of(xml_node joint) {
+  std::vector<xml_node> coordinates;
+  for (const xml_node set : {joint.child("coordinates"), joint.child("CoordinateSet").child("objects")}) {
+    for (const xml_node coordinate : set.children("Coordinate")) coordinates.push_back(coordinate);
+  }
+  return coordinates;
+}
+
+// The function of a property: inside an element of its name, or itself named so.
+xml_node function_of(xml_node holder, const std::string& property) {
+  const xml_node named = holder.find_child_by_attribute("name", property.c_str());
+  return named ? named : holder.child(property.c_str()).first_child();
+}
+
+// What each coordinate of a joint does, in their order: X, Y, Z turn about an axis that the earlier turns carried,
+// x, y, z shift along an axis of the parent's frame.
+constexpr std::pair<const char*, const char*> kJoints[] = {
+    {"WeldJoint", ""},    {"PinJoint", "Z"},      {"SliderJoint", "x"},   {"UniversalJoint", "XY"},
+    {"BallJoint", "XYZ"}, {"GimbalJoint", "XYZ"}, {"PlanarJoint", "Zxy"}, {"FreeJoint", "XYZxyz"}};
 
 class OpenSimReader {
  public:
@@ -30,16 +70,19 @@ class OpenSimReader {
     const xml_node model = top.child("Model");
     if (!model)
       fail(file_.document.first_child(), "is not an OpenSim model: expected <OpenSimDocument> with a <Model>");
-    if (top.attribute("Version").as_int() < 40000) {
+    const int version = top.attribute("Version").as_int();
+    if (version < 20000 || (version > 30000 && version < 40000)) {
       fail(top, "has version '" + std::string(top.attribute("Version").value()) +
-                    "', expected 40000 or later: open it in OpenSim 4 and save it again");
+                    "', expected 20000 to 30000, or 40000 or later: open it in OpenSim 4 and save it again");
     }
-    if (const std::string units = model.child_value("length_units"); units != "meters" && units != "m") {
+    if (const std::string units = text(model, "length_units"); units != "meters" && units != "m" && !units.empty()) {
       fail(model, "has lengths in '" + units + "', expected meters");
     }
     model_.file = file_.path.string();
-    read_coordinates(model);
-    read_segments(model);
+    const std::vector<xml_node> joints = joints_of(model);
+    read_coordinates(joints);
+    read_frames(model);
+    read_segments(model, joints);
     for (const xml_node force : model.child("ForceSet").child("objects").children()) read_force(force);
     if (model_.muscles.empty()) fail(model, "has no muscle");
     note_constraints(model);
@@ -57,6 +100,9 @@ class OpenSimReader {
   Vector3d vector(xml_node element, const char* child) const {
     return Vector3d::Map(numbers(element, child, 3, 3).data());
   }
+  Vector3d vector_or_zero(xml_node element, const char* child) const {
+    return element.child(child) ? vector(element, child) : Vector3d::Zero();
+  }
 
   int coordinate(xml_node element, const std::string& path) const {
     const int index = model_.find_coordinate(last_part(path));
@@ -64,10 +110,10 @@ class OpenSimReader {
     return index;
   }
 
-  int segment(xml_node element, const std::string& path) const {
-    const int index = model_.find_segment(last_part(path));
-    if (index < 0) fail(element, "names the body '" + path + "', which the model does not have");
-    return index;
+  // Of a socket, which versions before 4 name without the word.
+  int socket_coordinate(xml_node element, const std::string& name) const {
+    const std::string socket = "socket_" + name;
+    return coordinate(element, text(element, element.child(name.c_str()) ? name.c_str() : socket.c_str()));
   }
 
   Curve curve(xml_node element) const {
@@ -77,54 +123,94 @@ class OpenSimReader {
       const std::vector<double> line = numbers(element, "coefficients", 2, 2);
       return Curve::polynomial({line[1], line[0]});
     }
-    if (kind == "MultiplierFunction") return inner_curve(element.child("function")).scaled(number(element, "scale"));
-    if (kind != "SimmSpline") {
-      fail(element, "is no function read here: Constant, LinearFunction, SimmSpline, MultiplierFunction");
+    if (kind == "PolynomialFunction") {
+      std::vector<double> coefficients = numbers(element, "coefficients", 1, kLongestSpline);
+      std::ranges::reverse(coefficients);  // the highest power comes first
+      return Curve::polynomial(coefficients);
+    }
+    if (kind == "MultiplierFunction") return curve_of(element, "function").scaled(number(element, "scale"));
+    const bool straight = kind == "PiecewiseLinearFunction";
+    if (!straight && kind != "SimmSpline" && kind != "NaturalCubicSpline" && kind != "natCubicSpline") {
+      fail(element,
+           "is no function read here: Constant, LinearFunction, PiecewiseLinearFunction, PolynomialFunction, "
+           "SimmSpline, MultiplierFunction");
     }
     const std::vector<double> x = numbers(element, "x", 2, kLongestSpline);
     const std::vector<double> y = numbers(element, "y", x.size(), x.size());
     for (std::size_t k = 1; k < x.size(); ++k) {
       if (!(x[k] - x[k - 1] > 1e-9)) fail(element, "has an <x> that does not grow");
     }
-    return Curve::spline(x, y);
+    return straight ? Curve::polyline(x, y) : Curve::spline(x, y);
   }
 
-  // The function inside an element like <function> or <x_location>.
-  Curve inner_curve(xml_node holder) const {
-    if (!holder.first_child()) fail(holder, "holds no function");
-    return curve(holder.first_child());
+  Curve curve_of(xml_node holder, const std::string& property) const {
+    const xml_node function = function_of(holder, property);
+    if (!function) fail(holder, "lacks the function <" + property + ">");
+    return curve(function);
   }
 
-  void read_coordinates(xml_node model) {
+  void read_coordinates(const std::vector<xml_node>& joints) {
     std::set<std::string> names;
-    for (const xml_node joint : model.child("JointSet").child("objects").children()) {
-      for (const xml_node entry : joint.child("coordinates").children("Coordinate")) {
+    for (const xml_node joint : joints) {
+      for (const xml_node entry : coordinates_of(joint)) {
         Coordinate coordinate;
         coordinate.name = entry.attribute("name").value();
-        coordinate.default_value = number(entry, "default_value");
+        if (entry.child("default_value")) coordinate.default_value = number(entry, "default_value");
         if (!names.insert(coordinate.name).second) fail(entry, "has the name of an earlier coordinate");
         model_.coordinates.push_back(coordinate);
       }
     }
   }
 
+  // A frame fixed to a body or to the ground.
   struct Frame {
     std::string body;
     Isometry3d to_body = Isometry3d::Identity();
   };
 
-  // What a joint's socket names: one of its own offset frames, a body, or the ground.
-  Frame joint_frame(xml_node joint, const char* socket) const {
-    const std::string name = joint.child_value(socket);
-    for (const xml_node frame : joint.child("frames").children("PhysicalOffsetFrame")) {
-      if (name != frame.attribute("name").value()) continue;
-      const Vector3d turn = vector(frame, "orientation");
-      Frame result{last_part(frame.child_value("socket_parent")), Isometry3d::Identity()};
-      result.to_body = Eigen::Translation3d(vector(frame, "translation")) * AngleAxisd(turn.x(), Vector3d::UnitX()) *
-                       AngleAxisd(turn.y(), Vector3d::UnitY()) * AngleAxisd(turn.z(), Vector3d::UnitZ());
-      return result;
+  Isometry3d offset(xml_node element, const char* shift, const char* turn) const {
+    const Vector3d angles = vector_or_zero(element, turn);
+    return Eigen::Translation3d(vector_or_zero(element, shift)) * AngleAxisd(angles.x(), Vector3d::UnitX()) *
+           AngleAxisd(angles.y(), Vector3d::UnitY()) * AngleAxisd(angles.z(), Vector3d::UnitZ());
+  }
+
+  // Offset frames by "owner/name": a joint or a body has them.
+  void read_frames(xml_node model) {
+    for (const pugi::xpath_node found : model.select_nodes(".//PhysicalOffsetFrame")) {
+      const xml_node frame = found.node();
+      const std::string owner = frame.parent().parent().attribute("name").value();
+      if (!frames_.emplace(owner + "/" + frame.attribute("name").value(), frame).second) {
+        fail(frame, "has the name of an earlier frame of '" + owner + "'");
+      }
     }
-    return {last_part(name), Isometry3d::Identity()};
+  }
+
+  // What a socket of an element names: one of its own offset frames, that of another, what it stands in (".."), a body,
+  // or the ground.
+  Frame frame(xml_node element, const std::string& path, int depth = 0) const {
+    if (depth == kDeepestFrame) fail(element, "stands in a frame of a frame, and so on: a loop?");
+    if (path == "..") {
+      const xml_node holder = element.parent().parent();
+      return frame(holder.parent().parent(), holder.attribute("name").value(), depth + 1);
+    }
+    const std::string name = last_part(path);
+    const std::string owners = path.substr(0, path.size() - std::min(path.size(), name.size() + 1));
+    const std::string owner = owners.empty() ? element.attribute("name").value() : last_part(owners);
+    const auto found = frames_.find(owner + "/" + name);
+    if (found == frames_.end()) return {name};
+    Frame result = frame(found->second, text(found->second, "socket_parent"), depth + 1);
+    result.to_body = result.to_body * offset(found->second, "translation", "orientation");
+    return result;
+  }
+
+  // The frame or body of a path point, which earlier versions name otherwise.
+  Frame point_frame(xml_node point) const {
+    const char* socket = point.child("body") ? "body" : "socket_parent_frame";
+    const Frame result = frame(point, text(point, socket));
+    if (model_.find_segment(result.body) < 0) {
+      fail(point, "names the body '" + text(point, socket) + "', which the model does not have");
+    }
+    return result;
   }
 
   Motion motion(xml_node axis, Motion::Kind kind) const {
@@ -133,12 +219,9 @@ class OpenSimReader {
     motion.axis = vector(axis, "axis");
     if (!(motion.axis.norm() > 1e-6)) fail(axis, "has an axis without length");
     motion.axis.normalize();
-    const std::string name = axis.child_value("coordinates");
+    const std::string name = text(axis, "coordinates");
     if (!name.empty()) motion.coordinate = coordinate(axis, name);
-    for (const xml_node child : axis.children()) {
-      if (std::strcmp(child.attribute("name").value(), "function") == 0) motion.curve = curve(child);
-      if (std::strcmp(child.name(), "function") == 0) motion.curve = inner_curve(child);
-    }
+    if (motion.coordinate >= 0 || function_of(axis, "function")) motion.curve = curve_of(axis, "function");
     return motion;
   }
 
@@ -154,26 +237,75 @@ class OpenSimReader {
     return shifts;
   }
 
+  std::vector<Motion> motions(xml_node joint) const {
+    const std::string kind = joint.name();
+    if (kind == "CustomJoint") return spatial_transform(joint);
+    const auto known = std::ranges::find(kJoints, kind, [](const auto& one) { return std::string(one.first); });
+    if (known == std::end(kJoints)) {
+      fail(joint,
+           "is no joint read here: CustomJoint, WeldJoint, PinJoint, SliderJoint, UniversalJoint, BallJoint, "
+           "GimbalJoint, PlanarJoint, FreeJoint");
+    }
+    const std::string axes = known->second;
+    const std::vector<xml_node> coordinates = coordinates_of(joint);
+    if (coordinates.size() != axes.size()) {
+      fail(joint, "has " + count_of(coordinates.size(), "coordinate", "coordinates") + ", expected " +
+                      std::to_string(axes.size()));
+    }
+    std::vector<Motion> motions;
+    for (std::size_t k = 0; k < axes.size(); ++k) {
+      const bool turn = axes[k] < 'a';
+      motions.push_back({turn ? Motion::Kind::turn : Motion::Kind::shift, Vector3d::Unit(axes[k] - (turn ? 'X' : 'x')),
+                         Vector3d::Zero(), coordinate(joint, coordinates[k].attribute("name").value()),
+                         Curve::polynomial({0, 1})});
+    }
+    std::ranges::stable_partition(motions, [](const Motion& one) { return one.kind == Motion::Kind::shift; });
+    return motions;
+  }
+
   struct BodyJoint {
     xml_node element;
     Frame parent, child;
   };
 
-  // Bodies in an order where parents come first.
-  void read_segments(xml_node model) {
-    std::map<std::string, BodyJoint> joints;  // by the child's name
-    for (const xml_node joint : model.child("JointSet").child("objects").children()) {
-      const BodyJoint entry{joint, joint_frame(joint, "socket_parent_frame"), joint_frame(joint, "socket_child_frame")};
-      if (!joints.emplace(entry.child.body, entry).second) fail(joint, "is the second joint of its child body");
+  BodyJoint body_joint(xml_node joint) const {
+    if (!joint.child("parent_body")) {
+      return {joint, frame(joint, text(joint, "socket_parent_frame")), frame(joint, text(joint, "socket_child_frame"))};
     }
-    model_.segments.emplace_back().name = "ground";
+    return {joint,
+            {text(joint, "parent_body"), offset(joint, "location_in_parent", "orientation_in_parent")},
+            {joint.parent().parent().attribute("name").value(), offset(joint, "location", "orientation")}};
+  }
+
+  // Bodies in an order where parents come first.
+  void read_segments(xml_node model, const std::vector<xml_node>& elements) {
+    std::map<std::string, BodyJoint> joints;  // by the child's name
+    for (const xml_node element : elements) {
+      const BodyJoint joint = body_joint(element);
+      if (!joints.emplace(joint.child.body, joint).second) fail(element, "is the second joint of its child body");
+    }
+    model_.segments.emplace_back().name = kGround;
+    read_wraps(model.child("Ground"));
     std::vector<xml_node> left;
-    for (const xml_node body : model.child("BodySet").child("objects").children("Body")) left.push_back(body);
+    for (const xml_node body : model.child("BodySet").child("objects").children("Body")) {
+      if (body.attribute("name").value() == std::string(kGround)) {
+        read_wraps(body);
+      } else {
+        left.push_back(body);
+      }
+    }
     if (left.size() > kMostSegments) fail(model, "has too many bodies: no muscle model has so many");
     while (!left.empty()) {
       const std::size_t before = left.size();
       std::erase_if(left, [&](xml_node body) { return add_segment(body, joints); });
       if (left.size() == before) fail(left[0], "hangs on no joint that leads to the ground");
+    }
+  }
+
+  // Those of the segment that was read last.
+  void read_wraps(xml_node body) {
+    for (const xml_node wrap : body.child("WrapObjectSet").child("objects").children()) {
+      wrap_segment_[wrap.attribute("name").value()] = static_cast<int>(model_.segments.size()) - 1;
     }
   }
 
@@ -187,37 +319,36 @@ class OpenSimReader {
     segment.parent = model_.find_segment(parent.body);
     if (segment.parent < 0) return false;
     if (model_.find_segment(name) >= 0) fail(body, "has the name of an earlier body");
-    const std::string kind = joint.name();
-    if (kind == "CustomJoint") {
-      segment.motions = spatial_transform(joint);
-    } else if (kind != "WeldJoint") {
-      fail(joint, "is no joint read here: CustomJoint, WeldJoint");
+    segment.motions = motions(joint);
+    if (text(joint, "reverse") == "true") {
+      std::ranges::reverse(segment.motions);
+      for (Motion& motion : segment.motions) motion.curve = motion.curve.scaled(-1);
     }
     segment.before = parent.to_body;
     segment.after = child.to_body.inverse();
     segment.centre = child.to_body.translation();
     model_.segments.push_back(segment);
-    for (const xml_node wrap : body.child("WrapObjectSet").child("objects").children()) {
-      wrap_segment_[wrap.attribute("name").value()] = static_cast<int>(model_.segments.size()) - 1;
-    }
+    read_wraps(body);
     return true;
   }
 
   PathPoint path_point(xml_node element) const {
     const std::string kind = element.name();
+    const Frame in = point_frame(element);
     PathPoint point;
-    point.segment = segment(element, element.child_value("socket_parent_frame"));
+    point.segment = model_.find_segment(in.body);
     if (kind == "MovingPathPoint") {
+      if (!in.to_body.isApprox(Isometry3d::Identity())) fail(element, "moves in an offset frame, expected a body");
       for (const std::string axis : {"x", "y", "z"}) {
-        const std::string socket = element.child_value(("socket_" + axis + "_coordinate").c_str());
-        point.moving.push_back({coordinate(element, socket), inner_curve(element.child((axis + "_location").c_str()))});
+        point.moving.push_back(
+            {socket_coordinate(element, axis + "_coordinate"), curve_of(element, axis + "_location")});
       }
       return point;
     }
-    point.position = vector(element, "location");
+    point.position = in.to_body * vector(element, "location");
     if (kind == "ConditionalPathPoint") {
       const std::vector<double> range = numbers(element, "range", 2, 2);
-      point.condition = {coordinate(element, element.child_value("socket_coordinate")), range[0], range[1]};
+      point.condition = {socket_coordinate(element, "coordinate"), range[0], range[1]};
     } else if (kind != "PathPoint") {
       fail(element, "is no path point read here: PathPoint, ConditionalPathPoint, MovingPathPoint");
     }
@@ -240,7 +371,7 @@ class OpenSimReader {
     }
     for (const xml_node wrap : path.child("PathWrapSet").child("objects").children()) {
       Wrap entry;
-      entry.name = wrap.child_value("wrap_object");
+      entry.name = text(wrap, "wrap_object");
       const auto found = wrap_segment_.find(entry.name);
       if (found == wrap_segment_.end()) fail(wrap, "names the wrap object '" + entry.name + "', which no body has");
       entry.segment = found->second;
@@ -261,6 +392,7 @@ class OpenSimReader {
 
   XmlFile file_;
   Model model_;
+  std::map<std::string, xml_node> frames_;
   std::map<std::string, int> wrap_segment_;
   std::set<std::string> names_;
 };

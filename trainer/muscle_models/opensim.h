@@ -1,4 +1,4 @@
-// Reads OpenSim models (.osim, version 4).
+// Reads OpenSim models (.osim, versions 2 to 4).
 #pragma once
 
 #include <filesystem>
@@ -7,8 +7,10 @@
 
 namespace bodyopt::muscle_models {
 
-// Joints: CustomJoint, WeldJoint. Functions: Constant, LinearFunction, SimmSpline, MultiplierFunction. Path points:
-// fixed, conditional, moving. Wrap objects are named, not honoured. Throws Error(file).
+// Joints: CustomJoint, WeldJoint, PinJoint, SliderJoint, UniversalJoint, BallJoint, GimbalJoint, PlanarJoint,
+// FreeJoint. Functions: Constant, LinearFunction, PiecewiseLinearFunction, PolynomialFunction, SimmSpline,
+// MultiplierFunction. Path points: fixed, conditional, moving. Wrap objects are named, not honoured. Throws
+// Error(file).
 Model read_opensim(const std::filesystem::path& path);
 
 }  // namespace bodyopt::muscle_models

@@ -196,9 +196,6 @@ DdmTable pack_ddm(const std::vector<VertexMoments>& moments) {
   return table;
 }
 
-double default_smoothing_radius(const Positions& rest) {
-  if (rest.rows() == 0) return 0.02;
-  return std::max(0.02, 0.025 * longest_extent(rest));
-}
+double default_smoothing_radius(const Positions& rest) { return rest.rows() > 0 ? 0.025 * longest_extent(rest) : 0; }
 
 }  // namespace bodyopt

@@ -40,7 +40,7 @@ std::vector<VertexMoments> ddm_moments(const Positions& rest, const Triangles& t
 
 DdmTable pack_ddm(const std::vector<VertexMoments>& moments);
 
-// The default radius: 1/40 of the longest extent, 2 cm at least.
+// The default radius: 1/40 of the longest extent, so that a body of any size has the same shape.
 double default_smoothing_radius(const Positions& rest);
 
 }  // namespace bodyopt
