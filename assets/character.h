@@ -36,12 +36,12 @@ struct Character {
 Positions welded_from_output(const Character& character, const float* output);
 std::vector<float> output_from_welded(const Character& character, const Positions& welded);
 
-// Reads .glb or .gltf. `unit` metres per file unit; 0 means "must be metres": a bounding-box diagonal outside
+// Reads .glb, .gltf, .fbx. `unit` metres per file unit; 0 means "must be metres": a bounding-box diagonal outside
 // 0.05 .. 50 m is refused with the ratio found, and with a unit a note says it. Throws Error(file) or Error(mismatch).
 Character read_character(const std::filesystem::path& path, double unit = 0);
 Character read_character(const GltfFile& file, double unit = 0);
 
-// Does a .glb or .gltf hold a skinned mesh (and not motion alone)? Throws Error(file).
+// Does a .glb, .gltf or .fbx hold a skinned mesh (and not motion alone)? Throws Error(file).
 bool has_skin(const std::filesystem::path& path);
 
 // Writes a .glb with one skinned mesh in output vertex order. Throws Error(file).

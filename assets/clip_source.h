@@ -16,5 +16,7 @@ ClipSource split_source(const std::string& source);
 
 // ".glb" of "SHOT.GLB".
 std::string lower_case_extension(const std::filesystem::path& path);
+// Is it called as files are that may hold characters and their clips: .glb, .gltf, .fbx?
+bool is_called_scene(const std::filesystem::path& path);
 
 }  // namespace bodyopt

@@ -12,25 +12,24 @@ std::string looks_like(const std::filesystem::path& path) {
   start.resize(static_cast<std::size_t>(file.gcount()));
   if (!file.is_open() || std::filesystem::is_directory(path)) return "";
   if (start.empty()) return "; it is empty";
-  const std::pair<const char*, const char*> kinds[] = {
-      {"glTF", "a binary glTF file (.glb)"},
-      {"HIERARCHY", "a BVH file"},
-      {"POINTCACHE2", "a PC2 point cache"},
-      {"\x89PNG", "a picture"},
-      {"\xff\xd8\xff", "a picture"},
-      {"<?xml", "an XML file"},
-      {"{", "a JSON file"},
-      {"Kaydara FBX", "an FBX file: Blender imports it and exports .glb"},
-      {"; FBX", "an FBX file: Blender imports it and exports .glb"},
-      {"BLENDER", "a Blender file"},
-      {"PXR-USDC", "a USD file"},
-      {"#usda", "a USD file"},
-      {"Ogawa", "an Alembic cache"},
-      {"\x89HDF", "an Alembic cache"},
-      {"# ", "a text file, perhaps an OBJ"},
-      {"<!DOCTYPE", "a web page"},
-      {"<html", "a web page"},
-      {"PK\x03\x04", "a ZIP archive"}};
+  const std::pair<const char*, const char*> kinds[] = {{"glTF", "a binary glTF file (.glb)"},
+                                                       {"HIERARCHY", "a BVH file"},
+                                                       {"POINTCACHE2", "a PC2 point cache"},
+                                                       {"\x89PNG", "a picture"},
+                                                       {"\xff\xd8\xff", "a picture"},
+                                                       {"<?xml", "an XML file"},
+                                                       {"{", "a JSON file"},
+                                                       {"Kaydara FBX", "an FBX file"},
+                                                       {"; FBX", "an FBX file"},
+                                                       {"BLENDER", "a Blender file"},
+                                                       {"PXR-USDC", "a USD file"},
+                                                       {"#usda", "a USD file"},
+                                                       {"Ogawa", "an Alembic cache"},
+                                                       {"\x89HDF", "an Alembic cache"},
+                                                       {"# ", "a text file, perhaps an OBJ"},
+                                                       {"<!DOCTYPE", "a web page"},
+                                                       {"<html", "a web page"},
+                                                       {"PK\x03\x04", "a ZIP archive"}};
   if (start.find("<COLLADA") != std::string::npos) return "; it looks like a COLLADA file (.dae)";
   for (const auto& [magic, kind] : kinds) {
     if (start.starts_with(magic)) return std::string("; it looks like ") + kind;
