@@ -290,7 +290,7 @@ FbxNode parse_fbx(const std::filesystem::path& path, std::string_view bytes) {
     if (said != nullptr) version = said->integer(0, 0);
   } else {
     FbxBytes binary(path, bytes, 0);
-    if (binary.take(kFbxMagic.size()) != kFbxMagic) binary.fail("its header is not that of FBX");
+    if (binary.take(kFbxMagic.size()) != kFbxMagic) binary.fail("its header is not that of an FBX file");
     if (binary.take<char>() != 0) throw Error(ErrorKind::file, path, ": is big-endian FBX, expected little-endian");
     version = binary.take<std::uint32_t>();
     if (version >= kOldestFbx) append_binary_nodes(binary, version >= 7500, 0, root.children);

@@ -89,7 +89,7 @@ void add_dataset(CLI::App& app) {
                "character's file; it is copied");
   add_flag(subverb, "--replace", arguments.replace, "Put the shapes in the place of those that the take has already");
   CLI::Option* character = add_option(subverb, "--character", arguments.character,
-                                      "Character (.glb, .gltf) of the dataset; begins it where there is none")
+                                      "Character (.glb, .gltf, .fbx) of the dataset; begins it where there is none")
                                ->type_name("CHARACTER");
   add_option(subverb, "--muscles", arguments.muscles, "muscles.json that goes with --character")
       ->needs(character)

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "assets/clip_source.h"
 #include "assets/controls.h"
 #include "assets/json_file.h"
 #include "cli/arguments/common.h"
@@ -22,8 +23,6 @@ struct DynamicsArguments {
   DynamicsOptions options;
   JsonOption json;
 };
-
-bool is_character(const std::string& path) { return path.ends_with(".glb") || path.ends_with(".gltf"); }
 
 // Of the frames that the basis may know.
 std::vector<Pose> training_poses(const Dataset& dataset, const Basis& basis) {
@@ -50,7 +49,7 @@ std::vector<Pose> training_poses(const Dataset& dataset, const Basis& basis) {
 
 BuiltDynamics build(DynamicsArguments& arguments, const Basis& basis) {
   DynamicsOptions& options = arguments.options;
-  if (is_character(arguments.dataset)) {
+  if (is_called_scene(arguments.dataset)) {
     const Character character = read_character(arguments.dataset, kept_unit(basis));
     say(character.notes);
     return build_dynamics(character, {}, basis, options);

@@ -6,6 +6,7 @@
 
 #include "assets/bvh.h"
 #include "assets/character.h"
+#include "assets/clip_source.h"
 #include "assets/frame_range.h"
 #include "assets/json_file.h"
 #include "assets/nodes_cache.h"
@@ -296,7 +297,7 @@ Json info(std::string path, double unit) {
   if (!std::filesystem::exists(path)) throw Error(ErrorKind::file, path, ": no such file");
   path = dataset_file(path).string();
   const std::string extension = std::filesystem::path(path).extension();
-  if (extension == ".glb" || extension == ".gltf") {
+  if (is_called_scene(path)) {
     if (!has_skin(path)) return skinless_info(path);
     return character_info(path, unit);
   }
@@ -307,8 +308,8 @@ Json info(std::string path, double unit) {
   if (extension == ".bvh") return bvh_info(path);
   if (extension == ".json") return dataset_info(path);
   throw Error(ErrorKind::file, path,
-              ": expected .glb, .gltf, .bvh, .safetensors, .state, .pc2, .nodes or dataset .json, found '", extension,
-              "'");
+              ": expected .glb, .gltf, .fbx, .bvh, .safetensors, .state, .pc2, .nodes or dataset .json, found '",
+              extension, "'");
 }
 
 struct InfoArguments {

@@ -21,7 +21,7 @@ struct FileKind {
 // By command.
 const std::map<std::string, FileKind>& kinds() {
   static const std::map<std::string, FileKind> all = {
-      {"open", {{".safetensors", ".glb", ".gltf", ".bvh", ".pc2", ".json"}, ""}},
+      {"open", {{".safetensors", ".glb", ".gltf", ".fbx", ".bvh", ".pc2", ".json"}, ""}},
       {"save", {{".json"}, "session.json"}},
       {"save-state", {{".json"}, "view.json"}},
       {"load-state", {{".json"}, ""}},

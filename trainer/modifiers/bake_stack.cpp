@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "assets/character.h"
+#include "assets/clip_source.h"
 #include "assets/json_file.h"
 #include "assets/shape_reader.h"
 #include "assets/shot_modifiers.h"
@@ -138,7 +139,7 @@ SkinModifiers bake_stack(const std::filesystem::path& path, const Basis& basis, 
 Positions read_modifier_shape(const BakeInput& input, const char* key) {
   const std::filesystem::path path = input.folder / input.parameters.name(key);
   std::vector<float> points;
-  if (path.extension() == ".glb" || path.extension() == ".gltf") {
+  if (is_called_scene(path)) {
     const Character character = read_character(path, kept_unit(input.basis));
     points = output_from_welded(character, character.vertices);
   } else {
