@@ -6,7 +6,7 @@ $bodyopt train --ddm-only "$folder/arm.glb" --out "$folder/arm.safetensors"
 for clip in arm.glb arm.fbx; do
   $bodyopt eval "$folder/arm.safetensors" --clip "$folder/$clip" --device cpu --out "$folder/$clip.pc2"
 done
-python3 - "$folder" <<'END'
+/usr/bin/python3 - "$folder" <<'END'
 import struct
 import sys
 
