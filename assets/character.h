@@ -37,12 +37,12 @@ struct Character {
 Positions welded_from_output(const Character& character, const float* output);
 std::vector<float> output_from_welded(const Character& character, const Positions& welded);
 
-// Reads .glb, .gltf or .vrm. `unit`: metres per file unit, 0 for what file_unit() finds. Throws Error(file), also where
-// some joints turn the skin inside out and others do not, or Error(mismatch).
+// Reads .glb, .gltf, .vrm or .fbx. `unit`: metres per file unit, 0 for what file_unit() finds. Throws Error(file), also
+// where some joints turn the skin inside out and others do not, or Error(mismatch).
 Character read_character(const std::filesystem::path& path, double unit = 0);
 Character read_character(const GltfFile& file, double unit = 0);
 
-// Does a glTF file hold a skinned mesh (and not motion alone)? Throws Error(file).
+// Does a .glb, .gltf, .vrm or .fbx hold a skinned mesh (and not motion alone)? Throws Error(file).
 bool has_skin(const std::filesystem::path& path);
 
 // Writes a .glb with one skinned mesh in output vertex order. Throws Error(file).

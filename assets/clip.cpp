@@ -45,9 +45,9 @@ ClipSource split_source(const std::string& source) {
 
 std::string lower_case_extension(const std::filesystem::path& path) { return lower_case(path.extension().string()); }
 
-bool is_called_gltf(const std::filesystem::path& path) {
+bool is_called_scene(const std::filesystem::path& path) {
   const std::string extension = lower_case_extension(path);
-  return extension == ".glb" || extension == ".gltf" || extension == ".vrm";
+  return extension == ".glb" || extension == ".gltf" || extension == ".vrm" || extension == ".fbx";
 }
 
 std::size_t frame_count(const std::string& file, double duration, std::size_t joints, const ClipOptions& options) {
@@ -82,21 +82,23 @@ void check_positions(const Clip& clip, const std::string& file) {
 }
 
 double clip_unit(const std::string& source, double character_unit) {
-  return lower_case_extension(split_source(source).path) == ".bvh" ? 0 : character_unit;
+  const std::string extension = lower_case_extension(split_source(source).path);
+  return extension == ".bvh" || extension == ".fbx" ? 0 : character_unit;
 }
 
 namespace {
 
 Clip read_motion(const std::string& source, const SkeletonChoice& choose, const ClipOptions& options) {
   const ClipSource parts = split_source(source);
-  if (is_called_gltf(parts.path)) {
+  if (is_called_scene(parts.path)) {
     if (!options.up.empty()) {
-      throw Error(ErrorKind::usage, source, ": glTF has y up; --up is for BVH files");
+      throw Error(ErrorKind::usage, source, ": only a BVH file does not say what is up; --up is for these");
     }
     return read_gltf_clip(GltfFile(parts.path), parts.name, choose, options);
   }
   if (lower_case_extension(parts.path) != ".bvh") {
-    throw Error(ErrorKind::file, source, ": not a clip; expected FILE.glb#name, FILE.glb, FILE.gltf or FILE.bvh",
+    throw Error(ErrorKind::file, source,
+                ": not a clip; expected FILE.glb#name, FILE.glb, FILE.gltf, FILE.fbx or FILE.bvh",
                 looks_like(parts.path));
   }
   if (!parts.name.empty()) {

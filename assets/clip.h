@@ -1,4 +1,4 @@
-// Motion: a pose per integer frame, sampled from glTF animations or BVH.
+// Motion: a pose per integer frame, sampled from animations of glTF and FBX or from BVH.
 #pragma once
 
 #include <filesystem>
@@ -31,10 +31,10 @@ struct ClipOptions {
   std::string up{};         // axis of a BVH that is up: x, y, z, -x, -y, -z; empty: its motion tells
 };
 
-// The unit of a clip for a character that was read with `character_unit`: glTF clips share it, BVH is fitted (0).
+// The unit of a clip for a character read with `character_unit`: glTF shares it, BVH is fitted, FBX knows its own (0).
 double clip_unit(const std::string& source, double character_unit);
 
-// `source` is FILE.glb#name, FILE.glb (its only or first clip), or FILE.bvh. Joints are matched as match_joints() says;
+// `source`: FILE.glb#name, FILE.glb (its first clip), so of .gltf and .fbx, or FILE.bvh. match_joints() matches joints;
 // a clip that matches no joint at all throws Error(mismatch) with both lists. Throws Error(file).
 Clip read_clip(const std::string& source, const Skeleton& skeleton, const ClipOptions& options);
 
@@ -43,7 +43,7 @@ using SkeletonChoice = std::function<Skeleton(const std::set<std::string>& names
 // The same where the skeleton depends on the clip.
 Clip read_clip(const std::string& source, const SkeletonChoice& choose, const ClipOptions& options);
 
-// The names of the clips in a .glb, .gltf or .bvh (a BVH's is its file's). Throws Error(file).
+// The names of the clips in a .glb, .gltf, .fbx or .bvh (a BVH's is its file's). Throws Error(file).
 std::vector<std::string> clip_names(const std::filesystem::path& path);
 
 // Writes an animation-only .glb: the skeleton's nodes and one LINEAR animation with a key per frame. Throws

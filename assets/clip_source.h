@@ -17,7 +17,8 @@ ClipSource split_source(const std::string& source);
 // ".glb" of "SHOT.GLB".
 std::string lower_case_extension(const std::filesystem::path& path);
 
-// Is it called as glTF files are: .glb, .gltf, or .vrm, which is a .glb of an avatar?
-bool is_called_gltf(const std::filesystem::path& path);
+// Is it called as files are that may hold characters and their clips: .glb, .gltf, .fbx, or .vrm, which is a .glb of an
+// avatar?
+bool is_called_scene(const std::filesystem::path& path);
 
 }  // namespace bodyopt

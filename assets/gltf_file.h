@@ -1,5 +1,5 @@
-// Reading glTF 2.0 (.glb, .gltf) from bytes that nobody vouches for. tinygltf parses; everything it takes on trust
-// (chunk sizes, nesting, buffers, accessor ranges) is checked here, before and after.
+// Reading glTF 2.0 (.glb, .gltf), which FBX is made, too, from bytes that nobody vouches for. tinygltf parses; what it
+// takes on trust (chunk sizes, nesting, buffers, accessor ranges) is checked here, before and after.
 #pragma once
 
 #include <tiny_gltf.h>

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "assets/fbx_glb.h"
+#include "assets/fbx_parse.h"
 #include "assets/gltf_meshopt.h"
 #include "runtime/basis/read_file.h"
 #include "runtime/core/error.h"
@@ -216,10 +218,13 @@ std::string read_gltf_bytes(const std::filesystem::path& path) {
 }
 
 GuardedGltf guard_gltf(const std::filesystem::path& path, std::string_view bytes) {
+  if (is_fbx(bytes)) return guard_gltf(path, glb_of_fbx(path, bytes));
   const bool is_glb = bytes.starts_with("glTF");
   if (!is_glb && !starts_an_object(bytes)) {
     const bool should_be = path.extension() == ".glb" || path.extension() == ".vrm";
-    fail(path, should_be ? "does not start with 'glTF'; it is not a .glb file" : "is not a glTF file (.glb, .gltf)",
+    fail(path,
+         should_be ? "does not start with 'glTF'; it is not a .glb file"
+                   : "is not a glTF file (.glb, .gltf), nor an FBX file",
          looks_like(path));
   }
   const Chunks chunks = is_glb ? split_glb(path, bytes) : Chunks{std::string(bytes.begin(), bytes.end()), {}};

@@ -91,7 +91,7 @@ std::size_t GlbWriter::add_skeleton(const Skeleton& skeleton) {
   return top;
 }
 
-void GlbWriter::write(const std::filesystem::path& path) {
+std::string GlbWriter::bytes(const std::filesystem::path& path) {
   const auto fail = [&](const auto&... problem) { throw Error(ErrorKind::file, path, ": ", problem...); };
   if (!finite_) fail("not written, because a number is not finite");
   root["buffers"] = Json::array({{{"byteLength", binary_.size()}}});
@@ -109,8 +109,12 @@ void GlbWriter::write(const std::filesystem::path& path) {
   put_word(bytes, total);
   put_chunk(bytes, "JSON", json);
   put_chunk(bytes, "BIN\0", std::string(binary_.begin(), binary_.end()));
+  return bytes;
+}
 
-  write_file_atomically(path, std::as_bytes(std::span(bytes)));
+void GlbWriter::write(const std::filesystem::path& path) {
+  const std::string content = bytes(path);
+  write_file_atomically(path, std::as_bytes(std::span(content)));
 }
 
 }  // namespace bodyopt

@@ -30,7 +30,9 @@ class GlbWriter {
   // called first. Returns the new node's index.
   std::size_t add_skeleton(const Skeleton& skeleton);
 
-  // To a temporary name, then renamed. Throws Error(file), also for numbers that are not finite.
+  // The file's bytes; messages call it `path`. Throws Error(file), also for numbers that are not finite.
+  std::string bytes(const std::filesystem::path& path);
+  // To a temporary name, then renamed. Throws as above.
   void write(const std::filesystem::path& path);
 
  private:

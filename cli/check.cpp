@@ -300,24 +300,27 @@ void check(const CheckArguments& arguments) {
 void run(const CheckArguments& arguments) {
   arguments.json.require_writable();
   const std::string extension = std::filesystem::path(arguments.path).extension();
-  const bool is_character = is_called_gltf(arguments.path);
+  const bool is_character = is_called_scene(arguments.path);
   if (!arguments.picture.empty()) {
     if (!is_character || !arguments.clip.source.empty()) {
-      throw Error(ErrorKind::usage, "--picture draws a character (.glb, .gltf) alone");
+      throw Error(ErrorKind::usage, "--picture draws a character (.glb, .gltf, .fbx) alone");
     }
     require_writable(arguments.picture);
   }
   if (!arguments.muscles.empty() && (!is_character || !arguments.clip.source.empty())) {
-    throw Error(ErrorKind::usage, "--muscles are checked with a character (.glb, .gltf) alone; a dataset has its own");
+    throw Error(ErrorKind::usage,
+                "--muscles are checked with a character (.glb, .gltf, .fbx) alone; a dataset has its own");
   }
   if (!arguments.clip.source.empty()) {
-    if (!is_character) throw Error(ErrorKind::usage, "--clip is checked with a character (.glb, .gltf), not a dataset");
+    if (!is_character)
+      throw Error(ErrorKind::usage, "--clip is checked with a character (.glb, .gltf, .fbx), not a dataset");
     return check_clip(arguments);
   }
   if (is_character) return check_character(arguments);
   if (extension != ".json" && std::filesystem::is_regular_file(arguments.path)) {
     throw Error(ErrorKind::file, arguments.path,
-                ": expected a dataset (.json, or its folder) or a character (.glb, .gltf)", looks_like(arguments.path));
+                ": expected a dataset (.json, or its folder) or a character (.glb, .gltf, .fbx)",
+                looks_like(arguments.path));
   }
   check(arguments);
 }
@@ -327,7 +330,8 @@ void run(const CheckArguments& arguments) {
 void add_check(CLI::App& app) {
   const auto [verb, arguments] = add_verb<CheckArguments>(
       app, "check", "Does a dataset belong together? Is a character fit for use? Does a clip suit it?", run);
-  add_required(verb, "dataset", arguments.path, "DATASET", "dataset.json or its folder, or a character (.glb, .gltf)");
+  add_required(verb, "dataset", arguments.path, "DATASET",
+               "dataset.json or its folder, or a character (.glb, .gltf, .fbx)");
   arguments.clip.add(verb);
   CLI::Option& clip = *verb.get_option("--clip")->required(false);
   add_option(verb, "--limits", arguments.limits, "FILE",

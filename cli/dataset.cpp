@@ -92,7 +92,7 @@ void add_dataset(CLI::App& app) {
   add_flag(subverb, "--as-given", arguments.as_given,
            "The shapes lie where they are meant to, though they seem late, moved, turned or of another size");
   CLI::Option* character = add_option(subverb, "--character", arguments.character,
-                                      "Character (.glb, .gltf) of the dataset; begins it where there is none")
+                                      "Character (.glb, .gltf, .fbx) of the dataset; begins it where there is none")
                                ->type_name("CHARACTER");
   add_option(subverb, "--muscles", arguments.muscles, "muscles.json that goes with --character")
       ->needs(character)

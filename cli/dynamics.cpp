@@ -49,7 +49,7 @@ std::vector<Pose> training_poses(const Dataset& dataset, const Basis& basis) {
 
 BuiltDynamics build(DynamicsArguments& arguments, const Basis& basis) {
   DynamicsOptions& options = arguments.options;
-  if (is_called_gltf(arguments.dataset)) {
+  if (is_called_scene(arguments.dataset)) {
     const Character character = read_character(arguments.dataset, kept_unit(basis));
     say(character.notes);
     return build_dynamics(character, {}, basis, options);

@@ -297,7 +297,7 @@ Json info(std::string path, double unit) {
   if (!std::filesystem::exists(path)) throw Error(ErrorKind::file, path, ": no such file");
   path = dataset_file(path).string();
   const std::string extension = std::filesystem::path(path).extension();
-  if (is_called_gltf(path)) {
+  if (is_called_scene(path)) {
     if (!has_skin(path)) return skinless_info(path);
     return character_info(path, unit);
   }
@@ -307,9 +307,10 @@ Json info(std::string path, double unit) {
   if (extension == ".nodes") return nodes_info(path);
   if (extension == ".bvh") return bvh_info(path);
   if (extension == ".json") return dataset_info(path);
-  throw Error(ErrorKind::file, path,
-              ": expected .glb, .gltf, .vrm, .bvh, .safetensors, .state, .pc2, .mdd, .nodes or dataset .json, found '",
-              extension, "'");
+  throw Error(
+      ErrorKind::file, path,
+      ": expected .glb, .gltf, .vrm, .fbx, .bvh, .safetensors, .state, .pc2, .mdd, .nodes or dataset .json, found '",
+      extension, "'");
 }
 
 struct InfoArguments {

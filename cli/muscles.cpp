@@ -151,7 +151,7 @@ void add_muscles(CLI::App& app) {
   verb.require_subcommand(1);
   const auto [subverb, arguments] = add_verb<ImportArguments>(
       verb, "import", "Carries the muscles of OpenSim or MuJoCo models to a character", import);
-  add_required(subverb, "character", arguments.character, "CHARACTER", "Character (.glb, .gltf)");
+  add_required(subverb, "character", arguments.character, "CHARACTER", "Character (.glb, .gltf, .fbx)");
   add_required(subverb, "--from", arguments.sources, "MODEL MAPPING",
                "Muscle model (.osim, MuJoCo .xml) and the mapping (.json) of its segments to the character's joints; "
                "may be given several times");

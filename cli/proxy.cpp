@@ -113,7 +113,8 @@ void add_proxy(CLI::App& app) {
       ->type_name("MM")
       ->check(above_zero)
       ->expected(1, static_cast<int>(kMostLevels));
-  add_option(verb, "--character", arguments.character, "The basis' character (.glb, .gltf)")->type_name("CHARACTER");
+  add_option(verb, "--character", arguments.character, "The basis' character (.glb, .gltf, .fbx)")
+      ->type_name("CHARACTER");
   add_option(verb, "--muscles", arguments.muscles, "The basis' muscles (muscles.json)")->type_name("FILE");
   arguments.clip.add(verb);
   CLI::Option* clip = verb.get_option("--clip")->required(false);

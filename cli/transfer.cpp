@@ -428,7 +428,8 @@ void add_transfer(CLI::App& app) {
   const auto [dataset, of_dataset] = add_verb<TransferArguments>(
       verb, "dataset", "A dataset of another character: clips, shapes, muscles, regions", run_dataset);
   add_required(dataset, "source", of_dataset.source, "DATASET", "Dataset (folder or dataset.json)");
-  add_required(dataset, "target", of_dataset.targets, "CHARACTER", "The other character (.glb, .gltf)")->expected(1);
+  add_required(dataset, "target", of_dataset.targets, "CHARACTER", "The other character (.glb, .gltf, .fbx)")
+      ->expected(1);
   add_option(dataset, "--out", of_dataset.outs, "DATASET", "Folder of the dataset to write")->required()->expected(1);
   add_option(dataset, "--picture", of_dataset.picture, "FILE.png",
              "Picture of the match (.png): by colour, and how sure it is");
@@ -438,7 +439,7 @@ void add_transfer(CLI::App& app) {
       verb, "basis", "A trained basis for other characters, at no cost at run time", run_basis);
   add_required(basis, "source", of_basis.source, "BASIS",
                "Trained basis, or a proxy with all of its levels (.safetensors)");
-  add_required(basis, "targets", of_basis.targets, "CHARACTER", "The other characters (.glb, .gltf)");
+  add_required(basis, "targets", of_basis.targets, "CHARACTER", "The other characters (.glb, .gltf, .fbx)");
   add_required(basis, "--out", of_basis.outs, "BASIS", "Bases to write (.safetensors), one per target")
       ->check(must_end_in(".safetensors"));
   add_option(basis, "--picture", of_basis.picture, "FILE.png",

@@ -57,10 +57,11 @@ void run(const ViewArguments& arguments) {
 void add_view(CLI::App& app) {
   const auto [verb, arguments] = add_verb<ViewArguments>(app, "view", "The animators' viewport", run);
   ViewerOptions& options = arguments.options;
-  add_option(verb, "files", options.files, "BASIS|CHARACTER|DATASET [CLIP]",
-             "Basis (.safetensors), or character (.glb, .gltf) by Direct Delta Mush, its clip and point cache, or "
-             "a dataset; "
-             "then others, each followed by its own (default: the built-in arm)");
+  add_option(
+      verb, "files", options.files, "BASIS|CHARACTER|DATASET [CLIP]",
+      "Basis (.safetensors), or character (.glb, .gltf, .fbx) by Direct Delta Mush, its clip and point cache, or "
+      "a dataset; "
+      "then others, each followed by its own (default: the built-in arm)");
   add_option(verb, "--truth", options.truth, "CACHE",
              "Point cache to compare the first character with, or DATASET#TAKE: a take through its modifiers");
   add_option(verb, "--proxy", options.proxy, "BASIS", "Lighter levels of the first basis, which `proxy` made of it");

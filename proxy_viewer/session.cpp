@@ -69,9 +69,10 @@ std::vector<std::string> Session::open_first() {
     return {};
   }
   if (fs::exists(file) && !dataset && !is_character(file)) {
-    throw Error(ErrorKind::usage,
-                file + ": a basis (.safetensors) or a character (.glb, .gltf) must come before its clips and caches" +
-                    looks_like(file));
+    throw Error(
+        ErrorKind::usage,
+        file + ": a basis (.safetensors) or a character (.glb, .gltf, .fbx) must come before its clips and caches" +
+            looks_like(file));
   }
   ActorFiles files = dataset ? files_of_dataset(file) : ActorFiles{.basis = file};
   files.proxy = options_.proxy;
@@ -101,7 +102,7 @@ std::vector<std::string> Session::open(const std::string& file) {
     notes = add({.basis = file});
     receiver_ = scene.cast().size() - 1;
     controls.requests.frame_selection = true;  // to see it, too
-  } else if (is_called_gltf(split_source(file).path) || has_extension(file, {".bvh"})) {
+  } else if (is_called_scene(split_source(file).path) || has_extension(file, {".bvh"})) {
     receiver.open_clip(file);
     notes = receiver.clip().notes;
     if (receiver_ == 0) play_clip();
@@ -119,8 +120,8 @@ std::vector<std::string> Session::open(const std::string& file) {
   } else {
     throw Error(ErrorKind::usage,
                 file +
-                    ": expected a basis (.safetensors), a character (.glb, .gltf), a clip "
-                    "(.glb, .gltf, .bvh), a point cache (.pc2, .mdd), a session, markers or a state (.json)");
+                    ": expected a basis (.safetensors), a character (.glb, .gltf, .fbx), a clip "
+                    "(.glb, .gltf, .fbx, .bvh), a point cache (.pc2, .mdd), a session, markers or a state (.json)");
   }
   take_note_of_cast();
   return notes;
@@ -193,7 +194,7 @@ void Session::open_truth(Actor& character, const std::string& file) {
 
 bool Session::is_character(const std::string& file) const {
   if (has_extension(file, {".safetensors"})) return true;
-  if (!is_called_gltf(split_source(file).path)) return false;
+  if (!is_called_scene(split_source(file).path)) return false;
   return is_another_character(file, scene.empty() ? Skeleton{} : scene.cast()[receiver_]->basis().skeleton);
 }
 

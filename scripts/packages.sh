@@ -4,7 +4,7 @@ build_packages=(
   cmake ninja-build g++ mold
   libvulkan-dev glslang-tools
   libeigen3-dev libnglib-dev libtinygltf-dev libmeshoptimizer-dev nlohmann-json3-dev libcli11-dev libspdlog-dev libxxhash-dev
-  libpugixml-dev libhwy-dev libtbb-dev libstb-dev libwebp-dev libglfw3-dev libx11-dev libimgui-dev
+  libpugixml-dev zlib1g-dev libhwy-dev libtbb-dev libstb-dev libwebp-dev libglfw3-dev libx11-dev libimgui-dev
   pkg-config libgtest-dev pybind11-dev python3-dev python3-numpy
 )
 # What the program alone runs with: those of its libraries that no other of them brings along.

@@ -23,9 +23,10 @@ struct OpenedCharacter {
 // Is the path that of a basis, with files that belong to it beside it?
 bool is_basis(const std::string& path);
 
-// `path`: a basis (.safetensors); a character (.glb, .gltf), which gets Direct Delta Mush at once and plays its first
-// clip; or nothing: the built-in arm with its muscles and its held-out motion, by Direct Delta Mush too. No file is
-// written. `options`: of the clip; the unit is also that of the character's file. Throws Error(file), Error(mismatch).
+// `path`: a basis (.safetensors); a character (.glb, .gltf, .fbx), which gets Direct Delta Mush at once and plays its
+// first clip; or nothing: the built-in arm with its muscles and its held-out motion, by Direct Delta Mush too. No file
+// is written. `options`: of the clip; the unit is also that of the character's file. Throws Error(file),
+// Error(mismatch).
 OpenedCharacter open_character(const std::string& path, const ClipOptions& options);
 
 // Does the file hold a character rather than a clip for this skeleton: a mesh with a skin, and no clip, or less than

@@ -21,7 +21,7 @@ struct FileKind {
 // By command.
 const std::map<std::string, FileKind>& kinds() {
   static const std::map<std::string, FileKind> all = {
-      {"open", {{".safetensors", ".glb", ".gltf", ".vrm", ".bvh", ".pc2", ".mdd", ".json"}, ""}},
+      {"open", {{".safetensors", ".glb", ".gltf", ".vrm", ".fbx", ".bvh", ".pc2", ".mdd", ".json"}, ""}},
       {"save", {{".json"}, "session.json"}},
       {"save-state", {{".json"}, "view.json"}},
       {"load-state", {{".json"}, ""}},

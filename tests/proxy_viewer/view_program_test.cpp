@@ -122,9 +122,11 @@ TEST_F(ViewProgramTest, WithoutAWindowSomethingIsToBeWritten) {
   EXPECT_TRUE(std::filesystem::exists(path("b.png")));
 }
 
-TEST_F(ViewProgramTest, WhatIsNoCharacterIsNamedWithItsRemedy) {
+TEST_F(ViewProgramTest, WhatIsNoCharacterIsNamed) {
+  std::ofstream(path("hero.blend")) << "BLENDER-v300";
+  expect(view(path("hero.blend") + " -o " + path("a.png")), 64, "a Blender file");
   std::ofstream(path("hero.fbx")) << "Kaydara FBX Binary  ";
-  expect(view(path("hero.fbx") + " -o " + path("a.png")), 64, "an FBX file: Blender imports it and exports .glb");
+  expect(view(path("hero.fbx") + " -o " + path("a.png")), 4, "the FBX file is cut off");
 }
 
 TEST_F(ViewProgramTest, FramesThatTheClipLacksAreRefused) {

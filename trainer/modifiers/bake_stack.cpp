@@ -139,7 +139,7 @@ SkinModifiers bake_stack(const std::filesystem::path& path, const Basis& basis, 
 Positions read_modifier_shape(const BakeInput& input, const char* key) {
   const std::filesystem::path path = input.folder / input.parameters.name(key);
   std::vector<float> points;
-  if (is_called_gltf(path)) {
+  if (is_called_scene(path)) {
     const Character character = read_character(path, kept_unit(input.basis));
     points = output_from_welded(character, character.vertices);
   } else {

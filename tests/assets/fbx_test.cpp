@@ -1,0 +1,376 @@
+// FBX against its own formula, evaluated factor by factor in double precision.
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "assets/character.h"
+#include "assets/clip.h"
+#include "assets/gltf_animation.h"
+#include "assets/gltf_nodes.h"
+#include "runtime/host/rig.h"
+#include "tests/assets/gltf_blob.h"
+#include "tests/support/fbx_writer.h"
+#include "tests/support/hostile_bytes.h"
+
+namespace bodyopt {
+namespace {
+
+using testing::Vector;
+using testing::WrittenCluster;
+using testing::WrittenCurve;
+using testing::WrittenFbx;
+using testing::WrittenMesh;
+using testing::WrittenModel;
+
+constexpr double kMetres = 2e-6;       // single precision of what is written to .glb on the way
+constexpr double kBetweenKeys = 1e-4;  // a chain of joints adds up what each may be off
+
+class FbxMaker {
+ public:
+  explicit FbxMaker(unsigned seed) : random_(seed) {}
+
+  double number(double low, double high) { return std::uniform_real_distribution(low, high)(random_); }
+  int whole(int low, int high) { return std::uniform_int_distribution(low, high)(random_); }
+  Vector vector(double most) { return {number(-most, most), number(-most, most), number(-most, most)}; }
+  bool now_and_then() { return whole(0, 2) == 0; }
+
+  // Metres in units of the file.
+  double metres(const WrittenFbx& file, double length) { return length * 100 / file.unit; }
+
+  WrittenFbx frame() {
+    WrittenFbx file;
+    const double units[] = {1, 100, 2.54, 0.1, 30.48};
+    file.unit = units[whole(0, 4)];
+    const int axes[][3] = {{0, 1, 2}, {0, 2, 1}, {1, 2, 0}, {2, 1, 0}};
+    const int kind = whole(0, 3);
+    std::copy_n(axes[kind], 3, file.axes);
+    const int signs[][3] = {{1, 1, 1}, {1, 1, -1}, {1, 1, 1}, {-1, 1, 1}};
+    std::copy_n(signs[kind], 3, file.signs);
+    return file;
+  }
+
+  WrittenModel model(const WrittenFbx& file, int parent, bool scaled) {
+    const double length = metres(file, 0.3);
+    WrittenModel m;
+    m.name = "node" + std::to_string(file.models.size());
+    m.parent = parent;
+    m.translation = vector(length);
+    m.degrees = vector(400);
+    m.order = whole(0, 5);
+    if (scaled) m.scale = Vector::Constant(number(0.5, 2));
+    if (now_and_then()) m.before = vector(180);
+    if (now_and_then()) m.after = vector(180);
+    if (now_and_then()) m.rotation_offset = vector(length);
+    if (now_and_then()) m.rotation_pivot = vector(length);
+    if (now_and_then()) m.scale_offset = vector(length);
+    if (now_and_then()) m.scale_pivot = vector(length);
+    return m;
+  }
+
+  // A chain of joints that is bound where it does not rest, and motion.
+  WrittenFbx limb() {
+    WrittenFbx file = frame();
+    for (int k = 0; k < 5; ++k) file.models.push_back(model(file, k - 1, true));
+    file.models.push_back(model(file, now_and_then() ? 0 : -1, true));
+    file.models.back().type = "Mesh";
+    file.models.back().mesh_translation = vector(metres(file, 0.2));
+    file.models.back().mesh_degrees = vector(180);
+    file.models.back().mesh_scale = {number(0.5, 2), number(0.5, 2), number(0.5, 2)};
+    WrittenMesh mesh;
+    mesh.model = 5;
+    for (int k = 0; k < 40; ++k) mesh.points.push_back(vector(metres(file, 0.5)));
+    for (std::int64_t k = 0; k + 3 < 40; ++k) mesh.polygons.insert(mesh.polygons.end(), {k, k + 1, k + 3, ~(k + 2)});
+    WrittenFbx bound = file;  // in another pose
+    for (WrittenModel& m : bound.models) m.degrees = vector(180);
+    for (int bone = 0; bone < 5; ++bone) {
+      WrittenCluster cluster{bone, {}, {}, bound.world(5, 0), bound.world(bone, 0)};
+      for (std::int64_t p = 0; p < 40; ++p) {
+        cluster.points.push_back(p);
+        cluster.weights.push_back(number(0.01, 1));
+      }
+      mesh.clusters.push_back(cluster);
+    }
+    file.meshes.push_back(mesh);
+    file.begin = whole(0, 2) * 10;
+    file.end = file.begin + 2;
+    for (int k = 0; k < 8; ++k) {
+      WrittenCurve curve;
+      curve.model = whole(0, 4);
+      curve.axis = whole(0, 2);
+      curve.property = now_and_then() ? "Lcl Translation" : "Lcl Rotation";
+      const bool taken = std::ranges::any_of(file.curves, [&](const WrittenCurve& other) {
+        return other.model == curve.model && other.property == curve.property;
+      });
+      if (taken) continue;
+      for (int key = 0; key < 5; ++key) {
+        curve.seconds.push_back(file.begin - 0.49 + key * 0.75);
+        curve.values.push_back(curve.property == "Lcl Rotation" ? number(-500, 500)
+                                                                : number(-1, 1) * metres(file, 0.2));
+      }
+      if (now_and_then()) curve.flags = 2;
+      file.curves.push_back(curve);
+    }
+    return file;
+  }
+
+ private:
+  std::mt19937 random_;
+};
+
+Vector vector_of(const Vec3& v) { return {v[0], v[1], v[2]}; }
+
+// By the formula: the skin's points at a time, linearly blended.
+std::vector<Vector> skin_of(const WrittenFbx& file, double seconds) {
+  const WrittenMesh& mesh = file.meshes.front();
+  const WrittenModel& m = file.models[static_cast<std::size_t>(mesh.model)];
+  const Eigen::Affine3d in_node =
+      Eigen::Translation3d(m.mesh_translation) * Eigen::AngleAxisd(m.mesh_degrees[2] * M_PI / 180, Vector::UnitZ()) *
+      Eigen::AngleAxisd(m.mesh_degrees[1] * M_PI / 180, Vector::UnitY()) *
+      Eigen::AngleAxisd(m.mesh_degrees[0] * M_PI / 180, Vector::UnitX()) * Eigen::Scaling(m.mesh_scale);
+  std::vector<Vector> points(mesh.points.size(), Vector::Zero());
+  std::vector<double> sums(mesh.points.size(), 0);
+  for (const WrittenCluster& cluster : mesh.clusters) {
+    const Eigen::Affine3d moved =
+        file.to_ours() * file.world(cluster.bone, seconds) * cluster.bone_then.inverse() * cluster.mesh_then * in_node;
+    for (std::size_t k = 0; k < cluster.points.size(); ++k) {
+      const auto p = static_cast<std::size_t>(cluster.points[k]);
+      points[p] += cluster.weights[k] * (moved * mesh.points[p]);
+      sums[p] += cluster.weights[k];
+    }
+  }
+  for (std::size_t p = 0; p < points.size(); ++p) points[p] /= sums[p];
+  return points;
+}
+
+// How far the skin that was read is from that at most, metres.
+double off(const WrittenFbx& file, const Character& character, const Pose& pose, double seconds) {
+  const std::vector<Affine> world = posed_joints(character.skeleton, pose.joints);
+  const std::vector<Vector> expected = skin_of(file, seconds);
+  double worst = character.output_count() == expected.size() ? 0 : HUGE_VAL;
+  for (std::uint32_t o = 0; o < character.output_count(); ++o) {
+    const std::uint32_t v = character.output_vertex[o];
+    const Vec3 rest{character.vertices(v, 0), character.vertices(v, 1), character.vertices(v, 2)};
+    Vector point = Vector::Zero();
+    for (const JointWeight& w : character.weights[v]) {
+      point += w.weight * vector_of(world[w.joint] * (character.skeleton.joints[w.joint].inverse_bind * rest));
+    }
+    worst = std::max(worst, (point - expected[o]).norm());
+  }
+  return worst;
+}
+
+TEST(Fbx, NodesStandAsTheFormulaSays) {
+  for (unsigned seed = 0; seed < 20; ++seed) {
+    FbxMaker maker(seed);
+    WrittenFbx file = maker.frame();
+    for (int k = 0; k < 12; ++k) file.models.push_back(maker.model(file, k == 0 ? -1 : maker.whole(-1, k - 1), true));
+    const GltfFile read("tree.fbx", file.text());
+    std::vector<std::string> notes;
+    const NodeTree tree = read_nodes(read, 1, notes);
+    ASSERT_EQ(tree.order.size(), file.models.size());
+    std::vector<Affine> world(tree.order.size());
+    for (const std::size_t n : tree.order) {
+      const Affine local = affine_from(tree.local[n]);
+      EXPECT_NEAR(tree.local[n].scale[0], 1, 1e-6);
+      world[n] = tree.parent[n] < 0 ? local : world[static_cast<std::size_t>(tree.parent[n])] * local;
+      const int model = std::stoi(read.model().nodes[n].name.substr(4));
+      const Eigen::Affine3d expected = file.to_ours() * file.world(model, 0);
+      double scale = 1;  // that is in what the node carries
+      for (int at = model; at >= 0; at = file.models[static_cast<std::size_t>(at)].parent) {
+        scale *= file.models[static_cast<std::size_t>(at)].scale[0];
+      }
+      for (const Vector& point : {Vector{0, 0, 0}, Vector{1, 2, 3}}) {
+        const Vector in_metres = scale * file.unit / 100 * point;
+        const Vector found = vector_of(world[n] * Vec3{in_metres[0], in_metres[1], in_metres[2]});
+        EXPECT_LT((found - expected * point).norm(), kMetres * (1 + found.norm())) << "seed " << seed;
+      }
+    }
+  }
+}
+
+TEST(Fbx, SkinsAndClipsMoveAsTheFormulaSays) {
+  const TemporaryFolder folder;
+  for (unsigned seed = 0; seed < 20; ++seed) {
+    const WrittenFbx file = FbxMaker(seed).limb();
+    put_bytes(folder / "limb.fbx",
+              seed % 2 == 0 ? file.text() : file.binary(seed % 4 == 1 ? 7400 : 7700, seed % 3 == 0));
+    const Character character = read_character(folder / "limb.fbx");
+    ClipOptions options;
+    options.fps = 24;
+    const Clip clip = read_clip((folder / "limb.fbx").string() + "#take", character.skeleton, options);
+    ASSERT_EQ(clip.poses.size(), 49u);
+    for (std::size_t k = 0; k < clip.poses.size(); ++k) {
+      const double seconds = file.begin + static_cast<double>(k) / 24;
+      EXPECT_LT(off(file, character, clip.poses[k], seconds), 2 * kBetweenKeys) << "seed " << seed << " frame " << k;
+    }
+  }
+}
+
+// As Blender exports them: centimetres below an armature that is a hundred times as large.
+TEST(Fbx, BonesBelowAScaledArmatureAreAsLongAsOthers) {
+  WrittenFbx plain = FbxMaker(5).limb();
+  for (WrittenModel& m : plain.models) m.scale = {1, 1, 1};
+  plain.models[5].parent = -1;
+  WrittenFbx below = plain;
+  for (WrittenModel& m : below.models) {
+    if (m.type == "Mesh") continue;
+    for (Vector* v : {&m.translation, &m.rotation_offset, &m.rotation_pivot, &m.scale_offset, &m.scale_pivot})
+      *v /= 100;
+  }
+  for (WrittenCurve& curve : below.curves) {
+    for (double& value : curve.values) value /= curve.property == "Lcl Translation" ? 100 : 1;
+  }
+  for (WrittenCluster& cluster : below.meshes[0].clusters) cluster.bone_then.scale(100);
+  below.models.push_back({.name = "Armature", .type = "Null", .scale = {100, 100, 100}});
+  below.models[0].parent = 6;
+  const TemporaryFolder folder;
+  put_bytes(folder / "plain.fbx", plain.text());
+  put_bytes(folder / "below.fbx", below.text());
+  const Skeleton skeleton = read_character(folder / "plain.fbx").skeleton;
+  const Clip expected = read_clip((folder / "plain.fbx").string(), skeleton, {});
+  const Clip clip = read_clip((folder / "below.fbx").string(), skeleton, {});
+  ASSERT_EQ(clip.poses.size(), expected.poses.size());
+  for (std::size_t k = 0; k < clip.poses.size(); ++k) {
+    for (std::size_t j = 0; j < skeleton.size(); ++j) {
+      const JointTransform &a = clip.poses[k].joints[j], &b = expected.poses[k].joints[j];
+      EXPECT_LT(length(a.translation - b.translation), kBetweenKeys);
+      EXPECT_LT(angle_between(a.rotation, b.rotation), kBetweenKeys);
+    }
+  }
+}
+
+// One joint that one curve moves; its channel of that path.
+AnimationChannel channel_of(const WrittenCurve& curve, ChannelPath path) {
+  WrittenFbx file;
+  file.unit = 100;
+  file.models.push_back({.name = "joint"});
+  file.curves.push_back(curve);
+  const GltfFile read("curve.fbx", file.text());
+  std::vector<std::string> notes;
+  for (const AnimationChannel& channel : read_channels(read, 0, notes)) {
+    if (channel.path == path) return channel;
+  }
+  ADD_FAILURE() << "no channel";
+  return {};
+}
+
+TEST(Fbx, CurvesFollowTheirTangents) {
+  constexpr std::int64_t kCubic = 0x8, kUser = 0x400, kAuto = 0x100 | 0x2000;
+  const WrittenCurve user{.property = "Lcl Translation",
+                          .seconds = {0, 2},
+                          .values = {0, 1},
+                          .flags = kCubic | kUser,
+                          .slope_out = 1.5,
+                          .slope_in = -0.5};
+  const AnimationChannel bent = channel_of(user, ChannelPath::translation);
+  const WrittenCurve automatic{
+      .property = "Lcl Translation", .seconds = {0, 1, 2}, .values = {0, 1, 0}, .flags = kCubic | kAuto};
+  const AnimationChannel round = channel_of(automatic, ChannelPath::translation);
+  for (double t = 0; t <= 2; t += 0.05) {
+    const double x = t / 2, hermite = 2 * 1.5 * x * (1 - x) * (1 - x) + (3 - 2 * x) * x * x + 2 * 0.5 * x * x * (1 - x);
+    EXPECT_NEAR(bent.sample(t)[0], hermite, kBetweenKeys) << t;
+    const double u = t <= 1 ? t : 2 - t;  // level on top, straight from the ends
+    EXPECT_NEAR(round.sample(t)[0], u * (1 - u) * (1 - u) + (3 - 2 * u) * u * u, kBetweenKeys) << t;
+  }
+}
+
+TEST(Fbx, WholeTurnsBetweenKeysAreTurned) {
+  const AnimationChannel spin = channel_of({.axis = 2, .seconds = {0, 1}, .values = {0, 1080}}, ChannelPath::rotation);
+  for (double t = 0; t <= 1; t += 0.03) {
+    const auto q = spin.sample(t);
+    EXPECT_LT(angle_between({q[0], q[1], q[2], q[3]}, axis_angle({0, 0, 1}, t * 6 * M_PI)), 1e-3) << t;
+  }
+}
+
+TEST(Fbx, AxesWithoutACurveKeepTheirRest) {
+  WrittenFbx file;
+  file.unit = 100;
+  file.models.push_back({.name = "joint", .degrees = {10, 20, 30}});
+  file.curves.push_back({.axis = 0, .seconds = {0, 1}, .values = {50, 60}});
+  const GltfFile read("axes.fbx", file.text());
+  std::vector<std::string> notes;
+  for (const AnimationChannel& channel : read_channels(read, 0, notes)) {
+    if (channel.path != ChannelPath::rotation) continue;
+    const auto q = channel.sample(0.5);
+    const Quat expected =
+        axis_angle({0, 0, 1}, M_PI / 6) * axis_angle({0, 1, 0}, M_PI / 9) * axis_angle({1, 0, 0}, 55 * M_PI / 180);
+    EXPECT_LT(angle_between({q[0], q[1], q[2], q[3]}, expected), 1e-4);
+  }
+}
+
+TEST(Fbx, WhatCannotBeReadRightIsRefused) {
+  struct Case {
+    const char* says;
+    std::function<void(WrittenFbx&)> change;
+  };
+  const Case cases[] = {
+      {"rotation order", [](WrittenFbx& file) { file.models[1].order = 6; }},
+      {"right-handed", [](WrittenFbx& file) { file.signs[0] = -file.signs[0]; }},
+      {"right-handed", [](WrittenFbx& file) { file.axes[0] = file.axes[1]; }},
+      {"UnitScaleFactor", [](WrittenFbx& file) { file.unit = 0; }},
+      {"does not inherit",
+       [](WrittenFbx& file) {
+         file.models[0].scale = {1, 2, 1}, file.models[1].inherit = 2;
+       }},
+      {"does not inherit",
+       [](WrittenFbx& file) {
+         file.models[0].scale = {1, 2, 1}, file.models[3].inherit = 0;
+       }},
+      {"layers",
+       [](WrittenFbx& file) {
+         file.layers.push_back("over");
+         file.curves.push_back({.model = 4, .property = "Lcl Scaling", .seconds = {0}, .values = {1}, .layer = 1});
+       }},
+      {"extrapolation",
+       [](WrittenFbx& file) {
+         file.curves = {{.model = 1, .seconds = {file.begin, file.begin + 1}, .values = {0, 9}, .beyond = "R"}};
+       }},
+      {"bone", [](WrittenFbx& file) { file.meshes[0].clusters[0].bone = 99; }},
+      {"names point", [](WrittenFbx& file) { file.meshes[0].clusters[0].points[3] = 40; }},
+      {"names point", [](WrittenFbx& file) { file.meshes[0].polygons[3] = ~std::int64_t{40}; }},
+      {"weights", [](WrittenFbx& file) { file.meshes[0].clusters[0].weights.pop_back(); }},
+      {"has no end", [](WrittenFbx& file) { file.meshes[0].polygons.pop_back(); }},
+      {"finite", [](WrittenFbx& file) { file.meshes[0].points[2][1] = HUGE_VAL; }},
+      {"finite", [](WrittenFbx& file) { file.models[2].translation[0] = HUGE_VAL; }},
+      {"weight of", [](WrittenFbx& file) { file.meshes[0].clusters[0].weights[2] = NAN; }},
+      {"beyond all numbers", [](WrittenFbx& file) { file.meshes[0].points[2][1] = 1e120; }},
+      {"scaled to nothing", [](WrittenFbx& file) { file.meshes[0].clusters[0].mesh_then.linear().setZero(); }},
+      {"times", [](WrittenFbx& file) { std::ranges::reverse(file.curves[0].seconds); }}};
+  const TemporaryFolder folder;
+  for (const Case& c : cases) {
+    WrittenFbx file = FbxMaker(3).limb();
+    read_character(GltfFile("sound.fbx", file.binary(7500, true)));
+    c.change(file);
+    put_bytes(folder / "limb.fbx", file.binary(7500, true));
+    const std::string said = error_of(ErrorKind::file, [&] { read_character(folder / "limb.fbx"); });
+    EXPECT_NE(said.find(c.says), std::string::npos) << c.says << ": " << said;
+    EXPECT_NE(said.find("limb.fbx"), std::string::npos) << said;
+  }
+  std::string old = FbxMaker(3).limb().text();
+  old.replace(old.find("7400", 20), 4, "6100");
+  put_bytes(folder / "limb.fbx", old);
+  EXPECT_NE(error_of(ErrorKind::file, [&] { has_skin(folder / "limb.fbx"); }).find("6100"), std::string::npos);
+}
+
+TEST(FbxHostile, CutAndDamagedFilesAreRefusedOrFinite) {
+  const TemporaryFolder folder;
+  const WrittenFbx file = FbxMaker(1).limb();
+  const Character sound = read_character(GltfFile("limb.fbx", file.text()));
+  const auto read = [&](const std::filesystem::path& path) {
+    const Character character = read_character(path, 1);
+    EXPECT_TRUE(character.vertices.allFinite());
+    for (const Pose& pose : read_clip(path.string(), sound.skeleton, {}).poses) {
+      for (const JointTransform& joint : pose.joints) EXPECT_TRUE(is_finite(joint));
+    }
+  };
+  for (const std::string& bytes : {file.binary(7400, false), file.binary(7700, true)}) {
+    testing::damage_bytes(read, folder / "limb.fbx", bytes, 300);
+    for (std::size_t size = 0; size + 30 < bytes.size(); size += 97) {
+      testing::expect_refused(read, folder / "limb.fbx", bytes.substr(0, size), "limb.fbx");
+    }
+  }
+  testing::damage_bytes(read, folder / "limb.fbx", file.text(), 300);
+}
+
+}  // namespace
+}  // namespace bodyopt
