@@ -88,10 +88,10 @@ struct FrameStatus {
   // Metres that skin has passed through skin, at the deepest; not a number where that is not measured (in cages).
   double contact_depth = std::numeric_limits<double>::quiet_NaN();
   double volume_change = 0;  // relative, of the muscle that changes most
+  std::uint64_t inputs = 0;  // hash of everything the shape depends on; 0: not known
   // Metres, RMS over the skin: how far the shape is from that in ever finer tets, an estimate; not a number where none
   // was made: in most frames.
   double discretisation_error = std::numeric_limits<double>::quiet_NaN();
-  std::uint64_t inputs = 0;  // hash of everything the shape depends on; 0: not known
 };
 std::vector<FrameStatus> read_frame_status(const std::filesystem::path& path);
 void write_frame_status(const std::vector<FrameStatus>& status, const std::filesystem::path& path);

@@ -24,12 +24,21 @@
 namespace bodyopt {
 namespace {
 
-// The middles of edges of tets of second order not counted; those of a lattice are linear. On the arm 1,000, 2,500,
-// 3,000 and 4,000 nodes are 1.1, 0.8, 0.7 and 0.5 mm (RMS) from tets of second order in the skin itself, 600 1.6 mm,
-// and linear tets in the skin itself, at the price of 2,000, 1.4 mm.
-constexpr CageLimits kLimits{3000, std::numeric_limits<Eigen::Index>::max(), 5000}, kDraftLimits{600, 1200, 1500};
-// Tets with more nodes stay linear.
+// The middles of edges of tets of second order not counted; those of a lattice are linear. As many as a skin shows
+// detail: on the arm 1,000, 2,500, 3,000 and 4,000 nodes are 1.1, 0.8, 0.7 and 0.5 mm (RMS) from tets of second order
+// in the skin itself, 600 1.6 mm, and linear tets in the skin itself, at the price of 2,000, 1.4 mm.
 constexpr Eigen::Index kMostNodes = 6000;
+constexpr double kNodesOfVertex = 0.47, kDraftNodesOfVertex = 0.1;
+
+CageLimits limits_of(const Character& character, bool draft) {
+  const double vertices = static_cast<double>(character.vertices.rows());
+  const auto nodes = [&](double share) {
+    constexpr double kLeast = 600;
+    return static_cast<Eigen::Index>(std::clamp(share * vertices, kLeast, double{kMostNodes}));
+  };
+  if (draft) return {nodes(kDraftNodesOfVertex), 1200, 1500};
+  return {nodes(kNodesOfVertex), std::numeric_limits<Eigen::Index>::max(), 5000};
+}
 
 const Pose& pose_of(const Clip& clip, int frame) {
   if (frame < clip.first_frame || frame > clip.last_frame()) {
@@ -214,7 +223,7 @@ AnatomyOptions anatomy_options(const Dataset& dataset, const Skeleton& skeleton)
 
 Cage choose_cage(const Character& of, const SimulateOptions& options) {
   if (!(options.tet_size > 0)) {
-    return make_cage(of.vertices, of.triangles, of.weights, options.draft ? kDraftLimits : kLimits);
+    return make_cage(of.vertices, of.triangles, of.weights, limits_of(of, options.draft));
   }
   try {
     return own_cage(of.vertices, of.triangles, of.weights, options.tet_size);
@@ -310,7 +319,7 @@ QuasiStaticBody make_compared_body(const Character& character, const std::vector
   if (options.tet_size > 0) return body;
   try {
     const Cage coarser = filled_cage(character.vertices, character.triangles, character.weights,
-                                     (options.draft ? kDraftLimits : kLimits).nodes / kFewer);
+                                     limits_of(character, options.draft).nodes / kFewer);
     body.compare_with(
         std::make_unique<QuasiStaticBody>(body_in(coarser, character, muscles, anatomy, options.materials)));
   } catch (const Error& error) {
