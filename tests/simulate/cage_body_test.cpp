@@ -26,7 +26,7 @@ namespace {
 QuasiStaticBody caged(const Character& character, const std::vector<Muscle>& muscles, Eigen::Index nodes) {
   const AnatomyOptions coarse{.cell = 2 * default_cell(character)};
   return {character, muscles, look_inside(character, muscles, {.anatomy = coarse}),
-          make_cage(character.vertices, character.triangles, character.weights, {nodes, 0, nodes})};
+          make_cage(character.vertices, character.triangles, character.weights, {nodes, 0, 0, nodes})};
 }
 
 double rms(const Positions& a, const Positions& b) { return std::sqrt((a - b).rowwise().squaredNorm().mean()); }
@@ -250,7 +250,7 @@ TEST(CageBody, AGiantDeformsAsAHumanDoes) {
       for (auto& row : joint.inverse_bind.m) row[3] *= size;
     }
     const QuasiStaticBody body(limb, {}, look_inside(limb, {}, {.anatomy = {.cell = size * kLimbAnatomy.cell}}),
-                               make_cage(limb.vertices, limb.triangles, limb.weights, {400, 0, 400}));
+                               make_cage(limb.vertices, limb.triangles, limb.weights, {400, 0, 0, 400}));
     const SolvedPose solved = body.solve(bent(limb, degrees(60)));
     EXPECT_TRUE(solved.status.converged) << size;
     return Positions(body.skin(solved.nodes) / size);

@@ -37,7 +37,7 @@ constexpr double kOtherJoints = 0.3;             // of the weights in common at 
 constexpr double kFacing = -0.3;                 // cosine of the normals of skin face to face
 constexpr std::size_t kFewest = 3;               // vertices that make a part
 
-constexpr const char* kNoDraft = "leave out --draft: 'simulate' fills its own skin, with contact";
+constexpr const char* kNoDraft = "leave out --draft: 'simulate' has contact";
 constexpr const char* kMoreMotion = "simulate more motion: 'bodyopt rom' makes some that shows all a character can do";
 constexpr const char* kFewVertices = "none is needed: so few vertices are as fast as a proxy of them";
 
@@ -348,9 +348,7 @@ CharacterForesight foresee(const Character& character, const std::vector<Clip>& 
   VerticesOfJoints glued;
   VerbForesight full = counted(foresee_simulate(character, false, glued)),
                 draft = counted(foresee_simulate(character, true, glued));
-  if (draft.fill == BodyFill::lattice && (full.fill == BodyFill::skin || full.fill == BodyFill::mended)) {
-    draft.remedy = kNoDraft;
-  }
+  if (draft.fill == BodyFill::lattice && full.has_contact) draft.remedy = kNoDraft;
   foresee_scaled_clips(clips, character.skeleton, {&full, &draft}, result.remarks);
   result.verbs = {std::move(full), std::move(draft), counted(foresee_dynamics(character)),
                   counted(foresee_train(character)),

@@ -36,8 +36,8 @@ CageLimits limits_of(const Character& character, bool draft) {
     constexpr double kLeast = 600;
     return static_cast<Eigen::Index>(std::clamp(share * vertices, kLeast, double{kMostNodes}));
   };
-  if (draft) return {nodes(kDraftNodesOfVertex), 1200, 1500};
-  return {nodes(kNodesOfVertex), std::numeric_limits<Eigen::Index>::max(), 5000};
+  if (draft) return {nodes(kDraftNodesOfVertex), 1500, 1200, 1500};
+  return {nodes(kNodesOfVertex), kMostNodes, std::numeric_limits<Eigen::Index>::max(), 5000};
 }
 
 const Pose& pose_of(const Clip& clip, int frame) {
@@ -267,11 +267,13 @@ AnatomyField look_inside(const Character& character, const std::vector<Muscle>& 
 
 namespace {
 
+// Lattices, and what has more nodes than frames or drafts are to have, stay linear.
 QuasiStaticBody body_in(const Cage& cage, const Character& character, const std::vector<Muscle>& muscles,
-                        const AnatomyField& anatomy, const Materials& materials) {
-  QuasiStaticBody linear(character, muscles, anatomy, cage, materials);
-  if (cage.is_lattice || cage.mesh.nodes.rows() > kMostNodes) return linear;
-  QuasiStaticBody body(character, muscles, anatomy, second_order(cage), materials);
+                        const AnatomyField& anatomy, const SimulateOptions& options) {
+  QuasiStaticBody linear(character, muscles, anatomy, cage, options.materials);
+  const Eigen::Index most = options.draft ? limits_of(character, true).nodes : kMostNodes;
+  if (cage.is_lattice || cage.mesh.nodes.rows() > most) return linear;
+  QuasiStaticBody body(character, muscles, anatomy, second_order(cage), options.materials);
   body.walk_in(std::make_unique<QuasiStaticBody>(std::move(linear)));
   return body;
 }
@@ -308,7 +310,7 @@ QuasiStaticBody make_body(const Character& character, const std::vector<Muscle>&
   if (const std::string glued = glued_parts(cage, character); !glued.empty()) {
     options.warn("the cage cannot split what nearly touches at rest, and holds together: " + glued);
   }
-  return body_in(cage, character, muscles, anatomy, options.materials);
+  return body_in(cage, character, muscles, anatomy, options);
 }
 
 QuasiStaticBody make_compared_body(const Character& character, const std::vector<Muscle>& muscles,
@@ -320,8 +322,7 @@ QuasiStaticBody make_compared_body(const Character& character, const std::vector
   try {
     const Cage coarser = filled_cage(character.vertices, character.triangles, character.weights,
                                      limits_of(character, options.draft).nodes / kFewer);
-    body.compare_with(
-        std::make_unique<QuasiStaticBody>(body_in(coarser, character, muscles, anatomy, options.materials)));
+    body.compare_with(std::make_unique<QuasiStaticBody>(body_in(coarser, character, muscles, anatomy, options)));
   } catch (const Error& error) {
     if (error.kind() != ErrorKind::mismatch) throw;  // it is not for the skin
   }

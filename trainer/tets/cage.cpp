@@ -60,7 +60,11 @@ Cage make_cage(const Positions& vertices, const Triangles& triangles, const Skin
       return {};
     }
   };
-  std::optional<Cage> cage = attempt([&] { return filled_cage(vertices, triangles, weights, limits.nodes); });
+  const auto coarser = [&](Eigen::Index nodes) {
+    return attempt([&] { return filled_cage(vertices, triangles, weights, nodes); });
+  };
+  std::optional<Cage> cage = coarser(limits.nodes);
+  if (!cage && limits.finer_nodes > limits.nodes) cage = coarser(limits.finer_nodes);
   if (!cage && vertices.rows() <= limits.own_nodes) {
     cage = attempt([&] { return own_cage(vertices, triangles, weights, 0); });
     if (cage && cage->mesh.nodes.rows() > limits.own_nodes) cage.reset();

@@ -41,11 +41,12 @@ Cage filled_cage(const Positions& vertices, const Triangles& triangles, const Sk
 // three times the skin's mean edge. Throws as fillable_skin and tetrahedralise.
 Cage own_cage(const Positions& vertices, const Triangles& triangles, const SkinWeights& weights, double size);
 
-// Nodes at most.
+// Nodes at most: of a coarser skin, or where none comes out so coarse, of a finer one; of the skin's own tets; of a
+// lattice.
 struct CageLimits {
-  Eigen::Index nodes, own_nodes, lattice_nodes;
+  Eigen::Index nodes, finer_nodes, own_nodes, lattice_nodes;
 };
-// The first that comes out of a coarser skin (filled_cage), the skin's own tets (own_cage), and a lattice
+// The first that comes out of coarser skins (filled_cage), the skin's own tets (own_cage), and a lattice
 // (lattice_cage), whose why_lattice then says why those before it did not. Throws as lattice_cage.
 Cage make_cage(const Positions& vertices, const Triangles& triangles, const SkinWeights& weights,
                const CageLimits& limits);
