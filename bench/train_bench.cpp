@@ -16,7 +16,6 @@
 #include "runtime/core/error.h"
 #include "trainer/train/data/samples.h"
 #include "trainer/train/fit/train.h"
-#include "trainer/train/skinning/mesh_table.h"
 
 namespace bodyopt::bench {
 namespace {

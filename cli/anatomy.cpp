@@ -5,7 +5,7 @@
 #include "assets/muscles.h"
 #include "cli/arguments/field_arguments.h"
 #include "geometry/closed_skin.h"
-#include "report/section_picture.h"
+#include "report/pictures.h"
 #include "runtime/core/error.h"
 #include "runtime/core/stopwatch.h"
 #include "trainer/anatomy/anatomy_report.h"

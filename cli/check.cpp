@@ -20,7 +20,6 @@
 #include "trainer/check/foresee.h"
 #include "trainer/check/shape_doubts.h"
 #include "trainer/motion/attached_rig.h"
-#include "trainer/motion/coupled_joints.h"
 #include "trainer/motion/held_turns.h"
 #include "trainer/simulate/simulate.h"
 #include "trainer/train/data/samples.h"

@@ -10,7 +10,7 @@
 #include "trainer/curate/bake.h"
 #include "trainer/curate/edit_stack.h"
 #include "trainer/curate/modifier_type.h"
-#include "trainer/curate/prune.h"
+#include "trainer/curate/offset_cache.h"
 #include "trainer/train/judge/heldout.h"
 
 namespace bodyopt::cli {

@@ -11,7 +11,6 @@
 #include "dataset/modifier.h"
 #include "draw/cut_surface.h"
 #include "report/pictures.h"
-#include "report/section_picture.h"
 #include "runtime/core/error.h"
 #include "runtime/core/hexadecimal.h"
 #include "runtime/host/rig.h"

@@ -6,10 +6,8 @@
 #include "runtime/core/error.h"
 #include "runtime/core/transformed.h"
 #include "trainer/motion/attached_rig.h"
-#include "trainer/motion/coupled_joints.h"
 #include "trainer/motion/first_limits.h"
 #include "trainer/motion/held_turns.h"
-#include "trainer/motion/joint_coverage.h"
 #include "trainer/motion/range_of_motion.h"
 
 namespace bodyopt::cli {

@@ -4,7 +4,6 @@
 #include <filesystem>
 #include <string>
 
-#include "farm/job_text.h"
 #include "farm/plan.h"
 
 namespace bodyopt {

@@ -5,7 +5,6 @@
 #include <string>
 
 #include "assets/json_file.h"
-#include "farm/job_text.h"
 #include "farm/plan.h"
 
 namespace bodyopt {

@@ -6,10 +6,18 @@
 #include <string>
 #include <vector>
 
-#include "farm/job_text.h"
 #include "farm/plan.h"
 
 namespace bodyopt {
+
+struct CommandResult {
+  int exit_code = -1;  // 128 + n: ended by signal n
+  std::string output;  // standard output and error
+};
+
+// Without a shell: nothing in an argument has a meaning. Waits for the program `words[0]`, found on the PATH; ends it
+// after so many seconds. Throws Error(device) where it cannot be started, and where it took too long.
+CommandResult run_command(const std::vector<std::string>& words, double seconds);
 
 struct SlurmOptions {
   TaskNeeds needs{};                // a share of a GPU is a shard of one (gres/shard)

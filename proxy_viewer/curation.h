@@ -11,7 +11,7 @@
 #include "proxy_viewer/panels/snapshot.h"
 #include "proxy_viewer/scene/scene.h"
 #include "trainer/curate/consistency_report.h"
-#include "trainer/curate/pose_map.h"
+#include "trainer/curate/pose_space.h"
 
 namespace bodyopt {
 

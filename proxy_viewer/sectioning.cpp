@@ -11,7 +11,6 @@
 #include "geometry/table_rows.h"
 #include "proxy_viewer/picking.h"
 #include "report/pictures.h"
-#include "report/section_picture.h"
 #include "runtime/core/error.h"
 #include "runtime/host/rig.h"
 #include "trainer/anatomy/section.h"

@@ -6,7 +6,10 @@
 #include <span>
 #include <vector>
 
+#include "draw/cut_surface.h"
+#include "draw/png.h"
 #include "draw/renderer.h"
+#include "trainer/anatomy/tissue_colours.h"
 
 namespace bodyopt {
 
@@ -48,5 +51,34 @@ std::vector<float> smooth_normals(std::span<const std::uint32_t> triangles, std:
 
 // Pictures of the same size, from left to right.
 Image side_by_side(std::span<const Image> panels);
+
+// A motion twice, frame by frame: the quasi-static skin and the same skin jiggling.
+struct FlipBook {
+  std::span<const std::uint32_t> triangles;             // T x 3
+  std::span<const std::vector<float>> still, jiggling;  // per frame V x 3, world, metres
+};
+
+// How each skin is drawn; width and height in pixels.
+struct Panel {
+  Camera camera;
+  std::uint32_t width, height;
+};
+
+// A picture per frame: still on the left, jiggling on the right. Throws what Renderer::draw throws.
+std::vector<Image> flip_book_frames(Renderer& renderer, const FlipBook& book, const Panel& panel);
+
+// Chosen frames from left to right: still above, jiggling below, coloured by its distance from the still one,
+// heat_colour() from 0 to scale_mm (> 0). Throws as above.
+Image flip_book_strip(Renderer& renderer, const FlipBook& book, std::span<const std::size_t> frames, double scale_mm,
+                      const Panel& panel);
+
+// A pixel for each of the section, on a dark ground.
+Image section_image(const TissueSection& section, const TissueColours& colours);
+
+// The picture of a section where the section is; rgba as of TissueColours.
+Soup standing_section(const SectionPlane& plane, std::span<const std::uint8_t> rgba);
+
+// Pictures in rows of four, each in the middle of its place; numbered from 1 at the top left, so many of one number.
+Image numbered_sheet(std::span<const Image> pictures, std::uint32_t of_one = 1);
 
 }  // namespace bodyopt

@@ -8,7 +8,6 @@
 #include "cli/results/transfer_page.h"
 #include "dataset/dataset.h"
 #include "draw/animation.h"
-#include "report/flip_book.h"
 #include "report/page.h"
 #include "report/pictures.h"
 #include "runtime/core/atomic_file.h"

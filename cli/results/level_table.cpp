@@ -2,7 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "trainer/proxy/frame_time.h"
+#include "trainer/proxy/build_proxy.h"
 
 namespace bodyopt::cli {
 

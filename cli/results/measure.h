@@ -1,6 +1,7 @@
 // A training and what it says of itself and of the held-out frames: the figures of `train` and `demo`.
 #pragma once
 
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -36,5 +37,9 @@ std::vector<Pose> heldout_poses(const SampleSet& set);
 // Vulkan device that draws pictures, empty for none.
 ReportData report_of(const SampleSet& set, const Training& training, const std::vector<Positions>& shapes,
                      const std::string& pictures_on);
+
+// `dataset_file`: the dataset.json, as the user gave it; `basis_file`: what was written. Throws Error(file).
+ProvenanceReport provenance_of(const Dataset& dataset, const std::filesystem::path& dataset_file, const SampleSet& set,
+                               const TrainOptions& options, const std::filesystem::path& basis_file);
 
 }  // namespace bodyopt::cli

@@ -7,6 +7,8 @@
 
 #include "report/report.h"
 #include "runtime/deformer/deformer.h"
+#include "trainer/anatomy/field.h"
+#include "trainer/train/data/samples.h"
 #include "trainer/train/judge/heldout.h"
 
 namespace bodyopt::cli {
@@ -41,5 +43,10 @@ class ReportPictures {
 
 // Indices of the held-out frames by rising RMS error.
 std::vector<std::size_t> by_error(const ErrorStatistics& errors);
+
+// At rest, and in the frame of which most is flexed by controls or, where nothing is, in which a muscle is shortest
+// beside its length at rest. None where there are no muscles or no frames; and, with a line on standard error, where
+// nothing can be told of the inside.
+std::optional<SectionsReport> section_pictures(const SampleSet& set, const AnatomyOptions& options);
 
 }  // namespace bodyopt::cli

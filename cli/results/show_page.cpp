@@ -8,7 +8,7 @@
 #include "assets/frame_range.h"
 #include "assets/shape_reader.h"
 #include "assets/usda_part.h"
-#include "farm/job_text.h"
+#include "farm/plan.h"
 #include "report/page.h"
 #include "report/pictures.h"
 #include "runtime/basis/levels.h"

@@ -15,7 +15,6 @@
 #include "proxy_viewer/scene/cut_tets.h"
 #include "runtime/basis/levels.h"
 #include "runtime/coverage/expected_error.h"
-#include "runtime/coverage/region_shares.h"
 #include "runtime/deformer/deformer.h"
 #include "runtime/deformer/evaluate_together.h"
 #include "runtime/host/character_model.h"

@@ -6,7 +6,7 @@
 #include <set>
 
 #include "draw/camera.h"
-#include "proxy_viewer/scene/turn_rings.h"
+#include "proxy_viewer/scene/pinned_joints.h"
 #include "proxy_viewer/state/pose_keys.h"
 #include "proxy_viewer/state/strain_colour.h"
 #include "runtime/core/transformed.h"

@@ -1,18 +1,29 @@
 // What of a character never changes: shared by all that evaluate it.
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <span>
 #include <utility>
+#include <vector>
 
 #include "runtime/basis/basis.h"
 #include "runtime/basis/dynamics.h"
 #include "runtime/host/fold_tables.h"
-#include "runtime/host/near_triangles.h"
 #include "runtime/host/tangent_tables.h"
 
 namespace bodyopt {
+
+// A skin's triangles in the order of its vertices: what is found for a triangle stands near what is found for its
+// vertices, so that threads which share a frame read little that another one wrote.
+struct NearTriangles {
+  std::vector<std::uint32_t> triangles;  // T x 3, vertices of the skin, those with the lowest first
+  // As MeshTable's, in these numbers; those of a vertex stay in the mesh's order: a sum over them has the same bits.
+  std::vector<std::uint32_t> vertex_triangles;
+};
+
+NearTriangles near_triangles(const MeshTable& mesh);
 
 struct CharacterModel {
   CharacterModel(Basis of, std::optional<Dynamics> jiggling, std::span<const float> texture = {})

@@ -11,10 +11,48 @@
 
 #include "runtime/vulkan/buffer.h"
 #include "runtime/vulkan/descriptor_sets.h"
-#include "runtime/vulkan/hazards.h"
-#include "runtime/vulkan/kernel.h"
+#include "runtime/vulkan/make.h"
 
 namespace bodyopt::vulkan {
+
+// A compute kernel: its pipeline and the layout of its bindings (storage buffers 0, 1, ... of set 0).
+class Kernel {
+ public:
+  // The bindings are those that the shader declares; `written`: a bit for each, of those that it writes, and the others
+  // it reads. `frames`: what its constant 0 is, where it has one. Throws Error(device).
+  Kernel(const Device& device, std::span<const std::uint32_t> spirv, std::uint32_t written, std::uint32_t push_bytes,
+         std::uint32_t frames = 1);
+
+  VkPipeline pipeline() const { return pipeline_.get(); }
+  VkPipelineLayout layout() const { return layout_.get(); }
+  VkDescriptorSetLayout set_layout() const { return set_layout_.get(); }
+  std::uint32_t binding_count() const { return binding_count_; }
+  bool writes(std::uint32_t binding) const { return written_ >> binding & 1; }
+
+ private:
+  std::uint32_t binding_count_, written_;
+  SetLayout set_layout_;
+  PipelineLayout layout_;
+  Owned<VkPipeline, vkDestroyPipeline> pipeline_;
+};
+
+// What a kernel, copy or fill does with a range of a buffer.
+struct BufferUse {
+  BufferRange range;
+  bool writes;
+};
+
+// Ranges that work without a barrier between has used. What one kernel or copy does with a range twice is no hazard.
+class Hazards {
+ public:
+  // Whether work with these uses needs a barrier before it.
+  bool before(std::span<const BufferUse> next) const;
+  void add(std::span<const BufferUse> uses);
+  void clear() { used_.clear(); }  // a barrier stands here
+
+ private:
+  std::vector<BufferUse> used_;
+};
 
 // A kernel that has no windows runs so many threads at once, one for each of `name`. Throws Error(device), naming it,
 // where a device of these limits starts fewer.

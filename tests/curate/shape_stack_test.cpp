@@ -27,8 +27,8 @@
 #include "trainer/curate/frame_files.h"
 #include "trainer/curate/mirror_image.h"
 #include "trainer/curate/modifier_scope.h"
+#include "trainer/curate/offset_cache.h"
 #include "trainer/curate/pose_space.h"
-#include "trainer/curate/prune.h"
 #include "trainer/train/data/samples.h"
 #include "trainer/train/skinning/linear_blend.h"
 

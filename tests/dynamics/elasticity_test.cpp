@@ -1,5 +1,3 @@
-#include "trainer/dynamics/elasticity.h"
-
 #include <gtest/gtest.h>
 
 #include <Eigen/LU>
@@ -9,6 +7,7 @@
 #include "tests/support/fem_reference.h"
 #include "tests/support/shared_data.h"
 #include "tests/support/textbook_algebra.h"
+#include "trainer/dynamics/jiggle.h"
 
 namespace bodyopt {
 namespace {

@@ -13,7 +13,7 @@
 #include "tests/support/fem_reference.h"
 #include "tests/support/shared_data.h"
 #include "trainer/dynamics/block_inverse.h"
-#include "trainer/dynamics/elasticity.h"
+#include "trainer/dynamics/jiggle.h"
 
 namespace bodyopt {
 namespace jiggle_reference_test {

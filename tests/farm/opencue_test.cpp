@@ -10,7 +10,7 @@
 #include <set>
 #include <sstream>
 
-#include "farm/run_command.h"
+#include "farm/slurm.h"
 #include "runtime/core/error.h"
 #include "tests/support/temporary_folder.h"
 

@@ -10,8 +10,7 @@
 
 #include "assets/clip.h"
 #include "assets/frame_range.h"
-#include "farm/farm_status.h"
-#include "farm/run_command.h"
+#include "farm/show_summary.h"
 #include "farm/slurm.h"
 #include "farm/task_run.h"
 #include "runtime/core/error.h"

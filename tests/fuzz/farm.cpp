@@ -1,7 +1,6 @@
 // Lists of shots, plans, and what lies beside outputs.
 #include <nlohmann/json.hpp>
 
-#include "farm/farm_status.h"
 #include "farm/plan.h"
 #include "farm/show_list.h"
 #include "farm/show_summary.h"

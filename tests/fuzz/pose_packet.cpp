@@ -1,5 +1,4 @@
-#include "proxy_viewer/platform/pose_packet.h"
-
+#include "proxy_viewer/platform/live_pose.h"
 #include "tests/fuzz/fuzz_target.h"
 #include "tests/proxy_viewer/pose_packet_bytes.h"
 

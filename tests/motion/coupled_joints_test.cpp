@@ -1,9 +1,9 @@
 // Joints that turn only together, on a chain of three.
-#include "trainer/motion/coupled_joints.h"
-
 #include <gtest/gtest.h>
 
 #include <random>
+
+#include "trainer/motion/held_turns.h"
 
 namespace bodyopt {
 namespace {

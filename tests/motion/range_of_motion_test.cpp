@@ -17,7 +17,6 @@
 #include "trainer/motion/blend_clips.h"
 #include "trainer/motion/body_spheres.h"
 #include "trainer/motion/explore.h"
-#include "trainer/motion/joint_coverage.h"
 #include "trainer/motion/limited_pose.h"
 
 namespace bodyopt {

@@ -14,7 +14,6 @@
 #include "tests/support/on_threads.h"
 #include "tests/support/same_basis.h"
 #include "tests/support/temporary_folder.h"
-#include "trainer/proxy/frame_time.h"
 #include "trainer/proxy/level_skins.h"
 #include "trainer/proxy/proxy_samples.h"
 #include "trainer/train/data/learned_poses.h"

@@ -6,7 +6,6 @@
 #include "proxy_viewer/picking.h"
 #include "proxy_viewer/scene/posed_clip.h"
 #include "proxy_viewer/scene/scene.h"
-#include "proxy_viewer/scene/turn_rings.h"
 #include "runtime/core/error.h"
 #include "runtime/host/rig.h"
 #include "runtime/modifiers/world_rotations.h"

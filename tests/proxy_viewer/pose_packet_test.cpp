@@ -1,5 +1,3 @@
-#include "proxy_viewer/platform/pose_packet.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -7,6 +5,7 @@
 #include <random>
 #include <span>
 
+#include "proxy_viewer/platform/live_pose.h"
 #include "runtime/core/error.h"
 #include "tests/proxy_viewer/pose_packet_bytes.h"
 

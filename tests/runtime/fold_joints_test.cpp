@@ -1,6 +1,6 @@
-#include "runtime/host/fold_joints.h"
-
 #include <gtest/gtest.h>
+
+#include "runtime/host/fold_tables.h"
 
 namespace bodyopt::testing {
 namespace fold_joints_test {

@@ -1,8 +1,8 @@
-#include "runtime/vulkan/hazards.h"
-
 #include <gtest/gtest.h>
 
 #include <array>
+
+#include "runtime/vulkan/commands.h"
 
 namespace bodyopt::testing {
 namespace {

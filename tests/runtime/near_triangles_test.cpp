@@ -1,9 +1,8 @@
-#include "runtime/host/near_triangles.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
 
+#include "runtime/host/character_model.h"
 #include "tests/support/random_tables.h"
 
 namespace bodyopt::testing {

@@ -5,7 +5,7 @@
 #include <functional>
 #include <vector>
 
-#include "runtime/vulkan/kernels/block_windows.h"
+#include "runtime/vulkan/kernels/block_buffers.h"
 #include "tests/support/gpu_fixture.h"
 
 namespace bodyopt::testing {

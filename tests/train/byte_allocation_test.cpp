@@ -1,11 +1,9 @@
 // What is kept at a price, against arithmetic done by hand, and what is left, against a sum over all vertices.
-#include "trainer/train/pack/byte_allocation.h"
-
 #include <gtest/gtest.h>
 
 #include "runtime/cpu/kernels.h"
 #include "tests/support/random_tables.h"
-#include "trainer/train/pack/selection_error.h"
+#include "trainer/train/pack/trade_off.h"
 
 namespace bodyopt {
 namespace byte_allocation_test {

@@ -1,12 +1,11 @@
 // What few directions tell of many features.
-#include "trainer/train/regression/projection.h"
-
 #include <gtest/gtest.h>
 
 #include <Eigen/Core>
 #include <random>
 
 #include "base/linear_algebra.h"
+#include "trainer/train/regression/select_features.h"
 
 namespace bodyopt {
 namespace {

@@ -1,9 +1,8 @@
-#include "runtime/coverage/region_shares.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
 
+#include "runtime/coverage/expected_error.h"
 #include "runtime/cpu/kernels.h"
 #include "tests/support/capsule_limb.h"
 #include "tests/support/trained_basis.h"

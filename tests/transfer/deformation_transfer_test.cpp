@@ -1,6 +1,4 @@
 // Deformation transfer against a dense least-squares problem, and where its result is known.
-#include "trainer/transfer/deformation_transfer.h"
-
 #include <gtest/gtest.h>
 
 #include <Eigen/LU>
@@ -10,6 +8,7 @@
 #include "geometry/extent.h"
 #include "geometry/laplacian.h"
 #include "tests/support/textbook_algebra.h"
+#include "trainer/transfer/skin_transfer.h"
 
 namespace bodyopt {
 namespace {

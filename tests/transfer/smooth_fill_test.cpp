@@ -1,6 +1,4 @@
 // Smooth filling where its result is known, and what is carried where a match is unsure.
-#include "trainer/transfer/smooth_fill.h"
-
 #include <gtest/gtest.h>
 
 #include <Eigen/LU>
@@ -11,6 +9,7 @@
 #include "tests/transfer/refined_limb.h"
 #include "trainer/train/skinning/ddm_basis.h"
 #include "trainer/transfer/carry_anatomy.h"
+#include "trainer/transfer/skin_transfer.h"
 #include "trainer/transfer/transfer_pair.h"
 
 namespace bodyopt {

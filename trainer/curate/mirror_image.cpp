@@ -1,6 +1,5 @@
 #include "trainer/curate/mirror_image.h"
 
-#include <algorithm>
 #include <cmath>
 
 #include "assets/joint_roles.h"

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "assets/character.h"
+#include "trainer/curate/local_models.h"
 
 namespace bodyopt {
 
@@ -27,5 +28,18 @@ bool is_near(const Pose& from, const Pose& to, const std::vector<std::uint32_t>&
 
 // The length of that, degrees.
 double pose_distance(const Pose& from, const Pose& to, const std::vector<std::uint32_t>& joints);
+
+// The poses of a database as points of a plane: along the two directions in which the joints that move a part of the
+// skin vary most.
+struct PoseMap {
+  Eigen::MatrixX2d places;      // N, degrees, around their mean
+  std::vector<int> neighbours;  // N: other frames whose poses are near
+};
+
+// Root mean square distance of poses from their mean, in all directions, degrees.
+double pose_spread(const PoseDatabase& database, const SkinPart& part);
+
+// `degrees`: how far poses are near.
+PoseMap pose_map(const PoseDatabase& database, const SkinPart& part, double degrees);
 
 }  // namespace bodyopt

@@ -1,8 +1,11 @@
 // Jiggle: the linear finite-element step of what moves on the quasi-static body.
 #pragma once
 
-#include "trainer/dynamics/elasticity.h"
+#include <Eigen/SparseCore>
+#include <vector>
+
 #include "trainer/dynamics/jiggle_fields.h"
+#include "trainer/simulate/metric.h"
 
 namespace bodyopt {
 
@@ -10,6 +13,13 @@ struct Basis;
 struct JiggleNode;
 struct JiggleStep;
 struct JiggleTable;
+
+// K, 3N x 3N, N/m, unknown 3 x node + axis: K_ab = volume (lambda dN_a dN_b^T + mu dN_b dN_a^T + mu (dN_a . dN_b) I).
+// One material per tet.
+SparseMatrix elastic_stiffness(const TetMesh& mesh, const std::vector<TetMaterial>& materials);
+
+// N, kg: a quarter of each tet's. density: kg/m^3.
+Eigen::VectorXd lumped_mass(const TetMesh& mesh, double density);
 
 // M u'' + C u' + (K + springs) u = f, C = mass_damping M + beta (K + springs).
 struct JiggleSystem {

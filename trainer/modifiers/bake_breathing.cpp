@@ -16,7 +16,7 @@
 #include "runtime/core/error.h"
 #include "runtime/host/rig.h"
 #include "trainer/modifiers/bake_modifier.h"
-#include "trainer/modifiers/torso.h"
+#include "trainer/modifiers/joint_holds.h"
 
 namespace bodyopt {
 namespace {

@@ -3,7 +3,7 @@
 #include "geometry/extent.h"
 #include "geometry/table_rows.h"
 #include "runtime/core/error.h"
-#include "runtime/host/fold_joints.h"
+#include "runtime/host/fold_tables.h"
 #include "trainer/modifiers/bake_modifier.h"
 #include "trainer/modifiers/joint_holds.h"
 

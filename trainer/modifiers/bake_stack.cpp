@@ -16,7 +16,7 @@
 #include "runtime/basis/skin_modifiers.h"
 #include "runtime/core/error.h"
 #include "trainer/modifiers/bake_modifier.h"
-#include "trainer/train/pack/blend_entry.h"
+#include "trainer/train/pack/residual.h"
 
 namespace bodyopt {
 namespace {

@@ -9,7 +9,7 @@
 #include "runtime/cpu/kernels.h"
 #include "runtime/modifiers/drive_modifiers.h"
 #include "trainer/modifiers/bake_modifier.h"
-#include "trainer/modifiers/torso.h"
+#include "trainer/modifiers/joint_holds.h"
 
 namespace bodyopt {
 namespace {

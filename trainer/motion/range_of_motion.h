@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 
 #include "assets/character.h"
 #include "assets/clip.h"
@@ -38,5 +39,21 @@ SelfOverlap overlap_of_limits(const Character& character, const JointLimits& lim
 
 // 24 frames a second.
 Clip clip_of(const RangeOfMotion& motion, const JointLimits& limits, const Skeleton& skeleton);
+
+// Degrees from the rotations that a joint is wanted to take to the nearest in any frame.
+struct JointCoverage {
+  std::string joint;
+  double mean, largest;
+};
+
+// For every joint that leaves the bind pose in a wanted pose or a frame, in joint order; the root and joints of all
+// skin are left out, as training learns nothing of how they turn. Not a number where no poses are wanted.
+std::vector<JointCoverage> coverage(const std::vector<Pose>& frames, const std::vector<Pose>& wanted,
+                                    const Character& character);
+
+// Random poses within the limits in which no limbs overlap (those that would are drawn anew, limb by limb): `count`, or
+// fewer where such poses are rare.
+std::vector<Pose> random_poses(const JointLimits& limits, const Skeleton& skeleton, const SelfOverlap& overlap,
+                               std::size_t count, std::uint64_t seed);
 
 }  // namespace bodyopt

@@ -17,7 +17,6 @@
 #include "runtime/threads/tbb_executor.h"
 #include "trainer/proxy/skin_map.h"
 #include "trainer/train/data/unposed_shapes.h"
-#include "trainer/train/skinning/mesh_table.h"
 
 namespace bodyopt {
 namespace {

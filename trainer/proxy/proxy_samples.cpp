@@ -5,7 +5,6 @@
 
 #include "base/progress.h"
 #include "runtime/deformer/deformer.h"
-#include "runtime/host/device_choice.h"
 #include "trainer/train/skinning/mesh_table.h"
 
 namespace bodyopt {

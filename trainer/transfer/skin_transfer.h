@@ -1,12 +1,84 @@
 // Un-posed displacements of one character's skin, carried to another's.
 #pragma once
 
+#include <Eigen/SparseCore>
+#include <vector>
+
+#include "base/linear_algebra.h"
+#include "geometry/mesh.h"
 #include "runtime/basis/basis.h"
 #include "trainer/transfer/correspondence.h"
-#include "trainer/transfer/deformation_transfer.h"
-#include "trainer/transfer/smooth_fill.h"
 
 namespace bodyopt {
+
+// Of linear functions on a triangle.
+struct HatGradients {
+  Eigen::Matrix3d of_corner =
+      Eigen::Matrix3d::Zero();                       // column k: gradient, 1/m, of what is 1 at corner k, 0 at others
+  Eigen::Vector3d normal = Eigen::Vector3d::Zero();  // of unit length, counter-clockwise seen from outside
+  double area = 0;                                   // square metres
+};
+
+// Of one triangle; all zero where it is degenerate.
+HatGradients hat_gradients(const Positions& vertices, const Triangles& triangles, Eigen::Index triangle);
+
+// How far a displacement reaches.
+enum class TransferSize {
+  local,  // by the local size of the target: a thin arm gets thin bulges
+  source  // in metres, as on the source
+};
+
+// Deformation transfer (Sumner and Popovic 2004) between two skins of the same triangles. The gradient D of the
+// source's displacement, with the normal's change made linear, is wanted on the target's triangles:
+//   H = D - (D^T n) n^T  (on the source),  sum_t area_t |grad d' - H|^2 + sum_i area_i / reach^2 |d'_i - s_i d_i|^2
+//   least
+// over the target's displacements d'. The target's own normals drop out, as they may move freely (Botsch and others
+// 2006). s_i: local size of the target over that of the source. The second term settles where the whole stands, which
+// gradients do not tell, and keeps small errors from adding up along a body; `reach` is a tenth of the target's
+// extent. The result is linear in the displacements, and zero of zero. One factorisation, made on construction.
+class DeformationTransfer {
+ public:
+  // V x 3 each, metres, in the same axes; T x 3.
+  DeformationTransfer(const Positions& source, const Positions& target, const Triangles& triangles, TransferSize size);
+
+  // V x 3, source, to V x 3, target; metres. On any thread.
+  Positions operator()(const Positions& displacements) const;
+
+ private:
+  struct TrianglePair {
+    HatGradients source, target;
+    double scale = 1;  // of the gradient
+  };
+
+  const Triangles triangles_;
+  std::vector<TrianglePair> pairs_;
+  Eigen::VectorXd anchors_;  // V: area / reach^2
+  Eigen::VectorXd sizes_;    // V: s
+  SparseSolver solver_;
+};
+
+// Values of some vertices of a skin, filled in smoothly from all others: harmonic in the cotangent Laplacian (weight
+// inpainting as of Abdrashitov and others 2023). One factorisation, made on construction.
+class SmoothFill {
+ public:
+  // `skin`: V x 3; `unknown`: the vertices to fill in, rising.
+  SmoothFill(const Positions& skin, const Triangles& triangles, std::vector<int> unknown);
+
+  // V x any: changes the rows of `unknown`. Where nothing around is known, as in a piece of its own, they take their
+  // mean by area. On any thread.
+  void operator()(Eigen::MatrixXd& values) const;
+
+  const std::vector<int>& unknown() const { return unknown_; }
+
+ private:
+  std::vector<int> unknown_;
+  Eigen::VectorXd anchors_;                 // per unknown vertex, so small that only a piece of its own feels it
+  Eigen::SparseMatrix<double> from_known_;  // unknown x V
+  SparseSolver solver_;
+};
+
+// Rows whose value is below `least`, rising.
+std::vector<int> rows_below(const Eigen::VectorXd& values, double least);
 
 // Deformation transfer from the source's rest skin to the same triangles laid onto the target; from these to the
 // target's vertices; where the correspondence is unsure filled in smoothly (harmonically) from around; turned from the

@@ -9,7 +9,7 @@
 #include "runtime/core/transformed.h"
 #include "runtime/cpu/kernels.h"
 #include "runtime/host/rig.h"
-#include "trainer/train/pack/blend_entry.h"
+#include "trainer/train/pack/residual.h"
 
 namespace bodyopt {
 namespace {

@@ -3,13 +3,10 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
-#include <set>
 #include <string>
 
 #include "assets/character.h"
-#include "assets/controls.h"
 #include "assets/shape_reader.h"
-#include "dataset/regions_file.h"
 #include "runtime/core/error.h"
 #include "runtime/core/transform.h"
 #include "runtime/core/transformed.h"

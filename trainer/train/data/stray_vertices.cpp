@@ -6,7 +6,6 @@
 
 #include "base/parallel.h"
 #include "geometry/extent.h"
-#include "trainer/train/skinning/mesh_table.h"
 
 namespace bodyopt {
 namespace {

@@ -4,7 +4,6 @@
 #include <limits>
 
 #include "base/rows_where.h"
-#include "trainer/train/regression/projection.h"
 #include "trainer/train/regression/select_features.h"
 
 namespace bodyopt {

@@ -13,7 +13,6 @@
 #include "geometry/extent.h"
 #include "runtime/host/rig.h"
 #include "trainer/train/fit/choose_map.h"
-#include "trainer/train/skinning/mesh_table.h"
 
 namespace bodyopt {
 namespace {

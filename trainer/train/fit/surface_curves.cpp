@@ -12,7 +12,6 @@
 #include "geometry/nearest_skin.h"
 #include "geometry/vertex_normals.h"
 #include "trainer/train/fit/groundwork.h"
-#include "trainer/train/skinning/mesh_table.h"
 
 namespace bodyopt {
 namespace {

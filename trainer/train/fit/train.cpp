@@ -7,7 +7,6 @@
 #include <nlohmann/json.hpp>
 #include <numeric>
 
-#include "base/parallel.h"
 #include "runtime/core/error.h"
 #include "runtime/host/rig.h"
 #include "trainer/train/coverage/coverage.h"
@@ -19,11 +18,9 @@
 #include "trainer/train/fit/groundwork.h"
 #include "trainer/train/fit/staged_fit.h"
 #include "trainer/train/pack/residual.h"
-#include "trainer/train/pack/selection_error.h"
 #include "trainer/train/pack/trade_off.h"
 #include "trainer/train/regions/regions.h"
 #include "trainer/train/skinning/ddm_basis.h"
-#include "trainer/train/skinning/mesh_table.h"
 
 namespace bodyopt {
 namespace {

@@ -15,6 +15,16 @@
 
 namespace bodyopt {
 
+// A column's vectors at the lanes of a block.
+using BlockVectors = Eigen::Matrix<double, 3, kBlockSize>;
+
+struct PackedEntry {
+  BlendEntry entry;
+  BlockVectors left;  // what it differs by
+};
+
+PackedEntry pack_entry(const BlockVectors& vectors, std::uint32_t coefficient);
+
 // One region after its regressions: coefficients = weights^T [f, phi(f)] less their value at rest.
 struct RegionModel {
   RegionWeights region;

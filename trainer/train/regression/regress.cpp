@@ -9,7 +9,7 @@
 
 #include "base/linear_algebra.h"
 #include "base/rows_where.h"
-#include "trainer/train/regression/projection.h"
+#include "trainer/train/regression/select_features.h"
 
 namespace bodyopt {
 namespace {

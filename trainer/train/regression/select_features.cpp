@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/linear_algebra.h"
+
 namespace bodyopt {
 namespace {
 
@@ -14,6 +16,9 @@ constexpr double kLeastGain = 1e-5;  // share of the targets' energy
 // A feature that has nothing to do with the targets explains, by chance, one part in as many as there are frames of
 // what is left of them; the best of some eighty such features about this many times that.
 constexpr double kLuck = 4;
+
+constexpr double kRidge = 1e-3;       // times the number of frames
+constexpr double kLeastScale = 1e-2;  // of a coordinate, to the first: less is noise
 
 }  // namespace
 
@@ -44,6 +49,22 @@ std::vector<SelectedFeature> select_features(const MatrixXd& features, const Mat
     with_targets.noalias() -= column * row;
   }
   return selected;
+}
+
+MatrixXd projection(const MatrixXd& features, const MatrixXd& targets) {
+  if (features.cols() == 0) return {};
+  const double frames = static_cast<double>(features.rows());
+  MatrixXd normal = features.transpose() * features;
+  normal.diagonal().array() += kRidge * frames;
+  const MatrixXd map = Cholesky(normal).solve(features.transpose() * targets);
+  // The map's singular values, ascending, are the roots of these; its left singular vectors are their vectors.
+  const SymmetricEigen eigen = symmetric_eigen(map * map.transpose());
+  const Eigen::VectorXd squares = eigen.values.cwiseMax(0).reverse();
+  const Eigen::VectorXd scales = (squares / std::max(squares[0], 1e-300)).cwiseSqrt().cwiseSqrt();
+  const Index count = (scales.array() > kLeastScale).count();
+  const MatrixXd rows =
+      (eigen.vectors.rowwise().reverse().leftCols(count) * scales.head(count).asDiagonal()).transpose();
+  return rows.unaryExpr(&stored_half);
 }
 
 }  // namespace bodyopt
