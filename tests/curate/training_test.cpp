@@ -17,7 +17,7 @@ namespace {
 Basis trained(const CuratedLimb& limb) {
   SampleSet set = read_samples(read_dataset(limb.path()));
   set.muscles = limb_muscles();
-  return train(set, {}).basis;
+  return train(set, {.smoothing_radius = 0.02}).basis;
 }
 
 Positions evaluated(Deformer& deformer, const CuratedLimb& limb, const Pose& pose) {
