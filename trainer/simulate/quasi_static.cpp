@@ -33,6 +33,8 @@ constexpr double kShortestStep = 1.0 / 32;  // of a full step
 // The shape in linear tets is where those of second order start: not where its skin lies deeper in skin than this,
 // metres, or where more of them would be inside out.
 constexpr double kDeepFold = 3e-3, kMostTangled = 1e-4;
+// A part that has slipped into another so deep, metres, in steps too long for contact to stop it, takes shorter ones.
+constexpr double kTooDeep = 5e-3;
 constexpr double kMinWeight = 1e-3;
 // Parts nearer than this, metres, may come into contact while a shape is relaxed.
 constexpr double kContactMargin = 5e-3;
@@ -345,11 +347,14 @@ SolvedPose QuasiStaticBody::solve_along(std::span<const Pose> path, std::span<co
   std::optional<SolvedPose> nested;
   if (linear_ && path.size() == 1) nested = settle_from_linear(path.front(), flex);
   SolvedPose solved = nested ? std::move(*nested) : attempt(path, flex, 1, Tissue::kBarrier);
-  if (!solved.status.converged) {
+  const bool is_deep = contact_ && solved.status.contact_depth > kTooDeep;
+  if (!solved.status.converged || is_deep) {
     const int before = solved.status.iterations;
     SolvedPose again = attempt(path, flex, 0.5, Tissue::kSteepBarrier);
-    if (again.status.converged) solved = std::move(again);
-    solved.status.iterations = before + again.status.iterations;
+    const int iterations = before + again.status.iterations;
+    const bool is_shallower = again.status.contact_depth < solved.status.contact_depth;
+    if (again.status.converged && (!solved.status.converged || is_shallower)) solved = std::move(again);
+    solved.status.iterations = iterations;
   }
   put_back_root_motion(path.back(), solved.nodes);
   append_riders(path.back(), solved.nodes);

@@ -51,8 +51,8 @@ class QuasiStaticBody {
   // f_ta is the elastic force (passive, active and barrier terms together) of tet t on its node a, and f_i is the sum
   // of those around node i plus muscle volume, bone springs, the skin's bending and contact (of
   // HeldContact): no node is held otherwise. converged: residual below 1e-4 and no
-  // inverted tet. A frame that has not come so far after kMaxIterations, or cannot, is tried once more, in smaller
-  // steps and with a steeper barrier, then left unconverged.
+  // inverted tet. A frame that has not come so far after kMaxIterations, or cannot, or whose skin lies more than 5 mm
+  // deep in skin, is tried once more, in smaller steps and with a steeper barrier; the better shape is kept.
   //
   // flex: per muscle, 0 to 1, or empty: the share of what is left of its activation in the pose that is added, raised
   // from 0 along the path.
