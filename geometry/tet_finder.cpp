@@ -82,12 +82,4 @@ Eigen::Vector4d TetFinder::weights(int t, const Eigen::Vector3d& point) const {
   return result;
 }
 
-std::vector<EmbeddedPoint> nodes_in(const TetMesh& mesh, const Positions& nodes) {
-  const Triangles surface = surface_of(mesh.tets);
-  const TetFinder find(mesh, mesh.nodes, surface);
-  std::vector<EmbeddedPoint> points;
-  for (const auto& node : nodes.rowwise()) points.push_back(find(node));
-  return points;
-}
-
 }  // namespace bodyopt

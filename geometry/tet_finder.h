@@ -36,7 +36,4 @@ class TetFinder {
   std::vector<int> behind_;  // tet behind every triangle of the surface
 };
 
-// Where each node of a mesh lies in another one of about the same shape.
-std::vector<EmbeddedPoint> nodes_in(const TetMesh& mesh, const Positions& nodes);
-
 }  // namespace bodyopt

@@ -36,6 +36,15 @@ Positions moved_apart(const TetMesh& mesh, double distance) {
   return nodes;
 }
 
+// Of skin nodes in contact of which more than half acts, metres.
+double deepest(const SkinContact& contact, const Positions& nodes) {
+  double depth = 0;
+  for (const ContactPlane& plane : contact.find(nodes, 0)) {
+    if (plane.share > 0.5 && plane.weights.minCoeff() >= 0) depth = std::max(depth, plane.offset);
+  }
+  return depth;
+}
+
 TEST(Contact, RestAndRigidMotionTouchNothing) {
   const TetMesh mesh = two_limbs(kGap);
   const SkinContact contact(mesh);
@@ -45,7 +54,7 @@ TEST(Contact, RestAndRigidMotionTouchNothing) {
     Positions gradient = Positions::Zero(nodes.rows(), 3);
     EXPECT_EQ(contact.add_gradient(contact.find(nodes, kMargin), nodes, gradient), 0);
     EXPECT_EQ(gradient.norm(), 0);
-    EXPECT_EQ(contact.deepest(nodes), 0);
+    EXPECT_EQ(deepest(contact, nodes), 0);
   }
 }
 
@@ -55,7 +64,7 @@ TEST(Contact, DepthIsHowFarTheyWerePushed) {
   const SkinContact contact(mesh);
   double last = 0;
   for (const double depth : {0.005, 0.01, 0.02}) {
-    const double found = contact.deepest(moved_apart(mesh, -kGap - depth));
+    const double found = deepest(contact, moved_apart(mesh, -kGap - depth));
     EXPECT_LE(found, depth + 1e-9);
     EXPECT_GT(found, 0.3 * depth);  // coarse rings: vertices do not meet vertices
     EXPECT_GT(found, last);
@@ -238,7 +247,7 @@ TEST(Contact, ANodeBetweenTwoSlopesComesToRest) {
     }
     EXPECT_TRUE(is_true);
     const Eigen::RowVector3d rest = nodes.row(groove.tip);
-    const double depth = contact.deepest(nodes);
+    const double depth = deepest(contact, nodes);
     EXPECT_NEAR(depth, std::abs(rest[0]) - rest[1], 1e-9);
     EXPECT_NEAR(held_by_node(contact, held, nodes).at(static_cast<int>(groove.tip)).depth, depth, kTold);
     EXPECT_NEAR(depth, balance, kTold);

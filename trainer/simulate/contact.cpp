@@ -178,14 +178,6 @@ double SkinContact::add_gradient(std::span<const ContactPlane> planes, const Pos
   return energy;
 }
 
-double SkinContact::deepest(const Positions& nodes) const {
-  double depth = 0;
-  for (const ContactPlane& plane : find(nodes, 0)) {
-    if (plane.share > 0.5 && plane.weights.minCoeff() >= 0) depth = std::max(depth, plane.offset);
-  }
-  return depth;
-}
-
 HeldContact::HeldContact(const SkinContact& contact, double margin, const Positions& nodes)
     : contact_(contact), margin_(margin) {
   renew(nodes);

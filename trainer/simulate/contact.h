@@ -42,10 +42,6 @@ class SkinContact {
   // Adds the gradient (J/m, N x 3) at `nodes` to `gradient`; returns the energy, joules.
   double add_gradient(std::span<const ContactPlane> planes, const Positions& nodes, Positions& gradient) const;
 
-  // The largest material depth of a skin node inside another part of the body, metres, of contact whose share is above
-  // a half; 0 without contact.
-  double deepest(const Positions& nodes) const;
-
  private:
   // The material depth inside a posed tet.
   struct DepthField {

@@ -175,10 +175,6 @@ TetTissue find_tissue(const Cage& cage, const TissueField& field) {
   return cage.is_lattice ? collect(sum_own_samples(cage, field)) : find_tissue(cage.mesh, field);
 }
 
-TetTissue find_tissue(const TetMesh& mesh, const AnatomyField& anatomy) {
-  return shared_among_slips(find_tissue(mesh, tissue_field(anatomy)), anatomy);
-}
-
 TetTissue find_tissue(const Cage& cage, const AnatomyField& anatomy) {
   return shared_among_slips(find_tissue(cage, tissue_field(anatomy)), anatomy);
 }

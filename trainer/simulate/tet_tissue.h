@@ -53,7 +53,6 @@ TetTissue find_tissue(const TetMesh& mesh, const TissueField& field);
 TetTissue find_tissue(const Cage& cage, const TissueField& field);
 
 // The same of an anatomy; slips of a muscle that share a region have equal shares of its fibres.
-TetTissue find_tissue(const TetMesh& mesh, const AnatomyField& anatomy);
 TetTissue find_tissue(const Cage& cage, const AnatomyField& anatomy);
 
 // T: means of what is in them. Bone, which springs hold, is as stiff as muscle.

@@ -13,13 +13,13 @@ namespace {
 
 constexpr int kEighths = 8;
 // Of the octahedron between the four corners' tets, around the line from the middle of edge 01 to that of edge 23.
-using Middle = std::pair<int, int>;
-constexpr Middle kAxis[2] = {{0, 1}, {2, 3}}, kAround[4] = {{0, 2}, {0, 3}, {1, 3}, {1, 2}};
+using EdgeCorners = std::pair<int, int>;
+constexpr EdgeCorners kAxis[2] = {{0, 1}, {2, 3}}, kAround[4] = {{0, 2}, {0, 3}, {1, 3}, {1, 2}};
 
 // Corners of an eighth in barycentric weights of the whole, as columns.
 Eigen::Matrix4d eighth_corners(int eighth) {
   Eigen::Matrix4d corners;
-  const auto middle = [](Middle edge) -> Eigen::Vector4d {
+  const auto middle = [](EdgeCorners edge) -> Eigen::Vector4d {
     return (Eigen::Vector4d::Unit(edge.first) + Eigen::Vector4d::Unit(edge.second)) / 2;
   };
   for (int k = 0; k < 4; ++k) {
@@ -45,7 +45,7 @@ const std::array<Eigen::Matrix4d, kEighths>& into_eighths() {
 
 TetMesh second_order(const TetMesh& mesh) {
   const int corners = static_cast<int>(mesh.nodes.rows());
-  std::map<Middle, int> middle;  // by corners, ascending: first on the surface, then inside
+  std::map<EdgeCorners, int> middle;  // by corners, ascending: first on the surface, then inside
   int skin = 0, count = 0;
   const auto number = [&](int a, int b) {
     if (middle.try_emplace(std::minmax(a, b), count).second) ++count;
@@ -77,7 +77,7 @@ TetMesh second_order(const TetMesh& mesh) {
     };
     for (int e = 0; e < kEighths; ++e) {
       for (int k = 0; k < 4; ++k) {
-        const Middle around = kAround[(e + k) % 4];
+        const EdgeCorners around = kAround[(e + k) % 4];
         result.tets(kEighths * t + e, k) = e < 4   ? node(e, k)
                                            : k < 2 ? node(kAxis[k].first, kAxis[k].second)
                                                    : node(around.first, around.second);
