@@ -29,9 +29,9 @@ BodyFill of_verb(const std::vector<VerbForesight>& verbs, const std::string& nam
   return std::find_if(verbs.begin(), verbs.end(), [&](const VerbForesight& v) { return v.verb == name; })->fill;
 }
 
-TEST(Foresee, ASoundSkinIsFilledAsItIsOrCoarser) {
+TEST(Foresee, ASoundSkinIsFilledAsItIs) {
   const CharacterForesight foresight = foresee(make_limb());
-  EXPECT_EQ(fills(foresight), (std::vector{BodyFill::coarser, BodyFill::coarser, BodyFill::skin}));
+  EXPECT_EQ(fills(foresight), (std::vector(3, BodyFill::skin)));
   EXPECT_TRUE(foresight.verbs[0].why.empty() && foresight.verbs[0].remedy.empty());
   EXPECT_TRUE(foresight.verbs[0].has_contact);
   EXPECT_TRUE(foresight.intersections.empty());
@@ -131,7 +131,7 @@ TEST(Foresee, IntersectionsAreListedByJoint) {
   const CharacterForesight foresight = foresee(limb);
   ASSERT_FALSE(foresight.intersections.empty());
   EXPECT_EQ(foresight.intersections.front().joint, "upper");
-  EXPECT_EQ(fills(foresight), (std::vector{BodyFill::coarser, BodyFill::coarser, BodyFill::mended}));
+  EXPECT_EQ(fills(foresight), (std::vector(3, BodyFill::mended)));
   for (std::size_t v = 0; v < 3; ++v) EXPECT_FALSE(foresight.verbs[v].why.empty());
 }
 
@@ -276,7 +276,7 @@ TEST(Foresee, ClipsThatScaleAJointAreRefused) {
   EXPECT_EQ(alone.verbs[2].fill, BodyFill::skin);
 
   const CharacterForesight among = foresee(limb, {bending(limb.skeleton, "walk"), scaled});
-  EXPECT_EQ(among.verbs[0].fill, BodyFill::coarser);
+  EXPECT_EQ(among.verbs[0].fill, BodyFill::skin);
   ASSERT_EQ(among.remarks.size(), 1u);
   EXPECT_NE(among.remarks[0].find("refuses the clip 'stretch'"), std::string::npos) << among.remarks[0];
 }

@@ -468,13 +468,13 @@ std::optional<SolvedPose> QuasiStaticBody::settle_from_linear(const Pose& pose, 
 
 double QuasiStaticBody::discretisation_error(const Pose& pose, std::span<const double> flex,
                                              const Positions& skin) const {
-  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+  constexpr double kNone = std::numeric_limits<double>::quiet_NaN(), kLeastLarger = 1.2;
   if (!coarser_) return kNone;
   const SolvedPose coarse = coarser_->solve(pose, flex);
   if (!coarse.status.converged) return kNone;
   const double larger = std::cbrt(static_cast<double>(mesh_.tets.rows()) / coarser_->mesh_.tets.rows());
   const double distance = std::sqrt((coarser_->skin(coarse.nodes) - skin).rowwise().squaredNorm().mean());
-  return larger > 1 ? distance / (larger * larger - 1) : kNone;
+  return larger > kLeastLarger ? distance / (larger * larger - 1) : kNone;
 }
 
 }  // namespace bodyopt

@@ -39,8 +39,8 @@ class QuasiStaticBody {
   // A body of the same skin in fewer, larger tets, by which it can tell its discretisation error.
   void compare_with(std::unique_ptr<const QuasiStaticBody> coarser) { coarser_ = std::move(coarser); }
   // How far the skin of a solved pose (V x 3) is from that in ever smaller tets, metres, RMS: from the coarser body's,
-  // errors taken to fall with the square of the tets' size (Richardson). Not a number without a coarser body, or where
-  // that does not converge.
+  // errors taken to fall with the square of the tets' size (Richardson). Not a number without a coarser body, where
+  // that does not converge, or whose tets are hardly larger.
   double discretisation_error(const Pose& pose, std::span<const double> flex, const Positions& skin) const;
 
   // The equilibrium reached from rest along the straight path in joint angles, a pure function of the pose. A single
@@ -70,6 +70,7 @@ class QuasiStaticBody {
 
   const Skeleton& skeleton() const { return skeleton_; }
   const TetMesh& mesh() const { return mesh_; }
+  Eigen::Index corner_count() const { return (linear_ ? linear_->mesh_ : mesh_).nodes.rows(); }  // without middles
   Eigen::Index node_count() const { return mesh_.nodes.rows() + static_cast<Eigen::Index>(riding_.size()); }  // N + R
   // What carries the skin: the tets of the mesh, then for each vertex that rides four times its own node.
   const Tets& carriers() const { return carriers_; }

@@ -30,13 +30,15 @@ namespace {
 // in 4,000 nodes keeps 28 mm of skin in skin in one of four frames, in 6,000 2 mm. On the arm, of half as many
 // vertices, 950, 1,900, 3,000 and 4,000 nodes are 1.1, 0.9, 0.7 and 0.5 mm (RMS) from tets of second order in the skin
 // itself, 600 1.6 mm.
-constexpr double kMostNodes = 6000, kFinestSkin = 13000, kDraftNodesOfVertex = 0.1, kFewestNodes = 600;
+// Skins of fewer vertices have as many as their own resolution bears (fill_coarser).
+constexpr double kMostNodes = 6000, kFinestSkin = 13000, kFewestNodes = 2000;
+constexpr double kDraftNodesOfVertex = 0.1, kFewestOfDraft = 600;
 
 CageLimits limits_of(const Character& character, bool draft) {
   const double vertices = static_cast<double>(character.vertices.rows());
   const double nodes =
       draft ? kDraftNodesOfVertex * vertices : kMostNodes * std::pow(std::min(vertices / kFinestSkin, 1.0), 1.5);
-  const auto limit = static_cast<Eigen::Index>(std::clamp(nodes, kFewestNodes, kMostNodes));
+  const auto limit = static_cast<Eigen::Index>(std::clamp(nodes, draft ? kFewestOfDraft : kFewestNodes, kMostNodes));
   if (draft) return {limit, 1500, 1200, 1500};
   return {limit, static_cast<Eigen::Index>(kMostNodes), std::numeric_limits<Eigen::Index>::max(), 5000};
 }
@@ -322,8 +324,8 @@ QuasiStaticBody make_compared_body(const Character& character, const std::vector
   QuasiStaticBody body = make_body(character, muscles, anatomy, options);
   if (options.tet_size > 0) return body;
   try {
-    const Cage coarser = filled_cage(character.vertices, character.triangles, character.weights,
-                                     limits_of(character, options.draft).nodes / kFewer);
+    const Cage coarser =
+        filled_cage(character.vertices, character.triangles, character.weights, body.corner_count() / kFewer);
     body.compare_with(std::make_unique<QuasiStaticBody>(body_in(coarser, character, muscles, anatomy, options)));
   } catch (const Error& error) {
     if (error.kind() != ErrorKind::mismatch) throw;  // it is not for the skin

@@ -52,8 +52,8 @@ QuasiStaticBody make_body(const Character& character, const std::vector<Muscle>&
 QuasiStaticBody make_body(const Character& character, const std::vector<Muscle>& muscles, const AnatomyField& anatomy,
                           const SimulateOptions& options);
 
-// make_body(), and where that is a coarser skin a body of a third of its nodes beside it, so that simulate() can tell
-// its discretisation error.
+// make_body(), and beside it, where there is one, a body in a coarser skin of a third of its nodes, so that simulate()
+// can tell its discretisation error.
 QuasiStaticBody make_compared_body(const Character& character, const std::vector<Muscle>& muscles,
                                    const SimulateOptions& options);
 

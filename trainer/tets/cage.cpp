@@ -1,5 +1,6 @@
 #include "trainer/tets/cage.h"
 
+#include <algorithm>
 #include <optional>
 #include <utility>
 
@@ -60,15 +61,19 @@ Cage make_cage(const Positions& vertices, const Triangles& triangles, const Skin
       return {};
     }
   };
-  const auto coarser = [&](Eigen::Index nodes) {
-    return attempt([&] { return filled_cage(vertices, triangles, weights, nodes); });
-  };
-  std::optional<Cage> cage = coarser(limits.nodes);
-  if (!cage && limits.finer_nodes > limits.nodes) cage = coarser(limits.finer_nodes);
-  if (!cage && vertices.rows() <= limits.own_nodes) {
+  std::optional<Cage> cage;
+  const auto try_own = [&](Eigen::Index nodes) {
+    if (cage || vertices.rows() > nodes) return;
     cage = attempt([&] { return own_cage(vertices, triangles, weights, 0); });
-    if (cage && cage->mesh.nodes.rows() > limits.own_nodes) cage.reset();
-  }
+    if (cage && cage->mesh.nodes.rows() > nodes) cage.reset();
+  };
+  const auto try_coarser = [&](Eigen::Index nodes) {
+    if (!cage) cage = attempt([&] { return filled_cage(vertices, triangles, weights, nodes); });
+  };
+  try_own(std::min(limits.nodes, limits.own_nodes));  // it is coarse already
+  try_coarser(limits.nodes);
+  if (limits.finer_nodes > limits.nodes) try_coarser(limits.finer_nodes);
+  try_own(limits.own_nodes);
   if (!cage) {
     cage = lattice_cage(vertices, triangles, weights, limits.lattice_nodes);
     cage->why_lattice = why;

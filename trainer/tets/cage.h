@@ -46,8 +46,9 @@ Cage own_cage(const Positions& vertices, const Triangles& triangles, const SkinW
 struct CageLimits {
   Eigen::Index nodes, finer_nodes, own_nodes, lattice_nodes;
 };
-// The first that comes out of coarser skins (filled_cage), the skin's own tets (own_cage), and a lattice
-// (lattice_cage), whose why_lattice then says why those before it did not. Throws as lattice_cage.
+// The first that comes out of the skin's own tets (own_cage) where these have no more nodes than a coarser skin's,
+// coarser skins (filled_cage), the skin's own tets after all, and a lattice (lattice_cage), whose why_lattice then says
+// why those before it did not. Throws as lattice_cage.
 Cage make_cage(const Positions& vertices, const Triangles& triangles, const SkinWeights& weights,
                const CageLimits& limits);
 
