@@ -44,7 +44,7 @@ void expect_draft(const std::filesystem::path& demo, const Json& report) {
   EXPECT_EQ(shapes.start_frame(), static_cast<float>(take.frames.front()));
   EXPECT_EQ(shapes.sample_rate(), truth.sample_rate());
   EXPECT_EQ(shapes.point_count(), truth.point_count());
-  EXPECT_LT(NodesReader(draft.folder / take.shapes).node_count(), 0.6 * truth.point_count());
+  EXPECT_LT(NodesReader(draft.folder / take.shapes).node_count(), truth.point_count());
   EXPECT_EQ(run_verb("check " + draft.folder.string()).exit_code, 0);
 
   const std::set<int> unsolved = unconverged_frames(dataset, full);

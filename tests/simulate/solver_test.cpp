@@ -6,6 +6,7 @@
 #include "tests/simulate/limb.h"
 #include "tests/support/textbook_algebra.h"
 #include "trainer/simulate/lbfgs.h"
+#include "trainer/tets/second_order.h"
 #include "trainer/tets/tets.h"
 
 namespace bodyopt {
@@ -34,6 +35,35 @@ TEST(Metric, SolvesLikeADenseFactor) {
   Metric(matrix).solve(found, scratch);
   const Positions expected = testing::textbook_solve(matrix, right);
   EXPECT_LT((found - expected).cwiseAbs().maxCoeff(), 1e-6);  // a factor in single precision
+}
+
+// Of tets of second order: symmetric and positive, and so near to the inverse that no error survives as more than half.
+TEST(Metric, ACycleOfTwoGridsIsNearlyTheInverse) {
+  const Character limb = make_limb();
+  const TetMesh mesh = second_order(own_cage(limb.vertices, limb.triangles, limb.weights, 0.08)).mesh;
+  const Eigen::Index count = mesh.nodes.rows();
+  std::vector<double> stiffness(static_cast<std::size_t>(mesh.tets.rows()));
+  for (std::size_t t = 0; t < stiffness.size(); ++t) stiffness[t] = t % 5 == 0 ? 2e6 : 1e5;
+  SparseMatrix matrix = tet_laplacian(mesh, stiffness);
+  for (Eigen::Index n = 0; n < count; n += 9) matrix.coeffRef(n, n) += 1e3;  // held here and there
+  const Metric metric(matrix, from_corners(mesh));
+  Metric::Scratch scratch;
+  const auto solved = [&](Positions values) {
+    metric.solve(values, scratch);
+    return values;
+  };
+  const auto energy = [&](const Positions& values) { return values.cwiseProduct(matrix * values).sum(); };
+  std::srand(11);
+  const Positions a = Positions::Random(count, 3), b = Positions::Random(count, 3);
+  const double ab = a.cwiseProduct(solved(b)).sum(), aa = a.cwiseProduct(solved(a)).sum();
+  EXPECT_GT(aa, 0);
+  EXPECT_NEAR(ab, b.cwiseProduct(solved(a)).sum(), 1e-5 * aa);
+  Positions error = a;
+  for (int cycle = 0; cycle < 12; ++cycle) {
+    const double before = energy(error);
+    error -= solved(matrix * error);
+    EXPECT_LT(energy(error), 0.25 * before) << cycle;
+  }
 }
 
 TEST(Metric, RefusesAnIndefiniteMatrix) {

@@ -53,6 +53,12 @@ TEST_F(SecondOrder, WhatTheTetsCarryLiesWhereItLay) {
   EXPECT_LT((nodes - cage_.mesh.nodes).cwiseAbs().maxCoeff(), 1e-15);
 }
 
+TEST_F(SecondOrder, NodesAreReachedFromCornersAsTheyLie) {
+  const Eigen::SparseMatrix<double> matrix = from_corners(cage_.mesh);
+  ASSERT_EQ(matrix.cols(), linear_.mesh.nodes.rows());
+  EXPECT_LT((matrix * linear_.mesh.nodes - cage_.mesh.nodes).cwiseAbs().maxCoeff(), 1e-15);
+}
+
 // Outside a tet, too: by the eighth that is nearest.
 TEST_F(SecondOrder, PointsAnywhereKeepTheirPlace) {
   std::mt19937 random(3);

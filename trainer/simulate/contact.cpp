@@ -138,11 +138,12 @@ std::vector<ContactPlane> SkinContact::find(const Positions& nodes, double margi
   std::map<int, ContactPlane> best;  // of each node: the tet it is inside of, or the nearest
   for (const int t : deep_) {
     const auto [low, high] = box_of(t, nodes, margin);
-    const Eigen::RowVector3d way = way_in(t, nodes).transpose();
+    std::optional<Eigen::RowVector3d> way;
     std::optional<DepthField> field;
     grid.visit(low, high, [&](int n) {
+      if (!way) way = way_in(t, nodes).transpose();
       // Nearly all that lie near are neighbours, whose skin faces the other way: that is told soonest.
-      if (!(normals.row(n).dot(way) > 0) || is_same_part(n, t)) return;
+      if (!(normals.row(n).dot(*way) > 0) || is_same_part(n, t)) return;
       if (!field) field = depth_field(t, nodes);
       ContactPlane candidate = plane(n, t, *field, nodes);
       if (candidate.weights.minCoeff() < kMostOutside || candidate.offset < -margin) return;

@@ -7,7 +7,7 @@
 namespace bodyopt {
 namespace {
 
-constexpr std::size_t kMemory = 20;
+constexpr std::size_t kMemory = 10;
 constexpr double kArmijo = 1e-4;
 constexpr int kMaxHalvings = 30;
 // Relative rounding of an energy: smaller differences cannot tell up from down.
@@ -15,7 +15,7 @@ constexpr double kEnergyRounding = 1e-12;
 // Joules. Of a change this small a sum over all tets tells nothing, and the slopes at both ends tell it instead.
 constexpr double kSmallEnergy = 1e-9;
 
-double dot(const Positions& a, const Positions& b) { return a.cwiseProduct(b).sum(); }
+double dot(const auto& a, const Positions& b) { return a.template cast<double>().cwiseProduct(b).sum(); }
 
 }  // namespace
 
@@ -25,12 +25,12 @@ void Lbfgs::direction_from(const Positions& gradient, Positions& direction) {
   direction = -gradient;
   for (std::size_t k = memory_.size(); k-- > 0;) {
     alpha[k] = dot(memory_[k].step, direction) / memory_[k].curvature;
-    direction.noalias() -= alpha[k] * memory_[k].change;
+    direction.noalias() -= alpha[k] * memory_[k].change.cast<double>();
   }
   metric_.solve(direction, scratch_);
   for (std::size_t k = 0; k < memory_.size(); ++k) {
     const double beta = dot(memory_[k].change, direction) / memory_[k].curvature;
-    direction.noalias() += (alpha[k] - beta) * memory_[k].step;
+    direction.noalias() += (alpha[k] - beta) * memory_[k].step.cast<double>();
   }
 }
 
@@ -66,8 +66,8 @@ MinimiseResult Lbfgs::minimise(const Objective& objective, double tolerance, int
       longest = 1;
       continue;
     }
-    Pair pair{trial - nodes, trial_gradient - gradient, 0};
-    pair.curvature = dot(pair.step, pair.change);
+    Pair pair{(trial - nodes).cast<float>(), (trial_gradient - gradient).cast<float>(), 0};
+    pair.curvature = pair.step.cwiseProduct(pair.change).cast<double>().sum();
     nodes.swap(trial);
     gradient.swap(trial_gradient);
     value = next;

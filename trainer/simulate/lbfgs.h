@@ -37,9 +37,11 @@ class Lbfgs {
   MinimiseResult minimise(const Objective& objective, double tolerance, int max_iterations, Positions& nodes);
 
  private:
+  // In single precision: all of them are read in every iteration, and a direction needs no more digits.
+  using Change = Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor>;
   struct Pair {
-    Positions step, change;  // of the nodes, of the gradient
-    double curvature;        // step . change
+    Change step, change;  // of the nodes, of the gradient
+    double curvature;     // step . change
   };
   void direction_from(const Positions& gradient, Positions& direction);
 

@@ -56,18 +56,38 @@ Metric::Metric(const SparseMatrix& matrix) {
   panels_ = factor_panels(factor.matrixL());
 }
 
+Metric::Metric(const SparseMatrix& matrix, const SparseMatrix& prolongation)
+    : Metric(SparseMatrix(prolongation.transpose() * matrix * prolongation)) {
+  smoother_.emplace(matrix);
+  prolongation_ = prolongation.cast<float>();
+}
+
+void Metric::solve_factor(Lanes& values, Lanes& sorted) const {
+  sorted.resize(values.rows(), 4);
+  for (Eigen::Index k = 0; k < values.rows(); ++k) sorted.row(k) = values.row(order_[static_cast<std::size_t>(k)]);
+  solve_forward(panels_, sorted.data());
+  solve_backward(panels_, sorted.data());
+  for (Eigen::Index k = 0; k < values.rows(); ++k) values.row(order_[static_cast<std::size_t>(k)]) = sorted.row(k);
+}
+
 void Metric::solve(Positions& values, Scratch& scratch) const {
-  const auto count = static_cast<Eigen::Index>(order_.size());
-  scratch.resize(count, 4);
-  for (Eigen::Index k = 0; k < count; ++k) {
-    const auto from = values.row(order_[static_cast<std::size_t>(k)]);
-    scratch.row(k) << from[0], from[1], from[2], 0;
+  auto& [grid, sorted, right, fine, left] = scratch;
+  if (!smoother_) {
+    grid.resize(values.rows(), 4);
+    grid << values, Eigen::VectorXd::Zero(values.rows());
+    solve_factor(grid, sorted);
+    values = grid.leftCols<3>();
+    return;
   }
-  solve_forward(panels_, scratch.data());
-  solve_backward(panels_, scratch.data());
-  for (Eigen::Index k = 0; k < count; ++k) {
-    values.row(order_[static_cast<std::size_t>(k)]) = scratch.row(k).head<3>();
-  }
+  right.resize(values.rows(), 4);
+  right << values.cast<float>(), Eigen::VectorXf::Zero(values.rows());
+  smoother_->forward(right, fine);
+  smoother_->remainder(fine, left);
+  grid = (prolongation_.transpose() * left).eval().cast<double>();
+  solve_factor(grid, sorted);
+  fine += prolongation_ * grid.cast<float>();
+  smoother_->backward(right, fine);
+  values = fine.leftCols<3>().cast<double>();
 }
 
 }  // namespace bodyopt

@@ -217,7 +217,8 @@ QuasiStaticBody::QuasiStaticBody(const Character& character, const std::vector<M
   // A part no bone holds would leave the metric singular; this much holds it without being felt.
   const double diagonal = metric.diagonal().maxCoeff();
   for (Eigen::Index n = 0; n < metric.rows(); ++n) metric.coeffRef(n, n) += 1e-9 * diagonal;
-  metric_ = std::make_unique<Metric>(metric);
+  metric_ =
+      mesh_.is_second_order ? std::make_unique<Metric>(metric, from_corners(mesh_)) : std::make_unique<Metric>(metric);
   for (std::size_t t = 0; t < tet_count; ++t) {
     const double area = std::cbrt(std::pow(tet_edges(mesh_, static_cast<Eigen::Index>(t)).determinant() / 6, 2));
     force_floor_ += std::pow(kStrainFloor * tets[t].mu * area, 2);

@@ -32,7 +32,7 @@ namespace {
 // itself, 600 1.6 mm.
 // Skins of fewer vertices have as many as their own resolution bears (fill_coarser).
 constexpr double kMostNodes = 6000, kFinestSkin = 13000, kFewestNodes = 2000;
-constexpr double kDraftNodesOfVertex = 0.1, kFewestOfDraft = 600;
+constexpr double kDraftNodesOfVertex = 0.15, kFewestOfDraft = 600;
 
 CageLimits limits_of(const Character& character, bool draft) {
   const double vertices = static_cast<double>(character.vertices.rows());

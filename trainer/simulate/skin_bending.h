@@ -4,6 +4,7 @@
 
 #include <vector>
 
+#include "runtime/core/transform.h"
 #include "trainer/simulate/materials.h"
 #include "trainer/simulate/metric.h"
 

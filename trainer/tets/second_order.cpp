@@ -122,4 +122,29 @@ std::vector<EmbeddedPoint> nodes_in_linear(const TetMesh& second_order) {
   return points;
 }
 
+Eigen::SparseMatrix<double> from_corners(const TetMesh& second_order) {
+  const Eigen::Index count = second_order.nodes.rows();
+  std::vector<EdgeCorners> ends(static_cast<std::size_t>(count));  // of the edge that a node is the middle of
+  std::vector<int> corner(static_cast<std::size_t>(count), -1);    // 0 where it is one, then its number
+  for (Eigen::Index t = 0; t < second_order.tets.rows(); t += kEighths) {
+    for (int a = 0; a < 4; ++a) {
+      const int own = second_order.tets(t + a, a);
+      corner[static_cast<std::size_t>(own)] = 0;
+      for (int b = 0; b < 4; ++b) {
+        ends[static_cast<std::size_t>(second_order.tets(t + a, b))] = {own, second_order.tets(t + b, b)};
+      }
+    }
+  }
+  int corners = 0;
+  for (int& number : corner) number = number < 0 ? number : corners++;
+  Eigen::SparseMatrix<double> matrix(count, corners);
+  std::vector<Eigen::Triplet<double>> entries;
+  for (Eigen::Index n = 0; n < count; ++n) {
+    const auto [a, b] = ends[static_cast<std::size_t>(n)];
+    for (const int end : {a, b}) entries.emplace_back(n, corner[static_cast<std::size_t>(end)], 0.5);
+  }
+  matrix.setFromTriplets(entries.begin(), entries.end());  // of a corner, both ends are itself
+  return matrix;
+}
+
 }  // namespace bodyopt

@@ -1,6 +1,8 @@
 // Tetrahedra of second order: with a node on the middle of every edge.
 #pragma once
 
+#include <Eigen/SparseCore>
+
 #include "trainer/tets/cage.h"
 
 namespace bodyopt {
@@ -16,5 +18,9 @@ Cage second_order(Cage cage);
 
 // Where the nodes of tets of second order lie in the linear ones that they were made of.
 std::vector<EmbeddedPoint> nodes_in_linear(const TetMesh& second_order);
+
+// N x C: from values at the corners of tets of second order, in their nodes' order, to all nodes: a middle's is the
+// mean of its edge's ends.
+Eigen::SparseMatrix<double> from_corners(const TetMesh& second_order);
 
 }  // namespace bodyopt
