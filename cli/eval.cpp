@@ -15,11 +15,11 @@
 #include "cli/results/modifier_effects.h"
 #include "cli/results/shot_caches.h"
 #include "cli/run_steps.h"
-#include "proxy_viewer/scene/open_character.h"
-#include "proxy_viewer/scene/posed_clip.h"
-#include "proxy_viewer/scene/session_file.h"
 #include "runtime/core/error.h"
 #include "runtime/core/stopwatch.h"
+#include "shots/open_character.h"
+#include "shots/session/posed_clip.h"
+#include "shots/session/session_file.h"
 
 namespace bodyopt::cli {
 namespace {

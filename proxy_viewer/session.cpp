@@ -13,14 +13,14 @@
 #include "base/progress.h"
 #include "dataset/modifier.h"
 #include "proxy_viewer/describe_scene.h"
-#include "proxy_viewer/scene/open_character.h"
-#include "proxy_viewer/scene/pinned_joints.h"
 #include "proxy_viewer/scene/truth_times.h"
 #include "runtime/basis/character_unit.h"
 #include "runtime/core/error.h"
 #include "runtime/core/file_kind.h"
 #include "runtime/deformer/evaluation.h"
 #include "runtime/modifiers/drive_modifiers.h"
+#include "shots/open_character.h"
+#include "shots/session/pinned_joints.h"
 #include "trainer/transfer/markers_file.h"
 
 namespace bodyopt {

@@ -16,9 +16,9 @@
 #include "proxy_viewer/platform/live_pose.h"
 #include "proxy_viewer/platform/watched_files.h"
 #include "proxy_viewer/scene/scene.h"
-#include "proxy_viewer/scene/session_file.h"
 #include "proxy_viewer/sectioning.h"
 #include "proxy_viewer/viewer.h"
+#include "shots/session/session_file.h"
 
 namespace bodyopt {
 

@@ -1,6 +1,6 @@
 // What is written, and what is around the picture.
 #include "proxy_viewer/commands/command_arguments.h"
-#include "proxy_viewer/state/view_settings.h"
+#include "shots/session/view_settings.h"
 
 namespace bodyopt {
 namespace {

@@ -10,8 +10,6 @@
 #include "assets/shot_modifiers.h"
 #include "geometry/table_rows.h"
 #include "geometry/vertex_normals.h"
-#include "proxy_viewer/scene/posed_clip.h"
-#include "proxy_viewer/state/pose_keys.h"
 #include "runtime/basis/character_unit.h"
 #include "runtime/basis/output_order.h"
 #include "runtime/core/error.h"
@@ -21,6 +19,8 @@
 #include "runtime/host/carry_skin.h"
 #include "runtime/host/rig.h"
 #include "runtime/vulkan/device.h"
+#include "shots/session/pose_keys.h"
+#include "shots/session/posed_clip.h"
 #include "trainer/train/skinning/linear_blend.h"
 
 namespace bodyopt {
@@ -88,22 +88,6 @@ std::vector<float> WornMeshes::points(std::span<const float> skin, const Pose& p
     std::ranges::copy(mesh, std::back_inserter(points));
   }
   return points;
-}
-
-fs::path ActorFiles::dynamics() const { return dynamics_beside(basis); }
-
-fs::path ActorFiles::attached() const { return attachments_beside(basis); }
-
-fs::path ActorFiles::levels() const { return proxy.empty() && is_basis(basis) ? proxy_beside(basis) : fs::path(proxy); }
-
-std::vector<fs::path> ActorFiles::paths() const {
-  std::vector<fs::path> all;
-  if (is_basis(basis)) all = {dynamics(), attached()};
-  for (const std::string& file :
-       {basis, split_source(clip).path.string(), truth, levels().string(), character, limits, muscles, joint_map}) {
-    if (!file.empty()) all.emplace_back(file);
-  }
-  return all;
 }
 
 Actor::Actor(std::shared_ptr<const vulkan::Device> device, const ActorFiles& files, const ClipOptions& options,

@@ -14,33 +14,17 @@
 #include "assets/clip.h"
 #include "assets/pc2.h"
 #include "proxy_viewer/scene/detail.h"
-#include "proxy_viewer/scene/open_character.h"
-#include "proxy_viewer/scene/pinned_joints.h"
 #include "proxy_viewer/scene/truth_times.h"
-#include "proxy_viewer/state/joint_ranges.h"
-#include "proxy_viewer/state/view_settings.h"
 #include "runtime/deformer/deformer.h"
 #include "runtime/host/attachments.h"
 #include "runtime/vulkan/buffer.h"
+#include "shots/open_character.h"
+#include "shots/session/actor_files.h"
+#include "shots/session/joint_ranges.h"
+#include "shots/session/pinned_joints.h"
+#include "shots/session/view_settings.h"
 
 namespace bodyopt {
-
-// The files of a character; what is empty is none. Dynamics, attached geometry and, where no other is named, a proxy:
-// those beside a trained basis, where there are any.
-struct ActorFiles {
-  std::string basis;  // as open_character() takes it
-  std::string clip{}, truth{}, proxy{};
-  std::string character{};  // for linear blending
-  std::string limits{};     // of its joints
-  std::string muscles{};    // for its section
-  std::string joint_map{};  // of its clips
-
-  std::filesystem::path dynamics() const;
-  std::filesystem::path attached() const;
-  std::filesystem::path levels() const;  // the proxy; empty: none, and none can be there
-  // All of them, those beside the basis whether they are there or not: to be watched.
-  std::vector<std::filesystem::path> paths() const;
-};
 
 // Attached geometry, a mesh on F skins: carried on the host, uploaded when it moves.
 struct WornMesh {

@@ -6,11 +6,12 @@
 #include <set>
 
 #include "draw/camera.h"
-#include "proxy_viewer/scene/pinned_joints.h"
-#include "proxy_viewer/state/pose_keys.h"
+#include "proxy_viewer/scene/turn_rings.h"
 #include "proxy_viewer/state/strain_colour.h"
 #include "runtime/core/transformed.h"
 #include "runtime/host/rig.h"
+#include "shots/session/pinned_joints.h"
+#include "shots/session/pose_keys.h"
 
 namespace bodyopt {
 namespace {

@@ -1,10 +1,10 @@
-#include "proxy_viewer/scene/session_file.h"
+#include "shots/session/session_file.h"
 
 #include <nlohmann/json.hpp>
 
 #include "assets/json_fields.h"
-#include "proxy_viewer/state/setting_fields.h"
 #include "runtime/core/error.h"
+#include "shots/session/setting_fields.h"
 
 namespace bodyopt {
 namespace {

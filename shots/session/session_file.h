@@ -5,8 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "proxy_viewer/scene/actor.h"
-#include "proxy_viewer/state/view_settings.h"
+#include "assets/clip.h"
+#include "shots/session/actor_files.h"
+#include "shots/session/view_settings.h"
 
 namespace bodyopt {
 
