@@ -272,11 +272,7 @@ void add_list(CLI::App& verb, std::string& list) {
   });
 }
 
-}  // namespace
-
-void add_eval(CLI::App& app) {
-  const auto [verb, arguments] =
-      add_verb<EvalArguments, EvalArguments>(app, "eval", "Deform a character through a clip", run);
+void declare_eval(CLI::App& verb, EvalArguments& arguments) {
   CLI::Option& basis = *add_required(verb, "basis", arguments.shot.basis, "BASIS", "Basis (.safetensors)");
   add_option(verb, "--level", arguments.shot.level, "Level of detail of a proxy: 0 is the finest")
       ->capture_default_str()
@@ -314,6 +310,18 @@ void add_eval(CLI::App& app) {
   arguments.task.add(verb);
   arguments.json.add(verb);
   add_list(verb, arguments.list);
+}
+
+}  // namespace
+
+void add_eval(CLI::App& app) {
+  const auto [verb, arguments] =
+      add_verb<EvalArguments, EvalArguments>(app, "eval", "Deform a character through a clip", run);
+  declare_eval(verb, arguments);
+}
+
+void eval_step(const FarmStep& step, const std::string& progress) {
+  run(read_step<EvalArguments>(declare_eval, step, progress));
 }
 
 }  // namespace bodyopt::cli

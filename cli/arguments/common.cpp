@@ -115,7 +115,7 @@ std::vector<std::string>& kept_verb_arguments() {
 
 void keep_command_line(const std::vector<std::string>& arguments) {
   kept_command_line() = "bodyopt";
-  keep_verb_arguments({arguments.begin() + (arguments.empty() ? 0 : 1), arguments.end()});
+  kept_verb_arguments() = {arguments.begin() + (arguments.empty() ? 0 : 1), arguments.end()};
   for (const std::string& argument : arguments) {
     const bool plain = !argument.empty() && argument.find_first_of(" \t\n\"'$*?#&;|<>()\\") == std::string::npos;
     std::string quoted;
@@ -126,9 +126,7 @@ void keep_command_line(const std::vector<std::string>& arguments) {
 
 const std::string& command_line() { return kept_command_line(); }
 
-std::vector<std::string> verb_arguments() { return kept_verb_arguments(); }
-
-void keep_verb_arguments(const std::vector<std::string>& arguments) { kept_verb_arguments() = arguments; }
+const std::vector<std::string>& verb_arguments() { return kept_verb_arguments(); }
 
 void warn(const std::string& note) { spdlog::warn("{}", note); }
 

@@ -81,9 +81,8 @@ void require_writable(const std::filesystem::path& path);
 // What the user typed, "bodyopt" and its arguments; kept by run_command().
 void keep_command_line(const std::vector<std::string>& arguments);
 const std::string& command_line();
-// What follows the verb on the command line; and of a verb that another runs, what is given to it.
-std::vector<std::string> verb_arguments();
-void keep_verb_arguments(const std::vector<std::string>& arguments);
+// What follows the verb on the command line.
+const std::vector<std::string>& verb_arguments();
 
 // Makes the folder where it is missing. Throws Error(file).
 void make_folder(const std::filesystem::path& folder);
