@@ -7,7 +7,6 @@
 #include <utility>
 
 #include "assets/bvh_clip.h"
-#include "assets/cache_writer.h"
 #include "assets/clip_source.h"
 #include "assets/controls.h"
 #include "base/progress.h"
@@ -21,6 +20,7 @@
 #include "runtime/modifiers/drive_modifiers.h"
 #include "shots/open_character.h"
 #include "shots/session/pinned_joints.h"
+#include "shots/shot_caches.h"
 #include "trainer/transfer/markers_file.h"
 
 namespace bodyopt {
@@ -344,22 +344,18 @@ void Session::export_clip(const std::string& file) {
 
 void Session::export_skin(const std::string& file) {
   refuse_input(file);
-  Actor& lead = scene.lead();
-  const Playback& playback = controls.playback;
-  const MeshTable& mesh = lead.finest_basis().mesh;
-  std::vector<int> frames;
-  for (int frame = playback.in(); frame <= playback.out(); ++frame) frames.push_back(frame);
-  const auto cache =
-      write_cache(file, {lead.name(), mesh.output_count(), mesh.output_triangles, frames, lead.clip().fps});
-  Progress progress("export", frames.size(), "nothing of it is kept");
-  for (const int frame : frames) {
-    const Pose pose = scene.pose_at(lead, frame, controls);
-    cache->append(lead.measure(SkinMethod::full, pose, frame, static_cast<float>(controls.settings.pose.correction)),
-                  {});
-    progress.advance();
-  }
-  cache->close();
+  const Actor& lead = scene.lead();
+  const ViewSettings& settings = controls.settings;
+  if (controls.is_unkeyed())
+    controls.warn("the pose that is shown has no key, and is not in " + file + ": set one first");
+  Shot shot = lead.shot(settings.pose, {controls.playback.in(), controls.playback.out()}, weights_of(controls),
+                        settings.jiggle.on && lead.has_at_finest(SkinMethod::jiggle));
+  ShotCaches caches({.out = file}, shot);
+  Progress progress("export", shot.frames.size());
+  evaluate(shot, caches, progress);
+  caches.close();
   controls.say("wrote " + file);
+  for (const std::string& attached : caches.attached_paths()) controls.say("wrote " + attached);
 }
 
 // All of its characters are read before the first of those that are there goes.

@@ -1,8 +1,11 @@
 #include "shots/shot.h"
 
 #include <algorithm>
+#include <cmath>
+#include <sstream>
 
 #include "base/progress.h"
+#include "runtime/basis/dynamics.h"
 #include "runtime/core/error.h"
 #include "runtime/deformer/evaluation.h"
 #include "shots/clip_choice.h"
@@ -24,6 +27,15 @@ Evaluation evaluate_part(Shot& shot, std::span<const Pose> poses, std::span<cons
 std::vector<Pose> Shot::poses(std::size_t begin, std::size_t count) const {
   const auto first = frames.begin() + static_cast<std::ptrdiff_t>(begin);
   return poses_of(clip, {first, first + static_cast<std::ptrdiff_t>(count)});
+}
+
+std::string problem_of_rate(const Dynamics& dynamics, const Clip& clip) {
+  const double rate = static_cast<double>(dynamics.jiggle.step.frames_per_second);
+  if (std::abs(clip.fps - rate) <= 1e-3 * rate) return "";
+  std::ostringstream text;
+  text << "the dynamics step " << rate << " frames a second, the clip has " << clip.fps << ": sample it with --fps "
+       << rate << ", or make the dynamics anew with 'bodyopt dynamics --fps " << clip.fps << "'";
+  return text.str();
 }
 
 void preroll(Shot& shot, const Tell& tell) {

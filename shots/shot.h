@@ -44,6 +44,9 @@ class SkinSink {
   virtual void append(const Evaluation& part, std::span<const Pose> poses, std::size_t begin) = 0;
 };
 
+// Why frames of the clip cannot jiggle: the dynamics step at another rate. Empty: they can.
+std::string problem_of_rate(const Dynamics& dynamics, const Clip& clip);
+
 // Steps the frames of the clip that come before the first. Shows progress. Throws as Deformer::jiggle().
 void preroll(Shot& shot, const Tell& tell);
 

@@ -1,8 +1,6 @@
 #include "shots/shot_files.h"
 
 #include <algorithm>
-#include <cmath>
-#include <sstream>
 #include <utility>
 
 #include "assets/frame_range.h"
@@ -92,15 +90,6 @@ void drive_modifiers(const std::vector<std::string>& settings, Shot& shot, const
   for (const std::string& name : modifier_channels(basis.modifiers)) known.push_back(name);
   set_channels(settings, known, shot.clip);
   tell_all(apply_channels(basis, shot.clip), tell);
-}
-
-void require_rate_of(const Dynamics& dynamics, const Clip& clip) {
-  const double rate = static_cast<double>(dynamics.jiggle.step.frames_per_second);
-  if (std::abs(clip.fps - rate) <= 1e-3 * rate) return;
-  std::ostringstream text;
-  text << "the dynamics step " << rate << " frames a second, the clip has " << clip.fps << ": sample it with --fps "
-       << rate << ", or make the dynamics anew with 'bodyopt dynamics --fps " << clip.fps << "'";
-  throw Error(ErrorKind::mismatch, text.str());
 }
 
 // The frames of a jiggle rise from its state on.
@@ -195,7 +184,8 @@ Shot read_shot(const ShotFiles& files, const Tell& tell) {
   pose_by_session(files.session, shot);
   drive_modifiers(files.controls, shot, tell);
   if (shot.jiggles) {
-    require_rate_of(*shot.deformer->dynamics(), shot.clip);
+    const std::string problem = problem_of_rate(*shot.deformer->dynamics(), shot.clip);
+    if (!problem.empty()) throw Error(ErrorKind::mismatch, problem);
     require_frames_in_order(shot, files.jiggle.state_in, tell);
   }
   shot.attached = read_attachments(files, shot.basis());

@@ -2,7 +2,6 @@
 
 #include <cmath>
 #include <iterator>
-#include <sstream>
 #include <utility>
 
 #include "assets/clip_source.h"
@@ -195,13 +194,8 @@ bool Actor::has_at_finest(SkinMethod method) const {
 
 std::string Actor::why_still() const {
   if (!has_dynamics() || clip_.poses.size() < 2) return "";
-  const double rate = finest().jiggle_rate();
-  if (std::abs(clip_.fps - rate) <= 1e-3 * rate) return "";
-  std::ostringstream text;
-  text << "the dynamics of " << name() << " step " << rate << " frames a second, the clip has " << clip_.fps
-       << ": sample it with --fps " << rate << ", or make the dynamics anew with 'bodyopt dynamics --fps " << clip_.fps
-       << "'";
-  return text.str();
+  const std::string problem = problem_of_rate(*finest().level().model->dynamics, clip_);
+  return problem.empty() ? "" : name() + ": " + problem;
 }
 
 // The poses of the frames that NamedShapes has of it.
@@ -336,6 +330,21 @@ Pose Actor::unmodified_pose(int frame, const ViewSettings::Posing& posing) const
   Pose pose = posed(source_.poses[clip_index(frame)], posing);
   set_posed_controls(source_controls(posing), posing, pose);
   return pose;
+}
+
+Shot Actor::shot(const ViewSettings::Posing& posing, const PlayFrames& range, const Weights& weights,
+                 bool jiggles) const {
+  Shot shot;
+  shot.name = name();
+  shot.jiggles = jiggles;
+  shot.deformer = std::make_unique<Deformer>(finest().level().tables,
+                                             jiggles ? std::optional<JiggleOptions>(JiggleOptions()) : std::nullopt);
+  shot.deformer->set_weights(weights);
+  if (worn_) shot.attached = worn_->attachments();
+  shot.clip = posed_clip(source_, shot.basis().skeleton, limits_, posing);
+  apply_channels(shot.basis(), shot.clip);
+  for (int frame = range.first; frame <= range.last; ++frame) shot.frames.push_back(frame);
+  return shot;
 }
 
 // The frames before this one matter for their controls: breath goes on from frame to frame.

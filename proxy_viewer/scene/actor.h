@@ -15,6 +15,7 @@
 #include "assets/pc2.h"
 #include "proxy_viewer/scene/detail.h"
 #include "proxy_viewer/scene/truth_times.h"
+#include "proxy_viewer/state/playback.h"
 #include "runtime/deformer/deformer.h"
 #include "runtime/host/attachments.h"
 #include "runtime/vulkan/buffer.h"
@@ -23,6 +24,7 @@
 #include "shots/session/joint_ranges.h"
 #include "shots/session/pinned_joints.h"
 #include "shots/session/view_settings.h"
+#include "shots/shot.h"
 
 namespace bodyopt {
 
@@ -43,6 +45,8 @@ class WornMeshes {
   std::vector<WornMesh> carry(std::span<const std::vector<float>> skins, std::span<const Pose> poses) const;
   // On the host, all meshes one after the other, N x 3.
   std::vector<float> points(std::span<const float> skin, const Pose& pose) const;
+
+  const Attachments& attachments() const { return attachments_; }
 
  private:
   const vulkan::Device& device_;
@@ -99,6 +103,9 @@ class Actor {
   Pose pose(int frame, const ViewSettings::Posing& posing) const;
   // The same before modifiers: what is exported. Its controls are those of source_controls().
   Pose unmodified_pose(int frame, const ViewSettings::Posing& posing) const;
+  // The finest level over a range of the clip, posed and keyed so, as `eval` reads it of a session. `jiggles`: it must
+  // have SkinMethod::jiggle at the finest level. Throws Error(device).
+  Shot shot(const ViewSettings::Posing& posing, const PlayFrames& range, const Weights& weights, bool jiggles) const;
   // Pins that the pose of a frame does not reach.
   std::vector<MissedPin> missed_pins(int frame, const ViewSettings::PoseKey& posing) const;
   // Names of the controls that the clip's file has, or the posing sets.
