@@ -124,7 +124,6 @@ void add_join(CLI::App& app);
 void add_compare(CLI::App& app);
 void add_coverage(CLI::App& app);
 void add_regions(CLI::App& app);
-void add_view(CLI::App& app);
 void add_export(CLI::App& app);
 void add_picture(CLI::App& app);
 void add_farm(CLI::App& app);
