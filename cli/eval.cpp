@@ -65,10 +65,13 @@ class ShotRun : public SkinSink {
   }
 
   void append(const Evaluation& part, std::span<const Pose> poses, std::size_t begin) override {
+    JiggleState state;
+    if (shot_.jiggles) state = shot_.deformer->state();
     is_whole_ = false;
     caches_.append(part, poses, begin);
     const auto frames = std::span(shot_.frames).subspan(begin, poses.size());
-    log_.add(*shot_.deformer, part, poses, frames, caches_.state().motion);
+    log_.add(*shot_.deformer, part, poses, frames, state.motion);
+    state_ = std::move(state);
     is_whole_ = true;
     if (const auto file = arguments_.jiggle.write_state_after(*shot_.deformer, begin + poses.size())) {
       states_.push_back(*file);
@@ -87,6 +90,8 @@ class ShotRun : public SkinSink {
   }
 
  private:
+  static fs::path state_in(const fs::path& folder) { return folder / "jiggle.state"; }
+
   void evaluate_frames() {
     kept_ = take_up();
     if (kept_ == 0) preroll(shot_, warn);
@@ -100,7 +105,12 @@ class ShotRun : public SkinSink {
   std::size_t take_up() {
     const std::optional<Checkpoint> checkpoint = task_ != nullptr ? task_->read_checkpoint() : std::nullopt;
     if (!checkpoint || checkpoint->frames > shot_.frames.size()) return 0;
-    caches_.take_up(task_->checkpoint_folder(), checkpoint->frames);
+    const fs::path folder = task_->checkpoint_folder();
+    if (shot_.jiggles) {
+      state_ = load_state(state_in(folder), *shot_.deformer->dynamics());
+      shot_.deformer->set_state(state_);
+    }
+    caches_.take_up(folder, checkpoint->frames);
     log_.take_up(checkpoint->log);
     return checkpoint->frames;
   }
@@ -115,7 +125,12 @@ class ShotRun : public SkinSink {
       if (!is_whole_ || done == kept_) return;
       const fs::path folder = task_->checkpoint_folder();
       make_folder(folder);
-      task_->write_checkpoint({done, log_.kept()}, caches_.put_aside(folder));
+      std::vector<fs::path> files = caches_.put_aside(folder);
+      if (shot_.jiggles) {
+        files.push_back(state_in(folder));
+        save_state(state_, *shot_.deformer->dynamics(), files.back());
+      }
+      task_->write_checkpoint({done, log_.kept()}, files);
       spdlog::info("what is done is kept: the same command goes on after frame {}", shot_.frames[done - 1]);
     } catch (const std::exception& error) {
       spdlog::warn("what is done cannot be kept: {}", error.what());
@@ -128,6 +143,7 @@ class ShotRun : public SkinSink {
   ShotCaches caches_;
   EvaluationLog log_;
   std::vector<std::string> states_;
+  JiggleState state_;     // after the frames that all have, for when the device is lost
   std::size_t kept_ = 0;  // frames of the checkpoint
   bool is_whole_ = true;  // caches and log have the same frames, and can take more
 };

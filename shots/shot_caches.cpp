@@ -14,8 +14,6 @@ fs::path stem_in(const fs::path& folder, std::size_t writer) {
   return writer == 0 ? folder / "skin" : folder / ("attached" + std::to_string(writer - 1));
 }
 
-fs::path state_in(const fs::path& folder) { return folder / "jiggle.state"; }
-
 }  // namespace
 
 void require_form(const CacheChoice& choice) {
@@ -62,7 +60,6 @@ void ShotCaches::append(const Evaluation& part, std::span<const Pose> poses, std
     const auto carried = carrier_.carry(std::span(part.positions).subspan(k * own, own), poses[k].joints);
     for (std::size_t m = 0; m < attached_.size(); ++m) attached_[m]->append(carried[m], {});
   }
-  if (shot_.jiggles) state_ = shot_.deformer->state();
   frames_ += poses.size();
 }
 
@@ -82,21 +79,12 @@ std::vector<fs::path> ShotCaches::put_aside(const fs::path& folder) {
   std::vector<fs::path> files;
   const std::vector<CacheWriter*> all = writers();
   for (std::size_t w = 0; w < all.size(); ++w) {
-    all[w]->put_aside(stem_in(folder, w));
-    for (const fs::path& file : all[w]->aside(stem_in(folder, w))) files.push_back(file);
-  }
-  if (shot_.jiggles) {
-    files.push_back(state_in(folder));
-    save_state(state_, *shot_.deformer->dynamics(), files.back());
+    for (const fs::path& file : all[w]->put_aside(stem_in(folder, w))) files.push_back(file);
   }
   return files;
 }
 
 void ShotCaches::take_up(const fs::path& folder, std::size_t frames) {
-  if (shot_.jiggles) {
-    state_ = load_state(state_in(folder), *shot_.deformer->dynamics());
-    shot_.deformer->set_state(state_);
-  }
   const std::vector<CacheWriter*> all = writers();
   for (std::size_t w = 0; w < all.size(); ++w) all[w]->take_up(stem_in(folder, w), frames);
   frames_ = frames;

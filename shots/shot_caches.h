@@ -9,7 +9,6 @@
 #include "assets/cache_writer.h"
 #include "runtime/core/executor.h"
 #include "runtime/host/attachments.h"
-#include "runtime/host/jiggle.h"
 #include "shots/shot.h"
 
 namespace bodyopt {
@@ -36,14 +35,13 @@ class ShotCaches : public SkinSink {
 
   std::size_t frames() const { return frames_; }  // that all of them hold
   std::uint32_t points() const { return points_; }
-  const JiggleState& state() const { return state_; }  // after them, where frames jiggle
   // Of the attached meshes, in the order of the shot's.
   const std::vector<std::string>& attached_paths() const { return attached_paths_; }
 
   // Puts the frames so far aside in a folder, instead of close(), where no append() has failed; nothing more can be
-  // written then. Returns the files, that of the jiggle's state among them.
+  // written then. Returns the files.
   std::vector<std::filesystem::path> put_aside(const std::filesystem::path& folder);
-  // Before any frame: the first `frames` are those that put_aside() left, and the jiggle goes on from there.
+  // Before any frame: the first `frames` are those that put_aside() left.
   void take_up(const std::filesystem::path& folder, std::size_t frames);
 
  private:
@@ -57,7 +55,6 @@ class ShotCaches : public SkinSink {
   std::vector<std::string> attached_paths_;
   std::uint32_t points_ = 0;
   std::size_t frames_ = 0;
-  JiggleState state_;  // kept here for when the device is lost
   std::unique_ptr<Executor> threads_;
 };
 
