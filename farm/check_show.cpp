@@ -82,10 +82,7 @@ void require_rising(const std::string& range) {
 ShowElement as_listed(ShowElement element) {
   if (element.session.empty()) return element;
   const SessionFile session = read_session(element.session);
-  const ActorFiles& lead = session.cast.front().files;
-  if (!is_basis(lead.basis)) {
-    throw Error(ErrorKind::usage, element.session, ": its lead is '", lead.basis, "', expected a trained basis");
-  }
+  const ActorFiles& lead = trained_lead(session, element.session).files;
   element.basis = lead.basis;
   element.clip = lead.clip;
   element.options["fps"] = {std::to_string(session.clip.fps)};

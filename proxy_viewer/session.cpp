@@ -18,6 +18,7 @@
 #include "runtime/core/file_kind.h"
 #include "runtime/deformer/evaluation.h"
 #include "runtime/modifiers/drive_modifiers.h"
+#include "shots/clip_choice.h"
 #include "shots/open_character.h"
 #include "shots/session/pinned_joints.h"
 #include "shots/shot_caches.h"
@@ -318,18 +319,22 @@ void Session::refuse_input(const std::string& file) const {
   }
 }
 
+// Those of the range; says what of the pose in hand is not in them.
+std::vector<int> Session::frames_to_export(const std::string& file) {
+  if (controls.is_unkeyed())
+    controls.warn("the pose that is shown has no key, and is not in " + file + ": set one first");
+  std::vector<int> frames;
+  for (int frame = controls.playback.in(); frame <= controls.playback.out(); ++frame) frames.push_back(frame);
+  return frames;
+}
+
 void Session::export_clip(const std::string& file) {
   refuse_input(file);
   const Actor& lead = scene.lead();
-  const Playback& playback = controls.playback;
-  Clip clip;
+  Clip clip = lead.posed_source(controls.settings.pose);
   clip.name = fs::path(file).stem().string();
-  clip.fps = lead.clip().fps;
-  clip.first_frame = playback.in();
-  clip.controls = lead.source_controls(controls.settings.pose);
-  for (int frame = playback.in(); frame <= playback.out(); ++frame) {
-    clip.poses.push_back(lead.unmodified_pose(frame, controls.posing_at(frame)));
-  }
+  clip.poses = poses_of(clip, frames_to_export(file));
+  clip.first_frame = controls.playback.in();
   if (has_extension(file, {".bvh"})) {
     write_bvh(clip, lead.basis().skeleton, file);
   } else {
@@ -346,10 +351,9 @@ void Session::export_skin(const std::string& file) {
   refuse_input(file);
   const Actor& lead = scene.lead();
   const ViewSettings& settings = controls.settings;
-  if (controls.is_unkeyed())
-    controls.warn("the pose that is shown has no key, and is not in " + file + ": set one first");
-  Shot shot = lead.shot(settings.pose, {controls.playback.in(), controls.playback.out()}, weights_of(controls),
-                        settings.jiggle.on && lead.has_at_finest(SkinMethod::jiggle));
+  Shot shot =
+      lead.shot(settings.pose, weights_of(controls), settings.jiggle.on && lead.has_at_finest(SkinMethod::jiggle));
+  shot.frames = frames_to_export(file);
   ShotCaches caches({.out = file}, shot);
   Progress progress("export", shot.frames.size());
   evaluate(shot, caches, progress);

@@ -120,6 +120,7 @@ class Session {
   void play_as(const PlaySettings& settings);
   std::size_t require_character(int number) const;   // its index
   void refuse_input(const std::string& file) const;  // throws Error(usage) where it is one of files()
+  std::vector<int> frames_to_export(const std::string& file);
   void pose_lead();
   void show_lead();
   void forget_pair();  // one of the first two is another: markers and the match are of none now

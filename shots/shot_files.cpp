@@ -148,19 +148,15 @@ std::vector<fs::path> ShotFiles::paths() const {
 }
 
 void take_session(const std::string& session, ShotFiles& files) {
-  SessionFile read = read_session(session);
-  SessionCharacter& lead = read.cast.front();
-  if (!is_basis(lead.files.basis)) {
-    throw Error(ErrorKind::usage, session, ": its lead is '", lead.files.basis,
-                "', expected a trained basis (.safetensors): 'bodyopt train' makes one");
-  }
+  const SessionFile read = read_session(session);
+  const SessionCharacter& lead = trained_lead(read, session);
   files.basis = lead.files.basis;
   files.clip.source = lead.files.clip;
   files.clip.options.fps = read.clip.fps;
   files.clip.options.joint_map = lead.files.joint_map;
   files.session = {.file = session,
                    .limits = lead.files.limits,
-                   .pose = std::move(lead.pose),
+                   .pose = lead.pose,
                    .jiggle = static_cast<float>(read.view.jiggle.amount)};
   if (!files.clip.frames.empty()) return;
   files.session.in = read.view.playback.in;

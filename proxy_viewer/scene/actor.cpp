@@ -322,18 +322,11 @@ Pose Actor::pose(int frame, const ViewSettings::Posing& posing) const {
   return pose;
 }
 
-std::vector<std::string> Actor::source_controls(const ViewSettings::Posing& posing) const {
-  return posed_controls(source_, posing);
+Clip Actor::posed_source(const ViewSettings::Posing& posing) const {
+  return posed_clip(source_, basis().skeleton, limits_, posing);
 }
 
-Pose Actor::unmodified_pose(int frame, const ViewSettings::Posing& posing) const {
-  Pose pose = posed(source_.poses[clip_index(frame)], posing);
-  set_posed_controls(source_controls(posing), posing, pose);
-  return pose;
-}
-
-Shot Actor::shot(const ViewSettings::Posing& posing, const PlayFrames& range, const Weights& weights,
-                 bool jiggles) const {
+Shot Actor::shot(const ViewSettings::Posing& posing, const Weights& weights, bool jiggles) const {
   Shot shot;
   shot.name = name();
   shot.jiggles = jiggles;
@@ -341,9 +334,8 @@ Shot Actor::shot(const ViewSettings::Posing& posing, const PlayFrames& range, co
                                              jiggles ? std::optional<JiggleOptions>(JiggleOptions()) : std::nullopt);
   shot.deformer->set_weights(weights);
   if (worn_) shot.attached = worn_->attachments();
-  shot.clip = posed_clip(source_, shot.basis().skeleton, limits_, posing);
+  shot.clip = posed_source(posing);
   apply_channels(shot.basis(), shot.clip);
-  for (int frame = range.first; frame <= range.last; ++frame) shot.frames.push_back(frame);
   return shot;
 }
 
@@ -353,7 +345,7 @@ Pose Actor::modified_pose(int frame, const ViewSettings::Posing& posing) const {
   Clip part;
   part.fps = source_.fps;
   part.first_frame = source_.first_frame;
-  part.controls = source_controls(posing);
+  part.controls = posed_controls(source_, posing);
   part.poses.assign(source_.poses.begin(), source_.poses.begin() + static_cast<std::ptrdiff_t>(last + 1));
   part.poses[last] = posed(part.poses[last], posing);
   for (std::size_t k = 0; k <= last; ++k) {

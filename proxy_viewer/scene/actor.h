@@ -15,7 +15,6 @@
 #include "assets/pc2.h"
 #include "proxy_viewer/scene/detail.h"
 #include "proxy_viewer/scene/truth_times.h"
-#include "proxy_viewer/state/playback.h"
 #include "runtime/deformer/deformer.h"
 #include "runtime/host/attachments.h"
 #include "runtime/vulkan/buffer.h"
@@ -101,15 +100,13 @@ class Actor {
   // The clip's pose, turned joint by joint as the settings say and the ranges let it. Frames beyond the clip: its first
   // or last.
   Pose pose(int frame, const ViewSettings::Posing& posing) const;
-  // The same before modifiers: what is exported. Its controls are those of source_controls().
-  Pose unmodified_pose(int frame, const ViewSettings::Posing& posing) const;
-  // The finest level over a range of the clip, posed and keyed so, as `eval` reads it of a session. `jiggles`: it must
-  // have SkinMethod::jiggle at the finest level. Throws Error(device).
-  Shot shot(const ViewSettings::Posing& posing, const PlayFrames& range, const Weights& weights, bool jiggles) const;
+  // All of the clip before modifiers, posed and keyed so: what is exported.
+  Clip posed_source(const ViewSettings::Posing& posing) const;
+  // The finest level with the clip that is posed and keyed so, as `eval` reads it of a session; without frames yet.
+  // `jiggles`: it must have SkinMethod::jiggle at the finest level. Throws Error(device).
+  Shot shot(const ViewSettings::Posing& posing, const Weights& weights, bool jiggles) const;
   // Pins that the pose of a frame does not reach.
   std::vector<MissedPin> missed_pins(int frame, const ViewSettings::PoseKey& posing) const;
-  // Names of the controls that the clip's file has, or the posing sets.
-  std::vector<std::string> source_controls(const ViewSettings::Posing& posing) const;
   // Degrees of freedom of the limits, where it has any.
   const std::vector<DegreeOfFreedom>& axes() const { return limits_.dofs; }
   // How it is posed while it is not the lead, whom the settings pose.
