@@ -19,13 +19,17 @@ class Pc2Cache final : public CacheWriter {
 
   void append(std::span<const float> positions, std::span<const float>) override { writer_.append(positions); }
   void close() override { writer_.close(); }
-  void put_aside(const fs::path& stem) override { writer_.put_aside(aside(stem).front()); }
-  void take_up(const fs::path& stem, std::size_t frames) override {
-    writer_.take_up(aside(stem).front(), static_cast<std::uint32_t>(frames));
+  std::vector<fs::path> put_aside(const fs::path& stem) override {
+    writer_.put_aside(aside(stem));
+    return {aside(stem)};
   }
-  std::vector<fs::path> aside(const fs::path& stem) const override { return {fs::path(stem) += ".points"}; }
+  void take_up(const fs::path& stem, std::size_t frames) override {
+    writer_.take_up(aside(stem), static_cast<std::uint32_t>(frames));
+  }
 
  private:
+  static fs::path aside(const fs::path& stem) { return fs::path(stem) += ".points"; }
+
   Pc2Writer writer_;
 };
 

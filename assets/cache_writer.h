@@ -32,12 +32,10 @@ class CacheWriter {
   // Renames into place. Throws Error(file) where frames are missing.
   virtual void close() = 0;
 
-  // Puts the frames so far aside as files whose names begin with `stem`, instead of close().
-  virtual void put_aside(const std::filesystem::path& stem) = 0;
+  // Puts the frames so far aside as files whose names begin with `stem`, instead of close(), and returns these.
+  virtual std::vector<std::filesystem::path> put_aside(const std::filesystem::path& stem) = 0;
   // On a new writer of the same layout: the first `frames` frames are those that put_aside() left.
   virtual void take_up(const std::filesystem::path& stem, std::size_t frames) = 0;
-  // The files of put_aside().
-  virtual std::vector<std::filesystem::path> aside(const std::filesystem::path& stem) const = 0;
 };
 
 // `.usda`: USD text, see usda.h; `.glb`: glTF with morph targets, see gltf_shapes.h; anything else: PC2. Throws

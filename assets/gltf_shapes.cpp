@@ -163,8 +163,9 @@ void GltfShapesWriter::close() {
   glb.write(path_);
 }
 
-void GltfShapesWriter::put_aside(const fs::path& stem) {
+std::vector<fs::path> GltfShapesWriter::put_aside(const fs::path& stem) {
   write_file_atomically(shapes_aside(stem), std::as_bytes(std::span(positions_)));
+  return {shapes_aside(stem)};
 }
 
 void GltfShapesWriter::take_up(const fs::path& stem, std::size_t frames) {
@@ -175,7 +176,5 @@ void GltfShapesWriter::take_up(const fs::path& stem, std::size_t frames) {
   throw Error(ErrorKind::file, shapes_aside(stem), ": does not hold the ", frames,
               " frames that were put aside: damaged, or of another run?");
 }
-
-std::vector<fs::path> GltfShapesWriter::aside(const fs::path& stem) const { return {shapes_aside(stem)}; }
 
 }  // namespace bodyopt

@@ -21,9 +21,8 @@ class GltfShapesWriter final : public CacheWriter {
 
   void append(std::span<const float> positions, std::span<const float> normals) override;
   void close() override;
-  void put_aside(const std::filesystem::path& stem) override;
+  std::vector<std::filesystem::path> put_aside(const std::filesystem::path& stem) override;
   void take_up(const std::filesystem::path& stem, std::size_t frames) override;
-  std::vector<std::filesystem::path> aside(const std::filesystem::path& stem) const override;
 
  private:
   std::span<const float> frame(std::size_t k) const;

@@ -110,9 +110,10 @@ void UsdaWriter::close() {
   points_.commit();
 }
 
-void UsdaWriter::put_aside(const fs::path& stem) {
+std::vector<fs::path> UsdaWriter::put_aside(const fs::path& stem) {
   points_.put_aside(points_aside(stem));
   normals_.put_aside(normals_aside(stem));
+  return {points_aside(stem), normals_aside(stem)};
 }
 
 void UsdaWriter::take_up(const fs::path& stem, std::size_t frames) {
@@ -121,10 +122,6 @@ void UsdaWriter::take_up(const fs::path& stem, std::size_t frames) {
   normals_.write_file(normals_aside(stem));
   has_normals_ = frames > 0 && fs::file_size(normals_aside(stem)) > 0;
   written_ = frames;
-}
-
-std::vector<fs::path> UsdaWriter::aside(const fs::path& stem) const {
-  return {points_aside(stem), normals_aside(stem)};
 }
 
 }  // namespace bodyopt

@@ -4,6 +4,7 @@
 #include "assets/join_caches.h"
 #include "cli/arguments/common.h"
 #include "cli/arguments/task_arguments.h"
+#include "cli/run_steps.h"
 #include "runtime/core/error.h"
 
 namespace bodyopt::cli {
@@ -46,16 +47,24 @@ void run(JoinArguments arguments) {
                       doing + arguments.out + "\n");
 }
 
-}  // namespace
-
-void add_join(CLI::App& app) {
-  const auto [verb, arguments] =
-      add_verb<JoinArguments, JoinArguments>(app, "join", "Caches of the parts of a shot to one of the whole", run);
+void declare_join(CLI::App& verb, JoinArguments& arguments) {
   add_required(verb, "parts", arguments.parts, "CACHE...",
                "Caches that 'eval' wrote of parts of a shot, all .pc2 or all .usda");
   add_option(verb, "--out", arguments.out, "FILE", "Cache to write, with the ending of the parts")->required();
   arguments.task.add(verb);
   arguments.json.add(verb);
+}
+
+}  // namespace
+
+void add_join(CLI::App& app) {
+  const auto [verb, arguments] =
+      add_verb<JoinArguments, JoinArguments>(app, "join", "Caches of the parts of a shot to one of the whole", run);
+  declare_join(verb, arguments);
+}
+
+void join_step(const FarmStep& step, const std::string& progress) {
+  run(read_step<JoinArguments>(declare_join, step, progress));
 }
 
 }  // namespace bodyopt::cli

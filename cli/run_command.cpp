@@ -14,6 +14,7 @@
 #include "assets/wording.h"
 #include "base/progress.h"
 #include "cli/arguments/common.h"
+#include "cli/view/view.h"
 #include "runtime/core/error.h"
 
 namespace bodyopt::cli {

@@ -2,8 +2,6 @@
 
 #include <spdlog/spdlog.h>
 
-#include <algorithm>
-
 #include "cli/arguments/common.h"
 #include "runtime/core/error.h"
 
@@ -12,23 +10,11 @@ namespace {
 
 constexpr double kUncutMinutes = 1e5;  // of a task: no element is cut into parts
 
-// A command of ours in this process; what it prints stands in the log.
+// In this process; what it prints stands in the log.
 int run_step(const FarmStep& step, const std::string& progress) {
   return exit_code_of([&] {
     make_folder(std::filesystem::path(step.out).parent_path());
-    std::vector<std::string> words{step.arguments.begin() + 1, step.arguments.end()};
-    keep_verb_arguments(words);
-    words.insert(words.begin(), step.arguments.front());
-    words.insert(words.end(), {"--progress", progress});
-    std::ranges::reverse(words);  // as CLI11 takes them
-    CLI::App app;
-    add_eval(app);
-    add_join(app);
-    try {
-      app.parse(words);
-    } catch (const CLI::ParseError& error) {
-      throw Error(ErrorKind::usage, step.out, ": its command cannot be read: ", error.what());
-    }
+    (step.arguments.front() == "join" ? join_step : eval_step)(step, progress);
     std::fflush(stdout);
   });
 }

@@ -8,8 +8,13 @@
 
 namespace bodyopt::cli {
 
+// A step of a plan, from its words after the verb. `progress`: as of eval. Throw Error(usage) where they cannot be
+// read, and as the verbs do.
+void eval_step(const FarmStep& step, const std::string& progress);
+void join_step(const FarmStep& step, const std::string& progress);
+
 // Where one fails the others are made all the same. Throws Error of the kind that the last failure had, and
-// Error(interrupted) at once. `progress`: as of eval.
+// Error(interrupted) at once.
 void run_steps(const std::vector<const FarmStep*>& steps, const std::string& progress);
 
 // Checks the list as a whole and makes all its outputs that are not made yet. Throws Error(usage) where something is

@@ -2,6 +2,7 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <map>
 #include <optional>
@@ -16,6 +17,8 @@
 #include "runtime/basis/levels.h"
 #include "runtime/core/error.h"
 #include "runtime/core/transformed.h"
+#include "shots/session/posed_clip.h"
+#include "shots/session/session_file.h"
 
 namespace bodyopt {
 namespace {
@@ -75,17 +78,43 @@ void require_rising(const std::string& range) {
   }
 }
 
+// What a session says of its lead, as if the list did.
+ShowElement as_listed(ShowElement element) {
+  if (element.session.empty()) return element;
+  const SessionFile session = read_session(element.session);
+  const ActorFiles& lead = trained_lead(session, element.session).files;
+  element.basis = lead.basis;
+  element.clip = lead.clip;
+  element.options["fps"] = {std::to_string(session.clip.fps)};
+  if (!lead.joint_map.empty()) element.options["joint-map"] = {lead.joint_map};
+  element.session_in = session.view.playback.in;
+  element.session_out = session.view.playback.out;
+  return element;
+}
+
+// All of the clip, or what the session plays of it.
+std::string played_range(const ShowElement& element, const FrameSpan& clip) {
+  const int first = std::max(clip.first, element.session_in.value_or(clip.first));
+  const int last = std::min(clip.last, element.session_out.value_or(clip.last));
+  if (first > last) {
+    throw Error(ErrorKind::usage, element.session, ": '", element.clip,
+                "' has no frame of the range that it plays: was the clip replaced? 'frames' chooses others");
+  }
+  return std::to_string(first) + "-" + std::to_string(last);
+}
+
 class ShowChecker {
  public:
-  CheckedElement check(const ShowElement& element) {
+  CheckedElement check(const ShowElement& listed) {
+    const ShowElement element = as_listed(listed);
     const std::string level = element.option("level", "0");
     const auto& character = characters_.get(element.basis + '\0' + level, [&] { return read(element.basis, level); });
-    CheckedElement checked{&element, frames_of(element, character.basis), 0, {}};
+    CheckedElement checked{&listed, frames_of(element, character.basis), 0, {}};
     checked.frame_ms = kMillisecondsPerPoint * static_cast<double>(character.basis.mesh.output_count());
     if (element.has("jiggle")) checked.frame_ms += kMillisecondsPerTet * tets(element, character.basis);
     if (element.frame_ms > 0) checked.frame_ms = element.frame_ms;
     if (level == "0") checked.attached = attached(element, character.basis);
-    check_output(element, checked.attached);
+    check_output(listed, checked.attached);
     return checked;
   }
 
@@ -107,17 +136,17 @@ class ShowChecker {
     options.joint_map = element.option("joint-map", "");
     options.up = element.option("up", "");
     options.unit = std::atof(element.option("unit", "0").c_str());
-    if (options.unit == 0) options.unit = clip_unit(element.clip, kept_unit(basis));
+    if (options.unit == 0 && !element.clip.empty()) options.unit = clip_unit(element.clip, kept_unit(basis));
     std::string key = element.clip + '\0' + element.basis;
     for (const char* option : {"fps", "first-frame", "controls", "joint-map", "unit", "up"}) {
       key += '\0' + element.option(option, "");
     }
     const FrameSpan span = spans_.get(key, [&] {
-      const Clip clip = read_clip(element.clip, basis, options);
+      const Clip clip =
+          element.clip.empty() ? still_clip(basis.skeleton, options) : read_clip(element.clip, basis, options);
       return FrameSpan{clip.first_frame, clip.last_frame()};
     });
-    const std::string range =
-        element.frames.empty() ? std::to_string(span.first) + "-" + std::to_string(span.last) : element.frames;
+    const std::string range = element.frames.empty() ? played_range(element, span) : element.frames;
     require_rising(range);
     const std::vector<int> frames = parse_frame_range(range);
     for (const int frame : {frames.front(), frames.back()}) {

@@ -31,6 +31,7 @@ double seconds_of(const CheckedElement& checked, std::size_t frames) {
 FarmStep step_of(const CheckedElement& checked, const Part& part, bool is_first) {
   const ShowElement& element = *checked.element;
   FarmStep step{element.shot, element.element, {"eval", element.basis, "--clip", element.clip}, part.out};
+  if (!element.session.empty()) step.arguments = {"eval", "--session", element.session};
   const auto add = [&](std::initializer_list<std::string> words) {
     step.arguments.insert(step.arguments.end(), words.begin(), words.end());
   };
@@ -162,10 +163,12 @@ FarmStep step_from(const JsonObject& object) {
   if (step.arguments.size() < 2 || (step.arguments[0] != "eval" && step.arguments[0] != "join")) {
     object.refuse("has arguments of something else than 'eval' or 'join'");
   }
-  for (const char* option : {"--clip", "--frames", "--out"}) {
+  const auto is_given = [&](const char* option) {
     const auto at = std::ranges::find(step.arguments, option);
-    const bool given = at != step.arguments.end() && at + 1 != step.arguments.end() && !(at + 1)->starts_with("--");
-    if (step.arguments[0] == "eval" && !given) object.refuse("has arguments without '", option, "'");
+    return at != step.arguments.end() && at + 1 != step.arguments.end() && !(at + 1)->starts_with("--");
+  };
+  for (const char* option : {is_given("--session") ? "--session" : "--clip", "--frames", "--out"}) {
+    if (step.arguments[0] == "eval" && !is_given(option)) object.refuse("has arguments without '", option, "'");
   }
   step.frames = static_cast<std::size_t>(object.integer("frames", 0));
   step.seconds = object.number("seconds", 0, 1e12);

@@ -42,7 +42,7 @@ constexpr Key kKeys[] = {{"shot", Kind::text},           {"element", Kind::text}
                          {"cuts", Kind::text},           {"preroll", Kind::number},
                          {kFormerKey, Kind::number},     {"gravity_change", Kind::numbers},
                          {"require_device", Kind::flag}, {"modifiers", Kind::path},
-                         {"up", Kind::text}};
+                         {"up", Kind::text},             {"session", Kind::path}};
 // clang-format on
 
 using Values = std::map<std::string, std::vector<std::string>>;  // by key; flags that are off are left out
@@ -139,8 +139,12 @@ ShowElement element_from(Values values) {
   ShowElement element;
   element.shot = take(values, "shot", true);
   element.element = take(values, "element", true);
-  element.basis = take(values, "basis", true);
-  element.clip = take(values, "clip", true);
+  element.session = take(values, "session", false);
+  element.basis = take(values, "basis", element.session.empty());
+  element.clip = take(values, "clip", element.session.empty());
+  if (!element.session.empty() && !(element.basis + element.clip).empty()) {
+    throw Error(ErrorKind::usage, "'session' names the basis and the clip itself: leave out 'basis' and 'clip'");
+  }
   element.frames = take(values, "frames", false);
   element.out = with_names(take(values, "out", true), element.shot, element.element);
   const std::string cost = take(values, "frame_ms", false);

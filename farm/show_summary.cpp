@@ -93,6 +93,7 @@ std::vector<FramesToSimulate> frames_to_simulate(const std::vector<WorthyFrame>&
   std::map<std::vector<std::string>, FramesToSimulate> clips;
   for (const WorthyFrame& frame : worthy) {
     if (frame.expected_rms_mm <= 0 && frame.outside <= 0) continue;
+    if (option_of(*frame.step, "--clip").empty()) continue;  // of a session, which `simulate` does not read
     const std::string basis = frame.step->arguments.at(1), clip = option_of(*frame.step, "--clip").at(0);
     const std::vector<std::string> options = clip_options(*frame.step);
     std::vector<std::string> key{basis, clip};

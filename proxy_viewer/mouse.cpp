@@ -10,7 +10,8 @@
 #include "draw/camera.h"
 #include "proxy_viewer/commands/commands.h"
 #include "proxy_viewer/picking.h"
-#include "proxy_viewer/scene/pinned_joints.h"
+#include "proxy_viewer/scene/turn_rings.h"
+#include "shots/session/pinned_joints.h"
 
 namespace bodyopt {
 namespace {

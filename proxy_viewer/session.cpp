@@ -7,20 +7,21 @@
 #include <utility>
 
 #include "assets/bvh_clip.h"
-#include "assets/cache_writer.h"
 #include "assets/clip_source.h"
 #include "assets/controls.h"
 #include "base/progress.h"
 #include "dataset/modifier.h"
 #include "proxy_viewer/describe_scene.h"
-#include "proxy_viewer/scene/open_character.h"
-#include "proxy_viewer/scene/pinned_joints.h"
 #include "proxy_viewer/scene/truth_times.h"
 #include "runtime/basis/character_unit.h"
 #include "runtime/core/error.h"
 #include "runtime/core/file_kind.h"
 #include "runtime/deformer/evaluation.h"
 #include "runtime/modifiers/drive_modifiers.h"
+#include "shots/clip_choice.h"
+#include "shots/open_character.h"
+#include "shots/session/pinned_joints.h"
+#include "shots/shot_caches.h"
 #include "trainer/transfer/markers_file.h"
 
 namespace bodyopt {
@@ -318,18 +319,22 @@ void Session::refuse_input(const std::string& file) const {
   }
 }
 
+// Those of the range; says what of the pose in hand is not in them.
+std::vector<int> Session::frames_to_export(const std::string& file) {
+  if (controls.is_unkeyed())
+    controls.warn("the pose that is shown has no key, and is not in " + file + ": set one first");
+  std::vector<int> frames;
+  for (int frame = controls.playback.in(); frame <= controls.playback.out(); ++frame) frames.push_back(frame);
+  return frames;
+}
+
 void Session::export_clip(const std::string& file) {
   refuse_input(file);
   const Actor& lead = scene.lead();
-  const Playback& playback = controls.playback;
-  Clip clip;
+  Clip clip = lead.posed_source(controls.settings.pose);
   clip.name = fs::path(file).stem().string();
-  clip.fps = lead.clip().fps;
-  clip.first_frame = playback.in();
-  clip.controls = lead.source_controls(controls.settings.pose);
-  for (int frame = playback.in(); frame <= playback.out(); ++frame) {
-    clip.poses.push_back(lead.unmodified_pose(frame, controls.posing_at(frame)));
-  }
+  clip.poses = poses_of(clip, frames_to_export(file));
+  clip.first_frame = controls.playback.in();
   if (has_extension(file, {".bvh"})) {
     write_bvh(clip, lead.basis().skeleton, file);
   } else {
@@ -344,22 +349,17 @@ void Session::export_clip(const std::string& file) {
 
 void Session::export_skin(const std::string& file) {
   refuse_input(file);
-  Actor& lead = scene.lead();
-  const Playback& playback = controls.playback;
-  const MeshTable& mesh = lead.finest_basis().mesh;
-  std::vector<int> frames;
-  for (int frame = playback.in(); frame <= playback.out(); ++frame) frames.push_back(frame);
-  const auto cache =
-      write_cache(file, {lead.name(), mesh.output_count(), mesh.output_triangles, frames, lead.clip().fps});
-  Progress progress("export", frames.size(), "nothing of it is kept");
-  for (const int frame : frames) {
-    const Pose pose = scene.pose_at(lead, frame, controls);
-    cache->append(lead.measure(SkinMethod::full, pose, frame, static_cast<float>(controls.settings.pose.correction)),
-                  {});
-    progress.advance();
-  }
-  cache->close();
+  const Actor& lead = scene.lead();
+  const ViewSettings& settings = controls.settings;
+  Shot shot =
+      lead.shot(settings.pose, weights_of(controls), settings.jiggle.on && lead.has_at_finest(SkinMethod::jiggle));
+  shot.frames = frames_to_export(file);
+  ShotCaches caches({.out = file}, shot);
+  Progress progress("export", shot.frames.size());
+  evaluate(shot, caches, progress);
+  caches.close();
   controls.say("wrote " + file);
+  for (const std::string& attached : caches.attached_paths()) controls.say("wrote " + attached);
 }
 
 // All of its characters are read before the first of those that are there goes.

@@ -16,9 +16,9 @@
 #include "proxy_viewer/platform/live_pose.h"
 #include "proxy_viewer/platform/watched_files.h"
 #include "proxy_viewer/scene/scene.h"
-#include "proxy_viewer/scene/session_file.h"
 #include "proxy_viewer/sectioning.h"
 #include "proxy_viewer/viewer.h"
+#include "shots/session/session_file.h"
 
 namespace bodyopt {
 
@@ -68,7 +68,8 @@ class Session {
   // What was brushed goes into the stack, where anything was; it stays in hand where it throws.
   void keep_strokes();
   // The range as it is posed and keyed, before modifiers: .glb or .bvh; its controls as FILE.controls.json beside it,
-  // where there are any. The lead's skin over the range, quasi-static: .pc2, .usda or .glb. Throw Error(file).
+  // where there are any. The lead's skin over the range as its keys say, and what it wears: .pc2, .usda
+  // or .glb. Throw Error(file).
   void export_clip(const std::string& file);
   void export_skin(const std::string& file);
 
@@ -119,6 +120,7 @@ class Session {
   void play_as(const PlaySettings& settings);
   std::size_t require_character(int number) const;   // its index
   void refuse_input(const std::string& file) const;  // throws Error(usage) where it is one of files()
+  std::vector<int> frames_to_export(const std::string& file);
   void pose_lead();
   void show_lead();
   void forget_pair();  // one of the first two is another: markers and the match are of none now

@@ -8,8 +8,6 @@
 #include <new>
 #include <nlohmann/json.hpp>
 
-#include "assets/frame_range.h"
-#include "assets/matched_joints.h"
 #include "runtime/core/atomic_file.h"
 #include "runtime/core/error.h"
 
@@ -59,37 +57,6 @@ void ClipArguments::add_unit(CLI::App& verb) {
       ->check(above_zero);
 }
 
-Clip ClipArguments::read(const Skeleton& skeleton, double unit, std::vector<int>& frame_numbers) const {
-  return choose_frames(read_clip(source, skeleton, in_unit(unit)), frame_numbers);
-}
-
-Clip ClipArguments::read(const Basis& basis, double unit, std::vector<int>& frame_numbers) const {
-  return choose_frames(read_clip(source, basis, in_unit(unit)), frame_numbers);
-}
-
-ClipOptions ClipArguments::in_unit(double unit) const {
-  ClipOptions result = options;
-  if (result.unit == 0) result.unit = clip_unit(source, unit);
-  return result;
-}
-
-Clip ClipArguments::choose_frames(Clip clip, std::vector<int>& frame_numbers) const {
-  say(clip.notes);
-  if (frames.empty()) {
-    for (int frame = clip.first_frame; frame <= clip.last_frame(); ++frame) frame_numbers.push_back(frame);
-  } else {
-    frame_numbers = parse_frame_range(frames);
-  }
-  for (const int frame : frame_numbers) {
-    if (frame < clip.first_frame || frame > clip.last_frame()) {
-      throw Error(ErrorKind::usage,
-                  format("--frames asks for frame {}; '{}' has frames {} to {} at {:g} frames a second", frame,
-                         source.empty() ? clip.name : source, clip.first_frame, clip.last_frame(), clip.fps));
-    }
-  }
-  return clip;
-}
-
 std::filesystem::path cache_folder() {
   // A path that is not absolute is to be ignored (XDG Base Directory Specification).
   const auto absolute = [](const char* name) -> std::filesystem::path {
@@ -132,12 +99,6 @@ std::filesystem::path dataset_file(const std::filesystem::path& given) {
 
 void require_writable(const std::filesystem::path& path) { const AtomicFile probe(path); }
 
-std::vector<Pose> poses_of(const Clip& clip, const std::vector<int>& frames) {
-  std::vector<Pose> poses;
-  for (const int frame : frames) poses.push_back(clip.poses[static_cast<std::size_t>(frame - clip.first_frame)]);
-  return poses;
-}
-
 namespace {
 
 std::string& kept_command_line() {
@@ -154,7 +115,7 @@ std::vector<std::string>& kept_verb_arguments() {
 
 void keep_command_line(const std::vector<std::string>& arguments) {
   kept_command_line() = "bodyopt";
-  keep_verb_arguments({arguments.begin() + (arguments.empty() ? 0 : 1), arguments.end()});
+  kept_verb_arguments() = {arguments.begin() + (arguments.empty() ? 0 : 1), arguments.end()};
   for (const std::string& argument : arguments) {
     const bool plain = !argument.empty() && argument.find_first_of(" \t\n\"'$*?#&;|<>()\\") == std::string::npos;
     std::string quoted;
@@ -165,12 +126,12 @@ void keep_command_line(const std::vector<std::string>& arguments) {
 
 const std::string& command_line() { return kept_command_line(); }
 
-std::vector<std::string> verb_arguments() { return kept_verb_arguments(); }
+const std::vector<std::string>& verb_arguments() { return kept_verb_arguments(); }
 
-void keep_verb_arguments(const std::vector<std::string>& arguments) { kept_verb_arguments() = arguments; }
+void warn(const std::string& note) { spdlog::warn("{}", note); }
 
 void say(const std::vector<std::string>& notes) {
-  for (const std::string& note : notes) spdlog::warn("{}", note);
+  for (const std::string& note : notes) warn(note);
 }
 
 void make_folder(const std::filesystem::path& folder) {

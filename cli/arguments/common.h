@@ -9,13 +9,13 @@
 #include <string>
 #include <vector>
 
-#include "assets/clip.h"
 #include "assets/pc2.h"
 #include "cli/arguments/options.h"
 #include "dataset/compare.h"
 #include "runtime/basis/character_unit.h"
 #include "runtime/basis/skeleton.h"
 #include "runtime/host/device_choice.h"
+#include "shots/clip_choice.h"
 
 namespace bodyopt::cli {
 
@@ -23,6 +23,11 @@ using fmt::format;
 
 // Frames a second that clips and dynamics may have.
 constexpr double kLeastRate = 1e-3, kMostRate = 1e5;
+
+// Says it as a warning on standard error.
+void warn(const std::string& note);
+// Says each note once so.
+void say(const std::vector<std::string>& notes);
 
 // --json FILE; '-' is standard output, which then holds nothing else.
 struct JsonOption {
@@ -37,22 +42,19 @@ struct JsonOption {
 };
 
 // --clip CLIP [--frames R] [--fps N] [--first-frame N] [--controls FILE] [--joint-map FILE] [--up AXIS] [--unit N]
-struct ClipArguments {
-  std::string source, frames;
-  ClipOptions options;
+struct ClipArguments : ClipChoice {
   void add(CLI::App& verb);
   // --unit, of verbs in which it is that of no character.
   void add_unit(CLI::App& verb);
-  // Reads the clip, says its notes, and gives the frames asked for (all without --frames). Throws Error(usage) when a
-  // frame lies outside the clip.
+  // Reads the clip, says its notes, and gives the frames asked for (all without --frames). Throws as ClipChoice.
   // `unit`: that of the character.
-  Clip read(const Skeleton& skeleton, double unit, std::vector<int>& frame_numbers) const;
-  Clip read(const Basis& basis, double unit, std::vector<int>& frame_numbers) const;
-  // The same of a clip that is there.
-  Clip choose_frames(Clip clip, std::vector<int>& frame_numbers) const;
-
- private:
-  ClipOptions in_unit(double unit) const;
+  template <typename Target>  // a Skeleton or a Basis
+  Clip read(const Target& target, double unit, std::vector<int>& frame_numbers) const {
+    Clip clip = ClipChoice::read(target, unit);
+    say(clip.notes);
+    frame_numbers = chosen_frames(clip);
+    return clip;
+  }
 };
 
 // Where the program keeps what it can make again: bodyopt in $XDG_CACHE_HOME, or in ~/.cache; empty where neither is
@@ -76,18 +78,11 @@ void refuse_overwriting(const std::filesystem::path& out, const std::filesystem:
 // Throws Error(file) now rather than after long work.
 void require_writable(const std::filesystem::path& path);
 
-// The poses of some frames of a clip.
-std::vector<Pose> poses_of(const Clip& clip, const std::vector<int>& frames);
-
 // What the user typed, "bodyopt" and its arguments; kept by run_command().
 void keep_command_line(const std::vector<std::string>& arguments);
 const std::string& command_line();
-// What follows the verb on the command line; and of a verb that another runs, what is given to it.
-std::vector<std::string> verb_arguments();
-void keep_verb_arguments(const std::vector<std::string>& arguments);
-
-// Says each note once, as a warning on standard error.
-void say(const std::vector<std::string>& notes);
+// What follows the verb on the command line.
+const std::vector<std::string>& verb_arguments();
 
 // Makes the folder where it is missing. Throws Error(file).
 void make_folder(const std::filesystem::path& folder);
@@ -129,7 +124,6 @@ void add_join(CLI::App& app);
 void add_compare(CLI::App& app);
 void add_coverage(CLI::App& app);
 void add_regions(CLI::App& app);
-void add_view(CLI::App& app);
 void add_export(CLI::App& app);
 void add_picture(CLI::App& app);
 void add_farm(CLI::App& app);

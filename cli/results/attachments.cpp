@@ -11,19 +11,8 @@
 #include "runtime/core/transformed.h"
 
 namespace bodyopt::cli {
-namespace {
 
 namespace fs = std::filesystem;
-
-Attachments found_attachments(const std::string& file, const fs::path& basis_path, const Basis& basis) {
-  if (!file.empty()) return load_attachments(file, basis);
-  if (basis_path.empty()) return {};
-  return attachments_in(attachments_beside(basis_path), basis, basis_path.string());
-}
-
-fs::path numbered(const fs::path& stem, std::size_t k) { return fs::path(stem) += std::to_string(k); }
-
-}  // namespace
 
 Attachments attachments_in(const fs::path& path, const Basis& basis, const std::string& basis_name) {
   if (fs::exists(path)) return load_attachments(path, basis, basis_name);
@@ -87,55 +76,6 @@ std::vector<AttachedMesh> attach_own_meshes(const fs::path& character, double un
     spdlog::warn("the character's other meshes are not attached: {}", error.what());
     return {};
   }
-}
-
-AttachedCaches::AttachedCaches(const std::string& file, const fs::path& basis_path, const Basis& basis)
-    : attachments_(found_attachments(file, basis_path, basis)), carrier_(basis, attachments_) {}
-
-void AttachedCaches::open(const fs::path& skin_cache, const std::vector<int>& frames, double fps,
-                          const CacheSpace& space) {
-  for (const AttachedMesh& mesh : attachments_.meshes) {
-    paths_.push_back(
-        fs::path(skin_cache).replace_extension("." + mesh.name + skin_cache.extension().string()).string());
-    writers_.push_back(
-        write_cache(paths_.back(), {mesh.name, mesh.vertex_count(), mesh.triangles, frames, fps, space}));
-  }
-}
-
-void AttachedCaches::append(std::span<const float> skin, const Pose& pose) {
-  if (writers_.empty()) return;
-  const std::vector<std::vector<float>> carried = carrier_.carry(skin, pose.joints);
-  for (std::size_t k = 0; k < carried.size(); ++k) writers_[k]->append(carried[k], {});
-}
-
-void AttachedCaches::put_aside(const fs::path& stem) {
-  for (std::size_t k = 0; k < writers_.size(); ++k) writers_[k]->put_aside(numbered(stem, k));
-}
-
-void AttachedCaches::take_up(const fs::path& stem, std::size_t frames) {
-  for (std::size_t k = 0; k < writers_.size(); ++k) writers_[k]->take_up(numbered(stem, k), frames);
-}
-
-std::vector<fs::path> AttachedCaches::aside(const fs::path& stem) const {
-  std::vector<fs::path> files;
-  for (std::size_t k = 0; k < writers_.size(); ++k) {
-    for (const fs::path& file : writers_[k]->aside(numbered(stem, k))) files.push_back(file);
-  }
-  return files;
-}
-
-void AttachedCaches::close() {
-  for (const auto& writer : writers_) writer->close();
-}
-
-Json AttachedCaches::written() const {
-  Json list = Json::array();
-  for (std::size_t k = 0; k < paths_.size(); ++k) {
-    list.push_back({{"name", attachments_.meshes[k].name},
-                    {"points", attachments_.meshes[k].vertex_count()},
-                    {"cache", paths_[k]}});
-  }
-  return list;
 }
 
 }  // namespace bodyopt::cli

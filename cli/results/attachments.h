@@ -1,11 +1,8 @@
-// Attached geometry as the verbs share it: its file beside the basis, what is put into it, the caches of `eval`.
+// Attached geometry as the verbs share it: its file beside the basis, and what is put into it.
 #pragma once
 
-#include <memory>
-
-#include "assets/cache_writer.h"
 #include "cli/arguments/common.h"
-#include "runtime/host/attachments.h"
+#include "runtime/basis/attachments.h"
 #include "trainer/attach/bind_mesh.h"
 
 namespace bodyopt::cli {
@@ -31,31 +28,5 @@ Json to_json(const std::vector<AttachedMesh>& meshes);
 std::vector<AttachedMesh> attach_own_meshes(const std::filesystem::path& character, double unit,
                                             std::size_t skin_vertices, const Basis& basis,
                                             const std::filesystem::path& basis_path);
-
-// What rides on the skin, frame by frame, as one cache per mesh, of the skin's format: shot.pc2, shot.<mesh>.pc2.
-class AttachedCaches {
- public:
-  // `file`: the attachments, empty for those beside the basis, where there are any. `basis_path`: empty where what lies
-  // beside the file is not of this basis.
-  AttachedCaches(const std::string& file, const std::filesystem::path& basis_path, const Basis& basis);
-
-  void open(const std::filesystem::path& skin_cache, const std::vector<int>& frames, double fps,
-            const CacheSpace& space);
-  void append(std::span<const float> skin, const Pose& pose);
-  void close();
-  Json written() const;                                             // per mesh: name, points, cache
-  const std::vector<std::string>& paths() const { return paths_; }  // of the caches
-
-  // As CacheWriter, with files of all meshes.
-  void put_aside(const std::filesystem::path& stem);
-  void take_up(const std::filesystem::path& stem, std::size_t frames);
-  std::vector<std::filesystem::path> aside(const std::filesystem::path& stem) const;
-
- private:
-  Attachments attachments_;
-  AttachmentCarrier carrier_;
-  std::vector<std::string> paths_;
-  std::vector<std::unique_ptr<CacheWriter>> writers_;
-};
 
 }  // namespace bodyopt::cli

@@ -57,26 +57,45 @@ constexpr double kNoted = 0.95;  // of what was learned: more is hardly seen
 
 }  // namespace
 
-void EvaluationLog::add(const Deformer& deformer, const Evaluation& part, std::size_t k, int frame,
-                        const NodeMotion& motion) {
+EvaluationLog::EvaluationLog(const Basis& basis) {
+  if (!basis.coverage.empty()) expectation_.emplace(basis);
+}
+
+void EvaluationLog::add(const Deformer& deformer, const Evaluation& part, std::span<const Pose> poses,
+                        std::span<const int> frames, const NodeMotion& motion) {
+  std::vector<ExpectedError> expected;
+  if (expectation_) expected = expected_errors(*expectation_, poses, part.strains);
+  for (std::size_t k = 0; k < frames.size(); ++k) {
+    Json entry = entry_of(deformer, part, k, frames[k], motion);
+    if (expectation_) {
+      entry["expected_rms_mm"] = expected[k].rms_mm;
+      if (expected[k].ddm_rms_mm > 0) entry["expected_ddm_rms_mm"] = expected[k].ddm_rms_mm;
+    }
+    count(entry);
+    per_frame_.push_back(std::move(entry));
+  }
+  timed_frames_ += frames.size();
+  stage_seconds_.add(part.stage_seconds);
+}
+
+Json EvaluationLog::entry_of(const Deformer& deformer, const Evaluation& part, std::size_t k, int frame,
+                             const NodeMotion& motion) {
   Json entry{{"frame", frame}, {"outside", part.outside[k]}};
   fades_.add(deformer.basis().skeleton, part, k, frame, entry);
   if (part.outside[k] > 0) {
     entry["outside_feature"] = feature_name(deformer.basis(), part.outside_feature[k]);
     entry["outside_by"] = outside_text(deformer.basis(), part.outside_feature[k], part.outside_by[k]);
   }
-  if (!part.starts.empty()) {
-    starts_[part.starts[k]].push_back(frame);
-    const JiggleMeasure measure = measure_jiggle(*deformer.dynamics(), motion);
-    entry["jiggle_rms_mm"] = measure.rms_mm;
-    entry["jiggle_max_mm"] = measure.max_mm;
-    entry["inverted_tets"] = measure.inverted_tets;
-    entry["jiggle_limited_vertices"] = measure.limited;
-    if (measure.limited > 0) entry["jiggle_limited_near"] = nearest_joint(deformer.basis(), measure.most_limited);
-    tets_ = deformer.dynamics()->tets.tet_count();
-  }
-  count(entry);
-  per_frame_.push_back(std::move(entry));
+  if (part.starts.empty()) return entry;
+  starts_[part.starts[k]].push_back(frame);
+  const JiggleMeasure measure = measure_jiggle(*deformer.dynamics(), motion);
+  entry["jiggle_rms_mm"] = measure.rms_mm;
+  entry["jiggle_max_mm"] = measure.max_mm;
+  entry["inverted_tets"] = measure.inverted_tets;
+  entry["jiggle_limited_vertices"] = measure.limited;
+  if (measure.limited > 0) entry["jiggle_limited_near"] = nearest_joint(deformer.basis(), measure.most_limited);
+  tets_ = deformer.dynamics()->tets.tet_count();
+  return entry;
 }
 
 void EvaluationLog::count(const Json& entry) {
@@ -100,32 +119,16 @@ void EvaluationLog::count(const Json& entry) {
   const double jiggle = entry.value("jiggle_max_mm", 0.0);
   if (jiggle > most_jiggle_mm_) most_jiggle_frame_ = frame;
   most_jiggle_mm_ = std::max(most_jiggle_mm_, jiggle);
-}
-
-void EvaluationLog::add_times(const Evaluation& part) {
-  timed_frames_ += part.outside.size();
-  stage_seconds_.add(part.stage_seconds);
+  if (!entry.contains("expected_rms_mm")) return;
+  const double expected = expected_mm_.emplace_back(entry.at("expected_rms_mm"));
+  const double of_ddm = entry.value("expected_ddm_rms_mm", 0.0);
+  if (of_ddm > kSeenMm && expected > kAsBad * of_ddm) no_better_frames_.push_back(frame);
+  if (expected > most_expected_mm_) most_expected_frame_ = frame;
+  most_expected_mm_ = std::max(most_expected_mm_, expected);
 }
 
 double EvaluationLog::milliseconds_per_frame(double seconds) const {
   return 1e3 * seconds / static_cast<double>(std::max<std::size_t>(1, timed_frames_));
-}
-
-void EvaluationLog::expect(const Basis& basis, const std::vector<Pose>& poses) {
-  if (basis.coverage.empty() || poses.empty()) return;
-  std::vector<double> errors;
-  for (const ExpectedError& error : expected_errors(basis, poses)) {
-    Json& entry = per_frame_[errors.size()];
-    entry["expected_rms_mm"] = error.rms_mm;
-    if (error.ddm_rms_mm > 0) entry["expected_ddm_rms_mm"] = error.ddm_rms_mm;
-    if (error.ddm_rms_mm > kSeenMm && error.rms_mm > kAsBad * error.ddm_rms_mm)
-      no_better_frames_.push_back(entry["frame"]);
-    errors.push_back(error.rms_mm);
-  }
-  const auto worst = std::ranges::max_element(errors);
-  mean_expected_mm_ = root_mean_square(errors);
-  most_expected_mm_ = *worst;
-  most_expected_frame_ = frames_[static_cast<std::size_t>(worst - errors.begin())];
 }
 
 // A line for each way to start anew, however many frames do.
@@ -200,7 +203,7 @@ std::string EvaluationLog::text() const {
   }
   text += fades_.text();
   if (most_expected_mm_ > 0) {
-    text += format("expected error: {:.3f} mm RMS, most in frame {}: {:.3f} mm", mean_expected_mm_,
+    text += format("expected error: {:.3f} mm RMS, most in frame {}: {:.3f} mm", root_mean_square(expected_mm_),
                    most_expected_frame_, most_expected_mm_);
     // Judged by cross-validation of the training frames: of other poses nothing tells how far off even DDM is.
     if (!fades_.empty()) {

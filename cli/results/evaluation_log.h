@@ -3,10 +3,13 @@
 
 #include <map>
 #include <nlohmann/json.hpp>
+#include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "cli/arguments/common.h"
+#include "runtime/coverage/expected_error.h"
 #include "runtime/host/jiggle.h"
 #include "runtime/host/stages.h"
 
@@ -40,11 +43,13 @@ class FadeLog {
 
 class EvaluationLog {
  public:
-  // Sample k of an evaluation, which is this frame. `motion`: after it, where frames jiggle.
-  void add(const Deformer& deformer, const Evaluation& part, std::size_t k, int frame, const NodeMotion& motion);
-  void add_times(const Evaluation& part);
-  // The expected error of every frame, where the basis knows it.
-  void expect(const Basis& basis, const std::vector<Pose>& poses);
+  // Expects errors where the basis knows its own. It must outlive this.
+  explicit EvaluationLog(const Basis& basis);
+
+  // What the deformer gave of poses, which are these frames. `motion`: after the last, where frames jiggle; they come
+  // one by one then.
+  void add(const Deformer& deformer, const Evaluation& part, std::span<const Pose> poses, std::span<const int> frames,
+           const NodeMotion& motion);
 
   // All that take_up() needs to go on from here.
   Json kept() const;
@@ -58,6 +63,7 @@ class EvaluationLog {
 
  private:
   double milliseconds_per_frame(double seconds) const;
+  Json entry_of(const Deformer& deformer, const Evaluation& part, std::size_t k, int frame, const NodeMotion& motion);
   void count(const Json& entry);
   std::vector<std::string> notes() const;
 
@@ -66,12 +72,14 @@ class EvaluationLog {
   std::map<std::string, std::size_t> limited_joints_;
   std::vector<int> frames_, outside_frames_, inverted_frames_, limited_frames_, no_better_frames_;
   std::string worst_feature_, worst_by_;
-  double worst_outside_ = 0, most_jiggle_mm_ = 0, most_expected_mm_ = 0, mean_expected_mm_ = 0;
+  double worst_outside_ = 0, most_jiggle_mm_ = 0, most_expected_mm_ = 0;
   int most_jiggle_frame_ = 0, most_expected_frame_ = 0;
   std::uint32_t most_inverted_ = 0, tets_ = 0;
   std::size_t timed_frames_ = 0;
   StageSeconds stage_seconds_;
   FadeLog fades_;
+  std::optional<ErrorExpectation> expectation_;  // where the basis knows its error
+  std::vector<double> expected_mm_;              // of the frames
 };
 
 }  // namespace bodyopt::cli

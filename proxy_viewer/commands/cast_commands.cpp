@@ -1,7 +1,7 @@
 // Ghosts, and the others of the cast.
 #include "proxy_viewer/commands/command_arguments.h"
-#include "proxy_viewer/state/setting_fields.h"
 #include "runtime/core/error.h"
+#include "shots/session/setting_fields.h"
 
 namespace bodyopt {
 namespace {

@@ -4,6 +4,7 @@
 #include <iostream>
 
 #include "runtime/core/error.h"
+#include "shots/session/pose_keys.h"
 
 namespace bodyopt {
 

@@ -14,8 +14,8 @@
 #include "proxy_viewer/state/file_dialog.h"
 #include "proxy_viewer/state/orbit_camera.h"
 #include "proxy_viewer/state/playback.h"
-#include "proxy_viewer/state/pose_keys.h"
-#include "proxy_viewer/state/view_settings.h"
+#include "proxy_viewer/state/pose_history.h"
+#include "shots/session/view_settings.h"
 
 namespace bodyopt {
 

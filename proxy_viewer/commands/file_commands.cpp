@@ -1,6 +1,6 @@
 // What is written, and what is around the picture.
 #include "proxy_viewer/commands/command_arguments.h"
-#include "proxy_viewer/state/view_settings.h"
+#include "shots/session/view_settings.h"
 
 namespace bodyopt {
 namespace {
@@ -18,7 +18,7 @@ const Command kFileCommands[] = {
        if (!a.ends_with(".glb") && !a.ends_with(".bvh")) refuse(a, "a file that ends in .glb or .bvh");
        c.requests.export_clip = a;
      }},
-    {"export-skin", "FILE.pc2|.usda|.glb", "", "File", "the lead's skin over the range, without jiggle",
+    {"export-skin", "FILE.pc2|.usda|.glb", "", "File", "the lead's skin over the range, and what it wears",
      [](Controls& c, const std::string& a) {
        const auto ends = [&](const char* ending) { return a.ends_with(ending); };
        if (!ends(".pc2") && !ends(".usda") && !ends(".glb")) refuse(a, "a file that ends in .pc2, .usda or .glb");

@@ -66,7 +66,7 @@ const Command kPlaybackCommands[] = {
      [](const Controls& c) { return name_of(c.playback.mode(), kPlayModeNames); }},
     {"speed", "0.1-2", "", "Playback", "of playing; 1: as it is",
      [](Controls& c, const std::string& a) {
-       const double speed = number_within(a, Playback::kSlowest, Playback::kFastest);
+       const double speed = number_within(a, PlaySettings::kSlowest, PlaySettings::kFastest);
        c.playback.set_speed(speed);
      }},
     {"every-frame", "[on|off]", "", "Playback", "drop no frame, however long it takes",

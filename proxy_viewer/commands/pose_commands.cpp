@@ -4,8 +4,8 @@
 
 #include "assets/joint_roles.h"
 #include "proxy_viewer/commands/command_arguments.h"
-#include "proxy_viewer/state/joint_ranges.h"
 #include "runtime/core/error.h"
+#include "shots/session/joint_ranges.h"
 
 namespace bodyopt {
 namespace {

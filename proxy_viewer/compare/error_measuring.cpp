@@ -6,10 +6,10 @@
 #include <cmath>
 
 #include "dataset/compare.h"
-#include "proxy_viewer/state/view_settings.h"
 #include "runtime/basis/output_order.h"
 #include "runtime/core/error.h"
 #include "runtime/cpu/kernels.h"
+#include "shots/session/view_settings.h"
 
 namespace bodyopt {
 namespace {

@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "proxy_viewer/scene/pinned_joints.h"
 #include "runtime/host/stages.h"
+#include "shots/session/pinned_joints.h"
 
 namespace bodyopt {
 

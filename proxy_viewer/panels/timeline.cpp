@@ -177,7 +177,7 @@ void draw_buttons(Controls& controls) {
   command_choice(controls, "mode", nullptr);
   ImGui::SameLine();
   double speed = playback.speed();
-  const double low = Playback::kSlowest, high = Playback::kFastest;
+  const double low = PlaySettings::kSlowest, high = PlaySettings::kFastest;
   ImGui::SetNextItemWidth(0.5f * width - 1);
   if (ImGui::SliderScalar("##speed", ImGuiDataType_Double, &speed, &low, &high, "%.2f x",
                           ImGuiSliderFlags_AlwaysClamp)) {

@@ -2,7 +2,6 @@
 
 #include <cmath>
 #include <iterator>
-#include <sstream>
 #include <utility>
 
 #include "assets/clip_source.h"
@@ -10,8 +9,6 @@
 #include "assets/shot_modifiers.h"
 #include "geometry/table_rows.h"
 #include "geometry/vertex_normals.h"
-#include "proxy_viewer/scene/posed_clip.h"
-#include "proxy_viewer/state/pose_keys.h"
 #include "runtime/basis/character_unit.h"
 #include "runtime/basis/output_order.h"
 #include "runtime/core/error.h"
@@ -21,6 +18,8 @@
 #include "runtime/host/carry_skin.h"
 #include "runtime/host/rig.h"
 #include "runtime/vulkan/device.h"
+#include "shots/session/pose_keys.h"
+#include "shots/session/posed_clip.h"
 #include "trainer/train/skinning/linear_blend.h"
 
 namespace bodyopt {
@@ -88,22 +87,6 @@ std::vector<float> WornMeshes::points(std::span<const float> skin, const Pose& p
     std::ranges::copy(mesh, std::back_inserter(points));
   }
   return points;
-}
-
-fs::path ActorFiles::dynamics() const { return dynamics_beside(basis); }
-
-fs::path ActorFiles::attached() const { return attachments_beside(basis); }
-
-fs::path ActorFiles::levels() const { return proxy.empty() && is_basis(basis) ? proxy_beside(basis) : fs::path(proxy); }
-
-std::vector<fs::path> ActorFiles::paths() const {
-  std::vector<fs::path> all;
-  if (is_basis(basis)) all = {dynamics(), attached()};
-  for (const std::string& file :
-       {basis, split_source(clip).path.string(), truth, levels().string(), character, limits, muscles, joint_map}) {
-    if (!file.empty()) all.emplace_back(file);
-  }
-  return all;
 }
 
 Actor::Actor(std::shared_ptr<const vulkan::Device> device, const ActorFiles& files, const ClipOptions& options,
@@ -211,13 +194,8 @@ bool Actor::has_at_finest(SkinMethod method) const {
 
 std::string Actor::why_still() const {
   if (!has_dynamics() || clip_.poses.size() < 2) return "";
-  const double rate = finest().jiggle_rate();
-  if (std::abs(clip_.fps - rate) <= 1e-3 * rate) return "";
-  std::ostringstream text;
-  text << "the dynamics of " << name() << " step " << rate << " frames a second, the clip has " << clip_.fps
-       << ": sample it with --fps " << rate << ", or make the dynamics anew with 'bodyopt dynamics --fps " << clip_.fps
-       << "'";
-  return text.str();
+  const std::string problem = problem_of_rate(*finest().level().model->dynamics, clip_);
+  return problem.empty() ? "" : name() + ": " + problem;
 }
 
 // The poses of the frames that NamedShapes has of it.
@@ -344,14 +322,21 @@ Pose Actor::pose(int frame, const ViewSettings::Posing& posing) const {
   return pose;
 }
 
-std::vector<std::string> Actor::source_controls(const ViewSettings::Posing& posing) const {
-  return posed_controls(source_, posing);
+Clip Actor::posed_source(const ViewSettings::Posing& posing) const {
+  return posed_clip(source_, basis().skeleton, limits_, posing);
 }
 
-Pose Actor::unmodified_pose(int frame, const ViewSettings::Posing& posing) const {
-  Pose pose = posed(source_.poses[clip_index(frame)], posing);
-  set_posed_controls(source_controls(posing), posing, pose);
-  return pose;
+Shot Actor::shot(const ViewSettings::Posing& posing, const Weights& weights, bool jiggles) const {
+  Shot shot;
+  shot.name = name();
+  shot.jiggles = jiggles;
+  shot.deformer = std::make_unique<Deformer>(finest().level().tables,
+                                             jiggles ? std::optional<JiggleOptions>(JiggleOptions()) : std::nullopt);
+  shot.deformer->set_weights(weights);
+  if (worn_) shot.attached = worn_->attachments();
+  shot.clip = posed_source(posing);
+  apply_channels(shot.basis(), shot.clip);
+  return shot;
 }
 
 // The frames before this one matter for their controls: breath goes on from frame to frame.
@@ -360,7 +345,7 @@ Pose Actor::modified_pose(int frame, const ViewSettings::Posing& posing) const {
   Clip part;
   part.fps = source_.fps;
   part.first_frame = source_.first_frame;
-  part.controls = source_controls(posing);
+  part.controls = posed_controls(source_, posing);
   part.poses.assign(source_.poses.begin(), source_.poses.begin() + static_cast<std::ptrdiff_t>(last + 1));
   part.poses[last] = posed(part.poses[last], posing);
   for (std::size_t k = 0; k <= last; ++k) {

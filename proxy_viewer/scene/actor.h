@@ -14,33 +14,18 @@
 #include "assets/clip.h"
 #include "assets/pc2.h"
 #include "proxy_viewer/scene/detail.h"
-#include "proxy_viewer/scene/open_character.h"
-#include "proxy_viewer/scene/pinned_joints.h"
 #include "proxy_viewer/scene/truth_times.h"
-#include "proxy_viewer/state/joint_ranges.h"
-#include "proxy_viewer/state/view_settings.h"
 #include "runtime/deformer/deformer.h"
 #include "runtime/host/attachments.h"
 #include "runtime/vulkan/buffer.h"
+#include "shots/open_character.h"
+#include "shots/session/actor_files.h"
+#include "shots/session/joint_ranges.h"
+#include "shots/session/pinned_joints.h"
+#include "shots/session/view_settings.h"
+#include "shots/shot.h"
 
 namespace bodyopt {
-
-// The files of a character; what is empty is none. Dynamics, attached geometry and, where no other is named, a proxy:
-// those beside a trained basis, where there are any.
-struct ActorFiles {
-  std::string basis;  // as open_character() takes it
-  std::string clip{}, truth{}, proxy{};
-  std::string character{};  // for linear blending
-  std::string limits{};     // of its joints
-  std::string muscles{};    // for its section
-  std::string joint_map{};  // of its clips
-
-  std::filesystem::path dynamics() const;
-  std::filesystem::path attached() const;
-  std::filesystem::path levels() const;  // the proxy; empty: none, and none can be there
-  // All of them, those beside the basis whether they are there or not: to be watched.
-  std::vector<std::filesystem::path> paths() const;
-};
 
 // Attached geometry, a mesh on F skins: carried on the host, uploaded when it moves.
 struct WornMesh {
@@ -59,6 +44,8 @@ class WornMeshes {
   std::vector<WornMesh> carry(std::span<const std::vector<float>> skins, std::span<const Pose> poses) const;
   // On the host, all meshes one after the other, N x 3.
   std::vector<float> points(std::span<const float> skin, const Pose& pose) const;
+
+  const Attachments& attachments() const { return attachments_; }
 
  private:
   const vulkan::Device& device_;
@@ -113,12 +100,13 @@ class Actor {
   // The clip's pose, turned joint by joint as the settings say and the ranges let it. Frames beyond the clip: its first
   // or last.
   Pose pose(int frame, const ViewSettings::Posing& posing) const;
-  // The same before modifiers: what is exported. Its controls are those of source_controls().
-  Pose unmodified_pose(int frame, const ViewSettings::Posing& posing) const;
+  // All of the clip before modifiers, posed and keyed so: what is exported.
+  Clip posed_source(const ViewSettings::Posing& posing) const;
+  // The finest level with the clip that is posed and keyed so, as `eval` reads it of a session; without frames yet.
+  // `jiggles`: it must have SkinMethod::jiggle at the finest level. Throws Error(device).
+  Shot shot(const ViewSettings::Posing& posing, const Weights& weights, bool jiggles) const;
   // Pins that the pose of a frame does not reach.
   std::vector<MissedPin> missed_pins(int frame, const ViewSettings::PoseKey& posing) const;
-  // Names of the controls that the clip's file has, or the posing sets.
-  std::vector<std::string> source_controls(const ViewSettings::Posing& posing) const;
   // Degrees of freedom of the limits, where it has any.
   const std::vector<DegreeOfFreedom>& axes() const { return limits_.dofs; }
   // How it is posed while it is not the lead, whom the settings pose.

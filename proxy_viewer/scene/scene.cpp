@@ -6,11 +6,12 @@
 #include <set>
 
 #include "draw/camera.h"
-#include "proxy_viewer/scene/pinned_joints.h"
-#include "proxy_viewer/state/pose_keys.h"
+#include "proxy_viewer/scene/turn_rings.h"
 #include "proxy_viewer/state/strain_colour.h"
 #include "runtime/core/transformed.h"
 #include "runtime/host/rig.h"
+#include "shots/session/pinned_joints.h"
+#include "shots/session/pose_keys.h"
 
 namespace bodyopt {
 namespace {
@@ -91,10 +92,6 @@ void dress(std::span<const WornMesh> meshes, std::size_t pose, const SkinDraw& s
   }
 }
 
-Weights weights_of(const Controls& controls) {
-  return {static_cast<float>(controls.settings.pose.correction), static_cast<float>(controls.settings.jiggle.amount)};
-}
-
 // Ghosts are quasi-static: they have no past.
 std::span<const Pose> wanted(SkinMethod method, std::span<const Pose> poses) {
   return method == SkinMethod::full ? poses : poses.first(1);
@@ -111,6 +108,10 @@ double place_in_row(std::size_t index) {
 }
 
 }  // namespace
+
+Weights weights_of(const Controls& controls) {
+  return {static_cast<float>(controls.settings.pose.correction), static_cast<float>(controls.settings.jiggle.amount)};
+}
 
 SkinMethod shown_method(const Actor& character, const ViewSettings& settings) {
   return settings.jiggle.on && character.has(SkinMethod::jiggle) ? SkinMethod::jiggle : SkinMethod::full;

@@ -135,6 +135,9 @@ class Scene {
   std::vector<std::vector<std::uint32_t>> colours_;
 };
 
+// By which the settings show a skin.
+Weights weights_of(const Controls& controls);
+
 // The method that settings choose, and what it is compared with: none where the character has no such skin.
 SkinMethod shown_method(const Actor& character, const ViewSettings& settings);
 std::optional<SkinMethod> compared_method(const Actor& character, const ViewSettings& settings);

@@ -40,7 +40,7 @@ OrbitCamera::OrbitCamera(const OrbitView& view) : view_(view) {
   if (!std::isfinite(length(view.target) + view.distance + view.azimuth + view.elevation)) {
     throw Error(ErrorKind::usage, "a camera's target, distance, azimuth and elevation must be finite numbers");
   }
-  view_.distance = std::clamp(view.distance, kNearest, kFarthest);
+  view_.distance = std::clamp(view.distance, OrbitView::kNearest, OrbitView::kFarthest);
   view_.azimuth = std::remainder(view.azimuth, 2 * kPi);
   if (view.elevation > kSteepest) view_axis(AxisView::top);
   if (view.elevation < -kSteepest) view_axis(AxisView::bottom);
@@ -69,7 +69,7 @@ void OrbitCamera::pan(double right, double down, double height) {
 }
 
 void OrbitCamera::dolly(double notches) {
-  view_.distance = std::clamp(view_.distance * std::pow(0.9, notches), kNearest, kFarthest);
+  view_.distance = std::clamp(view_.distance * std::pow(0.9, notches), OrbitView::kNearest, OrbitView::kFarthest);
 }
 
 void OrbitCamera::frame(std::span<const float> points, float aspect, double share) {
@@ -78,7 +78,7 @@ void OrbitCamera::frame(std::span<const float> points, float aspect, double shar
   view_.target = to_double(seen.target);
   const double distance =
       distance_to_target(view_.orthographic ? frame_points(without_depth(points, back), to_float(back), aspect) : seen);
-  view_.distance = std::clamp(distance / share, kNearest, kFarthest);
+  view_.distance = std::clamp(distance / share, OrbitView::kNearest, OrbitView::kFarthest);
 }
 
 void OrbitCamera::view_axis(AxisView axis) {

@@ -4,29 +4,16 @@
 #include <span>
 
 #include "draw/camera.h"
-#include "runtime/core/transform.h"
+#include "shots/session/orbit_view.h"
 
 namespace bodyopt {
-
-// Where an OrbitCamera stands.
-struct OrbitView {
-  Vec3 target{0, 0, 0};       // metres, world
-  double distance = 3;        // metres, from the eye to the target
-  double azimuth = 0;         // radians: 0 from the front (+z), pi / 2 from the character's left (+x)
-  double elevation = 0;       // radians above the horizon
-  bool orthographic = false;  // at the target things look as large as in perspective
-  bool cut_away = false;      // what stands before the target is cut away
-
-  bool operator==(const OrbitView&) const = default;
-};
 
 // Seen from +z (the character's front), -z, +x (its left), -x, +y, -y.
 enum class AxisView { front, back, right, left, top, bottom };
 
 class OrbitCamera {
  public:
-  static constexpr double kSteepest = 1.52;                  // radians: nearer to the pole the turntable has no side
-  static constexpr double kNearest = 0.01, kFarthest = 1e5;  // metres
+  static constexpr double kSteepest = 1.52;  // radians: nearer to the pole the turntable has no side
 
   OrbitCamera() = default;
   // Numbers beyond the limits are brought within; beyond kSteepest it is the view from the top or the bottom. Throws

@@ -98,8 +98,8 @@ void Playback::set_keys(const std::vector<int>& frames) {
 
 void Playback::set_speed(double speed) {
   std::ostringstream problem;
-  problem << "a speed is from " << kSlowest << " to " << kFastest << ", not " << speed;
-  require(speed >= kSlowest && speed <= kFastest, problem.str());
+  problem << "a speed is from " << PlaySettings::kSlowest << " to " << PlaySettings::kFastest << ", not " << speed;
+  require(speed >= PlaySettings::kSlowest && speed <= PlaySettings::kFastest, problem.str());
   speed_ = speed;
 }
 

@@ -2,8 +2,9 @@
 #pragma once
 
 #include <cstdint>
-#include <optional>
 #include <vector>
+
+#include "shots/session/play_settings.h"
 
 namespace bodyopt {
 
@@ -11,22 +12,10 @@ struct PlayFrames {
   int first = 1, last = 1;
 };
 
-enum class PlayMode { loop, ping_pong, once };
-
-// How frames are played, as the state file has it.
-struct PlaySettings {
-  PlayMode mode = PlayMode::loop;
-  double speed = 1;
-  bool backwards = false, real_time = true;
-  std::optional<int> in, out;  // frames; the clip's first and last where they are left out
-  bool operator==(const PlaySettings&) const = default;
-};
-
 // Knows no clock: advance() is told how much time has passed, and gives the same frames for the same times.
 class Playback {
  public:
-  static constexpr double kSlowest = 0.1, kFastest = 2;  // speeds
-  static constexpr double kLongestGap = 1;               // seconds; the rest of a longer gap (a stall) is not played
+  static constexpr double kLongestGap = 1;  // seconds; the rest of a longer gap (a stall) is not played
 
   // `fps`: frames a second. Throws Error(usage) for frames that end before they begin, and an fps that is not above 0
   // and at most 1,000.
@@ -50,7 +39,7 @@ class Playback {
   void set_range(int in, int out);
   void set_keys(const std::vector<int>& frames);  // in any order; those outside the clip are left out
   void set_mode(PlayMode mode) { mode_ = mode; }
-  void set_speed(double speed);  // throws Error(usage) unless from kSlowest to kFastest
+  void set_speed(double speed);  // throws Error(usage) unless from PlaySettings::kSlowest to kFastest
   void set_backwards(bool backwards) { backwards_ = backwards; }
   // In real time frames are dropped when advance() is called late; otherwise every frame is shown, however long it
   // takes.

@@ -9,7 +9,8 @@ namespace bodyopt::cli {
 namespace {
 
 std::string eval_text(double outside, double fade = 1, int frames = 1) {
-  EvaluationLog log;
+  const Basis basis;  // which knows nothing of its error
+  EvaluationLog log(basis);
   Json per_frame = Json::array();
   for (int number = 1; number <= frames; ++number) {
     per_frame.push_back({{"frame", number},

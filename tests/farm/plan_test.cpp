@@ -67,6 +67,32 @@ TEST_F(PlanShow, AFormerKeyIsReadAndLeftOut) {
   EXPECT_NE(list.notes[0].find("'iterations' has no effect any more"), std::string::npos) << list.notes[0];
 }
 
+// A session of the viewport stands for basis, clip and the range that it plays.
+TEST_F(PlanShow, ASessionIsItsLead) {
+  write("shot.json", R"({"schema": "bodyopt-session-1", "characters": [
+    {"basis": "hero.safetensors", "clip": "walk.glb"}], "view": {"playback": {"in": 101}}})");
+  write("raw.json", R"({"schema": "bodyopt-session-1", "characters": [{"basis": "walk.glb"}]})");
+  const std::string head =
+      R"({"schema": "bodyopt-shots-1", "elements": [{"shot": "a", "element": "hero", "out": "a.pc2", )";
+  const ShowList list = read("a.json", head + R"("session": "shot.json"}]})");
+  FarmPlan planned = plan_show(list, 5, problems_);
+  expect_problems({});
+  ASSERT_EQ(planned.tasks.size(), 1u);
+  const FarmStep& step = planned.tasks[0].steps.at(0);
+  EXPECT_EQ(step.frames, 140u);
+  const std::vector<std::string> begin(step.arguments.begin(), step.arguments.begin() + 5);
+  EXPECT_EQ(begin,
+            (std::vector<std::string>{"eval", "--session", (folder_ / "shot.json").string(), "--frames", "101-240"}));
+  write_plan(planned, folder_.path());
+  EXPECT_EQ(read_plan(folder_.path()).tasks[0].steps[0].arguments, step.arguments);
+
+  read("b.json", head + R"("session": "shot.json", "clip": "walk.glb"}]})");
+  for (const char* session : {"raw.json", "none.json"}) {
+    plan_show(read("c.json", head + R"("session": ")" + session + R"("}]})"), 5, problems_);
+  }
+  expect_problems({"leave out 'basis' and 'clip'", "expected a trained basis", "none.json"});
+}
+
 TEST_F(PlanShow, ThreeFormsOfAListAreOne) {
   const ShowList json = read("a.json", R"({"schema": "bodyopt-shots-1", "defaults": {"basis": "hero.safetensors",
     "clip": "walk.glb", "out": "{shot}.pc2", "jiggle": true}, "elements": [

@@ -4,7 +4,7 @@
 #include "assets/controls.h"
 #include "assets/joint_match.h"
 #include "dataset/regions_file.h"
-#include "proxy_viewer/state/view_settings.h"
+#include "shots/session/view_settings.h"
 #include "tests/attack/limb_mapping.h"
 #include "tests/fuzz/fuzz_target.h"
 #include "tests/fuzz/small_limb.h"

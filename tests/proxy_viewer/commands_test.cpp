@@ -9,7 +9,7 @@
 #include <set>
 #include <sstream>
 
-#include "proxy_viewer/state/view_settings.h"
+#include "shots/session/view_settings.h"
 #include "tests/support/error_kind.h"
 #include "tests/support/paths.h"
 

@@ -4,9 +4,9 @@
 #include <cmath>
 #include <vector>
 
-#include "proxy_viewer/state/joint_ranges.h"
 #include "runtime/basis/skeleton.h"
 #include "runtime/host/rig.h"
+#include "shots/session/joint_ranges.h"
 #include "tests/support/random_tables.h"
 
 namespace bodyopt::testing {

@@ -1,4 +1,4 @@
-#include "proxy_viewer/scene/open_character.h"
+#include "shots/open_character.h"
 
 #include "tests/builtin/shared_arm.h"
 #include "tests/proxy_viewer/small_character.h"

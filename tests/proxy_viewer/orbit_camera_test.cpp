@@ -104,9 +104,9 @@ TEST(OrbitCamera, DolliesByAShareOfTheDistance) {
   EXPECT_NEAR(camera.view().distance, 2.5, 1e-12);
   EXPECT_EQ(camera.view().target, some_view().target);
   camera.dolly(1e4);
-  EXPECT_EQ(camera.view().distance, OrbitCamera::kNearest);
+  EXPECT_EQ(camera.view().distance, OrbitView::kNearest);
   camera.dolly(-1e4);
-  EXPECT_EQ(camera.view().distance, OrbitCamera::kFarthest);
+  EXPECT_EQ(camera.view().distance, OrbitView::kFarthest);
 }
 
 TEST(OrbitCamera, OrthographicKeepsTheSizeAtTheTarget) {
@@ -168,7 +168,7 @@ TEST(OrbitCamera, AxisViewsLookAlongTheAxes) {
 
 TEST(OrbitCamera, TakesViewsFromOutsideWithinItsLimits) {
   const OrbitCamera camera({.distance = 1e9, .azimuth = 9 * kPi});
-  EXPECT_EQ(camera.view().distance, OrbitCamera::kFarthest);
+  EXPECT_EQ(camera.view().distance, OrbitView::kFarthest);
   EXPECT_NEAR(std::abs(camera.view().azimuth), kPi, 1e-9);
   OrbitCamera seen_from(some_view());
   for (const AxisView axis : {AxisView::back, AxisView::left, AxisView::top, AxisView::bottom}) {

@@ -10,7 +10,7 @@
 
 #include "proxy_viewer/commands/commands.h"
 #include "proxy_viewer/platform/gui.h"
-#include "proxy_viewer/state/view_settings.h"
+#include "shots/session/view_settings.h"
 #include "tests/support/error_kind.h"
 
 namespace bodyopt::testing {

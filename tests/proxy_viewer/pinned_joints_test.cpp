@@ -1,14 +1,15 @@
 // Two-bone reach against the geometry it promises; pins through posing, keys, limits and the mouse.
-#include "proxy_viewer/scene/pinned_joints.h"
+#include "shots/session/pinned_joints.h"
 
 #include <gtest/gtest.h>
 
 #include "proxy_viewer/picking.h"
-#include "proxy_viewer/scene/posed_clip.h"
 #include "proxy_viewer/scene/scene.h"
+#include "proxy_viewer/scene/turn_rings.h"
 #include "runtime/core/error.h"
 #include "runtime/host/rig.h"
 #include "runtime/modifiers/world_rotations.h"
+#include "shots/session/posed_clip.h"
 #include "tests/proxy_viewer/played_viewport.h"
 #include "tests/support/random_tables.h"
 

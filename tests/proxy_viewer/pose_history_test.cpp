@@ -1,7 +1,8 @@
+#include "proxy_viewer/state/pose_history.h"
+
 #include <gtest/gtest.h>
 
 #include "proxy_viewer/commands/commands.h"
-#include "proxy_viewer/state/pose_keys.h"
 
 namespace bodyopt::testing {
 namespace {

@@ -1,5 +1,5 @@
 // A pose that is kept: keys, undo, what is exported, and what eval then gives.
-#include "proxy_viewer/state/pose_keys.h"
+#include "shots/session/pose_keys.h"
 
 #include <gtest/gtest.h>
 

@@ -1,11 +1,11 @@
 // The session as a file: what comes back, what eval makes of it, and what is refused.
-#include "proxy_viewer/scene/session_file.h"
+#include "shots/session/session_file.h"
 
 #include <gtest/gtest.h>
 
 #include "proxy_viewer/commands/commands.h"
-#include "proxy_viewer/scene/posed_clip.h"
 #include "runtime/core/error.h"
+#include "shots/session/posed_clip.h"
 #include "tests/proxy_viewer/played_viewport.h"
 #include "tests/support/error_kind.h"
 #include "tests/support/hostile_bytes.h"

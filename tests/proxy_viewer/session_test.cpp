@@ -5,8 +5,8 @@
 
 #include "proxy_viewer/commands/commands.h"
 #include "proxy_viewer/describe_scene.h"
-#include "proxy_viewer/state/joint_ranges.h"
 #include "runtime/core/error.h"
+#include "shots/session/joint_ranges.h"
 #include "tests/curate/curated_limb.h"
 #include "tests/proxy_viewer/small_character.h"
 #include "tests/support/error_kind.h"

@@ -1,4 +1,4 @@
-#include "proxy_viewer/state/view_settings.h"
+#include "shots/session/view_settings.h"
 
 #include <gtest/gtest.h>
 

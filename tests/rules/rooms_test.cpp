@@ -111,6 +111,7 @@ TEST(Rooms, KnowNoLibraryThatIsNotTheirs) {
       {"assets", {"GLFW", "CLI", "spdlog"}},
       {"trainer", {"GLFW", "imgui", "CLI", "spdlog"}},
       {"draw", {"Eigen", "GLFW", "CLI", "spdlog"}},
+      {"shots", {"GLFW", "imgui", "CLI", "spdlog"}},
       {"proxy_viewer", {"CLI"}},
   };
   for (const Room& room : rooms()) {

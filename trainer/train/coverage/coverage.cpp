@@ -121,6 +121,15 @@ std::vector<ExpectedError> expected_errors(const Basis& basis, const std::vector
   return results;
 }
 
+std::vector<ExpectedError> expected_errors(const ErrorExpectation& expectation, std::span<const Pose> poses,
+                                           std::span<const float> strains) {
+  std::vector<ExpectedError> results(poses.size());
+  const std::size_t fibres = strains.size() / std::max<std::size_t>(1, poses.size());
+  parallel_for(poses.size(),
+               [&](std::size_t n) { results[n] = expectation.of(poses[n], strains.subspan(n * fibres, fibres)); });
+  return results;
+}
+
 double root_mean_square(const std::vector<double>& values) {
   double sum = 0;
   for (const double value : values) sum += value * value;

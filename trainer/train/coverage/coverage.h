@@ -2,6 +2,7 @@
 // them.
 #pragma once
 
+#include <span>
 #include <string>
 #include <vector>
 
@@ -31,6 +32,9 @@ void append_region(const std::string& name, const std::vector<std::uint32_t>& jo
 
 // Of every pose, with the strains that the basis measures there. Throws as ErrorExpectation.
 std::vector<ExpectedError> expected_errors(const Basis& basis, const std::vector<Pose>& poses);
+// Of F poses with the strains that their evaluation measured, F x S.
+std::vector<ExpectedError> expected_errors(const ErrorExpectation& expectation, std::span<const Pose> poses,
+                                           std::span<const float> strains);
 
 double root_mean_square(const std::vector<double>& values);  // 0 of none
 

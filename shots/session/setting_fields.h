@@ -4,7 +4,7 @@
 
 #include <numbers>
 
-#include "proxy_viewer/state/view_settings.h"
+#include "shots/session/view_settings.h"
 
 namespace bodyopt {
 
@@ -13,7 +13,7 @@ inline constexpr double kLatestFrame = 1e9;  // either way
 
 inline constexpr auto kPlayingFields = [](auto& list, auto& playing) {
   list.choice("mode", playing.mode, kPlayModeNames);
-  list.number("speed", playing.speed, Playback::kSlowest, Playback::kFastest);
+  list.number("speed", playing.speed, PlaySettings::kSlowest, PlaySettings::kFastest);
   list.boolean("backwards", playing.backwards);
   list.boolean("real_time", playing.real_time);
   list.integer("in", playing.in, -kLatestFrame, kLatestFrame);
@@ -22,7 +22,7 @@ inline constexpr auto kPlayingFields = [](auto& list, auto& playing) {
 
 inline constexpr auto kViewFields = [](auto& list, auto& view) {
   list.vector("target", view.target, -kFurthest, kFurthest);
-  list.number("distance", view.distance, OrbitCamera::kNearest, OrbitCamera::kFarthest);
+  list.number("distance", view.distance, OrbitView::kNearest, OrbitView::kFarthest);
   list.number("azimuth", view.azimuth, -std::numbers::pi, std::numbers::pi);
   list.number("elevation", view.elevation, -std::numbers::pi / 2, std::numbers::pi / 2);
   list.boolean("orthographic", view.orthographic);

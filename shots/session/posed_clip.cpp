@@ -1,12 +1,12 @@
-#include "proxy_viewer/scene/posed_clip.h"
+#include "shots/session/posed_clip.h"
 
 #include <algorithm>
 #include <numbers>
 #include <utility>
 
-#include "proxy_viewer/scene/pinned_joints.h"
-#include "proxy_viewer/state/pose_keys.h"
 #include "runtime/host/rig.h"
+#include "shots/session/pinned_joints.h"
+#include "shots/session/pose_keys.h"
 
 namespace bodyopt {
 namespace {

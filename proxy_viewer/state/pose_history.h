@@ -1,20 +1,13 @@
-// What is set on top of the clip: between the frames that have keys, and before it was changed, step by step.
+// What is set on top of the clip, before it was changed, step by step.
 #pragma once
 
 #include <cstddef>
 #include <map>
 #include <vector>
 
-#include "proxy_viewer/state/view_settings.h"
+#include "shots/session/view_settings.h"
 
 namespace bodyopt {
-
-// Slow at each key, fast between them; before the first and after the last as those. Joints and axes that a key leaves
-// out are there as the clip has them, controls and pins as the other key has them. There must be a key.
-ViewSettings::PoseKey between_keys(const std::map<int, ViewSettings::PoseKey>& keys, int frame);
-
-// The posing as it is at a frame: by its keys, or, without any, as it is.
-ViewSettings::Posing keyed_posing(ViewSettings::Posing posing, int frame);
 
 class PoseHistory {
  public:

@@ -10,9 +10,9 @@
 #include <utility>
 #include <vector>
 
-#include "proxy_viewer/state/orbit_camera.h"
-#include "proxy_viewer/state/playback.h"
 #include "runtime/core/transform.h"
+#include "shots/session/orbit_view.h"
+#include "shots/session/play_settings.h"
 
 namespace bodyopt {
 

@@ -1,10 +1,10 @@
-#include "proxy_viewer/scene/session_file.h"
+#include "shots/session/session_file.h"
 
 #include <nlohmann/json.hpp>
 
 #include "assets/json_fields.h"
-#include "proxy_viewer/state/setting_fields.h"
 #include "runtime/core/error.h"
+#include "shots/session/setting_fields.h"
 
 namespace bodyopt {
 namespace {
@@ -80,6 +80,13 @@ SessionFile read_session(const fs::path& path) {
   const fs::path folder = path.parent_path();
   change_paths(session, [&](const fs::path& file) { return (folder / file).lexically_normal(); });
   return session;
+}
+
+const SessionCharacter& trained_lead(const SessionFile& session, const std::string& name) {
+  const SessionCharacter& lead = session.cast.front();
+  if (is_basis(lead.files.basis)) return lead;
+  throw Error(ErrorKind::usage, name, ": its lead is '", lead.files.basis,
+              "', expected a trained basis (.safetensors): 'bodyopt train' makes one");
 }
 
 void write_session(const SessionFile& session, const fs::path& path) {

@@ -20,9 +20,6 @@ struct OpenedCharacter {
   std::vector<std::string> notes;      // for the user, one sentence each
 };
 
-// Is the path that of a basis, with files that belong to it beside it?
-bool is_basis(const std::string& path);
-
 // `path`: a basis (.safetensors); a character (.glb, .gltf, .fbx), which gets Direct Delta Mush at once and plays its
 // first clip; or nothing: the built-in arm with its muscles and its held-out motion, by Direct Delta Mush too. No file
 // is written. `options`: of the clip; the unit is also that of the character's file. Throws Error(file),

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "assets/clip.h"
-#include "proxy_viewer/state/joint_ranges.h"
-#include "proxy_viewer/state/view_settings.h"
+#include "shots/session/joint_ranges.h"
+#include "shots/session/view_settings.h"
 
 namespace bodyopt {
 

@@ -1,4 +1,4 @@
-#include "proxy_viewer/state/joint_ranges.h"
+#include "shots/session/joint_ranges.h"
 
 #include <algorithm>
 #include <cmath>

@@ -6,12 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "proxy_viewer/state/joint_ranges.h"
+#include "shots/session/joint_ranges.h"
 
 namespace bodyopt {
-
-class Scene;
-struct Controls;
 
 // Turns of a limb's two bones, world: the lower one about the middle joint first, then both about the upper one.
 struct LimbTurns {
@@ -42,19 +39,5 @@ std::vector<MissedPin> missed_pins(const Skeleton& skeleton, const std::vector<s
 
 // Has the joint two above it, that can reach for it?
 bool ends_a_limb(const Skeleton& skeleton, const std::string& joint);
-
-// Of one of its three angles (joint_ranges.h). Metres, world; degrees.
-struct TurnRing {
-  std::size_t axis;    // x, y, z
-  Vec3 centre, along;  // along: of the axis, unit; seen against it, angles grow to the left
-  Vec3 zero;           // unit, across: where 0 is
-  double radius;
-  double low, high, angle;  // that may be added to the clip, and is
-
-  Vec3 point(double degrees) const;
-};
-
-// Of the lead at the frame; none where no joint is selected. What the limits hold has no room between low and high.
-std::vector<TurnRing> turn_rings(const Scene& scene, const Controls& controls);
 
 }  // namespace bodyopt

@@ -1,4 +1,6 @@
 // bodyopt view: the animators' viewport.
+#include "cli/view/view.h"
+
 #include <set>
 #include <sstream>
 

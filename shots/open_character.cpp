@@ -1,4 +1,4 @@
-#include "proxy_viewer/scene/open_character.h"
+#include "shots/open_character.h"
 
 #include <algorithm>
 #include <filesystem>
@@ -8,6 +8,7 @@
 #include "assets/gltf_file.h"
 #include "runtime/basis/character_unit.h"
 #include "runtime/core/error.h"
+#include "shots/session/actor_files.h"
 #include "trainer/attach/bind_mesh.h"
 #include "trainer/builtin/arm.h"
 #include "trainer/train/features/strain.h"
@@ -64,7 +65,7 @@ OpenedCharacter open_arm(const ClipOptions& options) {
   basis.strain = make_strain_table(basis, arm.muscles);
   opened.clip = arm_heldout(basis.skeleton, kArmHeldoutFrames);
   opened.clip->first_frame = options.first_frame;
-  opened.notes.push_back(
+  opened.notes.emplace_back(
       "the built-in arm is shown by Direct Delta Mush: `bodyopt demo --out demo` trains it, and `bodyopt view "
       "demo/basis.safetensors demo/heldout.glb` shows that");
   return opened;
@@ -85,8 +86,6 @@ bool is_of(const tinygltf::Model& model, const Skeleton& skeleton) {
 }
 
 }  // namespace
-
-bool is_basis(const std::string& path) { return path.ends_with(".safetensors"); }
 
 OpenedCharacter open_character(const std::string& path, const ClipOptions& options) {
   if (path.empty()) return open_arm(options);

@@ -1,12 +1,12 @@
-#include "proxy_viewer/state/view_settings.h"
+#include "shots/session/view_settings.h"
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "assets/json_fields.h"
 #include "assets/wording.h"
-#include "proxy_viewer/state/setting_fields.h"
 #include "runtime/core/error.h"
+#include "shots/session/setting_fields.h"
 
 namespace bodyopt {
 namespace {

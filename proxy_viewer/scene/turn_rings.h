@@ -1,0 +1,27 @@
+// The rings by which a joint is turned with the mouse.
+#pragma once
+
+#include <vector>
+
+#include "runtime/core/transform.h"
+
+namespace bodyopt {
+
+class Scene;
+struct Controls;
+
+// Of one of its three angles (joint_ranges.h). Metres, world; degrees.
+struct TurnRing {
+  std::size_t axis;    // x, y, z
+  Vec3 centre, along;  // along: of the axis, unit; seen against it, angles grow to the left
+  Vec3 zero;           // unit, across: where 0 is
+  double radius;
+  double low, high, angle;  // that may be added to the clip, and is
+
+  Vec3 point(double degrees) const;
+};
+
+// Of the lead at the frame; none where no joint is selected. What the limits hold has no room between low and high.
+std::vector<TurnRing> turn_rings(const Scene& scene, const Controls& controls);
+
+}  // namespace bodyopt

@@ -1,0 +1,62 @@
+// A shot as it is asked for: by files and numbers, as options of `eval`, a session and the list of a show name them.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "runtime/host/device_choice.h"
+#include "runtime/host/weights.h"
+#include "shots/clip_choice.h"
+#include "shots/session/view_settings.h"
+#include "shots/shot.h"
+
+namespace bodyopt {
+
+// What is asked of the jiggle.
+struct JiggleChoice {
+  bool jiggle = false;
+  std::string dynamics;                // empty: the file beside the basis
+  std::string state_in;                // empty: it starts at rest
+  std::string cuts;                    // a range of frames
+  int preroll = 0;                     // frames
+  std::vector<double> gravity_change;  // x, y, z, m/s^2, world; or empty
+
+  // The dynamics; empty without jiggle.
+  std::string file(const std::string& basis) const;
+};
+
+// What a session sets on its lead.
+struct SessionPosing {
+  std::string file;    // the session; empty: there is none
+  std::string limits;  // of the joints; or empty
+  ViewSettings::Posing pose{};
+  std::optional<int> in{}, out{};  // ends of the range that it plays; otherwise the clip's
+  float jiggle = 1;                // how much of it is shown
+};
+
+struct ShotFiles {
+  std::string basis;
+  std::size_t level = 0;  // of detail, of a proxy; 0: the finest
+  ClipChoice clip;        // without a source: the bind pose
+  SessionPosing session;
+  std::string modifiers;              // modifiers.json; or empty
+  std::vector<std::string> controls;  // "NAME=VALUE" over the whole clip
+  std::string attached;               // empty: the file beside the basis, where there is one
+  JiggleChoice jiggle;
+  DeviceChoice device;
+
+  // All that decide the result.
+  std::vector<std::filesystem::path> paths() const;
+};
+
+// The lead of a session with its clip, its posing and the range that it plays, in place of what `files` has of them.
+// Throws Error(file), and Error(usage) where the lead is no trained basis.
+void take_session(const std::string& session, ShotFiles& files);
+
+// Reads them. Throws Error(file), Error(mismatch), Error(device), and Error(usage) for frames, levels and controls that
+// are not there.
+Shot read_shot(const ShotFiles& files, const Tell& tell);
+
+}  // namespace bodyopt
