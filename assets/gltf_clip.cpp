@@ -49,13 +49,13 @@ double unit_of_skin(const GltfFile& file) {
 
 // What joints are matched by, per node. Joints of the file's own skin come before other nodes (a mesh may be called
 // like a joint), animated nodes before still ones; other nodes have no name.
-std::vector<std::string> joint_names(const GltfFile& file, const std::vector<bool>& animated) {
+std::vector<std::string> joint_names(const GltfFile& file, const NodeTree& tree, const std::vector<bool>& animated) {
   const tinygltf::Model& model = file.model();
   std::vector<std::string> names(model.nodes.size());
   std::set<std::string> known;
   std::vector<std::string> unused;  // what reading the character notes already
   if (const int skin = choose_skin(file); skin >= 0) {
-    const SkinJoints joints = read_skin_joints(file, skin, unused);
+    const SkinJoints joints = read_skin_joints(file, skin, tree, unused);
     for (std::size_t k = 0; k < joints.nodes.size(); ++k) {
       names[static_cast<std::size_t>(joints.nodes[k])] = joints.names[k];
       known.insert(joints.names[k]);
@@ -75,7 +75,7 @@ std::vector<std::string> joint_names(const GltfFile& file, const std::vector<boo
 std::vector<int> match_nodes(const GltfFile& file, const NodeTree& tree, const Skeleton& skeleton,
                              const std::vector<bool>& animated, const std::string& joint_map,
                              std::vector<std::string>& notes) {
-  const std::vector<std::string> names = joint_names(file, animated);
+  const std::vector<std::string> names = joint_names(file, tree, animated);
   std::vector<NamedJoint> joints;
   std::vector<int> place(tree.parent.size(), -1);
   for (const std::size_t n : tree.order) {

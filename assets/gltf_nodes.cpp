@@ -40,6 +40,29 @@ bool is_sheared(const Affine& a, const JointTransform& t) {
   return false;
 }
 
+bool scales_evenly(const JointTransform& t) {
+  const double size = std::abs(t.scale[0]);
+  return std::abs(std::abs(t.scale[1]) - size) <= 1e-6 * size && std::abs(std::abs(t.scale[2]) - size) <= 1e-6 * size;
+}
+
+void append_shearing_nodes(const NodeTree& tree, std::vector<int>& joints) {
+  std::vector<bool> is_joint(tree.parent.size(), false), is_seen(tree.parent.size(), false);
+  for (const int joint : joints) is_joint[static_cast<std::size_t>(joint)] = true;
+  std::vector<Affine> folded(tree.parent.size());
+  for (const std::size_t n : tree.order) {
+    const Affine own = affine_from(tree.local[n]);
+    const int above = tree.parent[n] < 0 || is_joint[static_cast<std::size_t>(tree.parent[n])] ? -1 : tree.parent[n];
+    folded[n] = above < 0 ? own : folded[static_cast<std::size_t>(above)] * own;
+    if (!is_joint[n] || !is_sheared(folded[n], decompose(folded[n]))) continue;
+    for (int up = above; up >= 0 && !is_seen[static_cast<std::size_t>(up)];
+         up = tree.parent[static_cast<std::size_t>(up)]) {
+      if (is_joint[static_cast<std::size_t>(up)]) break;
+      is_seen[static_cast<std::size_t>(up)] = true;
+      if (!scales_evenly(tree.local[static_cast<std::size_t>(up)])) joints.push_back(up);
+    }
+  }
+}
+
 // What of a node's transform could not be taken as it is.
 struct NodeRepairs {
   bool sheared = false, has_no_turn = false;
@@ -127,21 +150,23 @@ std::vector<Affine> world_of_nodes(const NodeTree& tree) {
   return world;
 }
 
-SkinJoints read_skin_joints(const GltfFile& file, int skin, std::vector<std::string>& notes) {
+SkinJoints read_skin_joints(const GltfFile& file, int skin, const NodeTree& tree, std::vector<std::string>& notes) {
   const tinygltf::Model& model = file.model();
   SkinJoints joints;
   joints.nodes = model.skins[static_cast<std::size_t>(skin)].joints;
   if (joints.nodes.empty()) file.fail("skin ", skin, " has no joints");
   std::set<int> seen;
-  std::set<std::string> taken;
   for (std::size_t k = 0; k < joints.nodes.size(); ++k) {
     const int node = joints.nodes[k];
     if (node < 0 || node >= std::ssize(model.nodes)) file.fail("joint ", k, " is no node of the file");
     if (!seen.insert(node).second) {
       file.fail(node_label(model, static_cast<std::size_t>(node)), " is listed twice as a joint");
     }
-    taken.insert(model.nodes[static_cast<std::size_t>(node)].name);
   }
+  joints.listed = joints.nodes.size();
+  append_shearing_nodes(tree, joints.nodes);
+  std::set<std::string> taken;
+  for (const int node : joints.nodes) taken.insert(model.nodes[static_cast<std::size_t>(node)].name);
   std::set<std::string> used;
   std::map<std::string, int> copies;
   std::vector<std::string> unnamed, renamed;

@@ -29,8 +29,11 @@ std::vector<Affine> world_of_nodes(const NodeTree& tree);
 struct SkinJoints {
   std::vector<int> nodes;
   std::vector<std::string> names;
+  // Those that the skin lists. After them are nodes above them that scale one axis more than another: folded into
+  // turned joints they would shear them, which no joint holds but a joint above it does.
+  std::size_t listed = 0;
 };
-SkinJoints read_skin_joints(const GltfFile& file, int skin, std::vector<std::string>& notes);
+SkinJoints read_skin_joints(const GltfFile& file, int skin, const NodeTree& tree, std::vector<std::string>& notes);
 
 // Local transforms of joints from those of nodes: the nodes above a joint that are no joints themselves, up to the
 // nearest one that is, are folded into it. Resting identity nodes change nothing and are left out.

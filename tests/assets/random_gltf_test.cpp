@@ -8,8 +8,7 @@
 namespace bodyopt {
 namespace {
 
-// As PlainGltf shows them, to a ten thousandth of their size, or with a word that says how far they are off; every mesh
-// is on the character's skin or rides on it.
+// As PlainGltf shows them, to a ten thousandth of their size; every mesh is on the character's skin or rides on it.
 TEST(RandomGltf, CharactersAreAsTheirScenesShowThem) {
   const TemporaryFolder folder;
   std::size_t refused = 0;
