@@ -34,6 +34,7 @@ struct ActorFiles {
   std::string limits{};     // of its joints
   std::string muscles{};    // for its section
   std::string joint_map{};  // of its clips
+  std::string up{};         // of those that are BVH, as ClipOptions
 
   std::filesystem::path dynamics() const;
   std::filesystem::path attached() const;
