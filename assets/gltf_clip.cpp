@@ -216,11 +216,17 @@ bool is_other_unit(double ratio) {
   return !(ratio < kMostRatio && ratio * kMostRatio > 1);
 }
 
-// The offsets of joints are the character's own build: a clip that brings very different ones is of another.
+// The offsets of joints are the character's own build: a clip that brings very different ones is of another. Those of
+// the topmost, be they below armatures that are joints, are where the character goes.
 void require_same_build(const GltfFile& file, const Motion& motion, const Clip& clip) {
   double own = 0, brought = 0;
+  std::vector<bool> is_topmost(motion.skeleton.size(), true);
   for (std::size_t j = 0; j < motion.skeleton.size(); ++j) {
-    if (motion.skeleton.joints[j].parent < 0 || !motion.fold.is_animated(j)) continue;
+    if (const int parent = motion.skeleton.joints[j].parent; parent >= 0) {
+      const auto above = static_cast<std::size_t>(parent);
+      is_topmost[j] = is_topmost[above] && !scales_evenly(motion.skeleton.joints[above].default_local);
+    }
+    if (is_topmost[j] || !motion.fold.is_animated(j)) continue;
     own += length(motion.skeleton.joints[j].default_local.translation);
     brought += length(clip.poses.front().joints[j].translation);
   }

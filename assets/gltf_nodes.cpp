@@ -40,23 +40,13 @@ bool is_sheared(const Affine& a, const JointTransform& t) {
   return false;
 }
 
-bool scales_evenly(const JointTransform& t) {
-  const double size = std::abs(t.scale[0]);
-  return std::abs(std::abs(t.scale[1]) - size) <= 1e-6 * size && std::abs(std::abs(t.scale[2]) - size) <= 1e-6 * size;
-}
-
-void append_shearing_nodes(const NodeTree& tree, std::vector<int>& joints) {
-  std::vector<bool> is_joint(tree.parent.size(), false), is_seen(tree.parent.size(), false);
-  for (const int joint : joints) is_joint[static_cast<std::size_t>(joint)] = true;
-  std::vector<Affine> folded(tree.parent.size());
-  for (const std::size_t n : tree.order) {
-    const Affine own = affine_from(tree.local[n]);
-    const int above = tree.parent[n] < 0 || is_joint[static_cast<std::size_t>(tree.parent[n])] ? -1 : tree.parent[n];
-    folded[n] = above < 0 ? own : folded[static_cast<std::size_t>(above)] * own;
-    if (!is_joint[n] || !is_sheared(folded[n], decompose(folded[n]))) continue;
-    for (int up = above; up >= 0 && !is_seen[static_cast<std::size_t>(up)];
+// Those above joints that scale one axis more than another. Parents of what is seen already are, too.
+void append_stretching_nodes(const NodeTree& tree, std::vector<int>& joints) {
+  std::vector<bool> is_seen(tree.parent.size(), false);
+  for (const int joint : joints) is_seen[static_cast<std::size_t>(joint)] = true;
+  for (std::size_t k = 0, listed = joints.size(); k < listed; ++k) {
+    for (int up = tree.parent[static_cast<std::size_t>(joints[k])]; up >= 0 && !is_seen[static_cast<std::size_t>(up)];
          up = tree.parent[static_cast<std::size_t>(up)]) {
-      if (is_joint[static_cast<std::size_t>(up)]) break;
       is_seen[static_cast<std::size_t>(up)] = true;
       if (!scales_evenly(tree.local[static_cast<std::size_t>(up)])) joints.push_back(up);
     }
@@ -112,6 +102,11 @@ std::vector<std::size_t> topological_order(const tinygltf::Model& model, const s
 
 }  // namespace
 
+bool scales_evenly(const JointTransform& t) {
+  const double size = std::abs(t.scale[0]);
+  return std::abs(std::abs(t.scale[1]) - size) <= 1e-6 * size && std::abs(std::abs(t.scale[2]) - size) <= 1e-6 * size;
+}
+
 NodeTree read_nodes(const GltfFile& file, double unit, std::vector<std::string>& notes) {
   const tinygltf::Model& model = file.model();
   NodeTree tree;
@@ -164,7 +159,7 @@ SkinJoints read_skin_joints(const GltfFile& file, int skin, const NodeTree& tree
     }
   }
   joints.listed = joints.nodes.size();
-  append_shearing_nodes(tree, joints.nodes);
+  append_stretching_nodes(tree, joints.nodes);
   std::set<std::string> taken;
   for (const int node : joints.nodes) taken.insert(model.nodes[static_cast<std::size_t>(node)].name);
   std::set<std::string> used;

@@ -29,8 +29,10 @@ std::vector<std::size_t> parents_first(const JointFold& fold, const std::vector<
 
 // What the default pose does to the whole skin.
 Vec3 common_scale_and_mirror(std::span<const Affine> shown) {
-  const double scale = common_scale(transformed(shown, [](const Affine& a) { return std::cbrt(determinant(a)); }));
-  return {scale, std::abs(scale), std::abs(scale)};
+  const double scale =
+      common_scale(transformed(shown, [](const Affine& a) { return std::cbrt(std::abs(determinant(a))); }));
+  const auto mirrored = std::ranges::count_if(shown, [](const Affine& a) { return determinant(a) < 0; });
+  return {2 * mirrored > std::ssize(shown) ? -scale : scale, scale, scale};
 }
 
 // Does it keep all angles?
@@ -182,12 +184,12 @@ double common_scale(std::vector<double> scales) {
   std::erase_if(scales, [](double scale) { return scale == 0 || !std::isfinite(scale); });
   if (scales.empty()) return 1;
   std::ranges::sort(scales);
-  const double median = scales[scales.size() / 2], size = std::abs(median);
+  const double median = scales[scales.size() / 2];
   const auto agree =
-      std::ranges::count_if(scales, [&](const double scale) { return std::abs(scale - median) <= 0.01 * size; });
-  const bool is_unit = !(size > 0.5 && size < 2);
+      std::ranges::count_if(scales, [&](const double scale) { return std::abs(scale - median) <= 0.01 * median; });
+  const bool is_unit = !(median > 0.5 && median < 2);
   if (2 * agree <= std::ssize(scales) && !is_unit) return 1;
-  return std::abs(size - 1) > 1e-3 ? median : std::copysign(1.0, median);
+  return std::abs(median - 1) > 1e-3 ? median : 1;
 }
 
 double determinant(const Affine& a) {

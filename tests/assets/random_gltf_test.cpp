@@ -19,6 +19,8 @@ TEST(RandomGltf, CharactersAreAsTheirScenesShowThem) {
     try {
       const Character character = read_character(folder / "c.glb");
       EXPECT_EQ(made.what_is_wrong(character), "");
+      const ClipOptions options{.fps = 1, .unit = character.unit};
+      EXPECT_EQ(made.what_is_wrong(character, read_clip((folder / "c.glb").string(), character.skeleton, options)), "");
       std::vector<std::string> notes;
       const double unit = character.unit > 0 ? character.unit : 1;
       const auto loose = read_loose_meshes(folder / "c.glb", character.skeleton, character.output_count(), unit, notes);
