@@ -14,7 +14,8 @@ std::vector<std::string> seeds() { return {"bodyopt!", "a number"}; }
 
 void read(const std::string& bytes) {
   const auto seed = static_cast<unsigned>(XXH3_64bits(bytes.data(), bytes.size()));
-  const testing::WrittenFbx file = testing::FbxMaker(seed).limb(0.5);
+  testing::WrittenFbx file = testing::FbxMaker(seed).limb(0.5);
+  if (file.curves.size() > 2) file.curves.resize(2);  // a curve costs most of the time
   const std::string text = seed % 2 == 0 ? file.text() : file.binary(seed % 4 == 1 ? 7400 : 7700, seed % 3 == 0);
   const std::filesystem::path path = as_file("random.fbx", text);
   const GltfFile converted(path);
