@@ -41,9 +41,11 @@ def fuzz(findings, fuzzer, environment, folder, reader, seed, limit, seconds):
     corpus.mkdir(parents=True)
     found.mkdir(parents=True)
     largest = max(path.stat().st_size for path in (folder / "seeds" / reader).iterdir())
+    words = folder / "seeds" / f"{reader}.dict"
+    dictionary = [f"-dict={words}"] if words.stat().st_size > 0 else []  # libFuzzer refuses an empty one
     command = [fuzzer, f"--reader={reader}", f"-seed={seed}", limit,
-               f"-max_len={max(2 * largest, 4096)}", f"-dict=seeds/{reader}.dict", f"-artifact_prefix={found}/",
-               "-timeout=20", "-rss_limit_mb=3000", "-malloc_limit_mb=1000", corpus, folder / "seeds" / reader]
+               f"-max_len={max(2 * largest, 4096)}", *dictionary, f"-artifact_prefix={found}/", "-timeout=20",
+               "-rss_limit_mb=3000", "-malloc_limit_mb=1000", corpus, folder / "seeds" / reader]
     outcome = run(command, folder, seconds=seconds + 120, environment=environment)
     executed = re.findall(r"^#(\d+)", outcome.output, re.M)
     findings.attempt(NAME, int(executed[-1]) if executed else 0)
