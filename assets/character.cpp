@@ -35,9 +35,9 @@ void bind_weights(const SkinSkeleton& skin, SkinGeometry& geometry, std::vector<
 }
 
 // What the joints do to all of the skin, mirrored with its outside outside.
-void set_rest(const Vec3& scale, SkinGeometry& geometry) {
-  for (Vec3& p : geometry.positions) p = {scale[0] * p[0], scale[1] * p[1], scale[2] * p[2]};
-  if (scale[0] > 0) return;
+void set_rest(const Affine& rest, SkinGeometry& geometry) {
+  for (Vec3& p : geometry.positions) p = rest * p;
+  if (determinant(rest) > 0) return;
   for (auto& [a, b, c] : geometry.triangles) std::swap(b, c);
 }
 
@@ -155,7 +155,7 @@ Character read_character(const GltfFile& file, double unit) {
   SkinSkeleton skin = read_skin_skeleton(file, skin_index, metres, character.notes);
   SkinGeometry geometry = read_skin_geometry(file, skin_index, character.notes);
   if (geometry.positions.empty()) file.fail("the skinned mesh has no vertices");
-  set_rest(metres * skin.rest_scale, geometry);
+  set_rest(skin.rest, geometry);
   const double diagonal = bounding_box_diagonal(geometry.positions);
   bind_weights(skin, geometry, character.notes);
 

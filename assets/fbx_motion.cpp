@@ -149,8 +149,7 @@ std::vector<double> FbxMotion::times(std::span<const FbxObject* const> models) c
     }
   }
   std::ranges::sort(times);
-  const auto repeated = std::ranges::unique(times);
-  times.erase(repeated.begin(), repeated.end());
+  times.erase(std::unique(times.begin(), times.end()), times.end());
   return times;
 }
 

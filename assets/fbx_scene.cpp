@@ -1,6 +1,7 @@
 #include "assets/fbx_scene.h"
 
 #include <cmath>
+#include <nlohmann/json.hpp>
 
 #include "runtime/core/json.h"
 

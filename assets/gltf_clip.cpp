@@ -49,13 +49,13 @@ double unit_of_skin(const GltfFile& file) {
 
 // What joints are matched by, per node. Joints of the file's own skin come before other nodes (a mesh may be called
 // like a joint), animated nodes before still ones; other nodes have no name.
-std::vector<std::string> joint_names(const GltfFile& file, const std::vector<bool>& animated) {
+std::vector<std::string> joint_names(const GltfFile& file, const NodeTree& tree, const std::vector<bool>& animated) {
   const tinygltf::Model& model = file.model();
   std::vector<std::string> names(model.nodes.size());
   std::set<std::string> known;
   std::vector<std::string> unused;  // what reading the character notes already
   if (const int skin = choose_skin(file); skin >= 0) {
-    const SkinJoints joints = read_skin_joints(file, skin, unused);
+    const SkinJoints joints = read_skin_joints(file, skin, tree, unused);
     for (std::size_t k = 0; k < joints.nodes.size(); ++k) {
       names[static_cast<std::size_t>(joints.nodes[k])] = joints.names[k];
       known.insert(joints.names[k]);
@@ -75,7 +75,7 @@ std::vector<std::string> joint_names(const GltfFile& file, const std::vector<boo
 std::vector<int> match_nodes(const GltfFile& file, const NodeTree& tree, const Skeleton& skeleton,
                              const std::vector<bool>& animated, const std::string& joint_map,
                              std::vector<std::string>& notes) {
-  const std::vector<std::string> names = joint_names(file, animated);
+  const std::vector<std::string> names = joint_names(file, tree, animated);
   std::vector<NamedJoint> joints;
   std::vector<int> place(tree.parent.size(), -1);
   for (const std::size_t n : tree.order) {
@@ -216,11 +216,17 @@ bool is_other_unit(double ratio) {
   return !(ratio < kMostRatio && ratio * kMostRatio > 1);
 }
 
-// The offsets of joints are the character's own build: a clip that brings very different ones is of another.
+// The offsets of joints are the character's own build: a clip that brings very different ones is of another. Those of
+// the topmost, be they below armatures that are joints, are where the character goes.
 void require_same_build(const GltfFile& file, const Motion& motion, const Clip& clip) {
   double own = 0, brought = 0;
+  std::vector<bool> is_topmost(motion.skeleton.size(), true);
   for (std::size_t j = 0; j < motion.skeleton.size(); ++j) {
-    if (motion.skeleton.joints[j].parent < 0 || !motion.fold.is_animated(j)) continue;
+    if (const int parent = motion.skeleton.joints[j].parent; parent >= 0) {
+      const auto above = static_cast<std::size_t>(parent);
+      is_topmost[j] = is_topmost[above] && !scales_evenly(motion.skeleton.joints[above].default_local);
+    }
+    if (is_topmost[j] || !motion.fold.is_animated(j)) continue;
     own += length(motion.skeleton.joints[j].default_local.translation);
     brought += length(clip.poses.front().joints[j].translation);
   }

@@ -40,6 +40,19 @@ bool is_sheared(const Affine& a, const JointTransform& t) {
   return false;
 }
 
+// Those above joints that scale one axis more than another. Parents of what is seen already are, too.
+void append_stretching_nodes(const NodeTree& tree, std::vector<int>& joints) {
+  std::vector<bool> is_seen(tree.parent.size(), false);
+  for (const int joint : joints) is_seen[static_cast<std::size_t>(joint)] = true;
+  for (std::size_t k = 0, listed = joints.size(); k < listed; ++k) {
+    for (int up = tree.parent[static_cast<std::size_t>(joints[k])]; up >= 0 && !is_seen[static_cast<std::size_t>(up)];
+         up = tree.parent[static_cast<std::size_t>(up)]) {
+      is_seen[static_cast<std::size_t>(up)] = true;
+      if (!scales_evenly(tree.local[static_cast<std::size_t>(up)])) joints.push_back(up);
+    }
+  }
+}
+
 // What of a node's transform could not be taken as it is.
 struct NodeRepairs {
   bool sheared = false, has_no_turn = false;
@@ -89,6 +102,11 @@ std::vector<std::size_t> topological_order(const tinygltf::Model& model, const s
 
 }  // namespace
 
+bool scales_evenly(const JointTransform& t) {
+  const double size = std::abs(t.scale[0]);
+  return std::abs(std::abs(t.scale[1]) - size) <= 1e-6 * size && std::abs(std::abs(t.scale[2]) - size) <= 1e-6 * size;
+}
+
 NodeTree read_nodes(const GltfFile& file, double unit, std::vector<std::string>& notes) {
   const tinygltf::Model& model = file.model();
   NodeTree tree;
@@ -127,21 +145,23 @@ std::vector<Affine> world_of_nodes(const NodeTree& tree) {
   return world;
 }
 
-SkinJoints read_skin_joints(const GltfFile& file, int skin, std::vector<std::string>& notes) {
+SkinJoints read_skin_joints(const GltfFile& file, int skin, const NodeTree& tree, std::vector<std::string>& notes) {
   const tinygltf::Model& model = file.model();
   SkinJoints joints;
   joints.nodes = model.skins[static_cast<std::size_t>(skin)].joints;
   if (joints.nodes.empty()) file.fail("skin ", skin, " has no joints");
   std::set<int> seen;
-  std::set<std::string> taken;
   for (std::size_t k = 0; k < joints.nodes.size(); ++k) {
     const int node = joints.nodes[k];
     if (node < 0 || node >= std::ssize(model.nodes)) file.fail("joint ", k, " is no node of the file");
     if (!seen.insert(node).second) {
       file.fail(node_label(model, static_cast<std::size_t>(node)), " is listed twice as a joint");
     }
-    taken.insert(model.nodes[static_cast<std::size_t>(node)].name);
   }
+  joints.listed = joints.nodes.size();
+  append_stretching_nodes(tree, joints.nodes);
+  std::set<std::string> taken;
+  for (const int node : joints.nodes) taken.insert(model.nodes[static_cast<std::size_t>(node)].name);
   std::set<std::string> used;
   std::map<std::string, int> copies;
   std::vector<std::string> unnamed, renamed;

@@ -24,13 +24,18 @@ NodeTree read_nodes(const GltfFile& file, double unit, std::vector<std::string>&
 // Per node, from its space to the world; metres.
 std::vector<Affine> world_of_nodes(const NodeTree& tree);
 
+bool scales_evenly(const JointTransform& t);  // all axes alike, but for mirroring
+
 // The joints of a skin by name: unnamed joints are called joint_<index in the skin>, a name that is already taken gets
 // a suffix and a note. Throws Error(file) for an empty skin, joints out of range or listed twice.
 struct SkinJoints {
   std::vector<int> nodes;
   std::vector<std::string> names;
+  // Those that the skin lists. After them are nodes above them that scale one axis more than another: folded into
+  // joints that turn they would shear them, which no joint holds, but joints above it do.
+  std::size_t listed = 0;
 };
-SkinJoints read_skin_joints(const GltfFile& file, int skin, std::vector<std::string>& notes);
+SkinJoints read_skin_joints(const GltfFile& file, int skin, const NodeTree& tree, std::vector<std::string>& notes);
 
 // Local transforms of joints from those of nodes: the nodes above a joint that are no joints themselves, up to the
 // nearest one that is, are folded into it. Resting identity nodes change nothing and are left out.

@@ -23,7 +23,7 @@ RestNodes read_rest(const GltfFile& file, const NodeTree& tree, double unit) {
   const int skin = skin_of_motion(file);
   if (skin < 0 || file.model().skins[static_cast<std::size_t>(skin)].inverseBindMatrices < 0) return rest;
   const SkinSkeleton bound = read_skin_skeleton(file, skin, unit, unused);
-  const std::vector<int> nodes = read_skin_joints(file, skin, unused).nodes;
+  const std::vector<int> nodes = read_skin_joints(file, skin, tree, unused).nodes;
   const std::vector<Affine> bind = posed_joints(bound.skeleton, bind_pose(bound.skeleton).joints);
   std::vector<int> joint_of_node(tree.parent.size(), -1);
   for (std::size_t k = 0; k < nodes.size(); ++k) {

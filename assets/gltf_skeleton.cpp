@@ -28,26 +28,64 @@ std::vector<std::size_t> parents_first(const JointFold& fold, const std::vector<
 }
 
 // What the default pose does to the whole skin.
-Vec3 common_scale_and_mirror(const std::vector<Affine>& shown) {
-  const double scale = common_scale(transformed(shown, [](const Affine& a) { return std::cbrt(determinant(a)); }));
-  return {scale, std::abs(scale), std::abs(scale)};
+Vec3 common_scale_and_mirror(std::span<const Affine> shown) {
+  const double scale =
+      common_scale(transformed(shown, [](const Affine& a) { return std::cbrt(std::abs(determinant(a))); }));
+  const auto mirrored = std::ranges::count_if(shown, [](const Affine& a) { return determinant(a) < 0; });
+  return {2 * mirrored > std::ssize(shown) ? -scale : scale, scale, scale};
 }
 
-void scale_rest(SkinSkeleton& skin, std::vector<std::string>& notes) {
+// Does it keep all angles?
+bool is_even(const Affine& a) {
+  const auto column = [&](std::size_t c) { return Vec3{a.m[0][c], a.m[1][c], a.m[2][c]}; };
+  const double size = std::pow(std::abs(determinant(a)), 2.0 / 3);
+  for (std::size_t i = 0; i < 3; ++i) {
+    for (std::size_t k = i; k < 3; ++k) {
+      if (!(std::abs(dot(column(i), column(k)) - (i == k ? size : 0)) <= 1e-3 * size)) return false;
+    }
+  }
+  return true;
+}
+
+void scale_rest(const Vec3& by, SkinSkeleton& skin, std::vector<std::string>& notes) {
   const auto scale = [&](Affine& a) {
     for (auto& row : a.m) {
-      for (std::size_t c = 0; c < 3; ++c) row[c] /= skin.rest_scale[c];
+      for (std::size_t c = 0; c < 3; ++c) row[c] /= by[c];
     }
   };
   for (Joint& joint : skin.skeleton.joints) scale(joint.inverse_bind);
   for (Affine& shown : skin.shown) scale(shown);
-  if (const double size = skin.rest_scale[1]; size != 1) {
+  for (std::size_t i = 0; i < 3; ++i) {
+    for (double& x : skin.rest.m[i]) x *= by[i];
+  }
+  if (by[1] != 1) {
     char factor[32];
-    std::snprintf(factor, sizeof factor, "%.6g", size);
+    std::snprintf(factor, sizeof factor, "%.6g", by[1]);
     notes.push_back(std::string("The joints scale the whole skin by ") + factor +
                     " (mesh and world have different units); the rest shape was scaled by it.");
   }
-  if (skin.rest_scale[0] < 0) notes.push_back("The joints mirror the whole skin; the rest shape was mirrored.");
+  if (by[0] < 0) notes.push_back("The joints mirror the whole skin; the rest shape was mirrored.");
+}
+
+// What stretches most of the skin one way is done to the rest shape, so that joints turn it and no more. `listed`: the
+// joints of the skin, of which the first tells. The others are where their nodes are.
+void stretch_rest(std::span<const std::uint32_t> listed, SkinSkeleton& skin, std::vector<std::string>& notes) {
+  const Affine by = skin.shown[std::ranges::min(listed)];
+  if (is_even(by) || std::abs(determinant(by)) < 1e-9) return;
+  const Affine back = inverse(by);
+  const auto uneven = [&](const Affine& before) {
+    return std::ranges::count_if(listed, [&](const std::uint32_t j) { return !is_even(skin.shown[j] * before); });
+  };
+  if (uneven(back) >= uneven({})) return;
+  skin.rest = by * skin.rest;
+  std::vector<bool> is_listed(skin.shown.size(), false);
+  for (const std::uint32_t j : listed) is_listed[j] = true;
+  for (std::size_t j = 0; j < skin.shown.size(); ++j) {
+    const Affine before = is_listed[j] ? back : inverse(skin.shown[j]);
+    skin.shown[j] = skin.shown[j] * before;
+    skin.skeleton.joints[j].inverse_bind = skin.skeleton.joints[j].inverse_bind * before;
+  }
+  notes.push_back("The nodes stretch the whole skin one way; the rest shape was stretched so.");
 }
 
 // Local bind transforms from the inverse bind matrices; returns the names of joints whose bind matrix holds shear.
@@ -146,12 +184,12 @@ double common_scale(std::vector<double> scales) {
   std::erase_if(scales, [](double scale) { return scale == 0 || !std::isfinite(scale); });
   if (scales.empty()) return 1;
   std::ranges::sort(scales);
-  const double median = scales[scales.size() / 2], size = std::abs(median);
+  const double median = scales[scales.size() / 2];
   const auto agree =
-      std::ranges::count_if(scales, [&](const double scale) { return std::abs(scale - median) <= 0.01 * size; });
-  const bool is_unit = !(size > 0.5 && size < 2);
+      std::ranges::count_if(scales, [&](const double scale) { return std::abs(scale - median) <= 0.01 * median; });
+  const bool is_unit = !(median > 0.5 && median < 2);
   if (2 * agree <= std::ssize(scales) && !is_unit) return 1;
-  return std::abs(size - 1) > 1e-3 ? median : std::copysign(1.0, median);
+  return std::abs(median - 1) > 1e-3 ? median : 1;
 }
 
 double determinant(const Affine& a) {
@@ -181,13 +219,19 @@ std::vector<Affine> read_inverse_binds(const GltfFile& file, int skin, std::size
 
 SkinSkeleton read_skin_skeleton(const GltfFile& file, int skin, double unit, std::vector<std::string>& notes) {
   const NodeTree tree = read_nodes(file, unit, notes);
-  const SkinJoints joints = read_skin_joints(file, skin, notes);
+  const SkinJoints joints = read_skin_joints(file, skin, tree, notes);
   const JointFold fold(tree, joints.nodes, std::vector<bool>(tree.parent.size(), false));
   const std::vector<JointTransform> locals = fold.locals(tree.local);
-  const std::vector<Affine> inverse_binds = read_inverse_binds(file, skin, joints.nodes.size(), unit);
   const std::vector<Affine> world = world_of_nodes(tree);
+  std::vector<Affine> inverse_binds = read_inverse_binds(file, skin, joints.listed, unit);
+  for (std::size_t k = joints.listed; k < joints.nodes.size(); ++k) {
+    const Affine& bind = world[static_cast<std::size_t>(joints.nodes[k])];
+    if (std::abs(determinant(bind)) < 1e-30) file.fail("'", joints.names[k], "', above joints, is scaled to nothing");
+    inverse_binds.push_back(inverse(bind));
+  }
 
   SkinSkeleton result;
+  for (std::size_t i = 0; i < 3; ++i) result.rest.m[i][i] = unit;
   result.joint_of_skin.resize(joints.nodes.size());
   for (const std::size_t k : parents_first(fold, joints.nodes)) {
     result.joint_of_skin[k] = static_cast<std::uint32_t>(result.skeleton.size());
@@ -206,8 +250,10 @@ SkinSkeleton read_skin_skeleton(const GltfFile& file, int skin, double unit, std
     result.skeleton.joints.push_back(std::move(joint));
   }
 
-  result.rest_scale = common_scale_and_mirror(result.shown);
-  if (result.rest_scale != Vec3{1, 1, 1}) scale_rest(result, notes);
+  const std::span listed = std::span<const std::uint32_t>(result.joint_of_skin).first(joints.listed);
+  stretch_rest(listed, result, notes);
+  const std::vector<Affine> shown = transformed(listed, [&](const std::uint32_t j) { return result.shown[j]; });
+  if (const Vec3 scale = common_scale_and_mirror(shown); scale != Vec3{1, 1, 1}) scale_rest(scale, result, notes);
   const std::vector<std::string> sheared = set_binds(file, result.skeleton);
   if (!sheared.empty()) {
     notes.push_back(

@@ -11,10 +11,10 @@ namespace bodyopt {
 struct SkinSkeleton {
   Skeleton skeleton;
   std::vector<std::uint32_t> joint_of_skin;  // skeleton joint of each joint of the skin
-  // Exporters often leave a mesh in other units than the world and let the joints scale it, or mirror it. Where the
-  // default pose does that to most joints alike, it is done to the rest space instead: multiply rest positions by this.
-  // Its first number is negative where they are mirrored.
-  Vec3 rest_scale{1, 1, 1};
+  // Exporters often leave a mesh in other units than the world and let the joints scale it, mirror it, or stretch it
+  // one way. Where the default pose does that to most joints alike, it is done to the rest space instead: from the
+  // file's space and units to rest space, metres.
+  Affine rest;
   // Per joint of the skeleton: from that rest space, in metres, to the world, as the file's nodes stand.
   std::vector<Affine> shown;
 };

@@ -274,7 +274,8 @@ std::vector<Vec3> read_morph_target(const std::filesystem::path& character, int 
   const int skin = choose_skin(file);
   if (skin < 0) file.fail("has no skinned mesh");
   const double metres = file_unit(file, unit, unused);
-  const Vec3 scale = metres * read_skin_skeleton(file, skin, metres, unused).rest_scale;
+  Affine rest = read_skin_skeleton(file, skin, metres, unused).rest;
+  for (auto& row : rest.m) row[3] = 0;  // of what moves, not of places
   std::vector<Vec3> all;
   std::size_t most = 0;
   for (const SkinPrimitive& part : skin_primitives(file, skin)) {
@@ -283,9 +284,7 @@ std::vector<Vec3> read_morph_target(const std::filesystem::path& character, int 
     all.resize(first + count, Vec3{0, 0, 0});
     if (static_cast<std::size_t>(target) >= part.primitive.targets.size()) continue;
     const std::vector<Vec3> moved = moved_by(file, part, static_cast<std::size_t>(target), count);
-    for (std::size_t k = 0; k < moved.size(); ++k) {
-      for (std::size_t i = 0; i < 3; ++i) all[first + k][i] = scale[i] * moved[k][i];
-    }
+    for (std::size_t k = 0; k < moved.size(); ++k) all[first + k] = rest * moved[k];
   }
   if (static_cast<std::size_t>(target) >= most) {
     file.fail("has no morph target ", target, "; it has ", count_of(most, "morph target", "morph targets"),

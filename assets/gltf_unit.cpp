@@ -19,7 +19,7 @@ bool has_a_size(double diagonal) { return diagonal >= kSmallestDiagonal && diago
 double likely_unit(double diagonal) {
   const auto off = [&](double unit) { return std::abs(std::log(unit * diagonal / kPerson)); };
   double likely = 0.01;
-  for (const double unit : {0.001, 100.0, 1000.0}) likely = off(unit) < off(likely) ? unit : likely;
+  for (const double unit : {0.001, 1.0, 100.0, 1000.0}) likely = off(unit) < off(likely) ? unit : likely;
   return likely;
 }
 
@@ -44,17 +44,18 @@ double file_unit(const GltfFile& file, double given, std::vector<std::string>& n
   const int skin = choose_skin(file);
   if (skin < 0) return given == 0 ? 1 : given;
   std::vector<std::string> unused;
-  const double scale = read_skin_skeleton(file, skin, 1, unused).rest_scale[1];
+  const double scale = std::cbrt(std::abs(determinant(read_skin_skeleton(file, skin, 1, unused).rest)));
   const double diagonal = scale * bounding_box_diagonal(read_skin_positions(file, skin)),
                metres = (given == 0 ? 1 : given) * diagonal;
   if (!(metres > 0) || !std::isfinite(metres)) file.fail("all vertices of the skin lie at one point");
   if (has_a_size(metres)) return given == 0 ? 1 : given;
   const double likely = likely_unit(diagonal);
   if (given != 0) {
+    const std::string scaled = std::abs(scale - 1) > 1e-3 ? ": its joints scale it by " + rounded(scale) : "";
+    const std::string advice = ": of a person it would be likely " + rounded(likely) + " m (--unit" + scaled + ")";
     notes.push_back("With a unit of " + rounded(given) + " m the skin's bounding box measures " + rounded(metres) +
                     " m from corner to corner, outside " + rounded(kSmallestDiagonal) + " to " +
-                    rounded(kLargestDiagonal) + " m: of a person it would be likely " + rounded(likely) +
-                    " m (--unit).");
+                    rounded(kLargestDiagonal) + " m" + (has_a_size(likely * diagonal) ? advice : "") + ".");
     return given;
   }
   if (!has_a_size(likely * diagonal)) {

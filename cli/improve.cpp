@@ -251,7 +251,7 @@ void add_improve(CLI::App& app) {
              "Frames to simulate at most; every fifth is held out to tell the gain");
   add_number(verb, "--fps", arguments.options.fps, kLeastRate, kMostRate,
              "Frames a second at which the shots are sampled");
-  add_joint_map(verb, arguments.options.joint_map);
+  add_retargeting(verb, arguments.options.joint_map, arguments.options.up);
   arguments.json.add(verb);
 }
 

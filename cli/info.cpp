@@ -2,12 +2,15 @@
 #include <algorithm>
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <string>
 
 #include "assets/bvh.h"
 #include "assets/character.h"
 #include "assets/clip_source.h"
 #include "assets/frame_range.h"
+#include "assets/gltf_clip.h"
+#include "assets/gltf_file.h"
 #include "assets/json_file.h"
 #include "assets/nodes_cache.h"
 #include "assets/pc2.h"
@@ -114,13 +117,14 @@ Json bvh_info(const std::string& path) {
 }
 
 // Every clip with its frames at the default rate, or why it cannot be used.
-Json clips_info(const std::string& path, const Skeleton& skeleton, double unit) {
+Json clips_info(const GltfFile& file, const Skeleton& skeleton, double unit) {
   Json clips = Json::array();
   ClipOptions options;
   options.unit = unit;
-  for (const std::string& name : clip_names(path)) {
+  for (const std::string& name : transformed(file.model().animations, &tinygltf::Animation::name)) {
     try {
-      const Clip clip = read_clip(name.empty() ? path : path + "#" + name, skeleton, options);
+      const Clip clip = read_gltf_clip(
+          file, name, [&](const std::set<std::string>&) { return skeleton; }, options);
       clips.push_back({{"name", name}, {"frames", clip.poses.size()}, {"frames_per_second", options.fps}});
     } catch (const Error& error) {
       clips.push_back({{"name", name}, {"problem", error.what()}});
@@ -130,22 +134,24 @@ Json clips_info(const std::string& path, const Skeleton& skeleton, double unit) 
 }
 
 // Motion alone, or a mesh that no joints move.
-Json skinless_info(const std::string& path) {
-  const std::vector<std::string> clips = clip_names(path);
+Json skinless_info(const GltfFile& file) {
+  const std::vector<std::string> clips = transformed(file.model().animations, &tinygltf::Animation::name);
   if (!clips.empty()) return {{"kind", "motion"}, {"clips", clips}};
   return {{"kind", "no character"},
           {"notes", {"it has neither a skin nor clips: a mesh that joints move needs a skin (JOINTS_0, WEIGHTS_0)"}}};
 }
 
-Json character_info(const std::string& path, double unit) {
-  const Character character = read_character(path, unit);
+Json scene_info(const std::string& path, double unit) {
+  const GltfFile file(path);
+  if (file.model().skins.empty()) return skinless_info(file);
+  const Character character = read_character(file, unit);
   const Eigen::RowVector3d box = box_sides(character.vertices);
   return {{"kind", "character"},
           {"vertices", character.output_count()},
           {"welded_vertices", character.vertices.rows()},
           {"triangles", character.triangles.rows()},
           {"bounding_box_m", {box(0), box(1), box(2)}},
-          {"clips", clips_info(path, character.skeleton, unit)},
+          {"clips", clips_info(file, character.skeleton, unit)},
           {"notes", character.notes},
           {"joints", joint_names(character.skeleton)}};
 }
@@ -297,10 +303,7 @@ Json info(std::string path, double unit) {
   if (!std::filesystem::exists(path)) throw Error(ErrorKind::file, path, ": no such file");
   path = dataset_file(path).string();
   const std::string extension = std::filesystem::path(path).extension();
-  if (is_called_scene(path)) {
-    if (!has_skin(path)) return skinless_info(path);
-    return character_info(path, unit);
-  }
+  if (is_called_scene(path)) return scene_info(path, unit);
   if (extension == ".safetensors") return trained_info(path);
   if (extension == ".state") return state_info(path);
   if (extension == ".pc2" || extension == ".mdd") return cache_info(path);

@@ -27,8 +27,9 @@ namespace {
 namespace fs = std::filesystem;
 
 struct RigArguments {
-  std::string character, out, joint_map;
+  std::string character, out;
   double unit = 0;
+  ClipOptions clip;
   std::vector<std::string> clips, mappings;
   JsonOption json;
 };
@@ -41,7 +42,7 @@ std::vector<Pose> shown_poses(const RigArguments& arguments, const Skeleton& ske
       sources.push_back(name.empty() ? arguments.character : arguments.character + "#" + name);
     }
   }
-  return read_poses(sources, skeleton, arguments.unit, arguments.joint_map);
+  return read_poses(sources, skeleton, arguments.unit, arguments.clip);
 }
 
 // What is chosen depends on the skin alone: few tets will do.
@@ -178,7 +179,7 @@ void add_rig(CLI::App& app) {
              "Mappings of muscles for another rig, to be written with this rig's joints (default: those of a "
              "person's legs, trunk and arms)")
       ->type_name("FILE");
-  add_joint_map(verb, arguments.joint_map);
+  add_retargeting(verb, arguments.clip.joint_map, arguments.clip.up);
   add_unit(verb, arguments.unit);
   arguments.json.add(verb);
 }

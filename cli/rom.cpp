@@ -14,8 +14,9 @@ namespace bodyopt::cli {
 namespace {
 
 struct RomArguments {
-  std::string character, limits, out, joint_map;
+  std::string character, limits, out;
   double unit = 0;
+  ClipOptions clip;
   std::vector<std::string> from;
   RangeOfMotionOptions options;
   JsonOption json;
@@ -45,7 +46,7 @@ JointLimits limits_for(const RomArguments& arguments, const Character& character
                 "rom needs --limits, or clips to take them from (--from); 'bodyopt rig' writes first ones");
   }
   const JointLimits limits =
-      first_limits(character, read_poses(arguments.from, character.skeleton, arguments.unit, arguments.joint_map));
+      first_limits(character, read_poses(arguments.from, character.skeleton, arguments.unit, arguments.clip));
   say_detached(limits, character.skeleton);
   return limits;
 }
@@ -55,7 +56,7 @@ std::vector<Pose> example_poses(const RomArguments& arguments, const JointLimits
                                 const Skeleton& skeleton) {
   std::vector<Pose> examples;
   for (const std::string& source : arguments.from) {
-    const std::vector<Pose> poses = rig.attached(read_poses({source}, skeleton, arguments.unit, arguments.joint_map));
+    const std::vector<Pose> poses = rig.attached(read_poses({source}, skeleton, arguments.unit, arguments.clip));
     say_held_turns(source, poses, limits, rig.skeleton());
     examples.insert(examples.end(), poses.begin(), poses.end());
   }
@@ -160,7 +161,7 @@ void add_rom(CLI::App& app) {
   add_option(verb, "--step", arguments.options.step,
              "Degrees that a joint may turn from a random frame to the next: for solvers that need a smooth motion")
       ->check(number_from(1, 360));
-  add_joint_map(verb, arguments.joint_map);
+  add_retargeting(verb, arguments.clip.joint_map, arguments.clip.up);
   add_unit(verb, arguments.unit);
   arguments.json.add(verb);
 }

@@ -34,6 +34,7 @@ struct TransferArguments {
   double unit = 0;
   bool force = false, source_size = false, alone = false;
   TransferOptions options;
+  ClipOptions clip_options;
   JsonOption json;
 };
 
@@ -92,7 +93,7 @@ struct ReportMotion {
 
 std::optional<ReportMotion> motion_for_report(const TransferArguments& arguments, const Basis& source) {
   if (arguments.clip.empty()) return std::nullopt;
-  ClipOptions options;
+  ClipOptions options = arguments.clip_options;
   options.unit = clip_unit(arguments.clip, kept_unit(source));
   ReportMotion motion{read_clip(arguments.clip, source.skeleton, options), {}};
   const int first = motion.clip.first_frame, last = motion.clip.last_frame();
@@ -446,7 +447,9 @@ void add_transfer(CLI::App& app) {
              "Picture of the match with the last target (.png): by colour, and how sure it is");
   add_option(basis, "--report", of_basis.report, "FILE.html",
              "Page on how well the bodies match, part by part, and what to simulate next (.html)");
-  add_option(basis, "--clip", of_basis.clip, "CLIP", "Poses for the report: motion of the source");
+  CLI::Option* clip = add_option(basis, "--clip", of_basis.clip, "CLIP", "Poses for the report: motion of the source");
+  add_retargeting(basis, of_basis.clip_options.joint_map, of_basis.clip_options.up);
+  for (const char* of_clip : {"--joint-map", "--up"}) basis.get_option(of_clip)->needs(clip);
   add_option(basis, "--proxy", of_basis.proxy, "BASIS",
              "Proxy of the source (default: BASIS.proxy.safetensors beside it), whose levels go with it, to "
              "OUT.proxy.safetensors");

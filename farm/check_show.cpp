@@ -87,6 +87,7 @@ ShowElement as_listed(ShowElement element) {
   element.clip = lead.clip;
   element.options["fps"] = {std::to_string(session.clip.fps)};
   if (!lead.joint_map.empty()) element.options["joint-map"] = {lead.joint_map};
+  if (const std::string up = lead.up_of(lead.clip); !up.empty()) element.options["up"] = {up};
   element.session_in = session.view.playback.in;
   element.session_out = session.view.playback.out;
   return element;

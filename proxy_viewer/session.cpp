@@ -81,6 +81,7 @@ std::vector<std::string> Session::open_first() {
   files.limits = options_.limits;
   if (!options_.muscles.empty()) files.muscles = options_.muscles;
   files.joint_map = options_.joint_map;
+  files.up = options_.up;
   std::vector<std::string> notes = add(files);
   if (dataset) controls.settings.compare.with = CompareWith::truth;
   take_note_of_cast();
@@ -365,9 +366,9 @@ void Session::export_skin(const std::string& file) {
 // All of its characters are read before the first of those that are there goes.
 void Session::open_session(const std::string& file) {
   if (!options_.proxy.empty() || !options_.character.empty() || !options_.limits.empty() ||
-      !options_.joint_map.empty()) {
+      !options_.joint_map.empty() || !options_.up.empty()) {
     throw Error(ErrorKind::usage, file + ": a session names the files of its characters itself: leave out --proxy, " +
-                                      "--character, --limits and --joint-map");
+                                      "--character, --limits, --joint-map and --up");
   }
   SessionFile session = read_session(file);
   std::vector<std::unique_ptr<Actor>> cast;

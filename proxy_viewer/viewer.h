@@ -21,7 +21,7 @@ struct ViewerOptions {
   std::string character;                    // of the first basis: for linear blending
   std::string limits;                       // of the first character's joints
   std::string muscles;                      // of the first character: for its section
-  std::string joint_map;                    // of the first character's clips
+  std::string joint_map, up;                // of the first character's clips
   std::string state;                        // cameras and settings to begin with
   std::string commands;                     // a script, run once all is loaded
   std::optional<std::uint16_t> live_port;   // of a pose stream

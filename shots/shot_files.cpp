@@ -154,6 +154,7 @@ void take_session(const std::string& session, ShotFiles& files) {
   files.clip.source = lead.files.clip;
   files.clip.options.fps = read.clip.fps;
   files.clip.options.joint_map = lead.files.joint_map;
+  files.clip.options.up = lead.files.up_of(lead.files.clip);
   files.session = {.file = session,
                    .limits = lead.files.limits,
                    .pose = lead.pose,

@@ -46,9 +46,7 @@ void ClipArguments::add(CLI::App& verb) {
   add_option(verb, "--first-frame", options.first_frame, "Number of the clip's first frame")->capture_default_str();
   add_option(verb, "--controls", options.controls, "FILE",
              "Controls over the clip's frames, such as muscles flexed (controls.json)");
-  add_joint_map(verb, options.joint_map);
-  add_option(verb, "--up", options.up, "AXIS",
-             "Axis of a BVH that is up: x, y, z, --up=-x, =-y, =-z (default: its motion tells)");
+  add_retargeting(verb, options.joint_map, options.up);
 }
 
 void ClipArguments::add_unit(CLI::App& verb) {
@@ -81,9 +79,11 @@ void add_unit(CLI::App& verb, double& unit) {
       ->check(above_zero);
 }
 
-void add_joint_map(CLI::App& verb, std::string& path) {
-  add_option(verb, "--joint-map", path, "FILE",
+void add_retargeting(CLI::App& verb, std::string& joint_map, std::string& up) {
+  add_option(verb, "--joint-map", joint_map, "FILE",
              "Which joint of the clip moves which, where names do not tell (joint_map.json)");
+  add_option(verb, "--up", up, "AXIS",
+             "Axis of a BVH that is up: x, y, z, --up=-x, =-y, =-z (default: its motion tells)");
 }
 
 void refuse_overwriting(const std::filesystem::path& out, const std::filesystem::path& input) {
@@ -186,12 +186,10 @@ void add_cache_space(CLI::App& verb, CacheSpace& space) {
 }
 
 std::vector<Pose> read_poses(const std::vector<std::string>& sources, const Skeleton& skeleton, double unit,
-                             const std::string& joint_map) {
+                             ClipOptions options) {
   std::vector<Pose> poses;
   for (const std::string& source : sources) {
-    ClipOptions options;
     options.unit = clip_unit(source, unit);
-    options.joint_map = joint_map;
     const Clip clip = read_clip(source, skeleton, options);
     say(clip.notes);
     poses.insert(poses.end(), clip.poses.begin(), clip.poses.end());

@@ -68,7 +68,8 @@ struct DeviceArguments {
 };
 
 void add_unit(CLI::App& verb, double& unit);
-void add_joint_map(CLI::App& verb, std::string& path);
+// --joint-map FILE, --up AXIS: of every verb that reads clips.
+void add_retargeting(CLI::App& verb, std::string& joint_map, std::string& up);
 
 // A dataset given by its folder or its dataset.json: that file.
 std::filesystem::path dataset_file(const std::filesystem::path& given);
@@ -96,10 +97,9 @@ int exit_code_of(const std::function<void()>& body);
 // --unit-out, --axis: of verbs that write caches for other programs.
 void add_cache_space(CLI::App& verb, CacheSpace& space);
 
-// The poses of some clips, 24 a second. Says their notes. Throws as read_clip(). `unit`: of the character; `joint_map`:
-// empty for none.
+// The poses of some clips. Says their notes. Throws as read_clip(). `unit`: of the character.
 std::vector<Pose> read_poses(const std::vector<std::string>& sources, const Skeleton& skeleton, double unit,
-                             const std::string& joint_map);
+                             ClipOptions options);
 
 // One per verb, in the file of its name: declares its arguments and what it runs.
 void add_demo(CLI::App& app);

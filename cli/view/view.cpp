@@ -82,7 +82,7 @@ void add_view(CLI::App& app) {
              "Joint limits (limits.json) of the first character: how far joints can be turned");
   add_option(verb, "--muscles", options.muscles, "FILE",
              "Muscles (muscles.json) of the first character, to be told apart where it is cut open");
-  add_joint_map(verb, options.joint_map);
+  add_retargeting(verb, options.joint_map, options.up);
   add_option(verb, "--state", options.state, "Cameras and settings that the viewport saved")->type_name("FILE");
   add_option(verb, "--do", options.commands, "Commands of the viewport, parted by ';'")->type_name("COMMANDS");
   add_unit(verb, options.clip.unit);

@@ -244,11 +244,13 @@ bool Actor::reread_truth() {
 }
 
 void Actor::open_clip_of(const Actor& lead) {
-  const std::string before = std::exchange(files_.joint_map, lead.files().joint_map);
+  const ActorFiles before = files_;
+  files_.joint_map = lead.files().joint_map;
+  files_.up = lead.files().up;
   try {
     open_clip(lead.files().clip);
   } catch (...) {
-    files_.joint_map = before;
+    files_ = before;
     throw;
   }
 }
@@ -258,6 +260,7 @@ void Actor::open_clip(const std::string& source) {
   ClipOptions options = clip_options_;
   options.unit = clip_unit(source, kept_unit(basis()));
   options.joint_map = files_.joint_map;
+  options.up = files_.up_of(source);
   Clip clip = read_clip(source, basis(), options);
   if (clip.poses.empty()) throw Error(ErrorKind::file, source + ": the clip has no frame");
   keys_ = clip_keys(source, options);

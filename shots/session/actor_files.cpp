@@ -17,6 +17,10 @@ fs::path ActorFiles::attached() const { return attachments_beside(basis); }
 
 fs::path ActorFiles::levels() const { return proxy.empty() && is_basis(basis) ? proxy_beside(basis) : fs::path(proxy); }
 
+std::string ActorFiles::up_of(const std::string& source) const {
+  return lower_case_extension(split_source(source).path) == ".bvh" ? up : "";
+}
+
 std::vector<fs::path> ActorFiles::paths() const {
   std::vector<fs::path> all;
   if (is_basis(basis)) all = {dynamics(), attached()};

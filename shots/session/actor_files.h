@@ -19,10 +19,12 @@ struct ActorFiles {
   std::string limits{};     // of its joints
   std::string muscles{};    // for its section
   std::string joint_map{};  // of its clips
+  std::string up{};         // of those that are BVH, as ClipOptions
 
   std::filesystem::path dynamics() const;
   std::filesystem::path attached() const;
-  std::filesystem::path levels() const;  // the proxy; empty: none, and none can be there
+  std::filesystem::path levels() const;                // the proxy; empty: none, and none can be there
+  std::string up_of(const std::string& source) const;  // `up` where the clip's source is a BVH
   // All of them, those beside the basis whether they are there or not: to be watched.
   std::vector<std::filesystem::path> paths() const;
 };

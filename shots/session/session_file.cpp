@@ -23,6 +23,7 @@ constexpr auto kFileFields = [](auto& list, auto& files) {
   list.text("limits", files.limits);
   list.text("muscles", files.muscles);
   list.text("joint_map", files.joint_map);
+  list.text("up", files.up);
 };
 
 constexpr auto kCharacterFields = [](auto& list, auto& character) {

@@ -9,6 +9,7 @@
 #include "runtime/host/rig.h"
 #include "tests/assets/character_checks.h"
 #include "tests/assets/gltf_blob.h"
+#include "tests/assets/plain_gltf.h"
 #include "tests/support/shared_data.h"
 
 namespace bodyopt {
@@ -179,6 +180,46 @@ TEST(Character, RestShapeTakesTheScaleOfTheJoints) {
   for (const Affine& m : skinning_matrices(c.skeleton, locals)) EXPECT_LT(difference(m, Affine{}), 1e-9);
 }
 
+// An armature that is longer than wide, above a turned root: the square as the file shows it rests in no joint's shear,
+// and turns with the tip as glTF has it.
+TEST(Character, WhatStretchesAllOfItStretchesItsRest) {
+  const TemporaryFolder folder;
+  GltfBlob blob = two_joint_square();
+  const double half = 0.26179938779914943;  // of 30 degrees
+  blob.root["nodes"][0]["rotation"] = {0, 0, std::sin(half), std::cos(half)};
+  const std::size_t armature = blob.root["nodes"].size();
+  blob.root["nodes"].push_back({{"name", "armature"}, {"scale", {1, 1.4, 0.7}}, {"children", {0}}});
+  Character c = read(blob, folder);
+  EXPECT_TRUE(mentions(c.notes, "stretch the whole skin one way"));
+  EXPECT_FALSE(mentions(c.notes, "from where it should"));
+  ASSERT_EQ(c.skeleton.size(), 3u);
+  EXPECT_EQ(c.skeleton.joints[0].name, "armature");
+  std::vector<JointTransform> locals;
+  for (const Joint& joint : c.skeleton.joints) locals.push_back(joint.default_local);
+  for (const Affine& m : skinning_matrices(c.skeleton, locals)) EXPECT_LT(difference(m, Affine{}), 1e-6);
+
+  const auto expect_as_plain = [&] {
+    const std::vector<PlainGltf::Point> plain = PlainGltf(blob).skinned(armature - 1);
+    const std::vector<Affine> matrices = skinning_matrices(c.skeleton, locals);
+    ASSERT_EQ(plain.size(), c.output_vertex.size());
+    for (std::size_t o = 0; o < plain.size(); ++o) {
+      const std::uint32_t v = c.output_vertex[o];
+      const auto rest = c.vertices.row(static_cast<Eigen::Index>(v));
+      Vec3 posed{0, 0, 0};
+      for (const JointWeight& w : c.weights[v]) {
+        posed = posed + w.weight * (matrices[w.joint] * Vec3{rest[0], rest[1], rest[2]});
+      }
+      EXPECT_LT(length(posed - Vec3(plain[o])), 1e-6);
+    }
+  };
+  expect_as_plain();
+  locals[2].rotation = {0, std::sin(half), 0, std::cos(half)};
+  blob.root["nodes"][1]["rotation"] = locals[2].rotation;
+  expect_as_plain();
+  blob.root["nodes"][armature]["scale"] = {1, 0, 1};
+  EXPECT_NE(error_of(ErrorKind::file, [&] { read(blob, folder); }).find("scaled to nothing"), std::string::npos);
+}
+
 TEST(Character, UnitScalesEverything) {
   const TemporaryFolder folder;
   GltfBlob blob = two_joint_square();
@@ -215,6 +256,11 @@ TEST(Character, PlainlyNotMetresIsReadInTheUnitThatItsSizeTells) {
   EXPECT_TRUE(mentions(giant.notes, "measures 223.6 m from corner to corner, outside 0.05 to 50 m"));
   EXPECT_TRUE(mentions(giant.notes, "likely 0.01 m (--unit)"));
   EXPECT_TRUE(mentions(tiny.notes, "likely 0.01 m (--unit)"));
+  EXPECT_FALSE(mentions(read(square(1e6f), folder, 1).notes, "likely"));  // no unit makes it a person
+  GltfBlob shrunk = blob;  // in centimetres, which its joints make metres: a unit is 1 m
+  shrunk.root["nodes"][0]["scale"] = {0.01, 0.01, 0.01};
+  EXPECT_TRUE(mentions(read(shrunk, folder, 0.01).notes, "likely 1 m (--unit: its joints scale it by 0.01)"));
+  EXPECT_FALSE(mentions(read(shrunk, folder, 1).notes, "outside"));
   EXPECT_EQ(read(square(1), folder).unit, 0);
   error_of(ErrorKind::usage, [&] { read(blob, folder, -1); });
   error_of(ErrorKind::usage, [&] { read(blob, folder, NAN); });

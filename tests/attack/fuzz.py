@@ -6,11 +6,14 @@ import shutil
 from running import run
 
 NAME = "fuzz"
+# Readers that write sound files at random and read them back: what they come to depends on how many there are.
+SOUND = ("known_motion", "random_fbx", "random_gltf", "random_shapes")
+SOUND_FILES, SOUND_MINUTES = 10000, 10  # of each, unless the attack is shorter
 
 
 def attack(stage, findings, random, clock, tools):
     """Every reader gets the same share of the time, so that a reader's executions depend on the seed and on how fast
-    the machine is alone."""
+    the machine is alone. Those of sound files come last, and take the time that they need."""
     folder = stage.folder / "fuzz"
     temporary = folder / "tmp"
     temporary.mkdir(parents=True)
@@ -23,19 +26,26 @@ def attack(stage, findings, random, clock, tools):
         raise SystemExit(f"the fuzzers cannot begin: {made.text()}")
     readers = listed.output.split()
     random.shuffle(readers)
-    for k, reader in enumerate(readers):
-        seconds = clock.left() / (len(readers) - k)
-        fuzz(findings, tools.fuzzer, environment, folder, reader, random.getrandbits(31), seconds)
+    counted = SOUND if tools.minutes >= SOUND_MINUTES else ()
+    timed = [reader for reader in readers if reader not in counted]
+    for k, reader in enumerate(timed):
+        seconds = clock.left() / (len(timed) - k)
+        limit = f"-max_total_time={max(1, int(seconds))}"
+        fuzz(findings, tools.fuzzer, environment, folder, reader, random.getrandbits(31), limit, seconds)
+    for reader in counted:
+        fuzz(findings, tools.fuzzer, environment, folder, reader, random.getrandbits(31), f"-runs={SOUND_FILES}", 7200)
 
 
-def fuzz(findings, fuzzer, environment, folder, reader, seed, seconds):
+def fuzz(findings, fuzzer, environment, folder, reader, seed, limit, seconds):
     corpus, found = folder / "corpus" / reader, folder / "found" / reader
     corpus.mkdir(parents=True)
     found.mkdir(parents=True)
     largest = max(path.stat().st_size for path in (folder / "seeds" / reader).iterdir())
-    command = [fuzzer, f"--reader={reader}", f"-seed={seed}", f"-max_total_time={max(1, int(seconds))}",
-               f"-max_len={max(2 * largest, 4096)}", f"-dict=seeds/{reader}.dict", f"-artifact_prefix={found}/",
-               "-timeout=20", "-rss_limit_mb=3000", "-malloc_limit_mb=1000", corpus, folder / "seeds" / reader]
+    words = folder / "seeds" / f"{reader}.dict"
+    dictionary = [f"-dict={words}"] if words.stat().st_size > 0 else []  # libFuzzer refuses an empty one
+    command = [fuzzer, f"--reader={reader}", f"-seed={seed}", limit,
+               f"-max_len={max(2 * largest, 4096)}", *dictionary, f"-artifact_prefix={found}/", "-timeout=20",
+               "-rss_limit_mb=3000", "-malloc_limit_mb=1000", corpus, folder / "seeds" / reader]
     outcome = run(command, folder, seconds=seconds + 120, environment=environment)
     executed = re.findall(r"^#(\d+)", outcome.output, re.M)
     findings.attempt(NAME, int(executed[-1]) if executed else 0)

@@ -142,6 +142,16 @@ TEST_F(ClipProgram, WhatABvhDoesNotSayCanBeSaid) {
   expect(check + at("bend.bvh") + " --up -z", 0, "its axis -z is up");
   expect(check + at("bend.bvh") + " --up up", 64, "not 'up'");
   expect(check + files_.motion + " --up z", 64, "only a BVH file does not say what is up");
+
+  ASSERT_EQ(run_verb("train --ddm-only " + files_.character + " --out " + at("limb.safetensors")).exit_code, 0);
+  const std::string limb = files_.character, basis = at("limb.safetensors"), clip_file = at("bend.bvh");
+  for (const std::string& command : {"rom " + limb + " --from " + clip_file + " --out " + at("rom.glb"),
+                                     "rig " + limb + " --clip " + clip_file + " --out " + at("rig"),
+                                     "transfer basis " + basis + " " + limb + " --out " + at("b.safetensors") +
+                                         " --report " + at("r.html") + " --clip " + clip_file,
+                                     "eval " + basis + " --clip " + clip_file + " --device cpu --out " + at("o.pc2")}) {
+    expect(command + " --up up", 64, "an axis that is up is x, y, z, -x, -y or -z, not 'up'");
+  }
 }
 
 }  // namespace clip_program_test

@@ -1,6 +1,7 @@
 // A basis, or levels of detail; what is accepted is evaluated.
 #include "runtime/basis/levels.h"
 #include "runtime/deformer/deformer.h"
+#include "runtime/host/device_choice.h"
 #include "tests/fuzz/given_file.h"
 #include "tests/support/small_basis.h"
 

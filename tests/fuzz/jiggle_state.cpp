@@ -1,5 +1,6 @@
 // A state that is accepted must lead to a finite skin.
 #include "runtime/deformer/deformer.h"
+#include "runtime/host/device_choice.h"
 #include "runtime/host/rig.h"
 #include "tests/fuzz/given_file.h"
 

@@ -15,7 +15,10 @@ void read(const std::string& bytes) {
   const std::filesystem::path path = as_file("random.glb", made.blob.glb());
   std::string wrong;
   try {
-    wrong = made.what_is_wrong(read_character(path));
+    const Character character = read_character(path);
+    wrong = made.what_is_wrong(character);
+    const ClipOptions options{.fps = 1, .unit = character.unit};
+    if (wrong.empty()) wrong = made.what_is_wrong(character, read_clip(path.string(), character.skeleton, options));
   } catch (const Error& error) {
     if (!made.may_be_refused()) wrong = error.what();
   }

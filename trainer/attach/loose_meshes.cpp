@@ -69,7 +69,7 @@ class LooseMeshReader {
     joint_of_node_.assign(model.nodes.size(), -1);
     std::vector<std::string> unused;
     const auto add_skin = [&](int skin) {
-      const SkinJoints joints = read_skin_joints(file_, skin, unused);
+      const SkinJoints joints = read_skin_joints(file_, skin, tree_, unused);
       for (std::size_t k = 0; k < joints.nodes.size(); ++k) {
         int& joint = joint_of_node_[static_cast<std::size_t>(joints.nodes[k])];
         if (joint < 0) joint = skeleton_.find(joints.names[k]);
@@ -138,10 +138,10 @@ class LooseMeshReader {
 
   void place_skinned(int skin, const SkinGeometry& geometry, LooseMesh& mesh) {
     std::vector<std::string> unused;
-    const SkinJoints joints = read_skin_joints(file_, skin, unused);
-    const std::vector<Affine> binds = read_inverse_binds(file_, skin, joints.nodes.size(), unit_);
+    const SkinJoints joints = read_skin_joints(file_, skin, tree_, unused);
+    const std::vector<Affine> binds = read_inverse_binds(file_, skin, joints.listed, unit_);
     std::vector<Affine> to_rest;
-    for (std::size_t k = 0; k < joints.nodes.size(); ++k) {
+    for (std::size_t k = 0; k < joints.listed; ++k) {
       to_rest.push_back(rest_of(static_cast<std::size_t>(joints.nodes[k])) * binds[k]);
     }
     bool is_foreign = true;

@@ -24,6 +24,7 @@ Pose sculpted_pose(const BakeInput& input) {
   const std::string source = (input.folder / input.parameters.name("clip")).string();
   ClipOptions options;
   options.unit = clip_unit(source, kept_unit(input.basis));
+  if (input.parameters.has("up")) options.up = input.parameters.name("up");
   Clip clip = read_clip(source, input.basis.skeleton, options);
   const int frame = input.parameters.integer("frame");
   if (frame < clip.first_frame || frame > clip.last_frame()) {

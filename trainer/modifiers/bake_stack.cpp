@@ -58,7 +58,7 @@ const std::vector<BakeType>& bake_types() {
   static const std::vector<BakeType> types = {
       {"breathing", {"dataset", "take"}, bake_breathing},
       {"morph", {"file", "target", "mesh"}, bake_morph},
-      {"sculpt", {"mesh", "clip", "frame", "spread_degrees", "joints"}, bake_sculpt},
+      {"sculpt", {"mesh", "clip", "up", "frame", "spread_degrees", "joints"}, bake_sculpt},
       {"flex", {"muscles", "muscle", "bulge_mm"}, bake_flex},
       {"sag", {"dynamics"}, bake_sag},
       {kRelax.name, {}, bake_relax},

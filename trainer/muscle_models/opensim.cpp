@@ -1,6 +1,7 @@
 #include "trainer/muscle_models/opensim.h"
 
 #include <algorithm>
+#include <functional>
 #include <map>
 #include <set>
 
@@ -259,7 +260,8 @@ class OpenSimReader {
                          Vector3d::Zero(), coordinate(joint, coordinates[k].attribute("name").value()),
                          Curve::polynomial({0, 1})});
     }
-    std::ranges::stable_partition(motions, [](const Motion& one) { return one.kind == Motion::Kind::shift; });
+    std::ranges::stable_sort(motions, std::greater{},
+                             [](const Motion& one) { return one.kind == Motion::Kind::shift; });
     return motions;
   }
 
