@@ -60,6 +60,21 @@ BODYOPT_API const char* bodyopt_version(void);
 /* What the last call of this thread that failed has to say, in a sentence; "" before any. Lives until the next. */
 BODYOPT_API const char* bodyopt_last_error(void);
 
+typedef enum bodyopt_log_level {
+  BODYOPT_LOG_ERROR = 0,   /* a call failed: what bodyopt_last_error() says */
+  BODYOPT_LOG_WARNING = 1, /* a call did less than it was asked for */
+  BODYOPT_LOG_INFO = 2     /* a character was loaded, a device opened */
+} bodyopt_log_level;
+
+/* `message`: a sentence in UTF-8, which lives until the function returns. `user`: as bodyopt_set_log got it. */
+typedef void (*bodyopt_log)(bodyopt_log_level level, const char* message, void* user);
+
+/* Has all that the library does in this process told to `log`; NULL: to nobody, as at first. It is called on the thread
+ * of the call that it tells of, before that returns, and on several threads at once where calls are. What it throws is
+ * dropped, and what it itself calls of the library is not told. Once this returns, the function that was there before
+ * is neither running nor called again. BODYOPT_USAGE when it is called by `log`. */
+BODYOPT_API bodyopt_result bodyopt_set_log(bodyopt_log log, void* user);
+
 /* ---- A character ---- */
 
 typedef struct bodyopt_load_options {
@@ -73,12 +88,19 @@ typedef struct bodyopt_load_options {
   size_t texture_size;   /* bytes from `texture` on that can be read */
   size_t texture_stride; /* bytes from one vertex to the next, a multiple of 4; 0: without gaps */
   size_t texture_count;  /* vertices that they are of: as many as the model has */
+  /* The bytes of the file of `dynamics`, which is NULL then; read while the model is loaded. NULL: none. */
+  const void* dynamics_data;
+  size_t dynamics_size; /* bytes */
 } bodyopt_load_options;
 
 /* `path`: BASIS.safetensors, UTF-8. `options`: NULL for none. BODYOPT_FILE, BODYOPT_MISMATCH (texture coordinates of
  * another number of vertices or that are not finite, too), BODYOPT_USAGE. */
 BODYOPT_API bodyopt_result bodyopt_load_model(const char* path, const bodyopt_load_options* options,
                                               bodyopt_model** model);
+/* The same of the bytes of that file, `size` of them, which are read while the model is loaded. They need no alignment.
+ */
+BODYOPT_API bodyopt_result bodyopt_load_model_from_memory(const void* data, size_t size,
+                                                          const bodyopt_load_options* options, bodyopt_model** model);
 BODYOPT_API void bodyopt_release_model(bodyopt_model* model);
 
 typedef struct bodyopt_description {
@@ -105,6 +127,20 @@ BODYOPT_API bodyopt_result bodyopt_get_triangles(const bodyopt_model* model, uin
 BODYOPT_API bodyopt_result bodyopt_get_bind_pose(const bodyopt_model* model, double* joints, size_t size);
 
 /* ---- Where it runs ---- */
+
+typedef struct bodyopt_device_description {
+  size_t struct_size;
+  uint32_t index;        /* bodyopt_device_options.name takes it, as text */
+  char name[256];        /* UTF-8 */
+  char type[16];         /* "discrete", "integrated", "virtual", "cpu" (a software device) or "other" */
+  uint64_t memory_bytes; /* of its largest heap of its own */
+  char problem[128];     /* why it cannot be opened; "" where it can */
+} bodyopt_device_description;
+
+/* Writes the Vulkan devices of this machine, in the order of their indices, into `devices`, which has room for `room`
+ * of them, each with the same struct_size; further ones are left out. `count`: how many there are, 0 on a machine
+ * without Vulkan. With a `room` of 0 `devices` may be NULL. BODYOPT_USAGE, BODYOPT_DEVICE where Vulkan itself fails. */
+BODYOPT_API bodyopt_result bodyopt_list_devices(bodyopt_device_description* devices, size_t room, size_t* count);
 
 typedef struct bodyopt_device_options {
   size_t struct_size;

@@ -119,21 +119,7 @@ bodyopt_result run_alone(bodyopt_instance* instance, const bodyopt_poses* poses,
   });
 }
 
-// The calls of an array whose elements may be those of an earlier version.
-class CallArray {
- public:
-  CallArray(bodyopt_call* first, std::size_t count) : first_(first) {
-    if (count > 0) size_ = read_struct(first, sizeof(bodyopt_call), "calls").struct_size;
-  }
-
-  bodyopt_call& operator[](std::size_t k) const {
-    return *reinterpret_cast<bodyopt_call*>(reinterpret_cast<std::byte*>(first_) + k * size_);
-  }
-
- private:
-  bodyopt_call* first_;
-  std::size_t size_ = 0;  // bytes from one to the next
-};
+using CallArray = StructArray<bodyopt_call>;
 
 void begin(const bodyopt_call& given, AskedCall& call, std::set<const bodyopt_instance*>& known) {
   const auto asked = read_struct(&given, sizeof(bodyopt_call), "call");
@@ -152,7 +138,10 @@ bodyopt_result tell(const CallArray& given, std::span<const AskedCall> calls) {
     if (first == BODYOPT_OK) first = given[k].result;
     text += (text.empty() ? "call " : "; call ") + std::to_string(k) + ": " + bodyopt_last_error();
   }
-  return first == BODYOPT_OK ? BODYOPT_OK : keep_failure(first, text.c_str());
+  if (first == BODYOPT_OK) return BODYOPT_OK;
+  keep_failure(first, text.c_str());
+  write_log(BODYOPT_LOG_ERROR, bodyopt_last_error());
+  return first;
 }
 
 }  // namespace
@@ -171,7 +160,7 @@ bodyopt_result bodyopt_jiggle(bodyopt_instance* instance, const bodyopt_poses* p
 bodyopt_result bodyopt_evaluate_together(bodyopt_call* given, size_t count) {
   bodyopt_result of_calls = BODYOPT_OK;
   const bodyopt_result result = guarded([&] {
-    const CallArray array(given, count);
+    const CallArray array(given, count, sizeof(bodyopt_call), "calls");
     std::vector<AskedCall> calls(count);
     std::set<const bodyopt_instance*> known;
     for (std::size_t k = 0; k < count; ++k) {

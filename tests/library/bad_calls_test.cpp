@@ -335,6 +335,12 @@ TEST(LibraryLayout, IsThatOfTheFirstVersion) {
     EXPECT_EQ(Offsets({AT(struct_size), AT(dynamics), AT(level)}), Offsets({0, 8, 16}));
     EXPECT_EQ(Offsets({AT(texture), AT(texture_size), AT(texture_stride), AT(texture_count)}),
               Offsets({24, 32, 40, 48}));
+    EXPECT_EQ(Offsets({AT(dynamics_data), AT(dynamics_size)}), Offsets({56, 64}));
+  }
+  {
+    using Structure = bodyopt_device_description;
+    EXPECT_EQ(Offsets({AT(struct_size), AT(index), AT(name), AT(type), AT(memory_bytes), AT(problem)}),
+              Offsets({0, 8, 12, 268, 288, 296}));
   }
   {
     using Structure = bodyopt_description;
@@ -401,6 +407,8 @@ TEST(LibraryLayout, IsThatOfTheFirstVersion) {
   const std::vector<int> results = {BODYOPT_OK,    BODYOPT_MISMATCH, BODYOPT_FILE,  BODYOPT_DEVICE,
                                     BODYOPT_USAGE, BODYOPT_INTERNAL, BODYOPT_MEMORY};
   EXPECT_EQ(results, (std::vector<int>{0, 3, 4, 5, 64, 70, 71}));
+  const std::vector<int> levels = {BODYOPT_LOG_ERROR, BODYOPT_LOG_WARNING, BODYOPT_LOG_INFO};
+  EXPECT_EQ(levels, (std::vector<int>{0, 1, 2}));
 }
 
 }  // namespace bad_calls_test
