@@ -10,8 +10,9 @@
  *
  * Versions: every structure begins with struct_size, which the caller sets to its sizeof. Later versions of the library
  * add fields at the end and take 0 in them for what was before; they are binary compatible as long as
- * BODYOPT_VERSION_MAJOR is the same. bodyopt_floats and bodyopt_vulkan_output, which others
- * contain, have no struct_size and never change.
+ * BODYOPT_VERSION_MAJOR is the same. NAME_FIRST_SIZE beside a structure is its size in its first version (64 bit): no
+ * smaller struct_size is taken, and none that is larger than the library's own. bodyopt_floats and
+ * bodyopt_vulkan_output, which others contain, have no struct_size and never change.
  *
  * Memory: arrays are the caller's, before and after a call. Strides are in bytes; 0 means without gaps. Handles are
  * released once by the function for their type, which takes NULL, too; a model or device that instances still use lives
@@ -92,6 +93,7 @@ typedef struct bodyopt_load_options {
   const void* dynamics_data;
   size_t dynamics_size; /* bytes */
 } bodyopt_load_options;
+#define BODYOPT_LOAD_OPTIONS_FIRST_SIZE 24u
 
 /* `path`: BASIS.safetensors, UTF-8. `options`: NULL for none. BODYOPT_FILE, BODYOPT_MISMATCH (texture coordinates of
  * another number of vertices or that are not finite, too), BODYOPT_USAGE. */
@@ -112,6 +114,7 @@ typedef struct bodyopt_description {
   uint32_t knows_error;    /* 1: bodyopt_skin.expected_errors can be asked for */
   uint32_t has_tangents;   /* 1: bodyopt_skin.tangents can be asked for */
 } bodyopt_description;
+#define BODYOPT_DESCRIPTION_FIRST_SIZE 40u
 
 BODYOPT_API bodyopt_result bodyopt_describe(const bodyopt_model* model, bodyopt_description* description);
 /* Names, in UTF-8, of joints, controls and muscle fibres ("biceps/1"); they live as long as the model. NULL where there
@@ -136,6 +139,7 @@ typedef struct bodyopt_device_description {
   uint64_t memory_bytes; /* of its largest heap of its own */
   char problem[128];     /* why it cannot be opened; "" where it can */
 } bodyopt_device_description;
+#define BODYOPT_DEVICE_DESCRIPTION_FIRST_SIZE 424u
 
 /* Writes the Vulkan devices of this machine, in the order of their indices, into `devices`, which has room for `room`
  * of them, each with the same struct_size; further ones are left out. `count`: how many there are, 0 on a machine
@@ -150,6 +154,7 @@ typedef struct bodyopt_device_options {
                                  sooner; made where it is missing. One that cannot be read or written is no error: it is
                                  as without. NULL: nothing is kept */
 } bodyopt_device_options;
+#define BODYOPT_DEVICE_OPTIONS_FIRST_SIZE 24u
 
 /* `options`: NULL for none. BODYOPT_DEVICE where there is no such device, with a list of those there are. */
 BODYOPT_API bodyopt_result bodyopt_open_device(const bodyopt_device_options* options, bodyopt_device** device);
@@ -165,6 +170,7 @@ typedef struct bodyopt_executor {
                        void (*task)(const void* context, size_t begin, size_t end), const void* context);
   void* host; /* given to parallel_for */
 } bodyopt_executor;
+#define BODYOPT_EXECUTOR_FIRST_SIZE 24u
 
 typedef struct bodyopt_instance_options {
   size_t struct_size;
@@ -178,6 +184,7 @@ typedef struct bodyopt_instance_options {
   double gravity_change[3];         /* against the gravity that the shapes have in them, m/s^2, world; each -1000 to
                                        1000 */
 } bodyopt_instance_options;
+#define BODYOPT_INSTANCE_OPTIONS_FIRST_SIZE 64u
 
 /* Instances of one model that are made on one device, without others between, share its tables there. `options`: NULL
  * for none. BODYOPT_DEVICE, BODYOPT_USAGE. */
@@ -202,6 +209,7 @@ typedef struct bodyopt_poses {
   size_t control_frame_stride;
   const int32_t* frame_numbers; /* of each frame; for bodyopt_jiggle alone */
 } bodyopt_poses;
+#define BODYOPT_POSES_FIRST_SIZE 72u
 
 /* An output, and the memory that it may write: at data + frame * frame_stride + element * element_stride. */
 typedef struct bodyopt_floats {
@@ -227,6 +235,7 @@ typedef struct bodyopt_skin {
    * that has_tangents, BODYOPT_USAGE of others. */
   bodyopt_floats tangents;
 } bodyopt_skin;
+#define BODYOPT_SKIN_FIRST_SIZE 168u
 
 /* The quasi-static skin. BODYOPT_MISMATCH where a pose does not fit the model, is not finite or has a rotation of
  * length 0, BODYOPT_USAGE, BODYOPT_DEVICE. */
@@ -246,6 +255,7 @@ typedef struct bodyopt_call {
   uint32_t jiggles;      /* 1: as bodyopt_jiggle; 0: as bodyopt_evaluate */
   bodyopt_result result; /* written: of this call */
 } bodyopt_call;
+#define BODYOPT_CALL_FIRST_SIZE 40u
 
 /* Many instances at once, of one model or of several: what a device has to do for all of them goes there in one
  * submission and is waited for once. The same bits as one after the other. One that fails takes none of the others with

@@ -34,7 +34,7 @@ using namespace bodyopt;
 bodyopt_result bodyopt_list_devices(bodyopt_device_description* devices, size_t room, size_t* count) {
   return guarded([&] {
     required(count, "count");
-    const StructArray array(devices, room, sizeof(bodyopt_device_description), "devices");
+    const StructArray array(devices, room, BODYOPT_DEVICE_DESCRIPTION_FIRST_SIZE, "devices");
     const std::vector<vulkan::DeviceInfo> found = vulkan::list_devices();
     for (std::size_t k = 0; k < std::min(room, found.size()); ++k) {
       const bodyopt_device_description all = describe(found[k], array.element_size());
@@ -48,7 +48,7 @@ bodyopt_result bodyopt_open_device(const bodyopt_device_options* given, bodyopt_
   return guarded([&] {
     required(device, "device");
     bodyopt_device_options options{};
-    if (given != nullptr) options = read_struct(given, offsetof(bodyopt_device_options, pipeline_cache), "options");
+    if (given != nullptr) options = read_struct(given, BODYOPT_DEVICE_OPTIONS_FIRST_SIZE, "options");
     DeviceChoice choice;
     if (options.name != nullptr) choice.name = options.name;
     choice.validation = options.validation != 0;

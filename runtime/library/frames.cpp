@@ -122,7 +122,7 @@ bodyopt_result run_alone(bodyopt_instance* instance, const bodyopt_poses* poses,
 using CallArray = StructArray<bodyopt_call>;
 
 void begin(const bodyopt_call& given, AskedCall& call, std::set<const bodyopt_instance*>& known) {
-  const auto asked = read_struct(&given, sizeof(bodyopt_call), "call");
+  const auto asked = read_struct(&given, BODYOPT_CALL_FIRST_SIZE, "call");
   bodyopt_instance& instance = required(asked.instance, "call.instance");
   if (!known.insert(&instance).second) throw Error(ErrorKind::usage, "the instance is in an earlier call, too");
   call.frames.emplace(instance, asked.poses, asked.skin, asked.jiggles != 0);
@@ -160,7 +160,7 @@ bodyopt_result bodyopt_jiggle(bodyopt_instance* instance, const bodyopt_poses* p
 bodyopt_result bodyopt_evaluate_together(bodyopt_call* given, size_t count) {
   bodyopt_result of_calls = BODYOPT_OK;
   const bodyopt_result result = guarded([&] {
-    const CallArray array(given, count, sizeof(bodyopt_call), "calls");
+    const CallArray array(given, count, BODYOPT_CALL_FIRST_SIZE, "calls");
     std::vector<AskedCall> calls(count);
     std::set<const bodyopt_instance*> known;
     for (std::size_t k = 0; k < count; ++k) {

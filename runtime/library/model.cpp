@@ -46,7 +46,7 @@ bodyopt_result load(const bodyopt_load_options* given, bodyopt_model** model, co
   return guarded([&] {
     required(model, "model");
     bodyopt_load_options options{};
-    if (given != nullptr) options = read_struct(given, offsetof(bodyopt_load_options, texture), "options");
+    if (given != nullptr) options = read_struct(given, BODYOPT_LOAD_OPTIONS_FIRST_SIZE, "options");
     const GivenFile file = read();
     Basis basis = read_level(file, options.level);
     std::optional<Dynamics> dynamics = read_dynamics(options, basis);
@@ -108,7 +108,7 @@ bodyopt_result bodyopt_describe(const bodyopt_model* model, bodyopt_description*
   return guarded([&] {
     const CharacterModel& character = *required(model, "model").model;
     const Basis& basis = character.basis;
-    bodyopt_description all = read_struct(description, offsetof(bodyopt_description, knows_error), "description");
+    bodyopt_description all = read_struct(description, BODYOPT_DESCRIPTION_FIRST_SIZE, "description");
     all.vertex_count = basis.mesh.output_count();
     all.triangle_count = static_cast<std::uint32_t>(basis.mesh.output_triangles.size() / 3);
     all.joint_count = static_cast<std::uint32_t>(basis.skeleton.size());

@@ -72,7 +72,7 @@ void require_count(std::uint32_t found, std::size_t expected, const char* of) {
 }  // namespace
 
 GivenPoses::GivenPoses(const bodyopt_poses* poses, const Basis& basis)
-    : poses_(read_struct(poses, sizeof(bodyopt_poses), "poses")) {
+    : poses_(read_struct(poses, BODYOPT_POSES_FIRST_SIZE, "poses")) {
   require_count(poses_.joint_count, basis.skeleton.size(), "joints");
   if (poses_.control_count > 0) require_count(poses_.control_count, basis.residual.controls.size(), "controls");
   if (poses_.frame_count == 0) return;
@@ -146,7 +146,7 @@ std::vector<float> read_texture(const bodyopt_load_options& options, const Basis
 }
 
 WantedSkin::WantedSkin(const bodyopt_skin* skin, const Basis& basis, std::size_t frames)
-    : skin_(read_struct(skin, offsetof(bodyopt_skin, expected_errors), "skin")),
+    : skin_(read_struct(skin, BODYOPT_SKIN_FIRST_SIZE, "skin")),
       vertices_(basis.mesh.output_count()),
       strains_(basis.strain.fibre_count()) {
   check_output(skin_.positions, frames, vertices_, 3, "skin.positions");

@@ -33,7 +33,7 @@ using namespace bodyopt;
 bodyopt_result bodyopt_share_device(const bodyopt_vulkan_device* host, bodyopt_device** device) {
   return guarded([&] {
     required(device, "device");
-    const auto given = read_struct(host, offsetof(bodyopt_vulkan_device, pipeline_cache), "host");
+    const auto given = read_struct(host, BODYOPT_VULKAN_DEVICE_FIRST_SIZE, "host");
     *device = new bodyopt_device{std::make_shared<const vulkan::Device>(
         vulkan::HostDevice{given.instance, given.physical_device, given.device, given.queue, given.queue_family,
                            given.pipeline_cache, given.get_instance_proc_addr})};
@@ -48,7 +48,7 @@ bodyopt_result bodyopt_record(bodyopt_instance* instance, const bodyopt_poses* p
     if (given.count() != 1) {
       throw Error(ErrorKind::usage, "'poses' has ", given.count(), " frames; a recording is of one");
     }
-    const auto wanted = read_struct(recording, offsetof(bodyopt_recording, tangents), "recording");
+    const auto wanted = read_struct(recording, BODYOPT_RECORDING_FIRST_SIZE, "recording");
     required(wanted.commands, "recording.commands");
     const std::size_t vertices = deformer.basis().mesh.output_count();
     const vulkan::Recording into{wanted.commands, placed_output(wanted.positions, vertices, 3, "positions"),
