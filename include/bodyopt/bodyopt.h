@@ -113,6 +113,7 @@ typedef struct bodyopt_description {
   float frames_per_second; /* at which they do; 0 without dynamics */
   uint32_t knows_error;    /* 1: bodyopt_skin.expected_errors can be asked for */
   uint32_t has_tangents;   /* 1: bodyopt_skin.tangents can be asked for */
+  uint32_t channel_count;  /* of its modifiers */
 } bodyopt_description;
 #define BODYOPT_DESCRIPTION_FIRST_SIZE 40u
 
@@ -128,6 +129,21 @@ BODYOPT_API int32_t bodyopt_joint_parent(const bodyopt_model* model, uint32_t jo
 BODYOPT_API bodyopt_result bodyopt_get_triangles(const bodyopt_model* model, uint32_t* triangles, size_t size);
 /* Ten numbers of each joint, as in bodyopt_poses. `size`: bytes that `joints` has room for. */
 BODYOPT_API bodyopt_result bodyopt_get_bind_pose(const bodyopt_model* model, double* joints, size_t size);
+
+/* What steers a modifier of the character (breath, sculpts, sag, push-out, see bodyopt_poses.shows_modifiers): how
+ * strongly it is shown, or one of its controls. */
+typedef struct bodyopt_channel {
+  size_t struct_size;
+  const char* name; /* "breathing", or "breathing.rate"; texts are UTF-8 and live as long as the model */
+  const char* what; /* a line, with the unit */
+  float constant;   /* what the character was approved with: its value where poses give no channels */
+  float low, high;  /* values outside are clamped, which the log is told as a warning */
+} bodyopt_channel;
+#define BODYOPT_CHANNEL_FIRST_SIZE 40u
+
+/* `channel`: a number below channel_count, or BODYOPT_USAGE. */
+BODYOPT_API bodyopt_result bodyopt_describe_channel(const bodyopt_model* model, uint32_t channel,
+                                                    bodyopt_channel* description);
 
 /* ---- Where it runs ---- */
 
@@ -208,6 +224,16 @@ typedef struct bodyopt_poses {
   const float* controls; /* of each frame one number a control */
   size_t control_frame_stride;
   const int32_t* frame_numbers; /* of each frame; for bodyopt_jiggle alone */
+  /* 1: the skin with the character's modifiers, as `bodyopt eval` shows it; the frames are consecutive. 0: without. A
+   * model whose modifiers are of a type that this version does not know is a BODYOPT_MISMATCH. */
+  uint32_t shows_modifiers;
+  /* 0: the first frame is a clip's first, where a breath begins. 1: it follows the last frame that this instance has
+   * shown with modifiers; where there is none it is a clip's first. A bodyopt_state knows nothing of it. */
+  uint32_t goes_on;
+  double frames_per_second; /* of frames with modifiers: 0.001 to 1000000 */
+  const float* channels;    /* of each frame one number a channel; NULL: the constants of bodyopt_channel */
+  uint32_t channel_count;   /* that of the model, where there are channels */
+  size_t channel_frame_stride;
 } bodyopt_poses;
 #define BODYOPT_POSES_FIRST_SIZE 72u
 

@@ -8,6 +8,7 @@
 #include "runtime/deformer/evaluate_together.h"
 #include "runtime/library/guard.h"
 #include "runtime/library/handles.h"
+#include "runtime/library/modifier_drive.h"
 #include "runtime/library/strides.h"
 
 namespace bodyopt {
@@ -17,8 +18,10 @@ namespace {
 class AskedFrames {
  public:
   AskedFrames(bodyopt_instance& instance, const bodyopt_poses* poses, const bodyopt_skin* skin, bool jiggles)
-      : deformer_(*instance.deformer),
-        given_(poses, deformer_.basis()),
+      : instance_(instance),
+        deformer_(*instance.deformer),
+        given_(poses, deformer_.basis(), instance.channels),
+        drive_(instance, given_),
         wanted_(skin, deformer_.basis(), given_.count()),
         jiggles_(jiggles) {
     if (!wanted_.wants_expected_errors()) return;
@@ -32,6 +35,7 @@ class AskedFrames {
   DeformerCall next() {
     const std::size_t left = given_.count() - begin_;
     poses_ = given_.read(begin_, jiggles_ ? left : std::min<std::size_t>(left, deformer_.batch_limit()));
+    drive_.apply(begin_, poses_);
     place_ = wanted_.place(begin_);
     DeformerCall call{.deformer = &deformer_, .poses = poses_, .place = &place_};
     if (jiggles_) call.frames = given_.frame_numbers();
@@ -44,6 +48,7 @@ class AskedFrames {
     if (expectation_ != nullptr && !poses_.empty()) write_expected_errors(evaluation);
     begin_ += poses_.size();
     has_more_ = begin_ < given_.count();
+    if (!has_more_) drive_.keep(instance_);
   }
 
  private:
@@ -57,8 +62,10 @@ class AskedFrames {
     wanted_.write_expected_errors(metres, begin_);
   }
 
+  bodyopt_instance& instance_;
   Deformer& deformer_;
   GivenPoses given_;
+  ModifierDrive drive_;
   WantedSkin wanted_;
   bool jiggles_;
   const ErrorExpectation* expectation_ = nullptr;  // where errors are wanted

@@ -2,6 +2,7 @@
 #include <algorithm>
 
 #include "runtime/core/executor.h"
+#include "runtime/core/transformed.h"
 #include "runtime/host/device_choice.h"
 #include "runtime/library/guard.h"
 #include "runtime/library/handles.h"
@@ -84,6 +85,7 @@ bodyopt_result bodyopt_create_instance(const bodyopt_model* model, const bodyopt
     const std::shared_ptr<Executor> threads = lent_threads(options.executor);
     auto created = std::make_unique<bodyopt_instance>();
     created->model = of.model;
+    created->channels = transformed(of.channels, &ModifierChannel::name);
     created->deformer =
         options.device != nullptr
             ? std::make_unique<Deformer>(on_device(of, *options.device), jiggle, options.check != 0)

@@ -7,6 +7,7 @@
 #include "runtime/library/guard.h"
 #include "runtime/library/handles.h"
 #include "runtime/library/strides.h"
+#include "runtime/modifiers/skin_modifier_type.h"
 
 namespace bodyopt {
 namespace {
@@ -41,6 +42,16 @@ std::optional<Dynamics> read_dynamics(const bodyopt_load_options& options, const
   return dynamics_in(file.container, file.origin, basis);
 }
 
+// A file of a newer version may have modifiers that this one cannot drive: the skin without them can be shown.
+std::vector<ModifierChannel> known_channels(const SkinModifiers& modifiers) {
+  try {
+    return describe_channels(modifiers);
+  } catch (const Error& error) {
+    write_log(BODYOPT_LOG_WARNING, error.what());
+    return {};
+  }
+}
+
 // `read`(): the GivenFile of the basis.
 bodyopt_result load(const bodyopt_load_options* given, bodyopt_model** model, const auto& read) {
   return guarded([&] {
@@ -53,6 +64,7 @@ bodyopt_result load(const bodyopt_load_options* given, bodyopt_model** model, co
     auto loaded = std::make_unique<bodyopt_model>();
     const std::vector<float> texture = read_texture(options, basis);
     loaded->model = make_character_model(std::move(basis), std::move(dynamics), texture);
+    loaded->channels = known_channels(loaded->model->basis.modifiers);
     write_log(BODYOPT_LOG_INFO,
               concat("loaded ", file.origin, ": ", loaded->model->basis.mesh.output_count(), " vertices").c_str());
     *model = loaded.release();
@@ -118,6 +130,7 @@ bodyopt_result bodyopt_describe(const bodyopt_model* model, bodyopt_description*
     all.frames_per_second = character.dynamics ? character.dynamics->jiggle.step.frames_per_second : 0;
     all.knows_error = basis.coverage.empty() ? 0 : 1;
     all.has_tangents = character.tangents.vertices.empty() ? 0 : 1;
+    all.channel_count = static_cast<std::uint32_t>(model->channels.size());
     std::memcpy(description, &all, all.struct_size);
   });
 }
@@ -138,6 +151,23 @@ const char* bodyopt_strain_name(const bodyopt_model* model, uint32_t strain) {
 int32_t bodyopt_joint_parent(const bodyopt_model* model, uint32_t joint) {
   if (model == nullptr || joint >= model->model->basis.skeleton.size()) return -1;
   return model->model->basis.skeleton.joints[joint].parent;
+}
+
+bodyopt_result bodyopt_describe_channel(const bodyopt_model* model, uint32_t channel, bodyopt_channel* description) {
+  return guarded([&] {
+    const std::vector<ModifierChannel>& channels = required(model, "model").channels;
+    bodyopt_channel all = read_struct(description, BODYOPT_CHANNEL_FIRST_SIZE, "description");
+    if (channel >= channels.size()) {
+      throw Error(ErrorKind::usage, "the model has no channel ", channel, ", only ", channels.size());
+    }
+    const ModifierChannel& of = channels[channel];
+    all.name = of.name.c_str();
+    all.what = of.control->what;
+    all.constant = of.constant;
+    all.low = of.control->low;
+    all.high = of.control->high;
+    std::memcpy(description, &all, all.struct_size);
+  });
 }
 
 bodyopt_result bodyopt_get_triangles(const bodyopt_model* model, uint32_t* triangles, size_t size) {

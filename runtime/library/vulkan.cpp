@@ -3,6 +3,7 @@
 
 #include "runtime/library/guard.h"
 #include "runtime/library/handles.h"
+#include "runtime/library/modifier_drive.h"
 #include "runtime/library/strides.h"
 #include "runtime/vulkan/recording.h"
 
@@ -44,7 +45,7 @@ bodyopt_result bodyopt_record(bodyopt_instance* instance, const bodyopt_poses* p
                               const bodyopt_recording* recording) {
   return guarded([&] {
     Deformer& deformer = *required(instance, "instance").deformer;
-    const GivenPoses given(poses, deformer.basis());
+    const GivenPoses given(poses, deformer.basis(), instance->channels);
     if (given.count() != 1) {
       throw Error(ErrorKind::usage, "'poses' has ", given.count(), " frames; a recording is of one");
     }
@@ -54,10 +55,13 @@ bodyopt_result bodyopt_record(bodyopt_instance* instance, const bodyopt_poses* p
     const vulkan::Recording into{wanted.commands, placed_output(wanted.positions, vertices, 3, "positions"),
                                  placed_output(wanted.normals, vertices, 3, "normals"),
                                  placed_output(wanted.tangents, vertices, 4, "tangents")};
-    const std::vector<Pose> pose = given.read(0, 1);
+    std::vector<Pose> pose = given.read(0, 1);
+    ModifierDrive drive(*instance, given);
+    drive.apply(0, pose);
     std::optional<int> frame;
     if (deformer.dynamics() != nullptr) frame = given.frame_numbers().front();
     deformer.record(pose.front(), frame, into);
+    drive.keep(*instance);
   });
 }
 

@@ -391,6 +391,7 @@ TEST(LibraryLayout, IsThatOfTheFirstVersion) {
               Offsets({0, 8, 12, 16, 20}));
     EXPECT_EQ(Offsets({AT(strain_count), AT(has_dynamics), AT(frames_per_second), AT(knows_error), AT(has_tangents)}),
               Offsets({24, 28, 32, 36, 40}));
+    EXPECT_EQ(AT(channel_count), 44u);
   }
   {
     using Structure = bodyopt_device_options;
@@ -413,6 +414,15 @@ TEST(LibraryLayout, IsThatOfTheFirstVersion) {
     EXPECT_EQ(
         Offsets({AT(joint_stride), AT(joint_frame_stride), AT(controls), AT(control_frame_stride), AT(frame_numbers)}),
         Offsets({32, 40, 48, 56, 64}));
+    EXPECT_EQ(Offsets({AT(shows_modifiers), AT(goes_on), AT(frames_per_second), AT(channels), AT(channel_count),
+                       AT(channel_frame_stride)}),
+              Offsets({72, 76, 80, 88, 96, 104}));
+  }
+  {
+    using Structure = bodyopt_channel;
+    EXPECT_EQ(Offsets({AT(struct_size), AT(name), AT(what), AT(constant), AT(low), AT(high)}),
+              Offsets({0, 8, 16, 24, 28, 32}));
+    EXPECT_EQ(sizeof(Structure), BODYOPT_CHANNEL_FIRST_SIZE);
   }
   {
     using Structure = bodyopt_floats;
