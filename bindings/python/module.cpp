@@ -11,6 +11,7 @@
 #include <optional>
 #include <set>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -345,12 +346,9 @@ class Call {
 
 class Model {
  public:
-  Model(const py::object& given_path, const py::object& given_dynamics, std::uint32_t level,
-        const py::object& texture) {
-    const std::string path = path_of(given_path);
-    const std::optional<std::string> dynamics = path_if_given(given_dynamics);
-    auto options = api::make<bodyopt_load_options>();
-    options.dynamics = dynamics ? dynamics->c_str() : nullptr;
+  // `load`(options, model): bodyopt_load_model() or its like.
+  template <typename Load>
+  Model(const Load& load, bodyopt_load_options options, std::uint32_t level, const py::object& texture) {
     options.level = level;
     py::array_t<float> coordinates;
     if (!texture.is_none()) {
@@ -361,9 +359,36 @@ class Model {
       options.texture_count = static_cast<std::size_t>(coordinates.shape(0));
     }
     bodyopt_model* loaded = nullptr;
-    check_without_gil([&] { return bodyopt_load_model(path.c_str(), &options, &loaded); });
+    check_without_gil([&] { return load(options, loaded); });
     handle.reset(loaded);
     description = api::describe(handle);
+  }
+
+  static std::unique_ptr<Model> of_files(const py::object& given_path, const py::object& given_dynamics,
+                                         std::uint32_t level, const py::object& texture) {
+    const std::string path = path_of(given_path);
+    const std::optional<std::string> dynamics = path_if_given(given_dynamics);
+    auto options = api::make<bodyopt_load_options>();
+    options.dynamics = dynamics ? dynamics->c_str() : nullptr;
+    const auto load = [&](const bodyopt_load_options& all, bodyopt_model*& model) {
+      return bodyopt_load_model(path.c_str(), &all, &model);
+    };
+    return std::make_unique<Model>(load, options, level, texture);
+  }
+
+  static std::unique_ptr<Model> of_bytes(const py::bytes& given, const std::optional<py::bytes>& given_dynamics,
+                                         std::uint32_t level, const py::object& texture) {
+    const std::string_view data = given;
+    auto options = api::make<bodyopt_load_options>();
+    if (given_dynamics) {
+      const std::string_view dynamics = *given_dynamics;
+      options.dynamics_data = dynamics.data();
+      options.dynamics_size = dynamics.size();
+    }
+    const auto load = [&](const bodyopt_load_options& all, bodyopt_model*& model) {
+      return bodyopt_load_model_from_memory(data.data(), data.size(), &all, &model);
+    };
+    return std::make_unique<Model>(load, options, level, texture);
   }
 
   template <typename Name>
@@ -394,6 +419,17 @@ class Model {
   api::Model handle;
   bodyopt_description description;
 };
+
+// Of all devices, in the order of their indices.
+std::vector<std::string> device_names() {
+  std::size_t count = 0;
+  check_without_gil([&] { return bodyopt_list_devices(nullptr, 0, &count); });
+  std::vector<bodyopt_device_description> devices(count, api::make<bodyopt_device_description>());
+  check_without_gil([&] { return bodyopt_list_devices(devices.data(), devices.size(), &count); });
+  std::vector<std::string> names;
+  for (const bodyopt_device_description& device : devices) names.emplace_back(device.name);
+  return names;
+}
 
 }  // namespace
 
@@ -456,12 +492,11 @@ PYBIND11_MODULE(_runtime, module) {
           },
           py::arg("device") = none, py::kw_only(), py::arg("jiggles") = false, py::arg("iterations") = 0,
           py::arg("gravity_change") = std::array<double, 3>{}, py::arg("check") = false);
-  module.def(
-      "load",
-      [](const py::object& path, const py::object& dynamics, std::uint32_t level, const py::object& texture) {
-        return std::make_unique<Model>(path, dynamics, level, texture);
-      },
-      py::arg("path"), py::arg("dynamics") = none, py::arg("level") = 0, py::arg("texture") = none);
+  module.def("load", &Model::of_files, py::arg("path"), py::arg("dynamics") = none, py::arg("level") = 0,
+             py::arg("texture") = none);
+  module.def("load_from_memory", &Model::of_bytes, py::arg("data"), py::arg("dynamics") = none, py::arg("level") = 0,
+             py::arg("texture") = none);
+  module.def("device_names", &device_names);
   module.def(
       "open_device",
       [](const std::optional<std::string>& name, bool validation, const py::object& pipeline_cache) {

@@ -10,8 +10,9 @@
  *
  * Versions: every structure begins with struct_size, which the caller sets to its sizeof. Later versions of the library
  * add fields at the end and take 0 in them for what was before; they are binary compatible as long as
- * BODYOPT_VERSION_MAJOR is the same. bodyopt_floats and bodyopt_vulkan_output, which others
- * contain, have no struct_size and never change.
+ * BODYOPT_VERSION_MAJOR is the same. NAME_FIRST_SIZE beside a structure is its size in its first version (64 bit): no
+ * smaller struct_size is taken, and none that is larger than the library's own. bodyopt_floats and
+ * bodyopt_vulkan_output, which others contain, have no struct_size and never change.
  *
  * Memory: arrays are the caller's, before and after a call. Strides are in bytes; 0 means without gaps. Handles are
  * released once by the function for their type, which takes NULL, too; a model or device that instances still use lives
@@ -60,6 +61,21 @@ BODYOPT_API const char* bodyopt_version(void);
 /* What the last call of this thread that failed has to say, in a sentence; "" before any. Lives until the next. */
 BODYOPT_API const char* bodyopt_last_error(void);
 
+typedef enum bodyopt_log_level {
+  BODYOPT_LOG_ERROR = 0,   /* a call failed: what bodyopt_last_error() says */
+  BODYOPT_LOG_WARNING = 1, /* a call did less than it was asked for */
+  BODYOPT_LOG_INFO = 2     /* a character was loaded, a device opened */
+} bodyopt_log_level;
+
+/* `message`: a sentence in UTF-8, which lives until the function returns. `user`: as bodyopt_set_log got it. */
+typedef void (*bodyopt_log)(bodyopt_log_level level, const char* message, void* user);
+
+/* Has all that the library does in this process told to `log`; NULL: to nobody, as at first. It is called on the thread
+ * of the call that it tells of, before that returns, and on several threads at once where calls are. What it throws is
+ * dropped, and what it itself calls of the library is not told. Once this returns, the function that was there before
+ * is neither running nor called again. BODYOPT_USAGE when it is called by `log`. */
+BODYOPT_API bodyopt_result bodyopt_set_log(bodyopt_log log, void* user);
+
 /* ---- A character ---- */
 
 typedef struct bodyopt_load_options {
@@ -73,12 +89,20 @@ typedef struct bodyopt_load_options {
   size_t texture_size;   /* bytes from `texture` on that can be read */
   size_t texture_stride; /* bytes from one vertex to the next, a multiple of 4; 0: without gaps */
   size_t texture_count;  /* vertices that they are of: as many as the model has */
+  /* The bytes of the file of `dynamics`, which is NULL then; read while the model is loaded. NULL: none. */
+  const void* dynamics_data;
+  size_t dynamics_size; /* bytes */
 } bodyopt_load_options;
+#define BODYOPT_LOAD_OPTIONS_FIRST_SIZE 24u
 
 /* `path`: BASIS.safetensors, UTF-8. `options`: NULL for none. BODYOPT_FILE, BODYOPT_MISMATCH (texture coordinates of
  * another number of vertices or that are not finite, too), BODYOPT_USAGE. */
 BODYOPT_API bodyopt_result bodyopt_load_model(const char* path, const bodyopt_load_options* options,
                                               bodyopt_model** model);
+/* The same of the bytes of that file, `size` of them, which are read while the model is loaded. They need no alignment.
+ */
+BODYOPT_API bodyopt_result bodyopt_load_model_from_memory(const void* data, size_t size,
+                                                          const bodyopt_load_options* options, bodyopt_model** model);
 BODYOPT_API void bodyopt_release_model(bodyopt_model* model);
 
 typedef struct bodyopt_description {
@@ -89,7 +113,9 @@ typedef struct bodyopt_description {
   float frames_per_second; /* at which they do; 0 without dynamics */
   uint32_t knows_error;    /* 1: bodyopt_skin.expected_errors can be asked for */
   uint32_t has_tangents;   /* 1: bodyopt_skin.tangents can be asked for */
+  uint32_t channel_count;  /* of its modifiers */
 } bodyopt_description;
+#define BODYOPT_DESCRIPTION_FIRST_SIZE 40u
 
 BODYOPT_API bodyopt_result bodyopt_describe(const bodyopt_model* model, bodyopt_description* description);
 /* Names, in UTF-8, of joints, controls and muscle fibres ("biceps/1"); they live as long as the model. NULL where there
@@ -104,7 +130,37 @@ BODYOPT_API bodyopt_result bodyopt_get_triangles(const bodyopt_model* model, uin
 /* Ten numbers of each joint, as in bodyopt_poses. `size`: bytes that `joints` has room for. */
 BODYOPT_API bodyopt_result bodyopt_get_bind_pose(const bodyopt_model* model, double* joints, size_t size);
 
+/* What steers a modifier of the character (breath, sculpts, sag, push-out, see bodyopt_poses.shows_modifiers): how
+ * strongly it is shown, or one of its controls. */
+typedef struct bodyopt_channel {
+  size_t struct_size;
+  const char* name; /* "breathing", or "breathing.rate"; texts are UTF-8 and live as long as the model */
+  const char* what; /* a line, with the unit */
+  float constant;   /* what the character was approved with: its value where poses give no channels */
+  float low, high;  /* values outside are clamped, which the log is told as a warning */
+} bodyopt_channel;
+#define BODYOPT_CHANNEL_FIRST_SIZE 40u
+
+/* `channel`: a number below channel_count, or BODYOPT_USAGE. */
+BODYOPT_API bodyopt_result bodyopt_describe_channel(const bodyopt_model* model, uint32_t channel,
+                                                    bodyopt_channel* description);
+
 /* ---- Where it runs ---- */
+
+typedef struct bodyopt_device_description {
+  size_t struct_size;
+  uint32_t index;        /* bodyopt_device_options.name takes it, as text */
+  char name[256];        /* UTF-8 */
+  char type[16];         /* "discrete", "integrated", "virtual", "cpu" (a software device) or "other" */
+  uint64_t memory_bytes; /* of its largest heap of its own */
+  char problem[128];     /* why it cannot be opened; "" where it can */
+} bodyopt_device_description;
+#define BODYOPT_DEVICE_DESCRIPTION_FIRST_SIZE 424u
+
+/* Writes the Vulkan devices of this machine, in the order of their indices, into `devices`, which has room for `room`
+ * of them, each with the same struct_size; further ones are left out. `count`: how many there are, 0 on a machine
+ * without Vulkan. With a `room` of 0 `devices` may be NULL. BODYOPT_USAGE, BODYOPT_DEVICE where Vulkan itself fails. */
+BODYOPT_API bodyopt_result bodyopt_list_devices(bodyopt_device_description* devices, size_t room, size_t* count);
 
 typedef struct bodyopt_device_options {
   size_t struct_size;
@@ -114,6 +170,7 @@ typedef struct bodyopt_device_options {
                                  sooner; made where it is missing. One that cannot be read or written is no error: it is
                                  as without. NULL: nothing is kept */
 } bodyopt_device_options;
+#define BODYOPT_DEVICE_OPTIONS_FIRST_SIZE 24u
 
 /* `options`: NULL for none. BODYOPT_DEVICE where there is no such device, with a list of those there are. */
 BODYOPT_API bodyopt_result bodyopt_open_device(const bodyopt_device_options* options, bodyopt_device** device);
@@ -129,6 +186,7 @@ typedef struct bodyopt_executor {
                        void (*task)(const void* context, size_t begin, size_t end), const void* context);
   void* host; /* given to parallel_for */
 } bodyopt_executor;
+#define BODYOPT_EXECUTOR_FIRST_SIZE 24u
 
 typedef struct bodyopt_instance_options {
   size_t struct_size;
@@ -142,6 +200,7 @@ typedef struct bodyopt_instance_options {
   double gravity_change[3];         /* against the gravity that the shapes have in them, m/s^2, world; each -1000 to
                                        1000 */
 } bodyopt_instance_options;
+#define BODYOPT_INSTANCE_OPTIONS_FIRST_SIZE 64u
 
 /* Instances of one model that are made on one device, without others between, share its tables there. `options`: NULL
  * for none. BODYOPT_DEVICE, BODYOPT_USAGE. */
@@ -165,7 +224,18 @@ typedef struct bodyopt_poses {
   const float* controls; /* of each frame one number a control */
   size_t control_frame_stride;
   const int32_t* frame_numbers; /* of each frame; for bodyopt_jiggle alone */
+  /* 1: the skin with the character's modifiers, as `bodyopt eval` shows it; the frames are consecutive. 0: without. A
+   * model whose modifiers are of a type that this version does not know is a BODYOPT_MISMATCH. */
+  uint32_t shows_modifiers;
+  /* 0: the first frame is a clip's first, where a breath begins. 1: it follows the last frame that this instance has
+   * shown with modifiers; where there is none it is a clip's first. A bodyopt_state knows nothing of it. */
+  uint32_t goes_on;
+  double frames_per_second; /* of frames with modifiers: 0.001 to 1000000 */
+  const float* channels;    /* of each frame one number a channel; NULL: the constants of bodyopt_channel */
+  uint32_t channel_count;   /* that of the model, where there are channels */
+  size_t channel_frame_stride;
 } bodyopt_poses;
+#define BODYOPT_POSES_FIRST_SIZE 72u
 
 /* An output, and the memory that it may write: at data + frame * frame_stride + element * element_stride. */
 typedef struct bodyopt_floats {
@@ -191,6 +261,7 @@ typedef struct bodyopt_skin {
    * that has_tangents, BODYOPT_USAGE of others. */
   bodyopt_floats tangents;
 } bodyopt_skin;
+#define BODYOPT_SKIN_FIRST_SIZE 168u
 
 /* The quasi-static skin. BODYOPT_MISMATCH where a pose does not fit the model, is not finite or has a rotation of
  * length 0, BODYOPT_USAGE, BODYOPT_DEVICE. */
@@ -210,6 +281,7 @@ typedef struct bodyopt_call {
   uint32_t jiggles;      /* 1: as bodyopt_jiggle; 0: as bodyopt_evaluate */
   bodyopt_result result; /* written: of this call */
 } bodyopt_call;
+#define BODYOPT_CALL_FIRST_SIZE 40u
 
 /* Many instances at once, of one model or of several: what a device has to do for all of them goes there in one
  * submission and is waited for once. The same bits as one after the other. One that fails takes none of the others with

@@ -31,6 +31,7 @@ typedef struct bodyopt_vulkan_device {
   VkPipelineCache pipeline_cache; /* of the host, which keeps it; internally synchronized; VK_NULL_HANDLE: none */
   PFN_vkGetInstanceProcAddr get_instance_proc_addr; /* of the loader that the handles are of; NULL: libvulkan.so.1 */
 } bodyopt_vulkan_device;
+#define BODYOPT_VULKAN_DEVICE_FIRST_SIZE 48u
 
 /* A device of the host, which must outlive it and all instances on it. BODYOPT_DEVICE where the device or the loader
  * does not do. */
@@ -51,6 +52,7 @@ typedef struct bodyopt_recording {
   bodyopt_vulkan_output positions, normals;
   bodyopt_vulkan_output tangents; /* as bodyopt_skin.tangents */
 } bodyopt_recording;
+#define BODYOPT_RECORDING_FIRST_SIZE 80u
 
 /* Records one frame (poses->frame_count is 1): of the jiggle where the instance was made with it, which then goes on
  * with frame_numbers[0], else quasi-static. The kernels write by VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT with

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "runtime/basis/basis.h"
+#include "runtime/basis/containers.h"
 #include "runtime/basis/earlier_tables.h"
 #include "runtime/basis/levels.h"
 #include "runtime/basis/skin_modifiers.h"
@@ -331,8 +332,9 @@ std::filesystem::path proxy_beside(std::filesystem::path basis) {
   return basis.replace_extension(".proxy.safetensors");
 }
 
-std::vector<Level> load_levels(const std::filesystem::path& path) {
-  const Safetensors file = read_safetensors(path);
+std::vector<Level> load_levels(const std::filesystem::path& path) { return levels_in(read_safetensors(path), path); }
+
+std::vector<Level> levels_in(const Safetensors& file, const std::filesystem::path& path) {
   TableReader reader(file, path, "a basis");
   const bool earlier = reader.metadata("schema") == kEarlierSchema;
   reader.require_schema(earlier ? kEarlierSchema : kSchema);

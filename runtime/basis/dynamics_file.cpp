@@ -1,6 +1,7 @@
 // Dynamics as safetensors: one tensor per array of dynamics.h, named <table>.<array>; strings as metadata.
 #include <algorithm>
 
+#include "runtime/basis/containers.h"
 #include "runtime/basis/dynamics.h"
 #include "runtime/basis/table_file.h"
 
@@ -122,7 +123,10 @@ std::string checksum(const Dynamics& dynamics) {
 }
 
 Dynamics load_dynamics(const std::filesystem::path& path, const Basis& basis) {
-  const Safetensors file = read_safetensors(path);
+  return dynamics_in(read_safetensors(path), path, basis);
+}
+
+Dynamics dynamics_in(const Safetensors& file, const std::filesystem::path& path, const Basis& basis) {
   TableReader reader(file, path, "dynamics");
   reader.require_schema(kDynamicsSchema);
   Dynamics dynamics;

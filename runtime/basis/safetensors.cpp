@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <span>
 
 #include "runtime/core/atomic_file.h"
 #include "runtime/core/error.h"
@@ -107,6 +108,44 @@ std::string header_text(const Safetensors& file, const std::vector<std::string>&
   return text;
 }
 
+// `read`(begin, bytes): fills them from byte `begin` on; false where that cannot be done. `size`: bytes that there are.
+Safetensors parse(const std::filesystem::path& path, std::uint64_t size, const auto& read) {
+  std::uint64_t length = 0;
+  if (size < 8 || !read(0, std::as_writable_bytes(std::span(&length, 1)))) {
+    refuse(path, "shorter than a header", looks_like(path));
+  }
+  if (length > std::min(kLargestHeader, size - 8)) {
+    refuse(path, "its header claims ", length, " of ", size, " bytes", looks_like(path));
+  }
+  std::string text(length, '\0');
+  if (!read(8, std::as_writable_bytes(std::span(text)))) refuse(path, "the header cannot be read");
+  const Json header = parse_strict_json(text, path.string());
+  if (!header.is_object()) refuse(path, "the header is not a JSON object");
+
+  Safetensors file;
+  const std::uint64_t data_begin = 8 + length, data_size = size - data_begin;
+  std::vector<Range> ranges;
+  for (const auto& [name, entry] : header.items()) {
+    if (!entry.is_object()) refuse(path, "entry '", name, "' is not an object");
+    if (name == "__metadata__") {
+      file.metadata = parse_metadata(path, entry);
+    } else {
+      ranges.push_back(parse_tensor(path, name, entry, data_size, file.tensors[name]));
+    }
+  }
+  check_order(path, ranges, data_size);
+  for (const Range& range : ranges) {
+    Tensor& tensor = file.tensors[range.name];
+    tensor.bytes.resize(range.end - range.begin);
+    if (!read(data_begin + range.begin, tensor.bytes)) refuse(path, "tensor '", range.name, "' cannot be read");
+  }
+  const auto checksum = file.metadata.find(kChecksum);
+  if (checksum != file.metadata.end() && checksum->second != content_checksum(file)) {
+    refuse(path, "its checksum is ", content_checksum(file), ", expected ", checksum->second);
+  }
+  return file;
+}
+
 }  // namespace
 
 std::size_t dtype_size(const std::string& dtype) {
@@ -162,44 +201,18 @@ Safetensors read_safetensors(const std::filesystem::path& path) {
   if (!stream.is_open()) throw Error(ErrorKind::file, path, ": cannot be read: no such file, or no permission?");
   // Of the file that is open: by the path another may have taken its place.
   const auto size = static_cast<std::uint64_t>(stream.tellg());
-  stream.seekg(0);
+  return parse(path, size, [&](std::uint64_t begin, std::span<std::byte> to) {
+    stream.seekg(static_cast<std::streamoff>(begin));
+    stream.read(reinterpret_cast<char*>(to.data()), static_cast<std::streamsize>(to.size()));
+    return stream.good();
+  });
+}
 
-  std::uint64_t length = 0;
-  if (size < 8 || !stream.read(reinterpret_cast<char*>(&length), 8))
-    refuse(path, "shorter than a header", looks_like(path));
-  if (length > std::min(kLargestHeader, size - 8)) {
-    refuse(path, "its header claims ", length, " of ", size, " bytes", looks_like(path));
-  }
-  std::string text(length, '\0');
-  if (!stream.read(text.data(), static_cast<std::streamsize>(length))) refuse(path, "the header cannot be read");
-  const Json header = parse_strict_json(text, path.string());
-  if (!header.is_object()) refuse(path, "the header is not a JSON object");
-
-  Safetensors file;
-  const std::uint64_t data_begin = 8 + length, data_size = size - data_begin;
-  std::vector<Range> ranges;
-  for (const auto& [name, entry] : header.items()) {
-    if (!entry.is_object()) refuse(path, "entry '", name, "' is not an object");
-    if (name == "__metadata__") {
-      file.metadata = parse_metadata(path, entry);
-    } else {
-      ranges.push_back(parse_tensor(path, name, entry, data_size, file.tensors[name]));
-    }
-  }
-  check_order(path, ranges, data_size);
-  for (const Range& range : ranges) {
-    Tensor& tensor = file.tensors[range.name];
-    tensor.bytes.resize(range.end - range.begin);
-    stream.seekg(static_cast<std::streamoff>(data_begin + range.begin));
-    if (!stream.read(reinterpret_cast<char*>(tensor.bytes.data()), static_cast<std::streamsize>(tensor.bytes.size()))) {
-      refuse(path, "tensor '", range.name, "' cannot be read");
-    }
-  }
-  const auto checksum = file.metadata.find(kChecksum);
-  if (checksum != file.metadata.end() && checksum->second != content_checksum(file)) {
-    refuse(path, "its checksum is ", content_checksum(file), ", expected ", checksum->second);
-  }
-  return file;
+Safetensors read_safetensors(std::span<const std::byte> bytes, const std::string& origin) {
+  return parse(origin, bytes.size(), [&](std::uint64_t begin, std::span<std::byte> to) {
+    std::ranges::copy(bytes.subspan(begin, to.size()), to.begin());
+    return true;
+  });
 }
 
 }  // namespace bodyopt

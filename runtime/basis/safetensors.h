@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <map>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -31,5 +32,7 @@ std::string content_checksum(const Safetensors& file);
 // takes memory for them, and the checksum where the metadata names one.
 void write_safetensors(const Safetensors& file, const std::filesystem::path& path);
 Safetensors read_safetensors(const std::filesystem::path& path);
+// The same of a file that is in memory. Errors name the `origin`.
+Safetensors read_safetensors(std::span<const std::byte> bytes, const std::string& origin);
 
 }  // namespace bodyopt

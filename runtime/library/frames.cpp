@@ -8,6 +8,7 @@
 #include "runtime/deformer/evaluate_together.h"
 #include "runtime/library/guard.h"
 #include "runtime/library/handles.h"
+#include "runtime/library/modifier_drive.h"
 #include "runtime/library/strides.h"
 
 namespace bodyopt {
@@ -17,8 +18,10 @@ namespace {
 class AskedFrames {
  public:
   AskedFrames(bodyopt_instance& instance, const bodyopt_poses* poses, const bodyopt_skin* skin, bool jiggles)
-      : deformer_(*instance.deformer),
-        given_(poses, deformer_.basis()),
+      : instance_(instance),
+        deformer_(*instance.deformer),
+        given_(poses, deformer_.basis(), instance.channels),
+        drive_(instance, given_),
         wanted_(skin, deformer_.basis(), given_.count()),
         jiggles_(jiggles) {
     if (!wanted_.wants_expected_errors()) return;
@@ -32,6 +35,7 @@ class AskedFrames {
   DeformerCall next() {
     const std::size_t left = given_.count() - begin_;
     poses_ = given_.read(begin_, jiggles_ ? left : std::min<std::size_t>(left, deformer_.batch_limit()));
+    drive_.apply(begin_, poses_);
     place_ = wanted_.place(begin_);
     DeformerCall call{.deformer = &deformer_, .poses = poses_, .place = &place_};
     if (jiggles_) call.frames = given_.frame_numbers();
@@ -44,6 +48,7 @@ class AskedFrames {
     if (expectation_ != nullptr && !poses_.empty()) write_expected_errors(evaluation);
     begin_ += poses_.size();
     has_more_ = begin_ < given_.count();
+    if (!has_more_) drive_.keep(instance_);
   }
 
  private:
@@ -57,8 +62,10 @@ class AskedFrames {
     wanted_.write_expected_errors(metres, begin_);
   }
 
+  bodyopt_instance& instance_;
   Deformer& deformer_;
   GivenPoses given_;
+  ModifierDrive drive_;
   WantedSkin wanted_;
   bool jiggles_;
   const ErrorExpectation* expectation_ = nullptr;  // where errors are wanted
@@ -119,24 +126,10 @@ bodyopt_result run_alone(bodyopt_instance* instance, const bodyopt_poses* poses,
   });
 }
 
-// The calls of an array whose elements may be those of an earlier version.
-class CallArray {
- public:
-  CallArray(bodyopt_call* first, std::size_t count) : first_(first) {
-    if (count > 0) size_ = read_struct(first, sizeof(bodyopt_call), "calls").struct_size;
-  }
-
-  bodyopt_call& operator[](std::size_t k) const {
-    return *reinterpret_cast<bodyopt_call*>(reinterpret_cast<std::byte*>(first_) + k * size_);
-  }
-
- private:
-  bodyopt_call* first_;
-  std::size_t size_ = 0;  // bytes from one to the next
-};
+using CallArray = StructArray<bodyopt_call>;
 
 void begin(const bodyopt_call& given, AskedCall& call, std::set<const bodyopt_instance*>& known) {
-  const auto asked = read_struct(&given, sizeof(bodyopt_call), "call");
+  const auto asked = read_struct(&given, BODYOPT_CALL_FIRST_SIZE, "call");
   bodyopt_instance& instance = required(asked.instance, "call.instance");
   if (!known.insert(&instance).second) throw Error(ErrorKind::usage, "the instance is in an earlier call, too");
   call.frames.emplace(instance, asked.poses, asked.skin, asked.jiggles != 0);
@@ -152,7 +145,10 @@ bodyopt_result tell(const CallArray& given, std::span<const AskedCall> calls) {
     if (first == BODYOPT_OK) first = given[k].result;
     text += (text.empty() ? "call " : "; call ") + std::to_string(k) + ": " + bodyopt_last_error();
   }
-  return first == BODYOPT_OK ? BODYOPT_OK : keep_failure(first, text.c_str());
+  if (first == BODYOPT_OK) return BODYOPT_OK;
+  keep_failure(first, text.c_str());
+  write_log(BODYOPT_LOG_ERROR, bodyopt_last_error());
+  return first;
 }
 
 }  // namespace
@@ -171,7 +167,7 @@ bodyopt_result bodyopt_jiggle(bodyopt_instance* instance, const bodyopt_poses* p
 bodyopt_result bodyopt_evaluate_together(bodyopt_call* given, size_t count) {
   bodyopt_result of_calls = BODYOPT_OK;
   const bodyopt_result result = guarded([&] {
-    const CallArray array(given, count);
+    const CallArray array(given, count, BODYOPT_CALL_FIRST_SIZE, "calls");
     std::vector<AskedCall> calls(count);
     std::set<const bodyopt_instance*> known;
     for (std::size_t k = 0; k < count; ++k) {

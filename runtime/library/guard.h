@@ -16,14 +16,19 @@ bodyopt_result keep_error(const std::exception_ptr& error) noexcept;
 // Keeps this for bodyopt_last_error(), and gives the result.
 bodyopt_result keep_failure(bodyopt_result result, const char* text) noexcept;
 
-// Of function().
+// Tells the host's log, where there is one.
+void write_log(bodyopt_log_level level, const char* message) noexcept;
+
+// Of function(); where it fails the log is told.
 template <typename Function>
 bodyopt_result guarded(const Function& function) noexcept {
   try {
     function();
     return BODYOPT_OK;
   } catch (...) {
-    return keep_error(std::current_exception());
+    const bodyopt_result result = keep_error(std::current_exception());
+    write_log(BODYOPT_LOG_ERROR, bodyopt_last_error());
+    return result;
   }
 }
 
@@ -53,5 +58,23 @@ Structure read_struct(const Structure* given, std::size_t first_size, const char
   std::memcpy(&result, given, size);
   return result;
 }
+
+// An array of structures whose elements may be those of an earlier version. Throws as read_struct().
+template <typename Structure>
+class StructArray {
+ public:
+  StructArray(Structure* first, std::size_t count, std::size_t first_size, const char* name) : first_(first) {
+    if (count > 0) size_ = read_struct(first, first_size, name).struct_size;
+  }
+
+  std::size_t element_size() const { return size_; }
+  Structure& operator[](std::size_t k) const {
+    return *reinterpret_cast<Structure*>(reinterpret_cast<std::byte*>(first_) + k * size_);
+  }
+
+ private:
+  Structure* first_;
+  std::size_t size_ = 0;  // bytes from one to the next
+};
 
 }  // namespace bodyopt

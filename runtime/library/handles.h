@@ -4,12 +4,15 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <string>
+#include <vector>
 
 #include "include/bodyopt/bodyopt.h"
 #include "runtime/coverage/expected_error.h"
 #include "runtime/deformer/deformer.h"
 #include "runtime/host/character_model.h"
 #include "runtime/host/jiggle.h"
+#include "runtime/modifiers/drive_modifiers.h"
 #include "runtime/vulkan/backend/device_model.h"
 #include "runtime/vulkan/device.h"
 
@@ -23,12 +26,15 @@ struct bodyopt_model {
   // What of it is on the device of its latest instance there: instances of one device share it.
   mutable std::mutex mutex;
   mutable std::weak_ptr<const bodyopt::vulkan::DeviceModel> on_device;
+  std::vector<bodyopt::ModifierChannel> channels;  // empty, too, where a modifier is of a type that is not known
 };
 
 struct bodyopt_instance {
   std::shared_ptr<const bodyopt::CharacterModel> model;
   std::unique_ptr<bodyopt::Deformer> deformer;
   std::optional<bodyopt::ErrorExpectation> expectation;  // made when it is first asked for
+  std::vector<std::string> channels;                     // names of the model's
+  bodyopt::ModifierState modifiers;                      // after the last frame that was shown with them
 };
 
 struct bodyopt_state {

@@ -2,6 +2,7 @@
 #include <algorithm>
 
 #include "runtime/core/executor.h"
+#include "runtime/core/transformed.h"
 #include "runtime/host/device_choice.h"
 #include "runtime/library/guard.h"
 #include "runtime/library/handles.h"
@@ -24,7 +25,7 @@ class HostExecutor final : public Executor {
 
 std::shared_ptr<Executor> lent_threads(const bodyopt_executor* given) {
   if (given == nullptr) return nullptr;
-  const auto host = read_struct(given, sizeof(bodyopt_executor), "options.executor");
+  const auto host = read_struct(given, BODYOPT_EXECUTOR_FIRST_SIZE, "options.executor");
   required(host.parallel_for, "options.executor.parallel_for");
   return std::make_shared<HostExecutor>(host);
 }
@@ -79,11 +80,12 @@ bodyopt_result bodyopt_create_instance(const bodyopt_model* model, const bodyopt
     required(instance, "instance");
     const bodyopt_model& of = required(model, "model");
     bodyopt_instance_options options{};
-    if (given != nullptr) options = read_struct(given, sizeof(bodyopt_instance_options), "options");
+    if (given != nullptr) options = read_struct(given, BODYOPT_INSTANCE_OPTIONS_FIRST_SIZE, "options");
     const std::optional<JiggleOptions> jiggle = jiggle_options(options, *of.model);
     const std::shared_ptr<Executor> threads = lent_threads(options.executor);
     auto created = std::make_unique<bodyopt_instance>();
     created->model = of.model;
+    created->channels = transformed(of.channels, &ModifierChannel::name);
     created->deformer =
         options.device != nullptr
             ? std::make_unique<Deformer>(on_device(of, *options.device), jiggle, options.check != 0)

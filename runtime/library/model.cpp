@@ -3,20 +3,72 @@
 #include <cstddef>
 #include <utility>
 
-#include "runtime/basis/levels.h"
+#include "runtime/basis/containers.h"
 #include "runtime/library/guard.h"
 #include "runtime/library/handles.h"
 #include "runtime/library/strides.h"
+#include "runtime/modifiers/skin_modifier_type.h"
 
 namespace bodyopt {
 namespace {
 
-Basis load_level(const std::string& path, std::uint32_t level) {
-  std::vector<Level> levels = load_levels(path);
+// A file of the character, on disk or in memory, and what errors call it.
+struct GivenFile {
+  std::string origin;
+  Safetensors container;
+
+  explicit GivenFile(const char* path) : origin(path), container(read_safetensors(origin)) {}
+  GivenFile(const void* data, std::size_t size, const char* name)
+      : origin(concat("'", name, "' in memory")),
+        container(read_safetensors({static_cast<const std::byte*>(data), size}, origin)) {}
+};
+
+Basis read_level(const GivenFile& file, std::uint32_t level) {
+  std::vector<Level> levels = levels_in(file.container, file.origin);
   if (level >= levels.size()) {
-    throw Error(ErrorKind::usage, path, " has no level of detail ", level, ", only 0 to ", levels.size() - 1);
+    throw Error(ErrorKind::usage, file.origin, " has no level of detail ", level, ", only 0 to ", levels.size() - 1);
   }
   return std::move(levels[level].basis);
+}
+
+std::optional<Dynamics> read_dynamics(const bodyopt_load_options& options, const Basis& basis) {
+  if (options.dynamics == nullptr && options.dynamics_data == nullptr) return std::nullopt;
+  if (options.dynamics != nullptr && options.dynamics_data != nullptr) {
+    throw Error(ErrorKind::usage, "both 'options.dynamics' and 'options.dynamics_data' are given, expected one");
+  }
+  const GivenFile file = options.dynamics != nullptr
+                             ? GivenFile(options.dynamics)
+                             : GivenFile(options.dynamics_data, options.dynamics_size, "options.dynamics_data");
+  return dynamics_in(file.container, file.origin, basis);
+}
+
+// A file of a newer version may have modifiers that this one cannot drive: the skin without them can be shown.
+std::vector<ModifierChannel> known_channels(const SkinModifiers& modifiers) {
+  try {
+    return describe_channels(modifiers);
+  } catch (const Error& error) {
+    write_log(BODYOPT_LOG_WARNING, error.what());
+    return {};
+  }
+}
+
+// `read`(): the GivenFile of the basis.
+bodyopt_result load(const bodyopt_load_options* given, bodyopt_model** model, const auto& read) {
+  return guarded([&] {
+    required(model, "model");
+    bodyopt_load_options options{};
+    if (given != nullptr) options = read_struct(given, BODYOPT_LOAD_OPTIONS_FIRST_SIZE, "options");
+    const GivenFile file = read();
+    Basis basis = read_level(file, options.level);
+    std::optional<Dynamics> dynamics = read_dynamics(options, basis);
+    auto loaded = std::make_unique<bodyopt_model>();
+    const std::vector<float> texture = read_texture(options, basis);
+    loaded->model = make_character_model(std::move(basis), std::move(dynamics), texture);
+    loaded->channels = known_channels(loaded->model->basis.modifiers);
+    write_log(BODYOPT_LOG_INFO,
+              concat("loaded ", file.origin, ": ", loaded->model->basis.mesh.output_count(), " vertices").c_str());
+    *model = loaded.release();
+  });
 }
 
 // The text of number k, or null.
@@ -50,19 +102,15 @@ std::vector<double> joint_numbers(const Pose& pose) {
 
 using namespace bodyopt;
 
-bodyopt_result bodyopt_load_model(const char* path, const bodyopt_load_options* given, bodyopt_model** model) {
-  return guarded([&] {
-    required(model, "model");
-    const std::string file = &required(path, "path");
-    bodyopt_load_options options{};
-    if (given != nullptr) options = read_struct(given, offsetof(bodyopt_load_options, texture), "options");
-    Basis basis = load_level(file, options.level);
-    std::optional<Dynamics> dynamics;
-    if (options.dynamics != nullptr) dynamics = load_dynamics(options.dynamics, basis);
-    auto loaded = std::make_unique<bodyopt_model>();
-    const std::vector<float> texture = read_texture(options, basis);
-    loaded->model = make_character_model(std::move(basis), std::move(dynamics), texture);
-    *model = loaded.release();
+bodyopt_result bodyopt_load_model(const char* path, const bodyopt_load_options* options, bodyopt_model** model) {
+  return load(options, model, [&] { return GivenFile(&required(path, "path")); });
+}
+
+bodyopt_result bodyopt_load_model_from_memory(const void* data, size_t size, const bodyopt_load_options* options,
+                                              bodyopt_model** model) {
+  return load(options, model, [&] {
+    require(data, "data");
+    return GivenFile(data, size, "data");
   });
 }
 
@@ -72,7 +120,7 @@ bodyopt_result bodyopt_describe(const bodyopt_model* model, bodyopt_description*
   return guarded([&] {
     const CharacterModel& character = *required(model, "model").model;
     const Basis& basis = character.basis;
-    bodyopt_description all = read_struct(description, offsetof(bodyopt_description, knows_error), "description");
+    bodyopt_description all = read_struct(description, BODYOPT_DESCRIPTION_FIRST_SIZE, "description");
     all.vertex_count = basis.mesh.output_count();
     all.triangle_count = static_cast<std::uint32_t>(basis.mesh.output_triangles.size() / 3);
     all.joint_count = static_cast<std::uint32_t>(basis.skeleton.size());
@@ -82,6 +130,7 @@ bodyopt_result bodyopt_describe(const bodyopt_model* model, bodyopt_description*
     all.frames_per_second = character.dynamics ? character.dynamics->jiggle.step.frames_per_second : 0;
     all.knows_error = basis.coverage.empty() ? 0 : 1;
     all.has_tangents = character.tangents.vertices.empty() ? 0 : 1;
+    all.channel_count = static_cast<std::uint32_t>(model->channels.size());
     std::memcpy(description, &all, all.struct_size);
   });
 }
@@ -102,6 +151,23 @@ const char* bodyopt_strain_name(const bodyopt_model* model, uint32_t strain) {
 int32_t bodyopt_joint_parent(const bodyopt_model* model, uint32_t joint) {
   if (model == nullptr || joint >= model->model->basis.skeleton.size()) return -1;
   return model->model->basis.skeleton.joints[joint].parent;
+}
+
+bodyopt_result bodyopt_describe_channel(const bodyopt_model* model, uint32_t channel, bodyopt_channel* description) {
+  return guarded([&] {
+    const std::vector<ModifierChannel>& channels = required(model, "model").channels;
+    bodyopt_channel all = read_struct(description, BODYOPT_CHANNEL_FIRST_SIZE, "description");
+    if (channel >= channels.size()) {
+      throw Error(ErrorKind::usage, "the model has no channel ", channel, ", only ", channels.size());
+    }
+    const ModifierChannel& of = channels[channel];
+    all.name = of.name.c_str();
+    all.what = of.control->what;
+    all.constant = of.constant;
+    all.low = of.control->low;
+    all.high = of.control->high;
+    std::memcpy(description, &all, all.struct_size);
+  });
 }
 
 bodyopt_result bodyopt_get_triangles(const bodyopt_model* model, uint32_t* triangles, size_t size) {

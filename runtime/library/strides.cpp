@@ -53,6 +53,23 @@ void check_output(bodyopt_floats& output, std::size_t frames, std::size_t elemen
   }
 }
 
+// Looks at an array of `count` numbers a frame. Returns its stride from frame to frame.
+std::size_t checked_numbers(const float* values, std::size_t count, std::size_t stride, std::size_t frames,
+                            const std::string& name) {
+  require_aligned(values, "poses." + name + "s");
+  stride = checked_stride(stride, count * sizeof(float), sizeof(float), "poses." + name + "_frame_stride");
+  checked_size(frames, stride, 0, "poses." + name + "s");
+  return stride;
+}
+
+// The numbers of one frame of such an array.
+std::vector<float> read_numbers(const float* values, std::size_t count, std::size_t stride, std::size_t frame) {
+  std::vector<float> numbers(count);
+  if (count == 0) return numbers;
+  std::memcpy(numbers.data(), reinterpret_cast<const std::byte*>(values) + frame * stride, count * sizeof(float));
+  return numbers;
+}
+
 // A number of each element, of frames `begin` and after.
 void scatter(std::span<const float> values, const bodyopt_floats& output, std::size_t begin, std::size_t elements) {
   if (output.data == nullptr || elements == 0) return;
@@ -71,10 +88,11 @@ void require_count(std::uint32_t found, std::size_t expected, const char* of) {
 
 }  // namespace
 
-GivenPoses::GivenPoses(const bodyopt_poses* poses, const Basis& basis)
-    : poses_(read_struct(poses, sizeof(bodyopt_poses), "poses")) {
+GivenPoses::GivenPoses(const bodyopt_poses* poses, const Basis& basis, std::span<const std::string> channels)
+    : poses_(read_struct(poses, BODYOPT_POSES_FIRST_SIZE, "poses")), channels_(channels) {
   require_count(poses_.joint_count, basis.skeleton.size(), "joints");
   if (poses_.control_count > 0) require_count(poses_.control_count, basis.residual.controls.size(), "controls");
+  check_modifiers();
   if (poses_.frame_count == 0) return;
   require(poses_.joints, "poses.joints");
   require_aligned(poses_.joints, "poses.joints");
@@ -86,11 +104,30 @@ GivenPoses::GivenPoses(const bodyopt_poses* poses, const Basis& basis)
   checked_size(poses_.frame_count, poses_.joint_frame_stride, 0, "poses.joints");
   if (poses_.control_count == 0) return;
   require(poses_.controls, "poses.controls");
-  require_aligned(poses_.controls, "poses.controls");
-  poses_.control_frame_stride =
-      checked_stride(poses_.control_frame_stride, std::size_t{poses_.control_count} * sizeof(float), sizeof(float),
-                     "poses.control_frame_stride");
-  checked_size(poses_.frame_count, poses_.control_frame_stride, 0, "poses.controls");
+  poses_.control_frame_stride = checked_numbers(poses_.controls, poses_.control_count, poses_.control_frame_stride,
+                                                poses_.frame_count, "control");
+}
+
+void GivenPoses::check_modifiers() {
+  if (!shows_modifiers()) return;
+  constexpr double kLeast = 1e-3, kMost = 1e6;  // so that no phase grows beyond what can be counted
+  if (!(poses_.frames_per_second >= kLeast && poses_.frames_per_second <= kMost)) {
+    refuse("the poses have ", poses_.frames_per_second, " frames_per_second, expected 0.001 to 1000000");
+  }
+  if (!has_channels()) return;
+  require_count(poses_.channel_count, channels_.size(), "channels");
+  poses_.channel_frame_stride = checked_numbers(poses_.channels, poses_.channel_count, poses_.channel_frame_stride,
+                                                poses_.frame_count, "channel");
+}
+
+std::vector<float> GivenPoses::read_channels(std::size_t frame) const {
+  if (!has_channels()) return {};
+  std::vector<float> values = read_numbers(poses_.channels, poses_.channel_count, poses_.channel_frame_stride, frame);
+  for (std::size_t c = 0; c < values.size(); ++c) {
+    if (std::isfinite(values[c])) continue;
+    throw Error(ErrorKind::mismatch, "the channel '", channels_[c], "' is not a finite number");
+  }
+  return values;
 }
 
 Pose GivenPoses::read_pose(std::size_t frame) const {
@@ -102,11 +139,7 @@ Pose GivenPoses::read_pose(std::size_t frame) const {
     std::memcpy(n, at, sizeof(n));
     pose.joints.push_back({{n[0], n[1], n[2]}, {n[3], n[4], n[5], n[6]}, {n[7], n[8], n[9]}});
   }
-  if (poses_.control_count == 0) return pose;
-  pose.controls.resize(poses_.control_count);
-  std::memcpy(pose.controls.data(),
-              reinterpret_cast<const std::byte*>(poses_.controls) + frame * poses_.control_frame_stride,
-              pose.controls.size() * sizeof(float));
+  pose.controls = read_numbers(poses_.controls, poses_.control_count, poses_.control_frame_stride, frame);
   return pose;
 }
 
@@ -146,7 +179,7 @@ std::vector<float> read_texture(const bodyopt_load_options& options, const Basis
 }
 
 WantedSkin::WantedSkin(const bodyopt_skin* skin, const Basis& basis, std::size_t frames)
-    : skin_(read_struct(skin, offsetof(bodyopt_skin, expected_errors), "skin")),
+    : skin_(read_struct(skin, BODYOPT_SKIN_FIRST_SIZE, "skin")),
       vertices_(basis.mesh.output_count()),
       strains_(basis.strain.fibre_count()) {
   check_output(skin_.positions, frames, vertices_, 3, "skin.positions");

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "include/bodyopt/bodyopt.h"
@@ -14,20 +15,30 @@ namespace bodyopt {
 constexpr std::size_t kJointNumbers = 10;  // of a joint: translation, quaternion, scale
 
 // The poses as a caller gives them, looked at once and read frame by frame. Throws Error(usage) for strides that are
-// too small, Error(mismatch) for another number of joints or controls than the basis has.
+// too small, Error(mismatch) for another number of joints, controls or channels than the basis has.
 class GivenPoses {
  public:
-  GivenPoses(const bodyopt_poses* poses, const Basis& basis);
+  // `channels`: names of the model's.
+  GivenPoses(const bodyopt_poses* poses, const Basis& basis, std::span<const std::string> channels);
 
   std::size_t count() const { return poses_.frame_count; }
   std::vector<Pose> read(std::size_t begin, std::size_t count) const;
   // Throws Error(usage) where there are none.
   std::span<const int> frame_numbers() const;
 
+  bool shows_modifiers() const { return poses_.shows_modifiers != 0; }
+  bool goes_on() const { return poses_.goes_on != 0; }
+  double frames_per_second() const { return poses_.frames_per_second; }
+  bool has_channels() const { return poses_.channels != nullptr; }
+  // Empty without channels. Throws Error(mismatch) for one that is not finite.
+  std::vector<float> read_channels(std::size_t frame) const;
+
  private:
+  void check_modifiers();
   Pose read_pose(std::size_t frame) const;
 
   bodyopt_poses poses_;
+  std::span<const std::string> channels_;
 };
 
 // O x 2: the texture coordinates of the options; empty where none were given. Throws Error(usage) for a stride that is

@@ -3,6 +3,7 @@
 
 #include "runtime/library/guard.h"
 #include "runtime/library/handles.h"
+#include "runtime/library/modifier_drive.h"
 #include "runtime/library/strides.h"
 #include "runtime/vulkan/recording.h"
 
@@ -33,7 +34,7 @@ using namespace bodyopt;
 bodyopt_result bodyopt_share_device(const bodyopt_vulkan_device* host, bodyopt_device** device) {
   return guarded([&] {
     required(device, "device");
-    const auto given = read_struct(host, offsetof(bodyopt_vulkan_device, pipeline_cache), "host");
+    const auto given = read_struct(host, BODYOPT_VULKAN_DEVICE_FIRST_SIZE, "host");
     *device = new bodyopt_device{std::make_shared<const vulkan::Device>(
         vulkan::HostDevice{given.instance, given.physical_device, given.device, given.queue, given.queue_family,
                            given.pipeline_cache, given.get_instance_proc_addr})};
@@ -44,20 +45,23 @@ bodyopt_result bodyopt_record(bodyopt_instance* instance, const bodyopt_poses* p
                               const bodyopt_recording* recording) {
   return guarded([&] {
     Deformer& deformer = *required(instance, "instance").deformer;
-    const GivenPoses given(poses, deformer.basis());
+    const GivenPoses given(poses, deformer.basis(), instance->channels);
     if (given.count() != 1) {
       throw Error(ErrorKind::usage, "'poses' has ", given.count(), " frames; a recording is of one");
     }
-    const auto wanted = read_struct(recording, offsetof(bodyopt_recording, tangents), "recording");
+    const auto wanted = read_struct(recording, BODYOPT_RECORDING_FIRST_SIZE, "recording");
     required(wanted.commands, "recording.commands");
     const std::size_t vertices = deformer.basis().mesh.output_count();
     const vulkan::Recording into{wanted.commands, placed_output(wanted.positions, vertices, 3, "positions"),
                                  placed_output(wanted.normals, vertices, 3, "normals"),
                                  placed_output(wanted.tangents, vertices, 4, "tangents")};
-    const std::vector<Pose> pose = given.read(0, 1);
+    std::vector<Pose> pose = given.read(0, 1);
+    ModifierDrive drive(*instance, given);
+    drive.apply(0, pose);
     std::optional<int> frame;
     if (deformer.dynamics() != nullptr) frame = given.frame_numbers().front();
     deformer.record(pose.front(), frame, into);
+    drive.keep(*instance);
   });
 }
 

@@ -73,7 +73,8 @@ void drive_breathing(const ModifierFrames& frames, std::span<float> weights) {
   const std::size_t components = frames.modifier.component_count;
   if (components != 2 && components != kBreathShapes) throw std::out_of_range("components of breathing");
   const double litres = static_cast<double>(frames.modifier.numbers.at(0));  // of this body for one of a man's
-  double phase = frames.count() == 0 ? 0 : static_cast<double>(frames.controls[kPhase][0]);
+  if (frames.count() == 0) return;
+  double phase = frames.phase.value_or(static_cast<double>(frames.controls[kPhase][0]));
   for (std::size_t f = 0; f < frames.count(); ++f) {
     const BreathControls c(frames, f);
     const auto seed = static_cast<std::uint64_t>(frames.controls[kSeed][f]);
@@ -85,6 +86,7 @@ void drive_breathing(const ModifierFrames& frames, std::span<float> weights) {
     const double hold = static_cast<double>(frames.controls[kHold][f]);
     phase += c.rate / 60 * (1 - hold) / (length * frames.frames_per_second);
   }
+  frames.phase = phase;
 }
 
 }  // namespace bodyopt

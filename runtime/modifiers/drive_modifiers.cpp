@@ -4,8 +4,10 @@
 #include <cmath>
 #include <cstdio>
 #include <stdexcept>
+#include <utility>
 
 #include "runtime/core/error.h"
+#include "runtime/core/transformed.h"
 #include "runtime/modifiers/skin_modifier_type.h"
 
 namespace bodyopt {
@@ -21,6 +23,11 @@ std::string channel_name(const SkinModifier& modifier, const SkinModifierControl
   return &control == &kModifierStrength ? modifier.name : modifier.name + "." + control.name;
 }
 
+float constant_of(const SkinModifier& modifier, const SkinModifierControl& control) {
+  const auto found = modifier.constants.find(control.name);
+  return found == modifier.constants.end() ? control.usual : found->second;
+}
+
 // Of one modifier, over a clip.
 class ChannelReader {
  public:
@@ -31,7 +38,7 @@ class ChannelReader {
   // F, within the control's range.
   std::vector<float> values(const SkinModifierControl& control) const {
     const std::string name = channel_name(modifier_, control);
-    std::vector<float> values(poses_.size(), constant(control));
+    std::vector<float> values(poses_.size(), constant_of(modifier_, control));
     const auto at = static_cast<std::size_t>(std::ranges::find(channels_, name) - channels_.begin());
     if (at < channels_.size()) {
       for (std::size_t f = 0; f < poses_.size(); ++f) values[f] = poses_[f].controls.at(at);
@@ -41,11 +48,6 @@ class ChannelReader {
   }
 
  private:
-  float constant(const SkinModifierControl& control) const {
-    const auto found = modifier_.constants.find(control.name);
-    return found == modifier_.constants.end() ? control.usual : found->second;
-  }
-
   void clamp(const std::string& name, const SkinModifierControl& control, std::vector<float>& values) const {
     std::size_t clamped = 0;
     for (float& value : values) {
@@ -81,7 +83,7 @@ void turn_joints(const SkinModifier& modifier, std::span<const float> weights, s
 }
 
 void apply_modifier(const Basis& basis, const SkinModifier& modifier, std::span<const std::string> channels,
-                    double rate, std::span<Pose> poses, std::vector<std::string>& notes) {
+                    double rate, std::span<Pose> poses, std::optional<double>& phase, std::vector<std::string>& notes) {
   const SkinModifierType& type = type_of(modifier);
   const auto refuse = [&](const auto&... what) {
     throw Error(ErrorKind::mismatch, "the modifier '", modifier.name, "' ", what..., " that its type '", modifier.type,
@@ -92,7 +94,7 @@ void apply_modifier(const Basis& basis, const SkinModifier& modifier, std::span<
   }
   const ChannelReader reader(modifier, channels, poses, notes);
   const std::vector<float> strength = reader.values(kModifierStrength);
-  ModifierFrames frames{basis, modifier, rate, poses, {}};
+  ModifierFrames frames{basis, modifier, rate, poses, phase, {}};
   for (const SkinModifierControl& control : type.controls) frames.controls.push_back(reader.values(control));
   const std::size_t components = modifier.component_count;
   std::vector<float> weights(components * poses.size());
@@ -112,28 +114,38 @@ void apply_modifier(const Basis& basis, const SkinModifier& modifier, std::span<
 
 }  // namespace
 
-std::vector<std::string> modifier_channels(const SkinModifiers& modifiers) {
-  std::vector<std::string> names;
+std::vector<ModifierChannel> describe_channels(const SkinModifiers& modifiers) {
+  std::vector<ModifierChannel> channels;
   for (const SkinModifier& modifier : modifiers.stack) {
-    names.push_back(modifier.name);
-    for (const SkinModifierControl& control : type_of(modifier).controls) {
-      names.push_back(channel_name(modifier, control));
-    }
+    const auto add = [&](const SkinModifierControl& control) {
+      channels.push_back({channel_name(modifier, control), &control, constant_of(modifier, control)});
+    };
+    add(kModifierStrength);
+    for (const SkinModifierControl& control : type_of(modifier).controls) add(control);
   }
-  return names;
+  return channels;
+}
+
+std::vector<std::string> modifier_channels(const SkinModifiers& modifiers) {
+  return transformed(describe_channels(modifiers), &ModifierChannel::name);
 }
 
 std::vector<std::string> drive_modifiers(const Basis& basis, std::span<const std::string> channels,
-                                         double frames_per_second, std::span<Pose> poses) {
+                                         double frames_per_second, std::span<Pose> poses, ModifierState* state) {
   std::vector<std::string> notes;
   if (basis.modifiers.empty()) return notes;
   for (Pose& pose : poses) {
     pose.modifiers.assign(basis.modifiers.component_count(), 0.0f);
     pose.unmodified.clear();
   }
-  for (const SkinModifier& modifier : basis.modifiers.stack) {
-    if (modifier.on) apply_modifier(basis, modifier, channels, frames_per_second, poses, notes);
+  ModifierState after;  // where one modifier cannot be driven, `state` is as it was
+  if (state != nullptr) after = *state;
+  after.phases.resize(basis.modifiers.stack.size());
+  for (std::size_t k = 0; k < after.phases.size(); ++k) {
+    const SkinModifier& modifier = basis.modifiers.stack[k];
+    if (modifier.on) apply_modifier(basis, modifier, channels, frames_per_second, poses, after.phases[k], notes);
   }
+  if (state != nullptr) *state = std::move(after);
   return notes;
 }
 

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -20,12 +21,13 @@ struct SkinModifierControl {
 
 inline constexpr std::uint32_t kAsBaked = 0;
 
-// A modifier over a clip.
+// A modifier over a clip, or over a part of it.
 struct ModifierFrames {
   const Basis& basis;
   const SkinModifier& modifier;
   double frames_per_second;
   std::span<const Pose> poses;               // F, as the modifiers before this one leave them
+  std::optional<double>& phase;              // of the frame that comes next; none at the clip's first
   std::vector<std::vector<float>> controls;  // of each of the type's controls, F
 
   std::size_t count() const { return poses.size(); }
@@ -36,8 +38,8 @@ struct SkinModifierType {
   const char* what;  // one line
   std::vector<SkinModifierControl> controls;
   std::uint32_t components;  // that it drives; kAsBaked: as many as were made of the character
-  // Fills the weights, F x component_count, for a strength of 1. They depend on the frames from the clip's first on and
-  // on nothing else, so that a part of a shot has the bits of the whole.
+  // Fills the weights, F x component_count, for a strength of 1. They depend on the frames and on the phase, which is
+  // all that goes on from earlier ones: a part of a shot has the bits of the whole.
   void (*drive)(const ModifierFrames& frames, std::span<float> weights);
 };
 

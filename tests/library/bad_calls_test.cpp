@@ -1,6 +1,7 @@
 // Wrong calls of bodyopt.h: each gives the code and a text that names what is wrong, writes nothing, and leaves the
 // instance as it was.
 #include <algorithm>
+#include <cstring>
 #include <filesystem>
 #include <functional>
 
@@ -325,6 +326,48 @@ TEST_F(BadCalls, OfWeightsAreRefused) {
   EXPECT_TRUE(std::ranges::all_of(values_[0], [](float x) { return std::isfinite(x); }));
 }
 
+// As a program of the first version gives it: no byte after it is the library's to read or write.
+template <typename Structure>
+class OfFirstVersion {
+ public:
+  OfFirstVersion(const Structure& given, std::size_t size) : size_(size), bytes_(2 * size, 0xee) {
+    std::memcpy(bytes_.data(), &given, size);
+    get()->struct_size = size;
+  }
+  Structure* get() { return reinterpret_cast<Structure*>(bytes_.data()); }
+  void expect_untouched() const {
+    EXPECT_EQ(std::ranges::count(bytes_.begin() + static_cast<std::ptrdiff_t>(size_), bytes_.end(), 0xee),
+              static_cast<std::ptrdiff_t>(size_));
+  }
+
+ private:
+  std::size_t size_;
+  std::vector<unsigned char> bytes_;
+};
+
+// What follows the structures of the first version would be refused as strides, file names and channels.
+TEST_F(BadCalls, AreNotThoseOfTheFirstVersion) {
+  OfFirstVersion load(api::make<bodyopt_load_options>(), BODYOPT_LOAD_OPTIONS_FIRST_SIZE);
+  bodyopt_model* loaded = nullptr;
+  ASSERT_EQ(bodyopt_load_model(file().c_str(), load.get(), &loaded), BODYOPT_OK) << bodyopt_last_error();
+  const api::Model model(loaded);
+  OfFirstVersion description(api::make<bodyopt_description>(), BODYOPT_DESCRIPTION_FIRST_SIZE);
+  EXPECT_EQ(bodyopt_describe(model.get(), description.get()), BODYOPT_OK) << bodyopt_last_error();
+  EXPECT_EQ(description.get()->vertex_count, vertices_);
+  description.expect_untouched();
+  OfFirstVersion create(api::make<bodyopt_instance_options>(), BODYOPT_INSTANCE_OPTIONS_FIRST_SIZE);
+  bodyopt_instance* created = nullptr;
+  ASSERT_EQ(bodyopt_create_instance(model.get(), create.get(), &created), BODYOPT_OK) << bodyopt_last_error();
+  const api::Instance instance(created);
+  api::check(bodyopt_evaluate(instance_.get(), &given_.all, &skin_));
+  const std::vector<float> expected = values_[0];
+  std::ranges::fill(values_[0], -7.0f);
+  OfFirstVersion poses(given_.all, BODYOPT_POSES_FIRST_SIZE);
+  OfFirstVersion skin(skin_, BODYOPT_SKIN_FIRST_SIZE);
+  EXPECT_EQ(bodyopt_evaluate(instance.get(), poses.get(), skin.get()), BODYOPT_OK) << bodyopt_last_error();
+  EXPECT_EQ(values_[0], expected);
+}
+
 using Offsets = std::vector<std::size_t>;
 
 // The layout that programs are compiled with: a field may be added at the end, none may move.
@@ -335,6 +378,12 @@ TEST(LibraryLayout, IsThatOfTheFirstVersion) {
     EXPECT_EQ(Offsets({AT(struct_size), AT(dynamics), AT(level)}), Offsets({0, 8, 16}));
     EXPECT_EQ(Offsets({AT(texture), AT(texture_size), AT(texture_stride), AT(texture_count)}),
               Offsets({24, 32, 40, 48}));
+    EXPECT_EQ(Offsets({AT(dynamics_data), AT(dynamics_size)}), Offsets({56, 64}));
+  }
+  {
+    using Structure = bodyopt_device_description;
+    EXPECT_EQ(Offsets({AT(struct_size), AT(index), AT(name), AT(type), AT(memory_bytes), AT(problem)}),
+              Offsets({0, 8, 12, 268, 288, 296}));
   }
   {
     using Structure = bodyopt_description;
@@ -342,6 +391,7 @@ TEST(LibraryLayout, IsThatOfTheFirstVersion) {
               Offsets({0, 8, 12, 16, 20}));
     EXPECT_EQ(Offsets({AT(strain_count), AT(has_dynamics), AT(frames_per_second), AT(knows_error), AT(has_tangents)}),
               Offsets({24, 28, 32, 36, 40}));
+    EXPECT_EQ(AT(channel_count), 44u);
   }
   {
     using Structure = bodyopt_device_options;
@@ -364,6 +414,15 @@ TEST(LibraryLayout, IsThatOfTheFirstVersion) {
     EXPECT_EQ(
         Offsets({AT(joint_stride), AT(joint_frame_stride), AT(controls), AT(control_frame_stride), AT(frame_numbers)}),
         Offsets({32, 40, 48, 56, 64}));
+    EXPECT_EQ(Offsets({AT(shows_modifiers), AT(goes_on), AT(frames_per_second), AT(channels), AT(channel_count),
+                       AT(channel_frame_stride)}),
+              Offsets({72, 76, 80, 88, 96, 104}));
+  }
+  {
+    using Structure = bodyopt_channel;
+    EXPECT_EQ(Offsets({AT(struct_size), AT(name), AT(what), AT(constant), AT(low), AT(high)}),
+              Offsets({0, 8, 16, 24, 28, 32}));
+    EXPECT_EQ(sizeof(Structure), BODYOPT_CHANNEL_FIRST_SIZE);
   }
   {
     using Structure = bodyopt_floats;
@@ -398,9 +457,17 @@ TEST(LibraryLayout, IsThatOfTheFirstVersion) {
               Offsets({0, 8, 16, 48, 80}));
   }
 #undef AT
+  EXPECT_EQ(
+      Offsets({BODYOPT_LOAD_OPTIONS_FIRST_SIZE, BODYOPT_DESCRIPTION_FIRST_SIZE, BODYOPT_DEVICE_DESCRIPTION_FIRST_SIZE,
+               BODYOPT_DEVICE_OPTIONS_FIRST_SIZE, BODYOPT_EXECUTOR_FIRST_SIZE, BODYOPT_INSTANCE_OPTIONS_FIRST_SIZE,
+               BODYOPT_POSES_FIRST_SIZE, BODYOPT_SKIN_FIRST_SIZE, BODYOPT_CALL_FIRST_SIZE,
+               BODYOPT_VULKAN_DEVICE_FIRST_SIZE, BODYOPT_RECORDING_FIRST_SIZE}),
+      Offsets({24, 40, 424, 24, 24, 64, 72, 168, 40, 48, 80}));
   const std::vector<int> results = {BODYOPT_OK,    BODYOPT_MISMATCH, BODYOPT_FILE,  BODYOPT_DEVICE,
                                     BODYOPT_USAGE, BODYOPT_INTERNAL, BODYOPT_MEMORY};
   EXPECT_EQ(results, (std::vector<int>{0, 3, 4, 5, 64, 70, 71}));
+  const std::vector<int> levels = {BODYOPT_LOG_ERROR, BODYOPT_LOG_WARNING, BODYOPT_LOG_INFO};
+  EXPECT_EQ(levels, (std::vector<int>{0, 1, 2}));
 }
 
 }  // namespace bad_calls_test

@@ -104,6 +104,19 @@ class Frames(unittest.TestCase):
             np.testing.assert_array_equal(model.instance().evaluate(JOINTS).positions, SKIN)
             self.assertTrue(model.has_dynamics)
 
+    def test_are_of_bytes_in_memory(self):
+        basis, dynamics = pathlib.Path(BASIS).read_bytes(), pathlib.Path(DYNAMICS).read_bytes()
+        model = bodyopt.load_from_memory(basis, dynamics)
+        np.testing.assert_array_equal(model.instance().evaluate(JOINTS).positions, SKIN)
+        self.assertTrue(model.has_dynamics)
+        with self.assertRaises(bodyopt.Error) as refused:
+            bodyopt.load_from_memory(basis[:-1])
+        self.assertEqual(refused.exception.code, 4)
+
+    def test_run_on_devices_that_are_listed(self):
+        names = bodyopt.device_names()
+        self.assertIn(bodyopt.open_device().name, names)
+
     def test_describe_the_character(self):
         self.assertEqual(MODEL.triangles.max(), MODEL.vertex_count - 1)
         self.assertEqual(MODEL.joint_parents[0], -1)

@@ -15,8 +15,10 @@ from ._runtime import (
     Skin,
     State,
     __version__,
+    device_names,
     evaluate_together,
     load,
+    load_from_memory,
     open_device,
 )
 
@@ -29,7 +31,9 @@ __all__ = [
     "Skin",
     "State",
     "__version__",
+    "device_names",
     "evaluate_together",
     "load",
+    "load_from_memory",
     "open_device",
 ]

@@ -157,6 +157,12 @@ def load(
 
     Raises Error(3), too, for texture coordinates of another number of vertices.
     """
+def load_from_memory(
+    data: bytes, dynamics: Optional[bytes] = None, level: int = 0, texture: Optional[NDArray[np.float32]] = None
+) -> Model:
+    """As load(), of the bytes of the files."""
+def device_names() -> list[str]:
+    """Of the Vulkan devices of this machine, in the order of their indices; empty without Vulkan."""
 def open_device(
     name: Optional[str] = None, validation: bool = False, pipeline_cache: Optional[Path] = None
 ) -> Device:

@@ -1,0 +1,17 @@
+// What a container has in it, wherever its bytes come from: load_levels() and load_dynamics() after the file is read.
+#pragma once
+
+#include <filesystem>
+#include <vector>
+
+#include "runtime/basis/dynamics.h"
+#include "runtime/basis/levels.h"
+#include "runtime/basis/safetensors.h"
+
+namespace bodyopt {
+
+// `origin`: its file, or what errors name in place of one. Throw as the functions that load.
+std::vector<Level> levels_in(const Safetensors& container, const std::filesystem::path& origin);
+Dynamics dynamics_in(const Safetensors& container, const std::filesystem::path& origin, const Basis& basis);
+
+}  // namespace bodyopt
