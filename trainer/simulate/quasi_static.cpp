@@ -217,8 +217,8 @@ QuasiStaticBody::QuasiStaticBody(const Character& character, const std::vector<M
   // A part no bone holds would leave the metric singular; this much holds it without being felt.
   const double diagonal = metric.diagonal().maxCoeff();
   for (Eigen::Index n = 0; n < metric.rows(); ++n) metric.coeffRef(n, n) += 1e-9 * diagonal;
-  metric_ =
-      mesh_.is_second_order ? std::make_unique<Metric>(metric, from_corners(mesh_)) : std::make_unique<Metric>(metric);
+  if (mesh_.is_second_order) from_corners_ = from_corners(mesh_);
+  metric_ = mesh_.is_second_order ? std::make_unique<Metric>(metric, from_corners_) : std::make_unique<Metric>(metric);
   for (std::size_t t = 0; t < tet_count; ++t) {
     const double area = std::cbrt(std::pow(tet_edges(mesh_, static_cast<Eigen::Index>(t)).determinant() / 6, 2));
     force_floor_ += std::pow(kStrainFloor * tets[t].mu * area, 2);
@@ -448,7 +448,6 @@ SolvedPose QuasiStaticBody::attempt(std::span<const Pose> path, std::span<const 
 
 void QuasiStaticBody::walk_in(std::unique_ptr<const QuasiStaticBody> linear) {
   linear_ = std::move(linear);
-  in_linear_ = nodes_in_linear(mesh_);
   ContentHash hash;
   hash.add(hash_);
   hash.add(linear_->hash_);
@@ -460,7 +459,7 @@ void QuasiStaticBody::walk_in(std::unique_ptr<const QuasiStaticBody> linear) {
 std::optional<SolvedPose> QuasiStaticBody::settle_from_linear(const Pose& pose, std::span<const double> flex) const {
   SolvedPose solved = linear_->attempt(std::span(&pose, 1), flex, 1, Tissue::kBarrier);
   if (!solved.status.converged || solved.status.contact_depth > kDeepFold) return {};
-  solved.nodes = embed(in_linear_, linear_->mesh_.tets, solved.nodes);
+  solved.nodes = Positions(from_corners_ * solved.nodes);
   if (tissue_->inverted(solved.nodes).share > kMostTangled) return {};
   settle_upright(target(without_root_motion(pose), flex), Tissue::kBarrier, solved);
   judge(solved);

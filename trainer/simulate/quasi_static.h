@@ -137,7 +137,7 @@ class QuasiStaticBody {
   std::unique_ptr<CarriedDepth> carried_depth_;
   std::unique_ptr<Metric> metric_;
   std::unique_ptr<const QuasiStaticBody> linear_;  // null where poses are walked to in the own tets
-  std::vector<EmbeddedPoint> in_linear_;           // N
+  SparseMatrix from_corners_;                      // N x C: from the nodes of the linear tets; empty in linear tets
   std::unique_ptr<const QuasiStaticBody> coarser_;
   double force_floor_ = 0, max_move_ = 0;  // of the solver
   std::uint64_t hash_ = 0;

@@ -110,18 +110,6 @@ Cage second_order(Cage cage) {
   return cage;
 }
 
-std::vector<EmbeddedPoint> nodes_in_linear(const TetMesh& second_order) {
-  std::vector<EmbeddedPoint> points(static_cast<std::size_t>(second_order.nodes.rows()));
-  for (Eigen::Index k = second_order.tets.rows(); k-- > 0;) {  // backwards: the first tet of a node stays
-    const int tet = static_cast<int>(k / kEighths), eighth = static_cast<int>(k % kEighths);
-    if (eighth >= 4) continue;  // corners of the four have all nodes
-    for (int b = 0; b < 4; ++b) {
-      points[static_cast<std::size_t>(second_order.tets(k, b))] = {tet, eighth_corners(eighth).col(b)};
-    }
-  }
-  return points;
-}
-
 Eigen::SparseMatrix<double> from_corners(const TetMesh& second_order) {
   const Eigen::Index count = second_order.nodes.rows();
   std::vector<EdgeCorners> ends(static_cast<std::size_t>(count));  // of the edge that a node is the middle of

@@ -16,11 +16,8 @@ TetMesh second_order(const TetMesh& mesh);
 // The same of a cage, with all that it carries.
 Cage second_order(Cage cage);
 
-// Where the nodes of tets of second order lie in the linear ones that they were made of.
-std::vector<EmbeddedPoint> nodes_in_linear(const TetMesh& second_order);
-
-// N x C: from values at the corners of tets of second order, in their nodes' order, to all nodes: a middle's is the
-// mean of its edge's ends.
+// N x C: from values at the nodes of the linear tets that those of second order were made of to all their nodes: a
+// middle's is the mean of its edge's ends.
 Eigen::SparseMatrix<double> from_corners(const TetMesh& second_order);
 
 }  // namespace bodyopt
