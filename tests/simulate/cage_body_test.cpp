@@ -94,7 +94,7 @@ TEST(CageBody, WalksToTheShapeThatTheOwnTetsWalkTo) {
     EXPECT_NE(a.nodes, b.nodes);
     EXPECT_LT((a.nodes - b.nodes).rowwise().norm().maxCoeff(), 2e-5);
   }
-  const Pose folded = bent(limb, degrees(160));  // deeper than the contact of linear tets can tell
+  const Pose folded = bent(limb, degrees(170));  // deeper than the contact of linear tets can tell
   EXPECT_EQ(own.solve(folded).nodes, nested.solve(folded).nodes);
 }
 
@@ -159,16 +159,22 @@ TEST(CageBody, HashTellsSkinsInOneCageApart) {
   EXPECT_NE(hash(), before);
 }
 
-// Skin in skin is measured in both kinds of cage, and pushed out in one.
+// Skin is pushed out of skin in both kinds of cage.
 TEST(CageBody, FoldsOfADraftAreHeldApart) {
   const Character limb = make_limb();
   const Pose pose = bent(limb, degrees(140));
   const AnatomyField anatomy(limb, {}, kLimbAnatomy);
   const QuasiStaticBody filled(limb, {}, anatomy, skin_cage(limb.vertices, limb.triangles, 400)),
       lattice(limb, {}, anatomy, lattice_cage(limb.vertices, limb.triangles, limb.weights, 400));
-  const double held = filled.solve(pose).status.contact_depth, free = lattice.solve(pose).status.contact_depth;
-  EXPECT_GT(free, 0.01);
-  EXPECT_LT(held, 0.5 * free);
+  Materials soft;
+  soft.contact = 1;  // as good as none
+  const Cage cage = lattice_cage(limb.vertices, limb.triangles, limb.weights, 400);
+  EXPECT_GT(QuasiStaticBody(limb, {}, anatomy, cage, soft).solve(pose).status.contact_depth, 0.01);
+  for (const QuasiStaticBody* body : {&filled, &lattice}) {
+    const FrameStatus status = body->solve(pose).status;
+    EXPECT_TRUE(status.converged);
+    EXPECT_LT(status.contact_depth, 2e-3);
+  }
 }
 
 TEST(CageBody, SimulateStoresADraftAsNodes) {

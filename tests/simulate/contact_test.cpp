@@ -30,6 +30,18 @@ TetMesh two_limbs(double gap) {
   return two;
 }
 
+// Of tets whose surface is the skin.
+SkinContact contact_of(const TetMesh& mesh) {
+  Cage cage;
+  cage.mesh = mesh;
+  cage.is_own_skin = true;
+  cage.skin.resize(static_cast<std::size_t>(mesh.nodes.rows()));
+  for (int t = 0; t < mesh.tets.rows(); ++t) {
+    for (int a = 0; a < 4; ++a) cage.skin[static_cast<std::size_t>(mesh.tets(t, a))] = {t, Eigen::Vector4d::Unit(a)};
+  }
+  return SkinContact(mesh.nodes, surface_of(mesh.tets), cage);
+}
+
 Positions moved_apart(const TetMesh& mesh, double distance) {
   Positions nodes = mesh.nodes;
   nodes.bottomRows(nodes.rows() / 2).col(1).array() += distance;
@@ -47,7 +59,7 @@ double deepest(const SkinContact& contact, const Positions& nodes) {
 
 TEST(Contact, RestAndRigidMotionTouchNothing) {
   const TetMesh mesh = two_limbs(kGap);
-  const SkinContact contact(mesh);
+  const SkinContact contact = contact_of(mesh);
   const Eigen::Matrix3d turn = Eigen::AngleAxisd(1.9, Eigen::Vector3d(1, 2, 3).normalized()).toRotationMatrix();
   const Positions near = moved_apart(mesh, -kGap + 0.0001);  // rings do not meet: vertices come no nearer than this
   for (const Positions& nodes : {Positions(mesh.nodes), Positions(mesh.nodes * turn.transpose()), near}) {
@@ -61,7 +73,7 @@ TEST(Contact, RestAndRigidMotionTouchNothing) {
 // How deep two limbs of tets have been pushed into each other is known: no more than they were moved.
 TEST(Contact, DepthIsHowFarTheyWerePushed) {
   const TetMesh mesh = two_limbs(kGap);
-  const SkinContact contact(mesh);
+  const SkinContact contact = contact_of(mesh);
   double last = 0;
   for (const double depth : {0.005, 0.01, 0.02}) {
     const double found = deepest(contact, moved_apart(mesh, -kGap - depth));
@@ -74,7 +86,7 @@ TEST(Contact, DepthIsHowFarTheyWerePushed) {
 
 TEST(Contact, GradientIsTheEnergysDerivativeAndMakesNoNetForce) {
   const TetMesh mesh = two_limbs(kGap);
-  const SkinContact contact(mesh);
+  const SkinContact contact = contact_of(mesh);
   const Positions nodes = moved_apart(mesh, -kGap - 0.006);
   const std::vector<ContactPlane> planes = contact.find(nodes, kMargin);
   Positions gradient = Positions::Zero(nodes.rows(), 3), unused = gradient;
@@ -97,7 +109,7 @@ TEST(Contact, GradientIsTheEnergysDerivativeAndMakesNoNetForce) {
 // Planes found before parts touch stand for the contact that follows.
 TEST(Contact, NearbySkinIsFoundBeforeItTouches) {
   const TetMesh mesh = two_limbs(kGap);
-  const SkinContact contact(mesh);
+  const SkinContact contact = contact_of(mesh);
   const Positions near = moved_apart(mesh, -kGap + 0.001), pushed = moved_apart(mesh, -kGap - 0.004);
   Positions early = Positions::Zero(mesh.nodes.rows(), 3), late = early;
   const double before = contact.add_gradient(contact.find(near, kMargin), pushed, early);
@@ -115,7 +127,7 @@ struct Held {
 std::map<int, Held> held_by_node(const SkinContact& contact, const HeldContact& held, const Positions& nodes) {
   std::map<int, Held> of_node;
   for (const ContactPlane& plane : held.planes()) {
-    Held& node = of_node[plane.node];
+    Held& node = of_node[plane.point];
     node.depth += std::max(contact.depth(plane, nodes), 0.0);
     node.share += plane.share;
     ++node.planes;
@@ -128,7 +140,7 @@ std::map<int, Held> held_by_node(const SkinContact& contact, const HeldContact& 
 // and all planes fit.
 TEST(Contact, HeldPlanesAreRenewedWhereTheyAreWrong) {
   const TetMesh mesh = two_limbs(kGap);
-  const SkinContact contact(mesh);
+  const SkinContact contact = contact_of(mesh);
   const Positions start = moved_apart(mesh, -kGap - 0.006);
   Positions slid = start;
   slid.bottomRows(slid.rows() / 2).col(2).array() += 0.03;
@@ -148,9 +160,9 @@ TEST(Contact, HeldPlanesAreRenewedWhereTheyAreWrong) {
   ASSERT_EQ(now.size(), found.size());  // those that do not touch any more are let go
   bool several = false;
   for (const ContactPlane& plane : found) {
-    EXPECT_NEAR(now.at(plane.node).depth, std::max(plane.offset, 0.0), 3e-4);
-    EXPECT_NEAR(now.at(plane.node).share, plane.share, 1e-12);
-    several = several || now.at(plane.node).planes > 1;
+    EXPECT_NEAR(now.at(plane.point).depth, std::max(plane.offset, 0.0), 6e-4);
+    EXPECT_NEAR(now.at(plane.point).share, plane.share, 1e-12);
+    several = several || now.at(plane.point).planes > 1;
   }
   EXPECT_TRUE(several);
 }
@@ -158,7 +170,7 @@ TEST(Contact, HeldPlanesAreRenewedWhereTheyAreWrong) {
 // A push that ends all at once means that planes did not fit, however well those that are left do.
 TEST(Contact, LettingGoMeansThatPlanesDidNotFit) {
   const TetMesh mesh = two_limbs(kGap);
-  const SkinContact contact(mesh);
+  const SkinContact contact = contact_of(mesh);
   const Positions start = moved_apart(mesh, -kGap - 0.006);
   Positions beyond = start;
   beyond.bottomRows(beyond.rows() / 2).col(0).array() += 10;
@@ -174,12 +186,12 @@ TEST(Contact, LettingGoMeansThatPlanesDidNotFit) {
 // What is as near at rest is the same part: neighbours in the skin do not push each other.
 TEST(Contact, WhatIsOnePartAtRestDoesNotCollide) {
   const TetMesh touching = two_limbs(0.0005), apart = two_limbs(kGap);
-  EXPECT_TRUE(SkinContact(touching).find(moved_apart(touching, -0.0055), 0).empty());
-  EXPECT_FALSE(SkinContact(apart).find(moved_apart(apart, -kGap - 0.005), 0).empty());
+  EXPECT_TRUE(contact_of(touching).find(moved_apart(touching, -0.0055), 0).empty());
+  EXPECT_FALSE(contact_of(apart).find(moved_apart(apart, -kGap - 0.005), 0).empty());
 }
 
 // A block with a V-shaped groove along z, whose bottom passes through the origin, and a tet that points down at it.
-// Near the groove the depth in the block is |x| - y.
+// Below the groove the depth in the block is the distance from the bottom.
 struct Groove {
   TetMesh mesh;
   Eigen::Index tip = 0;  // node of the tet, the last
@@ -215,10 +227,10 @@ Groove make_groove() {
 // contact's pressure balance, and stays there.
 TEST(Contact, ANodeBetweenTwoSlopesComesToRest) {
   constexpr double kPull = 3000, kDown = 0.004;   // N/m, metres: towards a point that far below the bottom
-  constexpr double kTold = 3e-4, kReach = 0.002;  // metres, as documented
+  constexpr double kTold = 6e-4, kReach = 0.002;  // metres, as documented
   constexpr int kRounds = 16;
   const Groove groove = make_groove();
-  const SkinContact contact(groove.mesh);
+  const SkinContact contact = contact_of(groove.mesh);
   const double area = Materials{}.contact * groove.tip_area, square = area / kReach, linear = area + kPull;
   const double balance = (std::sqrt(linear * linear + 4 * square * kPull * kDown) - linear) / (2 * square);
   SparseMatrix stiffness(groove.mesh.nodes.rows(), groove.mesh.nodes.rows());
@@ -248,7 +260,7 @@ TEST(Contact, ANodeBetweenTwoSlopesComesToRest) {
     EXPECT_TRUE(is_true);
     const Eigen::RowVector3d rest = nodes.row(groove.tip);
     const double depth = deepest(contact, nodes);
-    EXPECT_NEAR(depth, std::abs(rest[0]) - rest[1], 1e-9);
+    EXPECT_NEAR(depth, std::hypot(rest[0], rest[1]), 1e-9);
     EXPECT_NEAR(held_by_node(contact, held, nodes).at(static_cast<int>(groove.tip)).depth, depth, kTold);
     EXPECT_NEAR(depth, balance, kTold);
     relax();

@@ -37,7 +37,7 @@ constexpr double kOtherJoints = 0.3;             // of the weights in common at 
 constexpr double kFacing = -0.3;                 // cosine of the normals of skin face to face
 constexpr std::size_t kFewest = 3;               // vertices that make a part
 
-constexpr const char* kNoDraft = "leave out --draft: 'simulate' has contact";
+constexpr const char* kNoDraft = "leave out --draft: 'simulate' fills the skin";
 constexpr const char* kMoreMotion = "simulate more motion: 'bodyopt rom' makes some that shows all a character can do";
 constexpr const char* kFewVertices = "none is needed: so few vertices are as fast as a proxy of them";
 
@@ -175,7 +175,7 @@ VerbForesight foresee_simulate(const Character& character, bool draft, VerticesO
     const std::string parts = glued_parts(cage, character);
     add_glued(character, cage, glued);
     if (cage.why_lattice) {
-      return {verb, BodyFill::lattice, nodes, false, cage.why_lattice->what(), remedy_for(*cage.why_lattice), parts};
+      return {verb, BodyFill::lattice, nodes, true, cage.why_lattice->what(), remedy_for(*cage.why_lattice), parts};
     }
     const BodyFill fill = !cage.is_own_skin      ? BodyFill::coarser
                           : cage.mending.empty() ? BodyFill::skin
@@ -348,7 +348,7 @@ CharacterForesight foresee(const Character& character, const std::vector<Clip>& 
   VerticesOfJoints glued;
   VerbForesight full = counted(foresee_simulate(character, false, glued)),
                 draft = counted(foresee_simulate(character, true, glued));
-  if (draft.fill == BodyFill::lattice && full.has_contact) draft.remedy = kNoDraft;
+  if (draft.fill == BodyFill::lattice && full.has_contact && full.fill != BodyFill::lattice) draft.remedy = kNoDraft;
   foresee_scaled_clips(clips, character.skeleton, {&full, &draft}, result.remarks);
   result.verbs = {std::move(full), std::move(draft), counted(foresee_dynamics(character)),
                   counted(foresee_train(character)),

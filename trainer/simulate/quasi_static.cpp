@@ -211,9 +211,8 @@ QuasiStaticBody::QuasiStaticBody(const Character& character, const std::vector<M
     bending_ = std::make_unique<SkinBending>(mesh_.nodes.topRows(surface.maxCoeff() + 1), surface, mesh_.nodes.rows(),
                                              materials);
     metric += bending_->stiffness();
-    contact_ = std::make_unique<SkinContact>(mesh_, materials);
   }
-  carried_depth_ = std::make_unique<CarriedDepth>(character, cage);
+  contact_ = std::make_unique<SkinContact>(character.vertices, character.triangles, cage, materials);
   // A part no bone holds would leave the metric singular; this much holds it without being felt.
   const double diagonal = metric.diagonal().maxCoeff();
   for (Eigen::Index n = 0; n < metric.rows(); ++n) metric.coeffRef(n, n) += 1e-9 * diagonal;
@@ -303,7 +302,7 @@ Objective QuasiStaticBody::energy(const Target& at, std::span<const ContactPlane
     double energy = tissue.energy + springs_->add_gradient(at.springs, x, gradient);
     if (hold_volume) energy += volume_->add_gradient(x, gradient);
     if (bending_) energy += bending_->add_gradient(at.curvature, x, gradient);
-    if (contact_) energy += contact_->add_gradient(contact, x, gradient);
+    energy += contact_->add_gradient(contact, x, gradient);
     return ObjectiveValue{energy, tissue.force_square};
   };
 }
@@ -311,8 +310,7 @@ Objective QuasiStaticBody::energy(const Target& at, std::span<const ContactPlane
 int QuasiStaticBody::follow(const Target& at, const Tissue::BarrierShape& barrier, Positions& nodes) const {
   const StiffModes metric(*metric_, nodes.rows(), {}, {});
   Lbfgs lbfgs(metric, force_floor_, max_move_);
-  std::vector<ContactPlane> contact;
-  if (contact_) contact = contact_->find(nodes, kContactMargin);
+  const std::vector<ContactPlane> contact = contact_->find(nodes, kContactMargin * contact_->scale());
   return lbfgs.minimise(energy(at, contact, barrier, false), kPathTolerance, kPathIterations, nodes).iterations;
 }
 
@@ -325,11 +323,7 @@ MinimiseResult QuasiStaticBody::settle(const Target& at, const Tissue::BarrierSh
     const MinimiseResult last = lbfgs.minimise(energy(at, contact, barrier, true), kTolerance, iterations, nodes);
     result = {last.residual, result.iterations + last.iterations};
   };
-  if (!contact_) {
-    relax({}, kMaxIterations);
-    return result;
-  }
-  HeldContact contact(*contact_, kContactMargin, nodes);
+  HeldContact contact(*contact_, kContactMargin * contact_->scale(), nodes);
   int iterations = kContactIterations;
   for (int round = 1; result.iterations < kMaxIterations; ++round) {
     const int end = std::min(result.iterations + iterations, kMaxIterations);
@@ -348,7 +342,7 @@ SolvedPose QuasiStaticBody::solve_along(std::span<const Pose> path, std::span<co
   std::optional<SolvedPose> nested;
   if (linear_ && path.size() == 1) nested = settle_from_linear(path.front(), flex);
   SolvedPose solved = nested ? std::move(*nested) : attempt(path, flex, 1, Tissue::kBarrier);
-  const bool is_deep = contact_ && solved.status.contact_depth > kTooDeep;
+  const bool is_deep = solved.status.contact_depth > kTooDeep * contact_->scale();
   if (!solved.status.converged || is_deep) {
     const int before = solved.status.iterations;
     SolvedPose again = attempt(path, flex, 0.5, Tissue::kSteepBarrier);
@@ -402,7 +396,7 @@ void QuasiStaticBody::put_back_root_motion(const Pose& pose, Positions& nodes) c
 
 void QuasiStaticBody::judge(SolvedPose& solved) const {
   solved.status.inverted_tets = tissue_->inverted(solved.nodes).tets;
-  solved.status.contact_depth = carried_depth_->deepest(solved.nodes);
+  solved.status.contact_depth = contact_->deepest(solved.nodes);
   solved.status.volume_change = volume_->largest_change(solved.nodes);
   solved.status.converged = is_converged(solved.status);
 }
@@ -458,7 +452,7 @@ void QuasiStaticBody::walk_in(std::unique_ptr<const QuasiStaticBody> linear) {
 // tangled.
 std::optional<SolvedPose> QuasiStaticBody::settle_from_linear(const Pose& pose, std::span<const double> flex) const {
   SolvedPose solved = linear_->attempt(std::span(&pose, 1), flex, 1, Tissue::kBarrier);
-  if (!solved.status.converged || solved.status.contact_depth > kDeepFold) return {};
+  if (!solved.status.converged || solved.status.contact_depth > kDeepFold * contact_->scale()) return {};
   solved.nodes = Positions(from_corners_ * solved.nodes);
   if (tissue_->inverted(solved.nodes).share > kMostTangled) return {};
   settle_upright(target(without_root_motion(pose), flex), Tissue::kBarrier, solved);

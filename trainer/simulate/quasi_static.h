@@ -7,7 +7,6 @@
 #include "assets/character.h"
 #include "dataset/dataset.h"
 #include "trainer/simulate/bone_springs.h"
-#include "trainer/simulate/carried_depth.h"
 #include "trainer/simulate/contact.h"
 #include "trainer/simulate/lbfgs.h"
 #include "trainer/simulate/muscle_fibres.h"
@@ -133,8 +132,7 @@ class QuasiStaticBody {
   std::unique_ptr<MuscleVolume> volume_;
   std::unique_ptr<BoneSprings> springs_;
   std::unique_ptr<SkinBending> bending_;  // null in a lattice, whose surface is steps
-  std::unique_ptr<SkinContact> contact_;  // null in a lattice, whose cells overlap where parts of the body are close
-  std::unique_ptr<CarriedDepth> carried_depth_;
+  std::unique_ptr<SkinContact> contact_;
   std::unique_ptr<Metric> metric_;
   std::unique_ptr<const QuasiStaticBody> linear_;  // null where poses are walked to in the own tets
   SparseMatrix from_corners_;                      // N x C: from the nodes of the linear tets; empty in linear tets

@@ -187,8 +187,7 @@ std::string solved_in(const Cage& cage) {
                            : !cage.is_own_skin    ? "a coarser skin"
                            : cage.mending.empty() ? "the skin"
                                                   : "the mended skin";
-  return "solved in " + what + " of " + std::to_string(cage.mesh.nodes.rows()) + " nodes, " +
-         (cage.is_lattice ? "without" : "with") + " contact";
+  return "solved in " + what + " of " + std::to_string(cage.mesh.nodes.rows()) + " nodes";
 }
 
 }  // namespace
@@ -308,7 +307,7 @@ QuasiStaticBody make_body(const Character& character, const std::vector<Muscle>&
   const Cage cage = choose_cage(character, options);
   options.inform(solved_in(cage));
   if (cage.is_lattice) {
-    options.warn("it is simulated in a lattice, without contact: " + std::string(cage.why_lattice->what()));
+    options.warn("it is simulated in a lattice: " + std::string(cage.why_lattice->what()));
   }
   if (!cage.mending.empty()) options.warn("the skin was mended for the simulation alone: " + cage.mending);
   if (const std::string glued = glued_parts(cage, character); !glued.empty()) {

@@ -1,8 +1,7 @@
-#include "trainer/simulate/carried_depth.h"
-
 #include <gtest/gtest.h>
 
 #include "tests/simulate/limb.h"
+#include "trainer/simulate/contact.h"
 #include "trainer/tets/lattice_cage.h"
 #include "trainer/tets/skin_cage.h"
 
@@ -20,11 +19,11 @@ Positions moved(const Cage& cage, double between) {
   return nodes;
 }
 
-TEST(CarriedDepth, IsThatOfOneTubeInAnother) {
+TEST(ContactDepth, IsThatOfOneTubeInAnother) {
   const Character both = make_two_limbs(kApart);
   for (const Cage& cage : {lattice_cage(both.vertices, both.triangles, both.weights, 800),
                            skin_cage(both.vertices, both.triangles, 800)}) {
-    const CarriedDepth depth(both, cage);
+    const SkinContact depth(both.vertices, both.triangles, cage);
     EXPECT_EQ(depth.deepest(cage.mesh.nodes), 0);
     EXPECT_EQ(depth.deepest(moved(cage, 2.1 * kTubeRadius)), 0);
     for (const double deep : {0.2 * kTubeRadius, 0.7 * kTubeRadius}) {
@@ -36,7 +35,7 @@ TEST(CarriedDepth, IsThatOfOneTubeInAnother) {
 
 // A fork whose prongs share cells of 15 cm, each with virtual nodes of its own. One slides along the other, through
 // cells that reach over it but hold none of it.
-TEST(CarriedDepth, ALatticesEmptyCornersAreNoTissue) {
+TEST(ContactDepth, ALatticesEmptyCornersAreNoTissue) {
   Character fork = make_two_limbs(0.12);
   const Character bridge = make_limb();
   const Eigen::Index prongs = fork.vertices.rows(), more = bridge.vertices.rows(), triangles = fork.triangles.rows();
@@ -57,7 +56,7 @@ TEST(CarriedDepth, ALatticesEmptyCornersAreNoTissue) {
   for (Eigen::Index n = 0; n < nodes.rows(); ++n) {
     if (slides[static_cast<std::size_t>(n)]) nodes(n, 0) += 0.06;
   }
-  EXPECT_EQ(CarriedDepth(fork, cage).deepest(nodes), 0);
+  EXPECT_EQ(SkinContact(fork.vertices, fork.triangles, cage).deepest(nodes), 0);
 }
 
 }  // namespace
