@@ -171,7 +171,7 @@ void add_notes(const SkinRepairs& repairs, std::vector<std::string>& notes) {
   }
   if (!repairs.other_meshes.empty()) {
     notes.push_back("Meshes that are not on the skin are no part of it: " + list_names(repairs.other_meshes) +
-                    " (bodyopt attach: what rides on the skin).");
+                    " (bodyopt attach adds them).");
   }
 }
 

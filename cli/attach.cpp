@@ -1,4 +1,4 @@
-// bodyopt attach: meshes that ride on the skin of a basis.
+// bodyopt attach: meshes that follow the skin of a basis.
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
@@ -86,11 +86,11 @@ void run(AttachArguments arguments) {
 
 void add_attach(CLI::App& app) {
   const auto [verb, arguments] = add_verb<AttachArguments, AttachArguments>(
-      app, "attach", "Meshes that ride on a trained skin: eyes, teeth, nails, props, clothes", run);
+      app, "attach", "Attaches meshes to a trained skin: eyes, teeth, nails, props, clothes", run);
   add_required(verb, "mesh", arguments.mesh, "MESH",
                "glTF file with the meshes, where they are at rest; of the character's own file those that are not "
                "its skin");
-  add_required(verb, "basis", arguments.basis, "BASIS", "Basis that they ride on");
+  add_required(verb, "basis", arguments.basis, "BASIS", "Basis whose skin they follow");
   add_option(verb, "--mode", arguments.mode,
              "skin: every vertex follows the skin (clothes); piece: each connected piece is fixed to the skin "
              "under it (nails, buttons); joint: to a joint (eyes, teeth, props); auto: what suits each piece")

@@ -50,7 +50,7 @@ std::vector<PlaceList> lists_of(const CharacterForesight& foresight) {
           {"near_parts", "parts of different joints nearly touch at rest (a lattice may glue them)",
            foresight.near_parts, true},
           {"glued_parts", "a cage holds skin of different joints together", foresight.glued, true},
-          {"riders", "pieces ride on the others", foresight.riders}};
+          {"riders", "loose pieces follow the others", foresight.riders}};
 }
 
 // first: the number of the first; unnumbered: the numbers that the picture lacks, which become null.
@@ -345,7 +345,7 @@ void add_check(CLI::App& app) {
   for (const char* of_anatomy : {"--body-fat", "--kind", "--corrections"}) verb.get_option(of_anatomy)->needs(muscles);
   add_option(verb, "--picture", arguments.picture, "FILE.png",
              "Also draw where a character's skin passes through itself, is open or turned, nearly touches, is held "
-             "together by a cage or rides, numbered as listed, from the sides where that is");
+             "together by a cage or loose, numbered as listed, from the sides where that is");
   add_unit(verb, arguments.unit);
   arguments.json.add(verb);
 }

@@ -294,11 +294,12 @@ void declare_eval(CLI::App& verb, EvalArguments& arguments) {
       ->capture_default_str()
       ->type_name("N");
   add_flag(verb, "--full-skin", arguments.cache.full_skin,
-           "Write the skin of the full character, carried by that of the proxy");
+           "Write the skin of the full character, moved by that of the proxy");
   arguments.clip.add(verb);
   CLI::Option& clip = *verb.get_option("--clip");
-  add_option(verb, "--session", arguments.session, "FILE",
-             "A session of the viewport: its lead, in place of BASIS, with its clip as it was posed and keyed there")
+  add_option(
+      verb, "--session", arguments.session, "FILE",
+      "A session of the viewport: its first character, in place of BASIS, with its clip as it was posed and keyed")
       ->each([&basis, &clip](const std::string&) {
         basis.required(false);
         clip.required(false);
@@ -317,10 +318,9 @@ void declare_eval(CLI::App& verb, EvalArguments& arguments) {
         return "'" + name + "' does not end in .pc2, .usda or .glb";
       });
   add_cache_space(verb, arguments.cache.space);
-  add_option(
-      verb, "--attached", arguments.shot.attached, "FILE",
-      "Geometry that rides on the skin (default: BASIS.attached.safetensors beside the basis, where it is there); "
-      "each mesh is written as FILE.<mesh>.pc2, .usda or .glb");
+  add_option(verb, "--attached", arguments.shot.attached, "FILE",
+             "Attached meshes (default: BASIS.attached.safetensors beside the basis, where it is there); "
+             "each mesh is written as FILE.<mesh>.pc2, .usda or .glb");
   arguments.jiggle.add(verb, arguments.shot.jiggle);
   add_modifier_options(verb, arguments.shot);
   arguments.task.add(verb);

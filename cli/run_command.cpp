@@ -136,7 +136,7 @@ int run_command(const std::vector<std::string>& arguments) {
   app.option_defaults()->always_capture_default(false);
   app.footer(
       "To see it work: bodyopt demo --quick --out demo, then bodyopt view demo/basis.safetensors demo/heldout.glb\n"
-      "bodyopt VERB --help tells of a verb; docs/walkthrough.md leads from a character of your own to a trained one.");
+      "bodyopt VERB --help lists its options; docs/walkthrough.md leads from a character of your own to a trained one.");
   add_verbs(app);
 
   if (arguments.empty()) {

@@ -146,7 +146,7 @@ std::vector<Level> carried_levels(const TransferPair& pair, const Character& tar
   return levels;
 }
 
-// Carries the company to where its basis goes, too. Returns what was written.
+// Transfers the proxy and dynamics beside the source's basis, too. Returns what was written.
 std::vector<std::string> carry_company(const Company& company, const TransferPair& pair, const Character& target,
                                        const Basis& carried, const std::string& out, double unit,
                                        const TransferOptions& options, std::vector<std::string>& notes) {
@@ -423,7 +423,7 @@ void add_shared(CLI::App& verb, TransferArguments& arguments) {
 }  // namespace
 
 void add_transfer(CLI::App& app) {
-  CLI::App& verb = add_verb(app, "transfer", "What was simulated or learned, carried to other characters");
+  CLI::App& verb = add_verb(app, "transfer", "Transfers what was simulated or learned to other characters");
   verb.require_subcommand(1);
 
   const auto [dataset, of_dataset] = add_verb<TransferArguments>(

@@ -27,7 +27,7 @@ struct Shot {
   bool jiggles = false;                // frames go on from each other; they rise
   bool checks = false;                 // every stage runs on the CPU, too
   CarriedSkin carried;                 // of a proxy: the full skin
-  Attachments attached;                // what rides on the skin of the deformer
+  Attachments attached;                // meshes that follow the skin of the deformer
   Clip clip;                           // with the weights of modifiers and the controls of the basis
   std::vector<int> frames;             // of the clip
   int preroll = 0;                     // frames of the clip that the jiggle steps before the first

@@ -1,4 +1,4 @@
-// The caches of a shot: PC2, USD or glTF of its skin, and one of each mesh that rides on it.
+// The caches of a shot: PC2, USD or glTF of its skin, and one of each attached mesh.
 #pragma once
 
 #include <filesystem>

@@ -1,4 +1,4 @@
-// Geometry that rides on the skin: eyes, teeth, nails, props, clothes. An optional file beside the basis, made by
+// Meshes that follow the skin: eyes, teeth, nails, props, clothes. An optional file beside the basis, made by
 // `bodyopt attach`, constant afterwards. Rest space, metres; skin vertices are in the basis' runtime order.
 #pragma once
 

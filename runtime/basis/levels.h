@@ -1,5 +1,5 @@
-// Levels of detail: light twins of a character in one file, each an ordinary basis with a skin of its own, and how each
-// carries the full skin.
+// Levels of detail: a character with fewer vertices in one file, each an ordinary basis with a skin of its own, and how
+// each carries the full skin.
 #pragma once
 
 #include <cstdint>

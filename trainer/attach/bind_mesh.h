@@ -11,7 +11,7 @@
 
 namespace bodyopt {
 
-// A basis' skin at rest, as meshes that are to ride on it see it.
+// A basis' skin at rest, as meshes that are to follow it see it.
 class RestSkin {
  public:
   explicit RestSkin(const Basis& basis);
@@ -41,7 +41,7 @@ class RestSkin {
 
 enum class AttachMode {
   automatic,
-  skin,   // every vertex rides on the point of the skin nearest to it: clothes
+  skin,   // every vertex follows the point of the skin nearest to it: clothes
   piece,  // rigid, on the skin it is nearest to: nails, buttons
   joint,  // rigid, with a joint: eyes, teeth, props
 };

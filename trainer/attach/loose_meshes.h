@@ -1,4 +1,4 @@
-// Meshes of a glTF file that are to ride on a character's skin, brought to its rest space.
+// Meshes of a glTF file that are to follow a character's skin, brought to its rest space.
 #pragma once
 
 #include <array>

@@ -62,7 +62,7 @@ std::string remedy_for(const Error& error) {
     case ErrorCause::flat:
       return "give it a thickness (Blender: Solidify)";
     case ErrorCause::large_piece:
-      return "join that piece to the body, or give it the weights of the skin that it is to ride on";
+      return "join that piece to the body, or give it the weights of the skin that it is to follow";
     case ErrorCause::several_pieces:
       return "join the pieces to one skin";
     case ErrorCause::damaged:

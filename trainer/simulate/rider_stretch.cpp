@@ -46,7 +46,7 @@ std::string RiderStretch::warning() const {
   };
   char stretch[16];
   std::snprintf(stretch, sizeof(stretch), "%.1f", most_);
-  return "a piece that rides on the skin is stretched to " + std::string(stretch) + " times its length in frame " +
+  return "a loose piece that follows the skin is stretched to " + std::string(stretch) + " times its length in frame " +
          std::to_string(frame_) + ", between the vertices " + in_file(a) + " (" + joint(a) + ") and " + in_file(b) +
          " (" + joint(b) + "): it follows its own joints; paint its weights more evenly";
 }

@@ -1,4 +1,4 @@
-// How far what rides on a body is stretched.
+// How far loose pieces that follow a body are stretched.
 #pragma once
 
 #include <cstdint>

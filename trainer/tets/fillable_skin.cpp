@@ -344,7 +344,8 @@ std::string FillableSkin::mending() const {
         " (by " + std::to_string(static_cast<int>(std::ceil(1e4 * farthest)) / 10.0).substr(0, 4) + " mm at most)");
   }
   if (!riders.empty())
-    add(counted(static_cast<Eigen::Index>(riders.size()), " piece rides", " pieces ride") + " on the others");
+    add(counted(static_cast<Eigen::Index>(riders.size()), " loose piece follows", " loose pieces follow") +
+        " the others");
   return text;
 }
 

@@ -204,7 +204,7 @@ Riders::Riders(const FillableSkin& fillable, const Positions& vertices, const Tr
   held_ = system.held();
   solver_ = std::make_shared<const SparseSolver>(system.pulls());
   if (!solver_->is_solvable()) {
-    throw Error(ErrorKind::mismatch, "what rides on the skin cannot be held to it: a piece without area");
+    throw Error(ErrorKind::mismatch, "a loose piece has no area, and cannot follow the skin");
   }
 }
 

@@ -1,4 +1,4 @@
-// Pieces that ride on a body: hair cards, loose fins, eyes, teeth, buttons.
+// Riders: loose pieces that follow a body, as hair cards, fins, eyes, teeth and buttons do.
 #pragma once
 
 #include <Eigen/SparseCore>
