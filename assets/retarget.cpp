@@ -168,7 +168,8 @@ Vec3 Retarget::leftwards(BodyPart part, const std::function<Vec3(std::size_t joi
   return place(left) - place(right);
 }
 
-// Trunk and legs go up and down at rest as the skeleton's do, hips and shoulders lie across; arms may be anywhere.
+// Trunk and legs go up and down at rest as the skeleton's do, hips and shoulders lie across, and no bone goes the other
+// way; arms may be anywhere, and fold by 120 degrees at most.
 bool Retarget::rests_in_a_pose(const Quat& fitted) const {
   constexpr double kUpright = 0.7, kAlike = 0.5;  // cosines
   const auto bound = [&](std::size_t joint) { return bind_[joint] * Vec3{0, 0, 0}; };
@@ -178,9 +179,13 @@ bool Retarget::rests_in_a_pose(const Quat& fitted) const {
   };
   return lies_across(BodyPart::thigh) && lies_across(BodyPart::upper_arm) &&
          std::ranges::all_of(pairs_, [&](const BonePair& pair) {
-           const bool is_of_arm = roles_[pair.joint] && roles_[pair.joint]->part >= BodyPart::clavicle;
-           return is_of_arm || std::abs(cosine(pair.skeleton, {0, 1, 0})) < kUpright ||
-                  cosine(pair.skeleton, rotate(fitted, pair.source)) > kAlike;
+           if (roles_[pair.joint] && roles_[pair.joint]->part >= BodyPart::clavicle) {
+             const auto upper = std::ranges::find(pairs_, pair.above, &BonePair::joint);
+             return roles_[pair.joint]->part <= BodyPart::upper_arm || upper == pairs_.end() ||
+                    cosine(upper->source, pair.source) > -kAlike;
+           }
+           const bool is_upright = std::abs(cosine(pair.skeleton, {0, 1, 0})) >= kUpright;
+           return cosine(pair.skeleton, rotate(fitted, pair.source)) > (is_upright ? kAlike : 0);
          });
 }
 
@@ -238,17 +243,40 @@ Quat Retarget::away_from_rest(const SourceFrame& frame, std::size_t joint) const
   return turn_ * frame.rotation[joint] * conjugate(rest_.rotation[joint]) * conjugate(turn_);
 }
 
-// The alignment by which a joint is on the mean turned from the joint above as in the bind pose.
-Quat Retarget::twisted_alike(std::size_t joint) const {
-  const int above = matched_above(joint);
-  if (above < 0) return {0, 0, 0, 1};
-  const auto own = static_cast<std::size_t>(match_[joint]),
-             other = static_cast<std::size_t>(match_[static_cast<std::size_t>(above)]);
+// The alignment by which a joint is on the mean turned from another, of `alignment`, as in the bind pose.
+Quat Retarget::twisted_alike(std::size_t joint, std::size_t other, const Quat& alignment) const {
+  const auto own = static_cast<std::size_t>(match_[joint]), its = static_cast<std::size_t>(match_[other]);
   Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
   for (const SourceFrame& frame : frames_) {
-    sum += matrix(conjugate(away_from_rest(frame, own)) * away_from_rest(frame, other));
+    sum += matrix(conjugate(away_from_rest(frame, own)) * away_from_rest(frame, its));
   }
-  return nearest_quaternion(sum) * alignment_[static_cast<std::size_t>(above)];
+  return nearest_quaternion(sum) * alignment;
+}
+
+// The alignment by which a forearm goes with the palm, since wrists do not twist. Nothing of other joints, and where
+// fingers do not span a palm.
+std::optional<Quat> Retarget::palm_alike(std::size_t joint) const {
+  constexpr double kSpread = 0.1;  // sine
+  const auto hand = std::ranges::find(pairs_, joint, &BonePair::above);
+  if (!roles_[joint] || roles_[joint]->part != BodyPart::forearm || hand == pairs_.end()) return std::nullopt;
+  std::vector<Vec3> from, to;
+  double spread = 0;
+  for (const BonePair& finger : pairs_) {
+    if (finger.above != hand->joint) continue;
+    from.push_back(finger.skeleton);
+    to.push_back(rotate(turn_, finger.source));
+    spread = std::max(spread, std::sin(angle_between_bones(to[0], to.back())));
+  }
+  if (spread < kSpread) return std::nullopt;
+  return twisted_alike(joint, hand->joint, fit_rotation(from, to, {0, 0, 0, 1}));
+}
+
+Quat Retarget::twisted_by_motion(std::size_t joint) const {
+  if (const auto told = bent_alike(joint)) return *told;
+  if (const auto told = palm_alike(joint)) return *told;
+  const int above = matched_above(joint);
+  if (above < 0) return {0, 0, 0, 1};
+  return twisted_alike(joint, static_cast<std::size_t>(above), alignment_[static_cast<std::size_t>(above)]);
 }
 
 // The alignment by which knees and elbows bend as those of bodies do: knees back, elbows of stretched out arms to the
@@ -338,14 +366,16 @@ void Retarget::align_rests(std::vector<std::string>& notes) {
     }
     const bool is_foot = roles_[j] && roles_[j]->part == BodyPart::foot,
                is_clavicle = roles_[j] && roles_[j]->part == BodyPart::clavicle,
+               is_finger = roles_[j] && roles_[j]->part >= BodyPart::palm,
                is_by_build = is_foot || (is_of_trunk(roles_[j]) && trunks_alike);
     if (is_pose_ && is_by_build && (apart < kBuildAlike || !(is_foot || is_clavicle))) {
       alignment_[j] = {0, 0, 0, 1};
       continue;
     }
-    if (!is_pose_ || turned > kNoWay) alignment_[j] = bent_alike(j).value_or(twisted_alike(j));
+    if (!is_pose_ || turned > kNoWay) alignment_[j] = twisted_by_motion(j);
     if (!is_pose_ && !of_one_build && is_short(roles_[j])) continue;
-    if (along_axes) alignment_[j] = nearest_of_axes(j, fit_rotation(from, to, alignment_[j]));
+    // Fingers spread, and so do their axes.
+    if (along_axes && !is_finger) alignment_[j] = nearest_of_axes(j, fit_rotation(from, to, alignment_[j]));
     alignment_[j] = fit_rotation(from, to, alignment_[j]);
     if (apart <= worst) continue;
     worst = apart;

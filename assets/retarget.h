@@ -24,10 +24,10 @@ namespace bodyopt {
 //
 // The rest pose of a source may be none: bones lie along axes of their joints, whatever these are, and only a frame is
 // a pose. Then, and for a bone that lies at rest as good as against the skeleton's, the twist about it comes from the
-// motion: knees bend back and elbows of stretched out arms to the front; what does not bend twists over the frames to
-// either side alike, against the joint above. Where bones keep to axes, so do the axes across them, in the pose that
-// skins are bound in. Necks, hip joints and clavicles go by the build, as they are on the mean, where trunks are built
-// otherwise.
+// motion: knees bend back and elbows of stretched out arms to the front; a forearm goes with the palm that fingers
+// span; other joints twist over the frames to either side alike, against the joint above. Where bones keep to axes, so
+// do the axes across them, in the pose that skins are bound in. Necks, hip joints and clavicles go by the build, as
+// they are on the mean, where trunks are built otherwise.
 class Retarget {
  public:
   // `match`: per joint of the skeleton, its joint of the source, or -1. `frames` at `fps` tell what the motion is like.
@@ -51,9 +51,11 @@ class Retarget {
   bool trunks_rest_alike() const;
   bool trunks_are_of_one_build() const;
   int matched_above(std::size_t joint) const;
-  Quat twisted_alike(std::size_t joint) const;
+  Quat twisted_alike(std::size_t joint, std::size_t other, const Quat& alignment) const;
   Vec3 leftwards(BodyPart part, const std::function<Vec3(std::size_t joint)>& place) const;
   std::optional<Quat> bent_alike(std::size_t joint) const;
+  std::optional<Quat> palm_alike(std::size_t joint) const;
+  Quat twisted_by_motion(std::size_t joint) const;
   bool has_bones_along_axes() const;
   Quat nearest_of_axes(std::size_t joint, const Quat& alignment) const;
   void align_rests(std::vector<std::string>& notes);

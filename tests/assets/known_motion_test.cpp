@@ -12,7 +12,9 @@ TEST(KnownMotion, ComesOutUprightOfEveryFile) {
   constexpr std::uint32_t kFiles = 300;
   const TemporaryFolder folder;
   std::size_t asked = 0;
-  for (std::uint32_t seed = 1; seed <= kFiles; ++seed) {
+  std::vector<std::uint32_t> seeds{4686, 19640};  // joints at random that look like a pose, but for a foot and an elbow
+  for (std::uint32_t seed = 1; seed <= kFiles; ++seed) seeds.push_back(seed);
+  for (const std::uint32_t seed : seeds) {
     const KnownMotion known = known_motion(seed);
     put_bytes(folder / "known.bvh", known.bvh);
     const Clip clip = read_clip((folder / "known.bvh").string(), known.skeleton, {.fps = known.fps});

@@ -20,17 +20,31 @@ struct Body {
 };
 
 const std::vector<Body>& body() {
-  static const std::vector<Body> joints = {{"Hips", -1, {0, 0.92, 0}},          {"Spine", 0, {0, 0.14, 0}},
-                                           {"Chest", 1, {0, 0.18, 0}},          {"Neck", 2, {0, 0.2, 0}},
-                                           {"Head", 3, {0, 0.11, 0}},           {"LeftCollar", 2, {0.04, 0.16, 0}},
-                                           {"LeftShoulder", 5, {0.13, 0, 0}},   {"LeftElbow", 6, {0.27, 0, 0}},
-                                           {"LeftWrist", 7, {0.24, 0, 0}},      {"RightCollar", 2, {-0.04, 0.16, 0}},
-                                           {"RightShoulder", 9, {-0.13, 0, 0}}, {"RightElbow", 10, {-0.27, 0, 0}},
-                                           {"RightWrist", 11, {-0.24, 0, 0}},   {"LeftHip", 0, {0.1, -0.05, 0}},
-                                           {"LeftKnee", 13, {0, -0.41, 0}},     {"LeftAnkle", 14, {0, -0.4, 0}},
-                                           {"LeftToe", 15, {0, -0.06, 0.14}},   {"RightHip", 0, {-0.1, -0.05, 0}},
-                                           {"RightKnee", 17, {0, -0.41, 0}},    {"RightAnkle", 18, {0, -0.4, 0}},
-                                           {"RightToe", 19, {0, -0.06, 0.14}}};
+  static const std::vector<Body> joints = {{"Hips", -1, {0, 0.92, 0}},
+                                           {"Spine", 0, {0, 0.14, 0}},
+                                           {"Chest", 1, {0, 0.18, 0}},
+                                           {"Neck", 2, {0, 0.2, 0}},
+                                           {"Head", 3, {0, 0.11, 0}},
+                                           {"LeftCollar", 2, {0.04, 0.16, 0}},
+                                           {"LeftShoulder", 5, {0.13, 0, 0}},
+                                           {"LeftElbow", 6, {0.27, 0, 0}},
+                                           {"LeftWrist", 7, {0.24, 0, 0}},
+                                           {"RightCollar", 2, {-0.04, 0.16, 0}},
+                                           {"RightShoulder", 9, {-0.13, 0, 0}},
+                                           {"RightElbow", 10, {-0.27, 0, 0}},
+                                           {"RightWrist", 11, {-0.24, 0, 0}},
+                                           {"LeftHip", 0, {0.1, -0.05, 0}},
+                                           {"LeftKnee", 13, {0, -0.41, 0}},
+                                           {"LeftAnkle", 14, {0, -0.4, 0}},
+                                           {"LeftToe", 15, {0, -0.06, 0.14}},
+                                           {"RightHip", 0, {-0.1, -0.05, 0}},
+                                           {"RightKnee", 17, {0, -0.41, 0}},
+                                           {"RightAnkle", 18, {0, -0.4, 0}},
+                                           {"RightToe", 19, {0, -0.06, 0.14}},
+                                           {"LeftHandIndex1", 8, {0.09, 0, 0.03}},
+                                           {"LeftHandPinky1", 8, {0.08, 0, -0.04}},
+                                           {"RightHandIndex1", 12, {-0.09, 0, 0.03}},
+                                           {"RightHandPinky1", 12, {-0.08, 0, -0.04}}};
   return joints;
 }
 
@@ -38,6 +52,7 @@ using Turns = std::vector<Quat>;  // per joint, world
 
 std::size_t above(std::size_t joint) { return static_cast<std::size_t>(body()[joint].parent); }
 bool is_root(std::size_t joint) { return body()[joint].parent < 0; }
+bool is_finger(std::size_t joint) { return joint > 20; }
 
 // The arms away from the T pose, downwards by an angle.
 Turns arms_lowered(double angle) {
@@ -46,6 +61,9 @@ Turns arms_lowered(double angle) {
     for (std::size_t j = shoulder; j < shoulder + 3; ++j) {
       turns[j] = axis_angle({0, 0, 1}, shoulder == 6 ? -angle : angle);
     }
+  }
+  for (std::size_t j = 0; j < body().size(); ++j) {
+    if (is_finger(j)) turns[j] = turns[above(j)];
   }
   return turns;
 }
@@ -96,22 +114,26 @@ struct Moves {
   std::vector<Vec3> places;  // of the hips
 };
 
-// Knees go back, elbows of stretched out arms to the front; what is above them is twisted about its bone.
+// Knees go back, elbows of stretched out arms to the front; what is above them is twisted about its bone, and so are
+// forearms, with the hands, where there are fingers to tell.
 struct Bends {
   double angle = 0;  // 0: none
   Turns twist{body().size(), Quat{0, 0, 0, 1}};
 
   Quat of(std::size_t joint, double share) const {
     const double bent = angle * (1 + 0.5 * share);
-    if (joint == 7 || joint == 11) return axis_angle({0, joint == 7 ? -1.0 : 1.0, 0}, bent);
+    if (joint == 7 || joint == 11) return axis_angle({0, joint == 7 ? -1.0 : 1.0, 0}, bent) * twist[joint];
     return axis_angle({1, 0, 0}, bent);
   }
 };
 
 bool is_hinge(std::size_t joint) { return joint == 7 || joint == 11 || joint == 14 || joint == 18; }
 
-Bends bends_of(Random& random) {
+Bends bends_of(Random& random, bool has_fingers) {
   Bends bends;
+  for (const std::size_t wrist : {8u, 12u}) {
+    if (has_fingers) bends.twist[above(wrist)] = axis_angle(body()[wrist].offset, random.uniform(-1.3, 1.3));
+  }
   if (random.below(2) == 0) return bends;
   bends.angle = random.uniform(0.6, 1);
   for (std::size_t j = 0; j < body().size(); ++j) {
@@ -121,7 +143,7 @@ Bends bends_of(Random& random) {
 }
 
 // Every joint swings about an axis of its own, to either side alike, or bends; the hips go somewhere, or stay.
-Moves moves_of(Random& random) {
+Moves moves_of(Random& random, bool has_fingers) {
   constexpr std::size_t kFrames = 24;
   Moves moves;
   const Vec3 goes{random.below(2) * random.uniform(-2, 2), 0, random.below(2) * random.uniform(-2, 2)};
@@ -133,7 +155,7 @@ Moves moves_of(Random& random) {
   for (std::size_t j = 0; j < body().size(); ++j) {
     swings.push_back({random.turn(is_root(j) ? 0.35 : 0.7), 1.0 + random.below(3), random.uniform(0, 2 * kPi)});
   }
-  const Bends bends = bends_of(random);
+  const Bends bends = bends_of(random, has_fingers);
   const Quat faces = axis_angle({0, 1, 0}, random.uniform(-kPi, kPi));
   for (std::size_t k = 0; k < kFrames; ++k) {
     const double along = static_cast<double>(k) / kFrames;
@@ -143,6 +165,7 @@ Moves moves_of(Random& random) {
       const double share = std::sin(2 * kPi * times * along + phase);
       Quat swung = slerp({0, 0, 0, 1}, share < 0 ? conjugate(to) : to, std::abs(share)) * bends.twist[j];
       if (bends.angle > 0 && is_hinge(j)) swung = bends.of(j, share);
+      if (is_finger(j)) swung = {0, 0, 0, 1};
       turns.push_back(normalized((is_root(j) ? faces : turns[above(j)]) * swung));
     }
     moves.turns.push_back(turns);
@@ -182,6 +205,7 @@ struct Hand {
   double unit = 1;
   std::array<std::size_t, 3> order{0, 1, 2}, places{0, 1, 2};
   bool has_positions = false, has_offsets = true;  // of all joints
+  bool has_fingers = false;
 };
 
 class Writer {
@@ -220,7 +244,7 @@ class Writer {
     order_.push_back(joint);
     bool ends = true;
     for (std::size_t child = joint + 1; child < body().size(); ++child) {
-      if (body()[child].parent != static_cast<int>(joint)) continue;
+      if (body()[child].parent != static_cast<int>(joint) || (is_finger(child) && !hand_.has_fingers)) continue;
       add(child);
       ends = false;
     }
@@ -266,8 +290,9 @@ Turns of_zero_pose(const Turns& zero, const Quat& whole) {
 KnownMotion known_motion(std::uint32_t seed) {
   Random random(seed);
   KnownMotion known;
-  const Moves moves = moves_of(random);
   Hand hand;
+  hand.has_fingers = random.below(2) == 0;
+  const Moves moves = moves_of(random, hand.has_fingers);
   const std::uint32_t kind = random.below(4);
   // Where the zero pose stands otherwise than the body, nothing but custom says what is up.
   hand.up = raised(kind == 1 ? 0 : random.below(6));
@@ -288,8 +313,8 @@ KnownMotion known_motion(std::uint32_t seed) {
   while (hand.axes.size() < body().size()) hand.axes.push_back(random.turn(3));
   known.bvh = Writer(hand, moves).write();
   const char* kinds[] = {"standing", "turned", "along bones", "at random"};
-  known.what = std::string("zero pose ") + kinds[kind] + ", arms at " + std::to_string(lowered) + ", seed " +
-               std::to_string(seed);
+  known.what = std::string("zero pose ") + kinds[kind] + ", arms at " + std::to_string(lowered) +
+               (hand.has_fingers ? ", fingers" : "") + ", seed " + std::to_string(seed);
 
   Turns bound = arms_lowered(random.uniform(-0.2, 1.2));
   const Quat faces = axis_angle({0, 1, 0}, random.below(4) * kPi / 2);

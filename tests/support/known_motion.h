@@ -20,9 +20,9 @@ struct KnownMotion {
 };
 
 // Everything that the file and the skeleton leave open is random: the axis that is up, the unit, orders of channels,
-// joints with positions, offsets or none beside them; how the file's zero pose stands (T, A, arms down, lying) or that
-// it is none, bones along an axis of their joints or joints turned at random; how the skeleton is bound, which way it
-// faces and the axes of its joints.
+// fingers, joints with positions, offsets or none beside them; how the file's zero pose stands (T, A, arms down, lying)
+// or that it is none, bones along an axis of their joints or joints turned at random; how the skeleton is bound, which
+// way it faces and the axes of its joints.
 KnownMotion known_motion(std::uint32_t seed);
 
 // What is wrong by more than half a degree or a thousandth of the body's height; empty: nothing.
