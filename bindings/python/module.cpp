@@ -12,6 +12,7 @@
 #include <set>
 #include <string>
 #include <string_view>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -119,10 +120,11 @@ bodyopt_floats floats_of(py::array_t<float>& array) {
 }
 
 struct Skin {
-  py::array_t<float> positions, strains, outside, fades;
+  py::array_t<float> positions, strains, outside, fades, outside_features;
   std::optional<py::array_t<float>> expected_errors;  // of a model that knows its error
   std::optional<py::array_t<float>> normals;          // where they are wanted
   std::optional<py::array_t<float>> tangents;         // where they are wanted, of a model with texture coordinates
+  std::optional<py::array_t<float>> vertex_errors;    // where they are wanted, of a model that knows its error
 };
 
 // A file's name. Throws TypeError for what is neither text nor os.PathLike, ValueError for a NUL in it.
@@ -167,14 +169,17 @@ struct Frames {
             py::array_t<float>(Shape{count, static_cast<py::ssize_t>(description.strain_count)}),
             py::array_t<float>(Shape{count}),
             py::array_t<float>(Shape{count}),
+            py::array_t<float>(Shape{count}),
             {},
             output_if_wanted(normals, {count, vertices, 3}, "normals"),
+            {},
             {}};
     wanted.positions = floats_of(skin.positions);
     if (skin.normals) wanted.normals = floats_of(*skin.normals);
     wanted.strains = floats_of(skin.strains);
     wanted.outside = floats_of(skin.outside);
     wanted.fades = floats_of(skin.fades);
+    wanted.outside_features = floats_of(skin.outside_features);
     if (description.knows_error != 0) wanted.expected_errors = floats_of(skin.expected_errors.emplace(Shape{count}));
     if (description.has_tangents != 0) {
       skin.tangents = output_if_wanted(tangents, {count, vertices, 4}, "tangents");
@@ -183,11 +188,31 @@ struct Frames {
       throw py::value_error("tangents: the model was loaded without texture coordinates");
     }
   }
+  // The character's modifiers, where there is a rate. Throws Error(mismatch), later, for another number of channels.
+  void show_modifiers(std::optional<double> frames_per_second, const py::object& given_channels, bool goes_on) {
+    if (!frames_per_second) return;
+    poses.shows_modifiers = 1;
+    poses.goes_on = goes_on;
+    poses.frames_per_second = *frames_per_second;
+    if (given_channels.is_none()) return;
+    channels = as_given<float>(given_channels, {joints.shape(0), -1}, "channels");
+    poses.channel_count = static_cast<std::uint32_t>(channels.shape(1));
+    poses.channels = channels.data();
+    poses.channel_frame_stride = stride_of(channels, 0);
+  }
+
+  // Throws Error(mismatch), later, where the model does not know its error.
+  void want_vertex_errors(bool are_wanted) {
+    if (!are_wanted) return;
+    wanted.vertex_errors =
+        floats_of(skin.vertex_errors.emplace(Shape{skin.positions.shape(0), skin.positions.shape(1)}));
+  }
+
   Frames(const Frames&) = delete;
   Frames& operator=(const Frames&) = delete;
 
   py::array_t<double> joints;
-  py::array_t<float> controls;
+  py::array_t<float> controls, channels;
   std::optional<std::vector<std::int32_t>> frame_numbers;
   bodyopt_poses poses = api::make<bodyopt_poses>();
   Skin skin;
@@ -241,17 +266,30 @@ class Instance {
   }
 
   Skin evaluate(const py::object& joints, const py::object& controls, const py::object& positions,
-                const py::object& normals, const py::object& tangents) {
+                const py::object& normals, const py::object& tangents, std::optional<double> frames_per_second,
+                const py::object& channels, bool goes_on, bool vertex_errors) {
     Frames frames(description_, joints, controls, std::nullopt, positions, normals, tangents);
+    frames.show_modifiers(frames_per_second, channels, goes_on);
+    frames.want_vertex_errors(vertex_errors);
     call([&] { return bodyopt_evaluate(handle_.get(), &frames.poses, &frames.wanted); });
     return std::move(frames.skin);
   }
 
   Skin jiggle(const py::object& joints, std::vector<std::int32_t> frame_numbers, const py::object& controls,
-              const py::object& positions, const py::object& normals, const py::object& tangents) {
+              const py::object& positions, const py::object& normals, const py::object& tangents,
+              std::optional<double> frames_per_second, const py::object& channels, bool goes_on) {
     Frames frames(description_, joints, controls, std::move(frame_numbers), positions, normals, tangents);
+    frames.show_modifiers(frames_per_second, channels, goes_on);
     call([&] { return bodyopt_jiggle(handle_.get(), &frames.poses, &frames.wanted); });
     return std::move(frames.skin);
+  }
+
+  void skip(const py::object& joints, double frames_per_second, const py::object& channels, bool goes_on) {
+    const py::object none = py::bool_(false);
+    Frames frames(description_, joints, py::none(), std::nullopt, py::none(), none, none);
+    frames.show_modifiers(frames_per_second, channels, goes_on);
+    const auto nothing = api::make<bodyopt_skin>();
+    call([&] { return bodyopt_evaluate(handle_.get(), &frames.poses, &nothing); });
   }
 
   void set_weights(float correction, float jiggle) {
@@ -404,6 +442,25 @@ class Model {
     return all;
   }
 
+  // Name, what it is, constant, low, high of each.
+  std::vector<std::tuple<std::string, std::string, float, float, float>> channels() const {
+    std::vector<std::tuple<std::string, std::string, float, float, float>> all;
+    for (std::uint32_t c = 0; c < description.channel_count; ++c) {
+      auto channel = api::make<bodyopt_channel>();
+      api::check(bodyopt_describe_channel(handle.get(), c, &channel));
+      all.emplace_back(channel.name, channel.what, channel.constant, channel.low, channel.high);
+    }
+    return all;
+  }
+
+  std::vector<std::string> feature_names() const {
+    std::vector<std::string> all;
+    while (const char* name = bodyopt_feature_name(handle.get(), static_cast<std::uint32_t>(all.size()))) {
+      all.emplace_back(name);
+    }
+    return all;
+  }
+
   py::array_t<std::uint32_t> triangles() const {
     py::array_t<std::uint32_t> all(Shape{static_cast<py::ssize_t>(description.triangle_count), 3});
     api::check(bodyopt_get_triangles(handle.get(), all.mutable_data(), static_cast<std::size_t>(all.nbytes())));
@@ -446,7 +503,9 @@ PYBIND11_MODULE(_runtime, module) {
       .def_readonly("outside", &Skin::outside)
       .def_readonly("fades", &Skin::fades)
       .def_readonly("expected_errors", &Skin::expected_errors)
-      .def_readonly("tangents", &Skin::tangents);
+      .def_readonly("tangents", &Skin::tangents)
+      .def_readonly("vertex_errors", &Skin::vertex_errors)
+      .def_readonly("outside_features", &Skin::outside_features);
   py::class_<State>(module, "State");
   py::class_<Device>(module, "Device").def_property_readonly("name", [](const Device& device) {
     return bodyopt_device_name(device.handle.get());
@@ -454,9 +513,14 @@ PYBIND11_MODULE(_runtime, module) {
   const auto none = py::none();
   py::class_<Instance>(module, "Instance")
       .def("evaluate", &Instance::evaluate, py::arg("joints"), py::arg("controls") = none, py::kw_only(),
-           py::arg("positions") = none, py::arg("normals") = true, py::arg("tangents") = true)
+           py::arg("positions") = none, py::arg("normals") = true, py::arg("tangents") = true,
+           py::arg("frames_per_second") = none, py::arg("channels") = none, py::arg("goes_on") = false,
+           py::arg("vertex_errors") = false)
       .def("jiggle", &Instance::jiggle, py::arg("joints"), py::arg("frame_numbers"), py::arg("controls") = none,
-           py::kw_only(), py::arg("positions") = none, py::arg("normals") = true, py::arg("tangents") = true)
+           py::kw_only(), py::arg("positions") = none, py::arg("normals") = true, py::arg("tangents") = true,
+           py::arg("frames_per_second") = none, py::arg("channels") = none, py::arg("goes_on") = false)
+      .def("skip", &Instance::skip, py::arg("joints"), py::arg("frames_per_second"), py::arg("channels") = none,
+           py::kw_only(), py::arg("goes_on") = false)
       .def("set_weights", &Instance::set_weights, py::arg("correction") = 1, py::arg("jiggle") = 1)
       .def("state", &Instance::state)
       .def("set_state", &Instance::set_state, py::arg("state"))
@@ -482,6 +546,8 @@ PYBIND11_MODULE(_runtime, module) {
       .def_property_readonly("strain_names",
                              [](const Model& m) { return m.names(bodyopt_strain_name, m.description.strain_count); })
       .def_property_readonly("joint_parents", &Model::parents)
+      .def_property_readonly("channels", &Model::channels)
+      .def_property_readonly("feature_names", &Model::feature_names)
       .def_property_readonly("triangles", &Model::triangles)
       .def_property_readonly("bind_pose", &Model::bind_pose)
       .def(

@@ -123,6 +123,9 @@ BODYOPT_API bodyopt_result bodyopt_describe(const bodyopt_model* model, bodyopt_
 BODYOPT_API const char* bodyopt_joint_name(const bodyopt_model* model, uint32_t joint);
 BODYOPT_API const char* bodyopt_control_name(const bodyopt_model* model, uint32_t control);
 BODYOPT_API const char* bodyopt_strain_name(const bodyopt_model* model, uint32_t strain);
+/* What bodyopt_skin.outside_features counts: "joint elbow", "strain biceps/1" or "control biceps". As the names above.
+ */
+BODYOPT_API const char* bodyopt_feature_name(const bodyopt_model* model, uint32_t feature);
 /* The joint that it hangs on, which has a smaller number; -1 for a root, and where there is none of this number. */
 BODYOPT_API int32_t bodyopt_joint_parent(const bodyopt_model* model, uint32_t joint);
 /* Three vertices of each triangle. `size`: bytes that `triangles` has room for. */
@@ -260,10 +263,16 @@ typedef struct bodyopt_skin {
    * texture), and the sign s of the bitangent, s times normal x tangent, to where the second grows. Only of a model
    * that has_tangents, BODYOPT_USAGE of others. */
   bodyopt_floats tangents;
+  /* Of each vertex one number: expected_errors by what the regions share in it, metres; 0 where nothing was learned.
+   * Only of a model that knows_error, BODYOPT_MISMATCH of others. */
+  bodyopt_floats vertex_errors;
+  bodyopt_floats outside_features; /* of each frame one number: the feature that lies outside, by which
+                                      bodyopt_feature_name names it; -1 where `outside` is 0 */
 } bodyopt_skin;
 #define BODYOPT_SKIN_FIRST_SIZE 168u
 
-/* The quasi-static skin. BODYOPT_MISMATCH where a pose does not fit the model, is not finite or has a rotation of
+/* The quasi-static skin. Where no output is wanted, modifiers go on past the frames, without the time of a skin.
+ * BODYOPT_MISMATCH where a pose does not fit the model, is not finite or has a rotation of
  * length 0, BODYOPT_USAGE, BODYOPT_DEVICE. */
 BODYOPT_API bodyopt_result bodyopt_evaluate(bodyopt_instance* instance, const bodyopt_poses* poses,
                                             const bodyopt_skin* skin);

@@ -24,9 +24,19 @@ class AskedFrames {
         drive_(instance, given_),
         wanted_(skin, deformer_.basis(), given_.count()),
         jiggles_(jiggles) {
-    if (!wanted_.wants_expected_errors()) return;
+    if (!wanted_.wants_expected_errors() && !wanted_.wants_vertex_errors()) return;
     if (!instance.expectation) instance.expectation.emplace(deformer_.basis());
+    if (wanted_.wants_vertex_errors() && !instance.shares) instance.shares.emplace(deformer_.basis());
     expectation_ = &*instance.expectation;
+  }
+
+  // Modifiers go on past all frames, of which nothing is wanted.
+  bool is_skipped() const { return !jiggles_ && wanted_.wants_nothing(); }
+  void skip() {
+    std::vector<Pose> poses = given_.read(0, given_.count());
+    drive_.apply(0, poses);
+    drive_.keep(instance_);
+    has_more_ = false;
   }
 
   bool has_more() const { return has_more_; }
@@ -54,12 +64,17 @@ class AskedFrames {
  private:
   void write_expected_errors(const Evaluation& evaluation) const {
     const std::size_t strains = evaluation.strains.size() / poses_.size();
-    std::vector<float> metres;
+    std::vector<float> metres, of_vertices;
     for (std::size_t f = 0; f < poses_.size(); ++f) {
       const std::span<const float> of_frame(evaluation.strains.data() + f * strains, strains);
-      metres.push_back(static_cast<float>(1e-3 * expectation_->of(poses_[f], of_frame).rms_mm));
+      const ExpectedError error = expectation_->of(poses_[f], of_frame);
+      metres.push_back(static_cast<float>(1e-3 * error.rms_mm));
+      if (!wanted_.wants_vertex_errors()) continue;
+      const std::vector<float> solved = instance_.shares->carry(error.region_mm);
+      for (const std::uint32_t v : deformer_.basis().mesh.output_vertex) of_vertices.push_back(solved[v]);
     }
     wanted_.write_expected_errors(metres, begin_);
+    wanted_.write_vertex_errors(of_vertices, begin_);
   }
 
   bodyopt_instance& instance_;
@@ -96,6 +111,10 @@ void run_parts(std::span<AskedCall> calls) {
   std::vector<DeformerCall> parts;
   for (AskedCall& call : calls) {
     if (!call.frames || !call.frames->has_more()) continue;
+    if (call.frames->is_skipped()) {
+      call.attempt([&] { call.frames->skip(); });
+      continue;
+    }
     call.attempt([&] {
       parts.push_back(call.frames->next());
       running.push_back(&call);

@@ -26,6 +26,7 @@ struct bodyopt_model {
   // What of it is on the device of its latest instance there: instances of one device share it.
   mutable std::mutex mutex;
   mutable std::weak_ptr<const bodyopt::vulkan::DeviceModel> on_device;
+  std::vector<std::string> features;               // names of what the learned part reads
   std::vector<bodyopt::ModifierChannel> channels;  // empty, too, where a modifier is of a type that is not known
 };
 
@@ -33,6 +34,7 @@ struct bodyopt_instance {
   std::shared_ptr<const bodyopt::CharacterModel> model;
   std::unique_ptr<bodyopt::Deformer> deformer;
   std::optional<bodyopt::ErrorExpectation> expectation;  // made when it is first asked for
+  std::optional<bodyopt::RegionShares> shares;           // likewise
   std::vector<std::string> channels;                     // names of the model's
   bodyopt::ModifierState modifiers;                      // after the last frame that was shown with them
 };

@@ -64,6 +64,9 @@ bodyopt_result load(const bodyopt_load_options* given, bodyopt_model** model, co
     auto loaded = std::make_unique<bodyopt_model>();
     const std::vector<float> texture = read_texture(options, basis);
     loaded->model = make_character_model(std::move(basis), std::move(dynamics), texture);
+    for (std::uint32_t f = 0; f < loaded->model->basis.residual.feature_count(); ++f) {
+      loaded->features.push_back(feature_name(loaded->model->basis, f));
+    }
     loaded->channels = known_channels(loaded->model->basis.modifiers);
     write_log(BODYOPT_LOG_INFO,
               concat("loaded ", file.origin, ": ", loaded->model->basis.mesh.output_count(), " vertices").c_str());
@@ -146,6 +149,10 @@ const char* bodyopt_control_name(const bodyopt_model* model, uint32_t control) {
 
 const char* bodyopt_strain_name(const bodyopt_model* model, uint32_t strain) {
   return model != nullptr ? name_of(model->model->basis.strain.names, strain) : nullptr;
+}
+
+const char* bodyopt_feature_name(const bodyopt_model* model, uint32_t feature) {
+  return model != nullptr ? name_of(model->features, feature) : nullptr;
 }
 
 int32_t bodyopt_joint_parent(const bodyopt_model* model, uint32_t joint) {

@@ -1,5 +1,6 @@
 #include "runtime/library/strides.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <string>
@@ -189,6 +190,15 @@ WantedSkin::WantedSkin(const bodyopt_skin* skin, const Basis& basis, std::size_t
   check_output(skin_.fades, frames, 1, 1, "skin.fades");
   check_output(skin_.expected_errors, frames, 1, 1, "skin.expected_errors");
   check_output(skin_.tangents, frames, vertices_, 4, "skin.tangents");
+  check_output(skin_.vertex_errors, frames, vertices_, 1, "skin.vertex_errors");
+  check_output(skin_.outside_features, frames, 1, 1, "skin.outside_features");
+}
+
+bool WantedSkin::wants_nothing() const {
+  const bodyopt_floats* all[] = {&skin_.positions, &skin_.normals,       &skin_.strains,
+                                 &skin_.outside,   &skin_.fades,         &skin_.expected_errors,
+                                 &skin_.tangents,  &skin_.vertex_errors, &skin_.outside_features};
+  return std::ranges::all_of(all, [](const bodyopt_floats* output) { return output->data == nullptr; });
 }
 
 SkinPlace WantedSkin::place(std::size_t begin) const {
@@ -204,13 +214,20 @@ void WantedSkin::write_expected_errors(const std::vector<float>& metres, std::si
   scatter(metres, skin_.expected_errors, begin, 1);
 }
 
+void WantedSkin::write_vertex_errors(const std::vector<float>& metres, std::size_t begin) const {
+  scatter(metres, skin_.vertex_errors, begin, vertices_);
+}
+
 void WantedSkin::write(const Evaluation& evaluation, std::size_t begin) const {
   scatter(evaluation.strains, skin_.strains, begin, strains_);
   scatter(evaluation.outside, skin_.outside, begin, 1);
-  std::vector<float> fades;
+  std::vector<float> fades, features;
   for (std::size_t f = 0; f < evaluation.outside.size(); ++f) {
     fades.push_back(static_cast<float>(mean_fade(evaluation, f)));
+    const bool is_outside = evaluation.outside[f] > 0;
+    features.push_back(is_outside ? static_cast<float>(evaluation.outside_feature[f]) : -1.0f);
   }
+  scatter(features, skin_.outside_features, begin, 1);
   scatter(fades, skin_.fades, begin, 1);
 }
 

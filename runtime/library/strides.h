@@ -57,6 +57,10 @@ class WantedSkin {
   bool wants_expected_errors() const { return skin_.expected_errors.data != nullptr; }
   // `metres`: of each frame from `begin` on.
   void write_expected_errors(const std::vector<float>& metres, std::size_t begin) const;
+  bool wants_vertex_errors() const { return skin_.vertex_errors.data != nullptr; }
+  // `metres`: of each output vertex of each frame from `begin` on.
+  void write_vertex_errors(const std::vector<float>& metres, std::size_t begin) const;
+  bool wants_nothing() const;
   // What is not placed, of frames `begin` and after, as many as were evaluated.
   void write(const Evaluation& evaluation, std::size_t begin) const;
 

@@ -74,7 +74,9 @@ class BadCalls : public ::testing::Test {
                                         {"outside", &bodyopt_skin::outside, 1, 1},
                                         {"fades", &bodyopt_skin::fades, 1, 1},
                                         {"expected_errors", &bodyopt_skin::expected_errors, 1, 1},
-                                        {"tangents", &bodyopt_skin::tangents, vertices_, 4}};
+                                        {"tangents", &bodyopt_skin::tangents, vertices_, 4},
+                                        {"vertex_errors", &bodyopt_skin::vertex_errors, vertices_, 1},
+                                        {"outside_features", &bodyopt_skin::outside_features, 1, 1}};
   api::Model model_;
   api::Instance instance_;
   PoseArrays given_{turning_poses(basis_, 2)};
@@ -432,8 +434,8 @@ TEST(LibraryLayout, IsThatOfTheFirstVersion) {
   {
     using Structure = bodyopt_skin;
     EXPECT_EQ(Offsets({AT(struct_size), AT(positions), AT(normals), AT(strains), AT(outside), AT(fades),
-                       AT(expected_errors), AT(tangents)}),
-              Offsets({0, 8, 40, 72, 104, 136, 168, 200}));
+                       AT(expected_errors), AT(tangents), AT(vertex_errors), AT(outside_features)}),
+              Offsets({0, 8, 40, 72, 104, 136, 168, 200, 232, 264}));
   }
   {
     using Structure = bodyopt_call;

@@ -51,6 +51,53 @@ TEST(LibraryFrames, ExpectTheirError) {
   EXPECT_EQ(errors, std::vector<float>(kFrames, -1));
 }
 
+TEST(LibraryFrames, ExpectTheErrorOfEveryVertexByItsRegions) {
+  const TemporaryFolder folder;
+  const Basis basis = knowing_basis();
+  save_basis(basis, folder / "knowing.safetensors");
+  const api::Model model = api::load_model((folder / "knowing.safetensors").string());
+  const std::vector<Pose> poses = turning_poses(basis, kFrames);
+  const PoseArrays given(poses);
+  Arrays found(basis, kFrames);
+  const std::size_t vertices = basis.mesh.output_count();
+  std::vector<float> errors(kFrames * vertices, -1);
+  found.all.vertex_errors = floats_in(errors);
+  api::check(bodyopt_evaluate(make_instance(model).get(), &given.all, &found.all));
+  Deformer deformer(basis, {.name = "cpu"});
+  const ErrorExpectation expectation(basis);
+  for (std::size_t f = 0; f < kFrames; ++f) {
+    const std::vector<float> strains = deformer.evaluate({&poses[f], 1}).strains;
+    const std::vector<float> solved = RegionShares(basis).carry(expectation.of(poses[f], strains).region_mm);
+    for (std::size_t v = 0; v < vertices; ++v) {
+      ASSERT_EQ(errors[f * vertices + v], solved[basis.mesh.output_vertex[v]]) << "frame " << f << ", vertex " << v;
+    }
+  }
+  EXPECT_GT(*std::ranges::max_element(errors), 0.0004f);
+}
+
+TEST(LibraryFrames, NameTheFeatureThatLiesOutside) {
+  const Basis basis = load_basis(hero());
+  const api::Model model = api::load_model(hero());
+  std::vector<Pose> poses = turning_poses(basis, 1);
+  poses.insert(poses.begin(), bind_pose(basis.skeleton));
+  poses[1].joints[1].rotation = axis_angle({0, 1, 0}, 2.5);
+  const PoseArrays given(poses);
+  Arrays found(basis, poses.size());
+  std::vector<float> features(poses.size(), -7);
+  found.all.outside_features = floats_in(features);
+  api::check(bodyopt_evaluate(make_instance(model).get(), &given.all, &found.all));
+  Deformer deformer(basis, {.name = "cpu"});
+  const Evaluation expected = deformer.evaluate(poses);
+  ASSERT_GT(expected.outside[1], 0);
+  for (std::size_t f = 0; f < poses.size(); ++f) {
+    EXPECT_EQ(features[f], expected.outside[f] > 0 ? static_cast<float>(expected.outside_feature[f]) : -1.0f);
+  }
+  EXPECT_EQ(bodyopt_feature_name(model.get(), expected.outside_feature[1]),
+            feature_name(basis, expected.outside_feature[1]));
+  EXPECT_EQ(bodyopt_feature_name(model.get(), basis.residual.feature_count()), nullptr);
+  EXPECT_EQ(bodyopt_feature_name(nullptr, 0), nullptr);
+}
+
 TEST(LibraryFrames, OfAModelThatDoesNotKnowItsErrorAreRefusedBeforeTheyAreWritten) {
   const TemporaryFolder folder;
   const Basis basis = small_basis();
@@ -64,6 +111,10 @@ TEST(LibraryFrames, OfAModelThatDoesNotKnowItsErrorAreRefusedBeforeTheyAreWritte
   found.all.expected_errors = floats_in(errors);
   EXPECT_EQ(bodyopt_evaluate(make_instance(model).get(), &given.all, &found.all), BODYOPT_MISMATCH);
   EXPECT_NE(std::string(bodyopt_last_error()).find("trained without shapes"), std::string::npos);
+  found.all.expected_errors = {};
+  std::vector<float> of_vertices(kFrames * basis.mesh.output_count());
+  found.all.vertex_errors = floats_in(of_vertices);
+  EXPECT_EQ(bodyopt_evaluate(make_instance(model).get(), &given.all, &found.all), BODYOPT_MISMATCH);
   EXPECT_EQ(found.positions, std::vector<float>(found.positions.size()));
 }
 

@@ -1,6 +1,7 @@
 // The library shows modifiers as `bodyopt eval` does: breath, a sculpt, sag and push-out on a trained limb.
 #include <algorithm>
 #include <fstream>
+#include <span>
 
 #include "assets/clip.h"
 #include "assets/pc2.h"
@@ -167,6 +168,20 @@ TEST_F(LibraryModifiers, GoOnFromCallToCall) {
     EXPECT_EQ(bodyopt_evaluate(instance.get(), &other, &skin.all), BODYOPT_OK);
   }
   EXPECT_EQ(parts, all);
+}
+
+// Of frames of which no output is wanted nothing is evaluated.
+TEST_F(LibraryModifiers, GoOnPastFramesThatNobodyWants) {
+  const std::vector<float> all = shown();
+  const api::Instance instance = make_instance(model_);
+  for (const std::uint32_t begin : {kFrames - 1, 20u}) {  // back in time, too
+    bodyopt_poses past = given_.all;
+    past.frame_count = begin;
+    const auto nothing = api::make<bodyopt_skin>();
+    api::check(bodyopt_evaluate(instance.get(), &past, &nothing));
+    const std::vector<float> frame = shown(instance, begin, begin + 1);
+    EXPECT_TRUE(std::ranges::equal(frame, std::span(all).subspan(begin * frame.size(), frame.size()))) << begin;
+  }
 }
 
 TEST_F(LibraryModifiers, TellTheirChannels) {

@@ -89,6 +89,28 @@ class Frames(unittest.TestCase):
         self.assertIsNone(call.skin.normals)
         self.assertIsNone(call.skin.tangents)
 
+    def test_tell_the_error_of_vertices_and_what_lies_outside(self):
+        self.assertIsNone(self.instance.evaluate(JOINTS).vertex_errors)
+        skin = self.instance.evaluate(JOINTS, vertex_errors=True)
+        self.assertEqual(skin.vertex_errors.shape, SKIN.shape[:2])
+        self.assertGreater(skin.vertex_errors.max(), 0)
+        self.assertTrue((0 <= skin.vertex_errors).all())
+        np.testing.assert_array_equal(skin.outside_features < 0, skin.outside == 0)
+        self.assertIn("joint " + MODEL.joint_names[1], MODEL.feature_names)
+
+    def test_with_modifiers_of_a_character_without_any_are_the_same(self):
+        self.assertEqual(MODEL.channels, [])
+        none = np.zeros((len(JOINTS), 0), np.float32)
+        skin = self.instance.evaluate(JOINTS, frames_per_second=24, channels=none)
+        np.testing.assert_array_equal(skin.positions, SKIN)
+        self.instance.skip(JOINTS, 24)
+        with self.assertRaises(bodyopt.Error) as refused:
+            self.instance.skip(JOINTS, 0)
+        self.assertEqual(refused.exception.code, 64)
+        with self.assertRaises(bodyopt.Error) as refused:
+            self.instance.evaluate(JOINTS, frames_per_second=24, channels=np.ones((len(JOINTS), 2), np.float32))
+        self.assertEqual(refused.exception.code, 3)
+
     def test_of_a_character_without_controls_take_none(self):
         self.assertEqual(MODEL.control_names, [])
         skin = self.instance.evaluate(JOINTS, np.zeros((len(JOINTS), 0), np.float32))

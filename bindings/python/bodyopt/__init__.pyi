@@ -22,6 +22,8 @@ class Skin:
     trained without shapes and does not know.
     tangents: F x V x 4, the tangent and the bitangent's sign, by the convention of MikkTSpace; None where the model was
     loaded without texture coordinates. normals and tangents are None where they were not wanted.
+    vertex_errors: expected_errors of each vertex, F x V, metres; None where they were not wanted.
+    outside_features: F, the number of the feature that lies outside in Model.feature_names; -1 where outside is 0.
     """
 
     @property
@@ -38,6 +40,10 @@ class Skin:
     def expected_errors(self) -> Optional[NDArray[np.float32]]: ...
     @property
     def tangents(self) -> Optional[NDArray[np.float32]]: ...
+    @property
+    def vertex_errors(self) -> Optional[NDArray[np.float32]]: ...
+    @property
+    def outside_features(self) -> NDArray[np.float32]: ...
 
 class State:
     """The jiggle of an instance at one moment."""
@@ -57,9 +63,17 @@ class Instance:
         positions: Optional[NDArray[np.float32]] = None,
         normals: Union[NDArray[np.float32], bool, None] = True,
         tangents: Union[NDArray[np.float32], bool, None] = True,
+        frames_per_second: Optional[float] = None,
+        channels: Optional[NDArray[np.float32]] = None,
+        goes_on: bool = False,
+        vertex_errors: bool = False,
     ) -> Skin:
         """The quasi-static skin. joints: F x J x 10, controls: F x C. Written to positions, normals and tangents where
-        given. False leaves normals or tangents out, which saves their time; tangents need texture coordinates."""
+        given. False leaves normals or tangents out, which saves their time; tangents need texture coordinates.
+
+        With frames_per_second the character's modifiers are shown, by channels (F x Model.channels; None: their
+        constants); the frames are consecutive, and go on from those before where goes_on says so. vertex_errors: of a
+        model that knows_error, or Error(3)."""
     def jiggle(
         self,
         joints: NDArray[np.float64],
@@ -69,8 +83,20 @@ class Instance:
         positions: Optional[NDArray[np.float32]] = None,
         normals: Union[NDArray[np.float32], bool, None] = True,
         tangents: Union[NDArray[np.float32], bool, None] = True,
+        frames_per_second: Optional[float] = None,
+        channels: Optional[NDArray[np.float32]] = None,
+        goes_on: bool = False,
     ) -> Skin:
-        """The skin with jiggle; it goes on from the frames of earlier calls."""
+        """The skin with jiggle; it goes on from the frames of earlier calls. Modifiers as by evaluate()."""
+    def skip(
+        self,
+        joints: NDArray[np.float64],
+        frames_per_second: float,
+        channels: Optional[NDArray[np.float32]] = None,
+        *,
+        goes_on: bool = False,
+    ) -> None:
+        """Has modifiers go on past frames as by evaluate(), without the time of a skin."""
     def set_weights(self, correction: float = 1, jiggle: float = 1) -> None:
         """How much is shown of what was learned, and of the jiggle: each -1000 to 1000."""
     def state(self) -> State: ...
@@ -122,6 +148,12 @@ class Model:
     def joint_parents(self) -> list[int]: ...
     @property
     def control_names(self) -> list[str]: ...
+    @property
+    def channels(self) -> list[tuple[str, str, float, float, float]]:
+        """Of the character's modifiers: name, what it is, constant, low, high."""
+    @property
+    def feature_names(self) -> list[str]:
+        """Of what the learned part reads: "joint elbow", "strain biceps/1"."""
     @property
     def strain_names(self) -> list[str]: ...
     @property
