@@ -145,7 +145,7 @@ void run(const AnatomyArguments& arguments) {
 
 void add_anatomy(CLI::App& app) {
   const auto [verb, arguments] = add_verb<AnatomyArguments>(
-      app, "anatomy", "What lies inside a character: bone, fat, cavity, muscles; in numbers and in sections", run);
+      app, "anatomy", "Show what lies inside a character: bone, fat, cavity, muscles; in numbers and in sections", run);
   add_required(verb, "character", arguments.character, "CHARACTER", "Character (.glb, .gltf, .fbx)");
   add_option(verb, "--muscles", arguments.muscles, "muscles.json (default: no muscles are told apart)")
       ->type_name("FILE");

@@ -86,7 +86,7 @@ void run(AttachArguments arguments) {
 
 void add_attach(CLI::App& app) {
   const auto [verb, arguments] = add_verb<AttachArguments, AttachArguments>(
-      app, "attach", "Attaches meshes to a trained skin: eyes, teeth, nails, props, clothes", run);
+      app, "attach", "Attach meshes to a trained skin: eyes, teeth, nails, props, clothes", run);
   add_required(verb, "mesh", arguments.mesh, "MESH",
                "glTF file with the meshes, where they are at rest; of the character's own file those that are not "
                "its skin");

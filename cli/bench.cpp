@@ -143,7 +143,7 @@ void run(const BenchArguments& arguments) {
 
 void add_bench(CLI::App& app) {
   const auto [verb, arguments] =
-      add_verb<BenchArguments>(app, "bench", "How long a frame takes on each device, stage by stage", run);
+      add_verb<BenchArguments>(app, "bench", "Measure how long a frame takes on each device, stage by stage", run);
   add_option(verb, "BASIS", arguments.basis, "The trained character")->required();
   add_option(verb, "--device", arguments.device, "Only this one: cpu, or a Vulkan device by index or name");
   add_number(verb, "--seconds", arguments.seconds, 0.01, 600, "How long each batch size is measured, for a median");

@@ -328,7 +328,7 @@ void run(const CheckArguments& arguments) {
 
 void add_check(CLI::App& app) {
   const auto [verb, arguments] = add_verb<CheckArguments>(
-      app, "check", "Does a dataset belong together? Is a character fit for use? Does a clip suit it?", run);
+      app, "check", "Check whether a dataset belongs together, a character is fit for use, and a clip suits it", run);
   add_required(verb, "dataset", arguments.path, "DATASET",
                "dataset.json or its folder, or a character (.glb, .gltf, .fbx)");
   arguments.clip.add(verb);

@@ -58,7 +58,7 @@ void run(const CompareArguments& arguments) {
 
 void add_compare(CLI::App& app) {
   const auto [verb, arguments] = add_verb<CompareArguments>(
-      app, "compare", "Distance between two caches: RMS, p99, maximum and jitter in mm", run);
+      app, "compare", "Measure the distance between two caches: RMS, p99, maximum and jitter in mm", run);
   add_required(verb, "a", arguments.a, "A",
                "Point cache (.pc2, .mdd), draft (.nodes), or DATASET#TAKE: a take through its modifiers");
   add_required(verb, "b", arguments.b, "B", "The same of the same mesh and frames");

@@ -176,7 +176,7 @@ void run(const CoverageArguments& arguments) {
 
 void add_coverage(CLI::App& app) {
   const auto [verb, arguments] = add_verb<CoverageArguments>(
-      app, "coverage", "How well a basis knows the poses of a clip, and which frames to simulate next", run);
+      app, "coverage", "Show how well a basis knows the poses of a clip, and which frames to simulate next", run);
   add_required(verb, "basis", arguments.basis, "BASIS", "Basis (.safetensors)");
   arguments.clip.add(verb);
   add_number(verb, "--worst", arguments.worst, 1, 10000, "Frames to list");

@@ -132,7 +132,8 @@ void add_edits(CLI::App& verb) {
 }  // namespace
 
 void add_curate(CLI::App& app) {
-  CLI::App& verb = add_verb(app, "curate", "Modifiers that a dataset's shapes are read through, all of them undoable");
+  CLI::App& verb =
+      add_verb(app, "curate", "Edit the modifiers that a dataset's shapes are read through, all of them undoable");
   verb.require_subcommand(1);
   subverb(verb, "list", "The stack, from the raw shapes upwards",
           [](const CurateArguments& arguments) { emit_stack(arguments); });

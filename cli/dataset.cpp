@@ -79,7 +79,7 @@ void add(const AddArguments& arguments) {
 }  // namespace
 
 void add_dataset(CLI::App& app) {
-  CLI::App& verb = add_verb(app, "dataset", "Poses and shapes to train on");
+  CLI::App& verb = add_verb(app, "dataset", "Add poses and shapes to train on");
   verb.require_subcommand(1);
   const auto [subverb, arguments] =
       add_verb<AddArguments>(verb, "add", "Adds shapes that come from elsewhere: a take, or frames to a take", add);

@@ -340,7 +340,7 @@ void run(DemoArguments arguments) {
 
 void add_demo(CLI::App& app) {
   auto arguments = std::make_shared<DemoArguments>();
-  CLI::App& verb = add_verb(app, "demo", "The whole path on the built-in arm, from character to report");
+  CLI::App& verb = add_verb(app, "demo", "Do the whole path on the built-in arm, from character to report");
   add_option(verb, "--out", arguments->out, "Folder for everything that is made")->required()->type_name("DIR");
   add_flag(verb, "--quick", arguments->quick, "A few of the frames: to see it work, not to judge the errors");
   add_flag(verb, "--all", arguments->all, "Also the other methods on the same frames, jiggle, and a stockier arm");

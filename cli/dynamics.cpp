@@ -104,7 +104,7 @@ void run(DynamicsArguments arguments) {
 
 void add_dynamics(CLI::App& app) {
   const auto [verb, arguments] = add_verb<DynamicsArguments, DynamicsArguments>(
-      app, "dynamics", "What lets a trained character's tissue jiggle: a second file beside its basis", run);
+      app, "dynamics", "Make what lets a trained character's tissue jiggle: a second file beside its basis", run);
   DynamicsOptions& options = arguments.options;
   add_required(verb, "dataset", arguments.dataset, "DATASET",
                "dataset.json, or its folder; or the character alone, whose muscles then do not stiffen");

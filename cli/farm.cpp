@@ -233,7 +233,7 @@ void add_queue(CLI::App& part, FarmArguments& arguments) {
 
 void add_farm(CLI::App& app) {
   auto arguments = std::make_shared<FarmArguments>();
-  CLI::App& farm = add_verb(app, "farm", "Many shots, on a queue of machines");
+  CLI::App& farm = add_verb(app, "farm", "Evaluate many shots, on a queue of machines");
   farm.require_subcommand(1);
   CLI::App& planning = add_part(farm, "plan", "Check a list of shots and cut it into tasks", arguments, plan);
   add_required(planning, "shots", arguments->list, "SHOTS", "List of shots (.json, .jsonl, .csv)");

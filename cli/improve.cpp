@@ -239,7 +239,7 @@ void run(const ImproveArguments& arguments) {
 
 void add_improve(CLI::App& app) {
   const auto [verb, arguments] = add_verb<ImproveArguments>(
-      app, "improve", "Simulates the frames of shots that a basis knows least, and learns them, as long as it helps",
+      app, "improve", "Simulate the frames of shots that a basis knows least, and learn them, as long as it helps",
       run);
   add_required(verb, "dataset", arguments.dataset, "DATASET",
                "dataset.json, or its folder: what the basis was trained on");

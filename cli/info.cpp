@@ -330,7 +330,7 @@ void show(const InfoArguments& arguments) {
 }  // namespace
 
 void add_info(CLI::App& app) {
-  const auto [verb, arguments] = add_verb<InfoArguments>(app, "info", "What a file holds", show);
+  const auto [verb, arguments] = add_verb<InfoArguments>(app, "info", "Show what a file holds", show);
   add_required(verb, "file", arguments.path, "FILE",
                "Character, clip, basis, dynamics, attached geometry, state, point cache or dataset.json");
   add_unit(verb, arguments.unit);

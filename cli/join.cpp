@@ -58,8 +58,8 @@ void declare_join(CLI::App& verb, JoinArguments& arguments) {
 }  // namespace
 
 void add_join(CLI::App& app) {
-  const auto [verb, arguments] =
-      add_verb<JoinArguments, JoinArguments>(app, "join", "Caches of the parts of a shot to one of the whole", run);
+  const auto [verb, arguments] = add_verb<JoinArguments, JoinArguments>(
+      app, "join", "Join caches of the parts of a shot to one of the whole", run);
   declare_join(verb, arguments);
 }
 

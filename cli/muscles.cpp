@@ -147,10 +147,10 @@ void import(const ImportArguments& arguments) {
 }  // namespace
 
 void add_muscles(CLI::App& app) {
-  CLI::App& verb = add_verb(app, "muscles", "Muscles of a character");
+  CLI::App& verb = add_verb(app, "muscles", "Fit muscles to a character");
   verb.require_subcommand(1);
   const auto [subverb, arguments] =
-      add_verb<ImportArguments>(verb, "import", "Fits the muscles of OpenSim or MuJoCo models to a character", import);
+      add_verb<ImportArguments>(verb, "import", "Fit the muscles of OpenSim or MuJoCo models to a character", import);
   add_required(subverb, "character", arguments.character, "CHARACTER", "Character (.glb, .gltf, .fbx)");
   add_required(subverb, "--from", arguments.sources, "MODEL MAPPING",
                "Muscle model (.osim, MuJoCo .xml) and the mapping (.json) of its segments to the character's joints; "

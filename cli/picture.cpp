@@ -285,7 +285,7 @@ void run(const PictureArguments& arguments) {
 
 void add_picture(CLI::App& app) {
   auto arguments = std::make_shared<PictureArguments>();
-  CLI::App& verb = add_verb(app, "picture", "A picture of a frame of a dataset, whole or cut open");
+  CLI::App& verb = add_verb(app, "picture", "Draw a frame of a dataset, whole or cut open");
   add_option(verb, "dataset", arguments->dataset, "Dataset (folder or dataset.json)")->required()->type_name("DATASET");
   add_option(verb, "--take", arguments->take, "Name of the take (default: the first)");
   add_option(verb, "--frame", arguments->frame, "Frame of the take")->required();

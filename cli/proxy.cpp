@@ -102,7 +102,7 @@ void run(ProxyArguments arguments) {
 
 void add_proxy(CLI::App& app) {
   const auto [verb, arguments] = add_verb<ProxyArguments, ProxyArguments>(
-      app, "proxy", "Makes levels of detail of a character: bases with fewer vertices", run);
+      app, "proxy", "Make levels of detail of a character: bases with fewer vertices", run);
   add_required(verb, "source", arguments.source, "DATASET|BASIS",
                "Dataset (dataset.json, or its folder), or a trained basis (.safetensors)");
   add_option(verb, "--out", arguments.out, "FILE.safetensors",

@@ -95,7 +95,7 @@ void run(const RegionsArguments& arguments) {
 
 void add_regions(CLI::App& app) {
   const auto [verb, arguments] = add_verb<RegionsArguments>(
-      app, "regions", "The regions in which `train` learns the skin: to see and to edit", run);
+      app, "regions", "Show the regions in which `train` learns the skin, and write them to be edited", run);
   add_required(verb, "dataset", arguments.dataset, "DATASET", "dataset.json, or its folder");
   add_option(verb, "--out", arguments.out, "FILE.json", "Also write them, as a file that dataset.json can name");
   add_option(verb, "--picture", arguments.picture, "FILE.png",

@@ -167,8 +167,8 @@ void run(const RigArguments& arguments) {
 }  // namespace
 
 void add_rig(CLI::App& app) {
-  const auto [verb, arguments] =
-      add_verb<RigArguments>(app, "rig", "First joint limits, jiggle settings and regions of a rig, to be edited", run);
+  const auto [verb, arguments] = add_verb<RigArguments>(
+      app, "rig", "Write first joint limits, jiggle settings and regions of a rig, to be edited", run);
   add_required(verb, "character", arguments.character, "CHARACTER", "Character (.glb, .gltf, .fbx)");
   add_option(verb, "--out", arguments.out, "DIR",
              "Folder for limits.json, jiggle.json, regions.json and mappings of muscles")

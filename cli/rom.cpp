@@ -147,7 +147,7 @@ void run(const RomArguments& arguments) {
 
 void add_rom(CLI::App& app) {
   const auto [verb, arguments] = add_verb<RomArguments>(
-      app, "rom", "A clip of a character's whole range of motion, to simulate and train on", run);
+      app, "rom", "Make a clip of a character's whole range of motion, to simulate and train on", run);
   add_required(verb, "character", arguments.character, "CHARACTER", "Character (.glb, .gltf, .fbx)");
   add_option(verb, "--limits", arguments.limits, "Joint limits (limits.json); default: what the clips of --from show")
       ->type_name("FILE");

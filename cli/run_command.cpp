@@ -26,7 +26,7 @@ struct VerbGroup {
 };
 
 // For the list of verbs: as_options() makes of it what it does.
-void add_help(CLI::App& app) { app.add_subcommand("help", "What a verb does: help VERB is VERB --help"); }
+void add_help(CLI::App& app) { app.add_subcommand("help", "Show what a verb does: help VERB is VERB --help"); }
 
 void add_verbs(CLI::App& app) {
   const VerbGroup groups[] = {

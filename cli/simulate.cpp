@@ -101,7 +101,7 @@ void run(const SimulateArguments& arguments) {
 
 void add_simulate(CLI::App& app) {
   const auto [verb, arguments] = add_verb<SimulateArguments>(
-      app, "simulate", "Shapes of a character for every frame of a clip, by finite elements", run);
+      app, "simulate", "Make shapes of a character for every frame of a clip, by finite elements", run);
   add_required(verb, "character", arguments.character, "CHARACTER", "Character (.glb, .gltf, .fbx)");
   arguments.take.add(verb);
   add_option(verb, "--muscles", arguments.muscles, "muscles.json (default: passive tissue only)")->type_name("FILE");

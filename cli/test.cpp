@@ -133,7 +133,7 @@ void run(const TestArguments& arguments) {
 
 void add_test(CLI::App& app) {
   const auto [verb, arguments] = add_verb<TestArguments>(
-      app, "test", "How well a basis does on shapes that it did not learn from, by area and by part of the body", run);
+      app, "test", "Measure a basis on shapes that it did not learn from, by area and by part of the body", run);
   add_required(verb, "basis", arguments.basis, "BASIS", "Basis (.safetensors)");
   add_required(verb, "dataset", arguments.dataset, "DATASET",
                "dataset.json or its folder: its held-out frames are tested, or all of them where none is held out");

@@ -423,7 +423,7 @@ void add_shared(CLI::App& verb, TransferArguments& arguments) {
 }  // namespace
 
 void add_transfer(CLI::App& app) {
-  CLI::App& verb = add_verb(app, "transfer", "Transfers what was simulated or learned to other characters");
+  CLI::App& verb = add_verb(app, "transfer", "Transfer what was simulated or learned to other characters");
   verb.require_subcommand(1);
 
   const auto [dataset, of_dataset] = add_verb<TransferArguments>(

@@ -57,7 +57,7 @@ void run(const ViewArguments& arguments) {
 }  // namespace
 
 void add_view(CLI::App& app) {
-  const auto [verb, arguments] = add_verb<ViewArguments>(app, "view", "The animators' viewport", run);
+  const auto [verb, arguments] = add_verb<ViewArguments>(app, "view", "Open the animators' viewport", run);
   ViewerOptions& options = arguments.options;
   add_option(
       verb, "files", options.files, "BASIS|CHARACTER|DATASET [CLIP]",
