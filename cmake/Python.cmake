@@ -24,6 +24,32 @@ execute_process(COMMAND ${Python_EXECUTABLE} -c "import sysconfig; print(sysconf
 string(REGEX MATCH "lib[0-9]*/python.*$" modules ${modules})  # below the prefix
 set_target_properties(bodyopt_python PROPERTIES OUTPUT_NAME _runtime
                       LIBRARY_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/python
-                      INSTALL_RPATH $ORIGIN/../../../../${CMAKE_INSTALL_LIBDIR})
+                      INSTALL_RPATH "$ORIGIN;$ORIGIN/../../../../${CMAKE_INSTALL_LIBDIR}")
 install(TARGETS bodyopt_python COMPONENT library DESTINATION ${modules}/bodyopt)
 install(DIRECTORY bindings/python/bodyopt COMPONENT library DESTINATION ${modules})
+
+# The Blender add-on as a zip, with the module, the library and what that is linked with.
+set(addon bodyopt_blender)
+set(module_folder ${addon}/bodyopt)
+install(DIRECTORY bindings/blender/${addon} COMPONENT blender EXCLUDE_FROM_ALL DESTINATION . PATTERN __pycache__ EXCLUDE)
+install(DIRECTORY bindings/python/bodyopt COMPONENT blender EXCLUDE_FROM_ALL DESTINATION ${addon})
+install(TARGETS bodyopt_python COMPONENT blender EXCLUDE_FROM_ALL DESTINATION ${module_folder})
+set_target_properties(bodyopt_shared PROPERTIES BUILD_RPATH $ORIGIN)
+install(PROGRAMS $<TARGET_FILE:bodyopt_shared> COMPONENT blender EXCLUDE_FROM_ALL DESTINATION ${module_folder}
+        RENAME $<TARGET_SONAME_FILE_NAME:bodyopt_shared>)  # a zip has no links
+install(CODE "
+  file(GET_RUNTIME_DEPENDENCIES LIBRARIES $<TARGET_FILE:bodyopt_shared> RESOLVED_DEPENDENCIES_VAR libraries
+       PRE_INCLUDE_REGEXES libtbb libhwy libxxhash PRE_EXCLUDE_REGEXES .*)
+  foreach(library \${libraries})
+    get_filename_component(name \${library} NAME)
+    file(REAL_PATH \${library} library)
+    file(COPY_FILE \${library} \${CMAKE_INSTALL_PREFIX}/${module_folder}/\${name})
+  endforeach()" COMPONENT blender EXCLUDE_FROM_ALL)
+set(staged ${PROJECT_BINARY_DIR}/blender)
+add_custom_target(blender_addon
+  COMMAND ${CMAKE_COMMAND} -E rm -rf ${staged}
+  COMMAND ${CMAKE_COMMAND} --install ${PROJECT_BINARY_DIR} --component blender --prefix ${staged}
+  COMMAND ${CMAKE_COMMAND} -E chdir ${staged}
+          ${CMAKE_COMMAND} -E tar cf ${PROJECT_BINARY_DIR}/${addon}.zip --format=zip ${addon}
+  VERBATIM)
+add_dependencies(blender_addon bodyopt_python)

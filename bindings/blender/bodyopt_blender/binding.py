@@ -1,0 +1,259 @@
+"""A mesh that shows the skin of a basis, in the pose of its armature.
+
+The skin is a point attribute that a modifier of Blender's own nodes takes for the positions: the mesh itself stays as it
+is, and a file opens without this add-on.
+"""
+import os
+
+import bpy
+import numpy as np
+
+from . import bodyopt
+from .controls import Controls
+from .match import match, mesh_points, refuse_parting, require_unchanged
+from .rig import Rig, matrices_of
+from .space import Z_UP, Refusal, moved
+
+SKIN, VERTEX, ERROR, MODIFIER = "bodyopt_skin", "bodyopt_vertex", "bodyopt_error", "Bodyopt"
+WORTH_TELLING = 0.05  # standard deviations outside of training
+_models = {}  # of files that were read, by path, date, size and level
+
+
+def load(path, level=0, dynamics=""):
+    """A model, read once. Raises Refusal for a file that is not there, bodyopt.Error for one that is wrong."""
+    names = [bpy.path.abspath(name) for name in (path, dynamics) if name]
+    for name in names:
+        if not os.path.isfile(name):
+            raise Refusal(f"there is no file '{name}': choose it again")
+    key = (level, *((name, os.stat(name).st_mtime_ns, os.stat(name).st_size) for name in names))
+    if key not in _models:
+        _models[key] = bodyopt.load(*names, level=level)
+    return _models[key]
+
+
+def rest_skin(model):
+    """The vertices of a model at rest, N x 3, and with each joint turned a little, which tells them apart."""
+    poses = np.repeat(model.bind_pose[None], 2, axis=0)
+    turned = poses[1, :, 3:7]
+    x, y, z, w = turned.T.copy()
+    s, c = np.sin(0.1), np.cos(0.1)  # times a turn about x
+    turned[:] = np.stack([w * s + x * c, y * c + z * s, z * c - y * s, w * c - x * s], axis=1)
+    return model.instance().evaluate(poses, normals=False, tangents=False).positions
+
+
+def point_attribute(mesh, name, kind):
+    """The attribute of a mesh's vertices, made where it is missing."""
+    found = mesh.attributes.get(name)
+    if found and (found.data_type != kind or len(found.data) != len(mesh.vertices)):
+        mesh.attributes.remove(found)
+        found = None
+    if not found:
+        mesh.attributes.new(name, kind, "POINT")
+    return mesh.attributes[name].data  # asked for anew: making one moves the others
+
+
+def node_group():
+    """The nodes that take SKIN for the positions."""
+    group = bpy.data.node_groups.get(MODIFIER)
+    if group:
+        return group
+    group = bpy.data.node_groups.new(MODIFIER, "GeometryNodeTree")
+    group.inputs.new("NodeSocketGeometry", "Geometry")
+    group.outputs.new("NodeSocketGeometry", "Geometry")
+    begin, end = group.nodes.new("NodeGroupInput"), group.nodes.new("NodeGroupOutput")
+    move, skin = group.nodes.new("GeometryNodeSetPosition"), group.nodes.new("GeometryNodeInputNamedAttribute")
+    skin.data_type = "FLOAT_VECTOR"
+    skin.inputs["Name"].default_value = SKIN
+    group.links.new(begin.outputs[0], move.inputs["Geometry"])
+    group.links.new(next(output for output in skin.outputs if output.enabled), move.inputs["Position"])
+    group.links.new(move.outputs[0], end.inputs[0])
+    for number, node in enumerate((begin, skin, move, end)):
+        node.location = 200 * number, 0
+    return group
+
+
+def armature_of(obj):
+    """The armature of a binding. Raises Refusal without one."""
+    armature = obj.bodyopt.armature or obj.find_armature()
+    if not armature or armature.type != "ARMATURE":
+        raise Refusal("there is no armature: choose one under Armature")
+    return armature
+
+
+def require_own(obj):
+    """Raises Refusal for a mesh that a binding cannot write, or that others move, too."""
+    if obj.library or obj.data.library:
+        source = (obj.data.library or obj.library).filepath
+        raise Refusal(f"the mesh is linked from '{source}': make it local with Object > Relations > Make Local")
+    if obj.data.users > 1:
+        raise Refusal(f"the mesh data is shared by {obj.data.users} objects: Object > Relations > Make Single User")
+    if obj.parent_type == "ARMATURE":
+        raise Refusal("the parent armature moves the mesh without a modifier: clear the parent, or parent it as Object")
+    for modifier in obj.modifiers:
+        if modifier.type == "ARMATURE" or modifier.name == MODIFIER:
+            break
+        if modifier.show_viewport or modifier.show_render:
+            raise Refusal(f"the modifier '{modifier.name}' comes before the skin, which takes no notice of it: apply it, "
+                          "switch it off, or move it down")
+
+
+def require_posed(obj, armature, depsgraph):
+    """Raises Refusal where Blender leaves an armature as it was, since it is switched off and nothing hangs on it."""
+    layer = depsgraph.view_layer
+    is_on = armature.visible_get(view_layer=layer) or armature.hide_get(view_layer=layer)  # hidden ones move, too
+    is_off = armature.hide_render if depsgraph.mode == "RENDER" else armature.hide_viewport or not is_on
+    while is_off and (obj := obj.parent):
+        is_off = obj != armature
+    if is_off:
+        raise Refusal("the armature is switched off, so that Blender does not pose it: make it the mesh's parent, or "
+                      "switch it on and hide it with H")
+
+
+def bind(obj):
+    """Makes obj, with its settings, show the skin of its basis. Raises Refusal and bodyopt.Error, and changes nothing then."""
+    require_own(obj)
+    armature, model = armature_of(obj), load(obj.bodyopt.basis, obj.bodyopt.level)
+    rig = Rig(model, armature)
+    to_world = np.array(armature.matrix_world)
+    in_armature = np.linalg.inv(to_world) @ np.array(obj.matrix_world)
+    skins = rest_skin(model).astype(float)
+    found, rest = match(skins[0], moved(in_armature, mesh_points(obj.data).astype(float)), rig, to_world)
+    if not np.array_equal(found, np.arange(len(skins[0]))):
+        refuse_parting(found, *skins)
+    rig.settle(rest)
+    rig.stand(to_world)
+
+    point_attribute(obj.data, VERTEX, "INT").foreach_set("value", found.astype(np.int32))
+    settings = obj.bodyopt
+    settings.muted = settings.muted if settings.is_bound else ""
+    for modifier in obj.modifiers:
+        if modifier.type == "ARMATURE" and modifier.object == armature:
+            modifier.object = None  # switched off it would still have Blender evaluate the mesh twice
+            settings.muted += modifier.name + "\n"
+    modifier = obj.modifiers.get(MODIFIER) or obj.modifiers.new(MODIFIER, "NODES")
+    modifier.node_group = node_group()
+    while obj.modifiers[0] != modifier:
+        with bpy.context.temp_override(object=obj, active_object=obj):
+            bpy.ops.object.modifier_move_to_index(modifier=MODIFIER, index=0)
+    settings.armature = armature
+    settings.rest = rest.T.ravel()
+    settings.is_bound = True
+    Controls(model).add_to(obj)
+
+
+def unbind(obj):
+    """Gives the mesh back as it was before bind()."""
+    for name in obj.bodyopt.muted.split("\n"):
+        if modifier := obj.modifiers.get(name):
+            modifier.object = obj.bodyopt.armature
+    if modifier := obj.modifiers.get(MODIFIER):
+        obj.modifiers.remove(modifier)
+    for name in (SKIN, VERTEX, ERROR):
+        if attribute := obj.data.attributes.get(name):
+            obj.data.attributes.remove(attribute)
+    Controls.remove_from(obj)
+    obj.bodyopt.is_bound = False
+
+
+class Binding:
+    """What a bound object needs to be shown, made of its settings. Raises Refusal and bodyopt.Error."""
+
+    def __init__(self, obj, dynamics=""):
+        settings = obj.bodyopt
+        self.model = load(settings.basis, settings.level, dynamics)
+        self.instance = self.model.instance(jiggles=bool(dynamics))
+        self.jiggles = bool(dynamics)
+        self.rig = Rig(self.model, armature_of(obj), np.array(settings.rest).reshape(4, 4).T)
+        self.points = mesh_points(obj.data)
+        attribute = obj.data.attributes.get(VERTEX)
+        self.vertices = np.full(len(self.points), -1, np.int32)
+        if attribute and len(attribute.data) == len(self.points):
+            attribute.data.foreach_get("value", self.vertices)
+        require_unchanged(rest_skin(self.model)[0].astype(float), self.points.astype(float), self.vertices)
+        self.is_in_order = np.array_equal(self.vertices, np.arange(self.model.vertex_count))
+        self.controls = Controls(self.model)
+        self.made_of = self._settings(obj)
+        self.shown = None  # what the last skin was made of
+        self.frame = None  # that modifiers have come to
+        self.expected_mm, self.notes, self.world = None, [], None  # and the skin in Blender's world, V x 3
+
+    @staticmethod
+    def _settings(obj):
+        settings = obj.bodyopt
+        return settings.basis, settings.level, armature_of(obj).name_full, tuple(settings.rest)
+
+    def fits(self, obj):
+        """Whether neither the object nor its armature was edited since."""
+        return (self.made_of == self._settings(obj) and len(obj.data.vertices) == len(self.points)
+                and self.rig.fits(armature_of(obj)) and np.array_equal(mesh_points(obj.data), self.points))
+
+    def show(self, obj, scene, depsgraph):
+        """Writes the skin of this moment into the mesh. Returns whether anything had changed."""
+        require_own(obj)
+        for modifier in obj.modifiers:
+            if modifier.type == "ARMATURE" and modifier.object and modifier.show_viewport:
+                raise Refusal(f"the modifier '{modifier.name}' moves the skin a second time: switch it off")
+        require_posed(obj, armature_of(obj), depsgraph)
+        armature = armature_of(obj).evaluated_get(depsgraph)
+        posed, to_world = matrices_of(armature.pose.bones, "matrix"), np.array(armature.matrix_world)
+        to_mesh, values = np.array(obj.evaluated_get(depsgraph).matrix_world), self.controls.read(obj.evaluated_get(depsgraph))
+        moment = (scene.frame_current_final, scene.frame_start, scene.render.fps / scene.render.fps_base,
+                  obj.bodyopt.shows_error, obj.bodyopt.error_mm)
+        inputs = (moment, posed.tobytes(), to_world.tobytes(), to_mesh.tobytes(), values.tobytes())
+        if inputs == self.shown:
+            return False
+        joints, self.notes = self.rig.joints(posed, to_world, self.jiggles)
+        skin = self._evaluate(obj, scene, joints[None], values)
+        in_mesh = self._in_mesh(skin.positions[0], to_world, to_mesh)
+        point_attribute(obj.data, SKIN, "FLOAT_VECTOR").foreach_set("vector", in_mesh.ravel())
+        self.world = moved(to_mesh, in_mesh)
+        self._tell(obj, skin)
+        obj.data.update_tag()
+        self.shown = inputs
+        return True
+
+    def _evaluate(self, obj, scene, joints, values):
+        rate, frame = scene.render.fps / scene.render.fps_base, scene.frame_current
+        goes_on = {}
+        if self.model.channels:
+            if frame > scene.frame_start and self.frame != frame - 1:
+                past = self.controls.of_frames(obj, values, range(scene.frame_start, frame))
+                self.instance.skip(np.repeat(joints, len(past), axis=0), rate, past)
+            goes_on = {"frames_per_second": rate, "channels": self.controls.channels_of(values),
+                       "goes_on": frame > scene.frame_start}
+        self.frame = None  # until all went well
+        parts = {"controls": self.controls.learned_of(values), "normals": False, "tangents": False, **goes_on}
+        if self.jiggles:
+            skin = self.instance.jiggle(joints, [frame], **parts)
+        else:
+            shows_error = obj.bodyopt.shows_error and self.model.knows_error
+            skin = self.instance.evaluate(joints, vertex_errors=shows_error, **parts)
+        self.frame = frame
+        return skin
+
+    def _in_mesh(self, skin, to_world, to_mesh):
+        """The skin, N x 3, as vertices of the mesh, V x 3 in its own space."""
+        if abs(np.linalg.det(to_mesh[:3, :3])) < 1e-12:
+            raise Refusal("the mesh is scaled to nothing: clear its scale with Object > Clear > Scale")
+        whole, scale = self.rig.stand(to_world)
+        place = Z_UP * [scale, scale, scale, 1]
+        if not self.jiggles:
+            place[:3, 3] = whole[:3, 3]
+        local = (np.linalg.inv(to_mesh) @ place).astype(np.float32)
+        return moved(local, skin if self.is_in_order else skin[self.vertices])
+
+    def _tell(self, obj, skin):
+        if skin.expected_errors is not None:
+            self.expected_mm = 1e3 * float(skin.expected_errors[0])
+        if skin.outside[0] > WORTH_TELLING:
+            feature = self.model.feature_names[int(skin.outside_features[0])]
+            self.notes.append(f"not trained for: {feature}; {100 * skin.fades[0]:.0f} % of what was learned is shown")
+        if any(key.value and not key.mute for key in (obj.data.shape_keys.key_blocks[1:] if obj.data.shape_keys else ())):
+            self.notes.append("shape keys of the mesh do not show: the skin takes their place")
+        if skin.vertex_errors is None:
+            return
+        if ERROR not in obj.data.attributes:
+            obj.data.color_attributes.new(ERROR, "FLOAT_COLOR", "POINT")
+        share = np.clip(1e3 * skin.vertex_errors[0][self.vertices] / obj.bodyopt.error_mm, 0, 1)
+        colours = np.stack([share, 0 * share, 1 - share, 1 + 0 * share], axis=1)
+        obj.data.attributes[ERROR].data.foreach_set("color", colours.astype(np.float32).ravel())

@@ -1,0 +1,255 @@
+"""Datasets made of what Blender shows, by any modifiers, shape keys or simulation, and trainings of them."""
+import json
+import os
+import re
+import subprocess
+import threading
+import webbrowser
+
+import bpy
+import numpy as np
+from bpy.props import BoolProperty, StringProperty
+from bpy_extras.anim_utils import bake_action
+
+from .bake import frames_of, write_pc2
+from .binding import armature_of
+from .panel import Operator
+from .space import Z_UP, Refusal, moved
+
+training = None  # the Training under way, or the last one
+
+
+class Preferences(bpy.types.AddonPreferences):
+    bl_idname = __package__
+    program: StringProperty(name="Program", subtype="FILE_PATH", default="bodyopt",
+                            description="bodyopt, which makes datasets and trains")
+
+    def draw(self, context):
+        self.layout.prop(self, "program")
+
+
+def program(context):
+    """The program of the preferences."""
+    return bpy.path.abspath(context.preferences.addons[__package__].preferences.program)
+
+
+def does_not_run(context, error):
+    """The refusal that an OSError of starting the program becomes."""
+    return Refusal(f"'{program(context)}' does not run ({error.strerror}): choose bodyopt in the add-on's preferences")
+
+
+def run(context, *arguments):
+    """Runs a verb to its end. Raises Refusal with what it says where it fails."""
+    try:
+        done = subprocess.run([program(context), *arguments], capture_output=True, text=True, check=False)
+    except OSError as error:
+        raise does_not_run(context, error) from error
+    if done.returncode:
+        raise Refusal(done.stderr.strip().split("\n")[-1] or f"bodyopt {arguments[0]} failed ({done.returncode})")
+
+
+def moving_copy(context, armature):
+    """A copy of an armature that has all that it shows in the scene's frames, by constraints, too, as one action."""
+    copy = armature.copy()
+    context.collection.objects.link(copy)
+    frames = range(context.scene.frame_start, context.scene.frame_end + 1)
+    bake_action(copy, action=None, frames=frames, only_selected=False, do_pose=True, do_object=True,
+                do_visual_keying=True, do_constraint_clear=True)
+    while copy.animation_data.nla_tracks:
+        copy.animation_data.nla_tracks.remove(copy.animation_data.nla_tracks[0])
+    return copy
+
+
+def resting_copy(context, obj, armature):
+    """A copy of a mesh as it is without modifiers but an armature's, whose one UV layer tells the vertex of each corner."""
+    copy = obj.copy()
+    copy.data = obj.data.copy()
+    copy.shape_key_clear()
+    copy.data.materials.clear()
+    copy.modifiers.clear()
+    copy.modifiers.new("Armature", "ARMATURE").object = armature
+    copy.parent = armature
+    while copy.data.uv_layers:
+        copy.data.uv_layers.remove(copy.data.uv_layers[0])
+    corners = np.empty(len(copy.data.loops), np.int32)
+    copy.data.loops.foreach_get("vertex_index", corners)
+    layer = copy.data.uv_layers.new(do_init=False)
+    layer.data.foreach_set("uv", np.stack([corners, 0 * corners], axis=1).astype(np.float32).ravel())
+    context.collection.objects.link(copy)
+    return copy
+
+
+def exported_character(context, obj, armature, path):
+    """Writes a mesh at rest on its armature, with the scene's motion, as glTF; the vertex of obj of each in it, N."""
+    selected, active = list(context.selected_objects), context.view_layer.objects.active
+    moving = moving_copy(context, armature)
+    resting = resting_copy(context, obj, moving)
+    try:
+        for other in selected:
+            other.select_set(False)
+        moving.select_set(True)
+        resting.select_set(True)
+        bpy.ops.export_scene.gltf(filepath=path, use_selection=True, export_normals=False, export_materials="NONE",
+                                  export_colors=False, export_morph=False, export_force_sampling=True,
+                                  export_nla_strips=False, export_anim_single_armature=False)
+    finally:
+        bpy.data.meshes.remove(resting.data)  # and the object
+        bpy.data.actions.remove(moving.animation_data.action)
+        bpy.data.objects.remove(moving)
+        for other in selected:
+            other.select_set(True)
+        context.view_layer.objects.active = active
+    return vertices_in(path)
+
+
+def vertices_in(path):
+    """The numbers that the UV layer of a glTF binary of one mesh holds, N."""
+    with open(path, "rb") as file:
+        data = file.read()
+    length = int.from_bytes(data[12:16], "little")
+    gltf, binary = json.loads(data[20:20 + length]), 28 + length
+    primitives = [p for mesh in gltf["meshes"] for p in mesh["primitives"]]
+    if len(primitives) != 1:
+        raise Refusal(f"Blender wrote the mesh in {len(primitives)} parts: bones that carry shapes of their own in it?")
+    accessor = gltf["accessors"][primitives[0]["attributes"]["TEXCOORD_0"]]
+    view = gltf["bufferViews"][accessor["bufferView"]]
+    begin = binary + view.get("byteOffset", 0) + accessor.get("byteOffset", 0)
+    return np.frombuffer(data, "<f4", 2 * accessor["count"], begin)[::2].round().astype(int)
+
+
+def shapes_of(context, obj, vertices):
+    """What Blender shows of obj in each frame, N x 3, Y up and metres, for the vertices of the exported file."""
+    from_world = np.linalg.inv(Z_UP)
+    for frame in frames_of(context):
+        evaluated = obj.evaluated_get(context.evaluated_depsgraph_get())
+        flat = np.empty(3 * len(evaluated.data.vertices), np.float32)
+        if len(evaluated.data.vertices) != len(obj.data.vertices):
+            raise Refusal(f"in frame {frame} modifiers make {len(evaluated.data.vertices)} vertices of "
+                          f"{len(obj.data.vertices)}: switch off or apply those that do (Subdivision, Mirror, ...)")
+        evaluated.data.vertices.foreach_get("co", flat)
+        yield moved(from_world @ np.array(evaluated.matrix_world), flat.reshape(-1, 3).astype(float))[vertices]
+
+
+class BODYOPT_OT_add_take(Operator):
+    """Add what Blender shows of this mesh over the scene's frames, and the armature's poses, to a dataset"""
+
+    bl_idname, bl_label = "bodyopt.add_take", "Add Take"
+
+    def work(self, context, obj):
+        scene, folder = context.scene, bpy.path.abspath(context.scene.bodyopt_dataset)
+        if not scene.bodyopt_dataset:
+            raise Refusal("choose a folder for the dataset first")
+        os.makedirs(folder, exist_ok=True)
+        clip = os.path.join(folder, f"{bpy.path.clean_name(scene.name)}.glb")
+        shapes = os.path.join(folder, f"{bpy.path.clean_name(scene.name)}.shapes.pc2")
+        vertices = exported_character(context, obj, armature_of(obj), clip)
+        write_pc2(shapes, scene.frame_start, shapes_of(context, obj, vertices))
+        begun = os.path.exists(os.path.join(folder, "dataset.json"))
+        try:
+            run(context, "dataset", "add", folder, "--clip", clip, "--shapes", shapes, "--first-frame", "0",
+                "--fps", str(scene.render.fps / scene.render.fps_base), "--name", scene.name,
+                "--frames", f"{scene.frame_start}-{scene.frame_end}", *([] if begun else ["--character", clip]))
+        finally:
+            os.remove(shapes)  # the dataset has a copy
+        self.report({"INFO"}, f"added frames {scene.frame_start} to {scene.frame_end} as take '{scene.name}'")
+
+
+class Training:
+    """`bodyopt train` as a process of its own, with the last line that it said."""
+
+    def __init__(self, context, dataset):
+        self.basis, self.report = os.path.join(dataset, "basis.safetensors"), os.path.join(dataset, "report")
+        self.said, self.is_cancelled = "begins", False
+        try:
+            self.process = subprocess.Popen(
+                [program(context), "train", dataset, "--out", self.basis, "--report", self.report, "--heldout-every", "5"],
+                stderr=subprocess.PIPE, stdout=subprocess.DEVNULL)
+        except OSError as error:
+            raise does_not_run(context, error) from error
+        self.reader = threading.Thread(target=self._read, daemon=True)
+        self.reader.start()
+
+    def _read(self):
+        text = b""
+        while piece := os.read(self.process.stderr.fileno(), 4096):
+            text = (text + piece)[-4096:]
+            if lines := [line for line in re.split(rb"[\r\n]+", text) if line.strip()]:
+                self.said = lines[-1].decode(errors="replace")
+
+    def cancel(self):
+        self.is_cancelled = True
+        self.process.terminate()
+
+
+class BODYOPT_OT_train(Operator):
+    """Train a basis of the dataset, for this mesh, and open its report"""
+
+    bl_idname, bl_label = "bodyopt.train", "Train"
+    opens_report: BoolProperty(default=True)
+
+    def execute(self, context):
+        global training
+        try:
+            if not context.scene.bodyopt_dataset:
+                raise Refusal("choose the folder of a dataset first")
+            training = Training(context, bpy.path.abspath(context.scene.bodyopt_dataset))
+        except Refusal as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        self.target = context.object.name
+        if bpy.app.background:
+            training.process.wait()
+            return self.end()
+        self.timer = context.window_manager.event_timer_add(0.25, window=context.window)
+        context.window_manager.modal_handler_add(self)
+        return {"RUNNING_MODAL"}
+
+    def modal(self, context, event):
+        if event.type != "TIMER":
+            return {"PASS_THROUGH"}
+        for area in context.screen.areas:
+            area.tag_redraw()
+        if training.process.poll() is None:
+            return {"PASS_THROUGH"}
+        context.window_manager.event_timer_remove(self.timer)
+        return self.end()
+
+    def end(self):
+        training.reader.join()
+        if training.process.returncode:
+            self.report({"WARNING"} if training.is_cancelled else {"ERROR"},
+                        "the training was cancelled" if training.is_cancelled else training.said)
+            return {"CANCELLED"}
+        if self.target in bpy.data.objects:
+            bpy.data.objects[self.target].bodyopt.basis = training.basis
+        if self.opens_report:
+            webbrowser.open("file://" + os.path.join(training.report, "report.html"))
+        return {"FINISHED"}
+
+
+class BODYOPT_OT_cancel(bpy.types.Operator):
+    """Stop the training; the next one goes on from what it kept"""
+
+    bl_idname, bl_label = "bodyopt.cancel", "Cancel"
+
+    def execute(self, context):
+        training.cancel()
+        return {"FINISHED"}
+
+
+class BODYOPT_PT_dataset(bpy.types.Panel):
+    bl_label, bl_category, bl_space_type, bl_region_type = "Dataset", "Bodyopt", "VIEW_3D", "UI"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw(self, context):
+        layout = self.layout
+        layout.prop(context.scene, "bodyopt_dataset")
+        layout.operator("bodyopt.add_take")
+        if training and training.process.poll() is None:
+            layout.label(text=training.said)
+            layout.operator("bodyopt.cancel", icon="CANCEL")
+        else:
+            layout.operator("bodyopt.train")
+
+
+CLASSES = (Preferences, BODYOPT_OT_add_take, BODYOPT_OT_train, BODYOPT_OT_cancel, BODYOPT_PT_dataset)
