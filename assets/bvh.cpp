@@ -11,7 +11,7 @@
 
 #include "runtime/basis/read_file.h"
 #include "runtime/core/error.h"
-#include "runtime/core/lower_case.h"
+#include "runtime/core/text.h"
 
 namespace bodyopt {
 namespace {

@@ -9,7 +9,7 @@
 #include "runtime/core/atomic_file.h"
 #include "runtime/core/error.h"
 #include "runtime/host/rig.h"
-#include "runtime/modifiers/world_rotations.h"
+#include "runtime/modifiers/drive_modifiers.h"
 
 namespace bodyopt {
 namespace {

@@ -8,7 +8,7 @@
 #include "assets/gltf_skin.h"
 #include "assets/gltf_unit.h"
 #include "assets/wording.h"
-#include "geometry/weld.h"
+#include "geometry/surface_topology.h"
 #include "runtime/core/error.h"
 #include "runtime/core/transformed.h"
 #include "runtime/host/rig.h"

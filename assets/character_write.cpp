@@ -4,7 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "assets/gltf_write.h"
-#include "geometry/vertex_normals.h"
+#include "geometry/mesh.h"
 #include "runtime/core/error.h"
 
 namespace bodyopt {

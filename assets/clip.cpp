@@ -14,7 +14,7 @@
 #include "assets/wording.h"
 #include "runtime/core/error.h"
 #include "runtime/core/file_kind.h"
-#include "runtime/core/lower_case.h"
+#include "runtime/core/text.h"
 #include "runtime/core/transformed.h"
 
 namespace bodyopt {

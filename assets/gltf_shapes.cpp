@@ -10,7 +10,7 @@
 #include <utility>
 
 #include "assets/gltf_write.h"
-#include "geometry/vertex_normals.h"
+#include "geometry/mesh.h"
 #include "runtime/basis/read_file.h"
 #include "runtime/core/atomic_file.h"
 #include "runtime/core/error.h"

@@ -9,7 +9,7 @@
 #include "assets/json_file.h"
 #include "assets/wording.h"
 #include "runtime/core/error.h"
-#include "runtime/core/lower_case.h"
+#include "runtime/core/text.h"
 #include "runtime/core/transformed.h"
 
 namespace bodyopt {

@@ -9,7 +9,7 @@
 #include "runtime/basis/read_file.h"
 #include "runtime/core/atomic_file.h"
 #include "runtime/core/file_kind.h"
-#include "runtime/core/strict_json.h"
+#include "runtime/core/json.h"
 
 namespace bodyopt {
 

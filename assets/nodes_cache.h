@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <vector>
 
-#include "geometry/embedding.h"
+#include "geometry/tet_mesh.h"
 #include "runtime/basis/safetensors.h"
 
 namespace bodyopt {

@@ -8,7 +8,7 @@
 #include <cstdio>
 
 #include "runtime/core/error.h"
-#include "runtime/core/formatted.h"
+#include "runtime/core/text.h"
 
 namespace bodyopt {
 namespace {

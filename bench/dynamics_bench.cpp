@@ -6,18 +6,16 @@
 #include <Eigen/SparseCholesky>
 #include <memory>
 
-#include "geometry/table_rows.h"
+#include "geometry/mesh.h"
 #include "runtime/cpu/dynamics_kernels.h"
-#include "runtime/host/jiggle_stages.h"
+#include "runtime/host/jiggle.h"
 #include "runtime/threads/tbb_executor.h"
 #include "trainer/builtin/arm.h"
 #include "trainer/dynamics/block_inverse.h"
 #include "trainer/dynamics/build_dynamics.h"
-#include "trainer/dynamics/core_springs.h"
-#include "trainer/dynamics/diffuse.h"
 #include "trainer/dynamics/jiggle.h"
-#include "trainer/train/skinning/ddm_basis.h"
-#include "trainer/train/skinning/mesh_table.h"
+#include "trainer/dynamics/jiggle_fields.h"
+#include "trainer/train/skinning/ddm.h"
 
 namespace bodyopt::bench {
 namespace {

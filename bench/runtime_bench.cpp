@@ -18,7 +18,7 @@
 #include "runtime/cpu/kernels.h"
 #include "runtime/host/rig.h"
 #include "trainer/builtin/arm.h"
-#include "trainer/train/skinning/ddm_basis.h"
+#include "trainer/train/skinning/ddm.h"
 
 namespace bodyopt::bench {
 namespace {

@@ -3,14 +3,13 @@
 #include <nlohmann/json.hpp>
 
 #include "assets/muscles.h"
-#include "cli/arguments/field_arguments.h"
-#include "geometry/closed_skin.h"
+#include "cli/arguments/dataset_arguments.h"
+#include "geometry/mend_surface.h"
 #include "report/pictures.h"
 #include "runtime/core/error.h"
 #include "runtime/core/stopwatch.h"
 #include "trainer/anatomy/anatomy_report.h"
 #include "trainer/anatomy/section.h"
-#include "trainer/anatomy/telling_planes.h"
 
 namespace bodyopt::cli {
 namespace {

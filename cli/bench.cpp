@@ -1,5 +1,4 @@
-// bodyopt bench: how long a frame of a basis takes on each device, stage by stage, and how near that is to the
-// memory's.
+// bodyopt bench: how long a frame of a basis takes on each device, stage by stage, and how near the memory's that is.
 #include <algorithm>
 #include <nlohmann/json.hpp>
 #include <random>

@@ -6,12 +6,11 @@
 #include "assets/wording.h"
 #include "cli/curate/curate_arguments.h"
 #include "cli/curate/stack_report.h"
-#include "dataset/stack_history.h"
-#include "trainer/curate/bake.h"
+#include "dataset/modifier.h"
 #include "trainer/curate/edit_stack.h"
-#include "trainer/curate/modifier_type.h"
+#include "trainer/curate/modifier_types.h"
 #include "trainer/curate/offset_cache.h"
-#include "trainer/train/judge/heldout.h"
+#include "trainer/train/judge/test_errors.h"
 
 namespace bodyopt::cli {
 namespace {

@@ -9,13 +9,12 @@
 #include "base/progress.h"
 #include "cli/arguments/common.h"
 #include "cli/arguments/shot_arguments.h"
-#include "cli/arguments/task_arguments.h"
 #include "cli/results/evaluation_log.h"
 #include "cli/results/modifier_effects.h"
-#include "cli/run_steps.h"
+#include "cli/run_command.h"
 #include "runtime/core/error.h"
 #include "runtime/core/stopwatch.h"
-#include "shots/shot_caches.h"
+#include "shots/shot.h"
 #include "shots/shot_files.h"
 
 namespace bodyopt::cli {

@@ -6,7 +6,7 @@
 #include <set>
 
 #include "assets/frame_range.h"
-#include "cli/arguments/simulate_take.h"
+#include "cli/arguments/dataset_arguments.h"
 #include "cli/results/attachments.h"
 #include "cli/results/measure.h"
 #include "runtime/core/error.h"

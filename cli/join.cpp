@@ -3,8 +3,8 @@
 
 #include "assets/join_caches.h"
 #include "cli/arguments/common.h"
-#include "cli/arguments/task_arguments.h"
-#include "cli/run_steps.h"
+#include "cli/arguments/shot_arguments.h"
+#include "cli/run_command.h"
 #include "runtime/core/error.h"
 
 namespace bodyopt::cli {

@@ -10,7 +10,7 @@
 #include "runtime/core/transformed.h"
 #include "runtime/modifiers/drive_modifiers.h"
 #include "trainer/modifiers/bake_stack.h"
-#include "trainer/modifiers/measure_breathing.h"
+#include "trainer/modifiers/measure_modifiers.h"
 #include "trainer/motion/joint_limits.h"
 
 namespace bodyopt::cli {

@@ -5,10 +5,10 @@
 
 #include "assets/wording.h"
 #include "cli/arguments/common.h"
-#include "report/muscle_picture.h"
+#include "report/pictures.h"
 #include "runtime/core/error.h"
 #include "runtime/core/transformed.h"
-#include "trainer/anatomy/trunk_muscles.h"
+#include "trainer/anatomy/muscle_candidates.h"
 #include "trainer/muscle_models/fit.h"
 
 namespace bodyopt::cli {

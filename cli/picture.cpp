@@ -12,7 +12,7 @@
 #include "draw/cut_surface.h"
 #include "report/pictures.h"
 #include "runtime/core/error.h"
-#include "runtime/core/hexadecimal.h"
+#include "runtime/core/text.h"
 #include "runtime/host/rig.h"
 #include "trainer/anatomy/section.h"
 #include "trainer/curate/shape_stack.h"

@@ -8,12 +8,11 @@
 #include "assets/controls.h"
 #include "cli/arguments/common.h"
 #include "cli/results/attachments.h"
-#include "cli/results/level_table.h"
+#include "cli/results/measure.h"
 #include "runtime/core/error.h"
 #include "runtime/core/stopwatch.h"
 #include "trainer/check/check.h"
 #include "trainer/proxy/build_proxy.h"
-#include "trainer/proxy/proxy_samples.h"
 
 namespace bodyopt::cli {
 namespace {

@@ -18,8 +18,8 @@
 #include "trainer/dynamics/build_dynamics.h"
 #include "trainer/motion/attached_rig.h"
 #include "trainer/motion/first_limits.h"
-#include "trainer/muscle_models/carried_mapping.h"
-#include "trainer/train/skinning/ddm_basis.h"
+#include "trainer/muscle_models/mapping.h"
+#include "trainer/train/skinning/ddm.h"
 
 namespace bodyopt::cli {
 namespace {

@@ -4,15 +4,30 @@
 #include <string>
 #include <vector>
 
+#include "farm/plan.h"
+
 namespace bodyopt::cli {
 
 // Before the first verb: messages go to standard error, the first interrupt ends a verb soon and the second at once, a
-// file over its limit is an error, as many files may be open as the system allows, and no more threads work than
-// OMP_NUM_THREADS says.
+// file over its limit is an error, as many files may be open as the system allows, and OMP_NUM_THREADS limits threads.
 void prepare_process();
 
-// What `bodyopt` does with these arguments, which begin with the verb, and the exit code. As often as one likes, one
-// after the other.
+// What `bodyopt` does with these arguments, which begin with the verb, and the exit code. May be called again.
 int run_command(const std::vector<std::string>& arguments);
+
+// Outputs of a show's list, made in this process one after the other.
+
+// A step of a plan, from its words after the verb. `progress`: as of eval. Throw Error(usage) where they cannot be
+// read, and as the verbs do.
+void eval_step(const FarmStep& step, const std::string& progress);
+void join_step(const FarmStep& step, const std::string& progress);
+
+// Where one fails the others are made all the same. Throws Error of the kind that the last failure had, and
+// Error(interrupted) at once.
+void run_steps(const std::vector<const FarmStep*>& steps, const std::string& progress);
+
+// Checks the list as a whole and makes all its outputs that are not made yet. Throws Error(usage) where something is
+// wrong with it, before anything is made, and as run_steps().
+void run_show_list(const std::string& list, const std::string& progress);
 
 }  // namespace bodyopt::cli

@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "cli/arguments/common.h"
-#include "cli/arguments/simulate_take.h"
+#include "cli/arguments/dataset_arguments.h"
 #include "trainer/check/shape_doubts.h"
 
 namespace bodyopt::cli {

@@ -13,18 +13,18 @@
 #include "cli/results/measure.h"
 #include "cli/results/report_pictures.h"
 #include "runtime/core/error.h"
+#include "runtime/core/json.h"
 #include "runtime/core/stopwatch.h"
-#include "runtime/core/strict_json.h"
 #include "runtime/deformer/deformer.h"
 #include "trainer/check/check.h"
 #include "trainer/motion/held_turns.h"
 #include "trainer/simulate/simulate.h"
 #include "trainer/train/data/samples.h"
-#include "trainer/train/fit/surface_curves.h"
-#include "trainer/train/judge/heldout.h"
+#include "trainer/train/fit/choose_map.h"
+#include "trainer/train/judge/test_errors.h"
 #include "trainer/train/options.h"
 #include "trainer/train/pack/trade_off.h"
-#include "trainer/train/skinning/ddm_basis.h"
+#include "trainer/train/skinning/ddm.h"
 
 namespace bodyopt::cli {
 namespace {

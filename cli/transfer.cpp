@@ -7,7 +7,7 @@
 
 #include "assets/frame_range.h"
 #include "cli/arguments/common.h"
-#include "cli/results/transfer_page.h"
+#include "cli/results/pages.h"
 #include "dataset/modifier.h"
 #include "report/page.h"
 #include "runtime/core/atomic_file.h"
@@ -15,15 +15,12 @@
 #include "runtime/core/stopwatch.h"
 #include "trainer/check/check.h"
 #include "trainer/curate/edit_stack.h"
-#include "trainer/train/skinning/ddm_basis.h"
+#include "trainer/train/skinning/ddm.h"
 #include "trainer/transfer/markers_file.h"
-#include "trainer/transfer/refine_carried.h"
+#include "trainer/transfer/skin_transfer.h"
 #include "trainer/transfer/transfer_basis.h"
-#include "trainer/transfer/transfer_dataset.h"
-#include "trainer/transfer/transfer_dynamics.h"
 #include "trainer/transfer/transfer_levels.h"
 #include "trainer/transfer/transfer_pair.h"
-#include "trainer/transfer/transfer_parts.h"
 
 namespace bodyopt::cli {
 namespace {

@@ -37,7 +37,7 @@ endfunction()
 
 # How many sources are compiled at a time where that pays: four fifths of what a unit compiles are its libraries'
 # templates.
-set(BODYOPT_SOURCES_TOGETHER 18)
+set(BODYOPT_SOURCES_TOGETHER 13)
 
 # The sources of each of these rooms are compiled several at a time; no two define one local name, which
 # tests/rules/unique_names_test.cpp sees to.

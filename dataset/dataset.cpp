@@ -1,7 +1,12 @@
 #include "dataset/dataset.h"
 
+#include <xxhash.h>
+
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <fstream>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <set>
 #include <sstream>
@@ -13,8 +18,7 @@
 #include "dataset/modifier.h"
 #include "runtime/core/atomic_file.h"
 #include "runtime/core/error.h"
-#include "runtime/core/file_lock.h"
-#include "runtime/core/hexadecimal.h"
+#include "runtime/core/text.h"
 
 namespace bodyopt {
 namespace {
@@ -141,6 +145,50 @@ Dataset with_take(Dataset dataset, const DatasetTake& take) {
 }
 
 }  // namespace
+
+std::uint64_t file_hash(const std::filesystem::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  const std::unique_ptr<XXH3_state_t, decltype(&XXH3_freeState)> state(XXH3_createState(), &XXH3_freeState);
+  XXH3_64bits_reset(state.get());
+  std::array<char, 1 << 16> bytes;
+  while (file.read(bytes.data(), bytes.size()) || file.gcount() > 0) {
+    XXH3_64bits_update(state.get(), bytes.data(), static_cast<std::size_t>(file.gcount()));
+  }
+  if (!file.eof()) throw Error(ErrorKind::file, path, ": cannot be read: it is not there, or damaged");
+  return XXH3_64bits_digest(state.get());
+}
+
+namespace {
+
+// As the take names it, without the name of a clip within.
+std::string clip_file(const Dataset& dataset, const DatasetTake& take) {
+  const std::string source = (dataset.folder / take.clip).string();
+  return take.clip.substr(0, take.clip.size() - (source.size() - split_source(source).path.string().size()));
+}
+
+}  // namespace
+
+std::vector<HashedFile> hashed_files(const Dataset& dataset) {
+  std::vector<HashedFile> files;
+  std::set<std::string> known;
+  const auto add = [&](const std::string& what, const std::string& path) {
+    if (!path.empty() && known.insert(path).second) files.push_back({what, path, file_hash(dataset.folder / path)});
+  };
+  add("character", dataset.character);
+  add("muscles", dataset.muscles);
+  add("materials", dataset.materials);
+  add("corrections", dataset.corrections);
+  add("regions", dataset.regions);
+  for (const DatasetTake& take : dataset.takes) {
+    const std::string of_take = "take '" + take.name + "': ";
+    add(of_take + "clip", clip_file(dataset, take));
+    add(of_take + "controls", take.controls);
+    add(of_take + "joint map", take.joint_map);
+    add(of_take + "shapes", take.shapes);
+    add(of_take + "side-car", take.shapes_status);
+  }
+  return files;
+}
 
 Clip read_clip(const Dataset& dataset, const DatasetTake& take, const Skeleton& skeleton) {
   ClipOptions options;
@@ -313,5 +361,12 @@ bool has_given_shapes(const Dataset& dataset, const DatasetTake& take) {
   }
   return !given.empty();
 }
+
+TakeLock::TakeLock(std::filesystem::path cache)
+    : cache_(std::move(cache)),
+      lock_(
+          std::filesystem::path(cache_).replace_extension(".lock"),
+          "writing this take right now, and two would mix up its frames: wait for it to end, or write a take of another "
+          "name") {}
 
 }  // namespace bodyopt

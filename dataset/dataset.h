@@ -8,7 +8,11 @@
 #include <string>
 #include <vector>
 
+#include "runtime/core/atomic_file.h"
+
 namespace bodyopt {
+
+// Which files a dataset is made of.
 
 struct Clip;
 struct Skeleton;
@@ -59,8 +63,7 @@ struct Dataset {
 // The clip of a take, with its controls. Throws as read_clip.
 Clip read_clip(const Dataset& dataset, const DatasetTake& take, const Skeleton& skeleton);
 
-// Throws Error(mismatch) when two takes of one name are of another clip, other controls, another joint map or other
-// frame numbers.
+// Throws Error(mismatch) when two takes of one name differ in clip, controls, joint map or frame numbers.
 void require_same_motion(const DatasetTake& there, const DatasetTake& asked);
 
 // Throws Error(file) on bad bytes, wrong schema version or missing keys.
@@ -105,5 +108,34 @@ void write_frame_status(const std::vector<FrameStatus>& status, const std::files
 
 // Does a take have shapes that come from elsewhere: those that its side-car has no `inputs` of?
 [[nodiscard]] bool has_given_shapes(const Dataset& dataset, const DatasetTake& take);
+
+// Keeps a second run from writing the same take at the same time.
+
+// Holds a lock on a take while it lives.
+class [[nodiscard]] TakeLock {
+ public:
+  // cache: that of the take's shapes; the lock is `.lock` in place of its ending, so that a draft and a full simulation
+  // of one name, which share a side-car, exclude each other. Throws Error(file) when another run holds it.
+  // Not explicit: a lock for one call is a path.
+  TakeLock(std::filesystem::path cache);
+
+  const std::filesystem::path& cache() const { return cache_; }
+
+ private:
+  std::filesystem::path cache_;
+  RunLock lock_;
+};
+
+struct HashedFile {
+  std::string what;    // "character", "take 'rom': shapes"
+  std::string path;    // as the dataset names it
+  std::uint64_t xxh3;  // of its bytes
+};
+
+// Of every file that the dataset names, each once, in its order. Throws Error(file) where one cannot be read.
+std::vector<HashedFile> hashed_files(const Dataset& dataset);
+
+// xxh3 of a file's bytes. Throws Error(file).
+std::uint64_t file_hash(const std::filesystem::path& path);
 
 }  // namespace bodyopt

@@ -39,8 +39,7 @@ struct ViewAxes {
 // Axes of a camera that looks against `direction` (world, towards the camera): upright, whatever the direction.
 ViewAxes view_axes(const Vec3& direction);
 
-// World to camera space, rows of a 3 x 4 matrix. Throws Error(usage) for a camera that is not finite or beyond
-// kMaxCoordinate.
+// World to camera space, rows of a 3 x 4 matrix. Throws Error(usage) beyond kMaxCoordinate, or not finite.
 std::array<std::array<float, 4>, 3> view_matrix(const Camera& camera);
 
 struct DepthRange {
@@ -51,9 +50,8 @@ struct DepthRange {
 double distance_to_target(const Camera& camera);
 
 // x and y scale, and depth terms a, b: depth = (z a + b) / w with w = -z, or 1 of an orthographic camera. The near and
-// far planes enclose what is seen as tightly as they can, so that depth is exact from a thimble to a house; an
-// orthographic camera also sees what lies behind its eye, and one that cuts away begins at its target. aspect: width
-// over height.
+// far planes enclose what is seen as tightly as they can, so that depth is exact for a house; an orthographic camera
+// also sees what lies behind its eye, and one that cuts away begins at its target. aspect: width over height.
 std::array<float, 4> projection(const Camera& camera, const DepthRange& seen, double aspect);
 
 }  // namespace bodyopt

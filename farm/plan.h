@@ -43,8 +43,7 @@ FarmPlan plan_show(const ShowList& list, double minutes_per_task, std::vector<st
 void write_plan(const FarmPlan& plan, const std::filesystem::path& folder);
 FarmPlan read_plan(const std::filesystem::path& folder);
 
-// Whole numbers as queues take them, of rising ones "0-5,7". Steps are not used: queues disagree on how they are
-// written.
+// Whole numbers as queues take them, of rising ones "0-5,7". Steps are not used: queues write them differently.
 std::string number_ranges(const std::vector<int>& numbers);
 
 // A text as one word for sh: nothing in it has a meaning.
@@ -55,5 +54,16 @@ struct TaskNeeds {
   int cpus = 1;           // cores
   int tasks_per_gpu = 0;  // 0: no GPU; more than one: a share of one, which of our queues Slurm alone knows
 };
+
+// What planning has to know of an element.
+struct CheckedElement {
+  const ShowElement* element = nullptr;
+  std::vector<int> frames;
+  double frame_ms = 0;                // on one core
+  std::vector<std::string> attached;  // names of the meshes that ride on the skin
+};
+
+// Those that are sound. What is wrong with the others goes to `problems`, a sentence each. Every file is read once.
+std::vector<CheckedElement> check_show(const ShowList& list, std::vector<std::string>& problems);
 
 }  // namespace bodyopt

@@ -8,7 +8,7 @@
 #include "assets/json_file.h"
 #include "runtime/basis/read_file.h"
 #include "runtime/core/error.h"
-#include "runtime/core/strict_json.h"
+#include "runtime/core/json.h"
 
 namespace bodyopt {
 namespace {

@@ -1,15 +1,85 @@
 // One piece of work that is done once: skipped where it is done, taken up where it was interrupted, and recorded.
 #pragma once
 
+#include <cstdint>
+#include <filesystem>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "farm/task_record.h"
+#include "farm/plan.h"
 #include "runtime/core/error.h"
+#include "runtime/core/json.h"
 
 namespace bodyopt {
+
+// What lies beside an output and says how it came about: FILE.done.json, or why it did not: FILE.failed.json. What was
+// done is known by these alone, on whatever machine it was.
+
+class JsonObject;
+
+// What a file was when it was read or written, to know later whether it still is.
+struct FileStamp {
+  std::string path;
+  std::uint64_t bytes = 0;
+  std::int64_t modified = 0;  // nanoseconds; only ever compared for equality: clocks differ, and go back
+  std::uint64_t hash = 0;     // of the content
+};
+
+// Reads the whole file. Throws Error(file).
+FileStamp stamp_file(const std::filesystem::path& path);
+
+// True where the file has the content it was stamped with. It is read only where its size is the same and its time of
+// change is another, or where `read_all` asks for it: content that has rotted has the old time.
+bool is_unchanged(const FileStamp& stamp, bool read_all);
+
+Json to_json(const FileStamp& stamp);
+FileStamp file_stamp(const JsonObject& object);
+
+// What decides the bytes of an output, but for the device.
+struct TaskKey {
+  std::string version;        // of the program
+  std::uint64_t options = 0;  // see task_options()
+  std::vector<FileStamp> inputs;
+};
+
+struct TaskRecord {
+  TaskKey key;
+  std::vector<FileStamp> outputs;  // the one beside which this lies is the first
+  Json summary;                    // for people and reports: device, seconds, what was flagged
+};
+
+struct TaskFailure {
+  TaskKey key;
+  int exit_code = 0;
+  std::string message, host;
+};
+
+// A hash of the options of a command line: of those that name an input only that they are there, for inputs are known
+// by their content; none of those that name outputs or say how to run. The order of the options does not matter.
+std::uint64_t task_options(const std::vector<std::string>& arguments);
+
+std::filesystem::path done_beside(const std::filesystem::path& output);
+std::filesystem::path failed_beside(const std::filesystem::path& output);
+
+// Throws Error(file).
+void write_record(const TaskRecord& record);
+// Nothing where there is none, or one that cannot be read: the work is to be done again.
+std::optional<TaskRecord> read_record(const std::filesystem::path& output);
+
+// As far as possible: where nothing can be written, nobody is told.
+void write_failure(const TaskFailure& failure, const std::filesystem::path& output);
+std::optional<TaskFailure> read_failure(const std::filesystem::path& output);
+void remove_failure(const std::filesystem::path& output);
+
+// True where the version, the options and the content of every input are those of the key.
+bool is_current(const TaskKey& key, const std::string& version, std::uint64_t options, bool read_all);
+// True where every output is as it was written.
+bool is_whole(const TaskRecord& record, bool read_all);
+
+Json to_json(const TaskKey& key);
+TaskKey task_key(const JsonObject& object, const std::filesystem::path& path);
 
 // What an interrupted run left in the folder FILE.checkpoint.
 struct Checkpoint {
@@ -42,5 +112,71 @@ class TaskRun {
   std::filesystem::path output_;
   TaskKey key_;
 };
+
+// What a show has come to: a line per element, and the frames of it that are worth a look. Made of what lies beside the
+// outputs alone.
+
+enum class StepState {
+  done,     // whole, of the inputs as they are, by this version
+  stale,    // of other inputs or options, by another version, or changed since it was written
+  stopped,  // interrupted, with a checkpoint to go on from
+  failed,   // with a reason
+  missing,  // not begun, or ended without a word
+};
+const char* name_of(StepState state);
+
+struct StepStatus {
+  const FarmStep* step = nullptr;
+  StepState state = StepState::missing;
+  std::optional<TaskRecord> record;    // of what is done
+  std::optional<TaskFailure> failure;  // of what failed
+  // False for what failed for its own sake, with inputs that are still the same: to do it again would not help.
+  bool may_be_retried = true;
+};
+
+// `version`: of the program. Outputs and inputs whose size and time are as they were recorded are taken for unchanged,
+// unless `read_all`.
+StepStatus status_of(const FarmStep& step, const std::string& version, bool read_all);
+
+// Of every step of every task, in their order; files are looked at side by side.
+std::vector<std::vector<StepStatus>> status_of(const FarmPlan& plan, const std::string& version, bool read_all);
+
+// One element of one shot; where it was cut into parts, of all of them together.
+struct ElementSummary {
+  std::string shot, element, out;
+  StepState state = StepState::missing;  // of what is delivered
+  std::optional<TaskFailure> failure;    // of it, or of a part
+  std::size_t frames = 0;                // that are evaluated
+  double seconds = 0;                    // that tasks took for them
+  double peak_memory_mib = 0;
+  std::string device;
+  std::vector<int> outside;  // frames that leave the trained range
+  double worst_outside = 0;  // standard deviations
+};
+
+struct WorthyFrame {
+  const FarmStep* step = nullptr;  // that evaluated it
+  int frame = 0;
+  std::uint32_t sample = 0;    // of the step's cache
+  double expected_rms_mm = 0;  // 0: not known
+  double outside = 0;          // standard deviations
+};
+
+// Frames of one clip, as `simulate` takes them.
+struct FramesToSimulate {
+  std::string basis, clip;
+  std::vector<std::string> options;  // of how the clip is read: --fps 24
+  std::vector<int> frames;           // rising
+};
+
+struct ShowSummary {
+  std::vector<ElementSummary> elements;   // in the order of the plan
+  std::vector<WorthyFrame> worth_a_look;  // worst first
+  std::vector<FramesToSimulate> simulate_next;
+};
+
+// `most`: frames worth a look at most. The plan must outlive the result. What of a record cannot be read is left out.
+ShowSummary summarize_show(const FarmPlan& plan, const std::vector<std::vector<StepStatus>>& statuses,
+                           std::size_t most);
 
 }  // namespace bodyopt

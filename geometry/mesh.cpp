@@ -1,5 +1,6 @@
 #include "geometry/mesh.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 
 namespace bodyopt {
@@ -11,5 +12,25 @@ double shared_weight(const std::vector<JointWeight>& a, const std::vector<JointW
   }
   return sum;
 }
+
+Positions vertex_normals(const Positions& vertices, const Triangles& triangles) {
+  Positions normals = Positions::Zero(vertices.rows(), 3);
+  for (Eigen::Index t = 0; t < triangles.rows(); ++t) {
+    const Eigen::RowVector3d a = vertices.row(triangles(t, 0)), b = vertices.row(triangles(t, 1)),
+                             c = vertices.row(triangles(t, 2));
+    const Eigen::RowVector3d normal = (b - a).cross(c - a);
+    for (int k = 0; k < 3; ++k) normals.row(triangles(t, k)) += normal;
+  }
+  return normals;
+}
+
+Eigen::RowVector3d box_sides(const Positions& points) {
+  if (points.rows() == 0) return Eigen::RowVector3d::Zero();
+  return points.colwise().maxCoeff() - points.colwise().minCoeff();
+}
+
+double longest_extent(const Positions& points) { return box_sides(points).maxCoeff(); }
+
+double box_diagonal(const Positions& points) { return box_sides(points).norm(); }
 
 }  // namespace bodyopt

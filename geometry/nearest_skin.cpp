@@ -3,7 +3,7 @@
 #include <Eigen/Geometry>
 #include <limits>
 
-#include "geometry/box_tree.h"
+#include "geometry/spatial_search.h"
 
 namespace bodyopt {
 namespace {

@@ -8,11 +8,40 @@
 #include <map>
 #include <utility>
 
+#include "runtime/core/error.h"
+
 namespace bodyopt {
 namespace {
 
 // Corners of the face opposite to each corner, outwards for a tet of positive volume.
 constexpr int kFace[4][3] = {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}};
+
+using Face = std::array<std::uint32_t, 3>;
+
+Face sorted(Face corners) {
+  std::sort(corners.begin(), corners.end());
+  return corners;
+}
+
+std::map<Face, int> tets_of_faces(const Tets& tets) {
+  std::map<Face, int> result;
+  for (int t = 0; t < tets.rows(); ++t) {
+    for (int left_out = 0; left_out < 4; ++left_out) {
+      Face corners{};
+      for (int k = 0; k < 3; ++k) {
+        corners[static_cast<std::size_t>(k)] = static_cast<std::uint32_t>(tets(t, (left_out + 1 + k) % 4));
+      }
+      result[sorted(corners)] = t;
+    }
+  }
+  return result;
+}
+
+Eigen::RowVector3d blend(const Positions& nodes, const Tets& tets, const EmbeddedPoint& point) {
+  Eigen::RowVector3d sum = point.weights[0] * nodes.row(tets(point.tet, 0));
+  for (int a = 1; a < 4; ++a) sum += point.weights[a] * nodes.row(tets(point.tet, a));
+  return sum;
+}
 
 }  // namespace
 
@@ -85,6 +114,74 @@ Triangles surface_of(const Tets& tets) {
     }
   }
   return triangles;
+}
+
+TetFinder::TetFinder(const TetMesh& mesh, const Positions& vertices, const Triangles& triangles)
+    : nearest_(vertices, triangles), tree_(boxes_of(mesh.nodes, mesh.tets)) {
+  for (int t = 0; t < mesh.tets.rows(); ++t) {
+    tets_.push_back({mesh.nodes.row(mesh.tets(t, 0)), tet_edges(mesh, t).inverse()});
+  }
+  const std::map<Face, int> tet_of_face = tets_of_faces(mesh.tets);
+  for (Eigen::Index t = 0; t < triangles.rows(); ++t) {
+    const auto found = tet_of_face.find(sorted({triangles(t, 0), triangles(t, 1), triangles(t, 2)}));
+    if (found == tet_of_face.end()) {
+      throw Error(ErrorKind::mismatch,
+                  "triangle " + std::to_string(t) + " of a coarser skin is no face of a tetrahedron");
+    }
+    behind_.push_back(found->second);
+  }
+}
+
+EmbeddedPoint TetFinder::operator()(const Eigen::Vector3d& point, const Eigen::Vector3d& normal) const {
+  const SkinPoint facing = nearest_.facing(point, normal);
+  const bool is_outside = facing.triangle >= 0 && (point - facing.position).dot(normal) > 0;
+  const int behind =
+      behind_[static_cast<std::size_t>(facing.triangle >= 0 ? facing.triangle : nearest_(point).triangle)];
+  return is_outside ? EmbeddedPoint{behind, weights(behind, point)} : deepest(point, behind);
+}
+
+EmbeddedPoint TetFinder::operator()(const Eigen::Vector3d& point) const {
+  return deepest(point, behind_[static_cast<std::size_t>(nearest_(point).triangle)]);
+}
+
+EmbeddedPoint TetFinder::deepest(const Eigen::Vector3d& point, int behind) const {
+  EmbeddedPoint best{behind, weights(behind, point)};
+  const auto consider = [&](int t) {
+    const Eigen::Vector4d inside = weights(t, point);
+    const double least = inside.minCoeff(), least_of_best = best.weights.minCoeff();
+    const bool as_deep = least == least_of_best && t < best.tet && best.tet != behind;  // of others the first
+    if (least >= 0 && (least > least_of_best || as_deep)) best = {t, inside};
+    return 0.0;
+  };
+  tree_.search([&](const Eigen::AlignedBox3d& box) { return box.contains(point) ? 0.0 : 1.0; }, consider, 0);
+  return best;
+}
+
+Eigen::Vector4d TetFinder::weights(int t, const Eigen::Vector3d& point) const {
+  const Tet& tet = tets_[static_cast<std::size_t>(t)];
+  Eigen::Vector4d result;
+  result.tail<3>() = tet.inverse * (point - tet.origin);
+  result[0] = 1 - result.tail<3>().sum();
+  return result;
+}
+
+Positions embed(const std::vector<EmbeddedPoint>& points, const Tets& tets, const Positions& nodes) {
+  Positions result(static_cast<Eigen::Index>(points.size()), 3);
+  for (std::size_t p = 0; p < points.size(); ++p) {
+    result.row(static_cast<Eigen::Index>(p)) = blend(nodes, tets, points[p]);
+  }
+  return result;
+}
+
+Eigen::Vector4d weights_in(const TetMesh& mesh, Eigen::Index tet, const Eigen::RowVector3d& point) {
+  Eigen::Vector4d weights;
+  weights.tail<3>() = tet_edges(mesh, tet).inverse() * (point - mesh.nodes.row(mesh.tets(tet, 0))).transpose();
+  weights[0] = 1 - weights.tail<3>().sum();
+  return weights;
+}
+
+Eigen::Vector3d rest_position(const TetMesh& mesh, const EmbeddedPoint& point) {
+  return blend(mesh.nodes, mesh.tets, point);
 }
 
 }  // namespace bodyopt

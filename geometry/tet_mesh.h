@@ -5,6 +5,8 @@
 #include <vector>
 
 #include "geometry/mesh.h"
+#include "geometry/nearest_skin.h"
+#include "geometry/spatial_search.h"
 
 namespace bodyopt {
 
@@ -34,5 +36,48 @@ double mean_ratio(const TetMesh& mesh, Eigen::Index tet);
 
 // Barycentric weights of points spread evenly in a tet, rows + 1 along an edge: each stands for as much of the volume.
 std::vector<Eigen::Vector4d> tet_lattice(int rows);
+
+// Points carried by tetrahedra: a fine skin in a coarse cage.
+
+struct EmbeddedPoint {
+  int tet;
+  Eigen::Vector4d weights;  // barycentric, of the tet's corners: sum 1; negative where the point lies outside
+};
+
+// The points where moved nodes (N x 3) take them, P x 3: exact for affine motion, the same bits every time.
+Positions embed(const std::vector<EmbeddedPoint>& points, const Tets& tets, const Positions& nodes);
+
+// Barycentric, of a point at rest in a tet or outside of it.
+Eigen::Vector4d weights_in(const TetMesh& mesh, Eigen::Index tet, const Eigen::RowVector3d& point);
+
+Eigen::Vector3d rest_position(const TetMesh& mesh, const EmbeddedPoint& point);
+
+// Which tet of a filled surface carries a point.
+
+class TetFinder {
+ public:
+  // vertices and triangles: the surface that the mesh fills; they must outlive it. Throws Error(mismatch) where a
+  // triangle is no face of a tet.
+  TetFinder(const TetMesh& mesh, const Positions& vertices, const Triangles& triangles);
+
+  // The tet that a point of the skin lies in, or, where it is outside, the tet behind the nearest triangle that faces
+  // as the skin does there; of several tets the one that it lies deepest in. normal: of the skin, outwards.
+  EmbeddedPoint operator()(const Eigen::Vector3d& point, const Eigen::Vector3d& normal) const;
+  // The same of a point inside the body, with the tet behind the nearest triangle where none holds it.
+  EmbeddedPoint operator()(const Eigen::Vector3d& point) const;
+
+ private:
+  struct Tet {
+    Eigen::Vector3d origin;
+    Eigen::Matrix3d inverse;  // of the edges from corner 0
+  };
+  EmbeddedPoint deepest(const Eigen::Vector3d& point, int behind) const;
+  Eigen::Vector4d weights(int tet, const Eigen::Vector3d& point) const;
+
+  NearestSkin nearest_;
+  std::vector<Tet> tets_;
+  BoxTree tree_;             // of tets_
+  std::vector<int> behind_;  // tet behind every triangle of the surface
+};
 
 }  // namespace bodyopt

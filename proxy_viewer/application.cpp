@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "proxy_viewer/commands/commands.h"
-#include "proxy_viewer/platform/key_names.h"
+#include "proxy_viewer/platform/window.h"
 
 namespace bodyopt {
 namespace {

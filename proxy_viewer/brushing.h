@@ -49,8 +49,7 @@ class Brushing {
   void forget();
   bool has_change() const { return sculpting_ && sculpting_->has_change(); }
 
-  // Of every frame of the database how much it takes of what was sculpted in the frame that was brushed last; empty:
-  // nothing was.
+  // Of every frame of the database how much it takes of what was sculpted in the one brushed last; empty: nothing was.
   const std::vector<double>& weights() const { return weights_; }
   const std::optional<BrushRing>& ring() const { return ring_; }
 

@@ -5,9 +5,8 @@
 #include <utility>
 
 #include "dataset/modifier.h"
-#include "dataset/stack_history.h"
 #include "runtime/core/error.h"
-#include "runtime/core/formatted.h"
+#include "runtime/core/text.h"
 #include "trainer/curate/edit_stack.h"
 #include "trainer/curate/local_models.h"
 

@@ -10,7 +10,7 @@
 #include "proxy_viewer/commands/controls.h"
 #include "proxy_viewer/panels/snapshot.h"
 #include "proxy_viewer/scene/scene.h"
-#include "trainer/curate/consistency_report.h"
+#include "trainer/curate/consistency.h"
 #include "trainer/curate/pose_space.h"
 
 namespace bodyopt {
@@ -31,8 +31,7 @@ class Curation {
   std::size_t number_of(int frame) const;
   // Compares like poses of the whole dataset. Shows progress. Throws as require_open().
   void find_contradictions(Controls& controls);
-  // Throw as require_open(), change_modifier() and undo_modifiers(); Error(file) within a moment where another process
-  // is editing.
+  // Throw as require_open(), change_modifier() and undo_modifiers(); Error(file) soon, where another process edits.
   void edit(const ModifierEdit& edit) const;
   void step(bool back) const;
 

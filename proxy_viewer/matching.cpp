@@ -1,10 +1,10 @@
 #include "proxy_viewer/matching.h"
 
-#include "geometry/table_rows.h"
+#include "geometry/mesh.h"
 #include "trainer/transfer/correspondence.h"
 #include "trainer/transfer/match_skeletons.h"
-#include "trainer/transfer/motion_of_target.h"
-#include "trainer/transfer/transfer_parts.h"
+#include "trainer/transfer/transfer_basis.h"
+#include "trainer/transfer/transfer_pair.h"
 
 namespace bodyopt {
 namespace {

@@ -32,11 +32,9 @@ class FrameSequenceName {
 
 using DrawPicture = std::function<Image()>;  // of what the controls say
 
-// These say in a message what was written, and throw Error(file), Error(usage) for a pattern that is none, and
-// Error(interrupted).
+// These say in a message what was written, and throw Error(file), Error(usage) for a bad pattern, Error(interrupted).
 
-// Throws Error(usage), which names what can be, for a file of another kind than .png, and, where pictures `may_move`,
-// .webp.
+// Throws Error(usage), which names what can be, for another kind than .png, and, where pictures `may_move`, .webp.
 void require_picture_name(const std::string& file, bool may_move);
 
 // `file`, or, where it is empty, the first bodyopt.0001.png, ... that is free.

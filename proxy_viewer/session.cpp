@@ -19,9 +19,9 @@
 #include "runtime/deformer/evaluation.h"
 #include "runtime/modifiers/drive_modifiers.h"
 #include "shots/clip_choice.h"
-#include "shots/open_character.h"
 #include "shots/session/pinned_joints.h"
-#include "shots/shot_caches.h"
+#include "shots/shot.h"
+#include "shots/shot_files.h"
 #include "trainer/transfer/markers_file.h"
 
 namespace bodyopt {

@@ -7,7 +7,7 @@
 #include <span>
 #include <string>
 
-#include "dataset/results.h"
+#include "dataset/compare.h"
 #include "draw/png.h"
 
 namespace bodyopt {

@@ -9,7 +9,8 @@
 #include "draw/cut_surface.h"
 #include "draw/png.h"
 #include "draw/renderer.h"
-#include "trainer/anatomy/tissue_colours.h"
+#include "runtime/core/transform.h"
+#include "trainer/anatomy/anatomy_report.h"
 
 namespace bodyopt {
 
@@ -45,8 +46,7 @@ Camera frame_pose(const PosePair& pose, const std::array<float, 3>& direction, f
 // normal; zero where the triangles around it have no area.
 std::array<float, 3> towards_worst(const PosePair& pose);
 
-// V x 3: unit normals of a mesh (V x 3), each the direction of the summed areas around its vertex; zero where they
-// cancel.
+// V x 3: unit normals of a mesh (V x 3), each the direction of the summed areas around its vertex, or zero.
 std::vector<float> smooth_normals(std::span<const std::uint32_t> triangles, std::span<const float> positions);
 
 // Pictures of the same size, from left to right.
@@ -80,5 +80,17 @@ Soup standing_section(const SectionPlane& plane, std::span<const std::uint8_t> r
 
 // Pictures in rows of four, each in the middle of its place; numbered from 1 at the top left, so many of one number.
 Image numbered_sheet(std::span<const Image> pictures, std::uint32_t of_one = 1);
+
+// A picture of a character's muscles in its rest pose.
+
+struct MuscleTube {
+  std::vector<Vec3> path;  // metres, two points or more
+  double radius;           // of the belly
+};
+
+// Seen from the front (+z), from behind and from the left: muscles as tubes with the shape of
+// their bellies, in front of the half of the skin (V x 3, T x 3) that faces away. Throws what Renderer::draw throws.
+Image muscle_picture(Renderer& renderer, std::span<const float> skin, std::span<const std::uint32_t> triangles,
+                     std::span<const MuscleTube> muscles, std::uint32_t panel_width, std::uint32_t panel_height);
 
 }  // namespace bodyopt

@@ -10,7 +10,7 @@
 
 #include "draw/camera.h"
 #include "draw/colours.h"
-#include "geometry/vertex_normals.h"
+#include "geometry/mesh.h"
 #include "report/pictures.h"
 #include "runtime/core/transformed.h"
 

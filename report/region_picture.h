@@ -1,5 +1,4 @@
-// Pictures of parts of a skin, numbered: of the regions in which it is learned, of places where something is to be
-// seen.
+// Pictures of parts of a skin, numbered: of the regions in which it is learned, and of places to look at.
 #pragma once
 
 #include <array>

@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "dataset/results.h"
+#include "dataset/compare.h"
 #include "draw/renderer.h"
 
 namespace bodyopt {

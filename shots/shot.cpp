@@ -8,6 +8,8 @@
 #include "runtime/basis/dynamics.h"
 #include "runtime/core/error.h"
 #include "runtime/deformer/evaluation.h"
+#include "runtime/host/carry_skin.h"
+#include "runtime/threads/tbb_executor.h"
 #include "shots/clip_choice.h"
 
 namespace bodyopt {
@@ -20,6 +22,12 @@ Evaluation evaluate_part(Shot& shot, std::span<const Pose> poses, std::span<cons
     if (!shot.checks) throw;
     throw Error(error.kind(), "frame ", frames.front(), ": ", error.what());
   }
+}
+
+namespace fs = std::filesystem;
+
+fs::path stem_in(const fs::path& folder, std::size_t writer) {
+  return writer == 0 ? folder / "skin" : folder / ("attached" + std::to_string(writer - 1));
 }
 
 }  // namespace
@@ -62,6 +70,80 @@ void evaluate(Shot& shot, SkinSink& sink, Progress& progress, std::size_t begin)
     progress.advance(count);
     begin += count;
   }
+}
+
+void require_form(const CacheChoice& choice) {
+  if (!holds_triangles(choice.out)) return;
+  if (!(choice.space == CacheSpace())) {
+    throw Error(ErrorKind::usage,
+                "--unit-out and --axis are for .pc2: a .usda or .glb says itself that it is in metres, Y up");
+  }
+  if (choice.full_skin) {
+    throw Error(ErrorKind::usage,
+                "--full-skin writes .pc2: the topology of the full skin, which .usda and .glb hold, is not in a proxy");
+  }
+}
+
+ShotCaches::ShotCaches(const CacheChoice& choice, Shot& shot)
+    : choice_(choice), shot_(shot), carrier_(shot.basis(), shot.attached), threads_(make_tbb_executor()) {
+  if (choice.full_skin && shot.carried.empty()) {
+    throw Error(ErrorKind::usage, shot.name, " is no proxy: --full-skin has nothing to carry; leave it out");
+  }
+  const MeshTable& mesh = shot.basis().mesh;
+  points_ = choice.full_skin ? static_cast<std::uint32_t>(shot.carried.size()) : mesh.output_count();
+  skin_ =
+      write_cache(choice.out, {shot.name, points_, mesh.output_triangles, shot.frames, shot.clip.fps, choice.space});
+  const fs::path out = choice.out;
+  for (const AttachedMesh& worn : shot.attached.meshes) {
+    attached_paths_.push_back(fs::path(out).replace_extension("." + worn.name + out.extension().string()).string());
+    attached_.push_back(write_cache(attached_paths_.back(), {worn.name, worn.vertex_count(), worn.triangles,
+                                                             shot.frames, shot.clip.fps, choice.space}));
+  }
+  shot.deformer->set_normals(holds_normals(choice.out) || choice.full_skin || shot.checks);
+}
+
+void ShotCaches::append(const Evaluation& part, std::span<const Pose> poses, std::size_t) {
+  const MeshTable& mesh = shot_.basis().mesh;
+  const std::size_t own = 3 * std::size_t{mesh.output_count()}, written = 3 * std::size_t{points_};
+  std::vector<float> full;
+  if (choice_.full_skin) full = carry_skin(mesh, shot_.carried, part.positions, part.normals, *threads_);
+  const std::span<const float> skins = choice_.full_skin ? full : part.positions;
+  for (std::size_t k = 0; k < poses.size(); ++k) {
+    std::span<const float> normals;
+    if (!choice_.full_skin && !part.normals.empty()) normals = std::span(part.normals).subspan(k * own, own);
+    skin_->append(skins.subspan(k * written, written), normals);
+    if (attached_.empty()) continue;
+    const auto carried = carrier_.carry(std::span(part.positions).subspan(k * own, own), poses[k].joints);
+    for (std::size_t m = 0; m < attached_.size(); ++m) attached_[m]->append(carried[m], {});
+  }
+  frames_ += poses.size();
+}
+
+std::vector<CacheWriter*> ShotCaches::writers() const {
+  std::vector<CacheWriter*> all{skin_.get()};
+  for (const auto& writer : attached_) all.push_back(writer.get());
+  return all;
+}
+
+// The skin last: where it is in place, all others are.
+void ShotCaches::close() {
+  for (const auto& writer : attached_) writer->close();
+  skin_->close();
+}
+
+std::vector<fs::path> ShotCaches::put_aside(const fs::path& folder) {
+  std::vector<fs::path> files;
+  const std::vector<CacheWriter*> all = writers();
+  for (std::size_t w = 0; w < all.size(); ++w) {
+    for (const fs::path& file : all[w]->put_aside(stem_in(folder, w))) files.push_back(file);
+  }
+  return files;
+}
+
+void ShotCaches::take_up(const fs::path& folder, std::size_t frames) {
+  const std::vector<CacheWriter*> all = writers();
+  for (std::size_t w = 0; w < all.size(); ++w) all[w]->take_up(stem_in(folder, w), frames);
+  frames_ = frames;
 }
 
 }  // namespace bodyopt

@@ -4,10 +4,12 @@
 
 #include <algorithm>
 #include <cctype>
+#include <filesystem>
 
 #include "assets/clip_source.h"
 #include "assets/frame_range.h"
 #include "runtime/core/error.h"
+#include "trainer/simulate/simulate.h"
 
 namespace bodyopt::cli {
 namespace {
@@ -39,6 +41,57 @@ std::string refuse_as_name(const std::string& name) {
 }
 
 bool has(const std::vector<int>& frames, int frame) { return std::ranges::find(frames, frame) != frames.end(); }
+
+std::string refuse_as_kind(const std::string& name) {
+  return body_kind_of(name) ? "" : "expected one of " + body_kind_names() + ", found '" + name + "'";
+}
+
+// What the arguments say of a dataset in that folder.
+Dataset asked_dataset(const SimulationArguments& arguments, double unit, const fs::path& folder) {
+  Dataset dataset;
+  dataset.folder = folder;
+  dataset.character = relative_to(folder, arguments.character);
+  dataset.unit = unit;
+  dataset.muscles = relative_to(folder, arguments.muscles);
+  dataset.materials = relative_to(folder, arguments.materials);
+  arguments.anatomy.put_into(dataset);
+  return dataset;
+}
+
+DatasetTake new_take(const SimulationArguments& arguments, const std::vector<int>& frames, const fs::path& folder) {
+  DatasetTake take = arguments.take.take(frames, folder);
+  take.shapes = take.name + (arguments.options.draft ? ".nodes" : ".pc2");
+  take.shapes_status = take.name + ".status.json";
+  return take;
+}
+
+// A take that is there already keeps its frames and gets the new ones; finished shapes are not solved again.
+void add_frames(const Dataset& dataset, const DatasetTake& there, DatasetTake& take) {
+  if (there.shapes != take.shapes && fs::path(there.shapes).stem() == fs::path(take.shapes).stem()) {
+    const bool draft = fs::path(there.shapes).extension() == ".nodes";
+    throw Error(ErrorKind::mismatch, format("the take '{}' is {}: {} --draft to add frames to it", there.name,
+                                            draft ? "a draft" : "no draft", draft ? "give" : "leave out"));
+  }
+  require_same_motion(there, take);
+  if (there.shapes != take.shapes || has_given_shapes(dataset, there)) {
+    throw Error(ErrorKind::mismatch,
+                format("the take '{}' has shapes that do not come from simulate ({}), which would replace them; give "
+                       "the new one a --name",
+                       there.name, there.shapes));
+  }
+  const auto known = std::ranges::count_if(
+      take.frames, [&](int frame) { return std::ranges::find(there.frames, frame) != there.frames.end(); });
+  if (known > 0) spdlog::info("{} of {} frames are in the take '{}' already", known, take.frames.size(), there.name);
+  const DatasetTake asked = take;
+  take.frames = unite_frames(take.frames, there.frames);
+  take.heldout = unite_frames(take.heldout, there.heldout);
+  say_heldout(take, asked);
+}
+
+// A dataset that is there knows the unit of its character, which the arguments may lack.
+double unit_of(const SimulationArguments& arguments, const fs::path& dataset_path) {
+  return arguments.unit == 0 && fs::exists(dataset_path) ? read_dataset(dataset_path).unit : arguments.unit;
+}
 
 }  // namespace
 
@@ -82,6 +135,61 @@ void say_heldout(const DatasetTake& take, const DatasetTake& asked) {
       asked.frames, [&](int frame) { return has(take.heldout, frame) && !has(asked.heldout, frame); });
   if (kept == 0) return;
   spdlog::warn("{} of {} frames are held out: train will not learn from them", kept, asked.frames.size());
+}
+
+void FieldArguments::add(CLI::App& verb) {
+  add_option(verb, "--body-fat", body_fat, "Fat, as a share of the body's mass, 0.02 to 0.6 (default: 0.15)")
+      ->check(number_from(0.02, 0.6));
+  add_option(verb, "--kind", kind, "KIND", "Kind of body: " + body_kind_names() + " (default: recognised)")
+      ->check(refuse_as_kind);
+  add_option(verb, "--corrections", corrections, "FILE",
+             "What an artist corrects of bones, fat and muscles (anatomy.json); --kind and --body-fat go before it");
+}
+
+AnatomyOptions FieldArguments::options(const Skeleton& skeleton) const {
+  Dataset given;
+  given.body_fat = body_fat;
+  given.kind = kind;
+  given.corrections = corrections;
+  return anatomy_options(given, skeleton);
+}
+
+void FieldArguments::put_into(Dataset& dataset) const {
+  dataset.body_fat = body_fat;
+  dataset.kind = kind;
+  dataset.corrections = relative_to(dataset.folder, corrections);
+}
+
+std::vector<FrameStatus> simulate_take(const SimulationArguments& arguments) {
+  const fs::path folder = arguments.out;
+  const fs::path dataset_path = folder / "dataset.json";
+  const double unit = unit_of(arguments, dataset_path);
+  const Character character = read_character(arguments.character, unit);
+  say(character.notes);
+  std::vector<Muscle> muscles;
+  if (!arguments.muscles.empty()) muscles = read_muscles(arguments.muscles, character.skeleton);
+  SimulateOptions options = arguments.options;
+  options.warn = [](const std::string& warning) { say({warning}); };
+  options.inform = [](const std::string& text) { spdlog::info(text); };
+  options.anatomy = arguments.anatomy.options(character.skeleton);
+  if (!arguments.materials.empty()) options.materials = read_materials(arguments.materials);
+  std::vector<int> frames;
+  const Clip clip = arguments.take.clip.read(character.skeleton, unit, frames);
+
+  make_folder(folder);
+  DatasetTake take = new_take(arguments, frames, folder);
+  const TakeLock lock(folder / take.shapes);  // until dataset.json names the frames that the shapes are of
+  const Dataset asked = asked_dataset(arguments, unit, folder);
+  const Dataset dataset = open_dataset(asked, dataset_path);
+  for (const DatasetTake& there : dataset.takes) {
+    if (there.name == take.name) add_frames(dataset, there, take);
+  }
+  require_place_for(asked, take, dataset_path);
+  spdlog::info("preparing the body: tetrahedra, bones, muscles");
+  std::vector<FrameStatus> status =
+      simulate(character, muscles, clip, take.frames, lock, folder / take.shapes_status, options);
+  put_take(asked, take, dataset_path);
+  return status;
 }
 
 }  // namespace bodyopt::cli

@@ -7,6 +7,8 @@
 
 #include "cli/arguments/common.h"
 #include "dataset/dataset.h"
+#include "trainer/anatomy/field.h"
+#include "trainer/simulate/simulate.h"
 
 namespace bodyopt::cli {
 
@@ -27,5 +29,31 @@ std::string relative_to(const std::filesystem::path& folder, const std::string& 
 
 // Warns of frames that the take holds out although `asked` did not ask for it.
 void say_heldout(const DatasetTake& take, const DatasetTake& asked);
+
+// [--body-fat X] [--kind K] [--corrections FILE]
+struct FieldArguments {
+  double body_fat = 0;  // 0: not given
+  std::string kind, corrections;
+  void add(CLI::App& verb);
+  // Throws as read_corrections().
+  AnatomyOptions options(const Skeleton& skeleton) const;
+  // As the dataset keeps them.
+  void put_into(Dataset& dataset) const;
+};
+
+// Frames of a clip to shapes in a dataset: what `simulate` and `improve` do.
+
+struct SimulationArguments {
+  std::string character, muscles, materials;
+  std::string out;  // the dataset's folder
+  double unit = 0;
+  FieldArguments anatomy;
+  TakeArguments take;
+  SimulateOptions options;
+};
+
+// Simulates, and adds the take, or its new frames, to the dataset.json of the folder. Throws as simulate(), and
+// Error(mismatch) where the dataset or the take is of something else.
+std::vector<FrameStatus> simulate_take(const SimulationArguments& arguments);
 
 }  // namespace bodyopt::cli

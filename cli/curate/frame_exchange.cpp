@@ -15,7 +15,6 @@
 #include "trainer/curate/frame_files.h"
 #include "trainer/curate/frame_sculpting.h"
 #include "trainer/curate/modifier_scope.h"
-#include "trainer/curate/sculpted_frames.h"
 
 namespace bodyopt::cli {
 namespace {

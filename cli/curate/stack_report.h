@@ -7,9 +7,10 @@
 #include <utility>
 #include <vector>
 
+#include "assets/character.h"
 #include "cli/curate/curate_arguments.h"
 #include "dataset/dataset.h"
-#include "trainer/curate/modifier_type.h"
+#include "trainer/curate/modifier_types.h"
 #include "trainer/curate/pose_database.h"
 
 namespace bodyopt::cli {
@@ -40,5 +41,14 @@ StackReport report_stack(const Dataset& dataset, const std::optional<PoseDatabas
 void emit_stack(const CurateArguments& arguments, const Dataset& dataset, const std::optional<PoseDatabase>& database);
 // The same after what needed no database.
 void emit_stack(const CurateArguments& arguments);
+
+// Two shapes of a skin and how far they are apart.
+
+inline constexpr double kFinestScale = 0.1;  // mm: of less nothing is to be seen
+
+// Two shapes in one pose, and the second in the colours of how far it is from the first (hottest at scale_mm), from the
+// side where that is most.
+void draw_apart(const Character& character, const Positions& before, const Positions& after, double scale_mm,
+                const std::string& path);
 
 }  // namespace bodyopt::cli

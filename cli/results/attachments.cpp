@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "runtime/core/atomic_file.h"
 #include "runtime/core/error.h"
-#include "runtime/core/file_lock.h"
-#include "runtime/core/hexadecimal.h"
+#include "runtime/core/text.h"
 #include "runtime/core/transformed.h"
 
 namespace bodyopt::cli {

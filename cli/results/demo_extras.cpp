@@ -5,7 +5,7 @@
 
 #include "assets/clip.h"
 #include "cli/arguments/common.h"
-#include "cli/results/transfer_page.h"
+#include "cli/results/pages.h"
 #include "dataset/dataset.h"
 #include "draw/animation.h"
 #include "report/page.h"
@@ -14,7 +14,7 @@
 #include "runtime/host/stages.h"
 #include "trainer/builtin/arm.h"
 #include "trainer/dynamics/build_dynamics.h"
-#include "trainer/dynamics/measure_jiggle.h"
+#include "trainer/dynamics/jiggle.h"
 #include "trainer/transfer/transfer_basis.h"
 #include "trainer/transfer/transfer_pair.h"
 

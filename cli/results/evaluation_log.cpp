@@ -9,7 +9,7 @@
 #include "runtime/core/transformed.h"
 #include "runtime/deformer/deformer.h"
 #include "runtime/deformer/evaluation.h"
-#include "trainer/dynamics/measure_jiggle.h"
+#include "trainer/dynamics/jiggle.h"
 #include "trainer/train/coverage/coverage.h"
 
 namespace bodyopt::cli {

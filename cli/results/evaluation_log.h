@@ -46,8 +46,7 @@ class EvaluationLog {
   // Expects errors where the basis knows its own. It must outlive this.
   explicit EvaluationLog(const Basis& basis);
 
-  // What the deformer gave of poses, which are these frames. `motion`: after the last, where frames jiggle; they come
-  // one by one then.
+  // What the deformer gave of poses, which are these frames. `motion`: after the last, where frames jiggle, one by one.
   void add(const Deformer& deformer, const Evaluation& part, std::span<const Pose> poses, std::span<const int> frames,
            const NodeMotion& motion);
 

@@ -6,10 +6,12 @@
 #include <vector>
 
 #include "cli/arguments/common.h"
-#include "dataset/results.h"
+#include "dataset/compare.h"
 #include "report/report.h"
+#include "runtime/basis/levels.h"
+#include "trainer/proxy/build_proxy.h"
 #include "trainer/train/fit/train.h"
-#include "trainer/train/judge/heldout.h"
+#include "trainer/train/judge/test_errors.h"
 #include "trainer/train/options.h"
 
 namespace bodyopt::cli {
@@ -41,5 +43,10 @@ ReportData report_of(const SampleSet& set, const Training& training, const std::
 // `dataset_file`: the dataset.json, as the user gave it; `basis_file`: what was written. Throws Error(file).
 ProvenanceReport provenance_of(const Dataset& dataset, const std::filesystem::path& dataset_file, const SampleSet& set,
                                const TrainOptions& options, const std::filesystem::path& basis_file);
+
+// A list with an entry per level: what was measured of it when it was made, and its time of a frame, measured now.
+Json levels_info(const std::vector<Level>& levels, const ProxyReport& report);
+// The same as text.
+std::string level_table(const Json& levels);
 
 }  // namespace bodyopt::cli

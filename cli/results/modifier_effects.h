@@ -7,8 +7,7 @@
 #include <vector>
 
 #include "cli/arguments/common.h"
-#include "trainer/modifiers/evaluated_skin.h"
-#include "trainer/modifiers/measure_push_out.h"
+#include "trainer/modifiers/measure_modifiers.h"
 
 namespace bodyopt::cli {
 

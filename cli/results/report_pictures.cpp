@@ -6,14 +6,13 @@
 #include <numeric>
 
 #include "cli/arguments/common.h"
-#include "geometry/table_rows.h"
+#include "geometry/mesh.h"
 #include "report/pictures.h"
 #include "report/region_picture.h"
 #include "runtime/basis/basis.h"
 #include "runtime/core/error.h"
 #include "runtime/host/rig.h"
 #include "trainer/anatomy/section.h"
-#include "trainer/anatomy/telling_planes.h"
 #include "trainer/simulate/muscle_fibres.h"
 
 namespace bodyopt::cli {

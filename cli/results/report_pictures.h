@@ -9,7 +9,7 @@
 #include "runtime/deformer/deformer.h"
 #include "trainer/anatomy/field.h"
 #include "trainer/train/data/samples.h"
-#include "trainer/train/judge/heldout.h"
+#include "trainer/train/judge/test_errors.h"
 
 namespace bodyopt::cli {
 

@@ -1,5 +1,5 @@
 // bodyopt view where the viewport was not built: says so.
-#include "cli/arguments/options.h"
+#include "cli/arguments/common.h"
 #include "cli/view/view.h"
 #include "runtime/core/error.h"
 

@@ -2,13 +2,21 @@
 // menus, its line on the cheat sheet, and what it does.
 #pragma once
 
+#include <array>
+#include <optional>
 #include <span>
 #include <string>
+#include <tuple>
+#include <type_traits>
+#include <utility>
 #include <vector>
 
 #include "proxy_viewer/commands/controls.h"
 
 namespace bodyopt {
+
+// What the tables of commands are made of: what commands are given, as text, and what is said of it; and the tables.
+// What reads text throws Error(usage) that names what was expected.
 
 struct Command {
   const char* name;      // "play": as typed
@@ -37,11 +45,113 @@ const Command* find_command_by_key(const std::string& key);
 // or what is missing to do it.
 void run_command(Controls& controls, const std::string& text);
 
-// The commands of a script, parted by ';' or line ends; a command that begins with '#' is a remark up to the line's
-// end.
+// The commands of a script, parted by ';' or line ends; a command that begins with '#' is a remark.
 std::vector<std::string> script_commands(const std::string& text);
 
 // As the command "marker" does, after a click. Throws Error(usage) where either vertex is marked already.
 void add_marker(Controls& controls, const MarkedPair& pair);
+
+inline constexpr const char* kBlank = " \t\r";
+
+[[noreturn]] void refuse(const std::string& argument, const std::string& expected);
+
+// Throws Error(usage) for a name that is none of these.
+const std::string& known(const std::string& name, const std::vector<std::string>& names, const char* what);
+
+double number(const std::string& text);
+
+double number_within(const std::string& text, double low, double high);
+
+int integer(const std::string& text);
+
+int integer_within(const std::string& text, int low, int high);
+
+std::vector<std::string> words(const std::string& text);
+
+std::vector<std::string> words(const std::string& text, std::size_t count, const std::string& expected);
+
+// One of the names, in the order of the enumeration.
+template <typename Choice, std::size_t N>
+void choose(Choice& choice, const std::string& text, const std::array<const char*, N>& names) {
+  std::string expected = "one of";
+  for (std::size_t k = 0; k < N; ++k) {
+    if (text == names[k]) {
+      choice = static_cast<Choice>(k);
+      return;
+    }
+    expected += std::string(" ") + names[k];
+  }
+  refuse(text, expected);
+}
+
+template <typename Choice, std::size_t N>
+std::string name_of(Choice choice, const std::array<const char*, N>& names) {
+  return names[static_cast<std::size_t>(choice)];
+}
+
+template <typename Choice, std::size_t N>
+void choose_next(Choice& choice, const std::array<const char*, N>&) {
+  choice = static_cast<Choice>((static_cast<std::size_t>(choice) + 1) % N);
+}
+
+inline constexpr std::array kSwitchNames{"off", "on"};
+
+std::string name_of(bool on);
+
+// Without an argument the other way round.
+void toggle(bool& value, const std::string& argument);
+
+// What is before the last blank, and the word after it.
+std::pair<std::string, std::string> split_last(const std::string& text, const std::string& expected);
+
+// "auto", or what number_within() or integer_within() read.
+template <typename Number>
+std::optional<Number> automatic_or(const std::string& text, std::type_identity_t<Number> low,
+                                   std::type_identity_t<Number> high,
+                                   Number (*within)(const std::string&, Number, Number)) {
+  return text == "auto" ? std::nullopt : std::optional(within(text, low, high));
+}
+
+// The commands of each kind, in the order of menus and cheat sheet; commands() has all of them, in this order.
+std::span<const Command> playback_commands();
+std::span<const Command> camera_commands();
+std::span<const Command> look_commands();
+std::span<const Command> compare_commands();
+std::span<const Command> pose_commands();
+std::span<const Command> cast_commands();
+std::span<const Command> file_commands();
+
+// Of a command that goes on while its key is held.
+inline constexpr bool kRepeats = true;
+
+// What switches and choices are members of.
+auto parts_with_values(auto& c) {
+  return std::tie(c, c.settings.look, c.settings.compare, c.settings.jiggle, c.settings.hud, c.curating, c.brush);
+}
+
+template <typename Value, typename Part>
+auto& value_at(auto& controls, Value Part::*member) {
+  using Found = std::conditional_t<std::is_const_v<std::remove_reference_t<decltype(controls)>>, const Part, Part>;
+  return std::get<Found&>(parts_with_values(controls)).*member;
+}
+
+template <auto member>
+constexpr Command switch_command(const char* name, const char* key, const char* menu, const char* help) {
+  constexpr auto run = [](Controls& c, const std::string& a) { toggle(value_at(c, member), a); };
+  return {name, "[on|off]", key, menu, help, run, [](const Controls& c) { return name_of(value_at(c, member)); }};
+}
+
+// One of the names, which `argument` has, too.
+template <const auto& names, auto member>
+constexpr Command choice_command(const char* name, const char* argument, const char* menu, const char* help) {
+  constexpr auto run = [](Controls& c, const std::string& a) { choose(value_at(c, member), a, names); };
+  return {name, argument, "", menu, help, run, [](const Controls& c) { return name_of(value_at(c, member), names); }};
+}
+
+// Of what the application does once a picture is drawn.
+template <bool Requests::*asked>
+constexpr Command request_command(const char* name, const char* key, const char* menu, const char* help) {
+  return {name, "", key, menu, help, [](Controls& c, const std::string&) { c.requests.*asked = true; }};
+}
 
 }  // namespace bodyopt

@@ -4,7 +4,7 @@
 #include <iostream>
 
 #include "runtime/core/error.h"
-#include "shots/session/pose_keys.h"
+#include "shots/session/posed_clip.h"
 
 namespace bodyopt {
 

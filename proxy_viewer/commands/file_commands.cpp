@@ -1,5 +1,5 @@
 // What is written, and what is around the picture.
-#include "proxy_viewer/commands/command_arguments.h"
+#include "proxy_viewer/commands/commands.h"
 #include "shots/session/view_settings.h"
 
 namespace bodyopt {

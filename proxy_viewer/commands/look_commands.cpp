@@ -1,8 +1,79 @@
-// How it looks.
-#include "proxy_viewer/commands/command_arguments.h"
+// Cameras.
+#include <numbers>
+
+#include "proxy_viewer/commands/commands.h"
 
 namespace bodyopt {
 namespace {
+
+constexpr double kTurn = std::numbers::pi / 36;  // 5 degrees
+constexpr double kMostPan = 100;
+
+template <AxisView axis>
+void view_axis(Controls& controls, const std::string&) {
+  controls.camera.view_axis(axis);
+}
+
+const Command kCameraCommands[] = {
+    request_command<&Requests::frame_selection>("frame-selection", "F", "Camera",
+                                                "see all of the character, or of the joint that is selected"),
+    {"front", "", "1", "Camera", "from the front", view_axis<AxisView::front>},
+    {"back", "", "Ctrl+1", "Camera", "from behind", view_axis<AxisView::back>},
+    {"right", "", "3", "Camera", "from the right of the picture: the character's left side",
+     view_axis<AxisView::right>},
+    {"left", "", "Ctrl+3", "Camera", "from the left of the picture: the character's right side",
+     view_axis<AxisView::left>},
+    {"top", "", "7", "Camera", "from above", view_axis<AxisView::top>},
+    {"bottom", "", "Ctrl+7", "Camera", "from below", view_axis<AxisView::bottom>},
+    {"orthographic", "[on|off]", "5", "Camera", "without perspective, or with it",
+     [](Controls& c, const std::string& a) {
+       bool wanted = c.camera.view().orthographic;
+       toggle(wanted, a);
+       if (wanted != c.camera.view().orthographic) c.camera.toggle_orthographic();
+     },
+     [](const Controls& c) { return name_of(c.camera.view().orthographic); }},
+    {"cut-away", "[on|off]", "", "Camera", "cuts away what stands before the point that the camera turns about",
+     [](Controls& c, const std::string& a) {
+       bool wanted = c.camera.view().cut_away;
+       toggle(wanted, a);
+       if (wanted != c.camera.view().cut_away) c.camera.toggle_cut_away();
+     },
+     [](const Controls& c) { return name_of(c.camera.view().cut_away); }},
+    switch_command<&ViewSettings::Look::follow>("follow", "V", "Camera", "go along with the character"),
+    {"orbit", "DEGREES DEGREES", "", "Camera", "around the target, to the right and up",
+     [](Controls& c, const std::string& a) {
+       const auto w = words(a, 2, "two angles in degrees");
+       c.camera.orbit(number(w[0]) * std::numbers::pi / 180, number(w[1]) * std::numbers::pi / 180);
+     }},
+    {"orbit-left", "", "Shift+Left", "Camera", "5 degrees to the left",
+     [](Controls& c, const std::string&) { c.camera.orbit(-kTurn, 0); }, nullptr, kRepeats},
+    {"orbit-right", "", "Shift+Right", "Camera", "5 degrees to the right",
+     [](Controls& c, const std::string&) { c.camera.orbit(kTurn, 0); }, nullptr, kRepeats},
+    {"pan", "RIGHT UP", "", "Camera", "the target, by shares of the picture's height",
+     [](Controls& c, const std::string& a) {
+       const auto w = words(a, 2, "two shares of the picture's height");
+       c.camera.pan(-number_within(w[0], -kMostPan, kMostPan), number_within(w[1], -kMostPan, kMostPan), 1);
+     }},
+    {"dolly", "NOTCHES", "", "Camera", "towards the target",
+     [](Controls& c, const std::string& a) { c.camera.dolly(number_within(a, -100, 100)); }},
+    {"save-camera", "NAME", "", "Camera", "keeps the camera by a name",
+     [](Controls& c, const std::string& a) {
+       if (a.empty()) refuse(a, "a name");
+       c.settings.cameras[a] = c.kept_camera();
+     }},
+    {"camera", "NAME", "", "Camera", "to a camera that was kept",
+     [](Controls& c, const std::string& a) {
+       const auto found = c.settings.cameras.find(a);
+       if (found == c.settings.cameras.end()) refuse(a, "a camera that was kept");
+       c.go_to_camera(found->second);
+     }},
+    {"forget-camera", "NAME", "", "Camera", "a camera that was kept",
+     [](Controls& c, const std::string& a) {
+       if (c.settings.cameras.erase(a) == 0) refuse(a, "a camera that was kept");
+     }},
+};
+
+// How it looks.
 
 const Command kLookCommands[] = {
     choice_command<kStyleNames, &ViewSettings::Look::style>("style", "clay|matcap|flat|normals", "Look",
@@ -33,6 +104,8 @@ const Command kLookCommands[] = {
 };
 
 }  // namespace
+
+std::span<const Command> camera_commands() { return kCameraCommands; }
 
 std::span<const Command> look_commands() { return kLookCommands; }
 

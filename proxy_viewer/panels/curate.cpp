@@ -1,12 +1,10 @@
-// The dataset that is looked at: its frames as a map of poses, the stack of modifiers, and the pairs that disagree
-// most.
+// The dataset that is looked at: its frames as a map of poses, the stack of modifiers, and pairs that disagree.
 #include <algorithm>
 #include <cmath>
 
 #include "draw/colours.h"
 #include "proxy_viewer/panels/panels.h"
-#include "proxy_viewer/panels/widgets.h"
-#include "runtime/core/formatted.h"
+#include "runtime/core/text.h"
 
 namespace bodyopt {
 namespace {

@@ -2,8 +2,7 @@
 #include <algorithm>
 
 #include "proxy_viewer/panels/panels.h"
-#include "proxy_viewer/panels/widgets.h"
-#include "runtime/core/lower_case.h"
+#include "runtime/core/text.h"
 
 namespace bodyopt {
 namespace {

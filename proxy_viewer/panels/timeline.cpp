@@ -6,9 +6,8 @@
 #include <utility>
 
 #include "proxy_viewer/panels/panels.h"
-#include "proxy_viewer/panels/widgets.h"
-#include "proxy_viewer/platform/fonts.h"
-#include "runtime/core/formatted.h"
+#include "proxy_viewer/platform/gui.h"
+#include "runtime/core/text.h"
 
 namespace bodyopt {
 namespace {

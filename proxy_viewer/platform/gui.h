@@ -2,11 +2,15 @@
 // lives that was made later, it must not be used.
 #pragma once
 
+#include <imgui.h>
+
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <string>
+#include <utility>
+#include <vector>
 
-#include "proxy_viewer/platform/fonts.h"
 #include "proxy_viewer/platform/screen.h"
 #include "runtime/vulkan/device.h"
 #include "runtime/vulkan/object.h"
@@ -17,6 +21,37 @@ struct ImGuiContext;
 
 namespace bodyopt {
 
+// The letters of the panels, from the fonts that are installed here: those that were shown so far. The atlas stays
+// small, and the start quick.
+
+class Fonts {
+ public:
+  Fonts();
+
+  // Pixels a point: letters are made anew for another.
+  void set_scale(float scale);
+  // A text of any script that panels are going to show.
+  void show(const std::string& text);
+  // Loads the letters that are new, between two pictures; false: there are none, and the atlas is as it was.
+  bool load_new();
+  // What no font here has, once.
+  std::optional<std::string> take_problem() { return std::exchange(problem_, std::nullopt); }
+
+ private:
+  bool open_fonts();
+  bool has_letters_of(const std::string& text) const;
+
+  ImFontGlyphRangesBuilder letters_;
+  ImVector<ImWchar> ranges_;            // of the letters: the atlas keeps a pointer
+  std::vector<std::string> new_texts_;  // those that have new letters
+  bool is_loaded_ = false;
+  float scale_ = 1;
+  std::optional<std::string> problem_;
+};
+
+// Of digits alone.
+ImFont* large_font();
+
 class Gui {
  public:
   Gui();
@@ -24,8 +59,7 @@ class Gui {
   Gui(const Gui&) = delete;
   Gui& operator=(const Gui&) = delete;
 
-  // To be drawn in `pass`; with the clipboard and the cursor of `window`, where there is one. Both must outlive the
-  // use.
+  // To be drawn in `pass`; with the clipboard and the cursor of `window`, where there is one. Both outlive it.
   void attach(const vulkan::Device& device, VkRenderPass pass, GLFWwindow* window);
 
   // For the next picture. What goes down and up again before it, is down in it.

@@ -16,7 +16,7 @@ namespace bodyopt {
 enum class KeyAction { pressed, repeated, released };
 
 struct KeyEvent {
-  std::string name;  // see key_names.h
+  std::string name;  // see window.h
   KeyAction action = KeyAction::pressed;
 };
 

@@ -21,8 +21,7 @@ class WatchedFiles {
   // What the files are like now is what they are compared with; a file that is not there is reported when it comes.
   explicit WatchedFiles(const std::vector<std::filesystem::path>& files);
 
-  // The files that have changed since they were reported last, in the order given. `now`: seconds of a clock that does
-  // not go back.
+  // The files that have changed since they were reported last, in the order given. `now`: seconds, rising.
   std::vector<std::filesystem::path> changed(double now);
 
  private:

@@ -7,8 +7,7 @@
 #include "assets/clip_source.h"
 #include "assets/matched_joints.h"
 #include "assets/shot_modifiers.h"
-#include "geometry/table_rows.h"
-#include "geometry/vertex_normals.h"
+#include "geometry/mesh.h"
 #include "runtime/basis/character_unit.h"
 #include "runtime/basis/output_order.h"
 #include "runtime/core/error.h"
@@ -18,9 +17,8 @@
 #include "runtime/host/carry_skin.h"
 #include "runtime/host/rig.h"
 #include "runtime/vulkan/device.h"
-#include "shots/session/pose_keys.h"
 #include "shots/session/posed_clip.h"
-#include "trainer/train/skinning/linear_blend.h"
+#include "trainer/train/skinning/unpose.h"
 
 namespace bodyopt {
 namespace {

@@ -16,14 +16,13 @@
 #include "proxy_viewer/scene/detail.h"
 #include "proxy_viewer/scene/truth_times.h"
 #include "runtime/deformer/deformer.h"
-#include "runtime/host/attachments.h"
+#include "runtime/host/carry_skin.h"
 #include "runtime/vulkan/buffer.h"
-#include "shots/open_character.h"
-#include "shots/session/actor_files.h"
-#include "shots/session/joint_ranges.h"
 #include "shots/session/pinned_joints.h"
+#include "shots/session/session_file.h"
 #include "shots/session/view_settings.h"
 #include "shots/shot.h"
+#include "shots/shot_files.h"
 
 namespace bodyopt {
 

@@ -29,8 +29,7 @@ struct CutFaces {
   std::array<std::vector<std::uint32_t>, 3> inside;  // that the cut lays bare, by kind
 };
 
-// Keeps the tets that are not among the nearest `share` (0: none, 1: all) of the body's depth along `towards` (the
-// camera).
+// Keeps the tets that are not among the nearest `share` (0: none, 1: all) of the body's depth along `towards`.
 class TetCutter {
  public:
   // T x 4, positive volume; T.

@@ -11,7 +11,7 @@
 #include "runtime/core/transformed.h"
 #include "runtime/host/rig.h"
 #include "shots/session/pinned_joints.h"
-#include "shots/session/pose_keys.h"
+#include "shots/session/posed_clip.h"
 
 namespace bodyopt {
 namespace {

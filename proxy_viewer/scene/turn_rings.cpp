@@ -4,7 +4,7 @@
 #include <optional>
 
 #include "proxy_viewer/scene/scene.h"
-#include "runtime/modifiers/world_rotations.h"
+#include "runtime/modifiers/drive_modifiers.h"
 
 namespace bodyopt {
 namespace {

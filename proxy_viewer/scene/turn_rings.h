@@ -10,7 +10,7 @@ namespace bodyopt {
 class Scene;
 struct Controls;
 
-// Of one of its three angles (joint_ranges.h). Metres, world; degrees.
+// Of one of its three angles (pinned_joints.h). Metres, world; degrees.
 struct TurnRing {
   std::size_t axis;    // x, y, z
   Vec3 centre, along;  // along: of the axis, unit; seen against it, angles grow to the left

@@ -22,8 +22,7 @@ double height_at_target(const OrbitView& view) {
   return 2 * view.distance * std::tan(0.5 * static_cast<double>(kVerticalAngle));
 }
 
-// The points moved along `back` into the plane of the origin: without depth, perspective and orthographic cameras see
-// the same.
+// The points moved along `back` into the plane of the origin: without depth, both kinds of camera see the same.
 std::vector<float> without_depth(std::span<const float> points, const Vec3& back) {
   std::vector<float> flat(points.begin(), points.end());
   for (std::size_t at = 0; at + 2 < flat.size(); at += 3) {

@@ -4,7 +4,7 @@
 #include <span>
 
 #include "draw/camera.h"
-#include "shots/session/orbit_view.h"
+#include "shots/session/view_settings.h"
 
 namespace bodyopt {
 

@@ -38,8 +38,7 @@ struct Attachments {
 
 constexpr std::size_t kMostAttachedMeshes = 4096, kLongestAttachedName = 100;
 
-// `name` with what file systems do not take as underscores, cut to kLongestAttachedName bytes of whole characters; "_"
-// for nothing.
+// `name` with what file systems do not take as underscores, cut to kLongestAttachedName bytes; "_" for nothing.
 std::string attachment_name(const std::string& name);
 
 // Checks every count, index, number and name. Throws Error(file) whose text starts with `origin`.

@@ -164,13 +164,11 @@ struct Basis {
 // out of one. Throws Error(file) whose text starts with `origin` (a path, or what made the basis).
 void validate(const Basis& basis, const std::string& origin);
 
-// Safetensors with a schema version, an xxh3 checksum and the metadata. Written to a temporary name, then renamed.
-// Throws Error(file).
+// Safetensors with a schema version, an xxh3 checksum and the metadata. Written whole or not. Throws Error(file).
 void save_basis(const Basis& basis, const std::filesystem::path& path);
 Basis load_basis(const std::filesystem::path& path);
 
-// Bytes of the tables a frame needs at run time, by stage: "ddm", "strain", "residual", and "modify" where there are
-// modifiers.
+// Bytes of the tables a frame needs at run time, by stage: "ddm", "strain", "residual", "modify" with modifiers.
 std::map<std::string, std::size_t> table_bytes(const Basis& basis);
 std::size_t total_bytes(const Basis& basis);  // of all of them
 

@@ -11,7 +11,7 @@
 #include "runtime/basis/skin_modifiers.h"
 #include "runtime/basis/table_file.h"
 #include "runtime/core/error.h"
-#include "runtime/core/strict_json.h"
+#include "runtime/core/json.h"
 
 namespace bodyopt {
 namespace {
@@ -290,8 +290,7 @@ void write(Safetensors& file, const std::filesystem::path& path) {
   write_safetensors(file, path);
 }
 
-// The metadata of one of `count` levels, by the names they have in an ordinary basis; what the file says of itself is
-// left out.
+// The metadata of one of `count` levels, by the names they have in an ordinary basis, without the file's own.
 Metadata metadata_of(const Safetensors& file, std::size_t level, std::size_t count) {
   Metadata metadata;
   for (const auto& [key, text] : file.metadata) {

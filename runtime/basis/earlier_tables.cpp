@@ -3,7 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "runtime/core/error.h"
-#include "runtime/core/strict_json.h"
+#include "runtime/core/json.h"
 
 namespace bodyopt {
 namespace {

@@ -10,8 +10,8 @@
 #include "runtime/core/atomic_file.h"
 #include "runtime/core/error.h"
 #include "runtime/core/file_kind.h"
-#include "runtime/core/hexadecimal.h"
-#include "runtime/core/strict_json.h"
+#include "runtime/core/json.h"
+#include "runtime/core/text.h"
 
 namespace bodyopt {
 namespace {

@@ -5,7 +5,7 @@
 
 #include "runtime/basis/basis.h"
 #include "runtime/core/error.h"
-#include "runtime/core/strict_json.h"
+#include "runtime/core/json.h"
 #include "runtime/core/transformed.h"
 
 namespace bodyopt {

@@ -12,8 +12,7 @@ namespace bodyopt {
 struct SkinModifier;
 
 // A type that moves the posed skin, after all others and after the jiggle, by a kernel of the output stage that runs in
-// steps. A stack has at most one of each; they act in its order. Their components move nothing: the kernel reads their
-// weights.
+// steps. A stack has at most one of each; they act in its order. The kernel reads their weights alone.
 enum class PosedSkinStep { relax, separate };
 struct PosedSkinType {
   const char* name;

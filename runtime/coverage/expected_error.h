@@ -26,8 +26,7 @@ class RegionShares {
   RegionShares() = default;
   explicit RegionShares(const Basis& basis);
 
-  // V, metres, of as many errors as there are regions: the root of the mean of their squares, by shares. 0 where
-  // nothing was learned.
+  // V, metres, of as many errors as there are regions: their root mean square by shares, 0 where nothing was learned.
   std::vector<float> carry(const std::vector<double>& region_mm) const;
 
  private:

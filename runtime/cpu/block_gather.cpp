@@ -1,4 +1,4 @@
-#include "runtime/basis/block_inverse.h"
+#include "runtime/basis/dynamics.h"
 #include "runtime/cpu/dynamics_kernels.h"
 #include "runtime/cpu/parallel.h"
 

@@ -2,7 +2,7 @@
 
 #include "runtime/basis/dynamics.h"
 #include "runtime/cpu/dynamics_kernels.h"
-#include "runtime/host/jiggle_stages.h"
+#include "runtime/host/jiggle.h"
 
 namespace bodyopt {
 namespace {

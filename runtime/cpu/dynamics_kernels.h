@@ -1,7 +1,6 @@
 // The CPU path of diffuse and jiggle: one function per kernel, one file each; the reference for the Vulkan kernels.
 // Arrays are frame-major over frame_count frames; shapes are those of runtime/basis/dynamics.h: V skin vertices, N
-// nodes, B of them on the skin, T tets. Loops over elements are spread over `threads` and give the same bits with
-// any number of them.
+// nodes, B of them on the skin, T tets. Loops are spread over `threads`, with the same bits for any number of them.
 #pragma once
 
 #include <cstddef>

@@ -82,8 +82,7 @@ void rotate_frame(const TetTable& tets, const float* nodes, std::vector<float>& 
 void jiggle_rotate(const TetTable& tets, std::span<const float> nodes, std::uint32_t frame_count,
                    std::span<float> rotations, Executor& threads) {
   const std::size_t count = tets.node_count();
-  // Several frames go to threads whole: where cores share no cache, reading another's gradients takes longer than
-  // finding them.
+  // Several frames go to threads whole: where cores share no cache, reading another's gradients takes longer.
   parallel_parts(threads, frame_count, 1, [&](std::size_t begin, std::size_t end) {
     std::vector<float> gradients(std::size_t{9} * tets.tet_count());
     for (std::size_t f = begin; f < end; ++f) {

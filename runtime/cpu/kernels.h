@@ -149,7 +149,7 @@ void vertex_normal(const MeshTable& mesh, std::span<const float> positions, std:
 
 // Output stage: tangents of output vertices, those from first_output on, as many as tangents hold, of one frame: x, y,
 // z and the sign s of the bitangent, s times normal x tangent, by the convention of MikkTSpace
-// (shaders/include/tangent.h, runtime/host/tangent_tables.h). positions, normals V x 3 -> tangents x 4: across the
+// (shaders/include/tangent.h, runtime/host/skin_tables.h). positions, normals V x 3 -> tangents x 4: across the
 // normal and of length 1; zero where no triangle around the vertex has an area on the texture, or where their tangents
 // cancel out.
 void output_tangents(const TangentTables& tables, std::span<const float> positions, std::span<const float> normals,

@@ -1,5 +1,4 @@
-// The dense products of the block inverse, on the way up (rows of panels) and down (the same numbers by columns), in
-// lanes (lanes.h).
+// The dense products of the block inverse, on the way up (rows of panels) and down (by columns), in lanes (lanes.h).
 #if defined(BODYOPT_LANE_PANEL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef BODYOPT_LANE_PANEL_H
 #undef BODYOPT_LANE_PANEL_H
@@ -7,7 +6,7 @@
 #define BODYOPT_LANE_PANEL_H
 #endif
 
-#include "runtime/basis/block_inverse.h"
+#include "runtime/basis/dynamics.h"
 #include "runtime/cpu/lanes.h"
 
 HWY_BEFORE_NAMESPACE();

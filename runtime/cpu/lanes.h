@@ -72,8 +72,7 @@ HWY_INLINE Lanes lanes_from_high_halves(LaneWords words) {
 }
 HWY_INLINE Lanes lanes_from_low_halves(LaneWords words) { return lanes_from_high_halves(hn::ShiftLeft<16>(words)); }
 
-// Rows of a table whose words stand row after row, a row to a lane: `count` rows from `first` on, of which those past
-// the last repeat it.
+// Rows of a table whose words stand row after row, a row to a lane: `count` rows from `first` on, the last repeated.
 struct LaneRows {
   hn::Vec<hn::RebindToSigned<LaneTag>> offsets;
 

@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "runtime/cpu/kernels.h"
-#include "runtime/host/fold_tables.h"
+#include "runtime/host/skin_tables.h"
 #include "shaders/include/fold.h"
 
 namespace bodyopt::cpu {

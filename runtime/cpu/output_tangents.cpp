@@ -1,5 +1,5 @@
 #include "runtime/cpu/kernels.h"
-#include "runtime/host/tangent_tables.h"
+#include "runtime/host/skin_tables.h"
 #include "shaders/include/tangent.h"
 
 namespace bodyopt::cpu {

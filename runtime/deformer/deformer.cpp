@@ -10,7 +10,6 @@
 #include "runtime/cpu/cpu_backend.h"
 #include "runtime/deformer/checked_backend.h"
 #include "runtime/deformer/evaluate_together.h"
-#include "runtime/deformer/make_batch.h"
 #include "runtime/host/backend.h"
 #include "runtime/host/character_model.h"
 #include "runtime/host/device_choice.h"
@@ -18,8 +17,8 @@
 #include "runtime/threads/tbb_executor.h"
 #include "runtime/vulkan/backend/device_model.h"
 #include "runtime/vulkan/backend/vulkan_backend.h"
+#include "runtime/vulkan/commands.h"
 #include "runtime/vulkan/device.h"
-#include "runtime/vulkan/recording.h"
 
 namespace bodyopt {
 namespace {

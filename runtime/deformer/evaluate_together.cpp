@@ -13,7 +13,6 @@
 #include "runtime/core/transformed.h"
 #include "runtime/cpu/kernels.h"
 #include "runtime/deformer/deformer.h"
-#include "runtime/deformer/make_batch.h"
 #include "runtime/host/fade.h"
 #include "runtime/host/rig.h"
 #include "runtime/host/stages.h"
@@ -94,6 +93,34 @@ void append_fades(const Basis& basis, const Batch& batch, Evaluation& evaluation
     const std::size_t stride = 9 * joints.size();
     const int joint = fading_joint(basis.residual, std::span(batch.joint_features).subspan(f * stride, stride));
     evaluation.fading_joint.push_back(joint < 0 ? -1 : static_cast<int>(joints[static_cast<std::size_t>(joint)]));
+  }
+}
+
+// Pose::modifiers, one for each component. A basis without any, such as a lighter level, has nothing to weigh.
+std::vector<float> modifier_weights(const Basis& basis, const Pose& pose) {
+  const std::size_t count = basis.modifiers.component_count();
+  if (count == 0) return {};
+  if (!pose.modifiers.empty() && pose.modifiers.size() != count) {
+    throw Error(ErrorKind::mismatch, "a pose has ", pose.modifiers.size(), " weights of modifiers, the basis has ",
+                count);
+  }
+  for (const float weight : pose.modifiers) {
+    if (!std::isfinite(weight)) throw Error(ErrorKind::mismatch, "a modifier's weight is not a finite number");
+  }
+  std::vector<float> weights = pose.modifiers;
+  weights.resize(count, 0.0f);
+  return weights;
+}
+
+void check_controls(const Basis& basis, const Pose& pose) {
+  const std::size_t controls = basis.residual.controls.size();
+  if (!pose.controls.empty() && pose.controls.size() != controls) {
+    throw Error(ErrorKind::mismatch, "a pose has ", pose.controls.size(), " control values, the basis has ", controls,
+                " controls");
+  }
+  for (std::size_t c = 0; c < pose.controls.size(); ++c) {
+    if (std::isfinite(pose.controls[c])) continue;
+    throw Error(ErrorKind::mismatch, "the control '", basis.residual.controls[c], "' is not a finite number");
   }
 }
 
@@ -254,6 +281,32 @@ std::vector<CallOutcome> evaluate_together(std::span<const DeformerCall> calls) 
   }
   while (std::ranges::any_of(running, &RunningCall::has_more)) run_batches(running);
   return transformed(running, [&](RunningCall& call) { return std::move(call).outcome(); });
+}
+
+Batch make_batch(const Basis& basis, std::span<const Pose> poses) {
+  Batch batch;
+  batch.frame_count = static_cast<std::uint32_t>(poses.size());
+  const std::size_t controls = basis.residual.controls.size();
+  for (const Pose& pose : poses) {
+    const RigFrame rig = pose_rig(basis.skeleton, pose);
+    batch.skinning.insert(batch.skinning.end(), rig.skinning.begin(), rig.skinning.end());
+    batch.origins.insert(batch.origins.end(), {rig.origin[0], rig.origin[1], rig.origin[2], 0.0f});
+    batch.joint_features.insert(batch.joint_features.end(), rig.joint_features.begin(), rig.joint_features.end());
+    if (basis.modifiers.turn_joints()) {
+      batch.learned_skinning.insert(batch.learned_skinning.end(), rig.learned_skinning.begin(),
+                                    rig.learned_skinning.end());
+    }
+    batch.joints.insert(batch.joints.end(), rig.joints.begin(), rig.joints.end());
+    const std::vector<float> fades = region_fades(basis.residual, rig.joint_features);
+    batch.fades.insert(batch.fades.end(), fades.begin(), fades.end());
+    check_controls(basis, pose);
+    std::vector<float> values = pose.controls;
+    values.resize(controls, 0.0f);
+    batch.controls.insert(batch.controls.end(), values.begin(), values.end());
+    const std::vector<float> weights = modifier_weights(basis, pose);
+    batch.modifiers.insert(batch.modifiers.end(), weights.begin(), weights.end());
+  }
+  return batch;
 }
 
 }  // namespace bodyopt

@@ -7,6 +7,7 @@
 
 #include "runtime/basis/skeleton.h"
 #include "runtime/deformer/evaluation.h"
+#include "runtime/host/backend.h"
 
 namespace bodyopt {
 
@@ -35,5 +36,10 @@ struct CallOutcome {
 // the others with it, unless their device is lost; its error is that of Deformer::evaluate or Deformer::jiggle. Throws
 // Error(usage) where a deformer is called twice.
 std::vector<CallOutcome> evaluate_together(std::span<const DeformerCall> calls);
+
+struct Pose;
+
+// Throws Error(mismatch) when a pose does not fit the skeleton, or holds a number that is not finite.
+Batch make_batch(const Basis& basis, std::span<const Pose> poses);
 
 }  // namespace bodyopt

@@ -10,8 +10,7 @@
 
 #include "runtime/basis/basis.h"
 #include "runtime/basis/dynamics.h"
-#include "runtime/host/fold_tables.h"
-#include "runtime/host/tangent_tables.h"
+#include "runtime/host/skin_tables.h"
 
 namespace bodyopt {
 

@@ -5,7 +5,7 @@
 #include "runtime/library/handles.h"
 #include "runtime/library/modifier_drive.h"
 #include "runtime/library/strides.h"
-#include "runtime/vulkan/recording.h"
+#include "runtime/vulkan/commands.h"
 
 namespace bodyopt {
 namespace {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "runtime/basis/basis.h"
+#include "runtime/basis/skeleton.h"
 
 namespace bodyopt {
 
@@ -35,5 +36,8 @@ struct ModifierState {
 std::vector<std::string> drive_modifiers(const Basis& basis, std::span<const std::string> channels,
                                          double frames_per_second, std::span<Pose> poses,
                                          ModifierState* state = nullptr);
+
+// Rotations of all joints of a pose, world.
+std::vector<Quat> world_rotations(const Skeleton& skeleton, const Pose& pose);
 
 }  // namespace bodyopt

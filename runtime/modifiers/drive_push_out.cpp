@@ -8,8 +8,8 @@
 #include <numbers>
 #include <stdexcept>
 
+#include "runtime/modifiers/drive_modifiers.h"
 #include "runtime/modifiers/skin_modifier_type.h"
-#include "runtime/modifiers/world_rotations.h"
 
 namespace bodyopt {
 namespace {

@@ -1,5 +1,5 @@
 // What types of modifiers there are. Each is a file of this folder, drive_<type>.cpp, and a line of the table in
-// skin_modifier_types.cpp; what the trainer makes of a character for it is trainer/modifiers/bake_<type>.cpp.
+// skin_modifier_type.cpp; what the trainer makes of a character for it is trainer/modifiers/bake_<type>.cpp.
 #pragma once
 
 #include <cstdint>

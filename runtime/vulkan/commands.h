@@ -3,6 +3,7 @@
 // them.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <map>
 #include <span>
@@ -10,10 +11,32 @@
 #include <vector>
 
 #include "runtime/vulkan/buffer.h"
-#include "runtime/vulkan/descriptor_sets.h"
+#include "runtime/vulkan/device.h"
+#include "runtime/vulkan/functions.h"
 #include "runtime/vulkan/make.h"
+#include "runtime/vulkan/object.h"
 
 namespace bodyopt::vulkan {
+
+// Descriptor sets from pools that are kept: one pool while the sets are few.
+
+class DescriptorSets {
+ public:
+  explicit DescriptorSets(const Device& device) : device_(device) {}
+  // Forgets all sets; nothing that uses them may be running.
+  void reset();
+  // Of storage buffers, as many as any kernel has, and a sampled image. Throws Error(device).
+  VkDescriptorSet allocate(VkDescriptorSetLayout layout);
+
+ private:
+  using Pool = Owned<VkDescriptorPool, vkDestroyDescriptorPool>;
+
+  Pool make_pool() const;
+
+  const Device& device_;
+  std::vector<Pool> pools_;  // made when those before are used up
+  std::size_t made_ = 0;     // sets
+};
 
 // A compute kernel: its pipeline and the layout of its bindings (storage buffers 0, 1, ... of set 0).
 class Kernel {
@@ -132,6 +155,18 @@ class Commands {
   std::uint32_t submission_count_ = 0;
   std::uint32_t timestamp_count_ = 0;
   bool pending_ = false;
+};
+
+// What of a frame is recorded for a host program: into its command buffer, to its buffers.
+// Three numbers of each vertex, four of a tangent, in output order, bytes; strides and offset are multiples of 4.
+struct PlacedOutput {
+  VkBuffer buffer = VK_NULL_HANDLE;  // none: not wanted
+  VkDeviceSize size = 0, offset = 0, element_stride = 0;
+};
+
+struct Recording {
+  VkCommandBuffer commands = VK_NULL_HANDLE;
+  PlacedOutput positions, normals, tangents;
 };
 
 }  // namespace bodyopt::vulkan

@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "runtime/core/error.h"
-#include "runtime/core/lower_case.h"
+#include "runtime/core/text.h"
 #include "runtime/host/device_choice.h"
 #include "runtime/vulkan/object.h"
 

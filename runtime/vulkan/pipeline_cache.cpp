@@ -9,7 +9,7 @@
 #include "runtime/basis/read_file.h"
 #include "runtime/core/atomic_file.h"
 #include "runtime/core/error.h"
-#include "runtime/core/hexadecimal.h"
+#include "runtime/core/text.h"
 #include "runtime/vulkan/instance.h"
 
 namespace bodyopt::vulkan {

@@ -93,7 +93,7 @@ BODYOPT_CHECK_SIZE(BlendEntry, 52)
 // the subnormal halves, which a device may read as 0.
 const float kBlendFraction = 1.0f / 128.0f;
 
-// Rows of a dense matrix of a block inverse (runtime/basis/block_inverse.h), kBlockSize of them (the last may be less:
+// Rows of a dense matrix of a block inverse (runtime/basis/dynamics.h), kBlockSize of them (the last may be less:
 // its other rows hold zeros). Column c of the panel's rows stands at value first_value + c * kBlockSize.
 struct InversePanel {
   uint first_slot, row_count;     // slots that the rows give

@@ -1,15 +1,24 @@
 // What an animator set on top of a clip, or of the bind pose, as poses before modifiers.
 #pragma once
 
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "assets/clip.h"
-#include "shots/session/joint_ranges.h"
+#include "shots/session/pinned_joints.h"
 #include "shots/session/view_settings.h"
 
 namespace bodyopt {
+
+// What is set on top of the clip, between the frames that have keys.
+// Slow at each key, fast between them; before the first and after the last as those. Joints and axes that a key leaves
+// out are there as the clip has them, controls and pins as the other key has them. There must be a key.
+ViewSettings::PoseKey between_keys(const std::map<int, ViewSettings::PoseKey>& keys, int frame);
+
+// The posing as it is at a frame: by its keys, or, without any, as it is.
+ViewSettings::Posing keyed_posing(ViewSettings::Posing posing, int frame);
 
 // Where there is no clip to pose: the bind pose for ten seconds.
 Clip still_clip(const Skeleton& skeleton, const ClipOptions& options);

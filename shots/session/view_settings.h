@@ -11,10 +11,37 @@
 #include <vector>
 
 #include "runtime/core/transform.h"
-#include "shots/session/orbit_view.h"
-#include "shots/session/play_settings.h"
 
 namespace bodyopt {
+
+// Where a camera stands that goes around a point, as a session keeps it.
+
+struct OrbitView {
+  static constexpr double kNearest = 0.01, kFarthest = 1e5;  // metres, of the distance
+
+  Vec3 target{0, 0, 0};       // metres, world
+  double distance = 3;        // metres, from the eye to the target
+  double azimuth = 0;         // radians: 0 from the front (+z), pi / 2 from the character's left (+x)
+  double elevation = 0;       // radians above the horizon
+  bool orthographic = false;  // at the target things look as large as in perspective
+  bool cut_away = false;      // what stands before the target is cut away
+
+  bool operator==(const OrbitView&) const = default;
+};
+
+// How frames of a clip are played, as a session keeps it.
+
+enum class PlayMode { loop, ping_pong, once };
+
+struct PlaySettings {
+  static constexpr double kSlowest = 0.1, kFastest = 2;  // speeds
+
+  PlayMode mode = PlayMode::loop;
+  double speed = 1;
+  bool backwards = false, real_time = true;
+  std::optional<int> in, out;  // frames; the clip's first and last where they are left out
+  bool operator==(const PlaySettings&) const = default;
+};
 
 enum class LookStyle { clay, matcap, flat, normals };
 enum class CompareWith { none, lbs, ddm, linear, full, jiggle, truth, proxy };

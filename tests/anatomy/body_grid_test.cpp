@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-#include "geometry/closed_skin.h"
+#include "geometry/mend_surface.h"
 #include "runtime/core/error.h"
 #include "tests/anatomy/egg_human.h"
 #include "tests/support/error_kind.h"

@@ -1,6 +1,4 @@
 // anatomy.json: read strictly, and what is wrong with one said with its place.
-#include "trainer/anatomy/corrections.h"
-
 #include <gtest/gtest.h>
 
 #include <fstream>
@@ -8,6 +6,7 @@
 #include "runtime/core/error.h"
 #include "tests/support/capsule_limb.h"
 #include "tests/support/temporary_folder.h"
+#include "trainer/anatomy/body_kind.h"
 
 namespace {
 

@@ -11,7 +11,7 @@
 #include "tests/support/error_kind.h"
 #include "tests/support/shared_data.h"
 #include "trainer/anatomy/anatomy_report.h"
-#include "trainer/anatomy/trunk_muscles.h"
+#include "trainer/anatomy/muscle_candidates.h"
 #include "trainer/muscle_models/fit.h"
 
 namespace {

@@ -7,8 +7,8 @@
 #include "tests/support/capsule_limb.h"
 #include "tests/support/shared_data.h"
 #include "tests/support/stand_in_human.h"
-#include "trainer/anatomy/body_frame.h"
 #include "trainer/anatomy/body_kind.h"
+#include "trainer/anatomy/half_body.h"
 
 namespace {
 

@@ -3,7 +3,7 @@
 #include "runtime/host/rig.h"
 #include "tests/support/capsule_limb.h"
 #include "trainer/anatomy/section.h"
-#include "trainer/train/skinning/linear_blend.h"
+#include "trainer/train/skinning/unpose.h"
 
 namespace bodyopt {
 namespace {

@@ -4,7 +4,7 @@
 
 #include <numbers>
 
-#include "trainer/anatomy/tissue_colours.h"
+#include "trainer/anatomy/anatomy_report.h"
 
 namespace bodyopt {
 namespace {

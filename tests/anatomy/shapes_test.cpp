@@ -1,9 +1,9 @@
 // Distances to simple shapes, by hand.
-#include "trainer/anatomy/shapes.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
+
+#include "trainer/anatomy/bone.h"
 
 namespace {
 

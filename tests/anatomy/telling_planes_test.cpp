@@ -1,9 +1,8 @@
 // Which sections tell most of a body.
-#include "trainer/anatomy/telling_planes.h"
-
 #include <gtest/gtest.h>
 
 #include "tests/anatomy/egg_human.h"
+#include "trainer/anatomy/section.h"
 
 namespace bodyopt {
 namespace {

@@ -8,7 +8,7 @@
 #include <numbers>
 
 #include "assets/character.h"
-#include "geometry/extent.h"
+#include "geometry/mesh.h"
 #include "runtime/core/json.h"
 #include "runtime/host/rig.h"
 #include "tests/assets/gltf_blob.h"

@@ -7,7 +7,7 @@
 
 #include "runtime/core/error.h"
 #include "tests/support/attached_limb.h"
-#include "trainer/train/skinning/ddm_basis.h"
+#include "trainer/train/skinning/ddm.h"
 
 namespace bodyopt {
 namespace {

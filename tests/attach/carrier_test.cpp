@@ -7,7 +7,7 @@
 #include "geometry/nearest_skin.h"
 #include "runtime/core/error.h"
 #include "runtime/deformer/deformer.h"
-#include "runtime/host/attachments.h"
+#include "runtime/host/carry_skin.h"
 #include "runtime/host/device_choice.h"
 #include "runtime/host/rig.h"
 #include "tests/support/attached_limb.h"

@@ -13,7 +13,7 @@
 #include "tests/support/attached_limb.h"
 #include "tests/support/small_dynamics.h"
 #include "trainer/motion/joint_limits.h"
-#include "trainer/train/skinning/linear_blend.h"
+#include "trainer/train/skinning/unpose.h"
 
 namespace bodyopt {
 namespace {

@@ -1,5 +1,3 @@
-#include "runtime/core/file_lock.h"
-
 #include <gtest/gtest.h>
 #include <signal.h>
 #include <sys/stat.h>
@@ -9,6 +7,7 @@
 #include <fstream>
 #include <thread>
 
+#include "runtime/core/atomic_file.h"
 #include "tests/support/hostile_bytes.h"
 #include "tests/support/temporary_folder.h"
 

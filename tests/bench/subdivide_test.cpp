@@ -8,7 +8,7 @@
 
 #include "tests/simulate/limb.h"
 #include "trainer/check/check.h"
-#include "trainer/train/skinning/linear_blend.h"
+#include "trainer/train/skinning/unpose.h"
 
 namespace bodyopt::bench {
 namespace {

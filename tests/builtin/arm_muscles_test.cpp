@@ -7,7 +7,7 @@
 
 #include "runtime/host/rig.h"
 #include "tests/builtin/shared_arm.h"
-#include "trainer/motion/limited_pose.h"
+#include "trainer/motion/held_turns.h"
 
 namespace bodyopt {
 namespace arm_muscles_test {

@@ -6,7 +6,7 @@
 #include <map>
 #include <set>
 
-#include "geometry/closed_skin.h"
+#include "geometry/mend_surface.h"
 #include "runtime/host/rig.h"
 #include "tests/builtin/shared_arm.h"
 #include "tests/support/paths.h"

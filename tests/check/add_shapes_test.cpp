@@ -6,14 +6,14 @@
 #include <fstream>
 
 #include "assets/pc2.h"
-#include "dataset/stack_history.h"
+#include "dataset/modifier.h"
 #include "runtime/core/error.h"
 #include "tests/simulate/limb.h"
 #include "tests/support/damaged_cache.h"
 #include "tests/support/hostile_bytes.h"
 #include "tests/support/temporary_folder.h"
 #include "trainer/curate/shape_stack.h"
-#include "trainer/train/skinning/linear_blend.h"
+#include "trainer/train/skinning/unpose.h"
 
 namespace bodyopt {
 namespace {

@@ -8,8 +8,8 @@
 #include "tests/support/temporary_folder.h"
 #include "trainer/builtin/arm.h"
 #include "trainer/train/data/samples.h"
-#include "trainer/train/judge/heldout.h"
-#include "trainer/train/skinning/linear_blend.h"
+#include "trainer/train/judge/test_errors.h"
+#include "trainer/train/skinning/unpose.h"
 
 namespace bodyopt {
 namespace {

@@ -1,6 +1,4 @@
 // Shapes that are right, of bodies of any size, and the same with one thing done to all of them.
-#include "trainer/check/misplaced_shapes.h"
-
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
@@ -10,9 +8,10 @@
 #include <sstream>
 
 #include "assets/clip.h"
-#include "geometry/vertex_normals.h"
+#include "geometry/mesh.h"
 #include "tests/support/stand_in_human.h"
-#include "trainer/train/skinning/linear_blend.h"
+#include "trainer/check/shape_doubts.h"
+#include "trainer/train/skinning/unpose.h"
 
 namespace bodyopt {
 namespace {

@@ -5,7 +5,7 @@
 
 #include "tests/support/capsule_limb.h"
 #include "tests/support/temporary_folder.h"
-#include "trainer/train/skinning/linear_blend.h"
+#include "trainer/train/skinning/unpose.h"
 
 namespace bodyopt {
 namespace {

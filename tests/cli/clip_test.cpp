@@ -7,12 +7,11 @@
 #include "assets/pc2.h"
 #include "cli/arguments/common.h"
 #include "dataset/dataset.h"
-#include "dataset/file_hashes.h"
 #include "runtime/core/json.h"
 #include "tests/cli/limb_files.h"
 #include "tests/support/hostile_bytes.h"
 #include "tests/support/run_verb.h"
-#include "trainer/train/skinning/linear_blend.h"
+#include "trainer/train/skinning/unpose.h"
 
 namespace bodyopt {
 namespace clip_program_test {

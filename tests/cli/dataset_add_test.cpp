@@ -10,7 +10,7 @@
 #include "tests/support/paths.h"
 #include "tests/support/run_program.h"
 #include "tests/support/run_verb.h"
-#include "trainer/train/skinning/linear_blend.h"
+#include "trainer/train/skinning/unpose.h"
 
 namespace bodyopt {
 namespace {

@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "dataset/dataset.h"
-#include "runtime/core/file_lock.h"
+#include "runtime/core/atomic_file.h"
 #include "tests/cli/limb_files.h"
 #include "tests/support/background_program.h"
 #include "tests/support/hostile_bytes.h"

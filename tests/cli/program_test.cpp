@@ -13,8 +13,8 @@
 #include "tests/support/run_verb.h"
 #include "tests/support/temporary_folder.h"
 #include "trainer/builtin/arm.h"
-#include "trainer/train/skinning/ddm_basis.h"
-#include "trainer/train/skinning/linear_blend.h"
+#include "trainer/train/skinning/ddm.h"
+#include "trainer/train/skinning/unpose.h"
 
 namespace bodyopt {
 namespace {

@@ -13,8 +13,8 @@
 #include "tests/support/run_verb.h"
 #include "tests/support/temporary_folder.h"
 #include "trainer/builtin/arm.h"
-#include "trainer/train/features/strain.h"
-#include "trainer/train/skinning/ddm_basis.h"
+#include "trainer/train/features/features.h"
+#include "trainer/train/skinning/ddm.h"
 
 namespace bodyopt {
 namespace {

@@ -11,7 +11,7 @@
 #include "tests/support/limb_glb.h"
 #include "tests/support/paths.h"
 #include "tests/support/run_verb.h"
-#include "trainer/train/skinning/linear_blend.h"
+#include "trainer/train/skinning/unpose.h"
 
 namespace bodyopt {
 namespace {

@@ -1,8 +1,7 @@
 // The page of a show on a farm.
-#include "cli/results/show_page.h"
-
 #include <gtest/gtest.h>
 
+#include "cli/results/pages.h"
 #include "tests/support/page_contents.h"
 
 namespace bodyopt::cli {

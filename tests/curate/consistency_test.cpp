@@ -1,4 +1,6 @@
 // Shapes of like poses that disagree are found, and made to agree.
+#include "trainer/curate/consistency.h"
+
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -11,7 +13,6 @@
 #include "dataset/modifier.h"
 #include "runtime/core/error.h"
 #include "tests/curate/sweep_history.h"
-#include "trainer/curate/consistency_report.h"
 #include "trainer/curate/edit_stack.h"
 #include "trainer/curate/local_models.h"
 

@@ -7,7 +7,6 @@
 
 #include "assets/json_file.h"
 #include "dataset/modifier.h"
-#include "dataset/stack_history.h"
 #include "runtime/basis/read_file.h"
 #include "tests/curate/sweep_history.h"
 #include "tests/support/png_file.h"

@@ -7,8 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "dataset/modifier.h"
-#include "dataset/stack_history.h"
-#include "runtime/core/file_lock.h"
+#include "runtime/core/atomic_file.h"
 #include "tests/curate/curated_limb.h"
 #include "tests/support/error_kind.h"
 #include "trainer/curate/edit_stack.h"

@@ -9,7 +9,7 @@
 #include <set>
 #include <thread>
 
-#include "dataset/stack_history.h"
+#include "dataset/modifier.h"
 #include "tests/curate/curated_limb.h"
 #include "trainer/curate/edit_stack.h"
 

@@ -16,21 +16,19 @@
 #include "assets/gltf_skin.h"
 #include "assets/json_file.h"
 #include "dataset/modifier.h"
-#include "dataset/stack_history.h"
 #include "runtime/core/error.h"
 #include "tests/curate/curated_limb.h"
 #include "tests/support/error_kind.h"
 #include "tests/support/read_bytes.h"
 #include "tests/support/stand_in_human.h"
-#include "trainer/curate/bake.h"
 #include "trainer/curate/edit_stack.h"
 #include "trainer/curate/frame_files.h"
-#include "trainer/curate/mirror_image.h"
+#include "trainer/curate/match_vertices.h"
 #include "trainer/curate/modifier_scope.h"
 #include "trainer/curate/offset_cache.h"
 #include "trainer/curate/pose_space.h"
 #include "trainer/train/data/samples.h"
-#include "trainer/train/skinning/linear_blend.h"
+#include "trainer/train/skinning/unpose.h"
 
 namespace bodyopt {
 namespace {

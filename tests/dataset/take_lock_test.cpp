@@ -1,9 +1,8 @@
-#include "dataset/take_lock.h"
-
 #include <gtest/gtest.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "dataset/dataset.h"
 #include "runtime/core/error.h"
 #include "tests/support/temporary_folder.h"
 

@@ -9,7 +9,6 @@
 #include "runtime/core/error.h"
 #include "runtime/cpu/dynamics_kernels.h"
 #include "tests/support/on_threads.h"
-#include "trainer/dynamics/dissection.h"
 
 namespace bodyopt::testing {
 namespace {

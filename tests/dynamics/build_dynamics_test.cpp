@@ -10,7 +10,7 @@
 #include "runtime/core/json.h"
 #include "tests/simulate/limb.h"
 #include "tests/support/on_threads.h"
-#include "trainer/train/skinning/ddm_basis.h"
+#include "trainer/train/skinning/ddm.h"
 
 namespace bodyopt {
 namespace {

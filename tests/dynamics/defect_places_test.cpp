@@ -1,10 +1,9 @@
-#include "trainer/dynamics/defect_places.h"
-
 #include <gtest/gtest.h>
 
 #include <set>
 
 #include "tests/simulate/limb.h"
+#include "trainer/dynamics/build_dynamics.h"
 
 namespace bodyopt {
 namespace {

@@ -1,14 +1,13 @@
-#include "trainer/dynamics/diffuse.h"
-
 #include <gtest/gtest.h>
 
-#include "geometry/table_rows.h"
+#include "geometry/mesh.h"
 #include "runtime/basis/dynamics.h"
 #include "runtime/cpu/dynamics_kernels.h"
 #include "tests/simulate/limb.h"
 #include "tests/support/fem_reference.h"
 #include "tests/support/shared_data.h"
 #include "trainer/dynamics/dynamics_tets.h"
+#include "trainer/dynamics/jiggle_fields.h"
 
 namespace bodyopt {
 namespace {

@@ -5,12 +5,11 @@
 #include <Eigen/LU>
 #include <limits>
 
-#include "geometry/closed_skin.h"
+#include "geometry/mend_surface.h"
 #include "runtime/basis/dynamics.h"
 #include "runtime/core/error.h"
 #include "tests/builtin/shared_arm.h"
 #include "tests/simulate/limb.h"
-#include "trainer/dynamics/tet_quality.h"
 
 namespace bodyopt {
 namespace {

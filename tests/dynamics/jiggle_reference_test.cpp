@@ -8,7 +8,7 @@
 #include "base/linear_algebra.h"
 #include "runtime/basis/dynamics.h"
 #include "runtime/cpu/dynamics_kernels.h"
-#include "runtime/host/jiggle_stages.h"
+#include "runtime/host/jiggle.h"
 #include "tests/simulate/tet_block.h"
 #include "tests/support/fem_reference.h"
 #include "tests/support/shared_data.h"

@@ -9,7 +9,7 @@
 #include <random>
 
 #include "base/linear_algebra.h"
-#include "geometry/extent.h"
+#include "geometry/mesh.h"
 #include "runtime/basis/dynamics.h"
 #include "runtime/core/error.h"
 #include "runtime/cpu/dynamics_kernels.h"

@@ -1,8 +1,8 @@
-#include "trainer/dynamics/lowest_frequency.h"
-
 #include <gtest/gtest.h>
 
 #include <numbers>
+
+#include "trainer/dynamics/jiggle.h"
 
 namespace bodyopt {
 namespace {

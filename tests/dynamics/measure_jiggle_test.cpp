@@ -1,5 +1,3 @@
-#include "trainer/dynamics/measure_jiggle.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -7,6 +5,7 @@
 #include "runtime/deformer/deformer.h"
 #include "runtime/host/device_choice.h"
 #include "tests/support/limb_dynamics.h"
+#include "trainer/dynamics/jiggle.h"
 
 namespace bodyopt {
 namespace {

@@ -1,17 +1,14 @@
-#include "trainer/dynamics/unfold_tets.h"
-
 #include <gtest/gtest.h>
 
 #include <Eigen/LU>
 
-#include "geometry/table_rows.h"
+#include "geometry/mesh.h"
 #include "runtime/deformer/deformer.h"
 #include "runtime/host/device_choice.h"
 #include "tests/support/capsule_limb.h"
 #include "tests/support/limb_dynamics.h"
-#include "trainer/dynamics/diffuse.h"
 #include "trainer/dynamics/dynamics_tets.h"
-#include "trainer/dynamics/tet_quality.h"
+#include "trainer/dynamics/jiggle_fields.h"
 
 namespace bodyopt {
 namespace {

@@ -1,7 +1,5 @@
 // The job of OpenCue: what is generated keeps the rules, the rules refuse what breaks them, and its command is safe in
 // a shell.
-#include "farm/opencue.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -10,7 +8,7 @@
 #include <set>
 #include <sstream>
 
-#include "farm/slurm.h"
+#include "farm/queues.h"
 #include "runtime/core/error.h"
 #include "tests/support/temporary_folder.h"
 

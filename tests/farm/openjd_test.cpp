@@ -1,12 +1,11 @@
 // The template of Open Job Description: what is generated keeps the rules, and the rules refuse what breaks them.
-#include "farm/openjd.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "farm/queues.h"
 #include "runtime/core/error.h"
 
 namespace bodyopt {

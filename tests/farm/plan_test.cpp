@@ -10,8 +10,7 @@
 
 #include "assets/clip.h"
 #include "assets/frame_range.h"
-#include "farm/show_summary.h"
-#include "farm/slurm.h"
+#include "farm/queues.h"
 #include "farm/task_run.h"
 #include "runtime/core/error.h"
 #include "tests/support/run_program.h"

@@ -1,6 +1,4 @@
 // What a show has come to, from the records beside its outputs.
-#include "farm/show_summary.h"
-
 #include <gtest/gtest.h>
 
 #include <fstream>

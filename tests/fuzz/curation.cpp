@@ -2,7 +2,7 @@
 // sculpted ones, markers.
 #include <fstream>
 
-#include "dataset/stack_history.h"
+#include "dataset/modifier.h"
 #include "tests/fuzz/fuzz_target.h"
 #include "tests/fuzz/small_limb.h"
 #include "trainer/curate/exported_frames.h"

@@ -3,7 +3,6 @@
 
 #include "farm/plan.h"
 #include "farm/show_list.h"
-#include "farm/show_summary.h"
 #include "farm/task_run.h"
 #include "runtime/core/error.h"
 #include "tests/fuzz/fuzz_target.h"

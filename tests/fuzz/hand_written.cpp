@@ -9,7 +9,7 @@
 #include "tests/fuzz/fuzz_target.h"
 #include "tests/fuzz/small_limb.h"
 #include "tests/support/paths.h"
-#include "trainer/anatomy/corrections.h"
+#include "trainer/anatomy/body_kind.h"
 #include "trainer/dynamics/jiggle_settings.h"
 #include "trainer/motion/joint_limits.h"
 #include "trainer/muscle_models/mapping.h"

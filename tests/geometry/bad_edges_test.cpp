@@ -1,8 +1,8 @@
-#include "geometry/bad_edges.h"
-
 #include <gtest/gtest.h>
 
 #include <array>
+
+#include "geometry/surface_topology.h"
 
 namespace bodyopt {
 namespace {

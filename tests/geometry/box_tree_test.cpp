@@ -1,10 +1,10 @@
-#include "geometry/box_tree.h"
-
 #include <gtest/gtest.h>
 
 #include <limits>
 #include <random>
 #include <set>
+
+#include "geometry/spatial_search.h"
 
 namespace bodyopt {
 namespace {

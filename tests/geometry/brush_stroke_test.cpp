@@ -1,10 +1,9 @@
 // What brushes do, on surfaces of which that is known.
-#include "geometry/brush_stroke.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
 
+#include "geometry/brush.h"
 #include "tests/geometry/sheet.h"
 
 namespace bodyopt {

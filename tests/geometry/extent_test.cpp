@@ -1,6 +1,6 @@
-#include "geometry/extent.h"
-
 #include <gtest/gtest.h>
+
+#include "geometry/mesh.h"
 
 namespace bodyopt {
 namespace {

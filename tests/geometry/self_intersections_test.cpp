@@ -4,7 +4,7 @@
 
 #include <set>
 
-#include "geometry/untangle.h"
+#include "geometry/mend_surface.h"
 #include "tests/simulate/limb.h"
 
 namespace bodyopt {

@@ -1,6 +1,6 @@
-#include "geometry/skin_in_skin.h"
-
 #include <gtest/gtest.h>
+
+#include "geometry/self_intersections.h"
 
 namespace bodyopt::testing {
 namespace skin_in_skin_test {

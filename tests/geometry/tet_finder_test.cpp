@@ -1,11 +1,11 @@
-#include "geometry/tet_finder.h"
-
 #include <gtest/gtest.h>
 
 #include <array>
 #include <map>
 #include <random>
 #include <set>
+
+#include "geometry/tet_mesh.h"
 
 namespace bodyopt {
 namespace {

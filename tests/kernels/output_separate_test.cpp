@@ -5,7 +5,7 @@
 #include <numbers>
 
 #include "runtime/cpu/kernels.h"
-#include "runtime/host/fold_tables.h"
+#include "runtime/host/skin_tables.h"
 #include "runtime/vulkan/kernels/kernels.h"
 #include "shaders/include/fold.h"
 #include "tests/support/kernel_cases.h"

@@ -4,7 +4,7 @@
 #include <map>
 
 #include "runtime/cpu/kernels.h"
-#include "runtime/host/tangent_tables.h"
+#include "runtime/host/skin_tables.h"
 #include "runtime/vulkan/kernels/kernels.h"
 #include "shaders/include/tangent.h"
 #include "tests/support/kernel_cases.h"

@@ -7,7 +7,7 @@
 
 #include "include/bodyopt/vulkan.h"
 #include "runtime/basis/dynamics.h"
-#include "runtime/core/hexadecimal.h"
+#include "runtime/core/text.h"
 #include "tests/library/c_api.h"
 #include "tests/support/small_basis.h"
 #include "tests/support/temporary_folder.h"

@@ -3,7 +3,7 @@
 
 #include "runtime/basis/output_order.h"
 #include "runtime/cpu/kernels.h"
-#include "runtime/host/tangent_tables.h"
+#include "runtime/host/skin_tables.h"
 #include "tests/library/c_api.h"
 #include "tests/support/gpu_fixture.h"
 

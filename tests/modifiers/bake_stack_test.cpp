@@ -10,8 +10,8 @@
 #include "assets/muscles.h"
 #include "assets/pc2.h"
 #include "assets/shot_modifiers.h"
-#include "geometry/closed_skin.h"
-#include "geometry/table_rows.h"
+#include "geometry/mend_surface.h"
+#include "geometry/mesh.h"
 #include "runtime/basis/skin_modifiers.h"
 #include "runtime/deformer/deformer.h"
 #include "runtime/host/device_choice.h"
@@ -22,8 +22,8 @@
 #include "tests/support/shared_data.h"
 #include "tests/support/temporary_folder.h"
 #include "trainer/modifiers/bake_modifier.h"
-#include "trainer/modifiers/measure_breathing.h"
-#include "trainer/train/skinning/ddm_basis.h"
+#include "trainer/modifiers/measure_modifiers.h"
+#include "trainer/train/skinning/ddm.h"
 
 namespace bodyopt::testing {
 namespace bake_stack_test {

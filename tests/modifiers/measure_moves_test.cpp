@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/modifiers/driven_small_basis.h"
-#include "trainer/modifiers/evaluated_skin.h"
+#include "trainer/modifiers/measure_modifiers.h"
 
 namespace bodyopt::testing {
 namespace measure_moves_test {

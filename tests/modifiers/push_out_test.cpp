@@ -6,14 +6,14 @@
 
 #include "runtime/deformer/deformer.h"
 #include "runtime/host/device_choice.h"
-#include "runtime/host/fold_tables.h"
+#include "runtime/host/skin_tables.h"
 #include "runtime/modifiers/drive_modifiers.h"
 #include "tests/support/capsule_limb.h"
 #include "tests/support/error_kind.h"
 #include "tests/support/temporary_folder.h"
 #include "trainer/modifiers/bake_stack.h"
-#include "trainer/modifiers/measure_push_out.h"
-#include "trainer/train/skinning/ddm_basis.h"
+#include "trainer/modifiers/measure_modifiers.h"
+#include "trainer/train/skinning/ddm.h"
 
 namespace bodyopt::testing {
 namespace push_out_test {

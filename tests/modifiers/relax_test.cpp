@@ -4,15 +4,15 @@
 #include <Eigen/Geometry>
 #include <fstream>
 
-#include "geometry/table_rows.h"
+#include "geometry/mesh.h"
 #include "runtime/deformer/deformer.h"
 #include "runtime/modifiers/drive_modifiers.h"
 #include "tests/support/capsule_limb.h"
 #include "tests/support/temporary_folder.h"
 #include "trainer/modifiers/bake_modifier.h"
 #include "trainer/modifiers/bake_stack.h"
-#include "trainer/modifiers/evaluated_skin.h"
-#include "trainer/train/skinning/ddm_basis.h"
+#include "trainer/modifiers/measure_modifiers.h"
+#include "trainer/train/skinning/ddm.h"
 
 namespace bodyopt::testing {
 namespace relax_test {

@@ -10,7 +10,6 @@
 #include "tests/support/capsule_limb.h"
 #include "tests/support/temporary_folder.h"
 #include "trainer/motion/held_turns.h"
-#include "trainer/motion/limited_pose.h"
 
 namespace bodyopt {
 namespace {

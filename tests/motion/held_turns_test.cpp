@@ -10,7 +10,6 @@
 #include "assets/clip.h"
 #include "tests/support/paths.h"
 #include "tests/support/shared_data.h"
-#include "trainer/motion/limited_pose.h"
 
 namespace bodyopt {
 namespace held_turns_test {

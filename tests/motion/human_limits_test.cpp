@@ -5,8 +5,8 @@
 #include "runtime/host/rig.h"
 #include "tests/support/paths.h"
 #include "tests/support/shared_data.h"
-#include "trainer/motion/body_spheres.h"
-#include "trainer/motion/limited_pose.h"
+#include "trainer/motion/explore.h"
+#include "trainer/motion/held_turns.h"
 
 namespace bodyopt {
 namespace {

@@ -14,10 +14,8 @@
 #include "runtime/core/error.h"
 #include "tests/builtin/shared_arm.h"
 #include "tests/support/capsule_limb.h"
-#include "trainer/motion/blend_clips.h"
-#include "trainer/motion/body_spheres.h"
 #include "trainer/motion/explore.h"
-#include "trainer/motion/limited_pose.h"
+#include "trainer/motion/held_turns.h"
 
 namespace bodyopt {
 namespace {

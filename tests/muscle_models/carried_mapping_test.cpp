@@ -1,6 +1,4 @@
 // Mappings of muscles that were made for one rig, with the joints of another.
-#include "trainer/muscle_models/carried_mapping.h"
-
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>

@@ -6,7 +6,7 @@
 #include <numbers>
 #include <random>
 
-#include "geometry/skin_depth.h"
+#include "geometry/thickness.h"
 #include "runtime/core/error.h"
 #include "tests/support/hostile_bytes.h"
 #include "tests/support/paths.h"

@@ -1,11 +1,11 @@
 // Paths around spheres and cylinders whose lengths are worked out by hand: a path from a point at twice the radius
 // meets the surface sqrt(3) radii further on, 60 degrees around it.
-#include "trainer/muscle_models/wrap.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <numbers>
+
+#include "trainer/muscle_models/model.h"
 
 namespace bodyopt::muscle_models {
 namespace {

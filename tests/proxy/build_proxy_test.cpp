@@ -15,10 +15,9 @@
 #include "tests/support/same_basis.h"
 #include "tests/support/temporary_folder.h"
 #include "trainer/proxy/level_skins.h"
-#include "trainer/proxy/proxy_samples.h"
 #include "trainer/train/data/learned_poses.h"
-#include "trainer/train/judge/heldout.h"
-#include "trainer/train/skinning/ddm_basis.h"
+#include "trainer/train/judge/test_errors.h"
+#include "trainer/train/skinning/ddm.h"
 
 namespace bodyopt {
 namespace {

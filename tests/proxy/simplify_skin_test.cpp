@@ -1,5 +1,3 @@
-#include "trainer/proxy/simplify_skin.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -8,9 +6,9 @@
 #include "tests/support/capsule_limb.h"
 #include "tests/support/sound_skin.h"
 #include "tests/support/stand_in_human.h"
-#include "trainer/proxy/proxy_samples.h"
-#include "trainer/proxy/skin_map.h"
-#include "trainer/train/skinning/linear_blend.h"
+#include "trainer/proxy/build_proxy.h"
+#include "trainer/proxy/level_skins.h"
+#include "trainer/train/skinning/unpose.h"
 
 namespace bodyopt {
 namespace {

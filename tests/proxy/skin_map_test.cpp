@@ -1,14 +1,13 @@
-#include "trainer/proxy/skin_map.h"
-
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
 
-#include "geometry/vertex_normals.h"
+#include "geometry/mesh.h"
 #include "runtime/host/carry_skin.h"
 #include "tests/support/capsule_limb.h"
-#include "trainer/proxy/proxy_samples.h"
-#include "trainer/train/skinning/mesh_table.h"
+#include "trainer/proxy/build_proxy.h"
+#include "trainer/proxy/level_skins.h"
+#include "trainer/train/skinning/ddm.h"
 
 namespace bodyopt {
 namespace {

@@ -2,7 +2,7 @@
 #include <imgui_internal.h>
 
 #include "proxy_viewer/commands/commands.h"
-#include "shots/session/pose_keys.h"
+#include "shots/session/posed_clip.h"
 #include "tests/proxy_viewer/played_viewport.h"
 #include "tests/support/paths.h"
 #include "tests/support/run_verb.h"

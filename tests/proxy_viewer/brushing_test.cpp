@@ -4,8 +4,7 @@
 #include <chrono>
 
 #include "dataset/modifier.h"
-#include "dataset/stack_history.h"
-#include "runtime/core/file_lock.h"
+#include "runtime/core/atomic_file.h"
 #include "tests/curate/curated_limb.h"
 #include "tests/proxy_viewer/played_viewport.h"
 #include "tests/support/error_kind.h"

@@ -11,7 +11,7 @@
 #include "tests/proxy_viewer/twin_level.h"
 #include "tests/support/error_kind.h"
 #include "trainer/transfer/markers_file.h"
-#include "trainer/transfer/motion_of_target.h"
+#include "trainer/transfer/transfer_basis.h"
 
 namespace bodyopt::testing {
 namespace crowd_test {

@@ -1,5 +1,3 @@
-#include "proxy_viewer/platform/fonts.h"
-
 #include <gtest/gtest.h>
 
 #include <filesystem>

@@ -1,8 +1,8 @@
-#include "shots/session/joint_ranges.h"
-
 #include <gtest/gtest.h>
 
 #include <numbers>
+
+#include "shots/session/pinned_joints.h"
 
 namespace bodyopt::testing {
 namespace {

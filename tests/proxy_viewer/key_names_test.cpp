@@ -1,9 +1,8 @@
-#include "proxy_viewer/platform/key_names.h"
-
 #include <GLFW/glfw3.h>
 #include <gtest/gtest.h>
 
 #include "proxy_viewer/commands/commands.h"
+#include "proxy_viewer/platform/window.h"
 
 namespace bodyopt::testing {
 namespace {

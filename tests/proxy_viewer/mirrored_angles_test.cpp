@@ -6,7 +6,7 @@
 
 #include "runtime/basis/skeleton.h"
 #include "runtime/host/rig.h"
-#include "shots/session/joint_ranges.h"
+#include "shots/session/pinned_joints.h"
 #include "tests/support/random_tables.h"
 
 namespace bodyopt::testing {

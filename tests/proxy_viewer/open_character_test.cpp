@@ -1,13 +1,12 @@
-#include "shots/open_character.h"
-
+#include "shots/shot_files.h"
 #include "tests/builtin/shared_arm.h"
 #include "tests/proxy_viewer/small_character.h"
 #include "tests/support/error_kind.h"
 #include "tests/support/limb_glb.h"
 #include "tests/support/same_basis.h"
 #include "tests/support/shared_data.h"
-#include "trainer/train/features/strain.h"
-#include "trainer/train/skinning/ddm_basis.h"
+#include "trainer/train/features/features.h"
+#include "trainer/train/skinning/ddm.h"
 
 namespace bodyopt::testing {
 namespace {

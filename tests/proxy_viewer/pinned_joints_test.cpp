@@ -8,7 +8,7 @@
 #include "proxy_viewer/scene/turn_rings.h"
 #include "runtime/core/error.h"
 #include "runtime/host/rig.h"
-#include "runtime/modifiers/world_rotations.h"
+#include "runtime/modifiers/drive_modifiers.h"
 #include "shots/session/posed_clip.h"
 #include "tests/proxy_viewer/played_viewport.h"
 #include "tests/support/random_tables.h"

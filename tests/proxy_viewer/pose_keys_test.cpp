@@ -1,6 +1,4 @@
 // A pose that is kept: keys, undo, what is exported, and what eval then gives.
-#include "shots/session/pose_keys.h"
-
 #include <gtest/gtest.h>
 
 #include <fstream>
@@ -10,6 +8,7 @@
 #include "proxy_viewer/commands/commands.h"
 #include "proxy_viewer/session.h"
 #include "runtime/basis/character_unit.h"
+#include "shots/session/posed_clip.h"
 #include "tests/proxy_viewer/small_character.h"
 #include "tests/support/error_kind.h"
 #include "tests/support/gpu_fixture.h"

@@ -6,7 +6,7 @@
 #include "proxy_viewer/commands/commands.h"
 #include "proxy_viewer/describe_scene.h"
 #include "runtime/core/error.h"
-#include "shots/session/joint_ranges.h"
+#include "shots/session/pinned_joints.h"
 #include "tests/curate/curated_limb.h"
 #include "tests/proxy_viewer/small_character.h"
 #include "tests/support/error_kind.h"

@@ -44,7 +44,7 @@ class XDisplay {
   // What the window shows on the screen; no pixels of one that is not there.
   Image picture(const std::string& window) const {
     Display* display = XOpenDisplay(name_.c_str());
-    const Window id = std::stoul(window);
+    const ::Window id = std::stoul(window);
     XWindowAttributes attributes{};
     XGetWindowAttributes(display, id, &attributes);
     const auto width = static_cast<unsigned>(attributes.width), height = static_cast<unsigned>(attributes.height);

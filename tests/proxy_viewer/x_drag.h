@@ -23,7 +23,7 @@ class FileDrag {
   FileDrag& operator=(const FileDrag&) = delete;
 
   // False when the target does not take them in time.
-  bool drop(const std::vector<std::string>& files, Window target, double seconds) {
+  bool drop(const std::vector<std::string>& files, ::Window target, double seconds) {
     list_.clear();
     for (const std::string& file : files) list_ += "file://" + file + "\r\n";
     XSetSelectionOwner(display_, atom("XdndSelection"), own_, CurrentTime);
@@ -44,7 +44,7 @@ class FileDrag {
   }
 
   // The hand goes over the target, and its window is gone before any answer. It can do nothing more.
-  void vanish_over(Window target) {
+  void vanish_over(::Window target) {
     XGrabServer(display_);
     move_over(target);
     XDestroyWindow(display_, own_);
@@ -53,7 +53,7 @@ class FileDrag {
   }
 
  private:
-  void move_over(Window target) {
+  void move_over(::Window target) {
     target_ = target;
     send("XdndEnter", {0, 5L << 24, static_cast<long>(atom("text/uri-list")), 0, 0});
     send("XdndPosition", {0, 0, 0, CurrentTime, static_cast<long>(atom("XdndActionCopy"))});
@@ -89,7 +89,7 @@ class FileDrag {
   }
 
   Display* display_;
-  Window own_, target_ = 0;
+  ::Window own_, target_ = 0;
   std::string list_;  // text/uri-list
 };
 

@@ -1,9 +1,8 @@
-#include "runtime/vulkan/backend/block_solve.h"
-
 #include <bit>
 
 #include "runtime/core/error.h"
 #include "runtime/cpu/dynamics_kernels.h"
+#include "runtime/vulkan/backend/device_model.h"
 #include "tests/support/gpu_fixture.h"
 #include "tests/support/random_tables.h"
 #include "tests/support/small_inverse.h"

@@ -6,7 +6,7 @@
 #include "runtime/core/error.h"
 #include "runtime/cpu/cpu_backend.h"
 #include "runtime/deformer/deformer.h"
-#include "runtime/deformer/make_batch.h"
+#include "runtime/deformer/evaluate_together.h"
 #include "runtime/vulkan/backend/device_model.h"
 #include "runtime/vulkan/backend/vulkan_backend.h"
 #include "tests/support/gpu_fixture.h"

@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "runtime/host/fold_tables.h"
+#include "runtime/host/skin_tables.h"
 
 namespace bodyopt::testing {
 namespace fold_joints_test {

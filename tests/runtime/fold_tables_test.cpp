@@ -1,10 +1,9 @@
-#include "runtime/host/fold_tables.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <array>
 
+#include "runtime/host/skin_tables.h"
 #include "shaders/include/fold.h"
 #include "tests/support/random_tables.h"
 

@@ -1,10 +1,9 @@
-#include "runtime/host/jiggle_stages.h"
-
 #include <gtest/gtest.h>
 
 #include <complex>
 
 #include "runtime/cpu/dynamics_kernels.h"
+#include "runtime/host/jiggle.h"
 #include "tests/support/random_jiggle.h"
 
 namespace bodyopt::testing {

@@ -5,10 +5,10 @@
 #include <algorithm>
 #include <set>
 
-#include "geometry/vertex_normals.h"
+#include "geometry/mesh.h"
 #include "runtime/host/rig.h"
 #include "trainer/builtin/arm.h"
-#include "trainer/motion/limited_pose.h"
+#include "trainer/motion/held_turns.h"
 #include "trainer/simulate/quasi_static.h"
 
 namespace bodyopt {

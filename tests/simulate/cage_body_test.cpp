@@ -16,9 +16,9 @@
 #include "trainer/builtin/arm.h"
 #include "trainer/simulate/quasi_static.h"
 #include "trainer/simulate/simulate.h"
+#include "trainer/tets/cage.h"
 #include "trainer/tets/lattice_cage.h"
 #include "trainer/tets/second_order.h"
-#include "trainer/tets/skin_cage.h"
 
 namespace bodyopt {
 namespace {

@@ -2,8 +2,8 @@
 
 #include "tests/simulate/limb.h"
 #include "trainer/simulate/contact.h"
+#include "trainer/tets/cage.h"
 #include "trainer/tets/lattice_cage.h"
-#include "trainer/tets/skin_cage.h"
 
 namespace bodyopt {
 namespace {

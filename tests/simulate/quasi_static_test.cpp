@@ -9,7 +9,7 @@
 #include <map>
 #include <set>
 
-#include "geometry/closed_skin.h"
+#include "geometry/mend_surface.h"
 #include "runtime/core/error.h"
 #include "runtime/host/rig.h"
 #include "tests/simulate/limb.h"

@@ -5,7 +5,7 @@
 #include <Eigen/LU>
 #include <numbers>
 
-#include "geometry/closed_skin.h"
+#include "geometry/mend_surface.h"
 #include "tests/simulate/tube_field.h"
 #include "trainer/tets/lattice_cage.h"
 #include "trainer/tets/tets.h"

@@ -3,8 +3,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "runtime/core/hexadecimal.h"
-#include "trainer/train/skinning/ddm_basis.h"
+#include "runtime/core/text.h"
+#include "trainer/train/skinning/ddm.h"
 
 namespace bodyopt {
 

@@ -5,7 +5,7 @@
 #include <numbers>
 
 #include "runtime/host/rig.h"
-#include "trainer/train/skinning/linear_blend.h"
+#include "trainer/train/skinning/unpose.h"
 
 namespace bodyopt {
 

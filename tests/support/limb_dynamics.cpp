@@ -1,7 +1,7 @@
 #include "tests/support/limb_dynamics.h"
 
 #include "runtime/host/rig.h"
-#include "trainer/train/skinning/ddm_basis.h"
+#include "trainer/train/skinning/ddm.h"
 
 namespace bodyopt {
 

@@ -2,11 +2,11 @@
 
 #include <cstdint>
 
-#include "runtime/core/hexadecimal.h"
-#include "trainer/dynamics/diffuse.h"
+#include "runtime/core/text.h"
 #include "trainer/dynamics/dynamics_tets.h"
 #include "trainer/dynamics/jiggle.h"
-#include "trainer/train/skinning/ddm_basis.h"
+#include "trainer/dynamics/jiggle_fields.h"
+#include "trainer/train/skinning/ddm.h"
 
 namespace bodyopt::testing {
 namespace {

@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "runtime/basis/block_inverse.h"
+#include "runtime/basis/dynamics.h"
 #include "tests/support/random_tables.h"
 
 namespace bodyopt::testing {

@@ -1,8 +1,7 @@
-#include "trainer/tets/apart_skin.h"
-
 #include <gtest/gtest.h>
 
 #include "tests/simulate/limb.h"
+#include "trainer/tets/cage.h"
 
 namespace bodyopt {
 namespace {

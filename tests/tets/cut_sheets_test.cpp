@@ -1,8 +1,8 @@
-#include "trainer/tets/cut_sheets.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
+
+#include "trainer/tets/fillable_skin.h"
 
 namespace bodyopt {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "geometry/closed_skin.h"
+#include "geometry/mend_surface.h"
 #include "runtime/core/error.h"
 #include "tests/simulate/limb.h"
 #include "trainer/tets/tets.h"

@@ -5,7 +5,7 @@
 #include <Eigen/LU>
 #include <set>
 
-#include "geometry/closed_skin.h"
+#include "geometry/mend_surface.h"
 #include "runtime/core/error.h"
 #include "tests/builtin/shared_arm.h"
 #include "tests/simulate/limb.h"

@@ -1,8 +1,7 @@
-#include "trainer/tets/own_joints.h"
-
 #include <gtest/gtest.h>
 
 #include "tests/simulate/limb.h"
+#include "trainer/tets/riders.h"
 #include "trainer/tets/tets.h"
 
 namespace bodyopt {

@@ -1,16 +1,15 @@
-#include "trainer/tets/skin_cage.h"
-
 #include <gtest/gtest.h>
 
 #include <Eigen/LU>
 #include <algorithm>
 #include <set>
 
-#include "geometry/closed_skin.h"
+#include "geometry/mend_surface.h"
 #include "geometry/thickness.h"
 #include "runtime/core/error.h"
 #include "tests/builtin/shared_arm.h"
 #include "tests/simulate/limb.h"
+#include "trainer/tets/cage.h"
 
 namespace bodyopt {
 namespace {

@@ -4,7 +4,7 @@
 
 #include <Eigen/LU>
 
-#include "geometry/closed_skin.h"
+#include "geometry/mend_surface.h"
 #include "runtime/core/error.h"
 #include "tests/simulate/limb.h"
 #include "tests/support/stand_in_human.h"

@@ -1,12 +1,11 @@
 // The table of methods on a synthetic limb.
-#include "trainer/train/judge/ablation.h"
-
 #include <gtest/gtest.h>
 
 #include <map>
 
 #include "tests/support/capsule_limb.h"
 #include "trainer/train/fit/train.h"
+#include "trainer/train/judge/test_errors.h"
 
 namespace bodyopt {
 namespace {

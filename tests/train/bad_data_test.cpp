@@ -16,12 +16,12 @@
 #include "tests/support/same_basis.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/support/trained_basis.h"
-#include "trainer/train/data/contradictions.h"
-#include "trainer/train/data/stray_vertices.h"
+#include "trainer/train/data/data_warnings.h"
+#include "trainer/train/data/unposed_shapes.h"
 #include "trainer/train/fit/train.h"
-#include "trainer/train/judge/heldout.h"
+#include "trainer/train/judge/test_errors.h"
 #include "trainer/train/options.h"
-#include "trainer/train/skinning/ddm_basis.h"
+#include "trainer/train/skinning/ddm.h"
 
 namespace bodyopt {
 namespace {

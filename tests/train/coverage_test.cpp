@@ -14,7 +14,7 @@
 #include "tests/support/capsule_limb.h"
 #include "tests/support/trained_basis.h"
 #include "trainer/train/fit/train.h"
-#include "trainer/train/judge/heldout.h"
+#include "trainer/train/judge/test_errors.h"
 
 namespace bodyopt {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <Eigen/Geometry>
 
-#include "geometry/extent.h"
+#include "geometry/mesh.h"
 #include "runtime/cpu/kernels.h"
 #include "tests/support/reference_tensors.h"
 #include "tests/support/shared_data.h"

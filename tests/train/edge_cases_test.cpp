@@ -7,7 +7,7 @@
 #include "tests/support/capsule_limb.h"
 #include "tests/support/trained_basis.h"
 #include "trainer/train/fit/train.h"
-#include "trainer/train/skinning/linear_blend.h"
+#include "trainer/train/skinning/unpose.h"
 
 namespace bodyopt {
 namespace {

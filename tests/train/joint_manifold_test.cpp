@@ -1,12 +1,11 @@
 // What training showed of joints, alone and together.
-#include "trainer/train/features/joint_manifold.h"
-
 #include <gtest/gtest.h>
 
 #include <random>
 
 #include "runtime/host/fade.h"
 #include "runtime/host/rig.h"
+#include "trainer/train/features/features.h"
 
 namespace bodyopt {
 namespace {

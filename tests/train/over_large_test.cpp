@@ -7,14 +7,14 @@
 #include <numeric>
 
 #include "base/parallel.h"
-#include "geometry/extent.h"
+#include "geometry/mesh.h"
 #include "runtime/core/half.h"
 #include "runtime/deformer/deformer.h"
 #include "runtime/host/device_choice.h"
 #include "tests/support/capsule_limb.h"
 #include "trainer/train/fit/fit_regions.h"
 #include "trainer/train/pack/trade_off.h"
-#include "trainer/train/skinning/mesh_table.h"
+#include "trainer/train/skinning/ddm.h"
 
 namespace bodyopt {
 namespace {

@@ -5,7 +5,7 @@
 #include <random>
 
 #include "base/linear_algebra.h"
-#include "trainer/train/regression/select_features.h"
+#include "trainer/train/regression/regress.h"
 
 namespace bodyopt {
 namespace {

@@ -7,7 +7,7 @@
 #include "tests/support/capsule_limb.h"
 #include "tests/support/trained_basis.h"
 #include "trainer/train/fit/train.h"
-#include "trainer/train/skinning/ddm_basis.h"
+#include "trainer/train/skinning/ddm.h"
 
 namespace bodyopt {
 namespace {

@@ -6,16 +6,13 @@
 #include <cmath>
 #include <set>
 
+#include "geometry/mesh.h"
 #include "geometry/nearest_skin.h"
-#include "geometry/table_rows.h"
 #include "runtime/cpu/kernels.h"
 #include "runtime/host/rig.h"
 #include "tests/support/capsule_limb.h"
 #include "trainer/train/features/features.h"
-#include "trainer/train/features/strain.h"
-#include "trainer/train/skinning/ddm_basis.h"
-#include "trainer/train/skinning/linear_blend.h"
-#include "trainer/train/skinning/mesh_table.h"
+#include "trainer/train/skinning/ddm.h"
 #include "trainer/train/skinning/unpose.h"
 
 namespace bodyopt {

@@ -1,6 +1,4 @@
 // Feature selection against least squares with every choice of columns.
-#include "trainer/train/regression/select_features.h"
-
 #include <gtest/gtest.h>
 
 #include <Eigen/Core>
@@ -9,6 +7,7 @@
 #include <random>
 
 #include "tests/support/textbook_algebra.h"
+#include "trainer/train/regression/regress.h"
 
 namespace bodyopt {
 namespace {

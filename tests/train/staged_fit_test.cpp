@@ -16,7 +16,7 @@
 #include "tests/support/temporary_folder.h"
 #include "tests/support/trained_basis.h"
 #include "trainer/train/fit/train.h"
-#include "trainer/train/judge/heldout.h"
+#include "trainer/train/judge/test_errors.h"
 #include "trainer/train/pack/trade_off.h"
 
 namespace bodyopt {

@@ -1,23 +1,20 @@
 // Strains on skin that no muscle lies under.
-#include "trainer/train/fit/surface_curves.h"
-
 #include <gtest/gtest.h>
 
 #include <set>
 
-#include "geometry/extent.h"
+#include "geometry/mesh.h"
 #include "runtime/core/error.h"
 #include "runtime/deformer/deformer.h"
 #include "runtime/host/device_choice.h"
 #include "tests/support/capsule_limb.h"
 #include "tests/support/trained_basis.h"
 #include "trainer/train/features/features.h"
-#include "trainer/train/features/strain.h"
+#include "trainer/train/fit/choose_map.h"
 #include "trainer/train/fit/train.h"
-#include "trainer/train/judge/heldout.h"
-#include "trainer/train/skinning/ddm_basis.h"
-#include "trainer/train/skinning/linear_blend.h"
-#include "trainer/train/skinning/mesh_table.h"
+#include "trainer/train/judge/test_errors.h"
+#include "trainer/train/skinning/ddm.h"
+#include "trainer/train/skinning/unpose.h"
 
 namespace bodyopt {
 namespace {

@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-#include "geometry/laplacian.h"
+#include "geometry/surface_distance.h"
 #include "runtime/core/error.h"
 #include "runtime/deformer/deformer.h"
 #include "runtime/host/device_choice.h"
@@ -13,7 +13,6 @@
 #include "tests/support/trained_basis.h"
 #include "trainer/train/coverage/coverage.h"
 #include "trainer/train/fit/train.h"
-#include "trainer/train/judge/heldout.h"
 
 namespace bodyopt {
 namespace test_errors_test {

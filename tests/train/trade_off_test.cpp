@@ -12,8 +12,8 @@
 #include "tests/support/capsule_limb.h"
 #include "tests/support/trained_basis.h"
 #include "trainer/train/fit/train.h"
-#include "trainer/train/judge/heldout.h"
-#include "trainer/train/skinning/ddm_basis.h"
+#include "trainer/train/judge/test_errors.h"
+#include "trainer/train/skinning/ddm.h"
 
 namespace bodyopt {
 namespace trade_off_test {

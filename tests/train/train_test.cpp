@@ -22,9 +22,9 @@
 #include "tests/support/same_basis.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/support/trained_basis.h"
-#include "trainer/train/judge/heldout.h"
+#include "trainer/train/judge/test_errors.h"
 #include "trainer/train/pack/trade_off.h"
-#include "trainer/train/skinning/linear_blend.h"
+#include "trainer/train/skinning/unpose.h"
 
 namespace bodyopt {
 namespace train_test {

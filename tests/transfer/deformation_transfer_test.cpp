@@ -5,8 +5,8 @@
 #include <cmath>
 #include <random>
 
-#include "geometry/extent.h"
-#include "geometry/laplacian.h"
+#include "geometry/mesh.h"
+#include "geometry/surface_distance.h"
 #include "tests/support/textbook_algebra.h"
 #include "trainer/transfer/skin_transfer.h"
 

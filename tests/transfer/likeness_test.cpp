@@ -1,10 +1,10 @@
 // How alike limbs are that differ in one thing alone.
 #include <gtest/gtest.h>
 
-#include "geometry/laplacian.h"
-#include "geometry/table_rows.h"
+#include "geometry/mesh.h"
+#include "geometry/surface_distance.h"
 #include "tests/support/capsule_limb.h"
-#include "trainer/train/skinning/ddm_basis.h"
+#include "trainer/train/skinning/ddm.h"
 #include "trainer/transfer/transfer_pair.h"
 
 namespace bodyopt {

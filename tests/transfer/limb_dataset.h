@@ -8,7 +8,7 @@
 #include "dataset/dataset.h"
 #include "dataset/regions_file.h"
 #include "tests/support/capsule_limb.h"
-#include "trainer/train/skinning/mesh_table.h"
+#include "trainer/train/skinning/ddm.h"
 
 namespace bodyopt::testing {
 

@@ -1,12 +1,11 @@
 // Carried frames that learn from a body's own.
-#include "trainer/transfer/refine_carried.h"
-
 #include <gtest/gtest.h>
 
 #include "runtime/host/device_choice.h"
 #include "tests/support/capsule_limb.h"
 #include "tests/support/error_kind.h"
-#include "trainer/train/skinning/ddm_basis.h"
+#include "trainer/train/skinning/ddm.h"
+#include "trainer/transfer/skin_transfer.h"
 
 namespace bodyopt {
 namespace {

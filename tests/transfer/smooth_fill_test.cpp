@@ -3,12 +3,12 @@
 
 #include <Eigen/LU>
 
-#include "geometry/laplacian.h"
-#include "geometry/table_rows.h"
+#include "geometry/mesh.h"
+#include "geometry/surface_distance.h"
 #include "tests/support/textbook_algebra.h"
 #include "tests/transfer/refined_limb.h"
-#include "trainer/train/skinning/ddm_basis.h"
-#include "trainer/transfer/carry_anatomy.h"
+#include "trainer/train/skinning/ddm.h"
+#include "trainer/transfer/carry_parts.h"
 #include "trainer/transfer/skin_transfer.h"
 #include "trainer/transfer/transfer_pair.h"
 

@@ -5,7 +5,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "geometry/table_rows.h"
+#include "geometry/mesh.h"
 #include "runtime/core/json.h"
 #include "runtime/deformer/deformer.h"
 #include "runtime/host/carry_skin.h"
@@ -15,12 +15,10 @@
 #include "tests/support/temporary_folder.h"
 #include "tests/transfer/refined_limb.h"
 #include "trainer/proxy/build_proxy.h"
-#include "trainer/proxy/proxy_samples.h"
-#include "trainer/proxy/simplify_skin.h"
+#include "trainer/proxy/level_skins.h"
 #include "trainer/train/fit/train.h"
-#include "trainer/train/skinning/ddm_basis.h"
+#include "trainer/train/skinning/ddm.h"
 #include "trainer/transfer/transfer_basis.h"
-#include "trainer/transfer/transfer_dynamics.h"
 #include "trainer/transfer/transfer_levels.h"
 
 namespace bodyopt {

@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "dataset/modifier.h"
-#include "geometry/table_rows.h"
+#include "geometry/mesh.h"
 #include "tests/support/run_verb.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/transfer/limb_dataset.h"

@@ -9,8 +9,7 @@
 #include "assets/pc2.h"
 #include "dataset/dataset.h"
 #include "dataset/modifier.h"
-#include "geometry/extent.h"
-#include "geometry/table_rows.h"
+#include "geometry/mesh.h"
 #include "runtime/deformer/deformer.h"
 #include "runtime/host/device_choice.h"
 #include "runtime/host/rig.h"
@@ -21,15 +20,12 @@
 #include "trainer/train/coverage/coverage.h"
 #include "trainer/train/features/features.h"
 #include "trainer/train/fit/train.h"
-#include "trainer/train/skinning/ddm_basis.h"
-#include "trainer/train/skinning/linear_blend.h"
-#include "trainer/train/skinning/mesh_table.h"
+#include "trainer/train/skinning/ddm.h"
 #include "trainer/train/skinning/unpose.h"
-#include "trainer/transfer/carry_modifiers.h"
+#include "trainer/transfer/carry_parts.h"
 #include "trainer/transfer/correspondence.h"
 #include "trainer/transfer/transfer_basis.h"
 #include "trainer/transfer/transfer_columns.h"
-#include "trainer/transfer/transfer_dataset.h"
 
 namespace bodyopt {
 namespace {

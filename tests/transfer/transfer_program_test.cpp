@@ -16,7 +16,7 @@
 #include "tests/support/run_verb.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/transfer/limb_dataset.h"
-#include "trainer/train/skinning/ddm_basis.h"
+#include "trainer/train/skinning/ddm.h"
 #include "trainer/transfer/markers_file.h"
 #include "trainer/transfer/transfer_pair.h"
 

@@ -2,12 +2,15 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <map>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "trainer/anatomy/field.h"
+#include "trainer/anatomy/section.h"
 
 namespace bodyopt {
 
@@ -41,5 +44,24 @@ AnatomyReport report_anatomy(const Character& character, const std::vector<Muscl
 
 // One sentence on where the skin passes through itself, and so parts' volumes are not their own; empty: nowhere.
 std::string skin_crossing(const Character& character);
+
+// The colours of tissues, and pictures of sections in them.
+
+using Rgb = std::array<std::uint8_t, 3>;  // sRGB
+
+// Bone ivory, fat yellow, cavity grey-blue, tendon white, other lean tissue pale red; every muscle a red or brown of
+// its own, the same on both sides of the body.
+class TissueColours {
+ public:
+  explicit TissueColours(const std::vector<Muscle>& muscles);
+  Rgb of(const TissueAt& tissue) const;
+  // width x height x 4, sRGB: of nothing where no tissue is; darker where two muscles, or other tissues, meet.
+  // stretch: of the fibres at every pixel, times their length at rest, or empty; muscles are more orange the shorter,
+  // more violet the longer they are, fullest at a third.
+  std::vector<std::uint8_t> picture(const TissueSection& section, std::span<const double> stretch = {}) const;
+
+ private:
+  std::vector<Rgb> muscles_;
+};
 
 }  // namespace bodyopt

@@ -6,8 +6,8 @@
 #include <string>
 
 #include "base/parallel.h"
-#include "geometry/closed_skin.h"
-#include "geometry/extent.h"
+#include "geometry/mend_surface.h"
+#include "geometry/mesh.h"
 #include "runtime/core/error.h"
 
 namespace bodyopt {

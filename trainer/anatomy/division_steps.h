@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "trainer/anatomy/lean_samples.h"
+#include "trainer/anatomy/inner_tissue.h"
 #include "trainer/anatomy/muscle_paths.h"
 
 namespace bodyopt {

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "geometry/closed_skin.h"
-#include "geometry/vertex_normals.h"
+#include "geometry/mend_surface.h"
+#include "geometry/mesh.h"
 
 namespace bodyopt {
 namespace {

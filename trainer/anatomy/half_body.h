@@ -1,6 +1,7 @@
 // One half of a body, seen as its left: so every table and shape of anatomy is written once.
 #pragma once
 
+#include <Eigen/Core>
 #include <Eigen/Geometry>
 #include <optional>
 #include <string>
@@ -41,5 +42,21 @@ HalfBody body_in_frame(const Character& character);
 
 // J: the joint on the other side of each joint; itself in the middle, -1 where there is none.
 std::vector<int> mirrored_joints(const Character& character);
+
+// Which way a body stands and looks in its file.
+
+class NearestSkin;
+
+// How far on average the vertices (V x 3, one at least) lie from their skin, mirrored across an axis at `middle`;
+// metres.
+double mirror_error(const Positions& vertices, const NearestSkin& skin, int axis, double middle);
+
+// A turn between coordinate axes, from rest space to one in which the body stands y up, with its left at +x, so that it
+// looks along z: up as the file's nodes have it (turn_upright), left by the joints that are named so; where none are,
+// the axis about which the skin is its own mirror image more closely.
+Eigen::Matrix3d body_frame(const Character& character);
+
+// The same character, its skin and joints turned by a rotation.
+Character turned(const Character& character, const Eigen::Matrix3d& rotation);
 
 }  // namespace bodyopt

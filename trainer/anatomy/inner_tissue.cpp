@@ -6,6 +6,7 @@
 #include <string>
 
 #include "base/parallel.h"
+#include "geometry/mesh.h"
 #include "trainer/anatomy/animal.h"
 #include "trainer/anatomy/fat.h"
 #include "trainer/anatomy/human_bones.h"
@@ -59,6 +60,28 @@ void find_human_tissue(BodySurvey& survey, const HumanFrame& frame, const InnerT
   tissue.landmarks = skeleton.landmarks;
 }
 
+constexpr std::array kRegionNames{"trunk", "hip",       "neck",    "head", "thigh", "calf",
+                                  "foot",  "upper_arm", "forearm", "hand", "tail",  "fin"};
+
+// By BodyPart; of what follows, hands.
+constexpr BodyRegion kRegionOfPart[] = {BodyRegion::hip,   BodyRegion::trunk,     BodyRegion::neck,
+                                        BodyRegion::head,  BodyRegion::hip,       BodyRegion::thigh,
+                                        BodyRegion::calf,  BodyRegion::foot,      BodyRegion::foot,
+                                        BodyRegion::trunk, BodyRegion::upper_arm, BodyRegion::forearm};
+
+BodyRegion region_of_part(BodyPart part) {
+  return part < BodyPart::hand ? kRegionOfPart[static_cast<std::size_t>(part)] : BodyRegion::hand;
+}
+
+// Some rigs begin the spine at the hips.
+bool stands_at_hips(const HalfBody& body, std::size_t joint) {
+  constexpr double kBeside = 0.015;  // of the body's extent
+  const int hip = body.find(BodyPart::thigh), other = body.find(BodyPart::thigh, BodySide::right);
+  if (hip < 0 && other < 0) return false;
+  const double height = body.places[static_cast<std::size_t>(hip < 0 ? other : hip)].y();
+  return body.places[joint].y() < height + kBeside * longest_extent(body.vertices);
+}
+
 }  // namespace
 
 const char* name_of(TissueKind kind) { return kTissueNames[static_cast<std::size_t>(kind)]; }
@@ -79,6 +102,35 @@ InnerTissue find_inner_tissue(const HalfBody& body, const BodyGrid& grid, const 
   for (const Spot& spot : survey.spots()) tissue.region.push_back(spot.region);
   find_human_tissue(survey, frame, options, tissue);
   return tissue;
+}
+
+const char* name_of(BodyRegion region) { return kRegionNames[static_cast<std::size_t>(region)]; }
+
+std::vector<BodyRegion> regions_of_joints(const HalfBody& body) {
+  std::vector<BodyRegion> regions;
+  for (std::size_t j = 0; j < body.joints.size(); ++j) {
+    const int parent = body.joints[j].parent;
+    regions.push_back(body.roles[j] ? region_of_part(body.roles[j]->part)
+                      : parent >= 0 ? regions[static_cast<std::size_t>(parent)]
+                                    : BodyRegion::trunk);
+    const bool is_spine = body.roles[j] && body.roles[j]->part == BodyPart::spine;
+    if (is_spine && stands_at_hips(body, j)) regions.back() = BodyRegion::hip;
+  }
+  return regions;
+}
+
+LeanSamples::LeanSamples(const BodyGrid& own_grid, const InnerTissue& own_tissue)
+    : grid(own_grid), tissue(own_tissue), lean(static_cast<std::size_t>(own_grid.size()), -1) {
+  for (int s = 0; s < grid.size(); ++s) {
+    if (tissue.kind(s) != TissueKind::other_lean) continue;
+    lean[static_cast<std::size_t>(s)] = static_cast<int>(sample.size());
+    sample.push_back(s);
+  }
+  points = grid.points(sample, Eigen::all);
+  for (const int s : sample) {
+    neighbours.push_back(grid.beside(s));
+    for (int& other : neighbours.back()) other = other < 0 ? -1 : lean[static_cast<std::size_t>(other)];
+  }
 }
 
 }  // namespace bodyopt

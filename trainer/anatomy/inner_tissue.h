@@ -1,12 +1,13 @@
 // Bone, fat and cavity of one half of a body, at the samples of its grid.
 #pragma once
 
+#include <array>
 #include <map>
 #include <string>
 #include <vector>
 
 #include "trainer/anatomy/body_grid.h"
-#include "trainer/anatomy/corrections.h"
+#include "trainer/anatomy/body_kind.h"
 
 namespace bodyopt {
 
@@ -43,5 +44,22 @@ struct InnerTissueOptions {
   AnatomyCorrections corrections{};  // of bones and fat
 };
 InnerTissue find_inner_tissue(const HalfBody& body, const BodyGrid& grid, const InnerTissueOptions& options);
+
+// Those samples of a half body that muscles can have: neither bone, fat nor cavity.
+
+struct LeanSamples {
+  const BodyGrid& grid;
+  const InnerTissue& tissue;
+  std::vector<int> sample;                     // L: in the grid
+  std::vector<int> lean;                       // S: in `sample`, -1: other tissue
+  Positions points;                            // L x 3
+  std::vector<std::array<int, 6>> neighbours;  // L: lean samples that share a face, along -x, +x, -y ...; -1: none
+
+  LeanSamples(const BodyGrid& grid, const InnerTissue& tissue);
+  std::size_t size() const { return sample.size(); }
+  BodyRegion region(std::size_t lean_sample) const {
+    return tissue.region[static_cast<std::size_t>(sample[lean_sample])];
+  }
+};
 
 }  // namespace bodyopt

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <map>
 
-#include "geometry/extent.h"
+#include "geometry/mesh.h"
 
 namespace bodyopt {
 namespace {

@@ -2,9 +2,12 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 #include <vector>
 
-#include "trainer/anatomy/lean_samples.h"
+#include "assets/character.h"
+#include "assets/muscles.h"
+#include "trainer/anatomy/inner_tissue.h"
 #include "trainer/anatomy/muscle_paths.h"
 
 namespace bodyopt {
@@ -38,5 +41,17 @@ class MuscleCandidates {
   std::vector<float> thickness_, along_;  // E: the belly's radius, of its largest; of the path, 0 to 1
   std::vector<std::vector<std::pair<int, std::size_t>>> of_muscle_;  // M: samples and their entries
 };
+
+// Muscles of the trunk and the neck, laid by the landmarks of a body's own skeleton.
+
+struct TrunkMuscles {
+  std::vector<Muscle> muscles;     // rest space; "rectus_abdominis_l", "rectus_abdominis_r" ...
+  std::vector<std::string> notes;  // what could not be laid, for people
+};
+
+// Those of rigs/human/trunk_muscles.json which are no part of a muscle that `others` have already. Their points move
+// with the nearest bones; their radii tell the volumes of rigs/human/muscle_volumes.json in a body of this size.
+// body_fat: as for the anatomy of the same body. Throws Error(mismatch) for a body without a skeleton of a human's.
+TrunkMuscles trunk_muscles(const Character& character, const std::vector<Muscle>& others, double body_fat = 0.15);
 
 }  // namespace bodyopt

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "trainer/anatomy/half_body.h"
+#include "trainer/anatomy/inner_tissue.h"
 #include "trainer/anatomy/muscle_targets.h"
 
 namespace bodyopt {
@@ -39,5 +40,39 @@ std::vector<double> off_mirror_images(const HalfBody& body, const std::vector<Mu
 // Those on this half's side of the median plane. Of a body that is its own mirror image, paths of left and right are
 // averaged, and a muscle that only the right side has is here, too.
 std::vector<HalfMuscle> muscles_of_half(const HalfBody& body, const std::vector<Muscle>& muscles);
+
+// Where muscles meet bone.
+
+struct BoneFoot {
+  int joint = -1;  // -1: there is no bone
+  Eigen::Vector3d place = Eigen::Vector3d::Zero();
+  double distance = 0;  // metres, from the point asked for
+};
+
+// The surface of a half body's bones.
+class BoneSurface {
+ public:
+  BoneSurface(const HalfBody& body, const BodyGrid& grid, const InnerTissue& tissue);
+
+  // Of the bones of a joint, its parent, its grandparent and its children, the nearest place; of any bone where these
+  // have none.
+  BoneFoot foot(const Eigen::Vector3d& point, int joint) const;
+
+ private:
+  BoneFoot nearest(const Eigen::Vector3d& point, const std::vector<bool>& joints) const;
+
+  const HalfBody& body_;
+  const BodyGrid& grid_;
+  const InnerTissue& tissue_;
+  std::vector<int> samples_;  // in bone
+};
+
+// Draws the ends of paths to the nearest bone where that is not farther than 45 mm (of a man of 1.75 m), the ends'
+// thirds along with them; what is farther away stays.
+void draw_to_bone(const BoneSurface& bones, double scale, std::vector<HalfMuscle>& muscles);
+
+// S: the muscle whose tendon lies there, -1: none's. A tendon reaches from a belly's end along the path to its bone.
+std::vector<int> tendon_samples(const LeanSamples& lean, const std::vector<HalfMuscle>& muscles,
+                                const std::vector<std::array<BoneFoot, 2>>& feet);
 
 }  // namespace bodyopt

@@ -4,6 +4,7 @@
 #include <array>
 #include <functional>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "geometry/tet_mesh.h"
@@ -70,5 +71,17 @@ struct TissueSection {
 // Of points inside of a skin: what a field, which reads between samples, leaves out next to the skin is fat.
 TissueSection section_of(const SectionPlane& plane, const RestPoints& rest,
                          const std::function<TissueAt(const Eigen::Vector3d&)>& tissue_at);
+
+// "thigh", and the plane through it at rest.
+struct NamedPlane {
+  std::string name;
+  SectionPlane plane;
+  std::size_t joint = 0;  // that holds most of the skin there, and would take the plane along
+};
+
+// Of a human, or a limb: thigh, calf, hip, loin (L3), chest, upper arm and forearm, those whose joints are named; of
+// any other body five across its longest side, evenly spaced, and one along its middle. At most `pixels` to the longer
+// side.
+std::vector<NamedPlane> telling_planes(const AnatomyField& field, int pixels);
 
 }  // namespace bodyopt

@@ -6,8 +6,8 @@
 
 #include "base/parallel.h"
 #include "trainer/anatomy/division_steps.h"
+#include "trainer/anatomy/human_frame.h"
 #include "trainer/anatomy/human_tables.h"
-#include "trainer/anatomy/landmark_points.h"
 
 namespace bodyopt {
 namespace {

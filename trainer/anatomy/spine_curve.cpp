@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "geometry/extent.h"
+#include "geometry/mesh.h"
 
 namespace bodyopt {
 namespace {

@@ -7,11 +7,8 @@
 
 #include "assets/wording.h"
 #include "base/parallel.h"
-#include "geometry/extent.h"
-#include "geometry/surface_pieces.h"
-#include "geometry/table_rows.h"
-#include "geometry/vertex_normals.h"
-#include "geometry/weld.h"
+#include "geometry/mesh.h"
+#include "geometry/surface_topology.h"
 #include "runtime/basis/joint_omegas.h"
 #include "runtime/core/error.h"
 

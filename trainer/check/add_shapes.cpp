@@ -8,9 +8,8 @@
 #include "assets/pc2.h"
 #include "assets/shape_reader.h"
 #include "base/progress.h"
-#include "dataset/file_hashes.h"
+#include "dataset/dataset.h"
 #include "dataset/modifier.h"
-#include "dataset/take_lock.h"
 #include "runtime/core/error.h"
 #include "trainer/curate/edit_stack.h"
 

@@ -10,17 +10,16 @@
 #include "assets/wording.h"
 #include "dataset/modifier.h"
 #include "dataset/regions_file.h"
-#include "geometry/bad_edges.h"
-#include "geometry/extent.h"
-#include "geometry/surface_pieces.h"
+#include "geometry/mesh.h"
+#include "geometry/surface_topology.h"
 #include "runtime/core/error.h"
 #include "runtime/host/rig.h"
-#include "trainer/check/misplaced_shapes.h"
+#include "trainer/check/shape_doubts.h"
 #include "trainer/curate/shape_stack.h"
 #include "trainer/simulate/materials.h"
 #include "trainer/simulate/muscle_fibres.h"
 #include "trainer/simulate/simulate.h"
-#include "trainer/train/skinning/linear_blend.h"
+#include "trainer/train/skinning/unpose.h"
 
 namespace bodyopt {
 namespace {

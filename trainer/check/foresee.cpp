@@ -11,12 +11,11 @@
 #include "assets/wording.h"
 #include "base/progress.h"
 #include "base/spread_evenly.h"
-#include "geometry/bad_edges.h"
-#include "geometry/closed_skin.h"
-#include "geometry/extent.h"
-#include "geometry/point_grid.h"
+#include "geometry/mend_surface.h"
+#include "geometry/mesh.h"
 #include "geometry/self_intersections.h"
-#include "geometry/vertex_normals.h"
+#include "geometry/spatial_search.h"
+#include "geometry/surface_topology.h"
 #include "runtime/core/error.h"
 #include "trainer/dynamics/build_dynamics.h"
 #include "trainer/dynamics/dynamics_tets.h"
@@ -24,9 +23,8 @@
 #include "trainer/simulate/simulate.h"
 #include "trainer/tets/fillable_skin.h"
 #include "trainer/train/data/unposed_shapes.h"
-#include "trainer/train/skinning/ddm_basis.h"
-#include "trainer/train/skinning/linear_blend.h"
-#include "trainer/train/skinning/mesh_table.h"
+#include "trainer/train/skinning/ddm.h"
+#include "trainer/train/skinning/unpose.h"
 
 namespace bodyopt {
 namespace {

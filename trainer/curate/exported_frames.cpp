@@ -10,11 +10,11 @@
 #include "assets/shape_reader.h"
 #include "base/content_hash.h"
 #include "dataset/modifier.h"
+#include "runtime/core/atomic_file.h"
 #include "runtime/core/error.h"
-#include "runtime/core/file_lock.h"
 #include "trainer/curate/frame_files.h"
-#include "trainer/curate/keep_samples.h"
-#include "trainer/curate/sculpted_frames.h"
+#include "trainer/curate/frame_sculpting.h"
+#include "trainer/curate/offset_cache.h"
 
 namespace bodyopt {
 namespace {

@@ -5,9 +5,29 @@
 #include <atomic>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <span>
+#include <string>
+#include <vector>
+
+#include "base/content_hash.h"
+#include "dataset/dataset.h"
+#include "geometry/mesh.h"
 
 namespace bodyopt {
+
+// Hashes of what modifiers are given.
+
+inline std::uint64_t hash_of(double number) { return XXH3_64bits(&number, sizeof(number)); }
+
+inline std::uint64_t hash_of(const Positions& positions) {
+  return XXH3_64bits(positions.data(), static_cast<std::size_t>(positions.size()) * sizeof(double));
+}
+
+// Samples (all of one size, points x 3) in a PC2 cache that is called "modifiers/OF-HASH.pc2" by what is in it. Returns
+// its name, relative to the dataset's folder. Throws Error(file).
+std::string keep_samples(const Dataset& dataset, const std::string& of, std::size_t count,
+                         const std::function<std::vector<float>(std::size_t k)>& sample);
 
 class OffsetCache {
  public:

@@ -7,9 +7,9 @@
 #include "base/content_hash.h"
 #include "dataset/modifier.h"
 #include "runtime/core/error.h"
-#include "trainer/curate/hash_of.h"
-#include "trainer/curate/mirror_image.h"
+#include "trainer/curate/match_vertices.h"
 #include "trainer/curate/modifier_scope.h"
+#include "trainer/curate/offset_cache.h"
 
 namespace bodyopt {
 

@@ -8,10 +8,9 @@
 #include <string>
 #include <vector>
 
-#include "trainer/curate/modifier_type.h"
+#include "trainer/curate/modifier_types.h"
 #include "trainer/curate/offset_cache.h"
 #include "trainer/curate/pose_database.h"
-#include "trainer/curate/unposed_space.h"
 
 namespace bodyopt {
 

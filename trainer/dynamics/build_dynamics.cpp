@@ -1,26 +1,55 @@
 #include "trainer/dynamics/build_dynamics.h"
 
 #include <algorithm>
+#include <iomanip>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <set>
+#include <sstream>
+#include <vector>
 
 #include "assets/json_file.h"
 #include "base/progress.h"
+#include "geometry/self_intersections.h"
+#include "geometry/surface_topology.h"
 #include "runtime/core/error.h"
-#include "runtime/core/hexadecimal.h"
-#include "runtime/core/strict_json.h"
+#include "runtime/core/json.h"
+#include "runtime/core/text.h"
 #include "runtime/deformer/deformer.h"
 #include "runtime/host/device_choice.h"
-#include "trainer/dynamics/core_springs.h"
-#include "trainer/dynamics/defect_places.h"
-#include "trainer/dynamics/diffuse.h"
+#include "trainer/dynamics/dynamics_tets.h"
 #include "trainer/dynamics/jiggle.h"
-#include "trainer/dynamics/lowest_frequency.h"
-#include "trainer/dynamics/tet_quality.h"
-#include "trainer/train/skinning/mesh_table.h"
+#include "trainer/dynamics/jiggle_fields.h"
+#include "trainer/train/skinning/ddm.h"
 
 namespace bodyopt {
 namespace {
+
+constexpr std::size_t kShown = 3;  // joints
+
+using VertexList = std::vector<std::uint32_t>;
+
+VertexList first_vertices(const std::vector<VertexPair>& edges) {
+  VertexList vertices;
+  for (const VertexPair& edge : edges) vertices.push_back(edge.first);
+  return vertices;
+}
+
+// The first of every joint's.
+std::string places_of(const Character& character, const std::string& defect, const VertexList& vertices) {
+  std::map<std::uint32_t, std::uint32_t> first;
+  for (const std::uint32_t v : vertices) first.try_emplace(character.weights[v].front().joint, v);
+  std::ostringstream text;
+  text << std::fixed << std::setprecision(3);
+  std::size_t shown = 0;
+  for (const auto& [joint, vertex] : first) {
+    if (shown++ == kShown) break;
+    text << (shown == 1 ? "; the skin " + defect + " at '" : ", '") << character.skeleton.joints[joint].name << "' ("
+         << character.vertices.row(vertex) << " m)";
+  }
+  if (first.size() > kShown) text << " and " << first.size() - kShown << " more";
+  return text.str();
+}
 
 constexpr std::size_t kMostPoses = 800;
 
@@ -82,6 +111,16 @@ Json provenance_of(const Character& character, const DynamicsOptions& options) {
 }
 
 }  // namespace
+
+std::string defect_places(const Character& character) {
+  if (!character.vertices.allFinite()) return "";
+  const BadEdges bad = find_bad_edges(character.triangles);
+  return places_of(character, "is open", first_vertices(bad.open)) +
+         places_of(character, "is fused along an edge", first_vertices(bad.shared)) +
+         places_of(character, "turns inside out", first_vertices(bad.flipped)) +
+         places_of(character, "passes through itself",
+                   corners_of(self_intersections(character.vertices, character.triangles), character.triangles));
+}
 
 Json to_json(const DynamicsReport& report) {
   const TetQuality& quality = report.quality;

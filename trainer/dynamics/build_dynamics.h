@@ -1,17 +1,22 @@
 // From a character and its trained basis to its dynamics.
 #pragma once
 
+#include <string>
+
 #include "assets/character.h"
 #include "assets/muscles.h"
 #include "geometry/region_weights.h"
 #include "runtime/basis/dynamics.h"
 #include "trainer/anatomy/field.h"
+#include "trainer/dynamics/dynamics_tets.h"
 #include "trainer/dynamics/jiggle_settings.h"
-#include "trainer/dynamics/tet_quality.h"
-#include "trainer/dynamics/unfold_tets.h"
 #include "trainer/simulate/materials.h"
 
 namespace bodyopt {
+
+// "; the skin is open at 'Head' (0.012 1.633 0.101 m)": where it is open, fused, turned or passes through itself, each
+// by the joints that move it there and a vertex (rest space) of theirs. Empty where it is nothing of this.
+std::string defect_places(const Character& character);
 
 struct DynamicsOptions {
   Eigen::Index resolution = 25000;  // tets at most

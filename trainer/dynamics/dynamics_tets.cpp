@@ -1,19 +1,280 @@
 #include "trainer/dynamics/dynamics_tets.h"
 
+#include <Eigen/Geometry>
 #include <Eigen/LU>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <functional>
+#include <limits>
 #include <optional>
+#include <set>
+#include <vector>
 
-#include "geometry/closed_skin.h"
-#include "geometry/extent.h"
+#include "base/progress.h"
+#include "geometry/mend_surface.h"
+#include "geometry/mesh.h"
 #include "runtime/basis/dynamics.h"
 #include "runtime/core/error.h"
 #include "runtime/core/transformed.h"
-#include "trainer/dynamics/tet_quality.h"
-#include "trainer/tets/skin_cage.h"
+#include "trainer/dynamics/jiggle_fields.h"
+#include "trainer/tets/cage.h"
 #include "trainer/tets/tets.h"
 
 namespace bodyopt {
 namespace {
+
+// Flatter tets give no inverse in single precision that is worth its name.
+constexpr double kFlat = 1e-4;
+
+[[noreturn]] void refuse(const std::string& what, const std::string& cause) {
+  throw Error(ErrorKind::mismatch, "the tetrahedra cannot carry finite elements: " + what + " (" + cause + ")");
+}
+
+std::string name_of(Eigen::Index tet) { return "tetrahedron " + std::to_string(tet); }
+
+constexpr int kRounds = 8;
+// Signed shapes (below): what is asked of a tet in every pose and at rest, and below which its nodes are moved.
+constexpr double kWanted = 0.03, kWantedAtRest = 0.05, kNearlyFlat = 0.01;
+// Search steps over the mean edge at a node.
+constexpr double kFirstStep = 0.4, kLastStep = 0.02;
+constexpr double kWorthwhile = 0.999;  // a step lowers what is wanting below this times what it was
+
+using Corners = std::array<Eigen::Vector3d, 4>;
+
+// Six times the signed volume over the cubed root mean square of the edges: 1 regular, 0 flat, negative inside out.
+double signed_shape(const Corners& x) {
+  const Eigen::Vector3d a = x[1] - x[0], b = x[2] - x[0], c = x[3] - x[0];
+  const double squares = (a.squaredNorm() + b.squaredNorm() + c.squaredNorm() + (b - a).squaredNorm() +
+                          (c - a).squaredNorm() + (c - b).squaredNorm()) /
+                         6;
+  return squares > 0 ? std::sqrt(2) * a.cross(b).dot(c) / (squares * std::sqrt(squares)) : 0;
+}
+
+// The tets around a node: corners are indices into `ring`, -1 the node itself.
+struct Star {
+  std::vector<int> ring;
+  std::vector<std::array<int, 4>> tets;
+  std::vector<double> least_at_rest;  // signed shapes
+  std::vector<Eigen::Vector3d> rest;  // of the ring
+  std::vector<std::vector<Eigen::Vector3d>> posed;
+  double edge = 0;  // mean, metres
+};
+
+Corners corners_of(const std::array<int, 4>& tet, const std::vector<Eigen::Vector3d>& ring,
+                   const Eigen::Vector3d& node) {
+  Corners x;
+  for (std::size_t k = 0; k < 4; ++k) x[k] = tet[k] < 0 ? node : ring[static_cast<std::size_t>(tet[k])];
+  return x;
+}
+
+// A place for a node: at rest and in every pose.
+struct Place {
+  Eigen::Vector3d rest;
+  std::vector<Eigen::Vector3d> posed;
+};
+
+class Unfolder {
+ public:
+  Unfolder(const NearestSkin& skin, const std::vector<Positions>& poses, Eigen::Index surface, bool may_slide,
+           TetMesh& mesh)
+      : skin_(skin), poses_(poses), surface_(surface), may_slide_(may_slide), mesh_(mesh) {
+    tets_of_.resize(static_cast<std::size_t>(mesh.nodes.rows()));
+    for (Eigen::Index t = 0; t < mesh.tets.rows(); ++t) {
+      for (int a = 0; a < 4; ++a) tets_of_[static_cast<std::size_t>(mesh.tets(t, a))].push_back(t);
+    }
+  }
+
+  Unfolding run() {
+    Progress progress("unfold", kRounds);
+    Unfolding result;
+    result.poses = static_cast<Eigen::Index>(poses_.size());
+    Positions best = mesh_.nodes;
+    for (int round = 0;; ++round) {
+      carry();
+      const Eigen::Index inverted = find_flat();
+      if (round == 0) result.before = result.after = inverted;
+      if (inverted < result.after) {
+        result.after = inverted;
+        best = mesh_.nodes;
+      }
+      if (flat_.empty() || round == kRounds) break;
+      for (const int node : nodes_to_move()) improve(node);
+      progress.advance();
+    }
+    mesh_.nodes = best;
+    return result;
+  }
+
+ private:
+  // Where skin and diffuse carry the nodes.
+  void carry() {
+    Eigen::MatrixXd on_surface(surface_, 3 * static_cast<Eigen::Index>(poses_.size()));
+    for (Eigen::Index n = 0; n < surface_; ++n) {
+      const std::vector<Eigen::Vector3d> posed = carried(skin_(mesh_.nodes.row(n)));
+      for (std::size_t f = 0; f < posed.size(); ++f) on_surface.row(n).segment<3>(column(f)) = posed[f].transpose();
+    }
+    posed_ = diffuse(mesh_, on_surface);
+  }
+
+  static Eigen::Index column(std::size_t pose) { return 3 * static_cast<Eigen::Index>(pose); }
+
+  std::vector<Eigen::Vector3d> carried(const SkinPoint& point) const {
+    std::vector<Eigen::Vector3d> posed;
+    for (const Positions& pose : poses_) {
+      posed.push_back(Eigen::Vector3d::Zero());
+      for (int k = 0; k < 3; ++k) {
+        posed.back() += point.weights[k] * pose.row(point.vertices[static_cast<std::size_t>(k)]).transpose();
+      }
+    }
+    return posed;
+  }
+
+  Eigen::Vector3d posed(int node, std::size_t pose) const { return posed_.row(node).segment<3>(column(pose)); }
+
+  // Notes the tets that are nearly flat in a pose; counts those inside out in all of them.
+  Eigen::Index find_flat() {
+    flat_.clear();
+    Eigen::Index inverted = 0;
+    for (std::size_t f = 0; f < poses_.size(); ++f) {
+      for (Eigen::Index t = 0; t < mesh_.tets.rows(); ++t) {
+        Corners x;
+        for (int a = 0; a < 4; ++a) x[static_cast<std::size_t>(a)] = posed(mesh_.tets(t, a), f);
+        const double shape = signed_shape(x);
+        if (shape < kNearlyFlat) flat_.insert(t);
+        inverted += shape <= 0 ? 1 : 0;
+      }
+    }
+    return inverted;
+  }
+
+  // Those of flat tets and, inside, their neighbours. Nodes inside come first: the skin is the last to change.
+  std::set<int, std::greater<>> nodes_to_move() const {
+    std::set<int, std::greater<>> nodes;
+    for (const Eigen::Index flat : flat_) {
+      for (const int node : mesh_.tets.row(flat)) {
+        if (node >= surface_ || may_slide_) nodes.insert(node);
+        for (const Eigen::Index t : tets_of_[static_cast<std::size_t>(node)]) {
+          for (const int other : mesh_.tets.row(t)) {
+            if (other >= surface_) nodes.insert(other);
+          }
+        }
+      }
+    }
+    return nodes;
+  }
+
+  Star star_of(int node) const {
+    Star star;
+    for (const Eigen::Index t : tets_of_[static_cast<std::size_t>(node)]) {
+      std::array<int, 4> tet{};
+      for (int a = 0; a < 4; ++a) {
+        const int other = mesh_.tets(t, a);
+        const auto found = std::find(star.ring.begin(), star.ring.end(), other);
+        tet[static_cast<std::size_t>(a)] = other == node ? -1 : static_cast<int>(found - star.ring.begin());
+        if (other != node && found == star.ring.end()) star.ring.push_back(other);
+      }
+      star.tets.push_back(tet);
+    }
+    const Eigen::Vector3d here = mesh_.nodes.row(node);
+    for (const int other : star.ring) {
+      star.rest.emplace_back(mesh_.nodes.row(other));
+      star.edge += (star.rest.back() - here).norm() / static_cast<double>(star.ring.size());
+    }
+    for (const std::array<int, 4>& tet : star.tets) {
+      star.least_at_rest.push_back(std::min(kWantedAtRest, signed_shape(corners_of(tet, star.rest, here))));
+    }
+    for (std::size_t f = 0; f < poses_.size(); ++f) {
+      star.posed.emplace_back();
+      for (const int other : star.ring) star.posed.back().push_back(posed(other, f));
+    }
+    return star;
+  }
+
+  // Where diffuse would carry a node inside, its neighbours staying where they are: the row of the Laplacian.
+  static std::vector<Eigen::Vector3d> diffused(const Star& star, const Eigen::Vector3d& rest) {
+    std::vector<double> weights(star.ring.size(), 0.0);
+    double sum = 0;
+    for (const std::array<int, 4>& tet : star.tets) {
+      const Corners x = corners_of(tet, star.rest, rest);
+      Eigen::Matrix3d edges;
+      for (int k = 0; k < 3; ++k) edges.col(k) = x[static_cast<std::size_t>(k) + 1] - x[0];
+      Eigen::Matrix<double, 4, 3> slopes;
+      slopes.bottomRows<3>() = edges.inverse();
+      slopes.row(0) = -slopes.bottomRows<3>().colwise().sum();
+      const auto own = std::find(tet.begin(), tet.end(), -1) - tet.begin();
+      for (std::size_t k = 0; k < 4; ++k) {
+        if (tet[k] < 0) continue;
+        const double weight = -edges.determinant() * slopes.row(own).dot(slopes.row(static_cast<Eigen::Index>(k)));
+        weights[static_cast<std::size_t>(tet[k])] += weight;
+        sum += weight;
+      }
+    }
+    std::vector<Eigen::Vector3d> posed;
+    for (const std::vector<Eigen::Vector3d>& ring : star.posed) {
+      posed.push_back(Eigen::Vector3d::Zero());
+      for (std::size_t k = 0; k < ring.size(); ++k) posed.back() += weights[k] / sum * ring[k];
+    }
+    return posed;
+  }
+
+  Place place(int node, const Star& star, const Eigen::Vector3d& wanted) const {
+    if (node >= surface_) return {wanted, diffused(star, wanted)};
+    const SkinPoint point = skin_(wanted);
+    return {point.position, carried(point)};
+  }
+
+  // By how much the star's tets are flatter than wanted, summed over the poses; `most` or more where that is passed.
+  static double wanting(const Star& star, const Place& place, double most) {
+    for (std::size_t t = 0; t < star.tets.size(); ++t) {
+      if (signed_shape(corners_of(star.tets[t], star.rest, place.rest)) < star.least_at_rest[t]) return most;
+    }
+    double sum = 0;
+    for (std::size_t f = 0; f < place.posed.size() && sum < most; ++f) {
+      for (const std::array<int, 4>& tet : star.tets) {
+        sum += std::max(0.0, kWanted - signed_shape(corners_of(tet, star.posed[f], place.posed[f])));
+      }
+    }
+    return sum;
+  }
+
+  // Compass search (Hooke and Jeeves 1961) along axes and diagonals.
+  void improve(int node) {
+    const Star star = star_of(node);
+    Place best{mesh_.nodes.row(node), {}};
+    for (std::size_t f = 0; f < poses_.size(); ++f) best.posed.push_back(posed(node, f));
+    const double before = wanting(star, best, std::numeric_limits<double>::infinity());
+    double least = before;
+    for (double step = kFirstStep; least > 0 && step > kLastStep;) {
+      bool better = false;
+      for (int k = 0; k < 27 && least > 0; ++k) {
+        if (k == 13) continue;
+        const Eigen::Vector3d way = Eigen::Vector3d(k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1).normalized();
+        Place tried = place(node, star, best.rest + step * star.edge * way);
+        const double wants = wanting(star, tried, kWorthwhile * least);
+        if (wants >= kWorthwhile * least) continue;
+        least = wants;
+        best = std::move(tried);
+        better = true;
+      }
+      if (!better) step /= 2;
+    }
+    if (least == before) return;
+    mesh_.nodes.row(node) = best.rest;
+    for (std::size_t f = 0; f < poses_.size(); ++f) {
+      posed_.row(node).segment<3>(column(f)) = best.posed[f].transpose();
+    }
+  }
+
+  const NearestSkin& skin_;
+  const std::vector<Positions>& poses_;
+  const Eigen::Index surface_;
+  const bool may_slide_;
+  TetMesh& mesh_;
+  std::vector<std::vector<Eigen::Index>> tets_of_;
+  Eigen::MatrixXd posed_;  // N x 3 per pose
+  std::set<Eigen::Index> flat_;
+};
 
 // A skin's own filling has about four tets a vertex. More than this many vertices per tet allowed need not be tried.
 constexpr double kMostVerticesPerTet = 0.35;
@@ -111,6 +372,44 @@ TetPoint packed(const EmbeddedPoint& point, double amount) {
 }
 
 }  // namespace
+
+TetQuality tet_quality(const TetMesh& mesh) {
+  std::vector<double> quality;
+  for (Eigen::Index t = 0; t < mesh.tets.rows(); ++t) quality.push_back(mean_ratio(mesh, t));
+  if (quality.empty()) return {};
+  std::sort(quality.begin(), quality.end());
+  return {quality.front(), quality[quality.size() / 100], quality[quality.size() / 2]};
+}
+
+void require_sound(const TetMesh& mesh) {
+  if (mesh.tets.rows() == 0) refuse("there are none", "an empty mesh");
+  if (!mesh.nodes.allFinite()) refuse("a node is not a finite number", "a damaged file");
+  std::vector<bool> used(static_cast<std::size_t>(mesh.nodes.rows()), false);
+  for (Eigen::Index t = 0; t < mesh.tets.rows(); ++t) {
+    for (int a = 0; a < 4; ++a) {
+      const int node = mesh.tets(t, a);
+      if (node < 0 || node >= mesh.nodes.rows()) {
+        refuse(name_of(t) + " names node " + std::to_string(node) + " of " + std::to_string(mesh.nodes.rows()),
+               "a damaged file");
+      }
+      used[static_cast<std::size_t>(node)] = true;
+    }
+    if (mean_ratio(mesh, t) < kFlat) refuse(name_of(t) + " is flat: it has no volume", "nodes in one place or plane");
+    if (tet_edges(mesh, t).determinant() < 0) refuse(name_of(t) + " is inverted", "corners in the wrong order");
+  }
+  const auto orphan = std::find(used.begin(), used.end(), false);
+  if (orphan == used.end()) return;
+  refuse("node " + std::to_string(orphan - used.begin()) + " belongs to no tetrahedron",
+         "loose points; " + std::to_string(std::count(used.begin(), used.end(), false)) + " in all");
+}
+
+Unfolding unfold_tets(const NearestSkin& skin, const std::vector<Positions>& poses, Eigen::Index surface,
+                      bool may_slide, TetMesh& mesh) {
+  if (poses.empty()) return {};
+  const Unfolding result = Unfolder(skin, poses, surface, may_slide, mesh).run();
+  orient(mesh);  // the worst quality
+  return result;
+}
 
 DynamicsTets make_dynamics_tets(const Positions& vertices, const Triangles& triangles, const SkinWeights& weights,
                                 Eigen::Index most_tets, const std::vector<Positions>& poses) {

@@ -1,20 +1,33 @@
 #include "trainer/dynamics/jiggle.h"
 
+#include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numbers>
 
 #include "assets/wording.h"
 #include "base/disjoint_sets.h"
-#include "geometry/extent.h"
+#include "base/linear_algebra.h"
+#include "geometry/mesh.h"
 #include "runtime/basis/dynamics.h"
 #include "runtime/core/error.h"
+#include "runtime/cpu/dynamics_kernels.h"
+#include "runtime/host/jiggle.h"
 #include "trainer/dynamics/block_inverse.h"
 #include "trainer/simulate/muscle_fibres.h"
 
 namespace bodyopt {
 namespace {
+
+constexpr double kFullyHeld = 1.25;  // times `flesh`
+
+double blended(const Eigen::VectorXd& values, const Tets& tets, const EmbeddedPoint& point) {
+  double sum = 0;
+  for (int a = 0; a < 4; ++a) sum += point.weights[a] * values[tets(point.tet, a)];
+  return sum;
+}
 
 // Tissue that jiggles is softer than the simulation's, and its tets, coarse and linear, are stiffer than what they
 // stand for: with this the thighs and the chest of a person swing at 6 to 7 Hz, the belly at 5.
@@ -103,7 +116,121 @@ void require_step(const JiggleStep& step) {
   if (step.substeps == 0) throw Error(ErrorKind::usage, "a frame has 0 substeps, expected 1 or more");
 }
 
+constexpr int kMostRounds = 8;
+constexpr double kNearEnough = 1.2;  // times the give that is allowed: frequencies of a tenth below
+constexpr double kNoted = 0.02;      // of a joint's tissue, held: a note names it
+
+// Every node's give along the axis that it gives way most to, 1/s^-2.
+Eigen::VectorXd give_of(const TetMesh& mesh, const SparseMatrix& elastic, const JiggleSystem& system) {
+  const Eigen::Index nodes = mesh.nodes.rows();
+  std::vector<Eigen::Triplet<double>> entries;
+  for (Eigen::Index k = 0; k < system.springs.outerSize(); ++k) {
+    for (SparseMatrix::InnerIterator entry(system.springs, k); entry; ++entry) {
+      for (Eigen::Index i = 0; i < 3; ++i)
+        entries.emplace_back(3 * entry.row() + i, 3 * entry.col() + i, entry.value());
+    }
+  }
+  SparseMatrix matrix(3 * nodes, 3 * nodes);
+  matrix.setFromTriplets(entries.begin(), entries.end());
+  matrix += elastic;
+  const SparseSolver factor(matrix);
+  if (!factor.is_solvable()) {
+    throw Error(ErrorKind::mismatch, "the stiffness of the tetrahedra cannot be factorised: some of them are flat");
+  }
+  Eigen::VectorXd give = Eigen::VectorXd::Zero(nodes);
+  for (Eigen::Index axis = 0; axis < 3; ++axis) {
+    Eigen::VectorXd force = Eigen::VectorXd::Zero(3 * nodes);
+    for (Eigen::Index n = 0; n < nodes; ++n) force[3 * n + axis] = system.mass[n];
+    const Eigen::VectorXd moved = factor.solve(force);
+    for (Eigen::Index n = 0; n < nodes; ++n) give[n] = std::max(give[n], moved.segment<3>(3 * n).norm());
+  }
+  return give;
+}
+
+// Names joints by the tissue that was held, the slowest first.
+std::string note_of(double lowest, const Eigen::VectorXd& give, const Eigen::VectorXd& own, const Eigen::VectorXd& mass,
+                    const Skeleton& skeleton, const NodeWeights& joint_share) {
+  std::multimap<double, std::string> slow;  // by Hz
+  for (Eigen::Index j = 0; j < joint_share.cols(); ++j) {
+    double all = 0, held = 0, most = 0;
+    for (Eigen::Index n = 0; n < give.size(); ++n) {
+      const double part = joint_share(n, j) * mass[n];
+      all += part;
+      if (own[n] == 0) continue;
+      held += part;
+      if (joint_share(n, j) > 0.5) most = std::max(most, give[n]);
+    }
+    if (!(held > kNoted * all) || most == 0) continue;
+    slow.emplace(1 / (2 * std::numbers::pi * std::sqrt(most)), skeleton.joints[static_cast<std::size_t>(j)].name);
+  }
+  if (slow.empty()) return {};
+  std::vector<std::string> names;
+  for (const auto& [hertz, name] : slow) names.push_back(name);
+  return "tissue at the " + std::string(names.size() > 1 ? "joints " : "joint ") + list_names(names) +
+         " would swing at " + rounded(slow.begin()->first) +
+         " Hz: springs hold it so that nothing swings slower than " + rounded(lowest) +
+         " Hz over the root of its softness";
+}
+
+constexpr double kAtLimit = 0.75;  // of the limit: what is shown of a displacement as large as the limit
+
+std::uint32_t count_inverted(const TetTable& tets, const std::vector<float>& nodes) {
+  const auto node = [&](std::uint32_t n) {
+    return Eigen::Map<const Eigen::Vector3f>(nodes.data() + std::size_t{3} * n).cast<double>().eval();
+  };
+  std::uint32_t inverted = 0;
+  for (std::size_t t = 0; t < tets.tets.size(); t += 4) {
+    const Eigen::Vector3d origin = node(tets.tets[t]);
+    const Eigen::Vector3d a = node(tets.tets[t + 1]) - origin, b = node(tets.tets[t + 2]) - origin,
+                          c = node(tets.tets[t + 3]) - origin;
+    inverted += a.cross(b).dot(c) > 0 ? 0 : 1;
+  }
+  return inverted;
+}
+
 }  // namespace
+
+SparseMatrix core_springs(const Positions& vertices, const Triangles& triangles, const Cage& cage,
+                          const Eigen::VectorXd& flesh, double stiffness) {
+  const NearestSkin nearest(vertices, triangles);
+  const TetMesh& mesh = cage.mesh;
+  const auto position = [&](const EmbeddedPoint& point) {
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+    for (int a = 0; a < 4; ++a) sum += point.weights[a] * mesh.nodes.row(mesh.tets(point.tet, a)).transpose();
+    return sum;
+  };
+  const auto depth = [&](const Eigen::Vector3d& at) { return (nearest(at).position - at).norm(); };
+  std::vector<Eigen::Triplet<double>> entries;
+  int tet = -1;
+  bool is_shallow = false;  // all of the tet
+  for (const CageSample& sample : cage.samples) {
+    const EmbeddedPoint& point = sample.point;
+    const double from = blended(flesh, mesh.tets, point);
+    if (point.tet != tet) {
+      tet = point.tet;
+      const Eigen::Vector3d middle = position({tet, Eigen::Vector4d::Constant(0.25)});
+      double reach = 0;
+      for (int a = 0; a < 4; ++a) {
+        reach = std::max(reach, (mesh.nodes.row(mesh.tets(tet, a)).transpose() - middle).norm());
+      }
+      double least = from;
+      for (int a = 0; a < 4; ++a) least = std::min(least, flesh[mesh.tets(tet, a)]);
+      is_shallow = depth(middle) + reach < least;
+    }
+    if (is_shallow) continue;
+    const double held = std::clamp((depth(position(point)) / from - 1) / (kFullyHeld - 1), 0.0, 1.0);
+    if (held == 0) continue;
+    for (int a = 0; a < 4; ++a) {
+      for (int b = 0; b < 4; ++b) {
+        entries.emplace_back(mesh.tets(tet, a), mesh.tets(tet, b),
+                             stiffness * held * sample.volume * point.weights[a] * point.weights[b]);
+      }
+    }
+  }
+  SparseMatrix springs(mesh.nodes.rows(), mesh.nodes.rows());
+  springs.setFromTriplets(entries.begin(), entries.end());
+  return springs;
+}
 
 SparseMatrix elastic_stiffness(const TetMesh& mesh, const std::vector<TetMaterial>& materials) {
   std::vector<Eigen::Triplet<double>> entries;
@@ -214,6 +341,47 @@ void set_muscles(const JiggleAnatomy& anatomy, const std::vector<Muscle>& muscle
     nodes[n].control = source.control;
     nodes[n].stiffening = static_cast<float>(std::pow(angular(tension), 2) * share);
   }
+}
+
+void hold_slow_parts(double lowest, const Eigen::VectorXd& softness, const Skeleton& skeleton, const TetMesh& mesh,
+                     const JiggleAnatomy& anatomy, JiggleSystem& system, std::vector<std::string>& notes) {
+  if (lowest == 0) return;
+  const SparseMatrix elastic = elastic_stiffness(mesh, system.materials);
+  const Eigen::VectorXd allowed = softness / std::pow(2 * std::numbers::pi * lowest, 2);
+  Eigen::VectorXd own = Eigen::VectorXd::Zero(mesh.nodes.rows()), first;
+  for (int round = 0; round < kMostRounds; ++round) {
+    const Eigen::VectorXd give = give_of(mesh, elastic, system);
+    if (round == 0) first = give;
+    if ((give.array() <= kNearEnough * allowed.array()).all()) break;
+    const Eigen::VectorXd more = (give.array() > allowed.array()).select(1 / allowed.array() - 1 / give.array(), 0);
+    own += more;
+    system.springs += SparseMatrix(more.cwiseProduct(system.mass).asDiagonal());
+  }
+  const std::string note = note_of(lowest, first, own, system.mass, skeleton, anatomy.joint_share);
+  if (!note.empty()) notes.push_back(note);
+}
+
+JiggleMeasure measure_jiggle(const Dynamics& dynamics, const NodeMotion& motion) {
+  const TetTable& tets = dynamics.tets;
+  JiggleMeasure measure{.inverted_tets = count_inverted(tets, motion.nodes)};
+  // What the skin is given is the same wherever it is.
+  const std::vector<float> nowhere(3 * tets.skin.size(), 0.0f);
+  std::vector<float> moved(nowhere.size());
+  cpu::jiggle_skin(tets, nowhere, motion.displacement, 1, moved);
+  double sum = 0, largest = 0, largest_share = 0;
+  for (std::size_t v = 0; v < tets.skin.size(); ++v) {
+    const double squared = Eigen::Map<const Eigen::Vector3f>(moved.data() + 3 * v).cast<double>().squaredNorm();
+    sum += squared;
+    largest = std::max(largest, squared);
+    const double share = std::sqrt(squared) / static_cast<double>(tets.skin_limit[v] * tets.skin[v].amount);
+    if (!(share > kAtLimit)) continue;
+    ++measure.limited;
+    if (share > largest_share) measure.most_limited = static_cast<std::uint32_t>(v);
+    largest_share = std::max(largest_share, share);
+  }
+  measure.rms_mm = 1e3 * std::sqrt(sum / static_cast<double>(std::max<std::size_t>(1, tets.skin.size())));
+  measure.max_mm = 1e3 * std::sqrt(largest);
+  return measure;
 }
 
 }  // namespace bodyopt

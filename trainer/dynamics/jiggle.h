@@ -2,12 +2,20 @@
 #pragma once
 
 #include <Eigen/SparseCore>
+#include <string>
 #include <vector>
 
+#include "trainer/dynamics/dynamics_tets.h"
 #include "trainer/dynamics/jiggle_fields.h"
 #include "trainer/simulate/metric.h"
 
 namespace bodyopt {
+
+// Characters bring no ribs and no pelvis, and bones found along joints are thin where a trunk is wide: tissue deeper
+// under the skin than `flesh` (metres, of every node) is held as bone is, fully from a quarter deeper on. stiffness:
+// N/m per cubic metre. -> N x N, N/m.
+SparseMatrix core_springs(const Positions& vertices, const Triangles& triangles, const Cage& cage,
+                          const Eigen::VectorXd& flesh, double stiffness);
 
 struct Basis;
 struct JiggleNode;
@@ -49,5 +57,32 @@ JiggleTable make_jiggle_table(const TetMesh& mesh, const JiggleSystem& system, J
 // control knows it. tension: Hz.
 void set_muscles(const JiggleAnatomy& anatomy, const std::vector<Muscle>& muscles, const Basis& basis, double tension,
                  std::vector<JiggleNode>& nodes);
+
+// What keeps thin tips, and parts that no bone is in, from swinging slower than flesh does.
+
+// Tissue is linear: what swings slowly, goes far, a tip of 1 Hz a quarter of a metre under 1 g, and still further while
+// a clip lasts. Every node's give, metres under 1 m/s^2 along the axis that it gives way most to, is 1 / w^2 of the
+// part that swings there (Rayleigh's quotient of its static shape). Where a part is slower than `lowest` /
+// sqrt(softness) hertz, its nodes get springs of their own (N/m in system.springs), by which it is not, up to a tenth;
+// `notes` names joints whose tissue this held, and how slow it was. lowest: Hz, 0: nothing is held. softness: N. Throws
+// Error(mismatch) where tets are too flat to compute with.
+void hold_slow_parts(double lowest, const Eigen::VectorXd& softness, const Skeleton& skeleton, const TetMesh& mesh,
+                     const JiggleAnatomy& anatomy, JiggleSystem& system, std::vector<std::string>& notes);
+
+// What diffuse and jiggle do in a frame.
+
+struct Dynamics;
+struct NodeMotion;
+
+struct JiggleMeasure {
+  std::uint32_t inverted_tets = 0;  // inside out where diffuse carries them
+  double rms_mm = 0, max_mm = 0;    // of the skin's vertices, from the quasi-static skin
+  // Vertices that without their limit would move beyond it, and the one of these
+  // that would go furthest for it, in runtime order.
+  std::uint32_t limited = 0, most_limited = 0;
+};
+
+// motion: after the frame, as JiggleState holds it.
+JiggleMeasure measure_jiggle(const Dynamics& dynamics, const NodeMotion& motion);
 
 }  // namespace bodyopt

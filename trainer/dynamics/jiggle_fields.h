@@ -5,11 +5,23 @@
 
 #include "assets/muscles.h"
 #include "geometry/region_weights.h"
+#include "geometry/tet_mesh.h"
 #include "trainer/dynamics/dynamics_tets.h"
 #include "trainer/dynamics/jiggle_settings.h"
 #include "trainer/simulate/bone_springs.h"
 
 namespace bodyopt {
+
+// Diffuse: from the skin's nodes to those inside.
+
+struct DiffuseTable;
+
+// The first `surface_count` nodes of the mesh are given, the others follow: the finite-element Laplacian of the rest
+// tets, split, and its inner part inverted. Throws Error(mismatch) where that is singular.
+DiffuseTable make_diffuse_table(const TetMesh& mesh, Eigen::Index surface_count);
+
+// The same in double precision, for columns of values: surface_count x any -> N x the same.
+Eigen::MatrixXd diffuse(const TetMesh& mesh, const Eigen::MatrixXd& on_surface);
 
 // What of a body its tetrahedra are: bones, muscles, parts that go with joints.
 struct JiggleAnatomy {

@@ -7,9 +7,8 @@
 #include "assets/json_file.h"
 #include "assets/muscles.h"
 #include "assets/wording.h"
-#include "geometry/laplacian.h"
-#include "geometry/table_rows.h"
-#include "geometry/vertex_normals.h"
+#include "geometry/mesh.h"
+#include "geometry/surface_distance.h"
 #include "runtime/core/error.h"
 #include "trainer/modifiers/bake_modifier.h"
 

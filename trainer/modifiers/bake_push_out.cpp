@@ -1,9 +1,8 @@
 // Push-out: which joints fold skin, and which skin may lie in such a fold: what stands within two of the bone's lengths
 // around the joint. What crosses is found by the kernel (shaders/include/fold.h).
-#include "geometry/extent.h"
-#include "geometry/table_rows.h"
+#include "geometry/mesh.h"
 #include "runtime/core/error.h"
-#include "runtime/host/fold_tables.h"
+#include "runtime/host/skin_tables.h"
 #include "trainer/modifiers/bake_modifier.h"
 #include "trainer/modifiers/joint_holds.h"
 

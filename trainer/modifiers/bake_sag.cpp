@@ -2,7 +2,7 @@
 #include <algorithm>
 
 #include "assets/json_file.h"
-#include "geometry/table_rows.h"
+#include "geometry/mesh.h"
 #include "runtime/basis/dynamics.h"
 #include "runtime/core/error.h"
 #include "runtime/cpu/dynamics_kernels.h"

@@ -11,8 +11,8 @@
 #include "runtime/core/error.h"
 #include "runtime/core/json.h"
 #include "trainer/modifiers/bake_modifier.h"
-#include "trainer/modifiers/evaluated_skin.h"
 #include "trainer/modifiers/joint_holds.h"
+#include "trainer/modifiers/measure_modifiers.h"
 #include "trainer/train/skinning/unpose.h"
 
 namespace bodyopt {

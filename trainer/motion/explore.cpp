@@ -2,13 +2,75 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <iterator>
 #include <map>
+#include <numeric>
 #include <set>
 
+#include "base/parallel.h"
 #include "base/progress.h"
+#include "geometry/mesh.h"
+#include "runtime/core/transformed.h"
+#include "runtime/host/rig.h"
 
 namespace bodyopt {
 namespace {
+
+template <class Related>
+bool any_turns(const DegreeOfFreedom& a, const DegreeOfFreedom& b, Related related) {
+  return std::any_of(a.turns.begin(), a.turns.end(), [&](const JointTurn& s) {
+    return std::any_of(b.turns.begin(), b.turns.end(), [&](const JointTurn& t) { return related(s.joint, t.joint); });
+  });
+}
+
+using Eigen::RowVector3d;
+
+constexpr double kLargestRadius = 0.25;  // metres
+constexpr double kTolerance = 0.01;      // metres that flesh gives way
+constexpr double kSpacing = 0.6;         // of a sphere's radius, to the next centre
+constexpr std::size_t kMostPerJoint = 24;
+constexpr Eigen::Index kTouchingVertices = 2500;  // spheres are tried at this many vertices of the skin
+
+// The largest sphere inside the skin that touches it at this vertex.
+BodySphere touching_sphere(const Character& character, const RowVector3d& at, const RowVector3d& normal,
+                           std::uint32_t joint) {
+  double radius = kLargestRadius;
+  for (int round = 0; round < 30; ++round) {
+    const RowVector3d centre = at - radius * normal;
+    Eigen::Index nearest;
+    const double distance =
+        std::sqrt((character.vertices.rowwise() - centre).rowwise().squaredNorm().minCoeff(&nearest));
+    if (distance > radius * (1 - 1e-3)) break;
+    const RowVector3d chord = at - character.vertices.row(nearest);
+    const double along = chord.dot(normal);
+    if (!(along > 1e-9)) break;  // the nearest is the vertex itself, or level with it
+    radius = std::min(0.999 * radius, chord.squaredNorm() / (2 * along));
+  }
+  const RowVector3d centre = at - radius * normal;
+  return {joint, {centre(0), centre(1), centre(2)}, radius};
+}
+
+std::vector<BodySphere> well_spaced(std::vector<BodySphere> candidates) {
+  std::stable_sort(candidates.begin(), candidates.end(),
+                   [](const BodySphere& a, const BodySphere& b) { return a.radius > b.radius; });
+  std::vector<BodySphere> kept;
+  for (const BodySphere& sphere : candidates) {
+    if (kept.size() == kMostPerJoint) break;
+    const bool near = std::any_of(kept.begin(), kept.end(), [&](const BodySphere& other) {
+      return length(sphere.centre - other.centre) < kSpacing * other.radius;
+    });
+    if (!near) kept.push_back(sphere);
+  }
+  return kept;
+}
+
+// The nearest ancestor that has spheres, or -1.
+int fleshy_ancestor(const Skeleton& skeleton, const std::vector<bool>& fleshy, std::uint32_t joint) {
+  int up = skeleton.joints[joint].parent;
+  while (up >= 0 && !fleshy[static_cast<std::size_t>(up)]) up = skeleton.joints[static_cast<std::size_t>(up)].parent;
+  return up;
+}
 
 constexpr int kTargetCandidates = 16;
 constexpr int kTargetsInTheWay = 8;        // of a group whose limbs are in the way, before it is held
@@ -153,8 +215,7 @@ class Explorer {
     }
   }
 
-  // Sum of the squared sines of half the angles between the rotations; may stop once it is known to be `enough` or
-  // less.
+  // Sum of the squared sines of half the angles between the rotations; may stop once it is `enough` or less.
   double squared_distance_to_covered(const Posture& posture, const MotionGroup& group, double enough) const {
     const Turns turns = turns_of(posture);
     const std::size_t stride = 1 + been_.size() / kCompared;
@@ -203,6 +264,122 @@ class Explorer {
 };
 
 }  // namespace
+
+std::vector<DofGroup> dof_groups(const JointLimits& limits) {
+  const std::size_t count = limits.dofs.size();
+  std::vector<std::size_t> group_of(count);
+  std::iota(group_of.begin(), group_of.end(), std::size_t{0});
+  for (std::size_t a = 0; a < count; ++a) {
+    for (std::size_t b = a + 1; b < count; ++b) {
+      if (!any_turns(limits.dofs[a], limits.dofs[b], std::equal_to<>())) continue;
+      std::replace(group_of.begin(), group_of.end(), std::size_t{group_of[b]}, std::size_t{group_of[a]});
+    }
+  }
+  std::vector<DofGroup> groups;
+  for (std::size_t name = 0; name < count; ++name) {
+    DofGroup group;
+    for (std::size_t k = 0; k < count; ++k) {
+      if (group_of[k] == name) group.push_back(k);
+    }
+    if (!group.empty()) groups.push_back(group);
+  }
+  return groups;
+}
+
+std::vector<std::array<std::size_t, 2>> dof_pairs(const JointLimits& limits, const Skeleton& skeleton) {
+  const auto neighbours = [&](std::uint32_t a, std::uint32_t b) {
+    return a == b || skeleton.joints[a].parent == static_cast<int>(b) ||
+           skeleton.joints[b].parent == static_cast<int>(a);
+  };
+  std::vector<std::array<std::size_t, 2>> pairs;
+  for (std::size_t a = 0; a < limits.dofs.size(); ++a) {
+    for (std::size_t b = a + 1; b < limits.dofs.size(); ++b) {
+      if (any_turns(limits.dofs[a], limits.dofs[b], neighbours)) pairs.push_back({a, b});
+    }
+  }
+  return pairs;
+}
+
+std::set<std::uint32_t> joints_between(const Skeleton& skeleton, std::uint32_t a, std::uint32_t b) {
+  const auto chain = [&](std::uint32_t joint) {
+    std::set<std::uint32_t> joints;
+    for (int j = static_cast<int>(joint); j >= 0; j = skeleton.joints[static_cast<std::size_t>(j)].parent) {
+      joints.insert(static_cast<std::uint32_t>(j));
+    }
+    return joints;
+  };
+  const std::set<std::uint32_t> up_a = chain(a), up_b = chain(b);
+  std::set<std::uint32_t> between;
+  std::set_symmetric_difference(up_a.begin(), up_a.end(), up_b.begin(), up_b.end(),
+                                std::inserter(between, between.end()));
+  return between;
+}
+
+std::vector<BodySphere> body_spheres(const Character& character) {
+  const Positions normals = vertex_normals(character.vertices, character.triangles);
+  const Eigen::Index count = character.vertices.rows(), stride = std::max<Eigen::Index>(1, count / kTouchingVertices);
+  std::vector<BodySphere> touching(static_cast<std::size_t>((count + stride - 1) / stride));
+  parallel_for(touching.size(), [&](std::size_t k) {
+    const Eigen::Index v = static_cast<Eigen::Index>(k) * stride;
+    const double size = normals.row(v).norm();
+    if (!(size > 0)) return;  // in no triangle: a sphere of no radius, dropped below
+    const std::uint32_t joint = character.weights[static_cast<std::size_t>(v)].front().joint;
+    touching[k] = touching_sphere(character, character.vertices.row(v), normals.row(v) / size, joint);
+  });
+
+  std::vector<BodySphere> all;
+  for (std::uint32_t joint = 0; joint < character.skeleton.size(); ++joint) {
+    std::vector<BodySphere> own;
+    for (const BodySphere& sphere : touching) {
+      if (sphere.joint == joint && sphere.radius > 0) own.push_back(sphere);
+    }
+    const std::vector<BodySphere> kept = well_spaced(own);
+    all.insert(all.end(), kept.begin(), kept.end());
+  }
+  return all;
+}
+
+SelfOverlap::SelfOverlap(const Character& character) : character_(character), spheres_(body_spheres(character)) {
+  const Skeleton& skeleton = character.skeleton;
+  std::vector<bool> fleshy(skeleton.size());
+  for (const BodySphere& sphere : spheres_) fleshy[sphere.joint] = true;
+  for (std::uint32_t a = 0; a < spheres_.size(); ++a) {
+    for (std::uint32_t b = a + 1; b < spheres_.size(); ++b) {
+      const std::uint32_t first = spheres_[a].joint, second = spheres_[b].joint;
+      if (first == second || fleshy_ancestor(skeleton, fleshy, second) == static_cast<int>(first) ||
+          fleshy_ancestor(skeleton, fleshy, first) == static_cast<int>(second)) {
+        continue;
+      }
+      pairs_.push_back({a, b});
+    }
+  }
+  trust(bind_pose(skeleton));
+}
+
+void SelfOverlap::trust(const Pose& pose) {
+  const std::vector<Vec3> centres = posed_centres(pose);
+  for (SpherePair& pair : pairs_) pair.trusted = std::max(pair.trusted, depth(pair, centres));
+}
+
+std::optional<std::pair<std::uint32_t, std::uint32_t>> SelfOverlap::find(const Pose& pose) const {
+  const std::vector<Vec3> centres = posed_centres(pose);
+  for (const SpherePair& pair : pairs_) {
+    if (depth(pair, centres) > pair.trusted + kTolerance) {
+      return std::make_pair(spheres_[pair.first].joint, spheres_[pair.second].joint);
+    }
+  }
+  return std::nullopt;
+}
+
+std::vector<Vec3> SelfOverlap::posed_centres(const Pose& pose) const {
+  const std::vector<Affine> skinning = skinning_matrices(character_.skeleton, pose.joints);
+  return transformed(spheres_, [&](const BodySphere& sphere) { return skinning[sphere.joint] * sphere.centre; });
+}
+
+double SelfOverlap::depth(const SpherePair& pair, const std::vector<Vec3>& centres) const {
+  return spheres_[pair.first].radius + spheres_[pair.second].radius -
+         length(centres[pair.first] - centres[pair.second]);
+}
 
 // SplitMix64 (Steele, Lea and Flood 2014).
 double UniformRandom::next() {

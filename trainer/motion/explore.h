@@ -1,13 +1,68 @@
 // The random part of a range of motion: it goes where it has not been.
 #pragma once
 
+#include <array>
 #include <cstdint>
+#include <optional>
+#include <set>
+#include <utility>
+#include <vector>
 
-#include "trainer/motion/body_spheres.h"
-#include "trainer/motion/dof_groups.h"
-#include "trainer/motion/limited_pose.h"
+#include "assets/character.h"
+#include "trainer/motion/held_turns.h"
+#include "trainer/motion/joint_limits.h"
 
 namespace bodyopt {
+
+// Which degrees of freedom move the same flesh.
+
+using DofGroup = std::vector<std::size_t>;  // indices of degrees of freedom, ascending
+
+// Degrees of freedom that turn a joint in common, directly or through others, are one group.
+std::vector<DofGroup> dof_groups(const JointLimits& limits);
+
+// Pairs that turn the same joint, or a joint and its parent.
+std::vector<std::array<std::size_t, 2>> dof_pairs(const JointLimits& limits, const Skeleton& skeleton);
+
+// The joints that move joint `a` relative to joint `b`: from both up to, and without, their common ancestor.
+std::set<std::uint32_t> joints_between(const Skeleton& skeleton, std::uint32_t a, std::uint32_t b);
+
+// A body as spheres that fill its skin, to tell poses in which limbs go through each other.
+
+struct BodySphere {
+  std::uint32_t joint;  // the sphere moves rigidly with it
+  Vec3 centre;          // rest space, metres
+  double radius;        // metres
+};
+
+// Inscribed spheres of the skin by ball shrinking (Ma, Bae and Choi 2012), the largest first for each joint, until they
+// stand half a radius apart.
+std::vector<BodySphere> body_spheres(const Character& character);
+
+// Which limbs overlap in a pose, beyond what poses that are trusted do.
+class SelfOverlap {
+ public:
+  explicit SelfOverlap(const Character& character);
+
+  // From now on, overlaps as deep as in this pose count as flesh in contact.
+  void trust(const Pose& pose);
+
+  // Two joints whose flesh overlaps more than any trusted pose's and the tolerance; nothing for a clear pose. Flesh of
+  // a joint and its nearest ancestor with flesh is never compared: it is one piece.
+  std::optional<std::pair<std::uint32_t, std::uint32_t>> find(const Pose& pose) const;
+
+ private:
+  struct SpherePair {
+    std::uint32_t first, second;
+    double trusted = 0;  // depth, metres
+  };
+  std::vector<Vec3> posed_centres(const Pose& pose) const;
+  double depth(const SpherePair& pair, const std::vector<Vec3>& centres) const;
+
+  const Character& character_;
+  std::vector<BodySphere> spheres_;
+  std::vector<SpherePair> pairs_;
+};
 
 // Uniform numbers from 0 to 1, the same on every machine.
 class UniformRandom {

@@ -26,8 +26,7 @@ struct DegreeOfFreedom {
   std::string source{};  // where the numbers come from, for who edits the file
 };
 
-// How far a joint may turn by itself, about any axis: what tells it from joints that its degrees of freedom couple it
-// to.
+// How far a joint may turn by itself, about any axis: what tells it from coupled joints.
 struct JointDeviation {
   std::uint32_t joint;
   double degrees;        // above 0

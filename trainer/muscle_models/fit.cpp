@@ -8,7 +8,7 @@
 
 #include "base/linear_algebra.h"
 #include "geometry/nearest_rotation.h"
-#include "geometry/skin_depth.h"
+#include "geometry/thickness.h"
 #include "runtime/core/error.h"
 
 namespace bodyopt::muscle_models {

@@ -9,8 +9,7 @@ namespace bodyopt::muscle_models {
 
 // Joints: CustomJoint, WeldJoint, PinJoint, SliderJoint, UniversalJoint, BallJoint, GimbalJoint, PlanarJoint,
 // FreeJoint. Functions: Constant, LinearFunction, PiecewiseLinearFunction, PolynomialFunction, SimmSpline,
-// MultiplierFunction. Path points: fixed, conditional, moving. Wrap objects are named, not honoured. Throws
-// Error(file).
+// MultiplierFunction. Path points: fixed, conditional, moving. Wraps are named, not honoured. Throws Error(file).
 Model read_opensim(const std::filesystem::path& path);
 
 }  // namespace bodyopt::muscle_models

@@ -25,8 +25,7 @@ constexpr int kMostElements = 200000;  // of a model, all of its files together
 // elements there are.
 int require_shallow(const std::filesystem::path& path, pugi::xml_node tree);
 
-// Numbers separated by blanks, `least` to `most` of them, each finite and below 1e6 in size. `what` names the text in
-// messages.
+// Numbers separated by blanks, `least` to `most` of them, each finite and below 1e6 in size. `what`: for messages.
 std::vector<double> parse_numbers(const std::filesystem::path& path, pugi::xml_node element, const std::string& what,
                                   const std::string& text, std::size_t least, std::size_t most);
 

@@ -1,15 +1,56 @@
 // The skins of all levels, before any is trained, and how far they are from the full one that they carry.
 #pragma once
 
+#include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
+#include "assets/character.h"
 #include "dataset/compare.h"
 #include "runtime/basis/levels.h"
-#include "trainer/proxy/simplify_skin.h"
 #include "trainer/train/data/samples.h"
 
 namespace bodyopt {
+
+// A skin of fewer vertices that moves as the full one does.
+
+struct SimplifiedSkin {
+  std::vector<std::uint32_t> vertices;  // welded vertices that stay, ascending
+  Triangles triangles;                  // T x 3, numbers into `vertices`
+};
+
+// Collapses edges onto one of their ends, so that what stays is a subset of the vertices, in the order of the harm
+// done: the quadric error (Garland and Heckbert 1997) summed over several shapes (Mohr and Gleicher 2003, Deformation
+// Sensitive Decimation), which keeps vertices where the skin bends and folds, not only where it is curved at rest.
+//
+// `shapes`: V x 3 each, posed, metres, the first at rest. `error`: metres; no edge is collapsed whose vertex would lie
+// further than that from the planes of the triangles it stands for then, root mean square over their area and the
+// shapes.
+//
+// A closed skin stays closed and manifold, of the same genus; vertices at open or irregular edges stay, those of no
+// triangle go. Every joint keeps three of the vertices that follow it most, or all it has. A function of its arguments
+// alone.
+SimplifiedSkin simplify_skin(const Character& character, const std::vector<Positions>& shapes, double error);
+
+// Where a proxy's skin carries the full one.
+
+// Puts every vertex of the full skin on the nearest triangle of the proxy's rest skin that faces as the full skin does
+// there (so that fingers stay apart), or on the nearest of all, and keeps its offset from there, in steps of 1/32767 of
+// the largest. -> one for every output vertex of `full`. `mesh`: of the proxy's basis.
+CarriedSkin map_skin(const Character& full, const MeshTable& mesh);
+
+// A skin as an Evaluation has it: O x 3 in output order. `vertices`: V x 3 in runtime order of the mesh.
+struct ShownSkin {
+  std::vector<float> positions, normals;
+};
+ShownSkin show_skin(const MeshTable& mesh, std::span<const float> vertices);
+
+// Distances of the full rest skin's vertices from the proxy's, mm.
+struct SkinDistance {
+  double rms = 0, max = 0;
+};
+SkinDistance skin_distance(const Character& full, const Character& proxy);
 
 struct LevelSkin {
   double error;  // metres
@@ -24,8 +65,7 @@ std::vector<Positions> shapes_of_skin(const SampleSet& set);
 
 // The character simplified for each error asked for, or for the default ones as far as they make levels. `shapes`: as
 // simplify_skin(). `notes`: gets why there are fewer levels. Throws Error(usage) where an error leaves too few
-// vertices, or no fewer than the level before it: of errors that nobody gave only where none of them
-// makes a level.
+// vertices, or no fewer than the level before it: of default errors only where none makes a level.
 std::vector<LevelSkin> level_skins(const Character& character, const std::vector<Positions>& shapes,
                                    const std::vector<double>& asked, std::vector<std::string>& notes);
 

@@ -1,7 +1,7 @@
 #include "trainer/simulate/check_muscles.h"
 
 #include "assets/wording.h"
-#include "geometry/skin_depth.h"
+#include "geometry/thickness.h"
 #include "runtime/core/error.h"
 
 namespace bodyopt {

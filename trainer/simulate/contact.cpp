@@ -5,9 +5,8 @@
 #include <cmath>
 #include <map>
 
-#include "geometry/extent.h"
-#include "geometry/point_grid.h"
-#include "geometry/vertex_normals.h"
+#include "geometry/mesh.h"
+#include "geometry/spatial_search.h"
 
 namespace bodyopt {
 namespace {

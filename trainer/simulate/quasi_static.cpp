@@ -7,7 +7,7 @@
 #include <numbers>
 
 #include "base/content_hash.h"
-#include "geometry/extent.h"
+#include "geometry/mesh.h"
 #include "runtime/core/error.h"
 #include "runtime/core/stopwatch.h"
 #include "runtime/host/rig.h"

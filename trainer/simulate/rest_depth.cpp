@@ -1,7 +1,7 @@
 #include "trainer/simulate/rest_depth.h"
 
-#include "geometry/closed_skin.h"
-#include "geometry/vertex_normals.h"
+#include "geometry/mend_surface.h"
+#include "geometry/mesh.h"
 
 namespace bodyopt {
 namespace {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cstdio>
 
-#include "geometry/extent.h"
+#include "geometry/mend_surface.h"
 
 namespace bodyopt {
 

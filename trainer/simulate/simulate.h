@@ -11,7 +11,6 @@
 #include "assets/clip.h"
 #include "assets/muscles.h"
 #include "dataset/dataset.h"
-#include "dataset/take_lock.h"
 #include "trainer/simulate/quasi_static.h"
 
 namespace bodyopt {

@@ -1,6 +1,6 @@
 #include "trainer/simulate/skin_bending.h"
 
-#include "geometry/laplacian.h"
+#include "geometry/surface_distance.h"
 
 namespace bodyopt {
 

@@ -1,11 +1,18 @@
 #include "trainer/tets/cage.h"
 
+#include <Eigen/Geometry>
+#include <Eigen/LU>
 #include <algorithm>
+#include <map>
 #include <optional>
 #include <utility>
 
+#include "geometry/mend_surface.h"
+#include "geometry/mesh.h"
+#include "geometry/tet_mesh.h"
+#include "runtime/core/error.h"
 #include "trainer/tets/lattice_cage.h"
-#include "trainer/tets/skin_cage.h"
+#include "trainer/tets/tets.h"
 
 namespace bodyopt {
 namespace {
@@ -28,6 +35,55 @@ SkinWeights of_hosts(const SkinWeights& weights, const FillableSkin& fillable) {
   SkinWeights hosts;
   for (const std::uint32_t v : fillable.vertex) hosts.push_back(weights[v]);
   return hosts;
+}
+
+constexpr int kSampleRows = 3;  // samples along a tet's edge, less one
+constexpr int kFitRounds = 2, kFitRoundsApart = 3;
+
+// Towards the mean of the fine skin around each vertex of the coarser one.
+Positions steps_to_fit(const FineSkin& fine, const CoarseSkin& coarse) {
+  const NearestSkin nearest(coarse.vertices, coarse.triangles);
+  Positions sum = Positions::Zero(coarse.vertices.rows(), 3);
+  Eigen::VectorXd weight = Eigen::VectorXd::Zero(coarse.vertices.rows());
+  for (Eigen::Index v = 0; v < fine.vertices.rows(); ++v) {
+    const SkinPoint near = nearest.facing(fine.vertices.row(v), fine.normals.row(v));
+    if (near.triangle < 0) continue;
+    for (int k = 0; k < 3; ++k) {
+      sum.row(near.vertices[static_cast<std::size_t>(k)]) +=
+          near.weights[k] * (fine.vertices.row(v) - near.position.transpose());
+      weight[near.vertices[static_cast<std::size_t>(k)]] += near.weights[k];
+    }
+  }
+  for (Eigen::Index n = 0; n < weight.size(); ++n) {
+    if (weight[n] > 0) sum.row(n) /= weight[n];
+  }
+  return sum;
+}
+
+// Moves the coarser skin, whose chords lie inside bends, outwards until as much of the fine skin is inside it as
+// outside.
+void fit(const FineSkin& fine, CoarseSkin& coarse) {
+  for (int round = 0; round < kFitRounds; ++round) coarse.vertices += steps_to_fit(fine, coarse);
+}
+
+// The same of a skin that would come to pass through itself by that, as lips do.
+void fit_apart(const FineSkin& fine, CoarseSkin& coarse) {
+  for (int round = 0; round < kFitRoundsApart; ++round)
+    step_apart(coarse.triangles, steps_to_fit(fine, coarse), coarse.vertices);
+}
+
+constexpr double kDefaultSize = 3;  // mean edges of the skin
+
+Cage fill(const Positions& vertices, const Triangles& triangles, const SkinWeights& weights,
+          const FillableSkin& fillable, double size) {
+  Cage cage;
+  const double edge = size > 0 ? size : kDefaultSize * mean_edge(fillable.vertices, fillable.triangles);
+  cage.mesh = tetrahedralise(fillable.vertices, fillable.triangles, edge);
+  cage.skin = carry_skin(fillable, vertices, cage.mesh, own_nodes(cage.mesh, fillable.vertices.rows()));
+  cage.riders = Riders(fillable, vertices, triangles, weights);
+  cage.is_own_skin = true;
+  cage.mending = fillable.mending();
+  return cage;
 }
 
 }  // namespace
@@ -80,6 +136,84 @@ Cage make_cage(const Positions& vertices, const Triangles& triangles, const Skin
   }
   cage->glued = glued_vertices(vertices, triangles, weights, cage->mesh, cage->skin);
   return std::move(*cage);
+}
+
+Cage cage_in(const FineSkin& fine, const FilledSkin& filled) {
+  Cage cage;
+  cage.mesh = filled.mesh;
+  const TetFinder find(cage.mesh, filled.skin.vertices, filled.skin.triangles);
+  for (Eigen::Index v = 0; v < fine.vertices.rows(); ++v) {
+    cage.skin.push_back(find(fine.vertices.row(v), fine.normals.row(v)));
+  }
+  const std::vector<Eigen::Vector4d> lattice = tet_lattice(kSampleRows);
+  for (int t = 0; t < cage.mesh.tets.rows(); ++t) {
+    const double volume = tet_edges(cage.mesh, t).determinant() / 6 / static_cast<double>(lattice.size());
+    for (const Eigen::Vector4d& weights : lattice) cage.samples.push_back({{t, weights}, volume});
+  }
+  return cage;
+}
+
+Cage skin_cage(const Positions& vertices, const Triangles& triangles, Eigen::Index max_nodes) {
+  const FineSkin fine(vertices, triangles);
+  try {
+    return cage_in(fine, fill_coarser(fine, {.nodes = max_nodes}, [&](CoarseSkin& skin) { fit(fine, skin); }));
+  } catch (const Error& error) {
+    if (error.kind() != ErrorKind::mismatch) throw;
+    return cage_in(fine, fill_coarser(fine, {.nodes = max_nodes}, [&](CoarseSkin& skin) { fit_apart(fine, skin); }));
+  }
+}
+
+Cage own_cage(const Positions& vertices, const Triangles& triangles, const SkinWeights& weights, double size) {
+  constexpr int kMostRoom = 9;
+  for (int room = 1;; room *= 3) {  // with too little left between what has come apart Netgen gives up
+    const FillableSkin fillable = fillable_skin(vertices, triangles, weights, room);
+    try {
+      return fill(vertices, triangles, weights, fillable, size);
+    } catch (const Error& error) {
+      if (error.kind() != ErrorKind::mismatch || fillable.intersections == 0 || room >= kMostRoom) throw;
+    }
+  }
+}
+
+ApartSkin::ApartSkin(const Positions& vertices, const Triangles& triangles, const SkinWeights& weights)
+    : vertices_(vertices),
+      weights_(weights),
+      outwards_(enclosed_volume(vertices, triangles) < 0 ? -1 : 1),
+      distance_(vertices.rows(), triangles) {}
+
+std::vector<JointWeight> ApartSkin::weights_at(const SkinPoint& point) const {
+  std::map<std::uint32_t, double> sums;
+  for (int k = 0; k < 3; ++k) {
+    for (const JointWeight& w : weights_[point.vertices[static_cast<std::size_t>(k)]]) {
+      sums[w.joint] += point.weights[k] * w.weight;
+    }
+  }
+  std::vector<JointWeight> result;
+  for (const auto& [joint, weight] : sums) result.push_back({joint, weight});
+  return result;
+}
+
+// How far behind the skin at the other, metres.
+double ApartSkin::depth(const SkinPoint& point, const SkinPoint& other) const {
+  const auto corner = [&](std::size_t k) -> Eigen::Vector3d { return vertices_.row(other.vertices[k]); };
+  const Eigen::Vector3d normal = (corner(1) - corner(0)).cross(corner(2) - corner(0)).normalized();
+  return (other.position - point.position).dot(normal) * outwards_;
+}
+
+bool ApartSkin::operator()(const SkinPoint& a, const SkinPoint& b, double overlap) const {
+  if (shared_weight(weights_at(a), weights_at(b)) >= kSharedByOne) return false;
+  if (std::max(depth(a, b), depth(b, a)) > overlap) return false;
+  const auto is_of_b = [&](std::uint32_t v) {
+    return std::find(b.vertices.begin(), b.vertices.end(), v) != b.vertices.end();
+  };
+  // No way over a corner is as short as that straight through one triangle or two.
+  if (std::any_of(a.vertices.begin(), a.vertices.end(), is_of_b)) return false;
+  const double farthest = kDetour * (a.position - b.position).norm();
+  const std::vector<SurfacePlace> near = distance_.around(vertices_, a, farthest);
+  return std::none_of(near.begin(), near.end(), [&](const SurfacePlace& place) {
+    return is_of_b(place.vertex) &&
+           place.distance + (vertices_.row(place.vertex).transpose() - b.position).norm() <= farthest;
+  });
 }
 
 }  // namespace bodyopt

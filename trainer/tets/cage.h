@@ -5,11 +5,13 @@
 #include <string>
 #include <vector>
 
-#include "geometry/embedding.h"
+#include "geometry/nearest_skin.h"
+#include "geometry/surface_distance.h"
+#include "geometry/tet_mesh.h"
 #include "runtime/core/error.h"
 #include "trainer/tets/fillable_skin.h"
-#include "trainer/tets/own_joints.h"
 #include "trainer/tets/riders.h"
+#include "trainer/tets/tets.h"
 
 namespace bodyopt {
 
@@ -41,8 +43,7 @@ Cage filled_cage(const Positions& vertices, const Triangles& triangles, const Sk
 // three times the skin's mean edge. Throws as fillable_skin and tetrahedralise.
 Cage own_cage(const Positions& vertices, const Triangles& triangles, const SkinWeights& weights, double size);
 
-// Nodes at most: of a coarser skin, or where none comes out so coarse, of a finer one; of the skin's own tets; of a
-// lattice.
+// Nodes at most: of a coarser skin, or where none is so coarse, of a finer one; of the skin's own tets; of a lattice.
 struct CageLimits {
   Eigen::Index nodes, finer_nodes, own_nodes, lattice_nodes;
 };
@@ -51,5 +52,40 @@ struct CageLimits {
 // why those before it did not. Throws as lattice_cage.
 Cage make_cage(const Positions& vertices, const Triangles& triangles, const SkinWeights& weights,
                const CageLimits& limits);
+
+// The skin is remeshed with longer edges, which stay short where a part is thin, and filled (tetrahedralise). The
+// finest found of at most `max_nodes` nodes, and not finer than the skin itself. Its surface cuts corners: a vertex
+// that lies outside is carried by the tet behind the nearest triangle that faces as the skin does there, so that
+// fingers stay apart. A function of its arguments alone.
+//
+// Throws Error(mismatch) when the skin is not closed or no coarser skin can be filled with tets of a mean-ratio quality
+// of 0.05 at least.
+Cage skin_cage(const Positions& vertices, const Triangles& triangles, Eigen::Index max_nodes);
+
+// The cage that the tets of a coarser skin make: where they carry every vertex of the fine one, and their samples.
+Cage cage_in(const FineSkin& fine, const FilledSkin& filled);
+
+// Skin that moves of the joints part, however near to each other it lies at rest.
+
+constexpr double kSharedByOne = 0.6;  // of the weights of two points in common: less is skin of other joints
+constexpr double kDetour = 3;         // along the skin, times the way through the air: further is not beside it
+
+// Whether two points of a skin (rest, metres) follow other joints and are far from each other along it, as lips, thighs
+// and fingers that touch are; about a joint they are not. Nor are those between which flesh lies, as in and out of a
+// cheek: one is behind the other by more than `overlap` metres. The arrays must outlive this.
+class ApartSkin {
+ public:
+  ApartSkin(const Positions& vertices, const Triangles& triangles, const SkinWeights& weights);
+  bool operator()(const SkinPoint& a, const SkinPoint& b, double overlap) const;
+
+ private:
+  std::vector<JointWeight> weights_at(const SkinPoint& point) const;
+  double depth(const SkinPoint& point, const SkinPoint& other) const;
+
+  const Positions& vertices_;
+  const SkinWeights& weights_;
+  double outwards_;  // 1 where triangles wind outwards, else -1
+  SurfaceDistance distance_;
+};
 
 }  // namespace bodyopt

@@ -4,9 +4,15 @@
 #include <string>
 #include <vector>
 
-#include "geometry/embedding.h"
+#include "geometry/mesh.h"
+#include "geometry/tet_mesh.h"
 
 namespace bodyopt {
+
+// Which triangles are of sheets that share edges with a surface and bound no volume: fins, webs, frills. They end in
+// open edges and meet the rest at edges of three triangles or more. The smallest is cut off first, until no edge that
+// is left has more than two triangles, or what meets there has no open edge.
+std::vector<bool> sheet_triangles(const Positions& vertices, const Triangles& triangles);
 
 struct FillableSkin {
   Positions vertices;                    // H x 3, rest space, metres: moved where the skin passes through itself

@@ -30,9 +30,8 @@ struct TrainOptions {
   // How large the basis is to be, one of them at most; without, as large as is worth it.
   double budget = 0;        // bytes of all tables per vertex at most
   double tolerance_mm = 0;  // as small as its expected error allows
-  int surface_curves = 0;   // pairs of them, see surface_curves.h
-  // A folder for what is found, from which a training of the same data and options goes on where it stopped; empty:
-  // nothing is kept.
+  int surface_curves = 0;   // pairs of them, see choose_map.h
+  // A folder for what is found, from which the same training goes on where it stopped; empty: nothing is kept.
   std::filesystem::path keep_in{};
   // Bring what an earlier training kept there to these frames, where no more than a tenth of them are others;
   // otherwise, and where nothing fits, train from the start.

@@ -7,14 +7,12 @@
 #include "base/linear_algebra.h"
 #include "base/parallel.h"
 #include "base/progress.h"
-#include "geometry/extent.h"
-#include "geometry/laplacian.h"
-#include "geometry/table_rows.h"
-#include "geometry/vertex_normals.h"
+#include "geometry/mesh.h"
+#include "geometry/surface_distance.h"
 #include "runtime/core/error.h"
 #include "runtime/cpu/ddm_frames.h"
 #include "runtime/host/rig.h"
-#include "trainer/transfer/joint_warp.h"
+#include "trainer/transfer/skin_transfer.h"
 
 namespace bodyopt {
 namespace {

@@ -14,7 +14,7 @@
 #include "geometry/nearest_rotation.h"
 #include "runtime/core/error.h"
 #include "runtime/host/rig.h"
-#include "runtime/modifiers/world_rotations.h"
+#include "runtime/modifiers/drive_modifiers.h"
 
 namespace bodyopt {
 namespace {

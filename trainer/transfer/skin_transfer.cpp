@@ -4,12 +4,80 @@
 #include <algorithm>
 #include <cmath>
 
-#include "geometry/extent.h"
-#include "geometry/laplacian.h"
-#include "geometry/table_rows.h"
+#include "assets/wording.h"
+#include "base/progress.h"
+#include "geometry/mesh.h"
+#include "geometry/surface_distance.h"
+#include "runtime/basis/joint_omegas.h"
+#include "runtime/core/error.h"
+#include "runtime/host/device_choice.h"
+#include "runtime/host/rig.h"
+#include "trainer/train/fit/train.h"
 
 namespace bodyopt {
 namespace {
+
+// Column of every joint of a skeleton: `column` of itself, or of the nearest joint above that has one; else the first.
+std::vector<Eigen::Index> columns_of(const Skeleton& skeleton, const std::vector<int>& column) {
+  std::vector<Eigen::Index> result(skeleton.size(), 0);
+  for (std::size_t j = 0; j < skeleton.size(); ++j) {
+    const int parent = skeleton.joints[j].parent;
+    if (column[j] >= 0) {
+      result[j] = column[j];
+    } else if (parent >= 0) {
+      result[j] = result[static_cast<std::size_t>(parent)];
+    }
+  }
+  return result;
+}
+
+JointShares shares_of(const Basis& basis, const std::vector<Eigen::Index>& columns, Eigen::Index count) {
+  JointShares shares = JointShares::Zero(basis.mesh.vertex_count(), count);
+  for (std::uint32_t v = 0; v < basis.mesh.vertex_count(); ++v) {
+    for_each_omega(basis.ddm, v, [&](std::uint32_t joint, double omega) { shares(v, columns[joint]) += omega; });
+  }
+  return shares;
+}
+
+// Per joint of the source, the lengths of its bones to the nearest matched joints below: target's over source's; or 0.
+std::vector<double> bone_ratios(const Skeleton& source, const SkeletonMatch& match, const Positions& from,
+                                const Positions& to) {
+  std::vector<double> own(source.size(), 0.0), other = own;
+  for (std::size_t j = 0; j < source.size(); ++j) {
+    const int above = matched_at_or_above(source, match.target_joint, source.joints[j].parent);
+    if (above < 0 || match.target_joint[j] < 0) continue;
+    const auto a = static_cast<std::size_t>(above);
+    own[a] += (from.row(static_cast<Eigen::Index>(j)) - from.row(above)).norm();
+    other[a] += (to.row(match.target_joint[j]) - to.row(match.target_joint[a])).norm();
+  }
+  for (std::size_t j = 0; j < own.size(); ++j) own[j] = own[j] > 0 ? other[j] / own[j] : 0;
+  return own;
+}
+
+void require_takes(const SampleSet& set, const std::set<std::string>& names) {
+  for (const std::string& name : names) {
+    if (std::ranges::find(set.takes, name) != set.takes.end()) continue;
+    throw Error(ErrorKind::usage,
+                "the dataset has no take '" + name + "' with frames to train on; there are " + list_names(set.takes));
+  }
+}
+
+// Takes the samples of the body's own frames out of the set, which keeps the carried ones.
+std::vector<Sample> take_own(SampleSet& set, const std::set<std::string>& carried) {
+  const auto is_carried = [&](const Sample& sample) {
+    return carried.contains(set.takes[static_cast<std::size_t>(sample.take)]);
+  };
+  const auto own = std::stable_partition(set.train.begin(), set.train.end(), is_carried);
+  std::vector<Sample> taken(std::make_move_iterator(own), std::make_move_iterator(set.train.end()));
+  set.train.erase(own, set.train.end());
+  if (taken.empty()) {
+    throw Error(ErrorKind::mismatch,
+                "all takes are carried: there is no frame of the body's own to learn from; simulate some into the "
+                "dataset");
+  }
+  if (set.train.empty()) throw Error(ErrorKind::mismatch, "no frame of the carried takes is trained on");
+  return taken;
+}
 
 // Of the extent of the target: how far a gradient's error is summed before the anchors take over. Of 0.05, 0.1, 0.25,
 // 0.5, 1 and 3 this left the least between two builds of one human (docs/notes, Transfer).
@@ -47,6 +115,95 @@ std::vector<int> unsure_vertices(const Correspondence& correspondence) {
 }
 
 }  // namespace
+
+JointShares source_joint_shares(const Basis& source, const SkeletonMatch& match) {
+  std::vector<int> column(match.target_joint.size(), -1);
+  for (std::size_t j = 0; j < column.size(); ++j) {
+    if (match.target_joint[j] >= 0) column[j] = static_cast<int>(j);
+  }
+  return shares_of(source, columns_of(source.skeleton, column), static_cast<Eigen::Index>(source.skeleton.size()));
+}
+
+JointShares target_joint_shares(const Basis& target, const SkeletonMatch& match) {
+  return shares_of(target, columns_of(target.skeleton, match.source_joint),
+                   static_cast<Eigen::Index>(match.target_joint.size()));
+}
+
+Eigen::VectorXd share_of_matched(const Basis& basis, const std::vector<int>& match) {
+  Eigen::VectorXd shares = Eigen::VectorXd::Zero(basis.mesh.vertex_count());
+  for (std::uint32_t v = 0; v < basis.mesh.vertex_count(); ++v) {
+    for_each_omega(basis.ddm, v, [&](std::uint32_t joint, double omega) {
+      if (match[joint] >= 0) shares[v] += omega;
+    });
+  }
+  return shares;
+}
+
+std::vector<JointWarp> joint_warps(const Basis& source, const Basis& target, const SkeletonMatch& match) {
+  const Positions from = joint_places(source.skeleton, bind_pose(source.skeleton)),
+                  to = joint_places(target.skeleton, match.common);
+  const std::vector<double> ratios = bone_ratios(source.skeleton, match, from, to);
+  std::vector<JointWarp> warps(source.skeleton.size());
+  for (std::size_t j = 0; j < warps.size(); ++j) {
+    const int parent = source.skeleton.joints[j].parent, other = match.target_joint[j];
+    if (other < 0 && parent >= 0) {
+      warps[j] = warps[static_cast<std::size_t>(parent)];
+      continue;
+    }
+    const double inherited = parent >= 0 ? warps[static_cast<std::size_t>(parent)].size : match.size;
+    warps[j] = {from.row(static_cast<Eigen::Index>(j)), to.row(std::max(other, 0)),
+                ratios[j] > 0 ? ratios[j] : inherited};
+  }
+  return warps;
+}
+
+Positions warped_by_joints(const Basis& source, const Basis& target, const SkeletonMatch& match) {
+  const std::vector<JointWarp> warps = joint_warps(source, target, match);
+  const JointShares shares = source_joint_shares(source, match);
+  const Positions rest = rows_of(source.mesh.rest);
+  Positions result = Positions::Zero(rest.rows(), 3);
+  for (Eigen::Index j = 0; j < shares.cols(); ++j) {
+    const JointWarp& warp = warps[static_cast<std::size_t>(j)];
+    for (Eigen::Index v = 0; v < rest.rows(); ++v) {
+      if (shares(v, j) > 0) result.row(v) += shares(v, j) * (warp.to + warp.size * (rest.row(v) - warp.from));
+    }
+  }
+  return result;
+}
+
+std::string refinement_of(const std::string& take) { return "refined " + take; }
+
+RefinedShapes::RefinedShapes(SampleSet set, const std::set<std::string>& carried, const TrainOptions& options) {
+  require_takes(set, carried);
+  set.heldout.clear();
+  std::vector<Sample> own = take_own(set, carried);
+  const Basis learned = train(set, options).basis;
+  carried_ = std::make_unique<Deformer>(learned, DeviceChoice{.name = "cpu"});
+  bare_ = std::make_unique<Deformer>(learned, DeviceChoice{.name = "cpu"});
+  bare_->set_weights({.correction = 0});
+  double sum = 0;
+  Progress progress("transfer: what is off", own.size());
+  for (Sample& sample : own) {
+    const Positions off = sample.shape.read() - welded_from_output(set.character, of(*carried_, sample.pose).data());
+    sum += off.squaredNorm() / static_cast<double>(off.rows());
+    sample.shape = SampleShape(welded_from_output(set.character, of(*bare_, sample.pose).data()) + off);
+    progress.advance();
+  }
+  difference_mm_ = 1e3 * std::sqrt(sum / static_cast<double>(own.size()));
+  set.train = std::move(own);
+  own_ = std::make_unique<Deformer>(train(set, options).basis, DeviceChoice{.name = "cpu"});
+}
+
+std::vector<float> RefinedShapes::of(Deformer& deformer, const Pose& pose) const {
+  return deformer.evaluate({&pose, 1}).positions;
+}
+
+std::vector<float> RefinedShapes::operator()(const Pose& pose) {
+  std::vector<float> shape = of(*carried_, pose);
+  const std::vector<float> bare = of(*bare_, pose), own = of(*own_, pose);
+  for (std::size_t k = 0; k < shape.size(); ++k) shape[k] += own[k] - bare[k];
+  return shape;
+}
 
 HatGradients hat_gradients(const Positions& vertices, const Triangles& triangles, Eigen::Index triangle) {
   const auto corner = [&](int k) -> Eigen::Vector3d { return vertices.row(triangles(triangle, k)); };

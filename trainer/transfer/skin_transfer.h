@@ -2,14 +2,73 @@
 #pragma once
 
 #include <Eigen/SparseCore>
+#include <memory>
+#include <set>
+#include <string>
 #include <vector>
 
 #include "base/linear_algebra.h"
 #include "geometry/mesh.h"
 #include "runtime/basis/basis.h"
+#include "runtime/deformer/deformer.h"
+#include "trainer/train/data/samples.h"
+#include "trainer/train/options.h"
 #include "trainer/transfer/correspondence.h"
+#include "trainer/transfer/match_skeletons.h"
 
 namespace bodyopt {
+
+// How much of each vertex the joints hold that both characters have, and where they bring the source's body.
+
+// V x joints of the source: the omegas of Direct Delta Mush, each row summing to 1. Joints that the other does not have
+// count as the nearest above them that it has.
+using JointShares = Eigen::MatrixXd;
+
+JointShares source_joint_shares(const Basis& source, const SkeletonMatch& match);
+JointShares target_joint_shares(const Basis& target, const SkeletonMatch& match);
+
+// V: of each vertex, what joints hold that have a match themselves; `match`: per joint of the basis, -1 for none.
+Eigen::VectorXd share_of_matched(const Basis& basis, const std::vector<int>& match);
+
+// x -> to + size (x - from), from the source's rest to the common pose, metres.
+struct JointWarp {
+  Eigen::RowVector3d from, to;
+  double size = 1;
+};
+
+// Per joint of the source, scaled as its bones are on the mean, or as the joint above, or as the whole body. A joint
+// without a match goes with the one above.
+std::vector<JointWarp> joint_warps(const Basis& source, const Basis& target, const SkeletonMatch& match);
+
+// The source's rest skin (V x 3, runtime order), every joint moving its share.
+Positions warped_by_joints(const Basis& source, const Basis& target, const SkeletonMatch& match);
+
+// What was carried to a body, moved to what that body's own frames show.
+
+// The modifier in a dataset's stack that holds what refining made of a carried take.
+std::string refinement_of(const std::string& take);
+
+// A cheap model of much and a dear one of little (Kennedy and O'Hagan 2000): the carried frames are learned; then what
+// the body's own frames differ by from that, which is less and changes less with the pose than they do, so that few
+// tell it. Where the own frames know nothing, what was carried stays.
+class RefinedShapes {
+ public:
+  // `carried`: names of takes of the set; all its other training frames are the body's own. Shows progress. Throws
+  // Error(usage) for a take that the set does not have, Error(mismatch) where either kind has too few frames, and as
+  // train().
+  RefinedShapes(SampleSet set, const std::set<std::string>& carried, const TrainOptions& options);
+
+  // O x 3, posed, metres, world.
+  std::vector<float> operator()(const Pose& pose);
+  // What the own frames were off what was carried, root mean square over vertices, millimetres.
+  double difference_mm() const { return difference_mm_; }
+
+ private:
+  std::vector<float> of(Deformer& deformer, const Pose& pose) const;
+
+  std::unique_ptr<Deformer> carried_, bare_, own_;  // as learned; its Direct Delta Mush; that with what own frames add
+  double difference_mm_ = 0;
+};
 
 // Of linear functions on a triangle.
 struct HatGradients {

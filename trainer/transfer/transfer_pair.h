@@ -1,7 +1,11 @@
 // Two bodies laid onto each other: whether one may be carried to the other, and where the source's skin lies on it.
 #pragma once
 
+#include <string>
+#include <vector>
+
 #include "assets/character.h"
+#include "trainer/transfer/correspondence.h"
 #include "trainer/transfer/skin_transfer.h"
 
 namespace bodyopt {
@@ -44,5 +48,23 @@ constexpr double kLeastLikeness = 0.36;
 //   logarithm of lengths along it.
 // How near the fit came says where to fill in, and not whether they are alike.
 double likeness(const TransferPair& pair);
+
+// How alike two bodies are, part by part: where transfer may be trusted.
+
+// The skin that one joint of the source holds most of.
+struct TransferPart {
+  std::string joint;
+  Eigen::Index vertices = 0;  // of the target
+  double confidence = 1;      // of the match, mean by area
+  double size = 1;            // lengths along the skin, of the target over the source, geometric mean
+  double unevenness = 0;      // standard deviation of the logarithm of these: 0.1 is about 10 per cent
+  // The match is unsure, or the part is less than half or more than twice as large as the body would have it, or
+  // stretched unevenly: what is carried there is a guess.
+  bool breaks_assumption = false;
+};
+
+// Parts with skin on both bodies, least sure first.
+std::vector<TransferPart> transfer_parts(const Basis& source, const Basis& target, const SkeletonMatch& match,
+                                         const Correspondence& correspondence);
 
 }  // namespace bodyopt

@@ -6,13 +6,31 @@
 #include <optional>
 
 #include "runtime/host/character_model.h"
-#include "runtime/host/fold_tables.h"
 #include "runtime/host/output_steps.h"
-#include "runtime/host/tangent_tables.h"
-#include "runtime/vulkan/backend/block_solve.h"
+#include "runtime/host/skin_tables.h"
 #include "runtime/vulkan/kernels/windows.h"
 
 namespace bodyopt::vulkan {
+
+// A block inverse's solve on the device: all levels up, then down (runtime/cpu/dynamics_kernels.h, block_solve).
+
+class BlockSolve {
+ public:
+  // gathered, results: scratch, right_side_count x slot_count floats each. right_sides and solutions may be one buffer.
+  struct Buffers {
+    const InverseBuffers& inverse;
+    BufferRange right_sides, gathered, results, solutions;
+  };
+
+  explicit BlockSolve(const Device& device);
+  void record(Commands& commands, const Buffers& buffers, std::uint32_t right_side_count,
+              std::uint32_t interleave) const;
+
+ private:
+  BlockGather gather_;
+  BlockUp up_;
+  BlockDown down_;
+};
 
 // Counts of a basis, in the units of a frame.
 struct FrameCounts {

@@ -13,7 +13,7 @@
 #include "runtime/host/stages.h"
 #include "runtime/vulkan/backend/device_model.h"
 #include "runtime/vulkan/backend/vulkan_dynamics.h"
-#include "runtime/vulkan/recording.h"
+#include "runtime/vulkan/commands.h"
 
 namespace bodyopt {
 namespace vulkan {

@@ -7,7 +7,7 @@
 #include <span>
 
 #include "runtime/host/backend.h"
-#include "runtime/host/jiggle_stages.h"
+#include "runtime/host/jiggle.h"
 #include "runtime/vulkan/backend/device_model.h"
 
 namespace bodyopt::vulkan {

@@ -2,7 +2,6 @@
 #pragma once
 
 #include "runtime/vulkan/kernels/block_buffers.h"
-#include "runtime/vulkan/kernels/inverse_buffers.h"
 #include "runtime/vulkan/kernels/kernels.h"
 
 namespace bodyopt::vulkan {

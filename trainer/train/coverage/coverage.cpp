@@ -31,8 +31,7 @@ double mean_of(const std::vector<double>& values) {
   return values.empty() ? 0 : std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
 }
 
-// A mean for every centre of what the frames nearest to it have. The mean of all counts as one frame more: a single
-// frame says little.
+// A mean for every centre of what the frames nearest to it have. The mean of all counts as one frame more.
 std::vector<double> means_at(const std::vector<std::size_t>& closest, const std::vector<double>& values,
                              std::size_t centres) {
   const double mean = mean_of(values);

@@ -1,5 +1,4 @@
-// What training knows of its own error: how the expectations of runtime/coverage are calibrated, and what is made of
-// them.
+// What training knows of its own error: how the expectations of runtime/coverage are calibrated, and used.
 #pragma once
 
 #include <span>

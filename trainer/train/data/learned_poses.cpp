@@ -7,7 +7,7 @@
 
 #include "assets/joints_with_skin.h"
 #include "base/content_hash.h"
-#include "runtime/core/hexadecimal.h"
+#include "runtime/core/text.h"
 
 namespace bodyopt {
 namespace {

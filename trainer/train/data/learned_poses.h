@@ -18,8 +18,7 @@ constexpr const char* kLearnedPoses = "learned_poses";  // of a basis' metadata
 // and just above where it is rounded.
 std::string learned_poses_text(const SampleSet& set);
 
-// Whether it says which poses it learned from: one of an older version, a carried one and one of Direct Delta Mush
-// alone do not.
+// Whether it says which poses it learned from: older ones, carried ones and those of Direct Delta Mush alone do not.
 bool tells_learned_poses(const Basis& basis);
 
 class LearnedPoses {

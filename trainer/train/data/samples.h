@@ -53,8 +53,7 @@ class SampleShape {
   std::size_t frame_ = 0;
 };
 
-// Of so few training frames more is tried, with more care, and bytes are no matter: see choose_map and
-// TradeOff::choose.
+// Of so few training frames more is tried, with more care, and bytes are no matter: see choose_map.
 constexpr std::size_t kFewFrames = 800;
 
 // One training or held-out frame.

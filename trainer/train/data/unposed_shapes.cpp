@@ -1,9 +1,12 @@
 #include "trainer/train/data/unposed_shapes.h"
 
 #include <algorithm>
+#include <limits>
+#include <utility>
 
 #include "base/parallel.h"
 #include "base/progress.h"
+#include "geometry/mesh.h"
 #include "runtime/core/error.h"
 #include "trainer/train/skinning/unpose.h"
 
@@ -25,6 +28,94 @@ Positions read_shape(const SampleSet& set, const Sample& sample) {
   }
   if (!shape.allFinite()) throw Error(ErrorKind::mismatch, where + ": its shape holds a number that is not finite");
   return shape;
+}
+
+using Eigen::Index;
+using Eigen::Vector3f;
+
+// Nearer to its neighbours' displacement no vertex is stray; a part of the character's size: 9 mm of 1.8 m.
+constexpr double kNear = 5e-3;
+// A stray vertex is this many times further off than its neighbours are spread, and than it is in nine frames of ten.
+// Folds and contact of simulated skins reach 3.2 times.
+constexpr float kFar = 5;
+constexpr double kUsual = 0.9;
+constexpr std::size_t kFewestNeighbours = 3;
+
+Vector3f displacement(const Displacements& displacements, Index frame, std::uint32_t column) {
+  return displacements.row(frame).segment<3>(3 * Index{column}).transpose();
+}
+
+float middle(std::vector<float>& values) {
+  const auto half = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), half, values.end());
+  return *half;
+}
+
+// One vertex among others: its column and theirs.
+struct Neighbourhood {
+  std::uint32_t column;
+  std::vector<std::uint32_t> neighbours;
+
+  // From the mean of the neighbours' displacements: quick, and large beside a stray vertex, too.
+  float roughly_apart(const Displacements& displacements, Index frame) const {
+    Vector3f sum = Vector3f::Zero();
+    for (const std::uint32_t other : neighbours) sum += displacement(displacements, frame, other);
+    return (displacement(displacements, frame, column) - sum / static_cast<float>(neighbours.size())).norm();
+  }
+
+  // The median of the neighbours' displacements, coordinate by coordinate: one of them that is stray does not move it.
+  Vector3f common(const Displacements& displacements, Index frame) const {
+    Vector3f result;
+    std::vector<float> values(neighbours.size());
+    for (Index axis = 0; axis < 3; ++axis) {
+      for (std::size_t k = 0; k < values.size(); ++k) {
+        values[k] = displacement(displacements, frame, neighbours[k])[axis];
+      }
+      result[axis] = middle(values);
+    }
+    return result;
+  }
+
+  // Median distance of the neighbours' displacements from the common one.
+  float spread(const Displacements& displacements, Index frame, const Vector3f& common) const {
+    std::vector<float> values;
+    for (const std::uint32_t other : neighbours) {
+      values.push_back((displacement(displacements, frame, other) - common).norm());
+    }
+    return middle(values);
+  }
+
+  // How far apart the vertex is at most in all but a few frames.
+  float usually_apart(const Displacements& displacements) const {
+    std::vector<float> values;
+    for (Index n = 0; n < displacements.rows(); ++n) values.push_back(roughly_apart(displacements, n));
+    const auto usual = values.begin() + static_cast<std::ptrdiff_t>(kUsual * static_cast<double>(values.size() - 1));
+    std::nth_element(values.begin(), usual, values.end());
+    return *usual;
+  }
+};
+
+// Of every vertex with enough neighbours, all of them among `vertices`.
+std::vector<Neighbourhood> neighbourhoods_among(const std::vector<std::vector<std::uint32_t>>& neighbours,
+                                                std::span<const std::uint32_t> vertices) {
+  constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
+  std::vector<std::uint32_t> column_of(neighbours.size(), kNone);
+  for (std::size_t k = 0; k < vertices.size(); ++k) column_of[vertices[k]] = static_cast<std::uint32_t>(k);
+  std::vector<Neighbourhood> among;
+  for (const std::uint32_t vertex : vertices) {
+    Neighbourhood around{column_of[vertex], {}};
+    for (const std::uint32_t other : neighbours[vertex]) {
+      if (column_of[other] != kNone) around.neighbours.push_back(column_of[other]);
+    }
+    const bool complete = around.neighbours.size() == neighbours[vertex].size();
+    if (complete && around.neighbours.size() >= kFewestNeighbours) among.push_back(std::move(around));
+  }
+  return among;
+}
+
+void sort_unique(std::vector<std::uint32_t>& list) {
+  std::sort(list.begin(), list.end());
+  list.erase(std::unique(list.begin(), list.end()), list.end());
 }
 
 }  // namespace
@@ -49,6 +140,66 @@ UnposedFrames UnposedShapes::operator()(const std::string& title, std::span<cons
   if (set_.sparse) return {std::move(displacements), {}};
   std::vector<StrayVertex> strays = neighbours_.mend(displacements, frames, vertices);
   return {std::move(displacements), std::move(strays)};
+}
+
+StrayVertices::StrayVertices(const Character& character)
+    : size_(longest_extent(character.vertices)), neighbours_(static_cast<std::size_t>(character.vertices.rows())) {
+  for (Index t = 0; t < character.triangles.rows(); ++t) {
+    for (Index k = 0; k < 3; ++k) {
+      const std::uint32_t a = character.triangles(t, k), b = character.triangles(t, (k + 1) % 3);
+      if (a == b) continue;
+      neighbours_[a].push_back(b);
+      neighbours_[b].push_back(a);
+    }
+  }
+  for (std::vector<std::uint32_t>& list : neighbours_) sort_unique(list);
+}
+
+std::vector<std::uint32_t> StrayVertices::with_neighbours(const std::vector<std::uint32_t>& vertices) const {
+  std::vector<std::uint32_t> grown = vertices;
+  for (const std::uint32_t vertex : vertices) {
+    grown.insert(grown.end(), neighbours_[vertex].begin(), neighbours_[vertex].end());
+  }
+  sort_unique(grown);
+  return grown;
+}
+
+std::vector<StrayVertex> StrayVertices::mend(Displacements& displacements, std::span<const std::size_t> frames,
+                                             std::span<const std::uint32_t> vertices) const {
+  const std::vector<Neighbourhood> neighbourhoods = neighbourhoods_among(neighbours_, vertices);
+  const auto near = static_cast<float>(kNear * size_);
+  std::vector<std::vector<std::size_t>> suspects(frames.size());  // neighbourhoods
+  parallel_for(frames.size(), [&](std::size_t n) {
+    for (std::size_t k = 0; k < neighbourhoods.size(); ++k) {
+      if (neighbourhoods[k].roughly_apart(displacements, static_cast<Index>(n)) > near) suspects[n].push_back(k);
+    }
+  });
+  std::vector<char> suspected(neighbourhoods.size(), false);
+  for (const std::vector<std::size_t>& list : suspects) {
+    for (const std::size_t k : list) suspected[k] = true;
+  }
+  std::vector<float> usual(neighbourhoods.size());
+  parallel_for(neighbourhoods.size(), [&](std::size_t k) {
+    if (suspected[k]) usual[k] = neighbourhoods[k].usually_apart(displacements);
+  });
+
+  std::vector<StrayVertex> strays;
+  for (std::size_t n = 0; n < frames.size(); ++n) {
+    const auto row = static_cast<Index>(n);
+    std::vector<std::pair<std::uint32_t, Vector3f>> mended;  // put in place once all of the frame are known
+    for (const std::size_t k : suspects[n]) {
+      const Neighbourhood& around = neighbourhoods[k];
+      const Vector3f common = around.common(displacements, row);
+      const float apart = (displacement(displacements, row, around.column) - common).norm();
+      if (!(apart > std::max({near, kFar * usual[k], kFar * around.spread(displacements, row, common)}))) continue;
+      strays.push_back({frames[n], vertices[around.column], double{apart}});
+      mended.emplace_back(around.column, common);
+    }
+    for (const auto& [column, common] : mended) {
+      displacements.row(row).segment<3>(3 * Index{column}) = common.transpose();
+    }
+  }
+  return strays;
 }
 
 }  // namespace bodyopt

@@ -6,9 +6,12 @@
 #include <vector>
 
 #include "assets/character.h"
+#include "assets/muscles.h"
 #include "runtime/basis/basis.h"
 
 namespace bodyopt {
+
+// Which rotations of the joints training showed, alone and together with their neighbours'.
 
 using RawFeatures = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
@@ -43,5 +46,26 @@ std::vector<float> measure_strains(const Basis& basis, const StrainTable& fibres
 // of the skin hangs under count as not turning: they bend none of it, and a body that leans must not look like one in a
 // pose that training lacks. Empty where there are none but roots, as in Skeleton.
 std::vector<JointFeatures> learned_features(const Character& character);
+
+// All of a FadeTable but what it tells of regions. Directions are, of those principal axes of the features of a joint,
+// its parent and its children (about rest) along which the training frames turn by less than 0.03 radians, root mean
+// square. A tolerance is what cross-validation finds of a joint: how far 99 of 100 frames stand off
+// what the other folds showed, or the largest of the training frames where that is more. `raw`: joint features first,
+// N x F, radians; `folds`: as RegressionData has them.
+FadeTable joint_manifold(const Skeleton& skeleton, const RawFeatures& raw, const std::vector<int>& folds);
+
+// Mean square of a joint's features over the training frames, radians squared. Per joint, as feature_joints().
+std::vector<double> joint_turns(const RawFeatures& raw, std::size_t joint_count);
+
+// fibre_count fibres per muscle, side by side on the half of its belly that faces the skin; fibres that collapse to a
+// point there are left out. Rest lengths are measured by the runtime's kernels. `basis` needs skeleton, mesh and ddm.
+// Without muscles, or without triangles, an empty table.
+StrainTable make_strain_table(const Basis& basis, const std::vector<Muscle>& muscles);
+
+// The table of some fibres, by ascending index.
+StrainTable keep_fibres(const StrainTable& strain, const std::vector<std::uint32_t>& kept);
+
+// Muscle of each fibre of the table, by the fibre's name.
+std::vector<std::size_t> fibre_muscles(const StrainTable& strain, const std::vector<Muscle>& muscles);
 
 }  // namespace bodyopt

@@ -8,8 +8,7 @@
 #include "base/rows_where.h"
 #include "runtime/host/fade.h"
 #include "runtime/host/rig.h"
-#include "trainer/train/features/joint_manifold.h"
-#include "trainer/train/features/strain.h"
+#include "trainer/train/features/features.h"
 #include "trainer/train/regression/components.h"
 
 namespace bodyopt {

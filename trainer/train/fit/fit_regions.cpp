@@ -10,7 +10,7 @@
 #include "base/parallel.h"
 #include "base/progress.h"
 #include "base/spread_evenly.h"
-#include "geometry/extent.h"
+#include "geometry/mesh.h"
 #include "runtime/host/rig.h"
 #include "trainer/train/fit/choose_map.h"
 
@@ -213,8 +213,7 @@ std::vector<std::size_t> frames_to_unpose(const FrameMap& map, const std::vector
   return {frames.begin(), frames.end()};
 }
 
-// Coefficients and energies of all frames: those the earlier training knew as it had them, the others from their
-// shapes.
+// Coefficients and energies of all frames: those that the earlier training knew from it, the others from shapes.
 Components extended(const Components& earlier, const Components& fresh, const std::vector<std::size_t>& frames,
                     const std::vector<int>& earlier_frames) {
   const auto count = static_cast<Index>(earlier_frames.size());

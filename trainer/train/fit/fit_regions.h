@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "trainer/train/data/contradictions.h"
+#include "trainer/train/data/data_warnings.h"
 #include "trainer/train/data/samples.h"
 #include "trainer/train/fit/groundwork.h"
 #include "trainer/train/options.h"

@@ -4,12 +4,11 @@
 #include <numeric>
 
 #include "base/spread_evenly.h"
-#include "geometry/extent.h"
+#include "geometry/mesh.h"
 #include "runtime/host/rig.h"
 #include "trainer/train/features/features.h"
-#include "trainer/train/features/strain.h"
 #include "trainer/train/pack/trade_off.h"
-#include "trainer/train/skinning/mesh_table.h"
+#include "trainer/train/skinning/ddm.h"
 
 namespace bodyopt {
 namespace {
@@ -40,8 +39,7 @@ double left_to_learn(const SampleSet& set, const Character& ordered, const Basis
   return shapes("train: smoothing radius", probes, all_vertices(ordered)).displacements.cast<double>().squaredNorm();
 }
 
-// The radius given; or the default or twice that, whichever leaves less to learn: a part of a body needs more than its
-// own size tells.
+// The radius given; or the default or twice that, whichever leaves less to learn: parts of bodies need more.
 DdmBase choose_base(const SampleSet& set, const Character& ordered, const std::vector<std::uint32_t>& order,
                     const TrainOptions& options) {
   const auto fits = [&](const DdmBase& base) {
@@ -122,8 +120,7 @@ std::vector<std::uint32_t> all_features(const std::vector<FeatureGroup>& groups)
   return all;
 }
 
-// A linear map may well see everything, it has little to get wrong with; of few frames, all may, and do without
-// `muscles`.
+// A linear map may well see everything, having little to get wrong; of few frames, all may, and do without `muscles`.
 FeatureChoices feature_choices(const Character& character, const RegionWeights& region,
                                const std::vector<FeatureGroup>& groups, const std::vector<FeatureGroup>& others,
                                const Method& method, bool few_frames) {

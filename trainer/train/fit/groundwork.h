@@ -11,7 +11,6 @@
 #include "trainer/train/options.h"
 #include "trainer/train/regions/regions.h"
 #include "trainer/train/skinning/ddm.h"
-#include "trainer/train/skinning/ddm_basis.h"
 
 namespace bodyopt {
 

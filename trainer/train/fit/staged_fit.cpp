@@ -6,10 +6,9 @@
 
 #include "assets/wording.h"
 #include "base/rows_where.h"
-#include "trainer/train/fit/surface_curves.h"
+#include "trainer/train/fit/choose_map.h"
 #include "trainer/train/pack/trade_off.h"
-#include "trainer/train/skinning/ddm_basis.h"
-#include "trainer/train/skinning/mesh_table.h"
+#include "trainer/train/skinning/ddm.h"
 
 namespace bodyopt {
 namespace {

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "runtime/core/file_lock.h"
+#include "runtime/core/atomic_file.h"
 #include "trainer/train/data/samples.h"
 #include "trainer/train/fit/fit_regions.h"
 #include "trainer/train/fit/training_store.h"

@@ -13,14 +13,13 @@
 #include "trainer/train/data/data_warnings.h"
 #include "trainer/train/data/learned_poses.h"
 #include "trainer/train/features/features.h"
-#include "trainer/train/features/strain.h"
 #include "trainer/train/fit/fade.h"
 #include "trainer/train/fit/groundwork.h"
 #include "trainer/train/fit/staged_fit.h"
 #include "trainer/train/pack/residual.h"
 #include "trainer/train/pack/trade_off.h"
 #include "trainer/train/regions/regions.h"
-#include "trainer/train/skinning/ddm_basis.h"
+#include "trainer/train/skinning/ddm.h"
 
 namespace bodyopt {
 namespace {

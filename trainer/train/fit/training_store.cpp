@@ -10,10 +10,10 @@
 #include "base/progress.h"
 #include "runtime/basis/table_file.h"
 #include "runtime/core/error.h"
-#include "runtime/core/hexadecimal.h"
+#include "runtime/core/text.h"
 #include "runtime/core/transformed.h"
 #include "trainer/train/features/features.h"
-#include "trainer/train/fit/surface_curves.h"
+#include "trainer/train/fit/choose_map.h"
 
 namespace bodyopt {
 namespace {

@@ -6,7 +6,7 @@
 
 #include "base/rows_where.h"
 #include "runtime/core/half.h"
-#include "trainer/train/features/strain.h"
+#include "trainer/train/features/features.h"
 
 namespace bodyopt {
 namespace {

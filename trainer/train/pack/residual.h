@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "runtime/basis/basis.h"
-#include "trainer/train/data/contradictions.h"
+#include "trainer/train/data/data_warnings.h"
 #include "trainer/train/data/unposed_shapes.h"
 #include "trainer/train/features/features.h"
 #include "trainer/train/regions/regions.h"
@@ -70,8 +70,7 @@ struct PackedResidual {
   std::vector<std::size_t> regions;  // of the model: those of which anything is kept
 };
 
-// What is left of a component's vectors in each block that it has any in, once rounded to 8 bits: the sum of the
-// squared lengths.
+// What is left of a component's vectors in each of its blocks, once rounded to 8 bits: the sum of the squared lengths.
 struct BlockRounding {
   std::uint32_t block;
   double left;

@@ -12,7 +12,7 @@
 #include "base/progress.h"
 #include "base/spread_evenly.h"
 #include "runtime/core/error.h"
-#include "runtime/core/strict_json.h"
+#include "runtime/core/json.h"
 #include "runtime/host/rig.h"
 #include "trainer/train/data/samples.h"
 

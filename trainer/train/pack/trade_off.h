@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "dataset/results.h"
+#include "dataset/compare.h"
 #include "runtime/basis/basis.h"
 #include "trainer/train/options.h"
 #include "trainer/train/pack/residual.h"
@@ -58,8 +58,7 @@ class ByteAllocation {
 // that of the regions it overlaps, and rounding to bytes to cost nothing.
 double expected_error(const ResidualModel& model, const Selection& selection);
 
-// Of one region in every frame, square metres over its vertices; without its prediction's error in frames that no fold
-// held out.
+// Of one region in every frame, square metres over its vertices; without prediction errors where no fold held out.
 std::vector<double> frame_energies(const RegionModel& region, const SelectedRegion& selected);
 
 std::string curve_text(const std::vector<TradeOffPoint>& curve);

@@ -8,10 +8,9 @@
 
 #include "base/linear_algebra.h"
 #include "base/parallel.h"
-#include "geometry/laplacian.h"
+#include "geometry/surface_distance.h"
 #include "runtime/host/rig.h"
 #include "trainer/train/features/features.h"
-#include "trainer/train/features/strain.h"
 
 namespace bodyopt {
 namespace {
@@ -19,8 +18,7 @@ namespace {
 using Eigen::Index;
 using Eigen::MatrixXd;
 
-// What a region costs beyond its vertices is then 150 bytes for each of them at most; a small skin may have a few
-// anyway.
+// What a region costs beyond its vertices is then 150 bytes for each of them at most; small skins may have a few.
 constexpr Index kVerticesPerRegion = 300, kFewestVerticesPerRegion = 40, kFewRegions = 8;
 
 using Points = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
@@ -168,8 +166,7 @@ MatrixXd shares_of_energy(const Displacements& motion, const std::vector<MatrixX
   return shares;
 }
 
-// How the muscles move the skin: what their strains explain beyond a linear fit of the joints. `first`: feature index
-// of the first strain.
+// How the muscles move the skin: beyond a linear fit of the joints. `first`: feature index of the first strain.
 std::vector<FeatureGroup> muscle_groups(const Basis& basis, const std::vector<Muscle>& muscles,
                                         const MatrixXd& features, Index first, const Displacements& displacements) {
   const MatrixXd joints = features.leftCols(first);

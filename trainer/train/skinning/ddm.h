@@ -3,12 +3,33 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <string>
 #include <vector>
 
+#include "assets/character.h"
 #include "geometry/mesh.h"
 #include "runtime/basis/basis.h"
+#include "trainer/train/options.h"
 
 namespace bodyopt {
+
+// The skin in runtime order.
+
+// Welded vertex of each runtime vertex: the Morton order of the rest positions, ties in welded order.
+std::vector<std::uint32_t> morton_order(const Positions& vertices);
+
+// Rows of `welded` (V x 3) in runtime order.
+Positions in_order(const Positions& welded, const std::vector<std::uint32_t>& order);
+
+// The character with its welded vertices renumbered to runtime order; output order stays.
+Character in_order(const Character& character, const std::vector<std::uint32_t>& order);
+
+// `character` in runtime order.
+MeshTable make_mesh_table(const Character& character);
+
+// Throws Error(mismatch) where the basis has other vertices or triangles, another skeleton, or another rest skin than
+// `mesh` (as make_mesh_table) and `skeleton`.
+void require_same_character(const MeshTable& mesh, const Skeleton& skeleton, const Basis& basis);
 
 struct DdmOptions {
   double radius = 0.045;  // smoothing radius, metres
@@ -42,5 +63,24 @@ DdmTable pack_ddm(const std::vector<VertexMoments>& moments);
 
 // The default radius: 1/40 of the longest extent, so that a body of any size has the same shape.
 double default_smoothing_radius(const Positions& rest);
+
+// A basis of Direct Delta Mush and nothing else, which takes no shapes.
+
+// Direct Delta Mush and nothing else, and the moments it is made of.
+struct DdmBase {
+  Basis basis;
+  std::vector<VertexMoments> moments;
+  double radius = 0;  // sigma, metres
+};
+
+// What a basis' metadata say of how it was made: JSON. `updated`: it was brought on from an earlier training; one from
+// the start, of the same data and options, is another.
+std::string provenance_text(const Character& character, double radius, const TrainOptions& options, bool updated);
+
+// `ordered`: a character in runtime order.
+DdmBase make_ddm_base(const Character& ordered, double radius, const TrainOptions& options);
+
+// DDM, no shapes: mesh and ddm tables, an empty residual.
+Basis build_ddm_basis(const Character& character, const TrainOptions& options);
 
 }  // namespace bodyopt

@@ -1,16 +1,30 @@
 // The inverse of skinning: what a posed shape is, in the space of the rest skin.
 #pragma once
 
+#include <Eigen/Core>
 #include <cstdint>
 #include <span>
+#include <vector>
 
 #include "assets/character.h"
 #include "runtime/basis/basis.h"
+#include "runtime/basis/skeleton.h"
 
 namespace bodyopt {
 
-// How a vertex of the rest skin is placed in a pose: what no displacement takes elsewhere is at origin + rotation *
-// rest.
+// Linear blend skinning in double precision.
+
+using BlendMatrix = Eigen::Matrix<double, 3, 4, Eigen::RowMajor>;  // rest space to world
+
+// One per joint. Throws Error(mismatch) when the pose has another number of joints than the skeleton.
+std::vector<BlendMatrix> blend_matrices(const Skeleton& skeleton, const Pose& pose);
+
+BlendMatrix blended(const std::vector<BlendMatrix>& skinning, const std::vector<JointWeight>& weights);
+
+// Linear blend skinning, double precision, V x 3 welded; the baseline "lbs".
+Positions skin_linear(const Character& character, const Pose& pose);
+
+// How a vertex of the rest skin is placed in a pose: without displacement at origin + rotation * rest.
 struct VertexPlacement {
   Eigen::Matrix3d rotation;
   Eigen::Vector3d origin, rest;

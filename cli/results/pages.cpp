@@ -1,0 +1,310 @@
+#include "cli/results/pages.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "assets/frame_range.h"
+#include "assets/shape_reader.h"
+#include "assets/usda_part.h"
+#include "draw/colours.h"
+#include "farm/plan.h"
+#include "geometry/mesh.h"
+#include "report/page.h"
+#include "report/pictures.h"
+#include "runtime/basis/levels.h"
+#include "runtime/basis/output_order.h"
+#include "runtime/core/error.h"
+#include "runtime/cpu/kernels.h"
+#include "runtime/deformer/deformer.h"
+#include "runtime/host/stages.h"
+#include "trainer/train/coverage/coverage.h"
+#include "trainer/transfer/correspondence.h"
+#include "trainer/transfer/transfer_basis.h"
+
+namespace bodyopt::cli {
+namespace {
+
+constexpr std::uint32_t kPictureWidth = 290, kPictureHeight = 330;
+
+// Characters, each read once.
+class CacheDrawer {
+ public:
+  Image draw(const WorthyFrame& worthy) {
+    const FarmStep& step = *worthy.step;
+    const std::vector<float> points = read(step.out, worthy.sample);
+    const MeshTable& mesh = mesh_of(step);
+    if (points.size() != 3 * mesh.output_vertex.size()) {
+      throw Error(ErrorKind::mismatch, step.out, ": is of another mesh than its basis");
+    }
+    const std::vector<float> skin = vertices_of(mesh, points);
+    const std::vector<float> normals = smooth_normals(mesh.triangles, skin);
+    const Camera camera = frame_points(skin, {0.35f, 0.15f, 1}, static_cast<float>(kPictureWidth) / kPictureHeight);
+    const DrawMesh drawn{skin, normals, mesh.triangles, {}};
+    return renderer_.draw(std::span(&drawn, 1), camera, kPictureWidth, kPictureHeight);
+  }
+
+ private:
+  static std::vector<float> read(const std::string& cache, std::uint32_t sample) {
+    if (cache.ends_with(".usda")) return UsdaPart(cache).points(sample);
+    const ShapeReader reader(cache);
+    if (sample >= reader.sample_count()) throw Error(ErrorKind::mismatch, cache, ": has fewer samples than frames");
+    return reader.sample(sample);
+  }
+
+  const MeshTable& mesh_of(const FarmStep& step) {
+    const auto level = std::ranges::find(step.arguments, "--level");
+    const std::string number = level == step.arguments.end() || level + 1 == step.arguments.end() ? "0" : *(level + 1);
+    const std::string key = step.arguments.at(1) + '\0' + number;
+    auto found = meshes_.find(key);
+    if (found == meshes_.end()) {
+      std::vector<Level> levels = load_levels(step.arguments.at(1));
+      const std::size_t index = std::strtoul(number.c_str(), nullptr, 10);
+      if (index >= levels.size()) throw Error(ErrorKind::mismatch, step.arguments.at(1), ": has no level ", number);
+      found = meshes_.emplace(key, std::move(levels[index].basis.mesh)).first;
+    }
+    return found->second;
+  }
+
+  Renderer renderer_;
+  std::map<std::string, MeshTable> meshes_;
+};
+
+// Of every frame worth a look, or why there is none.
+Json looks_of(const ShowSummary& summary) {
+  Json looks = Json::array();
+  std::optional<CacheDrawer> drawer;
+  for (const WorthyFrame& worthy : summary.worth_a_look) {
+    try {
+      if (!drawer) drawer.emplace();
+      looks.push_back(page_picture(drawer->draw(worthy)));
+    } catch (const Error& error) {
+      looks.push_back({{"problem", error.what()}});
+    }
+  }
+  return looks;
+}
+
+constexpr std::size_t kShownPoses = 3;
+constexpr std::uint32_t kWidth = 190, kHeight = 330;  // of a body in a pose
+
+Image draw_pose(Renderer& renderer, const MeshTable& mesh, const std::vector<float>& output) {
+  const std::vector<float> skin = vertices_of(mesh, output);
+  const std::vector<float> normals = smooth_normals(mesh.triangles, skin);
+  const DrawMesh drawn{skin, normals, mesh.triangles, {}};
+  const Camera camera = frame_points(skin, {0.35f, 0.15f, 1}, static_cast<float>(kWidth) / kHeight);
+  return renderer.draw(std::span(&drawn, 1), camera, kWidth, kHeight);
+}
+
+// Some, spread over all.
+std::vector<std::size_t> shown_of(std::size_t poses) {
+  std::vector<std::size_t> shown;
+  const std::size_t count = std::min(kShownPoses, poses);
+  for (std::size_t k = 0; k < count; ++k) shown.push_back((2 * k + 1) * poses / (2 * count));
+  return shown;
+}
+
+std::string next_frames(const std::vector<ComparedPose>& poses) {
+  std::vector<int> frames;
+  std::vector<double> expected;
+  for (const ComparedPose& pose : poses) {
+    frames.push_back(pose.frame);
+    expected.push_back(pose.expected_rms_mm);
+  }
+  return frames_to_simulate(frames, expected);
+}
+
+// Source and target in turn, in every pose that is shown.
+Image poses_picture(const MeshTable& source, const MeshTable& carried, const std::vector<ComparedPose>& poses) {
+  Renderer renderer;
+  std::vector<Image> row;
+  for (const std::size_t k : shown_of(poses.size())) {
+    row.push_back(draw_pose(renderer, source, poses[k].source));
+    row.push_back(draw_pose(renderer, carried, poses[k].target));
+  }
+  return side_by_side(row);
+}
+
+Json names_without(const std::vector<int>& match, const Skeleton& skeleton) {
+  Json names = Json::array();
+  for (std::size_t j = 0; j < match.size(); ++j) {
+    if (match[j] < 0) names.push_back(skeleton.joints[j].name);
+  }
+  return names;
+}
+
+struct Body {
+  std::vector<float> positions, normals, colours;
+  const std::vector<std::uint32_t>& triangles;
+};
+
+// Each as large as the others, on one ground, `shift` (of its size) along x.
+Body body_of(const MeshTable& mesh, const Positions& skin, double shift, const Positions& colours) {
+  Body body{{}, std::vector<float>(mesh.rest.size()), {}, mesh.triangles};
+  const Eigen::RowVector3d low = skin.colwise().minCoeff(), high = skin.colwise().maxCoeff(), middle = (low + high) / 2;
+  const double size = std::max((high - low).maxCoeff(), 1e-9);
+  const Eigen::RowVector3d origin(middle[0], low[1], middle[2]);
+  for (Eigen::Index v = 0; v < skin.rows(); ++v) {
+    const Eigen::RowVector3d point = (skin.row(v) - origin) / size;
+    for (int i = 0; i < 3; ++i) {
+      body.positions.push_back(static_cast<float>(point[i] + (i == 0 ? shift : 0)));
+      body.colours.push_back(static_cast<float>(colours(v, i)));
+    }
+  }
+  cpu::output_normals(mesh, body.positions, body.normals);
+  return body;
+}
+
+Positions confidence_colours(const Correspondence& correspondence) {
+  Positions result(correspondence.target.rows(), 3);
+  for (Eigen::Index v = 0; v < result.rows(); ++v) {
+    const auto colour = heat_colour(static_cast<float>(1 - std::clamp(correspondence.confidence[v], 0.0, 1.0)));
+    result.row(v) << double{colour[0]}, double{colour[1]}, double{colour[2]};
+  }
+  return result;
+}
+
+}  // namespace
+
+std::string show_page(const FarmPlan& plan, const ShowSummary& summary) {
+  return page_text("show", to_json(plan, summary), {{"looks", looks_of(summary)}});
+}
+
+Json to_json(const FarmPlan& plan, const ShowSummary& summary) {
+  Json elements = Json::array(), frames = Json::array(), next = Json::array();
+  for (const ElementSummary& element : summary.elements) {
+    elements.push_back({{"shot", element.shot},
+                        {"element", element.element},
+                        {"out", element.out},
+                        {"state", name_of(element.state)},
+                        {"message", element.failure ? element.failure->message : ""},
+                        {"host", element.failure ? element.failure->host : ""},
+                        {"frames", element.frames},
+                        {"seconds", element.seconds},
+                        {"peak_memory_mib", element.peak_memory_mib},
+                        {"device", element.device},
+                        {"outside_frames", format_frame_range(element.outside)},
+                        {"outside_count", element.outside.size()},
+                        {"worst_outside", element.worst_outside}});
+  }
+  for (const WorthyFrame& worthy : summary.worth_a_look) {
+    frames.push_back({{"shot", worthy.step->shot},
+                      {"element", worthy.step->element},
+                      {"frame", worthy.frame},
+                      {"expected_rms_mm", worthy.expected_rms_mm},
+                      {"outside", worthy.outside}});
+  }
+  for (const FramesToSimulate& entry : summary.simulate_next) {
+    next.push_back({{"basis", entry.basis},
+                    {"clip", entry.clip},
+                    {"frames", format_frame_range(entry.frames)},
+                    {"frame_count", entry.frames.size()},
+                    {"options", simulate_options(entry)}});
+  }
+  return {{"show", plan.show},
+          {"tasks", plan.tasks.size()},
+          {"elements", elements},
+          {"worth_a_look", frames},
+          {"simulate_next", next}};
+}
+
+std::string simulate_options(const FramesToSimulate& next) {
+  std::string text = "--clip " + quoted_for_shell(next.clip) + " --frames " + format_frame_range(next.frames);
+  for (const std::string& word : next.options) text += " " + (word.starts_with("--") ? word : quoted_for_shell(word));
+  return text;
+}
+
+std::vector<ComparedPose> compare_poses(const TransferPair& pair, const Basis& carried, const Clip& clip,
+                                        const std::vector<int>& frames) {
+  Deformer source(pair.source, {.name = "cpu"}), target(carried, {.name = "cpu"});
+  const std::vector<std::size_t> shown = shown_of(frames.size());
+  std::vector<ComparedPose> poses;
+  std::vector<Pose> moved;
+  for (const int frame : frames) {
+    const Pose& pose = clip.poses.at(static_cast<std::size_t>(frame - clip.first_frame));
+    moved.push_back(transferred_pose(pair.match, pair.source.skeleton, pair.target.skeleton, pose));
+    ComparedPose compared;
+    compared.frame = frame;
+    compared.source = source.evaluate({&pose, 1}).positions;
+    compared.target = target.evaluate({&moved.back(), 1}).positions;
+    compared.source_volume = relative_volume(pair.source.mesh, compared.source);
+    compared.target_volume = relative_volume(carried.mesh, compared.target);
+    if (!std::ranges::binary_search(shown, poses.size())) compared.source = compared.target = {};
+    poses.push_back(std::move(compared));
+  }
+  if (!carried.coverage.empty()) {
+    const std::vector<ExpectedError> errors = expected_errors(carried, moved);
+    for (std::size_t k = 0; k < poses.size(); ++k) poses[k].expected_rms_mm = errors[k].rms_mm;
+  }
+  return poses;
+}
+
+Json transfer_pictures(const TransferPair& pair, const MeshTable& carried, const std::vector<ComparedPose>& poses) {
+  Json pictures = {{"match", page_picture(transfer_picture(pair))}};
+  if (!poses.empty()) pictures["poses"] = page_picture(poses_picture(pair.source.mesh, carried, poses));
+  return pictures;
+}
+
+Json to_json(const TransferPair& pair, double alike) {
+  const Correspondence& correspondence = pair.correspondence;
+  const double count = static_cast<double>(std::max<Eigen::Index>(1, correspondence.distance.size()));
+  return {{"same_topology", correspondence.same_topology},
+          {"size_ratio", pair.match.size},
+          {"matched_joints", std::ranges::count_if(pair.match.source_joint, [](int joint) { return joint >= 0; })},
+          {"unmatched_source_joints", names_without(pair.match.target_joint, pair.source.skeleton)},
+          {"unmatched_target_joints", names_without(pair.match.source_joint, pair.target.skeleton)},
+          {"posed_to_the_source", pair.match.is_aligned()},
+          {"likeness", alike},
+          {"least_likeness", kLeastLikeness},
+          {"confidence", correspondence.mean_confidence()},
+          {"filled_in_vertices", pair.skin.unsure()},
+          {"fit_rms_mm", 1e3 * std::sqrt(correspondence.distance.squaredNorm() / count)}};
+}
+
+Json to_json(const std::vector<TransferPart>& parts, const std::vector<ComparedPose>& poses) {
+  Json list = Json::array(), volumes = Json::array();
+  for (const TransferPart& part : parts) {
+    list.push_back({{"joint", part.joint},
+                    {"vertices", part.vertices},
+                    {"confidence", part.confidence},
+                    {"size", part.size},
+                    {"unevenness", part.unevenness},
+                    {"breaks_assumption", part.breaks_assumption}});
+  }
+  for (const ComparedPose& pose : poses) {
+    volumes.push_back({{"frame", pose.frame},
+                       {"is_shown", !pose.source.empty()},
+                       {"source_volume", pose.source_volume},
+                       {"target_volume", pose.target_volume},
+                       {"expected_rms_mm", pose.expected_rms_mm}});
+  }
+  return {{"parts", list}, {"poses", volumes}, {"worth_simulating", next_frames(poses)}};
+}
+
+Image transfer_picture(const TransferPair& pair) {
+  const MeshTable &from = pair.source.mesh, &to = pair.target.mesh;
+  const Positions rest = rows_of(from.rest);
+  const Correspondence& correspondence = pair.correspondence;
+  const Positions colours = place_colours(rest);
+  const auto width_of = [](const Positions& p) {
+    const Eigen::RowVector3d extent = box_sides(p);
+    return extent[0] / std::max(extent.maxCoeff(), 1e-9);
+  };
+  const double step = 0.1 + std::max(width_of(rest), width_of(correspondence.target));
+  const Body bodies[] = {body_of(from, rest, -step, colours),
+                         body_of(to, correspondence.target, 0, matched_colours(correspondence, colours)),
+                         body_of(to, correspondence.target, step, confidence_colours(correspondence))};
+  std::vector<DrawMesh> meshes;
+  std::vector<float> points;
+  for (const Body& body : bodies) {
+    meshes.push_back({body.positions, body.normals, body.triangles, body.colours});
+    points.insert(points.end(), body.positions.begin(), body.positions.end());
+  }
+  constexpr std::uint32_t kWidth = 1280, kHeight = 560;
+  const Camera camera = frame_points(points, {0, 0.15f, 1}, float{kWidth} / kHeight);
+  return Renderer().draw(meshes, camera, kWidth, kHeight);
+}
+
+}  // namespace bodyopt::cli

@@ -1,0 +1,40 @@
+// Muscles and painted regions, carried to another body.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "assets/character.h"
+#include "assets/muscles.h"
+#include "dataset/dataset.h"
+#include "geometry/region_weights.h"
+#include "trainer/transfer/transfer_pair.h"
+
+namespace bodyopt {
+
+// Each point goes with its joint, scaled as the joint's bones are, and from there as the skin around it does that the
+// target has fitted otherwise (inverse distance to the fourth power, Shepard 1968). Radii are scaled alike. A muscle of
+// a joint that the target does not have is held by the nearest joint above; without one it is left out, with a note.
+std::vector<Muscle> carried_muscles(const TransferPair& pair, const std::vector<Muscle>& muscles,
+                                    std::vector<std::string>& notes);
+
+// Regions on the source's runtime vertices to regions on the target's: as they are where the match is sure, elsewhere
+// filled in smoothly.
+std::vector<RegionWeights> carried_regions(const TransferPair& pair, const std::vector<RegionWeights>& regions);
+
+// The modifiers of a dataset's curation, carried with it to another character.
+
+// The source's stack for the carried takes, which have the same names and frames. Joints get the target's names;
+// lengths
+// ("..._mm") change by the target's size; sculpted offsets are carried as shapes are, into files under `out`. What
+// chooses by joints that the target does not have, and "blend", whose cache is of the source, stay in the stack,
+// disabled, with a note. Throws Error(file), and Error(mismatch) for offsets of another mesh.
+std::vector<Modifier> carried_modifiers(const Dataset& dataset, const Character& source_character,
+                                        const TransferPair& pair, const std::filesystem::path& out,
+                                        std::vector<std::string>& notes);
+
+// Its named selections, with the target's joints.
+std::vector<NamedSelection> carried_selections(const Dataset& dataset, const TransferPair& pair);
+
+}  // namespace bodyopt
