@@ -421,7 +421,8 @@ Clip read_gltf_clip(const GltfFile& file, const std::string& name, const Skeleto
   const std::size_t frames =
       frame_count(file.path().string(), duration, std::max(skeleton.size(), animated.size()), options);
   motion.size = size_at_rest(motion, rest);
-  if (const double longer = length_of(motion, rest); is_other_unit(longer)) {
+  const double longer = length_of(motion, rest);
+  if (is_other_unit(longer)) {
     if (has_few_in_common(motion)) fail_build(file, longer);
     motion.unit = unit / longer;
     motion.tree = read_nodes(file, motion.unit, unused);
@@ -440,6 +441,13 @@ Clip read_gltf_clip(const GltfFile& file, const std::string& name, const Skeleto
     clip.notes.push_back("The rest poses of clip and character differ by up to " + rounded(rests.worst) +
                          " degrees ('" + rests.joint +
                          "'), in joints with the same bones: their rotations are applied as they are.");
+  }
+  const bool travels = std::ranges::any_of(
+      motion.channels, [](const AnimationChannel& channel) { return channel.path == ChannelPath::translation; });
+  if (travels && motion.unit == unit && is_other_build(longer)) {
+    clip.notes.push_back("The bones of the clip's character are " + rounded(longer) +
+                         " times as long as this one's, and it travels as far as there: was it made in another unit " +
+                         "(--unit " + rounded(unit / longer) + ")?");
   }
   copy_motion(file, std::move(motion), frames, clip);
   return clip;

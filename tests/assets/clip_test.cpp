@@ -180,6 +180,18 @@ TEST(Clip, UnitScalesTranslations) {
   EXPECT_NEAR(clip_of(blob, folder, {.unit = 0.01}).poses[7].joints[0].translation[0], 1, 1e-9);
 }
 
+// Bones 3.28 times as long may be feet, or a giant's: which of the two is asked, and the unit advised is right.
+TEST(Clip, AnotherUnitThatBonesMayHaveIsAskedFor) {
+  const TemporaryFolder folder;
+  GltfBlob blob = two_nodes();
+  blob.root["nodes"][1]["translation"] = {0, 3.28084, 0};
+  animate(blob, 0, "translation", {0, 1}, {3.28084f, 0, 0, 3.28084f, 0, 0});
+  EXPECT_TRUE(mentions(clip_of(blob, folder).notes, "another unit (--unit 0.3048)?"));
+  const Clip followed = clip_of(blob, folder, {.unit = 0.3048});
+  EXPECT_FALSE(mentions(followed.notes, "another unit"));
+  EXPECT_NEAR(followed.poses[7].joints[0].translation[0], 1, 1e-6);
+}
+
 // Whatever the unit of the file, of an armature in it and its axes: joints stand where they do in metres, unscaled.
 TEST(Clip, UnitsAreToldByTheBonesAndArmaturesScaleNoJoint) {
   const TemporaryFolder folder;
