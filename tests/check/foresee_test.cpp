@@ -216,16 +216,13 @@ TEST(Foresee, ADraftThatIsALatticeIsToldOfTheFullSimulation) {
   EXPECT_NEAR(between.position[1], kTubeRadius, 0.02);
 }
 
-// Lips that a coarser skin would pass through cost the draft neither its contact nor its joints.
-TEST(Foresee, ADraftOfABodyWithLipsKeepsItsContact) {
+// Lips that a coarser skin would pass through do not cost the draft its joints, as a lattice would.
+TEST(Foresee, ADraftOfABodyWithLipsIsFilled) {
   const auto file = shared_data("characters/human_average.glb");
   if (!file) GTEST_SKIP() << kNeedsRealBodies;
-  const Character body = read_character(*file);
-  for (const bool draft : {false, true}) {  // by the cages alone, of which foresee() says whether they have contact
-    const Cage cage = choose_cage(body, {.draft = draft});
-    EXPECT_FALSE(cage.is_own_skin);
-    EXPECT_FALSE(cage.is_lattice) << cage.why_lattice->what();
-  }
+  const CharacterForesight foresight = foresee(read_character(*file));
+  EXPECT_EQ(foresight.verbs[0].fill, BodyFill::coarser);
+  EXPECT_EQ(foresight.verbs[1].fill, BodyFill::coarser) << foresight.verbs[1].why;
 }
 
 TEST(Foresee, OddSizesAndIdleJointsAreRemarkedOn) {
