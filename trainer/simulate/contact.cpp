@@ -29,12 +29,6 @@ constexpr double kCellEdges = 3;  // of the grid that finds points
 // From 0 at `from` to 1 at `to`.
 double ramp(double x, double from, double to) { return std::clamp((x - from) / (to - from), 0.0, 1.0); }
 
-Eigen::Matrix3d edges_of(const Tets& tets, int tet, const Positions& nodes) {
-  Eigen::Matrix3d edges;
-  for (int a = 0; a < 3; ++a) edges.col(a) = (nodes.row(tets(tet, a + 1)) - nodes.row(tets(tet, 0))).transpose();
-  return edges;
-}
-
 Triangles without_riders(const Triangles& triangles, const Riders& riders, Eigen::Index vertex_count) {
   std::vector<char> rides(static_cast<std::size_t>(vertex_count), 0);
   for (const std::uint32_t v : riders.vertices()) rides[v] = 1;
@@ -50,8 +44,7 @@ Triangles without_riders(const Triangles& triangles, const Riders& riders, Eigen
 
 SkinContact::SkinContact(const Positions& skin, const Triangles& triangles, const Cage& cage,
                          const Materials& materials)
-    : tets_(cage.mesh.tets),
-      rest_nodes_(cage.mesh.nodes),
+    : mesh_(cage.mesh),
       body_(without_riders(triangles, cage.riders, skin.rows())),
       rest_depth_(skin, body_),
       points_(contact_points(skin, body_, cage)),
@@ -59,7 +52,7 @@ SkinContact::SkinContact(const Positions& skin, const Triangles& triangles, cons
       stiffness_(materials.contact),
       scale_(std::max(longest_extent(skin) / kMan, 1.0)) {
   if (!cage.is_lattice) return;
-  tissue_.resize(static_cast<std::size_t>(tets_.rows()));
+  tissue_.resize(static_cast<std::size_t>(mesh_.tets.rows()));
   double cube = 0;  // cubic metres
   for (const CageSample& sample : cage.samples) {
     tissue_[static_cast<std::size_t>(sample.point.tet)].push_back(rest_position(cage.mesh, sample.point).transpose());
@@ -69,9 +62,10 @@ SkinContact::SkinContact(const Positions& skin, const Triangles& triangles, cons
 }
 
 SkinContact::PosedTet SkinContact::posed(int tet, const Positions& nodes) const {
-  const Eigen::Matrix3d edges = edges_of(tets_, tet, nodes);
-  return {nodes.row(tets_(tet, 0)), edges.inverse(),
-          edges.determinant() / edges_of(tets_, tet, rest_nodes_).determinant()};
+  Eigen::Matrix3d edges;
+  for (int a = 0; a < 3; ++a)
+    edges.col(a) = (nodes.row(mesh_.tets(tet, a + 1)) - nodes.row(mesh_.tets(tet, 0))).transpose();
+  return {nodes.row(mesh_.tets(tet, 0)), edges.inverse(), edges.determinant() / tet_edges(mesh_, tet).determinant()};
 }
 
 Eigen::Vector4d SkinContact::PosedTet::weights(const Eigen::RowVector3d& place) const {
@@ -79,12 +73,6 @@ Eigen::Vector4d SkinContact::PosedTet::weights(const Eigen::RowVector3d& place) 
   weights.tail<3>() = inverse * (place - origin).transpose();
   weights[0] = 1 - weights.tail<3>().sum();
   return weights;
-}
-
-Eigen::RowVector3d SkinContact::at_rest(int tet, const Eigen::Vector4d& weights) const {
-  Eigen::RowVector3d place = Eigen::RowVector3d::Zero();
-  for (int a = 0; a < 4; ++a) place += weights[a] * rest_nodes_.row(tets_(tet, a));
-  return place;
 }
 
 bool SkinContact::is_tissue(int tet, const Eigen::RowVector3d& place) const {
@@ -98,8 +86,8 @@ bool SkinContact::is_tissue(int tet, const Eigen::RowVector3d& place) const {
 template <typename Visit>
 void SkinContact::visit_near(const Positions& places, const Positions& nodes, double margin, Visit visit) const {
   const PointGrid grid(places, points_.touching, cell_);
-  for (int t = 0; t < tets_.rows(); ++t) {
-    const Positions corners = nodes(tets_.row(t), Eigen::all);
+  for (int t = 0; t < mesh_.tets.rows(); ++t) {
+    const Positions corners = nodes(mesh_.tets.row(t), Eigen::all);
     std::optional<PosedTet> here;
     grid.visit(corners.colwise().minCoeff().array() - margin, corners.colwise().maxCoeff().array() + margin,
                [&](int p) {
@@ -111,8 +99,8 @@ void SkinContact::visit_near(const Positions& places, const Positions& nodes, do
 }
 
 ContactPlane SkinContact::plane(int point, int tet, const PosedTet& posed, const Eigen::Vector4d& weights) const {
-  const Depth depth = rest_depth_(at_rest(tet, weights).transpose());
-  const Eigen::Matrix3d edges = edges_of(tets_, tet, rest_nodes_);
+  const Depth depth = rest_depth_(rest_position(mesh_, {tet, weights}));
+  const Eigen::Matrix3d edges = tet_edges(mesh_, tet);
   ContactPlane plane{point,       tet, weights, posed.inverse.transpose() * (edges.transpose() * depth.inwards),
                      depth.depth, 0};
   // What is outside of a tet has not passed through its skin, whatever lies there at rest: it is at least as far away
@@ -126,12 +114,13 @@ ContactPlane SkinContact::plane(int point, int tet, const PosedTet& posed, const
 }
 
 std::vector<ContactPlane> SkinContact::find(const Positions& nodes, double margin) const {
-  const Positions places = embed(points_.embedded, tets_, nodes), normals = vertex_normals(places, points_.triangles);
+  const Positions places = embed(points_.embedded, mesh_.tets, nodes),
+                  normals = vertex_normals(places, points_.triangles);
   std::map<int, ContactPlane> best;  // of each point: the tet it is inside of, or the nearest
   visit_near(places, nodes, margin, [&](int p, int t, const PosedTet& posed, const Eigen::Vector4d& weights) {
     const double inside = weights.minCoeff();
     if (inside < kMostOutside) return;
-    const Eigen::RowVector3d place = at_rest(t, weights);
+    const Eigen::RowVector3d place = rest_position(mesh_, {t, weights}).transpose();
     const double apart = ramp((place - points_.rest.row(p)).norm() / points_.same_part[p], 1, kFullyApart);
     if (!(apart > 0) || !is_tissue(t, place)) return;
     const auto held = best.find(p);
@@ -151,10 +140,10 @@ std::vector<ContactPlane> SkinContact::find(const Positions& nodes, double margi
 
 double SkinContact::deepest(const Positions& nodes) const {
   double deepest = 0;
-  visit_near(embed(points_.embedded, tets_, nodes), nodes, 0,
+  visit_near(embed(points_.embedded, mesh_.tets, nodes), nodes, 0,
              [&](int p, int t, const PosedTet&, const Eigen::Vector4d& weights) {
                if (p >= points_.skin_count || !(weights.minCoeff() >= 0)) return;
-               const Eigen::RowVector3d place = at_rest(t, weights);
+               const Eigen::RowVector3d place = rest_position(mesh_, {t, weights}).transpose();
                if ((place - points_.rest.row(p)).norm() < kMeasuredApart * points_.edge[p]) return;
                if (is_tissue(t, place)) deepest = std::max(deepest, rest_depth_(place.transpose()).depth);
              });
@@ -165,7 +154,8 @@ double SkinContact::depth(const ContactPlane& plane, const Positions& nodes) con
   const EmbeddedPoint& own = points_.held[static_cast<std::size_t>(plane.point)];
   Eigen::RowVector3d offset = Eigen::RowVector3d::Zero();
   for (int a = 0; a < 4; ++a) {
-    offset += own.weights[a] * nodes.row(tets_(own.tet, a)) - plane.weights[a] * nodes.row(tets_(plane.tet, a));
+    offset +=
+        own.weights[a] * nodes.row(mesh_.tets(own.tet, a)) - plane.weights[a] * nodes.row(mesh_.tets(plane.tet, a));
   }
   return plane.offset + offset.dot(plane.slope.transpose());
 }
@@ -182,8 +172,8 @@ double SkinContact::add_gradient(std::span<const ContactPlane> planes, const Pos
         stiffness * depth * (1 + depth / (kContactReach * scale_)) * plane.slope.transpose();
     const EmbeddedPoint& own = points_.held[static_cast<std::size_t>(plane.point)];
     for (int a = 0; a < 4; ++a) {
-      gradient.row(tets_(own.tet, a)) += own.weights[a] * force;
-      gradient.row(tets_(plane.tet, a)) -= plane.weights[a] * force;
+      gradient.row(mesh_.tets(own.tet, a)) += own.weights[a] * force;
+      gradient.row(mesh_.tets(plane.tet, a)) -= plane.weights[a] * force;
     }
   }
   return energy;

@@ -64,15 +64,13 @@ class SkinContact {
     Eigen::Vector4d weights(const Eigen::RowVector3d& place) const;
   };
   PosedTet posed(int tet, const Positions& nodes) const;
-  Eigen::RowVector3d at_rest(int tet, const Eigen::Vector4d& weights) const;
   // Calls visit(point, tet, PosedTet, weights) of the points near every tet that is not pressed flat.
   template <typename Visit>
   void visit_near(const Positions& places, const Positions& nodes, double margin, Visit visit) const;
   bool is_tissue(int tet, const Eigen::RowVector3d& place) const;
   ContactPlane plane(int point, int tet, const PosedTet& posed, const Eigen::Vector4d& weights) const;
 
-  Tets tets_;
-  Positions rest_nodes_;
+  TetMesh mesh_;    // at rest
   Triangles body_;  // the skin's, without what rides
   RestDepth rest_depth_;
   ContactPoints points_;
