@@ -3,6 +3,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 
 #include "geometry/mesh.h"
@@ -98,19 +99,21 @@ void SkinContact::visit_near(const Positions& places, const Positions& nodes, do
   }
 }
 
+double SkinContact::PosedTet::inside(const Eigen::Vector4d& weights) const {
+  double inside = std::numeric_limits<double>::max();
+  for (int a = 0; a < 4; ++a) {
+    const double steepness = a == 0 ? inverse.colwise().sum().norm() : inverse.row(a - 1).norm();
+    if (weights[a] < 0) inside = std::min(inside, weights[a] / steepness);
+  }
+  return inside;
+}
+
+// What is outside of a tet has not passed through its skin, whatever lies there at rest: it is at least as far away as
+// the tet.
 ContactPlane SkinContact::plane(int point, int tet, const PosedTet& posed, const Eigen::Vector4d& weights) const {
   const Depth depth = rest_depth_(rest_position(mesh_, {tet, weights}));
-  const Eigen::Matrix3d edges = tet_edges(mesh_, tet);
-  ContactPlane plane{point,       tet, weights, posed.inverse.transpose() * (edges.transpose() * depth.inwards),
-                     depth.depth, 0};
-  // What is outside of a tet has not passed through its skin, whatever lies there at rest: it is at least as far away
-  // as the tet.
-  const double first = posed.inverse.colwise().sum().norm();
-  for (int a = 0; a < 4; ++a) {
-    const double steepness = a == 0 ? first : posed.inverse.row(a - 1).norm();
-    if (weights[a] < 0) plane.offset = std::min(plane.offset, weights[a] / steepness);
-  }
-  return plane;
+  const Eigen::Vector3d slope = posed.inverse.transpose() * (tet_edges(mesh_, tet).transpose() * depth.inwards);
+  return {point, tet, weights, slope, std::min(depth.depth, posed.inside(weights)), 0};
 }
 
 std::vector<ContactPlane> SkinContact::find(const Positions& nodes, double margin) const {
@@ -119,7 +122,7 @@ std::vector<ContactPlane> SkinContact::find(const Positions& nodes, double margi
   std::map<int, ContactPlane> best;  // of each point: the tet it is inside of, or the nearest
   visit_near(places, nodes, margin, [&](int p, int t, const PosedTet& posed, const Eigen::Vector4d& weights) {
     const double inside = weights.minCoeff();
-    if (inside < kMostOutside) return;
+    if (inside < kMostOutside || posed.inside(weights) < -margin) return;
     const Eigen::RowVector3d place = rest_position(mesh_, {t, weights}).transpose();
     const double apart = ramp((place - points_.rest.row(p)).norm() / points_.same_part[p], 1, kFullyApart);
     if (!(apart > 0) || !is_tissue(t, place)) return;

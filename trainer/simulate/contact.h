@@ -62,6 +62,8 @@ class SkinContact {
     double volume;              // relative to rest; below 0 inside out
 
     Eigen::Vector4d weights(const Eigen::RowVector3d& place) const;
+    // Metres: below 0 of a place outside, and no farther than it is from the tet; the largest number of one inside.
+    double inside(const Eigen::Vector4d& weights) const;
   };
   PosedTet posed(int tet, const Positions& nodes) const;
   // Calls visit(point, tet, PosedTet, weights) of the points near every tet that is not pressed flat.
