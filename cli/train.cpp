@@ -7,8 +7,10 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "assets/clip_source.h"
 #include "assets/json_file.h"
 #include "cli/arguments/common.h"
+#include "cli/range_dataset.h"
 #include "cli/results/attachments.h"
 #include "cli/results/measure.h"
 #include "cli/results/report_pictures.h"
@@ -31,6 +33,7 @@ namespace {
 
 struct TrainArguments {
   std::string dataset, ddm_only, out, report;
+  RangeDatasetArguments range;
   double unit = 0;
   int heldout_every = 0;
   std::optional<int> surface_curves;
@@ -144,6 +147,21 @@ int surface_curves_for(const TrainArguments& arguments, const SampleSet& set) {
   return pairs;
 }
 
+// The dataset given, or one that is made for the character given.
+std::string dataset_of(const TrainArguments& arguments) {
+  const bool character = is_called_scene(arguments.dataset);
+  if (!character && arguments.range.any()) {
+    throw Error(
+        ErrorKind::usage, arguments.dataset,
+        " is a dataset: --data, --clip, --limits, --muscles, --minutes, --no-range, --fps, --joint-map and --up "
+        "go with a character (.glb, .gltf, .fbx), of which train makes one");
+  }
+  if (!character) return arguments.dataset;
+  RangeDatasetArguments range = arguments.range;
+  if (range.folder.empty()) range.folder = std::filesystem::path(arguments.out).replace_extension(".data").string();
+  return make_range_dataset(arguments.dataset, arguments.unit, range).string();
+}
+
 // `path`: the dataset.json. Throws Error(mismatch) where its files do not belong together.
 Dataset checked_dataset(const TrainArguments& arguments, const std::filesystem::path& path) {
   Dataset dataset = read_dataset(path);
@@ -202,7 +220,7 @@ void require_tolerance(const TrainArguments& arguments, double expected) {
 
 void run(TrainArguments arguments) {
   if (arguments.dataset.empty() == arguments.ddm_only.empty()) {
-    throw Error(ErrorKind::usage, "train takes either a DATASET or --ddm-only CHARACTER");
+    throw Error(ErrorKind::usage, "train takes a DATASET, a CHARACTER, or --ddm-only CHARACTER");
   }
   require_writable(arguments.out);
   arguments.json.require_writable();
@@ -210,8 +228,8 @@ void run(TrainArguments arguments) {
   if (!arguments.report.empty()) make_folder(arguments.report);
   arguments.options.keep_in = std::filesystem::path(arguments.out).replace_extension(".training");
 
+  const std::filesystem::path path = dataset_file(dataset_of(arguments));
   const Stopwatch watch;
-  const std::filesystem::path path = dataset_file(arguments.dataset);
   const Dataset dataset = checked_dataset(arguments, path);
   const SampleSet set = samples_of(arguments, dataset);
   arguments.options.surface_curves = surface_curves_for(arguments, set);
@@ -241,13 +259,18 @@ void run(TrainArguments arguments) {
 }  // namespace
 
 void add_train(CLI::App& app) {
-  const auto [verb, arguments] =
-      add_verb<TrainArguments, TrainArguments>(app, "train", "Learn a basis from a dataset", run);
-  add_option(verb, "dataset", arguments.dataset, "dataset.json, or its folder")->type_name("DATASET");
+  const auto [verb, arguments] = add_verb<TrainArguments, TrainArguments>(
+      app, "train", "Learn a basis from a dataset, or from a character alone", run);
+  add_option(
+      verb, "dataset", arguments.dataset,
+      "dataset.json, or its folder; or a character (.glb, .gltf, .fbx): drafts of its range of motion and of its "
+      "clips are made first")
+      ->type_name("DATASET|CHARACTER");
   CLI::Option* ddm_only =
       add_option(verb, "--ddm-only", arguments.ddm_only, "Make a basis of Direct Delta Mush alone, without shapes")
           ->type_name("CHARACTER");
   add_option(verb, "--out", arguments.out, "FILE.safetensors", "Basis to write")->required();
+  arguments.range.add(verb);
   add_option(verb, "--heldout-every", arguments.heldout_every,
              "Hold out every Nth block of ten frames instead of the frames dataset.json names")
       ->check(CLI::Range(2, 1000));

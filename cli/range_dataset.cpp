@@ -1,0 +1,190 @@
+#include "cli/range_dataset.h"
+
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <set>
+#include <thread>
+
+#include "assets/frame_range.h"
+#include "cli/arguments/dataset_arguments.h"
+#include "runtime/core/error.h"
+#include "trainer/motion/attached_rig.h"
+#include "trainer/motion/first_limits.h"
+#include "trainer/motion/range_of_motion.h"
+
+namespace bodyopt::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr unsigned kRangeFrames = 1600, kRangeBits = 11;  // of the clip; the drafts are of some of them, spread evenly
+constexpr unsigned kLeast = 100;                          // of these
+constexpr std::size_t kTimed = 12;                        // that tell what a draft costs
+constexpr double kShareOfClips = 0.5;                     // of the minutes, at most
+constexpr const char* kRange = "range_of_motion";
+
+// Takes of a character in a dataset.
+class RangeDataset {
+ public:
+  RangeDataset(const std::string& character, double unit, const RangeDatasetArguments& arguments)
+      : path_(character), arguments_(arguments), folder_(arguments.folder), character_(read_character(path_, unit)) {
+    for (const std::string& name : clip_names(path_)) own_clips_.push_back(name.empty() ? path_ : path_ + "#" + name);
+    clips_ = arguments.clips.empty() ? own_clips_ : arguments.clips;
+  }
+
+  fs::path make() {
+    say(character_.notes);
+    if (arguments_.no_range && clips_.empty()) {
+      throw Error(ErrorKind::usage, path_, " has no clips of its own: without a range of motion train needs --clip");
+    }
+    make_folder(folder_);
+    if (!arguments_.no_range) make_range();
+    simulate_takes();
+    return folder_;
+  }
+
+ private:
+  std::string in_folder(const std::string& name) const { return (folder_ / name).string(); }
+  std::string range_file() const { return in_folder(std::string(kRange) + ".glb"); }
+
+  // Those given; those of an earlier run, which may have been edited; or first ones, of all clips there are.
+  JointLimits limits() const {
+    const Skeleton& skeleton = character_.skeleton;
+    if (!arguments_.limits.empty()) return read_joint_limits(arguments_.limits, skeleton);
+    const std::string own = in_folder("limits.json");
+    if (fs::exists(own)) return read_joint_limits(own, skeleton);
+    std::vector<std::string> known = own_clips_;
+    std::ranges::copy_if(clips_, std::back_inserter(known), [&](const std::string& clip) {
+      return std::ranges::find(own_clips_, clip) == own_clips_.end();
+    });
+    const JointLimits first = first_limits(character_, read_poses(known, skeleton, character_.unit, arguments_.clip));
+    write_joint_limits(first, skeleton, own);
+    return first;
+  }
+
+  void make_range() const {
+    if (fs::exists(range_file())) return;
+    const JointLimits own = limits();
+    const AttachedRig rig(character_.skeleton, own.detached);
+    const Character attached = rig.attached(character_);
+    const JointLimits on_attached = rig.attached(own);
+    const RangeOfMotion motion = range_of_motion(attached, on_attached, {.frames = kRangeFrames});
+    write_clip(rig.detached(clip_of(motion, on_attached, attached.skeleton)), character_.skeleton, character_.unit,
+               range_file());
+  }
+
+  SimulationArguments simulation(const std::string& clip, const std::vector<int>& frames) const {
+    SimulationArguments simulation;
+    simulation.character = path_;
+    simulation.muscles = arguments_.muscles;
+    simulation.out = folder_.string();
+    simulation.unit = character_.unit;
+    simulation.take.clip.source = clip;
+    if (clip != range_file()) simulation.take.clip.options = arguments_.clip;
+    simulation.take.clip.frames = format_frame_range(frames);
+    simulation.options.draft = true;
+    return simulation;
+  }
+
+  // Wall-clock seconds that a draft took on average.
+  double simulate(const std::string& clip, const std::vector<int>& frames) const {
+    const std::set<int> asked(frames.begin(), frames.end());
+    double seconds = 0;
+    for (const FrameStatus& frame : simulate_take(simulation(clip, frames))) {
+      if (asked.contains(frame.frame)) seconds += frame.seconds;
+    }
+    return seconds / static_cast<double>(frames.size() * std::max(1u, std::thread::hardware_concurrency()));
+  }
+
+  // The first of the frames in the order of their numbers' bits from the last on (van der Corput): spread evenly, and
+  // of more frames all fewer are a part.
+  static std::vector<int> range_frames(std::size_t count) {
+    std::vector<int> frames;
+    for (unsigned k = 0; frames.size() < count; ++k) {
+      unsigned reversed = 0;
+      for (unsigned bit = 0; bit < kRangeBits; ++bit) reversed |= (k >> bit & 1u) << (kRangeBits - 1 - bit);
+      if (reversed < kRangeFrames) frames.push_back(static_cast<int>(reversed) + 1);
+    }
+    std::ranges::sort(frames);
+    return frames;
+  }
+
+  std::size_t frames_of(const std::string& clip) const {
+    ClipArguments choice;
+    choice.source = clip;
+    choice.options = arguments_.clip;
+    std::vector<int> frames;
+    return choice.read(character_.skeleton, character_.unit, frames).poses.size();
+  }
+
+  // A power of two, so that drafts which a shorter run has made are among those of a longer one.
+  static std::size_t step_of_clips(std::size_t frames, double seconds) {
+    std::size_t step = 1;
+    while (static_cast<double>(frames / step) > seconds) step *= 2;
+    return step;
+  }
+
+  void simulate_takes() const {
+    std::size_t all = 0;
+    std::vector<std::size_t> counts;
+    for (const std::string& clip : clips_) all += counts.emplace_back(frames_of(clip));
+    // Of drafts: as many as fit into the minutes.
+    const double each = arguments_.no_range ? 0 : simulate(range_file(), range_frames(kTimed));
+    const double budget = each > 0 ? 60 * arguments_.minutes / each : std::numeric_limits<double>::infinity();
+    const std::size_t step = step_of_clips(all, kShareOfClips * budget);
+    std::size_t simulated = 0;
+    for (std::size_t k = 0; k < clips_.size(); ++k) {
+      std::vector<int> frames;
+      for (std::size_t frame = 0; frame < counts[k]; frame += step) {
+        frames.push_back(arguments_.clip.first_frame + static_cast<int>(frame));
+      }
+      simulated += frames.size();
+      simulate(clips_[k], frames);
+    }
+    if (arguments_.no_range) return;
+    const double left = std::clamp(budget - static_cast<double>(simulated), double{kLeast}, double{kRangeFrames});
+    spdlog::info("a draft takes {:.2f} s: {} frames of clips, {:.0f} of the range of motion", each, simulated, left);
+    simulate(range_file(), range_frames(static_cast<std::size_t>(left)));
+  }
+
+  std::string path_;
+  const RangeDatasetArguments& arguments_;
+  fs::path folder_;
+  Character character_;
+  std::vector<std::string> own_clips_, clips_;  // those in the character's file, those to learn
+};
+
+}  // namespace
+
+void RangeDatasetArguments::add(CLI::App& verb) {
+  add_option(verb, "--data", folder, "DIR",
+             "Of a character: folder of the dataset to make, or to go on with (default: beside --out)");
+  add_option(verb, "--clip", clips, "Of a character: clips to learn beside the range of motion (default: its own)")
+      ->type_name("CLIP");
+  add_option(verb, "--limits", limits, "FILE",
+             "Of a character: joint limits of its range of motion (default: limits.json of the dataset's folder, where "
+             "first ones are written)");
+  add_option(verb, "--muscles", muscles, "FILE", "Of a character: muscles.json (default: passive tissue only)");
+  add_number(verb, "--minutes", minutes, 0.1, 1e5,
+             "Of a character: how long it is simulated; the range of motion gets as many frames as fit, a hundred at "
+             "least");
+  add_flag(verb, "--no-range", no_range, "Of a character: learn its clips alone, without a range of motion");
+  add_number(verb, "--fps", clip.fps, kLeastRate, kMostRate, "Of a character: frames a second of its clips");
+  add_retargeting(verb, clip.joint_map, clip.up);
+}
+
+bool RangeDatasetArguments::any() const {
+  const ClipOptions plain;
+  return !folder.empty() || !clips.empty() || !limits.empty() || !muscles.empty() || minutes != kMinutes || no_range ||
+         clip.fps != plain.fps || !clip.joint_map.empty() || !clip.up.empty();
+}
+
+std::filesystem::path make_range_dataset(const std::string& character, double unit,
+                                         const RangeDatasetArguments& arguments) {
+  return RangeDataset(character, unit, arguments).make();
+}
+
+}  // namespace bodyopt::cli

@@ -1,0 +1,71 @@
+// One command from a bare character to a trained one.
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "dataset/dataset.h"
+#include "runtime/core/json.h"
+#include "tests/cli/limb_files.h"
+#include "tests/support/read_bytes.h"
+#include "tests/support/run_verb.h"
+
+namespace bodyopt {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::read_bytes;
+
+class RangeDataset : public ::testing::Test {
+ protected:
+  // With the least of minutes: as many drafts as every range of motion gets.
+  ProgramResult train(const std::string& more) const {
+    return run_verb("train " + files_.character + " --minutes 0.1 --surface-curves 2 --out " + basis_ + " " + more);
+  }
+  const DatasetTake& take(const Dataset& dataset, const std::string& name) const {
+    const auto found = std::ranges::find(dataset.takes, name, &DatasetTake::name);
+    EXPECT_NE(found, dataset.takes.end()) << name;
+    return *found;
+  }
+
+  TemporaryFolder folder_;
+  LimbFiles files_{folder_, 1};
+  std::string basis_ = (folder_ / "limb.safetensors").string();
+  fs::path data_ = folder_ / "limb.data";
+};
+
+// A second run adds clips to what is there: drafts are not made again, and limits stay as somebody has edited them.
+TEST_F(RangeDataset, LearnsABareCharacterAndThenItsClips) {
+  const ProgramResult bare = train("");
+  ASSERT_EQ(bare.exit_code, 0) << bare.output;
+  EXPECT_EQ(read_dataset(data_ / "dataset.json").takes.size(), 1u);
+  const std::string range = read_bytes(data_ / "range_of_motion.glb"),
+                    drafts = read_bytes(data_ / "range_of_motion.nodes");
+  Json limits = Json::parse(std::ifstream(data_ / "limits.json"));
+  limits["source"] = "edited";
+  std::ofstream(data_ / "limits.json") << limits;
+
+  const ProgramResult with_clip = train("--clip " + files_.motion + " --fps 120");
+  ASSERT_EQ(with_clip.exit_code, 0) << with_clip.output;
+  const Dataset dataset = read_dataset(data_ / "dataset.json");
+  EXPECT_EQ(dataset.takes.size(), 2u);
+  EXPECT_EQ(take(dataset, "bend").frames.size(), 26u);
+  EXPECT_GE(take(dataset, "range_of_motion").frames.size(), 100u);
+  EXPECT_TRUE(read_bytes(data_ / "range_of_motion.glb") == range);
+  EXPECT_TRUE(read_bytes(data_ / "range_of_motion.nodes") == drafts);
+  EXPECT_EQ(Json::parse(std::ifstream(data_ / "limits.json"))["source"], "edited");
+}
+
+TEST_F(RangeDataset, RefusesWhatHasNothingToLearn) {
+  const ProgramResult no_clips = train("--no-range");
+  EXPECT_EQ(no_clips.exit_code, 64) << no_clips.output;
+  EXPECT_NE(no_clips.output.find("has no clips of its own"), std::string::npos) << no_clips.output;
+  EXPECT_FALSE(fs::exists(data_));
+  const ProgramResult dataset = run_verb("train " + folder_.path().string() + " --minutes 3 --out " + basis_);
+  EXPECT_EQ(dataset.exit_code, 64) << dataset.output;
+  EXPECT_NE(dataset.output.find("go with a character"), std::string::npos) << dataset.output;
+}
+
+}  // namespace
+}  // namespace bodyopt
