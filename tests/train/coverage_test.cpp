@@ -15,6 +15,7 @@
 #include "tests/support/trained_basis.h"
 #include "trainer/train/fit/train.h"
 #include "trainer/train/judge/test_errors.h"
+#include "trainer/train/skinning/ddm.h"
 
 namespace bodyopt {
 namespace {
@@ -25,7 +26,8 @@ const SampleSet& samples() {
 }
 
 const Basis& basis() {
-  static const Basis trained = trained_basis(samples(), {.centres = 60});
+  static const Basis trained = trained_basis(
+      samples(), {.smoothing_radius = default_smoothing_radius(samples().character.vertices), .centres = 60});
   return trained;
 }
 

@@ -24,6 +24,7 @@
 #include "tests/support/trained_basis.h"
 #include "trainer/train/judge/test_errors.h"
 #include "trainer/train/pack/trade_off.h"
+#include "trainer/train/skinning/ddm.h"
 #include "trainer/train/skinning/unpose.h"
 
 namespace bodyopt {
@@ -112,6 +113,22 @@ TEST(Train, RegionsThatWereWrittenGiveTheSameBasis) {
   EXPECT_EQ(testing::difference(automatic, trained_basis(set, options)), "coverage");
   for (double& weight : set.regions.front().weights) weight *= 0.5;
   EXPECT_EQ(testing::difference(automatic, trained_basis(set, options)), "residual");
+}
+
+// Shapes that linear blending has made leave less to learn the less is smoothed.
+TEST(Train, SmoothsLessWhereLinearBlendingLeavesLess) {
+  SampleSet set = samples();
+  set.train.resize(40);
+  set.heldout = set.train;
+  const std::vector<Positions> linear = heldout_by_lbs(set);
+  for (std::size_t n = 0; n < linear.size(); ++n) set.train[n].shape = linear[n];
+  const double usual = default_smoothing_radius(set.character.vertices);
+  const TrainingResult result = train(set, {.components = 2, .centres = 4});
+  EXPECT_LE(result.smoothing_radius, usual / 8);
+  const Basis smoothed = build_ddm_basis(set.character, {.smoothing_radius = usual});
+  const double left = distance(without_residual(result.basis), set.character, set.train).rms,
+               left_by_usual = distance(smoothed, set.character, set.train).rms;
+  EXPECT_LT(left, 0.5 * left_by_usual);
 }
 
 TEST(Train, RestIsRest) {
@@ -226,17 +243,19 @@ TEST(Train, AnInterruptEndsItWithExitCode75AndClaimsNothing) {
 // What one kind of skinning posed, its own un-posing takes back to rest; the other one's leaves something.
 TEST(Train, UnposingGivesBackWhatWasPosed) {
   SampleSet set = samples();
+  const Basis basis =
+      build_ddm_basis(set.character, {.smoothing_radius = default_smoothing_radius(set.character.vertices)});
   const std::vector<Positions> ddm = [&] {
     set.heldout = set.train;
-    Deformer deformer(without_residual(full_basis()), {.name = "cpu"});
+    Deformer deformer(basis, {.name = "cpu"});
     return heldout_by_basis(set, deformer);
   }();
   for (std::size_t k = 0; k < set.train.size(); ++k) set.train[k].shape = ddm[k];
-  const UnposingResidual of_ddm = unposing_residual(set, full_basis());
+  const UnposingResidual of_ddm = unposing_residual(set, basis);
   EXPECT_LT(of_ddm.ddm, 1e-3);
   EXPECT_GT(of_ddm.lbs, 0.1);
   for (Sample& sample : set.train) sample.shape = skin_linear(set.character, sample.pose);
-  const UnposingResidual of_lbs = unposing_residual(set, full_basis());
+  const UnposingResidual of_lbs = unposing_residual(set, basis);
   EXPECT_LT(of_lbs.lbs, 1e-9);
   EXPECT_GT(of_lbs.ddm, 0.1);
 }

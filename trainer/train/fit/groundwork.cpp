@@ -33,24 +33,36 @@ Character to_learn(const Character& character, const std::vector<std::uint32_t>&
 
 // Sum of the squared un-posed displacements of some training frames, spread evenly.
 double left_to_learn(const SampleSet& set, const Character& ordered, const Basis& basis,
-                     const std::vector<std::uint32_t>& order) {
+                     const std::vector<std::uint32_t>& order, Method::Unposing unposing) {
   const std::vector<std::size_t> probes = spread_evenly(set.train.size(), 24);
-  const UnposedShapes shapes(set, ordered, basis, order, Method::Unposing::ddm);
+  const UnposedShapes shapes(set, ordered, basis, order, unposing);
   return shapes("train: smoothing radius", probes, all_vertices(ordered)).displacements.cast<double>().squaredNorm();
 }
 
-// The radius given; or the default or twice that, whichever leaves less to learn: parts of bodies need more.
+// The radius given; or the default or twice that, whichever leaves less to learn: parts of bodies need more. Where
+// linear blending leaves less than either, smaller ones: the smaller, the more Direct Delta Mush is like it.
 DdmBase choose_base(const SampleSet& set, const Character& ordered, const std::vector<std::uint32_t>& order,
                     const TrainOptions& options) {
-  const auto fits = [&](const DdmBase& base) {
-    return !(options.budget > 0) || bytes_per_vertex(base.basis) <= options.budget;
-  };
+  constexpr double kLeastRadius = 1.0 / 16;  // of the default
   if (options.smoothing_radius > 0) return make_ddm_base(ordered, options.smoothing_radius, options);
   const double radius = default_smoothing_radius(ordered.vertices);
-  DdmBase base = make_ddm_base(ordered, radius, options), wider = make_ddm_base(ordered, 2 * radius, options);
-  const bool better =
-      fits(wider) && left_to_learn(set, ordered, wider.basis, order) < left_to_learn(set, ordered, base.basis, order);
-  return better ? std::move(wider) : std::move(base);
+  DdmBase best = make_ddm_base(ordered, radius, options);
+  const auto left = [&](const DdmBase& base, Method::Unposing unposing) {
+    return left_to_learn(set, ordered, base.basis, order, unposing);
+  };
+  double least = left(best, Method::Unposing::ddm);
+  const auto try_radius = [&](double other_radius) {
+    DdmBase other = make_ddm_base(ordered, other_radius, options);
+    if (options.budget > 0 && bytes_per_vertex(other.basis) > options.budget) return;
+    const double others = left(other, Method::Unposing::ddm);
+    if (!(others < least)) return;
+    least = others;
+    best = std::move(other);
+  };
+  try_radius(2 * radius);
+  const double linear = left(best, Method::Unposing::lbs);
+  for (double part = 0.5; least > linear && part >= kLeastRadius; part /= 2) try_radius(part * radius);
+  return best;
 }
 
 DdmBase base_with_fibres(const SampleSet& set, const Character& ordered, const std::vector<std::uint32_t>& order,
