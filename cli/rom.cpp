@@ -108,8 +108,9 @@ void run(const RomArguments& arguments) {
   write_clip(rig.detached(clip), own.skeleton, own.unit, arguments.out);
 
   say_few_frames(arguments, limits);
-  std::string text = format("{} frames: rest, {} of sweeps, {} of pairs, {} random\n", clip.poses.size(),
-                            motion.sweep_frames, motion.pair_frames, motion.random_frames);
+  std::string text =
+      format("{} frames: rest, {} of sweeps, {} of pairs, {} in which limbs touch, {} random\n", clip.poses.size(),
+             motion.sweep_frames, motion.pair_frames, motion.touching_frames, motion.random_frames);
   text += format("the largest step from a frame to the next is {:.1f} degrees", motion.largest_step);
   text +=
       options.step < RangeOfMotionOptions{}.step ? format(", of random frames {:.1f} at most\n", options.step) : "\n";
@@ -135,6 +136,7 @@ void run(const RomArguments& arguments) {
                        {"frames", clip.poses.size()},
                        {"sweep_frames", motion.sweep_frames},
                        {"pair_frames", motion.pair_frames},
+                       {"touching_frames", motion.touching_frames},
                        {"random_frames", motion.random_frames},
                        {"step_degrees", options.step},
                        {"largest_step_degrees", motion.largest_step},

@@ -9,6 +9,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <numeric>
+#include <set>
 
 #include "base/progress.h"
 #include "runtime/core/error.h"
@@ -43,7 +44,8 @@ const RangeOfMotion& motion() {
 
 TEST(RangeOfMotion, StartsAtRestAndStaysWithinLimits) {
   ASSERT_EQ(motion().postures.size(), 1200u);
-  EXPECT_EQ(1 + motion().sweep_frames + motion().pair_frames + motion().random_frames, 1200u);
+  EXPECT_EQ(1 + motion().sweep_frames + motion().pair_frames + motion().touching_frames + motion().random_frames,
+            1200u);
   EXPECT_LE(motion().sweep_frames, 240u);
   EXPECT_LE(motion().pair_frames, 120u);
   EXPECT_EQ(motion().postures[0], Posture{rest_angles(limits())});
@@ -97,6 +99,27 @@ TEST(RangeOfMotion, NeighboursAreAsCloseAsAskedFor) {
   EXPECT_NEAR(largest, 25, 1e-6);
   const std::vector<Posture>& free = motion().postures;
   EXPECT_GT(largest_change(free[free.size() - 2], free.back()), 25);
+}
+
+// As deep as half a limb's radius, and of more than one pair of limbs.
+TEST(RangeOfMotion, HasPosesInWhichLimbsTouch) {
+  const JointLimits with_thumb = arm_limits(skeleton());
+  const RangeOfMotion made = range_of_motion(arm().character, with_thumb, {400, 7, {}});
+  EXPECT_EQ(made.touching_frames, 100u);
+  const SelfOverlap overlap = overlap_of_limits(arm().character, with_thumb);
+  std::set<std::pair<std::uint32_t, std::uint32_t>> touched;
+  std::vector<double> depths;
+  const std::size_t first = made.postures.size() - made.random_frames - made.touching_frames;
+  for (std::size_t k = 0; k < made.touching_frames; ++k) {
+    const SelfOverlap::Touch touch = overlap.deepest(limited_pose(skeleton(), with_thumb, made.postures[first + k]));
+    ASSERT_LE(touch.depth, 0.5);
+    ASSERT_GT(touch.depth, -0.05);
+    depths.push_back(touch.depth);
+    touched.insert(touch.joints);
+  }
+  std::ranges::sort(depths);
+  EXPECT_NEAR(depths[depths.size() / 2], 0.25, 0.1);
+  EXPECT_GE(touched.size(), 2u);
 }
 
 // Fingers and fingertips curl in fixed shares; what deviates tells them apart, in random frames only.
@@ -180,8 +203,9 @@ TEST(JointCoverage, LeavesOutWhatMovesAllOfTheSkin) {
 
 TEST(RangeOfMotion, RandomPosesOverlapNoMoreThanTheSweeps) {
   const SelfOverlap overlap = overlap_of_limits(arm().character, limits());
-  const std::size_t swept = 1 + motion().sweep_frames;
+  const std::size_t swept = 1 + motion().sweep_frames, touching = swept + motion().pair_frames;
   for (std::size_t k = swept; k < motion().postures.size(); ++k) {
+    if (k >= touching && k < touching + motion().touching_frames) continue;  // which are made to overlap
     ASSERT_FALSE(overlap.find(limited_pose(skeleton(), limits(), motion().postures[k]))) << "frame " << k + 1;
   }
 }

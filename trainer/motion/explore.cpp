@@ -4,6 +4,7 @@
 #include <cmath>
 #include <functional>
 #include <iterator>
+#include <limits>
 #include <map>
 #include <numeric>
 #include <set>
@@ -369,6 +370,17 @@ std::optional<std::pair<std::uint32_t, std::uint32_t>> SelfOverlap::find(const P
     }
   }
   return std::nullopt;
+}
+
+SelfOverlap::Touch SelfOverlap::deepest(const Pose& pose) const {
+  const std::vector<Vec3> centres = posed_centres(pose);
+  Touch deepest{{0, 0}, -std::numeric_limits<double>::infinity()};
+  for (const SpherePair& pair : pairs_) {
+    const BodySphere &a = spheres_[pair.first], &b = spheres_[pair.second];
+    const double part = (depth(pair, centres) - pair.trusted - kTolerance) / std::min(a.radius, b.radius);
+    if (part > deepest.depth) deepest = {{a.joint, b.joint}, part};
+  }
+  return deepest;
 }
 
 std::vector<Vec3> SelfOverlap::posed_centres(const Pose& pose) const {

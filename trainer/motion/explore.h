@@ -51,6 +51,14 @@ class SelfOverlap {
   // a joint and its nearest ancestor with flesh is never compared: it is one piece.
   std::optional<std::pair<std::uint32_t, std::uint32_t>> find(const Pose& pose) const;
 
+  // The two joints whose flesh overlaps most, and by how much more than find() lets pass: in parts of the radius of the
+  // smaller sphere, 0 or less in a clear pose.
+  struct Touch {
+    std::pair<std::uint32_t, std::uint32_t> joints;
+    double depth = 0;
+  };
+  Touch deepest(const Pose& pose) const;
+
  private:
   struct SpherePair {
     std::uint32_t first, second;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <numbers>
 #include <optional>
 #include <set>
@@ -240,23 +241,90 @@ bool turns_any(const DegreeOfFreedom& dof, const std::set<std::uint32_t>& joints
                      [&](const JointTurn& turn) { return joints.contains(turn.joint); });
 }
 
+void redraw(const JointLimits& limits, const std::set<std::uint32_t>& joints, UniformRandom& random, Angles& angles) {
+  const Angles others = random_angles(limits, random);
+  for (std::size_t k = 0; k < angles.size(); ++k) {
+    if (turns_any(limits.dofs[k], joints)) angles[k] = others[k];
+  }
+}
+
 // Limbs that are in each other's way are drawn anew, and these alone: of whole poses drawn anew hardly any would be
 // clear where there are many joints.
-std::optional<Pose> clear_pose(const JointLimits& limits, const Skeleton& skeleton, const SelfOverlap& overlap,
-                               UniformRandom& random) {
+std::optional<Angles> clear_angles(const JointLimits& limits, const Skeleton& skeleton, const SelfOverlap& overlap,
+                                   UniformRandom& random) {
   Angles angles = random_angles(limits, random);
   for (int redrawn = 0; redrawn < kMostRedrawn; ++redrawn) {
-    Pose pose = limited_pose(skeleton, limits, {angles});
-    const auto found = overlap.find(pose);
-    if (!found) return pose;
-    const std::set<std::uint32_t> between = joints_between(skeleton, found->first, found->second);
-    const Angles others = random_angles(limits, random);
-    for (std::size_t k = 0; k < angles.size(); ++k) {
-      if (turns_any(limits.dofs[k], between)) angles[k] = others[k];
-    }
+    const auto found = overlap.find(limited_pose(skeleton, limits, {angles}));
+    if (!found) return angles;
+    redraw(limits, joints_between(skeleton, found->first, found->second), random, angles);
   }
   return std::nullopt;
 }
+
+// Poses in which two limbs touch, all pairs of limbs that can in turns.
+constexpr double kTouchShare = 0.25;   // of the frames
+constexpr double kDeepestTouch = 0.5;  // of the radius of the smaller limb
+constexpr int kTouchCandidates = 16, kMostWithoutTouch = 50, kHalvings = 10;
+
+// On the way from a pose without overlap to one that differs from it by a limb, and overlaps: where that has come as
+// deep as wanted. Of several such ways the one that ends at limbs that have touched least so far.
+class TouchingPoses {
+ public:
+  TouchingPoses(const JointLimits& limits, const Skeleton& skeleton, const SelfOverlap& overlap, std::uint64_t seed)
+      : limits_(limits), skeleton_(skeleton), overlap_(overlap), random_(seed) {}
+
+  // `count`, or fewer where limbs hardly reach each other.
+  std::vector<Angles> find(std::size_t count) {
+    std::vector<Angles> found;
+    for (int lost = 0; lost < kMostWithoutTouch && found.size() < count; ++lost) {
+      const std::optional<Angles> clear = clear_angles(limits_, skeleton_, overlap_, random_);
+      if (!clear) continue;
+      const std::optional<Angles> beyond = least_touched(*clear);
+      if (!beyond) continue;
+      found.push_back(between(*clear, *beyond, kDeepestTouch * random_.next()));
+      ++touched_[touch(found.back()).joints];
+      lost = -1;
+    }
+    return found;
+  }
+
+ private:
+  SelfOverlap::Touch touch(const Angles& angles) const {
+    return overlap_.deepest(limited_pose(skeleton_, limits_, {angles}));
+  }
+
+  std::optional<Angles> least_touched(const Angles& clear) {
+    std::optional<Angles> best;
+    int least = 0;
+    for (int k = 0; k < kTouchCandidates; ++k) {
+      Angles candidate = clear;
+      const std::uint32_t tip = limits_.dofs[random_.below(limits_.dofs.size())].turns.front().joint;
+      redraw(limits_, joints_between(skeleton_, tip, 0), random_, candidate);
+      const SelfOverlap::Touch at = touch(candidate);
+      if (!(at.depth > kDeepestTouch)) continue;
+      const int times = touched_[at.joints];
+      if (best && times >= least) continue;
+      least = times;
+      best = std::move(candidate);
+    }
+    return best;
+  }
+
+  Angles between(Angles clear, Angles beyond, double depth) const {
+    for (int k = 0; k < kHalvings; ++k) {
+      Angles middle = clear;
+      for (std::size_t i = 0; i < middle.size(); ++i) middle[i] = 0.5 * (clear[i] + beyond[i]);
+      (touch(middle).depth > depth ? beyond : clear) = std::move(middle);
+    }
+    return clear;
+  }
+
+  const JointLimits& limits_;
+  const Skeleton& skeleton_;
+  const SelfOverlap& overlap_;
+  UniformRandom random_;
+  std::map<std::pair<std::uint32_t, std::uint32_t>, int> touched_;
+};
 
 }  // namespace
 
@@ -305,16 +373,22 @@ RangeOfMotion range_of_motion(const Character& character, const JointLimits& lim
   result.sweep_frames = append(sweeps(limits, share(kSweepShare)));
   SelfOverlap overlap = overlap_of_limits(character, limits);
   result.pair_frames = append(pair_blends(limits, skeleton, overlap, share(kPairShare)));
+  const double blended = options.examples.empty() ? 0 : options.blends;
+  if (blended < 1 && options.step == RangeOfMotionOptions{}.step) {
+    result.touching_frames = append(TouchingPoses(limits, skeleton, overlap, options.seed).find(share(kTouchShare)));
+  }
   result.random_frames = count - frames.size();
-  if (result.random_frames > 0 && options.examples.empty()) {
+  const auto blends = static_cast<std::size_t>(std::lround(blended * static_cast<double>(result.random_frames)));
+  if (blends < result.random_frames) {
     const std::vector<Posture> random =
-        explore(limits, skeleton, overlap, frames, {result.random_frames, options.seed, options.step});
+        explore(limits, skeleton, overlap, frames, {result.random_frames - blends, options.seed, options.step});
     frames.insert(frames.end(), random.begin(), random.end());
-  } else if (result.random_frames > 0) {
+  }
+  if (blends > 0) {
     const std::vector<Pose> examples = in_place(skeleton, options.examples);
     for (const Pose& example : examples) overlap.trust(example);
     result.blends = blend_clips(examples, overlap, clip_of(result, limits, skeleton).poses,
-                                {result.random_frames, options.seed, options.step, limits.deviations});
+                                {blends, options.seed, options.step, limits.deviations});
   }
   for (std::size_t k = 1; k < frames.size(); ++k) {
     result.largest_step = std::max(result.largest_step, largest_change(frames[k - 1], frames[k]));
@@ -375,9 +449,9 @@ std::vector<Pose> random_poses(const JointLimits& limits, const Skeleton& skelet
   UniformRandom random(seed);
   std::vector<Pose> poses;
   for (int lost = 0; lost < kMostLost && poses.size() < count; ++lost) {
-    std::optional<Pose> pose = clear_pose(limits, skeleton, overlap, random);
-    if (!pose) continue;
-    poses.push_back(std::move(*pose));
+    const std::optional<Angles> angles = clear_angles(limits, skeleton, overlap, random);
+    if (!angles) continue;
+    poses.push_back(limited_pose(skeleton, limits, {*angles}));
     lost = -1;
   }
   return poses;

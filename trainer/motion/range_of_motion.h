@@ -39,18 +39,21 @@ struct RangeOfMotionOptions {
   std::uint64_t seed = 1;
   std::vector<Pose> examples{};  // random poses are blends of two of these; empty: of common ones, or anywhere
   double step = 360;             // degrees that any joint may turn from a random frame to the next: here as it likes
+  double blends = 1;             // share of the random poses that are blends, where there are examples
 };
 
 struct RangeOfMotion {
   std::vector<Posture> postures;  // per frame that the limits made: of all, or with examples all but the random ones
   std::vector<Pose> blends;       // the random frames where there are examples
-  std::size_t sweep_frames = 0, pair_frames = 0, random_frames = 0;  // after frame 1, which is the rest pose
+  // After frame 1, which is the rest pose.
+  std::size_t sweep_frames = 0, pair_frames = 0, touching_frames = 0, random_frames = 0;
   double largest_step = 0;  // degrees, of any angle, or of any joint from and to blends, between two frames
 };
 
-// Frame 1 is the rest pose; then sweeps and pair blends (at most kSweepShare and kPairShare of the frames), then random
-// poses, in which every joint deviates. The same for the same seed, on any number of threads. Throws Error(usage) for
-// less than a frame.
+// Frame 1 is the rest pose; then sweeps and pair blends (at most kSweepShare and kPairShare of the frames); unless
+// all random poses are blends or steps are limited, poses in which limbs touch (kTouchShare); then random poses, in
+// which every joint deviates. The same for the same seed, on any number of threads. Throws Error(usage) for less than a
+// frame.
 RangeOfMotion range_of_motion(const Character& character, const JointLimits& limits,
                               const RangeOfMotionOptions& options);
 
