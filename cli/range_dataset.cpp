@@ -23,7 +23,8 @@ namespace fs = std::filesystem;
 constexpr unsigned kRangeFrames = 1600, kRangeBits = 11;  // of the clip; the drafts are of some of them, spread evenly
 constexpr unsigned kLeast = 100;                          // of these
 constexpr std::size_t kTimed = 12;                        // that tell what a draft costs
-constexpr double kShareOfClips = 0.5;                     // of the minutes, at most
+constexpr double kBlends = 0.5;        // of the random poses are blends of the clips', the others within the limits
+constexpr double kShareOfClips = 0.5;  // of the minutes, at most
 constexpr const char* kRange = "range_of_motion";
 
 // Takes of a character in a dataset.
@@ -71,7 +72,10 @@ class RangeDataset {
     const AttachedRig rig(character_.skeleton, own.detached);
     const Character attached = rig.attached(character_);
     const JointLimits on_attached = rig.attached(own);
-    const RangeOfMotion motion = range_of_motion(attached, on_attached, {.frames = kRangeFrames});
+    const std::vector<Pose> shown =
+        rig.attached(read_poses(clips_, character_.skeleton, character_.unit, arguments_.clip));
+    const RangeOfMotion motion =
+        range_of_motion(attached, on_attached, {.frames = kRangeFrames, .examples = shown, .blends = kBlends});
     write_clip(rig.detached(clip_of(motion, on_attached, attached.skeleton)), character_.skeleton, character_.unit,
                range_file());
   }
