@@ -1,6 +1,7 @@
 // One command from a bare character to a trained one.
 #include <gtest/gtest.h>
 
+#include <bit>
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -50,7 +51,12 @@ TEST_F(RangeDataset, LearnsABareCharacterAndThenItsClips) {
   ASSERT_EQ(with_clip.exit_code, 0) << with_clip.output;
   const Dataset dataset = read_dataset(data_ / "dataset.json");
   EXPECT_EQ(dataset.takes.size(), 2u);
-  EXPECT_EQ(take(dataset, "bend").frames.size(), 26u);
+  // How many drafts fit into the time depends on the machine: every one, every second, every fourth ... of 26.
+  const std::vector<int>& frames = take(dataset, "bend").frames;
+  ASSERT_FALSE(frames.empty());
+  const int step = frames.size() > 1 ? frames[1] - frames[0] : 32;
+  EXPECT_TRUE(std::has_single_bit(static_cast<unsigned>(step))) << step;
+  EXPECT_EQ(frames.size(), static_cast<std::size_t>((26 + step - 1) / step));
   EXPECT_GE(take(dataset, "range_of_motion").frames.size(), 100u);
   EXPECT_TRUE(read_bytes(data_ / "range_of_motion.glb") == range);
   EXPECT_TRUE(read_bytes(data_ / "range_of_motion.nodes") == drafts);
