@@ -4,6 +4,7 @@
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
 
+#include <algorithm>
 #include <array>
 #include <exception>
 #include <memory>
@@ -125,6 +126,8 @@ struct Skin {
   std::optional<py::array_t<float>> normals;          // where they are wanted
   std::optional<py::array_t<float>> tangents;         // where they are wanted, of a model with texture coordinates
   std::optional<py::array_t<float>> vertex_errors;    // where they are wanted, of a model that knows its error
+  std::optional<std::vector<py::array_t<float>>> attached;  // where they are wanted, of each attached mesh
+  std::optional<py::array_t<float>> full_positions;         // where they are wanted
 };
 
 // A file's name. Throws TypeError for what is neither text nor os.PathLike, ValueError for a NUL in it.
@@ -145,13 +148,9 @@ struct Frames {
   Frames(const bodyopt_description& description, const py::object& given_joints, const py::object& given_controls,
          std::optional<std::vector<std::int32_t>> given_numbers, const py::object& positions, const py::object& normals,
          const py::object& tangents)
-      : joints(as_given<double>(given_joints, {-1, -1, 10}, "joints")), frame_numbers(std::move(given_numbers)) {
-    const py::ssize_t count = joints.shape(0), vertices = description.vertex_count;
-    poses.frame_count = static_cast<std::uint32_t>(count);
-    poses.joint_count = static_cast<std::uint32_t>(joints.shape(1));
-    poses.joints = joints.data();
-    poses.joint_frame_stride = stride_of(joints, 0);
-    poses.joint_stride = stride_of(joints, 1);
+      : frame_numbers(std::move(given_numbers)) {
+    take_joints(given_joints);
+    const py::ssize_t count = poses.frame_count, vertices = description.vertex_count;
     if (!given_controls.is_none()) {
       controls = as_given<float>(given_controls, {count, -1}, "controls");
       poses.control_count = static_cast<std::uint32_t>(controls.shape(1));
@@ -172,6 +171,8 @@ struct Frames {
             py::array_t<float>(Shape{count}),
             {},
             output_if_wanted(normals, {count, vertices, 3}, "normals"),
+            {},
+            {},
             {},
             {}};
     wanted.positions = floats_of(skin.positions);
@@ -195,7 +196,7 @@ struct Frames {
     poses.goes_on = goes_on;
     poses.frames_per_second = *frames_per_second;
     if (given_channels.is_none()) return;
-    channels = as_given<float>(given_channels, {joints.shape(0), -1}, "channels");
+    channels = as_given<float>(given_channels, {poses.frame_count, -1}, "channels");
     poses.channel_count = static_cast<std::uint32_t>(channels.shape(1));
     poses.channels = channels.data();
     poses.channel_frame_stride = stride_of(channels, 0);
@@ -208,15 +209,56 @@ struct Frames {
         floats_of(skin.vertex_errors.emplace(Shape{skin.positions.shape(0), skin.positions.shape(1)}));
   }
 
+  // `vertices`: of each attached mesh of the model.
+  void want_attached(const std::vector<std::uint32_t>& vertices) {
+    std::vector<py::array_t<float>>& meshes = skin.attached.emplace();
+    for (const std::uint32_t count : vertices) {
+      meshes.emplace_back(Shape{poses.frame_count, static_cast<py::ssize_t>(count), 3});
+      attached.push_back(floats_of(meshes.back()));
+    }
+    wanted.attached = attached.data();
+    wanted.attached_count = static_cast<std::uint32_t>(attached.size());
+  }
+
+  // Throws Error(usage), later, of a model that carries no full skin.
+  void want_full_positions(std::uint32_t vertices) {
+    const Shape shape{poses.frame_count, std::max<py::ssize_t>(1, vertices), 3};
+    wanted.full_positions = floats_of(skin.full_positions.emplace(shape));
+  }
+
   Frames(const Frames&) = delete;
   Frames& operator=(const Frames&) = delete;
 
-  py::array_t<double> joints;
+  py::array joints;  // or skinning matrices
   py::array_t<float> controls, channels;
+  std::vector<bodyopt_floats> attached;
   std::optional<std::vector<std::int32_t>> frame_numbers;
   bodyopt_poses poses = api::make<bodyopt_poses>();
   Skin skin;
   bodyopt_skin wanted = api::make<bodyopt_skin>();
+
+ private:
+  // Frames x joints x 10 of double, or frames x joints x 3 x 4 of float: skinning matrices.
+  void take_joints(const py::object& given) {
+    if (py::isinstance<py::array_t<float>>(given) && py::reinterpret_borrow<py::array>(given).ndim() == 4) {
+      const auto matrices = as_given<float>(given, {-1, -1, 3, 4}, "joints");
+      if (matrices.size() > 0 && matrices.strides(2) != 4 * matrices.itemsize()) {
+        throw py::type_error("joints: the rows of its matrices do not stand one after the other");
+      }
+      poses.skinning = matrices.data();
+      poses.skinning_frame_stride = stride_of(matrices, 0);
+      poses.skinning_stride = stride_of(matrices, 1);
+      joints = matrices;
+    } else {
+      const auto numbers = as_given<double>(given, {-1, -1, 10}, "joints");
+      poses.joints = numbers.data();
+      poses.joint_frame_stride = stride_of(numbers, 0);
+      poses.joint_stride = stride_of(numbers, 1);
+      joints = numbers;
+    }
+    poses.frame_count = static_cast<std::uint32_t>(joints.shape(0));
+    poses.joint_count = static_cast<std::uint32_t>(joints.shape(1));
+  }
 };
 
 // Other Python threads run meanwhile.
@@ -249,11 +291,20 @@ struct Device {
   api::Device handle;
 };
 
+bodyopt_attached describe_attached(const api::Model& model, std::uint32_t mesh) {
+  auto attached = api::make<bodyopt_attached>();
+  api::check(bodyopt_describe_attached(model.get(), mesh, &attached));
+  return attached;
+}
+
 class Instance {
  public:
   Instance(const api::Model& model, const Device* device, bool jiggles, std::uint32_t iterations,
            const std::array<double, 3>& gravity_change, bool check)
       : description_(api::describe(model)) {
+    for (std::uint32_t m = 0; m < description_.attached_count; ++m) {
+      attached_.push_back(describe_attached(model, m).vertex_count);
+    }
     auto options = api::make<bodyopt_instance_options>();
     options.device = device != nullptr ? device->handle.get() : nullptr;
     options.jiggles = jiggles;
@@ -267,19 +318,22 @@ class Instance {
 
   Skin evaluate(const py::object& joints, const py::object& controls, const py::object& positions,
                 const py::object& normals, const py::object& tangents, std::optional<double> frames_per_second,
-                const py::object& channels, bool goes_on, bool vertex_errors) {
+                const py::object& channels, bool goes_on, bool vertex_errors, bool attached, bool full_positions) {
     Frames frames(description_, joints, controls, std::nullopt, positions, normals, tangents);
     frames.show_modifiers(frames_per_second, channels, goes_on);
     frames.want_vertex_errors(vertex_errors);
+    want_following(frames, attached, full_positions);
     call([&] { return bodyopt_evaluate(handle_.get(), &frames.poses, &frames.wanted); });
     return std::move(frames.skin);
   }
 
   Skin jiggle(const py::object& joints, std::vector<std::int32_t> frame_numbers, const py::object& controls,
               const py::object& positions, const py::object& normals, const py::object& tangents,
-              std::optional<double> frames_per_second, const py::object& channels, bool goes_on) {
+              std::optional<double> frames_per_second, const py::object& channels, bool goes_on, bool attached,
+              bool full_positions) {
     Frames frames(description_, joints, controls, std::move(frame_numbers), positions, normals, tangents);
     frames.show_modifiers(frames_per_second, channels, goes_on);
+    want_following(frames, attached, full_positions);
     call([&] { return bodyopt_jiggle(handle_.get(), &frames.poses, &frames.wanted); });
     return std::move(frames.skin);
   }
@@ -328,9 +382,15 @@ class Instance {
     api::check(result);
   }
 
+  void want_following(Frames& frames, bool attached, bool full_positions) const {
+    if (attached && !attached_.empty()) frames.want_attached(attached_);
+    if (full_positions) frames.want_full_positions(description_.full_vertex_count);
+  }
+
   friend class Call;
 
   bodyopt_description description_;
+  std::vector<std::uint32_t> attached_;  // vertices of each attached mesh
   api::Instance handle_;
   std::mutex mutex_;
 };
@@ -403,11 +463,13 @@ class Model {
   }
 
   static std::unique_ptr<Model> of_files(const py::object& given_path, const py::object& given_dynamics,
-                                         std::uint32_t level, const py::object& texture) {
+                                         std::uint32_t level, const py::object& texture,
+                                         const py::object& given_attached) {
     const std::string path = path_of(given_path);
-    const std::optional<std::string> dynamics = path_if_given(given_dynamics);
+    const std::optional<std::string> dynamics = path_if_given(given_dynamics), attached = path_if_given(given_attached);
     auto options = api::make<bodyopt_load_options>();
     options.dynamics = dynamics ? dynamics->c_str() : nullptr;
+    options.attached = attached ? attached->c_str() : nullptr;
     const auto load = [&](const bodyopt_load_options& all, bodyopt_model*& model) {
       return bodyopt_load_model(path.c_str(), &all, &model);
     };
@@ -415,13 +477,19 @@ class Model {
   }
 
   static std::unique_ptr<Model> of_bytes(const py::bytes& given, const std::optional<py::bytes>& given_dynamics,
-                                         std::uint32_t level, const py::object& texture) {
+                                         std::uint32_t level, const py::object& texture,
+                                         const std::optional<py::bytes>& given_attached) {
     const std::string_view data = given;
     auto options = api::make<bodyopt_load_options>();
     if (given_dynamics) {
       const std::string_view dynamics = *given_dynamics;
       options.dynamics_data = dynamics.data();
       options.dynamics_size = dynamics.size();
+    }
+    if (given_attached) {
+      const std::string_view attached = *given_attached;
+      options.attached_data = attached.data();
+      options.attached_size = attached.size();
     }
     const auto load = [&](const bodyopt_load_options& all, bodyopt_model*& model) {
       return bodyopt_load_model_from_memory(data.data(), data.size(), &all, &model);
@@ -467,6 +535,19 @@ class Model {
     return all;
   }
 
+  // Name and triangles of each attached mesh.
+  std::vector<std::pair<std::string, py::array_t<std::uint32_t>>> attached() const {
+    std::vector<std::pair<std::string, py::array_t<std::uint32_t>>> all;
+    for (std::uint32_t m = 0; m < description.attached_count; ++m) {
+      const bodyopt_attached mesh = describe_attached(handle, m);
+      py::array_t<std::uint32_t> triangles(Shape{static_cast<py::ssize_t>(mesh.triangle_count), 3});
+      api::check(bodyopt_get_attached_triangles(handle.get(), m, triangles.mutable_data(),
+                                                static_cast<std::size_t>(triangles.nbytes())));
+      all.emplace_back(mesh.name, triangles);
+    }
+    return all;
+  }
+
   py::array_t<double> bind_pose() const {
     py::array_t<double> all(Shape{static_cast<py::ssize_t>(description.joint_count), 10});
     api::check(bodyopt_get_bind_pose(handle.get(), all.mutable_data(), static_cast<std::size_t>(all.nbytes())));
@@ -505,6 +586,8 @@ PYBIND11_MODULE(_runtime, module) {
       .def_readonly("expected_errors", &Skin::expected_errors)
       .def_readonly("tangents", &Skin::tangents)
       .def_readonly("vertex_errors", &Skin::vertex_errors)
+      .def_readonly("attached", &Skin::attached)
+      .def_readonly("full_positions", &Skin::full_positions)
       .def_readonly("outside_features", &Skin::outside_features);
   py::class_<State>(module, "State");
   py::class_<Device>(module, "Device").def_property_readonly("name", [](const Device& device) {
@@ -515,10 +598,11 @@ PYBIND11_MODULE(_runtime, module) {
       .def("evaluate", &Instance::evaluate, py::arg("joints"), py::arg("controls") = none, py::kw_only(),
            py::arg("positions") = none, py::arg("normals") = true, py::arg("tangents") = true,
            py::arg("frames_per_second") = none, py::arg("channels") = none, py::arg("goes_on") = false,
-           py::arg("vertex_errors") = false)
+           py::arg("vertex_errors") = false, py::arg("attached") = true, py::arg("full_positions") = false)
       .def("jiggle", &Instance::jiggle, py::arg("joints"), py::arg("frame_numbers"), py::arg("controls") = none,
            py::kw_only(), py::arg("positions") = none, py::arg("normals") = true, py::arg("tangents") = true,
-           py::arg("frames_per_second") = none, py::arg("channels") = none, py::arg("goes_on") = false)
+           py::arg("frames_per_second") = none, py::arg("channels") = none, py::arg("goes_on") = false,
+           py::arg("attached") = true, py::arg("full_positions") = false)
       .def("skip", &Instance::skip, py::arg("joints"), py::arg("frames_per_second"), py::arg("channels") = none,
            py::kw_only(), py::arg("goes_on") = false)
       .def("set_weights", &Instance::set_weights, py::arg("correction") = 1, py::arg("jiggle") = 1)
@@ -547,6 +631,8 @@ PYBIND11_MODULE(_runtime, module) {
                              [](const Model& m) { return m.names(bodyopt_strain_name, m.description.strain_count); })
       .def_property_readonly("joint_parents", &Model::parents)
       .def_property_readonly("channels", &Model::channels)
+      .def_property_readonly("attached", &Model::attached)
+      .def_property_readonly("full_vertex_count", [](const Model& m) { return m.description.full_vertex_count; })
       .def_property_readonly("feature_names", &Model::feature_names)
       .def_property_readonly("triangles", &Model::triangles)
       .def_property_readonly("bind_pose", &Model::bind_pose)
@@ -559,9 +645,9 @@ PYBIND11_MODULE(_runtime, module) {
           py::arg("device") = none, py::kw_only(), py::arg("jiggles") = false, py::arg("iterations") = 0,
           py::arg("gravity_change") = std::array<double, 3>{}, py::arg("check") = false);
   module.def("load", &Model::of_files, py::arg("path"), py::arg("dynamics") = none, py::arg("level") = 0,
-             py::arg("texture") = none);
+             py::arg("texture") = none, py::arg("attached") = none);
   module.def("load_from_memory", &Model::of_bytes, py::arg("data"), py::arg("dynamics") = none, py::arg("level") = 0,
-             py::arg("texture") = none);
+             py::arg("texture") = none, py::arg("attached") = none);
   module.def("device_names", &device_names);
   module.def(
       "open_device",

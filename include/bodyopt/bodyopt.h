@@ -92,6 +92,11 @@ typedef struct bodyopt_load_options {
   /* The bytes of the file of `dynamics`, which is NULL then; read while the model is loaded. NULL: none. */
   const void* dynamics_data;
   size_t dynamics_size; /* bytes */
+  /* The file of the meshes that are attached to the skin (clothes, eyes), as `bodyopt attach` writes it, or its bytes;
+   * both NULL: none. They follow level 0, BODYOPT_USAGE for another. */
+  const char* attached;
+  const void* attached_data;
+  size_t attached_size; /* bytes */
 } bodyopt_load_options;
 #define BODYOPT_LOAD_OPTIONS_FIRST_SIZE 24u
 
@@ -109,11 +114,13 @@ typedef struct bodyopt_description {
   size_t struct_size;
   uint32_t vertex_count, triangle_count;
   uint32_t joint_count, control_count, strain_count;
-  uint32_t has_dynamics;   /* 1: instances can jiggle */
-  float frames_per_second; /* at which they do; 0 without dynamics */
-  uint32_t knows_error;    /* 1: bodyopt_skin.expected_errors can be asked for */
-  uint32_t has_tangents;   /* 1: bodyopt_skin.tangents can be asked for */
-  uint32_t channel_count;  /* of its modifiers */
+  uint32_t has_dynamics;      /* 1: instances can jiggle */
+  float frames_per_second;    /* at which they do; 0 without dynamics */
+  uint32_t knows_error;       /* 1: bodyopt_skin.expected_errors can be asked for */
+  uint32_t has_tangents;      /* 1: bodyopt_skin.tangents can be asked for */
+  uint32_t channel_count;     /* of its modifiers */
+  uint32_t attached_count;    /* meshes that are attached to its skin */
+  uint32_t full_vertex_count; /* of a level of detail that carries the full skin: vertices of that; 0 of others */
 } bodyopt_description;
 #define BODYOPT_DESCRIPTION_FIRST_SIZE 40u
 
@@ -132,6 +139,20 @@ BODYOPT_API int32_t bodyopt_joint_parent(const bodyopt_model* model, uint32_t jo
 BODYOPT_API bodyopt_result bodyopt_get_triangles(const bodyopt_model* model, uint32_t* triangles, size_t size);
 /* Ten numbers of each joint, as in bodyopt_poses. `size`: bytes that `joints` has room for. */
 BODYOPT_API bodyopt_result bodyopt_get_bind_pose(const bodyopt_model* model, double* joints, size_t size);
+
+typedef struct bodyopt_attached {
+  size_t struct_size;
+  const char* name; /* UTF-8; lives as long as the model */
+  uint32_t vertex_count, triangle_count;
+} bodyopt_attached;
+#define BODYOPT_ATTACHED_FIRST_SIZE 24u
+
+/* `mesh`: a number below attached_count, or BODYOPT_USAGE. */
+BODYOPT_API bodyopt_result bodyopt_describe_attached(const bodyopt_model* model, uint32_t mesh,
+                                                     bodyopt_attached* description);
+/* As bodyopt_get_triangles, of an attached mesh. */
+BODYOPT_API bodyopt_result bodyopt_get_attached_triangles(const bodyopt_model* model, uint32_t mesh,
+                                                          uint32_t* triangles, size_t size);
 
 /* What steers a modifier of the character (breath, sculpts, sag, push-out, see bodyopt_poses.shows_modifiers): how
  * strongly it is shown, or one of its controls. */
@@ -202,6 +223,7 @@ typedef struct bodyopt_instance_options {
                                        values */
   double gravity_change[3];         /* against the gravity that the shapes have in them, m/s^2, world; each -1000 to
                                        1000 */
+  uint32_t recorded_frames;         /* most frames of a bodyopt_record, for which there is memory then; 0: 1 */
 } bodyopt_instance_options;
 #define BODYOPT_INSTANCE_OPTIONS_FIRST_SIZE 64u
 
@@ -237,6 +259,11 @@ typedef struct bodyopt_poses {
   const float* channels;    /* of each frame one number a channel; NULL: the constants of bodyopt_channel */
   uint32_t channel_count;   /* that of the model, where there are channels */
   size_t channel_frame_stride;
+  /* In place of `joints`, which is NULL then. Of each frame and joint twelve numbers: its skinning matrix, rest space
+   * to world, three rows of four, of which the last is the translation. Single precision: 0.06 mm at a kilometre from
+   * the origin. BODYOPT_MISMATCH where a joint is sheared against its parent, or scaled by 0. */
+  const float* skinning;
+  size_t skinning_stride, skinning_frame_stride;
 } bodyopt_poses;
 #define BODYOPT_POSES_FIRST_SIZE 72u
 
@@ -268,6 +295,10 @@ typedef struct bodyopt_skin {
   bodyopt_floats vertex_errors;
   bodyopt_floats outside_features; /* of each frame one number: the feature that lies outside, by which
                                       bodyopt_feature_name names it; -1 where `outside` is 0 */
+  const bodyopt_floats* attached;  /* an output of each attached mesh: of each of its vertices three numbers */
+  uint32_t attached_count;         /* that of the model; 0: none is wanted */
+  bodyopt_floats full_positions;   /* of each vertex of the full skin three numbers; of a model with a
+                                      full_vertex_count, BODYOPT_USAGE of others */
 } bodyopt_skin;
 #define BODYOPT_SKIN_FIRST_SIZE 168u
 

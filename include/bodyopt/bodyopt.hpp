@@ -46,9 +46,10 @@ Structure make() {
   return result;
 }
 
-inline Model load_model(const std::string& path, const std::string& dynamics = {}) {
+inline Model load_model(const std::string& path, const std::string& dynamics = {}, const std::string& attached = {}) {
   auto options = make<bodyopt_load_options>();
   if (!dynamics.empty()) options.dynamics = dynamics.c_str();
+  if (!attached.empty()) options.attached = attached.c_str();
   bodyopt_model* model = nullptr;
   check(bodyopt_load_model(path.c_str(), &options, &model));
   return Model(model);

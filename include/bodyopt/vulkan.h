@@ -51,11 +51,14 @@ typedef struct bodyopt_recording {
   VkCommandBuffer commands; /* in the recording state, outside of a render pass, of the device's queue family */
   bodyopt_vulkan_output positions, normals;
   bodyopt_vulkan_output tangents; /* as bodyopt_skin.tangents */
+  /* Bytes from one frame to the next, multiples of 4; 0: without gaps. */
+  VkDeviceSize positions_frame_stride, normals_frame_stride, tangents_frame_stride;
 } bodyopt_recording;
 #define BODYOPT_RECORDING_FIRST_SIZE 80u
 
-/* Records one frame (poses->frame_count is 1): of the jiggle where the instance was made with it, which then goes on
- * with frame_numbers[0], else quasi-static. The kernels write by VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT with
+/* Records frames, at most bodyopt_instance_options.recorded_frames: of the jiggle where the instance was made with it,
+ * which then goes on with frame_numbers, else quasi-static. Instances may record into one command buffer, one after the
+ * other. The kernels write by VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT with
  * VK_ACCESS_SHADER_WRITE_BIT; barriers between that and the host's own use of the buffers, before and after, are the
  * host's. Everything recorded must be submitted once, in the order of recording, to the device's queue; frames need not
  * have run before the next is recorded. From the first call on the instance records only: bodyopt_evaluate and

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "runtime/basis/containers.h"
 #include "runtime/basis/table_checks.h"
 #include "runtime/basis/table_file.h"
 #include "runtime/core/json.h"
@@ -172,6 +173,23 @@ bool is_refused_by_files(char c) {
   return static_cast<unsigned char>(c) < 32 || c == 127 || std::string("/\\:*?\"<>|").find(c) != std::string::npos;
 }
 
+Attachments tables_in(const Safetensors& file, const std::filesystem::path& path) {
+  TableReader reader(file, path, "attached geometry");
+  reader.require_schema(kAttachmentsSchema);
+  Attachments attachments;
+  attachments.meshes = named_meshes(reader, path);
+  for (std::size_t k = 0; k < attachments.meshes.size(); ++k) {
+    for_each_array(attachments.meshes[k], k, [&](const std::string& name, auto& values, std::uint64_t width) {
+      reader.read(name, values, width);
+    });
+  }
+  reader.refuse_unknown_tensors();
+  attachments.metadata = file.metadata;
+  for (const char* own : {"schema", "checksum", "meshes"}) attachments.metadata.erase(own);
+  validate(attachments, path.string());
+  return attachments;
+}
+
 }  // namespace
 
 void save_attachments(const Attachments& attachments, const std::filesystem::path& path) {
@@ -189,27 +207,17 @@ void save_attachments(const Attachments& attachments, const std::filesystem::pat
   write_safetensors(file, path);
 }
 
-Attachments load_attachments(const std::filesystem::path& path) {
-  const Safetensors file = read_safetensors(path);
-  TableReader reader(file, path, "attached geometry");
-  reader.require_schema(kAttachmentsSchema);
-  Attachments attachments;
-  attachments.meshes = named_meshes(reader, path);
-  for (std::size_t k = 0; k < attachments.meshes.size(); ++k) {
-    for_each_array(attachments.meshes[k], k, [&](const std::string& name, auto& values, std::uint64_t width) {
-      reader.read(name, values, width);
-    });
-  }
-  reader.refuse_unknown_tensors();
-  attachments.metadata = file.metadata;
-  for (const char* own : {"schema", "checksum", "meshes"}) attachments.metadata.erase(own);
-  validate(attachments, path.string());
-  return attachments;
-}
+Attachments load_attachments(const std::filesystem::path& path) { return tables_in(read_safetensors(path), path); }
 
 Attachments load_attachments(const std::filesystem::path& path, const Basis& basis, const std::string& basis_name) {
   Attachments attachments = load_attachments(path);
   validate(attachments, basis, path.string(), basis_name);
+  return attachments;
+}
+
+Attachments attachments_in(const Safetensors& file, const std::filesystem::path& path, const Basis& basis) {
+  Attachments attachments = tables_in(file, path);
+  validate(attachments, basis, path.string());
   return attachments;
 }
 

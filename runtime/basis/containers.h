@@ -1,9 +1,11 @@
-// What a container has in it, wherever its bytes come from: load_levels() and load_dynamics() after the file is read.
+// What a container has in it, wherever its bytes come from: load_levels(), load_dynamics() and load_attachments() after
+// the file is read.
 #pragma once
 
 #include <filesystem>
 #include <vector>
 
+#include "runtime/basis/attachments.h"
 #include "runtime/basis/dynamics.h"
 #include "runtime/basis/levels.h"
 #include "runtime/basis/safetensors.h"
@@ -13,5 +15,6 @@ namespace bodyopt {
 // `origin`: its file, or what errors name in place of one. Throw as the functions that load.
 std::vector<Level> levels_in(const Safetensors& container, const std::filesystem::path& origin);
 Dynamics dynamics_in(const Safetensors& container, const std::filesystem::path& origin, const Basis& basis);
+Attachments attachments_in(const Safetensors& container, const std::filesystem::path& origin, const Basis& basis);
 
 }  // namespace bodyopt

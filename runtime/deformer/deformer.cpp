@@ -163,6 +163,7 @@ Deformer::~Deformer() = default;
 std::string Deformer::device_name() const { return backend_->name(); }
 DeviceSkin Deformer::device_skin() const { return backend_->device_skin(); }
 std::uint32_t Deformer::batch_limit() const { return backend_->batch_limit(); }
+Executor& Deformer::threads() const { return backend_->threads(); }
 void Deformer::forget_recorded_buffers() { backend_->forget_recorded_buffers(); }
 const Basis& Deformer::basis() const { return model_->basis; }
 const Dynamics* Deformer::dynamics() const { return jiggles_ ? &*model_->dynamics : nullptr; }
@@ -207,15 +208,17 @@ void Deformer::set_state(const JiggleState& state) {
   state_.motion = {};
 }
 
-void Deformer::record(const Pose& pose, std::optional<int> frame, const vulkan::Recording& recording) {
-  if (frame && !jiggles_) throw Error(ErrorKind::usage, "the character was loaded without dynamics: it cannot jiggle");
-  Batch batch = make_batch(basis(), {&pose, 1});
+void Deformer::record(std::span<const Pose> poses, std::optional<std::span<const int>> frames,
+                      const vulkan::Recording& recording) {
+  require_one_batch(poses);
+  if (frames && !jiggles_) throw Error(ErrorKind::usage, "the character was loaded without dynamics: it cannot jiggle");
+  Batch batch = make_batch(basis(), poses);
   batch.wants_normals = recording.normals.buffer != VK_NULL_HANDLE;
   batch.wants_tangents = recording.tangents.buffer != VK_NULL_HANDLE;
   if (batch.wants_tangents) require_tangents();
   const JiggleState before = state_;
   try {
-    if (frame) batch.jiggle = plan(batch, {&*frame, 1});
+    if (frames) batch.jiggle = plan(batch, *frames);
     backend_->record(batch, recording);
   } catch (...) {
     state_ = before;

@@ -17,6 +17,7 @@
 namespace bodyopt {
 
 class Backend;
+class Executor;
 struct Basis;
 struct Batch;
 struct CharacterModel;
@@ -70,13 +71,15 @@ class Deformer {
   // Error(usage) without dynamics; the state is then that of before.
   Evaluation jiggle(std::span<const Pose> poses, std::span<const int> frames);
 
-  // Records a frame into a command buffer of the host program; see Backend::record. `frame`: its number where it
-  // jiggles.
-  void record(const Pose& pose, std::optional<int> frame, const vulkan::Recording& recording);
+  // Records frames into a command buffer of the host program; see Backend::record. `frames`: a number of each pose
+  // where they jiggle. Throws Error(usage) for more than recording.most_frames.
+  void record(std::span<const Pose> poses, std::optional<std::span<const int>> frames,
+              const vulkan::Recording& recording);
   void forget_recorded_buffers();
   // Of the last batch; its buffers live until the next call that evaluates.
   DeviceSkin device_skin() const;
   std::uint32_t batch_limit() const;
+  Executor& threads() const;  // for what is made of its skins on the host
   // Throws Error(usage) for more poses than that.
   void require_one_batch(std::span<const Pose> poses) const;
 

@@ -82,7 +82,7 @@ class Backend {
   // before, or no batch runs any more.
   virtual const BatchResult& run(const Batch& batch) = 0;
   virtual SplitRun* split() { return nullptr; }  // null: there is no device between the halves
-  // Records a batch of one frame for the host program (include/bodyopt/vulkan.h); from then on it does nothing else.
+  // Records a batch for the host program (include/bodyopt/vulkan.h); from then on it does nothing else.
   // Throws Error(usage) where it has no device.
   virtual void record(const Batch&, const vulkan::Recording&);
   virtual void forget_recorded_buffers() {}

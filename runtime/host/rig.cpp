@@ -1,5 +1,6 @@
 #include "runtime/host/rig.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "runtime/core/error.h"
@@ -21,6 +22,53 @@ std::vector<Affine> skinning_matrices(const Skeleton& skeleton, std::span<const 
   std::vector<Affine> matrices = posed_joints(skeleton, local);
   for (std::size_t j = 0; j < skeleton.size(); ++j) matrices[j] = matrices[j] * skeleton.joints[j].inverse_bind;
   return matrices;
+}
+
+namespace {
+
+// The largest number of its linear part.
+double linear_size(const Affine& a) {
+  double size = 0;
+  for (const auto& row : a.m) size = std::max({size, std::abs(row[0]), std::abs(row[1]), std::abs(row[2])});
+  return size;
+}
+
+Affine difference(const Affine& a, const Affine& b) {
+  Affine result;
+  for (std::size_t i = 0; i < 3; ++i) {
+    for (std::size_t k = 0; k < 4; ++k) result.m[i][k] = a.m[i][k] - b.m[i][k];
+  }
+  return result;
+}
+
+void require_finite(const Affine& matrix, const Joint& joint) {
+  double sum = 0;
+  for (const auto& row : matrix.m) {
+    for (const double x : row) sum += std::abs(x);
+  }
+  if (sum < 1e12) return;
+  throw Error(ErrorKind::mismatch, "the skinning matrix of joint '", joint.name, "' is not of finite numbers");
+}
+
+}  // namespace
+
+std::vector<JointTransform> local_joints(const Skeleton& skeleton, std::span<const Affine> skinning) {
+  constexpr double kMostShear = 1e-3;  // of the joint's scale: beyond what rounding to single precision makes
+  std::vector<Affine> to_world;
+  std::vector<JointTransform> joints;
+  for (std::size_t j = 0; j < skeleton.size(); ++j) {
+    const Joint& joint = skeleton.joints[j];
+    require_finite(skinning[j], joint);
+    to_world.push_back(skinning[j] * inverse(joint.inverse_bind));
+    const Affine local =
+        joint.parent < 0 ? to_world[j] : inverse(to_world[static_cast<std::size_t>(joint.parent)]) * to_world[j];
+    joints.push_back(decompose(local));
+    const double size = linear_size(local), shear = linear_size(difference(local, affine_from(joints[j])));
+    if (shear <= kMostShear * size && size > 0) continue;
+    throw Error(ErrorKind::mismatch, "the skinning matrix of joint '", joint.name,
+                "' is no rotation and scale of the joint's own axes against its parent: it is sheared, or scaled by 0");
+  }
+  return joints;
 }
 
 std::vector<JointFeatures> joint_features_of(const Skeleton& skeleton) {

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "runtime/deformer/evaluate_together.h"
+#include "runtime/library/following_outputs.h"
 #include "runtime/library/guard.h"
 #include "runtime/library/handles.h"
 #include "runtime/library/modifier_drive.h"
@@ -23,6 +24,7 @@ class AskedFrames {
         given_(poses, deformer_.basis(), instance.channels),
         drive_(instance, given_),
         wanted_(skin, deformer_.basis(), given_.count()),
+        following_(wanted_.outputs(), *instance.following, given_.count()),
         jiggles_(jiggles) {
     if (!wanted_.wants_expected_errors() && !wanted_.wants_vertex_errors()) return;
     if (!instance.expectation) instance.expectation.emplace(deformer_.basis());
@@ -31,7 +33,7 @@ class AskedFrames {
   }
 
   // Modifiers go on past all frames, of which nothing is wanted.
-  bool is_skipped() const { return !jiggles_ && wanted_.wants_nothing(); }
+  bool is_skipped() const { return !jiggles_ && wanted_.wants_nothing() && !following_.wanted(); }
   void skip() {
     std::vector<Pose> poses = given_.read(0, given_.count());
     drive_.apply(0, poses);
@@ -47,6 +49,7 @@ class AskedFrames {
     poses_ = given_.read(begin_, jiggles_ ? left : std::min<std::size_t>(left, deformer_.batch_limit()));
     drive_.apply(begin_, poses_);
     place_ = wanted_.place(begin_);
+    if (following_.wanted()) place_ = following_.gather(poses_.size(), place_);
     DeformerCall call{.deformer = &deformer_, .poses = poses_, .place = &place_};
     if (jiggles_) call.frames = given_.frame_numbers();
     return call;
@@ -55,6 +58,7 @@ class AskedFrames {
   // What is not placed of it.
   void take(const Evaluation& evaluation) {
     wanted_.write(evaluation, begin_);
+    if (following_.wanted()) following_.write(poses_, begin_, deformer_.threads());
     if (expectation_ != nullptr && !poses_.empty()) write_expected_errors(evaluation);
     begin_ += poses_.size();
     has_more_ = begin_ < given_.count();
@@ -82,6 +86,7 @@ class AskedFrames {
   GivenPoses given_;
   ModifierDrive drive_;
   WantedSkin wanted_;
+  FollowingOutputs following_;
   bool jiggles_;
   const ErrorExpectation* expectation_ = nullptr;  // where errors are wanted
   bool has_more_ = true;                           // nothing of no frames is asked for, too

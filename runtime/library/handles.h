@@ -5,16 +5,37 @@
 #include <mutex>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "include/bodyopt/bodyopt.h"
 #include "runtime/coverage/expected_error.h"
 #include "runtime/deformer/deformer.h"
+#include "runtime/host/carry_skin.h"
 #include "runtime/host/character_model.h"
 #include "runtime/host/jiggle.h"
 #include "runtime/modifiers/drive_modifiers.h"
 #include "runtime/vulkan/backend/device_model.h"
 #include "runtime/vulkan/device.h"
+
+namespace bodyopt {
+
+// The meshes that follow the skin of a model.
+struct FollowingMeshes {
+  FollowingMeshes(std::shared_ptr<const CharacterModel> of, Attachments meshes, CarriedSkin full)
+      : model(std::move(of)),
+        attached(std::move(meshes)),
+        full_skin(std::move(full)),
+        carrier(model->basis, attached) {}
+  FollowingMeshes(const FollowingMeshes&) = delete;
+
+  std::shared_ptr<const CharacterModel> model;
+  Attachments attached;
+  CarriedSkin full_skin;  // of a level of detail that carries it
+  AttachmentCarrier carrier;
+};
+
+}  // namespace bodyopt
 
 // The tables on a device, as long as an instance uses them there.
 struct bodyopt_device {
@@ -26,6 +47,7 @@ struct bodyopt_model {
   // What of it is on the device of its latest instance there: instances of one device share it.
   mutable std::mutex mutex;
   mutable std::weak_ptr<const bodyopt::vulkan::DeviceModel> on_device;
+  std::shared_ptr<const bodyopt::FollowingMeshes> following;
   std::vector<std::string> features;               // names of what the learned part reads
   std::vector<bodyopt::ModifierChannel> channels;  // empty, too, where a modifier is of a type that is not known
 };
@@ -33,9 +55,11 @@ struct bodyopt_model {
 struct bodyopt_instance {
   std::shared_ptr<const bodyopt::CharacterModel> model;
   std::unique_ptr<bodyopt::Deformer> deformer;
+  std::shared_ptr<const bodyopt::FollowingMeshes> following;
   std::optional<bodyopt::ErrorExpectation> expectation;  // made when it is first asked for
   std::optional<bodyopt::RegionShares> shares;           // likewise
   std::vector<std::string> channels;                     // names of the model's
+  std::uint32_t recorded_frames = 1;                     // most of a bodyopt_record
   bodyopt::ModifierState modifiers;                      // after the last frame that was shown with them
 };
 

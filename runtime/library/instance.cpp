@@ -85,12 +85,18 @@ bodyopt_result bodyopt_create_instance(const bodyopt_model* model, const bodyopt
     const std::shared_ptr<Executor> threads = lent_threads(options.executor);
     auto created = std::make_unique<bodyopt_instance>();
     created->model = of.model;
+    created->following = of.following;
+    created->recorded_frames = std::max(1u, options.recorded_frames);
     created->channels = transformed(of.channels, &ModifierChannel::name);
     created->deformer =
         options.device != nullptr
             ? std::make_unique<Deformer>(on_device(of, *options.device), jiggle, options.check != 0)
             : std::make_unique<Deformer>(of.model, jiggle,
                                          DeviceChoice{.name = "cpu", .check = options.check != 0, .executor = threads});
+    if (created->recorded_frames > created->deformer->batch_limit()) {
+      throw Error(ErrorKind::usage, "'options.recorded_frames' is ", created->recorded_frames, ", at most ",
+                  created->deformer->batch_limit(), " fit on the device");
+    }
     *instance = created.release();
   });
 }

@@ -23,23 +23,37 @@ struct GivenFile {
         container(read_safetensors({static_cast<const std::byte*>(data), size}, origin)) {}
 };
 
-Basis read_level(const GivenFile& file, std::uint32_t level) {
+Level read_level(const GivenFile& file, std::uint32_t level) {
   std::vector<Level> levels = levels_in(file.container, file.origin);
   if (level >= levels.size()) {
     throw Error(ErrorKind::usage, file.origin, " has no level of detail ", level, ", only 0 to ", levels.size() - 1);
   }
-  return std::move(levels[level].basis);
+  return std::move(levels[level]);
+}
+
+// Of two options at most one is given: a path, and bytes. `name`: of the first.
+std::optional<GivenFile> given_file(const char* path, const void* data, std::size_t size, const std::string& name) {
+  if (path != nullptr && data != nullptr) {
+    throw Error(ErrorKind::usage, "both '", name, "' and '", name, "_data' are given, expected one");
+  }
+  if (path != nullptr) return GivenFile(path);
+  if (data != nullptr) return GivenFile(data, size, (name + "_data").c_str());
+  return std::nullopt;
 }
 
 std::optional<Dynamics> read_dynamics(const bodyopt_load_options& options, const Basis& basis) {
-  if (options.dynamics == nullptr && options.dynamics_data == nullptr) return std::nullopt;
-  if (options.dynamics != nullptr && options.dynamics_data != nullptr) {
-    throw Error(ErrorKind::usage, "both 'options.dynamics' and 'options.dynamics_data' are given, expected one");
+  const auto file = given_file(options.dynamics, options.dynamics_data, options.dynamics_size, "options.dynamics");
+  if (!file) return std::nullopt;
+  return dynamics_in(file->container, file->origin, basis);
+}
+
+Attachments read_attachments(const bodyopt_load_options& options, const Basis& basis) {
+  const auto file = given_file(options.attached, options.attached_data, options.attached_size, "options.attached");
+  if (!file) return {};
+  if (options.level > 0) {
+    throw Error(ErrorKind::usage, file->origin, ": attached meshes follow level 0, not level ", options.level);
   }
-  const GivenFile file = options.dynamics != nullptr
-                             ? GivenFile(options.dynamics)
-                             : GivenFile(options.dynamics_data, options.dynamics_size, "options.dynamics_data");
-  return dynamics_in(file.container, file.origin, basis);
+  return attachments_in(file->container, file->origin, basis);
 }
 
 // A file of a newer version may have modifiers that this one cannot drive: the skin without them can be shown.
@@ -59,11 +73,14 @@ bodyopt_result load(const bodyopt_load_options* given, bodyopt_model** model, co
     bodyopt_load_options options{};
     if (given != nullptr) options = read_struct(given, BODYOPT_LOAD_OPTIONS_FIRST_SIZE, "options");
     const GivenFile file = read();
-    Basis basis = read_level(file, options.level);
-    std::optional<Dynamics> dynamics = read_dynamics(options, basis);
+    Level level = read_level(file, options.level);
+    std::optional<Dynamics> dynamics = read_dynamics(options, level.basis);
+    Attachments attached = read_attachments(options, level.basis);
     auto loaded = std::make_unique<bodyopt_model>();
-    const std::vector<float> texture = read_texture(options, basis);
-    loaded->model = make_character_model(std::move(basis), std::move(dynamics), texture);
+    const std::vector<float> texture = read_texture(options, level.basis);
+    loaded->model = make_character_model(std::move(level.basis), std::move(dynamics), texture);
+    loaded->following =
+        std::make_shared<const FollowingMeshes>(loaded->model, std::move(attached), std::move(level.carried));
     for (std::uint32_t f = 0; f < loaded->model->basis.residual.feature_count(); ++f) {
       loaded->features.push_back(feature_name(loaded->model->basis, f));
     }
@@ -72,6 +89,13 @@ bodyopt_result load(const bodyopt_load_options* given, bodyopt_model** model, co
               concat("loaded ", file.origin, ": ", loaded->model->basis.mesh.output_count(), " vertices").c_str());
     *model = loaded.release();
   });
+}
+
+// Throws Error(usage) for a number that no attached mesh has.
+const AttachedMesh& attached_mesh(const bodyopt_model* model, std::uint32_t mesh) {
+  const std::vector<AttachedMesh>& all = required(model, "model").following->attached.meshes;
+  if (mesh < all.size()) return all[mesh];
+  throw Error(ErrorKind::usage, "the model has no attached mesh ", mesh, ", only ", all.size());
 }
 
 // The text of number k, or null.
@@ -134,6 +158,8 @@ bodyopt_result bodyopt_describe(const bodyopt_model* model, bodyopt_description*
     all.knows_error = basis.coverage.empty() ? 0 : 1;
     all.has_tangents = character.tangents.vertices.empty() ? 0 : 1;
     all.channel_count = static_cast<std::uint32_t>(model->channels.size());
+    all.attached_count = static_cast<std::uint32_t>(model->following->attached.meshes.size());
+    all.full_vertex_count = static_cast<std::uint32_t>(model->following->full_skin.size());
     std::memcpy(description, &all, all.struct_size);
   });
 }
@@ -158,6 +184,22 @@ const char* bodyopt_feature_name(const bodyopt_model* model, uint32_t feature) {
 int32_t bodyopt_joint_parent(const bodyopt_model* model, uint32_t joint) {
   if (model == nullptr || joint >= model->model->basis.skeleton.size()) return -1;
   return model->model->basis.skeleton.joints[joint].parent;
+}
+
+bodyopt_result bodyopt_describe_attached(const bodyopt_model* model, uint32_t mesh, bodyopt_attached* description) {
+  return guarded([&] {
+    const AttachedMesh& of = attached_mesh(model, mesh);
+    bodyopt_attached all = read_struct(description, BODYOPT_ATTACHED_FIRST_SIZE, "description");
+    all.name = of.name.c_str();
+    all.vertex_count = of.vertex_count();
+    all.triangle_count = of.triangle_count();
+    std::memcpy(description, &all, all.struct_size);
+  });
+}
+
+bodyopt_result bodyopt_get_attached_triangles(const bodyopt_model* model, uint32_t mesh, uint32_t* triangles,
+                                              size_t size) {
+  return guarded([&] { copy_all(attached_mesh(model, mesh).triangles, triangles, size, "triangles"); });
 }
 
 bodyopt_result bodyopt_describe_channel(const bodyopt_model* model, uint32_t channel, bodyopt_channel* description) {

@@ -6,10 +6,13 @@
 #include <string>
 
 #include "runtime/basis/basis.h"
+#include "runtime/host/rig.h"
 #include "runtime/library/guard.h"
 
 namespace bodyopt {
 namespace {
+
+constexpr std::size_t kMatrixNumbers = 12;  // of a skinning matrix
 
 [[noreturn]] void refuse(const auto&... what) { throw Error(ErrorKind::usage, what...); }
 
@@ -39,21 +42,6 @@ void require_aligned(const T* data, const std::string& name) {
   }
 }
 
-// Looks at an output of `elements` elements a frame, and fills in its strides.
-void check_output(bodyopt_floats& output, std::size_t frames, std::size_t elements, std::size_t numbers,
-                  const std::string& name) {
-  if (output.data == nullptr || frames == 0 || elements == 0) return;
-  require_aligned(output.data, name);
-  const std::size_t element = numbers * sizeof(float);
-  output.element_stride = checked_stride(output.element_stride, element, sizeof(float), name + ".element_stride");
-  const std::size_t frame = checked_size(elements - 1, output.element_stride, element, name);
-  output.frame_stride = checked_stride(output.frame_stride, frame, sizeof(float), name + ".frame_stride");
-  const std::size_t needed = checked_size(frames - 1, output.frame_stride, frame, name);
-  if (output.size < needed) {
-    refuse("'", name, "' has ", output.size, " bytes, ", needed, " are needed for ", frames, " frames");
-  }
-}
-
 // Looks at an array of `count` numbers a frame. Returns its stride from frame to frame.
 std::size_t checked_numbers(const float* values, std::size_t count, std::size_t stride, std::size_t frames,
                             const std::string& name) {
@@ -61,6 +49,16 @@ std::size_t checked_numbers(const float* values, std::size_t count, std::size_t 
   stride = checked_stride(stride, count * sizeof(float), sizeof(float), "poses." + name + "_frame_stride");
   checked_size(frames, stride, 0, "poses." + name + "s");
   return stride;
+}
+
+// Fills in the strides of an array of `element` bytes a joint.
+void check_joint_strides(const bodyopt_poses& poses, std::size_t element, std::size_t unit, const std::string& name,
+                         std::size_t& stride, std::size_t& frame_stride) {
+  const std::string of = "poses." + name;
+  stride = checked_stride(stride, element, unit, of + "_stride");
+  const std::size_t frame = checked_size(poses.joint_count, stride, 0, of);
+  frame_stride = checked_stride(frame_stride, frame, unit, of + "_frame_stride");
+  checked_size(poses.frame_count, frame_stride, 0, of);
 }
 
 // The numbers of one frame of such an array.
@@ -71,17 +69,6 @@ std::vector<float> read_numbers(const float* values, std::size_t count, std::siz
   return numbers;
 }
 
-// A number of each element, of frames `begin` and after.
-void scatter(std::span<const float> values, const bodyopt_floats& output, std::size_t begin, std::size_t elements) {
-  if (output.data == nullptr || elements == 0) return;
-  const std::size_t frames = values.size() / elements;
-  const float* from = values.data();
-  for (std::size_t f = 0; f < frames; ++f) {
-    std::byte* to = reinterpret_cast<std::byte*>(output.data) + (begin + f) * output.frame_stride;
-    for (std::size_t e = 0; e < elements; ++e, to += output.element_stride) std::memcpy(to, from++, sizeof(float));
-  }
-}
-
 void require_count(std::uint32_t found, std::size_t expected, const char* of) {
   if (found == expected) return;
   throw Error(ErrorKind::mismatch, "the poses have ", found, " ", of, ", the basis has ", expected);
@@ -90,23 +77,30 @@ void require_count(std::uint32_t found, std::size_t expected, const char* of) {
 }  // namespace
 
 GivenPoses::GivenPoses(const bodyopt_poses* poses, const Basis& basis, std::span<const std::string> channels)
-    : poses_(read_struct(poses, BODYOPT_POSES_FIRST_SIZE, "poses")), channels_(channels) {
+    : poses_(read_struct(poses, BODYOPT_POSES_FIRST_SIZE, "poses")), skeleton_(basis.skeleton), channels_(channels) {
   require_count(poses_.joint_count, basis.skeleton.size(), "joints");
   if (poses_.control_count > 0) require_count(poses_.control_count, basis.residual.controls.size(), "controls");
   check_modifiers();
   if (poses_.frame_count == 0) return;
-  require(poses_.joints, "poses.joints");
-  require_aligned(poses_.joints, "poses.joints");
-  const std::size_t unit = sizeof(double);
-  poses_.joint_stride = checked_stride(poses_.joint_stride, kJointNumbers * unit, unit, "poses.joint_stride");
-  poses_.joint_frame_stride = checked_stride(poses_.joint_frame_stride,
-                                             checked_size(poses_.joint_count, poses_.joint_stride, 0, "poses.joints"),
-                                             unit, "poses.joint_frame_stride");
-  checked_size(poses_.frame_count, poses_.joint_frame_stride, 0, "poses.joints");
+  poses_.skinning != nullptr ? check_skinning() : check_joints();
   if (poses_.control_count == 0) return;
   require(poses_.controls, "poses.controls");
   poses_.control_frame_stride = checked_numbers(poses_.controls, poses_.control_count, poses_.control_frame_stride,
                                                 poses_.frame_count, "control");
+}
+
+void GivenPoses::check_joints() {
+  require(poses_.joints, "poses.joints");
+  require_aligned(poses_.joints, "poses.joints");
+  check_joint_strides(poses_, kJointNumbers * sizeof(double), sizeof(double), "joint", poses_.joint_stride,
+                      poses_.joint_frame_stride);
+}
+
+void GivenPoses::check_skinning() {
+  if (poses_.joints != nullptr) refuse("both 'poses.joints' and 'poses.skinning' are given, expected one");
+  require_aligned(poses_.skinning, "poses.skinning");
+  check_joint_strides(poses_, kMatrixNumbers * sizeof(float), sizeof(float), "skinning", poses_.skinning_stride,
+                      poses_.skinning_frame_stride);
 }
 
 void GivenPoses::check_modifiers() {
@@ -131,15 +125,32 @@ std::vector<float> GivenPoses::read_channels(std::size_t frame) const {
   return values;
 }
 
-Pose GivenPoses::read_pose(std::size_t frame) const {
-  Pose pose;
-  pose.joints.reserve(poses_.joint_count);
+std::vector<JointTransform> GivenPoses::read_joints(std::size_t frame) const {
+  std::vector<JointTransform> joints;
+  joints.reserve(poses_.joint_count);
   const std::byte* at = reinterpret_cast<const std::byte*>(poses_.joints) + frame * poses_.joint_frame_stride;
   for (std::size_t j = 0; j < poses_.joint_count; ++j, at += poses_.joint_stride) {
     double n[kJointNumbers];
     std::memcpy(n, at, sizeof(n));
-    pose.joints.push_back({{n[0], n[1], n[2]}, {n[3], n[4], n[5], n[6]}, {n[7], n[8], n[9]}});
+    joints.push_back({{n[0], n[1], n[2]}, {n[3], n[4], n[5], n[6]}, {n[7], n[8], n[9]}});
   }
+  return joints;
+}
+
+std::vector<Affine> GivenPoses::read_skinning(std::size_t frame) const {
+  std::vector<Affine> matrices(poses_.joint_count);
+  const std::byte* at = reinterpret_cast<const std::byte*>(poses_.skinning) + frame * poses_.skinning_frame_stride;
+  for (std::size_t j = 0; j < matrices.size(); ++j, at += poses_.skinning_stride) {
+    float n[kMatrixNumbers];
+    std::memcpy(n, at, sizeof(n));
+    for (std::size_t k = 0; k < kMatrixNumbers; ++k) matrices[j].m[k / 4][k % 4] = static_cast<double>(n[k]);
+  }
+  return matrices;
+}
+
+Pose GivenPoses::read_pose(std::size_t frame) const {
+  Pose pose;
+  pose.joints = poses_.skinning != nullptr ? local_joints(skeleton_, read_skinning(frame)) : read_joints(frame);
   pose.controls = read_numbers(poses_.controls, poses_.control_count, poses_.control_frame_stride, frame);
   return pose;
 }
@@ -177,6 +188,33 @@ std::vector<float> read_texture(const bodyopt_load_options& options, const Basis
     throw Error(ErrorKind::mismatch, "a texture coordinate of vertex ", v, " is not finite");
   }
   return texture;
+}
+
+void check_output(bodyopt_floats& output, std::size_t frames, std::size_t elements, std::size_t numbers,
+                  const std::string& name) {
+  if (output.data == nullptr || frames == 0 || elements == 0) return;
+  require_aligned(output.data, name);
+  const std::size_t element = numbers * sizeof(float);
+  output.element_stride = checked_stride(output.element_stride, element, sizeof(float), name + ".element_stride");
+  const std::size_t frame = checked_size(elements - 1, output.element_stride, element, name);
+  output.frame_stride = checked_stride(output.frame_stride, frame, sizeof(float), name + ".frame_stride");
+  const std::size_t needed = checked_size(frames - 1, output.frame_stride, frame, name);
+  if (output.size < needed) {
+    refuse("'", name, "' has ", output.size, " bytes, ", needed, " are needed for ", frames, " frames");
+  }
+}
+
+void scatter(std::span<const float> values, const bodyopt_floats& output, std::size_t begin, std::size_t elements,
+             std::size_t numbers) {
+  if (output.data == nullptr || elements == 0) return;
+  const std::size_t frames = values.size() / (numbers * elements);
+  const float* from = values.data();
+  for (std::size_t f = 0; f < frames; ++f) {
+    std::byte* to = reinterpret_cast<std::byte*>(output.data) + (begin + f) * output.frame_stride;
+    for (std::size_t e = 0; e < elements; ++e, to += output.element_stride, from += numbers) {
+      std::memcpy(to, from, numbers * sizeof(float));
+    }
+  }
 }
 
 WantedSkin::WantedSkin(const bodyopt_skin* skin, const Basis& basis, std::size_t frames)

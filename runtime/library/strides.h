@@ -18,7 +18,7 @@ constexpr std::size_t kJointNumbers = 10;  // of a joint: translation, quaternio
 // too small, Error(mismatch) for another number of joints, controls or channels than the basis has.
 class GivenPoses {
  public:
-  // `channels`: names of the model's.
+  // `channels`: names of the model's. All must outlive it.
   GivenPoses(const bodyopt_poses* poses, const Basis& basis, std::span<const std::string> channels);
 
   std::size_t count() const { return poses_.frame_count; }
@@ -35,9 +35,14 @@ class GivenPoses {
 
  private:
   void check_modifiers();
+  void check_joints();
+  void check_skinning();
   Pose read_pose(std::size_t frame) const;
+  std::vector<JointTransform> read_joints(std::size_t frame) const;
+  std::vector<Affine> read_skinning(std::size_t frame) const;
 
   bodyopt_poses poses_;
+  const Skeleton& skeleton_;
   std::span<const std::string> channels_;
 };
 
@@ -46,12 +51,21 @@ class GivenPoses {
 // finite.
 std::vector<float> read_texture(const bodyopt_load_options& options, const Basis& basis);
 
+// Looks at an output of `elements` elements a frame, of `numbers` numbers each, and fills in its strides. Throws
+// Error(usage) for strides that are too small or memory that does not hold all frames.
+void check_output(bodyopt_floats& output, std::size_t frames, std::size_t elements, std::size_t numbers,
+                  const std::string& name);
+// Writes `values` into such an output, from frame `begin` on.
+void scatter(std::span<const float> values, const bodyopt_floats& output, std::size_t begin, std::size_t elements,
+             std::size_t numbers = 1);
+
 // Where the caller wants a skin. Throws Error(usage) for strides that are too small or memory that does not hold all
 // frames.
 class WantedSkin {
  public:
   WantedSkin(const bodyopt_skin* skin, const Basis& basis, std::size_t frames);
 
+  const bodyopt_skin& outputs() const { return skin_; }
   // Of frames `begin` and after.
   SkinPlace place(std::size_t begin) const;
   bool wants_expected_errors() const { return skin_.expected_errors.data != nullptr; }

@@ -10,20 +10,29 @@
 namespace bodyopt {
 namespace {
 
-// Throws Error(usage) for strides that are too small or a buffer that does not hold all vertices.
-vulkan::PlacedOutput placed_output(const bodyopt_vulkan_output& output, std::size_t vertices, std::size_t numbers,
-                                   const char* name) {
+constexpr VkDeviceSize kMost = VkDeviceSize{1} << 34;  // words are counted in 32 bits
+
+// Of `frames` frames, `frame_stride` bytes from one to the next. Throws Error(usage) for strides that are too small or
+// a buffer that does not hold all vertices.
+vulkan::PlacedOutput placed_output(const bodyopt_vulkan_output& output, VkDeviceSize frame_stride, std::size_t frames,
+                                   std::size_t vertices, std::size_t numbers, const char* name) {
   if (output.buffer == VK_NULL_HANDLE || vertices == 0) return {};
-  constexpr VkDeviceSize kMost = VkDeviceSize{1} << 34;  // words are counted in 32 bits
   const VkDeviceSize element = numbers * sizeof(float);
   const auto refuse = [&](const auto&... what) { throw Error(ErrorKind::usage, "'recording.", name, "' ", what...); };
   const VkDeviceSize stride = output.element_stride == 0 ? element : output.element_stride;
   if (stride < element) refuse("has an element_stride of ", stride, " bytes, at least ", element, " are needed");
-  if (stride % 4 != 0 || output.offset % 4 != 0) refuse("has a stride or an offset that is no multiple of 4 bytes");
-  if (output.size > kMost || stride > kMost || output.offset > kMost) refuse("is larger than can be addressed");
-  const VkDeviceSize needed = output.offset + (vertices - 1) * stride + element;
+  if (output.size > kMost || stride > kMost || output.offset > kMost || frame_stride > kMost) {
+    refuse("is larger than can be addressed");
+  }
+  const VkDeviceSize frame = (vertices - 1) * stride + element;
+  if (frame_stride == 0) frame_stride = frame;
+  if (frame_stride < frame) refuse("has a frame stride of ", frame_stride, " bytes, at least ", frame, " are needed");
+  if (stride % 4 != 0 || frame_stride % 4 != 0 || output.offset % 4 != 0) {
+    refuse("has a stride or an offset that is no multiple of 4 bytes");
+  }
+  const VkDeviceSize needed = output.offset + (frames - 1) * frame_stride + frame;
   if (output.size < needed) refuse("has ", output.size, " bytes, ", needed, " are needed");
-  return {output.buffer, output.size, output.offset, stride};
+  return {output.buffer, output.size, output.offset, stride, frame_stride};
 }
 
 }  // namespace
@@ -46,21 +55,26 @@ bodyopt_result bodyopt_record(bodyopt_instance* instance, const bodyopt_poses* p
   return guarded([&] {
     Deformer& deformer = *required(instance, "instance").deformer;
     const GivenPoses given(poses, deformer.basis(), instance->channels);
-    if (given.count() != 1) {
-      throw Error(ErrorKind::usage, "'poses' has ", given.count(), " frames; a recording is of one");
+    const std::size_t frames = given.count();
+    if (frames == 0 || frames > instance->recorded_frames) {
+      throw Error(ErrorKind::usage, "'poses' has ", frames, " frames, expected 1 to ", instance->recorded_frames,
+                  " (bodyopt_instance_options.recorded_frames)");
     }
     const auto wanted = read_struct(recording, BODYOPT_RECORDING_FIRST_SIZE, "recording");
     required(wanted.commands, "recording.commands");
     const std::size_t vertices = deformer.basis().mesh.output_count();
-    const vulkan::Recording into{wanted.commands, placed_output(wanted.positions, vertices, 3, "positions"),
-                                 placed_output(wanted.normals, vertices, 3, "normals"),
-                                 placed_output(wanted.tangents, vertices, 4, "tangents")};
-    std::vector<Pose> pose = given.read(0, 1);
+    const vulkan::Recording into{
+        wanted.commands,
+        placed_output(wanted.positions, wanted.positions_frame_stride, frames, vertices, 3, "positions"),
+        placed_output(wanted.normals, wanted.normals_frame_stride, frames, vertices, 3, "normals"),
+        placed_output(wanted.tangents, wanted.tangents_frame_stride, frames, vertices, 4, "tangents"),
+        instance->recorded_frames};
+    std::vector<Pose> poses_of_frames = given.read(0, frames);
     ModifierDrive drive(*instance, given);
-    drive.apply(0, pose);
-    std::optional<int> frame;
-    if (deformer.dynamics() != nullptr) frame = given.frame_numbers().front();
-    deformer.record(pose.front(), frame, into);
+    drive.apply(0, poses_of_frames);
+    std::optional<std::span<const int>> numbers;
+    if (deformer.dynamics() != nullptr) numbers = given.frame_numbers();
+    deformer.record(poses_of_frames, numbers, into);
     drive.keep(*instance);
   });
 }

@@ -157,16 +157,17 @@ class Commands {
   bool pending_ = false;
 };
 
-// What of a frame is recorded for a host program: into its command buffer, to its buffers.
+// What of some frames is recorded for a host program: into its command buffer, to its buffers.
 // Three numbers of each vertex, four of a tangent, in output order, bytes; strides and offset are multiples of 4.
 struct PlacedOutput {
   VkBuffer buffer = VK_NULL_HANDLE;  // none: not wanted
-  VkDeviceSize size = 0, offset = 0, element_stride = 0;
+  VkDeviceSize size = 0, offset = 0, element_stride = 0, frame_stride = 0;
 };
 
 struct Recording {
   VkCommandBuffer commands = VK_NULL_HANDLE;
   PlacedOutput positions, normals, tangents;
+  std::uint32_t most_frames = 1;  // of this recording and those that follow: the first one's counts
 };
 
 }  // namespace bodyopt::vulkan

@@ -177,7 +177,7 @@ struct PushedLimb {
     device_dynamics.prepare(3);
     vulkan::Commands commands(device, most_dispatches);
     commands.begin();
-    const vulkan::VulkanDynamics::Inputs inputs{skin, zeros, zeros, zeros, fibres, 0};
+    const vulkan::VulkanDynamics::Inputs inputs{skin, zeros, zeros, zeros, fibres, 0, 3};
     device_dynamics.record_diffuse(commands, inputs);
     device_dynamics.record_jiggle(commands, inputs, frames, 1);
     commands.end();

@@ -380,7 +380,8 @@ TEST(LibraryLayout, IsThatOfTheFirstVersion) {
     EXPECT_EQ(Offsets({AT(struct_size), AT(dynamics), AT(level)}), Offsets({0, 8, 16}));
     EXPECT_EQ(Offsets({AT(texture), AT(texture_size), AT(texture_stride), AT(texture_count)}),
               Offsets({24, 32, 40, 48}));
-    EXPECT_EQ(Offsets({AT(dynamics_data), AT(dynamics_size)}), Offsets({56, 64}));
+    EXPECT_EQ(Offsets({AT(dynamics_data), AT(dynamics_size), AT(attached), AT(attached_data), AT(attached_size)}),
+              Offsets({56, 64, 72, 80, 88}));
   }
   {
     using Structure = bodyopt_device_description;
@@ -393,7 +394,7 @@ TEST(LibraryLayout, IsThatOfTheFirstVersion) {
               Offsets({0, 8, 12, 16, 20}));
     EXPECT_EQ(Offsets({AT(strain_count), AT(has_dynamics), AT(frames_per_second), AT(knows_error), AT(has_tangents)}),
               Offsets({24, 28, 32, 36, 40}));
-    EXPECT_EQ(AT(channel_count), 44u);
+    EXPECT_EQ(Offsets({AT(channel_count), AT(attached_count), AT(full_vertex_count)}), Offsets({44, 48, 52}));
   }
   {
     using Structure = bodyopt_device_options;
@@ -406,8 +407,8 @@ TEST(LibraryLayout, IsThatOfTheFirstVersion) {
   {
     using Structure = bodyopt_instance_options;
     EXPECT_EQ(Offsets({AT(struct_size), AT(device), AT(executor), AT(jiggles), AT(iterations), AT(check),
-                       AT(gravity_change)}),
-              Offsets({0, 8, 16, 24, 28, 32, 40}));
+                       AT(gravity_change), AT(recorded_frames)}),
+              Offsets({0, 8, 16, 24, 28, 32, 40, 64}));
   }
   {
     using Structure = bodyopt_poses;
@@ -419,6 +420,12 @@ TEST(LibraryLayout, IsThatOfTheFirstVersion) {
     EXPECT_EQ(Offsets({AT(shows_modifiers), AT(goes_on), AT(frames_per_second), AT(channels), AT(channel_count),
                        AT(channel_frame_stride)}),
               Offsets({72, 76, 80, 88, 96, 104}));
+    EXPECT_EQ(Offsets({AT(skinning), AT(skinning_stride), AT(skinning_frame_stride)}), Offsets({112, 120, 128}));
+  }
+  {
+    using Structure = bodyopt_attached;
+    EXPECT_EQ(Offsets({AT(struct_size), AT(name), AT(vertex_count), AT(triangle_count)}), Offsets({0, 8, 16, 20}));
+    EXPECT_EQ(sizeof(Structure), BODYOPT_ATTACHED_FIRST_SIZE);
   }
   {
     using Structure = bodyopt_channel;
@@ -436,6 +443,7 @@ TEST(LibraryLayout, IsThatOfTheFirstVersion) {
     EXPECT_EQ(Offsets({AT(struct_size), AT(positions), AT(normals), AT(strains), AT(outside), AT(fades),
                        AT(expected_errors), AT(tangents), AT(vertex_errors), AT(outside_features)}),
               Offsets({0, 8, 40, 72, 104, 136, 168, 200, 232, 264}));
+    EXPECT_EQ(Offsets({AT(attached), AT(attached_count), AT(full_positions)}), Offsets({296, 304, 312}));
   }
   {
     using Structure = bodyopt_call;
@@ -457,6 +465,8 @@ TEST(LibraryLayout, IsThatOfTheFirstVersion) {
     using Structure = bodyopt_recording;
     EXPECT_EQ(Offsets({AT(struct_size), AT(commands), AT(positions), AT(normals), AT(tangents)}),
               Offsets({0, 8, 16, 48, 80}));
+    EXPECT_EQ(Offsets({AT(positions_frame_stride), AT(normals_frame_stride), AT(tangents_frame_stride)}),
+              Offsets({112, 120, 128}));
   }
 #undef AT
   EXPECT_EQ(

@@ -27,6 +27,24 @@ def in_threads(task, count):
         thread.join()
 
 
+def skinning_matrices(joints):
+    """Frames x joints x 3 x 4, rest space to world."""
+
+    def world(pose):
+        matrices = []
+        for (*t, x, y, z, w, i, j, k), parent in zip(pose, MODEL.joint_parents):
+            own = np.eye(4)
+            own[:3, :3] = np.array([[1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
+                                    [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
+                                    [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)]]) * [i, j, k]
+            own[:3, 3] = t
+            matrices.append(matrices[parent] @ own if parent >= 0 else own)
+        return np.array(matrices)
+
+    to_joint = np.linalg.inv(world(MODEL.bind_pose))
+    return np.array([world(pose) @ to_joint for pose in joints])[:, :, :3].astype(np.float32)
+
+
 class Frames(unittest.TestCase):
     def setUp(self):
         self.instance = MODEL.instance()
@@ -50,6 +68,29 @@ class Frames(unittest.TestCase):
         np.testing.assert_array_equal(buffer[:, :, :3], SKIN)
         self.assertTrue(np.shares_memory(skin.positions, buffer))
         self.assertTrue((buffer[:, :, 6:] == -7).all())
+
+    def test_are_those_of_skinning_matrices(self):
+        np.testing.assert_allclose(self.instance.evaluate(skinning_matrices(JOINTS)).positions, SKIN, atol=2e-6)
+        wide = np.zeros((*JOINTS.shape[:2], 3, 8), np.float32)
+        with self.assertRaisesRegex(TypeError, "joints: its numbers overlap|do not stand one after the other"):
+            self.instance.evaluate(wide[:, :, :, :4])
+
+    def test_have_what_is_attached(self):
+        path = BASIS.replace(".safetensors", ".attached.safetensors")
+        model = bodyopt.load(BASIS, DYNAMICS, attached=path)
+        skin = model.instance().evaluate(JOINTS)
+        np.testing.assert_array_equal(skin.positions, SKIN)
+        for (name, triangles), points in zip(model.attached, skin.attached, strict=True):
+            self.assertEqual(points.shape, (len(JOINTS), triangles.max() + 1, 3), name)
+            self.assertLess(np.linalg.norm(points[0].mean(axis=0) - SKIN[0].mean(axis=0)), 1)
+            self.assertTrue((points[-1] != points[0]).any())
+        self.assertIsNone(model.instance().evaluate(JOINTS, attached=False).attached)
+        self.assertIsNone(self.instance.evaluate(JOINTS).attached)
+        read = [pathlib.Path(file).read_bytes() for file in (BASIS, path)]
+        again = bodyopt.load_from_memory(read[0], attached=read[1]).instance().evaluate(JOINTS)
+        np.testing.assert_array_equal(again.attached[0], skin.attached[0])
+        with self.assertRaisesRegex(bodyopt.Error, "carries no full skin"):
+            self.instance.evaluate(JOINTS, full_positions=True)
 
     def test_have_tangents_where_the_texture_is_known(self):
         self.assertIsNone(self.instance.evaluate(JOINTS).tangents)

@@ -11,6 +11,7 @@
 #include <filesystem>
 #include <stdexcept>
 
+#include "runtime/core/error.h"
 #include "runtime/vulkan/commands.h"
 #include "tests/library/c_api.h"
 #include "tests/support/gpu_fixture.h"
@@ -38,70 +39,131 @@ class LibraryVulkan : public GpuTest {
     return host;
   }
 
-  static api::Instance instance(const api::Model& model, const api::Device& device, bool jiggles) {
+  static api::Instance instance(const api::Model& model, const api::Device& device, bool jiggles,
+                                std::uint32_t recorded_frames = 1) {
     auto options = api::make<bodyopt_instance_options>();
     options.device = device.get();
     options.jiggles = jiggles;
+    options.recorded_frames = recorded_frames;
     return api::create_instance(model, options);
   }
 };
 
-// Two frames in one command buffer, to two places of one buffer, each with a gap before it.
-TEST_F(LibraryVulkan, RecordsFramesIntoTheHostsBuffer) {
-  const std::string dynamics = hero_dynamics();
-  for (const bool jiggles : {false, true}) {
-    const api::Model model = load_textured(dynamics);
-    const api::Device device = share();
-    const api::Instance recorder = instance(model, device, jiggles), runner = instance(model, device, jiggles);
-    const std::vector<Pose> poses = turning_poses(load_basis(hero()), 2);
-    const std::size_t vertices = api::describe(model).vertex_count, frame = 12 * vertices, gap = 5;
-    const std::size_t bytes = (gap + 2 * frame) * sizeof(float);
-    const vulkan::Buffer target(*device_, bytes, vulkan::Memory::device, "the host's vertices"),
-        readback(*device_, bytes, vulkan::Memory::staging, "readback");
-    vulkan::Commands commands(*device_);
-    commands.begin();
-    commands.fill(target, 0);
-    for (std::size_t f = 0; f < 2; ++f) {
-      PoseArrays given({poses[f]});
-      given.numbers = {static_cast<int>(f)};
-      given.all.frame_numbers = given.numbers.data();
-      auto recording = api::make<bodyopt_recording>();
-      recording.commands = commands.handle();
-      const VkDeviceSize at = (gap + f * frame) * sizeof(float), stride = 12 * sizeof(float);
-      recording.positions = {target.handle(), bytes, at, stride};
-      recording.normals = {target.handle(), bytes, at + 3 * sizeof(float), stride};
-      recording.tangents = {target.handle(), bytes, at + 6 * sizeof(float), stride};
-      ASSERT_EQ(bodyopt_record(recorder.get(), &given.all, &recording), BODYOPT_OK) << bodyopt_last_error();
-    }
-    commands.copy(target, readback);
-    commands.end();
-    commands.run();
-    std::vector<float> found(bytes / sizeof(float));
-    std::memcpy(found.data(), readback.mapped(), bytes);
-
-    const PoseArrays given(poses);
-    std::vector<float> positions(6 * vertices), normals(positions.size()), tangents(8 * vertices);
-    auto skin = api::make<bodyopt_skin>();
-    skin.positions = floats_in(positions);
-    skin.normals = floats_in(normals);
-    skin.tangents = floats_in(tangents);
-    const auto run = jiggles ? bodyopt_jiggle : bodyopt_evaluate;
-    ASSERT_EQ(run(runner.get(), &given.all, &skin), BODYOPT_OK) << bodyopt_last_error();
-    for (std::size_t k = 0; k < gap; ++k) ASSERT_EQ(found[k], 0);
-    for (std::size_t v = 0; v < 2 * vertices; ++v) {
-      const float* at = found.data() + gap + 12 * v;
-      for (std::size_t i = 0; i < 3; ++i) {
-        ASSERT_EQ(at[i], positions[3 * v + i]) << v;
-        ASSERT_EQ(at[3 + i], normals[3 * v + i]) << v;
-      }
-      for (std::size_t i = 0; i < 4; ++i) ASSERT_EQ(at[6 + i], tangents[4 * v + i]) << v;
-      ASSERT_EQ(at[10], 0);
-      ASSERT_EQ(at[11], 0);
-    }
-    EXPECT_EQ(run(recorder.get(), &given.all, &skin), BODYOPT_USAGE);
-    EXPECT_NE(std::string(bodyopt_last_error()).find("records for the host program"), std::string::npos);
-    EXPECT_EQ(bodyopt_forget_buffers(recorder.get()), BODYOPT_OK);
+// A buffer of the host for some frames, each vertex twelve numbers, of which the last two are not written, after a gap.
+class HostVertices {
+ public:
+  HostVertices(const vulkan::Device& device, std::size_t vertices, std::size_t frames)
+      : frame_(12 * vertices),
+        bytes_((kGap + frames * frame_) * sizeof(float)),
+        target_(device, bytes_, vulkan::Memory::device, "the host's vertices"),
+        readback_(device, bytes_, vulkan::Memory::staging, "readback"),
+        commands_(device) {
+    commands_.begin();
+    commands_.fill(target_, 0);
   }
+
+  // From frame `at` of the buffer on.
+  bodyopt_recording place(std::size_t at) const {
+    const auto placed = [&](std::size_t offset) {
+      return bodyopt_vulkan_output{target_.handle(), bytes_, (kGap + at * frame_ + offset) * sizeof(float),
+                                   12 * sizeof(float)};
+    };
+    auto recording = api::make<bodyopt_recording>();
+    recording.commands = commands_.handle();
+    recording.positions = placed(0);
+    recording.normals = placed(3);
+    recording.tangents = placed(6);
+    recording.positions_frame_stride = recording.normals_frame_stride = recording.tangents_frame_stride =
+        frame_ * sizeof(float);
+    return recording;
+  }
+
+  std::vector<float> run() {
+    commands_.copy(target_, readback_);
+    commands_.end();
+    commands_.run();
+    std::vector<float> found(bytes_ / sizeof(float));
+    std::memcpy(found.data(), readback_.mapped(), bytes_);
+    return found;
+  }
+
+  static constexpr std::size_t kGap = 5;
+
+ private:
+  std::size_t frame_, bytes_;
+  vulkan::Buffer target_, readback_;
+  vulkan::Commands commands_;
+};
+
+// Holds what was recorded against what the library runs itself.
+void expect_frames(const std::vector<float>& found, const api::Instance& runner, const std::vector<Pose>& poses,
+                   std::size_t vertices, bool jiggles) {
+  const PoseArrays given(poses);
+  const std::size_t all = poses.size() * vertices;
+  std::vector<float> positions(3 * all), normals(3 * all), tangents(4 * all);
+  auto skin = api::make<bodyopt_skin>();
+  skin.positions = floats_in(positions);
+  skin.normals = floats_in(normals);
+  skin.tangents = floats_in(tangents);
+  const auto run = jiggles ? bodyopt_jiggle : bodyopt_evaluate;
+  ASSERT_EQ(run(runner.get(), &given.all, &skin), BODYOPT_OK) << bodyopt_last_error();
+  for (std::size_t k = 0; k < HostVertices::kGap; ++k) ASSERT_EQ(found[k], 0);
+  for (std::size_t v = 0; v < all; ++v) {
+    const float* at = found.data() + HostVertices::kGap + 12 * v;
+    for (std::size_t i = 0; i < 3; ++i) {
+      ASSERT_EQ(at[i], positions[3 * v + i]) << v;
+      ASSERT_EQ(at[3 + i], normals[3 * v + i]) << v;
+    }
+    for (std::size_t i = 0; i < 4; ++i) ASSERT_EQ(at[6 + i], tangents[4 * v + i]) << v;
+    ASSERT_EQ(at[10], 0);
+    ASSERT_EQ(at[11], 0);
+  }
+}
+
+// Frames in one command buffer, each recorded by itself or several at once, the last call with fewer than the others.
+TEST_F(LibraryVulkan, RecordsFramesIntoTheHostsBuffer) {
+  constexpr std::size_t kFrames = 5;
+  const api::Model model = load_textured(hero_dynamics());
+  const api::Device device = share();
+  const std::vector<Pose> poses = turning_poses(load_basis(hero()), kFrames);
+  const std::size_t vertices = api::describe(model).vertex_count;
+  for (const bool jiggles : {false, true}) {
+    for (const std::size_t at_once : {1u, 3u}) {
+      SCOPED_TRACE(concat(jiggles ? "jiggle, " : "still, ", at_once, " at once"));
+      const api::Instance recorder = instance(model, device, jiggles, static_cast<std::uint32_t>(at_once));
+      HostVertices host(*device_, vertices, kFrames);
+      for (std::size_t f = 0; f < kFrames; f += at_once) {
+        const auto from = poses.begin() + static_cast<std::ptrdiff_t>(f);
+        const std::size_t count = std::min(at_once, kFrames - f);
+        PoseArrays given(std::vector(from, from + static_cast<std::ptrdiff_t>(count)));
+        for (int& number : given.numbers) number += static_cast<int>(f);
+        const bodyopt_recording recording = host.place(f);
+        ASSERT_EQ(bodyopt_record(recorder.get(), &given.all, &recording), BODYOPT_OK) << bodyopt_last_error();
+      }
+      expect_frames(host.run(), instance(model, device, jiggles), poses, vertices, jiggles);
+      const PoseArrays given(poses);
+      const Arrays skin(load_basis(hero()), kFrames);
+      EXPECT_EQ((jiggles ? bodyopt_jiggle : bodyopt_evaluate)(recorder.get(), &given.all, &skin.all), BODYOPT_USAGE);
+      EXPECT_NE(std::string(bodyopt_last_error()).find("records for the host program"), std::string::npos);
+      EXPECT_EQ(bodyopt_forget_buffers(recorder.get()), BODYOPT_OK);
+    }
+  }
+}
+
+// Several characters of a picture in one command buffer.
+TEST_F(LibraryVulkan, RecordsInstancesIntoOneCommandBuffer) {
+  const api::Model model = load_textured(hero_dynamics());
+  const api::Device device = share();
+  const std::vector<Pose> poses = turning_poses(load_basis(hero()), 2);
+  const std::size_t vertices = api::describe(model).vertex_count;
+  HostVertices host(*device_, vertices, poses.size());
+  const api::Instance cast[] = {instance(model, device, false), instance(model, device, false)};
+  for (std::size_t k = 0; k < poses.size(); ++k) {
+    const PoseArrays given({poses[k]});
+    const bodyopt_recording recording = host.place(k);
+    ASSERT_EQ(bodyopt_record(cast[k].get(), &given.all, &recording), BODYOPT_OK) << bodyopt_last_error();
+  }
+  expect_frames(host.run(), instance(model, device, false), poses, vertices, false);
 }
 
 // The host's own cache; a program of the first version has none to give.
@@ -277,12 +339,17 @@ TEST_F(LibraryVulkan, RefusesWhatDoesNotDo) {
     recording.positions = {target.handle(), 1200, offset, stride};
     return bodyopt_record(recorder.get(), &poses.all, &recording);
   };
-  expect(record(two, 0, 0, true), BODYOPT_USAGE, "a recording is of one");
+  expect(record(two, 0, 0, true), BODYOPT_USAGE, "'poses' has 2 frames, expected 1 to 1");
   expect(record(one, 0, 0, false), BODYOPT_USAGE, "'recording.commands' is a null pointer");
   expect(record(one, 0, 8, true), BODYOPT_USAGE, "at least 12");
   expect(record(one, 2, 0, true), BODYOPT_USAGE, "multiple of 4");
   expect(record(one, 0, 0, true), BODYOPT_USAGE, "has 1200 bytes");
   expect(record(one, ~VkDeviceSize{3}, 0, true), BODYOPT_USAGE, "larger than can be addressed");
+  auto options = api::make<bodyopt_instance_options>();
+  options.device = device.get();
+  options.recorded_frames = ~0u;
+  bodyopt_instance* created = nullptr;
+  expect(bodyopt_create_instance(model.get(), &options, &created), BODYOPT_USAGE, "'options.recorded_frames' is");
   const api::Instance on_cpu = api::create_instance(model, api::make<bodyopt_instance_options>());
   auto recording = api::make<bodyopt_recording>();
   recording.commands = commands.handle();

@@ -7,6 +7,9 @@ from numpy.typing import NDArray
 __version__: str
 
 Path = Union[str, bytes, os.PathLike]
+# Frames x joints x 10: translation, rotation x y z w, scale, relative to the parent; or skinning matrices, frames x
+# joints x 3 x 4, rest space to world.
+Joints = Union[NDArray[np.float64], NDArray[np.float32]]
 
 class Error(RuntimeError):
     """What the library refuses: bad files (code 4), things that do not belong together (3), devices (5), usage (64)."""
@@ -24,6 +27,8 @@ class Skin:
     loaded without texture coordinates. normals and tangents are None where they were not wanted.
     vertex_errors: expected_errors of each vertex, F x V, metres; None where they were not wanted.
     outside_features: F, the number of the feature that lies outside in Model.feature_names; -1 where outside is 0.
+    attached: of each of Model.attached F x N x 3, metres; None where there are none, or they were not wanted.
+    full_positions: F x Model.full_vertex_count x 3, metres; None where they were not wanted.
     """
 
     @property
@@ -44,6 +49,10 @@ class Skin:
     def vertex_errors(self) -> Optional[NDArray[np.float32]]: ...
     @property
     def outside_features(self) -> NDArray[np.float32]: ...
+    @property
+    def attached(self) -> Optional[list[NDArray[np.float32]]]: ...
+    @property
+    def full_positions(self) -> Optional[NDArray[np.float32]]: ...
 
 class State:
     """The jiggle of an instance at one moment."""
@@ -57,7 +66,7 @@ class Instance:
 
     def evaluate(
         self,
-        joints: NDArray[np.float64],
+        joints: Joints,
         controls: Optional[NDArray[np.float32]] = None,
         *,
         positions: Optional[NDArray[np.float32]] = None,
@@ -67,16 +76,18 @@ class Instance:
         channels: Optional[NDArray[np.float32]] = None,
         goes_on: bool = False,
         vertex_errors: bool = False,
+        attached: bool = True,
+        full_positions: bool = False,
     ) -> Skin:
-        """The quasi-static skin. joints: F x J x 10, controls: F x C. Written to positions, normals and tangents where
+        """The quasi-static skin. joints: F x J x 10, or skinning matrices; controls: F x C. Written to positions, normals and tangents where
         given. False leaves normals or tangents out, which saves their time; tangents need texture coordinates.
 
         With frames_per_second the character's modifiers are shown, by channels (F x Model.channels; None: their
         constants); the frames are consecutive, and go on from those before where goes_on says so. vertex_errors: of a
-        model that knows_error, or Error(3)."""
+        model that knows_error, or Error(3). full_positions: of a level that carries the full skin, or Error(64)."""
     def jiggle(
         self,
-        joints: NDArray[np.float64],
+        joints: Joints,
         frame_numbers: Sequence[int],
         controls: Optional[NDArray[np.float32]] = None,
         *,
@@ -86,11 +97,13 @@ class Instance:
         frames_per_second: Optional[float] = None,
         channels: Optional[NDArray[np.float32]] = None,
         goes_on: bool = False,
+        attached: bool = True,
+        full_positions: bool = False,
     ) -> Skin:
         """The skin with jiggle; it goes on from the frames of earlier calls. Modifiers as by evaluate()."""
     def skip(
         self,
-        joints: NDArray[np.float64],
+        joints: Joints,
         frames_per_second: float,
         channels: Optional[NDArray[np.float32]] = None,
         *,
@@ -114,7 +127,7 @@ class Call:
     def __init__(
         self,
         instance: Instance,
-        joints: NDArray[np.float64],
+        joints: Joints,
         controls: Optional[NDArray[np.float32]] = None,
         frame_numbers: Optional[Sequence[int]] = None,
         *,
@@ -152,6 +165,12 @@ class Model:
     def channels(self) -> list[tuple[str, str, float, float, float]]:
         """Of the character's modifiers: name, what it is, constant, low, high."""
     @property
+    def attached(self) -> list[tuple[str, NDArray[np.uint32]]]:
+        """Of the meshes that are attached to the skin: name, T x 3 triangles."""
+    @property
+    def full_vertex_count(self) -> int:
+        """Of a level of detail that carries the full skin: vertices of that; 0 of others."""
+    @property
     def feature_names(self) -> list[str]:
         """Of what the learned part reads: "joint elbow", "strain biceps/1"."""
     @property
@@ -183,14 +202,23 @@ def evaluate_together(calls: Sequence[Call]) -> None:
     """
 
 def load(
-    path: Path, dynamics: Optional[Path] = None, level: int = 0, texture: Optional[NDArray[np.float32]] = None
+    path: Path,
+    dynamics: Optional[Path] = None,
+    level: int = 0,
+    texture: Optional[NDArray[np.float32]] = None,
+    attached: Optional[Path] = None,
 ) -> Model:
     """A character. texture: V x 2 texture coordinates, of the vertices of this level, for skins with tangents.
+    attached: the file of its attached meshes, which follow level 0.
 
     Raises Error(3), too, for texture coordinates of another number of vertices.
     """
 def load_from_memory(
-    data: bytes, dynamics: Optional[bytes] = None, level: int = 0, texture: Optional[NDArray[np.float32]] = None
+    data: bytes,
+    dynamics: Optional[bytes] = None,
+    level: int = 0,
+    texture: Optional[NDArray[np.float32]] = None,
+    attached: Optional[bytes] = None,
 ) -> Model:
     """As load(), of the bytes of the files."""
 def device_names() -> list[str]:

@@ -158,13 +158,13 @@ class VulkanBackend final : public Backend, private SplitRun {
   void record(const Batch& batch, const Recording& recording) override {
     refuse_failed();
     failed_ = true;  // until this frame went well: the motion has gone on
-    become_recorder();
+    become_recorder(recording.most_frames);
     commands_->record_into(recording.commands);
     record_inputs(batch);
     record_stages(batch);
-    record_place(*skin_, recording.positions);
-    record_place(buffers_->normals.buffer, recording.normals);
-    record_tangents_into(recording.tangents);
+    record_place(*skin_, recording.positions, batch.frame_count);
+    record_place(buffers_->normals.buffer, recording.normals, batch.frame_count);
+    record_tangents_into(recording.tangents, batch.frame_count);
     failed_ = false;
   }
 
@@ -321,46 +321,51 @@ class VulkanBackend final : public Backend, private SplitRun {
 
   std::uint32_t output_count() const { return model_->model().basis.mesh.output_count(); }
 
-  // From now on for the host, one frame at a time: what an earlier frame uses is never let go of.
-  void become_recorder() {
+  // From now on for the host, as many frames at a time: what an earlier recording uses is never let go of.
+  void become_recorder(std::uint32_t most_frames) {
     if (records_) return;
     records_ = true;
     recorded_ = false;
     commands_.emplace(device_, Commands::OfHost::yes);
-    allocate(1);
+    allocate(most_frames);
   }
 
   void record_inputs(const Batch& batch) {
     const std::vector<const Values*> to = buffers_->inputs();
     const std::vector<std::span<const float>> from = BatchBuffers::inputs_of(batch);
     for (std::size_t k = 0; k < to.size(); ++k) {
-      if (to[k]->bytes > 0) commands_->update(to[k]->buffer, std::as_bytes(from[k]).first(to[k]->bytes));
+      const VkDeviceSize bytes = to[k]->bytes / buffers_->frames * batch.frame_count;
+      if (bytes > 0) commands_->update({to[k]->buffer, 0, bytes}, std::as_bytes(from[k]).first(bytes));
     }
   }
 
   // What of the host's buffer is bound, from where the device can bind it, and where in it an output begins.
   struct HostRange {
     BufferRange range;
-    std::uint32_t first_word, element_words;
+    std::uint32_t first_word, element_words, frame_words;
   };
-  HostRange host_range(const PlacedOutput& to, std::uint32_t numbers) const {
+  HostRange host_range(const PlacedOutput& to, std::uint32_t numbers, std::uint32_t frames) const {
     const VkDeviceSize begin = to.offset / device_.info().storage_alignment * device_.info().storage_alignment;
     const auto word = [](VkDeviceSize bytes) { return static_cast<std::uint32_t>(bytes / sizeof(float)); };
-    const VkDeviceSize end = to.offset + (output_count() - 1) * to.element_stride + numbers * sizeof(float);
-    return {BufferRange(to.buffer, begin, end - begin), word(to.offset - begin), word(to.element_stride)};
+    const VkDeviceSize end =
+        to.offset + (frames - 1) * to.frame_stride + (output_count() - 1) * to.element_stride + numbers * sizeof(float);
+    return {BufferRange(to.buffer, begin, end - begin), word(to.offset - begin), word(to.element_stride),
+            word(to.frame_stride)};
   }
 
-  void record_place(const Buffer& values, const PlacedOutput& to) {
+  void record_place(const Buffer& values, const PlacedOutput& to, std::uint32_t frames) {
     if (to.buffer == VK_NULL_HANDLE) return;
-    const HostRange host = host_range(to, 3);
-    kernels_.output_place.record(*commands_, {tables_.output_vertex, values, host.range},
-                                 {output_count(), counts_.vertices, host.first_word, host.element_words, 0}, 1);
+    const HostRange host = host_range(to, 3, frames);
+    kernels_.output_place.record(
+        *commands_, {tables_.output_vertex, values, host.range},
+        {output_count(), counts_.vertices, host.first_word, host.element_words, host.frame_words}, frames);
   }
 
-  void record_tangents_into(const PlacedOutput& to) {
+  void record_tangents_into(const PlacedOutput& to, std::uint32_t frames) {
     if (to.buffer == VK_NULL_HANDLE) return;
-    const HostRange host = host_range(to, 4);
-    record_tangents(host.range, {output_count(), counts_.vertices, host.first_word, host.element_words, 0}, 1);
+    const HostRange host = host_range(to, 4, frames);
+    record_tangents(host.range,
+                    {output_count(), counts_.vertices, host.first_word, host.element_words, host.frame_words}, frames);
   }
 
   void allocate(std::uint32_t frames) {
@@ -370,19 +375,25 @@ class VulkanBackend final : public Backend, private SplitRun {
     buffers_ = std::make_unique<BatchBuffers>(device_, counts_, frames, records_);
   }
 
-  VulkanDynamics::Inputs dynamics_inputs() const {
+  VulkanDynamics::Inputs dynamics_inputs(std::uint32_t frames) const {
     const BatchBuffers& b = *buffers_;
-    return {b.positions.buffer, b.origins.buffer, b.strains.buffer,
-            b.controls.buffer,  counts_.fibres,   counts_.controls};
+    return {b.positions.buffer,
+            b.origins.buffer,
+            b.strains.buffer,
+            b.controls.buffer,
+            counts_.fibres,
+            counts_.controls,
+            frames};
   }
 
   void record_diffuse(std::uint32_t frames) {
-    dynamics_->prepare(frames);
-    dynamics_->record_diffuse(*commands_, dynamics_inputs());
+    dynamics_->prepare(buffers_->frames);
+    dynamics_->record_diffuse(*commands_, dynamics_inputs(frames));
   }
 
   void record_jiggle(std::span<const JiggleFrame> frames) {
-    dynamics_->record_jiggle(*commands_, dynamics_inputs(), frames, weights_.jiggle);
+    dynamics_->record_jiggle(*commands_, dynamics_inputs(static_cast<std::uint32_t>(frames.size())), frames,
+                             weights_.jiggle);
     skin_ = &dynamics_->moved();
   }
 

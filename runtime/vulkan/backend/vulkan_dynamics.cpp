@@ -74,7 +74,8 @@ void VulkanDynamics::prepare(std::uint32_t frames) {
 }
 
 void VulkanDynamics::record_diffuse(Commands& commands, const Inputs& inputs) const {
-  const auto& [frames, nodes, right_sides, rotations, moved, gathered, results] = *batch_;
+  const auto& [most_frames, nodes, right_sides, rotations, moved, gathered, results] = *batch_;
+  const std::uint32_t frames = inputs.frame_count;
   const DynamicsTables& t = tables_;
   const std::uint32_t surface_count = dynamics_.tets.surface_count();
   kernels_.diffuse_surface.record(commands, {t.surface, inputs.positions, inputs.origins, nodes},
@@ -89,7 +90,7 @@ void VulkanDynamics::record_jiggle(Commands& commands, const Inputs& inputs, std
   const DynamicsTables& t = tables_;
   kernels_.jiggle_rotate.record(commands,
                                 {t.tets, t.shapes, t.corner_begin, t.corners, batch_->nodes, batch_->rotations},
-                                {node_count_}, batch_->frames);
+                                {node_count_}, inputs.frame_count);
   for (std::uint32_t f = 0; f < frames.size(); ++f) {
     if (!frames[f].repeats) {
       record_kick(commands, frames[f], f);

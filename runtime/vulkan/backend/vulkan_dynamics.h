@@ -20,7 +20,7 @@ class VulkanDynamics {
     BufferRange origins;    // F x 4
     BufferRange strains;    // F x fibre_count
     BufferRange controls;   // F x control_count
-    std::uint32_t fibre_count, control_count;
+    std::uint32_t fibre_count, control_count, frame_count;
   };
 
   // The model must have dynamics, and outlive it. Throws Error(device).
@@ -31,8 +31,8 @@ class VulkanDynamics {
   // Most frames of a batch, but for memory.
   std::uint64_t batch_limit() const;
 
-  // Allocates what a batch needs; before its recording.
-  void prepare(std::uint32_t frames);
+  // Allocates what batches of at most so many frames need; before their recording.
+  void prepare(std::uint32_t most_frames);
   void record_diffuse(Commands& commands, const Inputs& inputs) const;
   // Cuts the commands: what they read from the host must be there already. The motion is that of the last frame from
   // here on, as if the commands had run. `weight`: how much of it the skin shows.

@@ -1,0 +1,36 @@
+// Outputs of a call that are made of its skin: attached meshes, and the full skin of a level of detail.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "runtime/core/executor.h"
+#include "runtime/deformer/evaluation.h"
+#include "runtime/library/handles.h"
+
+namespace bodyopt {
+
+class FollowingOutputs {
+ public:
+  // `skin`: of this version, its other outputs checked. `meshes` must outlive it. Throws Error(usage) for outputs of
+  // meshes that the model does not have, and as check_output().
+  FollowingOutputs(const bodyopt_skin& skin, const FollowingMeshes& meshes, std::size_t frames);
+
+  bool wanted() const { return !attached_.empty() || wants_full_skin(); }
+  // Where the skin of `frames` frames goes first, in place of the caller's memory.
+  SkinPlace gather(std::size_t frames, const SkinPlace& place);
+  // Of the skin that was gathered, the frames `begin` and after.
+  void write(std::span<const Pose> poses, std::size_t begin, Executor& threads) const;
+
+ private:
+  bool wants_full_skin() const { return full_.data != nullptr; }
+
+  const FollowingMeshes& meshes_;
+  std::size_t vertices_;
+  bodyopt_floats positions_, normals_;    // the caller's, of the skin
+  std::vector<bodyopt_floats> attached_;  // of each mesh; empty: none is wanted
+  bodyopt_floats full_;
+  std::vector<float> gathered_, gathered_normals_;  // without gaps
+};
+
+}  // namespace bodyopt
