@@ -1,11 +1,16 @@
 // The library as `cmake --install` gives it to others: the examples are built against it and run, and nothing but
 // bodyopt.h can be seen of it.
+#include <algorithm>
 #include <fstream>
+#include <span>
 #include <sstream>
 
+#include "runtime/basis/attachments.h"
 #include "tests/library/c_api.h"
+#include "tests/support/breathing.h"
 #include "tests/support/gpu_fixture.h"
 #include "tests/support/no_vulkan_loader.h"
+#include "tests/support/read_bytes.h"
 #include "tests/support/run_program.h"
 #include "tests/support/temporary_folder.h"
 
@@ -84,6 +89,61 @@ TEST_F(Installed, CExampleWritesTheSkin) {
 TEST_F(Installed, CxxExampleSharesItsDevice) {
   test_device();  // the loader sees the test's device alone
   expect_runs(built() + "/share_device " + hero());
+}
+
+// Pixels of a picture that are blue, or those that are red.
+std::size_t count_pixels(const std::string& picture, bool blue) {
+  const std::size_t begin = picture.find("255\n") + 4;
+  std::size_t count = 0;
+  for (std::size_t k = begin; k + 2 < picture.size(); k += 3) {
+    const int red = static_cast<unsigned char>(picture[k]), other = static_cast<unsigned char>(picture[k + 2]);
+    if (blue ? other > red + 20 : red > other + 20) ++count;
+  }
+  return count;
+}
+
+// A shirt around the middle of the limb, which lies along x: a shell of its skin, each vertex on a point of that.
+Attachments shirt_of(const Basis& basis) {
+  AttachedMesh shirt;
+  shirt.name = "shirt";
+  const std::vector<float>& rest = basis.mesh.rest;
+  const auto [low, high] = std::minmax_element(rest.begin(), rest.end());
+  for (std::uint32_t v = 0; v < basis.mesh.vertex_count(); ++v) {
+    const float* x = &rest[3 * std::size_t{v}];
+    shirt.rest.insert(shirt.rest.end(), {x[0], 1.2f * x[1], 1.2f * x[2]});
+    shirt.vertex_anchor.push_back(v);
+    shirt.anchors.push_back({0, x[0], x[1], x[2]});
+    shirt.point_begin.push_back(v);
+    shirt.points.push_back({v, v, v, 1, 0, 0});
+  }
+  shirt.point_begin.push_back(basis.mesh.vertex_count());
+  const auto is_worn = [&](std::uint32_t v) { return std::abs(rest[3 * v] - (*low + *high) / 2) < (*high - *low) / 6; };
+  const std::vector<std::uint32_t>& corners = basis.mesh.triangles;
+  for (std::size_t k = 0; k < corners.size(); k += 3) {
+    const std::span<const std::uint32_t> triangle(&corners[k], 3);
+    if (std::ranges::all_of(triangle, is_worn)) {
+      shirt.triangles.insert(shirt.triangles.end(), triangle.begin(), triangle.end());
+    }
+  }
+  Attachments attached{{shirt}, load_attachments(kept_file("hero.attached.safetensors")).metadata};
+  return attached;
+}
+
+// A body and its clothes, and both move with the breath.
+TEST_F(Installed, CxxExampleDrawsABreathingCharacter) {
+  test_device();
+  Basis basis = load_basis(hero());
+  add_breathing(basis);
+  const std::string breathing = *folder_ / "breathing.safetensors", shirt = *folder_ / "shirt.safetensors";
+  save_basis(basis, breathing);
+  save_attachments(shirt_of(basis), shirt);
+  expect_runs(built() + "/draw_character " + breathing + " " + shirt + " 13 " + folder_->path().string());
+  const std::string first = read_bytes(*folder_ / "frame0.ppm"), last = read_bytes(*folder_ / "frame12.ppm");
+  for (const bool blue : {false, true}) {
+    EXPECT_GT(count_pixels(first, blue), 1000u) << blue;
+    EXPECT_NE(count_pixels(first, blue), count_pixels(last, blue)) << blue;
+  }
+  EXPECT_NE(run_program(built() + "/draw_character " + breathing + " " + hero() + " 1 .").exit_code, 0);
 }
 
 TEST_F(Installed, ShowsNothingButItsInterface) {

@@ -6,6 +6,7 @@
 #include "assets/clip.h"
 #include "assets/pc2.h"
 #include "tests/library/c_api.h"
+#include "tests/support/breathing.h"
 #include "tests/support/run_program.h"
 #include "tests/support/temporary_folder.h"
 
@@ -13,34 +14,6 @@ namespace bodyopt::testing {
 namespace modifiers_program_test {
 
 constexpr std::uint32_t kFrames = 30;
-
-// The limb has no trunk that breathing could be made of: it gets two components of skin that is there, and a turn.
-void add_breathing(Basis& basis) {
-  SkinModifiers& modifiers = basis.modifiers;
-  const std::uint32_t first = modifiers.component_count();
-  modifiers.stack.push_back({.name = "breath",
-                             .type = "breathing",
-                             .constants = {{"rate", 50}},
-                             .first_component = first,
-                             .component_count = 2,
-                             .turns = {{1, 0, 0.02f, 0, 0}},
-                             .joints = {},
-                             .numbers = {1}});
-  std::vector<BlendEntry> blend;
-  std::vector<std::uint32_t> begin = {0};
-  for (std::size_t block = 0; block + 1 < modifiers.blend_begin.size(); ++block) {
-    const auto from = modifiers.blend.begin() + modifiers.blend_begin[block];
-    const auto to = modifiers.blend.begin() + modifiers.blend_begin[block + 1];
-    blend.insert(blend.end(), from, to);
-    for (std::uint32_t k = 0; from != to && k < 2; ++k) {
-      blend.push_back(*from);
-      blend.back().scale_coefficient = (from->scale_coefficient & 0xffffu) | (first + k) << 16;
-    }
-    begin.push_back(static_cast<std::uint32_t>(blend.size()));
-  }
-  modifiers.blend = blend;
-  modifiers.blend_begin = begin;
-}
 
 // A basis with the four of them, and a clip that folds the limb.
 class LibraryModifiers : public ::testing::Test {
@@ -58,7 +31,7 @@ class LibraryModifiers : public ::testing::Test {
       {"name": "folds", "type": "push_out"}]})";
     run("modifiers " + hero() + " " + (*folder_ / "stack.json").string() + " --out " + basis_file());
     Basis basis = load_basis(basis_file());
-    add_breathing(basis);
+    add_breathing(basis).constants = {{"rate", 50}};
     save_basis(basis, basis_file());
     Clip clip;
     for (std::uint32_t f = 0; f < kFrames; ++f) {
