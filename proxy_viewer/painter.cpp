@@ -82,6 +82,8 @@ void Painter::draw(const PictureSize& size, Edges edges, double passed) {
   if (controls_.headless) errors_.measure_shown_frame();
   controls_.attempt([&] { choose_heat(); });
   draw_panels_over(size, passed);
+  controls_
+      .follow_keys();  // to the frame that a panel went to: the jiggle would start from the pose of the frame before
   choose_level();
   // What cannot be drawn leaves the panels, which can undo what was set.
   std::vector<View> views;

@@ -317,10 +317,7 @@ std::vector<MissedPin> Actor::missed_pins(int frame, const ViewSettings::PoseKey
 }
 
 Pose Actor::pose(int frame, const ViewSettings::Posing& posing) const {
-  if (!basis().modifiers.empty()) return modified_pose(frame, posing);
-  Pose pose = posed(clip_pose(frame), posing);
-  if (!posing.controls.empty()) set_posed_controls(basis().residual.controls, posing, pose);
-  return pose;
+  return posed_frame(source_, clip_index(frame), basis(), limits_, ranges_, posing);
 }
 
 Clip Actor::posed_source(const ViewSettings::Posing& posing) const {
@@ -338,27 +335,6 @@ Shot Actor::shot(const ViewSettings::Posing& posing, const Weights& weights, boo
   shot.clip = posed_source(posing);
   apply_channels(shot.basis(), shot.clip);
   return shot;
-}
-
-// The frames before this one matter for their controls: breath goes on from frame to frame.
-Pose Actor::modified_pose(int frame, const ViewSettings::Posing& posing) const {
-  const std::size_t last = clip_index(frame);
-  Clip part;
-  part.fps = source_.fps;
-  part.first_frame = source_.first_frame;
-  part.controls = posed_controls(source_, posing);
-  part.poses.assign(source_.poses.begin(), source_.poses.begin() + static_cast<std::ptrdiff_t>(last + 1));
-  part.poses[last] = posed(part.poses[last], posing);
-  for (std::size_t k = 0; k <= last; ++k) {
-    if (k == last || posing.keys.empty()) {
-      set_posed_controls(part.controls, posing, part.poses[k]);
-    } else {
-      set_posed_controls(part.controls, between_keys(posing.keys, part.first_frame + static_cast<int>(k)),
-                         part.poses[k]);
-    }
-  }
-  apply_channels(basis(), part);
-  return part.poses[last];
 }
 
 const Evaluation& Actor::evaluate(SkinMethod method, std::span<const Pose> poses, int frame, const Weights& weights,

@@ -185,7 +185,6 @@ class Actor {
   std::size_t clip_index(int frame) const;
   const Pose& clip_pose(int frame) const { return clip_.poses[clip_index(frame)]; }
   Pose posed(Pose pose, const ViewSettings::PoseKey& posing) const;
-  Pose modified_pose(int frame, const ViewSettings::Posing& posing) const;
   bool has_worn_skin() const;
   std::vector<float> full_skin(const Detail& detail, const Evaluation& evaluation, std::size_t pose) const;
   const HostedSkin* hosted_skin(SkinMethod method) const;

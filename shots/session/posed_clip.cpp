@@ -7,6 +7,7 @@
 #include <string>
 #include <utility>
 
+#include "assets/shot_modifiers.h"
 #include "runtime/host/rig.h"
 #include "shots/session/pinned_joints.h"
 
@@ -37,6 +38,28 @@ Quat turn_about_rest_axis(const Skeleton& skeleton, const JointTurn& turn, doubl
   Vec3 axis = turn.axis;
   if (parent >= 0) axis = rotate(conjugate(bind_rotations(skeleton)[static_cast<std::size_t>(parent)]), axis);
   return axis_angle(axis, turn.share * degrees * std::numbers::pi / 180);
+}
+
+// Names of the controls that the clip has, or the posing sets at any frame.
+std::vector<std::string> posed_controls(const Clip& clip, const ViewSettings::Posing& posing) {
+  std::vector<std::string> names = clip.controls;
+  const auto add = [&](const ViewSettings::PoseKey& key) {
+    for (const auto& [name, value] : key.controls) {
+      if (std::ranges::find(names, name) == names.end()) names.push_back(name);
+    }
+  };
+  add(posing);
+  for (const auto& [frame, key] : posing.keys) add(key);
+  return names;
+}
+
+// A value of the pose for each of the names: that of the posing, where it has one.
+void set_posed_controls(const std::vector<std::string>& names, const ViewSettings::PoseKey& posing, Pose& pose) {
+  pose.controls.resize(names.size(), 0.0f);
+  for (const auto& [name, value] : posing.controls) {
+    const auto at = static_cast<std::size_t>(std::ranges::find(names, name) - names.begin());
+    if (at < names.size()) pose.controls[at] = static_cast<float>(value);
+  }
 }
 
 }  // namespace
@@ -90,24 +113,25 @@ Pose posed(const Skeleton& skeleton, const JointLimits& limits, const std::vecto
   return pinned(skeleton, ranges, std::move(pose), posing.pins);
 }
 
-std::vector<std::string> posed_controls(const Clip& clip, const ViewSettings::Posing& posing) {
-  std::vector<std::string> names = clip.controls;
-  const auto add = [&](const ViewSettings::PoseKey& key) {
-    for (const auto& [name, value] : key.controls) {
-      if (std::ranges::find(names, name) == names.end()) names.push_back(name);
-    }
-  };
-  add(posing);
-  for (const auto& [frame, key] : posing.keys) add(key);
-  return names;
-}
-
-void set_posed_controls(const std::vector<std::string>& names, const ViewSettings::PoseKey& posing, Pose& pose) {
-  pose.controls.resize(names.size(), 0.0f);
-  for (const auto& [name, value] : posing.controls) {
-    const auto at = static_cast<std::size_t>(std::ranges::find(names, name) - names.begin());
-    if (at < names.size()) pose.controls[at] = static_cast<float>(value);
+Pose posed_frame(const Clip& clip, std::size_t at, const Basis& basis, const JointLimits& limits,
+                 const std::vector<std::optional<JointRange>>& ranges, const ViewSettings::Posing& posing) {
+  // Of the frames before it the controls matter: a breath goes on from frame to frame.
+  const std::size_t first = basis.modifiers.empty() ? at : 0;
+  Clip part;
+  part.fps = clip.fps;
+  part.first_frame = clip.first_frame + static_cast<int>(first);
+  part.controls = posed_controls(clip, posing);
+  part.poses.assign(clip.poses.begin() + static_cast<std::ptrdiff_t>(first),
+                    clip.poses.begin() + static_cast<std::ptrdiff_t>(at + 1));
+  for (std::size_t k = 0; k < part.poses.size(); ++k) {
+    const bool is_keyed = first + k < at && !posing.keys.empty();
+    const ViewSettings::PoseKey here =
+        is_keyed ? between_keys(posing.keys, part.first_frame + static_cast<int>(k)) : ViewSettings::PoseKey(posing);
+    set_posed_controls(part.controls, here, part.poses[k]);
   }
+  part.poses.back() = posed(basis.skeleton, limits, ranges, std::move(part.poses.back()), posing);
+  apply_channels(basis, part);
+  return std::move(part.poses.back());
 }
 
 Clip posed_clip(Clip clip, const Skeleton& skeleton, const JointLimits& limits, const ViewSettings::Posing& posing) {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "assets/clip.h"
+#include "runtime/basis/basis.h"
 #include "shots/session/pinned_joints.h"
 #include "shots/session/view_settings.h"
 
@@ -28,13 +29,13 @@ Clip still_clip(const Skeleton& skeleton, const ClipOptions& options);
 Pose posed(const Skeleton& skeleton, const JointLimits& limits, const std::vector<std::optional<JointRange>>& ranges,
            Pose pose, const ViewSettings::PoseKey& posing);
 
-// Names of the controls that the clip has, or the posing sets at any frame.
-std::vector<std::string> posed_controls(const Clip& clip, const ViewSettings::Posing& posing);
+// The pose number `at` of what posed_clip() and then apply_channels() make of the clip, to the last bit. `ranges`: of
+// every joint, as posed() takes them.
+Pose posed_frame(const Clip& clip, std::size_t at, const Basis& basis, const JointLimits& limits,
+                 const std::vector<std::optional<JointRange>>& ranges, const ViewSettings::Posing& posing);
 
-// A value of the pose for each of the names: that of the posing, where it has one.
-void set_posed_controls(const std::vector<std::string>& names, const ViewSettings::PoseKey& posing, Pose& pose);
-
-// The whole clip so, frame by frame as its keys say. Its controls are posed_controls().
+// The whole clip so, frame by frame as its keys say. Its controls are those that it has, or the posing sets at any
+// frame.
 Clip posed_clip(Clip clip, const Skeleton& skeleton, const JointLimits& limits, const ViewSettings::Posing& posing);
 
 }  // namespace bodyopt

@@ -9,6 +9,18 @@
 
 namespace bodyopt::testing {
 
+inline std::vector<float> download(const vulkan::Device& device, const vulkan::Buffer& buffer) {
+  const vulkan::Buffer readback(device, buffer.size(), vulkan::Memory::staging, "readback");
+  vulkan::Commands commands(device);
+  commands.begin();
+  commands.copy(buffer, readback);
+  commands.end();
+  commands.run();
+  std::vector<float> values(buffer.size() / sizeof(float));
+  std::memcpy(values.data(), readback.mapped(), values.size() * sizeof(float));
+  return values;
+}
+
 class CharactersTest : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {
@@ -27,17 +39,7 @@ class CharactersTest : public ::testing::Test {
   }
   void TearDown() override { EXPECT_EQ(device_->validation_messages(), std::vector<std::string>()); }
 
-  static std::vector<float> download(const vulkan::Buffer& buffer) {
-    const vulkan::Buffer readback(*device_, buffer.size(), vulkan::Memory::staging, "readback");
-    vulkan::Commands commands(*device_);
-    commands.begin();
-    commands.copy(buffer, readback);
-    commands.end();
-    commands.run();
-    std::vector<float> values(buffer.size() / sizeof(float));
-    std::memcpy(values.data(), readback.mapped(), values.size() * sizeof(float));
-    return values;
-  }
+  static std::vector<float> download(const vulkan::Buffer& buffer) { return testing::download(*device_, buffer); }
 
   static inline std::shared_ptr<const vulkan::Device> device_;
   static inline std::unique_ptr<TemporaryFolder> folder_;

@@ -1,15 +1,23 @@
-// One session of a character that has everything, to the last bit on one device: what the viewport exports, what `eval`
-// makes of the session, and a farm's shot that is cut in three.
+// One session of a character that has everything, to the last bit on one device: what the viewport shows and exports,
+// what `eval` makes of the session, a farm's shot that is cut in three, and the library from C++ and Python.
 #include <gtest/gtest.h>
 
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "assets/pc2.h"
+#include "include/bodyopt/bodyopt.hpp"
+#include "runtime/basis/character_unit.h"
+#include "runtime/core/error.h"
 #include "runtime/core/json.h"
+#include "shots/session/posed_clip.h"
+#include "shots/shot_files.h"
+#include "tests/proxy_viewer/characters_fixture.h"
 #include "tests/proxy_viewer/played_viewport.h"
 #include "tests/support/attached_limb.h"
-#include "tests/support/random_tables.h"
+#include "tests/support/breathing.h"
 #include "tests/support/read_bytes.h"
+#include "tests/support/run_program.h"
 #include "tests/support/run_verb.h"
 #include "trainer/dynamics/build_dynamics.h"
 #include "trainer/modifiers/bake_stack.h"
@@ -18,34 +26,6 @@ namespace bodyopt::testing {
 namespace same_shot_test {
 
 namespace fs = std::filesystem;
-
-// The trained limb, which breathes: its skin is moved at random, its elbow turned, litre for litre.
-void add_breath(Basis& basis) {
-  SkinModifiers& modifiers = basis.modifiers;
-  SkinModifier breath;
-  breath.name = "breath";
-  breath.type = "breathing";
-  breath.first_component = modifiers.component_count();
-  breath.component_count = 2;
-  breath.numbers = {1};
-  breath.turns = {{1, 0, 0.1f, 0, 0}};
-  Random random(3);
-  SkinModifiers all = modifiers;
-  all.blend.clear();
-  all.blend_begin = {0};
-  for (std::size_t block = 0; block + 1 < modifiers.blend_begin.size(); ++block) {
-    const auto begin = modifiers.blend.begin();
-    all.blend.insert(all.blend.end(), begin + modifiers.blend_begin[block], begin + modifiers.blend_begin[block + 1]);
-    const auto first = static_cast<std::uint32_t>(block * kBlockSize);
-    const std::uint32_t lanes = std::min(kBlockSize, basis.mesh.vertex_count() - first);
-    for (std::uint32_t k = 0; k < breath.component_count; ++k) {
-      all.blend.push_back(random_blend_entry(random, 0.01, breath.first_component + k, lanes));
-    }
-    all.blend_begin.push_back(static_cast<std::uint32_t>(all.blend.size()));
-  }
-  all.stack.push_back(breath);
-  basis.modifiers = all;
-}
 
 // The skin at the clip's pose of a frame, swollen in the middle.
 void write_sculpt(const Basis& basis, const Pose& pose, const fs::path& path) {
@@ -59,8 +39,97 @@ void write_sculpt(const Basis& basis, const Pose& pose, const fs::path& path) {
   writer.close();
 }
 
+// The samples of a cache, one after the other.
+std::vector<float> samples_of(const std::string& cache) {
+  const Pc2Reader reader(cache);
+  std::vector<float> all;
+  for (std::uint32_t k = 0; k < reader.sample_count(); ++k) {
+    const std::vector<float> sample = reader.sample(k);
+    all.insert(all.end(), sample.begin(), sample.end());
+  }
+  return all;
+}
+
+constexpr int kIn = 2, kOut = 11;
+
+// What a program that has the animator's clip gives the library: its poses before modifiers, from the clip's first
+// frame on, and the channels of the model.
+struct GivenClip {
+  GivenClip(const std::string& session, const api::Model& model) {
+    ShotFiles files;
+    take_session(session, files);
+    const Basis basis = load_basis(files.basis);
+    const Clip clip = posed_clip(files.clip.read(basis, kept_unit(basis)), basis.skeleton, {}, files.session.pose);
+    fps = clip.fps;
+    for (std::uint32_t c = 0; c < api::describe(model).channel_count; ++c) {
+      auto channel = api::make<bodyopt_channel>();
+      api::check(bodyopt_describe_channel(model.get(), c, &channel));
+      constants.push_back(channel.constant);
+      columns.push_back(std::ranges::find(clip.controls, std::string(channel.name)) - clip.controls.begin());
+    }
+    for (int f = 0; f < kOut; ++f) add(clip.poses[static_cast<std::size_t>(f)]);
+  }
+
+  void add(const Pose& pose) {
+    for (const JointTransform& t : pose.joints) {
+      joints.insert(joints.end(), t.translation.begin(), t.translation.end());
+      joints.insert(joints.end(), t.rotation.begin(), t.rotation.end());
+      joints.insert(joints.end(), t.scale.begin(), t.scale.end());
+    }
+    for (std::size_t c = 0; c < columns.size(); ++c) {
+      const auto column = static_cast<std::size_t>(columns[c]);
+      channels.push_back(column < pose.controls.size() ? pose.controls[column] : constants[c]);
+    }
+    numbers.push_back(static_cast<int>(numbers.size()) + 1);
+  }
+
+  // Frames `begin` and before `end` of the clip, which begins at 1.
+  bodyopt_poses frames(int begin, int end) const {
+    const auto first = static_cast<std::size_t>(begin - 1), all = numbers.size();
+    auto poses = api::make<bodyopt_poses>();
+    poses.frame_count = static_cast<std::uint32_t>(end - begin);
+    poses.joint_count = static_cast<std::uint32_t>(joints.size() / all / 10);
+    poses.joints = joints.data() + joints.size() / all * first;
+    poses.frame_numbers = numbers.data() + first;
+    poses.shows_modifiers = 1;
+    poses.goes_on = begin > 1;
+    poses.frames_per_second = fps;
+    poses.channels = channels.data() + columns.size() * first;
+    poses.channel_count = static_cast<std::uint32_t>(columns.size());
+    return poses;
+  }
+
+  double fps = 0;
+  std::vector<double> joints;
+  std::vector<float> channels, constants;
+  std::vector<std::ptrdiff_t> columns;  // of the clip's controls, of each channel; their number: it has none
+  std::vector<int> numbers;
+};
+
+void write(const fs::path& path, const auto& values) {
+  std::ofstream(path, std::ios::binary)
+      .write(reinterpret_cast<const char*>(values.data()),
+             static_cast<std::streamsize>(values.size() * sizeof(values[0])));
+}
+
 class SameShot : public PlayedTest {
  protected:
+  static void TearDownTestSuite() {
+    made_.reset();
+    PlayedTest::TearDownTestSuite();
+  }
+
+  // In this test's folder what the first test made.
+  SameShot() {
+    if (made_) {
+      fs::copy(made_->path(), ".", fs::copy_options::recursive | fs::copy_options::overwrite_existing);
+      return;
+    }
+    make_shot();
+    made_ = std::make_unique<TemporaryFolder>();
+    fs::copy(".", made_->path());
+  }
+
   // hero.safetensors, with a sleeve and dynamics beside it, and bend.glb.
   void make_hero() {
     Basis basis = TrainedCharacter(folder_).made;
@@ -77,9 +146,30 @@ class SameShot : public PlayedTest {
       {"name": "folds", "type": "push_out"}]})";
     std::vector<std::string> notes;
     basis.modifiers = bake_stack("stack.json", basis, notes);
-    add_breath(basis);
+    add_breathing(basis);
     save_basis(basis, "hero.safetensors");
     save_attachments(attached_to_limb({sleeve(0.004)}), "hero.attached.safetensors");
+  }
+
+  // shot.json, seen.pc2 by the viewport and whole.pc2 by `eval`.
+  void make_shot() {
+    make_hero();
+    ViewerOptions options = small();
+    options.files = {"hero.safetensors", "limb_bend.glb"};
+    open(options,
+         "frame 2; turn joint1 20 0 0; control flesh.amount 0; key; frame 9; turn joint1 90 0 0; "
+         "control breath.depth 2; key; jiggle on; jiggle-amount 1.5; correction 0.75; in 2; out 11; save shot.json; "
+         "export-skin seen.pc2");
+    evaluate("--out whole.pc2 --json whole.json");
+  }
+
+  static void evaluate(const std::string& options) {
+    const ProgramResult ran = run_verb("eval --session shot.json --jiggle --device '" + name() + "' " + options);
+    ASSERT_EQ(ran.exit_code, 0) << ran.output;
+  }
+  static std::string name() { return device_->info().name; }
+  static api::Model load() {
+    return api::load_model("hero.safetensors", "hero.dynamics.safetensors", "hero.attached.safetensors");
   }
 
   static void expect_same(const std::string& cache, const std::string& other) {
@@ -89,23 +179,11 @@ class SameShot : public PlayedTest {
       EXPECT_TRUE(bytes == read_bytes(other + ending)) << cache << " and " << other << ", " << ending;
     }
   }
+
+  static inline std::unique_ptr<TemporaryFolder> made_;
 };
 
 TEST_F(SameShot, IsTheSameWhoeverEvaluatesIt) {
-  make_hero();
-  ViewerOptions options = small();
-  options.files = {"hero.safetensors", "limb_bend.glb"};
-  {
-    const auto viewport = open(
-        options,
-        "frame 2; turn joint1 20 0 0; control flesh.amount 0; key; frame 9; turn joint1 90 0 0; control breath.depth 2; "
-        "key; jiggle on; jiggle-amount 1.5; correction 0.75; in 2; out 11; save shot.json; export-skin seen.pc2");
-  }
-
-  const std::string device = device_->info().name;
-  const ProgramResult whole =
-      run_verb("eval --session shot.json --jiggle --device '" + device + "' --out whole.pc2 --json whole.json");
-  ASSERT_EQ(whole.exit_code, 0) << whole.output;
   expect_same("seen", "whole");
   // All of it is in the shot.
   const Json told = Json::parse(read_bytes("whole.json"));
@@ -119,7 +197,7 @@ TEST_F(SameShot, IsTheSameWhoeverEvaluatesIt) {
                                          {"element", "hero"},
                                          {"session", "shot.json"},
                                          {"jiggle", true},
-                                         {"device", device},
+                                         {"device", name()},
                                          {"frame_ms", 12000},
                                          {"out", "farm.pc2"}}}}};
   const ProgramResult planned = run_verb("farm plan shots.json --task-minutes 0.7 --out plan --json plan.json");
@@ -128,6 +206,79 @@ TEST_F(SameShot, IsTheSameWhoeverEvaluatesIt) {
   const ProgramResult ran = run_verb("farm run plan");
   ASSERT_EQ(ran.exit_code, 0) << ran.output;
   expect_same("whole", "farm");
+}
+
+// The buffers that are drawn, frame by frame as they are played. The viewport steps the jiggle through what of the clip
+// comes before the range.
+TEST_F(SameShot, IsWhatTheViewportPlays) {
+  evaluate("--preroll 1 --out played.pc2");
+  ViewerOptions options = small();
+  options.files = {"shot.json"};
+  const auto viewport = open(options);
+  const Pc2Reader played("played.pc2"), sleeves("played.sleeve.pc2");
+  for (int frame = kIn; frame <= kOut; ++frame) {
+    viewport->prompt("frame " + std::to_string(frame));
+    const Session& session = viewport->session();
+    const Actor& lead = session.scene.lead();
+    ASSERT_EQ(shown_method(lead, session.controls.settings), SkinMethod::jiggle);
+    const std::vector<float> buffer = download(*device_, *lead.skin(SkinMethod::jiggle).positions);
+    std::vector<float> skin;
+    for (const std::uint32_t v : lead.basis().mesh.output_vertex) {
+      skin.insert(skin.end(), buffer.begin() + 3 * v, buffer.begin() + 3 * v + 3);
+    }
+    const auto sample = static_cast<std::uint32_t>(frame - kIn);
+    EXPECT_TRUE(skin == played.sample(sample)) << frame;
+    EXPECT_TRUE(lead.worn_points(skin, session.scene.lead_pose(session.controls)) == sleeves.sample(sample)) << frame;
+  }
+}
+
+TEST_F(SameShot, IsWhatTheLibraryShows) {
+  const api::Model model = load();
+  const api::Device device = api::open_device(name());
+  auto options = api::make<bodyopt_instance_options>();
+  options.device = device.get();
+  options.jiggles = 1;
+  const api::Instance instance = api::create_instance(model, options);
+  api::check(bodyopt_set_weights(instance.get(), 0.75f, 1.5f));
+  const GivenClip clip("shot.json", model);
+  const auto nothing = api::make<bodyopt_skin>();
+  const bodyopt_poses before = clip.frames(1, kIn);  // where the breath goes on
+  api::check(bodyopt_evaluate(instance.get(), &before, &nothing));
+  std::vector<float> skin(samples_of("whole.pc2").size()), worn(samples_of("whole.sleeve.pc2").size());
+  bodyopt_floats attached{worn.data(), worn.size() * sizeof(float), 0, 0};
+  auto wanted = api::make<bodyopt_skin>();
+  wanted.positions = {skin.data(), skin.size() * sizeof(float), 0, 0};
+  wanted.attached = &attached;
+  wanted.attached_count = 1;
+  const bodyopt_poses poses = clip.frames(kIn, kOut + 1);
+  api::check(bodyopt_jiggle(instance.get(), &poses, &wanted));
+  EXPECT_TRUE(skin == samples_of("whole.pc2"));
+  EXPECT_TRUE(worn == samples_of("whole.sleeve.pc2"));
+}
+
+TEST_F(SameShot, IsWhatPythonShows) {
+#ifndef BODYOPT_PYTHON
+  GTEST_SKIP() << "built without Python";
+#else
+  if (run_program(std::string(BODYOPT_PYTHON) + " -c 'import numpy'").exit_code != 0) GTEST_SKIP() << "without numpy";
+  const GivenClip clip("shot.json", load());
+  fs::create_directories("modules/bodyopt");
+  fs::create_symlink(kSourceFolder + "/bindings/python/bodyopt/__init__.py", "modules/bodyopt/__init__.py");
+  for (const auto& file : fs::directory_iterator(BODYOPT_PYTHON_MODULES)) {
+    fs::create_symlink(file.path(), "modules/bodyopt" / file.path().filename());
+  }
+  write("joints", clip.joints);
+  write("channels", clip.channels);
+  const ProgramResult ran = run_program(concat("PYTHONPATH=modules ", BODYOPT_PYTHON, " ", kSourceFolder,
+                                               "/tests/proxy_viewer/same_shot.py '", name(), "' ", clip.fps, " ", kIn));
+  ASSERT_EQ(ran.exit_code, 0) << ran.output;
+  for (const std::string cache : {"whole", "whole.sleeve"}) {
+    const std::vector<float> expected = samples_of(cache + ".pc2");
+    EXPECT_TRUE(read_bytes(cache + ".python") ==
+                std::string(reinterpret_cast<const char*>(expected.data()), expected.size() * sizeof(float)))
+        << cache;
+  }
+#endif
 }
 
 }  // namespace same_shot_test
