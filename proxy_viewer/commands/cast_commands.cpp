@@ -29,18 +29,17 @@ std::uint32_t vertex_of(const Controls& controls, std::size_t character, const s
 
 const Command kCastCommands[] = {
     {"ghosts", "BEFORE AFTER", "", "Look", "frames before and after, see-through",
-     [](Controls& c, const std::string& a) {
+     [](ViewSettings::Ghosts& ghosts, const std::string& a) {
        const auto w = words(a, 2, "two counts");
-       c.settings.ghosts.before = integer_within(w[0], 0, kMostGhosts);
-       c.settings.ghosts.after = integer_within(w[1], 0, kMostGhosts);
+       ghosts.before = integer_within(w[0], 0, kMostGhosts);
+       ghosts.after = integer_within(w[1], 0, kMostGhosts);
      }},
     {"ghost-step", "FRAMES", "", "Look", "from one ghost to the next",
-     [](Controls& c, const std::string& a) { c.settings.ghosts.step = integer_within(a, 1, kLongestGhostStep); }},
+     [](ViewSettings::Ghosts& ghosts, const std::string& a) { ghosts.step = integer_within(a, 1, kLongestGhostStep); }},
     {"ghost-opacity", "0-1", "", "Look", "of the ghost that is next; those beyond fade",
-     [](Controls& c, const std::string& a) { c.settings.ghosts.opacity = number_within(a, 0, 1); }},
+     [](ViewSettings::Ghosts& ghosts, const std::string& a) { ghosts.opacity = number_within(a, 0, 1); }},
     {"toggle-ghosts", "[on|off]", "G", "Look", "two ghosts before and two after",
-     [](Controls& c, const std::string& a) {
-       ViewSettings::Ghosts& ghosts = c.settings.ghosts;
+     [](ViewSettings::Ghosts& ghosts, const std::string& a) {
        const bool had = ghosts.before + ghosts.after > 0;
        bool has = had;
        toggle(has, a);
@@ -51,14 +50,14 @@ const Command kCastCommands[] = {
      [](const Controls& c) { return name_of(c.settings.ghosts.before + c.settings.ghosts.after > 0); }},
 
     {"copies", "COUNT", "", "Look", "of the lead on the stage",
-     [](Controls& c, const std::string& a) { c.settings.cast.copies = integer_within(a, 1, kMostCopies); }},
+     [](ViewSettings::Cast& cast, const std::string& a) { cast.copies = integer_within(a, 1, kMostCopies); }},
     {"copy-delay", "FRAMES", "", "Look", "from one copy to the next",
-     [](Controls& c, const std::string& a) { c.settings.cast.delay = integer_within(a, 0, kLongestCopyDelay); }},
+     [](ViewSettings::Cast& cast, const std::string& a) { cast.delay = integer_within(a, 0, kLongestCopyDelay); }},
 
     {"mark", "[on|off]", "", "Compare", "clicks mark a vertex of the lead, then the same of the second of the cast",
-     [](Controls& c, const std::string& a) {
-       toggle(c.marking.on, a);
-       c.marking.of_lead.reset();
+     [](Marking& marking, const std::string& a) {
+       toggle(marking.on, a);
+       marking.of_lead.reset();
      },
      [](const Controls& c) { return name_of(c.marking.on); }},
     {"marker", "VERTEX VERTEX", "", "Compare", "of the lead and of the second of the cast, that are the same",
@@ -67,9 +66,9 @@ const Command kCastCommands[] = {
        add_marker(c, {vertex_of(c, 0, all[0]), vertex_of(c, 1, all[1])});
      }},
     {"unmark", "", "", "Compare", "takes the marker away that was set last",
-     [](Controls& c, const std::string&) {
-       if (c.marking.pairs.empty()) throw Error(ErrorKind::usage, "there is no marker");
-       c.marking.pairs.pop_back();
+     [](Marking& marking, const std::string&) {
+       if (marking.pairs.empty()) throw Error(ErrorKind::usage, "there is no marker");
+       marking.pairs.pop_back();
      }},
 
     {"place", "NUMBER X Y Z|auto", "", "Look", "where one of the cast begins, metres; auto: where there is room",
@@ -119,13 +118,13 @@ const Command kCompareCommands[] = {
     choice_command<kLayoutNames, &ViewSettings::Compare::layout>("layout", "side-by-side|overlay|wipe|hold", "Compare",
                                                                  "of a comparison"),
     {"next-layout", "", "L", "Compare", "side by side, overlay, wipe, hold",
-     [](Controls& c, const std::string&) { choose_next(c.settings.compare.layout, kLayoutNames); }},
+     [](ViewSettings::Compare& compare, const std::string&) { choose_next(compare.layout, kLayoutNames); }},
     {"wipe", "0-1", "", "Compare", "where, of the picture's width",
-     [](Controls& c, const std::string& a) { c.settings.compare.wipe = number_within(a, 0, 1); }},
+     [](ViewSettings::Compare& compare, const std::string& a) { compare.wipe = number_within(a, 0, 1); }},
     switch_command<&ViewSettings::Compare::heat>("heat", "E", "Compare", "colour by the distance, in millimetres"),
     {"heat-scale", "auto|MM", "", "Compare", "the hottest colour; auto: by what was measured",
-     [](Controls& c, const std::string& a) {
-       c.settings.compare.heat_scale_mm = automatic_or(a, kFinestHeat, kCoarsestHeat, number_within);
+     [](ViewSettings::Compare& compare, const std::string& a) {
+       compare.heat_scale_mm = automatic_or(a, kFinestHeat, kCoarsestHeat, number_within);
      }},
     switch_command<&ViewSettings::Compare::activation>("activation", "", "Compare",
                                                        "colour by what was learned: the distance to Direct Delta Mush"),
@@ -140,7 +139,7 @@ const Command kCompareCommands[] = {
                                              "to the vertex that is furthest off in this frame"),
 
     {"region", "NAME", "", "Compare", "of the dataset's map of poses",
-     [](Controls& c, const std::string& a) { c.curating.region = known(a, c.curating.regions, "region"); }},
+     [](Curating& curating, const std::string& a) { curating.region = known(a, curating.regions, "region"); }},
     choice_command<kMapColourNames, &Curating::colour>(
         "map-colour", "coverage|contradiction|error|sculpt|weight", "Compare",
         "of the map: thin data, like poses that disagree, the distance, what takes part in the last stroke, or how much "
@@ -159,9 +158,9 @@ const Command kCompareCommands[] = {
            {.name = known(name, c.curating.modifiers, "modifier"), .strength = number_within(strength, 0, 1)});
      }},
     {"undo-edit", "", "", "Compare", "the dataset's stack before the last edit",
-     [](Controls& c, const std::string&) { c.requests.step_back = true; }},
+     [](Requests& requests, const std::string&) { requests.step_back = true; }},
     {"redo-edit", "", "", "Compare", "the edit of the stack that was undone",
-     [](Controls& c, const std::string&) { c.requests.step_back = false; }},
+     [](Requests& requests, const std::string&) { requests.step_back = false; }},
     {"brush", "none|grab|smooth|inflate|flatten|erase", "", "Compare",
      "what the mouse does to the dataset's skin; none: it turns the view",
      [](Controls& c, const std::string& a) {
@@ -178,16 +177,16 @@ const Command kCompareCommands[] = {
      },
      [](const Controls& c) { return c.brush.kind ? name_of(*c.brush.kind, kBrushKindNames) : "none"; }},
     {"brush-radius", "MM", "", "Compare", "of the brush, along the skin",
-     [](Controls& c, const std::string& a) { c.brush.radius_mm = number_within(a, kFinestBrush, kWidestBrush); }},
+     [](BrushInHand& brush, const std::string& a) { brush.radius_mm = number_within(a, kFinestBrush, kWidestBrush); }},
     {"brush-strength", "0-1", "", "Compare", "of the brush",
-     [](Controls& c, const std::string& a) { c.brush.strength = number_within(a, 0, 1); }},
+     [](BrushInHand& brush, const std::string& a) { brush.strength = number_within(a, 0, 1); }},
     switch_command<&BrushInHand::symmetric>("brush-symmetry", "", "Compare",
                                             "the brush does the same on the other side of the body"),
     {"brush-spread", "auto|DEGREES", "", "Compare", "to poses how near a stroke reaches; auto: as the modifier's",
-     [](Controls& c, const std::string& a) { c.brush.spread = automatic_or(a, 0, kWidestSpread, number_within); }},
+     [](BrushInHand& brush, const std::string& a) { brush.spread = automatic_or(a, 0, kWidestSpread, number_within); }},
     {"brush-modifier", "NAME", "", "Compare",
      "the sculpt of the dataset's stack that takes strokes; a new name makes one",
-     [](Controls& c, const std::string& a) { c.brush.modifier = a; }},
+     [](BrushInHand& brush, const std::string& a) { brush.modifier = a; }},
     {"stroke", "X Y [X Y ...]", "", "Compare",
      "of the brush through points of the picture, by shares of its width and height",
      [](Controls& c, const std::string& a) {

@@ -18,13 +18,37 @@ namespace bodyopt {
 // What the tables of commands are made of: what commands are given, as text, and what is said of it; and the tables.
 // What reads text throws Error(usage) that names what was expected.
 
+// The parts of the controls, each of its own type, and all of them.
+auto parts_of(auto& c) {
+  auto& s = c.settings;
+  return std::tie(c, c.playback, c.camera, c.requests, c.curating, c.brush, c.marking, s, s.look, s.compare, s.pose,
+                  s.jiggle, s.ghosts, s.cast, s.hud);
+}
+
+// What a command does: a function without a capture, of the part of the controls that it changes and the argument.
+class CommandAction {
+ public:
+  template <typename Function>
+  constexpr CommandAction(Function) : run_([](Controls& c, const std::string& a) { run(+Function{}, c, a); }) {}
+
+  void operator()(Controls& controls, const std::string& argument) const { run_(controls, argument); }
+
+ private:
+  template <typename Part>
+  static void run(void (*function)(Part&, const std::string&), Controls& controls, const std::string& argument) {
+    function(std::get<Part&>(parts_of(controls)), argument);
+  }
+
+  void (*run_)(Controls& controls, const std::string& argument);
+};
+
 struct Command {
   const char* name;      // "play": as typed
   const char* argument;  // "FRAME"; empty: none
   const char* key;       // "Ctrl+Left"; empty: none
   const char* menu;      // "Playback"
   const char* help;      // a line
-  void (*run)(Controls& controls, const std::string& argument);
+  CommandAction run;
   // What is set: "on", "off", or one of the words of `argument`; null where nothing lasts.
   std::string (*value)(const Controls& controls) = nullptr;
   bool repeats = false;  // while its key is held
@@ -124,15 +148,10 @@ std::span<const Command> file_commands();
 // Of a command that goes on while its key is held.
 inline constexpr bool kRepeats = true;
 
-// What switches and choices are members of.
-auto parts_with_values(auto& c) {
-  return std::tie(c, c.settings.look, c.settings.compare, c.settings.jiggle, c.settings.hud, c.curating, c.brush);
-}
-
 template <typename Value, typename Part>
 auto& value_at(auto& controls, Value Part::*member) {
   using Found = std::conditional_t<std::is_const_v<std::remove_reference_t<decltype(controls)>>, const Part, Part>;
-  return std::get<Found&>(parts_with_values(controls)).*member;
+  return std::get<Found&>(parts_of(controls)).*member;
 }
 
 template <auto member>
@@ -151,7 +170,7 @@ constexpr Command choice_command(const char* name, const char* argument, const c
 // Of what the application does once a picture is drawn.
 template <bool Requests::*asked>
 constexpr Command request_command(const char* name, const char* key, const char* menu, const char* help) {
-  return {name, "", key, menu, help, [](Controls& c, const std::string&) { c.requests.*asked = true; }};
+  return {name, "", key, menu, help, [](Requests& requests, const std::string&) { requests.*asked = true; }};
 }
 
 }  // namespace bodyopt

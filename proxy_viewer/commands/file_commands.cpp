@@ -7,42 +7,42 @@ namespace {
 
 const Command kFileCommands[] = {
     {"open", "FILE", "", "File", "a basis, character, clip, point cache, dataset or session",
-     [](Controls& c, const std::string& a) { c.requests.open.push_back(a); }},
+     [](Requests& requests, const std::string& a) { requests.open.push_back(a); }},
     {"save", "FILE.json", "", "File", "the session: files, poses, keys, cameras and settings; open and eval read it",
-     [](Controls& c, const std::string& a) {
+     [](Requests& requests, const std::string& a) {
        if (!a.ends_with(".json")) refuse(a, "a file that ends in .json");
-       c.requests.save = a;
+       requests.save = a;
      }},
     {"export-clip", "FILE.glb|.bvh", "", "File", "the motion of the range, as it is posed and keyed",
-     [](Controls& c, const std::string& a) {
+     [](Requests& requests, const std::string& a) {
        if (!a.ends_with(".glb") && !a.ends_with(".bvh")) refuse(a, "a file that ends in .glb or .bvh");
-       c.requests.export_clip = a;
+       requests.export_clip = a;
      }},
     {"export-skin", "FILE.pc2|.usda|.glb", "", "File", "the lead's skin over the range, and what it wears",
-     [](Controls& c, const std::string& a) {
+     [](Requests& requests, const std::string& a) {
        const auto ends = [&](const char* ending) { return a.ends_with(ending); };
        if (!ends(".pc2") && !ends(".usda") && !ends(".glb")) refuse(a, "a file that ends in .pc2, .usda or .glb");
-       c.requests.export_skin = a;
+       requests.export_skin = a;
      }},
     {"screenshot", "[FILE.png]", "F12", "File", "the picture as it is",
-     [](Controls& c, const std::string& a) { c.requests.screenshot = a; }},
+     [](Requests& requests, const std::string& a) { requests.screenshot = a; }},
     {"sequence", "FILE.####.png", "", "File", "a picture of every frame of the range; .webp: one that moves",
-     [](Controls& c, const std::string& a) { c.requests.sequence = a; }},
+     [](Requests& requests, const std::string& a) { requests.sequence = a; }},
     {"turntable", "FILE.####.png", "", "File", "once around, 72 pictures",
-     [](Controls& c, const std::string& a) { c.requests.turntable = a; }},
+     [](Requests& requests, const std::string& a) { requests.turntable = a; }},
     {"save-state", "FILE.json", "", "File", "cameras and settings",
-     [](Controls& c, const std::string& a) { c.requests.save_state = a; }},
+     [](Requests& requests, const std::string& a) { requests.save_state = a; }},
     {"load-state", "FILE.json", "", "File", "cameras and settings; the frame stays: sessions keep it",
-     [](Controls& c, const std::string& a) { c.requests.load_state = a; }},
+     [](Requests& requests, const std::string& a) { requests.load_state = a; }},
     {"save-markers", "FILE.json", "", "File", "for bodyopt transfer --markers",
-     [](Controls& c, const std::string& a) {
+     [](Requests& requests, const std::string& a) {
        if (!a.ends_with(".json")) refuse(a, "a file that ends in .json");
-       c.requests.save_markers = a;
+       requests.save_markers = a;
      }},
     {"lead", "NUMBER", "", "File", "the character of whom panels speak, and to whom clips and caches go",
-     [](Controls& c, const std::string& a) { c.requests.lead = integer(a); }},
+     [](Requests& requests, const std::string& a) { requests.lead = integer(a); }},
     {"remove", "NUMBER", "", "File", "a character of the cast; its files stay",
-     [](Controls& c, const std::string& a) { c.requests.remove = integer(a); }},
+     [](Requests& requests, const std::string& a) { requests.remove = integer(a); }},
     request_command<&Requests::reload>("reload", "F5", "File", "read all files again"),
     {"browse", "open|save|save-state|load-state|export-clip|export-skin|screenshot|sequence|turntable", "", "File",
      "chooses the file of a command from the list of a folder",
@@ -58,14 +58,14 @@ const Command kFileCommands[] = {
     switch_command<&Controls::cheat_sheet>("cheat-sheet", "H", "View", "all keys"),
     switch_command<&Controls::prompt>("prompt", "Enter", "View", "type a command"),
     {"side-panel", "[on|off]", "Q", "View", "the panel on the right",
-     [](Controls& c, const std::string& a) {
-       toggle(c.settings.hud.panels.try_emplace(kSidePanel, true).first->second, a);
+     [](ViewSettings::Hud& hud, const std::string& a) {
+       toggle(hud.panels.try_emplace(kSidePanel, true).first->second, a);
      },
      [](const Controls& c) { return name_of(shows_side_panel(c.settings)); }},
     {"section", "look|cameras|compare|curate|pose|keys|modifiers|muscles|jiggle|ghosts|cast|transfer|output", "",
      "View", "opens a section of the side panel, and closes the others",
-     [](Controls& c, const std::string& a) {
-       open_section(c.settings, known(a, section_names(), "section of the side panel"));
+     [](ViewSettings& settings, const std::string& a) {
+       open_section(settings, known(a, section_names(), "section of the side panel"));
      }},
 };
 

@@ -10,9 +10,7 @@ constexpr double kTurn = std::numbers::pi / 36;  // 5 degrees
 constexpr double kMostPan = 100;
 
 template <AxisView axis>
-void view_axis(Controls& controls, const std::string&) {
-  controls.camera.view_axis(axis);
-}
+constexpr auto view_axis = [](OrbitCamera& camera, const std::string&) { camera.view_axis(axis); };
 
 const Command kCameraCommands[] = {
     request_command<&Requests::frame_selection>("frame-selection", "F", "Camera",
@@ -26,36 +24,36 @@ const Command kCameraCommands[] = {
     {"top", "", "7", "Camera", "from above", view_axis<AxisView::top>},
     {"bottom", "", "Ctrl+7", "Camera", "from below", view_axis<AxisView::bottom>},
     {"orthographic", "[on|off]", "5", "Camera", "without perspective, or with it",
-     [](Controls& c, const std::string& a) {
-       bool wanted = c.camera.view().orthographic;
+     [](OrbitCamera& camera, const std::string& a) {
+       bool wanted = camera.view().orthographic;
        toggle(wanted, a);
-       if (wanted != c.camera.view().orthographic) c.camera.toggle_orthographic();
+       if (wanted != camera.view().orthographic) camera.toggle_orthographic();
      },
      [](const Controls& c) { return name_of(c.camera.view().orthographic); }},
     {"cut-away", "[on|off]", "", "Camera", "cuts away what stands before the point that the camera turns about",
-     [](Controls& c, const std::string& a) {
-       bool wanted = c.camera.view().cut_away;
+     [](OrbitCamera& camera, const std::string& a) {
+       bool wanted = camera.view().cut_away;
        toggle(wanted, a);
-       if (wanted != c.camera.view().cut_away) c.camera.toggle_cut_away();
+       if (wanted != camera.view().cut_away) camera.toggle_cut_away();
      },
      [](const Controls& c) { return name_of(c.camera.view().cut_away); }},
     switch_command<&ViewSettings::Look::follow>("follow", "V", "Camera", "go along with the character"),
     {"orbit", "DEGREES DEGREES", "", "Camera", "around the target, to the right and up",
-     [](Controls& c, const std::string& a) {
+     [](OrbitCamera& camera, const std::string& a) {
        const auto w = words(a, 2, "two angles in degrees");
-       c.camera.orbit(number(w[0]) * std::numbers::pi / 180, number(w[1]) * std::numbers::pi / 180);
+       camera.orbit(number(w[0]) * std::numbers::pi / 180, number(w[1]) * std::numbers::pi / 180);
      }},
     {"orbit-left", "", "Shift+Left", "Camera", "5 degrees to the left",
-     [](Controls& c, const std::string&) { c.camera.orbit(-kTurn, 0); }, nullptr, kRepeats},
+     [](OrbitCamera& camera, const std::string&) { camera.orbit(-kTurn, 0); }, nullptr, kRepeats},
     {"orbit-right", "", "Shift+Right", "Camera", "5 degrees to the right",
-     [](Controls& c, const std::string&) { c.camera.orbit(kTurn, 0); }, nullptr, kRepeats},
+     [](OrbitCamera& camera, const std::string&) { camera.orbit(kTurn, 0); }, nullptr, kRepeats},
     {"pan", "RIGHT UP", "", "Camera", "the target, by shares of the picture's height",
-     [](Controls& c, const std::string& a) {
+     [](OrbitCamera& camera, const std::string& a) {
        const auto w = words(a, 2, "two shares of the picture's height");
-       c.camera.pan(-number_within(w[0], -kMostPan, kMostPan), number_within(w[1], -kMostPan, kMostPan), 1);
+       camera.pan(-number_within(w[0], -kMostPan, kMostPan), number_within(w[1], -kMostPan, kMostPan), 1);
      }},
     {"dolly", "NOTCHES", "", "Camera", "towards the target",
-     [](Controls& c, const std::string& a) { c.camera.dolly(number_within(a, -100, 100)); }},
+     [](OrbitCamera& camera, const std::string& a) { camera.dolly(number_within(a, -100, 100)); }},
     {"save-camera", "NAME", "", "Camera", "keeps the camera by a name",
      [](Controls& c, const std::string& a) {
        if (a.empty()) refuse(a, "a name");
@@ -68,8 +66,8 @@ const Command kCameraCommands[] = {
        c.go_to_camera(found->second);
      }},
     {"forget-camera", "NAME", "", "Camera", "a camera that was kept",
-     [](Controls& c, const std::string& a) {
-       if (c.settings.cameras.erase(a) == 0) refuse(a, "a camera that was kept");
+     [](ViewSettings& settings, const std::string& a) {
+       if (settings.cameras.erase(a) == 0) refuse(a, "a camera that was kept");
      }},
 };
 
@@ -79,22 +77,22 @@ const Command kLookCommands[] = {
     choice_command<kStyleNames, &ViewSettings::Look::style>("style", "clay|matcap|flat|normals", "Look",
                                                             "how skin looks"),
     {"next-style", "", "S", "Look", "clay, matcap, flat, normals",
-     [](Controls& c, const std::string&) { choose_next(c.settings.look.style, kStyleNames); }},
+     [](ViewSettings::Look& look, const std::string&) { choose_next(look.style, kStyleNames); }},
     switch_command<&ViewSettings::Look::wire>("wire", "W", "Look", "edges over the surface"),
     switch_command<&ViewSettings::Look::skeleton>("skeleton", "K", "Look", "joints and bones, seen through the skin"),
     switch_command<&ViewSettings::Look::fibres>("fibres", "M", "Look", "muscle fibres, coloured by strain"),
     switch_command<&ViewSettings::Look::tets>("tets", "T", "Look", "the tetrahedra of the jiggle, cut open"),
     {"tet-cut", "0-1", "", "Look", "share of the body that is cut away, from the front",
-     [](Controls& c, const std::string& a) { c.settings.look.tet_cut = number_within(a, 0, 1); }},
+     [](ViewSettings::Look& look, const std::string& a) { look.tet_cut = number_within(a, 0, 1); }},
     switch_command<&ViewSettings::Look::anatomy>(
         "anatomy", "", "Look", "the lead cut open: bone, fat, cavity and muscles, named under the mouse"),
     choice_command<kSectionAxisNames, &ViewSettings::Look::anatomy_axis>("anatomy-axis", "x|y|z", "Look",
                                                                          "of the world: what the cut is across"),
     {"anatomy-at", "0-1", "", "Look", "where the cut is, of the body's extent along that axis",
-     [](Controls& c, const std::string& a) { c.settings.look.anatomy_at = number_within(a, 0, 1); }},
+     [](ViewSettings::Look& look, const std::string& a) { look.anatomy_at = number_within(a, 0, 1); }},
     {"level", "auto|0|1|2...", "", "Look", "of detail, 0 the finest; auto: the one that keeps up",
-     [](Controls& c, const std::string& a) {
-       c.settings.look.level = automatic_or(a, 0, kCoarsestLevel, integer_within);
+     [](ViewSettings::Look& look, const std::string& a) {
+       look.level = automatic_or(a, 0, kCoarsestLevel, integer_within);
      }},
     switch_command<&ViewSettings::Look::grid>("grid", "D", "Look", "the grid on the ground"),
     switch_command<&ViewSettings::Look::axes>("axes", "A", "Look", "the world's axes"),

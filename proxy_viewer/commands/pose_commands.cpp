@@ -29,54 +29,55 @@ void require_keys(const Playback& playback) {
 }
 
 const Command kPlaybackCommands[] = {
-    {"play", "", "Space", "Playback", "play or pause", [](Controls& c, const std::string&) { c.playback.toggle(); },
+    {"play", "", "Space", "Playback", "play or pause",
+     [](Playback& playback, const std::string&) { playback.toggle(); },
      [](const Controls& c) { return name_of(c.playback.playing()); }},
     {"step", "[FRAMES]", "Right", "Playback", "one frame on",
-     [](Controls& c, const std::string& a) { c.playback.step(a.empty() ? 1 : integer(a)); }, nullptr, kRepeats},
+     [](Playback& playback, const std::string& a) { playback.step(a.empty() ? 1 : integer(a)); }, nullptr, kRepeats},
     {"step-back", "", "Left", "Playback", "one frame back",
-     [](Controls& c, const std::string&) { c.playback.step(-1); }, nullptr, kRepeats},
+     [](Playback& playback, const std::string&) { playback.step(-1); }, nullptr, kRepeats},
     {"first", "", "Home", "Playback", "to the first frame of the range",
-     [](Controls& c, const std::string&) { c.playback.scrub(c.playback.in()); }},
+     [](Playback& playback, const std::string&) { playback.scrub(playback.in()); }},
     {"last", "", "End", "Playback", "to the last frame of the range",
-     [](Controls& c, const std::string&) { c.playback.scrub(c.playback.out()); }},
+     [](Playback& playback, const std::string&) { playback.scrub(playback.out()); }},
     {"next-key", "", "Up", "Playback", "to the next key",
-     [](Controls& c, const std::string&) {
-       require_keys(c.playback);
-       c.playback.go_to_next_key();
+     [](Playback& playback, const std::string&) {
+       require_keys(playback);
+       playback.go_to_next_key();
      },
      nullptr, kRepeats},
     {"previous-key", "", "Down", "Playback", "to the key before",
-     [](Controls& c, const std::string&) {
-       require_keys(c.playback);
-       c.playback.go_to_previous_key();
+     [](Playback& playback, const std::string&) {
+       require_keys(playback);
+       playback.go_to_previous_key();
      },
      nullptr, kRepeats},
     {"frame", "FRAME", "", "Playback", "to a frame; of a dataset's take: rom 40",
      [](Controls& c, const std::string& a) { c.playback.scrub(frame_of_clip(c, a)); }},
     {"backwards", "[on|off]", "B", "Playback", "play backwards",
-     [](Controls& c, const std::string& a) {
-       bool backwards = c.playback.backwards();  // as it goes now, in ping-pong
+     [](Playback& playback, const std::string& a) {
+       bool backwards = playback.backwards();  // as it goes now, in ping-pong
        toggle(backwards, a);
-       c.playback.set_backwards(backwards);
+       playback.set_backwards(backwards);
      },
      [](const Controls& c) { return name_of(c.playback.backwards()); }},
     {"mode", "loop|ping-pong|once", "", "Playback", "what happens at the end of the range",
-     [](Controls& c, const std::string& a) {
-       PlayMode mode = c.playback.mode();
+     [](Playback& playback, const std::string& a) {
+       PlayMode mode = playback.mode();
        choose(mode, a, kPlayModeNames);
-       c.playback.set_mode(mode);
+       playback.set_mode(mode);
      },
      [](const Controls& c) { return name_of(c.playback.mode(), kPlayModeNames); }},
     {"speed", "0.1-2", "", "Playback", "of playing; 1: as it is",
-     [](Controls& c, const std::string& a) {
+     [](Playback& playback, const std::string& a) {
        const double speed = number_within(a, PlaySettings::kSlowest, PlaySettings::kFastest);
-       c.playback.set_speed(speed);
+       playback.set_speed(speed);
      }},
     {"every-frame", "[on|off]", "", "Playback", "drop no frame, however long it takes",
-     [](Controls& c, const std::string& a) {
-       bool every = !c.playback.real_time();
+     [](Playback& playback, const std::string& a) {
+       bool every = !playback.real_time();
        toggle(every, a);
-       c.playback.set_real_time(!every);
+       playback.set_real_time(!every);
      },
      [](const Controls& c) { return name_of(!c.playback.real_time()); }},
     {"in", "[FRAME]", "I", "Playback", "the range begins here",
@@ -92,7 +93,7 @@ const Command kPlaybackCommands[] = {
        c.playback.set_range(std::min(c.playback.in(), out), out);
      }},
     {"whole-range", "", "Alt+I", "Playback", "play all frames",
-     [](Controls& c, const std::string&) { c.playback.set_range(c.playback.first(), c.playback.last()); }},
+     [](Playback& playback, const std::string&) { playback.set_range(playback.first(), playback.last()); }},
     {"live", "[on|off]", "", "Playback", "poses that another program sends, or the clip",
      [](Controls& c, const std::string& a) {
        if (!c.live) throw Error(ErrorKind::usage, "no poses are listened for: begin with --live PORT");
@@ -195,7 +196,7 @@ const Command kPoseCommands[] = {
            number_within(value, -kMostControl, kMostControl);
      }},
     {"reset-pose", "", "R", "Pose", "the pose as the clip has it",
-     [](Controls& c, const std::string&) { static_cast<ViewSettings::PoseKey&>(c.settings.pose) = {}; }},
+     [](ViewSettings::Posing& pose, const std::string&) { static_cast<ViewSettings::PoseKey&>(pose) = {}; }},
     {"undo", "", "Ctrl+Z", "Pose", "turns, controls and keys before the last change; with a brush in hand: undo-edit",
      [](Controls& c, const std::string&) {
        if (c.brush.kind) {
@@ -213,10 +214,10 @@ const Command kPoseCommands[] = {
        if (!c.poses.redo(c.settings.pose)) c.say("nothing to redo");
      }},
     {"correction", "0-1", "", "Pose", "how much is shown of what was learned",
-     [](Controls& c, const std::string& a) { c.settings.pose.correction = number_within(a, 0, 1); }},
+     [](ViewSettings::Posing& pose, const std::string& a) { pose.correction = number_within(a, 0, 1); }},
     switch_command<&ViewSettings::Jiggling::on>("jiggle", "J", "Pose", "flesh that moves by inertia"),
     {"jiggle-amount", "0-4", "", "Pose", "how much is shown of the jiggle",
-     [](Controls& c, const std::string& a) { c.settings.jiggle.amount = number_within(a, 0, kMostJiggle); }},
+     [](ViewSettings::Jiggling& jiggle, const std::string& a) { jiggle.amount = number_within(a, 0, kMostJiggle); }},
     request_command<&Requests::reset_jiggle>("reset-jiggle", "", "Pose", "the jiggle begins anew"),
 };
 
