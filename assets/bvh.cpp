@@ -11,6 +11,7 @@
 
 #include "runtime/basis/read_file.h"
 #include "runtime/core/error.h"
+#include "runtime/core/file_kind.h"
 #include "runtime/core/text.h"
 
 namespace bodyopt {
@@ -43,7 +44,9 @@ class Parser {
   Parser(const std::filesystem::path& path, std::string_view text) : path_(path), rest_(text), text_(text) {}
 
   Bvh parse() {
-    expect("hierarchy");
+    if (lower_case(peek()) != "hierarchy")
+      fail("expected 'hierarchy', found '", peek().substr(0, 40), "'", looks_like(path_));
+    next();
     while (lower_case(peek()) == "root") {
       next();
       parse_tree();

@@ -12,6 +12,7 @@
 #include "runtime/core/error.h"
 #include "runtime/core/file_kind.h"
 #include "runtime/core/json.h"
+#include "runtime/core/text.h"
 
 namespace bodyopt {
 namespace {
@@ -264,7 +265,7 @@ GuardedGltf guard_gltf(const std::filesystem::path& path, std::string_view bytes
 
 std::vector<std::filesystem::path> gltf_files(const std::filesystem::path& path) {
   std::vector<std::filesystem::path> files{path};
-  if (path.extension() != ".gltf") return files;
+  if (lower_case(path.extension().string()) != ".gltf") return files;
   const Json root = parse_json(path, read_gltf_bytes(path));
   const Json buffers = root.contains("buffers") ? root["buffers"] : Json::array();
   for (const Json& buffer : buffers) {

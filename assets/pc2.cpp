@@ -16,6 +16,7 @@
 #include "runtime/core/atomic_file.h"
 #include "runtime/core/error.h"
 #include "runtime/core/file_kind.h"
+#include "runtime/core/text.h"
 
 namespace bodyopt {
 
@@ -31,7 +32,7 @@ namespace {
 
 constexpr char kMagic[12] = "POINTCACHE2";
 
-bool is_mdd(const std::filesystem::path& path) { return path.extension() == ".mdd" || path.extension() == ".MDD"; }
+bool is_mdd(const std::filesystem::path& path) { return lower_case(path.extension().string()) == ".mdd"; }
 
 [[noreturn]] void refuse(const std::filesystem::path& path, const auto&... what) {
   const char* kind = is_mdd(path) ? "an MDD" : "a PC2";

@@ -300,6 +300,11 @@ void run(const CheckArguments& arguments) {
   arguments.json.require_writable();
   const std::string extension = std::filesystem::path(arguments.path).extension();
   const bool is_character = is_called_scene(arguments.path);
+  if (!is_character && extension != ".json" && std::filesystem::is_regular_file(arguments.path)) {
+    throw Error(ErrorKind::file, arguments.path,
+                ": expected a dataset (.json, or its folder) or a character (.glb, .gltf, .fbx)",
+                looks_like(arguments.path));
+  }
   if (!arguments.picture.empty()) {
     if (!is_character || !arguments.clip.source.empty()) {
       throw Error(ErrorKind::usage, "--picture draws a character (.glb, .gltf, .fbx) alone");
@@ -316,11 +321,6 @@ void run(const CheckArguments& arguments) {
     return check_clip(arguments);
   }
   if (is_character) return check_character(arguments);
-  if (extension != ".json" && std::filesystem::is_regular_file(arguments.path)) {
-    throw Error(ErrorKind::file, arguments.path,
-                ": expected a dataset (.json, or its folder) or a character (.glb, .gltf, .fbx)",
-                looks_like(arguments.path));
-  }
   check(arguments);
 }
 

@@ -22,6 +22,7 @@
 #include "runtime/basis/dynamics.h"
 #include "runtime/basis/safetensors.h"
 #include "runtime/core/error.h"
+#include "runtime/core/file_kind.h"
 #include "runtime/core/transformed.h"
 #include "runtime/host/jiggle.h"
 #include "runtime/modifiers/drive_modifiers.h"
@@ -302,7 +303,7 @@ Json dataset_info(const std::string& path) {
 Json info(std::string path, double unit) {
   if (!std::filesystem::exists(path)) throw Error(ErrorKind::file, path, ": no such file");
   path = dataset_file(path).string();
-  const std::string extension = std::filesystem::path(path).extension();
+  const std::string extension = lower_case_extension(path);
   if (is_called_scene(path)) return scene_info(path, unit);
   if (extension == ".safetensors") return trained_info(path);
   if (extension == ".state") return state_info(path);
@@ -313,7 +314,7 @@ Json info(std::string path, double unit) {
   throw Error(
       ErrorKind::file, path,
       ": expected .glb, .gltf, .vrm, .fbx, .bvh, .safetensors, .state, .pc2, .mdd, .nodes or dataset .json, found '",
-      extension, "'");
+      extension, "'", looks_like(path));
 }
 
 struct InfoArguments {

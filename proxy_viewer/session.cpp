@@ -123,7 +123,8 @@ std::vector<std::string> Session::open(const std::string& file) {
     throw Error(ErrorKind::usage,
                 file +
                     ": expected a basis (.safetensors), a character (.glb, .gltf, .fbx), a clip "
-                    "(.glb, .gltf, .fbx, .bvh), a point cache (.pc2, .mdd), a session, markers or a state (.json)");
+                    "(.glb, .gltf, .fbx, .bvh), a point cache (.pc2, .mdd), a session, markers or a state (.json)" +
+                    looks_like(file));
   }
   take_note_of_cast();
   return notes;
