@@ -3,6 +3,7 @@
 
 #include <Eigen/Geometry>
 #include <cmath>
+#include <functional>
 #include <numbers>
 #include <random>
 #include <sstream>
@@ -48,31 +49,37 @@ Quat turn_of(double angle, const Vector3d& axis) {
 }
 
 // All joints swing, each in its own way, while the root walks a curve.
-Clip walk(const Character& character, double size, std::mt19937& random) {
-  Clip clip;
-  const std::vector<Joint>& joints = character.skeleton.joints;
-  std::vector<Vector3d> axes;
-  std::vector<double> paces;
-  for (std::size_t j = 0; j < joints.size(); ++j) {
-    axes.push_back(direction(random));
-    paces.push_back(between(random, 1, 3));
+class Walk {
+ public:
+  Walk(const Character& character, double size, std::mt19937& random)
+      : joints_(character.skeleton.joints), size_(size) {
+    for (std::size_t j = 0; j < joints_.size(); ++j) {
+      axes_.push_back(direction(random));
+      paces_.push_back(between(random, 1, 3));
+    }
   }
-  for (int f = 0; f < kFrames; ++f) {
-    const double t = static_cast<double>(f) / kFrames;
+
+  Pose at(double frame) const {
+    const double t = (frame - 1) / kFrames;
     Pose pose;
-    for (std::size_t j = 0; j < joints.size(); ++j) {
-      JointTransform local = joints[j].bind;
-      local.rotation = local.rotation * turn_of(0.25 * std::sin(2 * std::numbers::pi * paces[j] * t), axes[j]);
-      if (joints[j].parent < 0) {
-        local.translation[0] += size * t;
-        local.translation[2] += size * 0.4 * std::sin(4 * t);
+    for (std::size_t j = 0; j < joints_.size(); ++j) {
+      JointTransform local = joints_[j].bind;
+      local.rotation = local.rotation * turn_of(0.25 * std::sin(2 * std::numbers::pi * paces_[j] * t), axes_[j]);
+      if (joints_[j].parent < 0) {
+        local.translation[0] += size_ * t;
+        local.translation[2] += size_ * 0.4 * std::sin(4 * t);
       }
       pose.joints.push_back(local);
     }
-    clip.poses.push_back(pose);
+    return pose;
   }
-  return clip;
-}
+
+ private:
+  std::vector<Joint> joints_;
+  double size_;
+  std::vector<Vector3d> axes_;
+  std::vector<double> paces_;
+};
 
 struct Take {
   Character character;
@@ -83,19 +90,27 @@ struct Take {
   std::string cause() const { return find_misplacement(character, clip, frames, shapes).cause; }
 };
 
-// Muscles that bulge with the motion by up to 12 mm of 1.7 m, and a belly that lags behind by a frame. `late` frames.
-Take take_of(double size, int late, std::mt19937& random) {
+using FrameOfClip = std::function<double(int frame)>;
+
+FrameOfClip late_by(double frames) {
+  return [frames](int frame) { return frame - frames; };
+}
+
+// Muscles that bulge with the motion by up to 12 mm of 1.7 m, and a belly that lags behind. The shapes are those of
+// other frames of the clip.
+Take take_of(double size, const FrameOfClip& of_clip, std::mt19937& random, double liveliness = 1) {
   Take take{of_size(stand_in_human(), size), {}, {}, {}};
-  take.clip = walk(take.character, size, random);
+  const Walk walk(take.character, size, random);
+  for (int frame = 1; frame <= kFrames; ++frame) take.clip.poses.push_back(walk.at(frame));
   for (int frame = 12; frame <= kFrames - 12; frame += 3) {
-    const std::size_t now = static_cast<std::size_t>(frame - late - 1);
-    Positions shape = skin_linear(take.character, take.clip.poses[now]);
-    const Positions before = skin_linear(take.character, take.clip.poses[now - 1]);
+    const double now = of_clip(frame);
+    Positions shape = skin_linear(take.character, walk.at(now));
+    const Positions before = skin_linear(take.character, walk.at(now - liveliness));
     const Positions normals = vertex_normals(shape, take.character.triangles);
     for (Eigen::Index v = 0; v < shape.rows(); ++v) {
       const Vector3d rest = take.character.vertices.row(v) / size;
       if (std::abs(rest.y() - 1.05) < 0.1) shape.row(v) = before.row(v);
-      shape.row(v) += size * 0.012 * std::pow(std::sin(9 * rest.sum() + 0.2 * frame), 2) * normals.row(v);
+      shape.row(v) += liveliness * size * 0.012 * std::pow(std::sin(9 * rest.sum() + 0.2 * frame), 2) * normals.row(v);
     }
     take.frames.push_back(frame);
     take.shapes.push_back(shape);
@@ -119,16 +134,33 @@ class MisplacedShapes : public ::testing::TestWithParam<int> {
   double size_ = std::pow(10.0, between(random_, -2, 1.5));
 };
 
-TEST_P(MisplacedShapes, RightOnesAreNeverDoubted) { EXPECT_EQ(take_of(size_, 0, random_).cause(), ""); }
+TEST_P(MisplacedShapes, RightOnesAreNeverDoubted) { EXPECT_EQ(take_of(size_, late_by(0), random_).cause(), ""); }
 
 TEST_P(MisplacedShapes, FramesLateAndEarlyAreNamedWithTheirNumber) {
   const int late = GetParam() % 2 == 0 ? 1 + GetParam() % 9 : -1 - GetParam() % 9;
-  EXPECT_EQ(take_of(size_, late, random_).cause(),
+  EXPECT_EQ(take_of(size_, late_by(late), random_).cause(),
             "the frames are numbered " + std::to_string(std::abs(late)) + (late > 0 ? " too high" : " too low"));
 }
 
+TEST_P(MisplacedShapes, FramesBetweenFramesAreNamed) {
+  for (const double late : {0.5, -0.5}) {
+    EXPECT_EQ(take_of(size_, late_by(late), random_, 0.3).cause(),
+              std::string("the frames are numbered 0.5 too ") + (late > 0 ? "high" : "low"));
+  }
+}
+
+TEST_P(MisplacedShapes, FramesOfAnotherRateAreNamed) {
+  for (const double rate : {25, 30, 60}) {
+    EXPECT_EQ(take_of(
+                  size_, [rate](int frame) { return 1 + (frame - 1) * 24 / rate; }, random_)
+                  .cause(),
+              "the frames are " + std::to_string(std::lround(rate)) +
+                  " a second, and those of the clip are taken as 24 (--fps)");
+  }
+}
+
 TEST_P(MisplacedShapes, MovedOnesAreNamedWithTheirWay) {
-  Take take = take_of(size_, 0, random_);
+  Take take = take_of(size_, late_by(0), random_);
   const Vector3d way = size_ * between(random_, 0.03, 2) * direction(random_);
   for (Positions& shape : take.shapes) shape.rowwise() += way.transpose();
   const std::vector<double> told = numbers_after(take.cause(), "the shapes are moved by ");
@@ -137,7 +169,7 @@ TEST_P(MisplacedShapes, MovedOnesAreNamedWithTheirWay) {
 }
 
 TEST_P(MisplacedShapes, ThoseOfAnotherSizeAreNamedWithTheirFactor) {
-  Take take = take_of(size_, 0, random_);
+  Take take = take_of(size_, late_by(0), random_);
   const double factor = std::pow(10.0, between(random_, 0.05, 3)), scale = GetParam() % 2 == 0 ? factor : 1 / factor;
   for (Positions& shape : take.shapes) shape *= scale;
   const std::string cause = take.cause();
@@ -148,7 +180,7 @@ TEST_P(MisplacedShapes, ThoseOfAnotherSizeAreNamedWithTheirFactor) {
 }
 
 TEST_P(MisplacedShapes, TurnedOnesAreNamedWithTheirAngleAndAxis) {
-  Take take = take_of(size_, 0, random_);
+  Take take = take_of(size_, late_by(0), random_);
   const double angle = between(random_, 6, 179);
   const Vector3d axis = direction(random_);
   const Matrix3d turn = Eigen::AngleAxisd(angle * std::numbers::pi / 180, axis).toRotationMatrix();
@@ -162,7 +194,7 @@ TEST_P(MisplacedShapes, TurnedOnesAreNamedWithTheirAngleAndAxis) {
 }
 
 TEST_P(MisplacedShapes, SeveralThingsAtOnceAreNamed) {
-  Take take = take_of(size_, 0, random_);
+  Take take = take_of(size_, late_by(0), random_);
   for (Positions& shape : take.shapes) {
     const Positions right = 100 * shape;
     shape.col(0) = right.col(0);
@@ -176,7 +208,7 @@ TEST_P(MisplacedShapes, SeveralThingsAtOnceAreNamed) {
 
 TEST_P(MisplacedShapes, MissingAndDoubledTravelIsNamed) {
   for (const double more : {-1.0, 1.0}) {
-    Take take = take_of(size_, 0, random_);
+    Take take = take_of(size_, late_by(0), random_);
     const Vec3 rest = take.character.skeleton.joints[0].bind.translation;
     for (std::size_t k = 0; k < take.frames.size(); ++k) {
       const Vec3 now = take.clip.poses[static_cast<std::size_t>(take.frames[k] - 1)].joints[0].translation;

@@ -8,6 +8,7 @@
 #include <iomanip>
 #include <numbers>
 #include <numeric>
+#include <optional>
 #include <sstream>
 
 #include "assets/clip.h"
@@ -271,6 +272,7 @@ class MisplacedShapes {
     const double notable = std::sqrt(static_cast<double>(shapes_.rows())) * extent_;
     if (!(distance_ > kMisplaced * notable)) return {};
     explain_by_frames();
+    explain_by_rate();
     explain_by_similarity();
     explain_by_mirror();
     explain_by_each_frame();
@@ -288,25 +290,48 @@ class MisplacedShapes {
   const Pose& pose(int frame) const { return clip_.poses[static_cast<std::size_t>(frame - clip_.first_frame)]; }
   Positions skinned(int frame) const { return skin_linear(thinned_.some, pose(frame)); }
 
-  // By frames that the clip has; half of them at least.
-  double left_by_shift(int shift) {
+  // Between frames as between the shapes there; nothing where the clip has none.
+  std::optional<Positions> skinned_between(double frame) const {
+    const int before = static_cast<int>(std::floor(frame));
+    const double share = frame - before;
+    if (before < clip_.first_frame || before + (share > 0 ? 1 : 0) > clip_.last_frame()) return std::nullopt;
+    if (share == 0) return skinned(before);
+    return Positions((1 - share) * skinned(before) + share * skinned(before + 1));
+  }
+
+  // Where each frame is another one of the clip. By those that the clip has; half of them at least.
+  double left_by(const std::function<double(int frame)>& of_clip) {
     double before = 0, after = 0;
     std::size_t seen = 0;
     for (std::size_t k = 0; k < frames_.size(); ++k) {
-      const int frame = frames_[k] + shift;
-      if (frame < clip_.first_frame || frame > clip_.last_frame()) continue;
+      const std::optional<Positions> there = skinned_between(of_clip(frames_[k]));
+      if (!there) continue;
       before += (frame_of(shapes_, k) - frame_of(skinned_, k)).squaredNorm();
-      after += (frame_of(shapes_, k) - skinned(frame)).squaredNorm();
+      after += (frame_of(shapes_, k) - *there).squaredNorm();
       ++seen;
     }
     return 2 * seen >= frames_.size() && before > 0 ? std::sqrt(after / before) : 1;
   }
 
   void explain_by_frames() {
-    for (int n = 1; n <= kMostShift; ++n) {
-      const std::string number = "frames are numbered " + std::to_string(n);
-      found_.push_back({number + " too high", left_by_shift(-n)});
-      found_.push_back({number + " too low", left_by_shift(n)});
+    std::vector<double> shifts{0.25, 0.5, 0.75};
+    for (int n = 1; n <= kMostShift; ++n) shifts.push_back(n);
+    for (const double n : shifts) {
+      const double assumption = n < 1 ? 1.25 : 1;  // a part that lags behind may look so
+      const std::string number = "frames are numbered " + rounded(n);
+      found_.push_back({number + " too high", left_by([n](int frame) { return frame - n; }), assumption});
+      found_.push_back({number + " too low", left_by([n](int frame) { return frame + n; }), assumption});
+    }
+  }
+
+  void explain_by_rate() {
+    for (const double rate : {24, 25, 30, 48, 50, 60, 120}) {
+      if (std::abs(rate - clip_.fps) < 1e-3 * rate) continue;
+      const double left =
+          left_by([&](int frame) { return clip_.first_frame + (frame - clip_.first_frame) * clip_.fps / rate; });
+      found_.push_back({"frames are " + rounded(rate) + " a second, and those of the clip are taken as " +
+                            rounded(clip_.fps) + " (--fps)",
+                        left});
     }
   }
 
