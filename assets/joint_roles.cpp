@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <map>
 #include <set>
 
 #include "runtime/core/transformed.h"
@@ -18,7 +19,7 @@ struct PartName {
 // clang-format off
 constexpr PartName kMiddleNames[] = {
     {"hips", BodyPart::hips}, {"pelvis", BodyPart::hips}, {"hip", BodyPart::hips},
-    {"lowerback", BodyPart::spine}, {"spine", BodyPart::spine}, {"abdomen", BodyPart::spine},
+    {"lowerback", BodyPart::spine}, {"tospine", BodyPart::spine}, {"spine", BodyPart::spine}, {"abdomen", BodyPart::spine},
     {"chest", BodyPart::spine}, {"upperchest", BodyPart::spine},
     {"lowerneck", BodyPart::neck}, {"neck", BodyPart::neck},
     {"head", BodyPart::head},
@@ -50,7 +51,7 @@ const PartName* find_part(std::span<const PartName> names, std::string_view word
   return found == names.end() ? nullptr : &*found;
 }
 
-// What stands before the names of all joints alike: namespaces, "mixamorig", HumanIK's "Character1_".
+// What stands before the names of all joints alike: namespaces, "mixamorig", VRoid's "J_Bip_", HumanIK's "Character1_".
 std::string_view without_prefix(std::string_view name) {
   name.remove_prefix(name.find_last_of(":|") + 1);  // npos + 1 is 0
   const auto strip = [&](std::string_view prefix, bool needs_separator) {
@@ -61,6 +62,7 @@ std::string_view without_prefix(std::string_view name) {
     if (has_separator || !needs_separator) name.remove_prefix(end + (has_separator ? 1 : 0));
   };
   strip("mixamorig", false);
+  strip("J_Bip", true);
   strip("Character", true);
   return name;
 }
@@ -87,8 +89,10 @@ void split_side(ParsedName& name) {
   }
 }
 
-ParsedName parse_name(const std::string& name) {
+// `ending`: the last word of most names, which says nothing.
+ParsedName parse_name(const std::string& name, const std::string& ending) {
   std::vector<std::string> words = name_words(name);
+  if (words.size() > 1 && words.back() == ending) words.pop_back();
   const auto numbers = std::erase_if(words, [](const std::string& word) { return std::isdigit(word[0]) != 0; });
   ParsedName parsed;
   if (words.empty() || numbers > 1) return parsed;  // two numbers: digits of a hand or foot, each rig in its own way
@@ -99,6 +103,7 @@ ParsedName parse_name(const std::string& name) {
     parsed.side = *last;
     words.pop_back();
   }
+  if (words.size() > 1 && words.front() == "c") words.erase(words.begin());  // centre, as VRoid has it
   for (const std::string& word : words) parsed.word += word;
   if (parsed.side == BodySide::middle && !find_part(kMiddleNames, parsed.word)) split_side(parsed);
   return parsed;
@@ -110,9 +115,15 @@ bool ends_word(std::string_view name, std::size_t at) {
   return std::isupper(before) == 0 && at < name.size() && std::isupper(static_cast<unsigned char>(name[at])) != 0;
 }
 
+// A part or a side?
+bool tells(const std::string& word) {
+  return side_of(word) || find_part(kMiddleNames, word) || find_part(kSideNames, word);
+}
+
+constexpr std::size_t kFewest = 4;  // names that share something
+
 // Whole words that two thirds of the names begin with: "Bip01 ", "CC_Base_". Nothing where they say a part or a side.
 std::string_view shared_prefix(std::span<const NamedJoint> joints) {
-  constexpr std::size_t kFewest = 4;
   std::vector<std::string_view> names;
   for (const NamedJoint& joint : joints) {
     if (!joint.name.empty()) names.push_back(joint.name);
@@ -127,19 +138,28 @@ std::string_view shared_prefix(std::span<const NamedJoint> joints) {
     while (length > 0 && !ends_word(name, length)) --length;
     if (length > longest.size()) longest = name.substr(0, length);
   }
-  const auto tells = [](const std::string& word) {
-    return side_of(word) || find_part(kMiddleNames, word) || find_part(kSideNames, word);
-  };
   return std::ranges::any_of(name_words(longest), tells) ? std::string_view() : longest;
+}
+
+// The word that two thirds of the names end with: "_jnt". Nothing where it says a part, a side or a number.
+std::string shared_ending(std::span<const NamedJoint> joints) {
+  std::map<std::string, std::size_t> endings;
+  for (const NamedJoint& joint : joints) {
+    if (const std::vector<std::string> words = name_words(joint.name); words.size() > 1) ++endings[words.back()];
+  }
+  for (const auto& [word, count] : endings) {
+    if (count >= kFewest && 3 * count >= 2 * joints.size() && !tells(word) && std::isdigit(word[0]) == 0) return word;
+  }
+  return {};
 }
 
 // The parts of a skeleton by its names, those that mean different things on different rigs by the names beside them.
 class PartNames {
  public:
   explicit PartNames(std::span<const NamedJoint> joints) {
-    const std::string prefix(shared_prefix(joints));
+    const std::string prefix(shared_prefix(joints)), ending = shared_ending(joints);
     for (const NamedJoint& joint : joints) {
-      names_.push_back(parse_name(joint.name.substr(joint.name.starts_with(prefix) ? prefix.size() : 0)));
+      names_.push_back(parse_name(joint.name.substr(joint.name.starts_with(prefix) ? prefix.size() : 0), ending));
       known_.insert({names_.back().side, names_.back().word});
     }
   }
@@ -167,6 +187,7 @@ class PartNames {
       return BodyPart::thigh;
     }
     if (word == "hand" && has(side, {"wrist"})) return BodyPart::palm;
+    if (word == "foot" && has(side, {"ankle"}) && !has(side, {"toe", "toes", "toebase", "ball"})) return BodyPart::toe;
     return usual;
   }
 

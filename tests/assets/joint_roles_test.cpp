@@ -108,8 +108,33 @@ TEST(JointRoles, OfMixamoHumanIkAndUnreal) {
                 {"neck_01", BodyPart::neck}});
 }
 
-// Whatever a program puts before all names.
-TEST(JointRoles, BehindAPrefixThatJointsShare) {
+TEST(JointRoles, OfVroidSmplAndBiovision) {
+  expect_roles({{"J_Bip_C_Hips", BodyPart::hips},
+                {"J_Bip_C_Spine", BodyPart::spine},
+                {"J_Bip_C_UpperChest", BodyPart::spine, BodySide::middle, 1},
+                {"J_Bip_C_Neck", BodyPart::neck},
+                {"J_Bip_C_Head", BodyPart::head},
+                {"J_Bip_L_UpperLeg", BodyPart::thigh, kL},
+                {"J_Bip_L_ToeBase", BodyPart::toe, kL}});
+  expect_roles({{"Pelvis", BodyPart::hips},
+                {"L_Hip", BodyPart::thigh, kL},
+                {"L_Knee", BodyPart::shin, kL},
+                {"L_Ankle", BodyPart::foot, kL},
+                {"L_Foot", BodyPart::toe, kL},
+                {"L_Collar", BodyPart::clavicle, kL},
+                {"L_Shoulder", BodyPart::upper_arm, kL},
+                {"L_Elbow", BodyPart::forearm, kL},
+                {"L_Wrist", BodyPart::hand, kL}});
+  expect_roles({{"Hips", BodyPart::hips},
+                {"ToSpine", BodyPart::spine},
+                {"Chest", BodyPart::spine, BodySide::middle, 1},
+                {"LeftHip", BodyPart::thigh, kL},
+                {"LeftAnkle", BodyPart::foot, kL},
+                {"LeftToe", BodyPart::toe, kL}});
+}
+
+// Whatever a program puts before or behind all names.
+TEST(JointRoles, BesideAPrefixOrEndingThatJointsShare) {
   const std::vector<Expected> joints = {{"Pelvis", BodyPart::hips},
                                         {"Spine", BodyPart::spine},
                                         {"Spine1", BodyPart::spine, BodySide::middle, 1},
@@ -122,9 +147,17 @@ TEST(JointRoles, BehindAPrefixThatJointsShare) {
                                         {"R Thigh", BodyPart::thigh, kR},
                                         {"R Calf", BodyPart::shin, kR},
                                         {"R Foot", BodyPart::foot, kR}};
-  for (const std::string prefix : {"Bip01 ", "Bip001 ", "CC_Base_", "b_", "x:Hero-", "joint"}) {
+  for (const auto& [prefix, ending] : {std::pair<std::string, std::string>{"Bip01 ", ""},
+                                       {"Bip001 ", ""},
+                                       {"CC_Base_", ""},
+                                       {"b_", ""},
+                                       {"x:Hero-", ""},
+                                       {"joint", ""},
+                                       {"", "_jnt"},
+                                       {"rig:", " Bind"},
+                                       {"DEF-", "_x"}}) {
     std::vector<std::string> names;
-    for (const Expected& joint : joints) names.push_back(prefix + joint.name);
+    for (const Expected& joint : joints) names.push_back(prefix + joint.name + ending);
     std::vector<NamedJoint> named{{"Bip01", -1}, {"Camera", -1}};
     for (const std::string& name : names) named.push_back({name, static_cast<int>(named.size()) - 1});
     const auto roles = joint_roles(named);
