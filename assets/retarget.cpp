@@ -177,7 +177,7 @@ bool Retarget::rests_in_a_pose(const Quat& fitted) const {
   const auto lies_across = [&](BodyPart part) {
     return cosine(leftwards(part, bound), rotate(fitted, leftwards(part, rests))) > kAlike;
   };
-  return lies_across(BodyPart::thigh) && lies_across(BodyPart::upper_arm) &&
+  return lies_across(BodyPart::thigh) && lies_across(BodyPart::upper_arm) && turns_little() &&
          std::ranges::all_of(pairs_, [&](const BonePair& pair) {
            if (roles_[pair.joint] && roles_[pair.joint]->part >= BodyPart::clavicle) {
              const auto upper = std::ranges::find(pairs_, pair.above, &BonePair::joint);
@@ -187,6 +187,17 @@ bool Retarget::rests_in_a_pose(const Quat& fitted) const {
            const bool is_upright = std::abs(cosine(pair.skeleton, {0, 1, 0})) >= kUpright;
            return cosine(pair.skeleton, rotate(fitted, pair.source)) > (is_upright ? kAlike : 0);
          });
+}
+
+// Bodies turn their joints by less than 60 degrees on the mean of all joints and frames, even as they sit with their
+// arms down. Where the axes of joints are at random, it is 70 and more.
+bool Retarget::turns_little() const {
+  constexpr std::size_t kFewest = 8;  // joints
+  double angles = 0;
+  for (const BonePair& pair : pairs_) {
+    angles += angle_between(mean_turn(pair.source_joint, pair.source_above), {0, 0, 0, 1});
+  }
+  return pairs_.size() < kFewest || angles < std::numbers::pi / 3 * static_cast<double>(pairs_.size());
 }
 
 // In the axes of the joints, as they are on the mean: what lies between them and has no match may not rest in a pose.
@@ -243,14 +254,18 @@ Quat Retarget::away_from_rest(const SourceFrame& frame, std::size_t joint) const
   return turn_ * frame.rotation[joint] * conjugate(rest_.rotation[joint]) * conjugate(turn_);
 }
 
-// The alignment by which a joint is on the mean turned from another, of `alignment`, as in the bind pose.
-Quat Retarget::twisted_alike(std::size_t joint, std::size_t other, const Quat& alignment) const {
-  const auto own = static_cast<std::size_t>(match_[joint]), its = static_cast<std::size_t>(match_[other]);
+// From a joint of the source to another, away from rest, on the mean.
+Quat Retarget::mean_turn(std::size_t joint, std::size_t other) const {
   Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
   for (const SourceFrame& frame : frames_) {
-    sum += matrix(conjugate(away_from_rest(frame, own)) * away_from_rest(frame, its));
+    sum += matrix(conjugate(away_from_rest(frame, joint)) * away_from_rest(frame, other));
   }
-  return nearest_quaternion(sum) * alignment;
+  return nearest_quaternion(sum);
+}
+
+// The alignment by which a joint is on the mean turned from another, of `alignment`, as in the bind pose.
+Quat Retarget::twisted_alike(std::size_t joint, std::size_t other, const Quat& alignment) const {
+  return mean_turn(static_cast<std::size_t>(match_[joint]), static_cast<std::size_t>(match_[other])) * alignment;
 }
 
 // The alignment by which a forearm goes with the palm, since wrists do not twist. Nothing of other joints, and where

@@ -46,11 +46,13 @@ class Retarget {
   std::vector<BonePair> bone_pairs() const;
   Quat fit_turn() const;
   void stand(const Quat& turn);
+  bool turns_little() const;
   bool rests_in_a_pose(const Quat& fitted) const;
   void take_bones_of_motion();
   bool trunks_rest_alike() const;
   bool trunks_are_of_one_build() const;
   int matched_above(std::size_t joint) const;
+  Quat mean_turn(std::size_t joint, std::size_t other) const;
   Quat twisted_alike(std::size_t joint, std::size_t other, const Quat& alignment) const;
   Vec3 leftwards(BodyPart part, const std::function<Vec3(std::size_t joint)>& place) const;
   std::optional<Quat> bent_alike(std::size_t joint) const;
