@@ -200,6 +200,11 @@ void note_scale(const Clip& clip, const Skeleton& skeleton, std::vector<std::str
   }
 }
 
+void note_longer(double longer, std::vector<std::string>& notes) {
+  notes.push_back("The bones of the clip's character are " + rounded(longer) +
+                  " times as long as this one's; how far it travels is scaled by " + rounded(1 / longer) + ".");
+}
+
 [[noreturn]] void fail_build(const GltfFile& file, double ratio) {
   throw Error(ErrorKind::mismatch, file.path(), ": the bones it moves are ", ratio,
               " times as long as the character's: it was made for another character, or in another unit");
@@ -275,16 +280,31 @@ double size_at_rest(const Motion& motion, const RestNodes& rest) {
 }
 
 // How long the bones are at rest that both have, beside the skeleton's; 1 where there are none.
-double length_of(const Motion& motion, const RestNodes& rest) {
+struct BoneLengths {
+  double ratio = 1;
+  bool are_alike = false;  // of the same rig, as a whole larger or smaller
+};
+
+BoneLengths lengths_of(const Motion& motion, const RestNodes& rest) {
+  constexpr double kSame = 0.01;
+  constexpr std::size_t kFewest = 3;  // bones that tell without an armature
   const std::vector<JointTransform> locals = motion.locals(rest.local);
+  std::vector<std::pair<double, double>> bones;
   double own = 0, brought = 0;
   for (std::size_t j = 0; j < locals.size(); ++j) {
     const int parent = motion.skeleton.joints[j].parent, node = motion.joint_nodes[j];
     if (parent < 0 || node < 0 || motion.fold.joint_above(static_cast<std::size_t>(node)) != parent) continue;
-    own += length(motion.skeleton.joints[j].bind.translation);
-    brought += length(locals[j].translation);
+    bones.emplace_back(length(motion.skeleton.joints[j].bind.translation), length(locals[j].translation));
+    own += bones.back().first;
+    brought += bones.back().second;
   }
-  return own > 0 && brought > 0 && std::isfinite(brought / own) ? brought / own : 1;
+  const double ratio = brought / own;
+  if (!(own > 0 && brought > 0 && std::isfinite(ratio))) return {};
+  const bool by_armature = motion.size != 1 && std::abs(ratio - motion.size) <= kSame * ratio;
+  const bool by_bones = bones.size() >= kFewest && std::ranges::all_of(bones, [&](const auto& bone) {
+                          return std::abs(bone.second - ratio * bone.first) <= kSame * (bone.second + 0.01 * brought);
+                        });
+  return {ratio, by_armature || by_bones};
 }
 
 // Where the file's nodes put joints and where joints without shear do, as they stand.
@@ -380,10 +400,7 @@ void carry_motion(const GltfFile& file, const Motion& motion, const RestNodes& r
   const Retarget retarget(source, motion.skeleton, match, frames, clip.fps, clip.notes);
   const double unit = retarget.fitted_unit() > 0 ? retarget.fitted_unit() : 1;
   if (is_other_build(1 / unit) && has_few_in_common(motion)) fail_build(file, 1 / unit);
-  if (std::abs(unit - 1) > 0.01) {
-    clip.notes.push_back("The bones of the clip's character are " + rounded(1 / unit) +
-                         " times as long as this one's; how far it travels is scaled by " + rounded(unit) + ".");
-  }
+  if (std::abs(unit - 1) > 0.01) note_longer(1 / unit, clip.notes);
   for (std::size_t k = 0; k < frames; ++k) clip.poses.push_back(retarget.at(static_cast<double>(k) / clip.fps, unit));
   note_lost_scale(motion, frames, clip.fps, clip.notes);
   check_positions(clip, file.path().string());
@@ -421,14 +438,18 @@ Clip read_gltf_clip(const GltfFile& file, const std::string& name, const Skeleto
   const std::size_t frames =
       frame_count(file.path().string(), duration, std::max(skeleton.size(), animated.size()), options);
   motion.size = size_at_rest(motion, rest);
-  const double longer = length_of(motion, rest);
-  if (is_other_unit(longer)) {
-    if (has_few_in_common(motion)) fail_build(file, longer);
+  const auto [longer, alike] = lengths_of(motion, rest);
+  if (is_other_unit(longer) || (alike && std::abs(longer - 1) > 0.01)) {
+    if (is_other_build(longer) && has_few_in_common(motion)) fail_build(file, longer);
     motion.unit = unit / longer;
     motion.tree = read_nodes(file, motion.unit, unused);
     rest = read_rest(file, motion.tree, motion.unit);
-    clip.notes.push_back("A unit of the clip's file is taken as " + rounded(motion.unit) +
-                         " m, from the length of the bones.");
+    if (is_other_unit(longer)) {
+      clip.notes.push_back("A unit of the clip's file is taken as " + rounded(motion.unit) +
+                           " m, from the length of the bones.");
+    } else {
+      note_longer(longer, clip.notes);
+    }
   }
 
   note_shear(motion, clip.notes);

@@ -227,6 +227,49 @@ TEST(Clip, UnitsAreToldByTheBonesAndArmaturesScaleNoJoint) {
   }
 }
 
+// As who scales an armature in Blender exports it: bones and travel are the character's own.
+TEST(Clip, ARigThatIsScaledAsAWholeKeepsItsSize) {
+  const TemporaryFolder folder;
+  for (const double scale : {0.4, 1.3, 2.5}) {
+    GltfBlob blob = two_nodes();
+    blob.root["nodes"][1]["translation"] = {0, 1, 0};
+    blob.root["nodes"].push_back({{"name", "armature"}, {"scale", {scale, scale, scale}}, {"children", {0}}});
+    animate(blob, 0, "translation", {0, 1}, {0, 0, 0, 1, 0, 0});
+    animate(blob, 1, "translation", {0, 1}, {0, 1, 0, 0, 1, 0});
+    const Clip clip = clip_of(blob, folder);
+    const std::vector<JointTransform>& last = clip.poses.back().joints;
+    EXPECT_NEAR(length(last[0].translation - Vec3{1, 0, 0}), 0, 1e-6);
+    EXPECT_NEAR(length(last[1].translation - Vec3{0, 1, 0}), 0, 1e-6);
+    EXPECT_NEAR(last[0].scale[0], 1, 1e-6);
+    EXPECT_TRUE(mentions(clip.notes, "how far it travels is scaled by"));
+  }
+}
+
+// As FBX has such a rig, in which no armature is left: three bones tell.
+TEST(Clip, BonesThatAreAllLongerAreARigThatIsScaled) {
+  const TemporaryFolder folder;
+  Skeleton skeleton = two_joints();
+  GltfBlob blob = two_nodes();
+  blob.root["nodes"][1]["translation"] = {0, 1.3, 0};
+  for (const char* name : {"third", "fourth"}) {
+    Joint joint = skeleton.joints.back();
+    joint.name = name;
+    joint.parent = static_cast<int>(skeleton.size()) - 1;
+    joint.inverse_bind.m[1][3] -= 1;
+    skeleton.joints.push_back(joint);
+    blob.root["nodes"].back()["children"] = {blob.root["nodes"].size()};
+    blob.root["nodes"].push_back({{"name", name}, {"translation", {0, 1.3, 0}}});
+  }
+  animate(blob, 0, "translation", {0, 1}, {0, 0, 0, 1.3f, 0, 0});
+  animate(blob, 2, "translation", {0, 1}, {0, 1.3f, 0, 0, 1.3f, 0});
+  const Clip clip = clip_of(blob, folder, {}, skeleton);
+  EXPECT_NEAR(length(clip.poses.back().joints[0].translation - Vec3{1, 0, 0}), 0, 1e-6);
+  EXPECT_NEAR(length(clip.poses.back().joints[2].translation - Vec3{0, 1, 0}), 0, 1e-6);
+  EXPECT_TRUE(mentions(clip.notes, "are 1.3 times as long as this one's"));
+  blob.root["nodes"][3]["translation"] = {0, 1, 0};  // one is as long as here: another build
+  EXPECT_NEAR(clip_of(blob, folder, {}, skeleton).poses.back().joints[2].translation[1], 1.3, 1e-6);
+}
+
 // An animation alone may be exported as it stands in a frame: what is stretched there is motion.
 TEST(Clip, AStretchedFrameIsNoArmature) {
   const TemporaryFolder folder;
