@@ -93,6 +93,7 @@ std::optional<ReportMotion> motion_for_report(const TransferArguments& arguments
   ClipOptions options = arguments.clip_options;
   options.unit = clip_unit(arguments.clip, kept_unit(source));
   ReportMotion motion{read_clip(arguments.clip, source.skeleton, options), {}};
+  say(motion.clip.notes);
   const int first = motion.clip.first_frame, last = motion.clip.last_frame();
   const std::string all = std::to_string(first) + "-" + std::to_string(last);
   motion.frames = parse_frame_range(arguments.frames.empty() ? all : arguments.frames);

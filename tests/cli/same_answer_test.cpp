@@ -20,14 +20,24 @@ class SameAnswer : public ::testing::Test {
 
   std::string at(const std::string& name) const { return (folder_ / name).string(); }
 
-  // The character's file with other nodes.
-  void change(const std::function<void(Json&)>& nodes) const {
-    const std::string bytes = read_bytes(files_.character);
+  // A file of the limb with other nodes.
+  static void change(const std::string& file, const std::function<void(Json&)>& nodes) {
+    const std::string bytes = read_bytes(file);
     std::uint32_t size = 0;
     std::memcpy(&size, bytes.data() + 12, sizeof size);
     Json root = Json::parse(bytes.substr(20, size));
     nodes(root);
-    put_bytes(files_.character, GltfBlob::glb_of(root.dump(), bytes.substr(28 + size)));
+    put_bytes(file, GltfBlob::glb_of(root.dump(), bytes.substr(28 + size)));
+  }
+
+  // Below an armature that is scaled so.
+  static void put_into_armature(Json& root, const Vec3& scale) {
+    Json& scene = root["scenes"][0]["nodes"];
+    for (Json& node : scene) {
+      if (!root["nodes"][node.get<std::size_t>()].contains("children")) continue;
+      root["nodes"].push_back({{"name", "armature"}, {"scale", scale}, {"children", {node}}});
+      node = root["nodes"].size() - 1;
+    }
   }
 
   std::vector<std::string> with_character(const std::string& file) const {
@@ -76,17 +86,32 @@ class SameAnswer : public ::testing::Test {
 
 TEST_F(SameAnswer, OfWhatStretchesOrTurnsInsideOut) {
   train();
-  change([](Json& root) {
-    Json& scene = root["scenes"][0]["nodes"];
-    for (Json& node : scene) {
-      if (!root["nodes"][node.get<std::size_t>()].contains("children")) continue;
-      root["nodes"].push_back({{"name", "armature"}, {"scale", {1, 1.4, 0.7}}, {"children", {node}}});
-      node = root["nodes"].size() - 1;
-    }
-  });
+  change(files_.character, [](Json& root) { put_into_armature(root, {1, 1.4, 0.7}); });
   expect_of_all(with_character(files_.character), 0, "The nodes stretch the whole skin one way");
-  change([](Json& root) { root["nodes"][root["skins"][0]["joints"][1].get<std::size_t>()]["scale"] = {-1, 1, 1}; });
+  change(files_.character, [](Json& root) {
+    root["nodes"][root["skins"][0]["joints"][1].get<std::size_t>()]["scale"] = {-1, 1, 1};
+  });
   expect_of_all(with_character(files_.character), 4, "turn the skin inside out");
+}
+
+TEST_F(SameAnswer, OfCharactersInAnotherUnit) {
+  train();
+  const LimbFiles larger(folder_, 1000);
+  expect_of_all(with_character(larger.character), 0, "a unit is taken as 0.01 m");
+}
+
+TEST_F(SameAnswer, OfClipsThatAreShearedOrScaled) {
+  train();
+  change(files_.motion, [](Json& root) { put_into_armature(root, {1.3, 1.3, 1.3}); });
+  expect_of_all(with_clip(files_.motion), 0,
+                "are 1.3 times as long as this one's; how far it travels is scaled by 0.7692");
+  change(files_.motion, [](Json& root) {
+    for (Json& node : root["nodes"]) {
+      if (node["name"] == "armature") node["scale"] = {1, 1.4, 0.7};
+    }
+    root["nodes"][0]["rotation"] = {0, 0, 0.5, std::sqrt(0.75)};
+  });
+  expect_of_all(with_clip(files_.motion), 0, "m from where they should. Apply scales before the export");
 }
 
 // By what they are, with a way to what is read.
