@@ -13,6 +13,7 @@
 #include "assets/joint_match.h"
 #include "assets/retarget.h"
 #include "assets/wording.h"
+#include "base/spread_evenly.h"
 #include "runtime/core/error.h"
 #include "runtime/core/transformed.h"
 #include "runtime/host/rig.h"
@@ -252,19 +253,31 @@ void copy_motion(const GltfFile& file, Motion motion, std::size_t frames, Clip& 
   note_scale(clip, motion.skeleton, clip.notes);
 }
 
-double size_of(const Motion& motion, std::span<const JointTransform> nodes) {
+// By how much the joints that both have are larger in space than the skeleton's; below 0 where they are mirrored.
+std::vector<double> volumes_of(const Motion& motion, std::span<const JointTransform> nodes) {
   NodeTree tree = motion.tree;
   tree.exact = transformed(nodes, affine_from);
   const std::vector<Affine> world = world_of_nodes(tree),
                             bind = posed_joints(motion.skeleton, bind_pose(motion.skeleton).joints);
-  std::vector<double> sizes;
+  std::vector<double> volumes;
   for (std::size_t j = 0; j < bind.size(); ++j) {
     if (motion.joint_nodes[j] < 0) continue;
-    const double own = determinant(bind[j]);
-    const double brought = determinant(world[static_cast<std::size_t>(motion.joint_nodes[j])]);
-    sizes.push_back(std::cbrt(std::abs(brought / own)));
+    volumes.push_back(determinant(world[static_cast<std::size_t>(motion.joint_nodes[j])]) / determinant(bind[j]));
   }
-  return common_scale(std::move(sizes));
+  return volumes;
+}
+
+void require_same_hand(const GltfFile& file, const Motion& motion, const RestNodes& rest) {
+  const std::vector<double> volumes = volumes_of(motion, rest.local);
+  if (2 * std::ranges::count_if(volumes, [](double volume) { return volume < 0; }) <= std::ssize(volumes)) return;
+  throw Error(ErrorKind::mismatch, file.path(),
+              ": its nodes mirror the whole character, which would turn the skin inside out: a scale below zero above "
+              "its joints? Apply it before the export");
+}
+
+double size_of(const Motion& motion, std::span<const JointTransform> nodes) {
+  return common_scale(
+      transformed(volumes_of(motion, nodes), [](const double volume) { return std::cbrt(std::abs(volume)); }));
 }
 
 // At rest; 1 where an armature scales joints as the skeleton's own. Nodes that no skin vouches for may stand in a frame
@@ -307,11 +320,10 @@ BoneLengths lengths_of(const Motion& motion, const RestNodes& rest) {
   return {ratio, by_armature || by_bones};
 }
 
-// Where the file's nodes put joints and where joints without shear do, as they stand.
-void note_shear(const Motion& motion, std::vector<std::string>& notes) {
+// Metres from where the file's nodes put a joint to where joints without shear do, at most; 0 where rounding may do it.
+double sheared_by(const Motion& motion, std::span<const JointTransform> nodes, const std::vector<Affine>& world) {
   constexpr double kOff = 1e-4;  // of how far joints are from the origin
-  const std::vector<Affine> world = world_of_nodes(motion.tree);
-  const std::vector<JointTransform> locals = motion.fold.locals(motion.tree.local);
+  const std::vector<JointTransform> locals = motion.fold.locals(nodes);
   std::vector<Affine> without(locals.size());
   double most = 0, farthest = 0;
   for (const std::size_t n : motion.tree.order) {
@@ -324,7 +336,22 @@ void note_shear(const Motion& motion, std::vector<std::string>& notes) {
     most = std::max(most, length(placed * Vec3{0, 0, 0} - origin));
     farthest = std::max(farthest, length(origin));
   }
-  if (!(most > kOff * farthest)) return;
+  return most > kOff * farthest ? most : 0;
+}
+
+// As the nodes stand and in some of the frames.
+void note_shear(const Motion& motion, std::size_t frames, double fps, std::vector<std::string>& notes) {
+  constexpr std::size_t kLooks = 16;
+  NodeTree tree = motion.tree;
+  double most = sheared_by(motion, tree.local, world_of_nodes(tree));
+  for (const std::size_t k : spread_evenly(frames, kLooks)) {
+    const std::vector<JointTransform> nodes = motion.nodes_at(static_cast<double>(k) / fps);
+    for (const AnimationChannel& channel : motion.channels) {
+      tree.exact[channel.node] = affine_from(nodes[channel.node]);
+    }
+    most = std::max(most, sheared_by(motion, nodes, world_of_nodes(tree)));
+  }
+  if (most == 0) return;
   notes.push_back("Nodes of the clip's file shear its joints, which joints of a character cannot: they lie up to " +
                   rounded(most) + " m from where they should. Apply scales before the export.");
 }
@@ -452,7 +479,8 @@ Clip read_gltf_clip(const GltfFile& file, const std::string& name, const Skeleto
     }
   }
 
-  note_shear(motion, clip.notes);
+  note_shear(motion, frames, clip.fps, clip.notes);
+  require_same_hand(file, motion, rest);
   const RestComparison rests = compare_with_character(motion, rest);
   if (rests.fit == RestFit::other) {
     carry_motion(file, motion, rest, frames, clip);

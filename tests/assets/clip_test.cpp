@@ -290,6 +290,24 @@ TEST(Clip, ShearIsToldInMetres) {
   EXPECT_TRUE(mentions(clip_of(blob, folder).notes, "Nodes of the clip's file shear its joints"));
   blob.root["nodes"][2]["scale"] = {2, 2, 2};
   EXPECT_FALSE(mentions(clip_of(blob, folder).notes, "shear"));
+  // As they stand nothing is sheared, but as they move.
+  blob.root["nodes"][0].erase("rotation");
+  blob.root["nodes"][2]["scale"] = {1, 1.4, 0.7};
+  EXPECT_FALSE(mentions(clip_of(blob, folder).notes, "shear"));
+  const float s = std::sqrt(0.5f);
+  animate(blob, 0, "rotation", {0, 1}, {0, 0, 0, 1, s, 0, 0, s});
+  EXPECT_TRUE(mentions(clip_of(blob, folder).notes, "Nodes of the clip's file shear its joints"));
+}
+
+TEST(Clip, MirroredRigsAreRefused) {
+  const TemporaryFolder folder;
+  GltfBlob blob = two_nodes();
+  animate(blob, 0, "translation", {0, 1}, {0, 0, 0, 0, 1, 0});
+  blob.root["nodes"].push_back({{"name", "armature"}, {"scale", {-1, 1, 1}}, {"children", {0}}});
+  const std::string text = error_of(ErrorKind::mismatch, [&] { clip_of(blob, folder); });
+  EXPECT_NE(text.find("inside out"), std::string::npos) << text;
+  blob.root["nodes"][2]["scale"] = {-1, -1, 1};  // a half turn
+  EXPECT_EQ(clip_of(blob, folder).poses.size(), 25u);
 }
 
 TEST(Clip, OptionsOutOfRangeAreUsageErrors) {
