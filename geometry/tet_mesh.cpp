@@ -125,8 +125,7 @@ TetFinder::TetFinder(const TetMesh& mesh, const Positions& vertices, const Trian
   for (Eigen::Index t = 0; t < triangles.rows(); ++t) {
     const auto found = tet_of_face.find(sorted({triangles(t, 0), triangles(t, 1), triangles(t, 2)}));
     if (found == tet_of_face.end()) {
-      throw Error(ErrorKind::mismatch,
-                  "triangle " + std::to_string(t) + " of a coarser skin is no face of a tetrahedron");
+      throw Error(ErrorKind::mismatch, "triangle ", t, " of a coarser skin is no face of a tetrahedron");
     }
     behind_.push_back(found->second);
   }

@@ -159,9 +159,8 @@ BodyGrid sample_body(const HalfBody& body, double cell) {
   }
   if (grid.size() == 0) {
     throw Error(ErrorKind::mismatch,
-                "the skin encloses no volume to look into: expected a closed surface, found " +
-                    std::to_string(body.triangles.rows()) +
-                    " triangles with nothing between them (a sheet, or missing faces)",
+                concat("the skin encloses no volume to look into: expected a closed surface, found ",
+                       body.triangles.rows(), " triangles with nothing between them (a sheet, or missing faces)"),
                 ErrorCause::flat);
   }
   const auto count = static_cast<std::size_t>(grid.size());

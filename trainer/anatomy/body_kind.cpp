@@ -109,8 +109,8 @@ constexpr double kThickestMetres = 0.1, kLargestCorrection = 10, kLargestMuscle 
 std::string joint_of(const JsonObject& object, const Skeleton& skeleton) {
   const std::string joint = object.name("joint");
   if (skeleton.find(joint) < 0) {
-    throw Error(ErrorKind::mismatch, object.path().string() + ": " + object.place() + " corrects '" + joint +
-                                         "', which the character has no joint of; was it renamed?");
+    throw Error(ErrorKind::mismatch, object.path(), ": ", object.place(), " corrects '", joint,
+                "', which the character has no joint of; was it renamed?");
   }
   return joint;
 }
@@ -123,7 +123,7 @@ std::string region_of(const JsonObject& object) {
     if (region == name) return name;
     known += (known.empty() ? "" : ", ") + region;
   }
-  object.refuse("\"region\" is '" + name + "', expected one of " + known);
+  object.refuse("\"region\" is '", name, "', expected one of ", known);
 }
 
 std::vector<JsonObject> objects_of(const JsonObject& top, const char* key) {
@@ -191,7 +191,7 @@ AnatomyCorrections read_corrections(const std::filesystem::path& path, const Ske
   AnatomyCorrections corrections;
   if (top.has("kind")) {
     corrections.kind = body_kind_of(top.name("kind"));
-    if (!corrections.kind) top.refuse("\"kind\" is '" + top.name("kind") + "', expected one of " + body_kind_names());
+    if (!corrections.kind) top.refuse("\"kind\" is '", top.name("kind"), "', expected one of ", body_kind_names());
   }
   if (top.has("body_fat")) corrections.body_fat = top.number("body_fat", 0.02, 0.6);
   for (const JsonObject& object : objects_of(top, "bones")) {

@@ -19,12 +19,11 @@ constexpr double kLeastFat = 0.02, kMostFat = 0.6;
 
 void check_options(const AnatomyOptions& options) {
   if (!(options.body_fat >= kLeastFat && options.body_fat <= kMostFat)) {
-    throw Error(ErrorKind::usage, "body fat " + std::to_string(options.body_fat) +
-                                      ": expected a share of the body's mass, 0.02 to 0.6 (is it in percent?)");
+    throw Error(ErrorKind::usage, "body fat ", options.body_fat,
+                ": expected a share of the body's mass, 0.02 to 0.6 (is it in percent?)");
   }
   if (!(options.cell >= 0) || !std::isfinite(options.cell))
-    throw Error(ErrorKind::usage,
-                "anatomy: the edge of a cell is " + std::to_string(options.cell) + ", expected metres");
+    throw Error(ErrorKind::usage, "anatomy: the edge of a cell is ", options.cell, ", expected metres");
 }
 
 // Throws Error(mismatch) for a muscle that is corrected and not given; without muscles nothing of them counts.
@@ -32,8 +31,8 @@ void require_known(const AnatomyCorrections& corrections, const std::vector<Musc
   for (const auto& [name, of] : corrections.muscles) {
     const auto is_named = [&n = name](const Muscle& muscle) { return muscle.name == n; };
     if (muscles.empty() || std::ranges::any_of(muscles, is_named)) continue;
-    throw Error(ErrorKind::mismatch, "the corrections name the muscle '" + name + "', which is none of the " +
-                                         std::to_string(muscles.size()) + " given: misspelt?");
+    throw Error(ErrorKind::mismatch, "the corrections name the muscle '", name, "', which is none of the ",
+                muscles.size(), " given: misspelt?");
   }
 }
 

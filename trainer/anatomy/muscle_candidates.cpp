@@ -253,9 +253,9 @@ TrunkMuscles trunk_muscles(const Character& character, const std::vector<Muscle>
     }
   }
   if (result.muscles.empty() && !result.notes.empty()) {
-    throw Error(ErrorKind::mismatch, "muscles of the trunk: the character '" + character.name +
-                                         "' has none of the landmarks that they are laid by: expected a human with a "
-                                         "pelvis, a neck and shoulders");
+    throw Error(ErrorKind::mismatch, "muscles of the trunk: the character '", character.name,
+                "' has none of the landmarks that they are laid by: expected a human with a "
+                "pelvis, a neck and shoulders");
   }
   return result;
 }

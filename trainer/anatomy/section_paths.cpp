@@ -59,7 +59,7 @@ BodyPart read_joint(const JsonObject& json, const char* key) {
   for (const auto& [known, part] : kLimbJoints) {
     if (name == known) return part;
   }
-  json.refuse("'" + name + "' is no joint of a limb");
+  json.refuse("'", name, "' is no joint of a limb");
 }
 
 std::vector<std::string> read_matching_names(const JsonObject& json) {

@@ -60,10 +60,9 @@ class MeshBinder {
     const std::vector<std::vector<JointWeight>> none(mesh_.vertices.size());
     std::optional<Weld> weld = weld_vertices(mesh_.vertices, none, kWeld * skin_.diagonal());
     if (!weld) {
-      throw Error(ErrorKind::file, "mesh '" + mesh_.name +
-                                       "': thousands of different vertices lie at one point, the "
-                                       "character measures " +
-                                       rounded(skin_.diagonal()) + " m: is it in another unit (--unit)?");
+      throw Error(ErrorKind::file, "mesh '", mesh_.name,
+                  "': thousands of different vertices lie at one point, the character measures ",
+                  rounded(skin_.diagonal()), " m: is it in another unit (--unit)?");
     }
     welded_of_ = std::move(weld->welded_of);
     first_ = std::move(weld->first);
@@ -104,9 +103,9 @@ class MeshBinder {
               rounded(1000 * scaled) + " mm from it";
       break;
     }
-    throw Error(ErrorKind::mismatch, "mesh '" + mesh_.name + "' is " + rounded(least) +
-                                         " m from the skin where it is nearest, and the character measures " +
-                                         rounded(skin_.diagonal()) + " m: " + cause);
+    throw Error(ErrorKind::mismatch, "mesh '", mesh_.name, "' is ", rounded(least),
+                " m from the skin where it is nearest, and the character measures ", rounded(skin_.diagonal()),
+                " m: ", cause);
   }
 
   // The vertices of a piece that are nearest to the skin, nearest first.

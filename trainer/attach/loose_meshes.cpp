@@ -173,10 +173,9 @@ class LooseMeshReader {
 
   [[noreturn]] void refuse_joint(const std::string& name) const {
     const std::vector<std::string> known = names_of(skeleton_.joints);
-    throw Error(ErrorKind::mismatch, file_.path().string() + ": a mesh is skinned to joint '" + name +
-                                         "', which the character does not have, nor one above it; the nearest names "
-                                         "are " +
-                                         list_names(nearest_names(known, name)) + ": a mesh of another character?");
+    throw Error(ErrorKind::mismatch, file_.path(), ": a mesh is skinned to joint '", name,
+                "', which the character does not have, nor one above it; the nearest names are ",
+                list_names(nearest_names(known, name)), ": a mesh of another character?");
   }
 
   std::string unique_name(const std::string& wanted) {

@@ -214,8 +214,8 @@ ConsistencyReport report_consistency(const ShapeStack& stack, double degrees, st
   const PoseDatabase& database = stack.database();
   const std::size_t count = database.dataset.modifiers.size(), frames = database.frames.size();
   if (frames == 0) {
-    throw Error(ErrorKind::mismatch, (database.dataset.folder / "dataset.json").string() +
-                                         " names no takes: there are no frames to compare");
+    throw Error(ErrorKind::mismatch, (database.dataset.folder / "dataset.json").string(),
+                " names no takes: there are no frames to compare");
   }
   const Index vertices = database.character.vertices.rows();
   const Displacements displacements =

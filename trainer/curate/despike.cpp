@@ -80,11 +80,10 @@ ShapeModifier prepare_blend(const ModifierInput& input) {
   const auto reader = std::make_shared<const ShapeReader>(path);
   const std::vector<int> frames = parse_frame_range(input.parameters.name("frames"));
   if (reader->sample_count() != frames.size() || reader->point_count() != input.database.character.output_count()) {
-    throw Error(ErrorKind::mismatch,
-                input.place + ": " + path.string() + " has " + std::to_string(reader->sample_count()) + " samples of " +
-                    std::to_string(reader->point_count()) + " points, expected " + std::to_string(frames.size()) +
-                    " (its 'frames') of " + std::to_string(input.database.character.output_count()) +
-                    " (the character's vertices): made from another mesh, or of other frames");
+    throw Error(ErrorKind::mismatch, input.place, ": ", path, " has ", reader->sample_count(), " samples of ",
+                reader->point_count(), " points, expected ", frames.size(), " (its 'frames') of ",
+                input.database.character.output_count(),
+                " (the character's vertices): made from another mesh, or of other frames");
   }
   std::map<std::size_t, std::uint32_t> samples;  // of the cache, by frame of the database
   const std::string take = input.parameters.name("take");
@@ -95,8 +94,8 @@ ShapeModifier prepare_blend(const ModifierInput& input) {
     }
   }
   if (samples.empty()) {
-    throw Error(ErrorKind::mismatch, input.place + ": the dataset has no solved frame " +
-                                         input.parameters.name("frames") + " of a take '" + take + "'");
+    throw Error(ErrorKind::mismatch, input.place, ": the dataset has no solved frame ", input.parameters.name("frames"),
+                " of a take '", take, "'");
   }
   const auto shape_of = [reader, samples, &character = input.database.character](std::size_t frame) {
     const auto sample = samples.find(frame);

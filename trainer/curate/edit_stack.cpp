@@ -32,15 +32,14 @@ Modifiers::iterator modifier_named(const std::string& name, Modifiers& modifiers
   const auto found = std::ranges::find(modifiers, name, &Modifier::name);
   if (found != modifiers.end()) return found;
   const std::vector<std::string> names = names_of(modifiers);
-  throw Error(ErrorKind::usage,
-              "the dataset has no modifier '" + name + "'; " +
-                  (names.empty() ? "it has none" : "the nearest are " + list_names(nearest_names(names, name))));
+  throw Error(ErrorKind::usage, "the dataset has no modifier '", name, "'; ",
+              (names.empty() ? "it has none" : "the nearest are " + list_names(nearest_names(names, name))));
 }
 
 std::string free_name(const Modifiers& modifiers, const Modifier& modifier) {
   if (!modifier.name.empty() && !find_modifier(modifiers, modifier.name)) return modifier.name;
   if (!modifier.name.empty()) {
-    throw Error(ErrorKind::usage, "the dataset has a modifier '" + modifier.name + "' already");
+    throw Error(ErrorKind::usage, "the dataset has a modifier '", modifier.name, "' already");
   }
   std::string name = modifier.type;
   for (int k = 2; find_modifier(modifiers, name); ++k) name = modifier.type + std::to_string(k);
@@ -166,7 +165,7 @@ DatasetTake baked_take(const ShapeStack& stack, int number, const std::vector<st
   take.shapes = take.name + ".pc2";
   take.shapes_status.clear();
   if (mirrored && !take.controls.empty()) {
-    throw Error(ErrorKind::usage, "take '" + take.name + "': controls of mirror images cannot be written");
+    throw Error(ErrorKind::usage, "take '", take.name, "': controls of mirror images cannot be written");
   }
   take.controls = elsewhere(from, take.controls);
   take.joint_map = mirrored ? "" : elsewhere(from, take.joint_map);
@@ -226,7 +225,7 @@ PoseDatabase change_modifier(const fs::path& path, const std::string& name, cons
     }
     if (change.name && *change.name != name) {
       if (find_modifier(modifiers, *change.name)) {
-        throw Error(ErrorKind::usage, "the dataset has a modifier '" + *change.name + "' already");
+        throw Error(ErrorKind::usage, "the dataset has a modifier '", *change.name, "' already");
       }
       modifier.name = *change.name;
     }
@@ -241,8 +240,7 @@ void move_modifier(const fs::path& path, const std::string& name, std::size_t pl
   edit_modifiers(path, [&](const Dataset&, Modifiers& modifiers) {
     const auto found = modifier_named(name, modifiers);
     if (place < 1 || place > modifiers.size()) {
-      throw Error(ErrorKind::usage, "the stack has the places 1 to " + std::to_string(modifiers.size()) +
-                                        ", asked for " + std::to_string(place));
+      throw Error(ErrorKind::usage, "the stack has the places 1 to ", modifiers.size(), ", asked for ", place);
     }
     Modifier moved = *found;
     modifiers.erase(found);
@@ -262,8 +260,8 @@ void remove_modifier(const fs::path& path, const std::string& name) {
 
 void check_modifier(const PoseDatabase& database, const Modifier& modifier) {
   if (!find_modifier_type(modifier.type)) {
-    throw Error(ErrorKind::usage, "there is no type of modifier '" + modifier.type + "'; there are " +
-                                      list_names(names_of(modifier_types())));
+    throw Error(ErrorKind::usage, "there is no type of modifier '", modifier.type, "'; there are ",
+                list_names(names_of(modifier_types())));
   }
   PoseDatabase alone = database;
   alone.dataset.modifiers = {modifier};
@@ -297,7 +295,7 @@ void put_shapes_over(const fs::path& path, const std::string& name, const std::s
 void require_sculpt(const Modifiers& modifiers, const std::string& name) {
   const Modifier* found = find_modifier(modifiers, name);
   if (!found || found->type == "sculpt") return;
-  throw Error(ErrorKind::usage, "the modifier '" + name + "' is of the type " + found->type);
+  throw Error(ErrorKind::usage, "the modifier '", name, "' is of the type ", found->type);
 }
 
 std::vector<std::string> put_sculpt(const PoseDatabase& database, Modifiers& modifiers, const std::string& name,
@@ -323,9 +321,8 @@ std::vector<std::string> add_sculpt(const fs::path& path, const std::string& nam
     const PoseDatabase& database = stack.database();
     const Character& character = database.character;
     if (mesh.size() != 3 * std::size_t{character.output_count()}) {
-      throw Error(ErrorKind::mismatch, "the sculpt has " + std::to_string(mesh.size() / 3) +
-                                           " vertices, the character " + std::to_string(character.output_count()) +
-                                           ": it was subdivided, merged or made of another mesh");
+      throw Error(ErrorKind::mismatch, "the sculpt has ", mesh.size() / 3, " vertices, the character ",
+                  character.output_count(), ": it was subdivided, merged or made of another mesh");
     }
     const std::size_t number = database.find(take, frame, "the sculpt");
     const Positions given = welded_from_output(character, mesh.data());
@@ -348,7 +345,7 @@ std::vector<ModifierEffect> measure_modifiers(const ShapeStack& stack, const std
   for (std::size_t k = 0; k < modifiers.size(); ++k) {
     if (name.empty() || modifiers[k].name == name) places.push_back(k);
   }
-  if (places.empty() && !name.empty()) throw Error(ErrorKind::usage, "the dataset has no modifier '" + name + "'");
+  if (places.empty() && !name.empty()) throw Error(ErrorKind::usage, "the dataset has no modifier '", name, "'");
   std::vector<std::vector<FrameEffect>> effects(places.size(), std::vector<FrameEffect>(database.frames.size()));
   Progress progress("curate: what modifiers do", database.frames.size());
   parallel_for(database.frames.size(), [&](std::size_t n) {
@@ -367,7 +364,7 @@ std::vector<ModifierEffect> measure_modifiers(const ShapeStack& stack, const std
 Dataset bake_dataset(const ShapeStack& stack, const fs::path& folder) {
   const PoseDatabase& database = stack.database();
   if (fs::exists(folder / "dataset.json")) {
-    throw Error(ErrorKind::usage, folder.string() + " has a dataset already: bake into another folder");
+    throw Error(ErrorKind::usage, folder, " has a dataset already: bake into another folder");
   }
   Dataset baked = database.dataset;
   const fs::path& from = database.dataset.folder;

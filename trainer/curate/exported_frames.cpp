@@ -25,10 +25,9 @@ using Modifiers = std::vector<Modifier>;
 Positions read_skin(const Character& character, const fs::path& path) {
   const ShapeReader reader(path);
   if (reader.point_count() != character.output_count() || reader.sample_count() != 1) {
-    throw Error(ErrorKind::mismatch, path.string() + " has " + std::to_string(reader.sample_count()) + " samples of " +
-                                         std::to_string(reader.point_count()) + " points; expected one of the " +
-                                         std::to_string(character.output_count()) +
-                                         " vertices of the character: is it of another one?");
+    throw Error(ErrorKind::mismatch, path, " has ", reader.sample_count(), " samples of ", reader.point_count(),
+                " points; expected one of the ", character.output_count(),
+                " vertices of the character: is it of another one?");
   }
   return welded_from_output(character, reader.sample(0).data());
 }
@@ -227,8 +226,7 @@ void forget_exports(const Dataset& dataset) {
     std::error_code failure;
     fs::remove(file, failure);
     if (failure) {
-      throw Error(ErrorKind::file,
-                  file.string() + " cannot be removed (" + failure.message() + "): is the folder writable?");
+      throw Error(ErrorKind::file, file, " cannot be removed (", failure.message(), "): is the folder writable?");
     }
   }
 }

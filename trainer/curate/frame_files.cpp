@@ -45,7 +45,7 @@ float coordinate(const std::string& word, const std::string& place) {
   float value = 0;
   const auto [end, failure] = std::from_chars(word.data(), word.data() + word.size(), value);
   if (failure != std::errc() || end != word.data() + word.size() || !std::isfinite(value)) {
-    throw Error(ErrorKind::file, place + ": '" + word.substr(0, 40) + "' is no coordinate: damaged, or exploded?");
+    throw Error(ErrorKind::file, place, ": '", word.substr(0, 40), "' is no coordinate: damaged, or exploded?");
   }
   return value;
 }
@@ -56,8 +56,7 @@ Corner number_of(const std::string& word, std::size_t count, const char* what, c
   std::from_chars(word.data(), word.data() + word.size(), number);
   if (number < 0) number += static_cast<long>(count) + 1;
   if (number < 1 || static_cast<std::size_t>(number) > count) {
-    throw Error(ErrorKind::file,
-                place + ": the face's corner '" + word.substr(0, 40) + "' is no " + what + " of the file");
+    throw Error(ErrorKind::file, place, ": the face's corner '", word.substr(0, 40), "' is no ", what, " of the file");
   }
   return static_cast<Corner>(number - 1);
 }
@@ -91,8 +90,7 @@ ObjMesh parse_obj(const std::filesystem::path& path) {
       std::array<float, 3> values{};
       for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) {
         if (!(words >> word)) {
-          throw Error(ErrorKind::file,
-                      place_of(path, number) + ": " + of + " of fewer than " + std::to_string(count) + " numbers");
+          throw Error(ErrorKind::file, place_of(path, number), ": ", of, " of fewer than ", count, " numbers");
         }
         values[i] = coordinate(word, place_of(path, number));
       }
@@ -242,9 +240,8 @@ void check_size(const Positions& exported, const Positions& given, const std::fi
   std::snprintf(text, sizeof(text),
                 ": the mesh measures %.4g m from corner to corner, the frame %.4g m, %.3g times as much: ", found, own,
                 found / own);
-  throw Error(ErrorKind::mismatch, path.string() + text +
-                                       "was it written in another unit (metres are expected), or scaled, or is it of "
-                                       "another character?");
+  throw Error(ErrorKind::mismatch, path, text,
+              "was it written in another unit (metres are expected), or scaled, or is it of another character?");
 }
 
 // Which of the skins the mesh was made of; its positions stay empty.
@@ -268,17 +265,16 @@ Positions in_own_order(const Character& character, const TexturedSurface& export
                        const std::filesystem::path& path) {
   const auto found = static_cast<std::size_t>(given.vertices.rows());
   if (given.vertices.rows() != exported.vertices.rows()) {
-    throw Error(ErrorKind::mismatch, both_counts(character, path, found) + likely_cause(character, found));
+    throw Error(ErrorKind::mismatch, both_counts(character, path, found), likely_cause(character, found));
   }
   const std::vector<int> match = match_vertices(exported, given, unmoved_distance(exported.vertices));
   Positions result = exported.vertices;
   const auto lost = static_cast<std::size_t>(std::count(match.begin(), match.end(), -1));
   if (lost > 0) {
-    throw Error(
-        ErrorKind::mismatch,
-        both_counts(character, path, found) + "which of them " + count_of(lost, "vertex is", "vertices are") +
-            " is not to be told: their order is not the character's, nor are the faces or the texture coordinates, "
-            "or all of it was moved (keep the vertex order or the UVs, or another pose was exported)");
+    throw Error(ErrorKind::mismatch, both_counts(character, path, found), "which of them ",
+                count_of(lost, "vertex is", "vertices are"),
+                " is not to be told: their order is not the character's, nor are the faces or the texture coordinates, "
+                "or all of it was moved (keep the vertex order or the UVs, or another pose was exported)");
   }
   for (std::size_t v = 0; v < match.size(); ++v)
     result.row(match[v]) = given.vertices.row(static_cast<Eigen::Index>(v));

@@ -31,9 +31,8 @@ SculptedFrame read_sculpt(const PoseDatabase& database, const JsonObject& sculpt
   const std::filesystem::path path = database.dataset.folder / sculpt.name("offsets");
   const ShapeReader reader(path);
   if (reader.point_count() != character.output_count() || reader.sample_count() != 1) {
-    throw Error(ErrorKind::mismatch, place + ": " + path.string() + " has " + std::to_string(reader.point_count()) +
-                                         " points, the character " + std::to_string(character.output_count()) +
-                                         " vertices: it was sculpted on another mesh");
+    throw Error(ErrorKind::mismatch, place, ": ", path, " has ", reader.point_count(), " points, the character ",
+                character.output_count(), " vertices: it was sculpted on another mesh");
   }
   return {database.find(sculpt.name("take"), sculpt.integer("frame"), place),
           welded_from_output(character, reader.sample(0).data())};
@@ -47,9 +46,8 @@ SculptedFrames sculpts_of(const PoseDatabase& database, const std::string& name,
   const Modifier* modifier = find_modifier(database.dataset.modifiers, name);
   const std::string why = why_not_shown(database, name, frame);
   if (!why.empty()) {
-    throw Error(ErrorKind::usage,
-                "the modifier '" + name + "' " + why +
-                    ": what is brushed would not be what is seen (brush-modifier gives another name)");
+    throw Error(ErrorKind::usage, "the modifier '", name, "' ", why,
+                ": what is brushed would not be what is seen (brush-modifier gives another name)");
   }
   Json parameters = modifier ? modifier->parameters : Json{{"sculpts", Json::array()}};
   if (spread || !parameters.contains("spread_degrees")) parameters["spread_degrees"] = spread.value_or(kUsualSpread);
@@ -184,8 +182,8 @@ SkinPoint FrameSculpting::mirror_image(const SkinPoint& at) {
   SkinPoint found = (*rest_)(image);
   const double apart = (found.position - image).norm();
   if (apart > kAlike * (high - low).norm()) {
-    throw Error(ErrorKind::mismatch, "the mirror image of this point is " + std::to_string(std::lround(1e3 * apart)) +
-                                         " mm from the skin: the character is not symmetric here (brush-symmetry off)");
+    throw Error(ErrorKind::mismatch, "the mirror image of this point is ", std::lround(1e3 * apart),
+                " mm from the skin: the character is not symmetric here (brush-symmetry off)");
   }
   found.position = at_point(surface_, found);
   return found;

@@ -190,11 +190,10 @@ std::vector<std::size_t> joint_counterparts(const Skeleton& skeleton, double mid
     const Vec3 own = bind_place(skeleton, j), image{2 * middle - own[0], own[1], own[2]};
     const double apart = length(bind_place(skeleton, other) - image);
     if (apart > kJointTolerance * size) {
-      throw Error(ErrorKind::mismatch,
-                  "symmetry: the mirror image of joint '" + skeleton.joints[j].name + "' is " +
-                      std::to_string(std::lround(1e3 * apart)) + " mm from joint '" + skeleton.joints[other].name +
-                      "', expected less than " + std::to_string(std::lround(1e3 * kJointTolerance * size)) +
-                      ": the character is not symmetric, or its joints are not named left and right");
+      throw Error(ErrorKind::mismatch, "symmetry: the mirror image of joint '", skeleton.joints[j].name, "' is ",
+                  std::lround(1e3 * apart), " mm from joint '", skeleton.joints[other].name, "', expected less than ",
+                  std::lround(1e3 * kJointTolerance * size),
+                  ": the character is not symmetric, or its joints are not named left and right");
     }
   }
   return counterparts;
@@ -233,11 +232,10 @@ Eigen::Matrix3d turn_back(std::span<const WrittenSkin> written, const Positions&
     may_be_turned = true;
   }
   if (!may_be_turned) return none;
-  throw Error(ErrorKind::mismatch,
-              path.string() +
-                  ": the mesh is as high as the frame is deep or wide: it was written with another axis up, or "
-                  "turned, and too little of it lies where it was to tell how (write it with Y up, as it was exported; "
-                  "Blender's export has 'Up')");
+  throw Error(ErrorKind::mismatch, path,
+              ": the mesh is as high as the frame is deep or wide: it was written with another axis up, or "
+              "turned, and too little of it lies where it was to tell how (write it with Y up, as it was exported; "
+              "Blender's export has 'Up')");
 }
 
 MirrorImage::MirrorImage(const Character& character, const std::vector<std::string>& controls)
@@ -252,9 +250,9 @@ MirrorImage::MirrorImage(const Character& character, const std::vector<std::stri
     const Eigen::Vector3d image(2 * middle_ - rest(v, 0), rest(v, 1), rest(v, 2));
     image_.push_back(nearest(image));
     if ((image_.back().position - image).norm() > kSkinTolerance * size) {
-      throw Error(ErrorKind::mismatch, "symmetry: the mirror image of vertex " + std::to_string(v) + " is " +
-                                           std::to_string(std::lround(1e3 * (image_.back().position - image).norm())) +
-                                           " mm from the skin: the character is not symmetric");
+      throw Error(ErrorKind::mismatch, "symmetry: the mirror image of vertex ", v, " is ",
+                  std::lround(1e3 * (image_.back().position - image).norm()),
+                  " mm from the skin: the character is not symmetric");
     }
   }
 }

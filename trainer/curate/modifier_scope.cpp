@@ -49,10 +49,10 @@ class Selector {
     const std::vector<NamedSelection>& lists = database_.dataset.selections;
     const auto list = std::ranges::find(lists, name, &NamedSelection::name);
     if (list == lists.end() || !list->frames.is_array()) {
-      throw Error(ErrorKind::mismatch, place_ + ": the dataset has no selection '" + name + "'");
+      throw Error(ErrorKind::mismatch, place_, ": the dataset has no selection '", name, "'");
     }
     if (!open_.insert(name).second) {
-      throw Error(ErrorKind::mismatch, place_ + ": the selection '" + name + "' names itself");
+      throw Error(ErrorKind::mismatch, place_, ": the selection '", name, "' names itself");
     }
     add_all(list->frames);
     open_.erase(name);
@@ -113,8 +113,8 @@ const Named& find_named(const std::vector<Named>& all, const std::string& name, 
                         const std::string& place) {
   const auto found = std::ranges::find(all, name, &Named::name);
   if (found != all.end()) return *found;
-  throw Error(ErrorKind::mismatch,
-              place + ": the dataset has no " + what + " '" + name + "'; it has " + list_names(names_of(all)));
+  throw Error(ErrorKind::mismatch, place, ": the dataset has no ", what, " '", name, "'; it has ",
+              list_names(names_of(all)));
 }
 
 }  // namespace
@@ -125,7 +125,7 @@ std::vector<char> selected_frames(const PoseDatabase& database, const Json& sele
   selector.add_all(selections);
   std::vector<char> selected = selector.take();
   if (std::find(selected.begin(), selected.end(), true) == selected.end()) {
-    throw Error(ErrorKind::mismatch, place + ": it selects no frame of the dataset");
+    throw Error(ErrorKind::mismatch, place, ": it selects no frame of the dataset");
   }
   return selected;
 }
@@ -154,7 +154,7 @@ Eigen::VectorXd skin_mask(const PoseDatabase& database, const Json& json, const 
       there = std::max(there, region.weights[k]);
     }
   }
-  if (!(mask.maxCoeff() > 0)) throw Error(ErrorKind::mismatch, place + ": its mask is of no vertex");
+  if (!(mask.maxCoeff() > 0)) throw Error(ErrorKind::mismatch, place, ": its mask is of no vertex");
   return mask.cwiseMin(1.0);
 }
 

@@ -63,7 +63,7 @@ void NamedShapes::open_dataset_frames(const fs::path& dataset, const std::string
     const bool is_asked = take.empty() || database.frames[n].take == number;
     if (is_asked && !stack_->is_dropped(n)) numbers_.push_back(n);
   }
-  if (numbers_.empty()) throw Error(ErrorKind::mismatch, name_ + ": no frame of it is solved and not dropped");
+  if (numbers_.empty()) throw Error(ErrorKind::mismatch, name_, ": no frame of it is solved and not dropped");
   if (!take.empty()) {
     std::sort(numbers_.begin(), numbers_.end(),
               [&](std::size_t a, std::size_t b) { return database.frames[a].frame < database.frames[b].frame; });
@@ -89,8 +89,8 @@ float NamedShapes::sample_rate() const { return reader_ ? reader_->sample_rate()
 
 std::size_t NamedShapes::number_of(std::uint32_t k) const {
   if (k < numbers_.size()) return numbers_[k];
-  throw Error(ErrorKind::file, name_ + ": it has " + std::to_string(numbers_.size()) + " frames now, asked for the " +
-                                   std::to_string(k + 1) + "th: some were dropped meanwhile");
+  throw Error(ErrorKind::file, name_, ": it has ", numbers_.size(), " frames now, asked for the ", k + 1,
+              "th: some were dropped meanwhile");
 }
 
 std::vector<float> NamedShapes::sample(std::uint32_t k) const {
@@ -114,8 +114,8 @@ NamedShapes NamedShapes::as_they_are() const {
     return is_of ? stack_->made_space() : nullptr;
   });
   if (now.point_count() == point_count()) return now;
-  throw Error(ErrorKind::mismatch, name_ + ": it was written anew with " + std::to_string(now.point_count()) +
-                                       " points, it had " + std::to_string(point_count()));
+  throw Error(ErrorKind::mismatch, name_, ": it was written anew with ", now.point_count(), " points, it had ",
+              point_count());
 }
 
 }  // namespace bodyopt

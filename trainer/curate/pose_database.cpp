@@ -14,21 +14,18 @@ namespace {
 void check_take(const DatasetTake& take, const Character& character, const Clip& clip, const ShapeReader& shapes) {
   const std::string where = "take '" + take.name + "', " + take.shapes + ": ";
   if (shapes.point_count() != character.output_count()) {
-    throw Error(ErrorKind::mismatch, where + "the cache has " + std::to_string(shapes.point_count()) +
-                                         " points, the character has " + std::to_string(character.output_count()) +
-                                         " output vertices: it was made from another mesh");
+    throw Error(ErrorKind::mismatch, where, "the cache has ", shapes.point_count(), " points, the character has ",
+                character.output_count(), " output vertices: it was made from another mesh");
   }
   if (shapes.sample_count() != take.frames.size()) {
-    throw Error(ErrorKind::mismatch, where + "the cache has " + std::to_string(shapes.sample_count()) +
-                                         " samples, the dataset names " + std::to_string(take.frames.size()) +
-                                         " frames: one of the two was made anew without the other");
+    throw Error(ErrorKind::mismatch, where, "the cache has ", shapes.sample_count(), " samples, the dataset names ",
+                take.frames.size(), " frames: one of the two was made anew without the other");
   }
   for (const int frame : take.frames) {
     if (frame < clip.first_frame || frame > clip.last_frame()) {
-      throw Error(ErrorKind::mismatch, "take '" + take.name + "': frame " + std::to_string(frame) +
-                                           " is not in the clip " + take.clip + ", which has frames " +
-                                           std::to_string(clip.first_frame) + " to " +
-                                           std::to_string(clip.last_frame()) + ": first_frame or fps may be wrong");
+      throw Error(ErrorKind::mismatch, "take '", take.name, "': frame ", frame, " is not in the clip ", take.clip,
+                  ", which has frames ", clip.first_frame, " to ", clip.last_frame(),
+                  ": first_frame or fps may be wrong");
     }
   }
 }
@@ -63,7 +60,7 @@ Positions PoseDatabase::raw_shape(std::size_t frame) const {
 int PoseDatabase::take_named(const std::string& name, const std::string& place) const {
   const auto found = std::ranges::find(takes, name);
   if (found != takes.end()) return static_cast<int>(found - takes.begin());
-  throw Error(ErrorKind::mismatch, place + ": the dataset has no take '" + name + "'; it has " + list_names(takes));
+  throw Error(ErrorKind::mismatch, place, ": the dataset has no take '", name, "'; it has ", list_names(takes));
 }
 
 std::size_t PoseDatabase::find(const std::string& take, int frame, const std::string& place) const {
@@ -79,8 +76,8 @@ std::size_t PoseDatabase::find(const std::string& take, int frame, const std::st
   if (!above.empty()) {
     nearest += (below.empty() ? "" : " and ") + std::to_string(*std::ranges::min_element(above));
   }
-  throw Error(ErrorKind::mismatch, place + ": take '" + take + "' has no solved frame " + std::to_string(frame) +
-                                       (nearest.empty() ? "" : "; nearest to it: " + nearest));
+  throw Error(ErrorKind::mismatch, place, ": take '", take, "' has no solved frame ", frame,
+              (nearest.empty() ? "" : "; nearest to it: " + nearest));
 }
 
 PoseDatabase read_pose_database(const Dataset& dataset) {

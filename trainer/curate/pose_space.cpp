@@ -64,8 +64,8 @@ std::vector<std::uint32_t> joints_named(const Skeleton& skeleton, const std::vec
   for (const std::string& name : names) {
     const int joint = skeleton.find(name);
     if (joint < 0) {
-      throw Error(ErrorKind::mismatch, place + ": the character has no joint '" + name + "'; the nearest are " +
-                                           list_names(nearest_names(names_of(skeleton.joints), name)));
+      throw Error(ErrorKind::mismatch, place, ": the character has no joint '", name, "'; the nearest are ",
+                  list_names(nearest_names(names_of(skeleton.joints), name)));
     }
     joints.push_back(static_cast<std::uint32_t>(joint));
   }

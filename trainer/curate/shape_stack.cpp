@@ -60,8 +60,8 @@ void require_known_parameters(const Modifier& modifier, const ModifierType& type
                                    [&k = key](const char* there) { return k == there; });
     if (known) continue;
     const std::vector<std::string> names(type.parameters.begin(), type.parameters.end());
-    throw Error(ErrorKind::mismatch, name + " has no parameter '" + key + "': misspelt? " +
-                                         (names.empty() ? "Its type has none" : "Its type has " + list_names(names)));
+    throw Error(ErrorKind::mismatch, name, " has no parameter '", key, "': misspelt? ",
+                (names.empty() ? "Its type has none" : "Its type has " + list_names(names)));
   }
 }
 
@@ -148,7 +148,7 @@ void ShapeStack::add_weight(const Layer& layer) {
   constexpr double kLargestWeight = 1000;
   const Modifier& modifier = *layer.modifier;
   if (!modifier.mask.empty()) {
-    throw Error(ErrorKind::mismatch, layer.name + " has a mask: frames count as a whole");
+    throw Error(ErrorKind::mismatch, layer.name, " has a mask: frames count as a whole");
   }
   const std::filesystem::path path = database_.dataset.folder / "dataset.json";
   const JsonObject parameters(modifier.parameters, path, layer.name);

@@ -182,9 +182,9 @@ BuiltDynamics build_dynamics(const Character& character, const std::vector<Muscl
 DynamicsOptions asked_options(const Dynamics& dynamics) {
   const std::string where = "the dynamics' metadata 'provenance'";
   const auto text = dynamics.metadata.find("provenance");
-  if (text == dynamics.metadata.end()) throw Error(ErrorKind::file, where + " is missing: made by another program?");
+  if (text == dynamics.metadata.end()) throw Error(ErrorKind::file, where, " is missing: made by another program?");
   Json json = parse_strict_json(text->second, where);
-  if (!json.is_object()) throw Error(ErrorKind::file, where + " is no object: damaged?");
+  if (!json.is_object()) throw Error(ErrorKind::file, where, " is no object: damaged?");
   constexpr int kMostTets = 1000000;
   DynamicsOptions options;
   options.resolution = JsonObject(json, where, "the top level").integer("resolution", 100, kMostTets);

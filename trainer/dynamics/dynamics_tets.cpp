@@ -28,7 +28,7 @@ namespace {
 constexpr double kFlat = 1e-4;
 
 [[noreturn]] void refuse(const std::string& what, const std::string& cause) {
-  throw Error(ErrorKind::mismatch, "the tetrahedra cannot carry finite elements: " + what + " (" + cause + ")");
+  throw Error(ErrorKind::mismatch, "the tetrahedra cannot carry finite elements: ", what, " (", cause, ")");
 }
 
 std::string name_of(Eigen::Index tet) { return "tetrahedron " + std::to_string(tet); }

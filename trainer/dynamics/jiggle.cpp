@@ -110,8 +110,8 @@ Eigen::VectorXd inertia_of(const JiggleSystem& system, double d) {
 
 void require_step(const JiggleStep& step) {
   if (!(step.frames_per_second > 0 && std::isfinite(step.frames_per_second))) {
-    throw Error(ErrorKind::usage, "the dynamics are for " + std::to_string(step.frames_per_second) +
-                                      " frames a second, expected a number above 0");
+    throw Error(ErrorKind::usage, "the dynamics are for ", step.frames_per_second,
+                " frames a second, expected a number above 0");
   }
   if (step.substeps == 0) throw Error(ErrorKind::usage, "a frame has 0 substeps, expected 1 or more");
 }

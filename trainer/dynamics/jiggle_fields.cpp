@@ -68,9 +68,8 @@ std::vector<std::size_t> matches(const std::vector<std::string>& names, const Ji
     if (matches_pattern(region.name, names[k])) found.push_back(k);
   }
   if (!found.empty()) return found;
-  throw Error(ErrorKind::mismatch, settings.origin + ": names the " + kind + " '" + region.name +
-                                       "', which is not there; there are " + list_names(names) +
-                                       ": misspelt, or made for another character?");
+  throw Error(ErrorKind::mismatch, settings.origin, ": names the ", kind, " '", region.name,
+              "', which is not there; there are ", list_names(names), ": misspelt, or made for another character?");
 }
 
 std::vector<std::size_t> joints_of(const JiggleRegion& region, const Character& character,

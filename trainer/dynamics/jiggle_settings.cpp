@@ -39,7 +39,7 @@ JiggleRegion read_region(const JsonObject& object) {
     region.name = object.name(key);
     ++named;
   }
-  if (named != 1) object.refuse("has " + std::to_string(named) + " of 'joint', 'muscle' and 'region', expected one");
+  if (named != 1) object.refuse("has ", named, " of 'joint', 'muscle' and 'region', expected one");
   if (object.has("softness")) region.softness = softness(object);
   if (object.has("damping")) region.damping = damping(object);
   if (object.has("amount")) region.amount = amount(object);

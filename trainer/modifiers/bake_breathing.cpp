@@ -129,9 +129,9 @@ Positions litre_of(const BakeInput& input, const Positions& rest, const Torso& t
   const double step = 0.01 * torso.length;  // of the field, whose size is about 1
   const double volume = (enclosed_volume(rest + step * field, triangles) - enclosed_volume(rest, triangles)) / step;
   if (!(volume > 1e-3 * torso.length * torso.length)) {
-    throw Error(ErrorKind::mismatch, input.place +
-                                         ": the skin around the trunk does not gain volume when it is pushed "
-                                         "out: is the body open there, or inside out?");
+    throw Error(ErrorKind::mismatch, input.place,
+                ": the skin around the trunk does not gain volume when it is pushed "
+                "out: is the body open there, or inside out?");
   }
   return field * (kLitre / volume);
 }
@@ -194,8 +194,8 @@ Eigen::MatrixXd shares_of(const Eigen::VectorXd& filled) {
 LearntBreath learn_breath(const Positions& rest, const Triangles& triangles, const std::vector<Positions>& offsets,
                           const std::string& place) {
   const auto refuse = [&](const std::string& what) {
-    throw Error(ErrorKind::mismatch, place + ": the take " + what +
-                                         ": expected frames of a whole breath, in and out, of a skin that is closed");
+    throw Error(ErrorKind::mismatch, place, ": the take ", what,
+                ": expected frames of a whole breath, in and out, of a skin that is closed");
   };
   if (offsets.empty()) refuse("has no frames");
   const Eigen::VectorXd volumes = volumes_of(rest, triangles, offsets);
@@ -226,7 +226,7 @@ std::vector<std::size_t> frames_of(const BakeInput& input, const PoseDatabase& d
   for (std::size_t n = 0; n < database.frames.size(); ++n) {
     if (database.take_of(n) == take) frames.push_back(n);
   }
-  if (frames.empty()) input.parameters.refuse("learns of the take '" + take + "', of which the dataset has no shapes");
+  if (frames.empty()) input.parameters.refuse("learns of the take '", take, "', of which the dataset has no shapes");
   return frames;
 }
 

@@ -53,7 +53,7 @@ BakedModifier bake_flex(const BakeInput& input) {
   std::vector<std::string> names;
   for (const Muscle& muscle : muscles) names.push_back(muscle.name);
   if (!wanted.empty() && std::ranges::find(names, wanted) == names.end()) {
-    input.parameters.refuse("flexes the muscle '" + wanted + "'; " + path.string() + " has " + list_names(names));
+    input.parameters.refuse("flexes the muscle '", wanted, "'; ", path, " has ", list_names(names));
   }
   const Positions rest = rows_of(input.basis.mesh.rest);
   const Triangles triangles = rows_of(input.basis.mesh.triangles);
@@ -71,9 +71,9 @@ BakedModifier bake_flex(const BakeInput& input) {
   const Eigen::MatrixXd even = smoothed(rest, triangles, out, 0.3 * radius);
   const double most = even.col(0).maxCoeff();
   if (!(most > 1e-3)) {
-    throw Error(ErrorKind::mismatch, input.place +
-                                         ": no skin lies over the muscle within two and a half of its radius: "
-                                         "is it of this character, and its radius in metres?");
+    throw Error(ErrorKind::mismatch, input.place,
+                ": no skin lies over the muscle within two and a half of its radius: "
+                "is it of this character, and its radius in metres?");
   }
   const double bulge = 1e-3 * bake_number(input, "bulge_mm", 6, 0, 100);
   BakedModifier baked;

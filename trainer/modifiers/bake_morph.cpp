@@ -15,9 +15,8 @@ Positions target_motion(const BakeInput& input) {
       read_morph_target(path, input.parameters.integer("target", 0, 4095), kept_unit(input.basis));
   const MeshTable& mesh = input.basis.mesh;
   if (moved.size() != mesh.output_count()) {
-    throw Error(ErrorKind::mismatch, input.place + ": " + path.string() + " has " + std::to_string(moved.size()) +
-                                         " vertices, the character " + std::to_string(mesh.output_count()) +
-                                         ": it is of another mesh");
+    throw Error(ErrorKind::mismatch, input.place, ": ", path, " has ", moved.size(), " vertices, the character ",
+                mesh.output_count(), ": it is of another mesh");
   }
   Positions motion(mesh.vertex_count(), 3);
   for (std::size_t o = moved.size(); o-- > 0;) {  // backwards: the first output vertex stays

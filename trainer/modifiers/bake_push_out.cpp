@@ -46,7 +46,7 @@ BakedModifier bake_push_out(const BakeInput& input) {
     baked.components.resize(baked.components.size() + 3, Positions::Zero(basis.mesh.vertex_count(), 3));
   }
   if (baked.joints.empty()) {
-    throw Error(ErrorKind::mismatch, input.place + ": no joint of the character bends skin: it cannot fold");
+    throw Error(ErrorKind::mismatch, input.place, ": no joint of the character bends skin: it cannot fold");
   }
   return baked;
 }

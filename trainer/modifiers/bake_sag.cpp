@@ -79,9 +79,9 @@ BakedModifier bake_sag(const BakeInput& input) {
     std::ranges::move(own, std::back_inserter(baked.components));
   }
   if (baked.joints.empty()) {
-    throw Error(ErrorKind::mismatch, input.place +
-                                         ": no skin hangs by a tenth of a millimetre: its dynamics have no soft parts; "
-                                         "'bodyopt dynamics' makes softer ones");
+    throw Error(ErrorKind::mismatch, input.place,
+                ": no skin hangs by a tenth of a millimetre: its dynamics have no soft parts; "
+                "'bodyopt dynamics' makes softer ones");
   }
   return baked;
 }

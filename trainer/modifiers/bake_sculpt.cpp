@@ -28,8 +28,8 @@ Pose sculpted_pose(const BakeInput& input) {
   Clip clip = read_clip(source, input.basis.skeleton, options);
   const int frame = input.parameters.integer("frame");
   if (frame < clip.first_frame || frame > clip.last_frame()) {
-    input.parameters.refuse("is sculpted at frame " + std::to_string(frame) + "; '" + source + "' has frames " +
-                            std::to_string(clip.first_frame) + " to " + std::to_string(clip.last_frame()));
+    input.parameters.refuse("is sculpted at frame ", frame, "; '", source, "' has frames ", clip.first_frame, " to ",
+                            clip.last_frame());
   }
   Pose pose = clip.poses[static_cast<std::size_t>(frame - clip.first_frame)];
   pose.controls.clear();
@@ -43,7 +43,7 @@ std::vector<std::uint32_t> listened_joints(const BakeInput& input, const Positio
   if (input.parameters.has("joints")) {
     for (const Json& name : input.parameters.array("joints")) {
       const int joint = name.is_string() ? skeleton.find(name.get<std::string>()) : -1;
-      if (joint < 0) input.parameters.refuse("names the joint " + name.dump() + ", which the skeleton does not have");
+      if (joint < 0) input.parameters.refuse("names the joint ", name.dump(), ", which the skeleton does not have");
       joints.push_back(static_cast<std::uint32_t>(joint));
     }
     return joints;

@@ -74,31 +74,30 @@ const BakeType& bake_type(const JsonObject& json) {
     if (type.name == name) return type;
     names.emplace_back(type.name);
   }
-  json.refuse("is of the unknown type '" + name + "'; there are " + list_names(names));
+  json.refuse("is of the unknown type '", name, "'; there are ", list_names(names));
 }
 
 void refuse_unknown_keys(const JsonObject& json, const BakeType& type) {
   for (const auto& [key, value] : json.json().items()) {
     const bool shared = key == "type" || is_shot_modifier_key(key);
     if (shared || std::ranges::find(type.parameters, key) != type.parameters.end()) continue;
-    json.refuse("has the unknown key '" + key + "': misspelt? '" + type.name + "' takes " +
-                list_names(type.parameters));
+    json.refuse("has the unknown key '", key, "': misspelt? '", type.name, "' takes ", list_names(type.parameters));
   }
 }
 
 // It has the last word, on skin that is posed: a second one would only go on with it.
 void refuse_second(const JsonObject& json, const std::string& type, const SkinModifiers& stack) {
   if (posed_skin_type(type) != nullptr && stack.of_type(type) != nullptr) {
-    json.refuse("is the second of the type '" + type + "': a stack has one");
+    json.refuse("is the second of the type '", type, "': a stack has one");
   }
 }
 
 // What is trained of the same name would listen to the same channel.
 void refuse_name(const JsonObject& json, const std::string& name, const Basis& basis, std::set<std::string>& known) {
-  if (!known.insert(name).second) json.refuse("has the name '" + name + "' of another: each needs its own");
+  if (!known.insert(name).second) json.refuse("has the name '", name, "' of another: each needs its own");
   const auto& controls = basis.residual.controls;
   if (std::ranges::find(controls, name) != controls.end()) {
-    json.refuse("has the name of the control '" + name + "' that the basis was trained with: choose another");
+    json.refuse("has the name of the control '", name, "' that the basis was trained with: choose another");
   }
 }
 
@@ -145,8 +144,8 @@ Positions read_modifier_shape(const BakeInput& input, const char* key) {
   } else {
     const ShapeReader reader(path);
     if (reader.sample_count() != 1) {
-      throw Error(ErrorKind::mismatch, input.place + ": " + path.string() + " holds " +
-                                           count_of(reader.sample_count(), "shape", "shapes") + ", expected 1");
+      throw Error(ErrorKind::mismatch, input.place, ": ", path, " holds ",
+                  count_of(reader.sample_count(), "shape", "shapes"), ", expected 1");
     }
     points = reader.sample(0);
   }
@@ -156,9 +155,8 @@ Positions read_modifier_shape(const BakeInput& input, const char* key) {
 Positions modifier_shape(const BakeInput& input, const std::vector<float>& points, const std::string& source) {
   const MeshTable& mesh = input.basis.mesh;
   if (points.size() != 3 * std::size_t{mesh.output_count()}) {
-    throw Error(ErrorKind::mismatch, input.place + ": " + source + " has " + std::to_string(points.size() / 3) +
-                                         " points, the character " + std::to_string(mesh.output_count()) +
-                                         " vertices: it is of another mesh, or was re-ordered on export");
+    throw Error(ErrorKind::mismatch, input.place, ": ", source, " has ", points.size() / 3, " points, the character ",
+                mesh.output_count(), " vertices: it is of another mesh, or was re-ordered on export");
   }
   Positions shape(mesh.vertex_count(), 3);
   for (std::size_t o = mesh.output_vertex.size(); o-- > 0;) {  // backwards: the first output vertex stays

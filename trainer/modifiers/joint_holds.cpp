@@ -76,8 +76,8 @@ Torso find_torso(const Basis& basis, const std::string& place) {
       {hips, "hips"}, {neck, "neck"}, {left, "left upper arm"}, {right, "right upper arm"}};
   for (const auto& [joint, name] : needed) {
     if (joint >= 0) continue;
-    throw Error(ErrorKind::mismatch, place + ": no joint of the skeleton is known by its name as the " + name +
-                                         "; hips, neck and both upper arms say where the trunk is");
+    throw Error(ErrorKind::mismatch, place, ": no joint of the skeleton is known by its name as the ", name,
+                "; hips, neck and both upper arms say where the trunk is");
   }
   const std::vector<Affine> joints = posed_joints(basis.skeleton, bind_pose(basis.skeleton).joints);
   const auto at = [&](int joint) {
@@ -92,7 +92,7 @@ Torso find_torso(const Basis& basis, const std::string& place) {
   torso.left = (across - across.dot(torso.up) * torso.up).normalized();
   torso.front = torso.left.cross(torso.up);
   if (!(torso.length > 0) || !torso.front.allFinite() || !(torso.front.norm() > 0.5)) {
-    throw Error(ErrorKind::mismatch, place + ": hips, neck and upper arms lie on one line: that is no trunk");
+    throw Error(ErrorKind::mismatch, place, ": hips, neck and upper arms lie on one line: that is no trunk");
   }
   torso.clavicles = {find(BodyPart::clavicle, BodySide::left), find(BodyPart::clavicle, BodySide::right)};
   torso.share = held_by(basis, trunk_joints(basis.skeleton, roles));

@@ -27,7 +27,7 @@ constexpr double kLongWay = 0.05;          // metres between two points of a pat
 constexpr int kHalvings = 2;               // of a long way
 constexpr double kShortest = 1e-3;         // metres
 
-[[noreturn]] void mismatch(const std::string& what) { throw Error(ErrorKind::mismatch, what); }
+[[noreturn]] void mismatch(const auto&... what) { throw Error(ErrorKind::mismatch, what...); }
 
 // Of the radius, at u from origin (0) to insertion (1): the simulation's bellies have the same shape.
 double belly_profile(double u) { return std::sqrt(std::max(std::sin(std::numbers::pi * u), 0.0)); }
@@ -59,10 +59,10 @@ class SideFit {
     FittedMuscle fitted;
     fitted.muscle.name = muscle.name;
     if (!mapping_.mirror_joints.empty()) fitted.muscle.name += mapping_.mirror_muscles[mirrored_ ? 1 : 0];
-    if (!(muscle.max_force > 0)) mismatch(model_.file + ": the muscle '" + muscle.name + "' has no largest force");
+    if (!(muscle.max_force > 0)) mismatch(model_.file, ": the muscle '", muscle.name, "' has no largest force");
     const std::vector<PathStop> stops = trace_path(muscle, pose_);
     if (!(path_length(stops) > kShortest)) {
-      mismatch(model_.file + ": the muscle '" + muscle.name + "' has a path without length in the default pose");
+      mismatch(model_.file, ": the muscle '", muscle.name, "' has a path without length in the default pose");
     }
     std::vector<Vector3d> points;
     std::vector<int> joints;
@@ -70,9 +70,9 @@ class SideFit {
     for (const PathStop& stop : stops) {
       const FittedSegment& segment = segments_[static_cast<std::size_t>(stop.segment)];
       if (segment.joint < 0) {
-        mismatch(mapping_.file + ": does not map the segment '" +
-                 model_.segments[static_cast<std::size_t>(stop.segment)].name + "', to which the muscle '" +
-                 muscle.name + "' of " + model_.file + " is bound: map it, or leave the muscle out");
+        mismatch(mapping_.file, ": does not map the segment '",
+                 model_.segments[static_cast<std::size_t>(stop.segment)].name, "', to which the muscle '", muscle.name,
+                 "' of ", model_.file, " is bound: map it, or leave the muscle out");
       }
       points.push_back(segment.alignment.map * (mirror_ * stop.position));
       joints.push_back(segment.joint);
@@ -93,7 +93,7 @@ class SideFit {
     const std::string wanted = mirrored_ ? mapping_.mirrored_joint(name) : name;
     const int joint = character_.skeleton.find(wanted);
     if (joint < 0) {
-      mismatch(mapping_.file + ": names the joint '" + wanted + "', which the character '" + character_.name +
+      mismatch(mapping_.file, ": names the joint '", wanted, "', which the character '", character_.name,
                "' does not have");
     }
     return joint;
@@ -102,7 +102,7 @@ class SideFit {
   int find_segment(const std::string& name) const {
     const int segment = model_.find_segment(name);
     if (segment < 0) {
-      mismatch(mapping_.file + ": names the segment '" + name + "', which " + model_.file + " does not have");
+      mismatch(mapping_.file, ": names the segment '", name, "', which ", model_.file, " does not have");
     }
     return segment;
   }
@@ -119,8 +119,8 @@ class SideFit {
   // Of the centres, which are in the model and in the character.
   void require_apart(const SegmentMap& map, const std::vector<Vector3d>& from, const std::vector<Vector3d>& to) const {
     const auto refuse = [&](const std::string& first, const std::string& second) {
-      mismatch(mapping_.file + ": the first two centres of '" + map.segments[0] + "' are at the same place: " + first +
-               " and " + second + " are less than 1 mm apart; name two that are apart, first of its centres");
+      mismatch(mapping_.file, ": the first two centres of '", map.segments[0], "' are at the same place: ", first,
+               " and ", second, " are less than 1 mm apart; name two that are apart, first of its centres");
     };
     const auto& [first, second] = std::tie(map.centres[0], map.centres[1]);
     if (!((from[1] - from[0]).norm() > kNearestCentres)) {
@@ -146,7 +146,7 @@ class SideFit {
     FittedSegment fitted{align(from, to, open_turn(find_segment(map.segments[0]))), find_joint(map.joint)};
     for (const std::string& name : map.segments) {
       FittedSegment& segment = segments_[static_cast<std::size_t>(find_segment(name))];
-      if (segment.joint >= 0) mismatch(mapping_.file + ": maps the segment '" + name + "' twice");
+      if (segment.joint >= 0) mismatch(mapping_.file, ": maps the segment '", name, "' twice");
       segment = fitted;
     }
   }
@@ -187,7 +187,7 @@ class SideFit {
   Vector3d tuck(const Vector3d& point, double depth, const std::string& muscle) const {
     const std::optional<Vector3d> tucked = skin_.tuck(point, depth);
     if (!tucked) {
-      mismatch(mapping_.file + ": carries a point of the muscle '" + muscle +
+      mismatch(mapping_.file, ": carries a point of the muscle '", muscle,
                "' outside the skin, and no place inside is near: do its centres belong to these joints?");
     }
     return *tucked;
@@ -242,8 +242,7 @@ std::vector<FittedMuscle> fit_muscles(const Model& model, const Mapping& mapping
   }
   for (const ModelMuscle& muscle : model.muscles) leave_out.erase(muscle.name);
   if (!leave_out.empty()) {
-    mismatch(mapping.file + ": leaves out the muscle '" + *leave_out.begin() + "', which " + model.file +
-             " does not have");
+    mismatch(mapping.file, ": leaves out the muscle '", *leave_out.begin(), "', which ", model.file, " does not have");
   }
   return fitted;
 }

@@ -18,14 +18,14 @@ namespace {
 Eigen::Vector3d read_axis(const JsonObject& json, const char* key) {
   const std::string text = json.text(key);
   if (text.size() != 2 || (text[0] != '+' && text[0] != '-') || text[1] < 'x' || text[1] > 'z') {
-    json.refuse(std::string("'") + key + "' is '" + text + "', expected an axis such as \"+y\" or \"-z\"");
+    json.refuse("'", key, "' is '", text, "', expected an axis such as \"+y\" or \"-z\"");
   }
   return (text[0] == '-' ? -1.0 : 1.0) * Eigen::Vector3d::Unit(text[1] - 'x');
 }
 
 Eigen::Matrix3d read_axes(const JsonObject& json, const char* up_key, const char* forward_key) {
   const Eigen::Vector3d up = read_axis(json, up_key), forward = read_axis(json, forward_key);
-  if (up.dot(forward) != 0) json.refuse(std::string("'") + up_key + "' and '" + forward_key + "' are the same axis");
+  if (up.dot(forward) != 0) json.refuse("'", up_key, "' and '", forward_key, "' are the same axis");
   Eigen::Matrix3d axes;
   axes << up, forward, up.cross(forward);
   return axes;
@@ -35,7 +35,7 @@ std::vector<std::string> read_names(const JsonObject& json, const char* key) {
   std::vector<std::string> names;
   for (const Json& name : json.array(key)) {
     if (!name.is_string() || name.get<std::string>().empty()) {
-      json.refuse(std::string("'") + key + "' is not a list of names");
+      json.refuse("'", key, "' is not a list of names");
     }
     names.push_back(name.get<std::string>());
   }
@@ -44,7 +44,7 @@ std::vector<std::string> read_names(const JsonObject& json, const char* key) {
 
 NamePair read_pair(const JsonObject& json, const Json& pair, const char* key) {
   if (!pair.is_array() || pair.size() != 2 || !pair[0].is_string() || !pair[1].is_string()) {
-    json.refuse(std::string("'") + key + "' holds something else than two names");
+    json.refuse("'", key, "' holds something else than two names");
   }
   return {pair[0].get<std::string>(), pair[1].get<std::string>()};
 }

@@ -297,8 +297,8 @@ Model read_model(const std::string& path) {
   const std::string ending = std::filesystem::path(path).extension();
   if (ending == ".osim") return read_opensim(path);
   if (ending == ".xml") return read_mujoco(path);
-  throw Error(ErrorKind::file,
-              path + ": expected a muscle model, .osim (OpenSim) or .xml (MuJoCo), found '" + ending + "'");
+  throw Error(ErrorKind::file, path, ": expected a muscle model, .osim (OpenSim) or .xml (MuJoCo), found '", ending,
+              "'");
 }
 
 std::optional<Arc> wrap_around(Wrap::Shape shape, double radius, const std::optional<Vector3d>& side,

@@ -8,7 +8,6 @@
 #include <set>
 
 #include "assets/wording.h"
-#include "runtime/core/error.h"
 #include "trainer/muscle_models/xml_file.h"
 
 namespace bodyopt::muscle_models {
@@ -70,10 +69,10 @@ class Includes {
     const std::string name = include.attribute("file").value();
     if (name.empty()) refuse(path, include, "names no file");
     if (std::filesystem::path(name).is_absolute()) {
-      refuse(path, include, "names '" + name + "': expected a path relative to the model's folder");
+      refuse(path, include, "names '", name, "': expected a path relative to the model's folder");
     }
     if (depth > kDeepestIncludes) {
-      refuse(path, include, "names '" + name + "', more than " + std::to_string(kDeepestIncludes) + " files deep");
+      refuse(path, include, "names '", name, "', more than ", kDeepestIncludes, " files deep");
     }
     const std::filesystem::path target = folder_ / name;
     std::error_code ignored;
@@ -82,19 +81,17 @@ class Includes {
       return;
     }
     if (!lies_in(library_, target)) {
-      refuse(path, include,
-             "names '" + name + "', which lies neither in the model's folder nor in one beside it, links " +
-                 "followed: only those are read");
+      refuse(path, include, "names '", name, "', which lies neither in the model's folder nor in one beside it, links ",
+             "followed: only those are read");
     }
     if (!read_.insert(identity(target)).second) {
-      refuse(path, include, "names '" + name + "', which is included already: a loop?");
+      refuse(path, include, "names '", name, "', which is included already: a loop?");
     }
     XmlFile file(target);
     elements_ += file.elements;
     if (elements_ > kMostElements) {
-      refuse(path, include,
-             "names '" + name + "', with which the model has more than " + std::to_string(kMostElements) +
-                 " elements: no muscle model does");
+      refuse(path, include, "names '", name, "', with which the model has more than ", kMostElements,
+             " elements: no muscle model does");
     }
     expand(target, file.document.document_element(), depth);
     for (const xml_node child : file.document.document_element().children()) {
@@ -130,7 +127,7 @@ class MujocoReader {
   }
 
  private:
-  [[noreturn]] void fail(xml_node element, const std::string& what) const { refuse(file_.path, element, what); }
+  [[noreturn]] void fail(xml_node element, const auto&... what) const { refuse(file_.path, element, what...); }
 
   void read_compiler(xml_node compiler) {
     if (const pugi::xml_attribute angle = compiler.attribute("angle"))
@@ -138,7 +135,7 @@ class MujocoReader {
     if (const pugi::xml_attribute order = compiler.attribute("eulerseq")) {
       euler_order_ = order.value();
       if (euler_order_.size() != 3 || euler_order_.find_first_not_of("xyzXYZ") != std::string::npos) {
-        fail(compiler, "has eulerseq '" + euler_order_ + "', expected three of xyz or XYZ");
+        fail(compiler, "has eulerseq '", euler_order_, "', expected three of xyz or XYZ");
       }
     }
     if (std::string(compiler.attribute("coordinate").value()) == "global") {
@@ -168,7 +165,7 @@ class MujocoReader {
     const auto found = classes_.find(class_name);
     if (found == classes_.end()) {
       if (class_name == "main") return "";
-      fail(element, "has the default class '" + class_name + "', which the model does not define");
+      fail(element, "has the default class '", class_name, "', which the model does not define");
     }
     for (const xml_node defaults : found->second) {
       for (const xml_node entry : defaults.children(element.name())) {
@@ -194,7 +191,7 @@ class MujocoReader {
   Isometry3d frame(xml_node element, const std::string& child_class) const {
     Isometry3d frame(Eigen::Translation3d(vector(element, "pos", child_class, Vector3d::Zero())));
     for (const char* other : {"xyaxes", "zaxis"}) {
-      if (element.attribute(other)) fail(element, std::string("is turned by '") + other + "', which is not read here");
+      if (element.attribute(other)) fail(element, "is turned by '", other, "', which is not read here");
     }
     if (const std::string text = attribute(element, "quat", child_class); !text.empty()) {
       const std::vector<double> q = numbers(element, "quat", text, 4, 4);
@@ -269,7 +266,7 @@ class MujocoReader {
     motion.point = vector(joint, "pos", child_class, Vector3d::Zero());
     const std::string type = attribute(joint, "type", child_class);
     if (type == "ball" || type == "free") return motion;
-    if (!type.empty() && type != "hinge" && type != "slide") fail(joint, "has the unknown type '" + type + "'");
+    if (!type.empty() && type != "hinge" && type != "slide") fail(joint, "has the unknown type '", type, "'");
     motion.kind = type == "slide" ? Motion::Kind::shift : Motion::Kind::turn;
     motion.axis = direction(joint, vector(joint, "axis", child_class, Vector3d::UnitZ()));
     Coordinate coordinate;
@@ -290,7 +287,7 @@ class MujocoReader {
   int coordinate(xml_node element, const char* name) const {
     const std::string joint = element.attribute(name).value();
     const int index = model_.find_coordinate(joint);
-    if (joint.empty() || index < 0) fail(element, "names the joint '" + joint + "', which no body has");
+    if (joint.empty() || index < 0) fail(element, "names the joint '", joint, "', which no body has");
     return index;
   }
 
@@ -307,7 +304,7 @@ class MujocoReader {
     wrap.name = element.attribute("geom").value();
     wrap.after = after;
     const auto found = geoms_.find(wrap.name);
-    if (found == geoms_.end()) fail(element, "names the geom '" + wrap.name + "', which no body has");
+    if (found == geoms_.end()) fail(element, "names the geom '", wrap.name, "', which no body has");
     const auto& [geom, segment, child_class] = found->second;
     const std::string type = attribute(geom, "type", child_class);
     wrap.segment = segment;
@@ -324,7 +321,7 @@ class MujocoReader {
 
   PathPoint site(xml_node element, const std::string& name) const {
     const auto found = sites_.find(name);
-    if (found == sites_.end()) fail(element, "names the site '" + name + "', which no body has");
+    if (found == sites_.end()) fail(element, "names the site '", name, "', which no body has");
     return found->second;
   }
 
@@ -337,13 +334,13 @@ class MujocoReader {
       } else if (kind == "geom") {
         muscle.wraps.push_back(read_wrap(item, static_cast<int>(muscle.path.size()) - 1));
       } else {
-        fail(tendon, "holds a <" + kind + ">, which is not read here");
+        fail(tendon, "holds a <", kind, ">, which is not read here");
       }
     }
     if (muscle.path.size() < 2) fail(tendon, "has fewer than two sites");
     for (const Wrap& wrap : muscle.wraps) {
       if (wrap.after < 0 || wrap.after + 1 >= static_cast<int>(muscle.path.size())) {
-        fail(tendon, "bends around '" + wrap.name + "' without a site before or after it");
+        fail(tendon, "bends around '", wrap.name, "' without a site before or after it");
       }
     }
     return muscle;
@@ -372,7 +369,7 @@ class MujocoReader {
         const std::string name = actuator.attribute("name").value();
         if (!force) continue;
         if (!pulled.emplace(tendon, std::pair(name.empty() ? tendon : name, *force)).second) {
-          fail(actuator, "pulls the tendon '" + tendon + "', which another muscle pulls already");
+          fail(actuator, "pulls the tendon '", tendon, "', which another muscle pulls already");
         }
       }
     }
@@ -392,9 +389,8 @@ class MujocoReader {
       }
     }
     if (!pulled.empty()) {
-      throw Error(ErrorKind::file, file_.path.string() + ": the muscle '" + pulled.begin()->second.first +
-                                       "' pulls the tendon '" + pulled.begin()->first +
-                                       "', which is no spatial tendon");
+      throw Error(ErrorKind::file, file_.path, ": the muscle '", pulled.begin()->second.first, "' pulls the tendon '",
+                  pulled.begin()->first, "', which is no spatial tendon");
     }
     if (!idle.empty()) model_.notes.push_back("tendons without a muscle, left out: " + list_names(idle));
   }

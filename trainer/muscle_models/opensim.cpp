@@ -6,7 +6,6 @@
 #include <set>
 
 #include "assets/wording.h"
-#include "runtime/core/error.h"
 #include "trainer/muscle_models/xml_file.h"
 
 namespace bodyopt::muscle_models {
@@ -73,11 +72,11 @@ class OpenSimReader {
       fail(file_.document.first_child(), "is not an OpenSim model: expected <OpenSimDocument> with a <Model>");
     const int version = top.attribute("Version").as_int();
     if (version < 20000 || (version > 30000 && version < 40000)) {
-      fail(top, "has version '" + std::string(top.attribute("Version").value()) +
-                    "', expected 20000 to 30000, or 40000 or later: open it in OpenSim 4 and save it again");
+      fail(top, "has version '", top.attribute("Version").value(),
+           "', expected 20000 to 30000, or 40000 or later: open it in OpenSim 4 and save it again");
     }
     if (const std::string units = text(model, "length_units"); units != "meters" && units != "m" && !units.empty()) {
-      fail(model, "has lengths in '" + units + "', expected meters");
+      fail(model, "has lengths in '", units, "', expected meters");
     }
     model_.file = file_.path.string();
     const std::vector<xml_node> joints = joints_of(model);
@@ -91,10 +90,10 @@ class OpenSimReader {
   }
 
  private:
-  [[noreturn]] void fail(xml_node element, const std::string& what) const { refuse(file_.path, element, what); }
+  [[noreturn]] void fail(xml_node element, const auto&... what) const { refuse(file_.path, element, what...); }
 
   std::vector<double> numbers(xml_node element, const char* child, std::size_t least, std::size_t most) const {
-    if (!element.child(child)) fail(element, std::string("lacks <") + child + ">");
+    if (!element.child(child)) fail(element, "lacks <", child, ">");
     return parse_numbers(file_.path, element, std::string("<") + child + ">", element.child_value(child), least, most);
   }
   double number(xml_node element, const char* child) const { return numbers(element, child, 1, 1)[0]; }
@@ -107,7 +106,7 @@ class OpenSimReader {
 
   int coordinate(xml_node element, const std::string& path) const {
     const int index = model_.find_coordinate(last_part(path));
-    if (index < 0) fail(element, "names the coordinate '" + path + "', which no joint has");
+    if (index < 0) fail(element, "names the coordinate '", path, "', which no joint has");
     return index;
   }
 
@@ -146,7 +145,7 @@ class OpenSimReader {
 
   Curve curve_of(xml_node holder, const std::string& property) const {
     const xml_node function = function_of(holder, property);
-    if (!function) fail(holder, "lacks the function <" + property + ">");
+    if (!function) fail(holder, "lacks the function <", property, ">");
     return curve(function);
   }
 
@@ -181,7 +180,7 @@ class OpenSimReader {
       const xml_node frame = found.node();
       const std::string owner = frame.parent().parent().attribute("name").value();
       if (!frames_.emplace(owner + "/" + frame.attribute("name").value(), frame).second) {
-        fail(frame, "has the name of an earlier frame of '" + owner + "'");
+        fail(frame, "has the name of an earlier frame of '", owner, "'");
       }
     }
   }
@@ -209,7 +208,7 @@ class OpenSimReader {
     const char* socket = point.child("body") ? "body" : "socket_parent_frame";
     const Frame result = frame(point, text(point, socket));
     if (model_.find_segment(result.body) < 0) {
-      fail(point, "names the body '" + text(point, socket) + "', which the model does not have");
+      fail(point, "names the body '", text(point, socket), "', which the model does not have");
     }
     return result;
   }
@@ -250,8 +249,7 @@ class OpenSimReader {
     const std::string axes = known->second;
     const std::vector<xml_node> coordinates = coordinates_of(joint);
     if (coordinates.size() != axes.size()) {
-      fail(joint, "has " + count_of(coordinates.size(), "coordinate", "coordinates") + ", expected " +
-                      std::to_string(axes.size()));
+      fail(joint, "has ", count_of(coordinates.size(), "coordinate", "coordinates"), ", expected ", axes.size());
     }
     std::vector<Motion> motions;
     for (std::size_t k = 0; k < axes.size(); ++k) {
@@ -375,7 +373,7 @@ class OpenSimReader {
       Wrap entry;
       entry.name = text(wrap, "wrap_object");
       const auto found = wrap_segment_.find(entry.name);
-      if (found == wrap_segment_.end()) fail(wrap, "names the wrap object '" + entry.name + "', which no body has");
+      if (found == wrap_segment_.end()) fail(wrap, "names the wrap object '", entry.name, "', which no body has");
       entry.segment = found->second;
       muscle.wraps.push_back(entry);
     }

@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "runtime/basis/read_file.h"
-#include "runtime/core/error.h"
 
 namespace bodyopt::muscle_models {
 namespace {
@@ -18,16 +17,10 @@ XmlFile::XmlFile(const std::filesystem::path& file) : path(file) {
   const std::string text = read_file(path, kLargestFile, "a muscle model");
   const pugi::xml_parse_result result = document.load_buffer(text.data(), text.size());
   if (!result) {
-    throw Error(ErrorKind::file, path.string() + ": is not whole XML: " + result.description() + " at byte " +
-                                     std::to_string(result.offset) + ": cut off, or another kind of file?");
+    throw Error(ErrorKind::file, path, ": is not whole XML: ", result.description(), " at byte ", result.offset,
+                ": cut off, or another kind of file?");
   }
   elements = require_shallow(path, document);
-}
-
-void refuse(const std::filesystem::path& path, pugi::xml_node element, const std::string& what) {
-  const std::string name = element.attribute("name").value();
-  throw Error(ErrorKind::file,
-              path.string() + ": <" + element.name() + (name.empty() ? "" : " name=\"" + name + "\"") + "> " + what);
 }
 
 int require_shallow(const std::filesystem::path& path, pugi::xml_node tree) {
@@ -36,9 +29,8 @@ int require_shallow(const std::filesystem::path& path, pugi::xml_node tree) {
     bool for_each(pugi::xml_node&) override { return depth() < kDeepest && ++count <= kMostElements; }
   } walker;
   if (!tree.traverse(walker)) {
-    throw Error(ErrorKind::file, path.string() + ": nests elements more than " + std::to_string(kDeepest) +
-                                     " deep, or holds more than " + std::to_string(kMostElements) +
-                                     ": no muscle model does");
+    throw Error(ErrorKind::file, path, ": nests elements more than ", kDeepest, " deep, or holds more than ",
+                kMostElements, ": no muscle model does");
   }
   return walker.count;
 }
@@ -54,15 +46,14 @@ std::vector<double> parse_numbers(const std::filesystem::path& path, pugi::xml_n
     double number = 0;
     const auto [stop, error] = std::from_chars(first, text.data() + end, number);
     if (error != std::errc() || stop != text.data() + end || !(std::abs(number) < 1e6)) {
-      refuse(path, element, "has '" + text.substr(begin, end - begin) + "' in " + what + ", expected a number");
+      refuse(path, element, "has '", text.substr(begin, end - begin), "' in ", what, ", expected a number");
     }
     numbers.push_back(number);
     begin = text.find_first_not_of(kBlanks, end);
   }
   if (numbers.size() < least || numbers.size() > most) {
-    refuse(path, element,
-           "has " + std::to_string(numbers.size()) + " numbers in " + what + ", expected " + std::to_string(least) +
-               (least == most ? "" : " or more"));
+    refuse(path, element, "has ", numbers.size(), " numbers in ", what, ", expected ", least,
+           (least == most ? "" : " or more"));
   }
   return numbers;
 }

@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "runtime/core/error.h"
+
 namespace bodyopt::muscle_models {
 
 struct XmlFile {
@@ -17,7 +19,11 @@ struct XmlFile {
 };
 
 // Throws Error(file): "FILE: <body name="x"> WHAT".
-[[noreturn]] void refuse(const std::filesystem::path& path, pugi::xml_node element, const std::string& what);
+[[noreturn]] void refuse(const std::filesystem::path& path, pugi::xml_node element, const auto&... what) {
+  const std::string name = element.attribute("name").value();
+  throw Error(ErrorKind::file, path, ": <", element.name(), name.empty() ? "" : " name=\"" + name + "\"", "> ",
+              what...);
+}
 
 constexpr int kMostElements = 200000;  // of a model, all of its files together
 

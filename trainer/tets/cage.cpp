@@ -28,7 +28,7 @@ void require_near(const Cage& cage) {
     too_far += point.weights.minCoeff() < kTooFar ? 1 : 0;
   }
   if (too_far == 0 && static_cast<double>(far) <= kMostFar * static_cast<double>(cage.skin.size())) return;
-  throw Error(ErrorKind::mismatch, std::to_string(far) + " vertices lie far outside a coarser skin");
+  throw Error(ErrorKind::mismatch, far, " vertices lie far outside a coarser skin");
 }
 
 SkinWeights of_hosts(const SkinWeights& weights, const FillableSkin& fillable) {
@@ -93,8 +93,7 @@ Cage filled_cage(const Positions& vertices, const Triangles& triangles, const Sk
   const FillableSkin fillable = fillable_skin(vertices, triangles, weights);
   // Only a lattice holds pieces together that no bone holds.
   if (fillable.pieces > 1) {
-    throw Error(ErrorKind::mismatch, "the skin is in " + std::to_string(fillable.pieces) + " pieces",
-                ErrorCause::several_pieces);
+    throw Error(ErrorKind::mismatch, concat("the skin is in ", fillable.pieces, " pieces"), ErrorCause::several_pieces);
   }
   Cage cage = skin_cage(fillable.vertices, fillable.triangles, max_nodes);
   require_near(cage);

@@ -412,7 +412,7 @@ Cage lattice_cage_of_size(const Positions& vertices, const Triangles& triangles,
                           double cell) {
   require_mesh(vertices, triangles, weights);
   if (voxel_count(vertices, cell) > kMostVoxels) {
-    throw Error(ErrorKind::usage, "a cage with cells of " + std::to_string(cell) + " m is too fine for this skin");
+    throw Error(ErrorKind::usage, "a cage with cells of ", cell, " m is too fine for this skin");
   }
   return CageMaker(vertices, triangles, CubeCuts(vertices, triangles, weights), cell).make();
 }

@@ -12,8 +12,8 @@ namespace {
 constexpr const char* kLibrary = BODYOPT_NETGEN;
 
 [[noreturn]] void refuse_library() {
-  throw Error(ErrorKind::file, std::string(kLibrary) + ": expected Netgen's library, which fills skins with " +
-                                   "tetrahedra: " + dlerror() + "; is the package libnglib-6.2 installed?");
+  throw Error(ErrorKind::file, kLibrary, ": expected Netgen's library, which fills skins with ",
+              "tetrahedra: ", dlerror(), "; is the package libnglib-6.2 installed?");
 }
 
 // `name`: as compilers write a C++ function's name into a library.

@@ -156,7 +156,7 @@ CoarseSkin coarser(const FineSkin& fine, double scale) {
 
 void require_quality(const TetMesh& mesh) {
   if (mesh.worst_quality >= kLeastQuality) return;
-  throw Error(ErrorKind::mismatch, "its worst tetrahedron has a quality of " + std::to_string(mesh.worst_quality));
+  throw Error(ErrorKind::mismatch, "its worst tetrahedron has a quality of ", mesh.worst_quality);
 }
 
 // Of the fine skin, in squared edges.
@@ -192,8 +192,8 @@ double share_of(const FillLimit& limit, const TetMesh& mesh) {
 TetMesh tetrahedralise(const Positions& vertices, const Triangles& triangles, double size) {
   require_closed(vertices, triangles);
   if (std::abs(enclosed_volume(vertices, triangles)) > kMostCells * size * size * size) {
-    throw Error(ErrorKind::usage, "tetrahedra of " + std::to_string(size) +
-                                      " m would be too many in a body of this volume: use larger ones (--tet-size)");
+    throw Error(ErrorKind::usage, "tetrahedra of ", size,
+                " m would be too many in a body of this volume: use larger ones (--tet-size)");
   }
   netgen();  // or the child would load it each time, and refuse it in silence
   const ChildResult filled = run_in_child([&] { return fill(vertices, triangles, size); });

@@ -142,9 +142,8 @@ class ModifierCarrier {
   void write_carried(const fs::path& from, const fs::path& to) {
     const Pc2Reader reader(from);
     if (reader.point_count() != character_.output_count() || reader.sample_count() != 1) {
-      throw Error(ErrorKind::mismatch, from.string() + ": has " + std::to_string(reader.point_count()) +
-                                           " points, and the character " + std::to_string(character_.output_count()) +
-                                           ": it was sculpted on another mesh");
+      throw Error(ErrorKind::mismatch, from, ": has ", reader.point_count(), " points, and the character ",
+                  character_.output_count(), ": it was sculpted on another mesh");
     }
     const Positions given = welded_from_output(character_, reader.sample(0).data());
     const Positions carried = pair_.skin(in_order(given, morton_order(character_.vertices)));

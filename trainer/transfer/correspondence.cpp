@@ -146,9 +146,8 @@ bool have_same_output(const MeshTable& a, const MeshTable& b) {
 
 void require_marker(std::uint32_t number, const MeshTable& mesh, const char* whose) {
   if (number < mesh.output_count()) return;
-  throw Error(ErrorKind::mismatch, "a marker names vertex " + std::to_string(number) + " of the " + whose +
-                                       ", which has " + std::to_string(mesh.output_count()) +
-                                       ": the markers are of another file?");
+  throw Error(ErrorKind::mismatch, "a marker names vertex ", number, " of the ", whose, ", which has ",
+              mesh.output_count(), ": the markers are of another file?");
 }
 
 // Clicks on the vertex of that number, or beside it, say nothing new.

@@ -39,10 +39,8 @@ std::vector<SkinMarker> read_markers(const std::filesystem::path& path) {
   for (const JsonObject& object : list) {
     object.allow({"source", "target"});
     const int source = object.integer("source", 0), target = object.integer("target", 0);
-    if (!sources.insert(source).second)
-      object.refuse("marks vertex " + std::to_string(source) + " of the source twice");
-    if (!targets.insert(target).second)
-      object.refuse("marks vertex " + std::to_string(target) + " of the target twice");
+    if (!sources.insert(source).second) object.refuse("marks vertex ", source, " of the source twice");
+    if (!targets.insert(target).second) object.refuse("marks vertex ", target, " of the target twice");
     markers.push_back({static_cast<std::uint32_t>(source), static_cast<std::uint32_t>(target)});
   }
   return markers;

@@ -274,10 +274,10 @@ SkeletonMatch completed(SkeletonMatch match, const Skeleton& source, const Skele
     ++matched;
   }
   if (matched < 2) {
-    throw Error(ErrorKind::mismatch,
-                "the two characters have " + count_of(static_cast<std::size_t>(matched), "joint", "joints") +
-                    " in common: they are unlike bodies, or their joints are named by no known convention; a joint map "
-                    "(--map) says which is which");
+    throw Error(ErrorKind::mismatch, "the two characters have ",
+                count_of(static_cast<std::size_t>(matched), "joint", "joints"),
+                " in common: they are unlike bodies, or their joints are named by no known convention; a joint map "
+                "(--map) says which is which");
   }
   note_unmatched(source, match.target_joint, "source", "what they alone move follows the joint above", match.notes);
   note_unmatched(target, match.source_joint, "target", "they keep to the joint above", match.notes);

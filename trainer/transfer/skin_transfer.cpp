@@ -57,8 +57,8 @@ std::vector<double> bone_ratios(const Skeleton& source, const SkeletonMatch& mat
 void require_takes(const SampleSet& set, const std::set<std::string>& names) {
   for (const std::string& name : names) {
     if (std::ranges::find(set.takes, name) != set.takes.end()) continue;
-    throw Error(ErrorKind::usage,
-                "the dataset has no take '" + name + "' with frames to train on; there are " + list_names(set.takes));
+    throw Error(ErrorKind::usage, "the dataset has no take '", name, "' with frames to train on; there are ",
+                list_names(set.takes));
   }
 }
 

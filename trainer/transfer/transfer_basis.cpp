@@ -201,7 +201,7 @@ class DatasetTransfer {
   TransferredDataset run() {
     std::error_code error;
     fs::create_directories(out_, error);
-    if (error) throw Error(ErrorKind::file, out_.string() + ": cannot be made: " + error.message());
+    if (error) throw Error(ErrorKind::file, out_, ": cannot be made: ", error.message());
     // One dataset, one character: what differs is refused before anything is written.
     there_ = open_dataset(with_names(), out_ / "dataset.json");
     require_no_own_takes(dataset_, out_);
@@ -403,10 +403,9 @@ void require_no_own_takes(const Dataset& dataset, const fs::path& out) {
   for (const DatasetTake& there : read_dataset(path).takes) {
     const auto has_its_name = [&](const DatasetTake& take) { return take.name == there.name; };
     if (there.carried || std::ranges::none_of(dataset.takes, has_its_name)) continue;
-    throw Error(ErrorKind::mismatch,
-                path.string() + " has a take '" + there.name +
-                    "' of its own, whose shapes the source's take of that name would replace: give --out another "
-                    "folder, or the source's take another name");
+    throw Error(ErrorKind::mismatch, path, " has a take '", there.name,
+                "' of its own, whose shapes the source's take of that name would replace: give --out another "
+                "folder, or the source's take another name");
   }
 }
 

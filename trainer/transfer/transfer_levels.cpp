@@ -251,11 +251,9 @@ void require_proxy_of(const Basis& source, const std::vector<Level>& levels) {
         skeleton_hash(level.basis.skeleton) == skeleton_hash(source.skeleton)) {
       continue;
     }
-    throw Error(ErrorKind::mismatch, "the proxy is none of the source: it carries " +
-                                         std::to_string(level.carried.size()) + " vertices of " +
-                                         std::to_string(level.basis.skeleton.size()) + " joints, the source has " +
-                                         std::to_string(source.mesh.output_count()) + " and " +
-                                         std::to_string(source.skeleton.size()) + " (was it made of another basis?)");
+    throw Error(ErrorKind::mismatch, "the proxy is none of the source: it carries ", level.carried.size(),
+                " vertices of ", level.basis.skeleton.size(), " joints, the source has ", source.mesh.output_count(),
+                " and ", source.skeleton.size(), " (was it made of another basis?)");
   }
 }
 
