@@ -19,7 +19,7 @@ std::vector<JointWeight> mean_weights(const std::vector<JointWeight>& a, const s
   }
   std::vector<JointWeight> mean;
   for (const auto& [joint, weight] : sums) mean.push_back({joint, weight});
-  std::sort(mean.begin(), mean.end(), [](const auto& x, const auto& y) { return x.weight > y.weight; });
+  std::ranges::sort(mean, [](const auto& x, const auto& y) { return x.weight > y.weight; });
   return mean;
 }
 
@@ -82,8 +82,7 @@ class EdgeHalver {
   void cut(std::uint32_t triangle, std::uint32_t a, std::uint32_t b, std::uint32_t middle) {
     const auto added = static_cast<std::uint32_t>(triangles_.size());
     Triangle other = triangles_[triangle];
-    const std::uint32_t corner =
-        *std::find_if(other.begin(), other.end(), [&](std::uint32_t v) { return v != a && v != b; });
+    const std::uint32_t corner = *std::ranges::find_if(other, [&](std::uint32_t v) { return v != a && v != b; });
     std::replace(other.begin(), other.end(), a, middle);
     std::replace(triangles_[triangle].begin(), triangles_[triangle].end(), b, middle);
     triangles_.push_back(other);

@@ -44,7 +44,7 @@ std::vector<Loop> hole_loops(const DirectedEdges& edges) {
     while (!walked.empty() && !next[walked.back()].empty()) {
       const std::uint32_t to = next[walked.back()].back();
       next[walked.back()].pop_back();
-      const auto before = std::find(walked.begin(), walked.end(), to);
+      const auto before = std::ranges::find(walked, to);
       if (before == walked.end()) {
         walked.push_back(to);
         continue;
@@ -226,7 +226,7 @@ Eigen::Index wind_alike(Triangles& triangles) {
       }
     }
     const auto is_turned = [&](Eigen::Index t) { return turned[static_cast<std::size_t>(t)]; };
-    auto changed = std::count_if(part.begin(), part.end(), is_turned);
+    auto changed = std::ranges::count_if(part, is_turned);
     const auto all = static_cast<std::ptrdiff_t>(part.size());
     if (2 * changed > all) {
       for (const Eigen::Index t : part) turn(t);
@@ -250,7 +250,7 @@ void require_closed(const Positions& vertices, const Triangles& triangles) {
     }
   }
   const auto [open, shared, flipped] = find_bad_edges(triangles);
-  const auto loose = std::count(used.begin(), used.end(), false);
+  const auto loose = std::ranges::count(used, false);
   const auto number = [](const std::vector<VertexPair>& edges) { return std::to_string(edges.size()); };
   if (!open.empty())
     refuse(ErrorCause::open_edges, "open: " + number(open) + " boundary edges", "holes, sheets or missing faces");

@@ -29,7 +29,7 @@ RegionWeights renumbered(const RegionWeights& region, const std::vector<std::uin
   for (std::size_t k = 0; k < region.vertices.size(); ++k) {
     entries.emplace_back(number[region.vertices[k]], region.weights[k]);
   }
-  std::sort(entries.begin(), entries.end());
+  std::ranges::sort(entries);
   RegionWeights result{region.name, {}, {}};
   for (const auto& [vertex, weight] : entries) {
     result.vertices.push_back(vertex);

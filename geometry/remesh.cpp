@@ -3,8 +3,8 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <compare>
 #include <iterator>
-#include <tuple>
 
 namespace bodyopt {
 namespace {
@@ -14,7 +14,7 @@ using Eigen::Vector3d;
 struct Edge {
   double ratio;  // length over wanted length
   int a, b;
-  bool operator<(const Edge& other) const { return std::tie(ratio, a, b) < std::tie(other.ratio, other.a, other.b); }
+  auto operator<=>(const Edge&) const = default;
 };
 
 class Remesher {
@@ -79,7 +79,7 @@ class Remesher {
         if (a < b) all.push_back({ratio(a, b), a, b});
       }
     }
-    std::sort(all.begin(), all.end());
+    std::ranges::sort(all);
     return all;
   }
 
@@ -102,7 +102,7 @@ class Remesher {
         if (triangles_[t][k] == v) all.push_back(triangles_[t][(k + 1) % 3]);
       }
     }
-    std::sort(all.begin(), all.end());
+    std::ranges::sort(all);
     return all;
   }
 
@@ -111,14 +111,14 @@ class Remesher {
   void detach(int t, int v) { std::erase(around_[v], t); }
 
   void replace(int t, int from, int to) {
-    *std::find(triangles_[t].begin(), triangles_[t].end(), from) = to;
+    *std::ranges::find(triangles_[t], from) = to;
     detach(t, from);
     around_[to].push_back(t);
   }
 
   void split_long() {
     std::vector<Edge> all = edges();
-    std::reverse(all.begin(), all.end());
+    std::ranges::reverse(all);
     for (const Edge& e : all) {
       if (e.ratio < 4.0 / 3) break;
       const int left = triangle_of(e.a, e.b), right = triangle_of(e.b, e.a);

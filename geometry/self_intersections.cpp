@@ -47,7 +47,7 @@ class Intersections {
     if (boxes_.empty()) return {};
     Eigen::Index axis = 0;
     (vertices_.colwise().maxCoeff() - vertices_.colwise().minCoeff()).maxCoeff(&axis);
-    std::sort(boxes_.begin(), boxes_.end(), [axis](const Box& a, const Box& b) {
+    std::ranges::sort(boxes_, [axis](const Box& a, const Box& b) {
       return std::pair(a.low[axis], a.triangle) < std::pair(b.low[axis], b.triangle);
     });
     std::vector<TrianglePair> pairs;
@@ -60,7 +60,7 @@ class Intersections {
         pairs.push_back({first, second});
       }
     }
-    std::sort(pairs.begin(), pairs.end(), [](const TrianglePair& a, const TrianglePair& b) {
+    std::ranges::sort(pairs, [](const TrianglePair& a, const TrianglePair& b) {
       return std::tie(a.first, a.second) < std::tie(b.first, b.second);
     });
     return pairs;

@@ -148,7 +148,7 @@ std::vector<SurfacePlace> SurfaceDistance::around(const Positions& positions, co
       pass(corners_[k].last, corners_[k].next);
     }
   }
-  std::sort(reached.begin(), reached.end());
+  std::ranges::sort(reached);
   std::vector<SurfacePlace> places;
   for (const std::uint32_t v : reached) places.push_back({v, distance[v]});
   return places;

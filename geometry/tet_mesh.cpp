@@ -19,7 +19,7 @@ constexpr int kFace[4][3] = {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}};
 using Face = std::array<std::uint32_t, 3>;
 
 Face sorted(Face corners) {
-  std::sort(corners.begin(), corners.end());
+  std::ranges::sort(corners);
   return corners;
 }
 
@@ -99,7 +99,7 @@ Triangles surface_of(const Tets& tets) {
     for (const auto& face : kFace) {
       const std::array<int, 3> corners{tets(t, face[0]), tets(t, face[1]), tets(t, face[2])};
       std::array<int, 3> key = corners;
-      std::sort(key.begin(), key.end());
+      std::ranges::sort(key);
       ++faces.try_emplace(key, Face{corners, 0}).first->second.uses;
     }
   }

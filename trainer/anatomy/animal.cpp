@@ -48,7 +48,7 @@ Vector3d section_middle(const BodyGrid& grid, const Vector3d& from, const Vector
       rays[k] = std::cos(angle) * one + std::sin(angle) * other;
       ways[k] = way_out(grid, middle, rays[k], 60 * grid.cell);
     }
-    const double most = kFarthest * (*std::min_element(ways.begin(), ways.end()) + grid.cell);
+    const double most = kFarthest * (*std::ranges::min_element(ways) + grid.cell);
     Vector3d sum = Vector3d::Zero();
     for (std::size_t k = 0; k < kRays; ++k) sum += std::min(ways[k], most) * rays[k];
     middle += sum / kRays;
@@ -92,7 +92,7 @@ class LimbBones {
   // To the joints below, or to the end of its skin.
   void add_asked_for(const std::string& name) {
     const std::vector<NamedJoint>& joints = animal_.survey.body().joints;
-    const auto found = std::find_if(joints.begin(), joints.end(), [&](const auto& each) { return each.name == name; });
+    const auto found = std::ranges::find_if(joints, [&](const auto& each) { return each.name == name; });
     const int joint = static_cast<int>(found - joints.begin());
     bool has_below = false;
     for (int below = 0; below < static_cast<int>(joints.size()); ++below) {
@@ -346,7 +346,7 @@ void note_missing(const Animal& animal, const AnimalCavity& cavity, InnerTissue&
   if (animal.kind == BodyKind::limb) return;
   if (animal.spine.empty())
     tissue.notes.push_back("no spine, ribs and cavity: no joints in the middle of the body move its skin");
-  if (std::none_of(tissue.region.begin(), tissue.region.end(), [](BodyRegion r) { return r == BodyRegion::head; }))
+  if (std::ranges::none_of(tissue.region, [](BodyRegion r) { return r == BodyRegion::head; }))
     tissue.notes.push_back("no skull: no joint is named as a head");
   if (!animal.spine.empty() && !cavity.empty() && !(tissue.cavity.array() < 0).any())
     tissue.notes.push_back("no room for a cavity between hips and shoulders");

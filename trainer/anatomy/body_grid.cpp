@@ -108,10 +108,9 @@ void fill(const HalfBody& body, BodyGrid& grid) {
     for (int y = 0; y < grid.count.y(); ++y) {
       for (int z = 0; z < grid.count.z(); ++z, ++next) {
         const Vector3i cell(x, y, z);
-        const auto closed =
-            std::find_if(columns.begin(), columns.end(), [&](const auto& c) { return c.is_closed(cell); });
+        const auto closed = std::ranges::find_if(columns, [&](const auto& c) { return c.is_closed(cell); });
         const auto is_open = [&](const auto& c) { return !c.is_closed(cell); };
-        is_closed = is_closed && std::none_of(columns.begin(), columns.end(), is_open);
+        is_closed = is_closed && std::ranges::none_of(columns, is_open);
         if (closed == columns.end() || !closed->is_inside(cell)) continue;
         *next = grid.size();
         grid.cells.push_back(cell);

@@ -22,21 +22,19 @@ using Use = JointLimb::Use;
 // Whether joints have the names of a human's: hips, and thighs or upper arms.
 bool has_human_names(const HalfBody& body) {
   const auto has = [&](BodyPart part) {
-    return std::any_of(body.roles.begin(), body.roles.end(),
-                       [&](const auto& role) { return role && role->part == part; });
+    return std::ranges::any_of(body.roles, [&](const auto& role) { return role && role->part == part; });
   };
   return has(BodyPart::hips) && (has(BodyPart::thigh) || has(BodyPart::upper_arm));
 }
 
 bool has_name(const HalfBody& body, std::initializer_list<std::string_view> words) {
-  return std::any_of(body.joints.begin(), body.joints.end(),
-                     [&](const NamedJoint& joint) { return is_named(joint.name, words); });
+  return std::ranges::any_of(body.joints, [&](const NamedJoint& joint) { return is_named(joint.name, words); });
 }
 
 bool has_pairs(const JointChains& chains) {
   const auto has = [&](bool is_left) {
-    return std::any_of(chains.limbs.begin(), chains.limbs.end(),
-                       [&](const JointLimb& limb) { return limb.use != Use::none && limb.is_left == is_left; });
+    return std::ranges::any_of(chains.limbs,
+                               [&](const JointLimb& limb) { return limb.use != Use::none && limb.is_left == is_left; });
   };
   return has(true) && has(false);
 }
@@ -155,7 +153,7 @@ void read_muscle(const JsonObject& object, AnatomyCorrections& corrections) {
 const char* name_of(BodyKind kind) { return kKindNames[static_cast<std::size_t>(kind)]; }
 
 std::optional<BodyKind> body_kind_of(std::string_view name) {
-  const auto found = std::find(kKindNames.begin(), kKindNames.end(), name);
+  const auto found = std::ranges::find(kKindNames, name);
   if (found == kKindNames.end()) return std::nullopt;
   return static_cast<BodyKind>(found - kKindNames.begin());
 }

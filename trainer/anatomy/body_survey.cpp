@@ -22,12 +22,12 @@ int joint_at(const SkinWeights& weights, const SkinPoint& skin) {
   std::vector<JointWeight> sums;
   for (int k = 0; k < 3; ++k) {
     for (const JointWeight& own : weights[skin.vertices[static_cast<std::size_t>(k)]]) {
-      auto sum = std::find_if(sums.begin(), sums.end(), [&](const JointWeight& s) { return s.joint == own.joint; });
+      auto sum = std::ranges::find_if(sums, [&](const JointWeight& s) { return s.joint == own.joint; });
       if (sum == sums.end()) sum = sums.insert(sums.end(), {own.joint, 0});
       sum->weight += skin.weights[k] * own.weight;
     }
   }
-  const auto largest = std::max_element(sums.begin(), sums.end(), [](const JointWeight& a, const JointWeight& b) {
+  const auto largest = std::ranges::max_element(sums, [](const JointWeight& a, const JointWeight& b) {
     return a.weight != b.weight ? a.weight < b.weight : a.joint > b.joint;
   });
   return largest == sums.end() ? -1 : static_cast<int>(largest->joint);
@@ -39,7 +39,7 @@ BodyRegion region_at(const SkinWeights& weights, const std::vector<BodyRegion>& 
     for (const JointWeight& own : weights[skin.vertices[static_cast<std::size_t>(k)]])
       sums[static_cast<std::size_t>(regions[own.joint])] += skin.weights[k] * own.weight;
   }
-  return static_cast<BodyRegion>(std::max_element(sums.begin(), sums.end()) - sums.begin());
+  return static_cast<BodyRegion>(std::ranges::max_element(sums) - sums.begin());
 }
 
 }  // namespace

@@ -306,7 +306,7 @@ void VolumeDivision::assign_in_one_piece() {
 }
 
 void VolumeDivision::measure() {
-  std::fill(volume_.begin(), volume_.end(), 0);
+  std::ranges::fill(volume_, 0);
   for (const int muscle : label_) {
     if (muscle >= 0) ++volume_[static_cast<std::size_t>(muscle)];
   }

@@ -58,7 +58,7 @@ bool is_mirror_image(const Positions& outline, double middle) {
   std::iota(all.begin(), all.end(), 0);
   if (all.empty()) return false;
   const PointGrid grid(outline, all, tolerance);
-  return std::all_of(all.begin(), all.end(), [&](int v) {
+  return std::ranges::all_of(all, [&](int v) {
     const Eigen::RowVector3d image = mirrored(outline.row(v), middle).transpose();
     bool found = false;
     const auto look = [&](int n) { found = found || (outline.row(n) - image).norm() <= tolerance; };
@@ -205,7 +205,7 @@ Matrix3d turn_to_left(const Vector3d& axis) {
 
 int HalfBody::find(BodyPart part, BodySide side, std::size_t nested) const {
   const JointRole wanted{part, part <= BodyPart::head ? BodySide::middle : side, nested};
-  const auto found = std::find(roles.begin(), roles.end(), std::optional(wanted));
+  const auto found = std::ranges::find(roles, std::optional(wanted));
   return found == roles.end() ? -1 : static_cast<int>(found - roles.begin());
 }
 

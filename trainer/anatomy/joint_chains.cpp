@@ -195,8 +195,7 @@ class ChainFinder {
   }
 
   bool named_in(const JointLimb& limb, std::initializer_list<std::string_view> words) const {
-    return std::any_of(limb.joints.begin(), limb.joints.end(),
-                       [&](int j) { return is_named(body_.joints[at(j)].name, words); });
+    return std::ranges::any_of(limb.joints, [&](int j) { return is_named(body_.joints[at(j)].name, words); });
   }
 
   // The vertices that mostly follow a limb.
@@ -205,9 +204,8 @@ class ChainFinder {
     for (std::size_t v = 0; v < body_.weights.size(); ++v) {
       double share = 0;
       for (const JointWeight& weight : body_.weights[v]) {
-        share += std::find(limb.joints.begin(), limb.joints.end(), static_cast<int>(weight.joint)) != limb.joints.end()
-                     ? weight.weight
-                     : 0;
+        share +=
+            std::ranges::find(limb.joints, static_cast<int>(weight.joint)) != limb.joints.end() ? weight.weight : 0;
       }
       if (share > 0.5) rows.push_back(static_cast<Index>(v));
     }
@@ -287,11 +285,11 @@ class ChainFinder {
   // Where none is named: what ends the axis, is no large part of the body, and carries no limbs.
   bool can_be_head(int joint) const {
     constexpr double kMost = 0.3;  // of the skin
-    const bool carries_limbs = std::any_of(result_.limbs.begin(), result_.limbs.end(), [&](const JointLimb& limb) {
+    const bool carries_limbs = std::ranges::any_of(result_.limbs, [&](const JointLimb& limb) {
       return limb.use != Use::none && parent(limb.joints.front()) == joint;
     });
     return result_.axis.size() > 1 && result_.skin[at(joint)] < kMost && !carries_limbs &&
-           std::none_of(result_.is_head.begin(), result_.is_head.end(), [](bool is) { return is; });
+           std::ranges::none_of(result_.is_head, [](bool is) { return is; });
   }
 
   // Where names tell nothing: the head is the upper end of what stands, the bulkier one of what lies.
@@ -355,8 +353,8 @@ std::vector<int> bone_parents(const JointChains& chains) {
 
 bool is_named(const std::string& joint, std::initializer_list<std::string_view> words) {
   const std::vector<std::string> own = name_words(joint);
-  return std::any_of(words.begin(), words.end(), [&](std::string_view word) {
-    return std::any_of(own.begin(), own.end(), [&](const std::string& name) {
+  return std::ranges::any_of(words, [&](std::string_view word) {
+    return std::ranges::any_of(own, [&](const std::string& name) {
       return word.size() < 4 ? name == word : name.find(word) != std::string::npos;
     });
   });

@@ -154,7 +154,7 @@ Muscle lay(const TrunkMuscleRow& row, const LandmarkPlaces& landmarks, const Bon
 
 bool is_among(const std::vector<Muscle>& others, const std::string& name) {
   const WholeMuscle* whole = find_whole_muscle(name);
-  return std::any_of(others.begin(), others.end(), [&](const Muscle& other) {
+  return std::ranges::any_of(others, [&](const Muscle& other) {
     return whole ? find_whole_muscle(other.name) == whole : matching_name(other.name) == matching_name(name);
   });
 }

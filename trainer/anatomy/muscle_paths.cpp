@@ -67,13 +67,12 @@ std::vector<int> pair_up(const std::vector<Muscle>& muscles, const std::vector<P
 int joint_across(const HalfBody& body, int joint) {
   const std::vector<std::string> names = names_of(body.joints);
   const auto at = static_cast<std::size_t>(joint);
-  const auto found = std::find(names.begin(), names.end(), mirrored_name(names[at], names));
+  const auto found = std::ranges::find(names, mirrored_name(names[at], names));
   if (found != names.end()) return static_cast<int>(found - names.begin());
   Vector3d image = body.places[at];
   image.x() *= -1;
-  const auto nearest = std::min_element(body.places.begin(), body.places.end(), [&](const auto& a, const auto& b) {
-    return (a - image).squaredNorm() < (b - image).squaredNorm();
-  });
+  const auto nearest = std::ranges::min_element(
+      body.places, [&](const auto& a, const auto& b) { return (a - image).squaredNorm() < (b - image).squaredNorm(); });
   return static_cast<int>(nearest - body.places.begin());
 }
 
@@ -109,7 +108,7 @@ void merge_slips(std::vector<HalfMuscle>& muscles) {
   std::vector<HalfMuscle> merged;
   std::vector<int> slips;
   for (const HalfMuscle& muscle : muscles) {
-    const auto same = std::find_if(merged.begin(), merged.end(), [&](const HalfMuscle& other) {
+    const auto same = std::ranges::find_if(merged, [&](const HalfMuscle& other) {
       return muscle.whole && muscle.whole->slips_share_a_region && other.whole == muscle.whole;
     });
     if (same == merged.end()) {

@@ -153,9 +153,8 @@ LimbTargets limb_targets(const LeanSamples& lean, const std::vector<HalfMuscle>&
   std::vector<std::size_t> limb;
   std::vector<Shares> shares;
   for (const HalfMuscle& muscle : muscles) {
-    const auto of_limb = std::find_if(kLimbs.begin(), kLimbs.end(), [&](const FilledLimb& one) {
-      return muscle.whole && muscle.whole->limb == one.name;
-    });
+    const auto of_limb = std::ranges::find_if(
+        kLimbs, [&](const FilledLimb& one) { return muscle.whole && muscle.whole->limb == one.name; });
     limb.push_back(static_cast<std::size_t>(of_limb - kLimbs.begin()));
     shares.push_back(belly_shares(lean, muscle, height));
   }

@@ -111,8 +111,7 @@ class MeshBinder {
   // The vertices of a piece that are nearest to the skin, nearest first.
   Indices nearest_part(const Indices& piece) const {
     Indices order = piece;
-    std::stable_sort(order.begin(), order.end(),
-                     [&](std::uint32_t a, std::uint32_t b) { return distance(a) < distance(b); });
+    std::ranges::stable_sort(order, [&](std::uint32_t a, std::uint32_t b) { return distance(a) < distance(b); });
     order.resize(std::min(order.size(), std::clamp(order.size() / kNearPart, kFewest, kMost)));
     return order;
   }
@@ -160,7 +159,7 @@ class MeshBinder {
     }
     if (static_cast<double>(along) >= kMostAlong * static_cast<double>(piece.size())) return AttachMode::skin;
     const std::vector<double> shares = joint_shares(piece);
-    const bool several = *std::max_element(shares.begin(), shares.end()) < kOneJoint;
+    const bool several = *std::ranges::max_element(shares) < kOneJoint;
     return !mesh_.weights.empty() && several ? AttachMode::skin : AttachMode::joint;
   }
 
@@ -191,7 +190,7 @@ class MeshBinder {
     if (options_.joint >= 0) return static_cast<std::uint32_t>(options_.joint);
     if (mesh_.joint >= 0) return static_cast<std::uint32_t>(mesh_.joint);
     const std::vector<double> shares = joint_shares(piece);
-    return static_cast<std::uint32_t>(std::max_element(shares.begin(), shares.end()) - shares.begin());
+    return static_cast<std::uint32_t>(std::ranges::max_element(shares) - shares.begin());
   }
 
   // One for all pieces on that joint.
@@ -216,9 +215,9 @@ class MeshBinder {
       for (std::size_t j = 0; j < shares.size(); ++j) shares[j] += weights[j];
     }
     bound_.point_begin.push_back(static_cast<std::uint32_t>(bound_.points.size()));
-    bound_.anchors.push_back(
-        {static_cast<std::uint32_t>(std::max_element(shares.begin(), shares.end()) - shares.begin()),
-         static_cast<float>(centre.x()), static_cast<float>(centre.y()), static_cast<float>(centre.z())});
+    bound_.anchors.push_back({static_cast<std::uint32_t>(std::ranges::max_element(shares) - shares.begin()),
+                              static_cast<float>(centre.x()), static_cast<float>(centre.y()),
+                              static_cast<float>(centre.z())});
     return static_cast<std::uint32_t>(bound_.anchors.size() - 1);
   }
 

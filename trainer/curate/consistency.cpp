@@ -196,7 +196,7 @@ std::vector<DisagreeingPair> ranked(const WorstOfPair& worst, std::size_t most) 
   constexpr std::size_t kSameMoment = 6;  // frames
   std::vector<DisagreeingPair> all, result;
   for (const auto& [frames, pair] : worst) all.push_back(pair);
-  std::stable_sort(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.apart_mm > b.apart_mm; });
+  std::ranges::stable_sort(all, [](const auto& a, const auto& b) { return a.apart_mm > b.apart_mm; });
   for (const DisagreeingPair& pair : all) {
     if (result.size() == most) break;
     const bool is_named = std::ranges::any_of(result, [&](const DisagreeingPair& other) {

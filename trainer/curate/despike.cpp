@@ -37,7 +37,7 @@ void put_back(const std::vector<Positions>& around, double limit, Positions& own
   std::vector<double> values(around.size());
   const auto middle = [&](auto&& value) {
     for (std::size_t k = 0; k < around.size(); ++k) values[k] = value(around[k]);
-    std::sort(values.begin(), values.end());
+    std::ranges::sort(values);
     return 0.5 * (values[(values.size() - 1) / 2] + values[values.size() / 2]);
   };
   for (Index v = 0; v < own.rows(); ++v) {

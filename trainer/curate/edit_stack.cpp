@@ -53,7 +53,7 @@ void name_sculpt(Modifier& modifier, const std::string& take, int frame, const s
   const auto same = [&](const Json& there) {
     return there.value("take", "") == take && there.value("frame", 0) == frame;
   };
-  const auto found = std::find_if(sculpts.begin(), sculpts.end(), same);
+  const auto found = std::ranges::find_if(sculpts, same);
   if (found == sculpts.end()) {
     sculpts.push_back(entry);
   } else {
@@ -73,7 +73,7 @@ std::vector<std::string> sculpt_notes(const Character& character, const Position
   }
   const auto output = [&](Index v) {
     const auto& all = character.output_vertex;
-    return std::to_string(std::find(all.begin(), all.end(), static_cast<std::uint32_t>(v)) - all.begin());
+    return std::to_string(std::ranges::find(all, static_cast<std::uint32_t>(v)) - all.begin());
   };
   if (far > 0) {
     notes.push_back(count_of(static_cast<std::size_t>(far), "vertex moves", "vertices move") +
@@ -93,8 +93,7 @@ void put_over(const Dataset& dataset, const std::string& name, const std::string
   Modifier over{.name = name, .type = "blend"};
   over.parameters = {{"take", take}, {"frames", format_frame_range(frames)}};
   over.parameters["cache"] = keep_samples(dataset, "replaced", frames.size(), shape);
-  const auto place =
-      std::find_if(modifiers.begin(), modifiers.end(), [](const Modifier& there) { return there.type != "blend"; });
+  const auto place = std::ranges::find_if(modifiers, [](const Modifier& there) { return there.type != "blend"; });
   modifiers.insert(place, std::move(over));
 }
 
@@ -122,7 +121,7 @@ std::vector<std::size_t> kept_frames(const ShapeStack& stack, int take) {
   for (std::size_t n = 0; n < frames.size(); ++n) {
     if (frames[n].take == take && !stack.is_dropped(n)) kept.push_back(n);
   }
-  std::sort(kept.begin(), kept.end(), [&](std::size_t a, std::size_t b) { return frames[a].frame < frames[b].frame; });
+  std::ranges::sort(kept, [&](std::size_t a, std::size_t b) { return frames[a].frame < frames[b].frame; });
   return kept;
 }
 

@@ -118,7 +118,7 @@ std::set<std::vector<Corner>> sorted_triangles(const Character& character) {
   for (Eigen::Index t = 0; t < character.output_triangles.rows(); ++t) {
     std::vector<Corner> corners(3);
     for (int k = 0; k < 3; ++k) corners[static_cast<std::size_t>(k)] = character.output_triangles(t, k);
-    std::sort(corners.begin(), corners.end());
+    std::ranges::sort(corners);
     triangles.insert(std::move(corners));
   }
   return triangles;
@@ -128,10 +128,10 @@ bool has_its_faces(const Character& character, const ObjMesh& mesh) {
   const std::set<std::vector<Corner>> known = sorted_triangles(character);
   const auto has = [&](Corner a, Corner b, Corner c) {
     std::vector<Corner> triangle{a, b, c};
-    std::sort(triangle.begin(), triangle.end());
+    std::ranges::sort(triangle);
     return known.contains(triangle);
   };
-  return std::all_of(mesh.faces.begin(), mesh.faces.end(), [&](const std::vector<Corner>& f) {
+  return std::ranges::all_of(mesh.faces, [&](const std::vector<Corner>& f) {
     if (f.size() == 3) return has(f[0], f[1], f[2]);
     if (f.size() != 4) return false;
     return (has(f[0], f[1], f[2]) && has(f[0], f[2], f[3])) || (has(f[0], f[1], f[3]) && has(f[1], f[2], f[3]));
@@ -193,7 +193,7 @@ std::vector<std::size_t> heaviest_regions(const Character& character, const std:
   std::vector<double> most(heaviest.size(), 0);
   std::vector<double> weight(static_cast<std::size_t>(character.vertices.rows()));
   for (std::size_t r = 0; r < regions.size(); ++r) {
-    std::fill(weight.begin(), weight.end(), 0.0);
+    std::ranges::fill(weight, 0.0);
     for (std::size_t k = 0; k < regions[r].vertices.size(); ++k) weight[regions[r].vertices[k]] = regions[r].weights[k];
     for (Eigen::Index t = 0; t < count; ++t) {
       double sum = 0;
@@ -269,7 +269,7 @@ Positions in_own_order(const Character& character, const TexturedSurface& export
   }
   const std::vector<int> match = match_vertices(exported, given, unmoved_distance(exported.vertices));
   Positions result = exported.vertices;
-  const auto lost = static_cast<std::size_t>(std::count(match.begin(), match.end(), -1));
+  const auto lost = static_cast<std::size_t>(std::ranges::count(match, -1));
   if (lost > 0) {
     throw Error(ErrorKind::mismatch, both_counts(character, path, found), "which of them ",
                 count_of(lost, "vertex is", "vertices are"),

@@ -95,7 +95,7 @@ std::vector<double> SculptedFrames::weights(std::size_t frame) const {
   double sum = 0;
   for (std::size_t k = 0; k < sculpts_.size(); ++k) {
     if (sculpts_[k].frame == frame) {
-      std::fill(weights.begin(), weights.end(), 0.0);
+      std::ranges::fill(weights, 0.0);
       weights[k] = 1;
       return weights;
     }

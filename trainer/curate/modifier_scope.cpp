@@ -124,7 +124,7 @@ std::vector<char> selected_frames(const PoseDatabase& database, const Json& sele
   Selector selector(database, place);
   selector.add_all(selections);
   std::vector<char> selected = selector.take();
-  if (std::find(selected.begin(), selected.end(), true) == selected.end()) {
+  if (std::ranges::find(selected, true) == selected.end()) {
     throw Error(ErrorKind::mismatch, place, ": it selects no frame of the dataset");
   }
   return selected;

@@ -65,8 +65,8 @@ void NamedShapes::open_dataset_frames(const fs::path& dataset, const std::string
   }
   if (numbers_.empty()) throw Error(ErrorKind::mismatch, name_, ": no frame of it is solved and not dropped");
   if (!take.empty()) {
-    std::sort(numbers_.begin(), numbers_.end(),
-              [&](std::size_t a, std::size_t b) { return database.frames[a].frame < database.frames[b].frame; });
+    std::ranges::sort(
+        numbers_, [&](std::size_t a, std::size_t b) { return database.frames[a].frame < database.frames[b].frame; });
   }
   for (const std::size_t n : numbers_) {
     frames_.push_back(take.empty() ? static_cast<int>(frames_.size()) + 1 : database.frames[n].frame);

@@ -93,7 +93,7 @@ PoseDatabase read_pose_database(const Dataset& dataset) {
   for (const DatasetTake& take : dataset.takes) {
     clips.push_back(read_clip(dataset, take, skeleton));
     for (const std::string& name : clips.back().controls) {
-      const bool known = std::find(database.controls.begin(), database.controls.end(), name) != database.controls.end();
+      const bool known = std::ranges::find(database.controls, name) != database.controls.end();
       if (!known) database.controls.push_back(name);
     }
   }

@@ -56,8 +56,7 @@ std::uint64_t identity_of(const Modifier& modifier, const Eigen::VectorXd& mask)
 
 void require_known_parameters(const Modifier& modifier, const ModifierType& type, const std::string& name) {
   for (const auto& [key, value] : modifier.parameters.items()) {
-    const bool known = std::any_of(type.parameters.begin(), type.parameters.end(),
-                                   [&k = key](const char* there) { return k == there; });
+    const bool known = std::ranges::any_of(type.parameters, [&k = key](const char* there) { return k == there; });
     if (known) continue;
     const std::vector<std::string> names(type.parameters.begin(), type.parameters.end());
     throw Error(ErrorKind::mismatch, name, " has no parameter '", key, "': misspelt? ",
@@ -183,7 +182,7 @@ void ShapeStack::add_mirror_images(std::size_t place) {
 
 bool ShapeStack::is_changed(std::size_t frame) const {
   if (frame >= raw_frames_) return true;
-  return std::any_of(layers_.begin(), layers_.end(), [&](const Layer& layer) { return layer.selected[frame]; });
+  return std::ranges::any_of(layers_, [&](const Layer& layer) { return layer.selected[frame]; });
 }
 
 Positions ShapeStack::shape(std::size_t frame) const { return posed(frame, database_.dataset.modifiers.size()); }

@@ -57,14 +57,14 @@ class CoverFinder {
     for (const int node : left_) {
       if (seen_[at(node)] != stamp_) cover.push_back(node);
     }
-    std::sort(cover.begin(), cover.end());
+    std::ranges::sort(cover);
     return cover;
   }
 
  private:
   static std::size_t at(int node) { return static_cast<std::size_t>(node); }
   bool crosses(int node) const {
-    return std::any_of(graph_[at(node)].begin(), graph_[at(node)].end(), [&](int n) { return side_[at(n)] == 1; });
+    return std::ranges::any_of(graph_[at(node)], [&](int n) { return side_[at(n)] == 1; });
   }
   bool augment(int node) {
     for (const int other : graph_[at(node)]) {
@@ -116,7 +116,7 @@ class Dissection {
     std::vector<int> separator = best_separator(nodes);
     std::vector<int> halves[2];
     for (const int node : nodes) {
-      if (!std::binary_search(separator.begin(), separator.end(), node)) {
+      if (!std::ranges::binary_search(separator, node)) {
         halves[side_[at(node)]].push_back(node);
       }
     }
@@ -175,7 +175,7 @@ class Dissection {
       touch(fronts_[at(children[k])].boundary);
       front.level = std::max(front.level, fronts_[at(children[k])].level + 1);
     }
-    std::sort(front.boundary.begin(), front.boundary.end());
+    std::ranges::sort(front.boundary);
     front.boundary.erase(std::unique(front.boundary.begin(), front.boundary.end()), front.boundary.end());
     front.own = std::move(own);
     fronts_.push_back(std::move(front));
@@ -275,7 +275,7 @@ class Factorisation {
     for (std::size_t k = 0; k < nodes.size(); ++k) {
       places.emplace_back(nodes[k], components_ * static_cast<Eigen::Index>(k));
     }
-    std::sort(places.begin(), places.end());
+    std::ranges::sort(places);
     const auto place = [&](int node) {
       const auto found = std::lower_bound(places.begin(), places.end(), std::pair<int, Eigen::Index>(node, -1));
       return found != places.end() && found->first == node ? found->second : -1;
@@ -458,7 +458,7 @@ Graph graph_of(const Eigen::SparseMatrix<double>& matrix, int components) {
         if (other != node) near.push_back(other);
       }
     }
-    std::sort(near.begin(), near.end());
+    std::ranges::sort(near);
     near.erase(std::unique(near.begin(), near.end()), near.end());
   }
   return graph;

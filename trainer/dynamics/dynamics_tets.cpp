@@ -170,7 +170,7 @@ class Unfolder {
       std::array<int, 4> tet{};
       for (int a = 0; a < 4; ++a) {
         const int other = mesh_.tets(t, a);
-        const auto found = std::find(star.ring.begin(), star.ring.end(), other);
+        const auto found = std::ranges::find(star.ring, other);
         tet[static_cast<std::size_t>(a)] = other == node ? -1 : static_cast<int>(found - star.ring.begin());
         if (other != node && found == star.ring.end()) star.ring.push_back(other);
       }
@@ -202,7 +202,7 @@ class Unfolder {
       Eigen::Matrix<double, 4, 3> slopes;
       slopes.bottomRows<3>() = edges.inverse();
       slopes.row(0) = -slopes.bottomRows<3>().colwise().sum();
-      const auto own = std::find(tet.begin(), tet.end(), -1) - tet.begin();
+      const auto own = std::ranges::find(tet, -1) - tet.begin();
       for (std::size_t k = 0; k < 4; ++k) {
         if (tet[k] < 0) continue;
         const double weight = -edges.determinant() * slopes.row(own).dot(slopes.row(static_cast<Eigen::Index>(k)));
@@ -377,7 +377,7 @@ TetQuality tet_quality(const TetMesh& mesh) {
   std::vector<double> quality;
   for (Eigen::Index t = 0; t < mesh.tets.rows(); ++t) quality.push_back(mean_ratio(mesh, t));
   if (quality.empty()) return {};
-  std::sort(quality.begin(), quality.end());
+  std::ranges::sort(quality);
   return {quality.front(), quality[quality.size() / 100], quality[quality.size() / 2]};
 }
 
@@ -397,10 +397,10 @@ void require_sound(const TetMesh& mesh) {
     if (mean_ratio(mesh, t) < kFlat) refuse(name_of(t) + " is flat: it has no volume", "nodes in one place or plane");
     if (tet_edges(mesh, t).determinant() < 0) refuse(name_of(t) + " is inverted", "corners in the wrong order");
   }
-  const auto orphan = std::find(used.begin(), used.end(), false);
+  const auto orphan = std::ranges::find(used, false);
   if (orphan == used.end()) return;
   refuse("node " + std::to_string(orphan - used.begin()) + " belongs to no tetrahedron",
-         "loose points; " + std::to_string(std::count(used.begin(), used.end(), false)) + " in all");
+         "loose points; " + std::to_string(std::ranges::count(used, false)) + " in all");
 }
 
 Unfolding unfold_tets(const NearestSkin& skin, const std::vector<Positions>& poses, Eigen::Index surface,

@@ -37,7 +37,7 @@ using FlatPoint = std::array<double, 2>;
 
 // Length of the convex outline of points in a plane (the monotone chain of Andrew 1979).
 double outline(std::vector<FlatPoint> points) {
-  std::sort(points.begin(), points.end());
+  std::ranges::sort(points);
   std::vector<FlatPoint> hull;
   for (int side = 0; side < 2; ++side) {
     const std::size_t first = hull.size();
@@ -50,7 +50,7 @@ double outline(std::vector<FlatPoint> points) {
       hull.push_back(p);
     }
     if (!hull.empty()) hull.pop_back();
-    std::reverse(points.begin(), points.end());
+    std::ranges::reverse(points);
   }
   double length = 0;
   for (std::size_t k = 0; k < hull.size(); ++k) {

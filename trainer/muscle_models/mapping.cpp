@@ -83,7 +83,7 @@ Roles roles_by_name(const std::vector<NamedJoint>& joints) {
 }
 
 std::optional<std::string> joint_of(const Roles& roles, const JointRole& role) {
-  const auto found = std::find_if(roles.begin(), roles.end(), [&](const auto& entry) { return entry.second == role; });
+  const auto found = std::ranges::find_if(roles, [&](const auto& entry) { return entry.second == role; });
   return found == roles.end() ? std::nullopt : std::optional(found->first);
 }
 

@@ -77,7 +77,7 @@ Vector3d world_position(const PathPoint& point, const ModelPose& pose) {
 
 template <typename Named>
 int find_named(const std::vector<Named>& list, const std::string& name) {
-  const auto found = std::find_if(list.begin(), list.end(), [&](const Named& one) { return one.name == name; });
+  const auto found = std::ranges::find_if(list, [&](const Named& one) { return one.name == name; });
   return found == list.end() ? -1 : static_cast<int>(found - list.begin());
 }
 

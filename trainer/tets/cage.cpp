@@ -202,14 +202,12 @@ double ApartSkin::depth(const SkinPoint& point, const SkinPoint& other) const {
 bool ApartSkin::operator()(const SkinPoint& a, const SkinPoint& b, double overlap) const {
   if (shared_weight(weights_at(a), weights_at(b)) >= kSharedByOne) return false;
   if (std::max(depth(a, b), depth(b, a)) > overlap) return false;
-  const auto is_of_b = [&](std::uint32_t v) {
-    return std::find(b.vertices.begin(), b.vertices.end(), v) != b.vertices.end();
-  };
+  const auto is_of_b = [&](std::uint32_t v) { return std::ranges::find(b.vertices, v) != b.vertices.end(); };
   // No way over a corner is as short as that straight through one triangle or two.
-  if (std::any_of(a.vertices.begin(), a.vertices.end(), is_of_b)) return false;
+  if (std::ranges::any_of(a.vertices, is_of_b)) return false;
   const double farthest = kDetour * (a.position - b.position).norm();
   const std::vector<SurfacePlace> near = distance_.around(vertices_, a, farthest);
-  return std::none_of(near.begin(), near.end(), [&](const SurfacePlace& place) {
+  return std::ranges::none_of(near, [&](const SurfacePlace& place) {
     return is_of_b(place.vertex) &&
            place.distance + (vertices_.row(place.vertex).transpose() - b.position).norm() <= farthest;
   });

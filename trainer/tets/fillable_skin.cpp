@@ -35,7 +35,7 @@ TrianglesAt triangles_at_edges(const Triangles& triangles, const std::vector<boo
 }
 
 bool is_manifold(const TrianglesAt& at) {
-  return std::all_of(at.begin(), at.end(), [](const auto& edge) { return edge.second.size() <= 2; });
+  return std::ranges::all_of(at, [](const auto& edge) { return edge.second.size() <= 2; });
 }
 
 // The patch of every triangle: those that edges of two triangles join. It has the number of its first triangle.
@@ -106,7 +106,7 @@ bool is_closed(const Triangles& triangles) {
       if (!edges.emplace(triangles(t, k), triangles(t, (k + 1) % 3)).second) return false;
     }
   }
-  return std::all_of(edges.begin(), edges.end(), [&](const auto& e) { return edges.contains({e.second, e.first}); });
+  return std::ranges::all_of(edges, [&](const auto& e) { return edges.contains({e.second, e.first}); });
 }
 
 // The first of the vertices in one place on open edges, for every vertex.
@@ -180,7 +180,7 @@ class SkinMender {
     for (Eigen::Index t = 0; t < triangles_.rows(); ++t) {
       std::array<std::uint32_t, 3> corner{};
       for (int k = 0; k < 3; ++k) corner[static_cast<std::size_t>(k)] = triangles_(t, k) = first_[triangles_(t, k)];
-      std::sort(corner.begin(), corner.end());
+      std::ranges::sort(corner);
       if (corner[0] == corner[1] || corner[1] == corner[2]) continue;
       if (seen.insert(corner).second) {
         kept.push_back(t);
@@ -213,7 +213,7 @@ class SkinMender {
     all.topRows(count) = triangles_;
     for (Eigen::Index t = 0; t < sheets_.rows(); ++t) {
       const auto corners = sheets_.row(t);
-      const auto own = std::find_if(corners.begin(), corners.end(), [&](std::uint32_t v) { return !is_shared[v]; });
+      const auto own = std::ranges::find_if(corners, [&](std::uint32_t v) { return !is_shared[v]; });
       if (own == corners.end()) continue;
       for (int k = 0; k < 3; ++k) all(count, k) = is_shared[corners[k]] ? *own : corners[k];
       ++count;
@@ -268,8 +268,8 @@ class SkinMender {
   void choose_hosts() {
     std::vector<std::size_t> by_volume(pieces_.size());
     std::iota(by_volume.begin(), by_volume.end(), std::size_t{0});
-    std::stable_sort(by_volume.begin(), by_volume.end(),
-                     [&](std::size_t a, std::size_t b) { return pieces_[a].volume > pieces_[b].volume; });
+    std::ranges::stable_sort(by_volume,
+                             [&](std::size_t a, std::size_t b) { return pieces_[a].volume > pieces_[b].volume; });
     hosts_.assign(pieces_.size(), false);
     if (pieces_[by_volume.front()].volume == 0) refuse_open();
     hosts_[by_volume.front()] = true;
@@ -320,7 +320,7 @@ class SkinMender {
     Triangles both(host_triangles_.rows() + own.rows(), 3);
     both << host_triangles_, own;
     const std::vector<TrianglePair> pairs = self_intersections(vertices_, both);
-    return std::any_of(pairs.begin(), pairs.end(), [&](const TrianglePair& pair) {
+    return std::ranges::any_of(pairs, [&](const TrianglePair& pair) {
       return pair.first < host_triangles_.rows() && pair.second >= host_triangles_.rows();
     });
   }
@@ -338,7 +338,7 @@ class SkinMender {
 
   void gather() {
     const Triangles kept = host_triangles();
-    result_.pieces = static_cast<int>(std::count(hosts_.begin(), hosts_.end(), true));
+    result_.pieces = static_cast<int>(std::ranges::count(hosts_, true));
     result_.first = first_;
     result_.host.assign(static_cast<std::size_t>(vertices_.rows()), -1);
     for (std::uint32_t v = 0; v < result_.host.size(); ++v) {

@@ -85,8 +85,7 @@ void keep_whole(const VoxelGrid& grid, const std::vector<Voxel>& voxels, const s
     if ((cuts[faces.index] & bit(faces.axis)) != 0) ++touching[contact_at(faces)];
   }
   std::vector<std::pair<Contact, std::size_t>> most_first(touching.begin(), touching.end());
-  std::stable_sort(most_first.begin(), most_first.end(),
-                   [](const auto& a, const auto& b) { return a.second > b.second; });
+  std::ranges::stable_sort(most_first, [](const auto& a, const auto& b) { return a.second > b.second; });
   DisjointSets whole = parts;
   std::set<Contact> held;
   for (const auto& [contact, count] : most_first) {

@@ -167,7 +167,7 @@ std::vector<int> label_pieces(const VoxelGrid& grid, const std::vector<Voxel>& v
   std::vector<int> by_size(pieces.size());
   std::iota(by_size.begin(), by_size.end(), 0);
   std::erase_if(by_size, [&](int piece) { return !pieces[static_cast<std::size_t>(piece)].surface; });
-  std::stable_sort(by_size.begin(), by_size.end(), [&](int a, int b) {
+  std::ranges::stable_sort(by_size, [&](int a, int b) {
     return pieces[static_cast<std::size_t>(a)].size > pieces[static_cast<std::size_t>(b)].size;
   });
   std::vector<int> rank(pieces.size(), -1);

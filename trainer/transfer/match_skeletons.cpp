@@ -205,7 +205,7 @@ class SkeletonAligner {
   bool is_of_trunk(std::size_t j) const {
     constexpr BodyPart kTrunk[] = {BodyPart::hips, BodyPart::spine,     BodyPart::neck,
                                    BodyPart::head, BodyPart::hip_joint, BodyPart::clavicle};
-    return roles_[j] && std::find(std::begin(kTrunk), std::end(kTrunk), roles_[j]->part) != std::end(kTrunk);
+    return roles_[j] && std::ranges::find(kTrunk, roles_[j]->part) != std::end(kTrunk);
   }
 
   Quat align_joint(std::size_t j, const Quat& inherited) const {
@@ -288,7 +288,7 @@ SkeletonMatch completed(SkeletonMatch match, const Skeleton& source, const Skele
 }  // namespace
 
 bool SkeletonMatch::is_aligned() const {
-  return std::any_of(alignment.begin(), alignment.end(), [](const Quat& q) { return q != Quat{0, 0, 0, 1}; });
+  return std::ranges::any_of(alignment, [](const Quat& q) { return q != Quat{0, 0, 0, 1}; });
 }
 
 int matched_at_or_above(const Skeleton& skeleton, const std::vector<int>& match, int joint) {

@@ -70,7 +70,7 @@ class BlendPacker {
     residual.blend.clear();
     residual.blend_begin = {0};
     for (std::vector<BlendEntry>& entries : blocks_) {
-      std::stable_sort(entries.begin(), entries.end(), [](const BlendEntry& a, const BlendEntry& b) {
+      std::ranges::stable_sort(entries, [](const BlendEntry& a, const BlendEntry& b) {
         return a.scale_coefficient >> 16 < b.scale_coefficient >> 16;
       });
       residual.blend.insert(residual.blend.end(), entries.begin(), entries.end());
