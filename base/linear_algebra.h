@@ -50,6 +50,14 @@ class Cholesky {
   bool is_positive_ = false;
 };
 
+// The sum of the entries at each place.
+inline Eigen::SparseMatrix<double> sparse_matrix(Eigen::Index rows, Eigen::Index columns,
+                                                 const std::vector<Eigen::Triplet<double>>& entries) {
+  Eigen::SparseMatrix<double> matrix(rows, columns);
+  matrix.setFromTriplets(entries.begin(), entries.end());
+  return matrix;
+}
+
 // The factor L D L^T of a sparse symmetric matrix (N x N), whose lower half is read.
 class SparseSolver {
  public:

@@ -26,9 +26,7 @@ constexpr std::size_t kLongestLoop = 200;
 
 DirectedEdges directed_edges(const Triangles& triangles) {
   DirectedEdges edges;
-  for (Eigen::Index t = 0; t < triangles.rows(); ++t) {
-    for (int k = 0; k < 3; ++k) edges.emplace(triangles(t, k), triangles(t, (k + 1) % 3));
-  }
+  for_each_edge(triangles, [&](std::uint32_t a, std::uint32_t b) { edges.emplace(a, b); });
   return edges;
 }
 
@@ -105,8 +103,6 @@ class SmallestArea {
   std::vector<std::size_t> apex_;
 };
 
-using VertexPair = std::pair<std::uint32_t, std::uint32_t>;
-
 std::map<VertexPair, std::vector<Eigen::Index>> triangles_of_edges(const Triangles& triangles) {
   std::map<VertexPair, std::vector<Eigen::Index>> result;
   for (Eigen::Index t = 0; t < triangles.rows(); ++t) {
@@ -134,18 +130,12 @@ constexpr double kSmoothing = 0.15;  // of the way to the middle of its neighbou
 
 std::vector<std::vector<std::uint32_t>> neighbours_of(Eigen::Index vertices, const Triangles& triangles) {
   std::vector<std::vector<std::uint32_t>> result(static_cast<std::size_t>(vertices));
-  for (Eigen::Index t = 0; t < triangles.rows(); ++t) {
-    for (int k = 0; k < 3; ++k) result[triangles(t, k)].push_back(triangles(t, (k + 1) % 3));
-  }
+  for_each_edge(triangles, [&](std::uint32_t a, std::uint32_t b) { result[a].push_back(b); });
   return result;
 }
 
 void mark_corners(const Triangles& triangles, const std::vector<TrianglePair>& pairs, std::vector<bool>& marked) {
-  for (const TrianglePair& pair : pairs) {
-    for (const Eigen::Index t : {pair.first, pair.second}) {
-      for (int k = 0; k < 3; ++k) marked[triangles(t, k)] = true;
-    }
-  }
+  for (const std::uint32_t corner : corners_of(pairs, triangles)) marked[corner] = true;
 }
 
 void mark_ring(const std::vector<std::vector<std::uint32_t>>& neighbours, std::vector<bool>& marked) {
@@ -194,11 +184,7 @@ Triangles fill_holes(const Positions& vertices, const Triangles& triangles) {
     const std::vector<Corners> closing = SmallestArea(vertices, edges, loop).find();
     added.insert(added.end(), closing.begin(), closing.end());
   }
-  Triangles result(static_cast<Eigen::Index>(added.size()), 3);
-  for (std::size_t t = 0; t < added.size(); ++t) {
-    result.row(static_cast<Eigen::Index>(t)) << added[t][0], added[t][1], added[t][2];
-  }
-  return result;
+  return triangles_of(added);
 }
 
 Eigen::Index wind_alike(Triangles& triangles) {
@@ -267,8 +253,7 @@ void require_closed(const Positions& vertices, const Triangles& triangles) {
 double enclosed_volume(const Positions& vertices, const Triangles& triangles) {
   double six_volumes = 0;
   for (Eigen::Index t = 0; t < triangles.rows(); ++t) {
-    const Eigen::Vector3d a = vertices.row(triangles(t, 0)), b = vertices.row(triangles(t, 1)),
-                          c = vertices.row(triangles(t, 2));
+    const auto [a, b, c] = corners_of(vertices, triangles, t);
     six_volumes += a.cross(b).dot(c);
   }
   return six_volumes / 6;
@@ -276,9 +261,7 @@ double enclosed_volume(const Positions& vertices, const Triangles& triangles) {
 
 double mean_edge(const Positions& vertices, const Triangles& triangles) {
   double sum = 0;
-  for (Eigen::Index t = 0; t < triangles.rows(); ++t) {
-    for (int k = 0; k < 3; ++k) sum += (vertices.row(triangles(t, k)) - vertices.row(triangles(t, (k + 1) % 3))).norm();
-  }
+  for_each_edge(triangles, [&](auto a, auto b) { sum += (vertices.row(a) - vertices.row(b)).norm(); });
   return sum / (3.0 * static_cast<double>(std::max<Eigen::Index>(triangles.rows(), 1)));
 }
 

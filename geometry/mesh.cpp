@@ -13,11 +13,22 @@ double shared_weight(const std::vector<JointWeight>& a, const std::vector<JointW
   return sum;
 }
 
+double triangle_area(const Positions& vertices, const Triangles& triangles, Eigen::Index t) {
+  const auto [a, b, c] = corners_of(vertices, triangles, t);
+  return (b - a).cross(c - a).norm() / 2;
+}
+
+Triangles triangles_of(const std::vector<std::array<std::uint32_t, 3>>& corners) {
+  Triangles triangles(static_cast<Eigen::Index>(corners.size()), 3);
+  for (Eigen::Index k = 0; k < triangles.size(); ++k)
+    triangles.data()[k] = corners[static_cast<std::size_t>(k / 3)][static_cast<std::size_t>(k % 3)];
+  return triangles;
+}
+
 Positions vertex_normals(const Positions& vertices, const Triangles& triangles) {
   Positions normals = Positions::Zero(vertices.rows(), 3);
   for (Eigen::Index t = 0; t < triangles.rows(); ++t) {
-    const Eigen::RowVector3d a = vertices.row(triangles(t, 0)), b = vertices.row(triangles(t, 1)),
-                             c = vertices.row(triangles(t, 2));
+    const auto [a, b, c] = corners_of(vertices, triangles, t);
     const Eigen::RowVector3d normal = (b - a).cross(c - a);
     for (int k = 0; k < 3; ++k) normals.row(triangles(t, k)) += normal;
   }

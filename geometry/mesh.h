@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -18,6 +19,23 @@ using SkinWeights = std::vector<std::vector<JointWeight>>;  // V
 
 // How much of their weights two vertices have in common: from 0, of different joints, to 1, of the same alike.
 double shared_weight(const std::vector<JointWeight>& a, const std::vector<JointWeight>& b);
+
+// Calls visit(a, b) for the three edges of every triangle, as it runs around them.
+void for_each_edge(const Triangles& triangles, const auto& visit) {
+  for (Eigen::Index t = 0; t < triangles.rows(); ++t) {
+    for (int k = 0; k < 3; ++k) visit(triangles(t, k), triangles(t, (k + 1) % 3));
+  }
+}
+
+// Where a triangle's corners are.
+using CornerPoints = std::array<Eigen::Vector3d, 3>;
+inline CornerPoints corners_of(const Positions& vertices, const Triangles& triangles, Eigen::Index t) {
+  return {vertices.row(triangles(t, 0)), vertices.row(triangles(t, 1)), vertices.row(triangles(t, 2))};
+}
+double triangle_area(const Positions& vertices, const Triangles& triangles, Eigen::Index t);
+
+// Corners, a triangle each.
+Triangles triangles_of(const std::vector<std::array<std::uint32_t, 3>>& corners);
 
 // The sum of the normals of the triangles around each vertex, each twice its area long, V x 3; zero without any.
 [[nodiscard]] Positions vertex_normals(const Positions& vertices, const Triangles& triangles);

@@ -15,7 +15,6 @@ namespace bodyopt {
 namespace {
 
 using Eigen::Vector3d;
-using CornerPoints = std::array<Vector3d, 3>;
 
 constexpr double kFlat = 1e-12;  // height over the length of an edge
 
@@ -71,9 +70,7 @@ class Intersections {
     Eigen::Index triangle;
     Vector3d low, high;
   };
-  CornerPoints corners(Eigen::Index t) const {
-    return {vertices_.row(triangles_(t, 0)), vertices_.row(triangles_(t, 1)), vertices_.row(triangles_(t, 2))};
-  }
+  CornerPoints corners(Eigen::Index t) const { return corners_of(vertices_, triangles_, t); }
   bool has_corner(Eigen::Index t, std::uint32_t vertex) const { return (triangles_.row(t).array() == vertex).any(); }
 
   // Does an edge of `a` that has no corner in common with `b` pass through b?

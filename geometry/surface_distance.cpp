@@ -12,6 +12,7 @@
 namespace bodyopt {
 namespace {
 
+constexpr int kSmoothingSteps = 4;
 constexpr double kFar = std::numeric_limits<double>::infinity();
 constexpr double kShorter = 1 - 1e-12;  // what is shorter by less is not: rounding ends, too
 
@@ -37,8 +38,7 @@ double through_triangle(const Point& a, double at_a, const Point& b, double at_b
 Eigen::VectorXd lumped_areas(const Positions& rest, const Triangles& triangles) {
   Eigen::VectorXd areas = Eigen::VectorXd::Zero(rest.rows());
   for (Eigen::Index t = 0; t < triangles.rows(); ++t) {
-    const Eigen::RowVector3d a = rest.row(triangles(t, 0)), b = rest.row(triangles(t, 1)),
-                             c = rest.row(triangles(t, 2));
+    const auto [a, b, c] = corners_of(rest, triangles, t);
     const double third = (b - a).cross(c - a).norm() / 6;
     for (int k = 0; k < 3; ++k) areas[triangles(t, k)] += third;
   }
@@ -58,9 +58,7 @@ Eigen::SparseMatrix<double> cotangent_laplacian(const Positions& rest, const Tri
       halves.emplace_back(std::min(i, j), std::max(i, j), 0.5 * a.dot(b) / area);
     }
   }
-  Eigen::SparseMatrix<double> edges(rest.rows(), rest.rows());
-  edges.setFromTriplets(halves.begin(), halves.end());
-
+  const Eigen::SparseMatrix<double> edges = sparse_matrix(rest.rows(), rest.rows(), halves);
   std::vector<Eigen::Triplet<double>> entries;
   for (int v = 0; v < static_cast<int>(rest.rows()); ++v) entries.emplace_back(v, v, 0.0);
   for (int column = 0; column < edges.outerSize(); ++column) {
@@ -73,16 +71,8 @@ Eigen::SparseMatrix<double> cotangent_laplacian(const Positions& rest, const Tri
       entries.emplace_back(j, j, weight);
     }
   }
-  Eigen::SparseMatrix<double> laplacian(rest.rows(), rest.rows());
-  laplacian.setFromTriplets(entries.begin(), entries.end());
-  return laplacian;
+  return sparse_matrix(rest.rows(), rest.rows(), entries);
 }
-
-namespace {
-
-constexpr int kSmoothingSteps = 4;
-
-}  // namespace
 
 SkinSmoother::SkinSmoother(const Positions& rest, const Triangles& triangles, double radius)
     : areas_(lumped_areas(rest, triangles)) {

@@ -110,9 +110,7 @@ std::optional<Weld> weld_vertices(std::span<const Vec3> positions, std::span<con
 SurfacePieces surface_pieces(Eigen::Index vertices, const Triangles& triangles) {
   const auto count = static_cast<std::size_t>(vertices);
   DisjointSets sets(count);
-  for (Eigen::Index t = 0; t < triangles.rows(); ++t) {
-    for (int k = 1; k < 3; ++k) sets.join(triangles(t, 0), triangles(t, k));
-  }
+  for_each_edge(triangles, [&](std::uint32_t a, std::uint32_t b) { sets.join(a, b); });
   SurfacePieces pieces;
   for (std::size_t v = 0; v < count; ++v) {
     const std::size_t first = sets.lowest(v);
@@ -126,13 +124,10 @@ BadEdges find_bad_edges(const Triangles& triangles) {
     int forward = 0, backward = 0;
   };
   std::map<VertexPair, Use> edges;
-  for (Eigen::Index t = 0; t < triangles.rows(); ++t) {
-    for (int k = 0; k < 3; ++k) {
-      const std::uint32_t a = triangles(t, k), b = triangles(t, (k + 1) % 3);
-      Use& use = edges[std::minmax(a, b)];
-      (a < b ? use.forward : use.backward)++;
-    }
-  }
+  for_each_edge(triangles, [&](std::uint32_t a, std::uint32_t b) {
+    Use& use = edges[std::minmax(a, b)];
+    (a < b ? use.forward : use.backward)++;
+  });
   BadEdges bad;
   for (const auto& [edge, use] : edges) {
     const int count = use.forward + use.backward;

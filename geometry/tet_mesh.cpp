@@ -18,6 +18,11 @@ constexpr int kFace[4][3] = {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}};
 
 using Face = std::array<std::uint32_t, 3>;
 
+Face face_corners(const Tets& tets, Eigen::Index t, const int (&face)[3]) {
+  const auto corner = [&](int k) { return static_cast<std::uint32_t>(tets(t, face[k])); };
+  return {corner(0), corner(1), corner(2)};
+}
+
 Face sorted(Face corners) {
   std::ranges::sort(corners);
   return corners;
@@ -26,13 +31,7 @@ Face sorted(Face corners) {
 std::map<Face, int> tets_of_faces(const Tets& tets) {
   std::map<Face, int> result;
   for (int t = 0; t < tets.rows(); ++t) {
-    for (int left_out = 0; left_out < 4; ++left_out) {
-      Face corners{};
-      for (int k = 0; k < 3; ++k) {
-        corners[static_cast<std::size_t>(k)] = static_cast<std::uint32_t>(tets(t, (left_out + 1 + k) % 4));
-      }
-      result[sorted(corners)] = t;
-    }
+    for (const auto& face : kFace) result[sorted(face_corners(tets, t, face))] = t;
   }
   return result;
 }
@@ -90,30 +89,22 @@ std::vector<Eigen::Vector4d> tet_lattice(int rows) {
 }
 
 Triangles surface_of(const Tets& tets) {
-  struct Face {
-    std::array<int, 3> corners;
-    int uses;
+  struct Use {
+    Face corners;
+    int count = 0;
   };
-  std::map<std::array<int, 3>, Face> faces;
+  std::map<Face, Use> faces;
   for (Eigen::Index t = 0; t < tets.rows(); ++t) {
     for (const auto& face : kFace) {
-      const std::array<int, 3> corners{tets(t, face[0]), tets(t, face[1]), tets(t, face[2])};
-      std::array<int, 3> key = corners;
-      std::ranges::sort(key);
-      ++faces.try_emplace(key, Face{corners, 0}).first->second.uses;
+      const Face corners = face_corners(tets, t, face);
+      ++faces.try_emplace(sorted(corners), Use{corners}).first->second.count;
     }
   }
-  std::vector<std::array<int, 3>> open;
-  for (const auto& [key, face] : faces) {
-    if (face.uses == 1) open.push_back(face.corners);
+  std::vector<Face> open;
+  for (const auto& [key, use] : faces) {
+    if (use.count == 1) open.push_back(use.corners);
   }
-  Triangles triangles(static_cast<Eigen::Index>(open.size()), 3);
-  for (std::size_t t = 0; t < open.size(); ++t) {
-    for (std::size_t k = 0; k < 3; ++k) {
-      triangles(static_cast<Eigen::Index>(t), static_cast<Eigen::Index>(k)) = static_cast<std::uint32_t>(open[t][k]);
-    }
-  }
-  return triangles;
+  return triangles_of(open);
 }
 
 TetFinder::TetFinder(const TetMesh& mesh, const Positions& vertices, const Triangles& triangles)

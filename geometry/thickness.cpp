@@ -74,8 +74,7 @@ class RayTarget {
   RayTarget(const Positions& vertices, const Triangles& triangles)
       : triangles_(triangles), tree_(boxes_of(vertices, triangles)) {
     for (Eigen::Index t = 0; t < triangles.rows(); ++t) {
-      const Eigen::Vector3d a = vertices.row(triangles(t, 0)), b = vertices.row(triangles(t, 1)),
-                            c = vertices.row(triangles(t, 2));
+      const auto [a, b, c] = corners_of(vertices, triangles, t);
       corners_.push_back({a, b - a, c - a});
     }
   }
@@ -150,9 +149,8 @@ SkinDepth::SkinDepth(const Positions& vertices, const Triangles& triangles)
 double SkinDepth::winding_number(const Vector3d& point) const {
   double sum = 0;
   for (Eigen::Index t = 0; t < triangles_.rows(); ++t) {
-    const Vector3d a = vertices_.row(triangles_(t, 0)).transpose() - point;
-    const Vector3d b = vertices_.row(triangles_(t, 1)).transpose() - point;
-    const Vector3d c = vertices_.row(triangles_(t, 2)).transpose() - point;
+    const auto [x, y, z] = corners_of(vertices_, triangles_, t);
+    const Vector3d a = x - point, b = y - point, c = z - point;
     const double la = a.norm(), lb = b.norm(), lc = c.norm();
     sum += std::atan2(a.dot(b.cross(c)), la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb);
   }
@@ -168,8 +166,7 @@ std::optional<Vector3d> SkinDepth::tuck(const Vector3d& point, double depth) con
   const double here = (*this)(point);
   if (here >= depth) return point;
   const SkinPoint skin = nearest_(point);
-  const Vector3d a = vertices_.row(skin.vertices[0]), b = vertices_.row(skin.vertices[1]);
-  const Vector3d c = vertices_.row(skin.vertices[2]);
+  const auto [a, b, c] = corners_of(vertices_, triangles_, skin.triangle);
   Vector3d inward = -(b - a).cross(c - a).normalized();
   if (std::abs(here) > 1e-6) inward = (here > 0 ? 1 : -1) * (point - skin.position).normalized();
   Vector3d best = point;

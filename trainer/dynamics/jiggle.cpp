@@ -120,20 +120,21 @@ constexpr int kMostRounds = 8;
 constexpr double kNearEnough = 1.2;  // times the give that is allowed: frequencies of a tenth below
 constexpr double kNoted = 0.02;      // of a joint's tissue, held: a note names it
 
+// N x N, alike in all directions -> 3N x 3N.
+SparseMatrix in_three_axes(const SparseMatrix& matrix) {
+  std::vector<Eigen::Triplet<double>> entries;
+  for (Eigen::Index n = 0; n < matrix.cols(); ++n) {
+    for (SparseMatrix::InnerIterator entry(matrix, n); entry; ++entry) {
+      for (Eigen::Index i = 0; i < 3; ++i) entries.emplace_back(3 * entry.row() + i, 3 * n + i, entry.value());
+    }
+  }
+  return sparse_matrix(3 * matrix.rows(), 3 * matrix.cols(), entries);
+}
+
 // Every node's give along the axis that it gives way most to, 1/s^-2.
 Eigen::VectorXd give_of(const TetMesh& mesh, const SparseMatrix& elastic, const JiggleSystem& system) {
   const Eigen::Index nodes = mesh.nodes.rows();
-  std::vector<Eigen::Triplet<double>> entries;
-  for (Eigen::Index k = 0; k < system.springs.outerSize(); ++k) {
-    for (SparseMatrix::InnerIterator entry(system.springs, k); entry; ++entry) {
-      for (Eigen::Index i = 0; i < 3; ++i)
-        entries.emplace_back(3 * entry.row() + i, 3 * entry.col() + i, entry.value());
-    }
-  }
-  SparseMatrix matrix(3 * nodes, 3 * nodes);
-  matrix.setFromTriplets(entries.begin(), entries.end());
-  matrix += elastic;
-  const SparseSolver factor(matrix);
+  const SparseSolver factor(in_three_axes(system.springs) + elastic);
   if (!factor.is_solvable()) {
     throw Error(ErrorKind::mismatch, "the stiffness of the tetrahedra cannot be factorised: some of them are flat");
   }
@@ -194,11 +195,6 @@ SparseMatrix core_springs(const Positions& vertices, const Triangles& triangles,
                           const Eigen::VectorXd& flesh, double stiffness) {
   const NearestSkin nearest(vertices, triangles);
   const TetMesh& mesh = cage.mesh;
-  const auto position = [&](const EmbeddedPoint& point) {
-    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-    for (int a = 0; a < 4; ++a) sum += point.weights[a] * mesh.nodes.row(mesh.tets(point.tet, a)).transpose();
-    return sum;
-  };
   const auto depth = [&](const Eigen::Vector3d& at) { return (nearest(at).position - at).norm(); };
   std::vector<Eigen::Triplet<double>> entries;
   int tet = -1;
@@ -208,7 +204,7 @@ SparseMatrix core_springs(const Positions& vertices, const Triangles& triangles,
     const double from = blended(flesh, mesh.tets, point);
     if (point.tet != tet) {
       tet = point.tet;
-      const Eigen::Vector3d middle = position({tet, Eigen::Vector4d::Constant(0.25)});
+      const Eigen::Vector3d middle = rest_position(mesh, {tet, Eigen::Vector4d::Constant(0.25)});
       double reach = 0;
       for (int a = 0; a < 4; ++a) {
         reach = std::max(reach, (mesh.nodes.row(mesh.tets(tet, a)).transpose() - middle).norm());
@@ -218,7 +214,7 @@ SparseMatrix core_springs(const Positions& vertices, const Triangles& triangles,
       is_shallow = depth(middle) + reach < least;
     }
     if (is_shallow) continue;
-    const double held = std::clamp((depth(position(point)) / from - 1) / (kFullyHeld - 1), 0.0, 1.0);
+    const double held = std::clamp((depth(rest_position(mesh, point)) / from - 1) / (kFullyHeld - 1), 0.0, 1.0);
     if (held == 0) continue;
     for (int a = 0; a < 4; ++a) {
       for (int b = 0; b < 4; ++b) {
@@ -227,9 +223,7 @@ SparseMatrix core_springs(const Positions& vertices, const Triangles& triangles,
       }
     }
   }
-  SparseMatrix springs(mesh.nodes.rows(), mesh.nodes.rows());
-  springs.setFromTriplets(entries.begin(), entries.end());
-  return springs;
+  return sparse_matrix(mesh.nodes.rows(), mesh.nodes.rows(), entries);
 }
 
 SparseMatrix elastic_stiffness(const TetMesh& mesh, const std::vector<TetMaterial>& materials) {
@@ -255,9 +249,7 @@ SparseMatrix elastic_stiffness(const TetMesh& mesh, const std::vector<TetMateria
       }
     }
   }
-  SparseMatrix matrix(3 * mesh.nodes.rows(), 3 * mesh.nodes.rows());
-  matrix.setFromTriplets(entries.begin(), entries.end());
-  return matrix;
+  return sparse_matrix(3 * mesh.nodes.rows(), 3 * mesh.nodes.rows(), entries);
 }
 
 Eigen::VectorXd lumped_mass(const TetMesh& mesh, double density) {
@@ -287,15 +279,7 @@ JiggleSystem make_jiggle_system(const JiggleSettings& settings, const JiggleFiel
 SparseMatrix jiggle_matrix(const TetMesh& mesh, const JiggleSystem& system, const JiggleStep& step) {
   const double d = step.stage(), b = 1 + system.stiffness_damping / d;
   const SparseMatrix held = b * system.springs + SparseMatrix(inertia_of(system, d).asDiagonal());
-  std::vector<Eigen::Triplet<double>> entries;
-  for (Eigen::Index n = 0; n < held.cols(); ++n) {
-    for (SparseMatrix::InnerIterator entry(held, n); entry; ++entry) {
-      for (Eigen::Index i = 0; i < 3; ++i) entries.emplace_back(3 * entry.row() + i, 3 * n + i, entry.value());
-    }
-  }
-  SparseMatrix matrix(3 * held.rows(), 3 * held.rows());
-  matrix.setFromTriplets(entries.begin(), entries.end());
-  return matrix + b * elastic_stiffness(mesh, system.materials);
+  return in_three_axes(held) + b * elastic_stiffness(mesh, system.materials);
 }
 
 JiggleTable make_jiggle_table(const TetMesh& mesh, const JiggleSystem& system, JiggleStep step) {

@@ -49,12 +49,6 @@ std::vector<std::size_t> patches_of(const TrianglesAt& at, std::size_t triangles
   return patch;
 }
 
-double area_of_triangle(const Positions& vertices, const Triangles& triangles, Eigen::Index t) {
-  const Eigen::Vector3d a = vertices.row(triangles(t, 0)), b = vertices.row(triangles(t, 1)),
-                        c = vertices.row(triangles(t, 2));
-  return (b - a).cross(c - a).norm() / 2;
-}
-
 // The smallest patch with open edges that meets others; the number of triangles where there is none.
 std::size_t smallest_sheet(const Positions& vertices, const Triangles& triangles, const TrianglesAt& at,
                            const std::vector<std::size_t>& patch) {
@@ -68,7 +62,7 @@ std::size_t smallest_sheet(const Positions& vertices, const Triangles& triangles
   }
   std::vector<double> area(patch.size(), 0);
   for (std::size_t t = 0; t < patch.size(); ++t) {
-    area[patch[t]] += area_of_triangle(vertices, triangles, static_cast<Eigen::Index>(t));
+    area[patch[t]] += triangle_area(vertices, triangles, static_cast<Eigen::Index>(t));
   }
   std::size_t best = patch.size();
   for (std::size_t p = 0; p < patch.size(); ++p) {
@@ -86,11 +80,7 @@ constexpr double kThinnest = 1e-3;       // volume over the power 3/2 of the are
 
 double area_of(const Positions& vertices, const Triangles& triangles) {
   double sum = 0;
-  for (Eigen::Index t = 0; t < triangles.rows(); ++t) {
-    const Eigen::Vector3d a = vertices.row(triangles(t, 0)), b = vertices.row(triangles(t, 1)),
-                          c = vertices.row(triangles(t, 2));
-    sum += (b - a).cross(c - a).norm() / 2;
-  }
+  for (Eigen::Index t = 0; t < triangles.rows(); ++t) sum += triangle_area(vertices, triangles, t);
   return sum;
 }
 
@@ -101,12 +91,10 @@ Triangles rows_of(const Triangles& triangles, const std::vector<Eigen::Index>& r
 // Do the triangles use every edge once in each direction?
 bool is_closed(const Triangles& triangles) {
   std::set<std::pair<std::uint32_t, std::uint32_t>> edges;
-  for (Eigen::Index t = 0; t < triangles.rows(); ++t) {
-    for (int k = 0; k < 3; ++k) {
-      if (!edges.emplace(triangles(t, k), triangles(t, (k + 1) % 3)).second) return false;
-    }
-  }
-  return std::ranges::all_of(edges, [&](const auto& e) { return edges.contains({e.second, e.first}); });
+  for_each_edge(triangles, [&](std::uint32_t a, std::uint32_t b) { edges.emplace(a, b); });
+  return static_cast<Eigen::Index>(edges.size()) == triangles.size() && std::ranges::all_of(edges, [&](const auto& e) {
+           return edges.contains({e.second, e.first});
+         });
 }
 
 // The first of the vertices in one place on open edges, for every vertex.
@@ -229,7 +217,7 @@ class SkinMender {
     std::vector<double> area(static_cast<std::size_t>(pieces.count), 0), hole(area);
     const auto add_area = [&](const Triangles& of, std::vector<double>& to) {
       for (Eigen::Index t = 0; t < of.rows(); ++t) {
-        to[static_cast<std::size_t>(pieces.of_vertex[of(t, 0)])] += area_of(vertices_, of.row(t));
+        to[static_cast<std::size_t>(pieces.of_vertex[of(t, 0)])] += triangle_area(vertices_, of, t);
       }
     };
     add_area(triangles_, area);

@@ -22,20 +22,15 @@ namespace {
 // Calls visit(cube, axis, its index, that of the next cube along the axis) for neighbours that are filled.
 template <typename Visit>
 void for_neighbours(const VoxelGrid& grid, const std::vector<Voxel>& voxels, const Visit& visit) {
-  Eigen::Vector3i cube;
-  for (cube[2] = 0; cube[2] < grid.count[2]; ++cube[2]) {
-    for (cube[1] = 0; cube[1] < grid.count[1]; ++cube[1]) {
-      for (cube[0] = 0; cube[0] < grid.count[0]; ++cube[0]) {
-        const std::size_t index = grid.index(cube);
-        if (voxels[index] == Voxel::outside) continue;
-        for (int axis = 0; axis < 3; ++axis) {
-          const Eigen::Vector3i next = cube + Eigen::Vector3i::Unit(axis);
-          if (next[axis] == grid.count[axis] || voxels[grid.index(next)] == Voxel::outside) continue;
-          visit(cube, axis, index, grid.index(next));
-        }
-      }
+  for_each_cube(Eigen::Vector3i::Zero(), grid.count, [&](const Eigen::Vector3i& cube) {
+    const std::size_t index = grid.index(cube);
+    if (voxels[index] == Voxel::outside) return;
+    for (int axis = 0; axis < 3; ++axis) {
+      const Eigen::Vector3i next = cube + Eigen::Vector3i::Unit(axis);
+      if (next[axis] == grid.count[axis] || voxels[grid.index(next)] == Voxel::outside) continue;
+      visit(cube, axis, index, grid.index(next));
     }
-  }
+  });
 }
 
 struct Neighbours {
@@ -158,12 +153,7 @@ class CageMaker {
     const std::vector<int> piece = label_pieces(grid_, voxels_);
     cuts_ = cuts.in(grid_, voxels_);
     part_.assign(grid_.total(), -1);
-    Eigen::Vector3i at;
-    for (at[2] = 0; at[2] < cells_[2]; ++at[2]) {
-      for (at[1] = 0; at[1] < cells_[1]; ++at[1]) {
-        for (at[0] = 0; at[0] < cells_[0]; ++at[0]) split_cell(at, piece);
-      }
-    }
+    for_each_cube(Eigen::Vector3i::Zero(), cells_, [&](const Eigen::Vector3i& at) { split_cell(at, piece); });
     number_nodes();
   }
 
@@ -215,15 +205,9 @@ class CageMaker {
 
   template <typename Visit>
   void for_voxels(const Visit& visit) const {
-    Eigen::Vector3i cube;
-    std::size_t index = 0;
-    for (cube[2] = 0; cube[2] < grid_.count[2]; ++cube[2]) {
-      for (cube[1] = 0; cube[1] < grid_.count[1]; ++cube[1]) {
-        for (cube[0] = 0; cube[0] < grid_.count[0]; ++cube[0], ++index) {
-          if (part_[index] >= 0) visit(cube, index);
-        }
-      }
-    }
+    for_each_cube(Eigen::Vector3i::Zero(), grid_.count, [&](const Eigen::Vector3i& cube) {
+      if (const std::size_t index = grid_.index(cube); part_[index] >= 0) visit(cube, index);
+    });
   }
 
   // The parts of one cell; those of smaller pieces of skin join the largest part of the largest piece.
@@ -234,34 +218,29 @@ class CageMaker {
       return (c.array() >= low.array()).all() && (c.array() < high.array()).all();
     };
     std::vector<Eigen::Vector3i> open, all;
-    Eigen::Vector3i seed;
-    for (seed[2] = low[2]; seed[2] < high[2]; ++seed[2]) {
-      for (seed[1] = low[1]; seed[1] < high[1]; ++seed[1]) {
-        for (seed[0] = low[0]; seed[0] < high[0]; ++seed[0]) {
-          const std::size_t index = grid_.index(seed);
-          if (piece[index] < 0 || part_[index] >= 0) continue;
-          const int part = static_cast<int>(parts_.size());
-          parts_.push_back({cell, piece[index], 0});
-          part_[index] = part;
-          open.push_back(seed);
-          while (!open.empty()) {
-            const Eigen::Vector3i at = open.back();
-            open.pop_back();
-            all.push_back(at);
-            ++parts_.back().voxels;
-            for (int axis = 0; axis < 3; ++axis) {
-              for (const int step : {-1, 1}) {
-                const Eigen::Vector3i next = at + step * Eigen::Vector3i::Unit(axis);
-                if (!within(next) || is_cut(step < 0 ? next : at, axis)) continue;
-                if (piece[grid_.index(next)] < 0 || part_[grid_.index(next)] >= 0) continue;
-                part_[grid_.index(next)] = part;
-                open.push_back(next);
-              }
-            }
+    for_each_cube(low, high, [&](const Eigen::Vector3i& seed) {
+      const std::size_t index = grid_.index(seed);
+      if (piece[index] < 0 || part_[index] >= 0) return;
+      const int part = static_cast<int>(parts_.size());
+      parts_.push_back({cell, piece[index], 0});
+      part_[index] = part;
+      open.push_back(seed);
+      while (!open.empty()) {
+        const Eigen::Vector3i at = open.back();
+        open.pop_back();
+        all.push_back(at);
+        ++parts_.back().voxels;
+        for (int axis = 0; axis < 3; ++axis) {
+          for (const int step : {-1, 1}) {
+            const Eigen::Vector3i next = at + step * Eigen::Vector3i::Unit(axis);
+            if (!within(next) || is_cut(step < 0 ? next : at, axis)) continue;
+            if (piece[grid_.index(next)] < 0 || part_[grid_.index(next)] >= 0) continue;
+            part_[grid_.index(next)] = part;
+            open.push_back(next);
           }
         }
       }
-    }
+    });
     if (parts_.size() - first > 1) join_pieces(first, all);
   }
 

@@ -27,9 +27,7 @@ class SkinPaths {
  public:
   SkinPaths(const Positions& vertices, const Triangles& triangles)
       : vertices_(vertices), beside_(static_cast<std::size_t>(vertices.rows())) {
-    for (Eigen::Index t = 0; t < triangles.rows(); ++t) {
-      for (int k = 0; k < 3; ++k) beside_[triangles(t, k)].push_back(triangles(t, (k + 1) % 3));
-    }
+    for_each_edge(triangles, [&](std::uint32_t a, std::uint32_t b) { beside_[a].push_back(b); });
   }
 
   // What can be reached within so many metres (Dijkstra 1959), and how far it is.
@@ -167,12 +165,9 @@ using Edge = std::pair<std::uint32_t, std::uint32_t>;
 // Each once, by the vertices that stand for merged ones.
 std::set<Edge> edges_of(const Triangles& triangles, const std::vector<std::uint32_t>& first) {
   std::set<Edge> edges;
-  for (Eigen::Index t = 0; t < triangles.rows(); ++t) {
-    for (int k = 0; k < 3; ++k) {
-      const std::uint32_t a = first[triangles(t, k)], b = first[triangles(t, (k + 1) % 3)];
-      if (a != b) edges.insert(std::minmax(a, b));
-    }
-  }
+  for_each_edge(triangles, [&](std::uint32_t a, std::uint32_t b) {
+    if (first[a] != first[b]) edges.insert(std::minmax(first[a], first[b]));
+  });
   return edges;
 }
 
@@ -195,15 +190,11 @@ class RiderSystem {
 
   Eigen::SparseMatrix<double> pulls() const {
     const auto size = static_cast<Eigen::Index>(standing_.size());
-    Eigen::SparseMatrix<double> matrix(size, size);
-    matrix.setFromTriplets(pulls_.begin(), pulls_.end());
-    return matrix;
+    return sparse_matrix(size, size, pulls_);
   }
 
   Eigen::SparseMatrix<double> held() const {
-    Eigen::SparseMatrix<double> matrix(static_cast<Eigen::Index>(standing_.size()), vertices_.rows());
-    matrix.setFromTriplets(held_.begin(), held_.end());
-    return matrix;
+    return sparse_matrix(static_cast<Eigen::Index>(standing_.size()), vertices_.rows(), held_);
   }
 
  private:

@@ -41,6 +41,16 @@ const std::array<Eigen::Matrix4d, kEighths>& into_eighths() {
   return inverses;
 }
 
+// Where a point lies in the eighths of its tet.
+EmbeddedPoint in_eighth(const EmbeddedPoint& point) {
+  EmbeddedPoint best{0, Eigen::Vector4d::Constant(-std::numeric_limits<double>::infinity())};
+  for (int e = 0; e < kEighths; ++e) {
+    const Eigen::Vector4d weights = into_eighths()[static_cast<std::size_t>(e)] * point.weights;
+    if (weights.minCoeff() > best.weights.minCoeff()) best = {kEighths * point.tet + e, weights};
+  }
+  return best;
+}
+
 }  // namespace
 
 TetMesh second_order(const TetMesh& mesh) {
@@ -89,20 +99,6 @@ TetMesh second_order(const TetMesh& mesh) {
   return result;
 }
 
-namespace {
-
-// Where a point lies in the eighths of its tet.
-EmbeddedPoint in_eighth(const EmbeddedPoint& point) {
-  EmbeddedPoint best{0, Eigen::Vector4d::Constant(-std::numeric_limits<double>::infinity())};
-  for (int e = 0; e < kEighths; ++e) {
-    const Eigen::Vector4d weights = into_eighths()[static_cast<std::size_t>(e)] * point.weights;
-    if (weights.minCoeff() > best.weights.minCoeff()) best = {kEighths * point.tet + e, weights};
-  }
-  return best;
-}
-
-}  // namespace
-
 Cage second_order(Cage cage) {
   cage.mesh = second_order(cage.mesh);
   for (EmbeddedPoint& point : cage.skin) point = in_eighth(point);
@@ -125,14 +121,12 @@ Eigen::SparseMatrix<double> from_corners(const TetMesh& second_order) {
   }
   int corners = 0;
   for (int& number : corner) number = number < 0 ? number : corners++;
-  Eigen::SparseMatrix<double> matrix(count, corners);
   std::vector<Eigen::Triplet<double>> entries;
   for (Eigen::Index n = 0; n < count; ++n) {
     const auto [a, b] = ends[static_cast<std::size_t>(n)];
     for (const int end : {a, b}) entries.emplace_back(n, corner[static_cast<std::size_t>(end)], 0.5);
   }
-  matrix.setFromTriplets(entries.begin(), entries.end());  // of a corner, both ends are itself
-  return matrix;
+  return sparse_matrix(count, corners, entries);  // of a corner, both ends are itself
 }
 
 }  // namespace bodyopt

@@ -20,6 +20,7 @@
 #include "geometry/self_intersections.h"
 #include "geometry/thickness.h"
 #include "runtime/core/error.h"
+#include "runtime/core/transformed.h"
 #include "trainer/tets/netgen.h"
 
 namespace bodyopt {
@@ -140,17 +141,14 @@ CoarseSkin coarser(const FineSkin& fine, double scale) {
   surface = remesh(
       surface, [&](const Eigen::Vector3d& p) { return fine.nearest(p).position; },
       [&](const Eigen::Vector3d& p) { return scale * fine.edge_at(p); }, kRemeshRounds);
-  CoarseSkin skin{Positions(static_cast<Eigen::Index>(surface.points.size()), 3),
-                  Triangles(static_cast<Eigen::Index>(surface.triangles.size()), 3)};
+  CoarseSkin skin{Positions(static_cast<Eigen::Index>(surface.points.size()), 3), {}};
   for (Eigen::Index v = 0; v < skin.vertices.rows(); ++v) {
     skin.vertices.row(v) = surface.points[static_cast<std::size_t>(v)].transpose();
   }
-  for (Eigen::Index t = 0; t < skin.triangles.rows(); ++t) {
-    for (std::size_t k = 0; k < 3; ++k) {
-      skin.triangles(t, static_cast<Eigen::Index>(k)) =
-          static_cast<std::uint32_t>(surface.triangles[static_cast<std::size_t>(t)][k]);
-    }
-  }
+  skin.triangles =
+      triangles_of(transformed(surface.triangles, [](const std::array<int, 3>& t) -> std::array<std::uint32_t, 3> {
+        return {static_cast<std::uint32_t>(t[0]), static_cast<std::uint32_t>(t[1]), static_cast<std::uint32_t>(t[2])};
+      }));
   return skin;
 }
 
@@ -164,10 +162,8 @@ double relative_area(const FineSkin& fine) {
   double sum = 0;
   for (Eigen::Index t = 0; t < fine.triangles.rows(); ++t) {
     const auto corner = fine.triangles.row(t);
-    const Eigen::Vector3d a = fine.vertices.row(corner[0]), b = fine.vertices.row(corner[1]),
-                          c = fine.vertices.row(corner[2]);
     const double edge = (fine.edge[corner[0]] + fine.edge[corner[1]] + fine.edge[corner[2]]) / 3;
-    sum += (b - a).cross(c - a).norm() / 2 / (edge * edge);
+    sum += triangle_area(fine.vertices, fine.triangles, t) / (edge * edge);
   }
   return sum;
 }
@@ -218,12 +214,7 @@ FineSkin::FineSkin(const Positions& v, const Triangles& wound)
       edge(thickness(v, triangles).cwiseSqrt()),
       nearest(v, triangles) {}
 
-double FineSkin::edge_at(const Eigen::Vector3d& point) const {
-  const SkinPoint at = nearest(point);
-  double sum = 0;
-  for (int k = 0; k < 3; ++k) sum += at.weights[k] * edge[at.vertices[static_cast<std::size_t>(k)]];
-  return sum;
-}
+double FineSkin::edge_at(const Eigen::Vector3d& point) const { return at_point(edge, nearest(point)); }
 
 FilledSkin fill_coarser(const FineSkin& fine, FillLimit limit, const std::function<void(CoarseSkin&)>& adjust) {
   limit.nodes = std::min(limit.nodes, static_cast<Eigen::Index>(static_cast<double>(fine.vertices.rows()) / kOnSkin));

@@ -2,21 +2,14 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <numeric>
 
 namespace bodyopt {
 namespace {
 
-using Corners = std::array<Eigen::Vector3d, 3>;
-
-Corners corners_of(const Positions& vertices, const Triangles& triangles, Eigen::Index t) {
-  return {vertices.row(triangles(t, 0)), vertices.row(triangles(t, 1)), vertices.row(triangles(t, 2))};
-}
-
 // Does a triangle touch a cube around the origin? By separating axes (Akenine-Möller 2001).
-bool touches(const Corners& triangle, double half_edge) {
+bool touches(const CornerPoints& triangle, double half_edge) {
   const auto separates = [&](const Eigen::Vector3d& axis) {
     const double a = axis.dot(triangle[0]), b = axis.dot(triangle[1]), c = axis.dot(triangle[2]);
     const double reach = half_edge * axis.cwiseAbs().sum();
@@ -38,25 +31,21 @@ void mark_surface(const Positions& vertices, const Triangles& triangles, const V
     voxels[grid.index(grid.cube_at(vertices.row(v)))] = Voxel::surface;
   }
   for (Eigen::Index t = 0; t < triangles.rows(); ++t) {
-    const Corners triangle = corners_of(vertices, triangles, t);
+    const CornerPoints triangle = corners_of(vertices, triangles, t);
     const Eigen::Vector3i low = grid.cube_at(triangle[0].cwiseMin(triangle[1]).cwiseMin(triangle[2]));
     const Eigen::Vector3i high = grid.cube_at(triangle[0].cwiseMax(triangle[1]).cwiseMax(triangle[2]));
-    for (Eigen::Vector3i cube = low; cube[2] <= high[2]; ++cube[2]) {
-      for (cube[1] = low[1]; cube[1] <= high[1]; ++cube[1]) {
-        for (cube[0] = low[0]; cube[0] <= high[0]; ++cube[0]) {
-          const Eigen::Vector3d centre = grid.centre(cube);
-          if (touches({triangle[0] - centre, triangle[1] - centre, triangle[2] - centre}, grid.size / 2)) {
-            voxels[grid.index(cube)] = Voxel::surface;
-          }
-        }
+    for_each_cube(low, high.array() + 1, [&](const Eigen::Vector3i& cube) {
+      const Eigen::Vector3d centre = grid.centre(cube);
+      if (touches({triangle[0] - centre, triangle[1] - centre, triangle[2] - centre}, grid.size / 2)) {
+        voxels[grid.index(cube)] = Voxel::surface;
       }
-    }
+    });
   }
 }
 
 // Calls cross(line cube, first cube beyond) for every line of cube centres along `axis` that runs through the triangle.
 template <typename Cross>
-void for_crossings(const Corners& triangle, const VoxelGrid& grid, int axis, const Cross& cross) {
+void for_crossings(const CornerPoints& triangle, const VoxelGrid& grid, int axis, const Cross& cross) {
   const int u = (axis + 1) % 3, v = (axis + 2) % 3;
   Eigen::Vector3d p[3];
   for (std::size_t k = 0; k < 3; ++k) p[k] = (triangle[k] - grid.origin) / grid.size - Eigen::Vector3d::Constant(0.5);
@@ -100,21 +89,16 @@ void add_windings(const Positions& vertices, const Triangles& triangles, const V
       count = static_cast<std::int32_t>(count + sign);
     });
   }
-  Eigen::Vector3i cube;
-  for (cube[2] = 0; cube[2] < plane[2]; ++cube[2]) {
-    for (cube[1] = 0; cube[1] < plane[1]; ++cube[1]) {
-      for (cube[0] = 0; cube[0] < plane[0]; ++cube[0]) {
-        Eigen::Vector3i along = cube;
-        int all = past_the_end[lines.index(cube)], before = 0;
-        for (along[axis] = 0; along[axis] < grid.count[axis]; ++along[axis]) all += entering[grid.index(along)];
-        for (along[axis] = 0; along[axis] < grid.count[axis]; ++along[axis]) {
-          before += entering[grid.index(along)];
-          std::int32_t& sum = windings[grid.index(along)];
-          sum = static_cast<std::int32_t>(sum + before + (before - all));
-        }
-      }
+  for_each_cube(Eigen::Vector3i::Zero(), plane, [&](const Eigen::Vector3i& cube) {
+    Eigen::Vector3i along = cube;
+    int all = past_the_end[lines.index(cube)], before = 0;
+    for (along[axis] = 0; along[axis] < grid.count[axis]; ++along[axis]) all += entering[grid.index(along)];
+    for (along[axis] = 0; along[axis] < grid.count[axis]; ++along[axis]) {
+      before += entering[grid.index(along)];
+      std::int32_t& sum = windings[grid.index(along)];
+      sum = static_cast<std::int32_t>(sum + before + (before - all));
     }
-  }
+  });
 }
 
 }  // namespace

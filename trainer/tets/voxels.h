@@ -34,6 +34,16 @@ struct VoxelGrid {
   }
 };
 
+// Calls visit(cube) for all cubes from `low` on and below `end`, along x first.
+void for_each_cube(const Eigen::Vector3i& low, const Eigen::Vector3i& end, const auto& visit) {
+  Eigen::Vector3i cube;
+  for (cube[2] = low[2]; cube[2] < end[2]; ++cube[2]) {
+    for (cube[1] = low[1]; cube[1] < end[1]; ++cube[1]) {
+      for (cube[0] = low[0]; cube[0] < end[0]; ++cube[0]) visit(cube);
+    }
+  }
+}
+
 enum class Voxel : std::uint8_t { outside, surface, inside };
 
 // Every cube of the grid by index: `surface` where it touches a triangle or holds a vertex; `inside` where the winding

@@ -103,9 +103,7 @@ Eigen::SparseMatrix<double> stiffness(const std::vector<HatGradients>& gradients
       }
     }
   }
-  Eigen::SparseMatrix<double> matrix(vertices, vertices);
-  matrix.setFromTriplets(entries.begin(), entries.end());
-  return matrix;
+  return sparse_matrix(vertices, vertices, entries);
 }
 
 // Vertices of the same number are the same points, however unlike they look.
@@ -278,11 +276,8 @@ SmoothFill::SmoothFill(const Positions& skin, const Triangles& triangles, std::v
   }
   for (int k = 0; k < static_cast<int>(unknown_.size()); ++k) among.emplace_back(k, k, anchors_[k]);
   const auto count = static_cast<Eigen::Index>(unknown_.size());
-  Eigen::SparseMatrix<double> matrix(count, count);
-  matrix.setFromTriplets(among.begin(), among.end());
-  from_known_.resize(count, skin.rows());
-  from_known_.setFromTriplets(across.begin(), across.end());
-  solver_ = SparseSolver(matrix);
+  from_known_ = sparse_matrix(count, skin.rows(), across);
+  solver_ = SparseSolver(sparse_matrix(count, count, among));
 }
 
 void SmoothFill::operator()(Eigen::MatrixXd& values) const {
