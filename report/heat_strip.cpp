@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 #include "draw/colours.h"
 #include "report/page.h"
 #include "report/pictures.h"
 #include "runtime/core/error.h"
+#include "runtime/core/text.h"
 
 namespace bodyopt {
 namespace {
@@ -67,11 +67,7 @@ Image paint(const Cells& cells, double scale_mm) {
   return image;
 }
 
-std::string number(double value) {
-  char text[32];
-  std::snprintf(text, sizeof(text), "%.6g", value);
-  return text;
-}
+std::string number(double value) { return formatted("%.6g", value); }
 
 // An element from its name and its attributes, names and values in turn.
 std::string tag(const std::string& name, const std::vector<std::pair<const char*, std::string>>& attributes,

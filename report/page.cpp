@@ -1,11 +1,11 @@
 #include "report/page.h"
 
 #include <algorithm>
-#include <cstdio>
 #include <nlohmann/json.hpp>
 
 #include "draw/colours.h"
 #include "report/page_html.h"
+#include "runtime/core/text.h"
 
 namespace bodyopt {
 namespace {
@@ -23,13 +23,7 @@ Json heat_colours() {
 // JSON between tags: without '<', none of its texts ends or begins one.
 std::string without_tags(const std::string& json) {
   std::string text;
-  for (const char c : json) {
-    if (c == '<') {
-      text += "\\u003c";
-    } else {
-      text += c;
-    }
-  }
+  for (const char c : json) text += c == '<' ? "\\u003c" : std::string(1, c);
   return text;
 }
 
@@ -69,9 +63,7 @@ std::string data_url(const std::string& type, std::span<const std::uint8_t> byte
 
 std::string css_colour(const std::array<float, 3>& linear) {
   const std::array<std::uint8_t, 3> colour = srgb(linear);
-  char text[8];
-  std::snprintf(text, sizeof(text), "#%02x%02x%02x", colour[0], colour[1], colour[2]);
-  return text;
+  return formatted("#%02x%02x%02x", colour[0], colour[1], colour[2]);
 }
 
 }  // namespace bodyopt

@@ -133,8 +133,7 @@ std::vector<std::uint32_t> facing_away(std::span<const std::uint32_t> triangles,
   return kept;
 }
 
-}  // namespace
-
+// V x 3, linear RGB: how far the result is from the truth, heat_colour() from 0 to scale_mm (> 0).
 std::vector<float> heat_map(const PosePair& pose, double scale_mm) {
   std::vector<float> colours;
   colours.reserve(pose.truth.size());
@@ -149,6 +148,8 @@ std::vector<float> heat_map(const PosePair& pose, double scale_mm) {
   }
   return colours;
 }
+
+}  // namespace
 
 std::vector<float> smooth_normals(std::span<const std::uint32_t> triangles, std::span<const float> positions) {
   using Points = Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor>;

@@ -22,9 +22,6 @@ struct PosePair {
   std::span<const float> skinning = {};      // as many; empty: not to be shown
 };
 
-// V x 3, linear RGB: how far the result is from the truth, heat_colour() from 0 to scale_mm (> 0).
-std::vector<float> heat_map(const PosePair& pose, double scale_mm);
-
 // Pictures side by side, each panel_width x panel_height: truth, skinning where it is given, and result in clay, and
 // the result coloured by its distance from the truth, heat_colour() from 0 to scale_mm (> 0). Throws Error(mismatch)
 // when the arrays do not fit, and what Renderer::draw throws.

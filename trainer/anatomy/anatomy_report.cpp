@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <numeric>
 #include <string>
 
@@ -11,6 +10,7 @@
 #include "base/parallel.h"
 #include "geometry/mesh.h"
 #include "geometry/self_intersections.h"
+#include "runtime/core/text.h"
 #include "trainer/anatomy/muscle_paths.h"
 
 namespace bodyopt {
@@ -169,12 +169,6 @@ std::map<std::string, double> limb_factors_of(const AnatomyField& field) {
   return factors;
 }
 
-std::string with_number(const char* pattern, double number) {
-  char text[64];
-  std::snprintf(text, sizeof text, pattern, number);
-  return text;
-}
-
 // "recfem_l (origin, 4.1 mm)"
 std::vector<std::string> ends_off_bone(const AnatomyReport& report) {
   std::vector<std::string> ends;
@@ -182,7 +176,7 @@ std::vector<std::string> ends_off_bone(const AnatomyReport& report) {
     for (std::size_t end = 0; end < 2; ++end) {
       if (muscle.ends_off_bone[end] <= kOffBone) continue;
       ends.push_back(muscle.name + (end == 0 ? " (origin, " : " (insertion, ") +
-                     with_number("%.1f mm)", 1e3 * muscle.ends_off_bone[end]));
+                     formatted("%.1f mm)", 1e3 * muscle.ends_off_bone[end]));
     }
   }
   return ends;
@@ -196,7 +190,7 @@ std::string averaged_apart(const std::vector<Muscle>& muscles, const AnatomyFiel
   const double most = kOffMirrorImage * longest_extent(body.vertices);
   std::vector<std::string> apart;
   for (std::size_t m = 0; m < muscles.size(); ++m) {
-    if (off[m] > most) apart.push_back(muscles[m].name + with_number(" (%.0f mm)", 1e3 * off[m]));
+    if (off[m] > most) apart.push_back(muscles[m].name + formatted(" (%.0f mm)", 1e3 * off[m]));
   }
   if (apart.empty()) return "";
   return count_of(apart.size(), "muscle does", "muscles do") +
@@ -209,7 +203,7 @@ std::string parts_without_lean(const AnatomyReport& report) {
     for (const AnatomyReport::OfPart& part : report.parts) {
       const double lean = part.muscle + part.other_lean;
       if (part.name == name_of(region) && lean < kLeastLean)
-        parts.push_back(part.name + with_number(" (%.0f %%)", 100 * lean));
+        parts.push_back(part.name + formatted(" (%.0f %%)", 100 * lean));
     }
   }
   if (parts.empty()) return "";
@@ -232,7 +226,7 @@ std::vector<std::string> warnings_of(const AnatomyReport& report, const std::vec
   }
   for (const auto& [limb, factor] : report.limb_factors) {
     if (factor >= kSmallestTrusted && factor <= kLargestTrusted) continue;
-    warnings.push_back(limb + ": its muscles fill its lean tissue at " + with_number("%.2f", factor) +
+    warnings.push_back(limb + ": its muscles fill its lean tissue at " + formatted("%.2f", factor) +
                        " times the volumes that anatomists measured (0.6 to 1.5 is usual): the body fat asked for, or "
                        "muscles that are missing, may not suit this skin");
   }
@@ -243,7 +237,7 @@ std::vector<std::string> warnings_of(const AnatomyReport& report, const std::vec
   std::vector<std::string> small;
   for (const AnatomyReport::OfMuscle& muscle : report.muscles) {
     if (muscle.target > 0 && muscle.volume < kLeastShare * muscle.target) {
-      small.push_back(muscle.name + with_number(" (%.0f %%)", 100 * muscle.volume / muscle.target));
+      small.push_back(muscle.name + formatted(" (%.0f %%)", 100 * muscle.volume / muscle.target));
     }
   }
   if (!small.empty()) {
@@ -306,7 +300,7 @@ std::string skin_crossing(const Character& character) {
   const auto& [joint, vertices] = *std::ranges::max_element(
       by_joint, [](const auto& a, const auto& b) { return a.second.size() < b.second.size(); });
   std::string place;
-  for (const double x : character.vertices.row(vertices.front())) place += with_number(" %.3g", x);
+  for (const double x : character.vertices.row(vertices.front())) place += formatted(" %.3g", x);
   return "the skin passes through itself at " + count_of(pairs.size(), "pair", "pairs") + " of triangles, most at '" +
          character.skeleton.joints[joint].name + "', first at" + place +
          " m: what is in both parts there counts as one's";

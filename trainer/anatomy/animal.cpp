@@ -64,6 +64,7 @@ struct LongBone {
   bool is_girdle = false;  // lies under the skin, not in the middle
 };
 
+// Radii are multiplied by `thickness`. Joints that a correction lets carry bone have one, too.
 class LimbBones {
  public:
   LimbBones(const Animal& animal, double thickness) : animal_(animal), thickness_(thickness) {}
@@ -330,7 +331,7 @@ void lay_bones(const Animal& animal, const AnimalCavity& cavity, const AnatomyCo
   double thickness = 1;
   for (int k = 0; k < kTries; ++k) {
     std::vector<Bone> bones = skull_bones(animal);
-    for (const auto& more : {limb_bones(animal, corrections, thickness), girdle_bones(animal, thickness),
+    for (const auto& more : {LimbBones(animal, thickness).find(corrections), girdle_bones(animal, thickness),
                              axis_bones(animal, cavity, thickness)})
       bones.insert(bones.end(), more.begin(), more.end());
     find_bone(animal.survey, corrected_bones(bones, animal.survey.body(), corrections), tissue);
@@ -353,10 +354,6 @@ void note_missing(const Animal& animal, const AnimalCavity& cavity, InnerTissue&
 }
 
 }  // namespace
-
-std::vector<Bone> limb_bones(const Animal& animal, const AnatomyCorrections& corrections, double thickness) {
-  return LimbBones(animal, thickness).find(corrections);
-}
 
 InnerTissue find_animal_tissue(const HalfBody& body, const BodyGrid& grid, const InnerTissueOptions& options) {
   InnerTissue tissue;

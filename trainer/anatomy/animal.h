@@ -46,8 +46,7 @@ class AnimalCavity {
   double from_ = 0, to_ = 0;  // rows of the spine
 };
 
-// Radii are multiplied by `thickness`. Joints that a correction lets carry bone have one, too.
-std::vector<Bone> limb_bones(const Animal& animal, const AnatomyCorrections& corrections, double thickness);
+// Radii are multiplied by `thickness`.
 std::vector<Bone> girdle_bones(const Animal& animal, double thickness);
 // Vertebrae with their spinous processes; ribs, breastbone.
 std::vector<Bone> axis_bones(const Animal& animal, const AnimalCavity& cavity, double thickness);

@@ -8,7 +8,6 @@
 #include <tuple>
 
 #include "base/disjoint_sets.h"
-#include "trainer/anatomy/division_steps.h"
 #include "trainer/anatomy/muscle_paths.h"
 
 namespace bodyopt {
@@ -34,22 +33,6 @@ Division::OfMuscle described(const HalfMuscle& muscle, const std::array<BoneFoot
   }
   if (muscle.whole) result.limb = muscle.whole->limb;
   return result;
-}
-
-// Lean samples are some of the grid's.
-void label_grid(const LeanSamples& lean, const VolumeDivision& power, const std::vector<int>& tendon,
-                const Positions& fibres, Division& division) {
-  division.label = tendon;
-  division.is_tendon.assign(tendon.size(), false);
-  division.fibre = Positions::Zero(static_cast<Index>(tendon.size()), 3);
-  for (std::size_t s = 0; s < tendon.size(); ++s) division.is_tendon[s] = tendon[s] >= 0;
-  for (std::size_t i = 0; i < lean.size(); ++i) {
-    if (power.label()[i] < 0) continue;
-    const auto s = static_cast<std::size_t>(lean.sample[i]);
-    division.label[s] = power.label()[i];
-    division.is_tendon[s] = false;
-    division.fibre.row(lean.sample[i]) = fibres.row(static_cast<Index>(i));
-  }
 }
 
 // Samples of a muscle that share a face are of one piece; tendons are of none.
@@ -195,6 +178,179 @@ void grow_into(const LeanSamples& lean, const MuscleCandidates& candidates, cons
   }
 }
 
+// Of Rprop (Riedmiller and Braun 1993): each radius has a step of its own.
+struct Steps {
+  Steps(std::size_t muscles, double first) : length(muscles, first), sign(muscles, 0) {}
+  std::vector<double> length;
+  std::vector<int> sign;
+};
+
+// Lean tissue divided so that every muscle gets the volume that it should have: to the muscle whose spindle is nearest,
+// of radii that are found by the volumes that come out (an additively weighted Voronoi diagram about the muscles'
+// paths, constrained in capacity; Aurenhammer, Hoffmann and Aronov 1998).
+class VolumeDivision {
+ public:
+  // Targets in cubic metres (M). `scale`: of lengths, against a man of 60 l. Paths are moved, their ends stay.
+  VolumeDivision(const LeanSamples& lean, std::vector<HalfMuscle>& muscles, std::vector<double> targets, double scale)
+      : lean_(lean),
+        muscles_(muscles),
+        targets_(std::move(targets)),
+        scale_(scale),
+        candidates_(lean, muscles, reaches(muscles, targets_, scale)),
+        label_(lean.size(), -1),
+        volume_(muscles.size(), 0) {
+    for (std::size_t m = 0; m < muscles.size(); ++m) {
+      first_path_.push_back(muscles[m].path);
+      squares_.push_back(square_of_radius(muscles[m], targets_[m]));
+    }
+  }
+
+  // Volumes first, then paths to the middle of what they got, several times; last, every region in one piece.
+  void divide() {
+    if (muscles_.empty()) return;
+    const double square = scale_ * scale_;
+    for (int round = 0; round < kRounds; ++round) {
+      Steps steps(muscles_.size(), kFirstStep * square);
+      const bool is_last = round + 1 == kRounds;
+      for (int k = 0; k < (is_last ? kLastSteps : kStepsARound); ++k) {
+        assign();
+        measure();
+        adapt(steps);
+      }
+      if (is_last) break;
+      centre_paths();
+      candidates_.update(lean_, muscles_);
+    }
+    Steps steps(muscles_.size(), kFirstConnectedStep * square);
+    std::vector<int> best_label;
+    double least = 0;
+    for (int k = 0; k < kConnectedSteps; ++k) {
+      assign_in_one_piece();
+      measure();
+      if (best_label.empty() || error() < least) {
+        least = error();
+        best_label = label_;
+      }
+      adapt(steps);
+    }
+    label_ = best_label;
+    measure();
+  }
+
+  const std::vector<int>& label() const { return label_; }       // L: muscle, -1: none's
+  const std::vector<double>& volume() const { return volume_; }  // M, cubic metres
+
+  // L: 0 to 1 along the path of the sample's muscle
+  std::vector<double> along_path() const {
+    std::vector<double> along(lean_.size(), 0);
+    for (std::size_t i = 0; i < lean_.size(); ++i) {
+      if (label_[i] >= 0) along[i] = candidates_.along(candidates_.find(i, label_[i]));
+    }
+    return along;
+  }
+
+ private:
+  // On one thread: it takes 4 ms, hundreds of times, and to wait for others that often costs more where they are busy.
+  void assign() {
+    const std::vector<double> radius = radii();
+    for (std::size_t i = 0; i < lean_.size(); ++i) {
+      double least = kFarthest * scale_;
+      label_[i] = -1;
+      for (std::size_t entry = candidates_.begin(i); entry < candidates_.begin(i + 1); ++entry) {
+        const int muscle = candidates_.muscle(entry);
+        const double distance = candidates_.distance(entry, radius[static_cast<std::size_t>(muscle)]);
+        if (distance >= least) continue;
+        least = distance;
+        label_[i] = muscle;
+      }
+    }
+  }
+
+  void assign_in_one_piece() {
+    assign();
+    const std::vector<int> loose = keep_largest_pieces(lean_, muscles_.size(), label_);
+    grow_into(lean_, candidates_, radii(), kFarthest * scale_, loose, label_);
+  }
+
+  void measure() {
+    std::ranges::fill(volume_, 0);
+    for (const int muscle : label_) {
+      if (muscle >= 0) ++volume_[static_cast<std::size_t>(muscle)];
+    }
+    for (double& volume : volume_) volume *= lean_.grid.volume();
+  }
+
+  void adapt(Steps& steps) {
+    const double square = scale_ * scale_;
+    for (std::size_t m = 0; m < muscles_.size(); ++m) {
+      const double wanted = targets_[m] - volume_[m];
+      const int sign = std::abs(wanted) <= 0.01 * targets_[m] ? 0 : wanted > 0 ? 1 : -1;
+      double& length = steps.length[m];
+      if (sign * steps.sign[m] < 0) length *= 0.5;
+      if (sign * steps.sign[m] > 0) length = std::min(1.15 * length, kLargestStep * square);
+      if (sign != 0) steps.sign[m] = sign;
+      squares_[m] += sign * std::min(length, 1.5 * square_of_radius(muscles_[m], std::abs(wanted)));
+      squares_[m] = std::clamp(squares_[m], kLeastSquare * square, kLargestSquare * square);
+    }
+  }
+
+  // Lloyd 1982: each path to the middle of its region, smooth along the path.
+  void centre_paths() {
+    const std::vector<double> along = along_path();
+    std::vector<Eigen::MatrixXd> sums(muscles_.size(), Eigen::MatrixXd::Zero(kPathPoints, 4));  // places, count
+    for (std::size_t i = 0; i < lean_.size(); ++i) {
+      if (label_[i] < 0) continue;
+      const auto k = static_cast<Index>(std::lround(along[i] * (kPathPoints - 1)));
+      sums[static_cast<std::size_t>(label_[i])].row(k) += lean_.points.row(static_cast<Index>(i)).homogeneous();
+    }
+    for (std::size_t m = 0; m < muscles_.size(); ++m) {
+      const Positions moved = muscles_[m].path + way_to_middle(muscles_[m], sums[m]);
+      keep_near(moved, first_path_[m], (muscles_[m].is_guided ? kGuidedWay : kWay) * scale_, muscles_[m].path);
+    }
+  }
+
+  double error() const {
+    double sum = 0;
+    for (std::size_t m = 0; m < muscles_.size(); ++m) {
+      const double relative = (volume_[m] - targets_[m]) / (targets_[m] + kSmallVolume);
+      sum += relative * relative;
+    }
+    return sum;
+  }
+
+  std::vector<double> radii() const {
+    std::vector<double> radii;
+    for (const double square : squares_) radii.push_back(std::copysign(std::sqrt(std::abs(square)), square));
+    return radii;
+  }
+
+  const LeanSamples& lean_;
+  std::vector<HalfMuscle>& muscles_;
+  const std::vector<double> targets_;
+  const double scale_;
+  std::vector<Positions> first_path_;  // M
+  MuscleCandidates candidates_;
+  std::vector<double> squares_;  // M, square metres: of the spindles' radii, negative for less than none
+  std::vector<int> label_;
+  std::vector<double> volume_;
+};
+
+// Lean samples are some of the grid's.
+void label_grid(const LeanSamples& lean, const VolumeDivision& power, const std::vector<int>& tendon,
+                const Positions& fibres, Division& division) {
+  division.label = tendon;
+  division.is_tendon.assign(tendon.size(), false);
+  division.fibre = Positions::Zero(static_cast<Index>(tendon.size()), 3);
+  for (std::size_t s = 0; s < tendon.size(); ++s) division.is_tendon[s] = tendon[s] >= 0;
+  for (std::size_t i = 0; i < lean.size(); ++i) {
+    if (power.label()[i] < 0) continue;
+    const auto s = static_cast<std::size_t>(lean.sample[i]);
+    division.label[s] = power.label()[i];
+    division.is_tendon[s] = false;
+    division.fibre.row(lean.sample[i]) = fibres.row(static_cast<Index>(i));
+  }
+}
+
 }  // namespace
 
 Division divide_muscles(const HalfBody& body, const BodyGrid& grid, const InnerTissue& tissue,
@@ -228,141 +384,6 @@ Division divide_muscles(const HalfBody& body, const BodyGrid& grid, const InnerT
              fibre_directions(lean, own, joints, power.label(), power.along_path()), division);
   count_pieces(grid, division);
   return division;
-}
-
-// Of Rprop (Riedmiller and Braun 1993): each radius has a step of its own.
-struct VolumeDivision::Steps {
-  Steps(std::size_t muscles, double first) : length(muscles, first), sign(muscles, 0) {}
-  std::vector<double> length;
-  std::vector<int> sign;
-};
-
-VolumeDivision::VolumeDivision(const LeanSamples& lean, std::vector<HalfMuscle>& muscles, std::vector<double> targets,
-                               double scale)
-    : lean_(lean),
-      muscles_(muscles),
-      targets_(std::move(targets)),
-      scale_(scale),
-      candidates_(lean, muscles, reaches(muscles, targets_, scale)),
-      label_(lean.size(), -1),
-      volume_(muscles.size(), 0) {
-  for (std::size_t m = 0; m < muscles.size(); ++m) {
-    first_path_.push_back(muscles[m].path);
-    squares_.push_back(square_of_radius(muscles[m], targets_[m]));
-  }
-}
-
-void VolumeDivision::divide() {
-  if (muscles_.empty()) return;
-  const double square = scale_ * scale_;
-  for (int round = 0; round < kRounds; ++round) {
-    Steps steps(muscles_.size(), kFirstStep * square);
-    const bool is_last = round + 1 == kRounds;
-    for (int k = 0; k < (is_last ? kLastSteps : kStepsARound); ++k) {
-      assign();
-      measure();
-      adapt(steps);
-    }
-    if (is_last) break;
-    centre_paths();
-    candidates_.update(lean_, muscles_);
-  }
-  Steps steps(muscles_.size(), kFirstConnectedStep * square);
-  std::vector<int> best_label;
-  double least = 0;
-  for (int k = 0; k < kConnectedSteps; ++k) {
-    assign_in_one_piece();
-    measure();
-    if (best_label.empty() || error() < least) {
-      least = error();
-      best_label = label_;
-    }
-    adapt(steps);
-  }
-  label_ = best_label;
-  measure();
-}
-
-// On one thread: it takes 4 ms, hundreds of times, and to wait for others that often costs more where they are busy.
-void VolumeDivision::assign() {
-  const std::vector<double> radius = radii();
-  for (std::size_t i = 0; i < lean_.size(); ++i) {
-    double least = kFarthest * scale_;
-    label_[i] = -1;
-    for (std::size_t entry = candidates_.begin(i); entry < candidates_.begin(i + 1); ++entry) {
-      const int muscle = candidates_.muscle(entry);
-      const double distance = candidates_.distance(entry, radius[static_cast<std::size_t>(muscle)]);
-      if (distance >= least) continue;
-      least = distance;
-      label_[i] = muscle;
-    }
-  }
-}
-
-void VolumeDivision::assign_in_one_piece() {
-  assign();
-  const std::vector<int> loose = keep_largest_pieces(lean_, muscles_.size(), label_);
-  grow_into(lean_, candidates_, radii(), kFarthest * scale_, loose, label_);
-}
-
-void VolumeDivision::measure() {
-  std::ranges::fill(volume_, 0);
-  for (const int muscle : label_) {
-    if (muscle >= 0) ++volume_[static_cast<std::size_t>(muscle)];
-  }
-  for (double& volume : volume_) volume *= lean_.grid.volume();
-}
-
-void VolumeDivision::adapt(Steps& steps) {
-  const double square = scale_ * scale_;
-  for (std::size_t m = 0; m < muscles_.size(); ++m) {
-    const double wanted = targets_[m] - volume_[m];
-    const int sign = std::abs(wanted) <= 0.01 * targets_[m] ? 0 : wanted > 0 ? 1 : -1;
-    double& length = steps.length[m];
-    if (sign * steps.sign[m] < 0) length *= 0.5;
-    if (sign * steps.sign[m] > 0) length = std::min(1.15 * length, kLargestStep * square);
-    if (sign != 0) steps.sign[m] = sign;
-    squares_[m] += sign * std::min(length, 1.5 * square_of_radius(muscles_[m], std::abs(wanted)));
-    squares_[m] = std::clamp(squares_[m], kLeastSquare * square, kLargestSquare * square);
-  }
-}
-
-std::vector<double> VolumeDivision::radii() const {
-  std::vector<double> radii;
-  for (const double square : squares_) radii.push_back(std::copysign(std::sqrt(std::abs(square)), square));
-  return radii;
-}
-
-double VolumeDivision::error() const {
-  double sum = 0;
-  for (std::size_t m = 0; m < muscles_.size(); ++m) {
-    const double relative = (volume_[m] - targets_[m]) / (targets_[m] + kSmallVolume);
-    sum += relative * relative;
-  }
-  return sum;
-}
-
-std::vector<double> VolumeDivision::along_path() const {
-  std::vector<double> along(lean_.size(), 0);
-  for (std::size_t i = 0; i < lean_.size(); ++i) {
-    if (label_[i] >= 0) along[i] = candidates_.along(candidates_.find(i, label_[i]));
-  }
-  return along;
-}
-
-// Lloyd 1982: each path to the middle of its region, smooth along the path.
-void VolumeDivision::centre_paths() {
-  const std::vector<double> along = along_path();
-  std::vector<Eigen::MatrixXd> sums(muscles_.size(), Eigen::MatrixXd::Zero(kPathPoints, 4));  // places, count
-  for (std::size_t i = 0; i < lean_.size(); ++i) {
-    if (label_[i] < 0) continue;
-    const auto k = static_cast<Index>(std::lround(along[i] * (kPathPoints - 1)));
-    sums[static_cast<std::size_t>(label_[i])].row(k) += lean_.points.row(static_cast<Index>(i)).homogeneous();
-  }
-  for (std::size_t m = 0; m < muscles_.size(); ++m) {
-    const Positions moved = muscles_[m].path + way_to_middle(muscles_[m], sums[m]);
-    keep_near(moved, first_path_[m], (muscles_[m].is_guided ? kGuidedWay : kWay) * scale_, muscles_[m].path);
-  }
 }
 
 }  // namespace bodyopt

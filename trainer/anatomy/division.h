@@ -1,6 +1,7 @@
 // Lean tissue divided among muscles, each of the volume that anatomists measure.
 #pragma once
 
+#include <array>
 #include <map>
 #include <string>
 #include <vector>
@@ -34,41 +35,31 @@ struct Division {
 Division divide_muscles(const HalfBody& body, const BodyGrid& grid, const InnerTissue& tissue,
                         const std::vector<Muscle>& muscles, const AnatomyCorrections& corrections = {});
 
-// Lean tissue divided so that every muscle gets the volume that it should have: to the muscle whose spindle is nearest,
-// of radii that are found by the volumes that come out (an additively weighted Voronoi diagram about the muscles'
-// paths, constrained in capacity; Aurenhammer, Hoffmann and Aronov 1998).
+// What divide_muscles() does one after the other: paths, targets, and last fibres.
 
-class VolumeDivision {
- public:
-  // Targets in cubic metres (M). `scale`: of lengths, against a man of 60 l. Paths are moved, their ends stay.
-  VolumeDivision(const LeanSamples& lean, std::vector<HalfMuscle>& muscles, std::vector<double> targets, double scale);
+// Moves the middles of paths, which models have as lines of action, to where rigs/human/muscle_sections.json has them,
+// where a body has the joints and landmarks for it; then those parts of bellies that do not lie in lean tissue to the
+// nearest that do.
+void guide_paths(const HalfBody& body, const LeanSamples& lean, std::vector<HalfMuscle>& muscles);
 
-  // Volumes first, then paths to the middle of what they got, several times; last, every region in one piece.
-  void divide();
-
-  const std::vector<int>& label() const { return label_; }       // L: muscle, -1: none's
-  const std::vector<double>& volume() const { return volume_; }  // M, cubic metres
-  std::vector<double> along_path() const;                        // L: 0 to 1 along the path of the sample's muscle
-
- private:
-  struct Steps;
-  void assign();
-  void assign_in_one_piece();
-  void measure();
-  void adapt(Steps& steps);
-  void centre_paths();
-  double error() const;
-  std::vector<double> radii() const;
-
-  const LeanSamples& lean_;
-  std::vector<HalfMuscle>& muscles_;
-  const std::vector<double> targets_;
-  const double scale_;
-  std::vector<Positions> first_path_;  // M
-  MuscleCandidates candidates_;
-  std::vector<double> squares_;  // M, square metres: of the spindles' radii, negative for less than none
-  std::vector<int> label_;
-  std::vector<double> volume_;
+// The volumes that muscles should have in a body: published ones, scaled to its limbs.
+struct LimbTargets {
+  std::vector<double> volume;             // M, cubic metres
+  std::map<std::string, double> factors;  // of each limb that muscles of a table belong to
 };
+
+// One factor a limb, so that the muscles in it fill its lean tissue but for a tenth or so (fasciae, vessels, nerves).
+// The parts of a muscle share its volume as their own 2 r^2 l; of a muscle that no table has, that is what is wanted.
+LimbTargets limb_targets(const LeanSamples& lean, const std::vector<HalfMuscle>& muscles);
+
+// L x 3: unit, from origin to insertion, along the gradient of a harmonic function (Laplace's equation, no flux through
+// the region's sides; Choi and Blemker 2013), zero without a label. It is 0 where the region touches the bone of the
+// muscle's origin in the path's first half, 1 where it touches that of its insertion in the other; where there is no
+// contact, on the outer 7 % along the path.
+// label, along (L): each sample's muscle, and its place along that muscle's path, 0 to 1; joints (M): of the bones at
+// origin and insertion.
+Positions fibre_directions(const LeanSamples& lean, const std::vector<HalfMuscle>& muscles,
+                           const std::vector<std::array<int, 2>>& joints, const std::vector<int>& label,
+                           const std::vector<double>& along);
 
 }  // namespace bodyopt

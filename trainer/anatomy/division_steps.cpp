@@ -1,9 +1,8 @@
-#include "trainer/anatomy/division_steps.h"
-
 #include <algorithm>
 #include <cmath>
 
 #include "base/parallel.h"
+#include "trainer/anatomy/division.h"
 
 namespace bodyopt {
 namespace {

@@ -76,6 +76,20 @@ double median(std::vector<double> values) {
   return *middle;
 }
 
+// How far on average the vertices (V x 3, one at least) lie from their skin, mirrored across an axis at `middle`;
+// metres.
+double mirror_error(const Positions& vertices, const NearestSkin& skin, int axis, double middle) {
+  constexpr Index kMost = 400;  // vertices that are looked at, evenly spread
+  const Index step = std::max<Index>(1, vertices.rows() / kMost);
+  double sum = 0, count = 0;
+  for (Index v = 0; v < vertices.rows(); v += step, ++count) {
+    Vector3d image = vertices.row(v);
+    image[axis] = 2 * middle - image[axis];
+    sum += (skin(image).position - image).norm();
+  }
+  return sum / count;
+}
+
 // The skin's middle, or that of the joints of either side where the skin is more nearly its own mirror image about
 // that: a lost arm moves the first, and a rig that stands beside its skin the second.
 double median_plane(const Character& character, const std::vector<int>& counterparts) {
@@ -250,18 +264,6 @@ std::vector<int> mirrored_joints(const Character& rest) {
   const Character character = turned(rest, body_frame(rest));
   const std::vector<int> by_name = counterparts_by_name(character.skeleton);
   return mirrored_joints_about(character, by_name, median_plane(character, by_name));
-}
-
-double mirror_error(const Positions& vertices, const NearestSkin& skin, int axis, double middle) {
-  constexpr Index kMost = 400;  // vertices that are looked at, evenly spread
-  const Index step = std::max<Index>(1, vertices.rows() / kMost);
-  double sum = 0, count = 0;
-  for (Index v = 0; v < vertices.rows(); v += step, ++count) {
-    Vector3d image = vertices.row(v);
-    image[axis] = 2 * middle - image[axis];
-    sum += (skin(image).position - image).norm();
-  }
-  return sum / count;
 }
 
 Character turned(const Character& character, const Matrix3d& rotation) {

@@ -28,42 +28,10 @@ struct HumanSkeleton {
   void add_by_height(std::vector<HumanFrame::Place> places, const std::function<double(const Spot&)>& distance);
 };
 
-// The vertebrae's middles, from the sacrum to the skull.
-struct SpineLine {
-  double low = 0, high = 0;  // heights
-  Table forward;             // z of height
-  Table half_width, half_depth;
-};
-SpineLine spine_line(const HumanSkeleton& skeleton);
-
-// Ribs and breastbone: a shell about the lungs, of which every other strip is rib.
-class RibCage {
- public:
-  RibCage(const HumanSkeleton& skeleton, double crest_height);
-  double distance(const Spot& spot) const;  // to its outer surface, roughly; negative inside
-  double bone_distance(const Spot& spot) const;
-  double shell() const { return 10 * mm_; }  // metres thick
-  double bottom() const { return bottom_; }
-  double costal_arch(const Spot& spot) const;  // height at which it ends, above or below a place
-
- private:
-  double wall_distance(const Spot& spot) const;  // open above and below
-  Table half_width_, back_, front_;              // of height
-  double top_, bottom_, mm_;
-};
-
-void add_leg(HumanSkeleton& skeleton);
-void add_foot(HumanSkeleton& skeleton);
-void add_arm(HumanSkeleton& skeleton);
-void add_hand(HumanSkeleton& skeleton);
-void add_pelvis(HumanSkeleton& skeleton);
-void add_spine(HumanSkeleton& skeleton, const SpineLine& spine);
-void add_rib_cage(HumanSkeleton& skeleton, const RibCage& cage);
-void add_shoulder_girdle(HumanSkeleton& skeleton, const RibCage& cage);
+void add_limbs(HumanSkeleton& skeleton);  // with hands and feet
+// Pelvis, spine, ribs and shoulder girdles. Returns how far a place is from the wall of chest, belly, pelvis and
+// throat, roughly, metres; negative inside.
+std::function<double(const Spot&)> add_trunk(HumanSkeleton& skeleton);
 void add_head(HumanSkeleton& skeleton);
-
-// To the wall of chest, belly, pelvis and throat, roughly; negative inside.
-std::function<double(const Spot&)> human_cavity(const HumanSkeleton& skeleton, const SpineLine& spine,
-                                                const RibCage& cage);
 
 }  // namespace bodyopt

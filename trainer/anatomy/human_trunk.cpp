@@ -8,7 +8,15 @@
 namespace bodyopt {
 namespace {
 
+using Eigen::Vector3d;
 using Place = HumanFrame::Place;
+
+// The vertebrae's middles, from the sacrum to the skull.
+struct SpineLine {
+  double low = 0, high = 0;  // heights
+  Table forward;             // z of height
+  Table half_width, half_depth;
+};
 
 constexpr int kHeights = 40, kCurveSmoothings = 6;
 
@@ -28,7 +36,84 @@ double muscle_on_ribs(double aside, double height, bool is_front) {
   return is_front ? kFront(aside) * std::clamp(3 * height, 0.4, 1.0) : kBack(aside);
 }
 
-using Eigen::Vector3d;
+// Ribs and breastbone: a shell about the lungs, of which every other strip is rib.
+class RibCage {
+ public:
+  RibCage(const HumanSkeleton& skeleton, double crest_height) : mm_(skeleton.mm(1)) {
+    const HumanFrame& frame = skeleton.frame;
+    const auto& upper = frame.clavicle ? frame.clavicle : frame.neck ? frame.neck : frame.shoulder;
+    bottom_ = crest_height + 45 * mm_;
+    top_ = std::max(upper ? upper->at.y() + 45 * mm_ : bottom_, bottom_ + 100 * mm_);
+    std::vector<std::pair<double, double>> back, front;
+    for (int k = 0; k < kCageHeights; ++k) {
+      const double height = std::lerp(bottom_, top_, static_cast<double>(k) / (kCageHeights - 1));
+      const auto depths = skeleton.survey.depths(height);
+      if (!depths) continue;
+      back.emplace_back(height, depths->back);
+      front.emplace_back(height, depths->front);
+    }
+    back_ = Table(back);
+    front_ = Table(front);
+    // No wider than the skin allows where it is widest.
+    const double widest = std::lerp(bottom_, top_, 0.35);
+    double flank = 0;
+    for (const Spot& spot : skeleton.survey.spots()) {
+      if (is_trunk(spot.region) && std::abs(spot.point.y() - widest) < skeleton.survey.grid().cell)
+        flank = std::max(flank, spot.point.x());
+    }
+    const double scale = mm_ * std::clamp((flank - 22 * mm_) / (136 * mm_), 0.1, 1.0);
+    std::vector<std::pair<double, double>> rows;
+    for (const auto& [share, width] : {std::pair(0.0, 125), {0.2, 136}, {0.45, 136}, {0.7, 118}, {0.88, 85}, {1.0, 45}})
+      rows.emplace_back(std::lerp(bottom_, top_, share), scale * width);
+    half_width_ = Table(rows);
+  }
+
+  // To its outer surface, roughly; negative inside
+  double distance(const Spot& spot) const {
+    if (!is_trunk(spot.region) && spot.region != BodyRegion::neck) return kFarFromBone;
+    return std::max({wall_distance(spot), costal_arch(spot) - spot.point.y(), spot.point.y() - top_});
+  }
+
+  double bone_distance(const Spot& spot) const {
+    constexpr double kPitch = 27, kFall = 0.35;  // millimetres from rib to rib; down on the way to the front
+    if (!is_trunk(spot.region) && spot.region != BodyRegion::neck) return kFarFromBone;
+    const Eigen::Vector3d& p = spot.point;
+    const double wall = std::abs(wall_distance(spot) + shell() / 2) - shell() / 2;
+    const double middle = 0.5 * (back_(p.y()) + front_(p.y()));
+    const double turns = (p.y() + kFall * (p.z() - middle)) / (kPitch * mm_);
+    const double rib = (std::abs(turns - std::floor(turns) - 0.25) - 0.25) * kPitch * mm_;
+    const double sternum = std::max({std::abs(p.x()) - 19 * mm_, middle - p.z(), top_ - 240 * mm_ - p.y()});
+    const double ends = std::max(p.y() - (top_ - 4 * mm_), costal_arch(spot) + 3 * mm_ - p.y());
+    return std::max({wall, std::min(rib, sternum), ends});
+  }
+
+  double shell() const { return 10 * mm_; }  // metres thick
+  double bottom() const { return bottom_; }
+
+  // Height at which it ends, above or below a place
+  double costal_arch(const Spot& spot) const {
+    const double back = back_(spot.point.y()), front = front_(spot.point.y());
+    const double forward = std::clamp((2 * spot.point.z() - back - front) / std::max(front - back, mm_), 0.0, 1.0);
+    return bottom_ + 120 * mm_ * forward * std::clamp(1 - std::abs(spot.point.x()) / (105 * mm_), 0.0, 1.0);
+  }
+
+ private:
+  // Open above and below
+  double wall_distance(const Spot& spot) const {
+    constexpr double kRound = 2.3;  // exponent of the section's outline: 2 is an ellipse
+    const double height = spot.point.y(), aside = std::abs(spot.point.x());
+    const double back = back_(height), front = front_(height), width = half_width_(height);
+    const double middle = 0.5 * (back + front), half = std::max(0.5 * (front - back), mm_);
+    const double outline = std::pow(
+        std::pow(aside / width, kRound) + std::pow(std::abs(spot.point.z() - middle) / half, kRound), 1 / kRound);
+    const double share = std::clamp((height - bottom_) / (top_ - bottom_), 0.0, 1.0);
+    const double muscle = mm_ * muscle_on_ribs(aside / mm_, share, spot.point.z() > middle);
+    return std::max((outline - 1) * std::min(width, half), spot.fat + muscle - spot.depth);
+  }
+
+  Table half_width_, back_, front_;  // of height
+  double top_, bottom_, mm_;
+};
 
 // Behind the ribs, under the skin of the back.
 Vector3d behind_cage(const HumanSkeleton& skeleton, const RibCage& cage, double aside, double height, double behind) {
@@ -88,8 +173,6 @@ const Table kBellyWall({{0, 9}, {50, 9}, {110, 15}});
 // vertebrae and psoas, then as far back as the kidneys.
 const Table kBellyBack({{0, 19}, {25, 19}, {45, 14}, {62, -12}, {90, -22}});
 
-}  // namespace
-
 SpineLine spine_line(const HumanSkeleton& skeleton) {
   const HumanFrame& frame = skeleton.frame;
   SpineLine spine;
@@ -112,16 +195,6 @@ SpineLine spine_line(const HumanSkeleton& skeleton) {
   return spine;
 }
 
-void HumanSkeleton::add_by_height(std::vector<Place> places, const std::function<double(const Spot&)>& distance) {
-  for (std::size_t k = 0; k < places.size(); ++k) {
-    const double low = k == 0 ? -HUGE_VAL : places[k].at.y();
-    const double high = k + 1 < places.size() ? places[k + 1].at.y() : HUGE_VAL;
-    add(places[k].joint, [=](const Spot& spot) {
-      return spot.point.y() > low && spot.point.y() <= high ? distance(spot) : kFarFromBone;
-    });
-  }
-}
-
 void add_spine(HumanSkeleton& skeleton, const SpineLine& spine) {
   const auto mm = [&](double length) { return skeleton.mm(length); };
   const double arch_back = mm(14), arch_half = mm(8), process_half = mm(4), process_back = mm(42),
@@ -141,71 +214,6 @@ void add_spine(HumanSkeleton& skeleton, const SpineLine& spine) {
   places.insert(places.end(), skeleton.frame.spine.begin(), skeleton.frame.spine.end());
   places.insert(places.end(), skeleton.frame.cervical.begin(), skeleton.frame.cervical.end());
   skeleton.add_by_height(places, vertebrae);
-}
-
-RibCage::RibCage(const HumanSkeleton& skeleton, double crest_height) : mm_(skeleton.mm(1)) {
-  const HumanFrame& frame = skeleton.frame;
-  const auto& upper = frame.clavicle ? frame.clavicle : frame.neck ? frame.neck : frame.shoulder;
-  bottom_ = crest_height + 45 * mm_;
-  top_ = std::max(upper ? upper->at.y() + 45 * mm_ : bottom_, bottom_ + 100 * mm_);
-  std::vector<std::pair<double, double>> back, front;
-  for (int k = 0; k < kCageHeights; ++k) {
-    const double height = std::lerp(bottom_, top_, static_cast<double>(k) / (kCageHeights - 1));
-    const auto depths = skeleton.survey.depths(height);
-    if (!depths) continue;
-    back.emplace_back(height, depths->back);
-    front.emplace_back(height, depths->front);
-  }
-  back_ = Table(back);
-  front_ = Table(front);
-  // No wider than the skin allows where it is widest.
-  const double widest = std::lerp(bottom_, top_, 0.35);
-  double flank = 0;
-  for (const Spot& spot : skeleton.survey.spots()) {
-    if (is_trunk(spot.region) && std::abs(spot.point.y() - widest) < skeleton.survey.grid().cell)
-      flank = std::max(flank, spot.point.x());
-  }
-  const double scale = mm_ * std::clamp((flank - 22 * mm_) / (136 * mm_), 0.1, 1.0);
-  std::vector<std::pair<double, double>> rows;
-  for (const auto& [share, width] : {std::pair(0.0, 125), {0.2, 136}, {0.45, 136}, {0.7, 118}, {0.88, 85}, {1.0, 45}})
-    rows.emplace_back(std::lerp(bottom_, top_, share), scale * width);
-  half_width_ = Table(rows);
-}
-
-double RibCage::costal_arch(const Spot& spot) const {
-  const double back = back_(spot.point.y()), front = front_(spot.point.y());
-  const double forward = std::clamp((2 * spot.point.z() - back - front) / std::max(front - back, mm_), 0.0, 1.0);
-  return bottom_ + 120 * mm_ * forward * std::clamp(1 - std::abs(spot.point.x()) / (105 * mm_), 0.0, 1.0);
-}
-
-double RibCage::wall_distance(const Spot& spot) const {
-  constexpr double kRound = 2.3;  // exponent of the section's outline: 2 is an ellipse
-  const double height = spot.point.y(), aside = std::abs(spot.point.x());
-  const double back = back_(height), front = front_(height), width = half_width_(height);
-  const double middle = 0.5 * (back + front), half = std::max(0.5 * (front - back), mm_);
-  const double outline = std::pow(
-      std::pow(aside / width, kRound) + std::pow(std::abs(spot.point.z() - middle) / half, kRound), 1 / kRound);
-  const double share = std::clamp((height - bottom_) / (top_ - bottom_), 0.0, 1.0);
-  const double muscle = mm_ * muscle_on_ribs(aside / mm_, share, spot.point.z() > middle);
-  return std::max((outline - 1) * std::min(width, half), spot.fat + muscle - spot.depth);
-}
-
-double RibCage::distance(const Spot& spot) const {
-  if (!is_trunk(spot.region) && spot.region != BodyRegion::neck) return kFarFromBone;
-  return std::max({wall_distance(spot), costal_arch(spot) - spot.point.y(), spot.point.y() - top_});
-}
-
-double RibCage::bone_distance(const Spot& spot) const {
-  constexpr double kPitch = 27, kFall = 0.35;  // millimetres from rib to rib; down on the way to the front
-  if (!is_trunk(spot.region) && spot.region != BodyRegion::neck) return kFarFromBone;
-  const Eigen::Vector3d& p = spot.point;
-  const double wall = std::abs(wall_distance(spot) + shell() / 2) - shell() / 2;
-  const double middle = 0.5 * (back_(p.y()) + front_(p.y()));
-  const double turns = (p.y() + kFall * (p.z() - middle)) / (kPitch * mm_);
-  const double rib = (std::abs(turns - std::floor(turns) - 0.25) - 0.25) * kPitch * mm_;
-  const double sternum = std::max({std::abs(p.x()) - 19 * mm_, middle - p.z(), top_ - 240 * mm_ - p.y()});
-  const double ends = std::max(p.y() - (top_ - 4 * mm_), costal_arch(spot) + 3 * mm_ - p.y());
-  return std::max({wall, std::min(rib, sternum), ends});
 }
 
 void add_rib_cage(HumanSkeleton& skeleton, const RibCage& cage) {
@@ -323,6 +331,29 @@ std::function<double(const Spot&)> human_cavity(const HumanSkeleton& skeleton, c
                                    p.z() - front(p.y()), aside - half_width(p.y())});
     return std::min(chest, belly);
   };
+}
+
+}  // namespace
+
+void HumanSkeleton::add_by_height(std::vector<Place> places, const std::function<double(const Spot&)>& distance) {
+  for (std::size_t k = 0; k < places.size(); ++k) {
+    const double low = k == 0 ? -HUGE_VAL : places[k].at.y();
+    const double high = k + 1 < places.size() ? places[k + 1].at.y() : HUGE_VAL;
+    add(places[k].joint, [=](const Spot& spot) {
+      return spot.point.y() > low && spot.point.y() <= high ? distance(spot) : kFarFromBone;
+    });
+  }
+}
+
+std::function<double(const Spot&)> add_trunk(HumanSkeleton& skeleton) {
+  add_pelvis(skeleton);
+  const SpineLine spine = spine_line(skeleton);
+  add_spine(skeleton, spine);
+  const auto crest = skeleton.landmarks.find("iliac_crest");
+  const RibCage cage(skeleton, crest == skeleton.landmarks.end() ? spine.low : crest->second.y());
+  add_rib_cage(skeleton, cage);
+  add_shoulder_girdle(skeleton, cage);
+  return human_cavity(skeleton, spine, cage);
 }
 
 }  // namespace bodyopt

@@ -39,21 +39,11 @@ void find_human_tissue(BodySurvey& survey, const HumanFrame& frame, const InnerT
     tissue.notes.push_back("no joints for " + part + " were found on this side: there are no bones there");
   lay_fat(survey, human_fat_pattern(survey, frame), kSkin * frame.mm, options, tissue);
   HumanSkeleton skeleton{survey, frame};
-  add_leg(skeleton);
-  add_foot(skeleton);
-  add_arm(skeleton);
-  add_hand(skeleton);
-  add_pelvis(skeleton);
-  const SpineLine spine = spine_line(skeleton);
-  add_spine(skeleton, spine);
-  const auto crest = skeleton.landmarks.find("iliac_crest");
-  const RibCage cage(skeleton, crest == skeleton.landmarks.end() ? spine.low : crest->second.y());
-  add_rib_cage(skeleton, cage);
-  add_shoulder_girdle(skeleton, cage);
+  add_limbs(skeleton);
+  const auto cavity = add_trunk(skeleton);
   add_head(skeleton);
   find_bone(survey, corrected_bones(skeleton.bones, survey.body(), options.corrections), tissue);
   tissue.brain = brain_volume(survey, frame, tissue);
-  const auto cavity = human_cavity(skeleton, spine, cage);
   tissue.cavity.resize(survey.grid().size());
   parallel_for(survey.spots().size(),
                [&](std::size_t s) { tissue.cavity[static_cast<Index>(s)] = cavity(survey.spots()[s]); });
@@ -82,6 +72,20 @@ bool stands_at_hips(const HalfBody& body, std::size_t joint) {
   return body.places[joint].y() < height + kBeside * longest_extent(body.vertices);
 }
 
+// J: by the roles of joints; a joint without one belongs to the region of its parent.
+std::vector<BodyRegion> regions_of_joints(const HalfBody& body) {
+  std::vector<BodyRegion> regions;
+  for (std::size_t j = 0; j < body.joints.size(); ++j) {
+    const int parent = body.joints[j].parent;
+    regions.push_back(body.roles[j] ? region_of_part(body.roles[j]->part)
+                      : parent >= 0 ? regions[static_cast<std::size_t>(parent)]
+                                    : BodyRegion::trunk);
+    const bool is_spine = body.roles[j] && body.roles[j]->part == BodyPart::spine;
+    if (is_spine && stands_at_hips(body, j)) regions.back() = BodyRegion::hip;
+  }
+  return regions;
+}
+
 }  // namespace
 
 const char* name_of(TissueKind kind) { return kTissueNames[static_cast<std::size_t>(kind)]; }
@@ -105,19 +109,6 @@ InnerTissue find_inner_tissue(const HalfBody& body, const BodyGrid& grid, const 
 }
 
 const char* name_of(BodyRegion region) { return kRegionNames[static_cast<std::size_t>(region)]; }
-
-std::vector<BodyRegion> regions_of_joints(const HalfBody& body) {
-  std::vector<BodyRegion> regions;
-  for (std::size_t j = 0; j < body.joints.size(); ++j) {
-    const int parent = body.joints[j].parent;
-    regions.push_back(body.roles[j] ? region_of_part(body.roles[j]->part)
-                      : parent >= 0 ? regions[static_cast<std::size_t>(parent)]
-                                    : BodyRegion::trunk);
-    const bool is_spine = body.roles[j] && body.roles[j]->part == BodyPart::spine;
-    if (is_spine && stands_at_hips(body, j)) regions.back() = BodyRegion::hip;
-  }
-  return regions;
-}
 
 LeanSamples::LeanSamples(const BodyGrid& own_grid, const InnerTissue& own_tissue)
     : grid(own_grid), tissue(own_tissue), lean(static_cast<std::size_t>(own_grid.size()), -1) {

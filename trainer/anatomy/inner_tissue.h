@@ -15,9 +15,6 @@ namespace bodyopt {
 enum class BodyRegion : std::uint8_t { trunk, hip, neck, head, thigh, calf, foot, upper_arm, forearm, hand, tail, fin };
 constexpr int kBodyRegions = 12;
 const char* name_of(BodyRegion region);
-// J: by the roles of joints; a joint without one belongs to the region of its parent.
-std::vector<BodyRegion> regions_of_joints(const HalfBody& body);
-
 enum class TissueKind : std::uint8_t { outside, bone, fat, cavity, muscle, tendon, other_lean };
 const char* name_of(TissueKind kind);
 

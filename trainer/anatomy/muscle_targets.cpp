@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "assets/json_file.h"
-#include "trainer/anatomy/division_steps.h"
+#include "trainer/anatomy/division.h"
 #include "trainer/anatomy/human_tables.h"
 #include "trainer/anatomy/muscle_candidates.h"
 

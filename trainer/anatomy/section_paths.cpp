@@ -5,7 +5,7 @@
 #include <optional>
 
 #include "base/parallel.h"
-#include "trainer/anatomy/division_steps.h"
+#include "trainer/anatomy/division.h"
 #include "trainer/anatomy/human_frame.h"
 #include "trainer/anatomy/human_tables.h"
 

@@ -124,11 +124,21 @@ std::uint64_t key_of(const ModifierInput& input, const ConsistencySettings& sett
   return hash.value();
 }
 
-}  // namespace
-
-using Eigen::Index;
-
-namespace {
+// 3 per vertex of the part, of the frame that has these shares, un-posed, metres: what its pass alone has there; zero
+// where there are no shares. `displacements`: N x 3V.
+Eigen::RowVectorXf frame_deviation(const Displacements& displacements, const SkinPart& part,
+                                   const std::vector<FrameShare>& shares) {
+  const std::vector<std::uint32_t>& vertices = part.region.vertices;
+  Eigen::RowVectorXf result = Eigen::RowVectorXf::Zero(3 * static_cast<Index>(vertices.size()));
+  for (const FrameShare& other : shares) {
+    const float share = static_cast<float>(other.share);
+    for (std::size_t k = 0; k < vertices.size(); ++k) {
+      result.segment<3>(3 * static_cast<Index>(k)) +=
+          share * displacements.row(static_cast<Index>(other.frame)).segment<3>(3 * Index{vertices[k]});
+    }
+  }
+  return result;
+}
 
 // Root mean square over the region of a row of its vertices' vectors, mm.
 double region_rms_mm(const RegionWeights& region, const Eigen::RowVectorXf& row) {
@@ -271,20 +281,6 @@ PairInOnePose in_one_pose(const ShapeStack& stack, const DisagreeingPair& pair) 
   }
   const UnposedSpace::Frame pose = stack.space().frame(database.frames[pair.first].pose);
   return {pose.shape(first), pose.shape(second)};
-}
-
-Eigen::RowVectorXf frame_deviation(const Displacements& displacements, const SkinPart& part,
-                                   const std::vector<FrameShare>& shares) {
-  const std::vector<std::uint32_t>& vertices = part.region.vertices;
-  Eigen::RowVectorXf result = Eigen::RowVectorXf::Zero(3 * static_cast<Index>(vertices.size()));
-  for (const FrameShare& other : shares) {
-    const float share = static_cast<float>(other.share);
-    for (std::size_t k = 0; k < vertices.size(); ++k) {
-      result.segment<3>(3 * static_cast<Index>(k)) +=
-          share * displacements.row(static_cast<Index>(other.frame)).segment<3>(3 * Index{vertices[k]});
-    }
-  }
-  return result;
 }
 
 Displacements part_deviations(const Displacements& displacements, const SkinPart& part, const LocalModels& models) {

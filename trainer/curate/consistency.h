@@ -52,11 +52,6 @@ struct PairInOnePose {
 };
 PairInOnePose in_one_pose(const ShapeStack& stack, const DisagreeingPair& pair);
 
-// 3 per vertex of the part, of the frame that has these shares, un-posed, metres: what its pass alone has there; zero
-// where there are no shares. `displacements`: N x 3V.
-Eigen::RowVectorXf frame_deviation(const Displacements& displacements, const SkinPart& part,
-                                   const std::vector<FrameShare>& shares);
-
 // N x 3 part vertices, of every frame, un-posed, metres: what its pass alone has there. `displacements`: N x 3V. Zero
 // where nothing else passes by.
 Displacements part_deviations(const Displacements& displacements, const SkinPart& part, const LocalModels& models);

@@ -106,6 +106,24 @@ void forget_older(const std::vector<fs::path>& before, const std::string& mark) 
   }
 }
 
+// A hash of it, as export_mark() writes it: what its mesh is named by.
+std::string mark_of(const ExportRecord& record) {
+  ContentHash hash;
+  hash.add(record.take);
+  hash.add(static_cast<std::uint64_t>(record.frame));
+  hash.add(record.skin);
+  hash.add(to_json(record.modifiers).dump());
+  return export_mark(hash.value());
+}
+
+// Writes one down as the latest; 200 stay. The caller holds the dataset's lock. Throws Error(file).
+void write_export(const ExportRecord& record, const Dataset& dataset) {
+  const std::string mark = mark_of(record);
+  const std::vector<fs::path> before = record_files(dataset);
+  write_record(record, folder_of(dataset) / name_of(before.empty() ? 1 : number_of(before.back()) + 1, mark));
+  forget_older(before, mark);
+}
+
 }  // namespace
 
 ExportedFrame exported_now(const ShapeStack& stack, std::size_t frame) {
@@ -179,15 +197,6 @@ std::vector<std::string> names_that_differ(const Modifiers& before, const Modifi
   return names;
 }
 
-std::string mark_of(const ExportRecord& record) {
-  ContentHash hash;
-  hash.add(record.take);
-  hash.add(static_cast<std::uint64_t>(record.frame));
-  hash.add(record.skin);
-  hash.add(to_json(record.modifiers).dump());
-  return export_mark(hash.value());
-}
-
 std::vector<fs::path> export_files(const Dataset& dataset) {
   std::vector<fs::path> files = record_files(dataset);
   std::error_code unreadable;
@@ -212,13 +221,6 @@ std::vector<ExportRecord> read_export_file(const fs::path& path) {
   const JsonObject record(json, path, "the exported frame");
   record.allow({"schema", "take", "frame", "skin", "modifiers"});
   return {read_record(record, path)};
-}
-
-void write_export(const ExportRecord& record, const Dataset& dataset) {
-  const std::string mark = mark_of(record);
-  const std::vector<fs::path> before = record_files(dataset);
-  write_record(record, folder_of(dataset) / name_of(before.empty() ? 1 : number_of(before.back()) + 1, mark));
-  forget_older(before, mark);
 }
 
 void forget_exports(const Dataset& dataset) {

@@ -236,11 +236,9 @@ void check_size(const Positions& exported, const Positions& given, const std::fi
   if (given.rows() == 0) return;
   const double own = box_diagonal(exported), found = box_diagonal(given);
   if (found < kLargest * own && own < kLargest * found) return;
-  char text[160];
-  std::snprintf(text, sizeof(text),
-                ": the mesh measures %.4g m from corner to corner, the frame %.4g m, %.3g times as much: ", found, own,
-                found / own);
-  throw Error(ErrorKind::mismatch, path, text,
+  throw Error(ErrorKind::mismatch, path,
+              formatted(": the mesh measures %.4g m from corner to corner, the frame %.4g m, %.3g times as much: ",
+                        found, own, found / own),
               "was it written in another unit (metres are expected), or scaled, or is it of another character?");
 }
 
@@ -302,15 +300,11 @@ void write_frame_obj(const Character& character, const SkinSurface& surface, con
                      const std::filesystem::path& path, const std::string& mark) {
   std::string text = "# " + character.name + "\n";
   if (!mark.empty()) text += "o " + marked_name(character, mark) + "\n";
-  char line[96];
   for (std::size_t v = 0; v < positions.size(); v += 3) {
-    std::snprintf(line, sizeof(line), "v %.9g %.9g %.9g\n", double{positions[v]}, double{positions[v + 1]},
-                  double{positions[v + 2]});
-    text += line;
+    text += formatted("v %.9g %.9g %.9g\n", double{positions[v]}, double{positions[v + 1]}, double{positions[v + 2]});
   }
   for (std::size_t k = 0; k + 1 < surface.texture.size(); k += 2) {
-    std::snprintf(line, sizeof(line), "vt %.9g %.9g\n", surface.texture[k], 1 - surface.texture[k + 1]);
-    text += line;
+    text += formatted("vt %.9g %.9g\n", surface.texture[k], 1 - surface.texture[k + 1]);
   }
   text += face_lines(character, surface);
   write_file_atomically(path, std::as_bytes(std::span(text)));

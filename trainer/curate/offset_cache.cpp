@@ -30,8 +30,6 @@ std::uint64_t check_sum(std::uint64_t key, std::span<const float> offsets) {
   return XXH3_64bits_withSeed(offsets.data(), offsets.size_bytes(), key);
 }
 
-namespace fs = std::filesystem;
-
 // All texts in a modifier's parameters: names of files are among them.
 void add_texts(const Json& json, std::set<std::string>& texts) {
   if (json.is_string()) texts.insert(fs::path(json.get<std::string>()).lexically_normal().generic_string());

@@ -371,6 +371,20 @@ TetPoint packed(const EmbeddedPoint& point, double amount) {
           f(amount)};
 }
 
+// Harmonic interpolation is not injective: behind a fold of the skin it may turn tets inside out. Moves their nodes at
+// rest, one after the other, to where the tets around them are best shaped in the poses (optimisation-based smoothing,
+// Freitag and Ollivier-Gooch 1997): nodes inside freely, the first `surface` nodes, which lie on the skin, along it
+// where it `may_slide`. No tet gets flat at rest. Ends when no tet is inside out or after a few rounds, with the best
+// found.
+// skin: of the rest vertices; poses: V x 3 each, where these are. A function of its arguments alone.
+Unfolding unfold_tets(const NearestSkin& skin, const std::vector<Positions>& poses, Eigen::Index surface,
+                      bool may_slide, TetMesh& mesh) {
+  if (poses.empty()) return {};
+  const Unfolding result = Unfolder(skin, poses, surface, may_slide, mesh).run();
+  orient(mesh);  // the worst quality
+  return result;
+}
+
 }  // namespace
 
 TetQuality tet_quality(const TetMesh& mesh) {
@@ -401,14 +415,6 @@ void require_sound(const TetMesh& mesh) {
   if (orphan == used.end()) return;
   refuse("node " + std::to_string(orphan - used.begin()) + " belongs to no tetrahedron",
          "loose points; " + std::to_string(std::ranges::count(used, false)) + " in all");
-}
-
-Unfolding unfold_tets(const NearestSkin& skin, const std::vector<Positions>& poses, Eigen::Index surface,
-                      bool may_slide, TetMesh& mesh) {
-  if (poses.empty()) return {};
-  const Unfolding result = Unfolder(skin, poses, surface, may_slide, mesh).run();
-  orient(mesh);  // the worst quality
-  return result;
 }
 
 DynamicsTets make_dynamics_tets(const Positions& vertices, const Triangles& triangles, const SkinWeights& weights,

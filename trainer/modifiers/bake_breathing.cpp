@@ -20,6 +20,7 @@
 #include "geometry/mesh.h"
 #include "geometry/surface_distance.h"
 #include "runtime/core/error.h"
+#include "runtime/core/text.h"
 #include "runtime/host/rig.h"
 #include "runtime/modifiers/breath_shapes.h"
 #include "trainer/curate/shape_stack.h"
@@ -266,9 +267,8 @@ BakedModifier bake_learnt_breathing(const BakeInput& input) {
   }
   const LearntBreath breath =
       learn_breath(rows_of(input.basis.mesh.rest), rows_of(input.basis.mesh.triangles), offsets, input.place);
-  char text[64];
-  std::snprintf(text, sizeof text, "%zu frames: %.2f litres a breath", offsets.size(), breath.litres);
-  input.notes.push_back(input.place + " is learnt of " + text);
+  input.notes.push_back(input.place + " is learnt of " +
+                        formatted("%zu frames: %.2f litres a breath", offsets.size(), breath.litres));
   BakedModifier baked;
   baked.components = breath.shapes;
   baked.numbers = {static_cast<float>(1 / kUsualDepth)};

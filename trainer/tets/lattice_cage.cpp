@@ -13,6 +13,7 @@
 #include "base/disjoint_sets.h"
 #include "base/parallel.h"
 #include "geometry/mesh.h"
+#include "geometry/nearest_skin.h"
 #include "runtime/core/error.h"
 #include "trainer/tets/voxels.h"
 
@@ -132,6 +133,55 @@ void require_mesh(const Positions& vertices, const Triangles& triangles, const S
   if (static_cast<Eigen::Index>(weights.size()) != vertices.rows() || !std::ranges::all_of(weights, is_bound))
     refuse("not every vertex has joint weights");
 }
+
+// Where a solid of cubes is cut because skin of parts that the joints move apart touches.
+class CubeCuts {
+ public:
+  // The skin: rest, metres; weights: V. The arrays must outlive this.
+  CubeCuts(const Positions& vertices, const Triangles& triangles, const SkinWeights& weights)
+      : weights_(weights), nearest_(vertices, triangles), apart_(vertices, triangles, weights) {}
+
+  // For every cube of the grid by index a bit for each axis (1: x, 2: y, 4: z): the cube and the next along that axis
+  // are both filled, one of them holds skin, and the skin nearest to one and to the other is of parts that the joints
+  // move apart (ApartSkin). What would fall off is held by what it touches most: an eye by its socket.
+  std::vector<std::uint8_t> in(const VoxelGrid& grid, const std::vector<Voxel>& voxels) const {
+    const std::vector<Neighbours> neighbours = neighbours_at_skin(grid, voxels);
+    std::vector<int> place(grid.total(), -1);
+    std::vector<Eigen::Vector3i> cubes;
+    const auto add = [&](const Eigen::Vector3i& cube) {
+      int& at = place[grid.index(cube)];
+      if (at >= 0) return;
+      at = static_cast<int>(cubes.size());
+      cubes.push_back(cube);
+    };
+    for (const Neighbours& pair : neighbours) {
+      add(pair.cube);
+      add(pair.cube + Eigen::Vector3i::Unit(pair.axis));
+    }
+    std::vector<SkinPoint> skin(cubes.size());
+    parallel_for(cubes.size(), [&](std::size_t k) { skin[k] = nearest_(grid.centre(cubes[k])); });
+    const auto skin_at = [&](std::size_t index) -> const SkinPoint& {
+      return skin[static_cast<std::size_t>(place[index])];
+    };
+
+    std::vector<std::uint8_t> is_apart(neighbours.size());
+    parallel_for(neighbours.size(), [&](std::size_t k) {
+      is_apart[k] = apart_(skin_at(neighbours[k].index), skin_at(neighbours[k].next), grid.size) ? 1 : 0;
+    });
+    std::vector<std::uint8_t> cuts(grid.total(), 0);
+    for (std::size_t k = 0; k < neighbours.size(); ++k) {
+      if (is_apart[k] != 0) cuts[neighbours[k].index] |= bit(neighbours[k].axis);
+    }
+    keep_whole(
+        grid, voxels, neighbours, [&](std::size_t index) { return main_joint(skin_at(index), weights_); }, cuts);
+    return cuts;
+  }
+
+ private:
+  const SkinWeights& weights_;
+  NearestSkin nearest_;
+  ApartSkin apart_;
+};
 
 // A connected part of a cell.
 struct Part {
@@ -349,42 +399,6 @@ double voxel_count(const Positions& vertices, double cell) {
 }
 
 }  // namespace
-
-CubeCuts::CubeCuts(const Positions& vertices, const Triangles& triangles, const SkinWeights& weights)
-    : weights_(weights), nearest_(vertices, triangles), apart_(vertices, triangles, weights) {}
-
-std::vector<std::uint8_t> CubeCuts::in(const VoxelGrid& grid, const std::vector<Voxel>& voxels) const {
-  const std::vector<Neighbours> neighbours = neighbours_at_skin(grid, voxels);
-  std::vector<int> place(grid.total(), -1);
-  std::vector<Eigen::Vector3i> cubes;
-  const auto add = [&](const Eigen::Vector3i& cube) {
-    int& at = place[grid.index(cube)];
-    if (at >= 0) return;
-    at = static_cast<int>(cubes.size());
-    cubes.push_back(cube);
-  };
-  for (const Neighbours& pair : neighbours) {
-    add(pair.cube);
-    add(pair.cube + Eigen::Vector3i::Unit(pair.axis));
-  }
-  std::vector<SkinPoint> skin(cubes.size());
-  parallel_for(cubes.size(), [&](std::size_t k) { skin[k] = nearest_(grid.centre(cubes[k])); });
-  const auto skin_at = [&](std::size_t index) -> const SkinPoint& {
-    return skin[static_cast<std::size_t>(place[index])];
-  };
-
-  std::vector<std::uint8_t> is_apart(neighbours.size());
-  parallel_for(neighbours.size(), [&](std::size_t k) {
-    is_apart[k] = apart_(skin_at(neighbours[k].index), skin_at(neighbours[k].next), grid.size) ? 1 : 0;
-  });
-  std::vector<std::uint8_t> cuts(grid.total(), 0);
-  for (std::size_t k = 0; k < neighbours.size(); ++k) {
-    if (is_apart[k] != 0) cuts[neighbours[k].index] |= bit(neighbours[k].axis);
-  }
-  keep_whole(
-      grid, voxels, neighbours, [&](std::size_t index) { return main_joint(skin_at(index), weights_); }, cuts);
-  return cuts;
-}
 
 Cage lattice_cage_of_size(const Positions& vertices, const Triangles& triangles, const SkinWeights& weights,
                           double cell) {

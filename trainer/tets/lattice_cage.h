@@ -1,29 +1,9 @@
 // A lattice of tetrahedra around any skin: open, self-intersecting, non-manifold, in pieces.
 #pragma once
 
-#include "geometry/nearest_skin.h"
 #include "trainer/tets/cage.h"
-#include "trainer/tets/voxels.h"
 
 namespace bodyopt {
-
-// Where a solid of cubes is cut because skin of parts that the joints move apart touches.
-
-class CubeCuts {
- public:
-  // The skin: rest, metres; weights: V. The arrays must outlive this.
-  CubeCuts(const Positions& vertices, const Triangles& triangles, const SkinWeights& weights);
-
-  // For every cube of the grid by index a bit for each axis (1: x, 2: y, 4: z): the cube and the next along that axis
-  // are both filled, one of them holds skin, and the skin nearest to one and to the other is of parts that the joints
-  // move apart (ApartSkin). What would fall off is held by what it touches most: an eye by its socket.
-  std::vector<std::uint8_t> in(const VoxelGrid& grid, const std::vector<Voxel>& voxels) const;
-
- private:
-  const SkinWeights& weights_;
-  NearestSkin nearest_;
-  ApartSkin apart_;
-};
 
 // The skin is filled with small cubes (voxelise) that lie in a lattice of cubic cells, eight along an edge. Each part
 // of a cell that the filled cubes connect becomes a cell of its own, so that two legs or an arm and a trunk in one cell

@@ -1,5 +1,7 @@
 #include "trainer/tets/tets.h"
 
+#include <dlfcn.h>
+
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <algorithm>
@@ -21,10 +23,74 @@
 #include "geometry/thickness.h"
 #include "runtime/core/error.h"
 #include "runtime/core/transformed.h"
-#include "trainer/tets/netgen.h"
+
+// Netgen's nglib, loaded when a skin is first filled: with Open CASCADE, which it brings along, it would take most of
+// the time in which the program starts.
+namespace nglib {
+#include <nglib.h>
+}
 
 namespace bodyopt {
 namespace {
+
+// What of nglib.h is used, without its prefix Ng_.
+struct Netgen {
+  decltype(&nglib::Ng_Init) init;
+  decltype(&nglib::Ng_NewMesh) new_mesh;
+  decltype(&nglib::Ng_DeleteMesh) delete_mesh;
+  decltype(&nglib::Ng_AddPoint) add_point;
+  decltype(&nglib::Ng_AddSurfaceElement) add_surface_element;
+  decltype(&nglib::Ng_GenerateVolumeMesh) generate_volume_mesh;
+  decltype(&nglib::Ng_GetNP) point_count;
+  decltype(&nglib::Ng_GetPoint) point;
+  decltype(&nglib::Ng_GetNE) element_count;
+  decltype(&nglib::Ng_GetVolumeElement) volume_element;
+  void (*reset_parameters)(nglib::Ng_Meshing_Parameters*);  // to Netgen's own
+};
+
+constexpr const char* kLibrary = BODYOPT_NETGEN;
+
+[[noreturn]] void refuse_library() {
+  throw Error(ErrorKind::file, kLibrary, ": expected Netgen's library, which fills skins with ",
+              "tetrahedra: ", dlerror(), "; is the package libnglib-6.2 installed?");
+}
+
+// `name`: as compilers write a C++ function's name into a library.
+template <typename Function>
+void find(void* library, const char* name, Function& function) {
+  function = reinterpret_cast<Function>(dlsym(library, name));
+  if (function == nullptr) refuse_library();
+}
+
+Netgen load() {
+  void* library = dlopen(kLibrary, RTLD_LAZY | RTLD_LOCAL);
+  if (library == nullptr) refuse_library();
+  Netgen functions{};
+  find(library, "_ZN5nglib7Ng_InitEv", functions.init);
+  find(library, "_ZN5nglib10Ng_NewMeshEv", functions.new_mesh);
+  find(library, "_ZN5nglib13Ng_DeleteMeshEPPv", functions.delete_mesh);
+  find(library, "_ZN5nglib11Ng_AddPointEPPvPd", functions.add_point);
+  find(library, "_ZN5nglib20Ng_AddSurfaceElementEPPvNS_23Ng_Surface_Element_TypeEPi", functions.add_surface_element);
+  find(library, "_ZN5nglib21Ng_GenerateVolumeMeshEPPvPNS_21Ng_Meshing_ParametersE", functions.generate_volume_mesh);
+  find(library, "_ZN5nglib8Ng_GetNPEPPv", functions.point_count);
+  find(library, "_ZN5nglib11Ng_GetPointEPPviPd", functions.point);
+  find(library, "_ZN5nglib8Ng_GetNEEPPv", functions.element_count);
+  find(library, "_ZN5nglib19Ng_GetVolumeElementEPPviPi", functions.volume_element);
+  find(library, "_ZN5nglib21Ng_Meshing_Parameters16Reset_ParametersEv", functions.reset_parameters);
+  return functions;
+}
+
+// The same for all, from any thread. Throws Error(file) when the library cannot be loaded.
+const Netgen& netgen() {
+  static const Netgen functions = load();
+  return functions;
+}
+
+// Begins as Netgen's own: the constructor of nglib.h is not linked.
+union NetgenParameters {
+  NetgenParameters() { netgen().reset_parameters(&values); }
+  nglib::Ng_Meshing_Parameters values;
+};
 
 // Cubes of the tetrahedra's size in a body: beyond this many, memory runs out and Netgen does not return.
 constexpr double kMostCells = 1e6;

@@ -3,7 +3,6 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <nlohmann/json.hpp>
 #include <numbers>
 
@@ -13,6 +12,7 @@
 #include "assets/wording.h"
 #include "geometry/nearest_rotation.h"
 #include "runtime/core/error.h"
+#include "runtime/core/text.h"
 #include "runtime/host/rig.h"
 #include "runtime/modifiers/drive_modifiers.h"
 
@@ -89,12 +89,9 @@ std::string note_of_units(double ratio) {
   const double metres = 1 / std::max(ratio, 1 / ratio);
   const Unit likely =
       *std::ranges::min_element(kUnits, {}, [&](const Unit& unit) { return std::abs(std::log(unit.metres / metres)); });
-  char numbers[2][32];
-  std::snprintf(numbers[0], sizeof(numbers[0]), "%.3g", ratio);
-  std::snprintf(numbers[1], sizeof(numbers[1]), "%.4g", likely.metres);
-  return std::string("the target's bones are ") + numbers[0] + " times as long as the source's: is " +
-         (ratio > 1 ? "its" : "the source's") + " file in " + likely.name + ", and was read as if in metres (--unit " +
-         numbers[1] + ")?";
+  return concat("the target's bones are ", formatted("%.3g", ratio), " times as long as the source's: is ",
+                ratio > 1 ? "its" : "the source's", " file in ", likely.name, ", and was read as if in metres (--unit ",
+                formatted("%.4g", likely.metres), ")?");
 }
 
 class SkeletonAligner {

@@ -165,8 +165,8 @@ JointFeatures carried(const JointFeatures& of, const Skeleton& source, const Ske
   return {below, above, of.above_turn * match.alignment[above], of.own_turn * match.alignment[below]};
 }
 
-}  // namespace
-
+// How large each coefficient is: root mean square of what it is away from rest, over the poses that the regions' kernel
+// centres are of. coefficient_count.
 Eigen::VectorXd coefficient_sizes(const ResidualTable& residual) {
   constexpr std::uint32_t kFrames = 256;
   // Nothing turned, no strain, no control.
@@ -184,6 +184,8 @@ Eigen::VectorXd coefficient_sizes(const ResidualTable& residual) {
       Eigen::Map<const Frames>(moved.data(), kFrames, residual.coefficient_count()).cast<double>();
   return values.array().square().colwise().mean().sqrt().matrix().transpose();
 }
+
+}  // namespace
 
 void transfer_columns(const SkinTransfer& transfer, std::uint32_t source_vertices, std::uint32_t vertices,
                       double tolerance, ResidualTable& residual) {
