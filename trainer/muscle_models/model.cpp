@@ -3,13 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <filesystem>
 #include <numbers>
 
 #include "runtime/core/error.h"
 #include "runtime/core/transformed.h"
-#include "trainer/muscle_models/mujoco.h"
-#include "trainer/muscle_models/opensim.h"
 
 namespace bodyopt::muscle_models {
 namespace {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
@@ -133,6 +134,18 @@ bool honoured(const Wrap& wrap);
 
 // Reads .osim or MuJoCo .xml by the file's ending. Throws Error(file).
 Model read_model(const std::string& path);
+
+// OpenSim, versions 2 to 4. Joints: CustomJoint, WeldJoint, PinJoint, SliderJoint, UniversalJoint, BallJoint,
+// GimbalJoint, PlanarJoint, FreeJoint. Functions: Constant, LinearFunction, PiecewiseLinearFunction,
+// PolynomialFunction, SimmSpline, MultiplierFunction. Path points: fixed, conditional, moving. Wraps are named, not
+// honoured. Throws Error(file).
+Model read_opensim(const std::filesystem::path& path);
+
+// MuJoCo: bodies, joints, sites, spatial tendons and the muscles that pull them. Includes are read from the folder of
+// `path`, as MuJoCo does; one that is missing is left out with a note. Honoured: hinge and slide joints, default
+// classes, the compiler's angle and eulerseq, joint couplings (in the default pose), sphere and cylinder wraps. Ball
+// and free joints stay as they are. A tendon without a muscle is left out with a note. Throws Error(file).
+Model read_mujoco(const std::filesystem::path& path);
 
 // The shortest way around a sphere or a cylinder.
 

@@ -1,5 +1,4 @@
-#include "trainer/muscle_models/mujoco.h"
-
+// Reads MuJoCo models (.xml).
 #include <sys/stat.h>
 
 #include <algorithm>
@@ -8,6 +7,7 @@
 #include <set>
 
 #include "assets/wording.h"
+#include "trainer/muscle_models/model.h"
 #include "trainer/muscle_models/xml_file.h"
 
 namespace bodyopt::muscle_models {

@@ -1,11 +1,11 @@
-#include "trainer/muscle_models/opensim.h"
-
+// Reads OpenSim models (.osim).
 #include <algorithm>
 #include <functional>
 #include <map>
 #include <set>
 
 #include "assets/wording.h"
+#include "trainer/muscle_models/model.h"
 #include "trainer/muscle_models/xml_file.h"
 
 namespace bodyopt::muscle_models {
