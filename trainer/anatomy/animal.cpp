@@ -10,7 +10,6 @@
 #include "base/parallel.h"
 #include "geometry/mesh.h"
 #include "trainer/anatomy/bone.h"
-#include "trainer/anatomy/fat.h"
 
 namespace bodyopt {
 namespace {

@@ -1,9 +1,8 @@
-// Bones as shapes, and the field that they make together.
+// The fields of bone and fat in a body: of bones as shapes, and of fat as it is spread over the skin.
 #pragma once
 
 #include <Eigen/Core>
 #include <functional>
-#include <initializer_list>
 #include <vector>
 
 #include "trainer/anatomy/body_survey.h"
@@ -25,6 +24,13 @@ std::vector<Bone> corrected_bones(const std::vector<Bone>& bones, const HalfBody
 
 // Into tissue.bone and tissue.bone_joint: of each sample the nearest bone, -1 where there is none.
 void find_bone(const BodySurvey& survey, const std::vector<Bone>& bones, InnerTissue& tissue);
+
+// Gives a survey its fat and tissue the field of it: a pattern (V), times what corrections say of regions and joints,
+// by how much skin follows them. So thick that the fat under the skin is four fifths of a body's fat, the rest of which
+// lies inside; never more than 0.45 of the way to the middle of a limb; with a note where the body has no room for what
+// is asked. skin: metres.
+void lay_fat(BodySurvey& survey, const Eigen::VectorXd& pattern, double skin, const InnerTissueOptions& options,
+             InnerTissue& tissue);
 
 // Signed distances to the simple shapes that bones are put together of: negative inside, metres.
 

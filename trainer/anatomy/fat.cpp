@@ -1,11 +1,12 @@
-#include "trainer/anatomy/fat.h"
-
+// Subcutaneous fat: how it is spread over a body, and how much there is.
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 
 #include "geometry/mend_surface.h"
 #include "geometry/mesh.h"
+#include "trainer/anatomy/bone.h"
+#include "trainer/anatomy/human_bones.h"
 
 namespace bodyopt {
 namespace {

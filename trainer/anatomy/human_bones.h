@@ -28,6 +28,9 @@ struct HumanSkeleton {
   void add_by_height(std::vector<HumanFrame::Place> places, const std::function<double(const Spot&)>& distance);
 };
 
+// V, metres, skin left out: of a man of 15 % body fat. Only the pattern counts, lay_fat() finds the scale.
+Eigen::VectorXd human_fat_pattern(const BodySurvey& survey, const HumanFrame& frame);
+
 void add_limbs(HumanSkeleton& skeleton);  // with hands and feet
 // Pelvis, spine, ribs and shoulder girdles. Returns how far a place is from the wall of chest, belly, pelvis and
 // throat, roughly, metres; negative inside.

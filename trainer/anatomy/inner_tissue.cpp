@@ -8,7 +8,6 @@
 #include "base/parallel.h"
 #include "geometry/mesh.h"
 #include "trainer/anatomy/animal.h"
-#include "trainer/anatomy/fat.h"
 #include "trainer/anatomy/human_bones.h"
 
 namespace bodyopt {
