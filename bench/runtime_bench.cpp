@@ -6,8 +6,6 @@
 
 #include <Eigen/SVD>
 #include <Eigen/Sparse>
-#include <algorithm>
-#include <cstdio>
 #include <cstdlib>
 #include <map>
 #include <random>
@@ -270,40 +268,6 @@ void add(const std::string& name) {
   run(name + "/pose_skin, in cache", product_in_cache, name);
 }
 
-// At the end, how many times quicker than the dense evaluation everything is, and how much of the triad it moves.
-class Comparison : public benchmark::ConsoleReporter {
- public:
-  void ReportRuns(const std::vector<Run>& runs) override {
-    ConsoleReporter::ReportRuns(runs);
-    for (const Run& run : runs) {
-      if (run.run_type != Run::RT_Iteration || run.error_occurred) continue;
-      const auto bytes = run.counters.find("bytes_per_second");
-      found_.push_back({run.benchmark_name(), run.GetAdjustedCPUTime(),
-                        bytes == run.counters.end() ? 0 : static_cast<double>(bytes->second)});
-    }
-  }
-
-  void Finalize() override {
-    const auto named = [&](const std::string& name) { return std::ranges::find(found_, name, &Found::name); };
-    const auto triad = named("triad");
-    for (const Found& found : found_) {
-      const auto dense = named(found.name.substr(0, found.name.find('/')) + "/dense double, SVD");
-      if (dense == found_.end()) continue;
-      std::printf("%-32s %9.3f ms %8.1f x dense", found.name.c_str(), found.milliseconds,
-                  dense->milliseconds / found.milliseconds);
-      if (found.bytes > 0 && triad != found_.end()) std::printf(" %6.0f %% of triad", 100 * found.bytes / triad->bytes);
-      std::printf("\n");
-    }
-  }
-
- private:
-  struct Found {
-    std::string name;
-    double milliseconds, bytes;  // of processor time; a second
-  };
-  std::vector<Found> found_;
-};
-
 }  // namespace
 }  // namespace bodyopt::bench
 
@@ -315,6 +279,5 @@ int main(int argc, char** argv) {
     bodyopt::bench::add("large");
   }
   benchmark::RegisterBenchmark("triad", bodyopt::bench::triad)->Unit(benchmark::kMillisecond);
-  bodyopt::bench::Comparison comparison;
-  benchmark::RunSpecifiedBenchmarks(&comparison);
+  benchmark::RunSpecifiedBenchmarks();
 }
