@@ -179,15 +179,13 @@ Image comparison(Renderer& renderer, const PosePair& pose, double scale_mm, cons
   check_pair(pose);
   if (!(scale_mm > 0)) throw Error(ErrorKind::usage, "picture: the scale of the heat map must be above 0 mm");
   std::vector<Image> panels;
-  const auto draw = [&](std::span<const float> skin, std::span<const float> colours) {
-    const std::vector<float> normals = smooth_normals(pose.triangles, skin);
-    const DrawMesh mesh{skin, normals, pose.triangles, colours};
-    panels.push_back(renderer.draw(std::span(&mesh, 1), camera, panel_width, panel_height));
+  const auto add = [&](std::span<const float> skin, std::span<const float> colours) {
+    panels.push_back(draw(renderer, pose.triangles, skin, colours, {camera, panel_width, panel_height}));
   };
-  draw(pose.truth, {});
-  if (!pose.skinning.empty()) draw(pose.skinning, {});
-  draw(pose.result, {});
-  draw(pose.result, heat_map(pose, scale_mm));
+  add(pose.truth, {});
+  if (!pose.skinning.empty()) add(pose.skinning, {});
+  add(pose.result, {});
+  add(pose.result, heat_map(pose, scale_mm));
   return side_by_side(panels);
 }
 
@@ -198,13 +196,10 @@ Image heat_on_skin(Renderer& renderer, std::span<const float> skin, std::span<co
     const std::array<float, 3> colour = heat_colour(static_cast<float>(std::min(1.0, value)));
     colours.insert(colours.end(), colour.begin(), colour.end());
   }
-  const std::vector<float> normals = smooth_normals(triangles, skin);
-  const DrawMesh mesh{skin, normals, triangles, colours};
   std::vector<Image> panels;
-  for (const std::array<float, 3>& direction : {std::array{0.0f, 0.0f, 1.0f}, std::array{0.0f, 0.0f, -1.0f}}) {
-    const Camera camera =
-        frame_points(skin, direction, static_cast<float>(panel_width) / static_cast<float>(panel_height));
-    panels.push_back(renderer.draw(std::span(&mesh, 1), camera, panel_width, panel_height));
+  for (const std::array<float, 3>& direction : kFrontAndBack) {
+    const Camera camera = framed(skin, direction, panel_width, panel_height);
+    panels.push_back(draw(renderer, triangles, skin, colours, {camera, panel_width, panel_height}));
   }
   return side_by_side(panels);
 }
@@ -238,6 +233,11 @@ Camera frame_pose(const PosePair& pose, const std::array<float, 3>& direction, f
   std::vector<float> points(pose.truth.begin(), pose.truth.end());
   points.insert(points.end(), pose.result.begin(), pose.result.end());
   return frame_points(points, direction, aspect);
+}
+
+Camera framed(std::span<const float> points, const std::array<float, 3>& direction, std::uint32_t width,
+              std::uint32_t height) {
+  return frame_points(points, direction, static_cast<float>(width) / static_cast<float>(height));
 }
 
 std::vector<Image> flip_book_frames(Renderer& renderer, const FlipBook& book, const Panel& panel) {
@@ -315,8 +315,7 @@ Image muscle_picture(Renderer& renderer, std::span<const float> skin, std::span<
     const std::vector<std::uint32_t> shell = facing_away(triangles, skin_normals, direction);
     const DrawMesh meshes[2] = {{skin, inner_normals, shell, {}},
                                 {tubes.positions, tube_normals, tubes.triangles, tubes.colours}};
-    const Camera camera =
-        frame_points(skin, direction, static_cast<float>(panel_width) / static_cast<float>(panel_height));
+    const Camera camera = framed(skin, direction, panel_width, panel_height);
     panels.push_back(renderer.draw(meshes, camera, panel_width, panel_height));
   }
   return side_by_side(panels);

@@ -39,6 +39,10 @@ double heat_scale(double largest);
 // A camera that sees both shapes whole, from a direction (world, towards the camera); aspect of one panel.
 Camera frame_pose(const PosePair& pose, const std::array<float, 3>& direction, float aspect);
 
+// The same of points (N x 3) in a panel of so many pixels.
+Camera framed(std::span<const float> points, const std::array<float, 3>& direction, std::uint32_t width,
+              std::uint32_t height);
+
 // The direction (world, towards the camera) from which the vertex is seen that is furthest from the truth: along its
 // normal; zero where the triangles around it have no area.
 std::array<float, 3> towards_worst(const PosePair& pose);

@@ -229,8 +229,7 @@ RegionPicture region_picture(Renderer& renderer, std::span<const float> skin, st
   std::vector<Image> panels;
   std::vector<bool> is_numbered(regions.size(), false);
   for (const std::array<float, 3>& direction : directions) {
-    const Camera camera =
-        frame_points(skin, direction, static_cast<float>(panel_width) / static_cast<float>(panel_height));
+    const Camera camera = framed(skin, direction, panel_width, panel_height);
     Image& image = panels.emplace_back(renderer.draw(std::span(&mesh, 1), camera, panel_width, panel_height));
     const RegionPanel panel(skin, normals, triangles, camera, image);
     for (std::size_t r = 0; r < regions.size(); ++r) {

@@ -14,6 +14,8 @@ namespace {
 
 constexpr std::size_t kLeafNodes = 32;
 
+std::size_t at(int index) { return static_cast<std::size_t>(index); }
+
 // Half of the space's directions along axes, and diagonals of faces and of cubes.
 std::vector<Eigen::Vector3d> directions() {
   std::vector<Eigen::Vector3d> result;
@@ -62,7 +64,6 @@ class CoverFinder {
   }
 
  private:
-  static std::size_t at(int node) { return static_cast<std::size_t>(node); }
   bool crosses(int node) const {
     return std::ranges::any_of(graph_[at(node)], [&](int n) { return side_[at(n)] == 1; });
   }
@@ -108,8 +109,6 @@ class Dissection {
   std::vector<DissectedFront> take() { return std::move(fronts_); }
 
  private:
-  static std::size_t at(int node) { return static_cast<std::size_t>(node); }
-
   // Returns the front above all others of these nodes.
   int split(const std::vector<int>& nodes) {
     if (nodes.size() <= kLeafNodes) return add(nodes, -1, -1);
@@ -204,8 +203,6 @@ void for_columns(Eigen::Index count, const Work& work) {
   });
 }
 
-std::size_t at(int index) { return static_cast<std::size_t>(index); }
-
 // Dense blocks of one front: its own n1 unknowns, its nb boundary unknowns.
 struct Front {
   Matrix inverse;    // P, n1 x n1
@@ -213,19 +210,25 @@ struct Front {
   Matrix handed_up;  // nb x nb, freed when the parent has it
 };
 
+int level_count(const std::vector<DissectedFront>& tree) {
+  int count = 0;
+  for (const DissectedFront& front : tree) count = std::max(count, front.level + 1);
+  return count;
+}
+
+std::vector<std::size_t> fronts_of(const std::vector<DissectedFront>& tree, int level) {
+  std::vector<std::size_t> numbers;
+  for (std::size_t f = 0; f < tree.size(); ++f) {
+    if (tree[f].level == level) numbers.push_back(f);
+  }
+  return numbers;
+}
+
 class Factorisation {
  public:
   Factorisation(const Eigen::SparseMatrix<double>& matrix, const std::vector<DissectedFront>& tree, int components)
       : matrix_(matrix), tree_(tree), components_(components), fronts_(tree.size()) {
-    int top = 0;
-    for (const DissectedFront& front : tree) top = std::max(top, front.level);
-    for (int level = 0; level <= top; ++level) {
-      std::vector<int> numbers;
-      for (std::size_t f = 0; f < tree.size(); ++f) {
-        if (tree[f].level == level) numbers.push_back(static_cast<int>(f));
-      }
-      factorise(numbers);
-    }
+    for (int level = 0; level < level_count(tree); ++level) factorise(fronts_of(tree, level));
     if (!positive_) {
       throw Error(ErrorKind::mismatch, "the system is not positive definite: a part of it is held by nothing");
     }
@@ -234,21 +237,21 @@ class Factorisation {
   const Front& front(std::size_t number) const { return fronts_[number]; }
 
  private:
-  void factorise(const std::vector<int>& numbers) {
+  void factorise(const std::vector<std::size_t>& numbers) {
     // Many small fronts side by side; few large ones one after the other, each on all threads.
     if (numbers.size() >= 8) {
       parallel_for(numbers.size(), [&](std::size_t k) { factorise(numbers[k]); });
     } else {
-      for (const int number : numbers) factorise(number);
+      for (const std::size_t number : numbers) factorise(number);
     }
   }
 
-  void factorise(int number) {
-    const DissectedFront& front = tree_[at(number)];
+  void factorise(std::size_t number) {
+    const DissectedFront& front = tree_[number];
     const Eigen::Index own = components_ * static_cast<Eigen::Index>(front.own.size());
     const Eigen::Index boundary = components_ * static_cast<Eigen::Index>(front.boundary.size());
     Matrix whole = assemble(front, own + boundary);
-    Front& result = fronts_[at(number)];
+    Front& result = fronts_[number];
     const Eigen::LLT<Matrix> factor(whole.topLeftCorner(own, own));
     if (own > 0 && factor.info() != Eigen::Success) positive_ = false;
     result.inverse.resize(own, own);
@@ -333,9 +336,7 @@ class FrontLayout {
         own_begin_(tree.size()),
         boundary_begin_(tree.size()) {
     inverse_.unknown_count = components_ * static_cast<std::uint32_t>(nodes.node_count);
-    int levels = 0;
-    for (const DissectedFront& front : tree) levels = std::max(levels, front.level + 1);
-    for (int level = 0; level < levels; ++level) add_slots(level);
+    for (int level = 0; level < level_count(tree); ++level) add_slots(level);
     link_children();
   }
 
@@ -344,7 +345,7 @@ class FrontLayout {
       InverseLevel& range = inverse_.levels[level];
       range.up_begin = static_cast<std::uint32_t>(inverse_.up.size());
       range.down_begin = static_cast<std::uint32_t>(inverse_.down.size());
-      for (const std::size_t f : fronts_of(static_cast<int>(level))) {
+      for (const std::size_t f : fronts_of(tree_, static_cast<int>(level))) {
         const Front& front = factors.front(f);
         add_panels(front.inverse, own_begin_[f], own_begin_[f]);
         add_strips(front.to_own, own_begin_[f], boundary_begin_[f]);
@@ -358,20 +359,12 @@ class FrontLayout {
   BlockInverse take() { return std::move(inverse_); }
 
  private:
-  std::vector<std::size_t> fronts_of(int level) const {
-    std::vector<std::size_t> numbers;
-    for (std::size_t f = 0; f < tree_.size(); ++f) {
-      if (tree_[f].level == level) numbers.push_back(f);
-    }
-    return numbers;
-  }
-
   void add_slots(int level) {
     InverseLevel range{};
     range.first_slot = inverse_.slot_count();
-    for (const std::size_t f : fronts_of(level)) own_begin_[f] = add_slots(tree_[f].own);
+    for (const std::size_t f : fronts_of(tree_, level)) own_begin_[f] = add_slots(tree_[f].own);
     range.own_end = inverse_.slot_count();
-    for (const std::size_t f : fronts_of(level)) boundary_begin_[f] = add_slots(tree_[f].boundary);
+    for (const std::size_t f : fronts_of(tree_, level)) boundary_begin_[f] = add_slots(tree_[f].boundary);
     range.end_slot = inverse_.slot_count();
     inverse_.levels.push_back(range);
   }

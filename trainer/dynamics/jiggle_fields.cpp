@@ -72,18 +72,13 @@ std::vector<std::size_t> matches(const std::vector<std::string>& names, const Ji
               "', which is not there; there are ", list_names(names), ": misspelt, or made for another character?");
 }
 
-std::vector<std::size_t> joints_of(const JiggleRegion& region, const Character& character,
-                                   const JiggleSettings& settings) {
-  return matches(names_of(character.skeleton.joints), region, "joint", settings);
-}
-
-std::vector<std::size_t> muscles_of(const JiggleRegion& region, const std::vector<Muscle>& muscles,
-                                    const JiggleSettings& settings) {
-  return matches(names_of(muscles), region, "muscle", settings);
-}
-
-std::vector<std::size_t> painted_of(const JiggleRegion& region, const std::vector<RegionWeights>& painted,
-                                    const JiggleSettings& settings) {
+// Of joints, muscles or painted regions, whichever the region is of.
+std::vector<std::size_t> named_by(const JiggleRegion& region, const Character& character,
+                                  const std::vector<Muscle>& muscles, const std::vector<RegionWeights>& painted,
+                                  const JiggleSettings& settings) {
+  if (region.by == JiggleRegion::By::joint)
+    return matches(names_of(character.skeleton.joints), region, "joint", settings);
+  if (region.by == JiggleRegion::By::muscle) return matches(names_of(muscles), region, "muscle", settings);
   return matches(names_of(painted), region, "painted region", settings);
 }
 
@@ -113,26 +108,19 @@ class ShareFinder {
 
   Share operator()(const JiggleRegion& region) const {
     Share share{Eigen::VectorXd::Zero(tets_.cage.mesh.nodes.rows()), Eigen::VectorXd::Zero(character_.vertices.rows())};
-    switch (region.by) {
-      case JiggleRegion::By::joint:
-        add_joints(region, share);
-        break;
-      case JiggleRegion::By::muscle:
-        add_muscles(region, share);
-        break;
-      case JiggleRegion::By::painted:
-        add_painted(region, share);
-        break;
-    }
+    const std::vector<std::size_t> named = named_by(region, character_, muscles_, painted_, settings_);
+    if (region.by == JiggleRegion::By::joint) add_joints(named, share);
+    if (region.by == JiggleRegion::By::muscle) add_muscles(named, share);
+    if (region.by == JiggleRegion::By::painted) add_painted(named, share);
     share.nodes = share.nodes.cwiseMax(0).cwiseMin(1);
     share.skin = share.skin.cwiseMax(0).cwiseMin(1);
     return share;
   }
 
  private:
-  void add_joints(const JiggleRegion& region, Share& share) const {
+  void add_joints(const std::vector<std::size_t>& named, Share& share) const {
     std::vector<bool> wanted(character_.skeleton.size(), false);
-    for (const std::size_t j : joints_of(region, character_, settings_)) {
+    for (const std::size_t j : named) {
       wanted[j] = true;
       share.nodes += anatomy_.joint_share.col(static_cast<Eigen::Index>(j));
     }
@@ -143,8 +131,8 @@ class ShareFinder {
     }
   }
 
-  void add_muscles(const JiggleRegion& region, Share& share) const {
-    for (const std::size_t m : muscles_of(region, muscles_, settings_)) {
+  void add_muscles(const std::vector<std::size_t>& named, Share& share) const {
+    for (const std::size_t m : named) {
       share.nodes += anatomy_.muscle_share.col(static_cast<Eigen::Index>(m));
     }
     for (std::size_t v = 0; v < tets_.cage.skin.size(); ++v) {
@@ -155,8 +143,8 @@ class ShareFinder {
     }
   }
 
-  void add_painted(const JiggleRegion& region, Share& share) const {
-    for (const std::size_t r : painted_of(region, painted_, settings_)) {
+  void add_painted(const std::vector<std::size_t>& named, Share& share) const {
+    for (const std::size_t r : named) {
       for (std::size_t k = 0; k < painted_[r].vertices.size(); ++k) {
         share.skin[painted_[r].vertices[k]] += painted_[r].weights[k];
       }
@@ -273,19 +261,7 @@ JiggleAnatomy find_anatomy(const Character& character, const AnatomyField& field
 
 void require_names(const JiggleSettings& settings, const Character& character, const std::vector<Muscle>& muscles,
                    const std::vector<RegionWeights>& painted) {
-  for (const JiggleRegion& region : settings.regions) {
-    switch (region.by) {
-      case JiggleRegion::By::joint:
-        joints_of(region, character, settings);
-        break;
-      case JiggleRegion::By::muscle:
-        muscles_of(region, muscles, settings);
-        break;
-      case JiggleRegion::By::painted:
-        painted_of(region, painted, settings);
-        break;
-    }
-  }
+  for (const JiggleRegion& region : settings.regions) named_by(region, character, muscles, painted, settings);
 }
 
 JiggleFields spread_settings(const JiggleSettings& settings, const Character& character,
