@@ -1,5 +1,4 @@
-// despike: a vertex that is far from where it is in the frames just before and after, while these agree with each
-// other, is put on their median.
+// What the types of modifiers do to one frame at a time.
 #include <algorithm>
 #include <array>
 #include <map>
@@ -7,6 +6,9 @@
 #include "assets/frame_range.h"
 #include "assets/json_file.h"
 #include "base/content_hash.h"
+#include "geometry/mend_surface.h"
+#include "geometry/mesh.h"
+#include "geometry/surface_distance.h"
 #include "runtime/core/error.h"
 #include "trainer/curate/modifier_types.h"
 #include "trainer/curate/offset_cache.h"
@@ -51,6 +53,9 @@ void put_back(const std::vector<Positions>& around, double limit, Positions& own
 }
 
 }  // namespace
+
+// despike: a vertex that is far from where it is in the frames just before and after, while these agree with each
+// other, is put on their median.
 
 ShapeModifier prepare_despike(const ModifierInput& input) {
   const double limit = 1e-3 * parameter(input, "limit_mm", 5, 0.01, 1e4);  // metres
@@ -110,6 +115,88 @@ ShapeModifier prepare_blend(const ModifierInput& input) {
           .apply =
               [=](const FrameInHand& frame, Positions& offsets) {
                 if (const auto shape = shape_of(frame.number)) offsets = frame.space.offsets(*shape);
+              }};
+}
+
+// smooth: the displacement, evened out over the skin by a Gaussian. What the rest skin has of detail stays.
+
+ShapeModifier prepare_smooth(const ModifierInput& input) {
+  const Character& character = input.database.character;
+  const double radius = 1e-3 * parameter(input, "radius_mm", 10, 0.01, 1000);  // metres
+  const auto smoother = std::make_shared<const SkinSmoother>(character.vertices, character.triangles, radius);
+  return {.cause = [=](std::size_t) { return hash_of(radius); },
+          .apply = [=](const FrameInHand&, Positions& offsets) { offsets = (*smoother)(offsets); }};
+}
+
+// relax: evens out how vertices have slid along the skin, and leaves how far they stand off it.
+
+ShapeModifier prepare_relax(const ModifierInput& input) {
+  const Character& character = input.database.character;
+  const double radius = 1e-3 * parameter(input, "radius_mm", 10, 0.01, 1000);  // metres
+  const auto smoother = std::make_shared<const SkinSmoother>(character.vertices, character.triangles, radius);
+  // V x 3, at rest, unit or zero.
+  const Positions normals = vertex_normals(character.vertices, character.triangles).rowwise().normalized();
+  return {.cause = [=](std::size_t) { return hash_of(radius); },
+          .apply =
+              [=](const FrameInHand&, Positions& offsets) {
+                const Positions change = (*smoother)(offsets)-offsets;
+                const Eigen::VectorXd off_skin = change.cwiseProduct(normals).rowwise().sum();
+                offsets += change - Positions(off_skin.asDiagonal() * normals);
+              }};
+}
+
+// detail: what smoothing takes from one frame, in the place of what it takes from others.
+
+ShapeModifier prepare_detail(const ModifierInput& input) {
+  const Character& character = input.database.character;
+  const std::size_t source =
+      input.database.find(input.parameters.name("take"), input.parameters.integer("frame"), input.place);
+  const double radius = 1e-3 * parameter(input, "radius_mm", 20, 0.01, 1000);  // metres
+  const Positions whole = input.below(source);
+  const auto smoother = std::make_shared<const SkinSmoother>(character.vertices, character.triangles, radius);
+  const Positions fine = whole - Positions((*smoother)(whole));
+  ContentHash hash;
+  hash.add(radius);
+  hash.add(hash_of(fine));
+  return {.cause = [value = hash.value()](std::size_t) { return value; },
+          .apply = [=](const FrameInHand&, Positions& offsets) { offsets = (*smoother)(offsets) + fine; }};
+}
+
+// inflate: the skin along its normals, outwards or (below 0) inwards.
+
+ShapeModifier prepare_inflate(const ModifierInput& input) {
+  const double distance = 1e-3 * parameter(input, "distance_mm", 1, -1000, 1000);  // metres
+  return {
+      .cause = [=](std::size_t) { return hash_of(distance); },
+      .apply =
+          [distance, &triangles = input.database.character.triangles](const FrameInHand& frame, Positions& offsets) {
+            Positions skin = frame.space.shape(offsets);
+            skin += distance * Positions(vertex_normals(skin, triangles).rowwise().normalized());
+            offsets = frame.space.offsets(skin);
+          }};
+}
+
+// volume: what the closed skin lost of its volume at rest is given back where the mask says, along the normals, by the
+// same distance everywhere (times the mask).
+
+ShapeModifier prepare_volume(const ModifierInput& input) {
+  const Character& character = input.database.character;
+  const double cap = 1e-3 * parameter(input, "cap_mm", 10, 0, 1000);             // metres
+  const double rest = enclosed_volume(character.vertices, character.triangles);  // cubic metres
+  return {.cause = [=](std::size_t) { return hash_of(cap); },
+          .apply =
+              [cap, rest, mask = input.mask, &triangles = character.triangles](const FrameInHand& frame,
+                                                                               Positions& offsets) {
+                Positions skin = frame.space.shape(offsets);
+                // A sixth of the sum of the normals of a vertex's triangles, each twice its area long: what the volume
+                // grows by.
+                const Positions growth = vertex_normals(skin, triangles) / 6;
+                const Positions direction = growth.rowwise().normalized();
+                const double per_metre = growth.cwiseProduct(direction).rowwise().sum().dot(mask);
+                const double lost = rest - enclosed_volume(skin, triangles);
+                if (!(per_metre > 0) || !(lost > 0)) return;
+                skin += std::min(lost / per_metre, cap) * direction;
+                offsets = frame.space.offsets(skin);
               }};
 }
 
