@@ -53,9 +53,6 @@ std::vector<Bone> axis_bones(const Animal& animal, const AnimalCavity& cavity, d
 // What lies deep in the head, if it has a joint of its own.
 std::vector<Bone> skull_bones(const Animal& animal);
 
-// Of vertebrae, metres: of their middles' bodies.
-double vertebra_radius(const Animal& animal, const SpineCurve::Row& row);
-
 // The inside of any body but a human's. Throws nothing for bodies without bones: notes say what could not be placed.
 InnerTissue find_animal_tissue(const HalfBody& body, const BodyGrid& grid, const InnerTissueOptions& options);
 

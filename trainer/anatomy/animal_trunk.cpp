@@ -26,6 +26,13 @@ constexpr double kRibShare = 0.42;  // of the length that a rib and the gap besi
 
 bool has_processes(BodyKind kind) { return kind != BodyKind::many_legs && kind != BodyKind::limb; }
 
+// Of vertebrae, metres: of their middles' bodies.
+double vertebra_radius(const Animal& animal, const SpineCurve::Row& row) {
+  constexpr double kShare = 0.11, kMost = 0.0095;  // of the section's height, of the body's size
+  const double part = kShare * (row.up + row.down), most = kMost * animal.size;
+  return 2 * part * most / (part + most);
+}
+
 // The bones of those rows of the spine that one joint holds.
 class AxisPart {
  public:
@@ -172,12 +179,6 @@ bool holds_piece_of_trunk(const Animal& animal, int joint) {
 double rib_shell_distance(const Animal& animal, const Spot& spot) {
   constexpr double kWall = 0.013;  // of the body's size: muscle over the ribs
   return spot.fat + kWall * animal.size - spot.depth;
-}
-
-double vertebra_radius(const Animal& animal, const SpineCurve::Row& row) {
-  constexpr double kShare = 0.11, kMost = 0.0095;  // of the section's height, of the body's size
-  const double part = kShare * (row.up + row.down), most = kMost * animal.size;
-  return 2 * part * most / (part + most);
 }
 
 AnimalCavity::AnimalCavity(const Animal& animal)

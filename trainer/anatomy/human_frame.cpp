@@ -10,6 +10,7 @@
 namespace bodyopt {
 namespace {
 
+using Eigen::Index;
 using Eigen::Vector3d;
 using Place = HumanFrame::Place;
 
@@ -59,9 +60,6 @@ void tell_missing(HumanFrame& frame) {
   tell(!frame.spine.empty(), "the spine");
 }
 
-using Eigen::Index;
-
-constexpr double kStature = 1.75;   // metres
 constexpr double kDepthCounts = 3;  // a millimetre of depth, against one of place
 constexpr std::pair<const char*, BodyPart> kJoints[] = {{"hips_joint", BodyPart::hips},
                                                         {"spine_joint", BodyPart::spine},
@@ -147,7 +145,7 @@ LandmarkPoint read_landmark_point(const JsonObject& json) {
 
 LandmarkPlaces::LandmarkPlaces(const HalfBody& body, const LeanSamples& lean)
     : lean_(lean), places_(lean.tissue.landmarks) {
-  millimetre_ = 1e-3 / kStature * (body.vertices.col(1).maxCoeff() - body.vertices.col(1).minCoeff());
+  millimetre_ = 1e-3 / kReferenceStature * (body.vertices.col(1).maxCoeff() - body.vertices.col(1).minCoeff());
   for (const auto& [name, part] : kJoints) {
     const int joint = body.find(part);
     if (joint >= 0) places_.emplace(name, body.places[static_cast<std::size_t>(joint)]);

@@ -234,8 +234,7 @@ ConsistencyReport report_consistency(const ShapeStack& stack, double degrees, st
   for (std::size_t n = 0; n < frames; ++n) used[n] = !stack.is_dropped(n);
   ConsistencyReport report;
   WorstOfPair worst;
-  Eigen::VectorXd of_frame = Eigen::VectorXd::Zero(static_cast<Index>(frames)),
-                  of_vertex = Eigen::VectorXd::Zero(vertices);
+  Eigen::VectorXd of_frame = Eigen::VectorXd::Zero(static_cast<Index>(frames));
   const std::vector<SkinPart> parts = skin_parts(database);
   Progress progress("curate: comparing like poses", parts.size());
   std::vector<LocalModels> all_models;
@@ -249,7 +248,6 @@ ConsistencyReport report_consistency(const ShapeStack& stack, double degrees, st
       const Eigen::VectorXd square =
           deviations.middleCols<3>(3 * static_cast<Index>(k)).cast<double>().rowwise().squaredNorm();
       of_frame += part.region.weights[k] * square;
-      of_vertex[Index{part.region.vertices[k]}] += part.region.weights[k] * square.mean();
     }
     progress.advance();
   }
@@ -264,7 +262,6 @@ ConsistencyReport report_consistency(const ShapeStack& stack, double degrees, st
   }
   for (const double square : of_frame)
     report.frame_mm.push_back(1e3 * std::sqrt(square / static_cast<double>(vertices)));
-  for (const double square : of_vertex) report.vertex_mm.push_back(1e3 * std::sqrt(square));
   return report;
 }
 

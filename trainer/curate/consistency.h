@@ -37,8 +37,7 @@ struct RegionAgreement {
 struct ConsistencyReport {
   std::vector<DisagreeingPair> pairs;  // the worst first; of those a few frames apart one, in its worst region
   std::vector<RegionAgreement> regions;
-  std::vector<double> frame_mm;   // of every frame: deviation, RMS over the skin
-  std::vector<double> vertex_mm;  // V: the same, RMS over the frames
+  std::vector<double> frame_mm;  // of every frame: deviation, RMS over the skin
 };
 
 // `degrees`: how far frames are near; at most `most` pairs. Shows progress. Throws Error(mismatch) of a dataset without
