@@ -2,6 +2,7 @@
 // Of further levels of detail, both with "level1." and so on before their names.
 #include <xxhash.h>
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "runtime/basis/basis.h"
@@ -12,6 +13,7 @@
 #include "runtime/basis/table_file.h"
 #include "runtime/core/error.h"
 #include "runtime/core/json.h"
+#include "runtime/core/transformed.h"
 
 namespace bodyopt {
 namespace {
@@ -21,7 +23,8 @@ constexpr const char *kModifiers = "modifiers", *kModifierBegin = "modifiers.ble
                      *kModifierBlend = "modifiers.blend";
 constexpr const char *kCoverageNames = "coverage_names", *kEarlierCoverage = "coverage",
                      *kCoverageBegin = "coverage.joint_begin";
-constexpr const char *kFeatureJoints = "skeleton.feature_joints", *kFeatureTurns = "skeleton.feature_turns";
+constexpr const char *kFeatureJoints = "skeleton.feature_joints", *kFeatureTurns = "skeleton.feature_turns",
+                     *kFeatureScales = "skeleton.feature_scales";
 constexpr const char *kCarried = "carried.points", *kCarriedStep = "carried.step";
 constexpr std::size_t kJointNumbers = 10 + 10 + 12;  // bind, default local, inverse bind
 constexpr std::size_t kTurnNumbers = 4 + 4;          // turn above, own turn
@@ -136,14 +139,21 @@ void add_joint_features(Safetensors& file, const std::vector<JointFeatures>& fea
   }
   file.tensors[kFeatureJoints] = tensor_from(joints, 2);
   file.tensors[kFeatureTurns] = tensor_from(turns, kTurnNumbers);
+  const std::vector<double> scales = transformed(features, &JointFeatures::per_metre);
+  const bool slide = std::ranges::any_of(scales, [](const double scale) { return scale != 0; });
+  if (slide) file.tensors[kFeatureScales] = tensor_from(scales, 1);
 }
 
-std::vector<JointFeatures> read_joint_features(TableReader& reader) {
+std::vector<JointFeatures> read_joint_features(const Safetensors& file, TableReader& reader) {
   std::vector<std::uint32_t> joints;
-  std::vector<double> turns;
+  std::vector<double> turns, scales;
   reader.read(kFeatureJoints, joints, 2);
   reader.read(kFeatureTurns, turns, kTurnNumbers);
+  if (file.tensors.contains(kFeatureScales)) reader.read(kFeatureScales, scales, 1);
   std::vector<JointFeatures> features(joints.size() / 2);
+  if (!scales.empty() && scales.size() != features.size()) {
+    reader.refuse("it has the joints of ", features.size(), " groups of features, and the scales of ", scales.size());
+  }
   if (turns.size() != features.size() * kTurnNumbers) {
     reader.refuse("it has the joints of ", features.size(), " groups of features, and the turns of ",
                   turns.size() / kTurnNumbers);
@@ -153,6 +163,7 @@ std::vector<JointFeatures> read_joint_features(TableReader& reader) {
     features[k] = {joints[2 * k], joints[2 * k + 1]};
     std::copy(row, row + 4, features[k].above_turn.begin());
     std::copy(row + 4, row + 8, features[k].own_turn.begin());
+    if (!scales.empty()) features[k].per_metre = scales[k];
   }
   return features;
 }
@@ -181,7 +192,7 @@ Skeleton read_skeleton(const Safetensors& file, TableReader& reader, const std::
     for (int i = 0; i < 3; ++i) std::copy(row + 20 + 4 * i, row + 24 + 4 * i, joint.inverse_bind.m[i]);
     skeleton.joints.push_back(joint);
   }
-  if (file.tensors.contains(kFeatureJoints)) skeleton.features = read_joint_features(reader);
+  if (file.tensors.contains(kFeatureJoints)) skeleton.features = read_joint_features(file, reader);
   return skeleton;
 }
 

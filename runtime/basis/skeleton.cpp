@@ -24,6 +24,15 @@ std::uint64_t skeleton_hash(const Skeleton& skeleton) {
   return XXH3_64bits(bytes.data(), bytes.size());
 }
 
+int common_joint(const Skeleton& skeleton, std::uint32_t one, std::uint32_t other) {
+  int a = static_cast<int>(one), b = static_cast<int>(other);
+  while (a != b) {  // parents come before children: the later one is above nothing but what comes after it
+    int& later = a > b ? a : b;
+    later = skeleton.joints[static_cast<std::size_t>(later)].parent;
+  }
+  return a;
+}
+
 Pose bind_pose(const Skeleton& skeleton) {
   Pose pose;
   for (const Joint& joint : skeleton.joints) pose.joints.push_back(joint.bind);

@@ -18,11 +18,16 @@ struct Joint {
 };
 
 // What nine joint features tell: R - I, row-major, of
-//   R = above_turn (rotation of `joint` relative to `above`, away from the bind pose, in rest axes) own_turn^-1.
+//   R = above_turn (rotation of `joint` relative to `above`, away from the bind pose, in rest axes) own_turn^-1,
+// or, of a joint that slides, three numbers and six zeros:
+//   per_metre above_turn (place of `joint` as `above` sees it, less that of the bind pose, in rest axes, metres).
 // A basis that was carried from another skeleton so reads the features of that one.
 struct JointFeatures {
-  std::uint32_t joint = 0, above = 0;  // `above` is above it; or the same, of a joint that does not turn here
+  // Joints of one tree: a joint and its parent, or what a detached foot goes on from; or the same joint twice, of one
+  // that does not move here.
+  std::uint32_t joint = 0, above = 0;
   Quat above_turn{0, 0, 0, 1}, own_turn{0, 0, 0, 1};
+  double per_metre = 0;  // 0: of a rotation
 
   bool operator==(const JointFeatures&) const = default;
 };
@@ -48,6 +53,9 @@ struct Pose {
   // Those that what was learned goes by: it knows nothing of modifiers.
   const std::vector<JointTransform>& own_joints() const { return unmodified.empty() ? joints : unmodified; }
 };
+
+// The nearest joint that both hang at or under; -1 where they hang under different roots.
+int common_joint(const Skeleton& skeleton, std::uint32_t one, std::uint32_t other);
 
 Pose bind_pose(const Skeleton& skeleton);
 

@@ -77,19 +77,17 @@ class Validator : TableChecks {
     }
   }
 
-  bool is_above(std::uint32_t above, std::uint32_t joint) const {
-    int j = static_cast<int>(joint);
-    while (j >= 0 && j != static_cast<int>(above)) j = basis_.skeleton.joints[static_cast<std::size_t>(j)].parent;
-    return j >= 0;
-  }
-
   void check_joint_features() const {
     const std::vector<JointFeatures>& features = basis_.skeleton.features;
     for (std::size_t k = 0; k < features.size(); ++k) {
       const JointFeatures& of = features[k];
       const std::string name = element("skeleton.features", k);
-      if (of.joint >= basis_.skeleton.size() || !is_above(of.above, of.joint)) {
-        refuse(name, " is of joint ", of.joint, " below ", of.above, ", expected a joint and one above it");
+      const std::size_t joints = basis_.skeleton.size();
+      if (of.joint >= joints || of.above >= joints || common_joint(basis_.skeleton, of.joint, of.above) < 0) {
+        refuse(name, " is of joint ", of.joint, " seen from ", of.above, ", expected two joints of one tree");
+      }
+      if (!(of.per_metre >= 0 && of.per_metre <= kLargest)) {
+        refuse(name, " has ", of.per_metre, " a metre, expected 0 to 1e9");
       }
       if (!is_turn(of.above_turn) || !is_turn(of.own_turn)) refuse(name, " turns by no rotation of unit length");
     }

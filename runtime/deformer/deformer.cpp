@@ -99,20 +99,25 @@ double mean_fade(const Evaluation& evaluation, std::size_t k) {
 }
 
 std::string feature_name(const Basis& basis, std::uint32_t feature) {
-  const std::vector<std::uint32_t> joints = feature_joints(basis.skeleton);
-  if (feature < 9 * joints.size()) return "joint " + basis.skeleton.joints[joints[feature / 9]].name;
+  const std::vector<JointFeatures> joints = joint_features_of(basis.skeleton);
+  if (feature < 9 * joints.size()) {
+    const JointFeatures& of = joints[feature / 9];
+    return (of.per_metre > 0 ? "place of joint " : "joint ") + basis.skeleton.joints[of.joint].name;
+  }
   const std::size_t strain = feature - 9 * joints.size();
   if (strain < basis.strain.fibre_count()) return "strain " + basis.strain.names[strain];
   return "control " + basis.residual.controls.at(strain - basis.strain.fibre_count());
 }
 
 std::string outside_text(const Basis& basis, std::uint32_t feature, float by) {
-  const std::size_t joint_count = 9 * feature_joints(basis.skeleton).size();
+  const std::vector<JointFeatures> joints = joint_features_of(basis.skeleton);
+  const std::size_t joint_count = 9 * joints.size();
   const auto in = [](double value, const char* unit) {
     char text[64];
     std::snprintf(text, sizeof(text), "%.1f %s", value, unit);
     return std::string(text);
   };
+  if (feature < joint_count && joints[feature / 9].per_metre > 0) return in(1000 * double{by}, "mm");
   if (feature < joint_count) return in(double{by}, "degrees");
   if (feature < joint_count + basis.strain.fibre_count()) return in(100 * double{by}, "% of its length");
   return in(100 * double{by}, "%");

@@ -65,10 +65,12 @@ float outside_by(const Basis& basis, const float* excess, std::size_t feature) {
   const std::vector<FeatureRange>& ranges = basis.residual.features;
   const auto by = [&](std::size_t k) { return excess[k] > 0 ? excess[k] / ranges[k].inverse_scale : 0.0f; };
   const std::size_t joint = feature / 9;
-  if (joint >= feature_joints(basis.skeleton).size()) return by(feature);
-  // Rotations that are an angle t apart differ by 2 sqrt(2) sin(t / 2) as matrices.
+  const std::vector<JointFeatures> joints = joint_features_of(basis.skeleton);
+  if (joint >= joints.size()) return by(feature);
   float squares = 0;
   for (std::size_t k = 9 * joint; k < 9 * (joint + 1); ++k) squares += by(k) * by(k);
+  if (joints[joint].per_metre > 0) return std::sqrt(squares) / static_cast<float>(joints[joint].per_metre);
+  // Rotations that are an angle t apart differ by 2 sqrt(2) sin(t / 2) as matrices.
   const float half_angle = std::asin(std::min(1.0f, std::sqrt(squares / 8)));
   return 360 * std::numbers::inv_pi_v<float> * half_angle;
 }

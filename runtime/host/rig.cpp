@@ -120,15 +120,44 @@ Quat turn_of(const Skeleton& skeleton, const std::vector<Quat>& bind, const std:
   return normalized(axes * change * conjugate(axes));
 }
 
+// Rotation of a joint relative to one above it, away from the bind pose, in rest axes.
+Quat turn_below(int above, std::uint32_t joint, const Skeleton& skeleton, const std::vector<Quat>& bind,
+                const std::vector<JointTransform>& joints) {
+  Quat relative{0, 0, 0, 1};
+  for (int j = static_cast<int>(joint); j != above; j = skeleton.joints[static_cast<std::size_t>(j)].parent) {
+    relative = turn_of(skeleton, bind, joints, static_cast<std::size_t>(j)) * relative;
+  }
+  return relative;
+}
+
 // R of JointFeatures.
 Quat rotation_of(const JointFeatures& of, const Skeleton& skeleton, const std::vector<Quat>& bind,
                  const std::vector<JointTransform>& joints) {
-  Quat relative{0, 0, 0, 1};
-  for (std::uint32_t j = of.joint; j != of.above; j = static_cast<std::uint32_t>(skeleton.joints[j].parent)) {
-    relative = turn_of(skeleton, bind, joints, j) * relative;
+  if (of.joint == of.above) return {0, 0, 0, 1};
+  const int common = common_joint(skeleton, of.joint, of.above);
+  const Quat above = turn_below(common, of.above, skeleton, bind, joints),
+             own = turn_below(common, of.joint, skeleton, bind, joints);
+  return of.above_turn * conjugate(above) * own * conjugate(of.own_turn);
+}
+
+// A joint in the space of one above it.
+Affine transform_below(int above, std::uint32_t joint, const Skeleton& skeleton,
+                       const std::vector<JointTransform>& joints) {
+  Affine relative;
+  for (int j = static_cast<int>(joint); j != above; j = skeleton.joints[static_cast<std::size_t>(j)].parent) {
+    relative = affine_from(joints[static_cast<std::size_t>(j)]) * relative;
   }
-  if (of.joint == of.above) return relative;
-  return of.above_turn * relative * conjugate(of.own_turn);
+  return relative;
+}
+
+// How far the joint of JointFeatures slid, metres, turned as its axes are.
+Vec3 slide_of(const JointFeatures& of, const Skeleton& skeleton, const std::vector<JointTransform>& joints) {
+  if (of.joint == of.above) return {0, 0, 0};
+  const int common = common_joint(skeleton, of.joint, of.above);
+  const Affine seen = inverse(transform_below(common, of.above, skeleton, joints)) *
+                      transform_below(common, of.joint, skeleton, joints);
+  const Vec3 place = inverse(skeleton.joints[of.above].inverse_bind) * Vec3{seen.m[0][3], seen.m[1][3], seen.m[2][3]};
+  return rotate(of.above_turn, place - bind_place(skeleton, of.joint));
 }
 
 }  // namespace
@@ -164,6 +193,11 @@ std::vector<float> joint_features(const Skeleton& skeleton, const std::vector<Jo
   std::vector<float> features;
   const std::vector<Quat> bind = bind_rotations(skeleton);
   for (const JointFeatures& of : joint_features_of(skeleton)) {
+    if (of.per_metre > 0) {
+      for (const double x : slide_of(of, skeleton, joints)) features.push_back(static_cast<float>(of.per_metre * x));
+      features.resize(features.size() + 6, 0.0f);
+      continue;
+    }
     const auto r = rotation_matrix(rotation_of(of, skeleton, bind, joints));
     for (std::size_t i = 0; i < 3; ++i) {
       for (std::size_t k = 0; k < 3; ++k) features.push_back(static_cast<float>(r[i][k] - (i == k ? 1 : 0)));

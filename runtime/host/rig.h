@@ -18,9 +18,8 @@ struct RigFrame {
   float origin[3];
   std::vector<double> joints;  // J x 3: posed positions of the joints, metres, world
   // What was learned goes by the pose before modifiers turned joints (Pose::own_joints). 9 values for each of
-  // joint_features_of(skeleton): R_k - I, row-major, where R_k is, but for what is carried, a joint's rotation relative
-  // to its parent, away from the bind pose, in rest axes. Made of local rotations only: a turn of the root changes no
-  // bit.
+  // joint_features_of(skeleton): of most characters R_k - I, row-major, where R_k is a joint's rotation relative to its
+  // parent, away from the bind pose, in rest axes. Made of local transforms only: a turn of the root changes no bit.
   std::vector<float> joint_features;
   std::vector<float> learned_skinning;  // as skinning, of that pose: for the strains
 };

@@ -94,11 +94,15 @@ std::string earlier_file(const std::string& ending) { return kSourceFolder + "/t
 TEST(BasisFile, RoundTripOfCarriedFeatures) {
   const TemporaryFolder folder;
   Basis basis = small_basis();
-  basis.skeleton.features = {{1, 0, axis_angle({1, 2, 0}, 0.3), axis_angle({0, 1, 3}, 0.7)}};
-  save_basis(basis, folder / "a.safetensors");
-  const Basis read = load_basis(folder / "a.safetensors");
-  EXPECT_EQ(read.skeleton.features, basis.skeleton.features);
-  EXPECT_EQ(difference(read, basis), "");
+  for (const double per_metre : {0.0, 12.5}) {
+    basis.skeleton.features = {{1, 0, axis_angle({1, 2, 0}, 0.3), axis_angle({0, 1, 3}, 0.7), per_metre}};
+    save_basis(basis, folder / "a.safetensors");
+    const Basis read = load_basis(folder / "a.safetensors");
+    EXPECT_EQ(read.skeleton.features, basis.skeleton.features);
+    EXPECT_EQ(difference(read, basis), "");
+    // Versions that know of rotations alone refuse what they would take for one.
+    EXPECT_EQ(read_safetensors(folder / "a.safetensors").tensors.contains("skeleton.feature_scales"), per_metre > 0);
+  }
 }
 
 TEST(BasisFile, TheEarlierSchemaGivesTheSame) {

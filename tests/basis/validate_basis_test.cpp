@@ -63,10 +63,9 @@ TEST(ValidateBasis, JointFeatures) {
   const auto one = [](Basis& b) -> JointFeatures& { return b.skeleton.features.emplace_back(JointFeatures{1, 0}); };
   expect_refused({
       {"skeleton.features[0] is of joint 2", [&](Basis& b) { one(b).joint = 2; }},
-      {"skeleton.features[0] is of joint 0 below 1",
-       [&](Basis& b) {
-         one(b) = {0, 1};
-       }},
+      {"skeleton.features[0] is of joint 1 seen from 2", [&](Basis& b) { one(b).above = 2; }},
+      {"skeleton.features[0] has -1.0", [&](Basis& b) { one(b).per_metre = -1; }},
+      {"skeleton.features[0] has nan", [&](Basis& b) { one(b).per_metre = std::nan(""); }},
       {"skeleton.features[0] turns by no rotation", [&](Basis& b) { one(b).above_turn[3] = 2; }},
       {"skeleton.features[0] turns by no rotation", [&](Basis& b) { one(b).own_turn[1] = std::nan(""); }},
       {"residual.features",

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "runtime/deformer/deformer.h"
+#include "runtime/host/rig.h"
 #include "tests/support/small_basis.h"
 
 namespace bodyopt::testing {
@@ -18,6 +19,14 @@ TEST(OutsideText, HasTheUnitOfItsFeature) {
   EXPECT_EQ(text(9, 0.045f), "strain flexor/0, by 4.5 % of its length");
   EXPECT_EQ(text(10, 0.045f), "strain flexor/1, by 4.5 % of its length");
   EXPECT_EQ(text(11, 0.2f), "control breath, by 20.0 %");
+}
+
+TEST(OutsideText, OfAJointThatSlidesIsInMillimetres) {
+  Basis basis = small_basis();
+  basis.skeleton.features = joint_features_of(basis.skeleton);
+  basis.skeleton.features.front().per_metre = 4;
+  EXPECT_EQ(feature_name(basis, 1), "place of joint upper");
+  EXPECT_EQ(outside_text(basis, 1, 0.0123f), "12.3 mm");
 }
 
 }  // namespace

@@ -99,6 +99,51 @@ TEST(Rig, TurningTheRootChangesNoFeatureBit) {
   EXPECT_EQ(before, pose_rig(skeleton, pose).joint_features);
 }
 
+// A foot beside its leg: by world rotations, relative to a joint that it does not hang under.
+TEST(Rig, FeaturesOfADetachedJointAreSeenFromItsLimb) {
+  std::mt19937_64 random(6);
+  Skeleton skeleton = random_chain(random, 5);
+  skeleton.joints[4].parent = 1;
+  skeleton.joints[4].inverse_bind =
+      inverse(inverse(skeleton.joints[1].inverse_bind) * affine_from(skeleton.joints[4].bind));
+  skeleton.features = {{4, 3}, {3, 4}};
+  EXPECT_EQ(common_joint(skeleton, 4, 3), 1);
+  const Pose pose = random_pose(skeleton, random);
+  const std::vector<float> features = pose_rig(skeleton, pose).joint_features;
+  const auto world = posed_joints(skeleton, pose.joints);
+  const std::vector<Quat> bind = bind_rotations(skeleton);
+  const auto away = [&](std::size_t j) { return decompose(world[j]).rotation * conjugate(bind[j]); };
+  const auto expected = rotation_matrix(normalized(conjugate(away(3)) * away(4)));
+  for (std::size_t k = 0; k < 9; ++k) {
+    EXPECT_NEAR(features[k], expected[k / 3][k % 3] - (k % 4 == 0 ? 1 : 0), 1e-6);
+    EXPECT_NEAR(features[9 + k], expected[k % 3][k / 3] - (k % 4 == 0 ? 1 : 0), 1e-6);
+  }
+}
+
+// By matrices: where the joint would stand, were the other at rest.
+TEST(Rig, FeaturesOfAJointThatSlidesAreItsPlace) {
+  std::mt19937_64 random(7);
+  Skeleton skeleton = random_chain(random, 4);
+  const Quat axes = normalized({0.2, -0.1, 0.4, 0.9});
+  skeleton.features = {{3, 2, axes, {0, 0, 0, 1}, 5}, {3, 1, {0, 0, 0, 1}, {0, 0, 0, 1}, 2}, {2, 2, {}, {}, 5}};
+  Pose pose = random_pose(skeleton, random);
+  pose.joints[3].translation = pose.joints[3].translation + Vec3{0.04, -0.03, 0.02};
+  const std::vector<float> features = pose_rig(skeleton, pose).joint_features;
+  const auto world = posed_joints(skeleton, pose.joints);
+  const auto slide = [&](std::size_t above) {
+    const Affine unposed = inverse(skeleton.joints[above].inverse_bind) * inverse(world[above]) * world[3];
+    return Vec3{unposed.m[0][3], unposed.m[1][3], unposed.m[2][3]} - bind_place(skeleton, 3);
+  };
+  const Vec3 own = rotate(axes, slide(2)), other = slide(1);
+  EXPECT_NEAR(length(own), std::sqrt(0.0029), 1e-12);
+  for (std::size_t k = 0; k < 3; ++k) {
+    EXPECT_NEAR(features[k], 5 * own[k], 1e-6);
+    EXPECT_NEAR(features[9 + k], 2 * other[k], 1e-6);
+  }
+  for (std::size_t k = 3; k < 9; ++k) EXPECT_EQ(features[k], 0);
+  for (std::size_t k = 18; k < 27; ++k) EXPECT_EQ(features[k], 0);
+}
+
 TEST(Rig, OriginIsTakenOutOfTheMatrices) {
   std::mt19937_64 random(4);
   const Skeleton skeleton = random_chain(random, 3);

@@ -7,8 +7,10 @@
 #include "runtime/host/device_choice.h"
 #include "runtime/host/rig.h"
 #include "tests/support/capsule_limb.h"
+#include "tests/support/detached_limb.h"
 #include "tests/support/trained_basis.h"
 #include "trainer/train/features/features.h"
+#include "trainer/train/judge/test_errors.h"
 
 namespace bodyopt {
 namespace {
@@ -40,14 +42,57 @@ SampleSet hung_samples() {
 
 TEST(LearnedFeatures, AJointThatAllOfTheSkinHangsUnderCountsAsNotTurning) {
   const std::vector<JointFeatures> expected = {{1, 1}, {2, 1}, {3, 2}};
-  EXPECT_EQ(learned_features(hung_limb()), expected);
+  EXPECT_EQ(learned_features(hung_limb(), {}), expected);
 }
 
 TEST(LearnedFeatures, OfOtherCharactersAreTheUsualOnes) {
-  EXPECT_TRUE(learned_features(limb_character()).empty());
+  EXPECT_TRUE(learned_features(limb_character(), {}).empty());
   Character bent_below = hung_limb();  // some skin stays where it is
   bent_below.weights.front() = {{0, 1}};
-  EXPECT_TRUE(learned_features(bent_below).empty());
+  EXPECT_TRUE(learned_features(bent_below, {}).empty());
+}
+
+TEST(LearnedFeatures, ADetachedFootIsSeenFromItsLimb) {
+  const std::vector<JointFeatures> expected = {{1, 3}, {2, 2}, {3, 2}};  // the limb is all of the skin
+  EXPECT_EQ(learned_features(detached_limb(), {}), expected);
+}
+
+// The tip slides along the limb, and the skin behind it swells: no rotation tells by how much.
+SampleSet sliding_samples() {
+  SampleSet set = limb_samples(80, 20);
+  for (std::vector<Sample>* samples : {&set.train, &set.heldout}) {
+    for (Sample& sample : *samples) {
+      const double slide = 0.05 * std::sin(2.7 * sample.frame);
+      sample.pose.joints[2].translation[2] += slide;
+      Character swollen = set.character;
+      for (Eigen::Index v = 0; v < swollen.vertices.rows(); ++v) {
+        const double along = (swollen.vertices(v, 2) - 0.4) / 0.05;
+        swollen.vertices.row(v).head<2>() *= 1 + 4 * slide * std::exp(-along * along);
+      }
+      sample.shape = limb_truth(swollen, {}, sample.pose);
+    }
+  }
+  return set;
+}
+
+TEST(LearnedFeatures, AJointThatSlidesHasItsPlace) {
+  const SampleSet set = sliding_samples();
+  const double extent = longest_extent(set.character.vertices);
+  const std::vector<JointFeatures> expected = {{1, 0}, {2, 1}, {2, 1, {0, 0, 0, 1}, {0, 0, 0, 1}, 10 / extent}};
+  EXPECT_EQ(learned_features(set.character, poses_of(set.train)), expected);
+  const std::vector<const Pose*> few(27, &set.train[10].pose);
+  EXPECT_TRUE(learned_features(set.character, few).empty());
+  // Half a hundredth of the extent is no slide.
+  Pose pose = bind_pose(set.character.skeleton);
+  pose.joints[2].translation[0] += 0.005 * extent;
+  EXPECT_TRUE(learned_features(set.character, std::vector<const Pose*>(80, &pose)).empty());
+}
+
+TEST(LearnedFeatures, WhatASlideDoesIsLearned) {
+  const SampleSet set = sliding_samples();
+  const Basis basis = trained_basis(set, {});
+  const MethodErrors errors = test_errors(basis, set).front().errors;
+  EXPECT_LT(errors.full, 0.3 * errors.ddm);
 }
 
 TEST(LearnedFeatures, ABodyThatLeansIsInNoOtherPoseThanTrained) {

@@ -28,6 +28,10 @@ class AttachedRig {
   // The character's skeleton, but that detached joints hang under those that they follow, in an order of its own.
   const Skeleton& skeleton() const { return attached_; }
 
+  // Of every own joint its index in skeleton(), and the other way round.
+  const std::vector<std::uint32_t>& places() const { return place_; }
+  const std::vector<std::uint32_t>& own_joints() const { return own_of_; }
+
   // From the character's own joints to those of skeleton().
   Character attached(Character character) const;
   JointLimits attached(JointLimits limits) const;  // without detached joints
@@ -42,7 +46,7 @@ class AttachedRig {
  private:
   Skeleton own_, attached_;
   std::vector<DetachedJoint> detached_;
-  std::vector<std::uint32_t> place_, own_of_;  // of every own joint its index in attached_, and the other way round
+  std::vector<std::uint32_t> place_, own_of_;
 };
 
 }  // namespace bodyopt

@@ -148,21 +148,17 @@ int target_at_or_above(const Skeleton& source, const SkeletonMatch& match, int j
   return joint < 0 ? -1 : match.target_joint[static_cast<std::size_t>(joint)];
 }
 
-bool is_below(const Skeleton& skeleton, int joint, int above) {
-  while (joint >= 0 && joint != above) joint = skeleton.joints[static_cast<std::size_t>(joint)].parent;
-  return joint >= 0;
-}
-
 JointFeatures carried(const JointFeatures& of, const Skeleton& source, const Skeleton& target,
                       const SkeletonMatch& match) {
   const int own = match.target_joint[of.joint];
   const int top = target_at_or_above(source, match, static_cast<int>(of.above));
-  if (own < 0 || top < 0 || of.joint == of.above || !is_below(target, own, top)) {  // it does not turn
+  const auto below = static_cast<std::uint32_t>(own), above = static_cast<std::uint32_t>(top);
+  if (own < 0 || top < 0 || of.joint == of.above || common_joint(target, below, above) < 0) {  // it does not move
     const int at = target_at_or_above(source, match, static_cast<int>(of.joint));
     return {static_cast<std::uint32_t>(std::max(at, 0)), static_cast<std::uint32_t>(std::max(at, 0))};
   }
-  const auto below = static_cast<std::uint32_t>(own), above = static_cast<std::uint32_t>(top);
-  return {below, above, of.above_turn * match.alignment[above], of.own_turn * match.alignment[below]};
+  return {below, above, of.above_turn * match.alignment[above], of.own_turn * match.alignment[below],
+          of.per_metre / match.size};
 }
 
 // How large each coefficient is: root mean square of what it is away from rest, over the poses that the regions' kernel

@@ -57,6 +57,10 @@ SampleSet read_samples(const Dataset& dataset) {
   return set;
 }
 
+std::vector<const Pose*> poses_of(const std::vector<Sample>& samples) {
+  return transformed(samples, [](const Sample& sample) { return &sample.pose; });
+}
+
 std::vector<Pose> training_poses(const SampleSet& set) { return transformed(set.train, &Sample::pose); }
 
 void check_samples(const SampleSet& set) {

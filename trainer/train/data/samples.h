@@ -80,6 +80,8 @@ struct SampleSet {
 };
 SampleSet read_samples(const Dataset& dataset);
 
+std::vector<const Pose*> poses_of(const std::vector<Sample>& samples);
+
 // Poses of the training frames.
 std::vector<Pose> training_poses(const SampleSet& set);
 

@@ -15,6 +15,7 @@
 #include "runtime/core/transformed.h"
 #include "runtime/cpu/kernels.h"
 #include "runtime/host/rig.h"
+#include "trainer/motion/attached_rig.h"
 
 namespace bodyopt {
 namespace {
@@ -27,12 +28,15 @@ constexpr double kUsualShare = 0.99;  // of the frames that cross-validation hol
 
 // Of every joint that has features: itself, its parent and its children, as places in feature_joints().
 std::vector<std::vector<std::uint32_t>> neighbourhoods(const Skeleton& skeleton) {
-  const std::vector<std::uint32_t> joints = feature_joints(skeleton);
+  const std::vector<JointFeatures> joints = joint_features_of(skeleton);
+  const auto is_above = [&](const JointFeatures& one, const JointFeatures& other) {
+    return other.above == one.joint || skeleton.joints[other.joint].parent == static_cast<int>(one.joint);
+  };
   std::vector<std::vector<std::uint32_t>> result(joints.size());
   for (std::uint32_t a = 0; a < joints.size(); ++a) {
     for (std::uint32_t b = 0; b < joints.size(); ++b) {
-      const bool near = a == b || skeleton.joints[joints[a]].parent == static_cast<int>(joints[b]) ||
-                        skeleton.joints[joints[b]].parent == static_cast<int>(joints[a]);
+      const bool near =
+          joints[a].joint == joints[b].joint || is_above(joints[a], joints[b]) || is_above(joints[b], joints[a]);
       if (near) result[a].push_back(b);
     }
   }
@@ -94,6 +98,45 @@ double tolerance_of(const JointFrames& frames, const std::vector<int>& folds) {
       static_cast<std::ptrdiff_t>(kUsualShare * static_cast<double>(std::max<std::size_t>(1, distances.size()) - 1));
   std::nth_element(distances.begin(), usual, distances.end());
   return std::max(squared_distance(frames, frames).maxCoeff(), distances.empty() ? 0 : *usual);
+}
+
+// With joints seen from those that their skin hangs under.
+std::vector<JointFeatures> attached_features(const Character& character, std::vector<JointFeatures> features) {
+  const AttachedRig rig(character.skeleton, detached_joints(character));
+  const std::vector<bool> of_all_skin = joints_of_all_skin(rig.attached(character));
+  for (JointFeatures& of : features) {
+    const std::uint32_t place = rig.places()[of.joint];
+    const std::uint32_t above = rig.own_joints()[static_cast<std::size_t>(rig.skeleton().joints[place].parent)];
+    if (common_joint(character.skeleton, of.joint, above) >= 0) of.above = above;
+    if (of_all_skin[place]) of.above = of.joint;
+  }
+  return features;
+}
+
+constexpr double kSlides = 0.01;    // of the longest extent: less is rounding, or a bone of another length
+constexpr double kAsARadian = 0.1;  // of the longest extent
+
+// The places of those joints of `features` that some pose slides.
+std::vector<JointFeatures> sliding_features(const Character& character, const std::vector<JointFeatures>& features,
+                                            std::span<const Pose* const> poses) {
+  const double extent = longest_extent(character.vertices);
+  Skeleton skeleton = character.skeleton;
+  skeleton.features = features;
+  for (JointFeatures& of : skeleton.features) of.per_metre = 1;
+  std::vector<double> most(features.size(), 0);  // metres
+  for (const Pose* pose : poses) {
+    const std::vector<float> slides = pose_rig(skeleton, *pose).joint_features;
+    for (std::size_t k = 0; k < most.size(); ++k) {
+      for (std::size_t i = 0; i < 3; ++i) most[k] = std::max(most[k], std::abs(double{slides[9 * k + i]}));
+    }
+  }
+  std::vector<JointFeatures> sliding;
+  for (std::size_t k = 0; k < most.size(); ++k) {
+    if (most[k] < kSlides * extent) continue;
+    sliding.push_back(features[k]);
+    sliding.back().per_metre = 1 / (kAsARadian * extent);
+  }
+  return sliding;
 }
 
 // The deviation of a feature (radians, strain) counts as this at least: one that hardly moves in training says nothing,
@@ -349,13 +392,12 @@ FeatureSamples measure_features(const Basis& basis, std::span<const Pose* const>
   return samples;
 }
 
-std::vector<JointFeatures> learned_features(const Character& character) {
-  const std::vector<bool> of_all_skin = joints_of_all_skin(character);
+std::vector<JointFeatures> learned_features(const Character& character, std::span<const Pose* const> poses) {
   const std::vector<JointFeatures> usual = joint_features_of(character.skeleton);
-  std::vector<JointFeatures> features = usual;
-  for (JointFeatures& of : features) {
-    if (of_all_skin[of.joint]) of.above = of.joint;
-  }
+  std::vector<JointFeatures> features = attached_features(character, usual);
+  const std::vector<JointFeatures> sliding = sliding_features(character, features, poses);
+  const bool enough = poses.size() > 9 * (features.size() + sliding.size());
+  if (enough) features.insert(features.end(), sliding.begin(), sliding.end());
   return features == usual ? std::vector<JointFeatures>{} : features;
 }
 

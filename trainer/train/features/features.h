@@ -42,10 +42,15 @@ std::vector<std::uint32_t> varying_features(const Eigen::MatrixXd& features, std
 std::vector<float> measure_strains(const Basis& basis, const Pose& pose);
 std::vector<float> measure_strains(const Basis& basis, const StrainTable& fibres, const Pose& pose);
 
-// Which joints' turns a character's skin is learned by: as joint_features_of() its skeleton, but that joints which all
-// of the skin hangs under count as not turning: they bend none of it, and a body that leans must not look like one in a
-// pose that training lacks. Empty where there are none but roots, as in Skeleton.
-std::vector<JointFeatures> learned_features(const Character& character);
+// What of its joints a character's skin is learned by: as joint_features_of() its skeleton, but that
+//   - joints which all of the skin hangs under count as not turning: they bend none of it, and a body that leans must
+//     not look like one in a pose that training lacks;
+//   - a detached foot (detached_joints) is seen from the limb that it goes on from;
+//   - joints that the poses slide by a hundredth of the character's longest extent have their places, too, after all
+//     rotations: a tenth of the extent counts as a radian. Not of fewer poses than features: from so few more is
+//     learned by chance.
+// Empty where that changes nothing, as in Skeleton.
+std::vector<JointFeatures> learned_features(const Character& character, std::span<const Pose* const> poses);
 
 // All of a FadeTable but what it tells of regions. Directions are, of those principal axes of the features of a joint,
 // its parent and its children (about rest) along which the training frames turn by less than 0.03 radians, root mean

@@ -25,9 +25,9 @@ std::vector<std::uint32_t> all_vertices(const Character& character) {
 }
 
 // In runtime order, its skeleton with the features that it is learned by.
-Character to_learn(const Character& character, const std::vector<std::uint32_t>& order) {
-  Character ordered = in_order(character, order);
-  ordered.skeleton.features = learned_features(character);
+Character to_learn(const SampleSet& set, const std::vector<std::uint32_t>& order) {
+  Character ordered = in_order(set.character, order);
+  ordered.skeleton.features = learned_features(set.character, poses_of(set.train));
   return ordered;
 }
 
@@ -75,10 +75,8 @@ DdmBase base_with_fibres(const SampleSet& set, const Character& ordered, const s
 }
 
 FeatureSamples features_of(const SampleSet& set, const DdmBase& base, const EarlierFeatures& earlier) {
-  std::vector<const Pose*> poses;
-  for (const Sample& sample : set.train) poses.push_back(&sample.pose);
   const bool same_base = earlier.smoothing_radius == base.radius;
-  return measure_features(base.basis, poses, same_base ? earlier.features : KnownFeatures{});
+  return measure_features(base.basis, poses_of(set.train), same_base ? earlier.features : KnownFeatures{});
 }
 
 // Influences are measured on some frames, spread evenly.
@@ -168,7 +166,7 @@ Groundwork::Groundwork(const SampleSet& set, const TrainOptions& options, const 
     : muscles(with_curves(set.muscles, curves)),
       curve_count(curves.size()),
       order(morton_order(set.character.vertices)),
-      ordered(to_learn(set.character, order)),
+      ordered(to_learn(set, order)),
       base(base_with_fibres(set, ordered, order, options, muscles)),
       shapes(set, ordered, base.basis, order, options.method.unposing),
       features(features_of(set, base, earlier)) {}

@@ -328,9 +328,10 @@ TrainingKeys training_keys(const SampleSet& set, const TrainOptions& options) {
   add(subject, set.regions);
   for (const std::string& control : set.controls) subject.add(control);
   add(subject, options);
-  for (const JointFeatures& of : learned_features(set.character)) {  // of most characters none
+  for (const JointFeatures& of : learned_features(set.character, poses_of(set.train))) {  // of most characters none
     subject.add(std::uint64_t{of.joint});
     subject.add(std::uint64_t{of.above});
+    subject.add(of.per_metre);
   }
   TrainingKeys keys{subject.value(), std::vector<std::uint64_t>(set.train.size()), takes_key(set.train),
                     std::vector<std::uint64_t>(set.heldout.size())};
