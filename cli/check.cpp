@@ -43,14 +43,14 @@ struct PlaceList {
 };
 
 // Everything of it that has places, in the order in which these are numbered.
-std::vector<PlaceList> lists_of(const CharacterForesight& foresight) {
-  return {{"self_intersections", "the skin passes through itself at rest", foresight.intersections},
-          {"holes", "the skin is open", foresight.holes},
-          {"flipped", "faces wind oppositely", foresight.flipped},
+std::vector<PlaceList> lists_of(const CharacterForecast& forecast) {
+  return {{"self_intersections", "the skin passes through itself at rest", forecast.intersections},
+          {"holes", "the skin is open", forecast.holes},
+          {"flipped", "faces wind oppositely", forecast.flipped},
           {"near_parts", "parts of different joints nearly touch at rest (a lattice may glue them)",
-           foresight.near_parts, true},
-          {"glued_parts", "a cage holds skin of different joints together", foresight.glued, true},
-          {"riders", "loose pieces follow the others", foresight.riders}};
+           forecast.near_parts, true},
+          {"glued_parts", "a cage holds skin of different joints together", forecast.glued, true},
+          {"riders", "loose pieces follow the others", forecast.loose_pieces}};
 }
 
 // first: the number of the first; unnumbered: the numbers that the picture lacks, which become null.
@@ -105,17 +105,17 @@ std::string unnumbered_text(const std::vector<std::size_t>& unnumbered) {
                          : "without a number in the picture (inside, or covered by another place): " + numbers + "\n";
 }
 
-Json verbs_json(const std::vector<VerbForesight>& foreseen) {
-  return transformed(foreseen, [&](const VerbForesight& verb) {
+Json verbs_json(const std::vector<VerbForecast>& foreseen) {
+  return transformed(foreseen, [&](const VerbForecast& verb) {
     return Json{
         {"verb", verb.verb}, {"fills", name_of(verb.fill)}, {"nodes", verb.nodes}, {"contact", verb.has_contact},
         {"why", verb.why},   {"remedy", verb.remedy},       {"glued", verb.glued}};
   });
 }
 
-std::string verbs_text(const std::vector<VerbForesight>& foreseen) {
+std::string verbs_text(const std::vector<VerbForecast>& foreseen) {
   std::string text = format("{:17} {:13} {:>7}  {:8} why\n", "verb", "fills", "nodes", "contact");
-  for (const VerbForesight& verb : foreseen) {
+  for (const VerbForecast& verb : foreseen) {
     const bool simulates = verb.verb.starts_with("simulate");
     text += format("{:17} {:13} {:7}  {:8} {}\n", verb.verb, name_of(verb.fill), verb.nodes,
                    simulates ? (verb.has_contact ? "yes" : "no") : "-", verb.why);
@@ -138,10 +138,10 @@ std::vector<Clip> own_clips(const std::string& path, const Skeleton& skeleton, d
 // What the verbs will make of the character: in JSON, and as a table; and in a picture where asked.
 Json foreseen(const CheckArguments& arguments, const Character& character, std::string& text) {
   const std::string& picture = arguments.picture;
-  const CharacterForesight foresight =
+  const CharacterForecast forecast =
       foresee(character, own_clips(arguments.path, character.skeleton, arguments.unit), arguments.unit);
-  text += verbs_text(foresight.verbs);
-  const std::vector<PlaceList> lists = lists_of(foresight);
+  text += verbs_text(forecast.verbs);
+  const std::vector<PlaceList> lists = lists_of(forecast);
   std::vector<RestPlace> numbered;
   for (const PlaceList& list : lists) {
     text += places_text(list, numbered.size() + 1);
@@ -150,8 +150,8 @@ Json foreseen(const CheckArguments& arguments, const Character& character, std::
   std::vector<std::size_t> unnumbered;
   if (!picture.empty()) unnumbered = draw_places(character, numbered, picture);
   text += unnumbered_text(unnumbered);
-  for (const std::string& remark : foresight.remarks) text += "note: " + remark + "\n";
-  Json result = {{"foreseen", verbs_json(foresight.verbs)}, {"remarks", foresight.remarks}};
+  for (const std::string& remark : forecast.remarks) text += "note: " + remark + "\n";
+  Json result = {{"foreseen", verbs_json(forecast.verbs)}, {"remarks", forecast.remarks}};
   std::size_t first = 1;
   for (const PlaceList& list : lists) {
     result[list.key] = places_json(list, first, unnumbered);
@@ -270,7 +270,7 @@ void check(const CheckArguments& arguments) {
                       {"problems", take.problems}});
   }
   std::vector<std::string> notes;
-  std::vector<VerbForesight> foreseen;
+  std::vector<VerbForecast> foreseen;
   if (mismatch.empty()) {
     const SampleSet samples = read_samples(dataset);
     foreseen = foresee_training(samples);

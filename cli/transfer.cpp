@@ -104,30 +104,30 @@ std::optional<ReportMotion> motion_for_report(const TransferArguments& arguments
   return motion;
 }
 
-// What stands beside the source's basis, and goes with it.
-struct Company {
+// What is beside the source's basis, and is transferred with it.
+struct SideFiles {
   std::optional<Dynamics> dynamics;
   std::vector<Muscle> muscles;
   std::vector<Level> levels;
 };
 
-Company company_of(const TransferArguments& arguments, const Basis& source) {
-  Company company;
-  if (arguments.alone) return company;
+SideFiles read_side_files(const TransferArguments& arguments, const Basis& source) {
+  SideFiles side_files;
+  if (arguments.alone) return side_files;
   const std::filesystem::path dynamics = dynamics_beside(arguments.source),
                               proxy = arguments.proxy.empty() ? proxy_beside(arguments.source)
                                                               : std::filesystem::path(arguments.proxy);
-  if (std::filesystem::exists(dynamics)) company.dynamics = load_dynamics(dynamics, source);
-  if (!arguments.muscles.empty() && !company.dynamics) {
+  if (std::filesystem::exists(dynamics)) side_files.dynamics = load_dynamics(dynamics, source);
+  if (!arguments.muscles.empty() && !side_files.dynamics) {
     throw Error(ErrorKind::usage, "--muscles is for the dynamics beside the source, and there are none: no file ",
                 dynamics);
   }
-  if (!arguments.muscles.empty()) company.muscles = read_muscles(arguments.muscles, source.skeleton);
+  if (!arguments.muscles.empty()) side_files.muscles = read_muscles(arguments.muscles, source.skeleton);
   if (!arguments.proxy.empty() || std::filesystem::exists(proxy)) {
-    company.levels = load_levels(proxy);
-    require_proxy_of(source, company.levels);
+    side_files.levels = load_levels(proxy);
+    require_proxy_of(source, side_files.levels);
   }
-  return company;
+  return side_files;
 }
 
 // Of an ordinary basis one level, which carries nothing; of a proxy all of them.
@@ -145,17 +145,18 @@ std::vector<Level> carried_levels(const TransferPair& pair, const Character& tar
 }
 
 // Transfers the proxy and dynamics beside the source's basis, too. Returns what was written.
-std::vector<std::string> carry_company(const Company& company, const TransferPair& pair, const Character& target,
-                                       const Basis& carried, const std::string& out, double unit,
-                                       const TransferOptions& options, std::vector<std::string>& notes) {
+std::vector<std::string> transfer_side_files(const SideFiles& side_files, const TransferPair& pair,
+                                             const Character& target, const Basis& carried, const std::string& out,
+                                             double unit, const TransferOptions& options,
+                                             std::vector<std::string>& notes) {
   std::vector<std::string> written;
-  if (!company.levels.empty()) {
-    std::vector<Level> levels = transfer_levels(pair, target, company.levels, options, notes);
+  if (!side_files.levels.empty()) {
+    std::vector<Level> levels = transfer_levels(pair, target, side_files.levels, options, notes);
     for (Level& level : levels) keep_unit(level.basis, unit);
     if (!levels.empty()) save_levels(levels, written.emplace_back(proxy_beside(out)));
   }
-  if (company.dynamics) {
-    const Dynamics dynamics = transfer_dynamics(pair, target, carried, *company.dynamics, company.muscles, notes);
+  if (side_files.dynamics) {
+    const Dynamics dynamics = transfer_dynamics(pair, target, carried, *side_files.dynamics, side_files.muscles, notes);
     save_dynamics(dynamics, written.emplace_back(dynamics_beside(out)));
   }
   return written;
@@ -194,7 +195,7 @@ class BasisTransfer {
       : arguments_(arguments),
         options_(options_of(arguments)),
         source_(load_levels(arguments.source)),
-        company_(company_of(arguments, source_.front().basis)),
+        side_files_(read_side_files(arguments, source_.front().basis)),
         motion_(motion_for_report(arguments, source_.front().basis)) {}
 
   // Of one target, as --json has it; what is for people is printed, and the report's pictures are added.
@@ -217,7 +218,7 @@ class BasisTransfer {
     const double seconds = watch.seconds();
     facts["seconds"] = seconds;
     const std::vector<std::string> beside =
-        carry_company(company_, pair, character, basis, out, character.unit, options_, notes);
+        transfer_side_files(side_files_, pair, character, basis, out, character.unit, options_, notes);
     facts["beside"] = beside;
     facts["seconds_with_what_is_beside"] = watch.seconds();
     say_of(target, notes);
@@ -241,7 +242,7 @@ class BasisTransfer {
   const TransferArguments& arguments_;
   const TransferOptions options_;
   const std::vector<Level> source_;
-  const Company company_;
+  const SideFiles side_files_;
   const std::optional<ReportMotion> motion_;
 };
 

@@ -82,8 +82,8 @@ void Painter::draw(const PictureSize& size, Edges edges, double passed) {
   if (controls_.headless) errors_.measure_shown_frame();
   controls_.attempt([&] { choose_heat(); });
   draw_panels_over(size, passed);
-  controls_
-      .follow_keys();  // to the frame that a panel went to: the jiggle would start from the pose of the frame before
+  // To the frame that a panel went to: the jiggle would start from the pose of the frame before.
+  controls_.follow_keys();
   choose_level();
   // What cannot be drawn leaves the panels, which can undo what was set.
   std::vector<View> views;
@@ -153,7 +153,7 @@ void Painter::choose_level() {
   const std::size_t automatic =
       detail_.choose(1e-3 * snapshot_.frame_ms, controls_.playback.playing() && !lead_finest, most_levels);
   for (std::size_t c = 0; c < scene_.cast().size(); ++c) {
-    const std::optional<int>& own = c == 0 ? s.look.level : controls_.standings[c].level;
+    const std::optional<int>& own = c == 0 ? s.look.level : controls_.placements[c].level;
     const std::optional<int>& asked = own ? own : s.look.level;
     const bool finest = c == 0 || all_finest || (matched && c == 1);
     const std::size_t by_size = finest ? 0 : scene_.level_by_size(c, controls_, area_.height);

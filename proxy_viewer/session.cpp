@@ -203,7 +203,7 @@ bool Session::is_character(const std::string& file) const {
 
 std::vector<std::string> Session::add(const ActorFiles& files) {
   scene.add(files, clip_options_);
-  controls.standings.resize(scene.cast().size());
+  controls.placements.resize(scene.cast().size());
   return scene.cast().back()->notes();
 }
 
@@ -254,8 +254,8 @@ void Session::make_lead(int number) {
   if (index == 0) return;
   scene.lead().set_posing(controls.settings.pose);
   scene.make_lead(index);
-  const auto lead = controls.standings.begin() + static_cast<std::ptrdiff_t>(index);
-  std::rotate(controls.standings.begin(), lead, lead + 1);
+  const auto lead = controls.placements.begin() + static_cast<std::ptrdiff_t>(index);
+  std::rotate(controls.placements.begin(), lead, lead + 1);
   show_lead();
 }
 
@@ -263,7 +263,7 @@ void Session::remove(int number) {
   const std::size_t index = require_character(number);
   if (scene.cast().size() == 1) throw Error(ErrorKind::usage, "the only character stays: 'quit' closes the viewport");
   scene.remove(index);
-  controls.standings.erase(controls.standings.begin() + static_cast<std::ptrdiff_t>(index));
+  controls.placements.erase(controls.placements.begin() + static_cast<std::ptrdiff_t>(index));
   receiver_ = receiver_ == index ? 0 : receiver_ - (receiver_ > index ? 1 : 0);
   if (index == 0) return show_lead();
   if (index == 1) forget_pair();
@@ -382,8 +382,8 @@ void Session::open_session(const std::string& file) {
   scene.leave_live_pose();
   scene.cast() = std::move(cast);
   forget_pair();
-  controls.standings.clear();
-  for (const SessionCharacter& character : session.cast) controls.standings.push_back(character.standing);
+  controls.placements.clear();
+  for (const SessionCharacter& character : session.cast) controls.placements.push_back(character.placement);
   opened_ = std::move(session);
   controls.joint = opened_->joint;
   controls.marker.reset();
@@ -447,7 +447,7 @@ void Session::save(const std::string& file) {
   session.clip = clip_options_;
   for (std::size_t c = 0; c < scene.cast().size(); ++c) {
     const Actor& character = *scene.cast()[c];
-    session.cast.push_back({character.files(), character.posing(), controls.standings[c]});
+    session.cast.push_back({character.files(), character.posing(), controls.placements[c]});
   }
   session.frame = controls.playback.frame();
   session.joint = controls.joint;

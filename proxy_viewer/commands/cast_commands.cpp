@@ -9,13 +9,13 @@ namespace bodyopt {
 namespace {
 
 // Of one of the cast, which are counted from 1, but the lead.
-Standing& standing_of(Controls& controls, const std::string& number) {
+Placement& placement_of(Controls& controls, const std::string& number) {
   const int index = integer(number);
-  if (index >= 2 && static_cast<std::size_t>(index) <= controls.standings.size()) {
-    return controls.standings[static_cast<std::size_t>(index) - 1];
+  if (index >= 2 && static_cast<std::size_t>(index) <= controls.placements.size()) {
+    return controls.placements[static_cast<std::size_t>(index) - 1];
   }
   refuse(number, "one of the cast but the lead, expected a number from 2 to " +
-                     std::to_string(controls.standings.size()) + ", as the cast panel counts them");
+                     std::to_string(controls.placements.size()) + ", as the cast panel counts them");
 }
 
 // Of a vertex of one of the cast.
@@ -81,17 +81,17 @@ const Command kCastCommands[] = {
          at.emplace();
          for (std::size_t i = 0; i < 3; ++i) (*at)[i] = number_within(all[i + 1], -kFurthest, kFurthest);
        }
-       standing_of(c, all[0]).at = at;
+       placement_of(c, all[0]).at = at;
      }},
     {"ahead", "NUMBER FRAMES|auto", "", "Playback", "one of the cast goes round in its own clip; auto: frame by frame",
      [](Controls& c, const std::string& a) {
        const std::vector<std::string> all = words(a, 2, "a number of the cast and a number of frames, or auto");
-       standing_of(c, all[0]).ahead = automatic_or(all[1], -kFurthestAhead, kFurthestAhead, integer_within);
+       placement_of(c, all[0]).ahead = automatic_or(all[1], -kFurthestAhead, kFurthestAhead, integer_within);
      }},
     {"level-of", "NUMBER auto|0|1|2...", "", "Look", "of detail, of one of the cast; auto: by its size in the picture",
      [](Controls& c, const std::string& a) {
        const std::vector<std::string> all = words(a, 2, "a number of the cast and a level, or auto");
-       standing_of(c, all[0]).level = automatic_or(all[1], 0, kCoarsestLevel, integer_within);
+       placement_of(c, all[0]).level = automatic_or(all[1], 0, kCoarsestLevel, integer_within);
      }},
     request_command<&Requests::same_clip>("same-clip", "", "Playback", "all of the cast play the lead's clip"),
 };

@@ -136,7 +136,7 @@ struct Controls {
   OrbitCamera camera;
   Marking marking;
   std::vector<std::uint32_t> output_counts;  // of the cast: vertices that can be marked
-  std::vector<Standing> standings;           // of the cast, in its order; the lead's waits until another leads
+  std::vector<Placement> placements;         // of the cast, in its order; the lead's waits until another leads
   Vec3 travelled{};  // metres, world: how far the lead has gone since its clip's first frame, in the last picture
   std::vector<std::string> joint_names, axis_names, control_names;  // of the lead: what commands may name
   std::vector<Quat> joint_axes;  // of the lead's joints in the bind pose, joint to world

@@ -168,21 +168,21 @@ std::array<float, 3> Scene::free_place(std::size_t index) const {
 // Where it is to begin, or where there is room.
 std::array<float, 3> Scene::place(std::size_t index, const Controls& controls) const {
   const Actor& character = *cast_[index];
-  const std::optional<Vec3>& at = standing(character, controls).at;
+  const std::optional<Vec3>& at = placement(character, controls).at;
   if (!at) return free_place(index);
   const Vec3 begins = character.start();
   return to_float(*at - Vec3{begins[0], character.ground(), begins[2]});
 }
 
-const Standing& Scene::standing(const Actor& character, const Controls& controls) const {
-  static const Standing kUsual;
+const Placement& Scene::placement(const Actor& character, const Controls& controls) const {
+  static const Placement kUsual;
   const auto own = std::ranges::find_if(cast_, [&](const auto& one) { return one.get() == &character; });
   const auto index = static_cast<std::size_t>(own - cast_.begin());
-  return index == 0 || index >= controls.standings.size() ? kUsual : controls.standings[index];
+  return index == 0 || index >= controls.placements.size() ? kUsual : controls.placements[index];
 }
 
 int Scene::played_frame(const Actor& character, int frame, const Controls& controls) const {
-  const std::optional<int>& ahead = standing(character, controls).ahead;
+  const std::optional<int>& ahead = placement(character, controls).ahead;
   if (!ahead) return frame;
   const Clip& clip = character.clip();
   const int length = static_cast<int>(clip.poses.size());

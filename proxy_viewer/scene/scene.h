@@ -114,7 +114,7 @@ class Scene {
   void add_lines(std::vector<LinePoint> points, const std::array<float, 3>& offset, float width, View& view);
   void add_marker(const Vec3& at, std::uint32_t colour, View& view);
   void add_markings(const Controls& controls, View& view);
-  const Standing& standing(const Actor& character, const Controls& controls) const;
+  const Placement& placement(const Actor& character, const Controls& controls) const;
   // The frame of its own clip that a character plays at a frame of the lead's.
   int played_frame(const Actor& character, int frame, const Controls& controls) const;
   std::array<float, 3> place(std::size_t index, const Controls& controls) const;

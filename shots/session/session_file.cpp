@@ -33,7 +33,7 @@ constexpr auto kFileFields = [](auto& list, auto& files) {
 constexpr auto kCharacterFields = [](auto& list, auto& character) {
   kFileFields(list, character.files);
   list.structure("pose", character.pose, kPosingFields);
-  kStandingFields(list, character.standing);
+  kPlacementFields(list, character.placement);
 };
 
 constexpr auto kSessionFields = [](auto& list, auto& session) {

@@ -37,7 +37,7 @@ struct ActorFiles {
 struct SessionCharacter {
   ActorFiles files;
   ViewSettings::Posing pose{};  // of the lead it is that of the view
-  Standing standing{};          // while it is not the lead
+  Placement placement{};        // while it is not the lead
 };
 
 struct SessionFile {

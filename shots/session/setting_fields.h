@@ -94,10 +94,10 @@ inline constexpr auto kCastFields = [](auto& list, auto& cast) {
   list.integer("delay", cast.delay, 0, kLongestCopyDelay);
 };
 
-inline constexpr auto kStandingFields = [](auto& list, auto& standing) {
-  list.vector("at", standing.at, -kFurthest, kFurthest);
-  list.integer("ahead", standing.ahead, -kFurthestAhead, kFurthestAhead);
-  list.integer("level", standing.level, 0, kCoarsestLevel);
+inline constexpr auto kPlacementFields = [](auto& list, auto& placement) {
+  list.vector("at", placement.at, -kFurthest, kFurthest);
+  list.integer("ahead", placement.ahead, -kFurthestAhead, kFurthestAhead);
+  list.integer("level", placement.level, 0, kCoarsestLevel);
 };
 
 inline constexpr auto kHudFields = [](auto& list, auto& hud) {

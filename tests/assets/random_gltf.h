@@ -35,7 +35,7 @@ class RandomGltf {
   }
 
   GltfBlob blob;
-  std::vector<std::size_t> body, riders;  // nodes of the character's skin, in order; nodes of other skins
+  std::vector<std::size_t> body, loose_pieces;  // nodes of the character's skin, in order; nodes of other skins
 
   // Empty where it is as it must be.
   std::string what_is_wrong(const Character& character) const {
@@ -221,7 +221,7 @@ class RandomGltf {
       const std::vector<std::size_t> nodes = joint_nodes_;
       const std::vector<Affine> binds = binds_;
       add_skeleton("other");
-      riders.push_back(add_mesh("rider", skin, 4));
+      loose_pieces.push_back(add_mesh("rider", skin, 4));
       height_ = height;
       is_partly_mirrored_ = was_mirrored;
       joint_nodes_ = nodes;

@@ -24,7 +24,7 @@ TEST(RandomGltf, CharactersAreAsTheirScenesShowThem) {
       std::vector<std::string> notes;
       const double unit = character.unit > 0 ? character.unit : 1;
       const auto loose = read_loose_meshes(folder / "c.glb", character.skeleton, character.output_count(), unit, notes);
-      EXPECT_EQ(loose.size(), made.riders.size()) << (notes.empty() ? "" : notes.back());
+      EXPECT_EQ(loose.size(), made.loose_pieces.size()) << (notes.empty() ? "" : notes.back());
     } catch (const Error& error) {
       EXPECT_TRUE(made.may_be_refused()) << error.what();
       ++refused;

@@ -19,35 +19,35 @@ namespace bodyopt {
 namespace {
 
 // Of simulate, its draft and dynamics.
-std::vector<BodyFill> fills(const CharacterForesight& foresight) {
+std::vector<BodyFill> fills(const CharacterForecast& forecast) {
   std::vector<BodyFill> result;
-  for (std::size_t v = 0; v < 3; ++v) result.push_back(foresight.verbs.at(v).fill);
+  for (std::size_t v = 0; v < 3; ++v) result.push_back(forecast.verbs.at(v).fill);
   return result;
 }
 
-BodyFill of_verb(const std::vector<VerbForesight>& verbs, const std::string& name) {
-  return std::find_if(verbs.begin(), verbs.end(), [&](const VerbForesight& v) { return v.verb == name; })->fill;
+BodyFill of_verb(const std::vector<VerbForecast>& verbs, const std::string& name) {
+  return std::find_if(verbs.begin(), verbs.end(), [&](const VerbForecast& v) { return v.verb == name; })->fill;
 }
 
 TEST(Foresee, ASoundSkinIsFilledAsItIs) {
-  const CharacterForesight foresight = foresee(make_limb());
-  EXPECT_EQ(fills(foresight), (std::vector(3, BodyFill::skin)));
-  EXPECT_TRUE(foresight.verbs[0].why.empty() && foresight.verbs[0].remedy.empty());
-  EXPECT_TRUE(foresight.verbs[0].has_contact);
-  EXPECT_TRUE(foresight.intersections.empty());
-  EXPECT_TRUE(foresight.near_parts.empty());
-  EXPECT_TRUE(foresight.remarks.empty());
+  const CharacterForecast forecast = foresee(make_limb());
+  EXPECT_EQ(fills(forecast), (std::vector(3, BodyFill::skin)));
+  EXPECT_TRUE(forecast.verbs[0].why.empty() && forecast.verbs[0].remedy.empty());
+  EXPECT_TRUE(forecast.verbs[0].has_contact);
+  EXPECT_TRUE(forecast.intersections.empty());
+  EXPECT_TRUE(forecast.near_parts.empty());
+  EXPECT_TRUE(forecast.remarks.empty());
 }
 
 TEST(Foresee, SheetsGoIntoALatticeAndHaveNoDynamics) {
   Character sheet = make_limb();
   sheet.triangles = sheet.triangles.topRows(sheet.triangles.rows() / 2).eval();
-  const CharacterForesight foresight = foresee(sheet);
-  EXPECT_EQ(fills(foresight), (std::vector{BodyFill::lattice, BodyFill::lattice, BodyFill::refused}));
-  EXPECT_TRUE(foresight.verbs[0].has_contact);
+  const CharacterForecast forecast = foresee(sheet);
+  EXPECT_EQ(fills(forecast), (std::vector{BodyFill::lattice, BodyFill::lattice, BodyFill::refused}));
+  EXPECT_TRUE(forecast.verbs[0].has_contact);
   for (std::size_t v = 0; v < 3; ++v) {
-    EXPECT_NE(foresight.verbs[v].why.find("boundary edges"), std::string::npos) << foresight.verbs[v].why;
-    EXPECT_FALSE(foresight.verbs[v].remedy.empty());
+    EXPECT_NE(forecast.verbs[v].why.find("boundary edges"), std::string::npos) << forecast.verbs[v].why;
+    EXPECT_FALSE(forecast.verbs[v].remedy.empty());
   }
 }
 
@@ -55,14 +55,14 @@ TEST(Foresee, SheetsGoIntoALatticeAndHaveNoDynamics) {
 TEST(Foresee, HolesAndFlatSkinsHaveTheirOwnRemedies) {
   Character sheet = make_limb();
   sheet.triangles = sheet.triangles.topRows(sheet.triangles.rows() / 2).eval();
-  const CharacterForesight open = foresee(sheet);
+  const CharacterForecast open = foresee(sheet);
   EXPECT_NE(open.verbs[2].remedy.find("fill its holes"), std::string::npos) << open.verbs[2].remedy;
   ASSERT_FALSE(open.holes.empty());
   EXPECT_TRUE(open.flipped.empty());
 
   Character flat = make_limb();
   flat.vertices.col(2).setZero();
-  const CharacterForesight thin = foresee(flat);
+  const CharacterForecast thin = foresee(flat);
   EXPECT_TRUE(thin.holes.empty());
   EXPECT_NE(thin.verbs[2].remedy.find("give it a thickness"), std::string::npos)
       << thin.verbs[2].why << "; " << thin.verbs[2].remedy;
@@ -71,7 +71,7 @@ TEST(Foresee, HolesAndFlatSkinsHaveTheirOwnRemedies) {
 TEST(Foresee, FlippedFacesAndHolesAreListedByJoint) {
   Character limb = make_limb();
   std::swap(limb.triangles(0, 1), limb.triangles(0, 2));
-  const CharacterForesight turned = foresee(limb);
+  const CharacterForecast turned = foresee(limb);
   ASSERT_EQ(turned.flipped.size(), 1u);
   EXPECT_EQ(turned.flipped[0].joint, "upper");
   EXPECT_EQ(turned.flipped[0].vertices.size(), 3u);
@@ -79,7 +79,7 @@ TEST(Foresee, FlippedFacesAndHolesAreListedByJoint) {
 
   Character holed = make_limb();
   holed.triangles = holed.triangles.bottomRows(holed.triangles.rows() - 1).eval();
-  const CharacterForesight with_hole = foresee(holed);
+  const CharacterForecast with_hole = foresee(holed);
   ASSERT_EQ(with_hole.holes.size(), 1u);
   EXPECT_EQ(with_hole.holes[0].vertices.size(), 3u);
   EXPECT_TRUE(with_hole.flipped.empty());
@@ -97,10 +97,10 @@ TEST(Foresee, PiecesThatRideAreListedByJoint) {
       both.triangles.topRows(triangles).array() + static_cast<std::uint32_t>(vertices);
   const auto weights = both.weights;
   both.weights.insert(both.weights.end(), weights.begin(), weights.end());
-  const CharacterForesight foresight = foresee(both);
-  ASSERT_FALSE(foresight.riders.empty());
+  const CharacterForecast forecast = foresee(both);
+  ASSERT_FALSE(forecast.loose_pieces.empty());
   std::size_t riding = 0;
-  for (const RestPlace& place : foresight.riders) {
+  for (const RestPlace& place : forecast.loose_pieces) {
     riding += place.vertices.size();
     EXPECT_GE(place.vertices.front(), static_cast<std::uint32_t>(vertices));
   }
@@ -118,9 +118,9 @@ TEST(Foresee, AFinThatSharesAnEdgeRidesAlone) {
   limb.weights.push_back(limb.weights[a]);
   limb.triangles.conservativeResize(limb.triangles.rows() + 1, 3);
   limb.triangles.bottomRows(1) << a, b, tip;
-  const CharacterForesight foresight = foresee(limb);
-  ASSERT_EQ(foresight.riders.size(), 1u);
-  EXPECT_EQ(foresight.riders.front().vertices, std::vector<std::uint32_t>{tip});
+  const CharacterForecast forecast = foresee(limb);
+  ASSERT_EQ(forecast.loose_pieces.size(), 1u);
+  EXPECT_EQ(forecast.loose_pieces.front().vertices, std::vector<std::uint32_t>{tip});
 }
 
 // A vertex pulled through the upper limb: found at its joint, mended by all verbs.
@@ -128,11 +128,11 @@ TEST(Foresee, IntersectionsAreListedByJoint) {
   Character limb = make_limb();
   const Eigen::Index spike = 5 * kTubeSides;
   limb.vertices.row(spike).tail(2) *= -1.3;
-  const CharacterForesight foresight = foresee(limb);
-  ASSERT_FALSE(foresight.intersections.empty());
-  EXPECT_EQ(foresight.intersections.front().joint, "upper");
-  EXPECT_EQ(fills(foresight), (std::vector(3, BodyFill::mended)));
-  for (std::size_t v = 0; v < 3; ++v) EXPECT_FALSE(foresight.verbs[v].why.empty());
+  const CharacterForecast forecast = foresee(limb);
+  ASSERT_FALSE(forecast.intersections.empty());
+  EXPECT_EQ(forecast.intersections.front().joint, "upper");
+  EXPECT_EQ(fills(forecast), (std::vector(3, BodyFill::mended)));
+  for (std::size_t v = 0; v < 3; ++v) EXPECT_FALSE(forecast.verbs[v].why.empty());
 }
 
 // A limb whose end lies back in its middle: no small move parts them, and the remedy says that a picture shows where.
@@ -145,10 +145,10 @@ TEST(Foresee, IntersectionsThatCannotBeMovedApartAreListed) {
     x = 2 * fold - x;
     limb.vertices(v, 1) += 0.5 * kTubeRadius;
   }
-  const CharacterForesight foresight = foresee(limb);
-  ASSERT_NE(foresight.verbs[0].why.find("cannot be moved apart"), std::string::npos) << foresight.verbs[0].why;
-  EXPECT_NE(foresight.verbs[0].remedy.find("--picture shows where"), std::string::npos);
-  EXPECT_FALSE(foresight.intersections.empty());
+  const CharacterForecast forecast = foresee(limb);
+  ASSERT_NE(forecast.verbs[0].why.find("cannot be moved apart"), std::string::npos) << forecast.verbs[0].why;
+  EXPECT_NE(forecast.verbs[0].remedy.find("--picture shows where"), std::string::npos);
+  EXPECT_FALSE(forecast.intersections.empty());
 }
 
 // Tetrahedra on a sliver are flat: nothing passes through itself that a picture could show. A coarser skin has none.
@@ -156,11 +156,11 @@ TEST(Foresee, SliversAreNotSaidToBeInThePicture) {
   Character limb = make_limb();
   const auto sliver = limb.triangles.row(60);
   limb.vertices.row(sliver[0]) = 0.5 * (limb.vertices.row(sliver[1]) + limb.vertices.row(sliver[2]));
-  const CharacterForesight foresight = foresee(limb);
-  EXPECT_EQ(foresight.verbs[0].fill, BodyFill::coarser);
-  EXPECT_TRUE(foresight.verbs[0].has_contact);
-  EXPECT_TRUE(foresight.intersections.empty());
-  for (const VerbForesight& verb : foresight.verbs) EXPECT_EQ(verb.remedy.find("--picture"), std::string::npos);
+  const CharacterForecast forecast = foresee(limb);
+  EXPECT_EQ(forecast.verbs[0].fill, BodyFill::coarser);
+  EXPECT_TRUE(forecast.verbs[0].has_contact);
+  EXPECT_TRUE(forecast.intersections.empty());
+  for (const VerbForecast& verb : forecast.verbs) EXPECT_EQ(verb.remedy.find("--picture"), std::string::npos);
 }
 
 // Two limbs a hair apart that hang on different joints.
@@ -195,22 +195,22 @@ Character finer(Character character) {
 }
 
 TEST(Foresee, NearPartsAreNamedByTheirJoints) {
-  const CharacterForesight foresight = foresee(near_limbs());
-  ASSERT_EQ(foresight.near_parts.size(), 1u);
-  EXPECT_EQ(foresight.near_parts[0].joint, "upper");
-  EXPECT_EQ(foresight.near_parts[0].other, "lower");
+  const CharacterForecast forecast = foresee(near_limbs());
+  ASSERT_EQ(forecast.near_parts.size(), 1u);
+  EXPECT_EQ(forecast.near_parts[0].joint, "upper");
+  EXPECT_EQ(forecast.near_parts[0].other, "lower");
 }
 
 // A body whose own skin is filled is not asked to be mended where a draft is a lattice; what that holds together is
 // named by place.
 TEST(Foresee, ADraftThatIsALatticeIsToldOfTheFullSimulation) {
-  const CharacterForesight foresight = foresee(finer(near_limbs()));  // a draft of its own tets would be too large
-  ASSERT_EQ(foresight.verbs[0].fill, BodyFill::skin);
-  ASSERT_EQ(foresight.verbs[1].fill, BodyFill::lattice);
-  EXPECT_NE(foresight.verbs[1].why.find("2 pieces"), std::string::npos) << foresight.verbs[1].why;
-  EXPECT_NE(foresight.verbs[1].remedy.find("leave out --draft"), std::string::npos) << foresight.verbs[1].remedy;
-  ASSERT_FALSE(foresight.glued.empty());
-  const RestPlace& between = foresight.glued.front();
+  const CharacterForecast forecast = foresee(finer(near_limbs()));  // a draft of its own tets would be too large
+  ASSERT_EQ(forecast.verbs[0].fill, BodyFill::skin);
+  ASSERT_EQ(forecast.verbs[1].fill, BodyFill::lattice);
+  EXPECT_NE(forecast.verbs[1].why.find("2 pieces"), std::string::npos) << forecast.verbs[1].why;
+  EXPECT_NE(forecast.verbs[1].remedy.find("leave out --draft"), std::string::npos) << forecast.verbs[1].remedy;
+  ASSERT_FALSE(forecast.glued.empty());
+  const RestPlace& between = forecast.glued.front();
   EXPECT_EQ(std::set({between.joint, between.other}), (std::set<std::string>{"upper", "lower"}));
   EXPECT_EQ(std::set(between.vertices.begin(), between.vertices.end()).size(), between.vertices.size());
   EXPECT_NEAR(between.position[1], kTubeRadius, 0.02);
@@ -220,9 +220,9 @@ TEST(Foresee, ADraftThatIsALatticeIsToldOfTheFullSimulation) {
 TEST(Foresee, ADraftOfABodyWithLipsIsFilled) {
   const auto file = shared_data("characters/human_average.glb");
   if (!file) GTEST_SKIP() << kNeedsRealBodies;
-  const CharacterForesight foresight = foresee(read_character(*file));
-  EXPECT_EQ(foresight.verbs[0].fill, BodyFill::coarser);
-  EXPECT_EQ(foresight.verbs[1].fill, BodyFill::coarser) << foresight.verbs[1].why;
+  const CharacterForecast forecast = foresee(read_character(*file));
+  EXPECT_EQ(forecast.verbs[0].fill, BodyFill::coarser);
+  EXPECT_EQ(forecast.verbs[1].fill, BodyFill::coarser) << forecast.verbs[1].why;
 }
 
 TEST(Foresee, OddSizesAndIdleJointsAreRemarkedOn) {
@@ -236,12 +236,12 @@ TEST(Foresee, OddSizesAndIdleJointsAreRemarkedOn) {
   idle.name = "helper";
   idle.parent = 1;
   limb.skeleton.joints.push_back(idle);
-  const CharacterForesight foresight = foresee(limb);
-  ASSERT_EQ(foresight.remarks.size(), 2u);
-  EXPECT_NE(foresight.remarks[0].find("--unit 0.2"), std::string::npos) << foresight.remarks[0];
-  EXPECT_NE(foresight.remarks[1].find("'helper'"), std::string::npos) << foresight.remarks[1];
+  const CharacterForecast forecast = foresee(limb);
+  ASSERT_EQ(forecast.remarks.size(), 2u);
+  EXPECT_NE(forecast.remarks[0].find("--unit 0.2"), std::string::npos) << forecast.remarks[0];
+  EXPECT_NE(forecast.remarks[1].find("'helper'"), std::string::npos) << forecast.remarks[1];
   // Of a file whose unit was said: what it should be, and not what should be made of that.
-  const CharacterForesight with_unit = foresee(limb, {}, 0.1);
+  const CharacterForecast with_unit = foresee(limb, {}, 0.1);
   EXPECT_NE(with_unit.remarks[0].find("--unit 0.02"), std::string::npos) << with_unit.remarks[0];
 }
 
@@ -264,7 +264,7 @@ TEST(Foresee, ClipsThatScaleAJointAreRefused) {
   const Character limb = make_limb();
   Clip scaled = bending(limb.skeleton, "stretch");
   scaled.poses[2].joints[1].scale = {1.2, 1, 1};
-  const CharacterForesight alone = foresee(limb, {scaled});
+  const CharacterForecast alone = foresee(limb, {scaled});
   for (std::size_t v = 0; v < 2; ++v) {
     EXPECT_EQ(alone.verbs[v].fill, BodyFill::refused);
     EXPECT_FALSE(alone.verbs[v].has_contact);
@@ -274,7 +274,7 @@ TEST(Foresee, ClipsThatScaleAJointAreRefused) {
   }
   EXPECT_EQ(alone.verbs[2].fill, BodyFill::skin);
 
-  const CharacterForesight among = foresee(limb, {bending(limb.skeleton, "walk"), scaled});
+  const CharacterForecast among = foresee(limb, {bending(limb.skeleton, "walk"), scaled});
   EXPECT_EQ(among.verbs[0].fill, BodyFill::skin);
   ASSERT_EQ(among.remarks.size(), 1u);
   EXPECT_NE(among.remarks[0].find("refuses the clip 'stretch'"), std::string::npos) << among.remarks[0];
@@ -321,7 +321,7 @@ TEST(Foresee, WhatTrainAndProxyDo) {
   EXPECT_NO_THROW(build_proxy(set, {.errors = {}, .train = {.components = 4, .centres = 8}}, notes));
 
   set.train.resize(5);
-  for (const VerbForesight& verb : foresee_training(set)) {
+  for (const VerbForecast& verb : foresee_training(set)) {
     EXPECT_EQ(verb.fill, BodyFill::refused) << verb.verb;
     EXPECT_NE(verb.why.find("frames at least"), std::string::npos) << verb.why;
     EXPECT_FALSE(verb.remedy.empty()) << verb.verb;

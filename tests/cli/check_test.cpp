@@ -14,7 +14,7 @@ namespace bodyopt {
 namespace check_program_test {
 
 // A limb with a hole in its side; a small one inside it rides, and no side shows it.
-Character with_hole_and_rider() {
+Character with_hole_and_loose_piece() {
   const Character limb = make_limb();
   Character both = limb;
   const Eigen::Index vertices = limb.vertices.rows(), faces = limb.triangles.rows(), hole = 8;
@@ -44,7 +44,7 @@ std::map<std::string, std::vector<Json>> numbers_in(const Json& result) {
 TEST(CheckProgram, PlacesHaveTheNumbersOfTheTextAndOfThePicture) {
   const TemporaryFolder folder;
   const std::string character = (folder / "limb.glb").string(), picture = (folder / "places.png").string();
-  write_character(with_hole_and_rider(), character);
+  write_character(with_hole_and_loose_piece(), character);
   const auto json_of = [&](const std::string& options) {
     const ProgramResult result =
         run_verb("check " + character + options + " --json " + (folder / "check.json").string());
@@ -60,8 +60,8 @@ TEST(CheckProgram, PlacesHaveTheNumbersOfTheTextAndOfThePicture) {
     for (const Json& number : numbers[kind]) EXPECT_EQ(number, next++) << kind;
   }
   const std::string text = run_verb("check " + character).output;
-  const Json &hole = listed.at("holes").front(), &rider = listed.at("riders").back();
-  for (const Json& place : {hole, rider}) {
+  const Json &hole = listed.at("holes").front(), &loose = listed.at("riders").back();
+  for (const Json& place : {hole, loose}) {
     const std::string line = place.at("number").dump() + "  " + place.at("joint").get<std::string>() + ": " +
                              place.at("vertices").dump() + " vertices, one is " + place.at("vertex").dump() + " at";
     EXPECT_NE(text.find(line), std::string::npos) << line << "\n" << text;

@@ -26,7 +26,7 @@ Controls controls_of_a_session() {
   controls.joint_names = {"Hips", "LeftArm", "LeftForeArm", "RightArm", "Bip01 L Arm"};
   controls.joint_axes.assign(controls.joint_names.size(), Quat{0, 0, 0, 1});
   controls.live = false;
-  controls.standings.resize(3);
+  controls.placements.resize(3);
   controls.output_counts = {100, 50, 10};
   controls.marking.pairs = {{1, 2}};
   controls.control_names = {"biceps", "breath", "upper lip"};
@@ -218,11 +218,11 @@ const std::map<std::string, Case>& cases() {
       {"place",
        {"2 1 0 -2.5",
         [](C, C c) {
-          return c.standings[1].at == Vec3{1, 0, -2.5};
+          return c.placements[1].at == Vec3{1, 0, -2.5};
         },
         {"", "2", "2 1 0", "2 1 0 far", "2 free", "1 0 0 0", "4 0 0 0", "hero auto"}}},
-      {"ahead", {"3 -12", [](C, C c) { return c.standings[2].ahead == -12; }, {"", "3", "3 1.5", "1 4", "4 4", "3 100001"}}},
-      {"level-of", {"2 1", [](C, C c) { return c.standings[1].level == 1; }, {"", "2", "2 16", "2 -1", "1 0", "4 0"}}},
+      {"ahead", {"3 -12", [](C, C c) { return c.placements[2].ahead == -12; }, {"", "3", "3 1.5", "1 4", "4 4", "3 100001"}}},
+      {"level-of", {"2 1", [](C, C c) { return c.placements[1].level == 1; }, {"", "2", "2 16", "2 -1", "1 0", "4 0"}}},
       {"same-clip", {"", [](C, C c) { return c.requests.same_clip; }, {"on"}}},
       {"screenshot", {"a b.png", [](C, C c) { return c.requests.screenshot == "a b.png"; }}},
       {"turntable", {"t.####.png", [](C, C c) { return c.requests.turntable == "t.####.png"; }, {""}}},

@@ -22,7 +22,7 @@ class CrowdTest : public CharactersTest {
  protected:
   void SetUp() override {
     controls_.playback = Playback({1, kClipFrames}, 24);
-    controls_.standings.resize(3);
+    controls_.placements.resize(3);
   }
   void add(const std::string& basis) { scene_.add({.basis = basis, .clip = small_->clip}, {}); }
   std::vector<float> shown(std::size_t index) {
@@ -49,7 +49,7 @@ TEST_F(CrowdTest, BodiesOfOneBasisShareItsTables) {
   const auto tables = [&](std::size_t c) { return &scene_.cast()[c]->basis(); };
   EXPECT_EQ(tables(0), tables(1));
   EXPECT_NE(tables(0), tables(2));
-  controls_.standings[1].ahead = 5;
+  controls_.placements[1].ahead = 5;
   EXPECT_NE(shown(0), shown(1));  // each its own pose
   // A file that is written again is another.
   std::filesystem::last_write_time(small_->basis, std::filesystem::file_time_type::clock::now());
@@ -62,7 +62,7 @@ TEST_F(CrowdTest, WhoIsAheadGoesRoundInHisOwnClip) {
   add(small_->basis);
   for (const int ahead : {0, 4, -3, 5 * kClipFrames + 2}) {
     for (const int frame : {1, 7, kClipFrames}) {
-      controls_.standings[1].ahead = ahead;
+      controls_.placements[1].ahead = ahead;
       controls_.playback.scrub(frame);
       const std::vector<float> other = shown(1);
       const int played = 1 + ((frame - 1 + ahead) % kClipFrames + kClipFrames) % kClipFrames;
@@ -70,15 +70,15 @@ TEST_F(CrowdTest, WhoIsAheadGoesRoundInHisOwnClip) {
       EXPECT_EQ(shown(0), other) << ahead << " ahead at frame " << frame;
     }
   }
-  controls_.standings[0].ahead = 3;  // the lead plays what the timeline says
-  controls_.standings[1].ahead.reset();
+  controls_.placements[0].ahead = 3;  // the lead plays what the timeline says
+  controls_.placements[1].ahead.reset();
   EXPECT_EQ(shown(0), shown(1));
 }
 
 TEST_F(CrowdTest, WhoIsPlacedBeginsThere) {
   add(small_->basis);
   add(small_->basis);
-  controls_.standings[1].at = Vec3{2, 0.5, -3};
+  controls_.placements[1].at = Vec3{2, 0.5, -3};
   const std::array<float, 3> offset = scene_.look(controls_, kArea).at(0).skins.at(1).offset;
   const Actor& other = *scene_.cast()[1];
   EXPECT_NEAR(static_cast<double>(offset[0]) + other.start()[0], 2, 1e-6);
@@ -92,7 +92,7 @@ TEST_F(CrowdTest, FurtherAwayItIsCoarser) {
   ASSERT_EQ(scene_.cast()[1]->level_count(), 2u);  // the proxy that lies beside the basis
   EXPECT_NEAR(scene_.cast()[1]->level_within(1.9e-3), 0, 0);
   EXPECT_NEAR(scene_.cast()[1]->level_within(2.1e-3), 1, 0);
-  controls_.standings[1].at = Vec3{};
+  controls_.placements[1].at = Vec3{};
   const auto level_at = [&](double distance) {
     controls_.camera = OrbitCamera({.target = {0, 0, 0}, .distance = distance});
     return scene_.level_by_size(1, controls_, 1000);
@@ -174,7 +174,7 @@ TEST_F(CrowdTest, AMatchTellsVolumesAtTheFrameAndWhatIsWorthSimulating) {
   scene_.add({.basis = trained_->basis, .clip = jiggling_->clip}, {});
   scene_.add({.basis = trained_->basis, .clip = jiggling_->clip}, {});
   controls_.settings.compare.match = MatchView::confidence;
-  controls_.standings[1].ahead = 3;
+  controls_.placements[1].ahead = 3;
   Matching matching(device_, scene_, controls_);
   Snapshot snapshot;
   const Actor& second = *scene_.cast()[1];
@@ -330,7 +330,7 @@ TEST_F(PlayedCrowdTest, TheLegendCoversNoneOfTheTwo) {
 }
 
 TEST_F(PlayedCrowdTest, ASessionKeepsHowEachStandsAndPlays) {
-  const Standing second{Vec3{1, 0, -2}, 5, 1};
+  const Placement second{Vec3{1, 0, -2}, 5, 1};
   {
     const auto viewport = open(small(), "open " + small_.basis + "; same-clip; open " + small_.basis +
                                             "; place 2 1 0 -2; ahead 2 5; level-of 2 1; save crowd.json");
@@ -338,12 +338,12 @@ TEST_F(PlayedCrowdTest, ASessionKeepsHowEachStandsAndPlays) {
   }
   const SessionFile kept = read_session("crowd.json");
   ASSERT_EQ(kept.cast.size(), 3u);
-  EXPECT_EQ(kept.cast[1].standing, second);
-  EXPECT_EQ(kept.cast[2].standing, Standing());
+  EXPECT_EQ(kept.cast[1].placement, second);
+  EXPECT_EQ(kept.cast[2].placement, Placement());
   const auto viewport = open(small(), "open crowd.json; lead 2");
-  EXPECT_EQ(viewport->controls().standings.at(0), second);
+  EXPECT_EQ(viewport->controls().placements.at(0), second);
   viewport->prompt("remove 2");
-  EXPECT_EQ(viewport->controls().standings, (std::vector<Standing>{second, {}}));
+  EXPECT_EQ(viewport->controls().placements, (std::vector<Placement>{second, {}}));
 }
 
 }  // namespace crowd_test

@@ -86,19 +86,19 @@ TEST(FillableSkin, SheetsThatShareEdgesAreCutOffAndRide) {
   limb.triangles.row(triangles + 2) << 70, high, low;
   const FillableSkin skin = fillable(limb);
   EXPECT_EQ(skin.cut, 3);
-  EXPECT_EQ(skin.riders, std::vector<std::uint32_t>{low}) << "both its vertices are one piece";
+  EXPECT_EQ(skin.loose_pieces, std::vector<std::uint32_t>{low}) << "both its vertices are one piece";
   EXPECT_EQ(skin.pieces, 1);
   EXPECT_EQ(skin.vertices, plain.vertices);
   EXPECT_NO_THROW(require_closed(skin.vertices, skin.triangles));
   EXPECT_NE(skin.mending().find("3 triangles of sheets"), std::string::npos) << skin.mending();
 }
 
-// Rest in the tets, and an affine motion of these, take every vertex along: riders, moved ones, merged ones.
+// Rest in the tets, and an affine motion of these, take every vertex along: loose pieces, moved ones, merged ones.
 TEST(FillableSkin, WhatRidesIsCarried) {
   const Character plain = make_limb();
   const Character limb = with_lump(plain.vertices.colwise().mean(), 0.01);
   const FillableSkin skin = fillable(limb);
-  ASSERT_EQ(skin.riders.size(), 1u);
+  ASSERT_EQ(skin.loose_pieces.size(), 1u);
   EXPECT_EQ(skin.pieces, 1);
   EXPECT_EQ(skin.vertices.rows(), plain.vertices.rows());
   const TetMesh mesh = tetrahedralise(skin.vertices, skin.triangles, 0.05);

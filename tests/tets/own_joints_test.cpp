@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/simulate/limb.h"
-#include "trainer/tets/riders.h"
+#include "trainer/tets/loose_pieces.h"
 #include "trainer/tets/tets.h"
 
 namespace bodyopt {

@@ -114,7 +114,7 @@ std::set<std::uint32_t> vertices_of(const std::vector<VertexPair>& edges) {
   return vertices;
 }
 
-std::vector<std::uint32_t> vertices_of_riders(const FillableSkin& fillable) {
+std::vector<std::uint32_t> vertices_of_loose_pieces(const FillableSkin& fillable) {
   std::vector<std::uint32_t> vertices;
   for (std::uint32_t v = 0; v < fillable.host.size(); ++v) {
     if (fillable.host[v] < 0) vertices.push_back(v);
@@ -152,7 +152,7 @@ std::vector<RestPlace> near_parts_of(const Character& character) {
   return places_of(character, found, kFewest);
 }
 
-VerbForesight refusal(const std::string& verb, const Error& error, const char* remedy = nullptr) {
+VerbForecast refusal(const std::string& verb, const Error& error, const char* remedy = nullptr) {
   if (error.kind() == ErrorKind::interrupted) throw error;
   return {verb, BodyFill::refused, 0, false, error.what(), remedy ? remedy : remedy_for(error)};
 }
@@ -165,7 +165,7 @@ void add_glued(const Character& character, const Cage& cage, VerticesOfJoints& g
 }
 
 // glued: gets what its cage holds together.
-VerbForesight foresee_simulate(const Character& character, bool draft, VerticesOfJoints& glued) {
+VerbForecast foresee_simulate(const Character& character, bool draft, VerticesOfJoints& glued) {
   const std::string verb = draft ? "simulate --draft" : "simulate";
   try {
     const Cage cage = choose_cage(character, {.draft = draft});
@@ -184,7 +184,7 @@ VerbForesight foresee_simulate(const Character& character, bool draft, VerticesO
   }
 }
 
-VerbForesight foresee_dynamics(const Character& character) {
+VerbForecast foresee_dynamics(const Character& character) {
   try {
     // In the order that they are made in: another order may be filled where this one is not.
     const Character ordered = in_order(character, morton_order(character.vertices));
@@ -200,7 +200,7 @@ VerbForesight foresee_dynamics(const Character& character) {
 }
 
 // By what training starts from.
-VerbForesight foresee_train(const Character& character) {
+VerbForecast foresee_train(const Character& character) {
   try {
     build_ddm_basis(character, {});
     return {"train", BodyFill::works, character.vertices.rows(), false, "", ""};
@@ -210,7 +210,7 @@ VerbForesight foresee_train(const Character& character) {
 }
 
 // `shapes`: as simplify_skin().
-VerbForesight foresee_proxy(const Character& character, const std::vector<Positions>& shapes) {
+VerbForecast foresee_proxy(const Character& character, const std::vector<Positions>& shapes) {
   try {
     std::vector<std::string> notes;
     const std::vector<LevelSkin> skins = level_skins(character, shapes, {}, notes);
@@ -265,7 +265,7 @@ std::string refusal_of(const Clip& clip, const Skeleton& skeleton) {
 
 // Clips that simulate refuses: no motion of their file is left to `simulations`, or a remark.
 void foresee_scaled_clips(const std::vector<Clip>& clips, const Skeleton& skeleton,
-                          std::initializer_list<VerbForesight*> simulations, std::vector<std::string>& remarks) {
+                          std::initializer_list<VerbForecast*> simulations, std::vector<std::string>& remarks) {
   std::vector<std::string> scaled, reasons;
   for (const Clip& clip : clips) {
     std::string reason = refusal_of(clip, skeleton);
@@ -280,7 +280,7 @@ void foresee_scaled_clips(const std::vector<Clip>& clips, const Skeleton& skelet
                       " joints: remove the scale, or simulate the others");
     return;
   }
-  for (VerbForesight* simulation : simulations) {
+  for (VerbForecast* simulation : simulations) {
     *simulation = {simulation->verb, BodyFill::refused, 0, false, reasons.front(), "remove the scale in " + which};
   }
 }
@@ -333,19 +333,19 @@ const char* name_of(BodyFill fill) {
   return names[static_cast<std::size_t>(fill)];
 }
 
-CharacterForesight foresee(const Character& character, const std::vector<Clip>& clips, double unit) {
-  CharacterForesight result;
+CharacterForecast foresee(const Character& character, const std::vector<Clip>& clips, double unit) {
+  CharacterForecast result;
   constexpr std::size_t kVerbs = 5;
   Progress progress("check", kVerbs + 2);
-  const auto counted = [&](VerbForesight verb) {
+  const auto counted = [&](VerbForecast verb) {
     progress.advance();
     return verb;
   };
   const std::vector<Pose> poses = poses_of(clips);
   result.remarks = remarks_on(character, poses, unit > 0 ? unit : 1);
   VerticesOfJoints glued;
-  VerbForesight full = counted(foresee_simulate(character, false, glued)),
-                draft = counted(foresee_simulate(character, true, glued));
+  VerbForecast full = counted(foresee_simulate(character, false, glued)),
+               draft = counted(foresee_simulate(character, true, glued));
   if (draft.fill == BodyFill::lattice && full.has_contact && full.fill != BodyFill::lattice) draft.remedy = kNoDraft;
   foresee_scaled_clips(clips, character.skeleton, {&full, &draft}, result.remarks);
   result.verbs = {std::move(full), std::move(draft), counted(foresee_dynamics(character)),
@@ -355,7 +355,7 @@ CharacterForesight foresee(const Character& character, const std::vector<Clip>& 
   try {
     const FillableSkin fillable = fillable_skin(character.vertices, character.triangles, character.weights);
     result.intersections = places_of(character, fillable.tangled);
-    result.riders = places_of(character, vertices_of_riders(fillable));
+    result.loose_pieces = places_of(character, vertices_of_loose_pieces(fillable));
   } catch (const Error& error) {
     if (error.kind() != ErrorKind::mismatch) throw;  // the verbs say why
     result.intersections = places_of(
@@ -370,7 +370,7 @@ CharacterForesight foresee(const Character& character, const std::vector<Clip>& 
   return result;
 }
 
-std::vector<VerbForesight> foresee_training(const SampleSet& set) {
+std::vector<VerbForecast> foresee_training(const SampleSet& set) {
   try {
     check_samples(set);
   } catch (const Error& error) {

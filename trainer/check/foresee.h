@@ -18,7 +18,7 @@ enum class BodyFill { skin, mended, coarser, lattice, refused, works };
 // "skin", "mended skin", "coarser skin", "lattice", "refused", "works".
 const char* name_of(BodyFill fill);
 
-struct VerbForesight {
+struct VerbForecast {
   std::string verb;
   BodyFill fill = BodyFill::refused;
   Eigen::Index nodes = 0;  // of train and proxy: vertices of the skin, of the coarsest level
@@ -36,13 +36,13 @@ struct RestPlace {
   Eigen::Vector3d position = Eigen::Vector3d::Zero();  // its own, rest space, metres
 };
 
-struct CharacterForesight {
-  std::vector<VerbForesight> verbs;      // simulate, simulate --draft, dynamics, train, proxy
+struct CharacterForecast {
+  std::vector<VerbForecast> verbs;       // simulate, simulate --draft, dynamics, train, proxy
   std::vector<RestPlace> intersections;  // of the skin with itself at rest, by joint, most first
   std::vector<RestPlace> near_parts;     // of different joints, face to face, less than a mean edge apart
   std::vector<RestPlace> holes;          // skin at edges of a single triangle, by joint
   std::vector<RestPlace> flipped;        // at edges whose triangles wind oppositely, by joint
-  std::vector<RestPlace> riders;         // pieces that are carried by the others, by joint
+  std::vector<RestPlace> loose_pieces;   // pieces that are carried by the others, by joint
   std::vector<RestPlace> glued;          // that the cages of simulate hold together (glued_vertices), by joints
   std::vector<std::string> remarks;      // likely unit, joints that move nothing or are never moved, clips of no use
 };
@@ -50,9 +50,9 @@ struct CharacterForesight {
 // Fills and simplifies the character as the verbs do: what is foreseen is what they get. `clips`: its own, by
 // which its skin is simplified; none: by the rest skin alone. Where all of them scale joints, simulate is refused.
 // `unit`: metres per unit of its file that it was read with, 0: metres. Takes seconds.
-CharacterForesight foresee(const Character& character, const std::vector<Clip>& clips = {}, double unit = 0);
+CharacterForecast foresee(const Character& character, const std::vector<Clip>& clips = {}, double unit = 0);
 
 // What train and proxy will make of a dataset.
-std::vector<VerbForesight> foresee_training(const SampleSet& set);
+std::vector<VerbForecast> foresee_training(const SampleSet& set);
 
 }  // namespace bodyopt

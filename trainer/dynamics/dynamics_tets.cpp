@@ -441,8 +441,8 @@ DynamicsTets make_dynamics_tets(const Positions& vertices, const Triangles& tria
   }
   // What rides swings with the places that hold it.
   Positions places = vertices;
-  const Riders riders(fillable, vertices, triangles, weights);
-  places(riders.vertices(), Eigen::all) = riders.spread(vertices);
+  const LoosePieces loose_pieces(fillable, vertices, triangles, weights);
+  places(loose_pieces.vertices(), Eigen::all) = loose_pieces.spread(vertices);
   tets.cage.skin = carry_skin(fillable, places, tets.cage.mesh, tets.cage.skin);
   tets.cage.mending = fillable.mending();
   for (SkinPoint& point : tets.surface) {

@@ -30,9 +30,9 @@ constexpr double kCellEdges = 3;  // of the grid that finds points
 // From 0 at `from` to 1 at `to`.
 double ramp(double x, double from, double to) { return std::clamp((x - from) / (to - from), 0.0, 1.0); }
 
-Triangles without_riders(const Triangles& triangles, const Riders& riders, Eigen::Index vertex_count) {
+Triangles without_loose_pieces(const Triangles& triangles, const LoosePieces& loose_pieces, Eigen::Index vertex_count) {
   std::vector<char> rides(static_cast<std::size_t>(vertex_count), 0);
-  for (const std::uint32_t v : riders.vertices()) rides[v] = 1;
+  for (const std::uint32_t v : loose_pieces.vertices()) rides[v] = 1;
   std::vector<Eigen::Index> kept;
   for (Eigen::Index t = 0; t < triangles.rows(); ++t) {
     const auto row = triangles.row(t);
@@ -46,7 +46,7 @@ Triangles without_riders(const Triangles& triangles, const Riders& riders, Eigen
 SkinContact::SkinContact(const Positions& skin, const Triangles& triangles, const Cage& cage,
                          const Materials& materials)
     : mesh_(cage.mesh),
-      body_(without_riders(triangles, cage.riders, skin.rows())),
+      body_(without_loose_pieces(triangles, cage.loose_pieces, skin.rows())),
       rest_depth_(skin, body_),
       points_(contact_points(skin, body_, cage)),
       cell_(kCellEdges * points_.edge.sum() / static_cast<double>(points_.touching.size())),

@@ -224,14 +224,14 @@ QuasiStaticBody::QuasiStaticBody(const Character& character, const std::vector<M
   }
   force_floor_ = std::sqrt(force_floor_);
   max_move_ = kMaxMove * longest_extent(mesh_.nodes);
-  carry_riders(character, cage.riders);
+  take_loose_pieces(character, cage.loose_pieces);
   hash_ = body_hash(character, muscles, materials, mesh_, anatomy.hash());
 }
 
-void QuasiStaticBody::carry_riders(const Character& whole, const Riders& riders) {
-  if (riders.empty()) return;
-  riders_ = riders;
-  riding_ = riders.vertices();
+void QuasiStaticBody::take_loose_pieces(const Character& whole, const LoosePieces& loose_pieces) {
+  if (loose_pieces.empty()) return;
+  loose_pieces_ = loose_pieces;
+  riding_ = loose_pieces.vertices();
   skin_rest_ = whole.vertices;
   skin_weights_ = whole.weights;
   const auto tets = carriers_.rows(), riding = static_cast<Eigen::Index>(riding_.size());
@@ -242,19 +242,19 @@ void QuasiStaticBody::carry_riders(const Character& whole, const Riders& riders)
   }
 }
 
-void QuasiStaticBody::append_riders(const Pose& pose, Positions& nodes) const {
-  if (riders_.empty()) return;
+void QuasiStaticBody::append_loose_pieces(const Pose& pose, Positions& nodes) const {
+  if (loose_pieces_.empty()) return;
   const JointFrames frames(skeleton_, pose.joints);
   const Eigen::Index own = nodes.rows();
   nodes.conservativeResize(node_count(), 3);
   nodes.bottomRows(node_count() - own).setZero();
   const Positions skin = embed(embedding_, carriers_, nodes);
-  Positions displacement(skin.rows(), 3);  // in the frame of rest; of riders not looked at
+  Positions displacement(skin.rows(), 3);  // in the frame of rest; of loose pieces not looked at
   for (Eigen::Index v = 0; v < skin.rows(); ++v) {
     const BlendedFrame at = frames.blend(skin_weights_[static_cast<std::size_t>(v)], skin_rest_.row(v));
     displacement.row(v) = turned(conjugate(at.rotation), skin.row(v).transpose() - at.position).transpose();
   }
-  const Positions spread = riders_.spread(displacement);
+  const Positions spread = loose_pieces_.spread(displacement);
   for (Eigen::Index r = 0; r < spread.rows(); ++r) {
     const std::uint32_t v = riding_[static_cast<std::size_t>(r)];
     const BlendedFrame at = frames.blend(skin_weights_[v], skin_rest_.row(v));
@@ -352,7 +352,7 @@ SolvedPose QuasiStaticBody::solve_along(std::span<const Pose> path, std::span<co
     solved.status.iterations = iterations;
   }
   put_back_root_motion(path.back(), solved.nodes);
-  append_riders(path.back(), solved.nodes);
+  append_loose_pieces(path.back(), solved.nodes);
   solved.status.seconds = watch.seconds();
   return solved;
 }

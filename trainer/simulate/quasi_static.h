@@ -12,7 +12,7 @@
 #include "trainer/simulate/muscle_fibres.h"
 #include "trainer/simulate/muscle_volume.h"
 #include "trainer/simulate/skin_bending.h"
-#include "trainer/tets/riders.h"
+#include "trainer/tets/loose_pieces.h"
 
 namespace bodyopt {
 
@@ -64,7 +64,7 @@ class QuasiStaticBody {
 
   // V x 3: where the nodes of a solved pose (N + R x 3) take the skin. A vertex that rides is a node of its own: it
   // goes where its joints take it by linear blending, displaced, in its turned frame, as the body is where it holds the
-  // piece (Riders).
+  // piece (LoosePieces).
   Positions skin(const Positions& nodes) const { return embed(embedding_, carriers_, nodes); }
 
   const Skeleton& skeleton() const { return skeleton_; }
@@ -102,8 +102,8 @@ class QuasiStaticBody {
   Target target(const LocalTransforms& local, std::span<const double> flex) const;
   Positions carried(const Target& from, const Target& to, const Positions& nodes) const;
   // What rides becomes nodes of its own.
-  void carry_riders(const Character& whole, const Riders& riders);
-  void append_riders(const Pose& pose, Positions& nodes) const;
+  void take_loose_pieces(const Character& whole, const LoosePieces& loose_pieces);
+  void append_loose_pieces(const Pose& pose, Positions& nodes) const;
   // at and contact must outlive it.
   Objective energy(const Target& at, std::span<const ContactPlane> contact, const Tissue::BarrierShape& barrier,
                    bool hold_volume) const;
@@ -121,7 +121,7 @@ class QuasiStaticBody {
   TetMesh mesh_;
   std::vector<EmbeddedPoint> embedding_;
   Tets carriers_;
-  Riders riders_;
+  LoosePieces loose_pieces_;
   std::vector<std::uint32_t> riding_;
   Positions skin_rest_;       // V x 3, where something rides
   SkinWeights skin_weights_;  // V, where something rides

@@ -17,8 +17,8 @@
 #include "runtime/core/error.h"
 #include "trainer/simulate/body_hash.h"
 #include "trainer/simulate/check_muscles.h"
+#include "trainer/simulate/loose_piece_stretch.h"
 #include "trainer/simulate/partial_shapes.h"
-#include "trainer/simulate/rider_stretch.h"
 #include "trainer/tets/lattice_cage.h"
 #include "trainer/tets/second_order.h"
 
@@ -375,7 +375,7 @@ std::vector<FrameStatus> simulate(const QuasiStaticBody& body, const Character& 
     return options.draft ? body.skin(Eigen::Map<const NodesOfFrame>(sample.data(), node_count, 3).cast<double>())
                          : welded_from_output(character, sample.data());
   };
-  RiderStretch stretch(character, body.riding());
+  LoosePieceStretch stretch(character, body.riding());
   std::vector<FrameStatus> result;
   const auto write_frames = [&](auto& writer, const auto& append) {
     for (std::size_t k = 0; k < frames.size(); ++k) {

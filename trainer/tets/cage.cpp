@@ -80,7 +80,7 @@ Cage fill(const Positions& vertices, const Triangles& triangles, const SkinWeigh
   const double edge = size > 0 ? size : kDefaultSize * mean_edge(fillable.vertices, fillable.triangles);
   cage.mesh = tetrahedralise(fillable.vertices, fillable.triangles, edge);
   cage.skin = carry_skin(fillable, vertices, cage.mesh, own_nodes(cage.mesh, fillable.vertices.rows()));
-  cage.riders = Riders(fillable, vertices, triangles, weights);
+  cage.loose_pieces = LoosePieces(fillable, vertices, triangles, weights);
   cage.is_own_skin = true;
   cage.mending = fillable.mending();
   return cage;
@@ -99,7 +99,7 @@ Cage filled_cage(const Positions& vertices, const Triangles& triangles, const Sk
   require_near(cage);
   carry_by_own_joints(fillable.vertices, fillable.triangles, of_hosts(weights, fillable), cage.mesh, cage.skin);
   cage.skin = carry_skin(fillable, vertices, cage.mesh, cage.skin);
-  cage.riders = Riders(fillable, vertices, triangles, weights);
+  cage.loose_pieces = LoosePieces(fillable, vertices, triangles, weights);
   cage.mending = fillable.mending();
   return cage;
 }

@@ -10,7 +10,7 @@
 #include "geometry/tet_mesh.h"
 #include "runtime/core/error.h"
 #include "trainer/tets/fillable_skin.h"
-#include "trainer/tets/riders.h"
+#include "trainer/tets/loose_pieces.h"
 #include "trainer/tets/tets.h"
 
 namespace bodyopt {
@@ -25,7 +25,7 @@ struct Cage {
   TetMesh mesh;
   std::vector<EmbeddedPoint> skin;   // V: where every vertex lies
   std::vector<CageSample> samples;   // what is tissue in the cage
-  Riders riders;                     // what of a mended skin has no tets
+  LoosePieces loose_pieces;          // what of a mended skin has no tets
   bool is_own_skin = false;          // its first nodes are vertices of the skin
   bool is_lattice = false;           // its tets reach beyond the skin and may overlap where parts are close
   std::optional<Error> why_lattice;  // what kept the skin from being filled

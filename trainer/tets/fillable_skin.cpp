@@ -278,7 +278,7 @@ class SkinMender {
                 ", passes through the others or is open, and follows other joints (pieces that belong together are to "
                 "be joined)");
       }
-      result_.riders.push_back(pieces_[p].first);
+      result_.loose_pieces.push_back(pieces_[p].first);
     }
   }
   [[noreturn]] void refuse_open() const {
@@ -398,8 +398,8 @@ std::string FillableSkin::mending() const {
                 " pairs of intersecting triangles moved apart") +
         " (by " + std::to_string(static_cast<int>(std::ceil(1e4 * farthest)) / 10.0).substr(0, 4) + " mm at most)");
   }
-  if (!riders.empty())
-    add(counted(static_cast<Eigen::Index>(riders.size()), " loose piece follows", " loose pieces follow") +
+  if (!loose_pieces.empty())
+    add(counted(static_cast<Eigen::Index>(loose_pieces.size()), " loose piece follows", " loose pieces follow") +
         " the others");
   return text;
 }

@@ -15,19 +15,19 @@ namespace bodyopt {
 std::vector<bool> sheet_triangles(const Positions& vertices, const Triangles& triangles);
 
 struct FillableSkin {
-  Positions vertices;                    // H x 3, rest space, metres: moved where the skin passes through itself
-  Triangles triangles;                   // closed, wound outwards, free of self-intersections
-  std::vector<std::uint32_t> vertex;     // H: the skin's own vertex that each stands for
-  std::vector<int> host;                 // V: the row of `vertices` that stands for each; -1: it rides on the others
-  std::vector<std::uint32_t> first;      // V: the vertex that each was merged with, or itself
-  std::vector<std::uint32_t> tangled;    // vertices of the skin at self-intersections, ascending
-  Eigen::Index intersections = 0;        // pairs of triangles, before mending
-  Eigen::Index turned = 0, filled = 0;   // triangles turned round; added in holes
-  Eigen::Index cut = 0;                  // triangles of sheets that share edges with what is filled, and ride on it
-  Eigen::Index merged = 0, doubled = 0;  // vertices merged at open edges; triangles that were there twice
-  int pieces = 0;                        // that are filled
-  std::vector<std::uint32_t> riders;     // a vertex of every piece that rides
-  double farthest = 0;                   // that a vertex was moved, metres
+  Positions vertices;                       // H x 3, rest space, metres: moved where the skin passes through itself
+  Triangles triangles;                      // closed, wound outwards, free of self-intersections
+  std::vector<std::uint32_t> vertex;        // H: the skin's own vertex that each stands for
+  std::vector<int> host;                    // V: the row of `vertices` that stands for each; -1: it rides on the others
+  std::vector<std::uint32_t> first;         // V: the vertex that each was merged with, or itself
+  std::vector<std::uint32_t> tangled;       // vertices of the skin at self-intersections, ascending
+  Eigen::Index intersections = 0;           // pairs of triangles, before mending
+  Eigen::Index turned = 0, filled = 0;      // triangles turned round; added in holes
+  Eigen::Index cut = 0;                     // triangles of sheets that share edges with what is filled, and ride on it
+  Eigen::Index merged = 0, doubled = 0;     // vertices merged at open edges; triangles that were there twice
+  int pieces = 0;                           // that are filled
+  std::vector<std::uint32_t> loose_pieces;  // a vertex of each
+  double farthest = 0;                      // that a vertex was moved, metres
 
   // One sentence of what was done; empty: nothing.
   std::string mending() const;
@@ -47,7 +47,7 @@ FillableSkin fillable_skin(const Positions& vertices, const Triangles& triangles
 
 // Where every vertex of the skin (V x 3) is carried, V. mesh: tets that carry the vertices of the fillable skin at
 // `hosts`, H. Vertices that were moved, and those that ride, are carried by the tet near their host that holds them
-// best; how riders move is for Riders to say.
+// best; how loose pieces move is for LoosePieces to say.
 std::vector<EmbeddedPoint> carry_skin(const FillableSkin& fillable, const Positions& vertices, const TetMesh& mesh,
                                       const std::vector<EmbeddedPoint>& hosts);
 

@@ -5,7 +5,7 @@
 
 #include "tests/simulate/limb.h"
 #include "tests/support/temporary_folder.h"
-#include "trainer/simulate/rider_stretch.h"
+#include "trainer/simulate/loose_piece_stretch.h"
 #include "trainer/simulate/simulate.h"
 
 namespace bodyopt {
@@ -40,20 +40,20 @@ std::vector<std::uint32_t> add_card(const Eigen::RowVector3d& from, const Eigen:
 double most_stretched(const Character& character, const Pose& pose, bool draft) {
   const QuasiStaticBody body =
       make_body(character, {}, {.tet_size = 0.05, .threads = 1, .draft = draft, .anatomy = kLimbAnatomy});
-  RiderStretch stretch(character, body.riding());
+  LoosePieceStretch stretch(character, body.riding());
   stretch.add(1, body.skin(body.solve(pose).nodes));
   return stretch.most();
 }
 
 // A long card on the elbow, where neighbouring tets turn differently.
-TEST(Riders, ACardOnABendMovesAsOnePiece) {
+TEST(LoosePieces, ACardOnABendMovesAsOnePiece) {
   Character limb = make_limb();
   add_card({0.24, 0, 0.038}, {0.24, 0, 0.3}, {0.02, 0, 0}, {{0, 0.5}, {1, 0.5}}, limb);
   for (const bool draft : {false, true}) EXPECT_LT(most_stretched(limb, bent(limb, degrees(80)), draft), 1.2) << draft;
 }
 
 // From the hand of one limb to the side of another, which stays where it is: the card goes with its own joints.
-TEST(Riders, ACardNearTwoPartsFollowsItsOwn) {
+TEST(LoosePieces, ACardNearTwoPartsFollowsItsOwn) {
   Character both = make_two_limbs(0.2);
   const std::size_t half = both.weights.size() / 2;
   for (std::size_t v = half; v < both.weights.size(); ++v) both.weights[v] = {{0, 1.0}};
@@ -63,7 +63,7 @@ TEST(Riders, ACardNearTwoPartsFollowsItsOwn) {
   EXPECT_LT(most_stretched(both, bent(both, degrees(-60)), false), 1.2);
 }
 
-TEST(Riders, AtRestTheyAreWhereTheyWere) {
+TEST(LoosePieces, AtRestTheyAreWhereTheyWere) {
   Character limb = make_limb();
   add_card({0.1, 0, 0.04}, {0.1, 0, 0.2}, {0.02, 0, 0}, {{0, 1.0}}, limb);
   const QuasiStaticBody body = make_body(limb, {}, {.tet_size = 0.05, .threads = 1, .anatomy = kLimbAnatomy});
@@ -73,13 +73,13 @@ TEST(Riders, AtRestTheyAreWhereTheyWere) {
 }
 
 // By the numbers of the file, which need not be those of the welded skin; slivers, and what does not ride, count not.
-TEST(Riders, TheEdgeThatIsStretchedMostIsNamedAsTheFileHasIt) {
+TEST(LoosePieces, TheEdgeThatIsStretchedMostIsNamedAsTheFileHasIt) {
   Character limb = make_limb();
   const std::vector<std::uint32_t> card = add_card({0.1, 0, 0.04}, {0.1, 0, 0.2}, {0.02, 0, 0}, {{0, 1.0}}, limb);
   limb.vertices.row(card[1]) = limb.vertices.row(card[0]) + Eigen::RowVector3d(1e-5, 0, 0);  // a sliver
   limb.weights[card.back()] = {{1, 1.0}};
   std::reverse(limb.output_vertex.begin(), limb.output_vertex.end());
-  RiderStretch stretch(limb, card);
+  LoosePieceStretch stretch(limb, card);
   Positions skin = limb.vertices;
   skin.row(0) *= 3;                                     // does not ride
   skin.row(card[1]) += Eigen::RowVector3d(1e-4, 0, 0);  // eleven times as long
@@ -98,7 +98,7 @@ TEST(Riders, TheEdgeThatIsStretchedMostIsNamedAsTheFileHasIt) {
 }
 
 // A card whose two halves follow different joints.
-TEST(Riders, WhatIsStretchedIsSaidWithItsPlace) {
+TEST(LoosePieces, WhatIsStretchedIsSaidWithItsPlace) {
   const TemporaryFolder folder;
   Character limb = make_limb();
   const std::vector<std::uint32_t> card = add_card({0.24, -0.038, 0}, {0.24, -0.2, 0}, {0.02, 0, 0}, {{0, 1.0}}, limb);

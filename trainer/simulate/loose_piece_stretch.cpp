@@ -1,4 +1,4 @@
-#include "trainer/simulate/rider_stretch.h"
+#include "trainer/simulate/loose_piece_stretch.h"
 
 #include <algorithm>
 #include <cstdio>
@@ -7,7 +7,7 @@
 
 namespace bodyopt {
 
-RiderStretch::RiderStretch(const Character& character, const std::vector<std::uint32_t>& riding)
+LoosePieceStretch::LoosePieceStretch(const Character& character, const std::vector<std::uint32_t>& riding)
     : character_(character) {
   constexpr double kSliver = 0.05;  // of the mean edge: shorter ones stretch unseen
   const double least = riding.empty() ? 0 : kSliver * mean_edge(character.vertices, character.triangles);
@@ -24,7 +24,7 @@ RiderStretch::RiderStretch(const Character& character, const std::vector<std::ui
   }
 }
 
-void RiderStretch::add(int frame, const Positions& skin) {
+void LoosePieceStretch::add(int frame, const Positions& skin) {
   for (std::size_t e = 0; e < edges_.size(); ++e) {
     const double stretch = (skin.row(edges_[e].first) - skin.row(edges_[e].second)).norm() / length_[e];
     if (stretch <= most_) continue;
@@ -34,7 +34,7 @@ void RiderStretch::add(int frame, const Positions& skin) {
   }
 }
 
-std::string RiderStretch::warning() const {
+std::string LoosePieceStretch::warning() const {
   if (most_ <= kMost) return "";
   const auto [a, b] = edges_[edge_];
   const auto in_file = [&](std::uint32_t v) {

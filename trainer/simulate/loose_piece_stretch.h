@@ -10,11 +10,11 @@
 
 namespace bodyopt {
 
-// The edge of a riding piece that is stretched most in some shapes of the skin.
-class RiderStretch {
+// The edge of a loose piece that is stretched most in some shapes of the skin.
+class LoosePieceStretch {
  public:
   // riding: vertices of the skin.
-  RiderStretch(const Character& character, const std::vector<std::uint32_t>& riding);
+  LoosePieceStretch(const Character& character, const std::vector<std::uint32_t>& riding);
 
   void add(int frame, const Positions& skin);  // V x 3, metres
 

@@ -1,4 +1,4 @@
-#include "trainer/tets/riders.h"
+#include "trainer/tets/loose_pieces.h"
 
 #include <algorithm>
 #include <functional>
@@ -171,10 +171,10 @@ std::set<Edge> edges_of(const Triangles& triangles, const std::vector<std::uint3
   return edges;
 }
 
-class RiderSystem {
+class LoosePieceSystem {
  public:
-  RiderSystem(const FillableSkin& fillable, const Positions& vertices, const Triangles& triangles,
-              const SkinWeights& weights)
+  LoosePieceSystem(const FillableSkin& fillable, const Positions& vertices, const Triangles& triangles,
+                   const SkinWeights& weights)
       : fillable_(fillable), vertices_(vertices), weights_(weights), unknown_(fillable.host.size(), -1) {
     for (std::uint32_t v = 0; v < unknown_.size(); ++v) {
       if (fillable.host[v] >= 0 || fillable.first[v] != v) continue;
@@ -217,7 +217,7 @@ class RiderSystem {
     pull_[static_cast<std::size_t>(row)] += weight;
   }
 
-  // Edges that end at a rider, and the pieces they make.
+  // Edges that end at a loose vertex, and the pieces they make.
   void find_pieces(const std::set<Edge>& edges) {
     DisjointSets sets(standing_.size());
     for (const auto& [a, b] : edges) {
@@ -246,25 +246,25 @@ class RiderSystem {
     std::vector<double> count(pieces_.size(), 0);
     for (const auto& [a, b] : edges) {
       if (unknown_[a] < 0 && unknown_[b] < 0) continue;
-      const std::uint32_t rider = unknown_[a] < 0 ? b : a;
-      own.emplace_back(rider, rider == a ? b : a);
-      piece_of(rider).mean_edge += (vertices_.row(a) - vertices_.row(b)).norm();
-      ++count[static_cast<std::size_t>(piece_[static_cast<std::size_t>(unknown_[rider])])];
+      const std::uint32_t loose = unknown_[a] < 0 ? b : a;
+      own.emplace_back(loose, loose == a ? b : a);
+      piece_of(loose).mean_edge += (vertices_.row(a) - vertices_.row(b)).norm();
+      ++count[static_cast<std::size_t>(piece_[static_cast<std::size_t>(unknown_[loose])])];
     }
     for (std::size_t p = 0; p < pieces_.size(); ++p) pieces_[p].mean_edge /= std::max(count[p], 1.0);
-    for (const auto& [rider, other] : own) {
-      Piece& piece = piece_of(rider);
-      const double length = (vertices_.row(rider) - vertices_.row(other)).norm();
+    for (const auto& [loose, other] : own) {
+      Piece& piece = piece_of(loose);
+      const double length = (vertices_.row(loose) - vertices_.row(other)).norm();
       const double weight = piece.mean_edge > 0 ? piece.mean_edge / std::max(length, kShortest * piece.mean_edge) : 1;
-      pull(rider, weight);
+      pull(loose, weight);
       if (unknown_[other] < 0) {
-        held_.emplace_back(unknown_[rider], static_cast<int>(other), weight);
+        held_.emplace_back(unknown_[loose], static_cast<int>(other), weight);
         piece.is_held = true;
         continue;
       }
       pull(other, weight);
-      pulls_.emplace_back(unknown_[rider], unknown_[other], -weight);
-      pulls_.emplace_back(unknown_[other], unknown_[rider], -weight);
+      pulls_.emplace_back(unknown_[loose], unknown_[other], -weight);
+      pulls_.emplace_back(unknown_[other], unknown_[loose], -weight);
     }
   }
 
@@ -348,13 +348,13 @@ std::vector<GluedVertex> glued_vertices(const Positions& vertices, const Triangl
   return glued;
 }
 
-Riders::Riders(const FillableSkin& fillable, const Positions& vertices, const Triangles& triangles,
-               const SkinWeights& weights) {
+LoosePieces::LoosePieces(const FillableSkin& fillable, const Positions& vertices, const Triangles& triangles,
+                         const SkinWeights& weights) {
   for (std::uint32_t v = 0; v < fillable.host.size(); ++v) {
     if (fillable.host[v] < 0) vertices_.push_back(v);
   }
   if (vertices_.empty()) return;
-  const RiderSystem system(fillable, vertices, triangles, weights);
+  const LoosePieceSystem system(fillable, vertices, triangles, weights);
   for (const std::uint32_t v : vertices_) unknown_.push_back(system.unknown(v));
   held_ = system.held();
   solver_ = std::make_shared<const SparseSolver>(system.pulls());
@@ -363,7 +363,7 @@ Riders::Riders(const FillableSkin& fillable, const Positions& vertices, const Tr
   }
 }
 
-Positions Riders::spread(const Positions& values) const {
+Positions LoosePieces::spread(const Positions& values) const {
   if (empty()) return Positions(0, 3);
   const Eigen::MatrixXd sum = held_ * values;
   return solver_->solve(sum)(unknown_, Eigen::all);
