@@ -12,6 +12,7 @@
 #include "runtime/core/error.h"
 #include "trainer/train/coverage/coverage.h"
 #include "trainer/train/judge/test_errors.h"
+#include "trainer/train/skinning/provenance.h"
 
 namespace bodyopt::cli {
 namespace {
@@ -165,19 +166,11 @@ std::vector<Sample> tested(const SampleSet& set, const std::vector<Shot>& shots)
 
 // As the basis was trained, with what is new.
 TrainOptions options_of(const Basis& basis, const std::string& path) {
-  const auto found = basis.metadata.find("provenance");
-  if (found == basis.metadata.end() || basis.coverage.empty()) {
+  const std::optional<Provenance> trained = read_provenance(basis.metadata, path);
+  if (!trained || basis.coverage.empty()) {
     throw Error(ErrorKind::mismatch, path, " was not trained on shapes: improve goes on from what train wrote");
   }
-  const Json provenance = Json::parse(found->second);
-  TrainOptions options;
-  options.smoothing_radius = provenance.at("smoothing_radius_m");
-  options.components = provenance.at("components");
-  options.centres = provenance.at("centres");
-  options.surface_curves = provenance.at("surface_curves");
-  options.seed = provenance.at("seed");
-  options.budget = provenance.at("budget");
-  options.tolerance_mm = provenance.at("tolerance_mm");
+  TrainOptions options = trained->options;
   options.keep_in = fs::path(path).replace_extension(".training");
   options.update = true;
   return options;

@@ -8,7 +8,6 @@
 #include <optional>
 
 #include "assets/clip_source.h"
-#include "assets/json_file.h"
 #include "cli/arguments/common.h"
 #include "cli/range_dataset.h"
 #include "cli/results/attachments.h"
@@ -27,6 +26,7 @@
 #include "trainer/train/options.h"
 #include "trainer/train/pack/trade_off.h"
 #include "trainer/train/skinning/ddm.h"
+#include "trainer/train/skinning/provenance.h"
 
 namespace bodyopt::cli {
 namespace {
@@ -128,14 +128,8 @@ void report(const TrainArguments& arguments, const Dataset& dataset, const std::
 int surface_curves_for(const TrainArguments& arguments, const SampleSet& set) {
   if (arguments.surface_curves) return *arguments.surface_curves;
   if (arguments.options.update && std::filesystem::exists(arguments.out)) {
-    const Basis earlier = load_basis(arguments.out);
-    const auto found = earlier.metadata.find("provenance");
-    if (found != earlier.metadata.end()) {
-      const std::filesystem::path path = arguments.out;
-      const Json provenance = parse_strict_json(found->second, arguments.out);
-      const JsonObject object(provenance, path, "provenance");
-      return object.has("surface_curves") ? object.integer("surface_curves", 0, 1000) : 0;
-    }
+    const auto earlier = read_provenance(load_basis(arguments.out).metadata, arguments.out);
+    if (earlier) return earlier->options.surface_curves;
   }
   const int pairs = needed_surface_curves(set, arguments.options);
   if (pairs > 0) {

@@ -18,6 +18,7 @@
 #include "trainer/train/coverage/coverage.h"
 #include "trainer/train/judge/test_errors.h"
 #include "trainer/train/pack/trade_off.h"
+#include "trainer/train/skinning/provenance.h"
 
 namespace bodyopt::cli {
 namespace {
@@ -139,17 +140,20 @@ ProvenanceReport::Take take_of(const DatasetTake& take, std::size_t index, const
   return {take.name, format_frame_range(trained), format_frame_range(heldout), format_frame_range(left_out)};
 }
 
-std::vector<std::pair<std::string, std::string>> options_of(const Json& provenance, const TrainOptions& options,
+std::vector<std::pair<std::string, std::string>> options_of(const Provenance& provenance, const TrainOptions& options,
                                                             double unit) {
-  std::vector<std::pair<std::string, std::string>> list;
-  for (const char* name :
-       {"smoothing_radius_m", "smoothing_steps", "components", "centres", "surface_curves", "seed"}) {
-    list.emplace_back(name, provenance.at(name).dump());
-  }
-  for (const char* name : {"budget", "tolerance_mm"}) {
-    list.emplace_back(name, provenance.at(name) > 0.0 ? provenance.at(name).dump() : "none");
-  }
-  if (provenance.value("updated", false)) list.emplace_back("updated", "from an earlier training of other frames");
+  const TrainOptions& own = provenance.options;
+  const auto text = [](auto value) { return Json(value).dump(); };
+  std::vector<std::pair<std::string, std::string>> list = {
+      {"smoothing_radius_m", text(own.smoothing_radius)},
+      {"smoothing_steps", text(own.smoothing_steps)},
+      {"components", text(own.components)},
+      {"centres", text(own.centres)},
+      {"surface_curves", text(own.surface_curves)},
+      {"seed", text(own.seed)},
+      {"budget", own.budget > 0 ? text(own.budget) : "none"},
+      {"tolerance_mm", own.tolerance_mm > 0 ? text(own.tolerance_mm) : "none"}};
+  if (provenance.updated) list.emplace_back("updated", "from an earlier training of other frames");
   list.emplace_back("memory_gib", format("{:.9g}", options.memory_gib));
   if (unit > 0) list.emplace_back("unit_m", format("{:.9g}", unit));
   return list;
@@ -222,9 +226,9 @@ ReportData report_of(const SampleSet& set, const Training& training, const std::
 ProvenanceReport provenance_of(const Dataset& dataset, const std::filesystem::path& dataset_file, const SampleSet& set,
                                const TrainOptions& options, const std::filesystem::path& basis_file) {
   const Metadata metadata = read_safetensors(basis_file).metadata;
-  const Json own = Json::parse(metadata.at("provenance"));
+  const Provenance own = read_provenance(metadata, basis_file).value();
   ProvenanceReport report;
-  report.program = own.at("program");
+  report.program = own.program;
   report.command_line = command_line();
   report.options = options_of(own, options, dataset.unit);
   report.basis_checksum = metadata.at("checksum");

@@ -2,11 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <nlohmann/json.hpp>
+#include <optional>
 
 #include "geometry/mesh.h"
 #include "geometry/surface_distance.h"
 #include "trainer/train/skinning/ddm.h"
+#include "trainer/train/skinning/provenance.h"
 #include "trainer/transfer/skin_transfer.h"
 
 namespace bodyopt {
@@ -15,17 +16,10 @@ namespace {
 // As the source was smoothed, where it says so; otherwise the defaults.
 TrainOptions smoothing_of(const Basis& source, double size) {
   TrainOptions options;
-  const auto text = source.metadata.find("provenance");
-  if (text == source.metadata.end()) return options;
-  const Json told = Json::parse(text->second, nullptr, false);
-  if (!told.is_object()) return options;
-  const auto radius = told.find("smoothing_radius_m"), steps = told.find("smoothing_steps");
-  if (radius != told.end() && radius->is_number() && radius->get<double>() > 0) {
-    options.smoothing_radius = size * radius->get<double>();
-  }
-  if (steps != told.end() && steps->is_number_integer() && steps->get<int>() > 0 && steps->get<int>() <= 1000) {
-    options.smoothing_steps = steps->get<int>();
-  }
+  const std::optional<Provenance> trained = read_provenance(source.metadata, "the source");
+  if (!trained) return options;
+  options.smoothing_radius = size * trained->options.smoothing_radius;
+  options.smoothing_steps = std::max(1, trained->options.smoothing_steps);
   return options;
 }
 
