@@ -75,6 +75,7 @@ Clip carry_bvh(const Bvh& bvh, const std::filesystem::path& path, const Skeleton
     fail_unmatched(path.string(), skeleton, listed);
   }
   note_unmatched(bvh, skeleton, match, clip.notes);
+  note_parted(skeleton, match, clip.notes);
   const std::size_t frames =
       frame_count(path.string(), bvh.duration(), std::max(skeleton.size(), bvh.joints.size()), options);
   const Retarget retarget(motion, skeleton, match, frames, options.fps, clip.notes);

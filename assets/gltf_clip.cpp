@@ -462,6 +462,7 @@ Clip read_gltf_clip(const GltfFile& file, const std::string& name, const Skeleto
   JointFold fold(tree, joint_nodes, animated);
   Motion motion{skeleton, std::move(channels), std::move(tree), joint_nodes, std::move(fold), unit};
   note_names(file, motion, animated, clip.notes);
+  note_parted(skeleton, joint_nodes, clip.notes);
   const std::size_t frames =
       frame_count(file.path().string(), duration, std::max(skeleton.size(), animated.size()), options);
   motion.size = size_at_rest(motion, rest);

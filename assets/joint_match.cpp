@@ -166,6 +166,21 @@ std::vector<int> match_joints(std::span<const NamedJoint> source, const Skeleton
   return matcher.match();
 }
 
+void note_parted(const Skeleton& skeleton, const std::vector<int>& match, std::vector<std::string>& notes) {
+  const auto roles = joint_roles(named_joints(skeleton));
+  std::vector<bool> is_carried;
+  std::vector<std::string> parted;
+  for (std::size_t j = 0; j < skeleton.size(); ++j) {
+    const int parent = skeleton.joints[j].parent;
+    const auto above = static_cast<std::size_t>(std::max(parent, 0));
+    is_carried.push_back(parent >= 0 && (match[above] >= 0 || is_carried[above]));
+    if (parent >= 0 && match[j] >= 0 && !is_carried[j] && roles[j]) parted.push_back(skeleton.joints[j].name);
+  }
+  if (parted.size() < 2) return;
+  notes.push_back(list_names(parted) +
+                  " hang on joints that the clip does not move, and come apart: say what moves those (--joint-map).");
+}
+
 std::vector<MappedJoint> read_joint_map(const std::filesystem::path& path) {
   const Json json = read_json(path, "bodyopt-joint-map-1");
   const JsonObject top(json, path, "the file");

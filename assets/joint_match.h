@@ -21,6 +21,9 @@ namespace bodyopt {
 std::vector<int> match_joints(std::span<const NamedJoint> source, const Skeleton& skeleton,
                               const std::string& joint_map, const std::string& whose, std::vector<std::string>& notes);
 
+// Parts of the body that a clip places each by itself, for it moves nothing that they hang on.
+void note_parted(const Skeleton& skeleton, const std::vector<int>& match, std::vector<std::string>& notes);
+
 // Of joint_map.json, which tells where names do not.
 struct MappedJoint {
   std::string from, to;  // of the clip's file, of the character

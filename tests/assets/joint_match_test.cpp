@@ -71,6 +71,18 @@ TEST(JointMatch, CaseIsSaid) {
   EXPECT_TRUE(mentions(notes, "without regard to case: 'tail'."));
 }
 
+// Arms without the trunk that they hang on; a helper is no part, and hips below a root that stays hold all together.
+TEST(JointMatch, PartsThatComeApartAreSaid) {
+  Skeleton skeleton = chain_skeleton({"root", "Hips", "Spine", "LeftArm", "RightArm", "ik_foot_l"});
+  skeleton.joints[4].parent = 2;
+  skeleton.joints[5].parent = 0;
+  Names notes;
+  note_parted(skeleton, {-1, 0, 1, 2, 3, 4}, notes);
+  EXPECT_TRUE(notes.empty());
+  note_parted(skeleton, {-1, -1, -1, 2, 3, 4}, notes);
+  EXPECT_TRUE(mentions(notes, "'LeftArm', 'RightArm' hang on joints that the clip does not move, and come apart"));
+}
+
 TEST(JointMatch, AJointMovesOne) {
   EXPECT_EQ(moved_by({"tail"}, {"tail", "Tail"}), (Names{"tail", "-"}));
   EXPECT_EQ(moved_by({"tail", "tail"}, {"tail"}), (Names{"tail"}));
