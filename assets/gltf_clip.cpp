@@ -239,7 +239,30 @@ void require_same_build(const GltfFile& file, const Motion& motion, const Clip& 
   if (own > 0 && is_other_build(brought / own)) fail_build(file, brought / own);
 }
 
-void copy_motion(const GltfFile& file, Motion motion, std::size_t frames, Clip& clip) {
+// Bones that are of other lengths at rest, and keep them, are the build of the clip's character and no motion: this one
+// keeps its own.
+void keep_own_build(const Motion& motion, const RestNodes& rest, Clip& clip) {
+  constexpr double kSame = 0.01, kStays = 1e-3;  // of a bone's length
+  const std::vector<JointTransform> brought = motion.locals(rest.local);
+  std::vector<std::string> kept;
+  for (std::size_t j = 0; j < motion.skeleton.size(); ++j) {
+    const Joint& joint = motion.skeleton.joints[j];
+    if (joint.parent < 0 || !motion.fold.is_animated(j)) continue;
+    if (motion.fold.joint_above(static_cast<std::size_t>(motion.joint_nodes[j])) != joint.parent) continue;
+    const Vec3 &own = joint.default_local.translation, &its = brought[j].translation;
+    if (length(its - own) <= kSame * length(own)) continue;
+    const bool stays = std::ranges::all_of(
+        clip.poses, [&](const Pose& pose) { return length(pose.joints[j].translation - its) <= kStays * length(its); });
+    if (!stays) continue;
+    for (Pose& pose : clip.poses) pose.joints[j].translation = own;
+    kept.push_back(joint.name);
+  }
+  if (kept.empty()) return;
+  clip.notes.push_back("Bones of the clip's character have other lengths (" + list_names(kept) +
+                       "): this one keeps its own.");
+}
+
+void copy_motion(const GltfFile& file, Motion motion, const RestNodes& rest, std::size_t frames, Clip& clip) {
   for (std::size_t j = 0; j < motion.skeleton.size(); ++j) {  // what is not animated stays as the skeleton has it
     if (motion.joint_nodes[j] >= 0 && !motion.fold.is_folded(j)) {
       JointTransform& own = motion.tree.local[static_cast<std::size_t>(motion.joint_nodes[j])];
@@ -250,6 +273,7 @@ void copy_motion(const GltfFile& file, Motion motion, std::size_t frames, Clip& 
   note_moved(motion, clip.notes);
   for (std::size_t k = 0; k < frames; ++k) clip.poses.push_back(motion.at(static_cast<double>(k) / clip.fps));
   require_same_build(file, motion, clip);
+  keep_own_build(motion, rest, clip);
   note_scale(clip, motion.skeleton, clip.notes);
 }
 
@@ -499,7 +523,7 @@ Clip read_gltf_clip(const GltfFile& file, const std::string& name, const Skeleto
                          " times as long as this one's, and it travels as far as there: was it made in another unit " +
                          "(--unit " + rounded(unit / longer) + ")?");
   }
-  copy_motion(file, std::move(motion), frames, clip);
+  copy_motion(file, std::move(motion), rest, frames, clip);
   return clip;
 }
 

@@ -261,13 +261,19 @@ TEST(Clip, BonesThatAreAllLongerAreARigThatIsScaled) {
     blob.root["nodes"].push_back({{"name", name}, {"translation", {0, 1.3, 0}}});
   }
   animate(blob, 0, "translation", {0, 1}, {0, 0, 0, 1.3f, 0, 0});
+  GltfBlob stretched = blob;
   animate(blob, 2, "translation", {0, 1}, {0, 1.3f, 0, 0, 1.3f, 0});
+  animate(stretched, 2, "translation", {0, 1}, {0, 1.3f, 0, 0, 1.6f, 0});
   const Clip clip = clip_of(blob, folder, {}, skeleton);
   EXPECT_NEAR(length(clip.poses.back().joints[0].translation - Vec3{1, 0, 0}), 0, 1e-6);
   EXPECT_NEAR(length(clip.poses.back().joints[2].translation - Vec3{0, 1, 0}), 0, 1e-6);
   EXPECT_TRUE(mentions(clip.notes, "are 1.3 times as long as this one's"));
   blob.root["nodes"][3]["translation"] = {0, 1, 0};  // one is as long as here: another build
-  EXPECT_NEAR(clip_of(blob, folder, {}, skeleton).poses.back().joints[2].translation[1], 1.3, 1e-6);
+  const Clip other = clip_of(blob, folder, {}, skeleton);
+  EXPECT_NEAR(other.poses.back().joints[2].translation[1], 1, 1e-6);
+  EXPECT_TRUE(mentions(other.notes, "Bones of the clip's character have other lengths"));
+  stretched.root["nodes"][3]["translation"] = {0, 1, 0};  // what changes in the clip is motion
+  EXPECT_NEAR(clip_of(stretched, folder, {}, skeleton).poses.back().joints[2].translation[1], 1.6, 1e-6);
 }
 
 // An animation alone may be exported as it stands in a frame: what is stretched there is motion.
