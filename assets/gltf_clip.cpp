@@ -240,21 +240,25 @@ void require_same_build(const GltfFile& file, const Motion& motion, const Clip& 
 }
 
 // Bones that are of other lengths at rest, and keep them, are the build of the clip's character and no motion: this one
-// keeps its own.
+// keeps its own, be it as it is bound or as its nodes stand.
 void keep_own_build(const Motion& motion, const RestNodes& rest, Clip& clip) {
   constexpr double kSame = 0.01, kStays = 1e-3;  // of a bone's length
+  constexpr double kRounding = 1e-4;             // of all bones
   const std::vector<JointTransform> brought = motion.locals(rest.local);
+  double all = 0;
+  for (const Joint& joint : motion.skeleton.joints) all += joint.parent < 0 ? 0 : length(joint.bind.translation);
   std::vector<std::string> kept;
   for (std::size_t j = 0; j < motion.skeleton.size(); ++j) {
     const Joint& joint = motion.skeleton.joints[j];
     if (joint.parent < 0 || !motion.fold.is_animated(j)) continue;
     if (motion.fold.joint_above(static_cast<std::size_t>(motion.joint_nodes[j])) != joint.parent) continue;
-    const Vec3 &own = joint.default_local.translation, &its = brought[j].translation;
-    if (length(its - own) <= kSame * length(own)) continue;
+    const Vec3& its = brought[j].translation;
+    const auto is_own = [&](const Vec3& own) { return length(its - own) <= kSame * length(own) + kRounding * all; };
+    if (is_own(joint.bind.translation) || is_own(joint.default_local.translation)) continue;
     const bool stays = std::ranges::all_of(
         clip.poses, [&](const Pose& pose) { return length(pose.joints[j].translation - its) <= kStays * length(its); });
     if (!stays) continue;
-    for (Pose& pose : clip.poses) pose.joints[j].translation = own;
+    for (Pose& pose : clip.poses) pose.joints[j].translation = joint.bind.translation;
     kept.push_back(joint.name);
   }
   if (kept.empty()) return;

@@ -261,7 +261,8 @@ TEST(Clip, BonesThatAreAllLongerAreARigThatIsScaled) {
     blob.root["nodes"].push_back({{"name", name}, {"translation", {0, 1.3, 0}}});
   }
   animate(blob, 0, "translation", {0, 1}, {0, 0, 0, 1.3f, 0, 0});
-  GltfBlob stretched = blob;
+  GltfBlob stretched = blob, bound = blob;
+  animate(bound, 2, "translation", {0, 1}, {0, 1, 0, 0, 1, 0});
   animate(blob, 2, "translation", {0, 1}, {0, 1.3f, 0, 0, 1.3f, 0});
   animate(stretched, 2, "translation", {0, 1}, {0, 1.3f, 0, 0, 1.6f, 0});
   const Clip clip = clip_of(blob, folder, {}, skeleton);
@@ -274,6 +275,12 @@ TEST(Clip, BonesThatAreAllLongerAreARigThatIsScaled) {
   EXPECT_TRUE(mentions(other.notes, "Bones of the clip's character have other lengths"));
   stretched.root["nodes"][3]["translation"] = {0, 1, 0};  // what changes in the clip is motion
   EXPECT_NEAR(clip_of(stretched, folder, {}, skeleton).poses.back().joints[2].translation[1], 1.6, 1e-6);
+  // In the character's file the joint stands slid: where it is bound it is the character's own, too.
+  skeleton.joints[2].default_local.translation = {0, 1.5, 0};
+  for (const std::size_t node : {1, 2, 3}) bound.root["nodes"][node]["translation"] = {0, 1, 0};
+  const Clip of_own = clip_of(bound, folder, {}, skeleton);
+  EXPECT_NEAR(of_own.poses.back().joints[2].translation[1], 1, 1e-6);
+  EXPECT_FALSE(mentions(of_own.notes, "have other lengths"));
 }
 
 // An animation alone may be exported as it stands in a frame: what is stretched there is motion.
