@@ -4,13 +4,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+#include <map>
 #include <set>
-#include <thread>
 
 #include "assets/frame_range.h"
 #include "cli/arguments/dataset_arguments.h"
 #include "runtime/core/error.h"
+#include "runtime/threads/tbb_executor.h"
 #include "trainer/motion/attached_rig.h"
 #include "trainer/motion/first_limits.h"
 #include "trainer/motion/range_of_motion.h"
@@ -22,7 +22,7 @@ namespace fs = std::filesystem;
 
 constexpr unsigned kRangeFrames = 1600, kRangeBits = 11;  // of the clip; the drafts are of some of them, spread evenly
 constexpr unsigned kLeast = 100;                          // of these
-constexpr std::size_t kTimed = 12;                        // that tell what a draft costs
+constexpr std::size_t kTimed = 12;                        // frames at most that tell what a draft costs
 constexpr double kBlends = 0.5;        // of the random poses are blends of the clips', the others within the limits
 constexpr double kShareOfClips = 0.5;  // of the minutes, at most
 constexpr const char* kRange = "range_of_motion";
@@ -34,6 +34,7 @@ class RangeDataset {
       : path_(character), arguments_(arguments), folder_(arguments.folder), character_(read_character(path_, unit)) {
     for (const std::string& name : clip_names(path_)) own_clips_.push_back(name.empty() ? path_ : path_ + "#" + name);
     clips_ = arguments.clips.empty() ? own_clips_ : arguments.clips;
+    require_names_apart();
   }
 
   fs::path make() {
@@ -48,6 +49,19 @@ class RangeDataset {
   }
 
  private:
+  // Takes have the names of their clips.
+  void require_names_apart() const {
+    std::map<std::string, std::string> clip_of{{kRange, "the range of motion"}};
+    for (const std::string& clip : clips_) {
+      TakeArguments take;
+      take.clip.source = clip;
+      const auto [there, is_new] = clip_of.try_emplace(take.take_name(), clip);
+      if (is_new) continue;
+      throw Error(ErrorKind::usage, clip, " and ", there->second, " would both be the take '", there->first,
+                  "': give one of the clips another name");
+    }
+  }
+
   std::string in_folder(const std::string& name) const { return (folder_ / name).string(); }
   std::string range_file() const { return in_folder(std::string(kRange) + ".glb"); }
 
@@ -100,7 +114,7 @@ class RangeDataset {
     for (const FrameStatus& frame : simulate_take(simulation(clip, frames))) {
       if (asked.contains(frame.frame)) seconds += frame.seconds;
     }
-    return seconds / static_cast<double>(frames.size() * std::max(1u, std::thread::hardware_concurrency()));
+    return seconds / static_cast<double>(frames.size() * thread_count());
   }
 
   // The first of the frames in the order of their numbers' bits from the last on (van der Corput): spread evenly, and
@@ -124,31 +138,43 @@ class RangeDataset {
     return choice.read(character_.skeleton, character_.unit, frames).poses.size();
   }
 
-  // A power of two, so that drafts which a shorter run has made are among those of a longer one.
-  static std::size_t step_of_clips(std::size_t frames, double seconds) {
-    std::size_t step = 1;
-    while (static_cast<double>(frames / step) > seconds) step *= 2;
-    return step;
+  // Every so manieth frame of every clip: a power of two, so that drafts which a shorter run has made are among those
+  // of a longer one.
+  static std::size_t step_of_clips(const std::vector<std::size_t>& counts, double most) {
+    for (std::size_t step = 1;; step *= 2) {
+      std::size_t frames = 0;
+      bool are_more = false;
+      for (const std::size_t count : counts) {
+        frames += (count + step - 1) / step;
+        are_more = are_more || count > step;
+      }
+      if (static_cast<double>(frames) <= most || !are_more) return step;
+    }
+  }
+
+  std::vector<int> clip_frames(std::size_t count, std::size_t step) const {
+    std::vector<int> frames;
+    for (std::size_t frame = 0; frame < count; frame += step) {
+      frames.push_back(arguments_.clip.first_frame + static_cast<int>(frame));
+    }
+    return frames;
   }
 
   void simulate_takes() const {
-    std::size_t all = 0;
     std::vector<std::size_t> counts;
-    for (const std::string& clip : clips_) all += counts.emplace_back(frames_of(clip));
-    // Of drafts: as many as fit into the minutes.
-    const double each = arguments_.no_range ? 0 : simulate(range_file(), range_frames(kTimed));
-    const double budget = each > 0 ? 60 * arguments_.minutes / each : std::numeric_limits<double>::infinity();
-    const std::size_t step = step_of_clips(all, kShareOfClips * budget);
+    for (const std::string& clip : clips_) counts.push_back(frames_of(clip));
+    const bool range = !arguments_.no_range;
+    const double each = range ? simulate(range_file(), range_frames(kTimed))
+                              : simulate(clips_[0], clip_frames(counts[0], step_of_clips({counts[0]}, kTimed)));
+    const double budget = 60 * arguments_.minutes / std::max(each, 1e-6);  // drafts
+    const std::size_t step = step_of_clips(counts, range ? kShareOfClips * budget : budget);
     std::size_t simulated = 0;
     for (std::size_t k = 0; k < clips_.size(); ++k) {
-      std::vector<int> frames;
-      for (std::size_t frame = 0; frame < counts[k]; frame += step) {
-        frames.push_back(arguments_.clip.first_frame + static_cast<int>(frame));
-      }
+      const std::vector<int> frames = clip_frames(counts[k], step);
       simulated += frames.size();
       simulate(clips_[k], frames);
     }
-    if (arguments_.no_range) return;
+    if (!range) return;
     const double left = std::clamp(budget - static_cast<double>(simulated), double{kLeast}, double{kRangeFrames});
     spdlog::info("a draft takes {:.2f} s: {} frames of clips, {:.0f} of the range of motion", each, simulated, left);
     simulate(range_file(), range_frames(static_cast<std::size_t>(left)));

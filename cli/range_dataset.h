@@ -25,9 +25,9 @@ struct RangeDatasetArguments {
 
 // Makes, or goes on with, a dataset in the folder, and returns the folder. In it are limits.json (unless given: what
 // clips show, and rules), range_of_motion.glb, and a take of drafts for it and for every clip. Clips take half of the
-// minutes at most, the range of motion what is left, by the seconds that its first drafts took; it gets a hundred
-// frames at least. What is in the folder already is kept: limits may be edited, drafts are not made again. Throws as
-// the verbs rig, rom and simulate.
+// minutes at most (all of them without a range of motion), the range of motion what is left, by the seconds that the
+// first drafts took; it gets a hundred frames at least. What is in the folder already is kept: limits may be edited,
+// drafts are not made again. Throws as the verbs rig, rom and simulate.
 std::filesystem::path make_range_dataset(const std::string& character, double unit,
                                          const RangeDatasetArguments& arguments);
 

@@ -151,6 +151,9 @@ std::string dataset_of(const TrainArguments& arguments) {
         "go with a character (.glb, .gltf, .fbx), of which train makes one");
   }
   if (!character) return arguments.dataset;
+  if (arguments.ablate && arguments.heldout_every == 0) {
+    throw Error(ErrorKind::usage, "--ablate compares methods on held-out frames: of a character give --heldout-every");
+  }
   RangeDatasetArguments range = arguments.range;
   if (range.folder.empty()) range.folder = std::filesystem::path(arguments.out).replace_extension(".data").string();
   return make_range_dataset(arguments.dataset, arguments.unit, range).string();
@@ -215,6 +218,9 @@ void require_tolerance(const TrainArguments& arguments, double expected) {
 void run(TrainArguments arguments) {
   if (arguments.dataset.empty() == arguments.ddm_only.empty()) {
     throw Error(ErrorKind::usage, "train takes a DATASET, a CHARACTER, or --ddm-only CHARACTER");
+  }
+  if (!arguments.ddm_only.empty() && arguments.range.any()) {
+    throw Error(ErrorKind::usage, "--ddm-only simulates nothing: leave out what says what to simulate");
   }
   require_writable(arguments.out);
   arguments.json.require_writable();
@@ -283,9 +289,10 @@ void add_train(CLI::App& app) {
   add_option(verb, "--report", arguments.report, "DIR",
              "Folder for report.html and report.json: what was learned, and how well")
       ->excludes(ddm_only);
-  add_option(verb, "--smoothing-radius", arguments.options.smoothing_radius,
-             "Radius of Direct Delta Mush, metres (default: 1/40 of the size, or twice that where it leaves less "
-             "to learn)")
+  add_option(
+      verb, "--smoothing-radius", arguments.options.smoothing_radius,
+      "Radius of Direct Delta Mush, metres (default: 1/40 of the size, twice that where it leaves less to learn, "
+      "or down to a sixteenth of it where linear blending does)")
       ->check(above_zero);
   CLI::Option* budget = add_option(verb, "--budget", arguments.options.budget,
                                    "The best basis of so many bytes per vertex at most, all tables together");

@@ -67,7 +67,17 @@ TEST_F(RangeDataset, RefusesWhatHasNothingToLearn) {
   const ProgramResult no_clips = train("--no-range");
   EXPECT_EQ(no_clips.exit_code, 64) << no_clips.output;
   EXPECT_NE(no_clips.output.find("has no clips of its own"), std::string::npos) << no_clips.output;
+  const ProgramResult twice =
+      train("--clip " + files_.motion + " --clip other/" + fs::path(files_.motion).filename().string());
+  EXPECT_EQ(twice.exit_code, 64) << twice.output;
+  EXPECT_NE(twice.output.find("would both be the take 'bend'"), std::string::npos) << twice.output;
+  const ProgramResult compared = train("--ablate");
+  EXPECT_EQ(compared.exit_code, 64) << compared.output;
+  EXPECT_NE(compared.output.find("give --heldout-every"), std::string::npos) << compared.output;
   EXPECT_FALSE(fs::exists(data_));
+  const ProgramResult without = run_verb("train --ddm-only " + files_.character + " --minutes 3 --out " + basis_);
+  EXPECT_EQ(without.exit_code, 64) << without.output;
+  EXPECT_NE(without.output.find("--ddm-only simulates nothing"), std::string::npos) << without.output;
   const ProgramResult dataset = run_verb("train " + folder_.path().string() + " --minutes 3 --out " + basis_);
   EXPECT_EQ(dataset.exit_code, 64) << dataset.output;
   EXPECT_NE(dataset.output.find("go with a character"), std::string::npos) << dataset.output;

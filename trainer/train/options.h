@@ -18,7 +18,7 @@ struct Method {
 
 struct TrainOptions {
   // DDM sigma, metres; 0: 0.025 x the size of the character (0.045 for 1.8 m) or twice that, whichever leaves less to
-  // learn on the training frames.
+  // learn on the training frames; where linear blending leaves less than either, a half to a sixteenth of it.
   double smoothing_radius = 0;
   int smoothing_steps = 20;  // DDM p
   int components = 32;       // coefficients per region at most
