@@ -400,10 +400,12 @@ class Call {
  public:
   Call(Instance& instance, const py::object& joints, const py::object& controls,
        std::optional<std::vector<std::int32_t>> frame_numbers, const py::object& positions, const py::object& normals,
-       const py::object& tangents)
+       const py::object& tangents, bool attached, bool full_positions)
       : instance_(instance),
         kept_(py::cast(&instance, py::return_value_policy::reference)),
-        frames_(instance.description_, joints, controls, std::move(frame_numbers), positions, normals, tangents) {}
+        frames_(instance.description_, joints, controls, std::move(frame_numbers), positions, normals, tangents) {
+    instance.want_following(frames_, attached, full_positions);
+  }
 
   // None before it is evaluated, and where that failed.
   std::optional<Skin> skin() const {
@@ -612,9 +614,10 @@ PYBIND11_MODULE(_runtime, module) {
       .def("load_state", &Instance::load_state, py::arg("path"));
   py::class_<Call, std::shared_ptr<Call>>(module, "Call")
       .def(py::init<Instance&, const py::object&, const py::object&, std::optional<std::vector<std::int32_t>>,
-                    const py::object&, const py::object&, const py::object&>(),
+                    const py::object&, const py::object&, const py::object&, bool, bool>(),
            py::arg("instance"), py::arg("joints"), py::arg("controls") = none, py::arg("frame_numbers") = none,
-           py::kw_only(), py::arg("positions") = none, py::arg("normals") = true, py::arg("tangents") = true)
+           py::kw_only(), py::arg("positions") = none, py::arg("normals") = true, py::arg("tangents") = true,
+           py::arg("attached") = true, py::arg("full_positions") = false)
       .def_property_readonly("skin", &Call::skin);
   module.def("evaluate_together", &Call::evaluate_together, py::arg("calls"));
   py::class_<Model>(module, "Model")

@@ -130,8 +130,8 @@ BODYOPT_API bodyopt_result bodyopt_describe(const bodyopt_model* model, bodyopt_
 BODYOPT_API const char* bodyopt_joint_name(const bodyopt_model* model, uint32_t joint);
 BODYOPT_API const char* bodyopt_control_name(const bodyopt_model* model, uint32_t control);
 BODYOPT_API const char* bodyopt_strain_name(const bodyopt_model* model, uint32_t strain);
-/* What bodyopt_skin.outside_features counts: "joint elbow", "strain biceps/1" or "control biceps". As the names above.
- */
+/* What bodyopt_skin.outside_features counts: "joint elbow", "place of joint elbow" where joints slide,
+ * "strain biceps/1" or "control biceps". As the names above. */
 BODYOPT_API const char* bodyopt_feature_name(const bodyopt_model* model, uint32_t feature);
 /* The joint that it hangs on, which has a smaller number; -1 for a root, and where there is none of this number. */
 BODYOPT_API int32_t bodyopt_joint_parent(const bodyopt_model* model, uint32_t joint);

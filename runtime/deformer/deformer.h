@@ -35,9 +35,10 @@ struct Recording;
 // The mean over the regions of frame k: how much is left of what was learned. 1 without regions.
 double mean_fade(const Evaluation& evaluation, std::size_t k);
 
-// "joint LeftArm", "strain biceps/1" or "control breath": what a feature of the residual is of.
+// "joint LeftArm", "place of joint LeftArm", "strain biceps/1" or "control breath": what a feature of the residual is
+// of.
 std::string feature_name(const Basis& basis, std::uint32_t feature);
-// Evaluation::outside_by as people say it: "12.3 degrees", "4.5 % of its length", "20.0 %" of a control.
+// Evaluation::outside_by as people say it: "12.3 degrees", "4.5 mm", "4.5 % of its length", "20.0 %" of a control.
 std::string outside_text(const Basis& basis, std::uint32_t feature, float by);
 
 // True when there is a Vulkan device that works, be it a software one. Does not throw: a machine without a Vulkan

@@ -20,11 +20,11 @@ struct Evaluation {
                                  // deviations of training; 0 when the frame is covered
   std::vector<std::uint32_t> outside_feature;  // F: that feature, see feature_name
   std::vector<float> outside_by;               // F: how far: degrees that a joint is turned beyond
-                                               // what was shown, share of a fibre's length, or of a control
-  std::vector<float> fades;                    // F x regions: how much of what was learned is left, see region_fades
-  std::vector<int> fading_joint;               // F: the joint that takes most of it; -1: nothing fades
-  std::vector<JiggleStart> starts;             // F where frames jiggle: how each began
-  StageSeconds stage_seconds;                  // summed over the batch
+                                  // what was shown, metres that it slid, share of a fibre's length, or of a control
+  std::vector<float> fades;         // F x regions: how much of what was learned is left, see region_fades
+  std::vector<int> fading_joint;    // F: the joint that takes most of it; -1: nothing fades
+  std::vector<JiggleStart> starts;  // F where frames jiggle: how each began
+  StageSeconds stage_seconds;       // summed over the batch
 };
 
 // Memory of the caller for three numbers of each vertex, four of a tangent: at data + frame x frame_stride + output

@@ -85,6 +85,9 @@ class Frames(unittest.TestCase):
             self.assertLess(np.linalg.norm(points[0].mean(axis=0) - SKIN[0].mean(axis=0)), 1)
             self.assertTrue((points[-1] != points[0]).any())
         self.assertIsNone(model.instance().evaluate(JOINTS, attached=False).attached)
+        call = bodyopt.Call(model.instance(), JOINTS)
+        bodyopt.evaluate_together([call])
+        np.testing.assert_array_equal(call.skin.attached[0], skin.attached[0])
         self.assertIsNone(self.instance.evaluate(JOINTS).attached)
         read = [pathlib.Path(file).read_bytes() for file in (BASIS, path)]
         again = bodyopt.load_from_memory(read[0], attached=read[1]).instance().evaluate(JOINTS)

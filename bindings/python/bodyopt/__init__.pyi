@@ -79,8 +79,8 @@ class Instance:
         attached: bool = True,
         full_positions: bool = False,
     ) -> Skin:
-        """The quasi-static skin. joints: F x J x 10, or skinning matrices; controls: F x C. Written to positions, normals and tangents where
-        given. False leaves normals or tangents out, which saves their time; tangents need texture coordinates.
+        """The quasi-static skin. joints: F x J x 10, or skinning matrices; controls: F x C. Written to positions, normals
+        and tangents where given. False leaves normals or tangents out, which saves their time; tangents need texture coordinates.
 
         With frames_per_second the character's modifiers are shown, by channels (F x Model.channels; None: their
         constants); the frames are consecutive, and go on from those before where goes_on says so. vertex_errors: of a
@@ -134,6 +134,8 @@ class Call:
         positions: Optional[NDArray[np.float32]] = None,
         normals: Union[NDArray[np.float32], bool, None] = True,
         tangents: Union[NDArray[np.float32], bool, None] = True,
+        attached: bool = True,
+        full_positions: bool = False,
     ) -> None: ...
     @property
     def skin(self) -> Optional[Skin]:
@@ -172,7 +174,7 @@ class Model:
         """Of a level of detail that carries the full skin: vertices of that; 0 of others."""
     @property
     def feature_names(self) -> list[str]:
-        """Of what the learned part reads: "joint elbow", "strain biceps/1"."""
+        """Of what the learned part reads: "joint elbow", "place of joint elbow", "strain biceps/1"."""
     @property
     def strain_names(self) -> list[str]: ...
     @property
