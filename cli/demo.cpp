@@ -37,11 +37,11 @@ struct DemoSize {
   int rom_frames, heldout_frames;
 };
 constexpr DemoSize kFull{190, 144}, kQuick{48, 24};
-// Every so manieth frame of the range of motion is also simulated with muscles flexed.
+// Every Nth frame of the range of motion is also simulated with muscles flexed.
 constexpr int kFlexedStep = 10;
 // Simulating every third frame of the held-out motion shows its whole arc at a third of the cost.
 constexpr int kHeldoutStep = 3;
-// The first arm to look at is learned from drafts of every so manieth frame of the range of motion.
+// The first arm to look at is learned from drafts of every Nth frame of the range of motion.
 constexpr int kDraftStep = 2;
 
 // Three groups of muscles flexed and relaxed in turns over a clip.

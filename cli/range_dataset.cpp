@@ -138,7 +138,7 @@ class RangeDataset {
     return choice.read(character_.skeleton, character_.unit, frames).poses.size();
   }
 
-  // Every so manieth frame of every clip: a power of two, so that drafts which a shorter run has made are among those
+  // Every Nth frame of every clip: N is a power of two, so that drafts which a shorter run has made are among those
   // of a longer one.
   static std::size_t step_of_clips(const std::vector<std::size_t>& counts, double most) {
     for (std::size_t step = 1;; step *= 2) {
