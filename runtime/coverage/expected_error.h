@@ -3,10 +3,11 @@
 //           + (1 - fade) x motion
 // per region, in square metres over its vertices. The local error is what cross-validation left at the training frames
 // around each centre, blended between centres by inverse distance (Shepard 1968); the second term is what that error
-// grew by with the distance from what was learned. Motion is what Direct Delta Mush alone was off by around there:
-// neither is more than that, and where the correction fades it is what is left. Distances are those of the region's
-// coordinates; how far features lie outside the trained range, those of the region and those of all joints that move
-// its skin, is added to them, squares to squares.
+// grew by with the distance from what was learned, where there are takes with that of a take left out. Motion is what
+// Direct Delta Mush alone was off by around there, and more beyond the centres: neither is more than that, and where
+// the correction fades it is what is left. Distances are those of the region's coordinates; how far features lie
+// outside the trained range, those of the region and those of all joints that move its skin, is added to them, squares
+// to squares.
 #pragma once
 
 #include <array>
@@ -18,21 +19,21 @@
 
 namespace bodyopt {
 
-// The error to expect of every vertex: what coverage says of regions, by the share each has in what a vertex learned.
-// A basis does not keep the weights of its regions, but the squares of what a region's components add to a vertex are
-// in proportion to them.
+// The error to expect of every vertex. What coverage says of a region is spread over its vertices as the squares of
+// what its components add to them: where most is learned, most is missed.
 class RegionShares {
  public:
   RegionShares() = default;
   explicit RegionShares(const Basis& basis);
 
-  // V, metres, of as many errors as there are regions: their root mean square by shares, 0 where nothing was learned.
+  // V, metres, of as many errors as there are regions; 0 where nothing was learned. Summed in squares over a region's
+  // vertices it is what the region's error is over as many as its size.
   std::vector<float> carry(const std::vector<double>& region_mm) const;
 
  private:
   struct BlockShare {
     std::uint32_t region;
-    std::array<float, kBlockSize> lanes;  // of a vertex, over all regions: 1, or 0 where nothing was learned
+    std::array<float, kBlockSize> lanes;  // of a vertex, to the mean square of the region; over all: its size
   };
   std::size_t vertex_count_ = 0;
   std::vector<std::size_t> begin_ = {0};  // blocks + 1, into shares_
@@ -68,6 +69,7 @@ class ErrorExpectation {
 
   const Basis& basis_;
   std::vector<std::vector<std::uint32_t>> watched_;  // features, per region, ascending
+  std::vector<double> centre_lengths_;               // squared, of every region's centres from rest; 0 of none
 };
 
 }  // namespace bodyopt

@@ -119,10 +119,10 @@ TEST(FrameEnergies, AreOfWhatIsKeptAndOfWhatIsNot) {
   region.region.weights[20] = 0.5;
   region.components.coefficients(3, 1) = 7;
   region.fits[0].errors(6, 1) = 0;
-  const std::vector<double> energies = frame_energies(region, {0, {{1}, {1}}, {}});
+  const std::vector<double> energies = frame_energies(region, {0, {{1}, {1}}, {}}, region.fits[0]);
   ASSERT_EQ(energies.size(), 10u);
   for (std::size_t n = 0; n < 10; ++n) EXPECT_NEAR(energies[n], 0.25 + 4 + (n == 6 ? 0 : 0.25 / 0.5), 1e-12) << n;
-  const std::vector<double> without = frame_energies(region, {1, {{0}, {}}, {}});
+  const std::vector<double> without = frame_energies(region, {1, {{0}, {}}, {}}, region.fits[1]);
   for (std::size_t n = 0; n < 10; ++n) EXPECT_NEAR(without[n], 0.25 + 1.44 + (n == 3 ? 49 : 1) / 0.5, 1e-12) << n;
 }
 

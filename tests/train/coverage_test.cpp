@@ -85,13 +85,40 @@ TEST(Coverage, IsCalibratedFromTheFramesAroundEachCentre) {
   for (int n = 0; n < kFrames; ++n) data.folds.push_back(n % 2);
   std::vector<double> energies(kFrames / 2, 1);
   energies.resize(kFrames, 9);
-  const ErrorModel model = calibrate(data, regression, energies, std::vector<double>(kFrames, 10));
+  const ErrorModel model =
+      calibrate({data, regression, energies}, {data, regression, energies}, std::vector<double>(kFrames, 10));
   ASSERT_EQ(model.local.size(), 2u);
   EXPECT_NEAR(model.local[0], (20 * 1 + 5) / 21.0, 1e-12);  // the mean of all counts as one frame more
   EXPECT_NEAR(model.local[1], (20 * 9 + 5) / 21.0, 1e-12);
   EXPECT_EQ(model.motion, std::vector<double>(2, 10));
   EXPECT_GT(model.usual, 0);
   EXPECT_GT(model.growth, 0);
+}
+
+// Three takes along one coordinate, a centre in each. What is left of a take that the other two are fitted to is in
+// proportion to the distance to them; what is left by folds that share the takes is nothing to speak of.
+TEST(Coverage, GrowsByWhatIsLeftOfTakesThatWereLeftOut) {
+  constexpr int kFrames = 60;
+  RegressionData by_folds, by_takes;
+  by_folds.features = Eigen::VectorXd::LinSpaced(kFrames, 1, 7);
+  by_folds.rest = Eigen::RowVectorXd::Zero(1);
+  by_takes = by_folds;
+  Regression regression;
+  regression.centres = (Eigen::MatrixXd(3, 1) << 2, 4, 6).finished();
+  regression.centre_frames = {10, 30, 49};
+  std::vector<double> left;
+  for (int n = 0; n < kFrames; ++n) {
+    by_folds.folds.push_back(n % 2);
+    by_takes.folds.push_back(n / 20);
+    const double x = by_folds.features(n), other = n / 20 == 1 ? (x < 4 ? 2 : 6) : 4;
+    left.push_back(0.5 * std::min(x * x, (x - other) * (x - other)));
+  }
+  for (const int centre : regression.centre_frames) by_folds.folds[static_cast<std::size_t>(centre)] = -1;
+  const std::vector<double> little(kFrames, 1e-3), motions(kFrames, 100);
+  const ErrorModel model = calibrate({by_folds, regression, little}, {by_takes, regression, left}, motions);
+  EXPECT_NEAR(model.growth, 0.5, 0.1);
+  const std::vector<double> doubled(kFrames, 2e-3);
+  EXPECT_LT(calibrate({by_folds, regression, little}, {by_takes, regression, doubled}, motions).growth, 0.01);
 }
 
 // However far a pose is, Direct Delta Mush is all that it can fall back to.

@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <numeric>
+#include <optional>
 
 #include "base/parallel.h"
 #include "base/progress.h"
@@ -31,17 +33,80 @@ double mean_of(const std::vector<double>& values) {
   return values.empty() ? 0 : std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
 }
 
-// A mean for every centre of what the frames nearest to it have. The mean of all counts as one frame more.
+// A mean for every centre of what the frames nearest to it have, and of `own`, which counts as one frame more.
 std::vector<double> means_at(const std::vector<std::size_t>& closest, const std::vector<double>& values,
-                             std::size_t centres) {
-  const double mean = mean_of(values);
-  std::vector<double> sums(centres, mean), counts(centres, 1);
+                             const std::vector<double>& own) {
+  std::vector<double> sums = own, counts(own.size(), 1);
   for (std::size_t k = 0; k < closest.size(); ++k) {
     sums[closest[k]] += values[k];
     counts[closest[k]] += 1;
   }
-  for (std::size_t m = 0; m < centres; ++m) sums[m] /= counts[m];
-  return centres > 0 ? sums : std::vector<double>{mean};
+  for (std::size_t m = 0; m < sums.size(); ++m) sums[m] /= counts[m];
+  return sums;
+}
+
+// A frame as the fit without its fold sees it.
+struct HeldOutFrame {
+  std::size_t number = 0, closest = 0, closest_other = 0;  // of centres: of all, and of those of other folds
+  double to_others = 0;                                    // square, to the nearest of the latter
+};
+
+std::vector<HeldOutFrame> held_out_frames(const HeldOutError& error) {
+  const RegressionData& data = error.data;
+  std::vector<HeldOutFrame> frames;
+  for (std::size_t n = 0; n < data.folds.size(); ++n) {
+    if (data.folds[n] < 0) continue;
+    const Eigen::RowVectorXd coordinates = data.features.row(static_cast<Index>(n));
+    HeldOutFrame frame{.number = n, .to_others = (coordinates - data.rest).squaredNorm()};
+    double to_all = std::numeric_limits<double>::infinity();
+    for (std::size_t m = 0; m < error.regression.centre_frames.size(); ++m) {
+      const double distance = (coordinates - error.regression.centres.row(static_cast<Index>(m))).squaredNorm();
+      if (distance < to_all) {
+        to_all = distance;
+        frame.closest = m;
+      }
+      const int of = error.regression.centre_frames[m];
+      const bool same_fold = of >= 0 && data.folds[static_cast<std::size_t>(of)] == data.folds[n];
+      if (same_fold || distance > frame.to_others) continue;
+      frame.to_others = distance;
+      frame.closest_other = m;
+    }
+    frames.push_back(frame);
+  }
+  return frames;
+}
+
+// The least growth by which as much is expected of the frames as is left of them; `most` where none does, because no
+// more is expected than the skin moves.
+double needed_growth(const std::vector<HeldOutFrame>& frames, const std::vector<double>& left, const ErrorModel& model,
+                     double most) {
+  const auto is_enough = [&](double growth) {
+    double missing = 0;
+    for (const HeldOutFrame& frame : frames) {
+      const double learned = model.local[frame.closest_other] + growth * std::max(0.0, frame.to_others - model.usual);
+      missing += left[frame.number] - std::min(learned, model.motion[frame.closest_other]);
+    }
+    return missing <= 0;
+  };
+  if (is_enough(0)) return 0;
+  if (!is_enough(most)) return most;
+  double low = 0, high = most;
+  for (int k = 0; k < 40; ++k) (is_enough(0.5 * (low + high)) ? high : low) = 0.5 * (low + high);
+  return high;
+}
+
+// The median of what the takes left out need; nothing of fewer than two. No more than takes the error to all of the
+// motion at twice the usual distance.
+std::optional<double> growth_by_takes(const HeldOutError& far, const ErrorModel& model) {
+  std::map<int, std::vector<HeldOutFrame>> takes;
+  for (const HeldOutFrame& frame : held_out_frames(far)) takes[far.data.folds[frame.number]].push_back(frame);
+  if (takes.size() < 2 || !(model.usual > 0)) return std::nullopt;
+  const double most = mean_of(model.motion) / model.usual;
+  std::vector<double> needed;
+  for (const auto& [take, frames] : takes) needed.push_back(needed_growth(frames, far.left, model, most));
+  const auto middle = needed.begin() + static_cast<std::ptrdiff_t>(needed.size() / 2);
+  std::nth_element(needed.begin(), middle, needed.end());
+  return *middle;
 }
 
 // Positions of the values in ascending order; equal values share the mean of theirs.
@@ -59,38 +124,34 @@ std::vector<double> ranks(const std::vector<double>& values) {
 
 }  // namespace
 
-ErrorModel calibrate(const RegressionData& data, const Regression& regression, const std::vector<double>& left,
-                     const std::vector<double>& motions) {
-  const std::size_t centres = regression.centre_frames.size();
-  std::vector<double> nearest, errors, moved;
+ErrorModel calibrate(const HeldOutError& near, const HeldOutError& far, const std::vector<double>& motions) {
+  const std::vector<HeldOutFrame> frames = held_out_frames(near);
+  std::vector<double> distances, errors, moved;
   std::vector<std::size_t> closest;
-  for (std::size_t n = 0; n < data.folds.size(); ++n) {
-    if (data.folds[n] < 0) continue;
-    const Eigen::RowVectorXd coordinates = data.features.row(static_cast<Index>(n));
-    double of_others = (coordinates - data.rest).squaredNorm(), of_all = std::numeric_limits<double>::infinity();
-    std::size_t own = 0;
-    for (std::size_t m = 0; m < centres; ++m) {
-      const double distance = (coordinates - regression.centres.row(static_cast<Index>(m))).squaredNorm();
-      if (distance < of_all) {
-        of_all = distance;
-        own = m;
-      }
-      const int frame = regression.centre_frames[m];
-      const bool same_fold = frame >= 0 && data.folds[static_cast<std::size_t>(frame)] == data.folds[n];
-      if (!same_fold) of_others = std::min(of_others, distance);
-    }
-    nearest.push_back(of_others);
-    errors.push_back(left[n]);
-    moved.push_back(motions[n]);
-    if (centres > 0) closest.push_back(own);
+  for (const HeldOutFrame& frame : frames) {
+    distances.push_back(frame.to_others);
+    errors.push_back(near.left[frame.number]);
+    moved.push_back(motions[frame.number]);
+    closest.push_back(frame.closest);
   }
   ErrorModel model;
-  model.usual = mean_of(nearest);
+  model.usual = mean_of(distances);
+  // Of itself a centre knows how far its frame moves, the rest pose not at all; that as large a part of it is left as
+  // of all motion is the first guess.
+  std::vector<double> own;
+  for (const int frame : near.regression.centre_frames) {
+    own.push_back(frame < 0 ? 0 : motions[static_cast<std::size_t>(frame)]);
+  }
+  if (own.empty()) own.push_back(mean_of(moved));
+  model.motion = means_at(closest, moved, own);
+  const double share = mean_of(moved) > 0 ? mean_of(errors) / mean_of(moved) : 0;
+  own = model.motion;
+  for (double& guess : own) guess *= share;
+  model.local = means_at(closest, errors, own);
   // Never nothing: ten times as far away, in squares, the error has at least doubled.
   const double least = model.usual > 0 ? 0.1 * mean_of(errors) / model.usual : 0;
-  model.growth = nearest.empty() ? 0 : std::max(least, growth(nearest, errors));
-  model.local = means_at(closest, errors, centres);
-  model.motion = means_at(closest, moved, centres);
+  const std::optional<double> by_takes = growth_by_takes(far, model);
+  if (!frames.empty()) model.growth = std::max(least, by_takes ? *by_takes : growth(distances, errors));
   return model;
 }
 

@@ -19,10 +19,18 @@ struct ErrorModel {
   double usual = 0;            // mean square distance from a held-out frame to the nearest centre
 };
 
-// From the held-out frames of cross-validation, each with the centres of other folds only. Of every frame, in square
-// metres over the region's vertices, `left`: what is left of it, and `motions`: all of it. Targets are not looked at.
-ErrorModel calibrate(const RegressionData& data, const Regression& regression, const std::vector<double>& left,
-                     const std::vector<double>& motions);
+// A fit that does without some frames, and what is left of each of them, square metres over the region's vertices.
+struct HeldOutError {
+  const RegressionData& data;  // its folds say which frames are fitted without which; targets are not looked at
+  const Regression& regression;
+  std::vector<double> left;  // N
+};
+
+// `near`: of cross-validation by folds that all takes are in. `far`: of cross-validation by takes, which are its folds;
+// it has fewer than two where nothing is known of motion that was never shown. `motions`: N, square metres, all that a
+// frame moves. What the error grows by with the distance is such that half of the takes left out are expected to be
+// off by more than they are (the median of split conformal prediction: Lei et al. 2018).
+ErrorModel calibrate(const HeldOutError& near, const HeldOutError& far, const std::vector<double>& motions);
 
 // Adds a region to a table that knows of those before, joint_begin {0} of none. `joints` of the skeleton move its skin,
 // most of all first; `size`: its vertices, by their weights.

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <numeric>
 
+#include "base/parallel.h"
 #include "runtime/core/error.h"
 #include "runtime/host/rig.h"
 #include "trainer/train/coverage/coverage.h"
@@ -24,24 +25,44 @@
 namespace bodyopt {
 namespace {
 
+// Folds of whole takes, ten at most.
+std::vector<int> take_folds(const SampleSet& set) {
+  constexpr int kMostFolds = 10;
+  std::vector<int> folds;
+  for (const Sample& sample : set.train) folds.push_back(sample.take % kMostFolds);
+  return folds;
+}
+
+ErrorModel error_model(const RegionModel& region, const SelectedRegion& selected, const FeatureSamples& features,
+                       const std::vector<int>& folds, const std::vector<int>& takes) {
+  const Regression& fit = region.fits[selected.fit];
+  const RegressionData by_folds = regression_data(features, region, folds),
+                       by_takes = regression_data(features, region, takes);
+  const Regression without_takes = refit_regression(by_takes, static_cast<int>(fit.centres.rows()), fit);
+  const Eigen::VectorXd& energy = region.components.energy;
+  return calibrate({by_folds, fit, frame_energies(region, selected, fit)},
+                   {by_takes, without_takes, frame_energies(region, selected, without_takes)},
+                   {energy.begin(), energy.end()});
+}
+
 // What coverage needs to know of the regions that are kept. `packed`: those of the model.
 CoverageTable region_coverage(const Character& character, const ResidualModel& model,
                               const std::vector<std::size_t>& packed, const FeatureSamples& features,
-                              const Selection& selection) {
+                              const Selection& selection, const std::vector<int>& takes) {
+  std::vector<ErrorModel> errors(packed.size());
+  parallel_for(packed.size(), [&](std::size_t k) {
+    errors[k] = error_model(model.regions[packed[k]], selection[packed[k]], features, model.folds, takes);
+  });
   CoverageTable coverage;
   coverage.joint_begin = {0};
-  for (const std::size_t r : packed) {
-    const RegionModel& region = model.regions[r];
-    const double size = std::accumulate(region.region.weights.begin(), region.region.weights.end(), 0.0);
+  for (std::size_t k = 0; k < packed.size(); ++k) {
+    const RegionWeights& region = model.regions[packed[k]].region;
+    const double size = std::accumulate(region.weights.begin(), region.weights.end(), 0.0);
     std::vector<std::uint32_t> joints;
-    for (const std::string& name : joints_of(character, region.region)) {
+    for (const std::string& name : joints_of(character, region)) {
       joints.push_back(static_cast<std::uint32_t>(character.skeleton.find(name)));
     }
-    append_region(region.region.name, joints, size,
-                  calibrate(regression_data(features, region, model.folds), region.fits[selection[r].fit],
-                            frame_energies(region, selection[r]),
-                            {region.components.energy.begin(), region.components.energy.end()}),
-                  coverage);
+    append_region(region.name, joints, size, errors[k], coverage);
   }
   return coverage;
 }
@@ -137,7 +158,8 @@ TrainingResult packed_result(const SampleSet& set, const TrainOptions& options, 
   result.expected_mm = 1e3 * expected_error(model, selection);
   result.smoothing_radius = ground.base.radius;
   result.warnings = warnings_of(set, ground, model);
-  result.basis.coverage = region_coverage(ground.ordered, model, packed.regions, ground.features, selection);
+  result.basis.coverage =
+      region_coverage(ground.ordered, model, packed.regions, ground.features, selection, take_folds(set));
   result.basis.metadata["curve"] = curve_text(result.curve);
   result.basis.metadata["report"] = report_of(result, set).dump();
   result.basis.metadata[kLearnedPoses] = learned_poses_text(set);

@@ -98,9 +98,8 @@ double expected_error(const ResidualModel& model, const Selection& selection) {
   return std::sqrt((energy + beyond) / model.vertices);
 }
 
-std::vector<double> frame_energies(const RegionModel& region, const SelectedRegion& selected) {
+std::vector<double> frame_energies(const RegionModel& region, const SelectedRegion& selected, const Regression& fit) {
   const Components& components = region.components;
-  const Eigen::MatrixXd& errors = region.fits[selected.fit].errors;
   std::vector<double> energies(components.truncated.begin(), components.truncated.end());
   for (std::size_t k = 0; k < selected.blocks.size(); ++k) {
     const auto column = static_cast<Index>(k);
@@ -112,7 +111,7 @@ std::vector<double> frame_energies(const RegionModel& region, const SelectedRegi
       (is_kept ? kept : dropped) += vector.squaredNorm() / region.region.weights[v];
     }
     for (std::size_t n = 0; n < energies.size(); ++n) {
-      const double error = errors(static_cast<Index>(n), column);
+      const double error = fit.errors(static_cast<Index>(n), column);
       const double motion = components.coefficients(static_cast<Index>(n), column);
       energies[n] += kept * error * error + dropped * motion * motion;
     }

@@ -58,8 +58,9 @@ class ByteAllocation {
 // that of the regions it overlaps, and rounding to bytes to cost nothing.
 double expected_error(const ResidualModel& model, const Selection& selection);
 
-// Of one region in every frame, square metres over its vertices; without prediction errors where no fold held out.
-std::vector<double> frame_energies(const RegionModel& region, const SelectedRegion& selected);
+// What is left of one region in every frame, square metres over its vertices. `fit`: of the region, its errors of
+// frames held out; without prediction errors where no fold held out.
+std::vector<double> frame_energies(const RegionModel& region, const SelectedRegion& selected, const Regression& fit);
 
 std::string curve_text(const std::vector<TradeOffPoint>& curve);
 // Of a basis' metadata; none where it was trained without shapes. Throws Error(file) where it is damaged.
