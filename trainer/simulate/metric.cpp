@@ -53,7 +53,7 @@ Metric::Metric(const SparseMatrix& matrix) {
   }
   const auto& original = factor.permutationPinv().indices();
   order_.assign(original.data(), original.data() + original.size());
-  panels_ = factor_panels(factor.matrixL());
+  panels_ = factor_panels<float>(factor.matrixL());
 }
 
 Metric::Metric(const SparseMatrix& matrix, const SparseMatrix& prolongation)

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "geometry/tet_mesh.h"
-#include "trainer/simulate/factor_panels.h"
+#include "trainer/factor/factor_panels.h"
 #include "trainer/simulate/gauss_seidel.h"
 #include "trainer/simulate/materials.h"
 
@@ -47,7 +47,7 @@ class Metric {
 
   // The factor is kept in single precision: a metric needs no more digits, and reading it is what a solve costs.
   std::vector<int> order_;  // original index of each row of the factor
-  FactorPanels panels_;
+  FactorPanels<float> panels_;
   std::optional<GaussSeidel> smoother_;                       // with two grids
   Eigen::SparseMatrix<float, Eigen::RowMajor> prolongation_;  // with two grids
 };

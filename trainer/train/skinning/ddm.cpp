@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <numeric>
 #include <string>
@@ -15,6 +16,7 @@
 #include "runtime/core/half.h"
 #include "runtime/core/json.h"
 #include "runtime/core/text.h"
+#include "trainer/train/skinning/near_smoother.h"
 
 namespace bodyopt {
 namespace {
@@ -29,23 +31,18 @@ std::uint64_t spread_bits(std::uint64_t x) {
   return (x | x << 2) & 0x1249249249249249;
 }
 
-using Moments10 =
-    Eigen::Matrix<double, Eigen::Dynamic, 10>;  // omega, three first, six second moments (xx xy xz yy yz zz)
-
 // One (vertex, joint) entry before it is centred.
 struct RawMoments {
   std::uint32_t joint;
   Eigen::Matrix<double, 10, 1> values;
 };
 
-Moments10 weighted_moments(const Positions& rest, const Eigen::VectorXd& weights) {
-  Moments10 moments(rest.rows(), 10);
-  for (Eigen::Index v = 0; v < rest.rows(); ++v) {
-    const double x = rest(v, 0), y = rest(v, 1), z = rest(v, 2);
-    moments.row(v) << 1, x, y, z, x * x, x * y, x * z, y * y, y * z, z * z;
-    moments.row(v) *= weights[v];
-  }
-  return moments;
+// omega, three first, six second moments (xx xy xz yy yz zz) of a weight.
+Eigen::Matrix<double, 1, 10> weighted_moments(const Eigen::RowVector3d& at, double weight) {
+  const double x = at.x(), y = at.y(), z = at.z();
+  Eigen::Matrix<double, 1, 10> moments;
+  moments << 1, x, y, z, x * x, x * y, x * z, y * y, y * z, z * z;
+  return weight * moments;
 }
 
 Eigen::Matrix3d symmetric(const Eigen::Matrix<double, 6, 1>& m) {
@@ -57,38 +54,38 @@ Eigen::Matrix3d symmetric(const Eigen::Matrix<double, 6, 1>& m) {
 std::vector<std::vector<RawMoments>> smooth_moments(const Positions& rest, const Triangles& triangles,
                                                     const std::vector<std::vector<JointWeight>>& weights,
                                                     const DdmOptions& options) {
-  const Eigen::VectorXd areas = lumped_areas(rest, triangles);
   const double lambda = options.radius * options.radius / (2.0 * options.steps);
-  Eigen::SparseMatrix<double> matrix = lambda * cotangent_laplacian(rest, triangles);
-  matrix.diagonal() += areas;
-  const SparseSolver solver(matrix);
-  if (!solver.is_solvable()) {
+  const NearSmoother smoother(lumped_areas(rest, triangles), lambda * cotangent_laplacian(rest, triangles),
+                              options.steps);
+  if (!smoother.is_solvable()) {
     throw Error(ErrorKind::mismatch, "the smoothing of the skin could not be factorised: its positions are not finite");
   }
 
-  std::vector<Eigen::VectorXd> columns;  // weights of each joint over the vertices
+  std::vector<std::map<int, double>> columns;  // weights of each joint by vertex
   for (std::size_t v = 0; v < weights.size(); ++v) {
     for (const JointWeight& w : weights[v]) {
-      while (columns.size() <= w.joint) columns.push_back(Eigen::VectorXd::Zero(rest.rows()));
-      columns[w.joint][static_cast<Eigen::Index>(v)] += w.weight;
+      if (columns.size() <= w.joint) columns.resize(w.joint + 1);
+      columns[w.joint][static_cast<int>(v)] += w.weight;
     }
   }
-  std::vector<Moments10> smoothed(columns.size());
+  std::vector<TenColumns> smoothed(columns.size());
   parallel_for(columns.size(), [&](std::size_t j) {
-    if (columns[j].cwiseAbs().maxCoeff() == 0) return;
-    Moments10 moments = weighted_moments(rest, columns[j]);
-    for (int step = 0; step < options.steps; ++step) {
-      const Moments10 right = areas.asDiagonal() * moments;
-      moments = solver.solve(right);
+    TenColumns moments;
+    moments.values.resize(static_cast<Eigen::Index>(columns[j].size()), 10);
+    for (const auto& [v, weight] : columns[j]) {
+      moments.values.row(static_cast<Eigen::Index>(moments.vertices.size())) = weighted_moments(rest.row(v), weight);
+      moments.vertices.push_back(v);
     }
-    smoothed[j] = std::move(moments);
+    smoothed[j] = smoother(moments);
   });
 
   std::vector<std::vector<RawMoments>> raw(weights.size());
   for (std::size_t j = 0; j < smoothed.size(); ++j) {
-    for (Eigen::Index v = 0; v < smoothed[j].rows(); ++v) {
-      if (!(smoothed[j](v, 0) > options.prune)) continue;
-      raw[static_cast<std::size_t>(v)].push_back({static_cast<std::uint32_t>(j), smoothed[j].row(v).transpose()});
+    for (std::size_t k = 0; k < smoothed[j].vertices.size(); ++k) {
+      const auto values = smoothed[j].values.row(static_cast<Eigen::Index>(k));
+      if (!(values[0] > options.prune)) continue;
+      raw[static_cast<std::size_t>(smoothed[j].vertices[k])].push_back(
+          {static_cast<std::uint32_t>(j), values.transpose()});
     }
   }
   for (std::size_t v = 0; v < raw.size(); ++v) {

@@ -13,20 +13,28 @@ struct FactorPanel {
   std::size_t first_value;  // in FactorPanels::values: its triangle without the diagonal, then its rows, each by rows
 };
 
+// Number: what its values are kept as.
+template <typename Number>
 struct FactorPanels {
   static constexpr int kWidest = 8;
 
   std::vector<FactorPanel> panels;  // ascending
   std::vector<int> rows;            // ascending in each panel
-  std::vector<float> values;
+  std::vector<Number> values;
   std::vector<double> inverse_diagonal;
 };
 
 // lower: L with its diagonal, N x N, as Cholesky factorisation leaves it.
-FactorPanels factor_panels(const Eigen::SparseMatrix<double>& lower);
+template <typename Number>
+FactorPanels<Number> factor_panels(const Eigen::SparseMatrix<double>& lower);
 
 // Replace N x 4 numbers, row by row, by L^-1 times and L^-T times them. The same bits with any instructions.
-void solve_forward(const FactorPanels& factor, double* values);
-void solve_backward(const FactorPanels& factor, double* values);
+void solve_forward(const FactorPanels<float>& factor, double* values);
+void solve_backward(const FactorPanels<float>& factor, double* values);
+
+// Replaces N x 10 numbers by (L L^T)^-1 times them in the rows of some panels, ascending; with each of them is the one
+// that has its first row below (its parent in the elimination tree, and so on), so that no other row is read or
+// written. Numbers that were zero in all others give there what the whole factor would.
+void solve_ten_in(const FactorPanels<double>& factor, const std::vector<int>& panels, double* values);
 
 }  // namespace bodyopt
