@@ -15,7 +15,7 @@ class Pc2Cache final : public CacheWriter {
   Pc2Cache(const fs::path& path, const CacheLayout& layout)
       : writer_(path, layout.points, static_cast<std::uint32_t>(layout.frames.size()),
                 layout.frames.empty() ? 1.0f : static_cast<float>(layout.frames.front()), frame_spacing(layout.frames),
-                layout.space) {}
+                layout.space, layout.fps) {}
 
   void append(std::span<const float> positions, std::span<const float>) override { writer_.append(positions); }
   void close() override { writer_.close(); }

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "assets/pc2.h"
+#include "assets/skin_surface.h"
 
 namespace bodyopt {
 
@@ -19,7 +20,8 @@ struct CacheLayout {
   std::span<const std::uint32_t> corners;  // T x 3, of the triangles: a .pc2 does not hold them
   std::vector<int> frames;                 // the number of every frame that will be appended, rising
   double fps = 24;
-  CacheSpace space{};  // PC2's; the others are in metres, Y up
+  CacheSpace space{};     // PC2's and MDD's; the others are in metres, Y up
+  SkinSurface surface{};  // that a .glb shows; of it a .usda has the texture coordinates
 };
 
 // Writes under a temporary name. Numbers that are not finite are refused: Error(file).
@@ -38,8 +40,8 @@ class CacheWriter {
   virtual void take_up(const std::filesystem::path& stem, std::size_t frames) = 0;
 };
 
-// `.usda`: USD text, see usda.h; `.glb`: glTF with morph targets, see gltf_shapes.h; anything else: PC2. Throws
-// Error(file), Error(usage).
+// `.usda`: USD text, see usda.h; `.glb`: glTF with morph targets, see gltf_shapes.h; `.mdd` and anything else: MDD and
+// PC2, see pc2.h. Throws Error(file), Error(usage).
 std::unique_ptr<CacheWriter> write_cache(const std::filesystem::path& path, CacheLayout layout);
 
 // Whether caches of that name hold the triangles of the skin, in metres, Y up; and the normals that they are given.

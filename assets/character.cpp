@@ -167,6 +167,6 @@ Character read_character(const GltfFile& file, double unit) {
   return character;
 }
 
-bool has_skin(const std::filesystem::path& path) { return !GltfFile(path).model().skins.empty(); }
+bool has_skin(const std::filesystem::path& path) { return choose_skin(GltfFile(path)) >= 0; }
 
 }  // namespace bodyopt

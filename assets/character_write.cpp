@@ -48,46 +48,8 @@ std::vector<WeightSet> weight_sets(const Character& character) {
   return sets;
 }
 
-std::vector<float> inverse_binds(const Skeleton& skeleton) {
-  std::vector<float> columns;
-  for (const Joint& joint : skeleton.joints) {
-    for (int c = 0; c < 4; ++c) {
-      for (int r = 0; r < 3; ++r) columns.push_back(static_cast<float>(joint.inverse_bind.m[r][c]));
-      columns.push_back(c == 3 ? 1.0f : 0.0f);
-    }
-  }
-  return columns;
-}
-
 std::span<const std::uint32_t> flat(const Triangles& triangles) {
   return {triangles.data(), static_cast<std::size_t>(triangles.size())};
-}
-
-// Of the triangles of one material.
-std::vector<std::uint32_t> indices_of(const Character& character, const SkinSurface& surface, std::size_t material) {
-  std::vector<std::uint32_t> indices;
-  for (Eigen::Index t = 0; t < character.output_triangles.rows(); ++t) {
-    if (surface.material_of[static_cast<std::size_t>(t)] != material) continue;
-    for (int k = 0; k < 3; ++k) indices.push_back(character.output_triangles(t, k));
-  }
-  return indices;
-}
-
-Json primitives(const Character& character, const SkinSurface& surface, const Json& attributes, GlbWriter& glb) {
-  if (surface.materials.empty()) {
-    const std::size_t all = glb.add(flat(character.output_triangles), "SCALAR", GlbTarget::indices);
-    return Json::array({{{"attributes", attributes}, {"indices", all}, {"mode", 4}}});
-  }
-  Json list = Json::array();
-  for (std::size_t m = 0; m < surface.materials.size(); ++m) {
-    const std::vector<std::uint32_t> indices = indices_of(character, surface, m);
-    if (indices.empty()) continue;
-    glb.root["materials"].push_back({{"name", surface.materials[m]}});
-    const std::size_t own = glb.add(indices, "SCALAR", GlbTarget::indices);
-    list.push_back(
-        {{"attributes", attributes}, {"indices", own}, {"material", glb.root["materials"].size() - 1}, {"mode", 4}});
-  }
-  return list;
 }
 
 }  // namespace
@@ -105,22 +67,14 @@ void write_character(const Character& character, const SkinSurface& surface, con
   Json attributes;
   attributes["POSITION"] = glb.add(output_from_welded(character, character.vertices), "VEC3", GlbTarget::vertices);
   attributes["NORMAL"] = glb.add(normals(character), "VEC3", GlbTarget::vertices);
-  if (!surface.texture.empty()) {
-    const std::vector<float> texture(surface.texture.begin(), surface.texture.end());
-    attributes["TEXCOORD_0"] = glb.add(texture, "VEC2", GlbTarget::vertices);
-  }
   const std::vector<WeightSet> sets = weight_sets(character);
   for (std::size_t s = 0; s < sets.size(); ++s) {
     attributes["JOINTS_" + std::to_string(s)] = glb.add(sets[s].joints, "VEC4", GlbTarget::vertices);
     attributes["WEIGHTS_" + std::to_string(s)] = glb.add(sets[s].weights, "VEC4", GlbTarget::vertices);
   }
-  const Json drawn = primitives(character, surface, attributes, glb);
-  const std::size_t binds = glb.add(inverse_binds(character.skeleton), "MAT4", GlbTarget::none);
-
-  std::vector<std::size_t> joints(character.skeleton.size());
-  for (std::size_t j = 0; j < joints.size(); ++j) joints[j] = j;
+  const Json drawn = surface_primitives(flat(character.output_triangles), surface, {{"attributes", attributes}}, glb);
+  glb.add_skin(character.skeleton, skeleton);
   glb.root["meshes"].push_back({{"name", character.name}, {"primitives", drawn}});
-  glb.root["skins"].push_back({{"inverseBindMatrices", binds}, {"skeleton", skeleton}, {"joints", joints}});
   glb.root["nodes"].push_back({{"name", character.name}, {"mesh", 0}, {"skin", 0}});
   glb.root["scenes"][0]["nodes"].push_back(glb.root["nodes"].size() - 1);
   glb.write(path);

@@ -46,11 +46,15 @@ Clip read_clip(const std::string& source, const SkeletonChoice& choose, const Cl
 // The names of the clips in a .glb, .gltf, .fbx or .bvh (a BVH's is its file's). Throws Error(file).
 std::vector<std::string> clip_names(const std::filesystem::path& path);
 
-// Writes an animation-only .glb: the skeleton's nodes and one LINEAR animation with a key per frame. Throws
-// Error(file).
+// Writes an animation-only .glb: the skeleton as a skin that draws nothing, which other programs take for one armature,
+// and one LINEAR animation with a key per frame. Throws Error(file).
 void write_clip(const Clip& clip, const Skeleton& skeleton, const std::filesystem::path& path);
 // The same in the unit of the character's file (metres; 0: metres), as a DCC would export it, and as clip_unit() says.
 void write_clip(Clip clip, Skeleton skeleton, double unit, const std::filesystem::path& path);
+
+// By the ending: .glb as above, .bvh (bvh_clip.h; metres), or .usda: a UsdSkel skeleton and its animation, in metres,
+// with a time sample of each joint at the number of each frame. Throws Error(file).
+void write_motion(const Clip& clip, const Skeleton& skeleton, double unit, const std::filesystem::path& path);
 
 // The frames of read_clip()'s clip that are nearest to a key of any channel, rising. None of a BVH, which samples its
 // motion. Throws Error(file).

@@ -1,8 +1,10 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "assets/bvh_clip.h"
 #include "assets/clip.h"
 #include "assets/gltf_write.h"
+#include "assets/usda_skeleton.h"
 #include "runtime/core/error.h"
 
 namespace bodyopt {
@@ -55,7 +57,7 @@ void write_clip(const Clip& source, const Skeleton& skeleton, const std::filesys
   check(source, skeleton, path);
   const Clip clip = with_continuous_rotations(source);
   GlbWriter glb;
-  glb.add_skeleton(skeleton);
+  glb.add_skin(skeleton, glb.add_skeleton(skeleton));
   std::vector<float> times;
   for (std::size_t k = 0; k < clip.poses.size(); ++k) {
     times.push_back(static_cast<float>(static_cast<double>(k) / clip.fps));
@@ -99,6 +101,13 @@ void write_clip(Clip clip, Skeleton skeleton, double unit, const std::filesystem
     for (JointTransform& joint : pose.joints) rescale(joint);
   }
   write_clip(clip, skeleton, path);
+}
+
+void write_motion(const Clip& clip, const Skeleton& skeleton, double unit, const std::filesystem::path& path) {
+  check(clip, skeleton, path);
+  if (path.extension() == ".usda") return write_usd_skeleton(with_continuous_rotations(clip), skeleton, path);
+  if (path.extension() == ".bvh") return write_bvh(clip, skeleton, path);
+  write_clip(clip, skeleton, unit, path);
 }
 
 }  // namespace bodyopt

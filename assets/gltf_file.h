@@ -15,8 +15,8 @@ namespace bodyopt {
 
 class GltfFile {
  public:
-  // Images, materials, extras and extensions are not loaded. Buffers may be in the file, a data URI, or a file in the
-  // same folder. Throws Error(file).
+  // Images, extras and extensions are not loaded, and of materials names and base colours alone. Buffers may be in the
+  // file, a data URI, or a file in the same folder. Throws Error(file).
   explicit GltfFile(const std::filesystem::path& path);
   // The same of a file's bytes that are in memory already; messages call them `path`.
   GltfFile(const std::filesystem::path& path, std::string_view bytes);

@@ -212,6 +212,23 @@ Bytes resolve_buffer(const std::filesystem::path& path, const Json& buffer, cons
   return bytes;
 }
 
+// Of materials the names and base colours; what is wrong with them is left out.
+void keep_colours(Json& root) {
+  Json kept = Json::array();
+  for (const Json& material : root.value("materials", Json::array())) {
+    Json& bare = kept.emplace_back(Json::object());
+    if (!material.is_object()) continue;
+    if (material.contains("name") && material["name"].is_string()) bare["name"] = material["name"];
+    const Json::json_pointer place("/pbrMetallicRoughness/baseColorFactor");
+    if (!material.contains(place)) continue;
+    const Json& colour = material[place];
+    const auto is_share = [](const Json& x) { return x.is_number() && x >= 0 && x <= 1; };
+    if (!colour.is_array() || colour.size() != 4 || !std::ranges::all_of(colour, is_share)) continue;
+    bare["pbrMetallicRoughness"]["baseColorFactor"] = colour;
+  }
+  root["materials"] = kept;
+}
+
 }  // namespace
 
 std::string read_gltf_bytes(const std::filesystem::path& path) {
@@ -256,9 +273,10 @@ GuardedGltf guard_gltf(const std::filesystem::path& path, std::string_view bytes
     }
   }
   for (const char* key :
-       {"buffers", "images", "textures", "samplers", "materials", "cameras", "extensionsRequired", "extensionsUsed"}) {
+       {"buffers", "images", "textures", "samplers", "cameras", "extensionsRequired", "extensionsUsed"}) {
     root.erase(key);
   }
+  keep_colours(root);
   guarded.json = root.dump(-1, ' ', false, Json::error_handler_t::replace);
   return guarded;
 }

@@ -9,7 +9,7 @@
 namespace bodyopt {
 
 struct GuardedGltf {
-  std::string json;                                 // without buffers, images, materials, extras and extensions
+  std::string json;  // without buffers, images, extras and extensions; materials have names and colours
   std::vector<std::vector<unsigned char>> buffers;  // as long as the file says they are
 };
 

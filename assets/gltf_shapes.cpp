@@ -142,9 +142,7 @@ void GltfShapesWriter::close() {
   const std::vector<float> normals = smooth(frame(0));
   Json drawn = {{"attributes",
                  {{"POSITION", glb.add(frame(0), "VEC3", GlbTarget::vertices)},
-                  {"NORMAL", glb.add(normals, "VEC3", GlbTarget::vertices)}}},
-                {"indices", glb.add(std::span<const std::uint32_t>(corners_), "SCALAR", GlbTarget::indices)},
-                {"mode", 4}};
+                  {"NORMAL", glb.add(normals, "VEC3", GlbTarget::vertices)}}}};
   Json names = Json::array();
   for (std::size_t k = 1; k < count; ++k) {
     drawn["targets"].push_back(
@@ -152,7 +150,8 @@ void GltfShapesWriter::close() {
          {"NORMAL", glb.add(difference(smooth(frame(k)), normals), "VEC3", GlbTarget::vertices)}});
     names.push_back("frame " + std::to_string(layout_.frames[k]));
   }
-  glb.root["meshes"].push_back({{"name", layout_.name}, {"primitives", Json::array({drawn})}});
+  glb.root["meshes"].push_back(
+      {{"name", layout_.name}, {"primitives", surface_primitives(corners_, layout_.surface, drawn, glb)}});
   glb.root["nodes"].push_back({{"name", layout_.name}, {"mesh", 0}});
   glb.root["scenes"][0]["nodes"].push_back(0);
   if (count > 1) {

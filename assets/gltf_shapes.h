@@ -1,5 +1,5 @@
-// Shapes of a clip as glTF: one mesh, a morph target for each frame after the first, and an animation that goes from
-// one to the next. Metres, Y up.
+// Shapes of a clip as glTF: one mesh with what it shows, a morph target for each frame after the first, and an
+// animation that goes from one to the next. Metres, Y up.
 #pragma once
 
 #include <cstdint>

@@ -319,8 +319,23 @@ std::vector<double> read_vertex_colours(const std::filesystem::path& character, 
   return colours;
 }
 
+std::vector<int> read_skin_materials(const GltfFile& file, int skin) {
+  std::vector<int> all;
+  for (const SkinPrimitive& part : skin_primitives(file, skin)) {
+    SkinGeometry geometry;
+    append_triangles(file, part.primitive, vertex_count(file, part), part.what, geometry);
+    const int material = part.primitive.material;
+    if (material >= std::ssize(file.model().materials)) file.fail(part.what, ": has no material ", material);
+    all.resize(all.size() + geometry.triangles.size(), material);
+  }
+  return all;
+}
+
 std::vector<double> read_texture_coordinates(const std::filesystem::path& character) {
-  const GltfFile file(character);
+  return read_texture_coordinates(GltfFile(character));
+}
+
+std::vector<double> read_texture_coordinates(const GltfFile& file) {
   std::vector<double> all;
   const int skin = choose_skin(file);
   if (skin < 0) file.fail("has no skinned mesh");

@@ -40,5 +40,9 @@ std::vector<double> read_vertex_colours(const std::filesystem::path& character, 
 // O x 2 in output order: texture coordinates (TEXCOORD_0) of a character's skin; empty where a part of it has none.
 // Throws Error(file).
 std::vector<double> read_texture_coordinates(const std::filesystem::path& character);
+std::vector<double> read_texture_coordinates(const GltfFile& file);
+
+// Of each triangle of read_skin_geometry() the material of the file; -1: none. Throws Error(file).
+std::vector<int> read_skin_materials(const GltfFile& file, int skin);
 
 }  // namespace bodyopt

@@ -91,6 +91,20 @@ std::size_t GlbWriter::add_skeleton(const Skeleton& skeleton) {
   return top;
 }
 
+void GlbWriter::add_skin(const Skeleton& skeleton, std::size_t top) {
+  std::vector<float> columns;
+  std::vector<std::size_t> joints;
+  for (const Joint& joint : skeleton.joints) {
+    joints.push_back(top - skeleton.size() + joints.size());
+    for (int c = 0; c < 4; ++c) {
+      for (int r = 0; r < 3; ++r) columns.push_back(static_cast<float>(joint.inverse_bind.m[r][c]));
+      columns.push_back(c == 3 ? 1.0f : 0.0f);
+    }
+  }
+  const std::size_t binds = add(columns, "MAT4", GlbTarget::none);
+  root["skins"].push_back({{"inverseBindMatrices", binds}, {"skeleton", top}, {"joints", joints}});
+}
+
 std::string GlbWriter::bytes(const std::filesystem::path& path) {
   const auto fail = [&](const auto&... problem) { throw Error(ErrorKind::file, path, ": ", problem...); };
   if (!finite_) fail("not written, because a number is not finite");

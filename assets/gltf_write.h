@@ -29,6 +29,8 @@ class GlbWriter {
   // Appends the joints as nodes, in their default pose, below one new node called "skeleton". Joint j is node j when
   // called first. Returns the new node's index.
   std::size_t add_skeleton(const Skeleton& skeleton);
+  // All joints of add_skeleton(), which returned `top`, bound as the skeleton is: programs make one armature of them.
+  void add_skin(const Skeleton& skeleton, std::size_t top);
 
   // The file's bytes; messages call it `path`. Throws Error(file), also for numbers that are not finite.
   std::string bytes(const std::filesystem::path& path);

@@ -115,6 +115,10 @@ void join_caches(const std::vector<fs::path>& parts, const fs::path& out) {
     throw Error(ErrorKind::usage, out,
                 ": parts of glTF cannot be joined: evaluate the whole shot to one .glb, or its parts to .pc2 or .usda");
   }
+  if (out.extension() == ".mdd") {
+    throw Error(ErrorKind::usage, out,
+                ": parts of MDD cannot be joined, for they do not tell their frames: evaluate the parts to .pc2");
+  }
   if (out.extension() == ".usda") {
     join_usda(parts, out);
   } else {

@@ -47,6 +47,11 @@ void require_finite(const std::filesystem::path& path, std::uint32_t sample, std
   }
 }
 
+// From the machine's order of bytes to MDD's, and back.
+void swap_floats(std::span<float> values) {
+  for (float& value : values) value = std::bit_cast<float>(be32toh(std::bit_cast<std::uint32_t>(value)));
+}
+
 }  // namespace
 
 struct Pc2Reader::File {
@@ -157,9 +162,7 @@ std::vector<float> Pc2Reader::sample(std::uint32_t k) const {
   std::vector<float> values(3 * std::size_t{point_count()});
   const std::size_t bytes = sizeof(float) * values.size();
   file_->read(values.data(), bytes, file_->begin + std::uint64_t{k} * bytes, "sample " + std::to_string(k));
-  if (is_mdd(file_->path)) {
-    for (float& value : values) value = std::bit_cast<float>(be32toh(std::bit_cast<std::uint32_t>(value)));
-  }
+  if (is_mdd(file_->path)) swap_floats(values);
   require_finite(file_->path, k, values);
   return values;
 }
@@ -185,6 +188,14 @@ std::uint32_t checked_count(const std::filesystem::path& path, std::uint32_t cou
               least, " to ", kMost);
 }
 
+void write_mdd_header(AtomicFile& out, std::uint32_t points, std::uint32_t samples, double seconds) {
+  std::vector<std::uint32_t> words{htobe32(samples), htobe32(points)};
+  for (std::uint32_t k = 0; k < samples; ++k) {
+    words.push_back(htobe32(std::bit_cast<std::uint32_t>(static_cast<float>(k * seconds))));
+  }
+  out.write(std::as_bytes(std::span(words)));
+}
+
 std::vector<float> in_space(std::span<const float> points, const CacheSpace& space) {
   const auto in_units = [&](float metres) { return static_cast<float>(static_cast<double>(metres) / space.unit); };
   std::vector<float> result;
@@ -202,9 +213,13 @@ std::vector<float> in_space(std::span<const float> points, const CacheSpace& spa
 }  // namespace
 
 Pc2Writer::Pc2Writer(const std::filesystem::path& path, std::uint32_t point_count, std::uint32_t sample_count,
-                     float start_frame, float sample_rate, const CacheSpace& space)
+                     float start_frame, float sample_rate, const CacheSpace& space, double fps)
     : file_(std::make_unique<File>(path, checked_count(path, point_count, 1, "points"),
                                    checked_count(path, sample_count, 0, "samples"), space)) {
+  if (is_mdd(path)) {
+    write_mdd_header(file_->out, point_count, sample_count, static_cast<double>(sample_rate) / fps);
+    return;
+  }
   Pc2Header header{};
   std::memcpy(header.magic, kMagic, sizeof(kMagic));
   header.version = 1;
@@ -227,9 +242,14 @@ void Pc2Writer::append(std::span<const float> sample) {
                 " samples it was opened for were given");
   }
   const bool as_it_is = file_->space.unit == 1 && !file_->space.z_up;
-  const std::vector<float> changed = as_it_is ? std::vector<float>() : in_space(sample, file_->space);
-  const std::span<const float> written = as_it_is ? sample : changed;
+  std::vector<float> changed = as_it_is ? std::vector<float>() : in_space(sample, file_->space);
+  std::span<const float> written = as_it_is ? sample : changed;
   require_finite(file_->path, file_->written, written);
+  if (is_mdd(file_->path)) {
+    if (as_it_is) changed.assign(sample.begin(), sample.end());
+    swap_floats(changed);
+    written = changed;
+  }
   file_->out.write(std::as_bytes(written));
   ++file_->written;
 }

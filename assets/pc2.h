@@ -1,6 +1,6 @@
 // PC2 point caches (3ds Max, Blender, Houdini): header "POINTCACHE2\0", int32 version 1, int32 points, float start
-// frame, float sample rate, int32 samples; then samples x points x 3 little-endian floats. Also read, by the ending
-// .mdd: MDD point caches (LightWave, Blender), big-endian: int32 samples, int32 points, the samples' times in seconds;
+// frame, float sample rate, int32 samples; then samples x points x 3 little-endian floats. Also, by the ending .mdd:
+// MDD point caches (LightWave, Blender), big-endian: int32 samples, int32 points, the samples' times in seconds;
 // then samples x points x 3 floats. They do not number their frames: the first counts as 1.
 #pragma once
 
@@ -43,11 +43,11 @@ struct CacheSpace {
 };
 
 // Writes to a temporary name; close() checks the count and renames. Destroying it before leaves nothing behind. Numbers
-// that are not finite are refused: Error(file).
+// that are not finite are refused: Error(file). `fps`: of the times of MDD, which begin at 0.
 class Pc2Writer {
  public:
   Pc2Writer(const std::filesystem::path& path, std::uint32_t point_count, std::uint32_t sample_count,
-            float start_frame = 1, float sample_rate = 1, const CacheSpace& space = {});
+            float start_frame = 1, float sample_rate = 1, const CacheSpace& space = {}, double fps = 24);
   ~Pc2Writer();
   Pc2Writer(const Pc2Writer&) = delete;
   Pc2Writer& operator=(const Pc2Writer&) = delete;

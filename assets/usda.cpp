@@ -13,12 +13,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::string prim_name(const std::string& name) {
-  std::string prim;
-  for (const char c : name) prim += std::isalnum(static_cast<unsigned char>(c)) != 0 ? c : '_';
-  return prim.empty() || std::isdigit(static_cast<unsigned char>(prim[0])) != 0 ? "_" + prim : prim;
-}
-
 std::string number(double value) {
   char digits[32];
   const auto end = std::to_chars(digits, digits + sizeof(digits), value).ptr;
@@ -34,6 +28,19 @@ std::string topology(std::span<const std::uint32_t> corners) {
   return counts + "]\n" + indices + "]\n";
 }
 
+// Texture coordinates, whose second one USD counts from below.
+std::string coordinates(const std::vector<double>& texture) {
+  std::string text;
+  char digits[32];
+  for (std::size_t k = 0; k < texture.size(); ++k) {
+    text += k % 2 != 0 ? ", " : k == 0 ? "    texCoord2f[] primvars:st = [(" : "), (";
+    const auto value = static_cast<float>(k % 2 == 0 ? texture[k] : 1 - texture[k]);
+    text.append(digits, std::to_chars(digits, digits + sizeof(digits), value).ptr);
+  }
+  if (!text.empty()) text += ")] (\n        interpolation = \"vertex\"\n    )\n";
+  return text;
+}
+
 std::string head(const CacheLayout& layout) {
   const int first = layout.frames.empty() ? 0 : layout.frames.front();
   const int last = layout.frames.empty() ? 0 : layout.frames.back();
@@ -43,7 +50,7 @@ std::string head(const CacheLayout& layout) {
        << kUsdaLastFrame << last << "\n    framesPerSecond = " << fps << "\n    timeCodesPerSecond = " << fps
        << "\n    metersPerUnit = 1\n    upAxis = \"Y\"\n)\n\ndef Mesh \"" << prim << "\"\n{\n"
        << "    uniform token orientation = \"rightHanded\"\n    uniform token subdivisionScheme = \"none\"\n"
-       << topology(layout.corners) << kUsdaPointSamples << '\n';
+       << topology(layout.corners) << coordinates(layout.surface.texture) << kUsdaPointSamples << '\n';
   return text.str();
 }
 
@@ -60,6 +67,12 @@ fs::path points_aside(const fs::path& stem) { return fs::path(stem) += ".points"
 fs::path normals_aside(const fs::path& stem) { return fs::path(stem) += ".normals"; }
 
 }  // namespace
+
+std::string prim_name(const std::string& name) {
+  std::string prim;
+  for (const char c : name) prim += std::isalnum(static_cast<unsigned char>(c)) != 0 ? c : '_';
+  return prim.empty() || std::isdigit(static_cast<unsigned char>(prim[0])) != 0 ? "_" + prim : prim;
+}
 
 UsdaWriter::UsdaWriter(const fs::path& path, CacheLayout layout)
     : path_(path), layout_(std::move(layout)), points_(path), normals_(path) {

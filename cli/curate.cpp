@@ -167,9 +167,8 @@ void add_curate(CLI::App& app) {
   const auto [exporting, exported] =
       subverb(verb, "export-frame", "A frame as a mesh, to be sculpted elsewhere", export_frame);
   add_frame(exporting, exported);
-  add_required(exporting, "--out", exported.out, "FILE.obj|FILE.glb", "Mesh to write; of a .glb the skeleton is posed")
-      ->check(
-          [](const std::string& name) { return name.ends_with(".glb") ? std::string() : must_end_in(".obj")(name); });
+  add_required(exporting, "--out", exported.out, "FILE.obj|.glb", "Mesh to write; of a .glb the skeleton is posed")
+      ->check(must_end_in(".obj|.glb"));
 
   const auto [importing, imported] =
       subverb(verb, "import-frame", "A sculpted mesh back, as a sculpt modifier", import_frame);

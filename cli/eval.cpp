@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
+#include <numeric>
 
 #include "assets/frame_range.h"
 #include "assets/json_file.h"
@@ -30,6 +31,7 @@ struct EvalArguments {
   JiggleArguments jiggle;
   TaskArguments task;
   JsonOption json;
+  std::string rig;      // where the posed joints go; or empty
   std::string session;  // of the viewport: in place of the basis and the clip
   std::string list;     // of shots, in place of all else
 };
@@ -55,6 +57,7 @@ class ShotRun : public SkinSink {
       evaluate_frames();
       if (task_ != nullptr) task_->require_same_inputs();
       if (const auto file = arguments_.jiggle.write_last_state(*shot_.deformer)) states_.push_back(*file);
+      write_rig();
       is_whole_ = false;
       caches_.close();  // last: where the cache is in place, its state is, too, and none of an earlier run is beside it
     } catch (...) {
@@ -85,10 +88,23 @@ class ShotRun : public SkinSink {
     std::vector<fs::path> outputs{arguments_.cache.out};
     for (const std::string& cache : caches_.attached_paths()) outputs.emplace_back(cache);
     for (const std::string& state : states_) outputs.emplace_back(state);
+    if (!arguments_.rig.empty()) outputs.emplace_back(arguments_.rig);
     return outputs;
   }
 
  private:
+  // From the first frame to the last, as large as the skin.
+  void write_rig() const {
+    if (arguments_.rig.empty() || shot_.frames.empty()) return;
+    const auto [first, last] = std::ranges::minmax(shot_.frames);
+    std::vector<int> frames(static_cast<std::size_t>(last - first) + 1);
+    std::iota(frames.begin(), frames.end(), first);
+    Clip clip = shot_.clip;
+    clip.poses = poses_of(shot_.clip, frames);
+    clip.first_frame = first;
+    write_motion(clip, shot_.basis().skeleton, arguments_.cache.space.unit, arguments_.rig);
+  }
+
   static fs::path state_in(const fs::path& folder) { return folder / "jiggle.state"; }
 
   void evaluate_frames() {
@@ -156,6 +172,13 @@ Json attached_of(const Shot& shot, const ShotCaches& caches) {
   return list;
 }
 
+// Where the character's own file has nothing that a cache could show.
+std::string surface_text(const EvalArguments& arguments, const Shot& shot) {
+  if (arguments.shot.character.empty() || !holds_triangles(arguments.cache.out) || !shot.surface.empty()) return "";
+  return "of " + arguments.shot.character +
+         " no texture coordinates or materials are read, and none are written: of FBX, export glTF\n";
+}
+
 // Where a cache in metres does not lie on the mesh that it is of.
 std::string unit_text(const CacheChoice& cache, const Basis& basis) {
   const double unit = kept_unit(basis);
@@ -185,7 +208,7 @@ void evaluate(const EvalArguments& arguments, Shot& shot, const TaskRun* task) {
   const ShotMoves moves = measure_shot_moves(shot.basis(), poses, shot.frames);
   text += text_of(moves);
   for (const fs::path& file : run.outputs()) text += "wrote " + file.string() + "\n";
-  text += about_unit;
+  text += about_unit + surface_text(arguments, shot);
   Json result = run.log().result();
   if (folds) result["push_out"] = to_json(*folds);
   if (!moves.moves.empty()) result["modifiers"] = to_json(moves);
@@ -195,6 +218,7 @@ void evaluate(const EvalArguments& arguments, Shot& shot, const TaskRun* task) {
   result["seconds"] = seconds;
   result["jiggle"] = shot.jiggles;
   result["states"] = run.states();
+  if (!arguments.rig.empty()) result["rig"] = arguments.rig;
   result["attached"] = attached_of(shot, run.caches());
   arguments.json.emit(result, text);
 }
@@ -223,6 +247,7 @@ void pretend(const EvalArguments& arguments, const Shot& shot, const TaskRun* ta
 // The report is an output, too: without it, or where it goes to standard output, the work is done again.
 bool is_done(const EvalArguments& arguments, const TaskRun& task) {
   std::vector<fs::path> outputs{arguments.cache.out};
+  if (!arguments.rig.empty()) outputs.emplace_back(arguments.rig);
   if (!arguments.jiggle.state_out.empty()) outputs.emplace_back(arguments.jiggle.state_out);
   if (!arguments.json.path.empty() && !fs::exists(arguments.json.path)) return false;
   return task.done(outputs).has_value();
@@ -233,11 +258,16 @@ void gather_shot(EvalArguments& arguments) {
   ShotFiles& shot = arguments.shot;
   shot.clip = arguments.clip;
   shot.device = arguments.device.choice;
+  const bool shows_surface = holds_triangles(arguments.cache.out);
+  if (!shot.character.empty() && !shows_surface) {
+    throw Error(ErrorKind::usage, "--character is for .glb and .usda: point caches hold points alone");
+  }
   if (arguments.session.empty()) return;
   if (!shot.basis.empty() || !shot.clip.source.empty()) {
     throw Error(ErrorKind::usage, "--session names the basis and the clip itself: leave out BASIS and --clip");
   }
   take_session(arguments.session, shot);
+  if (!shows_surface) shot.character.clear();
 }
 
 // The clip alone knows its first frame.
@@ -308,18 +338,17 @@ void declare_eval(CLI::App& verb, EvalArguments& arguments) {
            "Run every stage on the CPU, too, and stop at the first difference");
   arguments.clip.add_unit(verb);
   add_required(
-      verb, "--out", arguments.cache.out, "FILE.pc2|.usda|.glb",
-      "Cache to write, a PC2 point cache, USD text or glTF with morph targets; '####' in its name is the first frame")
-      ->check([](const std::string& name) {
-        for (const char* ending : {".pc2", ".usda", ".glb"}) {
-          if (must_end_in(ending)(name).empty()) return std::string();
-        }
-        return "'" + name + "' does not end in .pc2, .usda or .glb";
-      });
+      verb, "--out", arguments.cache.out, "FILE.pc2|.mdd|.usda|.glb",
+      "Cache to write: a PC2 or MDD point cache, USD text or glTF with morph targets; '####' in its name is the first "
+      "frame")
+      ->check(must_end_in(".pc2|.mdd|.usda|.glb"));
+  add_option(verb, "--character", arguments.shot.character, "FILE",
+             "The character's own file: its texture coordinates and materials go into a .glb, the first into a .usda");
+  add_option(verb, "--rig", arguments.rig, "FILE.glb|.usda|.bvh", "Write the posed joints, too, as large as the skin");
   add_cache_space(verb, arguments.cache.space);
   add_option(verb, "--attached", arguments.shot.attached, "FILE",
              "Attached meshes (default: BASIS.attached.safetensors beside the basis, where it is there); "
-             "each mesh is written as FILE.<mesh>.pc2, .usda or .glb");
+             "each mesh is written as FILE.<mesh>.pc2, .mdd, .usda or .glb");
   arguments.jiggle.add(verb, arguments.shot.jiggle);
   add_modifier_options(verb, arguments.shot);
   arguments.task.add(verb);

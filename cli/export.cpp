@@ -32,7 +32,7 @@ void add_export(CLI::App& app) {
   const auto [verb, arguments] =
       add_verb<ExportArguments>(app, "export", "Write a draft's skin as a point cache for other programs", run);
   add_required(verb, "draft", arguments.draft, "DRAFT", "Nodes of a draft (.nodes)");
-  add_option(verb, "--out", arguments.out, "FILE.pc2", "Point cache to write")->required();
+  add_option(verb, "--out", arguments.out, "FILE.pc2|.mdd", "Point cache to write")->required();
   add_cache_space(verb, arguments.space);
   arguments.json.add(verb);
 }

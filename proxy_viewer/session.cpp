@@ -6,7 +6,6 @@
 #include <iterator>
 #include <utility>
 
-#include "assets/bvh_clip.h"
 #include "assets/clip_source.h"
 #include "assets/controls.h"
 #include "base/progress.h"
@@ -337,11 +336,7 @@ void Session::export_clip(const std::string& file) {
   clip.name = fs::path(file).stem().string();
   clip.poses = poses_of(clip, frames_to_export(file));
   clip.first_frame = controls.playback.in();
-  if (has_extension(file, {".bvh"})) {
-    write_bvh(clip, lead.basis().skeleton, file);
-  } else {
-    write_clip(clip, lead.basis().skeleton, kept_unit(lead.basis()), file);
-  }
+  write_motion(clip, lead.basis().skeleton, kept_unit(lead.basis()), file);
   controls.say("wrote " + file);
   if (clip.controls.empty()) return;
   const fs::path beside = fs::path(file).replace_extension(".controls.json");
@@ -356,6 +351,8 @@ void Session::export_skin(const std::string& file) {
   Shot shot =
       lead.shot(settings.pose, weights_of(controls), settings.jiggle.on && lead.has_at_finest(SkinMethod::jiggle));
   shot.frames = frames_to_export(file);
+  const std::string own = lead.files().own_file();
+  if (holds_triangles(file) && !own.empty()) shot.surface = read_skin_surface(own, shot.basis().mesh);
   ShotCaches caches({.out = file}, shot);
   Progress progress("export", shot.frames.size());
   evaluate(shot, caches, progress);

@@ -67,9 +67,9 @@ class Session {
   void step_stack(bool back);
   // What was brushed goes into the stack, where anything was; it stays in hand where it throws.
   void keep_strokes();
-  // The range as it is posed and keyed, before modifiers: .glb or .bvh; its controls as FILE.controls.json beside it,
-  // where there are any. The lead's skin over the range as its keys say, and what it wears: .pc2, .usda
-  // or .glb. Throw Error(file).
+  // The range as it is posed and keyed, before modifiers: .glb, .bvh or .usda; its controls as FILE.controls.json
+  // beside it, where there are any. The lead's skin over the range as its keys say, and what it wears: .pc2, .mdd,
+  // .usda or .glb. Throw Error(file).
   void export_clip(const std::string& file);
   void export_skin(const std::string& file);
 

@@ -76,11 +76,12 @@ void require_form(const CacheChoice& choice) {
   if (!holds_triangles(choice.out)) return;
   if (!(choice.space == CacheSpace())) {
     throw Error(ErrorKind::usage,
-                "--unit-out and --axis are for .pc2: a .usda or .glb says itself that it is in metres, Y up");
+                "--unit-out and --axis are for .pc2 and .mdd: a .usda or .glb says itself that it is in metres, Y up");
   }
   if (choice.full_skin) {
-    throw Error(ErrorKind::usage,
-                "--full-skin writes .pc2: the topology of the full skin, which .usda and .glb hold, is not in a proxy");
+    throw Error(
+        ErrorKind::usage,
+        "--full-skin writes .pc2 or .mdd: the topology of the full skin, which .usda and .glb hold, is not in a proxy");
   }
 }
 
@@ -91,8 +92,8 @@ ShotCaches::ShotCaches(const CacheChoice& choice, Shot& shot)
   }
   const MeshTable& mesh = shot.basis().mesh;
   points_ = choice.full_skin ? static_cast<std::uint32_t>(shot.carried.size()) : mesh.output_count();
-  skin_ =
-      write_cache(choice.out, {shot.name, points_, mesh.output_triangles, shot.frames, shot.clip.fps, choice.space});
+  skin_ = write_cache(
+      choice.out, {shot.name, points_, mesh.output_triangles, shot.frames, shot.clip.fps, choice.space, shot.surface});
   const fs::path out = choice.out;
   for (const AttachedMesh& worn : shot.attached.meshes) {
     attached_paths_.push_back(fs::path(out).replace_extension("." + worn.name + out.extension().string()).string());

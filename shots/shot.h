@@ -35,6 +35,7 @@ struct Shot {
   Clip clip;                           // with the weights of modifiers and the controls of the basis
   std::vector<int> frames;             // of the clip
   int preroll = 0;                     // frames of the clip that the jiggle steps before the first
+  SkinSurface surface;                 // of the character's own file, where that is known
 
   const Basis& basis() const { return deformer->basis(); }
   // Of `count` frames from frames[begin] on.
@@ -59,13 +60,13 @@ void preroll(Shot& shot, const Tell& tell);
 // by their number. Throws as Deformer and the sink do; the frames before are then in the sink.
 void evaluate(Shot& shot, SkinSink& sink, Progress& progress, std::size_t begin = 0);
 
-// The caches of a shot: PC2, USD or glTF of its skin, and one of each attached mesh.
+// The caches of a shot: PC2, MDD, USD or glTF of its skin, and one of each attached mesh.
 
 // Where to, and in which form.
 struct CacheChoice {
-  std::string out;         // .pc2, .usda or .glb
+  std::string out;         // .pc2, .mdd, .usda or .glb
   bool full_skin = false;  // of a proxy: the skin of the full character
-  CacheSpace space{};      // of .pc2
+  CacheSpace space{};      // of .pc2 and .mdd
 };
 
 // Throws Error(usage) for what the format that `out` names cannot hold.

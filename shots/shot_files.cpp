@@ -98,8 +98,21 @@ void tell_all(const std::vector<std::string>& notes, const Tell& tell) {
   for (const std::string& note : notes) tell(note);
 }
 
-Level chosen_level(const ShotFiles& files) {
-  std::vector<Level> levels = load_levels(files.basis);
+// Of a session, of a character that nobody trained, too: its Direct Delta Mush.
+bool is_untrained(const ShotFiles& files) { return !files.session.file.empty() && !is_basis(files.basis); }
+
+OpenedCharacter open_levels(const ShotFiles& files) {
+  if (is_untrained(files)) {
+    ClipOptions options = files.clip.options;
+    options.unit = files.session.unit;
+    return open_character(files.basis, options);
+  }
+  OpenedCharacter opened;
+  opened.levels = load_levels(files.basis);
+  return opened;
+}
+
+Level chosen_level(const ShotFiles& files, std::vector<Level> levels) {
   if (files.level >= levels.size()) {
     throw Error(ErrorKind::usage, "--level asks for level ", files.level, "; ", files.basis, " has levels 0 to ",
                 levels.size() - 1);
@@ -119,6 +132,11 @@ void choose_shot_modifiers(const std::string& file, Basis& basis) {
 std::unique_ptr<Deformer> make_deformer(const ShotFiles& files, Basis basis) {
   const JiggleChoice& choice = files.jiggle;
   if (!choice.jiggle) return std::make_unique<Deformer>(std::move(basis), files.device);
+  if (is_untrained(files)) {
+    throw Error(ErrorKind::usage, files.session.file,
+                ": its lead is not trained, and has no dynamics that --jiggle could step: 'bodyopt train' and 'bodyopt "
+                "dynamics' make them");
+  }
   const std::string file = choice.file(files.basis);
   if (choice.dynamics.empty() && !fs::exists(file)) {
     throw Error(ErrorKind::file, file,
@@ -136,8 +154,9 @@ std::unique_ptr<Deformer> make_deformer(const ShotFiles& files, Basis basis) {
 }
 
 // Of a session whose lead plays no clip, that which the viewport poses in its place.
-Clip read_own_clip(const ClipChoice& choice, const Basis& basis) {
-  return choice.source.empty() ? still_clip(basis.skeleton, choice.options) : choice.read(basis, kept_unit(basis));
+Clip read_own_clip(const ClipChoice& choice, const Basis& basis, std::optional<Clip> own) {
+  if (!choice.source.empty()) return choice.read(basis, kept_unit(basis));
+  return own ? std::move(*own) : still_clip(basis.skeleton, choice.options);
 }
 
 // Frames of a clip that its session does not play are left out.
@@ -221,17 +240,17 @@ std::string JiggleChoice::file(const std::string& basis) const {
 }
 
 std::vector<fs::path> ShotFiles::paths() const {
-  std::vector<fs::path> paths{basis};
+  std::vector<fs::path> paths;
   const std::string& source = clip.source;
   const fs::path of_clip = fs::exists(source) ? source : source.substr(0, source.rfind('#'));
   if (!of_clip.empty()) {
     for (const fs::path& file : gltf_files(of_clip)) paths.push_back(file);
   }
-  for (const std::string& file : {clip.options.controls, clip.options.joint_map, jiggle.file(basis), jiggle.state_in,
-                                  modifiers, session.file, session.limits}) {
+  for (const std::string& file : {basis, character, clip.options.controls, clip.options.joint_map, jiggle.file(basis),
+                                  jiggle.state_in, modifiers, session.file, session.limits}) {
     if (!file.empty()) paths.emplace_back(file);
   }
-  const fs::path beside = attachments_beside(basis);
+  const fs::path beside = is_basis(basis) ? attachments_beside(basis) : fs::path();
   if (!attached.empty()) {
     paths.emplace_back(attached);
   } else if (level == 0 && fs::exists(beside)) {
@@ -242,16 +261,18 @@ std::vector<fs::path> ShotFiles::paths() const {
 
 void take_session(const std::string& session, ShotFiles& files) {
   const SessionFile read = read_session(session);
-  const SessionCharacter& lead = trained_lead(read, session);
+  const SessionCharacter& lead = read.cast.front();
   files.basis = lead.files.basis;
   files.clip.source = lead.files.clip;
+  if (files.character.empty() && files.level == 0) files.character = lead.files.own_file();
   files.clip.options.fps = read.clip.fps;
   files.clip.options.joint_map = lead.files.joint_map;
   files.clip.options.up = lead.files.up_of(lead.files.clip);
   files.session = {.file = session,
                    .limits = lead.files.limits,
                    .pose = lead.pose,
-                   .jiggle = static_cast<float>(read.view.jiggle.amount)};
+                   .jiggle = static_cast<float>(read.view.jiggle.amount),
+                   .unit = read.clip.unit};
   if (!files.clip.frames.empty()) return;
   files.session.in = read.view.playback.in;
   files.session.out = read.view.playback.out;
@@ -259,15 +280,18 @@ void take_session(const std::string& session, ShotFiles& files) {
 
 Shot read_shot(const ShotFiles& files, const Tell& tell) {
   Shot shot;
-  shot.name = fs::path(files.basis).stem().string();
+  shot.name = files.basis.empty() ? "arm" : fs::path(files.basis).stem().string();
   shot.jiggles = files.jiggle.jiggle;
   shot.checks = files.device.check;
   shot.preroll = files.jiggle.preroll;
-  Level level = chosen_level(files);
+  OpenedCharacter opened = open_levels(files);
+  tell_all(opened.notes, tell);
+  Level level = chosen_level(files, std::move(opened.levels));
   shot.carried = std::move(level.carried);
   choose_shot_modifiers(files.modifiers, level.basis);
   shot.deformer = make_deformer(files, std::move(level.basis));
-  shot.clip = read_own_clip(files.clip, shot.basis());
+  if (!files.character.empty()) shot.surface = read_skin_surface(files.character, shot.basis().mesh);
+  shot.clip = read_own_clip(files.clip, shot.basis(), std::move(opened.clip));
   tell_all(shot.clip.notes, tell);
   shot.frames = files.clip.chosen_frames(shot.clip);
   keep_range(files, shot);
@@ -278,7 +302,8 @@ Shot read_shot(const ShotFiles& files, const Tell& tell) {
     if (!problem.empty()) throw Error(ErrorKind::mismatch, problem);
     require_frames_in_order(shot, files.jiggle.state_in, tell);
   }
-  shot.attached = read_attachments(files, shot.basis());
+  shot.attached = is_untrained(files) && files.attached.empty() ? std::move(opened.attached)
+                                                                : read_attachments(files, shot.basis());
   return shot;
 }
 

@@ -58,10 +58,12 @@ struct SessionPosing {
   ViewSettings::Posing pose{};
   std::optional<int> in{}, out{};  // ends of the range that it plays; otherwise the clip's
   float jiggle = 1;                // how much of it is shown
+  double unit = 0;                 // metres per unit of a character that is no basis; 0: as its file says
 };
 
 struct ShotFiles {
-  std::string basis;
+  std::string basis;      // or, of a session, a character as it is; empty there: the built-in arm
+  std::string character;  // its own file, for the surface of the skin; or empty
   std::size_t level = 0;  // of detail, of a proxy; 0: the finest
   ClipChoice clip;        // without a source: the bind pose
   SessionPosing session;
@@ -76,7 +78,7 @@ struct ShotFiles {
 };
 
 // The lead of a session with its clip, its posing and the range that it plays, in place of what `files` has of them.
-// Throws Error(file), and Error(usage) where the lead is no trained basis.
+// Throws Error(file).
 void take_session(const std::string& session, ShotFiles& files);
 
 // Reads them. Throws Error(file), Error(mismatch), Error(device), and Error(usage) for frames, levels and controls that

@@ -1,9 +1,20 @@
 // What is written, and what is around the picture.
+#include <algorithm>
+#include <vector>
+
 #include "proxy_viewer/commands/commands.h"
 #include "shots/session/view_settings.h"
 
 namespace bodyopt {
 namespace {
+
+void require_ending(const std::string& file, const std::vector<const char*>& endings) {
+  if (std::ranges::any_of(endings, [&](const char* ending) { return file.ends_with(ending); })) return;
+  std::string all;
+  for (const char* ending : endings)
+    all += (all.empty() ? "" : ending == endings.back() ? " or " : ", ") + std::string(ending);
+  refuse(file, "a file that ends in " + all);
+}
 
 const Command kFileCommands[] = {
     {"open", "FILE", "", "File", "a basis, character, clip, point cache, dataset or session",
@@ -13,15 +24,14 @@ const Command kFileCommands[] = {
        if (!a.ends_with(".json")) refuse(a, "a file that ends in .json");
        requests.save = a;
      }},
-    {"export-clip", "FILE.glb|.bvh", "", "File", "the motion of the range, as it is posed and keyed",
+    {"export-clip", "FILE.glb|.bvh|.usda", "", "File", "the motion of the range, as it is posed and keyed",
      [](Requests& requests, const std::string& a) {
-       if (!a.ends_with(".glb") && !a.ends_with(".bvh")) refuse(a, "a file that ends in .glb or .bvh");
+       require_ending(a, {".glb", ".bvh", ".usda"});
        requests.export_clip = a;
      }},
-    {"export-skin", "FILE.pc2|.usda|.glb", "", "File", "the lead's skin over the range, and what it wears",
+    {"export-skin", "FILE.pc2|.mdd|.usda|.glb", "", "File", "the lead's skin over the range, and what it wears",
      [](Requests& requests, const std::string& a) {
-       const auto ends = [&](const char* ending) { return a.ends_with(ending); };
-       if (!ends(".pc2") && !ends(".usda") && !ends(".glb")) refuse(a, "a file that ends in .pc2, .usda or .glb");
+       require_ending(a, {".pc2", ".mdd", ".usda", ".glb"});
        requests.export_skin = a;
      }},
     {"screenshot", "[FILE.png]", "F12", "File", "the picture as it is",

@@ -127,8 +127,8 @@ void draw_output(const Snapshot&, Controls& controls) {
   draw_file(controls, typed.turntable, "turntable.####.png", {{"turntable", "Turntable"}});
   draw_file(controls, typed.session, "session.json", {{"save", "Save"}, {"open", "Open"}});
   draw_file(controls, typed.state, "view.json", {{"save-state", "Save look"}, {"load-state", "Load look"}});
-  draw_file(controls, typed.clip, "motion.glb or .bvh", {{"export-clip", "Motion"}});
-  draw_file(controls, typed.skin, "skin.glb, .pc2 or .usda", {{"export-skin", "Skin"}});
+  draw_file(controls, typed.clip, "motion.glb, .bvh or .usda", {{"export-clip", "Motion"}});
+  draw_file(controls, typed.skin, "skin.glb, .pc2, .mdd or .usda", {{"export-skin", "Skin"}});
   draw_file(controls, typed.open, "a basis, clip or cache", {{"open", "Open"}});
 }
 

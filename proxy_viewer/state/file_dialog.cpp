@@ -25,8 +25,8 @@ const std::map<std::string, FileKind>& kinds() {
       {"save", {{".json"}, "session.json"}},
       {"save-state", {{".json"}, "view.json"}},
       {"load-state", {{".json"}, ""}},
-      {"export-clip", {{".glb", ".bvh"}, "motion.glb"}},
-      {"export-skin", {{".glb", ".pc2", ".usda"}, "skin.glb"}},
+      {"export-clip", {{".glb", ".bvh", ".usda"}, "motion.glb"}},
+      {"export-skin", {{".glb", ".pc2", ".mdd", ".usda"}, "skin.glb"}},
       {"screenshot", {{".png"}, "picture.png"}},
       {"sequence", {{".webp", ".png"}, "movie.webp"}},
       {"turntable", {{".png"}, "turntable.####.png"}}};

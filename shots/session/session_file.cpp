@@ -75,6 +75,8 @@ std::string ActorFiles::up_of(const std::string& source) const {
   return lower_case_extension(split_source(source).path) == ".bvh" ? up : "";
 }
 
+std::string ActorFiles::own_file() const { return character.empty() && !is_basis(basis) ? basis : character; }
+
 std::vector<fs::path> ActorFiles::paths() const {
   std::vector<fs::path> all;
   if (is_basis(basis)) all = {dynamics(), attached()};

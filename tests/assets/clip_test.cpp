@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "assets/character.h"
+#include "assets/gltf_rest.h"
 #include "geometry/mesh.h"
 #include "runtime/core/json.h"
 #include "runtime/host/rig.h"
@@ -472,6 +473,28 @@ TEST(Clip, OnlyWhatVariesIsWritten) {
   EXPECT_EQ(read_clip((folder / "w.glb").string(), skeleton, {}).poses[2].joints[1].scale, (Vec3{1, 2, 1}));
   clip.poses[1].joints[0].translation[2] = 1;
   EXPECT_EQ(channels(), 2u);
+}
+
+// Other programs make one armature with one action of it: all joints are those of one skin, which draws nothing.
+TEST(Clip, IsWrittenAsOneSkeletonWithOneAnimation) {
+  const TemporaryFolder folder;
+  const Skeleton skeleton = two_joints();
+  Clip clip;
+  clip.poses.assign(2, bind_pose(skeleton));
+  clip.poses[1].joints[1].rotation = axis_angle({0, 0, 1}, 0.3);
+  write_clip(clip, skeleton, folder / "w.glb");
+  const GltfFile file(folder / "w.glb");
+  ASSERT_EQ(file.model().skins.size(), 1u);
+  EXPECT_EQ(file.model().skins[0].joints, (std::vector<int>{0, 1}));
+  EXPECT_EQ(file.model().nodes.at(static_cast<std::size_t>(file.model().skins[0].skeleton)).name, "skeleton");
+  EXPECT_EQ(file.model().animations.size(), 1u);
+  EXPECT_TRUE(file.model().meshes.empty());
+  std::vector<std::string> notes;
+  const RestNodes rest = read_rest(file, read_nodes(file, 1, notes), 1);
+  EXPECT_TRUE(rest.is_bound);
+  EXPECT_NEAR(length(rest.local[1].translation - skeleton.joints[1].bind.translation), 0, 1e-6);
+  EXPECT_FALSE(has_skin(folder / "w.glb"));
+  error_of(ErrorKind::file, [&] { read_character(folder / "w.glb"); });
 }
 
 TEST(Clip, WhatCannotBeWrittenLeavesNothing) {

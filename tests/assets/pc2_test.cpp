@@ -203,6 +203,22 @@ TEST(Mdd, IsReadWhereAPc2Is) {
   }
 }
 
+TEST(Mdd, IsWrittenAsOthersWriteIt) {
+  const TemporaryFolder folder;
+  Pc2Writer writer(folder / "w.mdd", 2, 2, 1001, 1, {}, 25);
+  writer.append(kFirst);
+  writer.put_aside(folder / "aside");
+  Pc2Writer rest(folder / "w.mdd", 2, 2, 1001, 1, {}, 25);
+  rest.take_up(folder / "aside", 1);
+  rest.append(kSecond);
+  rest.close();
+  EXPECT_EQ(read_bytes(folder / "w.mdd"), small_mdd());
+  Pc2Writer other(folder / "other.mdd", 1, 1, 1, 1, {0.5, true});
+  other.append(std::vector<float>{2, 3, 4});
+  other.close();
+  EXPECT_EQ(Pc2Reader(folder / "other.mdd").sample(0), (std::vector<float>{4, -8, 6}));
+}
+
 TEST(Mdd, DamagedOnesAreRefusedOrGiveNumbers) {
   const TemporaryFolder folder;
   expect_every_truncation_refused(read, folder / "a.mdd", small_mdd());

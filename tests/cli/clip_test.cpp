@@ -153,5 +153,24 @@ TEST_F(ClipProgram, WhatABvhDoesNotSayCanBeSaid) {
   }
 }
 
+TEST_F(ClipProgram, EvalWritesThePosedJointsBesideTheSkin) {
+  expect("train --ddm-only " + files_.character + " --out " + at("limb.safetensors"), 0, "");
+  const std::string eval =
+      "eval " + at("limb.safetensors") + " --device cpu --clip " + files_.motion + " --frames 2-5x3 ";
+  expect(eval + "--out " + at("a.pc2") + " --rig " + at("rig.glb"), 0, "rig.glb");
+  const Clip meant = read_clip(files_.motion, limb_.skeleton, {}), rig = read_clip(at("rig.glb"), limb_.skeleton, {});
+  ASSERT_EQ(rig.poses.size(), 4u);  // those between are in it, too
+  EXPECT_NEAR(angle_between(rig.poses[3].joints[1].rotation, meant.poses[4].joints[1].rotation), 0, 1e-6);
+  expect(eval + "--out " + at("a.mdd") + " --unit-out 0.5 --rig " + at("twice.glb"), 0, "");
+  const Clip twice = read_clip(at("twice.glb"), limb_.skeleton, {.unit = 0.5});
+  EXPECT_NEAR(length(twice.poses[0].joints[1].translation - rig.poses[0].joints[1].translation), 0, 1e-6);
+  EXPECT_NEAR(Pc2Reader(at("a.mdd")).sample(1)[0], 2 * Pc2Reader(at("a.pc2")).sample(1)[0], 1e-6);
+  expect(eval + "--out " + at("a.usda") + " --rig " + at("rig.usda"), 0, "rig.usda");
+  expect(eval + "--out " + at("skin.glb") + " --character " + files_.character, 0, "no texture coordinates");
+  expect(eval + "--out " + at("a.pc2") + " --character " + files_.character, 64, "point caches hold points alone");
+  expect(eval + "--out " + at("a.pc2") + " --rig " + at("rig.fbx"), 64, "does not end in .glb, .usda or .bvh");
+  expect("join " + at("a.mdd") + " --out " + at("b.mdd"), 64, "parts of MDD cannot be joined");
+}
+
 }  // namespace clip_program_test
 }  // namespace bodyopt

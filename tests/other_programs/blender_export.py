@@ -1,5 +1,6 @@
 # blender --background --factory-startup --python blender_export.py -- MOTION.glb MOTION.bvh FRAMES
-# Blender imports the same motion as glTF and as BVH, and must have every joint at the same place in both.
+# Blender imports the same motion as glTF, which makes one armature with one action, and as BVH, and must have every joint at
+# the same place in both.
 import sys
 
 import bpy
@@ -18,21 +19,23 @@ import_bvh.open = lambda path, mode: open(path, mode.replace("U", ""))
 bpy.ops.wm.read_factory_settings(use_empty=True)
 bpy.context.scene.render.fps = 24
 bpy.ops.import_scene.gltf(filepath=gltf)
-nodes = {o.name: o for o in bpy.data.objects}
+(of_gltf_file,) = bpy.data.objects
+assert of_gltf_file.type == "ARMATURE" and len(bpy.data.actions) == 1, [a.name for a in bpy.data.actions]
 first = min(curve.range()[0] for action in bpy.data.actions for curve in action.fcurves)
 bpy.ops.import_anim.bvh(filepath=bvh, axis_forward="-Z", axis_up="Y", frame_start=1)
-armature = next(o for o in bpy.data.objects if o.type == "ARMATURE" and o.name not in nodes)
+of_bvh_file = next(o for o in bpy.data.objects if o != of_gltf_file)
 
 
-def places(frame, place):
+def places(armature, frame):
     bpy.context.scene.frame_set(int(frame))
-    return {bone.name: numpy.array(place(bone)) for bone in armature.pose.bones}
+    return {bone.name: numpy.array(armature.matrix_world @ bone.head) for bone in armature.pose.bones}
 
 
 worst = moved = 0
 for frame in range(frames):
-    of_gltf = places(first + frame, lambda bone: nodes[bone.name].matrix_world.translation)
-    of_bvh = places(1 + frame, lambda bone: armature.matrix_world @ bone.head)
+    of_gltf = places(of_gltf_file, first + frame)
+    of_bvh = places(of_bvh_file, 1 + frame)
+    assert of_gltf.keys() == of_bvh.keys()
     worst = max([worst] + [numpy.linalg.norm(of_gltf[name] - of_bvh[name]) for name in of_bvh])
     start = of_bvh if frame == 0 else start
     moved = max([moved] + [numpy.linalg.norm(of_bvh[name] - start[name]) for name in of_bvh])

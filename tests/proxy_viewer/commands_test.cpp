@@ -183,7 +183,7 @@ const std::map<std::string, Case>& cases() {
       {"key", {"", [](C, C c) { return c.settings.pose.keys.at(10) == c.settings.pose; }, {"1"}}},
       {"unkey", {"", [](C, C c) { return c.settings.pose.keys.empty(); }, {"1"}}},
       {"export-clip",
-       {"take.bvh", [](C, C c) { return c.requests.export_clip == "take.bvh"; }, {"", "take.fbx", "take"}}},
+       {"take.bvh", [](C, C c) { return c.requests.export_clip == "take.bvh"; }, {"", "take.fbx", "take", "take.mdd"}}},
       {"export-skin",
        {"take.usda", [](C, C c) { return c.requests.export_skin == "take.usda"; }, {"", "take.abc", "take"}}},
       {"reset-pose",

@@ -11,20 +11,6 @@
 namespace bodyopt::testing {
 namespace {
 
-// The limb with an eye, and where `moves` says so a clip of its own.
-std::string limb_file(const TemporaryFolder& folder, bool moves) {
-  LimbGlb limb(folder / "limb.glb");
-  limb.add_node("eye", limb.add_mesh(sphere_at("", {0, 0, 0.02}, 0.008)), 2);
-  if (moves) {
-    const std::size_t times = limb.scalars({0, 1}), turns = limb.quads({0, 0, 0, 1, 0.6f, 0, 0, 0.8f});
-    limb.root["animations"] = {{{"name", "nod"},
-                                {"samplers", {{{"input", times}, {"output", turns}}}},
-                                {"channels", {{{"sampler", 0}, {"target", {{"node", 1}, {"path", "rotation"}}}}}}}};
-  }
-  put_bytes(folder / "limb.glb", limb.glb());
-  return (folder / "limb.glb").string();
-}
-
 std::size_t count_files(const TemporaryFolder& folder) {
   return static_cast<std::size_t>(std::distance(std::filesystem::directory_iterator(folder.path()), {}));
 }

@@ -9,6 +9,7 @@
 #include "tests/proxy_viewer/played_viewport.h"
 #include "tests/support/error_kind.h"
 #include "tests/support/hostile_bytes.h"
+#include "tests/support/limb_glb.h"
 #include "tests/support/paths.h"
 #include "tests/support/run_verb.h"
 
@@ -94,12 +95,34 @@ TEST_F(SessionFileTest, EvalMakesOfItWhatWasExported) {
   }
   EXPECT_LT(apart, 2e-6f);
   EXPECT_GT(moved, 0.05f);
-  write(R"({"schema": "bodyopt-session-1", "characters": [{"basis": "hero.glb", "clip": "bend.glb"}]})");
-  for (const char* arguments :
-       {"small.safetensors --session shot.json", "--session shot.json --clip bend.glb", "--session session.json", ""}) {
+  for (const char* arguments : {"small.safetensors --session shot.json", "--session shot.json --clip bend.glb", ""}) {
     const ProgramResult refused = run_verb(std::string("eval ") + arguments + " --out no.pc2");
     EXPECT_EQ(refused.exit_code, 64) << refused.output;
   }
+}
+
+// By Direct Delta Mush, with the meshes and the clip of its own file, as the viewport shows it.
+TEST_F(SessionFileTest, EvalTakesACharacterThatNobodyTrained) {
+  limb_file(folder_, true);
+  ViewerOptions options = small();
+  options.files = {"limb.glb"};
+  {
+    const auto viewport = open(options, "frame 9; turn joint1 20 0 0; key; in 3; save own.json; export-skin seen.pc2");
+  }
+  const ProgramResult result = run_verb("eval --session own.json --device cpu --out evaluated.pc2");
+  ASSERT_EQ(result.exit_code, 0) << result.output;
+  EXPECT_NE(result.output.find("not trained"), std::string::npos) << result.output;
+  for (const char* ending : {".pc2", ".eye.pc2"}) {
+    const Pc2Reader seen(std::string("seen") + ending), evaluated(std::string("evaluated") + ending);
+    ASSERT_EQ(seen.sample_count(), evaluated.sample_count());
+    EXPECT_EQ(evaluated.start_frame(), 3);
+    const std::vector<float> a = seen.sample(6), b = evaluated.sample(6);
+    ASSERT_EQ(a.size(), b.size());
+    for (std::size_t i = 0; i < a.size(); ++i) ASSERT_NEAR(a[i], b[i], 2e-6f) << ending;
+  }
+  EXPECT_EQ(run_verb("eval --session own.json --jiggle --out no.pc2").exit_code, 64);
+  write(R"({"schema": "bodyopt-session-1", "characters": [{"basis": "gone.glb", "clip": "bend.glb"}]})");
+  EXPECT_EQ(run_verb("eval --session session.json --out no.pc2").exit_code, 4);
 }
 
 TEST_F(SessionFileTest, EvalKeepsARangeOfWhichOneEndIsTheClips) {

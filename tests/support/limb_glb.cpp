@@ -44,4 +44,20 @@ Json& LimbGlb::add_node(const std::string& name, std::size_t mesh, int parent) {
   return root["nodes"].back();
 }
 
+namespace testing {
+
+std::string limb_file(const TemporaryFolder& folder, bool moves) {
+  LimbGlb limb(folder / "limb.glb");
+  limb.add_node("eye", limb.add_mesh(sphere_at("", {0, 0, 0.02}, 0.008)), 2);
+  if (moves) {
+    const std::size_t times = limb.scalars({0, 1}), turns = limb.quads({0, 0, 0, 1, 0.6f, 0, 0, 0.8f});
+    limb.root["animations"] = {{{"name", "nod"},
+                                {"samplers", {{{"input", times}, {"output", turns}}}},
+                                {"channels", {{{"sampler", 0}, {"target", {{"node", 1}, {"path", "rotation"}}}}}}}};
+  }
+  put_bytes(folder / "limb.glb", limb.glb());
+  return (folder / "limb.glb").string();
+}
+
+}  // namespace testing
 }  // namespace bodyopt

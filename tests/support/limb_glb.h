@@ -17,4 +17,10 @@ struct LimbGlb : GltfBlob {
   Json& add_node(const std::string& name, std::size_t mesh, int parent);
 };
 
+namespace testing {
+
+// In a folder the limb with an eye, and where `moves` says so a clip of its own. Returns the file.
+std::string limb_file(const TemporaryFolder& folder, bool moves);
+
+}  // namespace testing
 }  // namespace bodyopt
