@@ -6,6 +6,8 @@
 #include <atomic>
 #include <csignal>
 #include <cstdio>
+#include <cstdlib>
+#include <string_view>
 
 #include "runtime/core/error.h"
 #include "runtime/core/text.h"
@@ -18,6 +20,8 @@ ProgressStyle chosen_style = ProgressStyle::automatic;
 
 ProgressStyle style() {
   if (chosen_style != ProgressStyle::automatic) return chosen_style;
+  const char* asked = std::getenv("BODYOPT_PROGRESS");  // of a program that runs verbs
+  if (asked != nullptr && std::string_view(asked) == "json") return ProgressStyle::json;
   return isatty(STDERR_FILENO) ? ProgressStyle::bar : ProgressStyle::lines;
 }
 

@@ -11,7 +11,7 @@
 namespace bodyopt {
 
 enum class ProgressStyle {
-  automatic,  // a bar on a terminal, else lines
+  automatic,  // json where BODYOPT_PROGRESS says so, a bar on a terminal, else lines
   bar,
   lines,
   json,    // a line of JSON on standard error: {"progress": what, "done": n, "total": n, "seconds": s}

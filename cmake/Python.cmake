@@ -28,23 +28,28 @@ set_target_properties(bodyopt_python PROPERTIES OUTPUT_NAME _runtime
 install(TARGETS bodyopt_python COMPONENT library DESTINATION ${modules}/bodyopt)
 install(DIRECTORY bindings/python/bodyopt COMPONENT library DESTINATION ${modules})
 
-# The Blender add-on as a zip, with the module, the library and what that is linked with.
-set(addon bodyopt_blender)
-set(module_folder ${addon}/bodyopt)
-install(DIRECTORY bindings/blender/${addon} COMPONENT blender EXCLUDE_FROM_ALL DESTINATION . PATTERN __pycache__ EXCLUDE)
-install(DIRECTORY bindings/python/bodyopt COMPONENT blender EXCLUDE_FROM_ALL DESTINATION ${addon})
-install(TARGETS bodyopt_python COMPONENT blender EXCLUDE_FROM_ALL DESTINATION ${module_folder})
+# The module, its library and what TARGETS are linked with, in FOLDER of a component.
 set_target_properties(bodyopt_shared PROPERTIES BUILD_RPATH $ORIGIN)
-install(PROGRAMS $<TARGET_FILE:bodyopt_shared> COMPONENT blender EXCLUDE_FROM_ALL DESTINATION ${module_folder}
-        RENAME $<TARGET_SONAME_FILE_NAME:bodyopt_shared>)  # a zip has no links
-install(CODE "
-  file(GET_RUNTIME_DEPENDENCIES LIBRARIES $<TARGET_FILE:bodyopt_shared> RESOLVED_DEPENDENCIES_VAR libraries
-       PRE_INCLUDE_REGEXES libtbb libhwy libxxhash PRE_EXCLUDE_REGEXES .*)
-  foreach(library \${libraries})
-    get_filename_component(name \${library} NAME)
-    file(REAL_PATH \${library} library)
-    file(COPY_FILE \${library} \${CMAKE_INSTALL_PREFIX}/${module_folder}/\${name})
-  endforeach()" COMPONENT blender EXCLUDE_FROM_ALL)
+function(install_module COMPONENT FOLDER KIND TARGET LIBRARIES)
+  install(DIRECTORY bindings/python/bodyopt/ COMPONENT ${COMPONENT} EXCLUDE_FROM_ALL DESTINATION ${FOLDER}
+          PATTERN __pycache__ EXCLUDE)
+  install(TARGETS bodyopt_python COMPONENT ${COMPONENT} EXCLUDE_FROM_ALL DESTINATION ${FOLDER})
+  install(PROGRAMS $<TARGET_FILE:bodyopt_shared> COMPONENT ${COMPONENT} EXCLUDE_FROM_ALL DESTINATION ${FOLDER}
+          RENAME $<TARGET_SONAME_FILE_NAME:bodyopt_shared>)  # archives have no links
+  install(CODE "
+    file(GET_RUNTIME_DEPENDENCIES ${KIND} $<TARGET_FILE:${TARGET}> RESOLVED_DEPENDENCIES_VAR libraries
+         PRE_INCLUDE_REGEXES ${LIBRARIES} PRE_EXCLUDE_REGEXES .*)
+    foreach(library \${libraries})
+      get_filename_component(name \${library} NAME)
+      file(REAL_PATH \${library} library)
+      file(COPY_FILE \${library} \${CMAKE_INSTALL_PREFIX}/${FOLDER}/\${name})
+    endforeach()" COMPONENT ${COMPONENT} EXCLUDE_FROM_ALL)
+endfunction()
+
+# The Blender add-on as a zip.
+set(addon bodyopt_blender)
+install(DIRECTORY bindings/blender/${addon} COMPONENT blender EXCLUDE_FROM_ALL DESTINATION . PATTERN __pycache__ EXCLUDE)
+install_module(blender ${addon}/bodyopt LIBRARIES bodyopt_shared "libtbb libhwy libxxhash")
 set(staged ${PROJECT_BINARY_DIR}/blender)
 add_custom_target(blender_addon
   COMMAND ${CMAKE_COMMAND} -E rm -rf ${staged}
@@ -53,3 +58,19 @@ add_custom_target(blender_addon
           ${CMAKE_COMMAND} -E tar cf ${PROJECT_BINARY_DIR}/${addon}.zip --format=zip ${addon}
   VERBATIM)
 add_dependencies(blender_addon bodyopt_python)
+
+# A wheel of the module and the program. What it leaves to the system is what any desktop has: the C and C++ libraries, zlib
+# and X11.
+if(BODYOPT_BUILD_CLI)
+  install_module(wheel bodyopt EXECUTABLES bodyopt
+                 "libtbb libhwy libxxhash libpugixml libspdlog libfmt libglfw libstb libwebp libtinygltf libmeshoptimizer")
+  set(staged ${PROJECT_BINARY_DIR}/wheel)
+  add_custom_target(wheel
+    COMMAND ${CMAKE_COMMAND} -E rm -rf ${staged}
+    COMMAND ${CMAKE_COMMAND} --install ${PROJECT_BINARY_DIR} --component wheel --prefix ${staged}
+    COMMAND ${CMAKE_COMMAND} --install ${PROJECT_BINARY_DIR} --component program --prefix ${staged}/bodyopt/program
+    COMMAND ${Python_EXECUTABLE} ${PROJECT_SOURCE_DIR}/bindings/python/make_wheel.py ${staged} ${PROJECT_VERSION}
+            ${PROJECT_BINARY_DIR}
+    VERBATIM)
+  add_dependencies(wheel bodyopt bodyopt_python)
+endif()

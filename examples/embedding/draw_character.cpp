@@ -1,15 +1,17 @@
 // A program that draws a character: its skin breathes, and what is attached to it, its clothes, follows. Bodyopt
 // evaluates on the program's Vulkan device and writes into its vertex buffers; each frame becomes a picture.
-//   draw_character BASIS.safetensors ATTACHED.safetensors FRAMES FOLDER
-// Poses are skinning matrices, as the rig of an engine has them: here those of the bind pose.
+//   draw_character BASIS.safetensors ATTACHED.safetensors FRAMES FOLDER [CLIP.glb]
+// Poses are skinning matrices, as the rig of an engine has them: of a clip, or of the bind pose.
 #include <algorithm>
 #include <array>
 #include <cstdio>
 #include <cstdlib>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "engine.h"
+#include "gltf_clip.h"
 #include "surface_frag.h"
 #include "surface_vert.h"
 
@@ -251,7 +253,18 @@ std::array<float, 4> box_around(const Surface& surface) {
   return {(low[0] + high[0]) / 2, (low[1] + high[1]) / 2, (low[2] + high[2]) / 2, 1 / half};
 }
 
-void draw_frames(const char* basis, const char* attached, int frames, const std::string& folder) {
+// The matrices of all joints in the order of the model, twelve numbers each.
+std::vector<float> pose_at(const api::Model& model, const GltfClip* clip, int frame) {
+  std::vector<float> matrices;
+  for (std::uint32_t j = 0; const char* joint = bodyopt_joint_name(model.get(), j); ++j) {
+    GltfClip::Matrix own = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
+    if (clip != nullptr) own = clip->skinning(joint, static_cast<float>(frame / kFramesPerSecond));
+    matrices.insert(matrices.end(), own.begin(), own.end());
+  }
+  return matrices;
+}
+
+void draw_frames(const char* basis, const char* attached, int frames, const std::string& folder, const GltfClip* clip) {
   const Engine engine;
   const api::Device device = engine.share();
   const api::Model model = api::load_model(basis, {}, attached);
@@ -273,19 +286,16 @@ void draw_frames(const char* basis, const char* attached, int frames, const std:
   skin.attached = worn.data();
   skin.attached_count = character.attached_count;
 
-  std::vector<float> matrices;
-  for (std::uint32_t j = 0; j < character.joint_count; ++j) {
-    matrices.insert(matrices.end(), {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0});
-  }
   auto poses = api::make<bodyopt_poses>();
   poses.frame_count = 1;
   poses.joint_count = character.joint_count;
-  poses.skinning = matrices.data();
   poses.shows_modifiers = 1;
   poses.frames_per_second = kFramesPerSecond;
   const Painter painter(engine);
   std::array<float, 4> box{};
   for (int frame = 0; frame < frames; ++frame) {
+    const std::vector<float> matrices = pose_at(model, clip, frame);
+    poses.skinning = matrices.data();
     poses.goes_on = frame > 0;
     api::check(bodyopt_evaluate(instance.get(), &poses, &skin));
     if (frame == 0) box = box_around(body);
@@ -298,12 +308,13 @@ void draw_frames(const char* basis, const char* attached, int frames, const std:
 }  // namespace
 
 int main(int argc, char** argv) {
-  if (argc != 5) {
-    std::fprintf(stderr, "usage: draw_character BASIS.safetensors ATTACHED.safetensors FRAMES FOLDER\n");
+  if (argc != 5 && argc != 6) {
+    std::fprintf(stderr, "usage: draw_character BASIS.safetensors ATTACHED.safetensors FRAMES FOLDER [CLIP.glb]\n");
     return BODYOPT_USAGE;
   }
   try {
-    draw_frames(argv[1], argv[2], std::atoi(argv[3]), argv[4]);
+    const std::optional<GltfClip> clip = argc == 6 ? std::optional<GltfClip>(argv[5]) : std::nullopt;
+    draw_frames(argv[1], argv[2], std::atoi(argv[3]), argv[4], clip ? &*clip : nullptr);
   } catch (const std::exception& error) {
     std::fprintf(stderr, "%s\n", error.what());
     return 1;

@@ -7,6 +7,7 @@
 #include <cstdlib>
 
 #include "runtime/core/error.h"
+#include "tests/support/environment.h"
 
 namespace bodyopt {
 namespace {
@@ -22,6 +23,22 @@ TEST(Progress, ShortWorkSaysOneLineAtItsEnd) {
   EXPECT_NE(text.find("bake: 100 % (3/3"), std::string::npos) << text;
   EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 1) << text;
   EXPECT_EQ(text.find('\r'), std::string::npos);
+}
+
+// A program that runs any verb asks for it so; what it finds on standard error else is for people.
+TEST(Progress, IsJsonWhereTheEnvironmentAsks) {
+  for (const char* style : {"json", "lines"}) {
+    const testing::Environment asked("BODYOPT_PROGRESS", style);
+    ::testing::internal::CaptureStderr();
+    {
+      Progress progress("bake", 3);
+      progress.advance(3);
+    }
+    const std::string text = ::testing::internal::GetCapturedStderr();
+    EXPECT_EQ(text.starts_with("{\"progress\": \"bake\", \"done\": 3, \"total\": 3, \"seconds\": "),
+              style == std::string("json"))
+        << text;
+  }
 }
 
 TEST(Progress, OfNothingSaysNothing) {

@@ -2,9 +2,12 @@
 // bodyopt.h can be seen of it.
 #include <algorithm>
 #include <fstream>
+#include <functional>
+#include <numeric>
 #include <span>
 #include <sstream>
 
+#include "assets/clip.h"
 #include "runtime/basis/attachments.h"
 #include "tests/library/c_api.h"
 #include "tests/support/breathing.h"
@@ -52,6 +55,29 @@ class Installed : public ::testing::Test {
   static void expect_runs(const std::string& command) {
     const ProgramResult result = run_program(command);
     EXPECT_EQ(result.exit_code, 0) << command << '\n' << result.output;
+  }
+  // The pictures of the clip's first frame are those of the bind pose, and its last ones are others.
+  static void play_clip(const Basis& basis, const std::string& draw) {
+    Clip clip;
+    clip.poses.assign(13, bind_pose(basis.skeleton));
+    clip.poses.back().joints[1].rotation = clip.poses.back().joints[1].rotation * axis_angle({0, 0, 1}, 0.8);
+    const std::string file = *folder_ / "clip.glb", played = *folder_ / "played", rested = *folder_ / "rested";
+    write_clip(clip, basis.skeleton, file);
+    for (const std::string& folder : {played, rested}) fs::create_directory(folder);
+    expect_runs(draw + played + " " + file);
+    expect_runs(draw + rested);
+    const auto differing = [&](const std::string& frame) {
+      const std::string a = read_bytes(played + frame), b = read_bytes(rested + frame);
+      return std::inner_product(a.begin(), a.end(), b.begin(), 0, std::plus<>(), std::not_equal_to<>());
+    };
+    EXPECT_LT(differing("/frame0.ppm"), 20);  // matrices of the clip are rounded: a pixel at an edge may flip
+    EXPECT_GT(differing("/frame12.ppm"), 2000);
+    Skeleton other = basis.skeleton;
+    other.joints[1].name = "tail";
+    write_clip(clip, other, file);
+    const ProgramResult refused = run_program(draw + played + " " + file);
+    EXPECT_EQ(refused.exit_code, 1);
+    EXPECT_NE(refused.output.find("no joint"), std::string::npos) << refused.output;
   }
   static std::string prefix() { return *folder_ / "prefix"; }
   static std::string built() { return *folder_ / "built"; }
@@ -144,6 +170,7 @@ TEST_F(Installed, CxxExampleDrawsABreathingCharacter) {
     EXPECT_NE(count_pixels(first, blue), count_pixels(last, blue)) << blue;
   }
   EXPECT_NE(run_program(built() + "/draw_character " + breathing + " " + hero() + " 1 .").exit_code, 0);
+  play_clip(basis, built() + "/draw_character " + breathing + " " + shirt + " 13 ");
 }
 
 TEST_F(Installed, ShowsNothingButItsInterface) {

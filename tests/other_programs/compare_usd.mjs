@@ -1,9 +1,9 @@
 // node compare_usd.mjs MODULES SHOT.usda SHOT.pc2: exits with 1 where three.js reads other points, triangles or frames from
-// the .usda than the .pc2 holds, in any sample.
+// the .usda than the .pc2 holds, in any sample; with a word more, texture coordinates are wanted, too.
 import {readFileSync} from 'node:fs';
 import {pathToFileURL} from 'node:url';
 
-const [modules, usda, pc2] = process.argv.slice(2);
+const [modules, usda, pc2, textured] = process.argv.slice(2);
 const three = (file) => import(pathToFileURL(`${modules}/three/examples/jsm/loaders/${file}`));
 const {USDAParser} = await three('usd/USDAParser.js');
 const {USDLoader} = await three('USDLoader.js');
@@ -41,6 +41,14 @@ require((index ?? position).count === corners.length, `${(index ?? position).cou
 for (let c = 0; c < corners.length; ++c) {
   for (const [axis, value] of [position.getX(corner(c)), position.getY(corner(c)), position.getZ(corner(c))].entries()) {
     require(value === first[3 * corners[c] + axis], `corner ${c} lies elsewhere`);
+  }
+}
+if (textured) {
+  const {uv} = mesh.geometry.attributes, given = field('primvars:st').default;
+  const numbers = given.flat();
+  require(uv && numbers.length === 2 * points, `${numbers.length / 2} texture coordinates of ${points} points`);
+  for (let c = 0; c < corners.length; ++c) {
+    require(Math.abs(uv.getX(corner(c)) - numbers[2 * corners[c]]) < 1e-6, `corner ${c} has another texture coordinate`);
   }
 }
 console.log(`three.js: ${samples} samples of ${points} points, ${corners.length / 3} triangles, all equal`);

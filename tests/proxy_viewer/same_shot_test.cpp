@@ -263,7 +263,9 @@ TEST_F(SameShot, IsWhatPythonShows) {
   if (run_program(std::string(BODYOPT_PYTHON) + " -c 'import numpy'").exit_code != 0) GTEST_SKIP() << "without numpy";
   const GivenClip clip("shot.json", load());
   fs::create_directories("modules/bodyopt");
-  fs::create_symlink(kSourceFolder + "/bindings/python/bodyopt/__init__.py", "modules/bodyopt/__init__.py");
+  for (const std::string file : {"__init__.py", "verbs.py"}) {
+    fs::create_symlink(kSourceFolder + "/bindings/python/bodyopt/" + file, "modules/bodyopt/" + file);
+  }
   for (const auto& file : fs::directory_iterator(BODYOPT_PYTHON_MODULES)) {
     fs::create_symlink(file.path(), "modules/bodyopt" / file.path().filename());
   }

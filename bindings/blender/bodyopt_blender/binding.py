@@ -12,7 +12,7 @@ from . import bodyopt
 from .controls import Controls
 from .match import match, mesh_points, refuse_parting, require_unchanged
 from .rig import Rig, matrices_of
-from .space import Z_UP, Refusal, moved
+from .space import Z_UP, Refusal, moved, named
 
 SKIN, VERTEX, ERROR, MODIFIER = "bodyopt_skin", "bodyopt_vertex", "bodyopt_error", "Bodyopt"
 WORTH_TELLING = 0.05  # standard deviations outside of training
@@ -20,25 +20,44 @@ _models = {}  # of files that were read, by path, date, size and level
 
 
 def load(path, level=0, dynamics=""):
-    """A model, read once. Raises Refusal for a file that is not there, bodyopt.Error for one that is wrong."""
+    """A model, read once, with the meshes that are attached to it in the file beside it. Raises Refusal for a file that is
+    not there, bodyopt.Error for one that is wrong."""
     names = [bpy.path.abspath(name) for name in (path, dynamics) if name]
     for name in names:
         if not os.path.isfile(name):
             raise Refusal(f"there is no file '{name}': choose it again")
-    key = (level, *((name, os.stat(name).st_mtime_ns, os.stat(name).st_size) for name in names))
+    beside = os.path.splitext(names[0])[0] + ".attached.safetensors"
+    attached = beside if level == 0 and os.path.isfile(beside) else None
+    files = [*names, *([attached] if attached else [])]
+    key = (level, *((name, os.stat(name).st_mtime_ns, os.stat(name).st_size) for name in files))
     if key not in _models:
-        _models[key] = bodyopt.load(*names, level=level)
+        _models[key] = bodyopt.load(*names, level=level, attached=attached)
     return _models[key]
 
 
-def rest_skin(model):
+def attached_names(model):
+    """Of the meshes that are attached to a model's skin: clothes, eyes, props."""
+    return [name for name, _ in model.attached]
+
+
+def part_of(model, skin, worn):
+    """The vertices of each frame, F x N x 3: of an attached mesh, or of the skin itself where `worn` is empty."""
+    if not worn:
+        return skin.positions
+    if worn not in attached_names(model):
+        raise Refusal(f"'{worn}' is not attached to the basis any more: its file of attached meshes has "
+                      f"{named(attached_names(model)) or 'none'}. Attach it with 'bodyopt attach', or bind again")
+    return skin.attached[attached_names(model).index(worn)]
+
+
+def rest_skin(model, worn=""):
     """The vertices of a model at rest, N x 3, and with each joint turned a little, which tells them apart."""
     poses = np.repeat(model.bind_pose[None], 2, axis=0)
     turned = poses[1, :, 3:7]
     x, y, z, w = turned.T.copy()
     s, c = np.sin(0.1), np.cos(0.1)  # times a turn about x
     turned[:] = np.stack([w * s + x * c, y * c + z * s, z * c - y * s, w * c - x * s], axis=1)
-    return model.instance().evaluate(poses, normals=False, tangents=False).positions
+    return part_of(model, model.instance().evaluate(poses, normals=False, tangents=False), worn)
 
 
 def point_attribute(mesh, name, kind):
@@ -109,6 +128,21 @@ def require_posed(obj, armature, depsgraph):
                       "switch it on and hide it with H")
 
 
+def found_part(model, points, rig, to_world):
+    """Which mesh of a model the points are at rest, the skin or one that is attached to it: its name, its vertices at rest
+    and turned, and what match() gives. Raises Refusal where they are none."""
+    refusal = None
+    for name in ["", *attached_names(model)]:
+        skins = rest_skin(model, name).astype(float)
+        try:
+            found, rest = match(skins[0], points, rig, to_world)
+            rig.settle(rest)  # of two eyes only one is where the bones say
+            return name, skins, found, rest
+        except Refusal as error:
+            refusal = refusal or error
+    raise refusal
+
+
 def bind(obj):
     """Makes obj, with its settings, show the skin of its basis. Raises Refusal and bodyopt.Error, and changes nothing then."""
     require_own(obj)
@@ -116,11 +150,9 @@ def bind(obj):
     rig = Rig(model, armature)
     to_world = np.array(armature.matrix_world)
     in_armature = np.linalg.inv(to_world) @ np.array(obj.matrix_world)
-    skins = rest_skin(model).astype(float)
-    found, rest = match(skins[0], moved(in_armature, mesh_points(obj.data).astype(float)), rig, to_world)
+    worn, skins, found, rest = found_part(model, moved(in_armature, mesh_points(obj.data).astype(float)), rig, to_world)
     if not np.array_equal(found, np.arange(len(skins[0]))):
         refuse_parting(found, *skins)
-    rig.settle(rest)
     rig.stand(to_world)
 
     point_attribute(obj.data, VERTEX, "INT").foreach_set("value", found.astype(np.int32))
@@ -135,10 +167,11 @@ def bind(obj):
     while obj.modifiers[0] != modifier:
         with bpy.context.temp_override(object=obj, active_object=obj):
             bpy.ops.object.modifier_move_to_index(modifier=MODIFIER, index=0)
-    settings.armature = armature
+    settings.armature, settings.worn = armature, worn
     settings.rest = rest.T.ravel()
     settings.is_bound = True
-    Controls(model).add_to(obj)
+    if not worn:
+        Controls(model).add_to(obj)
 
 
 def unbind(obj):
@@ -155,6 +188,17 @@ def unbind(obj):
     obj.bodyopt.is_bound = False
 
 
+def driver_of(obj):
+    """Whose sliders drive an object: those of the skin that what is worn is on."""
+    settings = obj.bodyopt
+    if settings.worn:
+        for other in obj.users_scene[0].objects if obj.users_scene else ():
+            its = other.bodyopt
+            if its.is_bound and not its.worn and its.basis == settings.basis and its.armature == settings.armature:
+                return other
+    return obj
+
+
 class Binding:
     """What a bound object needs to be shown, made of its settings. Raises Refusal and bodyopt.Error."""
 
@@ -169,8 +213,10 @@ class Binding:
         self.vertices = np.full(len(self.points), -1, np.int32)
         if attribute and len(attribute.data) == len(self.points):
             attribute.data.foreach_get("value", self.vertices)
-        require_unchanged(rest_skin(self.model)[0].astype(float), self.points.astype(float), self.vertices)
-        self.is_in_order = np.array_equal(self.vertices, np.arange(self.model.vertex_count))
+        self.worn = settings.worn
+        rest = rest_skin(self.model, self.worn)[0].astype(float)
+        require_unchanged(rest, self.points.astype(float), self.vertices)
+        self.is_in_order = np.array_equal(self.vertices, np.arange(len(rest)))
         self.controls = Controls(self.model)
         self.made_of = self._settings(obj)
         self.shown = None  # what the last skin was made of
@@ -180,7 +226,7 @@ class Binding:
     @staticmethod
     def _settings(obj):
         settings = obj.bodyopt
-        return settings.basis, settings.level, armature_of(obj).name_full, tuple(settings.rest)
+        return settings.basis, settings.level, settings.worn, armature_of(obj).name_full, tuple(settings.rest)
 
     def fits(self, obj):
         """Whether neither the object nor its armature was edited since."""
@@ -196,15 +242,16 @@ class Binding:
         require_posed(obj, armature_of(obj), depsgraph)
         armature = armature_of(obj).evaluated_get(depsgraph)
         posed, to_world = matrices_of(armature.pose.bones, "matrix"), np.array(armature.matrix_world)
-        to_mesh, values = np.array(obj.evaluated_get(depsgraph).matrix_world), self.controls.read(obj.evaluated_get(depsgraph))
+        to_mesh, driver = np.array(obj.evaluated_get(depsgraph).matrix_world), driver_of(obj)
+        values = self.controls.read(driver.evaluated_get(depsgraph))
         moment = (scene.frame_current_final, scene.frame_start, scene.render.fps / scene.render.fps_base,
                   obj.bodyopt.shows_error, obj.bodyopt.error_mm)
         inputs = (moment, posed.tobytes(), to_world.tobytes(), to_mesh.tobytes(), values.tobytes())
         if inputs == self.shown:
             return False
         joints, self.notes = self.rig.joints(posed, to_world, self.jiggles)
-        skin = self._evaluate(obj, scene, joints[None], values)
-        in_mesh = self._in_mesh(skin.positions[0], to_world, to_mesh)
+        skin = self._evaluate(driver, scene, joints[None], values)
+        in_mesh = self._in_mesh(part_of(self.model, skin, self.worn)[0], to_world, to_mesh)
         point_attribute(obj.data, SKIN, "FLOAT_VECTOR").foreach_set("vector", in_mesh.ravel())
         self.world = moved(to_mesh, in_mesh)
         self._tell(obj, skin)
@@ -212,21 +259,22 @@ class Binding:
         self.shown = inputs
         return True
 
-    def _evaluate(self, obj, scene, joints, values):
+    def _evaluate(self, driver, scene, joints, values):
         rate, frame = scene.render.fps / scene.render.fps_base, scene.frame_current
         goes_on = {}
         if self.model.channels:
             if frame > scene.frame_start and self.frame != frame - 1:
-                past = self.controls.of_frames(obj, values, range(scene.frame_start, frame))
+                past = self.controls.of_frames(driver, values, range(scene.frame_start, frame))
                 self.instance.skip(np.repeat(joints, len(past), axis=0), rate, past)
             goes_on = {"frames_per_second": rate, "channels": self.controls.channels_of(values),
                        "goes_on": frame > scene.frame_start}
         self.frame = None  # until all went well
-        parts = {"controls": self.controls.learned_of(values), "normals": False, "tangents": False, **goes_on}
+        parts = {"controls": self.controls.learned_of(values), "normals": False, "tangents": False,
+                 "attached": bool(self.worn), **goes_on}
         if self.jiggles:
             skin = self.instance.jiggle(joints, [frame], **parts)
         else:
-            shows_error = obj.bodyopt.shows_error and self.model.knows_error
+            shows_error = driver.bodyopt.shows_error and self.model.knows_error and not self.worn
             skin = self.instance.evaluate(joints, vertex_errors=shows_error, **parts)
         self.frame = frame
         return skin

@@ -27,6 +27,7 @@ class Settings(bpy.types.PropertyGroup):
     shows_error: BoolProperty(name="Expected Error", update=refresh, description="As the colour attribute "
                               f"'{binding.ERROR}': blue where nothing is expected, red from the largest on")
     error_mm: FloatProperty(name="Largest (mm)", default=5, min=0.01, update=refresh)
+    worn: StringProperty(description="The mesh that is attached to the skin of the basis; empty: the skin itself")
     muted: StringProperty()
     rest: FloatVectorProperty(size=16)
 
@@ -106,6 +107,53 @@ class BODYOPT_OT_add_skin(Operator):
             raise
 
 
+class BODYOPT_OT_add_clothes(Operator):
+    """Bind the meshes that are attached to this skin (clothes, eyes, props): those of the scene, or else new ones"""
+
+    bl_idname, bl_label = "bodyopt.add_clothes", "Add Clothes"
+
+    def work(self, context, obj):
+        settings = obj.bodyopt
+        if not settings.is_bound or settings.worn:
+            raise Refusal("this mesh is not bound as a skin: press Bind first")
+        model = binding.load(settings.basis, settings.level)
+        if not model.attached:
+            raise Refusal("no meshes are attached to the basis: 'bodyopt train' attaches those of the character's file, "
+                          "'bodyopt attach' others. They stand beside the basis, as NAME.attached.safetensors")
+        armature, made = binding.armature_of(obj), []
+        rest = np.array(settings.rest).reshape(4, 4).T
+        for name, triangles in model.attached:
+            worn = next((o for o in context.scene.objects if self.may_be(o, name, armature)), None)
+            if not worn:
+                worn = self.add(context, armature, name, moved(rest, binding.rest_skin(model, name)[0]), triangles)
+                made.append(worn)
+            worn.bodyopt.basis, worn.bodyopt.level, worn.bodyopt.armature = settings.basis, settings.level, armature
+            context.view_layer.update()
+            live.bindings.pop(worn.name_full, None)
+            try:
+                binding.bind(worn)
+            except (Refusal, bodyopt.Error) as refusal:
+                for mesh in [o.data for o in made]:
+                    bpy.data.meshes.remove(mesh)  # and its object
+                raise Refusal(f"'{worn.name}': {refusal}") from refusal
+
+    @staticmethod
+    def may_be(obj, name, armature):
+        if obj.type != "MESH" or armature not in (obj.parent, obj.find_armature(), obj.bodyopt.armature):
+            return False
+        return obj.bodyopt.worn == name or not obj.bodyopt.is_bound and obj.name.split(".")[0] == name.split(".")[0]
+
+    @staticmethod
+    def add(context, armature, name, points, triangles):
+        mesh = bpy.data.meshes.new(name)
+        mesh.from_pydata(points.tolist(), [], triangles.tolist())
+        mesh.polygons.foreach_set("use_smooth", [True] * len(mesh.polygons))
+        obj = bpy.data.objects.new(name, mesh)
+        context.collection.objects.link(obj)
+        obj.parent = armature
+        return obj
+
+
 class BODYOPT_PT_skin(bpy.types.Panel):
     bl_label, bl_category, bl_space_type, bl_region_type = "Bodyopt", "Bodyopt", "VIEW_3D", "UI"
 
@@ -129,6 +177,10 @@ class BODYOPT_PT_skin(bpy.types.Panel):
             return
         row.operator("bodyopt.unbind")
         layout.prop(settings, "dynamics")
+        if settings.worn:
+            layout.label(text=f"worn: {settings.worn}", icon="MOD_CLOTH")
+        elif settings.level == 0:
+            layout.operator("bodyopt.add_clothes", icon="MOD_CLOTH")
         layout.operator("bodyopt.bake", icon="FILE_CACHE")
         layout.prop(settings, "is_live")
         if error := live.errors.get(obj.name_full):
@@ -156,4 +208,4 @@ def sentence(layout, context, text, icon):
         line += f" {word}" if line else word or ""
 
 
-CLASSES = (Settings, BODYOPT_OT_bind, BODYOPT_OT_unbind, BODYOPT_OT_add_skin, BODYOPT_PT_skin)
+CLASSES = (Settings, BODYOPT_OT_bind, BODYOPT_OT_unbind, BODYOPT_OT_add_skin, BODYOPT_OT_add_clothes, BODYOPT_PT_skin)

@@ -4,6 +4,8 @@
     pose = model.bind_pose                       # joints x 10: translation, rotation, scale, of each joint
     skin = model.instance().evaluate(pose[None])  # frames x joints x 10, float64
     skin.positions                               # frames x vertices x 3, float32, in the vertex order of the character
+
+Verbs of the program: bodyopt.run("train", "dataset", out="hero.safetensors"); see verbs.py.
 """
 
 from ._runtime import (
@@ -21,6 +23,7 @@ from ._runtime import (
     load_from_memory,
     open_device,
 )
+from .verbs import run
 
 __all__ = [
     "Call",
@@ -36,4 +39,5 @@ __all__ = [
     "load",
     "load_from_memory",
     "open_device",
+    "run",
 ]

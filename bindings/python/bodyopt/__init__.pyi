@@ -1,5 +1,5 @@
 import os
-from typing import Optional, Sequence, Union
+from typing import Any, Callable, Optional, Sequence, Union
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +15,8 @@ class Error(RuntimeError):
     """What the library refuses: bad files (code 4), things that do not belong together (3), devices (5), usage (64)."""
 
     code: int
+    result: Any
+    """Of run(): the JSON that the verb wrote, or None."""
 
 class Skin:
     """Of frames F: positions and normals F x V x 3, strains F x S, outside and fades F.
@@ -231,3 +233,15 @@ def open_device(
     """The Vulkan device of this index or part of a name, or the best one.
 
     pipeline_cache: folder where the driver's compiled shaders are kept, so that later processes start sooner."""
+def run(
+    verb: str,
+    *arguments: Union[str, os.PathLike],
+    progress: Optional[Callable[[str, int, int, float], None]] = None,
+    cancelled: Optional[Callable[[], bool]] = None,
+    **options: Any,
+) -> Any:
+    """Runs a verb of the program and returns its JSON: run("eval", "hero.safetensors", clip="walk.glb", out="walk.pc2").
+
+    Options are --out FILE for out="FILE", --jiggle for jiggle=True, --a-b for a_b, and the items of a list. progress(what,
+    done, total, seconds) is called about once a second; cancelled() is asked several times a second, and ends the verb where it is
+    true. Raises Error with the verb's exit code: 75 where it was cancelled."""

@@ -1,0 +1,69 @@
+# python wheel.py, in the environment that wheel.sh makes: the verbs and the frames of the installed module.
+import struct
+import threading
+import time
+
+import bodyopt
+import numpy
+
+steps = []
+assert bodyopt.run("demo", quick=True, out="demo", progress=lambda *step: steps.append(step))
+assert {what for what, done, total, _ in steps if done == total} >= {"simulate", "train: trade-off"}, steps[-3:]
+
+# Frames are those of the program.
+result = bodyopt.run("eval", "demo/basis.safetensors", clip="demo/heldout.glb", frames="1-5", device="cpu", out="shot.pc2",
+                     rig="shot.glb")
+assert result["points"] and result["rig"] == "shot.glb" and len(result["per_frame"]) == 5
+with open("shot.pc2", "rb") as file:
+    points, _, _, samples = struct.unpack("<iffi", file.read(32)[16:])
+    shot = numpy.frombuffer(file.read(), "<f4").reshape(samples, points, 3)
+model = bodyopt.load("demo/basis.safetensors")
+buffer = numpy.empty((1, model.vertex_count, 3), numpy.float32)
+skin = model.instance().evaluate(model.bind_pose[None], positions=buffer)
+assert skin.positions is buffer or numpy.shares_memory(skin.positions, buffer)
+assert points == model.vertex_count and numpy.isfinite(shot).all() and numpy.ptp(shot - buffer) > 0.01
+
+# Other verbs, by their own names and options.
+assert bodyopt.run("coverage", "demo/basis.safetensors", clip="demo/heldout.glb")
+assert bodyopt.run("curate", "list", "demo/dataset") is not None
+assert bodyopt.run("test", "demo/basis.safetensors", "demo/dataset")
+
+# Refused as the program refuses.
+for code, call in ((4, lambda: bodyopt.run("info", "nowhere.safetensors")),
+                   (64, lambda: bodyopt.run("eval", "demo/basis.safetensors", clip="demo/heldout.glb", out="shot.txt")),
+                   (64, lambda: bodyopt.run("view", "demo/basis.safetensors")),
+                   (64, lambda: bodyopt.run("trian"))):
+    try:
+        call()
+    except bodyopt.Error as error:
+        assert error.code == code and str(error), (error.code, str(error))
+    else:
+        raise AssertionError("not refused")
+
+# Cancelled from another thread while this one runs on; nothing is left of what it would have written.
+cancel, ticks = threading.Event(), []
+
+
+def train():
+    try:
+        bodyopt.run("simulate", "demo/character.glb", clip="demo/rom.glb", out="more", muscles="demo/muscles.json",
+                    cancelled=cancel.is_set)
+    except bodyopt.Error as error:
+        ticks.append(error.code)
+
+
+thread = threading.Thread(target=train)
+thread.start()
+time.sleep(2)
+cancel.set()
+thread.join(60)
+assert ticks == [75], ticks
+
+# What a callback raises ends the verb, too.
+try:
+    bodyopt.run("simulate", "demo/character.glb", clip="demo/rom.glb", out="again", muscles="demo/muscles.json",
+                cancelled=lambda: 1 / 0)
+except ZeroDivisionError:
+    print(f"{len(steps)} steps of progress, {samples} frames")
+else:
+    raise AssertionError("a callback's error is lost")

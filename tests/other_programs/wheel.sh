@@ -1,0 +1,21 @@
+#!/usr/bin/env bash
+# The wheel, installed in a fresh environment: its module gives the skin of `bodyopt eval`, its verbs run with progress, are
+# cancelled and refuse as the program does, and it needs no library that this machine was given for the build.
+. "$(dirname "$0")/head.bash"
+cmake --build --preset release --target wheel >/dev/null
+/usr/bin/python3 -m venv --system-site-packages "$folder/fresh"  # for NumPy
+"$folder/fresh/bin/pip" install --quiet --no-index --no-deps build/release/bodyopt-*.whl
+installed=$("$folder/fresh/bin/python" -c 'import bodyopt, pathlib; print(pathlib.Path(bodyopt.__file__).parent)')
+case $installed in "$folder"/*) ;; *) echo "imported from $installed"; exit 1 ;; esac
+taken=$(LD_LIBRARY_PATH=$installed ldd "$installed/program/bin/bodyopt" "$installed"/*.so* | awk -v own="$installed" \
+  '$2 == "=>" && index($3, own) != 1 {print $1}' | sort -u)
+for library in $taken; do
+  case $library in
+    libc.* | libm.* | libdl.* | librt.* | libpthread.* | libgcc_s.* | libstdc++.* | libz.*) ;;
+    libX11.* | libxcb.* | libXau.* | libXdmcp.* | libbsd.* | libmd.*) ;;  # of any desktop
+    *) echo "$library is not in the wheel"; exit 1 ;;
+  esac
+done
+cd "$folder"
+env -i PATH="$folder/fresh/bin:/usr/bin:/bin" HOME="$folder" python "$OLDPWD/tests/other_programs/wheel.py"
+"$folder/fresh/bin/bodyopt" info demo/basis.safetensors >/dev/null
