@@ -4,7 +4,7 @@ worker_build_packages=(
   cmake ninja-build g++ mold
   libvulkan-dev glslang-tools
   libeigen3-dev libnglib-dev libtinygltf-dev libmeshoptimizer-dev nlohmann-json3-dev libcli11-dev libspdlog-dev libxxhash-dev
-  libpugixml-dev zlib1g-dev libhwy-dev libtbb-dev libstb-dev libwebp-dev
+  libpugixml-dev zlib1g-dev libhwy-dev libtbb-dev libstb-dev libspng-dev libwebp-dev
 )
 # What the viewport needs beside that.
 viewer_packages=(libglfw3-dev libx11-dev libimgui-dev pkg-config)
@@ -12,8 +12,8 @@ build_packages=("${worker_build_packages[@]}" "${viewer_packages[@]}" libgtest-d
 # What the program runs with where it was built without the viewport (preset `worker`): those of its libraries that no other of
 # them brings along.
 worker_packages=(
-  libnglib-6.2 libtinygltf2d libmeshoptimizer2d libspdlog1.10 libpugixml1v5 libxxhash0 libhwy1 libtbb12 libstb0 libwebp7
-  libwebpmux3
+  libnglib-6.2 libtinygltf2d libmeshoptimizer2d libspdlog1.10 libpugixml1v5 libxxhash0 libhwy1 libtbb12 libstb0 libspng0
+  libwebp7 libwebpmux3
 )
 run_packages=(mesa-vulkan-drivers fonts-dejavu-core)
 test_packages=(vulkan-validationlayers xvfb xauth xdotool clang clang-format)
