@@ -41,7 +41,11 @@ ValidationMessages run_window(const ViewerOptions& options) {
     application.put_aside();
     throw;
   }
-  application.forget_aside();
+  if (application.is_done()) {  // as somebody decided
+    application.forget_aside();
+  } else {
+    application.put_aside();
+  }
   return device->validation_log();
 }
 

@@ -7,6 +7,7 @@
 #include <cerrno>
 #include <charconv>
 #include <fstream>
+#include <iterator>
 #include <span>
 #include <system_error>
 
@@ -29,13 +30,22 @@ void make_folder(const fs::path& folder) {
   }
 }
 
+// Also where its parent has not taken note of it yet.
+bool has_ended(int process) {
+  if (kill(process, 0) != 0 && errno == ESRCH) return true;
+  std::ifstream file("/proc/" + std::to_string(process) + "/stat");
+  const std::string stat(std::istreambuf_iterator<char>(file), {});
+  const std::size_t name_ends = stat.rfind(") ");
+  return name_ends != std::string::npos && stat.compare(name_ends + 2, 1, "Z") == 0;
+}
+
 // "1234.unsaved.json" of a process that has ended.
 bool is_left(const fs::path& file) {
   const std::string name = file.filename().string();
   int process = 0;
   const auto [end, problem] = std::from_chars(name.data(), name.data() + name.size(), process);
   if (problem != std::errc{} || std::string_view(end) != kAside || process <= 0) return false;
-  return kill(process, 0) != 0 && errno == ESRCH;
+  return has_ended(process);
 }
 
 }  // namespace

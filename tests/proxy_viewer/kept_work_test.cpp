@@ -57,6 +57,19 @@ TEST(KeptWork, FindsWhatIsOfNoProcessAnyMore) {
   EXPECT_FALSE(fs::exists(kept.aside()));
 }
 
+// Killed, and its parent has not asked after it.
+TEST(KeptWork, FindsWhatIsOfAZombie) {
+  const TemporaryFolder folder;
+  const pid_t child = fork();
+  if (child == 0) _exit(0);
+  siginfo_t ended;
+  waitid(P_PID, static_cast<id_t>(child), &ended, WEXITED | WNOWAIT);
+  const fs::path left = folder / (std::to_string(child) + ".unsaved.json");
+  std::ofstream(left) << "{}";
+  EXPECT_EQ(KeptWork(folder.path()).left_behind(), left);
+  waitpid(child, nullptr, 0);
+}
+
 class LeavingTest : public PlayedTest {
  protected:
   ViewerOptions keeping() const {
