@@ -338,6 +338,8 @@ void Application::fulfil() {
   const auto attempt = [&](const auto& asked, const auto& action) {
     if (asked) controls_.attempt(action);
   };
+  if (requests.frame_range)
+    controls_.attempt([&] { session_.frame_range(painter_.area().width, painter_.area().height); });
   attempt(requests.pin, [&] { session_.pin(*requests.pin); });
   attempt(requests.screenshot, [&] { pictures_.take_screenshot(*requests.screenshot); });
   attempt(requests.sequence, [&] { pictures_.take_sequence(*requests.sequence); });
@@ -362,6 +364,16 @@ void Application::fulfil() {
 
 void Application::fulfil_of_files(const Requests& requests) {
   for (const std::string& file : requests.open) controls_.attempt([&] { open_meanwhile(file); });
+  for (const std::string& file : requests.add) {
+    controls_.attempt([&] {
+      painter_.show_message("loading " + std::filesystem::path(file).filename().string());
+      change_cast([&] {
+        for (const std::string& note : session_.open_character(file)) controls_.warn(note);
+      });
+      remember(file);
+    });
+  }
+  if (requests.unit) controls_.attempt([&] { change_cast([&] { session_.use_unit(*requests.unit); }); });
   if (requests.same_clip) controls_.attempt([&] { change_cast([&] { session_.give_same_clip(); }); });
   if (requests.limits) controls_.attempt([&] { change_cast([&] { session_.use_limits(*requests.limits); }); });
   if (requests.lead) controls_.attempt([&] { change_cast([&] { session_.make_lead(*requests.lead); }); });

@@ -104,12 +104,14 @@ std::vector<std::string> Session::open(const std::string& file) {
     }
     if (receiver_ == 0) play_clip();
   } else if (is_character(file)) {
-    notes = add({.basis = file});
-    receiver_ = scene.cast().size() - 1;
-    controls.requests.frame_selection = true;  // to see it, too
+    return open_character(file);
   } else if (is_called_scene(split_source(file).path) || has_extension(file, {".bvh"})) {
     receiver.open_clip(file);
     notes = receiver.clip().notes;
+    const std::string path = split_source(file).path.string();
+    if (is_called_scene(path) && is_another_character(path, Skeleton())) {
+      notes.push_back(file + ": its clip is played; 'character' shows its skin as one more of the cast");
+    }
     if (receiver_ == 0) play_clip();
   } else if (has_extension(file, {".pc2", ".mdd"})) {
     open_truth(receiver, file);
@@ -131,6 +133,25 @@ std::vector<std::string> Session::open(const std::string& file) {
   }
   take_note_of_cast();
   return notes;
+}
+
+std::vector<std::string> Session::open_character(const std::string& file) {
+  std::vector<std::string> notes = add({.basis = file});
+  receiver_ = scene.cast().size() - 1;
+  controls.requests.frame_selection = true;  // to see it, too
+  take_note_of_cast();
+  return notes;
+}
+
+void Session::use_unit(double metres) {
+  const double before = std::exchange(clip_options_.unit, metres);
+  try {
+    replace_lead(scene.lead().files());
+  } catch (...) {
+    clip_options_.unit = before;
+    throw;
+  }
+  controls.requests.frame_selection = true;
 }
 
 // Its character by Direct Delta Mush, its frames, and their shapes.
@@ -232,6 +253,11 @@ std::vector<std::string> Session::add(ActorFiles files) {
 void Session::use_limits(const std::string& file) {
   ActorFiles files = scene.lead().files();
   files.limits = file == "none" ? "" : file;
+  replace_lead(files);
+}
+
+// It goes on as it was posed.
+void Session::replace_lead(const ActorFiles& files) {
   std::unique_ptr<Actor> actor = scene.make(files, clip_options_);
   actor->set_posing(scene.lead().posing());
   scene.swap(0, actor);

@@ -47,6 +47,9 @@ class Session {
   // A basis or character; or a clip or truth of the one that was opened or made the lead last; or a state. By its
   // extension. What was there stays where it throws.
   std::vector<std::string> open(const std::string& file);
+  // One more of the cast, whatever else the file holds.
+  std::vector<std::string> open_character(const std::string& file);
+  void use_unit(double metres);  // of files of characters; 0: as they say
   void open_truth(Actor& character, const std::string& file);
   // Characters of the cast, counted from 1 as the panel shows them. The playhead stays. Throw Error(usage) where there
   // is no such one, or no other.
@@ -128,6 +131,7 @@ class Session {
   std::vector<std::string> add(ActorFiles files);
   ActorFiles files_of_dataset(const std::string& file);
   void open_session(const std::string& file);
+  void replace_lead(const ActorFiles& files);
   void open_markers(const std::string& file);
   void use_settings(const ViewSettings& settings);
   void read_dataset_again();

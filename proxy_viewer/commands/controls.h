@@ -105,9 +105,11 @@ struct CopiedPose {
 struct Requests {
   bool quit = false, reload = false, frame_selection = false, reset_jiggle = false;
   bool worst_frame = false, worst_vertex = false;
-  bool same_clip = false;  // all are to play the lead's
+  bool frame_range = false;  // the camera is to see all that is played
+  bool same_clip = false;    // all are to play the lead's
   std::optional<std::string> screenshot, turntable, sequence, save, save_state, load_state, save_markers;  // file names
-  std::vector<std::string> open;  // files, by what they hold
+  std::vector<std::string> open, add;  // files, by what they hold; characters, whatever else they are
+  std::optional<double> unit;          // metres
   std::vector<ModifierEdit> edits;
   std::optional<PinRequest> pin;
   std::optional<bool> step_back;      // in the history of edits, or forth

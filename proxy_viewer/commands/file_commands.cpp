@@ -12,6 +12,15 @@ const Command kFileCommands[] = {
        if (a.empty()) return c.browse("open");
        c.requests.open.push_back(a);
      }},
+    {"character", "[FILE]", "", "File", "one more character, also where a file of its rig would be a clip",
+     [](Controls& c, const std::string& a) {
+       if (a.empty()) return c.browse("character");
+       c.requests.add.push_back(a);
+     }},
+    {"unit", "METRES|auto", "", "File", "of character files: the lead's is read again by it",
+     [](Requests& requests, const std::string& a) {
+       requests.unit = automatic_or(a, 1e-6, 1e6, number_within).value_or(0);
+     }},
     {"recent", "NUMBER", "", "File", "a file that was open lately, the last from 1",
      [](Controls& c, const std::string& a) {
        if (c.recent.empty()) throw Error(ErrorKind::usage, "no file is known to have been open lately");
@@ -63,7 +72,7 @@ const Command kFileCommands[] = {
      [](Requests& requests, const std::string& a) { requests.remove = integer(a); }},
     request_command<&Requests::reload>("reload", "F5", "File", "read all files again"),
     {"browse",
-     "open|save|save-state|load-state|save-pose|load-pose|limits|export-clip|export-skin|screenshot|sequence|turntable",
+     "open|character|save|save-state|load-state|save-pose|load-pose|limits|export-clip|export-skin|screenshot|sequence|turntable",
      "", "File", "chooses the file of a command from the list of a folder",
      [](Controls& c, const std::string& a) { c.browse(known(a, browsed_commands(), "command that takes a file")); }},
     {"quit", "", "Ctrl+Q", "File", "close the viewport; what is not saved is asked about",

@@ -146,10 +146,17 @@ void draw_hints(std::string& text) {
       text = std::string(command.name) + " ";
     ImGui::SameLine(14);
     ImGui::Text("%s", command.name);
+    // Words of an argument may be many: the help has a line of its own where they reach it.
+    const std::string head = std::string(command.name) + " " + command.argument;
     ImGui::SameLine();
     ImGui::TextDisabled("%s", command.argument);
-    ImGui::SameLine(0.55f * kPromptWidth);
+    if (ImGui::CalcTextSize(head.c_str()).x < 0.4f * kPromptWidth) {
+      ImGui::SameLine(0.45f * kPromptWidth);
+    } else {
+      ImGui::Indent(0.08f * kPromptWidth);
+    }
     ImGui::TextDisabled("%s", command.help);
+    if (ImGui::CalcTextSize(head.c_str()).x >= 0.4f * kPromptWidth) ImGui::Unindent(0.08f * kPromptWidth);
     ImGui::PopID();
   }
 }

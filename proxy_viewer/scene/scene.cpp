@@ -44,6 +44,14 @@ struct Box {
   double radius() const { return 0.5 * length(high - low); }
 };
 
+Box box_around(std::span<const float> points) {
+  Box box;
+  for (std::size_t k = 0; k + 2 < points.size(); k += 3) {
+    box.add({points[k], points[k + 1], points[k + 2]});
+  }
+  return box;
+}
+
 std::vector<Vec3> centres_of(const Actor& character, const Pose& pose) {
   return transformed(posed_joints(character.basis().skeleton, pose.joints), [&](const Affine& joint) {
     return joint * Vec3{0, 0, 0};
@@ -682,6 +690,16 @@ std::vector<float> Scene::points_to_frame(const Controls& controls) {
       std::ranges::copy(cast_[c]->measure(*other, pose, frame), std::back_inserter(own));
     }
     for (std::size_t k = 0; k < own.size(); ++k) points.push_back(own[k] + offset[k % 3]);
+    // Copies as they are now, of the corners of the box around it: they are many.
+    const Box box = box_around(own);
+    for (int copy = 1; c == 0 && copy < controls.settings.cast.copies; ++copy) {
+      const std::array<float, 3> at = place_copy(static_cast<std::size_t>(copy));
+      for (std::size_t corner = 0; corner < 8; ++corner) {
+        for (std::size_t i = 0; i < 3; ++i) {
+          points.push_back(static_cast<float>((corner >> i & 1) != 0 ? box.high[i] : box.low[i]) + at[i]);
+        }
+      }
+    }
   }
   return points;
 }

@@ -22,6 +22,7 @@ struct FileKind {
 const std::map<std::string, FileKind>& kinds() {
   static const std::map<std::string, FileKind> all = {
       {"open", {{".safetensors", ".glb", ".gltf", ".vrm", ".fbx", ".bvh", ".pc2", ".mdd", ".json"}, ""}},
+      {"character", {{".safetensors", ".glb", ".gltf", ".vrm", ".fbx"}, ""}},
       {"save", {{".json"}, "session.json"}},
       {"save-state", {{".json"}, "view.json"}},
       {"load-state", {{".json"}, ""}},
