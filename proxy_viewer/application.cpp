@@ -25,7 +25,8 @@ Application::Application(const ViewerOptions& options, std::shared_ptr<const vul
       session_(device, options_),
       errors_(session_.scene, controls_, device->info().type != "cpu"),
       painter_(device, session_, errors_, screen, {options.width, options.height}),
-      pictures_(painter_, session_) {
+      pictures_(painter_, session_),
+      kept_(options.kept) {
   controls_.headless = !screen;
   controls_.panels = controls_.settings.hud.on = screen != nullptr;
   open_files();
@@ -58,6 +59,10 @@ void Application::begin() {
   if (screen_) controls_.say("H: all keys");
   session_.follow();
   if (controls_.requests.frame_selection) frame_what_comes();
+  note_saved();
+  if (!options_.files.empty()) remember(options_.files.front());
+  controls_.recent = kept_.recent();
+  if (options_.commands.empty()) controls_.left_behind = kept_.left_behind().string();
   const std::vector<std::string> commands = script_commands(options_.commands);
   script_.assign(commands.begin(), commands.end());
 }
@@ -89,8 +94,57 @@ void Application::open_meanwhile(const std::string& file) {
 
 void Application::open(const std::string& file) {
   errors_.forget();
+  const std::size_t cast = session_.scene.cast().size();
+  const bool is_whole = is_session(file);
   for (const std::string& note : session_.open(file)) controls_.warn(note);
+  if (is_whole) note_saved();
+  if (is_whole || session_.scene.cast().size() > cast) remember(file);
   set_title();
+}
+
+void Application::note_saved() { saved_ = session_.work(); }
+
+void Application::remember(const std::string& file) {
+  if (!screen_) return;
+  controls_.attempt([&] { kept_.remember(file); });
+  controls_.recent = kept_.recent();
+}
+
+void Application::save(const std::string& file) {
+  session_.save(file);
+  note_saved();
+  kept_.forget();
+  aside_ = {};
+  remember(file);
+  if (std::exchange(controls_.leaves_when_saved, false)) controls_.requests.quit = true;
+}
+
+void Application::put_aside() {
+  next_aside_ = now_ + kAsideEvery;
+  Session::Work work = session_.work();
+  if (work == saved_ || work == aside_) return;
+  controls_.attempt([&] {
+    const std::string file = kept_.aside().string();
+    if (file.empty()) return;
+    session_.write(file);
+    aside_ = std::move(work);
+  });
+}
+
+// It is unsaved still, and this one's to lose.
+void Application::recover(bool wanted) {
+  const std::string left = std::exchange(controls_.left_behind, "");
+  if (!wanted) {
+    std::filesystem::remove(left);
+    return;
+  }
+  const Session::Work saved = saved_;
+  change_cast([&] { session_.open(left); });
+  saved_ = saved;
+  controls_.session_file.clear();
+  kept_.take_over(left);
+  aside_ = session_.work();
+  controls_.say("here is what was not saved: 'save' keeps it");
 }
 
 void Application::set_title() {
@@ -140,6 +194,7 @@ void Application::turn(std::span<const WindowEvent> events, double passed) {
 }
 
 void Application::act(std::span<const WindowEvent> events, double passed) {
+  controls_.unsaved = session_.work() != saved_;
   unheard_.insert(unheard_.end(), events.begin(), events.end());
   if (!unheard_.empty()) pending_pictures_ = 2;  // panels answer events a picture late
   hear_some();
@@ -195,6 +250,7 @@ void Application::hear_some() {
 void Application::hear(const WindowEvent& event) {
   painter_.hear(event);
   if (const auto* key = std::get_if<KeyEvent>(&event)) hear_key(*key);
+  if (std::holds_alternative<CloseEvent>(event)) controls_.leave();
   if (const auto* drop = std::get_if<DropEvent>(&event)) {
     for (const std::string& file : drop->files) controls_.requests.open.push_back(file);
   }
@@ -215,13 +271,18 @@ void Application::hear_key(const KeyEvent& event) {
   if (key == kFlipKey) controls_.flipped = true;
   const Command* command = find_command_by_key(key);
   if (!command || (event.action == KeyAction::repeated && !command->repeats)) return;
+  const bool typed = controls_.prompt;
   controls_.attempt([&] { run_command(controls_, command->name); });
+  // What was typed before was for keys, however late it is heard.
+  if (controls_.prompt && !typed) ImGui::GetIO().InputQueueCharacters.clear();
 }
 
 // Nothing else shall change pictures that are being written.
 void Application::hear_key_in_series(const std::string& key) {
   if (key == "Escape") pictures_.stop();
-  if (find_command_by_key(key) == find_command("quit")) controls_.requests.quit = true;
+  if (find_command_by_key(key) != find_command("quit")) return;
+  controls_.leave();
+  if (controls_.leaving) pictures_.stop();
 }
 
 // Up to the next command that asks for something: the picture is drawn, and it is done, before the others run.
@@ -230,7 +291,9 @@ void Application::run_script() {
     controls_.follow_keys();
     const std::string command = std::move(script_.front());
     script_.pop_front();
+    controls_.scripted = true;
     controls_.attempt([&] { run_command(controls_, command); });
+    controls_.scripted = false;
     script_waits_ = !(controls_.requests == Requests{});
     pending_pictures_ = 2;
   }
@@ -239,6 +302,7 @@ void Application::run_script() {
 void Application::look_at_files() {
   if (now_ < next_look_) return;
   next_look_ = now_ + kIdle;
+  if (now_ >= next_aside_) put_aside();
   const bool passes = std::ranges::any_of(controls_.messages, [](const Message& m) { return !m.error; });
   if (passes || (was_busy_ && !controls_.playback.playing())) pending_pictures_ = std::max(pending_pictures_, 1);
   const std::vector<std::filesystem::path> changed = session_.changed_files(now_);
@@ -274,11 +338,18 @@ void Application::fulfil() {
   const auto attempt = [&](const auto& asked, const auto& action) {
     if (asked) controls_.attempt(action);
   };
+  if (requests.frame_range)
+    controls_.attempt([&] { session_.frame_range(painter_.area().width, painter_.area().height); });
   attempt(requests.pin, [&] { session_.pin(*requests.pin); });
   attempt(requests.screenshot, [&] { pictures_.take_screenshot(*requests.screenshot); });
   attempt(requests.sequence, [&] { pictures_.take_sequence(*requests.sequence); });
   attempt(requests.turntable, [&] { pictures_.take_turntable(*requests.turntable); });
-  attempt(requests.save, [&] { session_.save(*requests.save); });
+  attempt(requests.save, [&] { save(*requests.save); });
+  if (requests.save) controls_.leaves_when_saved = false;
+  attempt(requests.save_pose, [&] { session_.save_pose(*requests.save_pose); });
+  attempt(requests.load_pose, [&] { session_.load_pose(*requests.load_pose); });
+  attempt(requests.recover, [&] { recover(*requests.recover); });
+  if (requests.export_clip || requests.export_skin || requests.sequence) put_aside();
   attempt(requests.save_markers, [&] { session_.save_markers(*requests.save_markers); });
   attempt(requests.save_state, [&] { session_.save_state(*requests.save_state); });
   attempt(requests.export_clip, [&] { session_.export_clip(*requests.export_clip); });
@@ -293,7 +364,18 @@ void Application::fulfil() {
 
 void Application::fulfil_of_files(const Requests& requests) {
   for (const std::string& file : requests.open) controls_.attempt([&] { open_meanwhile(file); });
+  for (const std::string& file : requests.add) {
+    controls_.attempt([&] {
+      painter_.show_message("loading " + std::filesystem::path(file).filename().string());
+      change_cast([&] {
+        for (const std::string& note : session_.open_character(file)) controls_.warn(note);
+      });
+      remember(file);
+    });
+  }
+  if (requests.unit) controls_.attempt([&] { change_cast([&] { session_.use_unit(*requests.unit); }); });
   if (requests.same_clip) controls_.attempt([&] { change_cast([&] { session_.give_same_clip(); }); });
+  if (requests.limits) controls_.attempt([&] { change_cast([&] { session_.use_limits(*requests.limits); }); });
   if (requests.lead) controls_.attempt([&] { change_cast([&] { session_.make_lead(*requests.lead); }); });
   if (requests.remove) controls_.attempt([&] { change_cast([&] { session_.remove(*requests.remove); }); });
 }

@@ -9,6 +9,7 @@
 
 #include "proxy_viewer/picture_files.h"
 #include "proxy_viewer/session.h"
+#include "proxy_viewer/state/kept_work.h"
 #include "proxy_viewer/viewer.h"
 
 namespace bodyopt {
@@ -24,12 +25,17 @@ class Application {
   // How long the next turn can wait for events, seconds.
   double patience() const;
   bool is_done() const { return session_.controls.requests.quit; }
+  // What is not saved, for the next to bring back where this one does not end as it should; and it does.
+  void put_aside();
+  void forget_aside() const { kept_.forget(); }
   // Without a screen: the script, then the pictures that the options ask for.
   void make_pictures();
 
   const Session& session() const { return session_; }
 
  private:
+  static constexpr double kAsideEvery = 60;  // seconds
+
   void open_files();
   void begin();
   void begin_frames(bool restored);
@@ -54,6 +60,10 @@ class Application {
   void draw_if_needed(bool moves, double passed);
   void go_on_with_pictures(double passed);
   void go_to_worst_frame();
+  void note_saved();
+  void remember(const std::string& file);
+  void save(const std::string& file);
+  void recover(bool wanted);
   void fulfil();
   void fulfil_of_files(const Requests& requests);
   void fulfil_of_dataset(const Requests& requests);
@@ -65,6 +75,8 @@ class Application {
   ErrorMeasuring errors_;
   Painter painter_;
   PictureTaking pictures_;
+  KeptWork kept_;
+  Session::Work saved_, aside_;  // what a session file has, and what was put aside
   std::deque<WindowEvent> unheard_;
   std::deque<std::string> script_;  // commands that have not run
   bool script_waits_ = false;       // for what its last command asked for
@@ -73,6 +85,7 @@ class Application {
   bool was_busy_ = false;
   double now_ = 0;                                          // seconds, of the turns
   double last_picture_ = 0, next_look_ = 0, progress_ = 0;  // when drawn, at files, and shown
+  double next_aside_ = kAsideEvery;
 };
 
 }  // namespace bodyopt

@@ -1,5 +1,8 @@
 #include "proxy_viewer/describe_scene.h"
 
+#include <algorithm>
+#include <tuple>
+
 #include "proxy_viewer/commands/commands.h"
 #include "runtime/modifiers/skin_modifier_type.h"
 
@@ -48,6 +51,14 @@ std::vector<JointRow> describe(const Skeleton& skeleton) {
   return rows;
 }
 
+std::vector<JointRow> describe_joints(const Actor& lead) {
+  std::vector<JointRow> rows = describe(lead.basis().skeleton);
+  for (const std::string& name : lead.movable_joints()) {
+    std::ranges::find(rows, name, &JointRow::name)->furthest = lead.size();
+  }
+  return rows;
+}
+
 // Controls are the last of the features.
 std::vector<ControlRow> describe_controls(const ResidualTable& residual) {
   const std::size_t count = residual.controls.size();
@@ -83,7 +94,7 @@ std::vector<AxisRow> describe_axes(const Actor& lead) {
   for (const DegreeOfFreedom& dof : lead.axes()) {
     if (dof.turns.empty()) continue;
     const std::string& joint = lead.basis().skeleton.joints[dof.turns.front().joint].name;
-    rows.push_back({dof.name, joint, dof.min - dof.rest, dof.max - dof.rest});
+    rows.push_back({dof.name, joint});
   }
   return rows;
 }
@@ -143,7 +154,7 @@ void describe_cast(const Scene& scene, Snapshot& snapshot) {
   snapshot.cast.clear();
   for (const auto& character : scene.cast()) snapshot.cast.push_back(describe(*character));
   const Actor& lead = scene.lead();
-  snapshot.joints = describe(lead.basis().skeleton);
+  snapshot.joints = describe_joints(lead);
   snapshot.axes = describe_axes(lead);
   snapshot.controls = describe_controls(lead.basis().residual);
   add_modifiers(lead.basis().modifiers, snapshot);
@@ -152,12 +163,19 @@ void describe_cast(const Scene& scene, Snapshot& snapshot) {
   snapshot.first_frame = lead.clip().first_frame;
 }
 
-void describe_turns(const Scene& scene, int frame, Snapshot& snapshot) {
+void describe_turns(const Scene& scene, const Controls& controls, Snapshot& snapshot) {
+  const int frame = controls.playback.frame();
   for (std::size_t j = 0; j < snapshot.joints.size(); ++j) {
     const std::optional<JointRange> free = scene.lead().free_turns(j, frame);
     if (!free) continue;
     snapshot.joints[j].low = free->low;
     snapshot.joints[j].high = free->high;
+  }
+  const std::vector<DegreeOfFreedom>& axes = scene.lead().axes();
+  for (AxisRow& row : snapshot.axes) {
+    if (row.joint != controls.joint) continue;
+    std::tie(row.low, row.high) =
+        scene.lead().free_axis(*std::ranges::find(axes, row.name, &DegreeOfFreedom::name), frame);
   }
 }
 

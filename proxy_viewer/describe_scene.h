@@ -14,7 +14,7 @@ std::map<std::string, std::string> describe_missing(const Scene& scene);
 void describe_cast(const Scene& scene, Snapshot& snapshot);
 
 // How far the lead's joints may be turned in a frame.
-void describe_turns(const Scene& scene, int frame, Snapshot& snapshot);
+void describe_turns(const Scene& scene, const Controls& controls, Snapshot& snapshot);
 
 // What is shown and compared now, and how far apart it is.
 void describe_comparison(const Scene& scene, const Controls& controls, const ErrorCurve& curve, Snapshot& snapshot);

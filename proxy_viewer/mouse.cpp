@@ -34,9 +34,11 @@ void turn_ring(const Scene& scene, const Rectangle& picture, const TurnRing& rin
   const double by = std::remainder(angle_around(*middle, to) - angle_around(*middle, from), 2 * std::numbers::pi);
   const Camera camera = controls.camera.camera();
   const bool is_towards = dot(ring.along, to_double(camera.eye) - ring.centre) > 0;
-  const double turned = ring.angle + (is_towards ? 1 : -1) * by * 180 / std::numbers::pi;
-  controls.settings.pose.joints[controls.joint][ring.axis] =
-      std::clamp(turned, ring.low, std::max(ring.low, ring.high));
+  const double turned = std::clamp(ring.angle + (is_towards ? 1 : -1) * by * 180 / std::numbers::pi, ring.low,
+                                   std::max(ring.low, ring.high));
+  std::map<std::string, Vec3>& joints = controls.settings.pose.joints;
+  for (const std::string& joint : controls.also) joints[joint][ring.axis] += turned - ring.angle;
+  joints[controls.joint][ring.axis] = turned;
 }
 
 void move_pin(const Scene& scene, const Rectangle& picture, const std::array<float, 2>& to, Controls& controls) {
@@ -44,6 +46,57 @@ void move_pin(const Scene& scene, const Rectangle& picture, const std::array<flo
   const Rectangle view = view_at(scene, controls, picture, to[0]);
   const double x = static_cast<double>(to[0]), y = static_cast<double>(to[1]);
   pin = moved_under_pixel(controls.camera.camera(), view, x, y, pin).value_or(pin);
+}
+
+// Of the axis as it is seen, how far the mouse went along it.
+void move_along(const Scene& scene, const Rectangle& picture, const MoveArrow& arrow, const std::array<float, 2>& from,
+                const std::array<float, 2>& to, Controls& controls) {
+  const auto tail = pixel_of(scene, controls, picture, from[0], arrow.from),
+             head = pixel_of(scene, controls, picture, from[0], arrow.to);
+  if (!tail || !head) return;
+  const double right = (*head)[0] - (*tail)[0], down = (*head)[1] - (*tail)[1];
+  const double pixels = right * right + down * down;
+  if (pixels < 1) return;  // it is seen from its end
+  const double share =
+      (right * static_cast<double>(to[0] - from[0]) + down * static_cast<double>(to[1] - from[1])) / pixels;
+  Vec3& moved = controls.settings.pose.moves[controls.joint];
+  moved = moved + share * (arrow.to - arrow.from);
+}
+
+// As far from the eye as it is.
+void move_under_mouse(const Scene& scene, const Rectangle& picture, const Vec3& at, const std::array<float, 2>& from,
+                      const std::array<float, 2>& to, Controls& controls) {
+  const auto point = [&](const std::array<float, 2>& pixel) {
+    const Rectangle view = view_at(scene, controls, picture, from[0]);
+    return moved_under_pixel(controls.camera.camera(), view, static_cast<double>(pixel[0]),
+                             static_cast<double>(pixel[1]), at);
+  };
+  const auto before = point(from), after = point(to);
+  if (!before || !after) return;
+  Vec3& moved = controls.settings.pose.moves[controls.joint];
+  moved = moved + (*after - *before);
+}
+
+// Pixels from a line.
+double apart_from_line(const std::array<double, 2>& a, const std::array<double, 2>& b, float x, float y) {
+  const double right = b[0] - a[0], down = b[1] - a[1], size = std::max(1e-9, right * right + down * down);
+  const double share =
+      std::clamp((right * (static_cast<double>(x) - a[0]) + down * (static_cast<double>(y) - a[1])) / size, 0.0, 1.0);
+  return apart(std::array{a[0] + share * right, a[1] + share * down}, x, y);
+}
+
+// Of what may move: itself, or an arrow beyond the rings.
+std::optional<Grip> move_grip_at(const Scene& scene, const Controls& controls, const Rectangle& picture, float x,
+                                 float y) {
+  constexpr double kShaft = 0.75;  // of the arrow: from there on nothing else is near
+  for (const MoveArrow& arrow : move_arrows(scene, controls)) {
+    const auto tail = pixel_of(scene, controls, picture, x, arrow.from);
+    if (apart(tail, x, y) < 1.5 * kGripped) return Grip{Grip::Kind::joint};
+    const auto from = pixel_of(scene, controls, picture, x, arrow.from + kShaft * (arrow.to - arrow.from)),
+               head = pixel_of(scene, controls, picture, x, arrow.to);
+    if (from && head && apart_from_line(*from, *head, x, y) < kGripped) return Grip{Grip::Kind::arrow, arrow.axis};
+  }
+  return std::nullopt;
 }
 
 // Under a pixel; none: nothing is there that can be dragged.
@@ -54,6 +107,7 @@ std::optional<Grip> grip_at(const Scene& scene, const Controls& controls, const 
       apart(pixel_of(scene, controls, picture, x, pin->second), x, y) < 2 * kGripped) {
     return Grip{};
   }
+  if (const std::optional<Grip> moves = move_grip_at(scene, controls, picture, x, y)) return moves;
   std::optional<Grip> grip;
   double nearest = kGripped;
   for (const TurnRing& ring : turn_rings(scene, controls)) {
@@ -62,23 +116,26 @@ std::optional<Grip> grip_at(const Scene& scene, const Controls& controls, const 
       const double away = apart(pixel_of(scene, controls, picture, x, ring.point(degrees)), x, y);
       if (away >= nearest) continue;
       nearest = away;
-      grip = Grip{ring.axis};
+      grip = Grip{Grip::Kind::ring, ring.axis};
     }
   }
   return grip;
 }
 
-// The mouse went from one pixel to another: a ring turns by the angle around its middle, a pin stays under the cursor,
-// as far away as it was.
+// The mouse went from one pixel to another: a ring turns by the angle around its middle, what is moved stays under the
+// cursor, along its arrow or as far away as it was.
 void drag_grip(const Scene& scene, const Rectangle& picture, const std::array<float, 2>& from,
                const std::array<float, 2>& to, Controls& controls) {
-  if (!controls.grip->ring) {
+  const auto [kind, axis] = *controls.grip;
+  if (kind == Grip::Kind::pin) {
     if (controls.settings.pose.pins.contains(controls.joint)) move_pin(scene, picture, to, controls);
-    return;
+  } else if (kind == Grip::Kind::ring) {
+    const std::vector<TurnRing> rings = turn_rings(scene, controls);
+    if (!rings.empty()) turn_ring(scene, picture, rings[axis], from, to, controls);
+  } else if (const std::vector<MoveArrow> arrows = move_arrows(scene, controls); !arrows.empty()) {
+    if (kind == Grip::Kind::arrow) return move_along(scene, picture, arrows[axis], from, to, controls);
+    move_under_mouse(scene, picture, arrows.front().from, from, to, controls);
   }
-  const std::vector<TurnRing> rings = turn_rings(scene, controls);
-  if (rings.empty()) return;
-  turn_ring(scene, picture, rings[*controls.grip->ring], from, to, controls);
 }
 
 constexpr float kClick = 4;  // pixels: less is no drag
@@ -110,11 +167,13 @@ void pick(Scene& scene, const Rectangle& area, Controls& controls) {
   if (controls.marking.on) return controls.attempt([&] { mark(scene, area, controls); });
   const ImVec2 at = mouse_at();
   bool& skeleton = controls.settings.look.skeleton;
-  controls.joint = skeleton ? joint_at(scene, controls, area, at.x, at.y) : "";
+  std::string joint = skeleton ? joint_at(scene, controls, area, at.x, at.y) : "";
   controls.attempt([&] {
-    if (controls.joint.empty()) controls.joint = joint_under_skin_at(scene, controls, area, at.x, at.y);
+    if (joint.empty()) joint = joint_under_skin_at(scene, controls, area, at.x, at.y);
+    if (ImGui::GetIO().KeyCtrl && !joint.empty()) return run_command(controls, "select-also " + joint);
+    controls.select(joint);
   });
-  if (controls.joint.empty()) return;
+  if (joint.empty()) return;
   skeleton = true;
   controls.settings.hud.panels["pose"] = true;  // which turns it
   controls.typed.revealed_section = "pose";

@@ -106,7 +106,7 @@ void Painter::draw_panels_over(const PictureSize& size, double passed) {
   if (!makes_series_ && !brush_by_mouse(session_.brushing, area_, controls_)) {
     steer_by_mouse(scene_, area_, height, controls_);
   }
-  describe_turns(scene_, controls_.playback.frame(), snapshot_);
+  describe_turns(scene_, controls_, snapshot_);
   snapshot_.missed_pins = scene_.lead().missed_pins(controls_.playback.frame(), controls_.settings.pose);
   describe_comparison(scene_, controls_, errors_.curve(), snapshot_);
   session_.matching.describe(snapshot_);
@@ -117,8 +117,10 @@ void Painter::draw_panels_over(const PictureSize& size, double passed) {
                              shows_stroke ? std::span(brushing.weights()) : std::span<const double>());
   area_ = in_pixels(draw_panels(snapshot_, controls_, in_points(width, scale()), in_points(height, scale())), scale());
   draw_brush(session_.brushing, scene_, area_, controls_);
-  if (!ImGui::IsAnyItemActive() && !controls_.grip)
+  if (!ImGui::IsAnyItemActive() && !controls_.grip) {
+    controls_.key_by_itself();
     controls_.poses.note(controls_.settings.pose);  // a drag is one step
+  }
   const auto pixels = [&](float points) { return static_cast<std::uint32_t>(std::lround(points * scale())); };
   const Covered covered = {pixels(names_height(snapshot_, controls_)), pixels(colour_bar_width(snapshot_, controls_))};
   gui_.end();

@@ -1,6 +1,7 @@
 #include "proxy_viewer/session.h"
 
 #include <algorithm>
+#include <cmath>
 #include <initializer_list>
 #include <iostream>
 #include <iterator>
@@ -10,6 +11,7 @@
 #include "assets/controls.h"
 #include "base/progress.h"
 #include "dataset/modifier.h"
+#include "proxy_viewer/commands/flipped_pose.h"
 #include "proxy_viewer/describe_scene.h"
 #include "proxy_viewer/scene/truth_times.h"
 #include "runtime/basis/character_unit.h"
@@ -19,6 +21,7 @@
 #include "runtime/modifiers/drive_modifiers.h"
 #include "shots/clip_choice.h"
 #include "shots/session/pinned_joints.h"
+#include "shots/session/posed_clip.h"
 #include "shots/shot.h"
 #include "shots/shot_files.h"
 #include "trainer/transfer/markers_file.h"
@@ -100,12 +103,14 @@ std::vector<std::string> Session::open(const std::string& file) {
     }
     if (receiver_ == 0) play_clip();
   } else if (is_character(file)) {
-    notes = add({.basis = file});
-    receiver_ = scene.cast().size() - 1;
-    controls.requests.frame_selection = true;  // to see it, too
+    return open_character(file);
   } else if (is_called_scene(split_source(file).path) || has_extension(file, {".bvh"})) {
     receiver.open_clip(file);
     notes = receiver.clip().notes;
+    const std::string path = split_source(file).path.string();
+    if (is_called_scene(path) && is_another_character(path, Skeleton())) {
+      notes.push_back(file + ": its clip is played; 'character' shows its skin as one more of the cast");
+    }
     if (receiver_ == 0) play_clip();
   } else if (has_extension(file, {".pc2", ".mdd"})) {
     open_truth(receiver, file);
@@ -127,6 +132,25 @@ std::vector<std::string> Session::open(const std::string& file) {
   }
   take_note_of_cast();
   return notes;
+}
+
+std::vector<std::string> Session::open_character(const std::string& file) {
+  std::vector<std::string> notes = add({.basis = file});
+  receiver_ = scene.cast().size() - 1;
+  controls.requests.frame_selection = true;  // to see it, too
+  take_note_of_cast();
+  return notes;
+}
+
+void Session::use_unit(double metres) {
+  const double before = std::exchange(clip_options_.unit, metres);
+  try {
+    replace_lead(scene.lead().files());
+  } catch (...) {
+    clip_options_.unit = before;
+    throw;
+  }
+  controls.requests.frame_selection = true;
 }
 
 // Its character by Direct Delta Mush, its frames, and their shapes.
@@ -167,12 +191,17 @@ void Session::pin(const PinRequest& request) {
     controls.settings.pose.pins[request.joint] = *request.at;
     return;
   }
-  const std::string end = end_of_limb(skeleton, request.joint);
+  const bool is_toe = ends_a_foot(skeleton, static_cast<std::size_t>(skeleton.find(request.joint)));
+  const std::string end = is_toe ? request.joint : end_of_limb(skeleton, request.joint);
   if (end != request.joint) {
     controls.say(end + " is pinned, the end of the limb that " + request.joint + " is of; a point pins any joint");
-    controls.joint = end;
+    controls.select(end);
   }
-  controls.settings.pose.pins[end] = scene.joint_centres(controls)[static_cast<std::size_t>(skeleton.find(end))];
+  const auto joint = static_cast<std::size_t>(skeleton.find(end));
+  ViewSettings::Posing& pose = controls.settings.pose;
+  const Vec3 facing = scene.lead().facing(joint, controls.playback.frame(), pose);
+  pose.pins[end] = scene.joint_centres(controls)[joint];
+  pose.facing[end] = facing;
 }
 
 void Session::keep_strokes() {
@@ -200,10 +229,39 @@ bool Session::is_character(const std::string& file) const {
   return is_another_character(file, scene.empty() ? Skeleton{} : scene.cast()[receiver_]->basis().skeleton);
 }
 
-std::vector<std::string> Session::add(const ActorFiles& files) {
-  scene.add(files, clip_options_);
+// With the joint limits in its folder, where they are its own.
+std::vector<std::string> Session::add(ActorFiles files) {
+  const fs::path beside = fs::path(files.basis).parent_path() / "limits.json";
+  std::vector<std::string> notes;
+  if (files.limits.empty() && !files.basis.empty() && fs::exists(beside)) {
+    try {
+      ActorFiles limited = files;
+      limited.limits = beside.string();
+      scene.add(limited, clip_options_);
+    } catch (const Error& error) {
+      if (error.kind() != ErrorKind::mismatch) throw;
+      notes.push_back(beside.string() + ": left out, as it is of other joints");
+    }
+  }
+  if (scene.cast().size() == controls.placements.size()) scene.add(files, clip_options_);
   controls.placements.resize(scene.cast().size());
-  return scene.cast().back()->notes();
+  std::ranges::copy(scene.cast().back()->notes(), std::back_inserter(notes));
+  return notes;
+}
+
+void Session::use_limits(const std::string& file) {
+  ActorFiles files = scene.lead().files();
+  files.limits = file == "none" ? "" : file;
+  replace_lead(files);
+}
+
+// It goes on as it was posed.
+void Session::replace_lead(const ActorFiles& files) {
+  std::unique_ptr<Actor> actor = scene.make(files, clip_options_);
+  actor->set_posing(scene.lead().posing());
+  scene.swap(0, actor);
+  take_note_of_cast();
+  play_on();
 }
 
 // Each keeps how it is posed.
@@ -285,7 +343,7 @@ void Session::forget_pair() {
 void Session::show_lead() {
   forget_pair();
   scene.leave_live_pose();
-  controls.joint.clear();
+  controls.select("");
   controls.marker.reset();
   followed_.reset();
   controls.requests.frame_selection = true;  // the stage is around another
@@ -382,7 +440,8 @@ void Session::open_session(const std::string& file) {
   controls.placements.clear();
   for (const SessionCharacter& character : session.cast) controls.placements.push_back(character.placement);
   opened_ = std::move(session);
-  controls.joint = opened_->joint;
+  controls.session_file = file;
+  controls.select(opened_->joint);
   controls.marker.reset();
   followed_.reset();
   take_note_of_cast();
@@ -440,6 +499,26 @@ bool Session::restore_view() {
 
 void Session::save(const std::string& file) {
   refuse_input(file);
+  write(file);
+  controls.session_file = file;
+  controls.say("wrote " + file);
+}
+
+Session::Work Session::work() const {
+  Work work{{}, controls.settings.cameras, controls.marking.pairs};
+  for (const auto& character : scene.cast()) {
+    const bool leads = &*character == &scene.lead();
+    ViewSettings::Posing posing = leads ? controls.settings.pose : character->posing();
+    posing.correction = 1;
+    if (!posing.keys.empty() && !(leads && controls.is_unkeyed())) {  // what is in hand follows from them
+      static_cast<ViewSettings::PoseKey&>(posing) = {};
+    }
+    if (posing != ViewSettings::Posing()) work.posings.push_back(std::move(posing));
+  }
+  return work;
+}
+
+void Session::write(const std::string& file) const {
   SessionFile session;
   session.clip = clip_options_;
   for (std::size_t c = 0; c < scene.cast().size(); ++c) {
@@ -452,7 +531,28 @@ void Session::save(const std::string& file) {
   session.view.playback = controls.playback.settings();
   session.view.camera = controls.kept_camera();
   write_session(session, file);
+}
+
+void Session::save_pose(const std::string& file) {
+  refuse_input(file);
+  ViewSettings settings;
+  static_cast<ViewSettings::PoseKey&>(settings.pose) = part_of(controls, controls.settings.pose, controls.selected());
+  write_view_settings(settings, file);
   controls.say("wrote " + file);
+}
+
+void Session::load_pose(const PoseRequest& request) {
+  const std::string& file = request.file;
+  const ViewSettings::PoseKey loaded = is_session(file) ? read_session(file).view.pose : read_view_settings(file).pose;
+  const auto is_ours = [&](const auto& named) { return scene.lead().basis().skeleton.find(named.first) >= 0; };
+  if (!loaded.joints.empty() && std::ranges::none_of(loaded.joints, is_ours)) {
+    throw Error(ErrorKind::mismatch, file + ": poses '" + loaded.joints.begin()->first +
+                                         "', expected joints of the lead: is it of another character?");
+  }
+  ViewSettings::PoseKey& pose = controls.settings.pose;
+  ViewSettings::PoseKey wanted = pose;
+  put_pose(controls, loaded, controls.selected(), wanted);
+  pose = blended(pose, wanted, request.amount);
 }
 
 void Session::save_state(const std::string& file) {
@@ -620,10 +720,18 @@ void Session::describe_cast() {
   }
   controls.control_names = basis.residual.controls;
   for (const std::string& name : modifier_channels(basis.modifiers)) controls.control_names.push_back(name);
+  controls.movable_names = scene.lead().movable_joints();
   controls.axis_names.clear();
-  for (const DegreeOfFreedom& dof : scene.lead().axes()) controls.axis_names.push_back(dof.name);
+  controls.axis_joints.clear();
+  controls.axes_flip.clear();
+  for (const DegreeOfFreedom& dof : scene.lead().axes()) {
+    controls.axis_names.push_back(dof.name);
+    controls.axis_joints.push_back(dof.turns.empty() ? "" : basis.skeleton.joints[dof.turns.front().joint].name);
+    controls.axes_flip.push_back(!dof.turns.empty() && std::abs(dof.turns.front().axis[0]) < std::sqrt(0.5));
+  }
   controls.missing = describe_missing(scene);
-  if (basis.skeleton.find(controls.joint) < 0) controls.joint.clear();
+  if (basis.skeleton.find(controls.joint) < 0) controls.select("");
+  std::erase_if(controls.also, [&](const std::string& joint) { return basis.skeleton.find(joint) < 0; });
   curation.look(scene, controls);
   snapshot.device = device_name_;
   warn_of_rates();

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <optional>
 #include <set>
@@ -46,6 +47,9 @@ class Session {
   // A basis or character; or a clip or truth of the one that was opened or made the lead last; or a state. By its
   // extension. What was there stays where it throws.
   std::vector<std::string> open(const std::string& file);
+  // One more of the cast, whatever else the file holds.
+  std::vector<std::string> open_character(const std::string& file);
+  void use_unit(double metres);  // of files of characters; 0: as they say
   void open_truth(Actor& character, const std::string& file);
   // Characters of the cast, counted from 1 as the panel shows them. The playhead stays. Throw Error(usage) where there
   // is no such one, or no other.
@@ -55,6 +59,7 @@ class Session {
   // as it was where it throws.
   void reload(const std::vector<std::filesystem::path>& files);
   void save_markers(const std::string& file);
+  void use_limits(const std::string& file);          // of the lead; "none": it has none. Throws as the readers do
   void give_same_clip();                             // the lead's, to all
   std::vector<std::filesystem::path> files() const;  // of all characters
   // Those that have changed and are whole; `now`: seconds, of any clock.
@@ -75,7 +80,19 @@ class Session {
 
   // All that is open and set, and back: what was there stays where it throws. Throw Error(file), and as the readers do.
   void save(const std::string& file);
+  void write(const std::string& file) const;  // without a word
+  // What the user made, and would lose: poses, keys, cameras and markers.
+  struct Work {
+    std::vector<ViewSettings::Posing> posings;  // of those that are posed
+    std::map<std::string, OrbitView> cameras;
+    std::vector<MarkedPair> markers;
+    bool operator==(const Work&) const = default;
+  };
+  Work work() const;
   void save_state(const std::string& file);
+  // The pose in hand, or what of it several joints have that are selected, as a state; and such a one, or a session's.
+  void save_pose(const std::string& file);
+  void load_pose(const PoseRequest& request);
   void load_state(const std::string& file);
 
   // Poses that another program sends, in place of the lead's clip for as long as they are wanted. Says on which port.
@@ -111,9 +128,10 @@ class Session {
   void frame_points(std::vector<float> points, std::uint32_t width, std::uint32_t height, Covered covered);
   void look_at(const std::vector<float>& points, std::uint32_t width, std::uint32_t height, Covered covered);
   bool is_character(const std::string& file) const;
-  std::vector<std::string> add(const ActorFiles& files);
+  std::vector<std::string> add(ActorFiles files);
   ActorFiles files_of_dataset(const std::string& file);
   void open_session(const std::string& file);
+  void replace_lead(const ActorFiles& files);
   void open_markers(const std::string& file);
   void use_settings(const ViewSettings& settings);
   void read_dataset_again();

@@ -21,7 +21,7 @@ double seconds_between(Clock::time_point from, Clock::time_point to) {
 void run_turns(Application& application, Window& window, double most_seconds) {
   const Clock::time_point started = Clock::now();
   Clock::time_point last = started;
-  while (!window.closed() && !application.is_done()) {
+  while (!application.is_done()) {
     if (interrupted()) throw Error(ErrorKind::interrupted, "interrupted: the viewport ends, as a signal asked it to");
     const std::vector<WindowEvent> events = window.poll(application.patience());
     const Clock::time_point now = Clock::now();
@@ -35,7 +35,17 @@ ValidationMessages run_window(const ViewerOptions& options) {
   const auto device = std::make_shared<const vulkan::Device>(options.device, window.device_use());
   window.attach(device);
   Application application(options, device, &window);
-  run_turns(application, window, options.seconds);
+  try {
+    run_turns(application, window, options.seconds);
+  } catch (...) {
+    application.put_aside();
+    throw;
+  }
+  if (application.is_done()) {  // as somebody decided
+    application.forget_aside();
+  } else {
+    application.put_aside();
+  }
   return device->validation_log();
 }
 

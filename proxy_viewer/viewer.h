@@ -29,6 +29,7 @@ struct ViewerOptions {
   bool vsync = true;
   bool headless = false;
   std::string out;      // headless: a picture, or a sequence of all frames of the range where it has ####
+  std::string kept;     // folder of what outlives it, see KeptWork; empty: nothing does
   double seconds = 0;   // close after so long; 0: when the user does
   DeviceChoice device;  // of a Vulkan device; with validation every message is an error
 };

@@ -132,7 +132,7 @@ const Command kCompareCommands[] = {
                                                      "colour by the error to expect of the pose, in millimetres"),
     choice_command<kMatchNames, &ViewSettings::Compare::match>(
         "match", "none|colours|confidence", "Compare",
-        "colour the lead and the second of the cast by which point is which, or by how sure that is"),
+        "which point of the lead is which of the second of the cast, or how sure that is"),
     request_command<&Requests::worst_frame>("worst-frame", "N", "Compare",
                                             "to the frame that is furthest from what it is compared with"),
     request_command<&Requests::worst_vertex>("worst-vertex", "Shift+N", "Compare",
@@ -140,10 +140,8 @@ const Command kCompareCommands[] = {
 
     {"region", "NAME", "", "Compare", "of the dataset's map of poses",
      [](Curating& curating, const std::string& a) { curating.region = known(a, curating.regions, "region"); }},
-    choice_command<kMapColourNames, &Curating::colour>(
-        "map-colour", "coverage|contradiction|error|sculpt|weight", "Compare",
-        "of the map: thin data, like poses that disagree, the distance, what takes part in the last stroke, or how much "
-        "frames count"),
+    choice_command<kMapColourNames, &Curating::colour>("map-colour", "coverage|contradiction|error|sculpt|weight",
+                                                       "Compare", "of the map of poses"),
     switch_command<&Curating::raw>("raw", "", "Compare", "the dataset's shapes before any modifier"),
     {"modifier", "NAME on|off", "", "Compare", "switches a modifier of the dataset",
      [](Controls& c, const std::string& a) {

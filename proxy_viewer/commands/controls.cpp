@@ -1,5 +1,6 @@
 #include "proxy_viewer/commands/controls.h"
 
+#include <algorithm>
 #include <exception>
 #include <iostream>
 
@@ -44,6 +45,42 @@ ViewSettings::Posing Controls::posing_at(int frame) const {
 bool Controls::is_unkeyed() const {
   const ViewSettings::PoseKey& in_hand = settings.pose;
   return keyed_frame && !settings.pose.keys.empty() && in_hand != between_keys(settings.pose.keys, *keyed_frame);
+}
+
+void Controls::browse(const std::string& command) { dialog = browse_folder(command, ".", proposed_name(command, ".")); }
+
+void Controls::leave() {
+  leaves_when_saved = false;
+  leaving = unsaved && !headless && !scripted;
+  requests.quit = !leaving;
+}
+
+void Controls::select(const std::string& name) {
+  joint = name;
+  also.clear();
+}
+
+std::vector<std::string> Controls::selected() const {
+  std::vector<std::string> all{joint};
+  all.insert(all.end(), also.begin(), also.end());
+  return also.empty() ? std::vector<std::string>() : all;
+}
+
+void Controls::key_by_itself() {
+  const ViewSettings::PoseKey& in_hand = settings.pose;
+  const bool changed = settings.pose.keys.empty() ? in_hand != ViewSettings::PoseKey() : is_unkeyed();
+  if (!auto_key || !changed || playback.playing()) return;
+  settings.pose.keys[playback.frame()] = in_hand;
+  keyed_frame = playback.frame();
+}
+
+bool Controls::is_posed(const std::string& name) const {
+  const ViewSettings::PoseKey& pose = settings.pose;
+  if (set_or(pose.joints, name, {}) != Vec3{} || set_or(pose.moves, name, {}) != Vec3{}) return true;
+  return std::ranges::any_of(pose.axes, [&](const auto& axis) {
+    const auto at = std::ranges::find(axis_names, axis.first) - axis_names.begin();
+    return axis.second != 0 && at < std::ssize(axis_joints) && axis_joints[static_cast<std::size_t>(at)] == name;
+  });
 }
 
 void Controls::follow_keys() {

@@ -7,6 +7,7 @@
 #include <functional>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -81,18 +82,34 @@ struct PinRequest {
   bool operator==(const PinRequest&) const = default;
 };
 
-// What the mouse holds in the picture: a ring around the joint that is selected, or its pin.
+// What the mouse holds in the picture: of the joint that is selected its pin, itself, or a ring or arrow by its axis.
 struct Grip {
-  std::optional<std::size_t> ring;  // the axis: x, y, z; none: the pin
+  enum class Kind { pin, joint, ring, arrow } kind = Kind::pin;
+  std::size_t axis = 0;  // x, y, z
+};
+
+// A pose of a file, blended into that in hand.
+struct PoseRequest {
+  std::string file;
+  double amount = 1;  // 0: as it is
+  bool operator==(const PoseRequest&) const = default;
+};
+
+// A pose that was copied, whole or what some joints have of it.
+struct CopiedPose {
+  ViewSettings::PoseKey pose;
+  std::vector<std::string> joints;  // none: all of it
 };
 
 // Asked for, and done by the application once a picture is drawn.
 struct Requests {
   bool quit = false, reload = false, frame_selection = false, reset_jiggle = false;
   bool worst_frame = false, worst_vertex = false;
-  bool same_clip = false;  // all are to play the lead's
+  bool frame_range = false;  // the camera is to see all that is played
+  bool same_clip = false;    // all are to play the lead's
   std::optional<std::string> screenshot, turntable, sequence, save, save_state, load_state, save_markers;  // file names
-  std::vector<std::string> open;  // files, by what they hold
+  std::vector<std::string> open, add;  // files, by what they hold; characters, whatever else they are
+  std::optional<double> unit;          // metres
   std::vector<ModifierEdit> edits;
   std::optional<PinRequest> pin;
   std::optional<bool> step_back;      // in the history of edits, or forth
@@ -101,6 +118,9 @@ struct Requests {
   bool keep_strokes = false;
   std::optional<int> lead, remove;                      // characters, counted from 1
   std::optional<std::string> export_clip, export_skin;  // file names
+  std::optional<bool> recover;                          // what was left behind, or forgotten
+  std::optional<std::string> save_pose, limits;         // file names
+  std::optional<PoseRequest> load_pose;
   bool operator==(const Requests&) const = default;
 };
 
@@ -121,6 +141,7 @@ struct PanelState {
   std::vector<std::size_t> fibre_order;  // of the list of muscles
   std::string dragged_modifier;          // whose strength is being dragged
   std::optional<double> dragged_strength{};
+  double tween = 0.5;
 };
 
 struct Message {
@@ -139,19 +160,31 @@ struct Controls {
   std::vector<Placement> placements;         // of the cast, in its order; the lead's waits until another leads
   Vec3 travelled{};  // metres, world: how far the lead has gone since its clip's first frame, in the last picture
   std::vector<std::string> joint_names, axis_names, control_names;  // of the lead: what commands may name
-  std::vector<Quat> joint_axes;  // of the lead's joints in the bind pose, joint to world
+  std::vector<std::string> movable_names, axis_joints;  // of the lead: joints that may move; of each axis the first
+  std::vector<bool> axes_flip;                          // by axis: whether its turn is the other way about in a mirror
+  std::vector<Quat> joint_axes;                         // of the lead's joints in the bind pose, joint to world
   // Why a command has nothing to show ("compare lbs", "jiggle on"), and what would help; by what is refused.
   std::map<std::string, std::string> missing;
   std::optional<bool> live;  // poses are shown as they are sent; none: nobody listens
   Curating curating;
   BrushInHand brush;
-  std::string joint;               // selected; empty: none
+  std::string joint;           // selected; empty: none
+  std::set<std::string> also;  // selected beside it
+  std::optional<CopiedPose> copied;
+  bool auto_key = false;           // what is posed is a key at once
   std::optional<int> keyed_frame;  // that the pose in hand is of
   bool flipped = false;            // while the key of "hold to flip" is down
   bool cheat_sheet = false;
   bool panels = true;
   bool headless = false;  // nobody looks: what fails is thrown, and what is asked for is waited for
   bool prompt = false;    // a command is being typed
+  bool scripted = false;  // a script runs: nobody is asked
+  bool unsaved = false;   // poses, keys, cameras or markers are in no session file
+  bool leaving = false;   // it is asked whether they shall be saved
+  bool leaves_when_saved = false;
+  std::string session_file;         // that was opened or saved last; empty: none
+  std::vector<std::string> recent;  // files that were open lately, the last first
+  std::string left_behind;          // a session that a crash left; empty: none
   std::optional<FileDialog> dialog;
   std::optional<Marker> marker;
   std::optional<Grip> grip;
@@ -171,9 +204,22 @@ struct Controls {
   // Whether there are keys, and what is in hand is not as they say: it goes with the frame.
   bool is_unkeyed() const;
 
+  void select(const std::string& name);  // it alone; empty: none
+  // All that are, the first first, where several are selected; none: the pose is one thing.
+  std::vector<std::string> selected() const;
+  // Of the frame, where what is in hand differs and keys are set by themselves.
+  void key_by_itself();
+  // Whether the joint is turned or moved on top of the clip in the pose in hand.
+  bool is_posed(const std::string& name) const;
+
   // In the layout "hold", whether what is compared with is shown: while the key is down. With a brush in hand that is
   // what is brushed, and the key shows the other.
   bool shows_compared() const { return flipped != brush.kind.has_value(); }
+
+  // A file is chosen for a command.
+  void browse(const std::string& command);
+  // At once, or, where somebody would lose something, after asking.
+  void leave();
 
   double heat_mm() const { return settings.compare.heat_scale_mm.value_or(automatic_heat_mm); }
   void say(const std::string& text) { messages.push_back({.text = text}); }

@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "proxy_viewer/commands/commands.h"
+#include "runtime/core/error.h"
 #include "shots/session/view_settings.h"
 
 namespace bodyopt {
@@ -17,12 +18,38 @@ void require_ending(const std::string& file, const std::vector<const char*>& end
 }
 
 const Command kFileCommands[] = {
-    {"open", "FILE", "", "File", "a basis, character, clip, point cache, dataset or session",
-     [](Requests& requests, const std::string& a) { requests.open.push_back(a); }},
-    {"save", "FILE.json", "", "File", "the session: files, poses, keys, cameras and settings; open and eval read it",
+    {"open", "[FILE]", "Ctrl+O", "File", "a basis, character, clip, point cache, dataset or session",
+     [](Controls& c, const std::string& a) {
+       if (a.empty()) return c.browse("open");
+       c.requests.open.push_back(a);
+     }},
+    {"character", "[FILE]", "", "File", "one more character, also where a file of its rig would be a clip",
+     [](Controls& c, const std::string& a) {
+       if (a.empty()) return c.browse("character");
+       c.requests.add.push_back(a);
+     }},
+    {"unit", "METRES|auto", "", "File", "of character files: the lead's is read again by it",
      [](Requests& requests, const std::string& a) {
-       if (!a.ends_with(".json")) refuse(a, "a file that ends in .json");
-       requests.save = a;
+       requests.unit = automatic_or(a, 1e-6, 1e6, number_within).value_or(0);
+     }},
+    {"recent", "NUMBER", "", "File", "a file that was open lately, the last from 1",
+     [](Controls& c, const std::string& a) {
+       if (c.recent.empty()) throw Error(ErrorKind::usage, "no file is known to have been open lately");
+       const int number = integer_within(a, 1, static_cast<int>(c.recent.size()));
+       c.requests.open.push_back(c.recent[static_cast<std::size_t>(number) - 1]);
+     }},
+    {"save", "[FILE.json]", "Ctrl+S", "File", "the session: files, poses, keys, cameras and settings; open reads it",
+     [](Controls& c, const std::string& a) {
+       const std::string& file = a.empty() ? c.session_file : a;
+       if (file.empty() && !c.headless) return c.browse("save");
+       if (!file.ends_with(".json")) refuse(file, "a file that ends in .json");
+       c.requests.save = file;
+     }},
+    {"recover", "[forget]", "", "File", "what an earlier viewport lost, or never again",
+     [](Controls& c, const std::string& a) {
+       if (!a.empty() && a != "forget") refuse(a, "'forget' or nothing");
+       if (c.left_behind.empty()) throw Error(ErrorKind::usage, "no work was left behind");
+       c.requests.recover = a.empty();
      }},
     {"export-clip", "FILE.glb|.bvh|.usda", "", "File", "the motion of the range, as it is posed and keyed",
      [](Requests& requests, const std::string& a) {
@@ -54,13 +81,12 @@ const Command kFileCommands[] = {
     {"remove", "NUMBER", "", "File", "a character of the cast; its files stay",
      [](Requests& requests, const std::string& a) { requests.remove = integer(a); }},
     request_command<&Requests::reload>("reload", "F5", "File", "read all files again"),
-    {"browse", "open|save|save-state|load-state|export-clip|export-skin|screenshot|sequence|turntable", "", "File",
-     "chooses the file of a command from the list of a folder",
-     [](Controls& c, const std::string& a) {
-       const std::string command = known(a, browsed_commands(), "command that takes a file");
-       c.dialog = browse_folder(command, ".", proposed_name(command, "."));
-     }},
-    request_command<&Requests::quit>("quit", "Ctrl+Q", "File", "close the viewport"),
+    {"browse",
+     "open|character|save|save-state|load-state|save-pose|load-pose|limits|export-clip|export-skin|screenshot|sequence|turntable",
+     "", "File", "chooses the file of a command from the list of a folder",
+     [](Controls& c, const std::string& a) { c.browse(known(a, browsed_commands(), "command that takes a file")); }},
+    {"quit", "", "Ctrl+Q", "File", "close the viewport; what is not saved is asked about",
+     [](Controls& c, const std::string&) { c.leave(); }},
     switch_command<&Controls::panels>("panels", "Tab", "View", "panels, or the picture alone"),
     switch_command<&ViewSettings::Hud::on>("hud", "Z", "View", "figures over the picture"),
     switch_command<&ViewSettings::Hud::legend>("legend", "", "View",

@@ -15,6 +15,8 @@ constexpr auto view_axis = [](OrbitCamera& camera, const std::string&) { camera.
 const Command kCameraCommands[] = {
     request_command<&Requests::frame_selection>("frame-selection", "F", "Camera",
                                                 "see all of the character, or of the joint that is selected"),
+    request_command<&Requests::frame_range>("frame-range", "Shift+F", "Camera",
+                                            "see all, copies too, in every frame of the range"),
     {"front", "", "1", "Camera", "from the front", view_axis<AxisView::front>},
     {"back", "", "Ctrl+1", "Camera", "from behind", view_axis<AxisView::back>},
     {"right", "", "3", "Camera", "from the right of the picture: the character's left side",

@@ -1,11 +1,15 @@
 // Playback: what is shown when.
 #include <algorithm>
+#include <cmath>
+#include <functional>
+#include <map>
 #include <tuple>
 
 #include "assets/joint_roles.h"
 #include "proxy_viewer/commands/commands.h"
+#include "proxy_viewer/commands/flipped_pose.h"
 #include "runtime/core/error.h"
-#include "shots/session/pinned_joints.h"
+#include "shots/session/posed_clip.h"
 
 namespace bodyopt {
 namespace {
@@ -111,23 +115,72 @@ std::string named_or_selected(const Controls& controls, const std::string& name)
   return controls.joint;
 }
 
-// Of the bind pose, joint to world; `joint` is one of joint_names.
-const Quat& axes_of(const Controls& controls, const std::string& joint) {
-  const auto at = std::ranges::find(controls.joint_names, joint);
-  return controls.joint_axes.at(static_cast<std::size_t>(at - controls.joint_names.begin()));
+// "LeftArm 0 0 20": the numbers are the last three words.
+std::pair<std::string, Vec3> joint_and_three(const std::string& text, const std::string& expected, double most) {
+  std::string joint = text, number;
+  Vec3 three;
+  for (const std::size_t axis : {2, 1, 0}) {
+    std::tie(joint, number) = split_last(joint, expected);
+    three[axis] = number_within(number, -most, most);
+  }
+  return {joint, three};
+}
+
+// Those of the range; what is there already gives way. Throws Error(usage) where the clip has no such frame.
+void move_keys(Controls& c, bool takes_away, const std::function<int(int)>& to) {
+  std::map<int, ViewSettings::PoseKey> moved, kept;
+  for (const auto& [frame, key] : c.settings.pose.keys) {
+    const bool is_within = c.playback.in() <= frame && frame <= c.playback.out();
+    if (!is_within || !takes_away) kept[frame] = key;
+    if (!is_within) continue;
+    c.playback.require_frame(to(frame));
+    moved[to(frame)] = key;
+  }
+  if (moved.empty()) throw Error(ErrorKind::usage, "the range has no keys");
+  moved.merge(kept);
+  c.settings.pose.keys = std::move(moved);
+  c.keyed_frame.reset();
+}
+
+// All that are selected, or the one that is named.
+std::vector<std::string> named_or_all_selected(const Controls& controls, const std::string& name) {
+  const std::vector<std::string> selected = controls.selected();
+  return name.empty() && !selected.empty() ? selected : std::vector{named_or_selected(controls, name)};
+}
+
+const CopiedPose& require_copied(const Controls& controls) {
+  if (!controls.copied) throw Error(ErrorKind::usage, "no pose was copied: 'copy' (Ctrl+C)");
+  return *controls.copied;
+}
+
+// Of the two keys around the frame that is shown, the share of the way; of some joints, or of all.
+void tween(Controls& c, double share) {
+  const std::map<int, ViewSettings::PoseKey>& keys = c.settings.pose.keys;
+  const auto after = keys.upper_bound(c.playback.frame());
+  auto before = keys.lower_bound(c.playback.frame());
+  if (before == keys.begin() || after == keys.end()) {
+    throw Error(ErrorKind::usage, "frame " + std::to_string(c.playback.frame()) + " has no key before and after it");
+  }
+  put_pose(c, blended((--before)->second, after->second, share), c.selected(), c.settings.pose);
 }
 
 const Command kPoseCommands[] = {
     {"select", "[JOINT]", "", "Pose", "a joint; nothing: none",
-     [](Controls& c, const std::string& a) { c.joint = a.empty() ? a : known(a, c.joint_names, "joint"); }},
+     [](Controls& c, const std::string& a) { c.select(a.empty() ? a : known(a, c.joint_names, "joint")); }},
+    {"select-also", "JOINT", "", "Pose", "one more joint, or one less; Ctrl+click does so, too",
+     [](Controls& c, const std::string& a) {
+       const std::string joint = known(a, c.joint_names, "joint");
+       if (c.joint.empty()) {
+         c.joint = joint;
+       } else if (joint == c.joint) {
+         c.joint = c.also.empty() ? "" : c.also.extract(c.also.begin()).value();
+       } else if (c.also.erase(joint) == 0) {
+         c.also.insert(joint);
+       }
+     }},
     {"turn", "JOINT X Y Z", "", "Pose", "a joint on top of the clip, degrees",
      [](Controls& c, const std::string& a) {
-       std::string joint = a, angle;
-       Vec3 angles;
-       for (const std::size_t axis : {2, 1, 0}) {
-         std::tie(joint, angle) = split_last(joint, "a joint and three angles in degrees");
-         angles[axis] = number_within(angle, -kMostTurn, kMostTurn);
-       }
+       const auto [joint, angles] = joint_and_three(a, "a joint and three angles in degrees", kMostTurn);
        c.settings.pose.joints[known(joint, c.joint_names, "joint")] = angles;
      }},
     {"axis", "NAME DEGREES", "", "Pose", "a joint along an axis of its limits, on top of the clip",
@@ -136,6 +189,16 @@ const Command kPoseCommands[] = {
        c.settings.pose.axes[known(name, c.axis_names, "axis of the joint limits")] =
            number_within(angle, -kMostTurn, kMostTurn);
      }},
+    {"move", "JOINT X Y Z", "", "Pose", "hips, root, or what may move, on top of the clip, metres; pins hold meanwhile",
+     [](Controls& c, const std::string& a) {
+       const auto [joint, by] = joint_and_three(a, "a joint and three distances in metres", kFurthest);
+       c.settings.pose.moves[known(joint, c.movable_names, "joint that may move")] = by;
+     }},
+    {"limits", "[FILE.json|none]", "", "Pose", "of the lead's joints; turns end there",
+     [](Controls& c, const std::string& a) {
+       if (a.empty()) return c.browse("limits");
+       c.requests.limits = a;
+     }},
     {"pin", "JOINT [X Y Z]", "", "Pose",
      "the end of a limb where it is, or a joint there, metres: the limb reaches for it",
      [](Controls& c, const std::string& a) {
@@ -143,17 +206,13 @@ const Command kPoseCommands[] = {
          c.requests.pin = PinRequest{a};
          return;
        }
-       std::string joint = a, number;
-       Vec3 at;
-       for (const std::size_t axis : {2, 1, 0}) {
-         std::tie(joint, number) = split_last(joint, "a joint, or a joint and a point");
-         at[axis] = number_within(number, -1e6, 1e6);
-       }
+       const auto [joint, at] = joint_and_three(a, "a joint, or a joint and a point", kFurthest);
        c.requests.pin = PinRequest{known(joint, c.joint_names, "joint"), at};
      }},
     {"unpin", "[JOINT]", "", "Pose", "lets go of the joint that is selected",
      [](Controls& c, const std::string& a) {
        const std::string joint = named_or_selected(c, a);
+       c.settings.pose.facing.erase(joint);
        if (c.settings.pose.pins.erase(joint) == 0) c.say(joint + " has no pin");
      }},
     {"move-key", "FROM TO", "", "Pose", "the key of a frame to another",
@@ -168,10 +227,37 @@ const Command kPoseCommands[] = {
        c.settings.pose.keys.erase(from);
        c.keyed_frame.reset();
      }},
-    {"key", "", "Alt+K", "Pose", "keeps turns and controls as a key of this frame; between keys they blend",
+    {"key", "", "Alt+K", "Pose", "keeps the pose as a key of this frame",
      [](Controls& c, const std::string&) {
        c.settings.pose.keys[c.playback.frame()] = c.settings.pose;
        c.keyed_frame = c.playback.frame();
+     }},
+    {"ease", "smooth|linear|step", "", "Pose", "from the key of this frame to the next",
+     [](Controls& c, const std::string& a) {
+       const auto key = c.settings.pose.keys.find(c.playback.frame());
+       if (key == c.settings.pose.keys.end()) {
+         throw Error(ErrorKind::usage, "frame " + std::to_string(c.playback.frame()) + " has no key");
+       }
+       choose(key->second.ease, a, kKeyEaseNames);
+       c.settings.pose.ease = key->second.ease;
+     },
+     [](const Controls& c) { return name_of(c.settings.pose.ease, kKeyEaseNames); }},
+    {"shift-keys", "FRAMES", "", "Pose", "all keys of the range, to later frames",
+     [](Controls& c, const std::string& a) {
+       const int by = integer(a);
+       move_keys(c, true, [&](int frame) { return frame + by; });
+     }},
+    {"repeat-keys", "FRAME", "", "Pose", "all keys of the range once more, from there on",
+     [](Controls& c, const std::string& a) {
+       const int from = integer(a);
+       move_keys(c, false, [&](int frame) { return from + frame - c.playback.in(); });
+     }},
+    {"scale-keys", "FACTOR", "", "Pose", "all keys of the range: times as far from its beginning",
+     [](Controls& c, const std::string& a) {
+       const double factor = number_within(a, 0.01, 100);
+       move_keys(c, true, [&](int frame) {
+         return c.playback.in() + static_cast<int>(std::lround(factor * (frame - c.playback.in())));
+       });
      }},
     {"unkey", "", "", "Pose", "forgets the key of this frame",
      [](Controls& c, const std::string&) {
@@ -179,16 +265,54 @@ const Command kPoseCommands[] = {
        if (c.settings.pose.keys.erase(frame) == 0) c.say("frame " + std::to_string(frame) + " has no key");
        c.keyed_frame.reset();
      }},
-    {"mirror", "[JOINT]", "P", "Pose", "turns the other side's joint as the one that is selected",
+    {"mirror", "[JOINT]", "P", "Pose", "poses the other side as the joints that are selected",
      [](Controls& c, const std::string& a) {
-       const std::string joint = named_or_selected(c, a);
-       const std::string other = mirrored_name(joint, c.joint_names);
-       if (other.empty()) refuse(joint, "a joint that another side has, too");
-       const Vec3 angles = set_or(c.settings.pose.joints, joint, {});
-       c.settings.pose.joints[other] = mirrored_angles(angles, axes_of(c, joint), axes_of(c, other));
+       const std::vector<std::string> joints = named_or_all_selected(c, a);
+       const auto is_middle = [&](const std::string& joint) { return mirrored_name(joint, c.joint_names).empty(); };
+       if (std::ranges::all_of(joints, is_middle)) refuse(joints.front(), "a joint that another side has, too");
+       put_pose(c, flipped(c, part_of(c, c.settings.pose, joints)), flipped(c, joints), c.settings.pose);
      }},
-    {"reset-joint", "[JOINT]", "Shift+R", "Pose", "the joint that is selected as the clip has it",
-     [](Controls& c, const std::string& a) { c.settings.pose.joints.erase(named_or_selected(c, a)); }},
+    {"copy", "", "Ctrl+C", "Pose", "the pose, or what of it several joints have that are selected",
+     [](Controls& c, const std::string&) {
+       c.copied = CopiedPose{part_of(c, c.settings.pose, c.selected()), c.selected()};
+     }},
+    {"paste", "", "Ctrl+V", "Pose", "what was copied",
+     [](Controls& c, const std::string&) {
+       const CopiedPose& copied = require_copied(c);
+       put_pose(c, copied.pose, copied.joints, c.settings.pose);
+     }},
+    {"paste-flipped", "", "Ctrl+Shift+V", "Pose", "what was copied, left and right exchanged",
+     [](Controls& c, const std::string&) {
+       const CopiedPose& copied = require_copied(c);
+       put_pose(c, flipped(c, copied.pose), flipped(c, copied.joints), c.settings.pose);
+     }},
+    {"flip-keys", "", "", "Pose", "left and right exchanged in all keys of the range",
+     [](Controls& c, const std::string&) {
+       for (auto& [frame, key] : c.settings.pose.keys) {
+         if (c.playback.in() <= frame && frame <= c.playback.out()) key = flipped(c, key);
+       }
+       c.keyed_frame.reset();
+     }},
+    {"tween", "0-1", "", "Pose", "the pose on the way from the key before to the next",
+     [](Controls& c, const std::string& a) { tween(c, number_within(a, 0, 1)); }},
+    switch_command<&Controls::auto_key>("auto-key", "", "Pose", "what is posed is a key of its frame at once"),
+    {"save-pose", "FILE.json", "", "Pose", "the pose, or what of it several joints have",
+     [](Controls& c, const std::string& a) {
+       if (!a.ends_with(".json")) refuse(a, "a file that ends in .json");
+       c.requests.save_pose = a;
+     }},
+    {"load-pose", "FILE.json [0-1]", "", "Pose", "a pose that was saved, or a share of it, over the one in hand",
+     [](Controls& c, const std::string& a) {
+       if (a.ends_with(".json")) {
+         c.requests.load_pose = PoseRequest{a};
+         return;
+       }
+       const auto [file, share] = split_last(a, "a file that ends in .json, and a share");
+       if (!file.ends_with(".json")) refuse(a, "a file that ends in .json, and a share");
+       c.requests.load_pose = PoseRequest{file, number_within(share, 0, 1)};
+     }},
+    {"reset-joint", "[JOINT]", "Shift+R", "Pose", "what is selected as the clip has it",
+     [](Controls& c, const std::string& a) { put_pose(c, {}, named_or_all_selected(c, a), c.settings.pose); }},
     {"control", "NAME VALUE", "", "Pose", "a control of the basis, as a muscle's activation",
      [](Controls& c, const std::string& a) {
        const auto [name, value] = split_last(a, "a control and a number");
@@ -196,8 +320,8 @@ const Command kPoseCommands[] = {
            number_within(value, -kMostControl, kMostControl);
      }},
     {"reset-pose", "", "R", "Pose", "the pose as the clip has it",
-     [](ViewSettings::Posing& pose, const std::string&) { static_cast<ViewSettings::PoseKey&>(pose) = {}; }},
-    {"undo", "", "Ctrl+Z", "Pose", "turns, controls and keys before the last change; with a brush in hand: undo-edit",
+     [](Controls& c, const std::string&) { put_pose(c, {}, {}, c.settings.pose); }},
+    {"undo", "", "Ctrl+Z", "Pose", "the posing before the last change; with a brush in hand: undo-edit",
      [](Controls& c, const std::string&) {
        if (c.brush.kind) {
          c.requests.step_back = true;
@@ -205,7 +329,7 @@ const Command kPoseCommands[] = {
        }
        if (!c.poses.undo(c.settings.pose)) c.say("nothing to undo: only turns, controls and keys are");
      }},
-    {"redo", "", "Ctrl+Shift+Z", "Pose", "turns, controls and keys that were undone; with a brush in hand: redo-edit",
+    {"redo", "", "Ctrl+Shift+Z", "Pose", "the posing that was undone; with a brush in hand: redo-edit",
      [](Controls& c, const std::string&) {
        if (c.brush.kind) {
          c.requests.step_back = false;

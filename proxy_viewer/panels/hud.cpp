@@ -54,10 +54,10 @@ void add_pins(const Snapshot& snapshot, Lines& lines) {
 }
 
 // They hold for all frames, and are easily forgotten.
-void add_turned(const Snapshot& snapshot, const ViewSettings::Posing& pose, Lines& lines) {
-  const auto count = std::ranges::count_if(
-      snapshot.joints, [&](const JointRow& row) { return set_or(pose.joints, row.name, {}) != Vec3{}; });
-  if (count > 0) lines.add(std::to_string(count) + (count == 1 ? " joint turned" : " joints turned"), kAccent);
+void add_turned(const Snapshot& snapshot, const Controls& controls, Lines& lines) {
+  const auto count =
+      std::ranges::count_if(snapshot.joints, [&](const JointRow& row) { return controls.is_posed(row.name); });
+  if (count > 0) lines.add(std::to_string(count) + (count == 1 ? " joint posed" : " joints posed"), kAccent);
 }
 
 // What went wrong, until it is clicked away, and what went well, for some seconds: the newest few.
@@ -102,7 +102,7 @@ void draw_hud(const Snapshot& snapshot, const Controls& controls, const PanelLay
   }
   lines.add(snapshot.memory_mib, "MiB", "memory");
   lines.add(snapshot.device);
-  add_turned(snapshot, controls.settings.pose, lines);
+  add_turned(snapshot, controls, lines);
   add_pins(snapshot, lines);
   add_coverage(snapshot, lines);
 }

@@ -18,6 +18,7 @@ std::set<std::string> names_of(const ViewSettings::PoseKey& key) {
   for (const auto& [name, value] : key.axes) names.insert(name);
   for (const auto& [name, value] : key.controls) names.insert(name);
   for (const auto& [name, value] : key.pins) names.insert("pin " + name);
+  for (const auto& [name, value] : key.moves) names.insert("move " + name);
   return names;
 }
 
@@ -38,15 +39,24 @@ void draw_diamonds(const std::string& row, const std::set<int>& frames, const Im
     ImGui::PushID(frame);
     ImGui::InvisibleButton(row.c_str(), {2 * kDiamond, kRow});
     const bool held = ImGui::IsItemActive();
-    if (ImGui::IsItemHovered()) ImGui::SetTooltip("frame %d: drag to move the key", frame);
+    if (ImGui::IsItemHovered()) ImGui::SetTooltip("frame %d: drag to move the key, with Shift all of the range", frame);
     if (ImGui::IsItemDeactivated()) {
       const double share = static_cast<double>((ImGui::GetIO().MousePos.x - at.x - kDiamond) / (width - 2 * kDiamond));
       const int to = playback.in() + static_cast<int>(std::lround(std::clamp(share, 0.0, 1.0) * count));
-      attempt(controls, to == frame ? "frame " + std::to_string(frame)
-                                    : "move-key " + std::to_string(frame) + " " + std::to_string(to));
+      const std::string moved = ImGui::GetIO().KeyShift
+                                    ? "shift-keys " + std::to_string(to - frame)
+                                    : "move-key " + std::to_string(frame) + " " + std::to_string(to);
+      attempt(controls, to == frame ? "frame " + std::to_string(frame) : moved);
     }
     ImGui::PopID();
-    list.AddCircleFilled({held ? ImGui::GetIO().MousePos.x : x, y}, kDiamond, kAccent, 4);
+    // What follows: a diamond, a triangle where it is straight, a square where nothing moves.
+    const ImVec2 middle{held ? ImGui::GetIO().MousePos.x : x, y};
+    const KeyEase ease = controls.settings.pose.keys.at(frame).ease;
+    if (ease == KeyEase::step) {
+      list.AddRectFilled({middle.x - 3.5f, y - 3.5f}, {middle.x + 3.5f, y + 3.5f}, kAccent);
+    } else {
+      list.AddCircleFilled(middle, kDiamond, kAccent, ease == KeyEase::linear ? 3 : 4);
+    }
   }
   if (playback.frame() < playback.in() || playback.out() < playback.frame()) return;
   const float head = place(playback.frame());
@@ -120,6 +130,9 @@ void draw_keys(const Snapshot&, Controls& controls) {
   }
   draw_row("all", all, controls);
   for (const auto& [name, frames] : rows) draw_row(name, frames, controls);
+  ImGui::BeginDisabled(!all.contains(controls.playback.frame()));
+  command_choice(controls, "ease", "To the next");
+  ImGui::EndDisabled();
   ImGui::Dummy({1, 1});
 }
 

@@ -24,7 +24,20 @@ void draw_choices(const Command& command, const std::vector<std::string>& choice
   ImGui::EndMenu();
 }
 
+// Files that were open lately, by their names; the whole path under the mouse.
+void draw_recent(const Command& command, Controls& controls) {
+  if (!ImGui::BeginMenu("Open recent", !controls.recent.empty())) return explain(command);
+  for (std::size_t k = 0; k < controls.recent.size(); ++k) {
+    const std::string& file = controls.recent[k];
+    const std::string name = file.substr(file.rfind('/') + 1) + "##" + std::to_string(k);
+    if (ImGui::MenuItem(name.c_str())) attempt(controls, "recent " + std::to_string(k + 1));
+    if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", file.c_str());
+  }
+  ImGui::EndMenu();
+}
+
 void draw_item(const Command& command, Controls& controls) {
+  if (std::string("recent") == command.name) return draw_recent(command, controls);
   const std::vector<std::string> choices = choices_of(command);
   if (!choices.empty()) return draw_choices(command, choices, controls);
   const std::vector<std::string> browsed = browsed_commands();
@@ -133,10 +146,17 @@ void draw_hints(std::string& text) {
       text = std::string(command.name) + " ";
     ImGui::SameLine(14);
     ImGui::Text("%s", command.name);
+    // Words of an argument may be many: the help has a line of its own where they reach it.
+    const std::string head = std::string(command.name) + " " + command.argument;
     ImGui::SameLine();
     ImGui::TextDisabled("%s", command.argument);
-    ImGui::SameLine(0.55f * kPromptWidth);
+    if (ImGui::CalcTextSize(head.c_str()).x < 0.4f * kPromptWidth) {
+      ImGui::SameLine(0.45f * kPromptWidth);
+    } else {
+      ImGui::Indent(0.08f * kPromptWidth);
+    }
     ImGui::TextDisabled("%s", command.help);
+    if (ImGui::CalcTextSize(head.c_str()).x >= 0.4f * kPromptWidth) ImGui::Unindent(0.08f * kPromptWidth);
     ImGui::PopID();
   }
 }
@@ -182,12 +202,44 @@ void draw_file_dialog(Controls& controls, const PanelLayout& layout) {
   ImGui::SameLine();
   const bool left = ImGui::Button("Cancel", {width, 0}) || ImGui::IsKeyPressed(ImGui::GetKeyIndex(ImGuiKey_Escape));
   ImGui::End();
-  if (left) return controls.dialog.reset();
+  if (left) {
+    controls.leaves_when_saved = false;
+    return controls.dialog.reset();
+  }
   if (!choice.folder.empty()) {
     controls.attempt([&] { dialog = browse_folder(dialog.command, dialog.folder / choice.folder, dialog.name); });
   } else if (done && !dialog.name.empty()) {
     run_with_file(controls);
   }
+}
+
+void draw_question(Controls& controls, const PanelLayout& layout) {
+  ImGui::SetNextWindowPos({0.5f * layout.width, 0.4f * layout.height}, ImGuiCond_Always, {0.5f, 0.5f});
+  ImGui::SetNextWindowSize({std::max(80.0f, std::min(430.0f, layout.width - 16)), 0});
+  ImGui::Begin("Question", nullptr, kOverWindow);
+  const bool escapes = ImGui::IsKeyPressed(ImGui::GetKeyIndex(ImGuiKey_Escape));
+  if (controls.leaving) {
+    ImGui::TextWrapped("Poses, keys, cameras or markers are in no session file yet.");
+    const float width = share_of_line(3);
+    if (ImGui::Button("Save", {width, 0})) {
+      controls.leaving = false;
+      controls.leaves_when_saved = true;
+      attempt(controls, "save");
+    }
+    ImGui::SameLine();
+    if (ImGui::Button("Leave without", {width, 0})) controls.requests.quit = true;
+    ImGui::SameLine();
+    if (ImGui::Button("Stay", {width, 0}) || escapes) controls.leaving = false;
+  } else {
+    ImGui::TextWrapped("A viewport ended before its work was saved. Bring it back?");
+    const float width = share_of_line(3);
+    if (ImGui::Button("Bring it back", {width, 0})) attempt(controls, "recover");
+    ImGui::SameLine();
+    if (ImGui::Button("Never again", {width, 0})) attempt(controls, "recover forget");
+    ImGui::SameLine();
+    if (ImGui::Button("Not now", {width, 0}) || escapes) controls.left_behind.clear();
+  }
+  ImGui::End();
 }
 
 void draw_prompt(Controls& controls, const PanelLayout& layout) {

@@ -21,6 +21,7 @@ constexpr std::pair<const char*, const char*> kCommandLabels[] = {{"step", "One 
                                                                   {"out", "Range ends here"},
                                                                   {"key", "Set key"},
                                                                   {"unkey", "Remove key"},
+                                                                  {"paste-flipped", "Paste flipped"},
                                                                   {"save", "Save session"},
                                                                   {"export-clip", "Export motion"},
                                                                   {"screenshot", "Picture"},
@@ -221,6 +222,8 @@ Rectangle draw_panels(const Snapshot& snapshot, Controls& controls, std::uint32_
   if (controls.settings.hud.on) draw_hud(snapshot, controls, layout);
   if (controls.prompt) draw_prompt(controls, layout);
   if (controls.dialog) draw_file_dialog(controls, layout);
+  const bool asks = controls.leaving || (!controls.left_behind.empty() && !controls.headless);
+  if (asks) draw_question(controls, layout);
   if (controls.cheat_sheet) draw_cheat_sheet(controls, layout);
   const auto pixels = [](float value) { return static_cast<std::uint32_t>(std::max(1.0f, value)); };
   return {0, static_cast<std::int32_t>(layout.menu), pixels(layout.right()), pixels(layout.bottom() - layout.menu)};

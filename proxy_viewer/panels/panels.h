@@ -81,6 +81,8 @@ void draw_menu_bar(const Snapshot& snapshot, Controls& controls);
 void draw_timeline(const Snapshot& snapshot, Controls& controls, const PanelLayout& layout);
 void draw_cheat_sheet(Controls& controls, const PanelLayout& layout);
 void draw_prompt(Controls& controls, const PanelLayout& layout);
+// Whether work is to be saved, or brought back.
+void draw_question(Controls& controls, const PanelLayout& layout);
 void draw_file_dialog(Controls& controls, const PanelLayout& layout);
 
 // Over the picture.

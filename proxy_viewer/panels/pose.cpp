@@ -10,19 +10,24 @@ namespace {
 constexpr float kListHeight = 132, kIndent = 9;
 constexpr int kDeepest = 8;  // of what is indented
 
-bool is_turned(const Controls& controls, const std::string& joint) {
-  return set_or(controls.settings.pose.joints, joint, {}) != Vec3{};
+void show_joint(Controls& controls, const std::string& joint) {
+  if (ImGui::GetIO().KeyCtrl) {
+    attempt(controls, "select-also " + joint);
+  } else {
+    controls.select(joint == controls.joint ? "" : joint);
+  }
+  if (!joint.empty()) controls.settings.look.skeleton = true;  // with its rings and arrows
 }
 
 void draw_row(const JointRow& row, bool indented, Controls& controls) {
   ImGui::PushID(&row);
-  const bool selected = row.name == controls.joint;
+  const bool selected = row.name == controls.joint || controls.also.contains(row.name);
   ImGui::PushStyleColor(ImGuiCol_Header, ImGui::GetColorU32(ImGuiCol_ButtonActive));
   const bool clicked = ImGui::Selectable("##row", selected);
   ImGui::PopStyleColor();
-  if (clicked) controls.joint = selected ? "" : row.name;
+  if (clicked) show_joint(controls, row.name);
   ImGui::SameLine(6 + (indented ? kIndent * static_cast<float>(std::min(row.depth, kDeepest)) : 0));
-  ImGui::PushStyleColor(ImGuiCol_Text, is_turned(controls, row.name) ? kAccent : ImGui::GetColorU32(ImGuiCol_Text));
+  ImGui::PushStyleColor(ImGuiCol_Text, controls.is_posed(row.name) ? kAccent : ImGui::GetColorU32(ImGuiCol_Text));
   ImGui::TextUnformatted(row.name.c_str());
   ImGui::PopStyleColor();
   ImGui::PopID();
@@ -72,7 +77,22 @@ void draw_angles(const JointRow& row, Controls& controls) {
                    "on top of the clip, as far as the joint's limits let it");
     ImGui::EndDisabled();
   }
-  if (moved) turned[row.name] = angles;
+  if (!moved) return;
+  const Vec3 by = angles - set_or(turned, row.name, {});
+  for (const std::string& joint : controls.also) turned[joint] = turned[joint] + by;
+  turned[row.name] = angles;
+}
+
+void draw_moves(const JointRow& row, Controls& controls) {
+  if (row.furthest == 0) return;
+  std::map<std::string, Vec3>& moves = controls.settings.pose.moves;
+  Vec3 by = set_or(moves, row.name, {});
+  bool moved = false;
+  const char* const names[] = {"Move X", "Move Y", "Move Z"};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    moved |= slide(names[axis], by[axis], -row.furthest, row.furthest, "%.3f m", find_command("move")->help);
+  }
+  if (moved) moves[row.name] = by;
 }
 
 // "left_elbow_flexion": "left elbow flexion".
@@ -86,7 +106,8 @@ void draw_axes(const Snapshot& snapshot, Controls& controls) {
   for (const AxisRow& row : snapshot.axes) {
     if (row.joint != controls.joint) continue;
     double angle = set_or(controls.settings.pose.axes, row.name, 0);
-    if (slide(words_of(row.name).c_str(), angle, row.low, row.high, "%.1f\xc2\xb0", find_command("axis")->help)) {
+    if (slide(words_of(row.name).c_str(), angle, row.low, row.high, "%.1f\xc2\xb0",
+              "on top of the clip, as far as the limits let both")) {
       controls.settings.pose.axes[row.name] = angle;
     }
   }
@@ -102,6 +123,28 @@ void draw_joint_buttons(Controls& controls) {
   ImGui::EndDisabled();
   ImGui::SameLine();
   command_button(controls, "reset-pose", "Reset all", width);
+  command_button(controls, "copy", nullptr, width);
+  ImGui::SameLine();
+  ImGui::BeginDisabled(!controls.copied);
+  command_button(controls, "paste", nullptr, width);
+  ImGui::SameLine();
+  command_button(controls, "paste-flipped", "Flipped", width);
+  ImGui::EndDisabled();
+}
+
+// Poses of files, and between keys.
+void draw_poses(Controls& controls) {
+  const float width = share_of_line(3);
+  for (const auto& [command, text] : {std::pair("save-pose", "Save\xe2\x80\xa6"), {"load-pose", "Load\xe2\x80\xa6"}}) {
+    if (ImGui::Button(text, {width, 0})) attempt(controls, std::string("browse ") + command);
+    explain(command);
+    ImGui::SameLine();
+  }
+  command_tick(controls, "auto-key", "Auto");
+  if (controls.settings.pose.keys.size() < 2) return;
+  if (slide("Tween", controls.typed.tween, 0, 1, "%.2f", find_command("tween")->help)) {
+    attempt(controls, "tween " + std::to_string(controls.typed.tween));
+  }
 }
 
 void draw_joint(const Snapshot& snapshot, Controls& controls) {
@@ -113,6 +156,7 @@ void draw_joint(const Snapshot& snapshot, Controls& controls) {
   ImGui::TextUnformatted(row->name.c_str());
   draw_axes(snapshot, controls);
   draw_angles(*row, controls);
+  draw_moves(*row, controls);
 }
 
 void draw_controls(const Snapshot& snapshot, Controls& controls) {
@@ -147,6 +191,7 @@ void draw_pose(const Snapshot& snapshot, Controls& controls) {
   draw_pin(controls);
   draw_joint(snapshot, controls);
   draw_controls(snapshot, controls);
+  draw_poses(controls);
   slide("Learned", controls.settings.pose.correction, 0, 1, "%.2f", find_command("correction")->help);
 }
 

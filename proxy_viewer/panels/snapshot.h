@@ -18,6 +18,7 @@ struct JointRow {
   int parent = -1;
   int depth = 0;                              // of the tree
   Vec3 low{-90, -90, -90}, high{90, 90, 90};  // of what is added to the clip in this frame, degrees
+  double furthest = 0;                        // that a slider moves it, metres, either way; 0: it may not move
 };
 
 struct ControlRow {
@@ -30,7 +31,7 @@ struct ControlRow {
 
 struct AxisRow {
   std::string name, joint;   // of limits.json; the first joint that it turns
-  double low = 0, high = 0;  // away from rest, degrees
+  double low = 0, high = 0;  // that may be added to the clip in this frame, degrees
 };
 
 struct ModifierRow {

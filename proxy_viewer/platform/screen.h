@@ -47,12 +47,15 @@ struct DropEvent {
   std::vector<std::string> files;
 };
 
+// Its button is pressed.
+struct CloseEvent {};
+
 // It has another size, was uncovered, or is typed into.
 struct SurfaceEvent {};
 
 // What happens to a window, as values: heard from the display, or played by a test in place of hands.
 using WindowEvent = std::variant<KeyEvent, ModifierKeysEvent, LetterEvent, CursorEvent, ButtonEvent, WheelEvent,
-                                 DropEvent, SurfaceEvent>;
+                                 DropEvent, CloseEvent, SurfaceEvent>;
 
 class Screen {
  public:
@@ -63,7 +66,6 @@ class Screen {
 
   // What has happened since the last call; waits for it at most so long (seconds; 0: not at all).
   virtual std::vector<WindowEvent> poll(double seconds) = 0;
-  virtual bool closed() const = 0;
   virtual void set_title(const std::string& title) = 0;
   virtual std::array<std::uint32_t, 2> size() const = 0;  // pixels; 0 while minimised
   // Pixels a point, which panels and their text are measured in: 2 on a display of twice the usual density.

@@ -250,6 +250,10 @@ void Window::listen() {
     hear(window, ButtonEvent{button, action == GLFW_PRESS});
   });
   glfwSetScrollCallback(window_, [](GLFWwindow* window, double x, double y) { hear(window, WheelEvent{x, y}); });
+  glfwSetWindowCloseCallback(window_, [](GLFWwindow* window) {
+    glfwSetWindowShouldClose(window, GLFW_FALSE);  // who hears of it says whether
+    hear(window, CloseEvent{});
+  });
   glfwSetWindowFocusCallback(window_, [](GLFWwindow* window, int) { hear(window, SurfaceEvent{}); });
   glfwSetWindowRefreshCallback(window_, [](GLFWwindow* window) { hear(window, SurfaceEvent{}); });
   glfwSetWindowContentScaleCallback(window_, [](GLFWwindow* window, float, float) { hear(window, SurfaceEvent{}); });
@@ -343,7 +347,6 @@ std::vector<WindowEvent> Window::poll(double seconds) {
   return std::exchange(events_, {});
 }
 
-bool Window::closed() const { return glfwWindowShouldClose(window_); }
 void Window::set_title(const std::string& title) { glfwSetWindowTitle(window_, title.c_str()); }
 
 std::array<std::uint32_t, 2> Window::size() const {

@@ -31,7 +31,6 @@ class Window : public Screen {
   void attach(std::shared_ptr<const vulkan::Device> device);
 
   std::vector<WindowEvent> poll(double seconds) override;
-  bool closed() const override;
   void set_title(const std::string& title) override;
   std::array<std::uint32_t, 2> size() const override;
   float scale() const override;

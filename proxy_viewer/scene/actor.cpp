@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "assets/clip_source.h"
+#include "assets/joint_roles.h"
 #include "assets/matched_joints.h"
 #include "assets/shot_modifiers.h"
 #include "geometry/mesh.h"
@@ -306,14 +307,41 @@ std::optional<JointRange> Actor::free_turns(std::size_t joint, int frame) const 
                       clip_pose(frame).joints[joint].rotation);
 }
 
-Pose Actor::posed(Pose pose, const ViewSettings::PoseKey& posing) const {
-  return bodyopt::posed(basis().skeleton, limits_, ranges_, std::move(pose), posing);
+std::pair<double, double> Actor::free_axis(const DegreeOfFreedom& dof, int frame) const {
+  return free_angles(limits_, basis().skeleton, dof, clip_pose(frame));
+}
+
+Vec3 Actor::facing(std::size_t joint, int frame, const ViewSettings::PoseKey& posing) const {
+  return facing_of(basis().skeleton, limits_, ranges_, clip_pose(frame), posing, joint);
+}
+
+std::vector<std::string> Actor::movable_joints() const {
+  constexpr double kMoves = 1e-3;  // metres
+  const Skeleton& skeleton = basis().skeleton;
+  std::vector<int> children(skeleton.size());
+  for (const Joint& joint : skeleton.joints) {
+    if (joint.parent >= 0) ++children[static_cast<std::size_t>(joint.parent)];
+  }
+  const std::vector<std::optional<JointRole>> roles = joint_roles(named_joints(skeleton));
+  std::vector<bool> carries;  // nothing but it hangs under what is above it
+  std::vector<std::string> movable;
+  for (std::size_t j = 0; j < skeleton.size(); ++j) {
+    const Joint& joint = skeleton.joints[j];
+    const auto above = static_cast<std::size_t>(std::max(0, joint.parent));
+    carries.push_back(joint.parent < 0 || (carries[above] && children[above] == 1));
+    const bool is_moved = std::ranges::any_of(clip_.poses, [&](const Pose& pose) {
+      return length(pose.joints[j].translation - clip_.poses.front().joints[j].translation) > kMoves;
+    });
+    const bool is_detached = std::ranges::find(limits_.detached, j, &DetachedJoint::joint) != limits_.detached.end();
+    const bool is_hips = roles[j] && roles[j]->part == BodyPart::hips;
+    const bool is_limb = j < ranges_.size() && ranges_[j];  // which turns, and would tear
+    if ((carries[j] && !is_limb) || is_moved || is_detached || is_hips) movable.push_back(joint.name);
+  }
+  return movable;
 }
 
 std::vector<MissedPin> Actor::missed_pins(int frame, const ViewSettings::PoseKey& posing) const {
-  ViewSettings::PoseKey free = posing;
-  free.pins.clear();
-  return bodyopt::missed_pins(basis().skeleton, ranges_, posed(clip_pose(frame), free), posing.pins);
+  return bodyopt::missed_pins(basis().skeleton, limits_, ranges_, clip_pose(frame), posing);
 }
 
 Pose Actor::pose(int frame, const ViewSettings::Posing& posing) const {

@@ -106,6 +106,11 @@ class Actor {
   Shot shot(const ViewSettings::Posing& posing, const Weights& weights, bool jiggles) const;
   // Pins that the pose of a frame does not reach.
   std::vector<MissedPin> missed_pins(int frame, const ViewSettings::PoseKey& posing) const;
+  // See facing_of().
+  Vec3 facing(std::size_t joint, int frame, const ViewSettings::PoseKey& posing) const;
+  // Joints that may be moved: roots and what hangs under them alone, hips, those whose clip moves them, and those that
+  // hang elsewhere in the rig than their skin does.
+  std::vector<std::string> movable_joints() const;
   // Degrees of freedom of the limits, where it has any.
   const std::vector<DegreeOfFreedom>& axes() const { return limits_.dofs; }
   // How it is posed while it is not the lead, whom the settings pose.
@@ -113,6 +118,7 @@ class Actor {
   void set_posing(ViewSettings::Posing posing) { posing_ = std::move(posing); }
   // What the range of a joint lets be added to the clip; none: it has no range.
   std::optional<JointRange> free_turns(std::size_t joint, int frame) const;
+  std::pair<double, double> free_axis(const DegreeOfFreedom& dof, int frame) const;  // see free_angles()
 
   // Poses of one frame, then of ghosts and instances; `frame`: of the first. The jiggle steps only with that.
   // `dressed`: worn() is to follow.
@@ -184,7 +190,6 @@ class Actor {
   void take_clip(Clip clip);
   std::size_t clip_index(int frame) const;
   const Pose& clip_pose(int frame) const { return clip_.poses[clip_index(frame)]; }
-  Pose posed(Pose pose, const ViewSettings::PoseKey& posing) const;
   bool has_worn_skin() const;
   std::vector<float> full_skin(const Detail& detail, const Evaluation& evaluation, std::size_t pose) const;
   const HostedSkin* hosted_skin(SkinMethod method) const;

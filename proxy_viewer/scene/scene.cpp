@@ -44,6 +44,14 @@ struct Box {
   double radius() const { return 0.5 * length(high - low); }
 };
 
+Box box_around(std::span<const float> points) {
+  Box box;
+  for (std::size_t k = 0; k + 2 < points.size(); k += 3) {
+    box.add({points[k], points[k + 1], points[k + 2]});
+  }
+  return box;
+}
+
 std::vector<Vec3> centres_of(const Actor& character, const Pose& pose) {
   return transformed(posed_joints(character.basis().skeleton, pose.joints), [&](const Affine& joint) {
     return joint * Vec3{0, 0, 0};
@@ -542,7 +550,8 @@ void Scene::add_skeleton(const Actor& character, const Pose& pose, const std::ar
   std::vector<LinePoint> bones, joints;
   const double cross = 0.008 * character.size();
   for (std::size_t j = 0; j < centres.size(); ++j) {
-    const bool selected = skeleton.joints[j].name == controls.joint;
+    const std::string& name = skeleton.joints[j].name;
+    const bool selected = name == controls.joint || controls.also.contains(name);
     const int parent = skeleton.joints[j].parent;
     if (parent >= 0) {
       bones.push_back(line_point(centres[static_cast<std::size_t>(parent)], kBone));
@@ -559,7 +568,8 @@ void Scene::add_skeleton(const Actor& character, const Pose& pose, const std::ar
   add_lines(std::move(joints), offset, 1.5f, view);
 }
 
-// Of the joint that is selected: bright as far as it may turn, with a hand at its angle. And the pins.
+// Of the joint that is selected: bright as far as it may turn, with a hand at its angle; arrows where it may move. And
+// the pins.
 void Scene::add_rings(const Controls& controls, const std::array<float, 3>& offset, View& view) {
   constexpr int kSteps = 72;
   std::vector<LinePoint> lines;
@@ -574,6 +584,16 @@ void Scene::add_rings(const Controls& controls, const std::array<float, 3>& offs
       draw(ring.point(from), ring.point(to), is_free ? colour : (colour & 0x00ffffff) | 0x40000000);
     }
     draw(ring.centre, ring.point(ring.angle), colour);
+  }
+  for (const MoveArrow& arrow : move_arrows(*this, controls)) {
+    const std::uint32_t colour = kAxisColours[arrow.axis];
+    const Vec3 along = arrow.to - arrow.from;
+    draw(arrow.from, arrow.to, colour);
+    for (std::size_t across = 1; across < 3; ++across) {  // its head, from two sides
+      Vec3 side{};
+      side[(arrow.axis + across) % 3] = 0.08 * length(along);
+      for (const Vec3& end : {side, -1 * side}) draw(arrow.to, arrow.to - 0.2 * along + end, colour);
+    }
   }
   const double size = 0.012 * lead().size();
   const std::vector<MissedPin> missed = lead().missed_pins(controls.playback.frame(), controls.settings.pose);
@@ -670,6 +690,16 @@ std::vector<float> Scene::points_to_frame(const Controls& controls) {
       std::ranges::copy(cast_[c]->measure(*other, pose, frame), std::back_inserter(own));
     }
     for (std::size_t k = 0; k < own.size(); ++k) points.push_back(own[k] + offset[k % 3]);
+    // Copies as they are now, of the corners of the box around it: they are many.
+    const Box box = box_around(own);
+    for (int copy = 1; c == 0 && copy < controls.settings.cast.copies; ++copy) {
+      const std::array<float, 3> at = place_copy(static_cast<std::size_t>(copy));
+      for (std::size_t corner = 0; corner < 8; ++corner) {
+        for (std::size_t i = 0; i < 3; ++i) {
+          points.push_back(static_cast<float>((corner >> i & 1) != 0 ? box.high[i] : box.low[i]) + at[i]);
+        }
+      }
+    }
   }
   return points;
 }

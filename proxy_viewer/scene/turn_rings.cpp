@@ -1,5 +1,6 @@
 #include "proxy_viewer/scene/turn_rings.h"
 
+#include <algorithm>
 #include <numbers>
 #include <optional>
 
@@ -10,6 +11,7 @@ namespace bodyopt {
 namespace {
 
 constexpr double kRingRadius = 0.09;  // of the character's size
+constexpr double kArrow = 0.13;       // length, of the character's size
 constexpr double kFreeTurn = 180;     // degrees, either way, of what has no limits
 
 Vec3 unit_axis(std::size_t axis) {
@@ -44,6 +46,19 @@ std::vector<TurnRing> turn_rings(const Scene& scene, const Controls& controls) {
                      free ? free->low[axis] : -kFreeTurn, free ? free->high[axis] : kFreeTurn, angles[axis]});
   }
   return rings;
+}
+
+std::vector<MoveArrow> move_arrows(const Scene& scene, const Controls& controls) {
+  if (scene.empty() || std::ranges::find(controls.movable_names, controls.joint) == controls.movable_names.end()) {
+    return {};
+  }
+  const auto joint = static_cast<std::size_t>(scene.lead().basis().skeleton.find(controls.joint));
+  const Vec3 from = scene.joint_centres(controls)[joint];
+  std::vector<MoveArrow> arrows;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    arrows.push_back({axis, from, from + kArrow * scene.lead().size() * unit_axis(axis)});
+  }
+  return arrows;
 }
 
 }  // namespace bodyopt

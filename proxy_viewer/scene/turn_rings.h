@@ -1,4 +1,4 @@
-// The rings by which a joint is turned with the mouse.
+// The rings and arrows by which a joint is turned and moved with the mouse.
 #pragma once
 
 #include <vector>
@@ -23,5 +23,14 @@ struct TurnRing {
 
 // Of the lead at the frame; none where no joint is selected. What the limits hold has no room between low and high.
 std::vector<TurnRing> turn_rings(const Scene& scene, const Controls& controls);
+
+// Along an axis of the world, metres.
+struct MoveArrow {
+  std::size_t axis;  // x, y, z
+  Vec3 from, to;
+};
+
+// Of the lead at the frame; none where the joint that is selected may not move.
+std::vector<MoveArrow> move_arrows(const Scene& scene, const Controls& controls);
 
 }  // namespace bodyopt

@@ -22,9 +22,13 @@ struct FileKind {
 const std::map<std::string, FileKind>& kinds() {
   static const std::map<std::string, FileKind> all = {
       {"open", {{".safetensors", ".glb", ".gltf", ".vrm", ".fbx", ".bvh", ".pc2", ".mdd", ".json"}, ""}},
+      {"character", {{".safetensors", ".glb", ".gltf", ".vrm", ".fbx"}, ""}},
       {"save", {{".json"}, "session.json"}},
       {"save-state", {{".json"}, "view.json"}},
       {"load-state", {{".json"}, ""}},
+      {"limits", {{".json"}, ""}},
+      {"save-pose", {{".json"}, "pose.json"}},
+      {"load-pose", {{".json"}, ""}},
       {"export-clip", {{".glb", ".bvh", ".usda"}, "motion.glb"}},
       {"export-skin", {{".glb", ".pc2", ".mdd", ".usda"}, "skin.glb"}},
       {"screenshot", {{".png"}, "picture.png"}},

@@ -22,6 +22,14 @@ function shownSections(sections, figures, pictures) {
   return [...nodes, without.length > 0 ? told : null].filter((node) => node !== null);
 }
 
+// By their titles, where there are many.
+function contentsOf(nodes) {
+  const titled = nodes.filter((node) => node.getAttribute("id") && node.querySelector("h2"));
+  if (titled.length < 5) return [];
+  const link = (node) => element("a", { href: `#${node.getAttribute("id")}` }, node.querySelector("h2").textContent);
+  return [element("nav", { "aria-label": "Contents" }, ...titled.map(link))];
+}
+
 function pageNodes(text) {
   try {
     const { kind, figures, pictures, heat_colours: palette } = JSON.parse(text);
@@ -29,7 +37,8 @@ function pageNodes(text) {
     const { title, subtitle, sections } = kinds[kind](figures);
     document.title = title;
     const head = [element("h1", {}, title), element("p", { class: "subtitle" }, subtitle)];
-    return [...head, ...shownSections(sections, figures, pictures)];
+    const shown = shownSections(sections, figures, pictures);
+    return [...head, ...contentsOf(shown), ...shown];
   } catch (error) {
     return [element("p", { class: "broken" }, `The figures of this page cannot be read: ${error.message}`)];
   }

@@ -72,6 +72,34 @@ function summarySection(figures) {
   );
 }
 
+// How `bodyopt view` opens a frame of the dataset beside its truth.
+function viewCommand(figures, { take, frame }) {
+  const dataset = figures.provenance.files.find((file) => file.what === "dataset")?.path ?? "DATASET";
+  return `bodyopt view BASIS ${dataset.replace(/\/dataset\.json$/, "")} --do "frame ${take} ${frame}; heat on"`;
+}
+
+function nowSection(figures) {
+  const { dataset, coverage, heldout } = figures;
+  const items = [];
+  if (figures.quick) items.push(["Train again without --quick: this says that it works, not how well."]);
+  if (figures.methods.length === 0) items.push([`Hold out frames, to measure: ${dataset.how_to_hold_out}.`]);
+  if (figures.warnings.length > 0) items.push(["Read the ", element("a", { href: "#warnings" }, "warnings"), " below."]);
+  const worst = figures.pictures.find((told) => told.kind === "worst");
+  if (worst) {
+    const command = element("code", {}, viewCommand(figures, worst));
+    items.push([`Look at the frame that is worst, ${millimetres(worst.rms_mm)} RMS: `, command]);
+  }
+  for (const { name, validation_rms_mm: left } of unexplained(figures).slice(0, 1)) {
+    items.push([`Look at the muscles around ${name}: ${millimetres(left)} there are explained by nothing.`]);
+  }
+  if (coverage) {
+    const frames = frameList(heldout, coverage.worth_simulating_index);
+    items.push([`Simulate poses like those of ${frames}: they would teach most. bodyopt coverage lists a shot's.`]);
+  }
+  if (items.length === 0) return null;
+  return section("What now", element("ul", {}, ...items.map((item) => element("li", {}, ...item))));
+}
+
 function warningsSection(figures) {
   if (figures.warnings.length === 0) return null;
   return section("Warnings of the data", ...figures.warnings.map(paragraph));
@@ -427,11 +455,6 @@ function coverageSection(figures) {
       `Over all held-out frames ${millimetres(coverage.expected_rms_mm)} RMS are expected; ` +
         `it is ${millimetres(learned.errors_mm.rms)}.${alike}`,
     ),
-    paragraph(
-      "Of these frames it would help most to simulate and to train on: " +
-        `${frameList(heldout, coverage.worth_simulating_index)}. ` +
-        "(Frames that are held out teach nothing; bodyopt coverage lists those of a shot.)",
-    ),
   );
 }
 
@@ -543,6 +566,7 @@ function reportKind({ character, dataset }) {
       `measured on ${plural(dataset.heldout_frames, "held-out frame")}`,
     sections: Object.entries({
       summary: summarySection,
+      now: nowSection,
       warnings: warningsSection,
       takes: takesSection,
       pictures: picturesSection,

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "runtime/host/rig.h"
@@ -56,25 +57,99 @@ Quat swing(const Vec3& from, const Vec3& to) {
 
 Vec3 centre(const Affine& joint) { return joint * Vec3{0, 0, 0}; }
 
+constexpr double kShort = 0.6;  // of the bone above
+
+// Metres, from the joint above; 0: it is a root.
+double bone_length(const Skeleton& skeleton, std::size_t joint) {
+  const int above = skeleton.joints[joint].parent;
+  if (above < 0) return 0;
+  return length(bind_place(skeleton, joint) - bind_place(skeleton, static_cast<std::size_t>(above)));
+}
+
 class Limb {
  public:
   Limb(const Skeleton& skeleton, const std::vector<std::optional<JointRange>>& ranges, Pose& pose, std::size_t end)
       : skeleton_(skeleton), ranges_(ranges), pose_(pose), end_(end), middle_(parent(end)), upper_(parent(middle_)) {}
 
+  // The end keeps its orientation. What ranges hold of a bend leaves the limb too long or too short: it is bent again
+  // from there, for as long as that helps.
   void reach_for(const Vec3& target) {
+    constexpr int kTries = 16;
+    constexpr double kReached = 1e-6;  // metres
     const Quat held = rotations()[end_];
+    bend_as_it_may();
+    double before = std::numeric_limits<double>::infinity();
+    for (int k = 0; k < kTries; ++k) {
+      const Pose nearest = pose_;
+      bend_and_swing(target);
+      const double away = length(place(end_) - target);
+      if (away >= before) pose_ = nearest;
+      if (away >= before || away < kReached) break;
+      before = away;
+    }
+    face(held);
+  }
+
+  void bend_and_swing(const Vec3& target) {
     const std::vector<Affine> joints = posed_joints(skeleton_, pose_.joints);
     const Vec3 a = centre(joints[upper_]), b = centre(joints[middle_]), c = centre(joints[end_]);
-    turn(middle_, reach(a, b, c, target, any_across(c - a)).lower);
+    turn(middle_, reach(a, b, c, target, hinge().value_or(any_across(c - a))).lower);
     // What the range has left of the bend is swung to the target.
-    const Vec3 bent = centre(posed_joints(skeleton_, pose_.joints)[end_]);
-    turn(upper_, swing(bent - a, target - a));
-    turn(end_, held * conjugate(rotations()[end_]));
+    turn(upper_, swing(place(end_) - a, target - a));
+  }
+
+  // Turns the end itself, within its range.
+  void face(const Quat& to) { turn(end_, to * conjugate(rotations()[end_])); }
+
+  // So that a joint under the end is at the target, the end facing as it does for as long as the limb reaches.
+  void hold(std::size_t toe, const Vec3& target) {
+    constexpr int kTries = 12;
+    for (int k = 0; k < kTries; ++k) {
+      reach_for(target - (place(toe) - place(end_)));
+      if (length(place(toe) - target) < kTiny) return;
+      aim(toe, target);
+    }
+  }
+
+  // Turns the end so that a joint under it is seen in the direction of the target.
+  void aim(std::size_t toe, const Vec3& target) {
+    const Vec3 from = place(end_);
+    turn(end_, swing(place(toe) - from, target - from));
   }
 
  private:
   std::size_t parent(std::size_t joint) const { return static_cast<std::size_t>(skeleton_.joints[joint].parent); }
   std::vector<Quat> rotations() const { return world_rotations(skeleton_, pose_); }
+  Vec3 place(std::size_t joint) const { return centre(posed_joints(skeleton_, pose_.joints)[joint]); }
+
+  // Of a middle joint that bends to one side alone, world: the axis about which it does. None: any way, or not known.
+  std::optional<Vec3> hinge() const {
+    constexpr double kOneSided = 0.25;  // of the bend, what goes to the other side
+    if (middle_ >= ranges_.size() || !ranges_[middle_]) return std::nullopt;
+    const JointRange& range = *ranges_[middle_];
+    Vec3 axis{};
+    double widest = 0;
+    bool is_one_sided = false;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const double most = std::max(range.high[k], -range.low[k]), least = std::min(range.high[k], -range.low[k]);
+      if (most <= widest) continue;
+      widest = most;
+      axis = {};
+      axis[k] = range.high[k] > -range.low[k] ? 1 : -1;
+      is_one_sided = least < kOneSided * most;
+    }
+    if (!is_one_sided) return std::nullopt;
+    return rotate(rotations()[middle_], axis);
+  }
+
+  // A knee that is bent a little to the wrong side is bent as much to the right one, where it may go on.
+  void bend_as_it_may() {
+    const std::optional<Vec3> axis = hinge();
+    if (!axis) return;
+    const Vec3 above = place(middle_) - place(upper_), below = place(end_) - place(middle_);
+    const Vec3 plane = cross(above, below);
+    if (dot(plane, *axis) < 0) turn(middle_, axis_angle(1 / length(plane) * plane, -2 * angle_between(above, below)));
+  }
 
   // By a rotation of the world, as far as the joint's range lets it.
   void turn(std::size_t joint, const Quat& by) {
@@ -173,13 +248,13 @@ LimbTurns reach(const Vec3& upper, const Vec3& middle, const Vec3& end, const Ve
 }
 
 std::vector<MissedPin> missed_pins(const Skeleton& skeleton, const std::vector<std::optional<JointRange>>& ranges,
-                                   const Pose& pose, const std::map<std::string, Vec3>& pins) {
+                                   const Pose& pose, const Pins& pins) {
   constexpr double kMissed = 1e-3;  // metres
-  if (pins.empty()) return {};
+  if (pins.at.empty()) return {};
   const std::vector<Affine> held = posed_joints(skeleton, pinned(skeleton, ranges, pose, pins).joints),
                             free = posed_joints(skeleton, pinned(skeleton, {}, pose, pins).joints);
   std::vector<MissedPin> missed;
-  for (const auto& [joint, pin] : pins) {
+  for (const auto& [joint, pin] : pins.at) {
     const int found = skeleton.find(joint);
     if (found < 0) continue;
     const auto j = static_cast<std::size_t>(found);
@@ -189,6 +264,14 @@ std::vector<MissedPin> missed_pins(const Skeleton& skeleton, const std::vector<s
   return missed;
 }
 
+bool ends_a_foot(const Skeleton& skeleton, std::size_t joint) {
+  const auto above = static_cast<std::size_t>(std::max(0, skeleton.joints[joint].parent));
+  if (!ends_a_limb(skeleton, skeleton.joints[above].name)) return false;
+  const double lower = bone_length(skeleton, above),
+               upper = bone_length(skeleton, static_cast<std::size_t>(skeleton.joints[above].parent));
+  return bone_length(skeleton, joint) < kShort * lower && lower >= kShort * upper;
+}
+
 bool ends_a_limb(const Skeleton& skeleton, const std::string& joint) {
   const int found = skeleton.find(joint);
   const int above = found < 0 ? -1 : skeleton.joints[static_cast<std::size_t>(found)].parent;
@@ -196,10 +279,32 @@ bool ends_a_limb(const Skeleton& skeleton, const std::string& joint) {
 }
 
 Pose pinned(const Skeleton& skeleton, const std::vector<std::optional<JointRange>>& ranges, Pose pose,
-            const std::map<std::string, Vec3>& pins) {
-  for (const auto& [joint, target] : pins) {
+            const Pins& pins) {
+  std::vector<std::size_t> toes;
+  for (const auto& [joint, target] : pins.at) {
     if (!ends_a_limb(skeleton, joint)) continue;
-    Limb(skeleton, ranges, pose, static_cast<std::size_t>(skeleton.find(joint))).reach_for(target);
+    const auto end = static_cast<std::size_t>(skeleton.find(joint));
+    if (ends_a_foot(skeleton, end)) {
+      toes.push_back(end);
+      continue;
+    }
+    Limb limb(skeleton, ranges, pose, end);
+    if (const auto facing = pins.facing.find(joint); facing != pins.facing.end()) limb.face(facing->second);
+    limb.reach_for(target);
+  }
+  // Once feet are where they are pinned themselves.
+  for (const std::size_t toe : toes) {
+    const std::string& name = skeleton.joints[toe].name;
+    const auto foot = static_cast<std::size_t>(skeleton.joints[toe].parent);
+    Limb limb(skeleton, ranges, pose, foot);
+    if (pins.at.contains(skeleton.joints[foot].name)) {
+      limb.aim(toe, pins.at.at(name));
+      continue;
+    }
+    if (const auto facing = pins.facing.find(name); facing != pins.facing.end()) {
+      limb.face(facing->second * conjugate(pose.joints[toe].rotation));
+    }
+    limb.hold(toe, pins.at.at(name));
   }
   return pose;
 }

@@ -49,11 +49,17 @@ struct LimbTurns {
 // limb straight. `hinge`: unit, world, that a straight limb bends about. Metres, world.
 LimbTurns reach(const Vec3& upper, const Vec3& middle, const Vec3& end, const Vec3& target, const Vec3& hinge);
 
-// The pose with pinned joints where they are pinned (metres, world), as far as the ranges of the two joints above let
-// them; they keep their orientation in the world. `ranges`: of every joint, or empty. A joint that has no two above it,
-// or is not there, is left alone.
+// Ends of limbs that are to stay, by joint.
+struct Pins {
+  std::map<std::string, Vec3> at;        // metres, world
+  std::map<std::string, Quat> facing{};  // joint to world; those without keep their orientation in the world
+};
+
+// The pose with pinned joints where they are pinned, as far as the ranges of the two joints above let them. The toe at
+// the end of a foot, a short bone at that of a limb, is held by the limb; where that is too short, the heel comes up.
+// `ranges`: of every joint, or empty. A joint that has no two above it, or is not there, is left alone.
 Pose pinned(const Skeleton& skeleton, const std::vector<std::optional<JointRange>>& ranges, Pose pose,
-            const std::map<std::string, Vec3>& pins);
+            const Pins& pins);
 
 // A pin that its limb does not reach.
 struct MissedPin {
@@ -64,7 +70,10 @@ struct MissedPin {
 
 // Those that are missed by more than a millimetre where pinned() is done to a pose.
 std::vector<MissedPin> missed_pins(const Skeleton& skeleton, const std::vector<std::optional<JointRange>>& ranges,
-                                   const Pose& pose, const std::map<std::string, Vec3>& pins);
+                                   const Pose& pose, const Pins& pins);
+
+// Is it at the end of a short bone, the toe of a foot, which ends a limb of long ones?
+bool ends_a_foot(const Skeleton& skeleton, std::size_t joint);
 
 // Has the joint two above it, that can reach for it?
 bool ends_a_limb(const Skeleton& skeleton, const std::string& joint);

@@ -1,5 +1,6 @@
 #include "shots/session/posed_clip.h"
 
+#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <iterator>
@@ -9,6 +10,7 @@
 
 #include "assets/shot_modifiers.h"
 #include "runtime/host/rig.h"
+#include "runtime/modifiers/drive_modifiers.h"
 #include "shots/session/pinned_joints.h"
 
 namespace bodyopt {
@@ -32,12 +34,81 @@ std::map<std::string, Value> blend_of(const std::map<std::string, Value>& a, con
   return blended;
 }
 
+// Names keep the other's turn, where one side has none.
+std::map<std::string, Vec3> blend_facing(const std::map<std::string, Vec3>& a, const std::map<std::string, Vec3>& b,
+                                         double t) {
+  std::map<std::string, Vec3> blended = a;
+  for (const auto& [name, degrees] : b) {
+    const auto [at, is_new] = blended.emplace(name, degrees);
+    if (!is_new) at->second = degrees_of(slerp(turn_of(at->second), turn_of(degrees), t));
+  }
+  return blended;
+}
+
 // Of a joint's local rotation, about an axis of rest space.
 Quat turn_about_rest_axis(const Skeleton& skeleton, const JointTurn& turn, double degrees) {
   const int parent = skeleton.joints[turn.joint].parent;
   Vec3 axis = turn.axis;
   if (parent >= 0) axis = rotate(conjugate(bind_rotations(skeleton)[static_cast<std::size_t>(parent)]), axis);
   return axis_angle(axis, turn.share * degrees * std::numbers::pi / 180);
+}
+
+// Along the world's axes, whatever is above it.
+void move_joint(const Skeleton& skeleton, std::size_t joint, const Vec3& by, Pose& pose) {
+  const int parent = skeleton.joints[joint].parent;
+  Vec3& at = pose.joints[joint].translation;
+  if (parent < 0) {
+    at = at + by;
+    return;
+  }
+  const Affine world = inverse(posed_joints(skeleton, pose.joints)[static_cast<std::size_t>(parent)]);
+  at = at + (world * by - world * Vec3{});
+}
+
+// By what a pose turns the end of a limb on top of its clip, about its own axes; a toe's is with its foot's.
+Quat turned_here(const Skeleton& skeleton, std::size_t joint, const Pose& clip, const Pose& pose) {
+  const auto own = [&](std::size_t j) { return conjugate(clip.joints[j].rotation) * pose.joints[j].rotation; };
+  if (!ends_a_foot(skeleton, joint)) return own(joint);
+  const Quat &before = clip.joints[joint].rotation, &now = pose.joints[joint].rotation;
+  return conjugate(before) * own(static_cast<std::size_t>(skeleton.joints[joint].parent)) * now;
+}
+
+// Of a pose, the angles of all degrees of freedom that turn the joint, radians away from rest: those whose turns, one
+// after the other, come nearest to the joint's (Gauss and Newton).
+std::map<const DegreeOfFreedom*, double> angles_at(const JointLimits& limits, const Skeleton& skeleton,
+                                                   std::uint32_t joint, const Pose& pose) {
+  constexpr int kSteps = 10;
+  std::vector<std::pair<const DegreeOfFreedom*, const JointTurn*>> turns;
+  for (const DegreeOfFreedom& dof : limits.dofs) {
+    for (const JointTurn& turn : dof.turns) {
+      if (turn.joint == joint) turns.emplace_back(&dof, &turn);
+    }
+  }
+  const Joint& own = skeleton.joints[joint];
+  const Quat above = own.parent < 0 ? Quat{0, 0, 0, 1} : bind_rotations(skeleton)[static_cast<std::size_t>(own.parent)];
+  const Quat wanted = above * normalized(pose.joints[joint].rotation) * conjugate(own.bind.rotation) * conjugate(above);
+  const auto count = static_cast<Eigen::Index>(turns.size());
+  Eigen::VectorXd angles = Eigen::VectorXd::Zero(count);
+  for (int step = 0; step < kSteps; ++step) {
+    Quat made{0, 0, 0, 1};
+    Eigen::MatrixXd moved(3, count);
+    for (Eigen::Index k = 0; k < count; ++k) {
+      const JointTurn& turn = *turns[static_cast<std::size_t>(k)].second;
+      const Vec3 axis = turn.share * rotate(made, turn.axis);
+      moved.col(k) << axis[0], axis[1], axis[2];
+      made = made * axis_angle(turn.axis, turn.share * angles[k]);
+    }
+    Quat left = wanted * conjugate(made);
+    if (left[3] < 0) left = {-left[0], -left[1], -left[2], -left[3]};
+    const double sine = length({left[0], left[1], left[2]});
+    const double scale = sine > 1e-12 ? 2 * std::atan2(sine, left[3]) / sine : 2;
+    const Eigen::Vector3d missing = scale * Eigen::Vector3d(left[0], left[1], left[2]);
+    const Eigen::MatrixXd damped = moved.transpose() * moved + 1e-6 * Eigen::MatrixXd::Identity(count, count);
+    angles += damped.ldlt().solve(moved.transpose() * missing);
+  }
+  std::map<const DegreeOfFreedom*, double> by_dof;
+  for (Eigen::Index k = 0; k < count; ++k) by_dof[turns[static_cast<std::size_t>(k)].first] = angles[k];
+  return by_dof;
 }
 
 // Names of the controls that the clip has, or the posing sets at any frame.
@@ -62,7 +133,57 @@ void set_posed_controls(const std::vector<std::string>& names, const ViewSetting
   }
 }
 
+// The pose before limbs reach, and for what they do.
+std::pair<Pose, Pins> before_reaching(const Skeleton& skeleton, const JointLimits& limits,
+                                      const std::vector<std::optional<JointRange>>& ranges, const Pose& clip,
+                                      const ViewSettings::PoseKey& posing) {
+  Pose pose = clip;
+  for (const DegreeOfFreedom& dof : limits.dofs) {
+    const auto found = posing.axes.find(dof.name);
+    if (found == posing.axes.end()) continue;
+    double degrees = found->second;
+    if (!ranges.empty()) {
+      const auto [low, high] = free_angles(limits, skeleton, dof, clip);
+      degrees = std::clamp(degrees, low, high);
+    }
+    for (const JointTurn& turn : dof.turns) {
+      Quat& rotation = pose.joints[turn.joint].rotation;
+      rotation = turn_about_rest_axis(skeleton, turn, degrees) * rotation;
+    }
+  }
+  for (const auto& [joint, degrees] : posing.joints) {
+    const int found = skeleton.find(joint);
+    if (found < 0) continue;
+    const auto index = static_cast<std::size_t>(found);
+    Quat& rotation = pose.joints[index].rotation;
+    const bool is_limited = index < ranges.size() && ranges[index];
+    rotation = is_limited ? turned_within(*ranges[index], skeleton.joints[index].bind.rotation, rotation, degrees)
+                          : normalized(rotation * turn_of(degrees));
+  }
+  for (const auto& [joint, by] : posing.moves) {
+    const int found = skeleton.find(joint);
+    if (found >= 0) move_joint(skeleton, static_cast<std::size_t>(found), by, pose);
+  }
+  Pins pins{posing.pins};
+  for (const auto& [joint, degrees] : posing.facing) {
+    const int found = skeleton.find(joint);
+    if (found < 0) continue;
+    pins.facing[joint] = turn_of(degrees) * turned_here(skeleton, static_cast<std::size_t>(found), clip, pose);
+  }
+  return {std::move(pose), std::move(pins)};
+}
+
 }  // namespace
+
+ViewSettings::PoseKey blended(const ViewSettings::PoseKey& a, const ViewSettings::PoseKey& b, double t) {
+  return {blend_of(a.joints, b.joints, t, false),
+          blend_of(a.axes, b.axes, t, false),
+          blend_of(a.controls, b.controls, t, true),
+          blend_of(a.pins, b.pins, t, true),
+          blend_of(a.moves, b.moves, t, false),
+          blend_facing(a.facing, b.facing, t),
+          a.ease};
+}
 
 ViewSettings::PoseKey between_keys(const std::map<int, ViewSettings::PoseKey>& keys, int frame) {
   const auto after = keys.lower_bound(frame);
@@ -70,15 +191,22 @@ ViewSettings::PoseKey between_keys(const std::map<int, ViewSettings::PoseKey>& k
   const auto before = std::prev(after);
   if (after == keys.end()) return before->second;
   const double x = (static_cast<double>(frame) - before->first) / (static_cast<double>(after->first) - before->first);
-  const double t = x * x * (3 - 2 * x);
-  const ViewSettings::PoseKey &a = before->second, &b = after->second;
-  return {blend_of(a.joints, b.joints, t, false), blend_of(a.axes, b.axes, t, false),
-          blend_of(a.controls, b.controls, t, true), blend_of(a.pins, b.pins, t, true)};
+  const KeyEase ease = before->second.ease;
+  const double t = ease == KeyEase::smooth ? x * x * (3 - 2 * x) : ease == KeyEase::linear ? x : 0;
+  return blended(before->second, after->second, t);
 }
 
 ViewSettings::Posing keyed_posing(ViewSettings::Posing posing, int frame) {
   if (!posing.keys.empty()) static_cast<ViewSettings::PoseKey&>(posing) = between_keys(posing.keys, frame);
   return posing;
+}
+
+std::pair<double, double> free_angles(const JointLimits& limits, const Skeleton& skeleton, const DegreeOfFreedom& dof,
+                                      const Pose& clip) {
+  double angle = 0;
+  for (const JointTurn& turn : dof.turns) angle += angles_at(limits, skeleton, turn.joint, clip).at(&dof);
+  angle *= 180 / std::numbers::pi / static_cast<double>(std::max<std::size_t>(1, dof.turns.size()));
+  return {std::min(0.0, dof.min - dof.rest - angle), std::max(0.0, dof.max - dof.rest - angle)};
 }
 
 Clip still_clip(const Skeleton& skeleton, const ClipOptions& options) {
@@ -92,25 +220,24 @@ Clip still_clip(const Skeleton& skeleton, const ClipOptions& options) {
 }
 
 Pose posed(const Skeleton& skeleton, const JointLimits& limits, const std::vector<std::optional<JointRange>>& ranges,
-           Pose pose, const ViewSettings::PoseKey& posing) {
-  for (const DegreeOfFreedom& dof : limits.dofs) {
-    const auto found = posing.axes.find(dof.name);
-    if (found == posing.axes.end()) continue;
-    for (const JointTurn& turn : dof.turns) {
-      Quat& rotation = pose.joints[turn.joint].rotation;
-      rotation = turn_about_rest_axis(skeleton, turn, found->second) * rotation;
-    }
-  }
-  for (const auto& [joint, degrees] : posing.joints) {
-    const int found = skeleton.find(joint);
-    if (found < 0) continue;
-    const auto index = static_cast<std::size_t>(found);
-    Quat& rotation = pose.joints[index].rotation;
-    const bool is_limited = index < ranges.size() && ranges[index];
-    rotation = is_limited ? turned_within(*ranges[index], skeleton.joints[index].bind.rotation, rotation, degrees)
-                          : normalized(rotation * turn_of(degrees));
-  }
-  return pinned(skeleton, ranges, std::move(pose), posing.pins);
+           const Pose& clip, const ViewSettings::PoseKey& posing) {
+  auto [pose, pins] = before_reaching(skeleton, limits, ranges, clip, posing);
+  return pinned(skeleton, ranges, std::move(pose), pins);
+}
+
+std::vector<MissedPin> missed_pins(const Skeleton& skeleton, const JointLimits& limits,
+                                   const std::vector<std::optional<JointRange>>& ranges, const Pose& clip,
+                                   const ViewSettings::PoseKey& posing) {
+  const auto [pose, pins] = before_reaching(skeleton, limits, ranges, clip, posing);
+  return missed_pins(skeleton, ranges, pose, pins);
+}
+
+Vec3 facing_of(const Skeleton& skeleton, const JointLimits& limits,
+               const std::vector<std::optional<JointRange>>& ranges, const Pose& clip,
+               const ViewSettings::PoseKey& posing, std::size_t joint) {
+  const Pose free = before_reaching(skeleton, limits, ranges, clip, posing).first;
+  const Quat shown = world_rotations(skeleton, posed(skeleton, limits, ranges, clip, posing))[joint];
+  return degrees_of(shown * conjugate(turned_here(skeleton, joint, clip, free)));
 }
 
 Pose posed_frame(const Clip& clip, std::size_t at, const Basis& basis, const JointLimits& limits,
@@ -129,7 +256,7 @@ Pose posed_frame(const Clip& clip, std::size_t at, const Basis& basis, const Joi
         is_keyed ? between_keys(posing.keys, part.first_frame + static_cast<int>(k)) : ViewSettings::PoseKey(posing);
     set_posed_controls(part.controls, here, part.poses[k]);
   }
-  part.poses.back() = posed(basis.skeleton, limits, ranges, std::move(part.poses.back()), posing);
+  part.poses.back() = posed(basis.skeleton, limits, ranges, part.poses.back(), posing);
   apply_channels(basis, part);
   return std::move(part.poses.back());
 }
@@ -140,7 +267,7 @@ Clip posed_clip(Clip clip, const Skeleton& skeleton, const JointLimits& limits, 
   const std::vector<std::string> controls = posed_controls(clip, posing);
   for (std::size_t k = 0; k < clip.poses.size(); ++k) {
     const ViewSettings::Posing here = keyed_posing(posing, clip.first_frame + static_cast<int>(k));
-    clip.poses[k] = posed(skeleton, limits, ranges, std::move(clip.poses[k]), here);
+    clip.poses[k] = posed(skeleton, limits, ranges, clip.poses[k], here);
     set_posed_controls(controls, here, clip.poses[k]);
   }
   clip.controls = controls;

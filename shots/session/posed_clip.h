@@ -4,6 +4,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "assets/clip.h"
@@ -13,9 +14,12 @@
 
 namespace bodyopt {
 
+// From one pose to another, `t` from 0 to 1. Joints, axes and moves that one leaves out are there as the clip has them,
+// controls and pins as the other has them.
+ViewSettings::PoseKey blended(const ViewSettings::PoseKey& a, const ViewSettings::PoseKey& b, double t);
+
 // What is set on top of the clip, between the frames that have keys.
-// Slow at each key, fast between them; before the first and after the last as those. Joints and axes that a key leaves
-// out are there as the clip has them, controls and pins as the other key has them. There must be a key.
+// As the key before eases; before the first and after the last as those. There must be a key.
 ViewSettings::PoseKey between_keys(const std::map<int, ViewSettings::PoseKey>& keys, int frame);
 
 // The posing as it is at a frame: by its keys, or, without any, as it is.
@@ -24,10 +28,25 @@ ViewSettings::Posing keyed_posing(ViewSettings::Posing posing, int frame);
 // Where there is no clip to pose: the bind pose for ten seconds.
 Clip still_clip(const Skeleton& skeleton, const ClipOptions& options);
 
-// Joints of the pose turned about the axes of the limits, then by their own angles, as far as their ranges let them;
-// then limbs reach for where their ends are pinned. `ranges`: of every joint, or empty: as far as they are turned.
+// What may be added to a clip's pose along a degree of freedom, degrees: to its limits, together with what the clip
+// itself turns there, and always nothing. Of several joints the clip's turn is the mean.
+std::pair<double, double> free_angles(const JointLimits& limits, const Skeleton& skeleton, const DegreeOfFreedom& dof,
+                                      const Pose& clip);
+
+// Joints of the pose turned about the axes of the limits, then by their own angles, as far as their ranges let them,
+// and moved; then limbs reach for where their ends are pinned. `ranges`: of every joint, or empty: as far as they are
+// turned.
 Pose posed(const Skeleton& skeleton, const JointLimits& limits, const std::vector<std::optional<JointRange>>& ranges,
-           Pose pose, const ViewSettings::PoseKey& posing);
+           const Pose& clip, const ViewSettings::PoseKey& posing);
+// Pins that it does not reach.
+std::vector<MissedPin> missed_pins(const Skeleton& skeleton, const JointLimits& limits,
+                                   const std::vector<std::optional<JointRange>>& ranges, const Pose& clip,
+                                   const ViewSettings::PoseKey& posing);
+
+// As ViewSettings::PoseKey::facing has it: how a joint faces now, so that it goes on so once it is pinned.
+Vec3 facing_of(const Skeleton& skeleton, const JointLimits& limits,
+               const std::vector<std::optional<JointRange>>& ranges, const Pose& clip,
+               const ViewSettings::PoseKey& posing, std::size_t joint);
 
 // The pose number `at` of what posed_clip() and then apply_channels() make of the clip, to the last bit. `ranges`: of
 // every joint, as posed() takes them.

@@ -3,12 +3,12 @@
 #pragma once
 
 #include <numbers>
+#include <type_traits>
 
 #include "shots/session/view_settings.h"
 
 namespace bodyopt {
 
-inline constexpr double kFurthest = 1e6;     // metres, of a camera's target
 inline constexpr double kLatestFrame = 1e9;  // either way
 
 inline constexpr auto kPlayingFields = [](auto& list, auto& playing) {
@@ -68,6 +68,18 @@ inline constexpr auto kPoseKeyFields = [](auto& list, auto& key) {
   });
   list.named("pins", key.pins,
              [](auto& pins, const char* name, auto& at) { pins.vector(name, at, -kFurthest, kFurthest); });
+  // Earlier programs refuse these keys: files have them only where they say something.
+  constexpr bool writes = std::is_const_v<std::remove_reference_t<decltype(key)>>;
+  if (!writes || !key.moves.empty()) {
+    list.named("moves", key.moves,
+               [](auto& moves, const char* name, auto& by) { moves.vector(name, by, -kFurthest, kFurthest); });
+  }
+  if (!writes || key.ease != KeyEase::smooth) list.choice("ease", key.ease, kKeyEaseNames);
+  if (!writes || !key.facing.empty()) {
+    list.named("facing", key.facing, [](auto& facing, const char* name, auto& angles) {
+      facing.vector(name, angles, -kMostTurn, kMostTurn);
+    });
+  }
 };
 
 inline constexpr auto kPosingFields = [](auto& list, auto& pose) {

@@ -43,6 +43,7 @@ struct PlaySettings {
   bool operator==(const PlaySettings&) const = default;
 };
 
+enum class KeyEase { smooth, linear, step };  // from a key to the next
 enum class LookStyle { clay, matcap, flat, normals };
 enum class CompareWith { none, lbs, ddm, linear, full, jiggle, truth, proxy };
 enum class CompareLayout { side_by_side, overlay, wipe, hold };
@@ -51,6 +52,7 @@ enum class SectionAxis { x, y, z };
 
 // In commands, panels and the state file; in the order of the enumerations.
 inline constexpr std::array kPlayModeNames{"loop", "ping-pong", "once"};
+inline constexpr std::array kKeyEaseNames{"smooth", "linear", "step"};
 inline constexpr std::array kStyleNames{"clay", "matcap", "flat", "normals"};
 inline constexpr std::array kComparisonNames{"none", "lbs", "ddm", "linear", "full", "jiggle", "truth", "proxy"};
 inline constexpr std::array kLayoutNames{"side-by-side", "overlay", "wipe", "hold"};
@@ -85,10 +87,13 @@ struct ViewSettings {
 
   // What is set on top of the clip.
   struct PoseKey {
-    std::map<std::string, Vec3> joints;  // Euler angles about x, y, z in degrees, by joint
-    std::map<std::string, double> axes;  // degrees, by the name of a degree of freedom of limits.json
-    std::map<std::string, double> controls;
-    std::map<std::string, Vec3> pins;  // where ends of limbs are held, metres, world, by joint
+    std::map<std::string, Vec3> joints{};  // Euler angles about x, y, z in degrees, by joint
+    std::map<std::string, double> axes{};  // degrees, by the name of a degree of freedom of limits.json
+    std::map<std::string, double> controls{};
+    std::map<std::string, Vec3> pins{};    // where ends of limbs are held, metres, world, by joint
+    std::map<std::string, Vec3> moves{};   // along the world's axes, metres, by joint
+    std::map<std::string, Vec3> facing{};  // of pinned ends, without what turns them here, degrees, world, by joint
+    KeyEase ease = KeyEase::smooth;        // smooth: slow at this key and at the next
     bool operator==(const PoseKey&) const = default;
   };
 
@@ -162,6 +167,7 @@ inline constexpr double kFinestHeat = 0.01, kCoarsestHeat = 1000;  // mm, of the
 inline constexpr double kFinestBrush = 0.1, kWidestBrush = 1e4;    // mm, of its radius
 inline constexpr double kWidestSpread = 360;                       // degrees, of what is brushed over poses
 inline constexpr double kMostTurn = 360;                           // degrees, either way
+inline constexpr double kFurthest = 1e6;                           // metres, of targets, pins and moves
 inline constexpr double kMostControl = 1e6;                        // either way
 
 // The sections of the side panel, and which are open: kept with the settings, by name.

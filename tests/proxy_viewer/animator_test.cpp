@@ -146,6 +146,46 @@ TEST_F(AnimatorTest, AFingersPinIsTheHands) {
   EXPECT_EQ(pins.size(), 3u);
 }
 
+// A file of the lead's rig with a motion is a clip, unless a character is asked for.
+TEST_F(AnimatorTest, AnotherOfTheSameRigIsOpenedAsACharacterByName) {
+  write_character(stand_in_human(), "human.glb");
+  std::filesystem::copy_file("human.glb", "second.glb");
+  ViewerOptions options = small();
+  options.files = {"human.glb"};
+  const auto viewport = open(options, kBarePicture);
+  viewport->prompt("character second.glb");
+  ASSERT_EQ(viewport->session().scene.cast().size(), 2u);
+  EXPECT_EQ(viewport->session().scene.cast()[1]->name(), "second");
+  EXPECT_EQ(viewport->session().scene.lead().name(), "human");
+  // In another unit, and as it was posed.
+  viewport->prompt("turn LeftArm 0 0 20");
+  const double size = viewport->session().scene.lead().size();
+  viewport->prompt("unit 0.01");
+  EXPECT_NEAR(viewport->session().scene.lead().size(), 0.01 * size, 1e-4 * size);
+  EXPECT_EQ(viewport->controls().settings.pose.joints.at("LeftArm"), (Vec3{0, 0, 20}));
+  viewport->prompt("unit auto");
+  EXPECT_NEAR(viewport->session().scene.lead().size(), size, 1e-6 * size);
+}
+
+TEST_F(AnimatorTest, FramingTheRangeSeesCopiesAndWhereItGoes) {
+  const auto viewport = open_still("hud off; copies 8");
+  viewport->prompt("select");
+  viewport->prompt("frame-selection");
+  const double still = viewport->controls().camera.view().distance;
+  viewport->prompt("turn lower 0 0 90");
+  viewport->prompt("key");
+  viewport->prompt("frame 100");
+  viewport->prompt("reset-pose");
+  viewport->prompt("move lower 0 3 0");
+  viewport->prompt("key");
+  viewport->prompt("frame 1");
+  viewport->key("Shift+F");
+  EXPECT_GT(viewport->controls().camera.view().distance, 1.3 * still) << "of what comes, too";
+  viewport->prompt("copies 1");
+  viewport->prompt("frame-selection");
+  EXPECT_LT(viewport->controls().camera.view().distance, 0.7 * still) << "copies take room";
+}
+
 TEST_F(AnimatorTest, ASessionIsSavedByTheMenuAndTheList) {
   const auto viewport = open_still("hud off; turn upper 20 0 0; key");
   viewport->click(20, 10);
@@ -168,7 +208,7 @@ TEST_F(AnimatorTest, NamesThatAreProposedAreFreeAndTaken) {
     const std::string name = controls.dialog->name;
     EXPECT_EQ(name == "motion_2.glb", command == "export-clip") << name;
     EXPECT_EQ(name == "turntable_2.####.png", command == "turntable") << name;
-    if (command == "open" || command == "load-state") {
+    if (!writes_file(command)) {
       EXPECT_EQ(name, "") << command;
     } else {
       EXPECT_FALSE(controls.dialog->replaces()) << name;

@@ -23,7 +23,12 @@ Controls controls_of_a_session() {
   controls.playback.set_keys({5, 15});
   controls.playback.set_range(3, 30);
   controls.playback.scrub(10);
-  controls.joint_names = {"Hips", "LeftArm", "LeftForeArm", "RightArm", "Bip01 L Arm"};
+  controls.joint_names = {"Hips", "LeftArm", "LeftForeArm", "RightArm", "RightForeArm", "Bip01 L Arm"};
+  controls.movable_names = {"Hips"};
+  controls.copied = CopiedPose{{.joints = {{"LeftForeArm", {0, 0, 30}}}}, {"LeftForeArm"}};
+  controls.recent = {"/shots/a.json", "/shots/b.json"};
+  controls.left_behind = "/tmp/left.json";
+  controls.axis_joints = {"LeftForeArm"};
   controls.joint_axes.assign(controls.joint_names.size(), Quat{0, 0, 0, 1});
   controls.live = false;
   controls.placements.resize(3);
@@ -31,7 +36,9 @@ Controls controls_of_a_session() {
   controls.marking.pairs = {{1, 2}};
   controls.control_names = {"biceps", "breath", "upper lip"};
   controls.axis_names = {"elbow_flexion"};
-  controls.settings.pose.keys[10] = {};
+  controls.settings.pose.keys[5].joints["LeftArm"] = {0, 0, 0};
+  controls.settings.pose.keys[10].joints["LeftArm"] = {4, 5, 6};
+  controls.settings.pose.keys[20].joints["LeftArm"] = {40, 0, 0};
   controls.settings.cameras["close"] = {{1, 2, 3}, 0.5, 0.1, 0.2, true};
   controls.settings.pose.joints["Hips"] = {1, 2, 3};
   controls.settings.pose.joints["LeftArm"] = {4, 5, 6};
@@ -181,7 +188,7 @@ const std::map<std::string, Case>& cases() {
         [](C, C c) { return valued(c.settings.pose.axes, "elbow_flexion") == 40; },
         {"", "elbow_flexion", "elbow_flexion x", "elbow_flexion 361", "knee_flexion 1"}}},
       {"key", {"", [](C, C c) { return c.settings.pose.keys.at(10) == c.settings.pose; }, {"1"}}},
-      {"unkey", {"", [](C, C c) { return c.settings.pose.keys.empty(); }, {"1"}}},
+      {"unkey", {"", [](C, C c) { return !c.settings.pose.keys.contains(10); }, {"1"}}},
       {"export-clip",
        {"take.bvh", [](C, C c) { return c.requests.export_clip == "take.bvh"; }, {"", "take.fbx", "take", "take.mdd"}}},
       {"export-skin",
@@ -228,7 +235,7 @@ const std::map<std::string, Case>& cases() {
       {"turntable", {"t.####.png", [](C, C c) { return c.requests.turntable == "t.####.png"; }, {""}}},
       {"sequence", {"s.####.png", [](C, C c) { return c.requests.sequence == "s.####.png"; }, {""}}},
       {"browse", {"save", [](C, C c) { return c.dialog && c.dialog->command == "save"; }, {"", "play", "hats"}}},
-      {"open", {"a.bvh", [](C, C c) { return c.requests.open == std::vector<std::string>{"a.bvh"}; }, {""}}},
+      {"open", {"a.bvh", [](C, C c) { return c.requests.open == std::vector<std::string>{"a.bvh"}; }}},
       {"pan",
        {"0.5 -1",
         [](C b, C c) { return c.camera.view().target != b.camera.view().target; },
@@ -236,6 +243,58 @@ const std::map<std::string, Case>& cases() {
       {"lead", {"2", [](C, C c) { return c.requests.lead == 2; }, {"", "hero", "1.5"}}},
       {"remove", {"3", [](C, C c) { return c.requests.remove == 3; }, {"", "hero", "1.5"}}},
       {"reload", {"", [](C, C c) { return c.requests.reload; }, {"1"}}},
+      {"character", {"a.glb", [](C, C c) { return c.requests.add == std::vector<std::string>{"a.glb"}; }}},
+      {"unit", {"0.01", [](C, C c) { return c.requests.unit == 0.01; }, {"", "0", "-1", "inches"}}},
+      {"frame-range", {"", [](C, C c) { return c.requests.frame_range; }, {"1"}}},
+      {"ease", {"step", [](C, C c) { return c.settings.pose.keys.at(10).ease == KeyEase::step; }, {"", "slow"}}},
+      {"shift-keys",
+       {"2",
+        [](C, C c) { return c.settings.pose.keys.contains(12) && !c.settings.pose.keys.contains(10); },
+        {"", "x"}}},
+      {"repeat-keys",
+       {"8",
+        [](C, C c) { return c.settings.pose.keys.contains(15) && c.settings.pose.keys.contains(10); },
+        {"", "x"}}},
+      {"scale-keys",
+       {"0.5",
+        [](C, C c) { return c.settings.pose.keys.contains(4) && c.settings.pose.keys.size() == 3; },
+        {"", "0", "many"}}},
+      {"limits", {"none", [](C, C c) { return c.requests.limits == "none"; }}},
+      {"select-also",
+       {"Hips", [](C, C c) { return c.joint == "LeftArm" && c.also.contains("Hips"); }, {"", "LeftArn"}}},
+      {"copy", {"", [](C, C c) { return c.copied->pose.pins.contains("LeftArm") && c.copied->joints.empty(); }, {"1"}}},
+      {"paste",
+       {"",
+        [](C, C c) {
+          return valued(c.settings.pose.joints, "LeftForeArm") == Vec3{0, 0, 30} &&
+                 c.settings.pose.joints.contains("LeftArm");
+        },
+        {"1"}}},
+      {"paste-flipped", {"", [](C, C c) { return c.settings.pose.joints.contains("RightForeArm"); }, {"1"}}},
+      {"flip-keys",
+       {"",
+        [](C, C c) {
+          return length(valued(c.settings.pose.keys.at(10).joints, "RightArm").value_or(Vec3{}) - Vec3{4, -5, -6}) < 1e-9;
+        },
+        {"1"}}},
+      {"tween",
+       {"0.25",
+        [](C, C c) {
+          return length(valued(c.settings.pose.joints, "LeftArm").value_or(Vec3{}) - Vec3{10, 0, 0}) < 1e-9;
+        },
+        {"", "1.5", "half"}}},
+      {"auto-key", {"on", [](C, C c) { return c.auto_key; }, {"yes"}}},
+      {"save-pose", {"p.json", [](C, C c) { return c.requests.save_pose == "p.json"; }, {"", "p.txt"}}},
+      {"load-pose",
+       {"my p.json 0.5",
+        [](C, C c) { return c.requests.load_pose == PoseRequest{"my p.json", 0.5}; },
+        {"", "p.txt", "p.json 2", "p.txt 0.5"}}},
+      {"recent", {"2", [](C, C c) { return c.requests.open == std::vector<std::string>{"/shots/b.json"}; }, {"", "0", "3"}}},
+      {"recover", {"forget", [](C, C c) { return c.requests.recover == false; }, {"yes"}}},
+      {"move",
+       {"Hips 0.1 -0.2 0",
+        [](C, C c) { return valued(c.settings.pose.moves, "Hips") == Vec3{0.1, -0.2, 0}; },
+        {"", "Hips", "Hips 1 2", "LeftArm 0 0 1", "Hips 0 0 far", "Hips 0 0 1e9"}}},
       {"pin",
        {"LeftArm 1 2 -0.5",
         [](C, C c) {
@@ -247,7 +306,7 @@ const std::map<std::string, Case>& cases() {
        {"10 4",
         [](C, C c) { return c.settings.pose.keys.contains(4) && !c.settings.pose.keys.contains(10); },
         {"", "3", "1 2", "10 1e9", "10 41"}}},
-      {"save", {"s.json", [](C, C c) { return c.requests.save == "s.json"; }, {"", "s.txt"}}},
+      {"save", {"s.json", [](C, C c) { return c.requests.save == "s.json"; }, {"s.txt"}}},
       {"save-state", {"s.json", [](C, C c) { return c.requests.save_state == "s.json"; }, {""}}},
       {"load-state", {"s.json", [](C, C c) { return c.requests.load_state == "s.json"; }, {""}}},
       {"panels", {"off", [](C, C c) { return !c.panels; }, {"no"}}},

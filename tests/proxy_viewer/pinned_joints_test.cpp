@@ -105,8 +105,8 @@ TEST(Pins, ThatAreMissedSayByHowMuchAndWhy) {
   const Skeleton skeleton = chain();
   const Pose bind = bind_pose(skeleton);
   const std::vector<std::optional<JointRange>> stiff(4, JointRange{{-10, -10, -10}, {10, 10, 10}});
-  EXPECT_TRUE(missed_pins(skeleton, {}, bind, {{"joint3", {0, 0.5, 0.2}}}).empty());
-  const std::vector<MissedPin> held = missed_pins(skeleton, stiff, bind, {{"joint3", {0, 0.5, 0.2}}});
+  EXPECT_TRUE(missed_pins(skeleton, {}, bind, Pins{{{"joint3", {0, 0.5, 0.2}}}}).empty());
+  const std::vector<MissedPin> held = missed_pins(skeleton, stiff, bind, Pins{{{"joint3", {0, 0.5, 0.2}}}});
   ASSERT_EQ(held.size(), 1u);
   EXPECT_TRUE(held[0].by_limits);
   ViewSettings::PoseKey posing;
@@ -114,10 +114,119 @@ TEST(Pins, ThatAreMissedSayByHowMuchAndWhy) {
   const Pose reached = posed(skeleton, {}, stiff, bind, posing);
   EXPECT_NEAR(held[0].away, length(centre_of(skeleton, reached, 3) - Vec3{0, 0.5, 0.2}), 1e-12);
   // The limb hangs at 0.4 and is 0.803 long.
-  const std::vector<MissedPin> far = missed_pins(skeleton, {}, bind, {{"joint3", {0, 5, 0}}, {"nobody", {0, 0, 0}}});
+  const std::vector<MissedPin> far =
+      missed_pins(skeleton, {}, bind, Pins{{{"joint3", {0, 5, 0}}, {"nobody", {0, 0, 0}}}});
   ASSERT_EQ(far.size(), 1u);
   EXPECT_FALSE(far[0].by_limits);
   EXPECT_NEAR(far[0].away, 5 - 0.4 - 0.4 - std::hypot(0.4, 0.05), 1e-3);
+}
+
+// Hips, a thigh, a shin, a foot, and a toe before it; the knee is a little bent to the front.
+Skeleton leg() {
+  Skeleton skeleton;
+  const Vec3 places[] = {{0, 0.9, 0}, {0, -0.02, 0}, {0, -0.42, 0.02}, {0, -0.42, -0.02}, {0, -0.04, 0.12}};
+  const char* const names[] = {"Hips", "LeftUpLeg", "LeftLeg", "LeftFoot", "LeftToeBase"};
+  Affine above;
+  for (int j = 0; j < 5; ++j) {
+    Joint joint;
+    joint.name = names[j];
+    joint.parent = j - 1;
+    joint.bind.translation = places[j];
+    above = above * affine_from(joint.bind);
+    joint.inverse_bind = inverse(above);
+    skeleton.joints.push_back(joint);
+  }
+  return skeleton;
+}
+
+// Squats, and turns: the foot stays where it was pinned, and as it stood.
+TEST(Moves, OfTheHipsLeaveAPinnedFootOnTheGround) {
+  const Skeleton skeleton = leg();
+  const Pose bind = bind_pose(skeleton);
+  ViewSettings::PoseKey posing;
+  posing.pins["LeftFoot"] = centre_of(skeleton, bind, 3);
+  posing.facing["LeftFoot"] = facing_of(skeleton, {}, {}, bind, posing, 3);
+  posing.moves["Hips"] = {0.05, -0.25, 0.1};
+  posing.joints["Hips"] = {0, 25, 5};
+  const Pose squat = posed(skeleton, {}, {}, bind, posing);
+  EXPECT_LT(length(centre_of(skeleton, squat, 0) - centre_of(skeleton, bind, 0) - posing.moves["Hips"]), 1e-12);
+  EXPECT_LT(length(centre_of(skeleton, squat, 3) - centre_of(skeleton, bind, 3)), 1e-6);
+  EXPECT_LT(length(centre_of(skeleton, squat, 4) - centre_of(skeleton, bind, 4)), 1e-6) << "it points where it did";
+  EXPECT_GT(centre_of(skeleton, squat, 2)[2], 0.1) << "the knee goes to the front";
+  EXPECT_TRUE(missed_pins(skeleton, {}, {}, bind, posing).empty());
+  // Turned by its own angles it turns against the ground.
+  posing.joints["LeftFoot"] = {-20, 0, 0};
+  EXPECT_GT(centre_of(skeleton, posed(skeleton, {}, {}, bind, posing), 4)[1], centre_of(skeleton, bind, 4)[1] + 0.03);
+}
+
+TEST(Moves, AreAlongTheWorldsAxesWhateverIsAbove) {
+  Skeleton skeleton = leg();
+  Pose pose = bind_pose(skeleton);
+  pose.joints[0].rotation = axis_angle({0, 0, 1}, 1.0);
+  pose.joints[0].scale = {2, 2, 2};
+  ViewSettings::PoseKey posing;
+  posing.moves["LeftUpLeg"] = {0.1, 0.2, -0.3};
+  const Vec3 before = centre_of(skeleton, pose, 1);
+  const Vec3 after = centre_of(skeleton, posed(skeleton, {}, {}, pose, posing), 1);
+  EXPECT_LT(length(after - before - posing.moves["LeftUpLeg"]), 1e-12);
+}
+
+TEST(Pins, OfAToeHoldItAndTheHeelComesUpOnceTheLegIsTooShort) {
+  const Skeleton skeleton = leg();
+  const Pose bind = bind_pose(skeleton);
+  ViewSettings::PoseKey posing;
+  posing.pins["LeftToeBase"] = centre_of(skeleton, bind, 4);
+  posing.facing["LeftToeBase"] = facing_of(skeleton, {}, {}, bind, posing, 4);
+  posing.moves["Hips"] = {0, -0.2, 0};
+  const Pose squat = posed(skeleton, {}, {}, bind, posing);
+  EXPECT_LT(length(centre_of(skeleton, squat, 4) - posing.pins["LeftToeBase"]), 1e-6);
+  EXPECT_LT(length(centre_of(skeleton, squat, 3) - centre_of(skeleton, bind, 3)), 1e-6) << "the heel stays down";
+  posing.moves["Hips"] = {0, 0.03, 0.25};
+  const Pose lifted = posed(skeleton, {}, {}, bind, posing);
+  EXPECT_LT(length(centre_of(skeleton, lifted, 4) - posing.pins["LeftToeBase"]), 2e-3);
+  EXPECT_GT(centre_of(skeleton, lifted, 3)[1], centre_of(skeleton, bind, 3)[1] + 0.03);
+}
+
+// Overstretched by a degree at rest, as artists' rigs are.
+TEST(Pins, BendAKneeToTheSideThatItsRangeHas) {
+  Skeleton skeleton = leg();
+  skeleton.joints[2].bind.translation[2] = skeleton.joints[3].bind.translation[2] = -0.005;
+  skeleton.joints[3].bind.translation[2] = 0.005;
+  const Pose bind = bind_pose(skeleton);
+  std::vector<std::optional<JointRange>> ranges(5);
+  ranges[2] = JointRange{{0, 0, 0}, {135, 0, 0}};
+  ViewSettings::PoseKey posing;
+  posing.pins["LeftFoot"] = centre_of(skeleton, bind, 3);
+  posing.moves["Hips"] = {0, -0.25, 0};
+  const Pose squat = posed(skeleton, {}, ranges, bind, posing);
+  EXPECT_LT(length(centre_of(skeleton, squat, 3) - posing.pins["LeftFoot"]), 1e-3);
+  EXPECT_GT(centre_of(skeleton, squat, 2)[2], 0.1);
+}
+
+// An elbow that a clip bends already goes no further than its limit by the slider that is named after it.
+TEST(Axes, EndAtTheLimitTogetherWithTheClip) {
+  const Skeleton skeleton = leg();
+  const JointLimits limits{{{"hip_flexion", 0, -20, 120, {{1, {-1, 0, 0}}}},
+                            {"hip_rotation", 0, -40, 40, {{1, {0, -1, 0}}}},
+                            {"knee_flexion", 5, 0, 130, {{2, {1, 0, 0}}}}}};
+  const std::vector<std::optional<JointRange>> ranges = joint_ranges(limits, skeleton);
+  Pose clip = bind_pose(skeleton);
+  clip.joints[1].rotation = axis_angle({-1, 0, 0}, 0.5) * axis_angle({0, -1, 0}, 0.3);
+  clip.joints[2].rotation = axis_angle({1, 0, 0}, 40 * std::numbers::pi / 180);
+  const auto free = [&](std::size_t k) { return free_angles(limits, skeleton, limits.dofs[k], clip); };
+  EXPECT_NEAR(free(2).second, 130 - 5 - 40, 1e-6);
+  EXPECT_NEAR(free(2).first, -5 - 40, 1e-6);
+  EXPECT_NEAR(free(0).second, 120 - 0.5 * 180 / std::numbers::pi, 1e-3) << "of several axes each has its own angle";
+  EXPECT_NEAR(free(1).second, 40 - 0.3 * 180 / std::numbers::pi, 1e-3);
+  ViewSettings::PoseKey posing;
+  posing.axes["knee_flexion"] = 110;
+  const Pose bent = posed(skeleton, limits, ranges, clip, posing);
+  EXPECT_NEAR(2 * std::acos(bent.joints[2].rotation[3]) * 180 / std::numbers::pi, 125, 1e-5);
+  EXPECT_NEAR(2 * std::acos(posed(skeleton, limits, {}, clip, posing).joints[2].rotation[3]),
+              150 * std::numbers::pi / 180, 1e-5)
+      << "without ranges as far as it is turned";
+  clip.joints[2].rotation = axis_angle({1, 0, 0}, 140 * std::numbers::pi / 180);
+  EXPECT_EQ(free(2).second, 0) << "what the clip has beyond goes no further";
 }
 
 class PosingTest : public PlayedTest {
@@ -148,6 +257,32 @@ TEST_F(PosingTest, ARingIsDraggedAndThatIsOneStepOfUndo) {
   EXPECT_EQ(viewport->controls().camera.view(), before) << "the camera stays";
   viewport->key("Ctrl+Z");
   EXPECT_FALSE(viewport->controls().settings.pose.joints.contains("upper"));
+}
+
+TEST_F(PosingTest, AnArrowIsDraggedAndThatIsOneStepOfUndo) {
+  const auto viewport = open(small(), kBarePicture + "; legend off; skeleton on; front; select lower");
+  const std::vector<MoveArrow> arrows = move_arrows(viewport->session().scene, viewport->controls());
+  ASSERT_EQ(arrows.size(), 3u);
+  const auto where = [&](const Vec3& at) {
+    const auto pixel = pixel_of(viewport->session().scene, viewport->controls(), {0, 0, 320, 180}, 160, at);
+    EXPECT_TRUE(pixel);
+    return *pixel;
+  };
+  const Vec3 along = arrows[1].to - arrows[1].from;
+  const auto from = where(arrows[1].from + 0.9 * along), to = where(arrows[1].from + 1.9 * along);
+  viewport->drag(0, from, {{to[0] + 20, to[1]}});
+  ASSERT_TRUE(viewport->controls().settings.pose.moves.contains("lower"));
+  const Vec3 moved = viewport->controls().settings.pose.moves.at("lower");
+  EXPECT_NEAR(moved[1], length(along), 0.1 * length(along)) << "up, however the mouse went aside";
+  EXPECT_EQ(moved[0], 0);
+  EXPECT_TRUE(viewport->controls().is_posed("lower"));
+  viewport->key("Ctrl+Z");
+  EXPECT_TRUE(viewport->controls().settings.pose.moves.empty());
+  // At its middle it is dragged in the plane of the picture.
+  const auto middle = where(arrows[1].from);
+  viewport->drag(0, middle, {{middle[0] + 30, middle[1]}});
+  ASSERT_TRUE(viewport->controls().settings.pose.moves.contains("lower"));
+  EXPECT_GT(viewport->controls().settings.pose.moves.at("lower")[0], 0.01);
 }
 
 TEST_F(PosingTest, PinsAreKeptByKeysAndRefusedWhereNothingCanReach) {

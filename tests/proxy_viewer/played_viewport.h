@@ -21,7 +21,6 @@ inline const std::string kBarePicture = "panels off; hud off";
 class QuietScreen : public Screen {
  public:
   std::vector<WindowEvent> poll(double /*seconds*/) override { return {}; }
-  bool closed() const override { return false; }
   void set_title(const std::string& text) override { title = text; }
   std::array<std::uint32_t, 2> size() const override { return pixels; }
   void show(const Viewport& viewport) override { picture = viewport.picture(); }

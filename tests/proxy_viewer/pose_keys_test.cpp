@@ -37,6 +37,139 @@ TEST(PoseKeys, BlendBetweenKeysAndHoldBeyond) {
   EXPECT_LT(between_keys(keys, 12).joints.at("upper")[0], 0.2 * 40);  // slow at the key
 }
 
+TEST(PoseKeys, EaseToTheNextAsTheySay) {
+  std::map<int, ViewSettings::PoseKey> keys = {{10, bent(0)}, {20, bent(40)}};
+  keys[10].ease = KeyEase::linear;
+  EXPECT_DOUBLE_EQ(between_keys(keys, 12).joints.at("upper")[0], 8);
+  keys[10].ease = KeyEase::step;
+  EXPECT_DOUBLE_EQ(between_keys(keys, 19).joints.at("upper")[0], 0);
+  EXPECT_DOUBLE_EQ(between_keys(keys, 20).joints.at("upper")[0], 40);
+}
+
+// The short way about, whatever the angles that name it.
+TEST(PoseKeys, BlendHowAFootFacesByTheShortestTurn) {
+  std::map<int, ViewSettings::PoseKey> keys;
+  keys[0].facing["foot"] = {0, 170, 0};
+  keys[10].facing["foot"] = {0, -170, 0};
+  const Quat middle = turn_of(between_keys(keys, 5).facing.at("foot"));
+  EXPECT_NEAR(angle_between(middle, turn_of({0, 180, 0})), 0, 1e-6);
+}
+
+// Of a body whose sides are each other's mirror image.
+class FlippedPoseTest : public ::testing::Test {
+ protected:
+  FlippedPoseTest() {
+    controls_.joint_names = {"Spine", "LeftArm", "RightArm"};
+    controls_.joint_axes = {Quat{0, 0, 0, 1}, axis_angle({0, 0, 1}, 0.7), axis_angle({0, 0, 1}, -0.7)};
+    controls_.axis_names = {"left_shoulder_abduction", "right_shoulder_abduction", "spine_flexion", "spine_rotation"};
+    controls_.axis_joints = {"LeftArm", "RightArm", "Spine", "Spine"};
+    controls_.axes_flip = {true, true, false, true};
+    controls_.control_names = {"left_biceps", "right_biceps", "breath"};
+    pose().joints = {{"LeftArm", {10, 20, 30}}, {"Spine", {5, 6, 7}}};
+    pose().axes = {{"left_shoulder_abduction", 40}, {"spine_flexion", 12}, {"spine_rotation", 9}};
+    pose().controls = {{"left_biceps", 0.5}, {"breath", 0.25}};
+    pose().pins = {{"LeftArm", {0.5, 1, 0.2}}};
+    pose().facing = {{"LeftArm", {0, 30, 40}}};
+    pose().moves = {{"Spine", {0.1, -0.2, 0.3}}};
+  }
+  ViewSettings::Posing& pose() { return controls_.settings.pose; }
+  void run(const std::string& command) { run_command(controls_, command); }
+
+  Controls controls_;
+};
+
+TEST_F(FlippedPoseTest, ExchangesTheSidesAndTwiceIsAsItWas) {
+  const ViewSettings::Posing before = pose();
+  run("copy");
+  run("paste-flipped");
+  EXPECT_FALSE(pose().joints.contains("LeftArm"));
+  EXPECT_LT(length(pose().joints.at("Spine") - Vec3{5, -6, -7}), 1e-9);
+  EXPECT_EQ(pose().axes.at("right_shoulder_abduction"), 40);
+  EXPECT_EQ(pose().axes.at("spine_flexion"), 12) << "to the front is to the front";
+  EXPECT_EQ(pose().axes.at("spine_rotation"), -9);
+  EXPECT_EQ(pose().controls.at("right_biceps"), 0.5);
+  EXPECT_EQ(pose().controls.at("breath"), 0.25);
+  EXPECT_EQ(pose().pins.at("RightArm"), (Vec3{-0.5, 1, 0.2}));
+  EXPECT_EQ(pose().moves.at("Spine"), (Vec3{-0.1, -0.2, 0.3}));
+  run("copy");
+  run("paste-flipped");
+  EXPECT_LT(length(pose().joints.at("LeftArm") - before.joints.at("LeftArm")), 1e-6);
+  EXPECT_NEAR(angle_between(turn_of(pose().facing.at("LeftArm")), turn_of(before.facing.at("LeftArm"))), 0, 1e-6);
+  EXPECT_EQ(pose().axes, before.axes);
+}
+
+TEST_F(FlippedPoseTest, OfSeveralJointsLeavesTheOthers) {
+  run("select LeftArm");
+  run("select-also Spine");
+  EXPECT_EQ(controls_.selected(), (std::vector<std::string>{"LeftArm", "Spine"}));
+  run("copy");
+  EXPECT_TRUE(controls_.copied->pose.controls.empty()) << "controls are of no joint";
+  run("reset-pose");
+  pose().joints["RightArm"] = {1, 2, 3};
+  pose().controls["breath"] = 0.75;
+  run("paste");
+  EXPECT_EQ(pose().joints.at("LeftArm"), (Vec3{10, 20, 30}));
+  EXPECT_EQ(pose().axes.at("spine_flexion"), 12);
+  EXPECT_EQ(pose().joints.at("RightArm"), (Vec3{1, 2, 3}));
+  EXPECT_EQ(pose().controls.at("breath"), 0.75);
+  run("reset-joint");
+  EXPECT_EQ(pose().joints.size(), 1u);
+  EXPECT_TRUE(pose().axes.empty()) << "sliders of the limits, too";
+  run("select-also LeftArm");
+  EXPECT_EQ(controls_.joint, "Spine");
+  run("select-also Spine");
+  EXPECT_EQ(controls_.joint, "");
+}
+
+TEST_F(FlippedPoseTest, MirrorTakesTheSlidersOfTheLimitsAlong) {
+  run("mirror LeftArm");
+  EXPECT_EQ(pose().axes.at("right_shoulder_abduction"), 40);
+  EXPECT_EQ(pose().axes.at("left_shoulder_abduction"), 40);
+  EXPECT_TRUE(pose().pins.contains("RightArm"));
+  EXPECT_EQ(kind_of([&] { run("mirror Spine"); }), ErrorKind::usage);
+}
+
+TEST_F(FlippedPoseTest, KeysOfTheRangeAreShiftedRepeatedAndScaled) {
+  controls_.playback = Playback({1, 100}, 24);
+  controls_.playback.set_range(10, 30);
+  const auto frames = [&] {
+    std::vector<int> all;
+    for (const auto& [frame, key] : pose().keys) all.push_back(frame);
+    return all;
+  };
+  const auto begin = [&] {
+    pose().keys.clear();
+    for (const int frame : {5, 10, 20, 40}) pose().keys[frame].joints["LeftArm"] = {static_cast<double>(frame), 0, 0};
+  };
+  begin();
+  run("shift-keys 20");
+  EXPECT_EQ(frames(), (std::vector{5, 30, 40}));
+  EXPECT_EQ(pose().keys[40].joints["LeftArm"][0], 20) << "what was there gives way";
+  begin();
+  run("repeat-keys 50");
+  EXPECT_EQ(frames(), (std::vector{5, 10, 20, 40, 50, 60}));
+  begin();
+  run("scale-keys 0.5");
+  EXPECT_EQ(frames(), (std::vector{5, 10, 15, 40}));
+  begin();
+  EXPECT_EQ(kind_of([&] { run("shift-keys 90"); }), ErrorKind::usage) << "no such frame";
+  EXPECT_EQ(frames(), (std::vector{5, 10, 20, 40}));
+  run("flip-keys");
+  EXPECT_TRUE(pose().keys[10].joints.contains("RightArm"));
+  EXPECT_TRUE(pose().keys[40].joints.contains("LeftArm")) << "it is not of the range";
+}
+
+TEST_F(FlippedPoseTest, TweensBetweenTheKeysAround) {
+  controls_.playback = Playback({1, 100}, 24);
+  pose().keys[10].joints["LeftArm"] = {0, 0, 0};
+  pose().keys[20].joints["LeftArm"] = {40, 0, 0};
+  controls_.playback.scrub(12);
+  run("tween 0.75");
+  EXPECT_DOUBLE_EQ(pose().joints.at("LeftArm")[0], 30);
+  controls_.playback.scrub(20);
+  EXPECT_EQ(kind_of([&] { run("tween 0.5"); }), ErrorKind::usage);
+}
+
 // The small character with a modifier that breathes by its two components, its joint limits, and a session over it.
 class KeptPoseTest : public ::testing::Test {
  protected:
@@ -172,6 +305,38 @@ TEST_F(KeptPoseTest, AnExportedClipIsInTheUnitOfItsCharacter) {
       EXPECT_NEAR(length(a - b), 0, 1e-6) << written << " " << k;
     }
   }
+}
+
+TEST_F(KeptPoseTest, APoseOfAFileIsTakenByItsAmount) {
+  const std::string file = (folder_ / "bent.json").string();
+  run("turn upper 30 0 10; control breath 0.5");
+  session_.save_pose(file);
+  run("reset-pose; turn upper 10 0 0");
+  session_.load_pose({file, 0.5});
+  EXPECT_DOUBLE_EQ(controls().settings.pose.joints.at("upper")[0], 20);
+  EXPECT_DOUBLE_EQ(controls().settings.pose.joints.at("upper")[2], 5);
+  session_.load_pose({file});
+  EXPECT_DOUBLE_EQ(controls().settings.pose.joints.at("upper")[0], 30);
+  ViewSettings other;
+  other.pose.joints["Tentacle"] = {1, 2, 3};
+  write_view_settings(other, file);
+  EXPECT_EQ(kind_of([&] { session_.load_pose({file}); }), ErrorKind::mismatch);
+  EXPECT_FALSE(controls().settings.pose.joints.contains("Tentacle"));
+}
+
+// Alone in its file: programs before this read what they know.
+TEST_F(KeptPoseTest, NewKeysAreWrittenOnlyWhereTheySaySomething) {
+  const auto written = [&] {
+    session_.save((folder_ / "shot.json").string());
+    std::ifstream file(folder_ / "shot.json");
+    return std::string(std::istreambuf_iterator<char>(file), {});
+  };
+  run("turn upper 30 0 0; key");
+  const std::string plain = written();
+  for (const char* key : {"moves", "facing", "ease"}) EXPECT_EQ(plain.find(key), std::string::npos) << key;
+  run("move lower 0 0.1 0; key; ease step");
+  const std::string more = written();
+  for (const char* key : {"moves", "ease"}) EXPECT_NE(more.find(key), std::string::npos) << key;
 }
 
 TEST_F(KeptPoseTest, FilesOfOtherKindsAreRefused) {

@@ -448,7 +448,7 @@ TEST(SessionLimits, HoldTheJointsThatAreTurned) {
   const Vec3 own_x = rotate(conjugate(decompose(upper.inverse_bind).rotation), {1, 0, 0});
   ViewerOptions options;
   options.files = {small.basis};
-  options.limits = (folder / "limits.json").string();
+  options.limits = (folder / "own_limits.json").string();
   write_joint_limits({{{"bend", 0, -20, 50, {{1, own_x, 1}}}}}, small.made.skeleton, options.limits);
   Session session(open_test_device(), options);
   session.open_first();
@@ -460,7 +460,7 @@ TEST(SessionLimits, HoldTheJointsThatAreTurned) {
   EXPECT_LT(length(angles("turn upper 30 0 0") - Vec3{30, 0, 0}), 1e-6);
   EXPECT_LT(length(angles("turn upper 80 40 0") - Vec3{50, 0, 0}), 1e-6);
   EXPECT_LT(length(angles("turn upper -80 0 0") - Vec3{-20, 0, 0}), 1e-6);
-  describe_turns(session.scene, 1, session.snapshot);
+  describe_turns(session.scene, session.controls, session.snapshot);
   EXPECT_NEAR(session.snapshot.joints[1].low[0], -20, 1e-6);
   EXPECT_NEAR(session.snapshot.joints[1].high[0], 50, 1e-6);
   EXPECT_NEAR(session.snapshot.joints[1].high[1], 0, 1e-6);
@@ -473,6 +473,41 @@ TEST(SessionLimits, HoldTheJointsThatAreTurned) {
   write_joint_limits({{{"bend", 0, -20, 60, {{1, own_x, 1}}}}}, small.made.skeleton, options.limits);
   session.reload({options.limits});
   EXPECT_LT(length(angles("turn upper 80 0 0") - Vec3{60, 0, 0}), 1e-6);
+}
+
+// As dynamics are; not those of another body, and not where others are named.
+TEST(SessionLimits, BesideACharacterAreTakenAlong) {
+  const TemporaryFolder folder;
+  const SmallCharacter small(folder);
+  const std::string beside = (folder / "limits.json").string(), other = (folder / "other.json").string();
+  const Skeleton& skeleton = small.made.skeleton;
+  write_joint_limits({{{"bend", 0, -20, 50, {{1, {1, 0, 0}, 1}}}}}, skeleton, beside);
+  write_joint_limits({{{"twist", 0, -20, 50, {{1, {0, 1, 0}, 1}}}}}, skeleton, other);
+  ViewerOptions options;
+  options.files = {small.basis};
+  Session session(open_test_device(), options);
+  session.open_first();
+  ASSERT_EQ(session.controls.axis_names, std::vector<std::string>{"bend"});
+  run_command(session.controls, "turn upper 5 0 0");
+  session.use_limits(other);
+  EXPECT_EQ(session.controls.axis_names, std::vector<std::string>{"twist"});
+  EXPECT_EQ(session.controls.settings.pose.joints.at("upper")[0], 5);
+  session.use_limits("none");
+  EXPECT_TRUE(session.controls.axis_names.empty());
+  EXPECT_THROW(session.use_limits(small.clip), Error);
+  options.limits = other;
+  Session named(open_test_device(), options);
+  named.open_first();
+  EXPECT_EQ(named.controls.axis_names, std::vector<std::string>{"twist"});
+  Skeleton strange = skeleton;
+  for (Joint& joint : strange.joints) joint.name = "strange " + joint.name;
+  write_joint_limits({{{"bend", 0, -20, 50, {{1, {1, 0, 0}, 1}}}}}, strange, beside);
+  options.limits.clear();
+  Session without(open_test_device(), options);
+  const std::vector<std::string> notes = without.open_first();
+  EXPECT_TRUE(without.controls.axis_names.empty());
+  ASSERT_FALSE(notes.empty());
+  EXPECT_NE(notes.front().find("of other joints"), std::string::npos);
 }
 
 TEST(Attempt, SaysWhatFailsUnlessItIsTheDevice) {

@@ -41,6 +41,9 @@ class RandomSettings {
       s.pose.controls[name()] = number(-2, 2);
       s.pose.pins[name()] = {number(-2, 2), number(-2, 2), number(-2, 2)};
       s.pose.axes[name()] = number(-90, 90);
+      s.pose.moves[name()] = {number(-2, 2), number(-2, 2), number(-2, 2)};
+      s.pose.ease = choice<KeyEase>(3);
+      s.pose.facing[name()] = {number(-180, 180), number(-180, 180), number(-180, 180)};
       s.pose.keys[integer(-1, 1)] = s.pose;
     }
     s.compare.match = static_cast<MatchView>(integer(0, 2));

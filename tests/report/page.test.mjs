@@ -20,6 +20,12 @@ class FakeElement {
   setAttribute(name, value) {
     this.attributes[name] = String(value);
   }
+  getAttribute(name) {
+    return this.attributes[name] ?? null;
+  }
+  querySelector(tag) {
+    return this.all(tag)[0] ?? null;
+  }
   append(...children) {
     for (const child of children) this.children.push(child instanceof FakeElement ? child : String(child));
   }
@@ -94,6 +100,7 @@ test("everything of a report is shown", () => {
   const { page, text } = report();
   const heads = page.all("h2").map((head) => head.textContent);
   assert.deepEqual(heads, [
+    "What now",
     "Warnings of the data",
     "On motion that shares nothing with what was trained on",
     "Held-out poses: truth, Direct Delta Mush, result, and where it differs",
@@ -110,6 +117,12 @@ test("everything of a report is shown", () => {
     "Details",
     "To repeat it",
   ]);
+  const links = page.all("nav")[0].all("a");
+  assert.deepEqual(
+    links.map((link) => link.textContent),
+    heads,
+  );
+  assert.equal(links[1].getAttribute("href"), "#warnings");
   assert.equal(page.all("img").length, 11);
   assert.equal(page.all("path").length, 4 + 4 + 2 + 2 + 1);
   assert.ok(!/NaN|undefined|null|There is nothing|cannot be/.test(text), text);
@@ -132,7 +145,9 @@ test("the page says what would help", () => {
   assert.doesNotMatch(text, /The skin at knee/);
   assert.doesNotMatch(text, /The skin at toe/); // much of its motion, but less than the whole skin keeps
   assert.match(text, /no region listens to them \(1\): plantaris\./);
-  assert.match(text, /train on: take 'shot': 3, 13\./);
+  assert.match(text, /Simulate poses like those of take 'shot': 3, 13:/);
+  assert.equal(page.all("code")[0].textContent, 'bodyopt view BASIS data --do "frame shot 11; heat on"');
+  assert.match(text, /Look at the muscles around hip: 2 mm there/);
   assert.match(text, /rank alike with Spearman's rho 0\.875/);
   assert.match(text, /control 'breath' is 0 in every training frame/);
   assert.ok(rowsOf(page).includes("2. knee|3|0.25|-|0.125"));

@@ -1,0 +1,29 @@
+// Poses as they are copied, pasted and flipped: all of what an animator set, or what of it some joints have.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "proxy_viewer/commands/controls.h"
+
+namespace bodyopt {
+
+// Axes of the joint limits that turn the joint first.
+std::vector<std::string> axes_turning(const Controls& controls, const std::string& joint);
+
+// What these joints have of a pose: turns, moves, pins.
+ViewSettings::PoseKey part_of(const Controls& controls, const ViewSettings::PoseKey& pose,
+                              const std::vector<std::string>& joints);
+
+// In place of what these joints have of `into`; none: of all of it.
+void put_pose(const Controls& controls, const ViewSettings::PoseKey& pose, const std::vector<std::string>& joints,
+              ViewSettings::PoseKey& into);
+
+// The mirror image at the plane across x in which the lead stands. Joints, axes and controls of a side become those of
+// the other, by their names.
+ViewSettings::PoseKey flipped(const Controls& controls, const ViewSettings::PoseKey& pose);
+
+// These joints' mirror images; of one in the middle itself.
+std::vector<std::string> flipped(const Controls& controls, const std::vector<std::string>& joints);
+
+}  // namespace bodyopt
