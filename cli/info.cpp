@@ -11,6 +11,7 @@
 #include "assets/frame_range.h"
 #include "assets/gltf_clip.h"
 #include "assets/gltf_file.h"
+#include "assets/gltf_skeleton.h"
 #include "assets/json_file.h"
 #include "assets/nodes_cache.h"
 #include "assets/pc2.h"
@@ -144,7 +145,7 @@ Json skinless_info(const GltfFile& file) {
 
 Json scene_info(const std::string& path, double unit) {
   const GltfFile file(path);
-  if (file.model().skins.empty()) return skinless_info(file);
+  if (choose_skin(file) < 0) return skinless_info(file);
   const Character character = read_character(file, unit);
   const Eigen::RowVector3d box = box_sides(character.vertices);
   return {{"kind", "character"},

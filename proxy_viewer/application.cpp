@@ -26,7 +26,8 @@ Application::Application(const ViewerOptions& options, std::shared_ptr<const vul
       errors_(session_.scene, controls_, device->info().type != "cpu"),
       painter_(device, session_, errors_, screen, {options.width, options.height}),
       pictures_(painter_, session_),
-      kept_(options.kept) {
+      autosave_(options.user_folder),
+      recent_(options.user_folder) {
   controls_.headless = !screen;
   controls_.panels = controls_.settings.hud.on = screen != nullptr;
   open_files();
@@ -61,8 +62,8 @@ void Application::begin() {
   if (controls_.requests.frame_selection) frame_what_comes();
   note_saved();
   if (!options_.files.empty()) remember(options_.files.front());
-  controls_.recent = kept_.recent();
-  if (options_.commands.empty()) controls_.left_behind = kept_.left_behind().string();
+  controls_.recent = recent_.list();
+  if (options_.commands.empty()) controls_.recoverable = autosave_.left_behind().string();
   const std::vector<std::string> commands = script_commands(options_.commands);
   script_.assign(commands.begin(), commands.end());
 }
@@ -106,34 +107,34 @@ void Application::note_saved() { saved_ = session_.work(); }
 
 void Application::remember(const std::string& file) {
   if (!screen_) return;
-  controls_.attempt([&] { kept_.remember(file); });
-  controls_.recent = kept_.recent();
+  controls_.attempt([&] { recent_.remember(file); });
+  controls_.recent = recent_.list();
 }
 
 void Application::save(const std::string& file) {
   session_.save(file);
   note_saved();
-  kept_.forget();
-  aside_ = {};
+  autosave_.forget();
+  autosaved_ = {};
   remember(file);
-  if (std::exchange(controls_.leaves_when_saved, false)) controls_.requests.quit = true;
+  if (std::exchange(controls_.quits_when_saved, false)) controls_.requests.quit = true;
 }
 
-void Application::put_aside() {
-  next_aside_ = now_ + kAsideEvery;
+void Application::autosave() {
+  next_autosave_ = now_ + kAutosaveEvery;
   Session::Work work = session_.work();
-  if (work == saved_ || work == aside_) return;
+  if (work == saved_ || work == autosaved_) return;
   controls_.attempt([&] {
-    const std::string file = kept_.aside().string();
+    const std::string file = autosave_.file().string();
     if (file.empty()) return;
     session_.write(file);
-    aside_ = std::move(work);
+    autosaved_ = std::move(work);
   });
 }
 
 // It is unsaved still, and this one's to lose.
 void Application::recover(bool wanted) {
-  const std::string left = std::exchange(controls_.left_behind, "");
+  const std::string left = std::exchange(controls_.recoverable, "");
   if (!wanted) {
     std::filesystem::remove(left);
     return;
@@ -142,8 +143,8 @@ void Application::recover(bool wanted) {
   change_cast([&] { session_.open(left); });
   saved_ = saved;
   controls_.session_file.clear();
-  kept_.take_over(left);
-  aside_ = session_.work();
+  autosave_.take_over(left);
+  autosaved_ = session_.work();
   controls_.say("here is what was not saved: 'save' keeps it");
 }
 
@@ -250,7 +251,7 @@ void Application::hear_some() {
 void Application::hear(const WindowEvent& event) {
   painter_.hear(event);
   if (const auto* key = std::get_if<KeyEvent>(&event)) hear_key(*key);
-  if (std::holds_alternative<CloseEvent>(event)) controls_.leave();
+  if (std::holds_alternative<CloseEvent>(event)) controls_.quit_or_ask();
   if (const auto* drop = std::get_if<DropEvent>(&event)) {
     for (const std::string& file : drop->files) controls_.requests.open.push_back(file);
   }
@@ -281,8 +282,8 @@ void Application::hear_key(const KeyEvent& event) {
 void Application::hear_key_in_series(const std::string& key) {
   if (key == "Escape") pictures_.stop();
   if (find_command_by_key(key) != find_command("quit")) return;
-  controls_.leave();
-  if (controls_.leaving) pictures_.stop();
+  controls_.quit_or_ask();
+  if (controls_.asks_to_save) pictures_.stop();
 }
 
 // Up to the next command that asks for something: the picture is drawn, and it is done, before the others run.
@@ -302,7 +303,7 @@ void Application::run_script() {
 void Application::look_at_files() {
   if (now_ < next_look_) return;
   next_look_ = now_ + kIdle;
-  if (now_ >= next_aside_) put_aside();
+  if (now_ >= next_autosave_) autosave();
   const bool passes = std::ranges::any_of(controls_.messages, [](const Message& m) { return !m.error; });
   if (passes || (was_busy_ && !controls_.playback.playing())) pending_pictures_ = std::max(pending_pictures_, 1);
   const std::vector<std::filesystem::path> changed = session_.changed_files(now_);
@@ -345,11 +346,11 @@ void Application::fulfil() {
   attempt(requests.sequence, [&] { pictures_.take_sequence(*requests.sequence); });
   attempt(requests.turntable, [&] { pictures_.take_turntable(*requests.turntable); });
   attempt(requests.save, [&] { save(*requests.save); });
-  if (requests.save) controls_.leaves_when_saved = false;
+  if (requests.save) controls_.quits_when_saved = false;
   attempt(requests.save_pose, [&] { session_.save_pose(*requests.save_pose); });
   attempt(requests.load_pose, [&] { session_.load_pose(*requests.load_pose); });
   attempt(requests.recover, [&] { recover(*requests.recover); });
-  if (requests.export_clip || requests.export_skin || requests.sequence) put_aside();
+  if (requests.export_clip || requests.export_skin || requests.sequence) autosave();
   attempt(requests.save_markers, [&] { session_.save_markers(*requests.save_markers); });
   attempt(requests.save_state, [&] { session_.save_state(*requests.save_state); });
   attempt(requests.export_clip, [&] { session_.export_clip(*requests.export_clip); });

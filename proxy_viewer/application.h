@@ -9,7 +9,8 @@
 
 #include "proxy_viewer/picture_files.h"
 #include "proxy_viewer/session.h"
-#include "proxy_viewer/state/kept_work.h"
+#include "proxy_viewer/state/autosave.h"
+#include "proxy_viewer/state/recent_files.h"
 #include "proxy_viewer/viewer.h"
 
 namespace bodyopt {
@@ -26,15 +27,15 @@ class Application {
   double patience() const;
   bool is_done() const { return session_.controls.requests.quit; }
   // What is not saved, for the next to bring back where this one does not end as it should; and it does.
-  void put_aside();
-  void forget_aside() const { kept_.forget(); }
+  void autosave();
+  void forget_autosave() { autosave_.forget(); }
   // Without a screen: the script, then the pictures that the options ask for.
   void make_pictures();
 
   const Session& session() const { return session_; }
 
  private:
-  static constexpr double kAsideEvery = 60;  // seconds
+  static constexpr double kAutosaveEvery = 60;  // seconds
 
   void open_files();
   void begin();
@@ -75,8 +76,9 @@ class Application {
   ErrorMeasuring errors_;
   Painter painter_;
   PictureTaking pictures_;
-  KeptWork kept_;
-  Session::Work saved_, aside_;  // what a session file has, and what was put aside
+  Autosave autosave_;
+  RecentFiles recent_;
+  Session::Work saved_, autosaved_;  // what the session's file has, and the autosave
   std::deque<WindowEvent> unheard_;
   std::deque<std::string> script_;  // commands that have not run
   bool script_waits_ = false;       // for what its last command asked for
@@ -85,7 +87,7 @@ class Application {
   bool was_busy_ = false;
   double now_ = 0;                                          // seconds, of the turns
   double last_picture_ = 0, next_look_ = 0, progress_ = 0;  // when drawn, at files, and shown
-  double next_aside_ = kAsideEvery;
+  double next_autosave_ = kAutosaveEvery;
 };
 
 }  // namespace bodyopt

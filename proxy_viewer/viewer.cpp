@@ -38,13 +38,13 @@ ValidationMessages run_window(const ViewerOptions& options) {
   try {
     run_turns(application, window, options.seconds);
   } catch (...) {
-    application.put_aside();
+    application.autosave();
     throw;
   }
   if (application.is_done()) {  // as somebody decided
-    application.forget_aside();
+    application.forget_autosave();
   } else {
-    application.put_aside();
+    application.autosave();
   }
   return device->validation_log();
 }

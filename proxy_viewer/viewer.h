@@ -28,10 +28,10 @@ struct ViewerOptions {
   std::uint32_t width = 1280, height = 720;
   bool vsync = true;
   bool headless = false;
-  std::string out;      // headless: a picture, or a sequence of all frames of the range where it has ####
-  std::string kept;     // folder of what outlives it, see KeptWork; empty: nothing does
-  double seconds = 0;   // close after so long; 0: when the user does
-  DeviceChoice device;  // of a Vulkan device; with validation every message is an error
+  std::string out;          // headless: a picture, or a sequence of all frames of the range where it has ####
+  std::string user_folder;  // folder of what outlives it, see Autosave and RecentFiles; empty: nothing does
+  double seconds = 0;       // close after so long; 0: when the user does
+  DeviceChoice device;      // of a Vulkan device; with validation every message is an error
 };
 
 // Returns when the window is closed, or the pictures are written. What fails while it is open is said in the window and

@@ -51,7 +51,7 @@ void run(const ViewArguments& arguments) {
   }
   options.device.require_device = true;
   options.device.pipeline_cache = cache_folder();
-  if (!options.headless) options.kept = cache_folder().string();
+  if (!options.headless) options.user_folder = cache_folder().string();
   run_viewer(options);
 }
 

@@ -49,10 +49,10 @@ bool Controls::is_unkeyed() const {
 
 void Controls::browse(const std::string& command) { dialog = browse_folder(command, ".", proposed_name(command, ".")); }
 
-void Controls::leave() {
-  leaves_when_saved = false;
-  leaving = unsaved && !headless && !scripted;
-  requests.quit = !leaving;
+void Controls::quit_or_ask() {
+  quits_when_saved = false;
+  asks_to_save = unsaved && !headless && !scripted;
+  requests.quit = !asks_to_save;
 }
 
 void Controls::select(const std::string& name) {

@@ -118,7 +118,7 @@ struct Requests {
   bool keep_strokes = false;
   std::optional<int> lead, remove;                      // characters, counted from 1
   std::optional<std::string> export_clip, export_skin;  // file names
-  std::optional<bool> recover;                          // what was left behind, or forgotten
+  std::optional<bool> recover;                          // the autosave of a viewport that ended, or discard it
   std::optional<std::string> save_pose, limits;         // file names
   std::optional<PoseRequest> load_pose;
   bool operator==(const Requests&) const = default;
@@ -176,15 +176,15 @@ struct Controls {
   bool flipped = false;            // while the key of "hold to flip" is down
   bool cheat_sheet = false;
   bool panels = true;
-  bool headless = false;  // nobody looks: what fails is thrown, and what is asked for is waited for
-  bool prompt = false;    // a command is being typed
-  bool scripted = false;  // a script runs: nobody is asked
-  bool unsaved = false;   // poses, keys, cameras or markers are in no session file
-  bool leaving = false;   // it is asked whether they shall be saved
-  bool leaves_when_saved = false;
+  bool headless = false;      // nobody looks: what fails is thrown, and what is asked for is waited for
+  bool prompt = false;        // a command is being typed
+  bool scripted = false;      // a script runs: nobody is asked
+  bool unsaved = false;       // poses, keys, cameras or markers are in no session file
+  bool asks_to_save = false;  // it is asked whether they shall be saved
+  bool quits_when_saved = false;
   std::string session_file;         // that was opened or saved last; empty: none
   std::vector<std::string> recent;  // files that were open lately, the last first
-  std::string left_behind;          // a session that a crash left; empty: none
+  std::string recoverable;          // a session that a crash left; empty: none
   std::optional<FileDialog> dialog;
   std::optional<Marker> marker;
   std::optional<Grip> grip;
@@ -219,7 +219,7 @@ struct Controls {
   // A file is chosen for a command.
   void browse(const std::string& command);
   // At once, or, where somebody would lose something, after asking.
-  void leave();
+  void quit_or_ask();
 
   double heat_mm() const { return settings.compare.heat_scale_mm.value_or(automatic_heat_mm); }
   void say(const std::string& text) { messages.push_back({.text = text}); }

@@ -45,10 +45,10 @@ const Command kFileCommands[] = {
        if (!file.ends_with(".json")) refuse(file, "a file that ends in .json");
        c.requests.save = file;
      }},
-    {"recover", "[forget]", "", "File", "what an earlier viewport lost, or never again",
+    {"recover", "[discard]", "", "File", "work that a viewport left unsaved, or discard it",
      [](Controls& c, const std::string& a) {
-       if (!a.empty() && a != "forget") refuse(a, "'forget' or nothing");
-       if (c.left_behind.empty()) throw Error(ErrorKind::usage, "no work was left behind");
+       if (!a.empty() && a != "discard") refuse(a, "'discard' or nothing");
+       if (c.recoverable.empty()) throw Error(ErrorKind::usage, "no viewport left work that was not saved");
        c.requests.recover = a.empty();
      }},
     {"export-clip", "FILE.glb|.bvh|.usda", "", "File", "the motion of the range, as it is posed and keyed",
@@ -86,7 +86,7 @@ const Command kFileCommands[] = {
      "", "File", "chooses the file of a command from the list of a folder",
      [](Controls& c, const std::string& a) { c.browse(known(a, browsed_commands(), "command that takes a file")); }},
     {"quit", "", "Ctrl+Q", "File", "close the viewport; what is not saved is asked about",
-     [](Controls& c, const std::string&) { c.leave(); }},
+     [](Controls& c, const std::string&) { c.quit_or_ask(); }},
     switch_command<&Controls::panels>("panels", "Tab", "View", "panels, or the picture alone"),
     switch_command<&ViewSettings::Hud::on>("hud", "Z", "View", "figures over the picture"),
     switch_command<&ViewSettings::Hud::legend>("legend", "", "View",

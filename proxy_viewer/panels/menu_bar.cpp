@@ -203,7 +203,7 @@ void draw_file_dialog(Controls& controls, const PanelLayout& layout) {
   const bool left = ImGui::Button("Cancel", {width, 0}) || ImGui::IsKeyPressed(ImGui::GetKeyIndex(ImGuiKey_Escape));
   ImGui::End();
   if (left) {
-    controls.leaves_when_saved = false;
+    controls.quits_when_saved = false;
     return controls.dialog.reset();
   }
   if (!choice.folder.empty()) {
@@ -218,26 +218,26 @@ void draw_question(Controls& controls, const PanelLayout& layout) {
   ImGui::SetNextWindowSize({std::max(80.0f, std::min(430.0f, layout.width - 16)), 0});
   ImGui::Begin("Question", nullptr, kOverWindow);
   const bool escapes = ImGui::IsKeyPressed(ImGui::GetKeyIndex(ImGuiKey_Escape));
-  if (controls.leaving) {
+  if (controls.asks_to_save) {
     ImGui::TextWrapped("Poses, keys, cameras or markers are in no session file yet.");
     const float width = share_of_line(3);
     if (ImGui::Button("Save", {width, 0})) {
-      controls.leaving = false;
-      controls.leaves_when_saved = true;
+      controls.asks_to_save = false;
+      controls.quits_when_saved = true;
       attempt(controls, "save");
     }
     ImGui::SameLine();
-    if (ImGui::Button("Leave without", {width, 0})) controls.requests.quit = true;
+    if (ImGui::Button("Do not save", {width, 0})) controls.requests.quit = true;
     ImGui::SameLine();
-    if (ImGui::Button("Stay", {width, 0}) || escapes) controls.leaving = false;
+    if (ImGui::Button("Cancel", {width, 0}) || escapes) controls.asks_to_save = false;
   } else {
-    ImGui::TextWrapped("A viewport ended before its work was saved. Bring it back?");
+    ImGui::TextWrapped("A viewport ended before its work was saved. Bring that back?");
     const float width = share_of_line(3);
     if (ImGui::Button("Bring it back", {width, 0})) attempt(controls, "recover");
     ImGui::SameLine();
-    if (ImGui::Button("Never again", {width, 0})) attempt(controls, "recover forget");
+    if (ImGui::Button("Discard", {width, 0})) attempt(controls, "recover discard");
     ImGui::SameLine();
-    if (ImGui::Button("Not now", {width, 0}) || escapes) controls.left_behind.clear();
+    if (ImGui::Button("Not now", {width, 0}) || escapes) controls.recoverable.clear();
   }
   ImGui::End();
 }

@@ -222,7 +222,7 @@ Rectangle draw_panels(const Snapshot& snapshot, Controls& controls, std::uint32_
   if (controls.settings.hud.on) draw_hud(snapshot, controls, layout);
   if (controls.prompt) draw_prompt(controls, layout);
   if (controls.dialog) draw_file_dialog(controls, layout);
-  const bool asks = controls.leaving || (!controls.left_behind.empty() && !controls.headless);
+  const bool asks = controls.asks_to_save || (!controls.recoverable.empty() && !controls.headless);
   if (asks) draw_question(controls, layout);
   if (controls.cheat_sheet) draw_cheat_sheet(controls, layout);
   const auto pixels = [](float value) { return static_cast<std::uint32_t>(std::max(1.0f, value)); };

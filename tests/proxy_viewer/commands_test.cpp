@@ -27,7 +27,7 @@ Controls controls_of_a_session() {
   controls.movable_names = {"Hips"};
   controls.copied = CopiedPose{{.joints = {{"LeftForeArm", {0, 0, 30}}}}, {"LeftForeArm"}};
   controls.recent = {"/shots/a.json", "/shots/b.json"};
-  controls.left_behind = "/tmp/left.json";
+  controls.recoverable = "/tmp/left.json";
   controls.axis_joints = {"LeftForeArm"};
   controls.joint_axes.assign(controls.joint_names.size(), Quat{0, 0, 0, 1});
   controls.live = false;
@@ -290,7 +290,7 @@ const std::map<std::string, Case>& cases() {
         [](C, C c) { return c.requests.load_pose == PoseRequest{"my p.json", 0.5}; },
         {"", "p.txt", "p.json 2", "p.txt 0.5"}}},
       {"recent", {"2", [](C, C c) { return c.requests.open == std::vector<std::string>{"/shots/b.json"}; }, {"", "0", "3"}}},
-      {"recover", {"forget", [](C, C c) { return c.requests.recover == false; }, {"yes"}}},
+      {"recover", {"discard", [](C, C c) { return c.requests.recover == false; }, {"yes"}}},
       {"move",
        {"Hips 0.1 -0.2 0",
         [](C, C c) { return valued(c.settings.pose.moves, "Hips") == Vec3{0.1, -0.2, 0}; },

@@ -1,72 +1,74 @@
 // Nothing is lost: who leaves is asked, and what a crash left is brought back.
-#include "proxy_viewer/state/kept_work.h"
+#include "proxy_viewer/state/autosave.h"
 
 #include <imgui_internal.h>
+#include <signal.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <fstream>
 
+#include "proxy_viewer/state/recent_files.h"
 #include "shots/session/session_file.h"
 #include "tests/proxy_viewer/played_viewport.h"
 
 namespace bodyopt::testing {
-namespace kept_work_test {
+namespace autosave_test {
 
 namespace fs = std::filesystem;
 
-// Of a process that has ended.
-fs::path left_in(const fs::path& folder) {
-  const pid_t child = fork();
-  if (child == 0) _exit(0);
-  waitpid(child, nullptr, 0);
-  return folder / (std::to_string(child) + ".unsaved.json");
-}
-
-TEST(KeptWork, RemembersTheLastFilesOnceEach) {
+TEST(RecentFiles, AreTheLastOnceEach) {
   const TemporaryFolder folder;
-  const KeptWork kept(folder / "deeper/kept");
-  EXPECT_TRUE(kept.recent().empty());
-  for (int k = 0; k < 12; ++k) kept.remember("/shots/" + std::to_string(k) + ".json");
-  kept.remember("/shots/./5.json");
-  const std::vector<std::string> files = kept.recent();
-  ASSERT_EQ(files.size(), KeptWork::kMostRecent);
+  const RecentFiles recent(folder / "deeper/kept");
+  EXPECT_TRUE(recent.list().empty());
+  for (int k = 0; k < 12; ++k) recent.remember("/shots/" + std::to_string(k) + ".json");
+  recent.remember("/shots/./5.json");
+  const std::vector<std::string> files = recent.list();
+  ASSERT_EQ(files.size(), RecentFiles::kMost);
   EXPECT_EQ(files[0], "/shots/5.json");
   EXPECT_EQ(files[1], "/shots/11.json");
   EXPECT_EQ(std::ranges::count(files, "/shots/5.json"), 1);
-  KeptWork nowhere("");
+  RecentFiles nowhere("");
   nowhere.remember("/shots/1.json");
-  EXPECT_TRUE(nowhere.recent().empty());
-  EXPECT_TRUE(nowhere.aside().empty());
+  EXPECT_TRUE(nowhere.list().empty());
 }
 
-TEST(KeptWork, FindsWhatIsOfNoProcessAnyMore) {
+TEST(Autosave, IsFoundOnceItsViewportHasEnded) {
   const TemporaryFolder folder;
-  const KeptWork kept(folder.path());
-  std::ofstream(kept.aside()) << "{}";
-  std::ofstream(folder / "99999999999.unsaved.json") << "{}";
   std::ofstream(folder / "notes.json") << "{}";
-  EXPECT_EQ(kept.left_behind(), fs::path()) << "its own is not left, nor is what no process wrote";
-  const fs::path left = left_in(folder.path());
-  std::ofstream(left) << "{\"a\": 1}";
-  EXPECT_EQ(kept.left_behind(), left);
-  kept.take_over(left);
+  Autosave later(folder.path());
+  fs::path left;
+  {
+    Autosave earlier(folder.path());
+    left = earlier.file();
+    EXPECT_EQ(earlier.file(), left);
+    std::ofstream(left) << "{\"a\": 1}";
+    EXPECT_EQ(later.left_behind(), fs::path()) << "that of one which runs is its own";
+  }
+  EXPECT_EQ(later.left_behind(), left);
+  EXPECT_NE(later.file(), left) << "a process of the same number does not write over it";
+  later.take_over(left);
   EXPECT_FALSE(fs::exists(left));
-  EXPECT_EQ(fs::file_size(kept.aside()), 8u);
-  kept.forget();
-  EXPECT_FALSE(fs::exists(kept.aside()));
+  EXPECT_EQ(fs::file_size(later.file()), 8u);
+  EXPECT_EQ(later.left_behind(), fs::path());
+  EXPECT_THROW(later.take_over(left), Error) << "another took it meanwhile";
+  later.forget();
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder.path()), {}), 1) << "notes.json";
+  EXPECT_TRUE(Autosave("").file().empty());
 }
 
 // Killed, and its parent has not asked after it.
-TEST(KeptWork, FindsWhatIsOfAZombie) {
+TEST(Autosave, IsFoundUnderAZombie) {
   const TemporaryFolder folder;
   const pid_t child = fork();
-  if (child == 0) _exit(0);
+  if (child == 0) {
+    Autosave own(folder.path());
+    std::ofstream(own.file()) << "{}";
+    raise(SIGKILL);
+  }
   siginfo_t ended;
   waitid(P_PID, static_cast<id_t>(child), &ended, WEXITED | WNOWAIT);
-  const fs::path left = folder / (std::to_string(child) + ".unsaved.json");
-  std::ofstream(left) << "{}";
-  EXPECT_EQ(KeptWork(folder.path()).left_behind(), left);
+  EXPECT_EQ(Autosave(folder.path()).left_behind(), folder / (std::to_string(child) + ".unsaved.json"));
   waitpid(child, nullptr, 0);
 }
 
@@ -74,10 +76,17 @@ class LeavingTest : public PlayedTest {
  protected:
   ViewerOptions keeping() const {
     ViewerOptions options = small();
-    options.kept = (folder_ / "kept").string();
+    options.user_folder = (folder_ / "kept").string();
     return options;
   }
-  fs::path aside() const { return KeptWork(folder_ / "kept").aside(); }
+  // Empty: there is none.
+  fs::path autosave() const {
+    std::error_code absent;
+    for (const auto& entry : fs::directory_iterator(folder_ / "kept", absent)) {
+      if (entry.path().string().ends_with(".unsaved.json")) return entry.path();
+    }
+    return {};
+  }
   // The first of the buttons of a question, or the last.
   static void answer(PlayedViewport& viewport, bool first) {
     const ImRect question = ImGui::FindWindowByName("Question")->Rect();
@@ -97,13 +106,13 @@ TEST_F(LeavingTest, IsAskedOnlyWhereSomethingWouldBeLost) {
   viewport->prompt("turn upper 20 0 0");
   viewport->key("Ctrl+Q");
   EXPECT_FALSE(viewport->is_done());
-  EXPECT_TRUE(viewport->controls().leaving);
+  EXPECT_TRUE(viewport->controls().asks_to_save);
   viewport->key("Escape");
-  EXPECT_FALSE(viewport->controls().leaving);
+  EXPECT_FALSE(viewport->controls().asks_to_save);
   viewport->play({CloseEvent{}});
-  EXPECT_TRUE(viewport->controls().leaving) << "the window's own button asks, too";
+  EXPECT_TRUE(viewport->controls().asks_to_save) << "the window's own button asks, too";
   answer(*viewport, false);
-  EXPECT_FALSE(viewport->controls().leaving || viewport->is_done());
+  EXPECT_FALSE(viewport->controls().asks_to_save || viewport->is_done());
   // Saved by name, and then by the key, it may go.
   viewport->prompt("save shot.json");
   viewport->prompt("turn upper 30 0 0");
@@ -129,28 +138,27 @@ TEST_F(LeavingTest, WhatACrashLeftIsBroughtBack) {
     const auto viewport = open(keeping(), "hud off");
     viewport->prompt("turn upper 20 0 0");
     viewport->prompt("key");
-    EXPECT_FALSE(fs::exists(aside()));
+    EXPECT_FALSE(fs::exists(autosave()));
     viewport->let_pass(61);
-    ASSERT_TRUE(fs::exists(aside())) << "every minute";
+    ASSERT_TRUE(fs::exists(autosave())) << "every minute";
     viewport->prompt("turn upper 40 0 0");
     viewport->prompt("key");
     viewport->prompt("export-clip take.glb");
-    EXPECT_EQ(read_session(aside()).view.pose.keys.at(1).joints.at("upper"), (Vec3{40, 0, 0})) << "before an export";
+    EXPECT_EQ(read_session(autosave()).view.pose.keys.at(1).joints.at("upper"), (Vec3{40, 0, 0})) << "before an export";
   }
-  const fs::path left = left_in(folder_ / "kept");
-  fs::rename(aside(), left);
-  EXPECT_EQ(open(keeping(), "hud off")->controls().left_behind, "") << "a script is not asked";
+  const fs::path left = autosave();
+  EXPECT_EQ(open(keeping(), "hud off")->controls().recoverable, "") << "a script is not asked";
   const auto viewport = open(keeping(), "");
-  ASSERT_EQ(viewport->controls().left_behind, left.string());
+  ASSERT_EQ(viewport->controls().recoverable, left.string());
   viewport->prompt("recover");
   EXPECT_EQ(viewport->controls().settings.pose.keys.at(1).joints.at("upper"), (Vec3{40, 0, 0}));
   EXPECT_FALSE(fs::exists(left));
-  EXPECT_TRUE(fs::exists(aside())) << "another crash would not lose it";
+  EXPECT_TRUE(fs::exists(autosave())) << "another crash would not lose it";
   viewport->key("Ctrl+Q");
-  EXPECT_TRUE(viewport->controls().leaving) << "it is in no session of the user's yet";
+  EXPECT_TRUE(viewport->controls().asks_to_save) << "it is in no session of the user's yet";
   viewport->key("Escape");
   viewport->prompt("save kept.json");
-  EXPECT_FALSE(fs::exists(aside()));
+  EXPECT_FALSE(fs::exists(autosave()));
 }
 
 TEST_F(LeavingTest, FilesThatWereOpenAreFoundAgain) {
@@ -182,5 +190,5 @@ TEST_F(LeavingTest, WhatWasTypedBeforeThePromptIsNoneOfIt) {
   EXPECT_TRUE(viewport->controls().messages.empty());
 }
 
-}  // namespace kept_work_test
+}  // namespace autosave_test
 }  // namespace bodyopt::testing

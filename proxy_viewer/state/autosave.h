@@ -1,0 +1,31 @@
+// What is not saved yet, for the next viewport to bring back where this one does not end as it should.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+
+#include "runtime/core/atomic_file.h"
+
+namespace bodyopt {
+
+// Session files of a user's folder, one of each viewport that runs, which has it locked.
+class Autosave {
+ public:
+  // An empty folder: nothing is kept.
+  explicit Autosave(std::filesystem::path folder) : folder_(std::move(folder)) {}
+
+  // This viewport's own file, locked from the first call on, in a folder that is there; empty: none. Throws
+  // Error(file).
+  std::filesystem::path file();
+  // The newest that a viewport left which has ended since; empty: none.
+  std::filesystem::path left_behind() const;
+  // That is this viewport's own from now on. Throws Error(file).
+  void take_over(const std::filesystem::path& left);
+  void forget();  // this viewport's own
+
+ private:
+  std::filesystem::path folder_, file_;
+  std::optional<FileLock> lock_;
+};
+
+}  // namespace bodyopt
