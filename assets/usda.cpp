@@ -1,11 +1,13 @@
 #include "assets/usda.h"
 
+#include <algorithm>
 #include <cctype>
 #include <charconv>
 #include <cmath>
 #include <sstream>
 #include <utility>
 
+#include "base/parallel.h"
 #include "runtime/core/error.h"
 
 namespace bodyopt {
@@ -63,6 +65,24 @@ constexpr char kTail[] = "    }\n}\n";
 
 void write_text(AtomicFile& file, const std::string& text) { file.write(std::as_bytes(std::span(text))); }
 
+// Points that one thread prints at a time.
+constexpr std::size_t kPointsTogether = 1024;
+
+// Finite numbers, three a point; `first`: nothing stands before them.
+std::string points_text(std::span<const float> values, bool first) {
+  constexpr std::size_t kLongest = 20;  // -1.17549435e-38 with what stands before and behind it
+  std::string text(kLongest * values.size(), ' ');
+  char* to = text.data();
+  for (std::size_t k = 0; k < values.size(); ++k) {
+    if (k > 0 || !first) *to++ = ',', *to++ = ' ';
+    if (k % 3 == 0) *to++ = '(';
+    to = std::to_chars(to, text.data() + text.size(), values[k]).ptr;
+    if (k % 3 == 2) *to++ = ')';
+  }
+  text.resize(static_cast<std::size_t>(to - text.data()));
+  return text;
+}
+
 fs::path points_aside(const fs::path& stem) { return fs::path(stem) += ".points"; }
 fs::path normals_aside(const fs::path& stem) { return fs::path(stem) += ".normals"; }
 
@@ -85,18 +105,18 @@ void UsdaWriter::write_sample(AtomicFile& file, std::span<const float> values) c
                 layout_.points);
   }
   const int frame = layout_.frames[written_];
-  std::string text = "        " + std::to_string(frame) + ": [";
-  text.reserve(16 * values.size());
-  char digits[32];
-  for (std::size_t k = 0; k < values.size(); ++k) {
-    if (!std::isfinite(values[k])) {
-      throw Error(ErrorKind::file, path_, ": frame ", frame, ", point ", k / 3,
-                  " is not a finite number: did a simulation, or what it began from, blow up?");
-    }
-    text += k % 3 != 0 ? ", " : k == 0 ? "(" : ", (";
-    text.append(digits, std::to_chars(digits, digits + sizeof(digits), values[k]).ptr);
-    if (k % 3 == 2) text += ')';
+  const auto bad = std::ranges::find_if_not(values, [](float value) { return std::isfinite(value); });
+  if (bad != values.end()) {
+    throw Error(ErrorKind::file, path_, ": frame ", frame, ", point ", (bad - values.begin()) / 3,
+                " is not a finite number: did a simulation, or what it began from, blow up?");
   }
+  std::vector<std::string> parts((layout_.points + kPointsTogether - 1) / kPointsTogether);
+  parallel_for(parts.size(), [&](std::size_t k) {
+    constexpr std::size_t kNumbers = 3 * kPointsTogether;
+    parts[k] = points_text(values.subspan(kNumbers * k, std::min(kNumbers, values.size() - kNumbers * k)), k == 0);
+  });
+  std::string text = "        " + std::to_string(frame) + ": [";
+  for (const std::string& part : parts) text += part;
   write_text(file, text + "],\n");
 }
 
