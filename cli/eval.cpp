@@ -267,7 +267,7 @@ void gather_shot(EvalArguments& arguments) {
     throw Error(ErrorKind::usage, "--session names the basis and the clip itself: leave out BASIS and --clip");
   }
   take_session(arguments.session, shot);
-  if (!shows_surface) shot.character.clear();
+  if (!shows_surface || !shot.character.empty()) shot.session.character.clear();
 }
 
 // The clip alone knows its first frame.

@@ -49,6 +49,7 @@ void Application::open_files() {
 }
 
 void Application::begin() {
+  controls_.has_unsaved_work = [this] { return session_.work() != saved_; };
   session_.play_clip();
   controls_.camera.orbit(0.45, 0.18);
   controls_.requests.frame_selection = true;
@@ -97,6 +98,7 @@ void Application::open(const std::string& file) {
   errors_.forget();
   const std::size_t cast = session_.scene.cast().size();
   const bool is_whole = is_session(file);
+  if (is_whole) keep_unsaved();
   for (const std::string& note : session_.open(file)) controls_.warn(note);
   if (is_whole) note_saved();
   if (is_whole || session_.scene.cast().size() > cast) remember(file);
@@ -109,6 +111,14 @@ void Application::remember(const std::string& file) {
   if (!screen_) return;
   controls_.attempt([&] { recent_.remember(file); });
   controls_.recent = recent_.list();
+}
+
+// What the next session replaces is offered by the next viewport.
+void Application::keep_unsaved() {
+  if (session_.work() == saved_) return;
+  autosave();
+  autosaved_ = {};
+  if (autosave_.leave()) controls_.say("what was not saved is kept: the next viewport offers it");
 }
 
 void Application::save(const std::string& file) {
@@ -139,6 +149,7 @@ void Application::recover(bool wanted) {
     std::filesystem::remove(left);
     return;
   }
+  keep_unsaved();
   const Session::Work saved = saved_;
   change_cast([&] { session_.open(left); });
   saved_ = saved;
@@ -195,7 +206,6 @@ void Application::turn(std::span<const WindowEvent> events, double passed) {
 }
 
 void Application::act(std::span<const WindowEvent> events, double passed) {
-  controls_.unsaved = session_.work() != saved_;
   unheard_.insert(unheard_.end(), events.begin(), events.end());
   if (!unheard_.empty()) pending_pictures_ = 2;  // panels answer events a picture late
   hear_some();
@@ -251,7 +261,7 @@ void Application::hear_some() {
 void Application::hear(const WindowEvent& event) {
   painter_.hear(event);
   if (const auto* key = std::get_if<KeyEvent>(&event)) hear_key(*key);
-  if (std::holds_alternative<CloseEvent>(event)) controls_.quit_or_ask();
+  if (std::holds_alternative<CloseEvent>(event)) quit();
   if (const auto* drop = std::get_if<DropEvent>(&event)) {
     for (const std::string& file : drop->files) controls_.requests.open.push_back(file);
   }
@@ -281,9 +291,12 @@ void Application::hear_key(const KeyEvent& event) {
 // Nothing else shall change pictures that are being written.
 void Application::hear_key_in_series(const std::string& key) {
   if (key == "Escape") pictures_.stop();
-  if (find_command_by_key(key) != find_command("quit")) return;
+  if (find_command_by_key(key) == find_command("quit")) quit();
+}
+
+void Application::quit() {
   controls_.quit_or_ask();
-  if (controls_.asks_to_save) pictures_.stop();
+  if (controls_.asks_to_save && pictures_.goes_on()) pictures_.stop();
 }
 
 // Up to the next command that asks for something: the picture is drawn, and it is done, before the others run.

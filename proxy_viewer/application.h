@@ -63,6 +63,8 @@ class Application {
   void go_to_worst_frame();
   void note_saved();
   void remember(const std::string& file);
+  void keep_unsaved();
+  void quit();
   void save(const std::string& file);
   void recover(bool wanted);
   void fulfil();

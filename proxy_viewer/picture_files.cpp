@@ -211,11 +211,14 @@ void PictureTaking::show_progress() {
 
 Image PictureTaking::draw_playblast() {
   Controls& controls = session_.controls;
-  bool* const shown[] = {&controls.panels, &controls.settings.hud.on, &controls.cheat_sheet, &controls.prompt};
+  bool* const shown[] = {&controls.panels, &controls.settings.hud.on, &controls.cheat_sheet, &controls.prompt,
+                         &controls.asks_to_save};
   std::array<bool, std::size(shown)> before;
   for (std::size_t k = 0; k < before.size(); ++k) before[k] = std::exchange(*shown[k], false);
+  std::string recoverable = std::exchange(controls.recoverable, "");
   const Finally put_back{[&] {
     for (std::size_t k = 0; k < before.size(); ++k) *shown[k] = before[k];
+    controls.recoverable = std::move(recoverable);
   }};
   return painter_.draw_still(series_size_);
 }

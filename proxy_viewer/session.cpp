@@ -62,7 +62,9 @@ Session::Session(std::shared_ptr<const vulkan::Device> device, const ViewerOptio
       options_(options),
       clip_options_(options.clip),
       device_name_(device->info().name),
-      watched_({}) {}
+      watched_({}) {
+  controls.root_x = [this](int frame) { return scene.root_place(frame)[0]; };
+}
 
 std::vector<std::string> Session::open_first() {
   const std::string file = options_.files.empty() ? "" : options_.files.front();
@@ -239,8 +241,8 @@ std::vector<std::string> Session::add(ActorFiles files) {
       limited.limits = beside.string();
       scene.add(limited, clip_options_);
     } catch (const Error& error) {
-      if (error.kind() != ErrorKind::mismatch) throw;
-      notes.push_back(beside.string() + ": left out, as it is of other joints");
+      if (error.kind() == ErrorKind::device) throw;
+      notes.push_back(std::string("left out, as it stands beside the character: ") + error.what());
     }
   }
   if (scene.cast().size() == controls.placements.size()) scene.add(files, clip_options_);
@@ -410,7 +412,8 @@ void Session::export_skin(const std::string& file) {
       lead.shot(settings.pose, weights_of(controls), settings.jiggle.on && lead.has_at_finest(SkinMethod::jiggle));
   shot.frames = frames_to_export(file);
   const std::string own = lead.files().own_file();
-  if (holds_triangles(file) && !own.empty()) shot.surface = read_skin_surface(own, shot.basis().mesh);
+  if (holds_triangles(file) && !own.empty())
+    shot.surface = surface_if_any(own, shot.basis().mesh, [&](const std::string& note) { controls.warn(note); });
   ShotCaches caches({.out = file}, shot);
   Progress progress("export", shot.frames.size());
   evaluate(shot, caches, progress);
@@ -428,10 +431,20 @@ void Session::open_session(const std::string& file) {
   }
   SessionFile session = read_session(file);
   std::vector<std::unique_ptr<Actor>> cast;
+  std::vector<SessionCharacter> opened;
   for (const SessionCharacter& character : session.cast) {
-    cast.push_back(scene.make(character.files, session.clip));
+    try {
+      cast.push_back(scene.make(character.files, session.clip));
+    } catch (const Error& error) {
+      const bool is_last = opened.empty() && &character == &session.cast.back();
+      if (error.kind() == ErrorKind::device || controls.headless || is_last) throw;
+      controls.warn(file + ": opened without a character: " + error.what());
+      continue;
+    }
     cast.back()->set_posing(character.pose);
+    opened.push_back(character);
   }
+  session.cast = std::move(opened);
   clip_options_ = session.clip;
   receiver_ = 0;
   scene.leave_live_pose();
@@ -536,7 +549,7 @@ void Session::write(const std::string& file) const {
 void Session::save_pose(const std::string& file) {
   refuse_input(file);
   ViewSettings settings;
-  static_cast<ViewSettings::PoseKey&>(settings.pose) = part_of(controls, controls.settings.pose, controls.selected());
+  static_cast<ViewSettings::PoseKey&>(settings.pose) = controls.settings.pose;
   write_view_settings(settings, file);
   controls.say("wrote " + file);
 }

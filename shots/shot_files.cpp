@@ -250,6 +250,7 @@ std::vector<fs::path> ShotFiles::paths() const {
                                   jiggle.state_in, modifiers, session.file, session.limits}) {
     if (!file.empty()) paths.emplace_back(file);
   }
+  if (fs::exists(session.character)) paths.emplace_back(session.character);
   const fs::path beside = is_basis(basis) ? attachments_beside(basis) : fs::path();
   if (!attached.empty()) {
     paths.emplace_back(attached);
@@ -264,11 +265,12 @@ void take_session(const std::string& session, ShotFiles& files) {
   const SessionCharacter& lead = read.cast.front();
   files.basis = lead.files.basis;
   files.clip.source = lead.files.clip;
-  if (files.character.empty() && files.level == 0) files.character = lead.files.own_file();
   files.clip.options.fps = read.clip.fps;
   files.clip.options.joint_map = lead.files.joint_map;
   files.clip.options.up = lead.files.up_of(lead.files.clip);
+  const std::string character = files.level == 0 ? lead.files.own_file() : "";
   files.session = {.file = session,
+                   .character = character,
                    .limits = lead.files.limits,
                    .pose = lead.pose,
                    .jiggle = static_cast<float>(read.view.jiggle.amount),
@@ -276,6 +278,15 @@ void take_session(const std::string& session, ShotFiles& files) {
   if (!files.clip.frames.empty()) return;
   files.session.in = read.view.playback.in;
   files.session.out = read.view.playback.out;
+}
+
+SkinSurface surface_if_any(const std::string& character, const MeshTable& mesh, const Tell& tell) {
+  try {
+    return read_skin_surface(character, mesh);
+  } catch (const Error& error) {
+    tell(std::string("no texture coordinates and materials are written: ") + error.what());
+    return {};
+  }
 }
 
 Shot read_shot(const ShotFiles& files, const Tell& tell) {
@@ -290,7 +301,11 @@ Shot read_shot(const ShotFiles& files, const Tell& tell) {
   shot.carried = std::move(level.carried);
   choose_shot_modifiers(files.modifiers, level.basis);
   shot.deformer = make_deformer(files, std::move(level.basis));
-  if (!files.character.empty()) shot.surface = read_skin_surface(files.character, shot.basis().mesh);
+  if (!files.character.empty()) {
+    shot.surface = read_skin_surface(files.character, shot.basis().mesh);
+  } else if (!files.session.character.empty()) {
+    shot.surface = surface_if_any(files.session.character, shot.basis().mesh, tell);
+  }
   shot.clip = read_own_clip(files.clip, shot.basis(), std::move(opened.clip));
   tell_all(shot.clip.notes, tell);
   shot.frames = files.clip.chosen_frames(shot.clip);

@@ -53,8 +53,9 @@ struct JiggleChoice {
 
 // What a session sets on its lead.
 struct SessionPosing {
-  std::string file;    // the session; empty: there is none
-  std::string limits;  // of the joints; or empty
+  std::string file;         // the session; empty: there is none
+  std::string character{};  // the lead's own file, for the surface of its skin, where it is there and fits; or empty
+  std::string limits;       // of the joints; or empty
   ViewSettings::Posing pose{};
   std::optional<int> in{}, out{};  // ends of the range that it plays; otherwise the clip's
   float jiggle = 1;                // how much of it is shown
@@ -63,7 +64,7 @@ struct SessionPosing {
 
 struct ShotFiles {
   std::string basis;      // or, of a session, a character as it is; empty there: the built-in arm
-  std::string character;  // its own file, for the surface of the skin; or empty
+  std::string character;  // its own file as somebody named it, for the surface of the skin; or empty
   std::size_t level = 0;  // of detail, of a proxy; 0: the finest
   ClipChoice clip;        // without a source: the bind pose
   SessionPosing session;
@@ -80,6 +81,9 @@ struct ShotFiles {
 // The lead of a session with its clip, its posing and the range that it plays, in place of what `files` has of them.
 // Throws Error(file).
 void take_session(const std::string& session, ShotFiles& files);
+
+// Of a character's own file that nobody named; told why where there is none.
+SkinSurface surface_if_any(const std::string& character, const MeshTable& mesh, const Tell& tell);
 
 // Reads them. Throws Error(file), Error(mismatch), Error(device), and Error(usage) for frames, levels and controls that
 // are not there.

@@ -22,9 +22,9 @@ struct ViewArguments {
 
 // Does the script leave a file?
 bool writes(const std::string& script) {
-  const std::set<std::string> writing = {"screenshot",   "sequence",    "turntable",   "save",     "save-state",
-                                         "save-markers", "export-clip", "export-skin", "stroke",   "keep-strokes",
-                                         "modifier",     "strength",    "undo-edit",   "redo-edit"};
+  const std::set<std::string> writing = {"screenshot",   "sequence",    "turntable",   "save",      "save-state",
+                                         "save-markers", "export-clip", "export-skin", "stroke",    "keep-strokes",
+                                         "save-pose",    "modifier",    "strength",    "undo-edit", "redo-edit"};
   for (const std::string& command : script_commands(script)) {
     std::string name;
     std::istringstream(command) >> name;

@@ -51,7 +51,7 @@ void Controls::browse(const std::string& command) { dialog = browse_folder(comma
 
 void Controls::quit_or_ask() {
   quits_when_saved = false;
-  asks_to_save = unsaved && !headless && !scripted;
+  asks_to_save = !headless && !scripted && has_unsaved_work && has_unsaved_work();
   requests.quit = !asks_to_save;
 }
 
@@ -69,9 +69,7 @@ std::vector<std::string> Controls::selected() const {
 void Controls::key_by_itself() {
   const ViewSettings::PoseKey& in_hand = settings.pose;
   const bool changed = settings.pose.keys.empty() ? in_hand != ViewSettings::PoseKey() : is_unkeyed();
-  if (!auto_key || !changed || playback.playing()) return;
-  settings.pose.keys[playback.frame()] = in_hand;
-  keyed_frame = playback.frame();
+  if (auto_key && changed && keyed_frame) settings.pose.keys[*keyed_frame] = in_hand;
 }
 
 bool Controls::is_posed(const std::string& name) const {
@@ -85,6 +83,7 @@ bool Controls::is_posed(const std::string& name) const {
 
 void Controls::follow_keys() {
   if (keyed_frame == playback.frame()) return;
+  key_by_itself();
   if (is_unkeyed())
     say("the pose of frame " + std::to_string(*keyed_frame) + " had no key, and is gone: set one first");
   keyed_frame = playback.frame();

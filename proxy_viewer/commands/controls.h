@@ -176,11 +176,12 @@ struct Controls {
   bool flipped = false;            // while the key of "hold to flip" is down
   bool cheat_sheet = false;
   bool panels = true;
-  bool headless = false;      // nobody looks: what fails is thrown, and what is asked for is waited for
-  bool prompt = false;        // a command is being typed
-  bool scripted = false;      // a script runs: nobody is asked
-  bool unsaved = false;       // poses, keys, cameras or markers are in no session file
-  bool asks_to_save = false;  // it is asked whether they shall be saved
+  bool headless = false;                   // nobody looks: what fails is thrown, and what is asked for is waited for
+  bool prompt = false;                     // a command is being typed
+  bool scripted = false;                   // a script runs: nobody is asked
+  std::function<bool()> has_unsaved_work;  // poses, keys, cameras or markers that are in no session file
+  std::function<double(int)> root_x;       // metres, world: where the lead's root stands in a frame of its clip
+  bool asks_to_save = false;               // it is asked whether they shall be saved
   bool quits_when_saved = false;
   std::string session_file;         // that was opened or saved last; empty: none
   std::vector<std::string> recent;  // files that were open lately, the last first
@@ -207,7 +208,7 @@ struct Controls {
   void select(const std::string& name);  // it alone; empty: none
   // All that are, the first first, where several are selected; none: the pose is one thing.
   std::vector<std::string> selected() const;
-  // Of the frame, where what is in hand differs and keys are set by themselves.
+  // Of the frame whose pose is in hand, where that differs and keys are set by themselves.
   void key_by_itself();
   // Whether the joint is turned or moved on top of the clip in the pose in hand.
   bool is_posed(const std::string& name) const;

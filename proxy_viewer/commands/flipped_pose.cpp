@@ -65,9 +65,9 @@ ViewSettings::PoseKey part_of(const Controls& controls, const ViewSettings::Pose
   return part;
 }
 
-ViewSettings::PoseKey flipped(const Controls& controls, const ViewSettings::PoseKey& pose) {
+ViewSettings::PoseKey flipped(const Controls& controls, const ViewSettings::PoseKey& pose, int frame) {
   const std::vector<std::string>& joints = controls.joint_names;
-  const double plane = controls.travelled[0];
+  const double plane = controls.root_x ? controls.root_x(frame) : 0;
   ViewSettings::PoseKey flipped;
   flipped.ease = pose.ease;
   for (const auto& [joint, degrees] : pose.joints) {

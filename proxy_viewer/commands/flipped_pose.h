@@ -19,9 +19,9 @@ ViewSettings::PoseKey part_of(const Controls& controls, const ViewSettings::Pose
 void put_pose(const Controls& controls, const ViewSettings::PoseKey& pose, const std::vector<std::string>& joints,
               ViewSettings::PoseKey& into);
 
-// The mirror image at the plane across x in which the lead stands. Joints, axes and controls of a side become those of
-// the other, by their names.
-ViewSettings::PoseKey flipped(const Controls& controls, const ViewSettings::PoseKey& pose);
+// The mirror image at the plane across x in which the lead's root stands in the frame. Joints, axes and controls of a
+// side become those of the other, by their names.
+ViewSettings::PoseKey flipped(const Controls& controls, const ViewSettings::PoseKey& pose, int frame);
 
 // These joints' mirror images; of one in the middle itself.
 std::vector<std::string> flipped(const Controls& controls, const std::vector<std::string>& joints);

@@ -270,7 +270,8 @@ const Command kPoseCommands[] = {
        const std::vector<std::string> joints = named_or_all_selected(c, a);
        const auto is_middle = [&](const std::string& joint) { return mirrored_name(joint, c.joint_names).empty(); };
        if (std::ranges::all_of(joints, is_middle)) refuse(joints.front(), "a joint that another side has, too");
-       put_pose(c, flipped(c, part_of(c, c.settings.pose, joints)), flipped(c, joints), c.settings.pose);
+       put_pose(c, flipped(c, part_of(c, c.settings.pose, joints), c.playback.frame()), flipped(c, joints),
+                c.settings.pose);
      }},
     {"copy", "", "Ctrl+C", "Pose", "the pose, or what of it several joints have that are selected",
      [](Controls& c, const std::string&) {
@@ -284,12 +285,12 @@ const Command kPoseCommands[] = {
     {"paste-flipped", "", "Ctrl+Shift+V", "Pose", "what was copied, left and right exchanged",
      [](Controls& c, const std::string&) {
        const CopiedPose& copied = require_copied(c);
-       put_pose(c, flipped(c, copied.pose), flipped(c, copied.joints), c.settings.pose);
+       put_pose(c, flipped(c, copied.pose, c.playback.frame()), flipped(c, copied.joints), c.settings.pose);
      }},
     {"flip-keys", "", "", "Pose", "left and right exchanged in all keys of the range",
      [](Controls& c, const std::string&) {
        for (auto& [frame, key] : c.settings.pose.keys) {
-         if (c.playback.in() <= frame && frame <= c.playback.out()) key = flipped(c, key);
+         if (c.playback.in() <= frame && frame <= c.playback.out()) key = flipped(c, key, frame);
        }
        c.keyed_frame.reset();
      }},

@@ -75,6 +75,7 @@ void run_with_file(Controls& controls) {
   const std::string line = controls.dialog->command + " " + controls.dialog->file();
   controls.dialog.reset();
   attempt(controls, line);
+  if (!controls.requests.save) controls.quits_when_saved = false;  // it was refused
 }
 
 // What a click on the list asks for.

@@ -647,20 +647,26 @@ std::vector<float> Scene::skin_on_stage(std::size_t index, const Controls& contr
   return skin;
 }
 
+Vec3 Scene::root_place(int frame) const {
+  const Clip& clip = lead().clip();
+  const int at = std::clamp(frame, clip.first_frame, clip.last_frame());
+  return clip.poses[static_cast<std::size_t>(at - clip.first_frame)].joints.front().translation;
+}
+
 Vec3 Scene::whereabouts(int frame) const {
   const Actor& lead = *cast_.front();
   const Clip& clip = lead.clip();
   const auto root_at = [&](int at) {
-    const Vec3 root = clip.poses[static_cast<std::size_t>(at - clip.first_frame)].joints.front().translation;
+    const Vec3 root = root_place(at);
     return Vec3{root[0], 0, root[2]};
   };
   const int around = static_cast<int>(std::lround(0.5 * clip.fps));
-  const Vec3 here = root_at(std::clamp(frame, clip.first_frame, clip.last_frame()));
+  const Vec3 here = root_at(frame);
   Vec3 mean = here;
   int count = 1;
   for (const int way : {-1, 1}) {
     for (int k = 1; k <= around; ++k) {
-      const Vec3 there = root_at(std::clamp(frame + way * k, clip.first_frame, clip.last_frame()));
+      const Vec3 there = root_at(frame + way * k);
       if (length(there - here) > 0.5 * lead.size()) break;
       ++count;
       mean = mean + (1.0 / count) * (there - mean);

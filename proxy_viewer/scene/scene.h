@@ -66,6 +66,7 @@ class Scene {
   // Where the lead is over the ground, whichever way it leaps: its root, the mean of half a second before and after
   // the frame, as far as it stays within half its size: a dataset's frames go on with another take elsewhere.
   Vec3 whereabouts(int frame) const;
+  Vec3 root_place(int frame) const;  // of the lead, metres, world; of the nearest frame that its clip has
   // The skin of all at the frame and what they wear, or what is around the joint that is selected: V x 3, for framing.
   std::vector<float> points_to_frame(const Controls& controls);
   // Of one of the cast.

@@ -40,7 +40,12 @@ fs::path Autosave::file() {
   for (int k = 0; !lock_; ++k) {
     file_ = folder_ / (std::to_string(getpid()) + (k > 0 ? "-" + std::to_string(k) : "") + kEnding);
     FileLock lock(lock_of(file_));
-    if (lock.is_held() && !fs::exists(file_)) lock_.emplace(std::move(lock));
+    if (!lock.is_held()) continue;
+    if (fs::exists(file_)) {
+      lock.remove_file();
+    } else {
+      lock_.emplace(std::move(lock));
+    }
   }
   return file_;
 }
@@ -66,6 +71,14 @@ void Autosave::take_over(const fs::path& left) {
   std::error_code problem;
   fs::rename(left, file(), problem);
   if (problem) throw Error(ErrorKind::file, left, ": cannot be taken over: ", problem.message());
+}
+
+bool Autosave::leave() {
+  const bool is_there = lock_ && fs::exists(file_);
+  if (lock_) lock_->remove_file();
+  lock_.reset();
+  file_.clear();
+  return is_there;
 }
 
 void Autosave::forget() {

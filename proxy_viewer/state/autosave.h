@@ -22,6 +22,8 @@ class Autosave {
   // That is this viewport's own from now on. Throws Error(file).
   void take_over(const std::filesystem::path& left);
   void forget();  // this viewport's own
+  // This viewport's own, for another to find; false: there was none.
+  bool leave();
 
  private:
   std::filesystem::path folder_, file_;

@@ -176,6 +176,9 @@ std::pair<Pose, Pins> before_reaching(const Skeleton& skeleton, const JointLimit
 }  // namespace
 
 ViewSettings::PoseKey blended(const ViewSettings::PoseKey& a, const ViewSettings::PoseKey& b, double t) {
+  // What only one of them has, as a pin, is no part of the other.
+  if (t <= 0) return a;
+  if (t >= 1) return b;
   return {blend_of(a.joints, b.joints, t, false),
           blend_of(a.axes, b.axes, t, false),
           blend_of(a.controls, b.controls, t, true),

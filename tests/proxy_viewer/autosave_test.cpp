@@ -161,6 +161,31 @@ TEST_F(LeavingTest, WhatACrashLeftIsBroughtBack) {
   EXPECT_FALSE(fs::exists(autosave()));
 }
 
+TEST_F(LeavingTest, WhatASessionReplacesIsKept) {
+  const auto viewport = open(keeping(), "hud off");
+  viewport->prompt("save shot.json");
+  viewport->prompt("turn upper 20 0 0");
+  viewport->prompt("open shot.json");
+  EXPECT_TRUE(viewport->controls().settings.pose.joints.empty());
+  ASSERT_TRUE(fs::exists(autosave()));
+  EXPECT_EQ(read_session(autosave()).view.pose.joints.at("upper"), (Vec3{20, 0, 0}));
+  viewport->key("Ctrl+Q");
+  EXPECT_TRUE(viewport->is_done());
+  EXPECT_EQ(open(keeping(), "")->controls().recoverable, autosave().string());
+}
+
+// Nobody quits later because a name was refused now.
+TEST_F(LeavingTest, ARefusedNameIsNoLeave) {
+  const auto viewport = open(keeping(), "hud off");
+  viewport->prompt("turn upper 20 0 0");
+  viewport->key("Ctrl+Q");
+  answer(*viewport, true);
+  ASSERT_TRUE(viewport->controls().dialog);
+  EXPECT_TRUE(viewport->controls().quits_when_saved);
+  viewport->key("Escape");
+  EXPECT_FALSE(viewport->controls().quits_when_saved);
+}
+
 TEST_F(LeavingTest, FilesThatWereOpenAreFoundAgain) {
   {
     const auto viewport = open(keeping(), "hud off");

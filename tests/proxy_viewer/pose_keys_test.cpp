@@ -44,6 +44,10 @@ TEST(PoseKeys, EaseToTheNextAsTheySay) {
   keys[10].ease = KeyEase::step;
   EXPECT_DOUBLE_EQ(between_keys(keys, 19).joints.at("upper")[0], 0);
   EXPECT_DOUBLE_EQ(between_keys(keys, 20).joints.at("upper")[0], 40);
+  keys[20].pins["foot"] = {1, 2, 3};
+  EXPECT_EQ(between_keys(keys, 19), keys[10]) << "nor is a pin of the next held before";
+  EXPECT_TRUE(blended(keys[10], keys[20], 0).pins.empty());
+  EXPECT_EQ(blended(keys[20], keys[10], 1), keys[10]) << "nor one of the key before when that is over";
 }
 
 // The short way about, whatever the angles that name it.
@@ -96,6 +100,30 @@ TEST_F(FlippedPoseTest, ExchangesTheSidesAndTwiceIsAsItWas) {
   EXPECT_LT(length(pose().joints.at("LeftArm") - before.joints.at("LeftArm")), 1e-6);
   EXPECT_NEAR(angle_between(turn_of(pose().facing.at("LeftArm")), turn_of(before.facing.at("LeftArm"))), 0, 1e-6);
   EXPECT_EQ(pose().axes, before.axes);
+}
+
+TEST_F(FlippedPoseTest, IsMirroredWhereTheRootStands) {
+  controls_.playback = Playback({1, 100}, 24);
+  controls_.root_x = [](int frame) { return 0.1 * frame; };
+  controls_.playback.scrub(20);
+  run("copy");
+  run("paste-flipped");
+  EXPECT_NEAR(pose().pins.at("RightArm")[0], 3.5, 1e-12);
+  pose().keys[50].pins["LeftArm"] = {5.25, 1, 0.2};
+  run("flip-keys");
+  EXPECT_NEAR(pose().keys[50].pins.at("RightArm")[0], 4.75, 1e-12);
+}
+
+TEST_F(FlippedPoseTest, AutoKeyKeepsAPoseThatIsLeftBeforeAPictureIsDrawn) {
+  controls_.playback = Playback({1, 100}, 24);
+  controls_.playback.scrub(10);
+  controls_.follow_keys();
+  run("auto-key on");
+  pose().joints["Spine"] = {1, 2, 3};
+  controls_.playback.scrub(30);
+  controls_.follow_keys();
+  EXPECT_EQ(pose().keys.at(10).joints.at("Spine"), (Vec3{1, 2, 3}));
+  EXPECT_EQ(pose().keys.size(), 1u);
 }
 
 TEST_F(FlippedPoseTest, OfSeveralJointsLeavesTheOthers) {

@@ -507,7 +507,7 @@ TEST(SessionLimits, BesideACharacterAreTakenAlong) {
   const std::vector<std::string> notes = without.open_first();
   EXPECT_TRUE(without.controls.axis_names.empty());
   ASSERT_FALSE(notes.empty());
-  EXPECT_NE(notes.front().find("of other joints"), std::string::npos);
+  EXPECT_NE(notes.front().find("beside the character"), std::string::npos);
 }
 
 TEST(Attempt, SaysWhatFailsUnlessItIsTheDevice) {
