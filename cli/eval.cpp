@@ -187,10 +187,46 @@ std::string unit_text(const CacheChoice& cache, const Basis& basis) {
                 Json(unit).dump());
 }
 
+// Also of files that are not there yet.
+bool is_same_file(const fs::path& a, const fs::path& b) {
+  std::error_code ignored;
+  return fs::equivalent(a, b, ignored) ||
+         fs::weakly_canonical(fs::absolute(a)) == fs::weakly_canonical(fs::absolute(b));
+}
+
+void refuse_rig_over(const std::string& rig, const std::vector<fs::path>& files) {
+  for (const fs::path& file : files) {
+    if (!is_same_file(rig, file)) continue;
+    throw Error(ErrorKind::usage, "--rig ", rig, " would write over ", file.string(),
+                ", which is an input or another output: give the rig a name of its own");
+  }
+}
+
+// The rig must lie in the skin, and take the place of no other file.
+void check_rig(const EvalArguments& arguments) {
+  const std::string& rig = arguments.rig;
+  if (rig.empty()) return;
+  const CacheSpace& space = arguments.cache.space;
+  if (!rig.ends_with(".glb") && (space.unit != 1 || space.z_up)) {
+    throw Error(ErrorKind::usage, "--rig ", rig,
+                " is in metres with Y up, and would not lie in a skin of another --unit-out or --axis: leave these "
+                "out, or name a .glb");
+  }
+  std::vector<fs::path> others = arguments.shot.paths();
+  for (const std::string& file : {arguments.cache.out, arguments.jiggle.state_out, arguments.json.path}) {
+    if (!file.empty() && file != "-") others.emplace_back(file);
+  }
+  refuse_rig_over(rig, others);
+}
+
 void evaluate(const EvalArguments& arguments, Shot& shot, const TaskRun* task) {
   const Stopwatch watch;
   const std::string about_unit = unit_text(arguments.cache, shot.basis());  // first: it may be damaged
   ShotRun run(arguments, shot, task);
+  if (!arguments.rig.empty()) {
+    const std::vector<std::string>& attached = run.caches().attached_paths();
+    refuse_rig_over(arguments.rig, {attached.begin(), attached.end()});
+  }
   run.write();
   const double seconds = watch.seconds();
 
@@ -223,12 +259,20 @@ void evaluate(const EvalArguments& arguments, Shot& shot, const TaskRun* task) {
   arguments.json.emit(result, text);
 }
 
+// What is asked for by name, other than the report.
+std::vector<fs::path> named_outputs(const EvalArguments& arguments) {
+  std::vector<fs::path> outputs{arguments.cache.out};
+  if (!arguments.rig.empty()) outputs.emplace_back(arguments.rig);
+  if (!arguments.jiggle.state_out.empty()) outputs.emplace_back(arguments.jiggle.state_out);
+  return outputs;
+}
+
 // Says what would be done, without doing it.
 void pretend(const EvalArguments& arguments, const Shot& shot, const TaskRun* task) {
   std::string doing = "would evaluate";
   std::size_t kept = 0;
   if (task != nullptr) {
-    if (task->done({arguments.cache.out})) doing = "is done already:";
+    if (task->done(named_outputs(arguments))) doing = "is done already:";
     if (const auto checkpoint = task->read_checkpoint()) kept = checkpoint->frames;
   }
   std::string text = format("{} frames {} of '{}' on {}, to {}\n", doing, format_frame_range(shot.frames),
@@ -246,11 +290,8 @@ void pretend(const EvalArguments& arguments, const Shot& shot, const TaskRun* ta
 
 // The report is an output, too: without it, or where it goes to standard output, the work is done again.
 bool is_done(const EvalArguments& arguments, const TaskRun& task) {
-  std::vector<fs::path> outputs{arguments.cache.out};
-  if (!arguments.rig.empty()) outputs.emplace_back(arguments.rig);
-  if (!arguments.jiggle.state_out.empty()) outputs.emplace_back(arguments.jiggle.state_out);
   if (!arguments.json.path.empty() && !fs::exists(arguments.json.path)) return false;
-  return task.done(outputs).has_value();
+  return task.done(named_outputs(arguments)).has_value();
 }
 
 // What CLI11 put into the arguments that several verbs have, as the shot has it.
@@ -287,6 +328,7 @@ void run(EvalArguments arguments) {
   arguments.jiggle.check(arguments.shot.jiggle);
   std::string& out = arguments.cache.out;
   if (out.find('#') != std::string::npos) out = with_first_frame(out, first_frame_of(arguments.shot));
+  check_rig(arguments);
   std::optional<TaskRun> task;
   if (arguments.task.resume) task.emplace(out, BODYOPT_VERSION, arguments.task.given, arguments.shot.paths());
   if (task && !arguments.task.pretend && is_done(arguments, *task)) {

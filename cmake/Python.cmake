@@ -63,7 +63,8 @@ add_dependencies(blender_addon bodyopt_python)
 # and X11.
 if(BODYOPT_BUILD_CLI)
   install_module(wheel bodyopt EXECUTABLES bodyopt
-                 "libtbb libhwy libxxhash libpugixml libspdlog libfmt libglfw libstb libwebp libtinygltf libmeshoptimizer")
+                 "libtbb libhwy libxxhash libpugixml libspdlog libfmt libglfw libstb libspng libwebp libtinygltf \
+libmeshoptimizer")
   set(staged ${PROJECT_BINARY_DIR}/wheel)
   add_custom_target(wheel
     COMMAND ${CMAKE_COMMAND} -E rm -rf ${staged}

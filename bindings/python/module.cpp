@@ -576,6 +576,7 @@ std::vector<std::string> device_names() {
 PYBIND11_MODULE(_runtime, module) {
   error_type = PyErr_NewException("bodyopt.Error", PyExc_RuntimeError, nullptr);
   module.attr("Error") = py::reinterpret_borrow<py::object>(error_type);
+  module.attr("Error").attr("result") = py::none();  // where run() does not set it
   py::register_exception_translator(translate);
   module.attr("__version__") = bodyopt_version();
 

@@ -63,14 +63,19 @@ class GltfClip {
     rest = root_["nodes"][node].value(path, rest);
     const std::size_t size = rest.size();
     for (const auto& channel : root_.at("animations").at(0).at("channels")) {
-      if (channel.at("target").value("node", std::size_t{0}) != node || channel["target"].at("path") != path) continue;
+      const auto& target = channel.at("target");
+      if (!target.contains("node") || target["node"] != node || target.at("path") != path) continue;
       const auto& sampler = root_["animations"][0].at("samplers").at(channel.at("sampler").get<std::size_t>());
+      const std::string interpolation = sampler.value("interpolation", "LINEAR");
+      if (interpolation != "LINEAR" && interpolation != "STEP") {
+        throw std::runtime_error("the clip has keys of " + interpolation + ": export it with LINEAR or STEP keys");
+      }
       const std::vector<float> keys = numbers(sampler.at("input"), 1), values = numbers(sampler.at("output"), size);
       const auto after = std::ranges::upper_bound(keys, seconds);
       const auto next = static_cast<std::size_t>(std::min(after, keys.end() - 1) - keys.begin()),
                  last = static_cast<std::size_t>(std::max(after, keys.begin() + 1) - 1 - keys.begin());
       float share = next > last ? std::min(1.0f, (seconds - keys[last]) / (keys[next] - keys[last])) : 0.0f;
-      if (sampler.value("interpolation", "LINEAR") == "STEP") share = 0;
+      if (interpolation == "STEP") share = 0;
       float along = 0;
       for (std::size_t i = 0; i < size; ++i) along += values[size * last + i] * values[size * next + i];
       const float sign = size == 4 && along < 0 ? -1.0f : 1.0f;  // q and -q turn alike
@@ -82,6 +87,10 @@ class GltfClip {
   }
 
   Matrix world(std::size_t node, float seconds) const {
+    if (root_["nodes"][node].contains("matrix")) {
+      throw std::runtime_error("node " + std::to_string(node) +
+                               " of the clip has a matrix: export translation, rotation and scale");
+    }
     const std::vector<float> t = property(node, "translation", {0, 0, 0}, seconds),
                              q = property(node, "rotation", {0, 0, 0, 1}, seconds),
                              s = property(node, "scale", {1, 1, 1}, seconds);

@@ -169,6 +169,22 @@ TEST_F(ClipProgram, EvalWritesThePosedJointsBesideTheSkin) {
   expect(eval + "--out " + at("skin.glb") + " --character " + files_.character, 0, "no texture coordinates");
   expect(eval + "--out " + at("a.pc2") + " --character " + files_.character, 64, "point caches hold points alone");
   expect(eval + "--out " + at("a.pc2") + " --rig " + at("rig.fbx"), 64, "does not end in .glb, .usda or .bvh");
+  expect(eval + "--out " + at("a.mdd") + " --unit-out 0.5 --rig " + at("twice.bvh"), 64, "is in metres with Y up");
+  expect(eval + "--out " + at("a.pc2") + " --axis z --rig " + at("turned.usda"), 64, "is in metres with Y up");
+
+  // It takes the place of no other file, by whatever name, be it there or not.
+  std::filesystem::create_hard_link(files_.motion, at("link.glb"));
+  for (const std::string& taken : {files_.motion, at("./link.glb")}) {
+    expect(eval + "--out " + at("a.pc2") + " --rig " + taken, 64, "would write over " + files_.motion);
+  }
+  EXPECT_EQ(read_clip(files_.motion, limb_.skeleton, {}).poses.size(), meant.poses.size());
+  expect(eval + "--out " + at("new.glb") + " --rig " + at("./new.glb"), 64, "would write over " + at("new.glb"));
+  EXPECT_FALSE(std::filesystem::exists(at("new.glb")));
+
+  // Without the rig that is asked for the shot is not done.
+  const std::string task = eval + "--resume --out " + at("task.pc2");
+  expect(task, 0, "");
+  expect(task + " --pretend --rig " + at("later.glb"), 0, "would evaluate");
   expect("join " + at("a.mdd") + " --out " + at("b.mdd"), 64, "parts of MDD cannot be joined");
 }
 

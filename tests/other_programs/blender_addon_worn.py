@@ -12,7 +12,7 @@ import addon
 
 zip_file, bodyopt, folder = sys.argv[sys.argv.index("--") + 1:]
 addon.install(zip_file)
-from bodyopt_blender import live
+from bodyopt_blender import live, panel
 
 basis = f"{folder}/dressed.safetensors"
 addon.begin()
@@ -110,3 +110,12 @@ os.rename(f"{folder}/aside", f"{folder}/dressed.attached.safetensors")
 live.forget()
 scene.frame_set(6)
 assert worst_of(sleeve, order) < 0.1
+
+# Of two eyes each is found by its own name, with or without the number that Blender adds.
+found, names = panel.BODYOPT_OT_add_clothes.found, ["eye.L", "eye.R"]
+eyes = [bpy.data.objects.new(name, bpy.data.meshes.new(name)) for name in ("eye.R", "eye.L.001")]
+for eye in eyes:
+    scene.collection.objects.link(eye)
+    eye.parent = armature
+assert [found(scene, name, names, armature, []) for name in names] == eyes[::-1]
+assert found(scene, "eye.R", names, armature, eyes[:1]) is None and found(scene, "eye", ["eye"], armature, []) is None

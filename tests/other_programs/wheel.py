@@ -59,10 +59,21 @@ cancel.set()
 thread.join(60)
 assert ticks == [75], ticks
 
+# Cancelled before it has begun, and when it has just begun: the same.
+for answers in ([True], [False, True]):
+    try:
+        bodyopt.run("simulate", "demo/character.glb", clip="demo/rom.glb", out="more", muscles="demo/muscles.json",
+                    cancelled=lambda: answers.pop(0))
+    except bodyopt.Error as error:
+        assert error.code == 75 and "interrupted" in str(error) and error.result is None, (error.code, str(error))
+    else:
+        raise AssertionError("not cancelled")
+
 # What a callback raises ends the verb, too.
+asked = []
 try:
     bodyopt.run("simulate", "demo/character.glb", clip="demo/rom.glb", out="again", muscles="demo/muscles.json",
-                cancelled=lambda: 1 / 0)
+                cancelled=lambda: asked.append(1) or 1 / (len(asked) - 2) > 0)
 except ZeroDivisionError:
     print(f"{len(steps)} steps of progress, {samples} frames")
 else:

@@ -7,7 +7,7 @@ import numpy as np
 from bpy.props import EnumProperty, StringProperty
 
 from . import live
-from .binding import ERROR, MODIFIER, SKIN, VERTEX, Binding
+from .binding import ERROR, MODIFIER, SKIN, VERTEX, Binding, driver_of
 from .controls import Controls
 from .panel import Operator
 from .space import Refusal
@@ -45,11 +45,11 @@ def frames_of(context):
 
 
 def skins(context, obj, state_in="", state_out=""):
-    """The skin in Blender's world, V x 3, of each frame; with jiggle where the object has dynamics.
+    """The skin in Blender's world, V x 3, of each frame; with jiggle where the object has dynamics, or what it is worn on.
 
     state_in, state_out: files of the jiggle before the first frame and after the last one. Raises what Binding does.
     """
-    scene, dynamics = context.scene, obj.bodyopt.dynamics
+    scene, dynamics = context.scene, obj.bodyopt.dynamics or driver_of(obj).bodyopt.dynamics
     binding, rate = Binding(obj, dynamics), scene.render.fps / scene.render.fps_base
     if dynamics and abs(binding.model.frames_per_second - rate) > 1e-3:
         raise Refusal(f"the dynamics jiggle at {binding.model.frames_per_second:g} frames a second, the scene has "

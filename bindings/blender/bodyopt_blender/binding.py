@@ -128,11 +128,11 @@ def require_posed(obj, armature, depsgraph):
                       "switch it on and hide it with H")
 
 
-def found_part(model, points, rig, to_world):
+def found_part(model, points, rig, to_world, first):
     """Which mesh of a model the points are at rest, the skin or one that is attached to it: its name, its vertices at rest
-    and turned, and what match() gives. Raises Refusal where they are none."""
+    and turned, and what match() gives; `first` is tried first. Raises Refusal where they are none."""
     refusal = None
-    for name in ["", *attached_names(model)]:
+    for name in sorted(["", *attached_names(model)], key=lambda name: name != first):
         skins = rest_skin(model, name).astype(float)
         try:
             found, rest = match(skins[0], points, rig, to_world)
@@ -143,14 +143,16 @@ def found_part(model, points, rig, to_world):
     raise refusal
 
 
-def bind(obj):
-    """Makes obj, with its settings, show the skin of its basis. Raises Refusal and bodyopt.Error, and changes nothing then."""
+def bind(obj, first=""):
+    """Makes obj, with its settings, show the skin of its basis, or the attached mesh that it is, `first` before others.
+    Raises Refusal and bodyopt.Error, and changes nothing then."""
     require_own(obj)
     armature, model = armature_of(obj), load(obj.bodyopt.basis, obj.bodyopt.level)
     rig = Rig(model, armature)
     to_world = np.array(armature.matrix_world)
     in_armature = np.linalg.inv(to_world) @ np.array(obj.matrix_world)
-    worn, skins, found, rest = found_part(model, moved(in_armature, mesh_points(obj.data).astype(float)), rig, to_world)
+    worn, skins, found, rest = found_part(model, moved(in_armature, mesh_points(obj.data).astype(float)), rig, to_world,
+                                          first)
     if not np.array_equal(found, np.arange(len(skins[0]))):
         refuse_parting(found, *skins)
     rig.stand(to_world)

@@ -1,11 +1,13 @@
 """Settings of a bound object, the panel in the sidebar of the 3D view, and its buttons."""
+import re
+
 import bpy
 import numpy as np
 from bpy.props import BoolProperty, FloatProperty, FloatVectorProperty, IntProperty, PointerProperty, StringProperty
 
 from . import binding, bodyopt, live
 from .controls import PREFIX
-from .space import Z_UP, Refusal, moved, similarity
+from .space import Z_UP, Refusal, moved, named, similarity
 
 
 def refresh(settings, context):
@@ -30,6 +32,11 @@ class Settings(bpy.types.PropertyGroup):
     worn: StringProperty(description="The mesh that is attached to the skin of the basis; empty: the skin itself")
     muted: StringProperty()
     rest: FloatVectorProperty(size=16)
+
+
+def without_number(name):
+    """`eye.L` of `eye.L.001`."""
+    return re.sub(r"\.\d+$", "", name)
 
 
 class Operator(bpy.types.Operator):
@@ -120,28 +127,41 @@ class BODYOPT_OT_add_clothes(Operator):
         if not model.attached:
             raise Refusal("no meshes are attached to the basis: 'bodyopt train' attaches those of the character's file, "
                           "'bodyopt attach' others. They stand beside the basis, as NAME.attached.safetensors")
-        armature, made = binding.armature_of(obj), []
+        armature, made, wearers = binding.armature_of(obj), [], []
         rest = np.array(settings.rest).reshape(4, 4).T
         for name, triangles in model.attached:
-            worn = next((o for o in context.scene.objects if self.may_be(o, name, armature)), None)
+            worn = self.found(context.scene, name, binding.attached_names(model), armature, wearers)
             if not worn:
                 worn = self.add(context, armature, name, moved(rest, binding.rest_skin(model, name)[0]), triangles)
                 made.append(worn)
+            wearers.append(worn)
             worn.bodyopt.basis, worn.bodyopt.level, worn.bodyopt.armature = settings.basis, settings.level, armature
             context.view_layer.update()
             live.bindings.pop(worn.name_full, None)
             try:
-                binding.bind(worn)
+                binding.bind(worn, name)
             except (Refusal, bodyopt.Error) as refusal:
                 for mesh in [o.data for o in made]:
                     bpy.data.meshes.remove(mesh)  # and its object
                 raise Refusal(f"'{worn.name}': {refusal}") from refusal
+        self.require_all(model, wearers)
 
     @staticmethod
-    def may_be(obj, name, armature):
-        if obj.type != "MESH" or armature not in (obj.parent, obj.find_armature(), obj.bodyopt.armature):
-            return False
-        return obj.bodyopt.worn == name or not obj.bodyopt.is_bound and obj.name.split(".")[0] == name.split(".")[0]
+    def found(scene, name, names, armature, taken):
+        """The mesh of the scene that wears this name, or has it, or has it but for the number that Blender adds."""
+        meshes = [o for o in scene.objects if o.type == "MESH" and o not in taken
+                  and armature in (o.parent, o.find_armature(), o.bodyopt.armature)]
+        free = [o for o in meshes if not o.bodyopt.is_bound]
+        plain = [o for o in free if o.name not in names and without_number(o.name) == without_number(name)]
+        return next((o for o in [*(o for o in meshes if o.bodyopt.worn == name),
+                                 *(o for o in free if o.name == name), *plain]), None)
+
+    @staticmethod
+    def require_all(model, wearers):
+        missing = set(binding.attached_names(model)) - {o.bodyopt.worn for o in wearers}
+        if missing:
+            raise Refusal(f"no mesh shows {named(sorted(missing))}: meshes of the scene with such names are of another "
+                          "part; rename them, and add clothes again")
 
     @staticmethod
     def add(context, armature, name, points, triangles):

@@ -14,7 +14,7 @@ import tempfile
 from ._runtime import Error
 
 _HERE = pathlib.Path(__file__).resolve().parent
-_USAGE, _FILE = 64, 4
+_USAGE, _FILE, _INTERRUPTED = 64, 4, 75
 
 
 def _refuse(code, message, result=None):
@@ -69,12 +69,15 @@ def run(verb, *arguments, progress=None, cancelled=None, **options):
     if verb in ("view", "help"):
         raise _refuse(_USAGE, f"'{verb}' gives no JSON: run the program itself, {program()}")
     path, said = program(), []
+    stopped = _refuse(_INTERRUPTED, f"{verb}: interrupted; nothing of it is kept")
+    if cancelled and cancelled():
+        raise stopped
     with tempfile.TemporaryDirectory() as folder:
         answer = pathlib.Path(folder) / "answer.json"
         words = [path, verb, *map(os.fspath, arguments), *_words(options), "--json", str(answer)]
         with subprocess.Popen(words, env=_environment(path), stdout=subprocess.DEVNULL, stderr=subprocess.PIPE) as process:
             try:
-                _follow(process, progress, cancelled, said)
+                is_told = _follow(process, progress, cancelled, said)
             except BaseException:
                 process.send_signal(signal.SIGTERM)
                 process.send_signal(signal.SIGTERM)  # at once
@@ -84,13 +87,15 @@ def run(verb, *arguments, progress=None, cancelled=None, **options):
         except (OSError, ValueError):
             result = None
     code = process.returncode
+    if is_told and code == -signal.SIGTERM:  # before it could take notice
+        raise stopped
     if code != 0:
         raise _refuse(code, _last_error(said) or f"'{verb}' ended with {code}", result)
     return result
 
 
 def _follow(process, progress, cancelled, said):
-    """Reads a verb's standard error to its end."""
+    """Reads a verb's standard error to its end. Returns whether the verb was told to stop."""
     is_told, rest = False, b""
     with selectors.DefaultSelector() as selector:
         selector.register(process.stderr, selectors.EVENT_READ)
@@ -105,7 +110,7 @@ def _follow(process, progress, cancelled, said):
             for line in lines if piece else [rest]:
                 _take(line.decode(errors="replace"), progress, said)
             if not piece:
-                return
+                return is_told
 
 
 def _take(line, progress, said):
