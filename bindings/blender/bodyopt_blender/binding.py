@@ -22,10 +22,13 @@ _models = {}  # of files that were read, by path, date, size and level
 def load(path, level=0, dynamics=""):
     """A model, read once, with the meshes that are attached to it in the file beside it. Raises Refusal for a file that is
     not there, bodyopt.Error for one that is wrong."""
+    if not path:
+        raise Refusal("no basis is chosen: name the .safetensors that 'bodyopt train' wrote as Basis")
     names = [bpy.path.abspath(name) for name in (path, dynamics) if name]
     for name in names:
         if not os.path.isfile(name):
-            raise Refusal(f"there is no file '{name}': choose it again")
+            what = f"'{name}' is a folder" if os.path.isdir(name) else f"there is no file '{name}'"
+            raise Refusal(f"{what}: choose it again")
     beside = os.path.splitext(names[0])[0] + ".attached.safetensors"
     attached = beside if level == 0 and os.path.isfile(beside) else None
     files = [*names, *([attached] if attached else [])]
