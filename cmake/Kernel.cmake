@@ -104,6 +104,7 @@ file(CONFIGURE OUTPUT ${BODYOPT_GENERATED}/${folder}/kernels.h @ONLY CONTENT "//
 #include <array>
 
 #include \"${folder}/shader_kernel.h\"
+#include \"shaders/include/attach.h\"
 #include \"shaders/include/jiggle.h\"
 #include \"shaders/include/layout.h\"
 

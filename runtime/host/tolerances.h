@@ -56,6 +56,9 @@ inline constexpr std::array kKernelTolerances = {
     // angle, whose error is the cosine's over its sine.
     KernelTolerance{"output_tangents", 0, 1e-5},
     KernelTolerance{"output_place", 0},
+    KernelTolerance{"output_stretch", 0, 1e-6},       // of 1: a root and a quotient
+    KernelTolerance{"output_anchor", 0, 4e-6, 1e-7},  // a rotation's numbers, as jiggle_rotate
+    KernelTolerance{"output_attach", 0},
 };
 
 // What a stage leaves behind after all stages before it ran there, too: absolute + of_size x the diagonal of the rest

@@ -15,15 +15,8 @@ PlacedVertices without_gaps(std::vector<float>& values, std::size_t vertices, st
   return {reinterpret_cast<std::byte*>(values.data()), kVertex, kVertex * vertices};
 }
 
-// Copies of the caller's. Throws Error(usage) unless there is one of each mesh.
 std::vector<bodyopt_floats> outputs_of(const bodyopt_skin& skin, const Attachments& attached, std::size_t frames) {
-  if (skin.attached_count == 0) return {};
-  if (skin.attached_count != attached.meshes.size()) {
-    throw Error(ErrorKind::usage, "'skin.attached' has ", skin.attached_count, " outputs, the model has ",
-                attached.meshes.size(), " attached meshes");
-  }
-  const bodyopt_floats* first = &required(skin.attached, "skin.attached");
-  std::vector<bodyopt_floats> outputs(first, first + skin.attached_count);
+  std::vector<bodyopt_floats> outputs = attached_outputs(skin.attached, skin.attached_count, attached, "skin.attached");
   for (std::size_t m = 0; m < outputs.size(); ++m) {
     check_output(outputs[m], frames, attached.meshes[m].vertex_count(), 3, concat("skin.attached[", m, "]"));
   }

@@ -6,9 +6,23 @@
 
 #include "runtime/core/executor.h"
 #include "runtime/deformer/evaluation.h"
+#include "runtime/library/guard.h"
 #include "runtime/library/handles.h"
 
 namespace bodyopt {
+
+// Copies of what a caller has for attached meshes; empty: for none. Throws Error(usage) unless there is one of each.
+template <typename Output>
+std::vector<Output> attached_outputs(const Output* given, std::uint32_t count, const Attachments& attached,
+                                     const char* name) {
+  if (count == 0) return {};
+  if (count != attached.meshes.size()) {
+    throw Error(ErrorKind::usage, "'", name, "' has ", count, " outputs, the model has ", attached.meshes.size(),
+                " attached meshes");
+  }
+  const Output* const first = &required(given, name);
+  return {first, first + count};
+}
 
 class FollowingOutputs {
  public:

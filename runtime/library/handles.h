@@ -15,6 +15,7 @@
 #include "runtime/host/character_model.h"
 #include "runtime/host/jiggle.h"
 #include "runtime/modifiers/drive_modifiers.h"
+#include "runtime/vulkan/backend/attached_meshes.h"
 #include "runtime/vulkan/backend/device_model.h"
 #include "runtime/vulkan/device.h"
 
@@ -56,11 +57,12 @@ struct bodyopt_instance {
   std::shared_ptr<const bodyopt::CharacterModel> model;
   std::unique_ptr<bodyopt::Deformer> deformer;
   std::shared_ptr<const bodyopt::FollowingMeshes> following;
-  std::optional<bodyopt::ErrorExpectation> expectation;  // made when it is first asked for
-  std::optional<bodyopt::RegionShares> shares;           // likewise
-  std::vector<std::string> channels;                     // names of the model's
-  std::uint32_t recorded_frames = 1;                     // most of a bodyopt_record
-  bodyopt::ModifierState modifiers;                      // after the last frame that was shown with them
+  std::optional<bodyopt::vulkan::AttachedMeshes> attached;  // of one that is to record them
+  std::optional<bodyopt::ErrorExpectation> expectation;     // made when it is first asked for
+  std::optional<bodyopt::RegionShares> shares;              // likewise
+  std::vector<std::string> channels;                        // names of the model's
+  std::uint32_t recorded_frames = 1;                        // most of a bodyopt_record
+  bodyopt::ModifierState modifiers;                         // after the last frame that was shown with them
 };
 
 struct bodyopt_state {

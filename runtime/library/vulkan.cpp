@@ -1,6 +1,7 @@
 // vulkan.h: the host's device, command buffers and buffers.
 #include "include/bodyopt/vulkan.h"
 
+#include "runtime/library/following_outputs.h"
 #include "runtime/library/guard.h"
 #include "runtime/library/handles.h"
 #include "runtime/library/modifier_drive.h"
@@ -15,7 +16,7 @@ constexpr VkDeviceSize kMost = VkDeviceSize{1} << 34;  // words are counted in 3
 // Of `frames` frames, `frame_stride` bytes from one to the next. Throws Error(usage) for strides that are too small or
 // a buffer that does not hold all vertices.
 vulkan::PlacedOutput placed_output(const bodyopt_vulkan_output& output, VkDeviceSize frame_stride, std::size_t frames,
-                                   std::size_t vertices, std::size_t numbers, const char* name) {
+                                   std::size_t vertices, std::size_t numbers, const std::string& name) {
   if (output.buffer == VK_NULL_HANDLE || vertices == 0) return {};
   const VkDeviceSize element = numbers * sizeof(float);
   const auto refuse = [&](const auto&... what) { throw Error(ErrorKind::usage, "'recording.", name, "' ", what...); };
@@ -33,6 +34,24 @@ vulkan::PlacedOutput placed_output(const bodyopt_vulkan_output& output, VkDevice
   const VkDeviceSize needed = output.offset + (frames - 1) * frame_stride + frame;
   if (output.size < needed) refuse("has ", output.size, " bytes, ", needed, " are needed");
   return {output.buffer, output.size, output.offset, stride, frame_stride};
+}
+
+std::vector<vulkan::PlacedOutput> attached_to(const bodyopt_recording& wanted, const bodyopt_instance& instance,
+                                              std::size_t frames) {
+  const Attachments& attached = instance.following->attached;
+  const auto outputs = attached_outputs(wanted.attached, wanted.attached_count, attached, "recording.attached");
+  if (!outputs.empty() && !instance.attached) {
+    throw Error(ErrorKind::usage,
+                "'recording.attached' is wanted of an instance that has no memory for it: make it "
+                "on a Vulkan device with 'options.recorded_frames' of 1 or more");
+  }
+  std::vector<vulkan::PlacedOutput> placed;
+  for (std::size_t m = 0; m < outputs.size(); ++m) {
+    const VkDeviceSize stride = wanted.attached_frame_strides == nullptr ? 0 : wanted.attached_frame_strides[m];
+    placed.push_back(
+        placed_output(outputs[m], stride, frames, attached.meshes[m].vertex_count(), 3, concat("attached[", m, "]")));
+  }
+  return placed;
 }
 
 }  // namespace
@@ -68,6 +87,8 @@ bodyopt_result bodyopt_record(bodyopt_instance* instance, const bodyopt_poses* p
         placed_output(wanted.positions, wanted.positions_frame_stride, frames, vertices, 3, "positions"),
         placed_output(wanted.normals, wanted.normals_frame_stride, frames, vertices, 3, "normals"),
         placed_output(wanted.tangents, wanted.tangents_frame_stride, frames, vertices, 4, "tangents"),
+        instance->attached ? &*instance->attached : nullptr,
+        attached_to(wanted, *instance, frames),
         instance->recorded_frames};
     std::vector<Pose> poses_of_frames = given.read(0, frames);
     ModifierDrive drive(*instance, given);

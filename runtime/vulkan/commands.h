@@ -157,6 +157,8 @@ class Commands {
   bool pending_ = false;
 };
 
+class AttachedMeshes;
+
 // What of some frames is recorded for a host program: into its command buffer, to its buffers.
 // Three numbers of each vertex, four of a tangent, in output order, bytes; strides and offset are multiples of 4.
 struct PlacedOutput {
@@ -167,7 +169,9 @@ struct PlacedOutput {
 struct Recording {
   VkCommandBuffer commands = VK_NULL_HANDLE;
   PlacedOutput positions, normals, tangents;
-  std::uint32_t most_frames = 1;  // of this recording and those that follow: the first one's counts
+  const AttachedMeshes* attached = nullptr;    // that follow the skin, where one of them is wanted
+  std::vector<PlacedOutput> attached_to = {};  // of each of them
+  std::uint32_t most_frames = 1;               // of this recording and those that follow: the first one's counts
 };
 
 }  // namespace bodyopt::vulkan

@@ -26,13 +26,6 @@ BODYOPT_FUNCTION float angle_of_cosine(float cosine) {
   return cosine < 0.0f ? 3.14159265f - angle : angle;
 }
 
-// v of length 1; 0 where it has next to none.
-BODYOPT_FUNCTION void make_unit(BODYOPT_INOUT_ARRAY(v, 3)) {
-  float length = sqrt(dot_product(v, v));
-  float scale = length > 1e-18f ? 1.0f / length : 0.0f;
-  for (int i = 0; i < 3; ++i) v[i] *= scale;
-}
-
 // The direction of v across the normal n.
 BODYOPT_FUNCTION void across_normal(BODYOPT_IN_ARRAY(n, 3), BODYOPT_IN_ARRAY(v, 3), BODYOPT_OUT_ARRAY(u, 3)) {
   float along = dot_product(n, v);

@@ -20,6 +20,13 @@ BODYOPT_FUNCTION void cross_product(BODYOPT_IN_ARRAY(a, 3), BODYOPT_IN_ARRAY(b, 
   c[2] = z;
 }
 
+// v of length 1; 0 where it has next to none.
+BODYOPT_FUNCTION void make_unit(BODYOPT_INOUT_ARRAY(v, 3)) {
+  float length = sqrt(dot_product(v, v));
+  float scale = length > 1e-18f ? 1.0f / length : 0.0f;
+  for (int i = 0; i < 3; ++i) v[i] *= scale;
+}
+
 #ifdef __cplusplus
 }  // namespace bodyopt
 #endif

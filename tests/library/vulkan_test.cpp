@@ -9,12 +9,16 @@
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
+#include <map>
 #include <stdexcept>
+#include <type_traits>
 
+#include "runtime/basis/attachments.h"
 #include "runtime/core/error.h"
 #include "runtime/vulkan/commands.h"
 #include "tests/library/c_api.h"
 #include "tests/support/gpu_fixture.h"
+#include "tests/support/random_tables.h"
 #include "tests/support/temporary_folder.h"
 
 namespace bodyopt::testing {
@@ -164,6 +168,149 @@ TEST_F(LibraryVulkan, RecordsInstancesIntoOneCommandBuffer) {
     ASSERT_EQ(bodyopt_record(cast[k].get(), &given.all, &recording), BODYOPT_OK) << bodyopt_last_error();
   }
   expect_frames(host.run(), instance(model, device, false), poses, vertices, false);
+}
+
+// Clothes on frames that go on from each other, where the host wants them: as the library itself has them, which
+// carries them on the host in double precision. Of the meshes between one is not wanted.
+TEST_F(LibraryVulkan, RecordsAttachedMeshes) {
+  constexpr std::size_t kFrames = 4, kGap = 3, kElement = 5;  // numbers before the first, and of each vertex
+  const Basis basis = load_basis(hero());
+  Attachments attached = load_attachments(kept_file("hero.attached.safetensors"), basis);
+  for (const char* name : {"second", "third"}) {
+    attached.meshes.push_back(attached.meshes[0]);
+    attached.meshes.back().name = name;
+    for (float& x : attached.meshes.back().rest) x *= 0.9f;
+  }
+  const TemporaryFolder folder;
+  save_attachments(attached, folder / "outfit.safetensors");
+  const api::Model model = api::load_model(hero(), hero_dynamics(), (folder / "outfit.safetensors").string());
+  const api::Device device = share();
+  const std::vector<Pose> poses = turning_poses(basis, kFrames);
+  const api::Instance recorder = instance(model, device, true, 2), runner = instance(model, device, true);
+  vulkan::Commands commands(*device_);
+  commands.begin();
+  std::vector<vulkan::Buffer> targets, readbacks;
+  std::vector<std::size_t> frames;
+  for (const AttachedMesh& mesh : attached.meshes) {
+    frames.push_back(kElement * mesh.vertex_count() + 7);
+    const VkDeviceSize bytes = (kGap + kFrames * frames.back()) * sizeof(float);
+    targets.emplace_back(*device_, bytes, vulkan::Memory::device, "clothes");
+    readbacks.emplace_back(*device_, bytes, vulkan::Memory::staging, "readback");
+    commands.fill(targets.back(), 0);
+  }
+  for (std::size_t f = 0; f < kFrames; f += 2) {
+    PoseArrays given({poses[f], poses[f + 1]});
+    for (int& number : given.numbers) number += static_cast<int>(f);
+    std::vector<bodyopt_vulkan_output> outputs;
+    std::vector<VkDeviceSize> strides;
+    for (std::size_t m = 0; m < targets.size(); ++m) {
+      outputs.push_back({m == 1 ? VK_NULL_HANDLE : targets[m].handle(), targets[m].size(),
+                         (kGap + f * frames[m]) * sizeof(float), kElement * sizeof(float)});
+      strides.push_back(frames[m] * sizeof(float));
+    }
+    auto recording = api::make<bodyopt_recording>();
+    recording.commands = commands.handle();
+    recording.attached = outputs.data();
+    recording.attached_count = static_cast<std::uint32_t>(outputs.size());
+    recording.attached_frame_strides = strides.data();
+    ASSERT_EQ(bodyopt_record(recorder.get(), &given.all, &recording), BODYOPT_OK) << bodyopt_last_error();
+  }
+  for (std::size_t m = 0; m < targets.size(); ++m) commands.copy(targets[m], readbacks[m]);
+  commands.end();
+  commands.run();
+
+  const PoseArrays given(poses);
+  Arrays skin(basis, kFrames);
+  std::vector<std::vector<float>> expected;
+  std::vector<bodyopt_floats> outputs;
+  for (const AttachedMesh& mesh : attached.meshes) expected.emplace_back(kFrames * mesh.rest.size());
+  for (std::vector<float>& mesh : expected) outputs.push_back(floats_in(mesh));
+  skin.all.attached = outputs.data();
+  skin.all.attached_count = static_cast<std::uint32_t>(outputs.size());
+  api::check(bodyopt_jiggle(runner.get(), &given.all, &skin.all));
+  for (std::size_t m = 0; m < expected.size(); ++m) {
+    std::vector<float> found(readbacks[m].size() / sizeof(float)), before(found.size(), 0.0f);
+    std::memcpy(found.data(), readbacks[m].mapped(), found.size() * sizeof(float));
+    for (std::size_t k = 0; m != 1 && k < expected[m].size(); ++k) {
+      const std::size_t vertices = attached.meshes[m].vertex_count(), v = k / 3;
+      const std::size_t at = kGap + v / vertices * frames[m] + v % vertices * kElement + k % 3;
+      ASSERT_NEAR(found[at], expected[m][k], 2e-6) << m << ", " << k;
+      found[at] = 0;
+    }
+    ASSERT_EQ(found, before) << m;
+  }
+}
+
+// Takes one of these, or leaves what was there.
+template <typename T>
+void maybe(Random& random, T& value, std::initializer_list<std::type_identity_t<T>> others) {
+  if (random.below(5) == 0) value = *(others.begin() + random.below(static_cast<std::uint32_t>(others.size())));
+}
+
+// Recordings with structures at random, most of them wrong: every one gives a code, none writes beyond what it was told
+// of a buffer, and the instance records on.
+TEST_F(LibraryVulkan, RandomRecordingsGiveACodeAndKeepWithinTheBuffers) {
+  constexpr std::size_t kOutputs = 3, kRoom = 1u << 15;  // positions, normals and clothes; numbers of each buffer
+  constexpr std::uint32_t kUntouched = 0xc0e00000;       // -7
+  const api::Model model = api::load_model(hero(), {}, kept_file("hero.attached.safetensors"));
+  const api::Instance recorder = instance(model, share(), false, 2);
+  PoseArrays given(turning_poses(load_basis(hero()), 2));
+  std::vector<vulkan::Buffer> targets, readbacks;
+  for (std::size_t k = 0; k < kOutputs; ++k) {
+    targets.emplace_back(*device_, kRoom * sizeof(float), vulkan::Memory::device, "the host's");
+    readbacks.emplace_back(*device_, kRoom * sizeof(float), vulkan::Memory::staging, "readback");
+  }
+  vulkan::Commands commands(*device_);
+  std::map<int, int> codes;
+  for (std::uint32_t call = 0; call < 400; ++call) {
+    Random random(call);
+    bodyopt_poses poses = given.all;
+    poses.frame_count = 1 + random.below(2);
+    maybe(random, poses.frame_count, {0u, 1u, 3u, ~0u});
+    maybe(random, poses.struct_size, {8, BODYOPT_POSES_FIRST_SIZE});
+    std::vector<bodyopt_vulkan_output> outputs;
+    for (const vulkan::Buffer& target : targets) {
+      bodyopt_vulkan_output output{target.handle(), (20000 + 4 * random.below(8000)) * 1ull, 0, 0};
+      maybe(random, output.buffer, {VK_NULL_HANDLE});
+      maybe(random, output.size, {0, 16, output.size / 2, kRoom * sizeof(float)});
+      maybe(random, output.offset, {4, 1200, 6, ~VkDeviceSize{3}});
+      maybe(random, output.element_stride, {12, 20, 8, 14, VkDeviceSize{1} << 40});
+      outputs.push_back(output);
+    }
+    VkDeviceSize stride = 0;
+    maybe(random, stride, {4, 20000, 20001, VkDeviceSize{1} << 40});
+    auto recording = api::make<bodyopt_recording>();
+    recording.positions = outputs[0];
+    recording.normals = outputs[1];
+    recording.attached = &outputs[2];
+    recording.attached_count = 1;
+    recording.attached_frame_strides = &stride;
+    maybe(random, recording.attached_count, {0u, 2u, ~0u});
+    maybe(random, recording.attached, {nullptr});
+    maybe(random, recording.attached_frame_strides, {nullptr});
+    maybe(random, recording.positions_frame_stride, {stride, 4, 10000});
+    maybe(random, recording.struct_size,
+          {0, BODYOPT_RECORDING_FIRST_SIZE, offsetof(bodyopt_recording, attached), sizeof(bodyopt_recording) + 8});
+    commands.begin();
+    for (const vulkan::Buffer& target : targets) commands.fill(target, kUntouched);
+    recording.commands = commands.handle();
+    const bodyopt_result result = bodyopt_record(recorder.get(), &poses, &recording);
+    ++codes[result];
+    ASSERT_TRUE(result == BODYOPT_OK || result == BODYOPT_USAGE) << call << ": " << bodyopt_last_error();
+    if (result != BODYOPT_OK) continue;
+    for (std::size_t k = 0; k < kOutputs; ++k) commands.copy(targets[k], readbacks[k]);
+    commands.end();
+    commands.run();
+    for (std::size_t k = 0; k < kOutputs; ++k) {
+      std::vector<std::uint32_t> words(kRoom);
+      std::memcpy(words.data(), readbacks[k].mapped(), kRoom * sizeof(float));
+      const auto own = static_cast<std::ptrdiff_t>(outputs[k].buffer == VK_NULL_HANDLE ? 0 : outputs[k].size / 4);
+      ASSERT_TRUE(std::all_of(words.begin() + own, words.end(), [](std::uint32_t w) { return w == kUntouched; }))
+          << call << ", " << k;
+    }
+  }
+  EXPECT_GT(codes[BODYOPT_OK], 50);
+  EXPECT_GT(codes[BODYOPT_USAGE], 100);
 }
 
 // The host's own cache; a program of the first version has none to give.
@@ -350,6 +497,28 @@ TEST_F(LibraryVulkan, RefusesWhatDoesNotDo) {
   options.recorded_frames = ~0u;
   bodyopt_instance* created = nullptr;
   expect(bodyopt_create_instance(model.get(), &options, &created), BODYOPT_USAGE, "'options.recorded_frames' is");
+  const api::Model dressed = api::load_model(hero(), {}, kept_file("hero.attached.safetensors"));
+  const auto record_attached = [&](const api::Instance& by, std::uint32_t count, const bodyopt_vulkan_output* outputs,
+                                   std::size_t struct_size = sizeof(bodyopt_recording)) {
+    auto clothes = api::make<bodyopt_recording>();
+    clothes.struct_size = struct_size;
+    clothes.commands = commands.handle();
+    clothes.attached = outputs;
+    clothes.attached_count = count;
+    return bodyopt_record(by.get(), &one.all, &clothes);
+  };
+  const std::uint32_t meshes = api::describe(dressed).attached_count;
+  std::vector<bodyopt_vulkan_output> outputs(meshes, {target.handle(), 8, 0, 0});
+  const api::Instance wearer = instance(dressed, device, false), unprepared = make_instance(dressed, false, device);
+  expect(record_attached(wearer, meshes + 1, outputs.data()), BODYOPT_USAGE, "'recording.attached' has");
+  expect(record_attached(wearer, meshes, nullptr), BODYOPT_USAGE, "'recording.attached' is a null pointer");
+  expect(record_attached(wearer, meshes, outputs.data()), BODYOPT_USAGE, "'recording.attached[0]' has 8 bytes");
+  expect(record_attached(wearer, meshes, outputs.data(), sizeof(bodyopt_recording) + 8), BODYOPT_USAGE, "struct_size");
+  expect(record_attached(recorder, 1, outputs.data()), BODYOPT_USAGE, "the model has 0 attached meshes");
+  expect(record_attached(unprepared, meshes, outputs.data()), BODYOPT_USAGE, "'options.recorded_frames' of 1 or more");
+  commands.begin();  // what an earlier version's structure ends before is not looked at
+  expect(record_attached(wearer, meshes + 1, nullptr, offsetof(bodyopt_recording, attached)), BODYOPT_OK, "");
+  commands.end();
   const api::Instance on_cpu = api::create_instance(model, api::make<bodyopt_instance_options>());
   auto recording = api::make<bodyopt_recording>();
   recording.commands = commands.handle();

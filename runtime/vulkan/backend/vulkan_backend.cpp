@@ -11,6 +11,7 @@
 #include "runtime/core/error.h"
 #include "runtime/host/output_steps.h"
 #include "runtime/host/stages.h"
+#include "runtime/vulkan/backend/attached_meshes.h"
 #include "runtime/vulkan/backend/device_model.h"
 #include "runtime/vulkan/backend/vulkan_dynamics.h"
 #include "runtime/vulkan/commands.h"
@@ -165,6 +166,7 @@ class VulkanBackend final : public Backend, private SplitRun {
     record_place(*skin_, recording.positions, batch.frame_count);
     record_place(buffers_->normals.buffer, recording.normals, batch.frame_count);
     record_tangents_into(recording.tangents, batch.frame_count);
+    record_attached(recording, batch.frame_count);
     failed_ = false;
   }
 
@@ -344,18 +346,19 @@ class VulkanBackend final : public Backend, private SplitRun {
     BufferRange range;
     std::uint32_t first_word, element_words, frame_words;
   };
-  HostRange host_range(const PlacedOutput& to, std::uint32_t numbers, std::uint32_t frames) const {
+  HostRange host_range(const PlacedOutput& to, std::uint32_t elements, std::uint32_t numbers,
+                       std::uint32_t frames) const {
     const VkDeviceSize begin = to.offset / device_.info().storage_alignment * device_.info().storage_alignment;
     const auto word = [](VkDeviceSize bytes) { return static_cast<std::uint32_t>(bytes / sizeof(float)); };
     const VkDeviceSize end =
-        to.offset + (frames - 1) * to.frame_stride + (output_count() - 1) * to.element_stride + numbers * sizeof(float);
+        to.offset + (frames - 1) * to.frame_stride + (elements - 1) * to.element_stride + numbers * sizeof(float);
     return {BufferRange(to.buffer, begin, end - begin), word(to.offset - begin), word(to.element_stride),
             word(to.frame_stride)};
   }
 
   void record_place(const Buffer& values, const PlacedOutput& to, std::uint32_t frames) {
     if (to.buffer == VK_NULL_HANDLE) return;
-    const HostRange host = host_range(to, 3, frames);
+    const HostRange host = host_range(to, output_count(), 3, frames);
     kernels_.output_place.record(
         *commands_, {tables_.output_vertex, values, host.range},
         {output_count(), counts_.vertices, host.first_word, host.element_words, host.frame_words}, frames);
@@ -363,9 +366,23 @@ class VulkanBackend final : public Backend, private SplitRun {
 
   void record_tangents_into(const PlacedOutput& to, std::uint32_t frames) {
     if (to.buffer == VK_NULL_HANDLE) return;
-    const HostRange host = host_range(to, 4, frames);
+    const HostRange host = host_range(to, output_count(), 4, frames);
     record_tangents(host.range,
                     {output_count(), counts_.vertices, host.first_word, host.element_words, host.frame_words}, frames);
+  }
+
+  void record_attached(const Recording& recording, std::uint32_t frames) {
+    std::vector<AttachedMeshes::Target> targets;
+    for (std::uint32_t mesh = 0; mesh < recording.attached_to.size(); ++mesh) {
+      const PlacedOutput& to = recording.attached_to[mesh];
+      if (to.buffer == VK_NULL_HANDLE) continue;
+      const HostRange host = host_range(to, recording.attached->vertex_count(mesh), 3, frames);
+      targets.push_back({host.range, mesh, host.first_word, host.element_words, host.frame_words});
+    }
+    if (targets.empty()) return;
+    const BatchBuffers& b = *buffers_;
+    recording.attached->record(
+        *commands_, {*skin_, b.skinning.buffer, b.origins.buffer, counts_.vertices, counts_.joints}, targets, frames);
   }
 
   void allocate(std::uint32_t frames) {
