@@ -9,7 +9,6 @@
 #include "assets/wording.h"
 #include "runtime/core/error.h"
 #include "runtime/core/transformed.h"
-#include "runtime/modifiers/drive_modifiers.h"
 #include "runtime/modifiers/skin_modifier_type.h"
 
 namespace bodyopt {
@@ -99,8 +98,8 @@ void set_channels(const std::vector<std::string>& settings, const std::vector<st
   }
 }
 
-std::vector<std::string> apply_channels(const Basis& basis, Clip& clip) {
-  std::vector<std::string> notes = drive_modifiers(basis, clip.controls, clip.fps, clip.poses);
+std::vector<std::string> apply_channels(const Basis& basis, Clip& clip, ModifierState* state) {
+  std::vector<std::string> notes = drive_modifiers(basis, clip.controls, clip.fps, clip.poses, state);
   const std::vector<std::string> used = modifier_channels(basis.modifiers);
   for (const std::string& name : arrange_controls(basis.residual.controls, clip)) {
     if (std::ranges::find(used, name) != used.end()) continue;

@@ -7,6 +7,7 @@
 
 #include "assets/clip.h"
 #include "runtime/basis/basis.h"
+#include "runtime/modifiers/drive_modifiers.h"
 
 namespace bodyopt {
 
@@ -29,7 +30,7 @@ void choose_modifiers(const std::filesystem::path& path, SkinModifiers& modifier
 void set_channels(const std::vector<std::string>& settings, const std::vector<std::string>& known, Clip& clip);
 
 // The clip as the basis takes it: modifiers applied, then for each pose the controls that the basis was trained with.
-// Returns what is to be said: channels without effect, and what was clamped.
-std::vector<std::string> apply_channels(const Basis& basis, Clip& clip);
+// Returns what is to be said: channels without effect, and what was clamped. `state`: as drive_modifiers() takes it.
+std::vector<std::string> apply_channels(const Basis& basis, Clip& clip, ModifierState* state = nullptr);
 
 }  // namespace bodyopt

@@ -18,7 +18,6 @@
 #include "runtime/host/carry_skin.h"
 #include "runtime/host/rig.h"
 #include "runtime/vulkan/device.h"
-#include "shots/session/posed_clip.h"
 #include "trainer/train/skinning/unpose.h"
 
 namespace bodyopt {
@@ -272,6 +271,7 @@ void Actor::take_clip(Clip clip) {
   Clip as_read = clip;
   for (const std::string& note : apply_channels(basis(), clip)) clip.notes.push_back(note);
   source_ = std::move(as_read);
+  modifiers_ = {};
   clip_ = std::move(clip);
 }
 
@@ -345,7 +345,7 @@ std::vector<MissedPin> Actor::missed_pins(int frame, const ViewSettings::PoseKey
 }
 
 Pose Actor::pose(int frame, const ViewSettings::Posing& posing) const {
-  return posed_frame(source_, clip_index(frame), basis(), limits_, ranges_, posing);
+  return posed_frame(source_, clip_index(frame), basis(), limits_, ranges_, posing, modifiers_);
 }
 
 Clip Actor::posed_source(const ViewSettings::Posing& posing) const {

@@ -19,6 +19,7 @@
 #include "runtime/host/carry_skin.h"
 #include "runtime/vulkan/buffer.h"
 #include "shots/session/pinned_joints.h"
+#include "shots/session/posed_clip.h"
 #include "shots/session/session_file.h"
 #include "shots/session/view_settings.h"
 #include "shots/shot.h"
@@ -211,8 +212,9 @@ class Actor {
   std::vector<std::string> notes_;
   std::vector<std::unique_ptr<Detail>> details_;  // finest first; all but the first are proxies
   std::size_t level_ = 0;
-  Clip source_;  // as it was read
-  Clip clip_;    // as it is shown before it is posed: modified, with the basis' controls
+  Clip source_;                      // as it was read
+  Clip clip_;                        // as it is shown before it is posed: modified, with the basis' controls
+  mutable ModifierTrack modifiers_;  // over source_
   std::vector<int> keys_;
   JointLimits limits_;
   std::vector<std::optional<JointRange>> ranges_;  // of every joint; none: they turn as far as they are turned

@@ -133,6 +133,14 @@ void set_posed_controls(const std::vector<std::string>& names, const ViewSetting
   }
 }
 
+// What of the keys steers modifiers: a breath goes on from frame to frame by its controls. Without keys those set.
+std::map<int, ViewSettings::PoseKey> control_keys(const ViewSettings::Posing& posing) {
+  std::map<int, ViewSettings::PoseKey> keys;
+  for (const auto& [frame, key] : posing.keys) keys[frame] = {.controls = key.controls, .ease = key.ease};
+  if (keys.empty()) keys[0] = {.controls = posing.controls};
+  return keys;
+}
+
 // The pose before limbs reach, and for what they do.
 std::pair<Pose, Pins> before_reaching(const Skeleton& skeleton, const JointLimits& limits,
                                       const std::vector<std::optional<JointRange>>& ranges, const Pose& clip,
@@ -243,25 +251,38 @@ Vec3 facing_of(const Skeleton& skeleton, const JointLimits& limits,
   return degrees_of(shown * conjugate(turned_here(skeleton, joint, clip, free)));
 }
 
-Pose posed_frame(const Clip& clip, std::size_t at, const Basis& basis, const JointLimits& limits,
-                 const std::vector<std::optional<JointRange>>& ranges, const ViewSettings::Posing& posing) {
-  // Of the frames before it the controls matter: a breath goes on from frame to frame.
-  const std::size_t first = basis.modifiers.empty() ? at : 0;
-  Clip part;
-  part.fps = clip.fps;
-  part.first_frame = clip.first_frame + static_cast<int>(first);
-  part.controls = posed_controls(clip, posing);
-  part.poses.assign(clip.poses.begin() + static_cast<std::ptrdiff_t>(first),
-                    clip.poses.begin() + static_cast<std::ptrdiff_t>(at + 1));
-  for (std::size_t k = 0; k < part.poses.size(); ++k) {
-    const bool is_keyed = first + k < at && !posing.keys.empty();
-    const ViewSettings::PoseKey here =
-        is_keyed ? between_keys(posing.keys, part.first_frame + static_cast<int>(k)) : ViewSettings::PoseKey(posing);
-    set_posed_controls(part.controls, here, part.poses[k]);
+ModifierState ModifierTrack::before(std::size_t at, const Clip& clip, const std::vector<std::string>& controls,
+                                    const Basis& basis, const ViewSettings::Posing& posing) {
+  if (at == 0 || basis.modifiers.empty()) return {};
+  std::map keys = control_keys(posing);
+  if (basis_ != &basis || keys_ != keys || !std::ranges::is_permutation(controls_, controls)) {
+    *this = {};
+    basis_ = &basis;
+    controls_ = controls;
+    keys_ = std::move(keys);
   }
-  part.poses.back() = posed(basis.skeleton, limits, ranges, part.poses.back(), posing);
-  apply_channels(basis, part);
-  return std::move(part.poses.back());
+  while (after_.size() < at) {
+    const std::size_t k = after_.size();
+    Pose pose = clip.poses[k];
+    set_posed_controls(controls_, between_keys(keys_, clip.first_frame + static_cast<int>(k)), pose);
+    ModifierState state = k == 0 ? ModifierState() : after_.back();
+    drive_modifiers(basis, controls_, clip.fps, {&pose, 1}, &state);
+    after_.push_back(std::move(state));
+  }
+  return after_[at - 1];
+}
+
+Pose posed_frame(const Clip& clip, std::size_t at, const Basis& basis, const JointLimits& limits,
+                 const std::vector<std::optional<JointRange>>& ranges, const ViewSettings::Posing& posing,
+                 ModifierTrack& track) {
+  Clip frame;
+  frame.fps = clip.fps;
+  frame.controls = posed_controls(clip, posing);
+  frame.poses.push_back(posed(basis.skeleton, limits, ranges, clip.poses[at], posing));
+  set_posed_controls(frame.controls, posing, frame.poses.front());
+  ModifierState state = track.before(at, clip, frame.controls, basis, posing);
+  apply_channels(basis, frame, &state);
+  return std::move(frame.poses.front());
 }
 
 Clip posed_clip(Clip clip, const Skeleton& skeleton, const JointLimits& limits, const ViewSettings::Posing& posing) {

@@ -9,6 +9,7 @@
 
 #include "assets/clip.h"
 #include "runtime/basis/basis.h"
+#include "runtime/modifiers/drive_modifiers.h"
 #include "shots/session/pinned_joints.h"
 #include "shots/session/view_settings.h"
 
@@ -48,10 +49,25 @@ Vec3 facing_of(const Skeleton& skeleton, const JointLimits& limits,
                const std::vector<std::optional<JointRange>>& ranges, const Pose& clip,
                const ViewSettings::PoseKey& posing, std::size_t joint);
 
+// Where the modifiers of a basis stand after each of a clip's first frames: kept while what steers them is the same.
+class ModifierTrack {
+ public:
+  // Before frame number `at`. `controls`: as posed_frame() names them; the clip is always the same one.
+  ModifierState before(std::size_t at, const Clip& clip, const std::vector<std::string>& controls, const Basis& basis,
+                       const ViewSettings::Posing& posing);
+
+ private:
+  const Basis* basis_ = nullptr;
+  std::vector<std::string> controls_;
+  std::map<int, ViewSettings::PoseKey> keys_;  // controls alone
+  std::vector<ModifierState> after_;
+};
+
 // The pose number `at` of what posed_clip() and then apply_channels() make of the clip, to the last bit. `ranges`: of
-// every joint, as posed() takes them.
+// every joint, as posed() takes them. `track`: of this clip.
 Pose posed_frame(const Clip& clip, std::size_t at, const Basis& basis, const JointLimits& limits,
-                 const std::vector<std::optional<JointRange>>& ranges, const ViewSettings::Posing& posing);
+                 const std::vector<std::optional<JointRange>>& ranges, const ViewSettings::Posing& posing,
+                 ModifierTrack& track);
 
 // The whole clip so, frame by frame as its keys say. Its controls are those that it has, or the posing sets at any
 // frame.

@@ -10,6 +10,7 @@
 #include "runtime/basis/character_unit.h"
 #include "shots/session/posed_clip.h"
 #include "tests/proxy_viewer/small_character.h"
+#include "tests/support/breathing.h"
 #include "tests/support/error_kind.h"
 #include "tests/support/gpu_fixture.h"
 #include "tests/support/random_tables.h"
@@ -35,6 +36,35 @@ TEST(PoseKeys, BlendBetweenKeysAndHoldBeyond) {
   EXPECT_DOUBLE_EQ(middle.axes.at("bend"), 4);
   EXPECT_DOUBLE_EQ(middle.controls.at("breath"), 0.5);                // as the other key has it
   EXPECT_LT(between_keys(keys, 12).joints.at("upper")[0], 0.2 * 40);  // slow at the key
+}
+
+// Played, scrubbed, or after another key: a frame is the one of the clip that is exported.
+TEST(PoseKeys, FramesAreThoseOfTheWholeClipInAnyOrder) {
+  Basis basis = small_basis();
+  add_breathing(basis).constants["depth"] = 1;
+  const Clip clip = bending_clip(basis.skeleton);
+  ViewSettings::Posing posing;
+  ModifierTrack track;
+  const auto expect_same = [&](std::initializer_list<std::size_t> frames) {
+    Clip whole = posed_clip(clip, basis.skeleton, {}, posing);
+    apply_channels(basis, whole);
+    for (const std::size_t k : frames) {
+      const ViewSettings::Posing here = keyed_posing(posing, clip.first_frame + static_cast<int>(k));
+      const Pose pose = posed_frame(clip, k, basis, {}, {}, here, track);
+      EXPECT_TRUE(same({&pose, 1}, {&whole.poses[k], 1})) << k;
+    }
+    return whole.poses.back().modifiers;
+  };
+  const std::vector<float> plain = expect_same({0, 9, 3, 11});
+  posing.controls["breath.rate"] = 45;
+  const std::vector<float> fast = expect_same({11, 5});
+  EXPECT_NE(fast, plain);
+  posing.keys[clip.first_frame + 2].controls["breath.rate"] = 10;
+  posing.keys[clip.first_frame + 8].controls["breath.rate"] = 60;
+  const std::vector<float> keyed = expect_same({4, 11, 7});
+  EXPECT_NE(keyed, fast);
+  posing.keys[clip.first_frame + 2].controls["breath.rate"] = 40;
+  EXPECT_NE(expect_same({11, 1}), keyed);
 }
 
 TEST(PoseKeys, EaseToTheNextAsTheySay) {
