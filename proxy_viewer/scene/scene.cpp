@@ -6,30 +6,18 @@
 #include <set>
 
 #include "draw/camera.h"
-#include "proxy_viewer/scene/turn_rings.h"
-#include "proxy_viewer/state/strain_colour.h"
 #include "runtime/core/transformed.h"
 #include "runtime/host/rig.h"
-#include "shots/session/pinned_joints.h"
 #include "shots/session/posed_clip.h"
 
 namespace bodyopt {
 namespace {
 
-constexpr std::array<float, 3> kBeforeColour = {0.12f, 0.30f, 0.75f}, kAfterColour = {0.80f, 0.33f, 0.10f};
-constexpr std::array<float, 3> kWornColour = {0.16f, 0.19f, 0.23f};
-constexpr std::array<float, 3> kOtherColour = {0.25f, 0.47f, 0.62f};  // of what is compared with
-constexpr std::uint32_t kBone = 0xd0f0e4c8, kJoint = 0xffffffff, kSelected = 0xff2fb4ff;
-constexpr std::array<std::uint32_t, 3> kAxisColours{0xff5050f0, 0xff50d070, 0xfff09050};  // x, y, z
-constexpr std::size_t kColumns = 7;                                                       // of copies
-constexpr std::uint32_t kMarked = 0xff5a40ff;
-constexpr std::array<std::uint32_t, 6> kPairColours{0xff4060ff, 0xff50d070, 0xffff9040,
-                                                    0xff40d8ff, 0xffe060e0, 0xffd8d840};
+constexpr std::size_t kColumns = 7;   // of copies
 constexpr double kSpacing = 0.7;      // between characters, of their size
 constexpr double kOverlap = 0.3;      // of its size: nearer to another, a character would begin inside it
 constexpr double kSkinAround = 0.12;  // of joints, of the character's size
-constexpr float kSkinOverTets = 0.12f;
-constexpr double kSphere = 0.75;  // around the joints, of the character's size
+constexpr double kSphere = 0.75;      // around the joints, of the character's size
 
 // An upright box around points.
 struct Box {
@@ -52,62 +40,9 @@ Box box_around(std::span<const float> points) {
   return box;
 }
 
-std::vector<Vec3> centres_of(const Actor& character, const Pose& pose) {
-  return transformed(posed_joints(character.basis().skeleton, pose.joints), [&](const Affine& joint) {
-    return joint * Vec3{0, 0, 0};
-  });
-}
-
-// A round number of metres, about a tenth of the size.
-float grid_spacing(double size) {
-  const double power = std::pow(10, std::floor(std::log10(std::max(1e-3, size / 10))));
-  const double share = size / 10 / power;
-  return static_cast<float>(power * (share < 2 ? 1 : share < 5 ? 2 : 5));
-}
-
-SkinDraw draw_of(const Actor& character, const DeviceSkin& shown, const Controls& controls) {
-  const ViewSettings::Look& look = controls.settings.look;
-  SkinDraw skin;
-  skin.triangles = &character.shown().level().triangles;
-  skin.triangle_count = static_cast<std::uint32_t>(character.basis().mesh.triangles.size() / 3);
-  skin.positions = shown.positions;
-  skin.normals = shown.normals;
-  skin.style = static_cast<SurfaceStyle>(look.style);  // of the same names
-  skin.wire = look.wire;
-  skin.shadow = look.shadow;
-  skin.heat_range = static_cast<float>(1e-3 * controls.heat_mm());
-  return skin;
-}
-
-// Heat is of a character's skin alone: what else is drawn of it keeps its colour.
-SkinDraw without_heat(SkinDraw draw) {
-  draw.reference = draw.distances = draw.colours = nullptr;
-  return draw;
-}
-
-// What is worn over a skin that is drawn, at that of its poses.
-void dress(std::span<const WornMesh> meshes, std::size_t pose, const SkinDraw& skin, const std::array<float, 3>& colour,
-           View& view) {
-  for (const WornMesh& mesh : meshes) {
-    SkinDraw worn = without_heat(skin);
-    worn.triangles = mesh.triangles;
-    worn.triangle_count = mesh.triangle_count;
-    worn.positions = &mesh.positions;
-    worn.normals = &mesh.normals;
-    worn.first_vertex = static_cast<std::uint32_t>(pose) * mesh.vertex_count;
-    worn.colour = colour;
-    view.skins.push_back(worn);
-  }
-}
-
 // Ghosts are quasi-static: they have no past.
 std::span<const Pose> wanted(SkinMethod method, std::span<const Pose> poses) {
   return method == SkinMethod::full ? poses : poses.first(1);
-}
-
-LinePoint line_point(const Vec3& at, std::uint32_t colour) {
-  const auto [x, y, z] = to_float(at);
-  return {x, y, z, colour};
 }
 
 // Of those that stand in a row: to the right, to the left, further to the right...
@@ -259,11 +194,12 @@ void Scene::preroll(Actor& character, const Controls& controls, const Weights& w
 }
 
 // What add_character() shows of all of the cast, so that the device has it at once.
-void Scene::evaluate_cast(const Controls& controls) {
+void Scene::evaluate_cast(const std::vector<std::vector<Pose>>& poses_of_cast, const Controls& controls) {
   const Weights weights = weights_of(controls);
   std::vector<SkinRequest> requests;
-  for (const auto& character : cast_) {
-    const std::vector<Pose> poses = poses_of(*character, controls);
+  for (std::size_t c = 0; c < cast_.size(); ++c) {
+    const auto& character = cast_[c];
+    const std::vector<Pose>& poses = poses_of_cast[c];
     const int frame = played_frame(*character, controls.playback.frame(), controls);
     std::set<SkinMethod> methods = {shown_method(*character, controls.settings)};
     if (const auto other = compared_method(*character, controls.settings)) methods.insert(*other);
@@ -286,61 +222,17 @@ Scene::Shown Scene::evaluate(Actor& character, SkinMethod method, std::span<cons
   return {method, &evaluation, character.skin(method)};
 }
 
-std::vector<View> Scene::look(const Controls& controls, const Rectangle& area) {
-  stage_seconds_ = {};
-  lead_expected_ = nullptr;
-  lines_.clear();
-  colours_.clear();
-  View view;
-  view.camera = controls.camera.camera();
-  view.area = view.part = area;
-  const ViewSettings::Look& look = controls.settings.look;
-  view.ground.grid = look.grid;
-  view.ground.axes = look.axes;
-  view.ground.shadow = look.shadow ? 0.85f : 0.0f;
-  if (!cast_.empty()) {
-    view.ground.height = static_cast<float>(lead().ground());
-    view.ground.spacing = grid_spacing(lead().size());
-    surround(controls, view);
-  }
-
-  std::vector<View> views = {view};
-  const ViewSettings::Compare& compare = controls.settings.compare;
-  const bool compares = !cast_.empty() && compared_method(lead(), controls.settings) && !compare.activation;
-  if (compares && (compare.layout == CompareLayout::side_by_side || compare.layout == CompareLayout::wipe)) {
-    views.push_back(view);
-    if (compare.layout == CompareLayout::side_by_side) {
-      const std::vector<Rectangle> areas = view_areas(controls.settings, area);
-      for (std::size_t k = 0; k < 2; ++k) views[k].area = views[k].part = areas[k];
-    } else {
-      const auto wipe = static_cast<std::uint32_t>(std::lround(compare.wipe * area.width));
-      views[0].part.width = wipe;
-      views[1].part.x += static_cast<std::int32_t>(wipe);
-      views[1].part.width = area.width - wipe;
-    }
-  }
-  evaluate_cast(controls);
-  for (std::size_t c = 0; c < cast_.size(); ++c) add_character(c, controls, views);
-  add_markings(controls, views[0]);
-  if (controls.marker && controls.marker->frame == controls.playback.frame()) {
-    for (View& v : views) add_marker(controls.marker->at, kMarked, v);
-  }
-  // What is see-through is drawn over what is not.
-  for (View& v : views) std::ranges::stable_partition(v.skins, [](const SkinDraw& draw) { return draw.alpha >= 1; });
-  return views;
-}
-
-void Scene::surround(const Controls& controls, View& view) const {
+void Scene::surround(const std::vector<std::vector<Pose>>& poses_of_cast, const Controls& controls, View& view) const {
   const auto ghosts = static_cast<std::size_t>(controls.settings.ghosts.before + controls.settings.ghosts.after);
   Box all;
   double around_largest = 0, smallest = 1e30;
   for (std::size_t c = 0; c < cast_.size(); ++c) {
-    const std::vector<Pose> poses = poses_of(*cast_[c], controls);
+    const std::vector<Pose>& poses = poses_of_cast[c];
     const double around = kSphere * std::max(0.1, cast_[c]->reach());
     for (std::size_t k = 0; k < poses.size(); ++k) {
       const Vec3 offset = to_double(k > ghosts ? place_copy(k - ghosts) : place(c, controls));
       Box own;
-      for (const Vec3& centre : centres_of(*cast_[c], poses[k])) own.add(centre + offset);
+      for (const Vec3& centre : joint_centres(cast_[c]->basis().skeleton, poses[k])) own.add(centre + offset);
       all.add(own.low);
       all.add(own.high);
       smallest = std::min(smallest, own.radius() + around);
@@ -352,283 +244,12 @@ void Scene::surround(const Controls& controls, View& view) const {
   view.ground.caster = static_cast<float>(smallest);
 }
 
-std::vector<Rectangle> Scene::view_areas(const ViewSettings& settings, const Rectangle& area) const {
-  const ViewSettings::Compare& compare = settings.compare;
-  const bool two = !cast_.empty() && compare.layout == CompareLayout::side_by_side && !compare.activation &&
-                   compared_method(lead(), settings);
-  if (!two) return {area};
-  const std::uint32_t left = area.width / 2;
-  return {{area.x, area.y, left, area.height},
-          {area.x + static_cast<std::int32_t>(left), area.y, area.width - left, area.height}};
-}
-
-void Scene::add_marker(const Vec3& at, std::uint32_t colour, View& view) {
-  const double reach = 0.012 * lead().size();
-  std::vector<LinePoint> cross;
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    for (const double side : {-reach, reach}) {
-      Vec3 end = at;
-      end[axis] += side;
-      cross.push_back(line_point(end, colour));
-    }
-  }
-  add_lines(std::move(cross), {}, 2, view);
-}
-
-void Scene::add_lines(std::vector<LinePoint> points, const std::array<float, 3>& offset, float width, View& view) {
-  lines_.push_back(std::move(points));
-  view.lines.push_back({lines_.back(), offset, width, true});
-}
-
-// Pairs in one colour each, the one that waits for its other in white.
-void Scene::add_markings(const Controls& controls, View& view) {
-  const Marking& marking = controls.marking;
-  if (cast_.size() < 2 || (marking.pairs.empty() && !marking.of_lead)) return;
-  const std::vector<float> lead = skin_on_stage(0, controls), second = skin_on_stage(1, controls);
-  const auto mark = [&](const std::vector<float>& skin, std::uint32_t vertex, std::uint32_t colour) {
-    if (3 * std::size_t{vertex} + 2 >= skin.size()) return;  // of a body that was opened since
-    const float* at = &skin[3 * std::size_t{vertex}];
-    add_marker({at[0], at[1], at[2]}, colour, view);
-  };
-  for (std::size_t k = 0; k < marking.pairs.size(); ++k) {
-    const std::uint32_t colour = kPairColours[k % kPairColours.size()];
-    mark(lead, marking.pairs[k].of_lead, colour);
-    mark(second, marking.pairs[k].of_second, colour);
-  }
-  if (marking.of_lead) mark(lead, *marking.of_lead, kJoint);
-}
-
-void Scene::add_character(std::size_t index, const Controls& controls, std::vector<View>& views) {
-  Actor& character = *cast_[index];
-  const ViewSettings& s = controls.settings;
-  const std::vector<Pose> poses = poses_of(character, controls);
-  const SkinMethod method = shown_method(character, s);
-  const std::optional<SkinMethod> other = compared_method(character, s);
-  const Shown shown = evaluate(character, method, poses, controls);
-  if (index == 0) lead_evaluation_ = shown.evaluation;
-  std::optional<Shown> compared;
-  const int frame = played_frame(character, controls.playback.frame(), controls);
-  const bool is_missing = other == SkinMethod::truth && !character.truth_time(frame);
-  const bool is_measured = other != SkinMethod::truth || character.has_sample_at(frame);
-  if (other && !is_missing) compared = evaluate(character, *other, poses, controls);
-
-  SkinDraw skin = draw_of(character, shown.skin, controls);
-  skin.offset = place(index, controls);
-  SkinDraw second = skin;
-  if (compared) {
-    second.positions = compared->skin.positions;
-    second.normals = compared->skin.normals;
-    second.colour = kOtherColour;
-    if ((s.compare.heat || s.compare.activation) && is_measured) skin.reference = second.positions;
-  }
-  if (s.compare.coverage && character.shown().knows_coverage()) {
-    const ExpectedSkin& expected = character.shown().expected_skin(poses[0]);
-    skin.distances = &expected.vertices;
-    if (index == 0) lead_expected_ = &expected;
-  }
-
-  colour_by_match(index, s, skin);
-  if (s.look.tets && character.shown().tet_count() > 0) {
-    add_tets(character, poses[0], skin, controls, views);
-    skin.alpha = kSkinOverTets;
-    skin.shadow = skin.wire = false;
-  }
-  const bool flips = compared && s.compare.layout == CompareLayout::hold && controls.shows_compared();
-  const bool opened = index == 0 && cut_open_;
-  if (opened) {
-    add_cut_open(skin, views[0]);
-  } else {
-    views[0].skins.push_back(flips ? second : skin);
-  }
-  if (views.size() > 1) {
-    if (!is_missing) views[1].skins.push_back(compared ? second : skin);
-  } else if (compared && s.compare.layout == CompareLayout::overlay && !s.compare.activation) {
-    second.alpha = 0.6f;
-    second.shadow = false;
-    views[0].skins.push_back(second);
-  }
-  if (s.look.worn) {
-    const SkinMethod first = flips ? compared->method : method;
-    if (!opened) dress(character.worn(first), 0, skin, kWornColour, views[0]);
-    if (views.size() > 1 && !is_missing) {
-      dress(character.worn(compared ? compared->method : method), 0, skin, kWornColour, views[1]);
-    }
-  }
-  for (View& view : views) {
-    if (s.look.skeleton) add_skeleton(character, poses[0], skin.offset, controls, view);
-    if (s.look.skeleton && &character == &lead()) add_rings(controls, skin.offset, view);
-    if (s.look.fibres) add_fibres(character, shown, skin.offset, view);
-  }
-  if (poses.size() > 1) add_copies_and_ghosts(character, poses, shown, skin, controls, views);
-}
-
-// Neither heat nor wires are of it.
-void Scene::add_cut_open(const SkinDraw& skin, View& view) const {
-  for (const CutOpenSkin::Part* part : {&cut_open_->skin, &cut_open_->face}) {
-    if (part->triangle_count == 0) continue;
-    SkinDraw draw = without_heat(skin);
-    draw.triangles = &part->triangles;
-    draw.triangle_count = part->triangle_count;
-    draw.positions = &part->positions;
-    draw.normals = &part->normals;
-    draw.colours = &part->colours;
-    draw.first_vertex = 0;
-    draw.wire = false;
-    view.skins.push_back(draw);
-  }
-}
-
-// They are quasi-static: they have no past.
-void Scene::add_copies_and_ghosts(Actor& character, std::span<const Pose> poses, const Shown& shown,
-                                  const SkinDraw& skin, const Controls& controls, std::vector<View>& views) {
-  const ViewSettings& s = controls.settings;
-  const Shown others =
-      shown.method == SkinMethod::full ? shown : evaluate(character, SkinMethod::full, poses, controls);
-  const std::span<const WornMesh> worn = s.look.worn ? character.worn(SkinMethod::full) : std::span<const WornMesh>();
-  SkinDraw extra = without_heat(skin);
-  extra.positions = others.skin.positions;
-  extra.normals = others.skin.normals;
-  const std::size_t ghosts = static_cast<std::size_t>(s.ghosts.before + s.ghosts.after);
-  const auto add = [&](std::size_t pose, const std::array<float, 3>& worn_colour) {
-    extra.first_vertex = static_cast<std::uint32_t>(pose) * character.basis().mesh.vertex_count();
-    for (View& view : views) {
-      view.skins.push_back(extra);
-      dress(worn, pose, extra, worn_colour, view);
-    }
-  };
-  for (std::size_t k = ghosts + 1; k < poses.size(); ++k) {
-    extra.offset = place_copy(k - ghosts);
-    add(k, kWornColour);
-  }
-  extra.offset = skin.offset;
-  extra.wire = extra.shadow = false;
-  for (std::size_t g = 1; g <= ghosts; ++g) {
-    const bool before = g <= static_cast<std::size_t>(s.ghosts.before);
-    const std::size_t away = before ? g : g - static_cast<std::size_t>(s.ghosts.before);
-    const int count = before ? s.ghosts.before : s.ghosts.after;
-    extra.colour = before ? kBeforeColour : kAfterColour;
-    const double fades = 1 - 0.6 * static_cast<double>(away - 1) / std::max(1, count);
-    extra.alpha = static_cast<float>(std::clamp(s.ghosts.opacity * fades, 0.0, 0.99));
-    add(g, extra.colour);
-  }
-}
-
-// In place of any heat.
-void Scene::colour_by_match(std::size_t index, const ViewSettings& settings, SkinDraw& skin) const {
-  const MatchView view = settings.compare.match;
-  if (view == MatchView::none || !match_ || index >= 2 || cast_[index]->level() > 0) return;
-  skin = without_heat(skin);
-  skin.heat_range = 1;  // of what is not sure at all
-  (view == MatchView::colours ? skin.colours : skin.distances) =
-      &(view == MatchView::colours ? match_->colours : match_->unsure)[index];
-}
-
-void Scene::add_tets(Actor& character, const Pose& pose, const SkinDraw& skin, const Controls& controls,
-                     std::vector<View>& views) {
-  const ViewSettings& s = controls.settings;
-  const Camera camera = controls.camera.camera();
-  Vec3 towards = to_double(camera.eye) - to_double(camera.target);
-  towards = 1 / length(towards) * towards;
-  const bool jiggles = shown_method(character, s) == SkinMethod::jiggle;
-  const auto amount = jiggles ? std::optional(static_cast<float>(s.jiggle.amount)) : std::nullopt;
-  const CutTets& tets = character.shown().cut_tets(pose, amount, towards, s.look.tet_cut);
-  SkinDraw draw = without_heat(skin);
-  draw.positions = draw.normals = &tets.positions();  // facets need no normals
-  draw.style = SurfaceStyle::flat;
-  for (const CutTets::Part& part : tets.parts()) {
-    draw.triangles = &part.triangles;
-    draw.triangle_count = part.triangle_count;
-    draw.colour = part.colour;
-    for (View& view : views) view.skins.push_back(draw);
-  }
-}
-
-void Scene::add_skeleton(const Actor& character, const Pose& pose, const std::array<float, 3>& offset,
-                         const Controls& controls, View& view) {
-  const Skeleton& skeleton = character.basis().skeleton;
-  const std::vector<Vec3> centres = centres_of(character, pose);
-  std::vector<LinePoint> bones, joints;
-  const double cross = 0.008 * character.size();
-  for (std::size_t j = 0; j < centres.size(); ++j) {
-    const std::string& name = skeleton.joints[j].name;
-    const bool selected = name == controls.joint || controls.also.contains(name);
-    const int parent = skeleton.joints[j].parent;
-    if (parent >= 0) {
-      bones.push_back(line_point(centres[static_cast<std::size_t>(parent)], kBone));
-      bones.push_back(line_point(centres[j], kBone));
-    }
-    for (std::size_t i = 0; i < 3; ++i) {
-      Vec3 along{};
-      along[i] = selected ? 2 * cross : cross;
-      joints.push_back(line_point(centres[j] - along, selected ? kSelected : kJoint));
-      joints.push_back(line_point(centres[j] + along, selected ? kSelected : kJoint));
-    }
-  }
-  add_lines(std::move(bones), offset, 3, view);
-  add_lines(std::move(joints), offset, 1.5f, view);
-}
-
-// Of the joint that is selected: bright as far as it may turn, with a hand at its angle; arrows where it may move. And
-// the pins.
-void Scene::add_rings(const Controls& controls, const std::array<float, 3>& offset, View& view) {
-  constexpr int kSteps = 72;
-  std::vector<LinePoint> lines;
-  const auto draw = [&](const Vec3& from, const Vec3& to, std::uint32_t colour) {
-    for (const Vec3& at : {from, to}) lines.push_back(line_point(at, colour));
-  };
-  for (const TurnRing& ring : turn_rings(*this, controls)) {
-    const std::uint32_t colour = kAxisColours[ring.axis];
-    for (int k = 0; k < kSteps; ++k) {
-      const double from = -180.0 + 360.0 * k / kSteps, to = from + 360.0 / kSteps;
-      const bool is_free = ring.low <= from && to <= ring.high;
-      draw(ring.point(from), ring.point(to), is_free ? colour : (colour & 0x00ffffff) | 0x40000000);
-    }
-    draw(ring.centre, ring.point(ring.angle), colour);
-  }
-  for (const MoveArrow& arrow : move_arrows(*this, controls)) {
-    const std::uint32_t colour = kAxisColours[arrow.axis];
-    const Vec3 along = arrow.to - arrow.from;
-    draw(arrow.from, arrow.to, colour);
-    for (std::size_t across = 1; across < 3; ++across) {  // its head, from two sides
-      Vec3 side{};
-      side[(arrow.axis + across) % 3] = 0.08 * length(along);
-      for (const Vec3& end : {side, -1 * side}) draw(arrow.to, arrow.to - 0.2 * along + end, colour);
-    }
-  }
-  const double size = 0.012 * lead().size();
-  const std::vector<MissedPin> missed = lead().missed_pins(controls.playback.frame(), controls.settings.pose);
-  for (const auto& [joint, at] : controls.settings.pose.pins) {
-    const bool is_missed = std::ranges::find(missed, joint, &MissedPin::joint) != missed.end();
-    for (std::size_t axis = 0; axis < 3; ++axis) {  // an octahedron, seen from wherever
-      Vec3 right{}, up{};
-      right[axis] = up[(axis + 1) % 3] = size;
-      const Vec3 corners[] = {at + right, at + up, at - right, at - up};
-      for (std::size_t k = 0; k < 4; ++k) draw(corners[k], corners[(k + 1) % 4], is_missed ? kMarked : kSelected);
-    }
-  }
-  add_lines(std::move(lines), offset, 2, view);
-}
-
-void Scene::add_fibres(const Actor& character, const Shown& shown, const std::array<float, 3>& offset, View& view) {
-  if (character.shown().level().fibre_segment_count == 0 || shown.method == SkinMethod::truth) return;
-  std::vector<std::uint32_t> colours;
-  const std::uint32_t fibres = character.basis().strain.fibre_count();
-  for (std::uint32_t f = 0; f < fibres; ++f) colours.push_back(strain_colour(shown.evaluation->strains[f]));
-  colours_.push_back(std::move(colours));
-  FibreDraw draw;
-  draw.segments = &character.shown().level().fibre_segments;
-  draw.segment_count = character.shown().level().fibre_segment_count;
-  draw.points = &character.shown().level().fibre_points;
-  draw.positions = shown.skin.positions;
-  draw.normals = shown.skin.normals;
-  draw.colours = colours_.back();
-  draw.offset = offset;
-  draw.lift = static_cast<float>(0.0015 * character.size());
-  view.fibres.push_back(draw);
+std::vector<Vec3> Scene::joint_centres(const Skeleton& skeleton, const Pose& pose) {
+  return transformed(posed_joints(skeleton, pose.joints), [](const Affine& joint) { return joint * Vec3{0, 0, 0}; });
 }
 
 std::vector<Vec3> Scene::joint_centres(const Controls& controls) const {
-  return cast_.empty() ? std::vector<Vec3>() : centres_of(lead(), lead_pose(controls));
+  return cast_.empty() ? std::vector<Vec3>() : joint_centres(lead().basis().skeleton, lead_pose(controls));
 }
 
 Pose Scene::lead_pose(const Controls& controls) const { return pose_at(lead(), controls.playback.frame(), controls); }

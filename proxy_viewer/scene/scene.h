@@ -92,16 +92,19 @@ class Scene {
     DeviceSkin skin;
   };
 
+  static std::vector<Vec3> joint_centres(const Skeleton& skeleton, const Pose& pose);
   void forget_look();  // whose results may be gone
   // Where the jiggle has not come to a frame by itself and nothing plays, it is stepped through the second before it.
   void preroll(Actor& character, const Controls& controls, const Weights& weights) const;
-  void evaluate_cast(const Controls& controls);
+  // `poses_of_cast`: of each of the cast as poses_of() has them.
+  void evaluate_cast(const std::vector<std::vector<Pose>>& poses_of_cast, const Controls& controls);
   Shown evaluate(Actor& character, SkinMethod method, std::span<const Pose> poses, const Controls& controls);
   std::vector<Pose> poses_of(const Actor& character, const Controls& controls) const;
   // The sphere of all that is seen, and that of the smallest of them.
-  void surround(const Controls& controls, View& view) const;
-  void add_character(std::size_t index, const Controls& controls, std::vector<View>& views);
+  void surround(const std::vector<std::vector<Pose>>& poses_of_cast, const Controls& controls, View& view) const;
   // `poses`: the frame's, those of the ghosts, those of the copies; `shown`, `skin`: of the frame.
+  void add_character(std::size_t index, std::span<const Pose> poses, const Controls& controls,
+                     std::vector<View>& views);
   void add_copies_and_ghosts(Actor& character, std::span<const Pose> poses, const Shown& shown, const SkinDraw& skin,
                              const Controls& controls, std::vector<View>& views);
   void add_skeleton(const Actor& character, const Pose& pose, const std::array<float, 3>& offset,
@@ -114,7 +117,7 @@ class Scene {
   void add_cut_open(const SkinDraw& skin, View& view) const;
   void add_lines(std::vector<LinePoint> points, const std::array<float, 3>& offset, float width, View& view);
   void add_marker(const Vec3& at, std::uint32_t colour, View& view);
-  void add_markings(const Controls& controls, View& view);
+  void add_markings(const Controls& controls, std::vector<View>& views);
   const Placement& placement(const Actor& character, const Controls& controls) const;
   // The frame of its own clip that a character plays at a frame of the lead's.
   int played_frame(const Actor& character, int frame, const Controls& controls) const;
