@@ -13,15 +13,13 @@
 #include "assets/clip.h"
 #include "assets/frame_range.h"
 #include "assets/json_file.h"
-#include "assets/matched_joints.h"
 #include "runtime/basis/attachments.h"
-#include "runtime/basis/character_unit.h"
 #include "runtime/basis/dynamics.h"
 #include "runtime/basis/levels.h"
 #include "runtime/core/error.h"
 #include "runtime/core/transformed.h"
-#include "shots/session/posed_clip.h"
 #include "shots/session/session_file.h"
+#include "shots/shot_files.h"
 
 namespace bodyopt {
 namespace {
@@ -195,10 +193,11 @@ fs::path plan_file(const fs::path& folder) { return folder / "plan.json"; }
 // Measured on one core of the machine of docs/notes (The farm): of the skin per vertex, of the jiggle per tetrahedron.
 constexpr double kMillisecondsPerPoint = 7e-4, kMillisecondsPerTet = 4e-3;
 
-// A level of a basis, and what was read to go with it.
-struct LeveledBasis {
+// A level of a basis; of a character that nobody trained what it brings along, too.
+struct ShownLevel {
   Basis basis;
-  std::size_t levels = 1;
+  std::optional<Clip> clip{};
+  Attachments attached{};
 };
 
 struct FrameSpan {
@@ -248,16 +247,31 @@ void require_rising(const std::string& range) {
 // What a session says of its lead, as if the list did.
 ShowElement as_listed(ShowElement element) {
   if (element.session.empty()) return element;
-  const SessionFile session = read_session(element.session);
-  const ActorFiles& lead = trained_lead(session, element.session).files;
-  element.basis = lead.basis;
-  element.clip = lead.clip;
-  element.options["fps"] = {std::to_string(session.clip.fps)};
-  if (!lead.joint_map.empty()) element.options["joint-map"] = {lead.joint_map};
-  if (const std::string up = lead.up_of(lead.clip); !up.empty()) element.options["up"] = {up};
-  element.session_in = session.view.playback.in;
-  element.session_out = session.view.playback.out;
+  ShotFiles files;
+  take_session(element.session, files);
+  element.basis = files.basis;
+  element.clip = files.clip.source;
+  const ClipOptions& options = files.clip.options;
+  element.options["fps"] = {std::to_string(options.fps)};
+  if (!options.joint_map.empty()) element.options["joint-map"] = {options.joint_map};
+  if (!options.up.empty()) element.options["up"] = {options.up};
+  element.session_in = files.session.in;
+  element.session_out = files.session.out;
+  element.session_unit = files.session.unit;
   return element;
+}
+
+bool is_untrained(const ShowElement& element) { return !element.session.empty() && !is_basis(element.basis); }
+
+ClipOptions clip_options(const ShowElement& element) {
+  ClipOptions options;
+  options.fps = std::atof(element.option("fps", "24").c_str());
+  options.first_frame = std::atoi(element.option("first-frame", "1").c_str());
+  options.controls = element.option("controls", "");
+  options.joint_map = element.option("joint-map", "");
+  options.up = element.option("up", "");
+  options.unit = std::atof(element.option("unit", "0").c_str());
+  return options;
 }
 
 // All of the clip, or what the session plays of it.
@@ -276,42 +290,43 @@ class ShowChecker {
   CheckedElement check(const ShowElement& listed) {
     const ShowElement element = as_listed(listed);
     const std::string level = element.option("level", "0");
-    const auto& character = characters_.get(element.basis + '\0' + level, [&] { return read(element.basis, level); });
-    CheckedElement checked{&listed, frames_of(element, character.basis), 0, {}};
+    std::string key = element.basis + '\0' + level;
+    if (is_untrained(element)) key += '\0' + element.session + '\0' + element.option("first-frame", "");
+    const ShownLevel& character = characters_.get(key, [&] { return read(element, level); });
+    CheckedElement checked{&listed, frames_of(element, character), 0, {}};
     checked.frame_ms = kMillisecondsPerPoint * static_cast<double>(character.basis.mesh.output_count());
     if (element.has("jiggle")) checked.frame_ms += kMillisecondsPerTet * tets(element, character.basis);
     if (element.frame_ms > 0) checked.frame_ms = element.frame_ms;
-    if (level == "0") checked.attached = attached(element, character.basis);
+    if (level == "0") checked.attached = attached(element, character);
     check_output(listed, checked.attached);
     return checked;
   }
 
  private:
-  static LeveledBasis read(const std::string& basis, const std::string& level) {
-    std::vector<Level> levels = load_levels(basis);
-    const std::size_t number = std::strtoul(level.c_str(), nullptr, 10);
-    if (number >= levels.size()) {
-      throw Error(ErrorKind::usage, "level ", level, " is asked for; ", basis, " has levels 0 to ", levels.size() - 1);
+  static ShownLevel read(const ShowElement& element, const std::string& level) {
+    OpenedCharacter opened;
+    if (is_untrained(element)) {
+      ClipOptions options = clip_options(element);
+      options.unit = element.session_unit;
+      opened = open_character(element.basis, options);
+    } else {
+      opened.levels = load_levels(element.basis);
     }
-    return {std::move(levels[number].basis), levels.size()};
+    const std::size_t number = std::strtoul(level.c_str(), nullptr, 10);
+    if (number >= opened.levels.size()) {
+      throw Error(ErrorKind::usage, "level ", level, " is asked for; ", element.basis, " has levels 0 to ",
+                  opened.levels.size() - 1);
+    }
+    return {std::move(opened.levels[number].basis), std::move(opened.clip), std::move(opened.attached)};
   }
 
-  std::vector<int> frames_of(const ShowElement& element, const Basis& basis) {
-    ClipOptions options;
-    options.fps = std::atof(element.option("fps", "24").c_str());
-    options.first_frame = std::atoi(element.option("first-frame", "1").c_str());
-    options.controls = element.option("controls", "");
-    options.joint_map = element.option("joint-map", "");
-    options.up = element.option("up", "");
-    options.unit = std::atof(element.option("unit", "0").c_str());
-    if (options.unit == 0 && !element.clip.empty()) options.unit = clip_unit(element.clip, kept_unit(basis));
+  std::vector<int> frames_of(const ShowElement& element, const ShownLevel& character) {
     std::string key = element.clip + '\0' + element.basis;
     for (const char* option : {"fps", "first-frame", "controls", "joint-map", "unit", "up"}) {
       key += '\0' + element.option(option, "");
     }
     const FrameSpan span = spans_.get(key, [&] {
-      const Clip clip =
-          element.clip.empty() ? still_clip(basis.skeleton, options) : read_clip(element.clip, basis, options);
+      const Clip clip = read_own_clip({element.clip, "", clip_options(element)}, character.basis, character.clip);
       return FrameSpan{clip.first_frame, clip.last_frame()};
     });
     const std::string range = element.frames.empty() ? played_range(element, span) : element.frames;
@@ -326,17 +341,18 @@ class ShowChecker {
   }
 
   double tets(const ShowElement& element, const Basis& basis) {
+    if (is_untrained(element)) refuse_jiggle(element.session);
     const std::string file = element.option("dynamics", dynamics_beside(element.basis).string());
     return tets_.get(file + '\0' + element.basis,
                      [&] { return static_cast<double>(load_dynamics(file, basis).tets.tet_count()); });
   }
 
-  std::vector<std::string> attached(const ShowElement& element, const Basis& basis) {
-    const fs::path beside = attachments_beside(element.basis);
+  std::vector<std::string> attached(const ShowElement& element, const ShownLevel& character) {
+    const auto names = [](const Attachments& all) { return transformed(all.meshes, &AttachedMesh::name); };
+    const fs::path beside = is_untrained(element) ? fs::path() : attachments_beside(element.basis);
     const std::string file = element.option("attached", fs::exists(beside) ? beside.string() : "");
-    if (file.empty()) return {};
-    return attached_.get(file + '\0' + element.basis,
-                         [&] { return transformed(load_attachments(file, basis).meshes, &AttachedMesh::name); });
+    if (file.empty()) return names(character.attached);
+    return attached_.get(file + '\0' + element.basis, [&] { return names(load_attachments(file, character.basis)); });
   }
 
   void check_output(const ShowElement& element, const std::vector<std::string>& attached) {
@@ -370,7 +386,7 @@ class ShowChecker {
     throw Error(ErrorKind::file, folder, ": cannot be written into: expected a folder that is writable from here");
   }
 
-  Once<LeveledBasis> characters_;
+  Once<ShownLevel> characters_;
   Once<FrameSpan> spans_;
   Once<double> tets_;
   Once<std::vector<std::string>> attached_;

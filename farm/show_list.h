@@ -15,6 +15,7 @@ struct ShowElement {
   std::string shot, element;
   std::string session;  // of the viewport: in place of the basis and the clip; empty: there is none
   std::optional<int> session_in{}, session_out{};  // the range that it plays, once it is read
+  double session_unit = 0;                         // as SessionPosing::unit
   std::string basis, clip, frames, out;
   double frame_ms = 0;  // what a frame takes on one core; 0: as estimated
   // Further options of `bodyopt eval` by name, without "--"; flags have an empty list.

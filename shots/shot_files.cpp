@@ -132,11 +132,7 @@ void choose_shot_modifiers(const std::string& file, Basis& basis) {
 std::unique_ptr<Deformer> make_deformer(const ShotFiles& files, Basis basis) {
   const JiggleChoice& choice = files.jiggle;
   if (!choice.jiggle) return std::make_unique<Deformer>(std::move(basis), files.device);
-  if (is_untrained(files)) {
-    throw Error(ErrorKind::usage, files.session.file,
-                ": its lead is not trained, and has no dynamics that --jiggle could step: 'bodyopt train' and 'bodyopt "
-                "dynamics' make them");
-  }
+  if (is_untrained(files)) refuse_jiggle(files.session.file);
   const std::string file = choice.file(files.basis);
   if (choice.dynamics.empty() && !fs::exists(file)) {
     throw Error(ErrorKind::file, file,
@@ -151,12 +147,6 @@ std::unique_ptr<Deformer> make_deformer(const ShotFiles& files, Basis basis) {
   auto deformer = std::make_unique<Deformer>(std::move(basis), std::move(tables), options, files.device);
   if (!choice.state_in.empty()) deformer->set_state(load_state(choice.state_in, *deformer->dynamics()));
   return deformer;
-}
-
-// Of a session whose lead plays no clip, that which the viewport poses in its place.
-Clip read_own_clip(const ClipChoice& choice, const Basis& basis, std::optional<Clip> own) {
-  if (!choice.source.empty()) return choice.read(basis, kept_unit(basis));
-  return own ? std::move(*own) : still_clip(basis.skeleton, choice.options);
 }
 
 // Frames of a clip that its session does not play are left out.
@@ -278,6 +268,17 @@ void take_session(const std::string& session, ShotFiles& files) {
   if (!files.clip.frames.empty()) return;
   files.session.in = read.view.playback.in;
   files.session.out = read.view.playback.out;
+}
+
+Clip read_own_clip(const ClipChoice& choice, const Basis& basis, std::optional<Clip> own) {
+  if (!choice.source.empty()) return choice.read(basis, kept_unit(basis));
+  return own ? std::move(*own) : still_clip(basis.skeleton, choice.options);
+}
+
+void refuse_jiggle(const std::string& session) {
+  throw Error(ErrorKind::usage, session,
+              ": its lead is not trained, and has no dynamics that --jiggle could step: 'bodyopt train' and 'bodyopt "
+              "dynamics' make them");
 }
 
 SkinSurface surface_if_any(const std::string& character, const MeshTable& mesh, const Tell& tell) {

@@ -82,6 +82,13 @@ struct ShotFiles {
 // Throws Error(file).
 void take_session(const std::string& session, ShotFiles& files);
 
+// Where none is chosen, as of a session whose lead plays none, the character's own, or the bind pose, as the viewport
+// poses it. Throws as ClipChoice::read().
+Clip read_own_clip(const ClipChoice& choice, const Basis& basis, std::optional<Clip> own);
+
+// Of a session whose lead nobody trained. Throws Error(usage).
+[[noreturn]] void refuse_jiggle(const std::string& session);
+
 // Of a character's own file that nobody named; told why where there is none.
 SkinSurface surface_if_any(const std::string& character, const MeshTable& mesh, const Tell& tell);
 

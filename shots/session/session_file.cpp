@@ -113,13 +113,6 @@ SessionFile read_session(const fs::path& path) {
   return session;
 }
 
-const SessionCharacter& trained_lead(const SessionFile& session, const std::string& name) {
-  const SessionCharacter& lead = session.cast.front();
-  if (is_basis(lead.files.basis)) return lead;
-  throw Error(ErrorKind::usage, name, ": its lead is '", lead.files.basis,
-              "', expected a trained basis (.safetensors): 'bodyopt train' makes one");
-}
-
 void write_session(const SessionFile& session, const fs::path& path) {
   SessionFile kept = session;
   const fs::path folder = fs::absolute(path).parent_path();

@@ -55,8 +55,6 @@ bool is_session(const std::string& file);
 // Files within its folder, or named relative to where the program runs, are kept relative to the folder, so that they
 // can be moved together; paths that are read are those, from where the program runs. Throw Error(file).
 SessionFile read_session(const std::filesystem::path& path);
-// Its lead. Throws Error(usage), in which `name` is the session's, where that is no trained basis.
-const SessionCharacter& trained_lead(const SessionFile& session, const std::string& name);
 void write_session(const SessionFile& session, const std::filesystem::path& path);
 
 }  // namespace bodyopt

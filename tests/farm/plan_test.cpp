@@ -70,7 +70,7 @@ TEST_F(PlanShow, AFormerKeyIsReadAndLeftOut) {
 TEST_F(PlanShow, ASessionIsItsLead) {
   write("shot.json", R"({"schema": "bodyopt-session-1", "characters": [
     {"basis": "hero.safetensors", "clip": "walk.glb"}], "view": {"playback": {"in": 101}}})");
-  write("raw.json", R"({"schema": "bodyopt-session-1", "characters": [{"basis": "walk.glb"}]})");
+  write("bad.json", R"({"schema": "bodyopt-session-1", "characters": [{"basis": "walk.glb"}]})");
   const std::string head =
       R"({"schema": "bodyopt-shots-1", "elements": [{"shot": "a", "element": "hero", "out": "a.pc2", )";
   const ShowList list = read("a.json", head + R"("session": "shot.json"}]})");
@@ -86,10 +86,24 @@ TEST_F(PlanShow, ASessionIsItsLead) {
   EXPECT_EQ(read_plan(folder_.path()).tasks[0].steps[0].arguments, step.arguments);
 
   read("b.json", head + R"("session": "shot.json", "clip": "walk.glb"}]})");
-  for (const char* session : {"raw.json", "none.json"}) {
+  for (const char* session : {"bad.json", "none.json"}) {
     plan_show(read("c.json", head + R"("session": ")" + session + R"("}]})"), 5, problems_);
   }
-  expect_problems({"leave out 'basis' and 'clip'", "expected a trained basis", "none.json"});
+  expect_problems({"leave out 'basis' and 'clip'", "walk.glb", "none.json"});
+}
+
+// Of a character that nobody trained, too: it plays its own clip, and wears its own meshes. Its jiggle is refused.
+TEST_F(PlanShow, ASessionsLeadNeedsNoTraining) {
+  write("shot.json",
+        R"({"schema": "bodyopt-session-1", "characters": [{"basis": ""}], "view": {"playback": {"in": 3}}})");
+  const std::string head =
+      R"({"schema": "bodyopt-shots-1", "elements": [{"shot": "a", "element": "arm", "out": "a.pc2", "session": "shot.json")";
+  const FarmPlan planned = plan_show(read("a.json", head + "}]}"), 5, problems_);
+  expect_problems({});
+  ASSERT_EQ(planned.tasks.size(), 1u);
+  EXPECT_EQ(planned.tasks[0].steps.at(0).frames, 142u);
+  plan_show(read("b.json", head + R"(, "jiggle": true}]})"), 5, problems_);
+  expect_problems({"its lead is not trained"});
 }
 
 TEST_F(PlanShow, ThreeFormsOfAListAreOne) {

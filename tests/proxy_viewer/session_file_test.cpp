@@ -3,14 +3,19 @@
 
 #include <gtest/gtest.h>
 
+#include <fstream>
+#include <nlohmann/json.hpp>
+
 #include "proxy_viewer/commands/commands.h"
 #include "runtime/core/error.h"
+#include "runtime/core/json.h"
 #include "shots/session/posed_clip.h"
 #include "tests/proxy_viewer/played_viewport.h"
 #include "tests/support/error_kind.h"
 #include "tests/support/hostile_bytes.h"
 #include "tests/support/limb_glb.h"
 #include "tests/support/paths.h"
+#include "tests/support/read_bytes.h"
 #include "tests/support/run_verb.h"
 
 namespace bodyopt::testing {
@@ -119,6 +124,17 @@ TEST_F(SessionFileTest, EvalTakesACharacterThatNobodyTrained) {
     const std::vector<float> a = seen.sample(6), b = evaluated.sample(6);
     ASSERT_EQ(a.size(), b.size());
     for (std::size_t i = 0; i < a.size(); ++i) ASSERT_NEAR(a[i], b[i], 2e-6f) << ending;
+  }
+  // A farm in two parts.
+  std::ofstream("shots.json") << R"({"schema": "bodyopt-shots-1", "elements": [{"shot": "a", "element": "limb",
+    "session": "own.json", "device": "cpu", "frame_ms": 10000, "out": "farm.pc2"}]})";
+  const ProgramResult planned = run_verb("farm plan shots.json --task-minutes 1 --out plan --json plan.json");
+  ASSERT_EQ(planned.exit_code, 0) << planned.output;
+  EXPECT_EQ(Json::parse(read_bytes("plan.json")).at("waves"), 2);
+  const ProgramResult ran = run_verb("farm run plan");
+  ASSERT_EQ(ran.exit_code, 0) << ran.output;
+  for (const std::string ending : {".pc2", ".eye.pc2"}) {
+    EXPECT_TRUE(read_bytes("farm" + ending) == read_bytes("evaluated" + ending)) << ending;
   }
   EXPECT_EQ(run_verb("eval --session own.json --jiggle --out no.pc2").exit_code, 64);
   write(R"({"schema": "bodyopt-session-1", "characters": [{"basis": "gone.glb", "clip": "bend.glb"}]})");
