@@ -1,5 +1,6 @@
 // One session of a character that has everything, to the last bit on one device: what the viewport shows and exports,
-// what `eval` makes of the session, a farm's shot that is cut in three, and the library from C++ and Python.
+// what `eval` makes of the session, a farm's shot that is cut in three, the library from C++ and Python, and what it
+// records for a host program.
 #include <gtest/gtest.h>
 
 #include <fstream>
@@ -7,9 +8,11 @@
 
 #include "assets/pc2.h"
 #include "include/bodyopt/bodyopt.hpp"
+#include "include/bodyopt/vulkan.h"
 #include "runtime/basis/character_unit.h"
 #include "runtime/core/error.h"
 #include "runtime/core/json.h"
+#include "runtime/vulkan/commands.h"
 #include "shots/session/posed_clip.h"
 #include "shots/shot_files.h"
 #include "tests/proxy_viewer/characters_fixture.h"
@@ -254,6 +257,51 @@ TEST_F(SameShot, IsWhatTheLibraryShows) {
   api::check(bodyopt_jiggle(instance.get(), &poses, &wanted));
   EXPECT_TRUE(skin == samples_of("whole.pc2"));
   EXPECT_TRUE(worn == samples_of("whole.sleeve.pc2"));
+}
+
+// On its own device, all frames in one command buffer. The sleeve is carried there in single precision.
+TEST_F(SameShot, IsWhatAHostProgramRecords) {
+  auto host = api::make<bodyopt_vulkan_device>();
+  host.instance = device_->instance();
+  host.physical_device = device_->physical();
+  host.device = device_->handle();
+  host.queue = device_->queue();
+  host.queue_family = device_->queue_family();
+  bodyopt_device* shared = nullptr;
+  api::check(bodyopt_share_device(&host, &shared));
+  const api::Device device(shared);
+  const api::Model model = load();
+  auto options = api::make<bodyopt_instance_options>();
+  options.device = shared;
+  options.jiggles = 1;
+  options.recorded_frames = kOut - kIn + 1;
+  const api::Instance instance = api::create_instance(model, options);
+  api::check(bodyopt_set_weights(instance.get(), 0.75f, 1.5f));
+  const GivenClip clip("shot.json", model);
+  const auto nothing = api::make<bodyopt_skin>();
+  const bodyopt_poses before = clip.frames(1, kIn), poses = clip.frames(kIn, kOut + 1);
+  api::check(bodyopt_evaluate(instance.get(), &before, &nothing));
+  const std::vector<float> skin = samples_of("whole.pc2"), sleeves = samples_of("whole.sleeve.pc2");
+  const vulkan::Buffer skin_there = vulkan::floats(*device_, skin.size(), "the host's skin"),
+                       sleeves_there = vulkan::floats(*device_, sleeves.size(), "the host's sleeves");
+  const auto output_in = [](const vulkan::Buffer& buffer) {
+    return bodyopt_vulkan_output{buffer.handle(), buffer.size(), 0, 0};
+  };
+  const bodyopt_vulkan_output attached = output_in(sleeves_there);
+  vulkan::Commands commands(*device_);
+  commands.begin();
+  auto recording = api::make<bodyopt_recording>();
+  recording.commands = commands.handle();
+  recording.positions = output_in(skin_there);
+  recording.attached = &attached;
+  recording.attached_count = 1;
+  api::check(bodyopt_record(instance.get(), &poses, &recording));
+  commands.end();
+  commands.run();
+  EXPECT_TRUE(download(*device_, skin_there) == skin);
+  const std::vector<float> found = download(*device_, sleeves_there);
+  ASSERT_EQ(found.size(), sleeves.size());
+  for (std::size_t k = 0; k < found.size(); ++k) ASSERT_NEAR(found[k], sleeves[k], 2e-6) << k;
 }
 
 TEST_F(SameShot, IsWhatPythonShows) {
