@@ -4,7 +4,6 @@
 #include <cctype>
 #include <charconv>
 #include <cmath>
-#include <sstream>
 #include <utility>
 
 #include "base/parallel.h"
@@ -46,14 +45,10 @@ std::string coordinates(const std::vector<double>& texture) {
 std::string head(const CacheLayout& layout) {
   const int first = layout.frames.empty() ? 0 : layout.frames.front();
   const int last = layout.frames.empty() ? 0 : layout.frames.back();
-  const std::string prim = prim_name(layout.name), fps = number(layout.fps);
-  std::ostringstream text;
-  text << "#usda 1.0\n(\n    defaultPrim = \"" << prim << "\"\n    startTimeCode = " << first << "\n"
-       << kUsdaLastFrame << last << "\n    framesPerSecond = " << fps << "\n    timeCodesPerSecond = " << fps
-       << "\n    metersPerUnit = 1\n    upAxis = \"Y\"\n)\n\ndef Mesh \"" << prim << "\"\n{\n"
-       << "    uniform token orientation = \"rightHanded\"\n    uniform token subdivisionScheme = \"none\"\n"
-       << topology(layout.corners) << coordinates(layout.surface.texture) << kUsdaPointSamples << '\n';
-  return text.str();
+  const std::string prim = prim_name(layout.name);
+  return usda_head(prim, first, last, number(layout.fps)) + "def Mesh \"" + prim + "\"\n{\n" +
+         "    uniform token orientation = \"rightHanded\"\n    uniform token subdivisionScheme = \"none\"\n" +
+         topology(layout.corners) + coordinates(layout.surface.texture) + kUsdaPointSamples + '\n';
 }
 
 std::string head_of_normals() {
@@ -92,6 +87,12 @@ std::string prim_name(const std::string& name) {
   std::string prim;
   for (const char c : name) prim += std::isalnum(static_cast<unsigned char>(c)) != 0 ? c : '_';
   return prim.empty() || std::isdigit(static_cast<unsigned char>(prim[0])) != 0 ? "_" + prim : prim;
+}
+
+std::string usda_head(const std::string& prim, int first_frame, int last_frame, const std::string& fps) {
+  return concat("#usda 1.0\n(\n    defaultPrim = \"", prim, "\"\n    startTimeCode = ", first_frame, "\n",
+                kUsdaLastFrame, last_frame, "\n    framesPerSecond = ", fps, "\n    timeCodesPerSecond = ", fps,
+                "\n    metersPerUnit = 1\n    upAxis = \"Y\"\n)\n\n");
 }
 
 UsdaWriter::UsdaWriter(const fs::path& path, CacheLayout layout)

@@ -84,14 +84,12 @@ void write_usd_skeleton(const Clip& clip, const Skeleton& skeleton, const std::f
   require_finite(clip, path);
   const std::vector<std::string> paths = joint_paths(skeleton);
   const std::vector<Joint>& joints = skeleton.joints;
-  const std::string root = prim_name(clip.name), fps = text_of(clip.fps),
+  const std::string root = prim_name(clip.name),
                     tokens = "        uniform token[] joints = " +
                              list_of(paths.size(), [&](std::size_t j) { return '"' + paths[j] + '"'; }) + "\n";
   std::ostringstream text;
-  text << "#usda 1.0\n(\n    defaultPrim = \"" << root << "\"\n    startTimeCode = " << clip.first_frame
-       << "\n    endTimeCode = " << clip.last_frame() << "\n    framesPerSecond = " << fps
-       << "\n    timeCodesPerSecond = " << fps << "\n    metersPerUnit = 1\n    upAxis = \"Y\"\n)\n\n"
-       << "def SkelRoot \"" << root << "\"\n{\n"
+  text << usda_head(root, clip.first_frame, clip.last_frame(), text_of(clip.fps)) << "def SkelRoot \"" << root
+       << "\"\n{\n"
        << "    def Skeleton \"skeleton\" (\n        prepend apiSchemas = [\"SkelBindingAPI\"]\n    )\n    {\n"
        << tokens << "        uniform matrix4d[] bindTransforms = "
        << list_of(joints.size(), [&](std::size_t j) { return matrix_of(inverse(joints[j].inverse_bind)); })

@@ -41,6 +41,18 @@ std::string count_of(std::size_t count, const std::string& one, const std::strin
   return std::to_string(count) + " " + (count == 1 ? one : many);
 }
 
+std::string missing_ending(const std::string& name, const std::string& endings) {
+  std::string all;
+  for (std::size_t begin = 0; begin <= endings.size();) {
+    const std::size_t end = std::min(endings.find('|', begin), endings.size());
+    const std::string ending = endings.substr(begin, end - begin);
+    if (name.ends_with(ending)) return "";
+    all += (all.empty() ? "" : end == endings.size() ? " or " : ", ") + ending;
+    begin = end + 1;
+  }
+  return all;
+}
+
 std::string rounded(double value) {
   char text[32];
   std::snprintf(text, sizeof text, "%.4g", value);

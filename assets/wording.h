@@ -22,6 +22,9 @@ std::vector<std::string> names_of(const Named& all) {
 // "1 vertex", "3 vertices".
 std::string count_of(std::size_t count, const std::string& one, const std::string& many);
 
+// What a name should end in, of ".pc2|.usda|.glb", as people say it: ".pc2, .usda or .glb". Empty: it ends so.
+std::string missing_ending(const std::string& name, const std::string& endings);
+
 // In four digits.
 std::string rounded(double value);
 

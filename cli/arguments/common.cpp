@@ -14,6 +14,7 @@
 #include <utility>
 #include <vector>
 
+#include "assets/wording.h"
 #include "runtime/core/atomic_file.h"
 #include "runtime/core/error.h"
 
@@ -78,15 +79,8 @@ std::string above_zero(const std::string& text) {
 
 std::function<std::string(const std::string&)> must_end_in(const std::string& extension) {
   return [extension](const std::string& name) {
-    std::string all;  // ".pc2, .usda or .glb" of ".pc2|.usda|.glb"
-    for (std::size_t begin = 0; begin <= extension.size();) {
-      const std::size_t end = std::min(extension.find('|', begin), extension.size());
-      const std::string ending = extension.substr(begin, end - begin);
-      if (name.ends_with(ending)) return std::string();
-      all += (all.empty() ? "" : end == extension.size() ? " or " : ", ") + ending;
-      begin = end + 1;
-    }
-    return "'" + name + "' does not end in " + all;
+    const std::string wanted = missing_ending(name, extension);
+    return wanted.empty() ? "" : "'" + name + "' does not end in " + wanted;
   };
 }
 

@@ -1,7 +1,5 @@
 // What is written, and what is around the picture.
-#include <algorithm>
-#include <vector>
-
+#include "assets/wording.h"
 #include "proxy_viewer/commands/commands.h"
 #include "runtime/core/error.h"
 #include "shots/session/view_settings.h"
@@ -9,12 +7,9 @@
 namespace bodyopt {
 namespace {
 
-void require_ending(const std::string& file, const std::vector<const char*>& endings) {
-  if (std::ranges::any_of(endings, [&](const char* ending) { return file.ends_with(ending); })) return;
-  std::string all;
-  for (const char* ending : endings)
-    all += (all.empty() ? "" : ending == endings.back() ? " or " : ", ") + std::string(ending);
-  refuse(file, "a file that ends in " + all);
+void require_ending(const std::string& file, const std::string& endings) {
+  const std::string wanted = missing_ending(file, endings);
+  if (!wanted.empty()) refuse(file, "a file that ends in " + wanted);
 }
 
 const Command kFileCommands[] = {
@@ -42,7 +37,7 @@ const Command kFileCommands[] = {
      [](Controls& c, const std::string& a) {
        const std::string& file = a.empty() ? c.session_file : a;
        if (file.empty() && !c.headless) return c.browse("save");
-       if (!file.ends_with(".json")) refuse(file, "a file that ends in .json");
+       require_ending(file, ".json");
        c.requests.save = file;
      }},
     {"recover", "[discard]", "", "File", "work that a viewport left unsaved, or discard it",
@@ -53,12 +48,12 @@ const Command kFileCommands[] = {
      }},
     {"export-clip", "FILE.glb|.bvh|.usda", "", "File", "the motion of the range, as it is posed and keyed",
      [](Requests& requests, const std::string& a) {
-       require_ending(a, {".glb", ".bvh", ".usda"});
+       require_ending(a, ".glb|.bvh|.usda");
        requests.export_clip = a;
      }},
     {"export-skin", "FILE.pc2|.mdd|.usda|.glb", "", "File", "the lead's skin over the range, and what it wears",
      [](Requests& requests, const std::string& a) {
-       require_ending(a, {".pc2", ".mdd", ".usda", ".glb"});
+       require_ending(a, ".pc2|.mdd|.usda|.glb");
        requests.export_skin = a;
      }},
     {"screenshot", "[FILE.png]", "F12", "File", "the picture as it is",
@@ -73,7 +68,7 @@ const Command kFileCommands[] = {
      [](Requests& requests, const std::string& a) { requests.load_state = a; }},
     {"save-markers", "FILE.json", "", "File", "for bodyopt transfer --markers",
      [](Requests& requests, const std::string& a) {
-       if (!a.ends_with(".json")) refuse(a, "a file that ends in .json");
+       require_ending(a, ".json");
        requests.save_markers = a;
      }},
     {"lead", "NUMBER", "", "File", "the character of whom panels speak, and to whom clips and caches go",
