@@ -136,7 +136,7 @@ void Painter::choose_heat() {
   const bool covers = controls_.settings.compare.coverage && scene_.lead().shown().knows_coverage();
   std::optional<double> p99;
   if (covers) {
-    p99 = scene_.lead().shown().expected_skin(scene_.lead_pose(controls_)).p99_mm;
+    p99 = scene_.expect(controls_).p99_mm;
   } else if (const std::optional<float> error = errors_.curve().largest_p99()) {
     p99 = static_cast<double>(*error);
   }

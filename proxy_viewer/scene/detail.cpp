@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "draw/view.h"
-#include "trainer/train/features/features.h"
 
 namespace bodyopt {
 namespace {
@@ -156,10 +155,11 @@ void evaluate_together(std::span<const SkinRequest> requests) {
   if (error) std::rethrow_exception(error);
 }
 
-const ExpectedSkin& Detail::expected_skin(const Pose& pose) {
-  if (expected_ && same({&expected_->first, 1}, {&pose, 1})) return expected_->second;
-  const ErrorExpectation& expectation = *level_->expectation;
-  const ExpectedError error = expectation.of(pose, measure_strains(basis(), pose));
+const ExpectedSkin& Detail::expected_skin(SkinMethod method) {
+  const Evaluated& of = last(method);
+  if (expected_ && expected_->first == of.number) return expected_->second;
+  const std::span strains = std::span(of.result.strains).first(basis().strain.fibre_count());
+  const ExpectedError error = level_->expectation->of(of.poses.front(), strains);
   std::vector<float> vertices = level_->shares.carry(error.region_mm);
   ExpectedSkin skin{error.rms_mm, 0, 0, vulkan::upload(*device_, vertices, "expected errors")};
   if (!vertices.empty()) {
@@ -168,7 +168,7 @@ const ExpectedSkin& Detail::expected_skin(const Pose& pose) {
     std::ranges::nth_element(vertices, p99);
     skin.p99_mm = 1e3 * double{*p99};
   }
-  return expected_.emplace(pose, std::move(skin)).second;
+  return expected_.emplace(of.number, std::move(skin)).second;
 }
 
 DeviceSkin Detail::skin(SkinMethod method) const { return deformers_.at({method, Use::show})->device_skin(); }

@@ -104,8 +104,8 @@ class Detail {
   const CutTets& cut_tets(const Pose& pose, std::optional<float> jiggle, const Vec3& towards, double share);
 
   bool knows_coverage() const { return !basis().coverage.empty(); }
-  // The level must know its coverage. The same pose as the last time is not looked at again.
-  const ExpectedSkin& expected_skin(const Pose& pose);
+  // Of the first pose that the method evaluated last; the level must know its coverage.
+  const ExpectedSkin& expected_skin(SkinMethod method);
 
   // Of the last evaluation by the method.
   DeviceSkin skin(SkinMethod method) const;
@@ -133,7 +133,7 @@ class Detail {
   std::uint64_t evaluations_ = 0;      // so far
   std::unique_ptr<CutTets> cut_tets_;  // made when they are first wanted
   std::vector<Pose> tet_poses_;        // of which the tets were measured last; none, or one
-  std::optional<std::pair<Pose, ExpectedSkin>> expected_;
+  std::optional<std::pair<std::uint64_t, ExpectedSkin>> expected_;  // of the evaluation of this number
 };
 
 // To the last bit, joints and controls.

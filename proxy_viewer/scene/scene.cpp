@@ -181,6 +181,15 @@ std::vector<Pose> Scene::poses_of(const Actor& character, const Controls& contro
   return poses;
 }
 
+std::vector<std::vector<Pose>> Scene::poses_of_cast(const Controls& controls) const {
+  return transformed(cast_, [&](const auto& character) { return poses_of(*character, controls); });
+}
+
+const ExpectedSkin& Scene::expect(const Controls& controls) {
+  evaluate_cast(poses_of_cast(controls), controls);
+  return lead().shown().expected_skin(shown_method(lead(), controls.settings));
+}
+
 void Scene::preroll(Actor& character, const Controls& controls, const Weights& weights) const {
   const int frame = controls.playback.frame(), second = static_cast<int>(character.clip().fps);
   const int played = played_frame(character, frame, controls);
@@ -194,12 +203,12 @@ void Scene::preroll(Actor& character, const Controls& controls, const Weights& w
 }
 
 // What add_character() shows of all of the cast, so that the device has it at once.
-void Scene::evaluate_cast(const std::vector<std::vector<Pose>>& poses_of_cast, const Controls& controls) {
+void Scene::evaluate_cast(const std::vector<std::vector<Pose>>& all_poses, const Controls& controls) {
   const Weights weights = weights_of(controls);
   std::vector<SkinRequest> requests;
   for (std::size_t c = 0; c < cast_.size(); ++c) {
     const auto& character = cast_[c];
-    const std::vector<Pose>& poses = poses_of_cast[c];
+    const std::vector<Pose>& poses = all_poses[c];
     const int frame = played_frame(*character, controls.playback.frame(), controls);
     std::set<SkinMethod> methods = {shown_method(*character, controls.settings)};
     if (const auto other = compared_method(*character, controls.settings)) methods.insert(*other);
@@ -222,12 +231,12 @@ Scene::Shown Scene::evaluate(Actor& character, SkinMethod method, std::span<cons
   return {method, &evaluation, character.skin(method)};
 }
 
-void Scene::surround(const std::vector<std::vector<Pose>>& poses_of_cast, const Controls& controls, View& view) const {
+void Scene::surround(const std::vector<std::vector<Pose>>& all_poses, const Controls& controls, View& view) const {
   const auto ghosts = static_cast<std::size_t>(controls.settings.ghosts.before + controls.settings.ghosts.after);
   Box all;
   double around_largest = 0, smallest = 1e30;
   for (std::size_t c = 0; c < cast_.size(); ++c) {
-    const std::vector<Pose>& poses = poses_of_cast[c];
+    const std::vector<Pose>& poses = all_poses[c];
     const double around = kSphere * std::max(0.1, cast_[c]->reach());
     for (std::size_t k = 0; k < poses.size(); ++k) {
       const Vec3 offset = to_double(k > ghosts ? place_copy(k - ghosts) : place(c, controls));

@@ -82,7 +82,9 @@ class Scene {
   // Of the last look: seconds by stage, summed over the cast; strains and outside of the lead.
   const StageSeconds& stage_seconds() const { return stage_seconds_; }
   const Evaluation* lead_evaluation() const { return lead_evaluation_; }
-  // Of the lead, where it is looked at; null: it is not, or is not known.
+  // Of the lead at the frame, whose coverage must be known; evaluates what is not yet. Throws as look().
+  const ExpectedSkin& expect(const Controls& controls);
+  // Of the last look, where the lead's is looked at; null: it is not, or is not known.
   const ExpectedSkin* lead_expected() const { return lead_expected_; }
 
  private:
@@ -96,12 +98,12 @@ class Scene {
   void forget_look();  // whose results may be gone
   // Where the jiggle has not come to a frame by itself and nothing plays, it is stepped through the second before it.
   void preroll(Actor& character, const Controls& controls, const Weights& weights) const;
-  // `poses_of_cast`: of each of the cast as poses_of() has them.
-  void evaluate_cast(const std::vector<std::vector<Pose>>& poses_of_cast, const Controls& controls);
+  void evaluate_cast(const std::vector<std::vector<Pose>>& all_poses, const Controls& controls);
   Shown evaluate(Actor& character, SkinMethod method, std::span<const Pose> poses, const Controls& controls);
   std::vector<Pose> poses_of(const Actor& character, const Controls& controls) const;
+  std::vector<std::vector<Pose>> poses_of_cast(const Controls& controls) const;
   // The sphere of all that is seen, and that of the smallest of them.
-  void surround(const std::vector<std::vector<Pose>>& poses_of_cast, const Controls& controls, View& view) const;
+  void surround(const std::vector<std::vector<Pose>>& all_poses, const Controls& controls, View& view) const;
   // `poses`: the frame's, those of the ghosts, those of the copies; `shown`, `skin`: of the frame.
   void add_character(std::size_t index, std::span<const Pose> poses, const Controls& controls,
                      std::vector<View>& views);

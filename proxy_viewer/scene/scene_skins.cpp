@@ -69,8 +69,7 @@ std::vector<View> Scene::look(const Controls& controls, const Rectangle& area) {
   view.ground.grid = look.grid;
   view.ground.axes = look.axes;
   view.ground.shadow = look.shadow ? 0.85f : 0.0f;
-  std::vector<std::vector<Pose>> poses;
-  for (const auto& character : cast_) poses.push_back(poses_of(*character, controls));
+  const std::vector<std::vector<Pose>> poses = poses_of_cast(controls);
   if (!cast_.empty()) {
     view.ground.height = static_cast<float>(lead().ground());
     view.ground.spacing = grid_spacing(lead().size());
@@ -134,7 +133,7 @@ void Scene::add_character(std::size_t index, std::span<const Pose> poses, const 
     if ((s.compare.heat || s.compare.activation) && is_measured) skin.reference = second.positions;
   }
   if (s.compare.coverage && character.shown().knows_coverage()) {
-    const ExpectedSkin& expected = character.shown().expected_skin(poses[0]);
+    const ExpectedSkin& expected = character.shown().expected_skin(method);
     skin.distances = &expected.vertices;
     if (index == 0) lead_expected_ = &expected;
   }

@@ -214,10 +214,12 @@ TEST_F(SameShot, IsTheSameWhoeverEvaluatesIt) {
 // The buffers that are drawn, frame by frame as they are played. The viewport steps the jiggle through what of the clip
 // comes before the range.
 TEST_F(SameShot, IsWhatTheViewportPlays) {
-  evaluate("--preroll 1 --out played.pc2");
+  evaluate("--preroll 1 --out played.pc2 --json played.json");
+  const Json told = Json::parse(read_bytes("played.json")).at("per_frame");
   ViewerOptions options = small();
   options.files = {"shot.json"};
   const auto viewport = open(options);
+  viewport->prompt("coverage on");
   const Pc2Reader played("played.pc2"), sleeves("played.sleeve.pc2");
   for (int frame = kIn; frame <= kOut; ++frame) {
     viewport->prompt("frame " + std::to_string(frame));
@@ -231,6 +233,7 @@ TEST_F(SameShot, IsWhatTheViewportPlays) {
     }
     const auto sample = static_cast<std::uint32_t>(frame - kIn);
     EXPECT_TRUE(skin == played.sample(sample)) << frame;
+    EXPECT_EQ(session.scene.lead_expected()->rms_mm, told.at(sample).at("expected_rms_mm").get<double>()) << frame;
     EXPECT_TRUE(lead.worn_points(skin, session.scene.lead_pose(session.controls)) == sleeves.sample(sample)) << frame;
   }
 }
