@@ -253,7 +253,8 @@ Vec3 facing_of(const Skeleton& skeleton, const JointLimits& limits,
 
 ModifierState ModifierTrack::before(std::size_t at, const Clip& clip, const std::vector<std::string>& controls,
                                     const Basis& basis, const ViewSettings::Posing& posing) {
-  if (at == 0 || basis.modifiers.empty()) return {};
+  constexpr std::size_t kTogether = 64;  // frames; to drive each by itself takes longer
+  if (basis.modifiers.empty()) return {};
   std::map keys = control_keys(posing);
   if (basis_ != &basis || keys_ != keys || !std::ranges::is_permutation(controls_, controls)) {
     *this = {};
@@ -261,15 +262,19 @@ ModifierState ModifierTrack::before(std::size_t at, const Clip& clip, const std:
     controls_ = controls;
     keys_ = std::move(keys);
   }
-  while (after_.size() < at) {
-    const std::size_t k = after_.size();
-    Pose pose = clip.poses[k];
-    set_posed_controls(controls_, between_keys(keys_, clip.first_frame + static_cast<int>(k)), pose);
-    ModifierState state = k == 0 ? ModifierState() : after_.back();
-    drive_modifiers(basis, controls_, clip.fps, {&pose, 1}, &state);
-    after_.push_back(std::move(state));
+  auto known = std::prev(before_.upper_bound(at));
+  while (known->first < at) {
+    const auto first = clip.poses.begin() + static_cast<std::ptrdiff_t>(known->first);
+    std::vector<Pose> poses(first, first + static_cast<std::ptrdiff_t>(std::min(kTogether, at - known->first)));
+    for (std::size_t k = 0; k < poses.size(); ++k) {
+      const int frame = clip.first_frame + static_cast<int>(known->first + k);
+      set_posed_controls(controls_, between_keys(keys_, frame), poses[k]);
+    }
+    ModifierState state = known->second;
+    drive_modifiers(basis, controls_, clip.fps, poses, &state);
+    known = before_.emplace(known->first + poses.size(), std::move(state)).first;
   }
-  return after_[at - 1];
+  return known->second;
 }
 
 Pose posed_frame(const Clip& clip, std::size_t at, const Basis& basis, const JointLimits& limits,

@@ -49,7 +49,7 @@ Vec3 facing_of(const Skeleton& skeleton, const JointLimits& limits,
                const std::vector<std::optional<JointRange>>& ranges, const Pose& clip,
                const ViewSettings::PoseKey& posing, std::size_t joint);
 
-// Where the modifiers of a basis stand after each of a clip's first frames: kept while what steers them is the same.
+// Where the modifiers of a basis stand before frames of a clip: kept while what steers them is the same.
 class ModifierTrack {
  public:
   // Before frame number `at`. `controls`: as posed_frame() names them; the clip is always the same one.
@@ -59,8 +59,8 @@ class ModifierTrack {
  private:
   const Basis* basis_ = nullptr;
   std::vector<std::string> controls_;
-  std::map<int, ViewSettings::PoseKey> keys_;  // controls alone
-  std::vector<ModifierState> after_;
+  std::map<int, ViewSettings::PoseKey> keys_;             // controls alone
+  std::map<std::size_t, ModifierState> before_{{0, {}}};  // by number
 };
 
 // The pose number `at` of what posed_clip() and then apply_channels() make of the clip, to the last bit. `ranges`: of
