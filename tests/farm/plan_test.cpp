@@ -94,8 +94,7 @@ TEST_F(PlanShow, ASessionIsItsLead) {
 
 // Of a character that nobody trained, too: it plays its own clip, and wears its own meshes. Its jiggle is refused.
 TEST_F(PlanShow, ASessionsLeadNeedsNoTraining) {
-  write("shot.json",
-        R"({"schema": "bodyopt-session-1", "characters": [{"basis": ""}], "view": {"playback": {"in": 3}}})");
+  write("shot.json", R"({"schema": "bodyopt-session-1", "characters": [{}], "view": {"playback": {"in": 3}}})");
   const std::string head =
       R"({"schema": "bodyopt-shots-1", "elements": [{"shot": "a", "element": "arm", "out": "a.pc2", "session": "shot.json")";
   const FarmPlan planned = plan_show(read("a.json", head + "}]}"), 5, problems_);
