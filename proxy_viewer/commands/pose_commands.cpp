@@ -96,6 +96,7 @@ const Command kPlaybackCommands[] = {
        if (out < c.playback.in()) c.say("the range began later: it is this frame now");
        c.playback.set_range(std::min(c.playback.in(), out), out);
      }},
+    switch_command<&Controls::zooms>("zoom-range", "Shift+I", "Playback", "the timeline shows only the range"),
     {"whole-range", "", "Alt+I", "Playback", "play all frames",
      [](Playback& playback, const std::string&) { playback.set_range(playback.first(), playback.last()); }},
     {"live", "[on|off]", "", "Playback", "poses that another program sends, or the clip",
@@ -296,6 +297,7 @@ const Command kPoseCommands[] = {
      }},
     {"tween", "0-1", "", "Keys", "the pose on the way from the key before to the next",
      [](Controls& c, const std::string& a) { tween(c, number_within(a, 0, 1)); }},
+    switch_command<&Controls::dope_sheet>("dope-sheet", "Shift+K", "Keys", "all keys under the timeline"),
     switch_command<&Controls::auto_key>("auto-key", "", "Keys", "what is posed is a key of its frame at once"),
     {"save-pose", "FILE.json", "", "Pose", "the pose, or what of it several joints have",
      [](Controls& c, const std::string& a) {
