@@ -71,9 +71,9 @@ const Command kFileCommands[] = {
        require_ending(a, ".json");
        requests.save_markers = a;
      }},
-    {"lead", "NUMBER", "", "File", "the character of whom panels speak, and to whom clips and caches go",
+    {"lead", "NUMBER", "", "Cast", "the character of whom panels speak, and to whom clips and caches go",
      [](Requests& requests, const std::string& a) { requests.lead = integer(a); }},
-    {"remove", "NUMBER", "", "File", "a character of the cast; its files stay",
+    {"remove", "NUMBER", "", "Cast", "a character of the cast; its files stay",
      [](Requests& requests, const std::string& a) { requests.remove = integer(a); }},
     request_command<&Requests::reload>("reload", "F5", "File", "read all files again"),
     {"browse",
