@@ -48,6 +48,7 @@ const Command kCastCommands[] = {
        if (has && ghosts.step == 1) ghosts.step = 4;
      },
      [](const Controls& c) { return name_of(c.settings.ghosts.before + c.settings.ghosts.after > 0); }},
+    switch_command<&ViewSettings::Ghosts::trail>("trail", "Alt+G", "Look", "the way of the joints that are selected"),
 
     {"copies", "COUNT", "", "Cast", "of the lead on the stage",
      [](ViewSettings::Cast& cast, const std::string& a) { cast.copies = integer_within(a, 1, kMostCopies); }},

@@ -118,6 +118,7 @@ void draw_ghosts(const Snapshot&, Controls& controls) {
   slide("Step", ghosts.step, 1, kLongestStep, ghosts.step == 1 ? "%d frame" : "%d frames",
         find_command("ghost-step")->help);
   slide("Opacity", ghosts.opacity, 0, 1, "%.2f", find_command("ghost-opacity")->help);
+  command_tick(controls, "trail", "Trail of the joint");
 }
 
 void draw_transfer(const Snapshot& snapshot, Controls& controls) {

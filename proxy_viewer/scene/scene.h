@@ -111,6 +111,7 @@ class Scene {
                              const Controls& controls, std::vector<View>& views);
   void add_skeleton(const Actor& character, const Pose& pose, const std::array<float, 3>& offset,
                     const Controls& controls, View& view);
+  void add_trails(const Controls& controls, const std::array<float, 3>& offset, View& view);
   void add_rings(const Controls& controls, const std::array<float, 3>& offset, View& view);
   void add_fibres(const Actor& character, const Shown& shown, const std::array<float, 3>& offset, View& view);
   void colour_by_match(std::size_t index, const ViewSettings& settings, SkinDraw& skin) const;

@@ -1,5 +1,7 @@
 // Lines over the skins: bones, rings, fibres, pins and markers.
 #include <algorithm>
+#include <map>
+#include <set>
 
 #include "proxy_viewer/scene/scene.h"
 #include "proxy_viewer/scene/turn_rings.h"
@@ -84,6 +86,44 @@ void Scene::add_skeleton(const Actor& character, const Pose& pose, const std::ar
   }
   add_lines(std::move(bones), offset, 3, view);
   add_lines(std::move(joints), offset, 1.5f, view);
+}
+
+// The way of the lead's joints that are selected, in the colours of ghosts: where they are in each frame of the range
+// that is not too far away, with a cross at those that have a key.
+void Scene::add_trails(const Controls& controls, const std::array<float, 3>& offset, View& view) {
+  constexpr int kLongest = 120;  // frames either way
+  constexpr std::uint32_t kBefore = 0xffe0a060, kAfter = 0xff40a0f0;
+  const Skeleton& skeleton = lead().basis().skeleton;
+  const int shown = controls.playback.frame();
+  const int first = std::max(controls.playback.in(), shown - kLongest);
+  const int last = std::min(controls.playback.out(), shown + kLongest);
+  if (live_pose_ || controls.joint.empty() || last <= first) return;
+  std::set<std::string> names = controls.also;
+  names.insert(controls.joint);
+  std::map<std::string, std::vector<LinePoint>> ways;
+  std::vector<LinePoint> keys;
+  for (int frame = first; frame <= last; ++frame) {
+    const std::vector<Vec3> centres = joint_centres(skeleton, pose_at(lead(), frame, controls));
+    for (const std::string& name : names) {
+      const int joint = skeleton.find(name);
+      if (joint < 0) continue;
+      const Vec3& at = centres[static_cast<std::size_t>(joint)];
+      std::vector<LinePoint>& way = ways[name];
+      const LinePoint point = line_point(at, frame <= shown ? kBefore : kAfter);
+      if (!way.empty()) way.push_back(point);
+      way.push_back(point);
+      for (std::size_t axis = 0; axis < 3 && controls.settings.pose.keys.contains(frame); ++axis) {
+        Vec3 reach{};
+        reach[axis] = 0.006 * lead().size();
+        for (const Vec3& end : {at - reach, at + reach}) keys.push_back(line_point(end, kSelected));
+      }
+    }
+  }
+  for (auto& [name, way] : ways) {
+    way.pop_back();  // which begins no line
+    add_lines(std::move(way), offset, 2, view);
+  }
+  add_lines(std::move(keys), offset, 2, view);
 }
 
 // Of the joint that is selected: bright as far as it may turn, with a hand at its angle; arrows where it may move. And

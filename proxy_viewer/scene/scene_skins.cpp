@@ -168,6 +168,7 @@ void Scene::add_character(std::size_t index, std::span<const Pose> poses, const 
   for (View& view : views) {
     if (s.look.skeleton) add_skeleton(character, poses[0], skin.offset, controls, view);
     if (s.look.skeleton && &character == &lead()) add_rings(controls, skin.offset, view);
+    if (s.ghosts.trail && &character == &lead()) add_trails(controls, skin.offset, view);
     if (s.look.fibres) add_fibres(character, shown, skin.offset, view);
   }
   if (poses.size() > 1) add_copies_and_ghosts(character, poses, shown, skin, controls, views);

@@ -99,6 +99,7 @@ inline constexpr auto kGhostsFields = [](auto& list, auto& ghosts) {
   list.integer("after", ghosts.after, 0, kMostGhosts);
   list.integer("step", ghosts.step, 1, kLongestGhostStep);
   list.number("opacity", ghosts.opacity, 0, 1);
+  list.boolean("trail", ghosts.trail);
 };
 
 inline constexpr auto kCastFields = [](auto& list, auto& cast) {

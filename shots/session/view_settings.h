@@ -113,6 +113,7 @@ struct ViewSettings {
     int before = 0, after = 0;  // how many
     int step = 1;               // frames from one to the next
     double opacity = 0.3;
+    bool trail = false;  // of the joints that are selected
     bool operator==(const Ghosts&) const = default;
   };
 

@@ -213,6 +213,7 @@ const std::map<std::string, Case>& cases() {
           return c.settings.ghosts.before == 2 && c.settings.ghosts.after == 2 && c.settings.ghosts.step == 4;
         },
         {"1"}}},
+      {"trail", {"on", [](C, C c) { return c.settings.ghosts.trail; }, {"yes"}}},
       {"copies", {"12", [](C, C c) { return c.settings.cast.copies == 12; }, {"", "0", "101", "1.5"}}},
       {"copy-delay", {"5", [](C, C c) { return c.settings.cast.delay == 5; }, {"", "-1", "1001"}}},
       {"mark", {"on", [](C, C c) { return c.marking.on; }, {"yes"}}},

@@ -66,6 +66,32 @@ TEST_F(SceneTest, AFrameThatIsAskedForHasJiggledUpToIt) {
   EXPECT_NE(asked, shown(6));
 }
 
+// Through where the joint is in each frame of the range; a cross where there is a key.
+TEST_F(SceneTest, ATrailIsTheWayOfTheJoint) {
+  add_small();
+  controls_.playback.set_range(2, 6);
+  controls_.settings.look.skeleton = false;
+  controls_.settings.ghosts.trail = true;
+  EXPECT_TRUE(scene_.look(controls_, kArea).at(0).lines.empty()) << "none is selected";
+  const Skeleton& skeleton = scene_.lead().basis().skeleton;
+  controls_.joint = skeleton.joints.back().name;
+  controls_.settings.pose.keys[4].joints[skeleton.joints.front().name] = {0, 0, 10};
+  const std::vector<View> views = scene_.look(controls_, kArea);
+  const std::vector<LineDraw>& lines = views.at(0).lines;
+  ASSERT_EQ(lines.size(), 2u);
+  ASSERT_EQ(lines[0].points.size(), 8u);
+  EXPECT_EQ(lines[1].points.size(), 6u);
+  for (int frame = 2; frame <= 6; ++frame) {
+    controls_.playback.scrub(frame);
+    const Vec3 at = scene_.joint_centres(controls_).back();
+    for (const int k : {2 * (frame - 2) - 1, 2 * (frame - 2)}) {
+      if (k < 0 || k > 7) continue;
+      const LinePoint& point = lines[0].points[static_cast<std::size_t>(k)];
+      EXPECT_LT(length(Vec3{point.x, point.y, point.z} - at), 1e-6) << frame;
+    }
+  }
+}
+
 TEST_F(SceneTest, NothingToCompareWithIsOneView) {
   add_small();
   for (const CompareWith with : {CompareWith::none, CompareWith::full, CompareWith::jiggle}) {
