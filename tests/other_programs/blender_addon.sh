@@ -14,6 +14,7 @@ if [ -e "$human" ]; then
   in_blender blender_addon_live.py build/release/bodyopt_blender.zip "$bodyopt" "$folder" "$human" alive.safetensors cmu_01_01
 fi
 in_blender blender_addon_live.py build/release/bodyopt_blender.zip "$bodyopt" "$folder" "$folder/character.glb" basis.safetensors
+in_blender blender_addon_shot.py build/release/bodyopt_blender.zip "$bodyopt" "$folder"
 cp "$folder/basis.safetensors" "$folder/dressed.safetensors"
 in_blender blender_addon_worn.py build/release/bodyopt_blender.zip "$bodyopt" "$folder"
 $bodyopt proxy "$folder/basis.safetensors" --character "$folder/character.glb" --clip "$folder/heldout.glb" \
