@@ -173,6 +173,10 @@ other = mesh.modifiers.new("Smooth", "SMOOTH")
 addon.activate(mesh)
 bpy.ops.object.modifier_move_to_index(modifier="Smooth", index=0)
 refuses_to_show(mesh, "'Smooth' comes before", lambda: mesh.modifiers.remove(other))
+mesh.modifiers["Bodyopt"].name = "Mine"
+bpy.context.scene.frame_set(8)
+assert "no modifier has the name 'Bodyopt'" in live.errors[mesh.name_full], live.errors
+mesh.modifiers["Mine"].name = "Bodyopt"
 bpy.ops.object.mode_set(mode="EDIT")
 bpy.ops.mesh.select_all(action="DESELECT")
 bpy.ops.object.mode_set(mode="OBJECT")

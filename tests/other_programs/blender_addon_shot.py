@@ -223,3 +223,12 @@ for _ in range(2):
     assert 1e3 * addon.apart(addon.points_of(second) - [5, 0, 0], shown[0]) < 0.01, "of two overrides one moves the other"
     assert second.bodyopt.shows_error and not first.bodyopt.shows_error
     bpy.ops.wm.open_mainfile(filepath=f"{folder}/shots/shot.blend")
+first = bpy.data.objects["body"]
+addon.activate(first)
+assert not bpy.ops.bodyopt.unbind.poll() and not bpy.ops.bodyopt.bind.poll(), "the library's binding is changed"
+known = set(bpy.data.objects)
+bpy.ops.bodyopt.bake(kind="CACHE", filepath=f"{folder}/shots/first.pc2")
+(baked,) = set(bpy.data.objects) - known
+bpy.ops.wm.save_mainfile()
+bpy.ops.wm.open_mainfile(filepath=f"{folder}/shots/shot.blend")
+assert worst_of(bpy.data.objects["body"]) < 0.01 and worst_of(bpy.data.objects["body baked"]) < 0.01, "baked it is another"

@@ -86,6 +86,10 @@ def cache_file(path):
 def baked_copy(context, obj):
     """A copy of a bound object that stands in the world by itself, with the modifiers that come after the skin."""
     baked = obj.copy()
+    context.collection.objects.link(baked)
+    if baked.override_library:  # which would be bound again when the file is read
+        with context.temp_override(selected_objects=[baked], object=baked, active_object=baked):
+            bpy.ops.object.make_local(type="SELECT_OBJECT")
     baked.data = obj.data.copy()
     baked.name = baked.data.name = f"{obj.name} baked"
     baked.bodyopt.is_bound = False
@@ -100,7 +104,6 @@ def baked_copy(context, obj):
     baked.shape_key_clear()
     baked.parent = None
     baked.matrix_world.identity()
-    context.collection.objects.link(baked)
     return baked
 
 

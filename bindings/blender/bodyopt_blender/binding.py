@@ -252,6 +252,8 @@ class Binding:
 
     def show(self, obj, scene, depsgraph):
         """Writes the skin of this moment into the mesh. Returns whether anything had changed."""
+        if MODIFIER not in obj.modifiers:
+            raise Refusal(f"no modifier has the name '{MODIFIER}', by which the skin is shown: give it its name back, or unbind")
         require_own(obj)
         for modifier in obj.modifiers:
             if modifier.type == "ARMATURE" and modifier.object and modifier.show_viewport:

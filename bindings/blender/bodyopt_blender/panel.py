@@ -61,7 +61,16 @@ class Operator(bpy.types.Operator):
         return {"FINISHED"}
 
 
-class BODYOPT_OT_bind(Operator):
+class Binder(Operator):
+    """What a file cannot change of a library's object, however it is overridden."""
+
+    @classmethod
+    def poll(cls, context):
+        cls.poll_message_set("a mesh of this file; an override is bound in its library")
+        return super().poll(context) and not context.object.override_library
+
+
+class BODYOPT_OT_bind(Binder):
     """Show the skin of the basis on this mesh, by its armature"""
 
     bl_idname, bl_label = "bodyopt.bind", "Bind"
@@ -71,7 +80,7 @@ class BODYOPT_OT_bind(Operator):
         binding.bind(obj)
 
 
-class BODYOPT_OT_unbind(Operator):
+class BODYOPT_OT_unbind(Binder):
     """Give the mesh back as it was"""
 
     bl_idname, bl_label = "bodyopt.unbind", "Unbind"
@@ -117,7 +126,7 @@ class BODYOPT_OT_add_skin(Operator):
             raise
 
 
-class BODYOPT_OT_add_clothes(Operator):
+class BODYOPT_OT_add_clothes(Binder):
     """Bind the meshes that are attached to this skin (clothes, eyes, props): those of the scene, or else new ones"""
 
     bl_idname, bl_label = "bodyopt.add_clothes", "Add Clothes"
