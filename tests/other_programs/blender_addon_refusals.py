@@ -99,6 +99,10 @@ smooth = mesh.modifiers.new("Smooth", "SMOOTH")
 bpy.ops.object.modifier_move_to_index(modifier="Smooth", index=0)
 refuses_to_bind(mesh, "'Smooth' comes before")
 mesh.modifiers.remove(smooth)
+empty = bpy.data.objects.new("empty", bpy.data.meshes.new("empty"))
+bpy.context.collection.objects.link(empty)
+empty.bodyopt.armature = armature
+refuses_to_bind(empty, "the mesh has no vertices")
 mesh.modifiers.clear()
 mesh.parent = None
 refuses_to_bind(mesh, "there is no armature")

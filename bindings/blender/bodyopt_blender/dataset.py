@@ -59,7 +59,8 @@ def run(context, *arguments):
     except OSError as error:
         raise does_not_run(context, error) from error
     if done.returncode:
-        raise Refusal(done.stderr.strip().split("\n")[-1] or f"bodyopt {arguments[0]} failed ({done.returncode})")
+        said = [line for line in done.stderr.split("\n") if line.strip() and not line.startswith("Run with --help")]
+        raise Refusal(said[-1] if said else f"bodyopt {arguments[0]} failed ({done.returncode})")
 
 
 def scene_frames(scene):
@@ -157,19 +158,24 @@ class BODYOPT_OT_add_take(Operator):
 
     def work(self, context, obj):
         scene, folder = context.scene, folder_of(context.scene)
-        clip = os.path.join(folder, f"{bpy.path.clean_name(scene.name)}.glb")
-        shapes = os.path.join(folder, f"{bpy.path.clean_name(scene.name)}.shapes.pc2")
+        name = bpy.path.clean_name(scene.name)
+        clip, shapes = (os.path.join(folder, name + ending) for ending in (".glb", ".shapes.pc2"))
+        if os.path.exists(clip):  # the poses of the take, and perhaps the character of the dataset
+            raise Refusal(f"the dataset has the take '{name}' already: give the scene another name, or choose a new folder")
         next(shapes_of(context, obj, slice(None)))  # what is refused is so before the minutes of an export
-        vertices = exported_character(context, obj, armature_of(obj), clip)
-        write_pc2(shapes, scene.frame_start, shapes_of(context, obj, vertices))
-        begun = os.path.exists(os.path.join(folder, "dataset.json"))
+        begun, is_added = os.path.exists(os.path.join(folder, "dataset.json")), False
         try:
+            vertices = exported_character(context, obj, armature_of(obj), clip)
+            write_pc2(shapes, scene.frame_start, shapes_of(context, obj, vertices))
             run(context, "dataset", "add", folder, "--clip", clip, "--shapes", shapes, "--first-frame", "0",
-                "--fps", str(scene.render.fps / scene.render.fps_base), "--name", scene.name,
+                "--fps", str(scene.render.fps / scene.render.fps_base), "--name", name,
                 "--frames", f"{scene.frame_start}-{scene.frame_end}", *([] if begun else ["--character", clip]))
+            is_added = True
         finally:
-            os.remove(shapes)  # the dataset has a copy
-        self.report({"INFO"}, f"added frames {scene.frame_start} to {scene.frame_end} as take '{scene.name}'")
+            for path in (shapes, *([] if is_added else [clip])):  # of the shapes the dataset has a copy
+                if os.path.exists(path):
+                    os.remove(path)
+        self.report({"INFO"}, f"added frames {scene.frame_start} to {scene.frame_end} as take '{name}'")
 
 
 class Training:
@@ -219,7 +225,10 @@ class BODYOPT_OT_train(Operator):
         try:
             if training and training.is_running():
                 raise Refusal("a training is under way: wait for it, or cancel it")
-            training = Training(context, folder_of(context.scene))
+            folder = folder_of(context.scene)
+            if not os.path.exists(os.path.join(folder, "dataset.json")):
+                raise Refusal(f"there is no dataset in '{folder}': press Add Take first")
+            training = Training(context, folder)
         except Refusal as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
