@@ -49,7 +49,7 @@ def frames_of(context, frames):
 
 
 def skins(context, obj, frames, state_in="", state_out=""):
-    """The skin in Blender's world, V x 3, of each of these frames; with jiggle where the object has dynamics, or what it is worn on.
+    """The skin in Blender's world, V x 3, of each frame; with jiggle where the object has dynamics, or what it is worn on.
 
     state_in, state_out: files of the jiggle before the first frame and after the last one. Raises what Binding does.
     """
@@ -126,7 +126,7 @@ def add_shape_keys(obj, first, shapes):
 
 
 class BODYOPT_OT_bake(Operator):
-    """Bake the skin over the scene's frames, or its preview range, with jiggle where there are dynamics, as a mesh that needs no add-on"""
+    """Bake the skin over the scene's frames, or its preview range, as a mesh that needs no add-on; with dynamics it jiggles"""
 
     bl_idname, bl_label = "bodyopt.bake", "Bake"
     filepath: StringProperty(name="File", subtype="FILE_PATH")

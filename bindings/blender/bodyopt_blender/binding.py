@@ -21,8 +21,8 @@ _models = {}  # of files that were read, by path, date, size and level
 
 
 def load(path, level=0, dynamics="", library=None):
-    """A model of paths of this file or a library, read once, with the meshes that are attached to it in the file beside it. Raises Refusal for a file that is
-    not there, bodyopt.Error for one that is wrong."""
+    """A model of paths of this file or a library, read once, with the meshes that are attached to it in the file beside it.
+    Raises Refusal for a file that is not there, bodyopt.Error for one that is wrong."""
     if not path:
         raise Refusal("no basis is chosen: name the .safetensors that 'bodyopt train' wrote as Basis")
     names = [file_of(name, library) for name in (path, dynamics) if name]

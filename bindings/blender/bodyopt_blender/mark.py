@@ -5,23 +5,21 @@ from bpy.props import StringProperty
 from gpu_extras.batch import batch_for_shader
 
 from . import live
-from .binding import armature_of
 
 _drawing = None  # the handle of draw() in Blender
 
 
 def untrained_bone(obj):
     """The armature and the pose bone that the skin of an object was not trained for, or None."""
-    shown = live.bindings.get(obj.name_full)
-    if not shown or not shown.untrained:
-        return None
-    armature = armature_of(obj)
-    return armature, armature.pose.bones[shown.untrained]
+    shown, armature = live.bindings.get(obj.name_full), obj.bodyopt.armature
+    bone = shown and armature and shown.untrained and armature.pose.bones.get(shown.untrained)
+    return (armature, bone) if bone else None
 
 
 def draw():
     """Those of all skins that are seen, over all else of a 3D view."""
-    found = [untrained_bone(obj) for obj in bpy.context.scene.objects if obj.visible_get()]
+    skins = filter(None, map(bpy.context.scene.objects.get, live.bindings))
+    found = [untrained_bone(obj) for obj in skins if obj.visible_get()]
     ends = [armature.matrix_world @ end for armature, bone in filter(None, found) for end in (bone.head, bone.tail)]
     if not ends:
         return
@@ -45,7 +43,7 @@ class BODYOPT_OT_select_bone(bpy.types.Operator):
     """Select the bone that the basis was not trained for, in Pose Mode"""
 
     bl_idname, bl_label = "bodyopt.select_bone", "Select Bone"
-    bl_options = {"REGISTER", "UNDO"}
+    bl_options = {"REGISTER", "UNDO", "INTERNAL"}
     skin: StringProperty(description="The bound mesh")
 
     def execute(self, context):

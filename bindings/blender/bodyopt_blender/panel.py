@@ -24,8 +24,8 @@ class Settings(bpy.types.PropertyGroup):
     basis: StringProperty(name="Basis", subtype="FILE_PATH", description="What `bodyopt train` wrote: FILE.safetensors")
     dynamics: StringProperty(name="Dynamics", subtype="FILE_PATH", override=CHANGEABLE,
                              description="What `bodyopt dynamics` wrote: with it a bake jiggles")
-    armature: PointerProperty(name="Armature", type=bpy.types.Object, poll=lambda _, obj: obj.type == "ARMATURE", override=CHANGEABLE,
-                              description="The rig that poses the skin; without one that of the mesh")
+    armature: PointerProperty(name="Armature", type=bpy.types.Object, poll=lambda _, obj: obj.type == "ARMATURE",
+                              override=CHANGEABLE, description="The rig that poses the skin; without one that of the mesh")
     level: IntProperty(name="Level of Detail", min=0, description="Of a proxy: 0 is the finest")
     is_bound: BoolProperty()
     is_live: BoolProperty(name="Live", default=True, update=refresh, override=CHANGEABLE, description="Follow the armature")
@@ -230,7 +230,7 @@ def draw_shown(layout, context, obj):
     shown = live.bindings.get(obj.name_full)
     for note in shown.notes if shown else ():
         sentence(layout, context, note, "INFO")
-    if shown and shown.untrained:
+    if shown and shown.untrained and not settings.armature.library:
         layout.operator("bodyopt.select_bone", icon="BONE_DATA", text=f"Select {shown.untrained}").skin = obj.name
     if shown and shown.expected_mm is not None:
         layout.label(text=f"Expected error {shown.expected_mm:.2f} mm RMS")
