@@ -104,17 +104,26 @@ def armature_of(obj):
 
 
 def take_own_mesh(obj):
-    """Gives a library override mesh data of this file, which can be written: whenever a file is read it is the library's."""
-    if obj.override_library and obj.data.library:
+    """Gives a linked object or an override mesh data of this file, which can be written: whenever a file is read it is the
+    library's."""
+    if obj.data.library:
         obj.data = obj.data.copy()
+
+
+def library_of(obj):
+    """The library that an object, its override or its mesh is linked from, or None."""
+    return obj.override_library.reference.library if obj.override_library else obj.library or obj.data.library
+
+
+def require_local(obj):
+    """Raises Refusal for an object that a file cannot keep changes of."""
+    if library := library_of(obj):
+        raise Refusal(f"the mesh is linked from '{library.filepath}': do it there, or make it local with Object > Relations > "
+                      "Make Local")
 
 
 def require_own(obj):
     """Raises Refusal for a mesh that a binding cannot write, or that others move, too."""
-    if obj.library or obj.data.library:
-        source = (obj.data.library or obj.library).filepath
-        raise Refusal(f"the mesh is linked from '{source}': bind it there, and make a library override of the character here; "
-                      "or make it local with Object > Relations > Make Local")
     if obj.data.users > 1:
         raise Refusal(f"the mesh data is shared by {obj.data.users} objects: Object > Relations > Make Single User")
     if obj.parent_type == "ARMATURE":
@@ -131,7 +140,8 @@ def require_posed(obj, armature, depsgraph):
     """Raises Refusal where Blender leaves an armature as it was, since it is switched off and nothing hangs on it."""
     layer = depsgraph.view_layer
     is_on = armature.visible_get(view_layer=layer) or armature.hide_get(view_layer=layer)  # hidden ones move, too
-    if not is_on and not armature.users_scene:  # kept by the parent and the settings of what was bound to it
+    if not (is_on or armature.users_scene or armature.users_collection):
+        # Kept by the parent and the settings of what was bound to it.
         raise Refusal(f"the armature '{armature.name}' was deleted: undo that, or unbind the mesh")
     is_off = armature.hide_render if depsgraph.mode == "RENDER" else armature.hide_viewport or not is_on
     while is_off and (obj := obj.parent):
@@ -159,6 +169,7 @@ def found_part(model, points, rig, to_world, first):
 def bind(obj, first=""):
     """Makes obj, with its settings, show the skin of its basis, or the attached mesh that it is, `first` before others.
     Raises Refusal and bodyopt.Error, and changes nothing then."""
+    require_local(obj)
     require_own(obj)
     armature, model = armature_of(obj), load(obj.bodyopt.basis, obj.bodyopt.level)
     rig = Rig(model, armature)
@@ -190,7 +201,8 @@ def bind(obj, first=""):
 
 
 def unbind(obj):
-    """Gives the mesh back as it was before bind()."""
+    """Gives the mesh back as it was before bind(). Raises Refusal for one of a library."""
+    require_local(obj)
     for name in obj.bodyopt.muted.split("\n"):
         if modifier := obj.modifiers.get(name):
             modifier.object = obj.bodyopt.armature
@@ -219,8 +231,7 @@ class Binding:
 
     def __init__(self, obj, dynamics=""):
         settings = obj.bodyopt
-        library = obj.override_library.reference.library if obj.override_library else obj.library
-        self.model = load(settings.basis, settings.level, dynamics, library)
+        self.model = load(settings.basis, settings.level, dynamics, library_of(obj))
         self.instance = self.model.instance(jiggles=bool(dynamics))
         self.jiggles = bool(dynamics)
         self.rig = Rig(self.model, armature_of(obj), np.array(settings.rest).reshape(4, 4).T)

@@ -54,11 +54,12 @@ def show(obj, scene, depsgraph):
 
 
 def show_all(scene, depsgraph):
-    """Shows all bound objects of a scene that are live."""
+    """Shows all bound objects that are live and that Blender evaluates, of instanced collections, too."""
     if is_held:
         return
-    for obj in scene.objects:
-        if obj.type == "MESH" and obj.bodyopt.is_bound and obj.bodyopt.is_live and obj.mode != "EDIT":
+    for obj in bpy.data.objects:
+        if (obj.type == "MESH" and obj.bodyopt.is_bound and obj.bodyopt.is_live and obj.mode != "EDIT"
+                and obj.evaluated_get(depsgraph).is_evaluated):
             show(obj, scene, depsgraph)
 
 

@@ -61,16 +61,7 @@ class Operator(bpy.types.Operator):
         return {"FINISHED"}
 
 
-class Binder(Operator):
-    """What a file cannot change of a library's object, however it is overridden."""
-
-    @classmethod
-    def poll(cls, context):
-        cls.poll_message_set("a mesh of this file; an override is bound in its library")
-        return super().poll(context) and not context.object.override_library
-
-
-class BODYOPT_OT_bind(Binder):
+class BODYOPT_OT_bind(Operator):
     """Show the skin of the basis on this mesh, by its armature"""
 
     bl_idname, bl_label = "bodyopt.bind", "Bind"
@@ -80,7 +71,7 @@ class BODYOPT_OT_bind(Binder):
         binding.bind(obj)
 
 
-class BODYOPT_OT_unbind(Binder):
+class BODYOPT_OT_unbind(Operator):
     """Give the mesh back as it was"""
 
     bl_idname, bl_label = "bodyopt.unbind", "Unbind"
@@ -126,12 +117,13 @@ class BODYOPT_OT_add_skin(Operator):
             raise
 
 
-class BODYOPT_OT_add_clothes(Binder):
+class BODYOPT_OT_add_clothes(Operator):
     """Bind the meshes that are attached to this skin (clothes, eyes, props): those of the scene, or else new ones"""
 
     bl_idname, bl_label = "bodyopt.add_clothes", "Add Clothes"
 
     def work(self, context, obj):
+        binding.require_local(obj)
         settings = obj.bodyopt
         if not settings.is_bound or settings.worn:
             raise Refusal("this mesh is not bound as a skin: press Bind first")
