@@ -37,6 +37,7 @@ void draw_recent(const Command& command, Controls& controls) {
 }
 
 void draw_item(const Command& command, Controls& controls) {
+  if (std::string("browse") == command.name) return;  // what it is for are items themselves
   if (std::string("recent") == command.name) return draw_recent(command, controls);
   const std::vector<std::string> choices = choices_of(command);
   if (!choices.empty()) return draw_choices(command, choices, controls);
