@@ -127,18 +127,24 @@ std::pair<std::string, Vec3> joint_and_three(const std::string& text, const std:
   return {joint, three};
 }
 
-// Those of the range; what is there already gives way. Throws Error(usage) where the clip has no such frame.
+// Those of the range; what is there already gives way, which is said. Throws Error(usage) where the clip has no such
+// frame.
 void move_keys(Controls& c, bool takes_away, const std::function<int(int)>& to) {
   std::map<int, ViewSettings::PoseKey> moved, kept;
+  std::size_t count = 0;
   for (const auto& [frame, key] : c.settings.pose.keys) {
     const bool is_within = c.playback.in() <= frame && frame <= c.playback.out();
     if (!is_within || !takes_away) kept[frame] = key;
     if (!is_within) continue;
     c.playback.require_frame(to(frame));
+    ++count;
     moved[to(frame)] = key;
   }
   if (moved.empty()) throw Error(ErrorKind::usage, "the range has no keys");
+  count += kept.size();
   moved.merge(kept);
+  if (count > moved.size())
+    c.say(std::to_string(count - moved.size()) + " of the keys gave way to others of their frames");
   c.settings.pose.keys = std::move(moved);
   c.keyed_frame.reset();
 }
