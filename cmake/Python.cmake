@@ -58,20 +58,3 @@ add_custom_target(blender_addon
           ${CMAKE_COMMAND} -E tar cf ${PROJECT_BINARY_DIR}/${addon}.zip --format=zip ${addon}
   VERBATIM)
 add_dependencies(blender_addon bodyopt_python)
-
-# A wheel of the module and the program. What it leaves to the system is what any desktop has: the C and C++ libraries, zlib
-# and X11.
-if(BODYOPT_BUILD_CLI)
-  install_module(wheel bodyopt EXECUTABLES bodyopt
-                 "libtbb libhwy libxxhash libpugixml libspdlog libfmt libglfw libstb libspng libwebp libtinygltf \
-libmeshoptimizer")
-  set(staged ${PROJECT_BINARY_DIR}/wheel)
-  add_custom_target(wheel
-    COMMAND ${CMAKE_COMMAND} -E rm -rf ${staged}
-    COMMAND ${CMAKE_COMMAND} --install ${PROJECT_BINARY_DIR} --component wheel --prefix ${staged}
-    COMMAND ${CMAKE_COMMAND} --install ${PROJECT_BINARY_DIR} --component program --prefix ${staged}/bodyopt/program
-    COMMAND ${Python_EXECUTABLE} ${PROJECT_SOURCE_DIR}/bindings/python/make_wheel.py ${staged} ${PROJECT_VERSION}
-            ${PROJECT_BINARY_DIR}
-    VERBATIM)
-  add_dependencies(wheel bodyopt bodyopt_python)
-endif()

@@ -21,7 +21,7 @@ lint_packages=(clang-tidy)
 attack_packages=(libclang-rt-dev python3)
 bench_packages=(libbenchmark-dev libsuitesparse-dev)
 sheet_packages=(imagemagick python3)
-other_program_packages=(blender python3-numpy python3-venv slurm-wlm munge chromium)
+other_program_packages=(blender python3-numpy python3-venv patchelf slurm-wlm munge chromium)
 # Node.js from elsewhere brings its own npm, and Debian's would clash with it.
 command -v npm >/dev/null || other_program_packages+=(nodejs npm)
 

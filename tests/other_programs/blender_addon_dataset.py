@@ -64,17 +64,33 @@ def refused(operator, said):
 
 refused(bpy.ops.bodyopt.add_take, "choose a folder")
 scene.bodyopt_dataset = f"{folder}/of_blender"
-refused(bpy.ops.bodyopt.train, "of_blender")
+refused(bpy.ops.bodyopt.train, "there is no dataset in")
 mesh.modifiers.new("Subdivision", "SUBSURF")
 objects = set(bpy.data.objects)
 refused(bpy.ops.bodyopt.add_take, "switch off or apply those that do")
 mesh.modifiers.remove(mesh.modifiers["Subdivision"])
 bpy.context.preferences.addons["bodyopt_blender"].preferences.program = f"{folder}/nowhere"
-refused(bpy.ops.bodyopt.train, "nowhere' does not run")
 refused(bpy.ops.bodyopt.add_take, "nowhere' does not run")
 bpy.context.preferences.addons["bodyopt_blender"].preferences.program = bodyopt
 assert set(bpy.data.objects) == objects, "copies are left in the scene"
+assert os.listdir(scene.bodyopt_dataset) == [], "something half-written is left"
 bpy.ops.bodyopt.add_take()
+bpy.context.preferences.addons["bodyopt_blender"].preferences.program = f"{folder}/nowhere"
+refused(bpy.ops.bodyopt.train, "nowhere' does not run")
+bpy.context.preferences.addons["bodyopt_blender"].preferences.program = bodyopt
+with open(f"{folder}/of_blender/bulges.glb", "rb") as file:
+    poses = file.read()
+refused(bpy.ops.bodyopt.add_take, "has the take 'bulges' already")
+scene.name, scene.frame_end = "more of it", 3
+bpy.ops.bodyopt.add_take()
+scene.name, scene.frame_end = "bulges", 95
+with open(f"{folder}/of_blender/dataset.json") as file:
+    dataset = json.load(file)
+assert [take["name"] for take in dataset["takes"]] == ["bulges", "more_of_it"], dataset
+assert poses == open(f"{folder}/of_blender/bulges.glb", "rb").read(), "another take changes the poses of the first"
+dataset["takes"].pop()
+with open(f"{folder}/of_blender/dataset.json", "w") as file:
+    json.dump(dataset, file)
 bpy.ops.bodyopt.train(opens_report=False)
 assert mesh.bodyopt.basis == f"{folder}/of_blender/basis.safetensors"
 

@@ -99,6 +99,10 @@ smooth = mesh.modifiers.new("Smooth", "SMOOTH")
 bpy.ops.object.modifier_move_to_index(modifier="Smooth", index=0)
 refuses_to_bind(mesh, "'Smooth' comes before")
 mesh.modifiers.remove(smooth)
+empty = bpy.data.objects.new("empty", bpy.data.meshes.new("empty"))
+bpy.context.collection.objects.link(empty)
+empty.bodyopt.armature = armature
+refuses_to_bind(empty, "the mesh has no vertices")
 mesh.modifiers.clear()
 mesh.parent = None
 refuses_to_bind(mesh, "there is no armature")
@@ -173,6 +177,10 @@ other = mesh.modifiers.new("Smooth", "SMOOTH")
 addon.activate(mesh)
 bpy.ops.object.modifier_move_to_index(modifier="Smooth", index=0)
 refuses_to_show(mesh, "'Smooth' comes before", lambda: mesh.modifiers.remove(other))
+mesh.modifiers["Bodyopt"].name = "Mine"
+bpy.context.scene.frame_set(8)
+assert "no modifier has the name 'Bodyopt'" in live.errors[mesh.name_full], live.errors
+mesh.modifiers["Mine"].name = "Bodyopt"
 bpy.ops.object.mode_set(mode="EDIT")
 bpy.ops.mesh.select_all(action="DESELECT")
 bpy.ops.object.mode_set(mode="OBJECT")

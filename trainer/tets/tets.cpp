@@ -64,6 +64,7 @@ void find(void* library, const char* name, Function& function) {
 
 Netgen load() {
   void* library = dlopen(kLibrary, RTLD_LAZY | RTLD_LOCAL);
+  if (library == nullptr) library = dlopen(std::strrchr(kLibrary, '/') + 1, RTLD_LAZY | RTLD_LOCAL);  // a wheel's own
   if (library == nullptr) refuse_library();
   Netgen functions{};
   find(library, "_ZN5nglib7Ng_InitEv", functions.init);

@@ -12,9 +12,9 @@ bl_info = {
 import bpy
 import numpy
 
-from . import bake, dataset, live, panel
+from . import bake, dataset, live, mark, panel
 
-CLASSES = panel.CLASSES + bake.CLASSES + dataset.CLASSES
+CLASSES = panel.CLASSES + bake.CLASSES + dataset.CLASSES + mark.CLASSES
 
 
 # Blender 3.4's glTF add-on, by which characters come and go, uses a name that Debian's NumPy 1.24 has dropped.
@@ -24,14 +24,17 @@ vars(numpy).setdefault("bool", bool)
 def register():
     for kind in CLASSES:
         bpy.utils.register_class(kind)
-    bpy.types.Object.bodyopt = bpy.props.PointerProperty(type=panel.Settings)
+    bpy.types.Object.bodyopt = bpy.props.PointerProperty(type=panel.Settings, override=panel.CHANGEABLE)
     bpy.types.Scene.bodyopt_dataset = bpy.props.StringProperty(
         name="Folder", subtype="DIR_PATH", description="Folder of the dataset; begun where it is empty")
     for handlers, handler in live.HANDLERS:
         handlers.append(handler)
+    mark.begin_drawing()
 
 
 def unregister():
+    dataset.stop()
+    mark.end_drawing()
     for handlers, handler in live.HANDLERS:
         handlers.remove(handler)
     live.forget()

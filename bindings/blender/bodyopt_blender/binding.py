@@ -4,6 +4,7 @@ The skin is a point attribute that a modifier of Blender's own nodes takes for t
 is, and a file opens without this add-on.
 """
 import os
+import re
 
 import bpy
 import numpy as np
@@ -11,20 +12,20 @@ import numpy as np
 from . import bodyopt
 from .controls import Controls
 from .match import match, mesh_points, refuse_parting, require_unchanged
-from .rig import Rig, matrices_of
-from .space import Z_UP, Refusal, moved, named
+from .rig import Rig, bone_name, matrices_of
+from .space import Z_UP, Refusal, file_of, moved, named
 
 SKIN, VERTEX, ERROR, MODIFIER = "bodyopt_skin", "bodyopt_vertex", "bodyopt_error", "Bodyopt"
 WORTH_TELLING = 0.05  # standard deviations outside of training
 _models = {}  # of files that were read, by path, date, size and level
 
 
-def load(path, level=0, dynamics=""):
-    """A model, read once, with the meshes that are attached to it in the file beside it. Raises Refusal for a file that is
-    not there, bodyopt.Error for one that is wrong."""
+def load(path, level=0, dynamics="", library=None):
+    """A model of paths of this file or a library, read once, with the meshes that are attached to it in the file beside it.
+    Raises Refusal for a file that is not there, bodyopt.Error for one that is wrong."""
     if not path:
         raise Refusal("no basis is chosen: name the .safetensors that 'bodyopt train' wrote as Basis")
-    names = [bpy.path.abspath(name) for name in (path, dynamics) if name]
+    names = [file_of(name, library) for name in (path, dynamics) if name]
     for name in names:
         if not os.path.isfile(name):
             what = f"'{name}' is a folder" if os.path.isdir(name) else f"there is no file '{name}'"
@@ -102,11 +103,27 @@ def armature_of(obj):
     return armature
 
 
+def take_own_mesh(obj):
+    """Gives a linked object or an override mesh data of this file, which can be written: whenever a file is read it is the
+    library's."""
+    if obj.data.library:
+        obj.data = obj.data.copy()
+
+
+def library_of(obj):
+    """The library that an object, its override or its mesh is linked from, or None."""
+    return obj.override_library.reference.library if obj.override_library else obj.library or obj.data.library
+
+
+def require_local(obj):
+    """Raises Refusal for an object that a file cannot keep changes of."""
+    if library := library_of(obj):
+        raise Refusal(f"the mesh is linked from '{library.filepath}': do it there, or make it local with Object > Relations > "
+                      "Make Local")
+
+
 def require_own(obj):
     """Raises Refusal for a mesh that a binding cannot write, or that others move, too."""
-    if obj.library or obj.data.library:
-        source = (obj.data.library or obj.library).filepath
-        raise Refusal(f"the mesh is linked from '{source}': make it local with Object > Relations > Make Local")
     if obj.data.users > 1:
         raise Refusal(f"the mesh data is shared by {obj.data.users} objects: Object > Relations > Make Single User")
     if obj.parent_type == "ARMATURE":
@@ -123,6 +140,9 @@ def require_posed(obj, armature, depsgraph):
     """Raises Refusal where Blender leaves an armature as it was, since it is switched off and nothing hangs on it."""
     layer = depsgraph.view_layer
     is_on = armature.visible_get(view_layer=layer) or armature.hide_get(view_layer=layer)  # hidden ones move, too
+    if not (is_on or armature.users_scene or armature.users_collection):
+        # Kept by the parent and the settings of what was bound to it.
+        raise Refusal(f"the armature '{armature.name}' was deleted: undo that, or unbind the mesh")
     is_off = armature.hide_render if depsgraph.mode == "RENDER" else armature.hide_viewport or not is_on
     while is_off and (obj := obj.parent):
         is_off = obj != armature
@@ -149,6 +169,7 @@ def found_part(model, points, rig, to_world, first):
 def bind(obj, first=""):
     """Makes obj, with its settings, show the skin of its basis, or the attached mesh that it is, `first` before others.
     Raises Refusal and bodyopt.Error, and changes nothing then."""
+    require_local(obj)
     require_own(obj)
     armature, model = armature_of(obj), load(obj.bodyopt.basis, obj.bodyopt.level)
     rig = Rig(model, armature)
@@ -180,7 +201,8 @@ def bind(obj, first=""):
 
 
 def unbind(obj):
-    """Gives the mesh back as it was before bind()."""
+    """Gives the mesh back as it was before bind(). Raises Refusal for one of a library."""
+    require_local(obj)
     for name in obj.bodyopt.muted.split("\n"):
         if modifier := obj.modifiers.get(name):
             modifier.object = obj.bodyopt.armature
@@ -209,7 +231,7 @@ class Binding:
 
     def __init__(self, obj, dynamics=""):
         settings = obj.bodyopt
-        self.model = load(settings.basis, settings.level, dynamics)
+        self.model = load(settings.basis, settings.level, dynamics, library_of(obj))
         self.instance = self.model.instance(jiggles=bool(dynamics))
         self.jiggles = bool(dynamics)
         self.rig = Rig(self.model, armature_of(obj), np.array(settings.rest).reshape(4, 4).T)
@@ -225,8 +247,9 @@ class Binding:
         self.controls = Controls(self.model)
         self.made_of = self._settings(obj)
         self.shown = None  # what the last skin was made of
-        self.frame = None  # that modifiers have come to
+        self.come_to = None  # frame, rate and first frame of modifiers
         self.expected_mm, self.notes, self.world = None, [], None  # and the skin in Blender's world, V x 3
+        self.untrained = None  # the name of a bone
 
     @staticmethod
     def _settings(obj):
@@ -240,6 +263,8 @@ class Binding:
 
     def show(self, obj, scene, depsgraph):
         """Writes the skin of this moment into the mesh. Returns whether anything had changed."""
+        if MODIFIER not in obj.modifiers:
+            raise Refusal(f"no modifier has the name '{MODIFIER}', by which the skin is shown: give it its name back, or unbind")
         require_own(obj)
         for modifier in obj.modifiers:
             if modifier.type == "ARMATURE" and modifier.object and modifier.show_viewport:
@@ -266,14 +291,17 @@ class Binding:
 
     def _evaluate(self, driver, scene, joints, values):
         rate, frame = scene.render.fps / scene.render.fps_base, scene.frame_current
-        goes_on = {}
+        goes_on, come_to = {}, self.come_to
+        self.come_to = None  # until all went well
         if self.model.channels:
-            if frame > scene.frame_start and self.frame != frame - 1:
+            if frame > scene.frame_start and come_to != (frame - 1, rate, scene.frame_start):
+                if self.controls.are_moved_by_others(driver):
+                    self.notes.append("a driver or an NLA strip moves sliders, whose past is taken to be as they are now: play "
+                                      "from the first frame, or bake")
                 past = self.controls.of_frames(driver, values, range(scene.frame_start, frame))
                 self.instance.skip(np.repeat(joints, len(past), axis=0), rate, past)
             goes_on = {"frames_per_second": rate, "channels": self.controls.channels_of(values),
                        "goes_on": frame > scene.frame_start}
-        self.frame = None  # until all went well
         parts = {"controls": self.controls.learned_of(values), "normals": False, "tangents": False,
                  "attached": bool(self.worn), **goes_on}
         if self.jiggles:
@@ -281,7 +309,7 @@ class Binding:
         else:
             shows_error = driver.bodyopt.shows_error and self.model.knows_error and not self.worn
             skin = self.instance.evaluate(joints, vertex_errors=shows_error, **parts)
-        self.frame = frame
+        self.come_to = frame, rate, scene.frame_start
         return skin
 
     def _in_mesh(self, skin, to_world, to_mesh):
@@ -298,8 +326,11 @@ class Binding:
     def _tell(self, obj, skin):
         if skin.expected_errors is not None:
             self.expected_mm = 1e3 * float(skin.expected_errors[0])
+        self.untrained = None
         if skin.outside[0] > WORTH_TELLING:
             feature = self.model.feature_names[int(skin.outside_features[0])]
+            if joint := re.fullmatch("(?:place of )?joint (.*)", feature):
+                self.untrained = bone_name(joint[1])
             self.notes.append(f"not trained for: {feature}; {100 * skin.fades[0]:.0f} % of what was learned is shown")
         if any(key.value and not key.mute for key in (obj.data.shape_keys.key_blocks[1:] if obj.data.shape_keys else ())):
             self.notes.append("shape keys of the mesh do not show: the skin takes their place")

@@ -24,6 +24,7 @@ class Controls:
                 obj[key] = float(default)
             obj.id_properties_ui(key).update(min=low, max=high, soft_min=low, soft_max=high, default=default,
                                              description=what)
+            obj.property_overridable_library_set(f'["{key}"]', True)
 
     @staticmethod
     def remove_from(obj):
@@ -48,6 +49,13 @@ class Controls:
         rows = np.repeat(self.channels_of(values), len(frames), axis=0)
         action = obj.animation_data and obj.animation_data.action
         for column, key in enumerate(self.keys[len(self.learned):]):
-            if curve := action and action.fcurves.find(f'["{key}"]'):
+            if (curve := action and action.fcurves.find(f'["{key}"]')) and not curve.mute:
                 rows[:, column] = [curve.evaluate(frame) for frame in frames]
         return rows
+
+    def are_moved_by_others(self, obj):
+        """Whether drivers or NLA strips move channels, of which of_frames() does not know."""
+        data = obj.animation_data
+        strips = [strip for track in data.nla_tracks for strip in track.strips if strip.action] if data else []
+        curves = [*(data.drivers if data else ()), *(curve for strip in strips for curve in strip.action.fcurves)]
+        return any(curve.data_path[2:-2] in self.keys[len(self.learned):] for curve in curves)

@@ -13,8 +13,8 @@ from bpy_extras.anim_utils import bake_action
 
 from .bake import frames_of, write_pc2
 from .binding import armature_of
-from .panel import Operator
-from .space import Z_UP, Refusal, moved
+from .panel import Operator, sentence
+from .space import Z_UP, Refusal, file_of, moved
 
 training = None  # the Training under way, or the last one
 
@@ -33,6 +33,20 @@ def program(context):
     return bpy.path.abspath(context.preferences.addons[__package__].preferences.program)
 
 
+def folder_of(scene):
+    """The folder of the scene's dataset, made where it is missing. Raises Refusal where it cannot be written."""
+    if not scene.bodyopt_dataset:
+        raise Refusal("choose a folder for the dataset first")
+    folder = file_of(scene.bodyopt_dataset)
+    try:
+        os.makedirs(folder, exist_ok=True)
+    except OSError as error:
+        raise Refusal(f"the folder '{folder}' cannot be made ({error.strerror}): choose another") from error
+    if not os.access(folder, os.W_OK):
+        raise Refusal(f"the folder '{folder}' is not writable: choose another")
+    return folder
+
+
 def does_not_run(context, error):
     """The refusal that an OSError of starting the program becomes."""
     return Refusal(f"'{program(context)}' does not run ({error.strerror}): choose bodyopt in the add-on's preferences")
@@ -45,15 +59,19 @@ def run(context, *arguments):
     except OSError as error:
         raise does_not_run(context, error) from error
     if done.returncode:
-        raise Refusal(done.stderr.strip().split("\n")[-1] or f"bodyopt {arguments[0]} failed ({done.returncode})")
+        said = [line for line in done.stderr.split("\n") if line.strip() and not line.startswith("Run with --help")]
+        raise Refusal(said[-1] if said else f"bodyopt {arguments[0]} failed ({done.returncode})")
+
+
+def scene_frames(scene):
+    return range(scene.frame_start, scene.frame_end + 1)
 
 
 def moving_copy(context, armature):
     """A copy of an armature that has all that it shows in the scene's frames, by constraints, too, as one action."""
     copy = armature.copy()
     context.collection.objects.link(copy)
-    frames = range(context.scene.frame_start, context.scene.frame_end + 1)
-    bake_action(copy, action=None, frames=frames, only_selected=False, do_pose=True, do_object=True,
+    bake_action(copy, action=None, frames=scene_frames(context.scene), only_selected=False, do_pose=True, do_object=True,
                 do_visual_keying=True, do_constraint_clear=True)
     while copy.animation_data.nla_tracks:
         copy.animation_data.nla_tracks.remove(copy.animation_data.nla_tracks[0])
@@ -82,6 +100,7 @@ def resting_copy(context, obj, armature):
 def exported_character(context, obj, armature, path):
     """Writes a mesh at rest on its armature, with the scene's motion, as glTF; the vertex of obj of each in it, N."""
     selected, active = list(context.selected_objects), context.view_layer.objects.active
+    was_hidden = obj.hide_viewport
     moving = moving_copy(context, armature)
     resting = resting_copy(context, obj, moving)
     try:
@@ -89,6 +108,7 @@ def exported_character(context, obj, armature, path):
             other.select_set(False)
         moving.select_set(True)
         resting.select_set(True)
+        obj.hide_viewport = True  # else each frame waits for its modifiers several times
         bpy.ops.export_scene.gltf(filepath=path, use_selection=True, export_normals=False, export_materials="NONE",
                                   export_colors=False, export_morph=False, export_force_sampling=True,
                                   export_nla_strips=False, export_anim_single_armature=False)
@@ -96,6 +116,7 @@ def exported_character(context, obj, armature, path):
         bpy.data.meshes.remove(resting.data)  # and the object
         bpy.data.actions.remove(moving.animation_data.action)
         bpy.data.objects.remove(moving)
+        obj.hide_viewport = was_hidden
         for other in selected:
             other.select_set(True)
         context.view_layer.objects.active = active
@@ -120,7 +141,7 @@ def vertices_in(path):
 def shapes_of(context, obj, vertices):
     """What Blender shows of obj in each frame, N x 3, Y up and metres, for the vertices of the exported file."""
     from_world = np.linalg.inv(Z_UP)
-    for frame in frames_of(context):
+    for frame in frames_of(context, scene_frames(context.scene)):
         evaluated = obj.evaluated_get(context.evaluated_depsgraph_get())
         flat = np.empty(3 * len(evaluated.data.vertices), np.float32)
         if len(evaluated.data.vertices) != len(obj.data.vertices):
@@ -136,22 +157,25 @@ class BODYOPT_OT_add_take(Operator):
     bl_idname, bl_label = "bodyopt.add_take", "Add Take"
 
     def work(self, context, obj):
-        scene, folder = context.scene, bpy.path.abspath(context.scene.bodyopt_dataset)
-        if not scene.bodyopt_dataset:
-            raise Refusal("choose a folder for the dataset first")
-        os.makedirs(folder, exist_ok=True)
-        clip = os.path.join(folder, f"{bpy.path.clean_name(scene.name)}.glb")
-        shapes = os.path.join(folder, f"{bpy.path.clean_name(scene.name)}.shapes.pc2")
-        vertices = exported_character(context, obj, armature_of(obj), clip)
-        write_pc2(shapes, scene.frame_start, shapes_of(context, obj, vertices))
-        begun = os.path.exists(os.path.join(folder, "dataset.json"))
+        scene, folder = context.scene, folder_of(context.scene)
+        name = bpy.path.clean_name(scene.name)
+        clip, shapes = (os.path.join(folder, name + ending) for ending in (".glb", ".shapes.pc2"))
+        if os.path.exists(clip):  # the poses of the take, and perhaps the character of the dataset
+            raise Refusal(f"the dataset has the take '{name}' already: give the scene another name, or choose a new folder")
+        next(shapes_of(context, obj, slice(None)))  # what is refused is so before the minutes of an export
+        begun, is_added = os.path.exists(os.path.join(folder, "dataset.json")), False
         try:
+            vertices = exported_character(context, obj, armature_of(obj), clip)
+            write_pc2(shapes, scene.frame_start, shapes_of(context, obj, vertices))
             run(context, "dataset", "add", folder, "--clip", clip, "--shapes", shapes, "--first-frame", "0",
-                "--fps", str(scene.render.fps / scene.render.fps_base), "--name", scene.name,
+                "--fps", str(scene.render.fps / scene.render.fps_base), "--name", name,
                 "--frames", f"{scene.frame_start}-{scene.frame_end}", *([] if begun else ["--character", clip]))
+            is_added = True
         finally:
-            os.remove(shapes)  # the dataset has a copy
-        self.report({"INFO"}, f"added frames {scene.frame_start} to {scene.frame_end} as take '{scene.name}'")
+            for path in (shapes, *([] if is_added else [clip])):  # of the shapes the dataset has a copy
+                if os.path.exists(path):
+                    os.remove(path)
+        self.report({"INFO"}, f"added frames {scene.frame_start} to {scene.frame_end} as take '{name}'")
 
 
 class Training:
@@ -176,9 +200,18 @@ class Training:
             if lines := [line for line in re.split(rb"[\r\n]+", text) if line.strip()]:
                 self.said = lines[-1].decode(errors="replace")
 
+    def is_running(self):
+        return self.process.poll() is None
+
     def cancel(self):
         self.is_cancelled = True
         self.process.terminate()
+
+
+def stop():
+    """Cancels a training under way, which nobody would be told of any more."""
+    if training and training.is_running():
+        training.cancel()
 
 
 class BODYOPT_OT_train(Operator):
@@ -190,9 +223,12 @@ class BODYOPT_OT_train(Operator):
     def execute(self, context):
         global training
         try:
-            if not context.scene.bodyopt_dataset:
-                raise Refusal("choose the folder of a dataset first")
-            training = Training(context, bpy.path.abspath(context.scene.bodyopt_dataset))
+            if training and training.is_running():
+                raise Refusal("a training is under way: wait for it, or cancel it")
+            folder = folder_of(context.scene)
+            if not os.path.exists(os.path.join(folder, "dataset.json")):
+                raise Refusal(f"there is no dataset in '{folder}': press Add Take first")
+            training = Training(context, folder)
         except Refusal as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
@@ -209,7 +245,7 @@ class BODYOPT_OT_train(Operator):
             return {"PASS_THROUGH"}
         for area in context.screen.areas:
             area.tag_redraw()
-        if training.process.poll() is None:
+        if training.is_running():
             return {"PASS_THROUGH"}
         context.window_manager.event_timer_remove(self.timer)
         return self.end()
@@ -245,11 +281,13 @@ class BODYOPT_PT_dataset(bpy.types.Panel):
         layout = self.layout
         layout.prop(context.scene, "bodyopt_dataset")
         layout.operator("bodyopt.add_take")
-        if training and training.process.poll() is None:
-            layout.label(text=training.said)
+        if training and training.is_running():
+            sentence(layout, context, training.said, "INFO")
             layout.operator("bodyopt.cancel", icon="CANCEL")
-        else:
-            layout.operator("bodyopt.train")
+            return
+        layout.operator("bodyopt.train")
+        if training and training.process.returncode and not training.is_cancelled:
+            sentence(layout, context, training.said, "ERROR")
 
 
 CLASSES = (Preferences, BODYOPT_OT_add_take, BODYOPT_OT_train, BODYOPT_OT_cancel, BODYOPT_PT_dataset)

@@ -5,7 +5,7 @@ import bpy
 from bpy.app.handlers import persistent
 
 from . import bodyopt
-from .binding import MODIFIER, Binding
+from .binding import MODIFIER, Binding, take_own_mesh
 from .space import Refusal
 
 bindings = {}  # by the object's name: Binding; never an object, which undo and loading a file replace
@@ -29,6 +29,7 @@ def attempt(name, task):
 
 def binding_of(obj):
     """The binding of an object, made anew after an edit. Raises Refusal and bodyopt.Error."""
+    take_own_mesh(obj)
     binding = bindings.get(obj.name_full)
     if not binding or not binding.fits(obj):
         binding = bindings[obj.name_full] = Binding(obj)
@@ -53,11 +54,12 @@ def show(obj, scene, depsgraph):
 
 
 def show_all(scene, depsgraph):
-    """Shows all bound objects of a scene that are live."""
+    """Shows all bound objects that are live and that Blender evaluates, of instanced collections, too."""
     if is_held:
         return
-    for obj in scene.objects:
-        if obj.type == "MESH" and obj.bodyopt.is_bound and obj.bodyopt.is_live and obj.mode != "EDIT":
+    for obj in bpy.data.objects:
+        if (obj.type == "MESH" and obj.bodyopt.is_bound and obj.bodyopt.is_live and obj.mode != "EDIT"
+                and obj.evaluated_get(depsgraph).is_evaluated):
             show(obj, scene, depsgraph)
 
 

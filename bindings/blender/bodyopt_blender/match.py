@@ -15,6 +15,8 @@ def match(skin, points, rig, to_world):
     """The vertex of the skin at rest, N x 3, for each point of the mesh, V x 3 in the armature's space; and `rest` for
     Rig.settle(). Raises Refusal where the mesh is another.
     """
+    if not len(points):
+        raise Refusal("the mesh has no vertices")
     tolerance = 1e-3 * size_of(skin)
     in_order = len(points) == len(skin)
     for rest in _placements(skin, points, rig, to_world):

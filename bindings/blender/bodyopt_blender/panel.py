@@ -10,6 +10,9 @@ from .controls import PREFIX
 from .space import Z_UP, Refusal, moved, named, similarity
 
 
+CHANGEABLE = {"LIBRARY_OVERRIDABLE"}
+
+
 def refresh(settings, context):
     """After a setting has changed: shown at once."""
     live.show_all(context.scene, context.evaluated_depsgraph_get())
@@ -19,16 +22,16 @@ class Settings(bpy.types.PropertyGroup):
     """What a file keeps of a binding."""
 
     basis: StringProperty(name="Basis", subtype="FILE_PATH", description="What `bodyopt train` wrote: FILE.safetensors")
-    dynamics: StringProperty(name="Dynamics", subtype="FILE_PATH",
+    dynamics: StringProperty(name="Dynamics", subtype="FILE_PATH", override=CHANGEABLE,
                              description="What `bodyopt dynamics` wrote: with it a bake jiggles")
     armature: PointerProperty(name="Armature", type=bpy.types.Object, poll=lambda _, obj: obj.type == "ARMATURE",
-                              description="The rig that poses the skin; without one that of the mesh")
+                              override=CHANGEABLE, description="The rig that poses the skin; without one that of the mesh")
     level: IntProperty(name="Level of Detail", min=0, description="Of a proxy: 0 is the finest")
     is_bound: BoolProperty()
-    is_live: BoolProperty(name="Live", default=True, update=refresh, description="Follow the armature")
-    shows_error: BoolProperty(name="Expected Error", update=refresh, description="As the colour attribute "
+    is_live: BoolProperty(name="Live", default=True, update=refresh, override=CHANGEABLE, description="Follow the armature")
+    shows_error: BoolProperty(name="Expected Error", update=refresh, override=CHANGEABLE, description="As the colour attribute "
                               f"'{binding.ERROR}': blue where nothing is expected, red from the largest on")
-    error_mm: FloatProperty(name="Largest (mm)", default=5, min=0.01, update=refresh)
+    error_mm: FloatProperty(name="Largest (mm)", default=5, min=0.01, update=refresh, override=CHANGEABLE)
     worn: StringProperty(description="The mesh that is attached to the skin of the basis; empty: the skin itself")
     muted: StringProperty()
     rest: FloatVectorProperty(size=16)
@@ -120,6 +123,7 @@ class BODYOPT_OT_add_clothes(Operator):
     bl_idname, bl_label = "bodyopt.add_clothes", "Add Clothes"
 
     def work(self, context, obj):
+        binding.require_local(obj)
         settings = obj.bodyopt
         if not settings.is_bound or settings.worn:
             raise Refusal("this mesh is not bound as a skin: press Bind first")
@@ -182,6 +186,10 @@ class BODYOPT_PT_skin(bpy.types.Panel):
         layout.use_property_split = True
         if obj and obj.type == "ARMATURE":
             layout.operator("bodyopt.add_skin", icon="OUTLINER_OB_MESH")
+            for skin in (o for o in context.scene.objects if o.bodyopt.is_bound and o.bodyopt.armature == obj):
+                layout.label(text=skin.name, icon="OUTLINER_OB_MESH")
+                draw_shown(layout, context, skin)
+            return
         if not obj or obj.type != "MESH":
             layout.label(text="Select a mesh, or an armature", icon="INFO")
             return
@@ -202,19 +210,27 @@ class BODYOPT_PT_skin(bpy.types.Panel):
         elif settings.level == 0:
             layout.operator("bodyopt.add_clothes", icon="MOD_CLOTH")
         layout.operator("bodyopt.bake", icon="FILE_CACHE")
-        layout.prop(settings, "is_live")
-        if error := live.errors.get(obj.name_full):
-            sentence(layout, context, error, "ERROR")
-        shown = live.bindings.get(obj.name_full)
-        for note in shown.notes if shown else ():
-            sentence(layout, context, note, "INFO")
-        if shown and shown.expected_mm is not None:
-            layout.label(text=f"Expected error {shown.expected_mm:.2f} mm RMS")
-            layout.prop(settings, "shows_error")
-            if settings.shows_error:
-                layout.prop(settings, "error_mm")
-        for key in (key for key in obj.keys() if key.startswith(PREFIX)):
-            layout.prop(obj, f'["{key}"]', text=key[len(PREFIX):])
+        draw_shown(layout, context, obj)
+
+
+def draw_shown(layout, context, obj):
+    """What a bound object shows: why not, how well, and its sliders."""
+    settings = obj.bodyopt
+    layout.prop(settings, "is_live")
+    if error := live.errors.get(obj.name_full):
+        sentence(layout, context, error, "ERROR")
+    shown = live.bindings.get(obj.name_full)
+    for note in shown.notes if shown else ():
+        sentence(layout, context, note, "INFO")
+    if shown and shown.untrained and not settings.armature.library:
+        layout.operator("bodyopt.select_bone", icon="BONE_DATA", text=f"Select {shown.untrained}").skin = obj.name
+    if shown and shown.expected_mm is not None:
+        layout.label(text=f"Expected error {shown.expected_mm:.2f} mm RMS")
+        layout.prop(settings, "shows_error")
+        if settings.shows_error:
+            layout.prop(settings, "error_mm")
+    for key in (key for key in obj.keys() if key.startswith(PREFIX)):
+        layout.prop(obj, f'["{key}"]', text=key[len(PREFIX):])
 
 
 def sentence(layout, context, text, icon):

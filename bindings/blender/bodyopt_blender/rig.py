@@ -3,7 +3,10 @@ import numpy as np
 
 from .space import Z_UP, Refusal, compose, decompose, moved, named, scale_of
 
-LONGEST_NAME = 63  # bytes that Blender keeps of a name
+
+def bone_name(joint):
+    """Of a joint's name the 63 bytes that Blender keeps."""
+    return joint.encode()[:63].decode(errors="ignore")
 
 
 def matrices_of(collection, attribute):
@@ -33,7 +36,7 @@ class Rig:
         self.rest_matrices = matrices_of(armature.data.bones, "matrix_local")
         self.parents = np.array(model.joint_parents)
         self.bind = bind_matrices(model)
-        self.joint_names = [name.encode()[:LONGEST_NAME].decode(errors="ignore") for name in model.joint_names]
+        self.joint_names = [bone_name(name) for name in model.joint_names]
         self.bones = self._find_bones()
         self.heads = self.rest_matrices[self.bones, :3, 3]
         if rest is not None:

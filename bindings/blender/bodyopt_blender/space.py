@@ -1,4 +1,5 @@
 """Spaces of Blender (Z up, any unit) and of a basis (Y up, metres), and how a rig stands in one and the other."""
+import bpy
 import numpy as np
 from mathutils.kdtree import KDTree
 
@@ -7,6 +8,14 @@ Z_UP = np.array([[1, 0, 0, 0], [0, 0, -1, 0], [0, 1, 0, 0], [0, 0, 0, 1]], float
 
 class Refusal(Exception):
     """What cannot be shown rightly: a sentence for the panel, which says what to do."""
+
+
+def file_of(path, library=None):
+    """What a path of the panel names, in this file or a library. Raises Refusal for one beside a .blend file that has no
+    place yet."""
+    if path.startswith("//") and not library and not bpy.data.filepath:
+        raise Refusal(f"'{path}' lies beside the .blend file, which was never saved: save it, or choose a folder")
+    return bpy.path.abspath(path, library=library)
 
 
 def named(names, at_most=4):

@@ -6,10 +6,10 @@ from numpy.typing import NDArray
 
 __version__: str
 
-Path = Union[str, bytes, os.PathLike]
+_Path = Union[str, bytes, os.PathLike[str], os.PathLike[bytes]]
 # Frames x joints x 10: translation, rotation x y z w, scale, relative to the parent; or skinning matrices, frames x
 # joints x 3 x 4, rest space to world.
-Joints = Union[NDArray[np.float64], NDArray[np.float32]]
+_Joints = Union[NDArray[np.float64], NDArray[np.float32]]
 
 class Error(RuntimeError):
     """What the library refuses: bad files (code 4), things that do not belong together (3), devices (5), usage (64)."""
@@ -68,7 +68,7 @@ class Instance:
 
     def evaluate(
         self,
-        joints: Joints,
+        joints: _Joints,
         controls: Optional[NDArray[np.float32]] = None,
         *,
         positions: Optional[NDArray[np.float32]] = None,
@@ -89,7 +89,7 @@ class Instance:
         model that knows_error, or Error(3). full_positions: of a level that carries the full skin, or Error(64)."""
     def jiggle(
         self,
-        joints: Joints,
+        joints: _Joints,
         frame_numbers: Sequence[int],
         controls: Optional[NDArray[np.float32]] = None,
         *,
@@ -105,7 +105,7 @@ class Instance:
         """The skin with jiggle; it goes on from the frames of earlier calls. Modifiers as by evaluate()."""
     def skip(
         self,
-        joints: Joints,
+        joints: _Joints,
         frames_per_second: float,
         channels: Optional[NDArray[np.float32]] = None,
         *,
@@ -116,8 +116,8 @@ class Instance:
         """How much is shown of what was learned, and of the jiggle: each -1000 to 1000."""
     def state(self) -> State: ...
     def set_state(self, state: Optional[State]) -> None: ...
-    def save_state(self, state: State, path: Path) -> None: ...
-    def load_state(self, path: Path) -> State: ...
+    def save_state(self, state: State, path: _Path) -> None: ...
+    def load_state(self, path: _Path) -> State: ...
 
 class Call:
     """What one instance does among others, by evaluate_together.
@@ -129,7 +129,7 @@ class Call:
     def __init__(
         self,
         instance: Instance,
-        joints: Joints,
+        joints: _Joints,
         controls: Optional[NDArray[np.float32]] = None,
         frame_numbers: Optional[Sequence[int]] = None,
         *,
@@ -206,11 +206,11 @@ def evaluate_together(calls: Sequence[Call]) -> None:
     """
 
 def load(
-    path: Path,
-    dynamics: Optional[Path] = None,
+    path: _Path,
+    dynamics: Optional[_Path] = None,
     level: int = 0,
     texture: Optional[NDArray[np.float32]] = None,
-    attached: Optional[Path] = None,
+    attached: Optional[_Path] = None,
 ) -> Model:
     """A character. texture: V x 2 texture coordinates, of the vertices of this level, for skins with tangents.
     attached: the file of its attached meshes, which follow level 0.
@@ -228,14 +228,14 @@ def load_from_memory(
 def device_names() -> list[str]:
     """Of the Vulkan devices of this machine, in the order of their indices; empty without Vulkan."""
 def open_device(
-    name: Optional[str] = None, validation: bool = False, pipeline_cache: Optional[Path] = None
+    name: Optional[str] = None, validation: bool = False, pipeline_cache: Optional[_Path] = None
 ) -> Device:
     """The Vulkan device of this index or part of a name, or the best one.
 
     pipeline_cache: folder where the driver's compiled shaders are kept, so that later processes start sooner."""
 def run(
     verb: str,
-    *arguments: Union[str, os.PathLike],
+    *arguments: Union[str, os.PathLike[str]],
     progress: Optional[Callable[[str, int, int, float], None]] = None,
     cancelled: Optional[Callable[[], bool]] = None,
     **options: Any,

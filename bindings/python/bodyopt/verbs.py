@@ -11,7 +11,7 @@ import subprocess
 import sys
 import tempfile
 
-from ._runtime import Error
+from . import Error
 
 _HERE = pathlib.Path(__file__).resolve().parent
 _USAGE, _FILE, _INTERRUPTED = 64, 4, 75
@@ -76,12 +76,7 @@ def run(verb, *arguments, progress=None, cancelled=None, **options):
         answer = pathlib.Path(folder) / "answer.json"
         words = [path, verb, *map(os.fspath, arguments), *_words(options), "--json", str(answer)]
         with subprocess.Popen(words, env=_environment(path), stdout=subprocess.DEVNULL, stderr=subprocess.PIPE) as process:
-            try:
-                is_told = _follow(process, progress, cancelled, said)
-            except BaseException:
-                process.send_signal(signal.SIGTERM)
-                process.send_signal(signal.SIGTERM)  # at once
-                raise
+            is_told = _follow(process, progress, cancelled, said)
         try:
             result = json.loads(answer.read_text())
         except (OSError, ValueError):
@@ -95,22 +90,37 @@ def run(verb, *arguments, progress=None, cancelled=None, **options):
 
 
 def _follow(process, progress, cancelled, said):
-    """Reads a verb's standard error to its end. Returns whether the verb was told to stop."""
-    is_told, rest = False, b""
+    """Reads a verb's standard error to its end. Returns whether the verb was told to stop.
+
+    Ctrl-C and what a callback raises tell it, too, and are raised once it has ended; the second of them ends it at once.
+    """
+    is_told, raised, rest = False, None, b""
     with selectors.DefaultSelector() as selector:
         selector.register(process.stderr, selectors.EVENT_READ)
         while True:
-            if cancelled and not is_told and cancelled():
-                process.send_signal(signal.SIGTERM)
+            try:
+                if cancelled and not is_told and cancelled():
+                    process.terminate()
+                    is_told = True
+                if not selector.select(timeout=0.2):
+                    continue
+                piece = os.read(process.stderr.fileno(), 1 << 16)
+                *lines, rest = (rest + piece).split(b"\n")
+                for line in lines if piece else [rest]:
+                    _take(line.decode(errors="replace"), None if raised else progress, said)
+                if not piece:
+                    break
+            except BaseException as error:
+                if raised:
+                    process.kill()
+                    raise
+                raised = error
+                if not is_told:
+                    process.terminate()
                 is_told = True
-            if not selector.select(timeout=0.2):
-                continue
-            piece = os.read(process.stderr.fileno(), 1 << 16)
-            *lines, rest = (rest + piece).split(b"\n")
-            for line in lines if piece else [rest]:
-                _take(line.decode(errors="replace"), progress, said)
-            if not piece:
-                return is_told
+    if raised:
+        raise raised
+    return is_told
 
 
 def _take(line, progress, said):
