@@ -15,6 +15,11 @@ install(CODE "
     file(REAL_PATH \${library} library)
     file(COPY_FILE \${library} \${folder}/\${name})
     execute_process(COMMAND patchelf --set-rpath \\$ORIGIN \${folder}/\${name} COMMAND_ERROR_IS_FATAL ANY)
+    # Its licence goes with it. A package may name a file as it was before /lib went into /usr.
+    string(REGEX REPLACE \"^/usr\" \"\" earlier \${library})
+    execute_process(COMMAND dpkg-query -S \${library} \${earlier} OUTPUT_VARIABLE owners ERROR_QUIET)
+    string(REGEX MATCH \"^[^:]+\" package \"\${owners}\")
+    file(COPY /usr/share/doc/\${package}/copyright DESTINATION \${folder}/licences/\${package})
   endforeach()" COMPONENT wheel EXCLUDE_FROM_ALL)
 set(staged ${PROJECT_BINARY_DIR}/wheel)
 add_custom_target(wheel
