@@ -50,8 +50,8 @@ void add_skins(const FbxScene& scene, const FbxBody& body, GlbWriter& glb) {
         columns.push_back(column == 3 ? 1 : 0);
       }
     }
-    glb.root["skins"].push_back(
-        {{"joints", joints}, {"inverseBindMatrices", glb.add(columns, "MAT4", GlbTarget::none)}});
+    const std::size_t binds = glb.add(columns, "MAT4", GlbTarget::none);
+    glb.root["skins"].push_back({{"joints", joints}, {"inverseBindMatrices", binds}});
   }
 }
 

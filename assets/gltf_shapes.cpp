@@ -150,8 +150,8 @@ void GltfShapesWriter::close() {
          {"NORMAL", glb.add(difference(smooth(frame(k)), normals), "VEC3", GlbTarget::vertices)}});
     names.push_back("frame " + std::to_string(layout_.frames[k]));
   }
-  glb.root["meshes"].push_back(
-      {{"name", layout_.name}, {"primitives", surface_primitives(corners_, layout_.surface, drawn, glb)}});
+  const Json primitives = surface_primitives(corners_, layout_.surface, drawn, glb);
+  glb.root["meshes"].push_back({{"name", layout_.name}, {"primitives", primitives}});
   glb.root["nodes"].push_back({{"name", layout_.name}, {"mesh", 0}});
   glb.root["scenes"][0]["nodes"].push_back(0);
   if (count > 1) {

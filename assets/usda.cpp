@@ -1,7 +1,6 @@
 #include "assets/usda.h"
 
 #include <algorithm>
-#include <cctype>
 #include <charconv>
 #include <cmath>
 #include <sstream>
@@ -43,31 +42,6 @@ std::string coordinates(const std::vector<double>& texture) {
   return text;
 }
 
-std::string head(const CacheLayout& layout) {
-  const int first = layout.frames.empty() ? 0 : layout.frames.front();
-  const int last = layout.frames.empty() ? 0 : layout.frames.back();
-  const std::string prim = prim_name(layout.name), fps = number(layout.fps);
-  std::ostringstream text;
-  text << "#usda 1.0\n(\n    defaultPrim = \"" << prim << "\"\n    startTimeCode = " << first << "\n"
-       << kUsdaLastFrame << last << "\n    framesPerSecond = " << fps << "\n    timeCodesPerSecond = " << fps
-       << "\n    metersPerUnit = 1\n    upAxis = \"Y\"\n)\n\ndef Mesh \"" << prim << "\"\n{\n"
-       << "    uniform token orientation = \"rightHanded\"\n    uniform token subdivisionScheme = \"none\"\n"
-       << topology(layout.corners) << coordinates(layout.surface.texture) << kUsdaPointSamples << '\n';
-  return text.str();
-}
-
-std::string head_of_normals() {
-  return std::string(kUsdaSamplesEnd) + "\n    uniform token normals:interpolation = \"vertex\"\n" +
-         kUsdaNormalSamples + '\n';
-}
-
-constexpr char kTail[] = "    }\n}\n";
-
-void write_text(AtomicFile& file, const std::string& text) { file.write(std::as_bytes(std::span(text))); }
-
-// Points that one thread prints at a time.
-constexpr std::size_t kPointsTogether = 1024;
-
 // Finite numbers, three a point; `first`: nothing stands before them.
 std::string points_text(std::span<const float> values, bool first) {
   constexpr std::size_t kLongest = 20;  // -1.17549435e-38 with what stands before and behind it
@@ -83,16 +57,44 @@ std::string points_text(std::span<const float> values, bool first) {
   return text;
 }
 
+std::string vertex_colours(const std::vector<double>& colours) {
+  if (colours.empty()) return "";
+  const std::vector<float> shares(colours.begin(), colours.end());
+  return "    color3f[] primvars:displayColor = [" + points_text(shares, true) +
+         "] (\n        interpolation = \"vertex\"\n    )\n";
+}
+
+std::string head(const CacheLayout& layout) {
+  const int first = layout.frames.empty() ? 0 : layout.frames.front();
+  const int last = layout.frames.empty() ? 0 : layout.frames.back();
+  const std::string prim = prim_name(layout.name), fps = number(layout.fps);
+  std::ostringstream text;
+  text << "#usda 1.0\n(\n    defaultPrim = \"" << prim << "\"\n    startTimeCode = " << first << "\n"
+       << kUsdaLastFrame << last << "\n    framesPerSecond = " << fps << "\n    timeCodesPerSecond = " << fps
+       << "\n    metersPerUnit = 1\n    upAxis = \"Y\"\n)\n\ndef Mesh \"" << prim << "\"\n{\n"
+       << "    uniform token orientation = \"rightHanded\"\n    uniform token subdivisionScheme = \"none\"\n"
+       << topology(layout.corners) << coordinates(image_coordinates(layout.surface, layout.corners))
+       << vertex_colours(layout.surface.colours) << usd_materials(layout.surface, layout.name) << kUsdaPointSamples
+       << '\n';
+  return text.str();
+}
+
+std::string head_of_normals() {
+  return std::string(kUsdaSamplesEnd) + "\n    uniform token normals:interpolation = \"vertex\"\n" +
+         kUsdaNormalSamples + '\n';
+}
+
+constexpr char kTail[] = "    }\n}\n";
+
+void write_text(AtomicFile& file, const std::string& text) { file.write(std::as_bytes(std::span(text))); }
+
+// Points that one thread prints at a time.
+constexpr std::size_t kPointsTogether = 1024;
+
 fs::path points_aside(const fs::path& stem) { return fs::path(stem) += ".points"; }
 fs::path normals_aside(const fs::path& stem) { return fs::path(stem) += ".normals"; }
 
 }  // namespace
-
-std::string prim_name(const std::string& name) {
-  std::string prim;
-  for (const char c : name) prim += std::isalnum(static_cast<unsigned char>(c)) != 0 ? c : '_';
-  return prim.empty() || std::isdigit(static_cast<unsigned char>(prim[0])) != 0 ? "_" + prim : prim;
-}
 
 UsdaWriter::UsdaWriter(const fs::path& path, CacheLayout layout)
     : path_(path), layout_(std::move(layout)), points_(path), normals_(path) {
@@ -140,6 +142,7 @@ void UsdaWriter::close() {
     points_.write_unfinished(normals_);
   }
   write_text(points_, kTail);
+  write_usd_images(layout_.surface, layout_.name, path_.parent_path());
   points_.commit();
 }
 
