@@ -75,7 +75,15 @@ std::string ActorFiles::up_of(const std::string& source) const {
   return lower_case_extension(split_source(source).path) == ".bvh" ? up : "";
 }
 
-std::string ActorFiles::own_file() const { return character.empty() && !is_basis(basis) ? basis : character; }
+std::string ActorFiles::own_file() const {
+  if (!character.empty()) return character;
+  if (!is_basis(basis)) return basis;
+  for (const char* extension : {".glb", ".gltf", ".vrm", ".fbx"}) {
+    const fs::path beside = fs::path(basis).replace_extension(extension);
+    if (fs::exists(beside)) return beside.string();
+  }
+  return "";
+}
 
 std::vector<fs::path> ActorFiles::paths() const {
   std::vector<fs::path> all;
