@@ -4,6 +4,7 @@
 #include "draw/colours.h"
 #include "draw/viewport.h"
 #include "proxy_viewer/scene/scene.h"
+#include "shots/shot_files.h"
 #include "tests/assets/gltf_blob.h"
 #include "tests/support/gpu_fixture.h"
 #include "tests/support/png_file.h"
@@ -157,6 +158,49 @@ TEST_F(Materials, OtherLooksTakeTheirPlace) {
   EXPECT_EQ(at(black, 1, 1), (Colour{0, 0, 0, 255}));
   EXPECT_GT(black.rgba[0], 180);
   EXPECT_TRUE(picture(two_joint_square()).rgba == picture(two_joint_square(), LookStyle::clay).rgba);
+}
+
+TEST_F(Materials, WhatIsWornHasItsOwn) {
+  GltfBlob blob = pictured_square({kRed, kRed, kRed, kRed});
+  const std::size_t patch = blob.vectors({0.5f, 1, 0.05f, 1, 1, 0.05f, 1, 2, 0.05f, 0.5f, 2, 0.05f});
+  blob.root["materials"].push_back(
+      {{"name", "cloth"}, {"pbrMetallicRoughness", {{"baseColorFactor", {0, 0, 0.6, 1}}}}});
+  blob.root["meshes"].push_back({{"primitives",
+                                  {{{"attributes", {{"POSITION", patch}}},
+                                    {"indices", blob.root["meshes"][0]["primitives"][0]["indices"]},
+                                    {"material", 1}}}}});
+  blob.root["nodes"].push_back({{"name", "patch"}, {"mesh", 1}, {"translation", {0, -1, 0}}});
+  blob.root["nodes"][1]["children"] = {3};
+  const Image image = picture(blob);
+  expect_mostly(2, at(image, 1, 1));
+  expect_mostly(0, at(image, -1, 1));
+  const std::string file = (folder_ / "square.glb").string();
+  const OpenedCharacter opened = open_character(file, {});
+  const std::vector<SkinSurface> worn = attached_surfaces(file, opened.levels.at(0).basis, opened.attached);
+  ASSERT_EQ(worn.size(), 1u);
+  EXPECT_EQ(worn[0].materials.at(0).name, "cloth");
+}
+
+// Which has no coordinates: it shows what the skin that it stands for has there.
+TEST_F(Materials, ACoarserLevelHasTheColoursOfTheFinest) {
+  GltfBlob blob = pictured_square({kRed, kGreen, kRed, kGreen});
+  blob.root["meshes"][0]["primitives"][0]["attributes"]["TEXCOORD_0"] =
+      blob.add(std::vector<float>{0.2f, 0.8f, 0.8f, 0.8f, 0.8f, 0.2f, 0.2f, 0.2f}, 5126, "VEC2", 2);
+  put_bytes(folder_ / "square.glb", blob.glb());
+  const std::string file = (folder_ / "square.glb").string();
+  const Basis basis = open_character(file, {}).levels.at(0).basis;
+  const auto materials = make_character_materials(*device_, file, {&basis, &basis}, {});
+  Scene scene(device_);
+  scene.add({file}, {});
+  Controls controls;
+  std::vector<View> views = scene.look(controls, {0, 0, kWide, kHigh});
+  ASSERT_EQ(materials->skin.size(), 2u);
+  views.at(0).camera = {{0.5f, 1, 5}, {0.5f, 1, 0}, 0.5f, 3};
+  views[0].skins.at(0).materials = &materials->skin[1];
+  viewport_->draw(views, kWide, kHigh, Edges::smooth);
+  const Image image = viewport_->picture();
+  EXPECT_GT(at(image, -1, 1)[0], at(image, 1, 1)[0] + 20);
+  EXPECT_GT(at(image, 1, 1)[1], at(image, -1, 1)[1] + 20);
 }
 
 // Images that are none, cut off, or not there.
