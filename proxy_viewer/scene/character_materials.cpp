@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <string_view>
+#include <iterator>
 
 #include "draw/colours.h"
 #include "draw/image_decode.h"
@@ -71,16 +71,17 @@ class MaterialsMaker {
       vertex.red_green = two_shares(surface.colours[3 * v], surface.colours[3 * v + 1]);
       vertex.blue = two_shares(surface.colours[3 * v + 2], 0);
     }
+    std::vector<std::vector<std::uint32_t>> own(std::max<std::size_t>(1, surface.materials.size()));
+    for (std::size_t c = 0; c < corners.size(); ++c) {
+      own[surface.materials.empty() ? 0 : surface.material_of[c / 3]].push_back(corners[c]);
+    }
     std::vector<std::uint32_t> sorted;
-    for (std::size_t m = 0; m < std::max<std::size_t>(1, surface.materials.size()); ++m) {
-      const auto first = static_cast<std::uint32_t>(sorted.size());
-      for (std::size_t c = 0; c < corners.size(); ++c) {
-        if (surface.materials.empty() || surface.material_of[c / 3] == m) sorted.push_back(corners[c]);
-      }
-      SurfacePart part = part_of(surface, surface.materials.empty() ? SurfaceMaterial() : surface.materials[m]);
-      part.first_corner = first;
-      part.corner_count = static_cast<std::uint32_t>(sorted.size()) - first;
-      draw.parts.push_back(part);
+    for (std::size_t m = 0; m < own.size(); ++m) {
+      SurfacePart& part = draw.parts.emplace_back(
+          part_of(surface, surface.materials.empty() ? SurfaceMaterial() : surface.materials[m]));
+      part.first_corner = static_cast<std::uint32_t>(sorted.size());
+      part.corner_count = static_cast<std::uint32_t>(own[m].size());
+      std::ranges::copy(own[m], std::back_inserter(sorted));
     }
     draw.corners = vulkan::upload(device_, sorted, "the triangles by material");
     draw.vertices = vulkan::upload(device_, vertices, "coordinates in images");
@@ -111,19 +112,13 @@ class MaterialsMaker {
   }
 
   SurfaceDraw make_coarser(const Positions& colours, const NearestSkin& finest, const MeshTable& mesh) {
+    SkinSurface surface;
     const Positions rest = rows_of(mesh.rest);
-    std::vector<SurfaceVertex> vertices;
     for (Eigen::Index v = 0; v < rest.rows(); ++v) {
       const auto colour = at_point(colours, finest(rest.row(v)));
-      vertices.push_back(
-          {static_cast<std::uint32_t>(v), 0, 0, two_shares(colour[0], colour[1]), two_shares(colour[2], 0)});
+      surface.colours.insert(surface.colours.end(), colour.begin(), colour.end());
     }
-    SurfaceDraw draw;
-    draw.corners = vulkan::upload(device_, mesh.triangles, "the triangles");
-    draw.vertices = vulkan::upload(device_, vertices, "colours of vertices");
-    draw.parts = {part_of({}, {})};
-    draw.parts[0].corner_count = static_cast<std::uint32_t>(mesh.triangles.size());
-    return draw;
+    return make(surface, mesh.triangles, {}, mesh.vertex_count());
   }
 
   const std::shared_ptr<CharacterMaterials>& made() const { return made_; }

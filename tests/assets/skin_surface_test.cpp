@@ -6,6 +6,7 @@
 #include "assets/character.h"
 #include "assets/gltf_file.h"
 #include "assets/gltf_shapes.h"
+#include "assets/join_caches.h"
 #include "assets/usda.h"
 #include "tests/assets/gltf_blob.h"
 #include "tests/support/hostile_bytes.h"
@@ -188,6 +189,31 @@ TEST_F(Pictured, ImagesLieBesideUsd) {
         "float4 inputs:scale = (0.75, 0.5, 0.25, 1)"}) {
     EXPECT_NE(text.find(part), std::string::npos) << "expected '" << part << "' in:\n" << text;
   }
+}
+
+TEST_F(Pictured, JoinedPartsBringTheirImages) {
+  Painted painted(folder_);
+  painted.surface = read_blob();
+  std::filesystem::create_directory(folder_ / "parts");
+  std::vector<std::filesystem::path> parts;
+  for (const int frame : {1, 2}) {
+    CacheLayout layout = painted.layout();
+    layout.frames = {frame};
+    parts.push_back(folder_ / "parts" / (std::to_string(frame) + ".usda"));
+    const auto writer = write_cache(parts.back(), layout);
+    writer->append(painted.points, {});
+    writer->close();
+  }
+  const auto images = [](const std::filesystem::path& folder) {
+    std::set<std::string> found;
+    for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+      if (entry.path().filename().string().starts_with("painted_")) found.insert(read_bytes(entry.path()));
+    }
+    return found;
+  };
+  EXPECT_TRUE(images(folder_.path()).empty());
+  join_caches(parts, folder_ / "whole.usda");
+  EXPECT_EQ(images(folder_.path()), (std::set<std::string>{kPng, kWebp}));
 }
 
 TEST_F(Pictured, TheBaseColoursSetOfCoordinatesIsTaken) {
