@@ -226,6 +226,26 @@ void append_values(const std::vector<double>& part, std::size_t width, std::size
   all.resize(width * (before + count), otherwise);
 }
 
+// Of the corners of triangles, so many with those of the parts before; the first row is of those that have none.
+void append_rows(const GltfFile& file, const SkinPrimitive& part, std::size_t corners, SkinLook& look) {
+  const int accessor = attribute(part.primitive, kTextureOf);
+  if (accessor >= 0) {
+    const auto rows = file.numbers(attribute(part.primitive, kTextureRows), TINYGLTF_TYPE_VEC2, part.what + " rows");
+    const auto own = file.indices(accessor, TINYGLTF_TYPE_SCALAR, part.what + " corners' rows");
+    if (look.texture_of.empty()) {
+      look.texture.assign(2, 0.0);
+      look.texture_of.assign(corners - own.size(), 0);
+    }
+    const std::size_t first = look.texture.size() / 2;
+    for (const std::uint32_t row : own) {
+      if (2 * std::size_t{row} + 1 >= rows.size()) file.fail(part.what, ": a corner has no coordinates");
+      look.texture_of.push_back(static_cast<std::uint32_t>(first + row));
+    }
+    look.texture.insert(look.texture.end(), rows.begin(), rows.end());
+  }
+  if (!look.texture_of.empty()) look.texture_of.resize(corners, 0);
+}
+
 SkinLook look_of(const GltfFile& file, const std::vector<SkinPrimitive>& parts) {
   SkinLook look;
   std::size_t before = 0;
@@ -233,7 +253,14 @@ SkinLook look_of(const GltfFile& file, const std::vector<SkinPrimitive>& parts) 
     SkinGeometry geometry;
     const std::size_t count = vertex_count(file, part);
     append_triangles(file, part.primitive, count, part.what, geometry);
-    look.materials.resize(look.materials.size() + geometry.triangles.size(), part.primitive.material);
+    const std::size_t triangles = look.materials.size() + geometry.triangles.size();
+    if (const int accessor = attribute(part.primitive, kMaterialOf); accessor >= 0) {
+      const auto own = file.indices(accessor, TINYGLTF_TYPE_SCALAR, part.what + " materials");
+      if (own.size() != geometry.triangles.size()) file.fail(part.what, ": has not a material for each triangle");
+      for (const std::uint32_t material : own) look.materials.push_back(static_cast<int>(material));
+    }
+    look.materials.resize(triangles, part.primitive.material);
+    append_rows(file, part, 3 * triangles, look);
     const std::string set = "TEXCOORD_" + std::to_string(base_texture_set(file, part.primitive.material));
     std::vector<double> texture, colours;
     if (const int accessor = attribute(part.primitive, set); accessor >= 0) {
@@ -244,7 +271,7 @@ SkinLook look_of(const GltfFile& file, const std::vector<SkinPrimitive>& parts) 
       colours = rgb_of(file, accessor, count, part.what + " COLOR_0");
       for (double& share : colours) share = std::clamp(share, 0.0, 1.0);
     }
-    append_values(texture, 2, before, count, 0, look.texture);
+    if (look.texture_of.empty()) append_values(texture, 2, before, count, 0, look.texture);
     append_values(colours, 3, before, count, 1, look.colours);
     before += count;
   }

@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <numeric>
 #include <set>
+#include <utility>
 
 #include "assets/gltf_file.h"
 #include "assets/gltf_skeleton.h"
@@ -41,6 +43,7 @@ SkinSurface surface_of_look(const GltfFile& file, SkinLook look) {
   SkinSurface surface;
   surface.texture = std::move(look.texture);
   surface.colours = std::move(look.colours);
+  surface.texture_of = std::move(look.texture_of);
   if (std::ranges::all_of(look.materials, [](const int material) { return material < 0; })) return surface;
   MaterialReader reader(file, surface.textures, surface.notes);
   std::map<int, std::size_t> known;
@@ -108,6 +111,29 @@ SkinSurface read_node_surface(const GltfFile& file, std::size_t node) {
   return surface_of_look(file, read_node_look(file, node));
 }
 
+SplitSurface split_corners(SkinSurface surface, std::span<const std::uint32_t> corners, std::size_t points) {
+  SplitSurface split{std::move(surface), {corners.begin(), corners.end()}, {}};
+  SkinSurface& own = split.surface;
+  if (own.texture_of.empty()) {
+    split.places.resize(points);
+    std::iota(split.places.begin(), split.places.end(), 0u);
+    return split;
+  }
+  const std::vector<double> rows = std::exchange(own.texture, {}), colours = std::exchange(own.colours, {});
+  std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> known;  // by vertex and row
+  for (std::size_t c = 0; c < corners.size(); ++c) {
+    const std::uint32_t vertex = corners[c], row = own.texture_of[c];
+    const auto [number, is_new] = known.try_emplace({vertex, row}, static_cast<std::uint32_t>(split.places.size()));
+    split.corners[c] = number->second;
+    if (!is_new) continue;
+    split.places.push_back(vertex);
+    own.texture.insert(own.texture.end(), {rows[2 * row], rows[2 * row + 1]});
+    if (!colours.empty()) own.colours.insert(own.colours.end(), &colours[3 * vertex], &colours[3 * vertex] + 3);
+  }
+  own.texture_of.clear();
+  return split;
+}
+
 std::vector<double> image_coordinates(const SkinSurface& surface, std::span<const std::uint32_t> corners) {
   std::vector<double> result = surface.texture;
   if (result.empty() || surface.materials.empty()) return result;
@@ -118,10 +144,11 @@ std::vector<double> image_coordinates(const SkinSurface& surface, std::span<cons
   for (std::size_t c = 0; c < corners.size(); ++c) {
     const std::optional<TextureTransform>& transform = transforms[surface.material_of[c / 3]];
     if (!transform) continue;
-    const double* uv = &surface.texture[2 * std::size_t{corners[c]}];
+    const std::size_t row = surface.row(corners, c);
+    const double* uv = &surface.texture[2 * row];
     for (std::size_t i = 0; i < 2; ++i) {
       const auto& [by_u, by_v, offset] = (*transform)[i];
-      result[2 * std::size_t{corners[c]} + i] = by_u * uv[0] + by_v * uv[1] + offset;
+      result[2 * row + i] = by_u * uv[0] + by_v * uv[1] + offset;
     }
   }
   return result;

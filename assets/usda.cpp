@@ -20,17 +20,20 @@ std::string number(double value) {
   return {digits, end};
 }
 
+std::string list_of(std::span<const std::uint32_t> numbers) {
+  std::string text;
+  for (const std::uint32_t number : numbers) text += (text.empty() ? "" : ", ") + std::to_string(number);
+  return text;
+}
+
 std::string topology(std::span<const std::uint32_t> corners) {
-  std::string counts = "    int[] faceVertexCounts = [", indices = "    int[] faceVertexIndices = [";
-  for (std::size_t k = 0; k < corners.size(); ++k) {
-    if (k % 3 == 0) counts += k == 0 ? "3" : ", 3";
-    indices += (k == 0 ? "" : ", ") + std::to_string(corners[k]);
-  }
-  return counts + "]\n" + indices + "]\n";
+  const std::vector<std::uint32_t> counts(corners.size() / 3, 3);
+  return "    int[] faceVertexCounts = [" + list_of(counts) + "]\n    int[] faceVertexIndices = [" + list_of(corners) +
+         "]\n";
 }
 
 // Texture coordinates, whose second one USD counts from below.
-std::string coordinates(const std::vector<double>& texture) {
+std::string coordinates(const std::vector<double>& texture, const std::vector<std::uint32_t>& of_corners) {
   std::string text;
   char digits[32];
   for (std::size_t k = 0; k < texture.size(); ++k) {
@@ -38,7 +41,10 @@ std::string coordinates(const std::vector<double>& texture) {
     const auto value = static_cast<float>(k % 2 == 0 ? texture[k] : 1 - texture[k]);
     text.append(digits, std::to_chars(digits, digits + sizeof(digits), value).ptr);
   }
-  if (!text.empty()) text += ")] (\n        interpolation = \"vertex\"\n    )\n";
+  if (text.empty()) return text;
+  const char* const each = of_corners.empty() ? "vertex" : "faceVarying";
+  text += std::string(")] (\n        interpolation = \"") + each + "\"\n    )\n";
+  if (!of_corners.empty()) text += "    int[] primvars:st:indices = [" + list_of(of_corners) + "]\n";
   return text;
 }
 
@@ -73,7 +79,8 @@ std::string head(const CacheLayout& layout) {
        << kUsdaLastFrame << last << "\n    framesPerSecond = " << fps << "\n    timeCodesPerSecond = " << fps
        << "\n    metersPerUnit = 1\n    upAxis = \"Y\"\n)\n\ndef Mesh \"" << prim << "\"\n{\n"
        << "    uniform token orientation = \"rightHanded\"\n    uniform token subdivisionScheme = \"none\"\n"
-       << topology(layout.corners) << coordinates(image_coordinates(layout.surface, layout.corners))
+       << topology(layout.corners)
+       << coordinates(image_coordinates(layout.surface, layout.corners), layout.surface.texture_of)
        << vertex_colours(layout.surface.colours) << usd_materials(layout.surface, layout.name) << kUsdaPointSamples
        << '\n';
   return text.str();

@@ -94,11 +94,13 @@ std::string usd_materials(const SkinSurface& surface, const std::string& mesh) {
       if (surface.material_of[t] == m) faces += (faces.empty() ? "" : ", ") + std::to_string(t);
     }
     text += "    def Material \"" + name + "\"\n    {\n" + shaders(surface, material, mesh, prim) + "    }\n";
-    text += "    def GeomSubset \"faces_of_" + name +
-            "\" (\n        prepend apiSchemas = [\"MaterialBindingAPI\"]\n    )\n    {\n"
-            "        uniform token elementType = \"face\"\n        uniform token familyName = \"materialBind\"\n"
-            "        int[] indices = [" +
-            faces + "]\n        rel material:binding = <" + prim + ">\n    }\n";
+    text += "    def GeomSubset \"faces_of_" + name;
+    text +=
+        "\" (\n        prepend apiSchemas = [\"MaterialBindingAPI\"]\n    )\n    {\n"
+        "        uniform token elementType = \"face\"\n        uniform token familyName = \"materialBind\"\n"
+        "        int[] indices = [";
+    text += faces;
+    text += "]\n        rel material:binding = <" + prim + ">\n    }\n";
   }
   return text;
 }

@@ -58,22 +58,24 @@ class MaterialsMaker {
                    std::span<const std::uint32_t> places, std::size_t count) {
     SurfaceDraw draw;
     if (!says_something(surface)) return draw;
-    const std::vector<double> at = image_coordinates(surface, corners);
+    const auto [split, own_corners, own_places] = split_corners(surface, corners, count);
+    const std::vector<double> at = image_coordinates(split, own_corners);
     std::vector<SurfaceVertex> vertices;
-    for (std::size_t v = 0; v < count; ++v) {
-      SurfaceVertex& vertex = vertices.emplace_back(
-          SurfaceVertex{places.empty() ? static_cast<std::uint32_t>(v) : places[v], 0, 0, ~0u, ~0u});
+    for (std::size_t v = 0; v < own_places.size(); ++v) {
+      const std::uint32_t place = own_places[v];
+      SurfaceVertex& vertex =
+          vertices.emplace_back(SurfaceVertex{places.empty() ? place : places[place], 0, 0, ~0u, ~0u});
       if (!at.empty()) {
         vertex.u = static_cast<float>(at[2 * v]);
         vertex.v = static_cast<float>(at[2 * v + 1]);
       }
-      if (surface.colours.empty()) continue;
-      vertex.red_green = two_shares(surface.colours[3 * v], surface.colours[3 * v + 1]);
-      vertex.blue = two_shares(surface.colours[3 * v + 2], 0);
+      if (split.colours.empty()) continue;
+      vertex.red_green = two_shares(split.colours[3 * v], split.colours[3 * v + 1]);
+      vertex.blue = two_shares(split.colours[3 * v + 2], 0);
     }
     std::vector<std::vector<std::uint32_t>> own(std::max<std::size_t>(1, surface.materials.size()));
     for (std::size_t c = 0; c < corners.size(); ++c) {
-      own[surface.materials.empty() ? 0 : surface.material_of[c / 3]].push_back(corners[c]);
+      own[surface.materials.empty() ? 0 : surface.material_of[c / 3]].push_back(own_corners[c]);
     }
     std::vector<std::uint32_t> sorted;
     for (std::size_t m = 0; m < own.size(); ++m) {
@@ -100,12 +102,13 @@ class MaterialsMaker {
     }
     for (std::size_t c = 0; c < mesh.output_triangles.size(); ++c) {
       const std::size_t v = mesh.output_triangles[c], m = surface.materials.empty() ? 0 : surface.material_of[c / 3];
+      const std::size_t row = surface.row(mesh.output_triangles, c);
       auto colour = colours.row(mesh.output_vertex[v]);
       for (std::size_t k = 0; k < 3; ++k) {
         double& share = colour[static_cast<Eigen::Index>(k)] = surface.colours.empty() ? 1 : surface.colours[3 * v + k];
         if (m >= images.size()) continue;
         share *= factors[m][k];
-        if (images[m] != nullptr && images[m]->width > 0) share *= pixel(*images[m], at[2 * v], at[2 * v + 1], k);
+        if (images[m] != nullptr && images[m]->width > 0) share *= pixel(*images[m], at[2 * row], at[2 * row + 1], k);
       }
     }
     return colours;
