@@ -3,11 +3,17 @@
 #include <imgui.h>
 
 #include <algorithm>
+#include <chrono>
+#include <ctime>
 #include <filesystem>
+#include <iomanip>
+#include <sstream>
 #include <utility>
 
+#include "assets/clip_source.h"
 #include "proxy_viewer/commands/commands.h"
 #include "proxy_viewer/platform/window.h"
+#include "shots/session/session_file.h"
 
 namespace bodyopt {
 namespace {
@@ -64,7 +70,7 @@ void Application::begin() {
   note_saved();
   if (!options_.files.empty()) remember(options_.files.front());
   controls_.recent = recent_.list();
-  if (options_.commands.empty()) controls_.recoverable = autosave_.left_behind().string();
+  if (options_.commands.empty()) offer_unsaved();
   const std::vector<std::string> commands = script_commands(options_.commands);
   script_.assign(commands.begin(), commands.end());
 }
@@ -105,10 +111,30 @@ void Application::open(const std::string& file) {
   set_title();
 }
 
+void Application::offer_unsaved() {
+  controls_.recoverable = autosave_.left_behind().string();
+  if (controls_.recoverable.empty()) return;
+  const auto written = std::filesystem::last_write_time(controls_.recoverable);
+  const auto system = std::chrono::file_clock::to_sys(written);
+  const std::time_t time = std::chrono::system_clock::to_time_t(std::chrono::floor<std::chrono::seconds>(system));
+  std::tm local{};
+  localtime_r(&time, &local);
+  std::ostringstream text;
+  controls_.attempt([&] {
+    const SessionFile session = read_session(controls_.recoverable);
+    const ActorFiles& lead = session.cast.front().files;
+    const std::string& of = !session.saved_as.empty() ? session.saved_as : lead.basis;
+    text << (of.empty() ? "the built-in arm" : std::filesystem::path(of).filename().string()) << ", ";
+  });
+  text << std::put_time(&local, "%Y-%m-%d %H:%M");
+  controls_.recoverable_what = text.str();
+}
+
 void Application::note_saved() { saved_ = session_.work(); }
 
 void Application::remember(const std::string& file) {
   if (!screen_) return;
+  controls_.folder = std::filesystem::absolute(split_source(file).path).parent_path().string();
   controls_.attempt([&] { recent_.remember(file); });
   controls_.recent = recent_.list();
 }
@@ -137,7 +163,8 @@ void Application::autosave() {
   controls_.attempt([&] {
     const std::string file = autosave_.file().string();
     if (file.empty()) return;
-    session_.write(file);
+    const std::string& own = controls_.session_file;
+    session_.write(file, own.empty() ? own : std::filesystem::absolute(own).string());
     autosaved_ = std::move(work);
   });
 }
@@ -153,7 +180,7 @@ void Application::recover(bool wanted) {
   const Session::Work saved = saved_;
   change_cast([&] { session_.open(left); });
   saved_ = saved;
-  controls_.session_file.clear();
+  controls_.session_file = read_session(left).saved_as;
   autosave_.take_over(left);
   autosaved_ = session_.work();
   controls_.say("here is what was not saved: 'save' keeps it");

@@ -61,6 +61,7 @@ class Application {
   void draw_if_needed(bool moves, double passed);
   void go_on_with_pictures(double passed);
   void go_to_worst_frame();
+  void offer_unsaved();
   void note_saved();
   void remember(const std::string& file);
   void keep_unsaved();

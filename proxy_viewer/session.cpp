@@ -105,7 +105,7 @@ std::vector<std::string> Session::open(const std::string& file) {
     receiver.open_clip(file);
     notes = receiver.clip().notes;
     const std::string path = split_source(file).path.string();
-    if (is_called_scene(path) && is_another_character(path, Skeleton())) {
+    if (is_called_scene(path) && split_source(file).name.empty() && is_another_character(path, Skeleton())) {
       notes.push_back(file + ": its clip is played; 'character' shows its skin as one more of the cast");
     }
     if (receiver_ == 0) play_clip();

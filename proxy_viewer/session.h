@@ -80,7 +80,8 @@ class Session {
 
   // All that is open and set, and back: what was there stays where it throws. Throw Error(file), and as the readers do.
   void save(const std::string& file);
-  void write(const std::string& file) const;  // without a word
+  // Without a word. saved_as: of an autosave, the session's own file.
+  void write(const std::string& file, const std::string& saved_as = "") const;
   // What the user made, and would lose: poses, keys, cameras and markers.
   struct Work {
     std::vector<ViewSettings::Posing> posings;  // of those that are posed

@@ -130,7 +130,7 @@ Session::Work Session::work() const {
   return work;
 }
 
-void Session::write(const std::string& file) const {
+void Session::write(const std::string& file, const std::string& saved_as) const {
   SessionFile session;
   session.clip = clip_options_;
   for (std::size_t c = 0; c < scene.cast().size(); ++c) {
@@ -139,6 +139,7 @@ void Session::write(const std::string& file) const {
   }
   session.frame = controls.playback.frame();
   session.joint = controls.joint;
+  session.saved_as = saved_as;
   session.view = controls.settings;
   session.view.playback = controls.playback.settings();
   session.view.camera = controls.kept_camera();

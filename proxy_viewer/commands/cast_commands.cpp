@@ -49,29 +49,29 @@ const Command kCastCommands[] = {
      },
      [](const Controls& c) { return name_of(c.settings.ghosts.before + c.settings.ghosts.after > 0); }},
 
-    {"copies", "COUNT", "", "Look", "of the lead on the stage",
+    {"copies", "COUNT", "", "Cast", "of the lead on the stage",
      [](ViewSettings::Cast& cast, const std::string& a) { cast.copies = integer_within(a, 1, kMostCopies); }},
-    {"copy-delay", "FRAMES", "", "Look", "from one copy to the next",
+    {"copy-delay", "FRAMES", "", "Cast", "from one copy to the next",
      [](ViewSettings::Cast& cast, const std::string& a) { cast.delay = integer_within(a, 0, kLongestCopyDelay); }},
 
-    {"mark", "[on|off]", "", "Compare", "clicks mark a vertex of the lead, then the same of the second of the cast",
+    {"mark", "[on|off]", "", "Cast", "clicks mark a vertex of the lead, then the same of the second of the cast",
      [](Marking& marking, const std::string& a) {
        toggle(marking.on, a);
        marking.of_lead.reset();
      },
      [](const Controls& c) { return name_of(c.marking.on); }},
-    {"marker", "VERTEX VERTEX", "", "Compare", "of the lead and of the second of the cast, that are the same",
+    {"marker", "VERTEX VERTEX", "", "Cast", "of the lead and of the second of the cast, that are the same",
      [](Controls& c, const std::string& a) {
        const std::vector<std::string> all = words(a, 2, "two numbers of vertices");
        add_marker(c, {vertex_of(c, 0, all[0]), vertex_of(c, 1, all[1])});
      }},
-    {"unmark", "", "", "Compare", "takes the marker away that was set last",
+    {"unmark", "", "", "Cast", "takes the marker away that was set last",
      [](Marking& marking, const std::string&) {
        if (marking.pairs.empty()) throw Error(ErrorKind::usage, "there is no marker");
        marking.pairs.pop_back();
      }},
 
-    {"place", "NUMBER X Y Z|auto", "", "Look", "where one of the cast begins, metres; auto: where there is room",
+    {"place", "NUMBER X Y Z|auto", "", "Cast", "where one of the cast begins, metres; auto: where there is room",
      [](Controls& c, const std::string& a) {
        const std::string expected = "a number of the cast and three coordinates, or auto";
        const std::vector<std::string> all = words(a);
@@ -83,17 +83,17 @@ const Command kCastCommands[] = {
        }
        placement_of(c, all[0]).at = at;
      }},
-    {"ahead", "NUMBER FRAMES|auto", "", "Playback", "one of the cast goes round in its own clip; auto: frame by frame",
+    {"ahead", "NUMBER FRAMES|auto", "", "Cast", "one of the cast goes round in its own clip; auto: frame by frame",
      [](Controls& c, const std::string& a) {
        const std::vector<std::string> all = words(a, 2, "a number of the cast and a number of frames, or auto");
        placement_of(c, all[0]).ahead = automatic_or(all[1], -kFurthestAhead, kFurthestAhead, integer_within);
      }},
-    {"level-of", "NUMBER auto|0|1|2...", "", "Look", "of detail, of one of the cast; auto: by its size in the picture",
+    {"level-of", "NUMBER auto|0|1|2...", "", "Cast", "of detail, of one of the cast; auto: by its size in the picture",
      [](Controls& c, const std::string& a) {
        const std::vector<std::string> all = words(a, 2, "a number of the cast and a level, or auto");
        placement_of(c, all[0]).level = automatic_or(all[1], 0, kCoarsestLevel, integer_within);
      }},
-    request_command<&Requests::same_clip>("same-clip", "", "Playback", "all of the cast play the lead's clip"),
+    request_command<&Requests::same_clip>("same-clip", "", "Cast", "all of the cast play the lead's clip"),
 };
 
 // What is compared, and curated.
@@ -131,35 +131,35 @@ const Command kCompareCommands[] = {
     switch_command<&ViewSettings::Compare::coverage>("coverage", "", "Compare",
                                                      "colour by the error to expect of the pose, in millimetres"),
     choice_command<kMatchNames, &ViewSettings::Compare::match>(
-        "match", "none|colours|confidence", "Compare",
+        "match", "none|colours|confidence", "Cast",
         "which point of the lead is which of the second of the cast, or how sure that is"),
     request_command<&Requests::worst_frame>("worst-frame", "N", "Compare",
                                             "to the frame that is furthest from what it is compared with"),
     request_command<&Requests::worst_vertex>("worst-vertex", "Shift+N", "Compare",
                                              "to the vertex that is furthest off in this frame"),
 
-    {"region", "NAME", "", "Compare", "of the dataset's map of poses",
+    {"region", "NAME", "", "Curate", "of the dataset's map of poses",
      [](Curating& curating, const std::string& a) { curating.region = known(a, curating.regions, "region"); }},
     choice_command<kMapColourNames, &Curating::colour>("map-colour", "coverage|contradiction|error|sculpt|weight",
-                                                       "Compare", "of the map of poses"),
-    switch_command<&Curating::raw>("raw", "", "Compare", "the dataset's shapes before any modifier"),
-    {"modifier", "NAME on|off", "", "Compare", "switches a modifier of the dataset",
+                                                       "Curate", "of the map of poses"),
+    switch_command<&Curating::raw>("raw", "", "Curate", "the dataset's shapes before any modifier"),
+    {"modifier", "NAME on|off", "", "Curate", "switches a modifier of the dataset",
      [](Controls& c, const std::string& a) {
        const auto [name, state] = split_last(a, "a modifier, and on or off");
        if (state != "on" && state != "off") refuse(state, "on or off");
        c.requests.edits.push_back({.name = known(name, c.curating.modifiers, "modifier"), .enabled = state == "on"});
      }},
-    {"strength", "NAME 0-1", "", "Compare", "of a modifier of the dataset",
+    {"strength", "NAME 0-1", "", "Curate", "of a modifier of the dataset",
      [](Controls& c, const std::string& a) {
        const auto [name, strength] = split_last(a, "a modifier and a strength");
        c.requests.edits.push_back(
            {.name = known(name, c.curating.modifiers, "modifier"), .strength = number_within(strength, 0, 1)});
      }},
-    {"undo-edit", "", "", "Compare", "the dataset's stack before the last edit",
+    {"undo-edit", "", "", "Curate", "the dataset's stack before the last edit",
      [](Requests& requests, const std::string&) { requests.step_back = true; }},
-    {"redo-edit", "", "", "Compare", "the edit of the stack that was undone",
+    {"redo-edit", "", "", "Curate", "the edit of the stack that was undone",
      [](Requests& requests, const std::string&) { requests.step_back = false; }},
-    {"brush", "none|grab|smooth|inflate|flatten|erase", "", "Compare",
+    {"brush", "none|grab|smooth|inflate|flatten|erase", "", "Curate",
      "what the mouse does to the dataset's skin; none: it turns the view",
      [](Controls& c, const std::string& a) {
        if (a == "none") {
@@ -174,18 +174,18 @@ const Command kCompareCommands[] = {
        c.settings.compare.with = CompareWith::truth;  // or its skin would not be seen
      },
      [](const Controls& c) { return c.brush.kind ? name_of(*c.brush.kind, kBrushKindNames) : "none"; }},
-    {"brush-radius", "MM", "", "Compare", "of the brush, along the skin",
+    {"brush-radius", "MM", "", "Curate", "of the brush, along the skin",
      [](BrushInHand& brush, const std::string& a) { brush.radius_mm = number_within(a, kFinestBrush, kWidestBrush); }},
-    {"brush-strength", "0-1", "", "Compare", "of the brush",
+    {"brush-strength", "0-1", "", "Curate", "of the brush",
      [](BrushInHand& brush, const std::string& a) { brush.strength = number_within(a, 0, 1); }},
-    switch_command<&BrushInHand::symmetric>("brush-symmetry", "", "Compare",
+    switch_command<&BrushInHand::symmetric>("brush-symmetry", "", "Curate",
                                             "the brush does the same on the other side of the body"),
-    {"brush-spread", "auto|DEGREES", "", "Compare", "to poses how near a stroke reaches; auto: as the modifier's",
+    {"brush-spread", "auto|DEGREES", "", "Curate", "to poses how near a stroke reaches; auto: as the modifier's",
      [](BrushInHand& brush, const std::string& a) { brush.spread = automatic_or(a, 0, kWidestSpread, number_within); }},
-    {"brush-modifier", "NAME", "", "Compare",
+    {"brush-modifier", "NAME", "", "Curate",
      "the sculpt of the dataset's stack that takes strokes; a new name makes one",
      [](BrushInHand& brush, const std::string& a) { brush.modifier = a; }},
-    {"stroke", "X Y [X Y ...]", "", "Compare",
+    {"stroke", "X Y [X Y ...]", "", "Curate",
      "of the brush through points of the picture, by shares of its width and height",
      [](Controls& c, const std::string& a) {
        const std::vector<std::string> w = words(a);
@@ -196,11 +196,11 @@ const Command kCompareCommands[] = {
          path.push_back({number_within(w[k], 0, 1), number_within(w[k + 1], 0, 1)});
        c.requests.stroke = std::move(path);
      }},
-    request_command<&Requests::keep_strokes>("keep-strokes", "", "Compare",
+    request_command<&Requests::keep_strokes>("keep-strokes", "", "Curate",
                                              "writes what was brushed and could not be written before"),
-    request_command<&Requests::contradictions>("contradictions", "", "Compare",
+    request_command<&Requests::contradictions>("contradictions", "", "Curate",
                                                "looks for like poses whose shapes disagree"),
-    {"pair", "NUMBER", "", "Compare", "to the first of two frames that disagree, the worst from 1",
+    {"pair", "NUMBER", "", "Curate", "to the first of two frames that disagree, the worst from 1",
      [](Controls& c, const std::string& a) {
        if (c.curating.pairs.empty()) {
          throw Error(ErrorKind::usage,
@@ -210,12 +210,12 @@ const Command kCompareCommands[] = {
        }
        go_to_pair(c, integer_within(a, 1, static_cast<int>(c.curating.pairs.size())) - 1);
      }},
-    {"next-pair", "", "", "Compare", "to the pair after that",
+    {"next-pair", "", "", "Curate", "to the pair after that",
      [](Controls& c, const std::string&) {
        const auto count = static_cast<int>(c.curating.pairs.size());
        if (count > 0) go_to_pair(c, (c.curating.pair + 1) % count);
      }},
-    {"other-of-pair", "", "", "Compare", "to the other of the two frames",
+    {"other-of-pair", "", "", "Curate", "to the other of the two frames",
      [](Controls& c, const std::string&) {
        if (c.curating.pair < 0) return;
        const ListedPair& listed = c.curating.pairs[static_cast<std::size_t>(c.curating.pair)];

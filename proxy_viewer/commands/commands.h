@@ -57,7 +57,8 @@ struct Command {
 // The words of an argument "loop|ping-pong|once"; none of any other argument.
 std::vector<std::string> choices_of(const Command& command);
 
-constexpr const char* kMenus[] = {"File", "Playback", "Camera", "Look", "Compare", "Pose", "View"};
+constexpr const char* kMenus[] = {"File", "Playback", "Camera", "Look",   "Compare",
+                                  "Pose", "Keys",     "Cast",   "Curate", "View"};
 
 std::span<const Command> commands();
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <exception>
+#include <filesystem>
 #include <iostream>
 
 #include "runtime/core/error.h"
@@ -47,7 +48,11 @@ bool Controls::is_unkeyed() const {
   return keyed_frame && !settings.pose.keys.empty() && in_hand != between_keys(settings.pose.keys, *keyed_frame);
 }
 
-void Controls::browse(const std::string& command) { dialog = browse_folder(command, ".", proposed_name(command, ".")); }
+void Controls::browse(const std::string& command) {
+  std::error_code gone;
+  if (!std::filesystem::is_directory(folder, gone)) folder = ".";
+  dialog = browse_folder(command, folder, proposed_name(command, folder));
+}
 
 void Controls::quit_or_ask() {
   quits_when_saved = false;

@@ -145,7 +145,7 @@ struct PanelState {
 };
 
 struct Message {
-  bool error = false;  // stays until it is clicked away; what is none goes by itself
+  bool error = false;  // stays five times as long
   std::string text;
   double shown = 0;  // seconds
 };
@@ -186,6 +186,8 @@ struct Controls {
   std::string session_file;         // that was opened or saved last; empty: none
   std::vector<std::string> recent;  // files that were open lately, the last first
   std::string recoverable;          // a session that a crash left; empty: none
+  std::string recoverable_what;     // it is: whose, and from when
+  std::string folder = ".";         // in which files are chosen: the last one was in
   std::optional<FileDialog> dialog;
   std::optional<Marker> marker;
   std::optional<Grip> grip;

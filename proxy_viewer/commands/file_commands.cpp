@@ -76,9 +76,9 @@ const Command kFileCommands[] = {
        if (!a.ends_with(".json")) refuse(a, "a file that ends in .json");
        requests.save_markers = a;
      }},
-    {"lead", "NUMBER", "", "File", "the character of whom panels speak, and to whom clips and caches go",
+    {"lead", "NUMBER", "", "Cast", "the character of whom panels speak, and to whom clips and caches go",
      [](Requests& requests, const std::string& a) { requests.lead = integer(a); }},
-    {"remove", "NUMBER", "", "File", "a character of the cast; its files stay",
+    {"remove", "NUMBER", "", "Cast", "a character of the cast; its files stay",
      [](Requests& requests, const std::string& a) { requests.remove = integer(a); }},
     request_command<&Requests::reload>("reload", "F5", "File", "read all files again"),
     {"browse",

@@ -215,7 +215,7 @@ const Command kPoseCommands[] = {
        c.settings.pose.facing.erase(joint);
        if (c.settings.pose.pins.erase(joint) == 0) c.say(joint + " has no pin");
      }},
-    {"move-key", "FROM TO", "", "Pose", "the key of a frame to another",
+    {"move-key", "FROM TO", "", "Keys", "the key of a frame to another",
      [](Controls& c, const std::string& a) {
        const auto w = words(a, 2, "two frames");
        const int from = integer(w[0]), to = integer(w[1]);
@@ -227,12 +227,12 @@ const Command kPoseCommands[] = {
        c.settings.pose.keys.erase(from);
        c.keyed_frame.reset();
      }},
-    {"key", "", "Alt+K", "Pose", "keeps the pose as a key of this frame",
+    {"key", "", "Alt+K", "Keys", "keeps the pose as a key of this frame",
      [](Controls& c, const std::string&) {
        c.settings.pose.keys[c.playback.frame()] = c.settings.pose;
        c.keyed_frame = c.playback.frame();
      }},
-    {"ease", "smooth|linear|step", "", "Pose", "from the key of this frame to the next",
+    {"ease", "smooth|linear|step", "", "Keys", "from the key of this frame to the next",
      [](Controls& c, const std::string& a) {
        const auto key = c.settings.pose.keys.find(c.playback.frame());
        if (key == c.settings.pose.keys.end()) {
@@ -242,24 +242,24 @@ const Command kPoseCommands[] = {
        c.settings.pose.ease = key->second.ease;
      },
      [](const Controls& c) { return name_of(c.settings.pose.ease, kKeyEaseNames); }},
-    {"shift-keys", "FRAMES", "", "Pose", "all keys of the range, to later frames",
+    {"shift-keys", "FRAMES", "", "Keys", "all keys of the range, to later frames",
      [](Controls& c, const std::string& a) {
        const int by = integer(a);
        move_keys(c, true, [&](int frame) { return frame + by; });
      }},
-    {"repeat-keys", "FRAME", "", "Pose", "all keys of the range once more, from there on",
+    {"repeat-keys", "FRAME", "", "Keys", "all keys of the range once more, from there on",
      [](Controls& c, const std::string& a) {
        const int from = integer(a);
        move_keys(c, false, [&](int frame) { return from + frame - c.playback.in(); });
      }},
-    {"scale-keys", "FACTOR", "", "Pose", "all keys of the range: times as far from its beginning",
+    {"scale-keys", "FACTOR", "", "Keys", "all keys of the range: times as far from its beginning",
      [](Controls& c, const std::string& a) {
        const double factor = number_within(a, 0.01, 100);
        move_keys(c, true, [&](int frame) {
          return c.playback.in() + static_cast<int>(std::lround(factor * (frame - c.playback.in())));
        });
      }},
-    {"unkey", "", "", "Pose", "forgets the key of this frame",
+    {"unkey", "", "", "Keys", "forgets the key of this frame",
      [](Controls& c, const std::string&) {
        const int frame = c.playback.frame();
        if (c.settings.pose.keys.erase(frame) == 0) c.say("frame " + std::to_string(frame) + " has no key");
@@ -287,16 +287,16 @@ const Command kPoseCommands[] = {
        const CopiedPose& copied = require_copied(c);
        put_pose(c, flipped(c, copied.pose, c.playback.frame()), flipped(c, copied.joints), c.settings.pose);
      }},
-    {"flip-keys", "", "", "Pose", "left and right exchanged in all keys of the range",
+    {"flip-keys", "", "", "Keys", "left and right exchanged in all keys of the range",
      [](Controls& c, const std::string&) {
        for (auto& [frame, key] : c.settings.pose.keys) {
          if (c.playback.in() <= frame && frame <= c.playback.out()) key = flipped(c, key, frame);
        }
        c.keyed_frame.reset();
      }},
-    {"tween", "0-1", "", "Pose", "the pose on the way from the key before to the next",
+    {"tween", "0-1", "", "Keys", "the pose on the way from the key before to the next",
      [](Controls& c, const std::string& a) { tween(c, number_within(a, 0, 1)); }},
-    switch_command<&Controls::auto_key>("auto-key", "", "Pose", "what is posed is a key of its frame at once"),
+    switch_command<&Controls::auto_key>("auto-key", "", "Keys", "what is posed is a key of its frame at once"),
     {"save-pose", "FILE.json", "", "Pose", "the pose, or what of it several joints have",
      [](Controls& c, const std::string& a) {
        if (!a.ends_with(".json")) refuse(a, "a file that ends in .json");

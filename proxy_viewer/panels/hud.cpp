@@ -63,12 +63,12 @@ void add_turned(const Snapshot& snapshot, const Controls& controls, Lines& lines
 // What went wrong, until it is clicked away, and what went well, for some seconds: the newest few.
 
 // A picture that comes late is no time to read.
-void let_good_news_pass(std::vector<Message>& messages) {
+void let_news_pass(std::vector<Message>& messages) {
   constexpr std::size_t kShown = 4;
-  constexpr double kPassing = 6;  // seconds
+  constexpr double kPassing = 6, kErrorPassing = 30;  // seconds
   const double passed = std::min(0.3, static_cast<double>(ImGui::GetIO().DeltaTime));
   for (Message& message : messages) message.shown += passed;
-  std::erase_if(messages, [](const Message& m) { return !m.error && m.shown > kPassing; });
+  std::erase_if(messages, [](const Message& m) { return m.shown > (m.error ? kErrorPassing : kPassing); });
   if (messages.size() > kShown) messages.erase(messages.begin(), messages.end() - kShown);
 }
 
@@ -108,7 +108,7 @@ void draw_hud(const Snapshot& snapshot, const Controls& controls, const PanelLay
 }
 
 void draw_messages(Controls& controls, PanelLayout& layout) {
-  let_good_news_pass(controls.messages);
+  let_news_pass(controls.messages);
   if (controls.messages.empty()) return;
   const float width = place_window(layout);
   constexpr ImGuiWindowFlags kOverlay = ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_AlwaysAutoResize |

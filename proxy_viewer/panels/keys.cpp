@@ -97,17 +97,19 @@ void draw_line(const char* key, const char* help, float key_width, float width) 
   ImGui::PopTextWrapPos();
 }
 
+// Of the cheat sheet; none where no command of the menu has a key.
+int lines_of(const char* menu) {
+  const auto keys = std::ranges::count_if(
+      commands(), [&](const Command& command) { return *command.key != 0 && std::string(menu) == command.menu; });
+  return keys > 0 ? 2 + static_cast<int>(keys) : 0;
+}
+
 void draw_menu(const char* menu, float width) {
+  if (lines_of(menu) == 0) return;
   draw_title(menu);
   for (const Command& command : commands()) {
     if (*command.key != 0 && std::string(menu) == command.menu) draw_line(command.key, command.help, kKey, width);
   }
-}
-
-int lines_of(const char* menu) {
-  return 2 + static_cast<int>(std::ranges::count_if(commands(), [&](const Command& command) {
-           return *command.key != 0 && std::string(menu) == command.menu;
-         }));
 }
 
 void draw_mouse(float width) {

@@ -37,12 +37,18 @@ void draw_recent(const Command& command, Controls& controls) {
 }
 
 void draw_item(const Command& command, Controls& controls) {
+  if (std::string("browse") == command.name) return;  // what it is for are items themselves
   if (std::string("recent") == command.name) return draw_recent(command, controls);
   const std::vector<std::string> choices = choices_of(command);
   if (!choices.empty()) return draw_choices(command, choices, controls);
   const std::vector<std::string> browsed = browsed_commands();
   const bool browses = std::ranges::find(browsed, command.name) != browsed.end(), types = needs_argument(command);
   const bool on = command.value && command.value(controls) == "on";
+  if (std::string("save") == command.name && !controls.session_file.empty()) {
+    if (ImGui::MenuItem("Save session", command.key)) attempt(controls, "save");
+    if (ImGui::MenuItem("Save session as\xe2\x80\xa6")) attempt(controls, "browse save");
+    return explain(command);
+  }
   const std::string label = label_of(command) + (browses || types ? "\xe2\x80\xa6" : "");
   if (ImGui::MenuItem(label.c_str(), command.key, on)) {
     if (browses) {
@@ -71,11 +77,14 @@ void draw_title(const Snapshot& snapshot) {
 
 constexpr float kDialogWidth = 600, kDialogHeight = 380;
 
+// A name that is refused can be mended.
 void run_with_file(Controls& controls) {
-  const std::string line = controls.dialog->command + " " + controls.dialog->file();
+  const FileDialog dialog = *controls.dialog;
+  const Requests before = controls.requests;
   controls.dialog.reset();
-  attempt(controls, line);
-  if (!controls.requests.save) controls.quits_when_saved = false;  // it was refused
+  controls.folder = dialog.folder.string();
+  attempt(controls, dialog.command + " " + dialog.file());
+  if (controls.requests == before) controls.dialog = dialog;
 }
 
 // What a click on the list asks for.
@@ -232,7 +241,8 @@ void draw_question(Controls& controls, const PanelLayout& layout) {
     ImGui::SameLine();
     if (ImGui::Button("Cancel", {width, 0}) || escapes) controls.asks_to_save = false;
   } else {
-    ImGui::TextWrapped("A viewport ended before its work was saved. Bring that back?");
+    ImGui::TextWrapped("A viewport ended before its work was saved: %s. Bring that back?",
+                       controls.recoverable_what.c_str());
     const float width = share_of_line(3);
     if (ImGui::Button("Bring it back", {width, 0})) attempt(controls, "recover");
     ImGui::SameLine();

@@ -30,7 +30,11 @@ constexpr std::pair<const char*, const char*> kCommandLabels[] = {{"step", "One 
                                                                   {"load-state", "Load camera and look"},
                                                                   {"reload", "Read files again"},
                                                                   {"lead", "Make another the lead"},
-                                                                  {"remove", "Remove a character"}};
+                                                                  {"remove", "Remove a character"},
+                                                                  {"character", "Add character"},
+                                                                  {"recover", "Bring back unsaved work"},
+                                                                  {"unit", "Unit of characters"},
+                                                                  {"worn", "Attached"}};
 
 // After it the item before is hovered for long enough to be asked about.
 void show_tooltip(const std::string& text) {

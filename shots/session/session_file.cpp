@@ -42,6 +42,7 @@ constexpr auto kSessionFields = [](auto& list, auto& session) {
   list.structures("characters", session.cast, kCharacterFields);
   list.integer("frame", session.frame, -kLatestFrame, kLatestFrame);
   list.text("joint", session.joint);
+  list.text("saved_as", session.saved_as);
   list.structure("view", session.view, kSettingsFields);
 };
 

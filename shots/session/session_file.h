@@ -48,6 +48,7 @@ struct SessionFile {
   std::vector<SessionCharacter> cast;  // the first is the lead
   int frame = 1;                       // shown
   std::string joint;                   // selected; empty: none
+  std::string saved_as;                // of an autosave: the session's own file; empty: none yet
   ViewSettings view;
 };
 

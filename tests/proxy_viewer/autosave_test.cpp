@@ -150,6 +150,8 @@ TEST_F(LeavingTest, WhatACrashLeftIsBroughtBack) {
   EXPECT_EQ(open(keeping(), "hud off")->controls().recoverable, "") << "a script is not asked";
   const auto viewport = open(keeping(), "");
   ASSERT_EQ(viewport->controls().recoverable, left.string());
+  const std::string of = fs::path(read_session(left).cast.front().files.basis).filename().string();
+  EXPECT_EQ(viewport->controls().recoverable_what.rfind(of + ", 20", 0), 0u) << viewport->controls().recoverable_what;
   viewport->prompt("recover");
   EXPECT_EQ(viewport->controls().settings.pose.keys.at(1).joints.at("upper"), (Vec3{40, 0, 0}));
   EXPECT_FALSE(fs::exists(left));
@@ -159,6 +161,20 @@ TEST_F(LeavingTest, WhatACrashLeftIsBroughtBack) {
   viewport->key("Escape");
   viewport->prompt("save kept.json");
   EXPECT_FALSE(fs::exists(autosave()));
+}
+
+TEST_F(LeavingTest, WorkThatIsBroughtBackIsSavedWhereItWas) {
+  {
+    const auto viewport = open(keeping(), "hud off");
+    viewport->prompt("save shot.json");
+    viewport->prompt("turn upper 40 0 0");
+    viewport->let_pass(61);
+  }
+  const auto viewport = open(keeping(), "");
+  EXPECT_EQ(viewport->controls().recoverable_what.rfind("shot.json, 20", 0), 0u);
+  viewport->prompt("recover");
+  viewport->key("Ctrl+S");
+  EXPECT_EQ(read_session("shot.json").view.pose.joints.at("upper"), (Vec3{40, 0, 0}));
 }
 
 TEST_F(LeavingTest, WhatASessionReplacesIsKept) {
@@ -182,6 +198,11 @@ TEST_F(LeavingTest, ARefusedNameIsNoLeave) {
   answer(*viewport, true);
   ASSERT_TRUE(viewport->controls().dialog);
   EXPECT_TRUE(viewport->controls().quits_when_saved);
+  for (int k = 0; k < 12; ++k) viewport->key("Backspace");
+  viewport->type("shot.txt");
+  viewport->key("Enter");
+  ASSERT_TRUE(viewport->controls().dialog) << "it can be mended";
+  EXPECT_EQ(viewport->controls().dialog->name, "shot.txt");
   viewport->key("Escape");
   EXPECT_FALSE(viewport->controls().quits_when_saved);
 }

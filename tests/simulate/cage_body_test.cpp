@@ -146,6 +146,21 @@ TEST(CageBody, VolumeIsKeptEverywhere) {
   EXPECT_LT(changes[changes.size() * 99 / 100], 0.075);
 }
 
+// The points at which tets of second order are summed do not see their corners, which contact and large bends push
+// through tets as large as these.
+TEST(CageBody, NoEighthOfALargeTetTurnsOver) {
+  const Character limb = make_limb();
+  const QuasiStaticBody body = quadratic(limb, {make_flexor()}, 60, true);
+  for (const double turn : {90.0, 110.0, 130.0}) {
+    const SolvedPose solved = body.solve(bent(limb, degrees(turn)));
+    EXPECT_TRUE(solved.status.converged) << turn;
+    const TetMesh posed{solved.nodes, body.mesh().tets};
+    int turned_over = 0;
+    for (Eigen::Index t = 0; t < posed.tets.rows(); ++t) turned_over += tet_edges(posed, t).determinant() <= 0 ? 1 : 0;
+    EXPECT_EQ(turned_over, 0) << turn;
+  }
+}
+
 TEST(CageBody, HashTellsSkinsInOneCageApart) {
   Character limb = make_limb();
   const auto hash = [&] {

@@ -46,6 +46,8 @@ constexpr double kMaxMove = 0.01;
 // A cage's few large linear tets lock at the lambda that finer ones bear: with a quarter of it they come nearest to the
 // shapes of finer ones.
 constexpr double kCoarseLambda = 0.25;
+// Of lambda, that keeps the eighths of tets of second order upright where they have turned over.
+constexpr double kEighthsLambda = 0.05;
 constexpr double kLeastFilled = 0.1;  // of a cage's tet: emptier ones would have next to no stiffness
 // A strain that counts as none: residuals are relative to the forces of this strain at least. The energy at rest is not
 // zero, so that its rounding hides the last digits of smaller strains and a body at rest could never converge.
@@ -83,6 +85,12 @@ std::vector<BonePart> bones_by_weights(const TetMesh& mesh, const NodeWeights& w
     bones.push_back({t, static_cast<int>(joint), tet_edges(mesh, t).determinant() / 6 * moments});
   }
   return bones;
+}
+
+std::unique_ptr<Tissue> eighths_of(TetMesh mesh, std::vector<TetMaterial> tets) {
+  mesh.is_second_order = false;
+  for (TetMaterial& material : tets) material = {0, kEighthsLambda * material.lambda};
+  return std::make_unique<Tissue>(mesh, tets, std::vector<FibreTet>());
 }
 
 // The only root, or -1: the joint whose motion moves the whole body.
@@ -182,6 +190,7 @@ QuasiStaticBody::QuasiStaticBody(const Character& character, const std::vector<M
   inside_ = find_tissue(cage, anatomy);
   const std::vector<TetMaterial> tets = materials_in(cage, inside_.shares, materials);
   tissue_ = std::make_unique<Tissue>(mesh_, tets, inside_.fibres, materials);
+  if (mesh_.is_second_order) eighths_ = eighths_of(mesh_, tets);
   volume_ = std::make_unique<MuscleVolume>(mesh_, inside_.fibres, muscles.size(), materials);
 
   std::vector<double> muscle;
@@ -294,12 +303,13 @@ Positions QuasiStaticBody::carried(const Target& from, const Target& to, const P
   return result;
 }
 
-Objective QuasiStaticBody::energy(const Target& at, std::span<const ContactPlane> contact,
-                                  const Tissue::BarrierShape& barrier, bool hold_volume) const {
-  return [this, &at, contact, barrier, hold_volume](const Positions& x, Positions& gradient) {
+Objective QuasiStaticBody::energy(const Target& at, std::span<const ContactPlane> contact, const Upright& upright,
+                                  bool hold_volume) const {
+  return [this, &at, contact, upright, hold_volume](const Positions& x, Positions& gradient) {
     gradient.setZero();
-    const TissueSum tissue = tissue_->add_gradient(x, at.drives, gradient, barrier);
+    const TissueSum tissue = tissue_->add_gradient(x, at.drives, gradient, upright.barrier);
     double energy = tissue.energy + springs_->add_gradient(at.springs, x, gradient);
+    if (upright.eighths && eighths_) energy += eighths_->add_gradient(x, {}, gradient, upright.barrier).energy;
     if (hold_volume) energy += volume_->add_gradient(x, gradient);
     if (bending_) energy += bending_->add_gradient(at.curvature, x, gradient);
     energy += contact_->add_gradient(contact, x, gradient);
@@ -307,20 +317,20 @@ Objective QuasiStaticBody::energy(const Target& at, std::span<const ContactPlane
   };
 }
 
-int QuasiStaticBody::follow(const Target& at, const Tissue::BarrierShape& barrier, Positions& nodes) const {
+int QuasiStaticBody::follow(const Target& at, const Upright& upright, Positions& nodes) const {
   const StiffModes metric(*metric_, nodes.rows(), {}, {});
   Lbfgs lbfgs(metric, force_floor_, max_move_);
   const std::vector<ContactPlane> contact = contact_->find(nodes, kContactMargin * contact_->scale());
-  return lbfgs.minimise(energy(at, contact, barrier, false), kPathTolerance, kPathIterations, nodes).iterations;
+  return lbfgs.minimise(energy(at, contact, upright, false), kPathTolerance, kPathIterations, nodes).iterations;
 }
 
-MinimiseResult QuasiStaticBody::settle(const Target& at, const Tissue::BarrierShape& barrier, Positions& nodes) const {
+MinimiseResult QuasiStaticBody::settle(const Target& at, Upright upright, Positions& nodes) const {
   const auto [modes, stiffness] = volume_->stiff_modes(nodes);
   const StiffModes metric(*metric_, nodes.rows(), modes, stiffness);
   Lbfgs lbfgs(metric, force_floor_, max_move_);
   MinimiseResult result;
   const auto relax = [&](std::span<const ContactPlane> contact, int iterations) {
-    const MinimiseResult last = lbfgs.minimise(energy(at, contact, barrier, true), kTolerance, iterations, nodes);
+    const MinimiseResult last = lbfgs.minimise(energy(at, contact, upright, true), kTolerance, iterations, nodes);
     result = {last.residual, result.iterations + last.iterations};
   };
   HeldContact contact(*contact_, kContactMargin * contact_->scale(), nodes);
@@ -328,7 +338,10 @@ MinimiseResult QuasiStaticBody::settle(const Target& at, const Tissue::BarrierSh
   for (int round = 1; result.iterations < kMaxIterations; ++round) {
     const int end = std::min(result.iterations + iterations, kMaxIterations);
     relax(contact.planes(), end - result.iterations);
+    const bool has_turned_over = eighths_ && !upright.eighths && eighths_->inverted(nodes).tets > 0;
+    upright.eighths = upright.eighths || has_turned_over;
     const bool is_late = round >= kContactRounds, planes_fit = contact.renew(nodes);
+    if (has_turned_over) continue;
     if (result.residual < kTolerance && (planes_fit || is_late)) break;
     if (result.iterations < end && planes_fit) break;  // nothing lower can be found
     if (is_late) iterations *= 2;
@@ -341,11 +354,11 @@ SolvedPose QuasiStaticBody::solve_along(std::span<const Pose> path, std::span<co
   require_flex(flex, muscles_.size());
   std::optional<SolvedPose> nested;
   if (linear_ && path.size() == 1) nested = settle_from_linear(path.front(), flex);
-  SolvedPose solved = nested ? std::move(*nested) : attempt(path, flex, 1, Tissue::kBarrier);
+  SolvedPose solved = nested ? std::move(*nested) : attempt(path, flex, 1, kAtFirst);
   const bool is_deep = solved.status.contact_depth > kTooDeep * contact_->scale();
   if (!solved.status.converged || is_deep) {
     const int before = solved.status.iterations;
-    SolvedPose again = attempt(path, flex, 0.5, Tissue::kSteepBarrier);
+    SolvedPose again = attempt(path, flex, 0.5, kSteep);
     const int iterations = before + again.status.iterations;
     const bool is_shallower = again.status.contact_depth < solved.status.contact_depth;
     if (again.status.converged && (!solved.status.converged || is_shallower)) solved = std::move(again);
@@ -358,16 +371,16 @@ SolvedPose QuasiStaticBody::solve_along(std::span<const Pose> path, std::span<co
 }
 
 // Where tets stay inverted, a firmer barrier turns them, if it can.
-void QuasiStaticBody::settle_upright(const Target& at, const Tissue::BarrierShape& barrier, SolvedPose& solved) const {
-  MinimiseResult result = settle(at, barrier, solved.nodes);
+void QuasiStaticBody::settle_upright(const Target& at, const Upright& upright, SolvedPose& solved) const {
+  MinimiseResult result = settle(at, upright, solved.nodes);
   solved.status.iterations += result.iterations;
-  if (result.residual < kTolerance && tissue_->inverted(solved.nodes).tets > 0) {
-    Positions upright = solved.nodes;
-    const MinimiseResult again = settle(at, Tissue::kFirmBarrier, upright);
+  if (result.residual < kTolerance && inverted_tets(solved.nodes) > 0) {
+    Positions firm = solved.nodes;
+    const MinimiseResult again = settle(at, kFirm, firm);
     solved.status.iterations += again.iterations;
-    if (again.residual < kTolerance && tissue_->inverted(upright).tets == 0) {
+    if (again.residual < kTolerance && inverted_tets(firm) == 0) {
       result = again;
-      solved.nodes = std::move(upright);
+      solved.nodes = std::move(firm);
     }
   }
   solved.status.residual = result.residual;
@@ -394,8 +407,12 @@ void QuasiStaticBody::put_back_root_motion(const Pose& pose, Positions& nodes) c
   move_all(moved * inverse(affine_from(skeleton_.joints[joint].bind) * inverse_bind), nodes);
 }
 
+int QuasiStaticBody::inverted_tets(const Positions& nodes) const {
+  return tissue_->inverted(nodes).tets + (eighths_ ? eighths_->inverted(nodes).tets : 0);
+}
+
 void QuasiStaticBody::judge(SolvedPose& solved) const {
-  solved.status.inverted_tets = tissue_->inverted(solved.nodes).tets;
+  solved.status.inverted_tets = inverted_tets(solved.nodes);
   solved.status.contact_depth = contact_->deepest(solved.nodes);
   solved.status.volume_change = volume_->largest_change(solved.nodes);
   solved.status.converged = is_converged(solved.status);
@@ -403,7 +420,7 @@ void QuasiStaticBody::judge(SolvedPose& solved) const {
 
 // step_size: of the largest steps allowed.
 SolvedPose QuasiStaticBody::attempt(std::span<const Pose> path, std::span<const double> flex, double step_size,
-                                    const Tissue::BarrierShape& barrier) const {
+                                    const Upright& upright) const {
   const double hardest = flex.empty() ? 0 : *std::max_element(flex.begin(), flex.end());
   SolvedPose solved;
   Positions& nodes = solved.nodes;
@@ -426,9 +443,9 @@ SolvedPose QuasiStaticBody::attempt(std::span<const Pose> path, std::span<const 
       }
       nodes = std::move(start);
       if (next < 1 || !last) {
-        solved.status.iterations += follow(there, barrier, nodes);
+        solved.status.iterations += follow(there, upright, nodes);
       } else {
-        settle_upright(there, barrier, solved);
+        settle_upright(there, upright, solved);
       }
       here = std::move(there);
       at = next;
@@ -451,11 +468,11 @@ void QuasiStaticBody::walk_in(std::unique_ptr<const QuasiStaticBody> linear) {
 // Nothing where the linear tets find no rest or are folded deeper than their contact can tell, or what they carry is
 // tangled.
 std::optional<SolvedPose> QuasiStaticBody::settle_from_linear(const Pose& pose, std::span<const double> flex) const {
-  SolvedPose solved = linear_->attempt(std::span(&pose, 1), flex, 1, Tissue::kBarrier);
+  SolvedPose solved = linear_->attempt(std::span(&pose, 1), flex, 1, kAtFirst);
   if (!solved.status.converged || solved.status.contact_depth > kDeepFold * contact_->scale()) return {};
   solved.nodes = Positions(from_corners_ * solved.nodes);
   if (tissue_->inverted(solved.nodes).share > kMostTangled) return {};
-  settle_upright(target(without_root_motion(pose), flex), Tissue::kBarrier, solved);
+  settle_upright(target(without_root_motion(pose), flex), kAtFirst, solved);
   judge(solved);
   return solved;
 }

@@ -92,27 +92,36 @@ class QuasiStaticBody {
     Positions skinned;           // N x 3: the rest nodes by linear blend skinning
     std::vector<Quat> rotation;  // N: blended joint rotations
   };
+  // What keeps tets upright. eighths: those of tets of second order, too; the points at which these are summed do not
+  // see a corner that has passed through its tet.
+  struct Upright {
+    Tissue::BarrierShape barrier;
+    bool eighths;
+  };
+  static constexpr Upright kAtFirst{Tissue::kBarrier, false}, kSteep{Tissue::kSteepBarrier, true},
+      kFirm{Tissue::kFirmBarrier, true};
   // Each with the root's motion taken out, and without what rides.
   SolvedPose attempt(std::span<const Pose> path, std::span<const double> flex, double step_size,
-                     const Tissue::BarrierShape& barrier) const;
+                     const Upright& upright) const;
   std::optional<SolvedPose> settle_from_linear(const Pose& pose, std::span<const double> flex) const;
   LocalTransforms without_root_motion(const Pose& pose) const;
   void put_back_root_motion(const Pose& pose, Positions& nodes) const;
-  void judge(SolvedPose& solved) const;  // sets its status but for residual and iterations
+  int inverted_tets(const Positions& nodes) const;  // of those that are summed and, of second order, those that carry
+  void judge(SolvedPose& solved) const;             // sets its status but for residual and iterations
   Target target(const LocalTransforms& local, std::span<const double> flex) const;
   Positions carried(const Target& from, const Target& to, const Positions& nodes) const;
   // What rides becomes nodes of its own.
   void take_loose_pieces(const Character& whole, const LoosePieces& loose_pieces);
   void append_loose_pieces(const Pose& pose, Positions& nodes) const;
   // at and contact must outlive it.
-  Objective energy(const Target& at, std::span<const ContactPlane> contact, const Tissue::BarrierShape& barrier,
+  Objective energy(const Target& at, std::span<const ContactPlane> contact, const Upright& upright,
                    bool hold_volume) const;
   // Keeps a shape near the path, roughly and without holding the volume of muscles. Returns iterations.
-  int follow(const Target& at, const Tissue::BarrierShape& barrier, Positions& nodes) const;
-  // To equilibrium, or as near as it gets.
-  MinimiseResult settle(const Target& at, const Tissue::BarrierShape& barrier, Positions& nodes) const;
+  int follow(const Target& at, const Upright& upright, Positions& nodes) const;
+  // To equilibrium, or as near as it gets. Eighths that turn over on the way are held from then on.
+  MinimiseResult settle(const Target& at, Upright upright, Positions& nodes) const;
   // The same, upright: sets the nodes, iterations and residual of `solved`.
-  void settle_upright(const Target& at, const Tissue::BarrierShape& barrier, SolvedPose& solved) const;
+  void settle_upright(const Target& at, const Upright& upright, SolvedPose& solved) const;
 
   Skeleton skeleton_;
   std::vector<Muscle> muscles_;
@@ -129,6 +138,7 @@ class QuasiStaticBody {
   NodeWeights weights_;
   std::vector<std::vector<JointWeight>> node_joints_;  // N: the weights again, small ones dropped, sum 1
   std::unique_ptr<Tissue> tissue_;
+  std::unique_ptr<Tissue> eighths_;  // of tets of second order, which carry the skin; null in linear ones
   std::unique_ptr<MuscleVolume> volume_;
   std::unique_ptr<BoneSprings> springs_;
   std::unique_ptr<SkinBending> bending_;  // null in a lattice, whose surface is steps
