@@ -52,10 +52,11 @@ std::map<std::int64_t, std::size_t> add_fbx_materials(const FbxScene& scene, con
     if (material.kind != "Material") continue;
     Json base = {{"metallicFactor", 0}};
     if (const auto textures = scene.into(material.id, "Texture", "DiffuseColor"); !textures.empty()) {
-      const Json image = image_of(scene, *textures.front(), path, glb);
-      base["baseColorTexture"]["index"] = glb.root["textures"].size();
-      glb.root["textures"].push_back({{"source", glb.root["images"].size()}});
+      const Json image = image_of(scene, *textures.front(), path, glb);  // before a list that it may move
       glb.root["images"].push_back(image);
+      const std::size_t source = glb.root["images"].size() - 1;
+      base["baseColorTexture"]["index"] = glb.root["textures"].size();
+      glb.root["textures"].push_back({{"source", source}});
     } else {
       const Vec3 colour =
           scene.number(material, "DiffuseFactor", 1) * scene.vector(material, "DiffuseColor", {1, 1, 1});

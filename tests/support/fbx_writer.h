@@ -40,7 +40,7 @@ struct WrittenMaterial {
   int model = 0;
   std::string name;
   Vector colour{1, 1, 1};
-  std::string image, file;  // bytes in the file; or a name
+  std::string image{}, file{};  // bytes in the file; or a name
 };
 
 struct WrittenCurve {
