@@ -172,6 +172,8 @@ struct Controls {
   std::set<std::string> also;  // selected beside it
   std::optional<CopiedPose> copied;
   bool auto_key = false;           // what is posed is a key at once
+  bool dope_sheet = false;         // all keys are shown under the timeline, as wide as it
+  bool zooms = false;              // the timeline shows the range alone
   std::optional<int> keyed_frame;  // that the pose in hand is of
   bool flipped = false;            // while the key of "hold to flip" is down
   bool cheat_sheet = false;

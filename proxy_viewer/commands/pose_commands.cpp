@@ -96,6 +96,7 @@ const Command kPlaybackCommands[] = {
        if (out < c.playback.in()) c.say("the range began later: it is this frame now");
        c.playback.set_range(std::min(c.playback.in(), out), out);
      }},
+    switch_command<&Controls::zooms>("zoom-range", "Shift+I", "Playback", "the timeline shows only the range"),
     {"whole-range", "", "Alt+I", "Playback", "play all frames",
      [](Playback& playback, const std::string&) { playback.set_range(playback.first(), playback.last()); }},
     {"live", "[on|off]", "", "Playback", "poses that another program sends, or the clip",
@@ -126,18 +127,24 @@ std::pair<std::string, Vec3> joint_and_three(const std::string& text, const std:
   return {joint, three};
 }
 
-// Those of the range; what is there already gives way. Throws Error(usage) where the clip has no such frame.
+// Those of the range; what is there already gives way, which is said. Throws Error(usage) where the clip has no such
+// frame.
 void move_keys(Controls& c, bool takes_away, const std::function<int(int)>& to) {
   std::map<int, ViewSettings::PoseKey> moved, kept;
+  std::size_t count = 0;
   for (const auto& [frame, key] : c.settings.pose.keys) {
     const bool is_within = c.playback.in() <= frame && frame <= c.playback.out();
     if (!is_within || !takes_away) kept[frame] = key;
     if (!is_within) continue;
     c.playback.require_frame(to(frame));
+    ++count;
     moved[to(frame)] = key;
   }
   if (moved.empty()) throw Error(ErrorKind::usage, "the range has no keys");
+  count += kept.size();
   moved.merge(kept);
+  if (count > moved.size())
+    c.say(std::to_string(count - moved.size()) + " of the keys gave way to others of their frames");
   c.settings.pose.keys = std::move(moved);
   c.keyed_frame.reset();
 }
@@ -296,6 +303,7 @@ const Command kPoseCommands[] = {
      }},
     {"tween", "0-1", "", "Keys", "the pose on the way from the key before to the next",
      [](Controls& c, const std::string& a) { tween(c, number_within(a, 0, 1)); }},
+    switch_command<&Controls::dope_sheet>("dope-sheet", "Shift+K", "Keys", "all keys under the timeline"),
     switch_command<&Controls::auto_key>("auto-key", "", "Keys", "what is posed is a key of its frame at once"),
     {"save-pose", "FILE.json", "", "Pose", "the pose, or what of it several joints have",
      [](Controls& c, const std::string& a) {

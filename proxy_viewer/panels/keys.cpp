@@ -1,4 +1,4 @@
-// A dope sheet: what is keyed, a line each, over the range that is played.
+// The dope sheet: what is keyed, a line each.
 #include <algorithm>
 #include <cmath>
 #include <set>
@@ -8,8 +8,8 @@
 namespace bodyopt {
 namespace {
 
-constexpr float kNames = 0.42f;  // of the width
-constexpr float kRow = 18, kDiamond = 4.5f;
+constexpr float kNames = 0.42f;  // of the section's width
+constexpr float kRow = 18;
 
 // Joints, axes, controls and pins of a key.
 std::set<std::string> names_of(const ViewSettings::PoseKey& key) {
@@ -22,18 +22,19 @@ std::set<std::string> names_of(const ViewSettings::PoseKey& key) {
   return names;
 }
 
-// Those of a line, to be dragged to other frames; a click goes there.
-void draw_diamonds(const std::string& row, const std::set<int>& frames, const ImVec2& at, float width,
-                   Controls& controls) {
-  const Playback& playback = controls.playback;
-  const double count = std::max(1, playback.out() - playback.in());
+// Those of a line, to be dragged to other frames; a click goes there. Gives the command for that; empty: none.
+std::string draw_diamonds(const std::string& row, const std::set<int>& frames, const ImVec2& at, float width, int first,
+                          int last, const Controls& controls) {
+  std::string command;
+  const double count = std::max(1, last - first);
   ImDrawList& list = *ImGui::GetWindowDrawList();
   list.AddRectFilled(at, {at.x + width, at.y + kRow - 2}, ImGui::GetColorU32(ImGuiCol_FrameBg, 0.6f));
   const auto place = [&](int frame) {
-    return at.x + kDiamond + static_cast<float>((frame - playback.in()) / count) * (width - 2 * kDiamond);
+    return at.x + kDiamond + static_cast<float>((frame - first) / count) * (width - 2 * kDiamond);
   };
   for (const int frame : frames) {
-    if (frame < playback.in() || playback.out() < frame) continue;
+    if (frame < first || last < frame) continue;
+    const KeyEase ease = controls.settings.pose.keys.at(frame).ease;
     const float x = place(frame), y = at.y + kRow / 2 - 1;
     ImGui::SetCursorScreenPos({x - kDiamond, at.y});
     ImGui::PushID(frame);
@@ -42,35 +43,38 @@ void draw_diamonds(const std::string& row, const std::set<int>& frames, const Im
     if (ImGui::IsItemHovered()) ImGui::SetTooltip("frame %d: drag to move the key, with Shift all of the range", frame);
     if (ImGui::IsItemDeactivated()) {
       const double share = static_cast<double>((ImGui::GetIO().MousePos.x - at.x - kDiamond) / (width - 2 * kDiamond));
-      const int to = playback.in() + static_cast<int>(std::lround(std::clamp(share, 0.0, 1.0) * count));
+      const int to = first + static_cast<int>(std::lround(std::clamp(share, 0.0, 1.0) * count));
       const std::string moved = ImGui::GetIO().KeyShift
                                     ? "shift-keys " + std::to_string(to - frame)
                                     : "move-key " + std::to_string(frame) + " " + std::to_string(to);
-      attempt(controls, to == frame ? "frame " + std::to_string(frame) : moved);
+      command = to == frame ? "frame " + std::to_string(frame) : moved;
     }
     ImGui::PopID();
     // What follows: a diamond, a triangle where it is straight, a square where nothing moves.
     const ImVec2 middle{held ? ImGui::GetIO().MousePos.x : x, y};
-    const KeyEase ease = controls.settings.pose.keys.at(frame).ease;
     if (ease == KeyEase::step) {
       list.AddRectFilled({middle.x - 3.5f, y - 3.5f}, {middle.x + 3.5f, y + 3.5f}, kAccent);
     } else {
       list.AddCircleFilled(middle, kDiamond, kAccent, ease == KeyEase::linear ? 3 : 4);
     }
   }
-  if (playback.frame() < playback.in() || playback.out() < playback.frame()) return;
-  const float head = place(playback.frame());
+  const int shown = controls.playback.frame();
+  if (shown < first || last < shown) return command;
+  const float head = place(shown);
   list.AddLine({head, at.y}, {head, at.y + kRow - 2}, ImGui::GetColorU32(ImGuiCol_Text, 0.5f));
+  return command;
 }
 
-void draw_row(const std::string& name, const std::set<int>& frames, Controls& controls) {
+std::string draw_key_line(const std::string& name, const std::set<int>& frames, float name_width, float width,
+                          int first, int last, const Controls& controls) {
   const ImVec2 at = ImGui::GetCursorScreenPos();
-  const float width = ImGui::GetContentRegionAvail().x;
-  ImGui::PushClipRect(at, {at.x + kNames * width - 4, at.y + kRow}, true);
+  ImGui::PushClipRect(at, {at.x + name_width - 4, at.y + kRow}, true);
   ImGui::TextUnformatted(name.c_str());
   ImGui::PopClipRect();
-  draw_diamonds(name, frames, {at.x + kNames * width, at.y}, (1 - kNames) * width, controls);
+  const std::string command =
+      draw_diamonds(name, frames, {at.x + name_width, at.y}, width - name_width, first, last, controls);
   ImGui::SetCursorScreenPos({at.x, at.y + kRow});
+  return command;
 }
 
 // All keys, menu by menu, and what the mouse does.
@@ -119,7 +123,7 @@ void draw_mouse(float width) {
 
 }  // namespace
 
-void draw_keys(const Snapshot&, Controls& controls) {
+void draw_key_lines(Controls& controls, float name_width, float width, int first, int last) {
   if (controls.settings.pose.keys.empty()) {
     ImGui::TextDisabled("no keys: pose a frame, then Set key below (Alt+K)");
     return;
@@ -130,9 +134,22 @@ void draw_keys(const Snapshot&, Controls& controls) {
     all.insert(frame);
     for (const std::string& name : names_of(key)) rows[name].insert(frame);
   }
-  draw_row("all", all, controls);
-  for (const auto& [name, frames] : rows) draw_row(name, frames, controls);
-  ImGui::BeginDisabled(!all.contains(controls.playback.frame()));
+  // Keys are as they were until all lines are drawn.
+  std::string command = draw_key_line("all", all, name_width, width, first, last, controls);
+  for (const auto& [name, frames] : rows) {
+    const std::string of_line = draw_key_line(name, frames, name_width, width, first, last, controls);
+    if (!of_line.empty()) command = of_line;
+  }
+  if (!command.empty()) attempt(controls, command);
+}
+
+void draw_keys(const Snapshot&, Controls& controls) {
+  const Playback& playback = controls.playback;
+  const float width = ImGui::GetContentRegionAvail().x;
+  draw_key_lines(controls, kNames * width, width, playback.in(), playback.out());
+  const std::map<int, ViewSettings::PoseKey>& keys = controls.settings.pose.keys;
+  if (keys.empty()) return;
+  ImGui::BeginDisabled(!keys.contains(playback.frame()));
   command_choice(controls, "ease", "To the next");
   ImGui::EndDisabled();
   ImGui::Dummy({1, 1});

@@ -72,6 +72,7 @@ struct PanelLayout {
   float menu, timeline;  // heights
   float side;            // width
   float messages = 0;    // height, at the foot of the side panel
+  float sheet = 0;       // height, at the foot of the timeline
 
   float right() const { return width - side; }
   float bottom() const { return height - timeline; }
@@ -104,6 +105,9 @@ void draw_compare(const Snapshot& snapshot, Controls& controls);
 void draw_curate(const Snapshot& snapshot, Controls& controls);
 void draw_pose(const Snapshot& snapshot, Controls& controls);
 void draw_keys(const Snapshot& snapshot, Controls& controls);
+constexpr float kDiamond = 4.5f;  // half of what a key is drawn as
+// A line for all keys and one for each thing that is keyed: its name, and its keys between two frames.
+void draw_key_lines(Controls& controls, float name_width, float width, int first, int last);
 void draw_modifiers(const Snapshot& snapshot, Controls& controls);
 void draw_muscles(const Snapshot& snapshot, Controls& controls);
 void draw_jiggle(const Snapshot& snapshot, Controls& controls);

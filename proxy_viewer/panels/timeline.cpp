@@ -24,6 +24,7 @@ struct Bar {
     const double t = last > first ? (frame - first) / (last - first) : 0;
     return at.x + static_cast<float>(std::clamp(t, 0.0, 1.0)) * size.x;
   }
+  bool shows(int frame) const { return first <= frame && frame <= last; }
   int frame(float x) const {
     const double t = std::clamp(static_cast<double>((x - at.x) / std::max(1.0f, size.x)), 0.0, 1.0);
     return first + static_cast<int>(std::lround(t * (last - first)));
@@ -46,7 +47,8 @@ void draw_ticks(ImDrawList& list, const Bar& bar) {
 std::string text_of(float error) { return formatted("%.2f mm", static_cast<double>(error)); }
 
 // The frames that were measured, brighter than the others, and their RMS from the bottom; `worst`: the full height.
-void draw_error_columns(ImDrawList& list, const Bar& bar, const std::vector<ErrorRow>& errors, float worst) {
+void draw_error_columns(ImDrawList& list, const Bar& bar, const Snapshot& snapshot, float worst) {
+  const std::vector<ErrorRow>& errors = snapshot.errors;
   const float bottom = bar.at.y + bar.size.y;
   // One column per pixel at most, as high as the worst of its frames.
   float drawn = bar.at.x, highest = 0;
@@ -54,7 +56,9 @@ void draw_error_columns(ImDrawList& list, const Bar& bar, const std::vector<Erro
   for (std::size_t k = 0; k < errors.size(); ++k) {
     measured = measured || errors[k].measured;
     if (worst > 0 && std::isfinite(errors[k].rms)) highest = std::max(highest, errors[k].rms / worst);
-    const float right = bar.x(bar.first + static_cast<double>(k) + 0.5);
+    const double frame = snapshot.first_frame + static_cast<double>(k);
+    if (frame < bar.first) continue;
+    const float right = bar.x(frame + 0.5);
     if (right < drawn + 1 && k + 1 < errors.size()) continue;
     if (measured) list.AddRectFilled({drawn, bar.at.y}, {right, bottom}, kRange);
     if (highest > 0) list.AddRectFilled({drawn, bottom - (bar.size.y - 2) * highest}, {right, bottom}, kErrorColour);
@@ -66,9 +70,9 @@ void draw_error_columns(ImDrawList& list, const Bar& bar, const std::vector<Erro
 
 void draw_errors(ImDrawList& list, const Bar& bar, const Snapshot& snapshot) {
   const float worst = snapshot.worst ? snapshot.errors[*snapshot.worst].rms : 0;
-  draw_error_columns(list, bar, snapshot.errors, worst);
-  if (!(worst > 0)) return;
-  const float x = bar.x(bar.first + static_cast<double>(*snapshot.worst));
+  draw_error_columns(list, bar, snapshot, worst);
+  if (!(worst > 0) || !bar.shows(snapshot.first_frame + static_cast<int>(*snapshot.worst))) return;
+  const float x = bar.x(snapshot.first_frame + static_cast<double>(*snapshot.worst));
   const std::string text = text_of(worst);
   const float width = ImGui::CalcTextSize(text.c_str()).x * 12 / ImGui::GetFontSize();
   const bool fits = x + 6 + width < bar.at.x + bar.size.x;
@@ -99,9 +103,11 @@ void draw_frames(const Snapshot& snapshot, Controls& controls, const Bar& bar) {
   list.AddRectFilled(bar.at, end, kBar, 3);
   list.AddRectFilled({bar.x(playback.in()), bar.at.y}, {bar.x(playback.out()), end.y}, kRange, 3);
   draw_ticks(list, bar);
-  for (const int key : playback.keys()) list.AddCircleFilled({bar.x(key), bar.at.y + 6}, 3, kKeyColour, 4);
+  for (const int key : playback.keys()) {
+    if (bar.shows(key)) list.AddCircleFilled({bar.x(key), bar.at.y + 6}, 3, kKeyColour, 4);
+  }
   for (const auto& [frame, key] : controls.settings.pose.keys) {
-    list.AddCircleFilled({bar.x(frame), bar.at.y + 14}, 4, kAccent, 4);
+    if (bar.shows(frame)) list.AddCircleFilled({bar.x(frame), bar.at.y + 14}, 4, kAccent, 4);
   }
 }
 
@@ -134,25 +140,40 @@ void draw_sparkline(const Snapshot& snapshot, Controls& controls, const Bar& bar
 }
 
 void draw_head(const Bar& bar, float bottom, int frame) {
+  if (!bar.shows(frame)) return;
   ImDrawList& list = *ImGui::GetWindowDrawList();
   const float x = bar.x(frame);
   list.AddLine({x, bar.at.y - 2}, {x, bottom}, kAccent, 2);
   list.AddTriangleFilled({x - 5, bar.at.y - 4}, {x + 5, bar.at.y - 4}, {x, bar.at.y + 4}, kAccent);
 }
 
-void draw_bars(const Snapshot& snapshot, Controls& controls, float bottom) {
+Bar draw_bars(const Snapshot& snapshot, Controls& controls, float bottom) {
   constexpr float kSparkline = 20, kGap = 4;
   const ImVec2 at = ImGui::GetCursorScreenPos();
   const float width = std::max(1.0f, ImGui::GetContentRegionAvail().x);
   const float below = snapshot.errors.empty() ? 0 : kSparkline + kGap;
-  const Bar frames{at, {width, bottom - at.y - below}, controls.playback.first(), controls.playback.last()};
+  const Playback& playback = controls.playback;
+  const Bar frames{at,
+                   {width, bottom - at.y - below},
+                   controls.zooms ? playback.in() : playback.first(),
+                   controls.zooms ? playback.out() : playback.last()};
   draw_frames(snapshot, controls, frames);
   draw_end("in", controls.playback.in(), 1, controls, frames);
   draw_end("out", controls.playback.out(), -1, controls, frames);
   if (!snapshot.errors.empty()) {
     draw_sparkline(snapshot, controls, {{at.x, bottom - kSparkline}, {width, kSparkline}, frames.first, frames.last});
   }
-  draw_head(frames, bottom, controls.playback.frame());
+  draw_head(frames, bottom, playback.frame());
+  return frames;
+}
+
+// Under the bar, each key under its frame; what is left of it has the names.
+void draw_dope_sheet(Controls& controls, const Bar& bar, float top) {
+  ImGui::SetCursorScreenPos({ImGui::GetWindowPos().x + ImGui::GetStyle().WindowPadding.x, top});
+  const float name_width = bar.at.x - kDiamond - ImGui::GetCursorScreenPos().x;
+  ImGui::BeginChild("Sheet", {0, 0}, false, ImGuiWindowFlags_NoScrollbar);
+  draw_key_lines(controls, name_width, name_width + bar.size.x + 2 * kDiamond, bar.first, bar.last);
+  ImGui::EndChild();
 }
 
 void draw_buttons(Controls& controls) {
@@ -250,7 +271,8 @@ void draw_timeline(const Snapshot& snapshot, Controls& controls, const PanelLayo
     ImGui::SameLine(0, 14);
   }
   ImGui::SetCursorPosY(14);
-  draw_bars(snapshot, controls, layout.height - 10);
+  const Bar bar = draw_bars(snapshot, controls, layout.height - layout.sheet - 10);
+  if (layout.sheet > 0) draw_dope_sheet(controls, bar, layout.height - layout.sheet - 4);
   ImGui::End();
 }
 

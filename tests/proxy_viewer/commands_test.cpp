@@ -283,6 +283,8 @@ const std::map<std::string, Case>& cases() {
           return length(valued(c.settings.pose.joints, "LeftArm").value_or(Vec3{}) - Vec3{10, 0, 0}) < 1e-9;
         },
         {"", "1.5", "half"}}},
+      {"dope-sheet", {"on", [](C, C c) { return c.dope_sheet; }, {"yes"}}},
+      {"zoom-range", {"on", [](C, C c) { return c.zooms; }, {"yes"}}},
       {"auto-key", {"on", [](C, C c) { return c.auto_key; }, {"yes"}}},
       {"save-pose", {"p.json", [](C, C c) { return c.requests.save_pose == "p.json"; }, {"", "p.txt"}}},
       {"load-pose",

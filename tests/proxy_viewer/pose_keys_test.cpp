@@ -179,6 +179,10 @@ TEST_F(FlippedPoseTest, KeysOfTheRangeAreShiftedRepeatedAndScaled) {
   begin();
   run("scale-keys 0.5");
   EXPECT_EQ(frames(), (std::vector{5, 10, 15, 40}));
+  EXPECT_EQ(controls_.messages.size(), 1u);  // of the shift
+  run("scale-keys 0.01");
+  EXPECT_EQ(frames(), (std::vector{5, 10, 40}));
+  EXPECT_EQ(controls_.messages.back().text, "1 of the keys gave way to others of their frames");
   begin();
   EXPECT_EQ(kind_of([&] { run("shift-keys 90"); }), ErrorKind::usage) << "no such frame";
   EXPECT_EQ(frames(), (std::vector{5, 10, 20, 40}));
