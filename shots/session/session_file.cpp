@@ -89,9 +89,8 @@ std::string ActorFiles::own_file() const {
 std::vector<fs::path> ActorFiles::paths() const {
   std::vector<fs::path> all;
   if (is_basis(basis)) all = {dynamics(), attached()};
-  for (const std::string& file :
-       {basis, split_source(clip).path.string(), truth, levels().string(), is_basis(basis) ? own_file() : character,
-        limits, muscles, joint_map}) {
+  for (const std::string& file : {basis, split_source(clip).path.string(), truth, levels().string(),
+                                  is_basis(basis) ? own_file() : character, limits, muscles, joint_map}) {
     if (!file.empty()) all.emplace_back(file);
   }
   return all;
