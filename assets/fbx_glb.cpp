@@ -4,8 +4,10 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "assets/fbx_materials.h"
 #include "assets/fbx_skins.h"
 #include "assets/gltf_skeleton.h"
+#include "assets/gltf_skin.h"
 #include "assets/gltf_write.h"
 
 namespace bodyopt {
@@ -50,8 +52,8 @@ void add_skins(const FbxScene& scene, const FbxBody& body, GlbWriter& glb) {
         columns.push_back(column == 3 ? 1 : 0);
       }
     }
-    glb.root["skins"].push_back(
-        {{"joints", joints}, {"inverseBindMatrices", glb.add(columns, "MAT4", GlbTarget::none)}});
+    const std::size_t binds = glb.add(columns, "MAT4", GlbTarget::none);
+    glb.root["skins"].push_back({{"joints", joints}, {"inverseBindMatrices", binds}});
   }
 }
 
@@ -89,7 +91,32 @@ std::size_t add_vectors(const FbxScene& scene, const std::vector<Vec3>& vectors,
   return glb.add(floats, "VEC3", GlbTarget::vertices);
 }
 
-void add_part(const FbxScene& scene, const FbxNodes& nodes, const FbxBody& body, const FbxPart& part, GlbWriter& glb) {
+// What glTF has no attributes for: the triangles' corners have coordinates in images apart from the points, and each
+// triangle a material.
+void add_look(const FbxScene& scene, const FbxPart& part, std::int64_t model, const std::vector<std::size_t>& order,
+              const std::map<std::int64_t, std::size_t>& numbers, GlbWriter& glb, Json& attributes) {
+  const std::vector<const FbxObject*> materials = scene.into(model, "Material");
+  if (materials.empty()) return;
+  std::vector<std::uint32_t> material_of, texture_of;
+  for (const std::uint32_t own : part.mesh.material_of) {
+    material_of.push_back(static_cast<std::uint32_t>(numbers.at(materials[own < materials.size() ? own : 0]->id)));
+  }
+  attributes[kMaterialOf] = glb.add(material_of, "SCALAR", GlbTarget::none);
+  if (part.mesh.texture_of.empty()) return;
+  for (std::size_t c = 0; c < part.mesh.texture_of.size(); ++c) {
+    texture_of.push_back(part.mesh.texture_of[c - c % 3 + order[c % 3]]);
+  }
+  std::vector<float> rows;
+  for (std::size_t k = 0; k + 1 < part.mesh.texture.size(); k += 2) {
+    rows.insert(rows.end(),
+                {static_cast<float>(part.mesh.texture[k]), static_cast<float>(1 - part.mesh.texture[k + 1])});
+  }
+  attributes[kTextureRows] = glb.add(rows, "VEC2", GlbTarget::none);
+  attributes[kTextureOf] = glb.add(texture_of, "SCALAR", GlbTarget::none);
+}
+
+void add_part(const FbxScene& scene, const FbxNodes& nodes, const FbxBody& body, const FbxPart& part,
+              const std::map<std::int64_t, std::size_t>& materials, GlbWriter& glb) {
   Affine to_rest = part.to_rest;
   for (auto& row : to_rest.m) {
     for (std::size_t column = 0; column < 3; ++column) row[column] *= nodes.unit();
@@ -103,6 +130,9 @@ void add_part(const FbxScene& scene, const FbxNodes& nodes, const FbxBody& body,
   for (const auto& [a, b, c] : part.mesh.triangles)
     corners.insert(corners.end(), {a, is_mirrored ? c : b, is_mirrored ? b : c});
   primitive["indices"] = glb.add(corners, "SCALAR", GlbTarget::indices);
+  const std::vector<std::size_t> order =
+      is_mirrored ? std::vector<std::size_t>{0, 2, 1} : std::vector<std::size_t>{0, 1, 2};
+  add_look(scene, part, nodes.model(part.node).id, order, materials, glb, primitive["attributes"]);
   Json mesh = {{"name", nodes.model(part.node).name}};
   for (auto& row : to_rest.m) row[3] = 0;
   for (const FbxMesh::BlendShape& shape : part.mesh.shapes) {
@@ -172,7 +202,8 @@ std::string glb_of_fbx(const std::filesystem::path& path, std::string_view bytes
   add_nodes(nodes, glb);
   const FbxBody body = read_fbx_body(scene, nodes);
   add_skins(scene, body, glb);
-  for (const FbxPart& part : body.parts) add_part(scene, nodes, body, part, glb);
+  const std::map<std::int64_t, std::size_t> materials = add_fbx_materials(scene, path, glb);
+  for (const FbxPart& part : body.parts) add_part(scene, nodes, body, part, materials, glb);
   add_animations(scene, nodes, glb);
   return glb.bytes(path);
 }

@@ -35,26 +35,74 @@ void check_point(const FbxScene& scene, const FbxObject& object, std::int64_t po
   scene.fail("'", object.name, "' names point ", point, " of ", mesh.points.size(), "; the FBX file is damaged");
 }
 
-// Of a quad's halves those with the shorter diagonal; larger ones become fans.
-void append_polygon(std::vector<std::uint32_t> corners, FbxMesh& mesh) {
+// What a polygon, or one of its corners, has of a layer; nothing: that is not told.
+class FbxLayer {
+ public:
+  FbxLayer(const FbxObject& geometry, const char* element, const char* indices) : layer_(geometry.node->find(element)) {
+    if (layer_ == nullptr) return;
+    if (const FbxNode* found = layer_->find(indices)) indices_ = found->integers();
+    if (const FbxNode* found = layer_->find("MappingInformationType")) mapping_ = found->text(0);
+  }
+  const FbxNode* node() const { return layer_; }
+  std::optional<std::uint32_t> at(std::size_t corner, std::uint32_t point, std::size_t polygon) const {
+    std::size_t place = 0;
+    if (mapping_ == "ByPolygonVertex") place = corner;
+    if (mapping_ == "ByVertice" || mapping_ == "ByVertex") place = point;
+    if (mapping_ == "ByPolygon") place = polygon;
+    if (indices_.empty()) return static_cast<std::uint32_t>(place);
+    if (place >= indices_.size() || indices_[place] < 0 || indices_[place] > 0xFFFFFFF) return std::nullopt;
+    return static_cast<std::uint32_t>(indices_[place]);
+  }
+
+ private:
+  const FbxNode* layer_;
+  std::vector<std::int64_t> indices_;
+  std::string mapping_;
+};
+
+struct FbxLayers {
+  explicit FbxLayers(const FbxObject& geometry)
+      : texture(geometry, "LayerElementUV", "UVIndex"), material(geometry, "LayerElementMaterial", "Materials") {}
+  FbxLayer texture, material;
+};
+
+// Of a quad's halves those with the shorter diagonal; larger ones become fans. `first`: the number of its first corner.
+void append_polygon(const std::vector<std::uint32_t>& points, std::size_t first, std::size_t polygon,
+                    const FbxLayers& layers, FbxMesh& mesh) {
   const auto apart = [&](std::size_t a, std::size_t b) {
-    return length(mesh.points[corners[a]] - mesh.points[corners[b]]);
+    return length(mesh.points[points[a]] - mesh.points[points[b]]);
   };
-  if (corners.size() == 4 && apart(1, 3) < apart(0, 2)) corners = {corners[1], corners[2], corners[3], corners[0]};
-  for (std::size_t k = 2; k < corners.size(); ++k) mesh.triangles.push_back({corners[0], corners[k - 1], corners[k]});
+  const std::size_t turn = points.size() == 4 && apart(1, 3) < apart(0, 2) ? 1 : 0;
+  for (std::size_t k = 2; k < points.size(); ++k) {
+    std::array<std::uint32_t, 3>& triangle = mesh.triangles.emplace_back();
+    for (std::size_t i = 0; i < 3; ++i) {
+      const std::size_t corner = ((i == 0 ? 0 : k + i - 2) + turn) % points.size();
+      triangle[i] = points[corner];
+      const auto row = layers.texture.at(first + corner, points[corner], polygon);
+      mesh.texture_of.push_back(row && 2 * *row + 1 < mesh.texture.size() ? *row : 0);
+    }
+    mesh.material_of.push_back(layers.material.at(first, points[0], polygon).value_or(0));
+  }
 }
 
 // The last corner of a polygon is written as its complement.
 void read_polygons(const FbxScene& scene, const FbxObject& geometry, FbxMesh& mesh) {
+  const FbxLayers layers(geometry);
+  const FbxNode* coordinates = layers.texture.node() == nullptr ? nullptr : layers.texture.node()->find("UV");
+  if (coordinates != nullptr) mesh.texture = coordinates->numbers();
+  if (!std::ranges::all_of(mesh.texture, [](double x) { return std::abs(x) < 1e6; })) mesh.texture.clear();
+  std::size_t corner_count = 0, polygon_count = 0;
   std::vector<std::uint32_t> corners;
   for (const std::int64_t corner : mesh_integers(geometry, "PolygonVertexIndex")) {
     const std::int64_t point = corner < 0 ? ~corner : corner;
     check_point(scene, geometry, point, mesh);
     corners.push_back(static_cast<std::uint32_t>(point));
     if (corner >= 0) continue;
-    append_polygon(std::move(corners), mesh);
+    append_polygon(corners, corner_count, polygon_count++, layers, mesh);
+    corner_count += corners.size();
     corners.clear();
   }
+  if (mesh.texture.size() < 2) mesh.texture_of.clear();
   if (!corners.empty()) scene.fail("the last polygon of '", geometry.name, "' has no end; the FBX file is damaged");
 }
 

@@ -21,7 +21,10 @@ struct FbxCluster {
 struct FbxMesh {
   std::vector<Vec3> points;  // as the file numbers them
   std::vector<std::array<std::uint32_t, 3>> triangles;
-  std::vector<FbxCluster> clusters;  // none: it is not skinned
+  std::vector<double> texture;             // R x 2, from the lower left
+  std::vector<std::uint32_t> texture_of;   // of each corner of the triangles, among those; empty: none
+  std::vector<std::uint32_t> material_of;  // of each triangle, among those of the model
+  std::vector<FbxCluster> clusters;        // none: it is not skinned
 
   struct BlendShape {
     std::vector<Vec3> offsets;  // of every point

@@ -87,10 +87,8 @@ FbxValue binary_value(FbxBytes& bytes) {
     case 'D':
       return bytes.take<double>();
     case 'S':
-      return std::string(bytes.take(bytes.take<std::uint32_t>()));
     case 'R':
-      bytes.take(bytes.take<std::uint32_t>());
-      return std::string();
+      return std::string(bytes.take(bytes.take<std::uint32_t>()));
     case 'b':
     case 'c':
       return array_value<std::int8_t>(bytes);

@@ -12,7 +12,7 @@
 
 namespace bodyopt {
 
-// Raw data (pictures) are empty strings.
+// Raw data (pictures) are strings.
 using FbxValue = std::variant<std::int64_t, double, std::string, std::vector<std::int64_t>, std::vector<double>>;
 
 struct FbxNode {

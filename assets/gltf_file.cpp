@@ -79,6 +79,7 @@ GltfFile::GltfFile(const std::filesystem::path& path, std::string_view bytes) : 
   } catch (const std::exception& exception) {
     error = exception.what();
   }
+  look_ = std::move(guarded.look);
   if (!loaded) fail("not a valid glTF file: ", error);
   bytes_left_ = std::size_t{64} << 20;
   for (std::vector<unsigned char>& buffer : guarded.buffers) {
@@ -96,6 +97,17 @@ const tinygltf::Accessor& GltfFile::accessor(int index, int type, const std::str
   return accessor;
 }
 
+std::span<const unsigned char> GltfFile::bytes(int buffer_view, const std::string& what) const {
+  if (buffer_view < 0 || buffer_view >= std::ssize(model_.bufferViews)) fail(what, ": no buffer view ", buffer_view);
+  const tinygltf::BufferView& part = model_.bufferViews[static_cast<std::size_t>(buffer_view)];
+  if (part.buffer < 0 || part.buffer >= std::ssize(model_.buffers)) fail(what, ": its buffer does not exist");
+  const std::vector<unsigned char>& buffer = model_.buffers[static_cast<std::size_t>(part.buffer)].data;
+  if (part.byteOffset > buffer.size() || part.byteLength > buffer.size() - part.byteOffset) {
+    fail(what, ": its buffer view reaches beyond the buffer");
+  }
+  return std::span(buffer).subspan(part.byteOffset, part.byteLength);
+}
+
 std::vector<double> GltfFile::decode(const Elements& elements, const std::string& what) const {
   const auto component = std::ranges::find(kComponentTypes, elements.component_type, &ComponentType::type);
   if (component == std::end(kComponentTypes)) fail(what, ": unknown component type ", elements.component_type);
@@ -107,23 +119,16 @@ std::vector<double> GltfFile::decode(const Elements& elements, const std::string
   std::vector<double> values(elements.count * elements.components, 0.0);
   if (elements.buffer_view == -1) return values;  // as the specification says
 
-  if (elements.buffer_view < 0 || elements.buffer_view >= std::ssize(model_.bufferViews)) {
-    fail(what, ": no buffer view ", elements.buffer_view);
-  }
-  const tinygltf::BufferView& part = model_.bufferViews[static_cast<std::size_t>(elements.buffer_view)];
-  if (part.buffer < 0 || part.buffer >= std::ssize(model_.buffers)) fail(what, ": its buffer does not exist");
-  const std::vector<unsigned char>& buffer = model_.buffers[static_cast<std::size_t>(part.buffer)].data;
-  if (part.byteOffset > buffer.size() || part.byteLength > buffer.size() - part.byteOffset) {
-    fail(what, ": its buffer view reaches beyond the buffer");
-  }
+  const std::span<const unsigned char> view = bytes(elements.buffer_view, what);
+  const std::size_t own_stride = model_.bufferViews[static_cast<std::size_t>(elements.buffer_view)].byteStride;
   const std::size_t element = elements.components * component->bytes;
-  const std::size_t stride = part.byteStride == 0 ? element : part.byteStride;
+  const std::size_t stride = own_stride == 0 ? element : own_stride;
   if (stride < element) fail(what, ": its stride is smaller than an element");
-  if (elements.offset > part.byteLength || part.byteLength - elements.offset < element ||
-      (part.byteLength - elements.offset - element) / stride < elements.count - 1) {
+  if (elements.offset > view.size() || view.size() - elements.offset < element ||
+      (view.size() - elements.offset - element) / stride < elements.count - 1) {
     fail(what, ": ", elements.count, " elements reach beyond the buffer view; the file is damaged");
   }
-  const unsigned char* data = buffer.data() + part.byteOffset + elements.offset;
+  const unsigned char* data = view.data() + elements.offset;
   for (std::size_t i = 0; i < values.size(); ++i) {
     const std::size_t row = i / elements.components, column = i % elements.components;
     values[i] = component->number_at(data + row * stride + column * component->bytes, elements.normalized);

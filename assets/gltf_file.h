@@ -5,23 +5,28 @@
 #include <tiny_gltf.h>
 
 #include <filesystem>
+#include <nlohmann/json.hpp>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "runtime/core/error.h"
+#include "runtime/core/json.h"
 
 namespace bodyopt {
 
 class GltfFile {
  public:
-  // Images, extras and extensions are not loaded, and of materials names and base colours alone. Buffers may be in the
-  // file, a data URI, or a file in the same folder. Throws Error(file).
+  // Extras and extensions are not loaded. Buffers may be in the file, a data URI, or a file in the same folder. Throws
+  // Error(file).
   explicit GltfFile(const std::filesystem::path& path);
   // The same of a file's bytes that are in memory already; messages call them `path`.
   GltfFile(const std::filesystem::path& path, std::string_view bytes);
 
   const tinygltf::Model& model() const { return model_; }
+  // `materials`, `textures`, `samplers` and `images` as the file has them, unchecked; the model has none.
+  const Json& look() const { return look_; }
   const std::filesystem::path& path() const { return path_; }
   // Of what the scene does not show, one sentence each: its nodes draw nothing in the model.
   const std::vector<std::string>& notes() const { return notes_; }
@@ -33,6 +38,9 @@ class GltfFile {
 
   // As numbers, for unsigned integer accessors of joint and vertex indices.
   std::vector<std::uint32_t> indices(int accessor, int type, const std::string& what) const;
+
+  // Of a buffer view. Throws Error(file).
+  std::span<const unsigned char> bytes(int buffer_view, const std::string& what) const;
 
   // Throws Error(file), the message starting with the path.
   [[noreturn]] void fail(const auto&... problem) const { throw Error(ErrorKind::file, path_, ": ", problem...); }
@@ -46,6 +54,7 @@ class GltfFile {
 
   std::filesystem::path path_;
   tinygltf::Model model_;
+  Json look_;
   std::vector<std::string> notes_;
   mutable std::size_t bytes_left_ = 0;  // how much more may be decoded
 };

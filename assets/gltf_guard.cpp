@@ -72,15 +72,11 @@ bool starts_an_object(std::string_view text) {
   return first != std::string_view::npos && text[first] == '{';
 }
 
-// How deep the JSON of what the file's lists hold lies, as buffer views do.
-constexpr int kListed = 3;
-
-// Parses with a limit on nesting (destructors and tinygltf recurse), without extras, and without extensions but of what
-// the file's lists hold.
+// Parses with a limit on nesting (destructors and tinygltf recurse), without extras.
 Json parse_json(const std::filesystem::path& path, const std::string& text) {
   const auto filter = [&](int depth, Json::parse_event_t event, const Json& value) {
     if (depth > kMaxNesting) fail(path, "its JSON is nested deeper than 64 levels");
-    return event != Json::parse_event_t::key || (value != "extras" && (value != "extensions" || depth == kListed));
+    return event != Json::parse_event_t::key || value != "extras";
   };
   try {
     return Json::parse(text, filter);
@@ -98,7 +94,8 @@ void check_version(const std::filesystem::path& path, const Json& root) {
   if (version.rfind("2.", 0) != 0) fail(path, "glTF version ", version, ", expected 2.0; export it as glTF 2.0");
 }
 
-// Extensions that change only what is not read here (materials, textures, lights, what avatars do) or that are read.
+// Extensions that change only what is not read here (lights, what avatars do, how light meets a material) or that are
+// read.
 bool is_harmless(const std::string& extension) {
   constexpr const char* kBeginnings[] = {"KHR_materials_", "EXT_materials_", "ADOBE_materials_",
                                          "KHR_texture_",   "EXT_texture_",   "MSFT_texture_",
@@ -168,20 +165,6 @@ std::string percent_decoded(const std::string& uri) {
   return text;
 }
 
-// The file a buffer's URI names: only one that lies, links followed, in the folder of the glTF file.
-std::filesystem::path external_file(const std::filesystem::path& path, const std::string& uri) {
-  const std::filesystem::path relative = percent_decoded(uri);
-  if (relative.is_absolute() || uri.find("://") != std::string::npos) {
-    fail(path, "buffer '", uri, "' lies outside the file's folder; only files beside it are read");
-  }
-  const std::filesystem::path folder = std::filesystem::weakly_canonical(std::filesystem::absolute(path)).parent_path();
-  const std::filesystem::path file = std::filesystem::weakly_canonical(folder / relative);
-  const auto [end, unused] = std::mismatch(folder.begin(), folder.end(), file.begin(), file.end());
-  if (end != folder.end())
-    fail(path, "buffer '", uri, "' lies outside the file's folder; only files beside it are read");
-  return file;
-}
-
 Bytes resolve_buffer(const std::filesystem::path& path, const Json& buffer, const Bytes* binary) {
   if (!buffer.is_object() || !buffer.contains("byteLength") || !buffer["byteLength"].is_number_unsigned()) {
     fail(path, "a buffer has no byteLength");
@@ -198,7 +181,7 @@ Bytes resolve_buffer(const std::filesystem::path& path, const Json& buffer, cons
     std::string mime;
     if (!tinygltf::DecodeDataURI(&bytes, mime, uri, 0, false)) fail(path, "a buffer's data URI cannot be decoded");
   } else {
-    const std::filesystem::path beside = external_file(path, uri);
+    const std::filesystem::path beside = gltf_file_beside(path, "buffer", uri);
     if (!std::filesystem::exists(beside)) {
       fail(path, "its buffer '", uri, "' is missing: a .gltf file and the buffers beside it belong together");
     }
@@ -212,24 +195,23 @@ Bytes resolve_buffer(const std::filesystem::path& path, const Json& buffer, cons
   return bytes;
 }
 
-// Of materials the names and base colours; what is wrong with them is left out.
-void keep_colours(Json& root) {
-  Json kept = Json::array();
-  for (const Json& material : root.value("materials", Json::array())) {
-    Json& bare = kept.emplace_back(Json::object());
-    if (!material.is_object()) continue;
-    if (material.contains("name") && material["name"].is_string()) bare["name"] = material["name"];
-    const Json::json_pointer place("/pbrMetallicRoughness/baseColorFactor");
-    if (!material.contains(place)) continue;
-    const Json& colour = material[place];
-    const auto is_share = [](const Json& x) { return x.is_number() && x >= 0 && x <= 1; };
-    if (!colour.is_array() || colour.size() != 4 || !std::ranges::all_of(colour, is_share)) continue;
-    bare["pbrMetallicRoughness"]["baseColorFactor"] = colour;
+void remove_extensions(Json& json) {
+  if (json.is_object()) json.erase("extensions");
+  for (Json& child : json) {
+    if (child.is_structured()) remove_extensions(child);
   }
-  root["materials"] = kept;
 }
 
 }  // namespace
+
+std::filesystem::path gltf_file_beside(const std::filesystem::path& path, const char* what, const std::string& uri) {
+  const std::filesystem::path relative = percent_decoded(uri);
+  const std::filesystem::path folder = std::filesystem::weakly_canonical(std::filesystem::absolute(path)).parent_path();
+  const std::filesystem::path file = std::filesystem::weakly_canonical(folder / relative);
+  const auto [end, unused] = std::mismatch(folder.begin(), folder.end(), file.begin(), file.end());
+  if (end == folder.end() && !relative.is_absolute() && uri.find("://") == std::string::npos) return file;
+  fail(path, what, " '", uri, "' lies outside the file's folder; only files beside it are read");
+}
 
 std::string read_gltf_bytes(const std::filesystem::path& path) {
   return read_file(path, kMaxBufferBytes, "a glTF file");
@@ -267,16 +249,12 @@ GuardedGltf guard_gltf(const std::filesystem::path& path, std::string_view bytes
     fail(path, "a buffer's file cannot be found: ", error.what());
   }
   decompress_views(path, root, guarded.buffers);
-  for (auto& list : root) {
-    for (auto& listed : list) {
-      if (listed.is_object()) listed.erase("extensions");
-    }
-  }
-  for (const char* key :
-       {"buffers", "images", "textures", "samplers", "cameras", "extensionsRequired", "extensionsUsed"}) {
+  for (const char* key : {"materials", "textures", "samplers", "images"}) {
+    if (root.contains(key)) guarded.look[key] = std::move(root[key]);
     root.erase(key);
   }
-  keep_colours(root);
+  for (const char* key : {"buffers", "cameras", "extensionsRequired", "extensionsUsed"}) root.erase(key);
+  remove_extensions(root);
   guarded.json = root.dump(-1, ' ', false, Json::error_handler_t::replace);
   return guarded;
 }
@@ -288,7 +266,8 @@ std::vector<std::filesystem::path> gltf_files(const std::filesystem::path& path)
   const Json buffers = root.contains("buffers") ? root["buffers"] : Json::array();
   for (const Json& buffer : buffers) {
     if (!buffer.is_object() || !buffer.contains("uri") || !buffer["uri"].is_string()) continue;
-    if (const std::string uri = buffer["uri"]; !tinygltf::IsDataURI(uri)) files.push_back(external_file(path, uri));
+    const std::string uri = buffer["uri"];
+    if (!tinygltf::IsDataURI(uri)) files.push_back(gltf_file_beside(path, "buffer", uri));
   }
   return files;
 }

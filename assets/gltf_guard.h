@@ -2,19 +2,26 @@
 #pragma once
 
 #include <filesystem>
+#include <nlohmann/json.hpp>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "runtime/core/json.h"
+
 namespace bodyopt {
 
 struct GuardedGltf {
-  std::string json;  // without buffers, images, extras and extensions; materials have names and colours
+  std::string json;  // without buffers, materials and what these name, extras and extensions
+  Json look;         // `materials`, `textures`, `samplers` and `images`, as the file has them
   std::vector<std::vector<unsigned char>> buffers;  // as long as the file says they are
 };
 
 // Of a file's bytes; messages call it `path`, beside which its buffers may lie. Throws Error(file).
 GuardedGltf guard_gltf(const std::filesystem::path& path, std::string_view bytes);
+// The file that the URI of a buffer or an image, `what` in messages, names: only one that lies, links followed, in the
+// folder of the glTF file at `path`. Throws Error(file).
+std::filesystem::path gltf_file_beside(const std::filesystem::path& path, const char* what, const std::string& uri);
 // Throws Error(file).
 std::string read_gltf_bytes(const std::filesystem::path& path);
 

@@ -138,20 +138,26 @@ void GltfShapesWriter::close() {
   }
   GlbWriter glb;
   glb.root["asset"]["generator"] = kGenerator;
+  const SplitSurface split = split_corners(layout_.surface, corners_, layout_.points);
+  const auto spread = [&](std::span<const float> values) {
+    std::vector<float> own;
+    for (const std::uint32_t place : split.places) own.insert(own.end(), &values[3 * place], &values[3 * place] + 3);
+    return own;
+  };
   SmoothNormals smooth(frame(0), corners_);
   const std::vector<float> normals = smooth(frame(0));
   Json drawn = {{"attributes",
-                 {{"POSITION", glb.add(frame(0), "VEC3", GlbTarget::vertices)},
-                  {"NORMAL", glb.add(normals, "VEC3", GlbTarget::vertices)}}}};
+                 {{"POSITION", glb.add(spread(frame(0)), "VEC3", GlbTarget::vertices)},
+                  {"NORMAL", glb.add(spread(normals), "VEC3", GlbTarget::vertices)}}}};
   Json names = Json::array();
   for (std::size_t k = 1; k < count; ++k) {
     drawn["targets"].push_back(
-        {{"POSITION", glb.add(difference(frame(k), frame(0)), "VEC3", GlbTarget::vertices)},
-         {"NORMAL", glb.add(difference(smooth(frame(k)), normals), "VEC3", GlbTarget::vertices)}});
+        {{"POSITION", glb.add(spread(difference(frame(k), frame(0))), "VEC3", GlbTarget::vertices)},
+         {"NORMAL", glb.add(spread(difference(smooth(frame(k)), normals)), "VEC3", GlbTarget::vertices)}});
     names.push_back("frame " + std::to_string(layout_.frames[k]));
   }
-  glb.root["meshes"].push_back(
-      {{"name", layout_.name}, {"primitives", surface_primitives(corners_, layout_.surface, drawn, glb)}});
+  const Json primitives = surface_primitives(split.corners, split.surface, drawn, glb);
+  glb.root["meshes"].push_back({{"name", layout_.name}, {"primitives", primitives}});
   glb.root["nodes"].push_back({{"name", layout_.name}, {"mesh", 0}});
   glb.root["scenes"][0]["nodes"].push_back(0);
   if (count > 1) {

@@ -7,6 +7,7 @@
 
 #include "assets/gltf_skeleton.h"
 #include "assets/gltf_unit.h"
+#include "assets/surface_materials.h"
 #include "assets/wording.h"
 
 namespace bodyopt {
@@ -201,8 +202,8 @@ std::vector<SkinPrimitive> skin_primitives(const GltfFile& file, int skin) {
   return primitives;
 }
 
-// count x 3. With alpha or without.
-std::vector<double> colours_of(const GltfFile& file, int accessor, std::size_t count, const std::string& what) {
+// count x 3, without alpha.
+std::vector<double> rgb_of(const GltfFile& file, int accessor, std::size_t count, const std::string& what) {
   const auto& accessors = file.model().accessors;
   const bool alpha = accessor >= 0 && accessor < std::ssize(accessors) &&
                      accessors[static_cast<std::size_t>(accessor)].type == TINYGLTF_TYPE_VEC4;
@@ -211,11 +212,70 @@ std::vector<double> colours_of(const GltfFile& file, int accessor, std::size_t c
   if (numbers.size() != components * count) file.fail(what, " has another count than the positions");
   std::vector<double> colours;
   for (std::size_t k = 0; k < numbers.size(); ++k) {
-    if (k % components == 3) continue;
-    if (!(numbers[k] >= 0 && numbers[k] <= 1)) file.fail(what, ": element ", k / components, " is not from 0 to 1");
-    colours.push_back(numbers[k]);
+    if (k % components != 3) colours.push_back(numbers[k]);
   }
   return colours;
+}
+
+// `part` among what is there of the parts before it, so many values to a vertex; `otherwise` of parts that have none.
+void append_values(const std::vector<double>& part, std::size_t width, std::size_t before, std::size_t count,
+                   double otherwise, std::vector<double>& all) {
+  if (part.empty() && all.empty()) return;
+  all.resize(width * before, otherwise);
+  all.insert(all.end(), part.begin(), part.end());
+  all.resize(width * (before + count), otherwise);
+}
+
+// Of the corners of triangles, so many with those of the parts before; the first row is of those that have none.
+void append_rows(const GltfFile& file, const SkinPrimitive& part, std::size_t corners, SkinLook& look) {
+  const int accessor = attribute(part.primitive, kTextureOf);
+  if (accessor >= 0) {
+    const auto rows = file.numbers(attribute(part.primitive, kTextureRows), TINYGLTF_TYPE_VEC2, part.what + " rows");
+    const auto own = file.indices(accessor, TINYGLTF_TYPE_SCALAR, part.what + " corners' rows");
+    if (look.texture_of.empty()) {
+      look.texture.assign(2, 0.0);
+      look.texture_of.assign(corners - own.size(), 0);
+    }
+    const std::size_t first = look.texture.size() / 2;
+    for (const std::uint32_t row : own) {
+      if (2 * std::size_t{row} + 1 >= rows.size()) file.fail(part.what, ": a corner has no coordinates");
+      look.texture_of.push_back(static_cast<std::uint32_t>(first + row));
+    }
+    look.texture.insert(look.texture.end(), rows.begin(), rows.end());
+  }
+  if (!look.texture_of.empty()) look.texture_of.resize(corners, 0);
+}
+
+SkinLook look_of(const GltfFile& file, const std::vector<SkinPrimitive>& parts) {
+  SkinLook look;
+  std::size_t before = 0;
+  for (const SkinPrimitive& part : parts) {
+    SkinGeometry geometry;
+    const std::size_t count = vertex_count(file, part);
+    append_triangles(file, part.primitive, count, part.what, geometry);
+    const std::size_t triangles = look.materials.size() + geometry.triangles.size();
+    if (const int accessor = attribute(part.primitive, kMaterialOf); accessor >= 0) {
+      const auto own = file.indices(accessor, TINYGLTF_TYPE_SCALAR, part.what + " materials");
+      if (own.size() != geometry.triangles.size()) file.fail(part.what, ": has not a material for each triangle");
+      for (const std::uint32_t material : own) look.materials.push_back(static_cast<int>(material));
+    }
+    look.materials.resize(triangles, part.primitive.material);
+    append_rows(file, part, 3 * triangles, look);
+    const std::string set = "TEXCOORD_" + std::to_string(base_texture_set(file, part.primitive.material));
+    std::vector<double> texture, colours;
+    if (const int accessor = attribute(part.primitive, set); accessor >= 0) {
+      texture = file.numbers(accessor, TINYGLTF_TYPE_VEC2, part.what + " " + set);
+      if (texture.size() != 2 * count) file.fail(part.what, " ", set, " has another count than the positions");
+    }
+    if (const int accessor = attribute(part.primitive, "COLOR_0"); accessor >= 0) {
+      colours = rgb_of(file, accessor, count, part.what + " COLOR_0");
+      for (double& share : colours) share = std::clamp(share, 0.0, 1.0);
+    }
+    if (look.texture_of.empty()) append_values(texture, 2, before, count, 0, look.texture);
+    append_values(colours, 3, before, count, 1, look.colours);
+    before += count;
+  }
+  return look;
 }
 
 }  // namespace
@@ -306,7 +366,10 @@ std::vector<double> read_vertex_colours(const std::filesystem::path& character, 
     }
     const std::size_t count = vertex_count(file, part);
     if (name.starts_with("COLOR_") && attribute(primitive, name) >= 0) {
-      const std::vector<double> own = colours_of(file, attribute(primitive, name), count, what + " " + name);
+      const std::vector<double> own = rgb_of(file, attribute(primitive, name), count, what + " " + name);
+      const auto wrong = std::ranges::find_if_not(own, [](double share) { return share >= 0 && share <= 1; });
+      if (wrong != own.end())
+        file.fail(what, " ", name, ": element ", (wrong - own.begin()) / 3, " is not from 0 to 1");
       colours.insert(colours.end(), own.begin(), own.end());
     } else {
       colours.resize(colours.size() + 3 * count, 0.0);
@@ -319,23 +382,16 @@ std::vector<double> read_vertex_colours(const std::filesystem::path& character, 
   return colours;
 }
 
-std::vector<int> read_skin_materials(const GltfFile& file, int skin) {
-  std::vector<int> all;
-  for (const SkinPrimitive& part : skin_primitives(file, skin)) {
-    SkinGeometry geometry;
-    append_triangles(file, part.primitive, vertex_count(file, part), part.what, geometry);
-    const int material = part.primitive.material;
-    if (material >= std::ssize(file.model().materials)) file.fail(part.what, ": has no material ", material);
-    all.resize(all.size() + geometry.triangles.size(), material);
-  }
-  return all;
+SkinLook read_skin_look(const GltfFile& file, int skin) { return look_of(file, skin_primitives(file, skin)); }
+
+SkinLook read_node_look(const GltfFile& file, std::size_t node) {
+  std::vector<SkinPrimitive> primitives;
+  append_primitives(file, file.model().nodes[node], {}, primitives);
+  return look_of(file, primitives);
 }
 
 std::vector<double> read_texture_coordinates(const std::filesystem::path& character) {
-  return read_texture_coordinates(GltfFile(character));
-}
-
-std::vector<double> read_texture_coordinates(const GltfFile& file) {
+  const GltfFile file(character);
   std::vector<double> all;
   const int skin = choose_skin(file);
   if (skin < 0) file.fail("has no skinned mesh");

@@ -50,19 +50,35 @@ std::size_t GlbWriter::add_values(std::span<const T> values, int component_type,
     low[i % components] = std::min(low[i % components], value);
     high[i % components] = std::max(high[i % components], value);
   }
-  Json view = {{"buffer", 0}, {"byteOffset", binary_.size()}, {"byteLength", values.size_bytes()}};
-  if (target != GlbTarget::none) view["target"] = static_cast<int>(target);
-  root["bufferViews"].push_back(view);
-  root["accessors"].push_back({{"bufferView", root["bufferViews"].size() - 1},
+  const std::size_t view = add_view(std::as_bytes(values), target);  // before a list that it may move
+  root["accessors"].push_back({{"bufferView", view},
                                {"componentType", component_type},
                                {"count", values.size() / components},
                                {"type", type},
                                {"min", low},
                                {"max", high}});
-  const std::size_t offset = binary_.size();
-  binary_.resize((offset + values.size_bytes() + 3) / 4 * 4, 0);
-  if (!values.empty()) std::memcpy(binary_.data() + offset, values.data(), values.size_bytes());
   return root["accessors"].size() - 1;
+}
+
+std::size_t GlbWriter::add_view(std::span<const std::byte> bytes, GlbTarget target) {
+  const std::size_t offset = binary_.size();
+  Json view = {{"buffer", 0}, {"byteOffset", offset}, {"byteLength", bytes.size()}};
+  if (target != GlbTarget::none) view["target"] = static_cast<int>(target);
+  root["bufferViews"].push_back(view);
+  binary_.resize((offset + bytes.size() + 3) / 4 * 4, 0);
+  if (!bytes.empty()) std::memcpy(binary_.data() + offset, bytes.data(), bytes.size());
+  return root["bufferViews"].size() - 1;
+}
+
+std::size_t GlbWriter::add_bytes(std::string_view bytes) {
+  return add_view(std::as_bytes(std::span(bytes)), GlbTarget::none);
+}
+
+void GlbWriter::use(const char* extension, bool is_required) {
+  for (const char* list : {"extensionsUsed", "extensionsRequired"}) {
+    if (std::string_view(list) == "extensionsRequired" && !is_required) continue;
+    if (std::ranges::find(root[list], Json(extension)) == root[list].end()) root[list].push_back(extension);
+  }
 }
 
 std::size_t GlbWriter::add(std::span<const float> values, const std::string& type, GlbTarget target) {

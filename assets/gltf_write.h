@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "runtime/basis/skeleton.h"
@@ -26,6 +27,11 @@ class GlbWriter {
   std::size_t add(std::span<const std::uint16_t> values, const std::string& type, GlbTarget target);
   std::size_t add(std::span<const std::uint32_t> values, const std::string& type, GlbTarget target);
 
+  // Returns the number of a new buffer view.
+  std::size_t add_bytes(std::string_view bytes);
+  // Names an extension that the file uses, or also that it cannot be read without.
+  void use(const char* extension, bool is_required = false);
+
   // Appends the joints as nodes, in their default pose, below one new node called "skeleton". Joint j is node j when
   // called first. Returns the new node's index.
   std::size_t add_skeleton(const Skeleton& skeleton);
@@ -40,6 +46,7 @@ class GlbWriter {
  private:
   template <class T>
   std::size_t add_values(std::span<const T> values, int component_type, const std::string& type, GlbTarget target);
+  std::size_t add_view(std::span<const std::byte> bytes, GlbTarget target);
 
   std::vector<unsigned char> binary_;
   bool finite_ = true;

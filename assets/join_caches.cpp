@@ -100,6 +100,7 @@ void join_usda(const std::vector<fs::path>& paths, const fs::path& out) {
     write_samples(kUsdaNormalSamples);
     write(std::string(kUsdaSamplesEnd) + "\n}\n");
   }
+  copy_usd_images(parts.front().head(), parts.front().path().parent_path(), out.parent_path());
   file.commit();
 }
 

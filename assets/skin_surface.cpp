@@ -1,7 +1,11 @@
 #include "assets/skin_surface.h"
 
 #include <algorithm>
+#include <map>
 #include <nlohmann/json.hpp>
+#include <numeric>
+#include <set>
+#include <utility>
 
 #include "assets/gltf_file.h"
 #include "assets/gltf_skeleton.h"
@@ -34,24 +38,51 @@ void require_same_skin(const std::filesystem::path& character, const SkinGeometr
               ", or others: expected the file that the character was trained of, and no level of detail of it");
 }
 
-// The material of each triangle of the skin; one more, without a name, where a part has none beside parts that do.
-void read_materials(const GltfFile& file, int skin, SkinSurface& surface) {
-  const auto& known = file.model().materials;
-  const std::vector<int> of = read_skin_materials(file, skin);
-  if (std::ranges::all_of(of, [](const int material) { return material < 0; })) return;
-  const bool has_bare = std::ranges::any_of(of, [](const int material) { return material < 0; });
-  for (std::size_t m = 0; m < known.size(); ++m) {
-    surface.materials.push_back(known[m].name.empty() ? "material_" + std::to_string(m) : known[m].name);
-    std::ranges::copy_n(known[m].pbrMetallicRoughness.baseColorFactor.begin(), 4,
-                        surface.colours.emplace_back().begin());
+// The materials that triangles have; one more, of nothing, where a part has none beside parts that do.
+SkinSurface surface_of_look(const GltfFile& file, SkinLook look) {
+  SkinSurface surface;
+  surface.texture = std::move(look.texture);
+  surface.colours = std::move(look.colours);
+  surface.texture_of = std::move(look.texture_of);
+  if (std::ranges::all_of(look.materials, [](const int material) { return material < 0; })) return surface;
+  MaterialReader reader(file, surface.textures, surface.notes);
+  std::map<int, std::size_t> known;
+  for (const int material : std::set<int>(look.materials.begin(), look.materials.end())) {
+    if (material >= static_cast<int>(reader.count()))
+      file.fail("a part of its skin has material ", material, ", which is not there");
+    known[material] = surface.materials.size();
+    surface.materials.push_back(material < 0 ? SurfaceMaterial{"none"}
+                                             : reader.read(static_cast<std::size_t>(material)));
   }
-  if (has_bare) {
-    surface.materials.emplace_back("none");
-    surface.colours.push_back({1, 1, 1, 1});
+  for (const int material : look.materials) surface.material_of.push_back(known[material]);
+  return surface;
+}
+
+// As the textures of a glTF file that has those already; each image once.
+std::vector<std::size_t> add_textures(const std::vector<SurfaceTexture>& textures, GlbWriter& glb) {
+  std::map<const std::string*, std::size_t> images;
+  std::vector<std::size_t> added;
+  for (const SurfaceTexture& texture : textures) {
+    const auto [image, is_new] = images.try_emplace(texture.bytes.get(), glb.root["images"].size());
+    if (is_new) {
+      const std::size_t view = glb.add_bytes(*texture.bytes);
+      glb.root["images"].push_back({{"name", texture.name}, {"mimeType", texture.type}, {"bufferView", view}});
+    }
+    Json json;
+    if (texture.type == "image/webp") {
+      glb.use("EXT_texture_webp", true);
+      json["extensions"]["EXT_texture_webp"]["source"] = image->second;
+    } else {
+      json["source"] = image->second;
+    }
+    if (!texture.sampler.empty()) {
+      glb.root["samplers"].push_back(texture.sampler);
+      json["sampler"] = glb.root["samplers"].size() - 1;
+    }
+    added.push_back(glb.root["textures"].size());
+    glb.root["textures"].push_back(json);
   }
-  for (const int material : of) {
-    surface.material_of.push_back(material < 0 ? known.size() : static_cast<std::size_t>(material));
-  }
+  return added;
 }
 
 // Of the triangles of one material.
@@ -73,10 +104,54 @@ SkinSurface read_skin_surface(const std::filesystem::path& character, std::size_
   if (skin < 0) file.fail("has no skinned mesh");
   std::vector<std::string> unused;  // what reading the character notes already
   require_same_skin(character, read_skin_geometry(file, skin, unused), points, corners);
-  SkinSurface surface;
-  surface.texture = read_texture_coordinates(file);
-  read_materials(file, skin, surface);
-  return surface;
+  return surface_of_look(file, read_skin_look(file, skin));
+}
+
+SkinSurface read_node_surface(const GltfFile& file, std::size_t node) {
+  return surface_of_look(file, read_node_look(file, node));
+}
+
+SplitSurface split_corners(SkinSurface surface, std::span<const std::uint32_t> corners, std::size_t points) {
+  SplitSurface split{std::move(surface), {corners.begin(), corners.end()}, {}};
+  SkinSurface& own = split.surface;
+  if (own.texture_of.empty()) {
+    split.places.resize(points);
+    std::iota(split.places.begin(), split.places.end(), 0u);
+    return split;
+  }
+  const std::vector<double> rows = std::exchange(own.texture, {}), colours = std::exchange(own.colours, {});
+  std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> known;  // by vertex and row
+  for (std::size_t c = 0; c < corners.size(); ++c) {
+    const std::uint32_t vertex = corners[c], row = own.texture_of[c];
+    const auto [number, is_new] = known.try_emplace({vertex, row}, static_cast<std::uint32_t>(split.places.size()));
+    split.corners[c] = number->second;
+    if (!is_new) continue;
+    split.places.push_back(vertex);
+    own.texture.insert(own.texture.end(), {rows[2 * row], rows[2 * row + 1]});
+    if (!colours.empty()) own.colours.insert(own.colours.end(), &colours[3 * vertex], &colours[3 * vertex] + 3);
+  }
+  own.texture_of.clear();
+  return split;
+}
+
+std::vector<double> image_coordinates(const SkinSurface& surface, std::span<const std::uint32_t> corners) {
+  std::vector<double> result = surface.texture;
+  if (result.empty() || surface.materials.empty()) return result;
+  std::vector<std::optional<TextureTransform>> transforms;
+  for (const SurfaceMaterial& material : surface.materials) {
+    transforms.push_back(material.texture() == nullptr ? std::nullopt : transform_of(*material.texture()));
+  }
+  for (std::size_t c = 0; c < corners.size(); ++c) {
+    const std::optional<TextureTransform>& transform = transforms[surface.material_of[c / 3]];
+    if (!transform) continue;
+    const std::size_t row = surface.row(corners, c);
+    const double* uv = &surface.texture[2 * row];
+    for (std::size_t i = 0; i < 2; ++i) {
+      const auto& [by_u, by_v, offset] = (*transform)[i];
+      result[2 * row + i] = by_u * uv[0] + by_v * uv[1] + offset;
+    }
+  }
+  return result;
 }
 
 SkinSurface read_skin_surface(const std::filesystem::path& character, const MeshTable& mesh) {
@@ -89,6 +164,10 @@ Json surface_primitives(std::span<const std::uint32_t> corners, const SkinSurfac
     const std::vector<float> texture(surface.texture.begin(), surface.texture.end());
     drawn["attributes"]["TEXCOORD_0"] = glb.add(texture, "VEC2", GlbTarget::vertices);
   }
+  if (!surface.colours.empty()) {
+    const std::vector<float> colours(surface.colours.begin(), surface.colours.end());
+    drawn["attributes"]["COLOR_0"] = glb.add(colours, "VEC3", GlbTarget::vertices);
+  }
   drawn["mode"] = 4;
   Json list = Json::array();
   const auto add = [&](std::span<const std::uint32_t> own) {
@@ -96,11 +175,16 @@ Json surface_primitives(std::span<const std::uint32_t> corners, const SkinSurfac
     list.push_back(drawn);
   };
   if (surface.materials.empty()) add(corners);
+  const std::vector<std::size_t> textures = add_textures(surface.textures, glb);
   for (std::size_t m = 0; m < surface.materials.size(); ++m) {
     const std::vector<std::uint32_t> own = corners_of(corners, surface, m);
     if (own.empty()) continue;
-    Json material = {{"name", surface.materials[m]}};
-    if (!surface.colours.empty()) material["pbrMetallicRoughness"] = {{"baseColorFactor", surface.colours[m]}};
+    Json material = {{"name", surface.materials[m].name}};
+    material.update(surface.materials[m].gltf);
+    for_each_texture(material, [&](Json& texture) {
+      texture["index"] = textures[texture["index"].get<std::size_t>()];
+      if (texture.contains("extensions")) glb.use("KHR_texture_transform");
+    });
     glb.root["materials"].push_back(material);
     drawn["material"] = glb.root["materials"].size() - 1;
     add(own);

@@ -1,7 +1,6 @@
 #include "assets/usda.h"
 
 #include <algorithm>
-#include <cctype>
 #include <charconv>
 #include <cmath>
 #include <utility>
@@ -20,17 +19,20 @@ std::string number(double value) {
   return {digits, end};
 }
 
+std::string list_of(std::span<const std::uint32_t> numbers) {
+  std::string text;
+  for (const std::uint32_t number : numbers) text += (text.empty() ? "" : ", ") + std::to_string(number);
+  return text;
+}
+
 std::string topology(std::span<const std::uint32_t> corners) {
-  std::string counts = "    int[] faceVertexCounts = [", indices = "    int[] faceVertexIndices = [";
-  for (std::size_t k = 0; k < corners.size(); ++k) {
-    if (k % 3 == 0) counts += k == 0 ? "3" : ", 3";
-    indices += (k == 0 ? "" : ", ") + std::to_string(corners[k]);
-  }
-  return counts + "]\n" + indices + "]\n";
+  const std::vector<std::uint32_t> counts(corners.size() / 3, 3);
+  return "    int[] faceVertexCounts = [" + list_of(counts) + "]\n    int[] faceVertexIndices = [" + list_of(corners) +
+         "]\n";
 }
 
 // Texture coordinates, whose second one USD counts from below.
-std::string coordinates(const std::vector<double>& texture) {
+std::string coordinates(const std::vector<double>& texture, const std::vector<std::uint32_t>& of_corners) {
   std::string text;
   char digits[32];
   for (std::size_t k = 0; k < texture.size(); ++k) {
@@ -38,30 +40,12 @@ std::string coordinates(const std::vector<double>& texture) {
     const auto value = static_cast<float>(k % 2 == 0 ? texture[k] : 1 - texture[k]);
     text.append(digits, std::to_chars(digits, digits + sizeof(digits), value).ptr);
   }
-  if (!text.empty()) text += ")] (\n        interpolation = \"vertex\"\n    )\n";
+  if (text.empty()) return text;
+  const char* const each = of_corners.empty() ? "vertex" : "faceVarying";
+  text += std::string(")] (\n        interpolation = \"") + each + "\"\n    )\n";
+  if (!of_corners.empty()) text += "    int[] primvars:st:indices = [" + list_of(of_corners) + "]\n";
   return text;
 }
-
-std::string head(const CacheLayout& layout) {
-  const int first = layout.frames.empty() ? 0 : layout.frames.front();
-  const int last = layout.frames.empty() ? 0 : layout.frames.back();
-  const std::string prim = prim_name(layout.name);
-  return usda_head(prim, first, last, number(layout.fps)) + "def Mesh \"" + prim + "\"\n{\n" +
-         "    uniform token orientation = \"rightHanded\"\n    uniform token subdivisionScheme = \"none\"\n" +
-         topology(layout.corners) + coordinates(layout.surface.texture) + kUsdaPointSamples + '\n';
-}
-
-std::string head_of_normals() {
-  return std::string(kUsdaSamplesEnd) + "\n    uniform token normals:interpolation = \"vertex\"\n" +
-         kUsdaNormalSamples + '\n';
-}
-
-constexpr char kTail[] = "    }\n}\n";
-
-void write_text(AtomicFile& file, const std::string& text) { file.write(std::as_bytes(std::span(text))); }
-
-// Points that one thread prints at a time.
-constexpr std::size_t kPointsTogether = 1024;
 
 // Finite numbers, three a point; `first`: nothing stands before them.
 std::string points_text(std::span<const float> values, bool first) {
@@ -78,16 +62,40 @@ std::string points_text(std::span<const float> values, bool first) {
   return text;
 }
 
+std::string vertex_colours(const std::vector<double>& colours) {
+  if (colours.empty()) return "";
+  const std::vector<float> shares(colours.begin(), colours.end());
+  return "    color3f[] primvars:displayColor = [" + points_text(shares, true) +
+         "] (\n        interpolation = \"vertex\"\n    )\n";
+}
+
+std::string head(const CacheLayout& layout) {
+  const int first = layout.frames.empty() ? 0 : layout.frames.front();
+  const int last = layout.frames.empty() ? 0 : layout.frames.back();
+  const std::string prim = prim_name(layout.name);
+  return usda_head(prim, first, last, number(layout.fps)) + "def Mesh \"" + prim + "\"\n{\n" +
+         "    uniform token orientation = \"rightHanded\"\n    uniform token subdivisionScheme = \"none\"\n" +
+         topology(layout.corners) +
+         coordinates(image_coordinates(layout.surface, layout.corners), layout.surface.texture_of) +
+         vertex_colours(layout.surface.colours) + usd_materials(layout.surface, layout.name) + kUsdaPointSamples + '\n';
+}
+
+std::string head_of_normals() {
+  return std::string(kUsdaSamplesEnd) + "\n    uniform token normals:interpolation = \"vertex\"\n" +
+         kUsdaNormalSamples + '\n';
+}
+
+constexpr char kTail[] = "    }\n}\n";
+
+void write_text(AtomicFile& file, const std::string& text) { file.write(std::as_bytes(std::span(text))); }
+
+// Points that one thread prints at a time.
+constexpr std::size_t kPointsTogether = 1024;
+
 fs::path points_aside(const fs::path& stem) { return fs::path(stem) += ".points"; }
 fs::path normals_aside(const fs::path& stem) { return fs::path(stem) += ".normals"; }
 
 }  // namespace
-
-std::string prim_name(const std::string& name) {
-  std::string prim;
-  for (const char c : name) prim += std::isalnum(static_cast<unsigned char>(c)) != 0 ? c : '_';
-  return prim.empty() || std::isdigit(static_cast<unsigned char>(prim[0])) != 0 ? "_" + prim : prim;
-}
 
 std::string usda_head(const std::string& prim, int first_frame, int last_frame, const std::string& fps) {
   return concat("#usda 1.0\n(\n    defaultPrim = \"", prim, "\"\n    startTimeCode = ", first_frame, "\n",
@@ -141,6 +149,7 @@ void UsdaWriter::close() {
     points_.write_unfinished(normals_);
   }
   write_text(points_, kTail);
+  write_usd_images(layout_.surface, layout_.name, path_.parent_path());
   points_.commit();
 }
 

@@ -7,17 +7,16 @@
 #include <string>
 
 #include "assets/cache_writer.h"
+#include "assets/usda_materials.h"
 #include "runtime/core/atomic_file.h"
 
 namespace bodyopt {
 
-// What of any text may be the name of a prim.
-std::string prim_name(const std::string& name);
-
 // How a file begins whose prim this is.
 std::string usda_head(const std::string& prim, int first_frame, int last_frame, const std::string& fps);
 
-// Numbers are the shortest text that reads back to the same float. Memory does not grow with the frames: normals wait
+// Numbers are the shortest text that reads back to the same float. Images of the surface's base colours come to lie
+// beside the file. Memory does not grow with the frames: normals wait
 // in a file of their own until the points are complete.
 class UsdaWriter final : public CacheWriter {
  public:

@@ -175,8 +175,7 @@ Json attached_of(const Shot& shot, const ShotCaches& caches) {
 // Where the character's own file has nothing that a cache could show.
 std::string surface_text(const EvalArguments& arguments, const Shot& shot) {
   if (arguments.shot.character.empty() || !holds_triangles(arguments.cache.out) || !shot.surface.empty()) return "";
-  return "of " + arguments.shot.character +
-         " no texture coordinates or materials are read, and none are written: of FBX, export glTF\n";
+  return "of " + arguments.shot.character + " no texture coordinates or materials are read, and none are written\n";
 }
 
 // Where a cache in metres does not lie on the mesh that it is of.

@@ -15,10 +15,10 @@ namespace {
 
 constexpr VkShaderStageFlags kStages = VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT;
 
-VkPipelineColorBlendAttachmentState blend_state(Blending blending) {
+VkPipelineColorBlendAttachmentState blend_state(Blending blending, bool covers_by_alpha) {
   VkPipelineColorBlendAttachmentState blend{};
-  blend.colorWriteMask =
-      VK_COLOR_COMPONENT_R_BIT | VK_COLOR_COMPONENT_G_BIT | VK_COLOR_COMPONENT_B_BIT | VK_COLOR_COMPONENT_A_BIT;
+  blend.colorWriteMask = VK_COLOR_COMPONENT_R_BIT | VK_COLOR_COMPONENT_G_BIT | VK_COLOR_COMPONENT_B_BIT;
+  if (!covers_by_alpha) blend.colorWriteMask |= VK_COLOR_COMPONENT_A_BIT;
   if (blending == Blending::none) return blend;
   blend.blendEnable = VK_TRUE;
   const bool alpha = blending == Blending::alpha;
@@ -76,12 +76,13 @@ void GraphicsPipeline::make_pipeline(const vulkan::Device& on_device, VkRenderPa
   auto multisample =
       structure<VkPipelineMultisampleStateCreateInfo>(VK_STRUCTURE_TYPE_PIPELINE_MULTISAMPLE_STATE_CREATE_INFO);
   multisample.rasterizationSamples = wanted.samples;
+  multisample.alphaToCoverageEnable = wanted.covers_by_alpha;
   auto depth =
       structure<VkPipelineDepthStencilStateCreateInfo>(VK_STRUCTURE_TYPE_PIPELINE_DEPTH_STENCIL_STATE_CREATE_INFO);
   depth.depthTestEnable = wanted.depth_test;
   depth.depthWriteEnable = wanted.depth_write;
   depth.depthCompareOp = VK_COMPARE_OP_LESS_OR_EQUAL;
-  const VkPipelineColorBlendAttachmentState blend = blend_state(wanted.blending);
+  const VkPipelineColorBlendAttachmentState blend = blend_state(wanted.blending, wanted.covers_by_alpha);
   auto blending =
       structure<VkPipelineColorBlendStateCreateInfo>(VK_STRUCTURE_TYPE_PIPELINE_COLOR_BLEND_STATE_CREATE_INFO);
   blending.attachmentCount = 1;
@@ -115,15 +116,15 @@ void GraphicsPipeline::bind(VkCommandBuffer commands) const {
 }
 
 void GraphicsPipeline::record(VkCommandBuffer commands, VkDescriptorSet set, const void* push, std::uint32_t bytes,
-                              std::uint32_t corners, const vulkan::Buffer* indices) const {
+                              std::uint32_t corners, const vulkan::Buffer* indices, std::uint32_t first) const {
   vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, layout_.get(), 0, 1, &set, 0, nullptr);
   vkCmdPushConstants(commands, layout_.get(), kStages, 0, bytes, push);
   if (!indices) {
-    vkCmdDraw(commands, corners, 1, 0, 0);
+    vkCmdDraw(commands, corners, 1, first, 0);
     return;
   }
   vkCmdBindIndexBuffer(commands, indices->handle(), 0, VK_INDEX_TYPE_UINT32);
-  vkCmdDrawIndexed(commands, corners, 1, 0, 0, 0);
+  vkCmdDrawIndexed(commands, corners, 1, first, 0, 0);
 }
 
 VkDescriptorSet PictureSets::make(const GraphicsPipeline& pipeline,
@@ -177,12 +178,12 @@ VkAttachmentDescription description_of(const PassAttachment& image) {
 
 }  // namespace
 
-ImageView make_view(const vulkan::Device& device, VkImage image, VkFormat format) {
+ImageView make_view(const vulkan::Device& device, VkImage image, VkFormat format, std::uint32_t levels) {
   auto info = structure<VkImageViewCreateInfo>(VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO);
   info.image = image;
   info.viewType = VK_IMAGE_VIEW_TYPE_2D;
   info.format = format;
-  info.subresourceRange = {aspect_of(format), 0, 1, 0, 1};
+  info.subresourceRange = {aspect_of(format), 0, levels, 0, 1};
   VkImageView view = VK_NULL_HANDLE;
   check(vkCreateImageView(device.handle(), &info, nullptr, &view), "vkCreateImageView");
   return {device.handle(), view};
@@ -194,7 +195,7 @@ Attachment make_attachment(const vulkan::Device& device, const AttachmentInfo& w
   info.format = wanted.image_format == VK_FORMAT_UNDEFINED ? wanted.format : wanted.image_format;
   if (info.format != wanted.format) info.flags = VK_IMAGE_CREATE_MUTABLE_FORMAT_BIT;
   info.extent = {wanted.size.width, wanted.size.height, 1};
-  info.mipLevels = 1;
+  info.mipLevels = wanted.levels;
   info.arrayLayers = 1;
   info.samples = wanted.samples;
   info.tiling = VK_IMAGE_TILING_OPTIMAL;
@@ -213,7 +214,7 @@ Attachment make_attachment(const vulkan::Device& device, const AttachmentInfo& w
   check(vkAllocateMemory(device.handle(), &allocation, nullptr, &memory), "vkAllocateMemory for a picture");
   result.memory = {device.handle(), memory};
   check(vkBindImageMemory(device.handle(), image, memory, 0), "vkBindImageMemory");
-  result.view = make_view(device, image, wanted.format);
+  result.view = make_view(device, image, wanted.format, wanted.levels);
   return result;
 }
 
@@ -264,7 +265,7 @@ void pass_on(VkCommandBuffer commands, VkImage image, const ImagePassage& passag
   barrier.newLayout = passage.to;
   barrier.srcQueueFamilyIndex = barrier.dstQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED;
   barrier.image = image;
-  barrier.subresourceRange = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, 1};
+  barrier.subresourceRange = {VK_IMAGE_ASPECT_COLOR_BIT, passage.first_level, passage.level_count, 0, 1};
   vkCmdPipelineBarrier(commands, passage.after_stage, passage.before_stage, 0, 0, nullptr, 0, nullptr, 1, &barrier);
 }
 

@@ -34,11 +34,12 @@ struct AttachmentInfo {
   VkImageUsageFlags usage;
   // That of the image, where the view has another of the same size; undefined: the same.
   VkFormat image_format = VK_FORMAT_UNDEFINED;
+  std::uint32_t levels = 1;  // of mipmaps
 };
 
 // Throws Error(device).
 Attachment make_attachment(const vulkan::Device& device, const AttachmentInfo& info);
-ImageView make_view(const vulkan::Device& device, VkImage image, VkFormat format);
+ImageView make_view(const vulkan::Device& device, VkImage image, VkFormat format, std::uint32_t levels = 1);
 Framebuffer make_framebuffer(const vulkan::Device& device, VkRenderPass render_pass, VkExtent2D size,
                              std::initializer_list<VkImageView> views);
 
@@ -62,6 +63,7 @@ struct ImagePassage {
   VkImageLayout from, to;
   VkPipelineStageFlags after_stage, before_stage;
   VkAccessFlags after, before;
+  std::uint32_t first_level = 0, level_count = 1;
 };
 void pass_on(VkCommandBuffer commands, VkImage image, const ImagePassage& passage);
 
@@ -80,6 +82,7 @@ struct PipelineInfo {
   Blending blending = Blending::none;
   bool depth_test = true, depth_write = true;
   bool culls_back = false;
+  bool covers_by_alpha = false;  // as many samples of a pixel as alpha says; the picture stays opaque
 };
 
 class GraphicsPipeline {
@@ -90,20 +93,21 @@ class GraphicsPipeline {
   VkDescriptorSetLayout set_layout() const { return set_layout_.get(); }
   std::uint32_t storage_buffers() const { return storage_buffers_; }
 
-  // Recording. `corners`: three per triangle; what they are the numbers of, where shaders do not look that up.
+  // Recording. `corners`: three per triangle, from the `first` on; what they are the numbers of, where shaders do not
+  // look that up.
   void bind(VkCommandBuffer commands) const;
   template <typename Push>
   void draw(VkCommandBuffer commands, VkDescriptorSet set, const Push& push, std::uint32_t corners,
-            const vulkan::Buffer* indices = nullptr) const {
+            const vulkan::Buffer* indices = nullptr, std::uint32_t first = 0) const {
     static_assert(sizeof(Push) <= 128);
-    record(commands, set, &push, sizeof(Push), corners, indices);
+    record(commands, set, &push, sizeof(Push), corners, indices, first);
   }
 
  private:
   void make_layout(VkDevice device, const PipelineInfo& info);
   void make_pipeline(const vulkan::Device& device, VkRenderPass render_pass, const PipelineInfo& info);
   void record(VkCommandBuffer commands, VkDescriptorSet set, const void* push, std::uint32_t bytes,
-              std::uint32_t corners, const vulkan::Buffer* indices) const;
+              std::uint32_t corners, const vulkan::Buffer* indices, std::uint32_t first) const;
 
   std::uint32_t storage_buffers_;
   vulkan::SetLayout set_layout_;

@@ -18,6 +18,7 @@ namespace {
 
 constexpr std::uint32_t kSide = 512;  // pixels
 constexpr float kCasterShare = 0.5f;  // of the map's side: the pixels of one caster
+constexpr Sampling kClampedSampling{VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE, VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE};
 constexpr VkFormat kFormat = VK_FORMAT_R8_UNORM;
 constexpr float kReach = 1.1f;  // of the caster's radius: what is higher casts no shadow
 
@@ -70,15 +71,6 @@ Attachment make_picture(const vulkan::Device& device) {
 
 float shadow_scale(const View& view) { return std::min(kCasterShare / caster_radius(view), 1 / view.radius); }
 
-vulkan::Owned<VkSampler, vkDestroySampler> make_sampler(const vulkan::Device& device) {
-  auto info = structure<VkSamplerCreateInfo>(VK_STRUCTURE_TYPE_SAMPLER_CREATE_INFO);
-  info.magFilter = info.minFilter = VK_FILTER_LINEAR;
-  info.addressModeU = info.addressModeV = info.addressModeW = VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE;
-  VkSampler sampler = VK_NULL_HANDLE;
-  check(vkCreateSampler(device.handle(), &info, nullptr, &sampler), "vkCreateSampler");
-  return {device.handle(), sampler};
-}
-
 ShadowMap::Pipelines::Pipelines(const vulkan::Device& device)
     : pass(make_pass(device)),
       draw(device, pass.get(),
@@ -105,7 +97,7 @@ ShadowMap::ShadowMap(const vulkan::Device& device)
       soft_(make_picture(device)),
       hard_framebuffer_(make_framebuffer(device, pipelines_.pass.get(), {kSide, kSide}, {hard_.view.get()})),
       soft_framebuffer_(make_framebuffer(device, pipelines_.pass.get(), {kSide, kSide}, {soft_.view.get()})),
-      sampler_(make_sampler(device)) {}
+      sampler_(make_sampler(device, kClampedSampling)) {}
 
 void ShadowMap::begin(VkCommandBuffer commands, VkFramebuffer framebuffer, const VkRect2D& part) const {
   const VkClearValue clear{};

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "draw/graphics_pipeline.h"
+#include "draw/texture.h"
 #include "draw/view.h"
 
 namespace bodyopt {
@@ -34,10 +35,7 @@ class ShadowMap {
   const Pipelines& pipelines_;
   Attachment hard_, soft_;
   Framebuffer hard_framebuffer_, soft_framebuffer_;
-  vulkan::Owned<VkSampler, vkDestroySampler> sampler_;
+  Sampler sampler_;
 };
-
-// A sampler that blends neighbouring pixels, and goes on as the edge does.
-vulkan::Owned<VkSampler, vkDestroySampler> make_sampler(const vulkan::Device& device);
 
 }  // namespace bodyopt

@@ -3,17 +3,43 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
+#include "draw/graphics_pipeline.h"
 #include "draw/renderer.h"
 #include "runtime/vulkan/buffer.h"
 
 namespace bodyopt {
 
-enum class SurfaceStyle : std::uint32_t { clay = 0, matcap = 1, flat = 2, normals = 3 };
+// material: as its materials say; clay where it has none.
+enum class SurfaceStyle : std::uint32_t { clay, material, matcap, flat, normals, silhouette };
 
 constexpr std::array<float, 3> kClayColour = {0.545f, 0.500f, 0.440f};  // linear RGB, as in studio.glsl
+
+// The materials of a skin, on the device: they never change.
+
+struct SurfaceVertex {
+  std::uint32_t vertex;           // of positions and normals
+  float u, v;                     // in the image
+  std::uint32_t red_green, blue;  // of its own, 16 bits each, linear
+};
+
+// The triangles of a material.
+struct SurfacePart {
+  std::uint32_t first_corner, corner_count;
+  std::array<float, 4> colour;  // linear RGB and alpha, times the image's
+  SampledImage image;
+  // Where its alpha is lower there is a hole; 0: it is as see-through as its alpha says; none: opaque.
+  std::optional<float> least_alpha;
+};
+
+struct SurfaceDraw {
+  vulkan::Buffer corners;   // into vertices, part by part
+  vulkan::Buffer vertices;  // SurfaceVertex
+  std::vector<SurfacePart> parts;
+};
 
 // One frame of a skin. Its buffers must live until the picture is drawn.
 struct SkinDraw {
@@ -25,6 +51,7 @@ struct SkinDraw {
   std::array<float, 3> offset{};              // world, metres
   SurfaceStyle style = SurfaceStyle::clay;
   std::array<float, 3> colour = kClayColour;
+  const SurfaceDraw* materials = nullptr;  // or null: none
   bool wire = false;
   bool shadow = true;
   float alpha = 1;  // below 1: a ghost
@@ -71,6 +98,7 @@ struct Rectangle {
 
 struct Ground {
   bool grid = true, axes = false;
+  bool light = false;                // nothing but a light backdrop
   float height = 0, spacing = 0.1f;  // metres
   float shadow = 0.75f;              // strength; 0: none
   float caster = 0;    // radius of the smallest of those that cast it, metres: how soft it is; 0: the view's

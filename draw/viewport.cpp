@@ -18,6 +18,8 @@
 #include "view_ground.vert.spv.h"
 #include "view_line.frag.spv.h"
 #include "view_line.vert.spv.h"
+#include "view_material.frag.spv.h"
+#include "view_material.vert.spv.h"
 #include "view_surface.frag.spv.h"
 #include "view_surface.vert.spv.h"
 
@@ -41,12 +43,21 @@ struct SurfacePush {
 };
 static_assert(sizeof(SurfacePush) == 120);
 
+struct MaterialPush {
+  ViewPush view;
+  std::array<float, 4> colour;
+  std::array<float, 3> offset;
+  float least_alpha;
+  std::uint32_t wire, orthographic, first_vertex;
+};
+static_assert(sizeof(MaterialPush) == 108);
+
 struct GroundPush {
   ViewPush view;
   std::array<float, 4> shadow, ground;
-  std::uint32_t grid, orthographic;
+  std::uint32_t grid, light, orthographic;
 };
-static_assert(sizeof(GroundPush) == 104);
+static_assert(sizeof(GroundPush) == 108);
 
 struct LinePush {
   ViewPush view;
@@ -132,6 +143,16 @@ PipelineInfo surface_info(VkSampleCountFlagBits samples, bool ghost) {
           .culls_back = ghost};
 }
 
+PipelineInfo material_info(VkSampleCountFlagBits samples, bool has_holes) {
+  return {.vertex = view_material_vert_spv,
+          .fragment = view_material_frag_spv,
+          .storage_buffers = 4,
+          .samples_image = true,
+          .push_bytes = sizeof(MaterialPush),
+          .samples = samples,
+          .covers_by_alpha = has_holes};
+}
+
 }  // namespace
 
 struct Viewport::Impl {
@@ -150,13 +171,15 @@ struct Viewport::Impl {
                   .depth_write = false}),
           surface(device, pass.get(), surface_info(samples, false)),
           ghost(device, pass.get(), surface_info(samples, true)),
+          material(device, pass.get(), material_info(samples, false)),
+          holed(device, pass.get(), material_info(samples, true)),
           line(device, pass.get(), line_info(view_line_vert_spv, 1, sizeof(LinePush), samples, true)),
           line_on_top(device, pass.get(), line_info(view_line_vert_spv, 1, sizeof(LinePush), samples, false)),
           fibre(device, pass.get(), line_info(view_fibre_vert_spv, 5, sizeof(FibrePush), samples, true)) {}
 
     VkSampleCountFlagBits samples;
     RenderPass pass;
-    GraphicsPipeline ground, surface, ghost, line, line_on_top, fibre;
+    GraphicsPipeline ground, surface, ghost, material, holed, line, line_on_top, fibre;
   };
   struct SmoothPipelines : ScenePipelines {
     explicit SmoothPipelines(const vulkan::Device& device) : ScenePipelines(device, kSamples) {}
@@ -188,15 +211,33 @@ struct Viewport::Impl {
                                   {view.middle[0], view.middle[2], shadow_scale(view), g.shadow},
                                   {g.height, g.spacing, g.reach * view.radius, g.axes ? 1.0f : 0.0f},
                                   g.grid,
+                                  g.light,
                                   view.camera.orthographic_height > 0},
                        3);
   }
 
+  void record_materials(VkCommandBuffer recorder, const SkinDraw& skin, const ViewPush& push, bool orthographic) {
+    const SurfaceDraw& own = *skin.materials;
+    for (const SurfacePart& part : own.parts) {
+      const GraphicsPipeline& pipeline = part.least_alpha ? scene->holed : scene->material;
+      pipeline.bind(recorder);
+      pipeline.draw(recorder,
+                    sets.make(pipeline, {&own.corners, skin.positions, skin.normals, &own.vertices}, part.image),
+                    MaterialPush{push, part.colour, skin.offset, part.least_alpha.value_or(-1), skin.wire, orthographic,
+                                 skin.first_vertex},
+                    part.corner_count, skin.wire ? nullptr : &own.corners, part.first_corner);
+    }
+  }
+
   void record_skin(VkCommandBuffer recorder, const SkinDraw& skin, const ViewPush& push, bool orthographic) {
-    const GraphicsPipeline& pipeline = skin.alpha < 1 ? scene->ghost : scene->surface;
-    pipeline.bind(recorder);
     const ReferenceKind kind = skin.colours ? kColours : skin.distances ? kDistances : kPositions;
     const vulkan::Buffer* heat = skin.colours ? skin.colours : skin.distances ? skin.distances : skin.reference;
+    if (skin.materials && !skin.materials->parts.empty() && skin.style == SurfaceStyle::material && !heat &&
+        skin.alpha >= 1) {
+      return record_materials(recorder, skin, push, orthographic);
+    }
+    const GraphicsPipeline& pipeline = skin.alpha < 1 ? scene->ghost : scene->surface;
+    pipeline.bind(recorder);
     const VkDescriptorSet set =
         sets.make(pipeline, {skin.triangles, skin.positions, skin.normals, heat ? heat : skin.positions, &palette});
     pipeline.draw(

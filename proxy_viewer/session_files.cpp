@@ -59,8 +59,10 @@ void Session::export_skin(const std::string& file) {
       lead.shot(settings.pose, weights_of(controls), settings.jiggle.on && lead.has_at_finest(SkinMethod::jiggle));
   shot.frames = frames_to_export(file);
   const std::string own = lead.files().own_file();
-  if (holds_triangles(file) && !own.empty())
+  if (holds_triangles(file) && !own.empty()) {
     shot.surface = surface_if_any(own, shot.basis().mesh, [&](const std::string& note) { controls.warn(note); });
+    shot.surfaces = attached_surfaces(own, shot.basis(), shot.attached);
+  }
   ShotCaches caches({.out = file}, shot);
   Progress progress("export", shot.frames.size());
   evaluate(shot, caches, progress);

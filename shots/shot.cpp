@@ -97,8 +97,9 @@ ShotCaches::ShotCaches(const CacheChoice& choice, Shot& shot)
   const fs::path out = choice.out;
   for (const AttachedMesh& worn : shot.attached.meshes) {
     attached_paths_.push_back(fs::path(out).replace_extension("." + worn.name + out.extension().string()).string());
+    const SkinSurface surface = shot.surfaces.empty() ? SkinSurface() : shot.surfaces[attached_.size()];
     attached_.push_back(write_cache(attached_paths_.back(), {worn.name, worn.vertex_count(), worn.triangles,
-                                                             shot.frames, shot.clip.fps, choice.space}));
+                                                             shot.frames, shot.clip.fps, choice.space, surface}));
   }
   shot.deformer->set_normals(holds_normals(choice.out) || choice.full_skin || shot.checks);
 }

@@ -36,6 +36,7 @@ struct Shot {
   std::vector<int> frames;             // of the clip
   int preroll = 0;                     // frames of the clip that the jiggle steps before the first
   SkinSurface surface;                 // of the character's own file, where that is known
+  std::vector<SkinSurface> surfaces;   // of the attached meshes, where that is known
 
   const Basis& basis() const { return deformer->basis(); }
   // Of `count` frames from frames[begin] on.

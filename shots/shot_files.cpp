@@ -283,11 +283,35 @@ void refuse_jiggle(const std::string& session) {
 
 SkinSurface surface_if_any(const std::string& character, const MeshTable& mesh, const Tell& tell) {
   try {
-    return read_skin_surface(character, mesh);
+    SkinSurface surface = read_skin_surface(character, mesh);
+    tell_all(surface.notes, tell);
+    return surface;
   } catch (const Error& error) {
-    tell(std::string("no texture coordinates and materials are written: ") + error.what());
+    tell(std::string("no texture coordinates and materials are taken: ") + error.what());
     return {};
   }
+}
+
+std::vector<SkinSurface> attached_surfaces(const std::string& character, const Basis& basis,
+                                           const Attachments& attached) {
+  std::vector<SkinSurface> surfaces(attached.meshes.size());
+  if (attached.meshes.empty() || character.empty()) return surfaces;
+  std::vector<std::string> unused;  // what attaching the meshes notes already
+  std::vector<LooseMesh> meshes;
+  try {
+    meshes = read_loose_meshes(character, basis.skeleton, basis.mesh.output_count(), 1, unused);
+  } catch (const Error&) {  // who reads its skin says why
+  }
+  for (LooseMesh& mesh : meshes) {
+    const auto own = std::ranges::find_if(attached.meshes, [&](const AttachedMesh& worn) {
+      std::vector<std::uint32_t> corners;
+      for (const auto& triangle : mesh.triangles) corners.insert(corners.end(), triangle.begin(), triangle.end());
+      return worn.name == mesh.name && worn.vertex_count() == mesh.vertices.size() && worn.triangles == corners;
+    });
+    if (own != attached.meshes.end())
+      surfaces[static_cast<std::size_t>(own - attached.meshes.begin())] = std::move(mesh.surface);
+  }
+  return surfaces;
 }
 
 Shot read_shot(const ShotFiles& files, const Tell& tell) {
@@ -304,6 +328,7 @@ Shot read_shot(const ShotFiles& files, const Tell& tell) {
   shot.deformer = make_deformer(files, std::move(level.basis));
   if (!files.character.empty()) {
     shot.surface = read_skin_surface(files.character, shot.basis().mesh);
+    tell_all(shot.surface.notes, tell);
   } else if (!files.session.character.empty()) {
     shot.surface = surface_if_any(files.session.character, shot.basis().mesh, tell);
   }
@@ -320,6 +345,8 @@ Shot read_shot(const ShotFiles& files, const Tell& tell) {
   }
   shot.attached = is_untrained(files) && files.attached.empty() ? std::move(opened.attached)
                                                                 : read_attachments(files, shot.basis());
+  const std::string& own = files.character.empty() ? files.session.character : files.character;
+  shot.surfaces = attached_surfaces(own, shot.basis(), shot.attached);
   return shot;
 }
 

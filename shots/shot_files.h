@@ -91,6 +91,9 @@ Clip read_own_clip(const ClipChoice& choice, const Basis& basis, std::optional<C
 
 // Of a character's own file that nobody named; told why where there is none.
 SkinSurface surface_if_any(const std::string& character, const MeshTable& mesh, const Tell& tell);
+// Of each attached mesh that of the file's mesh of its name and triangles; empty: there is none.
+std::vector<SkinSurface> attached_surfaces(const std::string& character, const Basis& basis,
+                                           const Attachments& attached);
 
 // Reads them. Throws Error(file), Error(mismatch), Error(device), and Error(usage) for frames, levels and controls that
 // are not there.

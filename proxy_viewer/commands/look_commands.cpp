@@ -76,9 +76,9 @@ const Command kCameraCommands[] = {
 // How it looks.
 
 const Command kLookCommands[] = {
-    choice_command<kStyleNames, &ViewSettings::Look::style>("style", "clay|matcap|flat|normals", "Look",
-                                                            "how skin looks"),
-    {"next-style", "", "S", "Look", "clay, matcap, flat, normals",
+    choice_command<kStyleNames, &ViewSettings::Look::style>("style", "clay|material|matcap|flat|normals|silhouette",
+                                                            "Look", "how skin looks"),
+    {"next-style", "", "S", "Look", "clay, material, matcap, flat, normals, silhouette",
      [](ViewSettings::Look& look, const std::string&) { choose_next(look.style, kStyleNames); }},
     switch_command<&ViewSettings::Look::wire>("wire", "W", "Look", "edges over the surface"),
     switch_command<&ViewSettings::Look::skeleton>("skeleton", "K", "Look", "joints and bones, seen through the skin"),

@@ -108,6 +108,7 @@ Actor::Actor(std::shared_ptr<const vulkan::Device> device, const ActorFiles& fil
   if (!attached.meshes.empty()) {
     worn_ = std::make_unique<WornMeshes>(*device_, finest().basis(), std::move(attached));
   }
+  read_materials(pool);
   if (!files.limits.empty()) {
     const Skeleton& skeleton = finest().basis().skeleton;
     limits_ = read_joint_limits(files.limits, skeleton);
@@ -127,6 +128,18 @@ Actor::Actor(std::shared_ptr<const vulkan::Device> device, const ActorFiles& fil
   } else {
     open_clip(files.clip);
   }
+}
+
+void Actor::read_materials(LevelPool& pool) {
+  const std::string own = files_.own_file();
+  if (own.empty()) return;
+  std::vector<const Basis*> levels;
+  for (const auto& detail : details_) levels.push_back(&detail->basis());
+  materials_ = pool.materials({own, files_.basis, files_.attached(), files_.levels()}, [&] {
+    return make_character_materials(*device_, own, levels, worn_ ? worn_->attachments() : Attachments());
+  });
+  const bool is_guessed = files_.character.empty() && own != files_.basis;  // and may be of another
+  if (!is_guessed) std::ranges::copy(materials_->notes, std::back_inserter(notes_));
 }
 
 LevelPool::Levels Actor::make_levels(OpenedCharacter& opened) const {
@@ -412,6 +425,7 @@ std::span<const WornMesh> Actor::worn(SkinMethod method) {
   const std::vector<Pose> poses = hosted ? std::vector{hosted_pose_} : shown().last(method).poses;
   if (on == worn.on && same(poses, worn.poses)) return worn.meshes;
   worn.meshes = worn_->carry(skins_on_host(method), poses);
+  for (std::size_t m = 0; materials_ && m < worn.meshes.size(); ++m) worn.meshes[m].materials = &materials_->worn[m];
   worn.on = on;
   worn.poses = poses;
   return worn.meshes;

@@ -13,6 +13,7 @@
 
 #include "assets/clip.h"
 #include "assets/pc2.h"
+#include "proxy_viewer/scene/character_materials.h"
 #include "proxy_viewer/scene/detail.h"
 #include "proxy_viewer/scene/truth_times.h"
 #include "runtime/deformer/deformer.h"
@@ -32,6 +33,7 @@ struct WornMesh {
   const vulkan::Buffer* triangles = nullptr;
   std::uint32_t triangle_count = 0, vertex_count = 0;
   vulkan::Buffer positions, normals;  // F x N x 3
+  const SurfaceDraw* materials = nullptr;
 };
 
 class WornMeshes {
@@ -132,6 +134,8 @@ class Actor {
   // What it wears, on the skins that the method has evaluated last, one a pose; empty: nothing.
   std::span<const WornMesh> worn(SkinMethod method);
   bool wears() const { return worn_ != nullptr; }
+  // Of the skin that is shown; null: its own file is not known.
+  const SurfaceDraw* materials() const { return materials_ ? &materials_->skin[level_] : nullptr; }
   // The points of what it wears, on a skin as measure() gives it, metres, world.
   std::vector<float> worn_points(std::span<const float> skin, const Pose& pose) const;
   // Of the last evaluation by the method.
@@ -187,6 +191,7 @@ class Actor {
   Detail& finest() { return *details_.front(); }
   const Detail& finest() const { return *details_.front(); }
   LevelPool::Levels make_levels(OpenedCharacter& opened) const;
+  void read_materials(LevelPool& pool);
   std::vector<Level> proxy_of(const Basis& full) const;
   void take_clip(Clip clip);
   std::size_t clip_index(int frame) const;
@@ -228,8 +233,9 @@ class Actor {
   std::optional<Truth> truth_;
   std::unique_ptr<WornMeshes> worn_;
   std::map<SkinMethod, Worn> worn_on_;
-  Pose hosted_pose_;                    // of the skins from the host that were evaluated last
-  std::optional<Character> character_;  // with its weights, where they are at hand
+  std::shared_ptr<const CharacterMaterials> materials_;  // null: its own file is not known
+  Pose hosted_pose_;                                     // of the skins from the host that were evaluated last
+  std::optional<Character> character_;                   // with its weights, where they are at hand
 };
 
 }  // namespace bodyopt

@@ -97,6 +97,14 @@ LevelPool::Levels LevelPool::get(const std::vector<fs::path>& files, const std::
   return levels;
 }
 
+LevelPool::Materials LevelPool::materials(const std::vector<fs::path>& files, const std::function<Materials()>& make) {
+  std::erase_if(materials_, [](const auto& entry) { return entry.second.expired(); });
+  std::weak_ptr<const CharacterMaterials>& known = materials_[stamp_of(files)];
+  Materials materials = known.lock();
+  if (!materials) known = materials = make();
+  return materials;
+}
+
 bool same(std::span<const Pose> a, std::span<const Pose> b) {
   return std::ranges::equal(a, b, [](const Pose& p, const Pose& q) {
     return p.controls == q.controls && p.modifiers == q.modifiers &&

@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "proxy_viewer/scene/character_materials.h"
 #include "proxy_viewer/scene/cut_tets.h"
 #include "runtime/basis/levels.h"
 #include "runtime/coverage/expected_error.h"
@@ -39,15 +40,18 @@ struct LevelOnDevice {
   RegionShares shares;                          // of the regions, where there is coverage
 };
 
-// The levels of bases that are shown. Those of the same files, unchanged, are made once.
+// The levels of bases that are shown, and their materials. Those of the same files, unchanged, are made once.
 class LevelPool {
  public:
   using Levels = std::vector<std::shared_ptr<const LevelOnDevice>>;
 
   // What `make` gives of the files, or gave before, while somebody shows it.
   Levels get(const std::vector<std::filesystem::path>& files, const std::function<Levels()>& make);
+  using Materials = std::shared_ptr<const CharacterMaterials>;
+  Materials materials(const std::vector<std::filesystem::path>& files, const std::function<Materials()>& make);
 
  private:
+  std::map<std::string, std::weak_ptr<const CharacterMaterials>> materials_;
   std::map<std::string, std::vector<std::weak_ptr<const LevelOnDevice>>> made_;  // by names, sizes and times
 };
 

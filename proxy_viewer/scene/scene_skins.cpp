@@ -28,6 +28,7 @@ SkinDraw draw_of(const Actor& character, const DeviceSkin& shown, const Controls
   skin.positions = shown.positions;
   skin.normals = shown.normals;
   skin.style = static_cast<SurfaceStyle>(look.style);  // of the same names
+  skin.materials = character.materials();
   skin.wire = look.wire;
   skin.shadow = look.shadow;
   skin.heat_range = static_cast<float>(1e-3 * controls.heat_mm());
@@ -47,6 +48,7 @@ void dress(std::span<const WornMesh> meshes, std::size_t pose, const SkinDraw& s
     SkinDraw worn = without_heat(skin);
     worn.triangles = mesh.triangles;
     worn.triangle_count = mesh.triangle_count;
+    worn.materials = mesh.materials;
     worn.positions = &mesh.positions;
     worn.normals = &mesh.normals;
     worn.first_vertex = static_cast<std::uint32_t>(pose) * mesh.vertex_count;
@@ -68,6 +70,7 @@ std::vector<View> Scene::look(const Controls& controls, const Rectangle& area) {
   const ViewSettings::Look& look = controls.settings.look;
   view.ground.grid = look.grid;
   view.ground.axes = look.axes;
+  view.ground.light = look.style == LookStyle::silhouette;
   view.ground.shadow = look.shadow ? 0.85f : 0.0f;
   const std::vector<std::vector<Pose>> poses = poses_of_cast(controls);
   if (!cast_.empty()) {
@@ -130,6 +133,7 @@ void Scene::add_character(std::size_t index, std::span<const Pose> poses, const 
     second.positions = compared->skin.positions;
     second.normals = compared->skin.normals;
     second.colour = kOtherColour;
+    second.materials = nullptr;
     if ((s.compare.heat || s.compare.activation) && is_measured) skin.reference = second.positions;
   }
   if (s.compare.coverage && character.shown().knows_coverage()) {

@@ -8,7 +8,7 @@ layout(push_constant) uniform Push {
   View view;
   vec4 shadow;
   vec4 ground;
-  uint grid, orthographic;
+  uint grid, light, orthographic;
 };
 
 layout(set = 0, binding = 0) uniform sampler2D shade;  // how near the ground something is, 0..1
@@ -27,6 +27,10 @@ float lines(vec2 at, float spacing, vec2 width) {
 }
 
 void main() {
+  if (light != 0) {
+    out_colour = vec4(0.62, 0.62, 0.62, 1);
+    return;
+  }
   vec3 colour = backdrop(in_at);
   const float t = (ground.x - in_origin.y) / in_direction.y;
   const vec3 at = in_origin + t * in_direction;

@@ -7,7 +7,7 @@ layout(push_constant) uniform Push {
   View view;
   vec4 shadow;  // centre x, z; half sides of the map a metre; strength
   vec4 ground;  // height; spacing of the grid; how far it reaches, metres, 0: none; axes (0 or 1)
-  uint grid, orthographic;
+  uint grid, light, orthographic;
 };
 
 layout(location = 0) out vec2 out_at;  // picture, -1..1, y down

@@ -1,9 +1,10 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
 // A skin as clay, as a polished ball would show it (matcap), in facets, by its normals, by the heat of a distance, or in
-// colours of its vertices; edges over it, and see-through as a ghost.
+// colours of its vertices, or black; edges over it, and see-through as a ghost.
 #include "studio.glsl"
 #include "view.glsl"
+#include "wire.glsl"
 
 layout(push_constant) uniform Push {
   View view;
@@ -13,7 +14,7 @@ layout(push_constant) uniform Push {
   uint first_vertex, first_reference, reference_kind;
 };
 const uint kColours = 2;  // of reference_kind
-const uint kMatcap = 1, kFlat = 2, kNormals = 3;
+const uint kMatcap = 2, kFlat = 3, kNormals = 4, kSilhouette = 5;
 
 const uint kPaletteSize = 256;
 layout(std430, set = 0, binding = 4) readonly buffer Palette { float palette[]; };  // the colour bar, linear RGB
@@ -41,13 +42,6 @@ vec3 palette_colour(float t) {
   return mix(low, high, at - k);
 }
 
-// Near an edge of its triangle: 1, some pixels off: 0.
-float edge() {
-  const vec3 width = fwidth(in_corner);
-  const vec3 near = smoothstep(0.3 * width, 1.3 * width, in_corner);
-  return 1 - min(near.x, min(near.y, near.z));
-}
-
 void main() {
   const vec3 eye = orthographic != 0 ? vec3(0, 0, 1) : normalize(-in_position);
   const vec3 up = vec3(view.rows[0].y, view.rows[1].y, view.rows[2].y);
@@ -65,10 +59,12 @@ void main() {
   } else if (style == kNormals) {
     colour = 0.5 + 0.5 * n;
     colour *= colour;
+  } else if (style == kSilhouette && offset_alpha.w >= 1) {
+    colour = vec3(0);
   } else {
     colour = clay(base, n, eye, up);
   }
-  if (wire != 0) colour = mix(colour, vec3(0.012, 0.014, 0.018), 0.65 * edge());
+  if (wire != 0) colour = wired(colour, in_corner);
   float alpha = offset_alpha.w;
   if (alpha < 1) alpha *= 0.25 + 0.75 * pow(1 - max(0, dot(n, eye)), 1.5);  // a ghost is seen by its outline
   out_colour = vec4(colour, alpha);

@@ -76,13 +76,21 @@ std::string ActorFiles::up_of(const std::string& source) const {
   return lower_case_extension(split_source(source).path) == ".bvh" ? up : "";
 }
 
-std::string ActorFiles::own_file() const { return character.empty() && !is_basis(basis) ? basis : character; }
+std::string ActorFiles::own_file() const {
+  if (!character.empty()) return character;
+  if (!is_basis(basis)) return basis;
+  for (const char* extension : {".glb", ".gltf", ".vrm", ".fbx"}) {
+    const fs::path beside = fs::path(basis).replace_extension(extension);
+    if (fs::exists(beside)) return beside.string();
+  }
+  return "";
+}
 
 std::vector<fs::path> ActorFiles::paths() const {
   std::vector<fs::path> all;
   if (is_basis(basis)) all = {dynamics(), attached()};
-  for (const std::string& file :
-       {basis, split_source(clip).path.string(), truth, levels().string(), character, limits, muscles, joint_map}) {
+  for (const std::string& file : {basis, split_source(clip).path.string(), truth, levels().string(),
+                                  is_basis(basis) ? own_file() : character, limits, muscles, joint_map}) {
     if (!file.empty()) all.emplace_back(file);
   }
   return all;

@@ -30,7 +30,9 @@ struct ActorFiles {
   std::filesystem::path attached() const;
   std::filesystem::path levels() const;                // the proxy; empty: none, and none can be there
   std::string up_of(const std::string& source) const;  // `up` where the clip's source is a BVH
-  std::string own_file() const;  // that a character as it is was read from, or `character`; empty: it is not known
+  // `character`, what a character as it is was read from, or what has a trained basis' name beside it; empty: it is not
+  // known.
+  std::string own_file() const;
   // All of them, those beside the basis whether they are there or not: to be watched.
   std::vector<std::filesystem::path> paths() const;
 };

@@ -44,7 +44,7 @@ struct PlaySettings {
 };
 
 enum class KeyEase { smooth, linear, step };  // from a key to the next
-enum class LookStyle { clay, matcap, flat, normals };
+enum class LookStyle { clay, material, matcap, flat, normals, silhouette };
 enum class CompareWith { none, lbs, ddm, linear, full, jiggle, truth, proxy };
 enum class CompareLayout { side_by_side, overlay, wipe, hold };
 enum class MatchView { none, colours, confidence };
@@ -53,7 +53,7 @@ enum class SectionAxis { x, y, z };
 // In commands, panels and the state file; in the order of the enumerations.
 inline constexpr std::array kPlayModeNames{"loop", "ping-pong", "once"};
 inline constexpr std::array kKeyEaseNames{"smooth", "linear", "step"};
-inline constexpr std::array kStyleNames{"clay", "matcap", "flat", "normals"};
+inline constexpr std::array kStyleNames{"clay", "material", "matcap", "flat", "normals", "silhouette"};
 inline constexpr std::array kComparisonNames{"none", "lbs", "ddm", "linear", "full", "jiggle", "truth", "proxy"};
 inline constexpr std::array kLayoutNames{"side-by-side", "overlay", "wipe", "hold"};
 inline constexpr std::array kMatchNames{"none", "colours", "confidence"};
@@ -61,7 +61,7 @@ inline constexpr std::array kSectionAxisNames{"x", "y", "z"};
 
 struct ViewSettings {
   struct Look {
-    LookStyle style = LookStyle::clay;
+    LookStyle style = LookStyle::material;
     bool wire = false, grid = true, axes = true, skeleton = false, fibres = false, tets = false;
     double tet_cut = 0.5;                       // share of the tets that is cut away, from the front
     bool anatomy = false;                       // the lead cut open by a plane that shows its tissues

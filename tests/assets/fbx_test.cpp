@@ -5,6 +5,8 @@
 #include "assets/clip.h"
 #include "assets/gltf_animation.h"
 #include "assets/gltf_nodes.h"
+#include "assets/gltf_skin.h"
+#include "assets/skin_surface.h"
 #include "runtime/host/rig.h"
 #include "tests/assets/gltf_blob.h"
 #include "tests/assets/random_fbx.h"
@@ -51,6 +53,55 @@ TEST(Fbx, NodesStandAsTheFormulaSays) {
         EXPECT_LT((found - expected * point).norm(), kMetres * (1 + found.norm())) << "seed " << seed;
       }
     }
+  }
+}
+
+// Corners of one point lie elsewhere in the image, polygons are of two materials; the points stay as they are.
+TEST(Fbx, CornersKeepTheirPlacesInImages) {
+  const TemporaryFolder folder;
+  WrittenFbx file;
+  file.models = {{.name = "sheet", .type = "Mesh"}};
+  WrittenMesh sheet;
+  sheet.points = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {2, 0, 0}};
+  sheet.polygons = {0, 1, 2, ~std::int64_t{3}, 1, 4, ~std::int64_t{2}};
+  sheet.texture = {0, 0, 0.5, 0, 0.5, 1, 0, 1, 0.75, 0.25};
+  sheet.texture_of = {0, 1, 2, 3, 4, 1, 4};
+  sheet.material_of = {1, 0};
+  file.meshes = {sheet};
+  const std::string png = "\x89PNG\r\n\x1a\n of skin", jpeg = "\xff\xd8\xff of cloth";
+  file.materials = {{.name = "cloth", .file = "..\\elsewhere\\100%.jpg"}, {.name = "skin", .image = png}};
+  std::filesystem::create_directory(folder / "sheet.fbm");
+  put_bytes(folder / "sheet.fbm" / "100%.jpg", jpeg);
+  put_bytes(folder / "sheet.fbx", file.binary(7400, true));
+  const GltfFile read(folder / "sheet.fbx");
+  const SkinSurface surface = read_node_surface(read, 0);
+  EXPECT_EQ(surface.notes, std::vector<std::string>());
+  ASSERT_EQ(surface.material_of.size(), 3u);
+  const auto image_of = [&](std::size_t triangle) {
+    const SurfaceMaterial& material = surface.materials[surface.material_of[triangle]];
+    return *surface.textures.at(material.texture()->at("index").get<std::size_t>()).bytes;
+  };
+  EXPECT_EQ(image_of(0), png);
+  EXPECT_EQ(image_of(1), png);
+  EXPECT_EQ(image_of(2), jpeg);
+  std::vector<std::string> unused;
+  const SkinGeometry geometry = read_node_geometry(read, 0, unused);
+  ASSERT_EQ(geometry.positions.size(), 5u);
+  std::vector<std::uint32_t> corners;
+  for (const auto& triangle : geometry.triangles) corners.insert(corners.end(), triangle.begin(), triangle.end());
+  const auto at = [&](std::size_t c) {
+    const std::size_t row = surface.row(corners, c);
+    return std::array{surface.texture[2 * row], surface.texture[2 * row + 1]};
+  };
+  const std::array<double, 2> first[] = {{0, 1}, {0.5, 1}, {0.5, 0}, {0, 0}}, torn{0.75, 0.75};  // v from above
+  for (std::size_t c = 0; c < 6; ++c) EXPECT_EQ(at(c), first[corners[c]]) << c;
+  EXPECT_EQ(at(6), torn);  // of point 1, which the other polygon has elsewhere
+  const SplitSurface split = split_corners(surface, corners, 5);
+  EXPECT_EQ(split.places.size(), 7u);
+  EXPECT_EQ(split.surface.texture.size(), 14u);
+  for (std::size_t c = 0; c < corners.size(); ++c) {
+    EXPECT_EQ(split.places[split.corners[c]], corners[c]);
+    EXPECT_EQ(split.surface.texture[2 * split.corners[c]], at(c)[0]);
   }
 }
 

@@ -610,7 +610,7 @@ TEST(FrameFiles, AnObjHasATextureAndAMaterialForEveryRegion) {
   }
   EXPECT_EQ(textured, static_cast<int>(character.output_count()));
   int sum = 0;
-  for (const std::string& name : surface.materials) sum += faces[name];
+  for (const SurfaceMaterial& region : surface.materials) sum += faces[region.name];
   EXPECT_EQ(sum, character.output_triangles.rows());
   // A triangle of which one joint holds all is of that joint's material.
   EXPECT_GT(faces.at(character.skeleton.joints[0].name), 0);
@@ -639,7 +639,7 @@ TEST(FrameFiles, AGltfRestsInThePoseAndComesBack) {
   ASSERT_EQ(primitives.size(), surface.materials.size());
   std::size_t corners = 0;
   for (std::size_t m = 0; m < primitives.size(); ++m) {
-    EXPECT_EQ(json["materials"][primitives[m]["material"].get<std::size_t>()]["name"], surface.materials[m]);
+    EXPECT_EQ(json["materials"][primitives[m]["material"].get<std::size_t>()]["name"], surface.materials[m].name);
     EXPECT_EQ(primitives[m]["attributes"], primitives[0]["attributes"]);
     corners += json["accessors"][primitives[m]["indices"].get<std::size_t>()]["count"].get<std::size_t>();
   }

@@ -160,7 +160,8 @@ TEST_F(ViewSettingsTest, UnknownKeysAreNamed) {
 
 TEST_F(ViewSettingsTest, WrongValuesAreNamedWithWhatWasExpected) {
   expect_refused(R"("look": {"wire": 3})", {"'wire' is 3", "true or false"});
-  expect_refused(R"("look": {"style": "shiny"})", {"'style' is \"shiny\"", "'clay', 'matcap', 'flat', 'normals'"});
+  expect_refused(R"("look": {"style": "shiny"})",
+                 {"'style' is \"shiny\"", "'clay', 'material', 'matcap', 'flat', 'normals', 'silhouette'"});
   expect_refused(R"("look": {"style": 1})", {"'style' is 1", "'clay'"});
   expect_refused(R"("look": [])", {"'look' is []", "an object"});
   expect_refused(R"("look": null)", {"'look' is null", "an object"});

@@ -40,7 +40,7 @@ std::vector<double> columns(const Eigen::Affine3d& matrix) {
 
 // Identities by what they are: models from 1000, meshes, skins, clusters, curves.
 std::int64_t id_of(int kind, std::size_t place) { return 1000 * (kind + 1) + static_cast<std::int64_t>(place); }
-enum { kModel, kMesh, kSkin, kCluster, kStack, kLayer, kCurveNode, kCurve };
+enum { kModel, kMesh, kSkin, kCluster, kStack, kLayer, kCurveNode, kCurve, kMaterial, kTexture, kVideo };
 
 struct Tree {
   Node objects{"Objects", {}, {}}, links{"Connections", {}, {}};
@@ -72,6 +72,20 @@ void add_mesh(Tree& tree, const WrittenMesh& mesh, std::size_t k) {
   for (const Vector& p : mesh.points) numbers.insert(numbers.end(), p.begin(), p.end());
   Node& node = tree.add(object("Geometry", id_of(kMesh, k), "", "Mesh"));
   node.children = {{"Vertices", {numbers}, {}}, {"PolygonVertexIndex", {mesh.polygons}, {}}};
+  if (!mesh.texture.empty()) {
+    node.children.push_back({"LayerElementUV",
+                             {std::int64_t{0}},
+                             {{"MappingInformationType", {std::string("ByPolygonVertex")}, {}},
+                              {"ReferenceInformationType", {std::string("IndexToDirect")}, {}},
+                              {"UV", {mesh.texture}, {}},
+                              {"UVIndex", {mesh.texture_of}, {}}}});
+  }
+  if (!mesh.material_of.empty()) {
+    node.children.push_back(
+        {"LayerElementMaterial",
+         {std::int64_t{0}},
+         {{"MappingInformationType", {std::string("ByPolygon")}, {}}, {"Materials", {mesh.material_of}, {}}}});
+  }
   tree.link(id_of(kMesh, k), id_of(kModel, static_cast<std::size_t>(mesh.model)));
   if (mesh.clusters.empty()) return;
   tree.add(object("Deformer", id_of(kSkin, k), "", "Skin"));
@@ -87,6 +101,19 @@ void add_mesh(Tree& tree, const WrittenMesh& mesh, std::size_t k) {
     tree.link(id, id_of(kSkin, k));
     tree.link(id_of(kModel, static_cast<std::size_t>(cluster.bone)), id);
   }
+}
+
+void add_material(Tree& tree, const WrittenMaterial& material, std::size_t k) {
+  Node& node = tree.add(object("Material", id_of(kMaterial, k), material.name, ""));
+  node.children = {{"Properties70", {}, {vector("DiffuseColor", material.colour)}}};
+  tree.link(id_of(kMaterial, k), id_of(kModel, static_cast<std::size_t>(material.model)));
+  if (material.image.empty() && material.file.empty()) return;
+  Node& texture = tree.add(object("Texture", id_of(kTexture, k), material.name, ""));
+  texture.children = {{"RelativeFilename", {material.file}, {}}};
+  tree.link(id_of(kTexture, k), id_of(kMaterial, k), "DiffuseColor");
+  Node& video = tree.add(object("Video", id_of(kVideo, k), material.name, "Clip"));
+  video.children = {{"Content", {material.image}, {}}};
+  tree.link(id_of(kVideo, k), id_of(kTexture, k));
 }
 
 void add_curve(Tree& tree, const WrittenCurve& curve, std::size_t k) {
@@ -119,6 +146,7 @@ std::vector<Node> tree_of(const WrittenFbx& file, std::int64_t version) {
   Tree tree;
   for (std::size_t k = 0; k < file.models.size(); ++k) add_model(tree, file.models[k], k);
   for (std::size_t k = 0; k < file.meshes.size(); ++k) add_mesh(tree, file.meshes[k], k);
+  for (std::size_t k = 0; k < file.materials.size(); ++k) add_material(tree, file.materials[k], k);
   if (!file.curves.empty()) {
     Node& stack = tree.add(object("AnimationStack", id_of(kStack, 0), "take", ""));
     stack.children = {

@@ -32,6 +32,15 @@ struct WrittenMesh {
   std::vector<Vector> points;
   std::vector<std::int64_t> polygons;  // the last corner of each as its complement
   std::vector<WrittenCluster> clusters;
+  std::vector<double> texture;                        // two numbers each
+  std::vector<std::int64_t> texture_of, material_of;  // of each corner; of each polygon
+};
+
+struct WrittenMaterial {
+  int model = 0;
+  std::string name;
+  Vector colour{1, 1, 1};
+  std::string image{}, file{};  // bytes in the file; or a name
 };
 
 struct WrittenCurve {
@@ -50,6 +59,7 @@ struct WrittenFbx {
   int axes[3] = {0, 1, 2}, signs[3] = {1, 1, 1};  // to the right, up, to the front
   std::vector<WrittenModel> models;
   std::vector<WrittenMesh> meshes;
+  std::vector<WrittenMaterial> materials;
   std::vector<WrittenCurve> curves;
   std::vector<std::string> layers = {"BaseLayer"};
   double begin = 0, end = 0;  // seconds, of the take

@@ -126,6 +126,11 @@ class LooseMeshReader {
     } else {
       place(node, geometry, mesh);
     }
+    try {
+      mesh.surface = read_node_surface(file_, node);
+    } catch (const Error& error) {
+      notes_.push_back("Mesh '" + mesh.name + "' has no materials: " + error.what());
+    }
     meshes_.push_back(std::move(mesh));
   }
 

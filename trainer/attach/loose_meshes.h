@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "assets/character.h"
+#include "assets/skin_surface.h"
 #include "runtime/basis/basis.h"
 
 namespace bodyopt {
@@ -17,6 +18,7 @@ struct LooseMesh {
   std::vector<std::array<std::uint32_t, 3>> triangles;
   int joint = -1;                                 // the character's joint that its node hangs on, or -1
   std::vector<std::vector<JointWeight>> weights;  // N where it has a skin of its own: by joint of the character
+  SkinSurface surface;
 };
 
 // A mesh below a joint's node stands where that joint has it in the bind pose, a skinned one where its own bind pose

@@ -221,7 +221,7 @@ std::string face_line(const Character& character, Eigen::Index triangle, bool ha
 std::string face_lines(const Character& character, const SkinSurface& surface) {
   std::string text;
   for (std::size_t m = 0; m < std::max<std::size_t>(1, surface.materials.size()); ++m) {
-    if (!surface.materials.empty()) text += "usemtl " + surface.materials[m] + "\n";
+    if (!surface.materials.empty()) text += "usemtl " + surface.materials[m].name + "\n";
     for (Eigen::Index t = 0; t < character.output_triangles.rows(); ++t) {
       const bool own = surface.materials.empty() || surface.material_of[static_cast<std::size_t>(t)] == m;
       if (own) text += face_line(character, t, !surface.texture.empty());
@@ -285,7 +285,7 @@ SkinSurface frame_surface(const PoseDatabase& database) {
   SkinSurface surface{read_texture_coordinates(database.dataset.folder / database.dataset.character), {}, {}};
   std::vector<RegionWeights> regions;
   for (SkinPart& part : skin_parts(database)) {
-    surface.materials.push_back(part.region.name);
+    surface.materials.push_back({part.region.name});
     regions.push_back(std::move(part.region));
   }
   surface.material_of = heaviest_regions(database.character, regions);

@@ -1,0 +1,88 @@
+#include "draw/image_decode.h"
+
+#include <spng.h>
+#include <stb/stb_image.h>
+#include <webp/decode.h>
+
+#include <algorithm>
+#include <array>
+#include <memory>
+#include <string>
+#include <string_view>
+
+#include "runtime/core/error.h"
+
+namespace bodyopt {
+namespace {
+
+using Bytes = std::span<const unsigned char>;
+
+[[noreturn]] void refuse_image(const std::string& why) { throw Error(ErrorKind::file, why); }
+
+Image sized(std::uint32_t width, std::uint32_t height) {
+  if (width == 0 || height == 0 || width > kMostImagePixels || height > kMostImagePixels) {
+    refuse_image("has " + std::to_string(width) + " x " + std::to_string(height) + " pixels, expected 1 to " +
+                 std::to_string(kMostImagePixels) + " a side");
+  }
+  return {width, height, std::vector<std::uint8_t>(std::size_t{4} * width * height)};
+}
+
+Image decode_png(Bytes bytes) {
+  const auto require = [](int result) {
+    if (result != 0) refuse_image(std::string("is a damaged PNG, or cut off: ") + spng_strerror(result));
+  };
+  const std::unique_ptr<spng_ctx, decltype(&spng_ctx_free)> decoder(spng_ctx_new(0), &spng_ctx_free);
+  if (!decoder) refuse_image("cannot be decoded: out of memory");
+  spng_ihdr header{};
+  require(spng_set_png_buffer(decoder.get(), bytes.data(), bytes.size()));
+  require(spng_set_chunk_limits(decoder.get(), bytes.size(), bytes.size()));
+  require(spng_get_ihdr(decoder.get(), &header));
+  Image image = sized(header.width, header.height);
+  require(spng_decode_image(decoder.get(), image.rgba.data(), image.rgba.size(), SPNG_FMT_RGBA8, SPNG_DECODE_TRNS));
+  return image;
+}
+
+// What decodes it makes grey of what is missing.
+bool is_cut_off(Bytes jpeg) {
+  constexpr std::array<unsigned char, 2> kEnd{0xff, 0xd9};
+  const Bytes tail = jpeg.last(std::min<std::size_t>(jpeg.size(), 4096));
+  return std::ranges::search(tail, kEnd).empty();
+}
+
+Image decode_jpeg(Bytes bytes) {
+  int width = 0, height = 0, channels = 0;
+  const int size = static_cast<int>(bytes.size());
+  if (bytes.size() > std::size_t{1} << 30 || is_cut_off(bytes) ||
+      stbi_info_from_memory(bytes.data(), size, &width, &height, &channels) == 0) {
+    refuse_image("is a damaged JPEG, or cut off");
+  }
+  Image image = sized(static_cast<std::uint32_t>(width), static_cast<std::uint32_t>(height));
+  const std::unique_ptr<stbi_uc, decltype(&stbi_image_free)> pixels(
+      stbi_load_from_memory(bytes.data(), size, &width, &height, &channels, 4), &stbi_image_free);
+  if (!pixels) refuse_image(std::string("is a damaged JPEG: ") + stbi_failure_reason());
+  std::copy_n(pixels.get(), image.rgba.size(), image.rgba.begin());
+  return image;
+}
+
+Image decode_webp(Bytes bytes) {
+  int width = 0, height = 0;
+  if (WebPGetInfo(bytes.data(), bytes.size(), &width, &height) == 0) refuse_image("is a damaged WebP, or cut off");
+  Image image = sized(static_cast<std::uint32_t>(width), static_cast<std::uint32_t>(height));
+  if (WebPDecodeRGBAInto(bytes.data(), bytes.size(), image.rgba.data(), image.rgba.size(), 4 * width) == nullptr) {
+    refuse_image("is a damaged WebP, or cut off");
+  }
+  return image;
+}
+
+}  // namespace
+
+Image decode_image(std::span<const std::byte> given) {
+  const Bytes bytes(reinterpret_cast<const unsigned char*>(given.data()), given.size());
+  const std::string_view text(reinterpret_cast<const char*>(given.data()), given.size());
+  if (text.starts_with("\x89PNG")) return decode_png(bytes);
+  if (text.starts_with("\xff\xd8\xff")) return decode_jpeg(bytes);
+  if (text.starts_with("RIFF")) return decode_webp(bytes);
+  refuse_image("is neither PNG, JPEG nor WebP");
+}
+
+}  // namespace bodyopt

@@ -1,0 +1,30 @@
+// The materials of a character on the device: of its skin and of what it wears, with the images that they share.
+#pragma once
+
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "draw/texture.h"
+#include "draw/view.h"
+#include "runtime/basis/attachments.h"
+#include "runtime/basis/basis.h"
+
+namespace bodyopt {
+
+// No parts where there is nothing but the white of a material that says nothing.
+struct CharacterMaterials {
+  std::vector<SurfaceDraw> skin;   // of each level of detail; coarser ones have the colours that the finest has there
+  std::vector<SurfaceDraw> worn;   // of each attached mesh
+  std::vector<std::string> notes;  // of what cannot be read, one sentence each
+  std::vector<Attachment> images;
+  std::map<Sampling, Sampler> samplers;
+};
+
+// `own`: the character's own file; `levels`: finest first. Throws Error(device).
+std::shared_ptr<const CharacterMaterials> make_character_materials(const vulkan::Device& device, const std::string& own,
+                                                                   const std::vector<const Basis*>& levels,
+                                                                   const Attachments& attached);
+
+}  // namespace bodyopt

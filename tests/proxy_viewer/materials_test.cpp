@@ -1,0 +1,232 @@
+// Characters in their own colours, from the file to the pixels.
+#include <gtest/gtest.h>
+
+#include "draw/colours.h"
+#include "draw/viewport.h"
+#include "proxy_viewer/scene/scene.h"
+#include "shots/shot_files.h"
+#include "tests/assets/gltf_blob.h"
+#include "tests/support/gpu_fixture.h"
+#include "tests/support/png_file.h"
+
+namespace bodyopt::testing {
+namespace materials_test {
+
+using Colour = std::array<std::uint8_t, 4>;
+constexpr Colour kRed{200, 0, 0, 255}, kGreen{0, 200, 0, 255}, kBlue{0, 0, 200, 255}, kGrey{188, 188, 188, 255};
+constexpr std::uint32_t kWide = 160, kHigh = 120;
+
+// A square whose material has an image of 2 x 2 pixels, from the upper left.
+GltfBlob pictured_square(const std::array<Colour, 4>& pixels) {
+  GltfBlob blob = two_joint_square();
+  Image image{2, 2, {}};
+  for (const Colour& pixel : pixels) image.rgba.insert(image.rgba.end(), pixel.begin(), pixel.end());
+  const std::vector<std::uint8_t> png = encode_png(image);
+  blob.add(png, 5121, "SCALAR", 1);
+  blob.root["accessors"].erase(blob.root["accessors"].size() - 1);
+  blob.root["images"] = {{{"name", "square"}, {"bufferView", blob.root["bufferViews"].size() - 1}}};
+  blob.root["samplers"] = {{{"magFilter", 9728}}};
+  blob.root["textures"] = {{{"source", 0}, {"sampler", 0}}};
+  blob.root["materials"] = {{{"pbrMetallicRoughness", {{"baseColorTexture", {{"index", 0}}}}}}};
+  Json& primitive = blob.root["meshes"][0]["primitives"][0];
+  primitive["attributes"]["TEXCOORD_0"] = blob.add(std::vector<float>{0, 1, 1, 1, 1, 0, 0, 0}, 5126, "VEC2", 2);
+  primitive["material"] = 0;
+  return blob;
+}
+
+GltfBlob plain_square(double grey) {
+  GltfBlob blob = pictured_square({kRed, kRed, kRed, kRed});
+  blob.root["materials"] = {{{"pbrMetallicRoughness", {{"baseColorFactor", {grey, grey, grey, 1}}}}}};
+  return blob;
+}
+
+class Materials : public ::testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    device_ = std::make_shared<const vulkan::Device>(test_device(), vulkan::DeviceUse{.draws = true});
+    viewport_ = std::make_unique<Viewport>(*device_);
+  }
+  static void TearDownTestSuite() {
+    viewport_.reset();
+    device_.reset();
+  }
+  void TearDown() override { EXPECT_EQ(device_->validation_messages(), std::vector<std::string>()); }
+
+  // From the front, without perspective: 40 pixels a metre, the square in the middle.
+  Image picture(const GltfBlob& blob, LookStyle style = LookStyle::material, bool wire = false) {
+    put_bytes(folder_ / "square.glb", blob.glb());
+    Scene scene(device_);
+    scene.add({(folder_ / "square.glb").string()}, {});
+    notes_ = scene.lead().notes();
+    Controls controls;
+    controls.settings.look.style = style;
+    controls.settings.look.wire = wire;
+    controls.settings.look.shadow = false;
+    std::vector<View> views = scene.look(controls, {0, 0, kWide, kHigh});
+    views.at(0).camera = {{0.5f, 1, 5}, {0.5f, 1, 0}, 0.5f, 3};
+    views[0].ground.grid = views[0].ground.axes = false;
+    viewport_->draw(views, kWide, kHigh, Edges::smooth);
+    return viewport_->picture();
+  }
+
+  // Beside the middle, right and up, a fraction of the square's sides.
+  static Colour at(const Image& image, int right, int up) {
+    const std::size_t pixel =
+        (kHigh / 2 - static_cast<std::size_t>(20 * up)) * kWide + kWide / 2 + static_cast<std::size_t>(8 * right);
+    return {image.rgba[4 * pixel], image.rgba[4 * pixel + 1], image.rgba[4 * pixel + 2], image.rgba[4 * pixel + 3]};
+  }
+  static void expect_mostly(std::size_t channel, const Colour& colour) {
+    for (std::size_t c = 0; c < 3; ++c) {
+      if (c != channel) {
+        EXPECT_GT(colour[channel], colour[c] + 60) << "channel " << channel << " against " << c;
+      }
+    }
+  }
+  static void expect_alike(const Colour& a, const Colour& b) {
+    for (std::size_t c = 0; c < 3; ++c) EXPECT_NEAR(a[c], b[c], 2) << "channel " << c;
+  }
+
+  static inline std::shared_ptr<const vulkan::Device> device_;
+  static inline std::unique_ptr<Viewport> viewport_;
+  TemporaryFolder folder_;
+  std::vector<std::string> notes_;
+};
+
+TEST_F(Materials, AnImageStandsUprightOnTheSkin) {
+  const Image image = picture(pictured_square({kRed, kGreen, kBlue, kGrey}));
+  expect_mostly(0, at(image, -1, 1));
+  expect_mostly(1, at(image, 1, 1));
+  expect_mostly(2, at(image, -1, -1));
+  for (const int right : {-1, 1}) EXPECT_EQ(at(image, right, 1)[3], 255);
+  const Image edges = picture(pictured_square({kRed, kGreen, kBlue, kGrey}), LookStyle::material, true);
+  expect_mostly(1, at(edges, 1, 1));
+  EXPECT_GT(spot_difference(image, edges).mean, 0.1);
+}
+
+// Those who take the bytes of an image for light show 0.5 where 0.74 belongs.
+TEST_F(Materials, AnImageIsInSrgbAndAFactorIsLight) {
+  const Image factor = picture(plain_square(double{linear(188)}));
+  expect_alike(at(factor, 1, 1), at(picture(pictured_square({kGrey, kGrey, kGrey, kGrey})), 1, 1));
+  GltfBlob own = plain_square(1);
+  const float light = linear(188);
+  own.root["meshes"][0]["primitives"][0]["attributes"]["COLOR_0"] = own.vectors(std::vector<float>(12, light));
+  expect_alike(at(factor, 1, 1), at(picture(own), 1, 1));
+}
+
+TEST_F(Materials, EachTriangleHasItsOwn) {
+  GltfBlob blob = pictured_square({kRed, kRed, kRed, kRed});
+  blob.root["materials"].push_back({{"pbrMetallicRoughness", {{"baseColorFactor", {0, 0, 0.6, 1}}}}});
+  Json& primitives = blob.root["meshes"][0]["primitives"];
+  primitives.push_back(primitives[0]);
+  primitives[1]["material"] = 1;
+  primitives[0]["indices"] = blob.add(std::vector<std::uint16_t>{0, 1, 2}, 5123, "SCALAR", 1);
+  primitives[1]["indices"] = blob.add(std::vector<std::uint16_t>{0, 2, 3}, 5123, "SCALAR", 1);
+  const Image image = picture(blob);
+  expect_mostly(0, at(image, 1, -1));
+  expect_mostly(2, at(image, -1, 1));
+}
+
+TEST_F(Materials, AnImageIsTurnedAsItsMaterialSays) {
+  GltfBlob blob = pictured_square({kRed, kGreen, kBlue, kGrey});
+  blob.root["materials"][0]["pbrMetallicRoughness"]["baseColorTexture"]["extensions"]["KHR_texture_transform"] = {
+      {"offset", {0.5, 0}}};
+  const Image moved = picture(blob);
+  expect_mostly(1, at(moved, -1, 1));
+  expect_mostly(0, at(moved, 1, 1));  // round again
+  blob.root["samplers"][0]["wrapS"] = 33071;
+  expect_mostly(1, at(picture(blob), 1, 1));
+}
+
+TEST_F(Materials, WhereAnImageHasNoAlphaIsAHole) {
+  GltfBlob blob = pictured_square({kRed, {0, 200, 0, 0}, kRed, {0, 200, 0, 0}});
+  const Image opaque = picture(blob);
+  expect_mostly(1, at(opaque, 1, 1));
+  for (const char* mode : {"MASK", "BLEND"}) {
+    blob.root["materials"][0]["alphaMode"] = mode;
+    const Image holed = picture(blob);
+    expect_mostly(0, at(holed, -1, 1));
+    EXPECT_LT(at(holed, 1, 1)[1], 60) << mode;
+    EXPECT_EQ(at(holed, 1, 1)[3], 255) << mode;
+  }
+}
+
+TEST_F(Materials, OtherLooksTakeTheirPlace) {
+  const GltfBlob blob = pictured_square({kGreen, kGreen, kGreen, kGreen});
+  const Colour clay = at(picture(blob, LookStyle::clay), 1, 1);
+  EXPECT_LT(clay[1], clay[0]);
+  const Image black = picture(blob, LookStyle::silhouette);
+  EXPECT_EQ(at(black, 1, 1), (Colour{0, 0, 0, 255}));
+  EXPECT_GT(black.rgba[0], 180);
+  EXPECT_TRUE(picture(two_joint_square()).rgba == picture(two_joint_square(), LookStyle::clay).rgba);
+}
+
+TEST_F(Materials, WhatIsWornHasItsOwn) {
+  GltfBlob blob = pictured_square({kRed, kRed, kRed, kRed});
+  const std::size_t patch = blob.vectors({0.5f, 1, 0.05f, 1, 1, 0.05f, 1, 2, 0.05f, 0.5f, 2, 0.05f});
+  blob.root["materials"].push_back(
+      {{"name", "cloth"}, {"pbrMetallicRoughness", {{"baseColorFactor", {0, 0, 0.6, 1}}}}});
+  blob.root["meshes"].push_back({{"primitives",
+                                  {{{"attributes", {{"POSITION", patch}}},
+                                    {"indices", blob.root["meshes"][0]["primitives"][0]["indices"]},
+                                    {"material", 1}}}}});
+  blob.root["nodes"].push_back({{"name", "patch"}, {"mesh", 1}, {"translation", {0, -1, 0}}});
+  blob.root["nodes"][1]["children"] = {3};
+  const Image image = picture(blob);
+  expect_mostly(2, at(image, 1, 1));
+  expect_mostly(0, at(image, -1, 1));
+  const std::string file = (folder_ / "square.glb").string();
+  const OpenedCharacter opened = open_character(file, {});
+  const std::vector<SkinSurface> worn = attached_surfaces(file, opened.levels.at(0).basis, opened.attached);
+  ASSERT_EQ(worn.size(), 1u);
+  EXPECT_EQ(worn[0].materials.at(0).name, "cloth");
+}
+
+// Which has no coordinates: it shows what the skin that it stands for has there.
+TEST_F(Materials, ACoarserLevelHasTheColoursOfTheFinest) {
+  GltfBlob blob = pictured_square({kRed, kGreen, kRed, kGreen});
+  blob.root["meshes"][0]["primitives"][0]["attributes"]["TEXCOORD_0"] =
+      blob.add(std::vector<float>{0.2f, 0.8f, 0.8f, 0.8f, 0.8f, 0.2f, 0.2f, 0.2f}, 5126, "VEC2", 2);
+  put_bytes(folder_ / "square.glb", blob.glb());
+  const std::string file = (folder_ / "square.glb").string();
+  const Basis basis = open_character(file, {}).levels.at(0).basis;
+  const auto materials = make_character_materials(*device_, file, {&basis, &basis}, {});
+  Scene scene(device_);
+  scene.add({file}, {});
+  Controls controls;
+  std::vector<View> views = scene.look(controls, {0, 0, kWide, kHigh});
+  ASSERT_EQ(materials->skin.size(), 2u);
+  views.at(0).camera = {{0.5f, 1, 5}, {0.5f, 1, 0}, 0.5f, 3};
+  views[0].skins.at(0).materials = &materials->skin[1];
+  viewport_->draw(views, kWide, kHigh, Edges::smooth);
+  const Image image = viewport_->picture();
+  EXPECT_GT(at(image, -1, 1)[0], at(image, 1, 1)[0] + 20);
+  EXPECT_GT(at(image, 1, 1)[1], at(image, -1, 1)[1] + 20);
+}
+
+// Images that are none, cut off, or not there.
+TEST_F(Materials, WhatCannotBeReadShowsTheMaterialsColourAndIsTold) {
+  GltfBlob blob = pictured_square({kRed, kRed, kRed, kRed});
+  blob.root["materials"][0]["pbrMetallicRoughness"]["baseColorFactor"] = {0, 0, 0.6, 1};
+  const std::size_t view = blob.root["images"][0]["bufferView"];
+  const auto expect_blue = [&](const std::string& why) {
+    expect_mostly(2, at(picture(blob), 1, 1));
+    const auto is_told = [&](const std::string& note) {
+      return note.find("square.glb: image 'square'") != std::string::npos && note.find(why) != std::string::npos;
+    };
+    EXPECT_EQ(std::ranges::count_if(notes_, is_told), 1) << why;
+  };
+  Json& length = blob.root["bufferViews"][view]["byteLength"];
+  length = length.get<std::size_t>() - 20;
+  expect_blue("is a damaged PNG, or cut off");
+  length = 4;
+  expect_blue("is neither PNG, JPEG nor WebP");
+  length = 4000000;
+  expect_blue("reaches beyond the buffer");
+  blob.root["images"][0] = {{"name", "square"}, {"uri", "not_there.png"}};
+  expect_blue("not_there.png");
+  blob.root["images"][0]["uri"] = "../outside.png";
+  expect_blue("lies outside the file's folder");
+}
+
+}  // namespace materials_test
+}  // namespace bodyopt::testing
