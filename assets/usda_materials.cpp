@@ -87,14 +87,16 @@ std::string usd_materials(const SkinSurface& surface, const std::string& mesh) {
   for (std::size_t m = 0; m < surface.materials.size(); ++m) {
     const SurfaceMaterial& material = surface.materials[m];
     std::string name = prim_name(material.name);
-    while (!names.insert(name).second) name += "_" + std::to_string(m);
+    const auto faces_of = [&] { return "faces_of_" + name; };
+    while (names.contains(name) || names.contains(faces_of())) name += "_" + std::to_string(m);
+    names.insert({name, faces_of()});
     const std::string prim = "/" + prim_name(mesh) + "/" + name;
     std::string faces;
     for (std::size_t t = 0; t < surface.material_of.size(); ++t) {
       if (surface.material_of[t] == m) faces += (faces.empty() ? "" : ", ") + std::to_string(t);
     }
     text += "    def Material \"" + name + "\"\n    {\n" + shaders(surface, material, mesh, prim) + "    }\n";
-    text += "    def GeomSubset \"faces_of_" + name;
+    text += "    def GeomSubset \"" + faces_of();
     text +=
         "\" (\n        prepend apiSchemas = [\"MaterialBindingAPI\"]\n    )\n    {\n"
         "        uniform token elementType = \"face\"\n        uniform token familyName = \"materialBind\"\n"
@@ -106,18 +108,21 @@ std::string usd_materials(const SkinSurface& surface, const std::string& mesh) {
 }
 
 void write_usd_images(const SkinSurface& surface, const std::string& mesh, const fs::path& folder) {
+  std::set<const std::string*> written;
   for (const SurfaceMaterial& material : surface.materials) {
-    if (const SurfaceTexture* image = base_image(surface, material)) {
+    const SurfaceTexture* image = base_image(surface, material);
+    if (image != nullptr && written.insert(image->bytes.get()).second) {
       write_file_atomically(folder / image_file(*image, mesh), std::as_bytes(std::span(*image->bytes)));
     }
   }
 }
 
 void copy_usd_images(const std::string& text, const fs::path& from, const fs::path& to) {
+  std::set<std::string> copied;
   for (std::size_t at = text.find(kImage); at != std::string::npos; at = text.find(kImage, at)) {
     at += sizeof(kImage) - 1;
     const std::string name = text.substr(at, text.find('@', at) - at);
-    if (name.find('/') != std::string::npos || to == from) continue;
+    if (name.find('/') != std::string::npos || to == from || !copied.insert(name).second) continue;
     const std::string bytes = read_file(from / name, std::size_t{1} << 30, "an image");
     write_file_atomically(to / name, std::as_bytes(std::span(bytes)));
   }

@@ -191,6 +191,19 @@ TEST_F(Pictured, ImagesLieBesideUsd) {
   }
 }
 
+TEST_F(Pictured, MaterialsAndFacesOfUsdHaveNamesOfTheirOwn) {
+  blob_.root["materials"][0]["name"] = "a";
+  blob_.root["materials"][1]["name"] = "faces_of_a";
+  const std::string text = written(read_blob(), "shapes.usda");
+  std::set<std::string> names;
+  for (std::size_t at = text.find("\n    def "); at != std::string::npos; at = text.find("\n    def ", at + 1)) {
+    const std::size_t quote = text.find('"', at) + 1;
+    const std::string name = text.substr(quote, text.find('"', quote) - quote);
+    EXPECT_TRUE(names.insert(name).second) << name;
+  }
+  EXPECT_EQ(names.size(), 4u);
+}
+
 TEST_F(Pictured, JoinedPartsBringTheirImages) {
   Painted painted(folder_);
   painted.surface = read_blob();
