@@ -102,14 +102,19 @@ void refuse_other_file(const fs::path& path) {
 }  // namespace
 
 GltfShapesWriter::GltfShapesWriter(const fs::path& path, CacheLayout layout)
-    : path_(path), layout_(std::move(layout)), corners_(layout_.corners.begin(), layout_.corners.end()) {
+    : path_(path),
+      layout_(std::move(layout)),
+      corners_(layout_.corners.begin(), layout_.corners.end()),
+      split_(split_corners(std::move(layout_.surface), corners_, layout_.points)) {
   refuse_other_file(path_);
   const std::uint64_t frames = layout_.frames.size();
-  // Positions and normals, and of every frame a weight of each target.
-  const std::uint64_t bytes = 24 * layout_.points * frames + 4 * (frames * frames + corners_.size());
+  const std::uint64_t points = split_.places.size();
+  // Positions and normals, of every frame a weight of each target, coordinates and colours, and images.
+  std::uint64_t bytes = 24 * points * frames + 4 * (frames * frames + corners_.size()) + 20 * points;
+  for (const SurfaceTexture& texture : split_.surface.textures) bytes += texture.bytes->size();
   if (bytes <= kMostGlbBytes) return;
-  throw Error(ErrorKind::usage, path, ": ", layout_.frames.size(), " frames of ", layout_.points,
-              " points take more than the 4 GiB that a .glb can hold: write fewer frames, or .pc2");
+  throw Error(ErrorKind::usage, path, ": ", layout_.frames.size(), " frames of ", points,
+              " points, with their images, take more than the 4 GiB that a .glb can hold: write fewer frames, or .pc2");
 }
 
 std::span<const float> GltfShapesWriter::frame(std::size_t k) const {
@@ -138,10 +143,9 @@ void GltfShapesWriter::close() {
   }
   GlbWriter glb;
   glb.root["asset"]["generator"] = kGenerator;
-  const SplitSurface split = split_corners(layout_.surface, corners_, layout_.points);
   const auto spread = [&](std::span<const float> values) {
     std::vector<float> own;
-    for (const std::uint32_t place : split.places) own.insert(own.end(), &values[3 * place], &values[3 * place] + 3);
+    for (const std::uint32_t place : split_.places) own.insert(own.end(), &values[3 * place], &values[3 * place] + 3);
     return own;
   };
   SmoothNormals smooth(frame(0), corners_);
@@ -156,7 +160,7 @@ void GltfShapesWriter::close() {
          {"NORMAL", glb.add(spread(difference(smooth(frame(k)), normals)), "VEC3", GlbTarget::vertices)}});
     names.push_back("frame " + std::to_string(layout_.frames[k]));
   }
-  const Json primitives = surface_primitives(split.corners, split.surface, drawn, glb);
+  const Json primitives = surface_primitives(split_.corners, split_.surface, drawn, glb);
   glb.root["meshes"].push_back({{"name", layout_.name}, {"primitives", primitives}});
   glb.root["nodes"].push_back({{"name", layout_.name}, {"mesh", 0}});
   glb.root["scenes"][0]["nodes"].push_back(0);

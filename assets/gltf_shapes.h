@@ -30,6 +30,7 @@ class GltfShapesWriter final : public CacheWriter {
   std::filesystem::path path_;
   CacheLayout layout_;
   std::vector<std::uint32_t> corners_;
+  SplitSurface split_;
   std::vector<float> positions_;  // frames x points x 3
 };
 

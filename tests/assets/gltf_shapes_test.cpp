@@ -70,6 +70,17 @@ TEST(GltfShapes, EveryFrameIsTheFirstAndItsTarget) {
   }
 }
 
+// Three points that the image has at six places.
+TEST(GltfShapes, SeamsCountAgainstTheRoom) {
+  const TemporaryFolder folder;
+  const std::vector<std::uint32_t> corners = {0, 1, 2, 0, 2, 1};
+  CacheLayout layout{"paper", 3, corners, std::vector<int>(32751), 24};
+  EXPECT_NO_THROW(GltfShapesWriter(folder / "paper.glb", layout));
+  layout.surface.texture.resize(12);
+  layout.surface.texture_of = {0, 1, 2, 3, 4, 5};
+  EXPECT_EQ(kind_of([&] { GltfShapesWriter(folder / "paper.glb", layout); }), ErrorKind::usage);
+}
+
 TEST(GltfShapes, NormalsAreSmoothOverSeams) {
   const TemporaryFolder folder;
   write_folding(folder / "paper.glb");
