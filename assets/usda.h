@@ -16,8 +16,8 @@ namespace bodyopt {
 std::string usda_head(const std::string& prim, int first_frame, int last_frame, const std::string& fps);
 
 // Numbers are the shortest text that reads back to the same float. Images of the surface's base colours come to lie
-// beside the file. Memory does not grow with the frames: normals wait
-// in a file of their own until the points are complete.
+// beside the file. Memory does not grow with the frames: normals wait in a file of their own until the points are
+// complete.
 class UsdaWriter final : public CacheWriter {
  public:
   UsdaWriter(const std::filesystem::path& path, CacheLayout layout);

@@ -1,9 +1,6 @@
 // An image that shaders sample, with its mipmaps.
 #pragma once
 
-#include <array>
-#include <map>
-
 #include "draw/graphics_pipeline.h"
 #include "draw/png.h"
 

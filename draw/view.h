@@ -18,8 +18,6 @@ enum class SurfaceStyle : std::uint32_t { clay, material, matcap, flat, normals,
 
 constexpr std::array<float, 3> kClayColour = {0.545f, 0.500f, 0.440f};  // linear RGB, as in studio.glsl
 
-// The materials of a skin, on the device: they never change.
-
 struct SurfaceVertex {
   std::uint32_t vertex;           // of positions and normals
   float u, v;                     // in the image
