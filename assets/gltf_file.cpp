@@ -5,6 +5,7 @@
 #include <cstring>
 #include <limits>
 
+#include "assets/fbx_parse.h"
 #include "assets/gltf_guard.h"
 #include "assets/wording.h"
 #include "runtime/core/transformed.h"
@@ -68,7 +69,7 @@ struct GltfFile::Elements {
 
 GltfFile::GltfFile(const std::filesystem::path& path) : GltfFile(path, read_gltf_bytes(path)) {}
 
-GltfFile::GltfFile(const std::filesystem::path& path, std::string_view bytes) : path_(path) {
+GltfFile::GltfFile(const std::filesystem::path& path, std::string_view bytes) : path_(path), is_of_fbx_(is_fbx(bytes)) {
   GuardedGltf guarded = guard_gltf(path, bytes);
   std::string error, warning;
   bool loaded = false;

@@ -28,6 +28,7 @@ class GltfFile {
   // `materials`, `textures`, `samplers` and `images` as the file has them, unchecked; the model has none.
   const Json& look() const { return look_; }
   const std::filesystem::path& path() const { return path_; }
+  bool is_of_fbx() const { return is_of_fbx_; }
   // Of what the scene does not show, one sentence each: its nodes draw nothing in the model.
   const std::vector<std::string>& notes() const { return notes_; }
 
@@ -53,6 +54,7 @@ class GltfFile {
   void keep_what_is_shown();
 
   std::filesystem::path path_;
+  bool is_of_fbx_;
   tinygltf::Model model_;
   Json look_;
   std::vector<std::string> notes_;

@@ -44,11 +44,12 @@ std::vector<std::uint32_t> element_order(const GltfFile& file, const tinygltf::P
 }
 
 void append_triangles(const GltfFile& file, const tinygltf::Primitive& primitive, std::size_t vertex_count,
-                      const std::string& what, SkinGeometry& geometry) {
+                      const std::string& what, std::size_t first,
+                      std::vector<std::array<std::uint32_t, 3>>& triangles) {
   const std::vector<std::uint32_t> v = element_order(file, primitive, vertex_count, what);
-  const auto base = static_cast<std::uint32_t>(geometry.positions.size());
+  const auto base = static_cast<std::uint32_t>(first);
   const auto append = [&](std::uint32_t a, std::uint32_t b, std::uint32_t c) {
-    geometry.triangles.push_back({base + a, base + b, base + c});
+    triangles.push_back({base + a, base + b, base + c});
   };
   switch (primitive.mode) {
     case TINYGLTF_MODE_TRIANGLES:
@@ -143,7 +144,7 @@ std::vector<Vec3> read_positions(const GltfFile& file, const SkinPrimitive& part
 
 void append_primitive(const GltfFile& file, const SkinPrimitive& part, SkinGeometry& geometry, SkinRepairs& repairs) {
   const std::vector<Vec3> positions = read_positions(file, part, repairs);
-  append_triangles(file, part.primitive, positions.size(), part.what, geometry);
+  append_triangles(file, part.primitive, positions.size(), part.what, geometry.positions.size(), geometry.triangles);
   geometry.positions.insert(geometry.positions.end(), positions.begin(), positions.end());
   if (part.joints.empty()) return;
   std::vector<std::vector<JointWeight>> weights(positions.size());
@@ -202,11 +203,32 @@ std::vector<SkinPrimitive> skin_primitives(const GltfFile& file, int skin) {
   return primitives;
 }
 
-// count x 3, without alpha.
-std::vector<double> rgb_of(const GltfFile& file, int accessor, std::size_t count, const std::string& what) {
+// Of the skin of a character.
+std::vector<SkinPrimitive> character_primitives(const GltfFile& file) {
+  const int skin = choose_skin(file);
+  if (skin < 0) file.fail("has no skinned mesh");
+  return skin_primitives(file, skin);
+}
+
+// count x 2; empty where the part has none.
+std::vector<double> texture_of(const GltfFile& file, const SkinPrimitive& part, const std::string& set,
+                               std::size_t count) {
+  const int accessor = attribute(part.primitive, set);
+  if (accessor < 0) return {};
+  std::vector<double> numbers = file.numbers(accessor, TINYGLTF_TYPE_VEC2, part.what + " " + set);
+  if (numbers.size() != 2 * count) file.fail(part.what, " ", set, " has another count than the positions");
+  return numbers;
+}
+
+// count x 3, without alpha; empty where the part has none.
+std::vector<double> rgb_of(const GltfFile& file, const SkinPrimitive& part, const std::string& name,
+                           std::size_t count) {
+  const int accessor = attribute(part.primitive, name);
+  if (accessor < 0) return {};
+  const std::string what = part.what + " " + name;
   const auto& accessors = file.model().accessors;
-  const bool alpha = accessor >= 0 && accessor < std::ssize(accessors) &&
-                     accessors[static_cast<std::size_t>(accessor)].type == TINYGLTF_TYPE_VEC4;
+  const bool alpha =
+      accessor < std::ssize(accessors) && accessors[static_cast<std::size_t>(accessor)].type == TINYGLTF_TYPE_VEC4;
   const std::vector<double> numbers = file.numbers(accessor, alpha ? TINYGLTF_TYPE_VEC4 : TINYGLTF_TYPE_VEC3, what);
   const std::size_t components = alpha ? 4 : 3;
   if (numbers.size() != components * count) file.fail(what, " has another count than the positions");
@@ -226,10 +248,15 @@ void append_values(const std::vector<double>& part, std::size_t width, std::size
   all.resize(width * (before + count), otherwise);
 }
 
+// Of FBX alone: nothing else vouches for their counts.
+int fbx_attribute(const GltfFile& file, const tinygltf::Primitive& primitive, const char* name) {
+  return file.is_of_fbx() ? attribute(primitive, name) : -1;
+}
+
 // Of the corners of triangles, so many with those of the parts before; the first row is of those that have none.
-void append_rows(const GltfFile& file, const SkinPrimitive& part, std::size_t corners, SkinLook& look) {
-  const int accessor = attribute(part.primitive, kTextureOf);
-  if (accessor >= 0) {
+void append_rows(const GltfFile& file, const SkinPrimitive& part, SkinLook& look) {
+  const std::size_t corners = 3 * look.triangles.size();
+  if (const int accessor = fbx_attribute(file, part.primitive, kTextureOf); accessor >= 0) {
     const auto rows = file.numbers(attribute(part.primitive, kTextureRows), TINYGLTF_TYPE_VEC2, part.what + " rows");
     const auto own = file.indices(accessor, TINYGLTF_TYPE_SCALAR, part.what + " corners' rows");
     if (look.texture_of.empty()) {
@@ -248,32 +275,22 @@ void append_rows(const GltfFile& file, const SkinPrimitive& part, std::size_t co
 
 SkinLook look_of(const GltfFile& file, const std::vector<SkinPrimitive>& parts) {
   SkinLook look;
-  std::size_t before = 0;
   for (const SkinPrimitive& part : parts) {
-    SkinGeometry geometry;
     const std::size_t count = vertex_count(file, part);
-    append_triangles(file, part.primitive, count, part.what, geometry);
-    const std::size_t triangles = look.materials.size() + geometry.triangles.size();
-    if (const int accessor = attribute(part.primitive, kMaterialOf); accessor >= 0) {
+    append_triangles(file, part.primitive, count, part.what, look.points, look.triangles);
+    if (const int accessor = fbx_attribute(file, part.primitive, kMaterialOf); accessor >= 0) {
       const auto own = file.indices(accessor, TINYGLTF_TYPE_SCALAR, part.what + " materials");
-      if (own.size() != geometry.triangles.size()) file.fail(part.what, ": has not a material for each triangle");
-      for (const std::uint32_t material : own) look.materials.push_back(static_cast<int>(material));
+      look.materials.insert(look.materials.end(), own.begin(), own.end());
     }
-    look.materials.resize(triangles, part.primitive.material);
-    append_rows(file, part, 3 * triangles, look);
+    look.materials.resize(look.triangles.size(), part.primitive.material);
+    append_rows(file, part, look);
     const std::string set = "TEXCOORD_" + std::to_string(base_texture_set(file, part.primitive.material));
-    std::vector<double> texture, colours;
-    if (const int accessor = attribute(part.primitive, set); accessor >= 0) {
-      texture = file.numbers(accessor, TINYGLTF_TYPE_VEC2, part.what + " " + set);
-      if (texture.size() != 2 * count) file.fail(part.what, " ", set, " has another count than the positions");
-    }
-    if (const int accessor = attribute(part.primitive, "COLOR_0"); accessor >= 0) {
-      colours = rgb_of(file, accessor, count, part.what + " COLOR_0");
-      for (double& share : colours) share = std::clamp(share, 0.0, 1.0);
-    }
-    if (look.texture_of.empty()) append_values(texture, 2, before, count, 0, look.texture);
-    append_values(colours, 3, before, count, 1, look.colours);
-    before += count;
+    const std::vector<double> texture = texture_of(file, part, set, count);
+    std::vector<double> colours = rgb_of(file, part, "COLOR_0", count);
+    for (double& share : colours) share = std::clamp(share, 0.0, 1.0);
+    if (look.texture_of.empty()) append_values(texture, 2, look.points, count, 0, look.texture);
+    append_values(colours, 3, look.points, count, 1, look.colours);
+    look.points += count;
   }
   return look;
 }
@@ -357,23 +374,18 @@ std::vector<double> read_vertex_colours(const std::filesystem::path& character, 
   const GltfFile file(character);
   std::vector<double> colours;
   std::set<std::string> known;
-  const int skin = choose_skin(file);
-  if (skin < 0) file.fail("has no skinned mesh");
-  for (const SkinPrimitive& part : skin_primitives(file, skin)) {
-    const auto& [primitive, what, morph_weights, joints] = part;
-    for (const auto& [key, accessor] : primitive.attributes) {
+  for (const SkinPrimitive& part : character_primitives(file)) {
+    for (const auto& [key, accessor] : part.primitive.attributes) {
       if (key.starts_with("COLOR_")) known.insert(key);
     }
     const std::size_t count = vertex_count(file, part);
-    if (name.starts_with("COLOR_") && attribute(primitive, name) >= 0) {
-      const std::vector<double> own = rgb_of(file, attribute(primitive, name), count, what + " " + name);
-      const auto wrong = std::ranges::find_if_not(own, [](double share) { return share >= 0 && share <= 1; });
-      if (wrong != own.end())
-        file.fail(what, " ", name, ": element ", (wrong - own.begin()) / 3, " is not from 0 to 1");
-      colours.insert(colours.end(), own.begin(), own.end());
-    } else {
-      colours.resize(colours.size() + 3 * count, 0.0);
-    }
+    std::vector<double> own;
+    if (name.starts_with("COLOR_")) own = rgb_of(file, part, name, count);
+    const auto wrong = std::ranges::find_if_not(own, [](double share) { return share >= 0 && share <= 1; });
+    if (wrong != own.end())
+      file.fail(part.what, " ", name, ": element ", (wrong - own.begin()) / 3, " is not from 0 to 1");
+    own.resize(3 * count, 0.0);
+    colours.insert(colours.end(), own.begin(), own.end());
   }
   if (!known.contains(name)) {
     file.fail("its skin has no vertex colours '", name, "'; it has ",
@@ -382,7 +394,7 @@ std::vector<double> read_vertex_colours(const std::filesystem::path& character, 
   return colours;
 }
 
-SkinLook read_skin_look(const GltfFile& file, int skin) { return look_of(file, skin_primitives(file, skin)); }
+SkinLook read_skin_look(const GltfFile& file) { return look_of(file, character_primitives(file)); }
 
 SkinLook read_node_look(const GltfFile& file, std::size_t node) {
   std::vector<SkinPrimitive> primitives;
@@ -393,15 +405,9 @@ SkinLook read_node_look(const GltfFile& file, std::size_t node) {
 std::vector<double> read_texture_coordinates(const std::filesystem::path& character) {
   const GltfFile file(character);
   std::vector<double> all;
-  const int skin = choose_skin(file);
-  if (skin < 0) file.fail("has no skinned mesh");
-  for (const SkinPrimitive& part : skin_primitives(file, skin)) {
-    const auto& [primitive, what, morph_weights, joints] = part;
-    if (attribute(primitive, "TEXCOORD_0") < 0) return {};
-    const std::size_t count = vertex_count(file, part);
-    const std::vector<double> own =
-        file.numbers(attribute(primitive, "TEXCOORD_0"), TINYGLTF_TYPE_VEC2, what + " TEXCOORD_0");
-    if (own.size() != 2 * count) file.fail(what, " TEXCOORD_0 has another count than the positions");
+  for (const SkinPrimitive& part : character_primitives(file)) {
+    const std::vector<double> own = texture_of(file, part, "TEXCOORD_0", vertex_count(file, part));
+    if (own.empty()) return {};
     all.insert(all.end(), own.begin(), own.end());
   }
   return all;

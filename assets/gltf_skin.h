@@ -41,19 +41,21 @@ std::vector<double> read_vertex_colours(const std::filesystem::path& character, 
 // Throws Error(file).
 std::vector<double> read_texture_coordinates(const std::filesystem::path& character);
 
-// Attributes that glb_of_fbx() writes, which no glTF has: coordinates in images, and which of them every triangle's
-// corner has; the material of every triangle.
+// Attributes that glb_of_fbx() writes, and that of other files are not read: coordinates in images, and which of them
+// every triangle's corner has; the material of every triangle.
 inline constexpr char kTextureRows[] = "_ROWS", kTextureOf[] = "_ROW_OF", kMaterialOf[] = "_MATERIAL_OF";
 
-// What read_skin_geometry() or read_node_geometry() shows beside its shape.
+// What the skin of a character, or the mesh of a node, shows beside its shape.
 struct SkinLook {
+  std::size_t points = 0;  // O
+  std::vector<std::array<std::uint32_t, 3>> triangles;
   std::vector<double> texture;            // O x 2, of the set that the base colour's texture names; empty: none
   std::vector<std::uint32_t> texture_of;  // of FBX: the row of `texture` of every triangle's corner, 3T; else empty
   std::vector<double> colours;            // O x 3, COLOR_0, linear, 0 to 1; empty: none
   std::vector<int> materials;             // of each triangle the material of the file; -1: none
 };
 // Where only some parts have coordinates or colours, those of the others are 0, and 1. Throws Error(file).
-SkinLook read_skin_look(const GltfFile& file, int skin);
+SkinLook read_skin_look(const GltfFile& file);
 SkinLook read_node_look(const GltfFile& file, std::size_t node);
 
 }  // namespace bodyopt

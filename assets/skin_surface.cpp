@@ -8,7 +8,6 @@
 #include <utility>
 
 #include "assets/gltf_file.h"
-#include "assets/gltf_skeleton.h"
 #include "assets/gltf_skin.h"
 #include "assets/gltf_write.h"
 #include "runtime/basis/basis.h"
@@ -25,35 +24,40 @@ Corners in_any_turn(Corners corners) {
   return corners;
 }
 
-void require_same_skin(const std::filesystem::path& character, const SkinGeometry& geometry, std::size_t points,
+void require_same_skin(const std::filesystem::path& character, const SkinLook& look, std::size_t points,
                        std::span<const std::uint32_t> corners) {
-  bool is_same = geometry.positions.size() == points && 3 * geometry.triangles.size() == corners.size();
-  for (std::size_t t = 0; is_same && t < geometry.triangles.size(); ++t) {
-    is_same =
-        in_any_turn(geometry.triangles[t]) == in_any_turn({corners[3 * t], corners[3 * t + 1], corners[3 * t + 2]});
+  bool is_same = look.points == points && 3 * look.triangles.size() == corners.size();
+  for (std::size_t t = 0; is_same && t < look.triangles.size(); ++t) {
+    is_same = in_any_turn(look.triangles[t]) == in_any_turn({corners[3 * t], corners[3 * t + 1], corners[3 * t + 2]});
   }
   if (is_same) return;
-  throw Error(ErrorKind::mismatch, character, ": its skin has ", geometry.positions.size(), " vertices and ",
-              geometry.triangles.size(), " triangles, the skin that is written ", points, " and ", corners.size() / 3,
+  throw Error(ErrorKind::mismatch, character, ": its skin has ", look.points, " vertices and ", look.triangles.size(),
+              " triangles, the skin that is written ", points, " and ", corners.size() / 3,
               ", or others: expected the file that the character was trained of, and no level of detail of it");
 }
 
-// The materials that triangles have; one more, of nothing, where a part has none beside parts that do.
-SkinSurface surface_of_look(const GltfFile& file, SkinLook look) {
+// The materials that triangles have; one more, of nothing, where a part has none beside parts that do. `corners`: the
+// look's triangles, which may be turned around.
+SkinSurface surface_of_look(MaterialReader& reader, SkinLook look, std::span<const std::uint32_t> corners) {
   SkinSurface surface;
   surface.texture = std::move(look.texture);
   surface.colours = std::move(look.colours);
-  surface.texture_of = std::move(look.texture_of);
+  for (std::size_t c = 0; c < look.texture_of.size(); ++c) {
+    const Corners& own = look.triangles[c / 3];
+    const auto k = static_cast<std::size_t>(std::ranges::find(own, corners[c]) - own.begin());
+    surface.texture_of.push_back(look.texture_of[c - c % 3 + k]);
+  }
   if (std::ranges::all_of(look.materials, [](const int material) { return material < 0; })) return surface;
-  MaterialReader reader(file, surface.textures, surface.notes);
   std::map<int, std::size_t> known;
   for (const int material : std::set<int>(look.materials.begin(), look.materials.end())) {
     if (material >= static_cast<int>(reader.count()))
-      file.fail("a part of its skin has material ", material, ", which is not there");
+      reader.file().fail("a part of its skin has material ", material, ", which is not there");
     known[material] = surface.materials.size();
     surface.materials.push_back(material < 0 ? SurfaceMaterial{"none"}
-                                             : reader.read(static_cast<std::size_t>(material)));
+                                             : reader.read(static_cast<std::size_t>(material), surface.textures));
   }
+  surface.notes = reader.take_notes();
+  surface.files = reader.take_files();
   for (const int material : look.materials) surface.material_of.push_back(known[material]);
   return surface;
 }
@@ -100,15 +104,14 @@ std::vector<std::uint32_t> corners_of(std::span<const std::uint32_t> corners, co
 SkinSurface read_skin_surface(const std::filesystem::path& character, std::size_t points,
                               std::span<const std::uint32_t> corners) {
   const GltfFile file(character);
-  const int skin = choose_skin(file);
-  if (skin < 0) file.fail("has no skinned mesh");
-  std::vector<std::string> unused;  // what reading the character notes already
-  require_same_skin(character, read_skin_geometry(file, skin, unused), points, corners);
-  return surface_of_look(file, read_skin_look(file, skin));
+  SkinLook look = read_skin_look(file);
+  require_same_skin(character, look, points, corners);
+  MaterialReader reader(file);
+  return surface_of_look(reader, std::move(look), corners);
 }
 
-SkinSurface read_node_surface(const GltfFile& file, std::size_t node) {
-  return surface_of_look(file, read_node_look(file, node));
+SkinSurface read_node_surface(MaterialReader& reader, std::size_t node, std::span<const std::uint32_t> corners) {
+  return surface_of_look(reader, read_node_look(reader.file(), node), corners);
 }
 
 SplitSurface split_corners(SkinSurface surface, std::span<const std::uint32_t> corners, std::size_t points) {

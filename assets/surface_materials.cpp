@@ -64,13 +64,6 @@ Json base_of(const Json* material) {
   return renamed;
 }
 
-std::string type_of(std::string_view bytes) {
-  if (bytes.starts_with("\x89PNG\r\n\x1a\n")) return "image/png";
-  if (bytes.starts_with("\xff\xd8\xff")) return "image/jpeg";
-  if (bytes.starts_with("RIFF") && bytes.substr(0, 12).ends_with("WEBP")) return "image/webp";
-  return "";
-}
-
 }  // namespace
 
 std::array<double, 4> SurfaceMaterial::colour() const {
@@ -99,6 +92,13 @@ std::optional<TextureTransform> transform_of(const Json& texture) {
   return TextureTransform{{{c * scale[0], s * scale[1], offset[0]}, {-s * scale[0], c * scale[1], offset[1]}}};
 }
 
+std::string image_type(std::string_view bytes) {
+  if (bytes.starts_with("\x89PNG\r\n\x1a\n")) return "image/png";
+  if (bytes.starts_with("\xff\xd8\xff")) return "image/jpeg";
+  if (bytes.starts_with("RIFF") && bytes.substr(0, 12).ends_with("WEBP")) return "image/webp";
+  return "";
+}
+
 int base_texture_set(const GltfFile& file, int material) {
   if (material < 0) return 0;
   const Json base = base_of(listed(file, "materials", static_cast<std::size_t>(material)));
@@ -110,7 +110,7 @@ std::size_t MaterialReader::count() const {
   return all != nullptr && all->is_array() ? all->size() : 0;
 }
 
-SurfaceMaterial MaterialReader::read(std::size_t index) {
+SurfaceMaterial MaterialReader::read(std::size_t index, std::vector<SurfaceTexture>& textures) {
   const Json* given = listed(file_, "materials", index);
   SurfaceMaterial material{"material_" + std::to_string(index)};
   const Json* name = member(given, "name");
@@ -121,24 +121,32 @@ SurfaceMaterial MaterialReader::read(std::size_t index) {
   take_if(given, "doubleSided", gltf, is_switch);
   take_if(given, "alphaMode", gltf, [](const Json& json) { return json == "MASK" || json == "BLEND"; });
   if (gltf.contains("alphaMode")) take_if(given, "alphaCutoff", gltf, is_share);
+  if (material.alpha_mode() == "MASK" && material.number("alphaCutoff", 0.5) == 0) {  // no alpha is lower: opaque
+    gltf.erase("alphaMode");
+    gltf.erase("alphaCutoff");
+  }
   if (given == nullptr) return material;
-  for (const char* key : {"normalTexture", "occlusionTexture", "emissiveTexture"}) take_texture(*given, key, gltf);
+  for (const char* key : {"normalTexture", "occlusionTexture", "emissiveTexture"})
+    take_texture(*given, key, textures, gltf);
   const Json base = base_of(given);
   Json checked = Json::object();
   take_if(&base, "baseColorFactor", checked, [](const Json& json) { return are_within(json, 4, 0, 1); });
   for (const char* key : {"metallicFactor", "roughnessFactor"}) take_if(&base, key, checked, is_share);
-  for (const char* key : {"baseColorTexture", "metallicRoughnessTexture"}) take_texture(base, key, checked);
+  for (const char* key : {"baseColorTexture", "metallicRoughnessTexture"}) take_texture(base, key, textures, checked);
   if (!checked.empty()) gltf["pbrMetallicRoughness"] = checked;
   return material;
 }
 
-void MaterialReader::take_texture(const Json& from, const char* key, Json& to) {
+void MaterialReader::take_texture(const Json& from, const char* key, std::vector<SurfaceTexture>& textures, Json& to) {
   const Json* given = member(&from, key);
   const Json* index = member(given, "index");
   if (index == nullptr || texture_set(given) != set_) return;
-  const std::optional<std::size_t> own = texture(*index);
-  if (!own) return;
-  Json& texture = to[key] = {{"index", *own}};
+  const SurfaceTexture* own = texture(*index);
+  if (own == nullptr) return;
+  const auto known = std::ranges::find_if(
+      textures, [&](const SurfaceTexture& of) { return of.bytes == own->bytes && of.sampler == own->sampler; });
+  Json& texture = to[key] = {{"index", static_cast<std::size_t>(known - textures.begin())}};
+  if (known == textures.end()) textures.push_back(*own);
   for (const char* factor : {"scale", "strength"}) take_if(given, factor, texture, is_moderate);
   Json transform = Json::object();
   for (const char* part : {"offset", "scale"}) take_if(transform_in(given), part, transform, is_pair);
@@ -146,21 +154,22 @@ void MaterialReader::take_texture(const Json& from, const char* key, Json& to) {
   if (!transform.empty()) texture["extensions"]["KHR_texture_transform"] = transform;
 }
 
-std::optional<std::size_t> MaterialReader::texture(const Json& index) {
+const SurfaceTexture* MaterialReader::texture(const Json& index) {
   const std::optional<std::size_t> number = whole_number(&index);
   const Json* given = number ? listed(file_, "textures", *number) : nullptr;
-  if (given == nullptr) return std::nullopt;
-  const auto [known, is_new] = known_.try_emplace(*number);
-  if (!is_new) return known->second;
+  if (given == nullptr) return nullptr;
+  const auto [known, is_new] = textures_.try_emplace(*number);
+  std::optional<SurfaceTexture>& texture = known->second;
+  if (!is_new) return texture ? &*texture : nullptr;
   const Json* webp = member(member(given, "extensions"), "EXT_texture_webp");
   const auto source = whole_number(member(webp != nullptr ? webp : given, "source"));
   if (!source) {
     notes_.push_back("Texture " + std::to_string(*number) +
                      " has no image in a format that is read (PNG, JPEG, WebP).");
-    return std::nullopt;
+    return nullptr;
   }
   const Image& from = image(*source);
-  if (!from.bytes) return std::nullopt;
+  if (!from.bytes) return nullptr;
   Json sampler = Json::object();
   if (const auto of = whole_number(member(given, "sampler"))) {
     const Json* named = listed(file_, "samplers", *of);
@@ -169,9 +178,8 @@ std::optional<std::size_t> MaterialReader::texture(const Json& index) {
       take_if(named, key, sampler, [](const Json& json) { return json == kClamped || json == kMirrored; });
     }
   }
-  known->second = textures_.size();
-  textures_.push_back({from.name, from.type, from.bytes, sampler});
-  return known->second;
+  texture = SurfaceTexture{from.name, from.type, from.bytes, sampler};
+  return &*texture;
 }
 
 const MaterialReader::Image& MaterialReader::image(std::size_t index) {
@@ -188,8 +196,9 @@ const MaterialReader::Image& MaterialReader::image(std::size_t index) {
   }
   try {
     std::string bytes = image_bytes(given);
+    if (bytes.size() > bytes_left_) refuse_image_of("the images take more than 1 GiB");
     bytes_left_ -= bytes.size();
-    image.type = type_of(bytes);
+    image.type = image_type(bytes);
     if (image.type.empty()) refuse_image_of("is neither PNG, JPEG nor WebP: damaged, or of another format");
     image.bytes = std::make_shared<const std::string>(std::move(bytes));
   } catch (const std::exception& error) {
@@ -199,17 +208,16 @@ const MaterialReader::Image& MaterialReader::image(std::size_t index) {
   return image;
 }
 
-std::string MaterialReader::image_bytes(const Json* image) const {
+std::string MaterialReader::image_bytes(const Json* image) {
   const Json *view = member(image, "bufferView"), *uri = member(image, "uri");
   if (view != nullptr) {
     const auto bytes = file_.bytes(static_cast<int>(whole_number(view).value_or(1'000'001)), "its bytes");
-    if (bytes.size() > bytes_left_) refuse_image_of("the images take more than 1 GiB");
     return {bytes.begin(), bytes.end()};
   }
   if (uri == nullptr || !uri->is_string()) refuse_image_of("it has neither a buffer view nor a URI");
-  const bool is_data = uri->get_ref<const std::string&>().starts_with("data:");
-  if (!is_data) {
-    return read_file(gltf_file_beside(file_.path(), "image", *uri), bytes_left_, "an image");
+  if (!uri->get_ref<const std::string&>().starts_with("data:")) {
+    files_.push_back(gltf_file_beside(file_.path(), "image", *uri));
+    return read_file(files_.back(), bytes_left_, "an image");
   }
   std::vector<unsigned char> bytes;
   std::string type;

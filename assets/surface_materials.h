@@ -2,12 +2,15 @@
 #pragma once
 
 #include <array>
+#include <filesystem>
 #include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
+#include <utility>
 #include <vector>
 
 #include "assets/gltf_file.h"
@@ -53,29 +56,38 @@ void for_each_texture(Json& gltf, Take take) {
 // Which set of coordinates (TEXCOORD_n) the base colour of a material is sampled at. Material -1 is none.
 int base_texture_set(const GltfFile& file, int material);
 
+// PNG, JPEG or WebP, by its first bytes; empty: of none.
+std::string image_type(std::string_view bytes);
+
+// Of all surfaces of a file: it reads an image once, and holds all of them to one limit.
 class MaterialReader {
  public:
-  // Textures are added to `textures`; of images that cannot be read `notes` tell.
-  MaterialReader(const GltfFile& file, std::vector<SurfaceTexture>& textures, std::vector<std::string>& notes)
-      : file_(file), textures_(textures), notes_(notes) {}
+  explicit MaterialReader(const GltfFile& file) : file_(file) {}
 
+  const GltfFile& file() const { return file_; }
   std::size_t count() const;
-  SurfaceMaterial read(std::size_t index);
+  // Its textures are added to `textures`, which lists those of a surface.
+  SurfaceMaterial read(std::size_t index, std::vector<SurfaceTexture>& textures);
+  // Of images that could not be read since they were taken last, one sentence each.
+  std::vector<std::string> take_notes() { return std::exchange(notes_, {}); }
+  // The images beside the file that were looked for since.
+  std::vector<std::filesystem::path> take_files() { return std::exchange(files_, {}); }
 
  private:
   struct Image {
     std::string name, type;
     std::shared_ptr<const std::string> bytes;  // null: it cannot be read, and the notes tell why
   };
-  void take_texture(const Json& from, const char* key, Json& to);
-  std::optional<std::size_t> texture(const Json& index);
+  void take_texture(const Json& from, const char* key, std::vector<SurfaceTexture>& textures, Json& to);
+  // Null: it cannot be read.
+  const SurfaceTexture* texture(const Json& index);
   const Image& image(std::size_t index);
-  std::string image_bytes(const Json* image) const;
+  std::string image_bytes(const Json* image);
 
   const GltfFile& file_;
-  std::vector<SurfaceTexture>& textures_;
-  std::vector<std::string>& notes_;
-  std::map<std::size_t, std::optional<std::size_t>> known_;  // by number in the file
+  std::vector<std::string> notes_;
+  std::vector<std::filesystem::path> files_;
+  std::map<std::size_t, std::optional<SurfaceTexture>> textures_;  // by number in the file; none: it cannot be read
   std::map<std::size_t, Image> images_;
   int set_ = 0;  // of the material that is read
   std::size_t bytes_left_ = std::size_t{1} << 30;

@@ -73,7 +73,7 @@ void run(AttachArguments arguments) {
   attachments_in(arguments.out, basis, arguments.basis);  // refused before any work
   std::vector<std::string> notes;
   std::vector<LooseMesh> meshes =
-      read_loose_meshes(arguments.mesh, basis.skeleton, basis.mesh.output_count(), options.unit, notes);
+      read_loose_meshes(GltfFile(arguments.mesh), basis.skeleton, basis.mesh.output_count(), options.unit, notes);
   say(notes);
   const std::vector<AttachedMesh> bound = bind_meshes(chosen(std::move(meshes), arguments), basis, options);
   const Attachments attachments = attach(bound, arguments.out, basis, arguments.basis);

@@ -60,8 +60,9 @@ void Session::export_skin(const std::string& file) {
   shot.frames = frames_to_export(file);
   const std::string own = lead.files().own_file();
   if (holds_triangles(file) && !own.empty()) {
-    shot.surface = surface_if_any(own, shot.basis().mesh, [&](const std::string& note) { controls.warn(note); });
-    shot.surfaces = attached_surfaces(own, shot.basis(), shot.attached);
+    const Tell tell = [&](const std::string& note) { controls.warn(note); };
+    shot.surface = surface_if_any(own, shot.basis().mesh, tell);
+    shot.surfaces = attached_surfaces(own, shot.basis(), shot.attached, tell);
   }
   ShotCaches caches({.out = file}, shot);
   Progress progress("export", shot.frames.size());

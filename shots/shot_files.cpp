@@ -40,7 +40,7 @@ void attach_own_meshes(const std::string& path, OpenedCharacter& opened) {
   try {
     const double unit = opened.character->unit > 0 ? opened.character->unit : 1;
     const std::vector<LooseMesh> meshes =
-        read_loose_meshes(path, basis.skeleton, basis.mesh.output_count(), unit, opened.notes);
+        read_loose_meshes(GltfFile(path), basis.skeleton, basis.mesh.output_count(), unit, opened.notes);
     opened.attached.meshes = bind_own_meshes(meshes, basis, opened.notes);
   } catch (const Error& error) {
     opened.notes.push_back(std::string("the character's other meshes are not shown: ") + error.what());
@@ -293,23 +293,26 @@ SkinSurface surface_if_any(const std::string& character, const MeshTable& mesh, 
 }
 
 std::vector<SkinSurface> attached_surfaces(const std::string& character, const Basis& basis,
-                                           const Attachments& attached) {
+                                           const Attachments& attached, const Tell& tell) {
   std::vector<SkinSurface> surfaces(attached.meshes.size());
   if (attached.meshes.empty() || character.empty()) return surfaces;
   std::vector<std::string> unused;  // what attaching the meshes notes already
-  std::vector<LooseMesh> meshes;
   try {
-    meshes = read_loose_meshes(character, basis.skeleton, basis.mesh.output_count(), 1, unused);
-  } catch (const Error&) {  // who reads its skin says why
-  }
-  for (LooseMesh& mesh : meshes) {
-    const auto own = std::ranges::find_if(attached.meshes, [&](const AttachedMesh& worn) {
+    const GltfFile file(character);
+    MaterialReader reader(file);
+    for (const LooseMesh& mesh : read_loose_meshes(file, basis.skeleton, basis.mesh.output_count(), 1, unused)) {
       std::vector<std::uint32_t> corners;
       for (const auto& triangle : mesh.triangles) corners.insert(corners.end(), triangle.begin(), triangle.end());
-      return worn.name == mesh.name && worn.vertex_count() == mesh.vertices.size() && worn.triangles == corners;
-    });
-    if (own != attached.meshes.end())
-      surfaces[static_cast<std::size_t>(own - attached.meshes.begin())] = std::move(mesh.surface);
+      const auto own = std::ranges::find_if(attached.meshes, [&](const AttachedMesh& worn) {
+        return worn.name == mesh.name && worn.vertex_count() == mesh.vertices.size() && worn.triangles == corners;
+      });
+      if (own == attached.meshes.end()) continue;
+      SkinSurface& surface = surfaces[static_cast<std::size_t>(own - attached.meshes.begin())];
+      surface = read_node_surface(reader, mesh.node, corners);
+      tell_all(surface.notes, tell);
+    }
+  } catch (const Error& error) {
+    tell(std::string("not all of the attached meshes have their materials: ") + error.what());
   }
   return surfaces;
 }
@@ -346,7 +349,7 @@ Shot read_shot(const ShotFiles& files, const Tell& tell) {
   shot.attached = is_untrained(files) && files.attached.empty() ? std::move(opened.attached)
                                                                 : read_attachments(files, shot.basis());
   const std::string& own = files.character.empty() ? files.session.character : files.character;
-  shot.surfaces = attached_surfaces(own, shot.basis(), shot.attached);
+  shot.surfaces = attached_surfaces(own, shot.basis(), shot.attached, tell);
   return shot;
 }
 

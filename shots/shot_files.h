@@ -93,7 +93,7 @@ Clip read_own_clip(const ClipChoice& choice, const Basis& basis, std::optional<C
 SkinSurface surface_if_any(const std::string& character, const MeshTable& mesh, const Tell& tell);
 // Of each attached mesh that of the file's mesh of its name and triangles; empty: there is none.
 std::vector<SkinSurface> attached_surfaces(const std::string& character, const Basis& basis,
-                                           const Attachments& attached);
+                                           const Attachments& attached, const Tell& tell);
 
 // Reads them. Throws Error(file), Error(mismatch), Error(device), and Error(usage) for frames, levels and controls that
 // are not there.

@@ -66,7 +66,7 @@ std::vector<AttachedMesh> attach_own_meshes(const fs::path& character, double un
   try {
     std::vector<std::string> notes;
     const std::vector<LooseMesh> meshes =
-        read_loose_meshes(character, basis.skeleton, skin_vertices, unit > 0 ? unit : 1, notes);
+        read_loose_meshes(GltfFile(character), basis.skeleton, skin_vertices, unit > 0 ? unit : 1, notes);
     const std::vector<AttachedMesh> bound = bind_own_meshes(meshes, basis, notes);
     say(notes);
     if (bound.empty()) return {};

@@ -193,7 +193,8 @@ std::shared_ptr<const CharacterMaterials> make_character_materials(const vulkan:
   MaterialsMaker maker(device, own);
   CharacterMaterials& made = *maker.made();
   const MeshTable& mesh = levels.front()->mesh;
-  const SkinSurface skin = surface_if_any(own, mesh, [&](const std::string& note) { made.notes.push_back(note); });
+  const Tell tell = [&](const std::string& note) { made.notes.push_back(note); };
+  const SkinSurface skin = surface_if_any(own, mesh, tell);
   made.skin.push_back(maker.make(skin, mesh.output_triangles, mesh.output_vertex, mesh.output_count()));
   made.skin.resize(levels.size());
   if (levels.size() > 1 && !made.skin.front().parts.empty()) {
@@ -202,10 +203,9 @@ std::shared_ptr<const CharacterMaterials> make_character_materials(const vulkan:
     const NearestSkin finest(rest, triangles);
     for (std::size_t k = 1; k < levels.size(); ++k) made.skin[k] = maker.make_coarser(colours, finest, levels[k]->mesh);
   }
-  const std::vector<SkinSurface> worn = attached_surfaces(own, *levels.front(), attached);
+  const std::vector<SkinSurface> worn = attached_surfaces(own, *levels.front(), attached, tell);
   for (std::size_t m = 0; m < worn.size(); ++m) {
     const AttachedMesh& own_mesh = attached.meshes[m];
-    std::ranges::copy(worn[m].notes, std::back_inserter(made.notes));
     made.worn.push_back(maker.make(worn[m], own_mesh.triangles, {}, own_mesh.vertex_count()));
   }
   return maker.made();

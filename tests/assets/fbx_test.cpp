@@ -74,7 +74,16 @@ TEST(Fbx, CornersKeepTheirPlacesInImages) {
   put_bytes(folder / "sheet.fbm" / "100%.jpg", jpeg);
   put_bytes(folder / "sheet.fbx", file.binary(7400, true));
   const GltfFile read(folder / "sheet.fbx");
-  const SkinSurface surface = read_node_surface(read, 0);
+  std::vector<std::string> unused;
+  const SkinGeometry geometry = read_node_geometry(read, 0, unused);
+  ASSERT_EQ(geometry.positions.size(), 5u);
+  std::vector<std::uint32_t> corners, turned;
+  for (const auto& [a, b, c] : geometry.triangles) {
+    corners.insert(corners.end(), {a, b, c});
+    turned.insert(turned.end(), {a, c, b});
+  }
+  MaterialReader reader(read);
+  const SkinSurface surface = read_node_surface(reader, 0, corners);
   EXPECT_EQ(surface.notes, std::vector<std::string>());
   ASSERT_EQ(surface.material_of.size(), 3u);
   const auto image_of = [&](std::size_t triangle) {
@@ -84,11 +93,6 @@ TEST(Fbx, CornersKeepTheirPlacesInImages) {
   EXPECT_EQ(image_of(0), png);
   EXPECT_EQ(image_of(1), png);
   EXPECT_EQ(image_of(2), jpeg);
-  std::vector<std::string> unused;
-  const SkinGeometry geometry = read_node_geometry(read, 0, unused);
-  ASSERT_EQ(geometry.positions.size(), 5u);
-  std::vector<std::uint32_t> corners;
-  for (const auto& triangle : geometry.triangles) corners.insert(corners.end(), triangle.begin(), triangle.end());
   const auto at = [&](std::size_t c) {
     const std::size_t row = surface.row(corners, c);
     return std::array{surface.texture[2 * row], surface.texture[2 * row + 1]};
@@ -96,6 +100,11 @@ TEST(Fbx, CornersKeepTheirPlacesInImages) {
   const std::array<double, 2> first[] = {{0, 1}, {0.5, 1}, {0.5, 0}, {0, 0}}, torn{0.75, 0.75};  // v from above
   for (std::size_t c = 0; c < 6; ++c) EXPECT_EQ(at(c), first[corners[c]]) << c;
   EXPECT_EQ(at(6), torn);  // of point 1, which the other polygon has elsewhere
+  const SkinSurface mirrored = read_node_surface(reader, 0, turned);
+  for (std::size_t c = 0; c < 9; c += 3) {
+    EXPECT_EQ(mirrored.texture_of[c + 1], surface.texture_of[c + 2]);
+    EXPECT_EQ(mirrored.texture_of[c + 2], surface.texture_of[c + 1]);
+  }
   const SplitSurface split = split_corners(surface, corners, 5);
   EXPECT_EQ(split.places.size(), 7u);
   EXPECT_EQ(split.surface.texture.size(), 14u);

@@ -23,7 +23,8 @@ TEST(RandomGltf, CharactersAreAsTheirScenesShowThem) {
       EXPECT_EQ(made.what_is_wrong(character, read_clip((folder / "c.glb").string(), character.skeleton, options)), "");
       std::vector<std::string> notes;
       const double unit = character.unit > 0 ? character.unit : 1;
-      const auto loose = read_loose_meshes(folder / "c.glb", character.skeleton, character.output_count(), unit, notes);
+      const auto loose =
+          read_loose_meshes(GltfFile(folder / "c.glb"), character.skeleton, character.output_count(), unit, notes);
       EXPECT_EQ(loose.size(), made.loose_pieces.size()) << (notes.empty() ? "" : notes.back());
     } catch (const Error& error) {
       EXPECT_TRUE(made.may_be_refused()) << error.what();

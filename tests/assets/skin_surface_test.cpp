@@ -120,7 +120,8 @@ class Pictured : public ::testing::Test {
 
   SkinSurface read(const std::filesystem::path& path) const {
     const GltfFile file(path);
-    return read_node_surface(file, file.model().nodes.size() - 1);
+    MaterialReader reader(file);
+    return read_node_surface(reader, file.model().nodes.size() - 1, {});
   }
   SkinSurface read_blob() const {
     put_bytes(folder_ / "pictured.glb", blob_.glb());
@@ -204,6 +205,11 @@ TEST_F(Pictured, MaterialsAndFacesOfUsdHaveNamesOfTheirOwn) {
   EXPECT_EQ(names.size(), 4u);
 }
 
+TEST_F(Pictured, ACutOffThatNoAlphaIsBelowIsNone) {
+  blob_.root["materials"][0]["alphaCutoff"] = 0;
+  EXPECT_EQ(read_blob().materials[0].alpha_mode(), "OPAQUE");
+}
+
 TEST_F(Pictured, JoinedPartsBringTheirImages) {
   Painted painted(folder_);
   painted.surface = read_blob();
@@ -227,6 +233,30 @@ TEST_F(Pictured, JoinedPartsBringTheirImages) {
   EXPECT_TRUE(images(folder_.path()).empty());
   join_caches(parts, folder_ / "whole.usda");
   EXPECT_EQ(images(folder_.path()), (std::set<std::string>{kPng, kWebp}));
+}
+
+TEST_F(Pictured, MeshesOfAFileShareItsImages) {
+  put_bytes(folder_ / "pictured.glb", blob_.glb());
+  const GltfFile file(folder_ / "pictured.glb");
+  MaterialReader reader(file);
+  const std::size_t node = file.model().nodes.size() - 1;
+  const SkinSurface one = read_node_surface(reader, node, {}), other = read_node_surface(reader, node, {});
+  ASSERT_EQ(one.textures.size(), 2u);
+  ASSERT_EQ(other.textures.size(), 2u);
+  EXPECT_EQ(one.textures[1].bytes, other.textures[1].bytes);
+}
+
+// What a .glb calls as FBX has it is not of FBX.
+TEST_F(Pictured, CornersOfOtherFilesHaveNoRowsOfTheirOwn) {
+  const SkinSurface before = read_blob();
+  const std::size_t forged = blob_.add(std::vector<std::uint16_t>(40, 7), 5123, "SCALAR", 1);
+  Json& attributes = blob_.root["meshes"][0]["primitives"][1]["attributes"];
+  for (const char* name : {"_ROW_OF", "_MATERIAL_OF"}) attributes[name] = forged;
+  attributes["_ROWS"] = attributes["TEXCOORD_0"];
+  const SkinSurface surface = read_blob();
+  EXPECT_TRUE(surface.texture_of.empty());
+  EXPECT_EQ(surface.texture, before.texture);
+  EXPECT_EQ(surface.material_of, before.material_of);
 }
 
 TEST_F(Pictured, TheBaseColoursSetOfCoordinatesIsTaken) {

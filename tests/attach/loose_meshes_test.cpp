@@ -14,7 +14,8 @@ class LooseMeshes : public ::testing::Test {
   std::vector<LooseMesh> read(const GltfBlob& blob, double unit = 1) {
     put_bytes(folder_ / "c.glb", blob.glb());
     notes_.clear();
-    return read_loose_meshes(folder_ / "c.glb", limb_basis().skeleton, limb_basis().mesh.output_count(), unit, notes_);
+    return read_loose_meshes(GltfFile(folder_ / "c.glb"), limb_basis().skeleton, limb_basis().mesh.output_count(), unit,
+                             notes_);
   }
   LimbGlb limb() const { return LimbGlb(folder_ / "limb.glb"); }
 
@@ -171,8 +172,8 @@ TEST_F(LooseMeshes, DamagedFilesAreReadOrRefused) {
     put_bytes(folder_ / "d.glb", damaged);
     std::vector<std::string> notes;
     try {
-      for (const LooseMesh& mesh :
-           read_loose_meshes(folder_ / "d.glb", limb_basis().skeleton, limb_basis().mesh.output_count(), 1, notes)) {
+      for (const LooseMesh& mesh : read_loose_meshes(GltfFile(folder_ / "d.glb"), limb_basis().skeleton,
+                                                     limb_basis().mesh.output_count(), 1, notes)) {
         for (const auto& [a, b, c] : mesh.triangles) ASSERT_LT(std::max({a, b, c}), mesh.vertices.size());
       }
     } catch (const Error& error) {

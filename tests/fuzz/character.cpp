@@ -50,6 +50,8 @@ std::vector<std::string> seeds() {
   Json& primitive = pictured.root["meshes"][0]["primitives"][0];
   primitive["material"] = 0;
   primitive["attributes"]["TEXCOORD_0"] = pictured.add(std::vector<float>{0, 1, 1, 1, 1, 0, 0, 0}, 5126, "VEC2", 2);
+  primitive["attributes"]["_ROWS"] = primitive["attributes"]["TEXCOORD_0"];
+  primitive["attributes"]["_ROW_OF"] = pictured.add(std::vector<std::uint16_t>(12, 1), 5123, "SCALAR", 1);
   return {coloured.glb(), sparse.glb(), compressed.glb(), pictured.glb()};
 }
 

@@ -20,7 +20,7 @@ std::vector<std::string> seeds() {
 
 void read(const std::string& bytes) {
   std::vector<std::string> notes;
-  for (const LooseMesh& mesh : read_loose_meshes(as_file("mesh.glb", bytes), limb().skeleton, 0, 1, notes)) {
+  for (const LooseMesh& mesh : read_loose_meshes(GltfFile(as_file("mesh.glb", bytes)), limb().skeleton, 0, 1, notes)) {
     for (const Vec3& vertex : mesh.vertices) require_finite(vertex, "vertices");
   }
 }

@@ -176,7 +176,7 @@ TEST_F(Materials, WhatIsWornHasItsOwn) {
   expect_mostly(0, at(image, -1, 1));
   const std::string file = (folder_ / "square.glb").string();
   const OpenedCharacter opened = open_character(file, {});
-  const std::vector<SkinSurface> worn = attached_surfaces(file, opened.levels.at(0).basis, opened.attached);
+  const std::vector<SkinSurface> worn = attached_surfaces(file, opened.levels.at(0).basis, opened.attached, {});
   ASSERT_EQ(worn.size(), 1u);
   EXPECT_EQ(worn[0].materials.at(0).name, "cloth");
 }

@@ -14,9 +14,9 @@ namespace {
 
 class LooseMeshReader {
  public:
-  LooseMeshReader(const std::filesystem::path& path, const Skeleton& skeleton, std::size_t skin_vertices, double unit,
+  LooseMeshReader(const GltfFile& file, const Skeleton& skeleton, std::size_t skin_vertices, double unit,
                   std::vector<std::string>& notes)
-      : file_(path),
+      : file_(file),
         skeleton_(skeleton),
         unit_(unit),
         notes_(notes),
@@ -118,6 +118,7 @@ class LooseMeshReader {
     SkinGeometry geometry = read_node_geometry(file_, node, notes_);
     if (geometry.triangles.empty()) file_.fail("mesh '" + geometry.name + "' has no triangles");
     LooseMesh mesh;
+    mesh.node = node;
     mesh.name = unique_name(geometry.name.empty() ? "mesh_" + std::to_string(node) : geometry.name);
     mesh.triangles = std::move(geometry.triangles);
     for (Vec3& p : geometry.positions) p = unit_ * p;
@@ -125,11 +126,6 @@ class LooseMeshReader {
       place_skinned(skin, geometry, mesh);
     } else {
       place(node, geometry, mesh);
-    }
-    try {
-      mesh.surface = read_node_surface(file_, node);
-    } catch (const Error& error) {
-      notes_.push_back("Mesh '" + mesh.name + "' has no materials: " + error.what());
     }
     meshes_.push_back(std::move(mesh));
   }
@@ -192,7 +188,7 @@ class LooseMeshReader {
     return name;
   }
 
-  GltfFile file_;
+  const GltfFile& file_;
   const Skeleton& skeleton_;
   double unit_;
   std::vector<std::string>& notes_;
@@ -207,9 +203,9 @@ class LooseMeshReader {
 
 }  // namespace
 
-std::vector<LooseMesh> read_loose_meshes(const std::filesystem::path& path, const Skeleton& skeleton,
-                                         std::size_t skin_vertices, double unit, std::vector<std::string>& notes) {
-  return LooseMeshReader(path, skeleton, skin_vertices, unit, notes).read();
+std::vector<LooseMesh> read_loose_meshes(const GltfFile& file, const Skeleton& skeleton, std::size_t skin_vertices,
+                                         double unit, std::vector<std::string>& notes) {
+  return LooseMeshReader(file, skeleton, skin_vertices, unit, notes).read();
 }
 
 }  // namespace bodyopt

@@ -2,12 +2,11 @@
 #pragma once
 
 #include <array>
-#include <filesystem>
 #include <string>
 #include <vector>
 
 #include "assets/character.h"
-#include "assets/skin_surface.h"
+#include "assets/gltf_file.h"
 #include "runtime/basis/basis.h"
 
 namespace bodyopt {
@@ -18,7 +17,7 @@ struct LooseMesh {
   std::vector<std::array<std::uint32_t, 3>> triangles;
   int joint = -1;                                 // the character's joint that its node hangs on, or -1
   std::vector<std::vector<JointWeight>> weights;  // N where it has a skin of its own: by joint of the character
-  SkinSurface surface;
+  std::size_t node = 0;                           // of the file
 };
 
 // A mesh below a joint's node stands where that joint has it in the bind pose, a skinned one where its own bind pose
@@ -26,7 +25,7 @@ struct LooseMesh {
 // Where a skin of the file has `skin_vertices`, as many as the character puts out, the file is the character's own:
 // that skin is left out, and so is, with a note, what hangs on no joint (floors, lights) or cannot be used. Throws
 // Error(file), and Error(mismatch) for skins on joints that the character does not have.
-std::vector<LooseMesh> read_loose_meshes(const std::filesystem::path& path, const Skeleton& skeleton,
-                                         std::size_t skin_vertices, double unit, std::vector<std::string>& notes);
+std::vector<LooseMesh> read_loose_meshes(const GltfFile& file, const Skeleton& skeleton, std::size_t skin_vertices,
+                                         double unit, std::vector<std::string>& notes);
 
 }  // namespace bodyopt
