@@ -96,12 +96,12 @@ std::size_t add_vectors(const FbxScene& scene, const std::vector<Vec3>& vectors,
 void add_look(const FbxScene& scene, const FbxPart& part, std::int64_t model, const std::vector<std::size_t>& order,
               const std::map<std::int64_t, std::size_t>& numbers, GlbWriter& glb, Json& attributes) {
   const std::vector<const FbxObject*> materials = scene.into(model, "Material");
-  if (materials.empty()) return;
   std::vector<std::uint32_t> material_of, texture_of;
   for (const std::uint32_t own : part.mesh.material_of) {
+    if (materials.empty()) break;
     material_of.push_back(static_cast<std::uint32_t>(numbers.at(materials[own < materials.size() ? own : 0]->id)));
   }
-  attributes[kMaterialOf] = glb.add(material_of, "SCALAR", GlbTarget::none);
+  if (!material_of.empty()) attributes[kMaterialOf] = glb.add(material_of, "SCALAR", GlbTarget::none);
   if (part.mesh.texture_of.empty()) return;
   for (std::size_t c = 0; c < part.mesh.texture_of.size(); ++c) {
     texture_of.push_back(part.mesh.texture_of[c - c % 3 + order[c % 3]]);

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "assets/gltf_write.h"
+#include "assets/surface_materials.h"
 
 namespace bodyopt {
 namespace {
@@ -34,29 +35,36 @@ std::string image_uri(const FbxObject& texture, const fs::path& path) {
   return uri;
 }
 
-Json image_of(const FbxScene& scene, const FbxObject& texture, const fs::path& path, GlbWriter& glb) {
+// The number of its texture among those of `glb`. `known`: by texture, and by video whose image the file holds. What is
+// no image, as text's base64, is taken from the file of its name.
+std::size_t texture_number(const FbxScene& scene, const FbxObject& texture, const fs::path& path,
+                           std::map<std::int64_t, std::size_t>& known, GlbWriter& glb) {
+  const auto [own, is_new] = known.try_emplace(texture.id, glb.root["textures"].size());
+  if (!is_new) return own->second;
+  Json image = {{"name", texture.name}};
   for (const FbxObject* video : scene.into(texture.id, "Video")) {
     const std::string content = text_in(*video, "Content");
-    if (!content.empty() && video->node->find("Content")->values.size() == 1) {
-      return {{"name", texture.name}, {"bufferView", glb.add_bytes(content)}};
-    }
+    if (image_type(content).empty()) continue;
+    const auto [shared, is_first] = known.try_emplace(video->id, own->second);
+    if (!is_first) return own->second = shared->second;
+    image["bufferView"] = glb.add_bytes(content);
+    break;
   }
-  return {{"name", texture.name}, {"uri", image_uri(texture, path)}};
+  if (!image.contains("bufferView")) image["uri"] = image_uri(texture, path);
+  glb.root["textures"].push_back({{"source", glb.root["images"].size()}});
+  glb.root["images"].push_back(image);
+  return own->second;
 }
 
 }  // namespace
 
 std::map<std::int64_t, std::size_t> add_fbx_materials(const FbxScene& scene, const fs::path& path, GlbWriter& glb) {
-  std::map<std::int64_t, std::size_t> numbers;
+  std::map<std::int64_t, std::size_t> numbers, known;
   for (const FbxObject& material : scene.objects()) {
     if (material.kind != "Material") continue;
     Json base = {{"metallicFactor", 0}};
     if (const auto textures = scene.into(material.id, "Texture", "DiffuseColor"); !textures.empty()) {
-      const Json image = image_of(scene, *textures.front(), path, glb);  // before a list that it may move
-      glb.root["images"].push_back(image);
-      const std::size_t source = glb.root["images"].size() - 1;
-      base["baseColorTexture"]["index"] = glb.root["textures"].size();
-      glb.root["textures"].push_back({{"source", source}});
+      base["baseColorTexture"]["index"] = texture_number(scene, *textures.front(), path, known, glb);
     } else {
       const Vec3 colour =
           scene.number(material, "DiffuseFactor", 1) * scene.vector(material, "DiffuseColor", {1, 1, 1});

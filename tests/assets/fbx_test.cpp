@@ -69,7 +69,9 @@ TEST(Fbx, CornersKeepTheirPlacesInImages) {
   sheet.material_of = {1, 0};
   file.meshes = {sheet};
   const std::string png = "\x89PNG\r\n\x1a\n of skin", jpeg = "\xff\xd8\xff of cloth";
-  file.materials = {{.name = "cloth", .file = "..\\elsewhere\\100%.jpg"}, {.name = "skin", .image = png}};
+  file.materials = {{.name = "cloth", .image = "/9j/4AAQSkZJRg==", .file = "..\\elsewhere\\100%.jpg"},
+                    {.name = "skin", .image = png},
+                    {.name = "skin too", .shares = 1}};
   std::filesystem::create_directory(folder / "sheet.fbm");
   put_bytes(folder / "sheet.fbm" / "100%.jpg", jpeg);
   put_bytes(folder / "sheet.fbx", file.binary(7400, true));
@@ -112,6 +114,12 @@ TEST(Fbx, CornersKeepTheirPlacesInImages) {
     EXPECT_EQ(split.places[split.corners[c]], corners[c]);
     EXPECT_EQ(split.surface.texture[2 * split.corners[c]], at(c)[0]);
   }
+  EXPECT_EQ(read.look().at("materials").size(), 3u);
+  EXPECT_EQ(read.look().at("images").size(), 2u);
+  file.materials.clear();
+  const GltfFile bare("bare.fbx", file.binary(7400, true));
+  MaterialReader no_materials(bare);
+  EXPECT_EQ(read_node_surface(no_materials, 0, corners).texture_of, surface.texture_of);
 }
 
 TEST(Fbx, SkinsAndClipsMoveAsTheFormulaSays) {

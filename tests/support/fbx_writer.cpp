@@ -107,6 +107,10 @@ void add_material(Tree& tree, const WrittenMaterial& material, std::size_t k) {
   Node& node = tree.add(object("Material", id_of(kMaterial, k), material.name, ""));
   node.children = {{"Properties70", {}, {vector("DiffuseColor", material.colour)}}};
   tree.link(id_of(kMaterial, k), id_of(kModel, static_cast<std::size_t>(material.model)));
+  if (material.shares >= 0) {
+    const auto other = static_cast<std::size_t>(material.shares);
+    tree.link(id_of(kTexture, other), id_of(kMaterial, k), "DiffuseColor");
+  }
   if (material.image.empty() && material.file.empty()) return;
   Node& texture = tree.add(object("Texture", id_of(kTexture, k), material.name, ""));
   texture.children = {{"RelativeFilename", {material.file}, {}}};

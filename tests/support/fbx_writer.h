@@ -41,6 +41,7 @@ struct WrittenMaterial {
   std::string name;
   Vector colour{1, 1, 1};
   std::string image{}, file{};  // bytes in the file; or a name
+  int shares = -1;              // the texture of another material, by its number
 };
 
 struct WrittenCurve {
