@@ -277,7 +277,7 @@ void Session::reload(const std::vector<fs::path>& files) {
   std::vector<std::pair<std::size_t, std::unique_ptr<Actor>>> replacements;  // by place in the cast
   for (std::size_t c = 0; c < scene.cast().size(); ++c) {
     const ActorFiles& own = scene.cast()[c]->files();
-    const std::vector<fs::path> paths = own.paths();
+    const std::vector<fs::path> paths = scene.cast()[c]->paths();
     if (std::ranges::find_first_of(paths, files) == paths.end()) continue;
     replacements.emplace_back(c, scene.make(own, clip_options_));
   }
@@ -361,7 +361,7 @@ void Session::pose_lead() {
 std::vector<fs::path> Session::files() const {
   std::vector<fs::path> files;
   for (const auto& character : scene.cast()) {
-    std::ranges::copy(character->files().paths(), std::back_inserter(files));
+    std::ranges::copy(character->paths(), std::back_inserter(files));
   }
   return files;
 }

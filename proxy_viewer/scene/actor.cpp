@@ -130,6 +130,12 @@ Actor::Actor(std::shared_ptr<const vulkan::Device> device, const ActorFiles& fil
   }
 }
 
+std::vector<fs::path> Actor::paths() const {
+  std::vector<fs::path> all = files_.paths();
+  if (materials_) std::ranges::copy(materials_->files, std::back_inserter(all));
+  return all;
+}
+
 void Actor::read_materials(LevelPool& pool) {
   const std::string own = files_.own_file();
   if (own.empty()) return;

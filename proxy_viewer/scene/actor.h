@@ -63,6 +63,7 @@ class Actor {
         LevelPool& pool);
 
   const ActorFiles& files() const { return files_; }
+  std::vector<std::filesystem::path> paths() const;  // of all that it shows, its materials' images among them
   std::string name() const;
   const std::vector<std::string>& notes() const { return notes_; }  // of opening it, for the user
   // Of the level that is shown. Joints and controls are the same for all.

@@ -195,6 +195,7 @@ std::shared_ptr<const CharacterMaterials> make_character_materials(const vulkan:
   const MeshTable& mesh = levels.front()->mesh;
   const Tell tell = [&](const std::string& note) { made.notes.push_back(note); };
   const SkinSurface skin = surface_if_any(own, mesh, tell);
+  made.files = skin.files;
   made.skin.push_back(maker.make(skin, mesh.output_triangles, mesh.output_vertex, mesh.output_count()));
   made.skin.resize(levels.size());
   if (levels.size() > 1 && !made.skin.front().parts.empty()) {
@@ -206,6 +207,7 @@ std::shared_ptr<const CharacterMaterials> make_character_materials(const vulkan:
   const std::vector<SkinSurface> worn = attached_surfaces(own, *levels.front(), attached, tell);
   for (std::size_t m = 0; m < worn.size(); ++m) {
     const AttachedMesh& own_mesh = attached.meshes[m];
+    std::ranges::copy(worn[m].files, std::back_inserter(made.files));
     made.worn.push_back(maker.make(worn[m], own_mesh.triangles, {}, own_mesh.vertex_count()));
   }
   return maker.made();

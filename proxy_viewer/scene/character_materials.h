@@ -1,6 +1,7 @@
 // The materials of a character on the device: of its skin and of what it wears, with the images that they share.
 #pragma once
 
+#include <filesystem>
 #include <map>
 #include <memory>
 #include <string>
@@ -18,6 +19,7 @@ struct CharacterMaterials {
   std::vector<SurfaceDraw> skin;   // of each level of detail; coarser ones have the colours that the finest has there
   std::vector<SurfaceDraw> worn;   // of each attached mesh
   std::vector<std::string> notes;  // of what cannot be read, one sentence each
+  std::vector<std::filesystem::path> files;  // their images beside the character's own file, if they are there
   std::vector<Attachment> images;
   std::map<Sampling, Sampler> samplers;
 };

@@ -98,10 +98,12 @@ LevelPool::Levels LevelPool::get(const std::vector<fs::path>& files, const std::
 }
 
 LevelPool::Materials LevelPool::materials(const std::vector<fs::path>& files, const std::function<Materials()>& make) {
-  std::erase_if(materials_, [](const auto& entry) { return entry.second.expired(); });
-  std::weak_ptr<const CharacterMaterials>& known = materials_[stamp_of(files)];
+  std::erase_if(materials_, [](const auto& entry) { return entry.second.first.expired(); });
+  auto& [known, images] = materials_[stamp_of(files)];
   Materials materials = known.lock();
-  if (!materials) known = materials = make();
+  if (materials && stamp_of(materials->files) == images) return materials;
+  known = materials = make();
+  images = stamp_of(materials->files);
   return materials;
 }
 

@@ -51,7 +51,8 @@ class LevelPool {
   Materials materials(const std::vector<std::filesystem::path>& files, const std::function<Materials()>& make);
 
  private:
-  std::map<std::string, std::weak_ptr<const CharacterMaterials>> materials_;
+  // By names, sizes and times, and with those of the images then.
+  std::map<std::string, std::pair<std::weak_ptr<const CharacterMaterials>, std::string>> materials_;
   std::map<std::string, std::vector<std::weak_ptr<const LevelOnDevice>>> made_;  // by names, sizes and times
 };
 

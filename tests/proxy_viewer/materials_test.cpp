@@ -181,6 +181,28 @@ TEST_F(Materials, WhatIsWornHasItsOwn) {
   EXPECT_EQ(worn[0].materials.at(0).name, "cloth");
 }
 
+TEST_F(Materials, OfAnImageThatChangesTheyAreMadeAnew) {
+  const std::filesystem::path image = folder_ / "beside.png";
+  put_bytes(image, "none");
+  GltfBlob blob = pictured_square({kRed, kRed, kRed, kRed});
+  blob.root["images"] = {{{"uri", "beside.png"}}};
+  put_bytes(folder_ / "square.glb", blob.glb());
+  Scene scene(device_);
+  scene.add({(folder_ / "square.glb").string()}, {});
+  const std::vector<std::filesystem::path> paths = scene.lead().paths();
+  EXPECT_NE(std::ranges::find(paths, std::filesystem::weakly_canonical(image)), paths.end());
+  LevelPool pool;
+  const auto make = [&] {
+    auto made = std::make_shared<CharacterMaterials>();
+    made->files = {image};
+    return made;
+  };
+  const LevelPool::Materials first = pool.materials({}, make);
+  EXPECT_EQ(pool.materials({}, make), first);
+  put_bytes(image, "another");
+  EXPECT_NE(pool.materials({}, make), first);
+}
+
 // Which has no coordinates: it shows what the skin that it stands for has there.
 TEST_F(Materials, ACoarserLevelHasTheColoursOfTheFinest) {
   GltfBlob blob = pictured_square({kRed, kGreen, kRed, kGreen});
