@@ -114,7 +114,9 @@ void Application::open(const std::string& file) {
 void Application::offer_unsaved() {
   controls_.recoverable = autosave_.left_behind().string();
   if (controls_.recoverable.empty()) return;
-  const auto written = std::filesystem::last_write_time(controls_.recoverable);
+  std::error_code gone;  // another viewport may have taken it since
+  const auto written = std::filesystem::last_write_time(controls_.recoverable, gone);
+  if (gone) return controls_.recoverable.clear();
   const auto system = std::chrono::file_clock::to_sys(written);
   const std::time_t time = std::chrono::system_clock::to_time_t(std::chrono::floor<std::chrono::seconds>(system));
   std::tm local{};

@@ -54,7 +54,8 @@ typedef struct bodyopt_recording {
   /* Bytes from one frame to the next, multiples of 4; 0: without gaps. */
   VkDeviceSize positions_frame_stride, normals_frame_stride, tangents_frame_stride;
   /* An output of each attached mesh, of an instance that was made with recorded_frames: of each of its vertices three
-   * numbers. In single precision: tests hold them to within 0.002 mm of what bodyopt_evaluate has. */
+   * numbers. In single precision: tests hold them to within 0.002 mm of what bodyopt_evaluate has
+   * near the origin, and to 0.02 mm 100 m away. */
   const bodyopt_vulkan_output* attached;
   uint32_t attached_count;                    /* that of the model; 0: none is wanted */
   const VkDeviceSize* attached_frame_strides; /* of each of them, as above; NULL: without gaps */

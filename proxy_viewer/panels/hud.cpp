@@ -60,7 +60,7 @@ void add_turned(const Snapshot& snapshot, const Controls& controls, Lines& lines
   if (count > 0) lines.add(std::to_string(count) + (count == 1 ? " joint posed" : " joints posed"), kAccent);
 }
 
-// What went wrong, until it is clicked away, and what went well, for some seconds: the newest few.
+// What went wrong, for half a minute or until it is clicked away, and what went well, for some seconds: the newest few.
 
 // A picture that comes late is no time to read.
 void let_news_pass(std::vector<Message>& messages) {

@@ -54,10 +54,10 @@ void draw_error_columns(ImDrawList& list, const Bar& bar, const Snapshot& snapsh
   float drawn = bar.at.x, highest = 0;
   bool measured = false;
   for (std::size_t k = 0; k < errors.size(); ++k) {
+    const double frame = snapshot.first_frame + static_cast<double>(k);
+    if (frame < bar.first || bar.last < frame) continue;
     measured = measured || errors[k].measured;
     if (worst > 0 && std::isfinite(errors[k].rms)) highest = std::max(highest, errors[k].rms / worst);
-    const double frame = snapshot.first_frame + static_cast<double>(k);
-    if (frame < bar.first) continue;
     const float right = bar.x(frame + 0.5);
     if (right < drawn + 1 && k + 1 < errors.size()) continue;
     if (measured) list.AddRectFilled({drawn, bar.at.y}, {right, bottom}, kRange);
@@ -158,8 +158,10 @@ Bar draw_bars(const Snapshot& snapshot, Controls& controls, float bottom) {
                    controls.zooms ? playback.in() : playback.first(),
                    controls.zooms ? playback.out() : playback.last()};
   draw_frames(snapshot, controls, frames);
-  draw_end("in", controls.playback.in(), 1, controls, frames);
-  draw_end("out", controls.playback.out(), -1, controls, frames);
+  if (!controls.zooms) {  // a flag that is dragged would take the bar along
+    draw_end("in", controls.playback.in(), 1, controls, frames);
+    draw_end("out", controls.playback.out(), -1, controls, frames);
+  }
   if (!snapshot.errors.empty()) {
     draw_sparkline(snapshot, controls, {{at.x, bottom - kSparkline}, {width, kSparkline}, frames.first, frames.last});
   }

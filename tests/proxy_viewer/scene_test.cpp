@@ -76,6 +76,7 @@ TEST_F(SceneTest, ATrailIsTheWayOfTheJoint) {
   const Skeleton& skeleton = scene_.lead().basis().skeleton;
   controls_.joint = skeleton.joints.back().name;
   controls_.settings.pose.keys[4].joints[skeleton.joints.front().name] = {0, 0, 10};
+  controls_.follow_keys();
   const std::vector<View> views = scene_.look(controls_, kArea);
   const std::vector<LineDraw>& lines = views.at(0).lines;
   ASSERT_EQ(lines.size(), 2u);
@@ -83,6 +84,7 @@ TEST_F(SceneTest, ATrailIsTheWayOfTheJoint) {
   EXPECT_EQ(lines[1].points.size(), 6u);
   for (int frame = 2; frame <= 6; ++frame) {
     controls_.playback.scrub(frame);
+    controls_.follow_keys();
     const Vec3 at = scene_.joint_centres(controls_).back();
     for (const int k : {2 * (frame - 2) - 1, 2 * (frame - 2)}) {
       if (k < 0 || k > 7) continue;

@@ -30,7 +30,7 @@ class RandomSettings {
     if (yes()) s.playback.out = 500 + static_cast<int>(random_.below(1000));
     s.camera = view();
     for (std::uint32_t k = random_.below(3); k > 0; --k) s.cameras[name()] = view();
-    s.look = {choice<LookStyle>(4),   yes(),        yes(), yes(), yes(), yes(), yes(), number(0, 1), yes(),
+    s.look = {choice<LookStyle>(6),   yes(),        yes(), yes(), yes(), yes(), yes(), number(0, 1), yes(),
               choice<SectionAxis>(3), number(0, 1), yes(), yes(), yes(), {}};
     if (yes()) s.look.level = integer(0, 15);
     s.compare = {choice<CompareWith>(8), choice<CompareLayout>(4), number(0, 1), yes(), {}, yes(), yes()};
@@ -48,7 +48,7 @@ class RandomSettings {
     }
     s.compare.match = static_cast<MatchView>(integer(0, 2));
     s.jiggle = {yes(), number(0, kMostJiggle)};
-    s.ghosts = {integer(0, kMostGhosts), integer(0, kMostGhosts), integer(1, kLongestGhostStep), number(0, 1)};
+    s.ghosts = {integer(0, kMostGhosts), integer(0, kMostGhosts), integer(1, kLongestGhostStep), number(0, 1), yes()};
     s.cast = {integer(1, kMostCopies), integer(0, kLongestCopyDelay)};
     s.hud.on = yes();
     s.hud.legend = yes();
@@ -113,7 +113,7 @@ void collect(const Json& json, const std::string& place, std::map<std::string, s
 TEST_F(ViewSettingsTest, AreReadAsWritten) {
   RandomSettings random(42);
   std::map<std::string, std::set<std::string>> values;
-  for (int k = 0; k < 160; ++k) {
+  for (int k = 0; k < 240; ++k) {
     const ViewSettings settings = random.make();
     write_view_settings(settings, path_);
     EXPECT_EQ(read_view_settings(path_), settings) << read_bytes(path_);

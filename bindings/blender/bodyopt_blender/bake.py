@@ -62,7 +62,7 @@ def skins(context, obj, frames, state_in="", state_out=""):
         raise Refusal("only what jiggles has a state: choose Dynamics, or leave Go on from and Leave empty")
     if state_in:
         binding.instance.set_state(binding.instance.load_state(file_of(state_in)))
-    if state_out and not os.access(os.path.dirname(file_of(state_out)), os.W_OK):
+    if state_out and not os.access(os.path.dirname(file_of(state_out)) or ".", os.W_OK):
         raise Refusal(f"'{state_out}' cannot be written: choose a folder that is there and writable")
     live.is_held = True
     try:

@@ -18,8 +18,8 @@ def untrained_bone(obj):
 
 def draw():
     """Those of all skins that are seen, over all else of a 3D view."""
-    skins = filter(None, map(bpy.context.scene.objects.get, live.bindings))
-    found = [untrained_bone(obj) for obj in skins if obj.visible_get()]
+    found = [untrained_bone(obj) for obj in bpy.context.scene.objects
+             if obj.name_full in live.bindings and obj.visible_get()]
     ends = [armature.matrix_world @ end for armature, bone in filter(None, found) for end in (bone.head, bone.tail)]
     if not ends:
         return
