@@ -307,12 +307,16 @@ std::vector<SkinSurface> attached_surfaces(const std::string& character, const B
         return worn.name == mesh.name && worn.vertex_count() == mesh.vertices.size() && worn.triangles == corners;
       });
       if (own == attached.meshes.end()) continue;
-      SkinSurface& surface = surfaces[static_cast<std::size_t>(own - attached.meshes.begin())];
-      surface = read_node_surface(reader, mesh.node, corners);
-      tell_all(surface.notes, tell);
+      try {
+        SkinSurface& surface = surfaces[static_cast<std::size_t>(own - attached.meshes.begin())];
+        surface = read_node_surface(reader, mesh.node, corners);
+        tell_all(surface.notes, tell);
+      } catch (const Error& error) {
+        tell("mesh '" + mesh.name + "' has no materials: " + error.what());
+      }
     }
   } catch (const Error& error) {
-    tell(std::string("not all of the attached meshes have their materials: ") + error.what());
+    tell(std::string("attached meshes have no materials: ") + error.what());
   }
   return surfaces;
 }
