@@ -170,7 +170,7 @@ class ListReader {
   }
   void add(const Json& object, const std::string& place) {
     try_to(place, [&] {
-      Values values = defaults_;
+      Values values = defaults_for(object.is_object() && object.contains("session"));
       put(values, object);
       finish(values, place);
     });
@@ -181,7 +181,8 @@ class ListReader {
       if (row.size() != keys.size()) {
         throw Error(ErrorKind::usage, "has ", row.size(), " values, and there are ", keys.size(), " columns");
       }
-      Values values = defaults_;
+      const auto session = std::ranges::find(keys, "session") - keys.begin();
+      Values values = defaults_for(session < std::ssize(keys) && !row[static_cast<std::size_t>(session)].empty());
       for (std::size_t k = 0; k < keys.size(); ++k) {
         if (!row[k].empty()) set_value(values, keys[k], {row[k]}, folder_);
       }
@@ -202,6 +203,14 @@ class ListReader {
     } catch (const Error& error) {
       problems_.push_back(path_.string() + ": " + place + ": " + error.what());
     }
+  }
+  // A session stands in place of the basis and the clip that are by default.
+  Values defaults_for(bool of_session) const {
+    Values values = defaults_;
+    for (const char* key : {"basis", "clip"}) {
+      if (of_session) values.erase(key);
+    }
+    return values;
   }
   void put(Values& values, const Json& object) const {
     if (!object.is_object()) throw Error(ErrorKind::usage, "is not an object");

@@ -303,7 +303,7 @@ void Application::hear_key(const KeyEvent& event) {
     return;
   }
   if (pictures_.goes_on() && !pictures_.stops()) return hear_key_in_series(key);
-  if (ImGui::GetIO().WantTextInput) return;
+  if (ImGui::GetIO().WantTextInput || controls_.dialog || controls_.asks_to_save) return;
   if (controls_.prompt) {  // which may not be drawn yet
     if (key == "Enter" && event.action == KeyAction::pressed) controls_.typed.entered = true;
     return;

@@ -68,7 +68,8 @@ std::vector<std::string> Session::open_first() {
     open_session(file);
     return {};
   }
-  if (fs::exists(file) && !dataset && !is_character(file)) {
+  const bool is_clip = !split_source(file).name.empty();
+  if (is_clip || (fs::exists(file) && !dataset && !is_character(file))) {
     throw Error(
         ErrorKind::usage,
         file + ": a basis (.safetensors) or a character (.glb, .gltf, .fbx) must come before its clips and caches" +

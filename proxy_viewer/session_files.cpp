@@ -112,6 +112,9 @@ void Session::open_session(const std::string& file) {
 
 void Session::save(const std::string& file) {
   refuse_input(file);
+  if (fs::exists(file) && !is_session(file)) {
+    throw Error(ErrorKind::usage, file + ": is there already, and is no session: choose another name");
+  }
   write(file);
   controls.session_file = file;
   controls.say("wrote " + file);

@@ -94,7 +94,7 @@ void Controls::follow_keys() {
   keyed_frame = playback.frame();
   if (settings.pose.keys.empty()) return;
   settings.pose = keyed_posing(settings.pose, playback.frame());
-  poses.follow(settings.pose);
+  poses.follow(settings.pose, playback.frame());
 }
 
 }  // namespace bodyopt

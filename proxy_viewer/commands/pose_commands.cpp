@@ -149,6 +149,16 @@ void move_keys(Controls& c, bool takes_away, const std::function<int(int)>& to) 
   c.keyed_frame.reset();
 }
 
+// Undoes or redoes: with keys a pose is that of its frame.
+bool go_to_step(Controls& c, std::optional<int> (PoseHistory::*step)(ViewSettings::Posing&, int)) {
+  const bool had_keys = !c.settings.pose.keys.empty();
+  const std::optional<int> frame = (c.poses.*step)(c.settings.pose, c.playback.frame());
+  if (!frame || (!had_keys && c.settings.pose.keys.empty())) return frame.has_value();
+  c.playback.scrub(*frame);
+  c.keyed_frame = c.playback.frame();
+  return true;
+}
+
 // All that are selected, or the one that is named.
 std::vector<std::string> named_or_all_selected(const Controls& controls, const std::string& name) {
   const std::vector<std::string> selected = controls.selected();
@@ -336,7 +346,7 @@ const Command kPoseCommands[] = {
          c.requests.step_back = true;
          return;
        }
-       if (!c.poses.undo(c.settings.pose)) c.say("nothing to undo: only turns, controls and keys are");
+       if (!go_to_step(c, &PoseHistory::undo)) c.say("nothing to undo: only turns, controls and keys are");
      }},
     {"redo", "", "Ctrl+Shift+Z", "Pose", "the posing that was undone; with a brush in hand: redo-edit",
      [](Controls& c, const std::string&) {
@@ -344,7 +354,7 @@ const Command kPoseCommands[] = {
          c.requests.step_back = false;
          return;
        }
-       if (!c.poses.redo(c.settings.pose)) c.say("nothing to redo");
+       if (!go_to_step(c, &PoseHistory::redo)) c.say("nothing to redo");
      }},
     {"correction", "0-1", "", "Pose", "how much is shown of what was learned",
      [](ViewSettings::Posing& pose, const std::string& a) { pose.correction = number_within(a, 0, 1); }},

@@ -22,7 +22,8 @@ std::set<std::string> names_of(const ViewSettings::PoseKey& key) {
   return names;
 }
 
-// Those of a line, to be dragged to other frames; a click goes there. Gives the command for that; empty: none.
+// All keys in a line, to be dragged to other frames; a click goes there. Those that say nothing of what the line is of,
+// which is there as the clip has it, are hollow. Gives the command for what the mouse did; empty: none.
 std::string draw_diamonds(const std::string& row, const std::set<int>& frames, const ImVec2& at, float width, int first,
                           int last, const Controls& controls) {
   std::string command;
@@ -32,15 +33,15 @@ std::string draw_diamonds(const std::string& row, const std::set<int>& frames, c
   const auto place = [&](int frame) {
     return at.x + kDiamond + static_cast<float>((frame - first) / count) * (width - 2 * kDiamond);
   };
-  for (const int frame : frames) {
+  for (const auto& [frame, key] : controls.settings.pose.keys) {
     if (frame < first || last < frame) continue;
-    const KeyEase ease = controls.settings.pose.keys.at(frame).ease;
     const float x = place(frame), y = at.y + kRow / 2 - 1;
     ImGui::SetCursorScreenPos({x - kDiamond, at.y});
     ImGui::PushID(frame);
     ImGui::InvisibleButton(row.c_str(), {2 * kDiamond, kRow});
     const bool held = ImGui::IsItemActive();
-    if (ImGui::IsItemHovered()) ImGui::SetTooltip("frame %d: drag to move the key, with Shift all of the range", frame);
+    if (ImGui::IsItemHovered())
+      ImGui::SetTooltip("frame %d: drag to move the pose of this key, with Shift all keys of the range", frame);
     if (ImGui::IsItemDeactivated()) {
       const double share = static_cast<double>((ImGui::GetIO().MousePos.x - at.x - kDiamond) / (width - 2 * kDiamond));
       const int to = first + static_cast<int>(std::lround(std::clamp(share, 0.0, 1.0) * count));
@@ -52,10 +53,12 @@ std::string draw_diamonds(const std::string& row, const std::set<int>& frames, c
     ImGui::PopID();
     // What follows: a diamond, a triangle where it is straight, a square where nothing moves.
     const ImVec2 middle{held ? ImGui::GetIO().MousePos.x : x, y};
-    if (ease == KeyEase::step) {
+    if (!frames.contains(frame)) {
+      list.AddCircle(middle, kDiamond - 1, kAccent, 4);
+    } else if (key.ease == KeyEase::step) {
       list.AddRectFilled({middle.x - 3.5f, y - 3.5f}, {middle.x + 3.5f, y + 3.5f}, kAccent);
     } else {
-      list.AddCircleFilled(middle, kDiamond, kAccent, ease == KeyEase::linear ? 3 : 4);
+      list.AddCircleFilled(middle, kDiamond, kAccent, key.ease == KeyEase::linear ? 3 : 4);
     }
   }
   const int shown = controls.playback.frame();

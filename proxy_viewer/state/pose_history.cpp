@@ -5,36 +5,39 @@ namespace bodyopt {
 void PoseHistory::begin(const ViewSettings::Posing& now) {
   steps_ = {{now, now.keys}};
   at_ = 0;
+  followed_.reset();
 }
 
-void PoseHistory::note(const ViewSettings::Posing& now) {
-  const Step step{now, now.keys};
-  if (step == steps_[at_]) return;
+void PoseHistory::note(const ViewSettings::Posing& now, int frame) {
+  const Step step{now, now.keys, frame};
+  if (step.is_of(followed_ ? *followed_ : steps_[at_])) return;
   steps_.resize(at_ + 1);
+  if (followed_ && !followed_->is_of(steps_[at_])) steps_.push_back(*followed_);
+  followed_.reset();
   steps_.push_back(step);
-  if (steps_.size() > kMostSteps + 1) steps_.erase(steps_.begin());
+  if (steps_.size() > kMostSteps + 1) steps_.erase(steps_.begin(), steps_.end() - kMostSteps - 1);
   at_ = steps_.size() - 1;
 }
 
-void PoseHistory::follow(const ViewSettings::Posing& now) { steps_[at_].pose = now; }
+void PoseHistory::follow(const ViewSettings::Posing& now, int frame) { followed_ = {now, now.keys, frame}; }
 
-bool PoseHistory::undo(ViewSettings::Posing& now) {
-  note(now);
-  if (at_ == 0) return false;
-  show(steps_[--at_], now);
-  return true;
+std::optional<int> PoseHistory::undo(ViewSettings::Posing& now, int frame) {
+  note(now, frame);
+  if (at_ == 0) return {};
+  return show(steps_[--at_], now);
 }
 
-bool PoseHistory::redo(ViewSettings::Posing& now) {
-  note(now);
-  if (at_ + 1 == steps_.size()) return false;
-  show(steps_[++at_], now);
-  return true;
+std::optional<int> PoseHistory::redo(ViewSettings::Posing& now, int frame) {
+  note(now, frame);
+  if (at_ + 1 == steps_.size()) return {};
+  return show(steps_[++at_], now);
 }
 
-void PoseHistory::show(const Step& step, ViewSettings::Posing& now) {
+int PoseHistory::show(const Step& step, ViewSettings::Posing& now) {
+  followed_.reset();
   static_cast<ViewSettings::PoseKey&>(now) = step.pose;
   now.keys = step.keys;
+  return step.frame;
 }
 
 }  // namespace bodyopt

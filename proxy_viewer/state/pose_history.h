@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <map>
+#include <optional>
 #include <vector>
 
 #include "shots/session/view_settings.h"
@@ -15,27 +16,29 @@ class PoseHistory {
 
   // Of another pose, which has no step before it.
   void begin(const ViewSettings::Posing& now);
-  // Where it has changed since, that is a step; what was undone is forgotten then.
-  void note(const ViewSettings::Posing& now);
+  // Where it has changed since, that is a step, at a frame; what was undone is forgotten then.
+  void note(const ViewSettings::Posing& now, int frame = 0);
 
-  // The keys show another pose at another frame: that is no step.
-  void follow(const ViewSettings::Posing& now);
+  // The keys show another pose at another frame: that is no step, and what the last one set is kept.
+  void follow(const ViewSettings::Posing& now, int frame);
 
-  // A step back or forth from what is now. False where there is none.
-  bool undo(ViewSettings::Posing& now);
-  bool redo(ViewSettings::Posing& now);
+  // A step back or forth from what is now, and the frame that it is of. Nothing where there is none.
+  std::optional<int> undo(ViewSettings::Posing& now, int frame = 0);
+  std::optional<int> redo(ViewSettings::Posing& now, int frame = 0);
 
  private:
   struct Step {
     ViewSettings::PoseKey pose;
     std::map<int, ViewSettings::PoseKey> keys;
-    bool operator==(const Step&) const = default;
+    int frame = 0;
+    bool is_of(const Step& other) const { return pose == other.pose && keys == other.keys; }
   };
 
-  static void show(const Step& step, ViewSettings::Posing& now);
+  int show(const Step& step, ViewSettings::Posing& now);
 
   std::vector<Step> steps_ = {{}};  // oldest first
   std::size_t at_ = 0;              // that is shown
+  std::optional<Step> followed_;    // what keys made of it since, at another frame
 };
 
 }  // namespace bodyopt

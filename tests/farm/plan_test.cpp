@@ -73,7 +73,9 @@ TEST_F(PlanShow, ASessionIsItsLead) {
   write("bad.json", R"({"schema": "bodyopt-session-1", "characters": [{"basis": "walk.glb"}]})");
   const std::string head =
       R"({"schema": "bodyopt-shots-1", "elements": [{"shot": "a", "element": "hero", "out": "a.pc2", )";
-  const ShowList list = read("a.json", head + R"("session": "shot.json"}]})");
+  const ShowList list =
+      read("a.json", R"({"schema": "bodyopt-shots-1", "defaults": {"basis": "villain.safetensors"}, )" +
+                         head.substr(1 + head.find(", ")) + R"("session": "shot.json"}]})");
   FarmPlan planned = plan_show(list, 5, problems_);
   expect_problems({});
   ASSERT_EQ(planned.tasks.size(), 1u);

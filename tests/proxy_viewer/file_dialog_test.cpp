@@ -4,6 +4,7 @@
 #include <fstream>
 
 #include "proxy_viewer/commands/commands.h"
+#include "shots/session/session_file.h"
 #include "tests/proxy_viewer/played_viewport.h"
 #include "tests/support/error_kind.h"
 
@@ -46,6 +47,25 @@ TEST(FileDialog, IsOfTheCommandsThatTakeAFile) {
 }
 
 class FileDialogTest : public PlayedTest {};
+
+// Letters are of the name alone, from the first: others would be commands.
+TEST_F(FileDialogTest, NoLetterOfANameIsACommand) {
+  const auto viewport = open();
+  viewport->key("Ctrl+S");
+  viewport->key("H");
+  viewport->key("W");
+  EXPECT_FALSE(viewport->controls().cheat_sheet || viewport->controls().settings.look.wire);
+  viewport->key("Escape");
+}
+
+// Only a session gives way to one.
+TEST_F(FileDialogTest, OtherFilesAreNotReplacedByASession) {
+  const auto viewport = open();
+  viewport->prompt("save-state look.json");
+  viewport->prompt("save look.json");
+  EXPECT_FALSE(is_session("look.json"));
+  EXPECT_NE(viewport->controls().messages.back().text.find("is no session"), std::string::npos);
+}
 
 TEST_F(FileDialogTest, ANameThatIsTypedIsThatOfTheFile) {
   const auto viewport = open();

@@ -55,6 +55,24 @@ TEST(PoseHistory, LeavesTheRestOfThePosingAlone) {
   EXPECT_EQ(now.correction, 0.3);
 }
 
+// What keys make of another frame is no step, and the last one comes back with its frame.
+TEST(PoseHistory, KnowsTheFrameOfAStep) {
+  PoseHistory history;
+  ViewSettings::Posing now = posing(1);
+  history.note(now, 100);
+  history.follow(now = posing(7), 150);
+  history.note(now, 150);
+  EXPECT_EQ(history.undo(now, 150), 0) << "the beginning, not the pose of frame 150";
+  EXPECT_EQ(history.redo(now, 0), 100);
+  EXPECT_EQ(now, posing(1));
+  history.follow(now = posing(7), 150);
+  history.note(now = posing(8), 150);
+  EXPECT_EQ(history.undo(now, 150), 150);
+  EXPECT_EQ(now, posing(7));
+  EXPECT_EQ(history.undo(now, 150), 100);
+  EXPECT_EQ(now, posing(1));
+}
+
 TEST(PoseHistory, ForgetsTheOldest) {
   PoseHistory history;
   ViewSettings::Posing now;
