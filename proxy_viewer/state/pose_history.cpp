@@ -19,7 +19,8 @@ void PoseHistory::note(const ViewSettings::Posing& now, int frame) {
   at_ = steps_.size() - 1;
 }
 
-void PoseHistory::follow(const ViewSettings::Posing& now, int frame) { followed_ = {now, now.keys, frame}; }
+// Its keys are those of the last step: where they have changed, that is yet to be noted.
+void PoseHistory::follow(const ViewSettings::Posing& now, int frame) { followed_ = {now, steps_[at_].keys, frame}; }
 
 std::optional<int> PoseHistory::undo(ViewSettings::Posing& now, int frame) {
   note(now, frame);
