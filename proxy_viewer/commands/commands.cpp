@@ -14,6 +14,11 @@ namespace bodyopt {
   throw Error(ErrorKind::usage, "'" + argument + "' is not " + expected);
 }
 
+void require_ending(const std::string& file, const std::string& endings) {
+  const std::string wanted = missing_ending(file, endings);
+  if (!wanted.empty()) refuse(file, "a file that ends in " + wanted);
+}
+
 const std::string& known(const std::string& name, const std::vector<std::string>& names, const char* what) {
   if (names.empty()) refuse(name, std::string("a ") + what + ": there is none");
   if (std::find(names.begin(), names.end(), name) != names.end()) return name;

@@ -79,6 +79,8 @@ void add_marker(Controls& controls, const MarkedPair& pair);
 inline constexpr const char* kBlank = " \t\r";
 
 [[noreturn]] void refuse(const std::string& argument, const std::string& expected);
+// One of them, as ".glb|.bvh". Throws as refuse().
+void require_ending(const std::string& file, const std::string& endings);
 
 // Throws Error(usage) for a name that is none of these.
 const std::string& known(const std::string& name, const std::vector<std::string>& names, const char* what);

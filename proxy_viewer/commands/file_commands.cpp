@@ -1,16 +1,10 @@
 // What is written, and what is around the picture.
-#include "assets/wording.h"
 #include "proxy_viewer/commands/commands.h"
 #include "runtime/core/error.h"
 #include "shots/session/view_settings.h"
 
 namespace bodyopt {
 namespace {
-
-void require_ending(const std::string& file, const std::string& endings) {
-  const std::string wanted = missing_ending(file, endings);
-  if (!wanted.empty()) refuse(file, "a file that ends in " + wanted);
-}
 
 const Command kFileCommands[] = {
     {"open", "[FILE]", "Ctrl+O", "File", "a basis, character, clip, point cache, dataset or session",

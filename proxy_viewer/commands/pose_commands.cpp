@@ -317,7 +317,7 @@ const Command kPoseCommands[] = {
     switch_command<&Controls::auto_key>("auto-key", "", "Keys", "what is posed is a key of its frame at once"),
     {"save-pose", "FILE.json", "", "Pose", "the pose, or what of it several joints have",
      [](Controls& c, const std::string& a) {
-       if (!a.ends_with(".json")) refuse(a, "a file that ends in .json");
+       require_ending(a, ".json");
        c.requests.save_pose = a;
      }},
     {"load-pose", "FILE.json [0-1]", "", "Pose", "a pose that was saved, or a share of it, over the one in hand",
