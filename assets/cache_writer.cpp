@@ -1,9 +1,13 @@
 #include "assets/cache_writer.h"
 
+#include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "assets/gltf_shapes.h"
 #include "assets/usda.h"
+#include "assets/usda_bound.h"
+#include "runtime/core/error.h"
 
 namespace bodyopt {
 namespace {
@@ -35,8 +39,28 @@ class Pc2Cache final : public CacheWriter {
 
 }  // namespace
 
+void require_sample(const fs::path& path, const CacheLayout& layout, std::size_t done, std::span<const float> values) {
+  if (values.size() != 3 * std::size_t{layout.points} || done == layout.frames.size()) {
+    throw Error(ErrorKind::mismatch, path, ": a sample of ", values.size() / 3, " points was given after ", done,
+                " frames to one of ", layout.points, " points and ", layout.frames.size(), " frames");
+  }
+  const auto bad = std::ranges::find_if_not(values, [](float value) { return std::isfinite(value); });
+  if (bad == values.end()) return;
+  throw Error(ErrorKind::file, path, ": frame ", layout.frames[done], ", point ", (bad - values.begin()) / 3,
+              " is not a finite number: did a simulation, or what it began from, blow up?");
+}
+
+void require_all_samples(const fs::path& path, const CacheLayout& layout, std::size_t done) {
+  if (done == layout.frames.size()) return;
+  throw Error(ErrorKind::file, path, ": ", done, " of ", layout.frames.size(),
+              " frames were given; nothing is written");
+}
+
 std::unique_ptr<CacheWriter> write_cache(const fs::path& path, CacheLayout layout) {
   if (path.extension() == ".glb") return std::make_unique<GltfShapesWriter>(path, std::move(layout));
+  if (path.extension() == ".usda" && layout.bound != nullptr) {
+    return std::make_unique<UsdaBoundWriter>(path, std::move(layout));
+  }
   if (path.extension() == ".usda") return std::make_unique<UsdaWriter>(path, std::move(layout));
   return std::make_unique<Pc2Cache>(path, layout);
 }

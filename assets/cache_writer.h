@@ -13,6 +13,8 @@
 
 namespace bodyopt {
 
+struct BoundSkin;
+
 // What is the same in all frames of a cache.
 struct CacheLayout {
   std::string name;                        // of the prim in a .usda, the mesh in a .glb; any text
@@ -22,6 +24,9 @@ struct CacheLayout {
   double fps = 24;
   CacheSpace space{};     // PC2's and MDD's; the others are in metres, Y up
   SkinSurface surface{};  // that a .glb shows; of it a .usda has the texture coordinates
+  // A .glb or .usda is then its joints, the skin that follows them, and a blend shape for every frame; or null. It must
+  // outlive the writer.
+  const BoundSkin* bound = nullptr;
 };
 
 // Writes under a temporary name. Numbers that are not finite are refused: Error(file).
@@ -39,6 +44,12 @@ class CacheWriter {
   // On a new writer of the same layout: the first `frames` frames are those that put_aside() left.
   virtual void take_up(const std::filesystem::path& stem, std::size_t frames) = 0;
 };
+
+// Of a writer that has `done` frames: that the next fits, and that none are missing. Throw Error(mismatch), and
+// Error(file) for numbers that are not finite, and where frames are missing.
+void require_sample(const std::filesystem::path& path, const CacheLayout& layout, std::size_t done,
+                    std::span<const float> values);
+void require_all_samples(const std::filesystem::path& path, const CacheLayout& layout, std::size_t done);
 
 // `.usda`: USD text, see usda.h; `.glb`: glTF with morph targets, see gltf_shapes.h; `.mdd` and anything else: MDD and
 // PC2, see pc2.h. Throws Error(file), Error(usage).

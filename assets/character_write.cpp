@@ -1,52 +1,14 @@
 #include "assets/character_write.h"
 
-#include <algorithm>
 #include <nlohmann/json.hpp>
+#include <numeric>
 
+#include "assets/bound_skin.h"
 #include "assets/gltf_write.h"
-#include "geometry/mesh.h"
 #include "runtime/core/error.h"
 
 namespace bodyopt {
 namespace {
-
-// Area-weighted normals, O x 3; straight up where a vertex has no area around it.
-std::vector<float> normals(const Character& character) {
-  Positions sums = vertex_normals(character.vertices, character.triangles);
-  for (Eigen::Index v = 0; v < sums.rows(); ++v) {
-    const double n = sums.row(v).norm();
-    if (n > 1e-30) {
-      sums.row(v) /= n;
-    } else {
-      sums.row(v) << 0, 1, 0;
-    }
-  }
-  return output_from_welded(character, sums);
-}
-
-struct WeightSet {
-  std::vector<std::uint16_t> joints;  // O x 4
-  std::vector<float> weights;         // O x 4
-};
-
-std::vector<WeightSet> weight_sets(const Character& character) {
-  std::size_t most = 1;
-  for (const auto& weights : character.weights) most = std::max(most, weights.size());
-  const std::size_t outputs = character.output_vertex.size();
-  std::vector<WeightSet> sets((most + 3) / 4,
-                              {std::vector<std::uint16_t>(4 * outputs), std::vector<float>(4 * outputs)});
-  for (std::size_t o = 0; o < outputs; ++o) {
-    const auto& weights = character.weights[character.output_vertex[o]];
-    double rest = 1;  // the first weight takes the rounding of the others, so that they add up to one
-    for (std::size_t k = weights.size(); k-- > 0;) {
-      const auto weight = static_cast<float>(k == 0 ? rest : weights[k].weight);
-      rest -= static_cast<double>(weight);
-      sets[k / 4].weights[4 * o + k % 4] = weight;
-      sets[k / 4].joints[4 * o + k % 4] = weight == 0 ? std::uint16_t{0} : static_cast<std::uint16_t>(weights[k].joint);
-    }
-  }
-  return sets;
-}
 
 std::span<const std::uint32_t> flat(const Triangles& triangles) {
   return {triangles.data(), static_cast<std::size_t>(triangles.size())};
@@ -64,14 +26,9 @@ void write_character(const Character& character, const SkinSurface& surface, con
   }
   GlbWriter glb;
   const std::size_t skeleton = glb.add_skeleton(character.skeleton);
-  Json attributes;
-  attributes["POSITION"] = glb.add(output_from_welded(character, character.vertices), "VEC3", GlbTarget::vertices);
-  attributes["NORMAL"] = glb.add(normals(character), "VEC3", GlbTarget::vertices);
-  const std::vector<WeightSet> sets = weight_sets(character);
-  for (std::size_t s = 0; s < sets.size(); ++s) {
-    attributes["JOINTS_" + std::to_string(s)] = glb.add(sets[s].joints, "VEC4", GlbTarget::vertices);
-    attributes["WEIGHTS_" + std::to_string(s)] = glb.add(sets[s].weights, "VEC4", GlbTarget::vertices);
-  }
+  std::vector<std::uint32_t> places(character.output_count());
+  std::iota(places.begin(), places.end(), 0u);
+  const Json attributes = bound_vertices(character, places, glb);
   const Json drawn = surface_primitives(flat(character.output_triangles), surface, {{"attributes", attributes}}, glb);
   glb.add_skin(character.skeleton, skeleton);
   glb.root["meshes"].push_back({{"name", character.name}, {"primitives", drawn}});

@@ -9,7 +9,8 @@
 #include <string>
 #include <utility>
 
-#include "assets/gltf_write.h"
+#include "assets/bound_skin.h"
+#include "assets/gltf_motion.h"
 #include "geometry/mesh.h"
 #include "runtime/basis/read_file.h"
 #include "runtime/core/atomic_file.h"
@@ -70,20 +71,19 @@ std::vector<float> difference(std::span<const float> a, std::span<const float> b
   return apart;
 }
 
-// Of the shape of each frame alone, at its time.
-void add_animation(const CacheLayout& layout, std::size_t node, GlbWriter& glb) {
-  const std::size_t targets = layout.frames.size() - 1;
+// Of the target of each frame alone, at its time; `targets`: of all frames, or of all but the first.
+void add_weights(const CacheLayout& layout, std::size_t targets, std::size_t node, Json& animation, GlbWriter& glb) {
+  const std::size_t without = layout.frames.size() - targets;
   std::vector<float> times, weights(layout.frames.size() * targets, 0.0f);
   for (std::size_t k = 0; k < layout.frames.size(); ++k) {
     times.push_back(static_cast<float>((layout.frames[k] - layout.frames.front()) / layout.fps));
-    if (k > 0) weights[k * targets + k - 1] = 1;
+    if (k >= without) weights[k * targets + k - without] = 1;
   }
   const std::size_t input = glb.add(times, "SCALAR", GlbTarget::none),
                     output = glb.add(weights, "SCALAR", GlbTarget::none);
-  glb.root["animations"].push_back(
-      {{"name", layout.name},
-       {"samplers", Json::array({{{"input", input}, {"output", output}, {"interpolation", "LINEAR"}}})},
-       {"channels", Json::array({{{"sampler", 0}, {"target", {{"node", node}, {"path", "weights"}}}}})}});
+  animation["channels"].push_back(
+      {{"sampler", animation["samplers"].size()}, {"target", {{"node", node}, {"path", "weights"}}}});
+  animation["samplers"].push_back({{"input", input}, {"output", output}, {"interpolation", "LINEAR"}});
 }
 
 // A character is a .glb, too: what stands there under the name of a result is written over only where it is a result.
@@ -123,51 +123,61 @@ std::span<const float> GltfShapesWriter::frame(std::size_t k) const {
 }
 
 void GltfShapesWriter::append(std::span<const float> positions, std::span<const float> /*normals*/) {
-  const std::size_t size = 3 * std::size_t{layout_.points}, done = positions_.size() / size;
-  if (positions.size() != size || done == layout_.frames.size()) {
-    throw Error(ErrorKind::mismatch, path_, ": a sample of ", positions.size() / 3, " points was given after ", done,
-                " frames to one of ", layout_.points, " points and ", layout_.frames.size(), " frames");
-  }
-  for (std::size_t k = 0; k < size; ++k) {
-    if (std::isfinite(positions[k])) continue;
-    throw Error(ErrorKind::file, path_, ": frame ", layout_.frames[done], ", point ", k / 3,
-                " is not a finite number: did a simulation, or what it began from, blow up?");
-  }
+  require_sample(path_, layout_, positions_.size() / (3 * std::size_t{layout_.points}), positions);
   positions_.insert(positions_.end(), positions.begin(), positions.end());
 }
 
-void GltfShapesWriter::close() {
-  const std::size_t count = layout_.frames.size(), done = positions_.size() / (3 * std::size_t{layout_.points});
-  if (done != count || count == 0) {
-    throw Error(ErrorKind::file, path_, ": ", done, " of ", count, " frames were given; nothing is written");
-  }
-  GlbWriter glb;
-  glb.root["asset"]["generator"] = kGenerator;
-  const auto spread = [&](std::span<const float> values) {
-    std::vector<float> own;
-    for (const std::uint32_t place : split_.places) own.insert(own.end(), &values[3 * place], &values[3 * place] + 3);
-    return own;
-  };
+// The first, and what the others are more.
+Json GltfShapesWriter::shapes(GlbWriter& glb) const {
   SmoothNormals smooth(frame(0), corners_);
   const std::vector<float> normals = smooth(frame(0));
-  Json drawn = {{"attributes",
-                 {{"POSITION", glb.add(spread(frame(0)), "VEC3", GlbTarget::vertices)},
-                  {"NORMAL", glb.add(spread(normals), "VEC3", GlbTarget::vertices)}}}};
-  Json names = Json::array();
-  for (std::size_t k = 1; k < count; ++k) {
+  const auto add = [&](std::span<const float> values) {
+    return glb.add(spread(values, split_.places), "VEC3", GlbTarget::vertices);
+  };
+  Json drawn = {{"attributes", {{"POSITION", add(frame(0))}, {"NORMAL", add(normals)}}}};
+  for (std::size_t k = 1; k < layout_.frames.size(); ++k) {
     drawn["targets"].push_back(
-        {{"POSITION", glb.add(spread(difference(frame(k), frame(0))), "VEC3", GlbTarget::vertices)},
-         {"NORMAL", glb.add(spread(difference(smooth(frame(k)), normals)), "VEC3", GlbTarget::vertices)}});
-    names.push_back("frame " + std::to_string(layout_.frames[k]));
+        {{"POSITION", add(difference(frame(k), frame(0)))}, {"NORMAL", add(difference(smooth(frame(k)), normals))}});
   }
+  return drawn;
+}
+
+// The rest shape, and what each is more below the joints.
+Json GltfShapesWriter::bound_shapes(GlbWriter& glb) const {
+  Json drawn = {{"attributes", bound_vertices(layout_.bound->character, split_.places, glb)}};
+  for (std::size_t k = 0; k < layout_.frames.size(); ++k) {
+    const std::vector<float> offsets = blend_shape(*layout_.bound, layout_.frames[k], frame(k));
+    drawn["targets"].push_back({{"POSITION", glb.add(spread(offsets, split_.places), "VEC3", GlbTarget::vertices)}});
+  }
+  return drawn;
+}
+
+void GltfShapesWriter::close() {
+  const std::size_t count = layout_.frames.size();
+  require_all_samples(path_, layout_, positions_.size() / (3 * std::size_t{layout_.points}));
+  GlbWriter glb;
+  glb.root["asset"]["generator"] = kGenerator;
+  Json animation = {{"name", layout_.name}, {"samplers", Json::array()}, {"channels", Json::array()}};
+  Json node = {{"name", layout_.name}, {"mesh", 0}}, names = Json::array();
+  if (layout_.bound != nullptr) {
+    const Skeleton& skeleton = layout_.bound->character.skeleton;
+    glb.add_skin(skeleton, glb.add_skeleton(skeleton));
+    node["skin"] = 0;
+    animation = motion_animation(with_continuous_rotations(layout_.bound->clip), skeleton, glb);
+  }
+  const Json drawn = layout_.bound != nullptr ? bound_shapes(glb) : shapes(glb);
   const Json primitives = surface_primitives(split_.corners, split_.surface, drawn, glb);
   glb.root["meshes"].push_back({{"name", layout_.name}, {"primitives", primitives}});
-  glb.root["nodes"].push_back({{"name", layout_.name}, {"mesh", 0}});
-  glb.root["scenes"][0]["nodes"].push_back(0);
-  if (count > 1) {
-    glb.root["meshes"][0]["weights"] = std::vector<float>(count - 1, 0.0f);
+  const std::size_t mesh_node = glb.root["nodes"].size();
+  glb.root["nodes"].push_back(node);
+  glb.root["scenes"][0]["nodes"].push_back(mesh_node);
+  if (drawn.contains("targets")) {
+    const std::size_t targets = drawn["targets"].size();
+    for (std::size_t k = count - targets; k < count; ++k) names.push_back("frame " + std::to_string(layout_.frames[k]));
+    glb.root["meshes"][0]["weights"] = std::vector<float>(targets, 0.0f);
     glb.root["meshes"][0]["extras"]["targetNames"] = names;
-    add_animation(layout_, 0, glb);
+    add_weights(layout_, targets, mesh_node, animation, glb);
+    glb.root["animations"].push_back(animation);
   }
   glb.write(path_);
 }

@@ -1,5 +1,6 @@
 // Shapes of a clip as glTF: one mesh with what it shows, a morph target for each frame after the first, and an
-// animation that goes from one to the next. Metres, Y up.
+// animation that goes from one to the next. A bound skin has its joints, their motion, and a target for every frame.
+// Metres, Y up.
 #pragma once
 
 #include <cstdint>
@@ -26,6 +27,8 @@ class GltfShapesWriter final : public CacheWriter {
 
  private:
   std::span<const float> frame(std::size_t k) const;
+  Json shapes(GlbWriter& glb) const;
+  Json bound_shapes(GlbWriter& glb) const;
 
   std::filesystem::path path_;
   CacheLayout layout_;

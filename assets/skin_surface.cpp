@@ -137,6 +137,13 @@ SplitSurface split_corners(SkinSurface surface, std::span<const std::uint32_t> c
   return split;
 }
 
+std::vector<float> spread(std::span<const float> values, std::span<const std::uint32_t> places) {
+  std::vector<float> own;
+  own.reserve(3 * places.size());
+  for (const std::uint32_t place : places) own.insert(own.end(), &values[3 * place], &values[3 * place] + 3);
+  return own;
+}
+
 std::vector<double> image_coordinates(const SkinSurface& surface, std::span<const std::uint32_t> corners) {
   std::vector<double> result = surface.texture;
   if (result.empty() || surface.materials.empty()) return result;

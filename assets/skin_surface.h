@@ -49,6 +49,8 @@ struct SplitSurface {
   std::vector<std::uint32_t> corners, places;  // of the triangles; of each vertex the one that it was
 };
 SplitSurface split_corners(SkinSurface surface, std::span<const std::uint32_t> corners, std::size_t points);
+// The three values of each place.
+std::vector<float> spread(std::span<const float> values, std::span<const std::uint32_t> places);
 
 // Where the images of the base colours are looked up: `texture`, as the materials transform it.
 std::vector<double> image_coordinates(const SkinSurface& surface, std::span<const std::uint32_t> corners);

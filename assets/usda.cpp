@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <charconv>
-#include <cmath>
 #include <utility>
 
 #include "base/parallel.h"
@@ -12,12 +11,6 @@ namespace bodyopt {
 namespace {
 
 namespace fs = std::filesystem;
-
-std::string number(double value) {
-  char digits[32];
-  const auto end = std::to_chars(digits, digits + sizeof(digits), value).ptr;
-  return {digits, end};
-}
 
 std::string list_of(std::span<const std::uint32_t> numbers) {
   std::string text;
@@ -73,11 +66,8 @@ std::string head(const CacheLayout& layout) {
   const int first = layout.frames.empty() ? 0 : layout.frames.front();
   const int last = layout.frames.empty() ? 0 : layout.frames.back();
   const std::string prim = prim_name(layout.name);
-  return usda_head(prim, first, last, number(layout.fps)) + "def Mesh \"" + prim + "\"\n{\n" +
-         "    uniform token orientation = \"rightHanded\"\n    uniform token subdivisionScheme = \"none\"\n" +
-         topology(layout.corners) +
-         coordinates(image_coordinates(layout.surface, layout.corners), layout.surface.texture_of) +
-         vertex_colours(layout.surface.colours) + usd_materials(layout.surface, layout.name) + kUsdaPointSamples + '\n';
+  return usda_head(prim, first, last, usda_number(layout.fps)) + "def Mesh \"" + prim + "\"\n{\n" +
+         usda_mesh(layout, "/" + prim) + kUsdaPointSamples + '\n';
 }
 
 std::string head_of_normals() {
@@ -87,15 +77,35 @@ std::string head_of_normals() {
 
 constexpr char kTail[] = "    }\n}\n";
 
-void write_text(AtomicFile& file, const std::string& text) { file.write(std::as_bytes(std::span(text))); }
-
-// Points that one thread prints at a time.
-constexpr std::size_t kPointsTogether = 1024;
-
 fs::path points_aside(const fs::path& stem) { return fs::path(stem) += ".points"; }
 fs::path normals_aside(const fs::path& stem) { return fs::path(stem) += ".normals"; }
 
 }  // namespace
+
+void write_text(AtomicFile& file, const std::string& text) { file.write(std::as_bytes(std::span(text))); }
+
+std::string usda_number(double value) {
+  char digits[32];
+  return {digits, std::to_chars(digits, digits + sizeof(digits), value).ptr};
+}
+
+std::string usda_mesh(const CacheLayout& layout, const std::string& prim) {
+  return "    uniform token orientation = \"rightHanded\"\n    uniform token subdivisionScheme = \"none\"\n" +
+         topology(layout.corners) +
+         coordinates(image_coordinates(layout.surface, layout.corners), layout.surface.texture_of) +
+         vertex_colours(layout.surface.colours) + usd_materials(layout.surface, layout.name, prim);
+}
+
+std::string usda_points(std::span<const float> values) {
+  constexpr std::size_t kNumbers = 3 * 1024;  // that one thread prints at a time
+  std::vector<std::string> parts((values.size() + kNumbers - 1) / kNumbers);
+  parallel_for(parts.size(), [&](std::size_t k) {
+    parts[k] = points_text(values.subspan(kNumbers * k, std::min(kNumbers, values.size() - kNumbers * k)), k == 0);
+  });
+  std::string text = "[";
+  for (const std::string& part : parts) text += part;
+  return text + "]";
+}
 
 std::string usda_head(const std::string& prim, int first_frame, int last_frame, const std::string& fps) {
   return concat("#usda 1.0\n(\n    defaultPrim = \"", prim, "\"\n    startTimeCode = ", first_frame, "\n",
@@ -109,41 +119,19 @@ UsdaWriter::UsdaWriter(const fs::path& path, CacheLayout layout)
 }
 
 void UsdaWriter::write_sample(AtomicFile& file, std::span<const float> values) const {
-  if (values.size() != 3 * std::size_t{layout_.points}) {
-    throw Error(ErrorKind::mismatch, path_, ": a sample of ", values.size() / 3, " points was given to a cache of ",
-                layout_.points);
-  }
-  const int frame = layout_.frames[written_];
-  const auto bad = std::ranges::find_if_not(values, [](float value) { return std::isfinite(value); });
-  if (bad != values.end()) {
-    throw Error(ErrorKind::file, path_, ": frame ", frame, ", point ", (bad - values.begin()) / 3,
-                " is not a finite number: did a simulation, or what it began from, blow up?");
-  }
-  std::vector<std::string> parts((layout_.points + kPointsTogether - 1) / kPointsTogether);
-  parallel_for(parts.size(), [&](std::size_t k) {
-    constexpr std::size_t kNumbers = 3 * kPointsTogether;
-    parts[k] = points_text(values.subspan(kNumbers * k, std::min(kNumbers, values.size() - kNumbers * k)), k == 0);
-  });
-  std::string text = "        " + std::to_string(frame) + ": [";
-  for (const std::string& part : parts) text += part;
-  write_text(file, text + "],\n");
+  require_sample(path_, layout_, written_, values);
+  write_text(file, "        " + std::to_string(layout_.frames[written_]) + ": " + usda_points(values) + ",\n");
 }
 
 void UsdaWriter::append(std::span<const float> positions, std::span<const float> normals) {
-  if (written_ == layout_.frames.size()) {
-    throw Error(ErrorKind::mismatch, path_, ": more than the ", written_, " frames it was opened for were given");
-  }
-  has_normals_ = !normals.empty();
   write_sample(points_, positions);
+  has_normals_ = !normals.empty();
   if (has_normals_) write_sample(normals_, normals);
   ++written_;
 }
 
 void UsdaWriter::close() {
-  if (written_ != layout_.frames.size()) {
-    throw Error(ErrorKind::file, path_, ": ", written_, " of ", layout_.frames.size(),
-                " frames were given; nothing is written");
-  }
+  require_all_samples(path_, layout_, written_);
   if (has_normals_) {
     write_text(points_, head_of_normals());
     points_.write_unfinished(normals_);

@@ -81,7 +81,7 @@ std::string prim_name(const std::string& name) {
   return prim.empty() || std::isdigit(static_cast<unsigned char>(prim[0])) != 0 ? "_" + prim : prim;
 }
 
-std::string usd_materials(const SkinSurface& surface, const std::string& mesh) {
+std::string usd_materials(const SkinSurface& surface, const std::string& mesh, const std::string& prim) {
   std::string text;
   std::set<std::string> names;
   for (std::size_t m = 0; m < surface.materials.size(); ++m) {
@@ -90,19 +90,19 @@ std::string usd_materials(const SkinSurface& surface, const std::string& mesh) {
     const auto faces_of = [&] { return "faces_of_" + name; };
     while (names.contains(name) || names.contains(faces_of())) name += "_" + std::to_string(m);
     names.insert({name, faces_of()});
-    const std::string prim = "/" + prim_name(mesh) + "/" + name;
+    const std::string path = prim + "/" + name;
     std::string faces;
     for (std::size_t t = 0; t < surface.material_of.size(); ++t) {
       if (surface.material_of[t] == m) faces += (faces.empty() ? "" : ", ") + std::to_string(t);
     }
-    text += "    def Material \"" + name + "\"\n    {\n" + shaders(surface, material, mesh, prim) + "    }\n";
+    text += "    def Material \"" + name + "\"\n    {\n" + shaders(surface, material, mesh, path) + "    }\n";
     text += "    def GeomSubset \"" + faces_of();
     text +=
         "\" (\n        prepend apiSchemas = [\"MaterialBindingAPI\"]\n    )\n    {\n"
         "        uniform token elementType = \"face\"\n        uniform token familyName = \"materialBind\"\n"
         "        int[] indices = [";
     text += faces;
-    text += "]\n        rel material:binding = <" + prim + ">\n    }\n";
+    text += "]\n        rel material:binding = <" + path + ">\n    }\n";
   }
   return text;
 }

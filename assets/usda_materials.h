@@ -12,8 +12,8 @@ namespace bodyopt {
 // What of any text may be the name of a prim.
 std::string prim_name(const std::string& name);
 
-// In the prim of the mesh of that name; nothing where the surface has no materials.
-std::string usd_materials(const SkinSurface& surface, const std::string& mesh);
+// In the prim of the mesh of that name, whose path is `prim`; nothing where the surface has no materials.
+std::string usd_materials(const SkinSurface& surface, const std::string& mesh, const std::string& prim);
 
 // The images that the text names, into the folder. Throws Error(file).
 void write_usd_images(const SkinSurface& surface, const std::string& mesh, const std::filesystem::path& folder);

@@ -80,17 +80,16 @@ void require_finite(const Clip& clip, const std::filesystem::path& path) {
 
 }  // namespace
 
-void write_usd_skeleton(const Clip& clip, const Skeleton& skeleton, const std::filesystem::path& path) {
+std::string usd_skeleton(const Clip& clip, const Skeleton& skeleton, const std::string& root,
+                         const std::string& weights, const std::filesystem::path& path) {
   require_finite(clip, path);
   const std::vector<std::string> paths = joint_paths(skeleton);
   const std::vector<Joint>& joints = skeleton.joints;
-  const std::string root = prim_name(clip.name),
-                    tokens = "        uniform token[] joints = " +
-                             list_of(paths.size(), [&](std::size_t j) { return '"' + paths[j] + '"'; }) + "\n";
+  const std::string tokens =
+      "        uniform token[] joints = " + list_of(paths.size(), [&](std::size_t j) { return '"' + paths[j] + '"'; }) +
+      "\n";
   std::ostringstream text;
-  text << usda_head(root, clip.first_frame, clip.last_frame(), text_of(clip.fps)) << "def SkelRoot \"" << root
-       << "\"\n{\n"
-       << "    def Skeleton \"skeleton\" (\n        prepend apiSchemas = [\"SkelBindingAPI\"]\n    )\n    {\n"
+  text << "    def Skeleton \"skeleton\" (\n        prepend apiSchemas = [\"SkelBindingAPI\"]\n    )\n    {\n"
        << tokens << "        uniform matrix4d[] bindTransforms = "
        << list_of(joints.size(), [&](std::size_t j) { return matrix_of(inverse(joints[j].inverse_bind)); })
        << "\n        uniform matrix4d[] restTransforms = "
@@ -110,8 +109,14 @@ void write_usd_skeleton(const Clip& clip, const Skeleton& skeleton, const std::f
       text);
   write_samples(
       clip, "half3[] scales", [&](const auto& joint) { return vector_of(joint.scale); }, text);
-  text << "    }\n}\n";
-  const std::string whole = text.str();
+  text << weights << "    }\n";
+  return text.str();
+}
+
+void write_usd_skeleton(const Clip& clip, const Skeleton& skeleton, const std::filesystem::path& path) {
+  const std::string root = prim_name(clip.name),
+                    whole = usda_head(root, clip.first_frame, clip.last_frame(), text_of(clip.fps)) +
+                            "def SkelRoot \"" + root + "\"\n{\n" + usd_skeleton(clip, skeleton, root, "", path) + "}\n";
   write_file_atomically(path, std::as_bytes(std::span(whole)));
 }
 

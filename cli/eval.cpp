@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
-#include <numeric>
 
 #include "assets/frame_range.h"
 #include "assets/json_file.h"
@@ -96,13 +95,7 @@ class ShotRun : public SkinSink {
   // From the first frame to the last, as large as the skin.
   void write_rig() const {
     if (arguments_.rig.empty() || shot_.frames.empty()) return;
-    const auto [first, last] = std::ranges::minmax(shot_.frames);
-    std::vector<int> frames(static_cast<std::size_t>(last - first) + 1);
-    std::iota(frames.begin(), frames.end(), first);
-    Clip clip = shot_.clip;
-    clip.poses = poses_of(shot_.clip, frames);
-    clip.first_frame = first;
-    write_motion(clip, shot_.basis().skeleton, arguments_.cache.space.unit, arguments_.rig);
+    write_motion(shot_.played_clip(), shot_.basis().skeleton, arguments_.cache.space.unit, arguments_.rig);
   }
 
   static fs::path state_in(const fs::path& folder) { return folder / "jiggle.state"; }
@@ -302,11 +295,15 @@ void gather_shot(EvalArguments& arguments) {
   if (!shot.character.empty() && !shows_surface) {
     throw Error(ErrorKind::usage, "--character is for .glb and .usda: point caches hold points alone");
   }
+  if (shot.is_rigged && !shows_surface) {
+    throw Error(ErrorKind::usage, "--rigged is for .glb and .usda: point caches hold points alone");
+  }
   if (arguments.session.empty()) return;
   if (!shot.basis.empty() || !shot.clip.source.empty()) {
     throw Error(ErrorKind::usage, "--session names the basis and the clip itself: leave out BASIS and --clip");
   }
   take_session(arguments.session, shot);
+  if (shot.is_rigged && shot.character.empty()) shot.character = shot.session.character;
   if (!shows_surface || !shot.character.empty()) shot.session.character.clear();
 }
 
@@ -385,6 +382,10 @@ void declare_eval(CLI::App& verb, EvalArguments& arguments) {
       ->check(must_end_in(".pc2|.mdd|.usda|.glb"));
   add_option(verb, "--character", arguments.shot.character, "FILE",
              "The character's own file: its texture coordinates and materials go into a .glb, the first into a .usda");
+  add_flag(
+      verb, "--rigged", arguments.shot.is_rigged,
+      "Write the .glb or .usda as a rig for other programs: joints, their motion, the skin bound by the weights of "
+      "--character, and for each frame the blend shape that makes it the result");
   add_option(verb, "--rig", arguments.rig, "FILE.glb|.usda|.bvh", "Write the posed joints, too, as large as the skin");
   add_cache_space(verb, arguments.cache.space);
   add_option(verb, "--attached", arguments.shot.attached, "FILE",

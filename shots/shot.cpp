@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <sstream>
 
 #include "base/progress.h"
@@ -35,6 +36,16 @@ fs::path stem_in(const fs::path& folder, std::size_t writer) {
 std::vector<Pose> Shot::poses(std::size_t begin, std::size_t count) const {
   const auto first = frames.begin() + static_cast<std::ptrdiff_t>(begin);
   return poses_of(clip, {first, first + static_cast<std::ptrdiff_t>(count)});
+}
+
+Clip Shot::played_clip() const {
+  const auto [first, last] = std::ranges::minmax(frames);
+  std::vector<int> all(static_cast<std::size_t>(last - first) + 1);
+  std::iota(all.begin(), all.end(), first);
+  Clip played = clip;
+  played.poses = poses_of(clip, all);
+  played.first_frame = first;
+  return played;
 }
 
 std::string problem_of_rate(const Dynamics& dynamics, const Clip& clip) {
@@ -92,8 +103,8 @@ ShotCaches::ShotCaches(const CacheChoice& choice, Shot& shot)
   }
   const MeshTable& mesh = shot.basis().mesh;
   points_ = choice.full_skin ? static_cast<std::uint32_t>(shot.carried.size()) : mesh.output_count();
-  skin_ = write_cache(
-      choice.out, {shot.name, points_, mesh.output_triangles, shot.frames, shot.clip.fps, choice.space, shot.surface});
+  skin_ = write_cache(choice.out, {shot.name, points_, mesh.output_triangles, shot.frames, shot.clip.fps, choice.space,
+                                   shot.surface, shot.bound ? &*shot.bound : nullptr});
   const fs::path out = choice.out;
   for (const AttachedMesh& worn : shot.attached.meshes) {
     attached_paths_.push_back(fs::path(out).replace_extension("." + worn.name + out.extension().string()).string());

@@ -6,10 +6,12 @@
 #include <filesystem>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "assets/bound_skin.h"
 #include "assets/cache_writer.h"
 #include "assets/clip.h"
 #include "runtime/basis/attachments.h"
@@ -37,10 +39,13 @@ struct Shot {
   int preroll = 0;                     // frames of the clip that the jiggle steps before the first
   SkinSurface surface;                 // of the character's own file, where that is known
   std::vector<SkinSurface> surfaces;   // of the attached meshes, where that is known
+  std::optional<BoundSkin> bound;      // with the joints of the frames, where the skin is written bound to them
 
   const Basis& basis() const { return deformer->basis(); }
   // Of `count` frames from frames[begin] on.
   std::vector<Pose> poses(std::size_t begin, std::size_t count) const;
+  // The clip from the first of the frames, of which there is one, to the last.
+  Clip played_clip() const;
 };
 
 // Gets the frames of a shot.

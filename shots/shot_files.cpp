@@ -204,6 +204,20 @@ Attachments read_attachments(const ShotFiles& files, const Basis& basis) {
   return load_attachments(beside, basis, files.basis);
 }
 
+// `own`: the character where nobody trained it.
+BoundSkin bind_skin(const ShotFiles& files, const Shot& shot, std::optional<Character> own) {
+  if (!own && files.character.empty()) {
+    throw Error(ErrorKind::usage, "--rigged needs the character's own file, which has its weights: --character FILE");
+  }
+  BoundSkin bound{own ? std::move(*own) : read_character(files.character, kept_unit(shot.basis())), shot.played_clip()};
+  const std::vector<Joint>&own_joints = bound.character.skeleton.joints, &joints = shot.basis().skeleton.joints;
+  if (!std::ranges::equal(own_joints, joints, {}, &Joint::name, &Joint::name)) {
+    throw Error(ErrorKind::mismatch, files.character, ": its joints are ", own_joints.size(), ", those of ", shot.name,
+                " ", joints.size(), ", or others: expected the file that the character was trained of");
+  }
+  return bound;
+}
+
 }  // namespace
 
 OpenedCharacter open_character(const std::string& path, const ClipOptions& options) {
@@ -354,6 +368,7 @@ Shot read_shot(const ShotFiles& files, const Tell& tell) {
                                                                 : read_attachments(files, shot.basis());
   const std::string& own = files.character.empty() ? files.session.character : files.character;
   shot.surfaces = attached_surfaces(own, shot.basis(), shot.attached, tell);
+  if (files.is_rigged) shot.bound = bind_skin(files, shot, std::move(opened.character));
   return shot;
 }
 

@@ -63,10 +63,11 @@ struct SessionPosing {
 };
 
 struct ShotFiles {
-  std::string basis;      // or, of a session, a character as it is; empty there: the built-in arm
-  std::string character;  // its own file as somebody named it, for the surface of the skin; or empty
-  std::size_t level = 0;  // of detail, of a proxy; 0: the finest
-  ClipChoice clip;        // without a source: the bind pose
+  std::string basis;       // or, of a session, a character as it is; empty there: the built-in arm
+  std::string character;   // its own file as somebody named it, for the surface of the skin; or empty
+  bool is_rigged = false;  // the skin is written bound to its joints, by the weights of that file
+  std::size_t level = 0;   // of detail, of a proxy; 0: the finest
+  ClipChoice clip;         // without a source: the bind pose
   SessionPosing session;
   std::string modifiers;              // modifiers.json; or empty
   std::vector<std::string> controls;  // "NAME=VALUE" over the whole clip

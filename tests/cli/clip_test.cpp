@@ -188,5 +188,22 @@ TEST_F(ClipProgram, EvalWritesThePosedJointsBesideTheSkin) {
   expect("join " + at("a.mdd") + " --out " + at("b.mdd"), 64, "parts of MDD cannot be joined");
 }
 
+TEST_F(ClipProgram, EvalWritesARigOfTheCharacterAndItsShapes) {
+  expect("train --ddm-only " + files_.character + " --out " + at("limb.safetensors"), 0, "");
+  const std::string eval =
+      "eval " + at("limb.safetensors") + " --device cpu --clip " + files_.motion + " --frames 2-5 --rigged ";
+  expect(eval + "--out " + at("rig.glb") + " --character " + files_.character, 0, "wrote " + at("rig.glb"));
+  const Character written = read_character(at("rig.glb"));
+  EXPECT_EQ(written.output_count(), limb_.output_count());
+  EXPECT_NEAR((written.vertices - limb_.vertices).cwiseAbs().maxCoeff(), 0, 1e-6);
+  const Clip meant = read_clip(files_.motion, limb_.skeleton, {}), rig = read_clip(at("rig.glb"), limb_.skeleton, {});
+  ASSERT_EQ(rig.poses.size(), 4u);
+  EXPECT_NEAR(angle_between(rig.poses[3].joints[1].rotation, meant.poses[4].joints[1].rotation), 0, 1e-6);
+  expect(eval + "--out " + at("rig.usda") + " --character " + files_.character, 0, "wrote " + at("rig.usda"));
+  expect(eval + "--out " + at("no.glb"), 64, "--rigged needs the character's own file");
+  expect(eval + "--out " + at("no.pc2"), 64, "--rigged is for .glb and .usda");
+  EXPECT_FALSE(std::filesystem::exists(at("no.glb")));
+}
+
 }  // namespace clip_program_test
 }  // namespace bodyopt

@@ -20,4 +20,6 @@ write z.pc2 --axis z
 write a.mdd
 write cm.mdd --axis z --unit-out 0.01
 write skin.glb --character "$folder/painted.glb" --rig "$folder/rig.glb"
+write rigged.glb --character "$folder/painted.glb" --rigged
+in_blender blender_skin.py "$folder/rigged.glb" "$folder/a.pc2" 24
 in_blender blender_space.py "$folder/painted.glb" "$folder" 1001 24

@@ -1,5 +1,5 @@
 # blender --background --factory-startup --python blender_skin.py -- SKIN.glb SKIN.pc2 FRAMES
-# Blender imports a skin as glTF with morph targets, and must have every vertex in every frame where the cache has it.
+# Blender imports a skin as glTF with morph targets, alone or bound to an armature, and must have every vertex in every frame where the cache has it.
 import struct
 import sys
 
@@ -21,10 +21,12 @@ bpy.ops.wm.read_factory_settings(use_empty=True)
 bpy.context.scene.render.fps = 24
 bpy.ops.import_scene.gltf(filepath=gltf)
 skin = next(o for o in bpy.data.objects if o.type == "MESH")
-assert len(skin.data.shape_keys.key_blocks) == frames, "a shape key for each frame after the basis"
+bound = skin.find_armature()
+assert len(skin.data.shape_keys.key_blocks) == frames + bool(bound), "a shape key for each frame beside the basis"
 action = skin.data.shape_keys.animation_data
-if not action.action:  # the importer leaves it in a track
-    action.action = action.nla_tracks[0].strips[0].action
+for animated in [action] + ([bound.animation_data] if bound else []):
+    if not animated.action:  # the importer leaves it in a track
+        animated.action = animated.nla_tracks[0].strips[0].action
 first = action.action.frame_range[0]
 worst = moved = 0
 for frame in range(frames):

@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # three.js' USDLoader, an independent reader, finds in a .usda that we evaluated the points of the .pc2 of the same frames, the
-# texture coordinates of the character's own file, and by UsdSkel the joints of the same rig as glTF.
+# texture coordinates of the character's own file, and by UsdSkel the joints of the same rig as glTF, and a bound skin whose blend
+# shapes give the same points.
 . "$(dirname "$0")/head.bash"
 needs node
 modules=$PWD/build/npm/node_modules
@@ -27,4 +28,6 @@ painted() { # OUT OPTIONS...
 painted painted.usda --character "$folder/painted.glb" --rig "$folder/rig.usda"
 painted painted.pc2 --rig "$folder/rig.glb"
 node tests/other_programs/compare_usd.mjs "$modules" "$folder/painted.usda" "$folder/painted.pc2" textured
+painted rigged.usda --character "$folder/painted.glb" --rigged
+node tests/other_programs/compare_rigged.mjs "$modules" "$folder/rigged.usda" "$folder/painted.pc2" 24
 node tests/other_programs/compare_rig.mjs "$modules" "$folder/rig.usda" "$folder/rig.glb" 24 1 24
