@@ -121,7 +121,7 @@ bodyopt_floats floats_of(py::array_t<float>& array) {
 }
 
 struct Skin {
-  py::array_t<float> positions, strains, outside, fades, outside_features;
+  py::array_t<float> positions, strains, outside, fades, outside_features, excess;
   std::optional<py::array_t<float>> expected_errors;  // of a model that knows its error
   std::optional<py::array_t<float>> normals;          // where they are wanted
   std::optional<py::array_t<float>> tangents;         // where they are wanted, of a model with texture coordinates
@@ -169,6 +169,7 @@ struct Frames {
             py::array_t<float>(Shape{count}),
             py::array_t<float>(Shape{count}),
             py::array_t<float>(Shape{count}),
+            py::array_t<float>(Shape{count, static_cast<py::ssize_t>(description.feature_count)}),
             {},
             output_if_wanted(normals, {count, vertices, 3}, "normals"),
             {},
@@ -181,6 +182,7 @@ struct Frames {
     wanted.outside = floats_of(skin.outside);
     wanted.fades = floats_of(skin.fades);
     wanted.outside_features = floats_of(skin.outside_features);
+    wanted.excess = floats_of(skin.excess);
     if (description.knows_error != 0) wanted.expected_errors = floats_of(skin.expected_errors.emplace(Shape{count}));
     if (description.has_tangents != 0) {
       skin.tangents = output_if_wanted(tangents, {count, vertices, 4}, "tangents");
@@ -591,7 +593,8 @@ PYBIND11_MODULE(_runtime, module) {
       .def_readonly("vertex_errors", &Skin::vertex_errors)
       .def_readonly("attached", &Skin::attached)
       .def_readonly("full_positions", &Skin::full_positions)
-      .def_readonly("outside_features", &Skin::outside_features);
+      .def_readonly("outside_features", &Skin::outside_features)
+      .def_readonly("excess", &Skin::excess);
   py::class_<State>(module, "State");
   py::class_<Device>(module, "Device").def_property_readonly("name", [](const Device& device) {
     return bodyopt_device_name(device.handle.get());

@@ -121,6 +121,7 @@ typedef struct bodyopt_description {
   uint32_t channel_count;     /* of its modifiers */
   uint32_t attached_count;    /* meshes that are attached to its skin */
   uint32_t full_vertex_count; /* of a level of detail that carries the full skin: vertices of that; 0 of others */
+  uint32_t feature_count;     /* of what its learned part reads */
 } bodyopt_description;
 #define BODYOPT_DESCRIPTION_FIRST_SIZE 40u
 
@@ -130,7 +131,7 @@ BODYOPT_API bodyopt_result bodyopt_describe(const bodyopt_model* model, bodyopt_
 BODYOPT_API const char* bodyopt_joint_name(const bodyopt_model* model, uint32_t joint);
 BODYOPT_API const char* bodyopt_control_name(const bodyopt_model* model, uint32_t control);
 BODYOPT_API const char* bodyopt_strain_name(const bodyopt_model* model, uint32_t strain);
-/* What bodyopt_skin.outside_features counts: "joint elbow", "place of joint elbow" where joints slide,
+/* What bodyopt_skin.excess has, and outside_features counts: "joint elbow", "place of joint elbow" where joints slide,
  * "strain biceps/1" or "control biceps". As the names above. */
 BODYOPT_API const char* bodyopt_feature_name(const bodyopt_model* model, uint32_t feature);
 /* The joint that it hangs on, which has a smaller number; -1 for a root, and where there is none of this number. */
@@ -299,6 +300,8 @@ typedef struct bodyopt_skin {
   uint32_t attached_count;         /* that of the model; 0: none is wanted */
   bodyopt_floats full_positions;   /* of each vertex of the full skin three numbers; of a model with a
                                       full_vertex_count, BODYOPT_USAGE of others */
+  bodyopt_floats excess;           /* of each frame one number a feature: `outside` of each, named by
+                                      bodyopt_feature_name */
 } bodyopt_skin;
 #define BODYOPT_SKIN_FIRST_SIZE 168u
 

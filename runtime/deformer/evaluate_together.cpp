@@ -78,6 +78,7 @@ float outside_by(const Basis& basis, const float* excess, std::size_t feature) {
 // Of each of `frames` frames the feature that lies furthest outside its trained range.
 void append_outside(const Basis& basis, const BatchResult& result, std::size_t frames, Evaluation& evaluation) {
   const std::size_t features = result.excess.size() / std::max<std::size_t>(1, frames);
+  evaluation.excess.insert(evaluation.excess.end(), result.excess.begin(), result.excess.end());
   for (std::size_t f = 0; f < frames; ++f) {
     const auto begin = result.excess.begin() + static_cast<std::ptrdiff_t>(f * features);
     const auto worst = std::max_element(begin, begin + static_cast<std::ptrdiff_t>(features));

@@ -160,6 +160,7 @@ bodyopt_result bodyopt_describe(const bodyopt_model* model, bodyopt_description*
     all.channel_count = static_cast<std::uint32_t>(model->channels.size());
     all.attached_count = static_cast<std::uint32_t>(model->following->attached.meshes.size());
     all.full_vertex_count = static_cast<std::uint32_t>(model->following->full_skin.size());
+    all.feature_count = static_cast<std::uint32_t>(model->features.size());
     std::memcpy(description, &all, all.struct_size);
   });
 }

@@ -220,7 +220,8 @@ void scatter(std::span<const float> values, const bodyopt_floats& output, std::s
 WantedSkin::WantedSkin(const bodyopt_skin* skin, const Basis& basis, std::size_t frames)
     : skin_(read_struct(skin, BODYOPT_SKIN_FIRST_SIZE, "skin")),
       vertices_(basis.mesh.output_count()),
-      strains_(basis.strain.fibre_count()) {
+      strains_(basis.strain.fibre_count()),
+      features_(basis.residual.feature_count()) {
   check_output(skin_.positions, frames, vertices_, 3, "skin.positions");
   check_output(skin_.normals, frames, vertices_, 3, "skin.normals");
   check_output(skin_.strains, frames, strains_, 1, "skin.strains");
@@ -230,12 +231,13 @@ WantedSkin::WantedSkin(const bodyopt_skin* skin, const Basis& basis, std::size_t
   check_output(skin_.tangents, frames, vertices_, 4, "skin.tangents");
   check_output(skin_.vertex_errors, frames, vertices_, 1, "skin.vertex_errors");
   check_output(skin_.outside_features, frames, 1, 1, "skin.outside_features");
+  check_output(skin_.excess, frames, features_, 1, "skin.excess");
 }
 
 bool WantedSkin::wants_nothing() const {
-  const bodyopt_floats* all[] = {&skin_.positions, &skin_.normals,       &skin_.strains,
-                                 &skin_.outside,   &skin_.fades,         &skin_.expected_errors,
-                                 &skin_.tangents,  &skin_.vertex_errors, &skin_.outside_features};
+  const bodyopt_floats* all[] = {
+      &skin_.positions,       &skin_.normals,  &skin_.strains,       &skin_.outside,          &skin_.fades,
+      &skin_.expected_errors, &skin_.tangents, &skin_.vertex_errors, &skin_.outside_features, &skin_.excess};
   return std::ranges::all_of(all, [](const bodyopt_floats* output) { return output->data == nullptr; });
 }
 
@@ -259,6 +261,7 @@ void WantedSkin::write_vertex_errors(const std::vector<float>& metres, std::size
 void WantedSkin::write(const Evaluation& evaluation, std::size_t begin) const {
   scatter(evaluation.strains, skin_.strains, begin, strains_);
   scatter(evaluation.outside, skin_.outside, begin, 1);
+  scatter(evaluation.excess, skin_.excess, begin, features_);
   std::vector<float> fades, features;
   for (std::size_t f = 0; f < evaluation.outside.size(); ++f) {
     fades.push_back(static_cast<float>(mean_fade(evaluation, f)));

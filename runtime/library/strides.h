@@ -80,7 +80,7 @@ class WantedSkin {
 
  private:
   bodyopt_skin skin_;
-  std::size_t vertices_, strains_;
+  std::size_t vertices_, strains_, features_;
 };
 
 }  // namespace bodyopt

@@ -76,7 +76,8 @@ class BadCalls : public ::testing::Test {
                                         {"expected_errors", &bodyopt_skin::expected_errors, 1, 1},
                                         {"tangents", &bodyopt_skin::tangents, vertices_, 4},
                                         {"vertex_errors", &bodyopt_skin::vertex_errors, vertices_, 1},
-                                        {"outside_features", &bodyopt_skin::outside_features, 1, 1}};
+                                        {"outside_features", &bodyopt_skin::outside_features, 1, 1},
+                                        {"excess", &bodyopt_skin::excess, basis_.residual.feature_count(), 1}};
   api::Model model_;
   api::Instance instance_;
   PoseArrays given_{turning_poses(basis_, 2)};
@@ -443,7 +444,8 @@ TEST(LibraryLayout, IsThatOfTheFirstVersion) {
     EXPECT_EQ(Offsets({AT(struct_size), AT(positions), AT(normals), AT(strains), AT(outside), AT(fades),
                        AT(expected_errors), AT(tangents), AT(vertex_errors), AT(outside_features)}),
               Offsets({0, 8, 40, 72, 104, 136, 168, 200, 232, 264}));
-    EXPECT_EQ(Offsets({AT(attached), AT(attached_count), AT(full_positions)}), Offsets({296, 304, 312}));
+    EXPECT_EQ(Offsets({AT(attached), AT(attached_count), AT(full_positions), AT(excess)}),
+              Offsets({296, 304, 312, 344}));
   }
   {
     using Structure = bodyopt_call;

@@ -85,12 +85,19 @@ TEST(LibraryFrames, NameTheFeatureThatLiesOutside) {
   Arrays found(basis, poses.size());
   std::vector<float> features(poses.size(), -7);
   found.all.outside_features = floats_in(features);
+  std::vector<float> excess(poses.size() * api::describe(model).feature_count, -7);
+  found.all.excess = floats_in(excess);
   api::check(bodyopt_evaluate(make_instance(model).get(), &given.all, &found.all));
   Deformer deformer(basis, {.name = "cpu"});
   const Evaluation expected = deformer.evaluate(poses);
   ASSERT_GT(expected.outside[1], 0);
   for (std::size_t f = 0; f < poses.size(); ++f) {
     EXPECT_EQ(features[f], expected.outside[f] > 0 ? static_cast<float>(expected.outside_feature[f]) : -1.0f);
+  }
+  EXPECT_EQ(excess, expected.excess);
+  const std::size_t count = excess.size() / poses.size();
+  for (std::size_t f = 0; f < poses.size(); ++f) {
+    EXPECT_EQ(std::ranges::max(std::span(excess).subspan(f * count, count)), expected.outside[f]);
   }
   EXPECT_EQ(bodyopt_feature_name(model.get(), expected.outside_feature[1]),
             feature_name(basis, expected.outside_feature[1]));

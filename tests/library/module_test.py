@@ -140,6 +140,8 @@ class Frames(unittest.TestCase):
         self.assertGreater(skin.vertex_errors.max(), 0)
         self.assertTrue((0 <= skin.vertex_errors).all())
         np.testing.assert_array_equal(skin.outside_features < 0, skin.outside == 0)
+        self.assertEqual(skin.excess.shape, (len(JOINTS), len(MODEL.feature_names)))
+        np.testing.assert_array_equal(skin.excess.max(axis=1), skin.outside)
         self.assertIn("joint " + MODEL.joint_names[1], MODEL.feature_names)
 
     def test_with_modifiers_of_a_character_without_any_are_the_same(self):

@@ -68,7 +68,7 @@ TEST_F(RandomCalls, GiveACodeAndWriteWhatIsTheCallers) {
   const std::vector<bodyopt_floats bodyopt_skin::*> members = {
       &bodyopt_skin::positions, &bodyopt_skin::normals,         &bodyopt_skin::strains,
       &bodyopt_skin::outside,   &bodyopt_skin::expected_errors, &bodyopt_skin::vertex_errors,
-      &bodyopt_skin::tangents,  &bodyopt_skin::full_positions};
+      &bodyopt_skin::tangents,  &bodyopt_skin::full_positions,  &bodyopt_skin::excess};
   std::ranges::copy(given_.joints, joints_.begin());
   for (std::size_t k = 0; k + 12 <= kRoom; k += 12)
     matrices_[k] = matrices_[k + 5] = matrices_[k + 10] = 1;  // the bind pose

@@ -175,7 +175,7 @@ elbow.rotation_mode, elbow.rotation_euler = "XYZ", (0, 0, 2.5)
 view_layer.update()
 binding = live.bindings["body"]
 print(binding.notes, binding.untrained)
-assert binding.untrained == "elbow" and any(note.startswith("not trained for: joint elbow") for note in binding.notes)
+assert binding.untrained == ["elbow"] and any(note.startswith("not trained for: joint elbow") for note in binding.notes)
 bpy.ops.bodyopt.select_bone(skin="body")
 assert bpy.context.mode == "POSE" and [bone.name for bone in bpy.context.selected_pose_bones] == ["elbow"]
 bpy.ops.object.mode_set(mode="OBJECT")

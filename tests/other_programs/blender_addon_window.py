@@ -65,7 +65,7 @@ def steps():
     elbow = armature.pose.bones["elbow"]
     elbow.rotation_mode, elbow.rotation_euler = "XYZ", (0, 0, 2.5)
     yield
-    assert live.bindings[mesh.name_full].untrained == "elbow"
+    assert live.bindings[mesh.name_full].untrained == ["elbow"]
     with here:
         marked = red_pixels() - before
         print(f"a bone of {marked} red pixels")

@@ -249,7 +249,7 @@ class Binding:
         self.shown = None  # what the last skin was made of
         self.come_to = None  # frame, rate and first frame of modifiers
         self.expected_mm, self.notes, self.world = None, [], None  # and the skin in Blender's world, V x 3
-        self.untrained = None  # the name of a bone
+        self.untrained = []  # names of bones, the worst first
 
     @staticmethod
     def _settings(obj):
@@ -326,12 +326,13 @@ class Binding:
     def _tell(self, obj, skin):
         if skin.expected_errors is not None:
             self.expected_mm = 1e3 * float(skin.expected_errors[0])
-        self.untrained = None
-        if skin.outside[0] > WORTH_TELLING:
-            feature = self.model.feature_names[int(skin.outside_features[0])]
-            if joint := re.fullmatch("(?:place of )?joint (.*)", feature):
-                self.untrained = bone_name(joint[1])
-            self.notes.append(f"not trained for: {feature}; {100 * skin.fades[0]:.0f} % of what was learned is shown")
+        outside = [self.model.feature_names[f] for f in np.argsort(-skin.excess[0]) if skin.excess[0][f] > WORTH_TELLING]
+        joints = [re.fullmatch("(?:place of )?joint (.*)", feature) for feature in outside]
+        self.untrained = list(dict.fromkeys(bone_name(joint[1]) for joint in joints if joint))
+        if outside:
+            others = len(set(outside)) - 1
+            self.notes.append(f"not trained for: {outside[0]}{f' and {others} more' if others else ''}; "
+                              f"{100 * skin.fades[0]:.0f} % of what was learned is shown")
         if any(key.value and not key.mute for key in (obj.data.shape_keys.key_blocks[1:] if obj.data.shape_keys else ())):
             self.notes.append("shape keys of the mesh do not show: the skin takes their place")
         if skin.vertex_errors is None:

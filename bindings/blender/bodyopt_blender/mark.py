@@ -9,18 +9,19 @@ from . import live
 _drawing = None  # the handle of draw() in Blender
 
 
-def untrained_bone(obj):
-    """The armature and the pose bone that the skin of an object was not trained for, or None."""
+def untrained_bones(obj):
+    """The pose bones that the skin of an object was not trained for, the worst first."""
     shown, armature = live.bindings.get(obj.name_full), obj.bodyopt.armature
-    bone = shown and armature and shown.untrained and armature.pose.bones.get(shown.untrained)
-    return (armature, bone) if bone else None
+    if not shown or not armature:
+        return []
+    return list(filter(None, map(armature.pose.bones.get, shown.untrained)))
 
 
 def draw():
     """Those of all skins that are seen, over all else of a 3D view."""
-    found = [untrained_bone(obj) for obj in bpy.context.scene.objects
-             if obj.name_full in live.bindings and obj.visible_get()]
-    ends = [armature.matrix_world @ end for armature, bone in filter(None, found) for end in (bone.head, bone.tail)]
+    ends = [obj.bodyopt.armature.matrix_world @ end for obj in bpy.context.scene.objects
+            if obj.name_full in live.bindings and obj.visible_get()
+            for bone in untrained_bones(obj) for end in (bone.head, bone.tail)]
     if not ends:
         return
     shader = gpu.shader.from_builtin("3D_UNIFORM_COLOR")
@@ -40,17 +41,17 @@ def end_drawing():
 
 
 class BODYOPT_OT_select_bone(bpy.types.Operator):
-    """Select the bone that the basis was not trained for, in Pose Mode"""
+    """Select the bones that the basis was not trained for, in Pose Mode"""
 
-    bl_idname, bl_label = "bodyopt.select_bone", "Select Bone"
+    bl_idname, bl_label = "bodyopt.select_bone", "Select Bones"
     bl_options = {"REGISTER", "UNDO", "INTERNAL"}
     skin: StringProperty(description="The bound mesh")
 
     def execute(self, context):
-        found = untrained_bone(bpy.data.objects[self.skin])
-        if not found:
+        skin = bpy.data.objects[self.skin]
+        bones, armature = untrained_bones(skin), skin.bodyopt.armature
+        if not bones:
             return {"CANCELLED"}
-        armature, bone = found
         if context.object != armature or context.mode != "POSE":
             if context.object and context.object.mode != "OBJECT":
                 bpy.ops.object.mode_set(mode="OBJECT")
@@ -58,9 +59,10 @@ class BODYOPT_OT_select_bone(bpy.types.Operator):
             armature.select_set(True)
             context.view_layer.objects.active = armature
             bpy.ops.object.mode_set(mode="POSE")
+        names = {bone.name for bone in bones}
         for other in armature.data.bones:
-            other.select = other.name == bone.name
-        armature.data.bones.active = bone.bone
+            other.select = other.name in names
+        armature.data.bones.active = bones[0].bone
         return {"FINISHED"}
 
 

@@ -223,7 +223,9 @@ def draw_shown(layout, context, obj):
     for note in shown.notes if shown else ():
         sentence(layout, context, note, "INFO")
     if shown and shown.untrained and not settings.armature.library:
-        layout.operator("bodyopt.select_bone", icon="BONE_DATA", text=f"Select {shown.untrained}").skin = obj.name
+        others = len(shown.untrained) - 1
+        text = f"Select {shown.untrained[0]}{f' and {others} more' if others else ''}"
+        layout.operator("bodyopt.select_bone", icon="BONE_DATA", text=text).skin = obj.name
     if shown and shown.expected_mm is not None:
         layout.label(text=f"Expected error {shown.expected_mm:.2f} mm RMS")
         layout.prop(settings, "shows_error")

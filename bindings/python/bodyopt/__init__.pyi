@@ -29,6 +29,7 @@ class Skin:
     loaded without texture coordinates. normals and tangents are None where they were not wanted.
     vertex_errors: expected_errors of each vertex, F x V, metres; None where they were not wanted.
     outside_features: F, the number of the feature that lies outside in Model.feature_names; -1 where outside is 0.
+    excess: how far each of Model.feature_names lies outside, F x features, as outside does.
     attached: of each of Model.attached F x N x 3, metres; None where there are none, or they were not wanted.
     full_positions: F x Model.full_vertex_count x 3, metres; None where they were not wanted.
     """
@@ -51,6 +52,8 @@ class Skin:
     def vertex_errors(self) -> Optional[NDArray[np.float32]]: ...
     @property
     def outside_features(self) -> NDArray[np.float32]: ...
+    @property
+    def excess(self) -> NDArray[np.float32]: ...
     @property
     def attached(self) -> Optional[list[NDArray[np.float32]]]: ...
     @property
