@@ -35,22 +35,37 @@ std::string image_uri(const FbxObject& texture, const fs::path& path) {
   return uri;
 }
 
+// The image that a text file has as base64, in any number of pieces; empty: it has none.
+std::string image_as_data_uri(const FbxNode* content) {
+  std::string base64;
+  for (const FbxValue& value : content == nullptr ? std::vector<FbxValue>() : content->values) {
+    if (const auto* const piece = std::get_if<std::string>(&value)) base64 += *piece;
+  }
+  const bool is_image = base64.starts_with("iVBORw0KGgo") || base64.starts_with("/9j/") || base64.starts_with("UklGR");
+  return is_image ? "data:application/octet-stream;base64," + base64 : "";
+}
+
 // The number of its texture among those of `glb`. `known`: by texture, and by video whose image the file holds. What is
-// no image, as text's base64, is taken from the file of its name.
+// no image is taken from the file of its name.
 std::size_t texture_number(const FbxScene& scene, const FbxObject& texture, const fs::path& path,
                            std::map<std::int64_t, std::size_t>& known, GlbWriter& glb) {
   const auto [own, is_new] = known.try_emplace(texture.id, glb.root["textures"].size());
   if (!is_new) return own->second;
   Json image = {{"name", texture.name}};
   for (const FbxObject* video : scene.into(texture.id, "Video")) {
-    const std::string content = text_in(*video, "Content");
-    if (image_type(content).empty()) continue;
+    const std::string content = text_in(*video, "Content"), uri = image_as_data_uri(video->node->find("Content"));
+    const bool is_image = !image_type(content).empty();
+    if (!is_image && uri.empty()) continue;
     const auto [shared, is_first] = known.try_emplace(video->id, own->second);
     if (!is_first) return own->second = shared->second;
-    image["bufferView"] = glb.add_bytes(content);
+    if (is_image) {
+      image["bufferView"] = glb.add_bytes(content);
+    } else {
+      image["uri"] = uri;
+    }
     break;
   }
-  if (!image.contains("bufferView")) image["uri"] = image_uri(texture, path);
+  if (image.size() == 1) image["uri"] = image_uri(texture, path);
   glb.root["textures"].push_back({{"source", glb.root["images"].size()}});
   glb.root["images"].push_back(image);
   return own->second;

@@ -69,7 +69,7 @@ TEST(Fbx, CornersKeepTheirPlacesInImages) {
   sheet.material_of = {1, 0};
   file.meshes = {sheet};
   const std::string png = "\x89PNG\r\n\x1a\n of skin", jpeg = "\xff\xd8\xff of cloth";
-  file.materials = {{.name = "cloth", .image = "/9j/4AAQSkZJRg==", .file = "..\\elsewhere\\100%.jpg"},
+  file.materials = {{.name = "cloth", .image = "no image", .file = "..\\elsewhere\\100%.jpg"},
                     {.name = "skin", .image = png},
                     {.name = "skin too", .shares = 1}};
   std::filesystem::create_directory(folder / "sheet.fbm");
@@ -116,6 +116,17 @@ TEST(Fbx, CornersKeepTheirPlacesInImages) {
   }
   EXPECT_EQ(read.look().at("materials").size(), 3u);
   EXPECT_EQ(read.look().at("images").size(), 2u);
+  // As text has them: base64, in pieces.
+  file.materials[0].image = "/9j/IG9mIGNs\", \"b3Ro";
+  file.materials[1].image = "iVBORw0KGgogb2Ygc2tpbg==";
+  put_bytes(folder / "text.fbx", file.text());
+  const GltfFile text(folder / "text.fbx");
+  MaterialReader of_text(text);
+  const SkinSurface same = read_node_surface(of_text, 0, corners);
+  EXPECT_EQ(same.notes, std::vector<std::string>());
+  ASSERT_EQ(same.textures.size(), 2u);
+  EXPECT_EQ(*same.textures[0].bytes, jpeg);
+  EXPECT_EQ(*same.textures[1].bytes, png);
   file.materials.clear();
   const GltfFile bare("bare.fbx", file.binary(7400, true));
   MaterialReader no_materials(bare);
