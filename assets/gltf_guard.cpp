@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "assets/fbx_glb.h"
 #include "assets/fbx_parse.h"
@@ -202,14 +203,20 @@ void remove_extensions(Json& json) {
   }
 }
 
-}  // namespace
-
-std::filesystem::path gltf_file_beside(const std::filesystem::path& path, const char* what, const std::string& uri) {
+// Nothing for what does not lie beside it.
+std::optional<std::filesystem::path> find_beside(const std::filesystem::path& path, const std::string& uri) {
   const std::filesystem::path relative = percent_decoded(uri);
   const std::filesystem::path folder = std::filesystem::weakly_canonical(std::filesystem::absolute(path)).parent_path();
   const std::filesystem::path file = std::filesystem::weakly_canonical(folder / relative);
   const auto [end, unused] = std::mismatch(folder.begin(), folder.end(), file.begin(), file.end());
   if (end == folder.end() && !relative.is_absolute() && uri.find("://") == std::string::npos) return file;
+  return std::nullopt;
+}
+
+}  // namespace
+
+std::filesystem::path gltf_file_beside(const std::filesystem::path& path, const char* what, const std::string& uri) {
+  if (const std::optional<std::filesystem::path> file = find_beside(path, uri)) return *file;
   fail(path, what, " '", uri, "' lies outside the file's folder; only files beside it are read");
 }
 
@@ -263,11 +270,15 @@ std::vector<std::filesystem::path> gltf_files(const std::filesystem::path& path)
   std::vector<std::filesystem::path> files{path};
   if (lower_case(path.extension().string()) != ".gltf") return files;
   const Json root = parse_json(path, read_gltf_bytes(path));
-  const Json buffers = root.contains("buffers") ? root["buffers"] : Json::array();
-  for (const Json& buffer : buffers) {
-    if (!buffer.is_object() || !buffer.contains("uri") || !buffer["uri"].is_string()) continue;
-    const std::string uri = buffer["uri"];
-    if (!tinygltf::IsDataURI(uri)) files.push_back(gltf_file_beside(path, "buffer", uri));
+  for (const char* kind : {"buffers", "images"}) {
+    for (const Json& part : root.contains(kind) ? root[kind] : Json::array()) {
+      if (!part.is_object() || !part.contains("uri") || !part["uri"].is_string()) continue;
+      const std::string uri = part["uri"];
+      if (uri.starts_with("data:")) continue;
+      const std::optional<std::filesystem::path> file = find_beside(path, uri);
+      const bool is_needed = std::string_view(kind) == "buffers";  // without an image a colour is shown
+      if (file && (is_needed || std::filesystem::exists(*file))) files.push_back(*file);
+    }
   }
   return files;
 }

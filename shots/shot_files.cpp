@@ -250,7 +250,8 @@ std::vector<fs::path> ShotFiles::paths() const {
   if (!of_clip.empty()) {
     for (const fs::path& file : gltf_files(of_clip)) paths.push_back(file);
   }
-  for (const std::string& file : {basis, character, clip.options.controls, clip.options.joint_map, jiggle.file(basis),
+  if (!character.empty()) std::ranges::copy(gltf_files(character), std::back_inserter(paths));
+  for (const std::string& file : {basis, clip.options.controls, clip.options.joint_map, jiggle.file(basis),
                                   jiggle.state_in, modifiers, session.file, session.limits}) {
     if (!file.empty()) paths.emplace_back(file);
   }

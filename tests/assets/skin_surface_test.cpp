@@ -5,6 +5,7 @@
 
 #include "assets/character.h"
 #include "assets/gltf_file.h"
+#include "assets/gltf_guard.h"
 #include "assets/gltf_shapes.h"
 #include "assets/join_caches.h"
 #include "assets/usda.h"
@@ -305,6 +306,17 @@ TEST(SkinSurface, OfMaterialsThatAreNotThereIsRefused) {
   blob.root["meshes"][0]["primitives"][1]["material"] = 9;
   put_bytes(folder / "wrong.glb", blob.glb());
   error_of(ErrorKind::file, [&] { read_skin_surface(folder / "wrong.glb", 8, Painted(folder).corners); });
+}
+
+// What a shot is made of: an image that changes makes its results stale; one that is missing is a note elsewhere.
+TEST(SkinSurface, ImagesBesideAFileAreFilesOfIt) {
+  const TemporaryFolder folder;
+  put_bytes(folder / "there.png", "image");
+  put_bytes(folder / "hero.gltf", R"({"asset": {"version": "2.0"}, "buffers": [{"uri": "hero.bin", "byteLength": 4}],
+      "images": [{"uri": "there.png"}, {"uri": "missing.png"}, {"uri": "../elsewhere.png"}, {"uri": "data:,"}]})");
+  std::vector<std::string> names;
+  for (const auto& file : gltf_files(folder / "hero.gltf")) names.push_back(file.filename().string());
+  EXPECT_EQ(names, (std::vector<std::string>{"hero.gltf", "hero.bin", "there.png"}));
 }
 
 }  // namespace skin_surface_test
