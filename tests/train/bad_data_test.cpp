@@ -63,12 +63,12 @@ std::vector<Number> up_to(std::size_t count) {
   return numbers;
 }
 
-TEST(StrayVertices, AreFoundAndPutBackAmongTheirNeighbours) {
+TEST(OutlierVertices, AreFoundAndPutBackAmongTheirNeighbours) {
   const Character character = limb_character();
   const Displacements truth = wave(character, 40);
   const auto frames = up_to<std::size_t>(40);
   const auto vertices = up_to<std::uint32_t>(static_cast<std::size_t>(character.vertices.rows()));
-  const StrayVertices neighbours(character);
+  const OutlierVertices neighbours(character);
   Displacements displacements = truth;
   EXPECT_TRUE(neighbours.mend(displacements, frames, vertices).empty());
   EXPECT_EQ(displacements, truth);
@@ -76,26 +76,26 @@ TEST(StrayVertices, AreFoundAndPutBackAmongTheirNeighbours) {
   displacements(7, 3 * 100 + 1) += 0.5f;
   displacements(7, 3 * 101 + 2) -= 0.3f;
   displacements(21, 3 * 400) += 0.1f;
-  const std::vector<StrayVertex> strays = neighbours.mend(displacements, frames, vertices);
-  ASSERT_EQ(strays.size(), 3u);
+  const std::vector<OutlierVertex> outliers = neighbours.mend(displacements, frames, vertices);
+  ASSERT_EQ(outliers.size(), 3u);
   const std::tuple<std::size_t, std::uint32_t, double> expected[] = {{7, 100, 0.5}, {7, 101, 0.3}, {21, 400, 0.1}};
   for (std::size_t k = 0; k < 3; ++k) {
-    EXPECT_EQ(strays[k].frame, std::get<0>(expected[k]));
-    EXPECT_EQ(strays[k].vertex, std::get<1>(expected[k]));
-    EXPECT_NEAR(strays[k].distance, std::get<2>(expected[k]), 0.005);
+    EXPECT_EQ(outliers[k].frame, std::get<0>(expected[k]));
+    EXPECT_EQ(outliers[k].vertex, std::get<1>(expected[k]));
+    EXPECT_NEAR(outliers[k].distance, std::get<2>(expected[k]), 0.005);
   }
   EXPECT_LT((displacements - truth).cwiseAbs().maxCoeff(), 0.004);
 }
 
 // A vertex that is always far from its neighbours, and a patch that moves as one, are how the skin is.
-TEST(StrayVertices, AreNotWhatTheSkinDoes) {
+TEST(OutlierVertices, AreNotWhatTheSkinDoes) {
   const Character character = limb_character();
   Displacements displacements = wave(character, 40);
   for (int n = 0; n < 40; ++n) displacements(n, 3 * 250) += 0.05f + 0.001f * static_cast<float>(n);
   displacements.row(9).segment(3 * 200, 3 * 5 * kLimbSides).array() += 0.1f;  // of five rings
   const Displacements before = displacements;
   const auto vertices = up_to<std::uint32_t>(static_cast<std::size_t>(character.vertices.rows()));
-  EXPECT_TRUE(StrayVertices(character).mend(displacements, up_to<std::size_t>(40), vertices).empty());
+  EXPECT_TRUE(OutlierVertices(character).mend(displacements, up_to<std::size_t>(40), vertices).empty());
   EXPECT_EQ(displacements, before);
 }
 
@@ -121,7 +121,7 @@ TEST(BadData, AVertexThatFliesAwayIsNamedAndHardlyMatters) {
   EXPECT_EQ(testing::difference(basis, trained_basis(set, little)), "");
 }
 
-TEST(BadData, ManyStrayVerticesAreCounted) {
+TEST(BadData, ManyOutlierVerticesAreCounted) {
   SampleSet set = clean();
   for (std::size_t n = 10; n < 18; ++n) {
     Positions shape = set.train[n].shape.read();

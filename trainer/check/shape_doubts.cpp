@@ -32,7 +32,7 @@ constexpr std::size_t kFewestVertices = 5;
 constexpr double kNotable = 0.01;  // of the character's longest extent
 // Skin of real bodies follows its joint by 74 % and more; fingers that a coarser skin holds together, by 68 %.
 constexpr double kLeastFollowing = 0.7;
-constexpr std::size_t kShown = 5;  // strays of a take
+constexpr std::size_t kShown = 5;  // outliers of a take
 
 struct ProbedFrame {
   int frame = 0;
@@ -115,11 +115,11 @@ void add_stiff_parts(const SampleSet& set, const std::vector<ProbedFrame>& frame
 
 // In every frame, by frame and vertex. Every so-many-th frame of the take makes a block: what is usual is known from
 // all of the motion, and a vertex that is off for some frames in a row is in the minority in each.
-std::vector<StrayVertex> strays_in(const Character& character, const std::vector<const Sample*>& samples) {
-  const StrayVertices neighbours(character);
+std::vector<OutlierVertex> outliers_in(const Character& character, const std::vector<const Sample*>& samples) {
+  const OutlierVertices neighbours(character);
   std::vector<std::uint32_t> all(static_cast<std::size_t>(character.vertices.rows()));
   std::iota(all.begin(), all.end(), 0u);
-  std::vector<StrayVertex> strays;
+  std::vector<OutlierVertex> outliers;
   const std::size_t blocks = (samples.size() + kBlock - 1) / kBlock;
   for (std::size_t block = 0; block < blocks; ++block) {
     std::vector<std::size_t> numbers;
@@ -131,27 +131,27 @@ std::vector<StrayVertex> strays_in(const Character& character, const std::vector
       displacements.row(static_cast<Index>(k)) =
           Eigen::Map<const Eigen::RowVectorXd>(apart.data(), apart.size()).cast<float>();
     }
-    const std::vector<StrayVertex> found = neighbours.mend(displacements, numbers, all);
-    strays.insert(strays.end(), found.begin(), found.end());
+    const std::vector<OutlierVertex> found = neighbours.mend(displacements, numbers, all);
+    outliers.insert(outliers.end(), found.begin(), found.end());
   }
-  std::stable_sort(strays.begin(), strays.end(),
-                   [](const StrayVertex& a, const StrayVertex& b) { return a.frame < b.frame; });
-  return strays;
+  std::stable_sort(outliers.begin(), outliers.end(),
+                   [](const OutlierVertex& a, const OutlierVertex& b) { return a.frame < b.frame; });
+  return outliers;
 }
 
-void add_strays(const SampleSet& set, const std::vector<const Sample*>& samples, const std::string& take,
-                std::vector<std::string>& doubts) {
-  const std::vector<StrayVertex> strays = strays_in(set.character, samples);
+void add_outliers(const SampleSet& set, const std::vector<const Sample*>& samples, const std::string& take,
+                  std::vector<std::string>& doubts) {
+  const std::vector<OutlierVertex> outliers = outliers_in(set.character, samples);
   const std::vector<std::uint32_t>& output = set.character.output_vertex;
-  for (std::size_t k = 0; k < std::min(strays.size(), kShown); ++k) {
-    const auto vertex = std::find(output.begin(), output.end(), strays[k].vertex) - output.begin();
-    doubts.push_back("take '" + take + "', frame " + std::to_string(samples[strays[k].frame]->frame) + ": vertex " +
-                     std::to_string(vertex) + " flies " + std::to_string(std::lround(1e3 * strays[k].distance)) +
+  for (std::size_t k = 0; k < std::min(outliers.size(), kShown); ++k) {
+    const auto vertex = std::find(output.begin(), output.end(), outliers[k].vertex) - output.begin();
+    doubts.push_back("take '" + take + "', frame " + std::to_string(samples[outliers[k].frame]->frame) + ": vertex " +
+                     std::to_string(vertex) + " flies " + std::to_string(std::lround(1e3 * outliers[k].distance)) +
                      " mm away from its neighbours");
   }
-  if (strays.size() > kShown) {
+  if (outliers.size() > kShown) {
     doubts.push_back("take '" + take + "': so do vertices " +
-                     count_of(strays.size() - kShown, "more time", "more times"));
+                     count_of(outliers.size() - kShown, "more time", "more times"));
   }
 }
 
@@ -410,7 +410,7 @@ std::vector<std::string> shape_doubts(const SampleSet& set) {
     const std::vector<const Sample*> samples = samples_of(set, static_cast<int>(t));
     if (samples.size() < 2) continue;
     add_stiff_parts(set, probe(set.character, samples), set.takes[t], doubts);
-    if (!set.sparse) add_strays(set, samples, set.takes[t], doubts);
+    if (!set.sparse) add_outliers(set, samples, set.takes[t], doubts);
   }
   return doubts;
 }

@@ -120,19 +120,19 @@ std::vector<std::string> contradiction_warnings(const SampleSet& set, std::vecto
   return warnings;
 }
 
-std::vector<std::string> stray_warnings(const SampleSet& set, const std::vector<std::uint32_t>& order,
-                                        std::vector<StrayVertex> strays) {
-  worst_first(strays);
+std::vector<std::string> outlier_warnings(const SampleSet& set, const std::vector<std::uint32_t>& order,
+                                          std::vector<OutlierVertex> outliers) {
+  worst_first(outliers);
   std::vector<std::string> warnings;
-  for (const StrayVertex& stray : strays) {
+  for (const OutlierVertex& outlier : outliers) {
     if (warnings.size() == kShown) break;
-    warnings.push_back(frame_name(set, set.train[stray.frame]) + ": vertex " +
-                       std::to_string(file_vertex(set.character, order[stray.vertex])) + " is " +
-                       millimetres(stray.distance) +
+    warnings.push_back(frame_name(set, set.train[outlier.frame]) + ": vertex " +
+                       std::to_string(file_vertex(set.character, order[outlier.vertex])) + " is " +
+                       millimetres(outlier.distance) +
                        " from where its neighbours take it: it was trained as if it moved with them");
   }
-  if (strays.size() > kShown) {
-    warnings.push_back(count_of(strays.size() - kShown, "more vertex", "more vertices") +
+  if (outliers.size() > kShown) {
+    warnings.push_back(count_of(outliers.size() - kShown, "more vertex", "more vertices") +
                        " of single frames flew away from their neighbours");
   }
   return warnings;

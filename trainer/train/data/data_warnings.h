@@ -39,8 +39,8 @@ std::vector<Contradiction> contradictions(const std::vector<FramePair>& pairs, c
 std::vector<std::string> contradiction_warnings(const SampleSet& set, std::vector<Contradiction> contradictions);
 
 // Vertices are named as the character's file numbers them. `order`: welded vertex of each runtime vertex.
-std::vector<std::string> stray_warnings(const SampleSet& set, const std::vector<std::uint32_t>& order,
-                                        std::vector<StrayVertex> strays);
+std::vector<std::string> outlier_warnings(const SampleSet& set, const std::vector<std::uint32_t>& order,
+                                          std::vector<OutlierVertex> outliers);
 
 std::vector<std::string> constant_control_warnings(const SampleSet& set);
 

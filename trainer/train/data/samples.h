@@ -75,7 +75,7 @@ struct SampleSet {
   std::vector<RegionWeights> regions;  // painted: as read_regions
   std::vector<Sample> train, heldout;
   int unconverged = 0;
-  bool sparse = false;  // neighbours lie far apart and move apart, as on a proxy: none of them is held to be stray
+  bool sparse = false;  // neighbours lie far apart and move apart, as on a proxy: none of them is held to be an outlier
   std::vector<std::string> notes;
 };
 SampleSet read_samples(const Dataset& dataset);

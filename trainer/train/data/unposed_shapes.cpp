@@ -33,9 +33,9 @@ Positions read_shape(const SampleSet& set, const Sample& sample) {
 using Eigen::Index;
 using Eigen::Vector3f;
 
-// Nearer to its neighbours' displacement no vertex is stray; a part of the character's size: 9 mm of 1.8 m.
+// Nearer to its neighbours' displacement no vertex is an outlier; a part of the character's size: 9 mm of 1.8 m.
 constexpr double kNear = 5e-3;
-// A stray vertex is this many times further off than its neighbours are spread, and than it is in nine frames of ten.
+// An outlier is this many times further off than its neighbours are spread, and than it is in nine frames of ten.
 // Folds and contact of simulated skins reach 3.2 times.
 constexpr float kFar = 5;
 constexpr double kUsual = 0.9;
@@ -56,14 +56,15 @@ struct Neighbourhood {
   std::uint32_t column;
   std::vector<std::uint32_t> neighbours;
 
-  // From the mean of the neighbours' displacements: quick, and large beside a stray vertex, too.
+  // From the mean of the neighbours' displacements: quick, and large beside an outlier, too.
   float roughly_apart(const Displacements& displacements, Index frame) const {
     Vector3f sum = Vector3f::Zero();
     for (const std::uint32_t other : neighbours) sum += displacement(displacements, frame, other);
     return (displacement(displacements, frame, column) - sum / static_cast<float>(neighbours.size())).norm();
   }
 
-  // The median of the neighbours' displacements, coordinate by coordinate: one of them that is stray does not move it.
+  // The median of the neighbours' displacements, coordinate by coordinate: one of them that is an outlier does not move
+  // it.
   Vector3f common(const Displacements& displacements, Index frame) const {
     Vector3f result;
     std::vector<float> values(neighbours.size());
@@ -138,11 +139,11 @@ UnposedFrames UnposedShapes::operator()(const std::string& title, std::span<cons
     progress.advance();
   });
   if (set_.sparse) return {std::move(displacements), {}};
-  std::vector<StrayVertex> strays = neighbours_.mend(displacements, frames, vertices);
-  return {std::move(displacements), std::move(strays)};
+  std::vector<OutlierVertex> outliers = neighbours_.mend(displacements, frames, vertices);
+  return {std::move(displacements), std::move(outliers)};
 }
 
-StrayVertices::StrayVertices(const Character& character)
+OutlierVertices::OutlierVertices(const Character& character)
     : size_(longest_extent(character.vertices)), neighbours_(static_cast<std::size_t>(character.vertices.rows())) {
   for (Index t = 0; t < character.triangles.rows(); ++t) {
     for (Index k = 0; k < 3; ++k) {
@@ -155,7 +156,7 @@ StrayVertices::StrayVertices(const Character& character)
   for (std::vector<std::uint32_t>& list : neighbours_) sort_unique(list);
 }
 
-std::vector<std::uint32_t> StrayVertices::with_neighbours(const std::vector<std::uint32_t>& vertices) const {
+std::vector<std::uint32_t> OutlierVertices::with_neighbours(const std::vector<std::uint32_t>& vertices) const {
   std::vector<std::uint32_t> grown = vertices;
   for (const std::uint32_t vertex : vertices) {
     grown.insert(grown.end(), neighbours_[vertex].begin(), neighbours_[vertex].end());
@@ -164,8 +165,8 @@ std::vector<std::uint32_t> StrayVertices::with_neighbours(const std::vector<std:
   return grown;
 }
 
-std::vector<StrayVertex> StrayVertices::mend(Displacements& displacements, std::span<const std::size_t> frames,
-                                             std::span<const std::uint32_t> vertices) const {
+std::vector<OutlierVertex> OutlierVertices::mend(Displacements& displacements, std::span<const std::size_t> frames,
+                                                 std::span<const std::uint32_t> vertices) const {
   const std::vector<Neighbourhood> neighbourhoods = neighbourhoods_among(neighbours_, vertices);
   const auto near = static_cast<float>(kNear * size_);
   std::vector<std::vector<std::size_t>> suspects(frames.size());  // neighbourhoods
@@ -183,7 +184,7 @@ std::vector<StrayVertex> StrayVertices::mend(Displacements& displacements, std::
     if (suspected[k]) usual[k] = neighbourhoods[k].usually_apart(displacements);
   });
 
-  std::vector<StrayVertex> strays;
+  std::vector<OutlierVertex> outliers;
   for (std::size_t n = 0; n < frames.size(); ++n) {
     const auto row = static_cast<Index>(n);
     std::vector<std::pair<std::uint32_t, Vector3f>> mended;  // put in place once all of the frame are known
@@ -192,14 +193,14 @@ std::vector<StrayVertex> StrayVertices::mend(Displacements& displacements, std::
       const Vector3f common = around.common(displacements, row);
       const float apart = (displacement(displacements, row, around.column) - common).norm();
       if (!(apart > std::max({near, kFar * usual[k], kFar * around.spread(displacements, row, common)}))) continue;
-      strays.push_back({frames[n], vertices[around.column], double{apart}});
+      outliers.push_back({frames[n], vertices[around.column], double{apart}});
       mended.emplace_back(around.column, common);
     }
     for (const auto& [column, common] : mended) {
       displacements.row(row).segment<3>(3 * Index{column}) = common.transpose();
     }
   }
-  return strays;
+  return outliers;
 }
 
 }  // namespace bodyopt

@@ -16,25 +16,25 @@ namespace bodyopt {
 
 // Vertices that fly away from their neighbours in single frames: slips of a solver or a scanner.
 
-struct StrayVertex {
+struct OutlierVertex {
   std::size_t frame = 0;     // index of the training frame
   std::uint32_t vertex = 0;  // runtime order
   double distance = 0;       // metres, between its displacement and that of its neighbours
 };
 
-// Tells a vertex that flew away from a skin that folds: what its neighbours do is their median displacement, and a
-// stray one is further from it than the neighbours are from each other, than this vertex is in other frames, and than
+// Tells a vertex that flew away from a skin that folds: what its neighbours do is their median displacement, and an
+// outlier is further from it than the neighbours are from each other, than this vertex is in other frames, and than
 // the skin's details are wide.
-class StrayVertices {
+class OutlierVertices {
  public:
   // `character`: in runtime order.
-  explicit StrayVertices(const Character& character);
+  explicit OutlierVertices(const Character& character);
 
-  // Replaces the displacements (frames x 3 vertices) of stray vertices by what their neighbours do, and returns them,
+  // Replaces the displacements (frames x 3 vertices) of outliers by what their neighbours do, and returns them,
   // by frame and vertex. `vertices`: those of the columns, ascending; one with fewer than three neighbours, or some
-  // that are not among the columns, is never stray. It takes many frames to know what is usual.
-  std::vector<StrayVertex> mend(Displacements& displacements, std::span<const std::size_t> frames,
-                                std::span<const std::uint32_t> vertices) const;
+  // that are not among the columns, is never an outlier. It takes many frames to know what is usual.
+  std::vector<OutlierVertex> mend(Displacements& displacements, std::span<const std::size_t> frames,
+                                  std::span<const std::uint32_t> vertices) const;
 
   // Ascending.
   std::vector<std::uint32_t> with_neighbours(const std::vector<std::uint32_t>& vertices) const;
@@ -45,8 +45,8 @@ class StrayVertices {
 };
 
 struct UnposedFrames {
-  Displacements displacements;      // frames x 3 vertices, stray ones put back among their neighbours
-  std::vector<StrayVertex> strays;  // by frame and vertex
+  Displacements displacements;          // frames x 3 vertices, outliers put back among their neighbours
+  std::vector<OutlierVertex> outliers;  // by frame and vertex
 };
 
 class UnposedShapes {
@@ -62,7 +62,7 @@ class UnposedShapes {
   UnposedFrames operator()(const std::string& title, std::span<const std::size_t> frames,
                            std::span<const std::uint32_t> vertices) const;
 
-  // Vertices and those beside them, ascending: all it takes to find the stray ones among them.
+  // Vertices and those beside them, ascending: all it takes to find the outliers among them.
   std::vector<std::uint32_t> with_neighbours(const std::vector<std::uint32_t>& vertices) const {
     return neighbours_.with_neighbours(vertices);
   }
@@ -74,7 +74,7 @@ class UnposedShapes {
   const Basis& basis_;
   const std::vector<std::uint32_t>& order_;
   Method::Unposing unposing_;
-  StrayVertices neighbours_;
+  OutlierVertices neighbours_;
 };
 
 }  // namespace bodyopt

@@ -77,12 +77,12 @@ class PartFrames {
   const Displacements& displacements() const { return unposed_.displacements; }
   RegionWeights region(std::size_t r) const { return within(part_, context_.layout.regions[r]); }
 
-  std::vector<StrayVertex> strays(std::size_t r) const {
+  std::vector<OutlierVertex> outliers(std::size_t r) const {
     const std::vector<std::uint32_t>& own = context_.layout.regions[r].vertices;
-    std::vector<StrayVertex> strays;
-    std::copy_if(unposed_.strays.begin(), unposed_.strays.end(), std::back_inserter(strays),
-                 [&](const StrayVertex& s) { return std::binary_search(own.begin(), own.end(), s.vertex); });
-    return strays;
+    std::vector<OutlierVertex> outliers;
+    std::copy_if(unposed_.outliers.begin(), unposed_.outliers.end(), std::back_inserter(outliers),
+                 [&](const OutlierVertex& s) { return std::binary_search(own.begin(), own.end(), s.vertex); });
+    return outliers;
   }
 
   // Of pairs whose frames are among these.
@@ -139,7 +139,7 @@ RegionModel fit_region(const FitContext& context, std::size_t r, const PartFrame
     return principal_components(frames.displacements(), frames.region(r), count, options.seed);
   };
   model.components = components(options.components);
-  model.strays = frames.strays(r);
+  model.outliers = frames.outliers(r);
   model.contradictions = frames.contradictions_of(r, context.pairs, model.components);
   const Basis& basis = context.ground.base.basis;
   const StrainFeatures strains{joint_feature_count(basis.skeleton), basis.strain.fibre_count(),
@@ -172,11 +172,11 @@ class FrameMap {
   bool is_new(const FramePair& pair) const { return lost_some() || is_new(pair.first) || is_new(pair.second); }
 
   // Those that are still there, as they are numbered now.
-  std::vector<StrayVertex> carried(const std::vector<StrayVertex>& strays) const {
-    std::vector<StrayVertex> carried;
-    for (const StrayVertex& stray : strays) {
-      const auto frame = now_.find(stray.frame);
-      if (frame != now_.end()) carried.push_back({frame->second, stray.vertex, stray.distance});
+  std::vector<OutlierVertex> carried(const std::vector<OutlierVertex>& outliers) const {
+    std::vector<OutlierVertex> carried;
+    for (const OutlierVertex& outlier : outliers) {
+      const auto frame = now_.find(outlier.frame);
+      if (frame != now_.end()) carried.push_back({frame->second, outlier.vertex, outlier.distance});
     }
     return carried;
   }
@@ -268,9 +268,9 @@ RegionModel updated(const FitContext& context, RegionModel model, Components all
 // What was found of the frames that are still there, and what is found of the new ones.
 void carry_data_problems(const PartFrames& unposed, std::size_t region, const std::vector<FramePair>& new_pairs,
                          const FrameMap& map, RegionModel& model) {
-  model.strays = map.carried(model.strays);
-  for (const StrayVertex& stray : unposed.strays(region)) {
-    if (map.is_new(stray.frame)) model.strays.push_back(stray);
+  model.outliers = map.carried(model.outliers);
+  for (const OutlierVertex& outlier : unposed.outliers(region)) {
+    if (map.is_new(outlier.frame)) model.outliers.push_back(outlier);
   }
   model.contradictions = map.carried(model.contradictions);
   const std::vector<Contradiction> found = unposed.contradictions_of(region, new_pairs, model.components);

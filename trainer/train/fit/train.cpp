@@ -127,16 +127,17 @@ std::vector<std::string> warnings_of(const SampleSet& set, const Groundwork& gro
   const Eigen::MatrixXd& values = ground.features.values;
   const auto varying = varying_features(values, 0, static_cast<std::uint32_t>(values.cols()));
   std::vector<Contradiction> contradictions;
-  std::map<std::pair<std::size_t, std::uint32_t>, StrayVertex> strays;  // by frame and vertex, each once
+  std::map<std::pair<std::size_t, std::uint32_t>, OutlierVertex> outliers;  // by frame and vertex, each once
   for (const RegionModel& region : model.regions) {
     contradictions.insert(contradictions.end(), region.contradictions.begin(), region.contradictions.end());
-    for (const StrayVertex& stray : region.strays) strays.emplace(std::pair(stray.frame, stray.vertex), stray);
+    for (const OutlierVertex& outlier : region.outliers)
+      outliers.emplace(std::pair(outlier.frame, outlier.vertex), outlier);
   }
-  std::vector<StrayVertex> all_strays;
-  for (const auto& [place, stray] : strays) all_strays.push_back(stray);
+  std::vector<OutlierVertex> all_outliers;
+  for (const auto& [place, outlier] : outliers) all_outliers.push_back(outlier);
   std::vector<std::string> warnings;
   for (const std::vector<std::string>& some :
-       {contradiction_warnings(set, contradictions), stray_warnings(set, ground.order, all_strays),
+       {contradiction_warnings(set, contradictions), outlier_warnings(set, ground.order, all_outliers),
         constant_control_warnings(set), few_frames_warnings(set, varying.size())}) {
     warnings.insert(warnings.end(), some.begin(), some.end());
   }

@@ -39,7 +39,7 @@ struct TrainingResult {
   std::vector<MuscleShare> muscles;    // by name
   double expected_mm = 0;              // see expected_error
   double smoothing_radius = 0;         // of Direct Delta Mush, metres
-  // For the user, one sentence each. Of the data: shapes that contradict each other, stray vertices, controls that
+  // For the user, one sentence each. Of the data: shapes that contradict each other, outliers, controls that
   // never change, too few frames.
   std::vector<std::string> warnings;
   std::vector<std::string> notes;  // of an update

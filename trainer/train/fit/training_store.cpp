@@ -236,7 +236,7 @@ class KeptFileReader {
   Safetensors file_;
 };
 
-// Contradictions and strays as they lie in a file: frames or places two by two.
+// Contradictions and outliers as they lie in a file: frames or places two by two.
 struct ProblemLists {
   std::vector<std::array<std::uint32_t, 2>> frames, places;
   std::vector<double> apart, distances;
@@ -248,9 +248,9 @@ ProblemLists problem_lists(const RegionModel& model) {
     lists.frames.push_back({static_cast<std::uint32_t>(c.frames.first), static_cast<std::uint32_t>(c.frames.second)});
     lists.apart.push_back(c.distance);
   }
-  for (const StrayVertex& stray : model.strays) {
-    lists.places.push_back({static_cast<std::uint32_t>(stray.frame), stray.vertex});
-    lists.distances.push_back(stray.distance);
+  for (const OutlierVertex& outlier : model.outliers) {
+    lists.places.push_back({static_cast<std::uint32_t>(outlier.frame), outlier.vertex});
+    lists.distances.push_back(outlier.distance);
   }
   return lists;
 }
@@ -260,7 +260,7 @@ void take_problems(const ProblemLists& lists, RegionModel& model) {
     model.contradictions.push_back({{lists.frames[k][0], lists.frames[k][1]}, lists.apart[k], model.region.name});
   }
   for (std::size_t k = 0; k < lists.distances.size(); ++k) {
-    model.strays.push_back({lists.places[k][0], lists.places[k][1], lists.distances[k]});
+    model.outliers.push_back({lists.places[k][0], lists.places[k][1], lists.distances[k]});
   }
 }
 

@@ -34,7 +34,7 @@ struct RegionModel {
   Components components;                // every basis column scaled so that its largest entry is 1
   std::vector<Regression> fits;         // with ever fewer centres; never none
   std::vector<Contradiction> contradictions;
-  std::vector<StrayVertex> strays;
+  std::vector<OutlierVertex> outliers;
 };
 
 // All of them, ready to be packed.
