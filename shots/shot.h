@@ -17,8 +17,8 @@
 #include "runtime/basis/attachments.h"
 #include "runtime/basis/levels.h"
 #include "runtime/core/executor.h"
+#include "runtime/deformer/attachment_carrier.h"
 #include "runtime/deformer/deformer.h"
-#include "runtime/host/carry_skin.h"
 
 namespace bodyopt {
 

@@ -1,5 +1,5 @@
-// How attached meshes follow the skin: one function per kernel, one file each; the reference for the Vulkan kernels. On
-// the host meshes are carried by runtime/host/carry_skin.h, in double precision. Arrays are of one frame.
+// How attached meshes follow the skin: one function per kernel, one file each; the reference for the Vulkan kernels.
+// Arrays are of one frame.
 #pragma once
 
 #include <cstddef>

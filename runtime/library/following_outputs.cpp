@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <string>
 
+#include "runtime/host/carry_skin.h"
 #include "runtime/library/guard.h"
 #include "runtime/library/strides.h"
 

@@ -9,9 +9,10 @@
 #include <vector>
 
 #include "include/bodyopt/bodyopt.h"
+#include "runtime/basis/levels.h"
 #include "runtime/coverage/expected_error.h"
+#include "runtime/deformer/attachment_carrier.h"
 #include "runtime/deformer/deformer.h"
-#include "runtime/host/carry_skin.h"
 #include "runtime/host/character_model.h"
 #include "runtime/host/jiggle.h"
 #include "runtime/modifiers/drive_modifiers.h"

@@ -2,7 +2,7 @@
 //
 // x = c + R (u - c_rest) for every vertex at u. c is the mean of its anchor's points on the posed skin. R is the
 // rotation nearest to how the skin around them moved: the edges and the normals of the skin around the points' corners,
-// posed against rest (runtime/host/carry_skin.h has the same in double precision).
+// posed against rest.
 #ifndef BODYOPT_ATTACH_H
 #define BODYOPT_ATTACH_H
 

@@ -9,7 +9,7 @@
 
 #include "runtime/basis/safetensors.h"
 #include "runtime/core/error.h"
-#include "runtime/host/carry_skin.h"
+#include "runtime/deformer/attachment_carrier.h"
 #include "tests/support/attached_limb.h"
 #include "tests/support/forged_word.h"
 #include "tests/support/hostile_bytes.h"

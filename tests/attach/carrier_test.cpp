@@ -6,8 +6,8 @@
 
 #include "geometry/nearest_skin.h"
 #include "runtime/core/error.h"
+#include "runtime/deformer/attachment_carrier.h"
 #include "runtime/deformer/deformer.h"
-#include "runtime/host/carry_skin.h"
 #include "runtime/host/device_choice.h"
 #include "runtime/host/rig.h"
 #include "tests/support/attached_limb.h"
@@ -131,6 +131,18 @@ TEST(AttachmentCarrier, AgreesWithADoublePrecisionReference) {
     }
   }
   EXPECT_GT(furthest, 0.05);  // the pose does move them
+}
+
+TEST(AttachmentCarrier, FarAwayIsAsNear) {
+  Pose pose = bent();
+  const Carried near = carried_at(pose);
+  pose.joints[0].translation[0] += 100;
+  const Carried far = carried_at(pose);
+  for (std::size_t m = 0; m < near.size(); ++m) {
+    for (std::size_t k = 0; k < near[m].size(); ++k) {
+      EXPECT_NEAR(far[m][k], near[m][k] + (k % 3 == 0 ? 100.0f : 0.0f), 2e-5) << m << ", " << k;
+    }
+  }
 }
 
 TEST(AttachmentCarrier, OnAJointIsItsSkinningMatrix) {

@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "runtime/basis/levels.h"
+#include "runtime/deformer/attachment_carrier.h"
 #include "runtime/host/carry_skin.h"
 #include "runtime/host/rig.h"
 #include "tests/library/c_api.h"

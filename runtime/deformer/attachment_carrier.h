@@ -1,0 +1,33 @@
+// Carries attached meshes along with the skin, by the CPU's kernels, whatever device made the skin.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "runtime/basis/attachments.h"
+#include "runtime/basis/basis.h"
+#include "runtime/host/attach_tables.h"
+
+namespace bodyopt {
+
+// x = c + R (u - c_rest) for every vertex at u. c is the mean of its anchor's points on the posed skin. R is the
+// rotation nearest to how the skin around them moved (Müller et al. 2005, "Meshless deformations based on shape
+// matching"): the edges and the normals of the skin around the points' corners, posed against rest. An anchor without
+// points moves by its joint's skinning matrix.
+class AttachmentCarrier {
+ public:
+  // The basis must outlive it. They belong together (load_attachments sees to it).
+  AttachmentCarrier(const Basis& basis, const Attachments& attachments)
+      : basis_(basis), tables_(attach_tables(basis.mesh, attachments)) {}
+
+  // One frame. positions: O x 3, the skin's output vertices, metres, world (Evaluation::positions, or a point cache);
+  // joints: its pose. Returns N x 3 per mesh, metres, world. The same bits every time. No NaN for finite input: where
+  // skin has collapsed, R is that of the anchor's joint. Throws Error(mismatch) for other counts.
+  std::vector<std::vector<float>> carry(std::span<const float> positions, std::span<const JointTransform> joints) const;
+
+ private:
+  const Basis& basis_;
+  AttachTables tables_;
+};
+
+}  // namespace bodyopt
