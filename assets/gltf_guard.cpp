@@ -206,11 +206,13 @@ void remove_extensions(Json& json) {
 // Nothing for what does not lie beside it.
 std::optional<std::filesystem::path> find_beside(const std::filesystem::path& path, const std::string& uri) {
   const std::filesystem::path relative = percent_decoded(uri);
+  if (relative.is_absolute() || uri.find("://") != std::string::npos) return std::nullopt;
+  std::error_code no_place;
   const std::filesystem::path folder = std::filesystem::weakly_canonical(std::filesystem::absolute(path)).parent_path();
-  const std::filesystem::path file = std::filesystem::weakly_canonical(folder / relative);
+  const std::filesystem::path file = std::filesystem::weakly_canonical(folder / relative, no_place);
   const auto [end, unused] = std::mismatch(folder.begin(), folder.end(), file.begin(), file.end());
-  if (end == folder.end() && !relative.is_absolute() && uri.find("://") == std::string::npos) return file;
-  return std::nullopt;
+  if (no_place || end != folder.end()) return std::nullopt;
+  return file;
 }
 
 }  // namespace
@@ -268,8 +270,10 @@ GuardedGltf guard_gltf(const std::filesystem::path& path, std::string_view bytes
 
 std::vector<std::filesystem::path> gltf_files(const std::filesystem::path& path) {
   std::vector<std::filesystem::path> files{path};
-  if (lower_case(path.extension().string()) != ".gltf") return files;
-  const Json root = parse_json(path, read_gltf_bytes(path));
+  const std::string extension = lower_case(path.extension().string());
+  if (extension != ".gltf" && extension != ".fbx") return files;
+  const std::string bytes = read_gltf_bytes(path);
+  const Json root = extension == ".fbx" ? guard_gltf(path, bytes).look : parse_json(path, bytes);
   for (const char* kind : {"buffers", "images"}) {
     for (const Json& part : root.contains(kind) ? root[kind] : Json::array()) {
       if (!part.is_object() || !part.contains("uri") || !part["uri"].is_string()) continue;
@@ -277,7 +281,8 @@ std::vector<std::filesystem::path> gltf_files(const std::filesystem::path& path)
       if (uri.starts_with("data:")) continue;
       const std::optional<std::filesystem::path> file = find_beside(path, uri);
       const bool is_needed = std::string_view(kind) == "buffers";  // without an image a colour is shown
-      if (file && (is_needed || std::filesystem::exists(*file))) files.push_back(*file);
+      std::error_code absent;
+      if (file && (is_needed || std::filesystem::is_regular_file(*file, absent))) files.push_back(*file);
     }
   }
   return files;

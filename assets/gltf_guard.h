@@ -25,8 +25,8 @@ std::filesystem::path gltf_file_beside(const std::filesystem::path& path, const 
 // Throws Error(file).
 std::string read_gltf_bytes(const std::filesystem::path& path);
 
-// The file itself, and what lies beside a .gltf: its buffers, and the images that are there. Those it names wrongly are left
-// out.
+// The file itself, and what lies beside a .gltf or .fbx: buffers, and images that are there. Those it names wrongly are
+// left out. Throws Error(file) for a file that cannot be read.
 std::vector<std::filesystem::path> gltf_files(const std::filesystem::path& path);
 
 }  // namespace bodyopt

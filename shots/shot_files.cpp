@@ -250,12 +250,14 @@ std::vector<fs::path> ShotFiles::paths() const {
   if (!of_clip.empty()) {
     for (const fs::path& file : gltf_files(of_clip)) paths.push_back(file);
   }
-  if (!character.empty()) std::ranges::copy(gltf_files(character), std::back_inserter(paths));
-  for (const std::string& file : {basis, clip.options.controls, clip.options.joint_map, jiggle.file(basis),
-                                  jiggle.state_in, modifiers, session.file, session.limits}) {
+  const std::string untrained = is_basis(basis) ? "" : basis;
+  for (const std::string& own : {character, untrained, fs::exists(session.character) ? session.character : ""}) {
+    if (!own.empty()) std::ranges::copy(gltf_files(own), std::back_inserter(paths));
+  }
+  for (const std::string& file : {is_basis(basis) ? basis : "", clip.options.controls, clip.options.joint_map,
+                                  jiggle.file(basis), jiggle.state_in, modifiers, session.file, session.limits}) {
     if (!file.empty()) paths.emplace_back(file);
   }
-  if (fs::exists(session.character)) paths.emplace_back(session.character);
   const fs::path beside = is_basis(basis) ? attachments_beside(basis) : fs::path();
   if (!attached.empty()) {
     paths.emplace_back(attached);

@@ -313,7 +313,10 @@ TEST(SkinSurface, ImagesBesideAFileAreFilesOfIt) {
   const TemporaryFolder folder;
   put_bytes(folder / "there.png", "image");
   put_bytes(folder / "hero.gltf", R"({"asset": {"version": "2.0"}, "buffers": [{"uri": "hero.bin", "byteLength": 4}],
-      "images": [{"uri": "there.png"}, {"uri": "missing.png"}, {"uri": "../elsewhere.png"}, {"uri": "data:,"}]})");
+      "images": [{"uri": "there.png"}, {"uri": "missing.png"}, {"uri": "../elsewhere.png"}, {"uri": "data:,"},
+      {"uri": ""}, {"uri": "."}, {"uri": ")" +
+                                      std::string(5000, 'x') + R"("}, {"uri": "https://x/)" + std::string(5000, 'y') +
+                                      R"("}]})");
   std::vector<std::string> names;
   for (const auto& file : gltf_files(folder / "hero.gltf")) names.push_back(file.filename().string());
   EXPECT_EQ(names, (std::vector<std::string>{"hero.gltf", "hero.bin", "there.png"}));
