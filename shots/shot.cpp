@@ -57,6 +57,11 @@ std::string problem_of_rate(const Dynamics& dynamics, const Clip& clip) {
   return text.str();
 }
 
+int usual_preroll(const Shot& shot) {
+  if (shot.frames.empty()) return 0;
+  return std::min(static_cast<int>(shot.clip.fps), shot.frames.front() - shot.clip.first_frame);
+}
+
 void preroll(Shot& shot, const Tell& tell) {
   if (shot.preroll == 0 || shot.frames.empty()) return;
   const int first = shot.frames.front(), begin = std::max(shot.clip.first_frame, first - shot.preroll);

@@ -59,6 +59,9 @@ class SkinSink {
 // Why frames of the clip cannot jiggle: the dynamics step at another rate. Empty: they can.
 std::string problem_of_rate(const Dynamics& dynamics, const Clip& clip);
 
+// A pre-roll as the viewport's: a second, or as much of it as the clip has before the first frame.
+int usual_preroll(const Shot& shot);
+
 // Steps the frames of the clip that come before the first. Shows progress. Throws as Deformer::jiggle().
 void preroll(Shot& shot, const Tell& tell);
 

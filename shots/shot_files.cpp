@@ -366,6 +366,8 @@ Shot read_shot(const ShotFiles& files, const Tell& tell) {
     const std::string problem = problem_of_rate(*shot.deformer->dynamics(), shot.clip);
     if (!problem.empty()) throw Error(ErrorKind::mismatch, problem);
     require_frames_in_order(shot, files.jiggle.state_in, tell);
+    const bool says_nothing = files.jiggle.preroll == 0 && files.jiggle.state_in.empty();
+    if (says_nothing && !files.session.file.empty()) shot.preroll = usual_preroll(shot);
   }
   shot.attached = is_untrained(files) && files.attached.empty() ? std::move(opened.attached)
                                                                 : read_attachments(files, shot.basis());

@@ -10,7 +10,7 @@ joints = np.fromfile("joints", np.float64).reshape(-1, len(model.joint_names), 1
 channels = np.fromfile("channels", np.float32).reshape(len(joints), len(model.channels))
 instance = model.instance(bodyopt.open_device(device), jiggles=True)
 instance.set_weights(0.75, 1.5)
-instance.skip(joints[: first - 1], fps, channels[: first - 1])
+instance.jiggle(joints[: first - 1], range(1, first), frames_per_second=fps, channels=channels[: first - 1])
 skin = instance.jiggle(joints[first - 1 :], range(first, len(joints) + 1), frames_per_second=fps,
                        channels=channels[first - 1 :], goes_on=True)
 skin.positions.tofile("whole.python")
