@@ -7,28 +7,29 @@
 #include <nlohmann/json.hpp>
 #include <span>
 
-#include "assets/controls.h"
 #include "assets/frame_range.h"
 #include "assets/json_file.h"
 #include "cli/arguments/common.h"
+#include "cli/arguments/shot_arguments.h"
 #include "report/heat_strip.h"
 #include "runtime/core/atomic_file.h"
 #include "runtime/core/error.h"
 #include "runtime/core/transformed.h"
 #include "runtime/deformer/deformer.h"
+#include "shots/shot_files.h"
 #include "trainer/curate/named_shapes.h"
 
 namespace bodyopt::cli {
 namespace {
 
 struct CoverageArguments {
-  std::string basis, truth, picture;
+  std::string basis, session, truth, picture;
   int worst = 20;
   ClipArguments clip;
   JsonOption json;
 };
 
-// Per frame, RMS in mm.
+// Per frame, RMS in mm, of the skin before modifiers.
 std::vector<double> true_errors(const Basis& basis, const std::vector<Pose>& poses, const std::string& path) {
   const NamedShapes truth(path);
   if (truth.sample_count() != poses.size() || truth.point_count() != basis.mesh.output_count()) {
@@ -40,7 +41,8 @@ std::vector<double> true_errors(const Basis& basis, const std::vector<Pose>& pos
   Deformer deformer(basis, {.name = "cpu"});
   ErrorAccumulator accumulator(truth.point_count());
   for (std::uint32_t k = 0; k < truth.sample_count(); ++k) {
-    accumulator.add(static_cast<int>(k), deformer.evaluate({&poses[k], 1}).positions, truth.sample(k));
+    const Pose learned{poses[k].own_joints(), poses[k].controls};
+    accumulator.add(static_cast<int>(k), deformer.evaluate({&learned, 1}).positions, truth.sample(k));
   }
   return accumulator.finish().frame_rms;
 }
@@ -149,15 +151,16 @@ std::string compare_with_truth(const std::vector<double>& expected, const std::v
 void run(const CoverageArguments& arguments) {
   arguments.json.require_writable();
   if (!arguments.picture.empty()) require_writable(arguments.picture);
-  const Basis basis = load_basis(arguments.basis);
-  ErrorExpectation{basis};  // refuses a basis without coverage before the clip is read
-  std::vector<int> frames;
-  Clip clip = arguments.clip.read(basis, kept_unit(basis), frames);
-  for (const std::string& name : arrange_controls(basis.residual.controls, clip)) {
-    spdlog::warn("control '{}' is none that the basis was trained with: it has no effect", name);
-  }
-  const std::vector<Pose> poses = poses_of(clip, frames);
-  const ClipCoverage coverage = coverage_of(basis, std::move(frames), poses, static_cast<std::size_t>(arguments.worst));
+  ShotFiles files;
+  files.basis = arguments.basis;
+  files.clip = arguments.clip;
+  files.device.name = "cpu";
+  if (!arguments.session.empty()) take_session(arguments.session, files);
+  ErrorExpectation{load_basis(files.basis)};  // refuses a basis without coverage before the clip is read
+  Shot shot = read_shot(files, warn);
+  const Basis& basis = shot.basis();
+  const std::vector<Pose> poses = shot.poses(0, shot.frames.size());
+  const ClipCoverage coverage = coverage_of(basis, shot.frames, poses, static_cast<std::size_t>(arguments.worst));
 
   Json result = result_of(coverage, basis);
   std::string text = coverage_text(coverage);
@@ -177,8 +180,7 @@ void run(const CoverageArguments& arguments) {
 void add_coverage(CLI::App& app) {
   const auto [verb, arguments] = add_verb<CoverageArguments>(
       app, "coverage", "Show how well a basis knows the poses of a clip, and which frames to simulate next", run);
-  add_required(verb, "basis", arguments.basis, "BASIS", "Basis (.safetensors)");
-  arguments.clip.add(verb);
+  add_shot(verb, arguments.basis, arguments.clip, arguments.session);
   add_number(verb, "--worst", arguments.worst, 1, 10000, "Frames to list");
   add_option(verb, "--truth", arguments.truth,
              "Shapes of these frames (.pc2, .mdd, .nodes, or DATASET#TAKE): are the expected errors right?")

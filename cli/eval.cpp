@@ -299,9 +299,6 @@ void gather_shot(EvalArguments& arguments) {
     throw Error(ErrorKind::usage, "--rigged is for .glb and .usda: point caches hold points alone");
   }
   if (arguments.session.empty()) return;
-  if (!shot.basis.empty() || !shot.clip.source.empty()) {
-    throw Error(ErrorKind::usage, "--session names the basis and the clip itself: leave out BASIS and --clip");
-  }
   take_session(arguments.session, shot);
   if (shot.is_rigged && shot.character.empty()) shot.character = shot.session.character;
   if (!shows_surface || !shot.character.empty()) shot.session.character.clear();
@@ -356,21 +353,12 @@ void add_list(CLI::App& verb, std::string& list) {
 }
 
 void declare_eval(CLI::App& verb, EvalArguments& arguments) {
-  CLI::Option& basis = *add_required(verb, "basis", arguments.shot.basis, "BASIS", "Basis (.safetensors)");
+  add_shot(verb, arguments.shot.basis, arguments.clip, arguments.session);
   add_option(verb, "--level", arguments.shot.level, "Level of detail of a proxy: 0 is the finest")
       ->capture_default_str()
       ->type_name("N");
   add_flag(verb, "--full-skin", arguments.cache.full_skin,
            "Write the skin of the full character, moved by that of the proxy");
-  arguments.clip.add(verb);
-  CLI::Option& clip = *verb.get_option("--clip");
-  add_option(
-      verb, "--session", arguments.session, "FILE",
-      "A session of the viewport: its first character, in place of BASIS, with its clip as it was posed and keyed")
-      ->each([&basis, &clip](const std::string&) {
-        basis.required(false);
-        clip.required(false);
-      });
   arguments.device.add(verb);
   add_flag(verb, "--check", arguments.device.choice.check,
            "Run every stage on the CPU, too, and stop at the first difference");

@@ -268,6 +268,9 @@ std::vector<fs::path> ShotFiles::paths() const {
 }
 
 void take_session(const std::string& session, ShotFiles& files) {
+  if (!files.basis.empty() || !files.clip.source.empty()) {
+    throw Error(ErrorKind::usage, "--session names the basis and the clip itself: leave out BASIS and --clip");
+  }
   const SessionFile read = read_session(session);
   const SessionCharacter& lead = read.cast.front();
   files.basis = lead.files.basis;

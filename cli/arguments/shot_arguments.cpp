@@ -93,6 +93,19 @@ std::optional<std::string> JiggleArguments::write_last_state(const Deformer& def
   return state_out;
 }
 
+void add_shot(CLI::App& verb, std::string& basis, ClipArguments& clip, std::string& session) {
+  CLI::Option& of_basis = *add_required(verb, "basis", basis, "BASIS", "Basis (.safetensors)");
+  clip.add(verb);
+  CLI::Option& of_clip = *verb.get_option("--clip");
+  add_option(
+      verb, "--session", session, "FILE",
+      "A session of the viewport: its first character, in place of BASIS, with its clip as it was posed and keyed")
+      ->each([&of_basis, &of_clip](const std::string&) {
+        of_basis.required(false);
+        of_clip.required(false);
+      });
+}
+
 void add_modifier_options(CLI::App& verb, ShotFiles& files) {
   const std::string group = "Modifiers";
   add_option(verb, "--modifiers", files.modifiers, "FILE",

@@ -24,6 +24,9 @@ struct JiggleArguments {
   std::optional<std::string> write_last_state(const Deformer& deformer) const;
 };
 
+// BASIS --clip CLIP with its frames, or --session FILE in place of both.
+void add_shot(CLI::App& verb, std::string& basis, ClipArguments& clip, std::string& session);
+
 // --modifiers FILE, --control NAME=VALUE
 void add_modifier_options(CLI::App& verb, ShotFiles& files);
 
