@@ -10,6 +10,7 @@
 #include <optional>
 #include <sstream>
 
+#include "assets/cache_writer.h"
 #include "assets/clip.h"
 #include "assets/frame_range.h"
 #include "assets/json_file.h"
@@ -98,7 +99,8 @@ class Planner {
   void add(const CheckedElement& checked) {
     const double seconds = seconds_of(checked, checked.frames.size());
     const auto count = std::min(checked.frames.size(), static_cast<std::size_t>(std::ceil(seconds / limit_)));
-    if (seconds <= kLongestShare * limit_ || count < 2) {
+    const bool can_be_joined = !checked.element->out.ends_with(".glb") && !checked.element->has("rigged");
+    if (seconds <= kLongestShare * limit_ || count < 2 || !can_be_joined) {
       FarmStep step = step_of(checked, {checked.frames, checked.element->out, "", ""}, true);
       step.is_delivered = true;
       return pack(std::move(step));
@@ -357,8 +359,8 @@ class ShowChecker {
 
   void check_output(const ShowElement& element, const std::vector<std::string>& attached) {
     const fs::path out = element.out;
-    if (out.extension() != ".pc2" && out.extension() != ".usda") {
-      throw Error(ErrorKind::usage, "out '", element.out, "' does not end in .pc2 or .usda");
+    if (out.extension() != ".pc2" && !holds_triangles(out)) {
+      throw Error(ErrorKind::usage, "out '", element.out, "' does not end in .pc2, .usda or .glb");
     }
     if (element.out.find_first_of("#{}") != std::string::npos) {
       throw Error(

@@ -42,7 +42,8 @@ constexpr Key kKeys[] = {{"shot", Kind::text},           {"element", Kind::text}
                          {"cuts", Kind::text},           {"preroll", Kind::number},
                          {kFormerKey, Kind::number},     {"gravity_change", Kind::numbers},
                          {"require_device", Kind::flag}, {"modifiers", Kind::path},
-                         {"up", Kind::text},             {"session", Kind::path}};
+                         {"up", Kind::text},             {"session", Kind::path},
+                         {"character", Kind::path},      {"rigged", Kind::flag}};
 // clang-format on
 
 using Values = std::map<std::string, std::vector<std::string>>;  // by key; flags that are off are left out

@@ -167,6 +167,18 @@ TEST_F(PlanShow, SaysAllThatIsWrongAtOnce) {
   EXPECT_EQ(problems_.size(), 11u) << ::testing::PrintToString(problems_);
 }
 
+// Parts of a .glb or of a rig cannot be joined.
+TEST_F(PlanShow, WhatCannotBeJoinedIsNotCut) {
+  for (const char* out : {R"("out": "a.glb")", R"("out": "a.usda", "character": "hero.glb", "rigged": true)"}) {
+    const FarmPlan whole = plan(concat(R"({"shot": "1", "element": "a", "frame_ms": 1000, )", out, "}"), 1);
+    expect_problems({});
+    ASSERT_EQ(whole.tasks.size(), 1u) << out;
+    EXPECT_EQ(whole.tasks[0].steps.at(0).frames, 240u);
+  }
+  plan(R"({"shot": "1", "element": "a", "out": "a.obj"})");
+  expect_problems({"does not end in .pc2, .usda or .glb"});
+}
+
 TEST_F(PlanShow, PacksShortElementsAndCutsLongOnes) {
   const FarmPlan short_ones = plan(R"({"shot": "1", "element": "a"}, {"shot": "2", "element": "a"})");
   expect_problems({});
