@@ -179,6 +179,14 @@ assert binding.untrained == ["elbow"] and any(note.startswith("not trained for: 
 bpy.ops.bodyopt.select_bone(skin="body")
 assert bpy.context.mode == "POSE" and [bone.name for bone in bpy.context.selected_pose_bones] == ["elbow"]
 bpy.ops.object.mode_set(mode="OBJECT")
+wrist = armature.pose.bones["wrist"]
+wrist.rotation_mode, wrist.rotation_euler = "XYZ", (2.9, 0, 0)
+view_layer.update()
+assert set(binding.untrained) == {"elbow", "wrist"}, binding.untrained
+bpy.ops.bodyopt.select_bone(skin="body")
+assert {bone.name for bone in bpy.context.selected_pose_bones} == {"elbow", "wrist"}
+bpy.ops.object.mode_set(mode="OBJECT")
+wrist.rotation_euler = 0, 0, 0
 elbow.rotation_euler = 0, 0, 0
 view_layer.update()
 assert not live.bindings["body"].untrained, "still marked"

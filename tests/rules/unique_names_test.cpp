@@ -17,8 +17,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const char* const kTopFolders[] = {"runtime", "base", "geometry", "assets",       "dataset", "farm",
-                                   "trainer", "draw", "report",   "proxy_viewer", "cli"};
+const char* const kTopFolders[] = {"runtime", "base",    "geometry", "assets", "dataset",
+                                   "farm",    "trainer", "draw",     "report", "proxy_viewer",
+                                   "cli",     "shots",   "include",  "bench",  "bindings"};
 
 TEST(UniqueNames, NoTwoHeadersHaveAClassOfOneName) {
   const std::regex definition(

@@ -245,6 +245,7 @@ class Binding:
         require_unchanged(rest, self.points.astype(float), self.vertices)
         self.is_in_order = np.array_equal(self.vertices, np.arange(len(rest)))
         self.controls = Controls(self.model)
+        self.feature_names = self.model.feature_names
         self.made_of = self._settings(obj)
         self.shown = None  # what the last skin was made of
         self.come_to = None  # frame, rate and first frame of modifiers
@@ -326,7 +327,9 @@ class Binding:
     def _tell(self, obj, skin):
         if skin.expected_errors is not None:
             self.expected_mm = 1e3 * float(skin.expected_errors[0])
-        outside = [self.model.feature_names[f] for f in np.argsort(-skin.excess[0]) if skin.excess[0][f] > WORTH_TELLING]
+        excess = skin.excess[0]
+        found = np.flatnonzero(excess > WORTH_TELLING)
+        outside = [self.feature_names[f] for f in found[np.argsort(-excess[found])]]
         joints = [re.fullmatch("(?:place of )?joint (.*)", feature) for feature in outside]
         self.untrained = list(dict.fromkeys(bone_name(joint[1]) for joint in joints if joint))
         if outside:
