@@ -7,13 +7,14 @@
 
 #include "assets/gltf_write.h"
 #include "assets/skin_surface.h"
+#include "base/parallel.h"
 #include "geometry/mesh.h"
 #include "runtime/host/rig.h"
 
 namespace bodyopt {
 namespace {
 
-// Area-weighted normals, O x 3; straight up where a vertex has no area around it.
+// Returns area-weighted normals, O x 3; they point up where a vertex has no area around it.
 std::vector<float> normals(const Character& character) {
   Positions sums = vertex_normals(character.vertices, character.triangles);
   for (Eigen::Index v = 0; v < sums.rows(); ++v) {
@@ -61,13 +62,14 @@ Blended blend(const std::vector<Affine>& joints, const std::vector<JointWeight>&
   return sum;
 }
 
-// What `turn` takes to `missed`, or near it.
-Eigen::Vector3d undo(const Eigen::Matrix3d& turn, const Eigen::Vector3d& missed) {
-  constexpr double kDamping = 1e-4;  // of squared stretches
-  const Eigen::Matrix3d normal = turn.transpose() * turn + kDamping * Eigen::Matrix3d::Identity(),
-                        solve = normal.inverse() * turn.transpose();
-  const Eigen::Vector3d first = solve * missed;
-  return first + solve * (missed - turn * first);
+// Solves linear x = residual by Tikhonov's least squares, and once more for what that leaves.
+Eigen::Vector3d solve_damped(const Eigen::Matrix3d& linear, const Eigen::Vector3d& residual) {
+  constexpr double kDamping = 1e-4;  // of the mean squared stretch
+  const double damping = std::max(1e-30, kDamping * linear.squaredNorm() / 3);
+  const Eigen::Matrix3d normal = linear.transpose() * linear + damping * Eigen::Matrix3d::Identity(),
+                        solve = normal.inverse() * linear.transpose();
+  const Eigen::Vector3d first = solve * residual;
+  return first + solve * (residual - linear * first);
 }
 
 }  // namespace
@@ -77,15 +79,15 @@ std::vector<float> blend_shape(const BoundSkin& skin, int frame, std::span<const
   const Pose& pose = skin.clip.poses[static_cast<std::size_t>(frame - skin.clip.first_frame)];
   const std::vector<Affine> joints = skinning_matrices(character.skeleton, pose.joints);
   std::vector<float> offsets(shape.size());
-  for (std::size_t o = 0; o < character.output_vertex.size(); ++o) {
+  parallel_for(character.output_vertex.size(), [&](std::size_t o) {
     const std::uint32_t vertex = character.output_vertex[o];
     const Blended blended = blend(joints, character.weights[vertex]);
     const Eigen::Vector3d rest = character.vertices.row(vertex).transpose(),
                           wanted = Eigen::Map<const Eigen::Vector3f>(&shape[3 * o]).cast<double>();
-    const Eigen::Matrix3d turn = blended.leftCols<3>();
-    const Eigen::Vector3d offset = undo(turn, wanted - turn * rest - blended.col(3));
+    const Eigen::Matrix3d linear = blended.leftCols<3>();
+    const Eigen::Vector3d offset = solve_damped(linear, wanted - linear * rest - blended.col(3));
     for (std::size_t i = 0; i < 3; ++i) offsets[3 * o + i] = static_cast<float>(offset(static_cast<Eigen::Index>(i)));
-  }
+  });
   return offsets;
 }
 

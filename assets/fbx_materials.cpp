@@ -36,9 +36,9 @@ std::string image_uri(const FbxObject& texture, const fs::path& path) {
 }
 
 // The image that a text file has as base64, in any number of pieces; empty: it has none.
-std::string image_as_data_uri(const FbxNode* content) {
+std::string image_as_data_uri(const FbxNode& content) {
   std::string base64;
-  for (const FbxValue& value : content == nullptr ? std::vector<FbxValue>() : content->values) {
+  for (const FbxValue& value : content.values) {
     if (const auto* const piece = std::get_if<std::string>(&value)) base64 += *piece;
   }
   const bool is_image = base64.starts_with("iVBORw0KGgo") || base64.starts_with("/9j/") || base64.starts_with("UklGR");
@@ -53,13 +53,16 @@ std::size_t texture_number(const FbxScene& scene, const FbxObject& texture, cons
   if (!is_new) return own->second;
   Json image = {{"name", texture.name}};
   for (const FbxObject* video : scene.into(texture.id, "Video")) {
-    const std::string content = text_in(*video, "Content"), uri = image_as_data_uri(video->node->find("Content"));
-    const bool is_image = !image_type(content).empty();
+    const FbxNode* const content = video->node->find("Content");
+    if (content == nullptr) continue;
+    const std::string bytes = content->text(0);
+    const bool is_image = !image_type(bytes).empty();
+    const std::string uri = is_image ? "" : image_as_data_uri(*content);
     if (!is_image && uri.empty()) continue;
     const auto [shared, is_first] = known.try_emplace(video->id, own->second);
     if (!is_first) return own->second = shared->second;
     if (is_image) {
-      image["bufferView"] = glb.add_bytes(content);
+      image["bufferView"] = glb.add_bytes(bytes);
     } else {
       image["uri"] = uri;
     }

@@ -1,5 +1,6 @@
 #include "assets/gltf_shapes.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstring>
@@ -71,7 +72,7 @@ std::vector<float> difference(std::span<const float> a, std::span<const float> b
   return apart;
 }
 
-// Of the target of each frame alone, at its time; `targets`: of all frames, or of all but the first.
+// Each frame shows its own target alone. `targets`: one for each frame, or for each but the first.
 void add_weights(const CacheLayout& layout, std::size_t targets, std::size_t node, Json& animation, GlbWriter& glb) {
   const std::size_t without = layout.frames.size() - targets;
   std::vector<float> times, weights(layout.frames.size() * targets, 0.0f);
@@ -109,8 +110,15 @@ GltfShapesWriter::GltfShapesWriter(const fs::path& path, CacheLayout layout)
   refuse_other_file(path_);
   const std::uint64_t frames = layout_.frames.size();
   const std::uint64_t points = split_.places.size();
-  // Positions and normals, of every frame a weight of each target, coordinates and colours, and images.
+  if (!std::ranges::is_sorted(layout_.frames)) {
+    throw Error(ErrorKind::usage, path, ": the frames of a .glb rise in time: give --frames in order, or write .pc2");
+  }
+  // Positions, and normals or the joints and their motion; a weight of each target in every frame; coordinates, colours
+  // and images.
   std::uint64_t bytes = 24 * points * frames + 4 * (frames * frames + corners_.size()) + 20 * points;
+  if (const BoundSkin* bound = layout_.bound) {
+    bytes += 40 * bound->clip.poses.size() * bound->character.skeleton.size() + 120 * points - 12 * points * frames;
+  }
   for (const SurfaceTexture& texture : split_.surface.textures) bytes += texture.bytes->size();
   if (bytes <= kMostGlbBytes) return;
   throw Error(ErrorKind::usage, path, ": ", layout_.frames.size(), " frames of ", points,

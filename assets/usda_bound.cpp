@@ -1,9 +1,9 @@
 #include "assets/usda_bound.h"
 
+#include <Eigen/Core>
 #include <algorithm>
 #include <utility>
 
-#include "assets/bound_skin.h"
 #include "assets/gltf_motion.h"
 #include "assets/usda.h"
 #include "assets/usda_skeleton.h"
@@ -27,19 +27,17 @@ std::string names_of_shapes(const CacheLayout& layout) {
   return listed(layout.frames, [](int frame) { return '"' + shape_name(frame) + '"'; });
 }
 
-// Of the shape of each frame alone, at its time.
-std::string shape_weights(const CacheLayout& layout) {
-  std::string text = "        uniform token[] blendShapes = " + names_of_shapes(layout) +
-                     "\n        float[] blendShapeWeights = " + listed(layout.frames, [](int) { return "0"; }) +
-                     "\n        float[] blendShapeWeights.timeSamples = {\n";
-  for (const int shown : layout.frames) {
-    text += "            " + std::to_string(shown) + ": " +
-            listed(layout.frames, [&](int frame) { return frame == shown ? "1" : "0"; }) + ",\n";
+BoundSkin with_half_scales(const BoundSkin& skin) {
+  BoundSkin rounded{skin.character, with_continuous_rotations(skin.clip)};
+  for (Pose& pose : rounded.clip.poses) {
+    for (JointTransform& joint : pose.joints) {
+      for (double& scale : joint.scale) scale = static_cast<double>(Eigen::half(static_cast<float>(scale)));
+    }
   }
-  return text + "        }\n";
+  return rounded;
 }
 
-// Of every output vertex as many as the one has that has the most, the others filled up with nothing.
+// Every output vertex has as many weights as the one with the most; the others end in zeros.
 std::string joint_weights(const Character& character) {
   std::size_t most = 1;
   for (const auto& weights : character.weights) most = std::max(most, weights.size());
@@ -61,17 +59,29 @@ std::string joint_weights(const Character& character) {
 }  // namespace
 
 UsdaBoundWriter::UsdaBoundWriter(const fs::path& path, CacheLayout layout)
-    : path_(path), layout_(std::move(layout)), file_(path) {
+    : path_(path), layout_(std::move(layout)), bound_(with_half_scales(*layout_.bound)), file_(path) {
   const std::string root = prim_name(layout_.name);
-  const Clip clip = with_continuous_rotations(layout_.bound->clip);
-  write_text(file_, usda_head(root, clip.first_frame, clip.last_frame(), usda_number(layout_.fps)) + "def SkelRoot \"" +
-                        root + "\"\n{\n" +
-                        usd_skeleton(clip, layout_.bound->character.skeleton, root, shape_weights(layout_), path) +
-                        bound_mesh(root));
+  write_text(file_, usda_head(root, bound_.clip.first_frame, bound_.clip.last_frame(), usda_number(layout_.fps)) +
+                        "def SkelRoot \"" + root + "\"\n{\n" +
+                        usd_skeleton(bound_.clip, bound_.character.skeleton, root, path));
+  write_shape_weights();
+  write_text(file_, "    }\n" + bound_mesh(root));
+}
+
+// Each frame shows its own shape alone.
+void UsdaBoundWriter::write_shape_weights() {
+  write_text(file_, "        uniform token[] blendShapes = " + names_of_shapes(layout_) +
+                        "\n        float[] blendShapeWeights = " + listed(layout_.frames, [](int) { return "0"; }) +
+                        "\n        float[] blendShapeWeights.timeSamples = {\n");
+  for (const int shown : layout_.frames) {
+    write_text(file_, "            " + std::to_string(shown) + ": " +
+                          listed(layout_.frames, [&](int frame) { return frame == shown ? "1" : "0"; }) + ",\n");
+  }
+  write_text(file_, "        }\n");
 }
 
 std::string UsdaBoundWriter::bound_mesh(const std::string& root) const {
-  const Character& character = layout_.bound->character;
+  const Character& character = bound_.character;
   const std::string prim = "/" + root + "/skin";
   return "\n    def Mesh \"skin\" (\n        prepend apiSchemas = [\"SkelBindingAPI\"]\n    )\n    {\n" +
          usda_mesh(layout_, prim) +
@@ -86,7 +96,7 @@ void UsdaBoundWriter::append(std::span<const float> positions, std::span<const f
   require_sample(path_, layout_, written_, positions);
   const int frame = layout_.frames[written_++];
   write_text(file_, "    def BlendShape \"" + shape_name(frame) + "\"\n    {\n        uniform vector3f[] offsets = " +
-                        usda_points(blend_shape(*layout_.bound, frame, positions)) + "\n    }\n");
+                        usda_points(blend_shape(bound_, frame, positions)) + "\n    }\n");
 }
 
 void UsdaBoundWriter::close() {

@@ -7,12 +7,12 @@
 #include <string>
 #include <vector>
 
+#include "assets/bound_skin.h"
 #include "assets/cache_writer.h"
 #include "runtime/core/atomic_file.h"
 
 namespace bodyopt {
 
-// Memory does not grow with the frames.
 class UsdaBoundWriter final : public CacheWriter {
  public:
   // Throws Error(file) for a motion that is not finite.
@@ -24,10 +24,12 @@ class UsdaBoundWriter final : public CacheWriter {
   void take_up(const std::filesystem::path& stem, std::size_t frames) override;
 
  private:
+  void write_shape_weights();
   std::string bound_mesh(const std::string& root) const;
 
   std::filesystem::path path_;
   CacheLayout layout_;
+  BoundSkin bound_;  // whose joints are scaled by what a half, as USD has it, can hold
   AtomicFile file_;
   std::size_t written_ = 0;
 };

@@ -60,6 +60,10 @@ std::vector<float> UsdaPart::points(std::size_t sample) {
 }
 
 void UsdaPart::refuse() const {
+  if (head_.find("def SkelRoot") != std::string::npos) {
+    throw Error(ErrorKind::file, path_,
+                ": is a rig ('eval --rigged'), of which parts cannot be joined or drawn: write them without --rigged");
+  }
   throw Error(ErrorKind::file, path_,
               ": is no .usda that 'bodyopt eval' wrote, or is damaged or cut off: only such can be joined or drawn");
 }

@@ -81,7 +81,7 @@ void require_finite(const Clip& clip, const std::filesystem::path& path) {
 }  // namespace
 
 std::string usd_skeleton(const Clip& clip, const Skeleton& skeleton, const std::string& root,
-                         const std::string& weights, const std::filesystem::path& path) {
+                         const std::filesystem::path& path) {
   require_finite(clip, path);
   const std::vector<std::string> paths = joint_paths(skeleton);
   const std::vector<Joint>& joints = skeleton.joints;
@@ -109,14 +109,14 @@ std::string usd_skeleton(const Clip& clip, const Skeleton& skeleton, const std::
       text);
   write_samples(
       clip, "half3[] scales", [&](const auto& joint) { return vector_of(joint.scale); }, text);
-  text << weights << "    }\n";
   return text.str();
 }
 
 void write_usd_skeleton(const Clip& clip, const Skeleton& skeleton, const std::filesystem::path& path) {
   const std::string root = prim_name(clip.name),
                     whole = usda_head(root, clip.first_frame, clip.last_frame(), text_of(clip.fps)) +
-                            "def SkelRoot \"" + root + "\"\n{\n" + usd_skeleton(clip, skeleton, root, "", path) + "}\n";
+                            "def SkelRoot \"" + root + "\"\n{\n" + usd_skeleton(clip, skeleton, root, path) +
+                            "    }\n}\n";
   write_file_atomically(path, std::as_bytes(std::span(whole)));
 }
 

@@ -8,10 +8,10 @@
 
 namespace bodyopt {
 
-// In a SkelRoot of that name: the skeleton, and its motion with what `weights` says of blend shapes. Throws Error(file)
+// Returns the skeleton and its motion, for a SkelRoot of that name; the SkelAnimation is still open. Throws Error(file)
 // for numbers that are not finite; messages call the file `path`.
 std::string usd_skeleton(const Clip& clip, const Skeleton& skeleton, const std::string& root,
-                         const std::string& weights, const std::filesystem::path& path);
+                         const std::filesystem::path& path);
 
 // The clip has frames, each with the joints of the skeleton. Throws Error(file).
 void write_usd_skeleton(const Clip& clip, const Skeleton& skeleton, const std::filesystem::path& path);

@@ -186,11 +186,11 @@ bool is_same_file(const fs::path& a, const fs::path& b) {
          fs::weakly_canonical(fs::absolute(a)) == fs::weakly_canonical(fs::absolute(b));
 }
 
-void refuse_rig_over(const std::string& rig, const std::vector<fs::path>& files) {
+void refuse_over(const char* option, const std::string& output, const std::vector<fs::path>& files) {
   for (const fs::path& file : files) {
-    if (!is_same_file(rig, file)) continue;
-    throw Error(ErrorKind::usage, "--rig ", rig, " would write over ", file.string(),
-                ", which is an input or another output: give the rig a name of its own");
+    if (!is_same_file(output, file)) continue;
+    throw Error(ErrorKind::usage, option, " ", output, " would write over ", file.string(),
+                ", which is an input or another output: give it a name of its own");
   }
 }
 
@@ -208,7 +208,7 @@ void check_rig(const EvalArguments& arguments) {
   for (const std::string& file : {arguments.cache.out, arguments.jiggle.state_out, arguments.json.path}) {
     if (!file.empty() && file != "-") others.emplace_back(file);
   }
-  refuse_rig_over(rig, others);
+  refuse_over("--rig", rig, others);
 }
 
 void evaluate(const EvalArguments& arguments, Shot& shot, const TaskRun* task) {
@@ -217,7 +217,7 @@ void evaluate(const EvalArguments& arguments, Shot& shot, const TaskRun* task) {
   ShotRun run(arguments, shot, task);
   if (!arguments.rig.empty()) {
     const std::vector<std::string>& attached = run.caches().attached_paths();
-    refuse_rig_over(arguments.rig, {attached.begin(), attached.end()});
+    refuse_over("--rig", arguments.rig, {attached.begin(), attached.end()});
   }
   run.write();
   const double seconds = watch.seconds();
@@ -321,6 +321,7 @@ void run(EvalArguments arguments) {
   arguments.jiggle.check(arguments.shot.jiggle);
   std::string& out = arguments.cache.out;
   if (out.find('#') != std::string::npos) out = with_first_frame(out, first_frame_of(arguments.shot));
+  refuse_over("--out", out, arguments.shot.paths());
   check_rig(arguments);
   std::optional<TaskRun> task;
   if (arguments.task.resume) task.emplace(out, BODYOPT_VERSION, arguments.task.given, arguments.shot.paths());

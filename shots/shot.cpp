@@ -11,6 +11,7 @@
 #include "runtime/deformer/evaluation.h"
 #include "runtime/host/carry_skin.h"
 #include "runtime/threads/tbb_executor.h"
+#include "shots/bound_attachments.h"
 #include "shots/clip_choice.h"
 
 namespace bodyopt {
@@ -114,8 +115,10 @@ ShotCaches::ShotCaches(const CacheChoice& choice, Shot& shot)
   for (const AttachedMesh& worn : shot.attached.meshes) {
     attached_paths_.push_back(fs::path(out).replace_extension("." + worn.name + out.extension().string()).string());
     const SkinSurface surface = shot.surfaces.empty() ? SkinSurface() : shot.surfaces[attached_.size()];
-    attached_.push_back(write_cache(attached_paths_.back(), {worn.name, worn.vertex_count(), worn.triangles,
-                                                             shot.frames, shot.clip.fps, choice.space, surface}));
+    if (shot.bound) bound_.push_back(std::make_unique<const BoundSkin>(bind_attached(*shot.bound, mesh, worn)));
+    attached_.push_back(
+        write_cache(attached_paths_.back(), {worn.name, worn.vertex_count(), worn.triangles, shot.frames, shot.clip.fps,
+                                             choice.space, surface, shot.bound ? bound_.back().get() : nullptr}));
   }
   shot.deformer->set_normals(holds_normals(choice.out) || choice.full_skin || shot.checks);
 }

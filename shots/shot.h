@@ -111,6 +111,7 @@ class ShotCaches : public SkinSink {
   std::unique_ptr<CacheWriter> skin_;
   std::vector<std::unique_ptr<CacheWriter>> attached_;
   std::vector<std::string> attached_paths_;
+  std::vector<std::unique_ptr<const BoundSkin>> bound_;  // of the attached meshes, where the skin is bound
   std::uint32_t points_ = 0;
   std::size_t frames_ = 0;
   std::unique_ptr<Executor> threads_;

@@ -210,12 +210,13 @@ BoundSkin bind_skin(const ShotFiles& files, const Shot& shot, std::optional<Char
     throw Error(ErrorKind::usage, "--rigged needs the character's own file, which has its weights: --character FILE");
   }
   BoundSkin bound{own ? std::move(*own) : read_character(files.character, kept_unit(shot.basis())), shot.played_clip()};
-  const std::vector<Joint>&own_joints = bound.character.skeleton.joints, &joints = shot.basis().skeleton.joints;
-  if (!std::ranges::equal(own_joints, joints, {}, &Joint::name, &Joint::name)) {
-    throw Error(ErrorKind::mismatch, files.character, ": its joints are ", own_joints.size(), ", those of ", shot.name,
-                " ", joints.size(), ", or others: expected the file that the character was trained of");
-  }
-  return bound;
+  const std::vector<Joint>&found = bound.character.skeleton.joints, &expected = shot.basis().skeleton.joints;
+  const auto same = [](const Joint& a, const Joint& b) { return a.name == b.name && a.parent == b.parent; };
+  const auto [other, meant] = std::ranges::mismatch(found, expected, same);
+  if (other == found.end() && meant == expected.end()) return bound;
+  throw Error(ErrorKind::mismatch, files.character, ": its joint ",
+              other == found.end() ? "after the last" : other->name, " is no joint of ", shot.name,
+              " in that place: expected the file that the character was trained of");
 }
 
 }  // namespace

@@ -126,9 +126,16 @@ TEST(BoundSkin, ABlendShapeBelowTheJointsIsTheShape) {
   }
 }
 
+TEST(BoundSkin, AJointThatIsScaledToLittleIsUndone) {
+  BoundSkin bound = bound_strip();
+  for (Pose& pose : bound.clip.poses) pose.joints[1].scale = {0.02, 0.02, 0.02};
+  expect_shape(bound.character, bound.clip.poses[0], blend_shape(bound, 1001, shape_of(1001)), 1001);
+}
+
 // Half of a vertex turns by 180 degrees against the other half: it lies on the axis, whatever is added to it.
 TEST(BoundSkin, OfAFlattenedVertexTheOffsetIsShortAndDoesNotHarm) {
   BoundSkin bound = bound_strip();
+  const Vec3 kAxis = rotate(axis_angle({0, 0, 1}, 0.2), {1, 0, 0});  // of the joint that turns
   bound.character.weights.assign(6, {{0, 0.5}, {1, 0.5}});
   for (Pose& pose : bound.clip.poses) {
     pose = bind_pose(bound.character.skeleton);
@@ -141,9 +148,10 @@ TEST(BoundSkin, OfAFlattenedVertexTheOffsetIsShortAndDoesNotHarm) {
     const Vec3 offset{offsets[3 * o], offsets[3 * o + 1], offsets[3 * o + 2]},
         aim{wanted[3 * o], wanted[3 * o + 1], wanted[3 * o + 2]};
     EXPECT_LT(length(offset), 2) << o;
-    EXPECT_LE(length(skinned(bound.character, bound.clip.poses[0], o, offset) - aim),
-              length(skinned(bound.character, bound.clip.poses[0], o, {}) - aim) + 1e-9)
-        << o;
+    const Vec3 found = skinned(bound.character, bound.clip.poses[0], o, offset),
+               before = skinned(bound.character, bound.clip.poses[0], o, {});
+    EXPECT_LT(length(found - aim), length(before - aim)) << o;
+    EXPECT_NEAR(dot(found - aim, kAxis), 0, 1e-5) << o;  // where it can be reached
   }
 }
 
@@ -222,9 +230,31 @@ TEST(BoundSkin, UsdHasTheWeightsAndABlendShapeForEveryFrame) {
     }
   }
   for (const int frame : kFrames) {
-    const std::string shape = text.substr(text.find("def BlendShape \"frame_" + std::to_string(frame)));
-    expect_shape(character, bound.clip.poses[static_cast<std::size_t>(frame - 1001)],
-                 numbers_after(shape, "offsets = "), frame);
+    const std::string time = "            " + std::to_string(frame) + ": ";
+    const auto sampled = [&](const std::string& what) {
+      return numbers_after(text.substr(text.find(what + ".timeSamples")), time);
+    };
+    const std::vector<float> places = sampled("translations"), turns = sampled("rotations"), scales = sampled("scales"),
+                             shares = sampled("blendShapeWeights");
+    ASSERT_EQ(shares.size(), kFrames.size());
+    Pose pose;
+    for (std::size_t j = 0; j < 3; ++j) {
+      pose.joints.push_back(
+          {{places[3 * j], places[3 * j + 1], places[3 * j + 2]},
+           {turns[4 * j + 1], turns[4 * j + 2], turns[4 * j + 3], turns[4 * j]},  // the real part first
+           {}});
+      for (std::size_t i = 0; i < 3; ++i) {  // USD's half3
+        pose.joints[j].scale[i] = static_cast<double>(static_cast<float>(Eigen::half(scales[3 * j + i])));
+      }
+    }
+    std::vector<float> offsets(21);
+    for (std::size_t k = 0; k < kFrames.size(); ++k) {
+      const std::string shape = text.substr(text.find("def BlendShape \"frame_" + std::to_string(kFrames[k])));
+      const std::vector<float> own = numbers_after(shape, "offsets = ");
+      ASSERT_EQ(own.size(), offsets.size());
+      for (std::size_t i = 0; i < own.size(); ++i) offsets[i] += shares[k] * own[i];
+    }
+    expect_shape(character, pose, offsets, frame);
   }
 }
 
@@ -251,6 +281,13 @@ TEST(BoundSkin, GoesOnFromWhatWasPutAside) {
     rest->close();
     EXPECT_EQ(read_bytes(folder / name), whole) << name;
   }
+}
+
+TEST(BoundSkin, GltfOfFramesThatFallIsRefused) {
+  const TemporaryFolder folder;
+  const std::vector<std::uint32_t> corners = {0, 1, 2};
+  EXPECT_EQ(kind_of([&] { write_cache(folder / "strip.glb", {"strip", 3, corners, {4, 2}, 24}); }), ErrorKind::usage);
+  EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
 }
 
 }  // namespace bound_skin_test

@@ -3,6 +3,7 @@
 
 #include "tests/support/paths.h"
 #include "tests/support/run_program.h"
+#include "tests/support/run_verb.h"
 #include "tests/support/shared_data.h"
 #include "tests/support/temporary_folder.h"
 #include "trainer/builtin/arm.h"
@@ -32,6 +33,20 @@ TEST(ExportedGltf, BuiltinCharacterAndClipsAreValid) {
   write_clip(arm_heldout(skeleton, 24), skeleton, folder / "heldout.glb");
   expect_valid(folder.path());
   expect_valid(kSourceFolder + "/rigs/arm");
+}
+
+TEST(ExportedGltf, ShapesAndRigsAreValid) {
+  const TemporaryFolder folder;
+  const std::string arm = kSourceFolder + "/rigs/arm/arm.glb", basis = (folder / "arm.safetensors").string();
+  write_clip(arm_heldout(read_character(arm).skeleton, 24), read_character(arm).skeleton, folder / "heldout.glb");
+  EXPECT_EQ(run_verb("train --ddm-only " + arm + " --out " + basis).exit_code, 0);
+  for (const std::string form : {"shapes.glb", "rig.glb --rigged"}) {
+    const ProgramResult ran =
+        run_verb("eval " + basis + " --device cpu --frames 3-6 --clip " + (folder / "heldout.glb").string() +
+                 " --character " + arm + " --out " + (folder / form).string());
+    EXPECT_EQ(ran.exit_code, 0) << ran.output;
+  }
+  expect_valid(folder.path());
 }
 
 TEST(ExportedGltf, CharactersReadFromElsewhereAreValidWhenWritten) {
