@@ -8,14 +8,14 @@
 
 namespace bodyopt {
 
-// Of a symmetric matrix, whose lower half is read. Eigenvalues ascend; eigenvectors are orthonormal columns.
+// Eigenvalues of a symmetric matrix, whose lower half is read, ascend; eigenvectors are orthonormal columns.
 struct SymmetricEigen {
   Eigen::VectorXd values;
   Eigen::MatrixXd vectors;
 };
 SymmetricEigen symmetric_eigen(const Eigen::MatrixXd& matrix);
 
-// The same of a 3 x 3 matrix, found without allocation.
+// The eigensystem of a symmetric 3 x 3 matrix, as above, is found without allocation.
 struct SymmetricEigen3 {
   Eigen::Vector3d values;
   Eigen::Matrix3d vectors;

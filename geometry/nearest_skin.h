@@ -19,7 +19,7 @@ struct SkinPoint {
   Eigen::Vector3d position = Eigen::Vector3d::Zero();
 };
 
-// What a point of the skin has of what its vertices have: of rows, or of numbers.
+// Interpolates rows, or numbers, of a triangle's vertices at a point of the skin.
 template <typename Rows>
 Eigen::Matrix<double, 1, Rows::ColsAtCompileTime> at_point(const Eigen::MatrixBase<Rows>& rows, const SkinPoint& at) {
   Eigen::Matrix<double, 1, Rows::ColsAtCompileTime> sum =

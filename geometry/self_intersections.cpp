@@ -25,7 +25,7 @@ double six_volumes(const Vector3d& a, const Vector3d& b, const Vector3d& c, cons
 bool passes_through(const Vector3d& from, const Vector3d& to, const CornerPoints& triangle) {
   const auto& [a, b, c] = triangle;
   const double start = six_volumes(a, b, c, from), end = six_volumes(a, b, c, to);
-  // What lies in the plane but for rounding does not pass through it.
+  // An edge that lies in the plane but for rounding does not pass through it.
   const double least = kFlat * (b - a).cross(c - a).norm() * (to - from).norm();
   if (!(std::min(start, end) < -least && std::max(start, end) > least)) return false;
   const double ab = six_volumes(from, to, a, b), bc = six_volumes(from, to, b, c), ca = six_volumes(from, to, c, a);
@@ -195,7 +195,7 @@ class BuriedSkin {
     }
   }
 
-  // Where skin lies in skin.
+  // Triangles where skin lies in skin.
   std::vector<Eigen::Index> triangles_there() const {
     std::vector<Eigen::Index> found;
     for (Eigen::Index t = 0; t < triangles_.rows(); ++t) {

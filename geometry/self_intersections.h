@@ -1,4 +1,4 @@
-// Where a surface passes through itself.
+// Finds where a surface passes through itself.
 #pragma once
 
 #include <vector>
