@@ -244,7 +244,7 @@ void require_rising(const std::string& range) {
   }
 }
 
-// What a session says of its lead, as if the list did.
+// Takes a session's settings of its lead over as if the list gave them.
 ShowElement as_listed(ShowElement element) {
   if (element.session.empty()) return element;
   ShotFiles files;

@@ -90,7 +90,7 @@ std::vector<FileStamp> read_stamps(const JsonObject& object, const char* key, co
   return transformed(object.array(key), [&](const Json& file) { return file_stamp(JsonObject(file, path, key)); });
 }
 
-// What running again does not change: frames, topology, options.
+// Running again does not mend wrong frames, topology or options.
 bool is_lasting(int exit_code) {
   return exit_code == static_cast<int>(ErrorKind::mismatch) || exit_code == static_cast<int>(ErrorKind::usage);
 }
@@ -107,7 +107,7 @@ std::vector<std::string> option_of(const FarmStep& step, const std::string& opti
   return words;
 }
 
-// What a record tells of the frames that were evaluated.
+// Facts that a record gives of the frames that were evaluated.
 struct StepFacts {
   double seconds = 0, peak_memory_mib = 0, worst_outside = 0;
   std::string device;

@@ -42,7 +42,7 @@ struct MeanErrorReport {
   Image image;
 };
 
-// What flexing does to the skin: a frame of a take with controls, by what was learned, at rest and flexed.
+// The effect of flexing on the skin: a frame of a take with controls, by what was learned, at rest and flexed.
 struct FlexReport {
   std::string take;
   int frame = 0;
@@ -117,7 +117,7 @@ struct ProvenanceReport {
   std::vector<Take> takes;
 };
 
-// What `bodyopt demo` has done besides.
+// Further results of `bodyopt demo`.
 struct DemoReport {
   bool quick = false;  // of too few frames to judge the errors
   std::uint32_t frames = 0, converged = 0;
