@@ -100,7 +100,7 @@ Json status_entry(const StepStatus& status) {
   return entry;
 }
 
-// Of the queue only what is there now; nothing where it gives no answer.
+// Jobs of the plan that are in the queue now; an empty object where it gives no answer.
 Json queue_of(const FarmArguments& arguments) {
   try {
     return jobs_in_queue(plan_folder(arguments));

@@ -45,10 +45,10 @@ std::vector<Pose> shown_poses(const RigArguments& arguments, const Skeleton& ske
   return read_poses(sources, skeleton, arguments.unit, arguments.clip);
 }
 
-// What is chosen depends on the skin alone: few tets will do.
+// The choice depends on the skin alone: few tets will do.
 constexpr Eigen::Index kFewTets = 3000;
 
-// What `dynamics` chooses for tissue without further word; null, with a warning, where it cannot fill the skin.
+// The defaults of `dynamics` for tissue; null, with a warning, where it cannot fill the skin.
 Json first_jiggle(const Character& character) {
   try {
     return jiggle_json(
@@ -69,7 +69,7 @@ struct RigFile {
   std::string text;
 };
 
-// Those that are named; without any, those of people, as far as the names of the joints tell what they are.
+// The mappings that are named. Without any, they are those of people, as far as the joints' names tell what they are.
 std::vector<muscle_models::CarriedMapping> mappings_of(const RigArguments& arguments, const Skeleton& skeleton) {
   std::vector<muscle_models::CarriedMapping> mappings;
   for (const std::string& path : arguments.mappings) mappings.push_back(muscle_models::carried_mapping(path, skeleton));

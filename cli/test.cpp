@@ -40,7 +40,7 @@ std::vector<int> learned_frames(const TakeErrors& take) {
   return numbers;
 }
 
-// Of takes that begin at rest one frame or another is as one that was learned.
+// Takes that begin at rest have one frame or another like one that was learned.
 void warn_of_learned(const TakeErrors& take) {
   constexpr std::size_t kMany = 10;  // one frame of so many
   const std::vector<int> learned = learned_frames(take);

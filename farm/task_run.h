@@ -31,7 +31,7 @@ struct FileStamp {
 FileStamp stamp_file(const std::filesystem::path& path);
 
 // True where the file has the content it was stamped with. A file of the same size is read where its time of change is
-// another, or with `read_all`: content that has rotted has the old time.
+// another, or with `read_all`: rotten content has the old time.
 bool is_unchanged(const FileStamp& stamp, bool read_all);
 
 Json to_json(const FileStamp& stamp);

@@ -37,7 +37,7 @@ std::optional<PoseDatabase> readable_database(const Dataset& dataset) {
   }
 }
 
-// As readable_database().
+// Null, with a warning, where the selections cannot be read.
 std::optional<TakenFrames> readable_frames(const std::optional<PoseDatabase>& database, const Modifier& modifier) {
   if (!database || find_modifier_type(modifier.type) == nullptr) return std::nullopt;
   try {

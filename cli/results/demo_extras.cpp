@@ -25,7 +25,7 @@ namespace fs = std::filesystem;
 
 using Skins = std::vector<std::vector<float>>;  // per frame V x 3, world, metres
 
-// Of all frames, welded: seams would show as edges.
+// Skins of all frames are welded: seams would show as edges.
 Skins skins_of(const Character& character, const Evaluation& evaluation) {
   const std::size_t stride = 3 * std::size_t{character.output_count()};
   Skins skins;
