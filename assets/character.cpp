@@ -34,7 +34,7 @@ void bind_weights(const SkinSkeleton& skin, SkinGeometry& geometry, std::vector<
   }
 }
 
-// What the joints do to all of the skin, mirrored with its outside outside.
+// Applies the joints' common transform to the skin. Mirrored skin keeps its outside outside.
 void set_rest(const Affine& rest, SkinGeometry& geometry) {
   for (Vec3& p : geometry.positions) p = rest * p;
   if (determinant(rest) > 0) return;

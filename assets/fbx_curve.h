@@ -20,7 +20,7 @@ class FbxCurve {
 
  private:
   enum class Kind { constant, constant_next, linear, cubic };
-  // From a key to the next. Weights are how far its tangents reach, of the time between the two.
+  // The curve from a key to the next. Weights are how far its tangents reach, of the time between the two.
   struct Span {
     Kind kind = Kind::linear;
     double slope_out = 0, slope_in = 0, weight_out = 1.0 / 3, weight_in = 1.0 / 3;
