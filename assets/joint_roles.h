@@ -1,4 +1,4 @@
-// Parts of a body that joints are, told from the names that rigs and motion capture commonly give.
+// Parts of a body that joints are, by the names that rigs and motion capture commonly give.
 #pragma once
 
 #include <cstdint>

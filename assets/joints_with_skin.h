@@ -16,7 +16,7 @@ std::vector<int> joints_with_skin(const Character& character);
 // bends none of it.
 std::vector<bool> joints_of_all_skin(const Character& character);
 
-// The joints that a pose is told by: all but roots and those of all skin, ascending.
+// The joints that describe a pose: all but roots and those of all skin, ascending.
 std::vector<std::uint32_t> joints_that_bend(const Character& character);
 
 // Regions to begin painting from: one for every joint, roots apart, that moves as much skin as 40 vertices, by skin

@@ -1,4 +1,4 @@
-// Motion of one skeleton carried to another that may rest in another pose.
+// Motion of one skeleton transferred to another that may rest in another pose.
 #pragma once
 
 #include <functional>

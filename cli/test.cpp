@@ -51,7 +51,7 @@ void warn_of_learned(const TakeErrors& take) {
       take.take, learned.size(), take.frames.size(), format_frame_range(learned));
 }
 
-// `told`: the basis tells which poses it learned from.
+// `told`: the basis names the poses it learned from.
 Json details_of(const TakeErrors& take, bool told) {
   Json parts = Json::array(), frames = Json::array();
   const std::vector<int> learned = learned_frames(take);

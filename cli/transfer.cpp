@@ -1,4 +1,4 @@
-// bodyopt transfer: what was simulated or learned of one character, carried to others.
+// bodyopt transfer: what was simulated or learned of one character, transferred to others.
 #include <spdlog/spdlog.h>
 
 #include <filesystem>
@@ -330,7 +330,7 @@ SampleSet unrefined_samples(Dataset dataset, const std::set<std::string>& carrie
   return read_samples(dataset);
 }
 
-// Frames held out of carried takes stay as they were carried.
+// Frames held out of transferred takes stay as they were transferred.
 std::size_t say_carried_judge(const SampleSet& set, const std::set<std::string>& carried) {
   const auto count = static_cast<std::size_t>(std::ranges::count_if(set.heldout, [&](const Sample& sample) {
     return carried.contains(set.takes[static_cast<std::size_t>(sample.take)]);

@@ -204,7 +204,7 @@ struct FrameSpan {
   int first, last;
 };
 
-// Reads each thing once; what could not be read is told to everyone who asks.
+// Reads each thing once; what could not be read is reported to every caller.
 template <typename Value>
 class Once {
  public:

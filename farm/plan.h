@@ -60,7 +60,7 @@ struct CheckedElement {
   const ShowElement* element = nullptr;
   std::vector<int> frames;
   double frame_ms = 0;                // on one core
-  std::vector<std::string> attached;  // names of the meshes that ride on the skin
+  std::vector<std::string> attached;  // names of the meshes attached to the skin
 };
 
 // Returns the sound elements. Faults of the others go to `problems`, a sentence each. Every file is read once.

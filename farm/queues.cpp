@@ -34,7 +34,7 @@ constexpr std::size_t kMostOutput = 64 << 20;
 namespace fs = std::filesystem;
 
 constexpr char kJobsSchema[] = "bodyopt-jobs-1";
-constexpr int kMostJobsOfAnArray = 1000;  // Slurm's MaxArraySize is 1001 unless it is told otherwise
+constexpr int kMostJobsOfAnArray = 1000;  // Slurm's MaxArraySize is 1001 unless it is set otherwise
 constexpr double kPatience = 60;          // seconds for an answer of Slurm
 
 fs::path jobs_file(const fs::path& folder) { return folder / "jobs.json"; }

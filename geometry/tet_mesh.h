@@ -37,7 +37,7 @@ double mean_ratio(const TetMesh& mesh, Eigen::Index tet);
 // Barycentric weights of points spread evenly in a tet, rows + 1 along an edge: each stands for as much of the volume.
 std::vector<Eigen::Vector4d> tet_lattice(int rows);
 
-// Points carried by tetrahedra: a fine skin in a coarse cage.
+// Points embedded in tetrahedra: a fine skin in a coarse cage.
 
 struct EmbeddedPoint {
   int tet;
@@ -52,7 +52,7 @@ Eigen::Vector4d weights_in(const TetMesh& mesh, Eigen::Index tet, const Eigen::R
 
 Eigen::Vector3d rest_position(const TetMesh& mesh, const EmbeddedPoint& point);
 
-// Finds the tet of a filled surface that carries a point.
+// Finds the tet of a filled surface that a point is embedded in.
 
 class TetFinder {
  public:

@@ -139,7 +139,7 @@ struct JiggleReport {
   double frames_per_second = 24;
   std::vector<int> frames;                   // one at least
   std::vector<double> rms_mm, max_mm;        // per frame, over the skin
-  std::vector<std::uint32_t> inverted_tets;  // per frame: inside out where diffuse carries them
+  std::vector<std::uint32_t> inverted_tets;  // per frame: inside out where diffuse moves them
   double diffuse_ms = 0, jiggle_ms = 0;      // a frame; 0 where the device tells no times
   std::string device;
   struct Pictures {

@@ -27,7 +27,7 @@ std::string short_parameters(const Json& parameters) {
   return text;
 }
 
-// Null, with a warning, where the takes cannot be read: the stack itself can be told all the same.
+// Null, with a warning, where the takes cannot be read: the stack itself can be reported all the same.
 std::optional<PoseDatabase> readable_database(const Dataset& dataset) {
   try {
     return read_pose_database(dataset);

@@ -46,7 +46,7 @@ std::vector<std::size_t> by_error(const ErrorStatistics& errors);
 
 // Pairs are at rest, and in the frame of which most is flexed by controls. Where nothing is flexed, it is that of the
 // muscle shortest beside its length at rest. None without muscles or frames, and, with a line on standard error, where
-// nothing can be told of the inside.
+// nothing is known of the inside.
 std::optional<SectionsReport> section_pictures(const SampleSet& set, const AnatomyOptions& options);
 
 }  // namespace bodyopt::cli
