@@ -41,8 +41,8 @@ void set_rest(const Affine& rest, SkinGeometry& geometry) {
   for (auto& [a, b, c] : geometry.triangles) std::swap(b, c);
 }
 
-// Is the skin, as joints without shear place it, where the file's nodes show it? What some joints turn inside out no
-// rotation places.
+// Is the skin, as joints without shear place it, where the file's nodes show it? No
+// rotation places skin that some joints turn inside out.
 void check_shown(const GltfFile& file, const SkinSkeleton& skin, const SkinGeometry& geometry, double diagonal,
                  std::vector<std::string>& notes) {
   constexpr double kOff = 1e-4;  // of the diagonal

@@ -140,7 +140,7 @@ double FbxCurve::slope_between(std::size_t key, std::int64_t flags, double bias)
     slope = (1 - drawn) * slope + drawn * (bias > 0 ? next_rise / after : rise / before);
   }
   if ((flags & kClampProgressively) == 0) return slope;
-  // Not beyond either neighbour.
+  // The slope must not lead beyond either neighbour.
   const double sign = slope < 0 ? -1 : 1, third = 3 * sign;
   const double most = std::max(0.0, std::min(third * rise / before, third * next_rise / after));
   return sign * std::min(std::abs(slope), most);

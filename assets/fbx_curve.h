@@ -13,9 +13,9 @@ class FbxCurve {
   FbxCurve(const FbxScene& scene, const FbxObject& curve);
 
   const std::vector<double>& times() const { return times_; }  // seconds; at least one
-  // Held before the first and after the last key.
+  // The value is held before the first and after the last key.
   double at(double seconds) const;
-  // Does the file say so, too? Else it repeats or goes on.
+  // Does the file say so, too? Otherwise the curve repeats or goes on.
   bool is_held() const { return is_held_; }
 
  private:

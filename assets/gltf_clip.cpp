@@ -223,7 +223,7 @@ bool is_other_unit(double ratio) {
 }
 
 // The offsets of joints are the character's own build: a clip that brings very different ones is of another. Those of
-// the topmost, be they below armatures that are joints, are where the character goes.
+// topmost joints, which may be below armatures that are joints, are where the character goes.
 void require_same_build(const GltfFile& file, const Motion& motion, const Clip& clip) {
   double own = 0, brought = 0;
   std::vector<bool> is_topmost(motion.skeleton.size(), true);

@@ -12,7 +12,7 @@
 
 namespace bodyopt {
 
-// Keeps the file open: one that is replaced meanwhile is read to its end as it was. Not by a mapping, which would be
+// Keeps the file open: one that is replaced meanwhile is read to its end as it was. It is not mapped, which would be
 // fatal where the file is cut off. Throws Error(file) when the header or the size is wrong.
 class Pc2Reader {
  public:
@@ -26,8 +26,8 @@ class Pc2Reader {
   std::uint32_t sample_count() const;
   float start_frame() const;
   float sample_rate() const;
-  // Sample k: point_count x 3, metres. On any thread. Throws Error(file) naming sample and point at a NaN or infinity,
-  // and where the file was cut off.
+  // Sample k: point_count x 3, metres. Any thread may read. Throws Error(file) naming sample and point at a NaN or
+  // infinity, and where the file was cut off.
   std::vector<float> sample(std::uint32_t k) const;
 
  private:

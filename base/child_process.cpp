@@ -47,7 +47,7 @@ class Pipe {
     }
     return true;
   }
-  // Until the child has ended.
+  // Reads until the child has ended.
   std::string read() {
     close_end(1);
     std::string bytes;

@@ -125,7 +125,7 @@ std::string verbs_text(const std::vector<VerbForecast>& foreseen) {
   return text;
 }
 
-// All in the character's own file.
+// All clips in the character's own file.
 std::vector<Clip> own_clips(const std::string& path, const Skeleton& skeleton, double unit) {
   std::vector<Clip> clips;
   for (const std::string& name : clip_names(path)) {

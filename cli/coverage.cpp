@@ -28,7 +28,7 @@ struct CoverageArguments {
   JsonOption json;
 };
 
-// Per frame, RMS in mm.
+// True errors per frame, RMS in mm.
 std::vector<double> true_errors(const Basis& basis, const std::vector<Pose>& poses, const std::string& path) {
   const NamedShapes truth(path);
   if (truth.sample_count() != poses.size() || truth.point_count() != basis.mesh.output_count()) {

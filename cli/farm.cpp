@@ -130,7 +130,7 @@ void status(const FarmArguments& arguments) {
   arguments.json.emit({{"elements", counts}, {"queue", queue}, {"open", open}}, text + failures);
 }
 
-// Tasks of which something is not done. Of `retry`, all files are read, for one may have been damaged.
+// Tasks of which something is not done. `retry` reads all files, for one may have been damaged.
 std::vector<const FarmTask*> open_tasks(const FarmPlan& plan, bool is_retry, bool hopeless) {
   const std::vector<std::vector<StepStatus>> statuses = status_of(plan, BODYOPT_VERSION, is_retry);
   std::vector<const FarmTask*> tasks;

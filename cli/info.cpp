@@ -94,7 +94,7 @@ std::string curve_table(const Json& curve, bool of_levels) {
   return text + "estimated us: of a frame on one core, by the sizes of the tables; nothing is measured for it\n";
 }
 
-// A line per entry, then the tables. What is long within an entry is only counted: JSON has it whole.
+// A line per entry, then the tables. Long values of an entry are only counted: JSON has them whole.
 std::string info_text(const Json& result) {
   std::string text;
   for (const auto& [key, value] : result.items()) {

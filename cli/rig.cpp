@@ -34,7 +34,7 @@ struct RigArguments {
   JsonOption json;
 };
 
-// Without any named, those in the character's own file.
+// Clips are the named ones, or else those in the character's own file.
 std::vector<Pose> shown_poses(const RigArguments& arguments, const Skeleton& skeleton) {
   std::vector<std::string> sources = arguments.clips;
   if (sources.empty()) {
@@ -112,7 +112,7 @@ bool is_there(const RigFile& file) {
   return std::string(std::istreambuf_iterator<char>(stream), {}) == file.text;
 }
 
-// They are written to be edited: what was edited is not lost. What a run that was cut off has left is no edit.
+// They are written to be edited: what was edited is not lost. The same file, left by an interrupted run, is no edit.
 void require_unedited(const std::vector<RigFile>& files) {
   for (const RigFile& file : files) {
     if (!fs::exists(file.path) || is_there(file)) continue;

@@ -38,7 +38,7 @@ void say_detached(const JointLimits& limits, const Skeleton& skeleton) {
   if (!text.empty()) say({text});
 }
 
-// Without a file of limits, what the clips show.
+// Limits are those of the file, or else what the clips show.
 JointLimits limits_for(const RomArguments& arguments, const Character& character) {
   if (!arguments.limits.empty()) return read_joint_limits(arguments.limits, character.skeleton);
   if (arguments.from.empty()) {

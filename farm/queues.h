@@ -16,8 +16,8 @@ struct CommandResult {
   std::string output;  // standard output and error
 };
 
-// Without a shell: nothing in an argument has a meaning. Waits for the program `words[0]`, found on the PATH; ends it
-// after so many seconds. Throws Error(device) where it cannot be started, and where it took too long.
+// Runs without a shell: nothing in an argument has a meaning. Waits for the program `words[0]`, found on the PATH; ends
+// it after so many seconds. Throws Error(device) where it cannot be started, and where it took too long.
 CommandResult run_command(const std::vector<std::string>& words, double seconds);
 
 // A plan on Slurm: an array of jobs per wave.

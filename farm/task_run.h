@@ -98,7 +98,7 @@ class TaskRun {
   // Throws Error(interrupted) where an input is another than when this began: what was made of it is of neither.
   void require_same_inputs() const;
   void finish(const std::vector<std::filesystem::path>& outputs, const Json& summary) const;
-  // Says beside the output why there is none. Not of interruptions.
+  // Says beside the output why there is none. Interruptions write nothing.
   void fail(const Error& error) const;
 
   std::filesystem::path checkpoint_folder() const;
@@ -175,7 +175,7 @@ struct ShowSummary {
   std::vector<FramesToSimulate> simulate_next;
 };
 
-// `most`: frames worth a look at most. The plan must outlive the result. What of a record cannot be read is left out.
+// `most`: frames worth a look at most. The plan must outlive the result. Unreadable parts of a record are left out.
 ShowSummary summarize_show(const FarmPlan& plan, const std::vector<std::vector<StepStatus>>& statuses,
                            std::size_t most);
 

@@ -34,7 +34,7 @@ inline double at_point(const Eigen::VectorXd& values, const SkinPoint& at) {
 }
 
 // Exact nearest-triangle search through a tree of the triangles' boxes. There must be a triangle, and
-// the arrays must outlive this. Of triangles equally near, the first.
+// the arrays must outlive this. The first of equally near triangles wins.
 class NearestSkin {
  public:
   NearestSkin(const Positions& vertices, const Triangles& triangles);

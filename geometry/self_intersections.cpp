@@ -99,8 +99,8 @@ class BodyInside {
  public:
   BodyInside(const Positions& vertices, const Triangles& triangles) : vertices_(vertices), triangles_(triangles) {}
 
-  // Along an axis, forwards and back: the winding number by the skin that is passed on the way out. Of an open skin one
-  // of the ways may lead through the opening.
+  // Counts the winding number by the skin that is passed on the way out, along an axis, forwards and back. One of the
+  // ways may lead through the opening of an open skin.
   bool operator()(const Eigen::RowVector3d& point, int axis) const {
     int forwards = 0, back = 0;
     const int u = (axis + 1) % 3, v = (axis + 2) % 3;
@@ -124,7 +124,7 @@ class BodyInside {
  private:
   Eigen::RowVector3d corner(Eigen::Index t, int k) const { return vertices_.row(triangles_(t, k)); }
 
-  // Does the edge cross the ray from the point along u, seen along the axis? Of an edge from either end the same.
+  // Does the edge cross the ray from the point along u, seen along the axis? The result is the same from either end.
   static int crosses(const Eigen::RowVector3d& from, const Eigen::RowVector3d& to, const Eigen::RowVector3d& point,
                      int u, int v) {
     if ((from[v] > point[v]) == (to[v] > point[v])) return 0;

@@ -24,7 +24,7 @@ Eigen::SparseMatrix<double> cotangent_laplacian(const Positions& rest, const Tri
 class SkinSmoother {
  public:
   SkinSmoother(const Positions& rest, const Triangles& triangles, double radius);
-  // V x any; every column keeps its integral over the skin. On any thread.
+  // V x any; every column keeps its integral over the skin. Any thread may call it.
   Eigen::MatrixXd operator()(const Eigen::MatrixXd& values) const;
 
  private:

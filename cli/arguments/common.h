@@ -26,7 +26,7 @@ namespace bodyopt::cli {
 // A verb of the program, or a verb below one.
 CLI::App& add_verb(CLI::App& parent, const std::string& name, const std::string& description);
 
-// One with arguments of its own, which live as long as it does; it runs with them. `Parameter`: as `run` takes them.
+// A verb with arguments of its own, which live as long as it does; it runs with them. `Parameter`: as `run` takes them.
 template <typename Arguments>
 struct DeclaredVerb {
   CLI::App& verb;
@@ -51,7 +51,7 @@ template <typename Text>
 CLI::Option* add_option(CLI::App& verb, const std::string& name, Text& value, const std::string& type,
                         const std::string& description);
 
-// One that must be given. `type`: as the help calls it.
+// An option that must be given. `type`: as the help calls it.
 template <typename Value>
 CLI::Option* add_required(CLI::App& verb, const std::string& name, Value& value, const std::string& type,
                           const std::string& description) {
