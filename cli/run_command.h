@@ -8,9 +8,9 @@
 
 namespace bodyopt::cli {
 
-// Sends messages to standard error. The first interrupt ends a verb soon, the second at once. A file over its limit is
-// an error, as many may be open as the system allows, and OMP_NUM_THREADS limits threads. Call it before the first
-// verb.
+// Precedes the first verb. Messages go to standard error; the first interrupt ends a verb soon, the second at once.
+// Files over their limit are errors. As many files may be open as the system allows, and OMP_NUM_THREADS limits
+// threads.
 void prepare_process();
 
 // Runs `bodyopt` with these arguments, which begin with the verb, and returns its exit code. It may be called again.

@@ -195,7 +195,7 @@ void warn_of_no_gain(const Training& training) {
       "too few, or too unlike them");
 }
 
-// Errors are then measured on other poses than those that the expected error is of.
+// Held-out errors far above the expected one are of other poses.
 void warn_of_far_frames(const Training& training) {
   constexpr double kFar = 2;
   const double measured = training.methods.back().errors.rms, expected = training.result.expected_mm;

@@ -46,7 +46,7 @@ class EvaluationLog {
   // Expects errors where the basis knows its own. It must outlive this.
   explicit EvaluationLog(const Basis& basis);
 
-  // Adds what the deformer gave of poses, which are these frames. `motion`: after the last, where frames jiggle singly.
+  // Adds what the deformer gave of poses, which are these frames. `motion`: after the last; jiggling frames come alone.
   void add(const Deformer& deformer, const Evaluation& part, std::span<const Pose> poses, std::span<const int> frames,
            const NodeMotion& motion);
 
