@@ -56,8 +56,8 @@ struct TaskFailure {
   std::string message, host;
 };
 
-// A hash of the options of a command line, whatever their order. Files of inputs and --state-out count as given or not,
-// for content identifies inputs. Other outputs and options that say how to run do not count.
+// A hash of the options of a command line, whatever their order. Files of inputs and of --state-out count as given or
+// not, for content identifies inputs. Not counted are --out, --json, --progress, --resume and --pretend.
 std::uint64_t task_options(const std::vector<std::string>& arguments);
 
 std::filesystem::path done_beside(const std::filesystem::path& output);
