@@ -1,4 +1,4 @@
-// Which way up: rotations between coordinate axes.
+// Rotations between coordinate axes, to find which way is up.
 #pragma once
 
 #include <vector>
@@ -11,8 +11,8 @@ namespace bodyopt {
 // All 24: none first, then between Z-up and Y-up, then the rest, so that the plainest wins a tie.
 std::vector<Quat> axis_turns();
 
-// Meshes may lie in their own space and be stood upright by the nodes above the joints: the one of axis_turns() that
-// turns the first joint, within 15 degrees, from the bind pose to where the file's nodes have it; none where that
+// Meshes may lie in their own space, stood upright by the nodes above the joints. Returns the one of axis_turns() that
+// turns the first joint, within 15 degrees, from the bind pose to where the file's nodes have it. It is none where that
 // leaves upright what is upright.
 Quat turn_upright(const Skeleton& skeleton);
 

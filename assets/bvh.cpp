@@ -19,8 +19,8 @@ namespace {
 
 bool is_space(char c) { return c == ' ' || c == '\t' || c == '\n' || c == '\r' || c == '\f' || c == '\v'; }
 
-// UTF-16, by its byte order mark or by the zero beside the first letter, as UTF-8; without what editors and DOS put at
-// either end: a byte order mark, ^Z, zeros.
+// Converts UTF-16, known by its byte order mark or by the zero beside the first letter, to UTF-8. Drops what editors
+// and DOS put at either end: a byte order mark, ^Z, zeros.
 std::string plain_text(std::string text, const std::filesystem::path& path) {
   const bool is_big = text.starts_with("\xfe\xff") || text.starts_with('\0');
   if (is_big || text.starts_with("\xff\xfe") || (text.size() > 1 && text[1] == '\0')) {
@@ -81,7 +81,7 @@ class Parser {
     return token;
   }
 
-  // What follows a colon or a brace needs no space before it.
+  // A colon or a brace needs no space before the next word.
   void expect(const std::string& word) {
     const std::string_view token = peek();
     const bool is_word = std::isalpha(static_cast<unsigned char>(word.back())) != 0;

@@ -41,7 +41,7 @@ struct Bvh {
 // UTF-8 or UTF-16. As many frames as are declared, or else as there are values for. Throws Error(file) with the
 // line for anything that is not a BVH file of finite numbers and whole frames.
 Bvh read_bvh(const std::filesystem::path& path);
-// The same of what a file holds; `path` is what errors call it.
+// Parses a file's text; errors call it `path`.
 Bvh parse_bvh(std::string text, const std::filesystem::path& path);
 
 }  // namespace bodyopt

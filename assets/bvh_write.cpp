@@ -56,7 +56,7 @@ class BvhText {
   }
 
  private:
-  // Those that go elsewhere than they stand at rest, and the root.
+  // Marks the root, and joints that move from where they are at rest.
   std::vector<char> moving_joints() const {
     std::vector<char> moves(skeleton_.size(), 0);
     for (std::size_t joint = 0; joint < moves.size(); ++joint) {
@@ -73,7 +73,7 @@ class BvhText {
     return name.empty() ? "_" : name;
   }
 
-  // From the parent at rest, in the world's axes.
+  // The offset from the parent at rest, in the world's axes.
   Vec3 offset_of(std::size_t joint) const {
     const Vec3 place = rest_[joint] * Vec3{0, 0, 0};
     const int parent = skeleton_.joints[joint].parent;
@@ -99,7 +99,7 @@ class BvhText {
     text_ << tabs << "}\n";
   }
 
-  // Where the pose has it, as a position channel says it.
+  // The joint's place in the pose, as a position channel gives it.
   Vec3 position(const Pose& pose, std::size_t joint) const {
     const int parent = skeleton_.joints[joint].parent;
     const Vec3& at = pose.joints[joint].translation;
@@ -159,7 +159,7 @@ double size_of(const Skeleton& skeleton) {
   return size;
 }
 
-// What reads the text again has the pose of every frame.
+// The text, read again, must give the pose of every frame.
 void check_read_back(const std::string& text, const Clip& clip, const Skeleton& skeleton,
                      const std::filesystem::path& path) {
   constexpr double kSame = 1e-4;  // of the character's size

@@ -34,15 +34,15 @@ void bind_weights(const SkinSkeleton& skin, SkinGeometry& geometry, std::vector<
   }
 }
 
-// What the joints do to all of the skin, mirrored with its outside outside.
+// Applies the joints' common transform to the skin. Mirrored skin keeps its outside outside.
 void set_rest(const Affine& rest, SkinGeometry& geometry) {
   for (Vec3& p : geometry.positions) p = rest * p;
   if (determinant(rest) > 0) return;
   for (auto& [a, b, c] : geometry.triangles) std::swap(b, c);
 }
 
-// Is the skin, as joints without shear place it, where the file's nodes show it? What some joints turn inside out no
-// rotation places.
+// Is the skin, as joints without shear place it, where the file's nodes show it? No
+// rotation places skin that some joints turn inside out.
 void check_shown(const GltfFile& file, const SkinSkeleton& skin, const SkinGeometry& geometry, double diagonal,
                  std::vector<std::string>& notes) {
   constexpr double kOff = 1e-4;  // of the diagonal

@@ -27,7 +27,7 @@ struct Character {
   std::vector<std::uint32_t> output_vertex;  // O: welded vertex of each output vertex
   Triangles output_triangles;                // T' x 3
 
-  // What was repaired or noticed on reading, one sentence each, for the user.
+  // Repairs and remarks from reading, one sentence each, for the user.
   std::vector<std::string> notes;
 
   std::uint32_t output_count() const { return static_cast<std::uint32_t>(output_vertex.size()); }

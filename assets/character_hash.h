@@ -1,4 +1,4 @@
-// What a character is, to know it again.
+// A hash of a character, to know it again.
 #pragma once
 
 #include "assets/character.h"

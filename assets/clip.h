@@ -34,26 +34,26 @@ struct ClipOptions {
 // The unit of a clip for a character read with `character_unit`: glTF shares it, BVH is fitted, FBX knows its own (0).
 double clip_unit(const std::string& source, double character_unit);
 
-// `source`: FILE.glb#name, FILE.glb (its first clip), so of .gltf and .fbx, or FILE.bvh. match_joints() matches joints;
-// a clip that matches no joint at all throws Error(mismatch) with both lists. Throws Error(file).
+// `source`: FILE.glb#name, FILE.glb (its first clip), so of .gltf and .fbx, or FILE.bvh. Joints match as match_joints()
+// says; a clip that matches no joint throws Error(mismatch) with both lists. Throws Error(file).
 Clip read_clip(const std::string& source, const Skeleton& skeleton, const ClipOptions& options);
 
 // The skeleton that a clip moves, by the names of all that could be a joint in its file.
 using SkeletonChoice = std::function<Skeleton(const std::set<std::string>& names)>;
-// The same where the skeleton depends on the clip.
+// Reads a clip whose skeleton depends on it.
 Clip read_clip(const std::string& source, const SkeletonChoice& choose, const ClipOptions& options);
 
 // The names of the clips in a .glb, .gltf, .fbx or .bvh (a BVH's is its file's). Throws Error(file).
 std::vector<std::string> clip_names(const std::filesystem::path& path);
 
-// Writes an animation-only .glb: the skeleton as a skin that draws nothing, which other programs take for one armature,
-// and one LINEAR animation with a key per frame. Throws Error(file).
+// Writes an animation-only .glb: the skeleton as a skin that draws nothing, and one LINEAR animation with a key per
+// frame. Other programs take the skin for one armature. Throws Error(file).
 void write_clip(const Clip& clip, const Skeleton& skeleton, const std::filesystem::path& path);
-// The same in the unit of the character's file (metres; 0: metres), as a DCC would export it, and as clip_unit() says.
+// Writes the unit of the character's file (metres; 0: metres), as a DCC would export it, and as clip_unit() says.
 void write_clip(Clip clip, Skeleton skeleton, double unit, const std::filesystem::path& path);
 
-// By the ending: .glb as above, .bvh (bvh_clip.h; metres), or .usda: a UsdSkel skeleton and its animation, in metres,
-// with a time sample of each joint at the number of each frame. Throws Error(file).
+// The ending tells the format: .glb as above, .bvh (bvh_clip.h; metres), or .usda. The last is a UsdSkel skeleton and
+// its animation, in metres, with a time sample of each joint per frame, at its number. Throws Error(file).
 void write_motion(const Clip& clip, const Skeleton& skeleton, double unit, const std::filesystem::path& path);
 
 // The frames of read_clip()'s clip that are nearest to a key of any channel, rising. None of a BVH, which samples its

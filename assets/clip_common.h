@@ -1,4 +1,4 @@
-// What the readers of glTF and BVH clips share.
+// Shared functions of the readers of glTF and BVH clips.
 #pragma once
 
 #include <span>
@@ -8,9 +8,9 @@
 
 namespace bodyopt {
 
-// Frames from time 0 to the end, both included, at options.fps (an end short of a frame by 1e-5 of the duration counts
-// as that frame). Throws Error(file) for a motion of `joints` joints too long to hold and Error(usage) when the frame
-// numbers overflow.
+// The number of frames from time 0 to the end, both included, at options.fps. An end short of a frame by 1e-5 of the
+// duration counts as that frame. Throws Error(file) for a motion of `joints` joints too long to hold and Error(usage)
+// when the frame numbers overflow.
 std::size_t frame_count(const std::string& file, double duration, std::size_t joints, const ClipOptions& options);
 
 // Throws Error(mismatch) with both lists of names.

@@ -1,4 +1,4 @@
-// What a clip is called by on command lines: a file, or one of the clips of a file.
+// The name of a clip on command lines: a file, or one of the clips of a file.
 #pragma once
 
 #include <filesystem>

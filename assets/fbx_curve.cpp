@@ -7,7 +7,7 @@
 namespace bodyopt {
 namespace {
 
-// What KeyAttrFlags says of a key and the way to the next.
+// Bits of KeyAttrFlags describe a key and the way to the next.
 enum FbxKeyFlag : std::int64_t {
   kConstant = 0x2,
   kCubic = 0x8,
@@ -21,7 +21,7 @@ enum FbxKeyFlag : std::int64_t {
   kWeightedIn = 0x2000000
 };
 
-// Where on a Bezier curve from 0 to 1 is `x`, whose inner points lie at `a` and 1 - b?
+// The parameter at which a Bezier curve from 0 to 1 reaches `x`; its inner points are at `a` and 1 - b.
 double bezier_place(double a, double b, double x) {
   constexpr double kThird = 1.0 / 3, kRounded = 5e-5;  // files have 0.3333
   if (std::abs(a - kThird) < kRounded && std::abs(b - kThird) < kRounded) return x;
@@ -99,7 +99,7 @@ void FbxCurve::set_spans(const FbxScene& scene, const FbxObject& curve) {
   }
 }
 
-// Of what follows the key and what comes before.
+// Sets the slopes after the key and before it.
 void FbxCurve::set_slopes(std::size_t key, std::int64_t flags, const double* data, double before) {
   double out = data[0], in = before;
   if ((flags & kTensionContinuityBias) != 0) {
@@ -140,7 +140,7 @@ double FbxCurve::slope_between(std::size_t key, std::int64_t flags, double bias)
     slope = (1 - drawn) * slope + drawn * (bias > 0 ? next_rise / after : rise / before);
   }
   if ((flags & kClampProgressively) == 0) return slope;
-  // Not beyond either neighbour.
+  // The slope must not lead beyond either neighbour.
   const double sign = slope < 0 ? -1 : 1, third = 3 * sign;
   const double most = std::max(0.0, std::min(third * rise / before, third * next_rise / after));
   return sign * std::min(std::abs(slope), most);

@@ -13,14 +13,14 @@ class FbxCurve {
   FbxCurve(const FbxScene& scene, const FbxObject& curve);
 
   const std::vector<double>& times() const { return times_; }  // seconds; at least one
-  // Held before the first and after the last key.
+  // The value is held before the first and after the last key.
   double at(double seconds) const;
-  // Does the file say so, too? Else it repeats or goes on.
+  // Does the file say so, too? Otherwise the curve repeats or goes on.
   bool is_held() const { return is_held_; }
 
  private:
   enum class Kind { constant, constant_next, linear, cubic };
-  // From a key to the next. Weights are how far its tangents reach, of the time between the two.
+  // The curve from a key to the next. Weights are how far its tangents reach, of the time between the two.
   struct Span {
     Kind kind = Kind::linear;
     double slope_out = 0, slope_in = 0, weight_out = 1.0 / 3, weight_in = 1.0 / 3;

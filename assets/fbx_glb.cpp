@@ -91,8 +91,8 @@ std::size_t add_vectors(const FbxScene& scene, const std::vector<Vec3>& vectors,
   return glb.add(floats, "VEC3", GlbTarget::vertices);
 }
 
-// What glTF has no attributes for: the triangles' corners have coordinates in images apart from the points, and each
-// triangle a material.
+// Adds what glTF has no attributes for: coordinates in images of the triangles' corners, apart from the points, and a
+// material of each triangle.
 void add_look(const FbxScene& scene, const FbxPart& part, std::int64_t model, const std::vector<std::size_t>& order,
               const std::map<std::int64_t, std::size_t>& numbers, GlbWriter& glb, Json& attributes) {
   const std::vector<const FbxObject*> materials = scene.into(model, "Material");

@@ -35,7 +35,7 @@ void check_point(const FbxScene& scene, const FbxObject& object, std::int64_t po
   scene.fail("'", object.name, "' names point ", point, " of ", mesh.points.size(), "; the FBX file is damaged");
 }
 
-// What a polygon, or one of its corners, has of a layer; nothing: that is not told.
+// Looks up a layer's value of a polygon, or of one of its corners; nothing where the file does not give it.
 class FbxLayer {
  public:
   FbxLayer(const FbxObject& geometry, const char* element, const char* indices) : layer_(geometry.node->find(element)) {
@@ -66,7 +66,7 @@ struct FbxLayers {
   FbxLayer texture, material;
 };
 
-// Of a quad's halves those with the shorter diagonal; larger ones become fans. `first`: the number of its first corner.
+// Quads are cut along the shorter diagonal; larger polygons become fans. `first`: the number of its first corner.
 void append_polygon(const std::vector<std::uint32_t>& points, std::size_t first, std::size_t polygon,
                     const FbxLayers& layers, FbxMesh& mesh) {
   const auto apart = [&](std::size_t a, std::size_t b) {
@@ -106,7 +106,7 @@ void read_polygons(const FbxScene& scene, const FbxObject& geometry, FbxMesh& me
   if (!corners.empty()) scene.fail("the last polygon of '", geometry.name, "' has no end; the FBX file is damaged");
 }
 
-// From numbers column by column.
+// Numbers are column by column.
 std::optional<Affine> read_matrix(const FbxScene& scene, const FbxObject& object, const char* name) {
   const std::vector<double> numbers = mesh_numbers(object, name);
   if (numbers.size() != 16) return std::nullopt;
@@ -144,7 +144,7 @@ void read_clusters(const FbxScene& scene, const FbxObject& skin, FbxMesh& mesh) 
   }
 }
 
-// Of a shape and those in between, which come first, the shape alone is read.
+// Shapes in between come first: the last shape alone is read.
 void read_channel_shape(const FbxScene& scene, const FbxObject& channel, FbxMesh& mesh) {
   const std::vector<const FbxObject*> shapes = scene.into(channel.id, "Geometry");
   if (shapes.empty()) return;

@@ -1,4 +1,4 @@
-// A mesh of an FBX file, what binds it, and its blend shapes. In units and axes of the file.
+// A mesh of an FBX file, what binds it, and its blend shapes. Units and axes are those of the file.
 #pragma once
 
 #include <array>

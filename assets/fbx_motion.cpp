@@ -17,12 +17,12 @@ bool is_straight(const JointTransform& from, const JointTransform& to, double sh
          angle_between(slerp(from.rotation, to.rotation, share), there.rotation) <= kRadians;
 }
 
-// What follows the last key, to `end`.
+// Appends keys after the last one, to `end`.
 void append_straight(double end, const std::function<JointTransform(double)>& at, int halvings, std::size_t most,
                      FbxKeys& keys) {
   const double begin = keys.times.back();
   const JointTransform from = keys.locals.back(), to = at(end);
-  // Where waves and whole turns do not return to the line both at once.
+  // Waves and whole turns do not return to the line at both places.
   const auto holds = [&](double share) { return is_straight(from, to, share, at(begin + share * (end - begin))); };
   if (halvings < kMostHalvings && keys.times.size() < most && end - begin > kShortestSpan &&
       !(holds(0.309) && holds(0.573))) {
@@ -88,7 +88,7 @@ void FbxMotion::read_track(const FbxScene& scene, const FbxObject& animated, con
   }
 }
 
-// That which the stack says, or that of its keys where they all lie outside.
+// The range is the stack's, or that of its keys where they all lie outside.
 void FbxMotion::set_range(const FbxScene& scene, const FbxObject& stack) {
   first_ = scene.number(stack, "LocalStart", 0) / scene.ticks();
   last_ = scene.number(stack, "LocalStop", 0) / scene.ticks();

@@ -20,7 +20,7 @@ class FbxMotion {
   FbxMotion(const FbxScene& scene, const FbxObject& stack);
 
   bool is_animated(const FbxObject& model) const { return tracks_.contains(model.id); }
-  // Of a model that is animated.
+  // The model must be animated.
   FbxChannels at(const FbxObject& model, double seconds) const;
   // Seconds, rising: the keys of the models that are animated, within the stack's range, and its ends.
   std::vector<double> times(std::span<const FbxObject* const> models) const;
@@ -49,9 +49,8 @@ struct FbxKeys {
   std::vector<JointTransform> locals;
 };
 
-// Of a node that stands as `at` says, metres: keys at `times`, and between them where straight lines would be off by
-// 0.02 mm, 0.0023 degrees or 0.00004 of scale; no more in between once
-// there are `most`.
+// Samples a node's transform `at` (metres) by keys at `times`. It adds keys in between where straight lines would be
+// off by 0.02 mm, 0.0023 degrees or 0.00004 of scale. It adds no more once there are `most`.
 FbxKeys straight_keys(std::span<const double> times, const std::function<JointTransform(double seconds)>& at,
                       std::size_t most);
 

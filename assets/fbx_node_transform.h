@@ -11,7 +11,7 @@ struct FbxChannels {
   Vec3 scale{1, 1, 1};
 };
 
-// What a node's parents' scales do to it, beside moving it.
+// The effect of the parents' scales on a node, beside moving it.
 enum class FbxInheritance { without_shear, with_shear, without_parent };
 
 // Units and axes of the file.
@@ -22,7 +22,7 @@ class FbxNodeTransform {
 
   const FbxChannels& channels() const { return channels_; }  // where nothing animates them
   JointTransform at(const FbxChannels& channels) const;
-  // From the node's mesh to the node.
+  // The transform from the node's mesh to the node.
   const Affine& geometry() const { return geometry_; }
   FbxInheritance inheritance() const { return inheritance_; }
 

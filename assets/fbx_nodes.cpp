@@ -6,7 +6,7 @@
 namespace bodyopt {
 namespace {
 
-// The same along all axes, and not nothing?
+// Is the scale the same along all axes, and not 0?
 bool is_even(const Vec3& scale) {
   const auto [least, most] = std::ranges::minmax(scale);
   return most - least <= 1e-4 * std::abs(most) && most != 0;
@@ -53,7 +53,7 @@ FbxChannels FbxNodes::channels(std::size_t n, const FbxMotion* motion, double se
   return moves ? motion->at(model(n), seconds) : nodes_[n].transform.channels();
 }
 
-// What the scale of a joint, or of what bears joints, is divided by: its parent's where it does not inherit it.
+// The divisor of the scale of a joint, or of a node above joints: its parent's scale where it does not inherit it.
 double FbxNodes::inherited_scale(std::size_t n, const FbxMotion* motion, double seconds) const {
   const FbxInheritance inheritance = nodes_[n].transform.inheritance();
   if (inheritance == FbxInheritance::with_shear || !nodes_[n].bears_joints) return 1;

@@ -1,6 +1,6 @@
-// The models of an FBX file as a tree of nodes. Metres, Y up. Scale that a node has at rest along all axes alike, as
-// armatures have it that were modelled in other units, is taken out of the nodes and goes into what they carry: joints
-// of a clip are then as far apart as those of another file.
+// The models of an FBX file as a tree of nodes. Metres, Y up. Armatures that were modelled in other units have a scale
+// at rest, along all axes alike. It moves from the nodes into what is below them: joints of a clip are then as far
+// apart as those of another file.
 #pragma once
 
 #include <map>
@@ -21,14 +21,14 @@ class FbxNodes {
   int find(const FbxObject& model) const;                                          // -1 where it is not in the scene
   bool is_lesser_level(std::size_t n) const { return nodes_[n].is_lesser_level; }  // of detail than another's
 
-  // In the parent, as it rests and as a motion has it. Throws Error(file) where a joint does not inherit a scale that
+  // The transform in the parent, at rest or by a motion. Throws Error(file) where a joint does not inherit a scale that
   // is not the same along all axes.
   JointTransform local(std::size_t n, const FbxMotion* motion = nullptr, double seconds = 0) const;
   Affine world(std::size_t n) const;  // as it rests, with the scale that was taken out
   double taken_scale(std::size_t n) const { return nodes_[n].taken_scale; }
   // Models whose motion moves the node in its parent.
   std::vector<const FbxObject*> movers(std::size_t n) const;
-  // From the node's mesh, in metres, to the node.
+  // The transform from the node's mesh, in metres, to the node.
   Affine geometry(std::size_t n) const { return in_metres(nodes_[n].transform.geometry()); }
 
   double unit() const { return unit_; }  // metres

@@ -34,7 +34,7 @@ class FbxBytes {
     std::memcpy(&value, take(sizeof value).data(), sizeof value);
     return value;
   }
-  // Of arrays, against small files that ask for vast memory.
+  // Limits arrays, against small files that ask for vast memory.
   void allow(std::size_t bytes) {
     if (bytes > array_bytes_left_) fail("its arrays hold far more than the file");
     array_bytes_left_ -= bytes;

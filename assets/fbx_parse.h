@@ -24,7 +24,7 @@ struct FbxNode {
   const FbxNode* find(std::string_view child) const;
   // All numbers among the values, those of arrays one by one.
   std::vector<double> numbers() const;
-  // The same, of whole numbers.
+  // All whole numbers among the values, those of arrays one by one.
   std::vector<std::int64_t> integers() const;
   // The value there as it is asked for, or `otherwise` where there is none of the kind.
   double number(std::size_t place, double otherwise) const;

@@ -28,23 +28,23 @@ class FbxScene {
 
   const std::vector<FbxObject>& objects() const { return objects_; }
   bool is_text() const { return root_.integer(1, 0) == 1; }
-  // Of a file's ticks in a second.
+  // The file's ticks in a second.
   double ticks() const;
   // Metres per unit.
   double unit() const;
-  // From the file's axes to X right, Y up, Z to the front. Throws Error(file) where they are no right-handed axes.
+  // Turns the file's axes to X right, Y up, Z to the front. Throws Error(file) where they are no right-handed axes.
   Quat axes() const;
 
-  // What is connected into an object (0: the scene), or into one of its properties, in order.
+  // Objects that are connected into an object (0: the scene), or into one of its properties, in order.
   std::vector<const FbxObject*> into(std::int64_t id, std::string_view kind, std::string_view property = "") const;
-  // What an object is connected into, and the property or "".
+  // An object into which another is connected, and the property or "".
   struct Target {
     const FbxObject* object;
     std::string property;
   };
   std::vector<Target> targets(std::int64_t id) const;
 
-  // Of an object's Properties70, or else of its defaults. Throws Error(file) for numbers that are not finite.
+  // Reads an object's Properties70, or else its defaults. Throws Error(file) for numbers that are not finite.
   double number(const FbxObject& object, std::string_view property, double otherwise) const;
   Vec3 vector(const FbxObject& object, std::string_view property, const Vec3& otherwise) const;
 

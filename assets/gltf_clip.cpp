@@ -38,7 +38,7 @@ std::size_t find_animation(const GltfFile& file, const std::string& name) {
   file.fail("has no clip '", name, "'; its clips are ", list_names(names));
 }
 
-// As who reads the character finds it. A skin that tells nothing, as of a stand-in, does not matter to motion.
+// The unit must be as the character's reader finds it. A skin without one, as of a stand-in, does not matter to motion.
 double unit_of_skin(const GltfFile& file) {
   std::vector<std::string> unused;
   try {
@@ -48,8 +48,8 @@ double unit_of_skin(const GltfFile& file) {
   }
 }
 
-// What joints are matched by, per node. Joints of the file's own skin come before other nodes (a mesh may be called
-// like a joint), animated nodes before still ones; other nodes have no name.
+// Names that joints are matched by, per node. Joints of the file's own skin come before other nodes (a mesh may be
+// called like a joint). Animated nodes come before still ones; other nodes have no name.
 std::vector<std::string> joint_names(const GltfFile& file, const NodeTree& tree, const std::vector<bool>& animated) {
   const tinygltf::Model& model = file.model();
   std::vector<std::string> names(model.nodes.size());
@@ -125,7 +125,7 @@ struct Motion {
     return fold.joint_above(static_cast<std::size_t>(joint_nodes[joint])) < 0;
   }
 
-  // Of joints with a node, as large as the skeleton's.
+  // Transforms of joints with a node are scaled to the skeleton's size.
   std::vector<JointTransform> locals(std::span<const JointTransform> nodes) const {
     std::vector<JointTransform> all = fold.locals(nodes);
     for (std::size_t j = 0; j < all.size(); ++j) {
@@ -223,7 +223,7 @@ bool is_other_unit(double ratio) {
 }
 
 // The offsets of joints are the character's own build: a clip that brings very different ones is of another. Those of
-// the topmost, be they below armatures that are joints, are where the character goes.
+// topmost joints, which may be below armatures that are joints, are where the character goes.
 void require_same_build(const GltfFile& file, const Motion& motion, const Clip& clip) {
   double own = 0, brought = 0;
   std::vector<bool> is_topmost(motion.skeleton.size(), true);
@@ -239,8 +239,8 @@ void require_same_build(const GltfFile& file, const Motion& motion, const Clip& 
   if (own > 0 && is_other_build(brought / own)) fail_build(file, brought / own);
 }
 
-// Bones that are of other lengths at rest, and keep them, are the build of the clip's character and no motion: this one
-// keeps its own, be it as it is bound or as its nodes stand.
+// Bones may rest at other offsets than this character's, as bound and as its nodes stand. Where they keep them, that is
+// the build of the clip's character and no motion: this one keeps its bind offsets.
 void keep_own_build(const Motion& motion, const RestNodes& rest, Clip& clip) {
   constexpr double kSame = 0.01, kStays = 1e-3;  // of a bone's length
   constexpr double kRounding = 1e-4;             // of all bones
@@ -281,7 +281,7 @@ void copy_motion(const GltfFile& file, Motion motion, const RestNodes& rest, std
   note_scale(clip, motion.skeleton, clip.notes);
 }
 
-// By how much the joints that both have are larger in space than the skeleton's; below 0 where they are mirrored.
+// Volume ratios of matched joints in space to the skeleton's; below 0 where they are mirrored.
 std::vector<double> volumes_of(const Motion& motion, std::span<const JointTransform> nodes) {
   NodeTree tree = motion.tree;
   tree.exact = transformed(nodes, affine_from);
@@ -308,8 +308,8 @@ double size_of(const Motion& motion, std::span<const JointTransform> nodes) {
       transformed(volumes_of(motion, nodes), [](const double volume) { return std::cbrt(std::abs(volume)); }));
 }
 
-// At rest; 1 where an armature scales joints as the skeleton's own. Nodes that no skin vouches for may stand in a frame
-// that stretches joints, which is motion.
+// The size at rest is 1 where an armature scales joints as the skeleton's own. Nodes that no skin vouches for may stand
+// in a frame that stretches joints, which is motion.
 double size_at_rest(const Motion& motion, const RestNodes& rest) {
   const double size = size_of(motion, rest.local);
   if (rest.is_bound || size == 1 || is_other_build(size)) return size;
@@ -367,7 +367,7 @@ double sheared_by(const Motion& motion, std::span<const JointTransform> nodes, c
   return most > kOff * farthest ? most : 0;
 }
 
-// As the nodes stand and in some of the frames.
+// Looks at the nodes as they stand and in some of the frames.
 void note_shear(const Motion& motion, std::size_t frames, double fps, std::vector<std::string>& notes) {
   constexpr std::size_t kLooks = 16;
   NodeTree tree = motion.tree;
@@ -384,7 +384,7 @@ void note_shear(const Motion& motion, std::size_t frames, double fps, std::vecto
                   rounded(most) + " m from where they should. Apply scales before the export.");
 }
 
-// With the bind pose. Nodes that no skin vouches for may also stand as the character's own do.
+// Compares with the bind pose. Nodes that no skin vouches for may also stand as the character's own do.
 RestComparison compare_with_character(const Motion& motion, const RestNodes& rest) {
   const std::vector<bool> matched = transformed(motion.joint_nodes, [&](const int node) { return node >= 0; });
   std::vector<JointTransform> bind, own;

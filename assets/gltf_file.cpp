@@ -42,7 +42,7 @@ bool is_unsigned_integer(int component_type) {
          component_type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT;
 }
 
-// Per node. Children that do not exist are refused by who reads the nodes.
+// Per node: is it in the scene? The reader of the nodes refuses children that do not exist.
 std::vector<bool> nodes_of_scene(const tinygltf::Model& model, std::size_t scene) {
   std::vector<bool> shown(model.nodes.size(), false);
   std::vector<int> next = model.scenes[scene].nodes;

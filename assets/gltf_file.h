@@ -1,5 +1,5 @@
-// Reading glTF 2.0 (.glb, .gltf), which FBX is made, too, from bytes that nobody vouches for. tinygltf parses; what it
-// takes on trust (chunk sizes, nesting, buffers, accessor ranges) is checked here, before and after.
+// Reads glTF 2.0 (.glb, .gltf), to which FBX is converted, from bytes that nobody vouches for. tinygltf parses. Chunk
+// sizes, nesting, buffers and accessor ranges, which it trusts, are checked here, before and after.
 #pragma once
 
 #include <tiny_gltf.h>
@@ -21,7 +21,7 @@ class GltfFile {
   // Extras and extensions are not loaded. Buffers may be in the file, a data URI, or a file in the same folder. Throws
   // Error(file).
   explicit GltfFile(const std::filesystem::path& path);
-  // The same of a file's bytes that are in memory already; messages call them `path`.
+  // Reads a file's bytes that are in memory already; messages call them `path`.
   GltfFile(const std::filesystem::path& path, std::string_view bytes);
 
   const tinygltf::Model& model() const { return model_; }
@@ -29,18 +29,18 @@ class GltfFile {
   const Json& look() const { return look_; }
   const std::filesystem::path& path() const { return path_; }
   bool is_of_fbx() const { return is_of_fbx_; }
-  // Of what the scene does not show, one sentence each: its nodes draw nothing in the model.
+  // Names what the scene does not show, one sentence each: its nodes draw nothing in the model.
   const std::vector<std::string>& notes() const { return notes_; }
 
   // The numbers of an accessor, count x components, normalised integers as reals, zeros where it has no data. `what`
-  // names the accessor in messages; `type` is TINYGLTF_TYPE_*. Throws Error(file): index, type or range wrong, a NaN or
-  // infinity, or (against small files that ask for vast memory) far more numbers asked for than the file has bytes.
+  // names the accessor in messages; `type` is TINYGLTF_TYPE_*. Throws Error(file) at a wrong index, type or range, a
+  // NaN or infinity. It also does for far more numbers than the file has bytes: small files may ask for vast memory.
   std::vector<double> numbers(int accessor, int type, const std::string& what) const;
 
-  // As numbers, for unsigned integer accessors of joint and vertex indices.
+  // Like numbers(), for unsigned integer accessors of joint and vertex indices.
   std::vector<std::uint32_t> indices(int accessor, int type, const std::string& what) const;
 
-  // Of a buffer view. Throws Error(file).
+  // The bytes of a buffer view. Throws Error(file).
   std::span<const unsigned char> bytes(int buffer_view, const std::string& what) const;
 
   // Throws Error(file), the message starting with the path.

@@ -40,7 +40,7 @@ bool is_sheared(const Affine& a, const JointTransform& t) {
   return false;
 }
 
-// Those above joints that scale one axis more than another. Parents of what is seen already are, too.
+// Appends nodes above joints that scale one axis more than another. Parents of seen nodes have been seen already, too.
 void append_stretching_nodes(const NodeTree& tree, std::vector<int>& joints) {
   std::vector<bool> is_seen(tree.parent.size(), false);
   for (const int joint : joints) is_seen[static_cast<std::size_t>(joint)] = true;
@@ -53,7 +53,7 @@ void append_stretching_nodes(const NodeTree& tree, std::vector<int>& joints) {
   }
 }
 
-// What of a node's transform could not be taken as it is.
+// Parts of a node's transform that could not be taken as they are.
 struct NodeRepairs {
   bool sheared = false, has_no_turn = false;
 };

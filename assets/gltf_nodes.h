@@ -26,19 +26,19 @@ std::vector<Affine> world_of_nodes(const NodeTree& tree);
 
 bool scales_evenly(const JointTransform& t);  // all axes alike, but for mirroring
 
-// The joints of a skin by name: unnamed joints are called joint_<index in the skin>, a name that is already taken gets
+// The joints of a skin by name. Unnamed joints are called joint_<index in the skin>; a name that is already taken gets
 // a suffix and a note. Throws Error(file) for an empty skin, joints out of range or listed twice.
 struct SkinJoints {
   std::vector<int> nodes;
   std::vector<std::string> names;
-  // Those that the skin lists. After them are nodes above them that scale one axis more than another: folded into
-  // joints that turn they would shear them, which no joint holds, but joints above it do.
+  // The number of joints that the skin lists. After them are nodes above them that scale one axis more than another.
+  // Folded into joints that turn they would shear them, which no joint holds, but joints above it do.
   std::size_t listed = 0;
 };
 SkinJoints read_skin_joints(const GltfFile& file, int skin, const NodeTree& tree, std::vector<std::string>& notes);
 
-// Local transforms of joints from those of nodes: the nodes above a joint that are no joints themselves, up to the
-// nearest one that is, are folded into it. Resting identity nodes change nothing and are left out.
+// Local transforms of joints from those of nodes. Nodes between a joint and the nearest joint above, or the root, are
+// folded into it. Resting identity nodes change nothing and are left out.
 class JointFold {
  public:
   // joint_nodes: the node of each joint, -1 for none. animated: per node.

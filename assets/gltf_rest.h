@@ -18,7 +18,7 @@ struct RestNodes {
 // Throws Error(file).
 RestNodes read_rest(const GltfFile& file, const NodeTree& tree, double unit);
 
-// What the clip's rest pose makes of a character when the joints' local transforms are applied to it as they are.
+// The fit of the clip's rest pose to a character when the joints' local transforms are applied as they are.
 enum class RestFit {
   same,       // the pose it was compared with: joint by joint the motion is right
   same_axes,  // another pose, but all bones as they are in the character's joints: the same rig, rested otherwise

@@ -27,7 +27,7 @@ std::vector<std::size_t> parents_first(const JointFold& fold, const std::vector<
   return order;
 }
 
-// What the default pose does to the whole skin.
+// The scale and mirroring of the whole skin in the default pose.
 Vec3 common_scale_and_mirror(std::span<const Affine> shown) {
   const double scale =
       common_scale(transformed(shown, [](const Affine& a) { return std::cbrt(std::abs(determinant(a))); }));
@@ -67,8 +67,8 @@ void scale_rest(const Vec3& by, SkinSkeleton& skin, std::vector<std::string>& no
   if (by[0] < 0) notes.push_back("The joints mirror the whole skin; the rest shape was mirrored.");
 }
 
-// What stretches most of the skin one way is done to the rest shape, so that joints turn it and no more. `listed`: the
-// joints of the skin, of which the first tells. The others are where their nodes are.
+// A stretch that most of the skin has one way goes into the rest shape, so that joints turn it and no more. `listed`:
+// the joints of the skin, of which the first tells. The others are where their nodes are.
 void stretch_rest(std::span<const std::uint32_t> listed, SkinSkeleton& skin, std::vector<std::string>& notes) {
   const Affine by = skin.shown[std::ranges::min(listed)];
   if (is_even(by) || std::abs(determinant(by)) < 1e-9) return;
@@ -113,7 +113,7 @@ std::vector<std::string> set_binds(const GltfFile& file, Skeleton& skeleton) {
   return sheared;
 }
 
-// What joints_of_skins() says of one; `binds` are those of `skin`.
+// One element of joints_of_skins(); `binds` are those of `skin`.
 std::vector<std::uint32_t> joints_in_skin(const GltfFile& file, int other, int skin, const std::vector<Affine>& binds) {
   const std::vector<int>&theirs = file.model().skins[static_cast<std::size_t>(other)].joints,
         &own = file.model().skins[static_cast<std::size_t>(skin)].joints;

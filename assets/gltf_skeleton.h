@@ -11,9 +11,9 @@ namespace bodyopt {
 struct SkinSkeleton {
   Skeleton skeleton;
   std::vector<std::uint32_t> joint_of_skin;  // skeleton joint of each joint of the skin
-  // Exporters often leave a mesh in other units than the world and let the joints scale it, mirror it, or stretch it
-  // one way. Where the default pose does that to most joints alike, it is done to the rest space instead: from the
-  // file's space and units to rest space, metres.
+  // Exporters often leave a mesh in other units than the world and let the joints scale, mirror or stretch it one way.
+  // If the default pose does that to most joints alike, the rest space has it instead. It maps the file's space and
+  // units to rest space, metres.
   Affine rest;
   // Per joint of the skeleton: from that rest space, in metres, to the world, as the file's nodes stand.
   std::vector<Affine> shown;
@@ -28,18 +28,18 @@ SkinSkeleton read_skin_skeleton(const GltfFile& file, int skin, double unit, std
 // is skinned. Throws Error(file).
 int choose_skin(const GltfFile& file);
 
-// Per skin of the file, the joints of `skin` that its joints are, in its order, where all of them are bound as there:
-// the meshes of both are then one character. Empty else. Throws Error(file).
+// Per skin of the file, the joints of `skin` that its joints are, in its order. They are given if all of them are bound
+// as there: the meshes of both are then one character. Empty else. Throws Error(file).
 std::vector<std::vector<std::uint32_t>> joints_of_skins(const GltfFile& file, int skin);
 
-// What most of some joints' scales are, within 1 %, and that none of them need hide: their median. 1 where fewer agree,
-// unless it can only be that of another unit.
+// The median of some joints' scales, if most are within 1 % of it. It may also be one that only another unit explains,
+// not between 1/2 and 2. Otherwise 1.
 double common_scale(std::vector<double> scales);
 
-// Of the linear part.
+// The determinant of the linear part.
 double determinant(const Affine& a);
 
-// Of each joint of a skin, in its order; translations in metres. Throws Error(file).
+// One per joint of a skin, in its order; translations in metres. Throws Error(file).
 std::vector<Affine> read_inverse_binds(const GltfFile& file, int skin, std::size_t joint_count, double unit);
 
 }  // namespace bodyopt

@@ -110,7 +110,7 @@ std::size_t vertex_count(const GltfFile& file, const SkinPrimitive& part) {
   return file.numbers(attribute(part.primitive, "POSITION"), TINYGLTF_TYPE_VEC3, part.what + " POSITION").size() / 3;
 }
 
-// What a morph target moves, a vector per vertex; empty where it moves nothing.
+// Offsets of a morph target, a vector per vertex; empty where it moves nothing.
 std::vector<Vec3> moved_by(const GltfFile& file, const SkinPrimitive& part, std::size_t target, std::size_t count) {
   const auto& attributes = part.primitive.targets[target];
   const auto position = attributes.find("POSITION");
@@ -122,7 +122,7 @@ std::vector<Vec3> moved_by(const GltfFile& file, const SkinPrimitive& part, std:
   return moved;
 }
 
-// With the morph targets as strong as they are by default.
+// Morph targets are as strong as they are by default.
 std::vector<Vec3> read_positions(const GltfFile& file, const SkinPrimitive& part, SkinRepairs& repairs) {
   const auto numbers = file.numbers(attribute(part.primitive, "POSITION"), TINYGLTF_TYPE_VEC3, part.what + " POSITION");
   std::vector<Vec3> positions;
@@ -192,7 +192,7 @@ void append_primitives(const GltfFile& file, const tinygltf::Node& node, const s
   }
 }
 
-// In output order.
+// Parts are in output order.
 std::vector<SkinPrimitive> skin_primitives(const GltfFile& file, int skin) {
   const std::vector<std::vector<std::uint32_t>> joints = joints_of_skins(file, skin);
   std::vector<SkinPrimitive> primitives;
@@ -203,7 +203,7 @@ std::vector<SkinPrimitive> skin_primitives(const GltfFile& file, int skin) {
   return primitives;
 }
 
-// Of the skin of a character.
+// Parts of the skin of a character.
 std::vector<SkinPrimitive> character_primitives(const GltfFile& file) {
   const int skin = choose_skin(file);
   if (skin < 0) file.fail("has no skinned mesh");
@@ -248,12 +248,12 @@ void append_values(const std::vector<double>& part, std::size_t width, std::size
   all.resize(width * (before + count), otherwise);
 }
 
-// Of FBX alone: nothing else vouches for their counts.
+// Reads FBX alone: nothing else vouches for their counts.
 int fbx_attribute(const GltfFile& file, const tinygltf::Primitive& primitive, const char* name) {
   return file.is_of_fbx() ? attribute(primitive, name) : -1;
 }
 
-// Of the corners of triangles, so many with those of the parts before; the first row is of those that have none.
+// Appends a row for every corner of the triangles so far; the first row is of corners that have none.
 void append_rows(const GltfFile& file, const SkinPrimitive& part, SkinLook& look) {
   const std::size_t corners = 3 * look.triangles.size();
   if (const int accessor = fbx_attribute(file, part.primitive, kTextureOf); accessor >= 0) {

@@ -15,7 +15,7 @@ constexpr double kSmallestDiagonal = 0.05, kLargestDiagonal = 50, kPerson = 2;  
 
 bool has_a_size(double diagonal) { return diagonal >= kSmallestDiagonal && diagonal <= kLargestDiagonal; }
 
-// Of those that files are found in, the one by which the diagonal is nearest to a person's.
+// The common unit by which the diagonal is nearest to a person's.
 double likely_unit(double diagonal) {
   const auto off = [&](double unit) { return std::abs(std::log(unit * diagonal / kPerson)); };
   double likely = 0.01;

@@ -40,7 +40,7 @@ class GlbWriter {
 
   // The file's bytes; messages call it `path`. Throws Error(file), also for numbers that are not finite.
   std::string bytes(const std::filesystem::path& path);
-  // To a temporary name, then renamed. Throws as above.
+  // Writes to a temporary name, then renames. Throws as above.
   void write(const std::filesystem::path& path);
 
  private:

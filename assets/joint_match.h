@@ -1,4 +1,4 @@
-// Which joint of a clip's file moves which joint of a character.
+// Matches joints of a clip's file to the joints of a character that they move.
 #pragma once
 
 #include <filesystem>
@@ -11,20 +11,20 @@
 
 namespace bodyopt {
 
-// Per joint of the skeleton: its joint among `source`, -1 for none; a joint of the source moves one joint. In this
-// order: what the joint map says (a file, or empty), equal names unless they stand for different parts of the body
-// (they do not where all names of the skeleton are there), names equal but for case, the same part of the body by the
-// names of other conventions (joint_roles()). Spines and necks of different lengths are laid along each other from end
-// to end, unless one has all the names of the other. Notes tell what was not matched by equal names. `whose` joints
-// the source's are, for messages: "the clip a.glb". Throws Error(mismatch) where the map names joints that are not
-// there, and as read_joint_map().
+// Per joint of the skeleton: its joint among `source`, -1 for none; a joint of the source moves one joint. A joint map
+// (a file, or empty) comes first. Then come equal names, unless they stand for different parts of the body, which is
+// not asked where all names of the skeleton are there. Names equal but for case follow, then the same part of the body
+// by other conventions (joint_roles()). Spines and necks of different lengths are laid along each other from end to
+// end, unless one has all the names of the other. Notes name joints matched by case or convention. Messages say `whose`
+// joints the source's are: "the clip a.glb". Throws Error(mismatch) where the map names joints that are not there, and
+// as read_joint_map().
 std::vector<int> match_joints(std::span<const NamedJoint> source, const Skeleton& skeleton,
                               const std::string& joint_map, const std::string& whose, std::vector<std::string>& notes);
 
 // Parts of the body that a clip places each by itself, for it moves nothing that they hang on.
 void note_parted(const Skeleton& skeleton, const std::vector<int>& match, std::vector<std::string>& notes);
 
-// Of joint_map.json, which tells where names do not.
+// An entry of joint_map.json, which tells where names do not.
 struct MappedJoint {
   std::string from, to;  // of the clip's file, of the character
 };

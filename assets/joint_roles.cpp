@@ -51,7 +51,7 @@ const PartName* find_part(std::span<const PartName> names, std::string_view word
   return found == names.end() ? nullptr : &*found;
 }
 
-// What stands before the names of all joints alike: namespaces, "mixamorig", VRoid's "J_Bip_", HumanIK's "Character1_".
+// Drops prefixes of all joints' names: namespaces, "mixamorig", VRoid's "J_Bip_", HumanIK's "Character1_".
 std::string_view without_prefix(std::string_view name) {
   name.remove_prefix(name.find_last_of(":|") + 1);  // npos + 1 is 0
   const auto strip = [&](std::string_view prefix, bool needs_separator) {
@@ -211,7 +211,7 @@ bool is_side(const std::string& name, std::size_t at) {
   return is_letter(before) ? !is_letter(after) && !is_upper(before) : is_upper(after);
 }
 
-// With one `from` replaced that makes it a name that is known; empty: none does.
+// Replaces one `from` such that the name is a known one; empty: none does.
 std::string replaced(const std::string& name, const std::string& from, const std::string& to,
                      std::span<const std::string> names) {
   for (std::size_t at = name.find(from); at != std::string::npos; at = name.find(from, at + 1)) {

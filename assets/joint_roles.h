@@ -1,4 +1,4 @@
-// Which part of a body a joint is, told from the names that rigs and motion capture commonly give.
+// Parts of a body that joints are, by the names that rigs and motion capture commonly give.
 #pragma once
 
 #include <cstdint>
@@ -50,26 +50,26 @@ struct NamedJoint {
   int parent = -1;  // index, -1 for none; parents come before children
 };
 
-// The words of a joint's name in small letters, without what stands before the names of all joints alike:
-// "LeftHandIndex1" and "left_hand.index-1" are left, hand, index, 1; "LThumb" is l, thumb.
+// The words of a joint's name in small letters, without prefixes of all joints' names. So "LeftHandIndex1" and
+// "left_hand.index-1" are left, hand, index, 1; "LThumb" is l, thumb.
 std::vector<std::string> name_words(std::string_view name);
 
-// By a word of the name, whatever else it says; middle where none tells.
+// A word of the name tells the side, whatever else it says; middle where none tells.
 BodySide side_of_name(std::string_view name);
 
 std::vector<NamedJoint> named_joints(const Skeleton& skeleton);
 
-// The names of CMU's motion capture (as 3ds Max, MotionBuilder, Poser and Daz have them), Mixamo, HumanIK and Unreal,
-// also behind words that most names begin with, whatever they are ("Bip01 L Thigh").
-// What a name means may depend on the others: "LeftShoulder" is the upper arm beside a "LeftCollar", the clavicle
-// beside a "LeftArm". Nothing for other names, and for a second joint of the same role.
+// Knows names of CMU's motion capture (as 3ds Max, MotionBuilder, Poser and Daz have them), Mixamo, HumanIK and Unreal.
+// Words that most names begin with, as in "Bip01 L Thigh", do not matter. A name's meaning may depend on the others:
+// "LeftShoulder" is the upper arm beside a "LeftCollar", the clavicle beside a "LeftArm". Nothing for other names, and
+// for a second joint of the same role.
 std::vector<std::optional<JointRole>> joint_roles(std::span<const NamedJoint> joints);
 
-// The name of what is on the other side of a body: "RightArm" for "LeftArm", also left and LEFT; a letter that stands
-// alone, as in "L_Arm", "arm_l", "Bip01 L Arm", "arm.L"; or one at the end of a word with capitals, "LThumb", "ThumbL".
-// Empty where `names` has no such name.
+// The name of the counterpart on the other side of a body: "RightArm" for "LeftArm", also left and LEFT. A letter may
+// stand alone, as in "L_Arm", "arm_l", "Bip01 L Arm", "arm.L". It may also be at the end of a word with capitals,
+// "LThumb", "ThumbL". Empty where `names` has no such name.
 std::string mirrored_name(const std::string& name, std::span<const std::string> names);
-// Of every name the place of that of the other side; -1 where there is none.
+// The place of every name's counterpart on the other side; -1 where there is none.
 std::vector<int> mirrored_places(std::span<const std::string> names);
 
 }  // namespace bodyopt

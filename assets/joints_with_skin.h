@@ -1,4 +1,4 @@
-// Which joints move skin, which all of it, and what skin each moves.
+// Joints that move skin, or all of it, and the skin that each moves.
 #pragma once
 
 #include <cstdint>
@@ -9,19 +9,19 @@
 
 namespace bodyopt {
 
-// Of every joint, how many joints that skin follows, by more than a trace, are at or below it.
+// Counts, per joint, the joints at or below it that skin follows by more than a trace.
 std::vector<int> joints_with_skin(const Character& character);
 
-// Of every joint, whether all joints that skin follows are at or below it: it moves all of the skin and bends none of
-// it, as a root does, wherever it stands.
+// Per joint, whether all joints that skin follows are at or below it. Like a root, it then moves all of the skin and
+// bends none of it.
 std::vector<bool> joints_of_all_skin(const Character& character);
 
-// The joints that a pose is told by: all but roots and those of all skin, ascending.
+// The joints that describe a pose: all but roots and those of all skin, ascending.
 std::vector<std::uint32_t> joints_that_bend(const Character& character);
 
-// Regions to begin painting from: one for every joint that moves as much skin as 40 vertices, by skin weights; what
-// less skin follows goes to the nearest joint above that has a region. On welded vertices, by joint; a partition of
-// unity.
+// Regions to begin painting from: one for every joint, roots apart, that moves as much skin as 40 vertices, by skin
+// weights. Skin of others goes to the nearest joint above that has a region, or the root. They are on welded vertices,
+// by joint; a partition of unity.
 std::vector<RegionWeights> joint_regions(const Character& character);
 
 }  // namespace bodyopt

@@ -1,6 +1,6 @@
-// Plain structs to and from JSON objects, their fields listed once: a generic function `fields(list, structure)` names
-// every field to a `list`, which is a FieldReader or a FieldWriter. (FieldWriter takes limits, to be called alike, and
-// ignores them.)
+// Converts plain structs to and from JSON objects; their fields are listed once. A generic function `fields(list,
+// structure)` names every field to a `list`: a FieldReader or a FieldWriter. A FieldWriter takes limits, to be called
+// alike, and ignores them.
 #pragma once
 
 #include <array>
@@ -81,7 +81,7 @@ class FieldReader : private JsonObject {
     for (const auto& [name, item] : inner.json().items()) field(inner, name.c_str(), values[name]);
   }
 
-  // As named(), of values by their frames.
+  // Like named(), for values by their frames.
   template <typename Value, typename Field>
   void by_frame(const char* key, std::map<int, Value>& values, const Field& field) {
     std::map<std::string, Value> by_name;

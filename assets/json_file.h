@@ -14,10 +14,10 @@ namespace bodyopt {
 
 // Parses a file whose top level is an object with "schema": `schema`. Throws Error(file).
 Json read_json(const std::filesystem::path& path, const std::string& schema);
-// The same of a file's text that is in memory already; messages call it `path`.
+// Parses a file's text that is in memory already; messages call it `path`.
 Json parse_json(std::string_view text, const std::filesystem::path& path, const std::string& schema);
 void write_json(const Json& json, const std::filesystem::path& path);
-// What write_json() would write. Throws Error(file), too.
+// The text that write_json() would write. Throws Error(file), too.
 std::string text_of(const Json& json, const std::filesystem::path& path);
 
 // One object of a JSON file, read strictly: every access that fails throws Error(file) naming the file and the key.

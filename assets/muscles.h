@@ -25,12 +25,12 @@ struct Muscle {
 
 // Points are stored by joint name. Throws Error(file) for bad bytes, Error(mismatch) for joints the skeleton lacks.
 std::vector<Muscle> read_muscles(const std::filesystem::path& path, const Skeleton& skeleton);
-// The same of a file's text that is in memory already; messages call it `path`.
+// Parses a file's text that is in memory already; messages call it `path`.
 std::vector<Muscle> parse_muscles(std::string_view text, const std::filesystem::path& path, const Skeleton& skeleton);
 void write_muscles(const std::vector<Muscle>& muscles, const Skeleton& skeleton, const std::filesystem::path& path);
 
-// Throws Error(mismatch) for a skeleton without joints, a path of fewer than two points or bound to a joint that the
-// skeleton lacks, and a radius that is not above 0.
+// Throws Error(mismatch) for a skeleton without joints, and a radius that is not above 0. It also does for a path of
+// fewer than two points, or bound to a joint that the skeleton lacks.
 void require_fit(const std::vector<Muscle>& muscles, const Skeleton& skeleton);
 
 }  // namespace bodyopt

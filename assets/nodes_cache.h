@@ -9,10 +9,10 @@
 
 namespace bodyopt {
 
-// A safetensors file. Tensors: tets (U32, T x 4), skin.tet (U32, P) and skin.weights (F64, P x 4): where each output
-// vertex lies; bounds (F64, S x 6): lowest and highest x, y, z of a sample's nodes, metres; nodes (U16, S x N x 3): 0
-// the lowest, 65535 the highest. A coordinate is off by 1/131070 of its sample's extent at most: 14 um for 1.8 m.
-// Metadata: schema, checksum, inputs (body_hash), start_frame, frame_spacing (as PC2's sample
+// A safetensors file. Tensors tets (U32, T x 4), skin.tet (U32, P) and skin.weights (F64, P x 4) tell where each output
+// vertex lies. Tensor bounds (F64, S x 6) has the lowest and highest x, y, z of a sample's nodes, metres. Tensor nodes
+// (U16, S x N x 3) is 0 at the lowest, 65535 at the highest. A coordinate is off by 1/131070 of its sample's extent at
+// most: 14 um for 1.8 m. Metadata: schema, checksum, inputs (body_hash), start_frame, frame_spacing (as PC2's sample
 // rate).
 class NodesWriter {
  public:

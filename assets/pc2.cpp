@@ -47,7 +47,7 @@ void require_finite(const std::filesystem::path& path, std::uint32_t sample, std
   }
 }
 
-// From the machine's order of bytes to MDD's, and back.
+// Swaps between the machine's order of bytes and MDD's.
 void swap_floats(std::span<float> values) {
   for (float& value : values) value = std::bit_cast<float>(be32toh(std::bit_cast<std::uint32_t>(value)));
 }

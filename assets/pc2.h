@@ -1,7 +1,7 @@
-// PC2 point caches (3ds Max, Blender, Houdini): header "POINTCACHE2\0", int32 version 1, int32 points, float start
-// frame, float sample rate, int32 samples; then samples x points x 3 little-endian floats. Also, by the ending .mdd:
-// MDD point caches (LightWave, Blender), big-endian: int32 samples, int32 points, the samples' times in seconds;
-// then samples x points x 3 floats. They do not number their frames: the first counts as 1.
+// PC2 point caches (3ds Max, Blender, Houdini) have the header "POINTCACHE2\0", int32 version 1, int32 points, float
+// start frame, float sample rate, int32 samples. Then come samples x points x 3 little-endian floats. The ending .mdd
+// means MDD point caches (LightWave, Blender), big-endian: int32 samples, int32 points, the samples' times in seconds.
+// Then come samples x points x 3 floats. They do not number their frames: the first counts as 1.
 #pragma once
 
 #include <cstdint>
@@ -12,7 +12,7 @@
 
 namespace bodyopt {
 
-// Keeps the file open: one that is replaced meanwhile is read to its end as it was. Not by a mapping, which would be
+// Keeps the file open: one that is replaced meanwhile is read to its end as it was. It is not mapped, which would be
 // fatal where the file is cut off. Throws Error(file) when the header or the size is wrong.
 class Pc2Reader {
  public:
@@ -26,8 +26,8 @@ class Pc2Reader {
   std::uint32_t sample_count() const;
   float start_frame() const;
   float sample_rate() const;
-  // Sample k: point_count x 3, metres. On any thread. Throws Error(file) naming sample and point at a NaN or infinity,
-  // and where the file was cut off.
+  // Sample k: point_count x 3, metres. Any thread may read. Throws Error(file) naming sample and point at a NaN or
+  // infinity, and where the file was cut off.
   std::vector<float> sample(std::uint32_t k) const;
 
  private:
@@ -55,7 +55,7 @@ class Pc2Writer {
   void append(std::span<const float> sample);  // point_count x 3, metres, Y up
   void close();
 
-  // Puts the samples so far aside as a file, instead of close(); and on a new writer of the same header: those are its
+  // Puts the samples so far aside as a file, instead of close(). A new writer of the same header takes them up as its
   // first samples. The file's header is that of the whole.
   void put_aside(const std::filesystem::path& file);
   void take_up(const std::filesystem::path& file, std::uint32_t samples);

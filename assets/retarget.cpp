@@ -40,8 +40,8 @@ Quat nearest_quaternion(const Eigen::Matrix3d& sum) {
   return {q.x(), q.y(), q.z(), q.w()};
 }
 
-// The rotation that lays the bones `from` best along `to` (Kabsch); of many such, the nearest to `preferred`: one bone
-// says nothing of the twist around it.
+// The rotation that lays the bones `from` best along `to` (Kabsch). Of many such it is the nearest to `preferred`: one
+// bone says nothing of the twist around it.
 Quat fit_rotation(const std::vector<Vec3>& from, const std::vector<Vec3>& to, const Quat& preferred) {
   constexpr double kPreference = 1e-6;
   const auto eigen = [](const Vec3& v) { return Eigen::Vector3d(v[0], v[1], v[2]); };
@@ -129,7 +129,7 @@ std::vector<BonePair> Retarget::bone_pairs() const {
   return pairs;
 }
 
-// Of the source to the axes of the skeleton.
+// The turn of the source to the axes of the skeleton.
 Quat Retarget::fit_turn() const {
   Quat best{0, 0, 0, 1};
   double best_score = -1e300, total = 0;
@@ -157,7 +157,7 @@ double Retarget::fitted_unit() const {
   return unit > 0 && std::isfinite(unit) ? unit : 0;
 }
 
-// From the right joint of a part to the left; zero without both.
+// The way from the right joint of a part to the left; zero without both.
 Vec3 Retarget::leftwards(BodyPart part, const std::function<Vec3(std::size_t joint)>& place) const {
   const auto find = [&](BodySide side) {
     return std::ranges::find(roles_, std::optional(JointRole{part, side})) - roles_.begin();
@@ -168,7 +168,7 @@ Vec3 Retarget::leftwards(BodyPart part, const std::function<Vec3(std::size_t joi
   return place(left) - place(right);
 }
 
-// Trunk and legs go up and down at rest as the skeleton's do, hips and shoulders lie across, and no bone goes the other
+// Trunk and legs go up and down at rest as the skeleton's do, hips and shoulders lie across. No bone goes the other
 // way; arms may be anywhere, and fold by 120 degrees at most.
 bool Retarget::rests_in_a_pose(const Quat& fitted) const {
   constexpr double kUpright = 0.7, kAlike = 0.5;  // cosines
@@ -200,8 +200,8 @@ bool Retarget::turns_little() const {
   return pairs_.size() < kFewest || angles < std::numbers::pi / 3 * static_cast<double>(pairs_.size());
 }
 
-// In the axes of the joints, as they are on the mean: what lies between them and has no match may not rest in a pose.
-// Joints that lie in one place have the bones from it together.
+// Takes bones' mean in the axes of the joints: unmatched joints between them may not rest in a pose. Joints that lie in
+// one place have the bones from it together.
 void Retarget::take_bones_of_motion() {
   for (std::size_t k = 0; k < pairs_.size(); ++k) {
     for (std::size_t n = 0; n < k; ++n) {
@@ -249,12 +249,12 @@ bool Retarget::trunks_are_of_one_build() const {
   return true;
 }
 
-// In the world's axes.
+// The rotation is in the world's axes.
 Quat Retarget::away_from_rest(const SourceFrame& frame, std::size_t joint) const {
   return turn_ * frame.rotation[joint] * conjugate(rest_.rotation[joint]) * conjugate(turn_);
 }
 
-// From a joint of the source to another, away from rest, on the mean.
+// The mean turn, away from rest, from a joint of the source to another.
 Quat Retarget::mean_turn(std::size_t joint, std::size_t other) const {
   Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
   for (const SourceFrame& frame : frames_) {
@@ -332,8 +332,8 @@ bool Retarget::has_bones_along_axes() const {
   return 2 * along > pairs_.size();
 }
 
-// The nearest alignment with which a joint's axes in the bind pose are those of its topmost joint above, or of the next
-// one, but for their order.
+// The nearest alignment that makes a joint's axes in the bind pose, but for their order, those of a joint above. It is
+// the topmost or the next one.
 Quat Retarget::nearest_of_axes(std::size_t joint, const Quat& alignment) const {
   Quat nearest = alignment;
   double least = std::numeric_limits<double>::max();

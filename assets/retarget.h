@@ -1,4 +1,4 @@
-// Motion of one skeleton carried to another that may rest in another pose.
+// Motion of one skeleton transferred to another that may rest in another pose.
 #pragma once
 
 #include <functional>
@@ -11,23 +11,22 @@
 
 namespace bodyopt {
 
-// The rest pose of the source may differ from the skeleton's bind pose (arms down in one, stretched out in the other):
-//   world rotation of a joint = its world rotation away from the source's rest * alignment * that in the bind pose,
-// where the alignment lays the joint's bones at bind along the same bones of the source at rest, with as little twist
-// as it takes, once both have the same axes: one is turned by that of the 24 turns between coordinate axes that lays
-// the offsets between matched joints best along each other. The source is turned until the axis that its motion has up
-// (up_of_motion) is y, not at all where its axes are the world's: whoever it is carried to stands and goes where the
-// source does, however he faces at bind. Trunks rest alike: their bones (by the names of the joints; clavicles, too)
-// differ by build, and not by pose, and are not laid along each other, unless one is turned from the other by 20
-// degrees on the whole. So do feet within 45 degrees; of clavicles beyond that the pose differs. Topmost matched joints
-// take their position from the source, where it travels; joints without a match keep their bind transform.
+// The rest pose of the source may differ from the skeleton's bind pose (arms down in one, stretched out in the other).
+// A joint's world rotation = its world rotation away from the source's rest * alignment * that in the bind pose.
+// The alignment lays the joint's bones at bind along those of the source at rest, with as little twist as it takes.
+// Before, one of the 24 turns between coordinate axes lays the offsets between matched joints best along each other.
+// The source turns until the axis that its motion has up (up_of_motion) is y, unless its axes are the world's. The
+// skeleton then stands and goes where the source does, whichever way it faces at bind. Bones of trunks (by the joints'
+// names; clavicles, too) differ by build, and not by pose. They are not aligned, unless trunks are turned by 20 degrees
+// on the whole. Nor are feet within 45 degrees; clavicles beyond that differ by pose. Topmost matched joints take their
+// position from the source, where it travels; joints without a match keep their bind transform.
 //
-// The rest pose of a source may be none: bones lie along axes of their joints, whatever these are, and only a frame is
-// a pose. Then, and for a bone that lies at rest as good as against the skeleton's, the twist about it comes from the
-// motion: knees bend back and elbows of stretched out arms to the front; a forearm goes with the palm that fingers
-// span; other joints twist over the frames to either side alike, against the joint above. Where bones keep to axes, so
-// do the axes across them, in the pose that skins are bound in. Necks, hip joints and clavicles go by the build, as
-// they are on the mean, where trunks are built otherwise.
+// The rest pose of a source may be none: bones lie along axes of their joints, whatever these are. Only a frame is a
+// pose. The twist about a bone then comes from the motion, as it does for a bone that rests over 120 degrees away.
+// Knees bend back and elbows of stretched out arms to the front; a forearm goes with the palm that fingers span. Other
+// joints twist over the frames to either side alike, against the joint above. Where bones keep to axes, so do the axes
+// across them, in the bind pose. Where trunks are of other build, necks, hip joints and clavicles are on the mean
+// as at bind.
 class Retarget {
  public:
   // `match`: per joint of the skeleton, its joint of the source, or -1. `frames` at `fps` tell what the motion is like.
@@ -35,8 +34,8 @@ class Retarget {
   Retarget(const SourceMotion& motion, const Skeleton& skeleton, std::vector<int> match, std::size_t frames, double fps,
            std::vector<std::string>& notes);
 
-  // Metres per unit of the source that make the offsets between matched joints as long, in total, as the skeleton's; 0
-  // where no two joints tell.
+  // Metres per unit of the source that make the offsets between matched joints as long, in total, as the skeleton's. It
+  // is 0 where no two joints tell.
   double fitted_unit() const;
 
   // `unit`: metres per unit of the source.

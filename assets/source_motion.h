@@ -21,11 +21,11 @@ struct SourceMotion {
   bool in_world = false;            // its axes are the world's and it rests in a pose; else any, as `up` says
   std::string up;                   // its axis that is up: x, y, z, -x, -y, -z; empty: the motion tells
   std::vector<SourceJoint> joints;  // parents before children
-  // Of all joints, relative to their parents.
+  // Transforms of all joints, relative to their parents.
   std::function<std::vector<JointTransform>(double seconds)> locals_at;
 };
 
-// The same bone in both skeletons: from the nearest matched joint above to a matched joint.
+// A bone of both skeletons: from the nearest matched joint above to a matched joint.
 struct BonePair {
   std::size_t above, joint;                // of the skeleton
   std::size_t source_above, source_joint;  // of the source

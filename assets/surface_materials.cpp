@@ -53,7 +53,7 @@ int texture_set(const Json* texture) {
   return static_cast<int>(whole_number(member(transform_in(texture), "texCoord")).value_or(own.value_or(0)));
 }
 
-// Also where an old file says it by an extension of then.
+// Old files give it by an extension of their time.
 Json base_of(const Json* material) {
   const Json* old = member(member(material, "extensions"), "KHR_materials_pbrSpecularGlossiness");
   const Json* base = member(material, "pbrMetallicRoughness");

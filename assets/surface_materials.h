@@ -29,12 +29,12 @@ inline constexpr int kNearest = 9728, kLinear = 9729, kClamped = 33071, kMirrore
 
 struct SurfaceMaterial {
   std::string name;
-  // As glTF has it, checked, without what only some know (clear coats and such). Its textures are numbers of a
-  // surface's textures, and are all sampled at the coordinates of the base colour's.
+  // The material as glTF has it, checked, without what only some programs know (clear coats and such). Its textures are
+  // numbers of a surface's textures, and are all sampled at the coordinates of the base colour's.
   Json gltf = Json::object();
 
   std::array<double, 4> colour() const;  // base colour, linear, with alpha
-  // Of the base colour; or null.
+  // The base colour's texture; or null.
   const Json* texture() const;
   std::string alpha_mode() const;  // OPAQUE, MASK or BLEND
   double number(const char* key, double otherwise) const;
@@ -53,13 +53,13 @@ void for_each_texture(Json& gltf, Take take) {
   }
 }
 
-// Which set of coordinates (TEXCOORD_n) the base colour of a material is sampled at. Material -1 is none.
+// The set of coordinates (TEXCOORD_n) that a material's base colour is sampled at. Material -1 is none.
 int base_texture_set(const GltfFile& file, int material);
 
 // PNG, JPEG or WebP, by its first bytes; empty: of none.
 std::string image_type(std::string_view bytes);
 
-// Of all surfaces of a file: it reads an image once, and holds all of them to one limit.
+// Reads the materials of all surfaces of a file: an image is read once, and all share one limit.
 class MaterialReader {
  public:
   explicit MaterialReader(const GltfFile& file) : file_(file) {}
@@ -68,7 +68,7 @@ class MaterialReader {
   std::size_t count() const;
   // Its textures are added to `textures`, which lists those of a surface.
   SurfaceMaterial read(std::size_t index, std::vector<SurfaceTexture>& textures);
-  // Of images that could not be read since they were taken last, one sentence each.
+  // Names images that could not be read since the last call, one sentence each.
   std::vector<std::string> take_notes() { return std::exchange(notes_, {}); }
   // The images beside the file that were looked for since.
   std::vector<std::filesystem::path> take_files() { return std::exchange(files_, {}); }

@@ -26,7 +26,7 @@ class UsdaPart {
   const std::vector<int>& frames() const { return frames_; }
   // The points of frames()[sample], V x 3, metres. Throws Error(file) for numbers that are none or not finite.
   std::vector<float> points(std::size_t sample);
-  // What stands between the samples of points and of normals; where there are none, what ends the file.
+  // The text between the samples of points and of normals; without normals, the end of the file.
   const std::string& between() const { return between_; }
   bool has_normals() const { return has_normals_; }
 

@@ -11,7 +11,7 @@ namespace bodyopt {
 // "'a', 'b', 'c'", cut after `shown` with the count of the rest; "none" for nothing.
 std::string list_names(std::span<const std::string> names, std::size_t shown = 12);
 
-// Of things that have a name.
+// The names of things.
 template <typename Named>
 std::vector<std::string> names_of(const Named& all) {
   std::vector<std::string> names;
@@ -22,10 +22,10 @@ std::vector<std::string> names_of(const Named& all) {
 // "1 vertex", "3 vertices".
 std::string count_of(std::size_t count, const std::string& one, const std::string& many);
 
-// What a name should end in, of ".pc2|.usda|.glb", as people say it: ".pc2, .usda or .glb". Empty: it ends so.
+// The ending that a name should have, of ".pc2|.usda|.glb", as people say it: ".pc2, .usda or .glb". Empty: it has one.
 std::string missing_ending(const std::string& name, const std::string& endings);
 
-// In four digits.
+// The value in four digits.
 std::string rounded(double value);
 
 // The three of `names` that take the fewest letters added, dropped or changed to become `wanted`, nearest first;

@@ -26,7 +26,7 @@ constexpr int kReturned = 0, kThrew = 1, kNotWritten = 2;
                                      "; the likely cause is a limit of memory or of processes");
 }
 
-// What the child's bytes come through. No limit of memory or of files is on it: they are read while they are written.
+// Pipe for the child's bytes. No limit of memory or of files is on it: they are read while they are written.
 class Pipe {
  public:
   Pipe() {
@@ -47,7 +47,7 @@ class Pipe {
     }
     return true;
   }
-  // Until the child has ended.
+  // Reads until the child has ended.
   std::string read() {
     close_end(1);
     std::string bytes;

@@ -1,4 +1,4 @@
-// Which of some elements belong together, as they are joined pair by pair.
+// Sets of elements that belong together, joined pair by pair (union-find).
 #pragma once
 
 #include <algorithm>

@@ -8,22 +8,22 @@
 
 namespace bodyopt {
 
-// Of a symmetric matrix, whose lower half is read. Eigenvalues ascend; eigenvectors are orthonormal columns.
+// Eigenvalues of a symmetric matrix, whose lower half is read, ascend; eigenvectors are orthonormal columns.
 struct SymmetricEigen {
   Eigen::VectorXd values;
   Eigen::MatrixXd vectors;
 };
 SymmetricEigen symmetric_eigen(const Eigen::MatrixXd& matrix);
 
-// The same of a 3 x 3 matrix, found without allocation.
+// The eigensystem of a symmetric 3 x 3 matrix, as above, is found without allocation.
 struct SymmetricEigen3 {
   Eigen::Vector3d values;
   Eigen::Matrix3d vectors;
 };
 SymmetricEigen3 symmetric_eigen_3(const Eigen::Matrix3d& matrix);
 
-// An orthonormal basis (N x rank) of the span of columns (N x K). Of what is left when a column's share in others is
-// taken out, less than `least` of the largest counts as nothing.
+// An orthonormal basis (N x rank) of the span of columns (N x K). A column's remainder without its share in others
+// counts as nothing if it is less than `least` of the largest.
 Eigen::MatrixXd orthonormal_basis(const Eigen::MatrixXd& columns, double least);
 
 // The factor L L^T of a symmetric matrix (N x N), whose lower half is read.
@@ -34,7 +34,7 @@ class Cholesky {
 
   bool is_positive() const { return is_positive_; }        // otherwise nothing can be solved
   const Eigen::MatrixXd& lower() const { return lower_; }  // what stands above its diagonal is the matrix's
-  // N or N x any. On any thread.
+  // N or N x any. Any thread may call it.
   template <typename Right>
   auto solve(const Eigen::MatrixBase<Right>& right) const {
     std::conditional_t<Right::ColsAtCompileTime == 1, Eigen::VectorXd, Eigen::MatrixXd> values = right;
@@ -68,7 +68,7 @@ class SparseSolver {
   ~SparseSolver();
 
   bool is_solvable() const;  // no pivot is zero
-  // N or N x any. On any thread.
+  // N or N x any. Any thread may call it.
   template <typename Right>
   typename Right::PlainObject solve(const Eigen::MatrixBase<Right>& right) const {
     return solve_columns(right);

@@ -17,7 +17,7 @@ enum class ProgressStyle {
   json,    // a line of JSON on standard error: {"progress": what, "done": n, "total": n, "seconds": s}
   openjd,  // "openjd_progress: per cent" and "openjd_status: what" on standard output, as Open Job Description says
 };
-// Of all progress from now on.
+// Applies to all progress from now on.
 void set_progress_style(ProgressStyle style);
 
 class [[nodiscard]] Progress {
@@ -25,7 +25,7 @@ class [[nodiscard]] Progress {
   // kept: what is left of the work when it is interrupted, for the message.
   Progress(std::string label, std::size_t total, std::string kept = "nothing of it is kept");
   ~Progress();
-  // From any thread. Throws Error(interrupted) once SIGINT or SIGTERM was received.
+  // Any thread may call it. Throws Error(interrupted) once SIGINT or SIGTERM was received.
   void advance(std::size_t steps = 1);
 
  private:
@@ -38,7 +38,7 @@ class [[nodiscard]] Progress {
   std::mutex mutex_;
 };
 
-// From the first call on, SIGINT and SIGTERM set a flag instead of killing the program.
+// Makes the first SIGINT and the first SIGTERM set a flag. A second one of the same kind kills the program.
 void catch_interrupts();
 [[nodiscard]] bool interrupted();
 

@@ -1,4 +1,4 @@
-// Which of some values something holds for.
+// Places of the values that a condition holds for.
 #pragma once
 
 #include <Eigen/Core>

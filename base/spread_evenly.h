@@ -7,7 +7,7 @@
 
 namespace bodyopt {
 
-// At most `most` of the numbers 0 .. count - 1, spread evenly.
+// Returns at most `most` of the numbers 0 .. count - 1, spread evenly.
 inline std::vector<std::size_t> spread_evenly(std::size_t count, std::size_t most) {
   std::vector<std::size_t> numbers(std::min(count, most));
   for (std::size_t k = 0; k < numbers.size(); ++k) numbers[k] = k * count / numbers.size();

@@ -40,7 +40,7 @@ AttachOptions options_of(const AttachArguments& arguments, const Skeleton& skele
   return options;
 }
 
-// Those asked for.
+// Keeps the meshes that were asked for.
 std::vector<LooseMesh> chosen(std::vector<LooseMesh> meshes, const AttachArguments& arguments) {
   const std::vector<std::string> names = transformed(meshes, &LooseMesh::name);
   for (const std::string& name : arguments.only) {

@@ -63,7 +63,7 @@ std::vector<Pose> random_poses(const Skeleton& skeleton, std::size_t count) {
   return poses;
 }
 
-// What a frame has to read of tables and write, each once.
+// Bytes of tables that a frame has to read, and of what it writes, each once.
 std::size_t frame_bytes(const Basis& basis) {
   return total_bytes(basis) + 2 * 3 * sizeof(float) * (basis.mesh.vertex_count() + basis.mesh.output_count());
 }

@@ -125,7 +125,7 @@ std::string verbs_text(const std::vector<VerbForecast>& foreseen) {
   return text;
 }
 
-// All in the character's own file.
+// All clips in the character's own file.
 std::vector<Clip> own_clips(const std::string& path, const Skeleton& skeleton, double unit) {
   std::vector<Clip> clips;
   for (const std::string& name : clip_names(path)) {
@@ -135,7 +135,7 @@ std::vector<Clip> own_clips(const std::string& path, const Skeleton& skeleton, d
   return clips;
 }
 
-// What the verbs will make of the character: in JSON, and as a table; and in a picture where asked.
+// Forecasts how the verbs will treat the character: in JSON, as a table, and in a picture where asked.
 Json foreseen(const CheckArguments& arguments, const Character& character, std::string& text) {
   const std::string& picture = arguments.picture;
   const CharacterForecast forecast =
@@ -160,7 +160,7 @@ Json foreseen(const CheckArguments& arguments, const Character& character, std::
   return result;
 }
 
-// Where skin and muscles do not fit each other.
+// Warns where skin and muscles do not fit each other.
 std::vector<std::string> misfits(const Character& character, const std::vector<Muscle>& muscles,
                                  const AnatomyOptions& options) {
   return report_anatomy(character, muscles, AnatomyField(character, muscles, options)).warnings;
@@ -191,7 +191,7 @@ void check_character(const CheckArguments& arguments) {
   arguments.json.emit(result, text);
 }
 
-// What the frames asked for hold beyond the character's limits.
+// Lists turns beyond the character's limits that the chosen frames hold.
 Json held_beyond_limits(const std::string& path, const Skeleton& own, const std::vector<Pose>& own_poses,
                         std::string& text) {
   const JointLimits own_limits = read_joint_limits(path, own);

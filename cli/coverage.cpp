@@ -29,7 +29,7 @@ struct CoverageArguments {
   JsonOption json;
 };
 
-// Per frame, RMS in mm, of the skin before modifiers.
+// True errors per frame, RMS in mm, of the skin before modifiers.
 std::vector<double> true_errors(const Basis& basis, const std::vector<Pose>& poses, const std::string& path) {
   const NamedShapes truth(path);
   if (truth.sample_count() != poses.size() || truth.point_count() != basis.mesh.output_count()) {
@@ -70,7 +70,7 @@ RegionError worst_region(const std::vector<std::string>& regions, const Expected
   return {regions[static_cast<std::size_t>(worst - error.region_mm.begin())], *worst};
 }
 
-// That move the region's skin.
+// Names of the joints that move the region's skin.
 std::vector<std::string> joint_names(const Basis& basis, std::size_t region) {
   const CoverageTable& coverage = basis.coverage;
   std::vector<std::string> names;
@@ -80,7 +80,7 @@ std::vector<std::string> joint_names(const Basis& basis, std::size_t region) {
   return names;
 }
 
-// What is expected of a clip's frames.
+// Errors expected in a clip's frames.
 struct ClipCoverage {
   std::vector<int> frames;
   std::vector<ExpectedError> errors;   // of each frame

@@ -236,7 +236,7 @@ void describe_simulation(const Dataset& dataset, DemoReport& report) {
   report.mean_iterations = iterations / report.frames;
 }
 
-// Of the held-out frames that converged in both.
+// Errors on the held-out frames that converged in both.
 ErrorStatistics draft_errors(const SampleSet& set, const Dataset& draft) {
   std::map<int, Positions> skins;
   for (const Sample& sample : read_samples(draft).heldout) skins[sample.frame] = sample.shape.read();

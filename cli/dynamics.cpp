@@ -24,7 +24,7 @@ struct DynamicsArguments {
   JsonOption json;
 };
 
-// Of the frames that the basis may know.
+// Poses of the frames that the basis may know.
 std::vector<Pose> training_poses(const Dataset& dataset, const Basis& basis) {
   std::vector<Pose> poses;
   for (const DatasetTake& take : dataset.takes) {

@@ -100,7 +100,7 @@ Json status_entry(const StepStatus& status) {
   return entry;
 }
 
-// Of the queue only what is there now; nothing where it gives no answer.
+// Jobs of the plan that are in the queue now; an empty object where it gives no answer.
 Json queue_of(const FarmArguments& arguments) {
   try {
     return jobs_in_queue(plan_folder(arguments));
@@ -130,7 +130,7 @@ void status(const FarmArguments& arguments) {
   arguments.json.emit({{"elements", counts}, {"queue", queue}, {"open", open}}, text + failures);
 }
 
-// Tasks of which something is not done. Of `retry`, all files are read, for one may have been damaged.
+// Tasks of which something is not done. `retry` reads all files, for one may have been damaged.
 std::vector<const FarmTask*> open_tasks(const FarmPlan& plan, bool is_retry, bool hopeless) {
   const std::vector<std::vector<StepStatus>> statuses = status_of(plan, BODYOPT_VERSION, is_retry);
   std::vector<const FarmTask*> tasks;

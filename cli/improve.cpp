@@ -74,7 +74,7 @@ std::vector<Shot> read_shots(const ImproveArguments& arguments, const Dataset& d
   return shots;
 }
 
-// Of all shots, one after the other, mm.
+// Expected errors of all shots, one after the other, mm.
 std::vector<double> expected_of(const Basis& basis, const std::vector<Shot>& shots) {
   std::vector<double> expected;
   for (const Shot& shot : shots) {
@@ -140,7 +140,7 @@ void simulate_chosen(const Dataset& dataset, const std::vector<Shot>& shots, con
   }
 }
 
-// Of these frames of the set, all takes together.
+// Errors on these frames of the set, all takes together.
 MethodErrors errors_on(const Basis& basis, const SampleSet& set, const std::vector<Sample>& samples) {
   double ddm = 0, full = 0, expected = 0, frames = 0;
   for (const TakeErrors& take : test_errors(basis, set, samples)) {
@@ -164,7 +164,7 @@ std::vector<Sample> tested(const SampleSet& set, const std::vector<Shot>& shots)
   return samples;
 }
 
-// As the basis was trained, with what is new.
+// Trains as the basis was trained, with the new shapes.
 TrainOptions options_of(const Basis& basis, const std::string& path) {
   const std::optional<Provenance> trained = read_provenance(basis.metadata, path);
   if (!trained || basis.coverage.empty()) {

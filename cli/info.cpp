@@ -94,7 +94,7 @@ std::string curve_table(const Json& curve, bool of_levels) {
   return text + "estimated us: of a frame on one core, by the sizes of the tables; nothing is measured for it\n";
 }
 
-// A line per entry, then the tables. What is long within an entry is only counted: JSON has it whole.
+// A line per entry, then the tables. Long values of an entry are only counted: JSON has them whole.
 std::string info_text(const Json& result) {
   std::string text;
   for (const auto& [key, value] : result.items()) {
@@ -200,7 +200,7 @@ Json basis_info(const std::string& path) {
   return result;
 }
 
-// What can be told without the basis they belong to.
+// Facts of dynamics that need no basis.
 Json dynamics_info(const std::string& path, const Safetensors& file) {
   const auto rows = [&](const char* name) {
     const auto found = file.tensors.find(name);
@@ -226,7 +226,7 @@ Json dynamics_info(const std::string& path, const Safetensors& file) {
   for (const auto& [name, tensor] : file.tensors) bytes[name.substr(0, name.find('.'))] += tensor.bytes.size();
   result["bytes"] = bytes;
   Metadata metadata = file.metadata;
-  // What the trainer wrote of them is JSON: the report's entries stand among the others.
+  // The trainer's metadata are JSON: the report's entries stand among the others.
   for (const char* own : {"report", "provenance"}) {
     const Json told = Json::parse(metadata[own], nullptr, false);
     if (!told.is_object()) throw Error(ErrorKind::file, path, ": its ", own, " is not a JSON object: damaged dynamics");

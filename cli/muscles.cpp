@@ -24,7 +24,7 @@ struct ImportArguments {
   JsonOption json;
 };
 
-// How the paths of a model that bend around surfaces come out, in its default pose.
+// Reports a model's paths that bend around surfaces, in its default pose.
 Json wrap_report(const muscle_models::Model& model, const std::vector<std::string>& leave_out) {
   const muscle_models::ModelPose pose = pose_model(model, default_values(model));
   const std::set<std::string> ignored(leave_out.begin(), leave_out.end());

@@ -40,7 +40,7 @@ struct PicturedFrame {
   std::vector<float> skin;  // V x 3
 };
 
-// What the dataset's modifiers make of a frame; nothing where it has none, or the frame did not converge.
+// A frame's skin by the dataset's modifiers; nothing where it has none, or the frame did not converge.
 std::optional<Positions> curated_skin(const PicturedFrame& pictured, int number) {
   if (pictured.dataset.modifiers.empty()) return std::nullopt;
   const ShapeStack stack(read_pose_database(pictured.dataset));
@@ -91,7 +91,7 @@ PicturedFrame read_pictured_frame(const PictureArguments& arguments) {
   return pictured;
 }
 
-// Where the camera looks: around a joint, or at all of the skin.
+// A view around a joint, or of all of the skin.
 struct View {
   Camera camera;
   Vec3 centre, direction;  // direction: towards the camera, unit
@@ -142,7 +142,7 @@ View choose_view(const PictureArguments& arguments, const PicturedFrame& picture
 
 constexpr std::array<float, 3> kSkinColour{0.52f, 0.42f, 0.36f};
 
-// What the side-car says the frame was solved of.
+// The hash in the side-car of all that the frame was solved from.
 std::uint64_t recorded_inputs(const PicturedFrame& pictured, int frame) {
   const DatasetTake& take = pictured.take;
   const std::string needs = format(
@@ -196,7 +196,7 @@ CutBody cut_body(const PicturedFrame& pictured, int frame) {
   return {std::move(muscles), std::move(field), std::move(body), std::move(nodes)};
 }
 
-// Of the picture's own pixels, in the plane through the middle of the view.
+// The plane through the middle of the view, with the picture's own pixels.
 SectionPlane plane_of_view(const View& view, const std::vector<std::uint32_t>& size) {
   const ViewAxes axes = view_axes(view.direction);
   const double height = 2 * distance_to_target(view.camera) * std::tan(0.5 * double{view.camera.vertical_angle});

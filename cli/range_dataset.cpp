@@ -65,7 +65,7 @@ class RangeDataset {
   std::string in_folder(const std::string& name) const { return (folder_ / name).string(); }
   std::string range_file() const { return in_folder(std::string(kRange) + ".glb"); }
 
-  // Those given; those of an earlier run, which may have been edited; or first ones, of all clips there are.
+  // Limits are given, those of an earlier run, which may have been edited, or first ones of all clips there are.
   JointLimits limits() const {
     const Skeleton& skeleton = character_.skeleton;
     if (!arguments_.limits.empty()) return read_joint_limits(arguments_.limits, skeleton);
@@ -117,8 +117,8 @@ class RangeDataset {
     return seconds / static_cast<double>(frames.size() * thread_count());
   }
 
-  // The first of the frames in the order of their numbers' bits from the last on (van der Corput): spread evenly, and
-  // of more frames all fewer are a part.
+  // Van der Corput order, by the reversed bits of the frames' numbers, spreads the first frames evenly. A larger count
+  // contains every smaller one.
   static std::vector<int> range_frames(std::size_t count) {
     std::vector<int> frames;
     for (unsigned k = 0; frames.size() < count; ++k) {
@@ -138,8 +138,8 @@ class RangeDataset {
     return choice.read(character_.skeleton, character_.unit, frames).poses.size();
   }
 
-  // Every Nth frame of every clip: N is a power of two, so that drafts which a shorter run has made are among those
-  // of a longer one.
+  // Every Nth frame of every clip is taken. N is a power of two, so that a longer run takes all drafts of a shorter
+  // one.
   static std::size_t step_of_clips(const std::vector<std::size_t>& counts, double most) {
     for (std::size_t step = 1;; step *= 2) {
       std::size_t frames = 0;

@@ -1,4 +1,4 @@
-// What `train CHARACTER` learns from: drafts of a range of motion that is made for the character, and of its clips.
+// Training data of `train CHARACTER`: drafts of a range of motion that is made for the character, and of its clips.
 #pragma once
 
 #include <filesystem>
@@ -23,11 +23,11 @@ struct RangeDatasetArguments {
   static constexpr double kMinutes = 10;
 };
 
-// Makes, or goes on with, a dataset in the folder, and returns the folder. In it are limits.json (unless given: what
-// clips show, and rules), range_of_motion.glb, and a take of drafts for it and for every clip. Clips take half of the
-// minutes at most (all of them without a range of motion), the range of motion what is left, by the seconds that the
-// first drafts took; it gets a hundred frames at least. What is in the folder already is kept: limits may be edited,
-// drafts are not made again. Throws as the verbs rig, rom and simulate.
+// Makes, or goes on with, a dataset in the folder, and returns the folder. It holds range_of_motion.glb, a take of
+// drafts for it and for every clip, and limits.json unless given, from clips and rules. Clips take half of the minutes
+// at most (all of them without a range of motion), by the seconds that the first drafts took. The range of motion takes
+// the rest, a hundred frames at least. Files in the folder are kept: limits may be edited, drafts are not made again.
+// Throws as the verbs rig, rom and simulate.
 std::filesystem::path make_range_dataset(const std::string& character, double unit,
                                          const RangeDatasetArguments& arguments);
 

@@ -34,7 +34,7 @@ struct RigArguments {
   JsonOption json;
 };
 
-// Without any named, those in the character's own file.
+// Clips are the named ones, or else those in the character's own file.
 std::vector<Pose> shown_poses(const RigArguments& arguments, const Skeleton& skeleton) {
   std::vector<std::string> sources = arguments.clips;
   if (sources.empty()) {
@@ -45,10 +45,10 @@ std::vector<Pose> shown_poses(const RigArguments& arguments, const Skeleton& ske
   return read_poses(sources, skeleton, arguments.unit, arguments.clip);
 }
 
-// What is chosen depends on the skin alone: few tets will do.
+// The choice depends on the skin alone: few tets will do.
 constexpr Eigen::Index kFewTets = 3000;
 
-// What `dynamics` chooses for tissue without further word; null, with a warning, where it cannot fill the skin.
+// The defaults of `dynamics` for tissue; null, with a warning, where it cannot fill the skin.
 Json first_jiggle(const Character& character) {
   try {
     return jiggle_json(
@@ -69,7 +69,7 @@ struct RigFile {
   std::string text;
 };
 
-// Those that are named; without any, those of people, as far as the names of the joints tell what they are.
+// The mappings that are named. Without any, they are those of people, as far as the joints' names tell what they are.
 std::vector<muscle_models::CarriedMapping> mappings_of(const RigArguments& arguments, const Skeleton& skeleton) {
   std::vector<muscle_models::CarriedMapping> mappings;
   for (const std::string& path : arguments.mappings) mappings.push_back(muscle_models::carried_mapping(path, skeleton));
@@ -112,7 +112,7 @@ bool is_there(const RigFile& file) {
   return std::string(std::istreambuf_iterator<char>(stream), {}) == file.text;
 }
 
-// They are written to be edited: what was edited is not lost. What a run that was cut off has left is no edit.
+// They are written to be edited: what was edited is not lost. The same file, left by an interrupted run, is no edit.
 void require_unedited(const std::vector<RigFile>& files) {
   for (const RigFile& file : files) {
     if (!fs::exists(file.path) || is_there(file)) continue;

@@ -38,7 +38,7 @@ void say_detached(const JointLimits& limits, const Skeleton& skeleton) {
   if (!text.empty()) say({text});
 }
 
-// Without a file of limits, what the clips show.
+// Limits are those of the file, or else what the clips show.
 JointLimits limits_for(const RomArguments& arguments, const Character& character) {
   if (!arguments.limits.empty()) return read_joint_limits(arguments.limits, character.skeleton);
   if (arguments.from.empty()) {
@@ -51,7 +51,7 @@ JointLimits limits_for(const RomArguments& arguments, const Character& character
   return limits;
 }
 
-// On the rig whose limits they are.
+// Poses on the rig whose limits they are.
 std::vector<Pose> example_poses(const RomArguments& arguments, const JointLimits& limits, const AttachedRig& rig,
                                 const Skeleton& skeleton) {
   std::vector<Pose> examples;
@@ -63,7 +63,7 @@ std::vector<Pose> example_poses(const RomArguments& arguments, const JointLimits
   return examples;
 }
 
-// What the clip should show: what the examples do, or else anything within the limits.
+// The poses that the clip should show are those of the examples, or else any within the limits.
 std::vector<Pose> wanted_poses(const Character& character, const JointLimits& limits,
                                const RangeOfMotionOptions& options) {
   if (!options.examples.empty()) return options.examples;

@@ -25,7 +25,7 @@ struct VerbGroup {
   std::vector<void (*)(CLI::App&)> verbs;
 };
 
-// For the list of verbs: as_options() makes of it what it does.
+// Lists `help` among the verbs: as_options() gives it its meaning.
 void add_help(CLI::App& app) { app.add_subcommand("help", "Show what a verb does: help VERB is VERB --help"); }
 
 void add_verbs(CLI::App& app) {
@@ -56,7 +56,7 @@ void require_verb(const CLI::App& app, const std::string& name) {
               nearest_names(verbs, name).front(), "' (bodyopt --help lists all)");
 }
 
-// Throws Error(usage) at an option that the verb before it on the command line does not have, with the one of that
+// Throws Error(usage) at an option that the verb before it on the command line does not have. It names the one of that
 // verb that may be meant.
 void require_options(const CLI::App& verb) {
   std::vector<std::string> options;
@@ -106,8 +106,8 @@ void allow_many_open_files() {
   setrlimit(RLIMIT_NOFILE, &limit);
 }
 
-// To OMP_NUM_THREADS, as schedulers tell programs how many cores are theirs: `bodyopt farm` sets it, too. It holds for
-// as long as the process lives.
+// Schedulers tell programs in OMP_NUM_THREADS how many cores are theirs; `bodyopt farm` sets it, too. The limit holds
+// for as long as the process lives.
 void limit_threads() {
   static std::optional<tbb::global_control> limit;
   const char* given = std::getenv("OMP_NUM_THREADS");
@@ -117,7 +117,7 @@ void limit_threads() {
 
 constexpr double kUncutMinutes = 1e5;  // of a task: no element is cut into parts
 
-// In this process; what it prints stands in the log.
+// Runs the step in this process; what it prints stands in the log.
 int run_step(const FarmStep& step, const std::string& progress) {
   return exit_code_of([&] {
     make_folder(std::filesystem::path(step.out).parent_path());

@@ -8,11 +8,12 @@
 
 namespace bodyopt::cli {
 
-// Before the first verb: messages go to standard error, the first interrupt ends a verb soon and the second at once, a
-// file over its limit is an error, as many files may be open as the system allows, and OMP_NUM_THREADS limits threads.
+// Precedes the first verb. Messages go to standard error; the first interrupt ends a verb soon, the second at once.
+// Files over their limit are errors. As many files may be open as the system allows, and OMP_NUM_THREADS limits
+// threads.
 void prepare_process();
 
-// What `bodyopt` does with these arguments, which begin with the verb, and the exit code. May be called again.
+// Runs `bodyopt` with these arguments, which begin with the verb, and returns its exit code. It may be called again.
 int run_command(const std::vector<std::string>& arguments);
 
 // Outputs of a show's list, made in this process one after the other.
@@ -22,7 +23,7 @@ int run_command(const std::vector<std::string>& arguments);
 void eval_step(const FarmStep& step, const std::string& progress);
 void join_step(const FarmStep& step, const std::string& progress);
 
-// Where one fails the others are made all the same. Throws Error of the kind that the last failure had, and
+// If one fails, the others are made all the same. Throws Error of the kind that the last failure had, and
 // Error(interrupted) at once.
 void run_steps(const std::vector<const FarmStep*>& steps, const std::string& progress);
 

@@ -20,7 +20,7 @@ struct SimulateArguments : SimulationArguments {
 // Metres of skin in skin that are worth a look.
 constexpr double kDeep = 5e-3;
 
-// What a TD has to know of a run; `text` names the frames that need a look.
+// Facts of a run that a TD has to know; `text` names the frames that need a look.
 Json summary(const std::vector<FrameStatus>& status, std::string& text) {
   int unconverged = 0, inverted = 0, deep = 0;
   double residual = 0, seconds = 0, depth = 0, volume = 0, error = 0;
@@ -75,7 +75,7 @@ Json summary(const std::vector<FrameStatus>& status, std::string& text) {
           {"per_frame", per_frame}};
 }
 
-// What is odd about the take's shapes.
+// Doubts about the take's shapes.
 std::vector<std::string> doubts_of(const fs::path& dataset, const std::string& name) {
   SampleSet set = read_samples(read_dataset(dataset));
   for (std::vector<Sample>* samples : {&set.train, &set.heldout}) {

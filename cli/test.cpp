@@ -40,7 +40,7 @@ std::vector<int> learned_frames(const TakeErrors& take) {
   return numbers;
 }
 
-// Of takes that begin at rest one frame or another is as one that was learned.
+// Takes that begin at rest have one frame or another like one that was learned.
 void warn_of_learned(const TakeErrors& take) {
   constexpr std::size_t kMany = 10;  // one frame of so many
   const std::vector<int> learned = learned_frames(take);
@@ -51,7 +51,7 @@ void warn_of_learned(const TakeErrors& take) {
       take.take, learned.size(), take.frames.size(), format_frame_range(learned));
 }
 
-// `told`: the basis tells which poses it learned from.
+// `told`: the basis names the poses it learned from.
 Json details_of(const TakeErrors& take, bool told) {
   Json parts = Json::array(), frames = Json::array();
   const std::vector<int> learned = learned_frames(take);

@@ -124,7 +124,7 @@ void report(const TrainArguments& arguments, const Dataset& dataset, const std::
   write_report(data, arguments.report);
 }
 
-// As asked; of an update as the earlier training had; else as many as are needed.
+// The number is as asked, in an update as the earlier training had it, or else as many as are needed.
 int surface_curves_for(const TrainArguments& arguments, const SampleSet& set) {
   if (arguments.surface_curves) return *arguments.surface_curves;
   if (arguments.options.update && std::filesystem::exists(arguments.out)) {
@@ -195,7 +195,7 @@ void warn_of_no_gain(const Training& training) {
       "too few, or too unlike them");
 }
 
-// Where what was measured is of other poses than what is expected.
+// Held-out errors far above the expected one are of other poses.
 void warn_of_far_frames(const Training& training) {
   constexpr double kFar = 2;
   const double measured = training.methods.back().errors.rms, expected = training.result.expected_mm;

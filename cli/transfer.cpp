@@ -1,4 +1,4 @@
-// bodyopt transfer: what was simulated or learned of one character, carried to others.
+// bodyopt transfer: what was simulated or learned of one character, transferred to others.
 #include <spdlog/spdlog.h>
 
 #include <filesystem>
@@ -42,7 +42,7 @@ TransferOptions options_of(const TransferArguments& arguments) {
   return options;
 }
 
-// What would fail after the long work fails before it.
+// Writing must not fail after the long work.
 void check_outputs(const TransferArguments& arguments) {
   arguments.json.require_writable();
   for (const std::string& path : {arguments.picture, arguments.report}) {
@@ -82,7 +82,7 @@ std::string describe(const TransferPair& pair) {
                 correspondence.target.rows());
 }
 
-// What the report shows the bodies in.
+// The motion in which the report shows the bodies.
 struct ReportMotion {
   Clip clip;
   std::vector<int> frames;
@@ -104,7 +104,7 @@ std::optional<ReportMotion> motion_for_report(const TransferArguments& arguments
   return motion;
 }
 
-// What is beside the source's basis, and is transferred with it.
+// Files beside the source's basis that are transferred with it.
 struct SideFiles {
   std::optional<Dynamics> dynamics;
   std::vector<Muscle> muscles;
@@ -130,7 +130,7 @@ SideFiles read_side_files(const TransferArguments& arguments, const Basis& sourc
   return side_files;
 }
 
-// Of an ordinary basis one level, which carries nothing; of a proxy all of them.
+// An ordinary basis gives one level, without `carried`; a proxy gives all of them.
 std::vector<Level> carried_levels(const TransferPair& pair, const Character& target, const std::vector<Level>& source,
                                   const TransferOptions& options, double unit, std::vector<std::string>& notes) {
   std::vector<Level> levels;
@@ -198,7 +198,7 @@ class BasisTransfer {
         side_files_(read_side_files(arguments, source_.front().basis)),
         motion_(motion_for_report(arguments, source_.front().basis)) {}
 
-  // Of one target, as --json has it; what is for people is printed, and the report's pictures are added.
+  // Returns the result for one target, as --json has it. It prints what is for people, and adds the report's pictures.
   Json carry(const std::string& target, const std::string& out, Json& pictures) {
     const Stopwatch watch;
     const Character character = read_character(target, arguments_.unit);
@@ -322,7 +322,7 @@ struct RefineArguments {
   JsonOption json;
 };
 
-// What was carried is read as it is below an earlier refinement.
+// Transferred takes are read as they are below an earlier refinement.
 SampleSet unrefined_samples(Dataset dataset, const std::set<std::string>& carried) {
   std::erase_if(dataset.modifiers, [&](const Modifier& modifier) {
     return std::ranges::any_of(carried, [&](const std::string& take) { return modifier.name == refinement_of(take); });
@@ -330,7 +330,7 @@ SampleSet unrefined_samples(Dataset dataset, const std::set<std::string>& carrie
   return read_samples(dataset);
 }
 
-// Frames held out of carried takes stay as they were carried.
+// Frames held out of transferred takes stay as they were transferred.
 std::size_t say_carried_judge(const SampleSet& set, const std::set<std::string>& carried) {
   const auto count = static_cast<std::size_t>(std::ranges::count_if(set.heldout, [&](const Sample& sample) {
     return carried.contains(set.takes[static_cast<std::size_t>(sample.take)]);
@@ -351,7 +351,7 @@ struct CarriedTake {
   std::vector<Pose> poses;
 };
 
-// Those with frames to train on.
+// Transferred takes with frames to train on.
 std::vector<CarriedTake> carried_takes(const SampleSet& set, const std::set<std::string>& carried) {
   std::vector<CarriedTake> takes;
   for (const std::string& name : carried) {

@@ -41,7 +41,7 @@ class ErrorAccumulator {
   std::uint32_t worst_frame_ = 0, worst_vertex_ = 0;
 };
 
-// What a training came to, as its file, its tables and its report tell it.
+// Results of a training, as its file, its tables and its report give them.
 
 // One method on the held-out frames.
 struct MethodResult {

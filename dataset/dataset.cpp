@@ -66,7 +66,7 @@ std::string relative_clip(const std::string& clip, const std::filesystem::path& 
   return relative_path(source.path.string(), folder) + (source.name.empty() ? "" : '#' + source.name);
 }
 
-// What takes must share to stand in one dataset.
+// Names all that the takes of one dataset must share.
 std::string described(const Dataset& dataset) {
   std::ostringstream text;
   text << "'" << dataset.character << "' (unit " << (dataset.unit > 0 ? dataset.unit : 1.0) << " m) with muscles '"
@@ -160,7 +160,7 @@ std::uint64_t file_hash(const std::filesystem::path& path) {
 
 namespace {
 
-// As the take names it, without the name of a clip within.
+// The clip's file, relative as the take names it, without the name of a clip within.
 std::string clip_file(const Dataset& dataset, const DatasetTake& take) {
   const std::string source = (dataset.folder / take.clip).string();
   return take.clip.substr(0, take.clip.size() - (source.size() - split_source(source).path.string().size()));

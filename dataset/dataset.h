@@ -12,7 +12,7 @@
 
 namespace bodyopt {
 
-// Which files a dataset is made of.
+// Lists the files that a dataset is made of.
 
 struct Clip;
 struct Skeleton;
@@ -76,8 +76,8 @@ void write_dataset(const Dataset& dataset, const std::filesystem::path& path);
 // Puts a take in the place of that of its name, or after all others, and returns the dataset as it is then. Alone: what
 // other processes do to `path` meanwhile is neither lost nor does it undo this. Throws as open_dataset().
 Dataset put_take(const Dataset& asked, const DatasetTake& take, const std::filesystem::path& path);
-// What put_take() would throw after the long work that makes the take's shapes: for a folder that cannot be written to,
-// or a name that JSON cannot hold.
+// Throws what put_take() would throw after the long work that makes the take's shapes. Reasons are a folder that cannot
+// be written to, or a name that JSON cannot hold.
 void require_place_for(const Dataset& asked, const DatasetTake& take, const std::filesystem::path& path);
 
 // The side-car of a simulated cache: what the solver says of each frame.
@@ -92,15 +92,14 @@ struct FrameStatus {
   double contact_depth = std::numeric_limits<double>::quiet_NaN();
   double volume_change = 0;  // relative, of the muscle that changes most
   std::uint64_t inputs = 0;  // hash of everything the shape depends on; 0: not known
-  // Metres, RMS over the skin: how far the shape is from that in ever finer tets, an estimate; not a number where none
-  // was made: in most frames.
+  // Estimated distance of the shape from that in ever finer tets, metres, RMS over the skin. It is not a number in most
+  // frames, where none was made.
   double discretisation_error = std::numeric_limits<double>::quiet_NaN();
 };
 std::vector<FrameStatus> read_frame_status(const std::filesystem::path& path);
 void write_frame_status(const std::vector<FrameStatus>& status, const std::filesystem::path& path);
 
-// Frames of a take whose shapes a modifier that is on gives anew, whole (of the type blend): what the cache has of them
-// is covered.
+// Frames of a take whose shapes an enabled modifier of the type blend replaces wholly; those in the cache are hidden.
 [[nodiscard]] std::set<int> replaced_frames(const Dataset& dataset, const DatasetTake& take);
 
 // Frames of a take that its side-car does not vouch for, but for those that are replaced; none without a side-car.
@@ -114,9 +113,9 @@ void write_frame_status(const std::vector<FrameStatus>& status, const std::files
 // Holds a lock on a take while it lives.
 class [[nodiscard]] TakeLock {
  public:
-  // cache: that of the take's shapes; the lock is `.lock` in place of its ending, so that a draft and a full simulation
-  // of one name, which share a side-car, exclude each other. Throws Error(file) when another run holds it.
-  // Not explicit: a lock for one call is a path.
+  // cache: that of the take's shapes. The lock has `.lock` in place of its ending. A draft and a full simulation of one
+  // name share a side-car, and so exclude each other. Throws Error(file) when another run holds it. The constructor is
+  // not explicit: a lock for one call is a path.
   TakeLock(std::filesystem::path cache);
 
   const std::filesystem::path& cache() const { return cache_; }
@@ -132,7 +131,7 @@ struct HashedFile {
   std::uint64_t xxh3;  // of its bytes
 };
 
-// Of every file that the dataset names, each once, in its order. Throws Error(file) where one cannot be read.
+// Hashes every file that the dataset names, each once, in its order. Throws Error(file) where one cannot be read.
 std::vector<HashedFile> hashed_files(const Dataset& dataset);
 
 // xxh3 of a file's bytes. Throws Error(file).

@@ -24,8 +24,8 @@ struct StackHistory {
 
 fs::path history_path(const Dataset& dataset) { return dataset.folder / "modifiers" / "history.json"; }
 
-// Where the dataset stands in its history. A process that was killed wrote the history alone: dataset.json is then a
-// step before or behind. A stack that is none of these was edited by hand or merged, and begins a new history.
+// Finds the dataset in its history. A process that was killed wrote the history alone: dataset.json is then a step
+// before or behind. A stack that is none of these was edited by hand or merged, and begins a new history.
 void find_place(StackHistory& history, const std::vector<Modifier>& modifiers) {
   const auto is_at = [&](std::size_t k) { return k < history.states.size() && history.states[k] == modifiers; };
   if (is_at(history.now)) return;

@@ -14,8 +14,8 @@
 
 namespace bodyopt {
 
-// Which frames, which part of the skin, and what the type needs to know stay as they are written: who knows the type
-// checks them, and what a newer version wrote is kept.
+// Frames, mask and parameters stay as they are written: the code that knows the type checks them. Keys that a newer
+// version wrote are kept.
 struct Modifier {
   std::string name{};  // of the stack's entry, once in it
   std::string type{};  // "sculpt", "smooth" ...
@@ -50,8 +50,8 @@ Json to_json(const std::vector<Modifier>& modifiers);
 
 // modifiers/history.json: the stacks that a dataset had, for undo and redo.
 
-// `path`: the dataset.json. All of these hold its lock, and rename dataset.json into place last: killed at any moment,
-// it is the old one or the new one, and the history fits either. Each returns the dataset as it is then.
+// `path`: the dataset.json. All of these hold its lock and rename dataset.json into place last. If killed at any
+// moment, they leave the old or the new one, and the history fits either. Each returns the dataset as it is then.
 
 // Replaces the stack by what `edit` makes of it; what `edit` throws leaves all as it was. `patience`: with others.
 Dataset edit_modifiers(const std::filesystem::path& path,

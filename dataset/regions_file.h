@@ -11,10 +11,10 @@
 
 namespace bodyopt {
 
-// The regions of the file that the dataset names, on welded vertices (which take the largest weight of their output
-// vertices); none where it names none. Weights sum to 1 at most, everywhere to 1 where the file says that it is
-// complete. Throws Error(file) at what is malformed or not there, Error(mismatch) where the weights are of another
-// character, a region has none, or a complete file leaves a vertex uncovered.
+// The regions of the file that the dataset names; none where it names none. Welded vertices take the largest weight of
+// their output vertices. Weights sum to 1 at most, everywhere to 1 in a complete file. Throws Error(file) at a
+// malformed or missing file. Throws Error(mismatch) at weights of another character, a region without any, or an
+// uncovered vertex of a complete file.
 std::vector<RegionWeights> read_regions(const Dataset& dataset, const Character& character);
 
 // Writes regions (of welded vertices) that cover the skin as a complete file of output vertices. `source`: where they

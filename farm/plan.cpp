@@ -206,7 +206,7 @@ struct FrameSpan {
   int first, last;
 };
 
-// Reads each thing once; what could not be read is told to everyone who asks.
+// Reads each thing once; what could not be read is reported to every caller.
 template <typename Value>
 class Once {
  public:
@@ -246,7 +246,7 @@ void require_rising(const std::string& range) {
   }
 }
 
-// What a session says of its lead, as if the list did.
+// Takes a session's settings of its lead over as if the list gave them.
 ShowElement as_listed(ShowElement element) {
   if (element.session.empty()) return element;
   ShotFiles files;

@@ -19,8 +19,8 @@ struct FarmStep {
   bool is_delivered = false;  // `out` is what the list asks for, and not a part of it
 };
 
-// What a queue starts as one: its steps, one after the other. A task needs that of the same lane in the wave before it
-// (the jiggle of a part goes on from that of the part before); those of the last wave, which join, need all others.
+// A task is what a queue starts as one: its steps, one after the other. It needs the task of the same lane in the wave
+// before it, whose jiggle it continues. Tasks of a last wave that joins need all others.
 struct FarmTask {
   int wave = 0, lane = 0;
   std::vector<FarmStep> steps;
@@ -49,21 +49,21 @@ std::string number_ranges(const std::vector<int>& numbers);
 // A text as one word for sh: nothing in it has a meaning.
 std::string quoted_for_shell(const std::string& text);
 
-// What a queue is asked for by each task.
+// Resources that each task asks a queue for.
 struct TaskNeeds {
   int cpus = 1;           // cores
   int tasks_per_gpu = 0;  // 0: no GPU; more than one: a share of one, which of our queues Slurm alone knows
 };
 
-// What planning has to know of an element.
+// An element with all that planning has to know of it.
 struct CheckedElement {
   const ShowElement* element = nullptr;
   std::vector<int> frames;
   double frame_ms = 0;                // on one core
-  std::vector<std::string> attached;  // names of the meshes that ride on the skin
+  std::vector<std::string> attached;  // names of the meshes attached to the skin
 };
 
-// Those that are sound. What is wrong with the others goes to `problems`, a sentence each. Every file is read once.
+// Returns the sound elements. Faults of the others go to `problems`, a sentence each. Every file is read once.
 std::vector<CheckedElement> check_show(const ShowList& list, std::vector<std::string>& problems);
 
 }  // namespace bodyopt

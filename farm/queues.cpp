@@ -34,7 +34,7 @@ constexpr std::size_t kMostOutput = 64 << 20;
 namespace fs = std::filesystem;
 
 constexpr char kJobsSchema[] = "bodyopt-jobs-1";
-constexpr int kMostJobsOfAnArray = 1000;  // Slurm's MaxArraySize is 1001 unless it is told otherwise
+constexpr int kMostJobsOfAnArray = 1000;  // Slurm's MaxArraySize is 1001 unless it is set otherwise
 constexpr double kPatience = 60;          // seconds for an answer of Slurm
 
 fs::path jobs_file(const fs::path& folder) { return folder / "jobs.json"; }
@@ -141,7 +141,7 @@ bool is_name(const std::string& text) {
          });
 }
 
-// As OpenCue takes names.
+// Spells a name as OpenCue takes it.
 std::string cue_name(const std::string& text) {
   std::string name;
   for (const unsigned char c : text.substr(0, 60)) {
@@ -264,7 +264,7 @@ std::vector<SlurmArray> slurm_arrays(const std::vector<const FarmTask*>& tasks, 
                                                      : groups[k].is_chain && groups[k].wave + 1 == group.wave;
       if (is_before) array.after.push_back(k);
     }
-    // What has failed before it is found again by the task itself, and named.
+    // A task itself finds what has failed before it, and names it.
     if (!array.after.empty()) array.words.push_back("--dependency=afterany:{before}");
     for (const std::string& word : {(folder / "task.sh").string(), std::to_string(group.wave),
                                     std::to_string(group.block * kMostJobsOfAnArray)}) {

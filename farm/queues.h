@@ -16,8 +16,8 @@ struct CommandResult {
   std::string output;  // standard output and error
 };
 
-// Without a shell: nothing in an argument has a meaning. Waits for the program `words[0]`, found on the PATH; ends it
-// after so many seconds. Throws Error(device) where it cannot be started, and where it took too long.
+// Runs without a shell: nothing in an argument has a meaning. Waits for the program `words[0]`, found on the PATH; ends
+// it after so many seconds. Throws Error(device) where it cannot be started, and where it took too long.
 CommandResult run_command(const std::vector<std::string>& words, double seconds);
 
 // A plan on Slurm: an array of jobs per wave.
@@ -26,8 +26,8 @@ struct SlurmOptions {
   std::vector<std::string> sbatch;  // further options of sbatch, as they are
 };
 
-// The command lines of sbatch, one per array, in order; "{before}" in one stands for the jobs it has to wait for, by
-// number, joined by ":". Each array is of tasks of one wave. `script`: what an array's job runs.
+// The command lines of sbatch, one per array, in order. The jobs that an array has to wait for, by number, joined by
+// ":", take the place of "{before}". Each array is of tasks of one wave. `script`: what an array's job runs.
 struct SlurmArray {
   std::vector<std::string> words;
   std::vector<std::size_t> after;  // arrays before it; empty: it need not wait
@@ -65,9 +65,9 @@ Json openjd_template(const FarmPlan& plan, const std::filesystem::path& folder, 
 std::string opencue_job(const FarmPlan& plan, const std::filesystem::path& folder, const std::string& program,
                         const std::string& user, const TaskNeeds& needs);
 
-// Which of OpenCue's rules a plan, the names in its command or a user break, in a sentence; empty: none. A user has a
-// name of 3 or more letters, digits, '.' and '_', and is not root; there are 1 to 1,000 layers and at most 100,000
-// frames; a command holds no other '#' than that of #IFRAME#, and no control characters.
+// Names the rule of OpenCue that a plan, the names in its command or a user break, in a sentence; empty: none. A user
+// has a name of 3 or more letters, digits, '.' and '_', and is not root. There are 1 to 1,000 layers and at most
+// 100,000 frames. A command holds no other '#' than that of #IFRAME#, and no control characters.
 std::string opencue_problem(const FarmPlan& plan, const std::filesystem::path& folder, const std::string& program,
                             const std::string& user);
 

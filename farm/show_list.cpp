@@ -25,7 +25,7 @@ struct Key {
   Kind kind;
 };
 
-// Of a mode of the jiggle that earlier versions had: read, and left out.
+// A former mode of the jiggle had this key: it is read, and left out.
 constexpr char kFormerKey[] = "iterations";
 
 // clang-format off

@@ -32,8 +32,8 @@ struct ShowList {
   std::vector<std::string> notes;  // for the user
 };
 
-// By the ending: .jsonl, .csv, or else JSON. What is wrong with an element goes to `problems`, a sentence each, and the
-// element is left out. Throws Error(file) where the file as a whole cannot be read.
+// The ending tells the format: .jsonl, .csv, or else JSON. Faults of an element go to `problems`, a sentence each, and
+// the element is left out. Throws Error(file) where the file as a whole cannot be read.
 ShowList read_show_list(const std::filesystem::path& path, std::vector<std::string>& problems);
 
 // The records of comma-separated values (RFC 4180): quoted fields may hold commas, quotes and ends of lines. Throws

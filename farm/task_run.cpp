@@ -90,7 +90,7 @@ std::vector<FileStamp> read_stamps(const JsonObject& object, const char* key, co
   return transformed(object.array(key), [&](const Json& file) { return file_stamp(JsonObject(file, path, key)); });
 }
 
-// What running again does not change: frames, topology, options.
+// Running again does not mend wrong frames, topology or options.
 bool is_lasting(int exit_code) {
   return exit_code == static_cast<int>(ErrorKind::mismatch) || exit_code == static_cast<int>(ErrorKind::usage);
 }
@@ -107,7 +107,7 @@ std::vector<std::string> option_of(const FarmStep& step, const std::string& opti
   return words;
 }
 
-// What a record tells of the frames that were evaluated.
+// Facts that a record gives of the frames that were evaluated.
 struct StepFacts {
   double seconds = 0, peak_memory_mib = 0, worst_outside = 0;
   std::string device;
@@ -129,7 +129,7 @@ std::vector<WorthyFrame> worthy_frames(const Json& list, const FarmStep& step, c
   return worthy;
 }
 
-// Nothing where the record is damaged, or of a version that told less.
+// Nothing where the record is damaged, or of a version that recorded less.
 std::optional<StepFacts> facts_of(const StepStatus& status) {
   if (!status.record || status.step->arguments.front() != "eval") return std::nullopt;
   const std::filesystem::path path = done_beside(status.step->out);
@@ -190,7 +190,7 @@ class ShowSummarizer {
     const auto [found, is_new] = numbers_.try_emplace({step.shot, step.element}, summary_.elements.size());
     if (is_new) summary_.elements.push_back({step.shot, step.element, "", StepState::missing, {}, 0, 0, 0, "", {}, 0});
     ElementSummary& element = summary_.elements[found->second];
-    if (step.is_delivered && element.out.empty()) {  // what rides on the skin is delivered after it
+    if (step.is_delivered && element.out.empty()) {  // attached meshes are delivered after the skin
       element.out = step.out;
       element.state = status.state;
     }

@@ -14,12 +14,12 @@
 
 namespace bodyopt {
 
-// What lies beside an output and says how it came about: FILE.done.json, or why it did not: FILE.failed.json. What was
-// done is known by these alone, on whatever machine it was.
+// Beside an output lies how it came about: FILE.done.json, or why it did not: FILE.failed.json. These files alone tell
+// what was done, on whatever machine it was.
 
 class JsonObject;
 
-// What a file was when it was read or written, to know later whether it still is.
+// The state of a file when it was read or written, to know later whether it has changed.
 struct FileStamp {
   std::string path;
   std::uint64_t bytes = 0;
@@ -30,14 +30,14 @@ struct FileStamp {
 // Reads the whole file. Throws Error(file).
 FileStamp stamp_file(const std::filesystem::path& path);
 
-// True where the file has the content it was stamped with. It is read only where its size is the same and its time of
-// change is another, or where `read_all` asks for it: content that has rotted has the old time.
+// True where the file has the content it was stamped with. A file of the same size is read where its time of change is
+// another, or with `read_all`: rotten content has the old time.
 bool is_unchanged(const FileStamp& stamp, bool read_all);
 
 Json to_json(const FileStamp& stamp);
 FileStamp file_stamp(const JsonObject& object);
 
-// What decides the bytes of an output, but for the device.
+// All that decides the bytes of an output, but for the device.
 struct TaskKey {
   std::string version;        // of the program
   std::uint64_t options = 0;  // see task_options()
@@ -56,8 +56,8 @@ struct TaskFailure {
   std::string message, host;
 };
 
-// A hash of the options of a command line: of those that name an input only that they are there, for inputs are known
-// by their content; none of those that name outputs or say how to run. The order of the options does not matter.
+// A hash of the options of a command line, whatever their order. Files of inputs and of --state-out count as given or
+// not, for content identifies inputs. Not counted are --out, --json, --progress, --resume and --pretend.
 std::uint64_t task_options(const std::vector<std::string>& arguments);
 
 std::filesystem::path done_beside(const std::filesystem::path& output);
@@ -68,7 +68,7 @@ void write_record(const TaskRecord& record);
 // Nothing where there is none, or one that cannot be read: the work is to be done again.
 std::optional<TaskRecord> read_record(const std::filesystem::path& output);
 
-// As far as possible: where nothing can be written, nobody is told.
+// Writes it if that is possible: a failure to write is not reported.
 void write_failure(const TaskFailure& failure, const std::filesystem::path& output);
 std::optional<TaskFailure> read_failure(const std::filesystem::path& output);
 void remove_failure(const std::filesystem::path& output);
@@ -81,7 +81,7 @@ bool is_whole(const TaskRecord& record, bool read_all);
 Json to_json(const TaskKey& key);
 TaskKey task_key(const JsonObject& object, const std::filesystem::path& path);
 
-// What an interrupted run left in the folder FILE.checkpoint.
+// Work of an interrupted run, in the folder FILE.checkpoint.
 struct Checkpoint {
   std::size_t frames = 0;  // that are done
   Json log;                // what is known of them
@@ -98,7 +98,7 @@ class TaskRun {
   // Throws Error(interrupted) where an input is another than when this began: what was made of it is of neither.
   void require_same_inputs() const;
   void finish(const std::vector<std::filesystem::path>& outputs, const Json& summary) const;
-  // Says beside the output why there is none. Not of interruptions.
+  // Says beside the output why there is none. Interruptions write nothing.
   void fail(const Error& error) const;
 
   std::filesystem::path checkpoint_folder() const;
@@ -113,8 +113,8 @@ class TaskRun {
   TaskKey key_;
 };
 
-// What a show has come to: a line per element, and the frames of it that are worth a look. Made of what lies beside the
-// outputs alone.
+// The state of a show: a line per element, and the frames of it that are worth a look. It is made of what lies beside
+// the outputs alone.
 
 enum class StepState {
   done,     // whole, of the inputs as they are, by this version
@@ -138,7 +138,7 @@ struct StepStatus {
 // unless `read_all`.
 StepStatus status_of(const FarmStep& step, const std::string& version, bool read_all);
 
-// Of every step of every task, in their order; files are looked at side by side.
+// States of every step of every task, in their order; files are looked at side by side.
 std::vector<std::vector<StepStatus>> status_of(const FarmPlan& plan, const std::string& version, bool read_all);
 
 // One element of one shot; where it was cut into parts, of all of them together.
@@ -175,7 +175,7 @@ struct ShowSummary {
   std::vector<FramesToSimulate> simulate_next;
 };
 
-// `most`: frames worth a look at most. The plan must outlive the result. What of a record cannot be read is left out.
+// `most`: frames worth a look at most. The plan must outlive the result. Unreadable parts of a record are left out.
 ShowSummary summarize_show(const FarmPlan& plan, const std::vector<std::vector<StepStatus>>& statuses,
                            std::size_t most);
 

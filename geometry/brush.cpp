@@ -56,7 +56,7 @@ BrushStroke::Hand BrushStroke::hold(const SkinPoint& point) const {
   return hand;
 }
 
-// Of what a hand holds, before strength and shares: one row for each.
+// Displacements of what a hand holds, before strength and shares: one row for each.
 Positions BrushStroke::moves_of(const Hand& hand) const {
   Positions moves(static_cast<Eigen::Index>(hand.size()), 3);
   const Positions normals = vertex_normals(surface_, triangles_).rowwise().normalized();

@@ -27,14 +27,14 @@ class BrushStroke {
   BrushStroke(const SurfaceDistance& paths, const Triangles& triangles, Positions surface, Positions erased,
               const Brush& brush);
 
-  // Takes hold of the skin around points of it. All brushes but grab act there:
-  //   smooth   towards the mean of a vertex' neighbours, along its normal
-  //   inflate  along the normals, by 5 % of the radius
-  //   flatten  to the plane through the mean point, across the mean normal
-  //   erase    to where it is erased
-  // times the strength and a share that falls from 1 at the point to 0 at the radius.
+  // Takes hold of the skin around points of it. All brushes but grab move it there, times the strength and a share that
+  // falls from 1 at the point to 0 at the radius.
+  //   Smooth: towards the mean of a vertex' neighbours, along its normal.
+  //   Inflate: along the normals, by 5 % of the radius.
+  //   Flatten: to the plane through the mean point, perpendicular to the mean normal.
+  //   Erase: to where it is erased.
   void touch(std::span<const SkinPoint> hands);
-  // With grab: what each hand holds goes so far from where it was when it was touched. Others do nothing.
+  // Grab moves what each hand holds so far from where it was when it was touched. Other brushes do nothing.
   void pull(std::span<const Eigen::Vector3d> ways);
 
   const Positions& surface() const { return surface_; }

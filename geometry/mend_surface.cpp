@@ -30,7 +30,7 @@ DirectedEdges directed_edges(const Triangles& triangles) {
   return edges;
 }
 
-// Around every hole, as the triangles that close it run. Where two holes meet in a vertex they are two loops.
+// Loops around every hole, as the triangles that close it run. Where two holes meet in a vertex they are two loops.
 std::vector<Loop> hole_loops(const DirectedEdges& edges) {
   std::map<std::uint32_t, std::vector<std::uint32_t>> next;
   for (const auto& [a, b] : edges) {

@@ -1,4 +1,4 @@
-// What geometry is computed on: points, triangles, and how joints hold points.
+// Points, triangles and how joints hold points: geometry is computed on them.
 #pragma once
 
 #include <Eigen/Core>
@@ -27,7 +27,7 @@ void for_each_edge(const Triangles& triangles, const auto& visit) {
   }
 }
 
-// Where a triangle's corners are.
+// The positions of a triangle's corners.
 using CornerPoints = std::array<Eigen::Vector3d, 3>;
 inline CornerPoints corners_of(const Positions& vertices, const Triangles& triangles, Eigen::Index t) {
   return {vertices.row(triangles(t, 0)), vertices.row(triangles(t, 1)), vertices.row(triangles(t, 2))};
@@ -40,7 +40,7 @@ Triangles triangles_of(const std::vector<std::array<std::uint32_t, 3>>& corners)
 // The sum of the normals of the triangles around each vertex, each twice its area long, V x 3; zero without any.
 [[nodiscard]] Positions vertex_normals(const Positions& vertices, const Triangles& triangles);
 
-// Of the bounding box, in the points' unit; 0 of no points.
+// Extents of the bounding box, in the points' unit; 0 without points.
 Eigen::RowVector3d box_sides(const Positions& points);
 double longest_extent(const Positions& points);
 double box_diagonal(const Positions& points);

@@ -11,7 +11,7 @@ struct NearestRotation {
   Eigen::Vector3d stretches;  // singular values, descending; the last is negative where a reflection would be nearer
 };
 
-// In the Frobenius norm (Kabsch 1976, Umeyama 1991): of the sum of to * from^T what lays `from` best on `to`.
+// It minimises the Frobenius norm (Kabsch 1976, Umeyama 1991). For the sum of to * from^T it lays `from` best on `to`.
 NearestRotation nearest_rotation(const Eigen::Matrix3d& matrix);
 
 // The shortest turn of one direction to another; where they are opposite, about any axis across.

@@ -19,7 +19,7 @@ struct SkinPoint {
   Eigen::Vector3d position = Eigen::Vector3d::Zero();
 };
 
-// What a point of the skin has of what its vertices have: of rows, or of numbers.
+// Interpolates rows, or numbers, of a triangle's vertices at a point of the skin.
 template <typename Rows>
 Eigen::Matrix<double, 1, Rows::ColsAtCompileTime> at_point(const Eigen::MatrixBase<Rows>& rows, const SkinPoint& at) {
   Eigen::Matrix<double, 1, Rows::ColsAtCompileTime> sum =
@@ -34,7 +34,7 @@ inline double at_point(const Eigen::VectorXd& values, const SkinPoint& at) {
 }
 
 // Exact nearest-triangle search through a tree of the triangles' boxes. There must be a triangle, and
-// the arrays must outlive this. Of triangles equally near, the first.
+// the arrays must outlive this. The first of equally near triangles wins.
 class NearestSkin {
  public:
   NearestSkin(const Positions& vertices, const Triangles& triangles);

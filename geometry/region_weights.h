@@ -11,7 +11,7 @@ namespace bodyopt {
 // Region weights below this are dropped.
 constexpr double kNegligibleRegionWeight = 0.03;
 
-// Where a region acts: its vertices, ascending, and its share of each, in (0, 1].
+// A region's vertices, ascending, and its share of each, in (0, 1].
 struct RegionWeights {
   std::string name;
   std::vector<std::uint32_t> vertices;
@@ -29,13 +29,13 @@ double mean_over(const RegionWeights& region, const Value& value) {
   return weights > 0 ? sum / weights : 0;
 }
 
-// What all regions together have of each of `vertices` vertices.
+// The sum of all regions' weights at each of `vertices` vertices.
 Eigen::VectorXd sum_of_weights(const std::vector<RegionWeights>& regions, Eigen::Index vertices);
 
 // Scales the weights to a sum of 1 where they exceed it. Sums that are 1 but for rounding stay as they are: what was
 // written reads back the same.
 void scale_down(std::vector<RegionWeights>& regions, Eigen::Index vertices);
-// The same wherever there is any weight.
+// Scales the weights to a sum of 1 wherever there is any weight.
 void scale_to_one(std::vector<RegionWeights>& regions, Eigen::Index vertices);
 
 void drop_negligible(std::vector<RegionWeights>& regions);

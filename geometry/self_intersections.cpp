@@ -25,7 +25,7 @@ double six_volumes(const Vector3d& a, const Vector3d& b, const Vector3d& c, cons
 bool passes_through(const Vector3d& from, const Vector3d& to, const CornerPoints& triangle) {
   const auto& [a, b, c] = triangle;
   const double start = six_volumes(a, b, c, from), end = six_volumes(a, b, c, to);
-  // What lies in the plane but for rounding does not pass through it.
+  // An edge that lies in the plane but for rounding does not pass through it.
   const double least = kFlat * (b - a).cross(c - a).norm() * (to - from).norm();
   if (!(std::min(start, end) < -least && std::max(start, end) > least)) return false;
   const double ab = six_volumes(from, to, a, b), bc = six_volumes(from, to, b, c), ca = six_volumes(from, to, c, a);
@@ -99,8 +99,8 @@ class BodyInside {
  public:
   BodyInside(const Positions& vertices, const Triangles& triangles) : vertices_(vertices), triangles_(triangles) {}
 
-  // Along an axis, forwards and back: the winding number by the skin that is passed on the way out. Of an open skin one
-  // of the ways may lead through the opening.
+  // Counts the winding number by the skin that is passed on the way out, along an axis, forwards and back. One of the
+  // ways may lead through the opening of an open skin.
   bool operator()(const Eigen::RowVector3d& point, int axis) const {
     int forwards = 0, back = 0;
     const int u = (axis + 1) % 3, v = (axis + 2) % 3;
@@ -124,7 +124,7 @@ class BodyInside {
  private:
   Eigen::RowVector3d corner(Eigen::Index t, int k) const { return vertices_.row(triangles_(t, k)); }
 
-  // Does the edge cross the ray from the point along u, seen along the axis? Of an edge from either end the same.
+  // Does the edge cross the ray from the point along u, seen along the axis? The result is the same from either end.
   static int crosses(const Eigen::RowVector3d& from, const Eigen::RowVector3d& to, const Eigen::RowVector3d& point,
                      int u, int v) {
     if ((from[v] > point[v]) == (to[v] > point[v])) return 0;
@@ -195,7 +195,7 @@ class BuriedSkin {
     }
   }
 
-  // Where skin lies in skin.
+  // Triangles where skin lies in skin.
   std::vector<Eigen::Index> triangles_there() const {
     std::vector<Eigen::Index> found;
     for (Eigen::Index t = 0; t < triangles_.rows(); ++t) {

@@ -1,4 +1,4 @@
-// Where a surface passes through itself.
+// Finds where a surface passes through itself.
 #pragma once
 
 #include <vector>
@@ -12,8 +12,8 @@ struct TrianglePair {
   bool operator==(const TrianglePair&) const = default;
 };
 
-// All pairs of triangles of which an edge of one passes through the other, ascending. Of triangles with one common
-// corner the edges opposite to it count; triangles with a common edge, and triangles in one plane, are left out.
+// All pairs of triangles of which an edge of one passes through the other, ascending. If triangles have one common
+// corner, the edges opposite to it count; triangles with a common edge, and triangles in one plane, are left out.
 // Vertices must be finite.
 [[nodiscard]] std::vector<TrianglePair> self_intersections(const Positions& vertices, const Triangles& triangles);
 // The corners of such triangles, ascending.

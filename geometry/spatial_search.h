@@ -24,8 +24,8 @@ class BoxTree {
     tree_.init(numbers.begin(), numbers.end(), boxes.begin(), boxes.end());
   }
 
-  // bound(box): what nothing in the box can be less than. consider(number): looks at what the box of that number holds
-  // and returns the least found so far. All are considered whose bound is at most `least`, in no certain order.
+  // bound(box): a lower bound for all that is in the box. consider(number): looks at what that box holds and returns
+  // the least found so far. All are considered whose bound is at most `least`, in no certain order.
   template <typename Bound, typename Consider>
   void search(const Bound& bound, const Consider& consider, double least) const {
     search(tree_.getRootIndex(), bound, consider, least);
@@ -49,7 +49,7 @@ class BoxTree {
   Eigen::KdBVH<double, 3, int> tree_;
 };
 
-// Of each triangle or tet: rows of `elements` number their corners.
+// Bounding boxes of triangles or tets, whose corners the rows of `elements` number.
 template <typename Elements>
 std::vector<Eigen::AlignedBox3d> boxes_of(const Positions& vertices, const Elements& elements) {
   std::vector<Eigen::AlignedBox3d> boxes(static_cast<std::size_t>(elements.rows()));

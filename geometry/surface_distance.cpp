@@ -18,13 +18,13 @@ constexpr double kShorter = 1 - 1e-12;  // what is shorter by less is not: round
 
 using Point = Eigen::RowVector3d;
 
-// To c from a source that is `at_a` and `at_b` away from the ends of the edge opposite to it, straight through the
-// triangle; kFar where the straight line passes beside the edge.
+// The distance to c, straight through the triangle, from a source that is `at_a` and `at_b` away from a and b. It is
+// kFar where the straight line passes beside the edge.
 double through_triangle(const Point& a, double at_a, const Point& b, double at_b, const Point& c) {
   const Point along = b - a, to_c = c - a;
   const double length = along.norm();
   if (!(length > 0)) return kFar;
-  // In the plane: a at the origin, b on the x axis, c above it, the source below.
+  // We compute in the plane: a at the origin, b on the x axis, c above it, the source below.
   const double c_x = to_c.dot(along) / length, c_y = along.cross(to_c).norm() / length;
   const double s_x = (at_a * at_a - at_b * at_b + length * length) / (2 * length), below = at_a * at_a - s_x * s_x;
   if (below < 0 || !(c_y > 0)) return kFar;

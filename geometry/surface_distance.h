@@ -24,7 +24,7 @@ Eigen::SparseMatrix<double> cotangent_laplacian(const Positions& rest, const Tri
 class SkinSmoother {
  public:
   SkinSmoother(const Positions& rest, const Triangles& triangles, double radius);
-  // V x any; every column keeps its integral over the skin. On any thread.
+  // V x any; every column keeps its integral over the skin. Any thread may call it.
   Eigen::MatrixXd operator()(const Eigen::MatrixXd& values) const;
 
  private:
@@ -32,7 +32,7 @@ class SkinSmoother {
   SparseSolver solver_;
 };
 
-// The same, once.
+// Smooths once, as SkinSmoother does.
 [[nodiscard]] Eigen::MatrixXd smoothed(const Positions& rest, const Triangles& triangles, const Eigen::MatrixXd& values,
                                        double radius);
 
@@ -41,18 +41,18 @@ struct SurfacePlace {
   double distance;  // metres
 };
 
-// A front that passes from triangle to triangle (Kimmel and Sethian 1998), each unfolded into the plane of the point
-// where the front began (Novotni and Klein 2002): exact on what can be rolled out into a plane, but for a rim of an
-// edge's length at the end of its reach, where it is a little too long.
+// A front passes from triangle to triangle (Kimmel and Sethian 1998), each unfolded into the plane of the front's
+// origin (Novotni and Klein 2002). It is exact on developable surfaces. Only in a rim of an edge's length at
+// the end of its reach it is a little too long.
 class SurfaceDistance {
  public:
-  // Of a skin of so many vertices.
+  // `vertices`: number of the skin's vertices.
   SurfaceDistance(Eigen::Index vertices, const Triangles& triangles);
 
   // The vertices within `reach` metres of a point of the skin, ascending. positions: V x 3, where they are now.
   std::vector<SurfacePlace> around(const Positions& positions, const SkinPoint& from, double reach) const;
 
-  // Those that share a triangle with a vertex; twice where two triangles lie along the edge.
+  // Visits all vertices that share a triangle with `vertex`; twice where two triangles lie along the edge.
   template <typename Visit>
   void visit_ring(std::uint32_t vertex, Visit visit) const {
     for (std::uint32_t k = begin_[vertex]; k < begin_[vertex + 1]; ++k) {

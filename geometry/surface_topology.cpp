@@ -69,7 +69,7 @@ class Grid {
   }
 
  private:
-  // One to spare below, for p - tolerance.
+  // One cell is to spare below, for p - tolerance.
   std::uint64_t cell(double x, std::size_t axis) const {
     return static_cast<std::uint64_t>(std::floor((x - low_[axis]) / (8 * tolerance_)) + 1);
   }

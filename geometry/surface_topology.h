@@ -46,7 +46,7 @@ struct BadEdges {
 
 [[nodiscard]] BadEdges find_bad_edges(const Triangles& triangles);
 
-// Without those that are there twice, whichever way they wind: their edges are neither open nor turned.
+// Keeps one of equal triangles, whichever way they wind: their edges are neither open nor turned.
 [[nodiscard]] Triangles each_once(const Triangles& triangles);
 
 }  // namespace bodyopt

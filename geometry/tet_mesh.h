@@ -37,7 +37,7 @@ double mean_ratio(const TetMesh& mesh, Eigen::Index tet);
 // Barycentric weights of points spread evenly in a tet, rows + 1 along an edge: each stands for as much of the volume.
 std::vector<Eigen::Vector4d> tet_lattice(int rows);
 
-// Points carried by tetrahedra: a fine skin in a coarse cage.
+// Points embedded in tetrahedra: a fine skin in a coarse cage.
 
 struct EmbeddedPoint {
   int tet;
@@ -52,7 +52,7 @@ Eigen::Vector4d weights_in(const TetMesh& mesh, Eigen::Index tet, const Eigen::R
 
 Eigen::Vector3d rest_position(const TetMesh& mesh, const EmbeddedPoint& point);
 
-// Which tet of a filled surface carries a point.
+// Finds the tet of a filled surface that a point is embedded in.
 
 class TetFinder {
  public:
@@ -60,10 +60,10 @@ class TetFinder {
   // triangle is no face of a tet.
   TetFinder(const TetMesh& mesh, const Positions& vertices, const Triangles& triangles);
 
-  // The tet that a point of the skin lies in, or, where it is outside, the tet behind the nearest triangle that faces
-  // as the skin does there; of several tets the one that it lies deepest in. normal: of the skin, outwards.
+  // Returns the tet that a point of the skin lies in; of several the one that it lies deepest in. Outside it is the tet
+  // behind the nearest triangle that faces as the skin does there. normal: of the skin, outwards.
   EmbeddedPoint operator()(const Eigen::Vector3d& point, const Eigen::Vector3d& normal) const;
-  // The same of a point inside the body, with the tet behind the nearest triangle where none holds it.
+  // A point inside the body needs no normal. Where no tet holds it, it is the tet behind the nearest triangle.
   EmbeddedPoint operator()(const Eigen::Vector3d& point) const;
 
  private:

@@ -10,7 +10,7 @@
 namespace bodyopt {
 namespace {
 
-// What colours in pictures mean, from 0 to the end of their scale.
+// The colour scale of heat maps, from 0 to its end.
 Json heat_colours() {
   constexpr int kColours = 64;
   Json colours = Json::array();

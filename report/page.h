@@ -12,7 +12,7 @@
 
 namespace bodyopt {
 
-// As pages hold a picture, and a WebP of width x height pixels: {"src": data URL, "width", "height"}.
+// Encodes a picture, or a WebP of width x height pixels, for a page: {"src": data URL, "width", "height"}.
 Json page_picture(const Image& image);
 Json page_animation(std::span<const std::uint8_t> webp, std::uint32_t width, std::uint32_t height);
 

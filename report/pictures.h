@@ -22,14 +22,14 @@ struct PosePair {
   std::span<const float> skinning = {};      // as many; empty: not to be shown
 };
 
-// Pictures side by side, each panel_width x panel_height: truth, skinning where it is given, and result in clay, and
-// the result coloured by its distance from the truth, heat_colour() from 0 to scale_mm (> 0). Throws Error(mismatch)
-// when the arrays do not fit, and what Renderer::draw throws.
+// Pictures side by side, each panel_width x panel_height. Truth, skinning where it is given, and result are in clay.
+// Last is the result coloured by its distance from the truth, heat_colour() from 0 to scale_mm (> 0). Throws
+// Error(mismatch) when the arrays do not fit, and what Renderer::draw throws.
 Image comparison(Renderer& renderer, const PosePair& pose, double scale_mm, const Camera& camera,
                  std::uint32_t panel_width, std::uint32_t panel_height);
 
-// The skin (V x 3, T x 3) from the front (+z) and from behind, side by side, 2 panel_width x panel_height: coloured by
-// heat_colour() of a number from 0 to 1 per vertex (larger ones as 1). Throws what Renderer::draw throws.
+// The skin (V x 3, T x 3) from the front (+z) and from behind, side by side, 2 panel_width x panel_height. Each vertex
+// has heat_colour() of its number from 0 to 1 (larger ones as 1). Throws what Renderer::draw throws.
 Image heat_on_skin(Renderer& renderer, std::span<const float> skin, std::span<const std::uint32_t> triangles,
                    std::span<const double> heat, std::uint32_t panel_width, std::uint32_t panel_height);
 
@@ -39,12 +39,12 @@ double heat_scale(double largest);
 // A camera that sees both shapes whole, from a direction (world, towards the camera); aspect of one panel.
 Camera frame_pose(const PosePair& pose, const std::array<float, 3>& direction, float aspect);
 
-// The same of points (N x 3) in a panel of so many pixels.
+// Frames points (N x 3) in a panel of so many pixels.
 Camera framed(std::span<const float> points, const std::array<float, 3>& direction, std::uint32_t width,
               std::uint32_t height);
 
-// The direction (world, towards the camera) from which the vertex is seen that is furthest from the truth: along its
-// normal; zero where the triangles around it have no area.
+// The direction (world, towards the camera) that sees the vertex furthest from the truth: along its normal. It is zero
+// where the triangles around it have no area.
 std::array<float, 3> towards_worst(const PosePair& pose);
 
 // V x 3: unit normals of a mesh (V x 3), each the direction of the summed areas around its vertex, or zero.
@@ -89,8 +89,8 @@ struct MuscleTube {
   double radius;           // of the belly
 };
 
-// Seen from the front (+z), from behind and from the left: muscles as tubes with the shape of
-// their bellies, in front of the half of the skin (V x 3, T x 3) that faces away. Throws what Renderer::draw throws.
+// Muscles as tubes with the shape of their bellies, from the front (+z), from behind and from the left. Behind them is
+// the half of the skin (V x 3, T x 3) that faces away. Throws what Renderer::draw throws.
 Image muscle_picture(Renderer& renderer, std::span<const float> skin, std::span<const std::uint32_t> triangles,
                      std::span<const MuscleTube> muscles, std::uint32_t panel_width, std::uint32_t panel_height);
 

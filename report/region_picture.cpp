@@ -17,7 +17,7 @@
 namespace bodyopt {
 namespace {
 
-// Of every region, those with which it shares a vertex.
+// The regions with which each region shares a vertex.
 std::vector<std::vector<std::size_t>> neighbours_of(std::span<const DrawnRegion> regions, std::size_t vertices) {
   std::vector<std::vector<std::size_t>> regions_at(vertices);
   std::vector<std::set<std::size_t>> neighbours(regions.size());
@@ -115,7 +115,7 @@ class RegionPanel {
             -at[2]};
   }
 
-  // Of the middles of pixels that a triangle covers, the depth of what is nearest.
+  // Keeps the depth of the nearest surface at the middle of every pixel that the triangle covers.
   void cover(std::span<const std::uint32_t> triangle) {
     const std::array<float, 3>&a = points_[triangle[0]], &b = points_[triangle[1]], &c = points_[triangle[2]];
     const float area = (b[0] - a[0]) * (c[1] - a[1]) - (c[0] - a[0]) * (b[1] - a[1]);

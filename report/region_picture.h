@@ -31,8 +31,8 @@ struct RegionPicture {
       unnumbered;  // numbers (from 1) of regions too little of which is seen in any panel, ascending
 };
 
-// The skin (V x 3, T x 3) seen from these directions (towards the camera), a panel each, coloured by its regions, each
-// with its number (from 1) where it is seen; what is in no region is grey. Throws what Renderer::draw throws.
+// The skin (V x 3, T x 3) seen from these directions (towards the camera), a panel each, coloured by its regions. Each
+// has its number (from 1) where it is seen; skin in no region is grey. Throws what Renderer::draw throws.
 RegionPicture region_picture(Renderer& renderer, std::span<const float> skin, std::span<const std::uint32_t> triangles,
                              std::span<const DrawnRegion> regions, std::span<const std::array<float, 3>> colours,
                              std::uint32_t panel_width, std::uint32_t panel_height,
@@ -47,8 +47,8 @@ using VertexList = std::vector<std::uint32_t>;
 std::vector<std::array<float, 3>> sides_of(const Positions& vertices, const Triangles& triangles,
                                            std::span<const VertexList> places);
 
-// The skin (V x 3, rest space) from sides_of(), a panel each: every place in a colour of its own with its number
-// (from 1), a vertex of several with the first, the rest of the skin grey. Throws what Renderer::draw throws.
+// The skin (V x 3, rest space) from sides_of(), a panel each. Every place has its own colour and number (from 1). A
+// vertex of several places has the first's, the rest of the skin is grey. Throws what Renderer::draw throws.
 RegionPicture places_picture(Renderer& renderer, const Positions& vertices, const Triangles& triangles,
                              std::span<const VertexList> places, std::uint32_t panel_width, std::uint32_t panel_height);
 

@@ -236,7 +236,7 @@ void require_jiggle(const JiggleReport& jiggle) {
               frames);
 }
 
-// As report/page/report.js takes them.
+// Lays pictures out as report/page/report.js takes them.
 Json pictures_of(const ReportData& data) {
   Json pictures = {{"frames", Json::array()}};
   for (const PictureReport& picture : data.pictures) pictures["frames"].push_back(page_picture(picture.image));

@@ -42,7 +42,7 @@ struct MeanErrorReport {
   Image image;
 };
 
-// What flexing does to the skin: a frame of a take with controls, by what was learned, at rest and flexed.
+// The effect of flexing on the skin: a frame of a take with controls, by what was learned, at rest and flexed.
 struct FlexReport {
   std::string take;
   int frame = 0;
@@ -117,7 +117,7 @@ struct ProvenanceReport {
   std::vector<Take> takes;
 };
 
-// What `bodyopt demo` has done besides.
+// Further results of `bodyopt demo`.
 struct DemoReport {
   bool quick = false;  // of too few frames to judge the errors
   std::uint32_t frames = 0, converged = 0;
@@ -139,7 +139,7 @@ struct JiggleReport {
   double frames_per_second = 24;
   std::vector<int> frames;                   // one at least
   std::vector<double> rms_mm, max_mm;        // per frame, over the skin
-  std::vector<std::uint32_t> inverted_tets;  // per frame: inside out where diffuse carries them
+  std::vector<std::uint32_t> inverted_tets;  // per frame: inside out where diffuse moves them
   double diffuse_ms = 0, jiggle_ms = 0;      // a frame; 0 where the device tells no times
   std::string device;
   struct Pictures {

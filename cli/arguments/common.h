@@ -1,4 +1,4 @@
-// What the verbs share: their registration, the clip arguments, the result's two forms.
+// Shared parts of the verbs: their registration, the clip arguments, the result's two forms.
 #pragma once
 
 #include <fmt/core.h>
@@ -20,13 +20,13 @@
 
 namespace bodyopt::cli {
 
-// Verbs and their options are declared through functions that are compiled once: CLI11 is headers alone, and all of it
-// would be compiled again with every verb.
+// Functions that are compiled once declare verbs and their options. CLI11 is headers alone, which every verb would
+// compile again.
 
 // A verb of the program, or a verb below one.
 CLI::App& add_verb(CLI::App& parent, const std::string& name, const std::string& description);
 
-// One with arguments of its own, which live as long as it does; it runs with them. `Parameter`: as `run` takes them.
+// A verb with arguments of its own, which live as long as it does; it runs with them. `Parameter`: as `run` takes them.
 template <typename Arguments>
 struct DeclaredVerb {
   CLI::App& verb;
@@ -45,13 +45,13 @@ DeclaredVerb<Arguments> add_verb(CLI::App& parent, const std::string& name, cons
 template <typename Value>
 CLI::Option* add_option(CLI::App& verb, const std::string& name, Value& value, const std::string& description);
 
-// The same of text that may not be empty: that is most likely a shell variable that is not set, and must not mean the
-// default. `type`: as the help calls it; "FILE.png" is a name that ends in .png: a slip must not overwrite a character.
+// Text may not be empty: most likely a shell variable is not set, which must not mean the default. `type`: as the help
+// calls it. A "FILE.png" must end in .png, lest a slip overwrite a character.
 template <typename Text>
 CLI::Option* add_option(CLI::App& verb, const std::string& name, Text& value, const std::string& type,
                         const std::string& description);
 
-// One that must be given. `type`: as the help calls it.
+// An option that must be given. `type`: as the help calls it.
 template <typename Value>
 CLI::Option* add_required(CLI::App& verb, const std::string& name, Value& value, const std::string& type,
                           const std::string& description) {
@@ -115,7 +115,7 @@ struct ClipArguments : ClipChoice {
   }
 };
 
-// Where the program keeps what it can make again: bodyopt in $XDG_CACHE_HOME, or in ~/.cache; or empty.
+// The folder of what the program can make again: bodyopt in $XDG_CACHE_HOME, or in ~/.cache; or empty.
 std::filesystem::path cache_folder();
 
 // --device D [--require-device]
@@ -136,10 +136,10 @@ void refuse_overwriting(const std::filesystem::path& out, const std::filesystem:
 // Throws Error(file) now rather than after long work.
 void require_writable(const std::filesystem::path& path);
 
-// What the user typed, "bodyopt" and its arguments; kept by run_command().
+// The user's command line, "bodyopt" and its arguments; run_command() keeps it.
 void keep_command_line(const std::vector<std::string>& arguments);
 const std::string& command_line();
-// What follows the verb on the command line.
+// The words that follow the verb on the command line.
 const std::vector<std::string>& verb_arguments();
 
 // Makes the folder where it is missing. Throws Error(file).

@@ -46,7 +46,7 @@ std::string refuse_as_kind(const std::string& name) {
   return body_kind_of(name) ? "" : "expected one of " + body_kind_names() + ", found '" + name + "'";
 }
 
-// What the arguments say of a dataset in that folder.
+// The dataset in that folder as the arguments describe it.
 Dataset asked_dataset(const SimulationArguments& arguments, double unit, const fs::path& folder) {
   Dataset dataset;
   dataset.folder = folder;

@@ -1,4 +1,4 @@
-// What the verbs that add takes to a dataset share: its dataset.json, and what a take is called and made of.
+// Shared by the verbs that add takes to a dataset: its dataset.json, and a take's name and contents.
 #pragma once
 
 #include <filesystem>
@@ -17,7 +17,7 @@ struct TakeArguments {
   ClipArguments clip;
   std::string name, heldout;
   void add(CLI::App& verb);
-  // As --name says, or as the clip is called.
+  // The name that --name gives, or else the clip's.
   std::string take_name() const;
   // A take of these frames in a dataset of that folder, without shapes. Throws Error(usage) where --heldout names a
   // frame that is not among them.
@@ -37,7 +37,7 @@ struct FieldArguments {
   void add(CLI::App& verb);
   // Throws as read_corrections().
   AnatomyOptions options(const Skeleton& skeleton) const;
-  // As the dataset keeps them.
+  // Stores them as the dataset keeps them.
   void put_into(Dataset& dataset) const;
 };
 

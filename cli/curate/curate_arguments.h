@@ -1,4 +1,4 @@
-// What the verbs below `curate` are told, and what they do.
+// Arguments and functions of the verbs below `curate`.
 #pragma once
 
 #include <filesystem>
@@ -20,14 +20,14 @@ struct CurateArguments {
   JsonOption json;
 };
 
-// Of its dataset.json.
+// The path of its dataset.json.
 inline std::filesystem::path path_of(const CurateArguments& arguments) { return dataset_file(arguments.dataset); }
 
 // Modifiers put on the stack, and changed. `strength_given`: what is not named stays.
 void add_to_stack(const CurateArguments& arguments);
 void edit_stack(const CurateArguments& arguments, bool strength_given);
 
-// What the modifiers of the stack do to the shapes.
+// Reports how far the stack's modifiers move the shapes.
 void report_effects(const CurateArguments& arguments);
 
 // Frames of like poses whose shapes disagree.

@@ -52,7 +52,7 @@ std::string what_differs(std::vector<Modifier> before, std::vector<Modifier> now
   return before == now ? "its raw shape" : "the order of the modifiers";
 }
 
-// What the artist should know where the frame is another by now, but for what the modifier itself makes of it.
+// Tells the artist how the frame has changed since, but for the modifier's own sculpt.
 std::vector<std::string> changes_since(const ShapeStack& stack, std::size_t frame, const ExportedFrame& exported,
                                        const std::string& name) {
   constexpr double kChanged = 1e-5;  // metres
@@ -113,7 +113,7 @@ void emit_sculpt(const CurateArguments& arguments) {
   arguments.json.emit(result, text);
 }
 
-// Where the mesh alone does not tell what it was made of.
+// The mesh alone does not tell which export it was made of.
 std::string alike_note(const PoseDatabase& database, std::size_t frame, const ExportedFrame& taken,
                        std::size_t others) {
   const std::vector<std::string> names = transformed(taken.modifiers, &Modifier::name);

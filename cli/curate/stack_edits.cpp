@@ -59,7 +59,7 @@ std::optional<Json> mask_of(const CurateArguments& arguments) {
   return mask;
 }
 
-// What the modifiers of the stack do to the shapes.
+// Effects of the stack's modifiers on the shapes.
 
 // The frame that a modifier moves most, below it and above.
 std::string draw_effect(const ShapeStack& stack, const ModifierEffect& effect, const std::string& path) {
@@ -87,7 +87,7 @@ std::string draw_effect(const ShapeStack& stack, const ModifierEffect& effect, c
       list_names(names));
 }
 
-// What of the type consistency reaches its cap in many frames hardly takes history alone.
+// A modifier of the type consistency that reaches its cap in many frames hardly takes history alone.
 std::vector<std::string> capped_notes(const std::vector<Modifier>& modifiers,
                                       const std::vector<ModifierEffect>& effects) {
   constexpr std::size_t kMany = 20;  // one frame of so many

@@ -27,7 +27,7 @@ std::string short_parameters(const Json& parameters) {
   return text;
 }
 
-// Null, with a warning, where the takes cannot be read: the stack itself can be told all the same.
+// Null, with a warning, where the takes cannot be read: the stack itself can be reported all the same.
 std::optional<PoseDatabase> readable_database(const Dataset& dataset) {
   try {
     return read_pose_database(dataset);
@@ -37,7 +37,7 @@ std::optional<PoseDatabase> readable_database(const Dataset& dataset) {
   }
 }
 
-// As readable_database().
+// Null, with a warning, where the selections cannot be read.
 std::optional<TakenFrames> readable_frames(const std::optional<PoseDatabase>& database, const Modifier& modifier) {
   if (!database || find_modifier_type(modifier.type) == nullptr) return std::nullopt;
   try {

@@ -15,7 +15,7 @@
 
 namespace bodyopt::cli {
 
-// Of a database, how many frames of each take a modifier's selections name.
+// Counts, by take, the frames of a database that a modifier's selections name.
 struct TakenFrames {
   std::vector<std::pair<std::string, std::size_t>> by_take;  // those of which it takes any
   std::size_t taken = 0, all = 0;
@@ -39,15 +39,15 @@ StackReport report_stack(const Dataset& dataset, const std::optional<PoseDatabas
 
 // The stack as it is now: what every edit ends with. `database`: none where it cannot be read.
 void emit_stack(const CurateArguments& arguments, const Dataset& dataset, const std::optional<PoseDatabase>& database);
-// The same after what needed no database.
+// Writes the stack after an edit that needed no database.
 void emit_stack(const CurateArguments& arguments);
 
 // Two shapes of a skin and how far they are apart.
 
 inline constexpr double kFinestScale = 0.1;  // mm: of less nothing is to be seen
 
-// Two shapes in one pose, and the second in the colours of how far it is from the first (hottest at scale_mm), from the
-// side where that is most.
+// Draws two shapes in one pose. Colours of the second show its distance from the first (hottest at scale_mm), seen from
+// the side where it is largest.
 void draw_apart(const Character& character, const Positions& before, const Positions& after, double scale_mm,
                 const std::string& path);
 

@@ -7,7 +7,7 @@
 
 namespace bodyopt::cli {
 
-// Those of a file, or none yet where it is not there. Throws as load_attachments, of which see `basis_name`.
+// Reads a file's attachments; none where it does not exist yet. Throws as load_attachments, of which see `basis_name`.
 Attachments attachments_in(const std::filesystem::path& path, const Basis& basis, const std::string& basis_name);
 
 std::vector<AttachedMesh> bind_meshes(const std::vector<LooseMesh>& meshes, const Basis& basis,

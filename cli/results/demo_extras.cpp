@@ -25,7 +25,7 @@ namespace fs = std::filesystem;
 
 using Skins = std::vector<std::vector<float>>;  // per frame V x 3, world, metres
 
-// Of all frames, welded: seams would show as edges.
+// Skins of all frames are welded: seams would show as edges.
 Skins skins_of(const Character& character, const Evaluation& evaluation) {
   const std::size_t stride = 3 * std::size_t{character.output_count()};
   Skins skins;
@@ -49,7 +49,7 @@ Skins jiggle(const Character& character, const Clip& clip, Deformer& deformer, J
     report.inverted_tets.push_back(measure.inverted_tets);
     seconds.add(frame.stage_seconds);
   }
-  // Not there: a device without timestamps.
+  // A device without timestamps gives no times.
   const double per_frame = 1000 / static_cast<double>(report.frames.size());
   report.diffuse_ms = per_frame * seconds.of(Stage::diffuse).value_or(0);
   report.jiggle_ms = per_frame * seconds.of(Stage::jiggle).value_or(0);
@@ -87,7 +87,7 @@ Panel panel_of(const Skins& skins, std::size_t begin, const std::vector<std::siz
   return {frame_points(points, kDirection, static_cast<float>(width) / static_cast<float>(height)), width, height};
 }
 
-// Around the stop: close together where flesh moves fastest.
+// Frames around the stop are close together where flesh moves fastest.
 std::vector<std::size_t> strip_frames() {
   std::vector<std::size_t> frames;
   for (const int after : {-1, 0, 1, 2, 3, 4, 6, 9}) frames.push_back(static_cast<std::size_t>(kStopEnds + after - 1));

@@ -1,4 +1,4 @@
-// What the demo shows beside what it learned: the arm that stops suddenly, static and jiggling, and a stockier one.
+// The demo's extras: the arm that stops suddenly, static and jiggling, and a stockier one.
 #pragma once
 
 #include <filesystem>

@@ -18,8 +18,8 @@ namespace {
 constexpr double kSeenMm = 0.5;  // errors of Direct Delta Mush below are nobody's concern
 constexpr double kAsBad = 0.9;   // of the error of Direct Delta Mush: what is left out would hardly be seen
 
-// Frames worth a look, spread over the shot: those expected to be most wrong, or, where that is not known, that leave
-// what was trained furthest.
+// Frames worth a look, spread over the shot, are expected to be most wrong. Where that is not known, they leave the
+// trained range furthest.
 Json worth_a_look(const Json& per_frame) {
   constexpr std::size_t kMost = 3;
   std::vector<double> expected, outside;

@@ -1,4 +1,4 @@
-// What `eval` tells of the frames that it evaluated.
+// The report of `eval` on the frames that it evaluated.
 #pragma once
 
 #include <map>
@@ -23,10 +23,10 @@ namespace bodyopt::cli {
 // Frames in which what was learned fades to Direct Delta Mush.
 class FadeLog {
  public:
-  // Of sample k of an evaluation, which is this frame; `entry` gets "fade" and "fading_joint".
+  // Adds sample k of an evaluation, which is this frame; `entry` gets "fade" and "fading_joint".
   void add(const Skeleton& skeleton, const Evaluation& evaluation, std::size_t k, int frame, Json& entry);
 
-  // The same of an entry that was made before.
+  // Adds an entry that was made before.
   void add(int frame, const Json& entry);
   void add(int frame, double fade, const std::string& joint);
 
@@ -46,7 +46,7 @@ class EvaluationLog {
   // Expects errors where the basis knows its own. It must outlive this.
   explicit EvaluationLog(const Basis& basis);
 
-  // What the deformer gave of poses, which are these frames. `motion`: after the last, where frames jiggle, one by one.
+  // Adds what the deformer gave of poses, which are these frames. `motion`: after the last; jiggling frames come alone.
   void add(const Deformer& deformer, const Evaluation& part, std::span<const Pose> poses, std::span<const int> frames,
            const NodeMotion& motion);
 
@@ -56,7 +56,7 @@ class EvaluationLog {
 
   // Keys of the result: frames, what was flagged, times.
   Json result() const;
-  // The same in a few lines, for records: without the list of frames.
+  // A few lines for records, without the list of frames.
   Json summary() const;
   std::string text() const;
 

@@ -81,7 +81,7 @@ CoverageReport heldout_coverage(const SampleSet& set, const Training& training) 
   return report;
 }
 
-// Of the regions that the basis keeps: over the held-out frames, expected and true.
+// Adds expected and true errors over the held-out frames for the regions that the basis keeps.
 void add_heldout_errors(const std::vector<RegionWeights>& weights, const VertexErrors& errors, ReportData& report) {
   const CoverageReport& coverage = *report.coverage;
   for (RegionReport& region : report.regions) {
@@ -119,7 +119,7 @@ std::vector<TakeReport> take_reports(const SampleSet& set, const Basis& basis) {
   return reports;
 }
 
-// Those of a take among some samples, ascending.
+// Frames of a take among some samples, ascending.
 std::vector<int> frames_of(const std::vector<Sample>& samples, std::size_t take) {
   std::vector<int> frames;
   for (const Sample& sample : samples) {

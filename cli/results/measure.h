@@ -32,7 +32,7 @@ Training train_and_measure(const SampleSet& set, const TrainOptions& options, bo
 // The methods, a line each.
 std::string method_table(const std::vector<MethodResult>& methods);
 
-// Those of the held-out frames.
+// Poses of the held-out frames.
 std::vector<Pose> heldout_poses(const SampleSet& set);
 
 // The report of a training, but for its provenance. `shapes`: of the held-out frames, by the basis; `pictures_on`: the
@@ -46,7 +46,7 @@ ProvenanceReport provenance_of(const Dataset& dataset, const std::filesystem::pa
 
 // A list with an entry per level: what was measured of it when it was made, and its time of a frame, measured now.
 Json levels_info(const std::vector<Level>& levels, const ProxyReport& report);
-// The same as text.
+// Formats levels_info() as text.
 std::string level_table(const Json& levels);
 
 }  // namespace bodyopt::cli

@@ -1,4 +1,4 @@
-// What modifiers do in a shot: how far each moves the skin, and what push-out leaves of folds, also of joints bent far.
+// Effects of modifiers in a shot: how far each moves the skin, and folds that push-out leaves, also of joints bent far.
 #pragma once
 
 #include <optional>
@@ -18,8 +18,8 @@ struct ShotFolds {
   int deepest_frame = 0;
 };
 
-// Of some of the frames in which a fold may close, spread over them, of the quasi-static skin. Nothing where the stack
-// has no push-out, or it is switched off, or no fold closes. `frames`: the poses' numbers.
+// Measures the quasi-static skin of some of the frames in which a fold may close, spread over them. Nothing where the
+// stack has no push-out, or it is switched off, or no fold closes. `frames`: the poses' numbers.
 std::optional<ShotFolds> measure_shot_folds(const Basis& basis, std::span<const Pose> poses,
                                             std::span<const int> frames);
 

@@ -72,7 +72,7 @@ class CacheDrawer {
   std::map<std::string, MeshTable> meshes_;
 };
 
-// Of every frame worth a look, or why there is none.
+// Draws every frame worth a look, or says why it cannot.
 Json looks_of(const ShowSummary& summary) {
   Json looks = Json::array();
   std::optional<CacheDrawer> drawer;

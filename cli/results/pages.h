@@ -1,4 +1,4 @@
-// What a show on a farm has come to, as a page for people.
+// The state of a show on a farm, as a page for people.
 #pragma once
 
 #include <string>
@@ -11,11 +11,11 @@
 
 namespace bodyopt::cli {
 
-// Self-contained HTML. The frames worth a look are drawn from the caches, on a Vulkan device; where there is none, or a
+// Self-contained HTML. The frames worth a look are drawn from the caches, on a Vulkan device. Where there is none, or a
 // cache is gone, the page says so.
 std::string show_page(const FarmPlan& plan, const ShowSummary& summary);
 
-// The same for programs, without pictures.
+// The page's facts for programs, without pictures.
 Json to_json(const FarmPlan& plan, const ShowSummary& summary);
 
 // The options of `simulate` that name these frames, quoted for a shell.
@@ -39,13 +39,13 @@ std::vector<ComparedPose> compare_poses(const TransferPair& pair, const Basis& c
 // Error(device) where nothing can be drawn.
 Json transfer_pictures(const TransferPair& pair, const MeshTable& carried, const std::vector<ComparedPose>& poses);
 
-// What is known of one target: of the match (`alike`: likeness() of the pair), and of the parts and poses.
+// Facts of one target: of the match (`alike`: likeness() of the pair), and of the parts and poses.
 Json to_json(const TransferPair& pair, double alike);
 Json to_json(const std::vector<TransferPart>& parts, const std::vector<ComparedPose>& poses);
 
-// A picture of which point is which: the source, coloured by place; the target, each point in the colour of its match;
-// the target again, from clay where the match is sure to hot where it is not. Both in the common pose, each as large as
-// the other. Throws Error(device).
+// A picture of which point is which. The source is coloured by place, each point of the target in the colour of its
+// match. The target again is clay where the match is sure, and hot where it is not. Both are in the common pose, each
+// as large as the other. Throws Error(device).
 Image transfer_picture(const TransferPair& pair);
 
 }  // namespace bodyopt::cli

@@ -41,7 +41,7 @@ const Sample* most_flexed(const SampleSet& set) {
   return most;
 }
 
-// Those above 0, falling.
+// Controls above 0, falling.
 std::vector<std::pair<std::string, double>> flexed_controls(const SampleSet& set, const Sample& sample) {
   std::vector<std::pair<std::string, double>> flexed;
   for (std::size_t c = 0; c < sample.pose.controls.size(); ++c) {

@@ -44,9 +44,9 @@ class ReportPictures {
 // Indices of the held-out frames by rising RMS error.
 std::vector<std::size_t> by_error(const ErrorStatistics& errors);
 
-// At rest, and in the frame of which most is flexed by controls or, where nothing is, in which a muscle is shortest
-// beside its length at rest. None where there are no muscles or no frames; and, with a line on standard error, where
-// nothing can be told of the inside.
+// Pairs are at rest, and in the frame of which most is flexed by controls. Where nothing is flexed, it is that of the
+// muscle shortest beside its length at rest. None without muscles or frames, and, with a line on standard error, where
+// nothing is known of the inside.
 std::optional<SectionsReport> section_pictures(const SampleSet& set, const AnatomyOptions& options);
 
 }  // namespace bodyopt::cli
