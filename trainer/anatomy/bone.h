@@ -25,10 +25,10 @@ std::vector<Bone> corrected_bones(const std::vector<Bone>& bones, const HalfBody
 // Into tissue.bone and tissue.bone_joint: of each sample the nearest bone, -1 where there is none.
 void find_bone(const BodySurvey& survey, const std::vector<Bone>& bones, InnerTissue& tissue);
 
-// Gives a survey its fat and tissue the field of it: a pattern (V), times what corrections say of regions and joints,
-// by how much skin follows them. So thick that the fat under the skin is four fifths of a body's fat, the rest of which
-// lies inside; never more than 0.45 of the way to the middle of a limb; with a note where the body has no room for what
-// is asked. skin: metres.
+// Gives a survey its fat and tissue its field: a pattern (V), times the corrections of regions and joints, by how much
+// skin follows them. It is so thick that the fat under the skin is four fifths of a body's; the rest lies inside.
+// Nowhere does it take more than 0.45 of the way to the middle of a limb. A note says where the body has no room for
+// what is asked. skin: metres.
 void lay_fat(BodySurvey& survey, const Eigen::VectorXd& pattern, double skin, const InnerTissueOptions& options,
              InnerTissue& tissue);
 

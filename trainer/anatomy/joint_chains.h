@@ -1,5 +1,5 @@
-// The joints of a body as an anatomist sees them: an axis from the tail to the head, limbs that leave it, and those
-// that are no bones.
+// The joints of a body as an anatomist sees them. An axis runs from the tail to the head, limbs leave it, and some
+// joints are no bones.
 #pragma once
 
 #include <string>
