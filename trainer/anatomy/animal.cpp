@@ -285,7 +285,7 @@ std::optional<LimbRoots> limb_roots(const JointChains& chains) {
   return LimbRoots{sum[0] / count[0], sum[1] / count[1]};
 }
 
-// J. What is not of a limb: the tail behind the hips, the neck before the shoulders, the trunk.
+// J. Joints of no limb are the tail behind the hips, the neck before the shoulders, or the trunk.
 std::vector<BodyRegion> animal_regions(const HalfBody& body, const JointChains& chains) {
   constexpr double kNear = 0.12, kMostNeck = 0.25;  // of the way from hips to shoulders; of the skin
   std::vector<BodyRegion> regions(chains.parent.size(), BodyRegion::trunk);

@@ -19,7 +19,7 @@ struct Animal {
 
 // A joint that holds the piece of trunk which a lone limb comes with.
 bool holds_piece_of_trunk(const Animal& animal, int joint);
-// There, to the middle of the ribs, metres; negative inside.
+// Distance to the middle of the ribs in that piece, metres; negative inside.
 double rib_shell_distance(const Animal& animal, const Spot& spot);
 
 // Shares of a section that chest and belly leave.

@@ -26,8 +26,8 @@ struct RecognisedKind {
 // length over its thickness.
 RecognisedKind recognise_kind(const Character& character);
 
-// J: does a bone lie between a joint and its parent? Not from a root on the ground to the hips, nor to control joints,
-// joint ends without skin, detached targets of inverse kinematics.
+// J: does a bone lie between a joint and its parent? None lies from a root on the ground to the hips, to control
+// joints, joint ends without skin, detached targets of inverse kinematics.
 std::vector<bool> carries_bone(const Character& character);
 
 // An artist's corrections of an anatomy: a small file beside the character, which changes nothing else.

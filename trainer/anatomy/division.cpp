@@ -106,7 +106,7 @@ Positions way_to_middle(const HalfMuscle& muscle, const Eigen::MatrixXd& sums) {
   return way;
 }
 
-// Not farther from where a path was at first, nor across the median plane.
+// Keeps a path within `most` of where it was at first, and on its side of the median plane.
 void keep_near(const Positions& moved, const Positions& first, double most, Positions& path) {
   for (Index k = 0; k < kPathPoints; ++k) {
     const Eigen::RowVector3d way = moved.row(k) - first.row(k);

@@ -16,7 +16,7 @@ struct ArmAxes {
   Vector3d upper, fore, hinge, flexor, outer, radial;
 };
 
-// Towards the thumb by its skin, as its joint may lie on the forearm's axis; forwards without one.
+// The direction of the thumb's skin, as its joint may lie on the forearm's axis; forwards without one.
 Vector3d radial_direction(const HalfBody& body, const Vector3d& wrist, const Vector3d& fore) {
   const int thumb = body.find(BodyPart::thumb);
   Vector3d sum = Vector3d::Zero();

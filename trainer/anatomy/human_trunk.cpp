@@ -115,7 +115,7 @@ class RibCage {
   double top_, bottom_, mm_;
 };
 
-// Behind the ribs, under the skin of the back.
+// A place behind the ribs, under the skin of the back.
 Vector3d behind_cage(const HumanSkeleton& skeleton, const RibCage& cage, double aside, double height, double behind) {
   const auto depths = skeleton.survey.depths(height, aside);
   if (!depths) return {aside, height, 0};

@@ -225,7 +225,7 @@ class ChainFinder {
     return chain;
   }
 
-  // Along the joints from one to another, through the last that both hang under.
+  // The joints from one to another, through the last that both hang under.
   std::vector<int> path(int from, int to) const {
     std::vector<int> up = upwards(from), down = upwards(to);
     int shared = -1;

@@ -37,7 +37,7 @@ JointChains find_chains(const HalfBody& body);
 // J: the joint whose bone ends at this one, and which it moves with; -1 where no bone does.
 std::vector<int> bone_parents(const JointChains& chains);
 
-// Does a joint's name have one of these words? Of four letters and more, also within another word.
+// Does a joint's name have one of these words? Words of four letters and more also count within another one.
 bool is_named(const std::string& joint, std::initializer_list<std::string_view> words);
 
 }  // namespace bodyopt

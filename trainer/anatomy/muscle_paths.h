@@ -28,7 +28,7 @@ struct HalfMuscle {
 double path_length(const Positions& path);
 // Points at equal distances along a polyline (P x 3, 2 or more).
 Positions resampled(const Positions& path, int count);
-// Along a path, by a Gauss kernel of so many points; beyond the ends stand the ends.
+// Smooths rows along a path by a Gaussian kernel of so many points; the ends stand for what lies beyond them.
 Eigen::MatrixXd smoothed_along(const Eigen::MatrixXd& rows, double width);
 
 // M: the muscle on the other side of each, by its name or its place; -1: none.

@@ -227,7 +227,7 @@ SectionPlane plane_of(const Cut& cut, const AnatomyField::Half& half, const std:
                       sides.maxCoeff() / pixels);
 }
 
-// Across a bone, a share of the way along it; nothing where a joint has no name that is known.
+// Adds a cut across a bone, a share of the way along it; nothing where a joint has no name that is known.
 void add_across(const HalfBody& body, const Cut& pattern, BodyPart from, BodyPart to, double share,
                 std::vector<Cut>& cuts) {
   const int first = body.find(from), last = body.find(to);

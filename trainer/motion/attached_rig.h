@@ -38,7 +38,7 @@ class AttachedRig {
   Pose attached(Pose pose) const;
   std::vector<Pose> attached(const std::vector<Pose>& poses) const;
 
-  // Back.
+  // Takes them back.
   JointLimits detached(JointLimits limits) const;
   Pose detached(Pose pose) const;
   Clip detached(Clip clip) const;

@@ -114,7 +114,7 @@ class LimitsReader {
     }
   }
 
-  // Across the plane x = 0. An axis is a pseudovector: its component along the plane's normal stays.
+  // Mirrors across the plane x = 0. An axis is a pseudovector: its component along the plane's normal stays.
   DegreeOfFreedom mirror_image(DegreeOfFreedom dof, const JsonObject& object) const {
     bool moved = false;
     for (JointTurn& turn : dof.turns) {

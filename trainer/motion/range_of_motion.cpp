@@ -86,7 +86,7 @@ class BlendWalk {
     return best;
   }
 
-  // About axes of the joint's own space: deviations know no direction.
+  // Turns about axes of the joint's own space: deviations know no direction.
   Pose deviating(Pose pose) {
     if (random_.next() < kAsExamples) return pose;
     for (const JointDeviation& deviation : options_.deviations) {

@@ -43,9 +43,9 @@ struct RangeOfMotionOptions {
 };
 
 struct RangeOfMotion {
-  std::vector<Posture> postures;  // per frame that the limits made: of all, or with examples all but the random ones
-  std::vector<Pose> blends;       // the random frames where there are examples
-  // After frame 1, which is the rest pose.
+  std::vector<Posture> postures;  // per frame that the limits made: of all but blends of examples
+  std::vector<Pose> blends;       // the random frames that are blends of examples
+  // Frames after frame 1, which is the rest pose.
   std::size_t sweep_frames = 0, pair_frames = 0, touching_frames = 0, random_frames = 0;
   double largest_step = 0;  // degrees, of any angle, or of any joint from and to blends, between two frames
 };

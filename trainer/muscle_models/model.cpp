@@ -182,7 +182,7 @@ std::optional<FlatArc> through_circle(double radius, const Vector2d& start, cons
 
 using Plane = Eigen::Matrix<double, 2, 3>;  // two axes
 
-// Through a sphere's centre and both ends; where these three are on a line, also through the side.
+// The plane through a sphere's centre and both ends; if these three are on a line, also through the side.
 Plane plane_through(const std::optional<Vector3d>& side, const Vector3d& start, const Vector3d& end) {
   const Vector3d along = start.normalized();
   Vector3d normal = start.cross(end);

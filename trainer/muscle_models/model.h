@@ -129,7 +129,7 @@ std::vector<PathStop> trace_path(const ModelMuscle& muscle, const ModelPose& pos
 // Length of a traced path, metres.
 double path_length(const std::vector<PathStop>& stops);
 
-// Is the path traced around the surface? Around spheres and cylinders.
+// Is the path traced around the surface? It is around spheres and cylinders.
 bool honoured(const Wrap& wrap);
 
 // Reads .osim or MuJoCo .xml by the file's ending. Throws Error(file).

@@ -3,7 +3,7 @@
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "trainer/simulate/tissue_forces.cpp"
 #include "hwy/foreach_target.h"
-// Below it: what is compiled again for each set of instructions.
+// The code below it is compiled again for each set of instructions.
 #include "hwy/highway.h"
 
 HWY_BEFORE_NAMESPACE();

@@ -429,7 +429,7 @@ Cage lattice_cage(const Positions& vertices, const Triangles& triangles, const S
     if (share <= 1 && share > kCloseEnough) break;
     if (share > 1) coarsest_too_fine = std::max(coarsest_too_fine, cell);
     cell *= std::pow(share / (0.5 + 0.5 * kCloseEnough), kPower);
-    // Between what is known to be too fine and what is not.
+    // The next size lies between what is known to be too fine and what is not.
     if (best && coarsest_too_fine > 0 && (cell >= *best || cell <= coarsest_too_fine)) {
       cell = (*best + coarsest_too_fine) / 2;
     }

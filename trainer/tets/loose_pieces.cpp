@@ -22,7 +22,7 @@ constexpr double kOther = 0.5;    // of a vertex' weights: a tet that follows le
 constexpr double kOwn = 0.8;      // and one that follows as much follows the same
 constexpr double kFarthest = -4;  // barycentric weight of a vertex outside its tet: further, it would be a spike
 
-// How far along the edges of a skin.
+// Distances along the edges of a skin.
 class SkinPaths {
  public:
   SkinPaths(const Positions& vertices, const Triangles& triangles)
