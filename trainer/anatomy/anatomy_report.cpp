@@ -35,7 +35,7 @@ using Sides = std::array<SideVolumes, 2>;
 
 double total(const std::array<double, kKinds>& tissues) { return std::accumulate(tissues.begin(), tissues.end(), 0.0); }
 
-// What the field tells at the samples of a half, or at their mirror images.
+// Adds the field's tissues at the samples of a half, or at their mirror images.
 void add_half(const AnatomyField& field, const AnatomyField::Half& half, bool mirrored, SideVolumes& side) {
   const Eigen::Vector3d turn(mirrored ? -1 : 1, 1, 1);
   const Eigen::Affine3d to_rest = half.body.from_rest.inverse() * Eigen::Scaling(turn);
@@ -97,7 +97,7 @@ AnatomyReport::OfPart part_of(const char* name, const std::array<double, kKinds>
                              share(TissueKind::cavity),
                              share(TissueKind::muscle),
                              0};
-  // Also what rounding put outside at the skin itself.
+  // Rounding leaves some samples at the skin itself outside: they count here, too.
   part.other_lean = share(TissueKind::other_lean) + share(TissueKind::tendon) + share(TissueKind::outside);
   return part;
 }
@@ -117,8 +117,8 @@ std::vector<AnatomyReport::OfPart> parts_of(const Sides& sides) {
   return parts;
 }
 
-// What the division says of a region, of one of the muscles that share it. other: of a half that stands for both, where
-// the numbers of the other half are.
+// Copies what the division found for a region to one of the muscles that share it. `other`: set for the mirror image of
+// a half that stands for both; it maps joints to those of the other side.
 void tell_muscle(const Division::OfMuscle& region, const Character& character, const AnatomyField::Half* other,
                  AnatomyReport::OfMuscle& muscle) {
   muscle.target = region.target / static_cast<double>(std::max<std::size_t>(1, region.slips.size()));
@@ -131,7 +131,7 @@ void tell_muscle(const Division::OfMuscle& region, const Character& character, c
   }
 }
 
-// Of muscles that share a region each has an equal part.
+// Muscles that share a region have equal parts of it.
 std::vector<AnatomyReport::OfMuscle> muscles_of(const Character& character, const std::vector<Muscle>& muscles,
                                                 const AnatomyField& field, const Sides& sides) {
   std::vector<AnatomyReport::OfMuscle> told(muscles.size());
@@ -182,7 +182,7 @@ std::vector<std::string> ends_off_bone(const AnatomyReport& report) {
   return ends;
 }
 
-// Of a skin that is its own mirror image left and right are averaged, which hides that they lie elsewhere.
+// A skin that is its own mirror image gets the mean of left and right, which hides that they lie elsewhere.
 std::string averaged_apart(const std::vector<Muscle>& muscles, const AnatomyField& field) {
   if (!field.is_own_mirror()) return "";
   const HalfBody& body = field.halves().front().body;

@@ -1,4 +1,4 @@
-// What a body is made of, in numbers: by its parts and by its muscles.
+// The composition of a body in numbers: by its parts and by its muscles.
 #pragma once
 
 #include <array>
@@ -31,15 +31,14 @@ struct AnatomyReport {
   std::vector<OfPart> parts;      // both sides together, those that the body has; last "body", all of it
   std::vector<OfMuscle> muscles;  // as the list of muscles has them
   std::map<std::string, double> limb_factors;
-  // The largest difference of a part's, of its bone's, fat's or muscle's, or of a muscle's volume between left and
-  // right, over their mean, found by looking
-  // at the field on both sides; nothing: the body has no sides.
+  // The largest difference between left and right over their mean: of a part's volume, of its bone, fat or muscle, or
+  // of a muscle's volume. It is found by looking at the field on both sides. Nothing: the body has no sides.
   std::optional<double> mirror_difference;
-  // Where skin and paths do not fit each other, and what could not be placed, one sentence each.
+  // One sentence each: where skin and paths do not fit each other, and what could not be placed.
   std::vector<std::string> warnings;
 };
 
-// By asking tissue_at() at every sample of the grid and, where one half stands for both, at its mirror image.
+// Asks tissue_at() at every sample of the grid and, where one half stands for both, at its mirror image.
 AnatomyReport report_anatomy(const Character& character, const std::vector<Muscle>& muscles, const AnatomyField& field);
 
 // One sentence on where the skin passes through itself, and so parts' volumes are not their own; empty: nowhere.
@@ -49,15 +48,15 @@ std::string skin_crossing(const Character& character);
 
 using Rgb = std::array<std::uint8_t, 3>;  // sRGB
 
-// Bone ivory, fat yellow, cavity grey-blue, tendon white, other lean tissue pale red; every muscle a red or brown of
-// its own, the same on both sides of the body.
+// Bone is ivory, fat yellow, cavity grey-blue, tendon white, other lean tissue pale red. Every muscle has a red or
+// brown of its own, the same on both sides of the body.
 class TissueColours {
  public:
   explicit TissueColours(const std::vector<Muscle>& muscles);
   Rgb of(const TissueAt& tissue) const;
-  // width x height x 4, sRGB: of nothing where no tissue is; darker where two muscles, or other tissues, meet.
-  // stretch: of the fibres at every pixel, times their length at rest, or empty; muscles are more orange the shorter,
-  // more violet the longer they are, fullest at a third.
+  // width x height x 4, sRGB: transparent where there is no tissue, darker where two muscles or other tissues meet.
+  // `stretch`: of the fibres at every pixel, times their length at rest, or empty. Shorter muscles are more orange,
+  // longer ones more violet, fullest at a third.
   std::vector<std::uint8_t> picture(const TissueSection& section, std::span<const double> stretch = {}) const;
 
  private:

@@ -89,7 +89,7 @@ class LimbBones {
   }
 
  private:
-  // To the joints below, or to the end of its skin.
+  // Adds bones to the joints below, or to the end of the joint's own skin.
   void add_asked_for(const std::string& name) {
     const std::vector<NamedJoint>& joints = animal_.survey.body().joints;
     const auto found = std::ranges::find_if(joints, [&](const auto& each) { return each.name == name; });
@@ -142,7 +142,7 @@ class LimbBones {
            is_named(animal_.name(joint), {"elbow", "forearm", "lowerarm", "shin", "calf", "knee"});
   }
 
-  // From the last joint of a limb towards the end of its skin.
+  // The bone from the last joint of a limb towards the end of its skin.
   LongBone end_of(int joint) const {
     const HalfBody& body = animal_.survey.body();
     const Vector3d& from = animal_.place(joint);
@@ -180,8 +180,8 @@ class LimbBones {
     }
   }
 
-  // Towards the middle of the section, where a limb leaves the trunk not far, and as thick as the part allows. end: 0
-  // in the middle of the shaft, 1 at a hinge.
+  // Moves a link towards the middle of the section, though not far where a limb leaves the trunk. It is as thick
+  // as the part allows. `end`: 0 in the middle of the shaft, 1 at a hinge.
   ChainLink link(const LongBone& bone, const Vector3d& straight, const Vector3d& along, double end) const {
     constexpr double kFarthest = 0.6;  // of the part's radius
     const Vector3d middle = bone.is_girdle ? straight : section_middle(animal_.survey.grid(), straight, along);
@@ -255,7 +255,7 @@ BodyRegion region_of_limb(const HalfBody& body, const JointChains& chains, int j
   return (limb.use == Use::leg ? kLeg : kArm)[part];
 }
 
-// Where limbs leave the axis: hind and fore, on average of either.
+// The places where limbs leave the axis: hind and fore, the mean of either.
 struct LimbRoots {
   Vector3d hind, fore;
   // Along the body, 0 at the hind limbs, 1 at the fore limbs.
@@ -285,7 +285,7 @@ std::optional<LimbRoots> limb_roots(const JointChains& chains) {
   return LimbRoots{sum[0] / count[0], sum[1] / count[1]};
 }
 
-// J. What is not of a limb: the tail behind the hips, the neck before the shoulders, the trunk.
+// J. Joints of no limb are the tail behind the hips, the neck before the shoulders, or the trunk.
 std::vector<BodyRegion> animal_regions(const HalfBody& body, const JointChains& chains) {
   constexpr double kNear = 0.12, kMostNeck = 0.25;  // of the way from hips to shoulders; of the skin
   std::vector<BodyRegion> regions(chains.parent.size(), BodyRegion::trunk);
@@ -305,7 +305,7 @@ std::vector<BodyRegion> animal_regions(const HalfBody& body, const JointChains& 
   return regions;
 }
 
-// Of fat under the skin, by BodyRegion: thick on the trunk, thin on heads and lower limbs.
+// Shares of fat under the skin, by BodyRegion: thick on the trunk, thin on heads and lower limbs.
 constexpr std::array<double, kBodyRegions> kFatShares{1, 1.2, 0.6, 0.35, 0.8, 0.35, 0.2, 0.6, 0.35, 0.2, 0.8, 0.2};
 
 // V, metres. Limbs that are thin have less than the trunk at any place of theirs.
@@ -321,8 +321,8 @@ double bone_share(const InnerTissue& tissue) {
          static_cast<double>(std::max<Index>(1, tissue.bone.size()));
 }
 
-// Of a body of any build: bones so thick that they take the share of it that skeletons do, within reason. What comes
-// with a lone limb says nothing of its bones.
+// Bones are so thick that they take the share of the body that skeletons do, within reason, whatever its build. A lone
+// limb keeps its first bones: what comes with it says nothing of them.
 void lay_bones(const Animal& animal, const AnimalCavity& cavity, const AnatomyCorrections& corrections,
                InnerTissue& tissue) {
   constexpr int kTries = 4;

@@ -11,7 +11,7 @@ struct Animal {
   const JointChains& chains;
   const SpineCurve& spine;
   BodyKind kind;
-  double size;  // metres: the longest extent, which radii are told by
+  double size;  // metres: the longest extent, the unit of radii
 
   const Eigen::Vector3d& place(int joint) const { return survey.body().places[static_cast<std::size_t>(joint)]; }
   const std::string& name(int joint) const { return survey.body().joints[static_cast<std::size_t>(joint)].name; }
@@ -19,10 +19,10 @@ struct Animal {
 
 // A joint that holds the piece of trunk which a lone limb comes with.
 bool holds_piece_of_trunk(const Animal& animal, int joint);
-// There, to the middle of the ribs, metres; negative inside.
+// Distance to the middle of the ribs in that piece, metres; negative inside.
 double rib_shell_distance(const Animal& animal, const Spot& spot);
 
-// What chest and belly leave of a section, as shares of it.
+// Shares of a section that chest and belly leave.
 struct CavityWalls {
   double aside, below;  // of the half width, of the height: muscle and bone there
   double chest = 0;     // the part of the cavity, from its front, that ribs are about
@@ -36,7 +36,7 @@ class AnimalCavity {
   double from() const { return from_; }
   double to() const { return to_; }
   double chest_from() const { return to_ - walls_.chest * (to_ - from_); }
-  // To its wall, roughly, metres; negative inside. `grown`: of a cavity so much larger on all sides.
+  // Distance to its wall, roughly, metres; negative inside. `grown`: of a cavity so much larger on all sides.
   double distance(const Spot& spot, const SpineCurve::Spot& at, double grown = 0) const;
   double distance(const Spot& spot) const;
 
@@ -50,7 +50,7 @@ class AnimalCavity {
 std::vector<Bone> girdle_bones(const Animal& animal, double thickness);
 // Vertebrae with their spinous processes; ribs, breastbone.
 std::vector<Bone> axis_bones(const Animal& animal, const AnimalCavity& cavity, double thickness);
-// What lies deep in the head, if it has a joint of its own.
+// The skull lies deep in the head, where that has a joint of its own.
 std::vector<Bone> skull_bones(const Animal& animal);
 
 // The inside of any body but a human's. Throws nothing for bodies without bones: notes say what could not be placed.

@@ -8,8 +8,8 @@
 namespace bodyopt {
 namespace {
 
-// Of lungs, heart and gut: horses and other quadrupeds have thin flanks, birds a breast full of muscle, fish their gut
-// in the lower third, between thick flanks. By BodyKind.
+// Walls of the cavity of lungs, heart and gut, by BodyKind: quadrupeds have thin flanks, birds a breast full of muscle.
+// Fish have their gut in the lower third, between thick flanks.
 constexpr CavityWalls kWalls[] = {{0.22, 0.16, 0.5}, {0.18, 0.10, 0.6}, {0.25, 0.36, 0.7}, {0.42, 0.22, 1, 0.1},
                                   {0.35, 0.12, 1},   {0.3, 0.25},       {0.22, 0.16, 0.5}};
 
@@ -26,7 +26,7 @@ constexpr double kRibShare = 0.42;  // of the length that a rib and the gap besi
 
 bool has_processes(BodyKind kind) { return kind != BodyKind::many_legs && kind != BodyKind::limb; }
 
-// Of vertebrae, metres: of their middles' bodies.
+// Radius of the vertebrae's bodies, metres.
 double vertebra_radius(const Animal& animal, const SpineCurve::Row& row) {
   constexpr double kShare = 0.11, kMost = 0.0095;  // of the section's height, of the body's size
   const double part = kShare * (row.up + row.down), most = kMost * animal.size;
@@ -61,7 +61,7 @@ class AxisPart {
   // -1 to 1 along one of many equal pieces of the body's length.
   double in_piece(double along, double piece) const { return 2 * (along / piece - std::floor(along / piece)) - 1; }
 
-  // From a vertebra to below the back; of fish also downwards, behind the gut.
+  // A process reaches from a vertebra to below the back; in fish also downwards, behind the gut.
   double process(const Spot& spot, const SpineCurve::Spot& at, const SpineCurve::Row& row, double height) const {
     const double piece = kVertebra * animal_.size;
     const double above = row.up - (row.place - row.middle).dot(row.dorsal), below = row.up + row.down - above;
@@ -101,7 +101,7 @@ using Use = JointLimb::Use;
 // Shares of the body's size.
 constexpr double kPlate = 0.0028, kGirdleCover = 0.002;
 
-// Plates from a limb's socket to the spine, told along the body, to the back, and out of the median plane.
+// Plates from a limb's socket to the spine, measured along the body, to the back, and out of the median plane.
 class Girdle {
  public:
   Girdle(const Animal& animal, const JointLimb& limb, double thickness)
@@ -129,7 +129,7 @@ class Girdle {
     add(section_.joint, socket, ischium, pubis, bones);
   }
 
-  // Of a limb that has a joint at the blade's upper end, from there; otherwise to below the back.
+  // The blade begins at the limb's joint at its upper end, if there is one; otherwise below the back.
   void add_shoulder_blade(std::vector<Bone>& bones) const {
     const Vector3d& socket = animal_.place(socket_);
     const bool has_joint = socket_ != front_ && is_named(animal_.name(front_), {"scapula"});
@@ -140,7 +140,7 @@ class Girdle {
   }
 
  private:
-  // Where a limb's first long bone begins.
+  // The joint where a limb's first long bone begins.
   int socket_of(const JointLimb& limb) const {
     const int first = limb.joints.front();
     for (const int joint : limb.joints) {

@@ -31,12 +31,12 @@ struct BodyGrid {
   double on_skin(const Eigen::VectorXd& values, int sample) const;
 };
 
-// Of those cells whose middle is inside: where the crossings of the skin along z sum to more than none, so small
-// self-intersections do not matter; beside holes, where those of a line do not end at none, along x, then y. Throws
-// Error(mismatch) where the skin encloses nothing.
+// Samples the cells whose middles are inside: the crossings of the skin along z sum to more than none. Small
+// self-intersections do not matter then. Beside holes, where those of a line do not end at none, lines along x, then y
+// decide. Throws Error(mismatch) where the skin encloses nothing.
 BodyGrid sample_body(const HalfBody& body, double cell);
 
-// Cell edges so that a body of 1.75 m and 60 l has 5 mm: by the cube root of the volume that the skin encloses.
+// The edge of cells, 5 mm in a body of 60 l (1.75 m). It grows with the cube root of the volume that the skin encloses.
 double default_cell(const Character& character);
 
 }  // namespace bodyopt

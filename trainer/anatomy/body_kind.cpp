@@ -39,7 +39,7 @@ bool has_pairs(const JointChains& chains) {
   return has(true) && has(false);
 }
 
-// Does the trunk stand rather than lie? From the roots of its legs to those of its arms, or to its head.
+// Does the trunk stand rather than lie? It runs from the roots of its legs to those of its arms, or to its head.
 bool stands_upright(const JointChains& chains) {
   Eigen::Vector3d low = Eigen::Vector3d::Zero(), high = low;
   double legs = 0, arms = 0;

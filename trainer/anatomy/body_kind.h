@@ -1,4 +1,4 @@
-// What kind of animal a body is: it decides where bones and cavities lie.
+// The kind of animal that a body is: it decides where bones and cavities lie.
 #pragma once
 
 #include <filesystem>
@@ -22,15 +22,15 @@ struct RecognisedKind {
   BodyKind kind = BodyKind::biped;
   std::string why;  // for people: "four chains of joints reach the ground"
 };
-// By the names of joints where they tell, otherwise by the shape: chains of joints that end at the ground, wings, how
-// much longer than thick the trunk is.
+// The names of joints decide where they tell, otherwise the shape: limbs that end at the ground, wings, the trunk's
+// length over its thickness.
 RecognisedKind recognise_kind(const Character& character);
 
-// J: does a bone lie between a joint and its parent? Not from a root on the ground to the hips, nor to control joints,
-// joint ends without skin, detached targets of inverse kinematics.
+// J: does a bone lie between a joint and its parent? None lies from a root on the ground to the hips, to control
+// joints, joint ends without skin, detached targets of inverse kinematics.
 std::vector<bool> carries_bone(const Character& character);
 
-// What an artist corrects of an anatomy: a small file beside the character, which changes nothing else.
+// An artist's corrections of an anatomy: a small file beside the character, which changes nothing else.
 
 struct AnatomyCorrections {
   struct OfBone {

@@ -1,4 +1,4 @@
-// What is known of places in a body from the skin over them.
+// The skin tells of the places under it: their depth, region and joint.
 #pragma once
 
 #include <optional>
@@ -40,7 +40,7 @@ class BodySurvey {
     double back, front;
   };
   std::optional<Depths> depths(double height, double aside = 0) const;
-  // Where a plane across `axis` (unit) cuts a region: the middle, and the half of its width along `across`.
+  // The section of a region by a plane across `axis` (unit): its middle, and half of its width along `across`.
   struct Section {
     Eigen::Vector3d middle;
     double half_width;

@@ -18,24 +18,24 @@ struct Bone {
 // Farther from bones than this, fields say just so: metres, of a body of 1.75 m.
 constexpr double kFarFromBone = 0.08;
 
-// Without those of joints that carry none by a correction, and as much thicker as one says.
+// Leaves out bones of joints that carry none by a correction, and thickens others as one says.
 std::vector<Bone> corrected_bones(const std::vector<Bone>& bones, const HalfBody& body,
                                   const AnatomyCorrections& corrections);
 
-// Into tissue.bone and tissue.bone_joint: of each sample the nearest bone, -1 where there is none.
+// Sets tissue.bone and tissue.bone_joint: the nearest bone of each sample, -1 where there is none.
 void find_bone(const BodySurvey& survey, const std::vector<Bone>& bones, InnerTissue& tissue);
 
-// Gives a survey its fat and tissue the field of it: a pattern (V), times what corrections say of regions and joints,
-// by how much skin follows them. So thick that the fat under the skin is four fifths of a body's fat, the rest of which
-// lies inside; never more than 0.45 of the way to the middle of a limb; with a note where the body has no room for what
-// is asked. skin: metres.
+// Gives a survey its fat and tissue its field: a pattern (V), times the corrections of regions and joints, by how much
+// skin follows them. It is so thick that the fat under the skin is four fifths of a body's; the rest lies inside.
+// Nowhere does it take more than 0.45 of the way to the middle of a limb. A note says where the body has no room for
+// what is asked. skin: metres.
 void lay_fat(BodySurvey& survey, const Eigen::VectorXd& pattern, double skin, const InnerTissueOptions& options,
              InnerTissue& tissue);
 
 // Signed distances to the simple shapes that bones are put together of: negative inside, metres.
 
 double sphere_distance(const Eigen::Vector3d& point, const Eigen::Vector3d& centre, double radius);
-// Between two balls; linear in between (not the exact distance to a cone).
+// The shape between two balls, with a linear radius (not the exact distance to a cone).
 double cone_distance(const Eigen::Vector3d& point, const Eigen::Vector3d& a, const Eigen::Vector3d& b, double radius_a,
                      double radius_b);
 struct ChainLink {

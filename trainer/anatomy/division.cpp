@@ -15,7 +15,7 @@ namespace {
 
 using Eigen::Index;
 
-// Lengths are told against a man of 60 l, those of an arm or a leg alone against his.
+// Lengths are relative to those of a man of 60 l, those of an arm or a leg alone to his.
 double scale_of(const HalfBody& body, const BodyGrid& grid) {
   return std::cbrt(grid.size() * grid.volume() / (body.has_plane ? 0.03 : 0.004));
 }
@@ -91,7 +91,7 @@ std::vector<double> reaches(const std::vector<HalfMuscle>& muscles, const std::v
   return reach;
 }
 
-// Of each point of a path, by the samples that are nearest to it: the sums of their places, and how many there are.
+// How each point of a path moves to the middle of its nearest samples. sums: those of their places, and their number.
 Positions way_to_middle(const HalfMuscle& muscle, const Eigen::MatrixXd& sums) {
   constexpr double kStepToMiddle = 0.6, kFewest = 0.3;
   const Eigen::MatrixXd count = smoothed_along(sums.col(3), 3);
@@ -106,7 +106,7 @@ Positions way_to_middle(const HalfMuscle& muscle, const Eigen::MatrixXd& sums) {
   return way;
 }
 
-// Not farther from where a path was at first, nor across the median plane.
+// Keeps a path within `most` of where it was at first, and on its side of the median plane.
 void keep_near(const Positions& moved, const Positions& first, double most, Positions& path) {
   for (Index k = 0; k < kPathPoints; ++k) {
     const Eigen::RowVector3d way = moved.row(k) - first.row(k);
@@ -116,8 +116,8 @@ void keep_near(const Positions& moved, const Positions& first, double most, Posi
   }
 }
 
-// Of each muscle's samples (label, L, -1: none's), the largest piece that is connected through faces stays; returns
-// what falls away, and has no label.
+// Keeps of each muscle's samples the largest piece that is connected through faces (label, L, -1: none's). Returns the
+// others, which lose their label.
 std::vector<int> keep_largest_pieces(const LeanSamples& lean, std::size_t muscles, std::vector<int>& label) {
   DisjointSets pieces(lean.size());
   for (std::size_t i = 0; i < lean.size(); ++i) {
@@ -143,8 +143,8 @@ std::vector<int> keep_largest_pieces(const LeanSamples& lean, std::size_t muscle
   return loose;
 }
 
-// Loose samples go, the least distance first, to muscles that have a neighbour of theirs already, where they are nearer
-// than `farthest` to the muscle's spindle (radii: M).
+// Gives loose samples, the least distance first, to muscles that have a neighbour of theirs already and whose spindle
+// is nearer than `farthest` (radii: M).
 void grow_into(const LeanSamples& lean, const MuscleCandidates& candidates, const std::vector<double>& radii,
                double farthest, const std::vector<int>& loose, std::vector<int>& label) {
   using Step = std::tuple<double, int, int>;  // distance, sample, muscle
@@ -178,16 +178,16 @@ void grow_into(const LeanSamples& lean, const MuscleCandidates& candidates, cons
   }
 }
 
-// Of Rprop (Riedmiller and Braun 1993): each radius has a step of its own.
+// Rprop (Riedmiller and Braun 1993) gives each radius a step of its own.
 struct Steps {
   Steps(std::size_t muscles, double first) : length(muscles, first), sign(muscles, 0) {}
   std::vector<double> length;
   std::vector<int> sign;
 };
 
-// Lean tissue divided so that every muscle gets the volume that it should have: to the muscle whose spindle is nearest,
-// of radii that are found by the volumes that come out (an additively weighted Voronoi diagram about the muscles'
-// paths, constrained in capacity; Aurenhammer, Hoffmann and Aronov 1998).
+// Divides lean tissue so that every muscle gets the volume that it should have: a sample goes to the nearest spindle.
+// The spindles' radii follow from the volumes that come out. This is an additively weighted Voronoi diagram about the
+// muscles' paths, constrained in capacity (Aurenhammer, Hoffmann and Aronov 1998).
 class VolumeDivision {
  public:
   // Targets in cubic metres (M). `scale`: of lengths, against a man of 60 l. Paths are moved, their ends stay.
@@ -250,7 +250,7 @@ class VolumeDivision {
   }
 
  private:
-  // On one thread: it takes 4 ms, hundreds of times, and to wait for others that often costs more where they are busy.
+  // One thread does it: it takes 4 ms, hundreds of times, and waiting for others often costs more where they are busy.
   void assign() {
     const std::vector<double> radius = radii();
     for (std::size_t i = 0; i < lean_.size(); ++i) {

@@ -11,7 +11,7 @@
 
 namespace bodyopt {
 
-// Of one half of a body; muscles are those of this half, numbered as in `muscles`.
+// The muscles of one half of a body, numbered as in `muscles`.
 struct Division {
   struct OfMuscle {
     int muscle = -1;                      // in the list given
@@ -35,11 +35,10 @@ struct Division {
 Division divide_muscles(const HalfBody& body, const BodyGrid& grid, const InnerTissue& tissue,
                         const std::vector<Muscle>& muscles, const AnatomyCorrections& corrections = {});
 
-// What divide_muscles() does one after the other: paths, targets, and last fibres.
+// The steps of divide_muscles() in their order: paths, targets, and last fibres.
 
-// Moves the middles of paths, which models have as lines of action, to where rigs/human/muscle_sections.json has them,
-// where a body has the joints and landmarks for it; then those parts of bellies that do not lie in lean tissue to the
-// nearest that do.
+// Models have paths as lines of action: this moves their middles to where rigs/human/muscle_sections.json has them, if
+// a body has the joints and landmarks. Then parts of bellies outside of lean tissue move to the nearest.
 void guide_paths(const HalfBody& body, const LeanSamples& lean, std::vector<HalfMuscle>& muscles);
 
 // The volumes that muscles should have in a body: published ones, scaled to its limbs.
@@ -49,15 +48,15 @@ struct LimbTargets {
 };
 
 // One factor a limb, so that the muscles in it fill its lean tissue but for a tenth or so (fasciae, vessels, nerves).
-// The parts of a muscle share its volume as their own 2 r^2 l; of a muscle that no table has, that is what is wanted.
+// The parts of a muscle share its volume as their own 2 r^2 l; a muscle that no table has keeps that.
 LimbTargets limb_targets(const LeanSamples& lean, const std::vector<HalfMuscle>& muscles);
 
-// L x 3: unit, from origin to insertion, along the gradient of a harmonic function (Laplace's equation, no flux through
-// the region's sides; Choi and Blemker 2013), zero without a label. It is 0 where the region touches the bone of the
-// muscle's origin in the path's first half, 1 where it touches that of its insertion in the other; where there is no
-// contact, on the outer 7 % along the path.
-// label, along (L): each sample's muscle, and its place along that muscle's path, 0 to 1; joints (M): of the bones at
-// origin and insertion.
+// L x 3: unit, from origin to insertion, along the gradient of a harmonic function; zero without a label. It solves
+// Laplace's equation without flux through the region's sides (Choi and Blemker 2013). It is 0 where the half of the
+// region next to the origin touches the origin's bone, 1 where the other half touches the insertion's. An end without
+// contact holds the outer 7 % of the samples along the path.
+// `label`, `along` (L): each sample's muscle, and its place along that muscle's path, 0 to 1. `joints` (M): of the
+// bones at origin and insertion.
 Positions fibre_directions(const LeanSamples& lean, const std::vector<HalfMuscle>& muscles,
                            const std::vector<std::array<int, 2>>& joints, const std::vector<int>& label,
                            const std::vector<double>& along);

@@ -132,7 +132,7 @@ Positions gradient(const MuscleRegion& region, const VectorXd& values) {
   return result;
 }
 
-// Of each sample, with its neighbours' as much as its own; of those without a way, their neighbours'.
+// Adds to each sample its neighbours' mean direction with equal weight; only_empty: to those without a direction alone.
 Positions mixed_with_neighbours(const MuscleRegion& region, const Positions& ways, bool only_empty) {
   Positions result = ways;
   for (Index k = 0; k < ways.rows(); ++k) {

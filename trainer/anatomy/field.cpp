@@ -36,7 +36,7 @@ void require_known(const AnatomyCorrections& corrections, const std::vector<Musc
   }
 }
 
-// What has no counterpart stands for itself.
+// A number without a counterpart stands for itself.
 std::vector<int> or_itself(std::vector<int> others) {
   for (std::size_t k = 0; k < others.size(); ++k) others[k] = others[k] < 0 ? static_cast<int>(k) : others[k];
   return others;
@@ -79,7 +79,7 @@ struct Corners {
   double read(const Eigen::VectorXd& values) const {
     return mean([&](std::size_t k) { return weight[k] * values[sample[k]]; });
   }
-  // Of those that have a sample; no number where none has.
+  // The mean over those that have a sample; not a number where none has.
   template <typename Weighted>
   double mean(const Weighted& weighted) const {
     double sum = 0, weights = 0;

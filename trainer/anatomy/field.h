@@ -36,16 +36,16 @@ class AnatomyField {
   // Unit, rest space, from origin to insertion, of the muscle at a point; zero where there is none.
   Eigen::Vector3d fibre_at(const Eigen::Vector3d& point) const;
 
-  // All muscles of the list that share the region that tissue_at() tells as this one's, itself among them.
+  // All muscles of the list that share the region that tissue_at() reports as this one's, itself among them.
   std::vector<int> slips_of(int muscle) const;
 
-  // Of each muscle of the list, metres along its path at rest; 0 of those without a region.
+  // Metres along its path at rest, by the list of muscles; 0 for muscles without a region.
   const std::vector<double>& belly_lengths() const { return belly_lengths_; }
 
   BodyKind kind() const { return kind_; }
   const std::string& why_kind() const { return why_kind_; }
   bool is_own_mirror() const { return halves_.size() == 1 && halves_.front().body.has_plane; }
-  std::uint64_t hash() const;  // of all that tissue_at() and belly_lengths() tell
+  std::uint64_t hash() const;  // of all that tissue_at() and belly_lengths() return
 
   struct Half {
     HalfBody body;

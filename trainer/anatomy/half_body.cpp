@@ -90,8 +90,8 @@ double mirror_error(const Positions& vertices, const NearestSkin& skin, int axis
   return sum / count;
 }
 
-// The skin's middle, or that of the joints of either side where the skin is more nearly its own mirror image about
-// that: a lost arm moves the first, and a rig that stands beside its skin the second.
+// The plane through the skin's middle, or that of the joints if it mirrors the skin more nearly onto itself. A lost arm
+// moves the first, and a rig that stands beside its skin the second.
 double median_plane(const Character& character, const std::vector<int>& counterparts) {
   const Positions outline = outline_of(character);
   const double middle = middle_of(outline);
@@ -109,8 +109,8 @@ double median_plane(const Character& character, const std::vector<int>& counterp
   return error(of_joints) < error(middle) ? of_joints : middle;
 }
 
-// Of the joints from this on that have no counterpart the one nearest to where the mirror has it; of those in one
-// place, the one whose parent is the counterpart of the joint's parent.
+// The joint nearest to the mirror image, from this joint on and without a counterpart yet. Among joints in one place,
+// it is the one whose parent is the counterpart of the joint's parent.
 int counterpart_by_place(const std::vector<Vector3d>& places, const Skeleton& skeleton,
                          const std::vector<int>& counterparts, std::size_t joint, double middle, double tolerance) {
   const Vector3d image = mirrored(places[joint], middle);
@@ -173,7 +173,7 @@ void make_symmetric(std::vector<Vector3d>& places, const std::vector<int>& count
   }
 }
 
-// Of a character that was turned to stand in its frame.
+// `character` was turned to stand in its frame.
 HalfBody half_of(const Character& character, const Eigen::Matrix3d& frame, double middle, bool is_left) {
   HalfBody half;
   const double side = is_left ? 1 : -1;
@@ -192,7 +192,7 @@ HalfBody half_of(const Character& character, const Eigen::Matrix3d& frame, doubl
 
 using Eigen::Matrix3d;
 
-// From the joints that are named right to those that are named left, on average; zero where none are.
+// The mean way from the joints that are named right to those that are named left; zero where none are.
 Vector3d left_by_names(const Skeleton& skeleton) {
   Vector3d sum[2] = {Vector3d::Zero(), Vector3d::Zero()};
   double count[2] = {0, 0};

@@ -28,13 +28,13 @@ struct HalfBody {
   bool is_own_mirror = true;  // the skin is its own mirror image; then this half stands for both
 
   int find(BodyPart part, BodySide side = BodySide::left, std::size_t nested = 0) const;  // joint, or -1
-  // The same muscle path in this space, with the joints of this half.
+  // The same muscle path in this space; its joints keep their numbers.
   Muscle path_of(const Muscle& muscle) const;
 };
 
-// The halves of a body: one where its skin is its own mirror image (vertices and open edges within 1e-4 of its extent)
-// or where it has no median plane, as limbs alone; otherwise the left and the right one. kind: as recognised where not
-// given.
+// A body has one half if skin and joints are their own mirror image, vertices and open edges within 1e-4 of its extent.
+// Limbs alone have no median plane, and one half, too; other bodies the left and the right one. `kind`: none: as
+// recognised.
 std::vector<HalfBody> halves_of(const Character& character, std::optional<BodyKind> kind = {});
 
 // The left half before anything is known of the body: it may have no median plane, nor be its own mirror image.
@@ -43,14 +43,14 @@ HalfBody body_in_frame(const Character& character);
 // J: the joint on the other side of each joint; itself in the middle, -1 where there is none.
 std::vector<int> mirrored_joints(const Character& character);
 
-// Which way a body stands and looks in its file.
+// The direction in which a body stands and looks in its file.
 
-// A turn between coordinate axes, from rest space to one in which the body stands y up, with its left at +x, so that it
-// looks along z: up as the file's nodes have it (turn_upright), left by the joints that are named so; where none are,
-// the axis about which the skin is its own mirror image more closely.
+// A turn between coordinate axes, from rest space to one where the body stands y up, its left at +x, and looks along z.
+// Up is as the file's nodes have it (turn_upright), left as joints are named. Without such names, left is along the
+// axis about which the skin is more nearly its own mirror image.
 Eigen::Matrix3d body_frame(const Character& character);
 
-// The same character, its skin and joints turned by a rotation.
+// Turns skin and joints of a character by a rotation.
 Character turned(const Character& character, const Eigen::Matrix3d& rotation);
 
 }  // namespace bodyopt

@@ -11,12 +11,12 @@ namespace {
 
 using Eigen::Vector3d;
 
-// Of the arm as it hangs or is held out: along both of its bones, the elbow's axis, and where it bends to.
+// Directions of the arm as it hangs or is held out: along both of its bones, the elbow's axis, and where it bends to.
 struct ArmAxes {
   Vector3d upper, fore, hinge, flexor, outer, radial;
 };
 
-// Towards the thumb by its skin, as its joint may lie on the forearm's axis; forwards without one.
+// The direction of the thumb's skin, as its joint may lie on the forearm's axis; forwards without one.
 Vector3d radial_direction(const HalfBody& body, const Vector3d& wrist, const Vector3d& fore) {
   const int thumb = body.find(BodyPart::thumb);
   Vector3d sum = Vector3d::Zero();
@@ -88,7 +88,7 @@ void add_ulna_and_radius(HumanSkeleton& skeleton, const ArmAxes& axes) {
 
 bool is_finger(BodyPart part) { return part >= BodyPart::thumb; }
 
-// Of a bone of the leg: down along it, outwards, and forwards.
+// Directions at a bone of the leg: down along it, outwards, and forwards.
 struct LegAxes {
   Vector3d down, out, forward;
   LegAxes(const Vector3d& from, const Vector3d& to) {
@@ -100,7 +100,7 @@ struct LegAxes {
   Eigen::Matrix3d rows() const { return (Eigen::Matrix3d() << out, forward, down).finished().transpose(); }
 };
 
-// A rig's hip and knee do not lie on the bone's axis: the shaft goes through the sections of the thigh, a little to the
+// A rig's hip and knee do not lie on the bone's axis. The shaft goes through the sections of the thigh, a little to the
 // front and outside of their middle.
 Vector3d shaft_place(const HumanSkeleton& skeleton, const LegAxes& axes, double down, double out) {
   constexpr double kForward = 0.06, kReach = 30;

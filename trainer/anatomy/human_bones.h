@@ -11,7 +11,7 @@
 
 namespace bodyopt {
 
-// What bones are placed by, and where they go.
+// The bones as they are placed, and what places them.
 struct HumanSkeleton {
   const BodySurvey& survey;
   const HumanFrame& frame;
@@ -22,7 +22,7 @@ struct HumanSkeleton {
   Eigen::Vector3d mm(double x, double y, double z) const { return frame.mm * Eigen::Vector3d(x, y, z); }
   static constexpr double kCover = 3.5;  // millimetres
   void add(int joint, std::function<double(const Spot&)> distance, double cover = kCover);
-  // What lies deeper than a share of the half thickness of a region, for fingers and toes. share(joint): 0 for none.
+  // Adds what lies deeper than a share of a region's half thickness, for fingers and toes. share(joint): 0 for none.
   void add_cores(BodyRegion region, const std::function<double(int)>& share);
   // Joints of the spine from below: each holds what lies above it, and below the next.
   void add_by_height(std::vector<HumanFrame::Place> places, const std::function<double(const Spot&)>& distance);

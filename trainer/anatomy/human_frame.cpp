@@ -20,7 +20,7 @@ std::optional<Place> place_of(const HalfBody& body, BodyPart part, std::size_t n
   return Place{joint, body.places[static_cast<std::size_t>(joint)]};
 }
 
-// Of this side; of a limb that this side lost, where the other side's has its joint.
+// A place on this side; for a limb that this side lost, the mirror image of the other side's joint.
 std::optional<Place> side_place(const HalfBody& body, BodyPart part) {
   if (const auto own = place_of(body, part)) return own;
   const int other = body.find(part, BodySide::right);

@@ -1,4 +1,4 @@
-// Where a human's joints are, whatever its rig calls them, and the shapes that its bones and cavities follow.
+// The joints of a human, whatever its rig calls them, and the shapes that its bones and cavities follow.
 #pragma once
 
 #include <map>
@@ -48,10 +48,10 @@ class Table {
   std::vector<std::pair<double, double>> rows_;
 };
 
-// Of a vector the part across a unit axis, unit; `otherwise` where nothing is left.
+// The part of a vector across a unit axis, unit; `otherwise` where nothing is left.
 Eigen::Vector3d across(const Eigen::Vector3d& vector, const Eigen::Vector3d& axis, const Eigen::Vector3d& otherwise);
 
-// Places inside a body, told by its landmarks.
+// Places inside a body, relative to its landmarks.
 
 // One point of a table: {"at": {"acromion": 0.5, "sacrum": 0.5}, "mm": [outwards, up, forwards], "under_fat": mm}.
 struct LandmarkPoint {

@@ -68,7 +68,7 @@ class RibCage {
     half_width_ = Table(rows);
   }
 
-  // To its outer surface, roughly; negative inside
+  // Distance to its outer surface, roughly; negative inside.
   double distance(const Spot& spot) const {
     if (!is_trunk(spot.region) && spot.region != BodyRegion::neck) return kFarFromBone;
     return std::max({wall_distance(spot), costal_arch(spot) - spot.point.y(), spot.point.y() - top_});
@@ -115,7 +115,7 @@ class RibCage {
   double top_, bottom_, mm_;
 };
 
-// Behind the ribs, under the skin of the back.
+// A place behind the ribs, under the skin of the back.
 Vector3d behind_cage(const HumanSkeleton& skeleton, const RibCage& cage, double aside, double height, double behind) {
   const auto depths = skeleton.survey.depths(height, aside);
   if (!depths) return {aside, height, 0};
@@ -145,8 +145,8 @@ struct PelvisPlaces {
   Vector3d asis, psis, crest, ischium, pubis, sacrum, sacrum_middle, coccyx, aiis, socket;
 };
 
-// Forward, up, outwards of the hip's centre, after the pelvis of gait2392 (Delp et al. 1990) and by eye; what lies
-// inwards follows how far apart the rig's hips are.
+// Forward, up, outwards of the hip's centre, after the pelvis of gait2392 (Delp et al. 1990) and by eye. Places inwards
+// follow how far apart the rig's hips are.
 PelvisPlaces pelvis_places(const HumanSkeleton& skeleton, const Vector3d& hip) {
   const double wide = std::min(kWidest, hip.x() / skeleton.mm(kHipAside));
   const auto place = [&](double forward, double up, double out) {
@@ -169,7 +169,7 @@ double socket_distance(const Vector3d& point, const Vector3d& hip, double outer,
 
 // Millimetres of muscle between fat and belly: thin in front, three layers at the side.
 const Table kBellyWall({{0, 9}, {50, 9}, {110, 15}});
-// Where the belly ends behind, forward of the vertebrae's middle, by the distance from the median plane: before the
+// The belly's end behind, forward of the vertebrae's middle, by the distance from the median plane. It lies before the
 // vertebrae and psoas, then as far back as the kidneys.
 const Table kBellyBack({{0, 19}, {25, 19}, {45, 14}, {62, -12}, {90, -22}});
 

@@ -18,7 +18,7 @@ using Eigen::Index;
 constexpr std::array kTissueNames{"outside", "bone", "fat", "cavity", "muscle", "tendon", "other_lean"};
 constexpr double kSkin = 1.6;  // millimetres
 
-// What is bone in the head, deeper than the skull is thick, above its base.
+// The head's bone that is deeper than the skull is thick, above its base.
 double brain_volume(const BodySurvey& survey, const HumanFrame& frame, const InnerTissue& tissue) {
   if (!frame.head) return 0;
   int samples = 0;
@@ -52,7 +52,7 @@ void find_human_tissue(BodySurvey& survey, const HumanFrame& frame, const InnerT
 constexpr std::array kRegionNames{"trunk", "hip",       "neck",    "head", "thigh", "calf",
                                   "foot",  "upper_arm", "forearm", "hand", "tail",  "fin"};
 
-// By BodyPart; of what follows, hands.
+// The regions by BodyPart; the parts that follow are hands.
 constexpr BodyRegion kRegionOfPart[] = {BodyRegion::hip,   BodyRegion::trunk,     BodyRegion::neck,
                                         BodyRegion::head,  BodyRegion::hip,       BodyRegion::thigh,
                                         BodyRegion::calf,  BodyRegion::foot,      BodyRegion::foot,

@@ -11,14 +11,14 @@
 
 namespace bodyopt {
 
-// The parts that volumes are told by.
+// The parts that volumes are reported by.
 enum class BodyRegion : std::uint8_t { trunk, hip, neck, head, thigh, calf, foot, upper_arm, forearm, hand, tail, fin };
 constexpr int kBodyRegions = 12;
 const char* name_of(BodyRegion region);
 enum class TissueKind : std::uint8_t { outside, bone, fat, cavity, muscle, tendon, other_lean };
 const char* name_of(TissueKind kind);
 
-// Signed fields, so that they are read between samples, too: what is bone comes before fat, fat before cavity; the rest
+// The fields are signed, so that they are read between samples, too. Bone comes before fat, fat before cavity; the rest
 // is lean tissue, which muscles share.
 struct InnerTissue {
   Eigen::VectorXd bone;            // S: distance to the surface of the nearest bone, roughly, metres; negative inside
@@ -42,7 +42,7 @@ struct InnerTissueOptions {
 };
 InnerTissue find_inner_tissue(const HalfBody& body, const BodyGrid& grid, const InnerTissueOptions& options);
 
-// Those samples of a half body that muscles can have: neither bone, fat nor cavity.
+// The samples of a half body that muscles can have: neither bone, fat nor cavity.
 
 struct LeanSamples {
   const BodyGrid& grid;

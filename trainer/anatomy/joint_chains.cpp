@@ -90,7 +90,7 @@ class ChainFinder {
     return std::abs(x) < kOffMiddle * extent_ ? 0 : (x > 0 ? 1 : -1);
   }
 
-  // Of every joint the side that all of the skin at and below it lies on; 0: several, or the middle; 2: none.
+  // The side that all of the skin at and below a joint lies on, J; 0: several, or the middle; 2: there is none.
   std::vector<int> sides() const {
     std::vector<int> side;
     for (int j = 0; j < count(); ++j) side.push_back(side_of_skin(j));
@@ -122,7 +122,7 @@ class ChainFinder {
     }
   }
 
-  // By the joints that their vertices follow most: how many triangles join the skins of two.
+  // How many edges of triangles join the skins of two joints, each vertex counting for the joint it follows most.
   std::map<std::pair<int, int>, int> joined_skins() const {
     std::map<std::pair<int, int>, int> joined;
     for (Index t = 0; t < body_.triangles.rows(); ++t) {
@@ -163,7 +163,7 @@ class ChainFinder {
     }
   }
 
-  // Of two limbs that touch each other alone, the one with less skin is the end.
+  // If two limbs touch, the one with less skin is the end.
   bool hangs_at(int limb, int other) const { return result_.limbs[at(limb)].skin > result_.limbs[at(other)].skin; }
 
   void hang(int limb, int joint) {
@@ -218,14 +218,14 @@ class ChainFinder {
     return std::sqrt(std::max(axes.eigenvalues()[0], 0.0) / std::max(axes.eigenvalues()[1], 1e-300));
   }
 
-  // From a joint to its root.
+  // The joints from one up to its root.
   std::vector<int> upwards(int joint) const {
     std::vector<int> chain;
     for (; joint >= 0; joint = parent(joint)) chain.push_back(joint);
     return chain;
   }
 
-  // Along the joints from one to another, through the last that both hang under.
+  // The joints from one to another, through the last that both hang under.
   std::vector<int> path(int from, int to) const {
     std::vector<int> up = upwards(from), down = upwards(to);
     int shared = -1;
@@ -282,7 +282,7 @@ class ChainFinder {
                   [&](int j) { return !result_.has_skin(j) && (parent(j) < 0 || result_.is_excess[at(j)]); });
   }
 
-  // Where none is named: what ends the axis, is no large part of the body, and carries no limbs.
+  // If none is named, the head ends the axis, is no large part of the body, and no limbs leave it.
   bool can_be_head(int joint) const {
     constexpr double kMost = 0.3;  // of the skin
     const bool carries_limbs = std::ranges::any_of(result_.limbs, [&](const JointLimb& limb) {
@@ -292,7 +292,7 @@ class ChainFinder {
            std::ranges::none_of(result_.is_head, [](bool is) { return is; });
   }
 
-  // Where names tell nothing: the head is the upper end of what stands, the bulkier one of what lies.
+  // Without telling names, the head is the upper end of a body that stands, the bulkier one of a body that lies.
   bool is_from_tail(int from, int to) const {
     const Vector3d along = result_.centre[at(to)] - result_.centre[at(from)];
     if (std::abs(along.y()) > 0.7 * along.norm()) return along.y() > 0;

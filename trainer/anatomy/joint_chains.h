@@ -1,5 +1,5 @@
-// The joints of a body as an anatomist sees them: an axis from the tail to the head, limbs that leave it, and those
-// that are no bones.
+// The joints of a body as an anatomist sees them. An axis runs from the tail to the head, limbs leave it, and some
+// joints are no bones.
 #pragma once
 
 #include <string>
@@ -37,7 +37,7 @@ JointChains find_chains(const HalfBody& body);
 // J: the joint whose bone ends at this one, and which it moves with; -1 where no bone does.
 std::vector<int> bone_parents(const JointChains& chains);
 
-// Does a joint's name have one of these words? Of four letters and more, also within another word.
+// Does a joint's name have one of these words? Words of four letters and more also count within another one.
 bool is_named(const std::string& joint, std::initializer_list<std::string_view> words);
 
 }  // namespace bodyopt

@@ -134,7 +134,7 @@ const std::vector<TrunkMuscleRow>& trunk_muscle_rows() {
   return rows;
 }
 
-// In half space; without a path where a landmark is missing.
+// Lays a muscle in half space; it has no path where a landmark is missing.
 Muscle lay(const TrunkMuscleRow& row, const LandmarkPlaces& landmarks, const BoneSurface& bones) {
   Muscle muscle;
   Positions path(static_cast<Index>(row.points.size()), 3);
@@ -159,7 +159,7 @@ bool is_among(const std::vector<Muscle>& others, const std::string& name) {
   });
 }
 
-// To rest space, on the half's own side or on the other.
+// Takes a muscle to rest space, on the half's own side or on the other.
 Muscle to_rest(Muscle muscle, const HalfBody& body, bool is_other_side, const std::vector<int>& counterparts) {
   const Eigen::Affine3d rest = body.from_rest.inverse();
   for (MusclePoint& point : muscle.path) {

@@ -1,4 +1,4 @@
-// Which muscles may have a sample of lean tissue, by the distance to their paths.
+// The muscles that may have a sample of lean tissue, by the distance to their paths.
 #pragma once
 
 #include <cstdint>
@@ -12,7 +12,7 @@
 
 namespace bodyopt {
 
-// Of the thickest place's section, at a share of the path: 0 on tendons.
+// The cross-section at a share of the path, relative to the thickest: 0 on tendons.
 double belly_section(const HalfMuscle& muscle, double along);
 
 class MuscleCandidates {
@@ -24,7 +24,7 @@ class MuscleCandidates {
   // Measures again where paths moved a little.
   void update(const LeanSamples& lean, const std::vector<HalfMuscle>& muscles);
 
-  // Of lean sample i: entries begin(i) to begin(i + 1).
+  // Lean sample i has the entries begin(i) to begin(i + 1).
   std::size_t begin(std::size_t lean_sample) const { return begin_[lean_sample]; }
   int muscle(std::size_t entry) const { return muscle_[entry]; }
   // Metres to the surface of a spindle about the path whose largest radius is `radius`, negative inside. Of all muscles
@@ -49,9 +49,9 @@ struct TrunkMuscles {
   std::vector<std::string> notes;  // what could not be laid, for people
 };
 
-// Those of rigs/human/trunk_muscles.json which are no part of a muscle that `others` have already. Their points move
-// with the nearest bones; their radii tell the volumes of rigs/human/muscle_volumes.json in a body of this size.
-// body_fat: as for the anatomy of the same body. Throws Error(mismatch) for a body without a skeleton of a human's.
+// The muscles of rigs/human/trunk_muscles.json, but for parts of muscles that `others` have already. Their points move
+// with the nearest bones; their radii give the volumes of rigs/human/muscle_volumes.json in a body of this size.
+// `body_fat`: as for the anatomy of the same body. Throws Error(mismatch) for a body without a skeleton of a human's.
 TrunkMuscles trunk_muscles(const Character& character, const std::vector<Muscle>& others, double body_fat = 0.15);
 
 }  // namespace bodyopt

@@ -36,7 +36,7 @@ Positions turned_over(const Positions& path) {
   return image;
 }
 
-// By the mean distance of their points, among muscles that have no counterpart yet.
+// The nearest muscle by the mean distance of their points, among those that have no counterpart yet.
 int muscle_by_place(const std::vector<Positions>& paths, const std::vector<int>& counterparts, std::size_t muscle) {
   const Positions image = turned_over(paths[muscle]);
   double least = kNearCounterpart * path_length(image);
@@ -145,7 +145,7 @@ std::vector<Vector3d> fine_line(const std::vector<Vector3d>& line) {
   return fine;
 }
 
-// From a belly's end to the bone.
+// The line from a belly's end to the bone.
 std::vector<Vector3d> tendon_line(const HalfMuscle& muscle, bool is_origin, const Vector3d& foot) {
   std::vector<Vector3d> line{foot};
   for (Index k = 0; k < muscle.path.rows(); ++k) {
@@ -254,7 +254,7 @@ BoneFoot BoneSurface::nearest(const Vector3d& point, const std::vector<bool>& jo
     sample = s;
   }
   if (sample < 0) return {};
-  // From the middle of the cell back to the bone's surface.
+  // The middle of a cell lies inside: the foot goes back to the bone's surface.
   BoneFoot foot{tissue_.bone_joint[static_cast<std::size_t>(sample)], grid_.points.row(sample), std::sqrt(least)};
   const double deep = std::min({-tissue_.bone[sample], foot.distance, grid_.cell});
   if (foot.distance > 0) foot.place += deep / foot.distance * (point - foot.place);

@@ -13,7 +13,7 @@ namespace bodyopt {
 
 constexpr int kPathPoints = 48;
 
-// What is to have one region: a muscle, or the slips that share one.
+// A muscle, or the slips that share one region.
 struct HalfMuscle {
   std::vector<int> muscles;             // in the list of all
   std::string name;                     // matching_name() of the first
@@ -26,9 +26,9 @@ struct HalfMuscle {
 };
 
 double path_length(const Positions& path);
-// At equal distances along a polyline (P x 3, 2 or more).
+// Points at equal distances along a polyline (P x 3, 2 or more).
 Positions resampled(const Positions& path, int count);
-// Along a path, by a Gauss kernel of so many points; beyond the ends stand the ends.
+// Smooths rows along a path by a Gaussian kernel of so many points; the ends stand for what lies beyond them.
 Eigen::MatrixXd smoothed_along(const Eigen::MatrixXd& rows, double width);
 
 // M: the muscle on the other side of each, by its name or its place; -1: none.
@@ -37,11 +37,11 @@ std::vector<int> mirrored_muscles(const HalfBody& body, const std::vector<Muscle
 // M, metres: how far a path lies on average from the mirror image of its counterpart's; 0 without a counterpart.
 std::vector<double> off_mirror_images(const HalfBody& body, const std::vector<Muscle>& muscles);
 
-// Those on this half's side of the median plane. Of a body that is its own mirror image, paths of left and right are
-// averaged, and a muscle that only the right side has is here, too.
+// The muscles on this half's side of the median plane. If the body is its own mirror image, paths of left and right are
+// averaged, and muscles of the right side alone are here, too.
 std::vector<HalfMuscle> muscles_of_half(const HalfBody& body, const std::vector<Muscle>& muscles);
 
-// Where muscles meet bone.
+// Attachments of muscles to bone.
 
 struct BoneFoot {
   int joint = -1;  // -1: there is no bone
@@ -54,8 +54,8 @@ class BoneSurface {
  public:
   BoneSurface(const HalfBody& body, const BodyGrid& grid, const InnerTissue& tissue);
 
-  // Of the bones of a joint, its parent, its grandparent and its children, the nearest place; of any bone where these
-  // have none.
+  // The nearest place on the bones of a joint, its parent, its grandparent and its children; on any bone if these have
+  // none.
   BoneFoot foot(const Eigen::Vector3d& point, int joint) const;
 
  private:
@@ -67,8 +67,8 @@ class BoneSurface {
   std::vector<int> samples_;  // in bone
 };
 
-// Draws the ends of paths to the nearest bone where that is not farther than 45 mm (of a man of 1.75 m), the ends'
-// thirds along with them; what is farther away stays.
+// Draws the ends of paths to the nearest bone, and the ends' thirds along with them. Ends farther from it than 45 mm
+// (in a man of 1.75 m) stay.
 void draw_to_bone(const BoneSurface& bones, double scale, std::vector<HalfMuscle>& muscles);
 
 // S: the muscle whose tendon lies there, -1: none's. A tendon reaches from a belly's end along the path to its bone.

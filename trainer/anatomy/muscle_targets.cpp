@@ -74,7 +74,7 @@ std::size_t limb_at(BodyRegion region, double height, double crest) {
 
 using Shares = std::array<double, kLimbs.size() + 1>;  // one by one of kLimbs, and of none
 
-// Which share of a muscle's belly lies in which limb.
+// The share of a muscle's belly in each limb.
 Shares belly_shares(const LeanSamples& lean, const HalfMuscle& muscle, double crest) {
   Shares shares{};
   double sum = 0;

@@ -1,4 +1,4 @@
-// Of which volume a muscle is, as anatomists measured, and where along its path its belly lies.
+// The volumes of muscles, as anatomists measured, and where along its path a muscle's belly lies.
 #pragma once
 
 #include <string>
@@ -22,11 +22,11 @@ const std::vector<WholeMuscle>& whole_muscles();
 // The letters and digits of a muscle's name, small, without its side: "TRIlong_l" is "trilong".
 std::string matching_name(const std::string& name);
 
-// How well a table's name (of matching_name()) names a muscle: its letters where they are the muscle's but for a number
-// at its end, or, six letters and more, its beginning; otherwise 0.
+// The length of a table's name (of matching_name()) if it names a muscle, otherwise 0. It must be the muscle's name but
+// for a number at the end or, with six letters and more, its beginning.
 std::size_t match_length(const std::string& muscle, const std::string& table_name);
 
-// Of rows that have `names` (of matching_name()) that with the longest match; null: none names the muscle.
+// The row whose `names` (of matching_name()) have the longest match; null: none names the muscle.
 template <typename Row>
 const Row* longest_match(const std::vector<Row>& rows, const std::string& muscle) {
   const Row* found = nullptr;

@@ -31,7 +31,7 @@ PixelRange pixels_under(const SectionPlane& plane, const std::vector<Eigen::Vect
           std::min(plane.height - 1, pixel(high[1], plane.height))};
 }
 
-// Where the plane cuts the edges of a tet.
+// The points where the plane cuts the edges of a tet.
 std::vector<Eigen::Vector3d> cut_edges(const std::array<Eigen::Vector3d, 4>& corners,
                                        const std::array<double, 4>& heights) {
   std::vector<Eigen::Vector3d> points;
@@ -79,13 +79,13 @@ std::optional<CutTet> cut_tet(const SectionPlane& plane, const TetMesh& rest, co
   return CutTet{pixels_under(plane, cut), corners[0], rest.nodes.row(rest.tets(tet, 0)), weights, tet_edges(rest, tet)};
 }
 
-// Where a row of pixels enters (1) or leaves (-1) the skin.
+// A place where a row of pixels enters (1) or leaves (-1) the skin.
 struct Crossing {
   double at;  // pixels from the left
   int turn;
 };
 
-// Of a triangle's corners above and below a plane: where its edges pass through, in pixels from the corner.
+// The points where a triangle's edges pass through the plane, in pixels from the corner.
 std::vector<Eigen::Vector2d> cut_triangle(const SectionPlane& plane, const std::array<Eigen::Vector3d, 3>& corners) {
   const Eigen::Vector3d normal = plane.right.cross(plane.down);
   std::vector<Eigen::Vector2d> ends;
@@ -202,8 +202,8 @@ std::size_t main_joint(const AnatomyField::Half& half, const std::vector<int>& s
   return static_cast<std::size_t>(std::ranges::max_element(sums) - sums.begin());
 }
 
-// Of a plane that lies flat the front is at the top of the picture and the left side at its right, as radiologists have
-// it; of any other, what is above is at the top.
+// A plane that lies flat has the front at the top of the picture and the left side at its right, as radiologists do.
+// Any other plane has its upper end at the top.
 SectionPlane plane_of(const Cut& cut, const AnatomyField::Half& half, const std::vector<int>& samples, int pixels) {
   const bool is_flat = std::abs(cut.normal.y()) > 0.5;
   const Eigen::Vector3d up = is_flat ? Eigen::Vector3d::UnitZ() : Eigen::Vector3d::UnitY();
@@ -227,7 +227,7 @@ SectionPlane plane_of(const Cut& cut, const AnatomyField::Half& half, const std:
                       sides.maxCoeff() / pixels);
 }
 
-// Across a bone, a share of the way along it; nothing where a joint has no name that is known.
+// Adds a cut across a bone, a share of the way along it; nothing where a joint has no name that is known.
 void add_across(const HalfBody& body, const Cut& pattern, BodyPart from, BodyPart to, double share,
                 std::vector<Cut>& cuts) {
   const int first = body.find(from), last = body.find(to);

@@ -32,32 +32,30 @@ struct RestPoint {
   Eigen::Vector3d position;
   Eigen::Index tet = -1;  // that it lies in, of tets that were moved
 };
-// Where the pixels of a plane lie at rest, width x height; nothing: in no tissue.
+// The places of a plane's pixels at rest, width x height; nothing: in no tissue.
 using RestPoints = std::vector<std::optional<RestPoint>>;
 
-// Of a plane through tets that were moved (nodes, N x 3; further rows are not looked at): a pixel goes back with the
-// tet that it lies in. `is_tissue`: of a point at rest; of several tets the first counts whose point is tissue, else
-// the first: those of a lattice may overlap, and reach beyond the skin.
+// In moved tets (nodes, N x 3; further rows are not looked at), a pixel goes back with the tet that it lies in. Tets of
+// a lattice may overlap and reach beyond the skin: the first counts whose point at rest `is_tissue`, or else the first.
 RestPoints rest_points(const SectionPlane& plane, const TetMesh& rest, const Positions& moved,
                        const std::function<bool(const Eigen::Vector3d&)>& is_tissue);
 
 // width x height: where the crossings of the skin (V x 3, at rest or posed) along a row do not sum to none.
 std::vector<bool> pixels_inside(const SectionPlane& plane, const Positions& skin, const Triangles& triangles);
 
-// Of a plane through a body at rest: the pixels inside of its skin, where they are.
+// In a body at rest, the pixels inside of its skin stay where they are.
 RestPoints rest_points(const SectionPlane& plane, const Positions& skin, const Triangles& triangles);
 
-// By what a body's skin and its joints did. All must outlive it.
+// A body in a pose, by its skin and its joints. All must outlive it.
 struct PosedBody {
   const Character& character;
   const Positions& skin;                // V x 3, posed, metres
   const std::vector<Affine>& skinning;  // J, rest space to posed
 };
 
-// Of a plane through a body that was posed, where no tets tell how its inside moved: a pixel inside of the skin goes
-// back by the inverse of the linear blend of the joints that hold the skin nearest to it, and by as much as the skin
-// there differs from that blend, less the deeper it lies. A picture, not mechanics: at sharp bends tissues of both
-// sides meet at a seam.
+// In a posed body no tets tell how the inside moved. A pixel inside of the skin goes back by the inverse of the linear
+// blend of the joints that hold the nearest skin. It also moves as the skin there differs from that blend, less the
+// deeper it lies. This is a picture, not mechanics: at sharp bends tissues of both sides meet at a seam.
 RestPoints rest_points(const SectionPlane& plane, const PosedBody& body);
 
 // The plane where a joint takes it.
@@ -68,7 +66,7 @@ struct TissueSection {
   std::vector<TissueAt> tissue;  // width x height, row by row from the top
 };
 
-// Of points inside of a skin: what a field, which reads between samples, leaves out next to the skin is fat.
+// All points lie inside of a skin: a field reads between samples, and what it leaves out next to the skin is fat.
 TissueSection section_of(const SectionPlane& plane, const RestPoints& rest,
                          const std::function<TissueAt(const Eigen::Vector3d&)>& tissue_at);
 
@@ -79,9 +77,9 @@ struct NamedPlane {
   std::size_t joint = 0;  // that holds most of the skin there, and would take the plane along
 };
 
-// Of a human, or a limb: thigh, calf, hip, loin (L3), chest, upper arm and forearm, those whose joints are named; of
-// any other body five across its longest side, evenly spaced, and one along its middle. At most `pixels` to the longer
-// side.
+// Human bodies and limbs have thigh, calf, hip, loin (L3), chest, upper arm and forearm, those whose joints are named.
+// With fewer than three of these, a body has five planes across its longest side, evenly spaced, and one along its
+// middle. At most `pixels` to the longer side.
 std::vector<NamedPlane> telling_planes(const AnatomyField& field, int pixels);
 
 }  // namespace bodyopt

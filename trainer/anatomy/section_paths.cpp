@@ -287,7 +287,7 @@ int nearest_lean(const LeanSamples& lean, const Vector3d& point) {
   return nearest < 0 ? -1 : lean.sample[static_cast<std::size_t>(nearest)];
 }
 
-// What of a belly lies in bone, fat or a cavity moves to the nearest lean tissue.
+// Moves parts of a belly in bone, fat or a cavity to the nearest lean tissue.
 void move_into_lean(const LeanSamples& lean, HalfMuscle& muscle) {
   bool has_moved = false;
   for (Index k = 1; k + 1 < kPathPoints; ++k) {

@@ -27,7 +27,7 @@ Vector3d in_plane(const BodyGrid& grid, const Vector3d& point) { return {grid.ce
 
 bool is_in(const BodyGrid& grid, const Vector3d& point) { return grid.sample_at(point) >= 0; }
 
-// Where joints of the axis stand in the median plane; those outside the body where their skin is.
+// Joints of the axis, moved to the median plane; for a joint outside the body, the middle of its skin.
 struct Stop {
   Vector3d place;
   int joint;
@@ -133,8 +133,8 @@ void SpineCurve::measure(const BodySurvey& survey) {
   const BodyGrid& grid = survey.grid();
   const double most = 0.5 * grid.cell * grid.count.maxCoeff();
   turn();
-  // Controls far from the body's middle would bend the curve: each section's middle is found up and down or before and
-  // behind, whichever is the shorter way through the body, then across the curve.
+  // Controls far from the body's middle would bend the curve. Each section's middle is therefore found along y or z,
+  // whichever is the shorter way through the body, then across the curve.
   for (Row& row : rows_) {
     const auto ways = [&](const Vector3d& across) {
       return std::pair(way_out(grid, row.middle, across, most), way_out(grid, row.middle, -across, most));

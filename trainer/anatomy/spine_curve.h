@@ -27,7 +27,7 @@ class SpineCurve {
     bool is_beyond() const { return beyond > 0; }
   };
 
-  // Of a body without an axis it is empty.
+  // The curve of a body without an axis is empty.
   SpineCurve(const BodySurvey& survey, const JointChains& chains, BodyKind kind);
 
   const std::vector<Row>& rows() const { return rows_; }
@@ -49,7 +49,7 @@ class SpineCurve {
   void turn();    // forward and dorsal from the rows' middles
   void spread();  // rows at equal distances along their middles
 
-  // From a row to the next, in the median plane (y, z).
+  // The way from a row to the next, in the median plane (y, z).
   struct Segment {
     Eigen::Vector2d from, along;  // along: unit
     double length;

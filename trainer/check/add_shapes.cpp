@@ -70,8 +70,8 @@ class NewFiles {
     for (int k = 1; fs::exists(folder_ / name); ++k) name = take + '+' + std::to_string(k) + ending;
     return names_.emplace_back(name);
   }
-  // What a run that was killed left: the same file under an earlier of these names, which nothing names. It becomes
-  // this one, so that nothing is stranded, and what is done again is what was done. Gives its name.
+  // A run that was killed may have left the same file under an earlier of these names, which nothing names. The new
+  // file takes its place: nothing is stranded, and what is done again is what was done. Returns its name.
   std::string instead_of_leftover(const std::string& name, const std::string& take, const std::string& ending,
                                   const Dataset& dataset) {
     std::string earlier = take + ending;

@@ -42,7 +42,7 @@ double distance_from_bind(const Skeleton& skeleton, const Pose& pose) {
   return sum;
 }
 
-// What keeps a take's controls from flexing muscles in its frames; empty: nothing.
+// The problem that keeps a take's controls from flexing muscles in its frames; empty: there is none.
 std::string control_problem(const Clip& clip, const std::vector<int>& frames, const std::vector<Muscle>& muscles) {
   try {
     flexed_muscles(clip.controls, muscles);

@@ -39,7 +39,7 @@ constexpr const char* kNoDraft = "leave out --draft: 'simulate' fills the skin";
 constexpr const char* kMoreMotion = "simulate more motion: 'bodyopt rom' makes some that shows all a character can do";
 constexpr const char* kFewVertices = "none is needed: so few vertices are as fast as a proxy of them";
 
-// What mends a skin that is not filled for this.
+// The remedy for a skin that is not filled for this.
 std::string remedy_for(const Error& error) {
   switch (error.cause()) {
     case ErrorCause::open_edges:
@@ -97,7 +97,7 @@ std::vector<RestPlace> places_of(const Character& character, const VerticesOfJoi
   return places;
 }
 
-// By their own joints.
+// Sorts vertices into places by their own joints.
 template <typename Vertices>
 std::vector<RestPlace> places_of(const Character& character, const Vertices& vertices) {
   VerticesOfJoints found;
@@ -186,7 +186,7 @@ VerbForecast foresee_simulate(const Character& character, bool draft, VerticesOf
 
 VerbForecast foresee_dynamics(const Character& character) {
   try {
-    // In the order that they are made in: another order may be filled where this one is not.
+    // They are made in this order: another one may be filled where this is not.
     const Character ordered = in_order(character, morton_order(character.vertices));
     const DynamicsTets tets =
         make_dynamics_tets(ordered.vertices, ordered.triangles, ordered.weights, DynamicsOptions{}.resolution);
@@ -199,7 +199,7 @@ VerbForecast foresee_dynamics(const Character& character) {
   }
 }
 
-// By what training starts from.
+// Training starts from this basis.
 VerbForecast foresee_train(const Character& character) {
   try {
     build_ddm_basis(character, {});
@@ -253,7 +253,7 @@ std::string still_joints(const Skeleton& skeleton, const std::vector<bool>& move
          ": trained on them alone, nothing is known of these joints ('bodyopt rom' turns all)";
 }
 
-// What simulate says of a clip that scales a joint; empty: nothing.
+// The error of simulate for a clip that scales a joint; empty: there is none.
 std::string refusal_of(const Clip& clip, const Skeleton& skeleton) {
   try {
     for (int frame = clip.first_frame; frame <= clip.last_frame(); ++frame) require_unscaled(skeleton, clip, frame);

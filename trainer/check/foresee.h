@@ -1,4 +1,4 @@
-// What the verbs will make of a character, and why.
+// Forecasts what the verbs make of a character, and why.
 #pragma once
 
 #include <Eigen/Core>
@@ -12,7 +12,7 @@
 
 namespace bodyopt {
 
-// What simulate and dynamics fill with tetrahedra; works: of train and proxy, which fill nothing.
+// The shape that simulate and dynamics fill with tetrahedra; works: of train and proxy, which fill nothing.
 enum class BodyFill { skin, mended, coarser, lattice, refused, works };
 
 // "skin", "mended skin", "coarser skin", "lattice", "refused", "works".
@@ -42,7 +42,7 @@ struct CharacterForecast {
   std::vector<RestPlace> near_parts;     // of different joints, face to face, less than a mean edge apart
   std::vector<RestPlace> holes;          // skin at edges of a single triangle, by joint
   std::vector<RestPlace> flipped;        // at edges whose triangles wind oppositely, by joint
-  std::vector<RestPlace> loose_pieces;   // pieces that are carried by the others, by joint
+  std::vector<RestPlace> loose_pieces;   // pieces that follow the others, by joint
   std::vector<RestPlace> glued;          // that the cages of simulate hold together (glued_vertices), by joints
   std::vector<std::string> remarks;      // likely unit, joints that move nothing or are never moved, clips of no use
 };
@@ -52,7 +52,7 @@ struct CharacterForecast {
 // `unit`: metres per unit of its file that it was read with, 0: metres. Takes seconds.
 CharacterForecast foresee(const Character& character, const std::vector<Clip>& clips = {}, double unit = 0);
 
-// What train and proxy will make of a dataset.
+// Forecasts train and proxy for a dataset.
 std::vector<VerbForecast> foresee_training(const SampleSet& set);
 
 }  // namespace bodyopt

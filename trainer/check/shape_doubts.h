@@ -1,4 +1,4 @@
-// What is odd about shapes that do belong to their character: found before they are learned as the truth.
+// Doubts about shapes that do belong to their character: found before they are learned as the truth.
 #pragma once
 
 #include <string>
@@ -10,9 +10,9 @@
 
 namespace bodyopt {
 
-// One sentence each, take by take: parts whose skin follows its joint by less than 70 % (of those that the joint moves
-// by a hundredth of the body's size or more), as when they were glued to what they touch at rest, found in 48 frames of
-// each take at most; and vertices that fly away from their neighbours in single frames, looked for in all frames.
+// One sentence for each doubt, take by take. The skin of a part follows its joint by less than 70 %, as if glued to
+// what it touches at rest. Only parts count that the joint moves by a hundredth of the body's size or more, in 48
+// frames. Vertices fly away from their neighbours in single frames; all frames are searched, but not in sparse sets.
 std::vector<std::string> shape_doubts(const SampleSet& set);
 
 // Takes of which hold_out_blocks() can hold out nothing, without frames held out: one sentence each.
@@ -22,7 +22,7 @@ std::vector<std::string> short_takes(const Dataset& dataset);
 // its side-car estimates. Throws Error(file) as read_frame_status().
 std::vector<std::string> coarse_takes(const Dataset& dataset);
 
-// What was done to the shapes of a take as a whole, so that they do not lie where its frames are.
+// Errors of a take's shapes as a whole, so that they do not lie where its frames are.
 
 struct Character;
 struct Clip;
@@ -33,9 +33,9 @@ struct Misplacement {
   double left = 1;  // share of the distance from the skinned character that is left without it
 };
 
-// The simplest of these that explains more of the distance between shapes and the skinned character than it leaves:
-// frames early or late, another size, turned, mirrored, moved, several of these at once, or each frame moved (and
-// turned) for itself, as where the root's travel is missing. What bulges, folds and swings is none of them.
+// The simplest explanation of over half of the squared distance between shapes and the skinned character. Frames are
+// early or late, or the shapes have another size, are turned, mirrored, moved, or several of these at once. Or each
+// frame is moved (and turned) for itself, as without the root's travel. What bulges, folds and swings is none of them.
 //
 // `shapes`: V x 3 welded, metres, world, of some frames of the clip, `frames`; one or more.
 Misplacement find_misplacement(const Character& character, const Clip& clip, const std::vector<int>& frames,

@@ -15,7 +15,7 @@ namespace {
 
 constexpr double kHolds = 0.1;  // of a vertex: with less a joint's skin is not taken to reach there
 
-// Of every pair of joints, the triangles that both hold a corner of.
+// How many triangles every pair of joints shares: both hold a corner of them.
 std::vector<std::vector<int>> shared_triangles(const Character& character) {
   const std::size_t count = character.skeleton.size();
   std::vector<std::vector<int>> shared(count, std::vector<int>(count, 0));
@@ -98,7 +98,7 @@ std::vector<std::uint32_t> parents_first(const std::vector<int>& parents) {
   return order;
 }
 
-// The same joints, the k-th of which is the order[k]-th of `from`, as local transforms under their parents in `to`.
+// Local transforms of the joints under their parents in `to`: the k-th is the order[k]-th joint of `from`.
 std::vector<JointTransform> rehung(const Skeleton& from, const Skeleton& to, const std::vector<std::uint32_t>& order,
                                    const std::vector<JointTransform>& joints) {
   const std::vector<Affine> world = posed_joints(from, joints);
@@ -151,7 +151,7 @@ std::vector<DetachedJoint> detached_joints(const Character& character) {
     limbs.insert(follows);
     result.push_back({j, limb, "its skin goes on from that of this joint, and of none that it hangs under"});
   }
-  // What ends a limb that itself goes on from another one's end cannot be told from that.
+  // A limb's end cannot be told from a limb that itself goes on from another one's end.
   std::erase_if(result, [&](const DetachedJoint& of) { return limbs.contains(static_cast<int>(of.joint)); });
   return result;
 }

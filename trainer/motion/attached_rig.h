@@ -12,9 +12,9 @@
 
 namespace bodyopt {
 
-// Joints whose skin goes on from the end of a limb (no skin hangs on joints below that) and touches that of no joint
-// they hang under, roots aside; in joint order. Joints with half of the skin's or more below them are bodies, not feet,
-// and those beside the limb's joint turn about the same parent: neither is named.
+// Joints whose skin goes on from the end of a limb (no skin hangs on joints below that), in joint order. It touches the
+// skin of no joint they hang under, roots aside. Joints with half of the joints with skin or more below them are
+// bodies, not feet. Those beside the limb's joint turn about the same parent. Neither is named.
 std::vector<DetachedJoint> detached_joints(const Character& character);
 
 // "by its skin 'LeftFoot' follows 'LeftLeg' ...", or empty.
@@ -28,17 +28,17 @@ class AttachedRig {
   // The character's skeleton, but that detached joints hang under those that they follow, in an order of its own.
   const Skeleton& skeleton() const { return attached_; }
 
-  // Of every own joint its index in skeleton(), and the other way round.
+  // The index in skeleton() of every own joint, and the other way round.
   const std::vector<std::uint32_t>& places() const { return place_; }
   const std::vector<std::uint32_t>& own_joints() const { return own_of_; }
 
-  // From the character's own joints to those of skeleton().
+  // Takes the character's own joints to those of skeleton().
   Character attached(Character character) const;
   JointLimits attached(JointLimits limits) const;  // without detached joints
   Pose attached(Pose pose) const;
   std::vector<Pose> attached(const std::vector<Pose>& poses) const;
 
-  // Back.
+  // Takes them back.
   JointLimits detached(JointLimits limits) const;
   Pose detached(Pose pose) const;
   Clip detached(Clip clip) const;

@@ -176,7 +176,7 @@ class Explorer {
     return most;
   }
 
-  // Of random targets the one whose rotations lie farthest from those of the frames so far.
+  // Chooses the random target whose rotations lie farthest from those of the frames so far.
   void choose_target(const MotionGroup& group) {
     double farthest = -1;
     Posture best = target_, candidate = target_;

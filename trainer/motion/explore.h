@@ -14,7 +14,7 @@
 
 namespace bodyopt {
 
-// Which degrees of freedom move the same flesh.
+// Degrees of freedom that move the same flesh.
 
 using DofGroup = std::vector<std::size_t>;  // indices of degrees of freedom, ascending
 
@@ -27,7 +27,7 @@ std::vector<std::array<std::size_t, 2>> dof_pairs(const JointLimits& limits, con
 // The joints that move joint `a` relative to joint `b`: from both up to, and without, their common ancestor.
 std::set<std::uint32_t> joints_between(const Skeleton& skeleton, std::uint32_t a, std::uint32_t b);
 
-// A body as spheres that fill its skin, to tell poses in which limbs go through each other.
+// A body as spheres that fill its skin, to find poses in which limbs go through each other.
 
 struct BodySphere {
   std::uint32_t joint;  // the sphere moves rigidly with it
@@ -35,24 +35,24 @@ struct BodySphere {
   double radius;        // metres
 };
 
-// Inscribed spheres of the skin by ball shrinking (Ma, Bae and Choi 2012), the largest first for each joint, until they
-// stand half a radius apart.
+// Inscribed spheres of the skin by ball shrinking (Ma, Bae and Choi 2012), the largest first for each joint, 24 at
+// most. Their centres stand at least 0.6 of the larger one's radius apart.
 std::vector<BodySphere> body_spheres(const Character& character);
 
-// Which limbs overlap in a pose, beyond what poses that are trusted do.
+// Limbs that overlap in a pose, beyond what poses that are trusted do.
 class SelfOverlap {
  public:
   explicit SelfOverlap(const Character& character);
 
-  // From now on, overlaps as deep as in this pose count as flesh in contact.
+  // Overlaps as deep as in this pose count as flesh in contact from now on.
   void trust(const Pose& pose);
 
   // Two joints whose flesh overlaps more than any trusted pose's and the tolerance; nothing for a clear pose. Flesh of
   // a joint and its nearest ancestor with flesh is never compared: it is one piece.
   std::optional<std::pair<std::uint32_t, std::uint32_t>> find(const Pose& pose) const;
 
-  // The two joints whose flesh overlaps most, and by how much more than find() lets pass: in parts of the radius of the
-  // smaller sphere, 0 or less in a clear pose.
+  // The two joints whose flesh overlaps most. `depth`: by how much more than find() lets pass, in parts of the radius
+  // of the smaller sphere; 0 or less in a clear pose.
   struct Touch {
     std::pair<std::uint32_t, std::uint32_t> joints;
     double depth = 0;
@@ -93,11 +93,10 @@ struct ExploreOptions {
   double step;  // degrees that an angle or a deviation changes from a frame to the next, at most
 };
 
-// Each group (of degrees of freedom that share joints) goes straight to the candidate (of kTargetCandidates random
-// ones) that lies farthest from where the group has been, in `covered` and since; then to the next. Candidates lie
-// anywhere within the limits or between two common poses, and joints turn beside that by as much as their deviations
-// allow. Groups move at the same time, each at its own pace. Groups whose limbs would overlap choose again. Shows
-// progress.
+// Each group (of degrees of freedom that share joints) goes straight to one of kTargetCandidates random targets, then
+// to the next. It is the one that lies farthest from where the group has been, in `covered` and since. Candidates lie
+// anywhere within the limits or between two common poses, and joints also turn by as much as their deviations allow.
+// Groups move at the same time, each at its own pace. Groups whose limbs would overlap choose again. Shows progress.
 std::vector<Posture> explore(const JointLimits& limits, const Skeleton& skeleton, const SelfOverlap& overlap,
                              const std::vector<Posture>& covered, const ExploreOptions& options);
 

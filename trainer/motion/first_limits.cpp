@@ -49,14 +49,14 @@ const Rule& rule_of(const Skeleton& skeleton, const std::vector<int>& with_skin,
 
 Eigen::Quaterniond quaternion(const Quat& q) { return {q[3], q[0], q[1], q[2]}; }
 
-// Along the bone, or up where there is none.
+// The direction of the bone, or up where there is none.
 Vector3d bone_of(const Skeleton& skeleton, std::size_t joint) {
   const Vec3 bone = length_of_bone(skeleton, joint);
   const Vector3d along(bone[0], bone[1], bone[2]);
   return along.norm() > 1e-9 ? along.normalized() : Vector3d::UnitY();
 }
 
-// Across the bone, as nearly left-right as can be.
+// The direction across the bone that is most nearly left-right.
 Vector3d across(const Vector3d& bone) {
   const Vector3d wanted = std::abs(bone.x()) < 0.9 ? Vector3d::UnitX() : Vector3d::UnitZ();
   return (wanted - wanted.dot(bone) * bone).normalized();
@@ -73,8 +73,8 @@ Vector3d swing_of(const Quat& turn, const Vector3d& bone) {
   return (swing.angle() > std::numbers::pi ? swing.angle() - 2 * std::numbers::pi : swing.angle()) * swing.axis();
 }
 
-// Across the bone, the axis that the turns are most about: a hinge's own; one that is nearly left-right points as
-// across() does. Without such turns, across().
+// The axis across the bone that the turns are most about: a hinge's own. One that is nearly left-right points as
+// across() does. Without such turns it is across().
 Vector3d bend_of(const std::vector<Quat>& turns, const Vector3d& bone) {
   Matrix3d moments = Matrix3d::Zero();
   for (const Quat& turn : turns) {

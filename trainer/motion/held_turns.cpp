@@ -35,7 +35,7 @@ Eigen::Matrix3d covariance(const Turns& a, const Turns& b) {
          static_cast<double>(a.rows());
 }
 
-// Of the inverse of the covariance's Cholesky factor.
+// The inverse of the Cholesky factor of the covariance and a ridge.
 Eigen::Matrix3d whitening(const Turns& turns) {
   const Eigen::Matrix3d ridged = covariance(turns, turns) + kRidge * Eigen::Matrix3d::Identity();
   return ridged.llt().matrixL().solve(Eigen::Matrix3d::Identity());
@@ -69,8 +69,8 @@ std::vector<TurnRange> turns_of(const JointLimits& limits, std::uint32_t joint) 
   return turns;
 }
 
-// The part of a turn range that comes nearest to a rotation, the others being as they are: |cos((angle - best) / 2)|
-// is to be large.
+// The angle in a turn's range that comes nearest to a rotation, the other turns being as they are. It makes |cos((angle
+// - best) / 2)| largest.
 double nearest_angle(const Quat& wanted, const TurnRange& turn) {
   const double along = wanted[0] * turn.axis[0] + wanted[1] * turn.axis[1] + wanted[2] * turn.axis[2];
   const double best = 2 * std::atan2(along, wanted[3]), whole = 2 * std::numbers::pi;
@@ -93,8 +93,8 @@ Quat product(const std::vector<TurnRange>& turns, const std::vector<double>& ang
   return q;
 }
 
-// From the nearest rotation within the ranges to `wanted`, before the other turns. `angles`: where to begin, and the
-// nearest. One angle after the other is made the best it can be, which never makes it worse.
+// The turn from the nearest rotation within the ranges to `wanted`, before the other turns. `angles`: where to begin,
+// and the nearest. One angle after the other is made the best it can be, which never makes it worse.
 Quat beyond(const std::vector<TurnRange>& turns, const Quat& wanted, std::vector<double>& angles) {
   constexpr int kMostRounds = 60;
   constexpr double kSettled = 1e-6;  // radians
@@ -119,9 +119,9 @@ Vec3 rotation_vector(const Quat& q) {
   return {scale * q[0], scale * q[1], scale * q[2]};
 }
 
-// What a joint is beyond its limits in every pose. Begins where the frame before ended and, where that leaves
+// How far a joint is beyond its limits in every pose. Begins where the frame before ended and, where that leaves
 // something, at rest, too: the nearest rotation may be found from one of them only. A turn of more than half a circle
-// may follow one of less, so that a joint held at about that does not seem to go to and fro.
+// may follow one of less. A joint held at about that does not seem to go to and fro then.
 std::vector<Vec3> turns_beyond(const std::vector<TurnRange>& turns, const std::vector<Quat>& rotations) {
   const std::vector<double> rest(turns.size(), 0);
   std::vector<double> angles = rest;

@@ -35,7 +35,7 @@ double angle_of(const Quat& rotation);
 // The largest change of any angle, degrees.
 double largest_change(const Angles& from, const Angles& to);
 
-// That of any angle or of any joint's deviation.
+// The largest change of any angle or of any joint's deviation.
 double largest_change(const Posture& from, const Posture& to);
 
 // Number of steps of at most `step` degrees.
@@ -44,15 +44,15 @@ std::size_t steps_between(const Angles& from, const Angles& to, double step);
 // Appends evenly spaced angles after `from` up to `to` itself; nothing when they are the same.
 void walk(const Angles& from, const Angles& to, double step, std::vector<Angles>& frames);
 
-// A joint and its parent that turn together: what one of them moves cannot be learned from poses in which the other
+// A joint and its parent that turn together. What one of them moves cannot be learned from poses in which the other
 // does not stay where it is.
 struct CoupledJoints {
   std::uint32_t joint, parent;
   double correlation;  // the largest canonical one (Hotelling 1936) of their turns away from the bind pose, 0 to 1
 };
 
-// Those above 0.97 (of a turn of 45 degrees, 11 or less are the joint's own), in joint order; joints that turn by less
-// than 3 degrees, root mean square, are left out.
+// Joints coupled by more than 0.97 (of a turn of 45 degrees, 11 or less are the joint's own), in joint order. Joints
+// that turn by less than 3 degrees, root mean square, and those next to a root are left out.
 std::vector<CoupledJoints> coupled_joints(const Skeleton& skeleton, const std::vector<Pose>& poses);
 
 // "these joints turn only together, ...: 'Neck1' with 'Neck', ...". Empty for none.
@@ -67,8 +67,8 @@ struct HeldTurn {
   double share;    // of the frames, those in which the joint is beyond its limits
 };
 
-// Those of 25 degrees and more that vary by less than half their size and are there in 95 % of the frames or more, in
-// joint order. Joints without limits are not judged.
+// Turns of 25 degrees and more that vary by less than half their size, in 95 % of the frames or more, in joint order.
+// Joints without limits are not judged.
 std::vector<HeldTurn> held_turns(const JointLimits& limits, const Skeleton& skeleton, const std::vector<Pose>& poses);
 
 // "'LeftArm' is turned by 31 degrees about its length, beyond its limits in every frame: ..."
@@ -81,7 +81,7 @@ std::vector<std::string> turning_without_limits(const JointLimits& limits, const
 // How every pose turns a joint away from the bind pose, about the world's axes: as joint_turns().
 std::vector<Quat> turns_from_bind(const Skeleton& skeleton, const std::vector<Pose>& poses, std::size_t joint);
 
-// From a joint to the middle of the joints below, in the bind pose, metres; zero where there are none.
+// The way from a joint to the middle of the joints below, in the bind pose, metres; zero where there are none.
 Vec3 length_of_bone(const Skeleton& skeleton, std::size_t joint);
 
 }  // namespace bodyopt

@@ -18,7 +18,7 @@ constexpr double kLargestDeviation = 180;  // degrees
 
 using JointPairs = std::map<std::uint32_t, std::uint32_t>;
 
-// Of a joint, which may be none.
+// The deviation of a joint, which may be none.
 struct Deviation {
   double degrees = 0;
   std::string source;
@@ -114,7 +114,7 @@ class LimitsReader {
     }
   }
 
-  // Across the plane x = 0. An axis is a pseudovector: its component along the plane's normal stays.
+  // Mirrors across the plane x = 0. An axis is a pseudovector: its component along the plane's normal stays.
   DegreeOfFreedom mirror_image(DegreeOfFreedom dof, const JsonObject& object) const {
     bool moved = false;
     for (JointTurn& turn : dof.turns) {
@@ -133,7 +133,7 @@ class LimitsReader {
     limits_.dofs.push_back(dof);
   }
 
-  // Those named first; then their mirror images that are not named themselves.
+  // Reads those named, then adds their mirror images that are not named themselves.
   void read_deviations(const std::vector<JsonObject>& list) {
     for (const JsonObject& object : list) {
       object.allow({"joint", "degrees", "source"});
@@ -199,7 +199,7 @@ class LimitsReader {
     }
   }
 
-  // What is not named is at rest, or as its mirror image is.
+  // An angle that is not named is at rest, or as its mirror image is.
   std::vector<double> read_angles(const Json& json, const JsonObject& pose) const {
     if (!json.contains("angles") || !json.at("angles").is_object()) pose.refuse("has no object 'angles'");
     const JsonObject angles(json.at("angles"), path_, "the pose '" + pose.name("name") + "'");

@@ -86,7 +86,7 @@ class BlendWalk {
     return best;
   }
 
-  // About axes of the joint's own space: deviations know no direction.
+  // Turns about axes of the joint's own space: deviations know no direction.
   Pose deviating(Pose pose) {
     if (random_.next() < kAsExamples) return pose;
     for (const JointDeviation& deviation : options_.deviations) {
@@ -135,7 +135,7 @@ std::vector<Angles> walk_through(const std::vector<Angles>& keys, double step) {
   return frames;
 }
 
-// At most so many of the frames, spread over all of them.
+// Keeps so many of the frames at most, spread over all of them.
 std::vector<Angles> evenly(const std::vector<Angles>& frames, std::size_t most) {
   if (frames.size() <= most) return frames;
   std::vector<Angles> fewer;
@@ -161,7 +161,7 @@ std::vector<Corner> corners(const JointLimits& limits, const Skeleton& skeleton)
   return list;
 }
 
-// Which degrees of freedom are a pair with another: their flesh is shared.
+// Whether two degrees of freedom are a pair: their flesh is shared.
 std::vector<std::vector<bool>> touching(const JointLimits& limits, const Skeleton& skeleton) {
   std::vector<std::vector<bool>> touch(limits.dofs.size(), std::vector<bool>(limits.dofs.size()));
   for (const auto& [a, b] : dof_pairs(limits, skeleton)) touch[a][b] = touch[b][a] = true;
@@ -169,8 +169,8 @@ std::vector<std::vector<bool>> touching(const JointLimits& limits, const Skeleto
   return touch;
 }
 
-// From rest to the lower limit, the upper limit and back, one degree of freedom after the other, the others at rest:
-// in steps of kSweepStep degrees, or longer ones where `most` frames are too few.
+// Sweeps one degree of freedom after the other, from rest to the lower limit, the upper limit and back, the others at
+// rest. Steps are kSweepStep degrees, or longer where `most` frames are too few.
 std::vector<Angles> sweeps(const JointLimits& limits, std::size_t most) {
   const Angles rest = rest_angles(limits);
   std::vector<Angles> keys{rest};
@@ -248,8 +248,8 @@ void redraw(const JointLimits& limits, const std::set<std::uint32_t>& joints, Un
   }
 }
 
-// Limbs that are in each other's way are drawn anew, and these alone: of whole poses drawn anew hardly any would be
-// clear where there are many joints.
+// Limbs that are in each other's way are drawn anew, and these alone. Hardly any whole pose drawn anew would be clear
+// where there are many joints.
 std::optional<Angles> clear_angles(const JointLimits& limits, const Skeleton& skeleton, const SelfOverlap& overlap,
                                    UniformRandom& random) {
   Angles angles = random_angles(limits, random);
@@ -266,8 +266,8 @@ constexpr double kTouchShare = 0.25;   // of the frames
 constexpr double kDeepestTouch = 0.5;  // of the radius of the smaller limb
 constexpr int kTouchCandidates = 16, kMostWithoutTouch = 50, kHalvings = 10;
 
-// On the way from a pose without overlap to one that differs from it by a limb, and overlaps: where that has come as
-// deep as wanted. Of several such ways the one that ends at limbs that have touched least so far.
+// Poses on the way from one without overlap to one that differs by a limb, and overlaps, where that is as deep as
+// wanted. Among several such ways it is the one that ends at limbs that have touched least so far.
 class TouchingPoses {
  public:
   TouchingPoses(const JointLimits& limits, const Skeleton& skeleton, const SelfOverlap& overlap, std::uint64_t seed)
@@ -406,7 +406,7 @@ std::size_t frames_for_sweeps(const JointLimits& limits) {
 }
 
 SelfOverlap overlap_of_limits(const Character& character, const JointLimits& limits) {
-  // What one degree of freedom does alone is within the limits by the word of their author.
+  // The sweep of one degree of freedom alone is within the limits by the word of their author.
   SelfOverlap overlap(character);
   for (const Angles& angles : sweeps(limits, std::numeric_limits<std::size_t>::max())) {
     overlap.trust(limited_pose(character.skeleton, limits, {angles}));

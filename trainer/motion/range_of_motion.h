@@ -21,10 +21,10 @@ struct BlendOptions {
   std::vector<JointDeviation> deviations{};  // by which joints turn beside
 };
 
-// Straight to the blend (every joint's rotation on the shortest way) of two examples (of kCandidates random ones) whose
-// joints are furthest from all poses so far, `covered` first; then to the next. Joints deviate from the blends. Limbs
-// may overlap as `overlap` allows; where they would on the way, the walk jumps to its end. Examples are not held to any
-// limits: what the clips do, the character does.
+// Goes straight to a blend of two examples (every joint's rotation on the shortest way), then to the next. Of
+// kPoseCandidates random ones it is that whose joints are furthest from all poses so far, `covered` first. Joints
+// deviate from the blends. Limbs may overlap as `overlap` allows. Where they would on the way, other blends are tried,
+// then the walk jumps to its end. Examples are not held to any limits: what the clips do, the character does.
 std::vector<Pose> blend_clips(const std::vector<Pose>& examples, const SelfOverlap& overlap,
                               const std::vector<Pose>& covered, const BlendOptions& options);
 
@@ -43,24 +43,24 @@ struct RangeOfMotionOptions {
 };
 
 struct RangeOfMotion {
-  std::vector<Posture> postures;  // per frame that the limits made: of all, or with examples all but the random ones
-  std::vector<Pose> blends;       // the random frames where there are examples
-  // After frame 1, which is the rest pose.
+  std::vector<Posture> postures;  // per frame that the limits made: of all but blends of examples
+  std::vector<Pose> blends;       // the random frames that are blends of examples
+  // Frames after frame 1, which is the rest pose.
   std::size_t sweep_frames = 0, pair_frames = 0, touching_frames = 0, random_frames = 0;
   double largest_step = 0;  // degrees, of any angle, or of any joint from and to blends, between two frames
 };
 
-// Frame 1 is the rest pose; then sweeps and pair blends (at most kSweepShare and kPairShare of the frames); unless
-// all random poses are blends or steps are limited, poses in which limbs touch (kTouchShare); then random poses, in
-// which every joint deviates. The same for the same seed, on any number of threads. Throws Error(usage) for less than a
-// frame.
+// Frame 1 is the rest pose; then come sweeps and pair blends (at most kSweepShare and kPairShare of the frames). Poses
+// in which limbs touch (kTouchShare) follow unless all random poses are blends or steps are limited. The rest are
+// random poses, in most of which all joints deviate. The same for the same seed, on any number of threads. Throws
+// Error(usage) for less than a frame.
 RangeOfMotion range_of_motion(const Character& character, const JointLimits& limits,
                               const RangeOfMotionOptions& options);
 
 // The fewest frames in which every degree of freedom is swept from end to end.
 std::size_t frames_for_sweeps(const JointLimits& limits);
 
-// What limbs may overlap: as much as when one degree of freedom alone goes through its range, and in common poses.
+// The overlaps that limbs may have: as much as when one degree of freedom alone is swept, and in common poses.
 SelfOverlap overlap_of_limits(const Character& character, const JointLimits& limits);
 
 // 24 frames a second.
@@ -72,13 +72,13 @@ struct JointCoverage {
   double mean, largest;
 };
 
-// For every joint that leaves the bind pose in a wanted pose or a frame, in joint order; the root and joints of all
-// skin are left out, as training learns nothing of how they turn. Not a number where no poses are wanted.
+// Measures every joint that leaves the bind pose in a wanted pose or a frame, in joint order. The root and joints of
+// all skin are left out, as training learns nothing of how they turn. Not a number where no poses are wanted.
 std::vector<JointCoverage> coverage(const std::vector<Pose>& frames, const std::vector<Pose>& wanted,
                                     const Character& character);
 
-// Random poses within the limits in which no limbs overlap (those that would are drawn anew, limb by limb): `count`, or
-// fewer where such poses are rare.
+// Random poses within the limits in which no limbs overlap: `count`, or fewer where such poses are rare. Those that
+// would overlap are drawn anew, limb by limb.
 std::vector<Pose> random_poses(const JointLimits& limits, const Skeleton& skeleton, const SelfOverlap& overlap,
                                std::size_t count, std::uint64_t seed);
 

@@ -17,8 +17,8 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-// Newtons per square metre of physiological cross-section: 60 N/cm2, the value of Rajagopal et al. 2016 (IEEE
-// Transactions on Biomedical Engineering 63), from which many models have their forces.
+// Newtons per square metre of physiological cross-section: 60 N/cm2, from which many models have their forces. It is
+// the value of Rajagopal et al. 2016 (IEEE Transactions on Biomedical Engineering 63).
 constexpr double kSpecificTension = 6e5;
 constexpr double kTendonDepth = 0.004;     // metres under the skin, at least
 constexpr double kBellyDepth = 0.8;        // of the belly's radius at the point, at least
@@ -29,7 +29,7 @@ constexpr double kShortest = 1e-3;         // metres
 
 [[noreturn]] void mismatch(const auto&... what) { throw Error(ErrorKind::mismatch, what...); }
 
-// Of the radius, at u from origin (0) to insertion (1): the simulation's bellies have the same shape.
+// The share of the radius at u from origin (0) to insertion (1): the simulation's bellies have the same shape.
 double belly_profile(double u) { return std::sqrt(std::max(std::sin(std::numbers::pi * u), 0.0)); }
 
 struct FittedSegment {
@@ -116,7 +116,7 @@ class SideFit {
     return mapping_.character_axes * mapping_.model_axes.transpose();
   }
 
-  // Of the centres, which are in the model and in the character.
+  // The first two centres must be apart, in the model and in the character.
   void require_apart(const SegmentMap& map, const std::vector<Vector3d>& from, const std::vector<Vector3d>& to) const {
     const auto refuse = [&](const std::string& first, const std::string& second) {
       mismatch(mapping_.file, ": the first two centres of '", map.segments[0], "' are at the same place: ", first,

@@ -1,4 +1,4 @@
-// A muscle model carried to a character.
+// A muscle model fitted to a character.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -17,8 +17,8 @@ struct FittedMuscle {
   double largest_push = 0;  // metres: how far a point was moved to lie under the skin
 };
 
-// The model in its default pose, each segment carried by the affine map that takes its joint centres to the
-// character's (mapping), points pushed under the skin, radii from the largest forces and made to fit.
+// Fits the model in its default pose to a character. An affine map takes each segment by its joint centres to the
+// character's (mapping). Points are pushed under the skin, radii follow from the largest forces and are made to fit.
 // Throws Error(mismatch) naming the muscle, segment or joint when model, mapping and character do not belong together.
 std::vector<FittedMuscle> fit_muscles(const Model& model, const Mapping& mapping, const Character& character);
 
@@ -29,9 +29,9 @@ struct Alignment {
   double scale = 1;                                    // of lengths, the mean over all directions
 };
 
-// The best similarity from `from` to `to` (two points or more, the first two apart), corrected by the smallest linear
-// map that takes the points exactly; where they are too many or too nearly on a line for that, as well as it does.
-// `turn` is what it is turned by where the points leave that open.
+// The best similarity of `from` to `to` (two points or more, the first two apart), corrected by the smallest linear map
+// that takes points exactly. If they are too many or too nearly on a line for that, it does so as well as it can. It
+// turns by `turn` where the points leave that open.
 Alignment align(const std::vector<Eigen::Vector3d>& from, const std::vector<Eigen::Vector3d>& to,
                 const Eigen::Matrix3d& turn);
 

@@ -1,4 +1,4 @@
-// Which part of a muscle model is which part of a character: a small file to be edited by hand.
+// Assigns parts of a muscle model to parts of a character: a small file to be edited by hand.
 #pragma once
 
 #include <Eigen/Core>
@@ -18,7 +18,7 @@ using NamePair = std::array<std::string, 2>;
 // Metres: centres that are nearer to each other do not tell how long a segment is and which way it points.
 constexpr double kNearestCentres = 1e-3;
 
-// Segments of the model that are carried to the character by one affine map.
+// Segments of the model that one affine map takes to the character.
 struct SegmentMap {
   std::vector<std::string> segments;
   std::string joint;              // of the character: their points move with it
@@ -32,7 +32,7 @@ struct Mapping {
   std::vector<SegmentMap> segments;    // nearer to the trunk first
   std::vector<std::string> leave_out;  // muscles
 
-  // Where not empty, every muscle is made twice: as it is, and mirrored across the model's median plane.
+  // If there are some, every muscle is made twice: as it is, and mirrored across the model's median plane.
   std::vector<NamePair> mirror_joints;  // a part of a joint's name, and what stands in its place on the other side
   NamePair mirror_muscles;              // endings added to the muscles' names: this side, other side
 
@@ -61,8 +61,8 @@ struct CarriedMapping {
 // Joints are exchanged for those of the same role (joint_roles). Throws Error(file) as read_mapping().
 CarriedMapping carried_mapping(const std::filesystem::path& path, const Skeleton& skeleton);
 
-// Those of rigs/human that make up a person (gait2392.json, myo_arm.json), each of which this rig has half of the
-// joints for, at least.
+// The mappings of rigs/human that make up a person (gait2392.json, myo_arm.json). Left out are those of which this rig
+// has less than half of the joints.
 std::vector<CarriedMapping> first_mappings(const Skeleton& skeleton);
 
 }  // namespace bodyopt::muscle_models

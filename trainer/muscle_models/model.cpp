@@ -97,7 +97,7 @@ constexpr double kTiny = 1e-15;
 
 double cross(const Vector2d& a, const Vector2d& b) { return a.x() * b.y() - a.y() * b.x(); }
 
-// Where the tangent from p touches the circle of this radius about the origin, the one that turns by `sign`.
+// The point where the tangent from p touches the circle of this radius about the origin, turning by `sign`.
 Vector2d touch(const Vector2d& p, double radius, double sign) {
   const double square = p.squaredNorm();
   const double along = radius * radius / square;
@@ -112,7 +112,7 @@ bool segments_cross(const Vector2d& a, const Vector2d& b, const Vector2d& c, con
   return u >= 0 && u <= 1 && v >= 0 && v <= 1;
 }
 
-// Of a point at the origin, that of the first axis.
+// The direction of p; of a point at the origin, the first axis.
 Vector2d direction(const Vector2d& p) { return p.norm() > kTiny ? Vector2d(p.normalized()) : Vector2d::UnitX(); }
 
 struct FlatArc {
@@ -128,7 +128,7 @@ std::optional<FlatArc> around_circle(double radius, const std::optional<Vector2d
   const Vector2d closest = start + nearest * line;
   if (closest.norm() > radius && (!side || closest.dot(*side) >= 0)) return std::nullopt;
 
-  // Both ways around: the better is nearer to the side, or without one the shorter, the second where they are as good;
+  // The better way around is nearer to the side, or without one the shorter, the second where they are as good. It is
   // never one that crosses itself.
   constexpr double kCrossed = -1e4;
   double best = -2 * -kCrossed;
@@ -151,9 +151,9 @@ std::optional<FlatArc> around_circle(double radius, const std::optional<Vector2d
   return arc;
 }
 
-// The shortest way from start to end that touches the circle: it leaves the touching point at the angle at which it
-// meets it, alpha to the radius. With z = sin(alpha), the sines' law in the triangles (centre, end, touching point)
-// gives their angles at the centre, asin(z) - asin(z radius / distance), which add up to the angle between the ends.
+// The shortest way from start to end that touches the circle leaves and meets it at the same angle alpha to the radius.
+// With z = sin(alpha), the sines' law holds in the triangles (centre, end, touching point). Their angles at the centre
+// are asin(z) - asin(z radius / distance), which add up to the angle between the ends.
 std::optional<FlatArc> through_circle(double radius, const Vector2d& start, const Vector2d& end) {
   const Vector2d line = end - start;
   const double a = radius / start.norm(), b = radius / end.norm();
@@ -164,7 +164,7 @@ std::optional<FlatArc> through_circle(double radius, const Vector2d& start, cons
   const auto too_small = [&](double z) {
     return std::asin(a * z) + std::asin(b * z) - 2 * std::asin(z) + std::abs(angle) > 0;
   };
-  // So near to a tangent MuJoCo's solver gives up and takes the point below the middle between the ends; its models
+  // MuJoCo's solver gives up so near to a tangent, and takes the point below the middle between the ends. Its models
   // are fitted to the lengths it computes.
   constexpr double kGrazing = 1 - 1e-7;
   Vector2d touching = radius * (start + end).normalized();
@@ -182,7 +182,7 @@ std::optional<FlatArc> through_circle(double radius, const Vector2d& start, cons
 
 using Plane = Eigen::Matrix<double, 2, 3>;  // two axes
 
-// Through a sphere's centre and both ends; where these three are on a line, also through the side.
+// The plane through a sphere's centre and both ends; if these three are on a line, also through the side.
 Plane plane_through(const std::optional<Vector3d>& side, const Vector3d& start, const Vector3d& end) {
   const Vector3d along = start.normalized();
   Vector3d normal = start.cross(end);

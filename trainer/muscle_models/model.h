@@ -15,7 +15,7 @@ class Curve {
   // sum of coefficients[k] x^k; none: zero.
   static Curve polynomial(std::vector<double> coefficients);
   // The cubic spline through (x, y), x ascending, 2 points or more, straight beyond its ends. At each end its third
-  // derivative is that of the cubic through the four outermost points (Forsythe, Malcolm, Moler 1977, chapter 4);
+  // derivative is that of the cubic through the four outermost points (Forsythe, Malcolm, Moler 1977, chapter 4).
   // OpenSim's SimmSpline is the same function.
   static Curve spline(const std::vector<double>& x, const std::vector<double>& y);
 
@@ -129,7 +129,7 @@ std::vector<PathStop> trace_path(const ModelMuscle& muscle, const ModelPose& pos
 // Length of a traced path, metres.
 double path_length(const std::vector<PathStop>& stops);
 
-// Is the path traced around the surface? Around spheres and cylinders.
+// Is the path traced around the surface? It is around spheres and cylinders.
 bool honoured(const Wrap& wrap);
 
 // Reads .osim or MuJoCo .xml by the file's ending. Throws Error(file).
@@ -154,10 +154,10 @@ struct Arc {
   double length;             // on the surface
 };
 
-// How the straight path from `start` to `end` bends around the surface; nothing where it stays straight: it misses the
-// surface, on the right side of it, or one of its ends lies inside. All in the surface's frame (a sphere about the
-// origin, a cylinder without ends about the z axis), metres. A path with a side passes on that side; a side less than
-// the radius from the origin makes it pass through the inside. The rule is MuJoCo's from 3.2.3 on (documentation,
+// The bend of a straight path around the surface; nothing where it stays straight. It then misses the surface, on the
+// right side of it, or one of its ends lies inside. All in the surface's frame (a sphere about the origin, a cylinder
+// without ends about the z axis), metres. A path with a side passes on that side; a side less than the radius from the
+// origin makes it pass through the inside. The rule is MuJoCo's from 3.2.3 on (documentation,
 // "tendon/spatial/geom/sidesite"); earlier, what counted was the side's distance in the plane of the bend.
 std::optional<Arc> wrap_around(Wrap::Shape shape, double radius, const std::optional<Eigen::Vector3d>& side,
                                const Eigen::Vector3d& start, const Eigen::Vector3d& end);

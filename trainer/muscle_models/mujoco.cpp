@@ -44,7 +44,7 @@ class Includes {
   }
 
  private:
-  // The same for all links to a file.
+  // All links to a file have the same identity.
   using Identity = std::pair<dev_t, ino_t>;
   static Identity identity(const std::filesystem::path& path) {
     struct stat status {};

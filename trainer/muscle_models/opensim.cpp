@@ -23,7 +23,7 @@ constexpr const char* kGround = "ground";
 // The last part of a path like "/jointset/knee_r/knee_angle_r".
 std::string last_part(const std::string& path) { return path.substr(path.find_last_of('/') + 1); }
 
-// What an element says, without the blanks around it that version 2 writes.
+// The text of an element, without the blanks around it that version 2 writes.
 std::string text(xml_node element, const char* child) {
   constexpr const char* kBlanks = " \t\r\n";
   const std::string value = element.child_value(child);
@@ -55,8 +55,8 @@ xml_node function_of(xml_node holder, const std::string& property) {
   return named ? named : holder.child(property.c_str()).first_child();
 }
 
-// What each coordinate of a joint does, in their order: X, Y, Z turn about an axis that the earlier turns carried,
-// x, y, z shift along an axis of the parent's frame.
+// The effects of a joint's coordinates, in their order. X, Y, Z turn about an axis that the earlier turns moved, x, y,
+// z shift along an axis of the parent's frame.
 constexpr std::pair<const char*, const char*> kJoints[] = {
     {"WeldJoint", ""},    {"PinJoint", "Z"},      {"SliderJoint", "x"},   {"UniversalJoint", "XY"},
     {"BallJoint", "XYZ"}, {"GimbalJoint", "XYZ"}, {"PlanarJoint", "Zxy"}, {"FreeJoint", "XYZxyz"}};
@@ -110,7 +110,7 @@ class OpenSimReader {
     return index;
   }
 
-  // Of a socket, which versions before 4 name without the word.
+  // Versions before 4 name a socket without the word.
   int socket_coordinate(xml_node element, const std::string& name) const {
     const std::string socket = "socket_" + name;
     return coordinate(element, text(element, element.child(name.c_str()) ? name.c_str() : socket.c_str()));
@@ -185,8 +185,8 @@ class OpenSimReader {
     }
   }
 
-  // What a socket of an element names: one of its own offset frames, that of another, what it stands in (".."), a body,
-  // or the ground.
+  // A socket of an element names one of its own offset frames, that of another, what it stands in (".."), a body, or
+  // the ground.
   Frame frame(xml_node element, const std::string& path, int depth = 0) const {
     if (depth == kDeepestFrame) fail(element, "stands in a frame of a frame, and so on: a loop?");
     if (path == "..") {
@@ -225,7 +225,7 @@ class OpenSimReader {
     return motion;
   }
 
-  // Shifts first, in the parent's frame, then the three turns, each about an axis that the earlier ones carried.
+  // Shifts first, in the parent's frame, then the three turns, each about an axis that the earlier ones moved.
   std::vector<Motion> spatial_transform(xml_node joint) const {
     std::vector<Motion> shifts, turns;
     for (const xml_node axis : joint.child("SpatialTransform").children("TransformAxis")) {
@@ -302,7 +302,7 @@ class OpenSimReader {
     }
   }
 
-  // Those of the segment that was read last.
+  // Notes which segment has the surfaces: the one that was read last.
   void read_wraps(xml_node body) {
     for (const xml_node wrap : body.child("WrapObjectSet").child("objects").children()) {
       wrap_segment_[wrap.attribute("name").value()] = static_cast<int>(model_.segments.size()) - 1;

@@ -1,4 +1,4 @@
-// Which inputs a simulated shape came from.
+// A hash of the inputs that a simulated shape came from.
 #pragma once
 
 #include "assets/character.h"

@@ -10,14 +10,14 @@
 
 namespace bodyopt {
 
-// Where the springs pull in one pose: energy, up to a constant of the pose, 1/2 u.S u - u.pull, u = nodes - base.
+// The pull of the springs in one pose: energy, up to its constant, 1/2 u.S u - u.pull, u = nodes - base.
 struct SpringPose {
   Positions base, pull;  // N x 3, metres and newtons
 };
 
 // N/m per cubic metre of bone in a body of this size: Materials::bone_springs up to the size of the largest human.
-// Elastic forces grow with a body's length squared and those of springs with its fourth power, so that a giant's bones,
-// as stiff, would turn tets inside out: they give way by the same share of its length as a human's.
+// Elastic forces grow with the square of a body's length, those of springs with its fourth power. A giant's bones, as
+// stiff, would turn tets inside out: they give way by the same share of its length as a human's.
 double bone_stiffness(const Materials& materials, const TetMesh& mesh);
 
 class BoneSprings {

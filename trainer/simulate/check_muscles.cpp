@@ -7,7 +7,7 @@
 namespace bodyopt {
 namespace {
 
-// Whether any of a muscle's path lies under the skin. Between its points, too: both ends may stick out of a limb.
+// Whether any of a muscle's path lies under the skin, also between its points: both ends may stick out of a limb.
 bool reaches_inside(const Muscle& muscle, const SkinDepth& depth) {
   constexpr int kParts = 8;  // of the way from a point to the next
   for (std::size_t k = 0; k + 1 < muscle.path.size(); ++k) {

@@ -27,7 +27,7 @@ constexpr double kContactReach = 2e-3, kMan = 2;
 constexpr double kPlaneError = 6e-4;
 constexpr double kCellEdges = 3;  // of the grid that finds points
 
-// From 0 at `from` to 1 at `to`.
+// Rises from 0 at `from` to 1 at `to`.
 double ramp(double x, double from, double to) { return std::clamp((x - from) / (to - from), 0.0, 1.0); }
 
 Triangles without_loose_pieces(const Triangles& triangles, const LoosePieces& loose_pieces, Eigen::Index vertex_count) {
@@ -108,7 +108,7 @@ double SkinContact::PosedTet::inside(const Eigen::Vector4d& weights) const {
   return inside;
 }
 
-// What is outside of a tet has not passed through its skin, whatever lies there at rest: it is at least as far away as
+// A point outside of a tet has not passed through its skin, whatever lies there at rest. It is at least as far away as
 // the tet.
 ContactPlane SkinContact::plane(int point, int tet, const PosedTet& posed, const Eigen::Vector4d& weights) const {
   const Depth depth = rest_depth_(rest_position(mesh_, {tet, weights}));

@@ -11,9 +11,9 @@
 
 namespace bodyopt {
 
-// A point of the skin against a tet that it is inside of or near to: how deep it has passed through the skin, to first
-// order around the shape it was found in,
-//   depth = offset + slope . (x_point - sum over corners of weight x_corner).
+// A point of the skin against a tet that it is inside of or near to. Its depth in the skin is known to first order
+// around the shape that it was found in.
+//   `depth = offset + slope . (x_point - sum over corners of weight x_corner)`.
 struct ContactPlane {
   int point, tet;
   Eigen::Vector4d weights;  // barycentric, of the point in the tet
@@ -22,14 +22,14 @@ struct ContactPlane {
   double share;             // 0 to 1, of the energy: less where it is in doubt whether this is contact at all
 };
 
-// The skin that tets of any kind carry, against itself. A point (ContactPoints) in a tet that is not its own stands for
-// a point of the body at rest, and has passed through the skin by that point's depth below it (RestDepth): the material
-// depth of Hirota, Fisher, Lin et al. 2001. It is pushed out by
-//   energy = k share area d^2 (1/2 + d / (3 reach)),  d = max(depth, 0),
-// with equal and opposite forces on what carries the point and on the tet. share grows from 0 to 1 as the tissue
-// touched is further away at rest than an edge of skin and tets, as the skin faces it, and as the tet is not pressed
-// flat. In a lattice, whose cells overlap, only that of a tet counts which is tissue of its own part. The energy is
-// that of planes that are held: smooth, and true near the shape they were found in. What rides takes no part.
+// Contact of a skin that tets of any kind carry with itself. A point (ContactPoints) in a tet that is not its own
+// stands for a point of the body at rest. Its depth in the skin is that of this point (RestDepth): the material depth
+// of Hirota, Fisher, Lin et al. 2001. Equal and opposite forces on what carries the point and on the tet push it out.
+//   `energy = k share area d^2 (1/2 + d / (3 reach))`, `d = max(depth, 0)`.
+// The share grows from 0 to 1 as both are further apart at rest than an edge of skin and tets. It is less where the
+// skin does not face the tet or this is pressed flat. In a lattice, whose cells overlap, only tets count that are
+// tissue of their own part there. The planes are held: the energy is smooth, and true near the shape they were found
+// in. Loose pieces take no part.
 //
 // nodes: the cage's, N x 3, posed, metres.
 class SkinContact {
@@ -37,8 +37,8 @@ class SkinContact {
   // skin: V x 3, at rest, metres.
   SkinContact(const Positions& skin, const Triangles& triangles, const Cage& cage, const Materials& materials = {});
 
-  // One plane for every point that has passed through skin of another part that it faces, or is nearer to it than
-  // `margin`, metres, and than a part of the tet behind that skin; ascending in points.
+  // One plane for every point that faces skin of another part and has passed through it, ascending in points. Points
+  // nearer than `margin`, metres, and than a part of the tet behind that skin have one, too.
   std::vector<ContactPlane> find(const Positions& nodes, double margin) const;
 
   // How deep a plane takes its point to be, metres; below 0 outside.
@@ -47,15 +47,15 @@ class SkinContact {
   // Adds the gradient (J/m, N x 3) at `nodes` to `gradient`; returns the energy, joules.
   double add_gradient(std::span<const ContactPlane> planes, const Positions& nodes, Positions& gradient) const;
 
-  // How deep vertices of the skin lie in skin, whichever way they face, metres; 0 where none does. What is as near at
-  // rest as one and a half edges of the skin is the same part; skin in skin that lies outside of all tets goes unseen.
+  // How deep vertices of the skin lie in skin, whichever way they face, metres; 0 where none does. Points nearer at
+  // rest than one and a half edges of the skin are the same part. Skin in skin outside of all tets goes unseen.
   double deepest(const Positions& nodes) const;
 
-  // How much larger the body is than a man, 1 at least: the lengths by which contact is told grow with it.
+  // How much larger the body is than a man, 1 at least: the lengths that contact depends on grow with it.
   double scale() const { return scale_; }
 
  private:
-  // From places in a posed tet to places in it at rest.
+  // Takes places in a posed tet to places in it at rest.
   struct PosedTet {
     Eigen::RowVector3d origin;  // corner 0
     Eigen::Matrix3d inverse;    // of the edges from it: from positions to barycentric weights
@@ -73,7 +73,7 @@ class SkinContact {
   ContactPlane plane(int point, int tet, const PosedTet& posed, const Eigen::Vector4d& weights) const;
 
   TetMesh mesh_;    // at rest
-  Triangles body_;  // the skin's, without what rides
+  Triangles body_;  // the skin's, without loose pieces
   RestDepth rest_depth_;
   ContactPoints points_;
   double cell_;                                          // of the grid that finds points, metres
@@ -83,10 +83,9 @@ class SkinContact {
   double scale_;
 };
 
-// Contact as planes that are held while a shape is relaxed and renewed in between. A point keeps its planes while
-// they tell its depth to 0.6 mm; where they do not, the plane of the new shape joins them, and all of them share its
-// force. Where two slopes meet a point comes to rest between them: with the last plane alone it would jump from one to
-// the other for ever.
+// Contact as planes that are held while a shape is relaxed and renewed in between. A point keeps its planes while they
+// give its depth to 0.6 mm. Otherwise the plane of the new shape joins them, and all of them share its force. If two
+// slopes meet, a point comes to rest between them: with the last plane alone it would jump to and fro for ever.
 class HeldContact {
  public:
   // contact must outlive it. margin: metres, of skin that may come into contact before planes are renewed.
@@ -94,7 +93,7 @@ class HeldContact {
 
   const std::vector<ContactPlane>& planes() const { return planes_; }
 
-  // Returns whether the planes told the depth of every point.
+  // Returns whether the planes gave the depth of every point.
   bool renew(const Positions& nodes);
 
  private:

@@ -7,8 +7,8 @@
 
 namespace bodyopt {
 
-// P points: first the V vertices of the skin, then, but for a lattice, whose surface is not the body's, the N nodes of
-// the tets. A skin finer than the tets touches at its vertices, a coarser one at the tets' nodes between them.
+// P points: the V vertices of the skin, then the N nodes of the tets, except in a lattice, whose surface is not the
+// body's. A skin finer than the tets touches at its vertices, a coarser one at the tets' nodes between them.
 struct ContactPoints {
   Eigen::Index skin_count = 0;
   Positions rest;                       // P x 3, metres
@@ -25,7 +25,7 @@ struct ContactPoints {
   Eigen::VectorXd area;  // P, a third of the triangles around it, square metres
 };
 
-// skin: V x 3, at rest, metres; triangles: of it, without what rides.
+// skin: V x 3, at rest, metres; triangles: of it, without loose pieces.
 ContactPoints contact_points(const Positions& skin, const Triangles& triangles, const Cage& cage);
 
 }  // namespace bodyopt

@@ -15,7 +15,7 @@ class GaussSeidel {
 
   // One sweep from zero: (D + L) values = right, N x 4.
   void forward(const Lanes& right, Lanes& values) const;
-  // What `forward` left over: right - A values = -U values.
+  // The residual that `forward` leaves: right - A values = -U values.
   void remainder(const Lanes& values, Lanes& result) const;
   // One sweep backwards, the transpose of `forward` where it starts from zero.
   void backward(const Lanes& right, Lanes& values) const;

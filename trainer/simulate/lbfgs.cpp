@@ -12,7 +12,7 @@ constexpr double kArmijo = 1e-4;
 constexpr int kMaxHalvings = 30;
 // Relative rounding of an energy: smaller differences cannot tell up from down.
 constexpr double kEnergyRounding = 1e-12;
-// Joules. Of a change this small a sum over all tets tells nothing, and the slopes at both ends tell it instead.
+// Joules. A sum over all tets cannot show a change this small: the slopes at both ends show it instead.
 constexpr double kSmallEnergy = 1e-9;
 
 double dot(const auto& a, const Positions& b) { return a.template cast<double>().cwiseProduct(b).sum(); }

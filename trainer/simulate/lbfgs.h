@@ -9,7 +9,7 @@
 
 namespace bodyopt {
 
-// What is minimised, at one point.
+// The objective at one point.
 struct ObjectiveValue {
   double energy = 0;        // joules; infinite where the point is not allowed
   double force_square = 0;  // N^2, the scale of the forces that balance; see residual
@@ -26,7 +26,7 @@ struct MinimiseResult {
 // is about the same. The first factor of the inverse Hessian is the metric's inverse.
 class Lbfgs {
  public:
-  // metric must outlive it. force_floor (N): forces below it count as none. max_move (metres): no step moves a node
+  // metric must outlive it. `force_floor` (N): forces below it count as none. `max_move` (metres): no step moves a node
   // further, since the energy far away has nothing to do with the slope here.
   Lbfgs(const StiffModes& metric, double force_floor, double max_move = std::numeric_limits<double>::infinity())
       : metric_(metric), force_floor_(force_floor), max_move_(max_move) {}
@@ -37,7 +37,7 @@ class Lbfgs {
   MinimiseResult minimise(const Objective& objective, double tolerance, int max_iterations, Positions& nodes);
 
  private:
-  // In single precision: all of them are read in every iteration, and a direction needs no more digits.
+  // Single precision is enough for a direction, and all of them are read in every iteration.
   using Change = Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor>;
   struct Pair {
     Change step, change;  // of the nodes, of the gradient

@@ -18,7 +18,7 @@ class LoosePieceStretch {
 
   void add(int frame, const Positions& skin);  // V x 3, metres
 
-  double most() const { return most_; }  // of the length at rest; 0: no edge rides
+  double most() const { return most_; }  // of the length at rest; 0: there are no loose pieces
   // One sentence with the place and a remedy, where it is more than kMost.
   std::string warning() const;
 

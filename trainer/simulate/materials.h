@@ -1,12 +1,12 @@
-// What the tissue is made of. SI units: pascals, metres. rigs/materials.json says where the defaults come from.
+// Materials of the tissue. SI units: pascals, metres. rigs/materials.json says where the defaults come from.
 #pragma once
 
 #include <filesystem>
 
 namespace bodyopt {
 
-// Stable neo-Hookean. A body is nearly incompressible, but linear tetrahedra lock long before its true bulk modulus:
-// lambda of 10 to 20 mu (Poisson 0.45 to 0.475) lets volume change by about one percent.
+// Stable neo-Hookean. A body is nearly incompressible, but linear tetrahedra lock long before its true bulk modulus.
+// Lambda of 10 to 20 mu (Poisson's ratio 0.45 to 0.475) lets volume change by about one percent.
 struct TetMaterial {
   double mu = 0;      // shear modulus, Pa
   double lambda = 0;  // Lamé's first parameter, Pa
@@ -18,8 +18,8 @@ struct Materials {
   TetMaterial cavity{1e3, 80e3};  // of chest and belly: soft, and nearly as incompressible as what is around it
   // Holds the volume of a muscle as a whole: active fibres squeeze it with up to a third of their stress.
   double muscle_bulk = 3e6;  // Pa
-  // Active fibres pull with activation x stiffness x (stretch - slack): they shorten to slack, to which bones, joints
-  // and tendons let them (FibreDrive), and never below the least.
+  // Active fibres pull with activation x stiffness x (stretch - slack). They shorten to the slack that bones, joints
+  // and tendons leave them (FibreDrive), and never below the least.
   double active_fibre = 600e3;  // Pa
   double active_slack = 0.7;    // stretch, the least
   double passive_fibre = 20e3;  // Pa, beyond rest length

@@ -17,13 +17,13 @@ using SparseMatrix = Eigen::SparseMatrix<double>;
 // Volume-weighted P1 stiffness matrix: sum over tets of coefficient x volume x (slope_a . slope_b), N x N.
 SparseMatrix tet_laplacian(const TetMesh& mesh, const std::vector<double>& coefficients);
 
-// Stiffness of each tet in the metric, Pa: an estimate of the elastic Hessian's size that holds in every pose, so that
-// L-BFGS takes full steps (Liu, Bouaziz, Kavan 2017). muscle: share of each tet that is muscle.
+// Stiffness of each tet in the metric, Pa. It estimates the size of the elastic Hessian in every pose, so that L-BFGS
+// takes full steps (Liu, Bouaziz, Kavan 2017). `muscle`: share of each tet that is muscle.
 std::vector<double> metric_stiffness(const std::vector<TetMaterial>& tets, const std::vector<double>& muscle,
                                      const Materials& materials);
 
-// A positive definite matrix and its inverse, with three right sides at once: by a sparse Cholesky factor or, in tets
-// of second order, nearly, by one cycle of two grids, which reads a tenth of what the factor would have.
+// A positive definite matrix and its inverse, with three right-hand sides at once. A sparse Cholesky factor inverts it;
+// in tets of second order a two-grid cycle does so nearly, and reads a tenth as much.
 class Metric {
  public:
   using Lanes = Eigen::Matrix<double, Eigen::Dynamic, 4, Eigen::RowMajor>;  // the fourth right side is zero
@@ -36,9 +36,9 @@ class Metric {
   // prolongation: N x C, from the nodes of the coarse grid to all.
   Metric(const SparseMatrix& matrix, const SparseMatrix& prolongation);
 
-  // Replaces `values` (N x 3) by the inverse metric times it. `scratch` is resized as needed. The cycle of two grids is
-  // symmetric and positive definite, too (Trottenberg, Oosterlee, Schueller 2001, section 10.3): a sweep of Gauss and
-  // Seidel, the factor of P^T A P on the coarse grid, and a sweep backwards.
+  // Replaces `values` (N x 3) by the inverse metric times it. `scratch` is resized as needed. The two-grid cycle is a
+  // Gauss-Seidel sweep, the factor of P^T A P on the coarse grid, and a sweep backwards. It is symmetric and positive
+  // definite, too (Trottenberg, Oosterlee, Schueller 2001, section 10.3).
   void solve(Positions& values, Scratch& scratch) const;
 
  private:

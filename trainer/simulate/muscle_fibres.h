@@ -11,19 +11,19 @@ namespace bodyopt {
 
 double rest_length(const Muscle& muscle);  // of its path, metres
 
-// Length of a muscle's path with its points carried by their joints' skinning matrices, metres.
+// Length of a muscle's path with its points moved by their joints' skinning matrices, metres.
 double path_length(const Muscle& muscle, std::span<const Affine> skinning);
 
-// What a muscle does to its fibres in a pose, beyond its tone at rest, which is part of the rest shape.
+// A muscle's effect on its fibres in a pose, beyond its tone at rest, which is part of the rest shape.
 struct FibreDrive {
   double activation;  // 0 .. max_activation
   double slack;       // stretch: to it active fibres shorten, and no further
 };
 
-// Per muscle. The activation is a smooth function of how much shorter its path is than at rest, and of nothing else:
-// zero at rest and when stretched, full when shortened by a fifth. Bones hold the ends of the path: the belly shortens
-// by what the path does, and by what tendon and aponeurosis in series with it give way at the largest force, 4 % of the
-// path (Zajac 1989); by no more than `least_slack` leaves. bellies: lengths at rest, metres; 0: the whole path.
+// Per muscle. The activation depends, smoothly, only on how much shorter its path is than at rest. It is zero at rest
+// and when stretched, full when shortened by a fifth. Bones hold the ends of the path. The belly shortens by as much as
+// the path, and as tendon and aponeurosis in series stretch at the largest force. That is 4 % of the path (Zajac 1989).
+// `least_slack` of its length is left at least. `bellies`: lengths at rest, metres; 0: the whole path.
 std::vector<FibreDrive> fibre_drives(const std::vector<Muscle>& muscles, std::span<const double> bellies,
                                      std::span<const Affine> skinning, double least_slack);
 

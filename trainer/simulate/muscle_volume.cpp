@@ -19,7 +19,7 @@ MuscleVolume::MuscleVolume(const TetMesh& mesh, const std::vector<FibreTet>& fib
   rest_ = volumes(mesh.nodes);
 }
 
-// Of the share of the tet's volume that counts: its gradient for each corner.
+// The gradient of the tet's volume, times the share that counts, for each corner.
 Eigen::Matrix<double, 4, 3> MuscleVolume::volume_slope(const Part& part, const Positions& nodes) {
   const Eigen::RowVector3d origin = nodes.row(part.node[0]);
   const Eigen::RowVector3d a = nodes.row(part.node[1]) - origin, b = nodes.row(part.node[2]) - origin,

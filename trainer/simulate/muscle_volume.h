@@ -9,7 +9,7 @@
 namespace bodyopt {
 
 // Muscle is nearly incompressible, but linear tets held to their true bulk modulus one by one lock. Each tet is
-// therefore softer (materials.h), and the volume of each muscle as a whole is held by
+// therefore softer (materials.h). The volume of each muscle as a whole is held by
 //   energy = K/2 V_rest (V / V_rest - 1)^2.
 // The penalty that pressure by whole bodies instead of elements is: mean dilatation with one patch per muscle
 // (Nagtegaal, Parks and Rice 1974).
@@ -26,7 +26,7 @@ class MuscleVolume {
   // and their stiffness K / V_rest.
   std::pair<std::vector<SparseMode>, std::vector<double>> stiff_modes(const Positions& nodes) const;
 
-  // Of the muscle that changes most: V / V_rest - 1; 0 without muscles.
+  // V / V_rest - 1 of the muscle that changes most; 0 without muscles.
   double largest_change(const Positions& nodes) const;
 
  private:

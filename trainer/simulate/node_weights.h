@@ -10,8 +10,8 @@ namespace bodyopt {
 // Joint weights of every node, N x J: rows sum to one.
 using NodeWeights = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-// Skin weights carried inwards, N x J: the joint-wise minimum of 1/2 w.laplacian w + bone springs pulling each bone's
-// own weight to one + vertices of the skin pulling the weights of the tets that carry them, blended where they lie, to
+// Extends skin weights inwards, N x J: for each joint the minimum of 1/2 w.laplacian w + bone springs + skin. Springs
+// pull each bone's own weight to one. Vertices of the skin pull the weights of their tets, blended where they lie, to
 // their own. `springs` (N x N) and `bone_share` (N x J, row sums of springs by joint) may be zero. Rows are clamped to
 // 0 and normalised.
 NodeWeights carry_through(const Character& character, const Cage& cage, const SparseMatrix& laplacian,

@@ -12,14 +12,13 @@
 
 namespace bodyopt {
 
-// Layout, little-endian: "BODYPART", uint64 inputs, uint64 values per frame; then records of uint64 key, double
-// residual, double seconds, int32 iterations, int32 inverted tets, double contact depth, double volume change, float
-// values, uint64 xxh3 of the record so far.
-// Records are only ever appended, so a kill harms at most the last one, and that is cut off when the file is opened
-// again.
+// Layout, little-endian: "BODYPART", uint64 inputs, uint64 values per frame; then records. A record is uint64 key,
+// double residual, double seconds, int32 iterations, int32 inverted tets, double contact depth, double volume change,
+// float values, uint64 checksum. The checksum is the xxh3 of the record before it. Records are only ever appended, so a
+// kill harms at most the last one, and that is cut off when the file is opened again.
 class PartialShapes {
  public:
-  // Opens the file or starts a new one. What is there of other inputs is put aside as `path`.old, and `warn` is told.
+  // Opens the file or starts a new one. What is there of other inputs is put aside as `path`.old, with a warning.
   // Throws Error(file).
   PartialShapes(std::filesystem::path path, std::uint64_t inputs, std::size_t values_per_frame,
                 const std::function<void(const std::string&)>& warn);
@@ -30,7 +29,7 @@ class PartialShapes {
   bool has(std::uint64_t key) const { return record_begin_.contains(key); }
   // values: as many as values_per_frame.
   void append(std::uint64_t key, const FrameStatus& status, std::span<const float> values);
-  // The record of a key that is there. Sets all of `status` but frame and converged.
+  // The record of a key that is there. Sets all of `status` but frame, converged, inputs and discretisation_error.
   std::vector<float> read(std::uint64_t key, FrameStatus& status) const;
   // Closes and deletes the file: its frames are elsewhere now.
   void remove();

@@ -10,10 +10,10 @@ namespace {
 constexpr int kPoints = 4, kEighths = 8;
 // Barycentric weights of a point: of the corner that it is near to, and of the others.
 const double kNear = (5 + 3 * std::sqrt(5.0)) / 20, kFar = (5 - std::sqrt(5.0)) / 20;
-// With this scale a point's tet has a quarter of the volume.
+// A point's tet has a quarter of the volume at this scale.
 const double kScale = std::cbrt(0.25);
-// dN / dw_a of corner a, of the middles next to it, and what is added to that of the one towards the point's own
-// corner, or of corner a itself where that is its own.
+// dN / dw_a of corner a and of the middles next to it. `kTowards` is added for the middle towards the point's own
+// corner, or for corner a where that is its own.
 const double kCorner = kScale * (4 * kFar - 1), kMiddle = kScale * 4 * kFar, kTowards = kScale * 4 * (kNear - kFar);
 
 double share(int point, int eighth) {

@@ -1,4 +1,4 @@
-// Where the energy of tetrahedra of second order is summed.
+// The points where the energy of tetrahedra of second order is summed.
 #pragma once
 
 #include <vector>
@@ -17,9 +17,9 @@ struct FibreTet {
 };
 
 // Four points of each tet of second order (second_order.h), with equal shares of its volume. To each belongs a linear
-// tet of that volume with the deformation gradient of the point. Its corners are, of the shape functions' derivatives
-// along the four barycentric weights w at the point, corner a = scale sum over nodes of x_node dN_node / dw_a: the
-// derivative along w_a - w_0 is an edge of the tet, at rest as well.
+// tet of that volume with the deformation gradient of the point. Its corners are sums of shape functions' derivatives
+// along the barycentric weights w: corner a = scale sum over nodes of x_node dN_node / dw_a. The derivative along w_a -
+// w_0 is an edge of the tet, at rest as well.
 class QuadraturePoints {
  public:
   QuadraturePoints() = default;

@@ -21,36 +21,36 @@ namespace {
 
 constexpr double kTolerance = 1e-4;
 constexpr int kMaxIterations = 4000;
-// On the way a shape only has to stay near the path.
+// A shape only has to stay near the path while it is under way.
 constexpr double kPathTolerance = 1e-2;
 constexpr int kPathIterations = 8;
 constexpr double kMaxTurn = 20 * std::numbers::pi / 180;  // a step, of the joint that turns most
 constexpr double kMaxFlex = 0.25;                         // a step, of full activation
-// A step that turns more than this share of the body inside out is halved, or folds would tangle; tets too small to
+// A step that turns more than this share of the body inside out is halved, or folds would tangle. Tets too small to
 // matter recover by themselves.
 constexpr double kMostInverted = 1e-6;
 constexpr double kShortestStep = 1.0 / 32;  // of a full step
-// The shape in linear tets is where those of second order start: not where its skin lies deeper in skin than this,
-// metres, or where more of them would be inside out.
+// Tets of second order start at the shape in linear tets. They do not if its skin lies deeper in skin than this,
+// metres, or if more of them would be inside out.
 constexpr double kDeepFold = 3e-3, kMostTangled = 1e-4;
 // A part that has slipped into another so deep, metres, in steps too long for contact to stop it, takes shorter ones.
 constexpr double kTooDeep = 5e-3;
 constexpr double kMinWeight = 1e-3;
 // Parts nearer than this, metres, may come into contact while a shape is relaxed.
 constexpr double kContactMargin = 5e-3;
-// Contact is held for so many iterations; from this round on for twice as many each time, and what has then converged
-// is taken as it is: some nodes never come to rest on their planes.
+// Contact is held for so many iterations; from this round on for twice as many each time. A shape that has converged
+// then is taken as it is: some nodes never come to rest on their planes.
 constexpr int kContactIterations = 20, kContactRounds = 16;
 // A step of the solver moves no node further than this part of the body's longest extent.
 constexpr double kMaxMove = 0.01;
-// A cage's few large linear tets lock at the lambda that finer ones bear: with a quarter of it they come nearest to the
+// A cage's few large linear tets lock at the lambda that finer ones bear. With a quarter of it they come nearest to the
 // shapes of finer ones.
 constexpr double kCoarseLambda = 0.25;
-// Of lambda, that keeps the eighths of tets of second order upright where they have turned over.
+// The share of lambda that keeps the eighths of tets of second order upright where they have turned over.
 constexpr double kEighthsLambda = 0.05;
 constexpr double kLeastFilled = 0.1;  // of a cage's tet: emptier ones would have next to no stiffness
 // A strain that counts as none: residuals are relative to the forces of this strain at least. The energy at rest is not
-// zero, so that its rounding hides the last digits of smaller strains and a body at rest could never converge.
+// zero, and its rounding hides the last digits of smaller strains: a body at rest could never converge.
 constexpr double kStrainFloor = 1e-4;
 
 void require_flex(std::span<const double> flex, std::size_t muscles) {
@@ -72,7 +72,7 @@ std::vector<TetMaterial> materials_in(const Cage& cage, std::vector<TissueShares
   return materials;
 }
 
-// Of a skin that the anatomy finds nothing in, a sheet: tets that go with one joint are its bone.
+// A skin that the anatomy finds nothing in, a sheet, has bones where tets go with one joint.
 std::vector<BonePart> bones_by_weights(const TetMesh& mesh, const NodeWeights& weights) {
   constexpr double kLeast = 0.9;
   const Eigen::Matrix4d moments = (Eigen::Matrix4d::Ones() + Eigen::Matrix4d::Identity()) / 20;
@@ -134,7 +134,7 @@ Eigen::Vector3d turned(const Quat& rotation, const Eigen::Vector3d& v) {
   return {result[0], result[1], result[2]};
 }
 
-// Where linear blending takes a point, and the blend of the rotations of its joints.
+// The place of a point by linear blending, and the blend of the rotations of its joints.
 struct BlendedFrame {
   Eigen::Vector3d position;
   Quat rotation;
@@ -370,7 +370,7 @@ SolvedPose QuasiStaticBody::solve_along(std::span<const Pose> path, std::span<co
   return solved;
 }
 
-// Where tets stay inverted, a firmer barrier turns them, if it can.
+// Settles; a firmer barrier then turns tets that stay inverted, if it can.
 void QuasiStaticBody::settle_upright(const Target& at, const Upright& upright, SolvedPose& solved) const {
   MinimiseResult result = settle(at, upright, solved.nodes);
   solved.status.iterations += result.iterations;

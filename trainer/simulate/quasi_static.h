@@ -17,7 +17,7 @@
 namespace bodyopt {
 
 struct SolvedPose {
-  Positions nodes;     // N x 3, those of the body's tets, then the R vertices that ride; posed, metres
+  Positions nodes;     // N x 3, those of the body's tets, then the R vertices of loose pieces; posed, metres
   FrameStatus status;  // without the frame number
 };
 
@@ -31,39 +31,39 @@ class QuasiStaticBody {
   QuasiStaticBody(const Character& character, const std::vector<Muscle>& muscles, const AnatomyField& anatomy,
                   const Cage& cage, const Materials& materials = {});
 
-  // From now on poses are reached in a body of the linear tets that this one's were made of (second_order), and only
-  // settled in this one.
+  // Poses are reached in `linear` from now on, the body of the linear tets that this one's were made of (second_order).
+  // They are only settled in this one.
   void walk_in(std::unique_ptr<const QuasiStaticBody> linear);
 
-  // A body of the same skin in fewer, larger tets, by which it can tell its discretisation error.
+  // A body of the same skin in fewer, larger tets, to estimate its discretisation error.
   void compare_with(std::unique_ptr<const QuasiStaticBody> coarser) { coarser_ = std::move(coarser); }
-  // How far the skin of a solved pose (V x 3) is from that in ever smaller tets, metres, RMS: from the coarser body's,
-  // errors taken to fall with the square of the tets' size (Richardson). Not a number without a coarser body, where
-  // that does not converge, or whose tets are hardly larger.
+  // The distance of a solved pose's skin (V x 3) from that in ever smaller tets, metres, RMS. It follows from the
+  // distance to the coarser body's if errors fall with the square of the tets' size (Richardson). Not a number without
+  // a coarser body, if that does not converge, or if its tets are hardly larger.
   double discretisation_error(const Pose& pose, std::span<const double> flex, const Positions& skin) const;
 
   // The equilibrium reached from rest along the straight path in joint angles, a pure function of the pose. A single
   // root's motion is taken out and put back at the end: there is no gravity, so the body does not feel it. The linear
   // body (walk_in) takes the path where it comes to rest without deep folds; its shape is where this body starts.
   //
-  // residual = sqrt(sum over all nodes of |f_i|^2) / sqrt(sum over all tets and their four nodes of |f_ta|^2), where
-  // f_ta is the elastic force (passive, active and barrier terms together) of tet t on its node a, and f_i is the sum
-  // of those around node i plus muscle volume, bone springs, the skin's bending and contact (of
-  // HeldContact): no node is held otherwise. converged: residual below 1e-4 and no
-  // inverted tet. A frame that has not come so far after kMaxIterations, or cannot, or whose skin lies more than 5 mm
-  // deep in skin, is tried once more, in smaller steps and with a steeper barrier; the better shape is kept.
+  // residual = sqrt(sum over all nodes of |f_i|^2) / sqrt(sum over all tets and their four nodes of |f_ta|^2). The
+  // elastic force f_ta (passive, active and barrier terms together) is that of tet t on its node a. The force f_i is
+  // the sum of those around node i, muscle volume, bone springs, bending, contact (of HeldContact) and eighths that are
+  // held. No other forces hold a node. A pose is converged with a residual below 1e-4 and no inverted tet. An
+  // unconverged frame, or one with skin more than 5 mm deep in skin, is tried again in smaller steps with a steeper
+  // barrier. The second shape is kept if it converges and the first did not, or is deeper.
   //
-  // flex: per muscle, 0 to 1, or empty: the share of what is left of its activation in the pose that is added, raised
-  // from 0 along the path.
+  // flex: per muscle, 0 to 1, or empty. This share of what is left of its activation in the pose is added, raised from
+  // 0 on the way to the pose.
   SolvedPose solve(const Pose& pose, std::span<const double> flex = {}) const {
     return solve_along(std::span(&pose, 1), flex);
   }
-  // The same at the last of some poses (one at least), reached through the others: how much a shape depends on its
-  // path.
+  // The equilibrium at the last of some poses (one at least), reached through the others: it shows how much a shape
+  // depends on its path.
   SolvedPose solve_along(std::span<const Pose> path, std::span<const double> flex) const;
 
-  // V x 3: where the nodes of a solved pose (N + R x 3) take the skin. A vertex that rides is a node of its own: it
-  // goes where its joints take it by linear blending, displaced, in its turned frame, as the body is where it holds the
+  // V x 3: where the nodes of a solved pose (N + R x 3) take the skin. A vertex of a loose piece is a node of its own.
+  // Its joints move it by linear blending. It is then displaced, in its turned frame, as the body is where it holds the
   // piece (LoosePieces).
   Positions skin(const Positions& nodes) const { return embed(embedding_, carriers_, nodes); }
 
@@ -71,7 +71,7 @@ class QuasiStaticBody {
   const TetMesh& mesh() const { return mesh_; }
   Eigen::Index corner_count() const { return (linear_ ? linear_->mesh_ : mesh_).nodes.rows(); }  // without middles
   Eigen::Index node_count() const { return mesh_.nodes.rows() + static_cast<Eigen::Index>(riding_.size()); }  // N + R
-  // What carries the skin: the tets of the mesh, then for each vertex that rides four times its own node.
+  // The skin's carriers: the tets of the mesh, then for each vertex of a loose piece four times its own node.
   const Tets& carriers() const { return carriers_; }
   const std::vector<EmbeddedPoint>& embedding() const { return embedding_; }  // V, in the carriers
   const std::vector<std::uint32_t>& riding() const { return riding_; }        // R: vertices of the skin
@@ -92,15 +92,15 @@ class QuasiStaticBody {
     Positions skinned;           // N x 3: the rest nodes by linear blend skinning
     std::vector<Quat> rotation;  // N: blended joint rotations
   };
-  // What keeps tets upright. eighths: those of tets of second order, too; the points at which these are summed do not
-  // see a corner that has passed through its tet.
+  // Keeps tets upright. `eighths`: it holds those of tets of second order, too. The points at which these are summed do
+  // not see a corner that has passed through its tet.
   struct Upright {
     Tissue::BarrierShape barrier;
     bool eighths;
   };
   static constexpr Upright kAtFirst{Tissue::kBarrier, false}, kSteep{Tissue::kSteepBarrier, true},
       kFirm{Tissue::kFirmBarrier, true};
-  // Each with the root's motion taken out, and without what rides.
+  // Each with the root's motion taken out, and without loose pieces.
   SolvedPose attempt(std::span<const Pose> path, std::span<const double> flex, double step_size,
                      const Upright& upright) const;
   std::optional<SolvedPose> settle_from_linear(const Pose& pose, std::span<const double> flex) const;
@@ -110,7 +110,7 @@ class QuasiStaticBody {
   void judge(SolvedPose& solved) const;             // sets its status but for residual and iterations
   Target target(const LocalTransforms& local, std::span<const double> flex) const;
   Positions carried(const Target& from, const Target& to, const Positions& nodes) const;
-  // What rides becomes nodes of its own.
+  // Makes the vertices of loose pieces nodes of their own.
   void take_loose_pieces(const Character& whole, const LoosePieces& loose_pieces);
   void append_loose_pieces(const Pose& pose, Positions& nodes) const;
   // at and contact must outlive it.
@@ -118,9 +118,9 @@ class QuasiStaticBody {
                    bool hold_volume) const;
   // Keeps a shape near the path, roughly and without holding the volume of muscles. Returns iterations.
   int follow(const Target& at, const Upright& upright, Positions& nodes) const;
-  // To equilibrium, or as near as it gets. Eighths that turn over on the way are held from then on.
+  // Relaxes to equilibrium, or as near as it gets. Eighths that turn over on the way are held from then on.
   MinimiseResult settle(const Target& at, Upright upright, Positions& nodes) const;
-  // The same, upright: sets the nodes, iterations and residual of `solved`.
+  // Settles upright: sets the nodes, iterations and residual of `solved`.
   void settle_upright(const Target& at, const Upright& upright, SolvedPose& solved) const;
 
   Skeleton skeleton_;
@@ -132,8 +132,8 @@ class QuasiStaticBody {
   Tets carriers_;
   LoosePieces loose_pieces_;
   std::vector<std::uint32_t> riding_;
-  Positions skin_rest_;       // V x 3, where something rides
-  SkinWeights skin_weights_;  // V, where something rides
+  Positions skin_rest_;       // V x 3, with loose pieces
+  SkinWeights skin_weights_;  // V, with loose pieces
   TetTissue inside_;
   NodeWeights weights_;
   std::vector<std::vector<JointWeight>> node_joints_;  // N: the weights again, small ones dropped, sum 1

@@ -26,11 +26,10 @@ namespace bodyopt {
 namespace {
 
 // The middles of edges of tets of second order not counted; those of a lattice are linear. Skins with more vertices
-// show more parts, such as fingers, and contact misses folds that are finer than the tets: a human of 13,380 vertices
-// in 4,000 nodes keeps 28 mm of skin in skin in one of four frames, in 6,000 2 mm. On the arm, of half as many
-// vertices, 950, 1,900, 3,000 and 4,000 nodes are 1.1, 0.9, 0.7 and 0.5 mm (RMS) from tets of second order in the skin
-// itself, 600 1.6 mm.
-// Skins of fewer vertices have as many as their own resolution bears (fill_coarser).
+// show more parts, such as fingers, and contact misses folds that are finer than the tets. A human of 13,380 vertices
+// keeps 28 mm of skin in skin in one of four frames with 4,000 nodes, 2 mm with 6,000. The arm has half as many
+// vertices. With 600, 950, 1,900, 3,000 and 4,000 nodes it is 1.6, 1.1, 0.9, 0.7 and 0.5 mm (RMS) from second-order
+// tets in the skin itself. Skins of fewer vertices have as many as their own resolution bears (fill_coarser).
 constexpr double kMostNodes = 6000, kFinestSkin = 13000, kFewestNodes = 2000;
 constexpr double kDraftNodesOfVertex = 0.15, kFewestOfDraft = 600;
 
@@ -104,7 +103,7 @@ std::vector<Job> jobs_of(const QuasiStaticBody& body, const std::vector<Muscle>&
 
 using NodesOfFrame = Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor>;
 
-// What a cache keeps of a sample: the shape, or a draft's nodes.
+// A cache keeps the shape of a sample, or a draft's nodes.
 std::vector<float> stored_sample(const Pc2Reader& cache, std::uint32_t k) { return cache.sample(k); }
 std::vector<float> stored_sample(const NodesReader& cache, std::uint32_t k) {
   const NodesOfFrame nodes = cache.nodes(k).cast<float>();
@@ -174,14 +173,14 @@ void solve_all(const QuasiStaticBody& body, const std::vector<Job>& jobs, int th
   parallel_for(jobs.size(), solve, threads);
 }
 
-// Where the output vertices lie in a cage.
+// The places of the output vertices in a cage.
 std::vector<EmbeddedPoint> output_embedding(const Character& character, const QuasiStaticBody& body) {
   std::vector<EmbeddedPoint> points;
   for (const std::uint32_t v : character.output_vertex) points.push_back(body.embedding()[v]);
   return points;
 }
 
-// As `check` foresees it.
+// `check` foresees the same cage.
 std::string solved_in(const Cage& cage) {
   const std::string what = cage.is_lattice        ? "a lattice"
                            : !cage.is_own_skin    ? "a coarser skin"
@@ -281,7 +280,7 @@ QuasiStaticBody body_in(const Cage& cage, const Character& character, const std:
   return body;
 }
 
-// Of some frames of a take, the discretisation error.
+// Estimates the discretisation error of some frames of a take.
 void add_errors(const QuasiStaticBody& body, const std::vector<Job>& jobs,
                 const std::function<Positions(std::size_t)>& skin, std::vector<FrameStatus>& status) {
   constexpr std::size_t kFrames = 3;
@@ -394,8 +393,8 @@ std::vector<FrameStatus> simulate(const QuasiStaticBody& body, const Character& 
           return skin_of(partial.read(jobs[k].key, unused));
         },
         result);
-    // At no moment does a side-car stand beside shapes that it does not describe; killed in between, the unfinished
-    // file still has every frame.
+    // A side-car never stands beside shapes that it does not describe. After a kill in between, the unfinished file
+    // still has every frame.
     std::filesystem::remove(status);
     writer.close();
     write_frame_status(result, status);

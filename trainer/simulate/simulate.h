@@ -21,38 +21,38 @@ struct SimulateOptions {
   bool draft = false;   // in a coarser cage; the cache then holds nodes (nodes_cache.h)
   Materials materials{};
   AnatomyOptions anatomy{};
-  // Told before the work begins; of what rides and is stretched, at the end.
+  // Receives warnings before the work begins; of stretched loose pieces, at the end.
   std::function<void(const std::string&)> warn = [](const std::string&) {};
-  // Told what the frames are solved in: a coarser skin, the skin, the mended skin or a lattice, and its contact.
+  // Receives what frames are solved in: a coarser skin, the skin, the mended skin or a lattice, and its nodes.
   std::function<void(const std::string&)> inform = [](const std::string&) {};
 };
 
-// What a dataset says of the inside of its character; before what its corrections say of body fat and kind. Throws
+// A dataset's options of its character's inside: its own body fat and kind precede those of its corrections. Throws
 // Error(file) for a kind of body that is not known, and as read_corrections().
 AnatomyOptions anatomy_options(const Dataset& dataset, const Skeleton& skeleton);
 
-// What lies inside; nothing, with a warning, where the skin encloses nothing. Throws as AnatomyField otherwise.
+// The inside; nothing, with a warning, where the skin encloses nothing. Throws as AnatomyField otherwise.
 AnatomyField look_inside(const Character& character, const std::vector<Muscle>& muscles,
                          const SimulateOptions& options);
 
-// What frames are solved in: a coarser skin filled with tets; the skin's own tets where that fails, or with a tet_size;
-// a lattice where these fail, too. Throws as lattice_cage.
+// The cage that frames are solved in: without a tet_size that of make_cage(), a coarser skin filled with tets as a
+// rule. With one it is the skin's own tets, or a lattice where these fail. Throws as lattice_cage.
 Cage choose_cage(const Character& character, const SimulateOptions& options);
 
-// Which parts a cage holds together though their joints would part them: "'Jaw' and 'Head' (12 vertices)", most first;
-// empty where there are none.
+// The parts that a cage holds together though their joints would part them: "'Jaw' and 'Head' (12 vertices)", most
+// first; empty where there are none.
 std::string glued_parts(const Cage& cage, const Character& character);
 
-// The body that frames are solved with, in choose_cage(): in tets of second order where they fill the skin and are not
-// too many; in linear ones otherwise. Warns of a lattice, and says why.
+// The body that frames are solved with, in choose_cage(). Its tets are of second order where they fill the skin and are
+// not too many, otherwise linear. Warns of a lattice, and says why.
 QuasiStaticBody make_body(const Character& character, const std::vector<Muscle>& muscles,
                           const SimulateOptions& options);
 // Makes the same of what look_inside() found.
 QuasiStaticBody make_body(const Character& character, const std::vector<Muscle>& muscles, const AnatomyField& anatomy,
                           const SimulateOptions& options);
 
-// make_body(), and beside it, where there is one, a body in a coarser skin of a third of its nodes, so that simulate()
-// can tell its discretisation error.
+// The body of make_body() and, without a tet_size, one in a coarser skin of a third of its nodes where there is one.
+// With it simulate() estimates the discretisation error.
 QuasiStaticBody make_compared_body(const Character& character, const std::vector<Muscle>& muscles,
                                    const SimulateOptions& options);
 
@@ -75,7 +75,7 @@ void require_unscaled(const Skeleton& skeleton, const Clip& clip, int frame);
 std::vector<FrameStatus> simulate(const Character& character, const std::vector<Muscle>& muscles, const Clip& clip,
                                   const std::vector<int>& frames, const TakeLock& take,
                                   const std::filesystem::path& status, const SimulateOptions& options);
-// The same of a body that make_compared_body() made with these options: several takes of it share its tets.
+// Simulates in a body that make_compared_body() made with these options: several takes of it share its tets.
 std::vector<FrameStatus> simulate(const QuasiStaticBody& body, const Character& character,
                                   const std::vector<Muscle>& muscles, const Clip& clip, const std::vector<int>& frames,
                                   const TakeLock& take, const std::filesystem::path& status,

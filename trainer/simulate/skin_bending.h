@@ -10,9 +10,9 @@
 
 namespace bodyopt {
 
-// Energy k/2 sum over skin vertices of |(L x)_i - R_i (L X)_i|^2 / A_i, with L the skin's cotangent Laplacian at rest,
-// A its lumped areas, X rest, x posed positions and R_i a rotation given with the pose (quadratic bending of Bergou et
-// al. 2006 around a curved rest shape that turns with the joints). Zero at rest and under rigid motion.
+// Energy k/2 sum over skin vertices of |(L x)_i - R_i (L X)_i|^2 / A_i, zero at rest and under rigid motion. L is the
+// skin's cotangent Laplacian at rest, A its lumped areas, X rest, x posed positions, and R_i a rotation given with the
+// pose. This is the quadratic bending of Bergou et al. 2006 around a curved rest shape that turns with the joints.
 class SkinBending {
  public:
   // `node_count` >= vertices; the skin's vertices are the first nodes.

@@ -29,8 +29,8 @@ Eigen::VectorXd StiffModes::project(const Positions& values) const {
   return result;
 }
 
-// With A the metric and G the modes as columns: A^-1 (v - G c), c = (1 / stiffness + G^T A^-1 G)^-1 G^T A^-1 v. A
-// second solve with A reads less than A^-1 G would take.
+// A is the metric, G has the modes as columns. The result is A^-1 (v - G c), c = (1 / stiffness + G^T A^-1 G)^-1 G^T
+// A^-1 v. A second solve with A reads less than A^-1 G would take.
 void StiffModes::solve(Positions& values, Metric::Scratch& scratch) const {
   if (modes_.empty()) return metric_.solve(values, scratch);
   Positions solved = values;

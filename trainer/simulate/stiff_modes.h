@@ -23,7 +23,7 @@ class StiffModes {
   void solve(Positions& values, Metric::Scratch& scratch) const;
 
  private:
-  // Of values (N x 3): their share along every mode.
+  // The share of values (N x 3) along every mode.
   Eigen::VectorXd project(const Positions& values) const;
 
   const Metric& metric_;

@@ -25,7 +25,7 @@ struct MuscleSum {
   Eigen::Vector3d direction = Eigen::Vector3d::Zero();  // weighted by volume
 };
 
-// What the samples of a tet say, cubic metres.
+// Sums over the samples of a tet, cubic metres.
 struct TetSums {
   double volume = 0;  // of the tet
   TissueShares of;    // muscles apart
@@ -71,8 +71,8 @@ TetSums sum_samples(const TetMesh& mesh, Eigen::Index tet, std::span<const Sampl
 
 // Barycentric; alike for all corners.
 std::vector<Eigen::Vector4d> sample_weights(int rows) {
-  // How far from the faces they lie, in distances between samples: with this the mean of the squares of barycentric
-  // weights is that over the tet, a tenth. Nearer to them what lies along edges would count too much.
+  // Their distance from the faces, in distances between samples, makes the mean of the squares of barycentric weights
+  // that over the tet, a tenth. Nearer to the faces, what lies along edges would count too much.
   const double inset = (std::sqrt(0.25 * rows * rows + rows) - 0.5 * rows) / 2;
   std::vector<Eigen::Vector4d> samples;
   for (int i = 0; i <= rows; ++i) {
@@ -86,7 +86,7 @@ std::vector<Eigen::Vector4d> sample_weights(int rows) {
   return samples;
 }
 
-// At points spread evenly in every tet.
+// The samples are points spread evenly in every tet.
 std::vector<TetSums> sum_evenly(const TetMesh& mesh, const TissueField& field) {
   const std::vector<Eigen::Vector4d> lattice = sample_weights(mesh.is_second_order ? kEighthRows : kSampleRows);
   std::vector<TetSums> sums(static_cast<std::size_t>(mesh.tets.rows()));

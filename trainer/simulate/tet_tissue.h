@@ -1,4 +1,4 @@
-// What the tissue of a body's tets is, by volume.
+// The tissue of a body's tets, by volume.
 #pragma once
 
 #include <functional>
@@ -14,7 +14,7 @@ struct PointTissue {
   TissueAt at;
   Eigen::Vector3d fibre = Eigen::Vector3d::Zero();  // unit, rest space; of a muscle
 };
-// Of a point of rest space. Called from several threads.
+// Returns the tissue at a point of rest space. Called from several threads.
 using TissueField = std::function<PointTissue(const Eigen::Vector3d&)>;
 // `anatomy` must outlive it.
 TissueField tissue_field(const AnatomyField& anatomy);
@@ -38,21 +38,21 @@ struct BonePart {
 struct TetTissue {
   std::vector<TissueShares> shares;  // T
   std::vector<BonePart> bones;       // by tet
-  // By tet: muscles that are kLeastShare of it or more, and muscles that are so nowhere wherever they are; their
-  // directions are means. What is left of a muscle counts as lean.
+  // Sorted by tet: muscles that are kLeastShare of it or more, and all of muscles that are so nowhere. Their directions
+  // are means. The rest of a muscle counts as lean.
   std::vector<FibreTet> fibres;
 
   static constexpr double kLeastShare = 0.02;
 };
 
-// From 84 samples a tet, 20 in each eighth of one of second order. What the field does not know, as where a skin was
+// Reads 84 samples a tet, 20 in each eighth of one of second order. What the field does not know, as where a skin was
 // mended, is fat.
 TetTissue find_tissue(const TetMesh& mesh, const TissueField& field);
 
-// The same of a cage. Tets of a lattice reach beyond the skin and overlap: they are as full as the cage's samples.
+// Tets of a lattice reach beyond the skin and overlap: they are as full as the cage's samples.
 TetTissue find_tissue(const Cage& cage, const TissueField& field);
 
-// The same of an anatomy; slips of a muscle that share a region have equal shares of its fibres.
+// Slips of a muscle that share a region have equal shares of its fibres.
 TetTissue find_tissue(const Cage& cage, const AnatomyField& anatomy);
 
 // T: means of what is in them. Bone, which springs hold, is as stiff as muscle.

@@ -20,7 +20,7 @@ Barrier barrier(double j, double steepest) {
   return {-below * below * log_ratio + (j - from) * slope, slope};
 }
 
-// Those whose tet an earlier one has; they are sorted by tet.
+// Takes out the fibres whose tet an earlier one has; they are sorted by tet.
 std::vector<FibreTet> take_repeated(std::vector<FibreTet>& fibres) {
   std::vector<FibreTet> first, repeated;
   for (const FibreTet& fibre : fibres) {

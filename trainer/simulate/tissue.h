@@ -11,18 +11,17 @@
 
 namespace bodyopt {
 
-// Energy density per tet, F the deformation gradient, J = det F, a the fibre direction, s = |F a|:
-//   mu/2 (|F|^2 - 3) + lambda/2 ((J - 1 - mu/lambda)^2 - (mu/lambda)^2)        stable neo-Hookean (Smith et al. 2018),
-//                                                                               without its singular log term
-//   + kappa (J - b)^2 (-ln(J / b)), b = kBarrierVolume,  where J < b; its tangent below J = shape.steepest:
-//     kappa = kBarrierWeight lambda, shape.least_volume   inverted tets recover
-//     mean volume / volume times as much in tiny tets
-//   + activation k_a/2 (s - slack)^2                     where s > slack, muscles only (FibreDrive)
-//   + k_p/2 (s - 1)^2                                    where s > 1, muscles only
+// Energy density per tet, with F the deformation gradient, J = det F, a the fibre direction and s = |F a|.
+//   `mu/2 (|F|^2 - 3) + lambda/2 ((J - 1 - mu/lambda)^2 - (mu/lambda)^2)`: stable neo-Hookean (Smith et al. 2018)
+//   without its singular log term.
+//   `kappa (J - b)^2 (-ln(J / b))` where J < b = kBarrierVolume: a barrier; kappa = kBarrierWeight lambda.
+//   Its tangent below J = shape.steepest lets inverted tets recover; shape.least_volume raises kappa in tiny tets.
+//   `activation k_a/2 (s - slack)^2` where s > slack, muscles only (FibreDrive).
+//   `k_p/2 (s - 1)^2` where s > 1, muscles only.
 // Zero with zero gradient at rest when all activations are zero.
 //
-// A tet of second order has four points at which this is summed, the rule of degree 2. The deformation gradient at a
-// point is that of a linear tet whose corners are sums of the ten nodes; what is said of tets is true of these.
+// A tet of second order has four points at which this is summed, the rule of degree 2. Each has the deformation
+// gradient of a linear tet whose corners are sums of the ten nodes. What is said of tets is true of these.
 class Tissue {
  public:
   // tets: one material per tet, as are fibres. A tet may have fibres of several muscles.
@@ -36,7 +35,7 @@ class Tissue {
     // The volume ratio below which the barrier goes on as a straight line. Were it infinite at J = 0, the smallest tet
     // would stop every step of all others.
     double steepest;
-    // Of the mean volume of all tets: smaller ones get the barrier of one as large.
+    // Relative to the mean volume of all tets: smaller ones get the barrier of one as large.
     double least_volume;
   };
   // The steep one holds up soft tets, nearly empty, against stiff neighbours; the firm one tiny tets, which large

@@ -21,7 +21,7 @@ struct FibreBatch {
   double volume[kTetLanes];    // zero in lanes without fibres
   int muscle[kTetLanes];
 };
-// Of muscles that share their tets with others.
+// Fibres of muscles that share their tets with others.
 struct FurtherFibres {
   int node[4][kTetLanes];
   FibreBatch fibres;
@@ -48,7 +48,7 @@ struct BatchStress {
 // least_volume: cubic metres.
 void add_barrier(const TetBatch& batch, double steepest, double least_volume, BatchStress& stress);
 
-// Of tets by Tissue's energy: adds the gradient at `nodes` (N x 3) to `gradient`. The same bits with any instructions.
+// Adds the gradient of Tissue's energy at `nodes` (N x 3) to `gradient`. The same bits with any instructions.
 TissueSum add_tissue_forces(const TissueBatches& tissue, const double* nodes, std::span<const FibreDrive> drives,
                             double steepest, double least_volume, double* gradient);
 // J of each tet of a batch.

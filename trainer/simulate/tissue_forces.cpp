@@ -3,7 +3,7 @@
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "trainer/simulate/tissue_forces.cpp"
 #include "hwy/foreach_target.h"
-// Below it: what is compiled again for each set of instructions.
+// The code below it is compiled again for each set of instructions.
 #include "hwy/highway.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -11,8 +11,8 @@ namespace bodyopt::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-// Of a batch's eight tets as many as registers hold; the caller goes over these groups. Nothing is fused, so that all
-// instructions round alike.
+// A group is as many of a batch's eight tets as registers hold; the caller goes over these groups. Nothing is fused, so
+// that all instructions round alike.
 using TetTag = hn::CappedTag<double, kTetLanes>;
 using Number = hn::Vec<TetTag>;
 constexpr int kGroup = static_cast<int>(hn::MaxLanes(TetTag()));
@@ -73,7 +73,7 @@ HWY_INLINE Strain strain_of(const TetBatch& batch, int group, const Corners& cor
   return s;
 }
 
-// What corners 1..3 are pulled with, kept for all groups of a batch, and sums over tets, a lane each.
+// The pull on corners 1..3, kept for all groups of a batch, and sums over tets, a lane each.
 struct Forces {
   double pull[3][3][kTetLanes];  // corner, axis
 };

@@ -40,7 +40,7 @@ SkinWeights of_hosts(const SkinWeights& weights, const FillableSkin& fillable) {
 constexpr int kSampleRows = 3;  // samples along a tet's edge, less one
 constexpr int kFitRounds = 2, kFitRoundsApart = 3;
 
-// Towards the mean of the fine skin around each vertex of the coarser one.
+// Steps towards the mean of the fine skin around each vertex of the coarser one.
 Positions steps_to_fit(const FineSkin& fine, const CoarseSkin& coarse) {
   const NearestSkin nearest(coarse.vertices, coarse.triangles);
   Positions sum = Positions::Zero(coarse.vertices.rows(), 3);
@@ -66,7 +66,7 @@ void fit(const FineSkin& fine, CoarseSkin& coarse) {
   for (int round = 0; round < kFitRounds; ++round) coarse.vertices += steps_to_fit(fine, coarse);
 }
 
-// The same of a skin that would come to pass through itself by that, as lips do.
+// Fits a skin that would come to pass through itself by fit(), as lips do.
 void fit_apart(const FineSkin& fine, CoarseSkin& coarse) {
   for (int round = 0; round < kFitRoundsApart; ++round)
     step_apart(coarse.triangles, steps_to_fit(fine, coarse), coarse.vertices);

@@ -33,9 +33,9 @@ struct Cage {
   std::vector<GluedVertex> glued;    // of make_cage: parts that it holds together and the joints would not
 };
 
-// A coarser skin filled with tets (skin_cage), of max_nodes nodes or fewer. Throws Error(mismatch) where that does not
-// come out well: of the skin more than one piece is filled (fillable_skin), a tet has a mean-ratio quality below 0.05,
-// more than a vertex in a hundred lies further outside its tet than that is high, or one four times as far.
+// A coarser skin filled with tets (skin_cage), of max_nodes nodes or fewer. Throws Error(mismatch) if more than one
+// piece of the skin is filled (fillable_skin), or a tet has a mean-ratio quality below 0.05. Nor may one vertex lie
+// outside its tet by four times its height, or over one in a hundred by more than that height.
 Cage filled_cage(const Positions& vertices, const Triangles& triangles, const SkinWeights& weights,
                  Eigen::Index max_nodes);
 
@@ -47,15 +47,15 @@ Cage own_cage(const Positions& vertices, const Triangles& triangles, const SkinW
 struct CageLimits {
   Eigen::Index nodes, finer_nodes, own_nodes, lattice_nodes;
 };
-// The first that comes out of the skin's own tets (own_cage) where these have no more nodes than a coarser skin's,
-// coarser skins (filled_cage), the skin's own tets after all, and a lattice (lattice_cage), whose why_lattice then says
-// why those before it did not. Throws as lattice_cage.
+// Tries the skin's own tets (own_cage) if these have no more nodes than a coarser skin's, then coarser skins
+// (filled_cage), then the own tets anyway. If all fail it makes a lattice (lattice_cage), whose why_lattice then is the
+// last error. Throws as lattice_cage.
 Cage make_cage(const Positions& vertices, const Triangles& triangles, const SkinWeights& weights,
                const CageLimits& limits);
 
-// The skin is remeshed with longer edges, which stay short where a part is thin, and filled (tetrahedralise). The
-// finest found of at most `max_nodes` nodes, and not finer than the skin itself. Its surface cuts corners: a vertex
-// that lies outside is carried by the tet behind the nearest triangle that faces as the skin does there, so that
+// The skin is remeshed with longer edges, which stay short where a part is thin, and filled (tetrahedralise). The cage
+// is the finest found of at most `max_nodes` nodes, and not finer than the skin itself. Its surface cuts corners:
+// vertices lie outside. The tet behind the nearest triangle that faces as the skin does there carries them, so that
 // fingers stay apart. A function of its arguments alone.
 //
 // Throws Error(mismatch) when the skin is not closed or no coarser skin can be filled with tets of a mean-ratio quality
@@ -70,8 +70,8 @@ Cage cage_in(const FineSkin& fine, const FilledSkin& filled);
 constexpr double kSharedByOne = 0.6;  // of the weights of two points in common: less is skin of other joints
 constexpr double kDetour = 3;         // along the skin, times the way through the air: further is not beside it
 
-// Whether two points of a skin (rest, metres) follow other joints and are far from each other along it, as lips, thighs
-// and fingers that touch are; about a joint they are not. Nor are those between which flesh lies, as in and out of a
+// Whether two points of a skin (rest, metres) follow other joints and are far from each other along it. So are lips,
+// thighs and fingers that touch, but not points about a joint. Nor are points with flesh in between, as in and out of a
 // cheek: one is behind the other by more than `overlap` metres. The arrays must outlive this.
 class ApartSkin {
  public:

@@ -74,7 +74,7 @@ std::size_t smallest_sheet(const Positions& vertices, const Triangles& triangles
 constexpr double kMergeDistance = 1e-6;  // of the bounding box's diagonal
 constexpr double kMostFilled = 0.2;      // of a piece's area: more is no hole, but an open sheet
 constexpr double kSmallPiece = 0.01;     // of the largest piece's volume
-constexpr double kLargePiece = 0.05;     // of the area of all: it rides only where it follows the same joints
+constexpr double kLargePiece = 0.05;     // of the area of all: it is attached only where it follows the same joints
 constexpr double kSameJoints = 0.5;      // of the weights, on the average
 constexpr double kThinnest = 1e-3;       // volume over the power 3/2 of the area; a ball has 0.094
 
@@ -425,7 +425,7 @@ std::vector<EmbeddedPoint> carry_skin(const FillableSkin& fillable, const Positi
   for (int t = 0; t < mesh.tets.rows(); ++t) {
     for (int a = 0; a < 4; ++a) tets_at[static_cast<std::size_t>(mesh.tets(t, a))].push_back(t);
   }
-  // Of the tets around those that carry some hosts, the one that holds a point best.
+  // The tet that holds a point best, among those around the tets that carry some hosts.
   const auto best_near = [&](const Eigen::RowVector3d& point, std::span<const std::uint32_t> near) {
     EmbeddedPoint best{hosts[near.front()].tet, Eigen::Vector4d::Constant(-1e300)};
     for (const std::uint32_t h : near) {

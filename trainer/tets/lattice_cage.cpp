@@ -40,7 +40,7 @@ struct Neighbours {
   std::size_t index, next;
 };
 
-// Those between which skin may lie.
+// Pairs of neighbours between which skin may lie.
 std::vector<Neighbours> neighbours_at_skin(const VoxelGrid& grid, const std::vector<Voxel>& voxels) {
   std::vector<Neighbours> result;
   for_neighbours(grid, voxels, [&](const Eigen::Vector3i& cube, int axis, std::size_t index, std::size_t next) {
@@ -58,12 +58,12 @@ std::uint32_t main_joint(const SkinPoint& point, const SkinWeights& weights) {
 
 std::uint8_t bit(int axis) { return static_cast<std::uint8_t>(1 << axis); }
 
-// Where two parts touch: their lowest cubes, and the joints of the skin on either side.
+// A contact of two parts: their lowest cubes, and the joints of the skin on either side.
 using Contact = std::array<std::size_t, 4>;
 
-// Takes back cuts where things hang together by nothing else: of all that a part touches, those from the one joint's
-// skin that it touches most (a maximum spanning forest, Kruskal 1956), so that a tooth between two jaws does not join
-// them. joint_at(index): the main joint of the skin at a cube of `neighbours`.
+// Takes back cuts where things hang together by nothing else, each part's contact with the one joint's skin that it
+// touches most. This is a maximum spanning forest (Kruskal 1956): a tooth between two jaws does not join them.
+// `joint_at(index)`: the main joint of the skin at a cube of `neighbours`.
 void keep_whole(const VoxelGrid& grid, const std::vector<Voxel>& voxels, const std::vector<Neighbours>& neighbours,
                 const std::function<std::uint32_t(std::size_t)>& joint_at, std::vector<std::uint8_t>& cuts) {
   DisjointSets parts(grid.total());
@@ -134,16 +134,16 @@ void require_mesh(const Positions& vertices, const Triangles& triangles, const S
     refuse("not every vertex has joint weights");
 }
 
-// Where a solid of cubes is cut because skin of parts that the joints move apart touches.
+// Cuts a solid of cubes where skin of parts touches that the joints move apart.
 class CubeCuts {
  public:
   // The skin: rest, metres; weights: V. The arrays must outlive this.
   CubeCuts(const Positions& vertices, const Triangles& triangles, const SkinWeights& weights)
       : weights_(weights), nearest_(vertices, triangles), apart_(vertices, triangles, weights) {}
 
-  // For every cube of the grid by index a bit for each axis (1: x, 2: y, 4: z): the cube and the next along that axis
-  // are both filled, one of them holds skin, and the skin nearest to one and to the other is of parts that the joints
-  // move apart (ApartSkin). What would fall off is held by what it touches most: an eye by its socket.
+  // A bit for each axis (1: x, 2: y, 4: z) of every cube by index, set between it and the next along that axis. Both
+  // are filled, one of them holds skin, and the skin nearest to either is of parts that move apart (ApartSkin). What
+  // would fall off is held by what it touches most: an eye by its socket.
   std::vector<std::uint8_t> in(const VoxelGrid& grid, const std::vector<Voxel>& voxels) const {
     const std::vector<Neighbours> neighbours = neighbours_at_skin(grid, voxels);
     std::vector<int> place(grid.total(), -1);
@@ -429,7 +429,7 @@ Cage lattice_cage(const Positions& vertices, const Triangles& triangles, const S
     if (share <= 1 && share > kCloseEnough) break;
     if (share > 1) coarsest_too_fine = std::max(coarsest_too_fine, cell);
     cell *= std::pow(share / (0.5 + 0.5 * kCloseEnough), kPower);
-    // Between what is known to be too fine and what is not.
+    // The next size lies between what is known to be too fine and what is not.
     if (best && coarsest_too_fine > 0 && (cell >= *best || cell <= coarsest_too_fine)) {
       cell = (*best + coarsest_too_fine) / 2;
     }

@@ -22,7 +22,7 @@ constexpr double kOther = 0.5;    // of a vertex' weights: a tet that follows le
 constexpr double kOwn = 0.8;      // and one that follows as much follows the same
 constexpr double kFarthest = -4;  // barycentric weight of a vertex outside its tet: further, it would be a spike
 
-// How far along the edges of a skin.
+// Distances along the edges of a skin.
 class SkinPaths {
  public:
   SkinPaths(const Positions& vertices, const Triangles& triangles)
@@ -30,7 +30,7 @@ class SkinPaths {
     for_each_edge(triangles, [&](std::uint32_t a, std::uint32_t b) { beside_[a].push_back(b); });
   }
 
-  // What can be reached within so many metres (Dijkstra 1959), and how far it is.
+  // The vertices within so many metres along the edges (Dijkstra 1959), and how far they are.
   std::map<std::uint32_t, double> within(std::uint32_t from, double metres) const {
     std::map<std::uint32_t, double> reached;
     using Step = std::pair<double, std::uint32_t>;
@@ -86,7 +86,7 @@ class CarriedSkin {
 
   bool is_glued(std::uint32_t v) const { return agreement(v, skin_[v].tet) < kOwn && shares_with_far_skin(v); }
 
-  // That the vertex' tet follows most, beside its own main one.
+  // The joint that the vertex' tet follows most, beside its own main one.
   std::uint32_t other_joint(std::uint32_t v) const {
     Eigen::RowVectorXd joints = joints_of(skin_[v].tet);
     joints[weights_[v].front().joint] = -1;
@@ -95,7 +95,7 @@ class CarriedSkin {
     return static_cast<std::uint32_t>(other);
   }
 
-  // Of the tets that follow the same joints, the one that holds a vertex best; none: where it is.
+  // The tet that holds a vertex best of those that follow the same joints; if there is none, its present one.
   EmbeddedPoint own_tet(std::uint32_t v) const {
     EmbeddedPoint best{-1, Eigen::Vector4d::Constant(kFarthest)};
     for (int t = 0; t < mesh_.tets.rows(); ++t) {
@@ -275,7 +275,7 @@ class LoosePieceSystem {
     }
   }
 
-  // Where it comes nearest to skin of the same joints.
+  // Holds a piece where it comes nearest to skin of the same joints.
   void hold(const Piece& piece, const NearestSkin& nearest) {
     std::vector<Beneath> beneath;
     double best = 0, least = std::numeric_limits<double>::infinity();

@@ -12,10 +12,10 @@ namespace bodyopt {
 
 // Skin that coarse tets carry, kept apart where it follows different joints.
 
-// Vertices carried by tets that follow other joints than they do, as one lip or tooth by the other jaw, are carried
-// instead by the tet that holds them best of those that follow the same. A tet follows the joints of the vertices that
-// its nodes carry. Where it follows theirs as well, they stay, unless skin of other joints in it is far from them along
-// the skin: about a joint one tet may follow both bones, between the jaws none may.
+// Some vertices are carried by tets that follow other joints than they do, as one lip or tooth by the other jaw. The
+// tet that holds them best of those that follow the same joints carries them instead. A tet follows the joints of the
+// vertices that its nodes carry. If it follows theirs as well, they stay, unless skin of other joints in it is far from
+// them along the skin. About a joint one tet may follow both bones, between the jaws none may.
 //
 // `vertices` (V x 3, rest, metres), `triangles`, `weights`: of the skin; `skin`: V, what carries each vertex.
 void carry_by_own_joints(const Positions& vertices, const Triangles& triangles, const SkinWeights& weights,
@@ -27,18 +27,18 @@ struct GluedVertex {
   std::uint32_t joint;  // of the others, the one that the tet follows most
 };
 
-// Those that moves of the joints would part, but the tets do not: skin that follows other joints and is far from them
-// along the skin shares their tet, and that tet follows less than four fifths of their weights. By vertex.
+// The vertices that moves of the joints would part, but the tets do not, by vertex. Skin that follows other joints and
+// is far from them along the skin shares their tet, which follows less than four fifths of their weights.
 std::vector<GluedVertex> glued_vertices(const Positions& vertices, const Triangles& triangles,
                                         const SkinWeights& weights, const TetMesh& mesh,
                                         const std::vector<EmbeddedPoint>& skin);
 
 class SparseSolver;
 
-// A loose piece has no tets. It takes the displacement of the body where it touches it, spread along its own surface:
-// it moves as one piece of stuff, whatever other part of the body happens to be near. Where a sheet shares edges with
-// the body it is held there; any other piece is held where it comes nearest to skin that follows the same joints. From
-// there every value is the mean of those around it, weighed by one over the length of the edges (a harmonic map).
+// A loose piece has no tets. It takes the displacement of the body where it touches it, spread along its own surface.
+// It moves as one piece of stuff, whatever other part of the body happens to be near. A sheet that shares edges with
+// the body is held there, any other piece where it comes nearest to skin that follows the same joints. From there every
+// value is the mean of those around it, weighted by one over the length of the edges (a harmonic map).
 class LoosePieces {
  public:
   LoosePieces() = default;  // there are none
@@ -58,7 +58,7 @@ class LoosePieces {
   std::vector<std::uint32_t> vertices_;
   std::vector<int> unknown_;                    // R: vertices merged with another share its unknown
   Matrix held_;                                 // unknowns x V: what holds each
-  std::shared_ptr<const SparseSolver> solver_;  // null where nothing rides
+  std::shared_ptr<const SparseSolver> solver_;  // null without loose pieces
 };
 
 }  // namespace bodyopt

@@ -12,7 +12,7 @@ namespace bodyopt {
 namespace {
 
 constexpr int kEighths = 8;
-// Of the octahedron between the four corners' tets, around the line from the middle of edge 01 to that of edge 23.
+// Edges of the octahedron between the corners' tets, around the line from the middle of edge 01 to that of edge 23.
 using EdgeCorners = std::pair<int, int>;
 constexpr EdgeCorners kAxis[2] = {{0, 1}, {2, 3}}, kAround[4] = {{0, 2}, {0, 3}, {1, 3}, {1, 2}};
 
@@ -41,7 +41,7 @@ const std::array<Eigen::Matrix4d, kEighths>& into_eighths() {
   return inverses;
 }
 
-// Where a point lies in the eighths of its tet.
+// The place of a point in the eighths of its tet.
 EmbeddedPoint in_eighth(const EmbeddedPoint& point) {
   EmbeddedPoint best{0, Eigen::Vector4d::Constant(-std::numeric_limits<double>::infinity())};
   for (int e = 0; e < kEighths; ++e) {

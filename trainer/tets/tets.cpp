@@ -24,7 +24,7 @@
 #include "runtime/core/error.h"
 #include "runtime/core/transformed.h"
 
-// Netgen's nglib, loaded when a skin is first filled: with Open CASCADE, which it brings along, it would take most of
+// Netgen's nglib is loaded when a skin is first filled. With Open CASCADE, which it brings along, it would take most of
 // the time in which the program starts.
 namespace nglib {
 #include <nglib.h>
@@ -33,7 +33,7 @@ namespace nglib {
 namespace bodyopt {
 namespace {
 
-// What of nglib.h is used, without its prefix Ng_.
+// The functions of nglib.h that are used, without their prefix Ng_.
 struct Netgen {
   decltype(&nglib::Ng_Init) init;
   decltype(&nglib::Ng_NewMesh) new_mesh;
@@ -81,7 +81,7 @@ Netgen load() {
   return functions;
 }
 
-// The same for all, from any thread. Throws Error(file) when the library cannot be loaded.
+// One library serves all threads. Throws Error(file) when it cannot be loaded.
 const Netgen& netgen() {
   static const Netgen functions = load();
   return functions;
@@ -224,7 +224,7 @@ void require_quality(const TetMesh& mesh) {
   throw Error(ErrorKind::mismatch, "its worst tetrahedron has a quality of ", mesh.worst_quality);
 }
 
-// Of the fine skin, in squared edges.
+// Area of the fine skin in squared edges.
 double relative_area(const FineSkin& fine) {
   double sum = 0;
   for (Eigen::Index t = 0; t < fine.triangles.rows(); ++t) {

@@ -16,9 +16,9 @@ TetMesh tetrahedralise(const Positions& vertices, const Triangles& triangles, do
 
 // A skin remeshed with longer edges, then filled with tetrahedra.
 
-// A closed skin to be remeshed, wound outwards, and how long the edges of a coarser one should be at each of its
-// vertices, relative to each other: by the root of the body's thickness there. Equal edges leave limbs of a few tets,
-// which hardly bend; edges as long as the body is thick spend all nodes on the fingers.
+// A closed skin to be remeshed, wound outwards, and the relative lengths of a coarser one's edges at its vertices. They
+// grow with the root of the body's thickness there. Equal edges leave limbs of a few tets, which hardly bend; edges as
+// long as the body is thick spend all nodes on the fingers.
 struct FineSkin {
   const Positions& vertices;
   Triangles triangles;

@@ -8,7 +8,7 @@
 namespace bodyopt {
 namespace {
 
-// Does a triangle touch a cube around the origin? By separating axes (Akenine-Möller 2001).
+// Does a triangle touch a cube around the origin? Separating axes decide (Akenine-Möller 2001).
 bool touches(const CornerPoints& triangle, double half_edge) {
   const auto separates = [&](const Eigen::Vector3d& axis) {
     const double a = axis.dot(triangle[0]), b = axis.dot(triangle[1]), c = axis.dot(triangle[2]);
@@ -71,7 +71,7 @@ void for_crossings(const CornerPoints& triangle, const VoxelGrid& grid, int axis
   }
 }
 
-// Along one axis: adds to every cube the winding number seen along the ray to either side.
+// Adds to every cube the winding numbers seen along the rays to either side of one axis.
 void add_windings(const Positions& vertices, const Triangles& triangles, const VoxelGrid& grid, int axis,
                   std::vector<std::int32_t>& windings) {
   std::vector<std::int32_t> entering(grid.total(), 0);  // signed crossings just before each cube

@@ -46,13 +46,13 @@ void for_each_cube(const Eigen::Vector3i& low, const Eigen::Vector3i& end, const
 
 enum class Voxel : std::uint8_t { outside, surface, inside };
 
-// Every cube of the grid by index: `surface` where it touches a triangle or holds a vertex; `inside` where the winding
-// number, averaged over the six rays along the axes, is above one half, or below minus that,, so that holes and flipped
-// or doubled faces do little harm. The grid must cover the skin.
+// Every cube of the grid by index: `surface` where it touches a triangle or holds a vertex. A cube is `inside` if its
+// winding number is above one half, or below minus that. Averaged over the six rays along the axes, it hardly suffers
+// from holes and flipped or doubled faces. The grid must cover the skin.
 std::vector<Voxel> voxelise(const Positions& vertices, const Triangles& triangles, const VoxelGrid& grid);
 
-// A number for every cube that is not outside: 0 for the largest piece (cubes joined through faces), 1 for the next and
-// so on; -1 outside. Pieces without surface are taken for outside.
+// A number for every cube: 0 for the largest piece (cubes joined through faces), 1 for the next and so on; -1 outside.
+// Pieces without surface are taken for outside.
 std::vector<int> label_pieces(const VoxelGrid& grid, const std::vector<Voxel>& voxels);
 
 }  // namespace bodyopt
