@@ -15,9 +15,9 @@
 namespace bodyopt {
 namespace {
 
-// Of the character's diagonal.
+// These are parts of the character's diagonal.
 constexpr double kSmall = 1.0 / 20, kAlong = 1.0 / 40, kFar = 1.0 / 4, kWeld = 1e-6;
-constexpr double kTiniest = 1.0 / 200, kLargest = 2;  // of what is worn, corner to corner
+constexpr double kTiniest = 1.0 / 200, kLargest = 2;  // of what is attached, corner to corner
 constexpr double kMostAlong = 0.9;                    // of a piece's vertices
 constexpr double kOneWay = 0.7;       // length of the mean of normals: 1 on a plane, 0.5 on a hemisphere, 0 all around
 constexpr double kOneJoint = 0.999;   // of the weights of a piece

@@ -1,4 +1,4 @@
-// Binds a mesh to a skin: every connected piece of it follows the skin, or is fixed to a spot of it, or to a joint.
+// Binds a mesh to a skin: each connected piece follows the skin, or is fixed to a spot of it or to a joint.
 #pragma once
 
 #include <string>
@@ -22,12 +22,12 @@ class RestSkin {
   double diagonal() const { return diagonal_; }  // of its bounding box, metres
 
   SkinPoint nearest(const Eigen::Vector3d& point) const { return search_(point); }
-  // Of skin that faces as `normal` does, where that is no more than twice as far as the nearest: so a sleeve finds the
-  // arm, and not the flank beside it, and a lining the skin under it, and not the other side of the body.
+  // The nearest skin that faces as `normal` does; any skin where none does within twice the distance of the nearest. So
+  // a sleeve finds the arm, not the flank beside it, and a lining the skin under it.
   SkinPoint facing(const Eigen::Vector3d& point, const Eigen::Vector3d& normal) const;
 
   Eigen::Vector3d normal(const SkinPoint& point) const;  // interpolated; unit, or zero
-  // By joint, 1 in sum: how much each moves the skin there, as Direct Delta Mush has smoothed the skin weights.
+  // How much each joint moves the skin there, as Direct Delta Mush has smoothed the skin weights; 1 in sum.
   std::vector<double> joint_weights(const SkinPoint& point) const;
 
  private:
@@ -52,12 +52,12 @@ struct AttachOptions {
   double unit = 1;  // metres per unit that the mesh was read with, for messages
 };
 
-// What is done by itself, per piece. A mesh that hangs on a joint is fixed to it. A small piece (1/20 of the character
-// at most, corner to corner) that lies on the outside of the skin is fixed to the skin; one inside it, or in a hollow
-// of it, to the joint. Of large ones what lies along the skin (nine tenths of it no further off than 1/40 of the
-// character), or is itself skinned to several joints, follows the skin; the others are fixed to the joint. The joint is
-// that of the mesh's own weights, or the one that moves most of the skin nearest to the piece.
-// Throws Error(mismatch) where the mesh is nowhere near the skin, Error(file) where it has no area.
+// AttachMode::automatic chooses for each piece; what hangs on a joint is fixed to it. A small piece (1/20 of the
+// character at most, corner to corner) on the skin's outside is fixed to the skin. A small one inside it, or in a
+// hollow, is fixed to the joint. A large one that is skinned to several joints, or nine tenths of which lie within 1/40
+// of the character, follows the skin. Others are fixed to the joint: that of the mesh's own weights, or the one that
+// moves most of the skin nearest to the piece. Throws Error(mismatch) where a mesh on no joint is nowhere near the
+// skin, Error(file) where thousands of its vertices lie at one point.
 AttachedMesh bind_mesh(const LooseMesh& mesh, const RestSkin& skin, const AttachOptions& options);
 
 // The further meshes of a basis' own character. Those that cannot be bound are left out, each with a note.

@@ -62,8 +62,8 @@ class LooseMeshReader {
     }
   }
 
-  // Which nodes are joints of the character: those of the file's skins (another node may have a joint's name), or, in a
-  // file without, bones that came along with a mesh.
+  // The character's joints are the joints of the file's skins (another node may have a joint's name). In a file without
+  // skins they are bones that came along with a mesh.
   void set_joints(int first_skin) {
     const tinygltf::Model& model = file_.model();
     joint_of_node_.assign(model.nodes.size(), -1);

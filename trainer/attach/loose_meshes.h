@@ -20,11 +20,11 @@ struct LooseMesh {
   std::size_t node = 0;                           // of the file
 };
 
-// A mesh below a joint's node stands where that joint has it in the bind pose, a skinned one where its own bind pose
-// brings it, any other where the file's nodes put it. Joints are matched by name. `unit`: metres per file unit.
-// Where a skin of the file has `skin_vertices`, as many as the character puts out, the file is the character's own:
-// that skin is left out, and so is, with a note, what hangs on no joint (floors, lights) or cannot be used. Throws
-// Error(file), and Error(mismatch) for skins on joints that the character does not have.
+// A mesh below a joint's node lies where that joint has it in the bind pose. A skinned mesh lies where its own bind
+// pose puts it, any other where the file's nodes do. Joints are matched by name. `unit`: metres per file unit. A file
+// with a skin of `skin_vertices`, the character's number of output vertices, is the character's own. That skin is left
+// out; meshes on no joint (floors, lights), or of no use, are left out with a note. Throws Error(file), and
+// Error(mismatch) for skins on joints that the character does not have.
 std::vector<LooseMesh> read_loose_meshes(const GltfFile& file, const Skeleton& skeleton, std::size_t skin_vertices,
                                          double unit, std::vector<std::string>& notes);
 

@@ -17,8 +17,8 @@
 namespace bodyopt {
 namespace {
 
-// consistency: takes from every frame what passes by its pose disagree in, smoothed over the skin and capped, several
-// times over, as long as less is left every time. What changes with the pose is in all passes: bulges at the ends of
+// consistency: takes from every frame what passes by its pose disagree in, smoothed over the skin and capped. It
+// repeats that as long as less is left every time. What changes with the pose is in all passes: bulges at the ends of
 // the range keep their size. Frames held out are neither moved nor asked: they judge.
 
 using Eigen::Index;
@@ -31,7 +31,7 @@ struct ConsistencySettings {
   int iterations;
 };
 
-// What all parts together say of every frame, N x 3V.
+// The sum of all parts' deviations of every frame, N x 3V.
 Displacements deviations(const Displacements& displacements, const std::vector<SkinPart>& parts,
                          const std::vector<LocalModels>& models) {
   Displacements sum = Displacements::Zero(displacements.rows(), displacements.cols());
@@ -46,7 +46,7 @@ Displacements deviations(const Displacements& displacements, const std::vector<S
   return sum;
 }
 
-// Smoothed over the skin; no vertex by more than the cap in all.
+// Subtracts the deviation, smoothed over the skin; moves no vertex by more than the cap in all.
 void take_from(Displacements& displacements, const Displacements& begun, const Displacements& deviation,
                const SkinSmoother& smoother, double cap, const std::vector<char>& moves) {
   parallel_for(moves.size(), [&](std::size_t n) {
@@ -87,7 +87,7 @@ Displacements made_consistent(const ModifierInput& input, const ConsistencySetti
     take_from(next, begun, deviation, smoother, settings.cap, moves);
     deviation.resize(0, 0);  // as large as all shapes: before the next is worked out
     deviation = deviations(next, parts, models);
-    // What does not come together is no history: all stays as the step before left it.
+    // A disagreement that does not shrink is no history: all stays as the step before left it.
     if (!(deviation.norm() < least)) break;
     least = deviation.norm();
     best = std::move(next);
@@ -124,8 +124,8 @@ std::uint64_t key_of(const ModifierInput& input, const ConsistencySettings& sett
   return hash.value();
 }
 
-// 3 per vertex of the part, of the frame that has these shares, un-posed, metres: what its pass alone has there; zero
-// where there are no shares. `displacements`: N x 3V.
+// The part of a frame's shape that its pass alone has, 3 per vertex of the part of the skin, un-posed, metres; zero
+// without shares. `displacements`: N x 3V.
 Eigen::RowVectorXf frame_deviation(const Displacements& displacements, const SkinPart& part,
                                    const std::vector<FrameShare>& shares) {
   const std::vector<std::uint32_t>& vertices = part.region.vertices;
@@ -146,7 +146,7 @@ double region_rms_mm(const RegionWeights& region, const Eigen::RowVectorXf& row)
   return 1e3 * std::sqrt(mean_over(region, square));
 }
 
-// Of a row of the vectors of a region's vertices, as far as the region has them.
+// The largest vector of a row over the region's vertices, each times its weight, mm.
 double largest_mm(const RegionWeights& region, const Eigen::RowVectorXf& row) {
   double largest = 0;
   for (std::size_t k = 0; k < region.vertices.size(); ++k) {
@@ -200,8 +200,8 @@ void add_pairs(const PoseDatabase& database, const SkinPart& part, const LocalMo
 
 std::size_t frames_between(std::size_t a, std::size_t b) { return a > b ? a - b : b - a; }
 
-// The worst first. Two motions that pass each other disagree over many frames: of pairs whose frames lie close together
-// the worst is named, so that a contradiction is in the list once.
+// The worst first. Two motions that pass each other disagree over many frames. Only the worst of pairs whose frames lie
+// close together is named, so that a contradiction is listed once.
 std::vector<DisagreeingPair> ranked(const WorstOfPair& worst, std::size_t most) {
   constexpr std::size_t kSameMoment = 6;  // frames
   std::vector<DisagreeingPair> all, result;

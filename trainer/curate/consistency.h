@@ -1,4 +1,4 @@
-// Where a dataset's shapes of like poses disagree.
+// Disagreements between a dataset's shapes of like poses.
 #pragma once
 
 #include <Eigen/Core>
@@ -17,13 +17,12 @@ struct DisagreeingPair {
   std::string region;
   double apart_mm = 0;      // RMS over the region, of what their local models do not explain
   double pose_degrees = 0;  // how far their poses are apart there
-  // The same of the vertex of the region where it is most, at the border of the region as far as that has it: what
-  // in_one_pose() shows.
+  // The largest such difference of one vertex, times its weight in the region: what in_one_pose() shows.
   double most_mm = 0;
   Eigen::RowVectorXf difference{};  // 3 per vertex of the region, metres, un-posed: the second less the first
 };
 
-// Of a part of the skin: how well its poses are covered, and how well they agree.
+// How well the poses of a part of the skin are covered, and how well its shapes agree.
 struct RegionAgreement {
   std::string region;
   double neighbours = 0;  // frames near a frame, the median
@@ -44,8 +43,8 @@ struct ConsistencyReport {
 // frames.
 ConsistencyReport report_consistency(const ShapeStack& stack, double degrees, std::size_t most);
 
-// V x 3 each, metres: the shape of the first frame, and what it would be in the pair's region if it had what the second
-// has that poses do not explain.
+// V x 3 each, metres. `first` is the first frame's shape. `second` is what it would be in the pair's region with what
+// poses do not explain of the second frame.
 struct PairInOnePose {
   Positions first, second;
 };

@@ -25,7 +25,7 @@ namespace fs = std::filesystem;
 using Eigen::Index;
 using Modifiers = std::vector<Modifier>;
 
-// Of the character's size: no sculpt moves a vertex so far, and files round by less than so little.
+// Parts of the character's size: no sculpt moves a vertex so far, and files round by less than so little.
 constexpr double kTooFar = 0.2, kAsItIs = 1e-6;
 
 Modifiers::iterator modifier_named(const std::string& name, Modifiers& modifiers) {
@@ -265,7 +265,7 @@ void check_modifier(const PoseDatabase& database, const Modifier& modifier) {
   PoseDatabase alone = database;
   alone.dataset.modifiers = {modifier};
   alone.dataset.modifiers.front().enabled = true;
-  // What looks at all frames is worked out when it is needed; here its parameters and scope are enough.
+  // Modifiers that look at all frames are worked out when they are needed; here parameters and scope are enough.
   if (modifier.type == "consistency") {
     ShapeStack::check_scope(database, modifier);
     alone.dataset.modifiers.front().frames = Json::array();

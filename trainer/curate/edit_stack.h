@@ -21,7 +21,7 @@ namespace bodyopt {
 // `path`: the dataset.json. Each throws Error(usage) where no modifier has the name (with the names nearest to it), and
 // what check_modifier() says; nothing is changed then. `patience`: with others that edit.
 
-// What of a modifier is to be another; what is not set stays.
+// Changes to a modifier; what is not set stays.
 struct ModifierChange {
   std::optional<std::string> name{};
   std::optional<double> strength{};
@@ -29,54 +29,54 @@ struct ModifierChange {
   Json parameters = Json::object();  // those named are replaced, null takes one away
 };
 
-// On top of the stack. An empty name becomes its type's, with a number where that is taken. Returns the database that
-// it was checked against, with the stack as it is then.
+// Puts a modifier on top of the stack. An empty name becomes its type's, with a number where that is taken. Returns the
+// database that it was checked against, with the stack as it is then.
 PoseDatabase add_modifier(const std::filesystem::path& path, Modifier modifier);
 // Returns the same.
 PoseDatabase change_modifier(const std::filesystem::path& path, const std::string& name, const ModifierChange& change,
                              std::chrono::milliseconds patience = kPatienceForChanges);
-// To a place from 1 on.
+// Moves it to a place from 1 on.
 void move_modifier(const std::filesystem::path& path, const std::string& name, std::size_t place);
 void enable_modifier(const std::filesystem::path& path, const std::string& name, bool enabled,
                      std::chrono::milliseconds patience = kPatienceForChanges);
 void remove_modifier(const std::filesystem::path& path, const std::string& name);
 
-// Throws Error(mismatch) or Error(file), naming the modifier, where it does not fit the dataset: an unknown type,
-// parameter, take, frame, joint, muscle or region, an empty selection, a mesh of another topology, a number that is not
-// finite.
+// Throws Error(usage) at an unknown type; Error(mismatch) or Error(file), naming the modifier, where it does not fit
+// the dataset. That is an unknown parameter, take, frame, joint, muscle or region, an empty selection, a mesh of
+// another topology, a number that is not finite.
 void check_modifier(const PoseDatabase& database, const Modifier& modifier);
 
-// Shapes that come in the place of frames that a take has: a modifier of the type blend, below all but those of its
-// kind that begin the stack, so that what was done to the frames is done to them. `samples`: of `shapes`, that of every
+// Puts shapes in the place of frames of a take, by a modifier of the type blend. It goes right above the blends that
+// begin the stack, so that what was done to the frames is done to the shapes. `samples`: of `shapes`, that of every
 // frame. Its cache is named by what is in it. Throws Error(file).
 void put_shapes_over(const std::filesystem::path& path, const std::string& take, const std::vector<int>& frames,
                      const ShapeReader& shapes, const std::vector<std::uint32_t>& samples);
 
-// The same of shapes (O x 3, posed, metres) that are asked for one after the other, by a name: what had it goes.
+// Does so with shapes (O x 3, posed, metres) that are asked for one after the other; replaces the modifier `name`.
 void put_shapes_over(const std::filesystem::path& path, const std::string& name, const std::string& take,
                      const std::vector<int>& frames, const std::function<std::vector<float>(std::size_t)>& shape);
 
 // Throws Error(usage) where the modifier `name` of a stack is there and is no sculpt.
 void require_sculpt(const std::vector<Modifier>& modifiers, const std::string& name);
 
-// The sculpt of a frame in the modifier `name` of a stack that is being edited becomes what two skins of it (V x 3,
-// un-posed, metres) differ by; the modifier is made where there is none. Returns what the artist should know: as
-// add_sculpt(). Throws Error(mismatch) at a number that is not finite, Error(usage) where the modifier is no sculpt.
+// Makes the difference of two skins of a frame (V x 3, un-posed, metres) its sculpt in the modifier `name` of a stack
+// being edited. The modifier is made where there is none. Returns what the artist should know: as add_sculpt(). Throws
+// Error(mismatch) at a number that is not finite, Error(usage) where the modifier is no sculpt.
 std::vector<std::string> put_sculpt(const PoseDatabase& database, std::vector<Modifier>& modifiers,
                                     const std::string& name, std::size_t frame, const Positions& before,
                                     const Positions& after, double spread_degrees);
 
-// An artist's mesh of a frame (O x 3, output vertices, metres; posed, or where `unposed`, as export wrote it un-posed):
-// what it differs by from the frame as it was exported is added to the sculpt that the modifier `name` had of it then,
-// and becomes its sculpt; what the stack has beside it by now stays. The modifier is made where there is none. Returns
-// what the artist should know: vertices that went further than a fifth of the character's size, triangles that turned
-// over, or that the mesh is the frame as it was exported, which changes nothing. Throws Error(mismatch) where the mesh
+// `mesh`: an artist's mesh of a frame, O x 3, output vertices, metres, posed or, where `unposed`, as export wrote it
+// un-posed. Its difference from the exported frame is added to the sculpt that the modifier `name` had then, and
+// becomes its sculpt. What else the stack has by now stays. The modifier is made where there is none. Returns what the
+// artist should know: vertices that moved by more than a fifth of the character's size, or whose normals turned over.
+// It also says where the mesh is the frame as exported, which changes nothing. Throws Error(mismatch) where the mesh
 // does not fit.
 std::vector<std::string> add_sculpt(const std::filesystem::path& path, const std::string& name, const std::string& take,
                                     int frame, const ExportedFrame& exported, const std::vector<float>& mesh,
                                     bool unposed, double spread_degrees);
 
-// What the stack makes of a dataset: measured, and written as another one.
+// Effects of the stack on a dataset: measured, and written as another one.
 
 struct FrameEffect {
   std::size_t frame = 0;  // of the database
@@ -94,9 +94,9 @@ struct ModifierEffect {
 // Throws Error(usage) where there is none of the name.
 std::vector<ModifierEffect> measure_modifiers(const ShapeStack& stack, const std::string& name);
 
-// A dataset of the same clips whose caches are the shapes through the stack, without those that are dropped or did not
-// converge, and without modifiers. Mirror images get clips of their own. dataset.json is written last. Throws
-// Error(usage) where `folder` has a dataset already, Error(file).
+// Writes a dataset of the same clips whose caches are the shapes through the stack, and that has no modifiers. Frames
+// that are dropped or did not converge are left out. Mirror images get clips of their own. dataset.json is written
+// last. Throws Error(usage) where `folder` has a dataset already or mirror images have controls, Error(file).
 Dataset bake_dataset(const ShapeStack& stack, const std::filesystem::path& folder);
 
 }  // namespace bodyopt

@@ -91,7 +91,7 @@ void write_record(const ExportRecord& record, const fs::path& path) {
              path);
 }
 
-// Of files that were there before one with the mark was written: those of the same export, and the oldest of too many.
+// Removes older files of the export with this mark, and the oldest of too many. `before`: files older than the new one.
 void forget_older(const std::vector<fs::path>& before, const std::string& mark) {
   std::vector<fs::path> others = before;
   std::erase_if(others, [&](const fs::path& file) {

@@ -12,8 +12,8 @@
 
 namespace bodyopt {
 
-// A file of modifiers/exported/: which frame was given out to be sculpted, and what stack made it; one each, so that
-// what two artists give out merges.
+// A file of modifiers/exported/ says which frame was exported to be sculpted, and what stack made it. Each export has
+// its own file, so that those of two artists merge.
 struct ExportRecord {
   std::string take;
   int frame = 0;
@@ -42,16 +42,16 @@ ExportedFrame exported_now(const ShapeStack& stack, std::size_t frame);
 // Error(file).
 std::string keep_exported(const std::filesystem::path& path, const ShapeStack& stack, std::size_t frame,
                           const ExportedFrame& exported);
-// What was written down of a frame and can be used, the latest first. The files are hints: what of them is damaged, of
-// another character, of a newer version, or names files that are gone is left out, and said in notes. `name`: the
-// modifier whose sculpts of then are needed, too.
+// Exports of a frame that can be used, the latest first. The files are hints: what is damaged, of another character, of
+// a newer version, or names missing files is left out, with a note. `name`: the modifier whose sculpts of then are
+// needed, too.
 struct KeptExports {
   std::vector<ExportedFrame> frames;
   std::vector<std::string> notes;
 };
 KeptExports kept_exports(const ShapeStack& stack, std::size_t frame, const std::string& name);
 
-// V x 3: what the sculpts of the modifier `name` of a stack add to a frame; nothing where there is none, or it is off.
+// The sum (V x 3) that the sculpts of a stack's modifier `name` add to a frame; zero where it is missing or off.
 Positions sculpted_by(const PoseDatabase& database, const std::vector<Modifier>& modifiers, const std::string& name,
                       std::size_t frame);
 

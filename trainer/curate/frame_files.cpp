@@ -50,7 +50,7 @@ float coordinate(const std::string& word, const std::string& place) {
   return value;
 }
 
-// Of `count` things that the file numbers from 1, or backwards from -1: "3".
+// The index of one of `count` things, which the file numbers from 1, or backwards from -1: "3".
 Corner number_of(const std::string& word, std::size_t count, const char* what, const std::string& place) {
   long number = 0;
   std::from_chars(word.data(), word.data() + word.size(), number);
@@ -186,7 +186,7 @@ std::vector<TexturedVertex> textured(const Character& character, const std::vect
   return all;
 }
 
-// Of every output triangle the region that weighs most at its corners.
+// The region that weighs most at the corners of each output triangle.
 std::vector<std::size_t> heaviest_regions(const Character& character, const std::vector<RegionWeights>& regions) {
   const Eigen::Index count = character.output_triangles.rows();
   std::vector<std::size_t> heaviest(static_cast<std::size_t>(count), 0);
@@ -242,7 +242,7 @@ void check_size(const Positions& exported, const Positions& given, const std::fi
               "was it written in another unit (metres are expected), or scaled, or is it of another character?");
 }
 
-// Which of the skins the mesh was made of; its positions stay empty.
+// Finds the skin that the mesh was made of; the result's positions stay empty.
 FrameMesh made_of(std::span<const WrittenSkin> written, const Positions& given, const std::string& mark) {
   const auto marked = std::ranges::find(written, mark, &WrittenSkin::mark);
   if (!mark.empty() && marked != written.end()) return {{}, static_cast<std::size_t>(marked - written.begin())};

@@ -13,12 +13,12 @@
 
 namespace bodyopt {
 
-// What a mesh of a frame has beside its shape, for the artist to work with, and to know its vertices by again: the
-// texture coordinates of the character's own file, and a material for each painted region, or joint where none are
-// painted: a triangle is of the one that weighs most. Throws Error(file).
+// The surface of a frame's mesh is for the artist, and for its vertices to be recognised. It has the texture
+// coordinates of the character's own file. It has a material for each painted region, or for each joint where those do
+// not cover the skin. A triangle is of the one that weighs most. Throws Error(file).
 SkinSurface frame_surface(const PoseDatabase& database);
 
-// What a mesh is named by, so that it tells which export it is of when it comes back.
+// The mark that names a mesh, so that its export is recognised when it comes back.
 std::string export_mark(std::uint64_t hash);
 
 // positions: O x 3, vertices in the order of the character's file. `mark`: of the export, begins the object's name;
@@ -41,16 +41,15 @@ struct FrameMesh {
   bool was_turned = false;       // came with another axis up, and was turned back
 };
 
-// Of vertices of a skin (V x 3): how far those move at most that nobody moved, as files round.
+// The most that vertices of a skin (V x 3) move by the rounding of files alone.
 double unmoved_distance(const Positions& skin);
 
-// A mesh that was made of one of the skins `written` (one at least): of that whose mark it still has; without one of
-// that which most of its vertices lie on, the first of several alike. `texture`: of its surface. Vertices may stand in
-// any order: in an OBJ of as many, whose faces are the character's, they are known by their numbers, which sculpting
-// programs keep (faces may have been left out, or joined to larger ones); otherwise as match_vertices() tells. A mesh
-// that came with another axis up is turned back, as turn_back() tells. Throws Error(mismatch), with both counts and the
-// likely cause, where the mesh is of other vertices or faces, or is more than five times larger or smaller; and what
-// turn_back() says; Error(file) at what is malformed.
+// Reads a mesh made of one of the skins `written` (one at least). That is the skin whose mark it has; without a mark,
+// the first of those that most of its vertices lie on. `texture`: of its surface. Vertices may stand in any order, as
+// match_vertices() finds them. In an OBJ of as many and with the character's faces (some may be missing or joined),
+// their numbers count, which sculpting programs keep. A mesh with another axis up is turned by turn_back(). Throws
+// Error(mismatch), with both counts and the likely cause, at other vertices or faces, or at five times the size or a
+// fifth. Throws as turn_back(), too, and Error(file) at what is malformed.
 FrameMesh read_frame_mesh(const Character& character, const std::vector<double>& texture,
                           std::span<const WrittenSkin> written, const std::filesystem::path& path);
 

@@ -14,10 +14,10 @@
 
 namespace bodyopt {
 
-// The sculpts of a modifier of the type sculpt, and how they spread over poses:
-//   offset of a frame = sum_k w_k delta_k,  w_k = f(d_k) (1 / d_k^2) / sum_j (1 / d_j^2)        (Shepard 1968)
-// d_k: how far its pose is from that of sculpt k, in the joints that move what was sculpted; f: falls smoothly from 1
-// at 0 to 1/2 at half the spread and to 0 at the spread. At the poses sculpted it is exact.
+// Sculpts delta_k of a modifier of the type sculpt spread over poses (Shepard 1968). The offset of a frame is sum_k w_k
+// delta_k, with w_k = f(d_k) (1 / d_k^2) / sum_j (1 / d_j^2). The distance d_k is that of its pose from sculpt k's, in
+// the joints that move what was sculpted. The falloff f goes smoothly from 1 at 0 to 1/2 at half the spread and to 0 at
+// the spread. At the poses sculpted the offset is exact.
 
 class JsonObject;
 
@@ -32,12 +32,12 @@ class SculptedFrames {
   // or of no frame of the database, Error(file).
   SculptedFrames(const PoseDatabase& database, const JsonObject& parameters, const std::string& place);
 
-  // In place of the sculpt of its frame, where there is one.
+  // Adds a sculpt, in the place of that of its frame where there is one.
   void put(SculptedFrame sculpt);
   const std::vector<SculptedFrame>& sculpts() const { return sculpts_; }
   double spread() const { return spread_; }  // degrees
   const std::vector<std::uint32_t>& joints() const { return joints_; }
-  // Of every sculpt its share w_k of a frame.
+  // The share w_k that a frame has of every sculpt.
   std::vector<double> weights(std::size_t frame) const;
   // V x 3: what all of them add to a frame.
   Positions sum(std::size_t frame) const;
@@ -57,10 +57,10 @@ std::string why_not_shown(const PoseDatabase& database, const std::string& name,
 
 class FrameSculpting {
  public:
-  // On a frame as the stack leaves it, for the modifier `name`, which keep() makes where there is none. Spread: over
-  // how many degrees; none: what the modifier has, 30 for a new one. Throws Error(usage) where the modifier is no
-  // sculpt, or would not show all of a stroke: switched off, of less than full strength, of a part of the skin or of
-  // other frames.
+  // Sculpts a frame as the stack leaves it, for the modifier `name`, which keep() makes where there is none. Spread:
+  // over how many degrees; none: what the modifier has, 30 for a new one. Throws Error(usage) where the modifier is no
+  // sculpt, or would hide part of a stroke. It would if switched off, of less than full strength, of a part of the skin
+  // or of other frames.
   FrameSculpting(std::shared_ptr<const ShapeStack> stack, std::size_t frame, std::string name,
                  std::optional<double> spread_degrees);
   FrameSculpting(const FrameSculpting&) = delete;
@@ -74,15 +74,15 @@ class FrameSculpting {
 
   // Begins a stroke. `mirrored`: a second hand does the same on the other side of the body.
   void begin(const Brush& brush, bool mirrored);
-  // On a point of skin(). Throws Error(mismatch) where the body's other side is to be touched, and is not its mirror
-  // image.
+  // Touches a point of skin(). Throws Error(mismatch) where the body's other side is to be touched, and is not its
+  // mirror image.
   void touch(const SkinPoint& at);
   // A grab: what was touched last goes so far from where it was then, metres, world.
   void pull(const Eigen::Vector3d& way);
 
   // Whether the modifier has a sculpt of the frame, or will have.
   bool is_sculpted() const;
-  // Of every frame of the database, how much of this frame's sculpt it takes.
+  // The share of this frame's sculpt that every frame of the database takes.
   const std::vector<double>& weights();
 
   // Writes the strokes into the dataset as one edit. Where another process has edited its stack meanwhile, they are put

@@ -48,13 +48,13 @@ double nearness(double distance) {
   return left > 0 ? left * left : 0;
 }
 
-// Whether a frame of the database follows the one before it in its take.
+// Whether a frame of the database follows another in its take, with one between them at most.
 bool follows(const PoseDatabase& database, std::size_t before, std::size_t frame) {
   return frame - before <= 2 && database.frames[frame].take == database.frames[before].take;
 }
 
-// Of every frame: stretches of a take that go one way. Where one turns back the next begins; what led to the turn is
-// what it has of history.
+// Numbers the frames by stretches of a take that go one way. Where it turns back the next stretch begins, because what
+// led to the turn is its history.
 std::vector<int> stretches_of(const PoseDatabase& database, const SkinPart& part) {
   std::vector<int> stretches(database.frames.size(), 0);
   Eigen::VectorXd last_step;
@@ -108,7 +108,7 @@ void keep_nearest(std::size_t own, std::vector<Neighbour>& near) {
 struct Variances {
   double length = 1, others = 0, pass = 0, noise = 0;
 };
-// Of like poses hardly any of what shapes differ by is history, of the same pose nearly all.
+// History is hardly any of what shapes of like poses differ by, and nearly all of what those of the same pose do.
 constexpr Variances kUsual = {1, 0.1, 1e-3, 1e-4};
 
 // How far the poses of neighbours are apart, squared, M x M: in the part's joints, and in the others.
@@ -129,7 +129,8 @@ Apart apart_of(const std::vector<Neighbour>& near) {
   return apart;
 }
 
-// Of the neighbours' shapes, M x M. Passes with anchors are off by little. Those further away count less.
+// The covariance of the neighbours' shapes, M x M. Passes with anchors are off by little. Those further away count
+// less.
 Eigen::MatrixXd covariance(const std::vector<Neighbour>& near, const Apart& apart, const Variances& variances,
                            const std::vector<char>& anchors) {
   const Index count = static_cast<Index>(near.size());
@@ -151,7 +152,7 @@ Eigen::MatrixXd covariance(const std::vector<Neighbour>& near, const Apart& apar
   return result;
 }
 
-// What is left of the inverse of a covariance when the mean is not known, and the logarithm of what weighs against it.
+// The inverse of a covariance for an unknown mean, and the log determinants that restricted likelihood subtracts.
 struct Precision {
   Eigen::MatrixXd matrix;  // M x M
   double log_volume = 0;
@@ -189,9 +190,8 @@ Eigen::MatrixXd products(const std::vector<Neighbour>& near, const SkinPart& par
   return rows * rows.transpose();
 }
 
-// What shapes of one pose differ by from motion to motion, as a variogram's nugget tells it (Matheron 1963): what is a
-// function of the pose, be it bent as sharply as where skin touches skin, differs less and less as poses come nearer;
-// what is history stays.
+// How shapes of one pose vary from motion to motion: a variogram's nugget (Matheron 1963). A function of the pose
+// differs less and less as poses come nearer, however sharply it bends where skin touches skin. History stays.
 struct Nugget {
   double variance = 0;     // of what a pass is off by, summed over the part of the skin
   std::size_t pairs = 0;   // of frames in the same pose, of other passes: none tell nothing
@@ -208,8 +208,8 @@ Eigen::VectorXd differences(const Neighbour& frame, const std::vector<Neighbour>
   return (shapes_of(others, part, displacements).rowwise() - own.row(0)).rowwise().squaredNorm();
 }
 
-// How much shapes change with the pose where a motion goes on by a distance or further: the most of all squared
-// differences by squared distances. None: it has no frame as far; in the very same pose nothing changes.
+// How steeply shapes change with the pose where a motion goes on by a distance or further: the largest squared
+// difference over squared distance. None: it has no frame as far; in the very same pose nothing changes.
 std::optional<double> steepest(const std::vector<Neighbour>& motion, const Eigen::VectorXd& differences,
                                double distance) {
   constexpr double kVerySame = 1e-12;
@@ -223,8 +223,8 @@ std::optional<double> steepest(const std::vector<Neighbour>& motion, const Eigen
   return slope;
 }
 
-// Of the pairs of the frame `own`, which is among its neighbours: half of what their shapes differ by beyond what poses
-// so far apart explain.
+// The nugget of the pairs of the frame `own`, which is among its neighbours. It is half of what their shapes differ by
+// beyond what poses so far apart explain.
 Nugget nugget_at(const std::vector<Neighbour>& near, std::size_t own, const SkinPart& part,
                  const Displacements& displacements) {
   const Neighbour self = *std::ranges::find(near, own, &Neighbour::frame);
@@ -287,7 +287,7 @@ Fit fit_of(const Asked& asked, const Variances& variances, const std::vector<cha
   return {-0.5 * (freedom * std::log(apart) + given.log_volume), apart / freedom};
 }
 
-// Of some of the frames that others pass by.
+// Gathers what is asked of some of the frames that others pass by.
 std::vector<Asked> asked_of(const std::vector<std::vector<Neighbour>>& near, const SkinPart& part,
                             const Displacements& displacements) {
   std::vector<std::size_t> compared;
@@ -316,8 +316,8 @@ double independent_share(const std::vector<Asked>& asked) {
 }
 
 // Two frames alone say nothing of variances, however far they are apart: the usual ones stay where chance may as well
-// have made others likelier. What passes are off by is no more than the nugget: smooth functions do not bend as shapes
-// do where skin touches skin, and what they leave looks like history.
+// have made others likelier. The nugget bounds what passes are off by. Smooth functions do not bend as shapes do where
+// skin touches skin, and what they leave looks like history.
 Variances likeliest(const std::vector<Asked>& asked, const std::vector<char>& anchors, const Nugget& nugget) {
   std::vector<Variances> all{kUsual};
   for (const double pass : kPasses) {
@@ -342,7 +342,7 @@ Variances likeliest(const std::vector<Asked>& asked, const std::vector<char>& an
   return all[static_cast<std::size_t>(std::ranges::max_element(likelihoods) - likelihoods.begin())];
 }
 
-// What of the shapes of the neighbours adds up to what their pass `own` is off by.
+// The shares of the neighbours' shapes that add up to what their pass `own` is off by.
 std::vector<FrameShare> shares_of(const std::vector<Neighbour>& near, int own, const Variances& variances,
                                   const std::vector<char>& anchors) {
   const Apart apart = apart_of(near);
@@ -357,7 +357,7 @@ std::vector<FrameShare> shares_of(const std::vector<Neighbour>& near, int own, c
   return result;
 }
 
-// Of every joint: does it turn from frame to frame?
+// One flag for each joint: does it turn from frame to frame?
 std::vector<char> turning_joints(const PoseDatabase& database) {
   std::vector<char> turns(database.character.skeleton.size(), 0);
   for (const DatabaseFrame& frame : database.frames) {
@@ -369,8 +369,8 @@ std::vector<char> turning_joints(const PoseDatabase& database) {
   return turns;
 }
 
-// With the nearest that turn along the skeleton, beyond roots and what stands still: tissue passes on what these do, as
-// thighs move a belly.
+// Adds the nearest joints along the skeleton that turn, beyond roots and joints that do not. Tissue passes on what
+// these do, as thighs move a belly.
 std::vector<std::uint32_t> with_next(const Skeleton& skeleton, const std::vector<char>& turns,
                                      const std::vector<std::uint32_t>& joints) {
   std::vector<std::vector<std::uint32_t>> beside(skeleton.size());
@@ -395,7 +395,7 @@ std::vector<std::uint32_t> with_next(const Skeleton& skeleton, const std::vector
   return {all.begin(), all.end()};
 }
 
-// Those that turn and are not among the joints (by rising number).
+// The joints that turn and are not among the given ones (by rising number).
 std::vector<std::uint32_t> others_than(const Skeleton& skeleton, const std::vector<char>& turns,
                                        const std::vector<std::uint32_t>& joints) {
   std::vector<std::uint32_t> others;

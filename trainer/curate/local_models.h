@@ -1,14 +1,13 @@
-// What passes of the motion by a pose disagree in. Per part of the skin and frame, the shapes of the frames near in the
-// part's pose space are a mean, what varies smoothly with the pose, what each pass is off by, and noise,
-//   y_m = a + g(f_m, h_m) + o_pass(m) + e_m,   cov g = exp(-(|f - f'|^2 + r |h - h'|^2) / 2 l^2), var o = p, var e = s
-//   / w_m,
-// a mixed model (Henderson 1975; Sacks et al. 1989). f: how the joints turn that move the part, h: the others, which
-// count r times as much: soft tissue and coarse cages carry far. l, r, p and s are what makes the shapes of all
-// neighbourhoods of the part likeliest (restricted likelihood, Patterson & Thompson 1971): where shapes vary with the
-// pose alone, p is nothing, and nothing is found. p is no more than a variogram's nugget (Matheron 1963), which frames
-// in the same pose tell: smooth functions do not bend as shapes do where skin touches skin. A pass is a stretch of a
-// take in one direction: its frames share what they have of history. What slopes and curves with the pose is in all
-// passes and stays; o is what one alone has. Linear in the shapes: o at a frame is sum_m s_m y_m.
+// Mixed models (Henderson 1975; Sacks et al. 1989) of what passes of the motion by a pose disagree in. Near a frame, a
+// part of the skin has the shapes y_m = a + g(f_m, h_m) + o_pass(m) + e_m. Here a is a mean, g varies smoothly with the
+// pose, o is what each pass is off by, and e is noise. Variances: cov g = exp(-(|f - f'|^2 + r |h - h'|^2) / 2 l^2),
+// var o = p, var e = s / w_m. The turns f are of the joints that move the part. The turns h of others count r times as
+// much: soft tissue and coarse cages carry far. Parameters l, r, p and s are what makes the shapes of all
+// neighbourhoods of the part likeliest (restricted likelihood, Patterson & Thompson 1971). Where shapes vary with the
+// pose alone, p is zero, and nothing is found. A variogram's nugget (Matheron 1963) of frames in the same pose bounds
+// p: smooth functions do not bend as shapes do where skin touches skin. A pass is a stretch of a take in one direction:
+// its frames share what they have of history. What slopes and curves with the pose is in all passes and stays; o is
+// what one alone has. The model is linear in the shapes: o at a frame is sum_m s_m y_m.
 #pragma once
 
 #include <vector>
@@ -40,7 +39,7 @@ struct SkinPart {
 std::vector<SkinPart> skin_parts(const PoseDatabase& database);
 
 struct LocalModels {
-  // Of every frame: what of whose displacements adds up to the effect of its pass; none where no other passes by.
+  // The shares of frames' displacements that add up to the effect of every frame's pass; none where no other passes by.
   std::vector<std::vector<FrameShare>> shares;
   std::vector<std::vector<std::size_t>> others;  // of every frame: those of other passes near it, the nearest first
   std::vector<int> neighbours;                   // how many frames are near

@@ -173,7 +173,7 @@ constexpr double kJointTolerance = 0.02, kSkinTolerance = 0.05;  // of the chara
 
 Quat mirrored(const Quat& q) { return {q[0], -q[1], -q[2], q[3]}; }  // across a plane of constant x
 
-// Of every name the place of that of the other side, or its own.
+// The place of every name's counterpart on the other side, or its own.
 std::vector<std::size_t> name_counterparts(const std::vector<std::string>& names) {
   std::vector<std::size_t> counterparts;
   for (const int other : mirrored_places(names)) {

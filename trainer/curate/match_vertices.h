@@ -1,4 +1,4 @@
-// Which vertex is which, and which way is up, after another program has written a mesh in ways of its own.
+// Recovers which vertex is which, and which way is up, after another program has written a mesh in ways of its own.
 #pragma once
 
 #include <Eigen/Core>
@@ -27,29 +27,28 @@ struct TexturedSurface {
   std::vector<TexturedVertex> texture;
 };
 
-// Of every vertex of `given` the vertex of `known` that it is, -1 where nothing tells. Both are one surface but for the
-// order of vertices and triangles, and for where some vertices are: those that were not moved (by more than
-// `tolerance`, metres) are known by their places, those that were by their place on the texture, where no other vertex
-// has that, and what is left by the triangles between them, from neighbour to neighbour.
+// The vertex of `known` that each vertex of `given` is, -1 where that is not clear. Both are one surface but for the
+// order of vertices and triangles, and for where some vertices are. Unmoved vertices (within `tolerance`, metres) are
+// known by their places. Moved ones are known by their place on the texture, where no other vertex has that. What is
+// left is known by the triangles between them, from neighbour to neighbour.
 std::vector<int> match_vertices(const TexturedSurface& known, const TexturedSurface& given, double tolerance);
 
 // How many vertices of `given` lie where one of `known` does (within `tolerance`, metres).
 std::size_t vertices_in_place(const Positions& known, const Positions& given, double tolerance);
 
-// The rotation between coordinate axes that brings a mesh (`given`: N x 3, metres, in any order) to where one of the
-// skins lies that it may be of: none where its extent is theirs as it is, or is theirs in no turn. Half of its vertices
-// or more then lie where that skin has them; where fewer do, but its extent is that of the skin turned, throws
-// Error(mismatch): which way is up is not to be told.
+// The rotation between coordinate axes that brings a mesh (`given`: N x 3, metres, in any order) to the skin it was
+// made of. The identity where its extent is theirs as it is, or is theirs in no turn. Half of its vertices or more then
+// lie where that skin has them. Throws Error(mismatch) where fewer do, but its extent is that of a turned skin.
 Eigen::Matrix3d turn_back(std::span<const WrittenSkin> written, const Positions& given,
                           const std::filesystem::path& path);
 
 // A character's left for its right: poses and shapes as in a mirror.
 
-// Across the plane x = that of the middle of the rest skin.
+// Mirrors across the plane x = that of the middle of the rest skin.
 class MirrorImage {
  public:
-  // Throws Error(mismatch), naming a joint, where the skeleton or the skin is not its own mirror image: a joint is 2 %
-  // of the character's size from any image, a vertex 5 %.
+  // Throws Error(mismatch), naming a joint or vertex, where the skeleton or the skin is not its own mirror image. A
+  // joint may be 2 % of the character's size from any image, a vertex 5 %.
   MirrorImage(const Character& character, const std::vector<std::string>& controls);
 
   // Joints turn as their counterparts do in the mirror; lengths of bones stay their own.

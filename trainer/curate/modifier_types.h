@@ -1,5 +1,5 @@
-// What kinds of modifiers there are, each with its prepare_<type> in this folder and a line of the table in
-// modifier_types.cpp, and the space in which they act.
+// The kinds of modifiers, and the space in which they act. Each kind has its prepare_<type> in this folder and a line
+// of the table in modifier_types.cpp.
 #pragma once
 
 #include <cstdint>
@@ -84,7 +84,7 @@ struct ModifierType {
   const char* name;
   const char* what;  // one line
   std::vector<const char*> parameters;
-  // With Effect::shape. Throws Error(mismatch) or Error(file) where the parameters do not fit the dataset.
+  // Set for Effect::shape. Throws Error(mismatch) or Error(file) where the parameters do not fit the dataset.
   ShapeModifier (*prepare)(const ModifierInput& input);
   bool automatic = false;  // leaves frozen frames and parts alone
   bool kept = false;       // what it makes of a frame is cached: that takes longer to work out than to read

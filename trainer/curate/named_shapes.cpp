@@ -52,7 +52,7 @@ NamedShapes::NamedShapes(const std::string& name, const SpaceOf& space_of) : nam
 
 void NamedShapes::open_dataset_frames(const fs::path& dataset, const std::string& take, const SpaceOf& space_of) {
   dataset_ = dataset;
-  std::error_code none;  // told when it is read
+  std::error_code none;  // reported when it is read
   written_ = fs::last_write_time(dataset, none);
   PoseDatabase read = read_pose_database(read_dataset(dataset));
   std::shared_ptr<const UnposedSpace> space = space_of ? space_of(read) : nullptr;

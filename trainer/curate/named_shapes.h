@@ -1,5 +1,5 @@
-// Shapes by what they are called on command lines: a cache; DATASET#TAKE, what the modifiers of a dataset make of one
-// of its takes; or DATASET, the same of all, numbered from 1.
+// Shapes by their names on command lines: a cache; DATASET#TAKE, one take of a dataset through its modifiers; or
+// DATASET, all takes, numbered from 1.
 #pragma once
 
 #include <filesystem>
@@ -22,7 +22,7 @@ class NamedShapes {
  public:
   // Throws Error(file), and Error(mismatch) where the dataset has no such take, or it has no frame.
   explicit NamedShapes(const std::string& name) : NamedShapes(name, SpaceOf()) {}
-  // The same; un-posed space takes long to make, and where somebody has that of a dataset's character, it says so.
+  // Throws the same. `space_of`: un-posed space of a dataset's character where it is there, as it takes long to make.
   using SpaceOf = std::function<std::shared_ptr<const UnposedSpace>(const PoseDatabase& database)>;
   NamedShapes(const std::string& name, const SpaceOf& space_of);
 
@@ -35,8 +35,7 @@ class NamedShapes {
   // Sample k: point_count x 3, metres. On any thread. Throws Error(file) at a damaged one, and where there is none.
   std::vector<float> sample(std::uint32_t k) const;
 
-  // Where they are of a dataset: its shapes, and which of its database's frames the samples are. Null and empty of a
-  // cache.
+  // The shapes of a dataset, and which of its database's frames the samples are. Null and empty of a cache.
   const std::shared_ptr<const ShapeStack>& stack() const { return stack_; }
   const std::vector<std::size_t>& numbers() const { return numbers_; }
   bool is_whole() const { return is_dataset(name_); }
@@ -45,7 +44,7 @@ class NamedShapes {
 
   // Whether the dataset's stack was edited since. Never of a cache.
   bool was_edited() const;
-  // The same of the files as they are now. Throws as the constructor, Error(mismatch) where they have other points.
+  // Opens the files as they are now. Throws as the constructor, Error(mismatch) where they have other points.
   NamedShapes as_they_are() const;
 
  private:

@@ -25,7 +25,7 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t kLookEvery = 256;  // files written from one look at how large all are to the next
 
-// Of one file under the name of another, too.
+// Detects one file under the name of another, too.
 std::uint64_t check_sum(std::uint64_t key, std::span<const float> offsets) {
   return XXH3_64bits_withSeed(offsets.data(), offsets.size_bytes(), key);
 }
@@ -45,7 +45,7 @@ void remove_file(const fs::path& path, PrunedFiles& pruned) {
   pruned.bytes += size;
 }
 
-// Those that are written whole: not the temporary ones.
+// Files that are written whole, not the temporary ones.
 std::vector<fs::path> files_in(const fs::path& folder) {
   std::vector<fs::path> files;
   std::error_code none;

@@ -1,5 +1,5 @@
-// Un-posed offsets that take longer to work out than to read, in files beside the dataset, each named by a hash of all
-// that it comes from. They are never the only copy of anything: the folder may be removed at any time.
+// Un-posed offsets that take longer to work out than to read, in files beside the dataset. Each is named by a hash of
+// all that it comes from. They are never the only copy of anything: the folder may be removed at any time.
 #pragma once
 
 #include <atomic>
@@ -39,8 +39,8 @@ class OffsetCache {
   // Reads what is kept under a key, as many numbers as there are. False: nothing, or a file that is damaged; the
   // numbers then mean nothing. On any thread.
   bool find(std::uint64_t key, std::span<float> offsets) const;
-  // Where nothing can be written (a folder of others, a full disk) nothing is kept. Of all that is kept what was not
-  // asked for the longest goes first. On any thread.
+  // Keeps nothing where nothing can be written (a folder of others, a full disk). What was not asked for the longest
+  // goes first. On any thread.
   void keep(std::uint64_t key, std::span<const float> offsets) const;
 
  private:
@@ -55,8 +55,8 @@ struct PrunedFiles {
   std::uint64_t bytes = 0;
 };
 
-// Removes from modifiers/ beside a dataset.json what can be worked out again, and what neither the stack nor any that
-// undo leads to names; with `history` the stacks that there were are forgotten first. Throws Error(file).
+// Removes from modifiers/ beside a dataset.json what can be worked out again, and what is no longer named. The stack,
+// stacks that undo leads to, and exports name files; `history` forgets the latter two first. Throws Error(file).
 PrunedFiles prune_modifiers(const std::filesystem::path& path, bool history);
 
 constexpr std::uint64_t kLargestCache = std::uint64_t{4} << 30;  // bytes of all that a dataset's modifiers cache

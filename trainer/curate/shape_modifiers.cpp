@@ -1,4 +1,4 @@
-// What the types of modifiers do to one frame at a time.
+// The types of modifiers that act on one frame at a time.
 #include <algorithm>
 #include <array>
 #include <map>
@@ -54,8 +54,7 @@ void put_back(const std::vector<Positions>& around, double limit, Positions& own
 
 }  // namespace
 
-// despike: a vertex that is far from where it is in the frames just before and after, while these agree with each
-// other, is put on their median.
+// despike: puts a vertex on the median of the frames just before and after, where it is far from these and they agree.
 
 ShapeModifier prepare_despike(const ModifierInput& input) {
   const double limit = 1e-3 * parameter(input, "limit_mm", 5, 0.01, 1e4);  // metres
@@ -176,8 +175,8 @@ ShapeModifier prepare_inflate(const ModifierInput& input) {
           }};
 }
 
-// volume: what the closed skin lost of its volume at rest is given back where the mask says, along the normals, by the
-// same distance everywhere (times the mask).
+// volume: gives back, where the mask says, what the closed skin lost of its volume at rest. It moves along the normals,
+// by the same distance everywhere (times the mask).
 
 ShapeModifier prepare_volume(const ModifierInput& input) {
   const Character& character = input.database.character;

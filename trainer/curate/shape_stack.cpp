@@ -26,7 +26,7 @@ struct ShapeStack::Layer {
   std::uint64_t identity = 0;  // a hash of its type, strength and mask
 };
 
-// What a layer does to a frame.
+// A layer's effect on a frame.
 struct ShapeStack::Change {
   const Layer* layer;
   std::uint64_t cause;  // see ShapeModifier::cause
@@ -77,7 +77,7 @@ ShapeStack::ShapeStack(PoseDatabase database, std::shared_ptr<const UnposedSpace
   dropped_.assign(raw_frames_, false);
   weights_.assign(raw_frames_, 1);
   const std::vector<Modifier>& modifiers = database_.dataset.modifiers;
-  // What is frozen counts for the whole stack.
+  // Frozen parts count for the whole stack, so freezes come first.
   for (const bool freeze : {true, false}) {
     for (std::size_t k = 0; k < modifiers.size(); ++k) {
       const ModifierType* type = find_modifier_type(modifiers[k].type);
@@ -174,7 +174,7 @@ void ShapeStack::add_mirror_images(std::size_t place) {
     dropped_.push_back(dropped_[n]);
     weights_.push_back(weights_[n]);
   }
-  // What came before acts on the images through what they are images of.
+  // Earlier layers act on the images through the frames that these are images of.
   for (std::vector<Layer>* layers : {&layers_, &freezes_}) {
     for (Layer& layer : *layers) layer.selected.resize(database_.frames.size(), false);
   }
@@ -187,7 +187,7 @@ bool ShapeStack::is_changed(std::size_t frame) const {
 
 Positions ShapeStack::shape(std::size_t frame) const { return posed(frame, database_.dataset.modifiers.size()); }
 
-// As the first modifiers leave it, posed.
+// The posed shape that the first modifiers leave.
 Positions ShapeStack::posed(std::size_t frame, std::size_t count) const {
   const std::vector<Change> changes = changes_of(frame, count);
   if (changes.empty()) return begun(frame);
@@ -200,7 +200,7 @@ Positions ShapeStack::offsets(std::size_t frame, std::size_t count) const {
   return through(changes_of(frame, count), {frame, in});
 }
 
-// By those of the first modifiers that change a frame.
+// The changes by those of the first modifiers that change a frame.
 std::vector<ShapeStack::Change> ShapeStack::changes_of(std::size_t frame, std::size_t count) const {
   const bool stays = !freezes_.empty() && frozen_part(frame).minCoeff() >= 1;
   std::vector<Change> changes;
@@ -212,8 +212,8 @@ std::vector<ShapeStack::Change> ShapeStack::changes_of(std::size_t frame, std::s
   return changes;
 }
 
-// What layers make of a frame, from the topmost on whose work is kept. It is kept in single precision, as raw shapes
-// are, and goes on so rounded when it was not there, too: either way gives the same bits.
+// The offsets that layers leave of a frame, from the topmost on whose work is kept. It is kept in single precision, as
+// raw shapes are. Where it was not there, it goes on rounded, too, so that either way gives the same bits.
 Positions ShapeStack::through(const std::vector<Change>& changes, const FrameInHand& frame) const {
   const Positions start = begun(frame.number);
   const auto top =
@@ -236,7 +236,7 @@ Positions ShapeStack::through(const std::vector<Change>& changes, const FrameInH
   return offsets;
 }
 
-// Of how a frame begins, and of what every layer leaves of it: a hash of all that it comes from.
+// Hashes of all that a frame comes from: as it begins, and as every layer leaves it.
 std::vector<std::uint64_t> ShapeStack::keys_after(std::span<const Change> changes, std::size_t frame,
                                                   const Positions& start) const {
   ContentHash first;

@@ -30,7 +30,7 @@ class ShapeStack {
   // The selection, mask and names of parameters of a modifier, without working it out. Throws Error(mismatch).
   static void check_scope(const PoseDatabase& database, const Modifier& modifier);
 
-  // With the mirror images that a symmetry modifier adds, as takes of their own: "rom mirrored".
+  // The database with the mirror images that a symmetry modifier adds as takes of their own: "rom mirrored".
   const PoseDatabase& database() const { return database_; }
   const std::vector<std::string>& notes() const { return notes_; }
   // Whether a frame is left out of training.
@@ -44,7 +44,7 @@ class ShapeStack {
 
   // V x 3, welded, posed, metres. On any thread. Throws Error(file) at a damaged sample.
   Positions shape(std::size_t frame) const;
-  // The same un-posed, as the first `count` modifiers (of all, also those that are off) leave it.
+  // The un-posed offsets that the first `count` modifiers (of all, also those that are off) leave.
   Positions offsets(std::size_t frame, std::size_t count) const;
   // Posed, as the stack begins with it: raw, or the mirror image of what another frame has become.
   Positions begun(std::size_t frame) const;

@@ -5,7 +5,7 @@
 namespace bodyopt {
 namespace {
 
-// Of a panel's numbers; each zero costs a multiplication, and saves reading and writing a row once more.
+// A panel may have this share of zeros. A zero costs a multiplication, and saves reading and writing a row once more.
 constexpr double kMostZeros = 0.25;
 
 using Lower = Eigen::SparseMatrix<double>;

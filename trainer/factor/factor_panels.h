@@ -32,9 +32,9 @@ FactorPanels<Number> factor_panels(const Eigen::SparseMatrix<double>& lower);
 void solve_forward(const FactorPanels<float>& factor, double* values);
 void solve_backward(const FactorPanels<float>& factor, double* values);
 
-// Replaces N x 10 numbers by (L L^T)^-1 times them in the rows of some panels, ascending; with each of them is the one
-// that has its first row below (its parent in the elimination tree, and so on), so that no other row is read or
-// written. Numbers that were zero in all others give there what the whole factor would.
+// Replaces N x 10 numbers by (L L^T)^-1 times them in the rows of some panels, ascending. No other row is read or
+// written, because each panel comes with its parent in the elimination tree, which has its first row below. Where all
+// other rows were zero, the results are those of the whole factor.
 void solve_ten_in(const FactorPanels<double>& factor, const std::vector<int>& panels, double* values);
 
 }  // namespace bodyopt

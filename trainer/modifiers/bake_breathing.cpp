@@ -1,9 +1,9 @@
-// Breathing made of a character's anatomy, without data. The ribs turn about their necks beside the spine, those above
-// about a transverse axis (pump handle: the breastbone goes forward and up), those below about one from back to front
-// (bucket handle: the flanks go out and up); the diaphragm's descent pushes the belly's wall out. (Gray's Anatomy;
-// De Troyer, Kirkwood, Wilson 2005.) A weight of 1 of either component adds a litre to what the skin encloses (Konno
-// and Mead 1967: the volume that chest and belly gain together is the air breathed), so that what lies below the
-// diaphragm keeps its volume.
+// Breathing made of a character's anatomy, without data (Gray's Anatomy; De Troyer, Kirkwood, Wilson 2005). The ribs
+// turn about their necks beside the spine. Upper ribs turn about a transverse axis (pump handle: the breastbone goes
+// forward and up). Lower ribs turn about an axis from back to front (bucket handle: the flanks go out and up). The
+// diaphragm's descent pushes the belly's wall out. A weight of 1 of either component adds a litre to what the skin
+// encloses. Chest and belly together gain the air breathed (Konno and Mead 1967), so that what lies below the diaphragm
+// keeps its volume.
 #include <Eigen/Dense>
 #include <algorithm>
 #include <array>
@@ -104,7 +104,7 @@ class TorsoSlices {
   Slices back_, front_, half_;
 };
 
-// Of one vertex, in any unit.
+// The motion of one vertex, in any unit.
 Eigen::Vector3d chest_motion(const Torso& torso, const TorsoSlices& slices, const Eigen::Vector3d& p) {
   const double height = torso.height(p), depth = slices.depth(p), side = slices.side(p);
   const double pump = hump(height, 0.44, 0.60, 0.92), bucket = hump(height, 0.31, 0.51, 0.71);
@@ -137,7 +137,7 @@ Positions litre_of(const BakeInput& input, const Positions& rest, const Torso& t
   return field * (kLitre / volume);
 }
 
-// Of this body for one of a man's: by the cube of the trunk's length, but less for a slender belly.
+// Litres of this body for one of a man's: by the cube of the trunk's length, but less for a slender belly.
 double litres_of(const Torso& torso, const Positions& belly) {
   const double size = torso.length / kManTorso, wall = kDeepBelly * belly.rowwise().norm().maxCoeff();
   return std::min(std::pow(size, 3), kMostBelly * size / wall);
@@ -188,10 +188,10 @@ Eigen::MatrixXd shares_of(const Eigen::VectorXd& filled) {
   return shares;
 }
 
-// offsets: of consecutive frames, V x 3 each, un-posed, what their skin has beyond that of the same pose. How far a
-// frame is filled is told by the volume that the skin encloses, and whether the breath comes in by the frames beside
-// it; the shapes are those that fit all frames best. Throws Error(mismatch), naming `place`, where the skin gains no
-// volume, or there is no whole breath.
+// offsets: of consecutive frames, V x 3 each, un-posed, what their skin has beyond that of the same pose. The volume
+// that the skin encloses says how far a frame is filled; the frames beside it, whether the breath comes in. The shapes
+// are those that fit all frames best. Throws Error(mismatch), naming `place`, where the skin gains no volume, or there
+// is no whole breath.
 LearntBreath learn_breath(const Positions& rest, const Triangles& triangles, const std::vector<Positions>& offsets,
                           const std::string& place) {
   const auto refuse = [&](const std::string& what) {
@@ -220,7 +220,7 @@ LearntBreath learn_breath(const Positions& rest, const Triangles& triangles, con
 
 constexpr double kUsualDepth = 0.6;  // of the control: at it a breath is as deep as the take's
 
-// Of the database, in the order of the take's cache.
+// The take's frames of the database, in the order of the take's cache.
 std::vector<std::size_t> frames_of(const BakeInput& input, const PoseDatabase& database) {
   const std::string take = input.parameters.name("take");
   std::vector<std::size_t> frames;

@@ -1,5 +1,5 @@
-// What the trainer makes of a character for each type of modifier: a file bake_<type>.cpp of this folder, and a line of
-// the table in bake_stack.cpp.
+// The trainer's part of each type of modifier: a file bake_<type>.cpp of this folder, and a line of the table in
+// bake_stack.cpp.
 #pragma once
 
 #include <filesystem>
@@ -21,7 +21,7 @@ struct BakeInput {
   std::vector<std::string>& notes;      // to be said, a sentence each
 };
 
-// What a type's drive function of runtime/modifiers expects.
+// The data that a type's drive function of runtime/modifiers expects.
 struct BakedModifier {
   std::vector<Positions> components;  // V x 3 each, runtime order, un-posed, metres for a weight of 1
   std::vector<ModifierTurn> turns;
@@ -43,7 +43,7 @@ BakedModifier bake_push_out(const BakeInput& input);
 // metres. Throws Error(file), and Error(mismatch) for another topology.
 Positions read_modifier_shape(const BakeInput& input, const char* key);
 
-// The same of the character's points, O x 3, in the order of its file; `source` is named where they do not fit.
+// The character's points (O x 3, in the order of its file) in that form; `source` is named where they do not fit.
 Positions modifier_shape(const BakeInput& input, const std::vector<float>& points, const std::string& source);
 
 // A number of the parameters, `usual` where it is not named.

@@ -10,8 +10,8 @@ namespace bodyopt {
 namespace {
 
 constexpr double kReach = 2;  // of the bone's length
-// Of the body's size: the webs of fingers and toes, whose bones are shorter, lie in each other in many a pose, and are
-// as thick as their bones are long.
+// Bones shorter than this part of the body's size do not count. Webs of fingers and toes are as thick as such bones are
+// long, and lie in each other in many a pose.
 constexpr double kShortestBone = 0.05;
 
 // Skin on one side only does not fold.

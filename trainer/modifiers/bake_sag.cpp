@@ -17,8 +17,8 @@ constexpr double kLeastHang = 1e-4;  // metres that the skin of a joint must han
 constexpr float kSettled = 1e-3f;    // change of a step over the largest displacement
 constexpr int kMostSteps = 2000;
 
-// Where K u = M g. The dynamics have the inverse of A = inertia + b K alone: implicit steps without momentum,
-// A u' = inertia u + b M g, end there. `settled`: whether they did.
+// Solves K u = M g. The dynamics have only the inverse of A = inertia + b K. Implicit steps without momentum end there:
+// A u' = inertia u + b M g. `settled`: whether they did.
 std::vector<float> hanging(const Dynamics& dynamics, int axis, bool& settled) {
   const std::size_t numbers = dynamics.tets.nodes.size();
   const double stage = dynamics.jiggle.step.stage();

@@ -36,7 +36,7 @@ Pose sculpted_pose(const BakeInput& input) {
   return pose;
 }
 
-// Those named, or those that bend what was sculpted: skin on both sides of them belongs to it.
+// The joints named, or those that bend what was sculpted: skin on both sides of them belongs to it.
 std::vector<std::uint32_t> listened_joints(const BakeInput& input, const Positions& delta) {
   const Skeleton& skeleton = input.basis.skeleton;
   std::vector<std::uint32_t> joints;

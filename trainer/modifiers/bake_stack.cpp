@@ -30,8 +30,8 @@ BlockVectors block_of(const Positions& component, Eigen::Index first) {
   return vectors;
 }
 
-// Fills blend_begin and blend. Each component V x 3, metres. A block takes an entry of eight bits a number for each
-// component that moves it by more than a micron, and a second one for what the first leaves where that is more.
+// Fills blend_begin and blend. Each component V x 3, metres. A block takes an entry of 8-bit numbers for each component
+// that moves it by more than a micron. Where the first leaves more than that, it takes a second one.
 void pack_components(const std::vector<Positions>& components, std::uint32_t vertex_count, SkinModifiers& modifiers) {
   modifiers.blend.clear();
   modifiers.blend_begin = {0};
@@ -92,7 +92,7 @@ void refuse_second(const JsonObject& json, const std::string& type, const SkinMo
   }
 }
 
-// What is trained of the same name would listen to the same channel.
+// A control of the same name that was trained would listen to the same channel.
 void refuse_name(const JsonObject& json, const std::string& name, const Basis& basis, std::set<std::string>& known) {
   if (!known.insert(name).second) json.refuse("has the name '", name, "' of another: each needs its own");
   const auto& controls = basis.residual.controls;

@@ -15,7 +15,7 @@ bool is_of_trunk(BodyPart part) {
   return part == BodyPart::hips || part == BodyPart::spine || part == BodyPart::clavicle;
 }
 
-// Of every joint: those without a role are what the joint above them is.
+// One flag for each joint; joints without a role are what the joint above them is.
 std::vector<char> trunk_joints(const Skeleton& skeleton, const std::vector<std::optional<JointRole>>& roles) {
   std::vector<char> trunk;
   for (std::size_t j = 0; j < skeleton.size(); ++j) {

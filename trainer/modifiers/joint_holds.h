@@ -15,15 +15,15 @@ namespace bodyopt {
 // V: how much of each vertex those joints hold that are chosen (one flag for each joint), 0 to 1.
 Eigen::VectorXd held_by(const Basis& basis, const std::vector<char>& chosen);
 
-// Of every joint what it holds of the skin; they sum to 1. `weights`: V, >= 0, how
-// much each vertex counts; all alike where all are 0.
+// The share of the skin that each joint holds; they sum to 1. `weights`: V, >= 0, how much each vertex counts; all
+// alike where all are 0.
 std::vector<double> joint_shares_of(const Basis& basis, Eigen::VectorXd weights);
 
-// The bone (rest space, metres) from a joint to the middle of those that follow it, or, of the last of a chain, on from
-// its parent; zero of a joint that stands alone.
+// The bone (rest space, metres) from a joint to the mean of its children. The last of a chain continues its parent's
+// bone; a joint on its own has a zero one.
 Vec3 bone_of(const Skeleton& skeleton, std::uint32_t joint);
 
-// Where the trunk of a character is, told from its joints' names.
+// The place of a character's trunk, found by its joints' names.
 struct Torso {
   Eigen::Vector3d hips, up, left, front;  // rest space; unit, the character's own left
   double length = 0;                      // from the hips' joint to the neck's, metres

@@ -60,7 +60,7 @@ double outline(std::vector<FlatPoint> points) {
   return length;
 }
 
-// As a tape lies around the trunk at a height of it.
+// The girth that a tape around the trunk has at this height.
 double girth(const Positions& skin, const Triangles& triangles, const Torso& torso, double height) {
   std::vector<FlatPoint> points;
   for (Eigen::Index t = 0; t < triangles.rows(); ++t) {
@@ -102,7 +102,7 @@ std::array<double, 2> deepest_breath(const Basis& basis, const SkinModifier& mod
 constexpr double kDegree = std::numbers::pi / 180, kBent = 130 * kDegree;
 constexpr double kLeastRest = 3 * kDegree, kMostRest = 60 * kDegree;  // bent more: the bones are of no limb
 
-// The bind pose with a joint bent further the way it is bent; none where that is not to be told.
+// The bind pose with a joint bent further the way it is bent; none where that way is not clear.
 std::optional<Pose> bent_pose(const Skeleton& skeleton, std::uint32_t joint) {
   const int parent = skeleton.joints[joint].parent;
   if (parent < 0 || skeleton.joints[static_cast<std::size_t>(parent)].parent < 0) return std::nullopt;
@@ -131,7 +131,7 @@ std::vector<char> slender_joints(const Basis& basis) {
   return slender;
 }
 
-// What acts on the posed skin: push-out, then what follows it.
+// The modifiers that act on the posed skin: push-out, then those that follow it.
 std::vector<SkinModifier> from_push_out_on(const std::vector<SkinModifier>& stack) {
   std::vector<SkinModifier> acting;
   for (const SkinModifier& modifier : stack) {

@@ -26,17 +26,17 @@ class EvaluatedSkin {
   std::unique_ptr<Deformer> deformer_;
 };
 
-// The same basis without what modifiers add.
+// The basis without the tables of its modifiers.
 Basis without_modifiers(Basis basis);
 
-// Of a modifier that is switched on, over some poses.
+// How far a modifier that is switched on moves the skin, over some poses.
 struct ModifierMove {
   std::string modifier;
   double largest = 0;    // metres, of one vertex, beside the skin without this modifier alone
   std::size_t pose = 0;  // in which it is
 };
 
-// In the stack's order. `poses` have the weights of the basis' modifiers (drive_modifiers). The skin is quasi-static.
+// Ordered as the stack. `poses` have the weights of the basis' modifiers (drive_modifiers). The skin is quasi-static.
 std::vector<ModifierMove> measure_moves(const Basis& basis, std::span<const Pose> poses);
 
 // How much a breath moves a body, in the figures that physiology publishes.

@@ -14,15 +14,15 @@
 
 namespace bodyopt {
 
-// What a proxy learns from: the data of the full skin at the vertices that stay, or, where there is no dataset, shapes
-// by a trained basis.
+// A proxy learns from the full skin's data at the vertices that stay; without a dataset, from shapes that a trained
+// basis gives.
 
 // The character with the simplified skin: names, joints and, of every vertex that stays, place and weights are the
 // same. Its output vertices are its welded ones.
 Character proxy_character(const Character& character, const SimplifiedSkin& skin);
 
-// The same frames, muscles, controls and painted regions. Shapes stay where they are, and only rows of them are read.
-// A painted region that keeps no vertex is left out, with a note.
+// The samples of the proxy have the same frames, muscles, controls and painted regions. Shapes stay where they are, and
+// only rows of them are read. A painted region that keeps no vertex is left out, with a note.
 SampleSet proxy_samples(const SampleSet& set, const SimplifiedSkin& skin);
 
 // One sample for every pose, named by `frames`, its shape by the teacher on the CPU; shapes stay in memory. Every fifth
@@ -32,13 +32,13 @@ SampleSet taught_samples(const Character& character, const std::vector<Muscle>& 
                          std::span<const Pose> poses, std::span<const int> frames);
 
 struct ProxyOptions {
-  // Of the skin of each level (simplify_skin), metres, rising. Empty: default_errors(), as far as they make levels.
+  // Metres, rising, for the skin of each level (simplify_skin). Empty: default_errors(), as far as they make levels.
   std::vector<double> errors;
   TrainOptions train{.centres =
                          64};  // on so few vertices 256 cost a third more bytes and gain a hundredth of the error
 };
 
-// What was measured of a level, errors in mm.
+// Measurements of a level; errors in mm.
 struct LevelReport {
   std::uint32_t vertices = 0;                 // welded
   double error = 0;                           // that was asked of its skin
@@ -54,9 +54,9 @@ struct ProxyReport {
   std::string measured_on;  // "72 held-out frames"
   std::vector<LevelReport> levels;
 };
-// As the first level's metadata "levels".
+// The first level's metadata "levels".
 Json to_json(const ProxyReport& report);
-// Of the first level's metadata; without levels where there is none. Throws Error(file) where it is damaged.
+// Reads the first level's metadata; no levels where it has none. Throws Error(file) where it is damaged.
 ProxyReport read_proxy_report(const Basis& basis);
 
 struct BuiltProxy {
@@ -64,10 +64,9 @@ struct BuiltProxy {
   ProxyReport report;
 };
 
-// Simplifies the skin for each error, carries weights, painted regions and shapes over, and trains each as train()
-// does. Shows progress. `notes`: gets what the user should know. Throws as train(), and, before any training,
-// Error(usage) where an error leaves too few vertices, or no fewer than the level before it: of errors that nobody
-// gave only where none makes a level; those that make none are left out, with a note.
+// Simplifies the skin for each error, transfers weights, painted regions and shapes, and trains each as train() does.
+// Shows progress. `notes`: gets what the user should know. Throws as train(), and, before any training, as
+// level_skins().
 BuiltProxy build_proxy(const SampleSet& set, const ProxyOptions& options, std::vector<std::string>& notes);
 
 struct FrameTime {
@@ -76,7 +75,7 @@ struct FrameTime {
   int threads = 1;
 };
 
-// Of the bind pose (any pose takes as long), the best of three batches of 32.
+// Times the bind pose (any pose takes as long): the best of three batches of 32.
 FrameTime frame_time(const Level& level);
 
 }  // namespace bodyopt

@@ -33,8 +33,8 @@ namespace {
 using Corners = std::array<std::uint32_t, 3>;
 using Vertices = std::vector<std::uint32_t>;
 
-// Of the squared length of a collapsed edge, over a third of the area it drags along: where the skin is flat, short
-// edges go first and triangles stay well shaped.
+// This share of a collapsed edge's squared length, times a third of the area it drags along, counts as harm. So short
+// edges go first where the skin is flat, and triangles stay well shaped.
 constexpr double kShapeWeight = 1e-3;
 constexpr double kLeastTurn = 0.25;  // cosine between a triangle's normals before and after, at rest
 constexpr std::uint32_t kFewestOfJoint = 3;
@@ -235,7 +235,7 @@ std::vector<float> in_output_order(const MeshTable& mesh, std::span<const float>
   return result;
 }
 
-// On a triangle, without its offset.
+// The point on its triangle, without an offset.
 CarriedPoint point_on(const SkinPoint& nearest) {
   CarriedPoint point;
   point.triangle = static_cast<std::uint32_t>(nearest.triangle);
@@ -244,7 +244,7 @@ CarriedPoint point_on(const SkinPoint& nearest) {
   return point;
 }
 
-// Along the normal, along the edge, across; metres.
+// The offset along the normal, along the edge and across; metres.
 Eigen::Vector3d offset_from(const CarriedPoint& point, const Eigen::Vector3d& place, const MeshTable& mesh,
                             const ShownSkin& rest) {
   const CarryFrame frame = carry_frame(mesh, rest.positions, rest.normals, point);

@@ -20,23 +20,22 @@ struct SimplifiedSkin {
   Triangles triangles;                  // T x 3, numbers into `vertices`
 };
 
-// Collapses edges onto one of their ends, so that what stays is a subset of the vertices, in the order of the harm
-// done: the quadric error (Garland and Heckbert 1997) summed over several shapes (Mohr and Gleicher 2003, Deformation
-// Sensitive Decimation), which keeps vertices where the skin bends and folds, not only where it is curved at rest.
+// Collapses edges onto one of their ends, least harm first, so that a subset of the vertices stays. The harm is the
+// quadric error (Garland and Heckbert 1997) summed over several shapes (Mohr and Gleicher 2003, Deformation Sensitive
+// Decimation). So vertices stay where the skin bends and folds, not only where it is curved at rest.
 //
-// `shapes`: V x 3 each, posed, metres, the first at rest. `error`: metres; no edge is collapsed whose vertex would lie
-// further than that from the planes of the triangles it stands for then, root mean square over their area and the
-// shapes.
+// `shapes`: V x 3 each, posed, metres, the first at rest. `error`: the most, metres, that a vertex may lie from the
+// planes of the triangles it stands for: root mean square over area and shapes.
 //
 // A closed skin stays closed and manifold, of the same genus; vertices at open or irregular edges stay, those of no
 // triangle go. Every joint keeps three of the vertices that follow it most, or all it has. A function of its arguments
 // alone.
 SimplifiedSkin simplify_skin(const Character& character, const std::vector<Positions>& shapes, double error);
 
-// Where a proxy's skin carries the full one.
+// Maps from the full skin to a proxy's.
 
-// Puts every vertex of the full skin on the nearest triangle of the proxy's rest skin that faces as the full skin does
-// there (so that fingers stay apart), or on the nearest of all, and keeps its offset from there, in steps of 1/32767 of
+// Puts every vertex of the full skin on the nearest triangle of the proxy's rest skin, and keeps its offset from there.
+// Triangles that face as the full skin does come first, so that fingers stay apart. Steps of an offset are 1/32767 of
 // the largest. -> one for every output vertex of `full`. `mesh`: of the proxy's basis.
 CarriedSkin map_skin(const Character& full, const MeshTable& mesh);
 
@@ -65,19 +64,19 @@ std::vector<Positions> shapes_of_skin(const SampleSet& set);
 
 // The character simplified for each error asked for, or for the default ones as far as they make levels. `shapes`: as
 // simplify_skin(). `notes`: gets why there are fewer levels. Throws Error(usage) where an error leaves too few
-// vertices, or no fewer than the level before it: of default errors only where none makes a level.
+// vertices, or no fewer than the level before; of default errors, only where none makes a level.
 std::vector<LevelSkin> level_skins(const Character& character, const std::vector<Positions>& shapes,
                                    const std::vector<double>& asked, std::vector<std::string>& notes);
 
-// What the level's skin itself leaves: with every vertex of the proxy exactly where it is in the full shape. Of the
-// samples of `full`, those of `proxy` being the same frames. `level` needs the mesh and where it carries the full skin.
+// The error that remains where every vertex of the proxy is exactly where the full shape has it. `proxy` has the same
+// frames as `samples`, which are of `full`. `level` needs the mesh and where it carries the full skin.
 double carried_rms_mm(const Level& level, const Character& full, const std::vector<Sample>& samples,
                       const std::vector<Sample>& proxy);
 
-// What the level's result is off, on the CPU, over all samples of the full skin.
+// Errors of the level's result, computed on the CPU, over all samples of the full skin.
 ErrorStatistics level_errors(const Level& level, const Character& full, const std::vector<Sample>& samples);
 
-// At most `most` of the samples, spread evenly.
+// Spreads at most `most` of the samples evenly.
 std::vector<Sample> some_samples(const std::vector<Sample>& samples, std::size_t most);
 
 }  // namespace bodyopt

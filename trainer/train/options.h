@@ -1,4 +1,4 @@
-// What a training is asked for.
+// The options of a training.
 #pragma once
 
 #include <cstdint>
@@ -17,8 +17,8 @@ struct Method {
 };
 
 struct TrainOptions {
-  // DDM sigma, metres; 0: 0.025 x the size of the character (0.045 for 1.8 m) or twice that, whichever leaves less to
-  // learn on the training frames; where linear blending leaves less than either, a half to a sixteenth of it.
+  // DDM sigma, metres. 0: 0.025 x the character's size (0.045 for 1.8 m) or twice that, as leaves less to learn on the
+  // training frames. Where linear blending leaves less than either, a half to a sixteenth of it.
   double smoothing_radius = 0;
   int smoothing_steps = 20;  // DDM p
   int components = 32;       // coefficients per region at most
@@ -33,8 +33,8 @@ struct TrainOptions {
   int surface_curves = 0;   // pairs of them, see choose_map.h
   // A folder for what is found, from which the same training goes on where it stopped; empty: nothing is kept.
   std::filesystem::path keep_in{};
-  // Bring what an earlier training kept there to these frames, where no more than a tenth of them are others;
-  // otherwise, and where nothing fits, train from the start.
+  // Bring what an earlier training kept there to these frames, where no more than a tenth of them are others.
+  // Otherwise, and where nothing fits, train from the start.
   bool update = false;
 };
 

@@ -49,7 +49,7 @@ class BodyCarrier {
     return (weights.transpose() * skin_gap_) / weights.sum();
   }
 
-  // From the common pose back to the target's own rest, rigidly with the joint.
+  // Moves a place from the common pose back to the target's own rest, rigidly with the joint.
   Vec3 to_bind(std::uint32_t joint, const Eigen::RowVector3d& place) const {
     const std::vector<Affine> skinning = skinning_matrices(pair_.target.skeleton, pair_.match.common.joints);
     return inverse(skinning[joint]) * Vec3{place[0], place[1], place[2]};

@@ -13,9 +13,9 @@
 
 namespace bodyopt {
 
-// Each point goes with its joint, scaled as the joint's bones are, and from there as the skin around it does that the
-// target has fitted otherwise (inverse distance to the fourth power, Shepard 1968). Radii are scaled alike. A muscle of
-// a joint that the target does not have is held by the nearest joint above; without one it is left out, with a note.
+// Each point goes with its joint, scaled as the joint's bones are, and on from there as the fit moves the skin around
+// it. That skin counts by inverse distance to the fourth power (Shepard 1968). Radii are scaled alike. A muscle of a
+// joint that the target lacks is held by the nearest joint above; without one it is left out, with a note.
 std::vector<Muscle> carried_muscles(const TransferPair& pair, const std::vector<Muscle>& muscles,
                                     std::vector<std::string>& notes);
 
@@ -26,9 +26,8 @@ std::vector<RegionWeights> carried_regions(const TransferPair& pair, const std::
 // The modifiers of a dataset's curation, carried with it to another character.
 
 // The source's stack for the carried takes, which have the same names and frames. Joints get the target's names;
-// lengths
-// ("..._mm") change by the target's size; sculpted offsets are carried as shapes are, into files under `out`. What
-// chooses by joints that the target does not have, and "blend", whose cache is of the source, stay in the stack,
+// lengths ("..._mm") change by the target's size. Sculpted offsets are carried as shapes are, into files under `out`.
+// Modifiers with joints of which the target has none, and "blend", whose cache is of the source, stay in the stack,
 // disabled, with a note. Throws Error(file), and Error(mismatch) for offsets of another mesh.
 std::vector<Modifier> carried_modifiers(const Dataset& dataset, const Character& source_character,
                                         const TransferPair& pair, const std::filesystem::path& out,

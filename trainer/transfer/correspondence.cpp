@@ -158,7 +158,7 @@ bool agree_with_numbers(const std::vector<SkinMarker>& markers, const Basis& tar
       markers, [&](const SkinMarker& marker) { return (place(marker.source) - place(marker.target)).norm() <= near; });
 }
 
-// What is compared of two skins, per vertex.
+// The properties in which two skins are compared, per vertex.
 struct Look {
   Positions normals;  // of any length
   JointShares shares;
@@ -171,7 +171,7 @@ struct Look {
   }
 };
 
-// Where the vertices of a skin lie on another.
+// The points of another skin that the vertices of a skin lie on.
 std::vector<SkinPoint> places_on(const Positions& skin, const Positions& normals, const NearestSkin& other) {
   std::vector<SkinPoint> places(static_cast<std::size_t>(skin.rows()));
   parallel_for(places.size(), [&](std::size_t v) {
@@ -225,7 +225,7 @@ void match_by_number(const Basis& source, const Basis& target, Correspondence& r
   result.distance = Eigen::VectorXd::Zero(to.vertex_count());
 }
 
-// Where the target's vertices lie on the fitted source, and how sure that is.
+// Finds where the target's vertices lie on the fitted source, and how sure that is.
 void match_by_place(const Basis& source, const Basis& target, const JointShares& source_shares,
                     const JointShares& target_shares, Correspondence& result) {
   const Triangles from = rows_of(source.mesh.triangles), to = rows_of(target.mesh.triangles);

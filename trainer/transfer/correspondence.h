@@ -1,4 +1,4 @@
-// Which point of the source's skin each point of the target's is.
+// Matches each point of the target's skin to a point of the source's.
 #pragma once
 
 #include <cstdint>
@@ -29,19 +29,19 @@ struct Correspondence {
   Eigen::VectorXd area;          // V', square metres: of the target's skin around each vertex, above 0
   std::vector<std::string> notes;
 
-  // By area: a head of many vertices is not more of a body than it is.
+  // Weighed by area: a head of many vertices is not more of a body than it is.
   double mean_confidence() const { return confidence.size() == 0 ? 0 : confidence.dot(area) / area.sum(); }
 };
 
 // Less than this is unsure: what is carried there is filled in from around it, but for vertices of the same number.
 constexpr double kSureConfidence = 0.4;
 
-// The bases need skeleton, mesh and ddm. Output vertices and triangles of the same numbers: the same vertices, unless a
-// marker says otherwise (further than 1.5 % of the target's size from the vertex of that number); of these the
-// confidence tells how alike they are in joints, and in normal, with the source warped by the joints. Otherwise the
-// source is warped by the joints, then laid onto the target from coarse to fine by non-rigid closest points (Amberg,
-// Romdhani, Vetter 2007, with a membrane in place of affine maps), among triangles that face alike and are held by the
-// same joints, through the markers. Throws Error(mismatch) for markers that are not there.
+// The bases need skeleton, mesh and ddm. Output vertices and triangles of the same numbers mean the same vertices. A
+// marker contradicts that further than 1.5 % of the target's size from the vertex of its number. The confidence of same
+// vertices is how alike they are in joints, and in normal, with the source warped by the joints. Otherwise the source
+// is warped by the joints, then laid onto the target from coarse to fine, through the markers. That is by non-rigid
+// closest points (Amberg, Romdhani, Vetter 2007, with a membrane in place of affine maps). They are sought among
+// triangles that face alike and are held by the same joints. Throws Error(mismatch) for markers that are not there.
 Correspondence match_skins(const Basis& source, const Basis& target, const SkeletonMatch& match,
                            const std::vector<SkinMarker>& markers);
 

@@ -54,8 +54,8 @@ struct PlacedRole {
   Eigen::Vector3d place;
 };
 
-// Volume of the unit vectors from right to left (by a part that is there twice), from hips to head and from heels to
-// toes: its sign tells a body from its mirror image, however it is posed. 0 where a part is not there.
+// Volume of three unit vectors: from right to left (by a part that is there twice), from hips to head, from heels to
+// toes. Its sign tells a body from its mirror image, however it is posed. 0 where a part is not there.
 double handedness(const std::vector<PlacedRole>& joints, BodyPart pair) {
   const auto find = [&](BodyPart part, BodySide side) {
     const auto found = std::ranges::find_if(
@@ -78,7 +78,7 @@ double angle_between(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
   return std::atan2(a.cross(b).norm(), a.dot(b));
 }
 
-// What is likely where one body is `ratio` times as large as another.
+// Asks for the unit that is likely where one body is `ratio` times as large as another.
 std::string note_of_units(double ratio) {
   struct Unit {
     const char* name;
@@ -158,7 +158,7 @@ class SkeletonAligner {
   static Eigen::Vector3d at(const Points& points, std::size_t j) { return points.col(static_cast<Eigen::Index>(j)); }
   Eigen::Vector3d source_at(std::size_t j) const { return at(to_, static_cast<std::size_t>(match_.source_joint[j])); }
 
-  // By the roles that either name tells: those of both bodies, by their matched joints.
+  // Compares the sides of both bodies by their matched joints, whose roles either name tells.
   void require_same_sides() const {
     std::vector<PlacedRole> own, other;
     for (std::size_t j = 0; j < target_.size(); ++j) {
@@ -261,7 +261,7 @@ void note_unmatched(const Skeleton& skeleton, const std::vector<int>& match, con
                   consequence + ".");
 }
 
-// What follows from which joints are the same.
+// Adds all that follows from which joints are the same.
 SkeletonMatch completed(SkeletonMatch match, const Skeleton& source, const Skeleton& target) {
   match.target_joint.assign(source.size(), -1);
   int matched = 0;

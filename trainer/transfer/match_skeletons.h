@@ -1,4 +1,4 @@
-// Which joints of two characters are the same, and how the target stands when it is posed as the source rests.
+// Matches the joints of two characters, and poses the target as the source rests.
 #pragma once
 
 #include <string>
@@ -25,12 +25,11 @@ struct SkeletonMatch {
   bool is_aligned() const;
 };
 
-// Joints are matched as match_joints() says, by name, convention and `joint_map` (a file, or empty). The target as a
-// whole is turned as the source stands where it stands otherwise (35 degrees or more) or is the same but for its place
-// and size. A joint's bones are laid along those of the source, with as little twist as it takes, where they lie 35
-// degrees or more from them: less is a difference of build, as are those of a trunk, by its joints' names. Throws
-// Error(mismatch) where fewer than two joints match, or where the target is the source's mirror image, and as
-// match_joints().
+// Joints are matched as match_joints() says, by name, convention and `joint_map` (a file, or empty). The target is
+// turned as a whole where it stands 35 degrees or more from the source, or differs in place and size alone. A joint's
+// bones are laid along those of the source, with least twist, where they lie 35 degrees or more from them. Less is a
+// difference of build, as are those of a trunk, by its joints' names. Throws Error(mismatch) where fewer than two
+// joints match or none are apart, where the target is the source's mirror image, and as match_joints().
 SkeletonMatch match_skeletons(const Skeleton& source, const Skeleton& target, const std::string& joint_map);
 
 // The nearest joint at or above one (-1: of none) that has a match; -1 for none. `match`: per joint of the skeleton.
@@ -39,11 +38,11 @@ int matched_at_or_above(const Skeleton& skeleton, const std::vector<int>& match,
 // J x 3, world: of a skeleton's joints in a pose.
 Positions joint_places(const Skeleton& skeleton, const Pose& pose);
 
-// Which joints are the same, for the metadata of what is carried (assets/matched_joints.h).
+// The matched joints, for the metadata of what is carried (assets/matched_joints.h).
 Json to_json(const SkeletonMatch& match, const Skeleton& source, const Skeleton& target);
 
-// As the metadata of the target, a carried basis, says that it was matched with its source; where that is not of these
-// joints, as match_skeletons() without a joint map, and throws as that.
+// The match with its source that the metadata of the target, a carried basis, names. Where it names other joints or
+// none, this is match_skeletons() without a joint map, and throws as that.
 SkeletonMatch match_as_carried(const Skeleton& source, const Skeleton& target, const Metadata& target_metadata);
 
 // The target's pose that moves each joint as the source's pose moves its match away from rest. Translations and scales

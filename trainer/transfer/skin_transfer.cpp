@@ -79,7 +79,7 @@ std::vector<Sample> take_own(SampleSet& set, const std::set<std::string>& carrie
   return taken;
 }
 
-// Of the extent of the target: how far a gradient's error is summed before the anchors take over. Of 0.05, 0.1, 0.25,
+// A part of the target's extent: how far a gradient's error is summed before the anchors take over. Of 0.05, 0.1, 0.25,
 // 0.5, 1 and 3 this left the least between two builds of one human (docs/notes, Transfer).
 constexpr double kReach = 0.1;
 

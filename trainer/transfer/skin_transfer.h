@@ -43,14 +43,14 @@ std::vector<JointWarp> joint_warps(const Basis& source, const Basis& target, con
 // The source's rest skin (V x 3, runtime order), every joint moving its share.
 Positions warped_by_joints(const Basis& source, const Basis& target, const SkeletonMatch& match);
 
-// What was carried to a body, moved to what that body's own frames show.
+// Refinement of what was carried to a body, by that body's own frames.
 
 // The modifier in a dataset's stack that holds what refining made of a carried take.
 std::string refinement_of(const std::string& take);
 
-// A cheap model of much and a dear one of little (Kennedy and O'Hagan 2000): the carried frames are learned; then what
-// the body's own frames differ by from that, which is less and changes less with the pose than they do, so that few
-// tell it. Where the own frames know nothing, what was carried stays.
+// A cheap model of much and a dear one of little (Kennedy and O'Hagan 2000). The carried frames are learned, then what
+// the body's own frames differ by from that. The difference is small and changes little with the pose, so that few
+// frames tell it. Where the own frames know nothing, what was carried stays.
 class RefinedShapes {
  public:
   // `carried`: names of takes of the set; all its other training frames are the body's own. Shows progress. Throws
@@ -60,7 +60,7 @@ class RefinedShapes {
 
   // O x 3, posed, metres, world.
   std::vector<float> operator()(const Pose& pose);
-  // What the own frames were off what was carried, root mean square over vertices, millimetres.
+  // The difference of the own frames from what was carried, root mean square over vertices, millimetres.
   double difference_mm() const { return difference_mm_; }
 
  private:
@@ -70,7 +70,7 @@ class RefinedShapes {
   double difference_mm_ = 0;
 };
 
-// Of linear functions on a triangle.
+// Gradients of linear functions on a triangle.
 struct HatGradients {
   Eigen::Matrix3d of_corner =
       Eigen::Matrix3d::Zero();                       // column k: gradient, 1/m, of what is 1 at corner k, 0 at others
@@ -78,7 +78,7 @@ struct HatGradients {
   double area = 0;                                   // square metres
 };
 
-// Of one triangle; all zero where it is degenerate.
+// The gradients on one triangle; all zero where it is degenerate.
 HatGradients hat_gradients(const Positions& vertices, const Triangles& triangles, Eigen::Index triangle);
 
 // How far a displacement reaches.
@@ -88,13 +88,13 @@ enum class TransferSize {
 };
 
 // Deformation transfer (Sumner and Popovic 2004) between two skins of the same triangles. The gradient D of the
-// source's displacement, with the normal's change made linear, is wanted on the target's triangles:
-//   H = D - (D^T n) n^T  (on the source),  sum_t area_t |grad d' - H|^2 + sum_i area_i / reach^2 |d'_i - s_i d_i|^2
-//   least
-// over the target's displacements d'. The target's own normals drop out, as they may move freely (Botsch and others
-// 2006). s_i: local size of the target over that of the source. The second term settles where the whole stands, which
-// gradients do not tell, and keeps small errors from adding up along a body; `reach` is a tenth of the target's
-// extent. The result is linear in the displacements, and zero of zero. One factorisation, made on construction.
+// source's displacement, with the normal's change made linear, is wanted on the target: H = D - (D^T n) n^T. The
+// target's displacements d' minimise sum_t area_t |grad d' - H|^2 + sum_i area_i / reach^2 |d'_i - s_i d_i|^2. The
+// target's own normals drop out, as they may move freely (Botsch and others 2006). The factor s_i is the target's local
+// size over the source's; for TransferSize::source it is 1, and H is divided by that size. The second term settles
+// where the whole stands, which gradients do not tell. It keeps small errors from adding up along a body; `reach` is a
+// tenth of the target's extent. The result is linear in the displacements, and zero of zero. One factorisation, made on
+// construction.
 class DeformationTransfer {
  public:
   // V x 3 each, metres, in the same axes; T x 3.
@@ -116,8 +116,8 @@ class DeformationTransfer {
   SparseSolver solver_;
 };
 
-// Values of some vertices of a skin, filled in smoothly from all others: harmonic in the cotangent Laplacian (weight
-// inpainting as of Abdrashitov and others 2023). One factorisation, made on construction.
+// Fills in values of some vertices of a skin smoothly from all others. They are harmonic in the cotangent Laplacian
+// (weight inpainting as of Abdrashitov and others 2023). One factorisation, made on construction.
 class SmoothFill {
  public:
   // `skin`: V x 3; `unknown`: the vertices to fill in, rising.
@@ -139,9 +139,9 @@ class SmoothFill {
 // Rows whose value is below `least`, rising.
 std::vector<int> rows_below(const Eigen::VectorXd& values, double least);
 
-// Deformation transfer from the source's rest skin to the same triangles laid onto the target; from these to the
-// target's vertices; where the correspondence is unsure filled in smoothly (harmonically) from around; turned from the
-// common pose to the target's own rest. Linear; zero of zero.
+// Deformation transfer from the source's rest skin to the same triangles laid onto the target, and on to the target's
+// vertices. Where the correspondence is unsure, values are filled in smoothly (harmonically) from around. The result is
+// turned from the common pose to the target's own rest. Linear; zero of zero.
 class SkinTransfer {
  public:
   SkinTransfer(const Basis& source, const Basis& target, const Correspondence& correspondence, TransferSize size);
@@ -149,7 +149,7 @@ class SkinTransfer {
   // V x 3, runtime order of the source, to V' x 3, runtime order of the target; metres, un-posed. On any thread.
   Positions operator()(const Positions& displacements) const;
 
-  // Of the target's skin, runtime order, where the correspondence is unsure.
+  // Fills in the target's skin, runtime order, where the correspondence is unsure.
   const SmoothFill& fill() const { return fill_; }
   Eigen::Index unsure() const { return static_cast<Eigen::Index>(fill_.unknown().size()); }  // vertices filled in
 

@@ -96,7 +96,7 @@ std::vector<float> strains_at_target_rest(const TransferPair& pair) {
   return measure_strains(pair.source, pose_at_target_rest(pair.match, pair.source.skeleton));
 }
 
-// At the target's rest its fibres are strained as the source's are where it stands so. Lengths are what the run-time
+// The fibres are strained at the target's rest as the source's are where it stands so. Lengths are what the run-time
 // kernels measure: with a rest length of 1 m the strain is the length less one. A collapsed fibre keeps 1 m.
 void measure_rest_lengths(const TransferPair& pair, Basis& basis) {
   const std::vector<float> strain_at_rest = strains_at_target_rest(pair);
@@ -107,7 +107,7 @@ void measure_rest_lengths(const TransferPair& pair, Basis& basis) {
   }
 }
 
-// With the target's joints and number of vertices; the errors are those of the source.
+// The source's coverage with the target's joints and number of vertices; the errors are those of the source.
 CoverageTable carried_coverage(const TransferPair& pair) {
   const CoverageTable& source = pair.source.coverage;
   CoverageTable carried = source;
@@ -222,7 +222,7 @@ class DatasetTransfer {
     return result_;
   }
 
-  // What 'refine' made of shapes that are replaced belongs over those alone.
+  // A modifier of 'refine' belongs only over the shapes that it was made of, which are replaced.
   void switch_off_refinements() {
     const auto is_of_a_take = [&](const Modifier& modifier) {
       return modifier.enabled && std::ranges::any_of(dataset_.takes, [&](const DatasetTake& take) {
@@ -241,7 +241,7 @@ class DatasetTransfer {
     });
   }
 
-  // What frames of the target's own were made with stays.
+  // Parts that frames of the target's own were made with stay.
   bool is_to_write(const std::string& part) {
     const bool has_own = std::ranges::any_of(there_.takes, [](const DatasetTake& take) { return !take.carried; });
     if (part.empty() || !has_own || !fs::exists(out_ / part)) return !part.empty();

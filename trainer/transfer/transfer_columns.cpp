@@ -50,7 +50,7 @@ std::size_t least_worth(std::vector<BlockOfColumn>& entries, double allowed) {
   return count;
 }
 
-// Of every block, its entries by coefficient.
+// Packs columns into the entries of every block, by coefficient.
 class BlendPacker {
  public:
   BlendPacker(const std::vector<Column>& columns, const Eigen::VectorXd& sizes, std::uint32_t vertices,
@@ -110,8 +110,8 @@ class BlendPacker {
   std::vector<std::vector<BlendEntry>> blocks_;
 };
 
-// Row k: coordinates of the k-th centre of each region, over again where it has fewer; of a region without centres, its
-// coordinates at rest, each moved by as much as its features do together.
+// Row k has the coordinates of the k-th centre of each region, over again where it has fewer. A region without centres
+// has its coordinates at rest, each moved by 1, as much as its features do together.
 std::vector<float> typical_coordinates(const ResidualTable& residual, const std::vector<float>& rest,
                                        std::uint32_t frames) {
   std::vector<float> coordinates(std::size_t{frames} * residual.coordinate_count());
@@ -161,8 +161,8 @@ JointFeatures carried(const JointFeatures& of, const Skeleton& source, const Ske
           of.per_metre / match.size};
 }
 
-// How large each coefficient is: root mean square of what it is away from rest, over the poses that the regions' kernel
-// centres are of. coefficient_count.
+// The size of each coefficient: root mean square of what it is away from rest, over the poses of the regions' kernel
+// centres. coefficient_count.
 Eigen::VectorXd coefficient_sizes(const ResidualTable& residual) {
   constexpr std::uint32_t kFrames = 256;
   // Nothing turned, no strain, no control.

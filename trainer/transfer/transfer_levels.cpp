@@ -25,7 +25,7 @@
 namespace bodyopt {
 namespace {
 
-// Of a level of detail.
+// A level of detail on the target.
 struct TargetSkin {
   double error;  // asked of it, millimetres
   Character skin;
@@ -42,8 +42,8 @@ Positions bent(const Character& character, const Vec3& axis, double angle) {
   return skin_linear(character, pose);
 }
 
-// The skin simplified for the default errors, as far as they make levels, `most` at most, by its rest shape and by
-// linear blending of all joints turned 40 degrees about each of their axes, either way: no motion of it is known, and a
+// The skin simplified for the default errors, as far as they make levels, `most` at most. Its shapes are at rest, and
+// linear blends of all joints but roots turned 40 degrees about each axis, either way. No motion of it is known, and a
 // skin simplified at rest alone keeps no vertices where limbs bend. `notes`, errors: as level_skins().
 std::vector<TargetSkin> own_level_skins(const Character& character, std::size_t most, std::vector<std::string>& notes) {
   std::vector<Positions> shapes = {character.vertices};
@@ -92,7 +92,7 @@ class SkinLayer {
   }
 
  private:
-  // Of a point of the source's skin at rest: where on the target's, in the order of its file.
+  // The point of the target's skin, in the order of its file, that a point of the source's at rest lies on.
   SkinPoint place_of(const Eigen::Vector3d& point) const {
     SkinPoint at = on_target_(at_point(pair_.correspondence.fitted, on_source_(point)).transpose());
     for (std::uint32_t& vertex : at.vertices) vertex = order_[vertex];

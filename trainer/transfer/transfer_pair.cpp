@@ -13,7 +13,7 @@
 namespace bodyopt {
 namespace {
 
-// As the source was smoothed, where it says so; otherwise the defaults.
+// Smooths as the source was, where it says so; otherwise by the defaults.
 TrainOptions smoothing_of(const Basis& source, double size) {
   TrainOptions options;
   const std::optional<Provenance> trained = read_provenance(source.metadata, "the source");
@@ -40,7 +40,7 @@ constexpr double kSureMean = 0.7;        // of the confidence of a part
 constexpr double kOtherBuild = 2;        // times as large
 constexpr double kUnevenStretch = 0.35;  // of the logarithm
 
-// Of every vertex the column with the largest share.
+// The column with the largest share of every vertex.
 std::vector<Eigen::Index> holders(const JointShares& shares) {
   std::vector<Eigen::Index> joints(static_cast<std::size_t>(shares.rows()), 0);
   for (Eigen::Index v = 0; v < shares.rows(); ++v) shares.row(v).maxCoeff(&joints[static_cast<std::size_t>(v)]);

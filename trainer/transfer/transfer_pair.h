@@ -32,21 +32,19 @@ struct TransferPair {
   SkinTransfer skin;
 };
 
-// V x 3, runtime order of the source, metres, in the common pose: as fitted where the match is sure, and everywhere for
-// the same triangles; elsewhere as the joints warp it, moved as smoothly as what is sure around it was moved from
-// there.
+// V x 3, runtime order of the source, metres, in the common pose. Places are as fitted where the match is sure, and
+// everywhere for the same triangles. Elsewhere the joints warp them, and they move on as smoothly as sure ones around
+// them do.
 Positions sure_places(const TransferPair& pair);
 
 // Below this two bodies are unlike: see docs/transfer.md.
 constexpr double kLeastLikeness = 0.36;
 
-// 0 .. 1, the product of
-// - how alike the skins are in normal and joints where they are matched, by area, the mean of both;
-// - h^2, h: how much of the skin is held by joints that both have, on the body that has more of it, for a finer rig is
-//   not another body;
-// - exp(-d^2 - u^2), d: the other proportions of the bones, u: those of the skin, the standard deviation of the
-//   logarithm of lengths along it.
-// How near the fit came says where to fill in, and not whether they are alike.
+// A product, 0 .. 1. The first factor is the likeness of the skins in normal and joints where they are matched, by
+// area, the mean of both. The second is the square of how much skin is held by joints that both have. The body that has
+// more of it counts, for a finer rig is not another body. The third is exp(-d^2 - u^2): d is the other proportions of
+// the bones, u those of the skin. The latter is the standard deviation of the logarithm of lengths along it. How near
+// the fit came says where to fill in, and not whether they are alike.
 double likeness(const TransferPair& pair);
 
 // How alike two bodies are, part by part: where transfer may be trusted.
@@ -58,8 +56,8 @@ struct TransferPart {
   double confidence = 1;      // of the match, mean by area
   double size = 1;            // lengths along the skin, of the target over the source, geometric mean
   double unevenness = 0;      // standard deviation of the logarithm of these: 0.1 is about 10 per cent
-  // The match is unsure, or the part is less than half or more than twice as large as the body would have it, or
-  // stretched unevenly: what is carried there is a guess.
+  // The match is unsure, or the part is stretched unevenly, or less than half or over twice as large as the body would
+  // have it. What is carried there is a guess.
   bool breaks_assumption = false;
 };
 

@@ -76,8 +76,8 @@ std::vector<HeldOutFrame> held_out_frames(const HeldOutError& error) {
   return frames;
 }
 
-// The least growth by which as much is expected of the frames as is left of them; `most` where none does, because no
-// more is expected than the skin moves.
+// The least growth by which the error expected of the frames reaches what is left of them. It is `most` where none
+// does, because no more is expected than the skin moves.
 double needed_growth(const std::vector<HeldOutFrame>& frames, const std::vector<double>& left, const ErrorModel& model,
                      double most) {
   const auto is_enough = [&](double growth) {
@@ -136,8 +136,8 @@ ErrorModel calibrate(const HeldOutError& near, const HeldOutError& far, const st
   }
   ErrorModel model;
   model.usual = mean_of(distances);
-  // Of itself a centre knows how far its frame moves, the rest pose not at all; that as large a part of it is left as
-  // of all motion is the first guess.
+  // A centre knows how far its own frame moves; the rest pose does not move. The first guess is that as large a part of
+  // it is left as of all motion.
   std::vector<double> own;
   for (const int frame : near.regression.centre_frames) {
     own.push_back(frame < 0 ? 0 : motions[static_cast<std::size_t>(frame)]);

@@ -1,4 +1,4 @@
-// What training knows of its own error: how the expectations of runtime/coverage are calibrated, and used.
+// Training's knowledge of its own error: how the expectations of runtime/coverage are calibrated, and used.
 #pragma once
 
 #include <span>
@@ -11,7 +11,7 @@
 
 namespace bodyopt {
 
-// Of a region, see CoverageTable.
+// The error model of a region, see CoverageTable.
 struct ErrorModel {
   std::vector<double> local;   // per centre, square metres
   std::vector<double> motion;  // per centre, square metres
@@ -28,8 +28,8 @@ struct HeldOutError {
 
 // `near`: of cross-validation by folds that all takes are in. `far`: of cross-validation by takes, which are its folds;
 // it has fewer than two where nothing is known of motion that was never shown. `motions`: N, square metres, all that a
-// frame moves. What the error grows by with the distance is such that half of the takes left out are expected to be
-// off by more than they are (the median of split conformal prediction: Lei et al. 2018).
+// frame moves. The error grows with the distance such that half of the takes left out are off by less than expected.
+// That is the median of split conformal prediction (Lei et al. 2018).
 ErrorModel calibrate(const HeldOutError& near, const HeldOutError& far, const std::vector<double>& motions);
 
 // Adds a region to a table that knows of those before, joint_begin {0} of none. `joints` of the skeleton move its skin,
@@ -37,9 +37,9 @@ ErrorModel calibrate(const HeldOutError& near, const HeldOutError& far, const st
 void append_region(const std::string& name, const std::vector<std::uint32_t>& joints, double size,
                    const ErrorModel& model, CoverageTable& coverage);
 
-// Of every pose, with the strains that the basis measures there. Throws as ErrorExpectation.
+// Expected errors in every pose, with the strains that the basis measures there. Throws as ErrorExpectation.
 std::vector<ExpectedError> expected_errors(const Basis& basis, const std::vector<Pose>& poses);
-// Of F poses with the strains that their evaluation measured, F x S.
+// Expected errors in F poses with the strains that their evaluation measured, F x S.
 std::vector<ExpectedError> expected_errors(const ErrorExpectation& expectation, std::span<const Pose> poses,
                                            std::span<const float> strains);
 
@@ -48,8 +48,8 @@ double root_mean_square(const std::vector<double>& values);  // 0 of none
 // Spearman's rank correlation of as many values; not a number where either does not vary.
 double rank_correlation(const std::vector<double>& a, const std::vector<double>& b);
 
-// At most `count` frames (indices), worst first, no two of them nearer than `gap`; and the gap by which so many are
-// spread over the motion.
+// Frames (indices), `count` at most, worst first, no two of them nearer than `gap`. The gap by which so many are spread
+// over the motion is spreading_gap().
 std::vector<std::size_t> worth_simulating(const std::vector<double>& expected, std::size_t count, std::size_t gap);
 std::size_t spreading_gap(std::size_t frames, std::size_t count);
 

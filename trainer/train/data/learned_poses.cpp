@@ -17,7 +17,7 @@ constexpr std::size_t kDigits = 8;
 // Whole steps of 1e-4; no -0.
 double in_steps(double value) { return std::round(1e4 * value) + 0.0; }
 
-// That of q and -q, which are the same turn: the last of the numbers that is not 0 is positive.
+// Equal for q and -q, which are the same turn: the last of the numbers that is not 0 is positive.
 std::array<double, 4> in_steps(const Quat& turn) {
   std::array<double, 4> result{};
   for (std::size_t k = 0; k < 4; ++k) result[k] = in_steps(turn[k]);

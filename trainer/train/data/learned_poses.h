@@ -12,10 +12,10 @@ namespace bodyopt {
 
 constexpr const char* kLearnedPoses = "learned_poses";  // of a basis' metadata
 
-// Of all training frames, as the metadata has them: eight hexadecimal digits of each pose, ascending, without gaps.
-// What counts is what was learned from: how joints that bend the skin are turned, and controls, to 1e-4. Two poses that
-// differ there have other digits, but for one pair of 4 billion; so have two of a pair of which a number is just below
-// and just above where it is rounded.
+// All training frames, as the metadata has them: eight hexadecimal digits of each pose, ascending, without gaps. What
+// counts is what was learned from: how joints that bend the skin are turned, and controls, to 1e-4. Poses that differ
+// there have other digits, but for one pair of 4 billion. So have two poses with a number just below and just above
+// where it is rounded.
 std::string learned_poses_text(const SampleSet& set);
 
 // Whether it says which poses it learned from: older ones, carried ones and those of Direct Delta Mush alone do not.
@@ -30,7 +30,7 @@ class LearnedPoses {
 
  private:
   const SampleSet& set_;
-  std::vector<std::uint32_t> joints_;  // by which a pose is told
+  std::vector<std::uint32_t> joints_;  // by which a pose is recognised
   std::vector<std::string> poses_;     // ascending
 };
 

@@ -26,7 +26,7 @@ using Eigen::MatrixXd;
 constexpr double kLeastShown = 0.03;  // radians: an axis along which training moves less was not shown
 constexpr double kUsualShare = 0.99;  // of the frames that cross-validation holds out
 
-// Of every joint that has features: itself, its parent and its children, as places in feature_joints().
+// A list for every joint that has features: itself, its parent and its children, as places in feature_joints().
 std::vector<std::vector<std::uint32_t>> neighbourhoods(const Skeleton& skeleton) {
   const std::vector<JointFeatures> joints = joint_features_of(skeleton);
   const auto is_above = [&](const JointFeatures& one, const JointFeatures& other) {
@@ -59,7 +59,7 @@ MatrixXd axes_not_shown(const MatrixXd& frames) {
   return eigen.vectors.leftCols(count).transpose();
 }
 
-// What the nine columns of each row lie outside the range that others span with rest, squared.
+// The squared distance of the nine columns of each row from the range that others span with rest.
 Eigen::VectorXd squared_excess(const MatrixXd& frames, const MatrixXd& shown) {
   const Eigen::RowVectorXd low = shown.colwise().minCoeff().cwiseMin(0), high = shown.colwise().maxCoeff().cwiseMax(0);
   const MatrixXd below = (-(frames.rowwise() - low)).cwiseMax(0), above = (frames.rowwise() - high).cwiseMax(0);
@@ -100,7 +100,7 @@ double tolerance_of(const JointFrames& frames, const std::vector<int>& folds) {
   return std::max(squared_distance(frames, frames).maxCoeff(), distances.empty() ? 0 : *usual);
 }
 
-// With joints seen from those that their skin hangs under.
+// The features, with joints seen from those that their skin hangs under.
 std::vector<JointFeatures> attached_features(const Character& character, std::vector<JointFeatures> features) {
   const AttachedRig rig(character.skeleton, detached_joints(character));
   const std::vector<bool> of_all_skin = joints_of_all_skin(rig.attached(character));
@@ -139,7 +139,7 @@ std::vector<JointFeatures> sliding_features(const Character& character, const st
   return sliding;
 }
 
-// The deviation of a feature (radians, strain) counts as this at least: one that hardly moves in training says nothing,
+// The deviation of a feature (radians, strain) counts as this at least. One that hardly moves in training says nothing,
 // but its leaving the trained range must show.
 constexpr double kLeastDeviation = 1e-3;
 
@@ -416,7 +416,7 @@ StrainTable make_strain_table(const Basis& basis, const std::vector<Muscle>& mus
     }
   }
   StrainTable table = builder.take();
-  // With a rest length of 1 m the strain is the length less one.
+  // The strain is the length less one where the rest length is 1 m.
   for (std::size_t k = 0; const float strain : measure_strains(basis, table, bind_pose(basis.skeleton))) {
     table.rest_length[k++] = 1 + strain;
   }

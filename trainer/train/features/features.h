@@ -11,7 +11,7 @@
 
 namespace bodyopt {
 
-// Which rotations of the joints training showed, alone and together with their neighbours'.
+// Rotations of the joints that training showed, alone and together with their neighbours'.
 
 using RawFeatures = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
@@ -29,42 +29,40 @@ struct KnownFeatures {
   std::vector<int> rows;
 };
 
-// Ranges span the poses and the bind pose, widened by 1 %; a feature that does not vary gets inverse_scale 0. `basis`
-// needs skeleton, ddm and strain. Throws Error(mismatch) when a pose does not fit the skeleton or the poses differ in
-// their number of controls.
+// Ranges span the poses and the bind pose, widened by 1 %; no deviation counts as less than 1e-3. `basis` needs
+// skeleton, ddm and strain. Throws Error(mismatch) when a pose does not fit the skeleton or the poses differ in their
+// number of controls.
 FeatureSamples measure_features(const Basis& basis, std::span<const Pose* const> poses,
                                 const KnownFeatures& known = {});
 
-// Those of `count` standardised features (N x F) from `begin` on that vary by more than noise, ascending.
+// Indices of features that vary by more than noise, ascending, of `count` standardised ones (N x F) from `begin` on.
 std::vector<std::uint32_t> varying_features(const Eigen::MatrixXd& features, std::uint32_t begin, std::uint32_t count);
 
 // Strains of one pose, S: of the basis' fibres, or of others on its skin, for which it needs skeleton and ddm alone.
 std::vector<float> measure_strains(const Basis& basis, const Pose& pose);
 std::vector<float> measure_strains(const Basis& basis, const StrainTable& fibres, const Pose& pose);
 
-// What of its joints a character's skin is learned by: as joint_features_of() its skeleton, but that
-//   - joints which all of the skin hangs under count as not turning: they bend none of it, and a body that leans must
-//     not look like one in a pose that training lacks;
-//   - a detached foot (detached_joints) is seen from the limb that it goes on from;
-//   - joints that the poses slide by a hundredth of the character's longest extent have their places, too, after all
-//     rotations: a tenth of the extent counts as a radian. Not of fewer poses than features: from so few more is
-//     learned by chance.
-// Empty where that changes nothing, as in Skeleton.
+// The features of joints by which a character's skin is learned: joint_features_of() its skeleton with three changes.
+// Joints which all of the skin hangs under count as not turning, since they bend none of it. A body that leans must not
+// look like one in a pose that training lacks. A detached foot (detached_joints) is seen from the limb that it goes on
+// from. Joints that poses slide by a hundredth of the character's longest extent have their places, too, after all
+// rotations. A tenth of the extent counts as a radian. Places are left out where poses are no more than features: from
+// so few more is learned by chance. Empty where all that changes nothing, as in Skeleton.
 std::vector<JointFeatures> learned_features(const Character& character, std::span<const Pose* const> poses);
 
-// All of a FadeTable but what it tells of regions. Directions are, of those principal axes of the features of a joint,
-// its parent and its children (about rest) along which the training frames turn by less than 0.03 radians, root mean
-// square. A tolerance is what cross-validation finds of a joint: how far 99 of 100 frames stand off
-// what the other folds showed, or the largest of the training frames where that is more. `raw`: joint features first,
-// N x F, radians; `folds`: as RegressionData has them.
+// All of a FadeTable but what it says of regions. Directions are principal axes of the features of a joint, its parent
+// and its children (about rest). Along them the training frames turn by less than 0.03 radians, root mean square. A
+// tolerance is how far 99 of 100 frames stand off what the other folds showed of a joint, in cross-validation. It is
+// the largest of the training frames where that is more. `raw`: joint features first, N x F, radians; `folds`: as
+// RegressionData has them.
 FadeTable joint_manifold(const Skeleton& skeleton, const RawFeatures& raw, const std::vector<int>& folds);
 
 // Mean square of a joint's features over the training frames, radians squared. Per joint, as feature_joints().
 std::vector<double> joint_turns(const RawFeatures& raw, std::size_t joint_count);
 
-// fibre_count fibres per muscle, side by side on the half of its belly that faces the skin; fibres that collapse to a
-// point there are left out. Rest lengths are measured by the runtime's kernels. `basis` needs skeleton, mesh and ddm.
-// Without muscles, or without triangles, an empty table.
+// Each muscle has fibre_count fibres, side by side on the half of its belly that faces the skin. Fibres that collapse
+// to a point there are left out. Rest lengths are measured by the runtime's kernels. `basis` needs skeleton, mesh and
+// ddm. Without muscles, or without triangles, an empty table.
 StrainTable make_strain_table(const Basis& basis, const std::vector<Muscle>& muscles);
 
 // The table of some fibres, by ascending index.

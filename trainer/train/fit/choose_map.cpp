@@ -23,7 +23,7 @@ using Eigen::Index;
 // Parts of the character's longest extent: 20 cm and 5 cm of 1.8 m.
 constexpr double kLength = 0.11, kApart = 0.028;
 
-// What a ridge-penalised linear map of all features leaves of the un-posed motion, mean over frames.
+// The un-posed motion that a ridge-penalised linear map of all features leaves, mean over frames.
 struct LeftMotion {
   Eigen::VectorXd left;  // V, square metres
   double moved = 0;      // of all vertices, with what the map explains
@@ -118,15 +118,15 @@ class CurveMaker {
 
 using Eigen::MatrixXd;
 
-// Features of a region at most, where there are kernels: more cost bytes and time and teach it next to nothing
+// Features of a region at most, where there are kernels. More cost bytes and time and teach it next to nothing
 // (measured from 60 to 200).
 constexpr std::size_t kMostFeatures = 80, kMostFeaturesOfAll = 200;  // of a region that is the whole skin
 // A region may do with all centres that it may have, a half or a quarter of them.
 constexpr int kCentreFractions[] = {1, 2, 4};
 // Kernels may leave so much of what a linear map leaves: bytes are not what they are chosen by.
 constexpr double kWorthKernels = 1.05;
-// Of few frames, strains of curves have to leave no more than so much of what joints alone leave: of many curves some
-// look useful by chance. Muscles are there because they move the skin.
+// Strains of curves may leave only so much of what joints alone leave, where frames are few. Of many curves some look
+// useful by chance; muscles are there because they move the skin.
 constexpr double kWorthCurves = 0.9;
 
 std::size_t most_features(const Method& method) {
@@ -160,7 +160,7 @@ std::vector<Index> columns_of(const std::vector<SelectedFeature>& selected) {
   return columns;
 }
 
-// By column.
+// The selected features, by column.
 std::vector<SelectedFeature> selected_features(const Candidates& candidates, const MatrixXd& values,
                                                const MatrixXd& targets, std::size_t most) {
   std::vector<SelectedFeature> selected = select_features(values, targets, most, candidates.controls);
@@ -180,8 +180,8 @@ void take_features(const Candidates& candidates, const MatrixXd& motion, std::si
   model.projection = projection(candidates.values(Eigen::all, columns_of(selected)), motion);
 }
 
-// What features and coordinates that the other folds choose leave of every fold, square metres; with a quarter of the
-// centres, which ranks choices as all of them do.
+// The error of every fold with features and coordinates that the other folds choose, square metres. It is taken with a
+// quarter of the centres, which ranks choices as all of them do.
 double few_frames_error(const Candidates& candidates, const MatrixXd& motion, const MatrixXd& targets,
                         const std::vector<int>& folds, const Eigen::VectorXd& weights, std::size_t most, int centres) {
   const MatrixXd& values = candidates.values;

@@ -43,7 +43,7 @@ class FeatureJoints {
     return fibre < muscle_of_fibre_.size() ? spans_[muscle_of_fibre_[fibre]] : std::vector<std::size_t>{};
   }
 
-  // Of joints of the skeleton those that have features.
+  // The places of those of the skeleton's joints that have features.
   std::vector<std::size_t> places(const std::vector<std::uint32_t>& joints) const {
     std::vector<std::size_t> found;
     for (const std::uint32_t joint : joints) {
@@ -60,7 +60,7 @@ class FeatureJoints {
   std::vector<std::size_t> muscle_of_fibre_;
 };
 
-// What its features explain, by joint.
+// The shares of joints in what a region's features explain.
 Shares explained_shares(const FeatureJoints& joints, const RegionModel& region) {
   Shares shares = Shares::Zero(static_cast<Eigen::Index>(joints.count()));
   for (std::size_t k = 0; k < region.features.size(); ++k) {
@@ -73,7 +73,7 @@ Shares explained_shares(const FeatureJoints& joints, const RegionModel& region) 
   return shares;
 }
 
-// Its skin, by joint.
+// The shares of joints in a region's skin.
 Shares skin_shares(const FeatureJoints& joints, const Character& character, const RegionWeights& region) {
   Shares shares = Shares::Zero(static_cast<Eigen::Index>(joints.count()));
   for (std::size_t v = 0; v < region.vertices.size(); ++v) {
@@ -137,7 +137,7 @@ Eigen::MatrixXd frames_off(const Groundwork& ground, const std::vector<int>& fol
   return off;
 }
 
-// What is left of a region's motion with each strength, square metres.
+// The error that each strength leaves of a region's motion, square metres.
 std::array<double, kStrengths.size()> left_of(const Groundwork& ground, const RegionModel& region,
                                               const std::vector<int>& parts, const Eigen::VectorXd& off) {
   const Regression& fit = region.fits.front();

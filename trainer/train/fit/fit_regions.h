@@ -13,11 +13,11 @@
 
 namespace bodyopt {
 
-// Of every training frame, see RegressionData.
+// The folds and weights of every training frame, see RegressionData.
 std::vector<int> training_folds(const SampleSet& set);
 Eigen::VectorXd training_weights(const SampleSet& set);
 
-// What every region is fitted to.
+// The data that every region is fitted to.
 struct FitContext {
   FitContext(const SampleSet& set, const Groundwork& ground, const Layout& layout, const TrainOptions& options);
 
@@ -29,7 +29,7 @@ struct FitContext {
   std::vector<FramePair> pairs;  // frames of one pose
 };
 
-// What is called with every region once it is done, from any thread.
+// Called with every region once it is done, from any thread.
 using RegionDone = std::function<void(std::size_t region, const RegionModel& model)>;
 
 // Fits some regions (ascending) into their places of `models`. The radius within which a region sees features is chosen
@@ -40,10 +40,10 @@ void fit_regions(const FitContext& context, const std::vector<std::size_t>& regi
 
 // Brings regions of an earlier training, in their places of `models`, to these frames. `earlier`: the index each frame
 // had then, -1 for new ones. Coefficients of the frames it knew stay; the others are un-posed and put on its
-// components; features, widths and penalties are those found then, and the regressions are fitted anew. Regions where
-// that is not good enough are returned, as they were: they have to be fitted from the start. Either the components
-// leave more of the new frames than twice what the fit left of the old ones, or cross-validation's error changes by
-// more than a tenth: what was chosen by it was chosen for other data.
+// components. Features, widths and penalties are those found then, and the regressions are fitted anew. Regions where
+// that is not good enough are returned, as they were: they have to be fitted from the start. Their components leave
+// over twice as much of new frames as the fit left of old ones, or cross-validation's error changes by a tenth. What
+// was chosen by it was then chosen for other data.
 std::vector<std::size_t> update_regions(const FitContext& context, const std::vector<int>& earlier,
                                         const std::vector<std::size_t>& regions, std::vector<RegionModel>& models,
                                         const RegionDone& done, const std::string& kept);

@@ -24,7 +24,7 @@ std::vector<std::uint32_t> all_vertices(const Character& character) {
   return all;
 }
 
-// In runtime order, its skeleton with the features that it is learned by.
+// The character in runtime order, its skeleton with the features that it is learned by.
 Character to_learn(const SampleSet& set, const std::vector<std::uint32_t>& order) {
   Character ordered = in_order(set.character, order);
   ordered.skeleton.features = learned_features(set.character, poses_of(set.train));
@@ -114,7 +114,7 @@ std::vector<RegionWeights> regions_of(const Character& character, const std::vec
   return {whole};
 }
 
-// By rising reach.
+// Choices of features, by rising reach.
 FeatureChoices near_features(const Character& character, const RegionWeights& region,
                              const std::vector<FeatureGroup>& groups) {
   FeatureChoices choices;

@@ -1,4 +1,4 @@
-// What fitting starts from: Direct Delta Mush, fibres, features, and which regions listen to which of them.
+// The groundwork of a fit: Direct Delta Mush, fibres, features, and which regions listen to which of them.
 #pragma once
 
 #include <vector>

@@ -20,8 +20,8 @@ class StagedFit {
   // keeps what it finds in the same folder.
   StagedFit(const SampleSet& set, const TrainOptions& options, std::vector<std::string>& notes);
 
-  // What to lay the groundwork from, beside the samples: curves on their surface, the options with the smoothing radius
-  // of the earlier training that is brought to these frames, and features that it measured.
+  // The groundwork's inputs beside the samples: curves on their surface, options, features that the earlier training
+  // measured. The options have its smoothing radius where it is brought to these frames.
   const std::vector<Muscle>& curves() const { return curves_; }
   TrainOptions options() const;
   EarlierFeatures earlier_features() const;

@@ -1,7 +1,6 @@
-// What training found out, kept in a folder beside the basis, stage by stage: the layout of the regions, then every
-// region once it is fitted. With it, training goes on after an interruption, makes a basis of another size at once, and
-// learns a few new frames quickly. Every file says what it was found from; one that belongs to something else is as
-// good as none.
+// The results of a training in a folder beside the basis, stage by stage: the layout of the regions, then every region
+// once fitted. With it, training goes on after an interruption, makes a basis of another size at once, and learns a few
+// new frames quickly. Every file says what it was found from; one that belongs to something else is as good as none.
 #pragma once
 
 #include <cstdint>
@@ -16,7 +15,7 @@
 
 namespace bodyopt {
 
-// What a training learns from.
+// Keys of the data that a training learns from.
 struct TrainingKeys {
   std::uint64_t subject = 0;          // character, muscles, painted regions, and the options that shape what is fitted
   std::vector<std::uint64_t> frames;  // of every training frame: pose and shape

@@ -30,14 +30,14 @@
 namespace bodyopt {
 namespace {
 
-// Of the frame at this place of its take, from 0.
+// Whether the frame at this place of its take, from 0, is held out.
 bool is_held_out(std::size_t place, int every) {
   constexpr std::size_t kBlock = 10;
   return (place / kBlock) % static_cast<std::size_t>(every) == static_cast<std::size_t>(every) - 1;
 }
 
 // The samples of a take are numbered in steps of its frame spacing, so that every second frame still counts as
-// consecutive; takes are set far apart.
+// consecutive. Takes are set far apart.
 std::vector<int> sample_numbers(const std::vector<Sample>& samples) {
   std::map<int, int> spacing;
   for (std::size_t k = 1; k < samples.size(); ++k) {
@@ -123,7 +123,7 @@ class Tester {
   RegionShares shares_;
 };
 
-// Of one take, over its frames.
+// Sums over the frames of one take.
 class TakeSums {
  public:
   explicit TakeSums(const Eigen::SparseMatrix<double>& skin) : skin_(skin) {
@@ -196,8 +196,8 @@ double lbs_bytes_per_vertex(const Character& character) {
   return 8 * weights / static_cast<double>(character.weights.size());
 }
 
-// What a basis that was trained on linear un-posing stands for: the deformer adds its displacement before Direct Delta
-// Mush; taken out again, it is added before linear blending.
+// Shapes by a basis that was trained on linear un-posing. The deformer adds its displacement before Direct Delta Mush;
+// taken out again, it is added before linear blending.
 std::vector<Positions> heldout_by_corrected_lbs(const SampleSet& set, const Basis& basis) {
   const std::vector<std::uint32_t> order = morton_order(set.character.vertices);
   Deformer deformer(basis, {.name = "cpu"});

@@ -20,8 +20,9 @@ class Deformer;
 // Marks every `every`-th block of ten consecutive simulated frames of each take as held out, and nothing else.
 void hold_out_blocks(Dataset& dataset, int every);
 
-// How frames could be held out of a set that holds out none, a sentence without a full stop: the largest `every` up to
-// 5 of hold_out_blocks() that holds out something and leaves enough to train on, or another clip for short takes.
+// How frames could be held out of a set that holds out none, a sentence without a full stop. It names the largest
+// `every` up to 5 of hold_out_blocks() that holds out something and leaves enough to train on; for short takes, another
+// clip.
 std::string how_to_hold_out(const SampleSet& set);
 
 // Shapes of the held-out frames, V x 3 welded, posed: by linear blend skinning, and by a basis.
@@ -42,8 +43,8 @@ double region_rms(const VertexErrors& errors, const RegionWeights& region);
 // The basis without its residual and strains: Direct Delta Mush alone.
 Basis without_residual(const Basis& basis);
 
-// RMS (mm) of what is left to learn after un-posing each shape by DDM, and by linear blend skinning, the mean over
-// frames taken out of neither: over vertices and at most 200 training frames, spread evenly.
+// RMS (mm) of what is left to learn after un-posing each shape by DDM, and by linear blend skinning. It is over
+// vertices and at most 200 training frames, spread evenly. The mean over frames is taken out of neither.
 struct UnposingResidual {
   double lbs = 0, ddm = 0;
 };
@@ -78,23 +79,23 @@ struct TakeErrors {
   double rank_correlation = 0;  // Spearman's, of expected and true errors of every frame and part
 };
 
-// Of every take that has frames held out those frames; of sets without any held out all of them. Shows progress.
-// Throws Error(mismatch) where the basis is of another character.
+// Errors of every take on its held-out frames; of sets without any held out, on all frames. Shows progress. Throws
+// Error(mismatch) where the basis is of another character.
 std::vector<TakeErrors> test_errors(const Basis& basis, const SampleSet& set);
-// The same of these frames of the set.
+// Errors on these frames of the set.
 std::vector<TakeErrors> test_errors(const Basis& basis, const SampleSet& set, const std::vector<Sample>& samples);
 
 // Parts on which what was learned does worse than Direct Delta Mush by more than this share of it.
 std::vector<PartErrors> harmed_parts(const TakeErrors& take, double share);
 
-// What each part of the model is worth, and how its peers do: all trained and held out on the same frames.
+// The worth of each part of the model, and that of its peers: all trained and held out on the same frames.
 
 // The first two rows and the last of the table below: linear blending, Direct Delta Mush, and `full`, trained in so
 // many seconds. Needs held-out frames.
 std::vector<MethodResult> compare_with_skinning(const SampleSet& set, const Basis& full, double seconds);
 
 // `full`: what these options trained in so many seconds. The others may have as many bytes as it has, and smooth as far
-// as it does; `unmade`: gets the names of those that learn nothing within these bytes. Needs held-out frames.
+// as it does. `unmade`: gets the names of those that learn nothing within these bytes. Needs held-out frames.
 std::vector<MethodResult> ablate(const SampleSet& set, const TrainOptions& options, const TrainingResult& full,
                                  double seconds, std::vector<std::string>& unmade);
 

@@ -21,7 +21,7 @@ using Eigen::Index;
 
 constexpr std::uint32_t kMostCoefficients = 65536;
 
-// What fades of some regions.
+// The fade table of some regions.
 FadeTable fade_of(const FadeTable& table, const std::vector<std::size_t>& regions) {
   if (table.empty()) return {};
   FadeTable some = table;

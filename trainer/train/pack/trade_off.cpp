@@ -21,7 +21,7 @@ namespace {
 
 using Eigen::Index;
 
-// Of a byte, in mean squared displacements of a vertex: where no budget is given, and so little that all is worth it.
+// Prices of a byte, in mean squared displacements of a vertex: without a budget, and so low that all is worth it.
 constexpr double kUsualPrice = 3e-6, kLowestPrice = 1e-7;
 // Nanoseconds of one core per byte, measured by `bodyopt bench` on the built-in arm with AVX-512.
 constexpr double kDdmNanoseconds = 0.1, kResidualNanoseconds = 0.045;
@@ -31,7 +31,7 @@ bool is_empty(const Selection& selection) {
   return std::ranges::all_of(selection, [](const SelectedRegion& region) { return region.blocks.empty(); });
 }
 
-// Of a frame on one core, which reads the tables of Direct Delta Mush and of the residual once.
+// The time of a frame on one core, which reads the tables of Direct Delta Mush and of the residual once.
 double estimated_microseconds(const Basis& basis) {
   const auto bytes = table_bytes(basis);
   return 1e-3 * (kDdmNanoseconds * static_cast<double>(bytes.at("ddm")) +
@@ -224,14 +224,14 @@ Selection TradeOff::within(double budget) const {
   const Bracket price = turn_of([&](const Selection& selection) { return bytes_of(selection) <= budget; });
   Selection best = allocation_.at(price.above);
   if (!is_empty(best)) return best;
-  // Empty though nothing learned is worth its bytes at any price, or though the least that is fits: the price lay
-  // between two steps of the search.
+  // The best is empty where nothing learned is worth its bytes at any price. It may be empty though the least that is
+  // fits: the price lay between two steps of the search.
   Selection least = allocation_.at(turn_of(is_empty).below);
   if (bytes_of(least) > budget) refuse_budget(budget, bytes_of(least), "the least that holds anything learned");
   return least;
 }
 
-// By halving, to a hundredth of a factor of two.
+// Halves the bracket, to a hundredth of a factor of two.
 TradeOff::Bracket TradeOff::turn_of(const std::function<bool(const Selection&)>& holds) const {
   Bracket price{kLowestPrice, highest_};
   if (holds(allocation_.at(price.below))) return {price.below, price.below};

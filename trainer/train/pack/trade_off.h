@@ -13,22 +13,22 @@
 
 namespace bodyopt {
 
-// Which parts of a residual get the bytes: those that save the most error for each.
+// Gives the bytes to the parts of a residual that save the most error for each.
 //
-// A blend entry (a component in a block of vertices) saves what its component takes off the mean square error in
-// cross-validation, times the squared length of the component's vectors in the block. An entry for its rounding saves
-// the coefficient's mean square times the squared length of what rounding left. Each costs its record; a component
-// costs its row of weights besides, a region its features and centres. At a price per byte, an entry is kept that saves
-// more than it costs, a component whose entries save more than they and its row cost, a region whose components save
-// more than all of it costs, with the centres that leave most over: for what this takes, nothing saves more (Everett
-// 1963, generalised Lagrange multipliers). The higher the price, the fewer the bytes.
+// A blend entry is a component in a block of vertices. It saves what its component takes off the mean square error in
+// cross-validation, times the squared length of the component's vectors there. An entry for its rounding saves the
+// coefficient's mean square times the squared length of what rounding left. Each costs its record; a component costs
+// its row of weights besides, a region its features and centres. At a price per byte, an entry is kept that saves more
+// than it costs. So is a component whose entries save more than they and its row cost. So is a region whose components
+// save more than all of it costs, with the centres that leave most over. For what this takes, nothing saves more
+// (Everett 1963, generalised Lagrange multipliers). The higher the price, the fewer the bytes.
 class ByteAllocation {
  public:
   explicit ByteAllocation(const ResidualModel& model);
 
-  // What is kept at a price per byte, in mean squared displacements of a vertex.
+  // The selection kept at a price per byte, in mean squared displacements of a vertex.
   Selection at(double price) const;
-  // The same, but every region with all its centres.
+  // Does so, but keeps all centres of every region.
   Selection with_all_centres(double price) const;
 
  private:
@@ -54,16 +54,16 @@ class ByteAllocation {
 };
 
 // Root mean square (metres) of what a selection leaves of the displacements, over the vertices and at most 400 frames
-// that cross-validation held out. An estimate: the motion that no component of a region holds is taken to agree with
-// that of the regions it overlaps, and rounding to bytes to cost nothing.
+// that cross-validation held out. An estimate: rounding to bytes is taken to cost nothing. The motion that no component
+// of a region holds is taken to agree with that of the regions it overlaps.
 double expected_error(const ResidualModel& model, const Selection& selection);
 
-// What is left of one region in every frame, square metres over its vertices. `fit`: of the region, its errors of
-// frames held out; without prediction errors where no fold held out.
+// The error that is left of one region in every frame, square metres over its vertices. `fit`: of the region, its
+// errors of frames held out; without prediction errors where no fold held out.
 std::vector<double> frame_energies(const RegionModel& region, const SelectedRegion& selected, const Regression& fit);
 
 std::string curve_text(const std::vector<TradeOffPoint>& curve);
-// Of a basis' metadata; none where it was trained without shapes. Throws Error(file) where it is damaged.
+// Reads a basis' metadata; none where it was trained without shapes. Throws Error(file) where it is damaged.
 std::vector<TradeOffPoint> read_curve(const Basis& basis);
 
 class TradeOff {
@@ -71,13 +71,13 @@ class TradeOff {
   // `bare`: Direct Delta Mush and all fibres. Both must outlive this.
   TradeOff(const Basis& bare, const ResidualModel& model);
 
-  // What the options ask for: the best within the budget; the smallest within the tolerance, the best there is where
-  // that is not to be reached; or what is worth its bytes to most, with all centres, by which coverage knows what was
-  // learned, and of few frames (kFewFrames) all that saves anything, with the centres that leave least. Throws
+  // Chooses the best within the budget, or the smallest within the tolerance, or the best there is where that is not to
+  // be reached. With neither it is what is worth its bytes to most, with all centres, by which coverage knows what was
+  // learned. Of few frames (kFewFrames) it is all that saves anything, with the centres that leave least. Throws
   // Error(usage) where the budget leaves no room for anything learned.
   Selection choose(const TrainOptions& options) const;
 
-  // From Direct Delta Mush alone to all that saves anything.
+  // Points from Direct Delta Mush alone to all that saves anything.
   std::vector<TradeOffPoint> curve() const;
 
  private:

@@ -18,7 +18,7 @@ namespace {
 using Eigen::Index;
 using Eigen::MatrixXd;
 
-// What a region costs beyond its vertices is then 150 bytes for each of them at most; small skins may have a few.
+// Beyond its vertices, a region then costs 150 bytes for each of them at most; small skins may have a few.
 constexpr Index kVerticesPerRegion = 300, kFewestVerticesPerRegion = 40, kFewRegions = 8;
 
 using Points = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
@@ -85,7 +85,7 @@ Index region_count(const std::vector<FeatureGroup>& groups, const Eigen::VectorX
   return std::clamp<Index>(static_cast<Index>(std::ceil(count)), 1, most);
 }
 
-// What a ridge-penalised linear fit of the columns of `x` leaves of others.
+// Takes a ridge-penalised linear fit of the columns of `x` out of others.
 class WithoutLinearFit {
  public:
   explicit WithoutLinearFit(const MatrixXd& x) : x_(x), factor_(ridged(x)) {}

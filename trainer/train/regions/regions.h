@@ -1,4 +1,4 @@
-// Where the skin learns together: soft regions, and what each of them listens to.
+// Soft regions in which the skin learns together, and what each of them listens to.
 #pragma once
 
 #include <Eigen/Core>
@@ -23,8 +23,8 @@ struct FeatureGroup {
 
 // Joints (in the order of the joint features), then muscles, then controls (each control one group that acts
 // everywhere). `features`: N x F, standardised, `displacements` those of the same frames. A joint's influence is its
-// smoothed skin weight (static); a muscle's is the part of the un-posed motion that its strains explain beyond what a
-// linear fit of the joints does (dynamic).
+// smoothed skin weight (static). A muscle's is the part of the un-posed motion that its strains explain beyond a linear
+// fit of the joints (dynamic).
 std::vector<FeatureGroup> make_feature_groups(const Basis& basis, const std::vector<VertexMoments>& moments,
                                               const std::vector<Muscle>& muscles, const Eigen::MatrixXd& features,
                                               const Displacements& displacements);
@@ -32,9 +32,9 @@ std::vector<FeatureGroup> make_feature_groups(const Basis& basis, const std::vec
 // Joints a muscle acts across: those between its points, below their common ancestor.
 std::vector<std::uint32_t> spanned_joints(const Skeleton& skeleton, const Muscle& muscle);
 
-// The `painted` regions (whose weights sum to 1 at most), and regions of what they leave of the skin, whose vertices
-// lie together and have like influences: k-means from farthest-point seeds, then smoothed. All weights together are a
-// partition of unity. Regions without a name get that of the joint they lie at, and a number where it is taken.
+// The `painted` regions (whose weights sum to 1 at most), and regions of what they leave of the skin. The vertices of
+// these lie together and have like influences: k-means from farthest-point seeds, then smoothed. All weights together
+// are a partition of unity. Regions without a name get that of the joint they lie at, and a number where it is taken.
 std::vector<RegionWeights> make_regions(const Character& character, const std::vector<FeatureGroup>& groups,
                                         const std::vector<RegionWeights>& painted);
 

@@ -18,8 +18,8 @@ using Eigen::MatrixXd;
 
 constexpr double kNoise = 1e-3;      // variance, of which a standardised feature has one: less left of it is noise
 constexpr double kLeastGain = 1e-5;  // share of the targets' energy
-// A feature that has nothing to do with the targets explains, by chance, one part in as many as there are frames of
-// what is left of them; the best of some eighty such features about this many times that.
+// A feature that has nothing to do with the targets explains by chance what is left of them, divided by the number of
+// frames. The best of some eighty such features explains about this many times that.
 constexpr double kLuck = 4;
 
 constexpr double kRidge = 1e-3;       // times the number of frames
@@ -62,7 +62,7 @@ double median_distance(const MatrixXd& centres) {
   return *middle;
 }
 
-// N. What counts for nothing counts for a millionth: its error can be told.
+// N. A frame that counts for nothing counts for a millionth, so that its error is known.
 Eigen::VectorXd frame_weights(const RegressionData& data) {
   if (data.weights.size() == 0) return Eigen::VectorXd::Ones(data.features.rows());
   return data.weights.cwiseMax(1e-6);
@@ -73,7 +73,7 @@ class KernelRidge {
  public:
   KernelRidge(const RegressionData& data, const MatrixXd& centres, double inverse_width2)
       : inverse_width2_(inverse_width2), kernel_norm_(kernels(centres, centres)) {
-    // What the weights multiply, less its value at rest.
+    // The weights multiply these, less their values at rest.
     MatrixXd regressors(data.features.rows(), data.features.cols() + centres.rows());
     regressors << data.features.rowwise() - data.rest,
         kernels(data.features, centres).rowwise() - kernels(data.rest, centres).row(0);
@@ -152,8 +152,8 @@ class KernelRidge {
     }
   };
 
-  // In an even number of rows: the last of an odd number of elements Eigen leaves to the C library, whose exp has other
-  // last bits on processors without FMA.
+  // The number of rows is even, since Eigen leaves the last of an odd number of elements to the C library. Its exp has
+  // other last bits on processors without FMA.
   MatrixXd kernels(const MatrixXd& points, const MatrixXd& centres) const {
     const Index rows = points.rows();
     MatrixXd values = MatrixXd::Zero(rows + rows % 2, centres.rows());
@@ -176,7 +176,7 @@ class KernelRidge {
     const Index kernels = kernel_norm_.rows(), linear = sums.normal.rows() - kernels;
     sums.normal.diagonal().head(linear).array() += penalty.linear * sums.frames;
     sums.normal.bottomRightCorner(kernels, kernels) += penalty.kernel * kernel_norm_;
-    // As little as the factorisation needs: kernels far wider than their distances are nearly the same.
+    // The ridge is as little as the factorisation needs: kernels far wider than their distances are nearly the same.
     const Eigen::VectorXd diagonal = sums.normal.diagonal();
     for (double ridge = 1e-10 * std::max(1.0, sums.normal.trace());; ridge *= 100) {
       sums.normal.diagonal() = diagonal.array() + ridge;
@@ -214,8 +214,8 @@ std::vector<SelectedFeature> select_features(const MatrixXd& features, const Mat
   std::vector<SelectedFeature> selected;
   const double energy = targets.squaredNorm(), frames = static_cast<double>(features.rows());
   if (!(energy > 0)) return selected;
-  // What is left of the features' products with each other and with the targets once those selected are taken out: a
-  // Cholesky factorisation that chooses its pivots.
+  // The features' products with each other and with the targets, with those selected taken out: a Cholesky
+  // factorisation that chooses its pivots.
   MatrixXd products = features.transpose() * features / frames;
   MatrixXd with_targets = features.transpose() * targets / std::sqrt(frames * energy);
   double unexplained = 1;

@@ -73,8 +73,8 @@ struct DdmBase {
   double radius = 0;  // sigma, metres
 };
 
-// What a basis' metadata say of how it was made: JSON. `updated`: it was brought on from an earlier training; one from
-// the start, of the same data and options, is another.
+// How a basis was made, for its metadata: JSON. `updated`: it was brought on from an earlier training; one from the
+// start, of the same data and options, is another.
 std::string provenance_text(const Character& character, double radius, const TrainOptions& options, bool updated);
 
 // `ordered`: a character in runtime order.

@@ -14,9 +14,9 @@ namespace {
 
 constexpr double kFar = std::numeric_limits<double>::infinity();
 
-// How many decay lengths `steps` steps carry anything worth keeping. A step's kernel falls as exp(-r), so after p of
-// them at most exp(-y r) / (1 - y^2)^p is left at r for any y < 1 (Chernoff), here 0.6. That makes 3e-6 along a
-// straight line; ways along edges are longer: on bodies of 180 to 13,380 vertices 3e-9 was left at most.
+// How many decay lengths `steps` steps carry anything worth keeping. A step's kernel falls as exp(-r). After p of them
+// at most exp(-y r) / (1 - y^2)^p is left at r for any y < 1 (Chernoff), here 0.6. That makes 3e-6 along a straight
+// line; ways along edges are longer: on bodies of 180 to 13,380 vertices 3e-9 was left at most.
 double reach_of(int steps) { return 21 + 0.75 * steps; }
 
 // A lattice's kernel falls by exp(-acosh(1 + edge^2 / 2)) from vertex to vertex, lengths in those of the decay. Between

@@ -15,7 +15,7 @@ struct TenColumns {
 };
 
 // Implicit steps of diffusion over a skin, ((A + L)^-1 A)^steps, factorised once. Numbers are carried as far as they
-// keep 1e-8 of their size, and only there is anything solved: a step solves with the whole skin's factor, then what it
+// keep 1e-8 of their size, and only there is anything solved. A step solves with the whole skin's factor, then what it
 // put further away is left out.
 class NearSmoother {
  public:
@@ -28,7 +28,7 @@ class NearSmoother {
 
  private:
   std::vector<int> around(const std::vector<int>& vertices) const;
-  // Whose rows those of some vertices depend on.
+  // The panels of some vertices, and those that these depend on.
   std::vector<int> panels_of(const std::vector<int>& vertices) const;
 
   Eigen::VectorXd areas_;

@@ -1,4 +1,4 @@
-// By what a basis was trained, as its metadata "provenance" have it (provenance_text()).
+// How a basis was trained, as its metadata "provenance" have it (provenance_text()).
 #pragma once
 
 #include <filesystem>

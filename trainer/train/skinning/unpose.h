@@ -33,21 +33,21 @@ struct VertexPlacement {
   Eigen::Vector3d unposed(const Eigen::Vector3d& posed) const { return rotation.transpose() * (posed - origin) - rest; }
 };
 
-// By the runtime's own Direct Delta Mush, in runtime order.
+// Placements by the runtime's own Direct Delta Mush, in runtime order.
 std::vector<VertexPlacement> ddm_placements(const Basis& basis, const Pose& pose,
                                             std::span<const std::uint32_t> vertices);
 std::vector<VertexPlacement> ddm_placements(const Basis& basis, const Pose& pose);
 
-// By the runtime's own Direct Delta Mush, delta d_i = R_i^T (y_i - t_i) - d_i: an isometry, so that nothing is
-// amplified. shape: V x 3, runtime order, posed, metres. -> V x 3, un-posed space, metres.
+// Un-poses by the runtime's own Direct Delta Mush, delta d_i = R_i^T (y_i - t_i) - d_i: an isometry, so that nothing is
+// amplified. `shape`: V x 3, runtime order, posed, metres. -> V x 3, un-posed space, metres.
 Positions unpose_ddm(const Basis& basis, const Pose& pose, const Positions& shape);
 
-// Of some vertices: row k of shape and result belongs to vertices[k].
+// Un-poses some vertices: row k of shape and result belongs to vertices[k].
 Positions unpose_ddm(const Basis& basis, const Pose& pose, const Positions& shape,
                      std::span<const std::uint32_t> vertices);
 
-// By linear blend skinning: the blended matrix of each vertex inverted, minus the rest position. `character` and
-// `shape` in the same vertex order. A vertex whose blended matrix is singular gives zero.
+// Un-poses by linear blend skinning: the blended matrix of each vertex inverted, minus the rest position. `character`
+// and `shape` in the same vertex order. A vertex whose blended matrix is singular gives zero.
 Positions unpose_linear(const Character& character, const Pose& pose, const Positions& shape);
 Positions unpose_linear(const Character& character, const Pose& pose, const Positions& shape,
                         std::span<const std::uint32_t> vertices);
