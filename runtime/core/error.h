@@ -20,7 +20,7 @@ enum class ErrorKind : int {
   interrupted = 75,  // interrupted, or a temporary failure: run again
 };
 
-// What is wrong with a skin, where advice depends on it.
+// The defect of a skin, where advice depends on it.
 enum class ErrorCause {
   other,
   no_faces,
