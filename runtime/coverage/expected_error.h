@@ -1,6 +1,6 @@
 // How far a pose is from what training saw, and the error to expect of it, by region.
 //   e_r^2 = fade x min(local error + growth x max(0, d^2 - usual), motion) + (1 - fade) x motion.
-// All are in square metres over the region's vertices. The local error is what cross-validation left at the training
+// Terms are in square metres over the region's vertices. The local error is what cross-validation left at the training
 // frames around each centre, blended between centres by inverse distance (Shepard 1968). Growth is what that error grew
 // by with d^2, where there are takes with a take left out. Motion is the error of Direct Delta Mush alone around there,
 // and more beyond the centres. Older tables lack it, and nothing fades. `d` is the distance, in the region's

@@ -35,7 +35,7 @@ Spans spans_of(const Vector& middle, const Vector& half_edge, const BentFold& fo
   return spans;
 }
 
-// Those of boxes: from and to along each axis.
+// Finds the spans of boxes, from and to along each axis.
 void find_spans(std::span<const float> boxes, std::span<float> found, BentFold& fold) {
   const std::size_t count = boxes.size() / 6;
   for (std::size_t box = 0; box < count; ++box) {
