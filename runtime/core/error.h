@@ -32,7 +32,7 @@ enum class ErrorCause {
   flat,
   crossing,     // skin passes through skin, and cannot be moved apart
   unfillable,   // with tetrahedra
-  large_piece,  // that can neither be filled nor ride on the others
+  large_piece,  // that can neither be filled nor follow others
   several_pieces,
 };
 

@@ -77,8 +77,8 @@ struct JiggleMotionOut {
 
 // Jiggle stage, once a frame: the quasi-static nodes move in straight lines from frame to frame, and inertia changes
 // velocities where they turn. V = (X - X_before + origin_step) / interval, du/dt -= V - V_before. As a splitting it is
-// of second order (Hairer, Lubich, Wanner 2003, "kick"). X: `nodes` of this frame, N x 3. Of the frames before,
-// `kick.start` 0 says that none is known (u, du/dt and V become 0), 1 that one is (V is found; no kick), 2 all.
+// of second order (Hairer, Lubich, Wanner 2003, "kick"). X: `nodes` of this frame, N x 3. `kick.start`: 0, no frame
+// before is known (u, du/dt and V become 0); 1, one is (V is found; no kick); 2, all are.
 void jiggle_kick(const JiggleKickPush& kick, std::span<const float> nodes, const JiggleMotion& before,
                  const JiggleMotionOut& after, Executor& threads = calling_thread());
 

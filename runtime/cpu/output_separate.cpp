@@ -140,7 +140,7 @@ class Separation {
   }
 
   static bool meets(const BentFold& fold, std::size_t box, const Spans& spans) {
-    // Without branches, which nothing could foretell.
+    // No branches: none could be predicted.
     const int along_first = int{fold.from[0][box] <= spans.to[0]} & int{fold.to[0][box] >= spans.from[0]};
     const int along_second = int{fold.from[1][box] <= spans.to[1]} & int{fold.to[1][box] >= spans.from[1]};
     return along_first & along_second;
