@@ -1,4 +1,4 @@
-// bodyopt.h for C++: what owns is released by itself, and what fails throws. Nothing but that: bodyopt.h explains what
+// bodyopt.h for C++: owners release what they own, and calls that fail throw. Nothing but that: bodyopt.h explains what
 // the functions do.
 #ifndef BODYOPT_BODYOPT_HPP
 #define BODYOPT_BODYOPT_HPP

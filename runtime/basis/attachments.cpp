@@ -63,7 +63,7 @@ constexpr std::size_t kMostVertices = std::size_t{1} << 26;  // of one mesh
               " (another character, or edited since? Remove the file and attach the meshes anew)");
 }
 
-// What a mesh is by itself.
+// Checks a mesh by itself.
 class MeshValidator : TableChecks {
  public:
   MeshValidator(const AttachedMesh& mesh, const std::string& origin) : TableChecks(origin), mesh_(mesh) {}
@@ -103,7 +103,7 @@ class MeshValidator : TableChecks {
   const AttachedMesh& mesh_;
 };
 
-// What a mesh is on a basis.
+// Checks a mesh against a basis.
 class BindingValidator : TableChecks {
  public:
   BindingValidator(const AttachedMesh& mesh, const Basis& basis, const std::string& origin,

@@ -38,23 +38,23 @@ struct Attachments {
 
 constexpr std::size_t kMostAttachedMeshes = 4096, kLongestAttachedName = 100;
 
-// `name` with what file systems do not take as underscores, cut to kLongestAttachedName bytes; "_" for nothing.
+// `name` with underscores for what file systems refuse, cut to kLongestAttachedName bytes; "_" for nothing.
 std::string attachment_name(const std::string& name);
 
 // Checks every count, index, number and name. Throws Error(file) whose text starts with `origin`.
 void validate(const Attachments& attachments, const std::string& origin);
-// The same, and that they belong to the basis, which is called `basis_name`. Throws Error(file), Error(mismatch).
+// Checks them, and that they belong to the basis, called `basis_name`. Throws Error(file), Error(mismatch).
 void validate(const Attachments& attachments, const Basis& basis, const std::string& origin,
               const std::string& basis_name = "this basis");
 
 // Safetensors, as save_basis. Throws Error(file).
 void save_attachments(const Attachments& attachments, const std::filesystem::path& path);
-// Checked, against the basis where there is one. Throws Error(file), Error(mismatch).
+// Checks what it reads, against the basis where one is given. Throws Error(file), Error(mismatch).
 Attachments load_attachments(const std::filesystem::path& path);
 Attachments load_attachments(const std::filesystem::path& path, const Basis& basis,
                              const std::string& basis_name = "this basis");
 
-// Where the attached geometry of a basis is looked for: hero.attached.safetensors beside hero.safetensors.
+// The path of a basis' attached geometry: hero.attached.safetensors beside hero.safetensors.
 std::filesystem::path attachments_beside(std::filesystem::path basis);
 
 }  // namespace bodyopt

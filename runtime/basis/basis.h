@@ -48,12 +48,12 @@ struct StrainTable {
   std::uint32_t fibre_count() const { return static_cast<std::uint32_t>(rest_length.size()); }
 };
 
-// Where training did not show a pose, what was learned fades to Direct Delta Mush:
-//   off_j^2 = |D_j x_j|^2 + |what the features of joint j lie outside their ranges|^2
-//   fade_r  = 1 / (1 + sum_j w_rj max(0, off_j^2 - tolerance_j))
-// x_j: the joint features (radians) of joint j, its parent and its children; D_j gives what of them lies in directions
-// in which training never moved them, as when joints only ever turned together, as far as it is joint j's own. Joints
-// are counted as in feature_joints(). All empty: nothing fades.
+// Learned corrections fade to Direct Delta Mush where training did not show a pose.
+//   off_j^2 = |D_j x_j|^2 + |what the features of joint j lie outside their ranges|^2,
+//   fade_r  = 1 / (1 + sum_j w_rj max(0, off_j^2 - tolerance_j)).
+// `x_j` holds the joint features (radians) of joint j, its parent and its children. D_j gives what of them lies in
+// directions in which training never moved them, as far as it is joint j's own. There are such where joints only ever
+// turned together. Joints are counted as in feature_joints(). All empty: nothing fades.
 struct FadeTable {
   std::vector<std::uint32_t> joint_begin;      // joints + 1, into joints
   std::vector<std::uint32_t> joints;           // whose nine features each are x_j, one after the other
@@ -111,11 +111,11 @@ struct SkinModifier {
   std::vector<float> numbers;         // what the type says of them
 };
 
-// Modifiers of the skin at run time, the last word of an animator on it: breathing, sculpts, morphs. Each adds
+// Modifiers of the skin at run time are the last word of an animator on it: breathing, sculpts, morphs. Each adds
 //   delta d_i += sum_k w_k b_ki      (un-posed space, metres)
-// and may turn joints, or moves the skin in the end (PosedSkinType), with weights w_k that a function of its type makes
-// of channels over time (runtime/modifiers). Made by the trainer, constant afterwards but for what a shot chooses:
-// order, switches, strengths and constants.
+// and may turn joints, or moves the posed skin in the end (PosedSkinType). A function of its type makes the weights w_k
+// of channels over time (runtime/modifiers). The trainer makes modifiers; afterwards a shot chooses only order,
+// switches, strengths and constants.
 struct SkinModifiers {
   std::vector<SkinModifier> stack;         // in the order in which they are applied
   std::vector<std::uint32_t> blend_begin;  // blocks + 1, into blend; empty without modifiers
@@ -128,8 +128,8 @@ struct SkinModifiers {
   const SkinModifier* of_type(const std::string& type) const;  // the first of a type, or null
 };
 
-// What the basis expects of its own error, by region of the residual: see runtime/coverage/expected_error.h. All empty:
-// it does not know, as Direct Delta Mush alone, which was trained without shapes.
+// The error that the basis expects of itself, by region of the residual: see runtime/coverage/expected_error.h. All
+// empty: unknown, as for Direct Delta Mush alone, which was trained without shapes.
 struct CoverageTable {
   std::vector<std::string> names;          // of the regions
   std::vector<std::uint32_t> joint_begin;  // regions + 1, into joints
@@ -160,8 +160,8 @@ struct Basis {
   Metadata metadata;
 };
 
-// Checks every count, offset, index and number of a basis, so that no kernel can read outside a table or make a NaN
-// out of one. Throws Error(file) whose text starts with `origin` (a path, or what made the basis).
+// Checks every count, offset, index and number of a basis, so that no kernel reads outside a table or makes a NaN of
+// it. Throws Error(file) whose text starts with `origin` (a path, or what made the basis).
 void validate(const Basis& basis, const std::string& origin);
 
 // Safetensors with a schema version, an xxh3 checksum and the metadata. Written whole or not. Throws Error(file).

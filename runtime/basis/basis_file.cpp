@@ -1,5 +1,5 @@
 // A basis as safetensors: one tensor per array of basis.h, named <table>.<array>; names and other strings as metadata.
-// Of further levels of detail, both with "level1." and so on before their names.
+// Names of further levels of detail begin with "level1." and so on, in both.
 #include <xxhash.h>
 
 #include <algorithm>
@@ -29,8 +29,8 @@ constexpr const char *kCarried = "carried.points", *kCarriedStep = "carried.step
 constexpr std::size_t kJointNumbers = 10 + 10 + 12;  // bind, default local, inverse bind
 constexpr std::size_t kTurnNumbers = 4 + 4;          // turn above, own turn
 
-// Applies `visit(name, array, values to a row)` to every array of the tables but those of the residual that the earlier
-// schema lacks, or has otherwise.
+// Applies `visit(name, array, values to a row)` to every array of mesh, ddm, strain and residual that the earlier
+// schema has in the same form.
 template <typename BasisType, typename Visit>
 void for_each_lasting_array(BasisType& basis, Visit visit) {
   visit("mesh.rest", basis.mesh.rest, 3);
@@ -57,7 +57,7 @@ void for_each_lasting_array(BasisType& basis, Visit visit) {
   visit("residual.blend", basis.residual.blend, 1);
 }
 
-// To all of them.
+// Applies `visit` to the residual's newer arrays, too.
 template <typename BasisType, typename Visit>
 void for_each_array(BasisType& basis, Visit visit) {
   for_each_lasting_array(basis, visit);
@@ -75,7 +75,7 @@ void for_each_array(BasisType& basis, Visit visit) {
   visit("residual.fade.region_weights", fade.region_weights, 1);
 }
 
-// To those of a basis that knows its error.
+// Applies `visit(name, array)` to the arrays of a basis that knows its error.
 template <typename Table, typename Visit>
 void for_each_coverage_array(Table& coverage, Visit visit) {
   visit(kCoverageBegin, coverage.joint_begin);
@@ -127,7 +127,7 @@ std::vector<std::string> strings(const TableReader& reader, const std::string& k
   return values;
 }
 
-// A file whose features are those of its own joints is what it was before others could be told.
+// A file whose features are those of its own joints stays as it was before there were others.
 void add_joint_features(Safetensors& file, const std::vector<JointFeatures>& features) {
   if (features.empty()) return;
   std::vector<std::uint32_t> joints;
@@ -198,7 +198,7 @@ Skeleton read_skeleton(const Safetensors& file, TableReader& reader, const std::
 
 std::string prefix_of(std::size_t level) { return level == 0 ? "" : "level" + std::to_string(level) + "."; }
 
-// Those whose tensors follow each other by number; a file without further levels has one.
+// Counts levels, whose tensors are numbered in order; a file without further levels has one.
 std::size_t level_count(const Safetensors& file) {
   std::size_t count = 1;
   while (count < kMostLevels && file.tensors.contains(prefix_of(count) + "mesh.rest")) ++count;
@@ -369,7 +369,7 @@ std::vector<Level> levels_in(const Safetensors& file, const std::filesystem::pat
   return levels;
 }
 
-// On its own the first level has no others to tell of.
+// The first level on its own has no others for its metadata to name.
 Basis load_basis(const std::filesystem::path& path) {
   Basis basis = std::move(load_levels(path).front().basis);
   basis.metadata.erase("levels");

@@ -1,5 +1,5 @@
-// What a container has in it, wherever its bytes come from: load_levels(), load_dynamics() and load_attachments() after
-// the file is read.
+// The part of load_levels(), load_dynamics() and load_attachments() after the file is read, wherever its bytes come
+// from.
 #pragma once
 
 #include <filesystem>

@@ -96,7 +96,7 @@ Safetensors container(const Dynamics& dynamics) {
   for_each_dynamics_array(dynamics, [&](const std::string& name, const auto& values, std::uint64_t width) {
     file.tensors[name] = tensor_from(values, width);
   });
-  // As files of earlier versions are, so that a state that belongs to one still does.
+  // Files of earlier versions have none: the checksum stays, so that a state that belongs to one still does.
   if (std::ranges::all_of(dynamics.tets.skin_limit, [](float limit) { return limit == kNoLimit; })) {
     file.tensors.erase(kSkinLimit);
   }

@@ -14,14 +14,14 @@
 
 namespace bodyopt {
 
-// A sparse positive definite system, inverted once: solving it is a few dense products. Nested dissection (George 1973)
-// splits the nodes into fronts, a binary tree; of each front the multifrontal factorisation (Duff and Reid 1983) keeps,
-// instead of triangular factors, P = F11^-1 and W = F11^-1 F12 (own unknowns by own and boundary ones). One structure
-// for diffuse (an unknown a node, three right sides) and jiggle (three unknowns a node).
+// A sparse positive definite system, inverted once, so that solving it is a few dense products. Nested dissection
+// (George 1973) splits the nodes into a binary tree of fronts. The multifrontal factorisation (Duff and Reid 1983) here
+// keeps of a front no triangular factors, but P = F11^-1 and W = F11^-1 F12. (P is own unknowns by own, W own by
+// boundary.) Diffuse (an unknown a node, three right sides) and jiggle (three unknowns a node) share this structure.
 //
 // Each front has a slot per own unknown and one per boundary unknown (owned by fronts above it). A solve goes
-//   up,   leaves to root:  b = right side - what the children hand up,  y = P b,  hands up W^T b + what they handed up
-//   down, root to leaves:  x = y - W x_boundary
+//   up,   leaves to root:  b = right side - what the children hand up,  y = P b,  hands up W^T b + what they handed up,
+//   down, root to leaves:  x = y - W x_boundary.
 // A level is a set of fronts none of which is above another: its slots, and its panels, are solved side by side. Every
 // sum has one order, whatever the threads: the same bits every time.
 
@@ -87,8 +87,8 @@ struct JiggleStep {
   float stiffness_damping = 0;  // beta of C = alpha M + beta K, seconds
 
   float length() const { return 1 / (frames_per_second * static_cast<float>(substeps)); }  // h, seconds
-  // d: the system is A = M/d^2 + C/d + K. TR-BDF2 with gamma = 2 - sqrt(2) (Bank et al. 1985): d = gamma h / 2 in both
-  // its stages; implicit Euler: d = h.
+  // `d`: the system is A = M/d^2 + C/d + K. Both stages of TR-BDF2 have d = gamma h / 2, gamma = 2 - sqrt(2) (Bank et
+  // al. 1985). Implicit Euler has d = h.
   float stage() const { return implicit_euler ? length() : 0.29289321881345254f * length(); }
 };
 
@@ -97,8 +97,8 @@ struct JiggleTable {
   JiggleStep step;
   std::vector<JiggleNode> nodes;  // N
   BlockInverse inverse;           // of A: unknowns are 3 x node + axis, in the nodes' rotated frames
-  // N: the springs that hold each node, those it shares with others included, N/m. They are in `inverse`: no step reads
-  // them, but who wants to see what is held.
+  // N, N/m: the springs that hold each node, those it shares with others included. `inverse` has them: no step reads
+  // them, but displays of what is held do.
   std::vector<float> springs;
 };
 
@@ -119,13 +119,13 @@ void save_dynamics(const Dynamics& dynamics, const std::filesystem::path& path);
 // Checked against the basis. Throws Error(file), Error(mismatch).
 Dynamics load_dynamics(const std::filesystem::path& path, const Basis& basis);
 
-// Where the dynamics of a basis are looked for: hero.dynamics.safetensors beside hero.safetensors.
+// The path of a basis' dynamics: hero.dynamics.safetensors beside hero.safetensors.
 std::filesystem::path dynamics_beside(std::filesystem::path basis);
 
 // How a file of dynamics is stepped, without the basis it belongs to. Throws Error(file).
 JiggleStep read_step(const Safetensors& file, const std::filesystem::path& path);
 
-// Of all its tables and metadata, as the file has it that it was read from, or would have: 16 hexadecimal digits.
+// The checksum of all tables and metadata, as in the file that was read or would be written: 16 hexadecimal digits.
 std::string checksum(const Dynamics& dynamics);
 
 // Bytes of the tables a frame needs, by stage: "diffuse", "jiggle" (the tets count with diffuse).

@@ -1,4 +1,4 @@
-// Which joints hold which part of the skin, by the omegas of Direct Delta Mush.
+// Finds the joints that hold each part of the skin, by the omegas of Direct Delta Mush.
 #pragma once
 
 #include <bit>
@@ -7,7 +7,7 @@
 
 namespace bodyopt {
 
-// use(joint, omega) of every joint of the vertex' block, 0 of those that do not hold the vertex itself.
+// Calls use(joint, omega) for every joint of the vertex' block; omega is 0 where the joint does not hold the vertex.
 template <typename Use>
 void for_each_omega(const DdmTable& ddm, std::uint32_t vertex, const Use& use) {
   const std::uint32_t block = vertex / kBlockSize, lane = vertex % kBlockSize;

@@ -1,5 +1,5 @@
-// Levels of detail: a character with fewer vertices in one file, each an ordinary basis with a skin of its own, and how
-// each carries the full skin.
+// Levels of detail: a character with fewer vertices in one file. Each is an ordinary basis with a skin of its own, and
+// says how it carries the full skin.
 #pragma once
 
 #include <cstdint>
@@ -13,8 +13,8 @@ namespace bodyopt {
 
 constexpr std::size_t kMostLevels = 16;
 
-// A vertex of the full skin on a triangle of a level: the point at the barycentric weights (255 - b - c, b, c) / 255 of
-// its corners, and from there, in the frame of runtime/host/carry_skin.h, an offset that is the same in every pose. As
+// A vertex of the full skin on a triangle of a level. The barycentric weights (255 - b - c, b, c) / 255 of its corners
+// give a point. From there an offset leads on, the same in every pose, in the frame of runtime/host/carry_skin.h. As
 // the offset begins where the rounded weights are, these cost no accuracy.
 struct CarriedPoint {
   std::uint32_t triangle = 0;               // of the level's mesh.output_triangles
@@ -45,9 +45,9 @@ void validate(const std::vector<Level>& levels, const std::string& origin);
 // A file of levels, finest first: load_basis() of it gives the first. What is measured of them is the metadata "levels"
 // of the first (docs/formats.md). Throws Error(file).
 void save_levels(const std::vector<Level>& levels, const std::filesystem::path& path);
-// Where lighter levels of a basis are looked for: hero.proxy.safetensors beside hero.safetensors.
+// The path of a basis' lighter levels: hero.proxy.safetensors beside hero.safetensors.
 std::filesystem::path proxy_beside(std::filesystem::path basis);
-// Of an ordinary basis: itself alone.
+// An ordinary basis gives itself alone.
 std::vector<Level> load_levels(const std::filesystem::path& path);
 
 }  // namespace bodyopt

@@ -1,4 +1,4 @@
-// Points in the order of a character's file (output vertices, of which a seam has several a place) and in that of the
+// Converts points between the order of a character's file (output vertices, several a place at seams) and that of the
 // runtime (one vertex a place).
 #pragma once
 

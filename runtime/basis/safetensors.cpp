@@ -35,7 +35,7 @@ std::uint64_t checked_bytes(const std::filesystem::path& path, const std::string
   return bytes;
 }
 
-// Where a tensor's bytes stand after the header.
+// The bytes of a tensor, counted from the end of the header.
 struct Range {
   std::uint64_t begin, end;
   std::string name;
@@ -199,7 +199,7 @@ Safetensors read_safetensors(const std::filesystem::path& path) {
   std::ifstream stream;
   if (std::filesystem::is_regular_file(path, ignored)) stream.open(path, std::ios::binary | std::ios::ate);
   if (!stream.is_open()) throw Error(ErrorKind::file, path, ": cannot be read: no such file, or no permission?");
-  // Of the file that is open: by the path another may have taken its place.
+  // The size is that of the open file: by the path another may have taken its place.
   const auto size = static_cast<std::uint64_t>(stream.tellg());
   return parse(path, size, [&](std::uint64_t begin, std::span<std::byte> to) {
     stream.seekg(static_cast<std::streamoff>(begin));

@@ -28,11 +28,11 @@ std::size_t dtype_size(const std::string& dtype);  // 0 for a type that is not o
 // order, as 16 hexadecimal digits.
 std::string content_checksum(const Safetensors& file);
 
-// Throws Error(file). Reading checks the header's length, every type, shape and range (no gap, no overlap) before it
-// takes memory for them, and the checksum where the metadata names one.
+// Throws Error(file). Reading checks the header's length, and every type, shape and range (no gap, no overlap), before
+// it takes memory for tensors. It compares the checksum where the metadata names one.
 void write_safetensors(const Safetensors& file, const std::filesystem::path& path);
 Safetensors read_safetensors(const std::filesystem::path& path);
-// The same of a file that is in memory. Errors name the `origin`.
+// Reads a file that is in memory. Errors name the `origin`.
 Safetensors read_safetensors(std::span<const std::byte> bytes, const std::string& origin);
 
 }  // namespace bodyopt

@@ -17,14 +17,14 @@ struct Joint {
   Affine inverse_bind;           // rest space (mesh space, metres) to joint space
 };
 
-// What nine joint features tell: R - I, row-major, of
-//   R = above_turn (rotation of `joint` relative to `above`, away from the bind pose, in rest axes) own_turn^-1,
-// or, of a joint that slides, three numbers and six zeros:
-//   per_metre above_turn (place of `joint` as `above` sees it, less that of the bind pose, in rest axes, metres).
-// A basis that was carried from another skeleton so reads the features of that one.
+// The nine features of a joint are R - I, row-major.
+//   R = above_turn (rotation of `joint` relative to `above`, away from the bind pose, in rest axes) own_turn^-1.
+// A sliding joint has six zeros after
+//   per_metre above_turn (place of `joint` relative to `above`, less that of the bind pose, in rest axes, metres).
+// They let a basis that was transferred from another skeleton read the features of that one.
 struct JointFeatures {
-  // Joints of one tree: a joint and its parent, or what a detached foot goes on from; or the same joint twice, of one
-  // that does not move here.
+  // Both are of one tree: a joint and its parent, or the joint from which a detached foot goes on. The same joint
+  // twice: it does not move here.
   std::uint32_t joint = 0, above = 0;
   Quat above_turn{0, 0, 0, 1}, own_turn{0, 0, 0, 1};
   double per_metre = 0;  // 0: of a rotation
@@ -50,16 +50,16 @@ struct Pose {
   std::vector<float> modifiers{};            // weights of the modifiers' components (drive_modifiers); empty: all 0
   std::vector<JointTransform> unmodified{};  // joints before modifiers turned some; empty: none did
 
-  // Those that what was learned goes by: it knows nothing of modifiers.
+  // The joints that learned corrections go by: they know nothing of modifiers.
   const std::vector<JointTransform>& own_joints() const { return unmodified.empty() ? joints : unmodified; }
 };
 
-// The nearest joint that both hang at or under; -1 where they hang under different roots.
+// The nearest common ancestor, or one of the two where it is above the other; -1 under different roots.
 int common_joint(const Skeleton& skeleton, std::uint32_t one, std::uint32_t other);
 
 Pose bind_pose(const Skeleton& skeleton);
 
-// Where a joint stands in the bind pose: rest space, metres.
+// The place of a joint in the bind pose: rest space, metres.
 Vec3 bind_place(const Skeleton& skeleton, std::size_t joint);
 
 }  // namespace bodyopt

@@ -1,4 +1,4 @@
-// What modifiers of the skin there may be, and how a basis file keeps their stack. See SkinModifiers of basis.h.
+// Types of modifiers that move the posed skin, and the form of a stack in a basis file. See SkinModifiers of basis.h.
 #pragma once
 
 #include <cstdint>

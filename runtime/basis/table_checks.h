@@ -1,4 +1,4 @@
-// What the checks of tables share; every refusal names the array, what was expected and what was found.
+// Checks that tables share; every refusal names the array, what was expected and what was found.
 #pragma once
 
 #include <cmath>
@@ -16,7 +16,7 @@ class TableChecks {
   // Products and sums of numbers up to this size stay finite in every kernel's single precision.
   static constexpr double kLargest = 1e9;
   static constexpr float kWeightTolerance = 1e-4f;  // of a sum of barycentric weights
-  // Of the basis' extent: what lies on the skin stands no further from where the rest skin carries it.
+  // A share of the skin's extent: what is bound to the skin stands no further from its place there at rest.
   static constexpr double kSamePlace = 1e-4;
 
   // Throws Error(file) whose text starts with `origin`.

@@ -1,4 +1,4 @@
-// What the files of tables share: arrays of numbers or of 4-byte words' records as tensors, and back.
+// Tensors from arrays of numbers or of records of 4-byte words, and back, for all files of tables.
 #pragma once
 
 #include <cstring>

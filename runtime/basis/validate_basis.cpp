@@ -34,7 +34,7 @@ class Validator : TableChecks {
   }
 
  private:
-  // Of a row of halves.
+  // Words of a row of halves.
   static std::size_t row_words(std::uint32_t halves) { return (std::size_t{halves} + 1) / 2; }
 
   static bool finite_halves(std::uint32_t word) {

@@ -63,7 +63,7 @@ void remove_unlocked(const fs::path& path) {
   close(file);
 }
 
-// What processes that were killed left in a folder goes when the next one first writes into it.
+// Removes the temporary files of killed processes, when this process first writes into the folder.
 void clear_orphans(const fs::path& folder) {
   static std::mutex mutex;
   static std::set<fs::path> cleared;

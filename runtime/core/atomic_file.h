@@ -10,13 +10,13 @@
 
 namespace bodyopt {
 
-// The file that a symbolic link names, which is what is replaced, and not the link; of anything else the path.
+// The target of a symbolic link, since that is replaced and not the link; any other path as it is.
 [[nodiscard]] std::filesystem::path link_target(const std::filesystem::path& path);
 
-// A file being written. commit() flushes it to the disk and renames it; destroyed before that, nothing is left behind.
-// Of a process that is killed `.bodyopt.HOST.PROCESS.RANDOM.tmp` is left beside the file, until another on the same
-// host first writes into that folder. Links in the place of the temporary file are not followed; devices and pipes in
-// the place of the file are not replaced. Every failure throws Error(file) naming the path and the system's reason.
+// A file being written. commit() flushes it to the disk and renames it; destroyed before that, it leaves nothing
+// behind. A killed process leaves `.bodyopt.HOST.PROCESS.RANDOM.tmp` beside the file, until another on the same host
+// first writes into that folder. Links in the place of the temporary file are not followed; devices and pipes in the
+// place of the file are not replaced. Every failure throws Error(file) naming the path and the system's reason.
 class [[nodiscard]] AtomicFile {
  public:
   explicit AtomicFile(const std::filesystem::path& path);
@@ -33,7 +33,7 @@ class [[nodiscard]] AtomicFile {
   void write_unfinished(AtomicFile& other);
   void commit();
   // Renames it without waiting for the disk: where the machine fails soon after, the file may be there and hold
-  // anything. For what is checked when it is read, and can be made again.
+  // anything. Use it for what is checked when it is read, and can be made again.
   void commit_unflushed();
   // Puts what was written so far aside under another name in the same file system, whole; nothing is left to commit.
   void put_aside(const std::filesystem::path& path);
@@ -63,8 +63,8 @@ class [[nodiscard]] FileLock {
   ~FileLock();
 
   [[nodiscard]] bool is_held() const { return file_ >= 0; }
-  // While it is held. A process that opened the file before finds that it is not at its path any more; over NFS it may
-  // not, where its machine remembers the folder as it was.
+  // Only while it is held. A process that opened the file before finds it gone from its path. Over NFS it may not,
+  // where its machine remembers the folder as it was.
   void remove_file() const;
 
  private:
@@ -87,10 +87,10 @@ class [[nodiscard]] RunLock {
   FileLock lock_;
 };
 
-// A change takes milliseconds; one that takes so long stands still.
+// A change takes milliseconds; one that takes so long hangs.
 constexpr std::chrono::milliseconds kPatienceForChanges = std::chrono::minutes(1);
 
-// The right to change `file`, which may not be there yet: to be held from before it is read until it is renamed into
+// The right to change `file`, which may not exist yet. Hold it from before reading until the new file is renamed into
 // place, so that no change of another process is lost. Waits while another has it; throws Error(file) where that does
 // not end in time. `.NAME.lock` beside the file stays there, empty: removing it would not be safe over NFS.
 FileLock lock_to_change(const std::filesystem::path& file, std::chrono::milliseconds patience = kPatienceForChanges);

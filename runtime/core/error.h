@@ -20,7 +20,7 @@ enum class ErrorKind : int {
   interrupted = 75,  // interrupted, or a temporary failure: run again
 };
 
-// What is wrong with a skin, where advice depends on it.
+// The defect of a skin, where advice depends on it.
 enum class ErrorCause {
   other,
   no_faces,
@@ -32,7 +32,7 @@ enum class ErrorCause {
   flat,
   crossing,     // skin passes through skin, and cannot be moved apart
   unfillable,   // with tetrahedra
-  large_piece,  // that can neither be filled nor ride on the others
+  large_piece,  // that can neither be filled nor follow others
   several_pieces,
 };
 

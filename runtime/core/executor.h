@@ -12,12 +12,12 @@ class Executor {
   using Task = void (*)(const void* context, std::size_t begin, std::size_t end);
 
   virtual ~Executor() = default;
-  // Calls the task for parts that cover [0, count) once, none smaller than `grain` elements where count is not, on
-  // whatever threads and in whatever order; returns when all are done. May be called from several threads at once.
+  // Calls the task for parts that cover [0, count) once, on any threads and in any order; returns when all are done. No
+  // part is smaller than `grain` elements unless `count` is. May be called from several threads at once.
   virtual void parallel_for(std::size_t count, std::size_t grain, Task task, const void* context) = 0;
 };
 
-// All on the calling thread.
+// Runs everything on the calling thread.
 class SerialExecutor final : public Executor {
  public:
   void parallel_for(std::size_t count, std::size_t, Task task, const void* context) override {
@@ -30,7 +30,7 @@ inline Executor& calling_thread() {
   return executor;
 }
 
-// function(begin, end) of every part.
+// Calls function(begin, end) for every part.
 template <typename Function>
 void parallel_parts(Executor& executor, std::size_t count, std::size_t grain, const Function& function) {
   const auto task = [](const void* context, std::size_t begin, std::size_t end) {
@@ -39,7 +39,7 @@ void parallel_parts(Executor& executor, std::size_t count, std::size_t grain, co
   executor.parallel_for(count, grain, task, &function);
 }
 
-// function(k) of every element.
+// Calls function(k) for every element.
 template <typename Function>
 void parallel_each(Executor& executor, std::size_t count, std::size_t grain, const Function& function) {
   parallel_parts(executor, count, grain, [&](std::size_t begin, std::size_t end) {
@@ -47,7 +47,7 @@ void parallel_each(Executor& executor, std::size_t count, std::size_t grain, con
   });
 }
 
-// function(frame, first, count) of all pieces of `size` elements of every frame, the last of a frame smaller.
+// Calls function(frame, first, count) for all pieces of `size` elements of every frame, the last of a frame smaller.
 template <typename Function>
 void parallel_pieces(Executor& executor, std::size_t frames, std::size_t elements, std::size_t size,
                      const Function& function) {

@@ -19,7 +19,7 @@ constexpr std::string_view kByBlender = ": open it in Blender, and export glTF (
                            kBySolving = ", without joints: solve them onto a skeleton, and export BVH or FBX",
                            kByAddOn = ": MotionBuilder or an add-on of Blender reads it and writes FBX or BVH";
 
-// In the order in which they are looked for: what tells little comes last.
+// Kinds are looked for in this order: the least distinctive come last.
 constexpr Kind kKinds[] = {
     {"glTF", "a binary glTF file (.glb)"},
     {"HIERARCHY", "a BVH file"},

@@ -1,4 +1,4 @@
-// What a file seems to be, for messages about files of the wrong kind.
+// Guesses the kind of a file, for messages about files of the wrong kind.
 #pragma once
 
 #include <filesystem>

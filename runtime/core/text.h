@@ -9,7 +9,7 @@
 
 namespace bodyopt {
 
-// As std::printf writes it; of no more than 199 characters.
+// Formats as std::printf does, up to 199 characters.
 std::string formatted(const char* pattern, auto... values) {
   char text[200];
   std::snprintf(text, sizeof(text), pattern, values...);

@@ -154,8 +154,8 @@ Quat axis_angle(const Vec3& axis, double angle) {
   return {s * axis[0], s * axis[1], s * axis[2], std::cos(angle / 2)};
 }
 
-// Where the two are far apart, by halves of the arc: sums, products and square roots have the same bits on every
-// processor, which sines of the C library have not.
+// Halves the arc where the two are far apart: sums, products and square roots have the same bits on every processor.
+// Sines of the C library do not.
 Quat slerp(Quat a, Quat b, double t) {
   constexpr double kNear = 5e-4, kStraight = 1e-12;  // of 1 - c
   double c = a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3];

@@ -37,7 +37,7 @@ Quat operator*(const Quat& a, const Quat& b);
 [[nodiscard]] Quat normalized(const Quat& q);  // identity where it has none
 Quat axis_angle(const Vec3& axis, double angle);
 [[nodiscard]] Quat slerp(Quat a, Quat b, double t);
-// Of the turn from one to the other, the shorter way: 0 to pi.
+// The shorter turn from one to the other: 0 to pi.
 [[nodiscard]] double angle_between(const Quat& a, const Quat& b);
 [[nodiscard]] Vec3 rotate(const Quat& q, const Vec3& v);
 std::array<std::array<double, 3>, 3> rotation_matrix(const Quat& q);

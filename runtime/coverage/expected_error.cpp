@@ -17,8 +17,8 @@ namespace {
 
 using Lanes = std::array<double, kBlockSize>;
 
-// What Direct Delta Mush is off by grows with the square of how far the pose is from rest. By so much at most beyond
-// the centres: measured on clips left out of a horse's and a fox's training.
+// The squared error of Direct Delta Mush grows with the squared distance of the pose from rest. Beyond the centres it
+// grows by this factor at most: measured on clips left out of a horse's and a fox's training.
 constexpr double kMostBeyond = 2;
 
 void add_squares(const BlendEntry& entry, Lanes& sums) {
@@ -45,8 +45,8 @@ class Blend {
   double sum_ = 0, weight_ = 0;
 };
 
-// Features that a region listens to, and those of the joints that move its skin: some never moved in training, and so
-// are none that it could listen to.
+// Features that a region listens to, and those of the joints that move its skin. Of the latter some never moved in
+// training, so that it could not listen to them.
 std::vector<std::uint32_t> watched_features(const Basis& basis, std::size_t r) {
   const Region& region = basis.residual.regions[r];
   const auto first = basis.residual.region_features.begin() + region.feature_begin;
@@ -61,7 +61,7 @@ std::vector<std::uint32_t> watched_features(const Basis& basis, std::size_t r) {
   return {watched.begin(), watched.end()};
 }
 
-// Of the coordinates from centre `m` of the region.
+// The squared distance of the coordinates from centre `m` of the region.
 double squared_distance(const Basis& basis, const Region& region, std::uint32_t m, std::span<const float> coordinates) {
   const std::vector<float>& metric = basis.coverage.metric;
   const std::uint32_t* centre =
@@ -75,7 +75,7 @@ double squared_distance(const Basis& basis, const Region& region, std::uint32_t 
   return sum;
 }
 
-// Of the coordinates from those of the rest pose, which are 0.
+// The squared distance of the coordinates from those of the rest pose, which are 0.
 double squared_length(const Basis& basis, const Region& region, std::span<const float> coordinates) {
   const std::vector<float>& metric = basis.coverage.metric;
   double sum = 0;

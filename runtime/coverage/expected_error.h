@@ -1,13 +1,12 @@
-// How far a pose is from what training saw, and the error to expect of it.
-//   e_r^2 = fade x (local error + growth x (what the nearest kernel centre is further away than usual, squared))
-//           + (1 - fade) x motion
-// per region, in square metres over its vertices. The local error is what cross-validation left at the training frames
-// around each centre, blended between centres by inverse distance (Shepard 1968); the second term is what that error
-// grew by with the distance from what was learned, where there are takes with that of a take left out. Motion is what
-// Direct Delta Mush alone was off by around there, and more beyond the centres: neither is more than that, and where
-// the correction fades it is what is left. Distances are those of the region's coordinates; how far features lie
-// outside the trained range, those of the region and those of all joints that move its skin, is added to them, squares
-// to squares.
+// How far a pose is from what training saw, and the error to expect of it, by region.
+//   e_r^2 = fade x min(local error + growth x max(0, d^2 - usual), motion) + (1 - fade) x motion.
+// Terms are in square metres over the region's vertices. The local error is what cross-validation left at the training
+// frames around each centre, blended between centres by inverse distance (Shepard 1968). Growth is what that error grew
+// by with d^2, where there are takes with a take left out. Motion is the error of Direct Delta Mush alone around there,
+// and more beyond the centres. Older tables lack it, and nothing fades. `d` is the distance, in the region's
+// coordinates, to the nearest kernel centre. Added to d^2 are the squares of how far features lie outside the trained
+// range. These are the features of the region and of all joints that move its skin. Without centres that is all of it,
+// and no usual distance is taken off.
 #pragma once
 
 #include <array>
@@ -19,15 +18,15 @@
 
 namespace bodyopt {
 
-// The error to expect of every vertex. What coverage says of a region is spread over its vertices as the squares of
-// what its components add to them: where most is learned, most is missed.
+// The error to expect of every vertex. A region's error is spread over its vertices as the squares of what its
+// components add to them: where most is learned, most is missed.
 class RegionShares {
  public:
   RegionShares() = default;
   explicit RegionShares(const Basis& basis);
 
-  // V, metres, of as many errors as there are regions; 0 where nothing was learned. Summed in squares over a region's
-  // vertices it is what the region's error is over as many as its size.
+  // V, metres, by the error of each region (mm); 0 where nothing was learned. The squares over a region's vertices sum
+  // to its squared error times its size.
   std::vector<float> carry(const std::vector<double>& region_mm) const;
 
  private:
@@ -51,11 +50,11 @@ class ErrorExpectation {
   // The basis must outlive this. Throws Error(mismatch) where it does not know its error.
   explicit ErrorExpectation(const Basis& basis);
 
-  // From any thread. `strains`: of the pose, one a fibre. Controls that the pose lacks are 0.
+  // May be called from any thread. `strains`: of the pose, one a fibre. Controls that the pose lacks are 0.
   ExpectedError of(const Pose& pose, std::span<const float> strains) const;
 
  private:
-  // What the residual knows of a pose.
+  // The inputs of the residual at a pose.
   struct PoseFeatures {
     std::vector<float> coordinates, excess;  // of all regions; of all features
     std::vector<float> fades;                // of all regions

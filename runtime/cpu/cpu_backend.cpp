@@ -15,11 +15,11 @@
 namespace bodyopt {
 namespace {
 
-// Vertices of a frame that are posed, or get their normals, at a time (and triangles, their area vectors): their
+// Vertices of a frame that are posed, or get their normals, at a time (and triangles, their area vectors). Their
 // displacements stay in the nearest cache.
 constexpr std::size_t kPartBlocks = 32, kPartVertices = kPartBlocks * kBlockSize;
 
-// Frames of a batch between whose stages what is known of their blocks is kept.
+// Frames of a batch that run together: what is known of their blocks is kept between their stages.
 constexpr std::size_t kFramesAtOnce = 8;
 
 struct FrameRange {
@@ -27,7 +27,7 @@ struct FrameRange {
   std::size_t count() const { return end - begin; }
 };
 
-// What frame f of `frames` has of values.
+// The values of frame f of `frames`.
 template <typename Values>
 auto of_frame(Values& values, std::size_t f, std::size_t frames) {
   const std::size_t size = values.size() / frames;
@@ -89,13 +89,13 @@ class CpuBackend final : public Backend {
   }
 
  private:
-  // What a stage does of some frames before any of their skin is posed.
+  // Runs what a stage does of some frames before any of their skin is posed.
   void run_frames(Stage stage, Work& work, FrameRange range) {
     if (stage == Stage::strain) find_strains(work, range);
     if (stage == Stage::residual) find_coefficients(work, range);
   }
 
-  // What it does once the whole batch is posed.
+  // Runs what a stage does once the whole batch is posed.
   void run_batch(Stage stage, Work& work) {
     auto last = StageTimes::Clock::now();
     BatchResult& result = work.result;
@@ -168,7 +168,7 @@ class CpuBackend final : public Backend {
   std::size_t vertex_count() const { return basis_.mesh.vertex_count(); }
   std::size_t block_count() const { return basis_.ddm.block_begin.size() - 1; }
 
-  // What strains are of.
+  // The skinning that strains are measured on.
   static const std::vector<float>& learned_skinning(const Batch& batch) {
     return batch.learned_skinning.empty() ? batch.skinning : batch.learned_skinning;
   }
@@ -187,8 +187,8 @@ class CpuBackend final : public Backend {
         .subspan(cpu::kFrameNumbers * first_block);
   }
 
-  // The frames of Direct Delta Mush of all blocks, which the pose stage needs, too, where no modifier turned a joint,
-  // and from them the strains.
+  // Finds the frames of Direct Delta Mush of all blocks, and from them the strains. The pose stage uses the frames
+  // again, where no modifier turned a joint.
   void find_strains(Work& work, FrameRange range) {
     if (basis_.strain.vertices.empty()) return;
     const Batch& batch = work.batch;
@@ -222,7 +222,7 @@ class CpuBackend final : public Backend {
     });
   }
 
-  // Of frame f and a region.
+  // Finds the coefficients of frame f and a region.
   void find_coefficients(Work& work, std::size_t f, std::size_t region) {
     const ResidualTable& table = basis_.residual;
     const auto frame = [&](auto& values) { return of_frame(values, f, work.batch.frame_count).data(); };
@@ -239,7 +239,7 @@ class CpuBackend final : public Backend {
                              frame(work.batch.fades)[region], frame(work.result.coefficients));
   }
 
-  // What stages do part by part, one after the other while a part is in the nearest cache.
+  // Runs stages part by part, one after the other while a part is in the nearest cache.
   void run_parts(std::span<const Stage> stages, Work& work, FrameRange range) {
     parallel_pieces(
         *executor_, range.count(), vertex_count(), kPartVertices,
@@ -267,7 +267,7 @@ class CpuBackend final : public Backend {
         });
   }
 
-  // What modifiers do that move the skin in the end.
+  // Applies the modifiers that move the posed skin in the end.
   void finish(Work& work) {
     std::vector<float>& positions = work.result.positions;
     bool separates = true;

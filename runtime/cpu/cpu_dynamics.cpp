@@ -7,7 +7,7 @@
 namespace bodyopt {
 namespace {
 
-// What frame f of `frames` has of values.
+// The values of frame f of `frames`.
 template <typename Values>
 auto part(Values& values, std::size_t f, std::size_t frames) {
   const std::size_t size = values.size() / frames;

@@ -12,8 +12,8 @@ class CpuDynamics {
 
   // The nodes of a batch, kept for jiggle(). positions: F x V x 3, of the quasi-static skin.
   void diffuse(const Batch& batch, std::span<const float> positions);
-  // Steps the frames of the batch in their order. positions: F x V x 3, of the quasi-static skin; replaced by those of
-  // the skin that jiggles, of which `weight` is shown. strains: F x S. Where it throws, the motion is that of before.
+  // Steps the frames of the batch in their order. Replaces `positions`, F x V x 3, of the quasi-static skin by those of
+  // the skin that jiggles, shown by `weight`. `strains`: F x S. Where it throws, the motion is that of before.
   void jiggle(const Batch& batch, float weight, std::span<const float> strains, std::vector<float>& positions);
 
   NodeMotion motion;

@@ -35,7 +35,7 @@ void block_frames(const DdmTable& ddm, const float* skinning, std::uint32_t firs
 
 void vertex_frames(const DdmTable& ddm, std::span<const std::uint32_t> vertices, const float* skinning,
                    std::span<float> frames) {
-  // Those of a block cost as much as one: what was found of a few blocks is kept.
+  // The frames of a whole block cost as much as one of them: those of a few blocks are kept.
   struct KnownBlock {
     std::uint32_t block = kNoSlot;
     float numbers[kFrameNumbers];

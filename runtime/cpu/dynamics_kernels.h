@@ -21,16 +21,16 @@ struct TetTable;
 
 namespace bodyopt::cpu {
 
-// Diffuse stage: where the skin carries the nodes that lie on it, relative to the frame's origin.
-// positions F x V x 3 (world), origins F x 4 -> the first B of nodes F x N x 3; the others are left.
+// Diffuse stage: the places of the nodes that lie on the skin, relative to the frame's origin. Takes positions F x V x
+// 3 (world), origins F x 4 -> the first B of nodes F x N x 3; leaves others.
 void diffuse_surface(const TetTable& tets, std::span<const float> positions, std::span<const float> origins,
                      std::uint32_t frame_count, std::span<float> nodes, Executor& threads = calling_thread());
 
-// Diffuse stage: -L_IB X_B. nodes F x N x 3 -> right_sides F x N x 3, of all nodes but the first B (which are left).
+// Diffuse stage: -L_IB X_B. Takes nodes F x N x 3 -> right_sides F x N x 3, of all nodes but the first B (left alone).
 void diffuse_gather(const DiffuseTable& diffuse, std::uint32_t surface_count, std::span<const float> nodes,
                     std::uint32_t frame_count, std::span<float> right_sides, Executor& threads = calling_thread());
 
-// Where the unknowns of one of many right sides stand, see below.
+// Indexes the unknowns of one of many right sides, see below.
 struct RightSide {
   RightSide(std::uint32_t number, std::uint32_t interleave, std::uint32_t unknown_count)
       : step(interleave), begin(std::size_t{number / interleave} * unknown_count * interleave + number % interleave) {}
@@ -41,8 +41,8 @@ struct RightSide {
 };
 
 // One level of a solve with R right sides. Unknown q of right side r stands at
-// (r / interleave) * unknown_count * interleave + q * interleave + r % interleave: with an interleave of 3, x, y and z
-// of a node stand side by side. gathered, results: R x slot_count.
+//   (r / interleave) * unknown_count * interleave + q * interleave + r % interleave.
+// An interleave of 3 puts x, y and z of a node side by side. gathered, results: R x slot_count.
 //
 // Up, first half: gathered = right side of own slots less what children hand up; of boundary slots what they hand up.
 void block_gather(const BlockInverse& inverse, const InverseLevel& level, std::span<const float> right_sides,
@@ -61,12 +61,12 @@ void block_solve(const BlockInverse& inverse, std::span<const float> right_sides
                  std::uint32_t interleave, std::vector<float>& scratch, std::span<float> solutions,
                  Executor& threads = calling_thread());
 
-// Jiggle stage: rotation of every node, that of the volume-weighted mean of the deformation gradients of its tets
-// (F_e = D(X) D^-1). nodes F x N x 3 -> rotations F x N x 9, row-major.
+// Jiggle stage: the rotation of every node, that of the volume-weighted mean of the deformation gradients of its tets
+// (F_e = D(X) D^-1). Takes nodes F x N x 3 -> rotations F x N x 9, row-major.
 void jiggle_rotate(const TetTable& tets, std::span<const float> nodes, std::uint32_t frame_count,
                    std::span<float> rotations, Executor& threads = calling_thread());
 
-// Where a frame of the jiggle starts from. All in world axes, N x 3 each.
+// The state that a frame of the jiggle starts from. All in world axes, N x 3 each.
 struct JiggleMotion {
   std::span<const float> displacement, velocity;  // u and du/dt, relative to the quasi-static nodes
   std::span<const float> nodes, node_velocity;    // X of the frame before, relative to its origin; its dX/dt
@@ -75,19 +75,19 @@ struct JiggleMotionOut {
   std::span<float> displacement, velocity, nodes, node_velocity;
 };
 
-// Jiggle stage, once a frame: the quasi-static nodes move in straight lines from frame to frame, so that inertia is a
-// change of velocity where they turn: V = (X - X_before + origin_step) / interval, du/dt -= V - V_before. As a
-// splitting it is of second order (Hairer, Lubich, Wanner 2003, "kick"). kick.start: 0 nothing is known of the frames
-// before (u, du/dt and V become 0), 1 one frame is (V is found; no kick), 2 all. nodes: X, N x 3, of this frame.
+// Jiggle stage, once a frame: the quasi-static nodes move in straight lines from frame to frame, and inertia changes
+// velocities where they turn. V = (X - X_before + origin_step) / interval, du/dt -= V - V_before. As a splitting it is
+// of second order (Hairer, Lubich, Wanner 2003, "kick"). X: `nodes` of this frame, N x 3. `kick.start`: 0, no frame
+// before is known (u, du/dt and V become 0); 1, one is (V is found; no kick); 2, all are.
 void jiggle_kick(const JiggleKickPush& kick, std::span<const float> nodes, const JiggleMotion& before,
                  const JiggleMotionOut& after, Executor& threads = calling_thread());
 
-// Jiggle stage, begin of a step: u and v into the nodes' frames (R^T), active muscles hold theirs, right side of the
-// first solve. With w2 = stiffening x activation:
+// Jiggle stage, begin of a step: turns u and v into the nodes' frames (R^T), where active muscles hold theirs. It gives
+// the right side of the first solve. With w2 = stiffening x activation:
 //   v := (v - h w2 u) / (1 + h^2 w2)          one implicit Euler kick of the muscle's springs
-//   right side = velocity_weight m (v + d R^T g) + displacement_weight inertia u
-// activation = clamp(-mean strain of the muscle's fibres / kFullActivationStrain, 0, 1), and of what is left the
-// control's value (clamped to 0..1). strains S and controls C of this frame; rotations N x 9 of this frame.
+//   right side = velocity_weight m (v + d R^T g) + displacement_weight inertia u.
+// The activation is clamp(-mean strain of the muscle's fibres / kFullActivationStrain, 0, 1). Of what is left the
+// control's value (clamped to 0..1) is added. Takes strains S, controls C and rotations N x 9 of this frame.
 void jiggle_begin(const JiggleTable& jiggle, const JiggleStepPush& step, std::span<const float> rotations,
                   std::span<const float> strains, std::span<const float> controls, std::span<const float> displacement,
                   std::span<const float> velocity, std::span<float> local_displacement, std::span<float> local_velocity,
@@ -101,14 +101,14 @@ void jiggle_advance(const JiggleTable& jiggle, const JiggleStepPush& step, std::
                     std::span<const float> local_velocity, std::span<float> next_displacement,
                     std::span<float> next_velocity, std::span<float> right_side, Executor& threads = calling_thread());
 
-// Jiggle stage, end of a step: u = R (u_from_u u + u_from_z z), v = R (v_from_u u + v_from_z z), world; numbers below
+// Jiggle stage, end of a step: u = R (u_from_u u + u_from_z z), v = R (v_from_u u + v_from_z z), world. Numbers below
 // kStill become 0.
 void jiggle_end(const JiggleStepPush& step, std::span<const float> rotations, std::span<const float> solution,
                 std::span<const float> local_displacement, std::span<float> displacement, std::span<float> velocity,
                 Executor& threads = calling_thread());
 
-// Jiggle stage: the skin goes along: x + weight x amount x what its tet has of u, cut where it nears the vertex' limit
-// (limited_share in shaders/include/jiggle.h). Of a vertex whose amount is 0 no bit changes. positions V x 3,
+// Jiggle stage: the skin follows: x + weight x amount x what its tet has of u. It is cut where it nears the vertex'
+// limit (limited_share in shaders/include/jiggle.h). A vertex whose amount is 0 keeps its bits. Takes positions V x 3,
 // displacement N x 3 -> moved V x 3.
 void jiggle_skin(const TetTable& tets, std::span<const float> positions, std::span<const float> displacement,
                  float weight, std::span<float> moved, Executor& threads = calling_thread());

@@ -14,7 +14,7 @@
 HWY_BEFORE_NAMESPACE();
 namespace bodyopt::cpu::HWY_NAMESPACE {
 
-// Of nodes begin to end. gradients: T x 9, each times the volume of its tet.
+// Rotates nodes `begin` to `end`. gradients: T x 9, each times the volume of its tet.
 void rotate_lanes(const TetTable& tets, const float* gradients, std::size_t begin, std::size_t end, float* rotations) {
   for (std::size_t first = begin; first < end; first += kLaneCount) {
     const std::size_t count = std::min<std::size_t>(kLaneCount, end - first);

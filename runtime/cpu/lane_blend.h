@@ -1,4 +1,4 @@
-// What residual_blend and modify_blend share: the sums of a block's entries, in lanes.
+// The sums of a block's entries, in lanes: shared by residual_blend and modify_blend.
 #if defined(BODYOPT_LANE_BLEND_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef BODYOPT_LANE_BLEND_H
 #undef BODYOPT_LANE_BLEND_H
@@ -21,7 +21,7 @@ HWY_INLINE Lanes lanes_from_bytes(const std::int8_t* bytes) {
   return Lanes(hn::ConvertTo(LaneTag(), hn::PromoteTo(wide, hn::LoadU(narrow, bytes))));
 }
 
-// Of the group of lanes that begins at `lane`. coefficients: of the frame.
+// Sums for the group of lanes that begins at `lane`. coefficients: of the frame.
 HWY_INLINE void blend_entries(std::span<const BlendEntry> entries, std::uint32_t lane, const float* coefficients,
                               Lanes (&sums)[3]) {
   for (Lanes& sum : sums) sum = 0.0f;

@@ -1,4 +1,4 @@
-// What strain_skin and pose_skin share: Direct Delta Mush of the vertices of a block in the centred form, in lanes.
+// Shared by strain_skin and pose_skin: Direct Delta Mush of the vertices of a block in the centred form, in lanes.
 //   a_j = M_j p - M_base p;  Q = sum_j (A_j S_j + a_j s_j^T);  t = M_base p + sum_j (omega_j a_j + r^2 A_j s_j);
 //   R = rot(Q);  x = t + R (d + delta d)
 #if defined(BODYOPT_LANE_DDM_H) == defined(HWY_TARGET_TOGGLE)
@@ -16,7 +16,7 @@
 HWY_BEFORE_NAMESPACE();
 namespace bodyopt::cpu::HWY_NAMESPACE {
 
-// What a group of vertices has of its own: DdmVertex, in lanes.
+// The vertices of a group: DdmVertex, in lanes.
 struct LaneVertices {
   Lanes centre[3], radius2, offset[3];
   LaneWords base_joint;

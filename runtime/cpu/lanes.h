@@ -1,5 +1,5 @@
 // The lanes of a block, side by side in the registers of whatever instructions the processor has. A kernel in lanes is
-// compiled once for each set of them (hwy/foreach_target.h includes its source again), in a namespace of its own, and
+// compiled once for each set of them, in a namespace of its own: hwy/foreach_target.h includes its source again.
 // Highway chooses when the program runs. All give the same bits: a lane knows nothing of its neighbours, and a multiply
 // and an add stay two roundings.
 //

@@ -35,7 +35,7 @@ Spans spans_of(const Vector& middle, const Vector& half_edge, const BentFold& fo
   return spans;
 }
 
-// Those of boxes: from and to along each axis.
+// Finds the spans of boxes, from and to along each axis.
 void find_spans(std::span<const float> boxes, std::span<float> found, BentFold& fold) {
   const std::size_t count = boxes.size() / 6;
   for (std::size_t box = 0; box < count; ++box) {
@@ -140,7 +140,7 @@ class Separation {
   }
 
   static bool meets(const BentFold& fold, std::size_t box, const Spans& spans) {
-    // Without branches, which nothing could foretell.
+    // No branches: none could be predicted.
     const int along_first = int{fold.from[0][box] <= spans.to[0]} & int{fold.to[0][box] >= spans.from[0]};
     const int along_second = int{fold.from[1][box] <= spans.to[1]} & int{fold.to[1][box] >= spans.from[1]};
     return along_first & along_second;

@@ -15,7 +15,7 @@ inline constexpr std::size_t kPartWork = std::size_t{1} << 16;
 // Elements of which each is that much work.
 constexpr std::size_t grain_of(std::size_t work) { return std::max<std::size_t>(1, kPartWork / work); }
 
-// Of `count` elements that are that much work together.
+// The grain for `count` elements that are that much work together.
 constexpr std::size_t grain_of(std::size_t count, std::size_t work) {
   return std::max<std::size_t>(1, count * kPartWork / std::max<std::size_t>(1, work));
 }

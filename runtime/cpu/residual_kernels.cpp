@@ -9,8 +9,8 @@
 HWY_BEFORE_NAMESPACE();
 namespace bodyopt::cpu::HWY_NAMESPACE {
 
-// exp(-x) for x >= 0, within 2 ulp; 0 where it would be subnormal. -x = n ln 2 + r, |r| <= ln 2 / 2: 2^n times the
-// series of exp(r), which leaves 5e-9 of it.
+// exp(-x) for x >= 0, within 2 ulp; 0 from kLargest on, before it is subnormal. With -x = n ln 2 + r, |r| <= ln 2 / 2,
+// it is 2^n exp(r). The series of exp(r) leaves 5e-9 of it.
 HWY_INLINE Lanes exp_of_negative(Lanes x) {
   constexpr float kLargest = 87.0f;
   const Lanes y = -min(x, kLargest);

@@ -1,4 +1,4 @@
-// What runs the stages of a batch: the CPU (runtime/cpu/cpu_backend.h) or a Vulkan device
+// A backend runs the stages of a batch: the CPU (runtime/cpu/cpu_backend.h) or a Vulkan device
 // (runtime/vulkan/backend/vulkan_backend.h).
 #pragma once
 
@@ -38,7 +38,7 @@ struct Batch {
   std::vector<float> controls;        // F x control count
   std::vector<float> fades;           // F x region count, see region_fades
   std::vector<float> modifiers{};     // F x component count of the modifiers
-  // As skinning, before modifiers turned joints: for the strains. Empty where the basis has none that turn any.
+  // Like skinning, before modifiers turned joints: for the strains. Empty where the basis has none that turn any.
   std::vector<float> learned_skinning{};
   std::vector<double> joints{};       // F x J x 3, metres, world: for the plan of the jiggle
   std::vector<JiggleFrame> jiggle{};  // F; empty: the skin is quasi-static
@@ -48,7 +48,7 @@ struct Batch {
   bool keeps_posed = false;           // BatchResult::posed is wanted
 };
 
-// What a backend gives back, frame-major, vertices in runtime order.
+// The results of a batch, frame-major, vertices in runtime order.
 struct BatchResult {
   std::vector<float> positions;     // F x V x 3
   std::vector<float> normals;       // F x V x 3
@@ -60,8 +60,8 @@ struct BatchResult {
   StageSeconds stage_seconds;
 };
 
-// Backend::run in two halves, so that the work of several goes to their device at once: what start() gives is ended,
-// and is run before finish(). Throws as run().
+// Backend::run in two halves, so that the work of several goes to their device at once. start() gives ended commands,
+// which must run before finish(). Throws as run().
 class SplitRun {
  public:
   virtual vulkan::Commands& start(const Batch& batch) = 0;
@@ -89,9 +89,9 @@ class Backend {
   // Coefficients at rest, subtracted from then on. Zero until set.
   virtual void set_rest_coefficients(std::span<const float> coefficients) = 0;
   virtual void set_weights(const Weights& weights) = 0;
-  // Of the last batch; nothing of a backend without a device.
+  // The skin of the last batch on the device; empty for a backend without one.
   virtual DeviceSkin device_skin() const { return {}; }
-  // What batches that jiggle start from, and leave behind. Zero until set.
+  // The motion that batches with jiggle start from, and leave behind. Zero until set.
   virtual void set_motion(const NodeMotion& motion) = 0;
   virtual NodeMotion motion() const = 0;
 };

@@ -1,4 +1,4 @@
-// What of a character never changes: shared by all that evaluate it.
+// The constant data of a character: shared by all that evaluate it.
 #pragma once
 
 #include <cstdint>
@@ -14,11 +14,11 @@
 
 namespace bodyopt {
 
-// A skin's triangles in the order of its vertices: what is found for a triangle stands near what is found for its
-// vertices, so that threads which share a frame read little that another one wrote.
+// A skin's triangles in the order of its vertices. Results of a triangle stand near those of its vertices, so that
+// threads which share a frame read little that another one wrote.
 struct NearTriangles {
   std::vector<std::uint32_t> triangles;  // T x 3, vertices of the skin, those with the lowest first
-  // As MeshTable's, in these numbers; those of a vertex stay in the mesh's order: a sum over them has the same bits.
+  // MeshTable's, in these numbers; those of a vertex stay in the mesh's order: a sum over them has the same bits.
   std::vector<std::uint32_t> vertex_triangles;
 };
 

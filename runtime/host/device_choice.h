@@ -1,4 +1,4 @@
-// Which device a user asks for.
+// The device that a user asks for.
 #pragma once
 
 #include <filesystem>
@@ -9,9 +9,9 @@ namespace bodyopt {
 
 class Executor;
 
-// Which backend runs. "auto" takes a discrete GPU, then any other, then the CPU; "cpu"; an index or (part of) a name as
-// listed by `bodyopt devices`. With require_device, "auto" takes a software Vulkan device before it throws. A device
-// that exists but fails is an error, never a reason to fall back.
+// The backend that runs: "auto", "cpu", an index, or (part of) a name as listed by `bodyopt devices`. The default
+// "auto" takes a discrete GPU, then any other, then the CPU. With require_device, it takes a software Vulkan device
+// before it throws. A device that exists but fails is an error, never a reason to fall back.
 struct DeviceChoice {
   std::string name = "auto";
   bool require_device = false;

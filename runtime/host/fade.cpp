@@ -5,7 +5,7 @@
 namespace bodyopt {
 namespace {
 
-// Of the nine features of a joint.
+// Sums, over the nine features of a joint, the squared distances from their ranges.
 double squared_excess(const ResidualTable& residual, std::size_t joint, std::span<const float> joint_features) {
   double sum = 0;
   for (std::size_t k = 9 * joint; k < 9 * joint + 9; ++k) {

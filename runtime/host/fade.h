@@ -8,8 +8,8 @@
 
 namespace bodyopt {
 
-// How far each joint (in the order of feature_joints()) stands off what training showed of it and its neighbours:
-// off_j^2 beyond its tolerance, radians squared. joint_features: of one frame, see RigFrame. Empty without a FadeTable.
+// How far each joint is off training: max(0, off_j^2 - tolerance_j) of FadeTable, radians squared, in the order of
+// feature_joints(). `joint_features`: of one frame, see RigFrame. Empty without a FadeTable.
 std::vector<double> joints_off(const ResidualTable& residual, std::span<const float> joint_features);
 
 // fade_r of every region, see FadeTable: 1 where the pose is like those of training, towards 0 away from them.

@@ -61,8 +61,8 @@ void set_result(double u_from_u, double u_from_z, double v_from_u, double v_from
 
 constexpr const char* kSchema = "bodyopt-jiggle-state-1";
 
-// Of the character's size, and of that a frame: what jiggles is nowhere near, and further away single precision may run
-// out of numbers.
+// Bounds in sizes of the character; of velocities, in sizes a frame. What jiggles is nowhere near, and further away
+// single precision may run out of numbers.
 constexpr double kMostJiggle = 1e3;  // off its quasi-static place
 constexpr double kMostPlace = 1e6;   // in the world
 constexpr int kMostFrame = 2000000000;
@@ -235,8 +235,8 @@ JiggleStages jiggle_stages(const JiggleStep& step, const JiggleStepPush& frame) 
     return stages;
   }
   stage.set_right_side(2, stages.begin);
-  // The trapezoidal rule ends at u_g = (1 - 2 / b) u + z, v_g = (u_g - u) / d - v; BDF2 starts from c1 u_g - c0 u and
-  // c1 v_g - c0 v, c1 = 1 / (gamma (2 - gamma)) and c0 = c1 - 1. c1 is rounded first: 1 - 2 c1 then is a float, too,
+  // The trapezoidal rule ends at u_g = (1 - 2 / b) u + z, v_g = (u_g - u) / d - v. BDF2 starts from c1 u_g - c0 u and
+  // c1 v_g - c0 v. Here c1 = 1 / (gamma (2 - gamma)) and c0 = c1 - 1. As c1 is rounded first, 1 - 2 c1 is a float, too,
   // and an undamped mode does not grow by roundings.
   const double c1 = static_cast<float>((1 + std::sqrt(2.0)) / 2), c0 = c1 - 1;
   stages.advance = push;

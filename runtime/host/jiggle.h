@@ -26,10 +26,10 @@ struct JiggleOptions {
   std::vector<int> cuts{};
 };
 
-// What is wrong with it, as the end of a sentence that begins with its name; empty: nothing.
+// Says what is wrong with it, as the end of a sentence that begins with its name; empty: nothing.
 std::string problem_of_gravity_change(const Vec3& change);
 
-// Where nodes are and how they move, world axes, N x 3 each: see cpu::JiggleMotion.
+// Places and motion of the nodes, world axes, N x 3 each: see cpu::JiggleMotion.
 struct NodeMotion {
   std::vector<float> displacement, velocity;  // from the quasi-static nodes, metres; its rate, m/s
   std::vector<float> nodes, node_velocity;    // quasi-static, relative to the frame's origin, metres; m/s
@@ -63,10 +63,10 @@ struct JiggleFrame {
   JiggleKickPush kick{};    // without the counts
 };
 
-// Decides by frame number and joints (J x 3, world, metres) alone, so that every device does the same, and brings
-// `state` (all but its motion) to the frame. A frame that starts anew has displacement 0; a jump is a change of the
-// joints' velocity by more than 2 sqrt(9.81 m/s^2 x size) in the mean square, `size` the diagonal of the rest skin:
-// 8 m/s for a person, where landing from a leap is 3 or 4.
+// Decides by frame number, declared cuts and joints (J x 3, world, metres) alone, so that every device does the same.
+// Brings `state` (all but its motion) to the frame. A frame that starts anew has displacement 0. In a jump the joints'
+// velocity changes by more than 2 sqrt(9.81 m/s^2 x size), root mean square. `size`: the diagonal of the rest skin.
+// That is 9 m/s for a person, where landing from a leap is 3 or 4.
 JiggleFrame plan_frame(int frame, std::span<const double> joints, const double (&origin)[3], double size,
                        const JiggleStep& step, const JiggleOptions& options, JiggleState& state);
 
@@ -94,14 +94,14 @@ struct JiggleStages {
   JiggleStepPush end;
 };
 
-// What jiggle_stages takes of a frame: its number in the arrays of the batch, their counts, and the change of gravity,
-// m/s^2.
+// Gives jiggle_stages what is the frame's: its number in the arrays of the batch, their counts, and the change of
+// gravity, m/s^2.
 JiggleStepPush jiggle_frame(const Dynamics& dynamics, std::uint32_t fibre_count, std::uint32_t control_count,
                             std::uint32_t frame, const Vec3& gravity_change);
 
-// TR-BDF2 (Bank et al. 1985) is the trapezoidal rule to gamma h, then BDF2 to h. Both stages share one system
-// A = inertia + b K with b = 1 + beta / d, so that K u = (A - inertia) u / b: no product with K is needed.
-// `frame` has the counts, the frame's number and gravity; the rest of it is not looked at.
+// TR-BDF2 (Bank et al. 1985) is the trapezoidal rule to gamma h, then BDF2 to h. Both stages share one system A =
+// inertia + b K with b = 1 + beta / d. So K u = (A - inertia) u / b, and no product with K is needed. `frame` has the
+// counts, the frame's number and gravity; the rest of it is ignored.
 JiggleStages jiggle_stages(const JiggleStep& step, const JiggleStepPush& frame);
 
 }  // namespace bodyopt

@@ -15,10 +15,10 @@ struct OutputStep {
   bool operator==(const OutputStep&) const = default;
 };
 
-// Those of a batch, in the stack's order; none of a modifier that no frame has a weight for.
+// The steps of a batch, in the stack's order; a modifier that no frame has a weight for has none.
 std::vector<OutputStep> output_steps(const Basis& basis, const Batch& batch);
 
-// What output_relax, output_bound and output_separate are pushed.
+// Push constants of output_relax, output_bound and output_separate.
 OutputRelaxPush relax_push(const Basis& basis, const OutputStep& step);
 OutputBoundPush bound_push(const Basis& basis);
 OutputSeparatePush separate_push(const Basis& basis, const OutputStep& step);

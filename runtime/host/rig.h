@@ -9,17 +9,17 @@
 
 namespace bodyopt {
 
-// What the other stages need of one posed frame.
+// The parts of one posed frame that the other stages need.
 struct RigFrame {
   // J x 12: skinning matrices (posed joint matrix times inverse bind matrix), three rows of four, relative to origin.
   std::vector<float> skinning;
-  // Posed position of the first root joint, metres, world. Subtracted from the matrices before they are rounded to
-  // single precision and added back by the pose stage, so that the skin is as exact at 100 m as at the origin.
+  // Posed position of the first root joint, metres, world. The matrices lose it before they are rounded to single
+  // precision, and the pose stage adds it back. So the skin is as exact at 100 m as at the origin.
   float origin[3];
   std::vector<double> joints;  // J x 3: posed positions of the joints, metres, world
-  // What was learned goes by the pose before modifiers turned joints (Pose::own_joints). 9 values for each of
-  // joint_features_of(skeleton): of most characters R_k - I, row-major, where R_k is a joint's rotation relative to its
-  // parent, away from the bind pose, in rest axes. Made of local transforms only: a turn of the root changes no bit.
+  // 9 values for each of joint_features_of(skeleton), of the pose before modifiers turned joints (Pose::own_joints).
+  // For most characters they are R_k - I, row-major. R_k is a joint's rotation relative to its parent, away from the
+  // bind pose, in rest axes. They are made of local transforms only: a turn of the root changes no bit.
   std::vector<float> joint_features;
   std::vector<float> learned_skinning;  // as skinning, of that pose: for the strains
 };

@@ -16,9 +16,9 @@ namespace bodyopt {
 namespace {
 
 constexpr double kLimb = 0.25;  // of the longest chain's length
-// Of a fold's reach: how far its joint is from the trunk at most, along the bones, where the trunk's skin may close on
-// the limb's, and how far around the joint that skin stands. An elbow does not fold on the belly, nor an armpit at the
-// waist.
+// Shares of a fold's reach. The trunk's skin may close on a limb's where the fold's joint is less than kFromTrunk from
+// the trunk, along the bones. It does so up to kTrunkReach around the joint. An elbow does not fold on the belly, nor
+// an armpit at the waist.
 constexpr double kFromTrunk = 0.75;
 constexpr float kTrunkReach = 0.625f;
 
@@ -135,7 +135,7 @@ struct OrientedCorner {
   double angle;  // at rest
 };
 
-// By vertex of the skin and texture coordinates.
+// Keyed by vertex of the skin and texture coordinates.
 using CornersByPlace = std::map<std::pair<std::uint32_t, std::array<float, 2>>, std::vector<OrientedCorner>>;
 
 double angle_at_rest(const MeshTable& mesh, std::uint32_t a, std::uint32_t b, std::uint32_t c) {
@@ -158,7 +158,7 @@ class Corners {
     for (std::size_t t = 0; t < mesh.output_triangles.size(); t += 3) add(&mesh.output_triangles[t]);
   }
 
-  // Of an output vertex: mirrored or not, whichever holds the larger angle.
+  // The corners of an output vertex: mirrored or not, whichever hold the larger angle.
   std::pair<bool, std::vector<TangentCorner>> of(std::uint32_t output) const {
     std::pair<bool, std::vector<TangentCorner>> found;
     const auto at = by_place_.find(place(output));
@@ -194,7 +194,7 @@ class Corners {
            std::equal(at(2), at(2) + 3, at(0));
   }
 
-  // On the texture.
+  // An edge on the texture.
   std::array<double, 2> edge(std::uint32_t from, std::uint32_t to) const {
     const auto along = [&](std::size_t i) {
       return double{texture_[2 * std::size_t{to} + i]} - double{texture_[2 * std::size_t{from} + i]};

@@ -1,5 +1,5 @@
-// The stages of a frame, once: both backends walk this list, timers and the check are named by it, and so is the table
-// in docs/pipeline/README.md.
+// The stages of a frame, once: both backends walk this list. Timers, the check and the table in docs/pipeline/README.md
+// have its names.
 #pragma once
 
 #include <array>
@@ -22,7 +22,7 @@ struct StageDescription {
   const char* writes;
 };
 
-// In the order in which they run.
+// The stages, in the order in which they run.
 inline constexpr std::array<StageDescription, 8> kStages = {{
     {Stage::rig, "rig", "always, on the host", "pose", "skinning, joint features, fades"},
     {Stage::strain, "strain", "always", "skinning", "strains"},
@@ -38,7 +38,7 @@ inline constexpr std::array<StageDescription, 8> kStages = {{
 template <typename Value>
 using PerStage = std::array<Value, kStages.size()>;
 
-// Of a PerStage.
+// The index into a PerStage.
 constexpr std::size_t index_of(Stage stage) { return static_cast<std::size_t>(stage); }
 constexpr const char* name_of(Stage stage) { return kStages[index_of(stage)].name; }
 
@@ -47,7 +47,7 @@ class StageSeconds {
  public:
   std::optional<double> of(Stage stage) const { return seconds_[index_of(stage)]; }
   double sum() const;
-  // In their order: visit(const StageDescription&, seconds).
+  // Calls visit(const StageDescription&, seconds) for the stages that ran, in their order.
   template <typename Visit>
   void for_each(const Visit& visit) const {
     for (const StageDescription& description : kStages) {
@@ -61,7 +61,7 @@ class StageSeconds {
   PerStage<std::optional<double>> seconds_;
 };
 
-// Those that a backend runs for a batch, in their order. Rig is none of them: the batch is what it left.
+// The stages that a backend runs for a batch, in their order. Rig is none of them: the batch is what it left.
 std::vector<Stage> stages_of(const Basis& basis, const Batch& batch);
 
 }  // namespace bodyopt

@@ -10,10 +10,10 @@
 
 namespace bodyopt {
 
-// Of one output of a kernel, on the same inputs: absolute + relative x |the reference|, in the output's unit. Sums and
-// products stand in one order and are not contracted, so that they have the same bits everywhere; quotients, roots and
-// exponentials may be off by some units in the last place (Vulkan, "Precision and Operation of SPIR-V Instructions":
-// 2.5 ulp of a quotient, 2 + that of a root, 3 + 2 |x| of an exponential; an ulp is 1.2e-7 at most).
+// The tolerance of one output of a kernel, on the same inputs: absolute + relative x |the reference|, in its unit. Sums
+// and products stand in one order and are not contracted: they have the same bits everywhere. Other operations may be
+// off by units in the last place, ulp, of 1.2e-7 at most (Vulkan, "Precision and Operation of SPIR-V Instructions"). A
+// quotient may be off by 2.5 ulp, a root by 2 + that, an exponential by 3 + 2 |x|.
 struct KernelTolerance {
   std::string_view kernel;
   std::size_t output;
@@ -30,8 +30,8 @@ inline constexpr std::array kKernelTolerances = {
     KernelTolerance{"residual_coefficients", 0},
     KernelTolerance{"residual_blend", 0},
     KernelTolerance{"modify_blend", 0},
-    // m: the rotation's quotients and roots, 1e-6 on an offset of centimetres, and roundings of metres that follow from
-    // it; then a rounding of the origin.
+    // m: 1e-6 by the rotation's quotients and roots on an offset of centimetres, and by roundings of metres that
+    // follow. Then the origin is rounded.
     KernelTolerance{"pose_skin", 0, 1e-6, 1.2e-7},
     KernelTolerance{"diffuse_surface", 0},
     KernelTolerance{"diffuse_gather", 0},
@@ -52,8 +52,8 @@ inline constexpr std::array kKernelTolerances = {
     KernelTolerance{"output_bound", 0},
     KernelTolerance{"output_separate", 0, 3e-6},  // m, as output_relax
     KernelTolerance{"output_normals", 0, 1e-6},   // a root and a quotient, of 1
-    // Of 1: roots and quotients, ten times as much where a triangle's tangent stands that near to the normal, and an
-    // angle, whose error is the cosine's over its sine.
+    // 1 is the unit: roots and quotients, ten times as much where a triangle's tangent stands that near to the normal.
+    // An angle's error is the cosine's over its sine.
     KernelTolerance{"output_tangents", 0, 1e-5},
     KernelTolerance{"output_place", 0},
     KernelTolerance{"output_stretch", 0, 1e-6},       // of 1: a root and a quotient
@@ -61,8 +61,8 @@ inline constexpr std::array kKernelTolerances = {
     KernelTolerance{"output_attach", 0},
 };
 
-// What a stage leaves behind after all stages before it ran there, too: absolute + of_size x the diagonal of the rest
-// skin + of_largest x the largest magnitude (1 at least) that the CPU has. Those before add up, and are amplified.
+// The tolerance of what a stage leaves behind after all stages before it ran there, too: their errors add up and grow.
+// It is absolute + of_size x the diagonal of the rest skin + of_largest x the CPU's largest magnitude (1 at least).
 struct StageTolerance {
   Stage stage;
   std::string_view output;

@@ -3,11 +3,11 @@
 
 namespace bodyopt {
 
-// Of a weight, either way: an animator's exaggeration, and far from where positions would no longer be finite.
+// The bound of a weight, either way: beyond an animator's exaggeration, and far from positions that are not finite.
 inline constexpr float kMostWeight = 1000;
 
-// How much is shown of what was learned, and of the jiggle: methods to compare by eye. 1, as trained, changes no bit; a
-// weight changes no state.
+// How much is shown of what was learned, and of the jiggle: methods to compare by eye. With 1, as trained, no bit
+// changes; no weight changes a state.
 struct Weights {
   float correction = 1, jiggle = 1;
   bool kernels = true;  // without: of what was learned the part that is linear in joints and strains

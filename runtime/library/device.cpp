@@ -9,7 +9,7 @@
 namespace bodyopt {
 namespace {
 
-// What does not fit is cut off.
+// Cuts off what does not fit.
 template <std::size_t Size>
 void copy_text(const std::string& text, char (&to)[Size]) {
   to[text.copy(to, Size - 1)] = 0;

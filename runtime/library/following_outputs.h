@@ -31,9 +31,9 @@ class FollowingOutputs {
   FollowingOutputs(const bodyopt_skin& skin, const FollowingMeshes& meshes, std::size_t frames);
 
   bool wanted() const { return !attached_.empty() || wants_full_skin(); }
-  // Where the skin of `frames` frames goes first, in place of the caller's memory.
+  // The place that the skin of `frames` frames goes to first, instead of the caller's memory.
   SkinPlace gather(std::size_t frames, const SkinPlace& place);
-  // Of the skin that was gathered, the frames `begin` and after.
+  // Writes the outputs that follow the gathered skin, for the frames `begin` and after.
   void write(std::span<const Pose> poses, std::size_t begin, Executor& threads) const;
 
  private:

@@ -15,7 +15,7 @@
 namespace bodyopt {
 namespace {
 
-// What a caller asks of an instance, looked at, and done part by part: as much as is held in memory at once.
+// A caller's request of an instance, checked, and done part by part: as much as is held in memory at once.
 class AskedFrames {
  public:
   AskedFrames(bodyopt_instance& instance, const bodyopt_poses* poses, const bodyopt_skin* skin, bool jiggles)
@@ -43,7 +43,7 @@ class AskedFrames {
 
   bool has_more() const { return has_more_; }
 
-  // Of the next part. A jiggle is one: where it fails, none of it has been stepped.
+  // The call of the next part. A jiggle is one part: where it fails, none of it has been stepped.
   DeformerCall next() {
     const std::size_t left = given_.count() - begin_;
     poses_ = given_.read(begin_, jiggles_ ? left : std::min<std::size_t>(left, deformer_.batch_limit()));
@@ -55,7 +55,7 @@ class AskedFrames {
     return call;
   }
 
-  // What is not placed of it.
+  // Writes what was not placed of the part.
   void take(const Evaluation& evaluation) {
     wanted_.write(evaluation, begin_);
     if (following_.wanted()) following_.write(poses_, begin_, deformer_.threads());

@@ -1,4 +1,4 @@
-// What stands between C and C++: exceptions become results, pointers and structures are looked at.
+// The border between C and C++: exceptions become results, pointers and structures are checked.
 #pragma once
 
 #include <cstddef>
@@ -19,7 +19,7 @@ bodyopt_result keep_failure(bodyopt_result result, const char* text) noexcept;
 // Tells the host's log, where there is one.
 void write_log(bodyopt_log_level level, const char* message) noexcept;
 
-// Of function(); where it fails the log is told.
+// Calls function(); a failure becomes the result, and goes to the log.
 template <typename Function>
 bodyopt_result guarded(const Function& function) noexcept {
   try {
@@ -38,7 +38,7 @@ void require(T* pointer, const char* name) {
   if (pointer == nullptr) throw Error(ErrorKind::usage, "the argument '", name, "' is a null pointer");
 }
 
-// What an aligned pointer points to. Throws as above.
+// The object that an aligned pointer points to. Throws as above.
 template <typename T>
 T& required(T* pointer, const char* name) {
   require(pointer, name);

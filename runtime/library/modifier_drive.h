@@ -1,4 +1,4 @@
-// What modifiers make of the poses of a call, from one call of an instance to the next.
+// Applies modifiers to the poses of a call, and goes on from one call of an instance to the next.
 #pragma once
 
 #include <span>

@@ -13,8 +13,8 @@ namespace {
 
 constexpr VkDeviceSize kMost = VkDeviceSize{1} << 34;  // words are counted in 32 bits
 
-// Of `frames` frames, `frame_stride` bytes from one to the next. Throws Error(usage) for strides that are too small or
-// a buffer that does not hold all vertices.
+// The place of `frames` frames, `frame_stride` bytes apart. Throws Error(usage) for strides that are too small or a
+// buffer that does not hold all vertices.
 vulkan::PlacedOutput placed_output(const bodyopt_vulkan_output& output, VkDeviceSize frame_stride, std::size_t frames,
                                    std::size_t vertices, std::size_t numbers, const std::string& name) {
   if (output.buffer == VK_NULL_HANDLE || vertices == 0) return {};

@@ -1,4 +1,4 @@
-// Of which shapes a breath that was learnt is made.
+// The shapes that a learnt breath is made of.
 #pragma once
 
 #include <array>

@@ -1,6 +1,6 @@
-// Breathing: a breath is a rise, a fall that is quick at first and slow in the end as that of a relaxing lung, and a
-// pause. Its phase is summed over the frames, so that rates may change while it goes on. Component 0 is the chest, 1
-// the belly, both in litres of this body; where it was learnt they are the breath's shapes.
+// Breathing: a breath is a rise, a fall and a pause. The fall is quick at first and slow in the end, as that of a
+// relaxing lung. The phase is summed over the frames, so that rates may change while it goes on. Component 0 is the
+// chest, 1 the belly, both in litres of this body. Components of a learnt breath are its shapes.
 //   d phase / dt = rate / 60 (1 - hold) / (1 + irregularity * r_k / 2),   k: number of the breath, r_k in -1..1
 #include <cmath>
 #include <cstdint>
@@ -32,7 +32,7 @@ struct BreathControls {
   }
 };
 
-// The same number in -1..1 for the same breath on every machine (the finaliser of SplitMix64, Steele et al. 2014).
+// A number in -1..1, the same for the same breath on every machine (the finaliser of SplitMix64, Steele et al. 2014).
 double noise(std::uint64_t seed, std::int64_t breath, std::uint64_t which) {
   std::uint64_t x = seed * 0x9e3779b97f4a7c15u + static_cast<std::uint64_t>(breath) * 4 + which;
   x = (x ^ x >> 30) * 0xbf58476d1ce4e5b9u;
@@ -46,7 +46,7 @@ struct Breath {
   bool comes_in;
 };
 
-// At a phase in 0..1.
+// The breath at a phase in 0..1.
 Breath breath_at(double phase, const BreathControls& c) {
   const double moving = 1 - c.pause, in = moving / (1 + c.asymmetry), out = moving - in;
   if (phase < in) return {0.5 - 0.5 * std::cos(std::numbers::pi * phase / in), true};
@@ -55,7 +55,7 @@ Breath breath_at(double phase, const BreathControls& c) {
   return {0.5 + 0.5 * std::cos(std::numbers::pi * (1 - left * std::sqrt(left))), false};
 }
 
-// Of one frame, of a breath of this depth in the modifier's own measure.
+// Sets the weights of one frame, of a breath of this depth in the modifier's own measure.
 void set_weights(const Breath& breath, double depth, double chest, std::span<float> weights) {
   if (weights.size() == 2) {
     const double volume = depth * breath.filled;

@@ -28,7 +28,7 @@ float constant_of(const SkinModifier& modifier, const SkinModifierControl& contr
   return found == modifier.constants.end() ? control.usual : found->second;
 }
 
-// Of one modifier, over a clip.
+// Reads the channels of one modifier over a clip.
 class ChannelReader {
  public:
   ChannelReader(const SkinModifier& modifier, std::span<const std::string> channels, std::span<const Pose> poses,

@@ -23,7 +23,7 @@ struct ModifierChannel {
 std::vector<ModifierChannel> describe_channels(const SkinModifiers& modifiers);
 std::vector<std::string> modifier_channels(const SkinModifiers& modifiers);
 
-// Where the modifiers of a stack stand after a frame: what the next one depends on beside its pose and channels.
+// The state of a stack's modifiers after a frame: what the next one depends on beside its pose and channels.
 struct ModifierState {
   std::vector<std::optional<double>> phases;  // of each modifier; none at a clip's first frame
 };

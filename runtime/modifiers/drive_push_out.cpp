@@ -1,8 +1,8 @@
 // Push-out: the normals of folds that are bent far enough to close. A bone that turns away from where it points at rest
-// leaves a fold between it and the limb above, whose normal is half-way between their directions
+// leaves a fold between it and the limb above. The fold's normal is half-way between their directions
 // (shaders/include/fold.h).
-//   joints: one for each fold;  components: three to a fold, its normal;  numbers: the metres that skin moves at most,
-//   then of each fold where its joint stands at rest, how far from there skin belongs to it, and the bone's direction
+//   Joints: one for each fold. Components: three to a fold, its normal. Numbers: the metres that skin moves at most.
+//   Then of each fold where its joint stands at rest, how far from there skin belongs to it, and the bone's direction.
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -22,7 +22,7 @@ double shown_at(double cosine) {
   return std::clamp((degrees - kBegins) / (kInFull - kBegins), 0.0, 1.0);
 }
 
-// At rest.
+// A fold at rest.
 struct Fold {
   std::size_t joint, parent;
   Vec3 bone, limb;  // directions of the bone, and of where the limb that it bends comes from
@@ -48,7 +48,7 @@ std::vector<Fold> folds_at_rest(const Skeleton& skeleton, const SkinModifier& mo
   return folds;
 }
 
-// As long as the fold is shown.
+// The normal is as long as the fold is shown.
 Vec3 fold_normal(const Vec3& bone, const Vec3& straight, const Vec3& limb) {
   const Vec3 sum = bone + limb;
   const double size = length(sum);

@@ -1,6 +1,6 @@
 // Sag: how gravity differs from the earth's, downwards, as each joint feels it.
-//   joints: those that soft parts go with;  components: three to a joint, for a difference of once the earth's gravity
-//   along x, y and z of the rest space that the joint carries along
+//   Joints: those that soft parts go with. Components: three to a joint, for a difference of once the earth's gravity.
+//   They are along x, y and z of the rest space that moves along with the joint.
 #include <numbers>
 #include <stdexcept>
 
@@ -10,7 +10,7 @@
 namespace bodyopt {
 namespace {
 
-// In parts of the earth's gravity, world, Y up.
+// The difference in parts of the earth's gravity, world axes, Y up.
 Vec3 difference_of_gravity(double amount, double forward, double sideways) {
   const double degree = std::numbers::pi / 180;
   const Quat tilt = axis_angle({0, 0, 1}, sideways * degree) * axis_angle({1, 0, 0}, -forward * degree);

@@ -1,6 +1,6 @@
 // Sculpt: 1 at the pose it was made for, 0 from the spread on, between them smooth. How far a pose is off is the
 // largest turn of the joints that the sculpt listens to, before modifiers turn them.
-//   joints: those;  numbers: the spread, radians, then the rotation of each of the joints at the pose (x, y, z, w)
+//   Joints: those. Numbers: the spread, radians, then the rotation of each of the joints at the pose (x, y, z, w).
 #include <algorithm>
 #include <cmath>
 

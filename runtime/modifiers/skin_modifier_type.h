@@ -1,5 +1,5 @@
-// What types of modifiers there are. Each is a file of this folder, drive_<type>.cpp, and a line of the table in
-// skin_modifier_type.cpp; what the trainer makes of a character for it is trainer/modifiers/bake_<type>.cpp.
+// The types of modifiers. Each is a line of the table in skin_modifier_type.cpp; all but constant ones have a file
+// drive_<type>.cpp here. The trainer makes their tables of a character in trainer/modifiers/bake_<type>.cpp.
 #pragma once
 
 #include <cstdint>
@@ -38,8 +38,8 @@ struct SkinModifierType {
   const char* what;  // one line
   std::vector<SkinModifierControl> controls;
   std::uint32_t components;  // that it drives; kAsBaked: as many as were made of the character
-  // Fills the weights, F x component_count, for a strength of 1. They depend on the frames and on the phase, which is
-  // all that goes on from earlier ones: a part of a shot has the bits of the whole.
+  // Fills the weights, F x component_count, for a strength of 1. They depend on the frames and on the phase, which
+  // alone goes on from earlier ones. So a part of a shot has the bits of the whole.
   void (*drive)(const ModifierFrames& frames, std::span<float> weights);
 };
 

@@ -15,8 +15,8 @@ extern "C" void __tsan_release(void* address);
 namespace bodyopt {
 namespace {
 
-// ThreadSanitizer does not see how oneTBB, which it does not instrument, hands work to threads and waits for them: it
-// is told what happens before what.
+// Tells ThreadSanitizer what happens before what: it does not see how oneTBB, which it does not instrument, hands work
+// to threads and waits for them.
 class HandOver {
  public:
 #ifdef BODYOPT_SANITIZED_THREADS

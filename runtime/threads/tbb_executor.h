@@ -7,10 +7,10 @@
 
 namespace bodyopt {
 
-// On thread_count() threads. One that waits for the others does no work but of its own loop: it may hold a lock.
+// Runs on thread_count() threads. One that waits for the others does no work but of its own loop: it may hold a lock.
 std::unique_ptr<Executor> make_tbb_executor();
 
-// As many as oneTBB has: tbb::global_control and the calling thread's arena say how many.
+// The number of oneTBB's threads: tbb::global_control and the calling thread's arena decide it.
 std::size_t thread_count();
 
 }  // namespace bodyopt

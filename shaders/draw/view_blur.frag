@@ -1,5 +1,5 @@
 #version 450
-// A shadow's soft edge: the mean over three rings. Here, on a small picture, rather than for every pixel of the ground.
+// A shadow's soft edge: the mean over three rings. It is taken on a small picture, not at every pixel of the ground.
 
 layout(push_constant) uniform Push {
   float caster;  // radius of what casts it, in half sides of the picture

@@ -1,6 +1,6 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-// What stands behind the characters: the backdrop, and on the ground a grid and soft shadows.
+// The surroundings of the characters: the backdrop, and on the ground a grid and soft shadows.
 #include "studio.glsl"
 #include "view.glsl"
 

@@ -1,7 +1,7 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-// A skin as clay, as a polished ball would show it (matcap), in facets, by its normals, by the heat of a distance, or in
-// colours of its vertices, or black; edges over it, and see-through as a ghost.
+// A skin as clay, as a polished ball would show it (matcap), in facets, by its normals, by the heat of a distance, in
+// colours of its vertices, or black. Edges go over it, and a ghost is see-through.
 #include "studio.glsl"
 #include "view.glsl"
 #include "wire.glsl"

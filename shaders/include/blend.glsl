@@ -1,6 +1,5 @@
-// What residual_blend and modify_blend share: the sum of a vertex' entries. The including kernel declares kFrames,
-// push, blend_begin, blend and coefficients. Values are `precise`: a multiply and an add stay two roundings, as on the
-// CPU.
+// The sum of a vertex' entries: shared by residual_blend and modify_blend. The including kernel declares kFrames, push,
+// blend_begin, blend and coefficients. Values are `precise`: a multiply and an add stay two roundings, as on the CPU.
 
 // `entry`: of those bound.
 float blend_number(uint entry, uint component, uint lane) {
@@ -8,7 +7,7 @@ float blend_number(uint entry, uint component, uint lane) {
   return float(bitfieldExtract(int(word), int(8 * (lane % 4)), 8));
 }
 
-// Of kFrames frames, whose coefficients stand one after the other.
+// Sums for kFrames frames, whose coefficients stand one after the other.
 void blend_sums(uint vertex, uint first_frame, uint coefficient_count, precise out float sum[kFrames][3]) {
   uint block = vertex / kBlockSize, lane = vertex % kBlockSize;
   for (uint f = 0; f < kFrames; ++f) {

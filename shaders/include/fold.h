@@ -1,9 +1,9 @@
-// Where skin has crossed skin in a fold. One source for GLSL and C++.
+// Finds skin that has crossed skin in a fold. One source for GLSL and C++.
 //
 // The sides of a fold are the skin that its joint or one below it holds (the child's) and all other (the parent's). Its
-// normal n points from the parent's side to the child's. A vertex lies in the skin of the other side where the line
-// through it along n leaves that side's body above, and enters it below, once more than the other way round. It is
-// taken out of it by the fold only where it would come out at skin that the fold is of: a hand in a thigh stays.
+// normal n points from the parent's side to the child's. A vertex lies in the other side's skin where, on balance, the
+// line along n leaves that body above it and enters it below. The fold takes it out only where it would come out at
+// skin that the fold is of: a hand in a thigh stays.
 #ifndef BODYOPT_FOLD_H
 #define BODYOPT_FOLD_H
 
@@ -29,9 +29,9 @@ BODYOPT_FUNCTION uint box_count(uint triangle_count) {
 // Metres that a vertex is looked at outside of where it stands: skin that touches skin has not crossed it.
 const float kFoldOffset = 1e-5f;
 
-// What is found along a line: how often the body is left above the point, and entered below it, less the other way
-// round; the same of the other side's body; how far above that is first left, and how far below (< 0) last entered;
-// the same two of skin near the fold alone.
+// Sums along a line: how often the body is left above the point, and entered below it, less the other way round. Then
+// the same of the other side's body. Then the heights at which that is first left above, and last entered below (< 0).
+// Then these two of skin near the fold alone.
 const int kFoldAbove = 0, kFoldBelow = 1, kFoldOtherAbove = 2, kFoldOtherBelow = 3, kFoldLeft = 4, kFoldEntered = 5,
           kFoldNearLeft = 6, kFoldNearEntered = 7;
 
@@ -46,7 +46,7 @@ BODYOPT_FUNCTION void fold_axes(BODYOPT_IN_ARRAY(n, 3), BODYOPT_OUT_ARRAY(u, 3),
   cross_product(n, u, w);
 }
 
-// Where a box surely lies along an axis, from .. to: of this middle and these half edges; of a point's own 0.
+// The span that surely holds a box along an axis, from its middle and half edges (0 for a point).
 BODYOPT_FUNCTION void fold_span(BODYOPT_IN_ARRAY(middle, 3), BODYOPT_IN_ARRAY(half_edge, 3), BODYOPT_IN_ARRAY(axis, 3),
                                 BODYOPT_OUT_ARRAY(span, 2)) {
   float away = 0.0f, reach = 0.0f, sum = 0.0f, size = 0.0f;
@@ -61,8 +61,8 @@ BODYOPT_FUNCTION void fold_span(BODYOPT_IN_ARRAY(middle, 3), BODYOPT_IN_ARRAY(ha
   span[1] = away + reach + margin;
 }
 
-// Of a triangle's edge, seen along the normal from the point: 1 where it crosses the half line along u to the left, -1
-// to the right. Of an edge from either end the same, so that no line slips between triangles.
+// 1 where a triangle's edge, seen along the normal, crosses the point's half line along u to the left; -1 to the right.
+// It is the same of an edge from either end, so that no line slips between triangles.
 BODYOPT_FUNCTION float fold_edge(float from_u, float from_w, float to_u, float to_w) {
   if ((from_w > 0.0f) == (to_w > 0.0f)) return 0.0f;
   bool left = to_w > 0.0f;
@@ -112,8 +112,8 @@ BODYOPT_FUNCTION void add_fold_triangle(BODYOPT_IN_ARRAY(a, 3), BODYOPT_IN_ARRAY
   }
 }
 
-// How deep, along n and in parts of its length, a vertex lies in the other side's skin; 0 where it does not, or would
-// come out at skin that is not near the fold. `offset`: of the point from the vertex, along n.
+// The depth of a vertex in the other side's skin, along n and in parts of its length. It is 0 outside, and where the
+// vertex would come out at skin that is not near the fold. `offset`: of the point from the vertex, along n.
 BODYOPT_FUNCTION float fold_depth(BODYOPT_IN_ARRAY(found, 8), bool is_child, float offset) {
   float least = min(min(found[kFoldAbove], found[kFoldBelow]), min(found[kFoldOtherAbove], found[kFoldOtherBelow]));
   if (!(least > 0.5f)) return 0.0f;

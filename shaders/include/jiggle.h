@@ -1,4 +1,4 @@
-// What the kernels of a jiggle step share. One source for GLSL and C++, one order of operations: the same bits.
+// Shared by the kernels of a jiggle step. One source for GLSL and C++, one order of operations: the same bits.
 #ifndef BODYOPT_JIGGLE_H
 #define BODYOPT_JIGGLE_H
 
@@ -27,8 +27,8 @@ BODYOPT_FUNCTION void turn_back(BODYOPT_IN_ARRAY(r, 9), BODYOPT_IN_ARRAY(x, 3), 
   }
 }
 
-// What is shown of a displacement of this squared length, as a share: all of it up to half the limit, from there on
-// ever less: s limits become 1 - 1 / (4 s), which goes on with the same slope and never reaches the limit.
+// The share of a displacement of this squared length that is shown: all of it up to half the limit. From there on s
+// limits become 1 - 1 / (4 s), which goes on with the same slope and never reaches the limit.
 BODYOPT_FUNCTION float limited_share(float squared, float limit) {
   if (4.0f * squared <= limit * limit) return 1.0f;
   BODYOPT_PRECISE float inverse = limit / sqrt(squared);

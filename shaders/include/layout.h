@@ -1,4 +1,4 @@
-// What GLSL and C++ share: records of the tables, push constants, sizes. Only 4-byte scalars, so that std430 and C++
+// Shared by GLSL and C++: records of the tables, push constants, sizes. Only 4-byte scalars, so that std430 and C++
 // agree; static_assert holds the sizes.
 #ifndef BODYOPT_LAYOUT_H
 #define BODYOPT_LAYOUT_H
@@ -20,11 +20,11 @@ const uint kFramesTogether = 4u;
 // Vertices stand in blocks of 16 in Morton order; the vertices of a block share one list of joints.
 const uint kBlockSize = 16u;
 
-// One (block, joint) entry of the DDM table is kMomentWords x kBlockSize words, word-major: word w of lane l stands at
+// One (block, joint) entry of the DDM table is kMomentWords x kBlockSize words, word-major. Word w of lane l stands at
 // (entry * kMomentWords + w) * kBlockSize + l.
-//   words 0..2: six halves, S_xx S_xy | S_xz S_yy | S_yz S_zz  (low half first), divided by r^2
-//   words 3..5: floats, s_x s_y s_z, divided by r^2
-//   word  6:    float, omega
+//   Words 0..2: six halves, S_xx S_xy | S_xz S_yy | S_yz S_zz  (low half first), divided by r^2.
+//   Words 3..5: floats, s_x s_y s_z, divided by r^2.
+//   Word  6:    float, omega.
 const uint kMomentWords = 7u;
 
 // Per vertex of the DDM table (rest space, metres).
@@ -43,8 +43,8 @@ struct TangentVertex {
 };
 BODYOPT_CHECK_SIZE(TangentVertex, 16)
 
-// A corner of a triangle there: the other two corners, vertices of the skin, and how much of the edges to them makes
-// the triangle's tangent.
+// A corner of a triangle there: the other two corners, vertices of the skin. The triangle's tangent is along_b of the
+// edge to b, and along_c of that to c.
 struct TangentCorner {
   uint b, c;
   float along_b, along_c;
@@ -102,8 +102,8 @@ struct InversePanel {
 };
 BODYOPT_CHECK_SIZE(InversePanel, 20)
 
-// The same numbers of W read the other way, on the way down: kBlockSize own slots (the last strip of a front may have
-// less), which take the panels of W^T one after the other, panel_step values apart.
+// The numbers of W are read the other way on the way down. Own slots, kBlockSize of them (the last strip of a front may
+// have less), take the panels of W^T. These stand one after the other, panel_step values apart.
 struct InverseStrip {
   uint first_slot, row_count;     // own slots that get a solution
   uint first_input, input_count;  // boundary slots
@@ -114,11 +114,11 @@ BODYOPT_CHECK_SIZE(InverseStrip, 24)
 // No boundary slot of a child hands up to this one.
 const uint kNoSlot = 0xffffffffu;
 
-// On the way up a row times a vector is summed in four parts, columns 0 4 8.., 1 5 9.., and so on; then (0 + 1) + (2 +
-// 3).
+// A row times a vector is summed on the way up in four parts: columns 0 4 8.., 1 5 9.., and so on. Then the parts are
+// added: (0 + 1) + (2 + 3).
 const uint kSumParts = 4u;
-// On the way down it is summed in kBlockSize parts, one per row of the panels; then halves are added: 0 + 8, 1 + 9, ..,
-// 0 + 4, .., 0 + 2, .., 0 + 1.
+// A row is summed on the way down in kBlockSize parts, one per row of the panels. Then halves are added: 0 + 8, 1 + 9,
+// .., 0 + 4, .., 0 + 2, .., 0 + 1.
 
 // A tet at rest: D^-1 (row-major), D the edges from corner 0 to the others as columns, 1/m; its volume, m^3.
 struct TetShape {
@@ -134,8 +134,8 @@ struct SurfacePoint {
 };
 BODYOPT_CHECK_SIZE(SurfacePoint, 24)
 
-// A skin vertex in a tet: barycentric over its corners (below 0 where the vertex lies a little outside), and how much
-// of the tet's displacement it takes.
+// A skin vertex in a tet: barycentric weights (below 0 where it lies a little outside), and how much of the tet's
+// displacement it takes.
 struct TetPoint {
   uint tet;
   float w0, w1, w2, w3;
@@ -156,17 +156,17 @@ struct JiggleNode {
 BODYOPT_CHECK_SIZE(JiggleNode, 24)
 const uint kNoControl = 0xffffffffu;
 
-// Metres and metres a second below which a node stands still: what swings out for ever slower would end in subnormal
+// Metres and metres a second below which a node stands still. What swings out ever slower would end in subnormal
 // numbers, with which processors are slow.
 const float kStill = 1e-15f;
 
 // A fibre shorter by this share of its rest length is fully active.
 const float kFullActivationStrain = 0.2f;
 
-// In how many steps skin is relaxed, and skin that has crossed skin is taken out of it.
+// The number of steps in which skin is relaxed, and in which skin that has crossed skin is taken out of it.
 const uint kRelaxSteps = 4u, kSeparateSteps = 5u;
 
-// So many triangles, one after the other, share a box that those a line may meet are found by.
+// So many triangles, one after the other, share a box, which finds those that a line may meet.
 const uint kBoxTriangles = 8u;
 
 // Push constants, one record per kernel. Every kernel runs over (element, frame) = (x, y).
@@ -244,7 +244,7 @@ struct DiffuseSurfacePush {
 struct DiffuseGatherPush {
   uint surface_count, node_count;
 };
-// Of the block inverse, elements are slots (gather) or rows of panels (up, down), "frames" are right sides.
+// The block inverse's elements are slots (gather) or rows of panels (up, down), its "frames" right sides.
 struct BlockGatherPush {
   uint first_slot, own_end, end_slot;  // of the level
   uint slot_count, unknown_count, interleave;

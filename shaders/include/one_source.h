@@ -1,5 +1,5 @@
-// What lets GLSL and C++ read the same function. Real is a float; in C++ it is a template parameter, which may also be
-// the lanes of a block, side by side (runtime/cpu/lanes.h): such functions choose by select() and have no branches.
+// Lets GLSL and C++ read the same function. Real is a float; in C++ it is a template parameter, which may also be the
+// lanes of a block (runtime/cpu/lanes.h). Such functions choose by select() and have no branches.
 #ifndef BODYOPT_ONE_SOURCE_H
 #define BODYOPT_ONE_SOURCE_H
 

@@ -8,13 +8,13 @@
 namespace bodyopt {
 #endif
 
-// What is summed around a vertex: the ways on which the triangles would get back what they lost, times their weights,
-// the weights, the area vectors, their lengths, and those at rest; areas are twice what they are.
+// Sums around a vertex: the ways on which the triangles would get back what they lost, times their weights; the
+// weights. Then the area vectors, their lengths, and those at rest; areas are twice what they are.
 const int kRelaxWay = 0, kRelaxWeight = 3, kRelaxNormal = 4, kRelaxArea = 7, kRelaxRest = 8;
 
 // Adds one triangle: p and q, its other corners counter-clockwise, as seen from the vertex, now and at rest. Its area
 // grows by half the length of its edge times how far the vertex goes away from that. That way turns round where the
-// triangle turns over: what has less than a quarter of its area at rest counts the less, the smaller it is.
+// triangle turns over. So what has less than a quarter of its area at rest counts the less, the smaller it is.
 BODYOPT_FUNCTION void add_relax_corner(BODYOPT_IN_ARRAY(p, 3), BODYOPT_IN_ARRAY(q, 3), BODYOPT_IN_ARRAY(rest_p, 3),
                                        BODYOPT_IN_ARRAY(rest_q, 3), BODYOPT_INOUT_ARRAY(sums, 9)) {
   float normal[3], rest_normal[3], edge[3], away[3];

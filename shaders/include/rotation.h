@@ -1,9 +1,9 @@
-// rot(A): the rotation nearest to a 3 x 3 matrix, argmax over SO(3) of tr(R^T A). One source for GLSL, C++ and lanes
-// (of which the CPU's kernels include it once for each set of instructions, in a namespace of its own).
+// rot(A): the rotation nearest to a 3 x 3 matrix, argmax over SO(3) of tr(R^T A). One source for GLSL, C++ and lanes;
+// the CPU's kernels include it once for each set of instructions, in a namespace of its own.
 //
-// Davenport's quaternion: the eigenvector of the largest eigenvalue of K = [tr A, z^T; z, A + A^T - tr(A) I] by Newton
-// on the characteristic quartic from its upper bound sqrt(3)|A|, then one Newton step on SO(3). Always a rotation, also
-// for det A < 0, rank 1 and zero (identity); no NaN for finite input.
+// Davenport's quaternion is the eigenvector of the largest eigenvalue of K = [tr A, z^T; z, A + A^T - tr(A) I]. Newton
+// finds that on the characteristic quartic from its upper bound sqrt(3)|A|; one Newton step on SO(3) follows. Always a
+// rotation, also for det A < 0, rank 1 and zero (identity); no NaN for finite input.
 #if !defined(BODYOPT_ROTATION_H) || defined(BODYOPT_OF_LANES)
 #define BODYOPT_ROTATION_H
 
@@ -81,7 +81,7 @@ BODYOPT_REAL_FUNCTION void rot(BODYOPT_IN_REALS(matrix, 9), BODYOPT_OUT_REALS(r,
   }
   Real inverse_norm = 1.0f / sqrt(max(norm2, Real(0.5f)));
   for (int i = 0; i < 9; ++i) a[i] *= inverse_norm;
-  // Of what is next to nothing, the identity.
+  // Next to nothing has the rotation of the identity.
   for (int i = 0; i < 9; ++i) a[i] = select(largest > 1e-30f, a[i], i % 4 == 0 ? 0.57735027f : 0.0f);
 
   // K, symmetric.

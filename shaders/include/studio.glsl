@@ -1,5 +1,5 @@
-// A small studio: a large warm key light from the upper left, a cool fill from the right, a rim light from behind and
-// light from all around. The lights stand with the camera, so that every picture reads alike. Camera space, linear RGB.
+// A small studio: a large warm key light from the upper left, a cool fill from the right, a rim light, light all
+// around. The lights stand with the camera, so that every picture reads alike. Camera space, linear RGB.
 
 const vec3 kClay = vec3(0.545, 0.500, 0.440);  // as the zero of heat_colour()
 const vec3 kKeyDirection = normalize(vec3(-0.72, 0.72, 0.42)), kKey = vec3(1.22, 1.10, 0.96);

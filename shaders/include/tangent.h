@@ -1,4 +1,4 @@
-// What a triangle's corner gives to the tangent of its vertex, as MikkTSpace has it (Mikkelsen, "Simulation of Wrinkled
+// The part of a triangle's corner in the tangent of its vertex, by MikkTSpace (Mikkelsen, "Simulation of Wrinkled
 // Surfaces Revisited", 2008). One source for GLSL and C++.
 #ifndef BODYOPT_TANGENT_H
 #define BODYOPT_TANGENT_H
@@ -10,8 +10,8 @@
 namespace bodyopt {
 #endif
 
-// Radians, of a cosine from -1 to 1. Abramowitz and Stegun, "Handbook of Mathematical Functions", 4.4.46: off by 2e-8,
-// before roundings; a device's own may be off by 4,096 units in the last place.
+// Radians, of a cosine from -1 to 1. Abramowitz and Stegun, "Handbook of Mathematical Functions", 4.4.46, is off by
+// 2e-8 before roundings. A device's own may be off by 4,096 units in the last place.
 BODYOPT_FUNCTION float angle_of_cosine(float cosine) {
   float x = abs(cosine);
   BODYOPT_PRECISE float series = -0.0012624911f;
@@ -56,8 +56,8 @@ BODYOPT_FUNCTION void add_corner(TangentCorner corner, BODYOPT_IN_ARRAY(n, 3), B
   sum[3] += angle;
 }
 
-// What is left of the angles, at least, where triangles' tangents point to different sides; below, roundings, the
-// pose's too, would make up the direction.
+// The least share of the angles that is left where triangles' tangents point to different sides. Below it roundings,
+// the pose's too, would make up the direction.
 const float kLeastTangent = 1e-5f;
 
 // The tangent of a sum of corners, of length 1; 0 where their tangents vanish.

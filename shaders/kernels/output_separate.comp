@@ -17,8 +17,7 @@ layout(set = 0, binding = 5) readonly buffer B5 { float posed[]; };
 layout(set = 0, binding = 6) readonly buffer B6 { float current[]; };
 layout(set = 0, binding = 7) writeonly buffer B7 { float moved[]; };
 
-// Where the vertices of the workgroup that may lie in a fold are along its axes u, w and n: each, then all of them at
-// 0.
+// The workgroup's vertices that may lie in a fold, along its axes u, w and n: where each is, then all of them at 0.
 shared float from[3][kWorkgroupSize], to[3][kWorkgroupSize];
 shared uint member_count;
 // Is there skin of the other side above and below any of them, as the parent's side sees it, and, shifted, the child's?
@@ -79,7 +78,7 @@ bool meet(float a[3][2], float b[3][2]) {
   return a[0][0] <= b[0][1] && a[0][1] >= b[0][0] && a[1][0] <= b[1][1] && a[1][1] >= b[1][0];
 }
 
-// Where all members lie.
+// The span of all members.
 void find_all(out float all[3][2]) {
   for (uint k = 0; k < 3; ++k) {
     all[k][0] = from[k][0];
