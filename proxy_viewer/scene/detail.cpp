@@ -74,10 +74,12 @@ LevelOnDevice::LevelOnDevice(const std::shared_ptr<const vulkan::Device>& device
       tables(std::make_shared<const vulkan::DeviceModel>(device, model)),
       carried(std::move(level.carried)),
       distance(rms_distance(carried)) {
-  triangles = vulkan::upload(*device, basis().mesh.triangles, "the triangles");
+  vulkan::Uploads uploads(*device);
+  triangles = vulkan::upload(uploads, basis().mesh.triangles, "the triangles");
   const std::vector<FibreSegment> segments = segments_of(basis().strain);
-  fibre_segments = vulkan::upload(*device, segments, "the fibres");
-  fibre_points = vulkan::upload(*device, points_on_skin(basis().strain), "the fibre points");
+  fibre_segments = vulkan::upload(uploads, segments, "the fibres");
+  fibre_points = vulkan::upload(uploads, points_on_skin(basis().strain), "the fibre points");
+  uploads.finish();
   fibre_segment_count = static_cast<std::uint32_t>(segments.size());
   if (basis().coverage.empty()) return;
   expectation.emplace(basis());
