@@ -156,12 +156,14 @@ void evaluate_together(std::span<const SkinRequest> requests) {
     calls.push_back(*call);
   }
   std::exception_ptr error;
-  std::vector<CallOutcome> outcomes = evaluate_together(calls);
+  std::vector<Evaluation> results(calls.size());
+  for (std::size_t k = 0; k < calls.size(); ++k) calls[k].evaluation = &results[k];
+  evaluate_together(calls);
   for (std::size_t k = 0; k < anew.size(); ++k) {
-    if (!outcomes[k].error) {
-      anew[k]->detail->keep(*anew[k], std::move(outcomes[k].evaluation));
+    if (!calls[k].error) {
+      anew[k]->detail->keep(*anew[k], std::move(results[k]));
     } else if (!error) {
-      error = outcomes[k].error;
+      error = calls[k].error;
     }
   }
   if (error) std::rethrow_exception(error);

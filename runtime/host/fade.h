@@ -10,12 +10,16 @@ namespace bodyopt {
 
 // How far each joint (in the order of feature_joints()) stands off what training showed of it and its neighbours:
 // off_j^2 beyond its tolerance, radians squared. joint_features: of one frame, see RigFrame. Empty without a FadeTable.
-std::vector<double> joints_off(const ResidualTable& residual, std::span<const float> joint_features);
+// off: memory that is used again.
+std::vector<double> joints_off(const ResidualTable& residual, std::span<const float> joint_features,
+                               std::vector<double> off = {});
 
 // fade_r of every region, see FadeTable: 1 where the pose is like those of training, towards 0 away from them.
 std::vector<float> region_fades(const ResidualTable& residual, std::span<const float> joint_features);
+void region_fades(const ResidualTable& residual, std::span<const double> joints_off, std::span<float> fades);
 
 // The joint (in the order of feature_joints()) that takes most from all regions together; -1 where nothing fades.
-int fading_joint(const ResidualTable& residual, std::span<const float> joint_features);
+// taken: scratch.
+int fading_joint(const ResidualTable& residual, std::span<const double> joints_off, std::vector<double>& taken);
 
 }  // namespace bodyopt

@@ -15,8 +15,9 @@ struct OutputStep {
   bool operator==(const OutputStep&) const = default;
 };
 
-// Those of a batch, in the stack's order; none of a modifier that no frame has a weight for.
-std::vector<OutputStep> output_steps(const Basis& basis, const Batch& batch);
+// Those of a batch, in the stack's order; none of a modifier that no frame has a weight for. steps: memory that is used
+// again.
+std::vector<OutputStep> output_steps(const Basis& basis, const Batch& batch, std::vector<OutputStep> steps = {});
 
 // What output_relax, output_bound and output_separate are pushed.
 OutputRelaxPush relax_push(const Basis& basis, const OutputStep& step);
