@@ -86,11 +86,10 @@ struct MeshBuffers {
   vulkan::Buffer triangles, positions, normals, colours;
 };
 
-MeshBuffers upload(const vulkan::Device& device, const DrawMesh& mesh) {
-  return {vulkan::upload_bytes(device, std::as_bytes(mesh.triangles), "triangles"),
-          vulkan::upload_bytes(device, std::as_bytes(mesh.positions), "positions"),
-          vulkan::upload_bytes(device, std::as_bytes(mesh.normals), "normals"),
-          vulkan::upload_bytes(device, std::as_bytes(mesh.colours), "colours")};
+MeshBuffers upload(vulkan::Uploads& uploads, const DrawMesh& mesh) {
+  return {uploads.add(std::as_bytes(mesh.triangles), "triangles"),
+          uploads.add(std::as_bytes(mesh.positions), "positions"), uploads.add(std::as_bytes(mesh.normals), "normals"),
+          uploads.add(std::as_bytes(mesh.colours), "colours")};
 }
 
 SkinDraw drawn(const MeshBuffers& buffers, const DrawMesh& mesh) {
@@ -134,10 +133,12 @@ Image Renderer::draw(std::span<const DrawMesh> meshes, const Camera& camera, std
   enclose(meshes, view);
   std::vector<MeshBuffers> buffers;
   buffers.reserve(meshes.size());
+  vulkan::Uploads uploads(impl_->device);
   for (const DrawMesh& mesh : meshes) {
-    buffers.push_back(upload(impl_->device, mesh));
+    buffers.push_back(upload(uploads, mesh));
     view.skins.push_back(drawn(buffers.back(), mesh));
   }
+  uploads.finish();
   impl_->viewport.draw({&view, 1}, whole.width, whole.height, Edges::smooth);
   return shrunk(impl_->viewport.picture());
 }

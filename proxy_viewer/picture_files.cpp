@@ -13,6 +13,7 @@
 #include "base/progress.h"
 #include "runtime/core/atomic_file.h"
 #include "runtime/core/error.h"
+#include "runtime/threads/tbb_executor.h"
 
 namespace bodyopt {
 namespace {
@@ -115,19 +116,28 @@ PictureSeries::~PictureSeries() { plan_.put_back(); }
 
 bool PictureSeries::make_next(const DrawPicture& draw) {
   plan_.place(made_);
-  const Image picture = draw();
+  Image picture = draw();
   if (animation_) {
     animation_->add(picture);
   } else {
-    write_png(picture, name_(plan_.first + static_cast<int>(made_)));
+    write(std::move(picture), name_(plan_.first + static_cast<int>(made_)));
   }
   if (++made_ < plan_.count) return true;
+  for (std::future<void>& writer : writers_) writer.get();
   if (animation_) {
     const std::vector<std::uint8_t> bytes = animation_->finish();
     write_file_atomically(plan_.pattern, std::as_bytes(std::span(bytes)));
   }
   controls_.say("wrote " + std::to_string(made_) + " pictures, " + name_(plan_.first).string());
   return false;
+}
+
+void PictureSeries::write(Image picture, fs::path file) {
+  writers_.push_back(std::async(std::launch::async,
+                                [picture = std::move(picture), file = std::move(file)] { write_png(picture, file); }));
+  if (writers_.size() <= thread_count()) return;
+  writers_.front().get();
+  writers_.pop_front();
 }
 
 bool shows_motion(const std::string& pattern) {

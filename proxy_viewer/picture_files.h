@@ -2,8 +2,10 @@
 #pragma once
 
 #include <cstddef>
+#include <deque>
 #include <filesystem>
 #include <functional>
+#include <future>
 #include <memory>
 #include <optional>
 #include <string>
@@ -40,8 +42,8 @@ void require_picture_name(const std::string& file, bool may_move);
 // `file`, or, where it is empty, the first bodyopt.0001.png, ... that is free.
 void write_screenshot(const std::string& file, const DrawPicture& draw, Controls& controls);
 
-// Pictures that are made one after the other. Once it is gone, whether all were made or not, the playhead and the
-// camera are where they were.
+// Pictures that are drawn one after the other, and written by other threads meanwhile. Once it is gone, whether all
+// were made or not, the playhead and the camera are where they were, and what was drawn is on disk.
 class PictureSeries {
  public:
   using Action = std::function<void()>;
@@ -61,17 +63,20 @@ class PictureSeries {
   PictureSeries(const PictureSeries&) = delete;
   PictureSeries& operator=(const PictureSeries&) = delete;
 
-  // False: that was the last, and it was said.
+  // False: that was the last, and it was said. Throws what went wrong with one that was drawn before, too.
   bool make_next(const DrawPicture& draw);
   std::size_t made() const { return made_; }
   std::size_t count() const { return plan_.count; }
 
  private:
+  void write(Image picture, std::filesystem::path file);
+
   const Plan plan_;
   const FrameSequenceName name_;
   Controls& controls_;
   std::optional<AnimationEncoder> animation_;
   std::size_t made_ = 0;
+  std::deque<std::future<void>> writers_;  // of the last pictures; each is waited for where it goes
 };
 
 // Does the name ask for more than one frame: #### or %04d, or .webp?

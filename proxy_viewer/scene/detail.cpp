@@ -74,10 +74,12 @@ LevelOnDevice::LevelOnDevice(const std::shared_ptr<const vulkan::Device>& device
       tables(std::make_shared<const vulkan::DeviceModel>(device, model)),
       carried(std::move(level.carried)),
       distance(rms_distance(carried)) {
-  triangles = vulkan::upload(*device, basis().mesh.triangles, "the triangles");
+  vulkan::Uploads uploads(*device);
+  triangles = vulkan::upload(uploads, basis().mesh.triangles, "the triangles");
   const std::vector<FibreSegment> segments = segments_of(basis().strain);
-  fibre_segments = vulkan::upload(*device, segments, "the fibres");
-  fibre_points = vulkan::upload(*device, points_on_skin(basis().strain), "the fibre points");
+  fibre_segments = vulkan::upload(uploads, segments, "the fibres");
+  fibre_points = vulkan::upload(uploads, points_on_skin(basis().strain), "the fibre points");
+  uploads.finish();
   fibre_segment_count = static_cast<std::uint32_t>(segments.size());
   if (basis().coverage.empty()) return;
   expectation.emplace(basis());
@@ -154,12 +156,14 @@ void evaluate_together(std::span<const SkinRequest> requests) {
     calls.push_back(*call);
   }
   std::exception_ptr error;
-  std::vector<CallOutcome> outcomes = evaluate_together(calls);
+  std::vector<Evaluation> results(calls.size());
+  for (std::size_t k = 0; k < calls.size(); ++k) calls[k].evaluation = &results[k];
+  evaluate_together(calls);
   for (std::size_t k = 0; k < anew.size(); ++k) {
-    if (!outcomes[k].error) {
-      anew[k]->detail->keep(*anew[k], std::move(outcomes[k].evaluation));
+    if (!calls[k].error) {
+      anew[k]->detail->keep(*anew[k], std::move(results[k]));
     } else if (!error) {
-      error = outcomes[k].error;
+      error = calls[k].error;
     }
   }
   if (error) std::rethrow_exception(error);

@@ -12,7 +12,7 @@ namespace bodyopt::cpu::HWY_NAMESPACE {
 
 void down_strips(const BlockInverse& inverse, std::span<const InverseStrip> strips, std::span<const float> results,
                  std::uint32_t right_side_count, std::uint32_t interleave, std::span<float> solutions) {
-  std::vector<float> inputs;  // of the strip's boundary slots
+  thread_local std::vector<float> inputs;  // of the strip's boundary slots; kept, as they are wanted every frame
   for (const InverseStrip& strip : strips) {
     const std::uint32_t* unknown = inverse.slot_unknown.data() + strip.first_input;
     inputs.assign((strip.input_count + kBlockSize - 1) / kBlockSize * kBlockSize, 0.0f);

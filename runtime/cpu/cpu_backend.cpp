@@ -5,6 +5,7 @@
 #include <array>
 #include <atomic>
 #include <chrono>
+#include <utility>
 
 #include "runtime/cpu/cpu_dynamics.h"
 #include "runtime/cpu/ddm_frames.h"
@@ -78,13 +79,13 @@ class CpuBackend final : public Backend {
   const BatchResult& run(const Batch& batch) override {
     Work work{batch, result_};
     prepare(batch, work.result);
-    const std::vector<Stage> stages = stages_of(basis_, batch);
+    stages_ = stages_of(basis_, batch, std::move(stages_));
     for_ranges(batch.frame_count, [&](FrameRange range) {
-      for (const Stage stage : stages) run_frames(stage, work, range);
-      run_parts(stages, work, range);
+      for (const Stage stage : stages_) run_frames(stage, work, range);
+      run_parts(stages_, work, range);
     });
-    for (const Stage stage : stages) run_batch(stage, work);
-    for (const Stage stage : stages) work.result.stage_seconds.add(stage, work.times.of(stage));
+    for (const Stage stage : stages_) run_batch(stage, work);
+    for (const Stage stage : stages_) work.result.stage_seconds.add(stage, work.times.of(stage));
     return result_;
   }
 
@@ -271,7 +272,8 @@ class CpuBackend final : public Backend {
   void finish(Work& work) {
     std::vector<float>& positions = work.result.positions;
     bool separates = true;
-    for (const OutputStep& step : output_steps(basis_, work.batch)) {
+    output_steps_ = output_steps(basis_, work.batch, std::move(output_steps_));
+    for (const OutputStep& step : output_steps_) {
       scratch_.finished.resize(positions.size());
       switch (step.kind) {
         case PosedSkinStep::relax:
@@ -363,6 +365,8 @@ class CpuBackend final : public Backend {
   std::vector<float> rest_coefficients_;
   Weights weights_;
   std::optional<CpuDynamics> dynamics_;
+  std::vector<Stage> stages_;             // of the batch
+  std::vector<OutputStep> output_steps_;  // likewise
   BatchResult result_;
   Scratch scratch_;
 };

@@ -27,11 +27,11 @@ CpuDynamics::CpuDynamics(const JiggleModel& model, Executor& threads)
 
 void CpuDynamics::jiggle(const Batch& batch, float weight, std::span<const float> strains,
                          std::vector<float>& positions) {
-  const NodeMotion before = motion;
+  before_ = motion;
   try {
     step_frames(batch, weight, strains, positions);
   } catch (...) {
-    motion = before;
+    motion = before_;
     throw;
   }
 }
@@ -40,13 +40,13 @@ void CpuDynamics::step_frames(const Batch& batch, float weight, std::span<const 
                               std::vector<float>& positions) {
   rotations_.resize(3 * nodes_.size());
   cpu::jiggle_rotate(dynamics_.tets, nodes_, batch.frame_count, rotations_, threads_);
-  std::vector<float> moved(positions.size());
+  moved_.resize(positions.size());
   for (std::uint32_t f = 0; f < batch.frame_count; ++f) {
     step(batch, f, part(strains, f, batch.frame_count));
     cpu::jiggle_skin(dynamics_.tets, part(positions, f, batch.frame_count), motion.displacement, weight,
-                     part(moved, f, batch.frame_count), threads_);
+                     part(moved_, f, batch.frame_count), threads_);
   }
-  positions.swap(moved);
+  positions.swap(moved_);
 }
 
 void CpuDynamics::diffuse(const Batch& batch, std::span<const float> positions) {

@@ -31,7 +31,8 @@ class CpuDynamics {
   std::vector<float> nodes_, rotations_, diffuse_right_sides_;  // of the batch
   std::vector<float> u_, v_, next_u_, next_v_;                  // of a stage, in the nodes' frames
   std::vector<float> right_side_, solution_, scratch_;
-  NodeMotion next_;
+  std::vector<float> moved_;  // the skin of the batch
+  NodeMotion next_, before_;
 };
 
 }  // namespace bodyopt

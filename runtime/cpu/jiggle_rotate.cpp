@@ -84,7 +84,8 @@ void jiggle_rotate(const TetTable& tets, std::span<const float> nodes, std::uint
   const std::size_t count = tets.node_count();
   // Several frames go to threads whole: where cores share no cache, reading another's gradients takes longer.
   parallel_parts(threads, frame_count, 1, [&](std::size_t begin, std::size_t end) {
-    std::vector<float> gradients(std::size_t{9} * tets.tet_count());
+    thread_local std::vector<float> gradients;  // kept, as it is wanted every frame
+    gradients.resize(std::size_t{9} * tets.tet_count());
     for (std::size_t f = begin; f < end; ++f) {
       rotate_frame(tets, nodes.data() + 3 * f * count, gradients, rotations.data() + 9 * f * count,
                    frame_count == 1 ? threads : calling_thread());

@@ -129,7 +129,8 @@ Deformer::Deformer(std::shared_ptr<const CharacterModel> model, const std::optio
       jiggles_(jiggle.has_value()),
       options_(checked_options(jiggle)),
       size_(box_diagonal(basis().mesh.rest)),
-      backend_(std::move(backend)) {
+      backend_(std::move(backend)),
+      memory_(std::make_unique<CallMemory>(basis().skeleton)) {
   set_rest();
 }
 
@@ -151,7 +152,7 @@ Deformer::Deformer(std::shared_ptr<const vulkan::DeviceModel> model, const std::
 void Deformer::set_rest() {
   const Pose rest = bind_pose(basis().skeleton);
   backend_->set_rest_coefficients(std::vector<float>(basis().residual.coefficient_count(), 0.0f));
-  backend_->set_rest_coefficients(backend_->run(make_batch(basis(), {&rest, 1})).coefficients);
+  backend_->set_rest_coefficients(backend_->run(make_batch(basis(), {&rest, 1}, *memory_)).coefficients);
 }
 
 void Deformer::set_weights(const Weights& weights) {
@@ -179,10 +180,12 @@ Evaluation Deformer::jiggle(std::span<const Pose> poses, std::span<const int> fr
   return run({.deformer = this, .poses = poses, .frames = frames});
 }
 
-Evaluation Deformer::run(const DeformerCall& call) {
-  CallOutcome outcome = std::move(evaluate_together({&call, 1}).front());
-  if (outcome.error) std::rethrow_exception(outcome.error);
-  return std::move(outcome.evaluation);
+Evaluation Deformer::run(DeformerCall call) {
+  Evaluation evaluation;
+  call.evaluation = &evaluation;
+  evaluate_together({&call, 1});
+  if (call.error) std::rethrow_exception(call.error);
+  return evaluation;
 }
 
 void Deformer::require_one_batch(std::span<const Pose> poses) const {
@@ -217,29 +220,27 @@ void Deformer::record(std::span<const Pose> poses, std::optional<std::span<const
                       const vulkan::Recording& recording) {
   require_one_batch(poses);
   if (frames && !jiggles_) throw Error(ErrorKind::usage, "the character was loaded without dynamics: it cannot jiggle");
-  Batch batch = make_batch(basis(), poses);
+  Batch& batch = make_batch(basis(), poses, *memory_);
   batch.wants_normals = recording.normals.buffer != VK_NULL_HANDLE;
   batch.wants_tangents = recording.tangents.buffer != VK_NULL_HANDLE;
   if (batch.wants_tangents) require_tangents();
-  const JiggleState before = state_;
+  memory_->before = state_;
   try {
-    if (frames) batch.jiggle = plan(batch, *frames);
+    if (frames) plan(*frames, batch);
     backend_->record(batch, recording);
   } catch (...) {
-    state_ = before;
+    state_ = memory_->before;
     throw;
   }
 }
 
-std::vector<JiggleFrame> Deformer::plan(const Batch& batch, std::span<const int> frames) {
-  std::vector<JiggleFrame> plans;
+void Deformer::plan(std::span<const int> frames, Batch& batch) {
   const std::size_t numbers = 3 * basis().skeleton.size();
   for (std::size_t f = 0; f < frames.size(); ++f) {
     const double origin[3] = {batch.origins[4 * f], batch.origins[4 * f + 1], batch.origins[4 * f + 2]};
-    plans.push_back(plan_frame(frames[f], std::span(batch.joints).subspan(f * numbers, numbers), origin, size_,
-                               dynamics()->jiggle.step, options_, state_));
+    batch.jiggle.push_back(plan_frame(frames[f], std::span(batch.joints).subspan(f * numbers, numbers), origin, size_,
+                                      dynamics()->jiggle.step, options_, state_));
   }
-  return plans;
 }
 
 }  // namespace bodyopt

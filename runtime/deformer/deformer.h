@@ -20,6 +20,7 @@ class Backend;
 class Executor;
 struct Basis;
 struct Batch;
+struct CallMemory;
 struct CharacterModel;
 struct DeformerCall;
 struct DeviceChoice;
@@ -106,10 +107,10 @@ class Deformer {
   Deformer(std::shared_ptr<const CharacterModel> model, const std::optional<JiggleOptions>& jiggle,
            std::unique_ptr<Backend> backend);
   void set_rest();
-  Evaluation run(const DeformerCall& call);
+  Evaluation run(DeformerCall call);
   // Throws Error(usage) where no texture coordinates were given.
   void require_tangents() const;
-  std::vector<JiggleFrame> plan(const Batch& batch, std::span<const int> frames);
+  void plan(std::span<const int> frames, Batch& batch);
 
   std::shared_ptr<const CharacterModel> model_;
   bool jiggles_;
@@ -119,6 +120,7 @@ class Deformer {
   bool wants_normals_ = true;
   JiggleState state_;  // its motion is the backend's
   std::unique_ptr<Backend> backend_;
+  std::unique_ptr<CallMemory> memory_;
 };
 
 }  // namespace bodyopt

@@ -10,7 +10,6 @@
 #include "runtime/core/error.h"
 #include "runtime/core/executor.h"
 #include "runtime/core/stopwatch.h"
-#include "runtime/core/transformed.h"
 #include "runtime/cpu/kernels.h"
 #include "runtime/deformer/deformer.h"
 #include "runtime/host/fade.h"
@@ -61,11 +60,11 @@ void place_tangents(Executor& threads, std::span<const float> tangents, std::siz
 
 // By how much a feature lies outside its range, as Evaluation::outside_by. `excess`: of all features, in standard
 // deviations.
-float outside_by(const Basis& basis, const float* excess, std::size_t feature) {
+float outside_by(const Basis& basis, const std::vector<JointFeatures>& joints, const float* excess,
+                 std::size_t feature) {
   const std::vector<FeatureRange>& ranges = basis.residual.features;
   const auto by = [&](std::size_t k) { return excess[k] > 0 ? excess[k] / ranges[k].inverse_scale : 0.0f; };
   const std::size_t joint = feature / 9;
-  const std::vector<JointFeatures> joints = joint_features_of(basis.skeleton);
   if (joint >= joints.size()) return by(feature);
   float squares = 0;
   for (std::size_t k = 9 * joint; k < 9 * (joint + 1); ++k) squares += by(k) * by(k);
@@ -76,7 +75,8 @@ float outside_by(const Basis& basis, const float* excess, std::size_t feature) {
 }
 
 // Of each of `frames` frames the feature that lies furthest outside its trained range.
-void append_outside(const Basis& basis, const BatchResult& result, std::size_t frames, Evaluation& evaluation) {
+void append_outside(const Basis& basis, const std::vector<JointFeatures>& joints, const BatchResult& result,
+                    std::size_t frames, Evaluation& evaluation) {
   const std::size_t features = result.excess.size() / std::max<std::size_t>(1, frames);
   evaluation.excess.insert(evaluation.excess.end(), result.excess.begin(), result.excess.end());
   for (std::size_t f = 0; f < frames; ++f) {
@@ -84,25 +84,35 @@ void append_outside(const Basis& basis, const BatchResult& result, std::size_t f
     const auto worst = std::max_element(begin, begin + static_cast<std::ptrdiff_t>(features));
     evaluation.outside.push_back(features > 0 ? *worst : 0.0f);
     evaluation.outside_feature.push_back(static_cast<std::uint32_t>(worst - begin));
-    evaluation.outside_by.push_back(features > 0 ? outside_by(basis, &*begin, static_cast<std::size_t>(worst - begin))
-                                                 : 0.0f);
+    evaluation.outside_by.push_back(
+        features > 0 ? outside_by(basis, joints, &*begin, static_cast<std::size_t>(worst - begin)) : 0.0f);
   }
 }
 
-void append_fades(const Basis& basis, const Batch& batch, Evaluation& evaluation) {
+void append_fades(const Basis& basis, CallMemory& memory, Evaluation& evaluation) {
+  const Batch& batch = memory.batch;
   evaluation.fades.insert(evaluation.fades.end(), batch.fades.begin(), batch.fades.end());
-  const std::vector<std::uint32_t> joints = feature_joints(basis.skeleton);
+  const std::vector<JointFeatures>& joints = memory.rig.features();
   for (std::size_t f = 0; f < batch.frame_count; ++f) {
     const std::size_t stride = 9 * joints.size();
-    const int joint = fading_joint(basis.residual, std::span(batch.joint_features).subspan(f * stride, stride));
-    evaluation.fading_joint.push_back(joint < 0 ? -1 : static_cast<int>(joints[static_cast<std::size_t>(joint)]));
+    memory.off =
+        joints_off(basis.residual, std::span(batch.joint_features).subspan(f * stride, stride), std::move(memory.off));
+    const int joint = fading_joint(basis.residual, memory.off, memory.taken);
+    evaluation.fading_joint.push_back(joint < 0 ? -1 : static_cast<int>(joints[static_cast<std::size_t>(joint)].joint));
   }
+}
+
+// With zeros after them, so that they are `count`.
+void append_padded(const std::vector<float>& values, std::size_t count, std::vector<float>& to) {
+  const std::size_t end = to.size() + count;
+  to.insert(to.end(), values.begin(), values.end());
+  to.resize(end, 0.0f);
 }
 
 // Pose::modifiers, one for each component. A basis without any, such as a lighter level, has nothing to weigh.
-std::vector<float> modifier_weights(const Basis& basis, const Pose& pose) {
+void append_modifier_weights(const Basis& basis, const Pose& pose, std::vector<float>& weights) {
   const std::size_t count = basis.modifiers.component_count();
-  if (count == 0) return {};
+  if (count == 0) return;
   if (!pose.modifiers.empty() && pose.modifiers.size() != count) {
     throw Error(ErrorKind::mismatch, "a pose has ", pose.modifiers.size(), " weights of modifiers, the basis has ",
                 count);
@@ -110,9 +120,7 @@ std::vector<float> modifier_weights(const Basis& basis, const Pose& pose) {
   for (const float weight : pose.modifiers) {
     if (!std::isfinite(weight)) throw Error(ErrorKind::mismatch, "a modifier's weight is not a finite number");
   }
-  std::vector<float> weights = pose.modifiers;
-  weights.resize(count, 0.0f);
-  return weights;
+  append_padded(pose.modifiers, count, weights);
 }
 
 void check_controls(const Basis& basis, const Pose& pose) {
@@ -127,42 +135,50 @@ void check_controls(const Basis& basis, const Pose& pose) {
   }
 }
 
+// Their memory is used again.
+void clear_all(auto&... values) { (values.clear(), ...); }
+
 }  // namespace
 
 // A call between its batches.
 class RunningCall {
  public:
-  explicit RunningCall(const DeformerCall& call) : call_(call), deformer_(*call.deformer) {
+  explicit RunningCall(DeformerCall& call) : call_(call), deformer_(*call.deformer), memory_(*deformer_.memory_) {
+    call_.error = nullptr;
+    Evaluation& e = *call_.evaluation;
+    clear_all(e.positions, e.normals, e.strains, e.outside, e.outside_feature, e.outside_by, e.fades, e.fading_joint,
+              e.starts);
+    e.stage_seconds = {};
     attempt([&] { check(); });
   }
 
-  bool has_more() const { return !outcome_.error && begin_ < call_.poses.size(); }
+  bool has_more() const { return !call_.error && begin_ < call_.poses.size(); }
+  const DeformerCall& call() const { return call_; }
 
   // The next batch. Gives what is to run on the device before finish(); null: nothing, or it failed.
   vulkan::Commands* start() {
     vulkan::Commands* commands = nullptr;
+    started_ = true;
     attempt([&] { commands = start_batch(); });
     return commands;
   }
 
   void finish() {
-    if (outcome_.error) return;
+    if (!std::exchange(started_, false) || call_.error) return;
     attempt([&] { take(split_ != nullptr ? split_->finish() : *result_); });
   }
 
   // A batch that fails leaves the motion as it was; only of several some may have been stepped, and the motion of
   // before was fetched from the device for that.
   void fail(const std::exception_ptr& error) {
-    outcome_.error = error;
-    if (!before_) return;
+    call_.error = error;
+    if (!has_before_) return;
     if (is_several_) {
-      deformer_.set_state(*before_);
+      deformer_.set_state(memory_.before);
     } else {
-      deformer_.state_ = *before_;
+      deformer_.state_ = memory_.before;
     }
   }
-
-  CallOutcome outcome() && { return std::move(outcome_); }
 
  private:
   template <typename Step>
@@ -185,7 +201,9 @@ class RunningCall {
       throw Error(ErrorKind::usage, call_.poses.size(), " poses have ", call_.frames->size(), " frame numbers");
     }
     is_several_ = call_.poses.size() > deformer_.batch_limit();
-    before_ = is_several_ ? deformer_.state() : deformer_.state_;
+    memory_.before = deformer_.state_;
+    if (is_several_) memory_.before = deformer_.state();
+    has_before_ = true;
   }
 
   bool wants_tangents() const { return call_.place != nullptr && call_.place->tangents.data != nullptr; }
@@ -193,22 +211,23 @@ class RunningCall {
   vulkan::Commands* start_batch() {
     const std::size_t count = std::min<std::size_t>(std::max(1u, deformer_.batch_limit()), call_.poses.size() - begin_);
     const Stopwatch watch;
-    batch_ = make_batch(deformer_.basis(), call_.poses.subspan(begin_, count));
-    batch_.first_frame = begin_;
-    batch_.stays_on_device = call_.stays_on_device;
-    batch_.wants_normals = call_.place != nullptr ? call_.place->normals.data != nullptr : deformer_.wants_normals_;
-    batch_.wants_tangents = wants_tangents();
-    if (call_.frames) batch_.jiggle = deformer_.plan(batch_, call_.frames->subspan(begin_, count));
-    outcome_.evaluation.stage_seconds.add(Stage::rig, watch.seconds());
+    Batch& batch = make_batch(deformer_.basis(), call_.poses.subspan(begin_, count), memory_);
+    batch.first_frame = begin_;
+    batch.stays_on_device = call_.stays_on_device;
+    batch.wants_normals = call_.place != nullptr ? call_.place->normals.data != nullptr : deformer_.wants_normals_;
+    batch.wants_tangents = wants_tangents();
+    if (call_.frames) deformer_.plan(call_.frames->subspan(begin_, count), batch);
+    call_.evaluation->stage_seconds.add(Stage::rig, watch.seconds());
     split_ = deformer_.backend_->split();
-    if (split_ != nullptr) return &split_->start(batch_);
-    result_ = &deformer_.backend_->run(batch_);
+    if (split_ != nullptr) return &split_->start(batch);
+    result_ = &deformer_.backend_->run(batch);
     return nullptr;
   }
 
   void take(const BatchResult& result) {
     const Basis& basis = deformer_.basis();
-    Evaluation& evaluation = outcome_.evaluation;
+    Evaluation& evaluation = *call_.evaluation;
+    const Batch& batch = memory_.batch;
     Executor& threads = deformer_.backend_->threads();
     if (call_.place != nullptr) {
       place_output(threads, basis.mesh, result.positions, call_.place->positions, begin_);
@@ -219,22 +238,22 @@ class RunningCall {
       append_output(threads, basis.mesh, result.normals, evaluation.normals);
     }
     evaluation.strains.insert(evaluation.strains.end(), result.strains.begin(), result.strains.end());
-    append_outside(basis, result, batch_.frame_count, evaluation);
-    append_fades(basis, batch_, evaluation);
-    for (const JiggleFrame& frame : batch_.jiggle) evaluation.starts.push_back(frame.start);
+    append_outside(basis, memory_.rig.features(), result, batch.frame_count, evaluation);
+    append_fades(basis, memory_, evaluation);
+    for (const JiggleFrame& frame : batch.jiggle) evaluation.starts.push_back(frame.start);
     evaluation.stage_seconds.add(result.stage_seconds);
-    begin_ += batch_.frame_count;
+    begin_ += batch.frame_count;
   }
 
-  const DeformerCall& call_;
+  DeformerCall& call_;
   Deformer& deformer_;
-  std::optional<JiggleState> before_;  // of a jiggle
-  bool is_several_ = false;            // batches
-  std::size_t begin_ = 0;              // of the batch under way, in poses
-  Batch batch_;
+  CallMemory& memory_;
+  bool has_before_ = false;  // of a jiggle
+  bool is_several_ = false;  // batches
+  bool started_ = false;     // and not finished
+  std::size_t begin_ = 0;    // of the batch under way, in poses
   SplitRun* split_ = nullptr;
   const BatchResult* result_ = nullptr;  // the backend's, of a batch that nothing split
-  CallOutcome outcome_;
 };
 
 namespace {
@@ -255,11 +274,9 @@ struct Submission {
 
 // A batch of every call that has more.
 void run_batches(std::span<RunningCall> calls) {
-  std::vector<RunningCall*> started;
   std::map<const vulkan::Device*, Submission> submissions;
   for (RunningCall& call : calls) {
     if (!call.has_more()) continue;
-    started.push_back(&call);
     vulkan::Commands* commands = call.start();
     if (commands == nullptr) continue;
     Submission& submission = submissions[&commands->device()];
@@ -267,31 +284,43 @@ void run_batches(std::span<RunningCall> calls) {
     submission.calls.push_back(&call);
   }
   for (const auto& [device, submission] : submissions) submission.run();
-  for (RunningCall* call : started) call->finish();
+  for (RunningCall& call : calls) call.finish();
+}
+
+void run_all(std::span<RunningCall> calls) {
+  while (std::ranges::any_of(calls, &RunningCall::has_more)) run_batches(calls);
 }
 
 }  // namespace
 
-std::vector<CallOutcome> evaluate_together(std::span<const DeformerCall> calls) {
+void evaluate_together(std::span<DeformerCall> calls) {
+  if (calls.size() == 1) {
+    RunningCall alone(calls.front());
+    return run_all({&alone, 1});
+  }
   std::vector<RunningCall> running;
   running.reserve(calls.size());
-  for (std::size_t k = 0; k < calls.size(); ++k) {
-    const auto own = [&](const DeformerCall& earlier) { return earlier.deformer == calls[k].deformer; };
-    if (std::ranges::any_of(calls.first(k), own)) {
+  for (DeformerCall& call : calls) {
+    if (std::ranges::find(running, call.deformer, [](const RunningCall& r) { return r.call().deformer; }) !=
+        running.end()) {
       throw Error(ErrorKind::usage, "an instance was asked for two evaluations at once");
     }
-    running.emplace_back(calls[k]);
+    running.emplace_back(call);
   }
-  while (std::ranges::any_of(running, &RunningCall::has_more)) run_batches(running);
-  return transformed(running, [&](RunningCall& call) { return std::move(call).outcome(); });
+  run_all(running);
 }
 
-Batch make_batch(const Basis& basis, std::span<const Pose> poses) {
-  Batch batch;
+Batch& make_batch(const Basis& basis, std::span<const Pose> poses, CallMemory& memory) {
+  Batch& batch = memory.batch;
+  clear_all(batch.skinning, batch.origins, batch.joint_features, batch.controls, batch.fades, batch.modifiers,
+            batch.learned_skinning, batch.joints, batch.jiggle);
+  batch.stays_on_device = batch.wants_tangents = false;
+  batch.wants_normals = true;
+  const RigFrame& rig = memory.frame;
   batch.frame_count = static_cast<std::uint32_t>(poses.size());
-  const std::size_t controls = basis.residual.controls.size();
+  const std::size_t regions = basis.residual.regions.size();
   for (const Pose& pose : poses) {
-    const RigFrame rig = pose_rig(basis.skeleton, pose);
+    memory.rig.pose(pose, memory.frame);
     batch.skinning.insert(batch.skinning.end(), rig.skinning.begin(), rig.skinning.end());
     batch.origins.insert(batch.origins.end(), {rig.origin[0], rig.origin[1], rig.origin[2], 0.0f});
     batch.joint_features.insert(batch.joint_features.end(), rig.joint_features.begin(), rig.joint_features.end());
@@ -300,14 +329,12 @@ Batch make_batch(const Basis& basis, std::span<const Pose> poses) {
                                     rig.learned_skinning.end());
     }
     batch.joints.insert(batch.joints.end(), rig.joints.begin(), rig.joints.end());
-    const std::vector<float> fades = region_fades(basis.residual, rig.joint_features);
-    batch.fades.insert(batch.fades.end(), fades.begin(), fades.end());
+    memory.off = joints_off(basis.residual, rig.joint_features, std::move(memory.off));
+    batch.fades.resize(batch.fades.size() + regions);
+    region_fades(basis.residual, memory.off, std::span(batch.fades).last(regions));
     check_controls(basis, pose);
-    std::vector<float> values = pose.controls;
-    values.resize(controls, 0.0f);
-    batch.controls.insert(batch.controls.end(), values.begin(), values.end());
-    const std::vector<float> weights = modifier_weights(basis, pose);
-    batch.modifiers.insert(batch.modifiers.end(), weights.begin(), weights.end());
+    append_padded(pose.controls, basis.residual.controls.size(), batch.controls);
+    append_modifier_weights(basis, pose, batch.modifiers);
   }
   return batch;
 }

@@ -19,9 +19,10 @@ double squared_excess(const ResidualTable& residual, std::size_t joint, std::spa
 
 }  // namespace
 
-std::vector<double> joints_off(const ResidualTable& residual, std::span<const float> joint_features) {
+std::vector<double> joints_off(const ResidualTable& residual, std::span<const float> joint_features,
+                               std::vector<double> off) {
   const FadeTable& fade = residual.fade;
-  std::vector<double> off(fade.tolerance.size());
+  off.resize(fade.tolerance.size());
   const float* row = fade.directions.data();
   for (std::size_t j = 0; j < off.size(); ++j) {
     double sum = squared_excess(residual, j, joint_features);
@@ -39,27 +40,30 @@ std::vector<double> joints_off(const ResidualTable& residual, std::span<const fl
 }
 
 std::vector<float> region_fades(const ResidualTable& residual, std::span<const float> joint_features) {
-  std::vector<float> fades(residual.regions.size(), 1.0f);
-  const FadeTable& fade = residual.fade;
-  if (fade.empty()) return fades;
-  const std::vector<double> off = joints_off(residual, joint_features);
-  for (std::size_t r = 0; r < fades.size(); ++r) {
-    double sum = 1;
-    for (std::uint32_t k = fade.region_begin[r]; k < fade.region_begin[r + 1]; ++k) {
-      sum += double{fade.region_weights[k]} * off[fade.region_joints[k]];
-    }
-    fades[r] = static_cast<float>(1 / sum);
-  }
+  std::vector<float> fades(residual.regions.size());
+  region_fades(residual, joints_off(residual, joint_features), fades);
   return fades;
 }
 
-int fading_joint(const ResidualTable& residual, std::span<const float> joint_features) {
+void region_fades(const ResidualTable& residual, std::span<const double> joints_off, std::span<float> fades) {
+  const FadeTable& fade = residual.fade;
+  std::ranges::fill(fades, 1.0f);
+  if (fade.empty()) return;
+  for (std::size_t r = 0; r < fades.size(); ++r) {
+    double sum = 1;
+    for (std::uint32_t k = fade.region_begin[r]; k < fade.region_begin[r + 1]; ++k) {
+      sum += double{fade.region_weights[k]} * joints_off[fade.region_joints[k]];
+    }
+    fades[r] = static_cast<float>(1 / sum);
+  }
+}
+
+int fading_joint(const ResidualTable& residual, std::span<const double> joints_off, std::vector<double>& taken) {
   const FadeTable& fade = residual.fade;
   if (fade.empty()) return -1;
-  std::vector<double> taken(fade.tolerance.size());
-  const std::vector<double> off = joints_off(residual, joint_features);
+  taken.assign(fade.tolerance.size(), 0.0);
   for (std::size_t k = 0; k < fade.region_joints.size(); ++k) {
-    taken[fade.region_joints[k]] += double{fade.region_weights[k]} * off[fade.region_joints[k]];
+    taken[fade.region_joints[k]] += double{fade.region_weights[k]} * joints_off[fade.region_joints[k]];
   }
   const auto most = std::ranges::max_element(taken);
   return most != taken.end() && *most > 0 ? static_cast<int>(most - taken.begin()) : -1;

@@ -14,14 +14,11 @@
 namespace bodyopt {
 namespace {
 
-// Root of the mean squared change of the joints' velocity; their new velocity goes to `velocity`.
-double change_of_velocity(std::span<const double> joints, double interval, const JiggleState& state,
-                          std::vector<double>& velocity) {
-  velocity.resize(joints.size());
+// Root of the mean squared change of the joints' velocity.
+double change_of_velocity(std::span<const double> joints, double interval, const JiggleState& state) {
   double sum = 0;
   for (std::size_t k = 0; k < joints.size(); ++k) {
-    velocity[k] = (joints[k] - state.joints[k]) / interval;
-    const double change = velocity[k] - (state.known > 1 ? state.joint_velocity[k] : 0);
+    const double change = (joints[k] - state.joints[k]) / interval - (state.known > 1 ? state.joint_velocity[k] : 0);
     sum += change * change;
   }
   return std::sqrt(3 * sum / std::max<double>(1, static_cast<double>(joints.size())));
@@ -181,11 +178,10 @@ JiggleFrame plan_frame(int frame, std::span<const double> joints, const double (
     plan.repeats = true;
     return plan;
   }
-  std::vector<double> velocity;
   bool jumps = false;
   const double interval = (static_cast<double>(frame) - state.frame) / static_cast<double>(step.frames_per_second);
   if (state.known > 0 && frame > state.frame) {
-    jumps = change_of_velocity(joints, interval, state, velocity) > 2 * std::sqrt(9.81 * size);
+    jumps = change_of_velocity(joints, interval, state) > 2 * std::sqrt(9.81 * size);
   }
   plan.start = start_of(frame, jumps, step, options, state);
   if (plan.start == JiggleStart::goes_on) {
@@ -196,7 +192,9 @@ JiggleFrame plan_frame(int frame, std::span<const double> joints, const double (
     plan.kick.origin_step_y = static_cast<float>(origin[1] - state.origin[1]);
     plan.kick.origin_step_z = static_cast<float>(origin[2] - state.origin[2]);
     state.known = 2;
-    state.joint_velocity = velocity;
+    for (std::size_t k = 0; k < joints.size(); ++k) {
+      state.joint_velocity[k] = (joints[k] - state.joints[k]) / interval;
+    }
   } else {
     state.known = 1;
     state.joint_velocity.assign(joints.size(), 0.0);

@@ -20,8 +20,8 @@ bool has_weight(const Basis& basis, const Batch& batch, const SkinModifier& modi
 
 }  // namespace
 
-std::vector<OutputStep> output_steps(const Basis& basis, const Batch& batch) {
-  std::vector<OutputStep> steps;
+std::vector<OutputStep> output_steps(const Basis& basis, const Batch& batch, std::vector<OutputStep> steps) {
+  steps.clear();
   for (const SkinModifier& modifier : basis.modifiers.stack) {
     const PosedSkinType* type = posed_skin_type(modifier.type);
     if (type == nullptr || !has_weight(basis, batch, modifier)) continue;

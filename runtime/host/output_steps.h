@@ -15,8 +15,9 @@ struct OutputStep {
   bool operator==(const OutputStep&) const = default;
 };
 
-// The steps of a batch, in the stack's order; a modifier that no frame has a weight for has none.
-std::vector<OutputStep> output_steps(const Basis& basis, const Batch& batch);
+// The steps of a batch, in the stack's order; a modifier that no frame has a weight for has none. `steps`: memory that
+// is used again.
+std::vector<OutputStep> output_steps(const Basis& basis, const Batch& batch, std::vector<OutputStep> steps = {});
 
 // Push constants of output_relax, output_bound and output_separate.
 OutputRelaxPush relax_push(const Basis& basis, const OutputStep& step);

@@ -2,14 +2,16 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "runtime/core/error.h"
 #include "runtime/core/transformed.h"
 
 namespace bodyopt {
 
-std::vector<Affine> posed_joints(const Skeleton& skeleton, std::span<const JointTransform> local) {
-  std::vector<Affine> world(skeleton.size());
+std::vector<Affine> posed_joints(const Skeleton& skeleton, std::span<const JointTransform> local,
+                                 std::vector<Affine> world) {
+  world.resize(skeleton.size());
   for (std::size_t j = 0; j < skeleton.size(); ++j) {
     const int parent = skeleton.joints[j].parent;
     const Affine own = affine_from(local[j]);
@@ -174,9 +176,9 @@ std::vector<Quat> bind_rotations(const Skeleton& skeleton) {
 namespace {
 
 // J x 12.
-std::vector<float> relative_skinning(const Skeleton& skeleton, const std::vector<Affine>& world,
-                                     const float (&origin)[3]) {
-  std::vector<float> skinning;
+void relative_skinning(const Skeleton& skeleton, const std::vector<Affine>& world, const float (&origin)[3],
+                       std::vector<float>& skinning) {
+  skinning.clear();
   for (std::size_t j = 0; j < skeleton.size(); ++j) {
     Affine relative = world[j];
     for (int i = 0; i < 3; ++i) relative.m[i][3] -= static_cast<double>(origin[i]);
@@ -185,43 +187,50 @@ std::vector<float> relative_skinning(const Skeleton& skeleton, const std::vector
       for (const double x : row) skinning.push_back(static_cast<float>(x));
     }
   }
-  return skinning;
-}
-
-// See RigFrame.
-std::vector<float> joint_features(const Skeleton& skeleton, const std::vector<JointTransform>& joints) {
-  std::vector<float> features;
-  const std::vector<Quat> bind = bind_rotations(skeleton);
-  for (const JointFeatures& of : joint_features_of(skeleton)) {
-    if (of.per_metre > 0) {
-      for (const double x : slide_of(of, skeleton, joints)) features.push_back(static_cast<float>(of.per_metre * x));
-      features.resize(features.size() + 6, 0.0f);
-      continue;
-    }
-    const auto r = rotation_matrix(rotation_of(of, skeleton, bind, joints));
-    for (std::size_t i = 0; i < 3; ++i) {
-      for (std::size_t k = 0; k < 3; ++k) features.push_back(static_cast<float>(r[i][k] - (i == k ? 1 : 0)));
-    }
-  }
-  return features;
 }
 
 }  // namespace
 
-RigFrame pose_rig(const Skeleton& skeleton, const Pose& pose) {
-  check_joints(skeleton, pose.joints);
-  RigFrame frame;
-  const std::vector<Affine> world = posed_joints(skeleton, pose.joints);
-  for (int i = 0; i < 3; ++i) frame.origin[i] = world.empty() ? 0.0f : static_cast<float>(world[0].m[i][3]);
-  for (const Affine& joint : world) {
+Rig::Rig(const Skeleton& skeleton)
+    : skeleton_(skeleton), features_(joint_features_of(skeleton)), bind_(bind_rotations(skeleton)) {}
+
+// See RigFrame.
+void Rig::find_features(const std::vector<JointTransform>& joints, std::vector<float>& features) const {
+  features.clear();
+  for (const JointFeatures& of : features_) {
+    if (of.per_metre > 0) {
+      for (const double x : slide_of(of, skeleton_, joints)) features.push_back(static_cast<float>(of.per_metre * x));
+      features.resize(features.size() + 6, 0.0f);
+      continue;
+    }
+    const auto r = rotation_matrix(rotation_of(of, skeleton_, bind_, joints));
+    for (std::size_t i = 0; i < 3; ++i) {
+      for (std::size_t k = 0; k < 3; ++k) features.push_back(static_cast<float>(r[i][k] - (i == k ? 1 : 0)));
+    }
+  }
+}
+
+void Rig::pose(const Pose& pose, RigFrame& frame) const {
+  check_joints(skeleton_, pose.joints);
+  check_joints(skeleton_, pose.own_joints());
+  frame.world = posed_joints(skeleton_, pose.joints, std::move(frame.world));
+  for (int i = 0; i < 3; ++i) frame.origin[i] = frame.world.empty() ? 0.0f : static_cast<float>(frame.world[0].m[i][3]);
+  frame.joints.clear();
+  for (const Affine& joint : frame.world) {
     for (const auto& row : joint.m) frame.joints.push_back(row[3]);
   }
-  frame.skinning = relative_skinning(skeleton, world, frame.origin);
-  check_joints(skeleton, pose.own_joints());
-  frame.learned_skinning = pose.unmodified.empty()
-                               ? frame.skinning
-                               : relative_skinning(skeleton, posed_joints(skeleton, pose.unmodified), frame.origin);
-  frame.joint_features = joint_features(skeleton, pose.own_joints());
+  relative_skinning(skeleton_, frame.world, frame.origin, frame.skinning);
+  frame.learned_skinning = frame.skinning;
+  if (!pose.unmodified.empty()) {
+    frame.world = posed_joints(skeleton_, pose.unmodified, std::move(frame.world));
+    relative_skinning(skeleton_, frame.world, frame.origin, frame.learned_skinning);
+  }
+  find_features(pose.own_joints(), frame.joint_features);
+}
+
+RigFrame pose_rig(const Skeleton& skeleton, const Pose& pose) {
+  RigFrame frame;
+  Rig(skeleton).pose(pose, frame);
   return frame;
 }
 

@@ -22,10 +22,12 @@ struct RigFrame {
   // bind pose, in rest axes. They are made of local transforms only: a turn of the root changes no bit.
   std::vector<float> joint_features;
   std::vector<float> learned_skinning;  // as skinning, of that pose: for the strains
+  std::vector<Affine> world;            // scratch
 };
 
-// Posed joint matrices (joint space to world), J, in double precision.
-std::vector<Affine> posed_joints(const Skeleton& skeleton, std::span<const JointTransform> local);
+// Posed joint matrices (joint space to world), J, in double precision. world: memory that is used again.
+std::vector<Affine> posed_joints(const Skeleton& skeleton, std::span<const JointTransform> local,
+                                 std::vector<Affine> world = {});
 
 // Skinning matrices (rest space to world), J, in double precision.
 std::vector<Affine> skinning_matrices(const Skeleton& skeleton, std::span<const JointTransform> local);
@@ -37,8 +39,24 @@ std::vector<JointTransform> local_joints(const Skeleton& skeleton, std::span<con
 // Rotation of each joint in the bind pose, world; scale and shear are left out.
 std::vector<Quat> bind_rotations(const Skeleton& skeleton);
 
-// Throws Error(mismatch) when the pose has another number of joints than the skeleton, when it is not finite,
-// and when a rotation has no length.
+// A skeleton, which must outlive it, with what all frames need of it.
+class Rig {
+ public:
+  explicit Rig(const Skeleton& skeleton);
+  // Into the memory of an earlier frame. Throws Error(mismatch) when the pose has another number of joints than the
+  // skeleton, when it is not finite, and when a rotation has no length.
+  void pose(const Pose& pose, RigFrame& frame) const;
+  const std::vector<JointFeatures>& features() const { return features_; }
+
+ private:
+  void find_features(const std::vector<JointTransform>& joints, std::vector<float>& features) const;
+
+  const Skeleton& skeleton_;
+  const std::vector<JointFeatures> features_;  // joint_features_of
+  const std::vector<Quat> bind_;               // bind_rotations
+};
+
+// Of one frame. Throws as Rig::pose.
 RigFrame pose_rig(const Skeleton& skeleton, const Pose& pose);
 
 // skeleton.features, or, where there are none, those of every joint but roots, in joint order.

@@ -38,8 +38,8 @@ void StageSeconds::add(const StageSeconds& other) {
   other.for_each([&](const StageDescription& description, double seconds) { add(description.stage, seconds); });
 }
 
-std::vector<Stage> stages_of(const Basis& basis, const Batch& batch) {
-  std::vector<Stage> stages;
+std::vector<Stage> stages_of(const Basis& basis, const Batch& batch, std::vector<Stage> stages) {
+  stages.clear();
   for (const StageDescription& description : kStages) {
     if (applies(description.stage, basis, batch)) stages.push_back(description.stage);
   }

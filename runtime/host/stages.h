@@ -61,7 +61,8 @@ class StageSeconds {
   PerStage<std::optional<double>> seconds_;
 };
 
-// The stages that a backend runs for a batch, in their order. Rig is none of them: the batch is what it left.
-std::vector<Stage> stages_of(const Basis& basis, const Batch& batch);
+// The stages that a backend runs for a batch, in their order. Rig is none of them: the batch is what it left. `stages`:
+// memory that is used again.
+std::vector<Stage> stages_of(const Basis& basis, const Batch& batch, std::vector<Stage> stages = {});
 
 }  // namespace bodyopt

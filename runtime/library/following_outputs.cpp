@@ -19,7 +19,7 @@ PlacedVertices without_gaps(std::vector<float>& values, std::size_t vertices, st
 std::vector<bodyopt_floats> outputs_of(const bodyopt_skin& skin, const Attachments& attached, std::size_t frames) {
   std::vector<bodyopt_floats> outputs = attached_outputs(skin.attached, skin.attached_count, attached, "skin.attached");
   for (std::size_t m = 0; m < outputs.size(); ++m) {
-    check_output(outputs[m], frames, attached.meshes[m].vertex_count(), 3, concat("skin.attached[", m, "]"));
+    check_output(outputs[m], frames, attached.meshes[m].vertex_count(), 3, concat("skin.attached[", m, "]").c_str());
   }
   if (std::ranges::all_of(outputs, [](const bodyopt_floats& output) { return output.data == nullptr; })) return {};
   return outputs;

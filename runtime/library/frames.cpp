@@ -21,6 +21,7 @@ class AskedFrames {
   AskedFrames(bodyopt_instance& instance, const bodyopt_poses* poses, const bodyopt_skin* skin, bool jiggles)
       : instance_(instance),
         deformer_(*instance.deformer),
+        poses_(instance.poses),
         given_(poses, deformer_.basis(), instance.channels),
         drive_(instance, given_),
         wanted_(skin, deformer_.basis(), given_.count()),
@@ -35,8 +36,8 @@ class AskedFrames {
   // Modifiers go on past all frames, of which nothing is wanted.
   bool is_skipped() const { return !jiggles_ && wanted_.wants_nothing() && !following_.wanted(); }
   void skip() {
-    std::vector<Pose> poses = given_.read(0, given_.count());
-    drive_.apply(0, poses);
+    given_.read(0, given_.count(), poses_);
+    drive_.apply(0, poses_);
     drive_.keep(instance_);
     has_more_ = false;
   }
@@ -46,17 +47,18 @@ class AskedFrames {
   // The call of the next part. A jiggle is one part: where it fails, none of it has been stepped.
   DeformerCall next() {
     const std::size_t left = given_.count() - begin_;
-    poses_ = given_.read(begin_, jiggles_ ? left : std::min<std::size_t>(left, deformer_.batch_limit()));
+    given_.read(begin_, jiggles_ ? left : std::min<std::size_t>(left, deformer_.batch_limit()), poses_);
     drive_.apply(begin_, poses_);
     place_ = wanted_.place(begin_);
     if (following_.wanted()) place_ = following_.gather(poses_.size(), place_);
-    DeformerCall call{.deformer = &deformer_, .poses = poses_, .place = &place_};
+    DeformerCall call{.deformer = &deformer_, .poses = poses_, .evaluation = &instance_.evaluation, .place = &place_};
     if (jiggles_) call.frames = given_.frame_numbers();
     return call;
   }
 
   // Writes what was not placed of the part.
-  void take(const Evaluation& evaluation) {
+  void take() {
+    const Evaluation& evaluation = instance_.evaluation;
     wanted_.write(evaluation, begin_);
     if (following_.wanted()) following_.write(poses_, begin_, deformer_.threads());
     if (expectation_ != nullptr && !poses_.empty()) write_expected_errors(evaluation);
@@ -83,6 +85,7 @@ class AskedFrames {
 
   bodyopt_instance& instance_;
   Deformer& deformer_;
+  std::vector<Pose>& poses_;  // of the part under way
   GivenPoses given_;
   ModifierDrive drive_;
   WantedSkin wanted_;
@@ -91,7 +94,6 @@ class AskedFrames {
   const ErrorExpectation* expectation_ = nullptr;  // where errors are wanted
   bool has_more_ = true;                           // nothing of no frames is asked for, too
   std::size_t begin_ = 0;
-  std::vector<Pose> poses_;  // of the part under way
   SkinPlace place_;
 };
 
@@ -125,11 +127,11 @@ void run_parts(std::span<AskedCall> calls) {
       running.push_back(&call);
     });
   }
-  std::vector<CallOutcome> outcomes = evaluate_together(parts);
+  evaluate_together(parts);
   for (std::size_t k = 0; k < running.size(); ++k) {
     running[k]->attempt([&] {
-      if (outcomes[k].error) std::rethrow_exception(outcomes[k].error);
-      running[k]->frames->take(outcomes[k].evaluation);
+      if (parts[k].error) std::rethrow_exception(parts[k].error);
+      running[k]->frames->take();
     });
   }
 }
@@ -143,10 +145,14 @@ void run_all(std::span<AskedCall> calls) {
 bodyopt_result run_alone(bodyopt_instance* instance, const bodyopt_poses* poses, const bodyopt_skin* skin,
                          bool jiggles) {
   return guarded([&] {
-    AskedCall call;
-    call.frames.emplace(required(instance, "instance"), poses, skin, jiggles);
-    run_all({&call, 1});
-    if (call.error) std::rethrow_exception(call.error);
+    AskedFrames frames(required(instance, "instance"), poses, skin, jiggles);
+    while (frames.has_more()) {
+      if (frames.is_skipped()) return frames.skip();
+      DeformerCall part = frames.next();
+      evaluate_together({&part, 1});
+      if (part.error) std::rethrow_exception(part.error);
+      frames.take();
+    }
   });
 }
 

@@ -64,6 +64,8 @@ struct bodyopt_instance {
   std::vector<std::string> channels;                        // names of the model's
   std::uint32_t recorded_frames = 1;                        // most of a bodyopt_record
   bodyopt::ModifierState modifiers;                         // after the last frame that was shown with them
+  std::vector<bodyopt::Pose> poses;                         // of the last part of a call, kept for their memory
+  bodyopt::Evaluation evaluation;                           // likewise
 };
 
 struct bodyopt_state {

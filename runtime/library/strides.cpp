@@ -17,17 +17,19 @@ constexpr std::size_t kMatrixNumbers = 12;  // of a skinning matrix
 [[noreturn]] void refuse(const auto&... what) { throw Error(ErrorKind::usage, what...); }
 
 // `stride`, or `packed` where it is 0. Throws Error(usage) unless it has room for an element and keeps its alignment.
-std::size_t checked_stride(std::size_t stride, std::size_t packed, std::size_t unit, const std::string& name) {
+// `part`: of what has that name.
+std::size_t checked_stride(std::size_t stride, std::size_t packed, std::size_t unit, const char* name,
+                           const char* part) {
   if (stride == 0) return packed;
   if (stride < packed) {
-    refuse("the ", name, " is ", stride, " bytes, at least ", packed, " are needed (0: without gaps)");
+    refuse("the ", name, part, " is ", stride, " bytes, at least ", packed, " are needed (0: without gaps)");
   }
-  if (stride % unit != 0) refuse("the ", name, " is ", stride, " bytes, which is no multiple of ", unit);
+  if (stride % unit != 0) refuse("the ", name, part, " is ", stride, " bytes, which is no multiple of ", unit);
   return stride;
 }
 
 // a b + c. Throws Error(usage) where no memory is as large.
-std::size_t checked_size(std::size_t a, std::size_t b, std::size_t c, const std::string& name) {
+std::size_t checked_size(std::size_t a, std::size_t b, std::size_t c, const char* name) {
   std::size_t result = 0;
   if (__builtin_mul_overflow(a, b, &result) || __builtin_add_overflow(result, c, &result)) {
     refuse("the strides of '", name, "' are too large");
@@ -36,37 +38,36 @@ std::size_t checked_size(std::size_t a, std::size_t b, std::size_t c, const std:
 }
 
 template <typename T>
-void require_aligned(const T* data, const std::string& name) {
+void require_aligned(const T* data, const char* name) {
   if (reinterpret_cast<std::uintptr_t>(data) % alignof(T) != 0) {
     refuse("'", name, "' is not aligned to ", alignof(T), " bytes");
   }
 }
 
-// Looks at an array of `count` numbers a frame. Returns its stride from frame to frame.
+// Looks at an array of `count` numbers a frame. Returns its stride from frame to frame, which is of `one`.
 std::size_t checked_numbers(const float* values, std::size_t count, std::size_t stride, std::size_t frames,
-                            const std::string& name) {
-  require_aligned(values, "poses." + name + "s");
-  stride = checked_stride(stride, count * sizeof(float), sizeof(float), "poses." + name + "_frame_stride");
-  checked_size(frames, stride, 0, "poses." + name + "s");
+                            const char* name, const char* one) {
+  require_aligned(values, name);
+  stride = checked_stride(stride, count * sizeof(float), sizeof(float), one, "_frame_stride");
+  checked_size(frames, stride, 0, name);
   return stride;
 }
 
 // Fills in the strides of an array of `element` bytes a joint.
-void check_joint_strides(const bodyopt_poses& poses, std::size_t element, std::size_t unit, const std::string& name,
+void check_joint_strides(const bodyopt_poses& poses, std::size_t element, std::size_t unit, const char* name,
                          std::size_t& stride, std::size_t& frame_stride) {
-  const std::string of = "poses." + name;
-  stride = checked_stride(stride, element, unit, of + "_stride");
-  const std::size_t frame = checked_size(poses.joint_count, stride, 0, of);
-  frame_stride = checked_stride(frame_stride, frame, unit, of + "_frame_stride");
-  checked_size(poses.frame_count, frame_stride, 0, of);
+  stride = checked_stride(stride, element, unit, name, "_stride");
+  const std::size_t frame = checked_size(poses.joint_count, stride, 0, name);
+  frame_stride = checked_stride(frame_stride, frame, unit, name, "_frame_stride");
+  checked_size(poses.frame_count, frame_stride, 0, name);
 }
 
 // The numbers of one frame of such an array.
-std::vector<float> read_numbers(const float* values, std::size_t count, std::size_t stride, std::size_t frame) {
-  std::vector<float> numbers(count);
-  if (count == 0) return numbers;
+void read_numbers(const float* values, std::size_t count, std::size_t stride, std::size_t frame,
+                  std::vector<float>& numbers) {
+  numbers.resize(count);
+  if (count == 0) return;
   std::memcpy(numbers.data(), reinterpret_cast<const std::byte*>(values) + frame * stride, count * sizeof(float));
-  return numbers;
 }
 
 void require_count(std::uint32_t found, std::size_t expected, const char* of) {
@@ -86,20 +87,20 @@ GivenPoses::GivenPoses(const bodyopt_poses* poses, const Basis& basis, std::span
   if (poses_.control_count == 0) return;
   require(poses_.controls, "poses.controls");
   poses_.control_frame_stride = checked_numbers(poses_.controls, poses_.control_count, poses_.control_frame_stride,
-                                                poses_.frame_count, "control");
+                                                poses_.frame_count, "poses.controls", "poses.control");
 }
 
 void GivenPoses::check_joints() {
   require(poses_.joints, "poses.joints");
   require_aligned(poses_.joints, "poses.joints");
-  check_joint_strides(poses_, kJointNumbers * sizeof(double), sizeof(double), "joint", poses_.joint_stride,
+  check_joint_strides(poses_, kJointNumbers * sizeof(double), sizeof(double), "poses.joint", poses_.joint_stride,
                       poses_.joint_frame_stride);
 }
 
 void GivenPoses::check_skinning() {
   if (poses_.joints != nullptr) refuse("both 'poses.joints' and 'poses.skinning' are given, expected one");
   require_aligned(poses_.skinning, "poses.skinning");
-  check_joint_strides(poses_, kMatrixNumbers * sizeof(float), sizeof(float), "skinning", poses_.skinning_stride,
+  check_joint_strides(poses_, kMatrixNumbers * sizeof(float), sizeof(float), "poses.skinning", poses_.skinning_stride,
                       poses_.skinning_frame_stride);
 }
 
@@ -112,12 +113,13 @@ void GivenPoses::check_modifiers() {
   if (!has_channels()) return;
   require_count(poses_.channel_count, channels_.size(), "channels");
   poses_.channel_frame_stride = checked_numbers(poses_.channels, poses_.channel_count, poses_.channel_frame_stride,
-                                                poses_.frame_count, "channel");
+                                                poses_.frame_count, "poses.channels", "poses.channel");
 }
 
 std::vector<float> GivenPoses::read_channels(std::size_t frame) const {
   if (!has_channels()) return {};
-  std::vector<float> values = read_numbers(poses_.channels, poses_.channel_count, poses_.channel_frame_stride, frame);
+  std::vector<float> values;
+  read_numbers(poses_.channels, poses_.channel_count, poses_.channel_frame_stride, frame, values);
   for (std::size_t c = 0; c < values.size(); ++c) {
     if (std::isfinite(values[c])) continue;
     throw Error(ErrorKind::mismatch, "the channel '", channels_[c], "' is not a finite number");
@@ -125,16 +127,14 @@ std::vector<float> GivenPoses::read_channels(std::size_t frame) const {
   return values;
 }
 
-std::vector<JointTransform> GivenPoses::read_joints(std::size_t frame) const {
-  std::vector<JointTransform> joints;
-  joints.reserve(poses_.joint_count);
+void GivenPoses::read_joints(std::size_t frame, std::vector<JointTransform>& joints) const {
+  joints.clear();
   const std::byte* at = reinterpret_cast<const std::byte*>(poses_.joints) + frame * poses_.joint_frame_stride;
   for (std::size_t j = 0; j < poses_.joint_count; ++j, at += poses_.joint_stride) {
     double n[kJointNumbers];
     std::memcpy(n, at, sizeof(n));
     joints.push_back({{n[0], n[1], n[2]}, {n[3], n[4], n[5], n[6]}, {n[7], n[8], n[9]}});
   }
-  return joints;
 }
 
 std::vector<Affine> GivenPoses::read_skinning(std::size_t frame) const {
@@ -148,18 +148,20 @@ std::vector<Affine> GivenPoses::read_skinning(std::size_t frame) const {
   return matrices;
 }
 
-Pose GivenPoses::read_pose(std::size_t frame) const {
-  Pose pose;
-  pose.joints = poses_.skinning != nullptr ? local_joints(skeleton_, read_skinning(frame)) : read_joints(frame);
-  pose.controls = read_numbers(poses_.controls, poses_.control_count, poses_.control_frame_stride, frame);
-  return pose;
+void GivenPoses::read_pose(std::size_t frame, Pose& pose) const {
+  if (poses_.skinning != nullptr) {
+    pose.joints = local_joints(skeleton_, read_skinning(frame));
+  } else {
+    read_joints(frame, pose.joints);
+  }
+  read_numbers(poses_.controls, poses_.control_count, poses_.control_frame_stride, frame, pose.controls);
+  pose.modifiers.clear();
+  pose.unmodified.clear();
 }
 
-std::vector<Pose> GivenPoses::read(std::size_t begin, std::size_t count) const {
-  std::vector<Pose> poses;
-  poses.reserve(count);
-  for (std::size_t f = begin; f < begin + count; ++f) poses.push_back(read_pose(f));
-  return poses;
+void GivenPoses::read(std::size_t begin, std::size_t count, std::vector<Pose>& poses) const {
+  poses.resize(count);
+  for (std::size_t f = 0; f < count; ++f) read_pose(begin + f, poses[f]);
 }
 
 std::span<const int> GivenPoses::frame_numbers() const {
@@ -175,7 +177,7 @@ std::vector<float> read_texture(const bodyopt_load_options& options, const Basis
                 " vertices, the model has ", vertices, " (each level of detail has its own)");
   }
   require_aligned(options.texture, "options.texture");
-  const std::size_t stride = checked_stride(options.texture_stride, both, sizeof(float), "options.texture_stride");
+  const std::size_t stride = checked_stride(options.texture_stride, both, sizeof(float), "options.texture", "_stride");
   const std::size_t needed = checked_size(vertices - 1, stride, both, "options.texture");
   if (options.texture_size < needed) {
     refuse("'options.texture' has ", options.texture_size, " bytes, ", needed, " are needed for ", vertices,
@@ -191,13 +193,13 @@ std::vector<float> read_texture(const bodyopt_load_options& options, const Basis
 }
 
 void check_output(bodyopt_floats& output, std::size_t frames, std::size_t elements, std::size_t numbers,
-                  const std::string& name) {
+                  const char* name) {
   if (output.data == nullptr || frames == 0 || elements == 0) return;
   require_aligned(output.data, name);
   const std::size_t element = numbers * sizeof(float);
-  output.element_stride = checked_stride(output.element_stride, element, sizeof(float), name + ".element_stride");
+  output.element_stride = checked_stride(output.element_stride, element, sizeof(float), name, ".element_stride");
   const std::size_t frame = checked_size(elements - 1, output.element_stride, element, name);
-  output.frame_stride = checked_stride(output.frame_stride, frame, sizeof(float), name + ".frame_stride");
+  output.frame_stride = checked_stride(output.frame_stride, frame, sizeof(float), name, ".frame_stride");
   const std::size_t needed = checked_size(frames - 1, output.frame_stride, frame, name);
   if (output.size < needed) {
     refuse("'", name, "' has ", output.size, " bytes, ", needed, " are needed for ", frames, " frames");
@@ -262,14 +264,13 @@ void WantedSkin::write(const Evaluation& evaluation, std::size_t begin) const {
   scatter(evaluation.strains, skin_.strains, begin, strains_);
   scatter(evaluation.outside, skin_.outside, begin, 1);
   scatter(evaluation.excess, skin_.excess, begin, features_);
-  std::vector<float> fades, features;
   for (std::size_t f = 0; f < evaluation.outside.size(); ++f) {
-    fades.push_back(static_cast<float>(mean_fade(evaluation, f)));
     const bool is_outside = evaluation.outside[f] > 0;
-    features.push_back(is_outside ? static_cast<float>(evaluation.outside_feature[f]) : -1.0f);
+    const float feature = is_outside ? static_cast<float>(evaluation.outside_feature[f]) : -1.0f,
+                fade = static_cast<float>(mean_fade(evaluation, f));
+    scatter({&feature, 1}, skin_.outside_features, begin + f, 1);
+    scatter({&fade, 1}, skin_.fades, begin + f, 1);
   }
-  scatter(features, skin_.outside_features, begin, 1);
-  scatter(fades, skin_.fades, begin, 1);
 }
 
 }  // namespace bodyopt

@@ -22,7 +22,8 @@ class GivenPoses {
   GivenPoses(const bodyopt_poses* poses, const Basis& basis, std::span<const std::string> channels);
 
   std::size_t count() const { return poses_.frame_count; }
-  std::vector<Pose> read(std::size_t begin, std::size_t count) const;
+  // Into the memory of earlier ones.
+  void read(std::size_t begin, std::size_t count, std::vector<Pose>& poses) const;
   // Throws Error(usage) where there are none.
   std::span<const int> frame_numbers() const;
 
@@ -37,8 +38,8 @@ class GivenPoses {
   void check_modifiers();
   void check_joints();
   void check_skinning();
-  Pose read_pose(std::size_t frame) const;
-  std::vector<JointTransform> read_joints(std::size_t frame) const;
+  void read_pose(std::size_t frame, Pose& pose) const;
+  void read_joints(std::size_t frame, std::vector<JointTransform>& joints) const;
   std::vector<Affine> read_skinning(std::size_t frame) const;
 
   bodyopt_poses poses_;
@@ -54,7 +55,7 @@ std::vector<float> read_texture(const bodyopt_load_options& options, const Basis
 // Looks at an output of `elements` elements a frame, of `numbers` numbers each, and fills in its strides. Throws
 // Error(usage) for strides that are too small or memory that does not hold all frames.
 void check_output(bodyopt_floats& output, std::size_t frames, std::size_t elements, std::size_t numbers,
-                  const std::string& name);
+                  const char* name);
 // Writes `values` into such an output, from frame `begin` on.
 void scatter(std::span<const float> values, const bodyopt_floats& output, std::size_t begin, std::size_t elements,
              std::size_t numbers = 1);

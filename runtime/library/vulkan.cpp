@@ -90,12 +90,12 @@ bodyopt_result bodyopt_record(bodyopt_instance* instance, const bodyopt_poses* p
         instance->attached ? &*instance->attached : nullptr,
         attached_to(wanted, *instance, frames),
         instance->recorded_frames};
-    std::vector<Pose> poses_of_frames = given.read(0, frames);
+    given.read(0, frames, instance->poses);
     ModifierDrive drive(*instance, given);
-    drive.apply(0, poses_of_frames);
+    drive.apply(0, instance->poses);
     std::optional<std::span<const int>> numbers;
     if (deformer.dynamics() != nullptr) numbers = given.frame_numbers();
-    deformer.record(poses_of_frames, numbers, into);
+    deformer.record(instance->poses, numbers, into);
     drive.keep(*instance);
   });
 }

@@ -10,6 +10,7 @@ namespace bodyopt::vulkan {
 namespace {
 
 constexpr VkDeviceSize kMinBytes = 16;
+constexpr std::size_t kMostStaged = std::size_t{64} << 20;  // bytes; of one table as many as it has
 
 }  // namespace
 
@@ -53,16 +54,34 @@ void require_binding(std::size_t bytes, const char* name, const DeviceInfo& limi
               "' can see; the CPU has no such limit");
 }
 
-Buffer upload_bytes(const Device& device, std::span<const std::byte> bytes, const char* name) {
-  Buffer buffer(device, bytes.size(), Memory::device, name);
+Uploads::Uploads(const Device& device) : device_(device), commands_(std::make_unique<Commands>(device)) {}
+
+Uploads::~Uploads() = default;
+
+Buffer Uploads::add(std::span<const std::byte> bytes, const char* name) {
+  Buffer buffer(device_, bytes.size(), Memory::device, name);
   if (bytes.empty()) return buffer;
-  const Buffer staging(device, bytes.size(), Memory::staging, name);
+  if (staged_ + bytes.size() > kMostStaged) finish();
+  if (staging_.empty()) commands_->begin();
+  const Buffer& staging = staging_.emplace_back(device_, bytes.size(), Memory::staging, name);
   std::memcpy(staging.mapped(), bytes.data(), bytes.size());
-  Commands commands(device);
-  commands.begin();
-  commands.copy(staging, buffer);
-  commands.end();
-  commands.run();
+  commands_->copy(staging, buffer);
+  staged_ += bytes.size();
+  return buffer;
+}
+
+void Uploads::finish() {
+  if (staging_.empty()) return;
+  commands_->end();
+  commands_->run();
+  staging_.clear();
+  staged_ = 0;
+}
+
+Buffer upload_bytes(const Device& device, std::span<const std::byte> bytes, const char* name) {
+  Uploads uploads(device);
+  Buffer buffer = uploads.add(bytes, name);
+  uploads.finish();
   return buffer;
 }
 

@@ -201,9 +201,9 @@ void Commands::cut() {
 }
 
 VkDescriptorSet Commands::bind(const Kernel& kernel, std::span<const BufferRange> bindings) {
-  const std::pair key(kernel.set_layout(), std::vector<BufferRange>(bindings.begin(), bindings.end()));
-  const auto bound = sets_.find(key);
+  const auto bound = sets_.find(std::pair(kernel.set_layout(), bindings));
   if (bound != sets_.end()) return bound->second;
+  const std::pair key(kernel.set_layout(), std::vector<BufferRange>(bindings.begin(), bindings.end()));
   return sets_.emplace(key, make_set(kernel, bindings)).first->second;
 }
 
@@ -237,9 +237,9 @@ void Commands::record_dispatch(const Kernel& kernel, std::span<const BufferRange
                 frames, " are needed; the CPU has no such limit");
   }
   const VkDescriptorSet set = bind(kernel, bindings);
-  std::vector<BufferUse> uses;
-  for (std::uint32_t b = 0; b < kernel.binding_count(); ++b) uses.push_back({bindings[b], kernel.writes(b)});
-  wait_for(uses);
+  std::array<BufferUse, BODYOPT_MOST_BINDINGS> uses;
+  for (std::uint32_t b = 0; b < kernel.binding_count(); ++b) uses[b] = {bindings[b], kernel.writes(b)};
+  wait_for(std::span(uses).first(kernel.binding_count()));
   vkCmdBindPipeline(commands_, VK_PIPELINE_BIND_POINT_COMPUTE, kernel.pipeline());
   vkCmdBindDescriptorSets(commands_, VK_PIPELINE_BIND_POINT_COMPUTE, kernel.layout(), 0, 1, &set, 0, nullptr);
   vkCmdPushConstants(commands_, kernel.layout(), VK_SHADER_STAGE_COMPUTE_BIT, 0,

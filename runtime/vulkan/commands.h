@@ -3,6 +3,7 @@
 // them.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <map>
@@ -62,7 +63,7 @@ class Kernel {
 // What a kernel, copy or fill does with a range of a buffer.
 struct BufferUse {
   BufferRange range;
-  bool writes;
+  bool writes = false;
 };
 
 // Ranges that work without a barrier between has used. What one kernel or copy does with a range twice is no hazard.
@@ -148,7 +149,13 @@ class Commands {
   Hazards hazards_;
   DescriptorSets allocated_sets_;
   // What was bound before is bound again: the steps of many frames need few sets.
-  std::map<std::pair<VkDescriptorSetLayout, std::vector<BufferRange>>, VkDescriptorSet> sets_;
+  struct InOrder {
+    using is_transparent = void;  // to be found by a span
+    bool operator()(const auto& a, const auto& b) const {
+      return a.first != b.first ? a.first < b.first : std::ranges::lexicographical_compare(a.second, b.second);
+    }
+  };
+  std::map<std::pair<VkDescriptorSetLayout, std::vector<BufferRange>>, VkDescriptorSet, InOrder> sets_;
   VkCommandBuffer commands_;
   const std::uint32_t most_dispatches_;
   std::uint32_t dispatch_count_ = 0;  // since the last submission

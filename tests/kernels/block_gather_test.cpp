@@ -29,9 +29,9 @@ struct Case {
       vulkan::InverseBuffers inverse;
       vulkan::Buffer right_sides, results;
     };
-    const auto bound = std::make_shared<const Bound>(Bound{vulkan::InverseBuffers(device, small.inverse, device.info()),
-                                                           vulkan::upload(device, right_sides, "right sides"),
-                                                           vulkan::upload(device, results, "results")});
+    const auto bound = std::make_shared<const Bound>(
+        Bound{vulkan::upload_together<vulkan::InverseBuffers>(device, small.inverse, device.info()),
+              vulkan::upload(device, right_sides, "right sides"), vulkan::upload(device, results, "results")});
     return {{{.values = on_cpu(small.inverse.levels.at(level)), .before = before}},
             [&kernel = kernels.get<vulkan::BlockGather>(), bound, level, sides = sides](vulkan::Commands& commands,
                                                                                         const auto& out) {

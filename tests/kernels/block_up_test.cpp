@@ -28,8 +28,9 @@ struct Case {
       vulkan::InverseBuffers inverse;
       vulkan::Buffer gathered;
     };
-    const auto bound = std::make_shared<const Bound>(Bound{vulkan::InverseBuffers(device, small.inverse, device.info()),
-                                                           vulkan::upload(device, gathered, "gathered")});
+    const auto bound = std::make_shared<const Bound>(
+        Bound{vulkan::upload_together<vulkan::InverseBuffers>(device, small.inverse, device.info()),
+              vulkan::upload(device, gathered, "gathered")});
     return {{{.values = on_cpu(small.inverse.levels.at(level)), .before = before}},
             [&kernel = kernels.get<vulkan::BlockUp>(), bound, level, count = right_side_count](
                 vulkan::Commands& commands, const auto& out) {

@@ -25,7 +25,7 @@ struct Case {
   }
 
   vulkan::BlendBuffers blend_on(const vulkan::Device& device, const vulkan::DeviceInfo& limits) const {
-    return {device, modifiers.blend_begin, modifiers.blend, limits};
+    return vulkan::upload_together<vulkan::BlendBuffers>(device, modifiers.blend_begin, modifiers.blend, limits);
   }
 
   KernelRun on(KernelSet& kernels, const vulkan::DeviceInfo& limits) const {

@@ -26,8 +26,9 @@ struct Case {
       vulkan::FanBuffers fans;
       vulkan::Buffer positions;
     };
-    const auto bound = std::make_shared<const Bound>(
-        Bound{vulkan::FanBuffers(device, mesh, limits), vulkan::upload(device, positions, "positions")});
+    const auto bound =
+        std::make_shared<const Bound>(Bound{vulkan::upload_together<vulkan::FanBuffers>(device, mesh, limits),
+                                            vulkan::upload(device, positions, "positions")});
     return {{{normals}},
             [&kernel = kernels.get<vulkan::OutputNormals>(), bound, vertices = mesh.vertex_count(), frames = frames](
                 vulkan::Commands& commands, const auto& outputs) {

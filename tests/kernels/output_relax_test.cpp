@@ -37,9 +37,9 @@ struct Case {
       vulkan::FanBuffers fans;
       vulkan::Buffer rest, weights, current;
     };
-    const auto bound = std::make_shared<const Bound>(
-        Bound{vulkan::FanBuffers(device, mesh, limits), vulkan::upload(device, mesh.rest, "rest"),
-              vulkan::upload(device, weights, "weights"), vulkan::upload(device, current, "current")});
+    const auto bound = std::make_shared<const Bound>(Bound{
+        vulkan::upload_together<vulkan::FanBuffers>(device, mesh, limits), vulkan::upload(device, mesh.rest, "rest"),
+        vulkan::upload(device, weights, "weights"), vulkan::upload(device, current, "current")});
     return {{{relaxed}},
             [&kernel = kernels.get<vulkan::OutputRelax>(), bound, push = push, frames = frames](
                 vulkan::Commands& commands, const auto& outputs) {

@@ -33,9 +33,9 @@ struct Case {
       vulkan::DdmBuffers table;
       vulkan::Buffer skinning, origins, displacements;
     };
-    const auto bound = std::make_shared<const Bound>(
-        Bound{vulkan::DdmBuffers(device, ddm, limits), vulkan::upload(device, skinning, "skinning"),
-              vulkan::upload(device, origins, "origins"), vulkan::upload(device, displacements, "displacements")});
+    const auto bound = std::make_shared<const Bound>(Bound{
+        vulkan::upload_together<vulkan::DdmBuffers>(device, ddm, limits), vulkan::upload(device, skinning, "skinning"),
+        vulkan::upload(device, origins, "origins"), vulkan::upload(device, displacements, "displacements")});
     return {{{on_cpu()}},
             [&kernel = kernels.get<vulkan::PoseSkin>(), bound, vertices = vertices, frames = frames](
                 vulkan::Commands& commands, const auto& outputs) {
@@ -105,7 +105,7 @@ TEST_F(PoseSkin, WindowsGiveTheSameBits) {
   KernelSet kernels(*device_);
   expect_same_bits_through_windows(
       device_->info(), c.vertices, {3600, 10000, 100000},
-      [&](const auto& limits) { return vulkan::DdmBuffers(*device_, c.ddm, limits).windows; },
+      [&](const auto& limits) { return vulkan::upload_together<vulkan::DdmBuffers>(*device_, c.ddm, limits).windows; },
       [&](const auto& limits) { return outputs_of(*device_, c.on(kernels, limits))[0]; });
 }
 

@@ -22,7 +22,7 @@ struct Case {
   }
 
   vulkan::BlendBuffers blend_on(const vulkan::Device& device, const vulkan::DeviceInfo& limits) const {
-    return {device, residual.blend_begin, residual.blend, limits};
+    return vulkan::upload_together<vulkan::BlendBuffers>(device, residual.blend_begin, residual.blend, limits);
   }
 
   KernelRun on(KernelSet& kernels, const vulkan::DeviceInfo& limits) const {

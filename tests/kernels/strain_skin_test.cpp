@@ -31,9 +31,9 @@ struct Case {
       vulkan::DdmBuffers table;
       vulkan::Buffer skinning, vertices;
     };
-    const auto bound = std::make_shared<const Bound>(Bound{vulkan::DdmBuffers(device, ddm, limits),
-                                                           vulkan::upload(device, skinning, "skinning"),
-                                                           vulkan::upload(device, strain.vertices, "vertices")});
+    const auto bound = std::make_shared<const Bound>(
+        Bound{vulkan::upload_together<vulkan::DdmBuffers>(device, ddm, limits),
+              vulkan::upload(device, skinning, "skinning"), vulkan::upload(device, strain.vertices, "vertices")});
     return {{{on_cpu()}},
             [&kernel = kernels.get<vulkan::StrainSkin>(), bound, points = strain.vertices.size(), frames = frames](
                 vulkan::Commands& commands, const auto& outputs) {
@@ -75,7 +75,7 @@ TEST_F(StrainSkin, WindowsGiveTheSameBits) {
   const Case c(130, 2);
   vulkan::DeviceInfo limits = device_->info();
   limits.max_storage_buffer_range = 10000;
-  ASSERT_GT(vulkan::DdmBuffers(*device_, c.ddm, limits).windows.size(), 1u);
+  ASSERT_GT(vulkan::upload_together<vulkan::DdmBuffers>(*device_, c.ddm, limits).windows.size(), 1u);
   KernelSet kernels(*device_);
   EXPECT_EQ(outputs_of(*device_, c.on(kernels, limits)), outputs_of(*device_, c.on(kernels, device_->info())));
 }

@@ -167,8 +167,11 @@ TEST_F(ActorTest, MorePosesThanABatchTakesAreRefused) {
   Deformer deformer(std::make_shared<const vulkan::DeviceModel>(device_, make_character_model(small_->made)));
   const std::vector<Pose> poses(deformer.batch_limit() + std::size_t{1}, bind_pose(small_->made.skeleton));
   const auto evaluate_some = [&](std::size_t count) {
-    const DeformerCall call{.deformer = &deformer, .poses = std::span(poses).first(count), .stays_on_device = true};
-    if (const auto error = evaluate_together({&call, 1}).front().error) std::rethrow_exception(error);
+    Evaluation result;
+    DeformerCall call{
+        .deformer = &deformer, .poses = std::span(poses).first(count), .evaluation = &result, .stays_on_device = true};
+    evaluate_together({&call, 1});
+    if (call.error) std::rethrow_exception(call.error);
   };
   EXPECT_EQ(kind_of([&] { evaluate_some(poses.size()); }), ErrorKind::usage);
   EXPECT_NO_THROW(evaluate_some(2));

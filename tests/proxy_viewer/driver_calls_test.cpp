@@ -32,6 +32,14 @@ TEST_F(DriverCallsTest, SubmissionsOfSeveralMethodsAreThoseOfOne) {
   EXPECT_EQ(of_a_picture(one), of_a_picture(one + " --do 'jiggle on; ghosts 1 1'"));
 }
 
+TEST_F(DriverCallsTest, TablesOfACharacterGoInOneSubmission) {
+  const int count = count_submissions([&](const std::string& counting) {
+    return run_program(counting + " " + kProgram + " eval " + small_.basis + " --clip " + small_.clip +
+                       " --frames 1 --require-device --out " + (folder_ / "out.pc2").string());
+  });
+  EXPECT_EQ(count, 6) << "beside them: coefficients at rest, sent three times and found once; the frame";
+}
+
 TEST_F(DriverCallsTest, PipelinesThatWereKeptReachTheDriver) {
   const std::filesystem::path given = folder_ / "given.bin", caches = folder_ / "caches";
   const auto evaluate = [&] {

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "runtime/core/error.h"
+#include "runtime/threads/tbb_executor.h"
 #include "tests/support/png_file.h"
 #include "tests/support/temporary_folder.h"
 
@@ -101,6 +102,25 @@ TEST_F(PictureFilesTest, ATurntableGoesOnceAroundAndComesBack) {
   for (const OrbitView& view : views_) EXPECT_EQ(view.elevation, before_.elevation);
   // Half a turn, to either side.
   EXPECT_NEAR(std::abs(std::remainder(views_[36].azimuth - before_.azimuth, 6.283185307179586)), 3.14159265, 1e-6);
+}
+
+TEST_F(PictureFilesTest, OneThatCannotBeWrittenEndsTheRunByItsName) {
+  constexpr std::size_t kBad = 5;
+  std::filesystem::create_directories(folder_ / "t.05.png" / "in the way");
+  try {
+    make_all(*turntable_series(in_folder("t.##.png"), controls_), draw_);
+    ADD_FAILURE() << "a folder was replaced";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), ErrorKind::file);
+    EXPECT_NE(std::string(error.what()).find("t.05.png"), std::string::npos) << error.what();
+  }
+  EXPECT_EQ(controls_.camera.view(), before_);
+  EXPECT_LE(views_.size(), kBad + thread_count()) << "no more than wait to be written";
+  EXPECT_EQ(files(), views_.size());
+  for (std::size_t k = 1; k <= views_.size(); ++k) {
+    if (k == kBad) continue;
+    EXPECT_EQ(frame_in(FrameSequenceName("t.##.png", 72)(static_cast<int>(k)).string()), 9);
+  }
 }
 
 TEST_F(PictureFilesTest, StoppedAtAnyPictureItPutsThePlayheadAndTheCameraBack) {

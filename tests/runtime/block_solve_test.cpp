@@ -28,7 +28,7 @@ struct Case {
 
   std::vector<float> on_gpu(const vulkan::Device& device, const vulkan::DeviceInfo& limits) const {
     const vulkan::BlockSolve solve(device);
-    const vulkan::InverseBuffers inverse(device, small.inverse, limits);
+    const auto inverse = vulkan::upload_together<vulkan::InverseBuffers>(device, small.inverse, limits);
     const auto b = vulkan::upload(device, right_sides, "right sides");
     const VkDeviceSize scratch = sizeof(float) * sides.count * VkDeviceSize{small.inverse.slot_count()};
     const vulkan::Buffer gathered(device, scratch, vulkan::Memory::device, "gathered"),

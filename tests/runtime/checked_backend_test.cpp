@@ -104,7 +104,8 @@ std::string said_of_jiggle(const SpoiltBackend::SpoilResult& result, const Spoil
   const auto cpu = [&] { return make_cpu_backend(model, JiggleModel{&*model->dynamics, {}}); };
   const auto checked = make_checked_backend(model, std::make_unique<SpoiltBackend>(cpu(), result, motion), cpu());
   const std::vector<Pose> poses(3, bind_pose(basis.skeleton));
-  Batch batch = make_batch(basis, poses);
+  CallMemory memory(basis.skeleton);
+  Batch batch = make_batch(basis, poses, memory);
   batch.first_frame = 64;
   JiggleState state;
   for (int frame = 1; frame <= 3; ++frame) {

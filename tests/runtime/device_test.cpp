@@ -205,7 +205,7 @@ TEST(Validation, SeesAMissingBarrier) {
     const vulkan::Device device(test_device());
     Random random(1);
     const MeshTable mesh = random_mesh(random, 64);
-    const vulkan::FanBuffers fans(device, mesh, device.info());
+    const auto fans = vulkan::upload_together<vulkan::FanBuffers>(device, mesh, device.info());
     const vulkan::Buffer between(device, 64 * 12, vulkan::Memory::device, "between"),
         normals(device, 64 * 12, vulkan::Memory::device, "normals");
     const vulkan::OutputNormals read(device);

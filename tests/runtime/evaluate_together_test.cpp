@@ -30,26 +30,28 @@ TEST(EvaluateTogether, GoesOnInFurtherBatches) {
   const Basis basis = small_basis();
   Deformer one(basis, {.name = "cpu"}), other(basis, {.name = "cpu"}), alone(basis, {.name = "cpu"});
   const std::vector<Pose> few = bending(basis, 3), many = bending(basis, 2 * one.batch_limit() + 2);
-  const DeformerCall calls[] = {{.deformer = &one, .poses = few}, {.deformer = &other, .poses = many}};
-  const std::vector<CallOutcome> outcomes = evaluate_together(calls);
-  ASSERT_EQ(outcomes.size(), 2u);
+  Evaluation results[2];
+  DeformerCall calls[] = {{.deformer = &one, .poses = few, .evaluation = &results[0]},
+                          {.deformer = &other, .poses = many, .evaluation = &results[1]}};
+  evaluate_together(calls);
   for (std::size_t k = 0; k < 2; ++k) {
-    EXPECT_EQ(outcomes[k].error, nullptr);
+    EXPECT_EQ(calls[k].error, nullptr);
     std::vector<float> frames;
     for (const Pose& pose : calls[k].poses) {
       const std::vector<float> positions = alone.evaluate({&pose, 1}).positions;
       frames.insert(frames.end(), positions.begin(), positions.end());
     }
-    EXPECT_EQ(outcomes[k].evaluation.positions, frames);
-    EXPECT_EQ(outcomes[k].evaluation.outside.size(), calls[k].poses.size());
+    EXPECT_EQ(results[k].positions, frames);
+    EXPECT_EQ(results[k].outside.size(), calls[k].poses.size());
   }
 }
 
 TEST(EvaluateTogether, OfOneDeformerTwiceIsRefused) {
   Deformer deformer(small_basis(), {.name = "cpu"});
   const std::vector<Pose> poses = bending(deformer.basis(), 1);
-  const DeformerCall call{.deformer = &deformer, .poses = poses};
-  const DeformerCall twice[] = {call, call};
+  Evaluation result;
+  const DeformerCall call{.deformer = &deformer, .poses = poses, .evaluation = &result};
+  DeformerCall twice[] = {call, call};
   EXPECT_EQ(kind_of([&] { evaluate_together(twice); }), ErrorKind::usage);
 }
 
@@ -74,7 +76,8 @@ struct Copies {
                             frame * sizeof(float)};
     };
     const SkinPlace place{.positions = from(1), .normals = from(4), .tangents = from(7)};
-    const DeformerCall call{.deformer = &deformer, .poses = poses, .place = &place};
+    Evaluation rest;
+    DeformerCall call{.deformer = &deformer, .poses = poses, .evaluation = &rest, .place = &place};
     evaluate_together({&call, 1});
     const Evaluation whole = deformer.evaluate(poses);
     positions = whole.positions;

@@ -13,7 +13,7 @@ void expect_same_bits_through_windows_of_fans(const vulkan::Device& device, cons
   KernelSet kernels(device);
   expect_same_bits_through_windows(
       device.info(), 1237, {8000, 20000},
-      [&](const auto& limits) { return vulkan::FanBuffers(device, c.mesh, limits).windows; },
+      [&](const auto& limits) { return vulkan::upload_together<vulkan::FanBuffers>(device, c.mesh, limits).windows; },
       [&](const auto& limits) { return outputs_of(device, c.on(kernels, limits))[0]; });
 }
 

@@ -6,7 +6,7 @@
 #include <array>
 #include <cmath>
 #include <functional>
-#include <limits>
+#include <numbers>
 #include <optional>
 #include <set>
 #include <vector>
@@ -40,15 +40,45 @@ constexpr double kWanted = 0.03, kWantedAtRest = 0.05, kNearlyFlat = 0.01;
 constexpr double kFirstStep = 0.4, kLastStep = 0.02;
 constexpr double kWorthwhile = 0.999;  // a step lowers what is wanting below this times what it was
 
-using Corners = std::array<Eigen::Vector3d, 4>;
+// Neighbouring poses are looked at together, as lanes of the processor: a point in each of them, one a row.
+constexpr Eigen::Index kTogether = 8;
+template <typename Number>
+using Points = Eigen::Array<Number, kTogether, 3>;
+using Point = Eigen::Array<double, 1, 3>;
 
-// Six times the signed volume over the cubed root mean square of the edges: 1 regular, 0 flat, negative inside out.
-double signed_shape(const Corners& x) {
-  const Eigen::Vector3d a = x[1] - x[0], b = x[2] - x[0], c = x[3] - x[0];
-  const double squares = (a.squaredNorm() + b.squaredNorm() + c.squaredNorm() + (b - a).squaredNorm() +
-                          (c - a).squaredNorm() + (c - b).squaredNorm()) /
-                         6;
-  return squares > 0 ? std::sqrt(2) * a.cross(b).dot(c) / (squares * std::sqrt(squares)) : 0;
+// Points in all poses, one point a row: x of eight poses, y, z, then the next eight. What is over at the end is zero.
+NodeValues posed_points(const std::vector<Positions>& poses, const std::vector<std::uint32_t>& vertices) {
+  const auto count = static_cast<Eigen::Index>(poses.size());
+  NodeValues points = NodeValues::Zero(static_cast<Eigen::Index>(vertices.size()),
+                                       3 * kTogether * ((count + kTogether - 1) / kTogether));
+  for (Eigen::Index v = 0; v < points.rows(); ++v) {
+    for (Eigen::Index f = 0; f < count; ++f) {
+      for (int axis = 0; axis < 3; ++axis) {
+        points(v, 3 * kTogether * (f / kTogether) + kTogether * axis + f % kTogether) =
+            poses[static_cast<std::size_t>(f)](vertices[static_cast<std::size_t>(v)], axis);
+      }
+    }
+  }
+  return points;
+}
+
+Eigen::Map<const Points<double>> in_poses(const NodeValues& points, Eigen::Index row, Eigen::Index block) {
+  return Eigen::Map<const Points<double>>(points.row(row).data() + 3 * kTogether * block);
+}
+
+// Six times the signed volume over the cubed root mean square of the edges: 1 regular, 0 flat, negative inside out. A
+// number for each row of the corners.
+template <typename Corner>
+auto signed_shape(const Corner& origin, const Corner& x, const Corner& y, const Corner& z) {
+  using Number = typename Corner::Scalar;
+  using Lanes = Eigen::Array<Number, Corner::RowsAtCompileTime, 1>;
+  const Corner a = x - origin, b = y - origin, c = z - origin, d = y - x, e = z - x, f = z - y;
+  const Lanes squares = (a * a + b * b + c * c + d * d + e * e + f * f).rowwise().sum() / 6;
+  const Lanes volume = a.col(0) * (b.col(1) * c.col(2) - b.col(2) * c.col(1)) +
+                       a.col(1) * (b.col(2) * c.col(0) - b.col(0) * c.col(2)) +
+                       a.col(2) * (b.col(0) * c.col(1) - b.col(1) * c.col(0));
+  const Lanes shape = std::numbers::sqrt2_v<Number> * volume / (squares * squares.sqrt());
+  return Lanes((squares > 0).select(shape, Lanes::Zero()));
 }
 
 // The tets around a node: corners are indices into `ring`, -1 the node itself.
@@ -56,29 +86,32 @@ struct Star {
   std::vector<int> ring;
   std::vector<std::array<int, 4>> tets;
   std::vector<double> least_at_rest;  // signed shapes
-  std::vector<Eigen::Vector3d> rest;  // of the ring
-  std::vector<std::vector<Eigen::Vector3d>> posed;
-  double edge = 0;  // mean, metres
+  std::vector<Point> rest;            // of the ring
+  std::vector<Points<float>> posed;   // of the ring, from where the node is; in each block of poses
+  std::vector<std::size_t> blocks;    // those where the tets are flattest come first
+  double edge = 0;                    // mean, metres
+  double wanting = 0;                 // with the node where it is
 };
 
-Corners corners_of(const std::array<int, 4>& tet, const std::vector<Eigen::Vector3d>& ring,
-                   const Eigen::Vector3d& node) {
-  Corners x;
-  for (std::size_t k = 0; k < 4; ++k) x[k] = tet[k] < 0 ? node : ring[static_cast<std::size_t>(tet[k])];
-  return x;
+template <typename Corner>
+auto signed_shape(const std::array<int, 4>& tet, const Corner* ring, const Corner& node) {
+  const auto corner = [&](const int k) -> const Corner& { return k < 0 ? node : ring[k]; };
+  return signed_shape(corner(tet[0]), corner(tet[1]), corner(tet[2]), corner(tet[3]));
 }
 
-// A place for a node: at rest and in every pose.
+// A place for a node at rest, and whose sum it is in the poses: of its ring, or of vertices of the skin.
 struct Place {
-  Eigen::Vector3d rest;
-  std::vector<Eigen::Vector3d> posed;
+  Point rest;
+  Eigen::VectorXd shares;  // of the ring
+  SkinPoint on_skin;
 };
 
 class Unfolder {
  public:
-  Unfolder(const NearestSkin& skin, const std::vector<Positions>& poses, Eigen::Index surface, bool may_slide,
-           TetMesh& mesh)
-      : skin_(skin), poses_(poses), surface_(surface), may_slide_(may_slide), mesh_(mesh) {
+  // skin_poses: of the vertices of the skin, in so many poses.
+  Unfolder(const NearestSkin& skin, const NodeValues& skin_poses, Eigen::Index poses, Eigen::Index surface,
+           bool may_slide, TetMesh& mesh)
+      : skin_(skin), skin_poses_(skin_poses), poses_(poses), surface_(surface), may_slide_(may_slide), mesh_(mesh) {
     tets_of_.resize(static_cast<std::size_t>(mesh.nodes.rows()));
     for (Eigen::Index t = 0; t < mesh.tets.rows(); ++t) {
       for (int a = 0; a < 4; ++a) tets_of_[static_cast<std::size_t>(mesh.tets(t, a))].push_back(t);
@@ -88,7 +121,7 @@ class Unfolder {
   Unfolding run() {
     Progress progress("unfold", kRounds);
     Unfolding result;
-    result.poses = static_cast<Eigen::Index>(poses_.size());
+    result.poses = poses_;
     Positions best = mesh_.nodes;
     for (int round = 0;; ++round) {
       carry();
@@ -109,40 +142,25 @@ class Unfolder {
  private:
   // Where skin and diffuse carry the nodes.
   void carry() {
-    Eigen::MatrixXd on_surface(surface_, 3 * static_cast<Eigen::Index>(poses_.size()));
-    for (Eigen::Index n = 0; n < surface_; ++n) {
-      const std::vector<Eigen::Vector3d> posed = carried(skin_(mesh_.nodes.row(n)));
-      for (std::size_t f = 0; f < posed.size(); ++f) on_surface.row(n).segment<3>(column(f)) = posed[f].transpose();
-    }
+    NodeValues on_surface(surface_, skin_poses_.cols());
+    for (Eigen::Index n = 0; n < surface_; ++n) on_surface.row(n) = at_point(skin_poses_, skin_(mesh_.nodes.row(n)));
     posed_ = diffuse(mesh_, on_surface);
   }
 
-  static Eigen::Index column(std::size_t pose) { return 3 * static_cast<Eigen::Index>(pose); }
-
-  std::vector<Eigen::Vector3d> carried(const SkinPoint& point) const {
-    std::vector<Eigen::Vector3d> posed;
-    for (const Positions& pose : poses_) {
-      posed.push_back(Eigen::Vector3d::Zero());
-      for (int k = 0; k < 3; ++k) {
-        posed.back() += point.weights[k] * pose.row(point.vertices[static_cast<std::size_t>(k)]).transpose();
-      }
-    }
-    return posed;
-  }
-
-  Eigen::Vector3d posed(int node, std::size_t pose) const { return posed_.row(node).segment<3>(column(pose)); }
+  Eigen::Index blocks() const { return skin_poses_.cols() / (3 * kTogether); }
+  Eigen::Index poses_in(Eigen::Index block) const { return std::min(kTogether, poses_ - kTogether * block); }
 
   // Notes the tets that are nearly flat in a pose; counts those inside out in all of them.
   Eigen::Index find_flat() {
     flat_.clear();
     Eigen::Index inverted = 0;
-    for (std::size_t f = 0; f < poses_.size(); ++f) {
-      for (Eigen::Index t = 0; t < mesh_.tets.rows(); ++t) {
-        Corners x;
-        for (int a = 0; a < 4; ++a) x[static_cast<std::size_t>(a)] = posed(mesh_.tets(t, a), f);
-        const double shape = signed_shape(x);
-        if (shape < kNearlyFlat) flat_.insert(t);
-        inverted += shape <= 0 ? 1 : 0;
+    for (Eigen::Index t = 0; t < mesh_.tets.rows(); ++t) {
+      for (Eigen::Index b = 0; b < blocks(); ++b) {
+        std::array<Points<double>, 4> x;
+        for (int a = 0; a < 4; ++a) x[static_cast<std::size_t>(a)] = in_poses(posed_, mesh_.tets(t, a), b);
+        const auto shapes = signed_shape(x[0], x[1], x[2], x[3]);
+        if ((shapes.head(poses_in(b)) < kNearlyFlat).any()) flat_.insert(t);
+        inverted += (shapes.head(poses_in(b)) <= 0).count();
       }
     }
     return inverted;
@@ -176,64 +194,90 @@ class Unfolder {
       }
       star.tets.push_back(tet);
     }
-    const Eigen::Vector3d here = mesh_.nodes.row(node);
+    const Point here = mesh_.nodes.row(node);
     for (const int other : star.ring) {
       star.rest.emplace_back(mesh_.nodes.row(other));
-      star.edge += (star.rest.back() - here).norm() / static_cast<double>(star.ring.size());
+      star.edge += (star.rest.back() - here).matrix().norm() / static_cast<double>(star.ring.size());
     }
     for (const std::array<int, 4>& tet : star.tets) {
-      star.least_at_rest.push_back(std::min(kWantedAtRest, signed_shape(corners_of(tet, star.rest, here))));
+      star.least_at_rest.push_back(std::min(kWantedAtRest, signed_shape(tet, star.rest.data(), here).value()));
     }
-    for (std::size_t f = 0; f < poses_.size(); ++f) {
-      star.posed.emplace_back();
-      for (const int other : star.ring) star.posed.back().push_back(posed(other, f));
-    }
+    look_at_poses(node, star);
     return star;
   }
 
-  // Where diffuse would carry a node inside, its neighbours staying where they are: the row of the Laplacian.
-  static std::vector<Eigen::Vector3d> diffused(const Star& star, const Eigen::Vector3d& rest) {
-    std::vector<double> weights(star.ring.size(), 0.0);
-    double sum = 0;
+  void look_at_poses(int node, Star& star) const {
+    std::vector<double> wants;
+    for (Eigen::Index b = 0; b < blocks(); ++b) {
+      const Points<double> here = in_poses(posed_, node, b);
+      for (const int other : star.ring) star.posed.emplace_back((in_poses(posed_, other, b) - here).cast<float>());
+      star.blocks.push_back(static_cast<std::size_t>(b));
+      wants.push_back(wanting(star, star.blocks.back(), Points<float>::Zero()));
+      star.wanting += wants.back();
+    }
+    std::ranges::stable_sort(star.blocks, std::greater<>(), [&](const std::size_t b) { return wants[b]; });
+  }
+
+  // What diffuse would carry a node inside by, its neighbours staying where they are: the row of the Laplacian.
+  static Eigen::VectorXd shares_of_ring(const Star& star, const Point& rest) {
+    Eigen::VectorXd weights = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(star.ring.size()));
     for (const std::array<int, 4>& tet : star.tets) {
-      const Corners x = corners_of(tet, star.rest, rest);
+      const auto corner = [&](const int k) -> const Point& { return k < 0 ? rest : star.rest[k]; };
       Eigen::Matrix3d edges;
-      for (int k = 0; k < 3; ++k) edges.col(k) = x[static_cast<std::size_t>(k) + 1] - x[0];
+      for (int k = 0; k < 3; ++k) edges.col(k) = corner(tet[static_cast<std::size_t>(k) + 1]) - corner(tet[0]);
       Eigen::Matrix<double, 4, 3> slopes;
       slopes.bottomRows<3>() = edges.inverse();
       slopes.row(0) = -slopes.bottomRows<3>().colwise().sum();
       const auto own = std::ranges::find(tet, -1) - tet.begin();
       for (std::size_t k = 0; k < 4; ++k) {
         if (tet[k] < 0) continue;
-        const double weight = -edges.determinant() * slopes.row(own).dot(slopes.row(static_cast<Eigen::Index>(k)));
-        weights[static_cast<std::size_t>(tet[k])] += weight;
-        sum += weight;
+        weights[tet[k]] -= edges.determinant() * slopes.row(own).dot(slopes.row(static_cast<Eigen::Index>(k)));
       }
     }
-    std::vector<Eigen::Vector3d> posed;
-    for (const std::vector<Eigen::Vector3d>& ring : star.posed) {
-      posed.push_back(Eigen::Vector3d::Zero());
-      for (std::size_t k = 0; k < ring.size(); ++k) posed.back() += weights[k] / sum * ring[k];
+    return weights / weights.sum();
+  }
+
+  Place place(int node, const Star& star, const Point& wanted) const {
+    if (node >= surface_) return {wanted, shares_of_ring(star, wanted), {}};
+    const SkinPoint point = skin_(wanted.matrix().transpose());
+    return {point.position.transpose().array(), {}, point};
+  }
+
+  // From where the node is in these poses.
+  Points<float> posed(int node, const Star& star, const Place& place, std::size_t block) const {
+    if (node < surface_) {
+      const auto b = static_cast<Eigen::Index>(block);
+      Points<double> sum = -in_poses(posed_, node, b);
+      for (int k = 0; k < 3; ++k) {
+        sum += place.on_skin.weights[k] * in_poses(skin_poses_, place.on_skin.vertices[static_cast<std::size_t>(k)], b);
+      }
+      return sum.cast<float>();
     }
-    return posed;
+    Points<float> sum = Points<float>::Zero();
+    const Points<float>* const ring = star.posed.data() + block * star.ring.size();
+    for (Eigen::Index k = 0; k < place.shares.size(); ++k) sum += static_cast<float>(place.shares[k]) * ring[k];
+    return sum;
   }
 
-  Place place(int node, const Star& star, const Eigen::Vector3d& wanted) const {
-    if (node >= surface_) return {wanted, diffused(star, wanted)};
-    const SkinPoint point = skin_(wanted);
-    return {point.position, carried(point)};
+  // By how much the star's tets are flatter than wanted, summed over the poses of a block.
+  double wanting(const Star& star, std::size_t block, const Points<float>& node) const {
+    const Points<float>* const ring = star.posed.data() + block * star.ring.size();
+    Eigen::Array<float, kTogether, 1> sum = Eigen::Array<float, kTogether, 1>::Zero();
+    for (const std::array<int, 4>& tet : star.tets) {
+      sum += (static_cast<float>(kWanted) - signed_shape(tet, ring, node)).max(0.0F);
+    }
+    return sum.head(poses_in(static_cast<Eigen::Index>(block))).sum();
   }
 
-  // By how much the star's tets are flatter than wanted, summed over the poses; `most` or more where that is passed.
-  static double wanting(const Star& star, const Place& place, double most) {
+  // The same over all of them; `most` or more where that is passed.
+  double wanting(int node, const Star& star, const Place& place, double most) const {
     for (std::size_t t = 0; t < star.tets.size(); ++t) {
-      if (signed_shape(corners_of(star.tets[t], star.rest, place.rest)) < star.least_at_rest[t]) return most;
+      if (signed_shape(star.tets[t], star.rest.data(), place.rest).value() < star.least_at_rest[t]) return most;
     }
     double sum = 0;
-    for (std::size_t f = 0; f < place.posed.size() && sum < most; ++f) {
-      for (const std::array<int, 4>& tet : star.tets) {
-        sum += std::max(0.0, kWanted - signed_shape(corners_of(tet, star.posed[f], place.posed[f])));
-      }
+    for (const std::size_t block : star.blocks) {
+      sum += wanting(star, block, posed(node, star, place, block));
+      if (sum >= most) break;
     }
     return sum;
   }
@@ -241,17 +285,15 @@ class Unfolder {
   // Compass search (Hooke and Jeeves 1961) along axes and diagonals.
   void improve(int node) {
     const Star star = star_of(node);
-    Place best{mesh_.nodes.row(node), {}};
-    for (std::size_t f = 0; f < poses_.size(); ++f) best.posed.push_back(posed(node, f));
-    const double before = wanting(star, best, std::numeric_limits<double>::infinity());
-    double least = before;
+    Place best{mesh_.nodes.row(node), {}, {}};
+    double least = star.wanting;
     for (double step = kFirstStep; least > 0 && step > kLastStep;) {
       bool better = false;
       for (int k = 0; k < 27 && least > 0; ++k) {
         if (k == 13) continue;
-        const Eigen::Vector3d way = Eigen::Vector3d(k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1).normalized();
-        Place tried = place(node, star, best.rest + step * star.edge * way);
-        const double wants = wanting(star, tried, kWorthwhile * least);
+        const Eigen::RowVector3d way = Eigen::RowVector3d(k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1).normalized();
+        Place tried = place(node, star, best.rest + step * star.edge * way.array());
+        const double wants = wanting(node, star, tried, kWorthwhile * least);
         if (wants >= kWorthwhile * least) continue;
         least = wants;
         best = std::move(tried);
@@ -259,20 +301,25 @@ class Unfolder {
       }
       if (!better) step /= 2;
     }
-    if (least == before) return;
+    if (least == star.wanting) return;
     mesh_.nodes.row(node) = best.rest;
-    for (std::size_t f = 0; f < poses_.size(); ++f) {
-      posed_.row(node).segment<3>(column(f)) = best.posed[f].transpose();
+    if (node < surface_) {
+      posed_.row(node) = at_point(skin_poses_, best.on_skin);
+      return;
+    }
+    posed_.row(node).setZero();
+    for (std::size_t k = 0; k < star.ring.size(); ++k) {
+      posed_.row(node) += best.shares[static_cast<Eigen::Index>(k)] * posed_.row(star.ring[k]);
     }
   }
 
   const NearestSkin& skin_;
-  const std::vector<Positions>& poses_;
-  const Eigen::Index surface_;
+  const NodeValues& skin_poses_;
+  const Eigen::Index poses_, surface_;
   const bool may_slide_;
   TetMesh& mesh_;
   std::vector<std::vector<Eigen::Index>> tets_of_;
-  Eigen::MatrixXd posed_;  // N x 3 per pose
+  NodeValues posed_;  // of the nodes
   std::set<Eigen::Index> flat_;
 };
 
@@ -376,11 +423,12 @@ TetPoint packed(const EmbeddedPoint& point, double amount) {
 // Freitag and Ollivier-Gooch 1997): nodes inside freely, the first `surface` nodes, which lie on the skin, along it
 // where it `may_slide`. No tet gets flat at rest. Ends when no tet is inside out or after a few rounds, with the best
 // found.
-// skin: of the rest vertices; poses: V x 3 each, where these are. A function of its arguments alone.
-Unfolding unfold_tets(const NearestSkin& skin, const std::vector<Positions>& poses, Eigen::Index surface,
-                      bool may_slide, TetMesh& mesh) {
+// skin: of these vertices at rest; poses: V x 3 each. A function of its arguments alone.
+Unfolding unfold_tets(const FineSkin& skin, const std::vector<Positions>& poses,
+                      const std::vector<std::uint32_t>& vertices, Eigen::Index surface, bool may_slide, TetMesh& mesh) {
   if (poses.empty()) return {};
-  const Unfolding result = Unfolder(skin, poses, surface, may_slide, mesh).run();
+  const Unfolding result =
+      Unfolder(skin.nearest, posed_points(poses, vertices), std::ssize(poses), surface, may_slide, mesh).run();
   orient(mesh);  // the worst quality
   return result;
 }
@@ -423,10 +471,8 @@ DynamicsTets make_dynamics_tets(const Positions& vertices, const Triangles& tria
   const FineSkin fine(fillable.vertices, fillable.triangles);
   std::optional<FilledSkin> own = fill_as_it_is(fine, most_tets);
   FilledSkin filled = own ? std::move(*own) : fill_coarser(fine, {.tets = most_tets}, [](CoarseSkin&) {});
-  std::vector<Positions> filled_poses;
-  for (const Positions& pose : poses) filled_poses.push_back(pose(fillable.vertex, Eigen::all));
   // The nodes of a skin that is taken as it is are its vertices.
-  const Unfolding unfolding = unfold_tets(fine.nearest, filled_poses, filled.skin.vertices.rows(), !own, filled.mesh);
+  const Unfolding unfolding = unfold_tets(fine, poses, fillable.vertex, filled.skin.vertices.rows(), !own, filled.mesh);
   // What the runtime has; everything is computed from it.
   filled.mesh.nodes = filled.mesh.nodes.cast<float>().cast<double>().eval();
   filled.skin.vertices = filled.mesh.nodes.topRows(filled.skin.vertices.rows());

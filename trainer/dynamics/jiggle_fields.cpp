@@ -1,17 +1,19 @@
 #include "trainer/dynamics/jiggle_fields.h"
 
 #include <Eigen/LU>
+#include <Eigen/SparseCholesky>
 #include <algorithm>
 #include <cmath>
 #include <numeric>
 
 #include "assets/wording.h"
-#include "base/linear_algebra.h"
+#include "base/parallel.h"
 #include "geometry/mesh.h"
 #include "geometry/thickness.h"
 #include "runtime/basis/dynamics.h"
 #include "runtime/core/error.h"
 #include "trainer/dynamics/block_inverse.h"
+#include "trainer/factor/factor_panels.h"
 #include "trainer/simulate/metric.h"
 #include "trainer/simulate/muscle_fibres.h"
 #include "trainer/simulate/node_weights.h"
@@ -212,18 +214,28 @@ DiffuseTable make_diffuse_table(const TetMesh& mesh, Eigen::Index surface_count)
   return table;
 }
 
-Eigen::MatrixXd diffuse(const TetMesh& mesh, const Eigen::MatrixXd& on_surface) {
-  const Eigen::Index surface = on_surface.rows(), inside = mesh.nodes.rows() - surface;
-  Eigen::MatrixXd values(mesh.nodes.rows(), on_surface.cols());
+NodeValues diffuse(const TetMesh& mesh, const NodeValues& on_surface) {
+  const Eigen::Index surface = on_surface.rows(), inside = mesh.nodes.rows() - surface, columns = on_surface.cols();
+  NodeValues values(mesh.nodes.rows(), columns);
   values.topRows(surface) = on_surface;
   if (inside == 0) return values;
-  const SparseMatrix laplacian = laplacian_of(mesh);
-  const SparseSolver factor(laplacian.bottomRightCorner(inside, inside));
-  if (!factor.is_solvable()) {
+  const SparseMatrix laplacian = laplacian_of(mesh), to_surface = laplacian.bottomLeftCorner(inside, surface);
+  const Eigen::SimplicialLLT<SparseMatrix> factor(SparseMatrix(laplacian.bottomRightCorner(inside, inside)));
+  if (factor.info() != Eigen::Success) {
     throw Error(ErrorKind::mismatch, "the tetrahedra are too flat to carry values inwards");
   }
-  const SparseMatrix to_surface = laplacian.bottomLeftCorner(inside, surface);
-  values.bottomRows(inside) = factor.solve(-(to_surface * on_surface));
+  const FactorPanels<double> panels = factor_panels<double>(factor.matrixL());
+  std::vector<int> all(panels.panels.size());
+  std::iota(all.begin(), all.end(), 0);
+  constexpr Eigen::Index kSides = 10;
+  parallel_for(static_cast<std::size_t>((columns + kSides - 1) / kSides), [&](std::size_t part) {
+    const Eigen::Index first = kSides * static_cast<Eigen::Index>(part), count = std::min(kSides, columns - first);
+    Eigen::Matrix<double, Eigen::Dynamic, kSides, Eigen::RowMajor> sides(inside, kSides);
+    sides.rightCols(kSides - count).setZero();
+    sides.leftCols(count) = factor.permutationP() * -(to_surface * on_surface.middleCols(first, count));
+    solve_ten_in(panels, all, sides.data());
+    values.block(surface, first, inside, count) = factor.permutationPinv() * sides.leftCols(count);
+  });
   return values;
 }
 

@@ -21,7 +21,8 @@ struct DiffuseTable;
 DiffuseTable make_diffuse_table(const TetMesh& mesh, Eigen::Index surface_count);
 
 // The same in double precision, for columns of values: surface_count x any -> N x the same.
-Eigen::MatrixXd diffuse(const TetMesh& mesh, const Eigen::MatrixXd& on_surface);
+using NodeValues = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+NodeValues diffuse(const TetMesh& mesh, const NodeValues& on_surface);
 
 // What of a body its tetrahedra are: bones, muscles, parts that go with joints.
 struct JiggleAnatomy {

@@ -47,38 +47,38 @@ void BlockSolve::record(Commands& commands, const Buffers& buffers, std::uint32_
   }
 }
 
-FoldBuffers::FoldBuffers(const Device& device, const FoldTables& tables, const DeviceInfo& limits)
-    : triangles(upload_whole(device, tables.triangles, "the triangles", limits)),
-      sides(upload_whole(device, tables.sides, "the folds' sides", limits)) {}
+FoldBuffers::FoldBuffers(Uploads& uploads, const FoldTables& tables, const DeviceInfo& limits)
+    : triangles(upload_whole(uploads, tables.triangles, "the triangles", limits)),
+      sides(upload_whole(uploads, tables.sides, "the folds' sides", limits)) {}
 
-TangentBuffers::TangentBuffers(const Device& device, const TangentTables& tables, const DeviceInfo& limits)
-    : vertices(upload_whole(device, tables.vertices, "the tangents' vertices", limits)),
-      corners(upload_whole(device, tables.corners, "the tangents' corners", limits)) {}
+TangentBuffers::TangentBuffers(Uploads& uploads, const TangentTables& tables, const DeviceInfo& limits)
+    : vertices(upload_whole(uploads, tables.vertices, "the tangents' vertices", limits)),
+      corners(upload_whole(uploads, tables.corners, "the tangents' corners", limits)) {}
 
-SkinTables::SkinTables(const Device& device, const Basis& b, const FoldTables& fold_tables,
+SkinTables::SkinTables(Uploads& uploads, const Basis& b, const FoldTables& fold_tables,
                        const TangentTables& tangent_tables, const DeviceInfo& limits)
-    : ddm(device, b.ddm, limits),
-      blend(device, b.residual.blend_begin, b.residual.blend, limits),
-      modifiers(device, b.modifiers.blend_begin, b.modifiers.blend, limits),
-      strain_vertices(upload_whole(device, b.strain.vertices, "the strain vertices", limits)),
-      points(upload_whole(device, b.strain.points, "the fibre points", limits)),
-      fibre_begin(upload_whole(device, b.strain.fibre_begin, "the fibres", limits)),
-      rest_length(upload_whole(device, b.strain.rest_length, "the fibres' rest lengths", limits)),
-      ranges(upload_whole(device, b.residual.features, "the feature ranges", limits)),
-      regions(upload_whole(device, b.residual.regions, "the regions", limits)),
-      region_features(upload_whole(device, b.residual.region_features, "the regions' features", limits)),
-      coordinate_region(upload_whole(device, b.residual.coordinate_region, "the coordinates' regions", limits)),
-      projections(upload_whole(device, b.residual.projections, "the projections", limits)),
-      centre_region(upload_whole(device, b.residual.centre_region, "the centres' regions", limits)),
-      centres(upload_whole(device, b.residual.centres, "the centres", limits)),
-      coefficient_region(upload_whole(device, b.residual.coefficient_region, "the coefficients' regions", limits)),
-      weights(upload_whole(device, b.residual.weights, "the weights", limits)),
-      rest(upload_whole(device, b.modifiers.of_type(kRelax.name) ? b.mesh.rest : std::vector<float>(),
+    : ddm(uploads, b.ddm, limits),
+      blend(uploads, b.residual.blend_begin, b.residual.blend, limits),
+      modifiers(uploads, b.modifiers.blend_begin, b.modifiers.blend, limits),
+      strain_vertices(upload_whole(uploads, b.strain.vertices, "the strain vertices", limits)),
+      points(upload_whole(uploads, b.strain.points, "the fibre points", limits)),
+      fibre_begin(upload_whole(uploads, b.strain.fibre_begin, "the fibres", limits)),
+      rest_length(upload_whole(uploads, b.strain.rest_length, "the fibres' rest lengths", limits)),
+      ranges(upload_whole(uploads, b.residual.features, "the feature ranges", limits)),
+      regions(upload_whole(uploads, b.residual.regions, "the regions", limits)),
+      region_features(upload_whole(uploads, b.residual.region_features, "the regions' features", limits)),
+      coordinate_region(upload_whole(uploads, b.residual.coordinate_region, "the coordinates' regions", limits)),
+      projections(upload_whole(uploads, b.residual.projections, "the projections", limits)),
+      centre_region(upload_whole(uploads, b.residual.centre_region, "the centres' regions", limits)),
+      centres(upload_whole(uploads, b.residual.centres, "the centres", limits)),
+      coefficient_region(upload_whole(uploads, b.residual.coefficient_region, "the coefficients' regions", limits)),
+      weights(upload_whole(uploads, b.residual.weights, "the weights", limits)),
+      rest(upload_whole(uploads, b.modifiers.of_type(kRelax.name) ? b.mesh.rest : std::vector<float>(),
                         "the skin at rest", limits)),
-      folds(device, fold_tables, limits),
-      fans(device, b.mesh, limits),
-      tangents(device, tangent_tables, limits),
-      output_vertex(upload_whole(device, b.mesh.output_vertex, "the output vertices", limits)) {}
+      folds(uploads, fold_tables, limits),
+      fans(uploads, b.mesh, limits),
+      tangents(uploads, tangent_tables, limits),
+      output_vertex(upload_whole(uploads, b.mesh.output_vertex, "the output vertices", limits)) {}
 
 SkinKernels::SkinKernels(const Device& device)
     : strain_skin(device),
@@ -97,20 +97,20 @@ SkinKernels::SkinKernels(const Device& device)
       output_tangents(device),
       output_place(device) {}
 
-DynamicsTables::DynamicsTables(const Device& device, const Dynamics& d, const DeviceInfo& limits)
-    : tets(upload_whole(device, d.tets.tets, "the tets", limits)),
-      shapes(upload_whole(device, d.tets.shapes, "the tets' shapes", limits)),
-      corner_begin(upload_whole(device, d.tets.corner_begin, "the nodes' tets", limits)),
-      corners(upload_whole(device, d.tets.corners, "the nodes' tets", limits)),
-      surface(upload_whole(device, d.tets.surface, "the nodes on the skin", limits)),
-      skin(upload_whole(device, d.tets.skin, "the tets of the skin", limits)),
-      limit(upload_whole(device, d.tets.skin_limit, "the limits of the skin", limits)),
-      row_begin(upload_whole(device, d.diffuse.row_begin, "the rows of diffuse", limits)),
-      columns(upload_whole(device, d.diffuse.columns, "the columns of diffuse", limits)),
-      values(upload_whole(device, d.diffuse.values, "the values of diffuse", limits)),
-      diffuse_inverse(device, d.diffuse.inverse, limits),
-      nodes(upload_whole(device, d.jiggle.nodes, "the nodes of the jiggle", limits)),
-      jiggle_inverse(device, d.jiggle.inverse, limits) {}
+DynamicsTables::DynamicsTables(Uploads& uploads, const Dynamics& d, const DeviceInfo& limits)
+    : tets(upload_whole(uploads, d.tets.tets, "the tets", limits)),
+      shapes(upload_whole(uploads, d.tets.shapes, "the tets' shapes", limits)),
+      corner_begin(upload_whole(uploads, d.tets.corner_begin, "the nodes' tets", limits)),
+      corners(upload_whole(uploads, d.tets.corners, "the nodes' tets", limits)),
+      surface(upload_whole(uploads, d.tets.surface, "the nodes on the skin", limits)),
+      skin(upload_whole(uploads, d.tets.skin, "the tets of the skin", limits)),
+      limit(upload_whole(uploads, d.tets.skin_limit, "the limits of the skin", limits)),
+      row_begin(upload_whole(uploads, d.diffuse.row_begin, "the rows of diffuse", limits)),
+      columns(upload_whole(uploads, d.diffuse.columns, "the columns of diffuse", limits)),
+      values(upload_whole(uploads, d.diffuse.values, "the values of diffuse", limits)),
+      diffuse_inverse(uploads, d.diffuse.inverse, limits),
+      nodes(upload_whole(uploads, d.jiggle.nodes, "the nodes of the jiggle", limits)),
+      jiggle_inverse(uploads, d.jiggle.inverse, limits) {}
 
 DynamicsKernels::DynamicsKernels(const Device& device)
     : diffuse_surface(device),
@@ -132,13 +132,15 @@ DeviceModel::DeviceModel(std::shared_ptr<const Device> device, std::shared_ptr<c
       model_(std::move(model)),
       limits_(limits),
       counts_(model_->basis, model_->tangents),
-      tables_(*device_, require_threads_of(model_->basis, counts_, limits_), model_->folds, model_->tangents, limits_),
+      tables_(upload_together<SkinTables>(*device_, require_threads_of(model_->basis, counts_, limits_), model_->folds,
+                                          model_->tangents, limits_)),
       kernels_(device_->shared<SkinKernels>()) {}
 
 const DeviceModel::Jiggling& DeviceModel::jiggling() const {
   std::call_once(jiggles_, [&] {
-    jiggling_.emplace(Jiggling{DynamicsTables(*device_, require_threads_of(*model_->dynamics, limits_), limits_),
-                               device_->shared<DynamicsKernels>()});
+    jiggling_.emplace(
+        Jiggling{upload_together<DynamicsTables>(*device_, require_threads_of(*model_->dynamics, limits_), limits_),
+                 device_->shared<DynamicsKernels>()});
   });
   return *jiggling_;
 }

@@ -61,20 +61,20 @@ struct FrameCounts {
 };
 
 struct FoldBuffers {
-  FoldBuffers(const Device& device, const FoldTables& tables, const DeviceInfo& limits);
+  FoldBuffers(Uploads& uploads, const FoldTables& tables, const DeviceInfo& limits);
 
   Buffer triangles, sides;
 };
 
 struct TangentBuffers {
-  TangentBuffers(const Device& device, const TangentTables& tables, const DeviceInfo& limits);
+  TangentBuffers(Uploads& uploads, const TangentTables& tables, const DeviceInfo& limits);
 
   Buffer vertices, corners;
 };
 
 struct SkinTables {
-  SkinTables(const Device& device, const Basis& basis, const FoldTables& fold_tables,
-             const TangentTables& tangent_tables, const DeviceInfo& limits);
+  SkinTables(Uploads& uploads, const Basis& basis, const FoldTables& fold_tables, const TangentTables& tangent_tables,
+             const DeviceInfo& limits);
 
   DdmBuffers ddm;
   BlendBuffers blend, modifiers;
@@ -109,7 +109,7 @@ struct SkinKernels {
 };
 
 struct DynamicsTables {
-  DynamicsTables(const Device& device, const Dynamics& dynamics, const DeviceInfo& limits);
+  DynamicsTables(Uploads& uploads, const Dynamics& dynamics, const DeviceInfo& limits);
 
   Buffer tets, shapes, corner_begin, corners, surface, skin, limit;
   Buffer row_begin, columns, values;

@@ -62,14 +62,14 @@ struct BatchBuffers {
         staging_out(device, records ? 0 : total(outputs()), Memory::staging, "staging") {}
 
   // What a batch brings, in this order.
-  std::vector<const Values*> inputs() const {
+  std::array<const Values*, 7> inputs() const {
     return {&skinning, &origins, &joint_features, &controls, &fades, &modifiers, &learned_skinning};
   }
-  static std::vector<std::span<const float>> inputs_of(const Batch& b) {
+  static std::array<std::span<const float>, 7> inputs_of(const Batch& b) {
     return {b.skinning, b.origins, b.joint_features, b.controls, b.fades, b.modifiers, b.learned_skinning};
   }
   // What a batch gives at most.
-  std::vector<const Values*> outputs() const {
+  std::array<const Values*, 7> outputs() const {
     return {&positions, &normals, &tangents, &positions, &strains, &excess, &coefficients};
   }
   // Of the pose before modifiers turned joints.
@@ -77,7 +77,7 @@ struct BatchBuffers {
     return learned_skinning.bytes > 0 ? learned_skinning.buffer : skinning.buffer;
   }
 
-  static VkDeviceSize total(const std::vector<const Values*>& parts) {
+  static VkDeviceSize total(const std::array<const Values*, 7>& parts) {
     VkDeviceSize sum = 0;
     for (const Values* part : parts) sum += part->bytes;
     return sum;
@@ -220,15 +220,14 @@ class VulkanBackend final : public Backend, private SplitRun {
   }
 
   void record_stages(const Batch& batch) {
-    output_steps_ = output_steps(model_->model().basis, batch);
+    output_steps_ = output_steps(model_->model().basis, batch, std::move(output_steps_));
     // No residual: un-posed displacements of zero.
     if (!has_blend_) commands_->fill(buffers_->displacements.buffer, 0);
     commands_->timestamp();
-    stages_.clear();
-    for (const Stage stage : stages_of(model_->model().basis, batch)) {
+    stages_ = stages_of(model_->model().basis, batch, std::move(stages_));
+    for (const Stage stage : stages_) {
       record_stage(stage, batch);
       commands_->timestamp();
-      stages_.push_back(stage);
     }
   }
 
@@ -333,8 +332,8 @@ class VulkanBackend final : public Backend, private SplitRun {
   }
 
   void record_inputs(const Batch& batch) {
-    const std::vector<const Values*> to = buffers_->inputs();
-    const std::vector<std::span<const float>> from = BatchBuffers::inputs_of(batch);
+    const auto to = buffers_->inputs();
+    const auto from = BatchBuffers::inputs_of(batch);
     for (std::size_t k = 0; k < to.size(); ++k) {
       const VkDeviceSize bytes = to[k]->bytes / buffers_->frames * batch.frame_count;
       if (bytes > 0) commands_->update({to[k]->buffer, 0, bytes}, std::as_bytes(from[k]).first(bytes));
@@ -502,8 +501,8 @@ class VulkanBackend final : public Backend, private SplitRun {
 
   void send(const Batch& batch) {
     std::byte* to = buffers_->staging_in.mapped();
-    const std::vector<const Values*> values = buffers_->inputs();
-    const std::vector<std::span<const float>> from = BatchBuffers::inputs_of(batch);
+    const auto values = buffers_->inputs();
+    const auto from = BatchBuffers::inputs_of(batch);
     for (std::size_t k = 0; k < values.size(); ++k) {
       if (values[k]->bytes == 0) continue;
       std::memcpy(to, from[k].data(), values[k]->bytes);

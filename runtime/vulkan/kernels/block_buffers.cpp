@@ -118,16 +118,16 @@ std::vector<BlockWindow> block_windows(const BlockTable& table, const DeviceInfo
   return windows;
 }
 
-DdmBuffers::DdmBuffers(const Device& device, const DdmTable& ddm, const DeviceInfo& limits)
-    : block_begin(upload_whole(device, ddm.block_begin, "the DDM blocks", limits)),
-      block_joints(upload_whole(device, ddm.block_joints, "the DDM joints", limits)),
-      moments(upload(device, ddm.moments, "the DDM moments")),
-      vertices(upload(device, ddm.vertices, "the DDM vertices")),
+DdmBuffers::DdmBuffers(Uploads& uploads, const DdmTable& ddm, const DeviceInfo& limits)
+    : block_begin(upload_whole(uploads, ddm.block_begin, "the DDM blocks", limits)),
+      block_joints(upload_whole(uploads, ddm.block_joints, "the DDM joints", limits)),
+      moments(upload(uploads, ddm.moments, "the DDM moments")),
+      vertices(upload(uploads, ddm.vertices, "the DDM vertices")),
       windows(block_windows({ddm.block_begin, kEntryBytes, sizeof(DdmVertex), "the DDM table"}, limits)) {}
 
-FanBuffers::FanBuffers(const Device& device, const MeshTable& mesh, const DeviceInfo& limits)
-    : begin(upload_whole(device, mesh.vertex_triangle_begin, "the vertices' fans", limits)),
-      triangles(upload(device, fans_of(mesh), "the triangles around vertices")),
+FanBuffers::FanBuffers(Uploads& uploads, const MeshTable& mesh, const DeviceInfo& limits)
+    : begin(upload_whole(uploads, mesh.vertex_triangle_begin, "the vertices' fans", limits)),
+      triangles(upload(uploads, fans_of(mesh), "the triangles around vertices")),
       windows(
           block_windows({block_begin(mesh), 3 * sizeof(std::uint32_t), 0, "the triangles around vertices"}, limits)) {}
 
@@ -141,14 +141,14 @@ std::vector<InverseWindow> inverse_windows(const std::vector<InverseStrip>& stri
   return windows_over(strips, begin, end, limits);
 }
 
-InverseBuffers::InverseBuffers(const Device& device, const BlockInverse& inverse, const DeviceInfo& limits)
+InverseBuffers::InverseBuffers(Uploads& uploads, const BlockInverse& inverse, const DeviceInfo& limits)
     : unknown_count(inverse.unknown_count),
       slot_count(inverse.slot_count()),
-      slot_unknown(upload_whole(device, inverse.slot_unknown, "the block inverse's unknowns", limits)),
-      child_slots(upload_whole(device, inverse.child_slots, "the block inverse's children", limits)),
-      up(upload_whole(device, inverse.up, "the block inverse's panels", limits)),
-      down(upload_whole(device, inverse.down, "the block inverse's strips", limits)),
-      values(upload(device, inverse.values, "the block inverse's values")) {
+      slot_unknown(upload_whole(uploads, inverse.slot_unknown, "the block inverse's unknowns", limits)),
+      child_slots(upload_whole(uploads, inverse.child_slots, "the block inverse's children", limits)),
+      up(upload_whole(uploads, inverse.up, "the block inverse's panels", limits)),
+      down(upload_whole(uploads, inverse.down, "the block inverse's strips", limits)),
+      values(upload(uploads, inverse.values, "the block inverse's values")) {
   for (const InverseLevel& level : inverse.levels) {
     levels.push_back({level, inverse_windows(inverse.up, level.up_begin, level.up_end, limits),
                       inverse_windows(inverse.down, level.down_begin, level.down_end, limits)});

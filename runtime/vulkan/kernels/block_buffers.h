@@ -33,7 +33,7 @@ std::vector<BlockWindow> block_windows(const BlockTable& table, const DeviceInfo
 
 struct DdmBuffers {
   // `limits`: as of block_windows. Throws Error(device).
-  DdmBuffers(const Device& device, const DdmTable& ddm, const DeviceInfo& limits);
+  DdmBuffers(Uploads& uploads, const DdmTable& ddm, const DeviceInfo& limits);
 
   BufferRange moments_of(const BlockWindow& window) const {
     return {moments, window.entries_offset, window.entries_size};
@@ -50,7 +50,7 @@ struct DdmBuffers {
 // vertices sees a range of them.
 struct FanBuffers {
   // `limits`: as of block_windows. Throws Error(device).
-  FanBuffers(const Device& device, const MeshTable& mesh, const DeviceInfo& limits);
+  FanBuffers(Uploads& uploads, const MeshTable& mesh, const DeviceInfo& limits);
 
   BufferRange triangles_of(const BlockWindow& window) const {
     return {triangles, window.entries_offset, window.entries_size};
@@ -63,10 +63,10 @@ struct FanBuffers {
 // Entries of a blend on the device: of the residual, or of the modifiers.
 struct BlendBuffers {
   // `limits`: as of block_windows. Throws Error(device).
-  BlendBuffers(const Device& device, const std::vector<std::uint32_t>& begin, const std::vector<BlendEntry>& blend,
+  BlendBuffers(Uploads& uploads, const std::vector<std::uint32_t>& begin, const std::vector<BlendEntry>& blend,
                const DeviceInfo& limits)
-      : block_begin(upload_whole(device, begin, "the blend's blocks", limits)),
-        entries(upload(device, blend, "the blend")),
+      : block_begin(upload_whole(uploads, begin, "the blend's blocks", limits)),
+        entries(upload(uploads, blend, "the blend")),
         windows(block_windows({begin, sizeof(BlendEntry), 0, "the blend"}, limits)) {}
 
   BufferRange entries_of(const BlockWindow& window) const {
@@ -100,7 +100,7 @@ struct InverseBuffers {
   };
 
   // Throws Error(device).
-  InverseBuffers(const Device& device, const BlockInverse& inverse, const DeviceInfo& limits);
+  InverseBuffers(Uploads& uploads, const BlockInverse& inverse, const DeviceInfo& limits);
 
   BufferRange values_of(const InverseWindow& window) const;
 

@@ -1,0 +1,131 @@
+// A frame allocates nothing, unless it is the first of so many: what operator new is asked for in this program.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cstdlib>
+#include <new>
+#include <optional>
+
+#include "runtime/basis/dynamics.h"
+#include "runtime/core/executor.h"
+#include "runtime/deformer/deformer.h"
+#include "runtime/deformer/evaluate_together.h"
+#include "runtime/host/device_choice.h"
+#include "runtime/vulkan/backend/device_model.h"
+#include "tests/library/c_api.h"
+#include "tests/support/gpu_fixture.h"
+#include "tests/support/random_basis.h"
+#include "tests/support/small_basis.h"
+
+namespace {
+
+std::atomic<std::size_t> allocation_count{0};  // of all threads
+
+void* counted(void* memory) {
+  ++allocation_count;
+  return memory == nullptr ? throw std::bad_alloc() : memory;
+}
+
+}  // namespace
+
+// Not inlined: GCC would take free() for another allocator's.
+[[gnu::noinline]] void* operator new(std::size_t size) { return counted(std::malloc(std::max<std::size_t>(1, size))); }
+[[gnu::noinline]] void* operator new(std::size_t size, std::align_val_t alignment) {
+  const auto unit = static_cast<std::size_t>(alignment);
+  return counted(std::aligned_alloc(unit, (std::max<std::size_t>(1, size) + unit - 1) / unit * unit));
+}
+[[gnu::noinline]] void* operator new(std::size_t size, const std::nothrow_t&) noexcept {
+  ++allocation_count;
+  return std::malloc(std::max<std::size_t>(1, size));
+}
+[[gnu::noinline]] void operator delete(void* memory) noexcept { std::free(memory); }
+[[gnu::noinline]] void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
+[[gnu::noinline]] void operator delete(void* memory, std::align_val_t) noexcept { std::free(memory); }
+[[gnu::noinline]] void operator delete(void* memory, std::size_t, std::align_val_t) noexcept { std::free(memory); }
+
+namespace bodyopt::testing {
+namespace {
+
+// Of the second time.
+std::size_t allocations_of(const auto& work) {
+  work();
+  const std::size_t before = allocation_count;
+  work();
+  return allocation_count - before;
+}
+
+std::vector<Pose> bent_poses(const Basis& basis, std::size_t count) {
+  std::vector<Pose> poses(count, bind_pose(basis.skeleton));
+  for (std::size_t f = 0; f < count; ++f) poses[f].joints[1].rotation = axis_angle({1, 0, 0}, 0.01 * double(f));
+  return poses;
+}
+
+TEST(FrameAllocations, AreCounted) {
+  EXPECT_EQ(allocations_of([] { std::vector<int>(7); }), 1u);
+  EXPECT_EQ(allocations_of([] {}), 0u);
+}
+
+TEST(FrameAllocations, OnTheCpuAreNone) {
+  const Basis plain = small_basis();
+  for (const Basis& basis : {plain, with_on_top(with_random_modifiers(plain, 4), kRelax)}) {
+    Deformer deformer(model_of(basis), std::nullopt, {.name = "cpu"});
+    for (const std::size_t count : {std::size_t{1}, std::size_t{5}, 2 * std::size_t{deformer.batch_limit()} + 2}) {
+      std::vector<Pose> poses = bent_poses(basis, count);
+      for (Pose& pose : poses) pose.modifiers.assign(basis.modifiers.component_count(), 1.0f);
+      Evaluation evaluation;
+      DeformerCall call{.deformer = &deformer, .poses = poses, .evaluation = &evaluation};
+      EXPECT_EQ(allocations_of([&] { evaluate_together({&call, 1}); }), 0u) << count << " frames";
+      EXPECT_EQ(call.error, nullptr);
+      EXPECT_EQ(evaluation.positions.size(), 3 * count * basis.mesh.output_count());
+    }
+  }
+}
+
+TEST(FrameAllocations, OfRecordingAreNone) {
+  DeviceChoice choice = test_device();
+  choice.validation = false;  // its layers count, too
+  const auto device = std::make_shared<const vulkan::Device>(choice);
+  const Basis basis = small_basis();
+  Deformer deformer(std::make_shared<const vulkan::DeviceModel>(device, model_of(basis)));
+  const std::vector<Pose> poses = bent_poses(basis, 3);
+  const VkDeviceSize vertex = 3 * sizeof(float), frame = vertex * basis.mesh.output_count();
+  const vulkan::Buffer target(*device, poses.size() * frame, vulkan::Memory::device, "the host's vertices");
+  vulkan::Commands commands(*device);
+  commands.begin();
+  vulkan::Recording recording;
+  recording.commands = commands.handle();
+  recording.positions = recording.normals = {target.handle(), target.size(), 0, vertex, frame};
+  recording.most_frames = 3;
+  EXPECT_EQ(allocations_of([&] { deformer.record(poses, std::nullopt, recording); }), 0u);
+  commands.end();
+}
+
+// On one thread: the others keep scratch of their own.
+TEST(FrameAllocations, OfTheJiggleAreNone) {
+  const Basis basis = load_basis(hero());
+  Deformer deformer(basis, load_dynamics(hero_dynamics(), basis), {},
+                    {.name = "cpu", .executor = std::make_shared<SerialExecutor>()});
+  const std::vector<Pose> poses = turning_poses(basis, 3);
+  const int frames[] = {1, 2, 3};
+  Evaluation evaluation;
+  DeformerCall call{.deformer = &deformer, .poses = poses, .evaluation = &evaluation, .frames = frames};
+  evaluate_together({&call, 1});  // there is no motion before it to keep
+  EXPECT_EQ(allocations_of([&] { evaluate_together({&call, 1}); }), 0u);
+  EXPECT_EQ(call.error, nullptr);
+}
+
+// Of a call with all outputs but expected errors.
+TEST(FrameAllocations, OfTheLibraryAreNone) {
+  const api::Model model = api::load_model(hero());
+  const Basis basis = load_basis(hero());
+  const std::vector<Pose> poses = turning_poses(basis, 3);
+  const PoseArrays given(poses);
+  Arrays skin(basis, poses.size());
+  const api::Instance instance = api::create_instance(model, api::make<bodyopt_instance_options>());
+  EXPECT_EQ(allocations_of([&] { EXPECT_EQ(bodyopt_evaluate(instance.get(), &given.all, &skin.all), BODYOPT_OK); }),
+            0u);
+}
+
+}  // namespace
+}  // namespace bodyopt::testing
