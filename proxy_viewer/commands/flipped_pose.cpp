@@ -1,6 +1,7 @@
 #include "proxy_viewer/commands/flipped_pose.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "assets/joint_roles.h"
 #include "shots/session/pinned_joints.h"
@@ -45,9 +46,10 @@ std::vector<std::string> axes_turning(const Controls& controls, const std::strin
 void put_pose(const Controls& controls, const ViewSettings::PoseKey& pose, const std::vector<std::string>& joints,
               ViewSettings::PoseKey& into) {
   if (joints.empty()) {
-    const KeyEase ease = into.ease;  // of the key, not of the pose
-    into = pose;
-    into.ease = ease;
+    ViewSettings::PoseKey whole = pose;
+    whole.ease = into.ease;  // of the key, not of the pose
+    whole.eases = std::move(into.eases);
+    into = std::move(whole);
   }
   for (const std::string& joint : joints) {
     put(pose.joints, joint, into.joints);
@@ -70,6 +72,11 @@ ViewSettings::PoseKey flipped(const Controls& controls, const ViewSettings::Pose
   const double plane = controls.root_x ? controls.root_x(frame) : 0;
   ViewSettings::PoseKey flipped;
   flipped.ease = pose.ease;
+  for (const auto& [name, ease] : pose.eases) {
+    const bool is_joint = std::ranges::find(joints, name) != joints.end();
+    const std::string other = other_or_itself(name, is_joint ? joints : controls.axis_names);
+    flipped.eases[other == name ? other_or_itself(name, controls.control_names) : other] = ease;
+  }
   for (const auto& [joint, degrees] : pose.joints) {
     const std::string other = other_or_itself(joint, joints);
     const Quat *from = axes_of(controls, joint), *to = axes_of(controls, other);

@@ -165,6 +165,13 @@ std::vector<std::string> named_or_all_selected(const Controls& controls, const s
   return name.empty() && !selected.empty() ? selected : std::vector{named_or_selected(controls, name)};
 }
 
+// Of the frame that is shown.
+ViewSettings::PoseKey& require_key(Controls& controls) {
+  const auto key = controls.settings.pose.keys.find(controls.playback.frame());
+  if (key != controls.settings.pose.keys.end()) return key->second;
+  throw Error(ErrorKind::usage, "frame " + std::to_string(controls.playback.frame()) + " has no key");
+}
+
 const CopiedPose& require_copied(const Controls& controls) {
   if (!controls.copied) throw Error(ErrorKind::usage, "no pose was copied: 'copy' (Ctrl+C)");
   return *controls.copied;
@@ -251,14 +258,30 @@ const Command kPoseCommands[] = {
      }},
     {"ease", "smooth|linear|step", "", "Keys", "from the key of this frame to the next",
      [](Controls& c, const std::string& a) {
-       const auto key = c.settings.pose.keys.find(c.playback.frame());
-       if (key == c.settings.pose.keys.end()) {
-         throw Error(ErrorKind::usage, "frame " + std::to_string(c.playback.frame()) + " has no key");
-       }
-       choose(key->second.ease, a, kKeyEaseNames);
-       c.settings.pose.ease = key->second.ease;
+       ViewSettings::PoseKey& key = require_key(c);
+       choose(key.ease, a, kKeyEaseNames);
+       c.settings.pose.ease = key.ease;
      },
      [](const Controls& c) { return name_of(c.settings.pose.ease, kKeyEaseNames); }},
+    {"ease-joints", "key|smooth|linear|step", "", "Keys", "the same of selected joints; key: as the key",
+     [](Controls& c, const std::string& a) {
+       std::optional<KeyEase> ease;
+       if (a != "key") choose(ease.emplace(), a, kKeyEaseNames);
+       std::map<std::string, KeyEase>& eases = require_key(c).eases;
+       for (const std::string& joint : named_or_all_selected(c, "")) {
+         std::vector<std::string> names = axes_turning(c, joint);
+         names.push_back(joint);
+         for (const std::string& name : names) {
+           eases.erase(name);
+           if (ease) eases[name] = *ease;
+         }
+       }
+       c.settings.pose.eases = eases;
+     },
+     [](const Controls& c) {
+       const auto own = c.settings.pose.eases.find(c.joint);
+       return own == c.settings.pose.eases.end() ? std::string("key") : name_of(own->second, kKeyEaseNames);
+     }},
     {"shift-keys", "FRAMES", "", "Keys", "all keys of the range, to later frames",
      [](Controls& c, const std::string& a) {
        const int by = integer(a);

@@ -22,6 +22,12 @@ std::set<std::string> names_of(const ViewSettings::PoseKey& key) {
   return names;
 }
 
+// As a key has it, of what a row is of.
+KeyEase ease_of(const ViewSettings::PoseKey& key, const std::string& row) {
+  const std::size_t kind = row.starts_with("pin ") ? 4 : row.starts_with("move ") ? 5 : 0;
+  return set_or(key.eases, row.substr(kind), key.ease);
+}
+
 // All keys in a line, to be dragged to other frames; a click goes there. Those that say nothing of what the line is of,
 // which is there as the clip has it, are hollow. Gives the command for what the mouse did; empty: none.
 std::string draw_diamonds(const std::string& row, const std::set<int>& frames, const ImVec2& at, float width, int first,
@@ -52,13 +58,14 @@ std::string draw_diamonds(const std::string& row, const std::set<int>& frames, c
     }
     ImGui::PopID();
     // What follows: a diamond, a triangle where it is straight, a square where nothing moves.
+    const KeyEase ease = ease_of(key, row);
     const ImVec2 middle{held ? ImGui::GetIO().MousePos.x : x, y};
     if (!frames.contains(frame)) {
       list.AddCircle(middle, kDiamond - 1, kAccent, 4);
-    } else if (key.ease == KeyEase::step) {
+    } else if (ease == KeyEase::step) {
       list.AddRectFilled({middle.x - 3.5f, y - 3.5f}, {middle.x + 3.5f, y + 3.5f}, kAccent);
     } else {
-      list.AddCircleFilled(middle, kDiamond, kAccent, key.ease == KeyEase::linear ? 3 : 4);
+      list.AddCircleFilled(middle, kDiamond, kAccent, ease == KeyEase::linear ? 3 : 4);
     }
   }
   const int shown = controls.playback.frame();
@@ -154,6 +161,7 @@ void draw_keys(const Snapshot&, Controls& controls) {
   if (keys.empty()) return;
   ImGui::BeginDisabled(!keys.contains(playback.frame()));
   command_choice(controls, "ease", "To the next");
+  if (!controls.joint.empty()) command_choice(controls, "ease-joints", "Of selected");
   ImGui::EndDisabled();
   ImGui::Dummy({1, 1});
 }

@@ -90,10 +90,11 @@ struct ViewSettings {
     std::map<std::string, Vec3> joints{};  // Euler angles about x, y, z in degrees, by joint
     std::map<std::string, double> axes{};  // degrees, by the name of a degree of freedom of limits.json
     std::map<std::string, double> controls{};
-    std::map<std::string, Vec3> pins{};    // where ends of limbs are held, metres, world, by joint
-    std::map<std::string, Vec3> moves{};   // along the world's axes, metres, by joint
-    std::map<std::string, Vec3> facing{};  // of pinned ends, without what turns them here, degrees, world, by joint
-    KeyEase ease = KeyEase::smooth;        // smooth: slow at this key and at the next
+    std::map<std::string, Vec3> pins{};      // where ends of limbs are held, metres, world, by joint
+    std::map<std::string, Vec3> moves{};     // along the world's axes, metres, by joint
+    std::map<std::string, Vec3> facing{};    // of pinned ends, without what turns them here, degrees, world, by joint
+    KeyEase ease = KeyEase::smooth;          // smooth: slow at this key and at the next
+    std::map<std::string, KeyEase> eases{};  // in its place: of joints, axes and controls
     bool operator==(const PoseKey&) const = default;
   };
 

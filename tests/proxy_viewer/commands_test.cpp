@@ -248,6 +248,13 @@ const std::map<std::string, Case>& cases() {
       {"unit", {"0.01", [](C, C c) { return c.requests.unit == 0.01; }, {"", "0", "-1", "inches"}}},
       {"frame-range", {"", [](C, C c) { return c.requests.frame_range; }, {"1"}}},
       {"ease", {"step", [](C, C c) { return c.settings.pose.keys.at(10).ease == KeyEase::step; }, {"", "slow"}}},
+      {"ease-joints",
+       {"linear",
+        [](C, C c) {
+          return valued(c.settings.pose.keys.at(10).eases, "LeftArm") == KeyEase::linear &&
+                 c.settings.pose.keys.at(10).ease == KeyEase::smooth;
+        },
+        {"", "slow"}}},
       {"shift-keys",
        {"2",
         [](C, C c) { return c.settings.pose.keys.contains(12) && !c.settings.pose.keys.contains(10); },
