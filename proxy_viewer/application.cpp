@@ -12,6 +12,7 @@
 
 #include "assets/clip_source.h"
 #include "proxy_viewer/commands/commands.h"
+#include "proxy_viewer/commands/keymap_file.h"
 #include "proxy_viewer/platform/window.h"
 #include "shots/session/session_file.h"
 
@@ -70,6 +71,7 @@ void Application::begin() {
   note_saved();
   if (!options_.files.empty()) remember(options_.files.front());
   controls_.recent = recent_.list();
+  controls_.attempt([&] { controls_.keymap = read_keymap(options_.user_folder); });
   if (options_.commands.empty()) offer_unsaved();
   const std::vector<std::string> commands = script_commands(options_.commands);
   script_.assign(commands.begin(), commands.end());
@@ -309,7 +311,7 @@ void Application::hear_key(const KeyEvent& event) {
     return;
   }
   if (key == kFlipKey) controls_.flipped = true;
-  const Command* command = find_command_by_key(key);
+  const Command* command = find_command_by_key(key, controls_.keymap);
   if (!command || (event.action == KeyAction::repeated && !command->repeats)) return;
   const bool typed = controls_.prompt;
   controls_.attempt([&] { run_command(controls_, command->name); });
@@ -320,7 +322,7 @@ void Application::hear_key(const KeyEvent& event) {
 // Nothing else shall change pictures that are being written.
 void Application::hear_key_in_series(const std::string& key) {
   if (key == "Escape") pictures_.stop();
-  if (find_command_by_key(key) == find_command("quit")) quit();
+  if (find_command_by_key(key, controls_.keymap) == find_command("quit")) quit();
 }
 
 void Application::quit() {
@@ -383,6 +385,7 @@ void Application::fulfil() {
   };
   if (requests.frame_range)
     controls_.attempt([&] { session_.frame_range(painter_.area().width, painter_.area().height); });
+  attempt(requests.keep_keymap, [&] { write_keymap(controls_.keymap, options_.user_folder); });
   attempt(requests.pin, [&] { session_.pin(*requests.pin); });
   attempt(requests.screenshot, [&] { pictures_.take_screenshot(*requests.screenshot); });
   attempt(requests.sequence, [&] { pictures_.take_sequence(*requests.sequence); });

@@ -82,6 +82,13 @@ struct PinRequest {
   bool operator==(const PinRequest&) const = default;
 };
 
+// Whose keys commands have, see key_of().
+enum class Keymap { bodyopt, maya, blender };
+inline constexpr std::array kKeymapNames{"bodyopt", "maya", "blender"};
+
+// What is drawn to drag the joint that is selected by: arrows and rings, or those of one kind.
+enum class Tool { all, move, turn };
+
 // What the mouse holds in the picture: of the joint that is selected its pin, itself, or a ring or arrow by its axis.
 struct Grip {
   enum class Kind { pin, joint, ring, arrow } kind = Kind::pin;
@@ -110,6 +117,7 @@ struct Requests {
   std::optional<std::string> screenshot, turntable, sequence, save, save_state, load_state, save_markers;  // file names
   std::vector<std::string> open, add;  // files, by what they hold; characters, whatever else they are
   std::optional<double> unit;          // metres
+  bool keep_keymap = false;            // for the viewports that follow
   std::vector<ModifierEdit> edits;
   std::optional<PinRequest> pin;
   std::optional<bool> step_back;      // in the history of edits, or forth
@@ -171,6 +179,8 @@ struct Controls {
   std::string joint;           // selected; empty: none
   std::set<std::string> also;  // selected beside it
   std::optional<CopiedPose> copied;
+  Keymap keymap = Keymap::bodyopt;
+  Tool tool = Tool::all;
   bool auto_key = false;           // what is posed is a key at once
   bool dope_sheet = false;         // all keys are shown under the timeline, as wide as it
   bool zooms = false;              // the timeline shows the range alone

@@ -92,6 +92,12 @@ const Command kFileCommands[] = {
      [](ViewSettings& settings, const std::string& a) {
        open_section(settings, known(a, section_names(), "section of the side panel"));
      }},
+    {"keymap", "bodyopt|maya|blender", "", "View", "keys as there, also in viewports that follow",
+     [](Controls& c, const std::string& a) {
+       choose(c.keymap, a, kKeymapNames);
+       c.requests.keep_keymap = true;
+     },
+     [](const Controls& c) { return name_of(c.keymap, kKeymapNames); }},
 };
 
 }  // namespace

@@ -188,10 +188,21 @@ void tween(Controls& c, double share) {
   put_pose(c, blended((--before)->second, after->second, share), c.selected(), c.settings.pose);
 }
 
+// It alone, or all.
+template <Tool tool>
+constexpr Command tool_command(const char* name, const char* help) {
+  constexpr auto run = [](Controls& c, const std::string& a) {
+    bool held = c.tool == tool;
+    toggle(held, a);
+    if (held || c.tool == tool) c.tool = held ? tool : Tool::all;
+  };
+  return {name, "[on|off]", "", "Pose", help, run, [](const Controls& c) { return name_of(c.tool == tool); }};
+}
+
 const Command kPoseCommands[] = {
     {"select", "[JOINT]", "", "Pose", "a joint; nothing: none",
      [](Controls& c, const std::string& a) { c.select(a.empty() ? a : known(a, c.joint_names, "joint")); }},
-    {"select-also", "JOINT", "", "Pose", "one more joint, or one less; Ctrl+click does so, too",
+    {"select-also", "JOINT", "", "Pose", "one more joint, or one less, as Ctrl+click",
      [](Controls& c, const std::string& a) {
        const std::string joint = known(a, c.joint_names, "joint");
        if (c.joint.empty()) {
@@ -202,6 +213,8 @@ const Command kPoseCommands[] = {
          c.also.insert(joint);
        }
      }},
+    tool_command<Tool::move>("move-tool", "only arrows to drag by, where it may move"),
+    tool_command<Tool::turn>("turn-tool", "only rings to drag by"),
     {"turn", "JOINT X Y Z", "", "Pose", "a joint on top of the clip, degrees",
      [](Controls& c, const std::string& a) {
        const auto [joint, angles] = joint_and_three(a, "a joint and three angles in degrees", kMostTurn);
@@ -353,7 +366,7 @@ const Command kPoseCommands[] = {
        if (!file.ends_with(".json")) refuse(a, "a file that ends in .json, and a share");
        c.requests.load_pose = PoseRequest{file, number_within(share, 0, 1)};
      }},
-    {"reset-joint", "[JOINT]", "Shift+R", "Pose", "what is selected as the clip has it",
+    {"reset-joint", "[JOINT]", "R", "Pose", "what is selected as the clip has it",
      [](Controls& c, const std::string& a) { put_pose(c, {}, named_or_all_selected(c, a), c.settings.pose); }},
     {"control", "NAME VALUE", "", "Pose", "a control of the basis, as a muscle's activation",
      [](Controls& c, const std::string& a) {
@@ -361,7 +374,7 @@ const Command kPoseCommands[] = {
        c.settings.pose.controls[known(name, c.control_names, "control of the basis")] =
            number_within(value, -kMostControl, kMostControl);
      }},
-    {"reset-pose", "", "R", "Pose", "the pose as the clip has it",
+    {"reset-pose", "", "Shift+R", "Pose", "the pose as the clip has it",
      [](Controls& c, const std::string&) { put_pose(c, {}, {}, c.settings.pose); }},
     {"undo", "", "Ctrl+Z", "Pose", "the posing before the last change; with a brush in hand: undo-edit",
      [](Controls& c, const std::string&) {

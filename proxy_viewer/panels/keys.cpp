@@ -112,17 +112,19 @@ void draw_line(const char* key, const char* help, float key_width, float width) 
 }
 
 // Of the cheat sheet; none where no command of the menu has a key.
-int lines_of(const char* menu) {
-  const auto keys = std::ranges::count_if(
-      commands(), [&](const Command& command) { return *command.key != 0 && std::string(menu) == command.menu; });
+int lines_of(const char* menu, Keymap keymap) {
+  const auto keys = std::ranges::count_if(commands(), [&](const Command& command) {
+    return *key_of(command, keymap) != 0 && std::string(menu) == command.menu;
+  });
   return keys > 0 ? 2 + static_cast<int>(keys) : 0;
 }
 
-void draw_menu(const char* menu, float width) {
-  if (lines_of(menu) == 0) return;
+void draw_menu(const char* menu, Keymap keymap, float width) {
+  if (lines_of(menu, keymap) == 0) return;
   draw_title(menu);
   for (const Command& command : commands()) {
-    if (*command.key != 0 && std::string(menu) == command.menu) draw_line(command.key, command.help, kKey, width);
+    const char* const key = key_of(command, keymap);
+    if (*key != 0 && std::string(menu) == command.menu) draw_line(key, command.help, kKey, width);
   }
 }
 
@@ -174,7 +176,7 @@ void draw_cheat_sheet(Controls& controls, const PanelLayout& layout) {
   ImGui::Begin("Keys", nullptr, kOverWindow | ImGuiWindowFlags_AlwaysAutoResize);
   const int mouse_lines = 2 + static_cast<int>(std::size(kMouse));
   int total = mouse_lines;
-  for (const char* menu : kMenus) total += lines_of(menu);
+  for (const char* menu : kMenus) total += lines_of(menu, controls.keymap);
   int lines = 0, column = 0;
   ImGui::BeginGroup();
   // The next part, of so many lines: in this column or the next.
@@ -189,8 +191,8 @@ void draw_cheat_sheet(Controls& controls, const PanelLayout& layout) {
     lines += count;
   };
   for (const char* menu : kMenus) {
-    begin_part(lines_of(menu));
-    draw_menu(menu, width);
+    begin_part(lines_of(menu, controls.keymap));
+    draw_menu(menu, controls.keymap, width);
   }
   begin_part(mouse_lines);
   draw_mouse(width);

@@ -45,12 +45,12 @@ void draw_item(const Command& command, Controls& controls) {
   const bool browses = std::ranges::find(browsed, command.name) != browsed.end(), types = needs_argument(command);
   const bool on = command.value && command.value(controls) == "on";
   if (std::string("save") == command.name && !controls.session_file.empty()) {
-    if (ImGui::MenuItem("Save session", command.key)) attempt(controls, "save");
+    if (ImGui::MenuItem("Save session", key_of(command, controls.keymap))) attempt(controls, "save");
     if (ImGui::MenuItem("Save session as\xe2\x80\xa6")) attempt(controls, "browse save");
     return explain(command);
   }
   const std::string label = label_of(command) + (browses || types ? "\xe2\x80\xa6" : "");
-  if (ImGui::MenuItem(label.c_str(), command.key, on)) {
+  if (ImGui::MenuItem(label.c_str(), key_of(command, controls.keymap), on)) {
     if (browses) {
       attempt(controls, std::string("browse ") + command.name);
     } else if (types) {

@@ -11,6 +11,8 @@ namespace {
 
 constexpr float kLabelShare = 0.36f;  // of a line
 
+Keymap explained_keys = Keymap::bodyopt;  // of the panels that are being drawn
+
 // What commands are called on buttons and in menus, where that is not their name.
 constexpr std::pair<const char*, const char*> kCommandLabels[] = {{"step", "One frame on"},
                                                                   {"step-back", "One frame back"},
@@ -134,7 +136,8 @@ void attempt(Controls& controls, const std::string& line) {
 
 void explain(const Command& command) {
   const std::string help = command.help;
-  show_tooltip(*command.key == 0 ? help : help + "  (" + command.key + ")");
+  const std::string key = key_of(command, explained_keys);
+  show_tooltip(key.empty() ? help : help + "  (" + key + ")");
 }
 
 void explain(const char* command) { explain(*find_command(command)); }
@@ -216,6 +219,7 @@ bool slide(const char* label, int& value, int low, int high, const char* format,
 }
 
 Rectangle draw_panels(const Snapshot& snapshot, Controls& controls, std::uint32_t width, std::uint32_t height) {
+  explained_keys = controls.keymap;
   PanelLayout layout = layout_of(controls, static_cast<float>(width), static_cast<float>(height));
   if (controls.panels) draw_menu_bar(snapshot, controls);
   draw_messages(controls, layout);

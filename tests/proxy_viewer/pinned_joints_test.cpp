@@ -371,6 +371,21 @@ TEST_F(PosingTest, AnArrowIsDraggedAndThatIsOneStepOfUndo) {
   EXPECT_GT(viewport->controls().settings.pose.moves.at("lower")[0], 0.01);
 }
 
+TEST_F(PosingTest, AToolShowsWhatItDragsBy) {
+  const auto viewport = open(small(), kBarePicture + "; skeleton on; select lower; keymap blender");
+  const auto counts = [&] {
+    const Scene& scene = viewport->session().scene;
+    return std::pair(turn_rings(scene, viewport->controls()).size(), move_arrows(scene, viewport->controls()).size());
+  };
+  EXPECT_EQ(counts(), std::pair(std::size_t{3}, std::size_t{3}));
+  viewport->key("G");
+  EXPECT_EQ(counts(), std::pair(std::size_t{0}, std::size_t{3}));
+  viewport->key("R");
+  EXPECT_EQ(counts(), std::pair(std::size_t{3}, std::size_t{0}));
+  viewport->key("R");
+  EXPECT_EQ(counts(), std::pair(std::size_t{3}, std::size_t{3}));
+}
+
 TEST_F(PosingTest, PinsAreKeptByKeysAndRefusedWhereNothingCanReach) {
   ::testing::internal::CaptureStderr();
   const auto viewport = open(limb(), kBarePicture + "; pin joint0; frame 2; key; move-key 2 7; move-key 3 4");
