@@ -16,6 +16,7 @@
 #include "proxy_viewer/state/orbit_camera.h"
 #include "proxy_viewer/state/playback.h"
 #include "proxy_viewer/state/pose_history.h"
+#include "proxy_viewer/state/pose_library.h"
 #include "shots/session/view_settings.h"
 
 namespace bodyopt {
@@ -150,6 +151,8 @@ struct PanelState {
   std::string dragged_modifier;          // whose strength is being dragged
   std::optional<double> dragged_strength{};
   double tween = 0.5;
+  std::optional<ViewSettings::PoseKey> pose_before{};  // one of the library was in hand
+  std::optional<double> pose_share{};                  // of it, by the mouse
 };
 
 struct Message {
@@ -200,6 +203,8 @@ struct Controls {
   std::string recoverable;          // a session that a crash left; empty: none
   std::string recoverable_what;     // it is: whose, and from when
   std::string folder = ".";         // in which files are chosen: the last one was in
+  std::string pose_folder;          // where the last pose was saved or loaded; empty: as `folder`
+  PoseLibrary pose_library;         // of it, where its section is open
   std::optional<FileDialog> dialog;
   std::optional<Marker> marker;
   std::optional<Grip> grip;
@@ -231,6 +236,7 @@ struct Controls {
   // what is brushed, and the key shows the other.
   bool shows_compared() const { return flipped != brush.kind.has_value(); }
 
+  const std::string& shown_pose_folder() const { return pose_folder.empty() ? folder : pose_folder; }
   // A file is chosen for a command.
   void browse(const std::string& command);
   // At once, or, where somebody would lose something, after asking.

@@ -4,7 +4,9 @@
 #include <utility>
 
 #include "assets/joint_roles.h"
+#include "runtime/core/error.h"
 #include "shots/session/pinned_joints.h"
+#include "shots/session/posed_clip.h"
 
 namespace bodyopt {
 namespace {
@@ -65,6 +67,22 @@ ViewSettings::PoseKey part_of(const Controls& controls, const ViewSettings::Pose
   ViewSettings::PoseKey part;
   put_pose(controls, pose, joints, part);
   return part;
+}
+
+void blend_in(Controls& controls, const ViewSettings::PoseKey& pose, double share,
+              const ViewSettings::PoseKey& before) {
+  ViewSettings::PoseKey wanted = before;
+  put_pose(controls, pose, controls.selected(), wanted);
+  static_cast<ViewSettings::PoseKey&>(controls.settings.pose) = blended(before, wanted, share);
+}
+
+void require_own_pose(const Controls& controls, const ViewSettings::PoseKey& pose, const std::string& file) {
+  const auto is_own = [&](const auto& named) {
+    return std::ranges::find(controls.joint_names, named.first) != controls.joint_names.end();
+  };
+  if (pose.joints.empty() || std::ranges::any_of(pose.joints, is_own)) return;
+  throw Error(ErrorKind::mismatch, file + ": poses '" + pose.joints.begin()->first +
+                                       "', expected joints of the lead: is it of another character?");
 }
 
 ViewSettings::PoseKey flipped(const Controls& controls, const ViewSettings::PoseKey& pose, int frame) {

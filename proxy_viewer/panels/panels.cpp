@@ -38,15 +38,11 @@ constexpr std::pair<const char*, const char*> kCommandLabels[] = {{"step", "One 
                                                                   {"unit", "Unit of characters"},
                                                                   {"worn", "Attached"}};
 
-// After it the item before is hovered for long enough to be asked about.
-void show_tooltip(const std::string& text) {
-  if (!ImGui::IsItemHovered(ImGuiHoveredFlags_AllowWhenDisabled)) return;
-  ImGui::BeginTooltip();
-  ImGui::PushTextWrapPos(320);
-  ImGui::TextUnformatted(text.c_str());
-  ImGui::PopTextWrapPos();
-  ImGui::EndTooltip();
-}
+// What comparisons are called, where that is not their name.
+constexpr std::pair<const char*, const char*> kComparisonLabels[] = {{"lbs", "linear blending"},
+                                                                     {"ddm", "Direct Delta Mush"},
+                                                                     {"linear", "linear part of learned"},
+                                                                     {"full", "learned"}};
 
 struct Scalar {
   void* value;
@@ -59,7 +55,7 @@ bool slide_scalar(const char* label, ImGuiDataType type, const Scalar& scalar, c
   label_before(label);
   const bool moved = ImGui::SliderScalar("##bar", type, scalar.value, scalar.low, scalar.high, format,
                                          flags | ImGuiSliderFlags_AlwaysClamp);
-  if (help) show_tooltip(help);
+  if (help) explain_text(help);
   ImGui::PopID();
   return moved;
 }
@@ -83,9 +79,9 @@ PanelLayout layout_of(const Controls& controls, float width, float height) {
 using Draw = void (*)(const Snapshot&, Controls&);
 
 // As kSections.
-constexpr std::array<Draw, kSections.size()> kDraw = {draw_look, draw_cameras,   draw_compare, draw_curate, draw_pose,
-                                                      draw_keys, draw_modifiers, draw_muscles, draw_jiggle, draw_ghosts,
-                                                      draw_cast, draw_transfer,  draw_output};
+constexpr std::array<Draw, kSections.size()> kDraw = {
+    draw_look,      draw_cameras, draw_compare, draw_curate, draw_pose, draw_poses,    draw_keys,
+    draw_modifiers, draw_muscles, draw_jiggle,  draw_ghosts, draw_cast, draw_transfer, draw_output};
 
 // The panel on the right, its sections one above the other.
 void draw_side_panel(const Snapshot& snapshot, Controls& controls, const PanelLayout& layout) {
@@ -134,10 +130,19 @@ void attempt(Controls& controls, const std::string& line) {
   controls.attempt([&] { run_command(controls, line); });
 }
 
+void explain_text(const std::string& text) {
+  if (!ImGui::IsItemHovered(ImGuiHoveredFlags_AllowWhenDisabled)) return;
+  ImGui::BeginTooltip();
+  ImGui::PushTextWrapPos(320);
+  ImGui::TextUnformatted(text.c_str());
+  ImGui::PopTextWrapPos();
+  ImGui::EndTooltip();
+}
+
 void explain(const Command& command) {
   const std::string help = command.help;
   const std::string key = key_of(command, explained_keys);
-  show_tooltip(key.empty() ? help : help + "  (" + key + ")");
+  explain_text(key.empty() ? help : help + "  (" + key + ")");
 }
 
 void explain(const char* command) { explain(*find_command(command)); }
@@ -168,7 +173,7 @@ void command_tick(Controls& controls, const char* command, const char* text) {
   if (why == controls.missing.end()) {
     explain(c);
   } else {
-    show_tooltip(why->second);
+    explain_text(why->second);
   }
   ImGui::PopID();
 }
@@ -186,7 +191,7 @@ void command_choice(Controls& controls, const char* command, const char* text,
       if (ImGui::Selectable(choice.c_str(), choice == current, flags)) {
         attempt(controls, std::string(command) + " " + choice);
       }
-      if (missing) show_tooltip(set_or(controls.missing, command + (" " + choice), "it is what is shown"));
+      if (missing) explain_text(set_or(controls.missing, command + (" " + choice), "it is what is shown"));
     }
     ImGui::EndCombo();
   }
@@ -269,6 +274,7 @@ void visit_texts(const Snapshot& snapshot, const Controls& controls,
     visit(*text);
   }
   visit(controls.brush.modifier);
+  for (const PoseFile& file : controls.pose_library.poses()) visit(file.path.stem().string());
   if (controls.dialog) {
     visit(controls.dialog->folder.string());
     visit(controls.dialog->name);

@@ -153,6 +153,8 @@ Value set_or(const std::map<std::string, Value>& set, const std::string& name, s
   return found == set.end() ? std::move(usual) : found->second;
 }
 
+inline constexpr const char* kViewSchema = "bodyopt-view-1";
+
 // What the file leaves out keeps its default. Throws Error(file).
 ViewSettings read_view_settings(const std::filesystem::path& path);
 // What no single field tells: names of sections, a range that ends before it begins. Throws Error(file).
@@ -179,11 +181,12 @@ struct Section {
   bool open;          // to begin with
 };
 
-constexpr std::array<Section, 13> kSections = {{{"look", "Look", true},
+constexpr std::array<Section, 14> kSections = {{{"look", "Look", true},
                                                 {"cameras", "Cameras", false},
                                                 {"compare", "Compare", true},
                                                 {"curate", "Curate", true},
                                                 {"pose", "Pose", true},
+                                                {"poses", "Poses", false},
                                                 {"keys", "Keys", false},
                                                 {"modifiers", "Modifiers", false},
                                                 {"muscles", "Muscles", false},
