@@ -460,7 +460,8 @@ void Session::frame_selection(std::uint32_t width, std::uint32_t height, Covered
 
 void Session::keep_framed(std::uint32_t width, std::uint32_t height, Covered covered) {
   const std::size_t views = scene.view_areas(controls.settings, {0, 0, width, height}).size();
-  if (!framed_ || (views == framed_->views && covered == framed_->covered)) return;
+  const bool turns = std::exchange(controls.requests.keep_framed, false);
+  if (!framed_ || (!turns && views == framed_->views && covered == framed_->covered)) return;
   const OrbitView now = controls.kept_camera(), &then = framed_->camera;
   // Turned, it still looks at the middle of what was framed.
   const bool stayed = length(now.target - then.target) < 1e-6 * then.distance && now.distance == then.distance;

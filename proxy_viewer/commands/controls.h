@@ -113,6 +113,7 @@ struct CopiedPose {
 struct Requests {
   bool quit = false, reload = false, frame_selection = false, reset_jiggle = false;
   bool worst_frame = false, worst_vertex = false;
+  bool keep_framed = false;  // what was framed is to be seen whole from another side, too
   bool frame_range = false;  // the camera is to see all that is played
   bool same_clip = false;    // all are to play the lead's
   std::optional<std::string> screenshot, turntable, sequence, save, save_state, load_state, save_markers;  // file names
