@@ -203,6 +203,30 @@ TEST_F(Materials, OfAnImageThatChangesTheyAreMadeAnew) {
   EXPECT_NE(pool.materials({}, make), first);
 }
 
+// Of a basis whose character is not beside it: where the clip's file has the same skin, and only there.
+TEST_F(Materials, AreTheClipsWhereItHasTheSkin) {
+  const std::filesystem::path shots = folder_ / "shots";
+  std::filesystem::create_directory(shots);
+  GltfBlob blob = pictured_square({kGreen, kGreen, kGreen, kGreen});
+  blob.root["animations"] = Json::array({{{"samplers", Json::array()}, {"channels", Json::array()}}});
+  animate(blob, 1, "translation", {0, 1}, {0, 1, 0, 0, 1.1f, 0});
+  put_bytes(shots / "walk.glb", blob.glb());
+  const std::string file = (shots / "walk.glb").string(), basis = (folder_ / "square.safetensors").string();
+  save_basis(open_character(file, {}).levels.at(0).basis, basis);
+  Scene scene(device_);
+  scene.add({basis}, {});
+  EXPECT_EQ(scene.lead().materials(), nullptr);
+  const Skeleton skeleton = scene.lead().basis().skeleton;
+  write_clip(still_clip(skeleton, {}), skeleton, shots / "still.glb");
+  scene.lead().open_clip((shots / "still.glb").string());
+  EXPECT_EQ(scene.lead().materials(), nullptr);
+  EXPECT_TRUE(scene.lead().notes().empty());
+  scene.add({.basis = basis, .clip = file}, {});
+  ASSERT_NE(scene.cast().back()->materials(), nullptr);
+  EXPECT_FALSE(scene.cast().back()->materials()->parts.empty());
+  EXPECT_TRUE(scene.cast().back()->notes().empty()) << "it is guessed";
+}
+
 // Which has no coordinates: it shows what the skin that it stands for has there.
 TEST_F(Materials, ACoarserLevelHasTheColoursOfTheFinest) {
   GltfBlob blob = pictured_square({kRed, kGreen, kRed, kGreen});
