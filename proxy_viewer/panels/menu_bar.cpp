@@ -17,7 +17,7 @@ void draw_choices(const Command& command, const std::vector<std::string>& choice
   if (!open) return explain(command);
   const std::string current = command.value ? command.value(controls) : "";
   for (const std::string& choice : choices) {
-    if (ImGui::MenuItem(choice.c_str(), nullptr, choice == current)) {
+    if (ImGui::MenuItem(label_of(command, choice).c_str(), nullptr, choice == current)) {
       attempt(controls, std::string(command.name) + " " + choice);
     }
   }

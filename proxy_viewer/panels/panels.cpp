@@ -36,6 +36,7 @@ constexpr std::pair<const char*, const char*> kCommandLabels[] = {{"step", "One 
                                                                   {"character", "Add character"},
                                                                   {"recover", "Bring back unsaved work"},
                                                                   {"unit", "Unit of characters"},
+                                                                  {"select-also", "Select one more"},
                                                                   {"worn", "Attached"}};
 
 // What comparisons are called, where that is not their name.
@@ -126,6 +127,13 @@ std::string label_of(const Command& command) {
   return text;
 }
 
+std::string label_of(const Command& command, const std::string& choice) {
+  for (const auto& [name, label] : kComparisonLabels) {
+    if (std::string("compare") == command.name && choice == name) return label;
+  }
+  return choice;
+}
+
 void attempt(Controls& controls, const std::string& line) {
   controls.attempt([&] { run_command(controls, line); });
 }
@@ -184,11 +192,11 @@ void command_choice(Controls& controls, const char* command, const char* text,
   const std::string current = c.value(controls);
   ImGui::PushID(command);
   if (text) label_before(text);
-  if (ImGui::BeginCombo("##choice", current.c_str())) {
+  if (ImGui::BeginCombo("##choice", label_of(c, current).c_str())) {
     for (const std::string& choice : choices_of(c)) {
       const bool missing = available && std::ranges::find(*available, choice) == available->end();
       const ImGuiSelectableFlags flags = missing ? ImGuiSelectableFlags_Disabled : ImGuiSelectableFlags_None;
-      if (ImGui::Selectable(choice.c_str(), choice == current, flags)) {
+      if (ImGui::Selectable(label_of(c, choice).c_str(), choice == current, flags)) {
         attempt(controls, std::string(command) + " " + choice);
       }
       if (missing) explain_text(set_or(controls.missing, command + (" " + choice), "it is what is shown"));

@@ -33,6 +33,8 @@ constexpr ImGuiWindowFlags kFixedWindow = kOverWindow | ImGuiWindowFlags_NoBring
 
 // "step-back": "Step back".
 std::string label_of(const Command& command);
+// Of one of the words of its argument.
+std::string label_of(const Command& command, const std::string& choice);
 
 // Runs a line; what it refuses is said in the window.
 void attempt(Controls& controls, const std::string& line);
