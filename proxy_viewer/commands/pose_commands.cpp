@@ -318,7 +318,7 @@ const Command kPoseCommands[] = {
        if (c.settings.pose.keys.erase(frame) == 0) c.say("frame " + std::to_string(frame) + " has no key");
        c.keyed_frame.reset();
      }},
-    {"mirror", "[JOINT]", "P", "Pose", "poses the other side as the joints that are selected",
+    {"mirror", "[JOINT]", "P", "Pose", "poses the other side as selected joints",
      [](Controls& c, const std::string& a) {
        const std::vector<std::string> joints = named_or_all_selected(c, a);
        const auto is_middle = [&](const std::string& joint) { return mirrored_name(joint, c.joint_names).empty(); };
@@ -326,7 +326,7 @@ const Command kPoseCommands[] = {
        put_pose(c, flipped(c, part_of(c, c.settings.pose, joints), c.playback.frame()), flipped(c, joints),
                 c.settings.pose);
      }},
-    {"copy", "", "Ctrl+C", "Pose", "the pose, or what of it several joints have that are selected",
+    {"copy", "", "Ctrl+C", "Pose", "the pose, or what selected joints have of it",
      [](Controls& c, const std::string&) {
        c.copied = CopiedPose{part_of(c, c.settings.pose, c.selected()), c.selected()};
      }},
