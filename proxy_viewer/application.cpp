@@ -12,6 +12,7 @@
 
 #include "assets/clip_source.h"
 #include "proxy_viewer/commands/commands.h"
+#include "proxy_viewer/commands/keymap_file.h"
 #include "proxy_viewer/platform/window.h"
 #include "shots/session/session_file.h"
 
@@ -70,6 +71,7 @@ void Application::begin() {
   note_saved();
   if (!options_.files.empty()) remember(options_.files.front());
   controls_.recent = recent_.list();
+  controls_.attempt([&] { controls_.keymap = read_keymap(options_.user_folder); });
   if (options_.commands.empty()) offer_unsaved();
   const std::vector<std::string> commands = script_commands(options_.commands);
   script_.assign(commands.begin(), commands.end());
@@ -214,6 +216,10 @@ void Application::reload(const std::vector<std::filesystem::path>& files) {
 void Application::make_pictures() {
   do {
     run_script();
+    do {
+      pending_pictures_ = 0;
+      look_at_poses();
+    } while (shows_poses() && controls_.pose_library.has_work() && !painter_.is_busy());
     painter_.draw(painter_.size(), Edges::smooth);
     fulfil();
   } while (!script_.empty() && !is_done());
@@ -223,7 +229,9 @@ void Application::make_pictures() {
 }
 
 double Application::patience() const {
-  if (pictures_.goes_on() || pending_pictures_ > 0 || !unheard_.empty() || !options_.vsync || errors_.has_work())
+  const bool draws_poses = shows_poses() && controls_.pose_library.has_work() && !painter_.is_busy();
+  if (pictures_.goes_on() || pending_pictures_ > 0 || !unheard_.empty() || !options_.vsync || errors_.has_work() ||
+      draws_poses)
     return 0;
   return controls_.playback.playing() || session_.listens() ? kBusy : kIdle;
 }
@@ -245,6 +253,7 @@ void Application::act(std::span<const WindowEvent> events, double passed) {
   look_at_files();
   if (session_.sectioning.has_news()) pending_pictures_ = 2;
   run_script();
+  look_at_poses();
   measure_errors();
   draw_if_needed(controls_.playback.frame() != shown || !options_.vsync, passed);
 }
@@ -309,7 +318,7 @@ void Application::hear_key(const KeyEvent& event) {
     return;
   }
   if (key == kFlipKey) controls_.flipped = true;
-  const Command* command = find_command_by_key(key);
+  const Command* command = find_command_by_key(key, controls_.keymap);
   if (!command || (event.action == KeyAction::repeated && !command->repeats)) return;
   const bool typed = controls_.prompt;
   controls_.attempt([&] { run_command(controls_, command->name); });
@@ -320,7 +329,7 @@ void Application::hear_key(const KeyEvent& event) {
 // Nothing else shall change pictures that are being written.
 void Application::hear_key_in_series(const std::string& key) {
   if (key == "Escape") pictures_.stop();
-  if (find_command_by_key(key) == find_command("quit")) quit();
+  if (find_command_by_key(key, controls_.keymap) == find_command("quit")) quit();
 }
 
 void Application::quit() {
@@ -354,6 +363,28 @@ void Application::look_at_files() {
   controls_.attempt([&] { reload(changed); });
 }
 
+bool Application::shows_poses() const {
+  const Section& section = *std::ranges::find(kSections, std::string("poses"), &Section::name);
+  return controls_.panels && shows_side_panel(controls_.settings) && is_open(controls_.settings, section);
+}
+
+// One picture a turn, while nothing else is to be done.
+void Application::look_at_poses() {
+  PoseLibrary& poses = controls_.pose_library;
+  if (!shows_poses()) return;
+  if (!screen_ || now_ >= next_poses_ || poses.has_more()) {
+    next_poses_ = now_ + kIdle;
+    if (poses.look(controls_.shown_pose_folder())) pending_pictures_ = 2;
+  }
+  const PoseFile* const next = poses.without_picture();
+  if (!next || painter_.is_busy() || pending_pictures_ > 0) return;
+  Image picture{kPosePicture, kPosePicture,
+                std::vector<std::uint8_t>(4 * kPosePicture * kPosePicture)};  // where it fails
+  controls_.attempt([&] { picture = painter_.draw_portrait(next->pose); });
+  poses.set_picture(std::filesystem::path(next->path), std::move(picture));
+  pending_pictures_ = 2;
+}
+
 void Application::measure_errors() {
   errors_.look();
   if (!errors_.has_work() || ImGui::IsAnyMouseDown()) return;
@@ -383,13 +414,19 @@ void Application::fulfil() {
   };
   if (requests.frame_range)
     controls_.attempt([&] { session_.frame_range(painter_.area().width, painter_.area().height); });
+  attempt(requests.keep_keymap, [&] { write_keymap(controls_.keymap, options_.user_folder); });
   attempt(requests.pin, [&] { session_.pin(*requests.pin); });
   attempt(requests.screenshot, [&] { pictures_.take_screenshot(*requests.screenshot); });
   attempt(requests.sequence, [&] { pictures_.take_sequence(*requests.sequence); });
   attempt(requests.turntable, [&] { pictures_.take_turntable(*requests.turntable); });
   attempt(requests.save, [&] { save(*requests.save); });
   if (requests.save) controls_.quits_when_saved = false;
-  attempt(requests.save_pose, [&] { session_.save_pose(*requests.save_pose); });
+  attempt(requests.save_pose, [&] {
+    session_.save_pose(*requests.save_pose);
+    if (!screen_) return;
+    write_png(painter_.draw_portrait(controls_.settings.pose), picture_of_pose(*requests.save_pose));
+    pending_pictures_ = 2;
+  });
   attempt(requests.load_pose, [&] { session_.load_pose(*requests.load_pose); });
   attempt(requests.recover, [&] { recover(*requests.recover); });
   if (requests.export_clip || requests.export_skin || requests.sequence) autosave();

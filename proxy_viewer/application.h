@@ -58,6 +58,8 @@ class Application {
   void run_script();
   void look_at_files();
   void measure_errors();
+  bool shows_poses() const;
+  void look_at_poses();
   void draw_if_needed(bool moves, double passed);
   void go_on_with_pictures(double passed);
   void go_to_worst_frame();
@@ -91,6 +93,7 @@ class Application {
   double now_ = 0;                                          // seconds, of the turns
   double last_picture_ = 0, next_look_ = 0, progress_ = 0;  // when drawn, at files, and shown
   double next_autosave_ = kAutosaveEvery;
+  double next_poses_ = 0;  // looked at
 };
 
 }  // namespace bodyopt

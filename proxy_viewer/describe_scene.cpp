@@ -11,7 +11,7 @@ namespace {
 
 // As the enumeration.
 constexpr const char* kMethodNames[] = {
-    "linear blending", "Direct Delta Mush", "linear", "full", "jiggle", "proxy", "truth"};
+    "linear blending", "Direct Delta Mush", "linear part of learned", "learned", "jiggle", "proxy", "truth"};
 
 // A basis that learned nothing is what it would be without that.
 const char* name_of(SkinMethod method, const Basis& basis) {

@@ -102,6 +102,8 @@ void Painter::draw(const PictureSize& size, Edges edges, double passed) {
 void Painter::draw_panels_over(const PictureSize& size, double passed) {
   const auto [width, height] = size;
   visit_texts(snapshot_, controls_, [this](const std::string& text) { gui_.fonts().show(text); });
+  const PoseLibrary& poses = controls_.pose_library;
+  if (std::exchange(shown_poses_, poses.version()) != poses.version()) gui_.fonts().show_pictures(poses.pictures());
   gui_.begin(width, height, passed, scale());
   if (!makes_series_ && !brush_by_mouse(session_.brushing, area_, controls_)) {
     steer_by_mouse(scene_, area_, height, controls_);
@@ -184,6 +186,11 @@ Image Painter::draw_still(const PictureSize& size) {
   std::swap(controls_.messages, messages);
   std::ranges::move(messages, std::back_inserter(controls_.messages));
   if (!drawn_) throw Error(ErrorKind::usage, "no picture was taken of what cannot be drawn");
+  return viewport_.picture();
+}
+
+Image Painter::draw_portrait(const ViewSettings::PoseKey& pose) {
+  viewport_.draw(scene_.portrait(pose, controls_, kPosePicture), kPosePicture, kPosePicture, Edges::smooth);
   return viewport_.picture();
 }
 

@@ -36,6 +36,8 @@ class Painter {
   void show() { screen_->show(viewport_); }
   // Drawn once more, at its best, and without messages. Throws Error(usage) for what cannot be drawn.
   Image draw_still(const PictureSize& size);
+  // The lead alone in a pose; the screen's picture is to be drawn anew.
+  Image draw_portrait(const ViewSettings::PoseKey& pose);
   // Panels take their sizes from the picture before.
   void settle();
 
@@ -74,7 +76,8 @@ class Painter {
   DetailChoice detail_;
   Rectangle area_;  // of the characters in the last picture
   bool makes_series_ = false;
-  bool drawn_ = false;  // the characters, in the last picture
+  std::uint64_t shown_poses_ = 0;  // version of the library whose pictures panels have
+  bool drawn_ = false;             // the characters, in the last picture
   Clock::time_point last_picture_ = Clock::now();
 };
 

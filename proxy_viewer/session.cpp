@@ -181,16 +181,17 @@ void Session::edit_stack(const ModifierEdit& edit) {
 void Session::pin(const PinRequest& request) {
   const Skeleton& skeleton = scene.lead().basis().skeleton;
   if (!ends_a_limb(skeleton, request.joint)) {
-    throw Error(
-        ErrorKind::usage,
-        request.joint + ": has no two joints above it that could reach for a pin: hands and " + "feet are pinned");
+    throw Error(ErrorKind::usage,
+                request.joint +
+                    ": has no two joints above it that could reach for a pin: hands, feet, chest and head are pinned");
   }
   if (request.at) {
     controls.settings.pose.pins[request.joint] = *request.at;
     return;
   }
-  const bool is_toe = ends_a_foot(skeleton, static_cast<std::size_t>(skeleton.find(request.joint)));
-  const std::string end = is_toe ? request.joint : end_of_limb(skeleton, request.joint);
+  const auto asked = static_cast<std::size_t>(skeleton.find(request.joint));
+  const bool is_end = ends_a_foot(skeleton, asked) || is_on_spine(skeleton, asked);
+  const std::string end = is_end ? request.joint : end_of_limb(skeleton, request.joint);
   if (end != request.joint) {
     controls.say(end + " is pinned, the end of the limb that " + request.joint + " is of; a point pins any joint");
     controls.select(end);
@@ -459,7 +460,8 @@ void Session::frame_selection(std::uint32_t width, std::uint32_t height, Covered
 
 void Session::keep_framed(std::uint32_t width, std::uint32_t height, Covered covered) {
   const std::size_t views = scene.view_areas(controls.settings, {0, 0, width, height}).size();
-  if (!framed_ || (views == framed_->views && covered == framed_->covered)) return;
+  const bool turns = std::exchange(controls.requests.keep_framed, false);
+  if (!framed_ || (!turns && views == framed_->views && covered == framed_->covered)) return;
   const OrbitView now = controls.kept_camera(), &then = framed_->camera;
   // Turned, it still looks at the middle of what was framed.
   const bool stayed = length(now.target - then.target) < 1e-6 * then.distance && now.distance == then.distance;

@@ -159,21 +159,16 @@ void Session::save_pose(const std::string& file) {
   ViewSettings settings;
   static_cast<ViewSettings::PoseKey&>(settings.pose) = controls.settings.pose;
   write_view_settings(settings, file);
+  controls.pose_folder = fs::absolute(file).parent_path().string();
   controls.say("wrote " + file);
 }
 
 void Session::load_pose(const PoseRequest& request) {
   const std::string& file = request.file;
   const ViewSettings::PoseKey loaded = is_session(file) ? read_session(file).view.pose : read_view_settings(file).pose;
-  const auto is_ours = [&](const auto& named) { return scene.lead().basis().skeleton.find(named.first) >= 0; };
-  if (!loaded.joints.empty() && std::ranges::none_of(loaded.joints, is_ours)) {
-    throw Error(ErrorKind::mismatch, file + ": poses '" + loaded.joints.begin()->first +
-                                         "', expected joints of the lead: is it of another character?");
-  }
-  ViewSettings::PoseKey& pose = controls.settings.pose;
-  ViewSettings::PoseKey wanted = pose;
-  put_pose(controls, loaded, controls.selected(), wanted);
-  pose = blended(pose, wanted, request.amount);
+  require_own_pose(controls, loaded, file);
+  blend_in(controls, loaded, request.amount, ViewSettings::PoseKey(controls.settings.pose));
+  controls.pose_folder = fs::absolute(file).parent_path().string();
 }
 
 void Session::save_state(const std::string& file) {

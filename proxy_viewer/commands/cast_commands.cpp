@@ -48,7 +48,7 @@ const Command kCastCommands[] = {
        if (has && ghosts.step == 1) ghosts.step = 4;
      },
      [](const Controls& c) { return name_of(c.settings.ghosts.before + c.settings.ghosts.after > 0); }},
-    switch_command<&ViewSettings::Ghosts::trail>("trail", "Alt+G", "Look", "the way of the joints that are selected"),
+    switch_command<&ViewSettings::Ghosts::trail>("trail", "Alt+G", "Look", "the way of selected joints"),
 
     {"copies", "COUNT", "", "Cast", "of the lead on the stage",
      [](ViewSettings::Cast& cast, const std::string& a) { cast.copies = integer_within(a, 1, kMostCopies); }},
@@ -135,9 +135,9 @@ const Command kCompareCommands[] = {
         "match", "none|colours|confidence", "Cast",
         "which point of the lead is which of the second of the cast, or how sure that is"),
     request_command<&Requests::worst_frame>("worst-frame", "N", "Compare",
-                                            "to the frame that is furthest from what it is compared with"),
+                                            "to the frame furthest from what it is compared with"),
     request_command<&Requests::worst_vertex>("worst-vertex", "Shift+N", "Compare",
-                                             "to the vertex that is furthest off in this frame"),
+                                             "to the vertex furthest off in this frame"),
 
     {"region", "NAME", "", "Curate", "of the dataset's map of poses",
      [](Curating& curating, const std::string& a) { curating.region = known(a, curating.regions, "region"); }},

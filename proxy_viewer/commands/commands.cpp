@@ -125,9 +125,9 @@ const Command* find_command(const std::string& name) {
   return found == commands().end() ? nullptr : &*found;
 }
 
-const Command* find_command_by_key(const std::string& key) {
+const Command* find_command_by_key(const std::string& key, Keymap keymap) {
   if (key.empty()) return nullptr;
-  const auto found = std::ranges::find_if(commands(), [&](const Command& c) { return key == c.key; });
+  const auto found = std::ranges::find_if(commands(), [&](const Command& c) { return key == key_of(c, keymap); });
   return found == commands().end() ? nullptr : &*found;
 }
 

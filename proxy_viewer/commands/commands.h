@@ -45,7 +45,7 @@ class CommandAction {
 struct Command {
   const char* name;      // "play": as typed
   const char* argument;  // "FRAME"; empty: none
-  const char* key;       // "Ctrl+Left"; empty: none
+  const char* key;       // "Ctrl+Left"; empty: none. In the keymap bodyopt, see key_of()
   const char* menu;      // "Playback"
   const char* help;      // a line
   CommandAction run;
@@ -57,6 +57,9 @@ struct Command {
 // The words of an argument "loop|ping-pong|once"; none of any other argument.
 std::vector<std::string> choices_of(const Command& command);
 
+// The key of a command as a program's users know it: its own, or that of the table of changes; empty: none.
+const char* key_of(const Command& command, Keymap keymap);
+
 constexpr const char* kMenus[] = {"File", "Playback", "Camera", "Look",   "Compare",
                                   "Pose", "Keys",     "Cast",   "Curate", "View"};
 
@@ -64,7 +67,7 @@ std::span<const Command> commands();
 
 // Null where there is none.
 const Command* find_command(const std::string& name);
-const Command* find_command_by_key(const std::string& key);
+const Command* find_command_by_key(const std::string& key, Keymap keymap = Keymap::bodyopt);
 
 // Runs "frame 12". Throws Error(usage) that names what is not known (and what is like it), the argument that is wrong,
 // or what is missing to do it.

@@ -16,6 +16,7 @@
 #include "proxy_viewer/state/orbit_camera.h"
 #include "proxy_viewer/state/playback.h"
 #include "proxy_viewer/state/pose_history.h"
+#include "proxy_viewer/state/pose_library.h"
 #include "shots/session/view_settings.h"
 
 namespace bodyopt {
@@ -82,6 +83,13 @@ struct PinRequest {
   bool operator==(const PinRequest&) const = default;
 };
 
+// Whose keys commands have, see key_of().
+enum class Keymap { bodyopt, maya, blender };
+inline constexpr std::array kKeymapNames{"bodyopt", "maya", "blender"};
+
+// What is drawn to drag the joint that is selected by: arrows and rings, or those of one kind.
+enum class Tool { all, move, turn };
+
 // What the mouse holds in the picture: of the joint that is selected its pin, itself, or a ring or arrow by its axis.
 struct Grip {
   enum class Kind { pin, joint, ring, arrow } kind = Kind::pin;
@@ -105,11 +113,13 @@ struct CopiedPose {
 struct Requests {
   bool quit = false, reload = false, frame_selection = false, reset_jiggle = false;
   bool worst_frame = false, worst_vertex = false;
+  bool keep_framed = false;  // what was framed is to be seen whole from another side, too
   bool frame_range = false;  // the camera is to see all that is played
   bool same_clip = false;    // all are to play the lead's
   std::optional<std::string> screenshot, turntable, sequence, save, save_state, load_state, save_markers;  // file names
   std::vector<std::string> open, add;  // files, by what they hold; characters, whatever else they are
   std::optional<double> unit;          // metres
+  bool keep_keymap = false;            // for the viewports that follow
   std::vector<ModifierEdit> edits;
   std::optional<PinRequest> pin;
   std::optional<bool> step_back;      // in the history of edits, or forth
@@ -142,6 +152,8 @@ struct PanelState {
   std::string dragged_modifier;          // whose strength is being dragged
   std::optional<double> dragged_strength{};
   double tween = 0.5;
+  std::optional<ViewSettings::PoseKey> pose_before{};  // one of the library was in hand
+  std::optional<double> pose_share{};                  // of it, by the mouse
 };
 
 struct Message {
@@ -171,6 +183,8 @@ struct Controls {
   std::string joint;           // selected; empty: none
   std::set<std::string> also;  // selected beside it
   std::optional<CopiedPose> copied;
+  Keymap keymap = Keymap::bodyopt;
+  Tool tool = Tool::all;
   bool auto_key = false;           // what is posed is a key at once
   bool dope_sheet = false;         // all keys are shown under the timeline, as wide as it
   bool zooms = false;              // the timeline shows the range alone
@@ -190,6 +204,8 @@ struct Controls {
   std::string recoverable;          // a session that a crash left; empty: none
   std::string recoverable_what;     // it is: whose, and from when
   std::string folder = ".";         // in which files are chosen: the last one was in
+  std::string pose_folder;          // where the last pose was saved or loaded; empty: as `folder`
+  PoseLibrary pose_library;         // of it, where its section is open
   std::optional<FileDialog> dialog;
   std::optional<Marker> marker;
   std::optional<Grip> grip;
@@ -221,6 +237,7 @@ struct Controls {
   // what is brushed, and the key shows the other.
   bool shows_compared() const { return flipped != brush.kind.has_value(); }
 
+  const std::string& shown_pose_folder() const { return pose_folder.empty() ? folder : pose_folder; }
   // A file is chosen for a command.
   void browse(const std::string& command);
   // At once, or, where somebody would lose something, after asking.

@@ -87,11 +87,17 @@ const Command kFileCommands[] = {
        toggle(hud.panels.try_emplace(kSidePanel, true).first->second, a);
      },
      [](const Controls& c) { return name_of(shows_side_panel(c.settings)); }},
-    {"section", "look|cameras|compare|curate|pose|keys|modifiers|muscles|jiggle|ghosts|cast|transfer|output", "",
+    {"section", "look|cameras|compare|curate|pose|poses|keys|modifiers|muscles|jiggle|ghosts|cast|transfer|output", "",
      "View", "opens a section of the side panel, and closes the others",
      [](ViewSettings& settings, const std::string& a) {
        open_section(settings, known(a, section_names(), "section of the side panel"));
      }},
+    {"keymap", "bodyopt|maya|blender", "", "View", "keys as there, also in viewports that follow",
+     [](Controls& c, const std::string& a) {
+       choose(c.keymap, a, kKeymapNames);
+       c.requests.keep_keymap = true;
+     },
+     [](const Controls& c) { return name_of(c.keymap, kKeymapNames); }},
 };
 
 }  // namespace

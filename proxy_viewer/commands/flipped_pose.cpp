@@ -1,9 +1,12 @@
 #include "proxy_viewer/commands/flipped_pose.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "assets/joint_roles.h"
+#include "runtime/core/error.h"
 #include "shots/session/pinned_joints.h"
+#include "shots/session/posed_clip.h"
 
 namespace bodyopt {
 namespace {
@@ -45,9 +48,10 @@ std::vector<std::string> axes_turning(const Controls& controls, const std::strin
 void put_pose(const Controls& controls, const ViewSettings::PoseKey& pose, const std::vector<std::string>& joints,
               ViewSettings::PoseKey& into) {
   if (joints.empty()) {
-    const KeyEase ease = into.ease;  // of the key, not of the pose
-    into = pose;
-    into.ease = ease;
+    ViewSettings::PoseKey whole = pose;
+    whole.ease = into.ease;  // of the key, not of the pose
+    whole.eases = std::move(into.eases);
+    into = std::move(whole);
   }
   for (const std::string& joint : joints) {
     put(pose.joints, joint, into.joints);
@@ -65,11 +69,32 @@ ViewSettings::PoseKey part_of(const Controls& controls, const ViewSettings::Pose
   return part;
 }
 
+void blend_in(Controls& controls, const ViewSettings::PoseKey& pose, double share,
+              const ViewSettings::PoseKey& before) {
+  ViewSettings::PoseKey wanted = before;
+  put_pose(controls, pose, controls.selected(), wanted);
+  static_cast<ViewSettings::PoseKey&>(controls.settings.pose) = blended(before, wanted, share);
+}
+
+void require_own_pose(const Controls& controls, const ViewSettings::PoseKey& pose, const std::string& file) {
+  const auto is_own = [&](const auto& named) {
+    return std::ranges::find(controls.joint_names, named.first) != controls.joint_names.end();
+  };
+  if (pose.joints.empty() || std::ranges::any_of(pose.joints, is_own)) return;
+  throw Error(ErrorKind::mismatch, file + ": poses '" + pose.joints.begin()->first +
+                                       "', expected joints of the lead: is it of another character?");
+}
+
 ViewSettings::PoseKey flipped(const Controls& controls, const ViewSettings::PoseKey& pose, int frame) {
   const std::vector<std::string>& joints = controls.joint_names;
   const double plane = controls.root_x ? controls.root_x(frame) : 0;
   ViewSettings::PoseKey flipped;
   flipped.ease = pose.ease;
+  for (const auto& [name, ease] : pose.eases) {
+    const bool is_joint = std::ranges::find(joints, name) != joints.end();
+    const std::string other = other_or_itself(name, is_joint ? joints : controls.axis_names);
+    flipped.eases[other == name ? other_or_itself(name, controls.control_names) : other] = ease;
+  }
   for (const auto& [joint, degrees] : pose.joints) {
     const std::string other = other_or_itself(joint, joints);
     const Quat *from = axes_of(controls, joint), *to = axes_of(controls, other);

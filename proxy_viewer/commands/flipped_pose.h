@@ -19,6 +19,11 @@ ViewSettings::PoseKey part_of(const Controls& controls, const ViewSettings::Pose
 void put_pose(const Controls& controls, const ViewSettings::PoseKey& pose, const std::vector<std::string>& joints,
               ViewSettings::PoseKey& into);
 
+// A share of a pose of a file over one that was in hand, of the joints that are selected.
+void blend_in(Controls& controls, const ViewSettings::PoseKey& pose, double share, const ViewSettings::PoseKey& before);
+// Throws Error(mismatch) where no joint that the file's pose turns is the lead's.
+void require_own_pose(const Controls& controls, const ViewSettings::PoseKey& pose, const std::string& file);
+
 // The mirror image at the plane across x in which the lead's root stands in the frame. Joints, axes and controls of a
 // side become those of the other, by their names.
 ViewSettings::PoseKey flipped(const Controls& controls, const ViewSettings::PoseKey& pose, int frame);

@@ -10,7 +10,10 @@ constexpr double kTurn = std::numbers::pi / 36;  // 5 degrees
 constexpr double kMostPan = 100;
 
 template <AxisView axis>
-constexpr auto view_axis = [](OrbitCamera& camera, const std::string&) { camera.view_axis(axis); };
+constexpr auto view_axis = [](Controls& c, const std::string&) {
+  c.camera.view_axis(axis);
+  c.requests.keep_framed = true;
+};
 
 const Command kCameraCommands[] = {
     request_command<&Requests::frame_selection>("frame-selection", "F", "Camera",

@@ -165,6 +165,13 @@ std::vector<std::string> named_or_all_selected(const Controls& controls, const s
   return name.empty() && !selected.empty() ? selected : std::vector{named_or_selected(controls, name)};
 }
 
+// Of the frame that is shown.
+ViewSettings::PoseKey& require_key(Controls& controls) {
+  const auto key = controls.settings.pose.keys.find(controls.playback.frame());
+  if (key != controls.settings.pose.keys.end()) return key->second;
+  throw Error(ErrorKind::usage, "frame " + std::to_string(controls.playback.frame()) + " has no key");
+}
+
 const CopiedPose& require_copied(const Controls& controls) {
   if (!controls.copied) throw Error(ErrorKind::usage, "no pose was copied: 'copy' (Ctrl+C)");
   return *controls.copied;
@@ -181,10 +188,21 @@ void tween(Controls& c, double share) {
   put_pose(c, blended((--before)->second, after->second, share), c.selected(), c.settings.pose);
 }
 
+// It alone, or all.
+template <Tool tool>
+constexpr Command tool_command(const char* name, const char* help) {
+  constexpr auto run = [](Controls& c, const std::string& a) {
+    bool held = c.tool == tool;
+    toggle(held, a);
+    if (held || c.tool == tool) c.tool = held ? tool : Tool::all;
+  };
+  return {name, "[on|off]", "", "Pose", help, run, [](const Controls& c) { return name_of(c.tool == tool); }};
+}
+
 const Command kPoseCommands[] = {
     {"select", "[JOINT]", "", "Pose", "a joint; nothing: none",
      [](Controls& c, const std::string& a) { c.select(a.empty() ? a : known(a, c.joint_names, "joint")); }},
-    {"select-also", "JOINT", "", "Pose", "one more joint, or one less; Ctrl+click does so, too",
+    {"select-also", "JOINT", "", "Pose", "one more joint, or one less, as Ctrl+click",
      [](Controls& c, const std::string& a) {
        const std::string joint = known(a, c.joint_names, "joint");
        if (c.joint.empty()) {
@@ -195,6 +213,8 @@ const Command kPoseCommands[] = {
          c.also.insert(joint);
        }
      }},
+    tool_command<Tool::move>("move-tool", "only arrows to drag by, where it may move"),
+    tool_command<Tool::turn>("turn-tool", "only rings to drag by"),
     {"turn", "JOINT X Y Z", "", "Pose", "a joint on top of the clip, degrees",
      [](Controls& c, const std::string& a) {
        const auto [joint, angles] = joint_and_three(a, "a joint and three angles in degrees", kMostTurn);
@@ -251,14 +271,30 @@ const Command kPoseCommands[] = {
      }},
     {"ease", "smooth|linear|step", "", "Keys", "from the key of this frame to the next",
      [](Controls& c, const std::string& a) {
-       const auto key = c.settings.pose.keys.find(c.playback.frame());
-       if (key == c.settings.pose.keys.end()) {
-         throw Error(ErrorKind::usage, "frame " + std::to_string(c.playback.frame()) + " has no key");
-       }
-       choose(key->second.ease, a, kKeyEaseNames);
-       c.settings.pose.ease = key->second.ease;
+       ViewSettings::PoseKey& key = require_key(c);
+       choose(key.ease, a, kKeyEaseNames);
+       c.settings.pose.ease = key.ease;
      },
      [](const Controls& c) { return name_of(c.settings.pose.ease, kKeyEaseNames); }},
+    {"ease-joints", "key|smooth|linear|step", "", "Keys", "the same of selected joints; key: as the key",
+     [](Controls& c, const std::string& a) {
+       std::optional<KeyEase> ease;
+       if (a != "key") choose(ease.emplace(), a, kKeyEaseNames);
+       std::map<std::string, KeyEase>& eases = require_key(c).eases;
+       for (const std::string& joint : named_or_all_selected(c, "")) {
+         std::vector<std::string> names = axes_turning(c, joint);
+         names.push_back(joint);
+         for (const std::string& name : names) {
+           eases.erase(name);
+           if (ease) eases[name] = *ease;
+         }
+       }
+       c.settings.pose.eases = eases;
+     },
+     [](const Controls& c) {
+       const auto own = c.settings.pose.eases.find(c.joint);
+       return own == c.settings.pose.eases.end() ? std::string("key") : name_of(own->second, kKeyEaseNames);
+     }},
     {"shift-keys", "FRAMES", "", "Keys", "all keys of the range, to later frames",
      [](Controls& c, const std::string& a) {
        const int by = integer(a);
@@ -282,7 +318,7 @@ const Command kPoseCommands[] = {
        if (c.settings.pose.keys.erase(frame) == 0) c.say("frame " + std::to_string(frame) + " has no key");
        c.keyed_frame.reset();
      }},
-    {"mirror", "[JOINT]", "P", "Pose", "poses the other side as the joints that are selected",
+    {"mirror", "[JOINT]", "P", "Pose", "poses the other side as selected joints",
      [](Controls& c, const std::string& a) {
        const std::vector<std::string> joints = named_or_all_selected(c, a);
        const auto is_middle = [&](const std::string& joint) { return mirrored_name(joint, c.joint_names).empty(); };
@@ -290,7 +326,7 @@ const Command kPoseCommands[] = {
        put_pose(c, flipped(c, part_of(c, c.settings.pose, joints), c.playback.frame()), flipped(c, joints),
                 c.settings.pose);
      }},
-    {"copy", "", "Ctrl+C", "Pose", "the pose, or what of it several joints have that are selected",
+    {"copy", "", "Ctrl+C", "Pose", "the pose, or what selected joints have of it",
      [](Controls& c, const std::string&) {
        c.copied = CopiedPose{part_of(c, c.settings.pose, c.selected()), c.selected()};
      }},
@@ -330,7 +366,7 @@ const Command kPoseCommands[] = {
        if (!file.ends_with(".json")) refuse(a, "a file that ends in .json, and a share");
        c.requests.load_pose = PoseRequest{file, number_within(share, 0, 1)};
      }},
-    {"reset-joint", "[JOINT]", "Shift+R", "Pose", "what is selected as the clip has it",
+    {"reset-joint", "[JOINT]", "R", "Pose", "what is selected as the clip has it",
      [](Controls& c, const std::string& a) { put_pose(c, {}, named_or_all_selected(c, a), c.settings.pose); }},
     {"control", "NAME VALUE", "", "Pose", "a control of the basis, as a muscle's activation",
      [](Controls& c, const std::string& a) {
@@ -338,7 +374,7 @@ const Command kPoseCommands[] = {
        c.settings.pose.controls[known(name, c.control_names, "control of the basis")] =
            number_within(value, -kMostControl, kMostControl);
      }},
-    {"reset-pose", "", "R", "Pose", "the pose as the clip has it",
+    {"reset-pose", "", "Shift+R", "Pose", "the pose as the clip has it",
      [](Controls& c, const std::string&) { put_pose(c, {}, {}, c.settings.pose); }},
     {"undo", "", "Ctrl+Z", "Pose", "the posing before the last change; with a brush in hand: undo-edit",
      [](Controls& c, const std::string&) {

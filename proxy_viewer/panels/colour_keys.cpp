@@ -136,6 +136,14 @@ std::optional<Heat> heat_of(const Snapshot& snapshot, const Controls& controls) 
   return Heat{compare.activation ? "learned, mm" : "distance, mm", static_cast<double>(error.max), controls.heat_mm()};
 }
 
+// Of colours that are asked for; empty: they are there.
+std::string why_no_heat(const Snapshot& snapshot, const Controls& controls) {
+  const ViewSettings::Compare& compare = controls.settings.compare;
+  if (compare.coverage && !snapshot.knows_coverage) return "no expected error: the basis was trained without shapes";
+  const bool lacks = compare.heat && snapshot.compared.empty() && !compare.coverage && !snapshot.match;
+  return lacks ? "no heat: nothing is compared, as by 'compare ddm'" : "";
+}
+
 // Three digits, or as many as it has before the point.
 std::string millimetres(double value) { return formatted(std::abs(value) < 100 ? "%.3g" : "%.0f", value); }
 
@@ -185,9 +193,9 @@ float colour_bar_width(const Snapshot& snapshot, const Controls& controls) {
 
 void draw_colour_bar(const Snapshot& snapshot, const Controls& controls, const PanelLayout& layout) {
   const float line = ImGui::GetTextLineHeight();
-  if (controls.settings.compare.coverage && !snapshot.knows_coverage) {
+  if (const std::string why = why_no_heat(snapshot, controls); !why.empty()) {
     draw_text(*ImGui::GetBackgroundDrawList(), layout.right() - kBarMargin, layout.bottom() - kBarMargin - 0.5f * line,
-              kAccent, "no expected error: the basis was trained without shapes");
+              kAccent, why);
   }
   const std::optional<Heat> heat = heat_of(snapshot, controls);
   if (!heat) return;

@@ -53,6 +53,25 @@ void add_pins(const Snapshot& snapshot, Lines& lines) {
   }
 }
 
+// So many lines, where the first of two side by side is.
+bool stands_on_a_body(const Snapshot& snapshot, const Controls& controls) {
+  const ViewSettings::Compare& compare = controls.settings.compare;
+  return compare.layout == CompareLayout::side_by_side && !snapshot.compared.empty() && !compare.activation;
+}
+
+void add_times(const Snapshot& snapshot, Lines& lines) {
+  lines.add(snapshot.frame_ms, "ms", "picture");
+  lines.add(snapshot.draw_ms, "ms", "draw");
+  snapshot.stage_seconds.for_each(
+      [&](const StageDescription& stage, double seconds) { lines.add(1e3 * seconds, "ms", stage.name); });
+  if (!snapshot.cast.empty()) lines.add("skin: " + snapshot.cast.front().method);
+  if (snapshot.level_count > 1) {
+    lines.add("level " + std::to_string(snapshot.level) + " of " + std::to_string(snapshot.level_count - 1));
+  }
+  lines.add(snapshot.memory_mib, "MiB", "memory");
+  lines.add(snapshot.device);
+}
+
 // They hold for all frames, and are easily forgotten.
 void add_turned(const Snapshot& snapshot, const Controls& controls, Lines& lines) {
   const auto count =
@@ -92,16 +111,7 @@ void draw_hud(const Snapshot& snapshot, const Controls& controls, const PanelLay
   Lines lines(14, layout.menu + 12);
   if (snapshot.live) add_live(*snapshot.live, lines);
   lines.add(snapshot.shown_fps, "fps", std::to_string(controls.playback.dropped()) + " dropped");
-  lines.add(snapshot.frame_ms, "ms", "picture");
-  lines.add(snapshot.draw_ms, "ms", "draw");
-  snapshot.stage_seconds.for_each(
-      [&](const StageDescription& stage, double seconds) { lines.add(1e3 * seconds, "ms", stage.name); });
-  if (!snapshot.cast.empty()) lines.add("skin: " + snapshot.cast.front().method);
-  if (snapshot.level_count > 1) {
-    lines.add("level " + std::to_string(snapshot.level) + " of " + std::to_string(snapshot.level_count - 1));
-  }
-  lines.add(snapshot.memory_mib, "MiB", "memory");
-  lines.add(snapshot.device);
+  if (!stands_on_a_body(snapshot, controls)) add_times(snapshot, lines);
   add_turned(snapshot, controls, lines);
   add_pins(snapshot, lines);
   add_coverage(snapshot, lines);

@@ -22,6 +22,12 @@ std::set<std::string> names_of(const ViewSettings::PoseKey& key) {
   return names;
 }
 
+// As a key has it, of what a row is of.
+KeyEase ease_of(const ViewSettings::PoseKey& key, const std::string& row) {
+  const std::size_t kind = row.starts_with("pin ") ? 4 : row.starts_with("move ") ? 5 : 0;
+  return set_or(key.eases, row.substr(kind), key.ease);
+}
+
 // All keys in a line, to be dragged to other frames; a click goes there. Those that say nothing of what the line is of,
 // which is there as the clip has it, are hollow. Gives the command for what the mouse did; empty: none.
 std::string draw_diamonds(const std::string& row, const std::set<int>& frames, const ImVec2& at, float width, int first,
@@ -52,13 +58,14 @@ std::string draw_diamonds(const std::string& row, const std::set<int>& frames, c
     }
     ImGui::PopID();
     // What follows: a diamond, a triangle where it is straight, a square where nothing moves.
+    const KeyEase ease = ease_of(key, row);
     const ImVec2 middle{held ? ImGui::GetIO().MousePos.x : x, y};
     if (!frames.contains(frame)) {
       list.AddCircle(middle, kDiamond - 1, kAccent, 4);
-    } else if (key.ease == KeyEase::step) {
+    } else if (ease == KeyEase::step) {
       list.AddRectFilled({middle.x - 3.5f, y - 3.5f}, {middle.x + 3.5f, y + 3.5f}, kAccent);
     } else {
-      list.AddCircleFilled(middle, kDiamond, kAccent, key.ease == KeyEase::linear ? 3 : 4);
+      list.AddCircleFilled(middle, kDiamond, kAccent, ease == KeyEase::linear ? 3 : 4);
     }
   }
   const int shown = controls.playback.frame();
@@ -105,17 +112,19 @@ void draw_line(const char* key, const char* help, float key_width, float width) 
 }
 
 // Of the cheat sheet; none where no command of the menu has a key.
-int lines_of(const char* menu) {
-  const auto keys = std::ranges::count_if(
-      commands(), [&](const Command& command) { return *command.key != 0 && std::string(menu) == command.menu; });
+int lines_of(const char* menu, Keymap keymap) {
+  const auto keys = std::ranges::count_if(commands(), [&](const Command& command) {
+    return *key_of(command, keymap) != 0 && std::string(menu) == command.menu;
+  });
   return keys > 0 ? 2 + static_cast<int>(keys) : 0;
 }
 
-void draw_menu(const char* menu, float width) {
-  if (lines_of(menu) == 0) return;
+void draw_menu(const char* menu, Keymap keymap, float width) {
+  if (lines_of(menu, keymap) == 0) return;
   draw_title(menu);
   for (const Command& command : commands()) {
-    if (*command.key != 0 && std::string(menu) == command.menu) draw_line(command.key, command.help, kKey, width);
+    const char* const key = key_of(command, keymap);
+    if (*key != 0 && std::string(menu) == command.menu) draw_line(key, command.help, kKey, width);
   }
 }
 
@@ -154,6 +163,7 @@ void draw_keys(const Snapshot&, Controls& controls) {
   if (keys.empty()) return;
   ImGui::BeginDisabled(!keys.contains(playback.frame()));
   command_choice(controls, "ease", "To the next");
+  if (!controls.joint.empty()) command_choice(controls, "ease-joints", "Of selected");
   ImGui::EndDisabled();
   ImGui::Dummy({1, 1});
 }
@@ -166,7 +176,7 @@ void draw_cheat_sheet(Controls& controls, const PanelLayout& layout) {
   ImGui::Begin("Keys", nullptr, kOverWindow | ImGuiWindowFlags_AlwaysAutoResize);
   const int mouse_lines = 2 + static_cast<int>(std::size(kMouse));
   int total = mouse_lines;
-  for (const char* menu : kMenus) total += lines_of(menu);
+  for (const char* menu : kMenus) total += lines_of(menu, controls.keymap);
   int lines = 0, column = 0;
   ImGui::BeginGroup();
   // The next part, of so many lines: in this column or the next.
@@ -181,8 +191,8 @@ void draw_cheat_sheet(Controls& controls, const PanelLayout& layout) {
     lines += count;
   };
   for (const char* menu : kMenus) {
-    begin_part(lines_of(menu));
-    draw_menu(menu, width);
+    begin_part(lines_of(menu, controls.keymap));
+    draw_menu(menu, controls.keymap, width);
   }
   begin_part(mouse_lines);
   draw_mouse(width);

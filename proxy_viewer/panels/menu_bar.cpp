@@ -17,7 +17,7 @@ void draw_choices(const Command& command, const std::vector<std::string>& choice
   if (!open) return explain(command);
   const std::string current = command.value ? command.value(controls) : "";
   for (const std::string& choice : choices) {
-    if (ImGui::MenuItem(choice.c_str(), nullptr, choice == current)) {
+    if (ImGui::MenuItem(label_of(command, choice).c_str(), nullptr, choice == current)) {
       attempt(controls, std::string(command.name) + " " + choice);
     }
   }
@@ -45,12 +45,12 @@ void draw_item(const Command& command, Controls& controls) {
   const bool browses = std::ranges::find(browsed, command.name) != browsed.end(), types = needs_argument(command);
   const bool on = command.value && command.value(controls) == "on";
   if (std::string("save") == command.name && !controls.session_file.empty()) {
-    if (ImGui::MenuItem("Save session", command.key)) attempt(controls, "save");
+    if (ImGui::MenuItem("Save session", key_of(command, controls.keymap))) attempt(controls, "save");
     if (ImGui::MenuItem("Save session as\xe2\x80\xa6")) attempt(controls, "browse save");
     return explain(command);
   }
   const std::string label = label_of(command) + (browses || types ? "\xe2\x80\xa6" : "");
-  if (ImGui::MenuItem(label.c_str(), command.key, on)) {
+  if (ImGui::MenuItem(label.c_str(), key_of(command, controls.keymap), on)) {
     if (browses) {
       attempt(controls, std::string("browse ") + command.name);
     } else if (types) {

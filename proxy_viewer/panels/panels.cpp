@@ -11,6 +11,8 @@ namespace {
 
 constexpr float kLabelShare = 0.36f;  // of a line
 
+Keymap explained_keys = Keymap::bodyopt;  // of the panels that are being drawn
+
 // What commands are called on buttons and in menus, where that is not their name.
 constexpr std::pair<const char*, const char*> kCommandLabels[] = {{"step", "One frame on"},
                                                                   {"step-back", "One frame back"},
@@ -34,17 +36,14 @@ constexpr std::pair<const char*, const char*> kCommandLabels[] = {{"step", "One 
                                                                   {"character", "Add character"},
                                                                   {"recover", "Bring back unsaved work"},
                                                                   {"unit", "Unit of characters"},
+                                                                  {"select-also", "Select one more"},
                                                                   {"worn", "Attached"}};
 
-// After it the item before is hovered for long enough to be asked about.
-void show_tooltip(const std::string& text) {
-  if (!ImGui::IsItemHovered(ImGuiHoveredFlags_AllowWhenDisabled)) return;
-  ImGui::BeginTooltip();
-  ImGui::PushTextWrapPos(320);
-  ImGui::TextUnformatted(text.c_str());
-  ImGui::PopTextWrapPos();
-  ImGui::EndTooltip();
-}
+// What comparisons are called, where that is not their name.
+constexpr std::pair<const char*, const char*> kComparisonLabels[] = {{"lbs", "linear blending"},
+                                                                     {"ddm", "Direct Delta Mush"},
+                                                                     {"linear", "linear part of learned"},
+                                                                     {"full", "learned"}};
 
 struct Scalar {
   void* value;
@@ -57,22 +56,22 @@ bool slide_scalar(const char* label, ImGuiDataType type, const Scalar& scalar, c
   label_before(label);
   const bool moved = ImGui::SliderScalar("##bar", type, scalar.value, scalar.low, scalar.high, format,
                                          flags | ImGuiSliderFlags_AlwaysClamp);
-  if (help) show_tooltip(help);
+  if (help) explain_text(help);
   ImGui::PopID();
   return moved;
 }
 
-constexpr float kSide = 272, kNarrowSide = 216;   // width of the side panel
-constexpr float kNarrow = 900, kNarrowest = 560;  // windows: below, it is narrower, or there is no room for it
-constexpr float kTimeline = 84, kLowest = 240;    // height; below that of windows there is no room for it
-constexpr float kSheet = 0.25f;                   // of the height: the dope sheet's
+constexpr float kSide = 272, kNarrowSide = 216;     // width of the side panel
+constexpr float kNarrow = 900, kNarrowest = 560;    // windows: below, it is narrower, or there is no room for it
+constexpr float kTimeline = 84, kLowest = 240;      // height; below that of windows there is no room for it
+constexpr float kSheet = 0.25f, kLowestSheet = 64;  // of the height, with the timeline; of the dope sheet
 
 PanelLayout layout_of(const Controls& controls, float width, float height) {
   PanelLayout layout{width, height, 0, 0, 0};
   if (!controls.panels) return layout;
   layout.menu = ImGui::GetFrameHeight();
   if (height >= kLowest) layout.timeline = kTimeline;
-  if (controls.dope_sheet && layout.timeline > 0) layout.sheet = kSheet * height;
+  if (controls.dope_sheet && layout.timeline > 0) layout.sheet = std::max(kLowestSheet, kSheet * height - kTimeline);
   layout.timeline += layout.sheet;
   if (width >= kNarrowest && shows_side_panel(controls.settings)) layout.side = width < kNarrow ? kNarrowSide : kSide;
   return layout;
@@ -81,9 +80,9 @@ PanelLayout layout_of(const Controls& controls, float width, float height) {
 using Draw = void (*)(const Snapshot&, Controls&);
 
 // As kSections.
-constexpr std::array<Draw, kSections.size()> kDraw = {draw_look, draw_cameras,   draw_compare, draw_curate, draw_pose,
-                                                      draw_keys, draw_modifiers, draw_muscles, draw_jiggle, draw_ghosts,
-                                                      draw_cast, draw_transfer,  draw_output};
+constexpr std::array<Draw, kSections.size()> kDraw = {
+    draw_look,      draw_cameras, draw_compare, draw_curate, draw_pose, draw_poses,    draw_keys,
+    draw_modifiers, draw_muscles, draw_jiggle,  draw_ghosts, draw_cast, draw_transfer, draw_output};
 
 // The panel on the right, its sections one above the other.
 void draw_side_panel(const Snapshot& snapshot, Controls& controls, const PanelLayout& layout) {
@@ -128,13 +127,30 @@ std::string label_of(const Command& command) {
   return text;
 }
 
+std::string label_of(const Command& command, const std::string& choice) {
+  for (const auto& [name, label] : kComparisonLabels) {
+    if (std::string("compare") == command.name && choice == name) return label;
+  }
+  return choice;
+}
+
 void attempt(Controls& controls, const std::string& line) {
   controls.attempt([&] { run_command(controls, line); });
 }
 
+void explain_text(const std::string& text) {
+  if (!ImGui::IsItemHovered(ImGuiHoveredFlags_AllowWhenDisabled)) return;
+  ImGui::BeginTooltip();
+  ImGui::PushTextWrapPos(320);
+  ImGui::TextUnformatted(text.c_str());
+  ImGui::PopTextWrapPos();
+  ImGui::EndTooltip();
+}
+
 void explain(const Command& command) {
   const std::string help = command.help;
-  show_tooltip(*command.key == 0 ? help : help + "  (" + command.key + ")");
+  const std::string key = key_of(command, explained_keys);
+  explain_text(key.empty() ? help : help + "  (" + key + ")");
 }
 
 void explain(const char* command) { explain(*find_command(command)); }
@@ -165,7 +181,7 @@ void command_tick(Controls& controls, const char* command, const char* text) {
   if (why == controls.missing.end()) {
     explain(c);
   } else {
-    show_tooltip(why->second);
+    explain_text(why->second);
   }
   ImGui::PopID();
 }
@@ -176,14 +192,14 @@ void command_choice(Controls& controls, const char* command, const char* text,
   const std::string current = c.value(controls);
   ImGui::PushID(command);
   if (text) label_before(text);
-  if (ImGui::BeginCombo("##choice", current.c_str())) {
+  if (ImGui::BeginCombo("##choice", label_of(c, current).c_str())) {
     for (const std::string& choice : choices_of(c)) {
       const bool missing = available && std::ranges::find(*available, choice) == available->end();
       const ImGuiSelectableFlags flags = missing ? ImGuiSelectableFlags_Disabled : ImGuiSelectableFlags_None;
-      if (ImGui::Selectable(choice.c_str(), choice == current, flags)) {
+      if (ImGui::Selectable(label_of(c, choice).c_str(), choice == current, flags)) {
         attempt(controls, std::string(command) + " " + choice);
       }
-      if (missing) show_tooltip(set_or(controls.missing, command + (" " + choice), "it is what is shown"));
+      if (missing) explain_text(set_or(controls.missing, command + (" " + choice), "it is what is shown"));
     }
     ImGui::EndCombo();
   }
@@ -216,6 +232,7 @@ bool slide(const char* label, int& value, int low, int high, const char* format,
 }
 
 Rectangle draw_panels(const Snapshot& snapshot, Controls& controls, std::uint32_t width, std::uint32_t height) {
+  explained_keys = controls.keymap;
   PanelLayout layout = layout_of(controls, static_cast<float>(width), static_cast<float>(height));
   if (controls.panels) draw_menu_bar(snapshot, controls);
   draw_messages(controls, layout);
@@ -265,6 +282,7 @@ void visit_texts(const Snapshot& snapshot, const Controls& controls,
     visit(*text);
   }
   visit(controls.brush.modifier);
+  for (const PoseFile& file : controls.pose_library.poses()) visit(file.path.stem().string());
   if (controls.dialog) {
     visit(controls.dialog->folder.string());
     visit(controls.dialog->name);

@@ -33,12 +33,15 @@ constexpr ImGuiWindowFlags kFixedWindow = kOverWindow | ImGuiWindowFlags_NoBring
 
 // "step-back": "Step back".
 std::string label_of(const Command& command);
+// Of one of the words of its argument.
+std::string label_of(const Command& command, const std::string& choice);
 
 // Runs a line; what it refuses is said in the window.
 void attempt(Controls& controls, const std::string& line);
 
 // Over the item before: what the command does, and its key.
 void explain(const char* command);
+void explain_text(const std::string& text);
 void explain(const Command& command);
 
 // Of a command by its name. `text`: instead of its label.
@@ -104,6 +107,7 @@ void draw_cameras(const Snapshot& snapshot, Controls& controls);
 void draw_compare(const Snapshot& snapshot, Controls& controls);
 void draw_curate(const Snapshot& snapshot, Controls& controls);
 void draw_pose(const Snapshot& snapshot, Controls& controls);
+void draw_poses(const Snapshot& snapshot, Controls& controls);
 void draw_keys(const Snapshot& snapshot, Controls& controls);
 constexpr float kDiamond = 4.5f;  // half of what a key is drawn as
 // A line for all keys and one for each thing that is keyed: its name, and its keys between two frames.

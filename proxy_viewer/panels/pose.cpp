@@ -132,15 +132,8 @@ void draw_joint_buttons(Controls& controls) {
   ImGui::EndDisabled();
 }
 
-// Poses of files, and between keys.
-void draw_poses(Controls& controls) {
-  const float width = share_of_line(3);
-  for (const auto& [command, text] : {std::pair("save-pose", "Save\xe2\x80\xa6"), {"load-pose", "Load\xe2\x80\xa6"}}) {
-    if (ImGui::Button(text, {width, 0})) attempt(controls, std::string("browse ") + command);
-    explain(command);
-    ImGui::SameLine();
-  }
-  command_tick(controls, "auto-key", "Auto");
+void draw_keying(Controls& controls) {
+  command_tick(controls, "auto-key");
   if (controls.settings.pose.keys.size() < 2) return;
   if (slide("Tween", controls.typed.tween, 0, 1, "%.2f", find_command("tween")->help)) {
     attempt(controls, "tween " + std::to_string(controls.typed.tween));
@@ -191,7 +184,7 @@ void draw_pose(const Snapshot& snapshot, Controls& controls) {
   draw_pin(controls);
   draw_joint(snapshot, controls);
   draw_controls(snapshot, controls);
-  draw_poses(controls);
+  draw_keying(controls);
   slide("Learned", controls.settings.pose.correction, 0, 1, "%.2f", find_command("correction")->help);
 }
 

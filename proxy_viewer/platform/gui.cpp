@@ -258,6 +258,11 @@ void Fonts::show(const std::string& text) {
   if (is_new) new_texts_.push_back(text);
 }
 
+void Fonts::show_pictures(std::vector<Image> pictures) {
+  pictures_ = std::move(pictures);
+  is_loaded_ = false;
+}
+
 bool Fonts::load_new() {
   if (is_loaded_ && new_texts_.empty()) return false;
   const bool any = open_fonts();
@@ -293,8 +298,26 @@ bool Fonts::open_fonts() {
     config.SizePixels = scale_ * kBuiltInSize;
     atlas.AddFontDefault(&config);
   }
+  for (const Image& picture : pictures_) {
+    atlas.AddCustomRectRegular(static_cast<int>(picture.width), static_cast<int>(picture.height));
+  }
   atlas.Build();
+  copy_pictures(atlas);
   return first != nullptr;
+}
+
+void Fonts::copy_pictures(ImFontAtlas& atlas) const {
+  unsigned char* pixels = nullptr;
+  int width = 0, height = 0;
+  if (!pictures_.empty()) atlas.GetTexDataAsRGBA32(&pixels, &width, &height);
+  for (std::size_t k = 0; k < pictures_.size(); ++k) {
+    const ImFontAtlasCustomRect& at = *atlas.GetCustomRectByIndex(static_cast<int>(k));
+    const std::size_t row = 4 * std::size_t{at.Width};
+    for (std::size_t y = 0; y < at.Height; ++y) {
+      const std::size_t to = 4 * ((at.Y + y) * static_cast<std::size_t>(width) + at.X);
+      std::copy_n(pictures_[k].rgba.data() + y * row, row, pixels + to);
+    }
+  }
 }
 
 bool Fonts::has_letters_of(const std::string& text) const {
@@ -302,6 +325,13 @@ bool Fonts::has_letters_of(const std::string& text) const {
   return std::ranges::all_of(letters_of(text), [&](ImWchar letter) {
     return letter != IM_UNICODE_CODEPOINT_INVALID && font.FindGlyphNoFallback(letter);
   });
+}
+
+void add_picture(ImDrawList& list, int number, const ImVec2& from, const ImVec2& to) {
+  ImFontAtlas& atlas = *ImGui::GetIO().Fonts;
+  ImVec2 low, high;
+  atlas.CalcCustomRectUV(atlas.GetCustomRectByIndex(number), &low, &high);
+  list.AddImageRounded(atlas.TexID, from, to, low, high, IM_COL32_WHITE, 4);
 }
 
 ImFont* large_font() { return ImGui::GetIO().Fonts->Fonts.back(); }

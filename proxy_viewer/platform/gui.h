@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "draw/png.h"
 #include "proxy_viewer/platform/screen.h"
 #include "runtime/vulkan/device.h"
 #include "runtime/vulkan/object.h"
@@ -32,6 +33,8 @@ class Fonts {
   void set_scale(float scale);
   // A text of any script that panels are going to show.
   void show(const std::string& text);
+  // In place of those before, beside the letters; see add_picture().
+  void show_pictures(std::vector<Image> pictures);
   // Loads the letters that are new, between two pictures; false: there are none, and the atlas is as it was.
   bool load_new();
   // What no font here has, once.
@@ -39,15 +42,20 @@ class Fonts {
 
  private:
   bool open_fonts();
+  void copy_pictures(ImFontAtlas& atlas) const;
   bool has_letters_of(const std::string& text) const;
 
   ImFontGlyphRangesBuilder letters_;
   ImVector<ImWchar> ranges_;            // of the letters: the atlas keeps a pointer
   std::vector<std::string> new_texts_;  // those that have new letters
+  std::vector<Image> pictures_;
   bool is_loaded_ = false;
   float scale_ = 1;
   std::optional<std::string> problem_;
 };
+
+// The picture of that number of show_pictures(), between two corners.
+void add_picture(ImDrawList& list, int number, const ImVec2& from, const ImVec2& to);
 
 // Of digits alone.
 ImFont* large_font();

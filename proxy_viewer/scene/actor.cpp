@@ -139,13 +139,16 @@ std::vector<fs::path> Actor::paths() const {
 void Actor::read_materials(LevelPool& pool) {
   const std::string own = files_.own_file();
   if (own.empty()) return;
-  std::vector<const Basis*> levels;
-  for (const auto& detail : details_) levels.push_back(&detail->basis());
-  materials_ = pool.materials({own, files_.basis, files_.attached(), files_.levels()}, [&] {
-    return make_character_materials(*device_, own, levels, worn_ ? worn_->attachments() : Attachments());
-  });
+  materials_ =
+      pool.materials({own, files_.basis, files_.attached(), files_.levels()}, [&] { return materials_of(own); });
   const bool is_guessed = files_.character.empty() && own != files_.basis;  // and may be of another
   if (!is_guessed) std::ranges::copy(materials_->notes, std::back_inserter(notes_));
+}
+
+std::shared_ptr<const CharacterMaterials> Actor::materials_of(const std::string& own) const {
+  std::vector<const Basis*> levels;
+  for (const auto& detail : details_) levels.push_back(&detail->basis());
+  return make_character_materials(*device_, own, levels, worn_ ? worn_->attachments() : Attachments());
 }
 
 LevelPool::Levels Actor::make_levels(OpenedCharacter& opened) const {
@@ -284,6 +287,11 @@ void Actor::open_clip(const std::string& source) {
   take_clip(std::move(clip));
   files_.clip = source;
   measure_ground();
+  // Without a file of its own its materials are those of the clip's file, where that has its skin, too.
+  const std::string path = split_source(source).path.string();
+  if (materials_ || !is_called_scene(path)) return;
+  const auto found = materials_of(path);
+  if (!found->skin.front().parts.empty()) materials_ = found;
 }
 
 void Actor::take_clip(Clip clip) {

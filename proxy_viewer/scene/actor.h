@@ -193,6 +193,7 @@ class Actor {
   const Detail& finest() const { return *details_.front(); }
   LevelPool::Levels make_levels(OpenedCharacter& opened) const;
   void read_materials(LevelPool& pool);
+  std::shared_ptr<const CharacterMaterials> materials_of(const std::string& own) const;
   std::vector<Level> proxy_of(const Basis& full) const;
   void take_clip(Clip clip);
   std::size_t clip_index(int frame) const;

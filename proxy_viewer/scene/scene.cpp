@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <iterator>
 #include <set>
+#include <utility>
 
 #include "draw/camera.h"
 #include "runtime/core/transformed.h"
@@ -18,6 +20,11 @@ constexpr double kSpacing = 0.7;      // between characters, of their size
 constexpr double kOverlap = 0.3;      // of its size: nearer to another, a character would begin inside it
 constexpr double kSkinAround = 0.12;  // of joints, of the character's size
 constexpr double kSphere = 0.75;      // around the joints, of the character's size
+
+struct AtTheEnd {
+  std::function<void()> action;
+  ~AtTheEnd() { action(); }
+};
 
 // An upright box around points.
 struct Box {
@@ -303,6 +310,29 @@ Vec3 Scene::whereabouts(int frame) const {
     }
   }
   return mean;
+}
+
+std::vector<View> Scene::portrait(const ViewSettings::PoseKey& pose, const Controls& controls, std::uint32_t pixels) {
+  constexpr double kRight = 0.45, kUp = 0.18;  // radians
+  Controls own;
+  own.playback = controls.playback;
+  own.settings.pose = controls.settings.pose;
+  static_cast<ViewSettings::PoseKey&>(own.settings.pose) = pose;
+  own.settings.look.grid = own.settings.look.axes = false;
+  std::vector<std::unique_ptr<Actor>> cast;
+  cast.push_back(std::move(cast_.front()));
+  std::optional<Pose> live = std::exchange(live_pose_, std::nullopt);
+  std::optional<CutOpenSkin> cut_open = std::exchange(cut_open_, std::nullopt);
+  cast_.swap(cast);
+  const AtTheEnd put_back{[&] {
+    cast.front() = std::move(cast_.front());
+    cast_.swap(cast);
+    live_pose_ = std::move(live);
+    cut_open_ = std::move(cut_open);
+  }};
+  own.camera.orbit(kRight, kUp);
+  own.camera.frame(points_to_frame(own), 1, 1);
+  return look(own, {0, 0, pixels, pixels});
 }
 
 std::vector<float> Scene::points_to_frame(const Controls& controls) {

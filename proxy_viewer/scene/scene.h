@@ -60,6 +60,9 @@ class Scene {
   // until the next call. Throws Error(device), Error(file) of a truth that went away.
   std::vector<View> look(const Controls& controls, const Rectangle& area);
 
+  // The lead alone in a pose at the frame, in a square picture, framed.
+  std::vector<View> portrait(const ViewSettings::PoseKey& pose, const Controls& controls, std::uint32_t pixels);
+
   // Of those views, where in the area they are: two side by side, otherwise all of it.
   std::vector<Rectangle> view_areas(const ViewSettings& settings, const Rectangle& area) const;
 

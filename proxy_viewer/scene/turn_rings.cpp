@@ -28,6 +28,7 @@ Vec3 TurnRing::point(double degrees) const {
 
 std::vector<TurnRing> turn_rings(const Scene& scene, const Controls& controls) {
   if (scene.empty() || controls.joint.empty()) return {};
+  if (controls.tool == Tool::move && !move_arrows(scene, controls).empty()) return {};
   const Actor& lead = scene.lead();
   const int found = lead.basis().skeleton.find(controls.joint);
   if (found < 0) return {};
@@ -49,7 +50,8 @@ std::vector<TurnRing> turn_rings(const Scene& scene, const Controls& controls) {
 }
 
 std::vector<MoveArrow> move_arrows(const Scene& scene, const Controls& controls) {
-  if (scene.empty() || std::ranges::find(controls.movable_names, controls.joint) == controls.movable_names.end()) {
+  const auto& movable = controls.movable_names;
+  if (scene.empty() || controls.tool == Tool::turn || std::ranges::find(movable, controls.joint) == movable.end()) {
     return {};
   }
   const auto joint = static_cast<std::size_t>(scene.lead().basis().skeleton.find(controls.joint));

@@ -21,7 +21,8 @@ struct TurnRing {
   Vec3 point(double degrees) const;
 };
 
-// Of the lead at the frame; none where no joint is selected. What the limits hold has no room between low and high.
+// Of the lead at the frame; none where no joint is selected, or the tool in hand moves it. What the limits hold has no
+// room between low and high.
 std::vector<TurnRing> turn_rings(const Scene& scene, const Controls& controls);
 
 // Along an axis of the world, metres.
@@ -30,7 +31,7 @@ struct MoveArrow {
   Vec3 from, to;
 };
 
-// Of the lead at the frame; none where the joint that is selected may not move.
+// Of the lead at the frame; none where the joint that is selected may not move, or the tool turns.
 std::vector<MoveArrow> move_arrows(const Scene& scene, const Controls& controls);
 
 }  // namespace bodyopt

@@ -1,10 +1,12 @@
 #include "shots/session/pinned_joints.h"
 
+#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
 
+#include "assets/joint_roles.h"
 #include "runtime/host/rig.h"
 #include "runtime/modifiers/drive_modifiers.h"
 
@@ -66,6 +68,24 @@ double bone_length(const Skeleton& skeleton, std::size_t joint) {
   return length(bind_place(skeleton, joint) - bind_place(skeleton, static_cast<std::size_t>(above)));
 }
 
+using Roles = std::vector<std::optional<JointRole>>;
+
+bool is_of_spine(const Roles& roles, std::size_t joint) {
+  const std::optional<JointRole>& role = roles[joint];
+  return role && (role->part == BodyPart::spine || role->part == BodyPart::neck || role->part == BodyPart::head);
+}
+
+// Joints of a spine above one of it, from the hips on; none: it is of no spine.
+std::vector<std::size_t> spine_above(const Skeleton& skeleton, const Roles& roles, std::size_t joint) {
+  std::vector<std::size_t> chain;
+  if (!is_of_spine(roles, joint)) return chain;
+  for (int at = skeleton.joints[joint].parent; at >= 0 && is_of_spine(roles, static_cast<std::size_t>(at));) {
+    chain.insert(chain.begin(), static_cast<std::size_t>(at));
+    at = skeleton.joints[chain.front()].parent;
+  }
+  return chain;
+}
+
 class Limb {
  public:
   Limb(const Skeleton& skeleton, const std::vector<std::optional<JointRange>>& ranges, Pose& pose, std::size_t end)
@@ -100,6 +120,35 @@ class Limb {
 
   // Turns the end itself, within its range.
   void face(const Quat& to) { turn(end_, to * conjugate(rotations()[end_])); }
+
+  // All joints of a chain above the end turn, as little in sum as brings it there; the end keeps its orientation. Least
+  // squares, damped by what is missing, so that a chain out of reach is stretched, and does not swing.
+  void bend_chain(const std::vector<std::size_t>& chain, const Vec3& target) {
+    constexpr int kSteps = 40;
+    const Quat held = rotations()[end_];
+    for (int step = 0; step < kSteps; ++step) {
+      const std::vector<Affine> joints = posed_joints(skeleton_, pose_.joints);
+      const Vec3 end = centre(joints[end_]), missing = target - end;
+      if (length(missing) < kTiny) break;
+      Eigen::Matrix3d moved = Eigen::Matrix3d::Zero();
+      double longest = 0;
+      std::vector<Eigen::Vector3d> levers;
+      for (const std::size_t joint : chain) {
+        const Vec3 lever = end - centre(joints[joint]);
+        levers.emplace_back(lever[0], lever[1], lever[2]);
+        moved += levers.back().squaredNorm() * Eigen::Matrix3d::Identity() - levers.back() * levers.back().transpose();
+        longest = std::max(longest, length(lever));
+      }
+      moved += length(missing) * std::max(kTiny, longest) * Eigen::Matrix3d::Identity();
+      const Eigen::Vector3d pull = moved.ldlt().solve(Eigen::Vector3d(missing[0], missing[1], missing[2]));
+      for (std::size_t k = 0; k < chain.size(); ++k) {
+        const Eigen::Vector3d turned = levers[k].cross(pull);
+        const double angle = turned.norm();
+        if (angle > kTiny) turn(chain[k], axis_angle(1 / angle * Vec3{turned[0], turned[1], turned[2]}, angle));
+      }
+    }
+    face(held);
+  }
 
   // So that a joint under the end is at the target, the end facing as it does for as long as the limb reaches.
   void hold(std::size_t toe, const Vec3& target) {
@@ -169,6 +218,24 @@ class Limb {
   Pose& pose_;
   const std::size_t end_, middle_, upper_;
 };
+
+// From the hips upwards, before limbs reach that hang on it. What is above a joint that is pinned, too, stays.
+void bend_spine(const Skeleton& skeleton, const std::vector<std::optional<JointRange>>& ranges, const Roles& roles,
+                Pose& pose, const Pins& pins) {
+  for (std::size_t end = 0; end < skeleton.size(); ++end) {
+    const std::string& name = skeleton.joints[end].name;
+    const auto pin = pins.at.find(name);
+    if (pin == pins.at.end()) continue;
+    std::vector<std::size_t> chain = spine_above(skeleton, roles, end);
+    const auto held = std::ranges::find_if(
+        chain.rbegin(), chain.rend(), [&](std::size_t joint) { return pins.at.contains(skeleton.joints[joint].name); });
+    chain.erase(chain.begin(), held.base());
+    if (chain.empty()) continue;
+    Limb spine(skeleton, ranges, pose, end);
+    if (const auto facing = pins.facing.find(name); facing != pins.facing.end()) spine.face(facing->second);
+    spine.bend_chain(chain, pin->second);
+  }
+}
 
 }  // namespace
 
@@ -269,7 +336,11 @@ bool ends_a_foot(const Skeleton& skeleton, std::size_t joint) {
   if (!ends_a_limb(skeleton, skeleton.joints[above].name)) return false;
   const double lower = bone_length(skeleton, above),
                upper = bone_length(skeleton, static_cast<std::size_t>(skeleton.joints[above].parent));
-  return bone_length(skeleton, joint) < kShort * lower && lower >= kShort * upper;
+  return bone_length(skeleton, joint) < kShort * lower && lower >= kShort * upper && !is_on_spine(skeleton, joint);
+}
+
+bool is_on_spine(const Skeleton& skeleton, std::size_t joint) {
+  return !spine_above(skeleton, joint_roles(named_joints(skeleton)), joint).empty();
 }
 
 bool ends_a_limb(const Skeleton& skeleton, const std::string& joint) {
@@ -280,10 +351,14 @@ bool ends_a_limb(const Skeleton& skeleton, const std::string& joint) {
 
 Pose pinned(const Skeleton& skeleton, const std::vector<std::optional<JointRange>>& ranges, Pose pose,
             const Pins& pins) {
+  if (pins.at.empty()) return pose;
+  const Roles roles = joint_roles(named_joints(skeleton));
+  bend_spine(skeleton, ranges, roles, pose, pins);
   std::vector<std::size_t> toes;
   for (const auto& [joint, target] : pins.at) {
     if (!ends_a_limb(skeleton, joint)) continue;
     const auto end = static_cast<std::size_t>(skeleton.find(joint));
+    if (!spine_above(skeleton, roles, end).empty()) continue;
     if (ends_a_foot(skeleton, end)) {
       toes.push_back(end);
       continue;

@@ -55,9 +55,10 @@ struct Pins {
   std::map<std::string, Quat> facing{};  // joint to world; those without keep their orientation in the world
 };
 
-// The pose with pinned joints where they are pinned, as far as the ranges of the two joints above let them. The toe at
-// the end of a foot, a short bone at that of a limb, is held by the limb; where that is too short, the heel comes up.
-// `ranges`: of every joint, or empty. A joint that has no two above it, or is not there, is left alone.
+// The pose with pinned joints where they are pinned: first those of the spine, all of which bends for them, then limbs,
+// as far as the ranges of the two joints above let them. The toe at the end of a foot, a short bone at that of a limb,
+// is held by the limb; where that is too short, the heel comes up. `ranges`: of every joint, or empty. A joint that has
+// no two above it, or is not there, is left alone.
 Pose pinned(const Skeleton& skeleton, const std::vector<std::optional<JointRange>>& ranges, Pose pose,
             const Pins& pins);
 
@@ -74,6 +75,9 @@ std::vector<MissedPin> missed_pins(const Skeleton& skeleton, const std::vector<s
 
 // Is it at the end of a short bone, the toe of a foot, which ends a limb of long ones?
 bool ends_a_foot(const Skeleton& skeleton, std::size_t joint);
+
+// Is it a chest, a neck or a head, whose pin bends all of the spine below it?
+bool is_on_spine(const Skeleton& skeleton, std::size_t joint);
 
 // Has the joint two above it, that can reach for it?
 bool ends_a_limb(const Skeleton& skeleton, const std::string& joint);

@@ -3,6 +3,7 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <iterator>
 #include <numbers>
 #include <string>
@@ -19,30 +20,54 @@ namespace {
 Vec3 blend_of(const Vec3& a, const Vec3& b, double t) { return (1 - t) * a + t * b; }
 double blend_of(double a, double b, double t) { return std::lerp(a, b, t); }
 
-// `whole`: what one side lacks is as the other has it; otherwise it is zero there.
+// Of the way from one key to the next, by what goes it: a joint, an axis, a control.
+using ShareOf = std::function<double(const std::string& name)>;
+
+// `whole`: what one side lacks is as the other has it; otherwise it is zero there. What only the other side has is
+// nothing before the way begins.
 template <typename Value>
 std::map<std::string, Value> blend_of(const std::map<std::string, Value>& a, const std::map<std::string, Value>& b,
-                                      double t, bool whole) {
+                                      const ShareOf& share_of, bool whole) {
   std::map<std::string, Value> blended;
   for (const auto& [name, value] : a) {
     const auto other = b.find(name);
-    blended[name] = blend_of(value, other != b.end() ? other->second : whole ? value : Value{}, t);
+    blended[name] = blend_of(value, other != b.end() ? other->second : whole ? value : Value{}, share_of(name));
   }
   for (const auto& [name, value] : b) {
-    if (!a.contains(name)) blended[name] = blend_of(whole ? value : Value{}, value, t);
+    const double t = share_of(name);
+    if (t > 0 && !a.contains(name)) blended[name] = blend_of(whole ? value : Value{}, value, t);
   }
   return blended;
 }
 
 // Names keep the other's turn, where one side has none.
 std::map<std::string, Vec3> blend_facing(const std::map<std::string, Vec3>& a, const std::map<std::string, Vec3>& b,
-                                         double t) {
+                                         const ShareOf& share_of) {
   std::map<std::string, Vec3> blended = a;
   for (const auto& [name, degrees] : b) {
+    const double t = share_of(name);
+    if (t <= 0) continue;
     const auto [at, is_new] = blended.emplace(name, degrees);
     if (!is_new) at->second = degrees_of(slerp(turn_of(at->second), turn_of(degrees), t));
   }
   return blended;
+}
+
+ViewSettings::PoseKey blend_of(const ViewSettings::PoseKey& a, const ViewSettings::PoseKey& b,
+                               const ShareOf& share_of) {
+  return {blend_of(a.joints, b.joints, share_of, false),
+          blend_of(a.axes, b.axes, share_of, false),
+          blend_of(a.controls, b.controls, share_of, true),
+          blend_of(a.pins, b.pins, share_of, true),
+          blend_of(a.moves, b.moves, share_of, false),
+          blend_facing(a.facing, b.facing, share_of),
+          a.ease,
+          a.eases};
+}
+
+double eased(KeyEase ease, double x) {
+  if (ease == KeyEase::smooth) return x * x * (3 - 2 * x);
+  return ease == KeyEase::linear ? x : 0;
 }
 
 // Of a joint's local rotation, about an axis of rest space.
@@ -136,7 +161,9 @@ void set_posed_controls(const std::vector<std::string>& names, const ViewSetting
 // What of the keys steers modifiers: a breath goes on from frame to frame by its controls. Without keys those set.
 std::map<int, ViewSettings::PoseKey> control_keys(const ViewSettings::Posing& posing) {
   std::map<int, ViewSettings::PoseKey> keys;
-  for (const auto& [frame, key] : posing.keys) keys[frame] = {.controls = key.controls, .ease = key.ease};
+  for (const auto& [frame, key] : posing.keys) {
+    keys[frame] = {.controls = key.controls, .ease = key.ease, .eases = key.eases};
+  }
   if (keys.empty()) keys[0] = {.controls = posing.controls};
   return keys;
 }
@@ -184,16 +211,8 @@ std::pair<Pose, Pins> before_reaching(const Skeleton& skeleton, const JointLimit
 }  // namespace
 
 ViewSettings::PoseKey blended(const ViewSettings::PoseKey& a, const ViewSettings::PoseKey& b, double t) {
-  // What only one of them has, as a pin, is no part of the other.
-  if (t <= 0) return a;
-  if (t >= 1) return b;
-  return {blend_of(a.joints, b.joints, t, false),
-          blend_of(a.axes, b.axes, t, false),
-          blend_of(a.controls, b.controls, t, true),
-          blend_of(a.pins, b.pins, t, true),
-          blend_of(a.moves, b.moves, t, false),
-          blend_facing(a.facing, b.facing, t),
-          a.ease};
+  if (t >= 1) return b;  // what only the first has, as a pin, is no part of it
+  return blend_of(a, b, [t](const std::string&) { return t; });
 }
 
 ViewSettings::PoseKey between_keys(const std::map<int, ViewSettings::PoseKey>& keys, int frame) {
@@ -202,9 +221,9 @@ ViewSettings::PoseKey between_keys(const std::map<int, ViewSettings::PoseKey>& k
   const auto before = std::prev(after);
   if (after == keys.end()) return before->second;
   const double x = (static_cast<double>(frame) - before->first) / (static_cast<double>(after->first) - before->first);
-  const KeyEase ease = before->second.ease;
-  const double t = ease == KeyEase::smooth ? x * x * (3 - 2 * x) : ease == KeyEase::linear ? x : 0;
-  return blended(before->second, after->second, t);
+  const ViewSettings::PoseKey& key = before->second;
+  return blend_of(key, after->second,
+                  [&](const std::string& name) { return eased(set_or(key.eases, name, key.ease), x); });
 }
 
 ViewSettings::Posing keyed_posing(ViewSettings::Posing posing, int frame) {

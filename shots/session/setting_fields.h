@@ -75,6 +75,10 @@ inline constexpr auto kPoseKeyFields = [](auto& list, auto& key) {
                [](auto& moves, const char* name, auto& by) { moves.vector(name, by, -kFurthest, kFurthest); });
   }
   if (!writes || key.ease != KeyEase::smooth) list.choice("ease", key.ease, kKeyEaseNames);
+  if (!writes || !key.eases.empty()) {
+    list.named("eases", key.eases,
+               [](auto& eases, const char* name, auto& ease) { eases.choice(name, ease, kKeyEaseNames); });
+  }
   if (!writes || !key.facing.empty()) {
     list.named("facing", key.facing, [](auto& facing, const char* name, auto& angles) {
       facing.vector(name, angles, -kMostTurn, kMostTurn);

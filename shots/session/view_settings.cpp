@@ -11,7 +11,6 @@
 namespace bodyopt {
 namespace {
 
-constexpr const char* kSchema = "bodyopt-view-1";
 void require_sections(const std::map<std::string, bool>& panels, const std::filesystem::path& path) {
   std::vector<std::string> known = section_names();
   known.emplace_back(kSidePanel);
@@ -26,7 +25,7 @@ void require_sections(const std::map<std::string, bool>& panels, const std::file
 }  // namespace
 
 ViewSettings read_view_settings(const std::filesystem::path& path) {
-  Json json = read_json(path, kSchema);
+  Json json = read_json(path, kViewSchema);
   json.erase("schema");
   ViewSettings settings;
   FieldReader reader(json, path, "the file");
@@ -48,7 +47,7 @@ void require_good_settings(const ViewSettings& settings, const std::filesystem::
 void write_view_settings(const ViewSettings& settings, const std::filesystem::path& path) {
   FieldWriter writer;
   kSettingsFields(writer, settings);
-  Json json = {{"schema", kSchema}};
+  Json json = {{"schema", kViewSchema}};
   json.update(writer.json());
   write_json(json, path);
 }

@@ -90,10 +90,11 @@ struct ViewSettings {
     std::map<std::string, Vec3> joints{};  // Euler angles about x, y, z in degrees, by joint
     std::map<std::string, double> axes{};  // degrees, by the name of a degree of freedom of limits.json
     std::map<std::string, double> controls{};
-    std::map<std::string, Vec3> pins{};    // where ends of limbs are held, metres, world, by joint
-    std::map<std::string, Vec3> moves{};   // along the world's axes, metres, by joint
-    std::map<std::string, Vec3> facing{};  // of pinned ends, without what turns them here, degrees, world, by joint
-    KeyEase ease = KeyEase::smooth;        // smooth: slow at this key and at the next
+    std::map<std::string, Vec3> pins{};      // where ends of limbs are held, metres, world, by joint
+    std::map<std::string, Vec3> moves{};     // along the world's axes, metres, by joint
+    std::map<std::string, Vec3> facing{};    // of pinned ends, without what turns them here, degrees, world, by joint
+    KeyEase ease = KeyEase::smooth;          // smooth: slow at this key and at the next
+    std::map<std::string, KeyEase> eases{};  // in its place: of joints, axes and controls
     bool operator==(const PoseKey&) const = default;
   };
 
@@ -152,6 +153,8 @@ Value set_or(const std::map<std::string, Value>& set, const std::string& name, s
   return found == set.end() ? std::move(usual) : found->second;
 }
 
+inline constexpr const char* kViewSchema = "bodyopt-view-1";
+
 // What the file leaves out keeps its default. Throws Error(file).
 ViewSettings read_view_settings(const std::filesystem::path& path);
 // What no single field tells: names of sections, a range that ends before it begins. Throws Error(file).
@@ -178,11 +181,12 @@ struct Section {
   bool open;          // to begin with
 };
 
-constexpr std::array<Section, 13> kSections = {{{"look", "Look", true},
+constexpr std::array<Section, 14> kSections = {{{"look", "Look", true},
                                                 {"cameras", "Cameras", false},
                                                 {"compare", "Compare", true},
                                                 {"curate", "Curate", true},
                                                 {"pose", "Pose", true},
+                                                {"poses", "Poses", false},
                                                 {"keys", "Keys", false},
                                                 {"modifiers", "Modifiers", false},
                                                 {"muscles", "Muscles", false},

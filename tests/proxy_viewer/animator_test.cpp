@@ -186,6 +186,22 @@ TEST_F(AnimatorTest, FramingTheRangeSeesCopiesAndWhereItGoes) {
   EXPECT_LT(viewport->controls().camera.view().distance, 0.7 * still) << "copies take room";
 }
 
+// What was framed is seen whole from another side; who went nearer by hand stays there.
+TEST_F(AnimatorTest, AnotherSideIsFramed) {
+  const auto viewport = open(small(), kBarePicture + "; legend off; top; frame-selection");
+  const double from_above = viewport->controls().camera.view().distance;
+  viewport->key("1");
+  const OrbitView turned = viewport->controls().camera.view();
+  EXPECT_NE(turned.distance, from_above);
+  viewport->key("F");
+  EXPECT_NEAR(viewport->controls().camera.view().distance, turned.distance, 1e-6);
+  viewport->play({WheelEvent{0, 3}});
+  const double near = viewport->controls().camera.view().distance;
+  EXPECT_LT(near, turned.distance);
+  viewport->key("7");
+  EXPECT_EQ(viewport->controls().camera.view().distance, near);
+}
+
 TEST_F(AnimatorTest, ASessionIsSavedByTheMenuAndTheList) {
   const auto viewport = open_still("hud off; turn upper 20 0 0; key");
   viewport->click(20, 10);

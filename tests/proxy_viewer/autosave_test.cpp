@@ -122,6 +122,21 @@ TEST_F(LeavingTest, IsAskedOnlyWhereSomethingWouldBeLost) {
   EXPECT_TRUE(viewport->is_done());
 }
 
+TEST_F(LeavingTest, TheKeymapIsThatOfTheViewportBefore) {
+  open(keeping(), "keymap maya");
+  const auto viewport = open(keeping(), "hud off");
+  EXPECT_EQ(viewport->controls().keymap, Keymap::maya);
+  viewport->key("W");
+  EXPECT_EQ(viewport->controls().tool, Tool::move);
+  EXPECT_FALSE(viewport->controls().settings.look.wire);
+  viewport->key("4");
+  EXPECT_TRUE(viewport->controls().settings.look.wire);
+  std::ofstream(folder_ / "kept" / "keymap.txt") << "houdini";
+  ::testing::internal::CaptureStderr();
+  EXPECT_EQ(open(keeping(), "hud off")->controls().keymap, Keymap::bodyopt);
+  EXPECT_NE(::testing::internal::GetCapturedStderr().find("'houdini'"), std::string::npos);
+}
+
 TEST_F(LeavingTest, SavesAndLeavesWhereThatIsTheAnswer) {
   const auto viewport = open(keeping(), "hud off");
   viewport->prompt("save shot.json");

@@ -248,6 +248,13 @@ const std::map<std::string, Case>& cases() {
       {"unit", {"0.01", [](C, C c) { return c.requests.unit == 0.01; }, {"", "0", "-1", "inches"}}},
       {"frame-range", {"", [](C, C c) { return c.requests.frame_range; }, {"1"}}},
       {"ease", {"step", [](C, C c) { return c.settings.pose.keys.at(10).ease == KeyEase::step; }, {"", "slow"}}},
+      {"ease-joints",
+       {"linear",
+        [](C, C c) {
+          return valued(c.settings.pose.keys.at(10).eases, "LeftArm") == KeyEase::linear &&
+                 c.settings.pose.keys.at(10).ease == KeyEase::smooth;
+        },
+        {"", "slow"}}},
       {"shift-keys",
        {"2",
         [](C, C c) { return c.settings.pose.keys.contains(12) && !c.settings.pose.keys.contains(10); },
@@ -362,6 +369,10 @@ const std::map<std::string, Case>& cases() {
       {"next-pair", {"", [](C, C c) { return c.curating.pair == 0 && c.playback.frame() == 5; }, {"back"}}},
       {"other-of-pair", {"", [](C, C c) { return c.playback.frame() == 7; }, {"first"}}},
       {"quit", {"", [](C, C c) { return c.requests.quit; }, {"now"}}},
+      {"keymap",
+       {"maya", [](C, C c) { return c.keymap == Keymap::maya && c.requests.keep_keymap; }, {"", "houdini"}}},
+      {"move-tool", {"on", [](C, C c) { return c.tool == Tool::move; }, {"yes"}}},
+      {"turn-tool", {"on", [](C, C c) { return c.tool == Tool::turn; }, {"yes"}}},
   };
   return all;
 }
@@ -500,19 +511,46 @@ TEST(Commands, AFrameIsNamedAsItsTakeNumbersIt) {
 }
 
 TEST(Commands, NamesAndKeysAreUniqueAndFound) {
-  std::set<std::string> names, keys;
+  std::set<std::string> names;
   for (const Command& command : commands()) {
     EXPECT_TRUE(names.insert(command.name).second) << command.name;
     EXPECT_EQ(find_command(command.name), &command);
     EXPECT_GT(std::string(command.help).size(), 4u) << command.name;
-    if (*command.key == 0) continue;
-    EXPECT_TRUE(keys.insert(command.key).second) << command.key;
-    EXPECT_EQ(find_command_by_key(command.key), &command);
-    EXPECT_STRNE(command.key, "X") << "is held to flip";
+  }
+  for (const Keymap keymap : {Keymap::bodyopt, Keymap::maya, Keymap::blender}) {
+    std::set<std::string> keys;
+    for (const Command& command : commands()) {
+      const std::string key = key_of(command, keymap);
+      if (key.empty()) continue;
+      EXPECT_TRUE(keys.insert(key).second) << key;
+      EXPECT_EQ(find_command_by_key(key, keymap), &command);
+      EXPECT_NE(key, "X") << "is held to flip";
+    }
   }
   EXPECT_EQ(find_command("Play"), nullptr);
   EXPECT_EQ(find_command_by_key(""), nullptr);
   EXPECT_EQ(find_command_by_key("Ctrl+Alt+Q"), nullptr);
+}
+
+TEST(Commands, KeysAreThoseOfTheProgramThatIsChosen) {
+  const auto name_of_key = [](const char* key, Keymap keymap) {
+    const Command* found = find_command_by_key(key, keymap);
+    return std::string(found ? found->name : "");
+  };
+  const std::array<std::array<std::string, 4>, 9> expected = {{{"W", "wire", "move-tool", ""},
+                                                               {"E", "heat", "turn-tool", "heat"},
+                                                               {"R", "reset-joint", "", "turn-tool"},
+                                                               {"G", "toggle-ghosts", "toggle-ghosts", "move-tool"},
+                                                               {"4", "", "wire", "orbit-left"},
+                                                               {"S", "next-style", "key", ""},
+                                                               {"I", "in", "in", "key"},
+                                                               {"Home", "first", "first", "frame-range"},
+                                                               {"Ctrl+S", "save", "save", "save"}}};
+  for (const auto& [key, own, in_maya, in_blender] : expected) {
+    EXPECT_EQ(name_of_key(key.c_str(), Keymap::bodyopt), own) << key;
+    EXPECT_EQ(name_of_key(key.c_str(), Keymap::maya), in_maya) << key;
+    EXPECT_EQ(name_of_key(key.c_str(), Keymap::blender), in_blender) << key;
+  }
 }
 
 TEST(Commands, NearestNameIsProposed) {

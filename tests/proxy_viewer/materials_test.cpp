@@ -113,6 +113,45 @@ TEST_F(Materials, AnImageIsInSrgbAndAFactorIsLight) {
   expect_alike(at(factor, 1, 1), at(picture(own), 1, 1));
 }
 
+// The key light is at the upper left of the picture; of an image the bottom is where v is 1.
+TEST_F(Materials, ANormalMapLeansAsItsPixelsSay) {
+  const auto light = [&](const Colour& normal, double scale) {
+    GltfBlob blob = pictured_square({normal, normal, normal, normal});
+    Json& material = blob.root["materials"][0];
+    Json texture = material["pbrMetallicRoughness"].at("baseColorTexture");
+    material["pbrMetallicRoughness"] = {{"baseColorFactor", {0.2, 0.2, 0.2, 1}}};
+    texture["scale"] = scale;
+    material["normalTexture"] = texture;
+    const Colour shown = at(picture(blob), 1, 1);
+    return int{shown[0]};
+  };
+  const int plain = light({128, 128, 255, 255}, 1), left = light({64, 128, 240, 255}, 1);
+  EXPECT_NEAR(plain, at(picture(plain_square(0.2)), 1, 1)[0], 1);
+  EXPECT_GT(left, plain + 10);
+  EXPECT_LT(light({192, 128, 240, 255}, 1), plain - 10);
+  EXPECT_GT(light({128, 192, 240, 255}, 1), plain + 10);
+  EXPECT_LT(light({128, 64, 240, 255}, 1), plain - 10);
+  EXPECT_NEAR(light({64, 128, 240, 255}, 0), plain, 1);
+  EXPECT_LT(light({64, 128, 240, 255}, 0.5), left - 3);
+}
+
+// Seen along the light that it reflects. Of a map it is green, times the material's number.
+TEST_F(Materials, WhatIsSmoothShines) {
+  const Colour leaning{78, 178, 233, 255};
+  const auto light = [&](double factor, bool is_mapped) {
+    GltfBlob blob = pictured_square({leaning, leaning, leaning, leaning});
+    Json& own = blob.root["materials"][0]["pbrMetallicRoughness"];
+    const Json texture = own.at("baseColorTexture");
+    own = {{"baseColorFactor", {0.1, 0.1, 0.1, 1}}, {"roughnessFactor", factor}};
+    if (is_mapped) own["metallicRoughnessTexture"] = texture;
+    blob.root["materials"][0]["normalTexture"] = texture;
+    return int{at(picture(blob), 1, 1)[0]};
+  };
+  EXPECT_GT(light(0.2, false), light(1, false) + 30);
+  EXPECT_GT(light(178.0 / 255, false), light(1, false) + 3);
+  EXPECT_NEAR(light(1, true), light(178.0 / 255, false), 1);
+}
+
 TEST_F(Materials, EachTriangleHasItsOwn) {
   GltfBlob blob = pictured_square({kRed, kRed, kRed, kRed});
   blob.root["materials"].push_back({{"pbrMetallicRoughness", {{"baseColorFactor", {0, 0, 0.6, 1}}}}});
@@ -201,6 +240,30 @@ TEST_F(Materials, OfAnImageThatChangesTheyAreMadeAnew) {
   EXPECT_EQ(pool.materials({}, make), first);
   put_bytes(image, "another");
   EXPECT_NE(pool.materials({}, make), first);
+}
+
+// Of a basis whose character is not beside it: where the clip's file has the same skin, and only there.
+TEST_F(Materials, AreTheClipsWhereItHasTheSkin) {
+  const std::filesystem::path shots = folder_ / "shots";
+  std::filesystem::create_directory(shots);
+  GltfBlob blob = pictured_square({kGreen, kGreen, kGreen, kGreen});
+  blob.root["animations"] = Json::array({{{"samplers", Json::array()}, {"channels", Json::array()}}});
+  animate(blob, 1, "translation", {0, 1}, {0, 1, 0, 0, 1.1f, 0});
+  put_bytes(shots / "walk.glb", blob.glb());
+  const std::string file = (shots / "walk.glb").string(), basis = (folder_ / "square.safetensors").string();
+  save_basis(open_character(file, {}).levels.at(0).basis, basis);
+  Scene scene(device_);
+  scene.add({basis}, {});
+  EXPECT_EQ(scene.lead().materials(), nullptr);
+  const Skeleton skeleton = scene.lead().basis().skeleton;
+  write_clip(still_clip(skeleton, {}), skeleton, shots / "still.glb");
+  scene.lead().open_clip((shots / "still.glb").string());
+  EXPECT_EQ(scene.lead().materials(), nullptr);
+  EXPECT_TRUE(scene.lead().notes().empty());
+  scene.add({.basis = basis, .clip = file}, {});
+  ASSERT_NE(scene.cast().back()->materials(), nullptr);
+  EXPECT_FALSE(scene.cast().back()->materials()->parts.empty());
+  EXPECT_TRUE(scene.cast().back()->notes().empty()) << "it is guessed";
 }
 
 // Which has no coordinates: it shows what the skin that it stands for has there.

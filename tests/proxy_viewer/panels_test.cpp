@@ -229,6 +229,46 @@ TEST_F(PanelsTest, CoverageHasAColourBarOrAWordWhyNot) {
   EXPECT_GT(drawn(), bar + 40);
 }
 
+TEST_F(PanelsTest, HeatOfNothingSaysWhy) {
+  Snapshot snapshot = small_character();
+  Controls controls;
+  run_command(controls, "side-panel off");
+  const auto drawn = [&](bool heat, const std::string& compared) {
+    controls.settings.compare.heat = heat;
+    snapshot.compared = compared;
+    for (int k = 0; k < 3; ++k) draw(snapshot, controls);
+    return vertices();
+  };
+  EXPECT_GT(drawn(true, ""), drawn(false, "") + 40);
+}
+
+// Figures over the first of two side by side: what matters alone.
+TEST_F(PanelsTest, FiguresLeaveTheFirstOfTwoAlone) {
+  const Snapshot snapshot = small_character();
+  Controls controls;
+  run_command(controls, "side-panel off");
+  const auto figures = [&](CompareLayout layout) {
+    controls.settings.compare.layout = layout;
+    int vertices_of[2];
+    for (const bool on : {false, true}) {
+      controls.settings.hud.on = on;
+      for (int k = 0; k < 3; ++k) draw(snapshot, controls);
+      vertices_of[on] = vertices();
+    }
+    return vertices_of[1] - vertices_of[0];
+  };
+  EXPECT_LT(3 * figures(CompareLayout::side_by_side), figures(CompareLayout::overlay));
+  EXPECT_GT(figures(CompareLayout::side_by_side), 40);
+}
+
+TEST_F(PanelsTest, TimelineAndDopeSheetTakeAQuarter) {
+  const Snapshot snapshot = small_character();
+  Controls controls;
+  controls.dope_sheet = true;
+  const Rectangle area = draw(snapshot, controls);
+  EXPECT_EQ(720 - area.y - static_cast<int>(area.height), 180);
+}
+
 TEST_F(PanelsTest, AMatchSaysWhatItsColoursAre) {
   Snapshot snapshot = small_character();
   snapshot.compared.clear();

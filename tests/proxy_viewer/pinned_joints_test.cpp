@@ -187,6 +187,92 @@ TEST(Pins, OfAToeHoldItAndTheHeelComesUpOnceTheLegIsTooShort) {
   EXPECT_GT(centre_of(skeleton, lifted, 3)[1], centre_of(skeleton, bind, 3)[1] + 0.03);
 }
 
+// Hips, a spine of three, neck, head, and an arm at the chest.
+Skeleton torso() {
+  Skeleton skeleton;
+  const Vec3 places[] = {{0, 0.9, 0},    {0, 0.1, 0.01}, {0, 0.15, -0.02}, {0, 0.15, -0.01}, {0, 0.2, 0.02},
+                         {0, 0.1, 0.02}, {0.18, 0.1, 0}, {0.25, -0.1, 0},  {0.2, -0.1, 0.05}};
+  const char* const names[] = {"Hips", "Spine",   "Spine1",      "Spine2",  "Neck",
+                               "Head", "LeftArm", "LeftForeArm", "LeftHand"};
+  const int parents[] = {-1, 0, 1, 2, 3, 4, 3, 6, 7};
+  std::vector<Affine> world;
+  for (std::size_t j = 0; j < 9; ++j) {
+    Joint joint;
+    joint.name = names[j];
+    joint.parent = parents[j];
+    joint.bind.translation = places[j];
+    const Affine own = affine_from(joint.bind);
+    world.push_back(joint.parent < 0 ? own : world[static_cast<std::size_t>(joint.parent)] * own);
+    joint.inverse_bind = inverse(world.back());
+    skeleton.joints.push_back(joint);
+  }
+  return skeleton;
+}
+
+double degrees_turned(const Skeleton& skeleton, const Pose& pose, std::size_t joint) {
+  return angle_between(pose.joints[joint].rotation, skeleton.joints[joint].bind.rotation) * 180 / std::numbers::pi;
+}
+
+TEST(SpinePins, BendAllOfTheSpineAndHandsHoldMeanwhile) {
+  const Skeleton skeleton = torso();
+  const Pose bind = bind_pose(skeleton);
+  ViewSettings::PoseKey posing;
+  posing.pins["Head"] = centre_of(skeleton, bind, 5) + Vec3{0.05, -0.06, 0.2};
+  posing.pins["LeftHand"] = centre_of(skeleton, bind, 8);
+  posing.facing["Head"] = facing_of(skeleton, {}, {}, bind, posing, 5);
+  const Pose bent = posed(skeleton, {}, {}, bind, posing);
+  EXPECT_LT(length(centre_of(skeleton, bent, 5) - posing.pins["Head"]), 1e-4);
+  EXPECT_LT(length(centre_of(skeleton, bent, 8) - posing.pins["LeftHand"]), 1e-4);
+  EXPECT_NEAR(angle_between(world_rotations(skeleton, bent)[5], world_rotations(skeleton, bind)[5]), 0, 1e-6);
+  for (const std::size_t joint : {1, 2, 3}) {
+    EXPECT_GT(degrees_turned(skeleton, bent, joint), 3) << joint;
+    EXPECT_LT(degrees_turned(skeleton, bent, joint), 40) << joint;
+  }
+  EXPECT_EQ(bent.joints[0].rotation, bind.joints[0].rotation);
+  EXPECT_TRUE(missed_pins(skeleton, {}, {}, bind, posing).empty());
+}
+
+TEST(SpinePins, OfChestAndHeadBothHoldWhileTheHipsMove) {
+  const Skeleton skeleton = torso();
+  const Pose bind = bind_pose(skeleton);
+  ViewSettings::PoseKey posing;
+  for (const std::size_t joint : {3, 5}) {
+    const std::string& name = skeleton.joints[joint].name;
+    posing.facing[name] = facing_of(skeleton, {}, {}, bind, posing, joint);
+    posing.pins[name] = centre_of(skeleton, bind, joint);
+  }
+  posing.moves["Hips"] = {0.05, 0.03, 0.06};
+  posing.joints["Hips"] = {10, 15, 0};
+  const Pose held = posed(skeleton, {}, {}, bind, posing);
+  for (const std::size_t joint : {3, 5}) {
+    EXPECT_LT(length(centre_of(skeleton, held, joint) - centre_of(skeleton, bind, joint)), 1e-4) << joint;
+  }
+}
+
+TEST(SpinePins, StayWithinTheLimitsAndGoSmoothlyWithTheTarget) {
+  const Skeleton skeleton = torso();
+  const Pose bind = bind_pose(skeleton);
+  const std::vector<std::optional<JointRange>> stiff(9, JointRange{{-6, -6, -6}, {6, 6, 6}});
+  ViewSettings::PoseKey posing;
+  Pose before;
+  for (int k = 0; k <= 60; ++k) {  // beyond what it reaches, and what it may
+    posing.pins["Head"] = centre_of(skeleton, bind, 5) + 0.01 * k * Vec3{0.3, -0.2, 1};
+    for (const auto& ranges : {std::vector<std::optional<JointRange>>(), stiff}) {
+      const Pose bent = posed(skeleton, {}, ranges, bind, posing);
+      for (std::size_t j = 1; j < 5; ++j) {
+        EXPECT_LT(degrees_turned(skeleton, bent, j), ranges.empty() ? 180 : 1.8 * 6) << j;
+        if (k == 0 || !ranges.empty()) continue;
+        EXPECT_LT(angle_between(bent.joints[j].rotation, before.joints[j].rotation), 0.15) << k << " " << j;
+      }
+      if (ranges.empty()) before = bent;
+    }
+  }
+  const std::vector<MissedPin> missed = missed_pins(skeleton, {}, stiff, bind, posing);
+  ASSERT_EQ(missed.size(), 1u);
+  EXPECT_EQ(missed[0].joint, "Head");
+  EXPECT_TRUE(missed[0].by_limits);
+}
+
 // Overstretched by a degree at rest, as artists' rigs are.
 TEST(Pins, BendAKneeToTheSideThatItsRangeHas) {
   Skeleton skeleton = leg();
@@ -283,6 +369,21 @@ TEST_F(PosingTest, AnArrowIsDraggedAndThatIsOneStepOfUndo) {
   viewport->drag(0, middle, {{middle[0] + 30, middle[1]}});
   ASSERT_TRUE(viewport->controls().settings.pose.moves.contains("lower"));
   EXPECT_GT(viewport->controls().settings.pose.moves.at("lower")[0], 0.01);
+}
+
+TEST_F(PosingTest, AToolShowsWhatItDragsBy) {
+  const auto viewport = open(small(), kBarePicture + "; skeleton on; select lower; keymap blender");
+  const auto counts = [&] {
+    const Scene& scene = viewport->session().scene;
+    return std::pair(turn_rings(scene, viewport->controls()).size(), move_arrows(scene, viewport->controls()).size());
+  };
+  EXPECT_EQ(counts(), std::pair(std::size_t{3}, std::size_t{3}));
+  viewport->key("G");
+  EXPECT_EQ(counts(), std::pair(std::size_t{0}, std::size_t{3}));
+  viewport->key("R");
+  EXPECT_EQ(counts(), std::pair(std::size_t{3}, std::size_t{0}));
+  viewport->key("R");
+  EXPECT_EQ(counts(), std::pair(std::size_t{3}, std::size_t{3}));
 }
 
 TEST_F(PosingTest, PinsAreKeptByKeysAndRefusedWhereNothingCanReach) {

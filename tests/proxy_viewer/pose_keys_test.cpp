@@ -81,6 +81,24 @@ TEST(PoseKeys, EaseToTheNextAsTheySay) {
   EXPECT_EQ(blended(keys[20], keys[10], 1), keys[10]) << "nor one of the key before when that is over";
 }
 
+// A joint, an axis, a control by itself; the rest as the key says.
+TEST(PoseKeys, EaseOfEachMayBeItsOwn) {
+  std::map<int, ViewSettings::PoseKey> keys = {{10, bent(0)}, {20, bent(40)}};
+  keys[10].joints["lower"] = {0, 0, 0};
+  keys[20].joints["lower"] = {0, 10, 0};
+  keys[10].eases = {{"upper", KeyEase::linear}, {"foot", KeyEase::step}, {"breath", KeyEase::step}};
+  keys[20].pins["foot"] = keys[20].facing["foot"] = keys[20].moves["foot"] = {1, 2, 3};
+  keys[10].controls["breath"] = 0.25;
+  keys[20].controls["breath"] = 0.75;
+  const ViewSettings::PoseKey at = between_keys(keys, 12);
+  EXPECT_DOUBLE_EQ(at.joints.at("upper")[0], 8);
+  EXPECT_DOUBLE_EQ(at.joints.at("lower")[1], 10 * 0.2 * 0.2 * (3 - 0.4));
+  EXPECT_EQ(at.controls.at("breath"), 0.25);
+  EXPECT_TRUE(at.pins.empty() && at.facing.empty() && at.moves.empty());
+  EXPECT_EQ(at.eases, keys[10].eases);
+  EXPECT_EQ(between_keys(keys, 20), keys[20]);
+}
+
 // The short way about, whatever the angles that name it.
 TEST(PoseKeys, BlendHowAFootFacesByTheShortestTurn) {
   std::map<int, ViewSettings::PoseKey> keys;
@@ -106,6 +124,7 @@ class FlippedPoseTest : public ::testing::Test {
     pose().pins = {{"LeftArm", {0.5, 1, 0.2}}};
     pose().facing = {{"LeftArm", {0, 30, 40}}};
     pose().moves = {{"Spine", {0.1, -0.2, 0.3}}};
+    pose().eases = {{"LeftArm", KeyEase::step}, {"left_biceps", KeyEase::linear}, {"spine_flexion", KeyEase::linear}};
   }
   ViewSettings::Posing& pose() { return controls_.settings.pose; }
   void run(const std::string& command) { run_command(controls_, command); }
@@ -141,7 +160,11 @@ TEST_F(FlippedPoseTest, IsMirroredWhereTheRootStands) {
   run("paste-flipped");
   EXPECT_NEAR(pose().pins.at("RightArm")[0], 3.5, 1e-12);
   pose().keys[50].pins["LeftArm"] = {5.25, 1, 0.2};
+  pose().keys[50].eases = pose().eases;
   run("flip-keys");
+  EXPECT_EQ(pose().keys[50].eases,
+            (std::map<std::string, KeyEase>{
+                {"RightArm", KeyEase::step}, {"right_biceps", KeyEase::linear}, {"spine_flexion", KeyEase::linear}}));
   EXPECT_NEAR(pose().keys[50].pins.at("RightArm")[0], 4.75, 1e-12);
 }
 

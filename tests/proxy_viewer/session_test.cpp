@@ -347,7 +347,7 @@ TEST_F(SessionTest, WhatLearnedNothingIsNamedByWhatItIs) {
     describe_comparison(session.scene, session.controls, ErrorCurve(), session.snapshot);
     return session.snapshot.cast[0].method;
   };
-  EXPECT_EQ(shown(session_), "full");
+  EXPECT_EQ(shown(session_), "learned");
   const ViewerOptions none;
   Session arm(open_test_device(), none);
   arm.open_first();

@@ -43,6 +43,7 @@ class RandomSettings {
       s.pose.axes[name()] = number(-90, 90);
       s.pose.moves[name()] = {number(-2, 2), number(-2, 2), number(-2, 2)};
       s.pose.ease = choice<KeyEase>(3);
+      s.pose.eases[name()] = choice<KeyEase>(3);
       s.pose.facing[name()] = {number(-180, 180), number(-180, 180), number(-180, 180)};
       s.pose.keys[integer(-1, 1)] = s.pose;
     }
