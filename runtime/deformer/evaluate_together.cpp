@@ -146,8 +146,8 @@ class RunningCall {
   explicit RunningCall(DeformerCall& call) : call_(call), deformer_(*call.deformer), memory_(*deformer_.memory_) {
     call_.error = nullptr;
     Evaluation& e = *call_.evaluation;
-    clear_all(e.positions, e.normals, e.strains, e.outside, e.outside_feature, e.outside_by, e.fades, e.fading_joint,
-              e.starts);
+    clear_all(e.positions, e.normals, e.strains, e.outside, e.outside_feature, e.outside_by, e.excess, e.fades,
+              e.fading_joint, e.starts);
     e.stage_seconds = {};
     attempt([&] { check(); });
   }
