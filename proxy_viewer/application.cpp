@@ -332,6 +332,7 @@ void Application::quit() {
 void Application::run_script() {
   while (!script_.empty() && controls_.requests == Requests{}) {
     controls_.follow_keys();
+    session_.follow();
     const std::string command = std::move(script_.front());
     script_.pop_front();
     controls_.scripted = true;

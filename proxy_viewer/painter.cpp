@@ -119,7 +119,7 @@ void Painter::draw_panels_over(const PictureSize& size, double passed) {
   draw_brush(session_.brushing, scene_, area_, controls_);
   if (!ImGui::IsAnyItemActive() && !controls_.grip) {
     controls_.key_by_itself();
-    controls_.poses.note(controls_.settings.pose, controls_.playback.frame());  // a drag is one step
+    controls_.poses.note(controls_.settings, controls_.playback.frame());  // a drag is one step
   }
   const auto pixels = [&](float points) { return static_cast<std::uint32_t>(std::lround(points * scale())); };
   const Covered covered = {pixels(names_height(snapshot_, controls_)), pixels(colour_bar_width(snapshot_, controls_))};

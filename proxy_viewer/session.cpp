@@ -355,7 +355,7 @@ void Session::pose_lead() {
   const double correction = controls.settings.pose.correction;
   controls.settings.pose = scene.lead().posing();
   controls.settings.pose.correction = correction;
-  controls.poses.begin(controls.settings.pose);
+  controls.poses.begin(controls.settings);
   controls.keyed_frame.reset();
 }
 
@@ -412,7 +412,7 @@ bool Session::restore_view() {
   controls.playback.scrub(session.frame);
   follow();
   use_settings(session.view);
-  controls.poses.begin(controls.settings.pose);
+  controls.poses.begin(controls.settings);
   controls.keyed_frame = controls.playback.frame();
   return true;
 }
@@ -420,6 +420,7 @@ bool Session::restore_view() {
 void Session::use_settings(const ViewSettings& settings) {
   controls.settings = settings;
   controls.go_to_camera(controls.settings.camera);
+  require_shot_camera();
   play_as(controls.settings.playback);
   controls.requests.frame_selection = false;
   warn_of_rates();
@@ -514,6 +515,7 @@ void Session::follow() {
   if (followed_ && controls.settings.look.follow) controls.camera.move(at - *followed_);
   followed_ = at;
   controls.travelled = at - scene.whereabouts(scene.lead().clip().first_frame);
+  controls.follow_shot_camera();
 }
 
 void Session::warn_of_truth_times() {
@@ -559,11 +561,24 @@ void Session::describe_cast() {
     controls.axes_flip.push_back(!dof.turns.empty() && std::abs(dof.turns.front().axis[0]) < std::sqrt(0.5));
   }
   controls.missing = describe_missing(scene);
+  controls.file_cameras = scene.lead().cameras();
+  require_shot_camera();
   if (basis.skeleton.find(controls.joint) < 0) controls.select("");
   std::erase_if(controls.also, [&](const std::string& joint) { return basis.skeleton.find(joint) < 0; });
   curation.look(scene, controls);
   snapshot.device = device_name_;
   warn_of_rates();
+}
+
+// The camera of a file that the shot is seen by may be gone with the file. A session's is not looked for yet.
+void Session::require_shot_camera() {
+  std::string& name = controls.settings.shot_camera.of_file;
+  controls.shot_frame.reset();
+  const bool is_there =
+      std::ranges::find(controls.file_cameras, name, &ClipCamera::name) != controls.file_cameras.end();
+  if (opened_ || name.empty() || is_there) return;
+  controls.warn("the lead's files have no camera '" + name + "': the shot is seen by what is keyed");
+  name = "";
 }
 
 // Where jiggle is wanted, and left out.

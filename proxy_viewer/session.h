@@ -86,6 +86,7 @@ class Session {
   struct Work {
     std::vector<ViewSettings::Posing> posings;  // of those that are posed
     std::map<std::string, OrbitView> cameras;
+    std::map<int, CameraKey> camera_keys;
     std::vector<MarkedPair> markers;
     bool operator==(const Work&) const = default;
   };
@@ -118,7 +119,7 @@ class Session {
   void keep_framed(std::uint32_t width, std::uint32_t height, Covered covered = {});
   // So that nothing leaves the picture in the frames that are played (thirteen are looked at).
   void frame_range(std::uint32_t width, std::uint32_t height);
-  // The camera goes along with the lead since the picture before.
+  // The camera goes along with the lead since the picture before, or with the shot.
   void follow();
   // Of truths that lie otherwise on their clips than when this was last asked.
   void warn_of_truth_times();
@@ -147,6 +148,7 @@ class Session {
   void describe_cast();
   void take_note_of_cast();  // of what is open, and of its files
   void warn_of_rates();
+  void require_shot_camera();
   void watch() { watched_ = WatchedFiles(files()); }
 
   const ViewerOptions& options_;

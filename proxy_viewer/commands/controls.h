@@ -171,11 +171,13 @@ struct Controls {
   std::string joint;           // selected; empty: none
   std::set<std::string> also;  // selected beside it
   std::optional<CopiedPose> copied;
-  bool auto_key = false;           // what is posed is a key at once
-  bool dope_sheet = false;         // all keys are shown under the timeline, as wide as it
-  bool zooms = false;              // the timeline shows the range alone
-  std::optional<int> keyed_frame;  // that the pose in hand is of
-  bool flipped = false;            // while the key of "hold to flip" is down
+  bool auto_key = false;                 // what is posed is a key at once
+  bool dope_sheet = false;               // all keys are shown under the timeline, as wide as it
+  bool zooms = false;                    // the timeline shows the range alone
+  std::optional<int> keyed_frame;        // that the pose in hand is of
+  std::vector<ClipCamera> file_cameras;  // of the lead's clip and character
+  std::optional<int> shot_frame;  // that the view is of, as the shot's camera had it; none: it is to be looked through
+  bool flipped = false;           // while the key of "hold to flip" is down
   bool cheat_sheet = false;
   bool panels = true;
   bool headless = false;                   // nobody looks: what fails is thrown, and what is asked for is waited for
@@ -201,6 +203,8 @@ struct Controls {
   // A camera as it is kept: one that follows, as the lead stands at its clip's first frame. And to such a one.
   OrbitView kept_camera() const;
   void go_to_camera(const OrbitView& kept);
+  // Where it is looked through, the view is that of the shot's camera once the frame is another: until then it is free.
+  void follow_shot_camera();
 
   // What is set at a frame: in hand at the frame that is shown, by the keys at others.
   ViewSettings::Posing posing_at(int frame) const;

@@ -150,9 +150,10 @@ void move_keys(Controls& c, bool takes_away, const std::function<int(int)>& to) 
 }
 
 // Undoes or redoes: with keys a pose is that of its frame.
-bool go_to_step(Controls& c, std::optional<int> (PoseHistory::*step)(ViewSettings::Posing&, int)) {
+bool go_to_step(Controls& c, std::optional<int> (PoseHistory::*step)(ViewSettings&, int)) {
   const bool had_keys = !c.settings.pose.keys.empty();
-  const std::optional<int> frame = (c.poses.*step)(c.settings.pose, c.playback.frame());
+  const std::optional<int> frame = (c.poses.*step)(c.settings, c.playback.frame());
+  c.shot_frame.reset();
   if (!frame || (!had_keys && c.settings.pose.keys.empty())) return frame.has_value();
   c.playback.scrub(*frame);
   c.keyed_frame = c.playback.frame();
@@ -234,15 +235,7 @@ const Command kPoseCommands[] = {
      }},
     {"move-key", "FROM TO", "", "Keys", "the key of a frame to another",
      [](Controls& c, const std::string& a) {
-       const auto w = words(a, 2, "two frames");
-       const int from = integer(w[0]), to = integer(w[1]);
-       c.playback.require_frame(to);
-       const auto key = c.settings.pose.keys.find(from);
-       if (key == c.settings.pose.keys.end()) refuse(w[0], "a frame that has a key");
-       if (from == to) return;
-       c.settings.pose.keys[to] = key->second;
-       c.settings.pose.keys.erase(from);
-       c.keyed_frame.reset();
+       if (move_key(c, c.settings.pose.keys, a)) c.keyed_frame.reset();
      }},
     {"key", "", "Alt+K", "Keys", "keeps the pose as a key of this frame",
      [](Controls& c, const std::string&) {

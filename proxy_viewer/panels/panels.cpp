@@ -21,6 +21,8 @@ constexpr std::pair<const char*, const char*> kCommandLabels[] = {{"step", "One 
                                                                   {"out", "Range ends here"},
                                                                   {"key", "Set key"},
                                                                   {"unkey", "Remove key"},
+                                                                  {"camera-key", "Set camera key"},
+                                                                  {"camera-unkey", "Remove camera key"},
                                                                   {"paste-flipped", "Paste flipped"},
                                                                   {"save", "Save session"},
                                                                   {"export-clip", "Export motion"},
@@ -259,6 +261,7 @@ void visit_texts(const Snapshot& snapshot, const Controls& controls,
   visit(snapshot.outside_feature);
   visit(snapshot.device);
   for (const auto& [name, view] : controls.settings.cameras) visit(name);
+  for (const ClipCamera& camera : controls.file_cameras) visit(camera.name);
   const PanelState& typed = controls.typed;
   for (const std::string* text : {&typed.prompt, &typed.joint_filter, &typed.camera, &typed.open, &typed.screenshot,
                                   &typed.sequence, &typed.turntable, &typed.state}) {

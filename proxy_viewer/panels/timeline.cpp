@@ -109,6 +109,10 @@ void draw_frames(const Snapshot& snapshot, Controls& controls, const Bar& bar) {
   for (const auto& [frame, key] : controls.settings.pose.keys) {
     if (bar.shows(frame)) list.AddCircleFilled({bar.x(frame), bar.at.y + 14}, 4, kAccent, 4);
   }
+  for (const auto& [frame, key] : controls.settings.shot_camera.keys) {
+    const float x = bar.x(frame), y = bar.at.y + 23;
+    if (bar.shows(frame)) list.AddTriangleFilled({x - 4, y}, {x + 4, y - 4}, {x + 4, y + 4}, kCameraColour);
+  }
 }
 
 // An end of the range, to be dragged: a flag over the bar, towards the other end.

@@ -196,17 +196,6 @@ ViewSettings::PoseKey blended(const ViewSettings::PoseKey& a, const ViewSettings
           a.ease};
 }
 
-ViewSettings::PoseKey between_keys(const std::map<int, ViewSettings::PoseKey>& keys, int frame) {
-  const auto after = keys.lower_bound(frame);
-  if (after == keys.begin() || (after != keys.end() && after->first == frame)) return after->second;
-  const auto before = std::prev(after);
-  if (after == keys.end()) return before->second;
-  const double x = (static_cast<double>(frame) - before->first) / (static_cast<double>(after->first) - before->first);
-  const KeyEase ease = before->second.ease;
-  const double t = ease == KeyEase::smooth ? x * x * (3 - 2 * x) : ease == KeyEase::linear ? x : 0;
-  return blended(before->second, after->second, t);
-}
-
 ViewSettings::Posing keyed_posing(ViewSettings::Posing posing, int frame) {
   if (!posing.keys.empty()) static_cast<ViewSettings::PoseKey&>(posing) = between_keys(posing.keys, frame);
   return posing;
