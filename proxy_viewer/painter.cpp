@@ -90,6 +90,7 @@ void Painter::draw(const PictureSize& size, Edges edges, double passed) {
   drawn_ = false;
   controls_.attempt([&] {
     views = scene_.look(controls_, area_);
+    session_.image_plane.look(controls_, views);
     drawn_ = true;
   });
   const auto [width, height] = size;

@@ -54,6 +54,7 @@ Session::Session(std::shared_ptr<const vulkan::Device> device, const ViewerOptio
     : scene(device),
       matching(device, scene, controls),
       sectioning(device, scene, controls),
+      image_plane(device),
       options_(options),
       clip_options_(options.clip),
       device_name_(device->info().name),
@@ -412,6 +413,7 @@ bool Session::restore_view() {
   controls.playback.scrub(session.frame);
   follow();
   use_settings(session.view);
+  controls.image_plane = session.image_plane;
   controls.poses.begin(controls.settings);
   controls.keyed_frame = controls.playback.frame();
   return true;

@@ -12,6 +12,7 @@
 #include "proxy_viewer/brushing.h"
 #include "proxy_viewer/commands/controls.h"
 #include "proxy_viewer/curation.h"
+#include "proxy_viewer/image_plane.h"
 #include "proxy_viewer/matching.h"
 #include "proxy_viewer/panels/snapshot.h"
 #include "proxy_viewer/platform/live_pose.h"
@@ -40,6 +41,7 @@ class Session {
   Brushing brushing{scene, controls, curation};
   Matching matching;
   Sectioning sectioning;
+  ImagePlane image_plane;
 
   // The first of the options' files, which must be a basis or a character, or the built-in arm where there is none.
   // Gives what is to be said of it. Throws Error(usage), and as the readers do.

@@ -147,6 +147,7 @@ void Session::write(const std::string& file, const std::string& saved_as) const 
   session.view = controls.settings;
   session.view.playback = controls.playback.settings();
   session.view.camera = controls.kept_camera();
+  session.image_plane = controls.image_plane;
   write_session(session, file);
 }
 

@@ -171,10 +171,11 @@ struct Controls {
   std::string joint;           // selected; empty: none
   std::set<std::string> also;  // selected beside it
   std::optional<CopiedPose> copied;
-  bool auto_key = false;                 // what is posed is a key at once
-  bool dope_sheet = false;               // all keys are shown under the timeline, as wide as it
-  bool zooms = false;                    // the timeline shows the range alone
-  std::optional<int> keyed_frame;        // that the pose in hand is of
+  bool auto_key = false;           // what is posed is a key at once
+  bool dope_sheet = false;         // all keys are shown under the timeline, as wide as it
+  bool zooms = false;              // the timeline shows the range alone
+  std::optional<int> keyed_frame;  // that the pose in hand is of
+  ImagePlaneFile image_plane;
   std::vector<ClipCamera> file_cameras;  // of the lead's clip and character
   std::optional<int> shot_frame;  // that the view is of, as the shot's camera had it; none: it is to be looked through
   bool flipped = false;           // while the key of "hold to flip" is down

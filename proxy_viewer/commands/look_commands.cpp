@@ -1,7 +1,9 @@
 // Cameras.
+#include <filesystem>
 #include <numbers>
 #include <utility>
 
+#include "assets/wording.h"
 #include "proxy_viewer/commands/commands.h"
 #include "runtime/core/error.h"
 
@@ -119,6 +121,8 @@ const Command kCameraCommands[] = {
 
 // How it looks.
 
+constexpr const char* kImages = ".png|.jpg|.jpeg|.webp";
+
 const Command kLookCommands[] = {
     choice_command<kStyleNames, &ViewSettings::Look::style>("style", "clay|material|matcap|flat|normals|silhouette",
                                                             "Look", "how skin looks"),
@@ -145,6 +149,20 @@ const Command kLookCommands[] = {
     switch_command<&ViewSettings::Look::shadow>("shadow", "", "Look", "the shadow on the ground"),
     switch_command<&ViewSettings::Look::worn>("worn", "", "Look",
                                               "clothes, eyes and what else is attached to the skin"),
+    {"image-plane", "[FILE|none] [0-1]", "", "Look", "an image behind, or one a frame (####); its opacity",
+     [](Controls& c, const std::string& a) {
+       if (a.empty()) return c.browse("image-plane");
+       if (a == "none") return void(c.image_plane = {});
+       ImagePlaneFile plane{a};
+       if (!missing_ending(a, kImages).empty()) {
+         const auto [file, opacity] = split_last(a, "a file that ends in .png, .jpg or .webp, and an opacity");
+         require_ending(file, kImages);
+         plane = {file, number_within(opacity, 0, 1)};
+       }
+       const bool is_sequence = plane.file.find_first_of("#%") != std::string::npos;
+       if (!is_sequence && !std::filesystem::exists(plane.file)) refuse(plane.file, "a file that is there");
+       c.image_plane = plane;
+     }},
 };
 
 }  // namespace

@@ -229,6 +229,13 @@ inline void open_section(ViewSettings& settings, const std::string& name) {
   for (const Section& section : kSections) settings.hud.panels[section.name] = section.name == name;
 }
 
+// An image behind the characters, or one for each frame where its name has #### or %04d.
+struct ImagePlaneFile {
+  std::string file{};  // empty: none
+  double opacity = 1;
+  bool operator==(const ImagePlaneFile&) const = default;
+};
+
 // How one of the cast stands and plays while it is not the lead, and what of it a session keeps.
 struct Placement {
   std::optional<Vec3> at;  // where its root begins, its ground for the height, metres, world; none: where there is room
