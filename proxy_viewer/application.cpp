@@ -418,6 +418,7 @@ void Application::fulfil_of_files(const Requests& requests) {
     });
   }
   if (requests.unit) controls_.attempt([&] { change_cast([&] { session_.use_unit(*requests.unit); }); });
+  if (requests.sound) controls_.attempt([&] { session_.use_sound(*requests.sound); });
   if (requests.same_clip) controls_.attempt([&] { change_cast([&] { session_.give_same_clip(); }); });
   if (requests.limits) controls_.attempt([&] { change_cast([&] { session_.use_limits(*requests.limits); }); });
   if (requests.lead) controls_.attempt([&] { change_cast([&] { session_.make_lead(*requests.lead); }); });

@@ -248,6 +248,11 @@ std::vector<std::string> Session::add(ActorFiles files) {
   return notes;
 }
 
+void Session::use_sound(const SoundFile& sound) {
+  snapshot.waveform = sound.file.empty() ? nullptr : std::make_shared<const Waveform>(read_waveform(sound.file));
+  controls.sound = sound;
+}
+
 void Session::use_limits(const std::string& file) {
   ActorFiles files = scene.lead().files();
   files.limits = file == "none" ? "" : file;
@@ -414,6 +419,13 @@ bool Session::restore_view() {
   follow();
   use_settings(session.view);
   controls.image_plane = session.image_plane;
+  controls.sound = session.sound;
+  snapshot.waveform.reset();
+  try {
+    use_sound(session.sound);
+  } catch (const Error& error) {
+    controls.warn(error.what());
+  }
   controls.poses.begin(controls.settings);
   controls.keyed_frame = controls.playback.frame();
   return true;

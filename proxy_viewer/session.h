@@ -61,6 +61,7 @@ class Session {
   // as it was where it throws.
   void reload(const std::vector<std::filesystem::path>& files);
   void save_markers(const std::string& file);
+  void use_sound(const SoundFile& sound);            // no file: none. Throws Error(file)
   void use_limits(const std::string& file);          // of the lead; "none": it has none. Throws as the readers do
   void give_same_clip();                             // the lead's, to all
   std::vector<std::filesystem::path> files() const;  // of all characters

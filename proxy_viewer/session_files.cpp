@@ -148,6 +148,7 @@ void Session::write(const std::string& file, const std::string& saved_as) const 
   session.view.playback = controls.playback.settings();
   session.view.camera = controls.kept_camera();
   session.image_plane = controls.image_plane;
+  session.sound = controls.sound;
   write_session(session, file);
 }
 

@@ -121,6 +121,7 @@ struct Requests {
   std::optional<bool> recover;                          // the autosave of a viewport that ended, or discard it
   std::optional<std::string> save_pose, limits;         // file names
   std::optional<PoseRequest> load_pose;
+  std::optional<SoundFile> sound;  // to be read
   bool operator==(const Requests&) const = default;
 };
 
@@ -176,6 +177,7 @@ struct Controls {
   bool zooms = false;              // the timeline shows the range alone
   std::optional<int> keyed_frame;  // that the pose in hand is of
   ImagePlaneFile image_plane;
+  SoundFile sound;
   std::vector<ClipCamera> file_cameras;  // of the lead's clip and character
   std::optional<int> shot_frame;  // that the view is of, as the shot's camera had it; none: it is to be looked through
   bool flipped = false;           // while the key of "hold to flip" is down

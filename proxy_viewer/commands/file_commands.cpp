@@ -71,7 +71,7 @@ const Command kFileCommands[] = {
      [](Requests& requests, const std::string& a) { requests.remove = integer(a); }},
     request_command<&Requests::reload>("reload", "F5", "File", "read all files again"),
     {"browse",
-     "open|character|save|save-state|load-state|save-pose|load-pose|limits|image-plane|export-clip|export-skin|screenshot|sequence|turntable",
+     "open|character|save|save-state|load-state|save-pose|load-pose|limits|sound|image-plane|export-clip|export-skin|screenshot|sequence|turntable",
      "", "File", "chooses the file of a command from the list of a folder",
      [](Controls& c, const std::string& a) { c.browse(known(a, browsed_commands(), "command that takes a file")); }},
     {"quit", "", "Ctrl+Q", "File", "close the viewport; what is not saved is asked about",

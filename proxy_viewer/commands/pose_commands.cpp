@@ -99,6 +99,15 @@ const Command kPlaybackCommands[] = {
     switch_command<&Controls::zooms>("zoom-range", "Shift+I", "Playback", "the timeline shows only the range"),
     {"whole-range", "", "Alt+I", "Playback", "play all frames",
      [](Playback& playback, const std::string&) { playback.set_range(playback.first(), playback.last()); }},
+    {"sound", "[FILE.wav|none] [FRAME]", "", "Playback", "its waveform under the timeline, from a frame on",
+     [](Controls& c, const std::string& a) {
+       if (a.empty()) return c.browse("sound");
+       c.requests.sound = SoundFile{a == "none" ? "" : a, c.playback.first()};
+       if (a == "none" || a.ends_with(".wav")) return;
+       const auto [file, frame] = split_last(a, "a file that ends in .wav, and the frame that it begins at");
+       require_ending(file, ".wav");
+       c.requests.sound = SoundFile{file, integer(frame)};
+     }},
     {"live", "[on|off]", "", "Playback", "poses that another program sends, or the clip",
      [](Controls& c, const std::string& a) {
        if (!c.live) throw Error(ErrorKind::usage, "no poses are listened for: begin with --live PORT");

@@ -75,6 +75,7 @@ PanelLayout layout_of(const Controls& controls, float width, float height) {
   layout.menu = ImGui::GetFrameHeight();
   if (height >= kLowest) layout.timeline = kTimeline;
   if (controls.dope_sheet && layout.timeline > 0) layout.sheet = kSheet * height;
+  if (!controls.sound.file.empty() && layout.timeline > 0) layout.timeline += kSoundHeight;
   layout.timeline += layout.sheet;
   if (width >= kNarrowest && shows_side_panel(controls.settings)) layout.side = width < kNarrow ? kNarrowSide : kSide;
   return layout;

@@ -105,7 +105,8 @@ void draw_compare(const Snapshot& snapshot, Controls& controls);
 void draw_curate(const Snapshot& snapshot, Controls& controls);
 void draw_pose(const Snapshot& snapshot, Controls& controls);
 void draw_keys(const Snapshot& snapshot, Controls& controls);
-constexpr float kDiamond = 4.5f;  // half of what a key is drawn as
+constexpr float kSoundHeight = 32;  // of the waveform under the timeline
+constexpr float kDiamond = 4.5f;    // half of what a key is drawn as
 // A line for all keys, one for each thing that is keyed, and one for the camera: its name, and its keys between two
 // frames.
 void draw_key_lines(Controls& controls, float name_width, float width, int first, int last);

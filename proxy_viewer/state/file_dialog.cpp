@@ -27,6 +27,7 @@ const std::map<std::string, FileKind>& kinds() {
       {"save-state", {{".json"}, "view.json"}},
       {"load-state", {{".json"}, ""}},
       {"limits", {{".json"}, ""}},
+      {"sound", {{".wav"}, ""}},
       {"image-plane", {{".png", ".jpg", ".jpeg", ".webp"}, ""}},
       {"save-pose", {{".json"}, "pose.json"}},
       {"load-pose", {{".json"}, ""}},

@@ -52,12 +52,20 @@ constexpr auto kSessionFields = [](auto& list, auto& session) {
       fields.number("opacity", plane.opacity, 0, 1);
     });
   }
+  if (!writes || !session.sound.file.empty()) {
+    list.structure("sound", session.sound, [](auto& fields, auto& sound) {
+      fields.text("file", sound.file);
+      fields.integer("first", sound.first, -kLatestFrame, kLatestFrame);
+    });
+  }
 };
 
 // What is done to each path; those that are left out stay so.
 template <typename Change>
 void change_paths(SessionFile& session, const Change& change) {
-  if (std::string& file = session.image_plane.file; !file.empty()) file = change(fs::path(file)).string();
+  for (std::string* file : {&session.image_plane.file, &session.sound.file}) {
+    if (!file->empty()) *file = change(fs::path(*file)).string();
+  }
   for (SessionCharacter& character : session.cast) {
     ActorFiles& f = character.files;
     for (std::string* file :

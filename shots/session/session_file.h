@@ -51,6 +51,7 @@ struct SessionFile {
   std::string saved_as;                // of an autosave: the session's own file; empty: none yet
   ViewSettings view;
   ImagePlaneFile image_plane{};
+  SoundFile sound{};
 };
 
 // Is it a session rather than a state? False where it cannot be read.

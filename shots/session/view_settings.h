@@ -236,6 +236,13 @@ struct ImagePlaneFile {
   bool operator==(const ImagePlaneFile&) const = default;
 };
 
+// A sound under the timeline.
+struct SoundFile {
+  std::string file{};  // empty: none
+  int first = 1;       // the frame that it begins at
+  bool operator==(const SoundFile&) const = default;
+};
+
 // How one of the cast stands and plays while it is not the lead, and what of it a session keeps.
 struct Placement {
   std::optional<Vec3> at;  // where its root begins, its ground for the height, metres, world; none: where there is room
