@@ -16,7 +16,7 @@ worker_packages=(
   libwebp7 libwebpmux3
 )
 run_packages=(mesa-vulkan-drivers fonts-dejavu-core)
-test_packages=(vulkan-validationlayers xvfb xauth xdotool clang clang-format)
+test_packages=(vulkan-validationlayers xvfb xauth xdotool clang clang-format ffmpeg)
 lint_packages=(clang-tidy)
 attack_packages=(libclang-rt-dev python3)
 bench_packages=(libbenchmark-dev libsuitesparse-dev)

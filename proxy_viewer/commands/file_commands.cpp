@@ -52,7 +52,7 @@ const Command kFileCommands[] = {
      }},
     {"screenshot", "[FILE.png]", "F12", "File", "the picture as it is",
      [](Requests& requests, const std::string& a) { requests.screenshot = a; }},
-    {"sequence", "FILE.####.png", "", "File", "a picture of every frame of the range; .webp: one that moves",
+    {"sequence", "FILE.####.png", "", "File", "a picture of every frame of the range; .mp4, .webp: a movie",
      [](Requests& requests, const std::string& a) { requests.sequence = a; }},
     {"turntable", "FILE.####.png", "", "File", "once around, 72 pictures",
      [](Requests& requests, const std::string& a) { requests.turntable = a; }},

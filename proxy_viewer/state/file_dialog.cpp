@@ -34,7 +34,7 @@ const std::map<std::string, FileKind>& kinds() {
       {"export-clip", {{".glb", ".bvh", ".usda"}, "motion.glb"}},
       {"export-skin", {{".glb", ".pc2", ".mdd", ".usda"}, "skin.glb"}},
       {"screenshot", {{".png"}, "picture.png"}},
-      {"sequence", {{".webp", ".png"}, "movie.webp"}},
+      {"sequence", {{".webp", ".mp4", ".png"}, "movie.webp"}},
       {"turntable", {{".png"}, "turntable.####.png"}}};
   return all;
 }
