@@ -11,6 +11,14 @@
 
 namespace bodyopt {
 
+// A camera of a clip's file.
+struct ClipCamera {
+  std::string name{};
+  double vertical_angle = 0;     // that it sees, radians; 0: it has no perspective
+  double height = 0;             // metres that it sees without perspective
+  std::vector<Affine> places{};  // from its space, where it looks along -z and y is up, to the world; of each frame
+};
+
 struct Clip {
   std::string name;
   double fps = 24;
@@ -18,6 +26,7 @@ struct Clip {
   std::vector<Pose> poses;            // frame first_frame + k
   std::vector<std::string> controls;  // names of the poses' control values; none without a controls file
   std::vector<std::string> notes;     // unmatched joints, scaled joints, repairs; one sentence each
+  std::vector<ClipCamera> cameras{};  // of glTF
 
   int last_frame() const { return first_frame + static_cast<int>(poses.size()) - 1; }
 };
@@ -45,6 +54,10 @@ Clip read_clip(const std::string& source, const SkeletonChoice& choose, const Cl
 
 // The names of the clips in a .glb, .gltf, .fbx or .bvh (a BVH's is its file's). Throws Error(file).
 std::vector<std::string> clip_names(const std::filesystem::path& path);
+
+// Reads the cameras of a .glb, .gltf or .vrm as its nodes stand; another file has none. `unit`: metres per file unit.
+// Throws Error(file).
+std::vector<ClipCamera> read_still_cameras(const std::filesystem::path& path, double unit);
 
 // Writes an animation-only .glb: the skeleton as a skin that draws nothing, and one LINEAR animation with a key per
 // frame. Other programs take the skin for one armature. Throws Error(file).

@@ -6,6 +6,7 @@
 
 #include "assets/clip_common.h"
 #include "assets/gltf_animation.h"
+#include "assets/gltf_cameras.h"
 #include "assets/gltf_nodes.h"
 #include "assets/gltf_rest.h"
 #include "assets/gltf_skeleton.h"
@@ -121,6 +122,13 @@ struct Motion {
     return nodes;
   }
 
+  std::vector<Affine> world_at(double seconds) const {
+    NodeTree moved = tree;
+    const std::vector<JointTransform> nodes = nodes_at(seconds);
+    for (const AnimationChannel& channel : channels) moved.exact[channel.node] = affine_from(nodes[channel.node]);
+    return world_of_nodes(moved);
+  }
+
   bool is_topmost(std::size_t joint) const {
     return fold.joint_above(static_cast<std::size_t>(joint_nodes[joint])) < 0;
   }
@@ -160,8 +168,10 @@ void note_names(const GltfFile& file, const Motion& motion, const std::vector<bo
     if (motion.joint_nodes[j] < 0) still.push_back(motion.skeleton.joints[j].name);
   }
   for (std::size_t n = 0; n < animated.size(); ++n) {
-    if (!animated[n] || motion.fold.joint_of_node()[n] >= 0 || motion.fold.folds(n)) continue;
-    const std::string& name = file.model().nodes[n].name;
+    const tinygltf::Node& node = file.model().nodes[n];
+    const bool is_camera = node.camera >= 0 && file.look().contains("cameras");
+    if (!animated[n] || motion.fold.joint_of_node()[n] >= 0 || motion.fold.folds(n) || is_camera) continue;
+    const std::string& name = node.name;
     foreign.push_back(name.empty() ? "node " + std::to_string(n) : name);
   }
   bool moves = false;
@@ -370,14 +380,10 @@ double sheared_by(const Motion& motion, std::span<const JointTransform> nodes, c
 // Looks at the nodes as they stand and in some of the frames.
 void note_shear(const Motion& motion, std::size_t frames, double fps, std::vector<std::string>& notes) {
   constexpr std::size_t kLooks = 16;
-  NodeTree tree = motion.tree;
-  double most = sheared_by(motion, tree.local, world_of_nodes(tree));
+  double most = sheared_by(motion, motion.tree.local, world_of_nodes(motion.tree));
   for (const std::size_t k : spread_evenly(frames, kLooks)) {
-    const std::vector<JointTransform> nodes = motion.nodes_at(static_cast<double>(k) / fps);
-    for (const AnimationChannel& channel : motion.channels) {
-      tree.exact[channel.node] = affine_from(nodes[channel.node]);
-    }
-    most = std::max(most, sheared_by(motion, nodes, world_of_nodes(tree)));
+    const double seconds = static_cast<double>(k) / fps;
+    most = std::max(most, sheared_by(motion, motion.nodes_at(seconds), motion.world_at(seconds)));
   }
   if (most == 0) return;
   notes.push_back("Nodes of the clip's file shear its joints, which joints of a character cannot: they lie up to " +
@@ -457,6 +463,12 @@ void carry_motion(const GltfFile& file, const Motion& motion, const RestNodes& r
   if (is_other_build(1 / unit) && has_few_in_common(motion)) fail_build(file, 1 / unit);
   if (std::abs(unit - 1) > 0.01) note_longer(1 / unit, clip.notes);
   for (std::size_t k = 0; k < frames; ++k) clip.poses.push_back(retarget.at(static_cast<double>(k) / clip.fps, unit));
+  for (ClipCamera& camera : clip.cameras) {
+    camera.height *= unit;
+    for (Affine& at : camera.places) {
+      for (auto& row : at.m) row[3] *= unit;
+    }
+  }
   note_lost_scale(motion, frames, clip.fps, clip.notes);
   check_positions(clip, file.path().string());
 }
@@ -508,6 +520,9 @@ Clip read_gltf_clip(const GltfFile& file, const std::string& name, const Skeleto
     }
   }
 
+  clip.cameras = read_gltf_cameras(
+      file, motion.unit, frames, [&](std::size_t k) { return motion.world_at(static_cast<double>(k) / clip.fps); },
+      clip.notes);
   note_shear(motion, frames, clip.fps, clip.notes);
   require_same_hand(file, motion, rest);
   const RestComparison rests = compare_with_character(motion, rest);

@@ -25,7 +25,7 @@ class GltfFile {
   GltfFile(const std::filesystem::path& path, std::string_view bytes);
 
   const tinygltf::Model& model() const { return model_; }
-  // `materials`, `textures`, `samplers` and `images` as the file has them, unchecked; the model has none.
+  // `materials`, `textures`, `samplers`, `images` and `cameras` as the file has them, unchecked; the model has none.
   const Json& look() const { return look_; }
   const std::filesystem::path& path() const { return path_; }
   bool is_of_fbx() const { return is_of_fbx_; }

@@ -258,11 +258,11 @@ GuardedGltf guard_gltf(const std::filesystem::path& path, std::string_view bytes
     fail(path, "a buffer's file cannot be found: ", error.what());
   }
   decompress_views(path, root, guarded.buffers);
-  for (const char* key : {"materials", "textures", "samplers", "images"}) {
+  for (const char* key : {"materials", "textures", "samplers", "images", "cameras"}) {
     if (root.contains(key)) guarded.look[key] = std::move(root[key]);
     root.erase(key);
   }
-  for (const char* key : {"buffers", "cameras", "extensionsRequired", "extensionsUsed"}) root.erase(key);
+  for (const char* key : {"buffers", "extensionsRequired", "extensionsUsed"}) root.erase(key);
   remove_extensions(root);
   guarded.json = root.dump(-1, ' ', false, Json::error_handler_t::replace);
   return guarded;

@@ -1,8 +1,11 @@
 #include "base/child_process.h"
 
 #include <fcntl.h>
+#include <spawn.h>
+#include <sys/mman.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
+#include <sys/socket.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -70,6 +73,20 @@ class Pipe {
   int ends_[2] = {-1, -1};
 };
 
+int wait_for(pid_t child) {
+  int status = 0;
+  while (waitpid(child, &status, 0) < 0) {
+    if (errno != EINTR) fail("was lost");
+  }
+  return status;
+}
+
+std::string end_of(int status) {
+  if (!WIFSIGNALED(status)) return "exit code " + std::to_string(WEXITSTATUS(status));
+  const int signal = WTERMSIG(status);
+  return "signal " + std::to_string(signal) + " (" + strsignal(signal) + ")";
+}
+
 void keep_to_itself(pid_t parent) {
   prctl(PR_SET_PDEATHSIG, SIGKILL);
   if (getppid() != parent) _exit(kNotWritten);  // it died before the line above
@@ -109,22 +126,62 @@ ChildResult run_in_child(const std::function<std::string()>& work) {
   if (child < 0) fail("cannot be made");
   if (child == 0) be_the_child(work, parent, result);
   std::string bytes = result.read();
-  int status = 0;
-  while (waitpid(child, &status, 0) < 0) {
-    if (errno != EINTR) fail("was lost");
+  const int status = wait_for(child);
+  const int code = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+  if (code == kReturned) return {std::move(bytes), ""};
+  if (code == kThrew) return {"", std::move(bytes)};
+  return {"", end_of(status)};
+}
+
+// A socket, as one that nobody reads any more ends no process that writes to it.
+ChildProgram::ChildProgram(const std::vector<std::string>& command) {
+  int ends[2];
+  if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) != 0) fail("has nothing to read from");
+  input_ = ends[0];
+  errors_ = memfd_create("errors", MFD_CLOEXEC);
+  std::vector<char*> words;
+  for (const std::string& word : command) words.push_back(const_cast<char*>(word.c_str()));
+  words.push_back(nullptr);
+  posix_spawn_file_actions_t files;
+  posix_spawn_file_actions_init(&files);
+  posix_spawn_file_actions_adddup2(&files, ends[1], STDIN_FILENO);
+  posix_spawn_file_actions_addopen(&files, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
+  posix_spawn_file_actions_adddup2(&files, errors_, STDERR_FILENO);
+  const int problem = posix_spawnp(&process_, words[0], &files, nullptr, words.data(), environ);
+  posix_spawn_file_actions_destroy(&files);
+  close(ends[1]);
+  if (problem == 0) return;
+  close(input_);
+  close(errors_);
+  if (problem == ENOENT) throw Error(ErrorKind::usage, command.front() + " is no program on PATH");
+  errno = problem;
+  fail("cannot be made");
+}
+
+ChildProgram::~ChildProgram() {
+  if (process_ > 0) kill(process_, SIGKILL);
+  static_cast<void>(finish());
+  close(errors_);
+}
+
+bool ChildProgram::write(std::span<const std::byte> bytes) {
+  while (!bytes.empty()) {
+    const ssize_t wrote = send(input_, bytes.data(), bytes.size(), MSG_NOSIGNAL);
+    if (wrote < 0 && errno == EINTR) continue;
+    if (wrote <= 0) return false;
+    bytes = bytes.subspan(static_cast<std::size_t>(wrote));
   }
-  if (WIFSIGNALED(status)) {
-    const int signal = WTERMSIG(status);
-    return {"", "signal " + std::to_string(signal) + " (" + strsignal(signal) + ")"};
-  }
-  switch (WEXITSTATUS(status)) {
-    case kReturned:
-      return {std::move(bytes), ""};
-    case kThrew:
-      return {"", std::move(bytes)};
-    default:
-      return {"", "exit code " + std::to_string(WEXITSTATUS(status))};
-  }
+  return true;
+}
+
+std::string ChildProgram::finish() {
+  if (process_ < 0) return "";
+  close(input_);
+  const int status = wait_for(std::exchange(process_, -1));
+  if (WIFEXITED(status) && WEXITSTATUS(status) == 0) return "";
+  char said[2000];
+  const ssize_t size = pread(errors_, said, sizeof(said), 0);
+  return size > 0 ? std::string(said, static_cast<std::size_t>(size)) : end_of(status);
 }
 
 }  // namespace bodyopt

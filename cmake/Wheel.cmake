@@ -2,7 +2,7 @@
 # and X11.
 install_module(wheel bodyopt EXECUTABLES bodyopt
                "libtbb libhwy libxxhash libpugixml libspdlog libfmt libglfw libstb libspng libwebp libtinygltf \
-libmeshoptimizer")
+libmeshoptimizer libsndfile libFLAC libogg libopus libvorbis libmpg123 libmp3lame")
 # Netgen and what it brings find one another in a folder of their own, where drivers and other programs do not look.
 set_target_properties(bodyopt PROPERTIES INSTALL_RPATH "$ORIGIN/../lib/netgen")
 install(CODE "

@@ -31,6 +31,13 @@ ViewAxes view_axes(const Vec3& direction) {
   return axes;
 }
 
+ViewAxes view_axes(const Camera& camera) {
+  ViewAxes axes = view_axes(to_double(camera.eye) - to_double(camera.target));
+  axes.right = normalised(cross(to_double(camera.up), axes.back), axes.right);
+  axes.up = cross(axes.back, axes.right);
+  return axes;
+}
+
 std::array<std::array<float, 4>, 3> view_matrix(const Camera& camera) {
   if (!all_in_range(camera.eye) || !all_in_range(camera.target) || !(camera.vertical_angle > 0) ||
       !(camera.vertical_angle < 3.1f)) {
@@ -42,8 +49,8 @@ std::array<std::array<float, 4>, 3> view_matrix(const Camera& camera) {
                                       std::to_string(camera.orthographic_height) +
                                       " m, expected a finite height of 0 (perspective) or more");
   }
-  const Vec3 eye = to_double(camera.eye), target = to_double(camera.target);
-  const ViewAxes axes = view_axes(eye - target);
+  const Vec3 eye = to_double(camera.eye);
+  const ViewAxes axes = view_axes(camera);
   std::array<std::array<float, 4>, 3> rows;
   const Vec3* const all[3] = {&axes.right, &axes.up, &axes.back};
   for (std::size_t r = 0; r < 3; ++r) {

@@ -22,6 +22,7 @@ struct Camera {
   float vertical_angle = 0.5f;           // radians
   float orthographic_height = 0;         // metres seen vertically, whatever the distance; 0: perspective
   bool cut_away = false;                 // what stands before the target is cut away
+  std::array<float, 3> up{};             // that points up in the picture, world; none: as view_axes() of the direction
 };
 
 // A camera that sees all points (V x 3, world, at least one) as large as it can, from the direction given (world,
@@ -38,6 +39,7 @@ struct ViewAxes {
 
 // Axes of a camera that looks against `direction` (world, towards the camera): upright, whatever the direction.
 ViewAxes view_axes(const Vec3& direction);
+ViewAxes view_axes(const Camera& camera);
 
 // World to camera space, rows of a 3 x 4 matrix. Throws Error(usage) beyond kMaxCoordinate, or not finite.
 std::array<std::array<float, 4>, 3> view_matrix(const Camera& camera);

@@ -106,6 +106,14 @@ struct Ground {
 
 constexpr Ground kNoGround{.grid = false, .shadow = 0, .reach = 0};
 
+// An image behind the characters and over the ground, as large as fits into the view. It must live until the picture is
+// drawn.
+struct Backdrop {
+  SampledImage image;
+  float aspect = 1;  // width over height
+  float opacity = 1;
+};
+
 // A part of the picture.
 struct View {
   Camera camera;
@@ -114,6 +122,7 @@ struct View {
   std::array<float, 3> middle{};
   float radius = 1;  // all that is drawn lies in this sphere, world, metres
   Ground ground;
+  std::optional<Backdrop> backdrop{};
   std::vector<SkinDraw> skins;  // ghosts last
   std::vector<LineDraw> lines;
   std::vector<FibreDraw> fibres;

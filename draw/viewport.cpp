@@ -13,6 +13,8 @@
 #include "draw/shadow_map.h"
 #include "runtime/core/error.h"
 #include "runtime/vulkan/commands.h"
+#include "view_backdrop.frag.spv.h"
+#include "view_blur.vert.spv.h"
 #include "view_fibre.vert.spv.h"
 #include "view_ground.frag.spv.h"
 #include "view_ground.vert.spv.h"
@@ -58,6 +60,11 @@ struct GroundPush {
   std::uint32_t grid, light, orthographic;
 };
 static_assert(sizeof(GroundPush) == 108);
+
+struct BackdropPush {
+  std::array<float, 2> scale;
+  float opacity;
+};
 
 struct LinePush {
   ViewPush view;
@@ -169,6 +176,15 @@ struct Viewport::Impl {
                   .samples = samples,
                   .depth_test = false,
                   .depth_write = false}),
+          backdrop(device, pass.get(),
+                   {.vertex = view_blur_vert_spv,
+                    .fragment = view_backdrop_frag_spv,
+                    .samples_image = true,
+                    .push_bytes = sizeof(BackdropPush),
+                    .samples = samples,
+                    .blending = Blending::alpha,
+                    .depth_test = false,
+                    .depth_write = false}),
           surface(device, pass.get(), surface_info(samples, false)),
           ghost(device, pass.get(), surface_info(samples, true)),
           material(device, pass.get(), material_info(samples, false)),
@@ -179,7 +195,7 @@ struct Viewport::Impl {
 
     VkSampleCountFlagBits samples;
     RenderPass pass;
-    GraphicsPipeline ground, surface, ghost, material, holed, line, line_on_top, fibre;
+    GraphicsPipeline ground, backdrop, surface, ghost, material, holed, line, line_on_top, fibre;
   };
   struct SmoothPipelines : ScenePipelines {
     explicit SmoothPipelines(const vulkan::Device& device) : ScenePipelines(device, kSamples) {}
@@ -214,6 +230,13 @@ struct Viewport::Impl {
                                   g.light,
                                   view.camera.orthographic_height > 0},
                        3);
+  }
+
+  void record_backdrop(VkCommandBuffer recorder, const Backdrop& backdrop, const Rectangle& area) {
+    const float wider = static_cast<float>(area.width) / static_cast<float>(area.height) / backdrop.aspect;
+    scene->backdrop.bind(recorder);
+    scene->backdrop.draw(recorder, sets.make(scene->backdrop, {}, backdrop.image),
+                         BackdropPush{{std::max(1.0f, wider), std::max(1.0f, 1 / wider)}, backdrop.opacity}, 3);
   }
 
   void record_materials(VkCommandBuffer recorder, const SkinDraw& skin, const ViewPush& push, bool orthographic) {
@@ -297,6 +320,7 @@ struct Viewport::Impl {
     vkCmdSetViewport(recorder, 0, 1, &area);
     vkCmdSetScissor(recorder, 0, 1, &part);
     record_ground(recorder, view, push, shadow);
+    if (view.backdrop) record_backdrop(recorder, *view.backdrop, view.area);
     for (const SkinDraw& skin : view.skins) {
       record_skin(recorder, skin, push, view.camera.orthographic_height > 0);
     }

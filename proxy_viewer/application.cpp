@@ -341,6 +341,7 @@ void Application::quit() {
 void Application::run_script() {
   while (!script_.empty() && controls_.requests == Requests{}) {
     controls_.follow_keys();
+    session_.follow();
     const std::string command = std::move(script_.front());
     script_.pop_front();
     controls_.scripted = true;
@@ -454,6 +455,7 @@ void Application::fulfil_of_files(const Requests& requests) {
     });
   }
   if (requests.unit) controls_.attempt([&] { change_cast([&] { session_.use_unit(*requests.unit); }); });
+  if (requests.sound) controls_.attempt([&] { session_.use_sound(*requests.sound); });
   if (requests.same_clip) controls_.attempt([&] { change_cast([&] { session_.give_same_clip(); }); });
   if (requests.limits) controls_.attempt([&] { change_cast([&] { session_.use_limits(*requests.limits); }); });
   if (requests.lead) controls_.attempt([&] { change_cast([&] { session_.make_lead(*requests.lead); }); });

@@ -62,7 +62,7 @@ std::optional<Brushing::Hit> Brushing::hit(const Rectangle& area, const std::arr
 // Pixels that the radius is wide where it touches, a part of them.
 double Brushing::spacing(const Rectangle& area, const std::array<double, 2>& pixel) const {
   const Camera camera = controls_.camera.camera();
-  const Vec3 right = view_axes(to_double(camera.eye) - to_double(camera.target)).right;
+  const Vec3 right = view_axes(camera).right;
   const auto x = static_cast<float>(pixel[0]);
   const auto middle = pixel_of(scene_, controls_, area, x, held_),
              side = pixel_of(scene_, controls_, area, x, held_ + brush_.radius * right);

@@ -90,6 +90,7 @@ void Painter::draw(const PictureSize& size, Edges edges, double passed) {
   drawn_ = false;
   controls_.attempt([&] {
     views = scene_.look(controls_, area_);
+    session_.image_plane.look(controls_, views);
     drawn_ = true;
   });
   const auto [width, height] = size;
@@ -121,7 +122,7 @@ void Painter::draw_panels_over(const PictureSize& size, double passed) {
   draw_brush(session_.brushing, scene_, area_, controls_);
   if (!ImGui::IsAnyItemActive() && !controls_.grip) {
     controls_.key_by_itself();
-    controls_.poses.note(controls_.settings.pose, controls_.playback.frame());  // a drag is one step
+    controls_.poses.note(controls_.settings, controls_.playback.frame());  // a drag is one step
   }
   const auto pixels = [&](float points) { return static_cast<std::uint32_t>(std::lround(points * scale())); };
   const Covered covered = {pixels(names_height(snapshot_, controls_)), pixels(colour_bar_width(snapshot_, controls_))};

@@ -102,7 +102,7 @@ std::optional<PickedVertex> vertex_at(Scene& scene, const Controls& controls, co
 
 Ray ray_through(const Camera& camera, const Rectangle& area, double x, double y) {
   const Vec3 eye = to_double(camera.eye);
-  const ViewAxes axes = view_axes(eye - to_double(camera.target));
+  const ViewAxes axes = view_axes(camera);
   const auto scale = projection(camera, {0, 1}, aspect_of(area));
   const double right = (2 * (x - area.x) / std::max(1u, area.width) - 1) / static_cast<double>(scale[0]);
   const double up = (1 - 2 * (y - area.y) / std::max(1u, area.height)) / static_cast<double>(scale[1]);

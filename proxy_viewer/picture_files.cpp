@@ -23,7 +23,7 @@ namespace fs = std::filesystem;
 constexpr std::size_t kTurntablePictures = 72;
 constexpr double kTurntableStep = 2 * std::numbers::pi / static_cast<double>(kTurntablePictures);  // radians
 constexpr const char* kNewScreenshot = "bodyopt.####.png";
-constexpr const char* kMoving = ".webp";
+constexpr const char *kMoving = ".webp", *kMovie = ".mp4";
 constexpr const char* kKept = "the pictures that were written are kept";
 
 struct Place {
@@ -52,6 +52,11 @@ std::optional<Place> find_place(const std::string& name) {
     if (const auto place = percent_place(name, begin)) return place;
   }
   return {};
+}
+
+bool is_one_file(const std::string& file) {
+  const std::string extension = lower_case_extension(file);
+  return extension == kMoving || extension == kMovie;
 }
 
 struct Finally {
@@ -93,11 +98,10 @@ std::filesystem::path FrameSequenceName::operator()(int frame) const {
 }
 
 void require_picture_name(const std::string& file, bool may_move) {
-  const std::string extension = lower_case_extension(file);
-  if (extension == ".png" || (may_move && extension == kMoving)) return;
+  if (lower_case_extension(file) == ".png" || (may_move && is_one_file(file))) return;
   throw Error(ErrorKind::usage,
               file + ": pictures are written as .png: one, or a sequence where the name has #### or %04d" +
-                  (may_move ? "; or all frames as one that moves, .webp" : ""));
+                  (may_move ? "; or all frames as one that moves, .webp or .mp4" : ""));
 }
 
 void write_screenshot(const std::string& file, const DrawPicture& draw, Controls& controls) {
@@ -109,7 +113,17 @@ void write_screenshot(const std::string& file, const DrawPicture& draw, Controls
 
 PictureSeries::PictureSeries(Plan plan, Controls& controls)
     : plan_(std::move(plan)), name_(plan_.pattern, plan_.milliseconds > 0 ? 1 : plan_.count), controls_(controls) {
-  if (plan_.milliseconds > 0) animation_.emplace(plan_.milliseconds);
+  if (!(plan_.milliseconds > 0)) return;
+  if (lower_case_extension(plan_.pattern) == kMovie) {
+    const double fps = 1e3 / plan_.milliseconds;
+    const SoundFile& sound = controls.sound;
+    const bool fits = controls.playback.speed() == 1;
+    if (!fits && !sound.file.empty()) controls.warn(plan_.pattern + ": is without its sound, at another speed");
+    movie_.emplace(plan_.pattern,
+                   MovieFile::Plan{fps, plan_.count, fits ? sound.file : "", (sound.first - plan_.first) / fps});
+  } else {
+    animation_.emplace(plan_.milliseconds);
+  }
 }
 
 PictureSeries::~PictureSeries() { plan_.put_back(); }
@@ -119,11 +133,14 @@ bool PictureSeries::make_next(const DrawPicture& draw) {
   Image picture = draw();
   if (animation_) {
     animation_->add(picture);
+  } else if (movie_) {
+    movie_->add(picture);
   } else {
     write(std::move(picture), name_(plan_.first + static_cast<int>(made_)));
   }
   if (++made_ < plan_.count) return true;
   for (std::future<void>& writer : writers_) writer.get();
+  if (movie_) movie_->finish();
   if (animation_) {
     const std::vector<std::uint8_t> bytes = animation_->finish();
     write_file_atomically(plan_.pattern, std::as_bytes(std::span(bytes)));
@@ -141,13 +158,13 @@ void PictureSeries::write(Image picture, fs::path file) {
 }
 
 bool shows_motion(const std::string& pattern) {
-  return lower_case_extension(pattern) == kMoving || pattern.find_first_of("#%") != std::string::npos;
+  return is_one_file(pattern) || pattern.find_first_of("#%") != std::string::npos;
 }
 
 std::unique_ptr<PictureSeries> frame_series(const std::string& pattern, double fps, Controls& controls) {
   require_picture_name(pattern, true);
   Playback& playback = controls.playback;
-  const bool flip_book = lower_case_extension(pattern) == kMoving, moves = shows_motion(pattern);
+  const bool flip_book = is_one_file(pattern), moves = shows_motion(pattern);
   playback.pause();
   const int shown = playback.frame(), first = moves ? playback.in() : shown, last = moves ? playback.out() : shown;
   return std::make_unique<PictureSeries>(

@@ -12,6 +12,7 @@
 
 #include "draw/animation.h"
 #include "draw/png.h"
+#include "proxy_viewer/movie_file.h"
 #include "proxy_viewer/painter.h"
 
 namespace bodyopt {
@@ -36,7 +37,8 @@ using DrawPicture = std::function<Image()>;  // of what the controls say
 
 // These say in a message what was written, and throw Error(file), Error(usage) for a bad pattern, Error(interrupted).
 
-// Throws Error(usage), which names what can be, for another kind than .png, and, where pictures `may_move`, .webp.
+// Throws Error(usage), which names what can be, for another kind than .png, and, where pictures `may_move`, .webp and
+// .mp4.
 void require_picture_name(const std::string& file, bool may_move);
 
 // `file`, or, where it is empty, the first bodyopt.0001.png, ... that is free.
@@ -49,7 +51,7 @@ class PictureSeries {
   using Action = std::function<void()>;
 
   // `place(k)` before the k-th of `count` is drawn, whose file has the number `first` + k; `put_back` at the end.
-  // `milliseconds`: of a picture in one file that moves (.webp); 0: each has its own.
+  // `milliseconds`: of a picture in one file that moves; 0: each has its own.
   struct Plan {
     std::string pattern;
     std::size_t count;
@@ -75,14 +77,15 @@ class PictureSeries {
   const FrameSequenceName name_;
   Controls& controls_;
   std::optional<AnimationEncoder> animation_;
+  std::optional<MovieFile> movie_;
   std::size_t made_ = 0;
   std::deque<std::future<void>> writers_;  // of the last pictures; each is waited for where it goes
 };
 
-// Does the name ask for more than one frame: #### or %04d, or .webp?
+// Does the name ask for more than one frame: #### or %04d, .webp or .mp4?
 bool shows_motion(const std::string& pattern);
 
-// The range in pictures (`pattern` with #### or %04d), or in one that moves (.webp; `fps` of the clip); otherwise the
+// The range in pictures (`pattern` with #### or %04d), or in one file that moves (`fps` of the clip); otherwise the
 // frame that is shown. Pauses.
 std::unique_ptr<PictureSeries> frame_series(const std::string& pattern, double fps, Controls& controls);
 

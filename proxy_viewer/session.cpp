@@ -54,6 +54,7 @@ Session::Session(std::shared_ptr<const vulkan::Device> device, const ViewerOptio
     : scene(device),
       matching(device, scene, controls),
       sectioning(device, scene, controls),
+      image_plane(device),
       options_(options),
       clip_options_(options.clip),
       device_name_(device->info().name),
@@ -248,6 +249,11 @@ std::vector<std::string> Session::add(ActorFiles files) {
   return notes;
 }
 
+void Session::use_sound(const SoundFile& sound) {
+  snapshot.waveform = sound.file.empty() ? nullptr : std::make_shared<const Waveform>(read_waveform(sound.file));
+  controls.sound = sound;
+}
+
 void Session::use_limits(const std::string& file) {
   ActorFiles files = scene.lead().files();
   files.limits = file == "none" ? "" : file;
@@ -356,7 +362,7 @@ void Session::pose_lead() {
   const double correction = controls.settings.pose.correction;
   controls.settings.pose = scene.lead().posing();
   controls.settings.pose.correction = correction;
-  controls.poses.begin(controls.settings.pose);
+  controls.poses.begin(controls.settings);
   controls.keyed_frame.reset();
 }
 
@@ -413,7 +419,15 @@ bool Session::restore_view() {
   controls.playback.scrub(session.frame);
   follow();
   use_settings(session.view);
-  controls.poses.begin(controls.settings.pose);
+  controls.image_plane = session.image_plane;
+  controls.sound = session.sound;
+  snapshot.waveform.reset();
+  try {
+    use_sound(session.sound);
+  } catch (const Error& error) {
+    controls.warn(error.what());
+  }
+  controls.poses.begin(controls.settings);
   controls.keyed_frame = controls.playback.frame();
   return true;
 }
@@ -421,6 +435,7 @@ bool Session::restore_view() {
 void Session::use_settings(const ViewSettings& settings) {
   controls.settings = settings;
   controls.go_to_camera(controls.settings.camera);
+  require_shot_camera();
   play_as(controls.settings.playback);
   controls.requests.frame_selection = false;
   warn_of_rates();
@@ -516,6 +531,7 @@ void Session::follow() {
   if (followed_ && controls.settings.look.follow) controls.camera.move(at - *followed_);
   followed_ = at;
   controls.travelled = at - scene.whereabouts(scene.lead().clip().first_frame);
+  controls.follow_shot_camera();
 }
 
 void Session::warn_of_truth_times() {
@@ -561,11 +577,24 @@ void Session::describe_cast() {
     controls.axes_flip.push_back(!dof.turns.empty() && std::abs(dof.turns.front().axis[0]) < std::sqrt(0.5));
   }
   controls.missing = describe_missing(scene);
+  controls.file_cameras = scene.lead().cameras();
+  require_shot_camera();
   if (basis.skeleton.find(controls.joint) < 0) controls.select("");
   std::erase_if(controls.also, [&](const std::string& joint) { return basis.skeleton.find(joint) < 0; });
   curation.look(scene, controls);
   snapshot.device = device_name_;
   warn_of_rates();
+}
+
+// The camera of a file that the shot is seen by may be gone with the file. A session's is not looked for yet.
+void Session::require_shot_camera() {
+  std::string& name = controls.settings.shot_camera.of_file;
+  controls.shot_frame.reset();
+  const bool is_there =
+      std::ranges::find(controls.file_cameras, name, &ClipCamera::name) != controls.file_cameras.end();
+  if (opened_ || name.empty() || is_there) return;
+  controls.warn("the lead's files have no camera '" + name + "': the shot is seen by what is keyed");
+  name = "";
 }
 
 // Where jiggle is wanted, and left out.

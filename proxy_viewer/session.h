@@ -12,6 +12,7 @@
 #include "proxy_viewer/brushing.h"
 #include "proxy_viewer/commands/controls.h"
 #include "proxy_viewer/curation.h"
+#include "proxy_viewer/image_plane.h"
 #include "proxy_viewer/matching.h"
 #include "proxy_viewer/panels/snapshot.h"
 #include "proxy_viewer/platform/live_pose.h"
@@ -40,6 +41,7 @@ class Session {
   Brushing brushing{scene, controls, curation};
   Matching matching;
   Sectioning sectioning;
+  ImagePlane image_plane;
 
   // The first of the options' files, which must be a basis or a character, or the built-in arm where there is none.
   // Gives what is to be said of it. Throws Error(usage), and as the readers do.
@@ -59,6 +61,7 @@ class Session {
   // as it was where it throws.
   void reload(const std::vector<std::filesystem::path>& files);
   void save_markers(const std::string& file);
+  void use_sound(const SoundFile& sound);            // no file: none. Throws Error(file)
   void use_limits(const std::string& file);          // of the lead; "none": it has none. Throws as the readers do
   void give_same_clip();                             // the lead's, to all
   std::vector<std::filesystem::path> files() const;  // of all characters
@@ -86,6 +89,7 @@ class Session {
   struct Work {
     std::vector<ViewSettings::Posing> posings;  // of those that are posed
     std::map<std::string, OrbitView> cameras;
+    std::map<int, CameraKey> camera_keys;
     std::vector<MarkedPair> markers;
     bool operator==(const Work&) const = default;
   };
@@ -118,7 +122,7 @@ class Session {
   void keep_framed(std::uint32_t width, std::uint32_t height, Covered covered = {});
   // So that nothing leaves the picture in the frames that are played (thirteen are looked at).
   void frame_range(std::uint32_t width, std::uint32_t height);
-  // The camera goes along with the lead since the picture before.
+  // The camera goes along with the lead since the picture before, or with the shot.
   void follow();
   // Of truths that lie otherwise on their clips than when this was last asked.
   void warn_of_truth_times();
@@ -147,6 +151,7 @@ class Session {
   void describe_cast();
   void take_note_of_cast();  // of what is open, and of its files
   void warn_of_rates();
+  void require_shot_camera();
   void watch() { watched_ = WatchedFiles(files()); }
 
   const ViewerOptions& options_;

@@ -125,7 +125,7 @@ void Session::save(const std::string& file) {
 }
 
 Session::Work Session::work() const {
-  Work work{{}, controls.settings.cameras, controls.marking.pairs};
+  Work work{{}, controls.settings.cameras, controls.settings.shot_camera.keys, controls.marking.pairs};
   for (const auto& character : scene.cast()) {
     const bool leads = &*character == &scene.lead();
     ViewSettings::Posing posing = leads ? controls.settings.pose : character->posing();
@@ -151,6 +151,8 @@ void Session::write(const std::string& file, const std::string& saved_as) const 
   session.view = controls.settings;
   session.view.playback = controls.playback.settings();
   session.view.camera = controls.kept_camera();
+  session.image_plane = controls.image_plane;
+  session.sound = controls.sound;
   write_session(session, file);
 }
 

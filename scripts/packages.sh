@@ -7,7 +7,7 @@ worker_build_packages=(
   libpugixml-dev zlib1g-dev libhwy-dev libtbb-dev libstb-dev libspng-dev libwebp-dev
 )
 # What the viewport needs beside that.
-viewer_packages=(libglfw3-dev libx11-dev libimgui-dev pkg-config)
+viewer_packages=(libglfw3-dev libx11-dev libimgui-dev libsndfile1-dev pkg-config)
 build_packages=("${worker_build_packages[@]}" "${viewer_packages[@]}" libgtest-dev pybind11-dev python3-dev python3-numpy)
 # What the program runs with where it was built without the viewport (preset `worker`): those of its libraries that no other of
 # them brings along.
@@ -16,7 +16,7 @@ worker_packages=(
   libwebp7 libwebpmux3
 )
 run_packages=(mesa-vulkan-drivers fonts-dejavu-core)
-test_packages=(vulkan-validationlayers xvfb xauth xdotool clang clang-format)
+test_packages=(vulkan-validationlayers xvfb xauth xdotool clang clang-format ffmpeg)
 lint_packages=(clang-tidy)
 attack_packages=(libclang-rt-dev python3)
 bench_packages=(libbenchmark-dev libsuitesparse-dev)

@@ -95,7 +95,7 @@ void add_view(CLI::App& app) {
   add_flag(verb, "--headless", options.headless, "Without a window");
   add_option(verb, "-o,--out", options.out, "FILE",
              "With --headless: a picture (.png), one per frame where the name has #### or %04d, or all frames in "
-             "one that moves (.webp)");
+             "a movie (.webp, .mp4)");
   add_option(verb, "--device", options.device.name, "Vulkan device: auto, an index or part of a name (default: auto)");
   add_flag(verb, "--validate", options.device.validation, "With Vulkan's validation layers: any message is an error");
 }

@@ -155,7 +155,7 @@ void run_command(Controls& controls, const std::string& text) {
   const bool turns_on = rest.empty() && command->value && command->value(controls) == "off";
   const auto missing = controls.missing.find(name + " " + (turns_on ? "on" : rest));
   if (missing != controls.missing.end()) throw Error(ErrorKind::usage, missing->first + ": " + missing->second);
-  controls.poses.note(controls.settings.pose, controls.playback.frame());  // what sliders made of it
+  controls.poses.note(controls.settings, controls.playback.frame());  // what sliders made of it
   try {
     command->run(controls, rest);
   } catch (const Error& error) {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <map>
 #include <optional>
 #include <span>
 #include <string>
@@ -140,6 +141,20 @@ std::optional<Number> automatic_or(const std::string& text, std::type_identity_t
                                    std::type_identity_t<Number> high,
                                    Number (*within)(const std::string&, Number, Number)) {
   return text == "auto" ? std::nullopt : std::optional(within(text, low, high));
+}
+
+// Of "FROM TO"; what was at the other frame is replaced. False: it is there already.
+template <typename Key>
+bool move_key(const Controls& controls, std::map<int, Key>& keys, const std::string& frames) {
+  const auto w = words(frames, 2, "two frames");
+  const int from = integer(w[0]), to = integer(w[1]);
+  controls.playback.require_frame(to);
+  const auto key = keys.find(from);
+  if (key == keys.end()) refuse(w[0], "a frame that has a key");
+  if (from == to) return false;
+  keys[to] = key->second;
+  keys.erase(key);
+  return true;
 }
 
 // The commands of each kind, in the order of menus and cheat sheet; commands() has all of them, in this order.

@@ -17,8 +17,20 @@ OrbitView Controls::kept_camera() const {
 }
 
 void Controls::go_to_camera(const OrbitView& kept) {
-  camera = OrbitCamera(kept);
+  camera.look(kept);
   if (settings.look.follow) camera.move(travelled);
+}
+
+void Controls::follow_shot_camera() {
+  const ViewSettings::ShotCamera& shot = settings.shot_camera;
+  if (!shot.look_through || shot_frame == playback.frame()) return;
+  shot_frame = playback.frame();
+  const auto of_file = std::ranges::find(file_cameras, shot.of_file, &ClipCamera::name);
+  if (of_file != file_cameras.end()) {
+    camera.look(view_of(*of_file, static_cast<std::size_t>(playback.frame() - playback.first())));
+  } else if (!shot.keys.empty()) {
+    go_to_camera(between_keys(shot.keys, playback.frame()));
+  }
 }
 
 void Controls::warn(const std::string& text) {
@@ -94,7 +106,7 @@ void Controls::follow_keys() {
   keyed_frame = playback.frame();
   if (settings.pose.keys.empty()) return;
   settings.pose = keyed_posing(settings.pose, playback.frame());
-  poses.follow(settings.pose, playback.frame());
+  poses.follow(settings, playback.frame());
 }
 
 }  // namespace bodyopt

@@ -131,6 +131,7 @@ struct Requests {
   std::optional<bool> recover;                          // the autosave of a viewport that ended, or discard it
   std::optional<std::string> save_pose, limits;         // file names
   std::optional<PoseRequest> load_pose;
+  std::optional<SoundFile> sound;  // to be read
   bool operator==(const Requests&) const = default;
 };
 
@@ -189,7 +190,11 @@ struct Controls {
   bool dope_sheet = false;         // all keys are shown under the timeline, as wide as it
   bool zooms = false;              // the timeline shows the range alone
   std::optional<int> keyed_frame;  // that the pose in hand is of
-  bool flipped = false;            // while the key of "hold to flip" is down
+  ImagePlaneFile image_plane;
+  SoundFile sound;
+  std::vector<ClipCamera> file_cameras;  // of the lead's clip and character
+  std::optional<int> shot_frame;  // that the view is of, as the shot's camera had it; none: it is to be looked through
+  bool flipped = false;           // while the key of "hold to flip" is down
   bool cheat_sheet = false;
   bool panels = true;
   bool headless = false;                   // nobody looks: what fails is thrown, and what is asked for is waited for
@@ -217,6 +222,8 @@ struct Controls {
   // A camera as it is kept: one that follows, as the lead stands at its clip's first frame. And to such a one.
   OrbitView kept_camera() const;
   void go_to_camera(const OrbitView& kept);
+  // Where it is looked through, the view is that of the shot's camera once the frame is another: until then it is free.
+  void follow_shot_camera();
 
   // What is set at a frame: in hand at the frame that is shown, by the keys at others.
   ViewSettings::Posing posing_at(int frame) const;

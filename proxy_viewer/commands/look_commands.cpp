@@ -1,7 +1,11 @@
 // Cameras.
+#include <filesystem>
 #include <numbers>
+#include <utility>
 
+#include "assets/wording.h"
 #include "proxy_viewer/commands/commands.h"
+#include "runtime/core/error.h"
 
 namespace bodyopt {
 namespace {
@@ -14,6 +18,13 @@ constexpr auto view_axis = [](Controls& c, const std::string&) {
   c.camera.view_axis(axis);
   c.requests.keep_framed = true;
 };
+
+// Of the frame that is shown. Throws Error(usage) where it has none.
+CameraKey& require_camera_key(Controls& c) {
+  const auto key = c.settings.shot_camera.keys.find(c.playback.frame());
+  if (key != c.settings.shot_camera.keys.end()) return key->second;
+  throw Error(ErrorKind::usage, "frame " + std::to_string(c.playback.frame()) + " has no key of the camera");
+}
 
 const Command kCameraCommands[] = {
     request_command<&Requests::frame_selection>("frame-selection", "F", "Camera",
@@ -64,19 +75,56 @@ const Command kCameraCommands[] = {
        if (a.empty()) refuse(a, "a name");
        c.settings.cameras[a] = c.kept_camera();
      }},
-    {"camera", "NAME", "", "Camera", "to a camera that was kept",
+    {"camera", "NAME", "", "Camera", "to a camera that was kept, or one of the lead's file",
      [](Controls& c, const std::string& a) {
+       ViewSettings::ShotCamera& shot = c.settings.shot_camera;
        const auto found = c.settings.cameras.find(a);
-       if (found == c.settings.cameras.end()) refuse(a, "a camera that was kept");
-       c.go_to_camera(found->second);
+       shot.of_file = "";
+       if (found != c.settings.cameras.end()) return c.go_to_camera(found->second);
+       std::vector<std::string> names;
+       for (const auto& [name, view] : c.settings.cameras) names.push_back(name);
+       for (const ClipCamera& camera : c.file_cameras) names.push_back(camera.name);
+       shot.of_file = known(a, names, "camera that was kept, or of the lead's file");
+       shot.look_through = true;
+       c.shot_frame.reset();
      }},
     {"forget-camera", "NAME", "", "Camera", "a camera that was kept",
      [](ViewSettings& settings, const std::string& a) {
        if (settings.cameras.erase(a) == 0) refuse(a, "a camera that was kept");
      }},
+    {"look-through", "[on|off]", "0", "Camera", "see by the camera of the shot, or freely",
+     [](Controls& c, const std::string& a) {
+       toggle(c.settings.shot_camera.look_through, a);
+       c.shot_frame.reset();
+     },
+     [](const Controls& c) { return name_of(c.settings.shot_camera.look_through); }},
+    {"camera-key", "", "Alt+C", "Keys", "keeps the view as a key of the camera",
+     [](Controls& c, const std::string&) {
+       static_cast<OrbitView&>(c.settings.shot_camera.keys[c.playback.frame()]) = c.kept_camera();
+       c.settings.shot_camera.of_file = "";
+       c.shot_frame = c.playback.frame();
+     }},
+    {"camera-unkey", "", "", "Keys", "forgets the camera's key of this frame",
+     [](Controls& c, const std::string&) {
+       require_camera_key(c);
+       c.settings.shot_camera.keys.erase(c.playback.frame());
+       c.shot_frame.reset();
+     }},
+    {"camera-ease", "smooth|linear|step", "", "Keys", "from the camera's key here to the next; step: a cut",
+     [](Controls& c, const std::string& a) { choose(require_camera_key(c).ease, a, kKeyEaseNames); },
+     [](const Controls& c) {
+       const auto key = c.settings.shot_camera.keys.find(c.playback.frame());
+       return name_of(key == c.settings.shot_camera.keys.end() ? KeyEase::smooth : key->second.ease, kKeyEaseNames);
+     }},
+    {"move-camera-key", "FROM TO", "", "Keys", "the camera's key of a frame to another",
+     [](Controls& c, const std::string& a) {
+       if (move_key(c, c.settings.shot_camera.keys, a)) c.shot_frame.reset();
+     }},
 };
 
 // How it looks.
+
+constexpr const char* kImages = ".png|.jpg|.jpeg|.webp";
 
 const Command kLookCommands[] = {
     choice_command<kStyleNames, &ViewSettings::Look::style>("style", "clay|material|matcap|flat|normals|silhouette",
@@ -104,6 +152,20 @@ const Command kLookCommands[] = {
     switch_command<&ViewSettings::Look::shadow>("shadow", "", "Look", "the shadow on the ground"),
     switch_command<&ViewSettings::Look::worn>("worn", "", "Look",
                                               "clothes, eyes and what else is attached to the skin"),
+    {"image-plane", "[FILE|none] [0-1]", "", "Look", "an image behind, or one a frame (####); its opacity",
+     [](Controls& c, const std::string& a) {
+       if (a.empty()) return c.browse("image-plane");
+       if (a == "none") return void(c.image_plane = {});
+       ImagePlaneFile plane{a};
+       if (!missing_ending(a, kImages).empty()) {
+         const auto [file, opacity] = split_last(a, "a file that ends in .png, .jpg or .webp, and an opacity");
+         require_ending(file, kImages);
+         plane = {file, number_within(opacity, 0, 1)};
+       }
+       const bool is_sequence = plane.file.find_first_of("#%") != std::string::npos;
+       if (!is_sequence && !std::filesystem::exists(plane.file)) refuse(plane.file, "a file that is there");
+       c.image_plane = plane;
+     }},
 };
 
 }  // namespace

@@ -99,6 +99,15 @@ const Command kPlaybackCommands[] = {
     switch_command<&Controls::zooms>("zoom-range", "Shift+I", "Playback", "the timeline shows only the range"),
     {"whole-range", "", "Alt+I", "Playback", "play all frames",
      [](Playback& playback, const std::string&) { playback.set_range(playback.first(), playback.last()); }},
+    {"sound", "[FILE.wav|none] [FRAME]", "", "Playback", "its waveform under the timeline, from a frame on",
+     [](Controls& c, const std::string& a) {
+       if (a.empty()) return c.browse("sound");
+       c.requests.sound = SoundFile{a == "none" ? "" : a, c.playback.first()};
+       if (a == "none" || a.ends_with(".wav")) return;
+       const auto [file, frame] = split_last(a, "a file that ends in .wav, and the frame that it begins at");
+       require_ending(file, ".wav");
+       c.requests.sound = SoundFile{file, integer(frame)};
+     }},
     {"live", "[on|off]", "", "Playback", "poses that another program sends, or the clip",
      [](Controls& c, const std::string& a) {
        if (!c.live) throw Error(ErrorKind::usage, "no poses are listened for: begin with --live PORT");
@@ -150,9 +159,10 @@ void move_keys(Controls& c, bool takes_away, const std::function<int(int)>& to) 
 }
 
 // Undoes or redoes: with keys a pose is that of its frame.
-bool go_to_step(Controls& c, std::optional<int> (PoseHistory::*step)(ViewSettings::Posing&, int)) {
+bool go_to_step(Controls& c, std::optional<int> (PoseHistory::*step)(ViewSettings&, int)) {
   const bool had_keys = !c.settings.pose.keys.empty();
-  const std::optional<int> frame = (c.poses.*step)(c.settings.pose, c.playback.frame());
+  const std::optional<int> frame = (c.poses.*step)(c.settings, c.playback.frame());
+  c.shot_frame.reset();
   if (!frame || (!had_keys && c.settings.pose.keys.empty())) return frame.has_value();
   c.playback.scrub(*frame);
   c.keyed_frame = c.playback.frame();
@@ -254,15 +264,7 @@ const Command kPoseCommands[] = {
      }},
     {"move-key", "FROM TO", "", "Keys", "the key of a frame to another",
      [](Controls& c, const std::string& a) {
-       const auto w = words(a, 2, "two frames");
-       const int from = integer(w[0]), to = integer(w[1]);
-       c.playback.require_frame(to);
-       const auto key = c.settings.pose.keys.find(from);
-       if (key == c.settings.pose.keys.end()) refuse(w[0], "a frame that has a key");
-       if (from == to) return;
-       c.settings.pose.keys[to] = key->second;
-       c.settings.pose.keys.erase(from);
-       c.keyed_frame.reset();
+       if (move_key(c, c.settings.pose.keys, a)) c.keyed_frame.reset();
      }},
     {"key", "", "Alt+K", "Keys", "keeps the pose as a key of this frame",
      [](Controls& c, const std::string&) {

@@ -22,6 +22,13 @@ std::set<std::string> names_of(const ViewSettings::PoseKey& key) {
   return names;
 }
 
+struct KeyedLine {
+  std::string name;
+  std::map<int, KeyEase> keys{};  // all there are
+  std::set<int> frames{};         // of those that say something of what the line is of
+  bool is_camera = false;         // otherwise the pose
+};
+
 // As a key has it, of what a row is of.
 KeyEase ease_of(const ViewSettings::PoseKey& key, const std::string& row) {
   const std::size_t kind = row.starts_with("pin ") ? 4 : row.starts_with("move ") ? 5 : 0;
@@ -30,42 +37,44 @@ KeyEase ease_of(const ViewSettings::PoseKey& key, const std::string& row) {
 
 // All keys in a line, to be dragged to other frames; a click goes there. Those that say nothing of what the line is of,
 // which is there as the clip has it, are hollow. Gives the command for what the mouse did; empty: none.
-std::string draw_diamonds(const std::string& row, const std::set<int>& frames, const ImVec2& at, float width, int first,
-                          int last, const Controls& controls) {
+std::string draw_diamonds(const KeyedLine& line, const ImVec2& at, float width, int first, int last,
+                          const Controls& controls) {
   std::string command;
+  const ImU32 colour = line.is_camera ? kCameraColour : kAccent;
   const double count = std::max(1, last - first);
   ImDrawList& list = *ImGui::GetWindowDrawList();
   list.AddRectFilled(at, {at.x + width, at.y + kRow - 2}, ImGui::GetColorU32(ImGuiCol_FrameBg, 0.6f));
   const auto place = [&](int frame) {
     return at.x + kDiamond + static_cast<float>((frame - first) / count) * (width - 2 * kDiamond);
   };
-  for (const auto& [frame, key] : controls.settings.pose.keys) {
+  for (const auto& [frame, ease] : line.keys) {
     if (frame < first || last < frame) continue;
     const float x = place(frame), y = at.y + kRow / 2 - 1;
     ImGui::SetCursorScreenPos({x - kDiamond, at.y});
     ImGui::PushID(frame);
-    ImGui::InvisibleButton(row.c_str(), {2 * kDiamond, kRow});
+    ImGui::InvisibleButton(line.name.c_str(), {2 * kDiamond, kRow});
     const bool held = ImGui::IsItemActive();
     if (ImGui::IsItemHovered())
-      ImGui::SetTooltip("frame %d: drag to move the pose of this key, with Shift all keys of the range", frame);
+      ImGui::SetTooltip("frame %d: drag to move this key%s", frame,
+                        line.is_camera ? "" : ", with Shift all poses of the range");
     if (ImGui::IsItemDeactivated()) {
       const double share = static_cast<double>((ImGui::GetIO().MousePos.x - at.x - kDiamond) / (width - 2 * kDiamond));
       const int to = first + static_cast<int>(std::lround(std::clamp(share, 0.0, 1.0) * count));
-      const std::string moved = ImGui::GetIO().KeyShift
-                                    ? "shift-keys " + std::to_string(to - frame)
-                                    : "move-key " + std::to_string(frame) + " " + std::to_string(to);
+      const std::string moved =
+          ImGui::GetIO().KeyShift && !line.is_camera
+              ? "shift-keys " + std::to_string(to - frame)
+              : (line.is_camera ? "move-camera-key " : "move-key ") + std::to_string(frame) + " " + std::to_string(to);
       command = to == frame ? "frame " + std::to_string(frame) : moved;
     }
     ImGui::PopID();
     // What follows: a diamond, a triangle where it is straight, a square where nothing moves.
-    const KeyEase ease = ease_of(key, row);
     const ImVec2 middle{held ? ImGui::GetIO().MousePos.x : x, y};
-    if (!frames.contains(frame)) {
-      list.AddCircle(middle, kDiamond - 1, kAccent, 4);
+    if (!line.frames.contains(frame)) {
+      list.AddCircle(middle, kDiamond - 1, colour, 4);
     } else if (ease == KeyEase::step) {
-      list.AddRectFilled({middle.x - 3.5f, y - 3.5f}, {middle.x + 3.5f, y + 3.5f}, kAccent);
+      list.AddRectFilled({middle.x - 3.5f, y - 3.5f}, {middle.x + 3.5f, y + 3.5f}, colour);
     } else {
-      list.AddCircleFilled(middle, kDiamond, kAccent, ease == KeyEase::linear ? 3 : 4);
+      list.AddCircleFilled(middle, kDiamond, colour, ease == KeyEase::linear ? 3 : 4);
     }
   }
   const int shown = controls.playback.frame();
@@ -75,14 +84,13 @@ std::string draw_diamonds(const std::string& row, const std::set<int>& frames, c
   return command;
 }
 
-std::string draw_key_line(const std::string& name, const std::set<int>& frames, float name_width, float width,
-                          int first, int last, const Controls& controls) {
+std::string draw_key_line(const KeyedLine& line, float name_width, float width, int first, int last,
+                          const Controls& controls) {
   const ImVec2 at = ImGui::GetCursorScreenPos();
   ImGui::PushClipRect(at, {at.x + name_width - 4, at.y + kRow}, true);
-  ImGui::TextUnformatted(name.c_str());
+  ImGui::TextUnformatted(line.name.c_str());
   ImGui::PopClipRect();
-  const std::string command =
-      draw_diamonds(name, frames, {at.x + name_width, at.y}, width - name_width, first, last, controls);
+  const std::string command = draw_diamonds(line, {at.x + name_width, at.y}, width - name_width, first, last, controls);
   ImGui::SetCursorScreenPos({at.x, at.y + kRow});
   return command;
 }
@@ -136,20 +144,33 @@ void draw_mouse(float width) {
 }  // namespace
 
 void draw_key_lines(Controls& controls, float name_width, float width, int first, int last) {
-  if (controls.settings.pose.keys.empty()) {
+  const std::map<int, ViewSettings::PoseKey>& poses = controls.settings.pose.keys;
+  if (poses.empty() && controls.settings.shot_camera.keys.empty()) {
     ImGui::TextDisabled("no keys: pose a frame, then Set key below (Alt+K)");
     return;
   }
+  KeyedLine camera{.name = "camera", .is_camera = true}, all{.name = "all"};
+  for (const auto& [frame, key] : controls.settings.shot_camera.keys) {
+    camera.keys[frame] = key.ease;
+    camera.frames.insert(frame);
+  }
   std::map<std::string, std::set<int>> rows;
-  std::set<int> all;
-  for (const auto& [frame, key] : controls.settings.pose.keys) {
-    all.insert(frame);
+  for (const auto& [frame, key] : poses) {
+    all.keys[frame] = key.ease;
+    all.frames.insert(frame);
     for (const std::string& name : names_of(key)) rows[name].insert(frame);
   }
-  // Keys are as they were until all lines are drawn.
-  std::string command = draw_key_line("all", all, name_width, width, first, last, controls);
+  std::vector<KeyedLine> lines;
+  if (!camera.keys.empty()) lines.push_back(camera);
+  if (!all.keys.empty()) lines.push_back(all);
   for (const auto& [name, frames] : rows) {
-    const std::string of_line = draw_key_line(name, frames, name_width, width, first, last, controls);
+    KeyedLine& line = lines.emplace_back(KeyedLine{.name = name, .frames = frames});
+    for (const auto& [frame, key] : poses) line.keys[frame] = ease_of(key, name);
+  }
+  // Keys are as they were until all lines are drawn.
+  std::string command;
+  for (const KeyedLine& line : lines) {
+    const std::string of_line = draw_key_line(line, name_width, width, first, last, controls);
     if (!of_line.empty()) command = of_line;
   }
   if (!command.empty()) attempt(controls, command);

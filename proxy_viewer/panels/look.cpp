@@ -45,6 +45,23 @@ void draw_kept(Controls& controls) {
   if (!forgotten.empty()) attempt(controls, "forget-camera " + forgotten);
 }
 
+// Its keys, and whether it is looked through.
+void draw_shot_camera(Controls& controls) {
+  const float width = share_of_line(2);
+  command_button(controls, "camera-key", nullptr, width);
+  ImGui::SameLine();
+  ImGui::BeginDisabled(!controls.settings.shot_camera.keys.contains(controls.playback.frame()));
+  command_button(controls, "camera-unkey", "Remove", width);
+  command_choice(controls, "camera-ease", "To the next");
+  ImGui::EndDisabled();
+  command_tick(controls, "look-through");
+  for (const ClipCamera& camera : controls.file_cameras) {
+    const bool is_chosen = camera.name == controls.settings.shot_camera.of_file;
+    if (ImGui::Selectable(camera.name.c_str(), is_chosen)) attempt(controls, "camera " + camera.name);
+    explain("camera");
+  }
+}
+
 // The first "camera 1", "camera 2", ... that is free.
 std::string free_name(const Controls& controls) {
   for (int k = 1;; ++k) {
@@ -106,6 +123,7 @@ void draw_cameras(const Snapshot&, Controls& controls) {
   command_tick(controls, "orthographic");
   ImGui::SameLine();
   command_tick(controls, "cut-away");
+  draw_shot_camera(controls);
   draw_kept(controls);
   const std::string name = free_name(controls);
   const float button = 56;

@@ -23,6 +23,8 @@ constexpr std::pair<const char*, const char*> kCommandLabels[] = {{"step", "One 
                                                                   {"out", "Range ends here"},
                                                                   {"key", "Set key"},
                                                                   {"unkey", "Remove key"},
+                                                                  {"camera-key", "Set camera key"},
+                                                                  {"camera-unkey", "Remove camera key"},
                                                                   {"paste-flipped", "Paste flipped"},
                                                                   {"save", "Save session"},
                                                                   {"export-clip", "Export motion"},
@@ -72,6 +74,7 @@ PanelLayout layout_of(const Controls& controls, float width, float height) {
   layout.menu = ImGui::GetFrameHeight();
   if (height >= kLowest) layout.timeline = kTimeline;
   if (controls.dope_sheet && layout.timeline > 0) layout.sheet = std::max(kLowestSheet, kSheet * height - kTimeline);
+  if (!controls.sound.file.empty() && layout.timeline > 0) layout.timeline += kSoundHeight;
   layout.timeline += layout.sheet;
   if (width >= kNarrowest && shows_side_panel(controls.settings)) layout.side = width < kNarrow ? kNarrowSide : kSide;
   return layout;
@@ -276,6 +279,7 @@ void visit_texts(const Snapshot& snapshot, const Controls& controls,
   visit(snapshot.outside_feature);
   visit(snapshot.device);
   for (const auto& [name, view] : controls.settings.cameras) visit(name);
+  for (const ClipCamera& camera : controls.file_cameras) visit(camera.name);
   const PanelState& typed = controls.typed;
   for (const std::string* text : {&typed.prompt, &typed.joint_filter, &typed.camera, &typed.open, &typed.screenshot,
                                   &typed.sequence, &typed.turntable, &typed.state}) {

@@ -20,7 +20,7 @@ namespace bodyopt {
 // that a panel, a menu and a script say and do the same.
 
 constexpr ImU32 kAccent = IM_COL32(242, 158, 64, 255), kQuiet = IM_COL32(122, 122, 126, 255);
-constexpr ImU32 kErrorColour = IM_COL32(220, 90, 70, 255);
+constexpr ImU32 kErrorColour = IM_COL32(220, 90, 70, 255), kCameraColour = IM_COL32(110, 200, 150, 255);
 
 // Of linear RGB.
 ImU32 opaque(const std::array<float, 3>& linear);
@@ -109,8 +109,10 @@ void draw_curate(const Snapshot& snapshot, Controls& controls);
 void draw_pose(const Snapshot& snapshot, Controls& controls);
 void draw_poses(const Snapshot& snapshot, Controls& controls);
 void draw_keys(const Snapshot& snapshot, Controls& controls);
-constexpr float kDiamond = 4.5f;  // half of what a key is drawn as
-// A line for all keys and one for each thing that is keyed: its name, and its keys between two frames.
+constexpr float kSoundHeight = 32;  // of the waveform under the timeline
+constexpr float kDiamond = 4.5f;    // half of what a key is drawn as
+// A line for all keys, one for each thing that is keyed, and one for the camera: its name, and its keys between two
+// frames.
 void draw_key_lines(Controls& controls, float name_width, float width, int first, int last);
 void draw_modifiers(const Snapshot& snapshot, Controls& controls);
 void draw_muscles(const Snapshot& snapshot, Controls& controls);

@@ -4,10 +4,12 @@
 #include <array>
 #include <cstdint>
 #include <limits>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "proxy_viewer/state/waveform.h"
 #include "runtime/host/stages.h"
 #include "shots/session/pinned_joints.h"
 
@@ -136,9 +138,10 @@ struct Snapshot {
   std::size_t measured = 0;              // how many of them
   std::optional<std::size_t> worst;      // index of the largest
 
-  std::optional<CurationRow> curation;  // none: no dataset is open
-  std::optional<LiveRow> live;          // none: the clip is shown
-  std::optional<MatchRow> match;        // none: nobody asked for it
+  std::shared_ptr<const Waveform> waveform;  // null: there is no sound
+  std::optional<CurationRow> curation;       // none: no dataset is open
+  std::optional<LiveRow> live;               // none: the clip is shown
+  std::optional<MatchRow> match;             // none: nobody asked for it
 
   bool has_character = false;         // its weights are at hand, so that its inside can be found
   std::optional<SectionRow> section;  // none: it is not asked for

@@ -109,6 +109,10 @@ void draw_frames(const Snapshot& snapshot, Controls& controls, const Bar& bar) {
   for (const auto& [frame, key] : controls.settings.pose.keys) {
     if (bar.shows(frame)) list.AddCircleFilled({bar.x(frame), bar.at.y + 14}, 4, kAccent, 4);
   }
+  for (const auto& [frame, key] : controls.settings.shot_camera.keys) {
+    const float x = bar.x(frame), y = bar.at.y + 23;
+    if (bar.shows(frame)) list.AddTriangleFilled({x - 4, y}, {x + 4, y - 4}, {x + 4, y + 4}, kCameraColour);
+  }
 }
 
 // An end of the range, to be dragged: a flag over the bar, towards the other end.
@@ -139,6 +143,22 @@ void draw_sparkline(const Snapshot& snapshot, Controls& controls, const Bar& bar
   attempt(controls, is_there ? "worst-vertex" : "worst-frame");
 }
 
+// Pixel by pixel, as far as the sound swings while it passes.
+void draw_waveform(const Snapshot& snapshot, const Controls& controls, const Bar& bar) {
+  ImDrawList& list = *ImGui::GetWindowDrawList();
+  list.AddRectFilled(bar.at, {bar.at.x + bar.size.x, bar.at.y + bar.size.y}, kBar, 3);
+  if (!snapshot.waveform) return;
+  const auto seconds = [&](float x) {
+    const double frame = bar.first + static_cast<double>((x - bar.at.x) / bar.size.x) * (bar.last - bar.first);
+    return (frame - controls.sound.first) / snapshot.clip_fps;
+  };
+  const float half = 0.5f * bar.size.y, middle = bar.at.y + half;
+  for (float x = bar.at.x; x < bar.at.x + bar.size.x; ++x) {
+    const auto [low, high] = snapshot.waveform->swing(seconds(x), seconds(x + 1));
+    list.AddRectFilled({x, middle - half * high}, {x + 1, middle - half * low + 1}, kKeyColour);
+  }
+}
+
 void draw_head(const Bar& bar, float bottom, int frame) {
   if (!bar.shows(frame)) return;
   ImDrawList& list = *ImGui::GetWindowDrawList();
@@ -151,7 +171,8 @@ Bar draw_bars(const Snapshot& snapshot, Controls& controls, float bottom) {
   constexpr float kSparkline = 20, kGap = 4;
   const ImVec2 at = ImGui::GetCursorScreenPos();
   const float width = std::max(1.0f, ImGui::GetContentRegionAvail().x);
-  const float below = snapshot.errors.empty() ? 0 : kSparkline + kGap;
+  const float sound = controls.sound.file.empty() ? 0 : kSoundHeight;
+  const float below = (snapshot.errors.empty() ? 0 : kSparkline + kGap) + sound;
   const Playback& playback = controls.playback;
   const Bar frames{at,
                    {width, bottom - at.y - below},
@@ -163,7 +184,12 @@ Bar draw_bars(const Snapshot& snapshot, Controls& controls, float bottom) {
     draw_end("out", controls.playback.out(), -1, controls, frames);
   }
   if (!snapshot.errors.empty()) {
-    draw_sparkline(snapshot, controls, {{at.x, bottom - kSparkline}, {width, kSparkline}, frames.first, frames.last});
+    draw_sparkline(snapshot, controls,
+                   {{at.x, bottom - sound - kSparkline}, {width, kSparkline}, frames.first, frames.last});
+  }
+  if (sound > 0) {
+    const Bar under{{at.x, bottom - sound + kGap}, {width, sound - kGap}, frames.first, frames.last};
+    draw_waveform(snapshot, controls, under);
   }
   draw_head(frames, bottom, playback.frame());
   return frames;

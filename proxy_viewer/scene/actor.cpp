@@ -142,7 +142,17 @@ void Actor::read_materials(LevelPool& pool) {
   materials_ =
       pool.materials({own, files_.basis, files_.attached(), files_.levels()}, [&] { return materials_of(own); });
   const bool is_guessed = files_.character.empty() && own != files_.basis;  // and may be of another
-  if (!is_guessed) std::ranges::copy(materials_->notes, std::back_inserter(notes_));
+  if (is_guessed) return;
+  std::ranges::copy(materials_->notes, std::back_inserter(notes_));
+  own_cameras_ = read_still_cameras(own, kept_unit(finest().basis()));
+}
+
+std::vector<ClipCamera> Actor::cameras() const {
+  std::vector<ClipCamera> all = clip_.cameras;
+  for (const ClipCamera& camera : own_cameras_) {
+    if (std::ranges::find(all, camera.name, &ClipCamera::name) == all.end()) all.push_back(camera);
+  }
+  return all;
 }
 
 std::shared_ptr<const CharacterMaterials> Actor::materials_of(const std::string& own) const {

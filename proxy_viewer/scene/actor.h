@@ -78,6 +78,7 @@ class Actor {
   void set_level(std::size_t level) { level_ = std::min(level, details_.size() - 1); }
   const Clip& clip() const { return clip_; }              // still_clip() where there is no file
   const std::vector<int>& keys() const { return keys_; }  // frames; see clip_keys()
+  std::vector<ClipCamera> cameras() const;                // of its clip, then others of its own file
   bool has(SkinMethod method) const;
   bool has_at_finest(SkinMethod method) const;  // whatever level is shown
   bool has_dynamics() const { return finest().jiggles(); }
@@ -223,6 +224,7 @@ class Actor {
   Clip clip_;                        // as it is shown before it is posed: modified, with the basis' controls
   mutable ModifierTrack modifiers_;  // over source_
   std::vector<int> keys_;
+  std::vector<ClipCamera> own_cameras_;
   JointLimits limits_;
   std::vector<std::optional<JointRange>> ranges_;  // of every joint; none: they turn as far as they are turned
   ViewSettings::Posing posing_;

@@ -27,12 +27,14 @@ const std::map<std::string, FileKind>& kinds() {
       {"save-state", {{".json"}, "view.json"}},
       {"load-state", {{".json"}, ""}},
       {"limits", {{".json"}, ""}},
+      {"sound", {{".wav"}, ""}},
+      {"image-plane", {{".png", ".jpg", ".jpeg", ".webp"}, ""}},
       {"save-pose", {{".json"}, "pose.json"}},
       {"load-pose", {{".json"}, ""}},
       {"export-clip", {{".glb", ".bvh", ".usda"}, "motion.glb"}},
       {"export-skin", {{".glb", ".pc2", ".mdd", ".usda"}, "skin.glb"}},
       {"screenshot", {{".png"}, "picture.png"}},
-      {"sequence", {{".webp", ".png"}, "movie.webp"}},
+      {"sequence", {{".webp", ".mp4", ".png"}, "movie.webp"}},
       {"turntable", {{".png"}, "turntable.####.png"}}};
   return all;
 }

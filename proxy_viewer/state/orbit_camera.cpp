@@ -11,6 +11,8 @@ namespace bodyopt {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
+constexpr double kShallowest = 0.1;  // metres, of the target of a camera that looks elsewhere
+static_assert(OrbitView().vertical_angle == double{kVerticalAngle});
 
 // From the target towards the eye, unit.
 Vec3 direction(const OrbitView& view) {
@@ -18,8 +20,13 @@ Vec3 direction(const OrbitView& view) {
           std::cos(view.elevation) * std::cos(view.azimuth)};
 }
 
-double height_at_target(const OrbitView& view) {
-  return 2 * view.distance * std::tan(0.5 * static_cast<double>(kVerticalAngle));
+double height_at_target(const OrbitView& view) { return 2 * view.distance * std::tan(0.5 * view.vertical_angle); }
+
+// Upright but for the roll. By the poles, too: right is the turntable's side.
+ViewAxes axes_of(const OrbitView& view) {
+  const Vec3 back = direction(view), right{std::cos(view.azimuth), 0, -std::sin(view.azimuth)}, up = cross(back, right);
+  const double c = std::cos(view.roll), s = std::sin(view.roll);
+  return {c * right + s * up, c * up - s * right, back};
 }
 
 // The points moved along `back` into the plane of the origin: without depth, both kinds of camera see the same.
@@ -49,7 +56,8 @@ Camera OrbitCamera::camera() const {
   Camera camera;
   camera.eye = to_float(view_.target + view_.distance * direction(view_));
   camera.target = to_float(view_.target);
-  camera.vertical_angle = kVerticalAngle;
+  camera.up = to_float(axes_of(view_).up);
+  camera.vertical_angle = static_cast<float>(view_.vertical_angle);
   if (view_.orthographic) camera.orthographic_height = static_cast<float>(height_at_target(view_));
   camera.cut_away = view_.cut_away;
   return camera;
@@ -62,7 +70,7 @@ void OrbitCamera::orbit(double right, double up) {
 
 void OrbitCamera::pan(double right, double down, double height) {
   if (!(height > 0)) return;
-  const ViewAxes axes = view_axes(direction(view_));
+  const ViewAxes axes = axes_of(view_);
   const double metres = height_at_target(view_) / height;  // a pixel
   view_.target = view_.target - right * metres * axes.right + down * metres * axes.up;
 }
@@ -72,6 +80,7 @@ void OrbitCamera::dolly(double notches) {
 }
 
 void OrbitCamera::frame(std::span<const float> points, float aspect, double share) {
+  stand_upright();
   const Vec3 back = direction(view_);
   const Camera seen = frame_points(points, to_float(back), aspect);
   view_.target = to_double(seen.target);
@@ -86,9 +95,37 @@ void OrbitCamera::view_axis(AxisView axis) {
   };
   static constexpr Angles kAngles[] = {{0, 0},          {kPi, 0},       {0.5 * kPi, 0},
                                        {-0.5 * kPi, 0}, {0, 0.5 * kPi}, {0, -0.5 * kPi}};
+  stand_upright();
   const Angles& angles = kAngles[static_cast<std::size_t>(axis)];
   view_.azimuth = angles.azimuth;
   view_.elevation = angles.elevation;
+}
+
+void OrbitCamera::stand_upright() {
+  view_.roll = 0;
+  view_.vertical_angle = OrbitView().vertical_angle;
+}
+
+OrbitView view_of(const ClipCamera& camera, std::size_t place) {
+  const Affine& at = camera.places[std::min(place, camera.places.size() - 1)];
+  const auto column = [&](std::size_t k) { return Vec3{at.m[0][k], at.m[1][k], at.m[2][k]}; };
+  const double size = length(column(2));
+  const Vec3 back = size > 0 ? (1 / size) * column(2) : Vec3{0, 0, 1}, eye = column(3);
+  OrbitView view;
+  view.azimuth = std::atan2(back[0], back[2]);
+  view.elevation = std::asin(std::clamp(back[1], -1.0, 1.0));
+  const ViewAxes upright = axes_of(view);
+  view.roll = std::atan2(-dot(column(1), upright.right), dot(column(1), upright.up));
+  view.distance = std::clamp(dot(eye, back), kShallowest, OrbitView::kFarthest);
+  view.orthographic = camera.vertical_angle == 0;
+  if (view.orthographic) {
+    view.distance =
+        std::clamp(camera.height / height_at_target({.distance = 1}), OrbitView::kNearest, OrbitView::kFarthest);
+  } else {
+    view.vertical_angle = camera.vertical_angle;
+  }
+  view.target = eye - view.distance * back;
+  return view;
 }
 
 }  // namespace bodyopt

@@ -3,6 +3,7 @@
 
 #include <span>
 
+#include "assets/clip.h"
 #include "draw/camera.h"
 #include "shots/session/view_settings.h"
 
@@ -34,14 +35,22 @@ class OrbitCamera {
   // large as they can be in `share` of the picture's height and width. `aspect`: width over height. Throws Error(usage)
   // as frame_points().
   void frame(std::span<const float> points, float aspect, double share = 1);
+  // As it is, also by the pole and with a roll, which the turntable itself keeps away from: of a camera that was
+  // checked.
+  void look(const OrbitView& view) { view_ = view; }
   // Eye and target, metres, world.
   void move(const Vec3& by) { view_.target = view_.target + by; }
-  void view_axis(AxisView axis);
+  void view_axis(AxisView axis);  // as frame(): upright, and with the usual lens
   void toggle_orthographic() { view_.orthographic = !view_.orthographic; }
   void toggle_cut_away() { view_.cut_away = !view_.cut_away; }
 
  private:
+  void stand_upright();
+
   OrbitView view_;
 };
+
+// What a camera of a file sees at one of its places; its target is as deep as the world's origin.
+OrbitView view_of(const ClipCamera& camera, std::size_t place);
 
 }  // namespace bodyopt

@@ -2,14 +2,14 @@
 
 namespace bodyopt {
 
-void PoseHistory::begin(const ViewSettings::Posing& now) {
-  steps_ = {{now, now.keys}};
+void PoseHistory::begin(const ViewSettings& now) {
+  steps_ = {step_of(now, 0)};
   at_ = 0;
   followed_.reset();
 }
 
-void PoseHistory::note(const ViewSettings::Posing& now, int frame) {
-  const Step step{now, now.keys, frame};
+void PoseHistory::note(const ViewSettings& now, int frame) {
+  const Step step = step_of(now, frame);
   if (step.is_of(followed_ ? *followed_ : steps_[at_])) return;
   steps_.resize(at_ + 1);
   if (followed_ && !followed_->is_of(steps_[at_])) steps_.push_back(*followed_);
@@ -20,24 +20,27 @@ void PoseHistory::note(const ViewSettings::Posing& now, int frame) {
 }
 
 // Its keys are those of the last step: where they have changed, that is yet to be noted.
-void PoseHistory::follow(const ViewSettings::Posing& now, int frame) { followed_ = {now, steps_[at_].keys, frame}; }
+void PoseHistory::follow(const ViewSettings& now, int frame) {
+  followed_ = {now.pose, steps_[at_].keys, steps_[at_].camera_keys, frame};
+}
 
-std::optional<int> PoseHistory::undo(ViewSettings::Posing& now, int frame) {
+std::optional<int> PoseHistory::undo(ViewSettings& now, int frame) {
   note(now, frame);
   if (at_ == 0) return {};
   return show(steps_[--at_], now);
 }
 
-std::optional<int> PoseHistory::redo(ViewSettings::Posing& now, int frame) {
+std::optional<int> PoseHistory::redo(ViewSettings& now, int frame) {
   note(now, frame);
   if (at_ + 1 == steps_.size()) return {};
   return show(steps_[++at_], now);
 }
 
-int PoseHistory::show(const Step& step, ViewSettings::Posing& now) {
+int PoseHistory::show(const Step& step, ViewSettings& now) {
   followed_.reset();
-  static_cast<ViewSettings::PoseKey&>(now) = step.pose;
-  now.keys = step.keys;
+  static_cast<ViewSettings::PoseKey&>(now.pose) = step.pose;
+  now.pose.keys = step.keys;
+  now.shot_camera.keys = step.camera_keys;
   return step.frame;
 }
 

@@ -1,4 +1,4 @@
-// What is set on top of the clip, before it was changed, step by step.
+// What is set on top of the clip, and the camera's keys, before they were changed, step by step.
 #pragma once
 
 #include <cstddef>
@@ -15,26 +15,32 @@ class PoseHistory {
   static constexpr std::size_t kMostSteps = 100;  // the oldest are forgotten
 
   // Of another pose, which has no step before it.
-  void begin(const ViewSettings::Posing& now);
+  void begin(const ViewSettings& now);
   // Where it has changed since, that is a step, at a frame; what was undone is forgotten then.
-  void note(const ViewSettings::Posing& now, int frame = 0);
+  void note(const ViewSettings& now, int frame = 0);
 
   // The keys show another pose at another frame: that is no step, and what the last one set is kept.
-  void follow(const ViewSettings::Posing& now, int frame);
+  void follow(const ViewSettings& now, int frame);
 
   // A step back or forth from what is now, and the frame that it is of. Nothing where there is none.
-  std::optional<int> undo(ViewSettings::Posing& now, int frame = 0);
-  std::optional<int> redo(ViewSettings::Posing& now, int frame = 0);
+  std::optional<int> undo(ViewSettings& now, int frame = 0);
+  std::optional<int> redo(ViewSettings& now, int frame = 0);
 
  private:
   struct Step {
     ViewSettings::PoseKey pose;
     std::map<int, ViewSettings::PoseKey> keys;
+    std::map<int, CameraKey> camera_keys;
     int frame = 0;
-    bool is_of(const Step& other) const { return pose == other.pose && keys == other.keys; }
+    bool is_of(const Step& other) const {
+      return pose == other.pose && keys == other.keys && camera_keys == other.camera_keys;
+    }
   };
 
-  int show(const Step& step, ViewSettings::Posing& now);
+  static Step step_of(const ViewSettings& now, int frame) {
+    return {now.pose, now.pose.keys, now.shot_camera.keys, frame};
+  }
+  int show(const Step& step, ViewSettings& now);
 
   std::vector<Step> steps_ = {{}};  // oldest first
   std::size_t at_ = 0;              // that is shown

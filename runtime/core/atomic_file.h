@@ -25,6 +25,8 @@ class [[nodiscard]] AtomicFile {
   AtomicFile& operator=(const AtomicFile&) = delete;
 
   void write(std::span<const std::byte> bytes);
+  // Where it is until then: another program may write it.
+  const std::filesystem::path& temporary() const { return temporary_; }
   // Drops what was written so far.
   void restart();
   // Appends the bytes of a file.

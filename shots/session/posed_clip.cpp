@@ -65,11 +65,6 @@ ViewSettings::PoseKey blend_of(const ViewSettings::PoseKey& a, const ViewSetting
           a.eases};
 }
 
-double eased(KeyEase ease, double x) {
-  if (ease == KeyEase::smooth) return x * x * (3 - 2 * x);
-  return ease == KeyEase::linear ? x : 0;
-}
-
 // Of a joint's local rotation, about an axis of rest space.
 Quat turn_about_rest_axis(const Skeleton& skeleton, const JointTurn& turn, double degrees) {
   const int parent = skeleton.joints[turn.joint].parent;
@@ -215,15 +210,8 @@ ViewSettings::PoseKey blended(const ViewSettings::PoseKey& a, const ViewSettings
   return blend_of(a, b, [t](const std::string&) { return t; });
 }
 
-ViewSettings::PoseKey between_keys(const std::map<int, ViewSettings::PoseKey>& keys, int frame) {
-  const auto after = keys.lower_bound(frame);
-  if (after == keys.begin() || (after != keys.end() && after->first == frame)) return after->second;
-  const auto before = std::prev(after);
-  if (after == keys.end()) return before->second;
-  const double x = (static_cast<double>(frame) - before->first) / (static_cast<double>(after->first) - before->first);
-  const ViewSettings::PoseKey& key = before->second;
-  return blend_of(key, after->second,
-                  [&](const std::string& name) { return eased(set_or(key.eases, name, key.ease), x); });
+ViewSettings::PoseKey eased_between(const ViewSettings::PoseKey& a, const ViewSettings::PoseKey& b, double x) {
+  return blend_of(a, b, [&](const std::string& name) { return eased(set_or(a.eases, name, a.ease), x); });
 }
 
 ViewSettings::Posing keyed_posing(ViewSettings::Posing posing, int frame) {

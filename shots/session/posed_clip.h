@@ -10,6 +10,7 @@
 #include "assets/clip.h"
 #include "runtime/basis/basis.h"
 #include "runtime/modifiers/drive_modifiers.h"
+#include "shots/session/between_keys.h"
 #include "shots/session/pinned_joints.h"
 #include "shots/session/view_settings.h"
 
@@ -19,9 +20,8 @@ namespace bodyopt {
 // controls and pins as the other has them.
 ViewSettings::PoseKey blended(const ViewSettings::PoseKey& a, const ViewSettings::PoseKey& b, double t);
 
-// What is set on top of the clip, between the frames that have keys.
-// As the key before eases; before the first and after the last as those. There must be a key.
-ViewSettings::PoseKey between_keys(const std::map<int, ViewSettings::PoseKey>& keys, int frame);
+// The pose at a share of the time from a key to the next, by the eases of the first: see between_keys().
+ViewSettings::PoseKey eased_between(const ViewSettings::PoseKey& a, const ViewSettings::PoseKey& b, double x);
 
 // The posing as it is at a frame: by its keys, or, without any, as it is.
 ViewSettings::Posing keyed_posing(ViewSettings::Posing posing, int frame);

@@ -44,11 +44,28 @@ constexpr auto kSessionFields = [](auto& list, auto& session) {
   list.text("joint", session.joint);
   list.text("saved_as", session.saved_as);
   list.structure("view", session.view, kSettingsFields);
+  // Earlier programs refuse these: files have them only where there are any.
+  constexpr bool writes = std::is_const_v<std::remove_reference_t<decltype(session)>>;
+  if (!writes || !session.image_plane.file.empty()) {
+    list.structure("image_plane", session.image_plane, [](auto& fields, auto& plane) {
+      fields.text("file", plane.file);
+      fields.number("opacity", plane.opacity, 0, 1);
+    });
+  }
+  if (!writes || !session.sound.file.empty()) {
+    list.structure("sound", session.sound, [](auto& fields, auto& sound) {
+      fields.text("file", sound.file);
+      fields.integer("first", sound.first, -kLatestFrame, kLatestFrame);
+    });
+  }
 };
 
-// What is done to each path of a character; those that are left out stay so.
+// What is done to each path; those that are left out stay so.
 template <typename Change>
 void change_paths(SessionFile& session, const Change& change) {
+  for (std::string* file : {&session.image_plane.file, &session.sound.file}) {
+    if (!file->empty()) *file = change(fs::path(*file)).string();
+  }
   for (SessionCharacter& character : session.cast) {
     ActorFiles& f = character.files;
     for (std::string* file :

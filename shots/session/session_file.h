@@ -50,6 +50,8 @@ struct SessionFile {
   std::string joint;                   // selected; empty: none
   std::string saved_as;                // of an autosave: the session's own file; empty: none yet
   ViewSettings view;
+  ImagePlaneFile image_plane{};
+  SoundFile sound{};
 };
 
 // Is it a session rather than a state? False where it cannot be read.

@@ -27,6 +27,23 @@ inline constexpr auto kViewFields = [](auto& list, auto& view) {
   list.number("elevation", view.elevation, -std::numbers::pi / 2, std::numbers::pi / 2);
   list.boolean("orthographic", view.orthographic);
   list.boolean("cut_away", view.cut_away);
+  // Earlier programs refuse these: files have them only where they say something.
+  constexpr bool writes = std::is_const_v<std::remove_reference_t<decltype(view)>>;
+  if (!writes || view.roll != 0) list.number("roll", view.roll, -std::numbers::pi, std::numbers::pi);
+  if (!writes || view.vertical_angle != OrbitView().vertical_angle) {
+    list.number("vertical_angle", view.vertical_angle, OrbitView::kNarrowest, OrbitView::kWidest);
+  }
+};
+
+inline constexpr auto kShotCameraFields = [](auto& list, auto& camera) {
+  list.boolean("look_through", camera.look_through);
+  list.text("of_file", camera.of_file);
+  list.by_frame("keys", camera.keys, [](auto& keys, const char* frame, auto& key) {
+    keys.structure(frame, key, [](auto& fields, auto& camera_key) {
+      kViewFields(fields, camera_key);
+      fields.choice("ease", camera_key.ease, kKeyEaseNames);
+    });
+  });
 };
 
 inline constexpr auto kLookFields = [](auto& list, auto& look) {
@@ -128,6 +145,11 @@ inline constexpr auto kSettingsFields = [](auto& list, auto& settings) {
   list.structure("camera", settings.camera, kViewFields);
   list.named("cameras", settings.cameras,
              [](auto& cameras, const char* name, auto& view) { cameras.structure(name, view, kViewFields); });
+  // Earlier programs refuse it: files have it only where it says something.
+  constexpr bool writes = std::is_const_v<std::remove_reference_t<decltype(settings)>>;
+  if (!writes || settings.shot_camera != ViewSettings::ShotCamera()) {
+    list.structure("shot_camera", settings.shot_camera, kShotCameraFields);
+  }
   list.structure("look", settings.look, kLookFields);
   list.structure("compare", settings.compare, kCompareFields);
   list.structure("pose", settings.pose, kPosingFields);

@@ -1,11 +1,14 @@
 #include "shots/session/view_settings.h"
 
 #include <algorithm>
+#include <cmath>
 #include <nlohmann/json.hpp>
+#include <numbers>
 
 #include "assets/json_fields.h"
 #include "assets/wording.h"
 #include "runtime/core/error.h"
+#include "shots/session/between_keys.h"
 #include "shots/session/setting_fields.h"
 
 namespace bodyopt {
@@ -23,6 +26,21 @@ void require_sections(const std::map<std::string, bool>& panels, const std::file
 }
 
 }  // namespace
+
+CameraKey blended(const CameraKey& a, const CameraKey& b, double t) {
+  CameraKey key = a;
+  key.target = (1 - t) * a.target + t * b.target;
+  key.distance = std::lerp(a.distance, b.distance, t);
+  constexpr double kTurn = 2 * std::numbers::pi;
+  const auto turned = [&](double from, double to) {
+    return std::remainder(from + t * std::remainder(to - from, kTurn), kTurn);
+  };
+  key.azimuth = turned(a.azimuth, b.azimuth);
+  key.roll = turned(a.roll, b.roll);
+  key.vertical_angle = std::lerp(a.vertical_angle, b.vertical_angle, t);
+  key.elevation = std::lerp(a.elevation, b.elevation, t);
+  return key;
+}
 
 ViewSettings read_view_settings(const std::filesystem::path& path) {
   Json json = read_json(path, kViewSchema);

@@ -18,13 +18,16 @@ namespace bodyopt {
 
 struct OrbitView {
   static constexpr double kNearest = 0.01, kFarthest = 1e5;  // metres, of the distance
+  static constexpr double kNarrowest = 1e-3, kWidest = 3;    // radians, of the vertical angle
 
-  Vec3 target{0, 0, 0};       // metres, world
-  double distance = 3;        // metres, from the eye to the target
-  double azimuth = 0;         // radians: 0 from the front (+z), pi / 2 from the character's left (+x)
-  double elevation = 0;       // radians above the horizon
-  bool orthographic = false;  // at the target things look as large as in perspective
-  bool cut_away = false;      // what stands before the target is cut away
+  Vec3 target{0, 0, 0};                   // metres, world
+  double distance = 3;                    // metres, from the eye to the target
+  double azimuth = 0;                     // radians: 0 from the front (+z), pi / 2 from the character's left (+x)
+  double elevation = 0;                   // radians above the horizon
+  bool orthographic = false;              // at the target things look as large as in perspective
+  bool cut_away = false;                  // what stands before the target is cut away
+  double roll = 0;                        // radians that the camera turns about where it looks, to its left
+  double vertical_angle = double{0.45f};  // that it sees, radians
 
   bool operator==(const OrbitView&) const = default;
 };
@@ -50,6 +53,12 @@ enum class CompareLayout { side_by_side, overlay, wipe, hold };
 enum class MatchView { none, colours, confidence };
 enum class SectionAxis { x, y, z };
 
+// A camera that is keyed at a frame.
+struct CameraKey : OrbitView {
+  KeyEase ease = KeyEase::smooth;  // to the next; step: a cut
+  bool operator==(const CameraKey&) const = default;
+};
+
 // In commands, panels and the state file; in the order of the enumerations.
 inline constexpr std::array kPlayModeNames{"loop", "ping-pong", "once"};
 inline constexpr std::array kKeyEaseNames{"smooth", "linear", "step"};
@@ -60,6 +69,14 @@ inline constexpr std::array kMatchNames{"none", "colours", "confidence"};
 inline constexpr std::array kSectionAxisNames{"x", "y", "z"};
 
 struct ViewSettings {
+  // The camera of the shot.
+  struct ShotCamera {
+    bool look_through = true;       // frames are seen by it, where there is one
+    std::string of_file;            // of the lead's clip or character, by name; empty: the one that is keyed
+    std::map<int, CameraKey> keys;  // by frame, as cameras are kept
+    bool operator==(const ShotCamera&) const = default;
+  };
+
   struct Look {
     LookStyle style = LookStyle::material;
     bool wire = false, grid = true, axes = true, skeleton = false, fibres = false, tets = false;
@@ -135,6 +152,7 @@ struct ViewSettings {
   PlaySettings playback;
   OrbitView camera;
   std::map<std::string, OrbitView> cameras;  // saved, by name
+  ShotCamera shot_camera;
   Look look;
   Compare compare;
   Posing pose;
@@ -214,6 +232,20 @@ inline void open_section(ViewSettings& settings, const std::string& name) {
   settings.hud.panels[kSidePanel] = true;
   for (const Section& section : kSections) settings.hud.panels[section.name] = section.name == name;
 }
+
+// An image behind the characters, or one for each frame where its name has #### or %04d.
+struct ImagePlaneFile {
+  std::string file{};  // empty: none
+  double opacity = 1;
+  bool operator==(const ImagePlaneFile&) const = default;
+};
+
+// A sound under the timeline.
+struct SoundFile {
+  std::string file{};  // empty: none
+  int first = 1;       // the frame that it begins at
+  bool operator==(const SoundFile&) const = default;
+};
 
 // How one of the cast stands and plays while it is not the lead, and what of it a session keeps.
 struct Placement {

@@ -39,13 +39,15 @@ Controls controls_of_a_session() {
   controls.settings.pose.keys[5].joints["LeftArm"] = {0, 0, 0};
   controls.settings.pose.keys[10].joints["LeftArm"] = {4, 5, 6};
   controls.settings.pose.keys[20].joints["LeftArm"] = {40, 0, 0};
+  controls.settings.shot_camera.keys[10].azimuth = 0.5;
+  controls.file_cameras = {{"crane shot", 0.5, 0, {Affine()}}};
   controls.settings.cameras["close"] = {{1, 2, 3}, 0.5, 0.1, 0.2, true};
   controls.settings.pose.joints["Hips"] = {1, 2, 3};
   controls.settings.pose.joints["LeftArm"] = {4, 5, 6};
   controls.settings.pose.pins["LeftArm"] = {1, 2, 3};
-  controls.poses.note(controls.settings.pose);
-  ViewSettings::Posing undone = controls.settings.pose;
-  undone.joints["RightArm"] = {7, 8, 9};
+  controls.poses.note(controls.settings);
+  ViewSettings undone = controls.settings;
+  undone.pose.joints["RightArm"] = {7, 8, 9};
   controls.poses.undo(undone);
   controls.joint = "LeftArm";
   controls.curating.regions = {"forearm", "upper arm"};
@@ -110,6 +112,14 @@ const std::map<std::string, Case>& cases() {
         [](C, C c) { return c.playback.out() == 20 && c.playback.in() == 3; },
         {"x", "0", "41"}}},
       {"whole-range", {"", [](C, C c) { return c.playback.in() == 1 && c.playback.out() == 40; }, {"1"}}},
+      {"sound",
+       {"my take 2.wav 12",
+        [](C, C c) { return c.requests.sound == SoundFile{"my take 2.wav", 12}; },
+        {"a.mp3", "a.wav x", "a.mp3 3"}}},
+      {"image-plane",
+       {"a.####.png 0.5",
+        [](C, C c) { return c.image_plane == ImagePlaneFile{"a.####.png", 0.5}; },
+        {"a.tif", "absent.png", "a.####.png 1.5"}}},
       {"live", {"on", [](C, C c) { return c.live == true; }, {"yes"}}},
       {"frame-selection", {"", [](C, C c) { return c.requests.frame_selection; }, {"all"}}},
       {"front", {"", [](C, C c) { return looks_from(c, 0, 0); }, {"1"}}},
@@ -138,6 +148,19 @@ const std::map<std::string, Case>& cases() {
       {"camera",
        {"close", [](C, C c) { return c.camera.view() == c.settings.cameras.at("close"); }, {"", "far", "close up"}}},
       {"forget-camera", {"close", [](C, C c) { return c.settings.cameras.empty(); }, {"", "far"}}},
+      {"look-through",
+       {"off", [](C, C c) { return !c.settings.shot_camera.look_through && !c.shot_frame; }, {"yes"}}},
+      {"camera-key", {"", [](C, C c) { return c.settings.shot_camera.keys.at(10) == CameraKey{c.camera.view()}; }, {"1"}}},
+      {"camera-unkey", {"", [](C, C c) { return c.settings.shot_camera.keys.empty(); }, {"1"}}},
+      {"camera-ease",
+       {"step", [](C, C c) { return c.settings.shot_camera.keys.at(10).ease == KeyEase::step; }, {"", "soft"}}},
+      {"move-camera-key",
+       {"10 12",
+        [](C, C c) {
+          const std::map<int, CameraKey>& keys = c.settings.shot_camera.keys;
+          return keys.contains(12) && !keys.contains(10);
+        },
+        {"", "10", "11 12", "10 41", "10 x"}}},
       {"style", {"matcap", [](C, C c) { return c.settings.look.style == LookStyle::matcap; }, {"", "gold"}}},
       {"next-style", {"", [](C, C c) { return c.settings.look.style == LookStyle::matcap; }, {"1"}}},
       {"wire", {"on", [](C, C c) { return c.settings.look.wire; }, {"yes"}}},

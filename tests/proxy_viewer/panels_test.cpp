@@ -337,28 +337,37 @@ TEST_F(PanelsTest, ClicksPlayScrubAndFindTheWorstFrame) {
 // Of 21 frames the range alone, and each key of the sheet under its frame.
 TEST_F(PanelsTest, KeysAreDraggedInTheDopeSheetUnderTheRange) {
   const Snapshot snapshot = small_character();
-  Controls controls;
-  controls.playback = Playback({1, 21}, 24);
-  for (const char* line : {"in 5", "out 15", "zoom-range on", "dope-sheet on"}) run_command(controls, line);
-  controls.settings.pose.keys[15].joints["upper"] = {10, 0, 0};
-  for (int k = 0; k < 3; ++k) draw(snapshot, controls);
-  const ImRect timeline = rectangle_of("Timeline");
-  const float right = timeline.Max.x - 10, between = right - 100, bar = timeline.Min.y + 26;
-  click(snapshot, controls, {right - 2, bar});
-  EXPECT_EQ(controls.playback.frame(), 15);
-  click(snapshot, controls, {between, bar});
-  const int frame = controls.playback.frame();
-  ASSERT_TRUE(5 < frame && frame < 15) << frame;
-  ImGuiIO& io = ImGui::GetIO();
-  const float line = timeline.Min.y + 84 - 4 + 9;
-  for (const auto& [x, down] :
-       {std::pair{right - 2, false}, std::pair{right - 2, true}, std::pair{between, true}, std::pair{between, false}}) {
-    io.MousePos = {x, line};
-    io.MouseDown[0] = down;
-    draw(snapshot, controls);
+  for (const bool of_camera : {false, true}) {
+    Controls controls;
+    controls.playback = Playback({1, 21}, 24);
+    for (const char* line : {"in 5", "out 15", "zoom-range on", "dope-sheet on"}) run_command(controls, line);
+    auto& poses = controls.settings.pose.keys;
+    auto& cameras = controls.settings.shot_camera.keys;
+    if (of_camera) {
+      cameras[15].azimuth = 1;
+    } else {
+      poses[15].joints["upper"] = {10, 0, 0};
+    }
+    const auto has_key = [&](int at) { return of_camera ? cameras.contains(at) : poses.contains(at); };
+    for (int k = 0; k < 3; ++k) draw(snapshot, controls);
+    const ImRect timeline = rectangle_of("Timeline");
+    const float right = timeline.Max.x - 10, between = right - 100, bar = timeline.Min.y + 26;
+    click(snapshot, controls, {right - 2, bar});
+    EXPECT_EQ(controls.playback.frame(), 15);
+    click(snapshot, controls, {between, bar});
+    const int frame = controls.playback.frame();
+    ASSERT_TRUE(5 < frame && frame < 15) << frame;
+    ImGuiIO& io = ImGui::GetIO();
+    const float line = timeline.Min.y + 84 - 4 + 9;
+    for (const auto& [x, down] : {std::pair{right - 2, false}, std::pair{right - 2, true}, std::pair{between, true},
+                                  std::pair{between, false}}) {
+      io.MousePos = {x, line};
+      io.MouseDown[0] = down;
+      draw(snapshot, controls);
+    }
+    EXPECT_FALSE(has_key(15)) << of_camera;
+    EXPECT_TRUE(has_key(frame)) << of_camera;
   }
-  EXPECT_FALSE(controls.settings.pose.keys.contains(15));
-  EXPECT_TRUE(controls.settings.pose.keys.contains(frame));
 }
 
 TEST_F(PanelsTest, TheTimelineShowsWhichFramesAreMeasured) {

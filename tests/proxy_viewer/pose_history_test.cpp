@@ -7,18 +7,18 @@
 namespace bodyopt::testing {
 namespace {
 
-ViewSettings::Posing posing(double degrees) {
-  ViewSettings::Posing posing;
-  if (degrees != 0) posing.joints["hip"] = {degrees, 0, 0};
-  return posing;
+ViewSettings posing(double degrees) {
+  ViewSettings settings;
+  if (degrees != 0) settings.pose.joints["hip"] = {degrees, 0, 0};
+  return settings;
 }
 
 TEST(PoseHistory, GoesBackAndForthStepByStep) {
   PoseHistory history;
-  ViewSettings::Posing now = posing(1);
+  ViewSettings now = posing(1);
   history.note(now);
   history.note(now);  // nothing has changed
-  now.controls["breath"] = 0.5;
+  now.pose.controls["breath"] = 0.5;
   history.note(now);
   ASSERT_TRUE(history.undo(now));
   EXPECT_EQ(now, posing(1));
@@ -27,13 +27,13 @@ TEST(PoseHistory, GoesBackAndForthStepByStep) {
   EXPECT_FALSE(history.undo(now));
   ASSERT_TRUE(history.redo(now));
   ASSERT_TRUE(history.redo(now));
-  EXPECT_EQ(now.controls.at("breath"), 0.5);
+  EXPECT_EQ(now.pose.controls.at("breath"), 0.5);
   EXPECT_FALSE(history.redo(now));
 }
 
 TEST(PoseHistory, AChangeAfterAnUndoForgetsWhatWasUndone) {
   PoseHistory history;
-  ViewSettings::Posing now = posing(1);
+  ViewSettings now = posing(1);
   history.note(now);
   now = posing(2);
   ASSERT_TRUE(history.undo(now)) << "although it was not noted";
@@ -46,19 +46,19 @@ TEST(PoseHistory, AChangeAfterAnUndoForgetsWhatWasUndone) {
 
 TEST(PoseHistory, LeavesTheRestOfThePosingAlone) {
   PoseHistory history;
-  ViewSettings::Posing now = posing(1);
+  ViewSettings now = posing(1);
   history.note(now);
-  now.correction = 0.3;
+  now.pose.correction = 0.3;
   history.note(now);
   ASSERT_TRUE(history.undo(now));
-  EXPECT_EQ(now.joints.size(), 0u) << "the correction is no step";
-  EXPECT_EQ(now.correction, 0.3);
+  EXPECT_EQ(now.pose.joints.size(), 0u) << "the correction is no step";
+  EXPECT_EQ(now.pose.correction, 0.3);
 }
 
 // What keys make of another frame is no step, and the last one comes back with its frame.
 TEST(PoseHistory, KnowsTheFrameOfAStep) {
   PoseHistory history;
-  ViewSettings::Posing now = posing(1);
+  ViewSettings now = posing(1);
   history.note(now, 100);
   history.follow(now = posing(7), 150);
   history.note(now, 150);
@@ -75,7 +75,7 @@ TEST(PoseHistory, KnowsTheFrameOfAStep) {
 
 TEST(PoseHistory, ForgetsTheOldest) {
   PoseHistory history;
-  ViewSettings::Posing now;
+  ViewSettings now;
   constexpr int kSteps = 3 * static_cast<int>(PoseHistory::kMostSteps);
   for (int k = 1; k <= kSteps; ++k) history.note(now = posing(k));
   std::size_t undone = 0;

@@ -292,7 +292,7 @@ class KeptPoseTest : public ::testing::Test {
       controls().follow_keys();
       run_command(controls(), command);
       controls().follow_keys();
-      controls().poses.note(controls().settings.pose);
+      controls().poses.note(controls().settings);
     }
   }
   Pose shown() { return session_.scene.lead_pose(controls()); }

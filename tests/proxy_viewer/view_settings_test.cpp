@@ -30,6 +30,11 @@ class RandomSettings {
     if (yes()) s.playback.out = 500 + static_cast<int>(random_.below(1000));
     s.camera = view();
     for (std::uint32_t k = random_.below(3); k > 0; --k) s.cameras[name()] = view();
+    s.shot_camera.look_through = yes();
+    s.shot_camera.of_file = name();
+    for (std::uint32_t k = random_.below(3); k > 0; --k) {
+      s.shot_camera.keys[integer(-1, 1)] = {view(), choice<KeyEase>(3)};
+    }
     s.look = {choice<LookStyle>(6),   yes(),        yes(), yes(), yes(), yes(), yes(), number(0, 1), yes(),
               choice<SectionAxis>(3), number(0, 1), yes(), yes(), yes(), {}};
     if (yes()) s.look.level = integer(0, 15);
@@ -74,7 +79,10 @@ class RandomSettings {
   }
   OrbitView view() {
     const Vec3 target{number(-9, 9), number(-9, 9), number(-9, 9)};
-    return {target, number(0.01, 50), number(-kPi, kPi), number(-1.5, 1.5), yes(), yes()};
+    OrbitView view{target, number(0.01, 50), number(-kPi, kPi), number(-1.5, 1.5), yes(), yes()};
+    if (yes()) view.roll = number(-kPi, kPi);
+    if (yes()) view.vertical_angle = number(0.1, 2);
+    return view;
   }
 
   Random random_;
@@ -122,10 +130,11 @@ TEST_F(ViewSettingsTest, AreReadAsWritten) {
   }
   // No field was left out, here or in the file.
   for (const auto& [place, found] : values) EXPECT_TRUE(place == "/schema" || found.size() > 1) << place;
-  for (const char* key : {"/playback/in", "/playback/out", "/playback/real_time", "/camera/target", "/cameras/x",
-                          "/look/tet_cut", "/look/follow", "/look/worn", "/look/level", "/compare/heat_scale_mm",
-                          "/compare/coverage", "/pose/joints/LeftArm", "/pose/controls/x", "/pose/keys/-1",
-                          "/jiggle/amount", "/ghosts/opacity", "/cast/copies", "/hud/on", "/hud/legend"}) {
+  for (const char* key :
+       {"/playback/in",           "/playback/out",     "/playback/real_time",  "/camera/target",   "/cameras/x",
+        "/shot_camera/keys/-1",   "/look/tet_cut",     "/look/follow",         "/look/worn",       "/look/level",
+        "/compare/heat_scale_mm", "/compare/coverage", "/pose/joints/LeftArm", "/pose/controls/x", "/pose/keys/-1",
+        "/jiggle/amount",         "/ghosts/opacity",   "/cast/copies",         "/hud/on",          "/hud/legend"}) {
     EXPECT_TRUE(values.contains(key)) << key;
   }
 }
@@ -155,7 +164,7 @@ TEST_F(ViewSettingsTest, CamerasStandWhereTheyStood) {
 TEST_F(ViewSettingsTest, UnknownKeysAreNamed) {
   expect_refused(R"("lok": {})", {"view.json", "the file", "'lok'", "'look'"});
   expect_refused(R"("look": {"wires": true})", {"'look'", "'wires'", "'wire'"});
-  expect_refused(R"("cameras": {"face": {"roll": 1}})", {"'cameras' 'face'", "'roll'"});
+  expect_refused(R"("cameras": {"face": {"tilt": 1}})", {"'cameras' 'face'", "'roll'"});
   expect_refused(R"("playback": {"mode": "loop", "": 1})", {"'playback'", "''"});
 }
 

@@ -2,11 +2,13 @@
 
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
 #include <stdexcept>
 
+#include "runtime/core/error.h"
 #include "tests/support/lowered_limit.h"
 
 namespace bodyopt {
@@ -52,6 +54,39 @@ TEST(ChildProcess, LeavesInterruptionsToItsParent) {
     return std::string("went on");
   });
   EXPECT_EQ(result.bytes, "went on");
+}
+
+TEST(ChildProgram, ReadsWhatIsWrittenAndTellsHowItWent) {
+  const std::vector<std::byte> bytes(300'000);
+  ChildProgram counts({"sh", "-c", "test $(wc -c) = 600000 || { echo another size >&2; exit 3; }"});
+  EXPECT_TRUE(counts.write(bytes));
+  EXPECT_TRUE(counts.write(bytes));
+  EXPECT_EQ(counts.finish(), "");
+  ChildProgram fails({"sh", "-c", "cat > /dev/null; echo no room >&2; exit 3"});
+  EXPECT_TRUE(fails.write(bytes));
+  EXPECT_EQ(fails.finish(), "no room\n");
+  ChildProgram silent({"sh", "-c", "exit 3"});
+  EXPECT_EQ(silent.finish(), "exit code 3");
+}
+
+TEST(ChildProgram, OneThatEndsEarlyIsNoSignal) {
+  const std::vector<std::byte> bytes(10'000'000);
+  ChildProgram ended({"sh", "-c", "kill -9 $$"});
+  EXPECT_FALSE(ended.write(bytes));
+  EXPECT_EQ(ended.finish(), "signal 9 (Killed)");
+  const auto begun = std::chrono::steady_clock::now();
+  { const ChildProgram dropped({"sleep", "60"}); }
+  EXPECT_LT(std::chrono::steady_clock::now() - begun, std::chrono::seconds(30)) << "it is killed";
+}
+
+TEST(ChildProgram, OneThatIsNotThereIsNamed) {
+  try {
+    ChildProgram({"no-such-program"});
+    ADD_FAILURE();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), ErrorKind::usage);
+    EXPECT_NE(std::string(error.what()).find("no-such-program"), std::string::npos);
+  }
 }
 
 TEST(ChildProcess, PrintsNothing) {

@@ -1,0 +1,46 @@
+#include "proxy_viewer/image_plane.h"
+
+#include <filesystem>
+#include <span>
+
+#include "draw/image_decode.h"
+#include "proxy_viewer/picture_files.h"
+#include "runtime/basis/read_file.h"
+#include "runtime/core/error.h"
+
+namespace bodyopt {
+
+void ImagePlane::look(Controls& controls, std::vector<View>& views) {
+  const auto& [pattern, opacity] = controls.image_plane;
+  const std::string file = pattern.empty() ? "" : FrameSequenceName(pattern, 1)(controls.playback.frame()).string();
+  if (file != std::exchange(file_, file)) read(file, controls);
+  if (!image_) return;
+  for (View& view : views) {
+    view.backdrop = Backdrop{{image_->view.get(), sampler_->get()}, aspect_, static_cast<float>(opacity)};
+  }
+}
+
+void ImagePlane::read(const std::string& file, Controls& controls) {
+  constexpr std::uint64_t kMost = std::uint64_t{1} << 30;  // bytes
+  image_.reset();
+  if (file.empty()) return;
+  if (!std::filesystem::exists(file)) {
+    if (told_ != std::exchange(told_, controls.image_plane.file))
+      controls.warn(file + ": is not there, nor shown behind");
+    return;
+  }
+  try {
+    const std::string bytes = read_file(file, kMost, "an image");
+    const Image image = decode_image(std::as_bytes(std::span(bytes)));
+    image_ = make_texture(*device_, image);
+    aspect_ = static_cast<float>(image.width) / static_cast<float>(image.height);
+  } catch (const Error& error) {
+    if (error.kind() == ErrorKind::device) throw;
+    const std::string why = error.what();
+    controls.warn(why.starts_with(file) ? why : file + ": " + why);
+  }
+  constexpr VkSamplerAddressMode kEdge = VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE;
+  if (!sampler_) sampler_ = make_sampler(*device_, {kEdge, kEdge});
+}
+
+}  // namespace bodyopt
