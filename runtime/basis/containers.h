@@ -1,5 +1,5 @@
-// The part of load_levels(), load_dynamics() and load_attachments() after the file is read, from wherever its bytes
-// come.
+// The part of load_levels(), load_dynamics() and load_attachments() after the file is read, wherever its bytes are
+// from.
 #pragma once
 
 #include <filesystem>
