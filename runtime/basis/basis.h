@@ -93,7 +93,7 @@ struct ResidualTable {
   std::uint32_t feature_count() const { return static_cast<std::uint32_t>(features.size()); }
 };
 
-// A joint that goes with a component: turned about an axis in its parent's bind axes, before its own rotation.
+// A joint that goes with a component: turned about an axis in its parent's bind axes, left of its own rotation.
 struct ModifierTurn {
   std::uint32_t joint = 0;
   std::uint32_t component = 0;  // of the modifier, from 0 on

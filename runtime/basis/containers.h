@@ -1,4 +1,4 @@
-// The part of load_levels(), load_dynamics() and load_attachments() after the file is read, wherever its bytes come
+// The part of load_levels(), load_dynamics() and load_attachments() after the file is read, wherever its bytes are
 // from.
 #pragma once
 

@@ -163,7 +163,7 @@ class InverseValidator : TableChecks {
     expect_size(name_.down, inverse_.down.size(), down);
   }
 
-  // Every unknown from first_ on is solved by one level, no other by any; boundary unknowns by a level above theirs.
+  // One level solves every unknown from first_ on, and none solves others. A level above solves boundary unknowns.
   void check_owners() const {
     const std::size_t nobody = inverse_.levels.size();
     std::vector<std::size_t> owner(unknowns_, nobody);
@@ -200,7 +200,7 @@ class InverseValidator : TableChecks {
     }
   }
 
-  // Panels, or strips, give every slot of `rows` once, by ascending slot and from `inputs` alone.
+  // Panels, or strips, give every slot of `rows` once, from `inputs` alone.
   template <typename Panel>
   void check_panels(const char* name, const std::vector<Panel>& panels, Range of_level, Range rows,
                     Range inputs) const {

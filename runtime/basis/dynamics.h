@@ -15,9 +15,9 @@
 namespace bodyopt {
 
 // A sparse positive definite system, inverted once, so that solving it is a few dense products. Nested dissection
-// (George 1973) splits the nodes into a binary tree of fronts. The multifrontal factorisation (Duff and Reid 1983) here
-// keeps of a front no triangular factors, but P = F11^-1 and W = F11^-1 F12. (P is own unknowns by own, W own by
-// boundary.) Diffuse (an unknown a node, three right sides) and jiggle (three unknowns a node) share this structure.
+// (George 1973) splits the nodes into a binary tree of fronts. Multifrontal factorisation (Duff and Reid 1983) here
+// keeps P = F11^-1 (own by own unknowns) and W = F11^-1 F12 (own by boundary) of each. Triangular factors are not
+// needed. Diffuse (one unknown a node, three right sides) and jiggle (three unknowns a node) share this structure.
 //
 // Each front has a slot per own unknown and one per boundary unknown (owned by fronts above it). A solve goes
 //   up,   leaves to root:  b = right side - what the children hand up,  y = P b,  hands up W^T b + what they handed up,

@@ -24,7 +24,7 @@ struct PosedSkinType {
 inline constexpr PosedSkinType kRelax = {"relax", PosedSkinStep::relax, kRelaxSteps, 1, 0, 0, 0};
 inline constexpr PosedSkinType kPushOut = {"push_out", PosedSkinStep::separate, kSeparateSteps, 0, 3, 1, 7};
 inline constexpr const PosedSkinType* kPosedSkinTypes[] = {&kRelax, &kPushOut};
-// Null: of a type that acts before the skin is posed.
+// Null for a type that acts before the skin is posed.
 const PosedSkinType* posed_skin_type(const std::string& type);
 
 constexpr std::size_t kMostModifiers = 256, kMostModifierComponents = 4096;

@@ -47,7 +47,7 @@ class Validator : TableChecks {
     return std::abs(std::sqrt(norm2) - 1) <= kUnitTolerance;
   }
 
-  // Every number finite and of sane size, the rotation of unit length.
+  // Is every number finite and of sane size, and the rotation of unit length?
   static bool usable(const JointTransform& t) {
     bool good = true;
     for (std::size_t i = 0; i < 3; ++i)

@@ -41,7 +41,7 @@ template <typename Part>
 concept MessagePart = std::convertible_to<const Part&, std::string_view> || std::same_as<Part, std::filesystem::path> ||
     (std::is_arithmetic_v<Part> && !std::same_as<Part, bool>);
 
-// All parts of a message as one text.
+// Joins all parts of a message to one text.
 template <MessagePart... Parts>
 std::string concat(const Parts&... parts) {
   std::string text;

@@ -1,4 +1,4 @@
-// How large a set of points is.
+// The size of a set of points.
 #pragma once
 
 #include <span>

@@ -8,7 +8,7 @@
 
 namespace bodyopt {
 
-// Every element of `range` as `function` makes it, which may be a member of the elements.
+// Applies `function`, which may be a member of the elements, to every element of `range`.
 template <std::ranges::input_range Range, typename Function>
 auto transformed(Range&& range, Function function) {
   std::vector<std::decay_t<std::invoke_result_t<Function&, std::ranges::range_reference_t<Range>>>> result;

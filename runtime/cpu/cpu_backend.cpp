@@ -298,7 +298,7 @@ class CpuBackend final : public Backend {
     });
   }
 
-  // Did anything move?
+  // Returns whether anything moved.
   bool separate(Work& work, const OutputStep& step) {
     const OutputSeparatePush push = separate_push(basis_, step);
     std::atomic<bool> moves = false;

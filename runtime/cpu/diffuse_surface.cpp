@@ -15,7 +15,7 @@ void diffuse_surface(const TetTable& tets, std::span<const float> positions, std
       const SurfacePoint& point = tets.surface[node];
       const float *a = x + std::size_t{3} * point.a, *b = x + std::size_t{3} * point.b,
                   *c = x + std::size_t{3} * point.c;
-      // Each less the origin: far from it, the rounding of the weights would show in their sum.
+      // The origin is subtracted first: far from it, the rounding of the weights would show in their sum.
       for (std::size_t i = 0; i < 3; ++i) {
         to[3 * node + i] =
             point.wa * (a[i] - origin[i]) + point.wb * (b[i] - origin[i]) + point.wc * (c[i] - origin[i]);

@@ -1,4 +1,4 @@
-// How much of a loop of the jiggle is worth a thread.
+// Sizes of loops of the jiggle that are worth a thread.
 #pragma once
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// How much of what was learned holds in a pose. On the host, as the rig stage: a few numbers per joint and frame.
+// How much of what was learned holds in a pose. Runs on the host, as the rig stage: a few numbers per joint and frame.
 #pragma once
 
 #include <span>

@@ -1,4 +1,4 @@
-// How the modifiers that move the posed skin are run.
+// Steps of the modifiers that move the posed skin.
 #pragma once
 
 #include <vector>

@@ -152,7 +152,7 @@ Affine transform_below(int above, std::uint32_t joint, const Skeleton& skeleton,
   return relative;
 }
 
-// How far the joint of JointFeatures slid, metres, turned as its axes are.
+// The slide of the joint of JointFeatures, metres, turned as its axes are.
 Vec3 slide_of(const JointFeatures& of, const Skeleton& skeleton, const std::vector<JointTransform>& joints) {
   if (of.joint == of.above) return {0, 0, 0};
   const int common = common_joint(skeleton, of.joint, of.above);

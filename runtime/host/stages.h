@@ -47,7 +47,7 @@ class StageSeconds {
  public:
   std::optional<double> of(Stage stage) const { return seconds_[index_of(stage)]; }
   double sum() const;
-  // Calls visit(const StageDescription&, seconds) for the stages that ran, in their order.
+  // Calls visit(const StageDescription&, seconds) for the stages that have any, in their order.
   template <typename Visit>
   void for_each(const Visit& visit) const {
     for (const StageDescription& description : kStages) {

@@ -1,4 +1,4 @@
-// How far a device may be from the CPU: once, for the tests of the kernels and for the check while it runs
+// How far a device may be from the CPU. The tests of the kernels use it, and the check while it runs
 // (runtime/deformer/checked_backend.h).
 #pragma once
 
@@ -82,7 +82,7 @@ inline constexpr std::array kStageTolerances = {
     StageTolerance{Stage::output, "normals", 2e-2},   // a place's error over the edge of a small triangle
 };
 
-// One that there is not does not compile.
+// A tolerance that is not in the table does not compile.
 consteval StageTolerance tolerance_of(Stage stage, std::string_view output) {
   for (const StageTolerance& tolerance : kStageTolerances) {
     if (tolerance.stage == stage && tolerance.output == output) return tolerance;

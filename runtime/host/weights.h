@@ -1,4 +1,4 @@
-// How much is shown of what a deformer does.
+// The weights of what a deformer shows.
 #pragma once
 
 namespace bodyopt {
@@ -7,7 +7,7 @@ namespace bodyopt {
 inline constexpr float kMostWeight = 1000;
 
 // How much is shown of what was learned, and of the jiggle: methods to compare by eye. With 1, as trained, no bit
-// changes; no weight changes a state.
+// changes. The weight of the jiggle changes no state; that of the correction does.
 struct Weights {
   float correction = 1, jiggle = 1;
   bool kernels = true;  // without: of what was learned the part that is linear in joints and strains

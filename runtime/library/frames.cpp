@@ -33,7 +33,7 @@ class AskedFrames {
     expectation_ = &*instance.expectation;
   }
 
-  // Modifiers go on past all frames, of which nothing is wanted.
+  // Modifiers go on past all frames where nothing of them is wanted.
   bool is_skipped() const { return !jiggles_ && wanted_.wants_nothing() && !following_.wanted(); }
   void skip() {
     given_.read(0, given_.count(), poses_);
@@ -97,7 +97,7 @@ class AskedFrames {
   SkinPlace place_;
 };
 
-// One of many, with what became of it.
+// One of many calls, and its outcome.
 struct AskedCall {
   std::optional<AskedFrames> frames;  // none: it failed
   std::exception_ptr error;

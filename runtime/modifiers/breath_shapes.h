@@ -9,7 +9,7 @@ namespace bodyopt {
 // The full breath, then a quarter, a half and three quarters of it while it comes in, and the same while it goes out.
 inline constexpr std::size_t kBreathShapes = 7;
 
-// How much of each is shown where a breath is filled by 0 to 1: linear from one to the next.
+// The share of each that is shown where a breath is filled by 0 to 1: linear from one to the next.
 inline std::array<double, kBreathShapes> breath_shapes(double filled, bool comes_in) {
   std::array<double, kBreathShapes> shares{};
   const double quarters = 4 * filled;

@@ -15,7 +15,7 @@ namespace {
 
 enum Control { kRate, kDepth, kChest, kAsymmetry, kPause, kIrregularity, kSeed, kPhase, kHold, kExertion };
 
-// One frame of the controls, exertion worked in.
+// The controls of one frame, after exertion.
 struct BreathControls {
   double rate, depth, chest, asymmetry, pause, irregularity;
 

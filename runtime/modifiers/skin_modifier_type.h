@@ -47,7 +47,7 @@ struct SkinModifierType {
 inline constexpr SkinModifierControl kModifierStrength = {"strength", 1, 0, 4, "how much of it is shown"};
 
 std::span<const SkinModifierType> skin_modifier_types();
-// Null: of a newer version.
+// Null for a type of a newer version.
 const SkinModifierType* find_skin_modifier_type(const std::string& name);
 
 void drive_breathing(const ModifierFrames& frames, std::span<float> weights);

@@ -1,4 +1,4 @@
-// How skin that is compressed is evened out along itself. One source for GLSL and C++.
+// Evens out skin that is compressed along itself. One source for GLSL and C++.
 #ifndef BODYOPT_RELAX_H
 #define BODYOPT_RELAX_H
 

@@ -1,4 +1,4 @@
-// How the viewport's shaders see: world to camera space, and onto the picture.
+// The viewport's view: world to camera space, and onto the picture.
 
 struct View {
   vec4 rows[3];     // world to camera space: x right, y up, z towards the camera

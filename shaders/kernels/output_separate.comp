@@ -38,7 +38,7 @@ void find_spans(float middle[3], float half_edge[3], float axes[3][3], out float
   for (uint k = 0; k < 3; ++k) fold_span(middle, half_edge, axes[k], spans[k]);
 }
 
-// How many vertices there are to look at; where they lie is in from and to.
+// Returns how many vertices there are to look at; where they lie is in from and to.
 uint gather_members(bool is_member, float spans[3][2]) {
   uint lane = gl_LocalInvocationID.x;
   barrier();
