@@ -18,7 +18,7 @@ namespace {
 double change_of_velocity(std::span<const double> joints, double interval, const JiggleState& state) {
   double sum = 0;
   for (std::size_t k = 0; k < joints.size(); ++k) {
-    const double change = (joints[k] - state.joints[k]) / interval - (state.known > 1 ? state.joint_velocity[k] : 0);
+    const double change = (joints[k] - state.joints[k]) / interval - state.joint_velocity[k];
     sum += change * change;
   }
   return std::sqrt(3 * sum / std::max<double>(1, static_cast<double>(joints.size())));
@@ -180,7 +180,7 @@ JiggleFrame plan_frame(int frame, std::span<const double> joints, const double (
   }
   bool jumps = false;
   const double interval = (static_cast<double>(frame) - state.frame) / static_cast<double>(step.frames_per_second);
-  if (state.known > 0 && frame > state.frame) {
+  if (state.known > 1 && frame > state.frame) {  // before, no velocity is known that could change
     jumps = change_of_velocity(joints, interval, state) > 2 * std::sqrt(9.81 * size);
   }
   plan.start = start_of(frame, jumps, step, options, state);

@@ -65,8 +65,8 @@ struct JiggleFrame {
 
 // Decides by frame number, declared cuts and joints (J x 3, world, metres) alone, so that every device does the same.
 // Brings `state` (all but its motion) to the frame. A frame that starts anew has displacement 0. In a jump the joints'
-// velocity (0 while one frame is known) changes by more than 2 sqrt(9.81 m/s^2 x size), root mean square. `size`: the
-// diagonal of the rest skin. That is 8 m/s for a person, where landing from a leap is 3 or 4.
+// velocity, known from the second frame on, changes by more than 2 sqrt(9.81 m/s^2 x size), root mean square. `size`:
+// the diagonal of the rest skin. That is 8 m/s for a person, where landing from a leap is 3 or 4.
 JiggleFrame plan_frame(int frame, std::span<const double> joints, const double (&origin)[3], double size,
                        const JiggleStep& step, const JiggleOptions& options, JiggleState& state);
 

@@ -291,6 +291,20 @@ TEST(JigglePlan, FindsJumpsByTheChangeOfVelocityOverTheSize) {
   }
 }
 
+// A gallop is as fast from its first frame on; and after a jump, which starts it anew once.
+TEST(JigglePlan, SteadySpeedIsNoJumpFromTheFirstFrameOn) {
+  const double size = 1.8, step = 3 * 2 * std::sqrt(9.81 * size) / 24;
+  JiggleState state;
+  const auto plan = [&](int frame, double x) {
+    const double joints[6] = {x, 0, 0, 5 + x, 5, 5};
+    return plan_frame(frame, joints, {x, 0, 0}, size, {}, {}, state).start;
+  };
+  EXPECT_EQ(plan(1, step), JiggleStart::first);
+  for (int frame = 2; frame < 6; ++frame) EXPECT_EQ(plan(frame, step * frame), JiggleStart::goes_on) << frame;
+  EXPECT_EQ(plan(6, -100 * step), JiggleStart::jump);
+  for (int frame = 7; frame < 10; ++frame) EXPECT_EQ(plan(frame, step * (frame - 106)), JiggleStart::goes_on) << frame;
+}
+
 TEST(JigglePlan, OfAFewFramesASecondIsNotAllGaps) {
   JiggleState state;
   const double joint[3] = {};
