@@ -179,7 +179,7 @@ struct Viewport::Impl {
           backdrop(device, pass.get(),
                    {.vertex = view_blur_vert_spv,
                     .fragment = view_backdrop_frag_spv,
-                    .samples_image = true,
+                    .sampled_images = 1,
                     .push_bytes = sizeof(BackdropPush),
                     .samples = samples,
                     .blending = Blending::alpha,
@@ -235,7 +235,7 @@ struct Viewport::Impl {
   void record_backdrop(VkCommandBuffer recorder, const Backdrop& backdrop, const Rectangle& area) {
     const float wider = static_cast<float>(area.width) / static_cast<float>(area.height) / backdrop.aspect;
     scene->backdrop.bind(recorder);
-    scene->backdrop.draw(recorder, sets.make(scene->backdrop, {}, backdrop.image),
+    scene->backdrop.draw(recorder, sets.make(scene->backdrop, {}, {backdrop.image}),
                          BackdropPush{{std::max(1.0f, wider), std::max(1.0f, 1 / wider)}, backdrop.opacity}, 3);
   }
 

@@ -139,7 +139,7 @@ bool PictureSeries::make_next(const DrawPicture& draw) {
     write(std::move(picture), name_(plan_.first + static_cast<int>(made_)));
   }
   if (++made_ < plan_.count) return true;
-  for (std::future<void>& writer : writers_) writer.get();
+  finish();
   if (movie_) movie_->finish();
   if (animation_) {
     const std::vector<std::uint8_t> bytes = animation_->finish();
@@ -147,6 +147,10 @@ bool PictureSeries::make_next(const DrawPicture& draw) {
   }
   controls_.say("wrote " + std::to_string(made_) + " pictures, " + name_(plan_.first).string());
   return false;
+}
+
+void PictureSeries::finish() {
+  for (; !writers_.empty(); writers_.pop_front()) writers_.front().get();
 }
 
 void PictureSeries::write(Image picture, fs::path file) {
@@ -221,8 +225,11 @@ void PictureTaking::make(std::unique_ptr<PictureSeries> series) {
 void PictureTaking::go_on() {
   bool goes_on = false;
   if (std::exchange(stops_, false)) {
-    session_.controls.say("stopped after " + std::to_string(series_->made()) + " of " +
-                          std::to_string(series_->count()) + " pictures");
+    session_.controls.attempt([&] {
+      series_->finish();
+      session_.controls.say("stopped after " + std::to_string(series_->made()) + " of " +
+                            std::to_string(series_->count()) + " pictures");
+    });
   } else {
     session_.controls.attempt([&] { goes_on = series_->make_next([this] { return draw_playblast(); }); });
   }

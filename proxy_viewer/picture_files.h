@@ -67,6 +67,8 @@ class PictureSeries {
 
   // False: that was the last, and it was said. Throws what went wrong with one that was drawn before, too.
   bool make_next(const DrawPicture& draw);
+  // Waits until what was drawn is written; throws what went wrong with it.
+  void finish();
   std::size_t made() const { return made_; }
   std::size_t count() const { return plan_.count; }
 

@@ -123,6 +123,13 @@ TEST_F(PictureFilesTest, OneThatCannotBeWrittenEndsTheRunByItsName) {
   }
 }
 
+TEST_F(PictureFilesTest, OneThatCannotBeWrittenIsToldWhenTheyAreStopped) {
+  std::filesystem::create_directories(folder_ / "s.0004.png" / "in the way");
+  const auto series = frame_series(in_folder("s.####.png"), 24, controls_);
+  series->make_next(draw_);
+  EXPECT_THROW(series->finish(), Error);
+}
+
 TEST_F(PictureFilesTest, StoppedAtAnyPictureItPutsThePlayheadAndTheCameraBack) {
   {
     const auto series = frame_series(in_folder("s.####.png"), 24, controls_);
