@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <span>
+#include <utility>
 
 #include "draw/image_decode.h"
 #include "proxy_viewer/picture_files.h"
@@ -12,7 +13,12 @@ namespace bodyopt {
 
 void ImagePlane::look(Controls& controls, std::vector<View>& views) {
   const auto& [pattern, opacity] = controls.image_plane;
-  const std::string file = pattern.empty() ? "" : FrameSequenceName(pattern, 1)(controls.playback.frame()).string();
+  std::string file;
+  try {
+    if (!pattern.empty()) file = FrameSequenceName(pattern, 1)(controls.playback.frame()).string();
+  } catch (const Error& error) {  // two places for the frame
+    if (told_ != std::exchange(told_, pattern)) controls.warn(error.what());
+  }
   if (file != std::exchange(file_, file)) read(file, controls);
   if (!image_) return;
   for (View& view : views) {

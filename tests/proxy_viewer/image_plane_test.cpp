@@ -57,6 +57,17 @@ TEST_F(ImagePlaneTest, FillsTheViewBehindTheBodies) {
   EXPECT_TRUE(still(*viewport).rgba == before.rgba);
 }
 
+TEST_F(ImagePlaneTest, ANameThatCannotBeIsToldOnceAndTheRestIsDrawn) {
+  const auto viewport = open();
+  const Image before = still(*viewport);
+  viewport->prompt("image-plane a.#.b.#.png");
+  ASSERT_EQ(viewport->controls().messages.size(), 1u);
+  EXPECT_NE(viewport->controls().messages[0].text.find("more than one place"), std::string::npos);
+  EXPECT_TRUE(still(*viewport).rgba == before.rgba);
+  viewport->keys({"Right", "Left"});
+  EXPECT_TRUE(viewport->controls().messages.empty());
+}
+
 TEST_F(ImagePlaneTest, ASequenceFollowsTheFramesAndTheSessionKeepsIt) {
   std::filesystem::create_directory("plates");
   write_image("plates/p.0001.png", kRed, 32, 18);

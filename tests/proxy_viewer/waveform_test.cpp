@@ -2,6 +2,7 @@
 #include "proxy_viewer/state/waveform.h"
 
 #include <imgui_internal.h>
+#include <sys/stat.h>
 
 #include <cmath>
 #include <cstring>
@@ -90,7 +91,10 @@ TEST_F(WaveformTest, HostileFilesAreRefusedWithASentence) {
     write_bytes("a.wav", bytes);
     EXPECT_EQ(kind_of([] { read_waveform("a.wav"); }), ErrorKind::file) << bytes.size();
   }
-  EXPECT_EQ(kind_of([] { read_waveform("absent.wav"); }), ErrorKind::file);
+  ASSERT_EQ(mkfifo("pipe.wav", 0600), 0);
+  for (const char* file : {"absent.wav", "pipe.wav", "."}) {
+    EXPECT_EQ(kind_of([&] { read_waveform(file); }), ErrorKind::file) << file;
+  }
   // Whatever is wrong in its head, it is read or refused.
   Random random(9);
   for (int k = 0; k < 300; ++k) {
