@@ -44,9 +44,9 @@ void GraphicsPipeline::make_layout(VkDevice device, const PipelineInfo& wanted) 
   for (std::uint32_t b = 0; b < wanted.storage_buffers; ++b) {
     bindings.push_back({b, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, 1, kStages, nullptr});
   }
-  if (wanted.samples_image) {
-    bindings.push_back(
-        {wanted.storage_buffers, VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, 1, VK_SHADER_STAGE_FRAGMENT_BIT, nullptr});
+  for (std::uint32_t k = 0; k < wanted.sampled_images; ++k) {
+    bindings.push_back({wanted.storage_buffers + k, VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, 1,
+                        VK_SHADER_STAGE_FRAGMENT_BIT, nullptr});
   }
   set_layout_ = vulkan::make_set_layout(device, bindings);
   layout_ = vulkan::make_pipeline_layout(device, set_layout_.get(), {kStages, 0, wanted.push_bytes});
@@ -128,7 +128,8 @@ void GraphicsPipeline::record(VkCommandBuffer commands, VkDescriptorSet set, con
 }
 
 VkDescriptorSet PictureSets::make(const GraphicsPipeline& pipeline,
-                                  std::initializer_list<const vulkan::Buffer*> buffers, const SampledImage& image) {
+                                  std::initializer_list<const vulkan::Buffer*> buffers,
+                                  std::initializer_list<SampledImage> images) {
   const VkDescriptorSet set = sets_.allocate(pipeline.set_layout());
   std::vector<VkDescriptorBufferInfo> ranges;
   for (const vulkan::Buffer* buffer : buffers) {
@@ -145,13 +146,15 @@ VkDescriptorSet PictureSets::make(const GraphicsPipeline& pipeline,
   write.descriptorType = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
   write.pBufferInfo = ranges.data();
   if (!ranges.empty()) vkUpdateDescriptorSets(device_.handle(), 1, &write, 0, nullptr);
-  if (image.view == VK_NULL_HANDLE) return set;
-  const VkDescriptorImageInfo sampled{image.sampler, image.view, VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL};
   write.dstBinding = pipeline.storage_buffers();
   write.descriptorCount = 1;
   write.descriptorType = VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER;
-  write.pImageInfo = &sampled;
-  vkUpdateDescriptorSets(device_.handle(), 1, &write, 0, nullptr);
+  for (const SampledImage& image : images) {
+    const VkDescriptorImageInfo sampled{image.sampler, image.view, VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL};
+    write.pImageInfo = &sampled;
+    vkUpdateDescriptorSets(device_.handle(), 1, &write, 0, nullptr);
+    ++write.dstBinding;
+  }
   return set;
 }
 

@@ -76,7 +76,7 @@ enum class Blending {
 struct PipelineInfo {
   std::span<const std::uint32_t> vertex, fragment;  // SPIR-V
   std::uint32_t storage_buffers = 0;                // bindings 0, 1, ...
-  bool samples_image = false;                       // the binding after those
+  std::uint32_t sampled_images = 0;                 // the bindings after those
   std::uint32_t push_bytes = 0;                     // of a block that both stages see
   VkSampleCountFlagBits samples = kSamples;
   Blending blending = Blending::none;
@@ -128,7 +128,7 @@ class PictureSets {
   void reset() { sets_.reset(); }
   // Throws Error(device) when a buffer is larger than the device lets a shader see.
   VkDescriptorSet make(const GraphicsPipeline& pipeline, std::initializer_list<const vulkan::Buffer*> buffers,
-                       const SampledImage& image = {});
+                       std::initializer_list<SampledImage> images = {});
 
  private:
   const vulkan::Device& device_;

@@ -85,7 +85,7 @@ ShadowMap::Pipelines::Pipelines(const vulkan::Device& device)
       blur(device, pass.get(),
            {.vertex = view_blur_vert_spv,
             .fragment = view_blur_frag_spv,
-            .samples_image = true,
+            .sampled_images = 1,
             .push_bytes = sizeof(float),
             .samples = VK_SAMPLE_COUNT_1_BIT,
             .depth_test = false,
@@ -132,7 +132,7 @@ void ShadowMap::record(VkCommandBuffer commands, PictureSets& sets, const View& 
   vkCmdEndRenderPass(commands);
   begin(commands, soft_framebuffer_.get(), used_part(view));
   blur.bind(commands);
-  blur.draw(commands, sets.make(blur, {}, {hard_.view.get(), sampler_.get()}), scale * caster, 3);
+  blur.draw(commands, sets.make(blur, {}, {{hard_.view.get(), sampler_.get()}}), scale * caster, 3);
   vkCmdEndRenderPass(commands);
 }
 

@@ -24,12 +24,12 @@ void change_levels(VkCommandBuffer commands, VkImage image, std::uint32_t first,
 
 }  // namespace
 
-Attachment make_texture(const vulkan::Device& device, const Image& image) {
+Attachment make_texture(const vulkan::Device& device, const Image& image, VkFormat format) {
   const std::uint32_t levels = static_cast<std::uint32_t>(std::bit_width(std::max(image.width, image.height)));
   const VkImageUsageFlags usage =
       VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT;
   Attachment texture = make_attachment(device, {.size = {image.width, image.height},
-                                                .format = kColourFormat,
+                                                .format = format,
                                                 .samples = VK_SAMPLE_COUNT_1_BIT,
                                                 .usage = usage,
                                                 .levels = levels});

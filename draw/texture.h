@@ -6,8 +6,8 @@
 
 namespace bodyopt {
 
-// Throws Error(device).
-Attachment make_texture(const vulkan::Device& device, const Image& image);
+// `format`: of bytes that are no sRGB colours, VK_FORMAT_R8G8B8A8_UNORM. Throws Error(device).
+Attachment make_texture(const vulkan::Device& device, const Image& image, VkFormat format = kColourFormat);
 
 using Sampler = vulkan::Owned<VkSampler, vkDestroySampler>;
 

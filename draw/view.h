@@ -29,6 +29,7 @@ struct SurfacePart {
   std::uint32_t first_corner, corner_count;
   std::array<float, 4> colour;  // linear RGB and alpha, times the image's
   SampledImage image;
+  SampledImage detail;  // red, green: the normal's; blue: how rough it is; times what its material says
   // Where its alpha is lower there is a hole; 0: it is as see-through as its alpha says; none: opaque.
   std::optional<float> least_alpha;
 };

@@ -147,7 +147,7 @@ PipelineInfo material_info(VkSampleCountFlagBits samples, bool has_holes) {
   return {.vertex = view_material_vert_spv,
           .fragment = view_material_frag_spv,
           .storage_buffers = 4,
-          .samples_image = true,
+          .sampled_images = 2,
           .push_bytes = sizeof(MaterialPush),
           .samples = samples,
           .covers_by_alpha = has_holes};
@@ -164,7 +164,7 @@ struct Viewport::Impl {
           ground(device, pass.get(),
                  {.vertex = view_ground_vert_spv,
                   .fragment = view_ground_frag_spv,
-                  .samples_image = true,
+                  .sampled_images = 1,
                   .push_bytes = sizeof(GroundPush),
                   .samples = samples,
                   .depth_test = false,
@@ -206,7 +206,7 @@ struct Viewport::Impl {
   void record_ground(VkCommandBuffer recorder, const View& view, const ViewPush& push, const ShadowMap& shadow) {
     const Ground& g = view.ground;
     scene->ground.bind(recorder);
-    scene->ground.draw(recorder, sets.make(scene->ground, {}, shadow.image()),
+    scene->ground.draw(recorder, sets.make(scene->ground, {}, {shadow.image()}),
                        GroundPush{push,
                                   {view.middle[0], view.middle[2], shadow_scale(view), g.shadow},
                                   {g.height, g.spacing, g.reach * view.radius, g.axes ? 1.0f : 0.0f},
@@ -221,11 +221,12 @@ struct Viewport::Impl {
     for (const SurfacePart& part : own.parts) {
       const GraphicsPipeline& pipeline = part.least_alpha ? scene->holed : scene->material;
       pipeline.bind(recorder);
-      pipeline.draw(recorder,
-                    sets.make(pipeline, {&own.corners, skin.positions, skin.normals, &own.vertices}, part.image),
-                    MaterialPush{push, part.colour, skin.offset, part.least_alpha.value_or(-1), skin.wire, orthographic,
-                                 skin.first_vertex},
-                    part.corner_count, skin.wire ? nullptr : &own.corners, part.first_corner);
+      pipeline.draw(
+          recorder,
+          sets.make(pipeline, {&own.corners, skin.positions, skin.normals, &own.vertices}, {part.image, part.detail}),
+          MaterialPush{push, part.colour, skin.offset, part.least_alpha.value_or(-1), skin.wire, orthographic,
+                       skin.first_vertex},
+          part.corner_count, skin.wire ? nullptr : &own.corners, part.first_corner);
     }
   }
 

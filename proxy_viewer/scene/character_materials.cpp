@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <tuple>
 
 #include "draw/colours.h"
 #include "draw/image_decode.h"
@@ -27,24 +28,68 @@ VkSamplerAddressMode wrapping_of(const Json& sampler, const char* key) {
   return wrap == kMirrored ? VK_SAMPLER_ADDRESS_MODE_MIRRORED_REPEAT : VK_SAMPLER_ADDRESS_MODE_REPEAT;
 }
 
-const SurfaceTexture& texture_of(const SkinSurface& surface, const SurfaceMaterial& material) {
-  return surface.textures[material.texture()->at("index").get<std::size_t>()];
+const SurfaceTexture& texture_of(const SkinSurface& surface, const Json& texture) {
+  return surface.textures[texture.at("index").get<std::size_t>()];
 }
 
-// Of an image that goes on round and round, a share of light.
-double pixel(const Image& image, double u, double v, std::size_t channel) {
+// Of glTF's material; null: it has none.
+const Json* normal_map(const SurfaceMaterial& material) {
+  const auto found = material.gltf.find("normalTexture");
+  return found == material.gltf.end() ? nullptr : &*found;
+}
+
+const Json* roughness_map(const SurfaceMaterial& material) {
+  const auto own = material.gltf.find("pbrMetallicRoughness");
+  if (own == material.gltf.end() || !own->contains("metallicRoughnessTexture")) return nullptr;
+  return &own->at("metallicRoughnessTexture");
+}
+
+double roughness(const SurfaceMaterial& material) {
+  const auto own = material.gltf.find("pbrMetallicRoughness");
+  return own == material.gltf.end() ? 1 : own->value("roughnessFactor", 1.0);
+}
+
+// Of an image that goes on round and round.
+std::uint8_t byte_at(const Image& image, double u, double v, std::size_t channel) {
   const auto place = [](double at, std::uint32_t pixels) {
     return std::min(static_cast<std::size_t>((at - std::floor(at)) * pixels), std::size_t{pixels} - 1);
   };
   const std::size_t k = place(v, image.height) * image.width + place(u, image.width);
-  return static_cast<double>(linear(image.rgba[4 * k + channel]));
+  return image.rgba[4 * k + channel];
+}
+
+// A share of light.
+double pixel(const Image& image, double u, double v, std::size_t channel) {
+  return static_cast<double>(linear(byte_at(image, u, v, channel)));
+}
+
+// See SurfacePart::detail. Null: none.
+Image detail_of(const Image* normals, double scale, const Image* rough, double factor) {
+  const auto side = [&](std::uint32_t Image::*length) {
+    return std::max({1u, normals ? normals->*length : 1u, rough ? rough->*length : 1u});
+  };
+  Image detail{side(&Image::width), side(&Image::height), {}};
+  detail.rgba.reserve(std::size_t{4} * detail.width * detail.height);
+  for (std::uint32_t y = 0; y < detail.height; ++y) {
+    for (std::uint32_t x = 0; x < detail.width; ++x) {
+      const double u = (x + 0.5) / detail.width, v = (y + 0.5) / detail.height;
+      for (const std::size_t channel : {0, 1}) {
+        const double along = normals ? scale * (byte_at(*normals, u, v, channel) - 128.0) : 0;
+        detail.rgba.push_back(static_cast<std::uint8_t>(std::lround(128 + std::clamp(along, -127.0, 127.0))));
+      }
+      detail.rgba.push_back(static_cast<std::uint8_t>(std::lround(factor * (rough ? byte_at(*rough, u, v, 1) : 255))));
+      detail.rgba.push_back(255);
+    }
+  }
+  return detail;
 }
 
 bool says_something(const SkinSurface& surface) {
   const auto is_dark = [](double share) { return share < 1; };
   return std::ranges::any_of(surface.colours, is_dark) ||
          std::ranges::any_of(surface.materials, [&](const SurfaceMaterial& material) {
-           return material.texture() != nullptr || std::ranges::any_of(material.colour(), is_dark);
+           return material.texture() != nullptr || normal_map(material) != nullptr || roughness(material) < 1 ||
+                  roughness_map(material) != nullptr || std::ranges::any_of(material.colour(), is_dark);
          });
 }
 
@@ -98,7 +143,7 @@ class MaterialsMaker {
     const auto factors = transformed(surface.materials, &SurfaceMaterial::colour);
     for (const SurfaceMaterial& material : surface.materials) {
       const bool has_image = !at.empty() && material.texture() != nullptr;
-      images.push_back(has_image ? &shown_of(surface, material).image : nullptr);
+      images.push_back(has_image ? &shown_of(texture_of(surface, *material.texture())).image : nullptr);
     }
     for (std::size_t c = 0; c < mesh.output_triangles.size(); ++c) {
       const std::size_t v = mesh.output_triangles[c], m = surface.materials.empty() ? 0 : surface.material_of[c / 3];
@@ -132,22 +177,50 @@ class MaterialsMaker {
     std::ranges::transform(material.colour(), part.colour.begin(), [](double x) { return static_cast<float>(x); });
     if (material.alpha_mode() == "BLEND") part.least_alpha = 0;
     if (material.alpha_mode() == "MASK") part.least_alpha = static_cast<float>(material.number("alphaCutoff", 0.5));
-    const Json* given = surface.texture.empty() ? nullptr : material.texture();
-    Sampling sampling;
+    const auto given = [&](const Json* texture) { return surface.texture.empty() ? nullptr : texture; };
     VkImageView view = VK_NULL_HANDLE;
-    if (given != nullptr) {
-      const SurfaceTexture& texture = texture_of(surface, material);
-      sampling = {wrapping_of(texture.sampler, "wrapS"), wrapping_of(texture.sampler, "wrapT"),
-                  texture.sampler.value("magFilter", kLinear) == kLinear};
-      view = shown_of(surface, material).view;
+    if (const Json* colour = given(material.texture())) {
+      Shown& shown = shown_of(texture_of(surface, *colour));
+      if (shown.view == VK_NULL_HANDLE && shown.image.width > 0) shown.view = upload(shown.image);
+      view = shown.view;
     }
-    const auto [sampler, is_new] = made_->samplers.try_emplace(sampling);
-    if (is_new) sampler->second = make_sampler(device_, sampling);
-    part.image = {view != VK_NULL_HANDLE ? view : white(), sampler->second.get()};
+    part.image = {view != VK_NULL_HANDLE ? view : white(), sampler_of(surface, given(material.texture()))};
+    const Json *normal = given(normal_map(material)), *rough = given(roughness_map(material));
+    part.detail = {detail_view(surface, material, normal, rough), sampler_of(surface, normal ? normal : rough)};
     return part;
   }
 
-  VkImageView upload(const Image& image) { return made_->images.emplace_back(make_texture(device_, image)).view.get(); }
+  VkSampler sampler_of(const SkinSurface& surface, const Json* texture) {
+    Sampling sampling;
+    if (texture) {
+      const Json& given = texture_of(surface, *texture).sampler;
+      sampling = {wrapping_of(given, "wrapS"), wrapping_of(given, "wrapT"),
+                  given.value("magFilter", kLinear) == kLinear};
+    }
+    const auto [sampler, is_new] = made_->samplers.try_emplace(sampling);
+    if (is_new) sampler->second = make_sampler(device_, sampling);
+    return sampler->second.get();
+  }
+
+  VkImageView detail_view(const SkinSurface& surface, const SurfaceMaterial& material, const Json* normal,
+                          const Json* rough) {
+    const auto image = [&](const Json* texture) {
+      const Image* found = texture ? &shown_of(texture_of(surface, *texture)).image : nullptr;
+      return found && found->width > 0 ? found : nullptr;
+    };
+    const double scale = normal ? normal->value("scale", 1.0) : 1;
+    const Image *normals = image(normal), *roughs = image(rough);
+    const auto [known, is_new] = details_.try_emplace({normals, scale, roughs, roughness(material)}, VK_NULL_HANDLE);
+    if (is_new) {
+      const Image detail = detail_of(normals, scale, roughs, std::clamp(roughness(material), 0.0, 1.0));
+      known->second = upload(detail, VK_FORMAT_R8G8B8A8_UNORM);
+    }
+    return known->second;
+  }
+
+  VkImageView upload(const Image& image, VkFormat format = kColourFormat) {
+    return made_->images.emplace_back(make_texture(device_, image, format)).view.get();
+  }
 
   VkImageView white() {
     if (white_ == VK_NULL_HANDLE) white_ = upload({1, 1, {255, 255, 255, 255}});
@@ -156,20 +229,17 @@ class MaterialsMaker {
 
   struct Shown {
     Image image;                        // no pixels: it cannot be shown
-    VkImageView view = VK_NULL_HANDLE;  // nor is there one then
+    VkImageView view = VK_NULL_HANDLE;  // where it is of a colour, and was asked for
   };
 
-  // That of a material that has one.
-  const Shown& shown_of(const SkinSurface& surface, const SurfaceMaterial& material) {
-    const SurfaceTexture& texture = texture_of(surface, material);
+  Shown& shown_of(const SurfaceTexture& texture) {
     const auto [known, is_new] = known_.try_emplace(*texture.bytes);
     if (!is_new) return known->second;
     try {
       Image image = decode_image(std::as_bytes(std::span(*texture.bytes)));
       pixels_ += std::size_t{image.width} * image.height;
       if (pixels_ > kMostPixels) throw Error(ErrorKind::file, "is more than can be shown, with those before it");
-      known->second = {std::move(image), VK_NULL_HANDLE};
-      known->second.view = upload(known->second.image);
+      known->second.image = std::move(image);
     } catch (const Error& error) {
       made_->notes.push_back(own_ + ": image '" + texture.name + "' " + error.what() +
                              "; its material's colour is shown");
@@ -183,6 +253,7 @@ class MaterialsMaker {
   std::map<std::string, Shown> known_;  // by what is in its file
   std::size_t pixels_ = 0;
   VkImageView white_ = VK_NULL_HANDLE;
+  std::map<std::tuple<const Image*, double, const Image*, double>, VkImageView> details_;  // see detail_of()
 };
 
 }  // namespace

@@ -56,7 +56,7 @@ VkDescriptorSet DescriptorSets::allocate(VkDescriptorSetLayout layout) {
 DescriptorSets::Pool DescriptorSets::make_pool() const {
   const std::array sizes = {
       VkDescriptorPoolSize{VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, kSetsOfAPool * BODYOPT_MOST_BINDINGS},
-      VkDescriptorPoolSize{VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, kSetsOfAPool}};
+      VkDescriptorPoolSize{VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, 2 * kSetsOfAPool}};
   auto info = structure<VkDescriptorPoolCreateInfo>(VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO);
   info.maxSets = kSetsOfAPool;
   info.poolSizeCount = sizes.size();

@@ -25,7 +25,7 @@ class DescriptorSets {
   explicit DescriptorSets(const Device& device) : device_(device) {}
   // Forgets all sets; nothing that uses them may be running.
   void reset();
-  // Of storage buffers, as many as any kernel has, and a sampled image. Throws Error(device).
+  // Of storage buffers, as many as any kernel has, and two sampled images. Throws Error(device).
   VkDescriptorSet allocate(VkDescriptorSetLayout layout);
 
  private:

@@ -13,15 +13,19 @@ float wrapped(float cosine) {
   return max(0, (cosine + w) / (1 + w));
 }
 
-// A matt surface with a faint sheen. n: normal; eye: towards the camera; up: the world's.
-vec3 clay(vec3 colour, vec3 n, vec3 eye, vec3 up) {
+// A surface with a sheen, faint where it is rough (1: matt). n: normal; eye: towards the camera; up: the world's.
+vec3 lit_surface(vec3 colour, float rough, vec3 n, vec3 eye, vec3 up) {
   const vec3 around = mix(kGround, kSky, 0.5 + 0.5 * dot(n, up));
   const vec3 diffuse = around + kKey * wrapped(dot(n, kKeyDirection)) + kFill * wrapped(dot(n, kFillDirection)) +
                        kRim * max(0, dot(n, kRimDirection));
-  const float glint = pow(max(0, dot(n, normalize(kKeyDirection + eye))), 28);
+  const float gloss = (1 - rough) * (1 - rough);
+  const float glint = pow(max(0, dot(n, normalize(kKeyDirection + eye))), mix(28, 160, gloss));
   const float grazing = pow(1 - max(0, dot(n, eye)), 4);
-  return colour * diffuse + 0.07 * glint * kKey + 0.10 * grazing * (0.3 + 0.7 * max(0, dot(n, kRimDirection))) * kRim;
+  return colour * diffuse + mix(0.07, 0.6, gloss) * glint * kKey +
+         0.10 * grazing * (0.3 + 0.7 * max(0, dot(n, kRimDirection))) * kRim;
 }
+
+vec3 clay(vec3 colour, vec3 n, vec3 eye, vec3 up) { return lit_surface(colour, 1, n, eye, up); }
 
 // Flat enough for a colour to be found on the colour bar, shaded enough for the shape to be seen.
 vec3 coloured(vec3 colour, vec3 n, vec3 eye, vec3 up) {

@@ -113,6 +113,45 @@ TEST_F(Materials, AnImageIsInSrgbAndAFactorIsLight) {
   expect_alike(at(factor, 1, 1), at(picture(own), 1, 1));
 }
 
+// The key light is at the upper left of the picture; of an image the bottom is where v is 1.
+TEST_F(Materials, ANormalMapLeansAsItsPixelsSay) {
+  const auto light = [&](const Colour& normal, double scale) {
+    GltfBlob blob = pictured_square({normal, normal, normal, normal});
+    Json& material = blob.root["materials"][0];
+    Json texture = material["pbrMetallicRoughness"].at("baseColorTexture");
+    material["pbrMetallicRoughness"] = {{"baseColorFactor", {0.2, 0.2, 0.2, 1}}};
+    texture["scale"] = scale;
+    material["normalTexture"] = texture;
+    const Colour shown = at(picture(blob), 1, 1);
+    return int{shown[0]};
+  };
+  const int plain = light({128, 128, 255, 255}, 1), left = light({64, 128, 240, 255}, 1);
+  EXPECT_NEAR(plain, at(picture(plain_square(0.2)), 1, 1)[0], 1);
+  EXPECT_GT(left, plain + 10);
+  EXPECT_LT(light({192, 128, 240, 255}, 1), plain - 10);
+  EXPECT_GT(light({128, 192, 240, 255}, 1), plain + 10);
+  EXPECT_LT(light({128, 64, 240, 255}, 1), plain - 10);
+  EXPECT_NEAR(light({64, 128, 240, 255}, 0), plain, 1);
+  EXPECT_LT(light({64, 128, 240, 255}, 0.5), left - 3);
+}
+
+// Seen along the light that it reflects. Of a map it is green, times the material's number.
+TEST_F(Materials, WhatIsSmoothShines) {
+  const Colour leaning{78, 178, 233, 255};
+  const auto light = [&](double factor, bool is_mapped) {
+    GltfBlob blob = pictured_square({leaning, leaning, leaning, leaning});
+    Json& own = blob.root["materials"][0]["pbrMetallicRoughness"];
+    const Json texture = own.at("baseColorTexture");
+    own = {{"baseColorFactor", {0.1, 0.1, 0.1, 1}}, {"roughnessFactor", factor}};
+    if (is_mapped) own["metallicRoughnessTexture"] = texture;
+    blob.root["materials"][0]["normalTexture"] = texture;
+    return int{at(picture(blob), 1, 1)[0]};
+  };
+  EXPECT_GT(light(0.2, false), light(1, false) + 30);
+  EXPECT_GT(light(178.0 / 255, false), light(1, false) + 3);
+  EXPECT_NEAR(light(1, true), light(178.0 / 255, false), 1);
+}
+
 TEST_F(Materials, EachTriangleHasItsOwn) {
   GltfBlob blob = pictured_square({kRed, kRed, kRed, kRed});
   blob.root["materials"].push_back({{"pbrMetallicRoughness", {{"baseColorFactor", {0, 0, 0.6, 1}}}}});
