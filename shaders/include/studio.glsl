@@ -21,7 +21,8 @@ vec3 lit_surface(vec3 colour, float rough, vec3 n, vec3 eye, vec3 up) {
   const float gloss = (1 - rough) * (1 - rough);
   const float glint = pow(max(0, dot(n, normalize(kKeyDirection + eye))), mix(28, 160, gloss));
   const float grazing = pow(1 - max(0, dot(n, eye)), 4);
-  return colour * diffuse + mix(0.07, 0.6, gloss) * glint * kKey + 0.10 * grazing * (0.3 + 0.7 * max(0, dot(n, kRimDirection))) * kRim;
+  return colour * diffuse + mix(0.07, 0.6, gloss) * glint * kKey +
+         0.10 * grazing * (0.3 + 0.7 * max(0, dot(n, kRimDirection))) * kRim;
 }
 
 vec3 clay(vec3 colour, vec3 n, vec3 eye, vec3 up) { return lit_surface(colour, 1, n, eye, up); }
