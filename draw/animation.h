@@ -10,10 +10,10 @@
 
 namespace bodyopt {
 
-// Frames of one size, shown so many milliseconds each (on average, where that is no whole number), over and over.
-// Opaque and slightly lossy; frames that look alike become one that lasts longer. Each is encoded as it is added: kept
-// is what it is encoded to. Throws Error(usage) for frames that are none, differ in size, are larger than WebP allows
-// or last less than a millisecond, Error(file) when they cannot be encoded.
+// Encodes frames of one size as an endless WebP animation, `milliseconds` each (on average, where that is no whole
+// number). Pictures are opaque and slightly lossy; frames that look alike become one that lasts longer. Each is encoded
+// as it is added, and only the result is kept. Throws Error(usage) for frames that are empty, differ in size, exceed
+// WebP's size or last less than a millisecond. Throws Error(file) where encoding fails.
 class AnimationEncoder {
  public:
   explicit AnimationEncoder(double milliseconds);

@@ -24,7 +24,7 @@ bool all_in_range(std::span<const float> v) {
 ViewAxes view_axes(const Vec3& direction) {
   ViewAxes axes;
   axes.back = normalised(direction, {0, 0, 1});
-  // By the poles right stays right.
+  // Near the poles right stays right.
   const Vec3 above = std::abs(axes.back[1]) > 0.999 ? Vec3{0, 0, -std::copysign(1.0, axes.back[1])} : Vec3{0, 1, 0};
   axes.right = normalised(cross(above, axes.back), {1, 0, 0});
   axes.up = cross(axes.back, axes.right);
@@ -100,7 +100,7 @@ Camera frame_points(std::span<const float> points, const std::array<float, 3>& d
     centre = centre + 0.5 * (low + high) * *all[axis];
   }
   const double tan_y = std::tan(kVerticalAngle / 2.0), tan_x = tan_y * static_cast<double>(aspect);
-  // A point at (x, y, z) of the camera's frame about the centre is seen from a distance of z + |x| / tan_x or more.
+  // The camera sees a point, (x, y, z) from the centre in its axes, from a distance of z + |x| / tan_x or more.
   double distance = 1e-3;
   for (std::size_t at = 0; at < points.size(); at += 3) {
     const double x = std::abs(along(0, at) - dot(axes.right, centre)),

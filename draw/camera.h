@@ -25,11 +25,11 @@ struct Camera {
   std::array<float, 3> up{};             // that points up in the picture, world; none: as view_axes() of the direction
 };
 
-// A camera that sees all points (V x 3, world, at least one) as large as it can, from the direction given (world,
-// towards the camera); aspect: width over height. Throws Error(usage).
+// Returns the camera that sees all points (V x 3, world, at least one) as large as it can. `direction`: world, towards
+// the camera; `aspect`: width over height. Throws Error(usage).
 Camera frame_points(std::span<const float> points, const std::array<float, 3>& direction, float aspect);
 
-// The same for the corners of the box [low, high].
+// Frames the corners of the box [low, high] in the same way.
 Camera frame_box(const std::array<float, 3>& low, const std::array<float, 3>& high,
                  const std::array<float, 3>& direction, float aspect);
 
@@ -51,9 +51,9 @@ struct DepthRange {
 // From the eye to the target, metres.
 double distance_to_target(const Camera& camera);
 
-// x and y scale, and depth terms a, b: depth = (z a + b) / w with w = -z, or 1 of an orthographic camera. The near and
-// far planes enclose what is seen as tightly as they can, so that depth is exact for a house; an orthographic camera
-// also sees what lies behind its eye, and one that cuts away begins at its target. aspect: width over height.
+// Returns x and y scale, and depth terms a, b. Depth is (z a + b) / w with w = -z, or 1 of an orthographic camera. Near
+// and far planes fit tightly around what is seen, so that depth is exact for a house. An orthographic camera sees
+// behind its eye; one that cuts away begins at its target. `aspect`: width over height.
 std::array<float, 4> projection(const Camera& camera, const DepthRange& seen, double aspect);
 
 }  // namespace bodyopt

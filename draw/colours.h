@@ -21,7 +21,7 @@ Oklab oklab(double lightness, double chroma, double hue);
 // Linear RGB; what a screen cannot show is clamped.
 std::array<float, 3> linear_rgb(const Oklab& colour);
 
-// Of linear RGB; below 0 and above 1 as these.
+// Encodes linear RGB; values below 0 and above 1 are clamped.
 inline std::array<std::uint8_t, 3> srgb(const std::array<float, 3>& linear) {
   std::array<std::uint8_t, 3> result;
   for (std::size_t i = 0; i < 3; ++i) {

@@ -32,7 +32,7 @@ struct AttachmentInfo {
   VkFormat format;
   VkSampleCountFlagBits samples;
   VkImageUsageFlags usage;
-  // That of the image, where the view has another of the same size; undefined: the same.
+  // The image's own format, where the view has another of the same size; undefined: the same.
   VkFormat image_format = VK_FORMAT_UNDEFINED;
   std::uint32_t levels = 1;  // of mipmaps
 };
@@ -52,7 +52,7 @@ struct PassAttachment {
   VkImageLayout before, after;
 };
 
-// Of one subpass; the second draws into one image, and no other.
+// Both have one subpass; the second draws into one image alone.
 RenderPass make_render_pass(const vulkan::Device& device, std::span<const PassAttachment> attachments,
                             const VkSubpassDescription& subpass, std::span<const VkSubpassDependency> dependencies);
 RenderPass make_colour_pass(const vulkan::Device& device, const PassAttachment& image,

@@ -42,7 +42,7 @@ Image decode_png(Bytes bytes) {
   return image;
 }
 
-// What decodes it makes grey of what is missing.
+// stb fills what is missing with grey, and reports no error.
 bool is_cut_off(Bytes jpeg) {
   constexpr std::array<unsigned char, 2> kEnd{0xff, 0xd9};
   const Bytes tail = jpeg.last(std::min<std::size_t>(jpeg.size(), 4096));

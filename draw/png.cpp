@@ -13,7 +13,7 @@ namespace bodyopt {
 namespace {
 
 constexpr std::uint64_t kMaxBytes = std::uint64_t{1} << 30;
-// Of zlib's levels and PNG's filters, the fastest whose files are no larger than those of stb's encoder.
+// This is the fastest pair of zlib level and PNG filter whose files are no larger than those of stb's encoder.
 constexpr int kLevel = 1, kFilter = SPNG_FILTER_CHOICE_SUB;
 
 }  // namespace

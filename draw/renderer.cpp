@@ -55,7 +55,7 @@ void enclose(std::span<const DrawMesh> meshes, View& view) {
   view.radius = 0.5f * std::hypot(high[0] - low[0], high[1] - low[1], high[2] - low[2]);
 }
 
-// Of every byte, once: a picture has millions.
+// A table holds the light of every byte, as a picture has millions of pixels.
 std::array<float, 256> make_lights() {
   std::array<float, 256> lights;
   for (std::size_t k = 0; k < lights.size(); ++k) lights[k] = linear(static_cast<std::uint8_t>(k));

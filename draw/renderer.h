@@ -29,11 +29,11 @@ class Renderer {
   // `device` as in DeviceChoice (never "cpu": rendering needs a Vulkan device). Throws Error(device).
   explicit Renderer(const std::string& device = "auto", bool validation = false);
   ~Renderer();
-  // Antialiased, clay under soft studio lights, on a dark neutral ground. Throws Error(usage) for a picture larger than
-  // kMaxPictureSize a side, Error(mismatch) for meshes whose arrays do not fit each other or hold numbers that are not
-  // finite, Error(device).
+  // Draws antialiased clay under soft studio lights, on a dark neutral ground. Throws Error(usage) for a picture larger
+  // than kMaxPictureSize a side. Throws Error(mismatch) for meshes whose arrays do not fit each other or are not
+  // finite, and Error(device).
   Image draw(std::span<const DrawMesh> meshes, const Camera& camera, std::uint32_t width, std::uint32_t height);
-  // What the validation layers said; outlives the renderer, to hear its teardown.
+  // Returns the messages of the validation layers; it outlives the renderer, to hear its teardown.
   std::shared_ptr<const vulkan::ValidationLog> validation_log() const;
 
  private:

@@ -38,7 +38,7 @@ constexpr ImagePassage kUnread{VK_IMAGE_LAYOUT_UNDEFINED,
 
 float caster_radius(const View& view) { return view.ground.caster > 0 ? view.ground.caster : view.radius; }
 
-// Where there are shadows: all else is not blurred, for that takes long.
+// Returns the part with shadows: to blur all else would take long.
 VkRect2D used_part(const View& view) {
   const float half = std::ceil(0.5f * kSide * shadow_scale(view) * view.radius) + 1;
   const auto used = static_cast<std::uint32_t>(std::min(half, 0.5f * kSide));

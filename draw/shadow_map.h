@@ -21,10 +21,10 @@ class ShadowMap {
   SampledImage image() const { return {soft_.view.get(), sampler_.get()}; }
 
  private:
-  // What lies outside of the part is cleared.
+  // Clears all, and draws into the part alone.
   void begin(VkCommandBuffer commands, VkFramebuffer framebuffer, const VkRect2D& part) const;
 
-  // Those of a device are shared.
+  // All shadow maps of a device share one.
   struct Pipelines {
     explicit Pipelines(const vulkan::Device& device);
 

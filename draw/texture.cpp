@@ -9,7 +9,7 @@
 namespace bodyopt {
 namespace {
 
-// Of some of its levels.
+// Changes the layout of some levels alone.
 void change_levels(VkCommandBuffer commands, VkImage image, std::uint32_t first, std::uint32_t count,
                    VkImageLayout from, VkImageLayout to) {
   const bool is_new = from == VK_IMAGE_LAYOUT_UNDEFINED, is_done = to == VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL;

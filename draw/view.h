@@ -30,7 +30,7 @@ struct SurfacePart {
   std::array<float, 4> colour;  // linear RGB and alpha, times the image's
   SampledImage image;
   SampledImage detail;  // red, green: the normal's; blue: how rough it is; times what its material says
-  // Where its alpha is lower there is a hole; 0: it is as see-through as its alpha says; none: opaque.
+  // There is a hole where its alpha is lower; 0: it is as see-through as its alpha says; none: opaque.
   std::optional<float> least_alpha;
 };
 

@@ -82,7 +82,7 @@ struct FibrePush {
 };
 static_assert(sizeof(FibrePush) == 96);
 
-// What the reference of a surface holds, as view_surface.vert and .frag count.
+// The reference of a surface holds one of these, numbered as in view_surface.vert and .frag.
 enum ReferenceKind : std::uint32_t { kPositions, kDistances, kColours };
 
 // The near and far planes enclose the view's sphere.
@@ -97,7 +97,7 @@ ViewPush view_push(const View& view) {
   return push;
 }
 
-// What deformers and the host wrote before is seen by the shaders.
+// Shaders see what deformers and the host wrote before.
 void await_data(VkCommandBuffer commands) {
   auto memory = structure<VkMemoryBarrier>(VK_STRUCTURE_TYPE_MEMORY_BARRIER);
   memory.srcAccessMask = VK_ACCESS_SHADER_WRITE_BIT | VK_ACCESS_TRANSFER_WRITE_BIT;
@@ -163,7 +163,7 @@ PipelineInfo material_info(VkSampleCountFlagBits samples, bool has_holes) {
 }  // namespace
 
 struct Viewport::Impl {
-  // What draws the scene with so many samples a pixel. Those of a device are shared.
+  // Draws the scene with so many samples a pixel. Viewports of a device share them.
   struct ScenePipelines {
     ScenePipelines(const vulkan::Device& device, VkSampleCountFlagBits samples_)
         : samples(samples_),

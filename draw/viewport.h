@@ -1,5 +1,5 @@
-// The picture of the window: views of the scene, and the panels over them, in an image that a window shows, and that
-// can be read back: so that a screenshot, a picture without a window and the window have the same pixels.
+// The picture of the window: views of the scene and the panels over them, in an image that is shown or read back. So a
+// screenshot, a picture without a window and the window have the same pixels.
 #pragma once
 
 #include <functional>
@@ -32,12 +32,12 @@ class Viewport {
   // A side of a picture: kMostViewportPixels, or fewer where the device has no such images.
   std::uint32_t most_pixels() const;
   VkRenderPass panel_pass() const;  // one colour attachment of kPictureFormat, no depth
-  // What was drawn: ready to be copied from.
+  // The image of the last draw, ready to be copied from.
   VkImage image() const;
   VkExtent2D size() const;
   Image picture() const;  // waits for a copy
 
-  // Of the last draw on the device, seconds; 0 where the device has no clock.
+  // Returns the device's time of the last draw, seconds; 0 where the device has no clock.
   double seconds() const;
 
  private:
