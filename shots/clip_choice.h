@@ -1,4 +1,4 @@
-// Which frames of which clip: what verbs and sessions name.
+// The choice of a clip and of frames of it, as verbs and sessions name them.
 #pragma once
 
 #include <string>
@@ -17,7 +17,7 @@ struct ClipChoice {
   // `unit`: that of the character, where the options name none. Throw as read_clip().
   Clip read(const Skeleton& skeleton, double unit) const;
   Clip read(const Basis& basis, double unit) const;
-  // Of the clip. Throws Error(usage) when a frame lies outside it.
+  // Throws Error(usage) when a frame lies outside the clip.
   std::vector<int> chosen_frames(const Clip& clip) const;
 
  private:

@@ -42,7 +42,7 @@ struct Shot {
   std::optional<BoundSkin> bound;      // with the joints of the frames, where the skin is written bound to them
 
   const Basis& basis() const { return deformer->basis(); }
-  // Of `count` frames from frames[begin] on.
+  // Returns the poses of `count` frames from frames[begin] on.
   std::vector<Pose> poses(std::size_t begin, std::size_t count) const;
   // The clip from the first of the frames, of which there is one, to the last.
   Clip played_clip() const;
@@ -52,7 +52,7 @@ struct Shot {
 class SkinSink {
  public:
   virtual ~SkinSink() = default;
-  // What the deformer gave of `poses`, which are frames[begin], frames[begin + 1], ...
+  // Takes what the deformer gave of `poses`, which are frames[begin], frames[begin + 1], ...
   virtual void append(const Evaluation& part, std::span<const Pose> poses, std::size_t begin) = 0;
 };
 
@@ -71,7 +71,7 @@ void evaluate(Shot& shot, SkinSink& sink, Progress& progress, std::size_t begin 
 
 // The caches of a shot: PC2, MDD, USD or glTF of its skin, and one of each attached mesh.
 
-// Where to, and in which form.
+// The file and the form of a cache.
 struct CacheChoice {
   std::string out;         // .pc2, .mdd, .usda or .glb
   bool full_skin = false;  // of a proxy: the skin of the full character
@@ -93,7 +93,7 @@ class ShotCaches : public SkinSink {
 
   std::size_t frames() const { return frames_; }  // that all of them hold
   std::uint32_t points() const { return points_; }
-  // Of the attached meshes, in the order of the shot's.
+  // Paths of the attached meshes' caches, in the order of the shot's.
   const std::vector<std::string>& attached_paths() const { return attached_paths_; }
 
   // Puts the frames so far aside in a folder, instead of close(), where no append() has failed; nothing more can be

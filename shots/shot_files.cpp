@@ -78,7 +78,7 @@ OpenedCharacter open_arm(const ClipOptions& options) {
   return opened;
 }
 
-// At least half of the joints of either, by their names: rigs of others share a few, as "Hips" and "Head".
+// Half of the joints of the smaller skeleton must be in the other, by name: rigs of others share a few, as "Hips".
 bool is_of(const tinygltf::Model& model, const Skeleton& skeleton) {
   std::set<std::string> joints;
   for (const tinygltf::Skin& skin : model.skins) {
@@ -98,7 +98,7 @@ void tell_all(const std::vector<std::string>& notes, const Tell& tell) {
   for (const std::string& note : notes) tell(note);
 }
 
-// Of a session, of a character that nobody trained, too: its Direct Delta Mush.
+// A session may name a character without a trained basis; Direct Delta Mush then poses it.
 bool is_untrained(const ShotFiles& files) { return !files.session.file.empty() && !is_basis(files.basis); }
 
 OpenedCharacter open_levels(const ShotFiles& files) {

@@ -18,7 +18,7 @@
 
 namespace bodyopt {
 
-// What the viewport can show: a trained basis, a character as it is, or the built-in arm.
+// Opens what the viewport can show: a trained basis, a character as it is, or the built-in arm.
 
 struct OpenedCharacter {
   std::vector<Level> levels;           // finest first
@@ -28,17 +28,16 @@ struct OpenedCharacter {
   std::vector<std::string> notes;      // for the user, one sentence each
 };
 
-// `path`: a basis (.safetensors); a character (.glb, .gltf, .fbx), which gets Direct Delta Mush at once and plays its
-// first clip; or nothing: the built-in arm with its muscles and its held-out motion, by Direct Delta Mush too. No file
-// is written. `options`: of the clip; the unit is also that of the character's file. Throws Error(file),
-// Error(mismatch).
+// `path`: a basis (.safetensors), or a character (.glb, .gltf, .fbx), which plays its first clip. Empty: the built-in
+// arm with its muscles and its held-out motion. Both without a basis get Direct Delta Mush at once. No file is written.
+// `options`: of the clip; the unit is also that of the character's file. Throws Error(file), Error(mismatch).
 OpenedCharacter open_character(const std::string& path, const ClipOptions& options);
 
-// Does the file hold a character rather than a clip for this skeleton: a mesh with a skin, and no clip, or less than
-// half of the joints of either skeleton in the other, by name? Throws Error(file).
+// Does the file hold a character rather than a clip for this skeleton? It has a skinned mesh, and no clip, or shares
+// less than half of the smaller skeleton's joints, by name. Throws Error(file).
 bool is_another_character(const std::string& path, const Skeleton& skeleton);
 
-// What is asked of the jiggle.
+// The user's choices for the jiggle.
 struct JiggleChoice {
   bool jiggle = false;
   std::string dynamics;                // empty: the file beside the basis
@@ -51,7 +50,7 @@ struct JiggleChoice {
   std::string file(const std::string& basis) const;
 };
 
-// What a session sets on its lead.
+// The posing and files that a session gives its lead.
 struct SessionPosing {
   std::string file;         // the session; empty: there is none
   std::string character{};  // the lead's own file, for the surface of its skin, where it is there and fits; or empty
@@ -83,16 +82,16 @@ struct ShotFiles {
 // Throws Error(file).
 void take_session(const std::string& session, ShotFiles& files);
 
-// Where none is chosen, as of a session whose lead plays none, the character's own, or the bind pose, as the viewport
-// poses it. Throws as ClipChoice::read().
+// Reads the chosen clip. Otherwise takes the character's own, or the bind pose, as the viewport poses a lead that plays
+// none. Throws as ClipChoice::read().
 Clip read_own_clip(const ClipChoice& choice, const Basis& basis, std::optional<Clip> own);
 
-// Of a session whose lead nobody trained. Throws Error(usage).
+// Refuses to jiggle a session's lead that nobody trained. Throws Error(usage).
 [[noreturn]] void refuse_jiggle(const std::string& session);
 
-// Of a character's own file that nobody named; told why where there is none.
+// Reads the surface from a character's own file that the user did not name; reports why where there is none.
 SkinSurface surface_if_any(const std::string& character, const MeshTable& mesh, const Tell& tell);
-// Of each attached mesh that of the file's mesh of its name and triangles; empty: there is none.
+// Each attached mesh gets the surface of the file's mesh with its name and triangles; empty: there is none.
 std::vector<SkinSurface> attached_surfaces(const std::string& character, const Basis& basis,
                                            const Attachments& attached, const Tell& tell);
 

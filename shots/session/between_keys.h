@@ -1,4 +1,4 @@
-// What is keyed at frames, poses and cameras alike, as it is at others.
+// Interpolates keyed poses and cameras between their frames.
 #pragma once
 
 #include <iterator>
@@ -14,14 +14,14 @@ inline double eased(KeyEase ease, double x) {
   return ease == KeyEase::linear ? x : 0;
 }
 
-// From one camera to another, `t` from 0 to 1, the short way about. Without perspective, or cut away, as the first.
+// Blends two cameras, `t` from 0 to 1, the short way about. Projection and cutting away are those of the first.
 CameraKey blended(const CameraKey& a, const CameraKey& b, double t);
 inline CameraKey eased_between(const CameraKey& a, const CameraKey& b, double x) {
   return blended(a, b, eased(a.ease, x));
 }
 
-// What the keys say of a frame; before the first and after the last it is as those. There must be a key. `Key` has a
-// function eased_between(a, b, x), x the share of the time from a to b.
+// Interpolates the keys at a frame; frames before the first key and after the last take that key. There must be a key.
+// `Key` has a function eased_between(a, b, x), x the share of the time from a to b.
 template <typename Key>
 Key between_keys(const std::map<int, Key>& keys, int frame) {
   const auto after = keys.lower_bound(frame);

@@ -23,7 +23,7 @@ Vec3 other_angles(const Vec3& degrees) {
           std::remainder(degrees[2] + 180, 360)};
 }
 
-// At x = 0: an axis is reflected, and the sense of turning as well.
+// Mirrors a turn at x = 0: its axis is reflected, and the sense of turning as well.
 Quat reflected(const Quat& turn) { return {turn[0], -turn[1], -turn[2], turn[3]}; }
 
 // World to the joint's own axes, in the bind pose.
@@ -31,7 +31,7 @@ Vec3 own_axis(const Joint& joint, const Vec3& axis) { return rotate(decompose(jo
 
 constexpr double kAcross = 0.2;  // an axis of which a turn has less than this is not turned about
 
-// With what the clip has beyond it.
+// Widens the range by what the clip has beyond it.
 JointRange with_clip(JointRange range, const Vec3& angles) {
   for (std::size_t axis = 0; axis < 3; ++axis) {
     range.low[axis] = std::min(range.low[axis], angles[axis]);
@@ -91,8 +91,8 @@ class Limb {
   Limb(const Skeleton& skeleton, const std::vector<std::optional<JointRange>>& ranges, Pose& pose, std::size_t end)
       : skeleton_(skeleton), ranges_(ranges), pose_(pose), end_(end), middle_(parent(end)), upper_(parent(middle_)) {}
 
-  // The end keeps its orientation. What ranges hold of a bend leaves the limb too long or too short: it is bent again
-  // from there, for as long as that helps.
+  // The end keeps its orientation. Ranges may cut the bend short and leave the limb too long or too short. Then it is
+  // bent again from there, for as long as that helps.
   void reach_for(const Vec3& target) {
     constexpr int kTries = 16;
     constexpr double kReached = 1e-6;  // metres
@@ -114,7 +114,7 @@ class Limb {
     const std::vector<Affine> joints = posed_joints(skeleton_, pose_.joints);
     const Vec3 a = centre(joints[upper_]), b = centre(joints[middle_]), c = centre(joints[end_]);
     turn(middle_, reach(a, b, c, target, hinge().value_or(any_across(c - a))).lower);
-    // What the range has left of the bend is swung to the target.
+    // The upper joint swings towards the target whatever the range has left of the bend.
     turn(upper_, swing(place(end_) - a, target - a));
   }
 
@@ -150,7 +150,7 @@ class Limb {
     face(held);
   }
 
-  // So that a joint under the end is at the target, the end facing as it does for as long as the limb reaches.
+  // Brings a joint under the end to the target; the end keeps its orientation for as long as the limb reaches.
   void hold(std::size_t toe, const Vec3& target) {
     constexpr int kTries = 12;
     for (int k = 0; k < kTries; ++k) {
@@ -171,7 +171,7 @@ class Limb {
   std::vector<Quat> rotations() const { return world_rotations(skeleton_, pose_); }
   Vec3 place(std::size_t joint) const { return centre(posed_joints(skeleton_, pose_.joints)[joint]); }
 
-  // Of a middle joint that bends to one side alone, world: the axis about which it does. None: any way, or not known.
+  // Returns the world axis of a middle joint that bends to one side alone; none: it bends any way, or is unknown.
   std::optional<Vec3> hinge() const {
     constexpr double kOneSided = 0.25;  // of the bend, what goes to the other side
     if (middle_ >= ranges_.size() || !ranges_[middle_]) return std::nullopt;
@@ -200,7 +200,7 @@ class Limb {
     if (dot(plane, *axis) < 0) turn(middle_, axis_angle(1 / length(plane) * plane, -2 * angle_between(above, below)));
   }
 
-  // By a rotation of the world, as far as the joint's range lets it.
+  // Rotates a joint in the world, as far as its range lets it.
   void turn(std::size_t joint, const Quat& by) {
     const std::vector<Quat> world = rotations();
     const int above = skeleton_.joints[joint].parent;
@@ -219,7 +219,7 @@ class Limb {
   const std::size_t end_, middle_, upper_;
 };
 
-// From the hips upwards, before limbs reach that hang on it. What is above a joint that is pinned, too, stays.
+// Bends spines from the hips upwards, before limbs reach. Pinned joints of a chain, and those above them, stay.
 void bend_spine(const Skeleton& skeleton, const std::vector<std::optional<JointRange>>& ranges, const Roles& roles,
                 Pose& pose, const Pins& pins) {
   for (std::size_t end = 0; end < skeleton.size(); ++end) {

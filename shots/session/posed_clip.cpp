@@ -20,7 +20,7 @@ namespace {
 Vec3 blend_of(const Vec3& a, const Vec3& b, double t) { return (1 - t) * a + t * b; }
 double blend_of(double a, double b, double t) { return std::lerp(a, b, t); }
 
-// Of the way from one key to the next, by what goes it: a joint, an axis, a control.
+// The share of the way from one key to the next, by the name of a joint, an axis or a control.
 using ShareOf = std::function<double(const std::string& name)>;
 
 // `whole`: what one side lacks is as the other has it; otherwise it is zero there. What only the other side has is
@@ -65,7 +65,7 @@ ViewSettings::PoseKey blend_of(const ViewSettings::PoseKey& a, const ViewSetting
           a.eases};
 }
 
-// Of a joint's local rotation, about an axis of rest space.
+// Returns what turns a joint's local rotation about an axis of rest space.
 Quat turn_about_rest_axis(const Skeleton& skeleton, const JointTurn& turn, double degrees) {
   const int parent = skeleton.joints[turn.joint].parent;
   Vec3 axis = turn.axis;
@@ -85,7 +85,7 @@ void move_joint(const Skeleton& skeleton, std::size_t joint, const Vec3& by, Pos
   at = at + (world * by - world * Vec3{});
 }
 
-// By what a pose turns the end of a limb on top of its clip, about its own axes; a toe's is with its foot's.
+// Returns the turn of a limb's end that a pose adds to its clip, about its own axes; a toe's includes its foot's.
 Quat turned_here(const Skeleton& skeleton, std::size_t joint, const Pose& clip, const Pose& pose) {
   const auto own = [&](std::size_t j) { return conjugate(clip.joints[j].rotation) * pose.joints[j].rotation; };
   if (!ends_a_foot(skeleton, joint)) return own(joint);
@@ -93,8 +93,8 @@ Quat turned_here(const Skeleton& skeleton, std::size_t joint, const Pose& clip, 
   return conjugate(before) * own(static_cast<std::size_t>(skeleton.joints[joint].parent)) * now;
 }
 
-// Of a pose, the angles of all degrees of freedom that turn the joint, radians away from rest: those whose turns, one
-// after the other, come nearest to the joint's (Gauss and Newton).
+// Returns the angles of all degrees of freedom that turn the joint, radians away from rest. Gauss-Newton steps bring
+// their turns, one after the other, nearest to the joint's.
 std::map<const DegreeOfFreedom*, double> angles_at(const JointLimits& limits, const Skeleton& skeleton,
                                                    std::uint32_t joint, const Pose& pose) {
   constexpr int kSteps = 10;
@@ -153,7 +153,7 @@ void set_posed_controls(const std::vector<std::string>& names, const ViewSetting
   }
 }
 
-// What of the keys steers modifiers: a breath goes on from frame to frame by its controls. Without keys those set.
+// Controls alone steer modifiers: a breath goes on from frame to frame by them. Without keys, those set are keyed.
 std::map<int, ViewSettings::PoseKey> control_keys(const ViewSettings::Posing& posing) {
   std::map<int, ViewSettings::PoseKey> keys;
   for (const auto& [frame, key] : posing.keys) {

@@ -1,4 +1,4 @@
-// What an animator set on top of a clip, or of the bind pose, as poses before modifiers.
+// Poses that an animator set on top of a clip, or of the bind pose, before modifiers.
 #pragma once
 
 #include <map>
@@ -16,7 +16,7 @@
 
 namespace bodyopt {
 
-// From one pose to another, `t` from 0 to 1. Joints, axes and moves that one leaves out are there as the clip has them,
+// Blends two poses, `t` from 0 to 1. Joints, axes and moves that one leaves out are there as the clip has them,
 // controls and pins as the other has them.
 ViewSettings::PoseKey blended(const ViewSettings::PoseKey& a, const ViewSettings::PoseKey& b, double t);
 
@@ -26,17 +26,16 @@ ViewSettings::PoseKey eased_between(const ViewSettings::PoseKey& a, const ViewSe
 // The posing as it is at a frame: by its keys, or, without any, as it is.
 ViewSettings::Posing keyed_posing(ViewSettings::Posing posing, int frame);
 
-// Where there is no clip to pose: the bind pose for ten seconds.
+// Makes a clip where there is none to pose: the bind pose for ten seconds.
 Clip still_clip(const Skeleton& skeleton, const ClipOptions& options);
 
-// What may be added to a clip's pose along a degree of freedom, degrees: to its limits, together with what the clip
-// itself turns there, and always nothing. Of several joints the clip's turn is the mean.
+// Returns what may be added to a clip's pose along a degree of freedom, degrees. Its sum with the clip's own turn keeps
+// the limits; zero always may. Of several joints the clip's turn is the mean.
 std::pair<double, double> free_angles(const JointLimits& limits, const Skeleton& skeleton, const DegreeOfFreedom& dof,
                                       const Pose& clip);
 
-// Joints of the pose turned about the axes of the limits, then by their own angles, as far as their ranges let them,
-// and moved; then limbs reach for where their ends are pinned. `ranges`: of every joint, or empty: as far as they are
-// turned.
+// Turns joints about the axes of the limits, then by their own angles, as far as their ranges let them, and moves them.
+// Then limbs reach for where their ends are pinned. `ranges`: of every joint, or empty: turns are not limited.
 Pose posed(const Skeleton& skeleton, const JointLimits& limits, const std::vector<std::optional<JointRange>>& ranges,
            const Pose& clip, const ViewSettings::PoseKey& posing);
 // Pins that it does not reach.
@@ -44,12 +43,12 @@ std::vector<MissedPin> missed_pins(const Skeleton& skeleton, const JointLimits& 
                                    const std::vector<std::optional<JointRange>>& ranges, const Pose& clip,
                                    const ViewSettings::PoseKey& posing);
 
-// As ViewSettings::PoseKey::facing has it: how a joint faces now, so that it goes on so once it is pinned.
+// Returns a PoseKey::facing by which a joint keeps its present orientation once it is pinned.
 Vec3 facing_of(const Skeleton& skeleton, const JointLimits& limits,
                const std::vector<std::optional<JointRange>>& ranges, const Pose& clip,
                const ViewSettings::PoseKey& posing, std::size_t joint);
 
-// Where the modifiers of a basis stand before frames of a clip: kept while what steers them is the same.
+// The states of a basis' modifiers before frames of a clip, kept while what steers them is the same.
 class ModifierTrack {
  public:
   // Before frame number `at`. `controls`: as posed_frame() names them; the clip is always the same one.

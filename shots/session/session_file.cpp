@@ -60,7 +60,7 @@ constexpr auto kSessionFields = [](auto& list, auto& session) {
   }
 };
 
-// What is done to each path; those that are left out stay so.
+// Changes each path; empty ones stay so.
 template <typename Change>
 void change_paths(SessionFile& session, const Change& change) {
   for (std::string* file : {&session.image_plane.file, &session.sound.file}) {

@@ -57,8 +57,8 @@ struct SessionFile {
 // Is it a session rather than a state? False where it cannot be read.
 bool is_session(const std::string& file);
 
-// Files within its folder, or named relative to where the program runs, are kept relative to the folder, so that they
-// can be moved together; paths that are read are those, from where the program runs. Throw Error(file).
+// Sessions keep paths within their folder, or relative to where the program runs, relative to the folder. So both can
+// be moved together. Paths that are read lead from where the program runs. Throw Error(file).
 SessionFile read_session(const std::filesystem::path& path);
 void write_session(const SessionFile& session, const std::filesystem::path& path);
 

@@ -14,7 +14,7 @@
 
 namespace bodyopt {
 
-// Where a camera stands that goes around a point, as a session keeps it.
+// A camera that goes around a point, as a session keeps it.
 
 struct OrbitView {
   static constexpr double kNearest = 0.01, kFarthest = 1e5;  // metres, of the distance
@@ -59,7 +59,7 @@ struct CameraKey : OrbitView {
   bool operator==(const CameraKey&) const = default;
 };
 
-// In commands, panels and the state file; in the order of the enumerations.
+// Names in commands, panels and the state file, in the order of the enumerations.
 inline constexpr std::array kPlayModeNames{"loop", "ping-pong", "once"};
 inline constexpr std::array kKeyEaseNames{"smooth", "linear", "step"};
 inline constexpr std::array kStyleNames{"clay", "material", "matcap", "flat", "normals", "silhouette"};
@@ -102,7 +102,7 @@ struct ViewSettings {
     bool operator==(const Compare&) const = default;
   };
 
-  // What is set on top of the clip.
+  // What a pose sets on top of the clip.
   struct PoseKey {
     std::map<std::string, Vec3> joints{};  // Euler angles about x, y, z in degrees, by joint
     std::map<std::string, double> axes{};  // degrees, by the name of a degree of freedom of limits.json
@@ -148,7 +148,7 @@ struct ViewSettings {
     bool operator==(const Hud&) const = default;
   };
 
-  // Of the file: the viewport plays as its Playback says, and looks as its OrbitCamera does.
+  // The file's values: Playback and OrbitCamera hold those by which the viewport plays and looks.
   PlaySettings playback;
   OrbitView camera;
   std::map<std::string, OrbitView> cameras;  // saved, by name
@@ -164,7 +164,7 @@ struct ViewSettings {
   bool operator==(const ViewSettings&) const = default;
 };
 
-// What is set by a name, as joints and controls are; otherwise `usual`.
+// Returns what is set by a name, as joints and controls are; otherwise `usual`.
 template <typename Value>
 Value set_or(const std::map<std::string, Value>& set, const std::string& name, std::type_identity_t<Value> usual) {
   const auto found = set.find(name);
@@ -173,9 +173,9 @@ Value set_or(const std::map<std::string, Value>& set, const std::string& name, s
 
 inline constexpr const char* kViewSchema = "bodyopt-view-1";
 
-// What the file leaves out keeps its default. Throws Error(file).
+// A setting that the file leaves out keeps its default. Throws Error(file).
 ViewSettings read_view_settings(const std::filesystem::path& path);
-// What no single field tells: names of sections, a range that ends before it begins. Throws Error(file).
+// Checks what no single field can: names of sections, and that a range ends after it begins. Throws Error(file).
 void require_good_settings(const ViewSettings& settings, const std::filesystem::path& path);
 void write_view_settings(const ViewSettings& settings, const std::filesystem::path& path);  // throws Error(file)
 
