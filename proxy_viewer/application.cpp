@@ -88,7 +88,7 @@ void Application::begin_frames(bool restored) {
   playback.scrub(options_.current.value_or(restored ? playback.frame() : playback.in()));
 }
 
-// Of a sequence without a window all of it: nobody is there to move the camera.
+// A sequence without a window is framed as a whole: nobody is there to move the camera.
 void Application::frame_what_comes() {
   if (!screen_ && shows_motion(options_.out)) {
     session_.frame_range(options_.width, options_.height);
@@ -143,7 +143,7 @@ void Application::remember(const std::string& file) {
   controls_.recent = recent_.list();
 }
 
-// What the next session replaces is offered by the next viewport.
+// The next viewport offers what the next session replaces.
 void Application::keep_unsaved() {
   if (session_.work() == saved_) return;
   autosave();
@@ -194,7 +194,7 @@ void Application::set_title() {
   if (screen_) screen_->set_title(session_.scene.lead().name() + " \xe2\x80\x93 Bodyopt");
 }
 
-// What was known of the lead may be so no longer. The cast stays as it is.
+// Forgets what was measured of the lead. The cast stays as it is.
 template <typename Action>
 void Application::change_shapes(const Action& action) {
   action();
@@ -322,7 +322,7 @@ void Application::hear_key(const KeyEvent& event) {
   if (!command || (event.action == KeyAction::repeated && !command->repeats)) return;
   const bool typed = controls_.prompt;
   controls_.attempt([&] { run_command(controls_, command->name); });
-  // What was typed before was for keys, however late it is heard.
+  // Letters typed before the command were keys, however late they are heard.
   if (controls_.prompt && !typed) ImGui::GetIO().InputQueueCharacters.clear();
 }
 
@@ -404,7 +404,7 @@ void Application::go_to_worst_frame() {
   }
 }
 
-// What was asked for meanwhile, now that there is a picture.
+// Fulfils requests once there is a picture.
 void Application::fulfil() {
   const Requests requests = std::exchange(controls_.requests, {});
   controls_.requests.quit = requests.quit;

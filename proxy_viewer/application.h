@@ -21,12 +21,12 @@ class Application {
   // only pictures are made. Throws as run_viewer().
   Application(const ViewerOptions& options, std::shared_ptr<const vulkan::Device> device, Screen* screen);
 
-  // What has happened, and the seconds that passed since the turn before; what changed is drawn and shown.
+  // Takes events, and the seconds since the turn before; draws and shows what changed.
   void turn(std::span<const WindowEvent> events, double passed);
   // How long the next turn can wait for events, seconds.
   double patience() const;
   bool is_done() const { return session_.controls.requests.quit; }
-  // What is not saved, for the next to bring back where this one does not end as it should; and it does.
+  // Keeps unsaved work, which the next viewport brings back where this one does not end as it should.
   void autosave();
   void forget_autosave() { autosave_.forget(); }
   // Without a screen: the script, then the pictures that the options ask for.

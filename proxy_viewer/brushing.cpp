@@ -105,7 +105,7 @@ void Brushing::drag(const Rectangle& area, const std::array<double, 2>& pixel) {
   }
 }
 
-// What is held stays under the mouse, as far away as it was.
+// The point that is held stays under the mouse, as far away as it was.
 void Brushing::pull(const Rectangle& area, const std::array<double, 2>& pixel) {
   const Rectangle view = view_at(scene_, controls_, area, static_cast<float>(pixel[0]));
   const auto to = moved_under_pixel(controls_.camera.camera(), view, pixel[0], pixel[1], held_);

@@ -15,7 +15,7 @@
 
 namespace bodyopt {
 
-// Where the brush is on the skin: a ring of its radius.
+// The brush on the skin: a ring of its radius.
 struct BrushRing {
   Vec3 centre, normal;  // metres, world; unit
   double radius;        // metres
@@ -45,11 +45,11 @@ class Brushing {
   // Writes what was brushed, where anything was. Returns what is to be said. Throws as FrameSculpting::keep(), and what
   // was brushed stays.
   std::vector<std::string> keep();
-  // What was brushed is forgotten: the frame is as it is in the dataset.
+  // Forgets what was brushed: the frame is as it is in the dataset.
   void forget();
   bool has_change() const { return sculpting_ && sculpting_->has_change(); }
 
-  // Of every frame of the database how much it takes of what was sculpted in the one brushed last; empty: nothing was.
+  // Returns how much every frame of the database takes of the last sculpted frame; empty: nothing was sculpted.
   const std::vector<double>& weights() const { return weights_; }
   const std::optional<BrushRing>& ring() const { return ring_; }
 

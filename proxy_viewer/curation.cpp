@@ -100,7 +100,7 @@ std::size_t Curation::number_of(int frame) const {
   return numbers_[static_cast<std::size_t>(std::clamp(frame - first_frame_, 0, last))];
 }
 
-// Of the frames of the clip; not a number: not known.
+// Returns values of the frames of the clip; not a number: not known.
 std::vector<double> Curation::values(MapColour colour, const Snapshot& snapshot,
                                      std::span<const double> brushed) const {
   std::vector<double> values(numbers_.size(), NAN);

@@ -17,17 +17,17 @@ namespace bodyopt {
 
 class Curation {
  public:
-  // Of the lead, where its truth is a whole dataset; otherwise there is nothing to curate. Tells the controls what
-  // commands may name.
+  // Takes up the lead's truth where that is a whole dataset; otherwise there is nothing to curate. Gives the controls
+  // the names for commands.
   void look(const Scene& scene, Controls& controls);
-  // For the panel: the map in the colours asked for; errors are those of the snapshot. `brushed`: of every frame of the
-  // database what it takes of the last stroke, while that is drawn; empty: nothing was brushed.
+  // Describes the map for the panel, in the colours asked for; errors are those of the snapshot. `brushed`: the share
+  // of every database frame in the last stroke, while that is drawn; empty: nothing was brushed.
   void describe(const Controls& controls, Snapshot& snapshot, std::span<const double> brushed) const;
 
   bool is_open() const { return stack_ != nullptr; }
   void require_open() const;  // throws Error(usage)
   const std::shared_ptr<const ShapeStack>& stack() const { return stack_; }
-  // Of a frame of the clip, in the database.
+  // Returns the place in the database of a frame of the clip.
   std::size_t number_of(int frame) const;
   // Compares like poses of the whole dataset. Shows progress. Throws as require_open().
   void find_contradictions(Controls& controls);

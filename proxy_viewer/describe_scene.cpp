@@ -9,7 +9,7 @@
 namespace bodyopt {
 namespace {
 
-// As the enumeration.
+// The order is that of the enumeration.
 constexpr const char* kMethodNames[] = {
     "linear blending", "Direct Delta Mush", "linear part of learned", "learned", "jiggle", "proxy", "truth"};
 
@@ -30,7 +30,7 @@ CharacterRow describe(const Actor& character) {
   return row;
 }
 
-// What is shown of it, at its level of detail.
+// Describes what is shown of it, at its level of detail.
 void describe_shown(const Actor& character, const ViewSettings& settings, CharacterRow& row) {
   const MeshTable& mesh = character.basis().mesh;
   row.vertices = mesh.vertex_count();
@@ -99,7 +99,7 @@ std::vector<AxisRow> describe_axes(const Actor& lead) {
   return rows;
 }
 
-// As the command "compare" names them.
+// Names comparisons as the command "compare" does.
 std::vector<std::string> possible_comparisons(const Actor& lead, ViewSettings settings) {
   std::vector<std::string> possible;
   settings.compare.activation = false;

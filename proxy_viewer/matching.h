@@ -1,4 +1,4 @@
-// Which point of the lead is which of the second of the cast, as a transfer from the one to the other would have it.
+// Matches the lead's points with those of the second of the cast, as a transfer from the one to the other would.
 #pragma once
 
 #include <array>
@@ -18,10 +18,10 @@ class Matching {
   Matching(std::shared_ptr<const vulkan::Device> device, Scene& scene, Controls& controls)
       : device_(std::move(device)), scene_(scene), controls_(controls) {}
 
-  // Where the settings ask for it, matches the two as `transfer` does, with the markers that are set, and gives the
-  // scene what to colour them by; again only where the markers are others. Takes seconds. Then what their skins enclose
-  // at the frame, unless it plays, and what is worth simulating of the second's clip, each again only where it is
-  // another. Throws as match_skeletons() and match_skins(); nothing is asked for then.
+  // Where the settings ask for it, matches the two as `transfer` does, with the markers that are set. That takes
+  // seconds, is done again only for other markers, and gives the scene the colours. Then measures what their skins
+  // enclose at the frame, unless it plays, and what of the second's clip is worth simulating. Each is done again only
+  // where it changed. Throws as match_skeletons() and match_skins(), and then turns the match off.
   void look();
   void forget();  // the two may be others
   void describe(Snapshot& snapshot) const;

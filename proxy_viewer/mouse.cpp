@@ -22,7 +22,7 @@ double apart(const std::optional<std::array<double, 2>>& pixel, float x, float y
   return pixel ? std::hypot((*pixel)[0] - static_cast<double>(x), (*pixel)[1] - static_cast<double>(y)) : 1e9;
 }
 
-// Of a pixel around the middle, to the left about, as seen.
+// Returns a pixel's angle around the middle, counter-clockwise as seen.
 double angle_around(const std::array<double, 2>& middle, const std::array<float, 2>& pixel) {
   return std::atan2(middle[1] - static_cast<double>(pixel[1]), static_cast<double>(pixel[0]) - middle[0]);
 }
@@ -48,7 +48,7 @@ void move_pin(const Scene& scene, const Rectangle& picture, const std::array<flo
   pin = moved_under_pixel(controls.camera.camera(), view, x, y, pin).value_or(pin);
 }
 
-// Of the axis as it is seen, how far the mouse went along it.
+// Moves the joint along the axis, as far as the mouse went along it in the picture.
 void move_along(const Scene& scene, const Rectangle& picture, const MoveArrow& arrow, const std::array<float, 2>& from,
                 const std::array<float, 2>& to, Controls& controls) {
   const auto tail = pixel_of(scene, controls, picture, from[0], arrow.from),
@@ -63,7 +63,7 @@ void move_along(const Scene& scene, const Rectangle& picture, const MoveArrow& a
   moved = moved + share * (arrow.to - arrow.from);
 }
 
-// As far from the eye as it is.
+// Moves the joint with the mouse, at its own distance from the eye.
 void move_under_mouse(const Scene& scene, const Rectangle& picture, const Vec3& at, const std::array<float, 2>& from,
                       const std::array<float, 2>& to, Controls& controls) {
   const auto point = [&](const std::array<float, 2>& pixel) {
@@ -85,7 +85,7 @@ double apart_from_line(const std::array<double, 2>& a, const std::array<double, 
   return apart(std::array{a[0] + share * right, a[1] + share * down}, x, y);
 }
 
-// Of what may move: itself, or an arrow beyond the rings.
+// Returns the grip of a joint that may move: itself, or an arrow beyond the rings.
 std::optional<Grip> move_grip_at(const Scene& scene, const Controls& controls, const Rectangle& picture, float x,
                                  float y) {
   constexpr double kShaft = 0.75;  // of the arrow: from there on nothing else is near
@@ -122,8 +122,8 @@ std::optional<Grip> grip_at(const Scene& scene, const Controls& controls, const 
   return grip;
 }
 
-// The mouse went from one pixel to another: a ring turns by the angle around its middle, what is moved stays under the
-// cursor, along its arrow or as far away as it was.
+// Drags from one pixel to another: a ring turns by the angle around its middle. What is moved stays under the cursor,
+// along its arrow or as far away as it was.
 void drag_grip(const Scene& scene, const Rectangle& picture, const std::array<float, 2>& from,
                const std::array<float, 2>& to, Controls& controls) {
   const auto [kind, axis] = *controls.grip;
@@ -144,7 +144,7 @@ float pixels_a_point() { return ImGui::GetIO().DisplayFramebufferScale.x; }
 
 ImVec2 pixels_of(const ImVec2& points) { return {pixels_a_point() * points.x, pixels_a_point() * points.y}; }
 
-// Of the picture.
+// Returns the pixel of the picture.
 ImVec2 mouse_at() { return pixels_of(ImGui::GetIO().MousePos); }
 
 // First one of the lead, then the same of the other.
@@ -162,7 +162,7 @@ void mark(Scene& scene, const Rectangle& area, Controls& controls) {
   }
 }
 
-// Where joints are not shown, the skin is what can be picked; from then on they are.
+// Without joints in the picture, a click picks by the skin; from then on joints are shown.
 void pick(Scene& scene, const Rectangle& area, Controls& controls) {
   if (controls.marking.on) return controls.attempt([&] { mark(scene, area, controls); });
   const ImVec2 at = mouse_at();

@@ -82,10 +82,10 @@ void Painter::draw(const PictureSize& size, Edges edges, double passed) {
   if (controls_.headless) errors_.measure_shown_frame();
   controls_.attempt([&] { choose_heat(); });
   draw_panels_over(size, passed);
-  // To the frame that a panel went to: the jiggle would start from the pose of the frame before.
+  // A panel may have gone to another frame: the jiggle would start from the pose of the frame before.
   controls_.follow_keys();
   choose_level();
-  // What cannot be drawn leaves the panels, which can undo what was set.
+  // Panels stay where drawing fails: they can undo what was set.
   std::vector<View> views;
   drawn_ = false;
   controls_.attempt([&] {
@@ -134,7 +134,7 @@ void Painter::draw_panels_over(const PictureSize& size, double passed) {
   });
 }
 
-// Of what colours the lead, as far as it is measured; the pictures of a series are one after the other, too.
+// Scales the lead's colours to what is measured so far; a series' pictures follow each other as in playing.
 void Painter::choose_heat() {
   const bool covers = controls_.settings.compare.coverage && scene_.lead().shown().knows_coverage();
   std::optional<double> p99;
@@ -152,7 +152,7 @@ void Painter::choose_level() {
   const ViewSettings& s = controls_.settings;
   const bool all_finest = s.compare.with != CompareWith::none || s.look.tets, matched = snapshot_.match.has_value();
   const bool lead_finest = all_finest || matched || (s.jiggle.on && scene_.lead().has_at_finest(SkinMethod::jiggle));
-  // Of any; who has fewer shows the coarsest there is.
+  // The most levels of any; characters with fewer show their coarsest.
   const std::size_t most_levels =
       std::ranges::max(scene_.cast() | std::views::transform([](const auto& one) { return one->level_count(); }));
   const std::size_t automatic =

@@ -23,15 +23,15 @@ class Painter {
   Painter(const std::shared_ptr<const vulkan::Device>& device, Session& session, ErrorMeasuring& errors, Screen* screen,
           const PictureSize& size);
 
-  // For the panels of the next picture.
+  // Takes an event for the panels of the next picture.
   void hear(const WindowEvent& event) { gui_.hear(event); }
 
-  // Of the screen, in its proportions where it is larger than pictures can be; 0 while it is minimised.
+  // The screen's size, in its proportions where it is larger than pictures can be; 0 while it is minimised.
   PictureSize size() const;
   // `passed`: seconds since the picture before, for panels. What cannot be drawn leaves the panels alone, and is said.
   void draw(const PictureSize& size, Edges edges, double passed = 0);
   const Rectangle& area() const { return area_; }  // of the characters in the last picture
-  // For the screen: while something moves on a software device, with a sample a pixel.
+  // The screen's edges: while something moves on a software device, with a sample a pixel.
   Edges edges() const { return is_software_ && is_busy() ? Edges::quick : Edges::smooth; }
   void show() { screen_->show(viewport_); }
   // Drawn once more, at its best, and without messages. Throws Error(usage) for what cannot be drawn.

@@ -1,4 +1,4 @@
-// What of the lead is under a pixel of the window.
+// Finds what of the lead is under a pixel of the window.
 #pragma once
 
 #include <array>
@@ -12,7 +12,7 @@
 
 namespace bodyopt {
 
-// Where a point of the world is seen in the view of the picture that is at `x`; none: behind the eye.
+// Returns the pixel at which the view of the picture at `x` shows a point of the world; none: behind the eye.
 std::optional<std::array<double, 2>> pixel_of(const Scene& scene, const Controls& controls, const Rectangle& picture,
                                               float x, const Vec3& point);
 
@@ -31,7 +31,7 @@ struct PickedVertex {
   std::size_t character;
   std::uint32_t vertex;
 };
-// Of the lead and the second of the cast, the vertex nearest to where a skin is seen at (x, y); none: no skin is there.
+// Returns the vertex, of the lead or the second of the cast, nearest to the skin at (x, y); none: no skin is there.
 std::optional<PickedVertex> vertex_at(Scene& scene, const Controls& controls, const Rectangle& picture, float x,
                                       float y);
 
@@ -54,7 +54,7 @@ struct RayHit {
   std::array<double, 3> weights;  // barycentric
 };
 
-// Where it first meets a triangle, from either side. V x 3; T x 3.
+// Returns the first hit of a triangle, from either side. V x 3; T x 3.
 std::optional<RayHit> first_hit(const Ray& ray, std::span<const float> vertices,
                                 std::span<const std::uint32_t> triangles);
 

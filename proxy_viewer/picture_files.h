@@ -44,8 +44,8 @@ void require_picture_name(const std::string& file, bool may_move);
 // `file`, or, where it is empty, the first bodyopt.0001.png, ... that is free.
 void write_screenshot(const std::string& file, const DrawPicture& draw, Controls& controls);
 
-// Pictures that are drawn one after the other, and written by other threads meanwhile. Once it is gone, whether all
-// were made or not, the playhead and the camera are where they were, and what was drawn is on disk.
+// Pictures are drawn one after the other, and written by other threads meanwhile. The destructor puts playhead and
+// camera back, and waits for single files; one that moves is written with its last picture alone.
 class PictureSeries {
  public:
   using Action = std::function<void()>;

@@ -56,7 +56,7 @@ std::string spoken(TissueKind kind) {
   return name;
 }
 
-// As the shapes of a dataset that is looked at were simulated.
+// Options are those by which the dataset's shapes were simulated, where one is looked at.
 AnatomyOptions options_of(const ActorFiles& files, const Skeleton& skeleton) {
   const bool is_of_dataset = files.clip == files.truth && is_dataset(files.truth);
   return is_of_dataset ? anatomy_options(read_dataset(files.truth), skeleton) : AnatomyOptions();

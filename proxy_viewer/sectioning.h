@@ -24,12 +24,12 @@ class Sectioning {
   Sectioning(std::shared_ptr<const vulkan::Device> device, Scene& scene, Controls& controls);
   ~Sectioning();  // waits for what is being worked out
 
-  // Where the settings ask for it, begins to work out what lies inside the lead, which takes seconds, once for each
-  // character; and once it is known gives the scene the cut skin and its section, again only where pose or plane are
-  // others. Headless it waits. `coarse`: in fewer pixels, while something moves. Throws Error(usage) where the lead's
-  // weights are not at hand, and as AnatomyField and read_muscles(); nothing is asked for then.
+  // Where the settings ask for it, finds what lies inside the lead, which takes seconds, once for each character. Then
+  // gives the scene the cut skin and its section, again only where pose or plane are others. Headless it waits.
+  // `coarse`: in fewer pixels, while something moves. Throws Error(usage) where the lead's weights are not at hand, and
+  // as AnatomyField and read_muscles(), and then turns the section off.
   void look(bool coarse);
-  // What lies inside became known since the last look.
+  // Whether what lies inside became known since the last look.
   bool has_news() const;
   void forget();  // the cast's files have changed
 
@@ -39,7 +39,7 @@ class Sectioning {
  private:
   using Found = std::shared_future<std::shared_ptr<const Anatomy>>;
 
-  // What the section that is shown was made of.
+  // The input of the section that is shown.
   struct Shown {
     std::shared_ptr<const Anatomy> anatomy;
     std::vector<Pose> pose;  // one

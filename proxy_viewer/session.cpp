@@ -31,7 +31,7 @@ bool has_extension(const std::string& file, std::initializer_list<const char*> e
   return std::any_of(extensions.begin(), extensions.end(), [&](const char* e) { return own == e; });
 }
 
-// The end of the limb that a joint is of: of a finger the hand, as bones of fingers are short beside those of an arm.
+// Returns the end of a joint's limb: for a finger the hand, as bones of fingers are short beside those of an arm.
 std::string end_of_limb(const Skeleton& skeleton, const std::string& joint) {
   constexpr double kLong = 0.6;     // of the longest
   constexpr std::size_t kLimb = 5;  // joints from the one that is asked for upwards
@@ -163,7 +163,7 @@ ActorFiles Session::files_of_dataset(const std::string& file) {
           .muscles = dataset.muscles.empty() ? "" : (dataset.folder / dataset.muscles).string()};
 }
 
-// What a stack makes of frames may be other frames: of mirrored poses, or without those that are dropped.
+// Modifiers of a stack may change its frames: mirrored poses come, and dropped ones go.
 void Session::read_dataset_again() {
   brushing.forget();
   const std::string dataset = scene.lead().files().truth;
@@ -229,7 +229,7 @@ bool Session::is_character(const std::string& file) const {
   return is_another_character(file, scene.empty() ? Skeleton{} : scene.cast()[receiver_]->basis().skeleton);
 }
 
-// With the joint limits in its folder, where they are its own.
+// Adds it with the joint limits in its folder, where they are its own.
 std::vector<std::string> Session::add(ActorFiles files) {
   const fs::path beside = fs::path(files.basis).parent_path() / "limits.json";
   std::vector<std::string> notes;
@@ -357,7 +357,7 @@ void Session::show_lead() {
   play_on();
 }
 
-// As it was posed when it was the lead, if it ever was. The correction is of all.
+// Restores the pose that it had as the lead, if it ever was. The correction is of all.
 void Session::pose_lead() {
   const double correction = controls.settings.pose.correction;
   controls.settings.pose = scene.lead().posing();
@@ -514,7 +514,7 @@ void Session::frame_points(std::vector<float> points, std::uint32_t width, std::
   framed_ = Framed{controls.kept_camera(), views, covered, std::move(points)};
 }
 
-// What is covered on one side is left free on the other, too, so that the middle stays the middle.
+// A covered side leaves as much free on the other, so that the middle stays the middle.
 void Session::look_at(const std::vector<float>& points, std::uint32_t width, std::uint32_t height, Covered covered) {
   const auto without = [](std::uint32_t size, std::uint32_t taken) {
     return size > 4 * taken ? size - 2 * taken : size;
@@ -597,7 +597,7 @@ void Session::require_shot_camera() {
   name = "";
 }
 
-// Where jiggle is wanted, and left out.
+// Warns where jiggle is wanted, and left out.
 void Session::warn_of_rates() {
   if (!controls.settings.jiggle.on && controls.settings.compare.with != CompareWith::jiggle) return;
   for (const auto& character : scene.cast()) {

@@ -1,4 +1,4 @@
-// What is open: the characters and their files, and what of them is set, as panels and pictures read it.
+// Everything that is open: the characters, their files and their settings, as panels and pictures read it.
 #pragma once
 
 #include <filesystem>
@@ -65,7 +65,7 @@ class Session {
   void use_limits(const std::string& file);          // of the lead; "none": it has none. Throws as the readers do
   void give_same_clip();                             // the lead's, to all
   std::vector<std::filesystem::path> files() const;  // of all characters
-  // Those that have changed and are whole; `now`: seconds, of any clock.
+  // Returns files that have changed and are whole; `now`: seconds, of any clock.
   std::vector<std::filesystem::path> changed_files(double now) { return watched_.changed(now); }
 
   // Holds the end of a limb of the lead, where it is or at a point. Throws Error(usage) where two joints above it lack.
@@ -73,7 +73,7 @@ class Session {
   // Done to the stack of the dataset that is looked at; its shapes are read again. Throw Error(usage) where none is.
   void edit_stack(const ModifierEdit& edit);
   void step_stack(bool back);
-  // What was brushed goes into the stack, where anything was; it stays in hand where it throws.
+  // Puts what was brushed, if anything, into the stack; it stays in hand where this throws.
   void keep_strokes();
   // The range as it is posed and keyed, before modifiers: .glb, .bvh or .usda; its controls as FILE.controls.json
   // beside it, where there are any. The lead's skin over the range as its keys say, and what it wears: .pc2, .mdd,
@@ -85,7 +85,7 @@ class Session {
   void save(const std::string& file);
   // Without a word. saved_as: of an autosave, the session's own file.
   void write(const std::string& file, const std::string& saved_as = "") const;
-  // What the user made, and would lose: poses, keys, cameras and markers.
+  // The user's work that could be lost: poses, keys, cameras and markers.
   struct Work {
     std::vector<ViewSettings::Posing> posings;  // of those that are posed
     std::map<std::string, OrbitView> cameras;
@@ -110,23 +110,23 @@ class Session {
   // The newest of the poses that came. Whether there is something new to see.
   bool poll_live();
 
-  // What a session that was opened has set, once; false: none was.
+  // Applies the settings of a session that was opened, once; false: none was.
   bool restore_view();
   // The playhead over the lead's clip, as it played before; a range that the clip lacks is said, and forgotten.
   void play_clip();
-  // The camera sees all, or the joint that is selected, in a picture of so many pixels, of which names cover the
-  // uppermost and a legend those on the right.
+  // Frames all, or the selected joint, in a picture of so many pixels. Names cover its uppermost and a legend its
+  // rightmost part.
   void frame_selection(std::uint32_t width, std::uint32_t height, Covered covered = {});
-  // The same again where a comparison or its names have taken some of the picture since, or given it back, and nobody
-  // has moved the camera nearer, further away or aside: turned, it is framed from where it is.
+  // Frames the same again after a comparison or its names changed the free part of the picture. A camera that was moved
+  // nearer, further away or aside stays; one that was turned frames from where it is.
   void keep_framed(std::uint32_t width, std::uint32_t height, Covered covered = {});
-  // So that nothing leaves the picture in the frames that are played (thirteen are looked at).
+  // Frames so that nothing leaves the picture in the frames that are played (thirteen are looked at).
   void frame_range(std::uint32_t width, std::uint32_t height);
   // The camera goes along with the lead since the picture before, or with the shot.
   void follow();
-  // Of truths that lie otherwise on their clips than when this was last asked.
+  // Warns of truths whose place on their clips has changed since the last call.
   void warn_of_truth_times();
-  // What is known only once a picture is evaluated.
+  // Describes what is known only once a picture is evaluated.
   void describe_picture();
 
  private:

@@ -1,4 +1,4 @@
-// What the session writes for others and reads back: exports, sessions, poses, settings, markers.
+// Writes and reads the session's files for others: exports, sessions, poses, settings, markers.
 #include <algorithm>
 #include <utility>
 
@@ -27,7 +27,7 @@ void Session::refuse_input(const std::string& file) const {
   }
 }
 
-// Those of the range; says what of the pose in hand is not in them.
+// Returns the frames of the range; warns where the pose in hand is not in them.
 std::vector<int> Session::frames_to_export(const std::string& file) {
   if (controls.is_unkeyed())
     controls.warn("the pose that is shown has no key, and is not in " + file + ": set one first");
@@ -189,7 +189,7 @@ void Session::save_markers(const std::string& file) {
   controls.say("wrote " + file);
 }
 
-// Of the two that are first now.
+// Reads markers of the two that are first now.
 void Session::open_markers(const std::string& file) {
   std::vector<MarkedPair> pairs;
   for (const auto& [source, target] : read_markers(file)) {

@@ -8,7 +8,7 @@
 namespace bodyopt {
 namespace {
 
-// Of one of the cast, which are counted from 1, but the lead.
+// Returns the placement of one of the cast, who are counted from 1; the lead has none.
 Placement& placement_of(Controls& controls, const std::string& number) {
   const int index = integer(number);
   if (index >= 2 && static_cast<std::size_t>(index) <= controls.placements.size()) {
@@ -18,7 +18,7 @@ Placement& placement_of(Controls& controls, const std::string& number) {
                      std::to_string(controls.placements.size()) + ", as the cast panel counts them");
 }
 
-// Of a vertex of one of the cast.
+// Reads a vertex of one of the cast.
 std::uint32_t vertex_of(const Controls& controls, std::size_t character, const std::string& number) {
   if (character >= controls.output_counts.size()) {
     throw Error(ErrorKind::usage, "markers are of two bodies: open the one that is transferred to after the lead");
@@ -97,7 +97,7 @@ const Command kCastCommands[] = {
     request_command<&Requests::same_clip>("same-clip", "", "Cast", "all of the cast play the lead's clip"),
 };
 
-// What is compared, and curated.
+// Commands of comparison and curation.
 
 void go_to_pair(Controls& controls, int pair) {
   controls.curating.pair = pair;

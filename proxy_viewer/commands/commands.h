@@ -1,5 +1,5 @@
-// Every command of the viewport, once: what it is called in scripts and on the command line, its key, its place in the
-// menus, its line on the cheat sheet, and what it does.
+// Every command of the viewport, once. It has a name for scripts and the command line, a key, a place in the menus,
+// help on the cheat sheet, and an action.
 #pragma once
 
 #include <array>
@@ -16,8 +16,8 @@
 
 namespace bodyopt {
 
-// What the tables of commands are made of: what commands are given, as text, and what is said of it; and the tables.
-// What reads text throws Error(usage) that names what was expected.
+// The tables of commands, and their parts: arguments as text, and help. Readers of text throw Error(usage) that names
+// what was expected.
 
 // The parts of the controls, each of its own type, and all of them.
 auto parts_of(auto& c) {
@@ -26,7 +26,7 @@ auto parts_of(auto& c) {
                   s.jiggle, s.ghosts, s.cast, s.hud);
 }
 
-// What a command does: a function without a capture, of the part of the controls that it changes and the argument.
+// A command's action: a function without a capture, of the part of the controls that it changes and the argument.
 class CommandAction {
  public:
   template <typename Function>
@@ -50,7 +50,7 @@ struct Command {
   const char* menu;      // "Playback"
   const char* help;      // a line
   CommandAction run;
-  // What is set: "on", "off", or one of the words of `argument`; null where nothing lasts.
+  // Returns the setting: "on", "off", or one of the words of `argument`; null where nothing lasts.
   std::string (*value)(const Controls& controls) = nullptr;
   bool repeats = false;  // while its key is held
 };
@@ -77,7 +77,7 @@ void run_command(Controls& controls, const std::string& text);
 // The commands of a script, parted by ';' or line ends; a command that begins with '#' is a remark.
 std::vector<std::string> script_commands(const std::string& text);
 
-// As the command "marker" does, after a click. Throws Error(usage) where either vertex is marked already.
+// Adds a marker as the command "marker" does, after a click. Throws Error(usage) where either vertex is marked already.
 void add_marker(Controls& controls, const MarkedPair& pair);
 
 inline constexpr const char* kBlank = " \t\r";
@@ -132,7 +132,7 @@ std::string name_of(bool on);
 // Without an argument the other way round.
 void toggle(bool& value, const std::string& argument);
 
-// What is before the last blank, and the word after it.
+// Splits off the word after the last blank.
 std::pair<std::string, std::string> split_last(const std::string& text, const std::string& expected);
 
 // "auto", or what number_within() or integer_within() read.
@@ -143,7 +143,7 @@ std::optional<Number> automatic_or(const std::string& text, std::type_identity_t
   return text == "auto" ? std::nullopt : std::optional(within(text, low, high));
 }
 
-// Of "FROM TO"; what was at the other frame is replaced. False: it is there already.
+// Moves a key as "FROM TO" says; a key at the other frame is replaced. False: it is there already.
 template <typename Key>
 bool move_key(const Controls& controls, std::map<int, Key>& keys, const std::string& frames) {
   const auto w = words(frames, 2, "two frames");
@@ -166,7 +166,7 @@ std::span<const Command> pose_commands();
 std::span<const Command> cast_commands();
 std::span<const Command> file_commands();
 
-// Of a command that goes on while its key is held.
+// Marks a command that goes on while its key is held.
 inline constexpr bool kRepeats = true;
 
 template <typename Value, typename Part>
@@ -188,7 +188,7 @@ constexpr Command choice_command(const char* name, const char* argument, const c
   return {name, argument, "", menu, help, run, [](const Controls& c) { return name_of(value_at(c, member), names); }};
 }
 
-// Of what the application does once a picture is drawn.
+// Makes a command that the application fulfils once a picture is drawn.
 template <bool Requests::*asked>
 constexpr Command request_command(const char* name, const char* key, const char* menu, const char* help) {
   return {name, "", key, menu, help, [](Requests& requests, const std::string&) { requests.*asked = true; }};

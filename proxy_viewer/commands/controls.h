@@ -1,4 +1,4 @@
-// What the animator drives. Keys, menus, panels, scripts and command lines all write here; the application reads it.
+// The animator's controls. Keys, menus, panels, scripts and command lines all write here; the application reads it.
 #pragma once
 
 #include <array>
@@ -21,11 +21,11 @@
 
 namespace bodyopt {
 
-// What colours the map of poses.
+// The values that colour the map of poses.
 enum class MapColour { coverage, contradiction, error, sculpt, weight };
 inline constexpr std::array kMapColourNames{"coverage", "contradiction", "error", "sculpt", "weight"};
 
-// What the mouse does to the skin of the dataset that is looked at.
+// The brush with which the mouse edits the skin of the dataset that is looked at.
 struct BrushInHand {
   std::optional<BrushKind> kind;  // none: it turns the view
   double radius_mm = 50, strength = 0.5;
@@ -37,7 +37,7 @@ struct BrushInHand {
 // Points of the picture, as shares of its width and height from the left top corner.
 using PicturePath = std::vector<std::array<double, 2>>;
 
-// Of a modifier of the dataset that is looked at; what is not set stays.
+// A change to a modifier of the dataset that is looked at; what is not set stays.
 struct ModifierEdit {
   std::string name;
   std::optional<bool> enabled{};
@@ -87,10 +87,10 @@ struct PinRequest {
 enum class Keymap { bodyopt, maya, blender };
 inline constexpr std::array kKeymapNames{"bodyopt", "maya", "blender"};
 
-// What is drawn to drag the joint that is selected by: arrows and rings, or those of one kind.
+// The handles that drag the selected joint: arrows and rings, or those of one kind.
 enum class Tool { all, move, turn };
 
-// What the mouse holds in the picture: of the joint that is selected its pin, itself, or a ring or arrow by its axis.
+// The handle of the selected joint that the mouse holds: its pin, itself, or a ring or arrow by its axis.
 struct Grip {
   enum class Kind { pin, joint, ring, arrow } kind = Kind::pin;
   std::size_t axis = 0;  // x, y, z
@@ -141,7 +141,7 @@ struct Marker {
   Vec3 at;  // metres, world
 };
 
-// What is being typed into panels, and how their lists stand.
+// The text that is typed into panels, and the state of their lists.
 struct PanelState {
   bool entered = false;  // the prompt's text, before its field hears
   std::string prompt, joint_filter, camera, open;
@@ -222,12 +222,12 @@ struct Controls {
   // A camera as it is kept: one that follows, as the lead stands at its clip's first frame. And to such a one.
   OrbitView kept_camera() const;
   void go_to_camera(const OrbitView& kept);
-  // Where it is looked through, the view is that of the shot's camera once the frame is another: until then it is free.
+  // Looking through the shot's camera, the view becomes that camera's once the frame is another: until then it is free.
   void follow_shot_camera();
 
-  // What is set at a frame: in hand at the frame that is shown, by the keys at others.
+  // Returns the pose at a frame: in hand at the frame that is shown, by the keys at others.
   ViewSettings::Posing posing_at(int frame) const;
-  // Where there are keys, what is in hand becomes what they say of the frame that is shown, once it is another.
+  // With keys, the pose in hand becomes that of the keys, once the frame that is shown is another.
   void follow_keys();
   // Whether there are keys, and what is in hand is not as they say: it goes with the frame.
   bool is_unkeyed() const;
@@ -235,26 +235,26 @@ struct Controls {
   void select(const std::string& name);  // it alone; empty: none
   // All that are, the first first, where several are selected; none: the pose is one thing.
   std::vector<std::string> selected() const;
-  // Of the frame whose pose is in hand, where that differs and keys are set by themselves.
+  // Sets a key at the frame whose pose is in hand, where the pose differs and keys are set by themselves.
   void key_by_itself();
   // Whether the joint is turned or moved on top of the clip in the pose in hand.
   bool is_posed(const std::string& name) const;
 
-  // In the layout "hold", whether what is compared with is shown: while the key is down. With a brush in hand that is
-  // what is brushed, and the key shows the other.
+  // Whether the layout "hold" shows the other side of the comparison: while the key is down. With a brush in hand that
+  // side is what is brushed, and the key shows the first.
   bool shows_compared() const { return flipped != brush.kind.has_value(); }
 
   const std::string& shown_pose_folder() const { return pose_folder.empty() ? folder : pose_folder; }
   // A file is chosen for a command.
   void browse(const std::string& command);
-  // At once, or, where somebody would lose something, after asking.
+  // Quits at once, or, where somebody would lose something, after asking.
   void quit_or_ask();
 
   double heat_mm() const { return settings.compare.heat_scale_mm.value_or(automatic_heat_mm); }
   void say(const std::string& text) { messages.push_back({.text = text}); }
-  // Also on standard error; once, where it is what was said last.
+  // Warns in the window and on standard error; a text is not repeated right after itself.
   void warn(const std::string& text);
-  // What it throws is said, except Error(device), which passes: nothing more can be drawn. Headless, all passes.
+  // Reports what the action throws, except Error(device), after which nothing can be drawn. Headless, all is thrown.
   void attempt(const std::function<void()>& action);
 };
 

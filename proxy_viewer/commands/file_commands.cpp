@@ -1,4 +1,4 @@
-// What is written, and what is around the picture.
+// Commands that write files, and those of what is around the picture.
 #include "proxy_viewer/commands/commands.h"
 #include "runtime/core/error.h"
 #include "shots/session/view_settings.h"

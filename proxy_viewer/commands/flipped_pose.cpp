@@ -16,7 +16,7 @@ std::string other_or_itself(const std::string& name, const std::vector<std::stri
   return other.empty() ? name : other;
 }
 
-// Of the bind pose, joint to world; null: there is no such joint.
+// Returns a joint's axes in the bind pose, joint to world; null: there is no such joint.
 const Quat* axes_of(const Controls& controls, const std::string& joint) {
   const auto at = std::ranges::find(controls.joint_names, joint) - controls.joint_names.begin();
   return at < std::ssize(controls.joint_axes) ? &controls.joint_axes[static_cast<std::size_t>(at)] : nullptr;

@@ -11,11 +11,11 @@ namespace bodyopt {
 // Axes of the joint limits that turn the joint first.
 std::vector<std::string> axes_turning(const Controls& controls, const std::string& joint);
 
-// What these joints have of a pose: turns, moves, pins.
+// Returns these joints' part of a pose: turns, moves, pins.
 ViewSettings::PoseKey part_of(const Controls& controls, const ViewSettings::PoseKey& pose,
                               const std::vector<std::string>& joints);
 
-// In place of what these joints have of `into`; none: of all of it.
+// Replaces these joints' part of `into`; none: all of it.
 void put_pose(const Controls& controls, const ViewSettings::PoseKey& pose, const std::vector<std::string>& joints,
               ViewSettings::PoseKey& into);
 

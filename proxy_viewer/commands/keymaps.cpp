@@ -1,4 +1,4 @@
-// What keys are in the hands of those who come from other programs.
+// Keymaps for the hands of those who come from other programs.
 #include <algorithm>
 #include <string>
 

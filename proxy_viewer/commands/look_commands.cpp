@@ -19,7 +19,7 @@ constexpr auto view_axis = [](Controls& c, const std::string&) {
   c.requests.keep_framed = true;
 };
 
-// Of the frame that is shown. Throws Error(usage) where it has none.
+// Returns the key of the frame that is shown. Throws Error(usage) where it has none.
 CameraKey& require_camera_key(Controls& c) {
   const auto key = c.settings.shot_camera.keys.find(c.playback.frame());
   if (key != c.settings.shot_camera.keys.end()) return key->second;

@@ -136,8 +136,8 @@ std::pair<std::string, Vec3> joint_and_three(const std::string& text, const std:
   return {joint, three};
 }
 
-// Those of the range; what is there already gives way, which is said. Throws Error(usage) where the clip has no such
-// frame.
+// Moves the keys of the range; keys that give way are reported. Throws Error(usage) where the range has no keys, or the
+// clip has no such frame.
 void move_keys(Controls& c, bool takes_away, const std::function<int(int)>& to) {
   std::map<int, ViewSettings::PoseKey> moved, kept;
   std::size_t count = 0;
@@ -175,7 +175,7 @@ std::vector<std::string> named_or_all_selected(const Controls& controls, const s
   return name.empty() && !selected.empty() ? selected : std::vector{named_or_selected(controls, name)};
 }
 
-// Of the frame that is shown.
+// Returns the key of the frame that is shown.
 ViewSettings::PoseKey& require_key(Controls& controls) {
   const auto key = controls.settings.pose.keys.find(controls.playback.frame());
   if (key != controls.settings.pose.keys.end()) return key->second;
@@ -187,7 +187,7 @@ const CopiedPose& require_copied(const Controls& controls) {
   return *controls.copied;
 }
 
-// Of the two keys around the frame that is shown, the share of the way; of some joints, or of all.
+// Blends the two keys around the frame that is shown, at this share of the way, for some joints or for all.
 void tween(Controls& c, double share) {
   const std::map<int, ViewSettings::PoseKey>& keys = c.settings.pose.keys;
   const auto after = keys.upper_bound(c.playback.frame());

@@ -1,5 +1,5 @@
-// How far the lead is from what it is compared with, frame by frame of its clip: measured while there is time, kept
-// until something changes that it depends on. Where it is furthest, and the error that is shown in the hottest colour.
+// The lead's distance from what it is compared with, for every frame of its clip. It is measured while there is time,
+// and kept until something changes that it depends on. Also its worst frame, and the error in the hottest colour.
 #pragma once
 
 #include <cstdint>
@@ -13,8 +13,8 @@
 
 namespace bodyopt {
 
-// Of vertex distances, mm; not a number: not measured, or nothing to measure. As everywhere the root's motion, which
-// both sides share, is taken out by the subtraction.
+// Vertex distances, mm; not a number: not measured, or nothing to measure. As everywhere the root's motion, which both
+// sides share, is taken out by the subtraction.
 struct FrameError {
   float rms = std::numeric_limits<float>::quiet_NaN(), max = rms, p99 = rms;
   std::uint32_t worst_vertex = 0;  // that is furthest off, output order
@@ -26,7 +26,7 @@ FrameError frame_error(std::span<const float> shown, std::span<const float> comp
 
 class ErrorCurve {
  public:
-  // What is to be measured. Forgets what was measured of anything else, and says so.
+  // Chooses what is measured. Forgets what was measured of anything else, and returns whether it did.
   bool look_at(const Actor& character, const ViewSettings& settings);
   void forget();  // files have changed
 
@@ -63,7 +63,7 @@ class ErrorCurve {
 // The next 1, 2 or 5 times a power of ten, within what the scale can be set to.
 double round_heat(double mm);
 
-// Of errors, where the animator gives none.
+// Chooses the scale of errors, where the animator gives none.
 class HeatScale {
  public:
   // `p99_mm`: what 99 of 100 vertices are below; none: it is not known. Gives millimetres. While frames follow each
@@ -88,7 +88,7 @@ class ErrorMeasuring {
   // Notices what is compared now.
   void look();
   bool has_work() const;
-  // For as long as nobody notices; at least a frame, where there is one left. These throw as measure_next().
+  // Measures for as long as nobody notices; at least a frame, where there is one left. These throw as measure_next().
   void measure_some();
   void measure_shown_frame();
   void measure_all();
@@ -111,7 +111,7 @@ class ErrorMeasuring {
   ErrorCurve curve_;
 };
 
-// Of the skin at a vertex, output vertex order: unit, outwards; zero where the triangles around it have no area.
+// Returns the skin's normal at a vertex, output vertex order: unit, outwards; zero where its triangles have no area.
 Vec3 normal_at(const MeshTable& mesh, std::span<const float> output, std::uint32_t vertex);
 
 }  // namespace bodyopt

@@ -1,4 +1,4 @@
-// Who is in the scene, and ghosts of the lead.
+// Panels of the characters in the scene, and of the lead's ghosts.
 #include <algorithm>
 #include <filesystem>
 

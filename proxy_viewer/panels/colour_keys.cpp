@@ -1,5 +1,5 @@
-// What the colours of muscle fibres, of cut tetrahedra, of a section and of a match mean: a line each, at the bottom of
-// the picture; and what of the section is under the mouse.
+// Legends at the bottom of the picture, a line each: colours of muscle fibres, of cut tetrahedra, of a section and of a
+// match. The tissue under the mouse is named, too.
 #include <algorithm>
 #include <cmath>
 #include <optional>
@@ -108,7 +108,7 @@ void draw_match_key(float middle, float right) {
   line.draw();
 }
 
-// What the colours of a heat map mean, and of distances the largest of the frame.
+// The heat map's legend, and the largest distance of the frame.
 
 constexpr float kBarWidth = 14, kBarHeight = 176, kBarMargin = 16, kBarPadding = 8;
 constexpr ImU32 kBehind = IM_COL32(20, 20, 22, 150);  // text over a bright character
@@ -120,7 +120,7 @@ struct Heat {
   double hottest;  // at the top of the bar
 };
 
-// That colours the lead: none, or the first of several.
+// Returns the heat that colours the lead: none, or the first of several.
 std::optional<Heat> heat_of(const Snapshot& snapshot, const Controls& controls) {
   const ViewSettings::Compare& compare = controls.settings.compare;
   if (snapshot.match) {
@@ -136,7 +136,7 @@ std::optional<Heat> heat_of(const Snapshot& snapshot, const Controls& controls) 
   return Heat{compare.activation ? "learned, mm" : "distance, mm", static_cast<double>(error.max), controls.heat_mm()};
 }
 
-// Of colours that are asked for; empty: they are there.
+// Explains why colours that are asked for are lacking; empty: they are there.
 std::string why_no_heat(const Snapshot& snapshot, const Controls& controls) {
   const ViewSettings::Compare& compare = controls.settings.compare;
   if (compare.coverage && !snapshot.knows_coverage) return "no expected error: the basis was trained without shapes";

@@ -1,4 +1,4 @@
-// With what the character is compared, how both are shown, and how far they are apart.
+// The panel of the comparison: what with, how both are shown, and how far they are apart.
 #include <algorithm>
 #include <cmath>
 

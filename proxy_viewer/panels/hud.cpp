@@ -1,5 +1,5 @@
-// Figures over the picture: how fast, what of it the stages take, on which device, how much memory, what was dropped,
-// and how far from what was trained.
+// Figures over the picture: rate, times of stages, device, memory, dropped frames, and how far the pose is from those
+// that were trained.
 #include <imgui.h>
 
 #include <algorithm>
@@ -79,7 +79,7 @@ void add_turned(const Snapshot& snapshot, const Controls& controls, Lines& lines
   if (count > 0) lines.add(std::to_string(count) + (count == 1 ? " joint posed" : " joints posed"), kAccent);
 }
 
-// What went wrong, for half a minute or until it is clicked away, and what went well, for some seconds: the newest few.
+// Errors stay for half a minute or until they are clicked away, other news for some seconds: the newest few.
 
 // A picture that comes late is no time to read.
 void let_news_pass(std::vector<Message>& messages) {

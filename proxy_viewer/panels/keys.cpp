@@ -29,7 +29,7 @@ struct KeyedLine {
   bool is_camera = false;         // otherwise the pose
 };
 
-// As a key has it, of what a row is of.
+// Returns a key's ease for what a row is of.
 KeyEase ease_of(const ViewSettings::PoseKey& key, const std::string& row) {
   const std::size_t kind = row.starts_with("pin ") ? 4 : row.starts_with("move ") ? 5 : 0;
   return set_or(key.eases, row.substr(kind), key.ease);
@@ -67,7 +67,7 @@ std::string draw_diamonds(const KeyedLine& line, const ImVec2& at, float width, 
       command = to == frame ? "frame " + std::to_string(frame) : moved;
     }
     ImGui::PopID();
-    // What follows: a diamond, a triangle where it is straight, a square where nothing moves.
+    // The shape shows the way to the next key: a diamond, a triangle if linear, a square where nothing moves.
     const ImVec2 middle{held ? ImGui::GetIO().MousePos.x : x, y};
     if (!line.frames.contains(frame)) {
       list.AddCircle(middle, kDiamond - 1, colour, 4);
@@ -119,7 +119,7 @@ void draw_line(const char* key, const char* help, float key_width, float width) 
   ImGui::PopTextWrapPos();
 }
 
-// Of the cheat sheet; none where no command of the menu has a key.
+// Counts lines of the cheat sheet; none where no command of the menu has a key.
 int lines_of(const char* menu, Keymap keymap) {
   const auto keys = std::ranges::count_if(commands(), [&](const Command& command) {
     return *key_of(command, keymap) != 0 && std::string(menu) == command.menu;

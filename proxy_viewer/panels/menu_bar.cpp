@@ -87,7 +87,7 @@ void run_with_file(Controls& controls) {
   if (controls.requests == before) controls.dialog = dialog;
 }
 
-// What a click on the list asks for.
+// The request of a click on the list.
 struct Choice {
   std::string folder;  // to be entered
   bool done = false;
@@ -117,7 +117,7 @@ Choice draw_entries(FileDialog& dialog) {
 constexpr float kPromptWidth = 520;
 constexpr int kMostHints = 8;
 
-// What was typed before the field hears: it does so from the picture after it was asked to.
+// Takes letters typed before the field hears, which begins one picture after it was asked to.
 void take_early_letters(std::string& text) {
   for (const ImWchar letter : ImGui::GetIO().InputQueueCharacters) {
     char utf8[5];
@@ -134,14 +134,14 @@ int leave_nothing_selected(ImGuiInputTextCallbackData* data) {
   return 0;
 }
 
-// At once: what is typed next is for keys again, not for a field that is gone.
+// Typing stops at once: the next letters are keys again, not for a field that is gone.
 void stop_typing() {
   ImGui::ClearActiveID();
   ImGui::GetIO().WantTextInput = false;
   ImGui::GetCurrentContext()->WantTextInputNextFrame = 0;
 }
 
-// Of the command that is typed, or of those whose names hold what is.
+// Draws the help of the command that is typed, or of those whose names contain it.
 void draw_hints(std::string& text) {
   const std::string name = text.substr(0, text.find(' '));
   const Command* typed = find_command(name);

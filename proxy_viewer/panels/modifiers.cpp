@@ -1,5 +1,4 @@
-// What moves the skin beyond its joints: the modifiers of the lead, in their order, with a switch, the strength, and
-// the controls of each; and jiggle.
+// Panels of the lead's modifiers, in their order, with a switch, the strength, and the controls of each; and of jiggle.
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -37,8 +36,8 @@ void draw_switch(const ControlRow& strength, const std::string& type, Controls& 
   controls.settings.pose.controls[strength.name] = on ? std::max(strength.usual, 1.0) : 0.0;
 }
 
-// How far every muscle fibre is shortened or stretched, in the colours that fibres have: the most at the top, in the
-// order in which they were when it began to play.
+// The strain of every muscle fibre, in the colours that fibres have. The most strained are at the top, in the order in
+// which they were when it began to play.
 
 constexpr float kMuscleRow = 18, kMostMuscleRows = 12;
 

@@ -13,7 +13,7 @@ constexpr float kLabelShare = 0.36f;  // of a line
 
 Keymap explained_keys = Keymap::bodyopt;  // of the panels that are being drawn
 
-// What commands are called on buttons and in menus, where that is not their name.
+// Labels on buttons and in menus, where they are not the command's name.
 constexpr std::pair<const char*, const char*> kCommandLabels[] = {{"step", "One frame on"},
                                                                   {"step-back", "One frame back"},
                                                                   {"first", "To the first frame"},
@@ -41,7 +41,7 @@ constexpr std::pair<const char*, const char*> kCommandLabels[] = {{"step", "One 
                                                                   {"select-also", "Select one more"},
                                                                   {"worn", "Attached"}};
 
-// What comparisons are called, where that is not their name.
+// Labels of comparisons, where they are not their name.
 constexpr std::pair<const char*, const char*> kComparisonLabels[] = {{"lbs", "linear blending"},
                                                                      {"ddm", "Direct Delta Mush"},
                                                                      {"linear", "linear part of learned"},
@@ -82,7 +82,7 @@ PanelLayout layout_of(const Controls& controls, float width, float height) {
 
 using Draw = void (*)(const Snapshot&, Controls&);
 
-// As kSections.
+// The order is that of kSections.
 constexpr std::array<Draw, kSections.size()> kDraw = {
     draw_look,      draw_cameras, draw_compare, draw_curate, draw_pose, draw_poses,    draw_keys,
     draw_modifiers, draw_muscles, draw_jiggle,  draw_ghosts, draw_cast, draw_transfer, draw_output};

@@ -16,16 +16,16 @@
 
 namespace bodyopt {
 
-// What panels are made of. Most widgets are commands: their label, help and key come from the table of commands, so
-// that a panel, a menu and a script say and do the same.
+// Parts of panels. Most widgets are commands: their label, help and key come from the table of commands. So a panel, a
+// menu and a script say and do the same.
 
 constexpr ImU32 kAccent = IM_COL32(242, 158, 64, 255), kQuiet = IM_COL32(122, 122, 126, 255);
 constexpr ImU32 kErrorColour = IM_COL32(220, 90, 70, 255), kCameraColour = IM_COL32(110, 200, 150, 255);
 
-// Of linear RGB.
+// Converts linear RGB.
 ImU32 opaque(const std::array<float, 3>& linear);
 
-// Of what lies over everything, and of panels that are always there.
+// Flags of windows over everything, and of panels that are always there.
 constexpr ImGuiWindowFlags kOverWindow = ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoResize |
                                          ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoCollapse |
                                          ImGuiWindowFlags_NoSavedSettings;
@@ -33,7 +33,7 @@ constexpr ImGuiWindowFlags kFixedWindow = kOverWindow | ImGuiWindowFlags_NoBring
 
 // "step-back": "Step back".
 std::string label_of(const Command& command);
-// Of one of the words of its argument.
+// Returns the label of one of the words of its argument.
 std::string label_of(const Command& command, const std::string& choice);
 
 // Runs a line; what it refuses is said in the window.
@@ -44,7 +44,7 @@ void explain(const char* command);
 void explain_text(const std::string& text);
 void explain(const Command& command);
 
-// Of a command by its name. `text`: instead of its label.
+// Draws a button for a command's name. `text`: instead of its label.
 void command_button(Controls& controls, const char* command, const char* text = nullptr, float width = 0);
 // Lit while it is on.
 void command_switch(Controls& controls, const char* command, const char* text, float width);
@@ -60,16 +60,16 @@ bool slide(const char* label, int& value, int low, int high, const char* format,
 
 // The label before a widget that fills the rest of the line.
 void label_before(const char* text);
-// Of `count` widgets in a line.
+// Returns the width of one of `count` widgets in a line.
 float share_of_line(int count);
 
 // All of them in a window of so many pixels; gives the part that is left to the characters.
 Rectangle draw_panels(const Snapshot& snapshot, Controls& controls, std::uint32_t width, std::uint32_t height);
 
-// In the middle of a picture without anything else.
+// Draws the text in the middle of a picture without anything else.
 void draw_loading(const std::string& text);
 
-// Where panels stand, pixels. What they leave free is the picture's area.
+// Places of panels, pixels. What they leave free is the picture's area.
 struct PanelLayout {
   float width, height;   // of the window
   float menu, timeline;  // heights
@@ -98,7 +98,7 @@ float colour_bar_width(const Snapshot& snapshot, const Controls& controls);
 void draw_colour_bar(const Snapshot& snapshot, const Controls& controls, const PanelLayout& layout);
 void draw_colour_keys(const Snapshot& snapshot, const Controls& controls, const PanelLayout& layout);
 void draw_hud(const Snapshot& snapshot, const Controls& controls, const PanelLayout& layout);
-// At the foot of the side panel, which gives way; over the picture where there is none.
+// Draws at the foot of the side panel, which gives way; over the picture where there is none.
 void draw_messages(Controls& controls, PanelLayout& layout);
 
 // Sections of the side panel.

@@ -101,7 +101,7 @@ std::string words_of(std::string name) {
   return name;
 }
 
-// Of the joint that is selected, by the names of its limits.
+// Draws the axes of the selected joint, by the names of its limits.
 void draw_axes(const Snapshot& snapshot, Controls& controls) {
   for (const AxisRow& row : snapshot.axes) {
     if (row.joint != controls.joint) continue;
@@ -113,7 +113,7 @@ void draw_axes(const Snapshot& snapshot, Controls& controls) {
   }
 }
 
-// Where they stay, whatever joint is selected.
+// The buttons stay in place, whatever joint is selected.
 void draw_joint_buttons(Controls& controls) {
   const float width = share_of_line(3);
   ImGui::BeginDisabled(controls.joint.empty());
@@ -162,7 +162,7 @@ void draw_controls(const Snapshot& snapshot, Controls& controls) {
   }
 }
 
-// Of the joint that is selected.
+// Draws the pin of the selected joint.
 void draw_pin(Controls& controls) {
   const bool is_pinned = controls.settings.pose.pins.contains(controls.joint);
   const float width = share_of_line(2);

@@ -1,4 +1,4 @@
-// What panels read: plain values of one picture. They hold nothing that lives longer, and no panel computes.
+// Values of one picture that panels read. They hold nothing that lives longer, and no panel computes.
 #pragma once
 
 #include <array>
@@ -97,7 +97,7 @@ struct MatchRow {
   bool same_topology = false;
   double confidence = 1, size = 1;    // mean; of the second over the lead
   std::vector<MatchedPartRow> parts;  // least sure first
-  // What the two skins enclose at the frame, over their rest; none: it plays.
+  // The volumes of the two skins at the frame, over those at rest; none: it plays.
   std::optional<std::array<double, 2>> volumes{};
   std::string to_simulate{};  // frames of what the second plays that would teach it most; empty: not known
 };

@@ -1,5 +1,5 @@
-// Buttons, the frame in large digits, and the bar: click or drag to scrub, also while playing; the range, whose ends
-// are dragged; keys; the error of every frame.
+// Buttons, the frame in large digits, and the bar: click or drag to scrub, also while playing. It shows the range,
+// whose ends are dragged, the keys, and the error of every frame.
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -236,7 +236,7 @@ void draw_buttons(Controls& controls) {
   ImGui::PopStyleVar();
 }
 
-// To be typed into.
+// Draws a number that can be typed into.
 void draw_frame_number(const Snapshot& snapshot, Controls& controls) {
   const Playback& playback = controls.playback;
   ImGui::BeginGroup();
@@ -252,7 +252,7 @@ void draw_frame_number(const Snapshot& snapshot, Controls& controls) {
   ImGui::PopStyleColor();
   ImGui::PopFont();
   explain("frame");
-  // Of a dataset the frames that are solved follow each other: their takes number them otherwise.
+  // A dataset's frames follow each other here, while their takes number them otherwise.
   const std::vector<std::string>& names = controls.curating.frames;
   const auto place = static_cast<std::size_t>(playback.frame() - snapshot.first_frame);
   if (place < names.size()) {
@@ -263,7 +263,7 @@ void draw_frame_number(const Snapshot& snapshot, Controls& controls) {
   ImGui::EndGroup();
 }
 
-// Of the pose that is shown.
+// Draws the buttons for a key of the pose that is shown.
 void draw_key_buttons(Controls& controls) {
   constexpr float kWidth = 104;
   const bool has_key = controls.settings.pose.keys.contains(controls.playback.frame());

@@ -18,13 +18,13 @@ namespace {
 
 constexpr float kSize = 15, kLargeSize = 30, kBuiltInSize = 13;  // points
 
-// Of Debian's packages, the first that is there; the others lend what it lacks.
+// The first that is there, of Debian's packages, is the font; the others lend what it lacks.
 constexpr const char* kFonts[] = {"/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf",
                                   "/usr/share/fonts/truetype/noto/NotoSans-Regular.ttf",
                                   "/usr/share/fonts/truetype/liberation/LiberationSans-Regular.ttf",
                                   "/usr/share/fonts/truetype/droid/DroidSansFallbackFull.ttf"};
 
-// Those of a text, without what is not drawn. What the atlas cannot hold (no UTF-8, beyond 16 bits) is replaced.
+// Returns the letters of a text that are drawn. What the atlas cannot hold (no UTF-8, beyond 16 bits) is replaced.
 std::vector<ImWchar> letters_of(const std::string& text) {
   std::vector<ImWchar> letters;
   const char* const end = text.data() + text.size();
@@ -81,7 +81,7 @@ void set_style() {
   c[ImGuiCol_ScrollbarGrab] = grey(0.25f);
 }
 
-// Of the cursor over text fields and edges; others are arrows.
+// Returns the cursor over text fields and edges; others are arrows.
 int standard_cursor(ImGuiMouseCursor cursor) {
   if (cursor == ImGuiMouseCursor_TextInput) return GLFW_IBEAM_CURSOR;
   if (cursor == ImGuiMouseCursor_ResizeEW) return GLFW_HRESIZE_CURSOR;
@@ -97,7 +97,7 @@ Gui::Gui() : before_(ImGui::GetCurrentContext()), context_(ImGui::CreateContext(
   std::ranges::copy(std::views::iota(0, int{ImGuiKey_COUNT}), ImGui::GetIO().KeyMap);
   ImGui::GetIO().IniFilename = nullptr;  // settings are kept in the state file
   ImGui::GetIO().LogFilename = nullptr;
-  // As the Vulkan backend can: long lists have more corners than 16 bits count.
+  // The Vulkan backend can, and long lists have more corners than 16 bits count.
   ImGui::GetIO().BackendFlags |= ImGuiBackendFlags_RendererHasVtxOffset;
   ImGui::GetIO().ConfigInputTextCursorBlink = false;  // nothing is drawn while nothing happens
   set_style();
@@ -153,7 +153,7 @@ void Gui::hear_button(const ButtonEvent& event) {
   buttons_[static_cast<std::size_t>(event.button)].hear(event.down, ImGui::GetIO().MouseDown[event.button]);
 }
 
-// Of what went up again since the last picture, now that a picture has it down.
+// Releases what went up again since the last picture, now that a picture has it down.
 void Gui::let_go() {
   const auto let_go_of = [](auto& presses, bool* is_down) {
     for (Press& press : presses) {

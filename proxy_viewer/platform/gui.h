@@ -33,11 +33,11 @@ class Fonts {
   void set_scale(float scale);
   // A text of any script that panels are going to show.
   void show(const std::string& text);
-  // In place of those before, beside the letters; see add_picture().
+  // Replaces the pictures beside the letters; see add_picture().
   void show_pictures(std::vector<Image> pictures);
   // Loads the letters that are new, between two pictures; false: there are none, and the atlas is as it was.
   bool load_new();
-  // What no font here has, once.
+  // Reports once the letters that no font here has.
   std::optional<std::string> take_problem() { return std::exchange(problem_, std::nullopt); }
 
  private:
@@ -57,7 +57,7 @@ class Fonts {
 // The picture of that number of show_pictures(), between two corners.
 void add_picture(ImDrawList& list, int number, const ImVec2& from, const ImVec2& to);
 
-// Of digits alone.
+// A font of digits alone.
 ImFont* large_font();
 
 class Gui {
@@ -67,10 +67,10 @@ class Gui {
   Gui(const Gui&) = delete;
   Gui& operator=(const Gui&) = delete;
 
-  // To be drawn in `pass`; with the clipboard and the cursor of `window`, where there is one. Both outlive it.
+  // Draws in `pass`; takes the clipboard and the cursor of `window`, where there is one. Both outlive it.
   void attach(const vulkan::Device& device, VkRenderPass pass, GLFWwindow* window);
 
-  // For the next picture. What goes down and up again before it, is down in it.
+  // Takes an event for the next picture. What goes down and up again before it, is down in it.
   void hear(const WindowEvent& event);
 
   Fonts& fonts() { return *fonts_; }
@@ -91,7 +91,7 @@ class Gui {
   void let_go();
   void shape_cursor();
 
-  // Of a key or a button since the last picture.
+  // The changes of a key or a button since the last picture.
   struct Press {
     bool pressed = false, released = false;
 

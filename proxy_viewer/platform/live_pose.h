@@ -36,7 +36,7 @@ class LivePose {
   LivePose(const LivePose&) = delete;
   LivePose& operator=(const LivePose&) = delete;
 
-  // From now on poses of so many, whatever those before had; false: as they had. Throws as the constructor.
+  // Expects poses of so many from now on; false: so it did already. Throws as the constructor.
   bool expect(std::size_t joint_count, std::size_t control_count);
 
   std::uint16_t port() const { return port_; }

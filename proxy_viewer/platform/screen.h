@@ -1,4 +1,4 @@
-// Where pictures are shown and events come from: a window, or what a test puts in its place.
+// The screen shows pictures and gives events: a window, or what a test puts in its place.
 #pragma once
 
 #include <array>
@@ -53,7 +53,7 @@ struct CloseEvent {};
 // It has another size, was uncovered, or is typed into.
 struct SurfaceEvent {};
 
-// What happens to a window, as values: heard from the display, or played by a test in place of hands.
+// Events of a window, as values: heard from the display, or played by a test in place of hands.
 using WindowEvent = std::variant<KeyEvent, ModifierKeysEvent, LetterEvent, CursorEvent, ButtonEvent, WheelEvent,
                                  DropEvent, CloseEvent, SurfaceEvent>;
 
@@ -64,7 +64,7 @@ class Screen {
   Screen(const Screen&) = delete;
   Screen& operator=(const Screen&) = delete;
 
-  // What has happened since the last call; waits for it at most so long (seconds; 0: not at all).
+  // Returns the events since the last call; waits for them at most so long (seconds; 0: not at all).
   virtual std::vector<WindowEvent> poll(double seconds) = 0;
   virtual void set_title(const std::string& title) = 0;
   virtual std::array<std::uint32_t, 2> size() const = 0;  // pixels; 0 while minimised
@@ -72,7 +72,7 @@ class Screen {
   virtual float scale() const { return 1; }
   // The viewport's picture, also where the size has changed meanwhile.
   virtual void show(const Viewport& viewport) = 0;
-  // For the clipboard and the shape of the cursor; null: there are none.
+  // Gives the clipboard and the shape of the cursor; null: there are none.
   virtual GLFWwindow* handle() const = 0;
 };
 

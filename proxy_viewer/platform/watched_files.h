@@ -1,4 +1,4 @@
-// Which files have changed on disk: for the viewport to read them again.
+// Finds files that have changed on disk, for the viewport to read them again.
 #pragma once
 
 #include <cstdint>
@@ -10,15 +10,15 @@
 namespace bodyopt {
 
 // Asks the file system each time (which works on network folders, too). A file has changed when its modification time
-// or size is another, of a small one (kSmall) its content, or when it was away and is back: a dataset may be edited
-// twice within one tick of the file system's clock. It is reported once nothing has happened to it for kQuiet, so that
-// nobody reads one that is still being written.
+// or size is another, or when it was away and is back. Of a small one (kSmall) the content counts, too: a dataset may
+// be edited twice within one tick of the file system's clock. It is reported after kQuiet without a change, so that
+// nobody reads a file that is still being written.
 class WatchedFiles {
  public:
   static constexpr double kQuiet = 0.3;                              // seconds
   static constexpr std::uintmax_t kSmall = std::uintmax_t{1} << 20;  // bytes
 
-  // What the files are like now is what they are compared with; a file that is not there is reported when it comes.
+  // Compares files with what they are like now; a file that is not there is reported when it comes.
   explicit WatchedFiles(const std::vector<std::filesystem::path>& files);
 
   // The files that have changed since they were reported last, in the order given. `now`: seconds, rising.

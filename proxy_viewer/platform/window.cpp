@@ -74,9 +74,9 @@ int say(Display* display, XErrorEvent* error) {
   return 0;  // ignored
 }
 
-// From now on what an X display refuses is a warning on standard error; by itself Xlib would end the program, as when
-// another program's window, from which files are dragged, goes away meanwhile. GLFW takes the handler away whenever it
-// opens a window: to be called after that. Does nothing on other displays.
+// Warns on standard error where an X display refuses a request. By itself Xlib would end the program, as when the
+// window from which files are dragged goes away. GLFW takes the handler away whenever it opens a window: to be called
+// after that. Does nothing on other displays.
 void survive_display_errors() { XSetErrorHandler(say); }
 
 std::string glfw_problem() {
@@ -273,7 +273,7 @@ void Window::hear_key(int key, int scancode, int action, int modifiers) {
   events_.push_back(KeyEvent{key_name(key, printed ? printed : "", modifiers), key_action(action)});
 }
 
-// From the window's own coordinates, which need not be pixels.
+// Takes the window's own coordinates, which need not be pixels.
 void Window::hear_cursor(double x, double y) {
   int width = 0, height = 0;
   glfwGetWindowSize(window_, &width, &height);
@@ -355,7 +355,7 @@ std::array<std::uint32_t, 2> Window::size() const {
   return {static_cast<std::uint32_t>(std::max(0, width)), static_cast<std::uint32_t>(std::max(0, height))};
 }
 
-// As the desktop says: of X11 its setting Xft.dpi.
+// The desktop sets the scale; on X11 by Xft.dpi.
 float Window::scale() const {
   constexpr float kMost = 4;
   float across = 1, down = 1;

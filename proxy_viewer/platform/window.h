@@ -25,7 +25,7 @@ class Window : public Screen {
   explicit Window(const WindowOptions& options);
   ~Window() override;
 
-  // What a device must offer to show a picture here.
+  // Returns what a device must offer to show a picture here.
   vulkan::DeviceUse device_use() const;
   // Before the first show().
   void attach(std::shared_ptr<const vulkan::Device> device);
@@ -51,16 +51,15 @@ class Window : public Screen {
   std::unique_ptr<Swapchain> swapchain_;
 };
 
-// Names of keys as commands have them: "Space", "Shift+Left", "F12", "W".
-// Of GLFW's key event; empty for keys without a name. `printed`: what the user's keyboard layout has on the key
-// (glfwGetKeyName), which names letters; keys of digits, and of letters where the layout has a script of its
-// own, are called as on a US keyboard.
+// Names keys as commands do: "Space", "Shift+Left", "F12", "W". `key`, `modifiers`: GLFW's. `printed`: the keyboard
+// layout's own name (glfwGetKeyName), which names letters. Digits, and letters where the layout has a script of its
+// own, are named as on a US keyboard. Empty: the key has no name.
 std::string key_name(int key, const std::string& printed, int modifiers);
 
 // "Left" of "Shift+Left".
 std::string bare_key(const std::string& name);
 
-// What Dear ImGui calls a bare key (ImGuiKey); none: it does not want to hear of it.
+// Returns Dear ImGui's name of a bare key (ImGuiKey); none: it does not hear of it.
 std::optional<int> imgui_key(const std::string& name);
 
 }  // namespace bodyopt

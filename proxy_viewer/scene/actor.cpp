@@ -25,7 +25,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Of the frames of a dataset, one a sample.
+// Returns the poses of a dataset's frames, one a sample.
 std::vector<Pose> frame_poses(const NamedShapes& shapes) {
   return transformed(shapes.numbers(), [&](const std::size_t n) { return shapes.stack()->database().frames[n].pose; });
 }
@@ -501,7 +501,7 @@ std::vector<float> Actor::full_skin(const Detail& detail, const Evaluation& eval
                     std::span(evaluation.normals).subspan(pose * count, count));
 }
 
-// As it was evaluated last.
+// Uploads the full skin as it follows the last evaluation of the proxy.
 const Evaluation& Actor::carry_proxy() {
   const Detail& proxy = *details_[1];
   const Evaluation& result = proxy.last(SkinMethod::full).result;

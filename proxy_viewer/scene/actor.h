@@ -41,10 +41,10 @@ class WornMeshes {
   // The basis must outlive it.
   WornMeshes(const vulkan::Device& device, const Basis& basis, Attachments attachments);
 
-  // On each of the skins, O x 3, at its pose. On the device, as long as this lives. Throws Error(usage) for more than
-  // the device shows at once.
+  // Attaches the meshes to each of the skins, O x 3, at its pose. They are on the device, as long as this lives. Throws
+  // Error(usage) for more than the device shows at once.
   std::vector<WornMesh> carry(std::span<const std::vector<float>> skins, std::span<const Pose> poses) const;
-  // On the host, all meshes one after the other, N x 3.
+  // Returns the points on the host, all meshes one after the other, N x 3.
   std::vector<float> points(std::span<const float> skin, const Pose& pose) const;
 
   const Attachments& attachments() const { return attachments_; }
@@ -66,7 +66,7 @@ class Actor {
   std::vector<std::filesystem::path> paths() const;  // of all that it shows, its materials' images among them
   std::string name() const;
   const std::vector<std::string>& notes() const { return notes_; }  // of opening it, for the user
-  // Of the level that is shown. Joints and controls are the same for all.
+  // The level that is shown. Joints and controls are the same for all.
   const Detail& shown() const { return *details_[level_]; }
   Detail& shown() { return *details_[level_]; }
   const Basis& basis() const { return shown().basis(); }
@@ -85,7 +85,7 @@ class Actor {
   // Why it does not jiggle although it has dynamics: they step at another rate than the clip. Empty: it does.
   std::string why_still() const;
 
-  // With its weights; null: they are not at hand.
+  // The character with its weights; null: they are not at hand.
   const Character* character() const { return character_ ? &*character_ : nullptr; }
 
   // These throw as the constructor, and leave what was there.
@@ -95,7 +95,7 @@ class Actor {
 
   // Whether the truth is shown as its dataset has it before any modifier.
   void show_raw(bool raw);
-  // In place of the truth in a frame, until it is read again: O x 3, output vertex order, metres.
+  // Shows points in place of the truth in a frame, until it is read again: O x 3, output vertex order, metres.
   void show_sculpted(int frame, std::vector<float> points);
   // The truth as the stack of its dataset makes it now; false: its frames are others by now, and all is to be read
   // again. Throws as the constructor.
@@ -113,15 +113,15 @@ class Actor {
   std::vector<MissedPin> missed_pins(int frame, const ViewSettings::PoseKey& posing) const;
   // See facing_of().
   Vec3 facing(std::size_t joint, int frame, const ViewSettings::PoseKey& posing) const;
-  // Joints that may be moved: roots and what hangs under them alone, hips, those whose clip moves them, and those that
-  // hang elsewhere in the rig than their skin does.
+  // Returns joints that may be moved: roots, what hangs alone under them and has no range, hips, and those that the
+  // clip moves. So may those that hang elsewhere in the rig than their skin does.
   std::vector<std::string> movable_joints() const;
   // Degrees of freedom of the limits, where it has any.
   const std::vector<DegreeOfFreedom>& axes() const { return limits_.dofs; }
   // How it is posed while it is not the lead, whom the settings pose.
   const ViewSettings::Posing& posing() const { return posing_; }
   void set_posing(ViewSettings::Posing posing) { posing_ = std::move(posing); }
-  // What the range of a joint lets be added to the clip; none: it has no range.
+  // Returns what a joint's range lets be added to the clip; none: it has no range.
   std::optional<JointRange> free_turns(std::size_t joint, int frame) const;
   std::pair<double, double> free_axis(const DegreeOfFreedom& dof, int frame) const;  // see free_angles()
 
@@ -129,18 +129,18 @@ class Actor {
   // `dressed`: worn() is to follow.
   const Evaluation& evaluate(SkinMethod method, std::span<const Pose> poses, int frame, const Weights& weights,
                              bool dressed = true);
-  // What evaluate() has to be evaluated for the same on the device; nothing where the skin comes from the host.
+  // Returns the request by which the device makes what evaluate() would; nothing where the skin comes from the host.
   std::optional<SkinRequest> request(SkinMethod method, std::span<const Pose> poses, int frame, const Weights& weights,
                                      bool dressed = true);
   void reset_jiggle();  // which starts anew with the next frame
-  // What it wears, on the skins that the method has evaluated last, one a pose; empty: nothing.
+  // Returns attached meshes on the skins that the method has evaluated last, one a pose; empty: nothing.
   std::span<const WornMesh> worn(SkinMethod method);
   bool wears() const { return worn_ != nullptr; }
-  // Of the skin that is shown; null: its own file is not known.
+  // The materials of the skin that is shown; null: its own file is not known.
   const SurfaceDraw* materials() const { return materials_ ? &materials_->skin[level_] : nullptr; }
   // The points of what it wears, on a skin as measure() gives it, metres, world.
   std::vector<float> worn_points(std::span<const float> skin, const Pose& pose) const;
-  // Of the last evaluation by the method.
+  // Returns the skin of the last evaluation by the method.
   DeviceSkin skin(SkinMethod method) const;
 
   // The result of a method on the host, output vertex order: of one pose, for figures; of the truth, where
@@ -152,19 +152,19 @@ class Actor {
   double ground() const { return ground_; }  // height of its lowest point as the clip begins, metres
   Vec3 start() const { return clip_.poses.front().joints.front().translation; }  // of its root, as the clip begins
   const NamedShapes* truth() const { return truth_ ? &truth_->shapes : nullptr; }
-  // Where a frame lies among the samples of the truth; nothing: there is none, or it ends before. It is evaluated in
-  // such frames only.
+  // Returns a frame's place among the samples of the truth; nothing: there is no truth, or none at the frame. Only
+  // where it has a place is it evaluated.
   std::optional<SampleTime> truth_time(int frame) const {
     return truth_ ? sample_time(truth_->shapes, frame) : std::nullopt;
   }
-  // What lies between samples is shown, and not measured.
+  // The truth between samples is shown, and not measured.
   bool has_sample_at(int frame) const {
     const std::optional<SampleTime> time = truth_time(frame);
     return time && time->on_sample();
   }
 
  private:
-  // What the host made something of last: the evaluation of a level, or an upload.
+  // The source of what the host made last: the evaluation of a level, or an upload.
   struct Source {
     std::size_t level = 0;
     std::uint64_t number = 0;
@@ -176,7 +176,7 @@ class Actor {
     std::vector<float> points;  // O x 3
     vulkan::Buffer positions, normals;
   };
-  // What is worn on the skins of a method.
+  // The meshes attached to the skins of a method.
   struct Worn {
     Source on;
     std::vector<Pose> poses;

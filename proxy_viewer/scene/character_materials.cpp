@@ -32,7 +32,7 @@ const SurfaceTexture& texture_of(const SkinSurface& surface, const Json& texture
   return surface.textures[texture.at("index").get<std::size_t>()];
 }
 
-// Of glTF's material; null: it has none.
+// Returns the map of glTF's material; null: it has none.
 const Json* normal_map(const SurfaceMaterial& material) {
   const auto found = material.gltf.find("normalTexture");
   return found == material.gltf.end() ? nullptr : &*found;
@@ -49,7 +49,7 @@ double roughness(const SurfaceMaterial& material) {
   return own == material.gltf.end() ? 1 : own->value("roughnessFactor", 1.0);
 }
 
-// Of an image that goes on round and round.
+// Reads an image that repeats.
 std::uint8_t byte_at(const Image& image, double u, double v, std::size_t channel) {
   const auto place = [](double at, std::uint32_t pixels) {
     return std::min(static_cast<std::size_t>((at - std::floor(at)) * pixels), std::size_t{pixels} - 1);
@@ -135,7 +135,7 @@ class MaterialsMaker {
     return draw;
   }
 
-  // Of the vertices of the finest level, V x 3, linear.
+  // Returns colours for the vertices of the finest level, V x 3, linear.
   Positions colours_of(const SkinSurface& surface, const MeshTable& mesh) {
     Positions colours = Positions::Ones(mesh.vertex_count(), 3);
     const std::vector<double> at = image_coordinates(surface, mesh.output_triangles);

@@ -1,5 +1,5 @@
-// The tetrahedra of the jiggle, cut open: whole tets are taken away from the side of the camera, and what they lay bare
-// is drawn in the colours of fat, muscle and what is held.
+// The jiggle's tetrahedra, cut open: whole tets are removed on the camera's side. The faces behind them have the
+// colours of fat, muscle and what is held.
 #pragma once
 
 #include <array>

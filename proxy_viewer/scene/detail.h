@@ -1,5 +1,5 @@
-// A level of detail: what of it never changes, on the device once for all of the cast who show it; and as one of the
-// cast shows it, its skin by several methods.
+// A level of detail. Its constant part is on the device once for all of the cast who show it. Each of the cast has its
+// skin by several methods.
 #pragma once
 
 #include <cstdint>
@@ -45,20 +45,20 @@ class LevelPool {
  public:
   using Levels = std::vector<std::shared_ptr<const LevelOnDevice>>;
 
-  // What `make` gives of the files, or gave before, while somebody shows it.
+  // Returns what `make` gives of the files, or gave before, while somebody shows it.
   Levels get(const std::vector<std::filesystem::path>& files, const std::function<Levels()>& make);
   using Materials = std::shared_ptr<const CharacterMaterials>;
   Materials materials(const std::vector<std::filesystem::path>& files, const std::function<Materials()>& make);
 
  private:
-  // By names, sizes and times, and with those of the images then.
+  // Keys are names, sizes and times; those of the images then are beside the materials.
   std::map<std::string, std::pair<std::weak_ptr<const CharacterMaterials>, std::string>> materials_;
   std::map<std::string, std::vector<std::weak_ptr<const LevelOnDevice>>> made_;  // by names, sizes and times
 };
 
-// What makes the skin. lbs: linear blending; ddm: Direct Delta Mush, what is learned left out; linear: of what is
-// learned the part that is linear in joints and strains; proxy: the full skin as the next coarser level carries it;
-// truth: a point cache.
+// The methods that make the skin: linear blending (lbs); Direct Delta Mush without what is learned (ddm). Of what is
+// learned, `linear` has the part that is linear in joints and strains. In `proxy` the full skin follows the next
+// coarser level; `truth` is a point cache.
 enum class SkinMethod { lbs, ddm, linear, full, jiggle, proxy, truth };
 
 // The error that coverage expects at a pose.
@@ -80,13 +80,13 @@ struct SkinRequest {
   bool host = false;
 };
 
-// What is the same as the last time is not evaluated again; what is not goes to the device in one submission, and has
-// each to be of another level or method. Throws the first error, when all others are done.
+// Evaluates on the device, in one submission, the requests that differ from the last time. Each has to be of another
+// level or method. Throws the first error, when all others are done.
 void evaluate_together(std::span<const SkinRequest> requests);
 
 class Detail {
  public:
-  // What a method has evaluated last, and of what.
+  // The last evaluation by a method, and its input.
   struct Evaluated {
     std::vector<Pose> poses;
     int frame = 0;
@@ -109,10 +109,10 @@ class Detail {
   const CutTets& cut_tets(const Pose& pose, std::optional<float> jiggle, const Vec3& towards, double share);
 
   bool knows_coverage() const { return !basis().coverage.empty(); }
-  // Of the first pose that the method evaluated last; the level must know its coverage.
+  // Returns the expected error at the first pose that the method evaluated last; the level must know its coverage.
   const ExpectedSkin& expected_skin(SkinMethod method);
 
-  // Of the last evaluation by the method.
+  // Returns the skin of the last evaluation by the method.
   DeviceSkin skin(SkinMethod method) const;
   const Evaluated& last(SkinMethod method) const { return evaluated_.at(method); }
   void reset_jiggle();  // which starts anew with the next frame
@@ -141,7 +141,7 @@ class Detail {
   std::optional<std::pair<std::uint64_t, ExpectedSkin>> expected_;  // of the evaluation of this number
 };
 
-// To the last bit, joints and controls.
+// Compares joints and controls to the last bit.
 bool same(std::span<const Pose> a, std::span<const Pose> b);
 
 // Chooses the level that holds a rate: coarser when pictures are late, finer when there is twice the time. A level that

@@ -52,7 +52,7 @@ std::span<const Pose> wanted(SkinMethod method, std::span<const Pose> poses) {
   return method == SkinMethod::full ? poses : poses.first(1);
 }
 
-// Of those that stand in a row: to the right, to the left, further to the right...
+// Places alternate in a row: to the right, to the left, further to the right...
 double place_in_row(std::size_t index) {
   return index % 2 == 1 ? static_cast<double>(index + 1) / 2 : -static_cast<double>(index) / 2;
 }
@@ -104,7 +104,7 @@ void Scene::forget_look() {
   lead_expected_ = nullptr;
 }
 
-// Those of one shot stay where their clips have them. Who would begin inside another is put beside it, in a row.
+// Characters of one shot stay where their clips have them. Who would begin inside another is put beside it, in a row.
 std::array<float, 3> Scene::free_place(std::size_t index) const {
   const auto begins_inside = [&](const std::unique_ptr<Actor>& other) {
     const Vec3 apart = cast_[index]->start() - other->start();
@@ -115,7 +115,7 @@ std::array<float, 3> Scene::free_place(std::size_t index) const {
       {kSpacing * cast_[index]->size() * place_in_row(index), cast_.front()->ground() - cast_[index]->ground(), 0});
 }
 
-// Where it is to begin, or where there is room.
+// Places it where it is to begin, or where there is room.
 std::array<float, 3> Scene::place(std::size_t index, const Controls& controls) const {
   const Actor& character = *cast_[index];
   const std::optional<Vec3>& at = placement(character, controls).at;
@@ -153,7 +153,7 @@ std::size_t Scene::level_by_size(std::size_t index, const Controls& controls, st
   return character.level_within(kPixels * seen / std::max(1u, height));
 }
 
-// Of the lead: in rows behind it.
+// Copies of the lead are in rows behind it.
 std::array<float, 3> Scene::place_copy(std::size_t copy) const {
   const double step = kSpacing * cast_.front()->size();
   return to_float({step * place_in_row(copy % kColumns), 0, -step * static_cast<double>(copy / kColumns)});
@@ -209,7 +209,7 @@ void Scene::preroll(Actor& character, const Controls& controls, const Weights& w
   }
 }
 
-// What add_character() shows of all of the cast, so that the device has it at once.
+// Evaluates what add_character() shows of all of the cast, so that the device has it at once.
 void Scene::evaluate_cast(const std::vector<std::vector<Pose>>& all_poses, const Controls& controls) {
   const Weights weights = weights_of(controls);
   std::vector<SkinRequest> requests;

@@ -14,7 +14,7 @@
 
 namespace bodyopt {
 
-// Which point of the lead is which of the second of the cast: of their finest levels, runtime vertices.
+// The match of the lead's points with those of the second of the cast: of their finest levels, runtime vertices.
 struct MatchedSkins {
   std::array<vulkan::Buffer, 2> colours;  // V x 3, linear RGB: the same on the same points
   std::array<vulkan::Buffer, 2> unsure;   // V: one less the confidence
@@ -39,16 +39,16 @@ class Scene {
   void swap(std::size_t index, std::unique_ptr<Actor>& other);
   void make_lead(std::size_t index);  // the others keep their order
   void remove(std::size_t index);
-  // The coarsest level of detail whose skin is less than a fifth of a pixel (RMS, at rest) from the full one, where the
-  // character stands in a picture of that many pixels' height.
+  // Returns the coarsest level whose skin is less than a fifth of a pixel from the full one (RMS, at rest). The pixel
+  // is where the character is, in a picture of that height.
   std::size_t level_by_size(std::size_t index, const Controls& controls, std::uint32_t height) const;
-  // In place of the lead's clip.
+  // Replaces the lead's clip.
   void set_live_pose(Pose pose) { live_pose_ = std::move(pose); }
   void leave_live_pose() { live_pose_.reset(); }  // back to the clip
   void reset_jiggle();
-  // What the settings may colour the two by, until it is taken back; they must be the two that were matched.
+  // Sets what the settings may colour the two by, until it is taken back; they must be the two that were matched.
   void show_match(std::optional<MatchedSkins> match) { match_ = std::move(match); }
-  // In place of the lead's skin, where it is given; world.
+  // Replaces the lead's skin, where it is given; world.
   void show_cut_open(std::optional<CutOpenSkin> skin) { cut_open_ = std::move(skin); }
   bool empty() const { return cast_.empty(); }
   std::vector<std::unique_ptr<Actor>>& cast() { return cast_; }
@@ -63,31 +63,31 @@ class Scene {
   // The lead alone in a pose at the frame, in a square picture, framed.
   std::vector<View> portrait(const ViewSettings::PoseKey& pose, const Controls& controls, std::uint32_t pixels);
 
-  // Of those views, where in the area they are: two side by side, otherwise all of it.
+  // Places those views in the area: two side by side, otherwise all of it.
   std::vector<Rectangle> view_areas(const ViewSettings& settings, const Rectangle& area) const;
 
-  // Where the lead is over the ground, whichever way it leaps: its root, the mean of half a second before and after
-  // the frame, as far as it stays within half its size: a dataset's frames go on with another take elsewhere.
+  // Returns the lead's place over the ground, however it leaps: its root's mean over half a second either way. The mean
+  // ends where the root is half its size away, as a dataset goes on with another take elsewhere.
   Vec3 whereabouts(int frame) const;
   Vec3 root_place(int frame) const;  // of the lead, metres, world; of the nearest frame that its clip has
   // The skin of all at the frame and what they wear, or what is around the joint that is selected: V x 3, for framing.
   std::vector<float> points_to_frame(const Controls& controls);
-  // Of one of the cast.
+  // Returns the pose of one of the cast.
   Pose pose_at(const Actor& character, int frame, const Controls& controls) const;
   Pose lead_pose(const Controls& controls) const;
   // The lead's full skin in that pose, finest level, output vertex order: quasi-static.
   std::vector<float> lead_skin(const Controls& controls);  // at the frame
   // The full skin of one of the cast at the frame, where it stands on the stage, finest level, O x 3: quasi-static.
   std::vector<float> skin_on_stage(std::size_t index, const Controls& controls);
-  // Where joint centres of the lead are at the frame, J, metres, world.
+  // Returns the lead's joint centres at the frame, J, metres, world.
   std::vector<Vec3> joint_centres(const Controls& controls) const;
 
-  // Of the last look: seconds by stage, summed over the cast; strains and outside of the lead.
+  // Figures of the last look: seconds by stage, summed over the cast; strains and outside of the lead.
   const StageSeconds& stage_seconds() const { return stage_seconds_; }
   const Evaluation* lead_evaluation() const { return lead_evaluation_; }
-  // Of the lead at the frame, whose coverage must be known; evaluates what is not yet. Throws as look().
+  // Returns the lead's error at the frame; its coverage must be known. Evaluates what is not yet. Throws as look().
   const ExpectedSkin& expect(const Controls& controls);
-  // Of the last look, where the lead's is looked at; null: it is not, or is not known.
+  // The lead's expected error in the last look; null: the settings do not ask for it, or it is not known.
   const ExpectedSkin* lead_expected() const { return lead_expected_; }
 
  private:
@@ -99,7 +99,7 @@ class Scene {
 
   static std::vector<Vec3> joint_centres(const Skeleton& skeleton, const Pose& pose);
   void forget_look();  // whose results may be gone
-  // Where the jiggle has not come to a frame by itself and nothing plays, it is stepped through the second before it.
+  // Steps the jiggle through the second before a frame to which it has not come by itself, unless something plays.
   void preroll(Actor& character, const Controls& controls, const Weights& weights) const;
   void evaluate_cast(const std::vector<std::vector<Pose>>& all_poses, const Controls& controls);
   Shown evaluate(Actor& character, SkinMethod method, std::span<const Pose> poses, const Controls& controls);
@@ -140,12 +140,12 @@ class Scene {
   StageSeconds stage_seconds_;
   const Evaluation* lead_evaluation_ = nullptr;
   const ExpectedSkin* lead_expected_ = nullptr;
-  // What views point to.
+  // Views point to these.
   std::vector<std::vector<LinePoint>> lines_;
   std::vector<std::vector<std::uint32_t>> colours_;
 };
 
-// By which the settings show a skin.
+// Returns the weights by which the settings show a skin.
 Weights weights_of(const Controls& controls);
 
 // The method that settings choose, and what it is compared with: none where the character has no such skin.

@@ -42,7 +42,7 @@ void Scene::add_marker(const Vec3& at, std::uint32_t colour, View& view) {
   add_lines(std::move(cross), {}, 2, view);
 }
 
-// Where the error is worst. Pairs in one colour each, the one that waits for its other in white.
+// Marks the worst error. Pairs have one colour each; a vertex that waits for its other is white.
 void Scene::add_markings(const Controls& controls, std::vector<View>& views) {
   if (controls.marker && controls.marker->frame == controls.playback.frame()) {
     for (View& view : views) add_marker(controls.marker->at, kMarked, view);
@@ -88,8 +88,8 @@ void Scene::add_skeleton(const Actor& character, const Pose& pose, const std::ar
   add_lines(std::move(joints), offset, 1.5f, view);
 }
 
-// The way of the lead's joints that are selected, in the colours of ghosts: where they are in each frame of the range
-// that is not too far away, with a cross at those that have a key.
+// Draws the selected joints' paths, in the colours of ghosts, through the frames of the range that are near. Each frame
+// with a key has a cross.
 void Scene::add_trails(const Controls& controls, const std::array<float, 3>& offset, View& view) {
   constexpr int kLongest = 120;  // frames either way
   constexpr std::uint32_t kBefore = 0xffe0a060, kAfter = 0xff40a0f0;
@@ -126,8 +126,7 @@ void Scene::add_trails(const Controls& controls, const std::array<float, 3>& off
   add_lines(std::move(keys), offset, 2, view);
 }
 
-// Of the joint that is selected: bright as far as it may turn, with a hand at its angle; arrows where it may move. And
-// the pins.
+// Draws the selected joint's rings, bright as far as it may turn, with a hand at its angle; its arrows; and all pins.
 void Scene::add_rings(const Controls& controls, const std::array<float, 3>& offset, View& view) {
   constexpr int kSteps = 72;
   std::vector<LinePoint> lines;

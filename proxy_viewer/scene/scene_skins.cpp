@@ -1,4 +1,4 @@
-// What of the scene a frame's views show: its skins, and what stands in for them.
+// The skins that a frame's views show, and what stands in for them.
 #include <algorithm>
 #include <cmath>
 
@@ -41,7 +41,7 @@ SkinDraw without_heat(SkinDraw draw) {
   return draw;
 }
 
-// What is worn over a skin that is drawn, at that of its poses.
+// Draws the meshes attached to a skin, at that of its poses.
 void dress(std::span<const WornMesh> meshes, std::size_t pose, const SkinDraw& skin, const std::array<float, 3>& colour,
            View& view) {
   for (const WornMesh& mesh : meshes) {
@@ -97,7 +97,7 @@ std::vector<View> Scene::look(const Controls& controls, const Rectangle& area) {
   evaluate_cast(poses, controls);
   for (std::size_t c = 0; c < cast_.size(); ++c) add_character(c, poses[c], controls, views);
   add_markings(controls, views);
-  // What is see-through is drawn over what is not.
+  // Transparent skins are drawn over opaque ones.
   for (View& v : views) std::ranges::stable_partition(v.skins, [](const SkinDraw& draw) { return draw.alpha >= 1; });
   return views;
 }
@@ -229,7 +229,7 @@ void Scene::add_copies_and_ghosts(Actor& character, std::span<const Pose> poses,
   }
 }
 
-// In place of any heat.
+// The match replaces any heat.
 void Scene::colour_by_match(std::size_t index, const ViewSettings& settings, SkinDraw& skin) const {
   const MatchView view = settings.compare.match;
   if (view == MatchView::none || !match_ || index >= 2 || cast_[index]->level() > 0) return;

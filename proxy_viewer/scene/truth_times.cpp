@@ -7,7 +7,7 @@
 namespace bodyopt {
 namespace {
 
-// Of a step, and of the place: caches keep their times in single precision.
+// Tolerances are shares of a step, and of the place: caches keep their times in single precision.
 constexpr double kOnSample = 1e-3, kRounding = 1e-7;
 
 // Frames of a dataset stand for themselves: nothing lies between them.

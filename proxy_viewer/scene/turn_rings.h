@@ -10,7 +10,7 @@ namespace bodyopt {
 class Scene;
 struct Controls;
 
-// Of one of its three angles (pinned_joints.h). Metres, world; degrees.
+// A ring turns a joint by one of its three angles (pinned_joints.h). Metres, world; degrees.
 struct TurnRing {
   std::size_t axis;    // x, y, z
   Vec3 centre, along;  // along: of the axis, unit; seen against it, angles grow to the left
@@ -21,8 +21,8 @@ struct TurnRing {
   Vec3 point(double degrees) const;
 };
 
-// Of the lead at the frame; none where no joint is selected, or the tool in hand moves it. What the limits hold has no
-// room between low and high.
+// Returns the lead's rings at the frame; none where no joint is selected, or the tool in hand moves it. Where limits
+// hold an angle, there is no room between low and high.
 std::vector<TurnRing> turn_rings(const Scene& scene, const Controls& controls);
 
 // Along an axis of the world, metres.
@@ -31,7 +31,7 @@ struct MoveArrow {
   Vec3 from, to;
 };
 
-// Of the lead at the frame; none where the joint that is selected may not move, or the tool turns.
+// Returns the lead's arrows at the frame; none where the selected joint may not move, or the tool turns.
 std::vector<MoveArrow> move_arrows(const Scene& scene, const Controls& controls);
 
 }  // namespace bodyopt

@@ -1,4 +1,4 @@
-// What is not saved yet, for the next viewport to bring back where this one does not end as it should.
+// Keeps unsaved work, for the next viewport to bring back where this one does not end as it should.
 #pragma once
 
 #include <filesystem>
@@ -19,7 +19,7 @@ class Autosave {
   std::filesystem::path file();
   // The newest that a viewport left which has ended since; empty: none.
   std::filesystem::path left_behind() const;
-  // That is this viewport's own from now on. Throws Error(file).
+  // Makes that this viewport's own from now on. Throws Error(file).
   void take_over(const std::filesystem::path& left);
   void forget();  // this viewport's own
   // This viewport's own, for another to find; false: there was none.

@@ -18,7 +18,7 @@ struct FileKind {
   std::string proposed;  // a name, where the command writes
 };
 
-// By command.
+// Kinds of files by command.
 const std::map<std::string, FileKind>& kinds() {
   static const std::map<std::string, FileKind> all = {
       {"open", {{".safetensors", ".glb", ".gltf", ".vrm", ".fbx", ".bvh", ".pc2", ".mdd", ".json"}, ""}},

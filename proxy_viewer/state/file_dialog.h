@@ -31,8 +31,8 @@ std::vector<std::string> browsed_commands();
 std::string proposed_name(const std::string& command, const std::filesystem::path& folder);
 bool writes_file(const std::string& command);
 
-// What a command could take of a folder: ".." and its other folders, then files of the kinds that the command knows; by
-// name, nothing hidden. Throws Error(file) where it cannot be read, Error(usage) at another command.
+// Lists a folder for a command: ".." and other folders, then files of the command's kinds; by name, nothing hidden.
+// Throws Error(file) where it cannot be read, Error(usage) at another command.
 FileDialog browse_folder(const std::string& command, const std::filesystem::path& folder, std::string name = "");
 
 }  // namespace bodyopt

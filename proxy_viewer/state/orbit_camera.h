@@ -26,17 +26,16 @@ class OrbitCamera {
 
   // Radians: the eye moves to the right and up around the target. Only view_axis() reaches the pole.
   void orbit(double right, double up);
-  // Pixels that the cursor moved to the right and down, of a picture of `height` pixels (0: a window without a
-  // picture, nothing moves): what is as deep as the target follows the cursor.
+  // Points as deep as the target follow the cursor, which moved so many pixels to the right and down. `height`: of the
+  // picture, pixels (0: a window without a picture, nothing moves).
   void pan(double right, double down, double height);
   // Notches of a wheel: each goes a tenth of the way to the target; negative ones go back as far.
   void dolly(double notches);
-  // Moves along the direction of view and across it until all points (V x 3, world, metres, at least one) are seen, as
-  // large as they can be in `share` of the picture's height and width. `aspect`: width over height. Throws Error(usage)
-  // as frame_points().
+  // Moves along the direction of view and across it until all points (V x 3, world, metres, at least one) are seen.
+  // They are as large as `share` of the picture's height and width lets them be. `aspect`: width over height. Throws
+  // Error(usage) as frame_points().
   void frame(std::span<const float> points, float aspect, double share = 1);
-  // As it is, also by the pole and with a roll, which the turntable itself keeps away from: of a camera that was
-  // checked.
+  // Takes a checked camera as it is, also by the pole and with a roll, from which the turntable keeps away.
   void look(const OrbitView& view) { view_ = view; }
   // Eye and target, metres, world.
   void move(const Vec3& by) { view_.target = view_.target + by; }
@@ -50,7 +49,7 @@ class OrbitCamera {
   OrbitView view_;
 };
 
-// What a camera of a file sees at one of its places; its target is as deep as the world's origin.
+// Returns the view of a file's camera at one of its places; in perspective its target is as deep as the world's origin.
 OrbitView view_of(const ClipCamera& camera, std::size_t place);
 
 }  // namespace bodyopt

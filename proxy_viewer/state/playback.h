@@ -41,7 +41,7 @@ class Playback {
   void set_mode(PlayMode mode) { mode_ = mode; }
   void set_speed(double speed);  // throws Error(usage) unless from PlaySettings::kSlowest to kFastest
   void set_backwards(bool backwards) { backwards_ = backwards; }
-  // In real time frames are dropped when advance() is called late; otherwise every frame is shown.
+  // Real time drops frames when advance() is called late; otherwise every frame is shown.
   void set_real_time(bool real_time) { real_time_ = real_time; }
 
   PlaySettings settings() const;

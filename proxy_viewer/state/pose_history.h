@@ -1,4 +1,4 @@
-// What is set on top of the clip, and the camera's keys, before they were changed, step by step.
+// Earlier values of the pose on top of the clip, and of the camera's keys, step by step.
 #pragma once
 
 #include <cstddef>
@@ -14,9 +14,9 @@ class PoseHistory {
  public:
   static constexpr std::size_t kMostSteps = 100;  // the oldest are forgotten
 
-  // Of another pose, which has no step before it.
+  // Begins with another pose, which has no step before it.
   void begin(const ViewSettings& now);
-  // Where it has changed since, that is a step, at a frame; what was undone is forgotten then.
+  // Takes a change since then as a step, at a frame, and forgets what was undone.
   void note(const ViewSettings& now, int frame = 0);
 
   // The keys show another pose at another frame: that is no step, and what the last one set is kept.

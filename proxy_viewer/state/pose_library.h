@@ -27,7 +27,7 @@ class PoseLibrary {
  public:
   // Files that are new there are read, for a twentieth of a second. Whether anything has changed.
   bool look(const std::filesystem::path& folder);
-  // In the order of names, those that are poses, or damaged.
+  // Files that are poses, or damaged, in the order of names.
   const std::vector<PoseFile>& poses() const { return poses_; }
   std::vector<Image> pictures() const;  // those that there are
   // One that can be drawn, and is not; null: there is none.
@@ -44,7 +44,7 @@ class PoseLibrary {
   std::uint64_t version_ = 0;
 };
 
-// Of a pose's file, the one beside it that shows the pose.
+// Returns the picture beside a pose's file.
 std::filesystem::path picture_of_pose(std::filesystem::path pose);
 
 }  // namespace bodyopt

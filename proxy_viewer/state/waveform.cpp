@@ -15,7 +15,7 @@ namespace {
 constexpr double kLongest = 6 * 3600;  // seconds
 constexpr int kFinest = 1'000'000, kCoarsest = 1000, kRate = 200;
 
-// Of so many samples. What is no number is silence.
+// Returns the range of so many samples. What is no number is silence.
 std::array<float, 2> swing_of(const std::vector<float>& samples, std::size_t count) {
   std::array<float, 2> swing{};
   for (std::size_t k = 0; k < count; ++k) {
