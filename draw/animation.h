@@ -26,7 +26,7 @@ class AnimationEncoder {
   std::unique_ptr<Impl> impl_;
 };
 
-// All at once; throws as that.
+// Encodes all frames at once; throws as AnimationEncoder.
 std::vector<std::uint8_t> encode_animation(std::span<const Image> frames, double milliseconds);
 
 }  // namespace bodyopt

@@ -173,7 +173,7 @@ void Application::autosave() {
   });
 }
 
-// It is unsaved still, and this one's to lose.
+// The recovered session is unsaved still, and this viewport's to lose.
 void Application::recover(bool wanted) {
   const std::string left = std::exchange(controls_.recoverable, "");
   if (!wanted) {
@@ -282,8 +282,8 @@ void Application::go_on_with_pictures(double passed) {
   pictures_.show_progress();
 }
 
-// Up to Enter: the prompt that it opens or ends is drawn before more is heard, however fast somebody types. And up to a
-// button that goes down: a picture has it where the mouse was, however far it goes meanwhile.
+// Hears events up to Enter: the prompt that it opens or ends is drawn first, however fast somebody types. It stops at a
+// button that goes down, too: a picture has it where the mouse was, however far it goes meanwhile.
 void Application::hear_some() {
   while (!unheard_.empty()) {
     const WindowEvent event = std::move(unheard_.front());
@@ -337,7 +337,7 @@ void Application::quit() {
   if (controls_.asks_to_save && pictures_.goes_on()) pictures_.stop();
 }
 
-// Up to the next command that asks for something: the picture is drawn, and it is done, before the others run.
+// Runs commands until one asks for something: that is done, and a picture drawn, before the others run.
 void Application::run_script() {
   while (!script_.empty() && controls_.requests == Requests{}) {
     controls_.follow_keys();
@@ -393,7 +393,7 @@ void Application::measure_errors() {
   if (now_ - last_picture_ > kIdle || !errors_.has_work()) pending_pictures_ = std::max(pending_pictures_, 1);
 }
 
-// A script waits until all are measured, by and by where there is a window.
+// A script waits until all frames are measured, one by one where there is a window.
 void Application::go_to_worst_frame() {
   controls_.playback.pause();
   if (!screen_) errors_.measure_all();

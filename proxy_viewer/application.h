@@ -23,7 +23,7 @@ class Application {
 
   // Takes events, and the seconds since the turn before; draws and shows what changed.
   void turn(std::span<const WindowEvent> events, double passed);
-  // How long the next turn can wait for events, seconds.
+  // Returns how long the next turn can wait for events, seconds.
   double patience() const;
   bool is_done() const { return session_.controls.requests.quit; }
   // Keeps unsaved work, which the next viewport brings back where this one does not end as it should.

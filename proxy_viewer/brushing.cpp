@@ -17,7 +17,7 @@ constexpr double kClosest = 1;     // pixels
 
 }  // namespace
 
-// The frame that is shown. What was brushed on another is kept first.
+// Takes up the frame that is shown; refuses while strokes on another are not kept.
 void Brushing::take_up_frame() {
   curation_.require_open();
   if (controls_.curating.raw) {
@@ -59,7 +59,7 @@ std::optional<Brushing::Hit> Brushing::hit(const Rectangle& area, const std::arr
   return hit;
 }
 
-// Pixels that the radius is wide where it touches, a part of them.
+// Returns the distance between dabs, pixels: a part of the radius where it touches.
 double Brushing::spacing(const Rectangle& area, const std::array<double, 2>& pixel) const {
   const Camera camera = controls_.camera.camera();
   const Vec3 right = view_axes(camera).right;

@@ -30,13 +30,13 @@ class Brushing {
 
   // Whether there is anything to be brushed.
   bool is_ready() const { return curation_.is_open(); }
-  // Pixels of the window; `area`: of the characters. Nothing is written before keep().
-  // Takes hold of the skin; false: there is none. Throws as FrameSculpting.
+  // Pixels of the window; `area`: of the characters. Nothing is written before keep(). Takes hold of the skin; false:
+  // there is none. Throws as FrameSculpting.
   bool press(const Rectangle& area, const std::array<double, 2>& pixel);
   void drag(const Rectangle& area, const std::array<double, 2>& pixel);  // what is pressed
   void release() { is_pressed_ = false; }
   bool is_pressed() const { return is_pressed_; }
-  // All three; throws Error(usage) where it begins beside the skin. Shares of the area.
+  // Presses, drags and releases; throws Error(usage) where it begins beside the skin. Shares of the area.
   void stroke(const Rectangle& area, const PicturePath& path);
   // The ring where the mouse is; none where a press would be refused.
   void hover(const Rectangle& area, const std::array<double, 2>& pixel);

@@ -16,8 +16,8 @@ class ImagePlane {
  public:
   explicit ImagePlane(std::shared_ptr<const vulkan::Device> device) : device_(std::move(device)) {}
 
-  // Behind what the views show, the image of the frame. One that cannot be read is told, of those that are not there
-  // the first. Throws Error(device).
+  // Puts the frame's image behind what the views show. Images that cannot be read are reported, of missing ones the
+  // first. Throws Error(device).
   void look(Controls& controls, std::vector<View>& views);
 
  private:
@@ -27,7 +27,7 @@ class ImagePlane {
   std::optional<Sampler> sampler_;
   std::optional<Attachment> image_;  // of the file that was read last, if it could be
   float aspect_ = 1;
-  std::string file_, told_;  // of the last look; of the plane whose missing images were told
+  std::string file_, told_;  // of the last look; of the plane whose missing images were reported
 };
 
 }  // namespace bodyopt

@@ -77,7 +77,7 @@ void move_under_mouse(const Scene& scene, const Rectangle& picture, const Vec3& 
   moved = moved + (*after - *before);
 }
 
-// Pixels from a line.
+// Returns the distance from a line, pixels.
 double apart_from_line(const std::array<double, 2>& a, const std::array<double, 2>& b, float x, float y) {
   const double right = b[0] - a[0], down = b[1] - a[1], size = std::max(1e-9, right * right + down * down);
   const double share =
@@ -99,7 +99,7 @@ std::optional<Grip> move_grip_at(const Scene& scene, const Controls& controls, c
   return std::nullopt;
 }
 
-// Under a pixel; none: nothing is there that can be dragged.
+// Returns the grip under a pixel; none: nothing is there that can be dragged.
 std::optional<Grip> grip_at(const Scene& scene, const Controls& controls, const Rectangle& picture, float x, float y) {
   if (!controls.settings.look.skeleton || controls.joint.empty()) return std::nullopt;
   const auto pin = controls.settings.pose.pins.find(controls.joint);
@@ -147,7 +147,7 @@ ImVec2 pixels_of(const ImVec2& points) { return {pixels_a_point() * points.x, pi
 // Returns the pixel of the picture.
 ImVec2 mouse_at() { return pixels_of(ImGui::GetIO().MousePos); }
 
-// First one of the lead, then the same of the other.
+// Marks a vertex of the lead first, then the same of the other.
 void mark(Scene& scene, const Rectangle& area, Controls& controls) {
   const ImVec2 at = mouse_at();
   const std::optional<PickedVertex> picked = vertex_at(scene, controls, area, at.x, at.y);
@@ -238,7 +238,7 @@ void steer_by_mouse(Scene& scene, const Rectangle& area, std::uint32_t height, C
   const double per_pixel = 3.2 / std::max(1u, height);  // half a turn across the window's height
   const ImVec2 at = mouse_at(), by = pixels_of(io.MouseDelta);
   const double x = static_cast<double>(by.x), y = static_cast<double>(by.y);
-  // Not with what moved before the button went down.
+  // A grip is not dragged by what moved before the button went down.
   if (ImGui::IsMouseClicked(0) && !io.KeyShift) {
     controls.grip = grip_at(scene, controls, area, at.x, at.y);
   }

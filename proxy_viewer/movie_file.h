@@ -24,7 +24,7 @@ class MovieFile {
   // Throws Error(file).
   MovieFile(const std::filesystem::path& path, Plan plan) : path_(path), plan_(std::move(plan)), file_(path) {}
 
-  // All of one size. Throw Error(usage) where there is no ffmpeg, Error(file) where it fails, and says why.
+  // Frames have one size. Throw Error(usage) where there is no ffmpeg, Error(file) with its reason where it fails.
   void add(const Image& frame);
   void finish();
 

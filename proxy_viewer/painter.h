@@ -41,7 +41,7 @@ class Painter {
   // Panels take their sizes from the picture before.
   void settle();
 
-  // Over the picture as it is, until the next is drawn: while the window cannot answer.
+  // Shows a text over the picture until the next is drawn, while the window cannot answer.
   void show_message(const std::string& text);
   // A window that shows nothing yet looks dead.
   void show_loading(const std::string& file);

@@ -19,7 +19,7 @@ Vec3 vertex(std::span<const float> vertices, std::uint32_t index) {
   return {at[0], at[1], at[2]};
 }
 
-// Along the ray, and how much of b and c; none: it passes by (Möller and Trumbore 1997).
+// Returns the distance along the ray, and shares of b and c; none: it passes by (Möller and Trumbore 1997).
 std::optional<std::array<double, 3>> hit(const Ray& ray, const Vec3& a, const Vec3& b, const Vec3& c) {
   const Vec3 ab = b - a, ac = c - a, across = cross(ray.along, ac);
   const double determinant = dot(ab, across);

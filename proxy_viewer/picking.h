@@ -41,10 +41,10 @@ struct Ray {
   double least = 0;  // of t
 };
 
-// Through a pixel of the area that the camera fills.
+// Returns the ray through a pixel of the area that the camera fills.
 Ray ray_through(const Camera& camera, const Rectangle& area, double x, double y);
 
-// A point moved to where it is seen at a pixel of that area, as far from the eye as it was; none: nowhere.
+// Moves a point to where a pixel of that area shows it, as far from the eye as it was; none: nowhere.
 std::optional<Vec3> moved_under_pixel(const Camera& camera, const Rectangle& area, double x, double y,
                                       const Vec3& point);
 

@@ -87,17 +87,17 @@ class PictureSeries {
 // Does the name ask for more than one frame: #### or %04d, .webp or .mp4?
 bool shows_motion(const std::string& pattern);
 
-// The range in pictures (`pattern` with #### or %04d), or in one file that moves (`fps` of the clip); otherwise the
-// frame that is shown. Pauses.
+// Makes the range in pictures (`pattern` with #### or %04d), or in one file that moves (`fps` of the clip). Otherwise
+// makes the frame that is shown. Pauses.
 std::unique_ptr<PictureSeries> frame_series(const std::string& pattern, double fps, Controls& controls);
 
-// Once around the target. Pauses.
+// Goes once around the target. Pauses.
 std::unique_ptr<PictureSeries> turntable_series(const std::string& pattern, Controls& controls);
 
-// All of it, with a line of progress on the terminal.
+// Makes all of a series, with a line of progress on the terminal.
 void make_all(PictureSeries& series, const DrawPicture& draw);
 
-// All of these, as they are asked for. In a window one picture by one, so that it answers.
+// Takes all kinds of pictures, as they are asked for. In a window it takes one at a time, so that it answers.
 class PictureTaking {
  public:
   // Both must outlive it.
@@ -110,9 +110,9 @@ class PictureTaking {
 
   bool goes_on() const { return series_ != nullptr; }
   bool stops() const { return stops_; }
-  // Before the next picture; what was written is kept.
+  // Stops before the next picture; files that were written are kept.
   void stop() { stops_ = true; }
-  // The next picture of those that go on, drawn without what is there to work with.
+  // Makes the series' next picture, drawn without what is there to work with.
   void go_on();
   void show_progress();
 

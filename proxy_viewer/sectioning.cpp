@@ -70,7 +70,7 @@ bool is_ready(const std::shared_future<std::shared_ptr<const Anatomy>>& found) {
   return found.wait_for(std::chrono::seconds(0)) == std::future_status::ready;
 }
 
-// Across an axis of the world, seen from where the camera is; as large as the skin.
+// Makes a plane across an axis of the world, seen from the camera's side, as large as the skin.
 SectionPlane plane_across(const Positions& skin, int axis, double at, bool from_above, int pixels) {
   const Eigen::Vector3d low = skin.colwise().minCoeff(), high = skin.colwise().maxCoeff();
   Vec3 normal{};

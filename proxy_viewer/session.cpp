@@ -152,7 +152,7 @@ void Session::use_unit(double metres) {
   controls.requests.frame_selection = true;
 }
 
-// Its character by Direct Delta Mush, its frames, and their shapes.
+// A dataset opens its character by Direct Delta Mush, its frames, and their shapes.
 ActorFiles Session::files_of_dataset(const std::string& file) {
   const fs::path path = fs::is_directory(file) ? fs::path(file) / "dataset.json" : fs::path(file);
   const Dataset dataset = read_dataset(path);
@@ -260,7 +260,7 @@ void Session::use_limits(const std::string& file) {
   replace_lead(files);
 }
 
-// It goes on as it was posed.
+// The new lead is posed as the one before.
 void Session::replace_lead(const ActorFiles& files) {
   std::unique_ptr<Actor> actor = scene.make(files, clip_options_);
   actor->set_posing(scene.lead().posing());
@@ -269,7 +269,7 @@ void Session::replace_lead(const ActorFiles& files) {
   play_on();
 }
 
-// Each keeps how it is posed.
+// Each of the cast keeps its posing.
 void Session::give_same_clip() {
   if (scene.lead().files().clip.empty()) {
     throw Error(ErrorKind::usage, "the lead plays no clip of a file that others could play: open one");
@@ -302,7 +302,7 @@ void Session::reload(const std::vector<fs::path>& files) {
   play_on();
 }
 
-// Over the lead's clip as it is now; the playhead stays, and goes on as it went.
+// Plays the lead's clip as it is now; the playhead stays, and goes on as it went.
 void Session::play_on() {
   const Playback before = controls.playback;
   play_clip();

@@ -43,18 +43,18 @@ class Session {
   Sectioning sectioning;
   ImagePlane image_plane;
 
-  // The first of the options' files, which must be a basis or a character, or the built-in arm where there is none.
-  // Gives what is to be said of it. Throws Error(usage), and as the readers do.
+  // Opens the first of the options' files, a basis or a character, or the built-in arm where there is none. Gives what
+  // is to be said of it. Throws Error(usage), and as the readers do.
   std::vector<std::string> open_first();
-  // A basis or character; or a clip or truth of the one that was opened or made the lead last; or a state. By its
-  // extension. What was there stays where it throws.
+  // Opens a basis or character; a clip or truth of the one that was opened or made the lead last; or a state. The
+  // extension decides. What was there stays where it throws.
   std::vector<std::string> open(const std::string& file);
   // One more of the cast, whatever else the file holds.
   std::vector<std::string> open_character(const std::string& file);
   void use_unit(double metres);  // of files of characters; 0: as they say
   void open_truth(Actor& character, const std::string& file);
-  // Characters of the cast, counted from 1 as the panel shows them. The playhead stays. Throw Error(usage) where there
-  // is no such one, or no other.
+  // Take numbers of the cast, from 1 as the panel shows them. The playhead stays. Throw Error(usage) where there is no
+  // such one, or no other.
   void make_lead(int number);
   void remove(int number);
   // Reads the characters again that any of the files belong to; the playhead stays, and goes on as it went. All stays
@@ -75,15 +75,15 @@ class Session {
   void step_stack(bool back);
   // Puts what was brushed, if anything, into the stack; it stays in hand where this throws.
   void keep_strokes();
-  // The range as it is posed and keyed, before modifiers: .glb, .bvh or .usda; its controls as FILE.controls.json
-  // beside it, where there are any. The lead's skin over the range as its keys say, and what it wears: .pc2, .mdd,
-  // .usda or .glb. Throw Error(file).
+  // Exports the range as it is posed and keyed, before modifiers: .glb, .bvh or .usda; controls go to
+  // FILE.controls.json. The skin, with attached meshes: .pc2, .mdd, .usda or .glb. Throw Error(file), and Error(usage)
+  // for a file that is open.
   void export_clip(const std::string& file);
   void export_skin(const std::string& file);
 
-  // All that is open and set, and back: what was there stays where it throws. Throw Error(file), and as the readers do.
+  // Saves all that is open and set. Throws Error(file), and Error(usage) for a file that is open or no session.
   void save(const std::string& file);
-  // Without a word. saved_as: of an autosave, the session's own file.
+  // Writes the same without a message. saved_as: of an autosave, the session's own file.
   void write(const std::string& file, const std::string& saved_as = "") const;
   // The user's work that could be lost: poses, keys, cameras and markers.
   struct Work {
@@ -95,7 +95,7 @@ class Session {
   };
   Work work() const;
   void save_state(const std::string& file);
-  // The pose in hand, or what of it several joints have that are selected, as a state; and such a one, or a session's.
+  // Saves the pose in hand as a state, or its part of several selected joints. Loads one, or a session's.
   void save_pose(const std::string& file);
   void load_pose(const PoseRequest& request);
   void load_state(const std::string& file);
@@ -107,12 +107,12 @@ class Session {
   // The lead may be another: a pose of other joints is none of it. Where its poses do not fit a packet, nobody listens
   // any longer; throws as LivePose.
   void expect_poses_of_lead();
-  // The newest of the poses that came. Whether there is something new to see.
+  // Takes the newest of the poses that came; whether there is something new to see.
   bool poll_live();
 
   // Applies the settings of a session that was opened, once; false: none was.
   bool restore_view();
-  // The playhead over the lead's clip, as it played before; a range that the clip lacks is said, and forgotten.
+  // Plays the lead's clip as it played before; a range that the clip lacks is reported, and forgotten.
   void play_clip();
   // Frames all, or the selected joint, in a picture of so many pixels. Names cover its uppermost and a legend its
   // rightmost part.
@@ -122,7 +122,7 @@ class Session {
   void keep_framed(std::uint32_t width, std::uint32_t height, Covered covered = {});
   // Frames so that nothing leaves the picture in the frames that are played (thirteen are looked at).
   void frame_range(std::uint32_t width, std::uint32_t height);
-  // The camera goes along with the lead since the picture before, or with the shot.
+  // Moves the camera along with the lead since the picture before, or with the shot.
   void follow();
   // Warns of truths whose place on their clips has changed since the last call.
   void warn_of_truth_times();

@@ -76,7 +76,7 @@ void Session::export_skin(const std::string& file) {
   for (const std::string& attached : caches.attached_paths()) controls.say("wrote " + attached);
 }
 
-// All of its characters are read before the first of those that are there goes.
+// All characters of the new session are read before the first of the old one goes.
 void Session::open_session(const std::string& file) {
   if (!options_.proxy.empty() || !options_.character.empty() || !options_.limits.empty() ||
       !options_.joint_map.empty() || !options_.up.empty()) {

@@ -146,7 +146,7 @@ std::vector<CacheWriter*> ShotCaches::writers() const {
   return all;
 }
 
-// The skin last: where it is in place, all others are.
+// The skin is closed last: where it is in place, all others are.
 void ShotCaches::close() {
   for (const auto& writer : attached_) writer->close();
   skin_->close();

@@ -99,7 +99,7 @@ class ShotCaches : public SkinSink {
   // Puts the frames so far aside in a folder, instead of close(), where no append() has failed; nothing more can be
   // written then. Returns the files.
   std::vector<std::filesystem::path> put_aside(const std::filesystem::path& folder);
-  // Before any frame: the first `frames` are those that put_aside() left.
+  // To be called before any frame: the first `frames` are those that put_aside() left.
   void take_up(const std::filesystem::path& folder, std::size_t frames);
 
  private:

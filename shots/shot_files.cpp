@@ -34,7 +34,7 @@ OpenedCharacter with_ddm(Character character) {
   return opened;
 }
 
-// Its eyes, teeth, clothes: as `train` attaches them.
+// Attaches its eyes, teeth and clothes as `train` does.
 void attach_own_meshes(const std::string& path, OpenedCharacter& opened) {
   const Basis& basis = opened.levels.front().basis;
   try {
@@ -199,7 +199,7 @@ void require_frames_in_order(const Shot& shot, const std::string& state_in, cons
 Attachments read_attachments(const ShotFiles& files, const Basis& basis) {
   if (!files.attached.empty()) return load_attachments(files.attached, basis);
   const fs::path beside = attachments_beside(files.basis);
-  // They ride on the finest level.
+  // Attached meshes follow the finest level.
   if (files.level > 0 || !fs::exists(beside)) return {};
   return load_attachments(beside, basis, files.basis);
 }

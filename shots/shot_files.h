@@ -74,7 +74,7 @@ struct ShotFiles {
   JiggleChoice jiggle;
   DeviceChoice device;
 
-  // All that decide the result.
+  // Returns all files that decide the result.
   std::vector<std::filesystem::path> paths() const;
 };
 

@@ -83,7 +83,7 @@ void add_marker(Controls& controls, const MarkedPair& pair);
 inline constexpr const char* kBlank = " \t\r";
 
 [[noreturn]] void refuse(const std::string& argument, const std::string& expected);
-// One of them, as ".glb|.bvh". Throws as refuse().
+// Requires one of the endings, as ".glb|.bvh". Throws as refuse().
 void require_ending(const std::string& file, const std::string& endings);
 
 // Throws Error(usage) for a name that is none of these.
@@ -101,7 +101,7 @@ std::vector<std::string> words(const std::string& text);
 
 std::vector<std::string> words(const std::string& text, std::size_t count, const std::string& expected);
 
-// One of the names, in the order of the enumeration.
+// Reads one of the names, which are in the order of the enumeration.
 template <typename Choice, std::size_t N>
 void choose(Choice& choice, const std::string& text, const std::array<const char*, N>& names) {
   std::string expected = "one of";
@@ -129,7 +129,7 @@ inline constexpr std::array kSwitchNames{"off", "on"};
 
 std::string name_of(bool on);
 
-// Without an argument the other way round.
+// Reads "on" or "off"; an empty argument switches the value.
 void toggle(bool& value, const std::string& argument);
 
 // Splits off the word after the last blank.
@@ -181,7 +181,7 @@ constexpr Command switch_command(const char* name, const char* key, const char* 
   return {name, "[on|off]", key, menu, help, run, [](const Controls& c) { return name_of(value_at(c, member)); }};
 }
 
-// One of the names, which `argument` has, too.
+// Makes a command that chooses one of the names; `argument` has them, too.
 template <const auto& names, auto member>
 constexpr Command choice_command(const char* name, const char* argument, const char* menu, const char* help) {
   constexpr auto run = [](Controls& c, const std::string& a) { choose(value_at(c, member), a, names); };

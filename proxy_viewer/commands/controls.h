@@ -83,7 +83,7 @@ struct PinRequest {
   bool operator==(const PinRequest&) const = default;
 };
 
-// Whose keys commands have, see key_of().
+// The program whose keys commands have; see key_of().
 enum class Keymap { bodyopt, maya, blender };
 inline constexpr std::array kKeymapNames{"bodyopt", "maya", "blender"};
 
@@ -219,7 +219,7 @@ struct Controls {
   Requests requests;
   std::vector<Message> messages;  // newest last
 
-  // A camera as it is kept: one that follows, as the lead stands at its clip's first frame. And to such a one.
+  // Cameras are kept without the lead's way: one that follows is kept as at the clip's first frame, and goes back so.
   OrbitView kept_camera() const;
   void go_to_camera(const OrbitView& kept);
   // Looking through the shot's camera, the view becomes that camera's once the frame is another: until then it is free.
@@ -229,11 +229,11 @@ struct Controls {
   ViewSettings::Posing posing_at(int frame) const;
   // With keys, the pose in hand becomes that of the keys, once the frame that is shown is another.
   void follow_keys();
-  // Whether there are keys, and what is in hand is not as they say: it goes with the frame.
+  // Whether the pose in hand differs from the keys, where there are any, and is lost with the frame.
   bool is_unkeyed() const;
 
   void select(const std::string& name);  // it alone; empty: none
-  // All that are, the first first, where several are selected; none: the pose is one thing.
+  // Returns several selected joints, the first first; none: one or none is selected, and the pose is one thing.
   std::vector<std::string> selected() const;
   // Sets a key at the frame whose pose is in hand, where the pose differs and keys are set by themselves.
   void key_by_itself();
@@ -245,7 +245,7 @@ struct Controls {
   bool shows_compared() const { return flipped != brush.kind.has_value(); }
 
   const std::string& shown_pose_folder() const { return pose_folder.empty() ? folder : pose_folder; }
-  // A file is chosen for a command.
+  // Asks for a command's file.
   void browse(const std::string& command);
   // Quits at once, or, where somebody would lose something, after asking.
   void quit_or_ask();

@@ -19,7 +19,7 @@ ViewSettings::PoseKey part_of(const Controls& controls, const ViewSettings::Pose
 void put_pose(const Controls& controls, const ViewSettings::PoseKey& pose, const std::vector<std::string>& joints,
               ViewSettings::PoseKey& into);
 
-// A share of a pose of a file over one that was in hand, of the joints that are selected.
+// Blends a share of a file's pose over the pose that was in hand, for the selected joints.
 void blend_in(Controls& controls, const ViewSettings::PoseKey& pose, double share, const ViewSettings::PoseKey& before);
 // Throws Error(mismatch) where no joint that the file's pose turns is the lead's.
 void require_own_pose(const Controls& controls, const ViewSettings::PoseKey& pose, const std::string& file);
@@ -28,7 +28,7 @@ void require_own_pose(const Controls& controls, const ViewSettings::PoseKey& pos
 // side become those of the other, by their names.
 ViewSettings::PoseKey flipped(const Controls& controls, const ViewSettings::PoseKey& pose, int frame);
 
-// These joints' mirror images; of one in the middle itself.
+// Returns the joints of the other side; one in the middle is its own.
 std::vector<std::string> flipped(const Controls& controls, const std::vector<std::string>& joints);
 
 }  // namespace bodyopt

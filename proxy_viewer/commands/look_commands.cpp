@@ -122,7 +122,7 @@ const Command kCameraCommands[] = {
      }},
 };
 
-// How it looks.
+// Commands of the look.
 
 constexpr const char* kImages = ".png|.jpg|.jpeg|.webp";
 

@@ -118,7 +118,7 @@ const Command kPlaybackCommands[] = {
 
 // Posing, and keys.
 
-// The joint that is named, or is selected where none is.
+// Returns the joint that is named, or the selected one.
 std::string named_or_selected(const Controls& controls, const std::string& name) {
   if (!name.empty()) return known(name, controls.joint_names, "joint");
   if (controls.joint.empty()) throw Error(ErrorKind::usage, "no joint is selected, nor was one named");
@@ -169,7 +169,7 @@ bool go_to_step(Controls& c, std::optional<int> (PoseHistory::*step)(ViewSetting
   return true;
 }
 
-// All that are selected, or the one that is named.
+// Returns the joint that is named, or all that are selected.
 std::vector<std::string> named_or_all_selected(const Controls& controls, const std::string& name) {
   const std::vector<std::string> selected = controls.selected();
   return name.empty() && !selected.empty() ? selected : std::vector{named_or_selected(controls, name)};
@@ -198,7 +198,7 @@ void tween(Controls& c, double share) {
   put_pose(c, blended((--before)->second, after->second, share), c.selected(), c.settings.pose);
 }
 
-// It alone, or all.
+// Switches a tool on alone, or all tools.
 template <Tool tool>
 constexpr Command tool_command(const char* name, const char* help) {
   constexpr auto run = [](Controls& c, const std::string& a) {

@@ -95,7 +95,7 @@ class ErrorMeasuring {
 
   const FrameError* shown_error() const;  // of the frame that is shown; null: not measured, or nothing to measure
 
-  // Pauses there, and says so where not all frames are measured. These throw Error(usage) where nothing is compared.
+  // Pauses there, and reports where frames are unmeasured. These throw Error(usage) where nothing is compared.
   void go_to_worst_frame();
   void go_to_worst_vertex();  // looked at along its normal
 

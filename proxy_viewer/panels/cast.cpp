@@ -21,7 +21,7 @@ void draw_line(const char* what, const std::string& text) {
   if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", text.c_str());
 }
 
-// And what can be done with it.
+// Draws the name with buttons for what can be done with it.
 void draw_name(const CharacterRow& row, int number, std::size_t count, Controls& controls) {
   const std::string text = std::to_string(number);
   ImGui::PushID(number);

@@ -185,7 +185,7 @@ void draw_colour_keys(const Snapshot& snapshot, const Controls& controls, const 
 }
 
 float colour_bar_width(const Snapshot& snapshot, const Controls& controls) {
-  // Not that of the frame: the camera would be framed again from frame to frame.
+  // The width does not follow the frame's largest: the camera would be framed again from frame to frame.
   static const std::string kUsualLargest = "largest 88.8 mm";
   const std::optional<Heat> heat = heat_of(snapshot, controls);
   return heat && controls.settings.hud.legend ? kBarMargin + widest_text(*heat, kUsualLargest) + kBarPadding : 0;

@@ -43,7 +43,7 @@ void draw_heat_scale(Controls& controls) {
   if (set && ImGui::Button("Hottest by what was measured")) attempt(controls, "heat-scale auto");
 }
 
-// Over the picture: what is compared with what, and the line of a wipe, to be dragged.
+// Texts over the picture, of what is compared with what, and the line of a wipe, to be dragged.
 
 constexpr float kNamesTop = 12, kNamePadding = 3;  // points
 

@@ -53,7 +53,7 @@ void add_pins(const Snapshot& snapshot, Lines& lines) {
   }
 }
 
-// So many lines, where the first of two side by side is.
+// Side by side, so many lines would cover the first body.
 bool stands_on_a_body(const Snapshot& snapshot, const Controls& controls) {
   const ViewSettings::Compare& compare = controls.settings.compare;
   return compare.layout == CompareLayout::side_by_side && !snapshot.compared.empty() && !compare.activation;
@@ -72,7 +72,7 @@ void add_times(const Snapshot& snapshot, Lines& lines) {
   lines.add(snapshot.device);
 }
 
-// They hold for all frames, and are easily forgotten.
+// Poses hold for all frames, and are easily forgotten.
 void add_turned(const Snapshot& snapshot, const Controls& controls, Lines& lines) {
   const auto count =
       std::ranges::count_if(snapshot.joints, [&](const JointRow& row) { return controls.is_posed(row.name); });

@@ -35,8 +35,8 @@ KeyEase ease_of(const ViewSettings::PoseKey& key, const std::string& row) {
   return set_or(key.eases, row.substr(kind), key.ease);
 }
 
-// All keys in a line, to be dragged to other frames; a click goes there. Those that say nothing of what the line is of,
-// which is there as the clip has it, are hollow. Gives the command for what the mouse did; empty: none.
+// Draws all keys in a line, to be dragged to other frames; a click goes there. Hollow ones say nothing of the line's
+// name, which is there as the clip has it. Gives the command for what the mouse did; empty: none.
 std::string draw_diamonds(const KeyedLine& line, const ImVec2& at, float width, int first, int last,
                           const Controls& controls) {
   std::string command;
@@ -200,7 +200,7 @@ void draw_cheat_sheet(Controls& controls, const PanelLayout& layout) {
   for (const char* menu : kMenus) total += lines_of(menu, controls.keymap);
   int lines = 0, column = 0;
   ImGui::BeginGroup();
-  // The next part, of so many lines: in this column or the next.
+  // Begins a part of so many lines, in this column or the next.
   const auto begin_part = [&](int count) {
     if (column + 1 < columns && lines + count / 2 > total * (column + 1) / columns) {
       ImGui::EndGroup();

@@ -13,7 +13,7 @@ struct Tick {
 
 // Views along the axes, and cameras that were kept.
 
-// Each above the one from the other side.
+// Each view is above the one from the other side.
 void draw_axis_views(Controls& controls) {
   constexpr int kInLine = 3;
   const float width = share_of_line(kInLine);
@@ -45,7 +45,7 @@ void draw_kept(Controls& controls) {
   if (!forgotten.empty()) attempt(controls, "forget-camera " + forgotten);
 }
 
-// Its keys, and whether it is looked through.
+// Draws the shot camera's keys, and whether it is looked through.
 void draw_shot_camera(Controls& controls) {
   const float width = share_of_line(2);
   command_button(controls, "camera-key", nullptr, width);

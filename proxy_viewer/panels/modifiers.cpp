@@ -14,7 +14,7 @@ double value_of(const ControlRow& row, const Controls& controls) {
   return set_or(controls.settings.pose.controls, row.name, row.usual);
 }
 
-// Within its modifier, whose name stands above it.
+// Returns the name within its modifier, whose name is above it.
 std::string own_name(const ControlRow& row) {
   return row.name == row.modifier ? "strength" : row.name.substr(row.modifier.size() + 1);
 }

@@ -39,7 +39,7 @@ std::string label_of(const Command& command, const std::string& choice);
 // Runs a line; what it refuses is said in the window.
 void attempt(Controls& controls, const std::string& line);
 
-// Over the item before: what the command does, and its key.
+// These explain the item before: what the command does, and its key.
 void explain(const char* command);
 void explain_text(const std::string& text);
 void explain(const Command& command);
@@ -49,7 +49,7 @@ void command_button(Controls& controls, const char* command, const char* text = 
 // Lit while it is on.
 void command_switch(Controls& controls, const char* command, const char* text, float width);
 void command_tick(Controls& controls, const char* command, const char* text = nullptr);
-// One of the words of its argument, after a label (null: none); `available`: those that can be had now (null: all).
+// Draws the words of its argument after a label (null: none); `available`: those to be had now (null: all).
 void command_choice(Controls& controls, const char* command, const char* text,
                     const std::vector<std::string>* available = nullptr);
 
@@ -63,7 +63,7 @@ void label_before(const char* text);
 // Returns the width of one of `count` widgets in a line.
 float share_of_line(int count);
 
-// All of them in a window of so many pixels; gives the part that is left to the characters.
+// Draws all panels in a window of so many pixels; gives the part that is left to the characters.
 Rectangle draw_panels(const Snapshot& snapshot, Controls& controls, std::uint32_t width, std::uint32_t height);
 
 // Draws the text in the middle of a picture without anything else.

@@ -33,7 +33,7 @@ void draw_row(const JointRow& row, bool indented, Controls& controls) {
   ImGui::PopID();
 }
 
-// Once, when another joint was selected: it may have been in the picture.
+// Scrolls once, when another joint was selected: a click in the picture may have done so.
 void scroll_to_selected(const std::vector<const JointRow*>& rows, Controls& controls) {
   if (controls.typed.listed_joint == controls.joint) return;
   controls.typed.listed_joint = controls.joint;

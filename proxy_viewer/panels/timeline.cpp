@@ -129,7 +129,7 @@ void draw_end(const char* command, int end, float side, Controls& controls, cons
                                                 held || hovered ? kAccent : kTick);
 }
 
-// Under the bar: a click goes to the worst frame, and from there to its worst vertex.
+// Draws errors under the bar: a click goes to the worst frame, and from there to its worst vertex.
 void draw_sparkline(const Snapshot& snapshot, Controls& controls, const Bar& bar) {
   ImGui::SetCursorScreenPos(bar.at);
   const bool clicked = ImGui::InvisibleButton("errors", bar.size);
@@ -195,7 +195,7 @@ Bar draw_bars(const Snapshot& snapshot, Controls& controls, float bottom) {
   return frames;
 }
 
-// Under the bar, each key under its frame; what is left of it has the names.
+// Draws the sheet under the bar, each key under its frame; the names are to its left.
 void draw_dope_sheet(Controls& controls, const Bar& bar, float top) {
   ImGui::SetCursorScreenPos({ImGui::GetWindowPos().x + ImGui::GetStyle().WindowPadding.x, top});
   const float name_width = bar.at.x - kDiamond - ImGui::GetCursorScreenPos().x;

@@ -29,9 +29,9 @@ class Fonts {
  public:
   Fonts();
 
-  // Pixels a point: letters are made anew for another.
+  // Sets pixels a point: letters are made anew for another.
   void set_scale(float scale);
-  // A text of any script that panels are going to show.
+  // Adds a text of any script that panels are going to show.
   void show(const std::string& text);
   // Replaces the pictures beside the letters; see add_picture().
   void show_pictures(std::vector<Image> pictures);
@@ -54,7 +54,7 @@ class Fonts {
   std::optional<std::string> problem_;
 };
 
-// The picture of that number of show_pictures(), between two corners.
+// Draws the picture of that number of show_pictures(), between two corners.
 void add_picture(ImDrawList& list, int number, const ImVec2& from, const ImVec2& to);
 
 // A font of digits alone.

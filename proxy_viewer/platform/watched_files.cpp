@@ -9,7 +9,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// Nothing of one that cannot be read: who opens it says why.
+// Returns nothing of a file that cannot be read: who opens it says why.
 std::string content_of(const fs::path& path) {
   std::ifstream file(path, std::ios::binary);
   return {std::istreambuf_iterator<char>(file), {}};

@@ -102,7 +102,7 @@ VkSurfaceFormatKHR choose_format(VkPhysicalDevice physical, VkSurfaceKHR surface
   throw Error(ErrorKind::device, "the window's surface offers no 8-bit colours");
 }
 
-// Without vsync the first that does not wait.
+// Without vsync, takes the first mode that does not wait.
 VkPresentModeKHR choose_mode(VkPhysicalDevice physical, VkSurfaceKHR surface, bool vsync) {
   if (vsync) return VK_PRESENT_MODE_FIFO_KHR;  // always there
   const auto modes =

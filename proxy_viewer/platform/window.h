@@ -27,7 +27,7 @@ class Window : public Screen {
 
   // Returns what a device must offer to show a picture here.
   vulkan::DeviceUse device_use() const;
-  // Before the first show().
+  // To be called before the first show().
   void attach(std::shared_ptr<const vulkan::Device> device);
 
   std::vector<WindowEvent> poll(double seconds) override;

@@ -228,7 +228,7 @@ std::string Actor::why_still() const {
   return problem.empty() ? "" : name() + ": " + problem;
 }
 
-// The poses of the frames that NamedShapes has of it.
+// Opens the poses of the frames that NamedShapes has of a dataset.
 void Actor::open_frames(const std::string& dataset) {
   const NamedShapes shapes = truth_ && files_.truth == dataset ? truth_->shapes.as_they_are() : NamedShapes(dataset);
   const PoseDatabase& database = shapes.stack()->database();
@@ -297,7 +297,7 @@ void Actor::open_clip(const std::string& source) {
   take_clip(std::move(clip));
   files_.clip = source;
   measure_ground();
-  // Without a file of its own its materials are those of the clip's file, where that has its skin, too.
+  // A character without a file of its own has the materials of the clip's file, where that has its skin, too.
   const std::string path = split_source(source).path.string();
   if (materials_ || !is_called_scene(path)) return;
   const auto found = materials_of(path);
@@ -312,7 +312,7 @@ void Actor::take_clip(Clip clip) {
   clip_ = std::move(clip);
 }
 
-// Its own Direct Delta Mush, where it is the character of the dataset; otherwise null.
+// Returns its own Direct Delta Mush, where it is the character of the dataset; otherwise null.
 std::shared_ptr<const UnposedSpace> Actor::unposed_space(const PoseDatabase& database) const {
   std::error_code absent;
   const Dataset& dataset = database.dataset;
@@ -459,7 +459,7 @@ std::vector<float> Actor::worn_points(std::span<const float> skin, const Pose& p
   return worn_ ? worn_->points(skin, pose) : std::vector<float>();
 }
 
-// Null: the method evaluates on the device.
+// Returns the skin that the host makes; null: the method evaluates on the device.
 const Actor::HostedSkin* Actor::hosted_skin(SkinMethod method) const {
   if (method == SkinMethod::lbs) return &blended_;
   if (method == SkinMethod::proxy) return &carried_;
@@ -486,7 +486,7 @@ std::vector<float> Actor::linear_skin(const Pose& pose) const {
   return output_from_welded(*character_, skin_linear(*character_, pose));
 }
 
-// A proxy that stands alone carries the full skin, not that of its own finest level, which its meshes ride on.
+// Meshes follow the finest level; a proxy that is opened alone carries the full skin, not that of its finest level.
 bool Actor::has_worn_skin() const {
   return level_ == 0 || shown().level().carried.size() == finest().basis().mesh.output_count();
 }

@@ -28,7 +28,7 @@
 
 namespace bodyopt {
 
-// Attached geometry, a mesh on F skins: carried on the host, uploaded when it moves.
+// A mesh attached to F skins: it follows them on the host, and is uploaded when it moves.
 struct WornMesh {
   const vulkan::Buffer* triangles = nullptr;
   std::uint32_t triangle_count = 0, vertex_count = 0;
@@ -73,7 +73,7 @@ class Actor {
   const Basis& finest_basis() const { return finest().basis(); }
   std::size_t level_count() const { return details_.size(); }
   std::size_t level() const { return level_; }
-  // The coarsest whose skin at rest is no further than that from the full one, RMS, metres.
+  // Returns the coarsest level whose skin at rest is no further than that from the full one, RMS, metres.
   std::size_t level_within(double metres) const;
   void set_level(std::size_t level) { level_ = std::min(level, details_.size() - 1); }
   const Clip& clip() const { return clip_; }              // still_clip() where there is no file
@@ -104,7 +104,7 @@ class Actor {
   // The clip's pose, turned joint by joint as the settings say and the ranges let it. Frames beyond the clip: its first
   // or last.
   Pose pose(int frame, const ViewSettings::Posing& posing) const;
-  // All of the clip before modifiers, posed and keyed so: what is exported.
+  // Returns all of the clip before modifiers, posed and keyed so, for export.
   Clip posed_source(const ViewSettings::Posing& posing) const;
   // The finest level with the clip that is posed and keyed so, as `eval` reads it of a session; without frames yet.
   // `jiggles`: it must have SkinMethod::jiggle at the finest level. Throws Error(device).
@@ -125,7 +125,7 @@ class Actor {
   std::optional<JointRange> free_turns(std::size_t joint, int frame) const;
   std::pair<double, double> free_axis(const DegreeOfFreedom& dof, int frame) const;  // see free_angles()
 
-  // Poses of one frame, then of ghosts and instances; `frame`: of the first. The jiggle steps only with that.
+  // Evaluates poses of one frame, then of ghosts and instances; `frame`: of the first. The jiggle steps only with that.
   // `dressed`: worn() is to follow.
   const Evaluation& evaluate(SkinMethod method, std::span<const Pose> poses, int frame, const Weights& weights,
                              bool dressed = true);
@@ -138,7 +138,7 @@ class Actor {
   bool wears() const { return worn_ != nullptr; }
   // The materials of the skin that is shown; null: its own file is not known.
   const SurfaceDraw* materials() const { return materials_ ? &materials_->skin[level_] : nullptr; }
-  // The points of what it wears, on a skin as measure() gives it, metres, world.
+  // Returns the points of attached meshes, on a skin as measure() gives it, metres, world.
   std::vector<float> worn_points(std::span<const float> skin, const Pose& pose) const;
   // Returns the skin of the last evaluation by the method.
   DeviceSkin skin(SkinMethod method) const;
@@ -148,7 +148,7 @@ class Actor {
   std::vector<float> measure(SkinMethod method, const Pose& pose, int frame, float correction = 1);
 
   double size() const { return size_; }      // diagonal of the rest skin, metres
-  double reach() const { return reach_; }    // as size(), with what it wears
+  double reach() const { return reach_; }    // as size(), with attached meshes
   double ground() const { return ground_; }  // height of its lowest point as the clip begins, metres
   Vec3 start() const { return clip_.poses.front().joints.front().translation; }  // of its root, as the clip begins
   const NamedShapes* truth() const { return truth_ ? &truth_->shapes : nullptr; }

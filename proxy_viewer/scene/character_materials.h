@@ -1,4 +1,4 @@
-// The materials of a character on the device: of its skin and of what it wears, with the images that they share.
+// The materials of a character on the device: of its skin and attached meshes, with the images that they share.
 #pragma once
 
 #include <filesystem>
@@ -14,7 +14,7 @@
 
 namespace bodyopt {
 
-// No parts where there is nothing but the white of a material that says nothing.
+// Plain white materials without an image have no parts.
 struct CharacterMaterials {
   std::vector<SurfaceDraw> skin;   // of each level of detail; coarser ones have the colours that the finest has there
   std::vector<SurfaceDraw> worn;   // of each attached mesh

@@ -55,7 +55,7 @@ std::string stamp_of(const std::vector<fs::path>& files) {
   return stamp;
 }
 
-// A method is a weight.
+// Weights select the method.
 Weights weights_of(SkinMethod method, Weights weights) {
   if (method == SkinMethod::ddm) weights.correction = 0;
   weights.kernels = method != SkinMethod::linear;
@@ -126,7 +126,7 @@ Deformer& Detail::deformer(SkinMethod method, Use use) {
   return *made;
 }
 
-// Nothing: it is the last.
+// Returns nothing where the request equals the last.
 std::optional<DeformerCall> Detail::call_of(const SkinRequest& request) {
   Evaluated& last = evaluated_[request.method];
   const bool again = request.frame == last.frame && request.weights == last.weights && request.host <= last.host &&

@@ -104,8 +104,8 @@ class Detail {
   // Frames a second that the jiggle steps; the level must have dynamics.
   double jiggle_rate() const { return static_cast<double>(level_->model->dynamics->jiggle.step.frames_per_second); }
   std::uint32_t tet_count() const { return jiggles() ? level_->model->dynamics->tets.tet_count() : 0; }
-  // The tets at a pose, or, where `jiggle` says how much is shown of it, where the jiggle that is shown has them. The
-  // level must have dynamics.
+  // Cuts the tets at a pose, or at the jiggle that is shown, where `jiggle` says how much of it is. The level must have
+  // dynamics.
   const CutTets& cut_tets(const Pose& pose, std::optional<float> jiggle, const Vec3& towards, double share);
 
   bool knows_coverage() const { return !basis().coverage.empty(); }

@@ -70,7 +70,7 @@ class Scene {
   // ends where the root is half its size away, as a dataset goes on with another take elsewhere.
   Vec3 whereabouts(int frame) const;
   Vec3 root_place(int frame) const;  // of the lead, metres, world; of the nearest frame that its clip has
-  // The skin of all at the frame and what they wear, or what is around the joint that is selected: V x 3, for framing.
+  // Returns the skin and attached meshes of all at the frame, or what is around the selected joint: V x 3, for framing.
   std::vector<float> points_to_frame(const Controls& controls);
   // Returns the pose of one of the cast.
   Pose pose_at(const Actor& character, int frame, const Controls& controls) const;
@@ -105,7 +105,7 @@ class Scene {
   Shown evaluate(Actor& character, SkinMethod method, std::span<const Pose> poses, const Controls& controls);
   std::vector<Pose> poses_of(const Actor& character, const Controls& controls) const;
   std::vector<std::vector<Pose>> poses_of_cast(const Controls& controls) const;
-  // The sphere of all that is seen, and that of the smallest of them.
+  // Gives the view the sphere of all that is seen, and the radius of the smallest character's.
   void surround(const std::vector<std::vector<Pose>>& all_poses, const Controls& controls, View& view) const;
   // `poses`: the frame's, those of the ghosts, those of the copies; `shown`, `skin`: of the frame.
   void add_character(std::size_t index, std::span<const Pose> poses, const Controls& controls,
@@ -125,7 +125,7 @@ class Scene {
   void add_marker(const Vec3& at, std::uint32_t colour, View& view);
   void add_markings(const Controls& controls, std::vector<View>& views);
   const Placement& placement(const Actor& character, const Controls& controls) const;
-  // The frame of its own clip that a character plays at a frame of the lead's.
+  // Returns the frame of its own clip that a character plays at a frame of the lead's.
   int played_frame(const Actor& character, int frame, const Controls& controls) const;
   std::array<float, 3> place(std::size_t index, const Controls& controls) const;
   std::array<float, 3> free_place(std::size_t index) const;

@@ -19,7 +19,7 @@ struct SampleTime {
   bool operator==(const SampleTime&) const = default;
 };
 
-// Nothing for frames before the first sample or after the last, and where frames of a dataset have none.
+// Returns nothing for frames before the first sample or after the last, and where frames of a dataset have none.
 std::optional<SampleTime> sample_time(const NamedShapes& truth, int frame);
 
 // point_count x 3; between two samples, what lies between them by a straight line. Throws as NamedShapes.

@@ -25,7 +25,7 @@ struct TurnRing {
 // hold an angle, there is no room between low and high.
 std::vector<TurnRing> turn_rings(const Scene& scene, const Controls& controls);
 
-// Along an axis of the world, metres.
+// An arrow along an axis of the world, metres.
 struct MoveArrow {
   std::size_t axis;  // x, y, z
   Vec3 from, to;

@@ -17,12 +17,12 @@ class Autosave {
   // This viewport's own file, locked from the first call on, in a folder that is there; empty: none. Throws
   // Error(file).
   std::filesystem::path file();
-  // The newest that a viewport left which has ended since; empty: none.
+  // Returns the newest file of a viewport that has ended since; empty: none.
   std::filesystem::path left_behind() const;
   // Makes that this viewport's own from now on. Throws Error(file).
   void take_over(const std::filesystem::path& left);
   void forget();  // this viewport's own
-  // This viewport's own, for another to find; false: there was none.
+  // Leaves this viewport's own file for another to find; false: there was none.
   bool leave();
 
  private:

@@ -12,7 +12,7 @@ struct PlayFrames {
   int first = 1, last = 1;
 };
 
-// Knows no clock: advance() is told how much time has passed, and gives the same frames for the same times.
+// Knows no clock: advance() is given the time that has passed, and gives the same frames for the same times.
 class Playback {
  public:
   static constexpr double kLongestGap = 1;  // seconds; the rest of a longer gap (a stall) is not played
@@ -28,7 +28,7 @@ class Playback {
   void pause() { playing_ = false; }
   void toggle();
   void step(int frames);  // pauses; beyond the range, too, as far as the clip has frames
-  // The others play on if they were playing.
+  // These two play on if they were playing.
   void go_to_previous_key();  // stays where there is none
   void go_to_next_key();
   void scrub(int frame);                // beyond the clip: its first or last

@@ -19,7 +19,7 @@ void PoseHistory::note(const ViewSettings& now, int frame) {
   at_ = steps_.size() - 1;
 }
 
-// Its keys are those of the last step: where they have changed, that is yet to be noted.
+// The keys are those of the last step: a change of them is yet to be noted.
 void PoseHistory::follow(const ViewSettings& now, int frame) {
   followed_ = {now.pose, steps_[at_].keys, steps_[at_].camera_keys, frame};
 }

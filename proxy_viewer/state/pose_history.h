@@ -19,10 +19,10 @@ class PoseHistory {
   // Takes a change since then as a step, at a frame, and forgets what was undone.
   void note(const ViewSettings& now, int frame = 0);
 
-  // The keys show another pose at another frame: that is no step, and what the last one set is kept.
+  // Follows the keys to the pose of another frame: that is no step, and what the last one set is kept.
   void follow(const ViewSettings& now, int frame);
 
-  // A step back or forth from what is now, and the frame that it is of. Nothing where there is none.
+  // Goes a step back or forth from what is now, and returns the frame that it is of; nothing where there is none.
   std::optional<int> undo(ViewSettings& now, int frame = 0);
   std::optional<int> redo(ViewSettings& now, int frame = 0);
 

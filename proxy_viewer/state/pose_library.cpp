@@ -26,7 +26,7 @@ std::string bytes_of(const fs::path& path) {
   return {std::istreambuf_iterator<char>(file), {}};
 }
 
-// Or of another schema: manifests, sessions, limits.
+// Files of another schema, as manifests, sessions and limits, are none.
 bool is_damaged_pose(const fs::path& path) {
   try {
     const Json json = parse_strict_json(bytes_of(path), path.string());
@@ -36,7 +36,7 @@ bool is_damaged_pose(const fs::path& path) {
   }
 }
 
-// None where there is none, or it is older than the pose.
+// Returns none where there is no picture, or it is older than the pose.
 Image kept_picture(const PoseFile& file) {
   const fs::path path = picture_of_pose(file.path);
   std::error_code absent;

@@ -12,7 +12,7 @@ struct Waveform {
   double rate = 200;                        // parts a second
   std::vector<std::array<float, 2>> parts;  // the least and the greatest of all channels, -1 to 1
 
-  // Between two times, seconds from its beginning; nothing is silence.
+  // Returns the range between two times, seconds from its beginning; nothing is silence.
   std::array<float, 2> swing(double from, double to) const;
 };
 

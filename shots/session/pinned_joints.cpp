@@ -367,7 +367,7 @@ Pose pinned(const Skeleton& skeleton, const std::vector<std::optional<JointRange
     if (const auto facing = pins.facing.find(joint); facing != pins.facing.end()) limb.face(facing->second);
     limb.reach_for(target);
   }
-  // Once feet are where they are pinned themselves.
+  // Toes follow once feet are where they are pinned themselves.
   for (const std::size_t toe : toes) {
     const std::string& name = skeleton.joints[toe].name;
     const auto foot = static_cast<std::size_t>(skeleton.joints[toe].parent);

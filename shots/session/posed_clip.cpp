@@ -40,7 +40,7 @@ std::map<std::string, Value> blend_of(const std::map<std::string, Value>& a, con
   return blended;
 }
 
-// Names keep the other's turn, where one side has none.
+// A name that one side lacks keeps the other's turn.
 std::map<std::string, Vec3> blend_facing(const std::map<std::string, Vec3>& a, const std::map<std::string, Vec3>& b,
                                          const ShareOf& share_of) {
   std::map<std::string, Vec3> blended = a;
@@ -73,7 +73,7 @@ Quat turn_about_rest_axis(const Skeleton& skeleton, const JointTurn& turn, doubl
   return axis_angle(axis, turn.share * degrees * std::numbers::pi / 180);
 }
 
-// Along the world's axes, whatever is above it.
+// Moves a joint along the world's axes, whatever is above it.
 void move_joint(const Skeleton& skeleton, std::size_t joint, const Vec3& by, Pose& pose) {
   const int parent = skeleton.joints[joint].parent;
   Vec3& at = pose.joints[joint].translation;
@@ -144,7 +144,7 @@ std::vector<std::string> posed_controls(const Clip& clip, const ViewSettings::Po
   return names;
 }
 
-// A value of the pose for each of the names: that of the posing, where it has one.
+// Sets the pose's value for each of the names: that of the posing, where it has one.
 void set_posed_controls(const std::vector<std::string>& names, const ViewSettings::PoseKey& posing, Pose& pose) {
   pose.controls.resize(names.size(), 0.0f);
   for (const auto& [name, value] : posing.controls) {
@@ -163,7 +163,7 @@ std::map<int, ViewSettings::PoseKey> control_keys(const ViewSettings::Posing& po
   return keys;
 }
 
-// The pose before limbs reach, and for what they do.
+// Returns the pose before limbs reach, and the pins for which they do.
 std::pair<Pose, Pins> before_reaching(const Skeleton& skeleton, const JointLimits& limits,
                                       const std::vector<std::optional<JointRange>>& ranges, const Pose& clip,
                                       const ViewSettings::PoseKey& posing) {

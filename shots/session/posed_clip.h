@@ -23,7 +23,7 @@ ViewSettings::PoseKey blended(const ViewSettings::PoseKey& a, const ViewSettings
 // The pose at a share of the time from a key to the next, by the eases of the first: see between_keys().
 ViewSettings::PoseKey eased_between(const ViewSettings::PoseKey& a, const ViewSettings::PoseKey& b, double x);
 
-// The posing as it is at a frame: by its keys, or, without any, as it is.
+// Returns the posing at a frame: by its keys, or, without any, as it is.
 ViewSettings::Posing keyed_posing(ViewSettings::Posing posing, int frame);
 
 // Makes a clip where there is none to pose: the bind pose for ten seconds.
@@ -68,7 +68,7 @@ Pose posed_frame(const Clip& clip, std::size_t at, const Basis& basis, const Joi
                  const std::vector<std::optional<JointRange>>& ranges, const ViewSettings::Posing& posing,
                  ModifierTrack& track);
 
-// The whole clip so, frame by frame as its keys say. Its controls are those that it has, or the posing sets at any
+// Poses the whole clip, frame by frame as its keys say. Its controls are those that it has, or the posing sets at any
 // frame.
 Clip posed_clip(Clip clip, const Skeleton& skeleton, const JointLimits& limits, const ViewSettings::Posing& posing);
 

@@ -33,7 +33,7 @@ struct ActorFiles {
   // `character`, what a character as it is was read from, or what has a trained basis' name beside it; empty: it is not
   // known.
   std::string own_file() const;
-  // All of them, those beside the basis whether they are there or not: to be watched.
+  // Returns all files to be watched, those beside the basis whether they are there or not.
   std::vector<std::filesystem::path> paths() const;
 };
 

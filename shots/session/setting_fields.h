@@ -1,4 +1,4 @@
-// The fields of the settings, each once: what names those of a structure (const or not) to a FieldReader or a
+// The fields of the settings, each once: functions name those of a structure (const or not) to a FieldReader or a
 // FieldWriter.
 #pragma once
 

@@ -247,7 +247,7 @@ struct SoundFile {
   bool operator==(const SoundFile&) const = default;
 };
 
-// How one of the cast stands and plays while it is not the lead, and what of it a session keeps.
+// The place and timing of one of the cast that is not the lead; a session keeps them.
 struct Placement {
   std::optional<Vec3> at;  // where its root begins, its ground for the height, metres, world; none: where there is room
   std::optional<int> ahead;  // frames ahead of the lead, round and round in its own clip; none: frame by frame
