@@ -18,7 +18,7 @@ class Matching {
   Matching(std::shared_ptr<const vulkan::Device> device, Scene& scene, Controls& controls)
       : device_(std::move(device)), scene_(scene), controls_(controls) {}
 
-  // Where the settings ask for it, matches the two as `transfer` does, with the markers that are set. That takes
+  // Matches the two as `transfer` does, with the markers that are set, where the settings ask for it. That takes
   // seconds, is done again only for other markers, and gives the scene the colours. Then measures what their skins
   // enclose at the frame, unless it plays, and what of the second's clip is worth simulating. Each is done again only
   // where it changed. Throws as match_skeletons() and match_skins(), and then turns the match off.

@@ -24,10 +24,10 @@ class Sectioning {
   Sectioning(std::shared_ptr<const vulkan::Device> device, Scene& scene, Controls& controls);
   ~Sectioning();  // waits for what is being worked out
 
-  // Where the settings ask for it, finds what lies inside the lead, which takes seconds, once for each character. Then
-  // gives the scene the cut skin and its section, again only where pose or plane are others. Headless it waits.
-  // `coarse`: in fewer pixels, while something moves. Throws Error(usage) where the lead's weights are not at hand, and
-  // as AnatomyField and read_muscles(), and then turns the section off.
+  // Finds what lies inside the lead, where the settings ask for it: that takes seconds, once for each character. Then
+  // gives the scene the cut skin and its section, again only where pose, correction, plane or `coarse` are others.
+  // Headless it waits. `coarse`: in fewer pixels, while something moves. Throws Error(usage) where the lead's weights
+  // are not at hand, and as AnatomyField and read_muscles(), and then turns the section off.
   void look(bool coarse);
   // Whether what lies inside became known since the last look.
   bool has_news() const;

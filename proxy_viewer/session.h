@@ -75,9 +75,9 @@ class Session {
   void step_stack(bool back);
   // Puts what was brushed, if anything, into the stack; it stays in hand where this throws.
   void keep_strokes();
-  // Exports the range as it is posed and keyed, before modifiers: .glb, .bvh or .usda; controls go to
-  // FILE.controls.json. The skin, with attached meshes: .pc2, .mdd, .usda or .glb. Throw Error(file), and Error(usage)
-  // for a file that is open.
+  // The first exports the range as it is posed and keyed, before modifiers: .glb, .bvh or .usda; controls go to
+  // FILE.controls.json. The second exports its skin, with attached meshes: .pc2, .mdd, .usda or .glb. Throw
+  // Error(file), and Error(usage) for a file that is open.
   void export_clip(const std::string& file);
   void export_skin(const std::string& file);
 
