@@ -12,8 +12,8 @@
 namespace bodyopt {
 
 // Characters bring no ribs and no pelvis, and bones found along joints are thin where a trunk is wide. So tissue deeper
-// under the skin than `flesh` is held as bone is, fully from a quarter deeper on. -> N x N, N/m. flesh: N, metres;
-// stiffness: N/m per cubic metre.
+// under the skin than `flesh` (N, metres) is held as bone is, fully from a quarter deeper on. `stiffness`: N/m per
+// cubic metre. -> N x N, N/m.
 SparseMatrix core_springs(const Positions& vertices, const Triangles& triangles, const Cage& cage,
                           const Eigen::VectorXd& flesh, double stiffness);
 
