@@ -21,9 +21,8 @@ struct DissectedFront {
   int level = 0;  // above those of its children; leaves are 0
 };
 
-// Nested dissection (George 1973) by geometry: planes halve the nodes down to 32 or fewer. Of several directions it
-// takes that with the smallest vertex cover of its cut. Children come before parents. A function of its arguments
-// alone.
+// George 1973, by geometry: planes halve the nodes down to 32 or fewer. Of several directions it takes that with the
+// smallest vertex cover of its cut. Children come before parents. A function of its arguments alone.
 std::vector<DissectedFront> dissect(const Graph& graph, const Positions& points);
 
 // The unknowns of a system: `components` of each of some nodes. Unknown components * i + c of the matrix belongs to
