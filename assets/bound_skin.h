@@ -19,8 +19,8 @@ struct BoundSkin {
 };
 
 // Returns offsets from the rest shape, O x 3, rest space, metres. Linear blend skinning in the frame's pose takes the
-// rest shape with them to `shape`, O x 3, world. Where blended joints flatten a vertex (a turn by 180 degrees), the
-// offset is short and comes near: Tikhonov's least squares, iterated once (King and Chillingworth 1979).
+// rest shape with them to `shape`, O x 3, world. Where blended joints flatten a vertex (a turn by 180 degrees), a short
+// offset comes near. It is by Tikhonov's least squares, iterated once (King and Chillingworth 1979).
 std::vector<float> blend_shape(const BoundSkin& skin, int frame, std::span<const float> shape);
 
 // Adds the vertices of a glTF mesh: POSITION and NORMAL at rest, JOINTS_n, WEIGHTS_n. `places`: the output vertex of

@@ -15,7 +15,7 @@ namespace bodyopt {
 
 struct BoundSkin;
 
-// What is the same in all frames of a cache.
+// The properties that all frames of a cache have in common.
 struct CacheLayout {
   std::string name;                        // of the prim in a .usda, the mesh in a .glb; any text
   std::uint32_t points = 0;                // 1 or more
@@ -33,19 +33,19 @@ struct CacheLayout {
 class CacheWriter {
  public:
   virtual ~CacheWriter() = default;
-  // The next frame. positions: points x 3, metres, world. normals: points x 3, or empty where the cache has none (then
-  // in every frame); only USD text holds them.
+  // Appends the next frame. `positions`: points x 3, metres, world. `normals`: points x 3, or empty where the cache has
+  // none (then in every frame); only USD text holds them.
   virtual void append(std::span<const float> positions, std::span<const float> normals) = 0;
   // Renames into place. Throws Error(file) where frames are missing.
   virtual void close() = 0;
 
   // Puts the frames so far aside as files whose names begin with `stem`, instead of close(), and returns these.
   virtual std::vector<std::filesystem::path> put_aside(const std::filesystem::path& stem) = 0;
-  // On a new writer of the same layout: the first `frames` frames are those that put_aside() left.
+  // Begins a new writer of the same layout with the `frames` frames that put_aside() left.
   virtual void take_up(const std::filesystem::path& stem, std::size_t frames) = 0;
 };
 
-// Of a writer that has `done` frames: that the next fits, and that none are missing. Throw Error(mismatch), and
+// Check of a writer with `done` frames that the next fits, and that none are missing. Throw Error(mismatch), and
 // Error(file) for numbers that are not finite, and where frames are missing.
 void require_sample(const std::filesystem::path& path, const CacheLayout& layout, std::size_t done,
                     std::span<const float> values);

@@ -16,8 +16,8 @@ std::string text_in(const FbxObject& object, const char* name) {
   return found == nullptr ? "" : found->text(0);
 }
 
-// The name of a file that was written elsewhere, where it lies here: as written, beside the FBX file, or in a folder of
-// its images.
+// Returns where a file lies here whose name was written elsewhere. It is looked up as written, beside the FBX file, and
+// in folders of its images.
 std::string image_uri(const FbxObject& texture, const fs::path& path) {
   std::string written = text_in(texture, "RelativeFilename");
   if (written.empty()) written = text_in(texture, "FileName");

@@ -9,7 +9,7 @@
 namespace bodyopt {
 namespace {
 
-// Of one without a name, or whose name is taken, that and a number.
+// Returns `own`, or "camera" where it has no name, and a number if that is taken.
 std::string free_name(const std::vector<ClipCamera>& cameras, const std::string& own) {
   const std::string wanted = own.empty() ? "camera" : own;
   std::string name = wanted;

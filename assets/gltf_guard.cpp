@@ -137,7 +137,7 @@ void check_extensions(const std::filesystem::path& path, const Json& root) {
   }
 }
 
-// What tinygltf would take as 0 where it is no number that may stand there.
+// Refuses values that tinygltf would take as 0, as they are no numbers that may stand there.
 void check_counts(const std::filesystem::path& path, const Json& root) {
   for (const char* list : {"bufferViews", "accessors"}) {
     if (!root.contains(list) || !root[list].is_array()) continue;  // tinygltf refuses what is no list

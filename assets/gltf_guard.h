@@ -1,4 +1,4 @@
-// What is checked and taken out of a glTF file before tinygltf sees it.
+// Checks a glTF file, and takes parts out of it, before tinygltf sees it.
 #pragma once
 
 #include <filesystem>
@@ -17,10 +17,10 @@ struct GuardedGltf {
   std::vector<std::vector<unsigned char>> buffers;  // as long as the file says they are
 };
 
-// Of a file's bytes; messages call it `path`, beside which its buffers may lie. Throws Error(file).
+// Guards a file's bytes; messages call it `path`, beside which its buffers may lie. Throws Error(file).
 GuardedGltf guard_gltf(const std::filesystem::path& path, std::string_view bytes);
-// The file that the URI of a buffer or an image, `what` in messages, names: only one that lies, links followed, in the
-// folder of the glTF file at `path`. Throws Error(file).
+// Returns the file that the URI of a buffer or an image names; messages call it `what`. With links followed, it must
+// lie in the folder of the glTF file at `path`. Throws Error(file).
 std::filesystem::path gltf_file_beside(const std::filesystem::path& path, const char* what, const std::string& uri);
 // Throws Error(file).
 std::string read_gltf_bytes(const std::filesystem::path& path);

@@ -9,8 +9,8 @@ namespace bodyopt {
 // Unit length, and each key the nearer of q and -q to the one before: viewers that interpolate components need it.
 Clip with_continuous_rotations(Clip clip);
 
-// A channel for what of each joint leaves its default pose, and one at least; its keys are the clip's frames, the first
-// at 0 seconds. Joint j is node j.
+// Has a channel for each property of a joint that leaves its default pose, and one at least. The keys are the clip's
+// frames, the first at 0 seconds. Joint j is node j.
 Json motion_animation(const Clip& clip, const Skeleton& skeleton, GlbWriter& glb);
 
 }  // namespace bodyopt

@@ -1,5 +1,5 @@
-// Shapes of a clip as glTF: one mesh with what it shows, a morph target for each frame after the first, and an
-// animation that goes from one to the next. A bound skin has its joints, their motion, and a target for every frame.
+// Shapes of a clip as glTF: one mesh with its surface, a morph target for each frame after the first. An animation
+// goes from one to the next. A bound skin has its joints, their motion, and a target for every frame.
 // Metres, Y up.
 #pragma once
 
@@ -16,8 +16,8 @@ namespace bodyopt {
 // the first: seams.
 class GltfShapesWriter final : public CacheWriter {
  public:
-  // Throws Error(usage) where a .glb, which holds 4 GiB at most, has no room for so many frames, and where another
-  // .glb than shapes of a clip has that name.
+  // Throws Error(usage) where a .glb, which holds 4 GiB at most, has no room for so many frames. It does so, too, where
+  // a .glb that does not hold shapes of a clip has that name.
   GltfShapesWriter(const std::filesystem::path& path, CacheLayout layout);
 
   void append(std::span<const float> positions, std::span<const float> normals) override;

@@ -62,7 +62,7 @@ SkinSurface surface_of_look(MaterialReader& reader, SkinLook look, std::span<con
   return surface;
 }
 
-// As the textures of a glTF file that has those already; each image once.
+// Adds textures to a glTF file, each image once, and returns their indices.
 std::vector<std::size_t> add_textures(const std::vector<SurfaceTexture>& textures, GlbWriter& glb) {
   std::map<const std::string*, std::size_t> images;
   std::vector<std::size_t> added;
@@ -89,7 +89,7 @@ std::vector<std::size_t> add_textures(const std::vector<SurfaceTexture>& texture
   return added;
 }
 
-// Of the triangles of one material.
+// Returns the corners of the triangles of one material.
 std::vector<std::uint32_t> corners_of(std::span<const std::uint32_t> corners, const SkinSurface& surface,
                                       std::size_t material) {
   std::vector<std::uint32_t> own;

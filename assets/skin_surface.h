@@ -1,4 +1,4 @@
-// What the skin of a character shows beside its shape.
+// The surface of a character's skin, beside its shape: materials, textures and colours.
 #pragma once
 
 #include <array>
@@ -33,13 +33,13 @@ struct SkinSurface {
   bool empty() const { return texture.empty() && materials.empty() && colours.empty(); }
 };
 
-// Of a character's own file, whose skin has these `points` and triangles, T x 3 corners; empty where that has none.
-// Throws Error(file), and Error(mismatch) where the file's skin is another.
+// Reads it from a character's own file, whose skin has these `points` and triangles, T x 3 corners. Empty where that
+// has none. Throws Error(file), and Error(mismatch) where the file's skin is another.
 SkinSurface read_skin_surface(const std::filesystem::path& character, std::size_t points,
                               std::span<const std::uint32_t> corners);
-// Of a mesh in output order.
+// Reads that of a mesh in output order.
 SkinSurface read_skin_surface(const std::filesystem::path& character, const MeshTable& mesh);
-// Of a further mesh of the file, with its triangles, which may be turned around. Throws Error(file).
+// Reads that of a further mesh of the file, with its triangles, which may be turned around. Throws Error(file).
 SkinSurface read_node_surface(MaterialReader& reader, std::size_t node, std::span<const std::uint32_t> corners);
 
 // Vertices as glTF has them, each at one place in an image, of so many points: the same where the corners' rows are
@@ -52,7 +52,7 @@ SplitSurface split_corners(SkinSurface surface, std::span<const std::uint32_t> c
 // The three values of each place.
 std::vector<float> spread(std::span<const float> values, std::span<const std::uint32_t> places);
 
-// Where the images of the base colours are looked up: `texture`, as the materials transform it.
+// Returns where the images of the base colours are looked up: `texture`, as the materials transform it.
 std::vector<double> image_coordinates(const SkinSurface& surface, std::span<const std::uint32_t> corners);
 
 // The primitives of a glTF mesh, one for each material that a triangle has. `drawn`: what they share, the attributes

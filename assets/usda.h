@@ -17,7 +17,7 @@ std::string usda_head(const std::string& prim, int first_frame, int last_frame, 
 void write_text(AtomicFile& file, const std::string& text);
 // The shortest that reads back to the same number.
 std::string usda_number(double value);
-// What a mesh has beside its points: triangles, texture coordinates, colours and materials. `prim`: its path.
+// The parts of a mesh beside its points: triangles, texture coordinates, colours and materials. `prim`: its path.
 std::string usda_mesh(const CacheLayout& layout, const std::string& prim);
 // "[(x, y, z), ...]" of finite numbers, printed by all threads.
 std::string usda_points(std::span<const float> values);
@@ -44,8 +44,8 @@ class UsdaWriter final : public CacheWriter {
   bool has_normals_ = false;
 };
 
-// The lines after which the samples of a .usda of ours stand, one a line, up to a line kUsdaSamplesEnd; and how the
-// line begins that names the last frame.
+// In a .usda of ours samples follow either of these lines, one a line, up to a line kUsdaSamplesEnd. The line that
+// names the last frame begins with kUsdaLastFrame.
 inline constexpr char kUsdaPointSamples[] = "    point3f[] points.timeSamples = {";
 inline constexpr char kUsdaNormalSamples[] = "    normal3f[] normals.timeSamples = {";
 inline constexpr char kUsdaSamplesEnd[] = "    }";

@@ -1,5 +1,5 @@
-// A skin bound to its joints as USD text: below a SkelRoot a Skeleton, its SkelAnimation and a Mesh with a BlendShape
-// for every frame (UsdSkel). Metres, Y up.
+// A skin bound to its joints as USD text (UsdSkel). A SkelRoot has a Skeleton, its SkelAnimation and a Mesh with a
+// BlendShape for every frame. Metres, Y up.
 #pragma once
 
 #include <filesystem>

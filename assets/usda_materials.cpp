@@ -23,7 +23,7 @@ std::string image_file(const SurfaceTexture& texture, const std::string& mesh) {
          texture.type.substr(texture.type.find('/') + 1);
 }
 
-// That of the base colour, in materials that triangles have; null: none.
+// Returns the image of the base colour, in materials that triangles have; null: none.
 const SurfaceTexture* base_image(const SkinSurface& surface, const SurfaceMaterial& material) {
   const Json* texture = surface.texture.empty() ? nullptr : material.texture();
   return texture == nullptr ? nullptr : &surface.textures[texture->at("index").get<std::size_t>()];

@@ -9,15 +9,15 @@
 
 namespace bodyopt {
 
-// What of any text may be the name of a prim.
+// Turns any text into a valid name of a prim.
 std::string prim_name(const std::string& name);
 
-// In the prim of the mesh of that name, whose path is `prim`; nothing where the surface has no materials.
+// Returns text for the prim of the mesh of that name, whose path is `prim`; empty if the surface has no materials.
 std::string usd_materials(const SkinSurface& surface, const std::string& mesh, const std::string& prim);
 
-// The images that the text names, into the folder. Throws Error(file).
+// Writes the images that the text names into the folder. Throws Error(file).
 void write_usd_images(const SkinSurface& surface, const std::string& mesh, const std::filesystem::path& folder);
-// Those that the text of a file in one folder names, into another. Throws Error(file).
+// Copies images that the text of a file in one folder names into another. Throws Error(file).
 void copy_usd_images(const std::string& text, const std::filesystem::path& from, const std::filesystem::path& to);
 
 }  // namespace bodyopt

@@ -15,7 +15,7 @@
 namespace bodyopt {
 namespace {
 
-// Of single precision, the shortest that reads back.
+// Returns the shortest text that reads back to the same number of single precision.
 std::string text_of(double value) {
   char digits[32];
   return {digits, std::to_chars(digits, digits + sizeof(digits), static_cast<float>(value)).ptr};
@@ -56,7 +56,7 @@ std::vector<std::string> joint_paths(const Skeleton& skeleton) {
   return paths;
 }
 
-// Of one property of all joints a line for each frame.
+// Writes one property of all joints, a line for each frame.
 template <class Element>
 void write_samples(const Clip& clip, const char* declared, const Element& element, std::ostringstream& text) {
   text << "        " << declared << ".timeSamples = {\n";

@@ -33,7 +33,7 @@ struct Body {
     return in_order(character, morton_order(character.vertices));
   }
 
-  // As build_dynamics, and what the block inverse of jiggle is the inverse of.
+  // Makes tables as build_dynamics does, and the matrix whose inverse the block inverse of jiggle is.
   void make_tables(const DynamicsTets& tets) {
     const TetMesh& mesh = tets.cage.mesh;
     const JiggleSettings settings;
@@ -70,7 +70,7 @@ double megabytes(const BlockInverse& inverse) {
                  bytes(inverse.child_slots));
 }
 
-// What a solve reads of the matrices: W twice.
+// A solve reads these of the matrices: W twice.
 double megabytes_read(const BlockInverse& inverse) {
   std::uint64_t values = inverse.values.size();
   for (const InverseStrip& strip : inverse.down) values += std::uint64_t{strip.row_count} * strip.input_count;
@@ -86,7 +86,7 @@ std::span<const float> span_of(const Eigen::VectorXf& values) {
   return {values.data(), static_cast<std::size_t>(values.size())};
 }
 
-// As many of oneTBB's threads.
+// Limits oneTBB to `count` threads.
 class Threads {
  public:
   explicit Threads(std::int64_t count)
@@ -141,7 +141,7 @@ void direct_solve(benchmark::State& state) {
 void BM_SimplicialLdlt(benchmark::State& state) { direct_solve<Eigen::SimplicialLDLT<SparseMatrix>>(state); }
 void BM_Cholmod(benchmark::State& state) { direct_solve<Eigen::CholmodSupernodalLLT<SparseMatrix>>(state); }
 
-// What a frame's buffers hold.
+// The buffers of a frame.
 struct Frame {
   explicit Frame(const Body& b)
       : positions(b.basis.mesh.rest),

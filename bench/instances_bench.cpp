@@ -1,6 +1,6 @@
-// Many instances of one character on a Vulkan device, a frame of each: one after the other, in one call, and, where
-// nothing but the pose differs, as frames of one. Time on the clock, and of the processors. BODYOPT_BENCH_BASIS is the
-// trained character; BODYOPT_BENCH_DEVICE names another device than the best one.
+// Times a frame of each of many instances of one character on a Vulkan device. They run one after the other, in one
+// call, and, where only poses differ, as frames of one instance. Time is on the clock, and of the processors.
+// BODYOPT_BENCH_BASIS is the trained character; BODYOPT_BENCH_DEVICE names another device than the best one.
 #include <benchmark/benchmark.h>
 
 #include <cmath>
@@ -31,7 +31,7 @@ struct Cast {
     }
   }
 
-  // Of `count` instances from number `first` on.
+  // Returns the poses of `count` instances from number `first` on.
   bodyopt_poses poses_of(std::uint32_t first, std::uint32_t count) const {
     auto poses = api::make<bodyopt_poses>();
     poses.frame_count = count;

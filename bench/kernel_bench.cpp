@@ -1,5 +1,5 @@
-// How long each kernel takes on a device, by its timestamps, on the tables of its tests made large: one dispatch, or
-// all windows of one. lavapipe, unless BODYOPT_TEST_DEVICE names another device.
+// Times each kernel by the device's timestamps, on the tables of its tests made large: one dispatch, or all windows of
+// one. The device is lavapipe, unless BODYOPT_TEST_DEVICE names another.
 #include <benchmark/benchmark.h>
 
 #include "tests/support/kernel_cases.h"

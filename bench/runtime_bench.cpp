@@ -142,8 +142,8 @@ void product(benchmark::State& state, const std::string& name, std::int64_t inst
   state.SetBytesProcessed(static_cast<std::int64_t>(state.iterations() * bytes));
 }
 
-// As many vertices with the quickest instructions, over and over the same few blocks, which the second cache holds:
-// what is left of the time where no memory is waited for.
+// Computes as many vertices with the quickest instructions, over and over the same few blocks, which the second cache
+// holds. This is the time without waits for memory.
 void product_in_cache(benchmark::State& state, const std::string& name) {
   constexpr std::size_t kNumbers = std::size_t{3} * kBlockSize * 64;
   const Body& of = body(name);
@@ -168,8 +168,8 @@ Eigen::Vector3d place(const Eigen::Matrix4d& sum, const Eigen::Vector3d& u) {
   return r * u + q - r * p;
 }
 
-// As libigl's direct_delta_mush() is described: a table of every vertex and every joint, in double precision, a
-// singular value decomposition per vertex.
+// Follows the description of libigl's direct_delta_mush(): a table of every vertex and every joint, in double
+// precision, a singular value decomposition per vertex.
 void dense_double(benchmark::State& state, const std::string& name) {
   const Body& of = body(name);
   const Eigen::Index vertices = of.basis.mesh.vertex_count(), joints = static_cast<Eigen::Index>(of.matrices.size());
@@ -199,7 +199,7 @@ void dense_double(benchmark::State& state, const std::string& name) {
   report(state, of);
 }
 
-// The same over the moments that are not zero.
+// Computes dense_double() over the moments that are not zero alone.
 void sparse_double(benchmark::State& state, const std::string& name) {
   const Body& of = body(name);
   Positions posed(of.basis.mesh.vertex_count(), 3);
@@ -214,7 +214,7 @@ void sparse_double(benchmark::State& state, const std::string& name) {
   report(state, of);
 }
 
-// What every engine has, with the weights of the moments.
+// Linear blend skinning, which every engine has, with the weights of the moments.
 void linear_blending(benchmark::State& state, const std::string& name) {
   const Body& of = body(name);
   const std::size_t vertices = of.moments_end.size();

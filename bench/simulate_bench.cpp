@@ -52,7 +52,7 @@ void BM_Path(benchmark::State& state) {
   }
 }
 
-// Of second order in a cage of so many nodes.
+// Makes a body of second order in a cage of so many nodes.
 QuasiStaticBody refined_body(Eigen::Index nodes) {
   const Character& character = arm().arm.character;
   const Cage cage = filled_cage(character.vertices, character.triangles, character.weights, nodes);

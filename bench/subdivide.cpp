@@ -78,7 +78,7 @@ class EdgeHalver {
     if (is_new) by_length_.push({(vertices_[a] - vertices_[b]).norm(), edge});
   }
 
-  // From the middle of a and b to the corner opposite: the triangle keeps a, a new one gets b.
+  // Cuts from the middle of a and b to the corner opposite: the triangle keeps a, a new one gets b.
   void cut(std::uint32_t triangle, std::uint32_t a, std::uint32_t b, std::uint32_t middle) {
     const auto added = static_cast<std::uint32_t>(triangles_.size());
     Triangle other = triangles_[triangle];

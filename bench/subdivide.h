@@ -10,7 +10,7 @@
 
 namespace bodyopt::bench {
 
-// A finer skin. The first vertices are the coarse ones (welded); vertex #coarse + k is the middle of the two vertices
+// A finer skin. The first vertices are the coarse ones (welded). Vertex #coarse + k is the middle of the two vertices
 // parents[k], which come before it, and has the mean of their weights. Output vertices are the welded ones.
 struct Subdivision {
   Character character;

@@ -24,7 +24,7 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t kVertices = 30000;
 
-// What a task took: seconds, and processor seconds of all cores, which other work beside changes less.
+// The cost of a task: seconds, and processor seconds of all cores, which other work beside changes less.
 struct Cost {
   double seconds = 0, core_seconds = 0;
 };

@@ -43,7 +43,7 @@ std::string with_first_frame(const std::string& pattern, int frame) {
   return pattern.substr(0, begin) + format("{:0{}}", frame, end - begin) + pattern.substr(end);
 }
 
-// A run of a shot: its caches, what is told of its frames, and the states of the jiggle.
+// A run of a shot: its caches, what it reports of its frames, and the states of the jiggle.
 class ShotRun : public SkinSink {
  public:
   // `task`: null, where what an early end leaves is not kept.
@@ -92,7 +92,7 @@ class ShotRun : public SkinSink {
   }
 
  private:
-  // From the first frame to the last, as large as the skin.
+  // Writes the motion from the first frame to the last, in the unit of the skin's cache.
   void write_rig() const {
     if (arguments_.rig.empty() || shot_.frames.empty()) return;
     write_motion(shot_.played_clip(), shot_.basis().skeleton, arguments_.cache.space.unit, arguments_.rig);
@@ -165,13 +165,13 @@ Json attached_of(const Shot& shot, const ShotCaches& caches) {
   return list;
 }
 
-// Where the character's own file has nothing that a cache could show.
+// Reports that the character's own file has nothing that a cache could show.
 std::string surface_text(const EvalArguments& arguments, const Shot& shot) {
   if (arguments.shot.character.empty() || !holds_triangles(arguments.cache.out) || !shot.surface.empty()) return "";
   return "of " + arguments.shot.character + " no texture coordinates or materials are read, and none are written\n";
 }
 
-// Where a cache in metres does not lie on the mesh that it is of.
+// Reports that a cache in metres does not lie on the mesh that it is of.
 std::string unit_text(const CacheChoice& cache, const Basis& basis) {
   const double unit = kept_unit(basis);
   if (holds_triangles(cache.out) || cache.space.unit != 1 || unit == 0 || unit == 1) return "";
@@ -179,7 +179,7 @@ std::string unit_text(const CacheChoice& cache, const Basis& basis) {
                 Json(unit).dump());
 }
 
-// Also of files that are not there yet.
+// Compares files that are not there yet, too.
 bool is_same_file(const fs::path& a, const fs::path& b) {
   std::error_code ignored;
   return fs::equivalent(a, b, ignored) ||
@@ -251,7 +251,7 @@ void evaluate(const EvalArguments& arguments, Shot& shot, const TaskRun* task) {
   arguments.json.emit(result, text);
 }
 
-// What is asked for by name, other than the report.
+// Returns the outputs that are named by the arguments, other than the report.
 std::vector<fs::path> named_outputs(const EvalArguments& arguments) {
   std::vector<fs::path> outputs{arguments.cache.out};
   if (!arguments.rig.empty()) outputs.emplace_back(arguments.rig);
@@ -286,7 +286,7 @@ bool is_done(const EvalArguments& arguments, const TaskRun& task) {
   return task.done(named_outputs(arguments)).has_value();
 }
 
-// What CLI11 put into the arguments that several verbs have, as the shot has it.
+// Copies arguments that several verbs have, as CLI11 filled them, to the shot.
 void gather_shot(EvalArguments& arguments) {
   ShotFiles& shot = arguments.shot;
   shot.clip = arguments.clip;

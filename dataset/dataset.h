@@ -88,7 +88,7 @@ struct FrameStatus {
   int iterations = 0;
   double seconds = 0;
   int inverted_tets = 0;
-  // Metres that skin has passed through skin, at the deepest; not a number where that is not measured (in cages).
+  // Metres that skin has passed through skin, at the deepest. It is not a number for shapes that were not simulated.
   double contact_depth = std::numeric_limits<double>::quiet_NaN();
   double volume_change = 0;  // relative, of the muscle that changes most
   std::uint64_t inputs = 0;  // hash of everything the shape depends on; 0: not known

@@ -1,8 +1,7 @@
-// How long frames of a basis take, with what every version of the runtime has had: a Deformer, and the seconds of its
-// stages. bench/against/compare.py compiles this beside two of them.
-//   frame_bench DEVICE BASIS [DYNAMICS]
-// A line for each figure: what was run, the stage ("clock" and "processors": all of the frame, on the clock and of all
-// threads), and ms a frame, of the quickest run.
+// Times frames of a basis by what every version of the runtime has had: a Deformer, and the seconds of its stages.
+// The script bench/against/compare.py compiles this beside two versions. `frame_bench DEVICE BASIS [DYNAMICS]` prints a
+// line for each figure. It has what was run, the stage, and ms a frame, of the quickest run. The stages "clock" and
+// "processors" are all of the frame, on the clock and of all threads.
 #include <algorithm>
 #include <chrono>
 #include <cstdio>

@@ -14,8 +14,8 @@ namespace bodyopt::cpu {
 // Output stage: how the skin moved around each corner of points. positions V x 3 -> stretches C x 9, row-major.
 void output_stretch(const AttachTables& tables, std::span<const float> positions, std::span<float> stretches);
 
-// Output stage: how each anchor turns, and where it is. positions V x 3, world; skinning J x 12, relative to the
-// origin, which has three numbers. -> frames K x 12: R, row-major, and then c.
+// Output stage: how each anchor turns, and where it is. `positions`: V x 3, world; `skinning`: J x 12, relative to
+// `origin` (three numbers). -> frames K x 12: R, row-major, and then c.
 void output_anchor(const AttachTables& tables, std::span<const float> stretches, std::span<const float> positions,
                    std::span<const float> skinning, const float* origin, std::span<float> frames);
 

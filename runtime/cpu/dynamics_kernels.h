@@ -82,10 +82,10 @@ struct JiggleMotionOut {
 void jiggle_kick(const JiggleKickPush& kick, std::span<const float> nodes, const JiggleMotion& before,
                  const JiggleMotionOut& after, Executor& threads = calling_thread());
 
-// Jiggle stage, begin of a step: turns u and v into the nodes' frames (R^T), where active muscles hold theirs. It gives
-// the right side of the first solve. With w2 = stiffening x activation:
-//   v := (v - h w2 u) / (1 + h^2 w2)          one implicit Euler kick of the muscle's springs
-//   right side = velocity_weight m (v + d R^T g) + displacement_weight inertia u.
+// Jiggle stage, begin of a step: turns u and v into the nodes' frames (R^T), where active muscles hold theirs. Implicit
+// Euler kicks v by the muscle's springs, w2 = stiffening x activation:
+//   v := (v - h w2 u) / (1 + h^2 w2).
+// The right side of the first solve is velocity_weight m (v + d R^T g) + displacement_weight inertia u.
 // The activation is clamp(-mean strain of the muscle's fibres / kFullActivationStrain, 0, 1). Of what is left the
 // control's value (clamped to 0..1) is added. Takes strains S, controls C and rotations N x 9 of this frame.
 void jiggle_begin(const JiggleTable& jiggle, const JiggleStepPush& step, std::span<const float> rotations,
@@ -94,8 +94,8 @@ void jiggle_begin(const JiggleTable& jiggle, const JiggleStepPush& step, std::sp
                   std::span<float> right_side, Executor& threads = calling_thread());
 
 // Jiggle stage, between the two solves of TR-BDF2. z: the first solution (3N). In the nodes' frames:
-//   u' = u_from_u u + u_from_z z,   v' = v_from_u u + v_from_z z + v_from_v v
-//   right side = velocity_weight m (v' + d R^T g) + displacement_weight inertia u'
+//   u' = u_from_u u + u_from_z z,   v' = v_from_u u + v_from_z z + v_from_v v.
+// The right side is velocity_weight m (v' + d R^T g) + displacement_weight inertia u'.
 void jiggle_advance(const JiggleTable& jiggle, const JiggleStepPush& step, std::span<const float> rotations,
                     std::span<const float> solution, std::span<const float> local_displacement,
                     std::span<const float> local_velocity, std::span<float> next_displacement,

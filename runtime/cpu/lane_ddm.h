@@ -1,6 +1,6 @@
 // Shared by strain_skin and pose_skin: Direct Delta Mush of the vertices of a block in the centred form, in lanes.
-//   a_j = M_j p - M_base p;  Q = sum_j (A_j S_j + a_j s_j^T);  t = M_base p + sum_j (omega_j a_j + r^2 A_j s_j);
-//   R = rot(Q);  x = t + R (d + delta d)
+//   Q = sum_j (A_j S_j + a_j s_j^T),  a_j = M_j p - M_base p.
+//   R = rot(Q),  x = t + R (d + delta d),  t = M_base p + sum_j (omega_j a_j + r^2 A_j s_j).
 #if defined(BODYOPT_LANE_DDM_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef BODYOPT_LANE_DDM_H
 #undef BODYOPT_LANE_DDM_H

@@ -12,8 +12,8 @@ namespace bodyopt {
 
 // x = c + R (u - c_rest) for every vertex at u. c is the mean of its anchor's points on the posed skin. R is the
 // rotation nearest to how the skin around them moved (Müller et al. 2005, "Meshless deformations based on shape
-// matching"): the edges and the normals of the skin around the points' corners, posed against rest. An anchor without
-// points moves by its joint's skinning matrix.
+// matching"). It is fitted to edges and normals of the skin around the points' corners, from rest to posed. An anchor
+// without points moves by its joint's skinning matrix.
 class AttachmentCarrier {
  public:
   // The basis must outlive it. They belong together (load_attachments sees to it).

@@ -14,7 +14,7 @@
 namespace bodyopt {
 namespace {
 
-// What a stage leaves behind: `width` numbers of each element, frame-major.
+// The output of a stage: `width` numbers of each element, frame-major.
 struct StageOutput {
   Stage stage;
   std::span<const float> device, cpu;
@@ -156,7 +156,7 @@ class CheckedBackend final : public Backend {
             }};
   }
 
-  // By the number that the character's file has for a vertex.
+  // Names a vertex by its number in the character's file.
   StageOutput vertices(const StageTolerance& tolerance, std::span<const float> device,
                        std::span<const float> cpu) const {
     return {tolerance.stage, device, cpu, 3, allowed(tolerance, cpu), [this](std::size_t k) {

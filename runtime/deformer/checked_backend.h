@@ -9,9 +9,9 @@
 namespace bodyopt {
 
 // A backend that gives what `device` gives, and runs every batch on `cpu`, too; both are of `model`. At the first
-// difference, stage by stage and frame by frame, run() throws Error(device) that names stage, frame of the call
-// (Batch::first_frame), vertex, both values and the tolerance; the nodes of a jiggle are compared after the last frame
-// of the batch, which is then the frame named. Each batch of a jiggle begins on both with the motion of the device, so
+// difference, stage by stage and frame by frame, run() throws Error(device). The message names stage, frame of the call
+// (Batch::first_frame), element (a vertex, say), both values and the tolerance. Nodes of a jiggle are compared, and
+// named, after the last frame of the batch. Each batch of a jiggle begins on both with the motion of the device, so
 // that differences do not add up.
 std::unique_ptr<Backend> make_checked_backend(std::shared_ptr<const CharacterModel> model,
                                               std::unique_ptr<Backend> device, std::unique_ptr<Backend> cpu);

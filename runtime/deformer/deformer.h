@@ -52,15 +52,15 @@ class Deformer {
  public:
   // Validates the basis, takes the device, uploads the tables, records the coefficients at rest.
   Deformer(Basis basis, const DeviceChoice& choice);
-  // With dynamics, which must belong to the basis (load_dynamics sees to it). This and all that take JiggleOptions
+  // Adds dynamics, which must belong to the basis (load_dynamics ensures that). This and all that take JiggleOptions
   // throw Error(usage) where these are out of their ranges.
   Deformer(Basis basis, Dynamics dynamics, const JiggleOptions& options, const DeviceChoice& choice);
   // An instance of a model that others share. `jiggle`: none for the quasi-static skin, or the model must have
   // dynamics.
   Deformer(std::shared_ptr<const CharacterModel> model, const std::optional<JiggleOptions>& jiggle,
            const DeviceChoice& choice);
-  // An instance of a model on a device that others use as well, to draw the skin where it is: buffers and state of its
-  // own, the tables and pipelines are the model's. `jiggle`: as above. `check`: see DeviceChoice.
+  // An instance of a model on a device that others use as well, to draw the skin where it is. It has buffers and state
+  // of its own, and the model's tables and pipelines. `jiggle`: as above. `check`: see DeviceChoice.
   explicit Deformer(std::shared_ptr<const vulkan::DeviceModel> model,
                     const std::optional<JiggleOptions>& jiggle = std::nullopt, bool check = false);
   ~Deformer();
@@ -74,11 +74,11 @@ class Deformer {
   Evaluation jiggle(std::span<const Pose> poses, std::span<const int> frames);
 
   // Records frames into a command buffer of the host program; see Backend::record. `frames`: a number of each pose
-  // where they jiggle. Throws Error(usage) for more than recording.most_frames.
+  // where they jiggle. Callers keep to most_frames of the first recording. Throws Error(usage) above batch_limit().
   void record(std::span<const Pose> poses, std::optional<std::span<const int>> frames,
               const vulkan::Recording& recording);
   void forget_recorded_buffers();
-  // Of the last batch; its buffers live until the next call that evaluates.
+  // Returns the skin of the last batch; its buffers live until the next call that evaluates.
   DeviceSkin device_skin() const;
   std::uint32_t batch_limit() const;
   Executor& threads() const;  // for what is made of its skins on the host
@@ -87,7 +87,7 @@ class Deformer {
 
   // Throws Error(usage) for a weight that is not within kMostWeight of 0.
   void set_weights(const Weights& weights);
-  // Whether an Evaluation gets normals, which take time: it does until told otherwise. A SkinPlace says so itself.
+  // Whether an Evaluation gets normals, which take time. By default it does. A SkinPlace says so itself.
   void set_normals(bool wanted) { wants_normals_ = wanted; }
 
   JiggleState state() const;

@@ -36,7 +36,7 @@ void place_output(Executor& threads, const MeshTable& mesh, std::span<const floa
                   });
 }
 
-// The same, appended: F x O x 3.
+// Appends output vertices: F x O x 3.
 void append_output(Executor& threads, const MeshTable& mesh, std::span<const float> values, std::vector<float>& out) {
   if (values.empty()) return;
   const std::size_t at = out.size(), numbers = 3 * std::size_t{mesh.output_count()};
@@ -58,7 +58,7 @@ void place_tangents(Executor& threads, std::span<const float> tangents, std::siz
                   });
 }
 
-// By how much a feature lies outside its range, as Evaluation::outside_by. `excess`: of all features, in standard
+// Returns how far a feature lies outside its range, as Evaluation::outside_by. `excess`: of all features, in standard
 // deviations.
 float outside_by(const Basis& basis, const std::vector<JointFeatures>& joints, const float* excess,
                  std::size_t feature) {
@@ -74,7 +74,7 @@ float outside_by(const Basis& basis, const std::vector<JointFeatures>& joints, c
   return 360 * std::numbers::inv_pi_v<float> * half_angle;
 }
 
-// Of each of `frames` frames the feature that lies furthest outside its trained range.
+// Appends the feature that lies furthest outside its trained range, for each of `frames` frames.
 void append_outside(const Basis& basis, const std::vector<JointFeatures>& joints, const BatchResult& result,
                     std::size_t frames, Evaluation& evaluation) {
   const std::size_t features = result.excess.size() / std::max<std::size_t>(1, frames);
@@ -102,7 +102,7 @@ void append_fades(const Basis& basis, CallMemory& memory, Evaluation& evaluation
   }
 }
 
-// With zeros after them, so that they are `count`.
+// Appends the values, and zeros after them, so that they are `count`.
 void append_padded(const std::vector<float>& values, std::size_t count, std::vector<float>& to) {
   const std::size_t end = to.size() + count;
   to.insert(to.end(), values.begin(), values.end());
@@ -168,8 +168,8 @@ class RunningCall {
     attempt([&] { take(split_ != nullptr ? split_->finish() : *result_); });
   }
 
-  // A batch that fails leaves the motion as it was; only of several some may have been stepped, and the motion of
-  // before was fetched from the device for that.
+  // A batch that fails leaves the motion as it was. But of several batches some may have been stepped: for those the
+  // motion was fetched from the device before the call.
   void fail(const std::exception_ptr& error) {
     call_.error = error;
     if (!has_before_) return;

@@ -1,4 +1,4 @@
-// What a deformer gives of poses.
+// The results of a deformer for poses.
 #pragma once
 
 #include <cstddef>
@@ -28,21 +28,21 @@ struct Evaluation {
   StageSeconds stage_seconds;       // summed over the batch
 };
 
-// Memory of the caller for three numbers of each vertex, four of a tangent: at data + frame x frame_stride + output
-// vertex x element_stride, bytes.
+// Memory of the caller for three numbers of each vertex, or four of each tangent. They are at
+// data + frame x frame_stride + output vertex x element_stride, bytes.
 struct PlacedVertices {
   std::byte* data = nullptr;  // null: not wanted
   std::size_t element_stride = 0, frame_stride = 0;
 };
 
-// Where a skin is written instead of into an Evaluation; normals and tangents that are not wanted are not computed.
+// The place that a skin is written to instead of an Evaluation. Unwanted normals and tangents are not computed.
 struct SkinPlace {
   PlacedVertices positions, normals;
   // x, y, z and the bitangent's sign, see cpu::output_tangents; of a model that texture coordinates were given for.
   PlacedVertices tangents{};
 };
 
-// Standard deviations beyond the trained range (Evaluation::outside) that are worth telling: less is written as 0.0.
+// Standard deviations beyond the trained range (Evaluation::outside) that are worth reporting: less is written as 0.0.
 constexpr float kOutsideWorthTelling = 0.05f;
 
 }  // namespace bodyopt

@@ -9,8 +9,8 @@
 
 namespace bodyopt {
 
-// Where a point of a triangle lies: its position, and the interpolated normal, the triangle's first edge at right
-// angles to it, and the normal times that. Unit vectors; zero where the triangle has no extent.
+// The position of a point of a triangle, and its frame. The axes are the interpolated normal, the triangle's first edge
+// at right angles to it, and normal x edge. Unit vectors; zero where the triangle has no extent.
 struct CarryFrame {
   float position[3], normal[3], edge[3], across[3];
 };
@@ -19,9 +19,9 @@ struct CarryFrame {
 CarryFrame carry_frame(const MeshTable& mesh, std::span<const float> positions, std::span<const float> normals,
                        const CarriedPoint& point);
 
-// positions, normals F x O x 3 of a level's output vertices, as an Evaluation has them; its mesh, and where it carries
-// the full skin (Level::carried) -> F x P x 3, metres, posed: every output vertex of the full character. At rest and
-// under rigid motion it is exact to half a step along each axis of the frame.
+// Returns every output vertex of the full character: F x P x 3, metres, posed. `mesh` and `carried` are those of a
+// level (Level::carried). `positions`, `normals`: F x O x 3 of its output vertices, as an Evaluation has them. At rest
+// and under rigid motion it is exact to half a step along each axis of the frame.
 std::vector<float> carry_skin(const MeshTable& mesh, const CarriedSkin& carried, std::span<const float> positions,
                               std::span<const float> normals, Executor& threads = calling_thread());
 

@@ -56,7 +56,7 @@ class Rig {
   const std::vector<Quat> bind_;               // bind_rotations
 };
 
-// Of one frame. Throws as Rig::pose.
+// Poses the rig for one frame. Throws as Rig::pose.
 RigFrame pose_rig(const Skeleton& skeleton, const Pose& pose);
 
 // skeleton.features, or, where there are none, those of every joint but roots, in joint order.

@@ -1,4 +1,4 @@
-// What the opaque handles of bodyopt.h are.
+// The types behind the opaque handles of bodyopt.h.
 #pragma once
 
 #include <memory>
@@ -46,7 +46,7 @@ struct bodyopt_device {
 
 struct bodyopt_model {
   std::shared_ptr<const bodyopt::CharacterModel> model;
-  // What of it is on the device of its latest instance there: instances of one device share it.
+  // The model on the device of its latest instance there: instances of one device share it.
   mutable std::mutex mutex;
   mutable std::weak_ptr<const bodyopt::vulkan::DeviceModel> on_device;
   std::shared_ptr<const bodyopt::FollowingMeshes> following;

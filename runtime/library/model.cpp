@@ -31,7 +31,7 @@ Level read_level(const GivenFile& file, std::uint32_t level) {
   return std::move(levels[level]);
 }
 
-// Of two options at most one is given: a path, and bytes. `name`: of the first.
+// Reads one of two options, a path and bytes, of which at most one is given. `name`: of the first.
 std::optional<GivenFile> given_file(const char* path, const void* data, std::size_t size, const std::string& name) {
   if (path != nullptr && data != nullptr) {
     throw Error(ErrorKind::usage, "both '", name, "' and '", name, "_data' are given, expected one");

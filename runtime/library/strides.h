@@ -48,8 +48,8 @@ class GivenPoses {
 };
 
 // O x 2: the texture coordinates of the options; empty where none were given. Throws Error(usage) for a stride that is
-// too small or memory that does not hold all, Error(mismatch) for another number of vertices and for one that is not
-// finite.
+// too small or memory that does not hold all. Throws Error(mismatch) for another number of vertices, and for
+// coordinates that are not finite.
 std::vector<float> read_texture(const bodyopt_load_options& options, const Basis& basis);
 
 // Looks at an output of `elements` elements a frame, of `numbers` numbers each, and fills in its strides. Throws
@@ -60,14 +60,14 @@ void check_output(bodyopt_floats& output, std::size_t frames, std::size_t elemen
 void scatter(std::span<const float> values, const bodyopt_floats& output, std::size_t begin, std::size_t elements,
              std::size_t numbers = 1);
 
-// Where the caller wants a skin. Throws Error(usage) for strides that are too small or memory that does not hold all
+// The caller's memory for a skin. Throws Error(usage) for strides that are too small or memory that does not hold all
 // frames.
 class WantedSkin {
  public:
   WantedSkin(const bodyopt_skin* skin, const Basis& basis, std::size_t frames);
 
   const bodyopt_skin& outputs() const { return skin_; }
-  // Of frames `begin` and after.
+  // Returns the place of frames `begin` and after.
   SkinPlace place(std::size_t begin) const;
   bool wants_expected_errors() const { return skin_.expected_errors.data != nullptr; }
   // `metres`: of each frame from `begin` on.
@@ -76,7 +76,7 @@ class WantedSkin {
   // `metres`: of each output vertex of each frame from `begin` on.
   void write_vertex_errors(const std::vector<float>& metres, std::size_t begin) const;
   bool wants_nothing() const;
-  // What is not placed, of frames `begin` and after, as many as were evaluated.
+  // Writes what is not placed, from frame `begin` on, for as many frames as were evaluated.
   void write(const Evaluation& evaluation, std::size_t begin) const;
 
  private:

@@ -1,5 +1,5 @@
-// Device memory. Tables and intermediate results live on the device; the host reaches them by staging buffers only, so
-// that what works where all memory is shared also works on a discrete GPU.
+// Device memory. Tables and intermediate results live on the device. The host reaches them by staging buffers alone, so
+// that code tested where all memory is shared works on a discrete GPU.
 #pragma once
 
 #include <compare>
@@ -22,7 +22,7 @@ enum class Memory {
 class Buffer {
  public:
   Buffer() = default;
-  // Of at least 16 bytes, so that an empty table can be bound. `name` is for messages. Throws Error(device).
+  // It has at least 16 bytes, so that an empty table can be bound. `name` is for messages. Throws Error(device).
   Buffer(const Device& device, VkDeviceSize bytes, Memory memory, const char* name);
 
   VkBuffer handle() const { return buffer_.get(); }
@@ -41,7 +41,7 @@ inline Buffer floats(const Device& device, std::uint64_t count, const char* name
   return {device, count * sizeof(float), Memory::device, name};
 }
 
-// What a kernel sees of a buffer, in bytes.
+// The part of a buffer that a kernel sees, in bytes.
 struct BufferRange {
   BufferRange() = default;
   BufferRange(const Buffer& whole) : buffer(whole.handle()), offset(0), size(whole.size()) {}

@@ -11,8 +11,8 @@ namespace {
 
 constexpr std::uint32_t kSetsOfAPool = 256;
 
-// How many bindings a shader declares, numbered from 0. SPIR-V 1.0, 2.3 and 3.32.3: after a header of five words come
-// instructions, each begun by its length (the upper half of a word) and its number.
+// Returns how many bindings a shader declares, numbered from 0. Instructions follow a header of five words. Each begins
+// with a word of its length (upper half) and its opcode (SPIR-V 1.0, 2.3 and 3.32.3).
 std::uint32_t count_bindings(std::span<const std::uint32_t> spirv) {
   constexpr std::uint32_t kHeader = 5, kDecorate = 71, kBinding = 33;
   std::uint32_t count = 0;

@@ -26,7 +26,7 @@ class DescriptorSets {
   explicit DescriptorSets(const Device& device) : device_(device) {}
   // Forgets all sets; nothing that uses them may be running.
   void reset();
-  // Of storage buffers, as many as any kernel has, and two sampled images. Throws Error(device).
+  // A set holds storage buffers, as many as any kernel has, and two sampled images. Throws Error(device).
   VkDescriptorSet allocate(VkDescriptorSetLayout layout);
 
  private:
@@ -60,7 +60,7 @@ class Kernel {
   Owned<VkPipeline, vkDestroyPipeline> pipeline_;
 };
 
-// What a kernel, copy or fill does with a range of a buffer.
+// How a kernel, copy or fill uses a range of a buffer.
 struct BufferUse {
   BufferRange range;
   bool writes = false;
@@ -88,8 +88,8 @@ class Commands {
   static constexpr std::uint32_t kMostDispatches = 4096;
 
   explicit Commands(const Device& device, std::uint32_t most_dispatches = kMostDispatches);
-  // Records into command buffers of the host program, which begins, ends and submits them: record_into() says which,
-  // and of what is below only what records may be called. Descriptor sets stay until forget_sets().
+  // Records into command buffers of the host program, which begins, ends and submits them: record_into() says which.
+  // Only functions below that record may be called. Descriptor sets stay until forget_sets().
   enum class OfHost { yes };
   Commands(const Device& device, OfHost);
   ~Commands();
@@ -104,8 +104,8 @@ class Commands {
   void update(const BufferRange& range, std::span<const std::byte> bytes);  // as many as the range has; multiples of 4
   void record_into(VkCommandBuffer host);
   void forget_sets();
-  // In work of any length: once kMostDispatches are recorded they run, and recording goes on after them. What was
-  // recorded before is then not run again. Throws as run().
+  // Splits long work: once kMostDispatches are recorded they run, and recording goes on after them. What was recorded
+  // before is then not run again. Throws as run().
   void cut();
   // Runs a kernel over (elements, frames). Throws Error(device) when the device cannot run as many workgroups at once.
   template <typename Push>
@@ -148,7 +148,7 @@ class Commands {
   Fence fence_;
   Hazards hazards_;
   DescriptorSets allocated_sets_;
-  // What was bound before is bound again: the steps of many frames need few sets.
+  // Sets of the same bindings are used again: the steps of many frames need few.
   struct InOrder {
     using is_transparent = void;  // to be found by a span
     bool operator()(const auto& a, const auto& b) const {
@@ -166,13 +166,13 @@ class Commands {
 
 class AttachedMeshes;
 
-// What of some frames is recorded for a host program: into its command buffer, to its buffers.
 // Three numbers of each vertex, four of a tangent, in output order, bytes; strides and offset are multiples of 4.
 struct PlacedOutput {
   VkBuffer buffer = VK_NULL_HANDLE;  // none: not wanted
   VkDeviceSize size = 0, offset = 0, element_stride = 0, frame_stride = 0;
 };
 
+// The outputs of some frames that are recorded for a host program: into its command buffer, to its buffers.
 struct Recording {
   VkCommandBuffer commands = VK_NULL_HANDLE;
   PlacedOutput positions, normals, tangents;

@@ -36,11 +36,11 @@ struct DeviceInfo {
 // All devices of this machine, in the order of their indices. Throws Error(device) when Vulkan itself fails.
 std::vector<DeviceInfo> list_devices();
 
-// Index of the device that `name` means: "auto" (discrete, then integrated or virtual, then CPU), an index, or part of
-// a name in any case (the first that matches). Throws Error(device) that names what exists.
+// Returns the index of the device that `name` means. It is "auto" (discrete, then integrated or virtual, then CPU), an
+// index, or part of a name in any case: the first match. Throws Error(device) that names what exists.
 std::uint32_t choose_device(const std::vector<DeviceInfo>& devices, const std::string& name);
 
-// What a device is for, beside computing.
+// The uses of a device beside computing.
 struct DeviceUse {
   bool draws = false;
   std::vector<const char*> instance_extensions{}, extensions{};  // of a window
@@ -90,8 +90,8 @@ class Device {
 
   MemoryBlocks& memory_blocks() const { return memory_blocks_; }
   VkPipelineCache pipeline_cache() const { return pipeline_cache_; }  // VK_NULL_HANDLE: none
-  // A T(*this) for all who use the device, made when it is first asked for, from any thread, and gone before the
-  // device: pipelines take drivers long to compile. Throws what T's constructor does, which itself asks for none.
+  // A T(*this) for all users of the device, as drivers take long to compile pipelines. Any thread may call this; the
+  // first call makes it, and it goes before the device. Throws as T's constructor, which must not call shared().
   template <typename T>
   const T& shared() const {
     const std::lock_guard lock(shared_mutex_);
@@ -118,8 +118,8 @@ class Device {
   std::uint64_t timestamp_mask_ = 0;
   VkPhysicalDevice physical_ = VK_NULL_HANDLE;
   VkDevice device_ = VK_NULL_HANDLE;
-  // The same where it is ours: it goes after all that is made of it, and before the instance, also where no more than
-  // that was made.
+  // Owns the device where it is ours. It goes after all that is made of it and before the instance, even where the
+  // constructor got no further.
   std::unique_ptr<std::remove_pointer_t<VkDevice>, Destroy> ours_;
   VkQueue queue_ = VK_NULL_HANDLE;
   mutable std::mutex queue_mutex_;

@@ -42,8 +42,8 @@ PFN_vkGetInstanceProcAddr finder_in_system() {
   return loader ? reinterpret_cast<PFN_vkGetInstanceProcAddr>(dlsym(loader, "vkGetInstanceProcAddr")) : nullptr;
 }
 
-// Those that are called before there is an instance are not found by way of one; those of a window are there where the
-// host has one.
+// Functions that are called before there is an instance are not found by way of one. Those of a window are there where
+// the host has one.
 PFN_vkVoidFunction find_by(PFN_vkGetInstanceProcAddr find, VkInstance instance, const char* name) {
   const PFN_vkVoidFunction function = find(instance, name);
   return function != nullptr ? function : find(VK_NULL_HANDLE, name);

@@ -7,7 +7,7 @@
 
 #include <string>
 
-// Those that Bodyopt calls, and Dear ImGui for it.
+// The functions that Bodyopt calls, and Dear ImGui for it.
 // clang-format off
 #define BODYOPT_VULKAN_FUNCTIONS(each) \
   each(vkAcquireNextImageKHR) each(vkAllocateCommandBuffers) each(vkAllocateDescriptorSets) each(vkAllocateMemory) \

@@ -12,7 +12,7 @@ namespace bodyopt::vulkan {
 namespace {
 
 constexpr const char* kValidationLayer = "VK_LAYER_KHRONOS_validation";
-// What to do about a result, where there is something.
+// Returns what the user can do about a result, if anything.
 const char* advice(VkResult result) {
   switch (result) {
     case VK_ERROR_DEVICE_LOST:
@@ -67,7 +67,7 @@ bool extension_offered(const char* name) {
       name);
 }
 
-// Those of Vulkan on Metal are offered to who asks for them. `extensions` are those of `info`.
+// Devices of Vulkan on Metal are listed only on request. `extensions` are those of `info`.
 void ask_for_portability(VkInstanceCreateInfo& info, std::vector<const char*>& extensions) {
   if (extension_offered(VK_KHR_PORTABILITY_ENUMERATION_EXTENSION_NAME)) {
     extensions.push_back(VK_KHR_PORTABILITY_ENUMERATION_EXTENSION_NAME);
@@ -77,7 +77,7 @@ void ask_for_portability(VkInstanceCreateInfo& info, std::vector<const char*>& e
   info.ppEnabledExtensionNames = extensions.data();
 }
 
-// By an instance that is never destroyed. Else the loader closes the drivers with the last instance, and NVIDIA's (580)
+// Keeps an instance that is never destroyed. Else the loader closes the drivers with the last instance. NVIDIA's (580)
 // cannot be opened more than some thirty times by one process, nor by several threads at once.
 void keep_drivers_loaded() {
   [[maybe_unused]] static const VkInstance kept = [] {

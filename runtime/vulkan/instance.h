@@ -13,7 +13,7 @@ namespace bodyopt::vulkan {
 // Throws Error(device) that names the call and the result, unless the result is a success.
 void check(VkResult result, const char* call);
 
-// What Vulkan lists when it is called twice: call(&count, nullptr) for the number, call(&count, items) for the items.
+// Lists what Vulkan gives in two calls: call(&count, nullptr) for the number, call(&count, items) for the items.
 // Throws as check().
 template <typename Item, typename Call>
 std::vector<Item> enumerate(const char* name, const Call& call) {
@@ -27,7 +27,7 @@ std::vector<Item> enumerate(const char* name, const Call& call) {
 
 bool lists_extension(const std::vector<VkExtensionProperties>& extensions, const char* name);
 
-// What the validation layers said (type VALIDATION, warning or above). Outlives the instance, to hear its teardown.
+// Messages of the validation layers (type VALIDATION, warning or above). Outlives the instance, to hear its teardown.
 class ValidationLog {
  public:
   void add(std::string message);
@@ -40,7 +40,7 @@ class ValidationLog {
 
 class Instance {
  public:
-  // With validation, turns on the Khronos layer and synchronization validation; throws Error(device) when the layer is
+  // With validation, turns on the Khronos layer and synchronization validation. Throws Error(device) when the layer is
   // not installed, or an extension is not offered. A machine without any Vulkan driver, or without
   // Vulkan's loader, gives an instance without devices.
   explicit Instance(bool validation, const std::vector<const char*>& extensions = {});

@@ -1,4 +1,4 @@
-// What kernels, pictures and windows make of a device alike. All throw Error(device).
+// Makes objects that kernels, pictures and windows need of a device alike. All throw Error(device).
 #pragma once
 
 #include <cstdint>
@@ -15,13 +15,13 @@ using PipelineLayout = Owned<VkPipelineLayout, vkDestroyPipelineLayout>;
 using SetLayout = Owned<VkDescriptorSetLayout, vkDestroyDescriptorSetLayout>;
 using ShaderModule = Owned<VkShaderModule, vkDestroyShaderModule>;
 
-// Of the device's queue, and a command buffer of it, which the pool frees.
+// Makes a pool of the device's queue, and a command buffer of it, which the pool frees.
 CommandPool make_command_pool(const Device& device);
 VkCommandBuffer allocate_commands(VkDevice device, VkCommandPool pool);
 Fence make_fence(VkDevice device);  // not signalled
 
 SetLayout make_set_layout(VkDevice device, std::span<const VkDescriptorSetLayoutBinding> bindings);
-// Of one set and one block of push constants.
+// The layout has one set and one block of push constants.
 PipelineLayout make_pipeline_layout(VkDevice device, VkDescriptorSetLayout set, const VkPushConstantRange& push);
 ShaderModule make_shader(VkDevice device, std::span<const std::uint32_t> spirv);
 // `shader` must outlive what is made of the result; its entry point is main.

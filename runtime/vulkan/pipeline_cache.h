@@ -1,4 +1,4 @@
-// What a driver compiled of shaders, kept in a folder from one process to the next.
+// Pipelines that a driver compiled of shaders, kept in a folder from one process to the next.
 #pragma once
 
 #include <array>
@@ -10,7 +10,7 @@
 
 namespace bodyopt::vulkan {
 
-// What the driver's data begins with in the file. All of it but the last two says for which driver it is.
+// The header before the driver's data in the file. All but its last two fields say for which driver it is.
 struct PipelineCacheHeader {
   std::array<char, 8> magic = {'B', 'O', 'D', 'Y', 'P', 'I', 'P', 'E'};
   std::uint32_t version = 1;
@@ -22,7 +22,7 @@ struct PipelineCacheHeader {
 };
 static_assert(sizeof(PipelineCacheHeader) == 72);  // without gaps
 
-// Of the driver of a device; without size and hash.
+// Returns the header for the driver of a device; without size and hash.
 PipelineCacheHeader pipeline_cache_header(VkPhysicalDevice physical);
 // The file that holds the driver's data.
 std::string pack_pipelines(PipelineCacheHeader header, const std::string& data);

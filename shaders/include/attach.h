@@ -1,8 +1,8 @@
 // How attached meshes follow the skin. One source for GLSL and C++.
 //
 // x = c + R (u - c_rest) for every vertex at u. c is the mean of its anchor's points on the posed skin. R is the
-// rotation nearest to how the skin around them moved: the edges and the normals of the skin around the points' corners,
-// posed against rest.
+// rotation nearest to how the skin around them moved. It is fitted to edges and normals of the skin around the points'
+// corners, from rest to posed.
 #ifndef BODYOPT_ATTACH_H
 #define BODYOPT_ATTACH_H
 
@@ -13,8 +13,8 @@
 namespace bodyopt {
 #endif
 
-// A vertex of the skin that is a corner of points: its fan of triangles; the unit normal at rest, times half the number
-// of edges; and one over that number.
+// A vertex of the skin that is a corner of points. It has a fan of triangles, the unit normal at rest times half the
+// number of edges, and one over that number.
 struct AttachCorner {
   uint vertex, fan_begin, fan_end;
   float normal_x, normal_y, normal_z, share;
@@ -26,7 +26,7 @@ struct AttachFan {
   float bx, by, bz, cx, cy, cz;
 };
 
-// What turns and moves vertices together: points a, b and c of which are numbers of corners, or, without any, a joint.
+// Turns and moves vertices together: by points, whose a, b and c are numbers of corners, or, without any, by a joint.
 struct AttachAnchor {
   uint joint, point_begin, point_end;
   float x, y, z;  // at rest
@@ -69,7 +69,7 @@ BODYOPT_FUNCTION void add_fan(AttachFan fan, BODYOPT_IN_ARRAY(to_b, 3), BODYOPT_
   }
 }
 
-// Of the sums over the corner's fan.
+// Finishes a stretch from the sums over the corner's fan.
 BODYOPT_FUNCTION void finish_stretch(AttachCorner corner, BODYOPT_IN_ARRAY(normal, 3),
                                      BODYOPT_INOUT_ARRAY(stretch, 9)) {
   float rest_normal[3], unit[3];

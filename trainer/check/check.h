@@ -27,8 +27,8 @@ struct TakeCheck {
 // where a modifier does not fit what is sound.
 std::vector<TakeCheck> check_dataset(const Dataset& dataset);
 
-// What keeps a dataset, read from `path`, from training: its file, the take and the first problem, or that no frame is
-// solved. Empty: nothing.
+// Says what keeps a dataset, read from `path`, from training: its file, the take and the first problem, or that no
+// frame is solved. Empty: nothing.
 std::string first_problem(const std::vector<TakeCheck>& takes, const std::filesystem::path& path);
 
 // "closed, 1 piece" or what is open, non-manifold, in several pieces: one sentence.

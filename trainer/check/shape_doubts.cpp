@@ -113,8 +113,8 @@ void add_stiff_parts(const SampleSet& set, const std::vector<ProbedFrame>& frame
   }
 }
 
-// In every frame, by frame and vertex. Every so-many-th frame of the take makes a block: what is usual is known from
-// all of the motion, and a vertex that is off for some frames in a row is in the minority in each.
+// Returns outliers of every frame, by frame and vertex. A block takes every n-th frame, so that all of the motion shows
+// what is usual. A vertex that is off for some frames in a row is in the minority in each block.
 std::vector<OutlierVertex> outliers_in(const Character& character, const std::vector<const Sample*>& samples) {
   const OutlierVertices neighbours(character);
   std::vector<std::uint32_t> all(static_cast<std::size_t>(character.vertices.rows()));
@@ -176,7 +176,7 @@ struct Similarity {
   }
 };
 
-// Of its freedoms those asked for. Not turned into a mirror image.
+// Fits those freedoms that are asked for, without mirror images.
 Similarity best_similarity(const Positions& from, const Positions& to, bool size, bool turn, bool move) {
   Similarity best;
   Eigen::RowVector3d from_mean = Eigen::RowVector3d::Zero(), to_mean = from_mean;
@@ -200,7 +200,7 @@ std::string joined(const std::vector<std::string>& parts) {
   return text;
 }
 
-// In whole thousandths of the power of ten below `extent`: "0 0.06 0".
+// Writes whole thousandths of the power of ten below `extent`: "0 0.06 0".
 std::string words(const Vector3d& vector, double extent) {
   const double step = std::pow(10.0, std::floor(std::log10(extent)) - 3);
   std::string text;
@@ -299,7 +299,7 @@ class MisplacedShapes {
     return Positions((1 - share) * skinned(before) + share * skinned(before + 1));
   }
 
-  // Where each frame is another one of the clip. By those that the clip has; half of them at least.
+  // Returns the share of the distance left if `of_clip` numbers the frames; 1 if the clip lacks more than half of them.
   double left_by(const std::function<double(int frame)>& of_clip) {
     double before = 0, after = 0;
     std::size_t seen = 0;
@@ -354,7 +354,7 @@ class MisplacedShapes {
     found_.push_back({"shapes are mirrored left to right", (mirrored - skinned_).norm() / distance_});
   }
 
-  // Where the topmost joint that travels is in each frame, from where it is in the first.
+  // Returns how far the topmost joint that travels is, in each frame, from where it is in the first.
   Positions travel() const {
     Positions places = Positions::Zero(static_cast<Index>(frames_.size()), 3);
     for (std::size_t j = 0; j < thinned_.some.skeleton.size(); ++j) {

@@ -30,8 +30,8 @@ std::vector<Eigen::Vector3d> directions() {
   return result;
 }
 
-// The smallest set of nodes that all edges between two sides touch: Koenig's theorem on a largest matching, which is
-// found by augmenting paths (Hopcroft and Karp's problem, Kuhn's algorithm: cuts are small).
+// Finds the smallest set of nodes that all edges between two sides touch, by Koenig's theorem on a maximum matching.
+// Kuhn's augmenting paths find that: cuts are small, so Hopcroft and Karp's faster method is not needed.
 class CoverFinder {
  public:
   explicit CoverFinder(const Graph& graph) : graph_(graph), partner_(graph.size(), -1), seen_(graph.size(), 0) {}
@@ -49,8 +49,8 @@ class CoverFinder {
       ++stamp_;
       augment(node);
     }
-    // What alternating paths reach from unmatched nodes on the left; the cover is the left not reached and the right
-    // reached.
+    // Alternating paths start from unmatched nodes on the left. The cover is the nodes on the left that they do not
+    // reach, and those on the right that they do.
     ++stamp_;
     for (const int node : left_) {
       if (partner_[at(node)] < 0) reach(node);
@@ -405,7 +405,7 @@ class FrontLayout {
     }
   }
 
-  // Of a matrix whose panels come next.
+  // Adds the strips of a matrix whose panels come next.
   void add_strips(const Matrix& to_own, std::uint32_t first_slot, std::uint32_t first_input) {
     const auto own = static_cast<std::uint32_t>(to_own.rows()), boundary = static_cast<std::uint32_t>(to_own.cols());
     const auto first_value = static_cast<std::uint32_t>(inverse_.values.size());

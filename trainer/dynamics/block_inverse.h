@@ -21,12 +21,12 @@ struct DissectedFront {
   int level = 0;  // above those of its children; leaves are 0
 };
 
-// George 1973, by geometry: nodes are halved by planes, of several directions the one whose cut takes the fewest nodes
-// to cover (Koenig's theorem), down to 32 or fewer. Children come before parents. A function of its arguments alone.
+// George 1973, by geometry: planes halve the nodes down to 32 or fewer. Of several directions it takes that with the
+// smallest vertex cover of its cut. Children come before parents. A function of its arguments alone.
 std::vector<DissectedFront> dissect(const Graph& graph, const Positions& points);
 
-// The unknowns of a system: `components` of each of some nodes. Unknown components * i + c of the matrix, which is that
-// of node i of `points`, is number components * nodes[i] + c of the block inverse, which has node_count of them.
+// The unknowns of a system: `components` of each of some nodes. Unknown components * i + c of the matrix belongs to
+// node i of `points`. It is number components * nodes[i] + c of the block inverse, which has node_count nodes.
 struct InverseNodes {
   const Positions& points;  // n x 3, metres: only their order along lines matters
   std::vector<int> nodes;   // n, different
@@ -37,7 +37,7 @@ struct InverseNodes {
 // to single. Throws Error(mismatch) where the matrix is not positive definite. A function of its arguments alone.
 BlockInverse invert(const Eigen::SparseMatrix<double>& matrix, const InverseNodes& nodes, int components);
 
-// Of all nodes.
+// Inverts the matrix of all nodes.
 BlockInverse invert(const Eigen::SparseMatrix<double>& matrix, const Positions& points, int components);
 
 }  // namespace bodyopt

@@ -1,4 +1,4 @@
-// From a character and its trained basis to its dynamics.
+// Builds the dynamics of a character and its trained basis.
 #pragma once
 
 #include <string>
@@ -14,8 +14,8 @@
 
 namespace bodyopt {
 
-// "; the skin is open at 'Head' (0.012 1.633 0.101 m)": where it is open, fused, turned or passes through itself, each
-// by the joints that move it there and a vertex (rest space) of theirs. Empty where it is nothing of this.
+// Says where the skin is open, fused, turned or passes through itself: the joints that move it there, and a vertex of
+// theirs (rest space). Example: "; the skin is open at 'Head' (0.012 1.633 0.101 m)". Empty for a sound skin.
 std::string defect_places(const Character& character);
 
 struct DynamicsOptions {
@@ -25,11 +25,11 @@ struct DynamicsOptions {
   Materials materials{};  // tissues and bone springs
   AnatomyOptions anatomy{};
   std::vector<RegionWeights> painted{};  // of welded vertices, as read_regions gives them: what settings may name
-  // With the basis' controls. Diffuse is not to turn tets inside out in these; of many, some are looked at.
+  // Diffuse is not to turn tets inside out in these, whose controls are the basis'. Of many poses it checks some.
   std::vector<Pose> poses{};
 };
 
-// What was found on the way.
+// The findings of build_dynamics().
 struct DynamicsReport {
   std::uint32_t tets = 0, nodes = 0, surface_nodes = 0;
   TetQuality quality;
@@ -37,7 +37,7 @@ struct DynamicsReport {
   std::size_t bone_springs = 0, joints_with_bones = 0;
   std::vector<std::string> notes;  // what the user should know, one sentence each
 };
-// As the metadata "report" of the dynamics.
+// Returns it as the metadata "report" of the dynamics has it.
 Json to_json(const DynamicsReport& report);
 
 struct BuiltDynamics {
@@ -47,13 +47,13 @@ struct BuiltDynamics {
 };
 
 // Tets, diffuse and jiggle; their metadata hold report and settings, too. Throws Error(mismatch) where the basis is of
-// another character, the skin cannot be filled or the settings name what is not there, Error(usage) for settings or
-// steps that make no sense. Shows progress; throws Error(interrupted) after SIGINT, at the end of a step.
+// another character, the skin cannot be filled or the settings name what is not there. Throws Error(usage) for settings
+// or steps out of range. Shows progress; throws Error(interrupted) after SIGINT, at the end of a step.
 BuiltDynamics build_dynamics(const Character& character, const std::vector<Muscle>& muscles, const Basis& basis,
                              const DynamicsOptions& options);
 
-// What it was built for: the tets and steps that were asked for, and the settings as they were given, open where they
-// left something open. Throws Error(file) where its metadata do not say.
+// Returns the tets and steps that dynamics were built for, and the settings as they were given. What those left open is
+// open. Throws Error(file) where the metadata do not say.
 DynamicsOptions asked_options(const Dynamics& dynamics);
 
 }  // namespace bodyopt

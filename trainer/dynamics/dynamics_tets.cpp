@@ -140,7 +140,7 @@ class Unfolder {
   }
 
  private:
-  // Where skin and diffuse carry the nodes.
+  // Poses the nodes by skin and diffuse.
   void carry() {
     NodeValues on_surface(surface_, skin_poses_.cols());
     for (Eigen::Index n = 0; n < surface_; ++n) on_surface.row(n) = at_point(skin_poses_, skin_(mesh_.nodes.row(n)));
@@ -166,7 +166,7 @@ class Unfolder {
     return inverted;
   }
 
-  // Those of flat tets and, inside, their neighbours. Nodes inside come first: the skin is the last to change.
+  // Returns the nodes of flat tets and, inside, their neighbours. Nodes inside come first: the skin changes last.
   std::set<int, std::greater<>> nodes_to_move() const {
     std::set<int, std::greater<>> nodes;
     for (const Eigen::Index flat : flat_) {
@@ -218,7 +218,7 @@ class Unfolder {
     std::ranges::stable_sort(star.blocks, std::greater<>(), [&](const std::size_t b) { return wants[b]; });
   }
 
-  // What diffuse would carry a node inside by, its neighbours staying where they are: the row of the Laplacian.
+  // Returns the weights by which diffuse poses a node inside from its neighbours: the node's row of the Laplacian.
   static Eigen::VectorXd shares_of_ring(const Star& star, const Point& rest) {
     Eigen::VectorXd weights = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(star.ring.size()));
     for (const std::array<int, 4>& tet : star.tets) {
@@ -243,7 +243,7 @@ class Unfolder {
     return {point.position.transpose().array(), {}, point};
   }
 
-  // From where the node is in these poses.
+  // Returns how far `place` moves the node in the poses of the block.
   Points<float> posed(int node, const Star& star, const Place& place, std::size_t block) const {
     if (node < surface_) {
       const auto b = static_cast<Eigen::Index>(block);
@@ -259,7 +259,7 @@ class Unfolder {
     return sum;
   }
 
-  // By how much the star's tets are flatter than wanted, summed over the poses of a block.
+  // Returns by how much the star's tets are flatter than wanted, summed over the poses of a block.
   double wanting(const Star& star, std::size_t block, const Points<float>& node) const {
     const Points<float>* const ring = star.posed.data() + block * star.ring.size();
     Eigen::Array<float, kTogether, 1> sum = Eigen::Array<float, kTogether, 1>::Zero();
@@ -269,7 +269,7 @@ class Unfolder {
     return sum.head(poses_in(static_cast<Eigen::Index>(block))).sum();
   }
 
-  // The same over all of them; `most` or more where that is passed.
+  // Returns the sum over all blocks, or some number of at least `most` where the sum exceeds that.
   double wanting(int node, const Star& star, const Place& place, double most) const {
     for (std::size_t t = 0; t < star.tets.size(); ++t) {
       if (signed_shape(star.tets[t], star.rest.data(), place.rest).value() < star.least_at_rest[t]) return most;
@@ -418,12 +418,11 @@ TetPoint packed(const EmbeddedPoint& point, double amount) {
           f(amount)};
 }
 
-// Harmonic interpolation is not injective: behind a fold of the skin it may turn tets inside out. Moves their nodes at
-// rest, one after the other, to where the tets around them are best shaped in the poses (optimisation-based smoothing,
-// Freitag and Ollivier-Gooch 1997): nodes inside freely, the first `surface` nodes, which lie on the skin, along it
-// where it `may_slide`. No tet gets flat at rest. Ends when no tet is inside out or after a few rounds, with the best
-// found.
-// skin: of these vertices at rest; poses: V x 3 each. A function of its arguments alone.
+// Harmonic interpolation is not injective: behind a fold of the skin it may turn tets inside out. Optimisation-based
+// smoothing (Freitag and Ollivier-Gooch 1997) moves their nodes at rest, one by one, to improve the tets around them in
+// the poses. Nodes inside move freely. The first `surface` nodes lie on the skin and slide along it if they
+// `may_slide`. No tet gets flat at rest. It ends when no tet is inside out or after a few rounds, with the best found.
+// A function of its arguments alone. skin: of these vertices at rest; poses: V x 3 each.
 Unfolding unfold_tets(const FineSkin& skin, const std::vector<Positions>& poses,
                       const std::vector<std::uint32_t>& vertices, Eigen::Index surface, bool may_slide, TetMesh& mesh) {
   if (poses.empty()) return {};
@@ -473,7 +472,7 @@ DynamicsTets make_dynamics_tets(const Positions& vertices, const Triangles& tria
   FilledSkin filled = own ? std::move(*own) : fill_coarser(fine, {.tets = most_tets}, [](CoarseSkin&) {});
   // The nodes of a skin that is taken as it is are its vertices.
   const Unfolding unfolding = unfold_tets(fine, poses, fillable.vertex, filled.skin.vertices.rows(), !own, filled.mesh);
-  // What the runtime has; everything is computed from it.
+  // Everything is computed from the nodes in the runtime's single precision.
   filled.mesh.nodes = filled.mesh.nodes.cast<float>().cast<double>().eval();
   filled.skin.vertices = filled.mesh.nodes.topRows(filled.skin.vertices.rows());
   require_sound(filled.mesh);
@@ -485,7 +484,7 @@ DynamicsTets make_dynamics_tets(const Positions& vertices, const Triangles& tria
     surface_of_own_nodes(tets);
     tets.cage.skin = own_nodes(tets.cage.mesh, fine.vertices.rows());
   }
-  // What rides swings with the places that hold it.
+  // Loose pieces swing with the places that hold them.
   Positions places = vertices;
   const LoosePieces loose_pieces(fillable, vertices, triangles, weights);
   places(loose_pieces.vertices(), Eigen::all) = loose_pieces.spread(vertices);

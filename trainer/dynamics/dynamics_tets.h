@@ -18,8 +18,8 @@ struct TetQuality {
 
 TetQuality tet_quality(const TetMesh& mesh);
 
-// Throws Error(mismatch), naming the tet or node, where a node is not finite, a tet names a node that is not there, is
-// inverted or has next to no volume, or a node belongs to no tet.
+// Throws Error(mismatch), naming the tet or node, where a node is not finite or belongs to no tet. It does so, too, for
+// a tet that names a missing node, is inverted or has next to no volume.
 void require_sound(const TetMesh& mesh);
 
 // Tetrahedra that stay right side out where diffuse carries them.
@@ -37,10 +37,10 @@ struct DynamicsTets {
   Unfolding unfolding;
 };
 
-// What of the skin can be filled (fillable_skin), filled with `most_tets` or fewer: as it is where that takes no more
-// and comes out well, otherwise remeshed with longer edges (fill_coarser), never finer than it is. Then unfolded in the
-// poses of the skin (V x 3 each). Nodes are rounded to single precision. Throws Error(mismatch) naming the cause where
-// no filling is found: open sheets, parts that cannot be told apart.
+// Fills what of the skin can be filled (fillable_skin) with `most_tets` or fewer. The skin is taken as it is where that
+// comes out well, otherwise remeshed with longer edges (fill_coarser), never finer. Then unfolds the tets in the skin's
+// poses (V x 3 each). Nodes are rounded to single precision. Throws Error(mismatch) naming the cause where no filling
+// is found: open sheets, parts that cannot be distinguished.
 DynamicsTets make_dynamics_tets(const Positions& vertices, const Triangles& triangles, const SkinWeights& weights,
                                 Eigen::Index most_tets, const std::vector<Positions>& poses = {});
 

@@ -29,14 +29,14 @@ double blended(const Eigen::VectorXd& values, const Tets& tets, const EmbeddedPo
   return sum;
 }
 
-// Tissue that jiggles is softer than the simulation's, and its tets, coarse and linear, are stiffer than what they
-// stand for: with this the thighs and the chest of a person swing at 6 to 7 Hz, the belly at 5.
+// Tissue that jiggles is softer than the simulation's, and coarse linear tets are too stiff. With this factor the
+// thighs and the chest of a person swing at 6 to 7 Hz, the belly at 5.
 constexpr double kSofterThanSimulated = 3.5;
 // A body of several times a person's size, in a unit of its own or not, moves as many times as far in a second. Its
 // tissue is as many times squared stiffer: it swings as fast, and as far for its size.
 constexpr double kPerson = 1.8;         // metres, the longest extent
 constexpr double kDampedFrequency = 3;  // Hz: at which damping ratios are met
-// Of the least damping ratio, this share comes from the stiffness: it grows with the frequency, as it does in tissue.
+// This share of the least damping ratio comes from the stiffness: it grows with the frequency, as it does in tissue.
 constexpr double kStiffnessShare = 0.2;
 constexpr double kHeldFrequency = 30;  // Hz, of the springs of nodes that are held
 constexpr double kHeldBelow = 0.1;     // amounts: nodes of less are held, the more the less they have
@@ -348,7 +348,7 @@ void hold_slow_parts(double lowest, const Eigen::VectorXd& softness, const Skele
 JiggleMeasure measure_jiggle(const Dynamics& dynamics, const NodeMotion& motion) {
   const TetTable& tets = dynamics.tets;
   JiggleMeasure measure{.inverted_tets = count_inverted(tets, motion.nodes)};
-  // What the skin is given is the same wherever it is.
+  // Displacements do not depend on where the skin is.
   const std::vector<float> nowhere(3 * tets.skin.size(), 0.0f);
   std::vector<float> moved(nowhere.size());
   cpu::jiggle_skin(tets, nowhere, motion.displacement, 1, moved);

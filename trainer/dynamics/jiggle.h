@@ -11,9 +11,9 @@
 
 namespace bodyopt {
 
-// Characters bring no ribs and no pelvis, and bones found along joints are thin where a trunk is wide: tissue deeper
-// under the skin than `flesh` (metres, of every node) is held as bone is, fully from a quarter deeper on. stiffness:
-// N/m per cubic metre. -> N x N, N/m.
+// Characters bring no ribs and no pelvis, and bones found along joints are thin where a trunk is wide. So tissue deeper
+// under the skin than `flesh` (N, metres) is held as bone is, fully from a quarter deeper on. `stiffness`: N/m per
+// cubic metre. -> N x N, N/m.
 SparseMatrix core_springs(const Positions& vertices, const Triangles& triangles, const Cage& cage,
                           const Eigen::VectorXd& flesh, double stiffness);
 
@@ -22,8 +22,8 @@ struct JiggleNode;
 struct JiggleStep;
 struct JiggleTable;
 
-// K, 3N x 3N, N/m, unknown 3 x node + axis: K_ab = volume (lambda dN_a dN_b^T + mu dN_b dN_a^T + mu (dN_a . dN_b) I).
-// One material per tet.
+// K_ab = volume (lambda dN_a dN_b^T + mu dN_b dN_a^T + mu (dN_a . dN_b) I).
+// One material per tet. -> K, 3N x 3N, N/m, unknown 3 x node + axis.
 SparseMatrix elastic_stiffness(const TetMesh& mesh, const std::vector<TetMaterial>& materials);
 
 // N, kg: a quarter of each tet's. density: kg/m^3.
@@ -38,10 +38,9 @@ struct JiggleSystem {
   SparseMatrix springs;                // N x N, N/m, alike in all directions
 };
 
-// The settings in numbers: stiffness is that of the tissues, by their shares, over the softness; of bodies larger
-// than a person by the square of how much larger. Damping ratios are
-// met at 3 Hz. Nodes that are held, and pieces of the body that no bone holds, get springs of their own, which `notes`
-// tells of.
+// Stiffness is that of the tissues, by their shares, over the softness. For a body n times larger than a person it is
+// n^2 times as high. Damping ratios are met at 3 Hz. Nodes that are held, and pieces of the body that no bone holds,
+// get springs of their own. `notes` reports such pieces.
 JiggleSystem make_jiggle_system(const JiggleSettings& settings, const JiggleFields& fields, const Skeleton& skeleton,
                                 const TetMesh& mesh, const JiggleAnatomy& anatomy, const Materials& materials,
                                 std::vector<std::string>& notes);
@@ -53,23 +52,23 @@ SparseMatrix jiggle_matrix(const TetMesh& mesh, const JiggleSystem& system, cons
 // Error(usage) where its frames a second or substeps are not above 0.
 JiggleTable make_jiggle_table(const TetMesh& mesh, const JiggleSystem& system, JiggleStep step);
 
-// The springs of active muscles: every node is of the muscle that has the largest share of it, if the strain table or a
-// control knows it. tension: Hz.
+// Sets the springs of active muscles. Every node belongs to the muscle with the largest share of it. It has a spring if
+// the strain table or a control knows that muscle. tension: Hz.
 void set_muscles(const JiggleAnatomy& anatomy, const std::vector<Muscle>& muscles, const Basis& basis, double tension,
                  std::vector<JiggleNode>& nodes);
 
-// What keeps thin tips, and parts that no bone is in, from swinging slower than flesh does.
+// Keeps thin tips, and parts that no bone is in, from swinging slower than flesh does.
 
-// Tissue is linear: what swings slowly, goes far, a tip of 1 Hz a quarter of a metre under 1 g, and still further while
-// a clip lasts. Every node's give, metres under 1 m/s^2 along the axis that it gives way most to, is 1 / w^2 of the
-// part that swings there (Rayleigh's quotient of its static shape). Where a part is slower than `lowest` /
-// sqrt(softness) hertz, its nodes get springs of their own (N/m in system.springs), by which it is not, up to a tenth;
+// Tissue is linear, so parts that swing slowly go far. A tip of 1 Hz moves a quarter of a metre under 1 g, and more
+// while a clip lasts. A node's give is its displacement under 1 m/s^2, metres, along its softest axis. It is 1 / w^2 of
+// the part that swings there (Rayleigh's quotient of the static shape). Nodes of parts slower than `lowest` /
+// sqrt(softness) hertz get springs of their own (N/m in system.springs), which raise that frequency to within a tenth.
 // `notes` names joints whose tissue this held, and how slow it was. lowest: Hz, 0: nothing is held. softness: N. Throws
 // Error(mismatch) where tets are too flat to compute with.
 void hold_slow_parts(double lowest, const Eigen::VectorXd& softness, const Skeleton& skeleton, const TetMesh& mesh,
                      const JiggleAnatomy& anatomy, JiggleSystem& system, std::vector<std::string>& notes);
 
-// What diffuse and jiggle do in a frame.
+// Measures what diffuse and jiggle do in a frame.
 
 struct Dynamics;
 struct NodeMotion;

@@ -25,8 +25,8 @@ SparseMatrix laplacian_of(const TetMesh& mesh) {
   return tet_laplacian(mesh, std::vector<double>(static_cast<std::size_t>(mesh.tets.rows()), 1));
 }
 
-// Of the body's volume: what is larger is no end of a limb, though no joint comes after it (half a worm). A person's
-// head is a fourteenth.
+// A share of the body's volume. A larger part is no end of a limb, though no joint comes after it (half a worm). A
+// person's head is a fourteenth.
 constexpr double kLargestEnd = 1.0 / 8;
 
 // Joints that move skin, with such above them and none below.
@@ -74,7 +74,7 @@ std::vector<std::size_t> matches(const std::vector<std::string>& names, const Ji
               "', which is not there; there are ", list_names(names), ": misspelt, or made for another character?");
 }
 
-// Of joints, muscles or painted regions, whichever the region is of.
+// Returns the joints, muscles or painted regions that the region names.
 std::vector<std::size_t> named_by(const JiggleRegion& region, const Character& character,
                                   const std::vector<Muscle>& muscles, const std::vector<RegionWeights>& painted,
                                   const JiggleSettings& settings) {

@@ -20,11 +20,11 @@ struct DiffuseTable;
 // tets, split, and its inner part inverted. Throws Error(mismatch) where that is singular.
 DiffuseTable make_diffuse_table(const TetMesh& mesh, Eigen::Index surface_count);
 
-// The same in double precision, for columns of values: surface_count x any -> N x the same.
+// Diffuses columns of values in double precision: surface_count x any -> N x the same.
 using NodeValues = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 NodeValues diffuse(const TetMesh& mesh, const NodeValues& on_surface);
 
-// What of a body its tetrahedra are: bones, muscles, parts that go with joints.
+// The parts of a body that tetrahedra belong to: bones, muscles, parts that move with joints.
 struct JiggleAnatomy {
   TetTissue tissue;
   SparseMatrix bone_springs;     // N x N, N/m
@@ -33,7 +33,7 @@ struct JiggleAnatomy {
   Eigen::MatrixXd muscle_share;  // N x M: the part of a node's tissue that each muscle is
 };
 
-// As simulation finds them in a cage. field: of the character and its muscles, of which there are so many.
+// Finds them in a cage as simulation does. field: of the character and its `muscle_count` muscles.
 JiggleAnatomy find_anatomy(const Character& character, const AnatomyField& field, std::size_t muscle_count,
                            const Cage& cage, const Materials& materials);
 
@@ -47,18 +47,16 @@ struct JiggleFields {
 void require_names(const JiggleSettings& settings, const Character& character, const std::vector<Muscle>& muscles,
                    const std::vector<RegionWeights>& painted);
 
-// Where a region of the settings is: joints by their weights, muscles by their share of the tissue, painted regions of
-// the skin by their weights, carried inwards as diffuse carries positions. Softness and flesh are blended by their
-// logarithms.
+// Joints spread by their weights, muscles by their share of the tissue, painted regions by their weights on the skin.
+// Diffuse takes those inwards as it does positions. Softness and flesh are blended by their logarithms.
 // Flesh that the settings leave open is a share of the body's extent, where it is thin of its thickness.
 // Throws as require_possible and require_names.
 JiggleFields spread_settings(const JiggleSettings& settings, const Character& character,
                              const std::vector<Muscle>& muscles, const std::vector<RegionWeights>& painted,
                              const DynamicsTets& tets, const JiggleAnatomy& anatomy);
 
-// The settings to edit, which spread as the given ones do: where those leave the flesh open, joints whose tissue is
-// thin and that no region gives flesh have a region with a factor of 1, before the regions that were given. Comments
-// say what was chosen, in metres.
+// Returns settings to edit, which spread as the given ones do. Where those leave the flesh open, joints of thin tissue
+// get regions with a factor of 1, unless a region gives them flesh. These come first; comments give the choice, metres.
 JiggleSettings chosen_settings(const JiggleSettings& settings, const JiggleFields& fields, const Character& character,
                                const JiggleAnatomy& anatomy);
 

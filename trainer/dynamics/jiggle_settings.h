@@ -1,4 +1,4 @@
-// What an artist says of how tissue jiggles.
+// An artist's settings for how tissue jiggles.
 #pragma once
 
 #include <filesystem>
@@ -20,19 +20,19 @@ struct JiggleRegion {
   std::string comment{};                 // for who edits the file
 };
 
-// Of the longest extent of the skin at rest: 5 cm of a person of 1.8 m.
+// A share of the longest extent of the skin at rest: 5 cm of a person of 1.8 m.
 constexpr double kFleshOfSize = 0.028;
-// Of the body's thickness there: the inner half of ears, snouts, tails, toes and fingers is held as bone is.
+// A share of the body's thickness: the inner half of ears, snouts, tails, toes and fingers is held as bone is.
 constexpr double kFleshOfThickness = 0.25;
-// Of what it would be otherwise, where a limb ends (heads, hands, feet): little lies between skin and bone there.
+// A factor where a limb ends (heads, hands, feet): little lies between skin and bone there.
 constexpr double kFleshOfEnds = 0.1;
 
 struct JiggleSettings {
   double softness = 1;   // divides the stiffness of tissue
   double damping = 0.2;  // damping ratio at 3 Hz
   double amount = 1;     // what the skin takes of the motion; 0: held still
-  // Metres under the skin that move; what is deeper is held. 0: kFleshOfSize x the body, kFleshOfThickness x what is
-  // thin, kFleshOfEnds of that where a limb ends.
+  // Metres under the skin that move; deeper tissue is held. 0: kFleshOfSize x the body's extent, kFleshOfThickness x
+  // the thickness where it is thin. Where a limb ends it is kFleshOfEnds x that.
   double flesh = 0;
   double lowest_frequency = 4;  // Hz over the root of the softness: no part swings slower
   double limit = 1.0 / 3;       // of the body's thickness where it is: no displacement of the skin reaches it
@@ -49,9 +49,9 @@ void require_possible(const JiggleSettings& settings);
 
 // jiggle.json (docs/formats.md). What the file leaves out keeps its default. Throws Error(file).
 JiggleSettings read_jiggle(const std::filesystem::path& path);
-// Of what such a file holds. Throws Error(file) that names `origin`.
+// Reads the settings from what such a file holds. Throws Error(file) that names `origin`.
 JiggleSettings jiggle_settings(const Json& json, const std::filesystem::path& origin);
-// What read_jiggle() reads as these settings.
+// Returns what read_jiggle() reads as these settings.
 Json jiggle_json(const JiggleSettings& settings);
 
 }  // namespace bodyopt

@@ -8,7 +8,7 @@
 
 namespace bodyopt::vulkan {
 
-// Those of a device are shared.
+// All instances on a device share its kernels.
 struct AttachKernels {
   explicit AttachKernels(const Device& device) : output_stretch(device), output_anchor(device), output_attach(device) {}
 
@@ -17,15 +17,15 @@ struct AttachKernels {
   OutputAttach output_attach;
 };
 
-// Of one instance: the tables, and what is found of so many frames on the way.
+// Holds the tables of one instance, and intermediate results of `most_frames` frames.
 class AttachedMeshes {
  public:
-  // Where a mesh goes, and how it stands there.
+  // The buffer that a mesh goes to, and its layout there.
   struct Target {
     BufferRange range;
     std::uint32_t mesh, first_word, element_words, frame_words;
   };
-  // Of the skin that they follow, on the device: positions F x V x 3, skinning F x J x 12, origins F x 4.
+  // The skin that they follow, on the device: positions F x V x 3, skinning F x J x 12, origins F x 4.
   struct Skin {
     BufferRange positions, skinning, origins;
     std::uint32_t vertex_count, joint_count;

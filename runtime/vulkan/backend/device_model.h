@@ -1,4 +1,4 @@
-// What of a character is on a device once, however many instances evaluate it there: tables and pipelines.
+// Tables and pipelines of a character, which are on a device once, however many instances evaluate it there.
 #pragma once
 
 #include <memory>
@@ -87,7 +87,7 @@ struct SkinTables {
   Buffer output_vertex;
 };
 
-// Those of a device are shared.
+// All models on a device share its kernels.
 struct SkinKernels {
   explicit SkinKernels(const Device& device);
 
@@ -139,11 +139,11 @@ class DeviceModel {
     const DynamicsKernels& kernels;
   };
 
-  // Uploads the basis. Throws Error(device) when the tables do not fit the device. What kernels read block by block may
-  // be larger than a binding can be; what they read here and there may not, and is named; so is
-  // what kernels run more threads over than the device starts at once.
+  // Uploads the basis. Throws Error(device) when the tables do not fit the device. Tables that kernels read block by
+  // block may be larger than a binding can be. The error names a table that is read here and there and is larger, or
+  // whose threads are more than the device starts at once.
   DeviceModel(std::shared_ptr<const Device> device, std::shared_ptr<const CharacterModel> model);
-  // For a device whose bindings see less than that one's.
+  // Treats the device as one whose bindings are limited further.
   DeviceModel(std::shared_ptr<const Device> device, std::shared_ptr<const CharacterModel> model,
               const DeviceInfo& limits);
 

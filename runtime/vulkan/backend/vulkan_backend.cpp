@@ -1,6 +1,6 @@
-// A Vulkan device as a backend: tables uploaded once; one command buffer per batch. That of the quasi-static skin is
-// recorded when the number of frames changes and submitted again otherwise; batches that jiggle are each a plan of
-// their own.
+// A Vulkan device as a backend: tables uploaded once; one command buffer per batch. For the quasi-static skin it is
+// recorded when the number of frames changes, and submitted again otherwise. Every batch that jiggles is recorded
+// according to a plan of its own.
 #include "runtime/vulkan/backend/vulkan_backend.h"
 
 #include <algorithm>
@@ -61,18 +61,18 @@ struct BatchBuffers {
         staging_in(device, records ? 0 : total(inputs()), Memory::staging, "staging"),
         staging_out(device, records ? 0 : total(outputs()), Memory::staging, "staging") {}
 
-  // What a batch brings, in this order.
+  // The inputs of a batch, in the order in which they are staged.
   std::array<const Values*, 7> inputs() const {
     return {&skinning, &origins, &joint_features, &controls, &fades, &modifiers, &learned_skinning};
   }
   static std::array<std::span<const float>, 7> inputs_of(const Batch& b) {
     return {b.skinning, b.origins, b.joint_features, b.controls, b.fades, b.modifiers, b.learned_skinning};
   }
-  // What a batch gives at most.
+  // All outputs that a batch can have.
   std::array<const Values*, 7> outputs() const {
     return {&positions, &normals, &tangents, &positions, &strains, &excess, &coefficients};
   }
-  // Of the pose before modifiers turned joints.
+  // Strains are of the pose before modifiers turned joints.
   const Buffer& skinning_of_strains() const {
     return learned_skinning.bytes > 0 ? learned_skinning.buffer : skinning.buffer;
   }
@@ -146,7 +146,7 @@ class VulkanBackend final : public Backend, private SplitRun {
   }
 
   void set_motion(const NodeMotion& motion) override {
-    if (failed_) return;  // so that what failed is what is told
+    if (failed_) return;  // so that the first failure is the one reported
     dynamics_->set_motion(motion);
     forget_recorded_buffers();  // of the motion before
   }
@@ -282,7 +282,7 @@ class VulkanBackend final : public Backend, private SplitRun {
         frames);
   }
 
-  // What modifiers do that move the skin in the end.
+  // Records the modifiers that move the posed skin.
   void record_finish(std::uint32_t frames) {
     const Buffer* unfinished = nullptr;
     for (const OutputStep& step : output_steps_) {
@@ -322,7 +322,7 @@ class VulkanBackend final : public Backend, private SplitRun {
 
   std::uint32_t output_count() const { return model_->model().basis.mesh.output_count(); }
 
-  // From now on for the host, as many frames at a time: what an earlier recording uses is never let go of.
+  // From now on it records for the host, `most_frames` at a time. Buffers of an earlier recording are never freed.
   void become_recorder(std::uint32_t most_frames) {
     if (records_) return;
     records_ = true;
@@ -340,7 +340,7 @@ class VulkanBackend final : public Backend, private SplitRun {
     }
   }
 
-  // What of the host's buffer is bound, from where the device can bind it, and where in it an output begins.
+  // The part of the host's buffer to bind, which begins at the device's alignment, and where an output begins in it.
   struct HostRange {
     BufferRange range;
     std::uint32_t first_word, element_words, frame_words;
@@ -468,7 +468,7 @@ class VulkanBackend final : public Backend, private SplitRun {
                         counts_.components, frames);
   }
 
-  // What goes to the host, in this order.
+  // The outputs that go to the host, in the order in which they are staged.
   struct Download {
     BufferRange from;
     std::vector<float> BatchResult::*to;
@@ -514,7 +514,7 @@ class VulkanBackend final : public Backend, private SplitRun {
     const std::vector<Download> wanted = downloads();
     for (const auto skin :
          {&BatchResult::positions, &BatchResult::normals, &BatchResult::tangents, &BatchResult::posed}) {
-      // What is wanted again keeps its length: to clear it would be to write zeros first.
+      // An output that is wanted again keeps its length: to clear it would be to write zeros first.
       if (std::ranges::find(wanted, skin, &Download::to) == wanted.end()) (result_.*skin).clear();
     }
     const std::byte* from = buffers_->staging_out.mapped();

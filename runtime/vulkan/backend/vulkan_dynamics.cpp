@@ -11,7 +11,7 @@ namespace {
 // Solves of a batch where no frame is left out: an interrupted shot ends soon.
 constexpr std::uint32_t kBatchSolves = 128;
 
-// In the order of kMotionDisplacement and the like.
+// The parts are in the order of kMotionDisplacement and the like.
 constexpr std::vector<float> NodeMotion::*kMotionParts[] = {&NodeMotion::displacement, &NodeMotion::velocity,
                                                             &NodeMotion::nodes, &NodeMotion::node_velocity};
 

@@ -14,7 +14,7 @@ namespace bodyopt::vulkan {
 
 class VulkanDynamics {
  public:
-  // What stages before leave on the device of a batch.
+  // Results of earlier stages of a batch, on the device.
   struct Inputs {
     BufferRange positions;  // F x V x 3, of the quasi-static skin
     BufferRange origins;    // F x 4
@@ -50,7 +50,7 @@ class VulkanDynamics {
     Buffer gathered, results;  // of the solve
   };
 
-  // In the nodes' frames.
+  // The motion in the nodes' frames.
   struct Local {
     Local(const Device& device, std::uint64_t numbers);
 

@@ -40,7 +40,7 @@ std::vector<std::uint32_t> fans_of(const MeshTable& mesh) {
   return fans;
 }
 
-// Where the fans of every block of vertices begin, and the end.
+// Returns where the fans of every block of vertices begin, and the end.
 std::vector<std::uint32_t> block_begin(const MeshTable& mesh) {
   const std::uint32_t vertices = mesh.vertex_count();
   std::vector<std::uint32_t> begin;

@@ -46,8 +46,8 @@ struct DdmBuffers {
   std::vector<BlockWindow> windows;
 };
 
-// The fan of every vertex on the device: the triangles around it, one vertex after the other, so that a window of
-// vertices sees a range of them.
+// The fan of every vertex on the device: the triangles around it. Fans are in the order of the vertices, so that a
+// window of vertices sees a range of them.
 struct FanBuffers {
   // `limits`: as of block_windows. Throws Error(device).
   FanBuffers(Uploads& uploads, const MeshTable& mesh, const DeviceInfo& limits);

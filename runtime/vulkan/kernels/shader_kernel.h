@@ -1,6 +1,6 @@
-// A kernel by its shader: what it binds, what it is pushed and over how many threads it runs is read from
-// shaders/kernels/<name>.comp when CMake configures (cmake/Kernel.cmake), and written to kernels.h in the build folder
-// as one ShaderKernel for each: PoseSkin for pose_skin.comp.
+// A kernel by its shader. When CMake configures, cmake/Kernel.cmake reads bindings, push constants and the number of
+// threads from shaders/kernels/<name>.comp. It writes one ShaderKernel for each to kernels.h in the build folder:
+// PoseSkin for pose_skin.comp.
 #pragma once
 
 #include <optional>
@@ -10,9 +10,9 @@
 
 namespace bodyopt::vulkan {
 
-// `Shader`: Buffers (a BufferRange for each binding, by its name in the shader), Push, threads(push), ranges(buffers),
-// written (a bit for each binding that is written), takes_frames (an invocation takes kFrames of them, a constant of
-// the shader, from push.first_frame on) and spirv().
+// `Shader` has Buffers (a BufferRange for each binding, by its name in the shader), Push, threads(push), spirv() and
+// ranges(buffers). Its `written` has a bit for each binding that is written. With takes_frames, an invocation takes
+// kFrames frames from push.first_frame on; kFrames is a constant of the shader.
 template <typename Shader>
 class ShaderKernel {
  public:

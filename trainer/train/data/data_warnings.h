@@ -1,4 +1,4 @@
-// What training has to say of its data, one sentence each, for the user.
+// Warnings of training about its data, one sentence each, for the user.
 #pragma once
 
 #include <Eigen/Core>
@@ -29,13 +29,13 @@ struct Contradiction {
   std::string region;
 };
 
-// The pairs whose shapes differ in the region by more than could be due to their pose: 1/900 of the character's `size`
-// (2 mm of 1.8 m), and 5 % of `motion`: how the region moves, metres, root mean square over its vertices and all
-// frames. `displacements`: of the frames that the pairs name, those of the region's vertices numbered as its own are.
+// Returns pairs whose shapes differ in the region by more than their pose explains. That is 1/900 of the character's
+// `size` (2 mm of 1.8 m) or, if more, 5 % of `motion`. `motion`: metres, RMS over the region's vertices and all frames.
+// `displacements`: of the frames that the pairs name, those of the region's vertices numbered as its own are.
 std::vector<Contradiction> contradictions(const std::vector<FramePair>& pairs, const Displacements& displacements,
                                           const RegionWeights& region, double size, double motion);
 
-// Of all regions; a pair of frames may be among them several times.
+// `contradictions`: of all regions; a pair of frames may be among them several times.
 std::vector<std::string> contradiction_warnings(const SampleSet& set, std::vector<Contradiction> contradictions);
 
 // Vertices are named as the character's file numbers them. `order`: welded vertex of each runtime vertex.

@@ -26,8 +26,8 @@ struct ShapeCache {
 // Welded vertices, of a skin whose others are left out.
 using VertexRows = std::vector<std::uint32_t>;
 
-// The shape of one frame, fetched when it is needed: in memory, a sample of a cache, or a frame of a dataset through
-// its modifiers; of the whole skin or of some of its vertices.
+// The shape of one frame, of the whole skin or of some of its vertices, fetched when it is needed. It is in memory, a
+// sample of a cache, or a frame of a dataset through its modifiers.
 class SampleShape {
  public:
   SampleShape() = default;
@@ -36,7 +36,7 @@ class SampleShape {
       : cache_(std::move(cache)), sample_(sample) {}
   SampleShape(std::shared_ptr<const ShapeStack> stack, std::size_t frame) : stack_(std::move(stack)), frame_(frame) {}
 
-  // The same shape at some of the vertices, in that order.
+  // Returns this shape at some of the vertices, in that order.
   SampleShape at(std::shared_ptr<const VertexRows> rows) const;
 
   // Welded, V x 3, posed, metres. Throws Error(file) at a damaged sample.
@@ -53,7 +53,7 @@ class SampleShape {
   std::size_t frame_ = 0;
 };
 
-// Of so few training frames more is tried, with more care, and bytes are no matter: see choose_map.
+// Up to so many training frames, more is tried, with more care, and bytes do not matter: see choose_map.
 constexpr std::size_t kFewFrames = 800;
 
 // One training or held-out frame.

@@ -56,7 +56,7 @@ struct Neighbourhood {
   std::uint32_t column;
   std::vector<std::uint32_t> neighbours;
 
-  // From the mean of the neighbours' displacements: quick, and large beside an outlier, too.
+  // Measures from the mean of the neighbours' displacements: quick, and large beside an outlier, too.
   float roughly_apart(const Displacements& displacements, Index frame) const {
     Vector3f sum = Vector3f::Zero();
     for (const std::uint32_t other : neighbours) sum += displacement(displacements, frame, other);
@@ -96,7 +96,7 @@ struct Neighbourhood {
   }
 };
 
-// Of every vertex with enough neighbours, all of them among `vertices`.
+// Returns those of every vertex with enough neighbours, all of them among `vertices`.
 std::vector<Neighbourhood> neighbourhoods_among(const std::vector<std::vector<std::uint32_t>>& neighbours,
                                                 std::span<const std::uint32_t> vertices) {
   constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();

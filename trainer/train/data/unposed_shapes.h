@@ -22,9 +22,9 @@ struct OutlierVertex {
   double distance = 0;       // metres, between its displacement and that of its neighbours
 };
 
-// Tells a vertex that flew away from a skin that folds: what its neighbours do is their median displacement, and an
-// outlier is further from it than the neighbours are from each other, than this vertex is in other frames, and than
-// the skin's details are wide.
+// Distinguishes a vertex that flew away from a skin that folds. What its neighbours do is their median displacement. An
+// outlier is further from it than the neighbours are from each other, and than this vertex is in other frames. It is
+// further, too, than the skin's details are wide.
 class OutlierVertices {
  public:
   // `character`: in runtime order.

@@ -21,7 +21,7 @@ using Eigen::Index;
 
 // Cross-validation: blocks of consecutive frames, dealt to folds.
 constexpr int kFolds = 5, kLongestRun = 20;
-// Components that coordinates are chosen by where frames are few: with as many as the map gives (32) there were too few
+// Components that coordinates are chosen by where frames are few. With as many as the map gives (32) there were too few
 // coordinates for the poses of a range of motion.
 constexpr int kMotionOfFewFrames = 128;
 
@@ -31,7 +31,7 @@ struct SkinPart {
   std::vector<std::uint32_t> vertices;
 };
 
-// As few parts as leave half the memory free while the displacements of one are in it.
+// Returns as few parts as leave half the memory free while the displacements of one are in it.
 std::vector<SkinPart> parts_that_fit(const FitContext& context, const std::vector<std::size_t>& regions,
                                      std::size_t frames) {
   const double bytes = 3 * sizeof(float) * static_cast<double>(frames);
@@ -85,7 +85,7 @@ class PartFrames {
     return outliers;
   }
 
-  // Of pairs whose frames are among these.
+  // Returns contradictions among pairs whose frames are among these.
   std::vector<Contradiction> contradictions_of(std::size_t r, const std::vector<FramePair>& pairs,
                                                const Components& components) const {
     const auto row = [&](std::size_t frame) {
@@ -128,8 +128,8 @@ void normalise(RegionModel& model) {
   }
 }
 
-// Features and regression are chosen before the columns are scaled: until then the error of a coefficient is the error
-// of positions, weighted by the region.
+// Chooses features and regression before the columns are scaled. Until then the error of a coefficient is the error of
+// positions, weighted by the region.
 RegionModel fit_region(const FitContext& context, std::size_t r, const PartFrames& frames) {
   const TrainOptions& options = context.options;
   const FeatureSamples& features = context.ground.features;
@@ -156,7 +156,7 @@ std::string part_name(std::size_t part, std::size_t count) {
   return count > 1 ? ", part " + std::to_string(part + 1) + " of " + std::to_string(count) : "";
 }
 
-// Where the frames of an earlier training are now, and which are new.
+// Maps the frames of an earlier training to those of now, and knows which are new.
 class FrameMap {
  public:
   FrameMap(const std::vector<int>& earlier, std::size_t earlier_count)
@@ -171,7 +171,7 @@ class FrameMap {
   // Pairs of earlier frames were looked at then. Without the first frame of its pose another pair is made of the rest.
   bool is_new(const FramePair& pair) const { return lost_some() || is_new(pair.first) || is_new(pair.second); }
 
-  // Those that are still there, as they are numbered now.
+  // Returns outliers of frames that are still there, as these are numbered now.
   std::vector<OutlierVertex> carried(const std::vector<OutlierVertex>& outliers) const {
     std::vector<OutlierVertex> carried;
     for (const OutlierVertex& outlier : outliers) {
@@ -265,7 +265,7 @@ RegionModel updated(const FitContext& context, RegionModel model, Components all
   return model;
 }
 
-// What was found of the frames that are still there, and what is found of the new ones.
+// Keeps the problems of frames that are still there, and adds those of new ones.
 void carry_data_problems(const PartFrames& unposed, std::size_t region, const std::vector<FramePair>& new_pairs,
                          const FrameMap& map, RegionModel& model) {
   model.outliers = map.carried(model.outliers);

@@ -45,7 +45,7 @@ ErrorModel error_model(const RegionModel& region, const SelectedRegion& selected
                    {energy.begin(), energy.end()});
 }
 
-// What coverage needs to know of the regions that are kept. `packed`: those of the model.
+// Returns the coverage table of the regions that are kept. `packed`: those of the model.
 CoverageTable region_coverage(const Character& character, const ResidualModel& model,
                               const std::vector<std::size_t>& packed, const FeatureSamples& features,
                               const Selection& selection, const std::vector<int>& takes) {
@@ -144,7 +144,7 @@ std::vector<std::string> warnings_of(const SampleSet& set, const Groundwork& gro
   return warnings;
 }
 
-// What is worth its bytes, and all that the basis says of itself.
+// Packs what is worth its bytes, and all that the basis says of itself.
 TrainingResult packed_result(const SampleSet& set, const TrainOptions& options, Groundwork& ground,
                              const ResidualModel& model) {
   TrainingResult result;

@@ -1,4 +1,4 @@
-// From a dataset to a basis.
+// Trains a basis from a dataset.
 #pragma once
 
 #include <string>
@@ -24,13 +24,13 @@ struct RegionFit {
   double validation_rms_mm = 0;  // of that what cross-validation left
 };
 
-// Of the un-posed motion what a muscle's strains explain beyond the features chosen before them.
+// The share of un-posed motion that a muscle's strains explain beyond the features chosen before them.
 struct MuscleShare {
   std::string name;
   double percent = 0;  // 0: no region listens to it
 };
 
-// What a training found.
+// The results of a training.
 struct TrainingResult {
   Basis basis;                         // its metadata tell most of the rest, for who reads the file
   std::vector<RegionWeights> regions;  // as training_regions()
@@ -39,7 +39,7 @@ struct TrainingResult {
   std::vector<MuscleShare> muscles;    // by name
   double expected_mm = 0;              // see expected_error
   double smoothing_radius = 0;         // of Direct Delta Mush, metres
-  // For the user, one sentence each. Of the data: shapes that contradict each other, outliers, controls that
+  // Warnings about the data for the user, one sentence each: shapes that contradict each other, outliers, controls that
   // never change, too few frames.
   std::vector<std::string> warnings;
   std::vector<std::string> notes;  // of an update

@@ -44,8 +44,8 @@ void add(ContentHash& hash, const std::vector<Muscle>& muscles) {
   }
 }
 
-// All but what only the choice of entries depends on, what changes no result, and the smoothing radius: that is kept
-// beside it, whoever chose it.
+// Hashes options, but for those that only the choice of entries depends on or that change no result. The smoothing
+// radius is kept beside the hash, whoever chose it.
 void add(ContentHash& hash, const TrainOptions& options) {
   hash.add(0.0);  // for the radius, as earlier versions did where training chose it
   for (const int option :
@@ -80,7 +80,7 @@ std::uint64_t frame_key(const SampleSet& set, const Sample& sample) {
   return hash.value();
 }
 
-// What one record of a list is stored as a row of; a key of 64 bits as halves.
+// The type of number that a record of a list is a row of when stored; a key of 64 bits is two halves.
 template <typename Record>
 struct NumberOf {
   using Type = Record;
@@ -109,7 +109,7 @@ class KeptFileWriter {
     using Number = typename NumberOf<Record>::Type;
     put<Number>(name, values.data(), {values.size() * (sizeof(Record) / sizeof(Number))});
   }
-  // In the order in which they lie in memory.
+  // Stores the values in the order in which they lie in memory.
   template <typename Matrix>
   void operator()(const std::string& name, const Eigen::PlainObjectBase<Matrix>& values) {
     put<typename Matrix::Scalar>(

@@ -47,22 +47,22 @@ struct ResidualModel {
   FadeTable fade{};        // of all regions; empty: nothing fades
 };
 
-// Those of the training frames that cross-validation held out: all but guard frames.
+// Returns the training frames that cross-validation held out: all but guard frames.
 std::vector<Eigen::Index> heldout_frames(const ResidualModel& model);
 
-// What a region's regression learns from, in its coordinates. `features`: of all training frames, `folds` and `weights`
+// Returns data for a region's regression, in its coordinates. `features`: of all training frames, `folds` and `weights`
 // as RegressionData has them.
 RegressionData regression_data(const FeatureSamples& features, const RegionModel& region, const std::vector<int>& folds,
                                const Eigen::VectorXd& weights = {});
 
-// What is kept of one region.
+// The parts that are kept of one region.
 struct SelectedRegion {
   std::size_t fit = 0;
   std::vector<std::vector<std::uint32_t>> blocks;  // of each component those with an entry, ascending; empty: nothing
   std::vector<std::vector<std::uint32_t>> fine;    // of those, the ones whose rounding has an entry, too
 };
 
-// Of every region of a model.
+// The selection for every region of a model.
 using Selection = std::vector<SelectedRegion>;
 
 struct PackedResidual {
@@ -70,7 +70,7 @@ struct PackedResidual {
   std::vector<std::size_t> regions;  // of the model: those of which anything is kept
 };
 
-// What is left of a component's vectors in each of its blocks, once rounded to 8 bits: the sum of the squared lengths.
+// The remainder of a component's vectors in a block, once rounded to 8 bits: the sum of the squared lengths.
 struct BlockRounding {
   std::uint32_t block;
   double left;

@@ -23,7 +23,7 @@ class NearSmoother {
   NearSmoother(Eigen::VectorXd areas, const Eigen::SparseMatrix<double>& laplacian, int steps);
 
   bool is_solvable() const { return is_solvable_; }
-  // On any thread.
+  // May be called on any thread.
   TenColumns operator()(const TenColumns& from) const;
 
  private:
