@@ -228,7 +228,8 @@ void PictureTaking::go_on() {
     session_.controls.attempt([&] {
       series_->finish();
       session_.controls.say("stopped after " + std::to_string(series_->made()) + " of " +
-                            std::to_string(series_->count()) + " pictures");
+                            std::to_string(series_->count()) + " pictures" +
+                            (series_->is_one_file() ? ": nothing is written" : ""));
     });
   } else {
     session_.controls.attempt([&] { goes_on = series_->make_next([this] { return draw_playblast(); }); });

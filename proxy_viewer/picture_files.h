@@ -71,6 +71,7 @@ class PictureSeries {
   void finish();
   std::size_t made() const { return made_; }
   std::size_t count() const { return plan_.count; }
+  bool is_one_file() const { return animation_ || movie_; }  // which is there when the last picture is
 
  private:
   void write(Image picture, std::filesystem::path file);

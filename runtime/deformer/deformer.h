@@ -74,7 +74,7 @@ class Deformer {
   Evaluation jiggle(std::span<const Pose> poses, std::span<const int> frames);
 
   // Records frames into a command buffer of the host program; see Backend::record. `frames`: a number of each pose
-  // where they jiggle. Callers keep to most_frames of the first recording. Throws Error(usage) above batch_limit().
+  // where they jiggle. Throws Error(usage) above batch_limit(), and above most_frames of the first recording.
   void record(std::span<const Pose> poses, std::optional<std::span<const int>> frames,
               const vulkan::Recording& recording);
   void forget_recorded_buffers();

@@ -100,7 +100,7 @@ TEST_F(MovieFileTest, EscapeLeavesNothing) {
   viewport->turn(PlayedViewport::stroke("Escape"), PlayedViewport::kTurn);
   viewport->rest();
   ASSERT_FALSE(viewport->controls().messages.empty());
-  EXPECT_NE(viewport->controls().messages.back().text.find("stopped after"), std::string::npos);
+  EXPECT_NE(viewport->controls().messages.back().text.find("pictures: nothing is written"), std::string::npos);
   EXPECT_EQ(left_behind(), 1u);
 }
 

@@ -158,6 +158,10 @@ class VulkanBackend final : public Backend, private SplitRun {
 
   void record(const Batch& batch, const Recording& recording) override {
     refuse_failed();
+    if (batch.frame_count > (records_ ? buffers_->frames : recording.most_frames)) {
+      throw Error(ErrorKind::usage, "a recording of ", batch.frame_count, " frames is more than the ",
+                  records_ ? buffers_->frames : recording.most_frames, " that the first one made room for");
+    }
     failed_ = true;  // until this frame went well: the motion has gone on
     become_recorder(recording.most_frames);
     commands_->record_into(recording.commands);
