@@ -94,6 +94,33 @@ with open(f"{folder}/of_blender/dataset.json", "w") as file:
 bpy.ops.bodyopt.train(opens_report=False)
 assert mesh.bodyopt.basis == f"{folder}/of_blender/basis.safetensors"
 
+# A frame goes out, is sculpted by 10 mm, and comes back: opened again it is as it was sculpted. Undone, it is what it was.
+frame = dict(take="bulges", frame=40)
+refused(bpy.ops.bodyopt.keep_sculpt, "is no frame of a dataset")
+refused(lambda: bpy.ops.bodyopt.open_frame(take="none", frame=40), "none")
+shape_of = lambda obj: addon.points_of(obj)
+
+
+def opened():
+    bpy.ops.bodyopt.open_frame(**frame)
+    return bpy.context.view_layer.objects.active
+
+
+sculpted = opened()
+before = shape_of(sculpted)
+for vertex in sculpted.data.vertices:
+    away = (vertex.co - sculpted.data.vertices[0].co).length
+    vertex.co.z += 0.01 * max(0, 1 - (away / 0.1) ** 2)
+bpy.ops.bodyopt.keep_sculpt()
+after = opened()
+moved = numpy.linalg.norm(shape_of(after) - before, axis=1)
+print(f"sculpted: the frame is moved by {1e3 * moved.max():.3f} mm at most, where 10 were sculpted")
+assert abs(moved.max() - 0.01) < 1e-5 and numpy.abs(shape_of(after) - shape_of(sculpted)).max() < 1e-5
+subprocess.run([bodyopt, "curate", "undo", f"{folder}/of_blender"], check=True, capture_output=True)
+assert numpy.abs(shape_of(opened()) - before).max() < 1e-6
+for obj in [o for o in bpy.data.objects if "bodyopt_take" in o]:
+    bpy.data.meshes.remove(obj.data)
+
 # The same frames as files: the character's own, with the vertices in its order.
 shapes = []
 for frame in range(96):

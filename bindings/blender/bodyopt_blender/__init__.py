@@ -12,9 +12,9 @@ bl_info = {
 import bpy
 import numpy
 
-from . import bake, dataset, live, mark, panel
+from . import bake, dataset, live, mark, panel, sculpt
 
-CLASSES = panel.CLASSES + bake.CLASSES + dataset.CLASSES + mark.CLASSES
+CLASSES = panel.CLASSES + bake.CLASSES + dataset.CLASSES + sculpt.CLASSES + mark.CLASSES
 
 
 # Blender 3.4's glTF add-on, by which characters come and go, uses a name that Debian's NumPy 1.24 has dropped.

@@ -281,6 +281,9 @@ class BODYOPT_PT_dataset(bpy.types.Panel):
         layout = self.layout
         layout.prop(context.scene, "bodyopt_dataset")
         layout.operator("bodyopt.add_take")
+        row = layout.row(align=True)
+        row.operator("bodyopt.open_frame")
+        row.operator("bodyopt.keep_sculpt")
         if training and training.is_running():
             sentence(layout, context, training.said, "INFO")
             layout.operator("bodyopt.cancel", icon="CANCEL")
