@@ -1,6 +1,7 @@
 #include "assets/gltf_cameras.h"
 
 #include <algorithm>
+#include <set>
 
 #include "assets/clip_source.h"
 #include "assets/gltf_nodes.h"
@@ -9,15 +10,8 @@
 namespace bodyopt {
 namespace {
 
-// Returns `own`, or "camera" where it has no name, and a number if that is taken.
-std::string free_name(const std::vector<ClipCamera>& cameras, const std::string& own) {
-  const std::string wanted = own.empty() ? "camera" : own;
-  std::string name = wanted;
-  for (int k = 2; std::ranges::find(cameras, name, &ClipCamera::name) != cameras.end(); ++k) {
-    name = wanted + " " + std::to_string(k);
-  }
-  return name;
-}
+constexpr std::size_t kMost = 100;  // of a file
+constexpr double kFurthest = 1e5;   // metres from the origin
 
 // How it sees. Throws Error(file).
 ClipCamera lens_of(const JsonObject& camera, double unit) {
@@ -38,17 +32,26 @@ std::vector<ClipCamera> read_gltf_cameras(const GltfFile& file, double unit, std
   const std::vector<tinygltf::Node>& nodes = file.model().nodes;
   if (!file.look().contains("cameras")) return {};
   const JsonObject root(file.look(), file.path(), "the file");
+  const std::vector<JsonObject> all = root.objects("cameras");
   std::vector<ClipCamera> cameras;
   std::vector<std::size_t> places;  // their nodes
+  std::set<std::string> names;
   for (std::size_t n = 0; n < nodes.size(); ++n) {
     if (nodes[n].camera < 0) continue;
+    if (cameras.size() == kMost) {
+      notes.push_back("Only the first " + std::to_string(kMost) + " cameras are read.");
+      break;
+    }
     try {
       const auto index = static_cast<std::size_t>(nodes[n].camera);
-      const std::vector<JsonObject> all = root.objects("cameras");
       if (index >= all.size()) root.refuse("has no camera ", index, ", which a node is");
-      cameras.push_back(lens_of(all[index], unit));
-      const bool is_named = nodes[n].name.empty() && all[index].has("name");
-      cameras.back().name = free_name(cameras, is_named ? all[index].text("name") : nodes[n].name);
+      ClipCamera camera = lens_of(all[index], unit);
+      camera.name = !nodes[n].name.empty()   ? nodes[n].name
+                    : all[index].has("name") ? all[index].text("name")
+                                             : "camera";
+      const std::string own = camera.name;
+      for (int k = 2; !names.insert(camera.name).second; ++k) camera.name = own + " " + std::to_string(k);
+      cameras.push_back(std::move(camera));
       places.push_back(n);
     } catch (const Error& error) {
       notes.push_back(std::string("A camera is left out: ") + error.what() + ".");
@@ -56,7 +59,11 @@ std::vector<ClipCamera> read_gltf_cameras(const GltfFile& file, double unit, std
   }
   for (std::size_t k = 0; k < frames && !cameras.empty(); ++k) {
     const std::vector<Affine> world = world_at(k);
-    for (std::size_t c = 0; c < cameras.size(); ++c) cameras[c].places.push_back(world[places[c]]);
+    for (std::size_t c = 0; c < cameras.size(); ++c) {
+      Affine place = world[places[c]];
+      for (auto& row : place.m) row[3] = std::clamp(row[3], -kFurthest, kFurthest);
+      cameras[c].places.push_back(place);
+    }
   }
   return cameras;
 }

@@ -144,7 +144,8 @@ void Actor::read_materials(LevelPool& pool) {
   const bool is_guessed = files_.character.empty() && own != files_.basis;  // and may be of another
   if (is_guessed) return;
   std::ranges::copy(materials_->notes, std::back_inserter(notes_));
-  own_cameras_ = read_still_cameras(own, kept_unit(finest().basis()));
+  const double unit = kept_unit(finest().basis());  // 0: metres
+  own_cameras_ = read_still_cameras(own, unit > 0 ? unit : 1);
 }
 
 std::vector<ClipCamera> Actor::cameras() const {

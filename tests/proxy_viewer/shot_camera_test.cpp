@@ -228,5 +228,19 @@ TEST_F(ShotCameraTest, TheTimelineMarksItsKeys) {
   EXPECT_LT(marked(), of_three);
 }
 
+// A file in metres, as most are, says nothing of its unit.
+TEST_F(ShotCameraTest, OfACharactersOwnFileStandsWhereItsNodeDoes) {
+  GltfBlob blob = two_joint_square();
+  blob.root["nodes"].push_back({{"name", "close"}, {"translation", {0, 1, 5}}, {"camera", 0}});
+  blob.root["cameras"] = {{{"type", "perspective"}, {"perspective", {{"yfov", 0.7}, {"znear", 0.1}}}}};
+  put_bytes("filmed.glb", blob.glb());
+  ViewerOptions options = small();
+  options.files = {"filmed.glb"};
+  const auto viewport = open(options);
+  const std::vector<ClipCamera>& cameras = viewport->controls().file_cameras;
+  ASSERT_EQ(cameras.size(), 1u);
+  EXPECT_NEAR(length(cameras[0].places.at(0) * Vec3{0, 0, 0} - Vec3{0, 1, 5}), 0, 1e-6);
+}
+
 }  // namespace shot_camera_test
 }  // namespace bodyopt::testing
