@@ -153,14 +153,18 @@ ChildProgram::ChildProgram(const std::vector<std::string>& command) {
   if (problem == 0) return;
   close(input_);
   close(errors_);
-  if (problem == ENOENT) throw Error(ErrorKind::usage, command.front() + " is no program on PATH");
+  if (problem == ENOENT || problem == EACCES) throw Error(ErrorKind::usage, command.front() + " is no program on PATH");
   errno = problem;
   fail("cannot be made");
 }
 
 ChildProgram::~ChildProgram() {
-  if (process_ > 0) kill(process_, SIGKILL);
-  static_cast<void>(finish());
+  if (process_ > 0) {
+    kill(process_, SIGKILL);
+    int status = 0;
+    while (waitpid(process_, &status, 0) < 0 && errno == EINTR) continue;
+  }
+  if (input_ >= 0) close(input_);
   close(errors_);
 }
 
@@ -176,7 +180,7 @@ bool ChildProgram::write(std::span<const std::byte> bytes) {
 
 std::string ChildProgram::finish() {
   if (process_ < 0) return "";
-  close(input_);
+  close(std::exchange(input_, -1));
   const int status = wait_for(std::exchange(process_, -1));
   if (WIFEXITED(status) && WEXITSTATUS(status) == 0) return "";
   char said[2000];

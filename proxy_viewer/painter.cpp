@@ -106,7 +106,7 @@ void Painter::draw_panels_over(const PictureSize& size, double passed) {
   const PoseLibrary& poses = controls_.pose_library;
   if (std::exchange(shown_poses_, poses.version()) != poses.version()) gui_.fonts().show_pictures(poses.pictures());
   gui_.begin(width, height, passed, scale());
-  if (!makes_series_ && !brush_by_mouse(session_.brushing, area_, controls_)) {
+  if (!controls_.takes_series && !brush_by_mouse(session_.brushing, area_, controls_)) {
     steer_by_mouse(scene_, area_, height, controls_);
   }
   describe_turns(scene_, controls_, snapshot_);
@@ -143,7 +143,7 @@ void Painter::choose_heat() {
   } else if (const std::optional<float> error = errors_.curve().largest_p99()) {
     p99 = static_cast<double>(*error);
   }
-  controls_.automatic_heat_mm = heat_.choose(p99, controls_.playback.playing() || makes_series_);
+  controls_.automatic_heat_mm = heat_.choose(p99, controls_.playback.playing() || controls_.takes_series);
 }
 
 // While it plays, a level of detail that keeps up; but the finest, where what is looked at is of that alone. Of all but

@@ -47,7 +47,7 @@ class Painter {
   void show_loading(const std::string& file);
 
   // Pictures are being written one after the other: nothing else changes them.
-  void set_series(bool goes_on) { makes_series_ = goes_on; }
+  void set_series(bool goes_on) { controls_.takes_series = goes_on; }
   void forget_heat() { heat_ = {}; }
   bool hides_window() const { return gui_.hides_window(); }
   bool is_busy() const;  // playing, or the mouse holds something
@@ -74,8 +74,7 @@ class Painter {
   Gui gui_;
   HeatScale heat_;
   DetailChoice detail_;
-  Rectangle area_;  // of the characters in the last picture
-  bool makes_series_ = false;
+  Rectangle area_;                 // of the characters in the last picture
   std::uint64_t shown_poses_ = 0;  // version of the library whose pictures panels have
   bool drawn_ = false;             // the characters, in the last picture
   Clock::time_point last_picture_ = Clock::now();

@@ -150,15 +150,19 @@ bool PictureSeries::make_next(const DrawPicture& draw) {
 }
 
 void PictureSeries::finish() {
-  for (; !writers_.empty(); writers_.pop_front()) writers_.front().get();
+  while (!writers_.empty()) take_writer();
+}
+
+void PictureSeries::take_writer() {
+  std::future<void> writer = std::move(writers_.front());
+  writers_.pop_front();
+  writer.get();
 }
 
 void PictureSeries::write(Image picture, fs::path file) {
   writers_.push_back(std::async(std::launch::async,
                                 [picture = std::move(picture), file = std::move(file)] { write_png(picture, file); }));
-  if (writers_.size() <= thread_count()) return;
-  writers_.front().get();
-  writers_.pop_front();
+  if (writers_.size() > thread_count()) take_writer();
 }
 
 bool shows_motion(const std::string& pattern) {
@@ -173,7 +177,10 @@ std::unique_ptr<PictureSeries> frame_series(const std::string& pattern, double f
   const int shown = playback.frame(), first = moves ? playback.in() : shown, last = moves ? playback.out() : shown;
   return std::make_unique<PictureSeries>(
       PictureSeries::Plan{pattern, static_cast<std::size_t>(last - first + 1), first,
-                          [&playback, first](std::size_t k) { playback.scrub(first + static_cast<int>(k)); },
+                          [&controls, first, moves](std::size_t k) {
+                            controls.playback.scrub(first + static_cast<int>(k));
+                            if (moves) controls.shot_frame.reset();  // a view that was moved by hand is not the shot's
+                          },
                           [&playback, shown] { playback.scrub(shown); },  // the camera goes along again
                           flip_book ? 1e3 / fps / playback.speed() : 0},
       controls);
@@ -194,7 +201,7 @@ std::unique_ptr<PictureSeries> turntable_series(const std::string& pattern, Cont
 }
 
 void make_all(PictureSeries& series, const DrawPicture& draw) {
-  Progress progress("pictures", series.count(), kKept);
+  Progress progress("pictures", series.count(), series.is_one_file() ? "nothing is written" : kKept);
   while (series.make_next(draw)) progress.advance();
   progress.advance();
 }

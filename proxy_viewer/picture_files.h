@@ -75,6 +75,7 @@ class PictureSeries {
 
  private:
   void write(Image picture, std::filesystem::path file);
+  void take_writer();  // waits for the oldest
 
   const Plan plan_;
   const FrameSequenceName name_;

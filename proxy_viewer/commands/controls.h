@@ -197,6 +197,7 @@ struct Controls {
   bool flipped = false;           // while the key of "hold to flip" is down
   bool cheat_sheet = false;
   bool panels = true;
+  bool takes_series = false;               // pictures are taken one after the other: no handles are drawn
   bool headless = false;                   // nobody looks: what fails is thrown, and what is asked for is waited for
   bool prompt = false;                     // a command is being typed
   bool scripted = false;                   // a script runs: nobody is asked

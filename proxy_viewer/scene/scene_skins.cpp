@@ -171,7 +171,7 @@ void Scene::add_character(std::size_t index, std::span<const Pose> poses, const 
   }
   for (View& view : views) {
     if (s.look.skeleton) add_skeleton(character, poses[0], skin.offset, controls, view);
-    if (s.look.skeleton && &character == &lead()) add_rings(controls, skin.offset, view);
+    if (s.look.skeleton && &character == &lead() && !controls.takes_series) add_rings(controls, skin.offset, view);
     if (s.ghosts.trail && &character == &lead()) add_trails(controls, skin.offset, view);
     if (s.look.fibres) add_fibres(character, shown, skin.offset, view);
   }
