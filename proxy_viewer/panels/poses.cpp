@@ -17,7 +17,7 @@ constexpr float kWholePose = 160;  // points that the mouse goes for all of a po
 void take_pose(const PoseFile& file, Controls& controls) {
   PanelState& typed = controls.typed;
   if (ImGui::IsItemActivated()) typed.pose_before = controls.settings.pose;
-  if (!typed.pose_before) return;
+  if (!typed.pose_before || !(ImGui::IsItemActive() || ImGui::IsItemDeactivated())) return;
   const bool drags = ImGui::IsMouseDragging(0, 3) && ImGui::IsItemActive();
   if (drags)
     typed.pose_share = std::clamp(static_cast<double>(ImGui::GetMouseDragDelta(0, 3).x / kWholePose), 0.0, 1.0);
@@ -65,7 +65,8 @@ void draw_poses(const Snapshot&, Controls& controls) {
   for (const PoseFile& file : poses) {
     if (shown++ % kPosesInALine > 0) ImGui::SameLine();
     ImGui::PushID(file.path.c_str());
-    draw_pose_file(file, file.picture.width > 0 ? pictures++ : -1, width, controls);
+    const bool is_pictured = file.picture.width > 0 && pictures < static_cast<int>(PoseLibrary::kMostPictures);
+    draw_pose_file(file, is_pictured ? pictures++ : -1, width, controls);
     ImGui::PopID();
   }
   const float half = share_of_line(2);

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <chrono>
-#include <fstream>
 #include <iterator>
 #include <nlohmann/json.hpp>
 #include <span>
@@ -10,6 +9,7 @@
 #include <utility>
 
 #include "draw/image_decode.h"
+#include "runtime/basis/read_file.h"
 #include "runtime/core/error.h"
 #include "runtime/core/json.h"
 
@@ -21,10 +21,7 @@ namespace fs = std::filesystem;
 constexpr std::uintmax_t kLargestPose = 1 << 20;  // bytes: other JSON may be larger
 constexpr std::chrono::milliseconds kReads{50};
 
-std::string bytes_of(const fs::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), {}};
-}
+std::string bytes_of(const fs::path& path) { return read_file(path, kLargestPose, "a pose or its picture"); }
 
 // Files of another schema, as manifests, sessions and limits, are none.
 bool is_damaged_pose(const fs::path& path) {
@@ -87,10 +84,10 @@ bool PoseLibrary::look(const fs::path& folder) {
   std::vector<PoseFile> found;
   has_more_ = false;
   for (PoseFile& file : list_json(folder)) {
-    const auto known = std::ranges::find(files_, file.path, &PoseFile::path);
-    if (known != files_.end() && known->written == file.written) {
+    const auto known = std::ranges::lower_bound(files_, file.path, {}, &PoseFile::path);  // in the same order
+    if (known != files_.end() && known->path == file.path && known->written == file.written) {
       found.push_back(*known);
-    } else if (std::chrono::steady_clock::now() > until) {
+    } else if (changed && std::chrono::steady_clock::now() > until) {  // one at least is read each time
       has_more_ = true;
     } else {
       read_pose(file);
@@ -110,12 +107,13 @@ bool PoseLibrary::look(const fs::path& folder) {
 std::vector<Image> PoseLibrary::pictures() const {
   std::vector<Image> pictures;
   for (const PoseFile& file : poses_) {
-    if (file.picture.width > 0) pictures.push_back(file.picture);
+    if (file.picture.width > 0 && pictures.size() < kMostPictures) pictures.push_back(file.picture);
   }
   return pictures;
 }
 
 const PoseFile* PoseLibrary::without_picture() const {
+  if (pictures().size() == kMostPictures) return nullptr;
   const auto found = std::ranges::find_if(
       poses_, [](const PoseFile& file) { return file.picture.width == 0 && file.problem.empty(); });
   return found == poses_.end() ? nullptr : &*found;

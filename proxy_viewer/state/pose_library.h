@@ -29,7 +29,8 @@ class PoseLibrary {
   bool look(const std::filesystem::path& folder);
   // Files that are poses, or damaged, in the order of names.
   const std::vector<PoseFile>& poses() const { return poses_; }
-  std::vector<Image> pictures() const;  // those that there are
+  static constexpr std::size_t kMostPictures = 200;  // of a folder
+  std::vector<Image> pictures() const;               // those that there are
   // One that can be drawn, and is not; null: there is none.
   const PoseFile* without_picture() const;
   void set_picture(const std::filesystem::path& path, Image picture);
