@@ -362,6 +362,14 @@ class ShowChecker {
     if (out.extension() != ".pc2" && !holds_triangles(out)) {
       throw Error(ErrorKind::usage, "out '", element.out, "' does not end in .pc2, .usda or .glb");
     }
+    const bool has_character = !element.option("character", "").empty() || !element.session.empty();
+    if (!element.option("character", "").empty() && !holds_triangles(out)) {
+      throw Error(ErrorKind::usage, "'character' is for an out that ends in .glb or .usda, not '", element.out, "'");
+    }
+    if (element.has("rigged") && (!holds_triangles(out) || !has_character)) {
+      throw Error(ErrorKind::usage,
+                  "'rigged' needs an out that ends in .glb or .usda, and 'character', which has weights");
+    }
     if (element.out.find_first_of("#{}") != std::string::npos) {
       throw Error(
           ErrorKind::usage, "out '", element.out,
