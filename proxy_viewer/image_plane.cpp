@@ -30,7 +30,8 @@ void ImagePlane::read(const std::string& file, Controls& controls) {
   constexpr std::uint64_t kMost = std::uint64_t{1} << 30;  // bytes
   image_.reset();
   if (file.empty()) return;
-  if (!std::filesystem::exists(file)) {
+  std::error_code absent;
+  if (!std::filesystem::exists(file, absent)) {
     if (told_ != std::exchange(told_, controls.image_plane.file))
       controls.warn(file + ": is not there, nor shown behind");
     return;

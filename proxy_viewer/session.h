@@ -89,7 +89,9 @@ class Session {
   struct Work {
     std::vector<ViewSettings::Posing> posings;  // of those that are posed
     std::map<std::string, OrbitView> cameras;
-    std::map<int, CameraKey> camera_keys;
+    ViewSettings::ShotCamera shot_camera;
+    ImagePlaneFile image_plane;
+    SoundFile sound;
     std::vector<MarkedPair> markers;
     bool operator==(const Work&) const = default;
   };

@@ -125,7 +125,12 @@ void Session::save(const std::string& file) {
 }
 
 Session::Work Session::work() const {
-  Work work{{}, controls.settings.cameras, controls.settings.shot_camera.keys, controls.marking.pairs};
+  Work work{{},
+            controls.settings.cameras,
+            controls.settings.shot_camera,
+            controls.image_plane,
+            controls.sound,
+            controls.marking.pairs};
   for (const auto& character : scene.cast()) {
     const bool leads = &*character == &scene.lead();
     ViewSettings::Posing posing = leads ? controls.settings.pose : character->posing();

@@ -79,8 +79,10 @@ const Command kCameraCommands[] = {
      [](Controls& c, const std::string& a) {
        ViewSettings::ShotCamera& shot = c.settings.shot_camera;
        const auto found = c.settings.cameras.find(a);
-       shot.of_file = "";
-       if (found != c.settings.cameras.end()) return c.go_to_camera(found->second);
+       if (found != c.settings.cameras.end()) {
+         shot.of_file = "";
+         return c.go_to_camera(found->second);
+       }
        std::vector<std::string> names;
        for (const auto& [name, view] : c.settings.cameras) names.push_back(name);
        for (const ClipCamera& camera : c.file_cameras) names.push_back(camera.name);
@@ -163,7 +165,8 @@ const Command kLookCommands[] = {
          plane = {file, number_within(opacity, 0, 1)};
        }
        const bool is_sequence = plane.file.find_first_of("#%") != std::string::npos;
-       if (!is_sequence && !std::filesystem::exists(plane.file)) refuse(plane.file, "a file that is there");
+       std::error_code absent;
+       if (!is_sequence && !std::filesystem::exists(plane.file, absent)) refuse(plane.file, "a file that is there");
        c.image_plane = plane;
      }},
 };

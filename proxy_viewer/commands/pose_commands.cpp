@@ -26,10 +26,21 @@ int frame_of_clip(const Controls& controls, const std::string& text) {
   return frame;
 }
 
-void require_keys(const Playback& playback) {
-  if (!playback.keys().empty()) return;
-  throw Error(ErrorKind::usage,
-              "the clip has no keys to go to: a BVH samples its motion, and so does a clip with a key at most frames");
+// Returns those of the clip, of the poses and of the camera that lie in the clip.
+std::set<int> require_keys(const Controls& controls) {
+  const Playback& playback = controls.playback;
+  const std::vector<int> of_clip = playback.keys();
+  std::set<int> keys(of_clip.begin(), of_clip.end());
+  const auto add = [&](int frame) {
+    if (playback.first() <= frame && frame <= playback.last()) keys.insert(frame);
+  };
+  for (const auto& [frame, key] : controls.settings.pose.keys) add(frame);
+  for (const auto& [frame, key] : controls.settings.shot_camera.keys) add(frame);
+  if (!keys.empty()) return keys;
+  throw Error(
+      ErrorKind::usage,
+      "there are no keys to go to, none was set, and the clip has none: a BVH samples its motion, and so does a "
+      "clip with a key at most frames");
 }
 
 const Command kPlaybackCommands[] = {
@@ -45,17 +56,9 @@ const Command kPlaybackCommands[] = {
     {"last", "", "End", "Playback", "to the last frame of the range",
      [](Playback& playback, const std::string&) { playback.scrub(playback.out()); }},
     {"next-key", "", "Up", "Playback", "to the next key",
-     [](Playback& playback, const std::string&) {
-       require_keys(playback);
-       playback.go_to_next_key();
-     },
-     nullptr, kRepeats},
+     [](Controls& c, const std::string&) { c.playback.go_to_next_key(require_keys(c)); }, nullptr, kRepeats},
     {"previous-key", "", "Down", "Playback", "to the key before",
-     [](Playback& playback, const std::string&) {
-       require_keys(playback);
-       playback.go_to_previous_key();
-     },
-     nullptr, kRepeats},
+     [](Controls& c, const std::string&) { c.playback.go_to_previous_key(require_keys(c)); }, nullptr, kRepeats},
     {"frame", "FRAME", "", "Playback", "to a frame; of a dataset's take: rom 40",
      [](Controls& c, const std::string& a) { c.playback.scrub(frame_of_clip(c, a)); }},
     {"backwards", "[on|off]", "B", "Playback", "play backwards",
@@ -106,7 +109,7 @@ const Command kPlaybackCommands[] = {
        if (a == "none" || a.ends_with(".wav")) return;
        const auto [file, frame] = split_last(a, "a file that ends in .wav, and the frame that it begins at");
        require_ending(file, ".wav");
-       c.requests.sound = SoundFile{file, integer(frame)};
+       c.requests.sound = SoundFile{file, integer_within(frame, -kLatestFrame, kLatestFrame)};
      }},
     {"live", "[on|off]", "", "Playback", "poses that another program sends, or the clip",
      [](Controls& c, const std::string& a) {
@@ -161,8 +164,9 @@ void move_keys(Controls& c, bool takes_away, const std::function<int(int)>& to) 
 // Undoes or redoes: with keys a pose is that of its frame.
 bool go_to_step(Controls& c, std::optional<int> (PoseHistory::*step)(ViewSettings&, int)) {
   const bool had_keys = !c.settings.pose.keys.empty();
+  const std::map<int, CameraKey> cameras = c.settings.shot_camera.keys;
   const std::optional<int> frame = (c.poses.*step)(c.settings, c.playback.frame());
-  c.shot_frame.reset();
+  if (c.settings.shot_camera.keys != cameras) c.shot_frame.reset();
   if (!frame || (!had_keys && c.settings.pose.keys.empty())) return frame.has_value();
   c.playback.scrub(*frame);
   c.keyed_frame = c.playback.frame();
@@ -246,11 +250,11 @@ const Command kPoseCommands[] = {
        if (a.empty()) return c.browse("limits");
        c.requests.limits = a;
      }},
-    {"pin", "JOINT [X Y Z]", "", "Pose",
+    {"pin", "[JOINT] [X Y Z]", "", "Pose",
      "the end of a limb where it is, or a joint there, metres: the limb reaches for it",
      [](Controls& c, const std::string& a) {
-       if (std::ranges::find(c.joint_names, a) != c.joint_names.end()) {
-         c.requests.pin = PinRequest{a};
+       if (a.empty() || std::ranges::find(c.joint_names, a) != c.joint_names.end()) {
+         c.requests.pin = PinRequest{named_or_selected(c, a)};
          return;
        }
        const auto [joint, at] = joint_and_three(a, "a joint, or a joint and a point", kFurthest);

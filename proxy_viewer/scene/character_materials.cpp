@@ -212,7 +212,10 @@ class MaterialsMaker {
     const Image *normals = image(normal), *roughs = image(rough);
     const auto [known, is_new] = details_.try_emplace({normals, scale, roughs, roughness(material)}, VK_NULL_HANDLE);
     if (is_new) {
-      const Image detail = detail_of(normals, scale, roughs, std::clamp(roughness(material), 0.0, 1.0));
+      const double factor = std::clamp(roughness(material), 0.0, 1.0);
+      Image detail = detail_of(normals, scale, roughs, factor);
+      pixels_ += std::size_t{detail.width} * detail.height;
+      if (pixels_ > kMostPixels) detail = detail_of(nullptr, 1, nullptr, factor);
       known->second = upload(detail, VK_FORMAT_R8G8B8A8_UNORM);
     }
     return known->second;

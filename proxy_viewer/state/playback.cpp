@@ -61,14 +61,14 @@ void Playback::step(int frames) {
   show(shown_ + frames);
 }
 
-void Playback::go_to_previous_key() {
-  const auto here = std::lower_bound(keys_.begin(), keys_.end(), shown_);
-  if (here != keys_.begin()) show(*std::prev(here));
+void Playback::go_to_previous_key(const std::set<int>& keys) {
+  const auto here = keys.lower_bound(frame());
+  if (here != keys.begin()) scrub(*std::prev(here));
 }
 
-void Playback::go_to_next_key() {
-  const auto next = std::upper_bound(keys_.begin(), keys_.end(), shown_);
-  if (next != keys_.end()) show(*next);
+void Playback::go_to_next_key(const std::set<int>& keys) {
+  const auto next = keys.upper_bound(frame());
+  if (next != keys.end()) scrub(*next);
 }
 
 void Playback::scrub(int frame) { show(index_of(frame)); }

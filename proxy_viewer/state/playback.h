@@ -29,8 +29,8 @@ class Playback {
   void toggle();
   void step(int frames);  // pauses; beyond the range, too, as far as the clip has frames
   // These two play on if they were playing.
-  void go_to_previous_key();  // stays where there is none
-  void go_to_next_key();
+  void go_to_previous_key(const std::set<int>& keys);  // stays where there is none
+  void go_to_next_key(const std::set<int>& keys);
   void scrub(int frame);                // beyond the clip: its first or last
   void require_frame(int frame) const;  // throws Error(usage), which names those there are, unless the clip has it
 

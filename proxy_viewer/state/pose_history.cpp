@@ -21,7 +21,7 @@ void PoseHistory::note(const ViewSettings& now, int frame) {
 
 // The keys are those of the last step: a change of them is yet to be noted.
 void PoseHistory::follow(const ViewSettings& now, int frame) {
-  followed_ = {now.pose, steps_[at_].keys, steps_[at_].camera_keys, frame};
+  followed_ = {now.pose, steps_[at_].keys, steps_[at_].camera_keys, steps_[at_].camera_of_file, frame};
 }
 
 std::optional<int> PoseHistory::undo(ViewSettings& now, int frame) {
@@ -40,7 +40,9 @@ int PoseHistory::show(const Step& step, ViewSettings& now) {
   followed_.reset();
   static_cast<ViewSettings::PoseKey&>(now.pose) = step.pose;
   now.pose.keys = step.keys;
+  if (now.shot_camera.keys == step.camera_keys) return step.frame;
   now.shot_camera.keys = step.camera_keys;
+  now.shot_camera.of_file = step.camera_of_file;
   return step.frame;
 }
 

@@ -31,6 +31,7 @@ class PoseHistory {
     ViewSettings::PoseKey pose;
     std::map<int, ViewSettings::PoseKey> keys;
     std::map<int, CameraKey> camera_keys;
+    std::string camera_of_file;
     int frame = 0;
     bool is_of(const Step& other) const {
       return pose == other.pose && keys == other.keys && camera_keys == other.camera_keys;
@@ -38,7 +39,7 @@ class PoseHistory {
   };
 
   static Step step_of(const ViewSettings& now, int frame) {
-    return {now.pose, now.pose.keys, now.shot_camera.keys, frame};
+    return {now.pose, now.pose.keys, now.shot_camera.keys, now.shot_camera.of_file, frame};
   }
   int show(const Step& step, ViewSettings& now);
 

@@ -40,7 +40,8 @@ std::array<float, 2> Waveform::swing(double from, double to) const {
 
 Waveform read_waveform(const std::filesystem::path& path) {
   const auto refuse = [&](const std::string& problem) { throw Error(ErrorKind::file, path, ": ", problem); };
-  if (!std::filesystem::is_regular_file(path)) refuse("is not there, or no file: expected a WAV");
+  std::error_code absent;
+  if (!std::filesystem::is_regular_file(path, absent)) refuse("is not there, or no file: expected a WAV");
   SF_INFO info{};
   const std::unique_ptr<SNDFILE, decltype(&sf_close)> file(sf_open(path.c_str(), SFM_READ, &info), &sf_close);
   if (!file) refuse(std::string("cannot be read as a sound: ") + sf_strerror(nullptr) + looks_like(path));

@@ -1,7 +1,6 @@
 // Shared by strain_skin and pose_skin: Direct Delta Mush of one vertex in the centred form, in the order of
 // runtime/cpu/lane_ddm.h. The including kernel declares kFrames, push, block_begin, block_joints, moments, vertices and
 // skinning. That has a vec4 a row of a joint's matrix, which a software device fetches quicker than four numbers.
-// numbers.
 //
 // Values are `precise`: a multiply and an add stay two roundings, so that a joint that moves as the base joint cancels
 // exactly.

@@ -608,9 +608,22 @@ TEST(Commands, NamesMayHoldBlanks) {
 TEST(Commands, OfKeysSayThatThereAreNone) {
   Controls controls = controls_of_a_session();
   controls.playback.set_keys({});
+  controls.settings.pose.keys.clear();
+  controls.settings.shot_camera.keys.clear();
   for (const char* command : {"next-key", "previous-key"}) {
     EXPECT_NE(message_of(controls, command).find("no keys"), std::string::npos);
   }
+  // Those that were set are gone to as the clip's are.
+  const int first = controls.playback.first();
+  controls.settings.pose.keys[first + 3] = {};
+  controls.settings.shot_camera.keys[first + 5] = {};
+  run_command(controls, "frame " + std::to_string(first));
+  for (const int frame : {first + 3, first + 5, first + 5}) {
+    run_command(controls, "next-key");
+    EXPECT_EQ(controls.playback.frame(), frame);
+  }
+  run_command(controls, "previous-key");
+  EXPECT_EQ(controls.playback.frame(), first + 3);
 }
 
 TEST(Commands, BackwardsTurnsRoundWhateverWayAPingPongGoes) {

@@ -260,22 +260,23 @@ TEST(Playback, GoesFromKeyToKey) {
   Playback playback({1001, 1100}, kFps);
   playback.set_keys({1049, 1001, 1021, 1019, 900, 1200, 1021});
   EXPECT_EQ(playback.keys(), (std::vector{1001, 1019, 1021, 1049}));
+  const std::vector<int> of_clip = playback.keys();
+  const std::set<int> keys(of_clip.begin(), of_clip.end());
   std::vector<int> there, back;
   for (int k = 0; k < 4; ++k) {
-    playback.go_to_next_key();
+    playback.go_to_next_key(keys);
     there.push_back(playback.frame());
   }
   for (int k = 0; k < 4; ++k) {
-    playback.go_to_previous_key();
+    playback.go_to_previous_key(keys);
     back.push_back(playback.frame());
   }
   EXPECT_EQ(there, (std::vector{1019, 1021, 1049, 1049}));
   EXPECT_EQ(back, (std::vector{1021, 1019, 1001, 1001}));
   playback.scrub(1060);
-  playback.go_to_previous_key();
+  playback.go_to_previous_key(keys);
   EXPECT_EQ(playback.frame(), 1049);
-  playback.set_keys({});
-  playback.go_to_next_key();
+  playback.go_to_next_key({});
   EXPECT_EQ(playback.frame(), 1049);
 }
 
