@@ -219,7 +219,7 @@ void PictureTaking::take_sequence(const std::string& pattern) {
 void PictureTaking::take_turntable(const std::string& pattern) { make(turntable_series(pattern, session_.controls)); }
 
 void PictureTaking::make(std::unique_ptr<PictureSeries> series) {
-  painter_.set_series(true);
+  painter_.set_series(series->count() > 1);
   if (session_.controls.headless) {
     const Finally ends{[this] { painter_.set_series(false); }};
     return make_all(*series, [this] { return painter_.draw_still(painter_.size()); });
