@@ -32,7 +32,16 @@ std::vector<ClipCamera> read_gltf_cameras(const GltfFile& file, double unit, std
   const std::vector<tinygltf::Node>& nodes = file.model().nodes;
   if (!file.look().contains("cameras")) return {};
   const JsonObject root(file.look(), file.path(), "the file");
-  const std::vector<JsonObject> all = root.objects("cameras");
+  const auto leave_out = [&](const Error& error) {
+    notes.push_back(std::string("A camera is left out: ") + error.what() + ".");
+  };
+  std::vector<JsonObject> all;
+  try {
+    all = root.objects("cameras");
+  } catch (const Error& error) {
+    leave_out(error);
+    return {};
+  }
   std::vector<ClipCamera> cameras;
   std::vector<std::size_t> places;  // their nodes
   std::set<std::string> names;
@@ -54,7 +63,7 @@ std::vector<ClipCamera> read_gltf_cameras(const GltfFile& file, double unit, std
       cameras.push_back(std::move(camera));
       places.push_back(n);
     } catch (const Error& error) {
-      notes.push_back(std::string("A camera is left out: ") + error.what() + ".");
+      leave_out(error);
     }
   }
   for (std::size_t k = 0; k < frames && !cameras.empty(); ++k) {

@@ -333,7 +333,7 @@ const std::map<std::string, Case>& cases() {
         [](C, C c) {
           return c.requests.pin == PinRequest{"LeftArm", Vec3{1, 2, -0.5}};
         },
-        {"", "nobody", "nobody 1 2 3", "LeftArm 1 2", "LeftArm 1 2 far"}}},
+        {"nobody", "nobody 1 2 3", "LeftArm 1 2", "LeftArm 1 2 far"}}},
       {"unpin", {"LeftArm", [](C b, C c) { return b.settings.pose.pins.size() == 1 && c.settings.pose.pins.empty(); }, {"nobody"}}},
       {"move-key",
        {"10 4",
