@@ -6,12 +6,11 @@
 
 #include <cmath>
 #include <cstdlib>
-#include <cstring>
 #include <random>
 
 #include "assets/cache_writer.h"
-#include "assets/gltf_file.h"
 #include "runtime/host/rig.h"
+#include "tests/assets/written_gltf.h"
 #include "tests/support/error_kind.h"
 #include "tests/support/hostile_bytes.h"
 #include "tests/support/temporary_folder.h"
@@ -153,14 +152,6 @@ TEST(BoundSkin, OfAFlattenedVertexTheOffsetIsShortAndDoesNotHarm) {
     EXPECT_LT(length(found - aim), length(before - aim)) << o;
     EXPECT_NEAR(dot(found - aim, kAxis), 0, 1e-5) << o;  // where it can be reached
   }
-}
-
-std::vector<float> numbers(const tinygltf::Model& model, int accessor) {
-  const tinygltf::Accessor& a = model.accessors.at(static_cast<std::size_t>(accessor));
-  const tinygltf::BufferView& view = model.bufferViews.at(static_cast<std::size_t>(a.bufferView));
-  std::vector<float> values(a.count * (a.type == TINYGLTF_TYPE_VEC3 ? 3 : 1));
-  std::memcpy(values.data(), model.buffers.at(0).data.data() + view.byteOffset, values.size() * sizeof(float));
-  return values;
 }
 
 TEST(BoundSkin, GltfHasTheJointsTheirMotionAndATargetForEveryFrame) {

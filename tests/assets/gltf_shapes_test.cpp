@@ -4,10 +4,9 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <cstring>
 #include <limits>
 
-#include "assets/gltf_file.h"
+#include "tests/assets/written_gltf.h"
 #include "tests/support/error_kind.h"
 #include "tests/support/hostile_bytes.h"
 #include "tests/support/temporary_folder.h"
@@ -32,14 +31,6 @@ void write_folding(const std::filesystem::path& path) {
   GltfShapesWriter writer(path, layout());
   for (const float by : {0.0f, 0.5f, -0.25f}) writer.append(folded(by), {});
   writer.close();
-}
-
-std::vector<float> numbers(const tinygltf::Model& model, int accessor) {
-  const tinygltf::Accessor& a = model.accessors.at(static_cast<std::size_t>(accessor));
-  const tinygltf::BufferView& view = model.bufferViews.at(static_cast<std::size_t>(a.bufferView));
-  std::vector<float> values(a.count * (a.type == TINYGLTF_TYPE_VEC3 ? 3 : 1));
-  std::memcpy(values.data(), model.buffers.at(0).data.data() + view.byteOffset, values.size() * sizeof(float));
-  return values;
 }
 
 TEST(GltfShapes, EveryFrameIsTheFirstAndItsTarget) {
