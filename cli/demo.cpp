@@ -42,7 +42,7 @@ constexpr int kFlexedStep = 10;
 // Simulating every third frame of the held-out motion shows its whole arc at a third of the cost.
 constexpr int kHeldoutStep = 3;
 // The first arm to look at is learned from drafts of every Nth frame of the range of motion.
-constexpr int kDraftStep = 2;
+constexpr int kDraftStep = 3;
 
 // Three groups of muscles flexed and relaxed in turns over a clip.
 void write_flex(const fs::path& path, int frames) {
@@ -108,51 +108,72 @@ DatasetTake take_of(const std::string& name, const std::string& clip, const std:
 
 Dataset dataset_in(const fs::path& folder) {
   Dataset dataset;
+  fs::create_directories(folder);
   dataset.folder = folder;
   dataset.character = "../character.glb";
   dataset.muscles = "../muscles.json";
   return dataset;
 }
 
-void simulate_takes(const Dataset& dataset, const SimulateOptions& options) {
-  fs::create_directories(dataset.folder);
-  const Character character = read_character(dataset.folder / dataset.character);
-  const std::vector<Muscle> muscles = read_muscles(dataset.folder / dataset.muscles, character.skeleton);
-  const QuasiStaticBody body = make_compared_body(character, muscles, options);
-  for (const DatasetTake& take : dataset.takes) {
-    simulate(body, character, muscles, read_clip(dataset, take, character.skeleton), take.frames,
-             dataset.folder / take.shapes, dataset.folder / take.shapes_status, options);
+// The command that shows a basis in the viewport, by this program, wherever it lies.
+std::string to_view(const fs::path& folder, const char* basis) {
+  return "  " + fs::proximate(fs::read_symlink("/proc/self/exe")).string() + " view " + (folder / basis).string() +
+         " " + (folder / "heldout.glb").string() + "\n";
+}
+
+// Simulates the takes of a dataset one after the other.
+class TakeSimulation {
+ public:
+  TakeSimulation(const Dataset& dataset, const SimulateOptions& options)
+      : options_(options),
+        character_(read_character(dataset.folder / dataset.character)),
+        muscles_(read_muscles(dataset.folder / dataset.muscles, character_.skeleton)),
+        body_(make_compared_body(character_, muscles_, options)) {}
+
+  void add(const DatasetTake& take, Dataset& dataset) const {
+    simulate(body_, character_, muscles_, read_clip(dataset, take, character_.skeleton), take.frames,
+             dataset.folder / take.shapes, dataset.folder / take.shapes_status, options_);
+    dataset.takes.push_back(take);
+    write_dataset(dataset, dataset.folder / "dataset.json");
   }
-  write_dataset(dataset, dataset.folder / "dataset.json");
+
+ private:
+  SimulateOptions options_;
+  Character character_;
+  std::vector<Muscle> muscles_;
+  QuasiStaticBody body_;
+};
+
+DatasetTake heldout_take(const DemoSize& size) {
+  const std::vector<int> frames = every(kHeldoutStep, size.heldout_frames);
+  DatasetTake take = take_of("heldout", "heldout.glb", frames);
+  take.heldout = frames;
+  return take;
 }
 
 Dataset simulate_dataset(const fs::path& folder, const DemoSize& size) {
   Dataset dataset = dataset_in(folder / "dataset");
-  const std::vector<int> heldout = every(kHeldoutStep, size.heldout_frames);
-  dataset.takes = {take_of("rom", "rom.glb", every(1, size.rom_frames)),
-                   take_of("flexed", "rom.glb", every(kFlexedStep, size.rom_frames)),
-                   take_of("heldout", "heldout.glb", heldout)};
-  dataset.takes[1].controls = "../flex.json";
-  dataset.takes[2].heldout = heldout;
-  simulate_takes(dataset, {});
+  const TakeSimulation simulation(dataset, {});
+  simulation.add(take_of("rom", "rom.glb", every(1, size.rom_frames)), dataset);
+  DatasetTake flexed = take_of("flexed", "rom.glb", every(kFlexedStep, size.rom_frames));
+  flexed.controls = "../flex.json";
+  simulation.add(flexed, dataset);
+  simulation.add(heldout_take(size), dataset);
   return dataset;
 }
 
-// Drafts of both motions: what the first arm is learned from, and what is held against the full simulation.
-Dataset simulate_draft(const fs::path& folder, const DemoSize& size) {
+// Drafts of the range of motion, from which a first arm is learned to look at while the full simulation runs; then of
+// the held-out motion, which are held against that. Returns their dataset.
+Dataset simulate_drafts(const fs::path& folder, const DemoSize& size, const DemoArguments& arguments) {
   Dataset dataset = dataset_in(folder / "draft");
-  dataset.takes = {take_of("rom", "rom.glb", every(kDraftStep, size.rom_frames)),
-                   take_of("heldout", "heldout.glb", every(kHeldoutStep, size.heldout_frames))};
-  for (DatasetTake& take : dataset.takes) take.shapes = take.name + ".nodes";
-  dataset.takes[1].heldout = dataset.takes[1].frames;
-  simulate_takes(dataset, {.draft = true});
+  const TakeSimulation simulation(dataset, {.draft = true});
+  DatasetTake rom = take_of("rom", "rom.glb", every(kDraftStep, size.rom_frames)), heldout = heldout_take(size);
+  for (DatasetTake* take : {&rom, &heldout}) take->shapes = take->name + ".nodes";
+  simulation.add(rom, dataset);
+  train_and_measure(read_samples(dataset), {}, false, 0, folder / "first.safetensors");
+  arguments.json.print("a first arm, learned from drafts, can be looked at:\n" + to_view(folder, "first.safetensors"));
+  simulation.add(heldout, dataset);
   return dataset;
-}
-
-// An arm to look at while the full simulation runs.
-void learn_from_drafts(const Dataset& draft, const fs::path& folder) {
-  const SampleSet set = read_samples(draft);
-  train_and_measure(set, {}, false, 0, folder / "first.safetensors");
 }
 
 std::vector<Positions> welded_shapes(const SampleSet& set, const Evaluation& evaluation) {
@@ -302,12 +323,6 @@ std::string summary(const ReportData& report) {
   return text;
 }
 
-// The command that shows a basis in the viewport, by this program, wherever it lies.
-std::string to_view(const fs::path& folder, const char* basis) {
-  return "  " + fs::proximate(fs::read_symlink("/proc/self/exe")).string() + " view " + (folder / basis).string() +
-         " " + (folder / "heldout.glb").string() + "\n";
-}
-
 void run(DemoArguments arguments) {
   // It draws, and holds a Vulkan device against the CPU: a software one will do.
   DeviceChoice& device = arguments.device.choice;
@@ -322,10 +337,8 @@ void run(DemoArguments arguments) {
   write_inputs(folder, size);
   demo.seconds.build_character = building.seconds();
   Stopwatch drafting;
-  const Dataset draft = simulate_draft(folder, size);
+  const Dataset draft = simulate_drafts(folder, size, arguments);
   demo.seconds.draft = drafting.seconds();
-  learn_from_drafts(draft, folder);
-  arguments.json.print("a first arm, learned from drafts, can be looked at:\n" + to_view(folder, "first.safetensors"));
   Stopwatch simulating;
   const Dataset dataset = simulate_dataset(folder, size);
   demo.seconds.simulate = simulating.seconds();
