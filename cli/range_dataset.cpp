@@ -21,8 +21,8 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr unsigned kRangeFrames = 1600, kRangeBits = 11;  // of the clip; the drafts are of some of them, spread evenly
-constexpr unsigned kLeast = 100;                          // of these
-constexpr std::size_t kTimed = 12;                        // frames at most that tell what a draft costs
+constexpr unsigned kLeast = 100;  // of these; they tell what a draft costs: one in ten can take a hundred times as long
+constexpr std::size_t kTimed = 12;     // frames at most of a clip that tell it, where there is no range of motion
 constexpr double kBlends = 0.5;        // of the random poses are blends of the clips', the others within the limits
 constexpr double kShareOfClips = 0.5;  // of the minutes, at most
 constexpr const char* kRange = "range_of_motion";
@@ -164,18 +164,20 @@ class RangeDataset {
     std::vector<std::size_t> counts;
     for (const std::string& clip : clips_) counts.push_back(frames_of(clip));
     const bool range = !arguments_.no_range;
-    const double each = range ? simulate(range_file(), range_frames(kTimed))
-                              : simulate(clips_[0], clip_frames(counts[0], step_of_clips({counts[0]}, kTimed)));
-    const double budget = 60 * arguments_.minutes / std::max(each, 1e-6);  // drafts
-    const std::size_t step = step_of_clips(counts, range ? kShareOfClips * budget : budget);
+    const double each =
+        std::max(range ? simulate(range_file(), range_frames(kLeast))
+                       : simulate(clips_[0], clip_frames(counts[0], step_of_clips({counts[0]}, kTimed))),
+                 1e-6);
+    double seconds = 60 * arguments_.minutes;
+    const std::size_t step = step_of_clips(counts, (range ? kShareOfClips : 1) * seconds / each);
     std::size_t simulated = 0;
     for (std::size_t k = 0; k < clips_.size(); ++k) {
       const std::vector<int> frames = clip_frames(counts[k], step);
       simulated += frames.size();
-      simulate(clips_[k], frames);
+      seconds -= static_cast<double>(frames.size()) * simulate(clips_[k], frames);
     }
     if (!range) return;
-    const double left = std::clamp(budget - static_cast<double>(simulated), double{kLeast}, double{kRangeFrames});
+    const double left = std::clamp(seconds / each, double{kLeast}, double{kRangeFrames});
     spdlog::info("a draft takes {:.2f} s: {} frames of clips, {:.0f} of the range of motion", each, simulated, left);
     simulate(range_file(), range_frames(static_cast<std::size_t>(left)));
   }
