@@ -25,7 +25,7 @@ constexpr double kFacing = 0.3;
 constexpr double kContactReach = 2e-3, kMan = 2;
 // Metres, on such a body: planes that are wrong by more about the depth of their point are joined by a new one.
 constexpr double kPlaneError = 6e-4;
-constexpr double kCellEdges = 3;  // of the grid that finds points
+constexpr double kCellEdges = 1;  // of the grid that finds points
 
 // Rises from 0 at `from` to 1 at `to`.
 double ramp(double x, double from, double to) { return std::clamp((x - from) / (to - from), 0.0, 1.0); }
