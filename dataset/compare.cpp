@@ -4,6 +4,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "base/quantile.h"
 #include "runtime/core/error.h"
 
 namespace bodyopt {
@@ -75,10 +76,7 @@ ErrorStatistics ErrorAccumulator::finish() const {
   for (const float d : distances_) sum += static_cast<double>(d) * static_cast<double>(d);
   result.rms = std::sqrt(sum / static_cast<double>(distances_.size()));
   result.max = std::max(0.0, worst_);
-  std::vector<float> sorted = distances_;
-  const std::size_t rank = static_cast<std::size_t>(0.99 * static_cast<double>(sorted.size() - 1));
-  std::nth_element(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(rank), sorted.end());
-  result.p99 = static_cast<double>(sorted[rank]);
+  result.p99 = static_cast<double>(quantile(distances_, 0.99));
   if (jitter_count_ > 0) result.jitter = std::sqrt(jitter_sum_ / static_cast<double>(jitter_count_));
   return result;
 }

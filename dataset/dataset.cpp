@@ -8,7 +8,6 @@
 #include <fstream>
 #include <memory>
 #include <nlohmann/json.hpp>
-#include <set>
 #include <sstream>
 
 #include "assets/clip.h"
@@ -16,7 +15,6 @@
 #include "assets/frame_range.h"
 #include "assets/json_file.h"
 #include "dataset/modifier.h"
-#include "runtime/core/atomic_file.h"
 #include "runtime/core/error.h"
 #include "runtime/core/text.h"
 

@@ -1,7 +1,6 @@
 #include "dataset/modifier.h"
 
 #include <algorithm>
-#include <nlohmann/json.hpp>
 #include <set>
 
 #include "assets/json_file.h"

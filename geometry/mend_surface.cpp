@@ -10,7 +10,6 @@
 #include <utility>
 #include <vector>
 
-#include "geometry/mesh.h"
 #include "geometry/self_intersections.h"
 #include "geometry/surface_topology.h"
 #include "runtime/core/error.h"

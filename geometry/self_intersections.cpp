@@ -2,12 +2,10 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <array>
 #include <set>
 #include <tuple>
 
 #include "base/parallel.h"
-#include "geometry/mesh.h"
 #include "geometry/nearest_skin.h"
 #include "geometry/surface_distance.h"
 

@@ -7,7 +7,6 @@
 #include <limits>
 #include <queue>
 #include <utility>
-#include <vector>
 
 namespace bodyopt {
 namespace {

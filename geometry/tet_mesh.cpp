@@ -69,19 +69,26 @@ Eigen::Matrix3d tet_edges(const TetMesh& mesh, Eigen::Index tet) {
   return edges;
 }
 
+Eigen::Matrix<double, 4, 3> corner_slopes(const Eigen::Matrix3d& edges) {
+  Eigen::Matrix<double, 4, 3> slopes;
+  slopes.bottomRows<3>() = edges.inverse();
+  slopes.row(0) = -slopes.bottomRows<3>().colwise().sum();
+  return slopes;
+}
+
 double volume(const TetMesh& mesh) {
   double sum = 0;
   for (Eigen::Index t = 0; t < mesh.tets.rows(); ++t) sum += tet_edges(mesh, t).determinant() / 6;
   return sum;
 }
 
-std::vector<Eigen::Vector4d> tet_lattice(int rows) {
+std::vector<Eigen::Vector4d> tet_lattice(int rows, double inset) {
   std::vector<Eigen::Vector4d> points;
   for (int i = 0; i <= rows; ++i) {
     for (int j = 0; i + j <= rows; ++j) {
       for (int k = 0; i + j + k <= rows; ++k) {
         const Eigen::Vector4d corner(i, j, k, rows - i - j - k);
-        points.push_back((corner.array() + 0.25) / (rows + 1.0));
+        points.push_back((corner.array() + inset) / (rows + 4 * inset));
       }
     }
   }

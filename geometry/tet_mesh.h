@@ -26,6 +26,9 @@ void orient(TetMesh& mesh);
 // Edges from corner 0 to corners 1..3 as columns, metres; their determinant is six times the tet's volume.
 Eigen::Matrix3d tet_edges(const TetMesh& mesh, Eigen::Index tet);
 
+// Gradients of the corners' barycentric weights (4 x 3), per metre, by such edges.
+Eigen::Matrix<double, 4, 3> corner_slopes(const Eigen::Matrix3d& edges);
+
 // The faces that belong to one tet only, outwards.
 Triangles surface_of(const Tets& tets);
 
@@ -35,7 +38,8 @@ double volume(const TetMesh& mesh);  // of all tets, cubic metres
 double mean_ratio(const TetMesh& mesh, Eigen::Index tet);
 
 // Barycentric weights of points spread evenly in a tet, rows + 1 along an edge: each stands for as much of the volume.
-std::vector<Eigen::Vector4d> tet_lattice(int rows);
+// inset: of the outer points from the faces, in distances between points.
+std::vector<Eigen::Vector4d> tet_lattice(int rows, double inset = 0.25);
 
 // Points embedded in tetrahedra: a fine skin in a coarse cage.
 

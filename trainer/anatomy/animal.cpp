@@ -9,7 +9,6 @@
 
 #include "base/parallel.h"
 #include "geometry/mesh.h"
-#include "trainer/anatomy/bone.h"
 
 namespace bodyopt {
 namespace {

@@ -1,9 +1,7 @@
 #include "trainer/anatomy/body_grid.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <string>
 
 #include "base/parallel.h"
 #include "geometry/mend_surface.h"

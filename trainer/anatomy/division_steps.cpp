@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "base/parallel.h"
+#include "base/quantile.h"
 #include "trainer/anatomy/division.h"
 
 namespace bodyopt {
@@ -54,12 +55,6 @@ bool touches_bone(const LeanSamples& lean, int lean_sample, int joint) {
     return other >= 0 && lean.tissue.kind(other) == TissueKind::bone &&
            lean.tissue.bone_joint[static_cast<std::size_t>(other)] == joint;
   });
-}
-
-double quantile(VectorXd values, double share) {
-  const auto at = static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), values.begin() + at, values.end());
-  return values[at];
 }
 
 // N: 0 at the origin, 1 at the insertion, -1 in between.

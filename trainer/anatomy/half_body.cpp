@@ -1,14 +1,12 @@
 #include "trainer/anatomy/half_body.h"
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numeric>
 
 #include "assets/axis_turns.h"
-#include "assets/joint_roles.h"
 #include "assets/wording.h"
+#include "base/quantile.h"
 #include "geometry/mesh.h"
 #include "geometry/nearest_skin.h"
 #include "geometry/spatial_search.h"
@@ -69,12 +67,6 @@ bool is_mirror_image(const Positions& outline, double middle) {
 
 // The joint of the other side's name; -1: none has it.
 std::vector<int> counterparts_by_name(const Skeleton& skeleton) { return mirrored_places(names_of(skeleton.joints)); }
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 // How far on average the vertices (V x 3, one at least) lie from their skin, mirrored across an axis at `middle`;
 // metres.

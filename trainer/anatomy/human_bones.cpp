@@ -4,8 +4,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "trainer/anatomy/bone.h"
-
 namespace bodyopt {
 namespace {
 

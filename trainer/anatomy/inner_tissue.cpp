@@ -1,9 +1,6 @@
 #include "trainer/anatomy/inner_tissue.h"
 
 #include <algorithm>
-#include <array>
-#include <cmath>
-#include <string>
 
 #include "base/parallel.h"
 #include "geometry/mesh.h"

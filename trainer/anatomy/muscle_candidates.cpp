@@ -10,7 +10,6 @@
 #include "runtime/core/error.h"
 #include "trainer/anatomy/human_frame.h"
 #include "trainer/anatomy/human_tables.h"
-#include "trainer/anatomy/muscle_paths.h"
 
 namespace bodyopt {
 namespace {

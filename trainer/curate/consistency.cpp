@@ -7,6 +7,7 @@
 #include "base/content_hash.h"
 #include "base/parallel.h"
 #include "base/progress.h"
+#include "base/quantile.h"
 #include "dataset/modifier.h"
 #include "geometry/surface_distance.h"
 #include "runtime/core/error.h"
@@ -159,10 +160,7 @@ double largest_mm(const RegionWeights& region, const Eigen::RowVectorXf& row) {
 RegionAgreement agreement(const SkinPart& part, const LocalModels& models, const Displacements& deviations) {
   RegionAgreement result;
   result.region = part.region.name;
-  std::vector<int> neighbours = models.neighbours;
-  const auto middle = neighbours.begin() + static_cast<std::ptrdiff_t>(neighbours.size() / 2);
-  std::nth_element(neighbours.begin(), middle, neighbours.end());
-  result.neighbours = *middle;
+  result.neighbours = median(models.neighbours);
   double sum = 0;
   std::size_t compared = 0;
   for (std::size_t n = 0; n < models.shares.size(); ++n) {

@@ -11,12 +11,10 @@
 #include "assets/wording.h"
 #include "base/parallel.h"
 #include "base/progress.h"
-#include "dataset/modifier.h"
 #include "geometry/mesh.h"
 #include "runtime/core/error.h"
 #include "trainer/curate/frame_sculpting.h"
 #include "trainer/curate/offset_cache.h"
-#include "trainer/curate/shape_stack.h"
 
 namespace bodyopt {
 namespace {

@@ -9,7 +9,6 @@
 #include "assets/json_file.h"
 #include "assets/shape_reader.h"
 #include "base/content_hash.h"
-#include "dataset/modifier.h"
 #include "runtime/core/atomic_file.h"
 #include "runtime/core/error.h"
 #include "trainer/curate/frame_files.h"

@@ -3,15 +3,11 @@
 #include <xxhash.h>
 
 #include <algorithm>
-#include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <set>
-#include <string>
-#include <vector>
 
 #include "assets/pc2.h"
-#include "base/content_hash.h"
 #include "dataset/modifier.h"
 #include "runtime/core/atomic_file.h"
 #include "runtime/core/error.h"

@@ -9,7 +9,6 @@
 #include "runtime/core/error.h"
 #include "trainer/curate/match_vertices.h"
 #include "trainer/curate/modifier_scope.h"
-#include "trainer/curate/offset_cache.h"
 
 namespace bodyopt {
 

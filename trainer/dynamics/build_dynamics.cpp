@@ -17,7 +17,6 @@
 #include "runtime/core/text.h"
 #include "runtime/deformer/deformer.h"
 #include "runtime/host/device_choice.h"
-#include "trainer/dynamics/dynamics_tets.h"
 #include "trainer/dynamics/jiggle.h"
 #include "trainer/dynamics/jiggle_fields.h"
 #include "trainer/train/skinning/ddm.h"

@@ -9,7 +9,6 @@
 #include <numbers>
 #include <optional>
 #include <set>
-#include <vector>
 
 #include "base/progress.h"
 #include "geometry/mend_surface.h"
@@ -18,7 +17,6 @@
 #include "runtime/core/error.h"
 #include "runtime/core/transformed.h"
 #include "trainer/dynamics/jiggle_fields.h"
-#include "trainer/tets/cage.h"
 #include "trainer/tets/tets.h"
 
 namespace bodyopt {
@@ -225,9 +223,7 @@ class Unfolder {
       const auto corner = [&](const int k) -> const Point& { return k < 0 ? rest : star.rest[k]; };
       Eigen::Matrix3d edges;
       for (int k = 0; k < 3; ++k) edges.col(k) = corner(tet[static_cast<std::size_t>(k) + 1]) - corner(tet[0]);
-      Eigen::Matrix<double, 4, 3> slopes;
-      slopes.bottomRows<3>() = edges.inverse();
-      slopes.row(0) = -slopes.bottomRows<3>().colwise().sum();
+      const Eigen::Matrix<double, 4, 3> slopes = corner_slopes(edges);
       const auto own = std::ranges::find(tet, -1) - tet.begin();
       for (std::size_t k = 0; k < 4; ++k) {
         if (tet[k] < 0) continue;

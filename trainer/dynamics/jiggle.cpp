@@ -231,9 +231,7 @@ SparseMatrix elastic_stiffness(const TetMesh& mesh, const std::vector<TetMateria
   entries.reserve(144 * static_cast<std::size_t>(mesh.tets.rows()));
   for (Eigen::Index t = 0; t < mesh.tets.rows(); ++t) {
     const Eigen::Matrix3d edges = tet_edges(mesh, t);
-    Eigen::Matrix<double, 4, 3> slopes;
-    slopes.bottomRows<3>() = edges.inverse();
-    slopes.row(0) = -slopes.bottomRows<3>().colwise().sum();
+    const Eigen::Matrix<double, 4, 3> slopes = corner_slopes(edges);
     const double volume = edges.determinant() / 6;
     const TetMaterial& material = materials[static_cast<std::size_t>(t)];
     for (int a = 0; a < 4; ++a) {

@@ -9,7 +9,6 @@
 #include <utility>
 
 #include "geometry/mend_surface.h"
-#include "geometry/mesh.h"
 #include "geometry/self_intersections.h"
 #include "geometry/thickness.h"
 #include "runtime/basis/skin_modifiers.h"
@@ -18,7 +17,6 @@
 #include "runtime/host/device_choice.h"
 #include "runtime/host/rig.h"
 #include "runtime/modifiers/drive_modifiers.h"
-#include "trainer/modifiers/bake_modifier.h"
 #include "trainer/modifiers/joint_holds.h"
 #include "trainer/motion/attached_rig.h"
 #include "trainer/motion/held_turns.h"

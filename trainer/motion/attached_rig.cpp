@@ -13,6 +13,13 @@
 namespace bodyopt {
 namespace {
 
+void renumber(JointLimits& limits, const std::vector<std::uint32_t>& number) {
+  for (DegreeOfFreedom& dof : limits.dofs) {
+    for (JointTurn& turn : dof.turns) turn.joint = number[turn.joint];
+  }
+  for (JointDeviation& deviation : limits.deviations) deviation.joint = number[deviation.joint];
+}
+
 constexpr double kHolds = 0.1;  // of a vertex: with less a joint's skin is not taken to reach there
 
 // How many triangles every pair of joints shares: both hold a corner of them.
@@ -192,19 +199,13 @@ Character AttachedRig::attached(Character character) const {
 }
 
 JointLimits AttachedRig::attached(JointLimits limits) const {
-  for (DegreeOfFreedom& dof : limits.dofs) {
-    for (JointTurn& turn : dof.turns) turn.joint = place_[turn.joint];
-  }
-  for (JointDeviation& deviation : limits.deviations) deviation.joint = place_[deviation.joint];
+  renumber(limits, place_);
   limits.detached.clear();
   return limits;
 }
 
 JointLimits AttachedRig::detached(JointLimits limits) const {
-  for (DegreeOfFreedom& dof : limits.dofs) {
-    for (JointTurn& turn : dof.turns) turn.joint = own_of_[turn.joint];
-  }
-  for (JointDeviation& deviation : limits.deviations) deviation.joint = own_of_[deviation.joint];
+  renumber(limits, own_of_);
   limits.detached = detached_;
   return limits;
 }

@@ -7,7 +7,6 @@
 #include <limits>
 #include <map>
 #include <numeric>
-#include <set>
 
 #include "base/parallel.h"
 #include "base/progress.h"

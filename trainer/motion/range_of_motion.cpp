@@ -11,7 +11,6 @@
 #include "assets/joints_with_skin.h"
 #include "runtime/core/error.h"
 #include "runtime/core/transformed.h"
-#include "trainer/motion/explore.h"
 
 namespace bodyopt {
 namespace {

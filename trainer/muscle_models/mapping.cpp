@@ -4,12 +4,10 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <set>
 
 #include "assets/joint_roles.h"
-#include "assets/json_file.h"
 #include "trainer/muscle_models/human_mappings.h"
 
 namespace bodyopt::muscle_models {

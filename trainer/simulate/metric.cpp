@@ -3,6 +3,7 @@
 #include <Eigen/LU>
 #include <Eigen/SparseCholesky>
 
+#include "base/linear_algebra.h"
 #include "runtime/core/error.h"
 
 namespace bodyopt {
@@ -21,9 +22,7 @@ SparseMatrix tet_laplacian(const TetMesh& mesh, const std::vector<double>& coeff
   entries.reserve(16 * static_cast<std::size_t>(mesh.tets.rows()));
   for (Eigen::Index t = 0; t < mesh.tets.rows(); ++t) {
     const Eigen::Matrix3d edges = tet_edges(mesh, t);
-    Eigen::Matrix<double, 4, 3> slopes;
-    slopes.bottomRows<3>() = edges.inverse();
-    slopes.row(0) = -slopes.bottomRows<3>().colwise().sum();
+    const Eigen::Matrix<double, 4, 3> slopes = corner_slopes(edges);
     const double weight = coefficients[static_cast<std::size_t>(t)] * edges.determinant() / 6;
     for (int a = 0; a < 4; ++a) {
       for (int b = 0; b < 4; ++b) {
@@ -31,9 +30,7 @@ SparseMatrix tet_laplacian(const TetMesh& mesh, const std::vector<double>& coeff
       }
     }
   }
-  SparseMatrix matrix(mesh.nodes.rows(), mesh.nodes.rows());
-  matrix.setFromTriplets(entries.begin(), entries.end());
-  return matrix;
+  return sparse_matrix(mesh.nodes.rows(), mesh.nodes.rows(), entries);
 }
 
 std::vector<double> metric_stiffness(const std::vector<TetMaterial>& tets, const std::vector<double>& muscle,

@@ -54,8 +54,7 @@ NodeWeights carry_through(const Character& character, const Cage& cage, const Sp
       }
     }
   }
-  SparseMatrix matrix(laplacian.rows(), laplacian.rows());
-  matrix.setFromTriplets(entries.begin(), entries.end());
+  SparseMatrix matrix = sparse_matrix(laplacian.rows(), laplacian.rows(), entries);
   matrix += laplacian + springs;
   const SparseSolver factor(matrix);
   require(factor);

@@ -12,7 +12,6 @@
 #include "runtime/core/stopwatch.h"
 #include "runtime/host/rig.h"
 #include "trainer/simulate/body_hash.h"
-#include "trainer/simulate/lbfgs.h"
 #include "trainer/simulate/node_weights.h"
 #include "trainer/tets/second_order.h"
 

@@ -74,16 +74,7 @@ std::vector<Eigen::Vector4d> sample_weights(int rows) {
   // Their distance from the faces, in distances between samples, makes the mean of the squares of barycentric weights
   // that over the tet, a tenth. Nearer to the faces, what lies along edges would count too much.
   const double inset = (std::sqrt(0.25 * rows * rows + rows) - 0.5 * rows) / 2;
-  std::vector<Eigen::Vector4d> samples;
-  for (int i = 0; i <= rows; ++i) {
-    for (int j = 0; i + j <= rows; ++j) {
-      for (int k = 0; i + j + k <= rows; ++k) {
-        const Eigen::Vector4d corner(i, j, k, rows - i - j - k);
-        samples.push_back((corner.array() + inset) / (rows + 4 * inset));
-      }
-    }
-  }
-  return samples;
+  return tet_lattice(rows, inset);
 }
 
 // The samples are points spread evenly in every tet.

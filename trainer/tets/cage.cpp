@@ -4,15 +4,11 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <map>
-#include <optional>
 #include <utility>
 
 #include "geometry/mend_surface.h"
 #include "geometry/mesh.h"
-#include "geometry/tet_mesh.h"
-#include "runtime/core/error.h"
 #include "trainer/tets/lattice_cage.h"
-#include "trainer/tets/tets.h"
 
 namespace bodyopt {
 namespace {

@@ -12,7 +12,6 @@
 
 #include "base/disjoint_sets.h"
 #include "geometry/mend_surface.h"
-#include "geometry/mesh.h"
 #include "geometry/nearest_skin.h"
 #include "geometry/self_intersections.h"
 #include "geometry/surface_topology.h"

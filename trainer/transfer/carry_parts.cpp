@@ -12,7 +12,6 @@
 #include "runtime/host/rig.h"
 #include "trainer/train/skinning/ddm.h"
 #include "trainer/transfer/skin_transfer.h"
-#include "trainer/transfer/transfer_pair.h"
 
 namespace bodyopt {
 namespace {

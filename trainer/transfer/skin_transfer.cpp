@@ -6,7 +6,6 @@
 
 #include "assets/wording.h"
 #include "base/progress.h"
-#include "geometry/mesh.h"
 #include "geometry/surface_distance.h"
 #include "runtime/basis/joint_omegas.h"
 #include "runtime/core/error.h"

@@ -3,16 +3,13 @@
 #include <algorithm>
 #include <map>
 #include <nlohmann/json.hpp>
-#include <span>
 
-#include "assets/clip.h"
 #include "assets/frame_range.h"
 #include "assets/matched_joints.h"
 #include "assets/pc2.h"
 #include "assets/shape_reader.h"
 #include "base/parallel.h"
 #include "base/progress.h"
-#include "dataset/dataset.h"
 #include "dataset/modifier.h"
 #include "dataset/regions_file.h"
 #include "geometry/mend_surface.h"
@@ -30,7 +27,6 @@
 #include "trainer/transfer/carry_parts.h"
 #include "trainer/transfer/skin_transfer.h"
 #include "trainer/transfer/transfer_columns.h"
-#include "trainer/transfer/transfer_pair.h"
 
 namespace bodyopt {
 namespace {

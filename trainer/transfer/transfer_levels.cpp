@@ -6,8 +6,6 @@
 #include <map>
 #include <nlohmann/json.hpp>
 #include <numbers>
-#include <string>
-#include <vector>
 
 #include "assets/character.h"
 #include "assets/wording.h"

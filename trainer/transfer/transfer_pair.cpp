@@ -8,7 +8,6 @@
 #include "geometry/surface_distance.h"
 #include "trainer/train/skinning/ddm.h"
 #include "trainer/train/skinning/provenance.h"
-#include "trainer/transfer/skin_transfer.h"
 
 namespace bodyopt {
 namespace {

@@ -9,6 +9,7 @@
 
 #include "base/parallel.h"
 #include "base/progress.h"
+#include "base/quantile.h"
 #include "trainer/train/features/features.h"
 
 namespace bodyopt {
@@ -104,9 +105,7 @@ std::optional<double> growth_by_takes(const HeldOutError& far, const ErrorModel&
   const double most = mean_of(model.motion) / model.usual;
   std::vector<double> needed;
   for (const auto& [take, frames] : takes) needed.push_back(needed_growth(frames, far.left, model, most));
-  const auto middle = needed.begin() + static_cast<std::ptrdiff_t>(needed.size() / 2);
-  std::nth_element(needed.begin(), middle, needed.end());
-  return *middle;
+  return median(needed);
 }
 
 // Positions of the values in ascending order; equal values share the mean of theirs.

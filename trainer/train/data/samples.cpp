@@ -3,9 +3,7 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
-#include <string>
 
-#include "assets/character.h"
 #include "assets/shape_reader.h"
 #include "runtime/core/error.h"
 #include "runtime/core/transform.h"

@@ -6,6 +6,7 @@
 
 #include "base/parallel.h"
 #include "base/progress.h"
+#include "base/quantile.h"
 #include "geometry/mesh.h"
 #include "runtime/core/error.h"
 #include "trainer/train/skinning/unpose.h"
@@ -45,12 +46,6 @@ Vector3f displacement(const Displacements& displacements, Index frame, std::uint
   return displacements.row(frame).segment<3>(3 * Index{column}).transpose();
 }
 
-float middle(std::vector<float>& values) {
-  const auto half = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), half, values.end());
-  return *half;
-}
-
 // One vertex among others: its column and theirs.
 struct Neighbourhood {
   std::uint32_t column;
@@ -72,7 +67,7 @@ struct Neighbourhood {
       for (std::size_t k = 0; k < values.size(); ++k) {
         values[k] = displacement(displacements, frame, neighbours[k])[axis];
       }
-      result[axis] = middle(values);
+      result[axis] = median(values);
     }
     return result;
   }
@@ -83,16 +78,14 @@ struct Neighbourhood {
     for (const std::uint32_t other : neighbours) {
       values.push_back((displacement(displacements, frame, other) - common).norm());
     }
-    return middle(values);
+    return median(values);
   }
 
   // How far apart the vertex is at most in all but a few frames.
   float usually_apart(const Displacements& displacements) const {
     std::vector<float> values;
     for (Index n = 0; n < displacements.rows(); ++n) values.push_back(roughly_apart(displacements, n));
-    const auto usual = values.begin() + static_cast<std::ptrdiff_t>(kUsual * static_cast<double>(values.size() - 1));
-    std::nth_element(values.begin(), usual, values.end());
-    return *usual;
+    return quantile(values, kUsual);
   }
 };
 

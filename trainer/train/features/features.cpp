@@ -9,6 +9,7 @@
 #include "assets/joints_with_skin.h"
 #include "base/linear_algebra.h"
 #include "base/parallel.h"
+#include "base/quantile.h"
 #include "geometry/mesh.h"
 #include "geometry/nearest_skin.h"
 #include "runtime/core/error.h"
@@ -93,11 +94,8 @@ double tolerance_of(const JointFrames& frames, const std::vector<int>& folds) {
     const Eigen::VectorXd some = squared_distance(some_of(frames, held_out), some_of(frames, others));
     distances.insert(distances.end(), some.begin(), some.end());
   }
-  const auto usual =
-      distances.begin() +
-      static_cast<std::ptrdiff_t>(kUsualShare * static_cast<double>(std::max<std::size_t>(1, distances.size()) - 1));
-  std::nth_element(distances.begin(), usual, distances.end());
-  return std::max(squared_distance(frames, frames).maxCoeff(), distances.empty() ? 0 : *usual);
+  const double usual = distances.empty() ? 0 : quantile(distances, kUsualShare);
+  return std::max(squared_distance(frames, frames).maxCoeff(), usual);
 }
 
 // The features, with joints seen from those that their skin hangs under.

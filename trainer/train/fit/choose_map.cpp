@@ -12,7 +12,6 @@
 #include "geometry/mesh.h"
 #include "geometry/nearest_skin.h"
 #include "geometry/surface_distance.h"
-#include "trainer/train/fit/groundwork.h"
 #include "trainer/train/regression/regress.h"
 
 namespace bodyopt {

@@ -6,9 +6,7 @@
 #include "base/spread_evenly.h"
 #include "geometry/mesh.h"
 #include "runtime/host/rig.h"
-#include "trainer/train/features/features.h"
 #include "trainer/train/pack/trade_off.h"
-#include "trainer/train/skinning/ddm.h"
 
 namespace bodyopt {
 namespace {

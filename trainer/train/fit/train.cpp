@@ -18,7 +18,6 @@
 #include "trainer/train/fit/groundwork.h"
 #include "trainer/train/fit/staged_fit.h"
 #include "trainer/train/pack/residual.h"
-#include "trainer/train/pack/trade_off.h"
 #include "trainer/train/regions/regions.h"
 #include "trainer/train/skinning/ddm.h"
 

@@ -6,13 +6,13 @@
 #include <numeric>
 #include <optional>
 
+#include "base/linear_algebra.h"
 #include "base/parallel.h"
 #include "base/progress.h"
 #include "base/spread_evenly.h"
 #include "dataset/dataset.h"
 #include "geometry/mesh.h"
 #include "geometry/surface_distance.h"
-#include "runtime/basis/basis.h"
 #include "runtime/core/error.h"
 #include "runtime/core/stopwatch.h"
 #include "runtime/core/transformed.h"
@@ -22,7 +22,6 @@
 #include "trainer/train/coverage/coverage.h"
 #include "trainer/train/data/learned_poses.h"
 #include "trainer/train/data/unposed_shapes.h"
-#include "trainer/train/fit/train.h"
 #include "trainer/train/pack/trade_off.h"
 #include "trainer/train/skinning/ddm.h"
 #include "trainer/train/skinning/unpose.h"
@@ -62,10 +61,8 @@ Eigen::SparseMatrix<double> skin_of_joints(const Character& character) {
       entries.emplace_back(static_cast<int>(v), static_cast<int>(w.joint), w.weight * areas[static_cast<Index>(v)]);
     }
   }
-  Eigen::SparseMatrix<double> skin(static_cast<Index>(character.weights.size()),
-                                   static_cast<Index>(character.skeleton.size()));
-  skin.setFromTriplets(entries.begin(), entries.end());
-  return skin;
+  return sparse_matrix(static_cast<Index>(character.weights.size()), static_cast<Index>(character.skeleton.size()),
+                       entries);
 }
 
 MethodErrors errors_of(const Eigen::RowVector3d& squares, double weight) {

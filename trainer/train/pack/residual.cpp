@@ -2,11 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 
 #include "base/rows_where.h"
 #include "runtime/core/half.h"
-#include "trainer/train/features/features.h"
 
 namespace bodyopt {
 namespace {

@@ -1,13 +1,12 @@
 #include "trainer/train/regression/regress.h"
 
-#include <algorithm>
-#include <cmath>
 #include <limits>
 #include <map>
 #include <optional>
 #include <stdexcept>
 
 #include "base/linear_algebra.h"
+#include "base/quantile.h"
 #include "base/rows_where.h"
 
 namespace bodyopt {
@@ -56,10 +55,7 @@ double median_distance(const MatrixXd& centres) {
   for (Index a = 0; a < centres.rows(); ++a) {
     for (Index b = 0; b < a; ++b) distances.push_back(std::sqrt(squared(a, b)));
   }
-  if (distances.empty()) return 1;
-  const auto middle = distances.begin() + static_cast<std::ptrdiff_t>(distances.size() / 2);
-  std::nth_element(distances.begin(), middle, distances.end());
-  return *middle;
+  return distances.empty() ? 1 : median(distances);
 }
 
 // N. A frame that counts for nothing counts for a millionth, so that its error is known.

@@ -6,11 +6,9 @@
 #include <map>
 #include <nlohmann/json.hpp>
 #include <numeric>
-#include <string>
 
 #include "base/linear_algebra.h"
 #include "base/parallel.h"
-#include "geometry/mesh.h"
 #include "geometry/surface_distance.h"
 #include "runtime/core/error.h"
 #include "runtime/core/half.h"
