@@ -4,8 +4,8 @@
 
 namespace bodyopt {
 
-std::vector<float> vertices_of(const MeshTable& mesh, std::span<const float> output) {
-  std::vector<float> vertices(mesh.rest.size());
+std::vector<float> vertices_of(const MeshTable& mesh, std::span<const float> output, std::vector<float> vertices) {
+  vertices.assign(mesh.rest.size(), 0.0f);
   for (std::size_t o = 0; o < mesh.output_vertex.size(); ++o) {
     std::copy_n(output.begin() + static_cast<std::ptrdiff_t>(3 * o), 3,
                 vertices.begin() + std::ptrdiff_t{3} * mesh.output_vertex[o]);

@@ -10,7 +10,7 @@
 namespace bodyopt {
 
 // O x 3, output vertex order, to V x 3.
-std::vector<float> vertices_of(const MeshTable& mesh, std::span<const float> output);
+std::vector<float> vertices_of(const MeshTable& mesh, std::span<const float> output, std::vector<float> vertices = {});
 
 // V x 3, to O x 3.
 std::vector<float> output_of(const MeshTable& mesh, std::span<const float> vertices);

@@ -5,12 +5,12 @@
 #include <limits>
 #include <map>
 #include <set>
+#include <utility>
 
 #include "runtime/core/error.h"
 #include "runtime/core/half.h"
 #include "runtime/cpu/kernels.h"
 #include "runtime/host/fade.h"
-#include "runtime/host/rig.h"
 
 namespace bodyopt {
 namespace {
@@ -112,8 +112,8 @@ RegionShares::RegionShares(const Basis& basis) : vertex_count_(basis.mesh.vertex
   }
 }
 
-std::vector<float> RegionShares::carry(const std::vector<double>& region_mm) const {
-  std::vector<float> metres(vertex_count_);
+std::vector<float> RegionShares::carry(const std::vector<double>& region_mm, std::vector<float> metres) const {
+  metres.assign(vertex_count_, 0.0f);
   for (std::size_t block = 0; block + 1 < begin_.size(); ++block) {
     Lanes squares{};
     for (std::size_t s = begin_[block]; s < begin_[block + 1]; ++s) {
@@ -128,7 +128,7 @@ std::vector<float> RegionShares::carry(const std::vector<double>& region_mm) con
   return metres;
 }
 
-ErrorExpectation::ErrorExpectation(const Basis& basis) : basis_(basis) {
+ErrorExpectation::ErrorExpectation(const Basis& basis) : basis_(basis), rig_(basis.skeleton) {
   if (basis.coverage.empty()) {
     throw Error(ErrorKind::mismatch, "the basis does not say how well it covers poses: it was trained without shapes");
   }
@@ -143,21 +143,24 @@ ErrorExpectation::ErrorExpectation(const Basis& basis) : basis_(basis) {
   }
 }
 
-ErrorExpectation::PoseFeatures ErrorExpectation::features_of(const Pose& pose, std::span<const float> strains) const {
+void ErrorExpectation::find_features(const Pose& pose, std::span<const float> strains, Memory& memory) const {
   const ResidualTable& residual = basis_.residual;
-  PoseFeatures features{
-      std::vector<float>(residual.coordinate_count()), std::vector<float>(residual.feature_count()), {}};
-  std::vector<float> controls = pose.controls, inside(residual.feature_count());
-  controls.resize(residual.controls.size(), 0.0f);
-  const std::vector<float> joint_features = pose_rig(basis_.skeleton, pose).joint_features;
-  cpu::residual_features(residual.features, joint_features, strains, controls, 1, inside, features.excess);
-  cpu::residual_project(residual, inside, 1, features.coordinates);
-  features.fades = region_fades(residual, joint_features);
-  return features;
+  rig_.pose(pose, memory.rig);
+  memory.controls.assign(pose.controls.begin(), pose.controls.end());
+  memory.controls.resize(residual.controls.size(), 0.0f);
+  memory.inside.resize(residual.feature_count());
+  memory.excess.resize(residual.feature_count());
+  memory.coordinates.resize(residual.coordinate_count());
+  memory.fades.resize(residual.regions.size());
+  cpu::residual_features(residual.features, memory.rig.joint_features, strains, memory.controls, 1, memory.inside,
+                         memory.excess);
+  cpu::residual_project(residual, memory.inside, 1, memory.coordinates);
+  memory.off = joints_off(residual, memory.rig.joint_features, std::move(memory.off));
+  region_fades(residual, memory.off, memory.fades);
 }
 
 ErrorExpectation::Energy ErrorExpectation::energy(std::size_t r, std::size_t first_centre,
-                                                  const PoseFeatures& features) const {
+                                                  const Memory& features) const {
   const CoverageTable& coverage = basis_.coverage;
   const Region& region = basis_.residual.regions[r];
   const double size{coverage.sizes[r]};
@@ -187,12 +190,13 @@ ErrorExpectation::Energy ErrorExpectation::energy(std::size_t r, std::size_t fir
   return {fade * std::min(learned, ddm) + (1 - fade) * ddm, ddm};
 }
 
-ExpectedError ErrorExpectation::of(const Pose& pose, std::span<const float> strains) const {
-  const PoseFeatures features = features_of(pose, strains);
-  ExpectedError result;
+const ExpectedError& ErrorExpectation::of(const Pose& pose, std::span<const float> strains, Memory& memory) const {
+  find_features(pose, strains, memory);
+  ExpectedError& result = memory.result;
+  result.region_mm.clear();
   Energy sum;
   for (std::size_t r = 0, first_centre = 0; r < watched_.size(); ++r) {
-    const Energy of_region = energy(r, first_centre, features);
+    const Energy of_region = energy(r, first_centre, memory);
     sum.full += of_region.full;
     sum.ddm += of_region.ddm;
     result.region_mm.push_back(1e3 * std::sqrt(of_region.full / double{basis_.coverage.sizes[r]}));

@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "runtime/basis/basis.h"
+#include "runtime/host/rig.h"
 
 namespace bodyopt {
 
@@ -26,8 +27,8 @@ class RegionShares {
   explicit RegionShares(const Basis& basis);
 
   // V, metres, by the error of each region (mm); 0 where nothing was learned. The squares over a region's vertices sum
-  // to its squared error times its size.
-  std::vector<float> carry(const std::vector<double>& region_mm) const;
+  // to its squared error times its size. metres: memory that is used again.
+  std::vector<float> carry(const std::vector<double>& region_mm, std::vector<float> metres = {}) const;
 
  private:
   struct BlockShare {
@@ -47,26 +48,35 @@ struct ExpectedError {
 
 class ErrorExpectation {
  public:
+  // Of one thread, used again: the inputs of the residual at a pose, and its errors.
+  struct Memory {
+    RigFrame rig;
+    std::vector<float> controls, inside;
+    std::vector<float> coordinates, excess;  // of all regions; of all features
+    std::vector<double> off;
+    std::vector<float> fades;  // of all regions
+    ExpectedError result;
+  };
+
   // The basis must outlive this. Throws Error(mismatch) where it does not know its error.
   explicit ErrorExpectation(const Basis& basis);
 
   // May be called from any thread. `strains`: of the pose, one a fibre. Controls that the pose lacks are 0.
-  ExpectedError of(const Pose& pose, std::span<const float> strains) const;
+  const ExpectedError& of(const Pose& pose, std::span<const float> strains, Memory& memory) const;
+  ExpectedError of(const Pose& pose, std::span<const float> strains) const {
+    Memory memory;
+    return of(pose, strains, memory);
+  }
 
  private:
-  // The inputs of the residual at a pose.
-  struct PoseFeatures {
-    std::vector<float> coordinates, excess;  // of all regions; of all features
-    std::vector<float> fades;                // of all regions
-  };
-
-  PoseFeatures features_of(const Pose& pose, std::span<const float> strains) const;
+  void find_features(const Pose& pose, std::span<const float> strains, Memory& memory) const;
   struct Energy {
     double full = 0, ddm = 0;  // square metres
   };
-  Energy energy(std::size_t region, std::size_t first_centre, const PoseFeatures& features) const;
+  Energy energy(std::size_t region, std::size_t first_centre, const Memory& features) const;
 
   const Basis& basis_;
+  Rig rig_;
   std::vector<std::vector<std::uint32_t>> watched_;  // features, per region, ascending
   std::vector<double> centre_lengths_;               // squared, of every region's centres from rest; 0 of none
 };

@@ -1,33 +1,34 @@
 #include "runtime/deformer/attachment_carrier.h"
 
+#include <utility>
+
 #include "runtime/basis/output_order.h"
 #include "runtime/core/error.h"
 #include "runtime/cpu/attach_kernels.h"
-#include "runtime/host/rig.h"
 
 namespace bodyopt {
 
-std::vector<std::vector<float>> AttachmentCarrier::carry(std::span<const float> positions,
-                                                         std::span<const JointTransform> joints) const {
+const std::vector<std::vector<float>>& AttachmentCarrier::carry(std::span<const float> positions,
+                                                                std::span<const JointTransform> joints,
+                                                                Memory& memory) const {
   if (positions.size() != 3 * std::size_t{basis_.mesh.output_count()} || joints.size() != basis_.skeleton.size()) {
     throw Error(ErrorKind::mismatch, "geometry attached to a skin of ", basis_.mesh.output_count(), " points and ",
                 basis_.skeleton.size(), " joints was given ", positions.size() / 3, " points and ", joints.size(),
                 " joints: those of another character");
   }
-  Pose pose;
-  pose.joints.assign(joints.begin(), joints.end());
-  const RigFrame rig = pose_rig(basis_.skeleton, pose);
-  const std::vector<float> vertices = vertices_of(basis_.mesh, positions);
-  std::vector<float> stretches(kStretchNumbers * tables_.corners.size()),
-      frames(kAnchorNumbers * tables_.anchors.size());
-  cpu::output_stretch(tables_, vertices, stretches);
-  cpu::output_anchor(tables_, stretches, vertices, rig.skinning, rig.origin, frames);
-  std::vector<std::vector<float>> carried;
-  for (std::size_t m = 0; m + 1 < tables_.vertex_begin.size(); ++m) {
-    std::vector<float>& mesh = carried.emplace_back(3 * (tables_.vertex_begin[m + 1] - tables_.vertex_begin[m]));
-    cpu::output_attach(tables_, tables_.vertex_begin[m], frames, mesh);
+  memory.pose.joints.assign(joints.begin(), joints.end());
+  rig_.pose(memory.pose, memory.rig);
+  memory.vertices = vertices_of(basis_.mesh, positions, std::move(memory.vertices));
+  memory.stretches.resize(kStretchNumbers * tables_.corners.size());
+  memory.frames.resize(kAnchorNumbers * tables_.anchors.size());
+  cpu::output_stretch(tables_, memory.vertices, memory.stretches);
+  cpu::output_anchor(tables_, memory.stretches, memory.vertices, memory.rig.skinning, memory.rig.origin, memory.frames);
+  memory.carried.resize(tables_.vertex_begin.size() - 1);
+  for (std::size_t m = 0; m < memory.carried.size(); ++m) {
+    memory.carried[m].resize(3 * (tables_.vertex_begin[m + 1] - tables_.vertex_begin[m]));
+    cpu::output_attach(tables_, tables_.vertex_begin[m], memory.frames, memory.carried[m]);
   }
-  return carried;
+  return memory.carried;
 }
 
 }  // namespace bodyopt

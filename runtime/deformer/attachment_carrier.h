@@ -7,6 +7,7 @@
 #include "runtime/basis/attachments.h"
 #include "runtime/basis/basis.h"
 #include "runtime/host/attach_tables.h"
+#include "runtime/host/rig.h"
 
 namespace bodyopt {
 
@@ -16,17 +17,32 @@ namespace bodyopt {
 // without points moves by its joint's skinning matrix.
 class AttachmentCarrier {
  public:
+  // Of one thread, used again.
+  struct Memory {
+    Pose pose;
+    RigFrame rig;
+    std::vector<float> vertices, stretches, frames;
+    std::vector<std::vector<float>> carried;
+  };
+
   // The basis must outlive it. They belong together (load_attachments sees to it).
   AttachmentCarrier(const Basis& basis, const Attachments& attachments)
-      : basis_(basis), tables_(attach_tables(basis.mesh, attachments)) {}
+      : basis_(basis), rig_(basis.skeleton), tables_(attach_tables(basis.mesh, attachments)) {}
 
   // One frame. positions: O x 3, the skin's output vertices, metres, world (Evaluation::positions, or a point cache);
   // joints: its pose. Returns N x 3 per mesh, metres, world. The same bits every time. No NaN for finite input: where
   // skin has collapsed, R is that of the anchor's joint. Throws Error(mismatch) for other counts.
-  std::vector<std::vector<float>> carry(std::span<const float> positions, std::span<const JointTransform> joints) const;
+  const std::vector<std::vector<float>>& carry(std::span<const float> positions, std::span<const JointTransform> joints,
+                                               Memory& memory) const;
+  std::vector<std::vector<float>> carry(std::span<const float> positions,
+                                        std::span<const JointTransform> joints) const {
+    Memory memory;
+    return carry(positions, joints, memory);
+  }
 
  private:
   const Basis& basis_;
+  Rig rig_;
   AttachTables tables_;
 };
 

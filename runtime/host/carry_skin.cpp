@@ -42,11 +42,11 @@ CarryFrame carry_frame(const MeshTable& mesh, std::span<const float> positions, 
 }
 
 std::vector<float> carry_skin(const MeshTable& mesh, const CarriedSkin& carried, std::span<const float> positions,
-                              std::span<const float> normals, Executor& threads) {
+                              std::span<const float> normals, Executor& threads, std::vector<float> full) {
   constexpr std::size_t kLeastPoints = 1024;  // that are worth a thread
   const std::size_t stride = 3 * std::size_t{mesh.output_count()};
   const std::size_t frames = stride == 0 ? 0 : positions.size() / stride;
-  std::vector<float> full(3 * frames * carried.size());
+  full.resize(3 * frames * carried.size());
   parallel_each(threads, frames * carried.size(), kLeastPoints, [&](std::size_t k) {
     const std::size_t f = k / carried.size();
     const CarriedPoint& point = carried.points[k % carried.size()];

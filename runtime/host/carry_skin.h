@@ -21,8 +21,10 @@ CarryFrame carry_frame(const MeshTable& mesh, std::span<const float> positions, 
 
 // Returns every output vertex of the full character: F x P x 3, metres, posed. `mesh` and `carried` are those of a
 // level (Level::carried). `positions`, `normals`: F x O x 3 of its output vertices, as an Evaluation has them. At rest
-// and under rigid motion it is exact to half a step along each axis of the frame.
+// and under rigid motion it is exact to half a step along each axis of the frame. full:
+// memory that is used again.
 std::vector<float> carry_skin(const MeshTable& mesh, const CarriedSkin& carried, std::span<const float> positions,
-                              std::span<const float> normals, Executor& threads = calling_thread());
+                              std::span<const float> normals, Executor& threads = calling_thread(),
+                              std::vector<float> full = {});
 
 }  // namespace bodyopt

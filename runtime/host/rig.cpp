@@ -54,23 +54,19 @@ void require_finite(const Affine& matrix, const Joint& joint) {
 
 }  // namespace
 
-std::vector<JointTransform> local_joints(const Skeleton& skeleton, std::span<const Affine> skinning) {
+JointTransform local_joint(const Skeleton& skeleton, std::size_t j, const Affine& skinning, const Affine& of_parent) {
   constexpr double kMostShear = 1e-3;  // of the joint's scale: beyond what rounding to single precision makes
-  std::vector<Affine> to_world;
-  std::vector<JointTransform> joints;
-  for (std::size_t j = 0; j < skeleton.size(); ++j) {
-    const Joint& joint = skeleton.joints[j];
-    require_finite(skinning[j], joint);
-    to_world.push_back(skinning[j] * inverse(joint.inverse_bind));
-    const Affine local =
-        joint.parent < 0 ? to_world[j] : inverse(to_world[static_cast<std::size_t>(joint.parent)]) * to_world[j];
-    joints.push_back(decompose(local));
-    const double size = linear_size(local), shear = linear_size(difference(local, affine_from(joints[j])));
-    if (shear <= kMostShear * size && size > 0) continue;
-    throw Error(ErrorKind::mismatch, "the skinning matrix of joint '", joint.name,
-                "' is no rotation and scale of the joint's own axes against its parent: it is sheared, or scaled by 0");
+  const Joint& joint = skeleton.joints[j];
+  require_finite(skinning, joint);
+  Affine local = skinning * inverse(joint.inverse_bind);
+  if (joint.parent >= 0) {
+    local = inverse(of_parent * inverse(skeleton.joints[static_cast<std::size_t>(joint.parent)].inverse_bind)) * local;
   }
-  return joints;
+  const JointTransform transform = decompose(local);
+  const double size = linear_size(local), shear = linear_size(difference(local, affine_from(transform)));
+  if (shear <= kMostShear * size && size > 0) return transform;
+  throw Error(ErrorKind::mismatch, "the skinning matrix of joint '", joint.name,
+              "' is no rotation and scale of the joint's own axes against its parent: it is sheared, or scaled by 0");
 }
 
 std::vector<JointFeatures> joint_features_of(const Skeleton& skeleton) {

@@ -32,9 +32,9 @@ std::vector<Affine> posed_joints(const Skeleton& skeleton, std::span<const Joint
 // Skinning matrices (rest space to world), J, in double precision.
 std::vector<Affine> skinning_matrices(const Skeleton& skeleton, std::span<const JointTransform> local);
 
-// The local transforms that have these skinning matrices. Throws Error(mismatch) where a joint has none: a number is
-// not finite, a scale is 0, or it is sheared against its parent.
-std::vector<JointTransform> local_joints(const Skeleton& skeleton, std::span<const Affine> skinning);
+// The local transform of joint j that has this skinning matrix below its parent's (any, below none). Throws
+// Error(mismatch) where it has none: a number is not finite, a scale is 0, or it is sheared against its parent.
+JointTransform local_joint(const Skeleton& skeleton, std::size_t j, const Affine& skinning, const Affine& of_parent);
 
 // Rotation of each joint in the bind pose, world; scale and shear are left out.
 std::vector<Quat> bind_rotations(const Skeleton& skeleton);

@@ -1,7 +1,8 @@
 #include "runtime/library/following_outputs.h"
 
 #include <algorithm>
-#include <string>
+#include <cstdio>
+#include <utility>
 
 #include "runtime/host/carry_skin.h"
 #include "runtime/library/guard.h"
@@ -16,24 +17,31 @@ PlacedVertices without_gaps(std::vector<float>& values, std::size_t vertices, st
   return {reinterpret_cast<std::byte*>(values.data()), kVertex, kVertex * vertices};
 }
 
-std::vector<bodyopt_floats> outputs_of(const bodyopt_skin& skin, const Attachments& attached, std::size_t frames) {
-  std::vector<bodyopt_floats> outputs = attached_outputs(skin.attached, skin.attached_count, attached, "skin.attached");
+void find_outputs(const bodyopt_skin& skin, const Attachments& attached, std::size_t frames,
+                  std::vector<bodyopt_floats>& outputs) {
+  const auto given = attached_outputs(skin.attached, skin.attached_count, attached, "skin.attached");
+  outputs.assign(given.begin(), given.end());
   for (std::size_t m = 0; m < outputs.size(); ++m) {
-    check_output(outputs[m], frames, attached.meshes[m].vertex_count(), 3, concat("skin.attached[", m, "]").c_str());
+    char name[48];
+    std::snprintf(name, sizeof(name), "skin.attached[%zu]", m);
+    check_output(outputs[m], frames, attached.meshes[m].vertex_count(), 3, name);
   }
-  if (std::ranges::all_of(outputs, [](const bodyopt_floats& output) { return output.data == nullptr; })) return {};
-  return outputs;
+  if (std::ranges::all_of(outputs, [](const bodyopt_floats& output) { return output.data == nullptr; })) {
+    outputs.clear();
+  }
 }
 
 }  // namespace
 
-FollowingOutputs::FollowingOutputs(const bodyopt_skin& skin, const FollowingMeshes& meshes, std::size_t frames)
+FollowingOutputs::FollowingOutputs(const bodyopt_skin& skin, const FollowingMeshes& meshes, std::size_t frames,
+                                   FollowingMemory& memory)
     : meshes_(meshes),
       vertices_(meshes.model->basis.mesh.output_count()),
       positions_(skin.positions),
       normals_(skin.normals),
-      attached_(outputs_of(skin, meshes.attached, frames)),
-      full_(skin.full_positions) {
+      full_(skin.full_positions),
+      memory_(memory) {
+  find_outputs(skin, meshes.attached, frames, memory.attached);
   if (wants_full_skin() && meshes.full_skin.empty()) {
     throw Error(ErrorKind::usage, "'skin.full_positions' is wanted of a model that carries no full skin");
   }
@@ -42,25 +50,26 @@ FollowingOutputs::FollowingOutputs(const bodyopt_skin& skin, const FollowingMesh
 
 SkinPlace FollowingOutputs::gather(std::size_t frames, const SkinPlace& place) {
   SkinPlace gathered = place;
-  gathered.positions = without_gaps(gathered_, vertices_, frames);
-  if (wants_full_skin()) gathered.normals = without_gaps(gathered_normals_, vertices_, frames);
+  gathered.positions = without_gaps(memory_.skin, vertices_, frames);
+  if (wants_full_skin()) gathered.normals = without_gaps(memory_.normals, vertices_, frames);
   return gathered;
 }
 
 void FollowingOutputs::write(std::span<const Pose> poses, std::size_t begin, Executor& threads) const {
   const CharacterModel& model = *meshes_.model;
-  scatter(gathered_, positions_, begin, vertices_, 3);
+  scatter(memory_.skin, positions_, begin, vertices_, 3);
   if (wants_full_skin()) {
-    scatter(gathered_normals_, normals_, begin, vertices_, 3);
-    scatter(carry_skin(model.basis.mesh, meshes_.full_skin, gathered_, gathered_normals_, threads), full_, begin,
-            meshes_.full_skin.size(), 3);
+    scatter(memory_.normals, normals_, begin, vertices_, 3);
+    memory_.full = carry_skin(model.basis.mesh, meshes_.full_skin, memory_.skin, memory_.normals, threads,
+                              std::move(memory_.full));
+    scatter(memory_.full, full_, begin, meshes_.full_skin.size(), 3);
   }
-  if (attached_.empty()) return;
+  if (memory_.attached.empty()) return;
   for (std::size_t f = 0; f < poses.size(); ++f) {
-    const std::span<const float> skin = std::span(gathered_).subspan(3 * vertices_ * f, 3 * vertices_);
-    const std::vector<std::vector<float>> carried = meshes_.carrier.carry(skin, poses[f].joints);
+    const std::span<const float> skin = std::span<const float>(memory_.skin).subspan(3 * vertices_ * f, 3 * vertices_);
+    const std::vector<std::vector<float>>& carried = meshes_.carrier.carry(skin, poses[f].joints, memory_.carrier);
     for (std::size_t m = 0; m < carried.size(); ++m) {
-      scatter(carried[m], attached_[m], begin + f, carried[m].size() / 3, 3);
+      scatter(carried[m], memory_.attached[m], begin + f, carried[m].size() / 3, 3);
     }
   }
 }

@@ -11,26 +11,26 @@
 
 namespace bodyopt {
 
-// Copies of what a caller has for attached meshes; empty: for none. Throws Error(usage) unless there is one of each.
+// What a caller has for attached meshes; empty: for none. Throws Error(usage) unless there is one of each.
 template <typename Output>
-std::vector<Output> attached_outputs(const Output* given, std::uint32_t count, const Attachments& attached,
-                                     const char* name) {
+std::span<const Output> attached_outputs(const Output* given, std::uint32_t count, const Attachments& attached,
+                                         const char* name) {
   if (count == 0) return {};
   if (count != attached.meshes.size()) {
     throw Error(ErrorKind::usage, "'", name, "' has ", count, " outputs, the model has ", attached.meshes.size(),
                 " attached meshes");
   }
-  const Output* const first = &required(given, name);
-  return {first, first + count};
+  return {&required(given, name), count};
 }
 
 class FollowingOutputs {
  public:
-  // `skin`: of this version, its other outputs checked. `meshes` must outlive it. Throws Error(usage) for outputs of
-  // meshes that the model does not have, and as check_output().
-  FollowingOutputs(const bodyopt_skin& skin, const FollowingMeshes& meshes, std::size_t frames);
+  // `skin`: of this version, its other outputs checked. `meshes` and `memory` must outlive it. Throws Error(usage) for
+  // outputs of meshes that the model does not have, and as check_output().
+  FollowingOutputs(const bodyopt_skin& skin, const FollowingMeshes& meshes, std::size_t frames,
+                   FollowingMemory& memory);
 
-  bool wanted() const { return !attached_.empty() || wants_full_skin(); }
+  bool wanted() const { return !memory_.attached.empty() || wants_full_skin(); }
   // The place that the skin of `frames` frames goes to first, instead of the caller's memory.
   SkinPlace gather(std::size_t frames, const SkinPlace& place);
   // Writes the outputs that follow the gathered skin, for the frames `begin` and after.
@@ -41,10 +41,8 @@ class FollowingOutputs {
 
   const FollowingMeshes& meshes_;
   std::size_t vertices_;
-  bodyopt_floats positions_, normals_;    // the caller's, of the skin
-  std::vector<bodyopt_floats> attached_;  // of each mesh; empty: none is wanted
-  bodyopt_floats full_;
-  std::vector<float> gathered_, gathered_normals_;  // without gaps
+  bodyopt_floats positions_, normals_, full_;  // the caller's
+  FollowingMemory& memory_;
 };
 
 }  // namespace bodyopt

@@ -4,6 +4,7 @@
 #include <set>
 #include <span>
 #include <string>
+#include <utility>
 
 #include "runtime/deformer/evaluate_together.h"
 #include "runtime/library/following_outputs.h"
@@ -25,7 +26,7 @@ class AskedFrames {
         given_(poses, deformer_.basis(), instance.channels),
         drive_(instance, given_),
         wanted_(skin, deformer_.basis(), given_.count()),
-        following_(wanted_.outputs(), *instance.following, given_.count()),
+        following_(wanted_.outputs(), *instance.following, given_.count(), instance.following_memory),
         jiggles_(jiggles) {
     if (!wanted_.wants_expected_errors() && !wanted_.wants_vertex_errors()) return;
     if (!instance.expectation) instance.expectation.emplace(deformer_.basis());
@@ -70,17 +71,17 @@ class AskedFrames {
  private:
   void write_expected_errors(const Evaluation& evaluation) const {
     const std::size_t strains = evaluation.strains.size() / poses_.size();
-    std::vector<float> metres, of_vertices;
+    ErrorMemory& memory = instance_.error_memory;
     for (std::size_t f = 0; f < poses_.size(); ++f) {
       const std::span<const float> of_frame(evaluation.strains.data() + f * strains, strains);
-      const ExpectedError error = expectation_->of(poses_[f], of_frame);
-      metres.push_back(static_cast<float>(1e-3 * error.rms_mm));
+      const ExpectedError& error = expectation_->of(poses_[f], of_frame, memory.expectation);
+      wanted_.write_expected_error(static_cast<float>(1e-3 * error.rms_mm), begin_ + f);
       if (!wanted_.wants_vertex_errors()) continue;
-      const std::vector<float> solved = instance_.shares->carry(error.region_mm);
-      for (const std::uint32_t v : deformer_.basis().mesh.output_vertex) of_vertices.push_back(solved[v]);
+      memory.vertices = instance_.shares->carry(error.region_mm, std::move(memory.vertices));
+      memory.outputs.clear();
+      for (const std::uint32_t v : deformer_.basis().mesh.output_vertex) memory.outputs.push_back(memory.vertices[v]);
+      wanted_.write_vertex_errors(memory.outputs, begin_ + f);
     }
-    wanted_.write_expected_errors(metres, begin_);
-    wanted_.write_vertex_errors(of_vertices, begin_);
   }
 
   bodyopt_instance& instance_;

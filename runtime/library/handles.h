@@ -37,6 +37,19 @@ struct FollowingMeshes {
   AttachmentCarrier carrier;
 };
 
+// What the outputs of one call that follow the skin leave to the next: their memory.
+struct FollowingMemory {
+  std::vector<bodyopt_floats> attached;    // the caller's, of each mesh; empty: none is wanted
+  std::vector<float> skin, normals, full;  // without gaps
+  AttachmentCarrier::Memory carrier;
+};
+
+// Likewise of expected errors.
+struct ErrorMemory {
+  ErrorExpectation::Memory expectation;
+  std::vector<float> vertices, outputs;
+};
+
 }  // namespace bodyopt
 
 // The tables on a device, as long as an instance uses them there.
@@ -66,6 +79,9 @@ struct bodyopt_instance {
   bodyopt::ModifierState modifiers;                         // after the last frame that was shown with them
   std::vector<bodyopt::Pose> poses;                         // of the last part of a call, kept for their memory
   bodyopt::Evaluation evaluation;                           // likewise
+  bodyopt::FollowingMemory following_memory;
+  bodyopt::ErrorMemory error_memory;
+  bodyopt::vulkan::Recording recording;  // the last, kept for its memory
 };
 
 struct bodyopt_state {

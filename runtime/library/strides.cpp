@@ -137,23 +137,28 @@ void GivenPoses::read_joints(std::size_t frame, std::vector<JointTransform>& joi
   }
 }
 
-std::vector<Affine> GivenPoses::read_skinning(std::size_t frame) const {
-  std::vector<Affine> matrices(poses_.joint_count);
-  const std::byte* at = reinterpret_cast<const std::byte*>(poses_.skinning) + frame * poses_.skinning_frame_stride;
-  for (std::size_t j = 0; j < matrices.size(); ++j, at += poses_.skinning_stride) {
-    float n[kMatrixNumbers];
-    std::memcpy(n, at, sizeof(n));
-    for (std::size_t k = 0; k < kMatrixNumbers; ++k) matrices[j].m[k / 4][k % 4] = static_cast<double>(n[k]);
+Affine GivenPoses::skinning_of(std::size_t frame, std::size_t joint) const {
+  float n[kMatrixNumbers];
+  std::memcpy(n,
+              reinterpret_cast<const std::byte*>(poses_.skinning) + frame * poses_.skinning_frame_stride +
+                  joint * poses_.skinning_stride,
+              sizeof(n));
+  Affine matrix;
+  for (std::size_t k = 0; k < kMatrixNumbers; ++k) matrix.m[k / 4][k % 4] = static_cast<double>(n[k]);
+  return matrix;
+}
+
+void GivenPoses::read_skinning(std::size_t frame, std::vector<JointTransform>& joints) const {
+  joints.clear();
+  for (std::size_t j = 0; j < poses_.joint_count; ++j) {
+    const int parent = skeleton_.joints[j].parent;
+    const Affine of_parent = parent < 0 ? Affine{} : skinning_of(frame, static_cast<std::size_t>(parent));
+    joints.push_back(local_joint(skeleton_, j, skinning_of(frame, j), of_parent));
   }
-  return matrices;
 }
 
 void GivenPoses::read_pose(std::size_t frame, Pose& pose) const {
-  if (poses_.skinning != nullptr) {
-    pose.joints = local_joints(skeleton_, read_skinning(frame));
-  } else {
-    read_joints(frame, pose.joints);
-  }
+  poses_.skinning != nullptr ? read_skinning(frame, pose.joints) : read_joints(frame, pose.joints);
   read_numbers(poses_.controls, poses_.control_count, poses_.control_frame_stride, frame, pose.controls);
   pose.modifiers.clear();
   pose.unmodified.clear();
@@ -252,12 +257,12 @@ SkinPlace WantedSkin::place(std::size_t begin) const {
   return {of(skin_.positions), of(skin_.normals), of(skin_.tangents)};
 }
 
-void WantedSkin::write_expected_errors(const std::vector<float>& metres, std::size_t begin) const {
-  scatter(metres, skin_.expected_errors, begin, 1);
+void WantedSkin::write_expected_error(float metres, std::size_t frame) const {
+  scatter({&metres, 1}, skin_.expected_errors, frame, 1);
 }
 
-void WantedSkin::write_vertex_errors(const std::vector<float>& metres, std::size_t begin) const {
-  scatter(metres, skin_.vertex_errors, begin, vertices_);
+void WantedSkin::write_vertex_errors(std::span<const float> metres, std::size_t frame) const {
+  scatter(metres, skin_.vertex_errors, frame, vertices_);
 }
 
 void WantedSkin::write(const Evaluation& evaluation, std::size_t begin) const {

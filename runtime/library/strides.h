@@ -40,7 +40,8 @@ class GivenPoses {
   void check_skinning();
   void read_pose(std::size_t frame, Pose& pose) const;
   void read_joints(std::size_t frame, std::vector<JointTransform>& joints) const;
-  std::vector<Affine> read_skinning(std::size_t frame) const;
+  void read_skinning(std::size_t frame, std::vector<JointTransform>& joints) const;
+  Affine skinning_of(std::size_t frame, std::size_t joint) const;
 
   bodyopt_poses poses_;
   const Skeleton& skeleton_;
@@ -70,11 +71,10 @@ class WantedSkin {
   // Returns the place of frames `begin` and after.
   SkinPlace place(std::size_t begin) const;
   bool wants_expected_errors() const { return skin_.expected_errors.data != nullptr; }
-  // `metres`: of each frame from `begin` on.
-  void write_expected_errors(const std::vector<float>& metres, std::size_t begin) const;
+  void write_expected_error(float metres, std::size_t frame) const;
   bool wants_vertex_errors() const { return skin_.vertex_errors.data != nullptr; }
-  // `metres`: of each output vertex of each frame from `begin` on.
-  void write_vertex_errors(const std::vector<float>& metres, std::size_t begin) const;
+  // `metres`: of each output vertex.
+  void write_vertex_errors(std::span<const float> metres, std::size_t frame) const;
   bool wants_nothing() const;
   // Writes what is not placed, from frame `begin` on, for as many frames as were evaluated.
   void write(const Evaluation& evaluation, std::size_t begin) const;

@@ -36,8 +36,8 @@ vulkan::PlacedOutput placed_output(const bodyopt_vulkan_output& output, VkDevice
   return {output.buffer, output.size, output.offset, stride, frame_stride};
 }
 
-std::vector<vulkan::PlacedOutput> attached_to(const bodyopt_recording& wanted, const bodyopt_instance& instance,
-                                              std::size_t frames) {
+void place_attached(const bodyopt_recording& wanted, const bodyopt_instance& instance, std::size_t frames,
+                    std::vector<vulkan::PlacedOutput>& placed) {
   const Attachments& attached = instance.following->attached;
   const auto outputs = attached_outputs(wanted.attached, wanted.attached_count, attached, "recording.attached");
   if (!outputs.empty() && !instance.attached) {
@@ -45,13 +45,12 @@ std::vector<vulkan::PlacedOutput> attached_to(const bodyopt_recording& wanted, c
                 "'recording.attached' is wanted of an instance that has no memory for it: make it "
                 "on a Vulkan device with 'options.recorded_frames' of 1 or more");
   }
-  std::vector<vulkan::PlacedOutput> placed;
+  placed.clear();
   for (std::size_t m = 0; m < outputs.size(); ++m) {
     const VkDeviceSize stride = wanted.attached_frame_strides == nullptr ? 0 : wanted.attached_frame_strides[m];
     placed.push_back(
         placed_output(outputs[m], stride, frames, attached.meshes[m].vertex_count(), 3, concat("attached[", m, "]")));
   }
-  return placed;
 }
 
 }  // namespace
@@ -82,14 +81,14 @@ bodyopt_result bodyopt_record(bodyopt_instance* instance, const bodyopt_poses* p
     const auto wanted = read_struct(recording, BODYOPT_RECORDING_FIRST_SIZE, "recording");
     required(wanted.commands, "recording.commands");
     const std::size_t vertices = deformer.basis().mesh.output_count();
-    const vulkan::Recording into{
-        wanted.commands,
-        placed_output(wanted.positions, wanted.positions_frame_stride, frames, vertices, 3, "positions"),
-        placed_output(wanted.normals, wanted.normals_frame_stride, frames, vertices, 3, "normals"),
-        placed_output(wanted.tangents, wanted.tangents_frame_stride, frames, vertices, 4, "tangents"),
-        instance->attached ? &*instance->attached : nullptr,
-        attached_to(wanted, *instance, frames),
-        instance->recorded_frames};
+    vulkan::Recording& into = instance->recording;
+    into.commands = wanted.commands;
+    into.positions = placed_output(wanted.positions, wanted.positions_frame_stride, frames, vertices, 3, "positions");
+    into.normals = placed_output(wanted.normals, wanted.normals_frame_stride, frames, vertices, 3, "normals");
+    into.tangents = placed_output(wanted.tangents, wanted.tangents_frame_stride, frames, vertices, 4, "tangents");
+    into.attached = instance->attached ? &*instance->attached : nullptr;
+    place_attached(wanted, *instance, frames, into.attached_to);
+    into.most_frames = instance->recorded_frames;
     given.read(0, frames, instance->poses);
     ModifierDrive drive(*instance, given);
     drive.apply(0, instance->poses);

@@ -7,11 +7,14 @@
 #include <new>
 #include <optional>
 
+#include "include/bodyopt/vulkan.h"
+#include "runtime/basis/attachments.h"
 #include "runtime/basis/dynamics.h"
 #include "runtime/core/executor.h"
 #include "runtime/deformer/deformer.h"
 #include "runtime/deformer/evaluate_together.h"
 #include "runtime/host/device_choice.h"
+#include "runtime/host/rig.h"
 #include "runtime/vulkan/backend/device_model.h"
 #include "tests/library/c_api.h"
 #include "tests/support/gpu_fixture.h"
@@ -115,16 +118,89 @@ TEST(FrameAllocations, OfTheJiggleAreNone) {
   EXPECT_EQ(call.error, nullptr);
 }
 
-// Of a call with all outputs but expected errors.
+// A call of the library with all outputs of the limb, its attached meshes, and what is recorded of it.
+struct LibraryCall {
+  LibraryCall() {
+    for (const AttachedMesh& mesh : load_attachments(kept_file("hero.attached.safetensors"), basis).meshes) {
+      attached.emplace_back(poses.size() * mesh.rest.size());
+    }
+    for (std::vector<float>& mesh : attached) outputs.push_back(floats_in(mesh));
+    skin.all.attached = outputs.data();
+    skin.all.attached_count = static_cast<std::uint32_t>(outputs.size());
+    skin.all.expected_errors = floats_in(errors);
+    skin.all.vertex_errors = floats_in(vertex_errors);
+  }
+
+  // The same poses as matrices.
+  bodyopt_poses matrices() {
+    bodyopt_poses matrices = given.all;
+    for (const Pose& pose : poses) {
+      for (const Affine& matrix : skinning_matrices(basis.skeleton, pose.joints)) {
+        for (const auto& row : matrix.m) {
+          for (const double x : row) skinning.push_back(static_cast<float>(x));
+        }
+      }
+    }
+    matrices.joints = nullptr;
+    matrices.joint_stride = 0;
+    matrices.skinning = skinning.data();
+    return matrices;
+  }
+
+  Basis basis = load_basis(hero());
+  api::Model model = api::load_model(hero(), "", kept_file("hero.attached.safetensors"));
+  std::vector<Pose> poses = turning_poses(basis, 3);
+  PoseArrays given{poses};
+  Arrays skin{basis, poses.size()};
+  std::vector<float> skinning, errors = std::vector<float>(poses.size()),
+                               vertex_errors = std::vector<float>(poses.size() * basis.mesh.output_count());
+  std::vector<std::vector<float>> attached;
+  std::vector<bodyopt_floats> outputs;
+};
+
 TEST(FrameAllocations, OfTheLibraryAreNone) {
-  const api::Model model = api::load_model(hero());
-  const Basis basis = load_basis(hero());
-  const std::vector<Pose> poses = turning_poses(basis, 3);
-  const PoseArrays given(poses);
-  Arrays skin(basis, poses.size());
-  const api::Instance instance = api::create_instance(model, api::make<bodyopt_instance_options>());
-  EXPECT_EQ(allocations_of([&] { EXPECT_EQ(bodyopt_evaluate(instance.get(), &given.all, &skin.all), BODYOPT_OK); }),
-            0u);
+  LibraryCall call;
+  const api::Instance instance = api::create_instance(call.model, api::make<bodyopt_instance_options>());
+  for (const bodyopt_poses& poses : {call.given.all, call.matrices()}) {
+    EXPECT_EQ(allocations_of([&] { EXPECT_EQ(bodyopt_evaluate(instance.get(), &poses, &call.skin.all), BODYOPT_OK); }),
+              0u)
+        << bodyopt_last_error();
+  }
+  EXPECT_GT(call.errors[2], 0);
+  EXPECT_NE(call.attached[0][0], 0);
+}
+
+TEST(FrameAllocations, OfTheLibrarysRecordingAreNone) {
+  DeviceChoice choice = test_device();
+  choice.validation = false;  // its layers count, too
+  const vulkan::Device device(choice);
+  auto host = api::make<bodyopt_vulkan_device>();
+  host.instance = device.instance();
+  host.physical_device = device.physical();
+  host.device = device.handle();
+  host.queue = device.queue();
+  host.queue_family = device.queue_family();
+  bodyopt_device* shared = nullptr;
+  api::check(bodyopt_share_device(&host, &shared));
+  const api::Device owner(shared);
+  LibraryCall call;
+  auto options = api::make<bodyopt_instance_options>();
+  options.device = shared;
+  options.recorded_frames = 3;
+  const api::Instance instance = api::create_instance(call.model, options);
+  const vulkan::Buffer target(device, VkDeviceSize{1} << 22, vulkan::Memory::device, "the host's vertices");
+  vulkan::Commands commands(device);
+  commands.begin();
+  auto recording = api::make<bodyopt_recording>();
+  recording.commands = commands.handle();
+  recording.positions = recording.normals = {target.handle(), target.size(), 0, 0};
+  const std::vector<bodyopt_vulkan_output> attached(call.attached.size(), recording.positions);
+  recording.attached = attached.data();
+  recording.attached_count = static_cast<std::uint32_t>(attached.size());
+  EXPECT_EQ(allocations_of([&] { EXPECT_EQ(bodyopt_record(instance.get(), &call.given.all, &recording), BODYOPT_OK); }),
+            0u)
+      << bodyopt_last_error();
+  commands.end();
 }
 
 }  // namespace

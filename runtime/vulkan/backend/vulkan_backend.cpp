@@ -375,17 +375,18 @@ class VulkanBackend final : public Backend, private SplitRun {
   }
 
   void record_attached(const Recording& recording, std::uint32_t frames) {
-    std::vector<AttachedMeshes::Target> targets;
+    attached_targets_.clear();
     for (std::uint32_t mesh = 0; mesh < recording.attached_to.size(); ++mesh) {
       const PlacedOutput& to = recording.attached_to[mesh];
       if (to.buffer == VK_NULL_HANDLE) continue;
       const HostRange host = host_range(to, recording.attached->vertex_count(mesh), 3, frames);
-      targets.push_back({host.range, mesh, host.first_word, host.element_words, host.frame_words});
+      attached_targets_.push_back({host.range, mesh, host.first_word, host.element_words, host.frame_words});
     }
-    if (targets.empty()) return;
+    if (attached_targets_.empty()) return;
     const BatchBuffers& b = *buffers_;
-    recording.attached->record(
-        *commands_, {*skin_, b.skinning.buffer, b.origins.buffer, counts_.vertices, counts_.joints}, targets, frames);
+    recording.attached->record(*commands_,
+                               {*skin_, b.skinning.buffer, b.origins.buffer, counts_.vertices, counts_.joints},
+                               attached_targets_, frames);
   }
 
   void allocate(std::uint32_t frames) {
@@ -559,6 +560,7 @@ class VulkanBackend final : public Backend, private SplitRun {
   std::vector<Stage> stages_;             // recorded
   std::vector<OutputStep> output_steps_;  // recorded
   bool recorded_ = false;                 // the quasi-static skin, for as many frames as there are buffers
+  std::vector<AttachedMeshes::Target> attached_targets_;  // of the last recording, kept for their memory
   Weights weights_;
   const Buffer* skin_ = nullptr;                        // of the last batch
   bool stays_on_device_ = false, keeps_posed_ = false;  // as recorded
