@@ -8,7 +8,6 @@
 
 #include "assets/joint_match.h"
 #include "assets/json_file.h"
-#include "assets/matched_joints.h"
 #include "assets/wording.h"
 #include "geometry/nearest_rotation.h"
 #include "runtime/core/error.h"

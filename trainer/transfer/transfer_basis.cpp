@@ -7,7 +7,7 @@
 
 #include "assets/clip.h"
 #include "assets/frame_range.h"
-#include "assets/matched_joints.h"
+#include "assets/joint_match.h"
 #include "assets/pc2.h"
 #include "assets/shape_reader.h"
 #include "base/parallel.h"
