@@ -6,7 +6,6 @@
 
 #include "assets/gltf_shapes.h"
 #include "assets/usda.h"
-#include "assets/usda_bound.h"
 #include "runtime/core/error.h"
 
 namespace bodyopt {

@@ -1,11 +1,10 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
-#include "assets/bvh_clip.h"
+#include "assets/bvh.h"
 #include "assets/clip.h"
-#include "assets/gltf_motion.h"
 #include "assets/gltf_write.h"
-#include "assets/usda_skeleton.h"
+#include "assets/usda.h"
 #include "runtime/core/error.h"
 
 namespace bodyopt {

@@ -1,6 +1,6 @@
-#include "assets/fbx_motion.h"
-
 #include <algorithm>
+
+#include "assets/fbx_nodes.h"
 
 namespace bodyopt {
 namespace {

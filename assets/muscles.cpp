@@ -13,12 +13,12 @@ namespace {
 
 constexpr const char* kMusclesSchema = "bodyopt-muscles-1";
 
-MusclePoint read_point(const JsonObject& json, const std::filesystem::path& path, const Skeleton& skeleton) {
+MusclePoint read_point(const JsonObject& json, const Skeleton& skeleton) {
   json.allow({"joint", "position"});
   const std::string name = json.text("joint");
   const int joint = skeleton.find(name);
   if (joint < 0) {
-    throw Error(ErrorKind::mismatch, path, ": a muscle is bound to the joint '", name,
+    throw Error(ErrorKind::mismatch, json.path(), ": a muscle is bound to the joint '", name,
                 "', which the character does not have: muscles of another character?");
   }
   const Json& position = json.array("position");
@@ -31,8 +31,7 @@ MusclePoint read_point(const JsonObject& json, const std::filesystem::path& path
   return point;
 }
 
-Muscle read_muscle(const JsonObject& json, const std::filesystem::path& path, const std::string& place,
-                   const Skeleton& skeleton) {
+Muscle read_muscle(const JsonObject& json, const Skeleton& skeleton) {
   json.allow({"name", "radius", "fibre_count", "max_activation", "path"});
   Muscle muscle;
   muscle.name = json.name("name");
@@ -41,8 +40,8 @@ Muscle read_muscle(const JsonObject& json, const std::filesystem::path& path, co
   muscle.max_activation = json.number("max_activation", 0, 1);
   const Json& points = json.array("path");
   for (std::size_t k = 0; k < points.size(); ++k) {
-    const JsonObject point(points[k], path, place + ".path[" + std::to_string(k) + "]");
-    muscle.path.push_back(read_point(point, path, skeleton));
+    const JsonObject point(points[k], json.path(), json.place() + ".path[" + std::to_string(k) + "]");
+    muscle.path.push_back(read_point(point, skeleton));
   }
   double total = 0;
   for (std::size_t k = 1; k < muscle.path.size(); ++k) {
@@ -58,11 +57,8 @@ std::vector<Muscle> muscles_of(const Json& json, const std::filesystem::path& pa
   top.allow({"schema", "muscles"});
   std::vector<Muscle> muscles;
   std::set<std::string> names;
-  const Json& list = top.array("muscles");
-  for (std::size_t k = 0; k < list.size(); ++k) {
-    const std::string place = "muscles[" + std::to_string(k) + "]";
-    const JsonObject entry(list[k], path, place);
-    muscles.push_back(read_muscle(entry, path, place, skeleton));
+  for (const JsonObject& entry : top.objects("muscles")) {
+    muscles.push_back(read_muscle(entry, skeleton));
     if (!names.insert(muscles.back().name).second) entry.refuse("has the name of an earlier muscle");
   }
   return muscles;

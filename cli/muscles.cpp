@@ -88,9 +88,6 @@ std::string describe_source(const muscle_models::Model& model, const std::vector
 }
 
 void draw(const Character& character, const std::vector<Muscle>& muscles, const std::string& path) {
-  const std::vector<float> skin(character.vertices.data(), character.vertices.data() + character.vertices.size());
-  const std::span<const std::uint32_t> triangles(character.triangles.data(),
-                                                 static_cast<std::size_t>(character.triangles.size()));
   std::vector<MuscleTube> tubes;
   for (const Muscle& muscle : muscles) {
     MuscleTube tube{{}, muscle.radius};
@@ -98,7 +95,7 @@ void draw(const Character& character, const std::vector<Muscle>& muscles, const 
     tubes.push_back(tube);
   }
   Renderer renderer;
-  write_png(muscle_picture(renderer, skin, triangles, tubes, 700, 1000), path);
+  write_png(muscle_picture(renderer, floats_of(character.vertices), flat(character.triangles), tubes, 700, 1000), path);
 }
 
 void import(const ImportArguments& arguments) {

@@ -244,8 +244,7 @@ Soup cut_face(const CutBody& cut, const PicturedFrame& pictured, const SectionPl
 Image draw_cut(const PictureArguments& arguments, const PicturedFrame& pictured, const View& view, Renderer& renderer) {
   const CutBody cut = cut_body(pictured, arguments.frame);
   const CutPlane plane{view.centre, view.direction};
-  const std::span<const std::uint32_t> triangles(pictured.character.triangles.data(),
-                                                 static_cast<std::size_t>(pictured.character.triangles.size()));
+  const std::span<const std::uint32_t> triangles = flat(pictured.character.triangles);
   const Soup skin = cut_surface(pictured.skin, smooth_normals(triangles, pictured.skin), triangles, kSkinColour, plane);
   const Soup face = cut_face(cut, pictured, plane_of_view(view, arguments.size));
   std::vector<DrawMesh> meshes;
@@ -266,11 +265,8 @@ void run(const PictureArguments& arguments) {
   if (arguments.cut_open) {
     image = draw_cut(arguments, pictured, view, renderer);
   } else {
-    const std::span<const std::uint32_t> triangles(pictured.character.triangles.data(),
-                                                   static_cast<std::size_t>(pictured.character.triangles.size()));
-    const std::vector<float> normals = smooth_normals(triangles, pictured.skin);
-    const DrawMesh mesh{pictured.skin, normals, triangles, {}};
-    image = renderer.draw(std::span(&mesh, 1), view.camera, arguments.size[0], arguments.size[1]);
+    image = draw_skin(renderer, flat(pictured.character.triangles), pictured.skin, {},
+                      {view.camera, arguments.size[0], arguments.size[1]});
   }
   write_png(image, arguments.out);
   arguments.json.emit({{"picture", arguments.out},

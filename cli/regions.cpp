@@ -9,7 +9,7 @@
 #include "assets/wording.h"
 #include "cli/arguments/common.h"
 #include "dataset/regions_file.h"
-#include "report/region_picture.h"
+#include "report/pictures.h"
 #include "trainer/train/data/samples.h"
 #include "trainer/train/fit/train.h"
 
@@ -24,15 +24,12 @@ struct RegionsArguments {
 // Returns the numbers of regions that the picture does not show.
 std::vector<std::size_t> draw(const Character& character, const std::vector<RegionWeights>& regions,
                               const std::string& path) {
-  const Positions upright = upright_skin(character.skeleton, character.vertices);
-  const std::vector<float> skin(upright.data(), upright.data() + upright.size());
-  const std::span<const std::uint32_t> triangles(character.triangles.data(),
-                                                 static_cast<std::size_t>(character.triangles.size()));
+  const std::vector<float> skin = floats_of(upright_skin(character.skeleton, character.vertices));
   std::vector<DrawnRegion> drawn;
   for (const RegionWeights& region : regions) drawn.push_back({region.vertices, region.weights});
   Renderer renderer;
-  RegionPicture picture =
-      region_picture(renderer, skin, triangles, drawn, region_colours(drawn, skin.size() / 3), 700, 1000, kAllAround);
+  RegionPicture picture = region_picture(renderer, skin, flat(character.triangles), drawn,
+                                         region_colours(drawn, skin.size() / 3), 700, 1000, kAllAround);
   write_png(picture.image, path);
   return std::move(picture.unnumbered);
 }

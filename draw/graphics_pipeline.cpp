@@ -31,6 +31,22 @@ VkPipelineColorBlendAttachmentState blend_state(Blending blending, bool covers_b
   return blend;
 }
 
+VkImageAspectFlags aspect_of(VkFormat format) {
+  return format == kDepthFormat ? VK_IMAGE_ASPECT_DEPTH_BIT : VK_IMAGE_ASPECT_COLOR_BIT;
+}
+
+VkAttachmentDescription description_of(const PassAttachment& image) {
+  return {0,
+          image.format,
+          image.samples,
+          image.load,
+          image.store,
+          VK_ATTACHMENT_LOAD_OP_DONT_CARE,
+          VK_ATTACHMENT_STORE_OP_DONT_CARE,
+          image.before,
+          image.after};
+}
+
 }  // namespace
 
 GraphicsPipeline::GraphicsPipeline(const vulkan::Device& device, VkRenderPass render_pass, const PipelineInfo& info)
@@ -157,29 +173,6 @@ VkDescriptorSet PictureSets::make(const GraphicsPipeline& pipeline,
   }
   return set;
 }
-
-using vulkan::check;
-using vulkan::structure;
-
-namespace {
-
-VkImageAspectFlags aspect_of(VkFormat format) {
-  return format == kDepthFormat ? VK_IMAGE_ASPECT_DEPTH_BIT : VK_IMAGE_ASPECT_COLOR_BIT;
-}
-
-VkAttachmentDescription description_of(const PassAttachment& image) {
-  return {0,
-          image.format,
-          image.samples,
-          image.load,
-          image.store,
-          VK_ATTACHMENT_LOAD_OP_DONT_CARE,
-          VK_ATTACHMENT_STORE_OP_DONT_CARE,
-          image.before,
-          image.after};
-}
-
-}  // namespace
 
 ImageView make_view(const vulkan::Device& device, VkImage image, VkFormat format, std::uint32_t levels) {
   auto info = structure<VkImageViewCreateInfo>(VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO);

@@ -160,6 +160,26 @@ PipelineInfo material_info(VkSampleCountFlagBits samples, bool has_holes) {
           .covers_by_alpha = has_holes};
 }
 
+constexpr VkImageLayout kColourLayout = VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL;
+constexpr VkPipelineStageFlags kDrawing = VK_PIPELINE_STAGE_COLOR_ATTACHMENT_OUTPUT_BIT |
+                                          VK_PIPELINE_STAGE_EARLY_FRAGMENT_TESTS_BIT |
+                                          VK_PIPELINE_STAGE_LATE_FRAGMENT_TESTS_BIT;
+constexpr VkAccessFlags kColourAccess = VK_ACCESS_COLOR_ATTACHMENT_READ_BIT | VK_ACCESS_COLOR_ATTACHMENT_WRITE_BIT;
+constexpr VkAccessFlags kDepthAccess =
+    VK_ACCESS_DEPTH_STENCIL_ATTACHMENT_READ_BIT | VK_ACCESS_DEPTH_STENCIL_ATTACHMENT_WRITE_BIT;
+
+void begin(VkCommandBuffer commands, VkRenderPass pass, VkFramebuffer framebuffer, VkExtent2D size) {
+  std::array<VkClearValue, 3> clear{};
+  clear[1].depthStencil.depth = 1;
+  auto info = structure<VkRenderPassBeginInfo>(VK_STRUCTURE_TYPE_RENDER_PASS_BEGIN_INFO);
+  info.renderPass = pass;
+  info.framebuffer = framebuffer;
+  info.renderArea = {{0, 0}, size};
+  info.clearValueCount = clear.size();
+  info.pClearValues = clear.data();
+  vkCmdBeginRenderPass(commands, &info, VK_SUBPASS_CONTENTS_INLINE);
+}
+
 }  // namespace
 
 struct Viewport::Impl {
@@ -417,33 +437,6 @@ Image Viewport::picture() const {
   std::memcpy(image.rgba.data(), readback.mapped(), bytes);
   return image;
 }
-
-using vulkan::check;
-using vulkan::structure;
-
-namespace {
-
-constexpr VkImageLayout kColourLayout = VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL;
-constexpr VkPipelineStageFlags kDrawing = VK_PIPELINE_STAGE_COLOR_ATTACHMENT_OUTPUT_BIT |
-                                          VK_PIPELINE_STAGE_EARLY_FRAGMENT_TESTS_BIT |
-                                          VK_PIPELINE_STAGE_LATE_FRAGMENT_TESTS_BIT;
-constexpr VkAccessFlags kColourAccess = VK_ACCESS_COLOR_ATTACHMENT_READ_BIT | VK_ACCESS_COLOR_ATTACHMENT_WRITE_BIT;
-constexpr VkAccessFlags kDepthAccess =
-    VK_ACCESS_DEPTH_STENCIL_ATTACHMENT_READ_BIT | VK_ACCESS_DEPTH_STENCIL_ATTACHMENT_WRITE_BIT;
-
-void begin(VkCommandBuffer commands, VkRenderPass pass, VkFramebuffer framebuffer, VkExtent2D size) {
-  std::array<VkClearValue, 3> clear{};
-  clear[1].depthStencil.depth = 1;
-  auto info = structure<VkRenderPassBeginInfo>(VK_STRUCTURE_TYPE_RENDER_PASS_BEGIN_INFO);
-  info.renderPass = pass;
-  info.framebuffer = framebuffer;
-  info.renderArea = {{0, 0}, size};
-  info.clearValueCount = clear.size();
-  info.pClearValues = clear.data();
-  vkCmdBeginRenderPass(commands, &info, VK_SUBPASS_CONTENTS_INLINE);
-}
-
-}  // namespace
 
 RenderPass make_scene_pass(const vulkan::Device& device, VkSampleCountFlagBits samples) {
   const bool resolves = samples != VK_SAMPLE_COUNT_1_BIT;

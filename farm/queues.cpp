@@ -327,10 +327,8 @@ std::size_t cancel_in_slurm(const fs::path& folder) {
 
 Json openjd_template(const FarmPlan& plan, const std::filesystem::path& folder, const std::string& program,
                      const TaskNeeds& needs) {
-  std::map<int, std::vector<int>> waves;
-  for (const FarmTask& task : plan.tasks) waves[task.wave].push_back(task.lane);
   Json steps = Json::array();
-  for (const auto& [wave, lanes] : waves) steps.push_back(step_of(wave, lanes, needs));
+  for (const auto& [wave, lanes] : lanes_by_wave(plan)) steps.push_back(step_of(wave, lanes, needs));
   return {{"specificationVersion", "jobtemplate-2023-09"},
           {"name", "bodyopt " + printable(plan.show, 100)},
           {"parameterDefinitions",

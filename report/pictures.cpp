@@ -6,7 +6,6 @@
 
 #include "draw/colours.h"
 #include "geometry/mesh.h"
-#include "report/region_picture.h"
 #include "runtime/core/error.h"
 
 namespace bodyopt {
@@ -24,13 +23,6 @@ void check_pair(const PosePair& pose) {
   if (std::ranges::any_of(pose.triangles, [&](std::uint32_t v) { return v >= vertices; })) {
     throw Error(ErrorKind::mismatch, "picture: a triangle names a vertex beyond the ", vertices, " there are");
   }
-}
-
-Image draw(Renderer& renderer, std::span<const std::uint32_t> triangles, std::span<const float> skin,
-           std::span<const float> colours, const Panel& panel) {
-  const std::vector<float> normals = smooth_normals(triangles, skin);
-  const DrawMesh mesh{skin, normals, triangles, colours};
-  return renderer.draw(std::span(&mesh, 1), panel.camera, panel.width, panel.height);
 }
 
 constexpr std::uint8_t kGround[] = {28, 28, 30, 255};
@@ -160,17 +152,17 @@ std::vector<float> smooth_normals(std::span<const std::uint32_t> triangles, std:
   return floats_of(normals);
 }
 
+Image draw_skin(Renderer& renderer, std::span<const std::uint32_t> triangles, std::span<const float> skin,
+                std::span<const float> colours, const Panel& panel) {
+  const std::vector<float> normals = smooth_normals(triangles, skin);
+  const DrawMesh mesh{skin, normals, triangles, colours};
+  return renderer.draw(std::span(&mesh, 1), panel.camera, panel.width, panel.height);
+}
+
 Image side_by_side(std::span<const Image> panels) {
-  const std::uint32_t width = panels[0].width, height = panels[0].height;
-  Image whole{static_cast<std::uint32_t>(panels.size()) * width, height, {}};
-  whole.rgba.reserve(std::size_t{4} * whole.width * height);
-  const std::size_t row = std::size_t{4} * width;
-  for (std::size_t y = 0; y < height; ++y) {
-    for (const Image& panel : panels) {
-      const auto begin = panel.rgba.begin() + static_cast<std::ptrdiff_t>(y * row);
-      whole.rgba.insert(whole.rgba.end(), begin, begin + static_cast<std::ptrdiff_t>(row));
-    }
-  }
+  const std::uint32_t width = panels[0].width;
+  Image whole = ground(static_cast<std::uint32_t>(panels.size()) * width, panels[0].height);
+  for (std::uint32_t k = 0; k < panels.size(); ++k) paste(panels[k], k * width, 0, whole);
   return whole;
 }
 
@@ -180,7 +172,7 @@ Image comparison(Renderer& renderer, const PosePair& pose, double scale_mm, cons
   if (!(scale_mm > 0)) throw Error(ErrorKind::usage, "picture: the scale of the heat map must be above 0 mm");
   std::vector<Image> panels;
   const auto add = [&](std::span<const float> skin, std::span<const float> colours) {
-    panels.push_back(draw(renderer, pose.triangles, skin, colours, {camera, panel_width, panel_height}));
+    panels.push_back(draw_skin(renderer, pose.triangles, skin, colours, {camera, panel_width, panel_height}));
   };
   add(pose.truth, {});
   if (!pose.skinning.empty()) add(pose.skinning, {});
@@ -199,7 +191,7 @@ Image heat_on_skin(Renderer& renderer, std::span<const float> skin, std::span<co
   std::vector<Image> panels;
   for (const std::array<float, 3>& direction : kFrontAndBack) {
     const Camera camera = framed(skin, direction, panel_width, panel_height);
-    panels.push_back(draw(renderer, triangles, skin, colours, {camera, panel_width, panel_height}));
+    panels.push_back(draw_skin(renderer, triangles, skin, colours, {camera, panel_width, panel_height}));
   }
   return side_by_side(panels);
 }
@@ -243,8 +235,8 @@ Camera framed(std::span<const float> points, const std::array<float, 3>& directi
 std::vector<Image> flip_book_frames(Renderer& renderer, const FlipBook& book, const Panel& panel) {
   std::vector<Image> frames;
   for (std::size_t k = 0; k < book.still.size(); ++k) {
-    const std::array panels{draw(renderer, book.triangles, book.still[k], {}, panel),
-                            draw(renderer, book.triangles, book.jiggling[k], {}, panel)};
+    const std::array panels{draw_skin(renderer, book.triangles, book.still[k], {}, panel),
+                            draw_skin(renderer, book.triangles, book.jiggling[k], {}, panel)};
     frames.push_back(side_by_side(panels));
   }
   return frames;
@@ -254,9 +246,9 @@ Image flip_book_strip(Renderer& renderer, const FlipBook& book, std::span<const 
                       const Panel& panel) {
   std::vector<Image> still, jiggling;
   for (const std::size_t k : frames) {
-    still.push_back(draw(renderer, book.triangles, book.still[k], {}, panel));
+    still.push_back(draw_skin(renderer, book.triangles, book.still[k], {}, panel));
     const std::vector<float> colours = heat_map({book.triangles, book.still[k], book.jiggling[k]}, scale_mm);
-    jiggling.push_back(draw(renderer, book.triangles, book.jiggling[k], colours, panel));
+    jiggling.push_back(draw_skin(renderer, book.triangles, book.jiggling[k], colours, panel));
   }
   Image strip = side_by_side(still);
   const Image below = side_by_side(jiggling);

@@ -9,10 +9,53 @@
 #include "draw/cut_surface.h"
 #include "draw/png.h"
 #include "draw/renderer.h"
+#include "geometry/mesh.h"
 #include "runtime/core/transform.h"
 #include "trainer/anatomy/anatomy_report.h"
 
 namespace bodyopt {
+
+// Pictures of parts of a skin, numbered: of the regions in which it is learned, and of places to look at.
+
+struct DrawnRegion {
+  std::span<const std::uint32_t> vertices;
+  std::span<const double> weights;  // as many; of all regions together 1 at most at every vertex
+};
+
+// A colour for every region (linear RGB), none twice, those of regions that share vertices as different as may be.
+std::vector<std::array<float, 3>> region_colours(std::span<const DrawnRegion> regions, std::size_t vertices);
+
+constexpr std::array<std::array<float, 3>, 2> kFrontAndBack = {{{0, 0, 1}, {0, 0, -1}}};
+
+// Front, left, back and right of a character that looks along +z.
+constexpr std::array<std::array<float, 3>, 4> kAllAround = {{{0, 0, 1}, {1, 0, 0}, {0, 0, -1}, {-1, 0, 0}}};
+
+struct RegionPicture {
+  Image image;
+  std::vector<std::size_t>
+      unnumbered;  // numbers (from 1) of regions too little of which is seen in any panel, ascending
+};
+
+// The skin (V x 3, T x 3) seen from these directions (towards the camera), a panel each, coloured by its regions. Each
+// has its number (from 1) where it is seen; skin in no region is grey. Throws what Renderer::draw throws.
+RegionPicture region_picture(Renderer& renderer, std::span<const float> skin, std::span<const std::uint32_t> triangles,
+                             std::span<const DrawnRegion> regions, std::span<const std::array<float, 3>> colours,
+                             std::uint32_t panel_width, std::uint32_t panel_height,
+                             std::span<const std::array<float, 3>> directions = kFrontAndBack);
+
+// White digits on a dark plate around the pixel (x, y), shifted as far as it takes to stay inside the picture.
+void draw_number(Image& image, int number, int x, int y);
+
+using VertexList = std::vector<std::uint32_t>;
+
+// Towards the camera: from the front (+z) and from every side (of the six along the axes) that most of a place faces.
+std::vector<std::array<float, 3>> sides_of(const Positions& vertices, const Triangles& triangles,
+                                           std::span<const VertexList> places);
+
+// The skin (V x 3, rest space) from sides_of(), a panel each. Every place has its own colour and number (from 1). A
+// vertex of several places has the first's, the rest of the skin is grey. Throws what Renderer::draw throws.
+RegionPicture places_picture(Renderer& renderer, const Positions& vertices, const Triangles& triangles,
+                             std::span<const VertexList> places, std::uint32_t panel_width, std::uint32_t panel_height);
 
 // One pose, twice, or a third time by skinning that learns nothing. Pass welded vertices: normals are made from the
 // triangles, and a seam would show as an edge.
@@ -21,6 +64,16 @@ struct PosePair {
   std::span<const float> truth, result;      // V x 3, metres, posed
   std::span<const float> skinning = {};      // as many; empty: not to be shown
 };
+
+// How a skin is drawn; width and height in pixels.
+struct Panel {
+  Camera camera;
+  std::uint32_t width, height;
+};
+
+// A skin (V x 3, T x 3) in clay, or in these colours (V x 3, linear RGB). Throws what Renderer::draw throws.
+Image draw_skin(Renderer& renderer, std::span<const std::uint32_t> triangles, std::span<const float> skin,
+                std::span<const float> colours, const Panel& panel);
 
 // Pictures side by side, each panel_width x panel_height. Truth, skinning where it is given, and result are in clay.
 // Last is the result coloured by its distance from the truth, heat_colour() from 0 to scale_mm (> 0). Throws
@@ -38,6 +91,11 @@ double heat_scale(double largest);
 
 // A camera that sees both shapes whole, from a direction (world, towards the camera); aspect of one panel.
 Camera frame_pose(const PosePair& pose, const std::array<float, 3>& direction, float aspect);
+
+// Triangles as the renderer takes them, T x 3.
+inline std::span<const std::uint32_t> flat(const Triangles& triangles) {
+  return {triangles.data(), static_cast<std::size_t>(triangles.size())};
+}
 
 // Frames points (N x 3) in a panel of so many pixels.
 Camera framed(std::span<const float> points, const std::array<float, 3>& direction, std::uint32_t width,
@@ -57,12 +115,6 @@ Image side_by_side(std::span<const Image> panels);
 struct FlipBook {
   std::span<const std::uint32_t> triangles;             // T x 3
   std::span<const std::vector<float>> still, jiggling;  // per frame V x 3, world, metres
-};
-
-// How each skin is drawn; width and height in pixels.
-struct Panel {
-  Camera camera;
-  std::uint32_t width, height;
 };
 
 // A picture per frame: still on the left, jiggling on the right. Throws what Renderer::draw throws.

@@ -1,4 +1,3 @@
-#include "report/region_picture.h"
 
 #include <algorithm>
 #include <cmath>
@@ -301,10 +300,8 @@ RegionPicture places_picture(Renderer& renderer, const Positions& vertices, cons
   const std::vector<double> whole(count, 1.0);
   std::vector<DrawnRegion> drawn;
   for (const VertexList& vertices_of : own) drawn.push_back({vertices_of, std::span(whole).first(vertices_of.size())});
-  const std::vector<float> skin(vertices.data(), vertices.data() + vertices.size());
-  const std::span<const std::uint32_t> corners(triangles.data(), static_cast<std::size_t>(triangles.size()));
-  return region_picture(renderer, skin, corners, drawn, region_colours(drawn, count), panel_width, panel_height,
-                        sides_of(vertices, triangles, places));
+  return region_picture(renderer, floats_of(vertices), flat(triangles), drawn, region_colours(drawn, count),
+                        panel_width, panel_height, sides_of(vertices, triangles, places));
 }
 
 }  // namespace bodyopt

@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "assets/wording.h"
+#include "farm/plan.h"
 #include "runtime/core/atomic_file.h"
 #include "runtime/core/error.h"
 
@@ -215,9 +216,7 @@ void keep_command_line(const std::vector<std::string>& arguments) {
   kept_verb_arguments() = {arguments.begin() + (arguments.empty() ? 0 : 1), arguments.end()};
   for (const std::string& argument : arguments) {
     const bool plain = !argument.empty() && argument.find_first_of(" \t\n\"'$*?#&;|<>()\\") == std::string::npos;
-    std::string quoted;
-    for (const char c : argument) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
-    kept_command_line() += " " + (plain ? argument : "'" + quoted + "'");
+    kept_command_line() += " " + (plain ? argument : quoted_for_shell(argument));
   }
 }
 

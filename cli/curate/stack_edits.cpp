@@ -4,7 +4,6 @@
 #include <optional>
 
 #include "assets/wording.h"
-#include "cli/curate/curate_arguments.h"
 #include "cli/curate/stack_report.h"
 #include "dataset/modifier.h"
 #include "runtime/core/error.h"

@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "assets/wording.h"
-#include "cli/curate/curate_arguments.h"
 #include "dataset/modifier.h"
 #include "geometry/mesh.h"
 #include "report/pictures.h"
@@ -135,8 +134,7 @@ void draw_apart(const Character& character, const Positions& before, const Posit
                 const std::string& path) {
   constexpr std::uint32_t kWidth = 500, kHeight = 700;
   const std::vector<float> first = floats_of(before), second = floats_of(after);
-  const PosePair drawn{
-      {character.triangles.data(), static_cast<std::size_t>(character.triangles.size())}, first, second};
+  const PosePair drawn{flat(character.triangles), first, second};
   Renderer renderer;
   const Camera camera = frame_pose(drawn, towards_worst(drawn), float{kWidth} / kHeight);
   write_png(comparison(renderer, drawn, scale_mm, camera, kWidth, kHeight), path);

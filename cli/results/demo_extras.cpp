@@ -97,9 +97,7 @@ std::vector<std::size_t> strip_frames() {
 void draw(const Character& character, const Skins& still, const Skins& jiggling, const std::string& device,
           const fs::path& folder, JiggleReport& report) {
   Renderer renderer(device);
-  const std::span<const std::uint32_t> triangles(character.triangles.data(),
-                                                 static_cast<std::size_t>(character.triangles.size()));
-  const FlipBook book{triangles, still, jiggling};
+  const FlipBook book{flat(character.triangles), still, jiggling};
   const std::vector<std::size_t> frames = strip_frames();
   const std::vector<std::size_t> arm = vertices_between(character, "shoulder", "thumb"),
                                  flesh = vertices_between(character, "shoulder", "forearm");

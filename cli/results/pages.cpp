@@ -8,7 +8,7 @@
 
 #include "assets/frame_range.h"
 #include "assets/shape_reader.h"
-#include "assets/usda_part.h"
+#include "assets/usda.h"
 #include "draw/colours.h"
 #include "farm/plan.h"
 #include "geometry/mesh.h"
@@ -29,6 +29,13 @@ namespace {
 
 constexpr std::uint32_t kPictureWidth = 290, kPictureHeight = 330;
 
+// `output`: O x 3.
+Image draw_output(Renderer& renderer, const MeshTable& mesh, const std::vector<float>& output, std::uint32_t width,
+                  std::uint32_t height) {
+  const std::vector<float> skin = vertices_of(mesh, output);
+  return draw_skin(renderer, mesh.triangles, skin, {}, {framed(skin, {0.35f, 0.15f, 1}, width, height), width, height});
+}
+
 // Characters, each read once.
 class CacheDrawer {
  public:
@@ -39,11 +46,7 @@ class CacheDrawer {
     if (points.size() != 3 * mesh.output_vertex.size()) {
       throw Error(ErrorKind::mismatch, step.out, ": is of another mesh than its basis");
     }
-    const std::vector<float> skin = vertices_of(mesh, points);
-    const std::vector<float> normals = smooth_normals(mesh.triangles, skin);
-    const Camera camera = frame_points(skin, {0.35f, 0.15f, 1}, static_cast<float>(kPictureWidth) / kPictureHeight);
-    const DrawMesh drawn{skin, normals, mesh.triangles, {}};
-    return renderer_.draw(std::span(&drawn, 1), camera, kPictureWidth, kPictureHeight);
+    return draw_output(renderer_, mesh, points, kPictureWidth, kPictureHeight);
   }
 
  private:
@@ -90,14 +93,6 @@ Json looks_of(const ShowSummary& summary) {
 constexpr std::size_t kShownPoses = 3;
 constexpr std::uint32_t kWidth = 190, kHeight = 330;  // of a body in a pose
 
-Image draw_pose(Renderer& renderer, const MeshTable& mesh, const std::vector<float>& output) {
-  const std::vector<float> skin = vertices_of(mesh, output);
-  const std::vector<float> normals = smooth_normals(mesh.triangles, skin);
-  const DrawMesh drawn{skin, normals, mesh.triangles, {}};
-  const Camera camera = frame_points(skin, {0.35f, 0.15f, 1}, static_cast<float>(kWidth) / kHeight);
-  return renderer.draw(std::span(&drawn, 1), camera, kWidth, kHeight);
-}
-
 // Some, spread over all.
 std::vector<std::size_t> shown_of(std::size_t poses) {
   std::vector<std::size_t> shown;
@@ -121,8 +116,8 @@ Image poses_picture(const MeshTable& source, const MeshTable& carried, const std
   Renderer renderer;
   std::vector<Image> row;
   for (const std::size_t k : shown_of(poses.size())) {
-    row.push_back(draw_pose(renderer, source, poses[k].source));
-    row.push_back(draw_pose(renderer, carried, poses[k].target));
+    row.push_back(draw_output(renderer, source, poses[k].source, kWidth, kHeight));
+    row.push_back(draw_output(renderer, carried, poses[k].target, kWidth, kHeight));
   }
   return side_by_side(row);
 }

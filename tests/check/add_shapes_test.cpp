@@ -1,5 +1,3 @@
-#include "trainer/check/add_shapes.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -12,6 +10,7 @@
 #include "tests/support/damaged_cache.h"
 #include "tests/support/hostile_bytes.h"
 #include "tests/support/temporary_folder.h"
+#include "trainer/check/check.h"
 #include "trainer/curate/shape_stack.h"
 #include "trainer/train/skinning/unpose.h"
 

@@ -1,5 +1,3 @@
-#include "trainer/check/add_shapes.h"
-
 #include <algorithm>
 #include <map>
 #include <set>
@@ -11,6 +9,7 @@
 #include "dataset/dataset.h"
 #include "dataset/modifier.h"
 #include "runtime/core/error.h"
+#include "trainer/check/check.h"
 #include "trainer/curate/edit_stack.h"
 
 namespace bodyopt {

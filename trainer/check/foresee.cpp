@@ -1,5 +1,3 @@
-#include "trainer/check/foresee.h"
-
 #include <algorithm>
 #include <initializer_list>
 #include <map>
@@ -17,6 +15,7 @@
 #include "geometry/spatial_search.h"
 #include "geometry/surface_topology.h"
 #include "runtime/core/error.h"
+#include "trainer/check/check.h"
 #include "trainer/dynamics/build_dynamics.h"
 #include "trainer/dynamics/dynamics_tets.h"
 #include "trainer/proxy/level_skins.h"

@@ -1,5 +1,3 @@
-#include "trainer/check/shape_doubts.h"
-
 #include <Eigen/Geometry>
 #include <Eigen/SVD>
 #include <algorithm>
@@ -16,6 +14,7 @@
 #include "base/spread_evenly.h"
 #include "geometry/mesh.h"
 #include "runtime/host/rig.h"
+#include "trainer/check/check.h"
 #include "trainer/train/data/unposed_shapes.h"
 #include "trainer/train/skinning/ddm.h"
 #include "trainer/train/skinning/unpose.h"
