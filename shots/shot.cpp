@@ -8,6 +8,7 @@
 #include "base/progress.h"
 #include "runtime/basis/dynamics.h"
 #include "runtime/core/error.h"
+#include "runtime/deformer/evaluate_together.h"
 #include "runtime/deformer/evaluation.h"
 #include "runtime/host/carry_skin.h"
 #include "runtime/threads/tbb_executor.h"
@@ -17,9 +18,13 @@
 namespace bodyopt {
 namespace {
 
-Evaluation evaluate_part(Shot& shot, std::span<const Pose> poses, std::span<const int> frames) {
+// `part` keeps its memory from part to part: to get pages anew costs more than to write them.
+void evaluate_part(Shot& shot, std::span<const Pose> poses, std::span<const int> frames, Evaluation& part) {
+  DeformerCall call{.deformer = shot.deformer.get(), .poses = poses, .evaluation = &part};
+  if (shot.jiggles) call.frames = frames;
+  evaluate_together({&call, 1});
   try {
-    return shot.jiggles ? shot.deformer->jiggle(poses, frames) : shot.deformer->evaluate(poses);
+    if (call.error) std::rethrow_exception(call.error);
   } catch (const Error& error) {
     if (!shot.checks) throw;
     throw Error(error.kind(), "frame ", frames.front(), ": ", error.what());
@@ -80,10 +85,12 @@ void evaluate(Shot& shot, SkinSink& sink, Progress& progress, std::size_t begin)
   // Frames held in memory at once. Of the jiggle each is measured, and it may be slow; a check names the one it stops
   // at.
   const std::size_t step = shot.jiggles || shot.checks ? 1 : 64;
+  Evaluation part;
   while (begin < shot.frames.size()) {
     const std::size_t count = std::min(step, shot.frames.size() - begin);
     const std::vector<Pose> poses = shot.poses(begin, count);
-    sink.append(evaluate_part(shot, poses, std::span(shot.frames).subspan(begin, count)), poses, begin);
+    evaluate_part(shot, poses, std::span(shot.frames).subspan(begin, count), part);
+    sink.append(part, poses, begin);
     progress.advance(count);
     begin += count;
   }
