@@ -143,7 +143,7 @@ void draw_sparkline(const Snapshot& snapshot, Controls& controls, const Bar& bar
   attempt(controls, is_there ? "worst-vertex" : "worst-frame");
 }
 
-// Pixel by pixel, as far as the sound swings while it passes.
+// Pixel by pixel, as far as the sound swings while it passes; the loudest fills the height, silence is a line.
 void draw_waveform(const Snapshot& snapshot, const Controls& controls, const Bar& bar) {
   ImDrawList& list = *ImGui::GetWindowDrawList();
   list.AddRectFilled(bar.at, {bar.at.x + bar.size.x, bar.at.y + bar.size.y}, kBar, 3);
@@ -152,7 +152,9 @@ void draw_waveform(const Snapshot& snapshot, const Controls& controls, const Bar
     const double frame = bar.first + static_cast<double>((x - bar.at.x) / bar.size.x) * (bar.last - bar.first);
     return (frame - controls.sound.first) / snapshot.clip_fps;
   };
-  const float half = 0.5f * bar.size.y, middle = bar.at.y + half;
+  constexpr float kSilent = 1e-3f;
+  const float middle = bar.at.y + 0.5f * bar.size.y;
+  const float half = 0.5f * bar.size.y / std::max(kSilent, snapshot.waveform->loudest);
   for (float x = bar.at.x; x < bar.at.x + bar.size.x; ++x) {
     const auto [low, high] = snapshot.waveform->swing(seconds(x), seconds(x + 1));
     list.AddRectFilled({x, middle - half * high}, {x + 1, middle - half * low + 1}, kKeyColour);
