@@ -202,7 +202,8 @@ void draw_dope_sheet(Controls& controls, const Bar& bar, float top) {
   ImGui::SetCursorScreenPos({ImGui::GetWindowPos().x + ImGui::GetStyle().WindowPadding.x, top});
   const float name_width = bar.at.x - kDiamond - ImGui::GetCursorScreenPos().x;
   ImGui::BeginChild("Sheet", {0, 0}, false, ImGuiWindowFlags_NoScrollbar);
-  draw_key_lines(controls, name_width, name_width + bar.size.x + 2 * kDiamond, bar.first, bar.last);
+  const auto draw = controls.curves ? draw_curves : draw_key_lines;
+  draw(controls, name_width, name_width + bar.size.x + 2 * kDiamond, bar.first, bar.last);
   ImGui::EndChild();
 }
 
