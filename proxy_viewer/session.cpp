@@ -5,6 +5,7 @@
 #include <initializer_list>
 #include <iostream>
 #include <iterator>
+#include <set>
 #include <utility>
 
 #include "assets/clip_source.h"
@@ -46,6 +47,21 @@ std::string end_of_limb(const Skeleton& skeleton, const std::string& joint) {
   const double longest = std::ranges::max(bones);
   const auto end = std::ranges::find_if(bones, [&](double bone) { return bone >= kLong * longest; }) - bones.begin();
   return skeleton.joints[ends[static_cast<std::size_t>(end)]].name;
+}
+
+// Names what could be pinned: joints at the ends, the first ten.
+std::string joints_with_two_above(const Skeleton& skeleton) {
+  constexpr int kNamed = 10;
+  std::set<std::string> ends;
+  for (const Joint& joint : skeleton.joints) {
+    if (ends_a_limb(skeleton, joint.name)) ends.insert(end_of_limb(skeleton, joint.name));
+  }
+  std::string names;
+  int named = 0;
+  for (const std::string& end : ends) {
+    if (named++ < kNamed) names += (names.empty() ? "these have: " : ", ") + end;
+  }
+  return names.empty() ? "none of this character has" : names;
 }
 
 }  // namespace
@@ -182,9 +198,8 @@ void Session::edit_stack(const ModifierEdit& edit) {
 void Session::pin(const PinRequest& request) {
   const Skeleton& skeleton = scene.lead().basis().skeleton;
   if (!ends_a_limb(skeleton, request.joint)) {
-    throw Error(ErrorKind::usage,
-                request.joint +
-                    ": has no two joints above it that could reach for a pin: hands, feet, chest and head are pinned");
+    throw Error(ErrorKind::usage, request.joint + ": has no two joints above it that could reach for a pin; " +
+                                      joints_with_two_above(skeleton));
   }
   if (request.at) {
     controls.settings.pose.pins[request.joint] = *request.at;

@@ -153,6 +153,8 @@ struct PanelState {
   std::string dragged_modifier;          // whose strength is being dragged
   std::optional<double> dragged_strength{};
   double tween = 0.5;
+  std::optional<double> curve_value{};                 // of the curve's key that the mouse holds, before
+  std::array<double, 2> curve_scale{};                 // the lowest and highest value of the curves
   std::optional<ViewSettings::PoseKey> pose_before{};  // one of the library was in hand
   std::optional<double> pose_share{};                  // of it, by the mouse
 };
@@ -188,6 +190,7 @@ struct Controls {
   Tool tool = Tool::all;
   bool auto_key = false;           // what is posed is a key at once
   bool dope_sheet = false;         // all keys are shown under the timeline, as wide as it
+  bool curves = false;             // of keys, in place of their lines
   bool zooms = false;              // the timeline shows the range alone
   std::optional<int> keyed_frame;  // that the pose in hand is of
   ImagePlaneFile image_plane;

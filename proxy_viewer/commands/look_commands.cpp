@@ -96,8 +96,11 @@ const Command kCameraCommands[] = {
      }},
     {"look-through", "[on|off]", "0", "Camera", "see by the camera of the shot, or freely",
      [](Controls& c, const std::string& a) {
-       toggle(c.settings.shot_camera.look_through, a);
+       ViewSettings::ShotCamera& shot = c.settings.shot_camera;
+       toggle(shot.look_through, a);
        c.shot_frame.reset();
+       if (shot.look_through && shot.keys.empty() && shot.of_file.empty())
+         c.warn("the shot has no camera yet: 'camera-key' keys this view");
      },
      [](const Controls& c) { return name_of(c.settings.shot_camera.look_through); }},
     {"camera-key", "", "Alt+C", "Keys", "keeps the view as a key of the camera",

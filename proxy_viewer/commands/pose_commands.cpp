@@ -356,6 +356,13 @@ const Command kPoseCommands[] = {
     {"tween", "0-1", "", "Keys", "the pose on the way from the key before to the next",
      [](Controls& c, const std::string& a) { tween(c, number_within(a, 0, 1)); }},
     switch_command<&Controls::dope_sheet>("dope-sheet", "Shift+K", "Keys", "all keys under the timeline"),
+    {"curves", "[on|off]", "Ctrl+K", "Keys", "the dope sheet shows curves of selected joints",
+     [](Controls& c, const std::string& a) {
+       c.curves = c.curves && c.dope_sheet;
+       toggle(c.curves, a);
+       c.dope_sheet |= c.curves;
+     },
+     [](const Controls& c) { return name_of(c.curves && c.dope_sheet); }},
     switch_command<&Controls::auto_key>("auto-key", "", "Keys", "what is posed is a key of its frame at once"),
     {"save-pose", "FILE.json", "", "Pose", "the pose, or what of it several joints have",
      [](Controls& c, const std::string& a) {

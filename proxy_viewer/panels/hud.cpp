@@ -47,10 +47,7 @@ void add_live(const LiveRow& live, Lines& lines) {
 }
 
 void add_pins(const Snapshot& snapshot, Lines& lines) {
-  for (const MissedPin& pin : snapshot.missed_pins) {
-    const char* const why = pin.by_limits ? "held by joint limits" : "out of reach";
-    lines.add(pin.joint + formatted(": %.0f mm from its pin, %s", 1e3 * pin.away, why), kErrorColour);
-  }
+  for (const MissedPin& pin : snapshot.missed_pins) lines.add(describe(pin), kErrorColour);
 }
 
 // Side by side, so many lines would cover the first body.

@@ -186,7 +186,7 @@ void draw_keys(const Snapshot&, Controls& controls) {
   command_choice(controls, "ease", "To the next");
   if (!controls.joint.empty()) command_choice(controls, "ease-joints", "Of selected");
   ImGui::EndDisabled();
-  ImGui::Dummy({1, 1});
+  command_tick(controls, "curves");
 }
 
 void draw_cheat_sheet(Controls& controls, const PanelLayout& layout) {

@@ -121,7 +121,6 @@ void draw_cameras(const Snapshot&, Controls& controls) {
   command_button(controls, "frame-selection", "Frame", share_of_line(3));
   ImGui::SameLine();
   command_tick(controls, "orthographic");
-  ImGui::SameLine();
   command_tick(controls, "cut-away");
   draw_shot_camera(controls);
   draw_kept(controls);

@@ -67,13 +67,16 @@ constexpr float kSide = 272, kNarrowSide = 216;     // width of the side panel
 constexpr float kNarrow = 900, kNarrowest = 560;    // windows: below, it is narrower, or there is no room for it
 constexpr float kTimeline = 84, kLowest = 240;      // height; below that of windows there is no room for it
 constexpr float kSheet = 0.25f, kLowestSheet = 64;  // of the height, with the timeline; of the dope sheet
+constexpr float kCurves = 0.4f;                     // of the height, with the timeline
 
 PanelLayout layout_of(const Controls& controls, float width, float height) {
   PanelLayout layout{width, height, 0, 0, 0};
   if (!controls.panels) return layout;
   layout.menu = ImGui::GetFrameHeight();
   if (height >= kLowest) layout.timeline = kTimeline;
-  if (controls.dope_sheet && layout.timeline > 0) layout.sheet = std::max(kLowestSheet, kSheet * height - kTimeline);
+  if (controls.dope_sheet && layout.timeline > 0) {
+    layout.sheet = std::max(kLowestSheet, (controls.curves ? kCurves : kSheet) * height - kTimeline);
+  }
   if (!controls.sound.file.empty() && layout.timeline > 0) layout.timeline += kSoundHeight;
   layout.timeline += layout.sheet;
   if (width >= kNarrowest && shows_side_panel(controls.settings)) layout.side = width < kNarrow ? kNarrowSide : kSide;

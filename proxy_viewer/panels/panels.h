@@ -114,6 +114,8 @@ constexpr float kDiamond = 4.5f;    // half of what a key is drawn as
 // A line for all keys, one for each thing that is keyed, and one for the camera: its name, and its keys between two
 // frames.
 void draw_key_lines(Controls& controls, float name_width, float width, int first, int last);
+// In the same place: the values of the keys as curves.
+void draw_curves(Controls& controls, float name_width, float width, int first, int last);
 void draw_modifiers(const Snapshot& snapshot, Controls& controls);
 void draw_muscles(const Snapshot& snapshot, Controls& controls);
 void draw_jiggle(const Snapshot& snapshot, Controls& controls);

@@ -143,7 +143,7 @@ void draw_sparkline(const Snapshot& snapshot, Controls& controls, const Bar& bar
   attempt(controls, is_there ? "worst-vertex" : "worst-frame");
 }
 
-// Pixel by pixel, as far as the sound swings while it passes.
+// Pixel by pixel, as far as the sound swings while it passes; the loudest fills the height, silence is a line.
 void draw_waveform(const Snapshot& snapshot, const Controls& controls, const Bar& bar) {
   ImDrawList& list = *ImGui::GetWindowDrawList();
   list.AddRectFilled(bar.at, {bar.at.x + bar.size.x, bar.at.y + bar.size.y}, kBar, 3);
@@ -152,7 +152,9 @@ void draw_waveform(const Snapshot& snapshot, const Controls& controls, const Bar
     const double frame = bar.first + static_cast<double>((x - bar.at.x) / bar.size.x) * (bar.last - bar.first);
     return (frame - controls.sound.first) / snapshot.clip_fps;
   };
-  const float half = 0.5f * bar.size.y, middle = bar.at.y + half;
+  constexpr float kSilent = 1e-3f;
+  const float middle = bar.at.y + 0.5f * bar.size.y;
+  const float half = 0.5f * bar.size.y / std::max(kSilent, snapshot.waveform->loudest);
   for (float x = bar.at.x; x < bar.at.x + bar.size.x; ++x) {
     const auto [low, high] = snapshot.waveform->swing(seconds(x), seconds(x + 1));
     list.AddRectFilled({x, middle - half * high}, {x + 1, middle - half * low + 1}, kKeyColour);
@@ -200,7 +202,8 @@ void draw_dope_sheet(Controls& controls, const Bar& bar, float top) {
   ImGui::SetCursorScreenPos({ImGui::GetWindowPos().x + ImGui::GetStyle().WindowPadding.x, top});
   const float name_width = bar.at.x - kDiamond - ImGui::GetCursorScreenPos().x;
   ImGui::BeginChild("Sheet", {0, 0}, false, ImGuiWindowFlags_NoScrollbar);
-  draw_key_lines(controls, name_width, name_width + bar.size.x + 2 * kDiamond, bar.first, bar.last);
+  const auto draw = controls.curves ? draw_curves : draw_key_lines;
+  draw(controls, name_width, name_width + bar.size.x + 2 * kDiamond, bar.first, bar.last);
   ImGui::EndChild();
 }
 

@@ -53,13 +53,15 @@ Waveform read_waveform(const std::filesystem::path& path) {
   if (info.frames < 1) refuse("holds no sound: it is cut off, or was never finished");
   if (static_cast<double>(info.frames) > kLongest * info.samplerate) refuse("lasts longer than 6 hours");
   const int together = info.samplerate / kRate;
-  Waveform wave{static_cast<double>(info.samplerate) / together, {}};
+  Waveform wave;
+  wave.rate = static_cast<double>(info.samplerate) / together;
   const auto channels = static_cast<std::size_t>(info.channels);
   std::vector<float> samples(channels * static_cast<std::size_t>(together));
   for (;;) {
     const sf_count_t got = sf_readf_float(file.get(), samples.data(), together);
     if (got <= 0) break;
-    wave.parts.push_back(swing_of(samples, channels * static_cast<std::size_t>(got)));
+    const auto [low, high] = wave.parts.emplace_back(swing_of(samples, channels * static_cast<std::size_t>(got)));
+    wave.loudest = std::max({wave.loudest, -low, high});
   }
   if (sf_error(file.get()) != SF_ERR_NO_ERROR || wave.parts.empty()) {
     refuse(std::string("is damaged, or cut off: ") + sf_strerror(file.get()));

@@ -11,6 +11,7 @@ namespace bodyopt {
 struct Waveform {
   double rate = 200;                        // parts a second
   std::vector<std::array<float, 2>> parts;  // the least and the greatest of all channels, -1 to 1
+  float loudest = 0;                        // of them all
 
   // Returns the range between two times, seconds from its beginning; nothing is silence.
   std::array<float, 2> swing(double from, double to) const;

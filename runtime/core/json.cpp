@@ -1,5 +1,6 @@
 #include "runtime/core/json.h"
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 #include <set>
 #include <vector>
@@ -48,6 +49,11 @@ Json parse_strict_json(std::string_view text, const std::string& origin) {
       guard.watch(event, value);
       return true;
     });
+  } catch (const Json::parse_error& error) {
+    const std::string_view before = text.substr(0, error.byte > 0 ? error.byte - 1 : 0);
+    const std::string_view line = before.substr(before.rfind('\n') + 1);
+    throw Error(ErrorKind::file, origin, ": its JSON cannot be read from line ", 1 + std::ranges::count(before, '\n'),
+                ", column ", 1 + line.size(), " on; damaged or cut off?");
   } catch (const Json::exception& error) {
     throw Error(ErrorKind::file, origin, ": its JSON cannot be read (", std::string(error.what()).substr(0, kMaxReason),
                 "); damaged or cut off?");

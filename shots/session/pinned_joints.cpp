@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "assets/joint_roles.h"
+#include "runtime/core/text.h"
 #include "runtime/host/rig.h"
 #include "runtime/modifiers/drive_modifiers.h"
 
@@ -341,6 +342,11 @@ bool ends_a_foot(const Skeleton& skeleton, std::size_t joint) {
 
 bool is_on_spine(const Skeleton& skeleton, std::size_t joint) {
   return !spine_above(skeleton, joint_roles(named_joints(skeleton)), joint).empty();
+}
+
+std::string describe(const MissedPin& pin) {
+  const char* const why = pin.by_limits ? "held by joint limits" : "out of reach";
+  return pin.joint + formatted(": %.0f mm from its pin, %s", 1e3 * pin.away, why);
 }
 
 bool ends_a_limb(const Skeleton& skeleton, const std::string& joint) {

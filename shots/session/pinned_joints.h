@@ -68,6 +68,9 @@ struct MissedPin {
   bool by_limits;  // without the ranges it would be nearer
 };
 
+// "LeftFoot: 190 mm from its pin, held by joint limits"
+std::string describe(const MissedPin& pin);
+
 // Returns the pins that are more than a millimetre away after pinned().
 std::vector<MissedPin> missed_pins(const Skeleton& skeleton, const std::vector<std::optional<JointRange>>& ranges,
                                    const Pose& pose, const Pins& pins);

@@ -314,6 +314,7 @@ const std::map<std::string, Case>& cases() {
           return length(valued(c.settings.pose.joints, "LeftArm").value_or(Vec3{}) - Vec3{10, 0, 0}) < 1e-9;
         },
         {"", "1.5", "half"}}},
+      {"curves", {"on", [](C, C c) { return c.curves && c.dope_sheet; }, {"yes"}}},
       {"dope-sheet", {"on", [](C, C c) { return c.dope_sheet; }, {"yes"}}},
       {"zoom-range", {"on", [](C, C c) { return c.zooms; }, {"yes"}}},
       {"auto-key", {"on", [](C, C c) { return c.auto_key; }, {"yes"}}},

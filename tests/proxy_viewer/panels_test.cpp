@@ -370,6 +370,49 @@ TEST_F(PanelsTest, KeysAreDraggedInTheDopeSheetUnderTheRange) {
   }
 }
 
+// From 0 degrees at frame 1 to 40 at the last: its key is dragged down to half, and sideways; each is one step.
+TEST_F(PanelsTest, KeysOfCurvesAreDraggedToValuesAndFrames) {
+  const Snapshot snapshot = small_character();
+  for (const bool goes_sideways : {false, true}) {
+    Controls controls;
+    controls.playback = Playback({1, 21}, 24);
+    run_command(controls, "curves on");
+    EXPECT_TRUE(controls.dope_sheet);
+    auto& keys = controls.settings.pose.keys;
+    keys[1].joints["LeftArm"] = {0, 5, 0};
+    keys[21].joints["LeftArm"] = {40, 5, 0};
+    controls.select("LeftArm");
+    controls.playback.scrub(21);
+    controls.follow_keys();
+    controls.poses.begin(controls.settings);
+    for (int k = 0; k < 3; ++k) draw(snapshot, controls);
+    const ImRect timeline = rectangle_of("Timeline");
+    const float top = timeline.Min.y + 84 - 4, right = timeline.Max.x - 10;
+    const ImVec2 key{right, top + 8}, to{goes_sideways ? right - 100 : right, goes_sideways ? top + 12 : top + 98};
+    ImGuiIO& io = ImGui::GetIO();
+    for (const auto& [at, down] :
+         {std::pair{key, false}, std::pair{key, true}, std::pair{to, true}, std::pair{to, false}}) {
+      io.MousePos = at;
+      io.MouseDown[0] = down;
+      draw(snapshot, controls);
+    }
+    ASSERT_EQ(keys.size(), 2u);
+    EXPECT_EQ(keys.at(1).joints.at("LeftArm"), (Vec3{0, 5, 0}));
+    EXPECT_EQ(keys.contains(21), !goes_sideways);
+    const Vec3 turned = keys.rbegin()->second.joints.at("LeftArm");
+    EXPECT_EQ(turned[1], 5);
+    if (goes_sideways) {
+      EXPECT_EQ(turned[0], 40);
+    } else {
+      EXPECT_TRUE(10 < turned[0] && turned[0] < 30) << turned[0];
+      EXPECT_EQ(controls.settings.pose.joints.at("LeftArm"), turned) << "the pose in hand is the key's";
+    }
+    run_command(controls, "undo");
+    EXPECT_EQ(keys.at(21).joints.at("LeftArm")[0], 40);
+    EXPECT_FALSE(controls.poses.undo(controls.settings)) << "it was one step";
+  }
+}
+
 TEST_F(PanelsTest, TheTimelineShowsWhichFramesAreMeasured) {
   Snapshot snapshot = small_character();
   snapshot.errors.assign(3, {});

@@ -40,6 +40,7 @@ TEST(PoseLibrary, ListsPosesAndNamesWhatIsDamaged) {
   for (const std::size_t k : {1, 2}) {
     EXPECT_NE(library.poses()[k].problem.find(library.poses()[k].path.string()), std::string::npos) << k;
   }
+  EXPECT_NE(library.poses()[1].problem.find("cannot be read from line "), std::string::npos);
   const std::uint64_t before = library.version();
   EXPECT_FALSE(library.look(folder.path()));
   EXPECT_EQ(library.version(), before);

@@ -83,6 +83,17 @@ class ShotCameraTest : public PlayedTest {
   static double azimuth(const PlayedViewport& viewport) { return viewport.controls().camera.view().azimuth; }
 };
 
+TEST_F(ShotCameraTest, LookingThroughNoCameraSaysSo) {
+  const auto viewport = open(small(), kBarePicture);
+  viewport->prompt("look-through on");
+  ASSERT_FALSE(viewport->controls().messages.empty());
+  EXPECT_NE(viewport->controls().messages.back().text.find("no camera yet"), std::string::npos);
+  viewport->prompt("camera-key");
+  const std::size_t said = viewport->controls().messages.size();
+  viewport->prompt("look-through on");
+  EXPECT_EQ(viewport->controls().messages.size(), said);
+}
+
 TEST_F(ShotCameraTest, PlayingLooksThroughIt) {
   const auto viewport = open_keyed();
   EXPECT_NEAR(azimuth(*viewport), kPi / 6, 1e-9);

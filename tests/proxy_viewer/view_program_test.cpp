@@ -57,6 +57,15 @@ TEST_F(ViewProgramTest, ACharacterIsShownWithoutTraining) {
   }
 }
 
+TEST_F(ViewProgramTest, APinOutOfReachIsSaidWithoutAWindow) {
+  write_character(limb_character(), path("limb.glb"));
+  const std::string pinned = path("limb.glb") + " -o " + path("a.####.png") + " --do 'in 3; out 5; pin joint2 0 9 0'";
+  const ProgramResult result = view(pinned);
+  expect(result, 0, "frame 3: joint2: ");
+  expect(result, 0, " mm from its pin, out of reach");
+  EXPECT_EQ(result.output.find("joint2: "), result.output.rfind("joint2: ")) << "once, not of every picture";
+}
+
 TEST_F(ViewProgramTest, AJointMapTellsWhatMovesTheFirstCharacter) {
   Skeleton renamed = small_.made.skeleton;
   for (Joint& joint : renamed.joints) joint.name = "bone_" + joint.name;

@@ -68,6 +68,7 @@ TEST_F(WaveformTest, SwingsAsTheSoundDoes) {
   for (const Coding& coding : {Coding{8, false}, {16, false}, {24, false}, {32, false}, {32, true}}) {
     const Waveform wave = read(wav(coding));
     EXPECT_NEAR(static_cast<double>(wave.parts.size()) / wave.rate, 3, 0.01) << coding.bits;
+    EXPECT_NEAR(wave.loudest, 0.5, 0.01) << coding.bits;
     for (const double at : {1.1, 1.5, 1.9}) {
       const auto [low, high] = wave.swing(at, at + 0.02);
       EXPECT_NEAR(low, -0.5, 0.01) << coding.bits;
@@ -117,6 +118,7 @@ TEST_F(WaveformTest, StandsUnderTheTimelineAndInTheSession) {
   viewport->click_messages_away();
   const float before = ImGui::FindWindowByName("Timeline")->Rect().GetHeight();
   // Of the strip under the bar, the columns in which something swings, left and right of the middle.
+  std::size_t tallest = 0;  // rows
   const auto columns = [&] {
     const Image& picture = viewport->screen.picture;
     std::array<int, 2> count{};
@@ -126,6 +128,7 @@ TEST_F(WaveformTest, StandsUnderTheTimelineAndInTheSession) {
         const std::uint8_t* p = picture.rgba.data() + 4 * (std::size_t{y} * picture.width + x);
         swings += p[0] == 120 && p[1] == 170 && p[2] == 220;
       }
+      tallest = std::max(tallest, swings);
       count[x < 935 ? 0 : 1] += swings > 6;
     }
     return count;
@@ -136,6 +139,7 @@ TEST_F(WaveformTest, StandsUnderTheTimelineAndInTheSession) {
   const auto [left, right] = columns();
   EXPECT_LT(left, 60);
   EXPECT_GT(right, 250);
+  EXPECT_GT(tallest, 20u) << "half the full swing fills the strip";
   viewport->prompt("in 8");
   viewport->prompt("zoom-range on");
   viewport->play({viewport->at(300, 100)});
