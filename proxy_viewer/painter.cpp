@@ -111,10 +111,6 @@ void Painter::draw_panels_over(const PictureSize& size, double passed) {
   }
   describe_turns(scene_, controls_, snapshot_);
   snapshot_.missed_pins = scene_.lead().missed_pins(controls_.playback.frame(), controls_.settings.pose);
-  for (const MissedPin& pin : snapshot_.missed_pins) {
-    if (!controls_.headless || !told_pins_.insert(pin.joint).second) continue;
-    controls_.warn("frame " + std::to_string(controls_.playback.frame()) + ": " + describe(pin));
-  }
   describe_comparison(scene_, controls_, errors_.curve(), snapshot_);
   session_.matching.describe(snapshot_);
   session_.sectioning.describe(area_, mouse_over_picture(), snapshot_);

@@ -5,7 +5,6 @@
 #include <chrono>
 #include <cstdint>
 #include <memory>
-#include <set>
 #include <string>
 
 #include "draw/viewport.h"
@@ -68,7 +67,6 @@ class Painter {
   Scene& scene_ = session_.scene;
   Controls& controls_ = session_.controls;
   Snapshot& snapshot_ = session_.snapshot;
-  std::set<std::string> told_pins_;  // headless: that were missed, once each
   ErrorMeasuring& errors_;
   Screen* const screen_;
   const PictureSize size_;

@@ -4,6 +4,7 @@
 #include <array>
 #include <iomanip>
 #include <numbers>
+#include <set>
 #include <span>
 #include <sstream>
 #include <utility>
@@ -222,7 +223,15 @@ void PictureTaking::make(std::unique_ptr<PictureSeries> series) {
   painter_.set_series(series->count() > 1);
   if (session_.controls.headless) {
     const Finally ends{[this] { painter_.set_series(false); }};
-    return make_all(*series, [this] { return painter_.draw_still(painter_.size()); });
+    std::set<std::string> told;  // each joint once, where it first misses its pin
+    return make_all(*series, [&] {
+      Image picture = painter_.draw_still(painter_.size());
+      for (const MissedPin& pin : session_.snapshot.missed_pins) {
+        if (!told.insert(pin.joint).second) continue;
+        session_.controls.warn("frame " + std::to_string(session_.controls.playback.frame()) + ": " + describe(pin));
+      }
+      return picture;
+    });
   }
   series_ = std::move(series);
   series_size_ = painter_.size();

@@ -387,7 +387,7 @@ TEST_F(PanelsTest, KeysOfCurvesAreDraggedToValuesAndFrames) {
     controls.poses.begin(controls.settings);
     for (int k = 0; k < 3; ++k) draw(snapshot, controls);
     const ImRect timeline = rectangle_of("Timeline");
-    const float top = timeline.Min.y + 84 - 4, right = timeline.Max.x - 10;
+    const float top = timeline.Min.y + 84 - 4, right = timeline.Max.x - 12;
     const ImVec2 key{right, top + 8}, to{goes_sideways ? right - 100 : right, goes_sideways ? top + 12 : top + 98};
     ImGuiIO& io = ImGui::GetIO();
     for (const auto& [at, down] :
