@@ -1,6 +1,7 @@
+#include "assets/bvh_clip.h"
+
 #include <algorithm>
 
-#include "assets/bvh.h"
 #include "assets/clip_common.h"
 #include "assets/joint_match.h"
 #include "assets/retarget.h"

@@ -4,7 +4,7 @@
 #include <sstream>
 
 #include "assets/axis_turns.h"
-#include "assets/bvh.h"
+#include "assets/bvh_clip.h"
 #include "assets/wording.h"
 #include "runtime/core/atomic_file.h"
 #include "runtime/core/error.h"

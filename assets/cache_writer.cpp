@@ -6,6 +6,7 @@
 
 #include "assets/gltf_shapes.h"
 #include "assets/usda.h"
+#include "assets/usda_bound.h"
 #include "runtime/core/error.h"
 
 namespace bodyopt {

@@ -2,15 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <nlohmann/json.hpp>
-#include <numeric>
 #include <set>
 
-#include "assets/bound_skin.h"
-#include "assets/character_write.h"
 #include "assets/gltf_skeleton.h"
 #include "assets/gltf_skin.h"
-#include "assets/gltf_write.h"
+#include "assets/gltf_unit.h"
 #include "assets/wording.h"
 #include "geometry/surface_topology.h"
 #include "runtime/core/error.h"
@@ -122,10 +118,6 @@ void set_triangles(const GltfFile& file, const SkinGeometry& geometry, Character
   if (loose > 0) character.notes.push_back(count_of(loose, "vertex belongs", "vertices belong") + " to no triangle.");
 }
 
-std::span<const std::uint32_t> flat(const Triangles& triangles) {
-  return {triangles.data(), static_cast<std::size_t>(triangles.size())};
-}
-
 }  // namespace
 
 Positions welded_from_output(const Character& character, const float* output) {
@@ -176,44 +168,5 @@ Character read_character(const GltfFile& file, double unit) {
 }
 
 bool has_skin(const std::filesystem::path& path) { return choose_skin(GltfFile(path)) >= 0; }
-
-void write_character(const Character& character, const std::filesystem::path& path) {
-  write_character(character, {}, path);
-}
-
-void write_character(const Character& character, const SkinSurface& surface, const std::filesystem::path& path) {
-  if (character.skeleton.size() > 65536 || character.skeleton.size() == 0 || character.output_triangles.rows() == 0) {
-    throw Error(ErrorKind::file, path, ": not written; a character has 1 to 65,536 joints and triangles");
-  }
-  GlbWriter glb;
-  const std::size_t skeleton = glb.add_skeleton(character.skeleton);
-  std::vector<std::uint32_t> places(character.output_count());
-  std::iota(places.begin(), places.end(), 0u);
-  const Json attributes = bound_vertices(character, places, glb);
-  const Json drawn = surface_primitives(flat(character.output_triangles), surface, {{"attributes", attributes}}, glb);
-  glb.add_skin(character.skeleton, skeleton);
-  glb.root["meshes"].push_back({{"name", character.name}, {"primitives", drawn}});
-  glb.root["nodes"].push_back({{"name", character.name}, {"mesh", 0}, {"skin", 0}});
-  glb.root["scenes"][0]["nodes"].push_back(glb.root["nodes"].size() - 1);
-  glb.write(path);
-}
-
-void add(ContentHash& hash, const Character& character) {
-  hash.append(character.vertices.data(), static_cast<std::size_t>(character.vertices.size()) * sizeof(double));
-  hash.append(character.triangles.data(), static_cast<std::size_t>(character.triangles.size()) * sizeof(std::uint32_t));
-  for (const std::vector<JointWeight>& weights : character.weights) {
-    hash.add(static_cast<std::uint64_t>(weights.size()));
-    for (const JointWeight& weight : weights) {
-      hash.add(std::uint64_t{weight.joint});
-      hash.add(weight.weight);
-    }
-  }
-  for (const Joint& joint : character.skeleton.joints) {
-    hash.add(joint.name);
-    hash.add(static_cast<std::uint64_t>(joint.parent));
-    hash.add(joint.bind);
-    hash.append(&joint.inverse_bind.m, sizeof(joint.inverse_bind.m));
-  }
-}
 
 }  // namespace bodyopt

@@ -4,13 +4,13 @@
 #include <cmath>
 #include <limits>
 
-#include "assets/bvh.h"
+#include "assets/bvh_clip.h"
 #include "assets/clip_common.h"
 #include "assets/clip_source.h"
 #include "assets/controls.h"
 #include "assets/gltf_clip.h"
 #include "assets/gltf_file.h"
-#include "assets/retarget.h"
+#include "assets/motion_up.h"
 #include "assets/wording.h"
 #include "runtime/core/error.h"
 #include "runtime/core/file_kind.h"

@@ -65,7 +65,7 @@ void write_clip(const Clip& clip, const Skeleton& skeleton, const std::filesyste
 // Writes the unit of the character's file (metres; 0: metres), as a DCC would export it, and as clip_unit() says.
 void write_clip(Clip clip, Skeleton skeleton, double unit, const std::filesystem::path& path);
 
-// The ending tells the format: .glb as above, .bvh (bvh.h; metres), or .usda. The last is a UsdSkel skeleton and
+// The ending tells the format: .glb as above, .bvh (bvh_clip.h; metres), or .usda. The last is a UsdSkel skeleton and
 // its animation, in metres, with a time sample of each joint per frame, at its number. Throws Error(file).
 void write_motion(const Clip& clip, const Skeleton& skeleton, double unit, const std::filesystem::path& path);
 

@@ -1,10 +1,11 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
-#include "assets/bvh.h"
+#include "assets/bvh_clip.h"
 #include "assets/clip.h"
+#include "assets/gltf_motion.h"
 #include "assets/gltf_write.h"
-#include "assets/usda.h"
+#include "assets/usda_skeleton.h"
 #include "runtime/core/error.h"
 
 namespace bodyopt {

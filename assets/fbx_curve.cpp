@@ -1,8 +1,8 @@
+#include "assets/fbx_curve.h"
+
 #include <algorithm>
 #include <bit>
 #include <cmath>
-
-#include "assets/fbx_nodes.h"
 
 namespace bodyopt {
 namespace {

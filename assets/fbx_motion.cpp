@@ -1,6 +1,6 @@
-#include <algorithm>
+#include "assets/fbx_motion.h"
 
-#include "assets/fbx_nodes.h"
+#include <algorithm>
 
 namespace bodyopt {
 namespace {

@@ -1,10 +1,10 @@
+#include "assets/fbx_parse.h"
+
 #include <zlib.h>
 
 #include <charconv>
 #include <cstring>
 #include <type_traits>
-
-#include "assets/fbx_scene.h"
 
 namespace bodyopt {
 namespace {

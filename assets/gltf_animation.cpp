@@ -1,7 +1,8 @@
+#include "assets/gltf_animation.h"
+
 #include <algorithm>
 #include <set>
 
-#include "assets/gltf_clip.h"
 #include "assets/wording.h"
 #include "runtime/core/transform.h"
 

@@ -1,9 +1,10 @@
+#include "assets/gltf_cameras.h"
+
 #include <algorithm>
 #include <set>
 
 #include "assets/clip_source.h"
-#include "assets/gltf_clip.h"
-#include "assets/gltf_skeleton.h"
+#include "assets/gltf_nodes.h"
 #include "assets/json_file.h"
 
 namespace bodyopt {

@@ -5,7 +5,12 @@
 #include <set>
 
 #include "assets/clip_common.h"
+#include "assets/gltf_animation.h"
+#include "assets/gltf_cameras.h"
+#include "assets/gltf_nodes.h"
+#include "assets/gltf_rest.h"
 #include "assets/gltf_skeleton.h"
+#include "assets/gltf_unit.h"
 #include "assets/joint_match.h"
 #include "assets/retarget.h"
 #include "assets/wording.h"

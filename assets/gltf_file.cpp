@@ -5,7 +5,7 @@
 #include <cstring>
 #include <limits>
 
-#include "assets/fbx_scene.h"
+#include "assets/fbx_parse.h"
 #include "assets/gltf_guard.h"
 #include "assets/wording.h"
 #include "runtime/core/transformed.h"

@@ -7,7 +7,8 @@
 #include <optional>
 
 #include "assets/fbx_glb.h"
-#include "assets/fbx_scene.h"
+#include "assets/fbx_parse.h"
+#include "assets/gltf_meshopt.h"
 #include "runtime/basis/read_file.h"
 #include "runtime/core/error.h"
 #include "runtime/core/file_kind.h"

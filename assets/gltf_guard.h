@@ -29,11 +29,4 @@ std::string read_gltf_bytes(const std::filesystem::path& path);
 // left out. Throws Error(file) for a file that cannot be read.
 std::vector<std::filesystem::path> gltf_files(const std::filesystem::path& path);
 
-// Buffer views of a glTF file that are compressed by EXT_meshopt_compression.
-
-// Appends to `buffers` what each compressed view of the file's JSON holds, and lets the view show that. Throws
-// Error(file), messages calling the file `path`, where a view is damaged or wants far more memory than its bytes can
-// tell of.
-void decompress_views(const std::filesystem::path& path, Json& root, std::vector<std::vector<unsigned char>>& buffers);
-
 }  // namespace bodyopt

@@ -1,9 +1,10 @@
+#include "assets/gltf_meshopt.h"
+
 #include <meshoptimizer.h>
 
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "assets/gltf_guard.h"
 #include "runtime/core/error.h"
 
 namespace bodyopt {

@@ -11,7 +11,7 @@
 #include <utility>
 
 #include "assets/bound_skin.h"
-#include "assets/gltf_write.h"
+#include "assets/gltf_motion.h"
 #include "geometry/mesh.h"
 #include "runtime/basis/read_file.h"
 #include "runtime/core/atomic_file.h"

@@ -6,6 +6,7 @@
 #include <set>
 
 #include "assets/gltf_skeleton.h"
+#include "assets/gltf_unit.h"
 #include "assets/surface_materials.h"
 #include "assets/wording.h"
 

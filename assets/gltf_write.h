@@ -9,7 +9,6 @@
 #include <string_view>
 #include <vector>
 
-#include "assets/clip.h"
 #include "runtime/basis/skeleton.h"
 #include "runtime/core/json.h"
 
@@ -52,14 +51,5 @@ class GlbWriter {
   std::vector<unsigned char> binary_;
   bool finite_ = true;
 };
-
-// The motion of a skeleton as a glTF animation.
-
-// Unit length, and each key the nearer of q and -q to the one before: viewers that interpolate components need it.
-Clip with_continuous_rotations(Clip clip);
-
-// Has a channel for each property of a joint that leaves its default pose, and one at least. The keys are the clip's
-// frames, the first at 0 seconds. Joint j is node j.
-Json motion_animation(const Clip& clip, const Skeleton& skeleton, GlbWriter& glb);
 
 }  // namespace bodyopt

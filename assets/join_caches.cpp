@@ -6,6 +6,7 @@
 
 #include "assets/pc2.h"
 #include "assets/usda.h"
+#include "assets/usda_part.h"
 #include "base/progress.h"
 #include "runtime/core/atomic_file.h"
 #include "runtime/core/error.h"

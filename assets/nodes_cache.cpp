@@ -49,7 +49,7 @@ std::string metadata_of(const std::filesystem::path& path, const Safetensors& fi
   return found->second;
 }
 
-std::string shortest_hexadecimal(std::uint64_t value) {
+std::string hexadecimal(std::uint64_t value) {
   char text[16];
   const auto end = std::to_chars(text, text + sizeof(text), value, 16).ptr;
   return {text, end};
@@ -71,7 +71,7 @@ NodesWriter::NodesWriter(std::filesystem::path path, const Tets& tets, const std
   file_.tensors["skin.tet"] = tensor("U32", {tet.size()}, tet);
   file_.tensors["skin.weights"] = tensor("F64", {tet.size(), 4}, weights);
   file_.metadata = {{"schema", kNodesSchema},
-                    {"inputs", shortest_hexadecimal(inputs)},
+                    {"inputs", hexadecimal(inputs)},
                     {"start_frame", std::to_string(frames.empty() ? 1 : frames.front())},
                     {"frame_spacing", std::to_string(static_cast<int>(frame_spacing(frames)))}};
 }

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "assets/axis_turns.h"
+#include "assets/motion_up.h"
 #include "assets/wording.h"
 #include "geometry/nearest_rotation.h"
 #include "runtime/core/transformed.h"

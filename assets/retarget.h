@@ -3,66 +3,13 @@
 
 #include <functional>
 #include <optional>
-#include <span>
 #include <string>
 #include <vector>
 
-#include "assets/joint_roles.h"
+#include "assets/source_motion.h"
 #include "runtime/basis/skeleton.h"
-#include "runtime/core/transform.h"
 
 namespace bodyopt {
-
-// The skeleton of a clip's file and how it moves, as that of another is laid along it.
-
-struct SourceJoint {
-  NamedJoint joint;
-  JointTransform rest;      // relative to the parent, file units
-  bool has_travel = false;  // its translation is animated, too
-};
-
-struct SourceMotion {
-  std::string kind;                 // how notes call it: "BVH"
-  bool in_world = false;            // its axes are the world's and it rests in a pose; else any, as `up` says
-  std::string up;                   // its axis that is up: x, y, z, -x, -y, -z; empty: the motion tells
-  std::vector<SourceJoint> joints;  // parents before children
-  // Transforms of all joints, relative to their parents.
-  std::function<std::vector<JointTransform>(double seconds)> locals_at;
-};
-
-// A bone of both skeletons: from the nearest matched joint above to a matched joint.
-struct BonePair {
-  std::size_t above, joint;                // of the skeleton
-  std::size_t source_above, source_joint;  // of the source
-  Vec3 skeleton, source;                   // in the bind pose, metres; at rest, file units; world
-};
-
-// World, per joint of the source.
-struct SourceFrame {
-  std::vector<Quat> rotation;
-  std::vector<Affine> transform;
-
-  Vec3 place(std::size_t joint) const { return transform[joint] * Vec3{0, 0, 0}; }
-  Vec3 bone(const BonePair& pair) const { return place(pair.source_joint) - place(pair.source_above); }
-};
-
-SourceFrame source_frame(const SourceMotion& motion, const std::vector<JointTransform>& locals);
-
-// Some frames, spread over all `frames` at `fps`, that tell what the motion is like.
-std::vector<SourceFrame> sampled_frames(const SourceMotion& motion, std::size_t frames, double fps);
-
-// Finds the axis of a motion's file that is up.
-
-// The axis that is called x, y, z, -x, -y or -z; nothing of any other name.
-std::optional<Vec3> named_axis(const std::string& name);
-std::string name_of_axis(const Vec3& axis);
-
-// Every bone of the skeleton, which stands with y up, votes for a frame's up by how far it goes up in the bind pose.
-// The rest pose (`rest_up`; nothing where it is no pose) may disagree: the body or the rest pose lies down. Of the two
-// y wins, which nearly all files have up, else the rest pose; without one the body wins over y. The other axis wins if
-// the lowest joint keeps its height far better along it: feet, hands and knees meet one floor. A note says so.
-Vec3 up_of_motion(std::span<const SourceFrame> frames, std::span<const BonePair> bones,
-                  const std::optional<Vec3>& rest_up, std::vector<std::string>& notes);
 
 // The rest pose of the source may differ from the skeleton's bind pose (arms down in one, stretched out in the other).
 // A joint's world rotation = its world rotation away from the source's rest * alignment * that in the bind pose.

@@ -1,8 +1,9 @@
+#include "assets/usda_materials.h"
+
 #include <cctype>
 #include <set>
 #include <sstream>
 
-#include "assets/usda.h"
 #include "base/content_hash.h"
 #include "runtime/basis/read_file.h"
 #include "runtime/core/atomic_file.h"

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "assets/wording.h"
+#include "cli/curate/curate_arguments.h"
 #include "cli/curate/stack_report.h"
 #include "dataset/modifier.h"
 #include "trainer/curate/edit_stack.h"

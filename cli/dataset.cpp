@@ -5,7 +5,7 @@
 #include "assets/character.h"
 #include "cli/arguments/dataset_arguments.h"
 #include "runtime/core/error.h"
-#include "trainer/check/check.h"
+#include "trainer/check/add_shapes.h"
 
 namespace bodyopt::cli {
 namespace {

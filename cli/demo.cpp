@@ -13,6 +13,7 @@
 #include "cli/arguments/common.h"
 #include "cli/results/demo_extras.h"
 #include "cli/results/measure.h"
+#include "cli/results/report_pictures.h"
 #include "runtime/core/error.h"
 #include "runtime/core/stopwatch.h"
 #include "runtime/host/rig.h"

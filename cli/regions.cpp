@@ -10,6 +10,7 @@
 #include "cli/arguments/common.h"
 #include "dataset/regions_file.h"
 #include "report/pictures.h"
+#include "report/region_picture.h"
 #include "trainer/train/data/samples.h"
 #include "trainer/train/fit/train.h"
 

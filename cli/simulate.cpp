@@ -6,7 +6,7 @@
 
 #include "cli/arguments/common.h"
 #include "cli/arguments/dataset_arguments.h"
-#include "trainer/check/check.h"
+#include "trainer/check/shape_doubts.h"
 
 namespace bodyopt::cli {
 namespace {

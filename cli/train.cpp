@@ -12,6 +12,7 @@
 #include "cli/range_dataset.h"
 #include "cli/results/attachments.h"
 #include "cli/results/measure.h"
+#include "cli/results/report_pictures.h"
 #include "runtime/core/error.h"
 #include "runtime/core/json.h"
 #include "runtime/core/stopwatch.h"

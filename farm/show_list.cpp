@@ -1,10 +1,11 @@
+#include "farm/show_list.h"
+
 #include <algorithm>
 #include <cstdlib>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
 #include "assets/json_file.h"
-#include "farm/plan.h"
 #include "runtime/basis/read_file.h"
 #include "runtime/core/error.h"
 #include "runtime/core/json.h"

@@ -6,6 +6,7 @@
 
 #include "draw/colours.h"
 #include "geometry/mesh.h"
+#include "report/region_picture.h"
 #include "runtime/core/error.h"
 
 namespace bodyopt {

@@ -1,3 +1,4 @@
+#include "report/region_picture.h"
 
 #include <algorithm>
 #include <cmath>

@@ -3,7 +3,7 @@
 #include <sstream>
 
 #include "assets/frame_range.h"
-#include "assets/joint_match.h"
+#include "assets/matched_joints.h"
 #include "runtime/core/error.h"
 #include "runtime/core/transformed.h"
 

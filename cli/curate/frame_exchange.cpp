@@ -5,6 +5,7 @@
 
 #include "assets/clip_source.h"
 #include "assets/wording.h"
+#include "cli/curate/curate_arguments.h"
 #include "cli/curate/stack_report.h"
 #include "dataset/modifier.h"
 #include "runtime/core/error.h"

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "assets/wording.h"
+#include "cli/curate/curate_arguments.h"
 #include "dataset/modifier.h"
 #include "geometry/mesh.h"
 #include "report/pictures.h"

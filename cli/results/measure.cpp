@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "assets/frame_range.h"
+#include "cli/results/report_pictures.h"
 #include "dataset/dataset.h"
 #include "geometry/mesh.h"
 #include "runtime/basis/safetensors.h"

@@ -8,7 +8,7 @@
 
 #include "assets/frame_range.h"
 #include "assets/shape_reader.h"
-#include "assets/usda.h"
+#include "assets/usda_part.h"
 #include "draw/colours.h"
 #include "farm/plan.h"
 #include "geometry/mesh.h"

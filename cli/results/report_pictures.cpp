@@ -1,12 +1,14 @@
+#include "cli/results/report_pictures.h"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <numeric>
 
 #include "cli/arguments/common.h"
-#include "cli/results/measure.h"
 #include "geometry/mesh.h"
 #include "report/pictures.h"
+#include "report/region_picture.h"
 #include "runtime/basis/basis.h"
 #include "runtime/core/error.h"
 #include "runtime/host/rig.h"
@@ -108,8 +110,10 @@ ReportPictures::ReportPictures(const SampleSet& set, const std::vector<Positions
       errors_(errors),
       basis_(basis),
       skinning_(without_residual(basis), {.name = "cpu"}),
-      renderer_(device),
-      triangles_(flat(set.character.triangles)) {}
+      renderer_(device) {
+  const auto* data = set.character.triangles.data();
+  triangles_.assign(data, data + set.character.triangles.size());
+}
 
 // One scale for all pictures, so that their colours can be compared; the few larger errors saturate.
 double ReportPictures::heat_scale_mm() const { return std::max(0.5, std::ceil(4 * errors_.p99) / 2); }

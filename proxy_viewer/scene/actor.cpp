@@ -5,8 +5,8 @@
 #include <utility>
 
 #include "assets/clip_source.h"
-#include "assets/joint_match.h"
 #include "assets/joint_roles.h"
+#include "assets/matched_joints.h"
 #include "assets/shot_modifiers.h"
 #include "geometry/mesh.h"
 #include "runtime/basis/character_unit.h"

@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "assets/bvh.h"
+#include "assets/bvh_clip.h"
 #include "assets/character.h"
 #include "runtime/host/rig.h"
 #include "tests/support/error_kind.h"

@@ -8,7 +8,7 @@
 #include <numbers>
 
 #include "assets/character.h"
-#include "assets/gltf_skeleton.h"
+#include "assets/gltf_rest.h"
 #include "geometry/mesh.h"
 #include "runtime/core/json.h"
 #include "runtime/host/rig.h"

@@ -3,8 +3,8 @@
 
 #include "assets/character.h"
 #include "assets/clip.h"
-#include "assets/gltf_clip.h"
-#include "assets/gltf_skeleton.h"
+#include "assets/gltf_animation.h"
+#include "assets/gltf_nodes.h"
 #include "assets/gltf_skin.h"
 #include "assets/skin_surface.h"
 #include "runtime/host/rig.h"

@@ -1,10 +1,11 @@
 // A skeleton as UsdSkel, read by its text: its joints stand where those of the clip stand.
+#include "assets/usda_skeleton.h"
+
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <cstdlib>
 
-#include "assets/usda.h"
 #include "runtime/host/rig.h"
 #include "tests/support/error_kind.h"
 #include "tests/support/hostile_bytes.h"

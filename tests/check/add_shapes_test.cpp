@@ -1,3 +1,5 @@
+#include "trainer/check/add_shapes.h"
+
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -10,7 +12,6 @@
 #include "tests/support/damaged_cache.h"
 #include "tests/support/hostile_bytes.h"
 #include "tests/support/temporary_folder.h"
-#include "trainer/check/check.h"
 #include "trainer/curate/shape_stack.h"
 #include "trainer/train/skinning/unpose.h"
 

@@ -1,3 +1,5 @@
+#include "trainer/check/foresee.h"
+
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -9,7 +11,6 @@
 #include "tests/simulate/limb.h"
 #include "tests/support/capsule_limb.h"
 #include "tests/support/shared_data.h"
-#include "trainer/check/check.h"
 #include "trainer/proxy/build_proxy.h"
 #include "trainer/simulate/simulate.h"
 #include "trainer/train/fit/train.h"

@@ -11,7 +11,7 @@
 #include "assets/clip.h"
 #include "geometry/mesh.h"
 #include "tests/support/stand_in_human.h"
-#include "trainer/check/check.h"
+#include "trainer/check/shape_doubts.h"
 #include "trainer/train/skinning/unpose.h"
 
 namespace bodyopt {

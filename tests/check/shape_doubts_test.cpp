@@ -1,9 +1,10 @@
 // Shapes that belong to their character, and are odd all the same.
+#include "trainer/check/shape_doubts.h"
+
 #include <gtest/gtest.h>
 
 #include "tests/support/capsule_limb.h"
 #include "tests/support/temporary_folder.h"
-#include "trainer/check/check.h"
 #include "trainer/train/skinning/unpose.h"
 
 namespace bodyopt {

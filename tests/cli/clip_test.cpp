@@ -3,7 +3,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "assets/bvh.h"
+#include "assets/bvh_clip.h"
 #include "assets/pc2.h"
 #include "cli/arguments/common.h"
 #include "dataset/dataset.h"

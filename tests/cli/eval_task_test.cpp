@@ -8,7 +8,7 @@
 
 #include "assets/clip.h"
 #include "assets/pc2.h"
-#include "assets/usda.h"
+#include "assets/usda_part.h"
 #include "runtime/core/error.h"
 #include "runtime/core/json.h"
 #include "runtime/deformer/deformer.h"

@@ -2,6 +2,7 @@
 #include <nlohmann/json.hpp>
 
 #include "farm/plan.h"
+#include "farm/show_list.h"
 #include "farm/task_run.h"
 #include "runtime/core/error.h"
 #include "tests/fuzz/fuzz_target.h"

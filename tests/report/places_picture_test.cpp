@@ -1,7 +1,7 @@
 // Places of a skin, numbered, from the sides where they are.
 #include <gtest/gtest.h>
 
-#include "report/pictures.h"
+#include "report/region_picture.h"
 #include "tests/draw/sphere.h"
 #include "tests/report/white_dots.h"
 

@@ -1,10 +1,11 @@
 // Colours and numbers of regions on a skin.
+#include "report/region_picture.h"
+
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 
-#include "report/pictures.h"
 #include "tests/draw/sphere.h"
 #include "tests/report/white_dots.h"
 

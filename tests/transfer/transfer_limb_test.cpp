@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 
-#include "assets/joint_match.h"
+#include "assets/matched_joints.h"
 #include "assets/pc2.h"
 #include "dataset/dataset.h"
 #include "dataset/modifier.h"

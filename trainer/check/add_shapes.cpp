@@ -1,3 +1,5 @@
+#include "trainer/check/add_shapes.h"
+
 #include <algorithm>
 #include <map>
 #include <set>
@@ -9,7 +11,6 @@
 #include "dataset/dataset.h"
 #include "dataset/modifier.h"
 #include "runtime/core/error.h"
-#include "trainer/check/check.h"
 #include "trainer/curate/edit_stack.h"
 
 namespace bodyopt {

@@ -14,6 +14,7 @@
 #include "geometry/surface_topology.h"
 #include "runtime/core/error.h"
 #include "runtime/host/rig.h"
+#include "trainer/check/shape_doubts.h"
 #include "trainer/curate/shape_stack.h"
 #include "trainer/simulate/materials.h"
 #include "trainer/simulate/muscle_fibres.h"

@@ -1,3 +1,5 @@
+#include "trainer/check/foresee.h"
+
 #include <algorithm>
 #include <initializer_list>
 #include <map>
@@ -15,7 +17,6 @@
 #include "geometry/spatial_search.h"
 #include "geometry/surface_topology.h"
 #include "runtime/core/error.h"
-#include "trainer/check/check.h"
 #include "trainer/dynamics/build_dynamics.h"
 #include "trainer/dynamics/dynamics_tets.h"
 #include "trainer/proxy/level_skins.h"

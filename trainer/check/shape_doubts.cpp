@@ -1,3 +1,5 @@
+#include "trainer/check/shape_doubts.h"
+
 #include <Eigen/Geometry>
 #include <Eigen/SVD>
 #include <algorithm>
@@ -14,7 +16,6 @@
 #include "base/spread_evenly.h"
 #include "geometry/mesh.h"
 #include "runtime/host/rig.h"
-#include "trainer/check/check.h"
 #include "trainer/train/data/unposed_shapes.h"
 #include "trainer/train/skinning/ddm.h"
 #include "trainer/train/skinning/unpose.h"

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "assets/character_write.h"
+#include "assets/character_hash.h"
 #include "assets/wording.h"
 #include "base/content_hash.h"
 #include "dataset/modifier.h"

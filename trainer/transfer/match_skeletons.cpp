@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "assets/joint_match.h"
+#include "assets/matched_joints.h"
 #include "assets/wording.h"
 #include "geometry/nearest_rotation.h"
 #include "runtime/core/error.h"

@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "assets/frame_range.h"
-#include "assets/joint_match.h"
+#include "assets/matched_joints.h"
 #include "assets/pc2.h"
 #include "assets/shape_reader.h"
 #include "base/parallel.h"
