@@ -194,8 +194,8 @@ void refuse_over(const char* option, const std::string& output, const std::vecto
   }
 }
 
-// The rig must lie in the skin, and take the place of no other file.
-void check_rig(const EvalArguments& arguments) {
+// The rig must lie in the skin, and take the place of no other file: `others` are what the shot reads.
+void check_rig(const EvalArguments& arguments, std::vector<fs::path> others) {
   const std::string& rig = arguments.rig;
   if (rig.empty()) return;
   const CacheSpace& space = arguments.cache.space;
@@ -204,7 +204,6 @@ void check_rig(const EvalArguments& arguments) {
                 " is in metres with Y up, and would not lie in a skin of another --unit-out or --axis: leave these "
                 "out, or name a .glb");
   }
-  std::vector<fs::path> others = arguments.shot.paths();
   for (const std::string& file : {arguments.cache.out, arguments.jiggle.state_out, arguments.json.path}) {
     if (!file.empty() && file != "-") others.emplace_back(file);
   }
@@ -321,10 +320,11 @@ void run(EvalArguments arguments) {
   arguments.jiggle.check(arguments.shot.jiggle);
   std::string& out = arguments.cache.out;
   if (out.find('#') != std::string::npos) out = with_first_frame(out, first_frame_of(arguments.shot));
-  refuse_over("--out", out, arguments.shot.paths());
-  check_rig(arguments);
+  const std::vector<fs::path> inputs = arguments.shot.paths();
+  refuse_over("--out", out, inputs);
+  check_rig(arguments, inputs);
   std::optional<TaskRun> task;
-  if (arguments.task.resume) task.emplace(out, BODYOPT_VERSION, arguments.task.given, arguments.shot.paths());
+  if (arguments.task.resume) task.emplace(out, BODYOPT_VERSION, arguments.task.given, inputs);
   if (task && !arguments.task.pretend && is_done(arguments, *task)) {
     std::fputs(("already done: " + out + "\n").c_str(), arguments.json.path == "-" ? stderr : stdout);
     return;

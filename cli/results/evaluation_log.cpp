@@ -63,13 +63,12 @@ EvaluationLog::EvaluationLog(const Basis& basis) {
 
 void EvaluationLog::add(const Deformer& deformer, const Evaluation& part, std::span<const Pose> poses,
                         std::span<const int> frames, const NodeMotion& motion) {
-  std::vector<ExpectedError> expected;
-  if (expectation_) expected = expected_errors(*expectation_, poses, part.strains);
   for (std::size_t k = 0; k < frames.size(); ++k) {
     Json entry = entry_of(deformer, part, k, frames[k], motion);
     if (expectation_) {
-      entry["expected_rms_mm"] = expected[k].rms_mm;
-      if (expected[k].ddm_rms_mm > 0) entry["expected_ddm_rms_mm"] = expected[k].ddm_rms_mm;
+      const ExpectedError expected = expectation_->of(part, k);
+      entry["expected_rms_mm"] = expected.rms_mm;
+      if (expected.ddm_rms_mm > 0) entry["expected_ddm_rms_mm"] = expected.ddm_rms_mm;
     }
     count(entry);
     per_frame_.push_back(std::move(entry));

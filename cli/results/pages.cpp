@@ -216,22 +216,21 @@ std::vector<ComparedPose> compare_poses(const TransferPair& pair, const Basis& c
   Deformer source(pair.source, {.name = "cpu"}), target(carried, {.name = "cpu"});
   const std::vector<std::size_t> shown = shown_of(frames.size());
   std::vector<ComparedPose> poses;
-  std::vector<Pose> moved;
+  std::optional<ErrorExpectation> expectation;
+  if (!carried.coverage.empty()) expectation.emplace(carried);
   for (const int frame : frames) {
     const Pose& pose = clip.poses.at(static_cast<std::size_t>(frame - clip.first_frame));
-    moved.push_back(transferred_pose(pair.match, pair.source.skeleton, pair.target.skeleton, pose));
+    const Pose moved = transferred_pose(pair.match, pair.source.skeleton, pair.target.skeleton, pose);
     ComparedPose compared;
     compared.frame = frame;
     compared.source = source.evaluate({&pose, 1}).positions;
-    compared.target = target.evaluate({&moved.back(), 1}).positions;
+    Evaluation on_target = target.evaluate({&moved, 1});
+    if (expectation) compared.expected_rms_mm = expectation->of(on_target, 0).rms_mm;
+    compared.target = std::move(on_target.positions);
     compared.source_volume = relative_volume(pair.source.mesh, compared.source);
     compared.target_volume = relative_volume(carried.mesh, compared.target);
     if (!std::ranges::binary_search(shown, poses.size())) compared.source = compared.target = {};
     poses.push_back(std::move(compared));
-  }
-  if (!carried.coverage.empty()) {
-    const std::vector<ExpectedError> errors = expected_errors(carried, moved);
-    for (std::size_t k = 0; k < poses.size(); ++k) poses[k].expected_rms_mm = errors[k].rms_mm;
   }
   return poses;
 }

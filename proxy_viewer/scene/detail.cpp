@@ -172,8 +172,7 @@ void evaluate_together(std::span<const SkinRequest> requests) {
 const ExpectedSkin& Detail::expected_skin(SkinMethod method) {
   const Evaluated& of = last(method);
   if (expected_ && expected_->first == of.number) return expected_->second;
-  const std::span strains = std::span(of.result.strains).first(basis().strain.fibre_count());
-  const ExpectedError error = level_->expectation->of(of.poses.front(), strains);
+  const ExpectedError error = level_->expectation->of(of.result, 0);
   std::vector<float> vertices = level_->shares.carry(error.region_mm);
   ExpectedSkin skin{error.rms_mm, 0, 0, vulkan::upload(*device_, vertices, "expected errors")};
   if (!vertices.empty()) {

@@ -9,8 +9,7 @@
 
 #include "runtime/core/error.h"
 #include "runtime/core/half.h"
-#include "runtime/cpu/kernels.h"
-#include "runtime/host/fade.h"
+#include "runtime/host/rig.h"
 
 namespace bodyopt {
 namespace {
@@ -128,7 +127,7 @@ std::vector<float> RegionShares::carry(const std::vector<double>& region_mm, std
   return metres;
 }
 
-ErrorExpectation::ErrorExpectation(const Basis& basis) : basis_(basis), rig_(basis.skeleton) {
+ErrorExpectation::ErrorExpectation(const Basis& basis) : basis_(basis) {
   if (basis.coverage.empty()) {
     throw Error(ErrorKind::mismatch, "the basis does not say how well it covers poses: it was trained without shapes");
   }
@@ -143,24 +142,8 @@ ErrorExpectation::ErrorExpectation(const Basis& basis) : basis_(basis), rig_(bas
   }
 }
 
-void ErrorExpectation::find_features(const Pose& pose, std::span<const float> strains, Memory& memory) const {
-  const ResidualTable& residual = basis_.residual;
-  rig_.pose(pose, memory.rig);
-  memory.controls.assign(pose.controls.begin(), pose.controls.end());
-  memory.controls.resize(residual.controls.size(), 0.0f);
-  memory.inside.resize(residual.feature_count());
-  memory.excess.resize(residual.feature_count());
-  memory.coordinates.resize(residual.coordinate_count());
-  memory.fades.resize(residual.regions.size());
-  cpu::residual_features(residual.features, memory.rig.joint_features, strains, memory.controls, 1, memory.inside,
-                         memory.excess);
-  cpu::residual_project(residual, memory.inside, 1, memory.coordinates);
-  memory.off = joints_off(residual, memory.rig.joint_features, std::move(memory.off));
-  region_fades(residual, memory.off, memory.fades);
-}
-
 ErrorExpectation::Energy ErrorExpectation::energy(std::size_t r, std::size_t first_centre,
-                                                  const Memory& features) const {
+                                                  const Measured& frame) const {
   const CoverageTable& coverage = basis_.coverage;
   const Region& region = basis_.residual.regions[r];
   const double size{coverage.sizes[r]};
@@ -168,11 +151,11 @@ ErrorExpectation::Energy ErrorExpectation::energy(std::size_t r, std::size_t fir
     return size * double{rms[first_centre + m]} * double{rms[first_centre + m]};
   };
   double outside = 0;
-  for (const std::uint32_t f : watched_[r]) outside += double{features.excess[f]} * double{features.excess[f]};
+  for (const std::uint32_t f : watched_[r]) outside += double{frame.excess[f]} * double{frame.excess[f]};
   double nearest = std::numeric_limits<double>::infinity();
   Blend local, motion, length;
   for (std::uint32_t m = 0; m < std::max(1u, region.centre_count); ++m) {
-    const double distance = region.centre_count > 0 ? squared_distance(basis_, region, m, features.coordinates) : 0;
+    const double distance = region.centre_count > 0 ? squared_distance(basis_, region, m, frame.coordinates) : 0;
     nearest = std::min(nearest, distance);
     local.add(distance, squared(coverage.local, m));
     if (!coverage.motion.empty()) motion.add(distance, squared(coverage.motion, m));
@@ -184,27 +167,32 @@ ErrorExpectation::Energy ErrorExpectation::energy(std::size_t r, std::size_t fir
   if (coverage.motion.empty()) return {learned, 0};
   // Beyond the centres the skin moves more than around them.
   const double further_from_rest =
-      squared_length(basis_, region, features.coordinates) / std::max(length.value(), 1e-12);
+      squared_length(basis_, region, frame.coordinates) / std::max(length.value(), 1e-12);
   const double ddm = motion.value() * (length.value() > 0 ? std::clamp(further_from_rest, 1.0, kMostBeyond) : 1);
-  const double fade{features.fades[r]};
+  const double fade{frame.fades[r]};
   return {fade * std::min(learned, ddm) + (1 - fade) * ddm, ddm};
 }
 
-const ExpectedError& ErrorExpectation::of(const Pose& pose, std::span<const float> strains, Memory& memory) const {
-  find_features(pose, strains, memory);
-  ExpectedError& result = memory.result;
-  result.region_mm.clear();
+ExpectedError ErrorExpectation::of(const Evaluation& evaluation, std::size_t k, ExpectedError errors) const {
+  const auto of_frame = [&](const std::vector<float>& values, std::size_t count) {
+    return std::span(values).subspan(k * count, count);
+  };
+  const ResidualTable& residual = basis_.residual;
+  const Measured frame{of_frame(evaluation.excess, residual.feature_count()),
+                       of_frame(evaluation.coordinates, residual.coordinate_count()),
+                       of_frame(evaluation.fades, residual.regions.size())};
+  errors.region_mm.clear();
   Energy sum;
   for (std::size_t r = 0, first_centre = 0; r < watched_.size(); ++r) {
-    const Energy of_region = energy(r, first_centre, memory);
+    const Energy of_region = energy(r, first_centre, frame);
     sum.full += of_region.full;
     sum.ddm += of_region.ddm;
-    result.region_mm.push_back(1e3 * std::sqrt(of_region.full / double{basis_.coverage.sizes[r]}));
-    first_centre += std::max(1u, basis_.residual.regions[r].centre_count);
+    errors.region_mm.push_back(1e3 * std::sqrt(of_region.full / double{basis_.coverage.sizes[r]}));
+    first_centre += std::max(1u, residual.regions[r].centre_count);
   }
-  result.rms_mm = 1e3 * std::sqrt(sum.full / basis_.mesh.vertex_count());
-  result.ddm_rms_mm = 1e3 * std::sqrt(sum.ddm / basis_.mesh.vertex_count());
-  return result;
+  errors.rms_mm = 1e3 * std::sqrt(sum.full / basis_.mesh.vertex_count());
+  errors.ddm_rms_mm = 1e3 * std::sqrt(sum.ddm / basis_.mesh.vertex_count());
+  return errors;
 }
 
 }  // namespace bodyopt

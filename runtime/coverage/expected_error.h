@@ -15,7 +15,7 @@
 #include <vector>
 
 #include "runtime/basis/basis.h"
-#include "runtime/host/rig.h"
+#include "runtime/deformer/evaluation.h"
 
 namespace bodyopt {
 
@@ -48,35 +48,24 @@ struct ExpectedError {
 
 class ErrorExpectation {
  public:
-  // Of one thread, used again: the inputs of the residual at a pose, and its errors.
-  struct Memory {
-    RigFrame rig;
-    std::vector<float> controls, inside;
-    std::vector<float> coordinates, excess;  // of all regions; of all features
-    std::vector<double> off;
-    std::vector<float> fades;  // of all regions
-    ExpectedError result;
-  };
-
   // The basis must outlive this. Throws Error(mismatch) where it does not know its error.
   explicit ErrorExpectation(const Basis& basis);
 
-  // May be called from any thread. `strains`: of the pose, one a fibre. Controls that the pose lacks are 0.
-  const ExpectedError& of(const Pose& pose, std::span<const float> strains, Memory& memory) const;
-  ExpectedError of(const Pose& pose, std::span<const float> strains) const {
-    Memory memory;
-    return of(pose, strains, memory);
-  }
+  // The errors of frame k of an evaluation by this basis, of what that measured of the pose. May be called from any
+  // thread. errors: memory that is used again.
+  ExpectedError of(const Evaluation& evaluation, std::size_t k, ExpectedError errors = {}) const;
 
  private:
-  void find_features(const Pose& pose, std::span<const float> strains, Memory& memory) const;
+  // What an evaluation measured of a frame.
+  struct Measured {
+    std::span<const float> excess, coordinates, fades;
+  };
   struct Energy {
     double full = 0, ddm = 0;  // square metres
   };
-  Energy energy(std::size_t region, std::size_t first_centre, const Memory& features) const;
+  Energy energy(std::size_t region, std::size_t first_centre, const Measured& frame) const;
 
   const Basis& basis_;
-  Rig rig_;
   std::vector<std::vector<std::uint32_t>> watched_;  // features, per region, ascending
   std::vector<double> centre_lengths_;               // squared, of every region's centres from rest; 0 of none
 };

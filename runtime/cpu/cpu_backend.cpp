@@ -114,7 +114,7 @@ class CpuBackend final : public Backend {
 
   // Arrays of a batch that nobody asks for, kept from batch to batch.
   struct Scratch {
-    std::vector<float> fibre_positions, features, coordinates, kernels;
+    std::vector<float> fibre_positions, features, kernels;
     std::vector<float> finished, unfinished;  // skins by modifiers that move it in the end
     std::vector<float> boxes;                 // of kFramesAtOnce frames
     std::array<cpu::BentFolds, kFramesAtOnce> bent_folds;
@@ -131,10 +131,10 @@ class CpuBackend final : public Backend {
     result.stage_seconds = {};
     result.strains.resize(frames * basis_.strain.fibre_count());
     result.excess.resize(frames * basis_.residual.feature_count());
+    result.coordinates.resize(frames * basis_.residual.coordinate_count());
     result.coefficients.resize(frames * basis_.residual.coefficient_count());
     scratch_.fibre_positions.resize(frames * 3 * basis_.strain.vertices.size());
     scratch_.features.resize(frames * basis_.residual.feature_count());
-    scratch_.coordinates.resize(frames * basis_.residual.coordinate_count());
     scratch_.kernels.resize(frames * basis_.residual.centre_count());
   }
 
@@ -228,7 +228,7 @@ class CpuBackend final : public Backend {
     const ResidualTable& table = basis_.residual;
     const auto frame = [&](auto& values) { return of_frame(values, f, work.batch.frame_count).data(); };
     const std::span<float> kernels = of_frame(scratch_.kernels, f, work.batch.frame_count);
-    float* const coordinates = frame(scratch_.coordinates);
+    float* const coordinates = frame(work.result.coordinates);
     cpu::region_coordinates(table, region, frame(scratch_.features), coordinates);
     if (weights_.kernels) {
       cpu::region_kernels(table, region, coordinates, kernels.data());

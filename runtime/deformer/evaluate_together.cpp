@@ -146,8 +146,8 @@ class RunningCall {
   explicit RunningCall(DeformerCall& call) : call_(call), deformer_(*call.deformer), memory_(*deformer_.memory_) {
     call_.error = nullptr;
     Evaluation& e = *call_.evaluation;
-    clear_all(e.positions, e.normals, e.strains, e.outside, e.outside_feature, e.outside_by, e.excess, e.fades,
-              e.fading_joint, e.starts);
+    clear_all(e.positions, e.normals, e.strains, e.outside, e.outside_feature, e.outside_by, e.excess, e.coordinates,
+              e.fades, e.fading_joint, e.starts);
     e.stage_seconds = {};
     attempt([&] { check(); });
   }
@@ -238,6 +238,7 @@ class RunningCall {
       append_output(threads, basis.mesh, result.normals, evaluation.normals);
     }
     evaluation.strains.insert(evaluation.strains.end(), result.strains.begin(), result.strains.end());
+    evaluation.coordinates.insert(evaluation.coordinates.end(), result.coordinates.begin(), result.coordinates.end());
     append_outside(basis, memory_.rig.features(), result, batch.frame_count, evaluation);
     append_fades(basis, memory_, evaluation);
     for (const JiggleFrame& frame : batch.jiggle) evaluation.starts.push_back(frame.start);

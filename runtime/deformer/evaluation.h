@@ -22,6 +22,7 @@ struct Evaluation {
   std::vector<float> outside_by;               // F: how far: degrees that a joint is turned beyond
                                   // what was shown, metres that it slid, share of a fibre's length, or of a control
   std::vector<float> excess;        // F x feature count: how far each lies outside, as the worst does
+  std::vector<float> coordinates;   // F x coordinate count: the features as the regions see them
   std::vector<float> fades;         // F x regions: how much of what was learned is left, see region_fades
   std::vector<int> fading_joint;    // F: the joint that takes most of it; -1: nothing fades
   std::vector<JiggleStart> starts;  // F where frames jiggle: how each began

@@ -56,6 +56,7 @@ struct BatchResult {
   std::vector<float> posed;         // F x V x 3 where Batch::keeps_posed: the skin of the pose stage
   std::vector<float> strains;       // F x S
   std::vector<float> excess;        // F x feature count: distance outside the trained range, in standard deviations
+  std::vector<float> coordinates;   // F x coordinate count, of all regions
   std::vector<float> coefficients;  // F x coefficient count, after subtracting those at rest
   StageSeconds stage_seconds;
 };

@@ -70,14 +70,12 @@ class AskedFrames {
 
  private:
   void write_expected_errors(const Evaluation& evaluation) const {
-    const std::size_t strains = evaluation.strains.size() / poses_.size();
     ErrorMemory& memory = instance_.error_memory;
     for (std::size_t f = 0; f < poses_.size(); ++f) {
-      const std::span<const float> of_frame(evaluation.strains.data() + f * strains, strains);
-      const ExpectedError& error = expectation_->of(poses_[f], of_frame, memory.expectation);
-      wanted_.write_expected_error(static_cast<float>(1e-3 * error.rms_mm), begin_ + f);
+      memory.expected = expectation_->of(evaluation, f, std::move(memory.expected));
+      wanted_.write_expected_error(static_cast<float>(1e-3 * memory.expected.rms_mm), begin_ + f);
       if (!wanted_.wants_vertex_errors()) continue;
-      memory.vertices = instance_.shares->carry(error.region_mm, std::move(memory.vertices));
+      memory.vertices = instance_.shares->carry(memory.expected.region_mm, std::move(memory.vertices));
       memory.outputs.clear();
       for (const std::uint32_t v : deformer_.basis().mesh.output_vertex) memory.outputs.push_back(memory.vertices[v]);
       wanted_.write_vertex_errors(memory.outputs, begin_ + f);

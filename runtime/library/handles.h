@@ -46,7 +46,7 @@ struct FollowingMemory {
 
 // Likewise of expected errors.
 struct ErrorMemory {
-  ErrorExpectation::Memory expectation;
+  ExpectedError expected;
   std::vector<float> vertices, outputs;
 };
 

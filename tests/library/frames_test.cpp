@@ -40,8 +40,8 @@ TEST(LibraryFrames, ExpectTheirError) {
   Deformer deformer(basis, {.name = "cpu"});
   const ErrorExpectation expectation(basis);
   for (std::size_t f = 0; f < kFrames; ++f) {
-    const std::vector<float> strains = deformer.evaluate({&poses[f], 1}).strains;
-    EXPECT_EQ(errors[f], static_cast<float>(1e-3 * expectation.of(poses[f], strains).rms_mm));
+    const Evaluation alone = deformer.evaluate({&poses[f], 1});
+    EXPECT_EQ(errors[f], static_cast<float>(1e-3 * expectation.of(alone, 0).rms_mm));
     EXPECT_GT(errors[f], 0.0004f);
   }
   // A program of the first version does not know of them.
@@ -66,8 +66,8 @@ TEST(LibraryFrames, ExpectTheErrorOfEveryVertexByItsRegions) {
   Deformer deformer(basis, {.name = "cpu"});
   const ErrorExpectation expectation(basis);
   for (std::size_t f = 0; f < kFrames; ++f) {
-    const std::vector<float> strains = deformer.evaluate({&poses[f], 1}).strains;
-    const std::vector<float> solved = RegionShares(basis).carry(expectation.of(poses[f], strains).region_mm);
+    const Evaluation alone = deformer.evaluate({&poses[f], 1});
+    const std::vector<float> solved = RegionShares(basis).carry(expectation.of(alone, 0).region_mm);
     for (std::size_t v = 0; v < vertices; ++v) {
       ASSERT_EQ(errors[f * vertices + v], solved[basis.mesh.output_vertex[v]]) << "frame " << f << ", vertex " << v;
     }

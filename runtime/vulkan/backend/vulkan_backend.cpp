@@ -69,15 +69,15 @@ struct BatchBuffers {
     return {b.skinning, b.origins, b.joint_features, b.controls, b.fades, b.modifiers, b.learned_skinning};
   }
   // All outputs that a batch can have.
-  std::array<const Values*, 7> outputs() const {
-    return {&positions, &normals, &tangents, &positions, &strains, &excess, &coefficients};
+  std::array<const Values*, 8> outputs() const {
+    return {&positions, &normals, &tangents, &positions, &strains, &excess, &coordinates, &coefficients};
   }
   // Strains are of the pose before modifiers turned joints.
   const Buffer& skinning_of_strains() const {
     return learned_skinning.bytes > 0 ? learned_skinning.buffer : skinning.buffer;
   }
 
-  static VkDeviceSize total(const std::array<const Values*, 7>& parts) {
+  static VkDeviceSize total(std::span<const Values* const> parts) {
     VkDeviceSize sum = 0;
     for (const Values* part : parts) sum += part->bytes;
     return sum;
@@ -492,6 +492,7 @@ class VulkanBackend final : public Backend, private SplitRun {
     if (keeps_posed_) add(b.positions.buffer, b.positions, &BatchResult::posed);
     add(b.strains.buffer, b.strains, &BatchResult::strains);
     add(b.excess.buffer, b.excess, &BatchResult::excess);
+    add(b.coordinates.buffer, b.coordinates, &BatchResult::coordinates);
     add(b.coefficients.buffer, b.coefficients, &BatchResult::coefficients);
     return all;
   }

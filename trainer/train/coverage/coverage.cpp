@@ -6,11 +6,12 @@
 #include <map>
 #include <numeric>
 #include <optional>
+#include <utility>
 
-#include "base/parallel.h"
 #include "base/progress.h"
 #include "base/quantile.h"
-#include "trainer/train/features/features.h"
+#include "runtime/deformer/deformer.h"
+#include "runtime/host/device_choice.h"
 
 namespace bodyopt {
 namespace {
@@ -170,23 +171,23 @@ void append_region(const std::string& name, const std::vector<std::uint32_t>& jo
 }
 
 std::vector<ExpectedError> expected_errors(const Basis& basis, const std::vector<Pose>& poses) {
+  constexpr std::size_t kFramesAtOnce = 64;  // whose skins are held in memory
   const ErrorExpectation expectation(basis);
-  std::vector<ExpectedError> results(poses.size());
+  Basis learned = basis;
+  learned.modifiers = {};  // they take time, and no error is expected of them
+  Deformer deformer(std::move(learned), {.name = "cpu"});
+  deformer.set_normals(false);
+  std::vector<ExpectedError> errors;
   Progress progress("coverage", poses.size());
-  parallel_for(poses.size(), [&](std::size_t n) {
-    results[n] = expectation.of(poses[n], measure_strains(basis, poses[n]));
-    progress.advance();
-  });
-  return results;
-}
-
-std::vector<ExpectedError> expected_errors(const ErrorExpectation& expectation, std::span<const Pose> poses,
-                                           std::span<const float> strains) {
-  std::vector<ExpectedError> results(poses.size());
-  const std::size_t fibres = strains.size() / std::max<std::size_t>(1, poses.size());
-  parallel_for(poses.size(),
-               [&](std::size_t n) { results[n] = expectation.of(poses[n], strains.subspan(n * fibres, fibres)); });
-  return results;
+  while (errors.size() < poses.size()) {
+    const std::size_t begin = errors.size(), count = std::min(poses.size() - begin, kFramesAtOnce);
+    std::vector<Pose> part;
+    for (std::size_t k = begin; k < begin + count; ++k) part.push_back({poses[k].own_joints(), poses[k].controls});
+    const Evaluation evaluation = deformer.evaluate(part);
+    for (std::size_t k = 0; k < count; ++k) errors.push_back(expectation.of(evaluation, k));
+    progress.advance(count);
+  }
+  return errors;
 }
 
 double root_mean_square(const std::vector<double>& values) {

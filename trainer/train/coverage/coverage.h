@@ -37,11 +37,8 @@ ErrorModel calibrate(const HeldOutError& near, const HeldOutError& far, const st
 void append_region(const std::string& name, const std::vector<std::uint32_t>& joints, double size,
                    const ErrorModel& model, CoverageTable& coverage);
 
-// Expected errors in every pose, with the strains that the basis measures there. Throws as ErrorExpectation.
+// Expected errors in every pose. Throws as ErrorExpectation and Deformer::evaluate.
 std::vector<ExpectedError> expected_errors(const Basis& basis, const std::vector<Pose>& poses);
-// Expected errors in F poses with the strains that their evaluation measured, F x S.
-std::vector<ExpectedError> expected_errors(const ErrorExpectation& expectation, std::span<const Pose> poses,
-                                           std::span<const float> strains);
 
 double root_mean_square(const std::vector<double>& values);  // 0 of none
 

@@ -89,8 +89,7 @@ class Tester {
     pose.controls.clear();
     squares.col(0) = squared_mm(ddm_.evaluate({&pose, 1}).positions, truth);
     squares.col(1) = squared_mm(full.positions, truth);
-    pose.controls = sample.pose.controls;
-    squares.col(2) = expected_squares(sample.pose, full.strains);
+    squares.col(2) = expected_squares(full);
     frame.fade = mean_fade(full, 0);
     if (full.fading_joint[0] >= 0) {
       frame.fading_joint = full_.basis().skeleton.joints[static_cast<std::size_t>(full.fading_joint[0])].name;
@@ -103,11 +102,11 @@ class Tester {
     return 1e6 * (welded_from_output(character_, positions.data()) - truth).rowwise().squaredNorm();
   }
 
-  Eigen::VectorXd expected_squares(const Pose& pose, const std::vector<float>& strains) const {
+  Eigen::VectorXd expected_squares(const Evaluation& full) const {
     Eigen::VectorXd squares = Eigen::VectorXd::Zero(character_.vertices.rows());
     if (!expectation_) return squares;
     const Basis& basis = full_.basis();
-    const std::vector<float> metres = shares_.carry(expectation_->of(pose, strains).region_mm);
+    const std::vector<float> metres = shares_.carry(expectation_->of(full, 0).region_mm);
     for (std::size_t o = 0; o < character_.output_vertex.size(); ++o) {
       squares[character_.output_vertex[o]] = 1e6 * std::pow(double{metres[basis.mesh.output_vertex[o]]}, 2);
     }
