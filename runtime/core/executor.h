@@ -48,13 +48,14 @@ void parallel_each(Executor& executor, std::size_t count, std::size_t grain, con
 }
 
 // Calls function(frame, first, count) for all pieces of `size` elements of every frame, the last of a frame smaller.
+// All frames of a piece come one after the other: a cache then has its tables for all but the first.
 template <typename Function>
 void parallel_pieces(Executor& executor, std::size_t frames, std::size_t elements, std::size_t size,
                      const Function& function) {
   const std::size_t pieces = (elements + size - 1) / size;
   parallel_each(executor, frames * pieces, 1, [&](std::size_t k) {
-    const std::size_t first = k % pieces * size;
-    function(k / pieces, first, std::min(size, elements - first));
+    const std::size_t first = k / frames * size;
+    function(k % frames, first, std::min(size, elements - first));
   });
 }
 

@@ -20,13 +20,8 @@ namespace {
 // displacements stay in the nearest cache.
 constexpr std::size_t kPartBlocks = 32, kPartVertices = kPartBlocks * kBlockSize;
 
-// Frames of a batch that run together: what is known of their blocks is kept between their stages.
-constexpr std::size_t kFramesAtOnce = 8;
-
-struct FrameRange {
-  std::size_t begin, end;
-  std::size_t count() const { return end - begin; }
-};
+// Frames of a batch. What is known of their blocks, and their skins, stay in the caches between the stages.
+constexpr std::size_t kMostFrames = 8;
 
 // The values of frame f of `frames`.
 template <typename Values>
@@ -70,7 +65,7 @@ class CpuBackend final : public Backend {
 
   std::string name() const override { return "cpu"; }
   Executor& threads() const override { return *executor_; }
-  std::uint32_t batch_limit() const override { return 64; }
+  std::uint32_t batch_limit() const override { return kMostFrames; }
   void set_rest_coefficients(std::span<const float> c) override { rest_coefficients_.assign(c.begin(), c.end()); }
   void set_weights(const Weights& weights) override { weights_ = weights; }
   void set_motion(const NodeMotion& motion) override { dynamics_->motion = motion; }
@@ -80,20 +75,18 @@ class CpuBackend final : public Backend {
     Work work{batch, result_};
     prepare(batch, work.result);
     stages_ = stages_of(basis_, batch, std::move(stages_));
-    for_ranges(batch.frame_count, [&](FrameRange range) {
-      for (const Stage stage : stages_) run_frames(stage, work, range);
-      run_parts(stages_, work, range);
-    });
+    for (const Stage stage : stages_) run_frames(stage, work);
+    run_parts(stages_, work);
     for (const Stage stage : stages_) run_batch(stage, work);
     for (const Stage stage : stages_) work.result.stage_seconds.add(stage, work.times.of(stage));
     return result_;
   }
 
  private:
-  // Runs what a stage does of some frames before any of their skin is posed.
-  void run_frames(Stage stage, Work& work, FrameRange range) {
-    if (stage == Stage::strain) find_strains(work, range);
-    if (stage == Stage::residual) find_coefficients(work, range);
+  // Runs what a stage does before any of the skin is posed.
+  void run_frames(Stage stage, Work& work) {
+    if (stage == Stage::strain) find_strains(work);
+    if (stage == Stage::residual) find_coefficients(work);
   }
 
   // Runs what a stage does once the whole batch is posed.
@@ -116,10 +109,9 @@ class CpuBackend final : public Backend {
   struct Scratch {
     std::vector<float> fibre_positions, features, kernels;
     std::vector<float> finished, unfinished;  // skins by modifiers that move it in the end
-    std::vector<float> boxes;                 // of kFramesAtOnce frames
-    std::array<cpu::BentFolds, kFramesAtOnce> bent_folds;
-    std::vector<float> areas;   // of kFramesAtOnce frames
-    std::vector<float> frames;  // of all blocks of kFramesAtOnce frames; none without strains
+    std::vector<float> boxes, areas;
+    std::vector<cpu::BentFolds> bent_folds;
+    std::vector<float> frames;  // of all blocks; none without strains
   };
 
   void prepare(const Batch& batch, BatchResult& result) {
@@ -138,27 +130,20 @@ class CpuBackend final : public Backend {
     scratch_.kernels.resize(frames * basis_.residual.centre_count());
   }
 
+  // function(f) of all frames, as work of a stage.
   template <typename Function>
-  static void for_ranges(std::size_t frames, const Function& function) {
-    for (std::size_t begin = 0; begin < frames; begin += kFramesAtOnce) {
-      function(FrameRange{begin, std::min(frames, begin + kFramesAtOnce)});
-    }
-  }
-
-  // function(f), f of the batch, of all frames of a range, as work of a stage.
-  template <typename Function>
-  void over_frames(Work& work, Stage stage, FrameRange range, const Function& function) const {
-    parallel_each(*executor_, range.count(), 1, [&](std::size_t k) {
+  void over_frames(Work& work, Stage stage, const Function& function) const {
+    parallel_each(*executor_, work.batch.frame_count, 1, [&](std::size_t f) {
       auto last = StageTimes::Clock::now();
-      function(range.begin + k);
+      function(f);
       work.times.add_since(last, stage);
     });
   }
 
-  // function(frame, first, count) of all parts of `elements` vertices or triangles in each of all frames, the same.
+  // function(f, first, count) of all parts of `elements` vertices or triangles in each of all frames, the same.
   template <typename Function>
-  void over_parts(Work& work, Stage stage, std::size_t frames, std::size_t elements, const Function& function) const {
-    parallel_pieces(*executor_, frames, elements, kPartVertices,
+  void over_parts(Work& work, Stage stage, std::size_t elements, const Function& function) const {
+    parallel_pieces(*executor_, work.batch.frame_count, elements, kPartVertices,
                     [&](std::size_t frame, std::size_t first, std::size_t count) {
                       auto last = StageTimes::Clock::now();
                       function(frame, first, count);
@@ -180,45 +165,43 @@ class CpuBackend final : public Backend {
                               of_frame(learned_skinning(batch), f, batch.frame_count));
   }
 
-  // Frames of Direct Delta Mush of the blocks of frame k of a range, from `first_block` on; none without strains.
-  std::span<float> known_frames(std::size_t k, std::size_t first_block) {
+  // Frames of Direct Delta Mush of the blocks of frame f, from `first_block` on; none without strains.
+  std::span<float> known_frames(std::size_t f, std::size_t first_block) {
     if (scratch_.frames.empty()) return {};
     return std::span(scratch_.frames)
-        .subspan(cpu::kFrameNumbers * k * block_count(), cpu::kFrameNumbers * block_count())
+        .subspan(cpu::kFrameNumbers * f * block_count(), cpu::kFrameNumbers * block_count())
         .subspan(cpu::kFrameNumbers * first_block);
   }
 
   // Finds the frames of Direct Delta Mush of all blocks, and from them the strains. The pose stage uses the frames
   // again, where no modifier turned a joint.
-  void find_strains(Work& work, FrameRange range) {
+  void find_strains(Work& work) {
     if (basis_.strain.vertices.empty()) return;
     const Batch& batch = work.batch;
-    scratch_.frames.resize(std::max(scratch_.frames.size(), cpu::kFrameNumbers * range.count() * block_count()));
-    over_parts(
-        work, Stage::strain, range.count(), vertex_count(), [&](std::size_t k, std::size_t first, std::size_t count) {
-          const std::size_t block = first / kBlockSize, blocks = (count + kBlockSize - 1) / kBlockSize;
-          cpu::block_frames(basis_.ddm, of_frame(learned_skinning(batch), range.begin + k, batch.frame_count).data(),
-                            static_cast<std::uint32_t>(block),
-                            known_frames(k, block).first(cpu::kFrameNumbers * blocks));
-        });
-    over_frames(work, Stage::strain, range, [&](std::size_t f) {
+    scratch_.frames.resize(std::max(scratch_.frames.size(), cpu::kFrameNumbers * batch.frame_count * block_count()));
+    over_parts(work, Stage::strain, vertex_count(), [&](std::size_t f, std::size_t first, std::size_t count) {
+      const std::size_t block = first / kBlockSize, blocks = (count + kBlockSize - 1) / kBlockSize;
+      cpu::block_frames(basis_.ddm, of_frame(learned_skinning(batch), f, batch.frame_count).data(),
+                        static_cast<std::uint32_t>(block), known_frames(f, block).first(cpu::kFrameNumbers * blocks));
+    });
+    over_frames(work, Stage::strain, [&](std::size_t f) {
       const auto positions = of_frame(scratch_.fibre_positions, f, batch.frame_count);
-      cpu::place_strain_vertices(basis_.ddm, basis_.strain, known_frames(f - range.begin, 0), positions);
+      cpu::place_strain_vertices(basis_.ddm, basis_.strain, known_frames(f, 0), positions);
       cpu::strain_measure(basis_.strain, positions, of_frame(work.result.strains, f, batch.frame_count));
     });
   }
 
-  void find_coefficients(Work& work, FrameRange range) {
+  void find_coefficients(Work& work) {
     const Batch& batch = work.batch;
-    over_frames(work, Stage::residual, range, [&](std::size_t f) {
+    over_frames(work, Stage::residual, [&](std::size_t f) {
       const auto frame = [&](auto& values) { return of_frame(values, f, batch.frame_count); };
       cpu::residual_features(basis_.residual.features, frame(batch.joint_features), frame(work.result.strains),
                              frame(batch.controls), 1, frame(scratch_.features), frame(work.result.excess));
     });
     const std::size_t regions = basis_.residual.regions.size();
-    parallel_parts(*executor_, range.count() * regions, 1, [&](std::size_t begin, std::size_t end) {
+    parallel_parts(*executor_, batch.frame_count * regions, 1, [&](std::size_t begin, std::size_t end) {
       auto last = StageTimes::Clock::now();
-      for (std::size_t k = begin; k < end; ++k) find_coefficients(work, range.begin + k / regions, k % regions);
+      for (std::size_t k = begin; k < end; ++k) find_coefficients(work, k / regions, k % regions);
       work.times.add_since(last, Stage::residual);
     });
   }
@@ -241,16 +224,15 @@ class CpuBackend final : public Backend {
   }
 
   // Runs stages part by part, one after the other while a part is in the nearest cache.
-  void run_parts(std::span<const Stage> stages, Work& work, FrameRange range) {
+  void run_parts(std::span<const Stage> stages, Work& work) {
     parallel_pieces(
-        *executor_, range.count(), vertex_count(), kPartVertices,
-        [&](std::size_t k, std::size_t first, std::size_t count) {
-          const auto frame = [&](auto& values) { return of_frame(values, range.begin + k, work.batch.frame_count); };
+        *executor_, work.batch.frame_count, vertex_count(), kPartVertices,
+        [&](std::size_t f, std::size_t first, std::size_t count) {
+          const auto frame = [&](auto& values) { return of_frame(values, f, work.batch.frame_count); };
           const auto block = static_cast<std::uint32_t>(first / kBlockSize);
           float numbers[3 * kPartVertices];
           const std::span<float> displacements(numbers, 3 * count);
-          const std::span<float> known =
-              poses_as_learned(work.batch, range.begin + k) ? known_frames(k, block) : std::span<float>();
+          const std::span<float> known = poses_as_learned(work.batch, f) ? known_frames(f, block) : std::span<float>();
           auto last = StageTimes::Clock::now();
           for (const Stage stage : stages) {
             if (stage == Stage::residual) {
@@ -259,9 +241,8 @@ class CpuBackend final : public Backend {
             } else if (stage == Stage::modify) {
               cpu::modify_blocks(basis_.modifiers, frame(work.batch.modifiers).data(), block, displacements);
             } else if (stage == Stage::pose) {
-              cpu::pose_blocks(basis_.ddm, frame(work.batch.skinning).data(), known.data(),
-                               &work.batch.origins[4 * (range.begin + k)], block, displacements,
-                               frame(work.result.positions).subspan(3 * first, 3 * count));
+              cpu::pose_blocks(basis_.ddm, frame(work.batch.skinning).data(), known.data(), &work.batch.origins[4 * f],
+                               block, displacements, frame(work.result.positions).subspan(3 * first, 3 * count));
             }
             work.times.add_since(last, stage);
           }
@@ -291,7 +272,7 @@ class CpuBackend final : public Backend {
 
   void relax(Work& work, const OutputStep& step) {
     const std::size_t frames = work.batch.frame_count;
-    over_parts(work, Stage::output, frames, vertex_count(), [&](std::size_t f, std::size_t first, std::size_t count) {
+    over_parts(work, Stage::output, vertex_count(), [&](std::size_t f, std::size_t first, std::size_t count) {
       cpu::relax_part(basis_.mesh, of_frame(work.batch.modifiers, f, frames)[step.modifier->first_component],
                       of_frame(work.result.positions, f, frames), first,
                       of_frame(scratch_.finished, f, frames).subspan(3 * first, 3 * count));
@@ -302,56 +283,48 @@ class CpuBackend final : public Backend {
   bool separate(Work& work, const OutputStep& step) {
     const OutputSeparatePush push = separate_push(basis_, step);
     std::atomic<bool> moves = false;
-    for_ranges(work.batch.frame_count, [&](FrameRange range) {
-      find_bent_folds(work, push, range);
-      over_parts(
-          work, Stage::output, range.count(), vertex_count(), [&](std::size_t k, std::size_t first, std::size_t count) {
-            const auto frame = [&](auto& values) { return of_frame(values, range.begin + k, work.batch.frame_count); };
-            if (cpu::separate_part(basis_.mesh, model_->folds, push, scratch_.bent_folds[k].all(),
-                                   {frame(scratch_.unfinished), frame(work.result.positions)}, first,
-                                   frame(scratch_.finished).subspan(3 * first, 3 * count))) {
-              moves = true;
-            }
-          });
+    find_bent_folds(work, push);
+    over_parts(work, Stage::output, vertex_count(), [&](std::size_t f, std::size_t first, std::size_t count) {
+      const auto frame = [&](auto& values) { return of_frame(values, f, work.batch.frame_count); };
+      if (cpu::separate_part(basis_.mesh, model_->folds, push, scratch_.bent_folds[f].all(),
+                             {frame(scratch_.unfinished), frame(work.result.positions)}, first,
+                             frame(scratch_.finished).subspan(3 * first, 3 * count))) {
+        moves = true;
+      }
     });
     return moves;
   }
 
-  void find_bent_folds(Work& work, const OutputSeparatePush& push, FrameRange range) {
+  void find_bent_folds(Work& work, const OutputSeparatePush& push) {
     const OutputBoundPush bound = bound_push(basis_);
-    const std::size_t numbers = std::size_t{6} * bound.box_count;
-    scratch_.boxes.resize(std::max(scratch_.boxes.size(), numbers * range.count()));
-    over_frames(work, Stage::output, range, [&](std::size_t f) {
-      const std::size_t k = f - range.begin;
-      const std::span<float> boxes = std::span(scratch_.boxes).subspan(k * numbers, numbers);
-      cpu::output_bound(model_->folds.triangles, bound, of_frame(work.result.positions, f, work.batch.frame_count),
-                        boxes);
-      scratch_.bent_folds[k].find(push, of_frame(work.batch.modifiers, f, work.batch.frame_count), boxes);
+    const std::size_t frames = work.batch.frame_count, numbers = std::size_t{6} * bound.box_count;
+    scratch_.boxes.resize(frames * numbers);
+    scratch_.bent_folds.resize(std::max(scratch_.bent_folds.size(), frames));
+    over_frames(work, Stage::output, [&](std::size_t f) {
+      const std::span<float> boxes = std::span(scratch_.boxes).subspan(f * numbers, numbers);
+      cpu::output_bound(model_->folds.triangles, bound, of_frame(work.result.positions, f, frames), boxes);
+      scratch_.bent_folds[f].find(push, of_frame(work.batch.modifiers, f, frames), boxes);
     });
   }
 
   void find_normals(Work& work) {
     const std::size_t frames = work.batch.frame_count;
     const std::size_t triangles = basis_.mesh.triangles.size() / 3, numbers = cpu::kAreaNumbers * triangles;
-    for_ranges(frames, [&](FrameRange range) {
-      scratch_.areas.resize(std::max(scratch_.areas.size(), numbers * range.count()));
-      const std::span<float> areas(scratch_.areas);
-      over_parts(
-          work, Stage::output, range.count(), triangles, [&](std::size_t k, std::size_t first, std::size_t count) {
-            cpu::area_vectors(model_->near.triangles, of_frame(work.result.positions, range.begin + k, frames), first,
-                              areas.subspan(k * numbers + cpu::kAreaNumbers * first, cpu::kAreaNumbers * count));
-          });
-      over_parts(
-          work, Stage::output, range.count(), vertex_count(), [&](std::size_t k, std::size_t first, std::size_t count) {
-            cpu::part_normals(basis_.mesh, model_->near.vertex_triangles, areas.subspan(k * numbers, numbers), first,
-                              of_frame(work.result.normals, range.begin + k, frames).subspan(3 * first, 3 * count));
-          });
+    scratch_.areas.resize(std::max(scratch_.areas.size(), frames * numbers));
+    const std::span<float> areas(scratch_.areas);
+    over_parts(work, Stage::output, triangles, [&](std::size_t f, std::size_t first, std::size_t count) {
+      cpu::area_vectors(model_->near.triangles, of_frame(work.result.positions, f, frames), first,
+                        areas.subspan(f * numbers + cpu::kAreaNumbers * first, cpu::kAreaNumbers * count));
+    });
+    over_parts(work, Stage::output, vertex_count(), [&](std::size_t f, std::size_t first, std::size_t count) {
+      cpu::part_normals(basis_.mesh, model_->near.vertex_triangles, areas.subspan(f * numbers, numbers), first,
+                        of_frame(work.result.normals, f, frames).subspan(3 * first, 3 * count));
     });
   }
 
   void find_tangents(Work& work) {
     const std::size_t frames = work.batch.frame_count;
-    over_parts(work, Stage::output, frames, basis_.mesh.output_count(),
+    over_parts(work, Stage::output, basis_.mesh.output_count(),
                [&](std::size_t f, std::size_t first, std::size_t count) {
                  cpu::output_tangents(model_->tangents, of_frame(work.result.positions, f, frames),
                                       of_frame(work.result.normals, f, frames), first,
