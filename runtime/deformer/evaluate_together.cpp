@@ -149,6 +149,7 @@ class RunningCall {
     clear_all(e.positions, e.normals, e.strains, e.outside, e.outside_feature, e.outside_by, e.excess, e.coordinates,
               e.fades, e.fading_joint, e.starts);
     e.stage_seconds = {};
+    e.host_seconds = {};
     attempt([&] { check(); });
   }
 
@@ -165,8 +166,17 @@ class RunningCall {
 
   void finish() {
     if (!std::exchange(started_, false) || call_.error) return;
-    attempt([&] { take(split_ != nullptr ? split_->finish() : *result_); });
+    attempt([&] {
+      const Stopwatch watch;
+      const BatchResult& result = split_ != nullptr ? split_->finish() : *result_;
+      const double downloaded = watch.seconds();
+      take(result, split_ != nullptr ? split_->skin() : SkinValues{result.positions, result.normals, result.tangents});
+      host_seconds().download += downloaded;
+      host_seconds().order += watch.seconds() - downloaded;
+    });
   }
+
+  HostSeconds& host_seconds() { return call_.evaluation->host_seconds; }
 
   // A batch that fails leaves the motion as it was. But of several batches some may have been stepped: for those the
   // motion was fetched from the device before the call.
@@ -208,8 +218,15 @@ class RunningCall {
 
   bool wants_tangents() const { return call_.place != nullptr && call_.place->tangents.data != nullptr; }
 
+  // As many as fit, and batches as long as each other: what was recorded for one then does for the next.
+  std::size_t next_count() const {
+    const std::size_t left = call_.poses.size() - begin_, limit = std::max(1u, deformer_.batch_limit());
+    const std::size_t batches = (left + limit - 1) / limit;
+    return (left + batches - 1) / batches;
+  }
+
   vulkan::Commands* start_batch() {
-    const std::size_t count = std::min<std::size_t>(std::max(1u, deformer_.batch_limit()), call_.poses.size() - begin_);
+    const std::size_t count = next_count();
     const Stopwatch watch;
     Batch& batch = make_batch(deformer_.basis(), call_.poses.subspan(begin_, count), memory_);
     batch.first_frame = begin_;
@@ -218,24 +235,32 @@ class RunningCall {
     batch.wants_tangents = wants_tangents();
     if (call_.frames) deformer_.plan(call_.frames->subspan(begin_, count), batch);
     call_.evaluation->stage_seconds.add(Stage::rig, watch.seconds());
+    const Stopwatch after_rig;
     split_ = deformer_.backend_->split();
-    if (split_ != nullptr) return &split_->start(batch);
+    if (split_ != nullptr) {
+      vulkan::Commands& commands = split_->start(batch);
+      host_seconds().upload += after_rig.seconds();
+      return &commands;
+    }
     result_ = &deformer_.backend_->run(batch);
+    host_seconds().wait += after_rig.seconds();
     return nullptr;
   }
 
-  void take(const BatchResult& result) {
+  void take(const BatchResult& result, const SkinValues& skin) {
     const Basis& basis = deformer_.basis();
     Evaluation& evaluation = *call_.evaluation;
     const Batch& batch = memory_.batch;
     Executor& threads = deformer_.backend_->threads();
-    if (call_.place != nullptr) {
-      place_output(threads, basis.mesh, result.positions, call_.place->positions, begin_);
-      place_output(threads, basis.mesh, result.normals, call_.place->normals, begin_);
-      place_tangents(threads, result.tangents, basis.mesh.output_count(), call_.place->tangents, begin_);
+    if (call_.stays_on_device) {
+      // The skin is where the device has it.
+    } else if (call_.place != nullptr) {
+      place_output(threads, basis.mesh, skin.positions, call_.place->positions, begin_);
+      place_output(threads, basis.mesh, skin.normals, call_.place->normals, begin_);
+      place_tangents(threads, skin.tangents, basis.mesh.output_count(), call_.place->tangents, begin_);
     } else {
-      append_output(threads, basis.mesh, result.positions, evaluation.positions);
-      append_output(threads, basis.mesh, result.normals, evaluation.normals);
+      append_output(threads, basis.mesh, skin.positions, evaluation.positions);
+      append_output(threads, basis.mesh, skin.normals, evaluation.normals);
     }
     evaluation.strains.insert(evaluation.strains.end(), result.strains.begin(), result.strains.end());
     evaluation.coordinates.insert(evaluation.coordinates.end(), result.coordinates.begin(), result.coordinates.end());
@@ -265,8 +290,10 @@ struct Submission {
   std::vector<RunningCall*> calls;
 
   void run() const {
+    const Stopwatch watch;
     try {
       vulkan::Commands::run_together(commands);
+      calls.front()->host_seconds().wait += watch.seconds();
     } catch (...) {
       for (RunningCall* call : calls) call->fail(std::current_exception());
     }

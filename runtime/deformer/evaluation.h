@@ -10,6 +10,14 @@
 
 namespace bodyopt {
 
+// Seconds of the calling thread, summed over the batches of a call, beside those of the rig (Stage::rig).
+struct HostSeconds {
+  double upload = 0;    // what a batch brings, and its commands, to the device
+  double wait = 0;      // for the device, or for the kernels of the CPU; of calls together the first has it
+  double download = 0;  // out of the memory that the device wrote
+  double order = 0;     // into output order, and what is told of the frames
+};
+
 // The result of a batch of F frames, in output vertex order (as in the character's file).
 struct Evaluation {
   std::vector<float> positions;  // F x O x 3, metres, posed (world)
@@ -27,6 +35,7 @@ struct Evaluation {
   std::vector<int> fading_joint;    // F: the joint that takes most of it; -1: nothing fades
   std::vector<JiggleStart> starts;  // F where frames jiggle: how each began
   StageSeconds stage_seconds;       // summed over the batch
+  HostSeconds host_seconds;
 };
 
 // Memory of the caller for three numbers of each vertex, or four of each tangent. They are at

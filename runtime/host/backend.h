@@ -61,12 +61,19 @@ struct BatchResult {
   StageSeconds stage_seconds;
 };
 
+// The skin of a batch, as BatchResult has it, in the backend's memory until the next batch.
+struct SkinValues {
+  std::span<const float> positions, normals, tangents;
+};
+
 // Backend::run in two halves, so that the work of several goes to their device at once. start() gives ended commands,
-// which must run before finish(). Throws as run().
+// which must run before finish(). The result of this has no skin: skin() reads that in the memory which the device
+// wrote. Throws as run().
 class SplitRun {
  public:
   virtual vulkan::Commands& start(const Batch& batch) = 0;
   virtual const BatchResult& finish() = 0;
+  virtual SkinValues skin() const = 0;
 
  protected:
   ~SplitRun() = default;

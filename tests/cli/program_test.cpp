@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <fstream>
+#include <limits>
 #include <nlohmann/json.hpp>
 
 #include "assets/pc2.h"
@@ -255,15 +256,31 @@ TEST(Program, BenchTellsOfEveryBatchSize) {
   const ProgramResult result = run_verb(verb + json);
   ASSERT_EQ(result.exit_code, 0) << result.output;
   std::ifstream file(json);
-  const Json measured = Json::parse(file)["measured"];
-  std::vector<int> batches;
-  for (const Json& row : measured) {
+  const Json found = Json::parse(file);
+  std::vector<int> batches, bodies;
+  double last_bytes = std::numeric_limits<double>::infinity();
+  for (const Json& row : found["measured"]) {
     EXPECT_EQ(row["device"], "cpu");
     EXPECT_GT(row["frame_ms"].get<double>(), row["stage_ms"]["pose"].get<double>());
     EXPECT_LT(row["stage_ms"]["strain"].get<double>(), row["stage_ms"]["pose"].get<double>());  // there is none
+    double host = row["stage_ms"]["rig"].get<double>();
+    for (const char* part : {"upload", "wait", "download", "order"}) host += row["host_ms"][part].get<double>();
+    EXPECT_LE(host, row["frame_ms"].get<double>());
+    EXPECT_GT(host, 0.5 * row["frame_ms"].get<double>());
+    EXPECT_EQ(row["host_ms"]["upload"], 0);
+    // The table is read once a batch: a frame of more has to read less, and does so within the memory's speed.
+    const double bytes = row["stage_bytes"]["pose"];
+    EXPECT_LT(bytes, last_bytes);
+    last_bytes = bytes;
+    EXPECT_NEAR(row["stage_of_limit"]["pose"].get<double>(),
+                bytes / row["memory_bytes_per_second"].get<double>() / (1e-3 * row["stage_ms"]["pose"].get<double>()),
+                1e-6);
     batches.push_back(row["batch"]);
   }
   EXPECT_EQ(batches, (std::vector<int>{1, 4, 16, 64}));
+  for (const Json& row : found["instances"]) bodies.push_back(row["instances"]);
+  EXPECT_EQ(bodies, (std::vector<int>{4, 16}));
+  EXPECT_EQ(found["jiggle"], Json::array());
   EXPECT_EQ(run_verb("bench " + (folder / "none.safetensors").string()).exit_code, 4);
   EXPECT_EQ(run_verb("bench " + basis + " --device nowhere").exit_code, 5);
 }

@@ -22,15 +22,18 @@ namespace {
 
 constexpr std::uint64_t kBatchBytes = 64u << 20;  // of per-frame buffers; enough vertices to fill a device
 
-// Values of a batch: a buffer of F x count floats, on the device.
+// Values of a batch: a buffer of F x count floats, on the device. Batches of fewer frames use its beginning.
 struct Values {
   Values(const Device& device, std::uint32_t frames, std::uint64_t count, const char* name)
-      : bytes(frames * count * sizeof(float)), buffer(device, bytes, Memory::device, name) {}
+      : frame_bytes(count * sizeof(float)), buffer(device, frames * frame_bytes, Memory::device, name) {}
 
-  VkDeviceSize bytes;
+  BufferRange of(std::uint32_t frames) const { return {buffer, 0, frames * frame_bytes}; }
+
+  VkDeviceSize frame_bytes;
   Buffer buffer;
 };
 
+// For so many frames at most.
 struct BatchBuffers {
   // `records`: for the host program, whose command buffer brings what a batch brings, and whose buffers take the
   // result.
@@ -58,8 +61,8 @@ struct BatchBuffers {
         boxes(device, frames, std::uint64_t{6} * n.boxes, "the boxes of triangles"),
         normals(device, frames, std::uint64_t{3} * n.vertices, "the normals"),
         tangents(device, frames, records ? 0 : n.tangents, "the tangents"),
-        staging_in(device, records ? 0 : total(inputs()), Memory::staging, "staging"),
-        staging_out(device, records ? 0 : total(outputs()), Memory::staging, "staging") {}
+        staging_in(device, records ? 0 : frames * frame_bytes(inputs()), Memory::staging, "staging"),
+        staging_out(device, records ? 0 : frames * frame_bytes(outputs()), Memory::staging, "staging") {}
 
   // The inputs of a batch, in the order in which they are staged.
   std::array<const Values*, 7> inputs() const {
@@ -74,12 +77,12 @@ struct BatchBuffers {
   }
   // Strains are of the pose before modifiers turned joints.
   const Buffer& skinning_of_strains() const {
-    return learned_skinning.bytes > 0 ? learned_skinning.buffer : skinning.buffer;
+    return learned_skinning.frame_bytes > 0 ? learned_skinning.buffer : skinning.buffer;
   }
 
-  static VkDeviceSize total(std::span<const Values* const> parts) {
+  static VkDeviceSize frame_bytes(std::span<const Values* const> parts) {
     VkDeviceSize sum = 0;
-    for (const Values* part : parts) sum += part->bytes;
+    for (const Values* part : parts) sum += part->frame_bytes;
     return sum;
   }
 
@@ -183,7 +186,13 @@ class VulkanBackend final : public Backend, private SplitRun {
   const BatchResult& run(const Batch& batch) override {
     if (batch.frame_count == 0) return result_ = {};
     start(batch).run();
-    return finish();
+    finish();
+    for (const Download& download : downloads()) {
+      if (!is_of_skin(download)) continue;
+      const std::span<const float> values = downloaded(download);
+      (result_.*download.to).assign(values.begin(), values.end());
+    }
+    return result_;
   }
 
  private:
@@ -193,11 +202,12 @@ class VulkanBackend final : public Backend, private SplitRun {
       throw Error(ErrorKind::usage, "the instance records for the host program: make another one to evaluate");
     }
     failed_ = true;  // until this batch went well
-    const bool recorded = recorded_ && buffers_->frames == batch.frame_count && batch.jiggle.empty() &&
+    const bool recorded = recorded_ && frames_ == batch.frame_count && batch.jiggle.empty() &&
                           batch.stays_on_device == stays_on_device_ && batch.keeps_posed == keeps_posed_ &&
                           batch.wants_normals == wants_normals_ && batch.wants_tangents == wants_tangents_ &&
                           output_steps(model_->model().basis, batch) == output_steps_;
-    if (!recorded) allocate(batch.frame_count);
+    frames_ = batch.frame_count;
+    if (!recorded) allocate(frames_);
     send(batch);  // first: recording runs what is long
     if (!recorded) record(batch);
     return *commands_;
@@ -208,6 +218,16 @@ class VulkanBackend final : public Backend, private SplitRun {
     refuse_validation_messages();
     failed_ = false;
     return result_;
+  }
+
+  SkinValues skin() const override {
+    SkinValues skin;
+    for (const Download& download : downloads()) {
+      if (download.to == &BatchResult::positions) skin.positions = downloaded(download);
+      if (download.to == &BatchResult::normals) skin.normals = downloaded(download);
+      if (download.to == &BatchResult::tangents) skin.tangents = downloaded(download);
+    }
+    return skin;
   }
 
   void record(const Batch& batch) {
@@ -330,8 +350,8 @@ class VulkanBackend final : public Backend, private SplitRun {
   void become_recorder(std::uint32_t most_frames) {
     if (records_) return;
     records_ = true;
-    recorded_ = false;
     commands_.emplace(device_, Commands::OfHost::yes);
+    buffers_.reset();
     allocate(most_frames);
   }
 
@@ -339,8 +359,8 @@ class VulkanBackend final : public Backend, private SplitRun {
     const auto to = buffers_->inputs();
     const auto from = BatchBuffers::inputs_of(batch);
     for (std::size_t k = 0; k < to.size(); ++k) {
-      const VkDeviceSize bytes = to[k]->bytes / buffers_->frames * batch.frame_count;
-      if (bytes > 0) commands_->update({to[k]->buffer, 0, bytes}, std::as_bytes(from[k]).first(bytes));
+      const BufferRange range = to[k]->of(batch.frame_count);
+      if (range.size > 0) commands_->update(range, std::as_bytes(from[k]).first(range.size));
     }
   }
 
@@ -389,9 +409,10 @@ class VulkanBackend final : public Backend, private SplitRun {
                                attached_targets_, frames);
   }
 
+  // Keeps buffers that are large enough: to allocate anew, as for the last part of a clip, costs more than any batch.
   void allocate(std::uint32_t frames) {
     recorded_ = false;
-    if (buffers_ && buffers_->frames == frames) return;
+    if (buffers_ && buffers_->frames >= frames) return;
     buffers_.reset();  // before the next ones are allocated
     buffers_ = std::make_unique<BatchBuffers>(device_, counts_, frames, records_);
   }
@@ -421,8 +442,9 @@ class VulkanBackend final : public Backend, private SplitRun {
   void record_upload() {
     VkDeviceSize offset = 0;
     for (const Values* values : buffers_->inputs()) {
-      commands_->copy({buffers_->staging_in, offset, values->bytes}, values->buffer);
-      offset += values->bytes;
+      const BufferRange to = values->of(frames_);
+      commands_->copy({buffers_->staging_in, offset, to.size}, to);
+      offset += to.size;
     }
   }
 
@@ -473,16 +495,20 @@ class VulkanBackend final : public Backend, private SplitRun {
                         counts_.components, frames);
   }
 
-  // The outputs that go to the host, in the order in which they are staged.
+  // An output that goes to the host, and where it is staged, bytes.
   struct Download {
     BufferRange from;
+    VkDeviceSize staged = 0;
     std::vector<float> BatchResult::*to;
   };
   std::vector<Download> downloads() const {
     const BatchBuffers& b = *buffers_;
     std::vector<Download> all;
+    VkDeviceSize staged = 0;
     const auto add = [&](const Buffer& buffer, const Values& values, std::vector<float> BatchResult::*to) {
-      all.push_back({{buffer, 0, values.bytes}, to});
+      const VkDeviceSize size = values.of(frames_).size;
+      all.push_back({{buffer, 0, size}, staged, to});
+      staged += size;
     };
     if (!stays_on_device_) {
       add(*skin_, b.positions, &BatchResult::positions);
@@ -497,11 +523,19 @@ class VulkanBackend final : public Backend, private SplitRun {
     return all;
   }
 
+  static bool is_of_skin(const Download& download) {
+    return download.to == &BatchResult::positions || download.to == &BatchResult::normals ||
+           download.to == &BatchResult::tangents || download.to == &BatchResult::posed;
+  }
+
+  std::span<const float> downloaded(const Download& download) const {
+    const std::byte* from = buffers_->staging_out.mapped() + download.staged;
+    return {reinterpret_cast<const float*>(from), download.from.size / sizeof(float)};
+  }
+
   void record_download() {
-    VkDeviceSize offset = 0;
     for (const Download& download : downloads()) {
-      commands_->copy(download.from, {buffers_->staging_out, offset, download.from.size});
-      offset += download.from.size;
+      commands_->copy(download.from, {buffers_->staging_out, download.staged, download.from.size});
     }
   }
 
@@ -510,25 +544,23 @@ class VulkanBackend final : public Backend, private SplitRun {
     const auto values = buffers_->inputs();
     const auto from = BatchBuffers::inputs_of(batch);
     for (std::size_t k = 0; k < values.size(); ++k) {
-      if (values[k]->bytes == 0) continue;
-      std::memcpy(to, from[k].data(), values[k]->bytes);
-      to += values[k]->bytes;
+      const VkDeviceSize bytes = values[k]->of(frames_).size;
+      if (bytes == 0) continue;
+      std::memcpy(to, from[k].data(), bytes);
+      to += bytes;
     }
   }
 
+  // All but the skin, which is large, and read where it is.
   void receive() {
-    const std::vector<Download> wanted = downloads();
     for (const auto skin :
          {&BatchResult::positions, &BatchResult::normals, &BatchResult::tangents, &BatchResult::posed}) {
-      // An output that is wanted again keeps its length: to clear it would be to write zeros first.
-      if (std::ranges::find(wanted, skin, &Download::to) == wanted.end()) (result_.*skin).clear();
+      (result_.*skin).clear();
     }
-    const std::byte* from = buffers_->staging_out.mapped();
-    for (const Download& download : wanted) {
-      std::vector<float>& to = result_.*download.to;
-      to.resize(download.from.size / sizeof(float));
-      if (!to.empty()) std::memcpy(to.data(), from, download.from.size);
-      from += download.from.size;
+    for (const Download& download : downloads()) {
+      if (is_of_skin(download)) continue;
+      const std::span<const float> values = downloaded(download);
+      (result_.*download.to).assign(values.begin(), values.end());
     }
     result_.stage_seconds = {};
     const std::vector<double> seconds = commands_->seconds();
@@ -555,6 +587,7 @@ class VulkanBackend final : public Backend, private SplitRun {
   bool has_blend_;
   Buffer rest_coefficients_;
   std::unique_ptr<BatchBuffers> buffers_;
+  std::uint32_t frames_ = 0;  // of the last batch
   BatchResult result_;
   std::optional<VulkanDynamics> dynamics_;
   std::optional<Commands> commands_;
