@@ -7,6 +7,7 @@
 #include <ctime>
 #include <filesystem>
 #include <iomanip>
+#include <limits>
 #include <sstream>
 #include <utility>
 
@@ -248,7 +249,9 @@ void Application::act(std::span<const WindowEvent> events, double passed) {
   hear_some();
   if (pictures_.goes_on()) return go_on_with_pictures(passed);
   const int shown = controls_.playback.frame();
-  controls_.playback.advance(passed);
+  // The jiggle steps every frame: a late picture must not make the next one later.
+  constexpr std::int64_t kMostJiggled = 2, kAll = std::numeric_limits<std::int64_t>::max();
+  controls_.playback.advance(passed, controls_.settings.jiggle.on ? kMostJiggled : kAll);
   if (session_.poll_live()) pending_pictures_ = std::max(pending_pictures_, 1);
   look_at_files();
   if (session_.sectioning.has_news()) pending_pictures_ = 2;

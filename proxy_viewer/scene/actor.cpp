@@ -394,8 +394,8 @@ Shot Actor::shot(const ViewSettings::Posing& posing, const Weights& weights, boo
   Shot shot;
   shot.name = name();
   shot.jiggles = jiggles;
-  shot.deformer = std::make_unique<Deformer>(finest().level().tables,
-                                             jiggles ? std::optional<JiggleOptions>(JiggleOptions()) : std::nullopt);
+  shot.deformer =
+      finest().level().make_deformer(jiggles ? std::optional<JiggleOptions>(JiggleOptions()) : std::nullopt);
   shot.deformer->set_weights(weights);
   if (worn_) shot.attached = worn_->attachments();
   shot.clip = posed_source(posing);

@@ -68,10 +68,11 @@ bool same(const JointTransform& a, const JointTransform& b) {
 
 }  // namespace
 
-LevelOnDevice::LevelOnDevice(const std::shared_ptr<const vulkan::Device>& device, Level level,
+LevelOnDevice::LevelOnDevice(const std::shared_ptr<const vulkan::Device>& device_, Level level,
                              std::optional<Dynamics> dynamics)
-    : model(make_character_model(std::move(level.basis), std::move(dynamics))),
-      tables(std::make_shared<const vulkan::DeviceModel>(device, model)),
+    : device(device_),
+      model(make_character_model(std::move(level.basis), std::move(dynamics))),
+      tables(device->only_draws() ? nullptr : std::make_shared<const vulkan::DeviceModel>(device, model)),
       carried(std::move(level.carried)),
       distance(rms_distance(carried)) {
   vulkan::Uploads uploads(*device);
@@ -84,6 +85,11 @@ LevelOnDevice::LevelOnDevice(const std::shared_ptr<const vulkan::Device>& device
   if (basis().coverage.empty()) return;
   expectation.emplace(basis());
   shares = RegionShares(basis());
+}
+
+std::unique_ptr<Deformer> LevelOnDevice::make_deformer(const std::optional<JiggleOptions>& jiggle) const {
+  if (tables) return std::make_unique<Deformer>(tables, jiggle);
+  return std::make_unique<Deformer>(model, device, jiggle);
 }
 
 LevelPool::Levels LevelPool::get(const std::vector<fs::path>& files, const std::function<Levels()>& make) {
@@ -121,8 +127,8 @@ Detail::Detail(std::shared_ptr<const vulkan::Device> device, std::shared_ptr<con
 
 Deformer& Detail::deformer(SkinMethod method, Use use) {
   std::unique_ptr<Deformer>& made = deformers_[{method, use}];
-  if (!made && method == SkinMethod::jiggle) made = std::make_unique<Deformer>(level_->tables, JiggleOptions{});
-  if (!made) made = std::make_unique<Deformer>(level_->tables);
+  if (!made && method == SkinMethod::jiggle) made = level_->make_deformer(JiggleOptions{});
+  if (!made) made = level_->make_deformer();
   return *made;
 }
 

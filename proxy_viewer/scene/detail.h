@@ -29,10 +29,13 @@ struct LevelOnDevice {
   LevelOnDevice(const std::shared_ptr<const vulkan::Device>& device, Level level, std::optional<Dynamics> dynamics);
 
   const Basis& basis() const { return model->basis; }
+  // An instance whose skin is drawn. `jiggle`: none for the quasi-static skin, or the model must have dynamics.
+  std::unique_ptr<Deformer> make_deformer(const std::optional<JiggleOptions>& jiggle = std::nullopt) const;
 
+  std::shared_ptr<const vulkan::Device> device;
   std::shared_ptr<const CharacterModel> model;
-  std::shared_ptr<const vulkan::DeviceModel> tables;
-  CarriedSkin carried;  // empty in an ordinary basis
+  std::shared_ptr<const vulkan::DeviceModel> tables;  // none on a device that only draws
+  CarriedSkin carried;                                // empty in an ordinary basis
   double distance = 0;  // of the full skin's vertices from the level's at rest, RMS, metres
   vulkan::Buffer triangles, fibre_segments, fibre_points;
   std::uint32_t fibre_segment_count = 0;

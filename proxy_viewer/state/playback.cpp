@@ -36,13 +36,13 @@ Playback::Playback(const PlayFrames& frames, double fps) : first_(frames.first),
   out_ = count_ - 1;
 }
 
-int Playback::advance(double seconds) {
+int Playback::advance(double seconds, std::int64_t most) {
   if (!playing_ || !(seconds > 0)) return frame();
   waited_ += std::min(seconds, kLongestGap) * speed_ * fps_;
   const double due = std::floor(waited_);
   if (due < 1) return frame();
   waited_ -= due;
-  move(real_time_ ? static_cast<Index>(due) : 1);
+  move(real_time_ ? std::min(static_cast<Index>(due), most) : 1);
   return frame();
 }
 

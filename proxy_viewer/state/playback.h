@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 #include "shots/session/view_settings.h"
@@ -21,8 +22,9 @@ class Playback {
   // and at most 1,000.
   Playback(const PlayFrames& frames, double fps);
 
-  // Lets time pass and gives the frame to show. What is no positive number of seconds is no time.
-  int advance(double seconds);
+  // Lets time pass and gives the frame to show, `most` frames on at most: the rest of the time is not played. What is
+  // no positive number of seconds is no time.
+  int advance(double seconds, std::int64_t most = std::numeric_limits<std::int64_t>::max());
 
   void play();  // at the end of a range that is played once: from its beginning
   void pause() { playing_ = false; }

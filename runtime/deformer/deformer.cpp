@@ -9,6 +9,7 @@
 #include "runtime/core/extent.h"
 #include "runtime/cpu/cpu_backend.h"
 #include "runtime/deformer/checked_backend.h"
+#include "runtime/deformer/drawn_backend.h"
 #include "runtime/deformer/evaluate_together.h"
 #include "runtime/host/backend.h"
 #include "runtime/host/character_model.h"
@@ -148,10 +149,14 @@ Deformer::Deformer(std::shared_ptr<const vulkan::DeviceModel> model, const std::
                    bool check)
     : Deformer(model->shared_model(), jiggle, on_a_device(model, jiggle, check)) {}
 
-// The rest coefficients come from the kernels that will run, so that rest gives rest exactly.
+Deformer::Deformer(const std::shared_ptr<const CharacterModel>& model, std::shared_ptr<const vulkan::Device> drawn_on,
+                   const std::optional<JiggleOptions>& jiggle)
+    : Deformer(model, jiggle, make_drawn_backend(on_the_cpu(model, jiggle), std::move(drawn_on))) {}
+
+// The rest coefficients, which must be zero before, come from the kernels that will run, so that rest gives rest
+// exactly.
 void Deformer::set_rest() {
   const Pose rest = bind_pose(basis().skeleton);
-  backend_->set_rest_coefficients(std::vector<float>(basis().residual.coefficient_count(), 0.0f));
   backend_->set_rest_coefficients(backend_->run(make_batch(basis(), {&rest, 1}, *memory_)).coefficients);
 }
 
@@ -161,7 +166,9 @@ void Deformer::set_weights(const Weights& weights) {
   backend_->set_weights(weights);
   const bool other_rest = weights.kernels != weights_.kernels;
   weights_ = weights;
-  if (other_rest) set_rest();
+  if (!other_rest) return;
+  backend_->set_rest_coefficients(std::vector<float>(basis().residual.coefficient_count(), 0.0f));
+  set_rest();
 }
 
 Deformer::~Deformer() = default;

@@ -63,6 +63,10 @@ class Deformer {
   // of its own, and the model's tables and pipelines. `jiggle`: as above. `check`: see DeviceChoice.
   explicit Deformer(std::shared_ptr<const vulkan::DeviceModel> model,
                     const std::optional<JiggleOptions>& jiggle = std::nullopt, bool check = false);
+  // An instance on the CPU whose skin a software device draws; see runtime/deformer/drawn_backend.h. `jiggle`: as
+  // above.
+  Deformer(const std::shared_ptr<const CharacterModel>& model, std::shared_ptr<const vulkan::Device> drawn_on,
+           const std::optional<JiggleOptions>& jiggle);
   ~Deformer();
 
   // Quasi-static skin. Any number of poses; split into batches as the device allows. Throws Error(mismatch) when a pose

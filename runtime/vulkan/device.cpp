@@ -191,6 +191,7 @@ Device::Device(const DeviceChoice& choice, const DeviceUse& use)
   std::vector<DeviceInfo> devices = describe_all(physical_devices);
   for (DeviceInfo& device : devices) find_unfit(physical_devices[device.index], use, device);
   info_ = devices[choose_device(devices, choice.name)];
+  only_draws_ = use.draws && choice.name == "auto" && info_.type == "cpu";
   physical_ = physical_devices[info_.index];
   queue_family_ = *compute_family(physical_);
   describe_queue();

@@ -75,6 +75,8 @@ class Device {
   std::mutex& queue_mutex() const { return queue_mutex_; }  // held while work is submitted: one thread at a time may
   std::uint32_t queue_family() const { return queue_family_; }
   const DeviceInfo& info() const { return info_; }
+  // Whether it is a software device that nobody asked for by name: kernels are then the CPU's, many times as quick.
+  bool only_draws() const { return only_draws_; }
   // Seconds per timestamp tick, 0 when the queue has no timestamps; the bits of a timestamp that count.
   double timestamp_period() const { return timestamp_period_; }
   std::uint64_t timestamp_mask() const { return timestamp_mask_; }
@@ -112,6 +114,7 @@ class Device {
 
   Instance instance_;
   DeviceInfo info_;
+  bool only_draws_ = false;
   VkPhysicalDeviceMemoryProperties memory_{};
   std::uint32_t queue_family_ = 0;
   double timestamp_period_ = 0;

@@ -173,6 +173,14 @@ TEST(Playback, AStallIsNotPlayed) {
   }
 }
 
+// What steps every frame would take longer for a late picture, and make the next one later still.
+TEST(Playback, LatePicturesGoOnByAFewFramesWhereThatIsAsked) {
+  Playback playback = playing({1, 1000});
+  for (const int frame : {3, 5, 7}) EXPECT_EQ(playback.advance(0.5, 2), frame);
+  EXPECT_EQ(playback.advance(kFrameTime, 2), 8);  // what was not played is not caught up on
+  EXPECT_EQ(playback.advance(2 * kFrameTime), 10);
+}
+
 TEST(Playback, WhatIsNoTimeChangesNothing) {
   Playback playback = playing({1, 10});
   playback.advance(0.75 * kFrameTime);

@@ -24,6 +24,7 @@ DeviceChoice test_device() {
     if (entry.path().filename().string().rfind("lvp_icd", 0) != 0) continue;
     setenv("VK_DRIVER_FILES", entry.path().c_str(), 1);
     setenv("VK_ICD_FILENAMES", entry.path().c_str(), 1);  // older loaders
+    choice.name = "0";                                    // by name: otherwise a software device only draws
   }
   return choice;
 }
