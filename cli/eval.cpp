@@ -71,7 +71,7 @@ class ShotRun : public SkinSink {
     is_whole_ = false;
     caches_.append(part, poses, begin);
     const auto frames = std::span(shot_.frames).subspan(begin, poses.size());
-    log_.add(*shot_.deformer, part, poses, frames, state.motion);
+    log_.add(*shot_.deformer, part, frames, state.motion);
     state_ = std::move(state);
     is_whole_ = true;
     if (const auto file = arguments_.jiggle.write_state_after(*shot_.deformer, begin + poses.size())) {

@@ -61,8 +61,8 @@ EvaluationLog::EvaluationLog(const Basis& basis) {
   if (!basis.coverage.empty()) expectation_.emplace(basis);
 }
 
-void EvaluationLog::add(const Deformer& deformer, const Evaluation& part, std::span<const Pose> poses,
-                        std::span<const int> frames, const NodeMotion& motion) {
+void EvaluationLog::add(const Deformer& deformer, const Evaluation& part, std::span<const int> frames,
+                        const NodeMotion& motion) {
   for (std::size_t k = 0; k < frames.size(); ++k) {
     Json entry = entry_of(deformer, part, k, frames[k], motion);
     if (expectation_) {

@@ -47,8 +47,7 @@ class EvaluationLog {
   explicit EvaluationLog(const Basis& basis);
 
   // Adds what the deformer gave of poses, which are these frames. `motion`: after the last; jiggling frames come alone.
-  void add(const Deformer& deformer, const Evaluation& part, std::span<const Pose> poses, std::span<const int> frames,
-           const NodeMotion& motion);
+  void add(const Deformer& deformer, const Evaluation& part, std::span<const int> frames, const NodeMotion& motion);
 
   // All that take_up() needs to go on from here.
   Json kept() const;
