@@ -1,7 +1,9 @@
 #include "shots/shot.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <future>
 #include <numeric>
 #include <sstream>
 
@@ -84,16 +86,27 @@ void preroll(Shot& shot, const Tell& tell) {
 void evaluate(Shot& shot, SkinSink& sink, Progress& progress, std::size_t begin) {
   // Frames held in memory at once. Of the jiggle each is measured, and it may be slow; a check names the one it stops
   // at.
-  const std::size_t step = shot.jiggles || shot.checks ? 1 : 64;
-  Evaluation part;
-  while (begin < shot.frames.size()) {
+  const std::size_t step = shot.jiggles || shot.checks ? 1 : 32;
+  struct Part {
+    std::vector<Pose> poses;
+    Evaluation evaluation;
+  };
+  std::array<Part, 2> parts;  // one is written while the next is evaluated
+  std::future<void> written;  // ends before they do
+  for (std::size_t k = 0; begin < shot.frames.size(); ++k) {
+    Part& part = parts[k % parts.size()];
     const std::size_t count = std::min(step, shot.frames.size() - begin);
-    const std::vector<Pose> poses = shot.poses(begin, count);
-    evaluate_part(shot, poses, std::span(shot.frames).subspan(begin, count), part);
-    sink.append(part, poses, begin);
-    progress.advance(count);
+    part.poses = shot.poses(begin, count);
+    evaluate_part(shot, part.poses, std::span(shot.frames).subspan(begin, count), part.evaluation);
+    if (written.valid()) written.get();
+    written = std::async(std::launch::async, [&sink, &progress, &part = part, begin, count] {
+      sink.append(part.evaluation, part.poses, begin);
+      progress.advance(count);
+    });
+    if (shot.jiggles) written.get();
     begin += count;
   }
+  if (written.valid()) written.get();
 }
 
 void require_form(const CacheChoice& choice) {

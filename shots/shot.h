@@ -52,7 +52,8 @@ struct Shot {
 class SkinSink {
  public:
   virtual ~SkinSink() = default;
-  // Takes what the deformer gave of `poses`, which are frames[begin], frames[begin + 1], ...
+  // Takes what the deformer gave of `poses`, which are frames[begin], frames[begin + 1], ... It is called by one thread
+  // at a time, while the next frames are evaluated: where frames jiggle these wait, so that it may ask for the motion.
   virtual void append(const Evaluation& part, std::span<const Pose> poses, std::size_t begin) = 0;
 };
 
