@@ -128,9 +128,9 @@ Commands::~Commands() {
   if (pending_) vkDeviceWaitIdle(device_.handle());  // returns at once when the device is lost
 }
 
-void Commands::begin() {
+void Commands::begin(Sets sets) {
   open();
-  forget_sets();
+  if (sets == Sets::anew) forget_sets();
   submission_count_ = 0;
   timestamp_count_ = 0;
   if (queries_.get() != VK_NULL_HANDLE) vkCmdResetQueryPool(commands_, queries_.get(), 0, kMaxTimestamps);

@@ -96,9 +96,11 @@ class Commands {
   Commands(const Commands&) = delete;
   Commands& operator=(const Commands&) = delete;
 
-  // Recording. begin() forgets what was recorded before. Buffers and kernels must outlive the last run(). What is
-  // recorded by way of handle() has barriers of its own.
-  void begin();
+  // Recording. begin() forgets what was recorded before; descriptor sets may be kept where all buffers of that still
+  // exist. Buffers and kernels must outlive the last run(). What is recorded by way of handle() has barriers of its
+  // own.
+  enum class Sets { anew, kept };
+  void begin(Sets sets = Sets::anew);
   void copy(const BufferRange& from, const BufferRange& to);  // the size of `from`
   void fill(const BufferRange& range, std::uint32_t word);
   void update(const BufferRange& range, std::span<const std::byte> bytes);  // as many as the range has; multiples of 4

@@ -21,15 +21,41 @@ class DriverCallsTest : public WindowTest {
 };
 
 TEST_F(DriverCallsTest, SubmissionsOfACastAreThoseOfOne) {
-  const std::string one = small_.basis + " " + small_.clip;
-  EXPECT_EQ(of_a_picture(one), of_a_picture(one + " " + one + " " + one));
+  const std::string one = small_.basis + " " + small_.clip + " --device 0";
+  EXPECT_EQ(of_a_picture(one),
+            of_a_picture(one + " " + small_.basis + " " + small_.clip + " " + small_.basis + " " + small_.clip));
 }
 
 // Ghosts, which are quasi-static, beside the jiggle.
 TEST_F(DriverCallsTest, SubmissionsOfSeveralMethodsAreThoseOfOne) {
   const JigglingCharacter limb(folder_);
-  const std::string one = limb.basis + " " + limb.clip;
+  const std::string one = limb.basis + " " + limb.clip + " --device 0";
   EXPECT_EQ(of_a_picture(one), of_a_picture(one + " --do 'jiggle on; ghosts 1 1'"));
+}
+
+// Once all is loaded a frame is a submission of what is there: a part of a quasi-static clip, or a frame that jiggles.
+TEST_F(DriverCallsTest, FramesAllocateNothingOnTheDevice) {
+  constexpr int kFew = 32, kMany = 96;
+  const JigglingCharacter limb(folder_);
+  Clip clip = bending_clip(limb.made.basis.skeleton);
+  for (int k = kClipFrames; k < kMany; ++k) clip.poses.push_back(clip.poses[static_cast<std::size_t>(k % kClipFrames)]);
+  const std::string file = (folder_ / "long.glb").string();
+  write_clip(clip, limb.made.basis.skeleton, file);
+  for (const auto& [options, submissions] : {std::pair(std::string(), 2), {std::string(" --jiggle"), kMany - kFew}}) {
+    SCOPED_TRACE(options);
+    const auto calls = [&](int last) {
+      return count_calls([&](const std::string& counting) {
+        return run_program(counting + " " + kProgram + " eval " + limb.basis + options + " --clip " + file +
+                           " --frames 1-" + std::to_string(last) + " --require-device --out " +
+                           (folder_ / "out.pc2").string());
+      });
+    };
+    const DriverCalls few = calls(kFew), many = calls(kMany);
+    EXPECT_EQ(many.submissions - few.submissions, submissions);
+    EXPECT_EQ(many.allocations, few.allocations);
+    EXPECT_EQ(many.buffers, few.buffers);
+    EXPECT_EQ(many.sets, few.sets);
+  }
 }
 
 TEST_F(DriverCallsTest, TablesOfACharacterGoInOneSubmission) {

@@ -106,16 +106,23 @@ class WindowTest : public ::testing::Test {
   int submissions_of(const std::string& arguments) const {
     return count_submissions([&](const std::string& counting) { return run_program(command(arguments, counting)); });
   }
+  struct DriverCalls {
+    int submissions = 0, allocations = 0, buffers = 0, sets = 0;  // the last three: of memory, and made
+  };
   // `run` runs a program with this before its command.
   template <typename Run>
-  int count_submissions(const Run& run) const {
-    const std::filesystem::path file = folder_ / "submissions.txt";
-    const ProgramResult result = run(misbehaving_device("COUNT_SUBMISSIONS=" + file.string()));
+  DriverCalls count_calls(const Run& run) const {
+    const std::filesystem::path file = folder_ / "calls.txt";
+    const ProgramResult result = run(misbehaving_device("COUNT_CALLS=" + file.string()));
     EXPECT_EQ(result.exit_code, 0) << result.output;
-    int count = 0;
-    std::ifstream(file) >> count;
-    EXPECT_GT(count, 0);
-    return count;
+    DriverCalls calls;
+    std::ifstream(file) >> calls.submissions >> calls.allocations >> calls.buffers >> calls.sets;
+    EXPECT_GT(calls.submissions, 0);
+    return calls;
+  }
+  template <typename Run>
+  int count_submissions(const Run& run) const {
+    return count_calls(run).submissions;
   }
   void expect_end(BackgroundProgram& program, int exit_code) {
     EXPECT_EQ(program.wait(kPatience), exit_code) << program.output();

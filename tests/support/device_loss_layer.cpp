@@ -2,7 +2,8 @@
 // environment says: BODYOPT_LOSE_DEVICE="vkQueueSubmit 5" is the fifth submission; or that it is to be now, while
 // BODYOPT_LOSE_DEVICE_NOW is set. For one device at a time.
 // With BODYOPT_FAIL_ALLOCATION=5, the fifth allocation of memory fails, and all after it.
-// With BODYOPT_COUNT_SUBMISSIONS=FILE, how many submissions there were is written to that file as the program ends.
+// With BODYOPT_COUNT_CALLS=FILE, how many submissions, allocations of memory, buffers and descriptor sets there were is
+// written to that file as the program ends.
 // With BODYOPT_KEEP_PIPELINES=FILE, what the driver is given to begin a pipeline cache with is written to that file.
 // With BODYOPT_OUT_OF_DATE set, the surface is out of date whenever something has been submitted since the last time it
 // was: for every picture, once. With BODYOPT_HOLD_FIRST_PICTURE set, the program waits for ever before it shows its
@@ -12,6 +13,7 @@
 #include <vulkan/vulkan.h>
 
 #include <atomic>
+#include <climits>
 #include <cstdlib>
 #include <cstring>
 #include <fstream>
@@ -24,7 +26,7 @@ PFN_vkGetInstanceProcAddr next_of_instance = nullptr;
 PFN_vkGetDeviceProcAddr next_of_device = nullptr;
 VkInstance instance_here = VK_NULL_HANDLE;
 VkDevice device_here = VK_NULL_HANDLE;
-std::atomic<int> calls_left{0}, pictures_shown{0}, allocations{0};
+std::atomic<int> calls_left{0}, pictures_shown{0};
 std::atomic<bool> is_lost{false}, has_submitted{false};
 
 struct Plan {
@@ -36,12 +38,13 @@ struct Plan {
   int count = 0;
 };
 
-struct SubmissionCount {
-  ~SubmissionCount() {
-    if (const char* file = std::getenv("BODYOPT_COUNT_SUBMISSIONS")) std::ofstream(file) << count;
+struct CallCounts {
+  ~CallCounts() {
+    const char* file = std::getenv("BODYOPT_COUNT_CALLS");
+    if (file) std::ofstream(file) << submissions << ' ' << allocations << ' ' << buffers << ' ' << sets;
   }
-  std::atomic<int> count{0};
-} submissions;
+  std::atomic<int> submissions{0}, allocations{0}, buffers{0}, sets{0};
+} counts;
 
 const Plan& plan() {
   static const Plan plan;
@@ -62,7 +65,7 @@ bool loses(const char* call) {
 
 VKAPI_ATTR VkResult VKAPI_CALL queue_submit(VkQueue queue, std::uint32_t count, const VkSubmitInfo* submits,
                                             VkFence fence) {
-  ++submissions.count;
+  ++counts.submissions;
   if (loses("vkQueueSubmit")) return VK_ERROR_DEVICE_LOST;
   has_submitted = true;
   return go_on<PFN_vkQueueSubmit>("vkQueueSubmit", queue, count, submits, fence);
@@ -80,8 +83,22 @@ VKAPI_ATTR VkResult VKAPI_CALL create_pipeline_cache(VkDevice device, const VkPi
 VKAPI_ATTR VkResult VKAPI_CALL allocate_memory(VkDevice device, const VkMemoryAllocateInfo* info,
                                                const VkAllocationCallbacks* allocator, VkDeviceMemory* memory) {
   const char* first_to_fail = std::getenv("BODYOPT_FAIL_ALLOCATION");
-  if (first_to_fail && ++allocations >= std::atoi(first_to_fail)) return VK_ERROR_OUT_OF_DEVICE_MEMORY;
+  if (++counts.allocations >= (first_to_fail ? std::atoi(first_to_fail) : INT_MAX)) {
+    return VK_ERROR_OUT_OF_DEVICE_MEMORY;
+  }
   return go_on<PFN_vkAllocateMemory>("vkAllocateMemory", device, info, allocator, memory);
+}
+
+VKAPI_ATTR VkResult VKAPI_CALL create_buffer(VkDevice device, const VkBufferCreateInfo* info,
+                                             const VkAllocationCallbacks* allocator, VkBuffer* buffer) {
+  ++counts.buffers;
+  return go_on<PFN_vkCreateBuffer>("vkCreateBuffer", device, info, allocator, buffer);
+}
+
+VKAPI_ATTR VkResult VKAPI_CALL allocate_sets(VkDevice device, const VkDescriptorSetAllocateInfo* info,
+                                             VkDescriptorSet* sets) {
+  counts.sets += static_cast<int>(info->descriptorSetCount);
+  return go_on<PFN_vkAllocateDescriptorSets>("vkAllocateDescriptorSets", device, info, sets);
 }
 
 // Waits before it loses: what was submitted ends on the device beneath, which is well.
@@ -178,7 +195,8 @@ VKAPI_ATTR PFN_vkVoidFunction VKAPI_CALL device_function(VkDevice device, const 
             entry("vkWaitForFences", wait_for_fences), entry("vkAcquireNextImageKHR", acquire_next_image),
             entry("vkQueuePresentKHR", queue_present), entry("vkDeviceWaitIdle", device_wait_idle),
             entry("vkGetQueryPoolResults", query_results), entry("vkCreatePipelineCache", create_pipeline_cache),
-            entry("vkAllocateMemory", allocate_memory)},
+            entry("vkAllocateMemory", allocate_memory), entry("vkCreateBuffer", create_buffer),
+            entry("vkAllocateDescriptorSets", allocate_sets)},
            name);
   return own ? own : next_of_device(device, name);
 }

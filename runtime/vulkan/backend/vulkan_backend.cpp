@@ -135,6 +135,7 @@ class VulkanBackend final : public Backend, private SplitRun {
   void set_rest_coefficients(std::span<const float> coefficients) override {
     rest_coefficients_ = upload_bytes(device_, std::as_bytes(coefficients), "the coefficients at rest");
     recorded_ = false;
+    has_new_buffers_ = true;
   }
 
   void set_weights(const Weights& weights) override {
@@ -151,6 +152,7 @@ class VulkanBackend final : public Backend, private SplitRun {
   void set_motion(const NodeMotion& motion) override {
     if (failed_) return;  // so that the first failure is the one reported
     dynamics_->set_motion(motion);
+    has_new_buffers_ = true;
     forget_recorded_buffers();  // of the motion before
   }
 
@@ -231,7 +233,7 @@ class VulkanBackend final : public Backend, private SplitRun {
   }
 
   void record(const Batch& batch) {
-    commands_->begin();
+    commands_->begin(std::exchange(has_new_buffers_, false) ? Commands::Sets::anew : Commands::Sets::kept);
     record_upload();
     stays_on_device_ = batch.stays_on_device;
     keeps_posed_ = batch.keeps_posed;
@@ -413,6 +415,7 @@ class VulkanBackend final : public Backend, private SplitRun {
   void allocate(std::uint32_t frames) {
     recorded_ = false;
     if (buffers_ && buffers_->frames >= frames) return;
+    has_new_buffers_ = true;
     buffers_.reset();  // before the next ones are allocated
     buffers_ = std::make_unique<BatchBuffers>(device_, counts_, frames, records_);
   }
@@ -436,6 +439,7 @@ class VulkanBackend final : public Backend, private SplitRun {
   void record_jiggle(std::span<const JiggleFrame> frames) {
     dynamics_->record_jiggle(*commands_, dynamics_inputs(static_cast<std::uint32_t>(frames.size())), frames,
                              weights_.jiggle);
+    if (!records_) dynamics_->record_motion(*commands_);
     skin_ = &dynamics_->moved();
   }
 
@@ -593,6 +597,7 @@ class VulkanBackend final : public Backend, private SplitRun {
   std::optional<Commands> commands_;
   std::vector<Stage> stages_;             // recorded
   std::vector<OutputStep> output_steps_;  // recorded
+  bool has_new_buffers_ = true;           // that no descriptor set is of
   bool recorded_ = false;                 // the quasi-static skin, for as many frames as there are buffers
   std::vector<AttachedMeshes::Target> attached_targets_;  // of the last recording, kept for their memory
   Weights weights_;

@@ -40,6 +40,7 @@ VulkanDynamics::VulkanDynamics(const DeviceModel& model, const JiggleOptions& op
       tables_(model.jiggling().tables),
       kernels_(model.jiggling().kernels),
       motions_{rest(device_, dynamics_.tets.nodes.size()), rest(device_, dynamics_.tets.nodes.size())},
+      downloaded_(device_, motions_[0].size(), Memory::staging, "the motion"),
       local_{Local(device_, dynamics_.tets.nodes.size()), Local(device_, dynamics_.tets.nodes.size())},
       right_side_(floats(device_, dynamics_.tets.nodes.size(), "the right side")),
       solution_(floats(device_, dynamics_.tets.nodes.size(), "the solution")),
@@ -87,6 +88,7 @@ void VulkanDynamics::record_diffuse(Commands& commands, const Inputs& inputs) co
 
 void VulkanDynamics::record_jiggle(Commands& commands, const Inputs& inputs, std::span<const JiggleFrame> frames,
                                    float weight) {
+  is_downloaded_ = false;
   const DynamicsTables& t = tables_;
   kernels_.jiggle_rotate.record(commands,
                                 {t.tets, t.shapes, t.corner_begin, t.corners, batch_->nodes, batch_->rotations},
@@ -141,20 +143,27 @@ void VulkanDynamics::record_solve(Commands& commands) const {
   kernels_.block_solve.record(commands, {tables_.jiggle_inverse, right_side_, gathered_, results_, solution_}, 1, 1);
 }
 
+void VulkanDynamics::record_motion(Commands& commands) {
+  commands.copy(motions_[current_], downloaded_);
+  is_downloaded_ = true;
+}
+
 void VulkanDynamics::set_motion(const NodeMotion& motion) {
+  is_downloaded_ = false;
   motions_[current_] = upload(device_, joined(motion), "the motion");
 }
 
 NodeMotion VulkanDynamics::motion() const {
-  const Buffer staging(device_, motions_[current_].size(), Memory::staging, "the motion");
-  Commands commands(device_);
-  commands.begin();
-  commands.copy(motions_[current_], staging);
-  commands.end();
-  commands.run();
+  if (!is_downloaded_) {
+    Commands commands(device_);
+    commands.begin();
+    commands.copy(motions_[current_], downloaded_);
+    commands.end();
+    commands.run();
+  }
   NodeMotion result;
   const std::size_t numbers = dynamics_.tets.nodes.size();
-  const std::byte* from = staging.mapped();
+  const std::byte* from = downloaded_.mapped();
   for (const auto part : kMotionParts) {
     (result.*part).resize(numbers);
     std::memcpy((result.*part).data(), from, numbers * sizeof(float));

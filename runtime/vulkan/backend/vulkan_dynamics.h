@@ -40,8 +40,11 @@ class VulkanDynamics {
   // F x V x 3: the skin that jiggles.
   const Buffer& moved() const { return batch_->moved; }
 
+  // Records a copy of the motion for the host, in commands that run before it is asked for.
+  void record_motion(Commands& commands);
+
   void set_motion(const NodeMotion& motion);
-  NodeMotion motion() const;  // waits for a copy
+  NodeMotion motion() const;  // of the last record_motion(), or, where there was none since, waits for a copy
 
  private:
   struct BatchBuffers {
@@ -71,6 +74,8 @@ class VulkanDynamics {
   std::array<Buffer, 2>
       motions_;                 // kMotionDisplacement and the like; of the last frame, and of the one before or after
   std::size_t current_ = 0;     // motion that is of the last frame
+  Buffer downloaded_;           // staged
+  bool is_downloaded_ = false;  // the current one
   std::array<Local, 2> local_;  // of the two stages of a step
   Buffer right_side_, solution_, gathered_, results_;
   std::optional<BatchBuffers> batch_;
