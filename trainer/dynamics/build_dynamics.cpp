@@ -50,7 +50,8 @@ std::string places_of(const Character& character, const std::string& defect, con
   return text.str();
 }
 
-constexpr std::size_t kMostPoses = 800;
+// Poses whose skins are held in memory at once, and the bytes of these at most.
+constexpr std::size_t kMostPoses = 800, kMostBytes = std::size_t{4} << 30;
 
 std::vector<RegionWeights> in_runtime_order(const std::vector<RegionWeights>& regions,
                                             const std::vector<std::uint32_t>& order) {
@@ -61,7 +62,8 @@ std::vector<RegionWeights> in_runtime_order(const std::vector<RegionWeights>& re
 
 // The quasi-static skin, V x 3 in runtime order, in poses spread over those given.
 std::vector<Positions> posed_skins(const Basis& basis, const std::vector<Pose>& poses) {
-  const std::size_t count = std::min(kMostPoses, poses.size());
+  const std::size_t skin = std::size_t{3} * sizeof(double) * std::max(1u, basis.mesh.vertex_count());
+  const std::size_t count = std::min({kMostPoses, poses.size(), std::max<std::size_t>(1, kMostBytes / skin)});
   if (count == 0) return {};
   Deformer deformer(basis, {.name = "cpu"});
   std::vector<Positions> skins;
