@@ -231,12 +231,12 @@ std::vector<VertexMoments> ddm_moments(const Positions& rest, const Triangles& t
   const Positions local = rest.rowwise() - middle;
   const double extent = longest_extent(rest);
   const std::vector<std::vector<RawMoments>> raw = smooth_moments(local, triangles, weights, options);
-  std::vector<VertexMoments> moments;
-  for (std::size_t v = 0; v < raw.size(); ++v) {
+  std::vector<VertexMoments> moments(raw.size());
+  parallel_for(raw.size(), [&](std::size_t v) {
     const Eigen::Vector3d position = local.row(static_cast<Eigen::Index>(v));
-    moments.push_back(centre_moments(raw[v], position, 1e-12 * extent * extent));
-    moments.back().centre += middle.transpose();
-  }
+    moments[v] = centre_moments(raw[v], position, 1e-12 * extent * extent);
+    moments[v].centre += middle.transpose();
+  });
   return moments;
 }
 
