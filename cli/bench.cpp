@@ -167,7 +167,9 @@ FrameCost measure(std::span<DeformerCall> calls, double seconds) {
   const auto run = [&] {
     const Stopwatch watch;
     evaluate_together(calls);
-    FrameCost cost{.seconds = watch.seconds() / frames, .frames = frames};
+    FrameCost cost;
+    cost.seconds = watch.seconds() / frames;
+    cost.frames = frames;
     for (const DeformerCall& call : calls) {
       if (call.error) std::rethrow_exception(call.error);
       cost.stages.add(call.evaluation->stage_seconds);
