@@ -240,6 +240,14 @@ void linear_blending(benchmark::State& state, const std::string& name) {
   report(state, of);
 }
 
+// Makes the tables, which who opens an untrained character waits for: the time of all processors.
+void made(benchmark::State& state, int halvings) {
+  Character character = human();
+  for (int k = 0; k < halvings; ++k) character = halve_all_edges(character).character;
+  for (auto _ : state) benchmark::DoNotOptimize(build_ddm_basis(character, {}));
+  state.counters["vertices"] = static_cast<double>(character.vertices.rows());
+}
+
 // a = b + 3 c over arrays that no cache holds: the bandwidth that bytes_per_second above are to be seen beside.
 void triad(benchmark::State& state) {
   const std::size_t count = std::size_t{1} << 25;
@@ -277,6 +285,13 @@ int main(int argc, char** argv) {
   if (std::getenv("BODYOPT_BENCH_CHARACTER")) {
     bodyopt::bench::add("human");
     bodyopt::bench::add("large");
+    for (const int halvings : {0, 1, 2}) {
+      benchmark::RegisterBenchmark(("human/tables made, edges halved " + std::to_string(halvings) + " times").c_str(),
+                                   [=](benchmark::State& state) { bodyopt::bench::made(state, halvings); })
+          ->Unit(benchmark::kMillisecond)
+          ->Iterations(1)
+          ->MeasureProcessCPUTime();
+    }
   }
   benchmark::RegisterBenchmark("triad", bodyopt::bench::triad)->Unit(benchmark::kMillisecond);
   benchmark::RunSpecifiedBenchmarks();
