@@ -166,8 +166,7 @@ ErrorExpectation::Energy ErrorExpectation::energy(std::size_t r, std::size_t fir
   const double learned = local.value() + double{coverage.growth[r]} * further;
   if (coverage.motion.empty()) return {learned, 0};
   // Beyond the centres the skin moves more than around them.
-  const double further_from_rest =
-      squared_length(basis_, region, frame.coordinates) / std::max(length.value(), 1e-12);
+  const double further_from_rest = squared_length(basis_, region, frame.coordinates) / std::max(length.value(), 1e-12);
   const double ddm = motion.value() * (length.value() > 0 ? std::clamp(further_from_rest, 1.0, kMostBeyond) : 1);
   const double fade{frame.fades[r]};
   return {fade * std::min(learned, ddm) + (1 - fade) * ddm, ddm};
