@@ -161,10 +161,13 @@ constexpr std::array<std::pair<const char*, double HostSeconds::*>, 4> kHostPart
                                                                                    {"order", &HostSeconds::order}}};
 
 // Runs the calls together, again and again, for so long. The evaluations keep their memory, as those of a shot do.
-FrameCost measure(std::span<DeformerCall> calls, double seconds) {
+// before: called each time, before them.
+template <typename Before>
+FrameCost measure(std::span<DeformerCall> calls, double seconds, const Before& before) {
   double frames = 0;
   for (const DeformerCall& call : calls) frames += static_cast<double>(call.poses.size());
   const auto run = [&] {
+    before();
     const Stopwatch watch;
     evaluate_together(calls);
     FrameCost cost;
@@ -189,6 +192,10 @@ FrameCost measure(std::span<DeformerCall> calls, double seconds) {
   return *middle;
 }
 
+FrameCost measure(std::span<DeformerCall> calls, double seconds) {
+  return measure(calls, seconds, [] {});
+}
+
 FrameCost measure_batch(Deformer& deformer, std::span<const Pose> poses, double seconds) {
   Evaluation evaluation;
   DeformerCall call{.deformer = &deformer, .poses = poses, .evaluation = &evaluation};
@@ -207,14 +214,14 @@ FrameCost measure_instances(const Place& place, std::span<const Pose> poses, dou
   return measure(calls, seconds);
 }
 
-// A frame at a time that jiggles, from rest again each time: as dear as any other.
+// A frame at a time that jiggles, each after the one before.
 FrameCost measure_jiggle(const Place& place, std::span<const Pose> poses, double seconds) {
   const std::unique_ptr<Deformer> deformer = place.deformer(true);
   Evaluation evaluation;
-  const int frame = 0;
+  int frame = 0;
   DeformerCall call{
       .deformer = deformer.get(), .poses = poses.first(1), .evaluation = &evaluation, .frames = std::span(&frame, 1)};
-  return measure({&call, 1}, seconds);
+  return measure({&call, 1}, seconds, [&] { ++frame; });
 }
 
 // What is measured of a basis, as JSON and as a table.

@@ -75,6 +75,35 @@ TEST_F(ActorTest, SkinOnTheDeviceHasTheBitsOfEval) {
   }
 }
 
+// A software device that nobody named draws what the CPU's kernels make, as eval does there.
+TEST_F(ActorTest, SkinThatASoftwareDeviceOnlyDrawsHasTheBitsOfTheCpu) {
+  DeviceChoice choice = test_device();
+  choice.name = "auto";
+  const auto device = std::make_shared<const vulkan::Device>(choice, vulkan::DeviceUse{.draws = true});
+  if (!device->only_draws()) GTEST_SKIP() << device->info().name << " is no software";
+  LevelPool pool;
+  Actor character(device, {jiggling_->basis, jiggling_->clip}, {}, pool);
+  EXPECT_EQ(character.shown().level().tables, nullptr);
+  Deformer deformer(jiggling_->made.basis, jiggling_->made.dynamics, {}, {.name = "cpu"});
+  const auto drawn = [&](SkinMethod method, std::size_t count) {
+    std::vector<float> values = testing::download(*device, *character.skin(method).positions);
+    values.resize(count * character.basis().mesh.rest.size());
+    return in_output_order(character.basis().mesh, values);
+  };
+  for (const std::size_t count : {1u, 4u, 1u}) {  // ghosts come and go
+    std::vector<Pose> poses;
+    for (std::size_t k = 0; k < count; ++k) poses.push_back(character.pose(static_cast<int>(3 + k), {}));
+    const Evaluation& evaluation = character.evaluate(SkinMethod::full, poses, 3, {});
+    EXPECT_TRUE(evaluation.positions.empty());
+    EXPECT_EQ(drawn(SkinMethod::full, count), deformer.evaluate(poses).positions) << count;
+  }
+  for (const int frame : {1, 2, 3}) {
+    const Pose pose = character.pose(frame, {});
+    character.evaluate(SkinMethod::jiggle, {&pose, 1}, frame, {});
+    EXPECT_EQ(drawn(SkinMethod::jiggle, 1), deformer.jiggle({&pose, 1}, {&frame, 1}).positions) << frame;
+  }
+}
+
 TEST_F(ActorTest, MeasuringLeavesWhatIsShown) {
   Actor character = small_character();
   const std::vector<float> shown = evaluate(character, SkinMethod::full, character.pose(2, {}), {});
