@@ -124,8 +124,10 @@ class VulkanBackend final : public Backend, private SplitRun {
                               (dynamics_ ? dynamics_->frame_floats() : 0);
     const std::uint64_t by_range =
         model_->limits().max_storage_buffer_range / (sizeof(float) * std::max<std::uint64_t>(1, largest));
+    // Of a large body as many frames as read a table together, where there is memory for them.
+    const std::uint64_t frame_bytes = sizeof(float) * std::max<std::uint64_t>(1, all);
     const std::uint64_t by_memory =
-        std::min(kBatchBytes, device_.info().memory_bytes / 8) / (sizeof(float) * std::max<std::uint64_t>(1, all));
+        std::min(std::max(kBatchBytes, kFramesTogether * frame_bytes), device_.info().memory_bytes / 8) / frame_bytes;
     const std::uint64_t by_groups = device_.info().max_groups_y;
     const std::uint64_t by_dynamics = dynamics_ ? dynamics_->batch_limit() : by_groups;
     return static_cast<std::uint32_t>(
