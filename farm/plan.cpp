@@ -177,12 +177,10 @@ FarmStep step_from(const JsonObject& object) {
   if (step.arguments.size() < 2 || (step.arguments[0] != "eval" && step.arguments[0] != "join")) {
     object.refuse("has arguments of something else than 'eval' or 'join'");
   }
-  const auto is_given = [&](const char* option) {
-    const auto at = std::ranges::find(step.arguments, option);
-    return at != step.arguments.end() && at + 1 != step.arguments.end() && !(at + 1)->starts_with("--");
-  };
-  for (const char* option : {is_given("--session") ? "--session" : "--clip", "--frames", "--out"}) {
-    if (step.arguments[0] == "eval" && !is_given(option)) object.refuse("has arguments without '", option, "'");
+  for (const char* option : {step.option("--session").empty() ? "--clip" : "--session", "--frames", "--out"}) {
+    if (step.arguments[0] == "eval" && step.option(option).empty()) {
+      object.refuse("has arguments without '", option, "'");
+    }
   }
   step.frames = static_cast<std::size_t>(object.integer("frames", 0));
   step.seconds = object.number("seconds", 0, 1e12);
@@ -405,6 +403,13 @@ class ShowChecker {
 };
 
 }  // namespace
+
+std::vector<std::string> FarmStep::option(const std::string& name) const {
+  auto at = std::ranges::find(arguments, name);
+  std::vector<std::string> words;
+  while (at != arguments.end() && ++at != arguments.end() && !at->starts_with("--")) words.push_back(*at);
+  return words;
+}
 
 FarmPlan plan_show(const ShowList& list, double minutes_per_task, std::vector<std::string>& problems) {
   Planner planner(60 * minutes_per_task);

@@ -17,6 +17,9 @@ struct FarmStep {
   std::size_t frames = 0;
   double seconds = 0;         // on one core, as estimated
   bool is_delivered = false;  // `out` is what the list asks for, and not a part of it
+
+  // The words after an option; none where it is not given.
+  std::vector<std::string> option(const std::string& name) const;
 };
 
 // A task is what a queue starts as one: its steps, one after the other. It needs the task of the same lane in the wave

@@ -101,25 +101,6 @@ void tell_all(const std::vector<std::string>& notes, const Tell& tell) {
 // A session may name a character without a trained basis; Direct Delta Mush then poses it.
 bool is_untrained(const ShotFiles& files) { return !files.session.file.empty() && !is_basis(files.basis); }
 
-OpenedCharacter open_levels(const ShotFiles& files) {
-  if (is_untrained(files)) {
-    ClipOptions options = files.clip.options;
-    options.unit = files.session.unit;
-    return open_character(files.basis, options);
-  }
-  OpenedCharacter opened;
-  opened.levels = load_levels(files.basis);
-  return opened;
-}
-
-Level chosen_level(const ShotFiles& files, std::vector<Level> levels) {
-  if (files.level >= levels.size()) {
-    throw Error(ErrorKind::usage, "--level asks for level ", files.level, "; ", files.basis, " has levels 0 to ",
-                levels.size() - 1);
-  }
-  return std::move(levels[files.level]);
-}
-
 void choose_shot_modifiers(const std::string& file, Basis& basis) {
   if (file.empty()) return;
   if (basis.modifiers.empty()) {
@@ -291,6 +272,24 @@ void take_session(const std::string& session, ShotFiles& files) {
   files.session.out = read.view.playback.out;
 }
 
+OpenedCharacter open_level(const ShotFiles& files) {
+  OpenedCharacter opened;
+  if (is_untrained(files)) {
+    ClipOptions options = files.clip.options;
+    options.unit = files.session.unit;
+    opened = open_character(files.basis, options);
+  } else {
+    opened.levels = load_levels(files.basis);
+  }
+  if (files.level >= opened.levels.size()) {
+    throw Error(ErrorKind::usage, "--level asks for level ", files.level, "; ", files.basis, " has levels 0 to ",
+                opened.levels.size() - 1);
+  }
+  if (files.level > 0) opened.levels.front() = std::move(opened.levels[files.level]);
+  opened.levels.resize(1);
+  return opened;
+}
+
 Clip read_own_clip(const ClipChoice& choice, const Basis& basis, std::optional<Clip> own) {
   if (!choice.source.empty()) return choice.read(basis, kept_unit(basis));
   return own ? std::move(*own) : still_clip(basis.skeleton, choice.options);
@@ -348,9 +347,9 @@ Shot read_shot(const ShotFiles& files, const Tell& tell) {
   shot.jiggles = files.jiggle.jiggle;
   shot.checks = files.device.check;
   shot.preroll = files.jiggle.preroll;
-  OpenedCharacter opened = open_levels(files);
+  OpenedCharacter opened = open_level(files);
   tell_all(opened.notes, tell);
-  Level level = chosen_level(files, std::move(opened.levels));
+  Level& level = opened.levels.front();
   shot.carried = std::move(level.carried);
   choose_shot_modifiers(files.modifiers, level.basis);
   shot.deformer = make_deformer(files, std::move(level.basis));

@@ -82,6 +82,10 @@ struct ShotFiles {
 // Throws Error(file).
 void take_session(const std::string& session, ShotFiles& files);
 
+// Opens the character, and keeps of its levels the one that is asked for. Throws Error(file), and Error(usage) for a
+// level that is not there.
+OpenedCharacter open_level(const ShotFiles& files);
+
 // Reads the chosen clip. Otherwise takes the character's own, or the bind pose, as the viewport poses a lead that plays
 // none. Throws as ClipChoice::read().
 Clip read_own_clip(const ClipChoice& choice, const Basis& basis, std::optional<Clip> own);
