@@ -98,9 +98,6 @@ void tell_all(const std::vector<std::string>& notes, const Tell& tell) {
   for (const std::string& note : notes) tell(note);
 }
 
-// A session may name a character without a trained basis; Direct Delta Mush then poses it.
-bool is_untrained(const ShotFiles& files) { return !files.session.file.empty() && !is_basis(files.basis); }
-
 void choose_shot_modifiers(const std::string& file, Basis& basis) {
   if (file.empty()) return;
   if (basis.modifiers.empty()) {
@@ -113,7 +110,7 @@ void choose_shot_modifiers(const std::string& file, Basis& basis) {
 std::unique_ptr<Deformer> make_deformer(const ShotFiles& files, Basis basis) {
   const JiggleChoice& choice = files.jiggle;
   if (!choice.jiggle) return std::make_unique<Deformer>(std::move(basis), files.device);
-  if (is_untrained(files)) refuse_jiggle(files.session.file);
+  if (files.is_untrained()) refuse_jiggle(files.session.file);
   const std::string file = choice.file(files.basis);
   if (choice.dynamics.empty() && !fs::exists(file)) {
     throw Error(ErrorKind::file, file,
@@ -128,16 +125,6 @@ std::unique_ptr<Deformer> make_deformer(const ShotFiles& files, Basis basis) {
   auto deformer = std::make_unique<Deformer>(std::move(basis), std::move(tables), options, files.device);
   if (!choice.state_in.empty()) deformer->set_state(load_state(choice.state_in, *deformer->dynamics()));
   return deformer;
-}
-
-// Frames of a clip that its session does not play are left out.
-void keep_range(const ShotFiles& files, Shot& shot) {
-  const SessionPosing& session = files.session;
-  std::erase_if(shot.frames,
-                [&](int frame) { return frame < session.in.value_or(frame) || frame > session.out.value_or(frame); });
-  if (!shot.frames.empty()) return;
-  throw Error(ErrorKind::usage, session.file, ": '", files.clip.source.empty() ? shot.clip.name : files.clip.source,
-              "' has no frame of the range that it plays: was the clip replaced? --frames chooses others");
 }
 
 void pose_by_session(const SessionPosing& session, Shot& shot) {
@@ -175,14 +162,6 @@ void require_frames_in_order(const Shot& shot, const std::string& state_in, cons
     if (cut >= frames.front() && cut <= frames.back()) continue;
     tell(concat("the cut at frame ", cut, " is not among the frames ", frames.front(), " to ", frames.back()));
   }
-}
-
-Attachments read_attachments(const ShotFiles& files, const Basis& basis) {
-  if (!files.attached.empty()) return load_attachments(files.attached, basis);
-  const fs::path beside = attachments_beside(files.basis);
-  // Attached meshes follow the finest level.
-  if (files.level > 0 || !fs::exists(beside)) return {};
-  return load_attachments(beside, basis, files.basis);
 }
 
 // `own`: the character where nobody trained it.
@@ -224,6 +203,8 @@ std::string JiggleChoice::file(const std::string& basis) const {
   if (!jiggle) return "";
   return dynamics.empty() ? dynamics_beside(basis).string() : dynamics;
 }
+
+bool ShotFiles::is_untrained() const { return !session.file.empty() && !is_basis(basis); }
 
 std::vector<fs::path> ShotFiles::paths() const {
   std::vector<fs::path> paths;
@@ -274,7 +255,7 @@ void take_session(const std::string& session, ShotFiles& files) {
 
 OpenedCharacter open_level(const ShotFiles& files) {
   OpenedCharacter opened;
-  if (is_untrained(files)) {
+  if (files.is_untrained()) {
     ClipOptions options = files.clip.options;
     options.unit = files.session.unit;
     opened = open_character(files.basis, options);
@@ -293,6 +274,25 @@ OpenedCharacter open_level(const ShotFiles& files) {
 Clip read_own_clip(const ClipChoice& choice, const Basis& basis, std::optional<Clip> own) {
   if (!choice.source.empty()) return choice.read(basis, kept_unit(basis));
   return own ? std::move(*own) : still_clip(basis.skeleton, choice.options);
+}
+
+std::vector<int> shot_frames(const ShotFiles& files, const ClipSpan& clip) {
+  const SessionPosing& session = files.session;
+  std::vector<int> frames = files.clip.chosen_frames(clip);
+  std::erase_if(frames,
+                [&](int frame) { return frame < session.in.value_or(frame) || frame > session.out.value_or(frame); });
+  if (!frames.empty()) return frames;
+  throw Error(ErrorKind::usage, session.file, ": '", files.clip.source.empty() ? clip.name : files.clip.source,
+              "' has no frame of the range that it plays: was the clip replaced? --frames chooses others");
+}
+
+Attachments read_attachments(const ShotFiles& files, const Basis& basis, Attachments own) {
+  if (!files.attached.empty()) return load_attachments(files.attached, basis);
+  if (files.is_untrained()) return own;
+  const fs::path beside = attachments_beside(files.basis);
+  // Attached meshes follow the finest level.
+  if (files.level > 0 || !fs::exists(beside)) return {};
+  return load_attachments(beside, basis, files.basis);
 }
 
 void refuse_jiggle(const std::string& session) {
@@ -361,8 +361,7 @@ Shot read_shot(const ShotFiles& files, const Tell& tell) {
   }
   shot.clip = read_own_clip(files.clip, shot.basis(), std::move(opened.clip));
   tell_all(shot.clip.notes, tell);
-  shot.frames = files.clip.chosen_frames(shot.clip);
-  keep_range(files, shot);
+  shot.frames = shot_frames(files, shot.clip);
   pose_by_session(files.session, shot);
   drive_modifiers(files.controls, shot, tell);
   if (shot.jiggles) {
@@ -372,8 +371,7 @@ Shot read_shot(const ShotFiles& files, const Tell& tell) {
     const bool says_nothing = files.jiggle.preroll == 0 && files.jiggle.state_in.empty();
     if (says_nothing && !files.session.file.empty()) shot.preroll = usual_preroll(shot);
   }
-  shot.attached = is_untrained(files) && files.attached.empty() ? std::move(opened.attached)
-                                                                : read_attachments(files, shot.basis());
+  shot.attached = read_attachments(files, shot.basis(), std::move(opened.attached));
   const std::string& own = files.character.empty() ? files.session.character : files.character;
   shot.surfaces = attached_surfaces(own, shot.basis(), shot.attached, tell);
   if (files.is_rigged) shot.bound = bind_skin(files, shot, std::move(opened.character));

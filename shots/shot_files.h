@@ -74,6 +74,8 @@ struct ShotFiles {
   JiggleChoice jiggle;
   DeviceChoice device;
 
+  // A session may name a character without a trained basis; Direct Delta Mush then poses it.
+  bool is_untrained() const;
   // Returns all files that decide the result.
   std::vector<std::filesystem::path> paths() const;
 };
@@ -89,6 +91,14 @@ OpenedCharacter open_level(const ShotFiles& files);
 // Reads the chosen clip. Otherwise takes the character's own, or the bind pose, as the viewport poses a lead that plays
 // none. Throws as ClipChoice::read().
 Clip read_own_clip(const ClipChoice& choice, const Basis& basis, std::optional<Clip> own);
+
+// Numbers of the chosen frames; frames that the session does not play are left out. Throws Error(usage) for frames that
+// the clip does not have, and where none are left.
+std::vector<int> shot_frames(const ShotFiles& files, const ClipSpan& clip);
+
+// Reads what is attached to the skin. `own`: what an untrained character brings along. Throws Error(file),
+// Error(mismatch).
+Attachments read_attachments(const ShotFiles& files, const Basis& basis, Attachments own);
 
 // Refuses to jiggle a session's lead that nobody trained. Throws Error(usage).
 [[noreturn]] void refuse_jiggle(const std::string& session);

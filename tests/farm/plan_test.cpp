@@ -155,7 +155,7 @@ TEST_F(PlanShow, SaysAllThatIsWrongAtOnce) {
   std::sort(problems_.begin(), problems_.end());
   std::vector<std::string> named;
   for (const char* part :
-       {"frmaes", "frame 300", "':' is refused", "overlap", "gone.glb", "levels 0 to 0", "as does",
+       {"frmaes", "asks for frame 241", "':' is refused", "overlap", "gone.glb", "levels 0 to 0", "as does",
         "cannot be part of a file's name", "cannot be written into", "looks like an option", "dynamics"}) {
     for (const std::string& problem : problems_) {
       if (problem.find(part) == std::string::npos) continue;
