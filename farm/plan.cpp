@@ -273,6 +273,10 @@ ClipKey clip_key(const ShotFiles& files) {
           options.unit,      options.controls, options.joint_map, options.up};
 }
 
+std::string about(const ShowElement& element, const std::string& what) {
+  return element.place + " (" + element.shot + ", " + element.element + "): " + what;
+}
+
 class ShowChecker {
  public:
   CheckedElement check(const ShowElement& element) {
@@ -288,6 +292,7 @@ class ShowChecker {
     checked.attached = attached_.get({character_key(files), files.attached},
                                      [&] { return names_of(read_attachments(files, basis, opened.attached).meshes); });
     check_output(element, checked.attached);
+    checked.note = missing_jiggle(files);
     return checked;
   }
 
@@ -357,8 +362,14 @@ std::vector<std::string> FarmStep::option(const std::string& name) const {
 
 FarmPlan plan_show(const ShowList& list, double minutes_per_task, std::vector<std::string>& problems) {
   Planner planner(60 * minutes_per_task);
-  for (const CheckedElement& checked : check_show(list, problems)) planner.add(checked);
-  return planner.finish(list.show);
+  std::vector<std::string> notes;
+  for (const CheckedElement& checked : check_show(list, problems)) {
+    planner.add(checked);
+    if (!checked.note.empty()) notes.push_back(about(*checked.element, checked.note));
+  }
+  FarmPlan plan = planner.finish(list.show);
+  plan.notes = std::move(notes);
+  return plan;
 }
 
 void write_plan(const FarmPlan& plan, const fs::path& folder) {
@@ -415,7 +426,7 @@ std::vector<CheckedElement> check_show(const ShowList& list, std::vector<std::st
     try {
       checked.push_back(checker.check(element));
     } catch (const Error& error) {
-      problems.push_back(element.place + " (" + element.shot + ", " + element.element + "): " + error.what());
+      problems.push_back(about(element, error.what()));
     }
   }
   return checked;

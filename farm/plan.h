@@ -33,8 +33,9 @@ struct FarmTask {
 
 struct FarmPlan {
   std::string show;
-  std::vector<FarmTask> tasks;  // by wave, then by lane
-  bool joins = false;           // the last wave joins
+  std::vector<FarmTask> tasks;       // by wave, then by lane
+  bool joins = false;                // the last wave joins
+  std::vector<std::string> notes{};  // for who plans, one sentence each; not in the file
 
   int wave_count() const { return tasks.empty() ? 0 : tasks.back().wave + 1; }
 };
@@ -64,6 +65,7 @@ struct CheckedElement {
   std::vector<int> frames;
   double frame_ms = 0;                // on one core
   std::vector<std::string> attached;  // names of the meshes attached to the skin
+  std::string note{};                 // for who plans; or empty
 };
 
 // Returns the sound elements. Faults of the others go to `problems`, a sentence each. Every file is read once.

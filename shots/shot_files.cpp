@@ -246,6 +246,7 @@ void take_session(const std::string& session, ShotFiles& files) {
                    .character = character,
                    .limits = lead.files.limits,
                    .pose = lead.pose,
+                   .jiggles = read.view.jiggle.on,
                    .jiggle = static_cast<float>(read.view.jiggle.amount),
                    .unit = read.clip.unit};
   if (!files.clip.frames.empty()) return;
@@ -293,6 +294,14 @@ Attachments read_attachments(const ShotFiles& files, const Basis& basis, Attachm
   // Attached meshes follow the finest level.
   if (files.level > 0 || !fs::exists(beside)) return {};
   return load_attachments(beside, basis, files.basis);
+}
+
+std::string missing_jiggle(const ShotFiles& files) {
+  const bool is_missing = files.session.jiggles && files.session.jiggle > 0 && !files.jiggle.jiggle &&
+                          files.level == 0 && !files.is_untrained() && fs::exists(dynamics_beside(files.basis));
+  if (!is_missing) return "";
+  return files.session.file +
+         ": its lead jiggles in the viewport, and is evaluated without: give --jiggle, or in a list \"jiggle\": true";
 }
 
 void refuse_jiggle(const std::string& session) {
@@ -359,6 +368,7 @@ Shot read_shot(const ShotFiles& files, const Tell& tell) {
   } else if (!files.session.character.empty()) {
     shot.surface = surface_if_any(files.session.character, shot.basis().mesh, tell);
   }
+  if (const std::string missing = missing_jiggle(files); !missing.empty()) tell(missing);
   shot.clip = read_own_clip(files.clip, shot.basis(), std::move(opened.clip));
   tell_all(shot.clip.notes, tell);
   shot.frames = shot_frames(files, shot.clip);

@@ -57,6 +57,7 @@ struct SessionPosing {
   std::string limits;       // of the joints; or empty
   ViewSettings::Posing pose{};
   std::optional<int> in{}, out{};  // ends of the range that it plays; otherwise the clip's
+  bool jiggles = false;            // in the viewport
   float jiggle = 1;                // how much of it is shown
   double unit = 0;                 // metres per unit of a character that is no basis; 0: as its file says
 };
@@ -99,6 +100,9 @@ std::vector<int> shot_frames(const ShotFiles& files, const ClipSpan& clip);
 // Reads what is attached to the skin. `own`: what an untrained character brings along. Throws Error(file),
 // Error(mismatch).
 Attachments read_attachments(const ShotFiles& files, const Basis& basis, Attachments own);
+
+// Says that the session's lead jiggles in the viewport and stays still in the shot; otherwise empty.
+std::string missing_jiggle(const ShotFiles& files);
 
 // Refuses to jiggle a session's lead that nobody trained. Throws Error(usage).
 [[noreturn]] void refuse_jiggle(const std::string& session);

@@ -94,6 +94,22 @@ TEST_F(PlanShow, ASessionIsItsLead) {
   expect_problems({"leave out 'basis' and 'clip'", "walk.glb", "none.json"});
 }
 
+TEST_F(PlanShow, ASessionThatJigglesIsToldWithoutIt) {
+  write("hero.dynamics.safetensors", "is there");
+  for (const char* on : {"false", "true"}) {
+    write("shot.json", concat(R"({"schema": "bodyopt-session-1", "view": {"jiggle": {"on": )", on,
+                              R"(}}, "characters": [{"basis": "hero.safetensors", "clip": "walk.glb"}]})"));
+    const FarmPlan planned = plan_show(read("a.json", R"({"schema": "bodyopt-shots-1", "elements": [
+      {"shot": "a", "element": "hero", "out": "a.pc2", "session": "shot.json"}]})"),
+                                       5, problems_);
+    expect_problems({});
+    ASSERT_EQ(planned.notes.size(), on == std::string("true") ? 1u : 0u);
+    for (const std::string& note : planned.notes) {
+      EXPECT_TRUE(note.starts_with("elements[0] (a, hero): ") && note.find("--jiggle") != std::string::npos) << note;
+    }
+  }
+}
+
 // Of a character that nobody trained, too: it plays its own clip, and wears its own meshes. Its jiggle is refused.
 TEST_F(PlanShow, ASessionsLeadNeedsNoTraining) {
   write("shot.json", R"({"schema": "bodyopt-session-1", "characters": [{}], "view": {"playback": {"in": 3}}})");
