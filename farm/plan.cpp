@@ -14,6 +14,7 @@
 #include "assets/cache_writer.h"
 #include "assets/clip.h"
 #include "assets/frame_range.h"
+#include "assets/join_caches.h"
 #include "assets/json_file.h"
 #include "assets/wording.h"
 #include "runtime/basis/attachments.h"
@@ -99,7 +100,7 @@ class Planner {
   void add(const CheckedElement& checked) {
     const double seconds = seconds_of(checked, checked.frames.size());
     const auto count = std::min(checked.frames.size(), static_cast<std::size_t>(std::ceil(seconds / limit_)));
-    const bool can_be_joined = !checked.element->out.ends_with(".glb") && !checked.element->has("rigged");
+    const bool can_be_joined = can_join(checked.element->out) && !checked.element->has("rigged");
     if (seconds <= kLongestShare * limit_ || count < 2 || !can_be_joined) {
       FarmStep step = step_of(checked, {checked.frames, checked.element->out, "", ""}, true);
       step.is_delivered = true;
@@ -306,8 +307,8 @@ class ShowChecker {
 
   void check_output(const ShowElement& element, const std::vector<std::string>& attached) {
     const fs::path out = element.out;
-    if (out.extension() != ".pc2" && !holds_triangles(out)) {
-      throw Error(ErrorKind::usage, "out '", element.out, "' does not end in .pc2, .usda or .glb");
+    if (const std::string wanted = missing_ending(element.out, kCacheEndings); !wanted.empty()) {
+      throw Error(ErrorKind::usage, "out '", element.out, "' does not end in ", wanted);
     }
     const bool has_character = !element.option("character", "").empty() || !element.session.empty();
     if (!element.option("character", "").empty() && !holds_triangles(out)) {
