@@ -51,6 +51,9 @@ void require_sample(const std::filesystem::path& path, const CacheLayout& layout
                     std::span<const float> values);
 void require_all_samples(const std::filesystem::path& path, const CacheLayout& layout, std::size_t done);
 
+// The endings of caches, as missing_ending() takes them.
+inline constexpr char kCacheEndings[] = ".pc2|.mdd|.usda|.glb";
+
 // `.usda`: USD text, see usda.h; `.glb`: glTF with morph targets, see gltf_shapes.h; `.mdd` and anything else: MDD and
 // PC2, see pc2.h. Throws Error(file), Error(usage).
 std::unique_ptr<CacheWriter> write_cache(const std::filesystem::path& path, CacheLayout layout);

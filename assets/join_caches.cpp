@@ -106,6 +106,8 @@ void join_usda(const std::vector<fs::path>& paths, const fs::path& out) {
 
 }  // namespace
 
+bool can_join(const fs::path& cache) { return cache.extension() != ".glb" && cache.extension() != ".mdd"; }
+
 void join_caches(const std::vector<fs::path>& parts, const fs::path& out) {
   if (parts.empty()) throw Error(ErrorKind::usage, out, ": there are no parts to join");
   for (const fs::path& part : parts) {

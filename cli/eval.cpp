@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "assets/cache_writer.h"
 #include "assets/frame_range.h"
 #include "assets/json_file.h"
 #include "base/progress.h"
@@ -365,10 +366,10 @@ void declare_eval(CLI::App& verb, EvalArguments& arguments) {
            "Run every stage on the CPU, too, and stop at the first difference");
   arguments.clip.add_unit(verb);
   add_required(
-      verb, "--out", arguments.cache.out, "FILE.pc2|.mdd|.usda|.glb",
+      verb, "--out", arguments.cache.out, concat("FILE", kCacheEndings),
       "Cache to write: a PC2 or MDD point cache, USD text or glTF with morph targets; '####' in its name is the first "
       "frame")
-      ->check(must_end_in(".pc2|.mdd|.usda|.glb"));
+      ->check(must_end_in(kCacheEndings));
   add_option(verb, "--character", arguments.shot.character, "FILE",
              "The character's own file: its texture coordinates and materials go into a .glb, the first into a .usda");
   add_flag(

@@ -46,6 +46,7 @@ void plan(const FarmArguments& arguments) {
   if (!problems.empty()) {
     throw Error(ErrorKind::usage, format("{}: {} problems; nothing is planned", arguments.list, problems.size()));
   }
+  say(plan.notes);
   make_folder(arguments.out);
   write_plan(plan, fs::absolute(arguments.out));
   double seconds = 0;

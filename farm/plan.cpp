@@ -9,17 +9,18 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <sstream>
+#include <tuple>
 
 #include "assets/cache_writer.h"
 #include "assets/clip.h"
 #include "assets/frame_range.h"
+#include "assets/join_caches.h"
 #include "assets/json_file.h"
+#include "assets/wording.h"
 #include "runtime/basis/attachments.h"
 #include "runtime/basis/dynamics.h"
-#include "runtime/basis/levels.h"
 #include "runtime/core/error.h"
 #include "runtime/core/transformed.h"
-#include "shots/session/session_file.h"
 #include "shots/shot_files.h"
 
 namespace bodyopt {
@@ -99,7 +100,7 @@ class Planner {
   void add(const CheckedElement& checked) {
     const double seconds = seconds_of(checked, checked.frames.size());
     const auto count = std::min(checked.frames.size(), static_cast<std::size_t>(std::ceil(seconds / limit_)));
-    const bool can_be_joined = !checked.element->out.ends_with(".glb") && !checked.element->has("rigged");
+    const bool can_be_joined = can_join(checked.element->out) && !checked.element->has("rigged");
     if (seconds <= kLongestShare * limit_ || count < 2 || !can_be_joined) {
       FarmStep step = step_of(checked, {checked.frames, checked.element->out, "", ""}, true);
       step.is_delivered = true;
@@ -177,12 +178,10 @@ FarmStep step_from(const JsonObject& object) {
   if (step.arguments.size() < 2 || (step.arguments[0] != "eval" && step.arguments[0] != "join")) {
     object.refuse("has arguments of something else than 'eval' or 'join'");
   }
-  const auto is_given = [&](const char* option) {
-    const auto at = std::ranges::find(step.arguments, option);
-    return at != step.arguments.end() && at + 1 != step.arguments.end() && !(at + 1)->starts_with("--");
-  };
-  for (const char* option : {is_given("--session") ? "--session" : "--clip", "--frames", "--out"}) {
-    if (step.arguments[0] == "eval" && !is_given(option)) object.refuse("has arguments without '", option, "'");
+  for (const char* option : {step.option("--session").empty() ? "--clip" : "--session", "--frames", "--out"}) {
+    if (step.arguments[0] == "eval" && step.option(option).empty()) {
+      object.refuse("has arguments without '", option, "'");
+    }
   }
   step.frames = static_cast<std::size_t>(object.integer("frames", 0));
   step.seconds = object.number("seconds", 0, 1e12);
@@ -195,23 +194,12 @@ fs::path plan_file(const fs::path& folder) { return folder / "plan.json"; }
 // Measured on one core of the machine of docs/notes (The farm): of the skin per vertex, of the jiggle per tetrahedron.
 constexpr double kMillisecondsPerPoint = 7e-4, kMillisecondsPerTet = 4e-3;
 
-// A level of a basis; of a character that nobody trained what it brings along, too.
-struct ShownLevel {
-  Basis basis;
-  std::optional<Clip> clip{};
-  Attachments attached{};
-};
-
-struct FrameSpan {
-  int first, last;
-};
-
 // Reads each thing once; what could not be read is reported to every caller.
-template <typename Value>
+template <typename Key, typename Value>
 class Once {
  public:
   template <typename Read>
-  const Value& get(const std::string& key, const Read& read) {
+  const Value& get(const Key& key, const Read& read) {
     auto found = values_.find(key);
     if (found == values_.end()) {
       found = values_.emplace(key, Entry{}).first;
@@ -230,7 +218,7 @@ class Once {
     std::optional<Value> value;
     std::optional<Error> failure;
   };
-  std::map<std::string, Entry> values_;
+  std::map<Key, Entry> values_;
 };
 
 // Each part of a range begins after the end of the one before.
@@ -246,25 +234,6 @@ void require_rising(const std::string& range) {
   }
 }
 
-// Takes a session's settings of its lead over as if the list gave them.
-ShowElement as_listed(ShowElement element) {
-  if (element.session.empty()) return element;
-  ShotFiles files;
-  take_session(element.session, files);
-  element.basis = files.basis;
-  element.clip = files.clip.source;
-  const ClipOptions& options = files.clip.options;
-  element.options["fps"] = {std::to_string(options.fps)};
-  if (!options.joint_map.empty()) element.options["joint-map"] = {options.joint_map};
-  if (!options.up.empty()) element.options["up"] = {options.up};
-  element.session_in = files.session.in;
-  element.session_out = files.session.out;
-  element.session_unit = files.session.unit;
-  return element;
-}
-
-bool is_untrained(const ShowElement& element) { return !element.session.empty() && !is_basis(element.basis); }
-
 ClipOptions clip_options(const ShowElement& element) {
   ClipOptions options;
   options.fps = std::atof(element.option("fps", "24").c_str());
@@ -276,91 +245,70 @@ ClipOptions clip_options(const ShowElement& element) {
   return options;
 }
 
-// All of the clip, or what the session plays of it.
-std::string played_range(const ShowElement& element, const FrameSpan& clip) {
-  const int first = std::max(clip.first, element.session_in.value_or(clip.first));
-  const int last = std::min(clip.last, element.session_out.value_or(clip.last));
-  if (first > last) {
-    throw Error(ErrorKind::usage, element.session, ": '", element.clip,
-                "' has no frame of the range that it plays: was the clip replaced? 'frames' chooses others");
-  }
-  return std::to_string(first) + "-" + std::to_string(last);
+// What `eval` reads of the element.
+ShotFiles shot_files(const ShowElement& element) {
+  ShotFiles files;
+  files.basis = element.basis;
+  files.level = std::strtoul(element.option("level", "0").c_str(), nullptr, 10);
+  files.clip = {element.clip, element.frames, clip_options(element)};
+  files.attached = element.option("attached", "");
+  files.jiggle.jiggle = element.has("jiggle");
+  files.jiggle.dynamics = element.option("dynamics", "");
+  if (!element.session.empty()) take_session(element.session, files);
+  return files;
+}
+
+// What tells one character from another: of an untrained one its session gives the unit and the first frame.
+using CharacterKey = std::tuple<std::string, std::size_t, std::string, int>;
+
+CharacterKey character_key(const ShotFiles& files) {
+  if (!files.is_untrained()) return {files.basis, files.level, "", 0};
+  return {files.basis, files.level, files.session.file, files.clip.options.first_frame};
+}
+
+using ClipKey = std::tuple<std::string, std::string, double, int, double, std::string, std::string, std::string>;
+
+ClipKey clip_key(const ShotFiles& files) {
+  const ClipOptions& options = files.clip.options;
+  return {files.clip.source, files.basis,      options.fps,       options.first_frame,
+          options.unit,      options.controls, options.joint_map, options.up};
+}
+
+std::string about(const ShowElement& element, const std::string& what) {
+  return element.place + " (" + element.shot + ", " + element.element + "): " + what;
 }
 
 class ShowChecker {
  public:
-  CheckedElement check(const ShowElement& listed) {
-    const ShowElement element = as_listed(listed);
-    const std::string level = element.option("level", "0");
-    std::string key = element.basis + '\0' + level;
-    if (is_untrained(element)) key += '\0' + element.session + '\0' + element.option("first-frame", "");
-    const ShownLevel& character = characters_.get(key, [&] { return read(element, level); });
-    CheckedElement checked{&listed, frames_of(element, character), 0, {}};
-    checked.frame_ms = kMillisecondsPerPoint * static_cast<double>(character.basis.mesh.output_count());
-    if (element.has("jiggle")) checked.frame_ms += kMillisecondsPerTet * tets(element, character.basis);
+  CheckedElement check(const ShowElement& element) {
+    const ShotFiles files = shot_files(element);
+    const OpenedCharacter& opened = characters_.get(character_key(files), [&] { return open_level(files); });
+    const Basis& basis = opened.levels.front().basis;
+    const ClipSpan& clip = clips_.get(clip_key(files), [&] { return read_own_clip(files.clip, basis, opened.clip); });
+    if (!element.frames.empty()) require_rising(element.frames);
+    CheckedElement checked{&element, shot_frames(files, clip), 0, {}};
+    checked.frame_ms = kMillisecondsPerPoint * static_cast<double>(basis.mesh.output_count());
+    if (files.jiggle.jiggle) checked.frame_ms += kMillisecondsPerTet * tets(files, basis);
     if (element.frame_ms > 0) checked.frame_ms = element.frame_ms;
-    if (level == "0") checked.attached = attached(element, character);
-    check_output(listed, checked.attached);
+    checked.attached = attached_.get({character_key(files), files.attached},
+                                     [&] { return names_of(read_attachments(files, basis, opened.attached).meshes); });
+    check_output(element, checked.attached);
+    checked.note = missing_jiggle(files);
     return checked;
   }
 
  private:
-  static ShownLevel read(const ShowElement& element, const std::string& level) {
-    OpenedCharacter opened;
-    if (is_untrained(element)) {
-      ClipOptions options = clip_options(element);
-      options.unit = element.session_unit;
-      opened = open_character(element.basis, options);
-    } else {
-      opened.levels = load_levels(element.basis);
-    }
-    const std::size_t number = std::strtoul(level.c_str(), nullptr, 10);
-    if (number >= opened.levels.size()) {
-      throw Error(ErrorKind::usage, "level ", level, " is asked for; ", element.basis, " has levels 0 to ",
-                  opened.levels.size() - 1);
-    }
-    return {std::move(opened.levels[number].basis), std::move(opened.clip), std::move(opened.attached)};
-  }
-
-  std::vector<int> frames_of(const ShowElement& element, const ShownLevel& character) {
-    std::string key = element.clip + '\0' + element.basis;
-    for (const char* option : {"fps", "first-frame", "controls", "joint-map", "unit", "up"}) {
-      key += '\0' + element.option(option, "");
-    }
-    const FrameSpan span = spans_.get(key, [&] {
-      const Clip clip = read_own_clip({element.clip, "", clip_options(element)}, character.basis, character.clip);
-      return FrameSpan{clip.first_frame, clip.last_frame()};
-    });
-    const std::string range = element.frames.empty() ? played_range(element, span) : element.frames;
-    require_rising(range);
-    const std::vector<int> frames = parse_frame_range(range);
-    for (const int frame : {frames.front(), frames.back()}) {
-      if (frame >= span.first && frame <= span.last) continue;
-      throw Error(ErrorKind::usage, "frame ", frame, " is asked for; '", element.clip, "' has frames ", span.first,
-                  " to ", span.last);
-    }
-    return frames;
-  }
-
-  double tets(const ShowElement& element, const Basis& basis) {
-    if (is_untrained(element)) refuse_jiggle(element.session);
-    const std::string file = element.option("dynamics", dynamics_beside(element.basis).string());
-    return tets_.get(file + '\0' + element.basis,
+  double tets(const ShotFiles& files, const Basis& basis) {
+    if (files.is_untrained()) refuse_jiggle(files.session.file);
+    const std::string file = files.jiggle.file(files.basis);
+    return tets_.get({character_key(files), file},
                      [&] { return static_cast<double>(load_dynamics(file, basis).tets.tet_count()); });
-  }
-
-  std::vector<std::string> attached(const ShowElement& element, const ShownLevel& character) {
-    const auto names = [](const Attachments& all) { return transformed(all.meshes, &AttachedMesh::name); };
-    const fs::path beside = is_untrained(element) ? fs::path() : attachments_beside(element.basis);
-    const std::string file = element.option("attached", fs::exists(beside) ? beside.string() : "");
-    if (file.empty()) return names(character.attached);
-    return attached_.get(file + '\0' + element.basis, [&] { return names(load_attachments(file, character.basis)); });
   }
 
   void check_output(const ShowElement& element, const std::vector<std::string>& attached) {
     const fs::path out = element.out;
-    if (out.extension() != ".pc2" && !holds_triangles(out)) {
-      throw Error(ErrorKind::usage, "out '", element.out, "' does not end in .pc2, .usda or .glb");
+    if (const std::string wanted = missing_ending(element.out, kCacheEndings); !wanted.empty()) {
+      throw Error(ErrorKind::usage, "out '", element.out, "' does not end in ", wanted);
     }
     const bool has_character = !element.option("character", "").empty() || !element.session.empty();
     if (!element.option("character", "").empty() && !holds_triangles(out)) {
@@ -375,7 +323,7 @@ class ShowChecker {
           ErrorKind::usage, "out '", element.out,
           "' holds '#' or an unknown {field}: known are {shot} and {element}; parts of a shot are named by the plan");
     }
-    folders_.get(out.parent_path().string(), [&] { return require_writable_folder(out.parent_path()); });
+    folders_.get(out.parent_path(), [&] { return require_writable_folder(out.parent_path()); });
     std::vector<std::string> files{element.out};
     for (const std::string& mesh : attached) {
       files.push_back(fs::path(out).replace_extension("." + mesh + out.extension().string()).string());
@@ -396,20 +344,33 @@ class ShowChecker {
     throw Error(ErrorKind::file, folder, ": cannot be written into: expected a folder that is writable from here");
   }
 
-  Once<ShownLevel> characters_;
-  Once<FrameSpan> spans_;
-  Once<double> tets_;
-  Once<std::vector<std::string>> attached_;
-  Once<bool> folders_;
+  Once<CharacterKey, OpenedCharacter> characters_;
+  Once<ClipKey, ClipSpan> clips_;
+  Once<std::pair<CharacterKey, std::string>, double> tets_;
+  Once<std::pair<CharacterKey, std::string>, std::vector<std::string>> attached_;
+  Once<fs::path, bool> folders_;
   std::map<std::string, const ShowElement*> writers_;
 };
 
 }  // namespace
 
+std::vector<std::string> FarmStep::option(const std::string& name) const {
+  auto at = std::ranges::find(arguments, name);
+  std::vector<std::string> words;
+  while (at != arguments.end() && ++at != arguments.end() && !at->starts_with("--")) words.push_back(*at);
+  return words;
+}
+
 FarmPlan plan_show(const ShowList& list, double minutes_per_task, std::vector<std::string>& problems) {
   Planner planner(60 * minutes_per_task);
-  for (const CheckedElement& checked : check_show(list, problems)) planner.add(checked);
-  return planner.finish(list.show);
+  std::vector<std::string> notes;
+  for (const CheckedElement& checked : check_show(list, problems)) {
+    planner.add(checked);
+    if (!checked.note.empty()) notes.push_back(about(*checked.element, checked.note));
+  }
+  FarmPlan plan = planner.finish(list.show);
+  plan.notes = std::move(notes);
+  return plan;
 }
 
 void write_plan(const FarmPlan& plan, const fs::path& folder) {
@@ -466,7 +427,7 @@ std::vector<CheckedElement> check_show(const ShowList& list, std::vector<std::st
     try {
       checked.push_back(checker.check(element));
     } catch (const Error& error) {
-      problems.push_back(element.place + " (" + element.shot + ", " + element.element + "): " + error.what());
+      problems.push_back(about(element, error.what()));
     }
   }
   return checked;

@@ -17,6 +17,9 @@ struct FarmStep {
   std::size_t frames = 0;
   double seconds = 0;         // on one core, as estimated
   bool is_delivered = false;  // `out` is what the list asks for, and not a part of it
+
+  // The words after an option; none where it is not given.
+  std::vector<std::string> option(const std::string& name) const;
 };
 
 // A task is what a queue starts as one: its steps, one after the other. It needs the task of the same lane in the wave
@@ -30,8 +33,9 @@ struct FarmTask {
 
 struct FarmPlan {
   std::string show;
-  std::vector<FarmTask> tasks;  // by wave, then by lane
-  bool joins = false;           // the last wave joins
+  std::vector<FarmTask> tasks;       // by wave, then by lane
+  bool joins = false;                // the last wave joins
+  std::vector<std::string> notes{};  // for who plans, one sentence each; not in the file
 
   int wave_count() const { return tasks.empty() ? 0 : tasks.back().wave + 1; }
 };
@@ -61,6 +65,7 @@ struct CheckedElement {
   std::vector<int> frames;
   double frame_ms = 0;                // on one core
   std::vector<std::string> attached;  // names of the meshes attached to the skin
+  std::string note{};                 // for who plans; or empty
 };
 
 // Returns the sound elements. Faults of the others go to `problems`, a sentence each. Every file is read once.

@@ -3,7 +3,6 @@
 
 #include <filesystem>
 #include <map>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -14,8 +13,6 @@ struct ShowElement {
   std::string place;  // "elements[3]" or "line 5", for messages
   std::string shot, element;
   std::string session;  // of the viewport: in place of the basis and the clip; empty: there is none
-  std::optional<int> session_in{}, session_out{};  // the range that it plays, once it is read
-  double session_unit = 0;                         // as SessionPosing::unit
   std::string basis, clip, frames, out;
   double frame_ms = 0;  // what a frame takes on one core; 0: as estimated
   // Further options of `bodyopt eval` by name, without "--"; flags have an empty list.

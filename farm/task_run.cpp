@@ -99,14 +99,6 @@ std::uint64_t options_of(const FarmStep& step) {
   return task_options({step.arguments.begin() + 1, step.arguments.end()});
 }
 
-// The words after an option of a step; none where it has it not.
-std::vector<std::string> option_of(const FarmStep& step, const std::string& option) {
-  auto at = std::ranges::find(step.arguments, option);
-  std::vector<std::string> words;
-  while (at != step.arguments.end() && ++at != step.arguments.end() && !at->starts_with("--")) words.push_back(*at);
-  return words;
-}
-
 // Facts that a record gives of the frames that were evaluated.
 struct StepFacts {
   double seconds = 0, peak_memory_mib = 0, worst_outside = 0;
@@ -116,7 +108,7 @@ struct StepFacts {
 };
 
 std::vector<WorthyFrame> worthy_frames(const Json& list, const FarmStep& step, const std::filesystem::path& path) {
-  const std::vector<int> frames = parse_frame_range(option_of(step, "--frames").at(0));
+  const std::vector<int> frames = parse_frame_range(step.option("--frames").at(0));
   std::vector<WorthyFrame> worthy;
   for (const Json& entry : list) {
     const JsonObject object(entry, path, "worth_a_look");
@@ -158,7 +150,7 @@ bool is_worse(const WorthyFrame& a, const WorthyFrame& b) {
 std::vector<std::string> clip_options(const FarmStep& step) {
   std::vector<std::string> words;
   for (const char* option : {"--fps", "--first-frame", "--unit", "--controls", "--joint-map", "--up"}) {
-    const std::vector<std::string> values = option_of(step, option);
+    const std::vector<std::string> values = step.option(option);
     if (values.empty()) continue;
     words.emplace_back(option);
     words.insert(words.end(), values.begin(), values.end());
@@ -170,8 +162,8 @@ std::vector<FramesToSimulate> frames_to_simulate(const std::vector<WorthyFrame>&
   std::map<std::vector<std::string>, FramesToSimulate> clips;
   for (const WorthyFrame& frame : worthy) {
     if (frame.expected_rms_mm <= 0 && frame.outside <= 0) continue;
-    if (option_of(*frame.step, "--clip").empty()) continue;  // of a session, which `simulate` does not read
-    const std::string basis = frame.step->arguments.at(1), clip = option_of(*frame.step, "--clip").at(0);
+    if (frame.step->option("--clip").empty()) continue;  // of a session, which `simulate` does not read
+    const std::string basis = frame.step->arguments.at(1), clip = frame.step->option("--clip").at(0);
     const std::vector<std::string> options = clip_options(*frame.step);
     std::vector<std::string> key{basis, clip};
     key.insert(key.end(), options.begin(), options.end());

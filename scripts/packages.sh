@@ -9,10 +9,10 @@ worker_build_packages=(
 # What the viewport needs beside that.
 viewer_packages=(libglfw3-dev libx11-dev libimgui-dev libsndfile1-dev pkg-config)
 build_packages=("${worker_build_packages[@]}" "${viewer_packages[@]}" libgtest-dev pybind11-dev python3-dev python3-numpy)
-# What the program runs with where it was built without the viewport (preset `worker`): those of its libraries that no other of
-# them brings along.
+# What the nodes of a farm run the program with, built without the viewport (preset `worker`): its libraries, those that no
+# other of them brings along, and the loader of their GPU's driver. Netgen and Mesa bring X11, and are not among them.
 worker_packages=(
-  libnglib-6.2 libtinygltf2d libmeshoptimizer2d libspdlog1.10 libpugixml1v5 libxxhash0 libhwy1 libtbb12 libstb0 libspng0
+  libvulkan1 libtinygltf2d libmeshoptimizer2d libspdlog1.10 libpugixml1v5 libxxhash0 libhwy1 libtbb12 libstb0 libspng0
   libwebp7 libwebpmux3
 )
 run_packages=(mesa-vulkan-drivers fonts-dejavu-core)

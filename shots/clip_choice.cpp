@@ -21,18 +21,18 @@ ClipOptions ClipChoice::in_unit(double unit) const {
   return result;
 }
 
-std::vector<int> ClipChoice::chosen_frames(const Clip& clip) const {
+std::vector<int> ClipChoice::chosen_frames(const ClipSpan& clip) const {
   std::vector<int> numbers;
   if (frames.empty()) {
-    for (int frame = clip.first_frame; frame <= clip.last_frame(); ++frame) numbers.push_back(frame);
+    for (int frame = clip.first; frame <= clip.last; ++frame) numbers.push_back(frame);
   } else {
     numbers = parse_frame_range(frames);
   }
   for (const int frame : numbers) {
-    if (frame >= clip.first_frame && frame <= clip.last_frame()) continue;
+    if (frame >= clip.first && frame <= clip.last) continue;
     std::ostringstream text;
     text << "--frames asks for frame " << frame << "; '" << (source.empty() ? clip.name : source) << "' has frames "
-         << clip.first_frame << " to " << clip.last_frame() << " at " << clip.fps << " frames a second";
+         << clip.first << " to " << clip.last << " at " << clip.fps << " frames a second";
     throw Error(ErrorKind::usage, text.str());
   }
   return numbers;

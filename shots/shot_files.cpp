@@ -98,28 +98,6 @@ void tell_all(const std::vector<std::string>& notes, const Tell& tell) {
   for (const std::string& note : notes) tell(note);
 }
 
-// A session may name a character without a trained basis; Direct Delta Mush then poses it.
-bool is_untrained(const ShotFiles& files) { return !files.session.file.empty() && !is_basis(files.basis); }
-
-OpenedCharacter open_levels(const ShotFiles& files) {
-  if (is_untrained(files)) {
-    ClipOptions options = files.clip.options;
-    options.unit = files.session.unit;
-    return open_character(files.basis, options);
-  }
-  OpenedCharacter opened;
-  opened.levels = load_levels(files.basis);
-  return opened;
-}
-
-Level chosen_level(const ShotFiles& files, std::vector<Level> levels) {
-  if (files.level >= levels.size()) {
-    throw Error(ErrorKind::usage, "--level asks for level ", files.level, "; ", files.basis, " has levels 0 to ",
-                levels.size() - 1);
-  }
-  return std::move(levels[files.level]);
-}
-
 void choose_shot_modifiers(const std::string& file, Basis& basis) {
   if (file.empty()) return;
   if (basis.modifiers.empty()) {
@@ -132,7 +110,7 @@ void choose_shot_modifiers(const std::string& file, Basis& basis) {
 std::unique_ptr<Deformer> make_deformer(const ShotFiles& files, Basis basis) {
   const JiggleChoice& choice = files.jiggle;
   if (!choice.jiggle) return std::make_unique<Deformer>(std::move(basis), files.device);
-  if (is_untrained(files)) refuse_jiggle(files.session.file);
+  if (files.is_untrained()) refuse_jiggle(files.session.file);
   const std::string file = choice.file(files.basis);
   if (choice.dynamics.empty() && !fs::exists(file)) {
     throw Error(ErrorKind::file, file,
@@ -147,16 +125,6 @@ std::unique_ptr<Deformer> make_deformer(const ShotFiles& files, Basis basis) {
   auto deformer = std::make_unique<Deformer>(std::move(basis), std::move(tables), options, files.device);
   if (!choice.state_in.empty()) deformer->set_state(load_state(choice.state_in, *deformer->dynamics()));
   return deformer;
-}
-
-// Frames of a clip that its session does not play are left out.
-void keep_range(const ShotFiles& files, Shot& shot) {
-  const SessionPosing& session = files.session;
-  std::erase_if(shot.frames,
-                [&](int frame) { return frame < session.in.value_or(frame) || frame > session.out.value_or(frame); });
-  if (!shot.frames.empty()) return;
-  throw Error(ErrorKind::usage, session.file, ": '", files.clip.source.empty() ? shot.clip.name : files.clip.source,
-              "' has no frame of the range that it plays: was the clip replaced? --frames chooses others");
 }
 
 void pose_by_session(const SessionPosing& session, Shot& shot) {
@@ -194,14 +162,6 @@ void require_frames_in_order(const Shot& shot, const std::string& state_in, cons
     if (cut >= frames.front() && cut <= frames.back()) continue;
     tell(concat("the cut at frame ", cut, " is not among the frames ", frames.front(), " to ", frames.back()));
   }
-}
-
-Attachments read_attachments(const ShotFiles& files, const Basis& basis) {
-  if (!files.attached.empty()) return load_attachments(files.attached, basis);
-  const fs::path beside = attachments_beside(files.basis);
-  // Attached meshes follow the finest level.
-  if (files.level > 0 || !fs::exists(beside)) return {};
-  return load_attachments(beside, basis, files.basis);
 }
 
 // `own`: the character where nobody trained it.
@@ -244,6 +204,8 @@ std::string JiggleChoice::file(const std::string& basis) const {
   return dynamics.empty() ? dynamics_beside(basis).string() : dynamics;
 }
 
+bool ShotFiles::is_untrained() const { return !session.file.empty() && !is_basis(basis); }
+
 std::vector<fs::path> ShotFiles::paths() const {
   std::vector<fs::path> paths;
   const std::string& source = clip.source;
@@ -284,6 +246,7 @@ void take_session(const std::string& session, ShotFiles& files) {
                    .character = character,
                    .limits = lead.files.limits,
                    .pose = lead.pose,
+                   .jiggles = read.view.jiggle.on,
                    .jiggle = static_cast<float>(read.view.jiggle.amount),
                    .unit = read.clip.unit};
   if (!files.clip.frames.empty()) return;
@@ -291,9 +254,54 @@ void take_session(const std::string& session, ShotFiles& files) {
   files.session.out = read.view.playback.out;
 }
 
+OpenedCharacter open_level(const ShotFiles& files) {
+  OpenedCharacter opened;
+  if (files.is_untrained()) {
+    ClipOptions options = files.clip.options;
+    options.unit = files.session.unit;
+    opened = open_character(files.basis, options);
+  } else {
+    opened.levels = load_levels(files.basis);
+  }
+  if (files.level >= opened.levels.size()) {
+    throw Error(ErrorKind::usage, "--level asks for level ", files.level, "; ", files.basis, " has levels 0 to ",
+                opened.levels.size() - 1);
+  }
+  if (files.level > 0) opened.levels.front() = std::move(opened.levels[files.level]);
+  opened.levels.resize(1);
+  return opened;
+}
+
 Clip read_own_clip(const ClipChoice& choice, const Basis& basis, std::optional<Clip> own) {
   if (!choice.source.empty()) return choice.read(basis, kept_unit(basis));
   return own ? std::move(*own) : still_clip(basis.skeleton, choice.options);
+}
+
+std::vector<int> shot_frames(const ShotFiles& files, const ClipSpan& clip) {
+  const SessionPosing& session = files.session;
+  std::vector<int> frames = files.clip.chosen_frames(clip);
+  std::erase_if(frames,
+                [&](int frame) { return frame < session.in.value_or(frame) || frame > session.out.value_or(frame); });
+  if (!frames.empty()) return frames;
+  throw Error(ErrorKind::usage, session.file, ": '", files.clip.source.empty() ? clip.name : files.clip.source,
+              "' has no frame of the range that it plays: was the clip replaced? --frames chooses others");
+}
+
+Attachments read_attachments(const ShotFiles& files, const Basis& basis, Attachments own) {
+  if (!files.attached.empty()) return load_attachments(files.attached, basis);
+  if (files.is_untrained()) return own;
+  const fs::path beside = attachments_beside(files.basis);
+  // Attached meshes follow the finest level.
+  if (files.level > 0 || !fs::exists(beside)) return {};
+  return load_attachments(beside, basis, files.basis);
+}
+
+std::string missing_jiggle(const ShotFiles& files) {
+  const bool is_missing = files.session.jiggles && files.session.jiggle > 0 && !files.jiggle.jiggle &&
+                          files.level == 0 && !files.is_untrained() && fs::exists(dynamics_beside(files.basis));
+  if (!is_missing) return "";
+  return files.session.file +
+         ": its lead jiggles in the viewport, and is evaluated without: give --jiggle, or in a list \"jiggle\": true";
 }
 
 void refuse_jiggle(const std::string& session) {
@@ -348,9 +356,9 @@ Shot read_shot(const ShotFiles& files, const Tell& tell) {
   shot.jiggles = files.jiggle.jiggle;
   shot.checks = files.device.check;
   shot.preroll = files.jiggle.preroll;
-  OpenedCharacter opened = open_levels(files);
+  OpenedCharacter opened = open_level(files);
   tell_all(opened.notes, tell);
-  Level level = chosen_level(files, std::move(opened.levels));
+  Level& level = opened.levels.front();
   shot.carried = std::move(level.carried);
   choose_shot_modifiers(files.modifiers, level.basis);
   shot.deformer = make_deformer(files, std::move(level.basis));
@@ -360,10 +368,10 @@ Shot read_shot(const ShotFiles& files, const Tell& tell) {
   } else if (!files.session.character.empty()) {
     shot.surface = surface_if_any(files.session.character, shot.basis().mesh, tell);
   }
+  if (const std::string missing = missing_jiggle(files); !missing.empty()) tell(missing);
   shot.clip = read_own_clip(files.clip, shot.basis(), std::move(opened.clip));
   tell_all(shot.clip.notes, tell);
-  shot.frames = files.clip.chosen_frames(shot.clip);
-  keep_range(files, shot);
+  shot.frames = shot_frames(files, shot.clip);
   pose_by_session(files.session, shot);
   drive_modifiers(files.controls, shot, tell);
   if (shot.jiggles) {
@@ -373,8 +381,7 @@ Shot read_shot(const ShotFiles& files, const Tell& tell) {
     const bool says_nothing = files.jiggle.preroll == 0 && files.jiggle.state_in.empty();
     if (says_nothing && !files.session.file.empty()) shot.preroll = usual_preroll(shot);
   }
-  shot.attached = is_untrained(files) && files.attached.empty() ? std::move(opened.attached)
-                                                                : read_attachments(files, shot.basis());
+  shot.attached = read_attachments(files, shot.basis(), std::move(opened.attached));
   const std::string& own = files.character.empty() ? files.session.character : files.character;
   shot.surfaces = attached_surfaces(own, shot.basis(), shot.attached, tell);
   if (files.is_rigged) shot.bound = bind_skin(files, shot, std::move(opened.character));

@@ -57,6 +57,7 @@ struct SessionPosing {
   std::string limits;       // of the joints; or empty
   ViewSettings::Posing pose{};
   std::optional<int> in{}, out{};  // ends of the range that it plays; otherwise the clip's
+  bool jiggles = false;            // in the viewport
   float jiggle = 1;                // how much of it is shown
   double unit = 0;                 // metres per unit of a character that is no basis; 0: as its file says
 };
@@ -74,6 +75,8 @@ struct ShotFiles {
   JiggleChoice jiggle;
   DeviceChoice device;
 
+  // A session may name a character without a trained basis; Direct Delta Mush then poses it.
+  bool is_untrained() const;
   // Returns all files that decide the result.
   std::vector<std::filesystem::path> paths() const;
 };
@@ -82,9 +85,24 @@ struct ShotFiles {
 // Throws Error(file).
 void take_session(const std::string& session, ShotFiles& files);
 
+// Opens the character, and keeps of its levels the one that is asked for. Throws Error(file), and Error(usage) for a
+// level that is not there.
+OpenedCharacter open_level(const ShotFiles& files);
+
 // Reads the chosen clip. Otherwise takes the character's own, or the bind pose, as the viewport poses a lead that plays
 // none. Throws as ClipChoice::read().
 Clip read_own_clip(const ClipChoice& choice, const Basis& basis, std::optional<Clip> own);
+
+// Numbers of the chosen frames; frames that the session does not play are left out. Throws Error(usage) for frames that
+// the clip does not have, and where none are left.
+std::vector<int> shot_frames(const ShotFiles& files, const ClipSpan& clip);
+
+// Reads what is attached to the skin. `own`: what an untrained character brings along. Throws Error(file),
+// Error(mismatch).
+Attachments read_attachments(const ShotFiles& files, const Basis& basis, Attachments own);
+
+// Says that the session's lead jiggles in the viewport and stays still in the shot; otherwise empty.
+std::string missing_jiggle(const ShotFiles& files);
 
 // Refuses to jiggle a session's lead that nobody trained. Throws Error(usage).
 [[noreturn]] void refuse_jiggle(const std::string& session);

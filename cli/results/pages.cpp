@@ -14,12 +14,12 @@
 #include "geometry/mesh.h"
 #include "report/page.h"
 #include "report/pictures.h"
-#include "runtime/basis/levels.h"
 #include "runtime/basis/output_order.h"
 #include "runtime/core/error.h"
 #include "runtime/cpu/kernels.h"
 #include "runtime/deformer/deformer.h"
 #include "runtime/host/stages.h"
+#include "shots/shot_files.h"
 #include "trainer/train/coverage/coverage.h"
 #include "trainer/transfer/correspondence.h"
 #include "trainer/transfer/transfer_basis.h"
@@ -58,21 +58,25 @@ class CacheDrawer {
   }
 
   const MeshTable& mesh_of(const FarmStep& step) {
-    const auto level = std::ranges::find(step.arguments, "--level");
-    const std::string number = level == step.arguments.end() || level + 1 == step.arguments.end() ? "0" : *(level + 1);
-    const std::string key = step.arguments.at(1) + '\0' + number;
+    const std::vector<std::string> session = step.option("--session"), level = step.option("--level");
+    ShotFiles files;
+    if (!level.empty()) files.level = std::strtoul(level.front().c_str(), nullptr, 10);
+    if (session.empty()) {
+      files.basis = step.arguments.at(1);
+    } else {
+      take_session(session.front(), files);
+    }
+    const std::pair key(files.basis, files.level);
     auto found = meshes_.find(key);
     if (found == meshes_.end()) {
-      std::vector<Level> levels = load_levels(step.arguments.at(1));
-      const std::size_t index = std::strtoul(number.c_str(), nullptr, 10);
-      if (index >= levels.size()) throw Error(ErrorKind::mismatch, step.arguments.at(1), ": has no level ", number);
-      found = meshes_.emplace(key, std::move(levels[index].basis.mesh)).first;
+      OpenedCharacter opened = open_level(files);
+      found = meshes_.emplace(key, std::move(opened.levels.front().basis.mesh)).first;
     }
     return found->second;
   }
 
   Renderer renderer_;
-  std::map<std::string, MeshTable> meshes_;
+  std::map<std::pair<std::string, std::size_t>, MeshTable> meshes_;  // by character and level
 };
 
 // Draws every frame worth a look, or says why it cannot.

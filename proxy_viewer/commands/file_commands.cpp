@@ -1,4 +1,5 @@
 // Commands that write files, and those of what is around the picture.
+#include "assets/cache_writer.h"
 #include "proxy_viewer/commands/commands.h"
 #include "runtime/core/error.h"
 #include "shots/session/view_settings.h"
@@ -47,7 +48,7 @@ const Command kFileCommands[] = {
      }},
     {"export-skin", "FILE.pc2|.mdd|.usda|.glb", "", "File", "the lead's skin over the range, and what it wears",
      [](Requests& requests, const std::string& a) {
-       require_ending(a, ".pc2|.mdd|.usda|.glb");
+       require_ending(a, kCacheEndings);
        requests.export_skin = a;
      }},
     {"screenshot", "[FILE.png]", "F12", "File", "the picture as it is",

@@ -78,6 +78,26 @@ TEST_F(Jiggle, ChunksOfAShotGiveTheSameBits) {
   EXPECT_NE(frame("still.pc2", 17), frame("whole.pc2", 17));
 }
 
+// What an animator saw jiggle does not come out still without a word.
+TEST_F(Jiggle, ASessionThatJigglesIsToldWithoutIt) {
+  const auto warns = [&](const std::string& on, const std::string& options) {
+    std::ofstream(path("shot.json")) << R"({"schema": "bodyopt-session-1", "view": {"jiggle": {"on": )" << on
+                                     << R"(}}, "characters": [{"basis": "limb.safetensors", "clip": "swing.glb"}]})";
+    const ProgramResult result =
+        run("eval --session " + path("shot.json") + " --device cpu --out " + path("s.pc2") + options);
+    EXPECT_EQ(result.exit_code, 0) << result.output;
+    return result.output.find("shot.json: its lead jiggles in the viewport, and is evaluated without: give --jiggle") !=
+           std::string::npos;
+  };
+  EXPECT_TRUE(warns("true", ""));
+  ASSERT_EQ(eval("", "still.pc2").exit_code, 0);
+  EXPECT_EQ(frame("s.pc2", 17), frame("still.pc2", 17));
+  EXPECT_FALSE(warns("true", " --jiggle"));
+  EXPECT_FALSE(warns("false", ""));
+  std::filesystem::remove(path("limb.dynamics.safetensors"));
+  EXPECT_FALSE(warns("true", ""));
+}
+
 TEST_F(Jiggle, PrerollStepsFramesThatAreNotWritten) {
   ASSERT_EQ(eval("--jiggle", "whole.pc2").exit_code, 0);
   ASSERT_EQ(eval("--jiggle --frames 18-20 --preroll 17", "rolled.pc2").exit_code, 0);

@@ -1,8 +1,15 @@
 // The page of a show on a farm.
 #include <gtest/gtest.h>
 
+#include <fstream>
+
+#include "assets/pc2.h"
 #include "cli/results/pages.h"
+#include "runtime/host/device_choice.h"
+#include "shots/shot_files.h"
 #include "tests/support/page_contents.h"
+#include "tests/support/small_basis.h"
+#include "tests/support/temporary_folder.h"
 
 namespace bodyopt::cli {
 namespace {
@@ -41,6 +48,54 @@ TEST(ShowPage, TellsOfEveryElementItsStateAndItsRange) {
   EXPECT_EQ(elements.at(2).at("outside_frames"), "1-3");
   EXPECT_EQ(elements.at(2).at("outside_count"), 3);
   EXPECT_EQ(page.find("<img"), std::string::npos);
+}
+
+// A frame of a session's step, whose cache has a sample of the lead's rest pose.
+class SessionsLook {
+ public:
+  explicit SessionsLook(const std::string& lead) {
+    const std::string session = (folder_ / "shot.json").string();
+    std::ofstream(session) << R"({"schema": "bodyopt-session-1", "characters": [)" << lead << "]}";
+    step_ = {"shot", "hero", {"eval", "--session", session, "--frames", "1"}, (folder_ / "shot.pc2").string()};
+  }
+
+  // The picture of the frame, or why there is none.
+  Json drawn() const {
+    write_rest();
+    ShowSummary summary;
+    summary.worth_a_look = {{&step_, 1, 0, 1, 0}};
+    const std::string page = show_page({"show", {}, false}, summary);
+    return Json::parse(testing::page_json(page)).at("pictures").at("looks").at(0);
+  }
+
+  const TemporaryFolder& folder() const { return folder_; }
+
+ private:
+  void write_rest() const {
+    ShotFiles files;
+    take_session(step_.arguments[2], files);
+    const MeshTable mesh = open_level(files).levels.front().basis.mesh;
+    std::vector<float> rest;
+    for (const std::uint32_t v : mesh.output_vertex) {
+      rest.insert(rest.end(), mesh.rest.begin() + 3 * v, mesh.rest.begin() + 3 * v + 3);
+    }
+    Pc2Writer writer(step_.out, mesh.output_count(), 1);
+    writer.append(rest);
+    writer.close();
+  }
+
+  TemporaryFolder folder_;
+  FarmStep step_;
+};
+
+TEST(ShowPage, DrawsFramesOfASession) {
+  if (!has_vulkan_device()) GTEST_SKIP() << "no Vulkan device";
+  const SessionsLook trained(R"({"basis": "hero.safetensors"})"), untrained("{}");
+  save_basis(testing::small_basis(), trained.folder() / "hero.safetensors");
+  for (const SessionsLook* look : {&trained, &untrained}) {
+    const Json drawn = look->drawn();
+    EXPECT_FALSE(drawn.contains("problem")) << drawn;
+  }
 }
 
 }  // namespace

@@ -94,6 +94,39 @@ TEST_F(PlanShow, ASessionIsItsLead) {
   expect_problems({"leave out 'basis' and 'clip'", "walk.glb", "none.json"});
 }
 
+TEST_F(PlanShow, ASessionThatJigglesIsToldWithoutIt) {
+  write("hero.dynamics.safetensors", "is there");
+  for (const char* on : {"false", "true"}) {
+    write("shot.json", concat(R"({"schema": "bodyopt-session-1", "view": {"jiggle": {"on": )", on,
+                              R"(}}, "characters": [{"basis": "hero.safetensors", "clip": "walk.glb"}]})"));
+    const FarmPlan planned = plan_show(read("a.json", R"({"schema": "bodyopt-shots-1", "elements": [
+      {"shot": "a", "element": "hero", "out": "a.pc2", "session": "shot.json"}]})"),
+                                       5, problems_);
+    expect_problems({});
+    ASSERT_EQ(planned.notes.size(), on == std::string("true") ? 1u : 0u);
+    for (const std::string& note : planned.notes) {
+      EXPECT_TRUE(note.starts_with("elements[0] (a, hero): ") && note.find("--jiggle") != std::string::npos) << note;
+    }
+  }
+}
+
+// At the rate that the session has to the last digit.
+TEST_F(PlanShow, ASessionsRateIsNotRounded) {
+  const Basis basis = bodyopt::testing::small_basis();
+  Clip clip;
+  clip.fps = 0.0010004;
+  clip.poses.assign(2001, bind_pose(basis.skeleton));
+  write_clip(clip, basis.skeleton, folder_ / "slow.glb");
+  write("shot.json", R"({"schema": "bodyopt-session-1", "fps": 0.0010004, "characters": [
+    {"basis": "hero.safetensors", "clip": "slow.glb"}]})");
+  const FarmPlan planned = plan_show(read("a.json", R"({"schema": "bodyopt-shots-1", "elements": [
+    {"shot": "a", "element": "hero", "out": "a.pc2", "session": "shot.json"}]})"),
+                                     5, problems_);
+  expect_problems({});
+  ASSERT_EQ(planned.tasks.size(), 1u);
+  EXPECT_EQ(planned.tasks[0].steps.at(0).frames, 2001u);
+}
+
 // Of a character that nobody trained, too: it plays its own clip, and wears its own meshes. Its jiggle is refused.
 TEST_F(PlanShow, ASessionsLeadNeedsNoTraining) {
   write("shot.json", R"({"schema": "bodyopt-session-1", "characters": [{}], "view": {"playback": {"in": 3}}})");
@@ -155,7 +188,7 @@ TEST_F(PlanShow, SaysAllThatIsWrongAtOnce) {
   std::sort(problems_.begin(), problems_.end());
   std::vector<std::string> named;
   for (const char* part :
-       {"frmaes", "frame 300", "':' is refused", "overlap", "gone.glb", "levels 0 to 0", "as does",
+       {"frmaes", "asks for frame 241", "':' is refused", "overlap", "gone.glb", "levels 0 to 0", "as does",
         "cannot be part of a file's name", "cannot be written into", "looks like an option", "dynamics"}) {
     for (const std::string& problem : problems_) {
       if (problem.find(part) == std::string::npos) continue;
@@ -167,16 +200,17 @@ TEST_F(PlanShow, SaysAllThatIsWrongAtOnce) {
   EXPECT_EQ(problems_.size(), 11u) << ::testing::PrintToString(problems_);
 }
 
-// Parts of a .glb or of a rig cannot be joined.
+// Parts of a .glb, of an .mdd or of a rig cannot be joined.
 TEST_F(PlanShow, WhatCannotBeJoinedIsNotCut) {
-  for (const char* out : {R"("out": "a.glb")", R"("out": "a.usda", "character": "hero.glb", "rigged": true)"}) {
+  for (const char* out :
+       {R"("out": "a.glb")", R"("out": "a.mdd")", R"("out": "a.usda", "character": "hero.glb", "rigged": true)"}) {
     const FarmPlan whole = plan(concat(R"({"shot": "1", "element": "a", "frame_ms": 1000, )", out, "}"), 1);
     expect_problems({});
     ASSERT_EQ(whole.tasks.size(), 1u) << out;
     EXPECT_EQ(whole.tasks[0].steps.at(0).frames, 240u);
   }
   plan(R"({"shot": "1", "element": "a", "out": "a.obj"})");
-  expect_problems({"does not end in .pc2, .usda or .glb"});
+  expect_problems({"does not end in .pc2, .mdd, .usda or .glb"});
 }
 
 TEST_F(PlanShow, PacksShortElementsAndCutsLongOnes) {

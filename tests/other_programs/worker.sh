@@ -1,7 +1,17 @@
 #!/usr/bin/env bash
-# The program as the nodes of a farm have it: built without the viewport it needs neither GLFW nor X11, evaluates, and says
-# what 'view' lacks.
+# The program as the nodes of a farm have it: built without the viewport neither it nor its packages need GLFW or X11. It
+# evaluates, and says what 'view' lacks.
 . "$(dirname "$0")/head.bash"
+
+# On a system without any package.
+touch "$folder/status"
+. scripts/packages.sh
+installed=$(apt-get -s install --no-install-recommends -o Dir::State::status="$folder/status" "${worker_packages[@]}" | sed -n 's/^Inst //p')
+if [ -z "$installed" ] || grep '^\(libx11\|libxcb\|libgl1\)' <<<"$installed"; then
+  echo "worker: its packages bring X11 or GL along, or cannot be found" >&2
+  exit 1
+fi
+echo "worker: its packages are $(wc -l <<<"$installed"), with all that they depend on"
 
 cmake --preset worker >"$folder/configured"
 cmake --build --preset worker
