@@ -260,6 +260,7 @@ std::vector<std::string> Session::add(ActorFiles files) {
   }
   if (scene.cast().size() == controls.placements.size()) scene.add(files, clip_options_);
   controls.placements.resize(scene.cast().size());
+  number_cast();
   std::ranges::copy(scene.cast().back()->notes(), std::back_inserter(notes));
   return notes;
 }
@@ -326,32 +327,38 @@ void Session::play_on() {
 }
 
 void Session::make_lead(int number) {
-  const std::size_t index = require_character(number);
+  const std::size_t index = controls.cast_place(number);
   receiver_ = 0;
   if (index == 0) return;
   scene.lead().set_posing(controls.settings.pose);
   scene.make_lead(index);
-  const auto lead = controls.placements.begin() + static_cast<std::ptrdiff_t>(index);
-  std::rotate(controls.placements.begin(), lead, lead + 1);
+  const auto put_first = [&](auto& list) {
+    const auto lead = list.begin() + static_cast<std::ptrdiff_t>(index);
+    std::rotate(list.begin(), lead, lead + 1);
+  };
+  put_first(controls.placements);
+  put_first(controls.cast_numbers);
   show_lead();
 }
 
 void Session::remove(int number) {
-  const std::size_t index = require_character(number);
+  const std::size_t index = controls.cast_place(number);
   if (scene.cast().size() == 1) throw Error(ErrorKind::usage, "the only character stays: 'quit' closes the viewport");
   scene.remove(index);
   controls.placements.erase(controls.placements.begin() + static_cast<std::ptrdiff_t>(index));
+  controls.cast_numbers.erase(controls.cast_numbers.begin() + static_cast<std::ptrdiff_t>(index));
   receiver_ = receiver_ == index ? 0 : receiver_ - (receiver_ > index ? 1 : 0);
   if (index == 0) return show_lead();
   if (index == 1) forget_pair();
   take_note_of_cast();
 }
 
-std::size_t Session::require_character(int number) const {
-  const std::size_t count = scene.cast().size();
-  if (number >= 1 && static_cast<std::size_t>(number) <= count) return static_cast<std::size_t>(number) - 1;
-  throw Error(ErrorKind::usage, "there is no character " + std::to_string(number) + ", expected a number from 1 to " +
-                                    std::to_string(count) + ", as the cast panel counts them");
+// Those who have come get numbers above all others.
+void Session::number_cast() {
+  std::vector<int>& numbers = controls.cast_numbers;
+  while (numbers.size() < scene.cast().size()) {
+    numbers.push_back(numbers.empty() ? 1 : *std::ranges::max_element(numbers) + 1);
+  }
 }
 
 void Session::forget_pair() {

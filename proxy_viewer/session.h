@@ -143,7 +143,7 @@ class Session {
   void use_settings(const ViewSettings& settings);
   void read_dataset_again();
   void play_as(const PlaySettings& settings);
-  std::size_t require_character(int number) const;   // its index
+  void number_cast();
   void refuse_input(const std::string& file) const;  // throws Error(usage) where it is one of files()
   std::vector<int> frames_to_export(const std::string& file);
   void pose_lead();

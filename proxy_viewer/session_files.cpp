@@ -105,7 +105,11 @@ void Session::open_session(const std::string& file) {
   scene.cast() = std::move(cast);
   forget_pair();
   controls.placements.clear();
-  for (const SessionCharacter& character : session.cast) controls.placements.push_back(character.placement);
+  controls.cast_numbers.clear();
+  for (const SessionCharacter& character : session.cast) {
+    controls.placements.push_back(character.placement);
+    controls.cast_numbers.push_back(character.number);
+  }
   opened_ = std::move(session);
   controls.session_file = file;
   controls.select(opened_->joint);
@@ -148,7 +152,7 @@ void Session::write(const std::string& file, const std::string& saved_as) const 
   session.clip = clip_options_;
   for (std::size_t c = 0; c < scene.cast().size(); ++c) {
     const Actor& character = *scene.cast()[c];
-    session.cast.push_back({character.files(), character.posing(), controls.placements[c]});
+    session.cast.push_back({character.files(), character.posing(), controls.placements[c], controls.cast_numbers[c]});
   }
   session.frame = controls.playback.frame();
   session.joint = controls.joint;

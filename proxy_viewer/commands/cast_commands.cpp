@@ -8,14 +8,11 @@
 namespace bodyopt {
 namespace {
 
-// Returns the placement of one of the cast, who are counted from 1; the lead has none.
+// Returns the placement of one of the cast; the lead has none.
 Placement& placement_of(Controls& controls, const std::string& number) {
-  const int index = integer(number);
-  if (index >= 2 && static_cast<std::size_t>(index) <= controls.placements.size()) {
-    return controls.placements[static_cast<std::size_t>(index) - 1];
-  }
-  refuse(number, "one of the cast but the lead, expected a number from 2 to " +
-                     std::to_string(controls.placements.size()) + ", as the cast panel counts them");
+  const std::size_t place = controls.cast_place(integer(number));
+  if (place == 0) refuse(number, "the number of another than the lead, which stands where its clip has it");
+  return controls.placements[place];
 }
 
 // Reads a vertex of one of the cast.

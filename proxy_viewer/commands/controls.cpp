@@ -60,6 +60,16 @@ bool Controls::is_unkeyed() const {
   return keyed_frame && !settings.pose.keys.empty() && in_hand != between_keys(settings.pose.keys, *keyed_frame);
 }
 
+std::size_t Controls::cast_place(int number) const {
+  const auto own = std::ranges::find(cast_numbers, number);
+  if (own != cast_numbers.end()) return static_cast<std::size_t>(own - cast_numbers.begin());
+  std::vector<int> known = cast_numbers;
+  std::ranges::sort(known);
+  std::string list;
+  for (const int one : known) list += (list.empty() ? "" : ", ") + std::to_string(one);
+  throw Error(ErrorKind::usage, "there is no character " + std::to_string(number) + "; the cast panel counts " + list);
+}
+
 void Controls::browse(const std::string& command) {
   std::error_code gone;
   if (!std::filesystem::is_directory(folder, gone)) folder = ".";

@@ -173,6 +173,7 @@ struct Controls {
   Marking marking;
   std::vector<std::uint32_t> output_counts;  // of the cast: vertices that can be marked
   std::vector<Placement> placements;         // of the cast, in its order; the lead's waits until another leads
+  std::vector<int> cast_numbers;             // of the cast, in its order: each keeps its own, whoever leads or goes
   Vec3 travelled{};  // metres, world: how far the lead has gone since its clip's first frame, in the last picture
   std::vector<std::string> joint_names, axis_names, control_names;  // of the lead: what commands may name
   std::vector<std::string> movable_names, axis_joints;  // of the lead: joints that may move; of each axis the first
@@ -247,6 +248,9 @@ struct Controls {
   // Whether the layout "hold" shows the other side of the comparison: while the key is down. With a brush in hand that
   // side is what is brushed, and the key shows the first.
   bool shows_compared() const { return flipped != brush.kind.has_value(); }
+
+  // The place in the cast of the one with that number. Throws Error(usage) where there is none.
+  std::size_t cast_place(int number) const;
 
   const std::string& shown_pose_folder() const { return pose_folder.empty() ? folder : pose_folder; }
   // Asks for a command's file.

@@ -85,9 +85,9 @@ void draw_parts(const std::vector<MatchedPartRow>& parts, Controls& controls) {
 }  // namespace
 
 void draw_cast(const Snapshot& snapshot, Controls& controls) {
-  int number = 0;
-  for (const CharacterRow& row : snapshot.cast) {
-    draw_name(row, ++number, snapshot.cast.size(), controls);
+  for (std::size_t c = 0; c < snapshot.cast.size(); ++c) {
+    const CharacterRow& row = snapshot.cast[c];
+    draw_name(row, controls.cast_numbers[c], snapshot.cast.size(), controls);
     draw_line("shown", row.method);
     if (row.level_count > 1) {
       draw_line("level", std::to_string(row.level) + " of " + std::to_string(row.level_count - 1));
@@ -128,14 +128,15 @@ void draw_transfer(const Snapshot& snapshot, Controls& controls) {
     return;
   }
   const MatchRow& match = *snapshot.match;
-  ImGui::TextDisabled("1 to 2: sure by %.2f, size %.3g", match.confidence, match.size);
+  const int lead = controls.cast_numbers[0], second = controls.cast_numbers[1];
+  ImGui::TextDisabled("%d to %d: sure by %.2f, size %.3g", lead, second, match.confidence, match.size);
   if (match.same_topology) ImGui::TextDisabled("the same triangles");
   if (match.volumes) {
-    ImGui::TextDisabled("volume: 1 %+.1f %%, 2 %+.1f %%", 100 * (match.volumes->front() - 1),
+    ImGui::TextDisabled("volume: %d %+.1f %%, %d %+.1f %%", lead, 100 * (match.volumes->front() - 1), second,
                         100 * (match.volumes->back() - 1));
   }
   if (!match.to_simulate.empty()) {
-    ImGui::TextDisabled("worth simulating of 2:");
+    ImGui::TextDisabled("worth simulating of %d:", second);
     ImGui::TextWrapped("%s", match.to_simulate.c_str());
   }
   draw_parts(match.parts, controls);

@@ -1,6 +1,7 @@
 #include "shots/session/session_file.h"
 
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "assets/clip_source.h"
 #include "assets/json_fields.h"
@@ -30,11 +31,33 @@ constexpr auto kFileFields = [](auto& list, auto& files) {
   list.text("up", files.up);
 };
 
+constexpr int kHighestNumber = 1000000;  // of one of the cast
+
 constexpr auto kCharacterFields = [](auto& list, auto& character) {
   kFileFields(list, character.files);
   list.structure("pose", character.pose, kPosingFields);
   kPlacementFields(list, character.placement);
+  constexpr bool writes = std::is_const_v<std::remove_reference_t<decltype(character)>>;
+  if (!writes || character.number != 0) list.integer("number", character.number, 1, kHighestNumber);
 };
+
+// Numbers are their own: whoever has none, or another's, gets that of its place, or the first that is free. A list in
+// that order has none, for earlier programs refuse them.
+void give_numbers(std::vector<SessionCharacter>& cast) {
+  std::set<int> given;
+  for (std::size_t k = 0; k < cast.size(); ++k) {
+    int& number = cast[k].number;
+    if (number == 0) number = static_cast<int>(k) + 1;
+    for (int free = 1; !given.insert(number).second; ++free) number = free;
+  }
+}
+
+void drop_numbers(std::vector<SessionCharacter>& cast) {
+  for (std::size_t k = 0; k < cast.size(); ++k) {
+    if (cast[k].number != static_cast<int>(k) + 1) return;
+  }
+  for (SessionCharacter& character : cast) character.number = 0;
+}
 
 constexpr auto kSessionFields = [](auto& list, auto& session) {
   list.number("fps", session.clip.fps, 1e-3, kHighestRate);
@@ -134,6 +157,7 @@ SessionFile read_session(const fs::path& path) {
   }
   require_good_settings(session.view, path);
   session.cast.front().pose = session.view.pose;
+  give_numbers(session.cast);
   const fs::path folder = path.parent_path();
   change_paths(session, [&](const fs::path& file) { return (folder / file).lexically_normal(); });
   return session;
@@ -147,6 +171,7 @@ void write_session(const SessionFile& session, const fs::path& path) {
     return file.is_relative() || lies_within(relative) ? relative : file;
   });
   if (!kept.cast.empty()) kept.cast.front().pose = {};
+  drop_numbers(kept.cast);
   FieldWriter writer;
   kSessionFields(writer, kept);
   Json json = {{"schema", kSessionSchema}};

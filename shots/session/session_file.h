@@ -41,6 +41,7 @@ struct SessionCharacter {
   ActorFiles files;
   ViewSettings::Posing pose{};  // of the lead it is that of the view
   Placement placement{};        // while it is not the lead
+  int number = 0;               // as commands name it; 0: by its place in the list
 };
 
 struct SessionFile {

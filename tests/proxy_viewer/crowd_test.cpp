@@ -340,10 +340,18 @@ TEST_F(PlayedCrowdTest, ASessionKeepsHowEachStandsAndPlays) {
   ASSERT_EQ(kept.cast.size(), 3u);
   EXPECT_EQ(kept.cast[1].placement, second);
   EXPECT_EQ(kept.cast[2].placement, Placement());
-  const auto viewport = open(small(), "open crowd.json; lead 2");
-  EXPECT_EQ(viewport->controls().placements.at(0), second);
-  viewport->prompt("remove 2");
-  EXPECT_EQ(viewport->controls().placements, (std::vector<Placement>{second, {}}));
+  {
+    const auto viewport = open(small(), "open crowd.json; lead 2");
+    EXPECT_EQ(viewport->controls().placements.at(0), second);
+    viewport->prompt("remove 1");
+    EXPECT_EQ(viewport->controls().placements, (std::vector<Placement>{second, {}}));
+    viewport->prompt("save crowd.json");
+  }
+  // Who is the lead now, and who came third, keep their numbers in the file, too.
+  const auto viewport = open(small(), "open crowd.json; open " + small_.basis);
+  EXPECT_EQ(viewport->controls().cast_numbers, (std::vector<int>{2, 3, 4}));
+  viewport->prompt("ahead 3 7");
+  EXPECT_EQ(viewport->controls().placements.at(1).ahead, 7);
 }
 
 }  // namespace crowd_test

@@ -30,7 +30,7 @@ class SessionFileTest : public PlayedTest {
   // Two characters, posed and keyed, away from everything that is usual.
   std::string script() const {
     return "open " + limb_.basis + "; open " + limb_.clip +
-           "; lead 2; turn joint1 0 0 15; lead 2; frame 3; turn upper 20 0 0; key; frame 9; turn upper 0 35 0; "
+           "; lead 2; turn joint1 0 0 15; lead 1; frame 3; turn upper 20 0 0; key; frame 9; turn upper 0 35 0; "
            "control flex 0.5; key; style matcap; orbit 30 10; in 2; out 11; frame 6; select upper; panels off; save " +
            (folder_ / "shot.json").string();
   }

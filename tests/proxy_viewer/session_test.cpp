@@ -141,9 +141,10 @@ TEST_F(SessionTest, PanelsSpeakOfTheLeadAndFilesGoToIt) {
   EXPECT_EQ(session_.controls.joint_names.size(), other.made.basis.skeleton.size());
   EXPECT_EQ(playback().last(), second->clip().last_frame());
   EXPECT_EQ(playback().frame(), 5);
-  session_.make_lead(1);
-  EXPECT_EQ(&session_.scene.lead(), second);
+  EXPECT_EQ(session_.controls.cast_numbers, (std::vector<int>{2, 1}));
   session_.make_lead(2);
+  EXPECT_EQ(&session_.scene.lead(), second) << "it keeps its number";
+  session_.make_lead(1);
   EXPECT_EQ(&session_.scene.lead(), first);
   session_.open(shorter_clip(3));
   EXPECT_EQ(first->clip().name, "short");
@@ -178,6 +179,8 @@ TEST_F(SessionTest, WhoLeavesTheStageTakesNothingFromTheLead) {
   session_.controls.requests = {};
   Actor* last = session_.scene.cast()[2].get();
   session_.remove(2);
+  EXPECT_EQ(session_.controls.cast_numbers, (std::vector<int>{1, 3}));
+  EXPECT_EQ(kind_of([&] { session_.make_lead(2); }), ErrorKind::usage);
   EXPECT_EQ(session_.controls.joint, small_.made.skeleton.joints[1].name);
   EXPECT_FALSE(session_.controls.requests.frame_selection);
   session_.open(other.clip);
@@ -206,7 +209,7 @@ TEST_F(SessionTest, EveryOneHasItsOwnTurns) {
   run_command(session_.controls, "turn " + joint + " 0 20 0");
   session_.reload(all());
   EXPECT_NEAR(turned(1), 30, 1e-6);
-  session_.make_lead(2);
+  session_.make_lead(1);
   EXPECT_EQ(session_.controls.settings.pose.joints.at(joint), (Vec3{30, 0, 0}));
   run_command(session_.controls, "undo");
   EXPECT_EQ(session_.controls.settings.pose.joints.at(joint), (Vec3{30, 0, 0})) << "another's step is not undone";
@@ -469,7 +472,7 @@ TEST(SessionLimits, HoldTheJointsThatAreTurned) {
   session.open(small.basis);
   session.make_lead(2);
   EXPECT_LT(length(angles("turn upper 80 0 0") - Vec3{80, 0, 0}), 1e-6);
-  session.make_lead(2);
+  session.make_lead(1);
   write_joint_limits({{{"bend", 0, -20, 60, {{1, own_x, 1}}}}}, small.made.skeleton, options.limits);
   session.reload({options.limits});
   EXPECT_LT(length(angles("turn upper 80 0 0") - Vec3{60, 0, 0}), 1e-6);
