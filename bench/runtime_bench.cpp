@@ -12,8 +12,12 @@
 #include <string>
 
 #include "bench/subdivide.h"
+#include "runtime/core/executor.h"
 #include "runtime/core/half.h"
 #include "runtime/cpu/kernels.h"
+#include "runtime/deformer/deformer.h"
+#include "runtime/deformer/evaluate_together.h"
+#include "runtime/host/device_choice.h"
 #include "runtime/host/rig.h"
 #include "trainer/builtin/arm.h"
 #include "trainer/train/skinning/ddm.h"
@@ -240,12 +244,31 @@ void linear_blending(benchmark::State& state, const std::string& name) {
   report(state, of);
 }
 
-// Makes the tables, which who opens an untrained character waits for: the time of all processors.
-void made(benchmark::State& state, int halvings) {
+Character halved_human(int halvings) {
   Character character = human();
   for (int k = 0; k < halvings; ++k) character = halve_all_edges(character).character;
+  return character;
+}
+
+// Makes the tables, which who opens an untrained character waits for: the time of all processors.
+void made(benchmark::State& state, int halvings) {
+  const Character character = halved_human(halvings);
   for (auto _ : state) benchmark::DoNotOptimize(build_ddm_basis(character, {}));
-  state.counters["vertices"] = static_cast<double>(character.vertices.rows());
+}
+
+// A frame from pose to normals in output order, of so many in a call.
+void frames(benchmark::State& state, int halvings, std::size_t count) {
+  const Basis basis = build_ddm_basis(halved_human(halvings), {});
+  Deformer deformer(basis, {.name = "cpu", .executor = std::make_shared<SerialExecutor>()});
+  const std::vector<Pose> poses(count, random_pose(basis.skeleton));
+  Evaluation evaluation;
+  for (auto _ : state) {
+    DeformerCall call{.deformer = &deformer, .poses = poses, .evaluation = &evaluation};
+    evaluate_together({&call, 1});
+  }
+  const std::size_t written = std::size_t{24} * (basis.mesh.vertex_count() + basis.mesh.output_count());
+  state.SetBytesProcessed(static_cast<std::int64_t>(state.iterations() * count * (total_bytes(basis) + written)));
+  state.SetItemsProcessed(static_cast<std::int64_t>(state.iterations() * count));
 }
 
 // a = b + 3 c over arrays that no cache holds: the bandwidth that bytes_per_second above are to be seen beside.
@@ -291,6 +314,14 @@ int main(int argc, char** argv) {
           ->Unit(benchmark::kMillisecond)
           ->Iterations(1)
           ->MeasureProcessCPUTime();
+    }
+    for (const int halvings : {0, 1, 2, 3}) {
+      for (const std::size_t count : {1, 16, 64}) {
+        const std::string title = "human/edges halved " + std::to_string(halvings) + " times, " + std::to_string(count);
+        benchmark::RegisterBenchmark((title + " frames").c_str(), [=](benchmark::State& state) {
+          bodyopt::bench::frames(state, halvings, count);
+        })->Unit(benchmark::kMillisecond);
+      }
     }
   }
   benchmark::RegisterBenchmark("triad", bodyopt::bench::triad)->Unit(benchmark::kMillisecond);
