@@ -115,14 +115,18 @@ void draw_axes(const Snapshot& snapshot, Controls& controls) {
 
 // The buttons stay in place, whatever joint is selected.
 void draw_joint_buttons(Controls& controls) {
+  const ImGuiStyle& style = ImGui::GetStyle();
   const float width = share_of_line(3);
+  // The longest label gets what it takes, from the other two.
+  const float all = std::max(width, ImGui::CalcTextSize("Reset all").x + 2 * style.FramePadding.x);
+  const float others = std::max(1.0f, width - (all - width) / 2);
   ImGui::BeginDisabled(controls.joint.empty());
-  command_button(controls, "mirror", nullptr, width);
+  command_button(controls, "mirror", nullptr, others);
   ImGui::SameLine();
-  command_button(controls, "reset-joint", "Reset", width);
+  command_button(controls, "reset-joint", "Reset", others);
   ImGui::EndDisabled();
   ImGui::SameLine();
-  command_button(controls, "reset-pose", "Reset all", width);
+  command_button(controls, "reset-pose", "Reset all", all);
   command_button(controls, "copy", nullptr, width);
   ImGui::SameLine();
   ImGui::BeginDisabled(!controls.copied);
