@@ -31,8 +31,8 @@ struct ImproveArguments {
   JsonOption json;
 };
 
-// A shot and what of it is not simulated yet.
-struct Shot {
+// A clip and what of it is not simulated yet.
+struct ImprovedClip {
   TakeArguments take;
   std::vector<int> frames;
   std::vector<Pose> poses;
@@ -60,10 +60,11 @@ std::set<int> known_frames(const Dataset& dataset, const std::string& name) {
   return {};
 }
 
-std::vector<Shot> read_shots(const ImproveArguments& arguments, const Dataset& dataset, const Skeleton& skeleton) {
-  std::vector<Shot> shots;
+std::vector<ImprovedClip> read_shots(const ImproveArguments& arguments, const Dataset& dataset,
+                                     const Skeleton& skeleton) {
+  std::vector<ImprovedClip> shots;
   for (const std::string& source : arguments.clips) {
-    Shot& shot = shots.emplace_back(Shot{take_of(arguments, source), {}, {}});
+    ImprovedClip& shot = shots.emplace_back(ImprovedClip{take_of(arguments, source), {}, {}});
     std::vector<int> frames;
     const Clip clip = shot.take.clip.read(skeleton, dataset.unit, frames);
     const std::set<int> known = known_frames(dataset, shot.take.take_name());
@@ -75,16 +76,16 @@ std::vector<Shot> read_shots(const ImproveArguments& arguments, const Dataset& d
 }
 
 // Expected errors of all shots, one after the other, mm.
-std::vector<double> expected_of(const Basis& basis, const std::vector<Shot>& shots) {
+std::vector<double> expected_of(const Basis& basis, const std::vector<ImprovedClip>& shots) {
   std::vector<double> expected;
-  for (const Shot& shot : shots) {
+  for (const ImprovedClip& shot : shots) {
     for (const ExpectedError& error : expected_errors(basis, shot.poses)) expected.push_back(error.rms_mm);
   }
   return expected;
 }
 
 // Takes the worst frames, no two of them neighbours, out of the shots.
-std::vector<Chosen> choose(std::vector<Shot>& shots, const std::vector<double>& expected, std::size_t count) {
+std::vector<Chosen> choose(std::vector<ImprovedClip>& shots, const std::vector<double>& expected, std::size_t count) {
   std::vector<Chosen> chosen;
   const std::vector<std::size_t> worst = worth_simulating(expected, count, spreading_gap(expected.size(), count));
   for (const std::size_t at : worst) {
@@ -94,7 +95,7 @@ std::vector<Chosen> choose(std::vector<Shot>& shots, const std::vector<double>& 
     chosen.push_back({shot, shots[shot].frames[at - first], heldout});
   }
   for (std::size_t s = 0; s < shots.size(); ++s) {
-    Shot left = shots[s];
+    ImprovedClip left = shots[s];
     left.frames.clear();
     left.poses.clear();
     for (std::size_t k = 0; k < shots[s].frames.size(); ++k) {
@@ -113,7 +114,8 @@ bool is_draft(const Dataset& dataset) {
   return !dataset.takes.empty() && fs::path(dataset.takes.front().shapes).extension() == ".nodes";
 }
 
-void simulate_chosen(const Dataset& dataset, const std::vector<Shot>& shots, const std::vector<Chosen>& chosen) {
+void simulate_chosen(const Dataset& dataset, const std::vector<ImprovedClip>& shots,
+                     const std::vector<Chosen>& chosen) {
   const auto in_folder = [&](const std::string& file) { return file.empty() ? "" : (dataset.folder / file).string(); };
   for (std::size_t s = 0; s < shots.size(); ++s) {
     std::vector<int> frames, heldout;
@@ -155,9 +157,9 @@ MethodErrors errors_on(const Basis& basis, const SampleSet& set, const std::vect
 }
 
 // Held-out frames of these shots only.
-std::vector<Sample> tested(const SampleSet& set, const std::vector<Shot>& shots) {
+std::vector<Sample> tested(const SampleSet& set, const std::vector<ImprovedClip>& shots) {
   std::set<std::string> names;
-  for (const Shot& shot : shots) names.insert(shot.take.take_name());
+  for (const ImprovedClip& shot : shots) names.insert(shot.take.take_name());
   std::vector<Sample> samples = set.heldout;
   std::erase_if(
       samples, [&](const Sample& sample) { return !names.contains(set.takes[static_cast<std::size_t>(sample.take)]); });
@@ -183,7 +185,7 @@ void run(const ImproveArguments& arguments) {
   Basis basis = load_basis(arguments.basis);
   const TrainOptions options = options_of(basis, arguments.basis);
   const Dataset dataset = read_dataset(path);
-  std::vector<Shot> shots = read_shots(arguments, dataset, basis.skeleton);
+  std::vector<ImprovedClip> shots = read_shots(arguments, dataset, basis.skeleton);
 
   Json rounds = Json::array();
   std::string text;

@@ -36,15 +36,19 @@ void ImagePlane::read(const std::string& file, Controls& controls) {
       controls.warn(file + ": is not there, nor shown behind");
     return;
   }
+  std::string bytes;
   try {
-    const std::string bytes = read_file(file, kMost, "an image");
+    bytes = read_file(file, kMost, "an image");
+  } catch (const Error& error) {  // which names the file
+    return controls.warn(error.what());
+  }
+  try {
     const Image image = decode_image(std::as_bytes(std::span(bytes)));
     image_ = make_texture(*device_, image);
     aspect_ = static_cast<float>(image.width) / static_cast<float>(image.height);
   } catch (const Error& error) {
     if (error.kind() == ErrorKind::device) throw;
-    const std::string why = error.what();
-    controls.warn(why.starts_with(file) ? why : file + ": " + why);
+    return controls.warn(file + ": " + error.what());
   }
   constexpr VkSamplerAddressMode kEdge = VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE;
   if (!sampler_) sampler_ = make_sampler(*device_, {kEdge, kEdge});

@@ -68,6 +68,20 @@ TEST_F(ImagePlaneTest, ANameThatCannotBeIsToldOnceAndTheRestIsDrawn) {
   EXPECT_TRUE(viewport->controls().messages.empty());
 }
 
+// A file that cannot be read is named once, as is one that holds no image.
+TEST_F(ImagePlaneTest, WhatIsNoImageIsNamedOnce) {
+  std::filesystem::create_directory("folder.png");
+  std::ofstream("text.png") << "no image";
+  const auto viewport = open();
+  for (const std::string file : {"folder.png", "text.png"}) {
+    viewport->prompt("image-plane " + file);
+    ASSERT_FALSE(viewport->controls().messages.empty()) << file;
+    const std::string& told = viewport->controls().messages.back().text;
+    EXPECT_NE(told.find(file + ": "), std::string::npos) << told;
+    EXPECT_EQ(told.find(file), told.rfind(file)) << told;
+  }
+}
+
 TEST_F(ImagePlaneTest, ASequenceFollowsTheFramesAndTheSessionKeepsIt) {
   std::filesystem::create_directory("plates");
   write_image("plates/p.0001.png", kRed, 32, 18);

@@ -1,6 +1,6 @@
 // One session of a character that has everything, to the last bit on one device: what the viewport shows and exports,
 // what `eval` makes of the session, a farm's shot that is cut in three, the library from C++ and Python, and what it
-// records for a host program.
+// records for a host program. Across devices, to the tolerance.
 #include <gtest/gtest.h>
 
 #include <fstream>
@@ -11,7 +11,9 @@
 #include "include/bodyopt/vulkan.h"
 #include "runtime/basis/character_unit.h"
 #include "runtime/core/error.h"
+#include "runtime/core/extent.h"
 #include "runtime/core/json.h"
+#include "runtime/host/tolerances.h"
 #include "runtime/vulkan/commands.h"
 #include "shots/session/posed_clip.h"
 #include "shots/shot_files.h"
@@ -166,8 +168,8 @@ class SameShot : public PlayedTest {
     evaluate("--out whole.pc2 --json whole.json");
   }
 
-  static void evaluate(const std::string& options) {
-    const ProgramResult ran = run_verb("eval --session shot.json --jiggle --device '" + name() + "' " + options);
+  static void evaluate(const std::string& options, const std::string& device = name()) {
+    const ProgramResult ran = run_verb("eval --session shot.json --jiggle --device '" + device + "' " + options);
     ASSERT_EQ(ran.exit_code, 0) << ran.output;
   }
   static std::string name() { return device_->info().name; }
@@ -209,6 +211,20 @@ TEST_F(SameShot, IsTheSameWhoeverEvaluatesIt) {
   const ProgramResult ran = run_verb("farm run plan");
   ASSERT_EQ(ran.exit_code, 0) << ran.output;
   expect_same("whole", "farm");
+}
+
+// The skin and what is attached to it, after ten frames of all stages.
+TEST_F(SameShot, IsTheSameOnTheCpuToTheTolerance) {
+  evaluate("--out cpu.pc2", "cpu");
+  constexpr StageTolerance kTolerance = tolerance_of(Stage::output, "positions");
+  const double size = box_diagonal(std::span<const float>(load_basis("hero.safetensors").mesh.rest));
+  for (const std::string ending : {".pc2", ".sleeve.pc2"}) {
+    const std::vector<float> found = samples_of("whole" + ending), expected = samples_of("cpu" + ending);
+    ASSERT_EQ(found.size(), expected.size());
+    double worst = 0;
+    for (std::size_t k = 0; k < found.size(); ++k) worst = std::max(worst, std::abs(double{found[k]} - expected[k]));
+    EXPECT_LE(worst, kTolerance.absolute + kTolerance.of_size * size) << ending;
+  }
 }
 
 // The buffers that are drawn, frame by frame as they are played.

@@ -160,7 +160,10 @@ class VulkanBackend final : public Backend, private SplitRun {
 
   NodeMotion motion() const override {
     refuse_failed();
-    return dynamics_->motion();
+    failed_ = true;  // until it was read: what the host submits may have lost the device
+    NodeMotion motion = dynamics_->motion();
+    failed_ = false;
+    return motion;
   }
 
   void record(const Batch& batch, const Recording& recording) override {
@@ -606,7 +609,7 @@ class VulkanBackend final : public Backend, private SplitRun {
   const Buffer* skin_ = nullptr;                        // of the last batch
   bool stays_on_device_ = false, keeps_posed_ = false;  // as recorded
   bool wants_normals_ = true, wants_tangents_ = false;
-  bool failed_ = false;
+  mutable bool failed_ = false;
   bool records_ = false;  // for the host program
 };
 
