@@ -578,8 +578,9 @@ void Session::describe_cast() {
   const Basis& basis = scene.lead().basis();
   bodyopt::describe_cast(scene, snapshot);
   controls.output_counts.clear();
-  for (const auto& character : scene.cast()) {
-    controls.output_counts.push_back(character->finest_basis().mesh.output_count());
+  for (std::size_t c = 0; c < scene.cast().size(); ++c) {
+    snapshot.cast[c].number = controls.cast_numbers[c];
+    controls.output_counts.push_back(scene.cast()[c]->finest_basis().mesh.output_count());
   }
   controls.joint_names.clear();
   controls.joint_axes.clear();

@@ -22,11 +22,11 @@ void draw_line(const char* what, const std::string& text) {
 }
 
 // Draws the name with buttons for what can be done with it.
-void draw_name(const CharacterRow& row, int number, std::size_t count, Controls& controls) {
-  const std::string text = std::to_string(number);
-  ImGui::PushID(number);
+void draw_name(const CharacterRow& row, std::size_t count, Controls& controls) {
+  const std::string text = std::to_string(row.number);
+  ImGui::PushID(&row);
   ImGui::AlignTextToFramePadding();
-  ImGui::Text("%d  %s", number, row.name.c_str());
+  ImGui::Text("%d  %s", row.number, row.name.c_str());
   if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", row.basis.c_str());
   const float remove = ImGui::GetFrameHeight(), lead = 44, right = ImGui::GetWindowContentRegionMax().x;
   if (count > 1) {
@@ -85,9 +85,8 @@ void draw_parts(const std::vector<MatchedPartRow>& parts, Controls& controls) {
 }  // namespace
 
 void draw_cast(const Snapshot& snapshot, Controls& controls) {
-  for (std::size_t c = 0; c < snapshot.cast.size(); ++c) {
-    const CharacterRow& row = snapshot.cast[c];
-    draw_name(row, controls.cast_numbers[c], snapshot.cast.size(), controls);
+  for (const CharacterRow& row : snapshot.cast) {
+    draw_name(row, snapshot.cast.size(), controls);
     draw_line("shown", row.method);
     if (row.level_count > 1) {
       draw_line("level", std::to_string(row.level) + " of " + std::to_string(row.level_count - 1));
@@ -128,7 +127,7 @@ void draw_transfer(const Snapshot& snapshot, Controls& controls) {
     return;
   }
   const MatchRow& match = *snapshot.match;
-  const int lead = controls.cast_numbers[0], second = controls.cast_numbers[1];
+  const int lead = snapshot.cast.at(0).number, second = snapshot.cast.at(1).number;
   ImGui::TextDisabled("%d to %d: sure by %.2f, size %.3g", lead, second, match.confidence, match.size);
   if (match.same_topology) ImGui::TextDisabled("the same triangles");
   if (match.volumes) {

@@ -47,6 +47,7 @@ struct CharacterRow {
   std::string method{};                                 // that is shown
   bool wears = false;                                   // attached meshes
   std::size_t level = 0, level_count = 1;               // of detail
+  int number = 1;                                       // by which commands name it
 };
 
 // How far the lead is from what it is compared with at a frame, mm; not a number: not measured, or nothing to measure.

@@ -32,6 +32,7 @@ Controls controls_of_a_session() {
   controls.joint_axes.assign(controls.joint_names.size(), Quat{0, 0, 0, 1});
   controls.live = false;
   controls.placements.resize(3);
+  controls.cast_numbers = {1, 2, 3};
   controls.output_counts = {100, 50, 10};
   controls.marking.pairs = {{1, 2}};
   controls.control_names = {"biceps", "breath", "upper lip"};
