@@ -262,10 +262,12 @@ void frames(benchmark::State& state, int halvings, std::size_t count) {
   Deformer deformer(basis, {.name = "cpu", .executor = std::make_shared<SerialExecutor>()});
   const std::vector<Pose> poses(count, random_pose(basis.skeleton));
   Evaluation evaluation;
-  for (auto _ : state) {
+  const auto evaluate = [&] {
     DeformerCall call{.deformer = &deformer, .poses = poses, .evaluation = &evaluation};
     evaluate_together({&call, 1});
-  }
+  };
+  evaluate();  // memory is got
+  for (auto _ : state) evaluate();
   const std::size_t written = std::size_t{24} * (basis.mesh.vertex_count() + basis.mesh.output_count());
   state.SetBytesProcessed(static_cast<std::int64_t>(state.iterations() * count * (total_bytes(basis) + written)));
   state.SetItemsProcessed(static_cast<std::int64_t>(state.iterations() * count));
