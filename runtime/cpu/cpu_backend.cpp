@@ -20,8 +20,9 @@ namespace {
 // displacements stay in the nearest cache.
 constexpr std::size_t kPartBlocks = 32, kPartVertices = kPartBlocks * kBlockSize;
 
-// Frames of a batch. What is known of their blocks, and their skins, stay in the caches between the stages.
-constexpr std::size_t kMostFrames = 8;
+// Frames of a batch, and the bytes of their skins and normals at most: these, and what is known of their blocks, stay
+// in the caches between the stages. Of a body of more than 40,000 vertices a batch is one frame.
+constexpr std::size_t kMostFrames = 8, kMostSkinBytes = std::size_t{2} << 20;
 
 // The values of frame f of `frames`.
 template <typename Values>
@@ -65,7 +66,10 @@ class CpuBackend final : public Backend {
 
   std::string name() const override { return "cpu"; }
   Executor& threads() const override { return *executor_; }
-  std::uint32_t batch_limit() const override { return kMostFrames; }
+  std::uint32_t batch_limit() const override {
+    const std::size_t frame = 6 * sizeof(float) * std::max<std::size_t>(1, vertex_count());
+    return static_cast<std::uint32_t>(std::clamp<std::size_t>(kMostSkinBytes / frame, 1, kMostFrames));
+  }
   void set_rest_coefficients(std::span<const float> c) override { rest_coefficients_.assign(c.begin(), c.end()); }
   void set_weights(const Weights& weights) override { weights_ = weights; }
   void set_motion(const NodeMotion& motion) override { dynamics_->motion = motion; }
