@@ -20,7 +20,7 @@ enum class ErrorKind : int {
   interrupted = 75,  // interrupted, or a temporary failure: run again
 };
 
-// The defect of a skin, where advice depends on it.
+// The defect of a skin or a dataset, where advice depends on it.
 enum class ErrorCause {
   other,
   no_faces,
@@ -34,6 +34,9 @@ enum class ErrorCause {
   unfillable,   // with tetrahedra
   large_piece,  // that can neither be filled nor follow others
   several_pieces,
+  unweighted,  // it follows no joint
+  too_few_vertices,
+  too_few_frames,
 };
 
 // A text, a character, a file's name, or a number, which is written as std::to_string() does.

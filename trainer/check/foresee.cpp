@@ -36,12 +36,10 @@ constexpr double kFacing = -0.3;                 // cosine of the normals of ski
 constexpr std::size_t kFewest = 3;               // vertices that make a part
 
 constexpr const char* kNoDraft = "leave out --draft: 'simulate' fills the skin";
-constexpr const char* kMoreMotion = "simulate more motion: 'bodyopt rom' makes some that shows all a character can do";
-constexpr const char* kFewVertices = "none is needed: so few vertices are as fast as a proxy of them";
 
-// The remedy for a skin that is not filled for this.
-std::string remedy_for(const Error& error) {
-  switch (error.cause()) {
+// Empty: the error's own sentence says all there is.
+std::string remedy_for(ErrorCause cause) {
+  switch (cause) {
     case ErrorCause::open_edges:
       return "fill its holes, give sheets a thickness (Blender: Fill Holes, Solidify); --picture shows them";
     case ErrorCause::crowded_edges:
@@ -65,10 +63,16 @@ std::string remedy_for(const Error& error) {
       return "join the pieces to one skin";
     case ErrorCause::damaged:
       return "export it again from where it was made";
+    case ErrorCause::unweighted:
+      return "give every vertex skin weights (Blender: Armature Deform, With Automatic Weights)";
+    case ErrorCause::too_few_vertices:
+      return "none is needed: so few vertices are as fast as a proxy of them";
+    case ErrorCause::too_few_frames:
+      return "simulate more motion: 'bodyopt rom' makes some that shows all a character can do";
     case ErrorCause::other:
       break;
   }
-  return "close holes, join the pieces and separate what overlaps at rest";
+  return "";
 }
 
 std::uint32_t main_joint(const Character& character, std::uint32_t vertex) {
@@ -152,9 +156,9 @@ std::vector<RestPlace> near_parts_of(const Character& character) {
   return places_of(character, found, kFewest);
 }
 
-VerbForecast refusal(const std::string& verb, const Error& error, const char* remedy = nullptr) {
+VerbForecast refusal(const std::string& verb, const Error& error) {
   if (error.kind() == ErrorKind::interrupted) throw error;
-  return {verb, BodyFill::refused, 0, false, error.what(), remedy ? remedy : remedy_for(error)};
+  return {verb, BodyFill::refused, 0, false, error.what(), remedy_for(error.cause()), "", error.cause()};
 }
 
 void add_glued(const Character& character, const Cage& cage, VerticesOfJoints& glued) {
@@ -173,7 +177,8 @@ VerbForecast foresee_simulate(const Character& character, bool draft, VerticesOf
     const std::string parts = glued_parts(cage, character);
     add_glued(character, cage, glued);
     if (cage.why_lattice) {
-      return {verb, BodyFill::lattice, nodes, true, cage.why_lattice->what(), remedy_for(*cage.why_lattice), parts};
+      const Error& why = *cage.why_lattice;
+      return {verb, BodyFill::lattice, nodes, true, why.what(), remedy_for(why.cause()), parts, why.cause()};
     }
     const BodyFill fill = !cage.is_own_skin      ? BodyFill::coarser
                           : cage.mending.empty() ? BodyFill::skin
@@ -205,7 +210,7 @@ VerbForecast foresee_train(const Character& character) {
     build_ddm_basis(character, {});
     return {"train", BodyFill::works, character.vertices.rows(), false, "", ""};
   } catch (const Error& error) {
-    return refusal("train", error, "give every vertex a place and skin weights");
+    return refusal("train", error);
   }
 }
 
@@ -221,7 +226,7 @@ VerbForecast foresee_proxy(const Character& character, const std::vector<Positio
             notes.empty() ? "" : notes.front(),
             ""};
   } catch (const Error& error) {
-    return refusal("proxy", error, kFewVertices);
+    return refusal("proxy", error);
   }
 }
 
@@ -374,7 +379,7 @@ std::vector<VerbForecast> foresee_training(const SampleSet& set) {
   try {
     check_samples(set);
   } catch (const Error& error) {
-    return {refusal("train", error, kMoreMotion), refusal("proxy", error, kMoreMotion)};
+    return {refusal("train", error), refusal("proxy", error)};
   }
   return {foresee_train(set.character), foresee_proxy(set.character, shapes_of_skin(set))};
 }

@@ -8,6 +8,7 @@
 #include "assets/character.h"
 #include "assets/clip.h"
 #include "runtime/basis/skeleton.h"
+#include "runtime/core/error.h"
 #include "trainer/train/data/samples.h"
 
 namespace bodyopt {
@@ -23,9 +24,10 @@ struct VerbForecast {
   BodyFill fill = BodyFill::refused;
   Eigen::Index nodes = 0;  // of train and proxy: vertices of the skin, of the coarsest level
   bool has_contact = false;
-  std::string why;      // what was mended, or keeps it from a better filling; empty: nothing
-  std::string remedy;   // empty: none is needed
-  std::string glued{};  // of a cage: glued_parts()
+  std::string why;                       // what was mended, or keeps it from a better filling; empty: nothing
+  std::string remedy;                    // empty: none is needed, or `why` says it
+  std::string glued{};                   // of a cage: glued_parts()
+  ErrorCause cause = ErrorCause::other;  // of what keeps it from a better filling
 };
 
 // Vertices of one joint where something is amiss.

@@ -360,6 +360,7 @@ std::vector<LevelSkin> level_skins(const Character& character, const std::vector
                                    const std::vector<double>& asked, std::vector<std::string>& notes) {
   std::vector<LevelSkin> skins;
   std::string problems;
+  ErrorCause cause = ErrorCause::other;
   for (const double error : asked.empty() ? default_errors(character) : asked) {
     SimplifiedSkin skin = simplify_skin(character, shapes, error);
     const std::size_t before =
@@ -371,10 +372,12 @@ std::vector<LevelSkin> level_skins(const Character& character, const std::vector
       throw Error(ErrorKind::usage, problem);
     } else {
       problems += (problems.empty() ? "" : "; ") + problem;
-      if (skin.vertices.size() < kFewestVertices) break;  // larger errors leave fewer yet
+      if (skin.vertices.size() >= kFewestVertices) continue;
+      cause = ErrorCause::too_few_vertices;
+      break;  // larger errors leave fewer yet
     }
   }
-  if (skins.empty()) throw Error(ErrorKind::usage, problems);
+  if (skins.empty()) throw Error(ErrorKind::usage, problems, cause);
   if (!problems.empty()) {
     const std::string verb = skins.size() == 1 ? "there is only " : "there are only ";
     notes.push_back(verb + count_of(skins.size(), "level", "levels") + ": " + problems);

@@ -22,13 +22,16 @@ void check_pose(const SampleSet& set, const Sample& sample) {
   for (std::size_t k = 0; k < pose.controls.size(); ++k) {
     if (std::isfinite(pose.controls[k])) continue;
     throw Error(ErrorKind::mismatch,
-                frame_name(set, sample) + ": the value of control '" + set.controls[k] + "' is not a finite number");
+                frame_name(set, sample) + ": the value of control '" + set.controls[k] + "' is not a finite number",
+                ErrorCause::damaged);
   }
   for (std::size_t j = 0; j < std::min(pose.joints.size(), set.character.skeleton.size()); ++j) {
     const Affine local = affine_from(pose.joints[j]);
     if (Eigen::Map<const Eigen::Matrix<double, 3, 4, Eigen::RowMajor>>(&local.m[0][0]).allFinite()) continue;
-    throw Error(ErrorKind::mismatch, frame_name(set, sample) + ": the transform of joint '" +
-                                         set.character.skeleton.joints[j].name + "' holds a number that is not finite");
+    throw Error(ErrorKind::mismatch,
+                frame_name(set, sample) + ": the transform of joint '" + set.character.skeleton.joints[j].name +
+                    "' holds a number that is not finite",
+                ErrorCause::damaged);
   }
 }
 
@@ -63,10 +66,11 @@ std::vector<Pose> training_poses(const SampleSet& set) { return transformed(set.
 
 void check_samples(const SampleSet& set) {
   if (set.train.size() < kFewestFrames) {
-    throw Error(ErrorKind::mismatch, "training needs " + std::to_string(kFewestFrames) +
-                                         " frames at least, the dataset leaves " + std::to_string(set.train.size()) +
-                                         " (held out: " + std::to_string(set.heldout.size()) +
-                                         ", unconverged: " + std::to_string(set.unconverged) + ")");
+    throw Error(ErrorKind::mismatch,
+                "training needs " + std::to_string(kFewestFrames) + " frames at least, the dataset leaves " +
+                    std::to_string(set.train.size()) + " (held out: " + std::to_string(set.heldout.size()) +
+                    ", unconverged: " + std::to_string(set.unconverged) + ")",
+                ErrorCause::too_few_frames);
   }
   for (const std::vector<Sample>* samples : {&set.train, &set.heldout}) {
     for (const Sample& sample : *samples) check_pose(set, sample);

@@ -56,7 +56,8 @@ std::vector<std::vector<RawMoments>> smooth_moments(const Positions& rest, const
   const NearSmoother smoother(lumped_areas(rest, triangles), lambda * cotangent_laplacian(rest, triangles),
                               options.steps);
   if (!smoother.is_solvable()) {
-    throw Error(ErrorKind::mismatch, "the smoothing of the skin could not be factorised: its positions are not finite");
+    throw Error(ErrorKind::mismatch, "the smoothing of the skin could not be factorised: its positions are not finite",
+                ErrorCause::damaged);
   }
 
   std::vector<std::map<int, double>> columns;  // weights of each joint by vertex
@@ -89,7 +90,8 @@ std::vector<std::vector<RawMoments>> smooth_moments(const Positions& rest, const
   for (std::size_t v = 0; v < raw.size(); ++v) {
     if (raw[v].empty()) {
       throw Error(ErrorKind::mismatch,
-                  "vertex " + std::to_string(v) + " of the skin follows no joint: it has no skin weights");
+                  "vertex " + std::to_string(v) + " of the skin follows no joint: it has no skin weights",
+                  ErrorCause::unweighted);
     }
   }
   return raw;
