@@ -5,7 +5,7 @@
 #include "assets/clip_common.h"
 #include "assets/joint_match.h"
 #include "assets/retarget.h"
-#include "assets/wording.h"
+#include "base/wording.h"
 #include "runtime/core/error.h"
 #include "runtime/core/transformed.h"
 

@@ -5,7 +5,7 @@
 
 #include "assets/axis_turns.h"
 #include "assets/bvh_clip.h"
-#include "assets/wording.h"
+#include "base/wording.h"
 #include "runtime/core/atomic_file.h"
 #include "runtime/core/error.h"
 #include "runtime/host/rig.h"

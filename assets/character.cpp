@@ -7,7 +7,7 @@
 #include "assets/gltf_skeleton.h"
 #include "assets/gltf_skin.h"
 #include "assets/gltf_unit.h"
-#include "assets/wording.h"
+#include "base/wording.h"
 #include "geometry/surface_topology.h"
 #include "runtime/core/error.h"
 #include "runtime/core/transformed.h"

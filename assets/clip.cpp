@@ -11,7 +11,7 @@
 #include "assets/gltf_clip.h"
 #include "assets/gltf_file.h"
 #include "assets/motion_up.h"
-#include "assets/wording.h"
+#include "base/wording.h"
 #include "runtime/core/error.h"
 #include "runtime/core/file_kind.h"
 #include "runtime/core/text.h"

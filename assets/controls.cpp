@@ -8,8 +8,8 @@
 #include <sstream>
 #include <utility>
 
-#include "assets/json_file.h"
-#include "assets/wording.h"
+#include "base/json_file.h"
+#include "base/wording.h"
 #include "runtime/basis/read_file.h"
 #include "runtime/core/error.h"
 

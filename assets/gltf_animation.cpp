@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <set>
 
-#include "assets/wording.h"
+#include "base/wording.h"
 #include "runtime/core/transform.h"
 
 namespace bodyopt {

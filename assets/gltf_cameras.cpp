@@ -5,7 +5,7 @@
 
 #include "assets/clip_source.h"
 #include "assets/gltf_nodes.h"
-#include "assets/json_file.h"
+#include "base/json_file.h"
 
 namespace bodyopt {
 namespace {

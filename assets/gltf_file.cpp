@@ -7,7 +7,7 @@
 
 #include "assets/fbx_parse.h"
 #include "assets/gltf_guard.h"
-#include "assets/wording.h"
+#include "base/wording.h"
 #include "runtime/core/transformed.h"
 
 namespace bodyopt {

@@ -4,7 +4,7 @@
 #include <map>
 #include <set>
 
-#include "assets/wording.h"
+#include "base/wording.h"
 
 namespace bodyopt {
 namespace {

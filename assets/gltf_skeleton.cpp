@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstdio>
 
-#include "assets/wording.h"
+#include "base/wording.h"
 #include "runtime/core/error.h"
 #include "runtime/core/transformed.h"
 

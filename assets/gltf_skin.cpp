@@ -8,7 +8,7 @@
 #include "assets/gltf_skeleton.h"
 #include "assets/gltf_unit.h"
 #include "assets/surface_materials.h"
-#include "assets/wording.h"
+#include "base/wording.h"
 
 namespace bodyopt {
 namespace {

@@ -6,8 +6,8 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "assets/json_file.h"
-#include "assets/wording.h"
+#include "base/json_file.h"
+#include "base/wording.h"
 #include "runtime/core/error.h"
 #include "runtime/core/text.h"
 #include "runtime/core/transformed.h"

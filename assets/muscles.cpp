@@ -4,7 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "assets/json_file.h"
+#include "base/json_file.h"
 #include "runtime/core/error.h"
 #include "runtime/core/transformed.h"
 

@@ -10,7 +10,7 @@
 
 #include "assets/axis_turns.h"
 #include "assets/motion_up.h"
-#include "assets/wording.h"
+#include "base/wording.h"
 #include "geometry/nearest_rotation.h"
 #include "runtime/core/transformed.h"
 #include "runtime/host/rig.h"

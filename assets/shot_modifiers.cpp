@@ -5,8 +5,8 @@
 #include <nlohmann/json.hpp>
 
 #include "assets/controls.h"
-#include "assets/json_file.h"
-#include "assets/wording.h"
+#include "base/json_file.h"
+#include "base/wording.h"
 #include "runtime/core/error.h"
 #include "runtime/core/transformed.h"
 #include "runtime/modifiers/skin_modifier_type.h"

@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
-#include "assets/wording.h"
+#include "base/wording.h"
 #include "cli/arguments/common.h"
 #include "cli/results/attachments.h"
 #include "runtime/core/error.h"

@@ -7,7 +7,7 @@
 
 #include "assets/axis_turns.h"
 #include "assets/clip_source.h"
-#include "assets/wording.h"
+#include "base/wording.h"
 #include "cli/arguments/common.h"
 #include "cli/arguments/dataset_arguments.h"
 #include "geometry/mesh.h"

@@ -7,8 +7,8 @@
 #include <nlohmann/json.hpp>
 #include <span>
 
-#include "assets/frame_range.h"
-#include "assets/json_file.h"
+#include "base/frame_range.h"
+#include "base/json_file.h"
 #include "cli/arguments/common.h"
 #include "cli/arguments/shot_arguments.h"
 #include "report/heat_strip.h"

@@ -8,8 +8,8 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "assets/json_file.h"
 #include "assets/pc2.h"
+#include "base/json_file.h"
 #include "cli/arguments/common.h"
 #include "cli/results/demo_extras.h"
 #include "cli/results/measure.h"

@@ -6,7 +6,7 @@
 
 #include "assets/clip_source.h"
 #include "assets/controls.h"
-#include "assets/json_file.h"
+#include "base/json_file.h"
 #include "cli/arguments/common.h"
 #include "dataset/dataset.h"
 #include "dataset/regions_file.h"

@@ -5,8 +5,8 @@
 #include <nlohmann/json.hpp>
 
 #include "assets/cache_writer.h"
-#include "assets/frame_range.h"
-#include "assets/json_file.h"
+#include "base/frame_range.h"
+#include "base/json_file.h"
 #include "base/progress.h"
 #include "cli/arguments/common.h"
 #include "cli/arguments/shot_arguments.h"

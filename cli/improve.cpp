@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "assets/frame_range.h"
+#include "base/frame_range.h"
 #include "cli/arguments/dataset_arguments.h"
 #include "cli/results/attachments.h"
 #include "cli/results/measure.h"

@@ -2,7 +2,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
-#include "assets/json_file.h"
+#include "base/json_file.h"
 #include "cli/arguments/common.h"
 #include "cli/results/modifier_effects.h"
 #include "runtime/basis/levels.h"

@@ -3,7 +3,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "assets/wording.h"
+#include "base/wording.h"
 #include "cli/arguments/common.h"
 #include "report/pictures.h"
 #include "runtime/core/error.h"

@@ -6,7 +6,7 @@
 
 #include "assets/nodes_cache.h"
 #include "assets/shape_reader.h"
-#include "assets/wording.h"
+#include "base/wording.h"
 #include "cli/arguments/common.h"
 #include "dataset/modifier.h"
 #include "draw/cut_surface.h"

@@ -7,7 +7,7 @@
 #include <map>
 #include <set>
 
-#include "assets/frame_range.h"
+#include "base/frame_range.h"
 #include "cli/arguments/dataset_arguments.h"
 #include "runtime/core/error.h"
 #include "runtime/threads/tbb_executor.h"

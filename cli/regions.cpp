@@ -6,7 +6,7 @@
 #include <numeric>
 
 #include "assets/axis_turns.h"
-#include "assets/wording.h"
+#include "base/wording.h"
 #include "cli/arguments/common.h"
 #include "dataset/regions_file.h"
 #include "report/pictures.h"

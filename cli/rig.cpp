@@ -8,8 +8,8 @@
 #include <set>
 
 #include "assets/joints_with_skin.h"
-#include "assets/json_file.h"
-#include "assets/wording.h"
+#include "base/json_file.h"
+#include "base/wording.h"
 #include "cli/arguments/common.h"
 #include "dataset/regions_file.h"
 #include "runtime/core/atomic_file.h"

@@ -11,8 +11,8 @@
 #include <cstdlib>
 #include <optional>
 
-#include "assets/wording.h"
 #include "base/progress.h"
+#include "base/wording.h"
 #include "cli/arguments/common.h"
 #include "cli/view/view.h"
 #include "runtime/core/error.h"

@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
-#include "assets/frame_range.h"
+#include "base/frame_range.h"
 #include "cli/arguments/common.h"
 #include "cli/results/evaluation_log.h"
 #include "dataset/dataset.h"

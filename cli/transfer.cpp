@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "assets/frame_range.h"
+#include "base/frame_range.h"
 #include "cli/arguments/common.h"
 #include "cli/results/pages.h"
 #include "dataset/modifier.h"

@@ -12,8 +12,8 @@
 
 #include "assets/clip.h"
 #include "assets/clip_source.h"
-#include "assets/frame_range.h"
-#include "assets/json_file.h"
+#include "base/frame_range.h"
+#include "base/json_file.h"
 #include "dataset/modifier.h"
 #include "runtime/core/error.h"
 #include "runtime/core/text.h"

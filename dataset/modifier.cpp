@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <set>
 
-#include "assets/json_file.h"
+#include "base/json_file.h"
 #include "runtime/core/error.h"
 #include "runtime/core/transformed.h"
 

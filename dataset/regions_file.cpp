@@ -7,7 +7,7 @@
 #include <sstream>
 
 #include "assets/gltf_skin.h"
-#include "assets/json_file.h"
+#include "base/json_file.h"
 #include "runtime/core/atomic_file.h"
 #include "runtime/core/error.h"
 

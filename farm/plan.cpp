@@ -13,10 +13,10 @@
 
 #include "assets/cache_writer.h"
 #include "assets/clip.h"
-#include "assets/frame_range.h"
 #include "assets/join_caches.h"
-#include "assets/json_file.h"
-#include "assets/wording.h"
+#include "base/frame_range.h"
+#include "base/json_file.h"
+#include "base/wording.h"
 #include "runtime/basis/attachments.h"
 #include "runtime/basis/dynamics.h"
 #include "runtime/core/error.h"

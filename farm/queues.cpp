@@ -18,7 +18,7 @@
 #include <sstream>
 #include <tuple>
 
-#include "assets/json_file.h"
+#include "base/json_file.h"
 #include "runtime/core/atomic_file.h"
 #include "runtime/core/error.h"
 #include "runtime/core/stopwatch.h"

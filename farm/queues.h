@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "assets/json_file.h"
+#include "base/json_file.h"
 #include "farm/plan.h"
 
 namespace bodyopt {

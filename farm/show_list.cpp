@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "assets/json_file.h"
+#include "base/json_file.h"
 #include "runtime/basis/read_file.h"
 #include "runtime/core/error.h"
 #include "runtime/core/json.h"

@@ -13,9 +13,9 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
-#include "assets/frame_range.h"
-#include "assets/json_file.h"
 #include "base/content_hash.h"
+#include "base/frame_range.h"
+#include "base/json_file.h"
 #include "base/parallel.h"
 #include "runtime/core/error.h"
 #include "runtime/core/text.h"

@@ -2,8 +2,8 @@
 
 #include <sstream>
 
-#include "assets/frame_range.h"
 #include "assets/matched_joints.h"
+#include "base/frame_range.h"
 #include "runtime/core/error.h"
 #include "runtime/core/transformed.h"
 

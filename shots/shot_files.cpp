@@ -5,10 +5,10 @@
 #include <set>
 #include <utility>
 
-#include "assets/frame_range.h"
 #include "assets/gltf_file.h"
 #include "assets/gltf_guard.h"
 #include "assets/shot_modifiers.h"
+#include "base/frame_range.h"
 #include "runtime/basis/character_unit.h"
 #include "runtime/basis/dynamics.h"
 #include "runtime/core/error.h"

@@ -14,7 +14,7 @@
 #include <utility>
 #include <vector>
 
-#include "assets/wording.h"
+#include "base/wording.h"
 #include "farm/plan.h"
 #include "runtime/core/atomic_file.h"
 #include "runtime/core/error.h"

@@ -7,7 +7,7 @@
 #include <filesystem>
 
 #include "assets/clip_source.h"
-#include "assets/frame_range.h"
+#include "base/frame_range.h"
 #include "runtime/core/error.h"
 #include "trainer/simulate/simulate.h"
 

@@ -4,7 +4,7 @@
 #include <optional>
 
 #include "assets/clip_source.h"
-#include "assets/wording.h"
+#include "base/wording.h"
 #include "cli/curate/curate_arguments.h"
 #include "cli/curate/stack_report.h"
 #include "dataset/modifier.h"

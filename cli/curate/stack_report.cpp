@@ -4,7 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <vector>
 
-#include "assets/wording.h"
+#include "base/wording.h"
 #include "cli/curate/curate_arguments.h"
 #include "dataset/modifier.h"
 #include "geometry/mesh.h"

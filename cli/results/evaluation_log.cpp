@@ -4,8 +4,8 @@
 #include <cmath>
 #include <ranges>
 
-#include "assets/frame_range.h"
-#include "assets/wording.h"
+#include "base/frame_range.h"
+#include "base/wording.h"
 #include "runtime/core/transformed.h"
 #include "runtime/deformer/deformer.h"
 #include "runtime/deformer/evaluation.h"

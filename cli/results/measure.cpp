@@ -6,7 +6,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "assets/frame_range.h"
+#include "base/frame_range.h"
 #include "cli/results/report_pictures.h"
 #include "dataset/dataset.h"
 #include "geometry/mesh.h"

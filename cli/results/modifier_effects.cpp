@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
-#include "assets/json_file.h"
+#include "base/json_file.h"
 #include "runtime/basis/skin_modifiers.h"
 
 namespace bodyopt::cli {

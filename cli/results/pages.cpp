@@ -6,9 +6,9 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
-#include "assets/frame_range.h"
 #include "assets/shape_reader.h"
 #include "assets/usda_part.h"
+#include "base/frame_range.h"
 #include "draw/colours.h"
 #include "farm/plan.h"
 #include "geometry/mesh.h"

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <sstream>
 
-#include "assets/wording.h"
+#include "base/wording.h"
 #include "runtime/core/error.h"
 
 namespace bodyopt {

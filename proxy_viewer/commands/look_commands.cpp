@@ -3,7 +3,7 @@
 #include <numbers>
 #include <utility>
 
-#include "assets/wording.h"
+#include "base/wording.h"
 #include "proxy_viewer/commands/commands.h"
 #include "runtime/core/error.h"
 

@@ -4,7 +4,7 @@
 #include <set>
 
 #include "assets/clip_source.h"
-#include "assets/json_fields.h"
+#include "base/json_fields.h"
 #include "runtime/basis/attachments.h"
 #include "runtime/basis/dynamics.h"
 #include "runtime/basis/levels.h"

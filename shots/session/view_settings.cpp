@@ -5,8 +5,8 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 
-#include "assets/json_fields.h"
-#include "assets/wording.h"
+#include "base/json_fields.h"
+#include "base/wording.h"
 #include "runtime/core/error.h"
 #include "shots/session/between_keys.h"
 #include "shots/session/setting_fields.h"

@@ -1,4 +1,4 @@
-#include "assets/frame_range.h"
+#include "base/frame_range.h"
 
 #include <gtest/gtest.h>
 

@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "assets/clip.h"
-#include "assets/json_file.h"
+#include "base/json_file.h"
 #include "dataset/dataset.h"
 #include "tests/cli/limb_files.h"
 #include "tests/support/detached_limb.h"

@@ -4,9 +4,9 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "assets/frame_range.h"
 #include "assets/muscles.h"
 #include "assets/pc2.h"
+#include "base/frame_range.h"
 #include "dataset/dataset.h"
 #include "runtime/basis/safetensors.h"
 #include "runtime/core/json.h"

@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "assets/json_file.h"
+#include "base/json_file.h"
 #include "dataset/modifier.h"
 #include "runtime/basis/read_file.h"
 #include "tests/curate/sweep_history.h"

@@ -14,7 +14,7 @@
 #include <sstream>
 
 #include "assets/gltf_skin.h"
-#include "assets/json_file.h"
+#include "base/json_file.h"
 #include "dataset/modifier.h"
 #include "runtime/core/error.h"
 #include "tests/curate/curated_limb.h"

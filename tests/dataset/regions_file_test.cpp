@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "assets/gltf_skin.h"
-#include "assets/json_file.h"
+#include "base/json_file.h"
 #include "tests/assets/character_checks.h"
 #include "tests/support/hostile_bytes.h"
 #include "tests/support/read_bytes.h"

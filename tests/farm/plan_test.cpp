@@ -9,7 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "assets/clip.h"
-#include "assets/frame_range.h"
+#include "base/frame_range.h"
 #include "farm/queues.h"
 #include "farm/task_run.h"
 #include "runtime/core/error.h"

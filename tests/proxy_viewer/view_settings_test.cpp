@@ -8,7 +8,7 @@
 #include <numbers>
 #include <set>
 
-#include "assets/json_file.h"
+#include "base/json_file.h"
 #include "runtime/core/error.h"
 #include "tests/support/hostile_bytes.h"
 #include "tests/support/random_tables.h"

@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 
-#include "assets/json_file.h"
+#include "base/json_file.h"
 #include "base/progress.h"
 #include "dataset/regions_file.h"
 #include "runtime/core/error.h"

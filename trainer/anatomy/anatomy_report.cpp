@@ -5,8 +5,8 @@
 #include <numeric>
 
 #include "assets/joint_roles.h"
-#include "assets/wording.h"
 #include "base/parallel.h"
+#include "base/wording.h"
 #include "geometry/mesh.h"
 #include "geometry/self_intersections.h"
 #include "runtime/core/text.h"

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "assets/json_file.h"
+#include "base/json_file.h"
 #include "geometry/mend_surface.h"
 #include "geometry/mesh.h"
 #include "runtime/core/error.h"

@@ -5,8 +5,8 @@
 #include <numeric>
 
 #include "assets/axis_turns.h"
-#include "assets/wording.h"
 #include "base/quantile.h"
+#include "base/wording.h"
 #include "geometry/mesh.h"
 #include "geometry/nearest_skin.h"
 #include "geometry/spatial_search.h"

@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "assets/json_file.h"
+#include "base/json_file.h"
 #include "trainer/anatomy/body_survey.h"
 #include "trainer/anatomy/inner_tissue.h"
 

@@ -5,8 +5,8 @@
 #include <limits>
 
 #include "assets/joint_roles.h"
-#include "assets/wording.h"
 #include "base/parallel.h"
+#include "base/wording.h"
 
 namespace bodyopt {
 namespace {

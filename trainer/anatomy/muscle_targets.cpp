@@ -5,7 +5,7 @@
 #include <cctype>
 #include <nlohmann/json.hpp>
 
-#include "assets/json_file.h"
+#include "base/json_file.h"
 #include "trainer/anatomy/division.h"
 #include "trainer/anatomy/human_tables.h"
 #include "trainer/anatomy/muscle_candidates.h"

@@ -5,8 +5,8 @@
 #include <map>
 #include <numeric>
 
-#include "assets/wording.h"
 #include "base/parallel.h"
+#include "base/wording.h"
 #include "geometry/mesh.h"
 #include "geometry/surface_topology.h"
 #include "runtime/basis/joint_omegas.h"

@@ -5,7 +5,7 @@
 
 #include "assets/gltf_skeleton.h"
 #include "assets/gltf_skin.h"
-#include "assets/wording.h"
+#include "base/wording.h"
 #include "runtime/basis/attachments.h"
 #include "runtime/core/error.h"
 

@@ -4,9 +4,9 @@
 #include <map>
 #include <set>
 
-#include "assets/frame_range.h"
 #include "assets/pc2.h"
 #include "assets/shape_reader.h"
+#include "base/frame_range.h"
 #include "base/progress.h"
 #include "dataset/dataset.h"
 #include "dataset/modifier.h"

@@ -7,7 +7,7 @@
 
 #include "assets/clip.h"
 #include "assets/shape_reader.h"
-#include "assets/wording.h"
+#include "base/wording.h"
 #include "dataset/modifier.h"
 #include "dataset/regions_file.h"
 #include "geometry/mesh.h"

@@ -8,9 +8,9 @@
 #include <set>
 #include <utility>
 
-#include "assets/wording.h"
 #include "base/progress.h"
 #include "base/spread_evenly.h"
+#include "base/wording.h"
 #include "geometry/mend_surface.h"
 #include "geometry/mesh.h"
 #include "geometry/self_intersections.h"

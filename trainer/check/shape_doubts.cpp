@@ -12,8 +12,8 @@
 #include <sstream>
 
 #include "assets/clip.h"
-#include "assets/wording.h"
 #include "base/spread_evenly.h"
+#include "base/wording.h"
 #include "geometry/mesh.h"
 #include "runtime/host/rig.h"
 #include "trainer/train/data/unposed_shapes.h"

@@ -6,11 +6,11 @@
 
 #include "assets/clip.h"
 #include "assets/clip_source.h"
-#include "assets/frame_range.h"
 #include "assets/pc2.h"
-#include "assets/wording.h"
+#include "base/frame_range.h"
 #include "base/parallel.h"
 #include "base/progress.h"
+#include "base/wording.h"
 #include "geometry/mesh.h"
 #include "runtime/core/error.h"
 #include "trainer/curate/frame_sculpting.h"

@@ -6,9 +6,9 @@
 #include <nlohmann/json.hpp>
 #include <string_view>
 
-#include "assets/json_file.h"
 #include "assets/shape_reader.h"
 #include "base/content_hash.h"
+#include "base/json_file.h"
 #include "runtime/core/atomic_file.h"
 #include "runtime/core/error.h"
 #include "trainer/curate/frame_files.h"

@@ -10,7 +10,7 @@
 
 #include "assets/clip_source.h"
 #include "assets/gltf_skin.h"
-#include "assets/wording.h"
+#include "base/wording.h"
 #include "geometry/mesh.h"
 #include "runtime/basis/read_file.h"
 #include "runtime/core/atomic_file.h"

@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
-#include "assets/json_file.h"
+#include "base/json_file.h"
 #include "dataset/modifier.h"
 #include "runtime/core/error.h"
 #include "trainer/curate/edit_stack.h"

@@ -9,7 +9,7 @@
 
 #include "assets/axis_turns.h"
 #include "assets/joint_roles.h"
-#include "assets/wording.h"
+#include "base/wording.h"
 #include "geometry/spatial_search.h"
 #include "runtime/core/error.h"
 #include "runtime/host/rig.h"

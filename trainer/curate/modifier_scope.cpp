@@ -4,9 +4,9 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "assets/frame_range.h"
 #include "assets/joints_with_skin.h"
-#include "assets/wording.h"
+#include "base/frame_range.h"
+#include "base/wording.h"
 #include "dataset/modifier.h"
 #include "runtime/core/error.h"
 #include "trainer/curate/pose_space.h"

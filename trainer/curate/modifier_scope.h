@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "assets/json_file.h"
+#include "base/json_file.h"
 #include "trainer/curate/pose_database.h"
 
 namespace bodyopt {

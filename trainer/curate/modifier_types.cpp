@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "assets/json_file.h"
+#include "base/json_file.h"
 #include "trainer/train/skinning/ddm.h"
 
 namespace bodyopt {

@@ -4,7 +4,7 @@
 #include <optional>
 
 #include "assets/pc2.h"
-#include "assets/wording.h"
+#include "base/wording.h"
 #include "runtime/core/error.h"
 
 namespace bodyopt {

@@ -4,7 +4,7 @@
 #include <set>
 
 #include "assets/controls.h"
-#include "assets/wording.h"
+#include "base/wording.h"
 #include "dataset/regions_file.h"
 #include "runtime/core/error.h"
 

@@ -6,9 +6,9 @@
 #include <numbers>
 
 #include "assets/joints_with_skin.h"
-#include "assets/wording.h"
 #include "base/linear_algebra.h"
 #include "base/parallel.h"
+#include "base/wording.h"
 #include "runtime/core/error.h"
 #include "runtime/host/rig.h"
 

@@ -3,9 +3,9 @@
 #include <array>
 #include <map>
 
-#include "assets/frame_range.h"
-#include "assets/json_file.h"
 #include "base/content_hash.h"
+#include "base/frame_range.h"
+#include "base/json_file.h"
 #include "geometry/mend_surface.h"
 #include "geometry/mesh.h"
 #include "geometry/surface_distance.h"

@@ -3,8 +3,8 @@
 #include <algorithm>
 
 #include "assets/character_hash.h"
-#include "assets/wording.h"
 #include "base/content_hash.h"
+#include "base/wording.h"
 #include "dataset/modifier.h"
 #include "runtime/core/error.h"
 #include "trainer/curate/match_vertices.h"

@@ -8,7 +8,7 @@
 #include <sstream>
 #include <vector>
 
-#include "assets/json_file.h"
+#include "base/json_file.h"
 #include "base/progress.h"
 #include "geometry/self_intersections.h"
 #include "geometry/surface_topology.h"

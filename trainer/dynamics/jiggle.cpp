@@ -7,9 +7,9 @@
 #include <map>
 #include <numbers>
 
-#include "assets/wording.h"
 #include "base/disjoint_sets.h"
 #include "base/linear_algebra.h"
+#include "base/wording.h"
 #include "geometry/mesh.h"
 #include "runtime/basis/dynamics.h"
 #include "runtime/core/error.h"

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <numeric>
 
-#include "assets/wording.h"
 #include "base/parallel.h"
+#include "base/wording.h"
 #include "geometry/mesh.h"
 #include "geometry/thickness.h"
 #include "runtime/basis/dynamics.h"

@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "assets/character.h"
-#include "assets/json_file.h"
+#include "base/json_file.h"
 #include "dataset/dataset.h"
 #include "geometry/mend_surface.h"
 #include "geometry/mesh.h"

@@ -4,9 +4,9 @@
 #include <cmath>
 #include <numbers>
 
-#include "assets/json_file.h"
 #include "assets/muscles.h"
-#include "assets/wording.h"
+#include "base/json_file.h"
+#include "base/wording.h"
 #include "geometry/mesh.h"
 #include "geometry/surface_distance.h"
 #include "runtime/core/error.h"

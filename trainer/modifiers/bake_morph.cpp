@@ -1,6 +1,6 @@
 // Morph: what a morph target, or a mesh at rest, moves. At rest un-posed space is rest space.
 #include "assets/gltf_skin.h"
-#include "assets/json_file.h"
+#include "base/json_file.h"
 #include "geometry/mesh.h"
 #include "runtime/basis/character_unit.h"
 #include "runtime/core/error.h"

@@ -1,7 +1,7 @@
 // Sag: how far soft parts hang by the dynamics' tables, for a difference of gravity along each axis of every joint.
 #include <algorithm>
 
-#include "assets/json_file.h"
+#include "base/json_file.h"
 #include "geometry/mesh.h"
 #include "runtime/basis/dynamics.h"
 #include "runtime/core/error.h"

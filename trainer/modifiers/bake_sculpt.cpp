@@ -5,8 +5,8 @@
 
 #include "assets/character.h"
 #include "assets/clip.h"
-#include "assets/json_file.h"
-#include "assets/wording.h"
+#include "base/json_file.h"
+#include "base/wording.h"
 #include "runtime/basis/character_unit.h"
 #include "runtime/core/error.h"
 #include "runtime/core/json.h"

@@ -6,10 +6,10 @@
 
 #include "assets/character.h"
 #include "assets/clip_source.h"
-#include "assets/json_file.h"
 #include "assets/shape_reader.h"
 #include "assets/shot_modifiers.h"
-#include "assets/wording.h"
+#include "base/json_file.h"
+#include "base/wording.h"
 #include "geometry/mesh.h"
 #include "runtime/basis/character_unit.h"
 #include "runtime/basis/skin_modifiers.h"

@@ -5,7 +5,7 @@
 #include <set>
 
 #include "assets/joints_with_skin.h"
-#include "assets/wording.h"
+#include "base/wording.h"
 #include "runtime/core/error.h"
 #include "runtime/core/transformed.h"
 #include "runtime/host/rig.h"

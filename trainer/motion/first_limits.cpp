@@ -6,8 +6,8 @@
 #include <numbers>
 
 #include "assets/joints_with_skin.h"
-#include "assets/wording.h"
 #include "base/linear_algebra.h"
+#include "base/wording.h"
 #include "runtime/core/error.h"
 #include "trainer/motion/attached_rig.h"
 #include "trainer/motion/held_turns.h"

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "assets/wording.h"
+#include "base/wording.h"
 #include "geometry/nearest_rotation.h"
 #include "runtime/core/transformed.h"
 #include "runtime/host/rig.h"

@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "assets/json_file.h"
+#include "base/json_file.h"
 #include "runtime/core/error.h"
 
 namespace bodyopt {

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "assets/json_file.h"
+#include "base/json_file.h"
 #include "runtime/basis/skeleton.h"
 
 namespace bodyopt::muscle_models {

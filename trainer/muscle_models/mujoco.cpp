@@ -6,7 +6,7 @@
 #include <numbers>
 #include <set>
 
-#include "assets/wording.h"
+#include "base/wording.h"
 #include "trainer/muscle_models/model.h"
 #include "trainer/muscle_models/xml_file.h"
 

@@ -4,7 +4,7 @@
 #include <map>
 #include <set>
 
-#include "assets/wording.h"
+#include "base/wording.h"
 #include "trainer/muscle_models/model.h"
 #include "trainer/muscle_models/xml_file.h"
 

@@ -6,8 +6,8 @@
 #include <numeric>
 #include <set>
 
-#include "assets/wording.h"
 #include "base/progress.h"
+#include "base/wording.h"
 #include "runtime/core/error.h"
 #include "runtime/core/stopwatch.h"
 #include "runtime/deformer/deformer.h"

@@ -12,9 +12,9 @@
 #include <tuple>
 #include <utility>
 
-#include "assets/wording.h"
 #include "base/parallel.h"
 #include "base/spread_evenly.h"
+#include "base/wording.h"
 #include "geometry/mesh.h"
 #include "geometry/nearest_skin.h"
 #include "geometry/quadric.h"

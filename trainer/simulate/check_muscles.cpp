@@ -1,6 +1,6 @@
 #include "trainer/simulate/check_muscles.h"
 
-#include "assets/wording.h"
+#include "base/wording.h"
 #include "geometry/thickness.h"
 #include "runtime/core/error.h"
 

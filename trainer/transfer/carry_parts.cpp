@@ -4,7 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "assets/pc2.h"
-#include "assets/wording.h"
+#include "base/wording.h"
 #include "dataset/modifier.h"
 #include "geometry/mesh.h"
 #include "runtime/core/error.h"

@@ -8,7 +8,7 @@
 
 #include "assets/joint_match.h"
 #include "assets/matched_joints.h"
-#include "assets/wording.h"
+#include "base/wording.h"
 #include "geometry/nearest_rotation.h"
 #include "runtime/core/error.h"
 #include "runtime/core/text.h"

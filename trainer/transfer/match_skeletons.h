@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "assets/json_file.h"
+#include "base/json_file.h"
 #include "runtime/basis/basis.h"
 
 namespace bodyopt {

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "assets/wording.h"
 #include "base/progress.h"
+#include "base/wording.h"
 #include "geometry/surface_distance.h"
 #include "runtime/basis/joint_omegas.h"
 #include "runtime/core/error.h"

@@ -4,10 +4,10 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
-#include "assets/frame_range.h"
 #include "assets/matched_joints.h"
 #include "assets/pc2.h"
 #include "assets/shape_reader.h"
+#include "base/frame_range.h"
 #include "base/parallel.h"
 #include "base/progress.h"
 #include "dataset/modifier.h"

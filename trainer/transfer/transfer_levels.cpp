@@ -8,7 +8,7 @@
 #include <numbers>
 
 #include "assets/character.h"
-#include "assets/wording.h"
+#include "base/wording.h"
 #include "geometry/mesh.h"
 #include "runtime/core/error.h"
 #include "runtime/core/transform.h"

@@ -6,7 +6,7 @@
 #include <numeric>
 #include <set>
 
-#include "assets/wording.h"
+#include "base/wording.h"
 
 namespace bodyopt {
 namespace {

@@ -4,8 +4,8 @@
 #include <map>
 #include <set>
 
-#include "assets/wording.h"
 #include "base/rows_where.h"
+#include "base/wording.h"
 #include "trainer/train/fit/choose_map.h"
 #include "trainer/train/pack/trade_off.h"
 #include "trainer/train/skinning/ddm.h"

@@ -2,7 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "assets/json_file.h"
+#include "base/json_file.h"
 
 namespace bodyopt {
 

@@ -1,4 +1,4 @@
-#include "assets/wording.h"
+#include "base/wording.h"
 
 #include <algorithm>
 #include <cctype>

@@ -1,8 +1,8 @@
-#include "assets/json_fields.h"
+#include "base/json_fields.h"
 
 #include <algorithm>
 
-#include "assets/wording.h"
+#include "base/wording.h"
 
 namespace bodyopt {
 

@@ -13,7 +13,7 @@
 #include <string>
 #include <vector>
 
-#include "assets/json_file.h"
+#include "base/json_file.h"
 #include "runtime/core/transform.h"
 
 namespace bodyopt {

@@ -1,4 +1,4 @@
-#include "assets/json_file.h"
+#include "base/json_file.h"
 
 #include <algorithm>
 #include <charconv>
