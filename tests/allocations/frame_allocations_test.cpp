@@ -17,6 +17,7 @@
 #include "runtime/host/rig.h"
 #include "runtime/vulkan/backend/device_model.h"
 #include "tests/library/c_api.h"
+#include "tests/library/shared_device.h"
 #include "tests/support/gpu_fixture.h"
 #include "tests/support/random_basis.h"
 #include "tests/support/small_basis.h"
@@ -174,18 +175,10 @@ TEST(FrameAllocations, OfTheLibrarysRecordingAreNone) {
   DeviceChoice choice = test_device();
   choice.validation = false;  // its layers count, too
   const vulkan::Device device(choice);
-  auto host = api::make<bodyopt_vulkan_device>();
-  host.instance = device.instance();
-  host.physical_device = device.physical();
-  host.device = device.handle();
-  host.queue = device.queue();
-  host.queue_family = device.queue_family();
-  bodyopt_device* shared = nullptr;
-  api::check(bodyopt_share_device(&host, &shared));
-  const api::Device owner(shared);
+  const api::Device shared = share(handles_of(device));
   LibraryCall call;
   auto options = api::make<bodyopt_instance_options>();
-  options.device = shared;
+  options.device = shared.get();
   options.recorded_frames = 3;
   const api::Instance instance = api::create_instance(call.model, options);
   const vulkan::Buffer target(device, VkDeviceSize{1} << 22, vulkan::Memory::device, "the host's vertices");

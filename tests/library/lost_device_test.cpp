@@ -3,6 +3,7 @@
 #include "runtime/core/error.h"
 #include "runtime/vulkan/commands.h"
 #include "tests/library/c_api.h"
+#include "tests/library/shared_device.h"
 #include "tests/support/environment.h"
 #include "tests/support/gpu_fixture.h"
 
@@ -46,18 +47,6 @@ TEST(LostDevice, FailsFromThenOnAndTheCpuWorksOn) {
 // A device of the host, which has its skin recorded there.
 class RecordingHost {
  public:
-  RecordingHost() {
-    auto host = api::make<bodyopt_vulkan_device>();
-    host.instance = own.instance();
-    host.physical_device = own.physical();
-    host.device = own.handle();
-    host.queue = own.queue();
-    host.queue_family = own.queue_family();
-    bodyopt_device* made = nullptr;
-    api::check(bodyopt_share_device(&host, &made));
-    shared.reset(made);
-  }
-
   bodyopt_result record(const api::Instance& instance, const vulkan::Commands& commands) {
     auto recording = api::make<bodyopt_recording>();
     recording.commands = commands.handle();
@@ -75,7 +64,7 @@ class RecordingHost {
   PoseArrays poses{turning_poses(basis, 1)};
   vulkan::Device own{choice()};
   vulkan::Buffer skin = vulkan::floats(own, 3 * basis.mesh.output_count(), "the host's skin");
-  api::Device shared;
+  api::Device shared = share(handles_of(own));
 };
 
 // What was recorded is lost with the device. From then on the host's calls of the library fail, and can be released.

@@ -17,6 +17,7 @@
 #include "runtime/core/error.h"
 #include "runtime/vulkan/commands.h"
 #include "tests/library/c_api.h"
+#include "tests/library/shared_device.h"
 #include "tests/support/gpu_fixture.h"
 #include "tests/support/random_tables.h"
 #include "tests/support/temporary_folder.h"
@@ -26,22 +27,8 @@ namespace vulkan_test {
 
 class LibraryVulkan : public GpuTest {
  protected:
-  static api::Device share() {
-    const bodyopt_vulkan_device host = handles();
-    bodyopt_device* shared = nullptr;
-    api::check(bodyopt_share_device(&host, &shared));
-    return api::Device(shared);
-  }
-
-  static bodyopt_vulkan_device handles() {
-    auto host = api::make<bodyopt_vulkan_device>();
-    host.instance = device_->instance();
-    host.physical_device = device_->physical();
-    host.device = device_->handle();
-    host.queue = device_->queue();
-    host.queue_family = device_->queue_family();
-    return host;
-  }
+  static bodyopt_vulkan_device handles() { return handles_of(*device_); }
+  static api::Device share() { return testing::share(handles()); }
 
   static api::Instance instance(const api::Model& model, const api::Device& device, bool jiggles,
                                 std::uint32_t recorded_frames = 1) {
@@ -319,9 +306,7 @@ TEST_F(LibraryVulkan, TakesTheHostsPipelineCache) {
   VkPipelineCache cache = VK_NULL_HANDLE;
   vulkan::check(vkCreatePipelineCache(device_->handle(), &info, nullptr, &cache), "vkCreatePipelineCache");
   const auto expect_shared = [](const bodyopt_vulkan_device& host) {
-    bodyopt_device* shared = nullptr;
-    api::check(bodyopt_share_device(&host, &shared));
-    EXPECT_NE(instance(api::load_model(hero()), api::Device(shared), false), nullptr);
+    EXPECT_NE(instance(api::load_model(hero()), testing::share(host), false), nullptr);
   };
   bodyopt_vulkan_device host = handles();
   host.pipeline_cache = cache;
