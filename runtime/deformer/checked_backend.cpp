@@ -84,7 +84,7 @@ class CheckedBackend final : public Backend {
     batch.wants_normals = given.wants_normals || given.wants_tangents;  // what tangents come of is compared, too
     const std::optional<NodeMotion> before = batch.jiggle.empty() ? std::nullopt : std::optional(cpu_->motion());
     try {
-      return checked(batch, given.stays_on_device);
+      return checked(batch);
     } catch (...) {
       if (before) set_motion(*before);  // as Backend::run promises
       throw;
@@ -92,17 +92,14 @@ class CheckedBackend final : public Backend {
   }
 
  private:
-  const BatchResult& checked(const Batch& batch, bool stays_on_device) {
+  const BatchResult& checked(const Batch& batch) {
     const BatchResult& found = device_->run(batch);
     const BatchResult& expected = cpu_->run(batch);
     const Frames frames{batch.first_frame, batch.frame_count};
     if (!batch.jiggle.empty()) device_motion_ = device_->motion();
     for (const Stage stage : stages_of(model_->basis, batch)) check(stage, found, expected, frames);
     if (!batch.jiggle.empty()) cpu_->set_motion(device_motion_);
-    if (!stays_on_device) return found;
-    without_skin_ = found;
-    without_skin_.positions = without_skin_.normals = without_skin_.tangents = {};
-    return without_skin_;
+    return found;
   }
 
   void check(Stage stage, const BatchResult& found, const BatchResult& expected, const Frames& frames) {
@@ -169,7 +166,6 @@ class CheckedBackend final : public Backend {
   std::unique_ptr<Backend> device_, cpu_;
   double size_;               // metres
   NodeMotion device_motion_;  // after the batch under check
-  BatchResult without_skin_;  // of a batch that stays on the device
 };
 
 }  // namespace

@@ -42,7 +42,7 @@ struct Batch {
   std::vector<float> learned_skinning{};
   std::vector<double> joints{};       // F x J x 3, metres, world: for the plan of the jiggle
   std::vector<JiggleFrame> jiggle{};  // F; empty: the skin is quasi-static
-  bool stays_on_device = false;       // positions and normals are wanted there, and not in the result
+  bool stays_on_device = false;       // positions and normals are wanted there; those of the result are left alone
   bool wants_normals = true;          // or there are none in the result, and none on the device
   bool wants_tangents = false;        // of a model with their tables; normals are computed for them
   bool keeps_posed = false;           // BatchResult::posed is wanted

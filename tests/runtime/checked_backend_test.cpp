@@ -152,19 +152,16 @@ TEST(CheckedBackend, PassesADevice) {
 
 // What was compared does not go on to where a skin that stays on the device is not expected.
 TEST(CheckedBackend, GivesNoSkinThatStaysOnTheDevice) {
-  const Basis basis = random_basis(20, 70);
-  std::vector<float> texture;
-  for (std::uint32_t v = 0; v < basis.mesh.output_count(); ++v) {
-    const float* x = &basis.mesh.rest[3 * std::size_t{basis.mesh.output_vertex[v]}];
-    texture.insert(texture.end(), {x[0], x[1]});
-  }
-  const auto model = std::make_shared<const CharacterModel>(basis, std::nullopt, texture);
-  const auto checked = make_checked_backend(model, make_cpu_backend(model), make_cpu_backend(model));
-  Batch batch = random_batch(basis, 3);
-  batch.stays_on_device = batch.wants_tangents = true;
-  const BatchResult& result = checked->run(batch);
-  EXPECT_TRUE(result.positions.empty() && result.normals.empty() && result.tangents.empty());
-  EXPECT_FALSE(result.strains.empty());
+  const Basis basis = load_basis(kSourceFolder + "/tests/old_files/hero.safetensors");
+  const auto model = std::make_shared<const vulkan::DeviceModel>(open_test_device(), model_of(basis));
+  Deformer deformer(model, std::nullopt, true);
+  const Pose pose = bind_pose(basis.skeleton);
+  Evaluation evaluation;
+  DeformerCall call{.deformer = &deformer, .poses = {&pose, 1}, .evaluation = &evaluation, .stays_on_device = true};
+  evaluate_together({&call, 1});
+  EXPECT_EQ(call.error, nullptr);
+  EXPECT_TRUE(evaluation.positions.empty() && evaluation.normals.empty());
+  EXPECT_FALSE(evaluation.strains.empty());
 }
 
 TEST(CheckedBackend, NeedsADevice) {
