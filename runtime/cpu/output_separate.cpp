@@ -57,13 +57,30 @@ void find_spans(std::span<const float> boxes, std::span<float> found, BentFold& 
 }
 
 // A step of one frame, as many vertices at a time as a device takes. What it leaves out has no part in what is found.
+struct Movable {
+  std::size_t vertex;
+  float least = std::numeric_limits<float>::max();  // of all folds so far
+  Vector way{};
+};
+
+struct Member {
+  Movable* movable;
+  Spans spans;
+};
+
+// A thread keeps its memory from part to part.
+struct Scratch {
+  std::vector<Movable> movable;
+  std::vector<Member> members;       // of the fold that is looked at
+  std::vector<std::uint32_t> boxes;  // that lines through members may meet
+};
+
 class Separation {
  public:
   Separation(const MeshTable& mesh, const FoldTables& tables, const OutputSeparatePush& push,
              const SeparateFrame& frame)
       : mesh_(mesh), tables_(tables), push_(push), frame_(frame), words_((push.fold_count + 31) / 32) {
-    movable_.reserve(kWorkgroupSize);
-    members_.reserve(kWorkgroupSize);
+    movable_.reserve(kWorkgroupSize);  // members point into it
   }
 
   // The vertices from `first` on, as many as moved holds. Did any move?
@@ -79,15 +96,10 @@ class Separation {
   }
 
  private:
-  struct Movable {
-    std::size_t vertex;
-    float least = std::numeric_limits<float>::max();  // of all folds so far
-    Vector way{};
-  };
-  struct Member {
-    Movable* movable;
-    Spans spans;
-  };
+  static Scratch& scratch() {
+    static thread_local Scratch own;
+    return own;
+  }
 
   void look_at(const BentFold& fold) {
     members_.clear();
@@ -225,9 +237,9 @@ class Separation {
   const OutputSeparatePush& push_;
   const SeparateFrame& frame_;
   const std::size_t words_;
-  std::vector<Movable> movable_;
-  std::vector<Member> members_;       // of the fold that is looked at
-  std::vector<std::uint32_t> boxes_;  // that lines through members may meet
+  std::vector<Movable>& movable_ = scratch().movable;
+  std::vector<Member>& members_ = scratch().members;
+  std::vector<std::uint32_t>& boxes_ = scratch().boxes;
 };
 
 }  // namespace
