@@ -15,7 +15,7 @@
 namespace bodyopt {
 namespace {
 
-constexpr std::size_t kColumns = 7;   // of copies
+constexpr std::size_t kColumns = 7;   // of copies, at least
 constexpr double kSpacing = 0.7;      // between characters, of their size
 constexpr double kOverlap = 0.3;      // of its size: nearer to another, a character would begin inside it
 constexpr double kSkinAround = 0.12;  // of joints, of the character's size
@@ -154,9 +154,11 @@ std::size_t Scene::level_by_size(std::size_t index, const Controls& controls, st
 }
 
 // Copies of the lead are in rows behind it.
-std::array<float, 3> Scene::place_copy(std::size_t copy) const {
+std::array<float, 3> Scene::place_copy(std::size_t copy, const Controls& controls) const {
+  const auto all = static_cast<double>(controls.settings.cast.copies);
+  const std::size_t columns = std::max(kColumns, static_cast<std::size_t>(std::sqrt(all)));
   const double step = kSpacing * cast_.front()->size();
-  return to_float({step * place_in_row(copy % kColumns), 0, -step * static_cast<double>(copy / kColumns)});
+  return to_float({step * place_in_row(copy % columns), 0, -step * static_cast<double>(copy / columns)});
 }
 
 void Scene::reset_jiggle() {
@@ -246,7 +248,7 @@ void Scene::surround(const std::vector<std::vector<Pose>>& all_poses, const Cont
     const std::vector<Pose>& poses = all_poses[c];
     const double around = kSphere * std::max(0.1, cast_[c]->reach());
     for (std::size_t k = 0; k < poses.size(); ++k) {
-      const Vec3 offset = to_double(k > ghosts ? place_copy(k - ghosts) : place(c, controls));
+      const Vec3 offset = to_double(k > ghosts ? place_copy(k - ghosts, controls) : place(c, controls));
       Box own;
       for (const Vec3& centre : joint_centres(cast_[c]->basis().skeleton, poses[k])) own.add(centre + offset);
       all.add(own.low);
@@ -359,7 +361,7 @@ std::vector<float> Scene::points_to_frame(const Controls& controls) {
     // Copies as they are now, of the corners of the box around it: they are many.
     const Box box = box_around(own);
     for (int copy = 1; c == 0 && copy < controls.settings.cast.copies; ++copy) {
-      const std::array<float, 3> at = place_copy(static_cast<std::size_t>(copy));
+      const std::array<float, 3> at = place_copy(static_cast<std::size_t>(copy), controls);
       for (std::size_t corner = 0; corner < 8; ++corner) {
         for (std::size_t i = 0; i < 3; ++i) {
           points.push_back(static_cast<float>((corner >> i & 1) != 0 ? box.high[i] : box.low[i]) + at[i]);

@@ -129,7 +129,7 @@ class Scene {
   int played_frame(const Actor& character, int frame, const Controls& controls) const;
   std::array<float, 3> place(std::size_t index, const Controls& controls) const;
   std::array<float, 3> free_place(std::size_t index) const;
-  std::array<float, 3> place_copy(std::size_t copy) const;
+  std::array<float, 3> place_copy(std::size_t copy, const Controls& controls) const;
 
   std::shared_ptr<const vulkan::Device> device_;
   mutable LevelPool levels_;  // of the cast

@@ -213,7 +213,7 @@ void Scene::add_copies_and_ghosts(Actor& character, std::span<const Pose> poses,
     }
   };
   for (std::size_t k = ghosts + 1; k < poses.size(); ++k) {
-    extra.offset = place_copy(k - ghosts);
+    extra.offset = place_copy(k - ghosts, controls);
     add(k, kWornColour);
   }
   extra.offset = skin.offset;

@@ -180,8 +180,8 @@ void require_good_settings(const ViewSettings& settings, const std::filesystem::
 void write_view_settings(const ViewSettings& settings, const std::filesystem::path& path);  // throws Error(file)
 
 // How far settings go: in commands, sliders and the state file alike.
-inline constexpr int kMostGhosts = 12, kLongestGhostStep = 1000;   // either way; frames
-inline constexpr int kMostCopies = 100, kLongestCopyDelay = 1000;  // frames
+inline constexpr int kMostGhosts = 12, kLongestGhostStep = 1000;    // either way; frames
+inline constexpr int kMostCopies = 1000, kLongestCopyDelay = 1000;  // frames
 inline constexpr int kCoarsestLevel = 15;
 inline constexpr int kFurthestAhead = 100000;                      // frames, either way
 inline constexpr double kMostJiggle = 4;                           // times what is simulated
