@@ -84,9 +84,10 @@ void preroll(Shot& shot, const Tell& tell) {
 }
 
 void evaluate(Shot& shot, SkinSink& sink, Progress& progress, std::size_t begin) {
-  // Frames held in memory at once. Of the jiggle each is measured, and it may be slow; a check names the one it stops
-  // at.
-  const std::size_t step = shot.jiggles || shot.checks ? 1 : 32;
+  // Frames held in memory at once: a few batches, of which a device runs one while another is taken. Of the jiggle each
+  // is measured, and it may be slow; a check names the one it stops at.
+  const std::size_t batches = 4 * std::size_t{shot.deformer->batch_limit()};
+  const std::size_t step = shot.jiggles || shot.checks ? 1 : std::clamp<std::size_t>(batches, 32, 256);
   struct Part {
     std::vector<Pose> poses;
     Evaluation evaluation;

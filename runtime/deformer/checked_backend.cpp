@@ -63,6 +63,7 @@ class CheckedBackend final : public Backend {
 
   std::string name() const override { return device_->name(); }
   std::uint32_t batch_limit() const override { return std::min(device_->batch_limit(), cpu_->batch_limit()); }
+  std::uint32_t largest_batch() const override { return device_->largest_batch(); }
   DeviceSkin device_skin() const override { return device_->device_skin(); }
   NodeMotion motion() const override { return device_->motion(); }
 

@@ -176,6 +176,7 @@ Deformer::~Deformer() = default;
 std::string Deformer::device_name() const { return backend_->name(); }
 DeviceSkin Deformer::device_skin() const { return backend_->device_skin(); }
 std::uint32_t Deformer::batch_limit() const { return backend_->batch_limit(); }
+std::uint32_t Deformer::largest_batch() const { return backend_->largest_batch(); }
 Executor& Deformer::threads() const { return backend_->threads(); }
 void Deformer::forget_recorded_buffers() { backend_->forget_recorded_buffers(); }
 const Basis& Deformer::basis() const { return model_->basis; }
@@ -196,8 +197,8 @@ Evaluation Deformer::run(DeformerCall call) {
 }
 
 void Deformer::require_one_batch(std::span<const Pose> poses) const {
-  if (poses.size() <= batch_limit()) return;
-  throw Error(ErrorKind::usage, poses.size(), " poses at once are more than the ", batch_limit(), " that fit on '",
+  if (poses.size() <= largest_batch()) return;
+  throw Error(ErrorKind::usage, poses.size(), " poses at once are more than the ", largest_batch(), " that fit on '",
               device_name(), "'");
 }
 

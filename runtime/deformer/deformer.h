@@ -78,15 +78,16 @@ class Deformer {
   Evaluation jiggle(std::span<const Pose> poses, std::span<const int> frames);
 
   // Records frames into a command buffer of the host program; see Backend::record. `frames`: a number of each pose
-  // where they jiggle. Throws Error(usage) above batch_limit(), and above most_frames of the first recording.
+  // where they jiggle. Throws Error(usage) above largest_batch(), and above most_frames of the first recording.
   void record(std::span<const Pose> poses, std::optional<std::span<const int>> frames,
               const vulkan::Recording& recording);
   void forget_recorded_buffers();
   // Returns the skin of the last batch; its buffers live until the next call that evaluates.
   DeviceSkin device_skin() const;
   std::uint32_t batch_limit() const;
+  std::uint32_t largest_batch() const;
   Executor& threads() const;  // for what is made of its skins on the host
-  // Throws Error(usage) for more poses than that.
+  // Throws Error(usage) for more poses than largest_batch().
   void require_one_batch(std::span<const Pose> poses) const;
 
   // Throws Error(usage) for a weight that is not within kMostWeight of 0.

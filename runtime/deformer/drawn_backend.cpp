@@ -15,7 +15,8 @@ class DrawnBackend final : public Backend {
 
   std::string name() const override { return cpu_->name(); }
   Executor& threads() const override { return cpu_->threads(); }
-  std::uint32_t batch_limit() const override { return kMostFrames; }
+  std::uint32_t batch_limit() const override { return cpu_->batch_limit(); }
+  std::uint32_t largest_batch() const override { return kMostFrames; }
   void set_rest_coefficients(std::span<const float> values) override { cpu_->set_rest_coefficients(values); }
   void set_weights(const Weights& weights) override { cpu_->set_weights(weights); }
   void set_motion(const NodeMotion& motion) override { cpu_->set_motion(motion); }
@@ -30,7 +31,7 @@ class DrawnBackend final : public Backend {
   }
 
  private:
-  static constexpr std::uint32_t kMostFrames = 64;  // a frame and its ghosts are one batch
+  static constexpr std::uint32_t kMostFrames = 1024;  // a frame, its ghosts and copies are one batch
 
   // All memory of a software device is the host's: what is drawn is read where it is written.
   void show(std::span<const float> values, vulkan::Buffer& buffer, const char* name) const {

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
-#include <map>
 #include <numbers>
 #include <utility>
 
@@ -23,9 +22,9 @@ namespace {
 // Output vertices that a thread places at a time.
 constexpr std::size_t kPartOutputs = 1024;
 
-// F x V x 3 in runtime order into the caller's memory in output order, frames `begin` and after.
-void place_output(Executor& threads, const MeshTable& mesh, std::span<const float> values, const PlacedVertices& place,
-                  std::size_t begin) {
+// F x V x 3 in runtime order into output order, frames `begin` and after.
+void place_in_order(Executor& threads, const MeshTable& mesh, std::span<const float> values,
+                    const PlacedVertices& place, std::size_t begin) {
   if (place.data == nullptr || values.empty()) return;
   const std::size_t numbers = 3 * std::size_t{mesh.vertex_count()};
   parallel_pieces(threads, values.size() / numbers, mesh.output_count(), kPartOutputs,
@@ -36,24 +35,21 @@ void place_output(Executor& threads, const MeshTable& mesh, std::span<const floa
                   });
 }
 
-// Appends output vertices: F x O x 3.
-void append_output(Executor& threads, const MeshTable& mesh, std::span<const float> values, std::vector<float>& out) {
-  if (values.empty()) return;
-  const std::size_t at = out.size(), numbers = 3 * std::size_t{mesh.output_count()};
-  out.resize(at + numbers * (values.size() / (3 * std::size_t{mesh.vertex_count()})));
-  place_output(threads, mesh, values,
-               {reinterpret_cast<std::byte*>(out.data() + at), 3 * sizeof(float), numbers * sizeof(float)}, 0);
-}
-
-// F x O x 4 into the caller's memory, frames `begin` and after.
-void place_tangents(Executor& threads, std::span<const float> tangents, std::size_t outputs,
-                    const PlacedVertices& place, std::size_t begin) {
-  if (tangents.empty()) return;
-  parallel_pieces(threads, tangents.size() / (4 * outputs), outputs, kPartOutputs,
+// F x O x `numbers` in output order, frames `begin` and after.
+void place_ordered(Executor& threads, std::size_t outputs, std::size_t numbers, std::span<const float> values,
+                   const PlacedVertices& place, std::size_t begin) {
+  if (place.data == nullptr || values.empty()) return;
+  const std::size_t bytes = numbers * sizeof(float);
+  parallel_pieces(threads, values.size() / (numbers * outputs), outputs, kPartOutputs,
                   [&](std::size_t f, std::size_t first, std::size_t count) {
+                    const float* from = &values[numbers * (f * outputs + first)];
                     std::byte* to = place.data + (begin + f) * place.frame_stride + first * place.element_stride;
-                    for (std::size_t o = first; o < first + count; ++o, to += place.element_stride) {
-                      std::memcpy(to, &tangents[4 * (f * outputs + o)], 4 * sizeof(float));
+                    if (place.element_stride == bytes) {
+                      std::memcpy(to, from, count * bytes);
+                      return;
+                    }
+                    for (std::size_t o = 0; o < count; ++o, from += numbers, to += place.element_stride) {
+                      std::memcpy(to, from, bytes);
                     }
                   });
 }
@@ -89,8 +85,7 @@ void append_outside(const Basis& basis, const std::vector<JointFeatures>& joints
   }
 }
 
-void append_fades(const Basis& basis, CallMemory& memory, Evaluation& evaluation) {
-  const Batch& batch = memory.batch;
+void append_fades(const Basis& basis, const Batch& batch, CallMemory& memory, Evaluation& evaluation) {
   evaluation.fades.insert(evaluation.fades.end(), batch.fades.begin(), batch.fades.end());
   const std::vector<JointFeatures>& joints = memory.rig.features();
   for (std::size_t f = 0; f < batch.frame_count; ++f) {
@@ -140,49 +135,66 @@ void clear_all(auto&... values) { (values.clear(), ...); }
 
 }  // namespace
 
-// A call between its batches.
+// A call between its batches: of a device two may be under way.
 class RunningCall {
  public:
   explicit RunningCall(DeformerCall& call) : call_(call), deformer_(*call.deformer), memory_(*deformer_.memory_) {
     call_.error = nullptr;
     Evaluation& e = *call_.evaluation;
-    clear_all(e.positions, e.normals, e.strains, e.outside, e.outside_feature, e.outside_by, e.excess, e.coordinates,
-              e.fades, e.fading_joint, e.starts);
+    clear_all(e.strains, e.outside, e.outside_feature, e.outside_by, e.excess, e.coordinates, e.fades, e.fading_joint,
+              e.starts);
     e.stage_seconds = {};
     e.host_seconds = {};
-    attempt([&] { check(); });
+    attempt([&] {
+      make_place();
+      check();
+    });
   }
 
   bool has_more() const { return !call_.error && begin_ < call_.poses.size(); }
+  bool is_under_way() const { return first_ != nullptr; }
   const DeformerCall& call() const { return call_; }
 
-  // The next batch. Gives what is to run on the device before finish(); null: nothing, or it failed.
+  // Starts the next batch. Gives what is to run on the device before finish(); null: nothing, or it failed.
   vulkan::Commands* start() {
     vulkan::Commands* commands = nullptr;
-    started_ = true;
     attempt([&] { commands = start_batch(); });
     return commands;
   }
 
+  // Finishes the batch that was started first, whether or not the call has failed since.
   void finish() {
-    if (!std::exchange(started_, false) || call_.error) return;
+    if (first_ == nullptr) return;
+    const Batch& batch = *std::exchange(first_, std::exchange(second_, nullptr));
     attempt([&] {
       const Stopwatch watch;
-      const BatchResult& result = split_ != nullptr ? split_->finish() : *result_;
-      const double downloaded = watch.seconds();
-      take(result, split_ != nullptr ? split_->skin() : SkinValues{result.positions, result.normals, result.tangents});
-      host_seconds().download += downloaded;
-      host_seconds().order += watch.seconds() - downloaded;
+      SplitRun* const split = deformer_.backend_->split();
+      if (split == nullptr && call_.error) return;
+      const BatchResult& result = split != nullptr ? split->finish() : deformer_.backend_->run(batch);
+      (split != nullptr ? host_seconds().download : host_seconds().wait) += watch.seconds();
+      if (call_.error) return;
+      const Stopwatch after_run;
+      if (split != nullptr) {
+        place_fetched(split->skin(), batch.first_frame);
+      } else {
+        place_run(result, batch.first_frame);
+      }
+      tell(result, batch);
+      host_seconds().order += after_run.seconds();
     });
   }
 
   HostSeconds& host_seconds() { return call_.evaluation->host_seconds; }
 
-  // A batch that fails leaves the motion as it was. But of several batches some may have been stepped: for those the
-  // motion was fetched from the device before the call.
+  // The first error is kept.
   void fail(const std::exception_ptr& error) {
-    call_.error = error;
-    if (!has_before_) return;
+    if (!call_.error) call_.error = error;
+  }
+
+  // Once nothing is under way. A batch that failed left the motion as it was. But of several batches some may have been
+  // stepped: for those the motion was fetched from the device before the call.
+  void end() {
+    if (!call_.error || !has_before_) return;
     if (is_several_) {
       deformer_.set_state(memory_.before);
     } else {
@@ -197,6 +209,23 @@ class RunningCall {
       step();
     } catch (...) {
       fail(std::current_exception());
+    }
+  }
+
+  // The skin goes to the caller's place, or into the evaluation.
+  void make_place() {
+    Evaluation& e = *call_.evaluation;
+    const bool is_here = !call_.stays_on_device && call_.place == nullptr;
+    const std::size_t frame = is_here ? 3 * std::size_t{deformer_.basis().mesh.output_count()} : 0;
+    e.positions.resize(call_.poses.size() * frame);
+    e.normals.resize(deformer_.wants_normals_ ? e.positions.size() : 0);
+    const auto in = [&](std::vector<float>& values) {
+      return PlacedVertices{reinterpret_cast<std::byte*>(values.data()), 3 * sizeof(float), frame * sizeof(float)};
+    };
+    if (is_here) {
+      place_ = {.positions = in(e.positions), .normals = e.normals.empty() ? PlacedVertices() : in(e.normals)};
+    } else if (!call_.stays_on_device) {
+      place_ = *call_.place;
     }
   }
 
@@ -216,10 +245,11 @@ class RunningCall {
     has_before_ = true;
   }
 
-  bool wants_tangents() const { return call_.place != nullptr && call_.place->tangents.data != nullptr; }
+  bool wants_tangents() const { return place_.tangents.data != nullptr; }
 
   // As many as fit, and batches as long as each other: what was recorded for one then does for the next.
   std::size_t next_count() const {
+    if (call_.stays_on_device) return call_.poses.size();
     const std::size_t left = call_.poses.size() - begin_, limit = std::max(1u, deformer_.batch_limit());
     const std::size_t batches = (left + limit - 1) / limit;
     return (left + batches - 1) / batches;
@@ -228,95 +258,115 @@ class RunningCall {
   vulkan::Commands* start_batch() {
     const std::size_t count = next_count();
     const Stopwatch watch;
-    Batch& batch = make_batch(deformer_.basis(), call_.poses.subspan(begin_, count), memory_);
+    const std::size_t free = first_ == memory_.batches.data() ? 1 : 0;
+    Batch& batch = make_batch(deformer_.basis(), call_.poses.subspan(begin_, count), memory_, free);
     batch.first_frame = begin_;
     batch.stays_on_device = call_.stays_on_device;
-    batch.wants_normals = call_.place != nullptr ? call_.place->normals.data != nullptr : deformer_.wants_normals_;
+    batch.wants_normals = call_.stays_on_device ? deformer_.wants_normals_ : place_.normals.data != nullptr;
     batch.wants_tangents = wants_tangents();
     if (call_.frames) deformer_.plan(call_.frames->subspan(begin_, count), batch);
     call_.evaluation->stage_seconds.add(Stage::rig, watch.seconds());
+    begin_ += count;
+    SplitRun* const split = deformer_.backend_->split();
     const Stopwatch after_rig;
-    split_ = deformer_.backend_->split();
-    if (split_ != nullptr) {
-      vulkan::Commands& commands = split_->start(batch);
-      host_seconds().upload += after_rig.seconds();
-      return &commands;
-    }
-    result_ = &deformer_.backend_->run(batch);
-    host_seconds().wait += after_rig.seconds();
-    return nullptr;
+    vulkan::Commands* const commands = split != nullptr ? &split->start(batch) : nullptr;
+    if (split != nullptr) host_seconds().upload += after_rig.seconds();
+    (first_ == nullptr ? first_ : second_) = &batch;
+    return commands;
   }
 
-  void take(const BatchResult& result, const SkinValues& skin) {
+  Executor& threads() const { return deformer_.backend_->threads(); }
+
+  // What a device gave is in output order.
+  void place_fetched(const SkinValues& skin, std::size_t begin) const {
+    const std::size_t outputs = deformer_.basis().mesh.output_count();
+    place_ordered(threads(), outputs, 3, skin.positions, place_.positions, begin);
+    place_ordered(threads(), outputs, 3, skin.normals, place_.normals, begin);
+    place_ordered(threads(), outputs, 4, skin.tangents, place_.tangents, begin);
+  }
+
+  void place_run(const BatchResult& result, std::size_t begin) const {
+    const MeshTable& mesh = deformer_.basis().mesh;
+    place_in_order(threads(), mesh, result.positions, place_.positions, begin);
+    place_in_order(threads(), mesh, result.normals, place_.normals, begin);
+    place_ordered(threads(), mesh.output_count(), 4, result.tangents, place_.tangents, begin);
+  }
+
+  // All but the skin.
+  void tell(const BatchResult& result, const Batch& batch) {
     const Basis& basis = deformer_.basis();
     Evaluation& evaluation = *call_.evaluation;
-    const Batch& batch = memory_.batch;
-    Executor& threads = deformer_.backend_->threads();
-    if (call_.stays_on_device) {
-      // The skin is where the device has it.
-    } else if (call_.place != nullptr) {
-      place_output(threads, basis.mesh, skin.positions, call_.place->positions, begin_);
-      place_output(threads, basis.mesh, skin.normals, call_.place->normals, begin_);
-      place_tangents(threads, skin.tangents, basis.mesh.output_count(), call_.place->tangents, begin_);
-    } else {
-      append_output(threads, basis.mesh, skin.positions, evaluation.positions);
-      append_output(threads, basis.mesh, skin.normals, evaluation.normals);
-    }
     evaluation.strains.insert(evaluation.strains.end(), result.strains.begin(), result.strains.end());
     evaluation.coordinates.insert(evaluation.coordinates.end(), result.coordinates.begin(), result.coordinates.end());
     append_outside(basis, memory_.rig.features(), result, batch.frame_count, evaluation);
-    append_fades(basis, memory_, evaluation);
+    append_fades(basis, batch, memory_, evaluation);
     for (const JiggleFrame& frame : batch.jiggle) evaluation.starts.push_back(frame.start);
     evaluation.stage_seconds.add(result.stage_seconds);
-    begin_ += batch.frame_count;
   }
 
   DeformerCall& call_;
   Deformer& deformer_;
   CallMemory& memory_;
-  bool has_before_ = false;  // of a jiggle
-  bool is_several_ = false;  // batches
-  bool started_ = false;     // and not finished
-  std::size_t begin_ = 0;    // of the batch under way, in poses
-  SplitRun* split_ = nullptr;
-  const BatchResult* result_ = nullptr;  // the backend's, of a batch that nothing split
+  SkinPlace place_{};
+  bool has_before_ = false;                           // of a jiggle
+  bool is_several_ = false;                           // batches
+  std::size_t begin_ = 0;                             // of the next batch, in poses
+  const Batch *first_ = nullptr, *second_ = nullptr;  // under way
 };
 
 namespace {
 
-// The calls whose work one device has.
+// Batches that one device runs together.
 struct Submission {
   std::vector<vulkan::Commands*> commands;
   std::vector<RunningCall*> calls;
 
-  void run() const {
-    const Stopwatch watch;
+  template <typename Step>
+  void attempt(const Step& step) const {
     try {
-      vulkan::Commands::run_together(commands);
-      calls.front()->host_seconds().wait += watch.seconds();
+      step();
     } catch (...) {
       for (RunningCall* call : calls) call->fail(std::current_exception());
     }
   }
+
+  void submit() const {
+    attempt([&] { vulkan::Commands::submit_together(commands); });
+  }
+
+  void wait() const {
+    const Stopwatch watch;
+    attempt([&] { vulkan::Commands::wait_together(commands); });
+    calls.front()->host_seconds().wait += watch.seconds();
+  }
 };
 
-// A batch of every call that has more.
-void run_batches(std::span<RunningCall> calls) {
-  std::map<const vulkan::Device*, Submission> submissions;
+// A batch of each call that has more.
+std::vector<Submission> start_round(std::span<RunningCall> calls) {
+  std::vector<Submission> submissions;
   for (RunningCall& call : calls) {
-    if (!call.has_more()) continue;
-    vulkan::Commands* commands = call.start();
+    vulkan::Commands* const commands = call.has_more() ? call.start() : nullptr;
     if (commands == nullptr) continue;
-    Submission& submission = submissions[&commands->device()];
-    submission.commands.push_back(commands);
-    submission.calls.push_back(&call);
+    const auto is_its = [&](const Submission& s) { return &s.commands.front()->device() == &commands->device(); };
+    auto submission = std::ranges::find_if(submissions, is_its);
+    if (submission == submissions.end()) submission = submissions.emplace(submission);
+    submission->commands.push_back(commands);
+    submission->calls.push_back(&call);
   }
-  for (const auto& [device, submission] : submissions) submission.run();
-  for (RunningCall& call : calls) call.finish();
+  for (const Submission& submission : submissions) submission.submit();
+  return submissions;
 }
 
+// Devices run a round while the next is prepared and the one before is taken.
 void run_all(std::span<RunningCall> calls) {
-  while (std::ranges::any_of(calls, &RunningCall::has_more)) run_batches(calls);
+  std::vector<Submission> running = start_round(calls);
+  while (std::ranges::any_of(calls, &RunningCall::is_under_way)) {
+    std::vector<Submission> next = start_round(calls);
+    for (const Submission& submission : running) submission.wait();
+    for (RunningCall& call : calls) call.finish();
+    running = std::move(next);
+  }
+  for (RunningCall& call : calls) call.end();
 }
 
 }  // namespace
@@ -338,8 +388,8 @@ void evaluate_together(std::span<DeformerCall> calls) {
   run_all(running);
 }
 
-Batch& make_batch(const Basis& basis, std::span<const Pose> poses, CallMemory& memory) {
-  Batch& batch = memory.batch;
+Batch& make_batch(const Basis& basis, std::span<const Pose> poses, CallMemory& memory, std::size_t which) {
+  Batch& batch = memory.batches[which];
   clear_all(batch.skinning, batch.origins, batch.joint_features, batch.controls, batch.fades, batch.modifiers,
             batch.learned_skinning, batch.joints, batch.jiggle);
   batch.stays_on_device = batch.wants_tangents = false;

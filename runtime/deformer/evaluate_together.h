@@ -1,6 +1,8 @@
 // Calls of several deformers at once.
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <exception>
 #include <optional>
 #include <span>
@@ -25,7 +27,7 @@ struct DeformerCall {
   Evaluation* evaluation = nullptr;              // that is written, into the memory of what it held
   std::optional<std::span<const int>> frames{};  // a number of each pose: the skin jiggles; none: it is quasi-static
   // Positions and normals stay on a device that others use, with the same bits, and are none of the result. There is
-  // one batch: Error(usage) for more than batch_limit() poses.
+  // one batch: Error(usage) for more than largest_batch() poses.
   bool stays_on_device = false;
   // Positions, normals and tangents are written here, and are then none of the result. Error(usage) for tangents of a
   // model without texture coordinates.
@@ -34,8 +36,9 @@ struct DeformerCall {
 };
 
 // Every call has the bits that it has alone. All work for one device is one submission and one wait; calls of more than
-// one batch go on in further ones. A call that fails does not fail the others, unless their device is lost. Its error
-// is that of Deformer::evaluate or Deformer::jiggle. Throws Error(usage) where a deformer is called twice.
+// one batch go on in further ones, and a device runs a batch while the host prepares the next and takes the one before.
+// A call that fails does not fail the others, unless their device is lost. Its error is that of Deformer::evaluate or
+// Deformer::jiggle. Throws Error(usage) where a deformer is called twice.
 void evaluate_together(std::span<DeformerCall> calls);
 
 // Memory that a deformer keeps from call to call, so that no frame but the first allocates.
@@ -45,12 +48,12 @@ struct CallMemory {
   Rig rig;
   RigFrame frame;
   std::vector<double> off, taken;  // of the fade
-  Batch batch;
-  JiggleState before;  // the call
+  std::array<Batch, 2> batches;    // the second while the first is under way
+  JiggleState before;              // the call
 };
 
-// Makes a batch in `memory`, which is of the basis' skeleton. Throws Error(mismatch) when a pose does not fit the
-// skeleton, or holds a number that is not finite.
-Batch& make_batch(const Basis& basis, std::span<const Pose> poses, CallMemory& memory);
+// Makes a batch in `memory`, which is of the basis' skeleton; `which`: of its two. Throws Error(mismatch) when a pose
+// does not fit the skeleton, or holds a number that is not finite.
+Batch& make_batch(const Basis& basis, std::span<const Pose> poses, CallMemory& memory, std::size_t which = 0);
 
 }  // namespace bodyopt

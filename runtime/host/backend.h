@@ -61,14 +61,15 @@ struct BatchResult {
   StageSeconds stage_seconds;
 };
 
-// The skin of a batch, as BatchResult has it, in the backend's memory until the next batch.
+// The skin of a batch in the backend's memory, until that batch's commands are recorded or run again.
 struct SkinValues {
   std::span<const float> positions, normals, tangents;
 };
 
-// Backend::run in two halves, so that the work of several goes to their device at once. start() gives ended commands,
-// which must run before finish(). The result of this has no skin: skin() reads that in the memory which the device
-// wrote. Throws as run().
+// Backend::run in two halves, so that the work of several goes to their device at once, and the next batch is started
+// while one runs: two at most are under way. start() gives ended commands, which must run before finish() takes the
+// batch that was started first. The result of this has no skin: skin() reads that in the memory which the device wrote,
+// in output order, F x O x 3. Throws as run(), and where the commands have not run.
 class SplitRun {
  public:
   virtual vulkan::Commands& start(const Batch& batch) = 0;
@@ -84,8 +85,10 @@ class Backend {
   virtual ~Backend() = default;
   virtual std::string name() const = 0;
   virtual Executor& threads() const;  // for what is done with its results
-  // Most frames of one batch.
+  // Most frames of one batch of many.
   virtual std::uint32_t batch_limit() const = 0;
+  // Most frames of one that stays on the device, or is recorded, such as a crowd.
+  virtual std::uint32_t largest_batch() const { return batch_limit(); }
   // The result is the backend's until the next batch, whose memory it is, too. Where it throws the motion is that of
   // before, or no batch runs any more.
   virtual const BatchResult& run(const Batch& batch) = 0;

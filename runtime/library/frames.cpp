@@ -16,6 +16,8 @@
 namespace bodyopt {
 namespace {
 
+constexpr std::size_t kBatches = 4;  // of a part: a device runs one while another is taken
+
 // A caller's request of an instance, checked, and done part by part: as much as is held in memory at once.
 class AskedFrames {
  public:
@@ -48,7 +50,7 @@ class AskedFrames {
   // The call of the next part. A jiggle is one part: where it fails, none of it has been stepped.
   DeformerCall next() {
     const std::size_t left = given_.count() - begin_;
-    given_.read(begin_, jiggles_ ? left : std::min<std::size_t>(left, deformer_.batch_limit()), poses_);
+    given_.read(begin_, jiggles_ ? left : std::min<std::size_t>(left, kBatches * deformer_.batch_limit()), poses_);
     drive_.apply(begin_, poses_);
     place_ = wanted_.place(begin_);
     if (following_.wanted()) place_ = following_.gather(poses_.size(), place_);

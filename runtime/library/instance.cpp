@@ -93,9 +93,9 @@ bodyopt_result bodyopt_create_instance(const bodyopt_model* model, const bodyopt
             ? std::make_unique<Deformer>(on_device(of, *options.device), jiggle, options.check != 0)
             : std::make_unique<Deformer>(of.model, jiggle,
                                          DeviceChoice{.name = "cpu", .check = options.check != 0, .executor = threads});
-    if (created->recorded_frames > created->deformer->batch_limit()) {
+    if (created->recorded_frames > created->deformer->largest_batch()) {
       throw Error(ErrorKind::usage, "'options.recorded_frames' is ", created->recorded_frames, ", at most ",
-                  created->deformer->batch_limit(), " fit on the device");
+                  created->deformer->largest_batch(), " fit on the device");
     }
     if (options.device != nullptr && options.recorded_frames > 0 && !of.following->attached.meshes.empty()) {
       created->attached.emplace(*options.device->device, attach_tables(of.model->basis.mesh, of.following->attached),

@@ -1,6 +1,7 @@
 #include "runtime/vulkan/buffer.h"
 
 #include <algorithm>
+#include <array>
 #include <cstring>
 
 #include "runtime/core/error.h"
@@ -20,6 +21,12 @@ Buffer::Buffer(const Device& device, VkDeviceSize bytes, Memory memory, const ch
   info.size = size_;
   info.usage = VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT | VK_BUFFER_USAGE_STORAGE_BUFFER_BIT;
   if (memory == Memory::device) info.usage |= VK_BUFFER_USAGE_INDEX_BUFFER_BIT;  // triangles are drawn where they are
+  const std::array families = {device.queue_family(), device.copy_family()};
+  if (memory == Memory::fetched && families[0] != families[1]) {
+    info.sharingMode = VK_SHARING_MODE_CONCURRENT;
+    info.queueFamilyIndexCount = families.size();
+    info.pQueueFamilyIndices = families.data();
+  }
   const VkDevice handle = device.handle();
   const auto require = [&](VkResult result, const char* call) {
     if (result == VK_SUCCESS) return;
@@ -32,7 +39,7 @@ Buffer::Buffer(const Device& device, VkDeviceSize bytes, Memory memory, const ch
   VkMemoryRequirements needs{};
   vkGetBufferMemoryRequirements(handle, buffer, &needs);
   const std::uint32_t type =
-      memory == Memory::device
+      memory != Memory::staging
           ? device.memory_type(needs.memoryTypeBits, 0, VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT)
           : device.memory_type(needs.memoryTypeBits,
                                VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT,

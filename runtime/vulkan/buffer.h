@@ -16,7 +16,8 @@ namespace bodyopt::vulkan {
 
 enum class Memory {
   device,
-  staging  // mapped for as long as the buffer lives, coherent; small things of one frame may be read where they are
+  fetched,  // on the device; the queue for copies reads it, too
+  staging   // mapped for as long as the buffer lives, coherent; small things of one frame may be read where they are
 };
 
 class Buffer {

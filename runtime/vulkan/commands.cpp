@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <utility>
 
 #include "runtime/core/error.h"
 #include "shaders/include/layout.h"
@@ -27,6 +28,16 @@ bool overlap(const BufferRange& a, const BufferRange& b) {
 }
 
 bool conflict(const BufferUse& a, const BufferUse& b) { return (a.writes || b.writes) && overlap(a.range, b.range); }
+
+// The host sees what was copied.
+void end_for_host(VkCommandBuffer commands) {
+  auto memory = structure<VkMemoryBarrier>(VK_STRUCTURE_TYPE_MEMORY_BARRIER);
+  memory.srcAccessMask = VK_ACCESS_TRANSFER_WRITE_BIT;
+  memory.dstAccessMask = VK_ACCESS_HOST_READ_BIT;
+  vkCmdPipelineBarrier(commands, VK_PIPELINE_STAGE_TRANSFER_BIT, VK_PIPELINE_STAGE_HOST_BIT, 0, 1, &memory, 0, nullptr,
+                       0, nullptr);
+  check(vkEndCommandBuffer(commands), "vkEndCommandBuffer");
+}
 
 constexpr std::uint32_t kMaxTimestamps = 16;
 constexpr std::size_t kMostUpdate = 65536;           // bytes of one vkCmdUpdateBuffer
@@ -105,9 +116,29 @@ void require_threads(std::uint64_t threads, const char* name, const DeviceInfo& 
               " that '", limits.name, "' can start; the CPU has no such limit");
 }
 
+Downloads::Downloads(const Device& device)
+    : device_(device),
+      pool_(make_command_pool(device, device.copy_family())),
+      commands_(allocate_commands(device.handle(), pool_.get())),
+      ready_(make_semaphore(device.handle())) {}
+
+void Downloads::begin() {
+  check(vkResetCommandPool(device_.handle(), pool_.get(), 0), "vkResetCommandPool");
+  const auto info = structure<VkCommandBufferBeginInfo>(VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO);
+  check(vkBeginCommandBuffer(commands_, &info), "vkBeginCommandBuffer");
+}
+
+void Downloads::copy(const BufferRange& from, const BufferRange& to) {
+  if (from.size == 0) return;
+  const VkBufferCopy region{from.offset, to.offset, from.size};
+  vkCmdCopyBuffer(commands_, from.buffer, to.buffer, 1, &region);
+}
+
+void Downloads::end() { end_for_host(commands_); }
+
 Commands::Commands(const Device& device, std::uint32_t most_dispatches)
     : device_(device),
-      pool_(make_command_pool(device)),
+      pool_(make_command_pool(device, device.queue_family())),
       fence_(make_fence(device.handle())),
       allocated_sets_(device),
       commands_(allocate_commands(device.handle(), pool_.get())),
@@ -133,6 +164,7 @@ void Commands::begin(Sets sets) {
   if (sets == Sets::anew) forget_sets();
   submission_count_ = 0;
   timestamp_count_ = 0;
+  download_state_ = DownloadState::none;
   if (queries_.get() != VK_NULL_HANDLE) vkCmdResetQueryPool(commands_, queries_.get(), 0, kMaxTimestamps);
 }
 
@@ -161,6 +193,12 @@ void Commands::copy(const BufferRange& from, const BufferRange& to) {
   wait_for(uses);
   const VkBufferCopy region{from.offset, to.offset, from.size};
   vkCmdCopyBuffer(commands_, from.buffer, to.buffer, 1, &region);
+}
+
+void Commands::download(const BufferRange& from, const BufferRange& to) {
+  if (!downloads_) downloads_.emplace(device_);
+  if (std::exchange(download_state_, DownloadState::open) == DownloadState::none) downloads_->begin();
+  downloads_->copy(from, to);
 }
 
 void Commands::fill(const BufferRange& range, std::uint32_t word) {
@@ -195,7 +233,7 @@ void Commands::wait_for(std::span<const BufferUse> uses) {
 
 void Commands::cut() {
   if (dispatch_count_ < most_dispatches_) return;
-  end();
+  close();
   run();
   open();
 }
@@ -253,40 +291,74 @@ void Commands::timestamp() {
   vkCmdWriteTimestamp(commands_, VK_PIPELINE_STAGE_BOTTOM_OF_PIPE_BIT, queries_.get(), timestamp_count_++);
 }
 
+void Commands::close() { end_for_host(commands_); }
+
 void Commands::end() {
-  auto memory = structure<VkMemoryBarrier>(VK_STRUCTURE_TYPE_MEMORY_BARRIER);
-  memory.srcAccessMask = VK_ACCESS_TRANSFER_WRITE_BIT;
-  memory.dstAccessMask = VK_ACCESS_HOST_READ_BIT;
-  vkCmdPipelineBarrier(commands_, VK_PIPELINE_STAGE_TRANSFER_BIT, VK_PIPELINE_STAGE_HOST_BIT, 0, 1, &memory, 0, nullptr,
-                       0, nullptr);
-  check(vkEndCommandBuffer(commands_), "vkEndCommandBuffer");
+  close();
+  if (download_state_ == DownloadState::none) return;
+  downloads_->end();
+  download_state_ = DownloadState::ended;
 }
 
 void Commands::run() {
   Commands* const alone = this;
-  run_together({&alone, 1});
+  submit_together({&alone, 1});
+  wait_together({&alone, 1});
 }
 
-void Commands::run_together(std::span<Commands* const> all) {
-  if (all.empty()) return;
+void Commands::submit_together(std::span<Commands* const> all) {
   const Device& device = all.front()->device_;
   const VkFence fence = all.front()->fence_.get();
   check(vkResetFences(device.handle(), 1, &fence), "vkResetFences");
-  std::vector<VkCommandBuffer> buffers;
-  for (const Commands* commands : all) buffers.push_back(commands->commands_);
-  auto submit = structure<VkSubmitInfo>(VK_STRUCTURE_TYPE_SUBMIT_INFO);
-  submit.commandBufferCount = static_cast<std::uint32_t>(buffers.size());
-  submit.pCommandBuffers = buffers.data();
+  std::vector<VkCommandBuffer> work, copies;
+  VkSemaphore ready = VK_NULL_HANDLE;  // one is enough: it is signalled when all work is done
+  for (Commands* commands : all) {
+    commands->has_run_ = false;
+    work.push_back(commands->commands_);
+    if (commands->download_state_ != DownloadState::ended) continue;
+    copies.push_back(commands->downloads_->handle());
+    ready = commands->downloads_->ready();
+  }
+  const VkPipelineStageFlags copying = VK_PIPELINE_STAGE_TRANSFER_BIT;
+  std::array<VkSubmitInfo, 2> submits;
+  submits.fill(structure<VkSubmitInfo>(VK_STRUCTURE_TYPE_SUBMIT_INFO));
+  submits[0].commandBufferCount = static_cast<std::uint32_t>(work.size());
+  submits[0].pCommandBuffers = work.data();
+  submits[0].signalSemaphoreCount = submits[1].waitSemaphoreCount = 1;
+  submits[0].pSignalSemaphores = submits[1].pWaitSemaphores = &ready;
+  submits[1].pWaitDstStageMask = &copying;
+  submits[1].commandBufferCount = static_cast<std::uint32_t>(copies.size());
+  submits[1].pCommandBuffers = copies.data();
+  if (copies.empty()) submits[0].signalSemaphoreCount = 0;
   {
     const std::lock_guard lock(device.queue_mutex());
-    check(vkQueueSubmit(device.queue(), 1, &submit, fence), "vkQueueSubmit");
+    const auto submit = [&](VkQueue queue, std::uint32_t first, std::uint32_t count, VkFence signalled) {
+      check(vkQueueSubmit(queue, count, &submits[first], signalled), "vkQueueSubmit");
+    };
+    if (copies.empty()) {
+      submit(device.queue(), 0, 1, fence);
+    } else if (device.copy_queue() == device.queue()) {
+      submit(device.queue(), 0, 2, fence);
+    } else {
+      submit(device.queue(), 0, 1, VK_NULL_HANDLE);
+      submit(device.copy_queue(), 1, 1, fence);
+    }
   }
   for (Commands* commands : all) {
     commands->pending_ = true;
     ++commands->submission_count_;
   }
-  check(vkWaitForFences(device.handle(), 1, &fence, VK_TRUE, kTimeout), "vkWaitForFences");
-  for (Commands* commands : all) commands->pending_ = false;
+}
+
+void Commands::wait_together(std::span<Commands* const> all) {
+  const Commands& front = *all.front();
+  if (!front.pending_) return;  // it could not be submitted
+  const VkFence fence = front.fence_.get();
+  check(vkWaitForFences(front.device_.handle(), 1, &fence, VK_TRUE, kTimeout), "vkWaitForFences");
+  for (Commands* commands : all) {
+    commands->pending_ = false;
+    commands->has_run_ = true;
+  }
 }
 
 std::vector<double> Commands::seconds() const {

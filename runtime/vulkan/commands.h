@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <span>
 #include <utility>
 #include <vector>
@@ -20,7 +21,6 @@
 namespace bodyopt::vulkan {
 
 // Descriptor sets from pools that are kept: one pool while the sets are few.
-
 class DescriptorSets {
  public:
   explicit DescriptorSets(const Device& device) : device_(device) {}
@@ -82,6 +82,24 @@ class Hazards {
 // where a device of these limits starts fewer.
 void require_threads(std::uint64_t threads, const char* name, const DeviceInfo& limits);
 
+// Copies on the device's queue for copies.
+class Downloads {
+ public:
+  explicit Downloads(const Device& device);
+  void begin();  // forgets what was recorded before
+  void copy(const BufferRange& from, const BufferRange& to);
+  void end();
+
+  VkCommandBuffer handle() const { return commands_; }
+  VkSemaphore ready() const { return ready_.get(); }  // is signalled once what they copy is there
+
+ private:
+  const Device& device_;
+  CommandPool pool_;
+  VkCommandBuffer commands_;
+  Semaphore ready_;
+};
+
 class Commands {
  public:
   // Dispatches of a submission, so that a software device on a busy machine ends well before the time-out.
@@ -104,6 +122,9 @@ class Commands {
   void copy(const BufferRange& from, const BufferRange& to);  // the size of `from`
   void fill(const BufferRange& range, std::uint32_t word);
   void update(const BufferRange& range, std::span<const std::byte> bytes);  // as many as the range has; multiples of 4
+  // Copies once all that is recorded has run. What is submitted next runs beside it, where the device has a queue for
+  // copies. `from` is of Memory::fetched.
+  void download(const BufferRange& from, const BufferRange& to);
   void record_into(VkCommandBuffer host);
   void forget_sets();
   // Splits long work: once kMostDispatches are recorded they run, and recording goes on after them. What was recorded
@@ -123,8 +144,10 @@ class Commands {
   // Submits what cut() has not, and waits; afterwards the host sees what was copied to staging buffers. Throws
   // Error(device) when the device is lost or does not finish.
   void run();
-  // run() of several of one device, which have ended: one submission, and one wait.
-  static void run_together(std::span<Commands* const> all);
+  // run() of several of one device, which have ended, in two halves: one submission, and one wait.
+  static void submit_together(std::span<Commands* const> all);
+  static void wait_together(std::span<Commands* const> all);
+  bool has_run() const { return has_run_; }  // to its end, the last time
   const Device& device() const { return device_; }
 
   // Submissions since begin().
@@ -136,6 +159,7 @@ class Commands {
 
  private:
   void open();
+  void close();
   void barrier();
   // A barrier, where work that does this needs one before it.
   void wait_for(std::span<const BufferUse> uses);
@@ -163,7 +187,9 @@ class Commands {
   std::uint32_t dispatch_count_ = 0;  // since the last submission
   std::uint32_t submission_count_ = 0;
   std::uint32_t timestamp_count_ = 0;
-  bool pending_ = false;
+  bool pending_ = false, has_run_ = false;
+  std::optional<Downloads> downloads_;  // made when first wanted
+  enum class DownloadState { none, open, ended } download_state_ = DownloadState::none;
 };
 
 class AttachedMeshes;

@@ -1,6 +1,7 @@
 #include "runtime/vulkan/device.h"
 
 #include <algorithm>
+#include <set>
 
 #include "runtime/core/error.h"
 #include "runtime/core/text.h"
@@ -48,6 +49,17 @@ std::optional<std::uint32_t> compute_family(VkPhysicalDevice physical) {
     }
   }
   return std::nullopt;
+}
+
+// A family that copies and nothing else, as hardware does beside computing; or the one that computes.
+std::uint32_t copy_family(VkPhysicalDevice physical, std::uint32_t computes) {
+  constexpr VkQueueFlags kMore = VK_QUEUE_GRAPHICS_BIT | VK_QUEUE_COMPUTE_BIT;
+  const std::vector<VkQueueFamilyProperties> families = queue_families(physical);
+  for (std::uint32_t f = 0; f < families.size(); ++f) {
+    const VkQueueFlags flags = families[f].queueFlags;
+    if (families[f].queueCount > 0 && (flags & VK_QUEUE_TRANSFER_BIT) && !(flags & kMore)) return f;
+  }
+  return computes;
 }
 
 std::string find_problem(VkPhysicalDevice physical, const VkPhysicalDeviceProperties& properties) {
@@ -136,15 +148,21 @@ bool device_extension_offered(VkPhysicalDevice physical, const char* name) {
                          name);
 }
 
-VkDevice open_device(VkPhysicalDevice physical, std::uint32_t family, std::vector<const char*> extensions) {
+// With a queue of each family.
+VkDevice open_device(VkPhysicalDevice physical, const std::set<std::uint32_t>& families,
+                     std::vector<const char*> extensions) {
   const float priority = 1.0f;
-  auto queue = structure<VkDeviceQueueCreateInfo>(VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO);
-  queue.queueFamilyIndex = family;
-  queue.queueCount = 1;
-  queue.pQueuePriorities = &priority;
+  std::vector<VkDeviceQueueCreateInfo> queues;
+  for (const std::uint32_t family : families) {
+    auto queue = structure<VkDeviceQueueCreateInfo>(VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO);
+    queue.queueFamilyIndex = family;
+    queue.queueCount = 1;
+    queue.pQueuePriorities = &priority;
+    queues.push_back(queue);
+  }
   auto info = structure<VkDeviceCreateInfo>(VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO);
-  info.queueCreateInfoCount = 1;
-  info.pQueueCreateInfos = &queue;
+  info.queueCreateInfoCount = static_cast<std::uint32_t>(queues.size());
+  info.pQueueCreateInfos = queues.data();
   // A device that offers this extension (Vulkan on Metal) insists on it.
   const char* const portability = "VK_KHR_portability_subset";
   if (device_extension_offered(physical, portability)) extensions.push_back(portability);
@@ -194,10 +212,12 @@ Device::Device(const DeviceChoice& choice, const DeviceUse& use)
   only_draws_ = use.draws && choice.name == "auto" && info_.type == "cpu";
   physical_ = physical_devices[info_.index];
   queue_family_ = *compute_family(physical_);
+  copy_family_ = vulkan::copy_family(physical_, queue_family_);
   describe_queue();
-  ours_.reset(open_device(physical_, queue_family_, use.extensions));
+  ours_.reset(open_device(physical_, {queue_family_, copy_family_}, use.extensions));
   device_ = ours_.get();
   vkGetDeviceQueue(device_, queue_family_, 0, &queue_);
+  vkGetDeviceQueue(device_, copy_family_, 0, &copy_queue_);
   kept_pipelines_.emplace(physical_, device_, choice.pipeline_cache);
   pipeline_cache_ = kept_pipelines_->handle();
 }
@@ -205,9 +225,11 @@ Device::Device(const DeviceChoice& choice, const DeviceUse& use)
 Device::Device(const HostDevice& host)
     : instance_(with_handles(host).instance, host.get_instance_proc_addr),
       queue_family_(host.queue_family),
+      copy_family_(host.queue_family),
       physical_(host.physical),
       device_(host.device),
       queue_(host.queue),
+      copy_queue_(host.queue),
       pipeline_cache_(host.pipeline_cache) {
   info_ = describe(physical_, 0);
   if (!info_.problem.empty()) {

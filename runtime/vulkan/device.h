@@ -57,7 +57,8 @@ struct HostDevice {
   PFN_vkGetInstanceProcAddr get_instance_proc_addr = nullptr;  // of the host's loader; null: the system's
 };
 
-// An open device with one queue that computes, and draws where the device can.
+// An open device with one queue that computes, and draws where the device can, and one that copies beside it where the
+// device has such.
 class Device {
  public:
   // Throws Error(device) when there is no such device, or none for this use.
@@ -74,6 +75,9 @@ class Device {
   VkQueue queue() const { return queue_; }
   std::mutex& queue_mutex() const { return queue_mutex_; }  // held while work is submitted: one thread at a time may
   std::uint32_t queue_family() const { return queue_family_; }
+  // Those of queue() where the device, or the host program, has none for copies alone. The mutex is for both.
+  VkQueue copy_queue() const { return copy_queue_; }
+  std::uint32_t copy_family() const { return copy_family_; }
   const DeviceInfo& info() const { return info_; }
   // Whether it is a software device that nobody asked for by name: kernels are then the CPU's, many times as quick.
   bool only_draws() const { return only_draws_; }
@@ -116,7 +120,7 @@ class Device {
   DeviceInfo info_;
   bool only_draws_ = false;
   VkPhysicalDeviceMemoryProperties memory_{};
-  std::uint32_t queue_family_ = 0;
+  std::uint32_t queue_family_ = 0, copy_family_ = 0;
   double timestamp_period_ = 0;
   std::uint64_t timestamp_mask_ = 0;
   VkPhysicalDevice physical_ = VK_NULL_HANDLE;
@@ -124,7 +128,7 @@ class Device {
   // Owns the device where it is ours. It goes after all that is made of it and before the instance, even where the
   // constructor got no further.
   std::unique_ptr<std::remove_pointer_t<VkDevice>, Destroy> ours_;
-  VkQueue queue_ = VK_NULL_HANDLE;
+  VkQueue queue_ = VK_NULL_HANDLE, copy_queue_ = VK_NULL_HANDLE;
   mutable std::mutex queue_mutex_;
   mutable MemoryBlocks memory_blocks_;
   std::optional<PipelineCache> kept_pipelines_;  // of a device of ours

@@ -2,9 +2,9 @@
 
 namespace bodyopt::vulkan {
 
-CommandPool make_command_pool(const Device& device) {
+CommandPool make_command_pool(const Device& device, std::uint32_t family) {
   auto info = structure<VkCommandPoolCreateInfo>(VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO);
-  info.queueFamilyIndex = device.queue_family();
+  info.queueFamilyIndex = family;
   VkCommandPool pool = VK_NULL_HANDLE;
   check(vkCreateCommandPool(device.handle(), &info, nullptr, &pool), "vkCreateCommandPool");
   return {device.handle(), pool};
@@ -25,6 +25,13 @@ Fence make_fence(VkDevice device) {
   VkFence fence = VK_NULL_HANDLE;
   check(vkCreateFence(device, &info, nullptr, &fence), "vkCreateFence");
   return {device, fence};
+}
+
+Semaphore make_semaphore(VkDevice device) {
+  const auto info = structure<VkSemaphoreCreateInfo>(VK_STRUCTURE_TYPE_SEMAPHORE_CREATE_INFO);
+  VkSemaphore semaphore = VK_NULL_HANDLE;
+  check(vkCreateSemaphore(device, &info, nullptr, &semaphore), "vkCreateSemaphore");
+  return {device, semaphore};
 }
 
 SetLayout make_set_layout(VkDevice device, std::span<const VkDescriptorSetLayoutBinding> bindings) {

@@ -9,6 +9,7 @@
 #include "runtime/vulkan/backend/device_model.h"
 #include "runtime/vulkan/backend/vulkan_backend.h"
 #include "tests/support/capsule_limb.h"
+#include "tests/support/error_kind.h"
 #include "tests/support/gpu_fixture.h"
 #include "tests/support/stage_seconds.h"
 #include "tests/support/trained_basis.h"
@@ -137,6 +138,22 @@ TEST(VulkanDynamics, CutsIntoCallsAndBatchesChangeNoBit) {
     expect_same_bits(actual, expected);
     expect_same_motion(cut.state().motion, whole.state().motion);
   }
+}
+
+// A batch fails while the one before it runs: what was stepped is taken back.
+TEST(VulkanDynamics, ABatchThatFailsBesideAnotherLeavesTheMotion) {
+  const Shot shot = steady(24);
+  const JigglingLimb& of = limb({.substeps = 8});
+  Deformer deformer = on(test_device(), {}, of), other = on(test_device(), {}, of);
+  ASSERT_LT(2 * deformer.batch_limit(), 23u);
+  shot.run(deformer, 0, 1);
+  shot.run(other, 0, 1);
+  const JiggleState before = deformer.state();
+  Shot bad = shot;
+  bad.poses[1 + 2 * std::size_t{deformer.batch_limit()}].joints.pop_back();
+  EXPECT_EQ(kind_of([&] { bad.run(deformer, 1, 24); }), ErrorKind::mismatch);
+  expect_same_motion(deformer.state().motion, before.motion);
+  expect_same_bits(shot.run(deformer, 1, 24), shot.run(other, 1, 24));
 }
 
 TEST(VulkanDynamics, LimitsBatches) {

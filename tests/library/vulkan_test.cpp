@@ -142,6 +142,21 @@ TEST_F(LibraryVulkan, RecordsFramesIntoTheHostsBuffer) {
 }
 
 // Several characters of a picture in one command buffer.
+// As many as a crowd has, by as many dispatches as one.
+TEST_F(LibraryVulkan, RecordsACrowdAtOnce) {
+  constexpr std::size_t kCrowd = 1000;
+  const api::Model model = load_textured("");
+  const api::Device device = share();
+  const std::vector<Pose> poses = turning_poses(load_basis(hero()), kCrowd);
+  const std::size_t vertices = api::describe(model).vertex_count;
+  const api::Instance recorder = instance(model, device, false, kCrowd), runner = instance(model, device, false);
+  HostVertices host(*device_, vertices, kCrowd);
+  const bodyopt_recording recording = host.place(0);
+  const PoseArrays given(poses);
+  ASSERT_EQ(bodyopt_record(recorder.get(), &given.all, &recording), BODYOPT_OK) << bodyopt_last_error();
+  expect_frames(host.run(), runner, poses, vertices, false);
+}
+
 TEST_F(LibraryVulkan, RecordsInstancesIntoOneCommandBuffer) {
   const api::Model model = load_textured(hero_dynamics());
   const api::Device device = share();

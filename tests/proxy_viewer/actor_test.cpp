@@ -199,7 +199,7 @@ TEST_F(ActorTest, LinearPartIsLinearInFeatures) {
 
 TEST_F(ActorTest, MorePosesThanABatchTakesAreRefused) {
   Deformer deformer(std::make_shared<const vulkan::DeviceModel>(device_, make_character_model(small_->made)));
-  const std::vector<Pose> poses(deformer.batch_limit() + std::size_t{1}, bind_pose(small_->made.skeleton));
+  const std::vector<Pose> poses(deformer.largest_batch() + std::size_t{1}, bind_pose(small_->made.skeleton));
   const auto evaluate_some = [&](std::size_t count) {
     Evaluation result;
     DeformerCall call{
@@ -446,7 +446,7 @@ TEST_F(ActorTest, MoreDressedPosesThanABatchTakesAreRefused) {
   Actor character(device_, {.basis = dressed(*jiggling_, folder), .clip = jiggling_->clip}, {}, pool_);
   const Deformer of_character(
       std::make_shared<const vulkan::DeviceModel>(device_, make_character_model(jiggling_->made.basis)));
-  const std::vector<Pose> many(of_character.batch_limit() + std::size_t{1}, character.pose(1, {}));
+  const std::vector<Pose> many(of_character.largest_batch() + std::size_t{1}, character.pose(1, {}));
   EXPECT_EQ(kind_of([&] { character.evaluate(SkinMethod::full, many, 1, {}); }), ErrorKind::usage);
 }
 

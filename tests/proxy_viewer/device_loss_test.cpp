@@ -105,7 +105,7 @@ TEST_F(DeviceLossTest, OfAnEvaluationLeavesTheOldCache) {
 // Evaluates with --resume on a device: whole; with its loss in nearly the last submission; and again.
 TEST_F(DeviceLossTest, AnEvaluationThatIsRunAgainGoesOnFromThere) {
   Clip walk;  // more frames than are evaluated at once
-  while (walk.poses.size() < 130) {
+  while (walk.poses.size() < 800) {
     for (const Pose& pose : bending_clip(small_.made.skeleton).poses) walk.poses.push_back(pose);
   }
   const std::string clip = (folder_ / "walk.glb").string();

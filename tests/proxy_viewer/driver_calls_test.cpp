@@ -35,7 +35,7 @@ TEST_F(DriverCallsTest, SubmissionsOfSeveralMethodsAreThoseOfOne) {
 
 // Once all is loaded a frame is a submission of what is there: a part of a quasi-static clip, or a frame that jiggles.
 TEST_F(DriverCallsTest, FramesAllocateNothingOnTheDevice) {
-  constexpr int kFew = 32, kMany = 96;
+  constexpr int kFew = 256, kMany = 768;  // a part, and three
   const JigglingCharacter limb(folder_);
   Clip clip = bending_clip(limb.made.basis.skeleton);
   for (int k = kClipFrames; k < kMany; ++k) clip.poses.push_back(clip.poses[static_cast<std::size_t>(k % kClipFrames)]);
@@ -56,6 +56,19 @@ TEST_F(DriverCallsTest, FramesAllocateNothingOnTheDevice) {
     EXPECT_EQ(many.buffers, few.buffers);
     EXPECT_EQ(many.sets, few.sets);
   }
+}
+
+// Two submissions a part: what computes, and what copies once that is done.
+TEST_F(DriverCallsTest, AQueueForCopiesFetchesTheSameSkin) {
+  const std::string eval = std::string(kProgram) + " eval " + small_.basis + " --clip " + small_.clip +
+                           " --require-device --out " + (folder_ / "out.pc2").string();
+  const auto submissions = [&](const std::string& more) {
+    return count_submissions([&](const std::string& counting) { return run_program(counting + more + " " + eval); });
+  };
+  const int with_one_queue = submissions("");
+  const std::string skin = read_bytes(folder_ / "out.pc2");
+  EXPECT_EQ(submissions(" BODYOPT_COPY_FAMILY=1"), with_one_queue + 1);
+  EXPECT_EQ(read_bytes(folder_ / "out.pc2"), skin);
 }
 
 TEST_F(DriverCallsTest, TablesOfACharacterGoInOneSubmission) {

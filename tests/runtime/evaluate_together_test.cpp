@@ -8,8 +8,10 @@
 #include "runtime/core/error.h"
 #include "runtime/deformer/deformer.h"
 #include "runtime/host/character_model.h"
+#include "runtime/vulkan/backend/device_model.h"
 #include "tests/support/cut_executor.h"
 #include "tests/support/error_kind.h"
+#include "tests/support/gpu_fixture.h"
 #include "tests/support/random_tables.h"
 #include "tests/support/small_basis.h"
 
@@ -114,6 +116,46 @@ TEST(EvaluateTogether, PlacesManyVerticesAsFew) {
   }
   EXPECT_FALSE(std::ranges::equal(few.vertex(0, 0), few.vertex(0, 1)));
   for (const std::size_t between : {0, 11, 12, 13}) EXPECT_EQ(many.vertex(2, outputs)[between], 7);
+}
+
+// On the device, as if it had little memory: batches are short.
+Deformer in_short_batches(const Basis& basis) {
+  const auto device = open_test_device();
+  vulkan::DeviceInfo limits = device->info();
+  limits.memory_bytes = 1 << 20;
+  return Deformer(std::make_shared<const vulkan::DeviceModel>(device, make_character_model(basis), limits));
+}
+
+// While a device runs a batch the next is sent and the one before taken: each in memory of its own.
+TEST(EvaluateTogether, BatchesUnderWayOnADeviceAreThoseAlone) {
+  Basis untrained = small_basis();
+  const std::size_t blocks = untrained.residual.blend_begin.size();
+  untrained.strain = {};
+  untrained.residual = {};
+  untrained.residual.blend_begin.assign(blocks, 0);
+  for (const Basis& basis : {small_basis(), untrained}) {
+    Deformer deformer = in_short_batches(basis);
+    const std::size_t outputs = basis.mesh.output_count(), limit = deformer.batch_limit();
+    ASSERT_LE(limit, 32u);
+    ASSERT_GT(limit, 1u);
+    for (const std::size_t count : {5 * limit + 1, std::size_t{2}}) {
+      const std::vector<Pose> poses = bending(basis, count);
+      const Evaluation all = deformer.evaluate(poses);
+      ASSERT_EQ(all.positions.size(), 3 * outputs * count);
+      for (std::size_t f = 0; f < count; ++f) {
+        const Evaluation alone = deformer.evaluate({&poses[f], 1});
+        const auto of_frame = [&](const std::vector<float>& values) {
+          return std::span(values).subspan(f * values.size() / count, values.size() / count);
+        };
+        ASSERT_TRUE(std::ranges::equal(of_frame(all.positions), alone.positions)) << f;
+        ASSERT_TRUE(std::ranges::equal(of_frame(all.normals), alone.normals)) << f;
+        ASSERT_TRUE(std::ranges::equal(of_frame(all.strains), alone.strains)) << f;
+        ASSERT_EQ(all.outside[f], alone.outside[0]);
+      }
+      EXPECT_FALSE(
+          std::ranges::equal(std::span(all.positions).first(3 * outputs), std::span(all.positions).last(3 * outputs)));
+    }
+  }
 }
 
 }  // namespace evaluate_together_test

@@ -4,6 +4,8 @@
 // With BODYOPT_FAIL_ALLOCATION=5, the fifth allocation of memory fails, and all after it.
 // With BODYOPT_COUNT_CALLS=FILE, how many submissions, allocations of memory, buffers and descriptor sets there were is
 // written to that file as the program ends.
+// With BODYOPT_COPY_FAMILY set, the device has a further family, of one queue that copies and nothing else; what is
+// submitted to it goes to the first queue of the first family.
 // With BODYOPT_KEEP_PIPELINES=FILE, what the driver is given to begin a pipeline cache with is written to that file.
 // With BODYOPT_OUT_OF_DATE set, the surface is out of date whenever something has been submitted since the last time it
 // was: for every picture, once. With BODYOPT_HOLD_FIRST_PICTURE set, the program waits for ever before it shows its
@@ -19,6 +21,7 @@
 #include <fstream>
 #include <sstream>
 #include <string>
+#include <vector>
 
 namespace {
 
@@ -63,8 +66,52 @@ bool loses(const char* call) {
   return is_lost;
 }
 
+// The queue that copies: the loader finds its functions by the first word, as in any queue.
+struct CopyQueue {
+  void* functions;
+} copy_queue{};
+VkQueue first_queue = VK_NULL_HANDLE;
+std::uint32_t copy_family = UINT32_MAX;  // none
+PFN_vkGetPhysicalDeviceQueueFamilyProperties families_beneath = nullptr;
+
+VkQueue as_copy_queue() { return reinterpret_cast<VkQueue>(&copy_queue); }
+
+VKAPI_ATTR void VKAPI_CALL queue_families(VkPhysicalDevice physical, std::uint32_t* count,
+                                          VkQueueFamilyProperties* families) {
+  std::uint32_t own = 0;
+  families_beneath(physical, &own, nullptr);
+  const bool has_more = std::getenv("BODYOPT_COPY_FAMILY") != nullptr;
+  if (families == nullptr) {
+    *count = own + (has_more ? 1 : 0);
+    return;
+  }
+  const std::uint32_t room = *count;
+  families_beneath(physical, count, families);
+  if (!has_more || room <= own) return;
+  copy_family = own;
+  families[own] = VkQueueFamilyProperties{VK_QUEUE_TRANSFER_BIT, 1, 64, {1, 1, 1}};
+  *count = own + 1;
+}
+
+VKAPI_ATTR void VKAPI_CALL device_queue(VkDevice device, std::uint32_t family, std::uint32_t index, VkQueue* queue) {
+  const auto next = reinterpret_cast<PFN_vkGetDeviceQueue>(next_of_device(device, "vkGetDeviceQueue"));
+  next(device, family == copy_family ? 0 : family, index, queue);
+  if (family != copy_family) return;
+  first_queue = *queue;
+  copy_queue = *reinterpret_cast<const CopyQueue*>(first_queue);
+  *queue = as_copy_queue();
+}
+
+VKAPI_ATTR VkResult VKAPI_CALL create_command_pool(VkDevice device, const VkCommandPoolCreateInfo* info,
+                                                   const VkAllocationCallbacks* allocator, VkCommandPool* pool) {
+  VkCommandPoolCreateInfo own = *info;
+  if (own.queueFamilyIndex == copy_family) own.queueFamilyIndex = 0;
+  return go_on<PFN_vkCreateCommandPool>("vkCreateCommandPool", device, &own, allocator, pool);
+}
+
 VKAPI_ATTR VkResult VKAPI_CALL queue_submit(VkQueue queue, std::uint32_t count, const VkSubmitInfo* submits,
                                             VkFence fence) {
+  if (queue == as_copy_queue()) queue = first_queue;
   ++counts.submissions;
   if (loses("vkQueueSubmit")) return VK_ERROR_DEVICE_LOST;
   has_submitted = true;
@@ -92,7 +139,9 @@ VKAPI_ATTR VkResult VKAPI_CALL allocate_memory(VkDevice device, const VkMemoryAl
 VKAPI_ATTR VkResult VKAPI_CALL create_buffer(VkDevice device, const VkBufferCreateInfo* info,
                                              const VkAllocationCallbacks* allocator, VkBuffer* buffer) {
   ++counts.buffers;
-  return go_on<PFN_vkCreateBuffer>("vkCreateBuffer", device, info, allocator, buffer);
+  VkBufferCreateInfo own = *info;
+  if (copy_family != UINT32_MAX) own.sharingMode = VK_SHARING_MODE_EXCLUSIVE;
+  return go_on<PFN_vkCreateBuffer>("vkCreateBuffer", device, &own, allocator, buffer);
 }
 
 VKAPI_ATTR VkResult VKAPI_CALL allocate_sets(VkDevice device, const VkDescriptorSetAllocateInfo* info,
@@ -155,6 +204,9 @@ VKAPI_ATTR VkResult VKAPI_CALL create_instance(const VkInstanceCreateInfo* info,
   const auto create = reinterpret_cast<PFN_vkCreateInstance>(next_of_instance(VK_NULL_HANDLE, "vkCreateInstance"));
   const VkResult result = create(info, allocator, instance);
   instance_here = *instance;
+  // Later the loader would give the layer's own.
+  families_beneath = reinterpret_cast<PFN_vkGetPhysicalDeviceQueueFamilyProperties>(
+      next_of_instance(*instance, "vkGetPhysicalDeviceQueueFamilyProperties"));
   return result;
 }
 
@@ -165,7 +217,13 @@ VKAPI_ATTR VkResult VKAPI_CALL create_device(VkPhysicalDevice physical, const Vk
   next_of_device = link->pfnNextGetDeviceProcAddr;
   link = link->pNext;
   const auto create = reinterpret_cast<PFN_vkCreateDevice>(next_of_instance(instance_here, "vkCreateDevice"));
-  const VkResult result = create(physical, info, allocator, device);
+  std::vector<VkDeviceQueueCreateInfo> queues(info->pQueueCreateInfos,
+                                              info->pQueueCreateInfos + info->queueCreateInfoCount);
+  std::erase_if(queues, [](const VkDeviceQueueCreateInfo& queue) { return queue.queueFamilyIndex == copy_family; });
+  VkDeviceCreateInfo own = *info;
+  own.queueCreateInfoCount = static_cast<std::uint32_t>(queues.size());
+  own.pQueueCreateInfos = queues.data();
+  const VkResult result = create(physical, &own, allocator, device);
   device_here = *device;
   calls_left = plan().count;
   is_lost = false;
@@ -196,7 +254,8 @@ VKAPI_ATTR PFN_vkVoidFunction VKAPI_CALL device_function(VkDevice device, const 
             entry("vkQueuePresentKHR", queue_present), entry("vkDeviceWaitIdle", device_wait_idle),
             entry("vkGetQueryPoolResults", query_results), entry("vkCreatePipelineCache", create_pipeline_cache),
             entry("vkAllocateMemory", allocate_memory), entry("vkCreateBuffer", create_buffer),
-            entry("vkAllocateDescriptorSets", allocate_sets)},
+            entry("vkAllocateDescriptorSets", allocate_sets), entry("vkGetDeviceQueue", device_queue),
+            entry("vkCreateCommandPool", create_command_pool)},
            name);
   return own ? own : next_of_device(device, name);
 }
@@ -204,7 +263,8 @@ VKAPI_ATTR PFN_vkVoidFunction VKAPI_CALL device_function(VkDevice device, const 
 VKAPI_ATTR PFN_vkVoidFunction VKAPI_CALL instance_function(VkInstance instance, const char* name) {
   const PFN_vkVoidFunction own =
       find({entry("vkGetInstanceProcAddr", instance_function), entry("vkCreateInstance", create_instance),
-            entry("vkCreateDevice", create_device), entry("vkGetDeviceProcAddr", device_function)},
+            entry("vkCreateDevice", create_device), entry("vkGetDeviceProcAddr", device_function),
+            entry("vkGetPhysicalDeviceQueueFamilyProperties", queue_families)},
            name);
   return own ? own : next_of_instance ? next_of_instance(instance, name) : nullptr;
 }

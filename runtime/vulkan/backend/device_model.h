@@ -36,6 +36,7 @@ class BlockSolve {
 struct FrameCounts {
   FrameCounts(const Basis& basis, const TangentTables& tangent_tables)
       : vertices(basis.mesh.vertex_count()),
+        outputs(basis.mesh.output_count()),
         joints(static_cast<std::uint32_t>(basis.skeleton.size())),
         strain_vertices(static_cast<std::uint32_t>(basis.strain.vertices.size())),
         fibres(basis.strain.fibre_count()),
@@ -52,7 +53,7 @@ struct FrameCounts {
         boxes(basis.modifiers.of_type(kPushOut.name) ? bound_push(basis).box_count : 0),
         tangents(4 * static_cast<std::uint32_t>(tangent_tables.vertices.size())) {}
 
-  std::uint32_t vertices, joints, strain_vertices, fibres, features, controls, joint_features;
+  std::uint32_t vertices, outputs, joints, strain_vertices, fibres, features, controls, joint_features;
   std::uint32_t regions, coordinates, centres, coefficients, components;
   std::uint32_t turned_joints;  // all joints where modifiers turn some; 0 where none do
   std::uint32_t finished;       // numbers of a skin that modifiers move in the end; 0 where none do

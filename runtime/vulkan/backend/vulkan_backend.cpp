@@ -1,6 +1,6 @@
 // A Vulkan device as a backend: tables uploaded once; one command buffer per batch. For the quasi-static skin it is
 // recorded when the number of frames changes, and submitted again otherwise. Every batch that jiggles is recorded
-// according to a plan of its own.
+// according to a plan of its own. The next batch is recorded and sent while one runs.
 #include "runtime/vulkan/backend/vulkan_backend.h"
 
 #include <algorithm>
@@ -12,6 +12,7 @@
 #include "runtime/host/output_steps.h"
 #include "runtime/host/stages.h"
 #include "runtime/vulkan/backend/attached_meshes.h"
+#include "runtime/vulkan/backend/batch_buffers.h"
 #include "runtime/vulkan/backend/device_model.h"
 #include "runtime/vulkan/backend/vulkan_dynamics.h"
 #include "runtime/vulkan/commands.h"
@@ -20,82 +21,8 @@ namespace bodyopt {
 namespace vulkan {
 namespace {
 
-constexpr std::uint64_t kBatchBytes = 64u << 20;  // of per-frame buffers; enough vertices to fill a device
-
-// Values of a batch: a buffer of F x count floats, on the device. Batches of fewer frames use its beginning.
-struct Values {
-  Values(const Device& device, std::uint32_t frames, std::uint64_t count, const char* name)
-      : frame_bytes(count * sizeof(float)), buffer(device, frames * frame_bytes, Memory::device, name) {}
-
-  BufferRange of(std::uint32_t frames) const { return {buffer, 0, frames * frame_bytes}; }
-
-  VkDeviceSize frame_bytes;
-  Buffer buffer;
-};
-
-// For so many frames at most.
-struct BatchBuffers {
-  // `records`: for the host program, whose command buffer brings what a batch brings, and whose buffers take the
-  // result.
-  BatchBuffers(const Device& device, const FrameCounts& n, std::uint32_t frames_, bool records)
-      : frames(frames_),
-        skinning(device, frames, std::uint64_t{12} * n.joints, "the skinning matrices"),
-        origins(device, frames, 4, "the origins"),
-        joint_features(device, frames, n.joint_features, "the joint features"),
-        controls(device, frames, n.controls, "the controls"),
-        fades(device, frames, n.regions, "the fades"),
-        modifiers(device, frames, n.components, "the modifiers' weights"),
-        learned_skinning(device, frames, std::uint64_t{12} * n.turned_joints, "the skinning matrices of the strains"),
-        strain_positions(device, frames, std::uint64_t{3} * n.strain_vertices, "the strain positions"),
-        strains(device, frames, n.fibres, "the strains"),
-        features(device, frames, n.features, "the features"),
-        excess(device, frames, n.features, "the features' excess"),
-        coordinates(device, frames, n.coordinates, "the coordinates"),
-        kernels(device, frames, n.centres, "the kernels"),
-        coefficients(device, frames, n.coefficients, "the coefficients"),
-        displacements(device, frames, std::uint64_t{3} * n.vertices, "the displacements"),
-        positions(device, frames, std::uint64_t{3} * n.vertices, "the positions"),
-        finished{Values(device, frames, n.finished, "the finished skin"),
-                 Values(device, frames, n.finished, "the finished skin"),
-                 Values(device, frames, n.finished, "the finished skin")},
-        boxes(device, frames, std::uint64_t{6} * n.boxes, "the boxes of triangles"),
-        normals(device, frames, std::uint64_t{3} * n.vertices, "the normals"),
-        tangents(device, frames, records ? 0 : n.tangents, "the tangents"),
-        staging_in(device, records ? 0 : frames * frame_bytes(inputs()), Memory::staging, "staging"),
-        staging_out(device, records ? 0 : frames * frame_bytes(outputs()), Memory::staging, "staging") {}
-
-  // The inputs of a batch, in the order in which they are staged.
-  std::array<const Values*, 7> inputs() const {
-    return {&skinning, &origins, &joint_features, &controls, &fades, &modifiers, &learned_skinning};
-  }
-  static std::array<std::span<const float>, 7> inputs_of(const Batch& b) {
-    return {b.skinning, b.origins, b.joint_features, b.controls, b.fades, b.modifiers, b.learned_skinning};
-  }
-  // All outputs that a batch can have.
-  std::array<const Values*, 8> outputs() const {
-    return {&positions, &normals, &tangents, &positions, &strains, &excess, &coordinates, &coefficients};
-  }
-  // Strains are of the pose before modifiers turned joints.
-  const Buffer& skinning_of_strains() const {
-    return learned_skinning.frame_bytes > 0 ? learned_skinning.buffer : skinning.buffer;
-  }
-
-  static VkDeviceSize frame_bytes(std::span<const Values* const> parts) {
-    VkDeviceSize sum = 0;
-    for (const Values* part : parts) sum += part->frame_bytes;
-    return sum;
-  }
-
-  std::uint32_t frames;
-  Values skinning, origins, joint_features, controls, fades, modifiers, learned_skinning;
-  Values strain_positions, strains, features, excess, coordinates, kernels, coefficients, displacements;
-  Values positions;
-  std::array<Values, 3> finished;  // before a modifier, and by one of its steps and the next
-  Values boxes;
-  Values normals;
-  Values tangents;  // of output vertices; none where they are recorded into the host's buffer
-  Buffer staging_in, staging_out;
-};
+// Bytes of a batch's buffers, enough vertices to fill a device; of one that stays there, a crowd.
+constexpr std::uint64_t kBatchBytes = 64u << 20;
 
 class VulkanBackend final : public Backend, private SplitRun {
  public:
@@ -105,45 +32,30 @@ class VulkanBackend final : public Backend, private SplitRun {
         counts_(model_->counts()),
         tables_(model_->tables()),
         kernels_(model_->kernels()),
-        has_blend_(!model_->model().basis.residual.blend.empty()),
-        commands_(std::in_place, device_) {
+        has_blend_(!model_->model().basis.residual.blend.empty()) {
     if (jiggle) dynamics_.emplace(*model_, *jiggle);
     set_rest_coefficients(std::vector<float>(counts_.coefficients, 0.0f));
   }
 
   std::string name() const override { return device_.info().name; }
 
+  // Of a large body as many frames as read a table together, where there is memory for them.
   std::uint32_t batch_limit() const override {
-    const FrameCounts& n = counts_;
-    const std::uint64_t skin = std::uint64_t{3} * n.vertices, skinning = std::uint64_t{12} * n.joints;
-    const std::uint64_t strain = std::uint64_t{3} * n.strain_vertices;
-    const std::uint64_t largest =
-        std::max<std::uint64_t>({skin, skinning, strain, n.tangents, n.coordinates, n.centres, n.features});
-    const std::uint64_t all = 3 * skin + n.tangents + 3 * n.finished + 6 * n.boxes + n.components + 2 * skinning +
-                              strain + n.coordinates + n.centres + 3 * n.features +
-                              (dynamics_ ? dynamics_->frame_floats() : 0);
-    const std::uint64_t by_range =
-        model_->limits().max_storage_buffer_range / (sizeof(float) * std::max<std::uint64_t>(1, largest));
-    // Of a large body as many frames as read a table together, where there is memory for them.
-    const std::uint64_t frame_bytes = sizeof(float) * std::max<std::uint64_t>(1, all);
-    const std::uint64_t by_memory =
-        std::min(std::max(kBatchBytes, kFramesTogether * frame_bytes), device_.info().memory_bytes / 8) / frame_bytes;
-    const std::uint64_t by_groups = device_.info().max_groups_y;
-    const std::uint64_t by_dynamics = dynamics_ ? dynamics_->batch_limit() : by_groups;
-    return static_cast<std::uint32_t>(
-        std::max<std::uint64_t>(1, std::min({by_range, by_memory, by_groups, by_dynamics})));
+    return most_frames(std::max(kBatchBytes, kFramesTogether * frame_bytes()));
   }
+  std::uint32_t largest_batch() const override { return most_frames(UINT64_MAX); }
 
   void set_rest_coefficients(std::span<const float> coefficients) override {
     rest_coefficients_ = upload_bytes(device_, std::as_bytes(coefficients), "the coefficients at rest");
-    recorded_ = false;
-    has_new_buffers_ = true;
+    forget_buffers();
   }
 
   void set_weights(const Weights& weights) override {
     if (weights == weights_) return;
     weights_ = weights;
-    recorded_ = false;
+    for (auto& slot : slots_) {
+      if (slot) slot->is_recorded = false;
+    }
   }
 
   DeviceSkin device_skin() const override {
@@ -154,8 +66,8 @@ class VulkanBackend final : public Backend, private SplitRun {
   void set_motion(const NodeMotion& motion) override {
     if (failed_) return;  // so that the first failure is the one reported
     dynamics_->set_motion(motion);
-    has_new_buffers_ = true;
-    forget_recorded_buffers();  // of the motion before
+    forget_buffers();  // of the motion before
+    forget_recorded_buffers();
   }
 
   NodeMotion motion() const override {
@@ -168,15 +80,18 @@ class VulkanBackend final : public Backend, private SplitRun {
 
   void record(const Batch& batch, const Recording& recording) override {
     refuse_failed();
-    if (batch.frame_count > (records_ ? buffers_->frames : recording.most_frames)) {
+    if (batch.frame_count > (records() ? buffers_->frames : recording.most_frames)) {
       throw Error(ErrorKind::usage, "a recording of ", batch.frame_count, " frames is more than the ",
-                  records_ ? buffers_->frames : recording.most_frames, " that the first one made room for");
+                  records() ? buffers_->frames : recording.most_frames, " that the first one made room for");
     }
     failed_ = true;  // until this frame went well: the motion has gone on
     become_recorder(recording.most_frames);
+    commands_ = &*host_commands_;
     commands_->record_into(recording.commands);
     record_inputs(batch);
-    record_stages(batch);
+    host_stages_ = stages_of(model_->model().basis, batch, std::move(host_stages_));
+    host_steps_ = output_steps(model_->model().basis, batch, std::move(host_steps_));
+    record_stages(batch, host_stages_, host_steps_);
     record_place(*skin_, recording.positions, batch.frame_count);
     record_place(buffers_->normals.buffer, recording.normals, batch.frame_count);
     record_tangents_into(recording.tangents, batch.frame_count);
@@ -185,84 +100,139 @@ class VulkanBackend final : public Backend, private SplitRun {
   }
 
   void forget_recorded_buffers() override {
-    if (records_) commands_->forget_sets();
+    if (records()) host_commands_->forget_sets();
   }
 
   SplitRun* split() override { return this; }
 
   const BatchResult& run(const Batch& batch) override {
     if (batch.frame_count == 0) return result_ = {};
-    start(batch).run();
-    finish();
-    for (const Download& download : downloads()) {
-      if (!is_of_skin(download)) continue;
-      const std::span<const float> values = downloaded(download);
-      (result_.*download.to).assign(values.begin(), values.end());
+    start(batch, false).run();
+    BatchSlot& slot = finish_slot();
+    for (const Download& download : slot.downloads) {
+      const std::span<const float> values = download.values();
+      if (download.is_of_skin()) (result_.*download.to).assign(values.begin(), values.end());
     }
     return result_;
   }
 
  private:
-  Commands& start(const Batch& batch) override {
+  bool records() const { return host_commands_.has_value(); }
+
+  std::uint64_t frame_bytes() const {
+    const FrameCounts& n = counts_;
+    const std::uint64_t skin = std::uint64_t{3} * n.vertices;
+    return sizeof(float) *
+           std::max<std::uint64_t>(1, 3 * skin + 2 * (std::uint64_t{6} * n.outputs + n.tangents) + 3 * n.finished +
+                                          6 * n.boxes + n.components + std::uint64_t{24} * n.joints +
+                                          std::uint64_t{3} * n.strain_vertices + n.coordinates + n.centres +
+                                          3 * n.features + (dynamics_ ? dynamics_->frame_floats() : 0));
+  }
+
+  // Frames of a batch whose buffers have so many bytes, if the device has.
+  std::uint32_t most_frames(std::uint64_t bytes) const {
+    const FrameCounts& n = counts_;
+    const std::uint64_t largest = std::max<std::uint64_t>(
+        {1, std::uint64_t{3} * n.vertices, std::uint64_t{3} * n.outputs, std::uint64_t{12} * n.joints,
+         std::uint64_t{3} * n.strain_vertices, n.tangents, n.coordinates, n.centres, n.features});
+    const std::uint64_t by_range = model_->limits().max_storage_buffer_range / (sizeof(float) * largest);
+    const std::uint64_t by_memory = std::min(bytes, model_->limits().memory_bytes / 8) / frame_bytes();
+    const std::uint64_t by_groups = device_.info().max_groups_y;
+    const std::uint64_t by_dynamics = dynamics_ ? dynamics_->batch_limit() : by_groups;
+    return static_cast<std::uint32_t>(
+        std::max<std::uint64_t>(1, std::min({by_range, by_memory, by_groups, by_dynamics})));
+  }
+
+  // Of what is recorded some exist no more.
+  void forget_buffers() {
+    for (auto& slot : slots_) {
+      if (!slot) continue;
+      slot->has_new_buffers = true;
+      slot->is_recorded = false;
+    }
+  }
+
+  Commands& start(const Batch& batch) override { return start(batch, true); }
+
+  // The slots take turns where a batch is under way.
+  Commands& start(const Batch& batch, bool is_ordered) {
     refuse_failed();
-    if (records_) {
+    if (records()) {
       throw Error(ErrorKind::usage, "the instance records for the host program: make another one to evaluate");
     }
-    failed_ = true;  // until this batch went well
-    const bool recorded = recorded_ && frames_ == batch.frame_count && batch.jiggle.empty() &&
-                          batch.stays_on_device == stays_on_device_ && batch.keeps_posed == keeps_posed_ &&
-                          batch.wants_normals == wants_normals_ && batch.wants_tangents == wants_tangents_ &&
-                          output_steps(model_->model().basis, batch) == output_steps_;
-    frames_ = batch.frame_count;
-    if (!recorded) allocate(frames_);
-    send(batch);  // first: recording runs what is long
-    if (!recorded) record(batch);
-    return *commands_;
+    failed_ = true;  // until this batch is recorded
+    if (under_way_ == 0) first_ = 0;
+    auto& place = slots_[(first_ + under_way_) % slots_.size()];
+    BatchSlot& slot = place ? *place : place.emplace(device_);
+    const RecordedBatch wanted{batch.frame_count,
+                               batch.stays_on_device,
+                               batch.keeps_posed,
+                               batch.wants_normals,
+                               batch.wants_tangents,
+                               is_ordered,
+                               output_steps(model_->model().basis, batch)};
+    allocate(batch.frame_count);
+    if (make_room(slot.staging_in, buffers_->frames * buffers_->input_bytes())) slot.is_recorded = false;
+    send(batch, slot.staging_in);  // first: recording runs what is long
+    if (!slot.is_recorded || !batch.jiggle.empty() || slot.recorded != wanted) {
+      slot.recorded = wanted;
+      record(batch, slot);
+    }
+    ++under_way_;
+    failed_ = false;
+    return slot.commands;
   }
 
   const BatchResult& finish() override {
-    receive();
-    refuse_validation_messages();
-    failed_ = false;
+    finish_slot();
     return result_;
+  }
+
+  BatchSlot& finish_slot() {
+    BatchSlot& slot = *slots_[finished_ = first_];
+    first_ = (first_ + 1) % slots_.size();
+    --under_way_;
+    const bool next_failed = std::exchange(failed_, true);  // until this batch went well
+    if (!slot.commands.has_run()) refuse_failed();
+    receive(slot);
+    refuse_validation_messages();
+    failed_ = next_failed;
+    return slot;
   }
 
   SkinValues skin() const override {
     SkinValues skin;
-    for (const Download& download : downloads()) {
-      if (download.to == &BatchResult::positions) skin.positions = downloaded(download);
-      if (download.to == &BatchResult::normals) skin.normals = downloaded(download);
-      if (download.to == &BatchResult::tangents) skin.tangents = downloaded(download);
+    for (const Download& download : slots_[finished_]->downloads) {
+      if (download.to == &BatchResult::positions) skin.positions = download.values();
+      if (download.to == &BatchResult::normals) skin.normals = download.values();
+      if (download.to == &BatchResult::tangents) skin.tangents = download.values();
     }
     return skin;
   }
 
-  void record(const Batch& batch) {
-    commands_->begin(std::exchange(has_new_buffers_, false) ? Commands::Sets::anew : Commands::Sets::kept);
-    record_upload();
-    stays_on_device_ = batch.stays_on_device;
-    keeps_posed_ = batch.keeps_posed;
-    wants_normals_ = batch.wants_normals;
-    wants_tangents_ = batch.wants_tangents;
-    record_stages(batch);
-    record_download();
+  void record(const Batch& batch, BatchSlot& slot) {
+    slot.is_recorded = false;
+    commands_ = &slot.commands;
+    commands_->begin(std::exchange(slot.has_new_buffers, false) ? Commands::Sets::anew : Commands::Sets::kept);
+    record_upload(slot);
+    slot.stages = stages_of(model_->model().basis, batch, std::move(slot.stages));
+    record_stages(batch, slot.stages, slot.recorded.output_steps);
+    record_download(slot);
     commands_->end();
-    recorded_ = batch.jiggle.empty();
+    slot.is_recorded = batch.jiggle.empty();
   }
 
-  void record_stages(const Batch& batch) {
-    output_steps_ = output_steps(model_->model().basis, batch, std::move(output_steps_));
+  void record_stages(const Batch& batch, std::span<const Stage> stages, std::span<const OutputStep> steps) {
     // No residual: un-posed displacements of zero.
     if (!has_blend_) commands_->fill(buffers_->displacements.buffer, 0);
     commands_->timestamp();
-    stages_ = stages_of(model_->model().basis, batch, std::move(stages_));
-    for (const Stage stage : stages_) {
-      record_stage(stage, batch);
+    for (const Stage stage : stages) {
+      record_stage(stage, batch, steps);
       commands_->timestamp();
     }
   }
 
-  void record_stage(Stage stage, const Batch& batch) {
+  void record_stage(Stage stage, const Batch& batch, std::span<const OutputStep> steps) {
     const std::uint32_t frames = batch.frame_count;
     switch (stage) {
       case Stage::rig:
@@ -280,7 +250,7 @@ class VulkanBackend final : public Backend, private SplitRun {
       case Stage::jiggle:
         return record_jiggle(batch.jiggle);
       case Stage::output:
-        return record_output(batch);
+        return record_output(batch, steps);
     }
   }
 
@@ -292,19 +262,14 @@ class VulkanBackend final : public Backend, private SplitRun {
     skin_ = &b.positions.buffer;
   }
 
-  void record_output(const Batch& batch) {
-    record_finish(batch.frame_count);
+  void record_output(const Batch& batch, std::span<const OutputStep> steps) {
+    record_finish(steps, batch.frame_count);
     if (batch.wants_normals || batch.wants_tangents) record_normals(batch.frame_count);
-    if (batch.wants_tangents && !records_) record_tangents(batch.frame_count);
   }
 
   void record_normals(std::uint32_t frames) {
     record_output_normals(*commands_, kernels_.output_normals, {tables_.fans, *skin_, buffers_->normals.buffer},
                           counts_.vertices, frames);
-  }
-
-  void record_tangents(std::uint32_t frames) {
-    record_tangents(buffers_->tangents.buffer, {output_count(), counts_.vertices, 0, 4, 4 * output_count()}, frames);
   }
 
   void record_tangents(const BufferRange& to, const OutputTangentsPush& push, std::uint32_t frames) {
@@ -314,9 +279,9 @@ class VulkanBackend final : public Backend, private SplitRun {
   }
 
   // Records the modifiers that move the posed skin.
-  void record_finish(std::uint32_t frames) {
+  void record_finish(std::span<const OutputStep> steps, std::uint32_t frames) {
     const Buffer* unfinished = nullptr;
-    for (const OutputStep& step : output_steps_) {
+    for (const OutputStep& step : steps) {
       if (step.number == 0) unfinished = skin_;
       const auto unused = std::ranges::find_if(
           buffers_->finished, [&](const Values& v) { return &v.buffer != skin_ && &v.buffer != unfinished; });
@@ -351,13 +316,10 @@ class VulkanBackend final : public Backend, private SplitRun {
                                     separate_push(basis, step), frames);
   }
 
-  std::uint32_t output_count() const { return model_->model().basis.mesh.output_count(); }
-
   // From now on it records for the host, `most_frames` at a time. Buffers of an earlier recording are never freed.
   void become_recorder(std::uint32_t most_frames) {
-    if (records_) return;
-    records_ = true;
-    commands_.emplace(device_, Commands::OfHost::yes);
+    if (records()) return;
+    host_commands_.emplace(device_, Commands::OfHost::yes);
     buffers_.reset();
     allocate(most_frames);
   }
@@ -388,17 +350,17 @@ class VulkanBackend final : public Backend, private SplitRun {
 
   void record_place(const Buffer& values, const PlacedOutput& to, std::uint32_t frames) {
     if (to.buffer == VK_NULL_HANDLE) return;
-    const HostRange host = host_range(to, output_count(), 3, frames);
+    const HostRange host = host_range(to, counts_.outputs, 3, frames);
     kernels_.output_place.record(
         *commands_, {tables_.output_vertex, values, host.range},
-        {output_count(), counts_.vertices, host.first_word, host.element_words, host.frame_words}, frames);
+        {counts_.outputs, counts_.vertices, host.first_word, host.element_words, host.frame_words}, frames);
   }
 
   void record_tangents_into(const PlacedOutput& to, std::uint32_t frames) {
     if (to.buffer == VK_NULL_HANDLE) return;
-    const HostRange host = host_range(to, output_count(), 4, frames);
+    const HostRange host = host_range(to, counts_.outputs, 4, frames);
     record_tangents(host.range,
-                    {output_count(), counts_.vertices, host.first_word, host.element_words, host.frame_words}, frames);
+                    {counts_.outputs, counts_.vertices, host.first_word, host.element_words, host.frame_words}, frames);
   }
 
   void record_attached(const Recording& recording, std::uint32_t frames) {
@@ -417,12 +379,12 @@ class VulkanBackend final : public Backend, private SplitRun {
   }
 
   // Keeps buffers that are large enough: to allocate anew, as for the last part of a clip, costs more than any batch.
+  // Nothing is under way then: no batch of a call is longer than the first.
   void allocate(std::uint32_t frames) {
-    recorded_ = false;
     if (buffers_ && buffers_->frames >= frames) return;
-    has_new_buffers_ = true;
+    forget_buffers();
     buffers_.reset();  // before the next ones are allocated
-    buffers_ = std::make_unique<BatchBuffers>(device_, counts_, frames, records_);
+    buffers_ = std::make_unique<BatchBuffers>(device_, counts_, frames);
   }
 
   VulkanDynamics::Inputs dynamics_inputs(std::uint32_t frames) const {
@@ -444,15 +406,15 @@ class VulkanBackend final : public Backend, private SplitRun {
   void record_jiggle(std::span<const JiggleFrame> frames) {
     dynamics_->record_jiggle(*commands_, dynamics_inputs(static_cast<std::uint32_t>(frames.size())), frames,
                              weights_.jiggle);
-    if (!records_) dynamics_->record_motion(*commands_);
+    if (!records()) dynamics_->record_motion(*commands_);
     skin_ = &dynamics_->moved();
   }
 
-  void record_upload() {
+  void record_upload(const BatchSlot& slot) {
     VkDeviceSize offset = 0;
     for (const Values* values : buffers_->inputs()) {
-      const BufferRange to = values->of(frames_);
-      commands_->copy({buffers_->staging_in, offset, to.size}, to);
+      const BufferRange to = values->of(slot.recorded.frames);
+      commands_->copy({slot.staging_in, offset, to.size}, to);
       offset += to.size;
     }
   }
@@ -504,56 +466,79 @@ class VulkanBackend final : public Backend, private SplitRun {
                         counts_.components, frames);
   }
 
-  // An output that goes to the host, and where it is staged, bytes.
-  struct Download {
-    BufferRange from;
-    VkDeviceSize staged = 0;
-    std::vector<float> BatchResult::*to;
-  };
-  std::vector<Download> downloads() const {
+  void record_download(BatchSlot& slot) {
+    const RecordedBatch& batch = slot.recorded;
+    const std::uint32_t frames = batch.frames;
+    slot.downloads.clear();
+    if (!batch.stays_on_device && (batch.is_ordered || batch.wants_tangents)) order(slot);
     const BatchBuffers& b = *buffers_;
-    std::vector<Download> all;
     VkDeviceSize staged = 0;
-    const auto add = [&](const Buffer& buffer, const Values& values, std::vector<float> BatchResult::*to) {
-      const VkDeviceSize size = values.of(frames_).size;
-      all.push_back({{buffer, 0, size}, staged, to});
+    const auto add = [&](const Buffer& from, const Values& values, std::vector<float> BatchResult::*to) {
+      const VkDeviceSize size = values.of(frames).size;
+      slot.downloads.push_back({{from, 0, size}, &slot.staging_out, staged, to});
       staged += size;
     };
-    if (!stays_on_device_) {
+    if (!batch.stays_on_device && !batch.is_ordered) {
       add(*skin_, b.positions, &BatchResult::positions);
-      if (wants_normals_) add(b.normals.buffer, b.normals, &BatchResult::normals);
-      if (wants_tangents_) add(b.tangents.buffer, b.tangents, &BatchResult::tangents);
+      if (batch.wants_normals) add(b.normals.buffer, b.normals, &BatchResult::normals);
     }
-    if (keeps_posed_) add(b.positions.buffer, b.positions, &BatchResult::posed);
+    if (batch.keeps_posed) add(b.positions.buffer, b.positions, &BatchResult::posed);
     add(b.strains.buffer, b.strains, &BatchResult::strains);
     add(b.excess.buffer, b.excess, &BatchResult::excess);
     add(b.coordinates.buffer, b.coordinates, &BatchResult::coordinates);
     add(b.coefficients.buffer, b.coefficients, &BatchResult::coefficients);
-    return all;
-  }
-
-  static bool is_of_skin(const Download& download) {
-    return download.to == &BatchResult::positions || download.to == &BatchResult::normals ||
-           download.to == &BatchResult::tangents || download.to == &BatchResult::posed;
-  }
-
-  std::span<const float> downloaded(const Download& download) const {
-    const std::byte* from = buffers_->staging_out.mapped() + download.staged;
-    return {reinterpret_cast<const float*>(from), download.from.size / sizeof(float)};
-  }
-
-  void record_download() {
-    for (const Download& download : downloads()) {
-      commands_->copy(download.from, {buffers_->staging_out, download.staged, download.from.size});
+    make_room(slot.staging_out, staged);
+    for (const Download& download : slot.downloads) {
+      const BufferRange to{*download.staging, download.staged, download.from.size};
+      if (download.staging == &slot.staging_out) {
+        commands_->copy(download.from, to);
+      } else {
+        commands_->download(download.from, to);
+      }
     }
   }
 
-  void send(const Batch& batch) {
-    std::byte* to = buffers_->staging_in.mapped();
+  // The skin into output order, from where it is fetched.
+  void order(BatchSlot& slot) {
+    const RecordedBatch& batch = slot.recorded;
+    if (!slot.skin || slot.skin->frames < batch.frames) {
+      slot.skin.reset();
+      slot.skin.emplace(device_, counts_, buffers_->frames);
+    }
+    VkDeviceSize staged = 0;
+    const auto add = [&](const Values& values, std::vector<float> BatchResult::*to) {
+      const BufferRange from = values.of(batch.frames);
+      slot.downloads.push_back({from, &slot.skin->staging, staged, to});
+      staged += from.size;
+    };
+    const auto place = [&](const Buffer& from, const Values& to, std::vector<float> BatchResult::*result) {
+      kernels_.output_place.record(*commands_, {tables_.output_vertex, from, to.buffer},
+                                   {counts_.outputs, counts_.vertices, 0, 3, 3 * counts_.outputs}, batch.frames);
+      add(to, result);
+    };
+    if (batch.is_ordered) place(*skin_, slot.skin->positions, &BatchResult::positions);
+    if (batch.is_ordered && batch.wants_normals) {
+      place(buffers_->normals.buffer, slot.skin->normals, &BatchResult::normals);
+    }
+    if (!batch.wants_tangents) return;
+    record_tangents(slot.skin->tangents.buffer, {counts_.outputs, counts_.vertices, 0, 4, 4 * counts_.outputs},
+                    batch.frames);
+    add(slot.skin->tangents, &BatchResult::tangents);
+  }
+
+  // Whether it is another buffer then.
+  bool make_room(Buffer& staging, VkDeviceSize bytes) const {
+    if (staging.size() >= bytes) return false;
+    staging = Buffer(device_, bytes, Memory::staging, "staging");
+    return true;
+  }
+
+  void send(const Batch& batch, const Buffer& staging) const {
+    std::byte* to = staging.mapped();
     const auto values = buffers_->inputs();
     const auto from = BatchBuffers::inputs_of(batch);
     for (std::size_t k = 0; k < values.size(); ++k) {
-      const VkDeviceSize bytes = values[k]->of(frames_).size;
+      const VkDeviceSize bytes = values[k]->of(batch.frame_count).size;
       if (bytes == 0) continue;
       std::memcpy(to, from[k].data(), bytes);
       to += bytes;
@@ -561,19 +546,19 @@ class VulkanBackend final : public Backend, private SplitRun {
   }
 
   // All but the skin, which is large, and read where it is.
-  void receive() {
+  void receive(BatchSlot& slot) {
     for (const auto skin :
          {&BatchResult::positions, &BatchResult::normals, &BatchResult::tangents, &BatchResult::posed}) {
       (result_.*skin).clear();
     }
-    for (const Download& download : downloads()) {
-      if (is_of_skin(download)) continue;
-      const std::span<const float> values = downloaded(download);
+    for (const Download& download : slot.downloads) {
+      if (download.is_of_skin()) continue;
+      const std::span<const float> values = download.values();
       (result_.*download.to).assign(values.begin(), values.end());
     }
     result_.stage_seconds = {};
-    const std::vector<double> seconds = commands_->seconds();
-    for (std::size_t s = 0; s < seconds.size(); ++s) result_.stage_seconds.add(stages_[s], seconds[s]);
+    const std::vector<double> seconds = slot.commands.seconds();
+    for (std::size_t s = 0; s < seconds.size(); ++s) result_.stage_seconds.add(slot.stages[s], seconds[s]);
   }
 
   void refuse_failed() const {
@@ -596,21 +581,19 @@ class VulkanBackend final : public Backend, private SplitRun {
   bool has_blend_;
   Buffer rest_coefficients_;
   std::unique_ptr<BatchBuffers> buffers_;
-  std::uint32_t frames_ = 0;  // of the last batch
+  std::array<std::optional<BatchSlot>, 2> slots_;  // made when first wanted
+  std::size_t first_ = 0, under_way_ = 0;          // slots with batches that are not finished
+  std::size_t finished_ = 0;                       // the slot that was last
+  Commands* commands_ = nullptr;                   // that are being recorded
   BatchResult result_;
   std::optional<VulkanDynamics> dynamics_;
-  std::optional<Commands> commands_;
-  std::vector<Stage> stages_;             // recorded
-  std::vector<OutputStep> output_steps_;  // recorded
-  bool has_new_buffers_ = true;           // that no descriptor set is of
-  bool recorded_ = false;                 // the quasi-static skin, for as many frames as there are buffers
+  std::optional<Commands> host_commands_;  // where it records for the host program
+  std::vector<Stage> host_stages_;
+  std::vector<OutputStep> host_steps_;
   std::vector<AttachedMeshes::Target> attached_targets_;  // of the last recording, kept for their memory
   Weights weights_;
-  const Buffer* skin_ = nullptr;                        // of the last batch
-  bool stays_on_device_ = false, keeps_posed_ = false;  // as recorded
-  bool wants_normals_ = true, wants_tangents_ = false;
+  const Buffer* skin_ = nullptr;  // of the last batch
   mutable bool failed_ = false;
-  bool records_ = false;  // for the host program
 };
 
 }  // namespace
