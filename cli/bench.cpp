@@ -155,11 +155,6 @@ struct FrameCost {
   double of(Stage stage) const { return stages.of(stage).value_or(0) / frames; }
 };
 
-constexpr std::array<std::pair<const char*, double HostSeconds::*>, 4> kHostParts{{{"upload", &HostSeconds::upload},
-                                                                                   {"wait", &HostSeconds::wait},
-                                                                                   {"download", &HostSeconds::download},
-                                                                                   {"order", &HostSeconds::order}}};
-
 // Runs the calls together, again and again, for so long. The evaluations keep their memory, as those of a shot do.
 // before: called each time, before them.
 template <typename Before>

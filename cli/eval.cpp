@@ -70,7 +70,9 @@ class ShotRun : public SkinSink {
     JiggleState state;
     if (shot_.jiggles) state = shot_.deformer->state();
     is_whole_ = false;
+    const Stopwatch watch;
     caches_.append(part, poses, begin);
+    log_.add_writing(watch.seconds());
     const auto frames = std::span(shot_.frames).subspan(begin, poses.size());
     log_.add(*shot_.deformer, part, frames, state.motion);
     state_ = std::move(state);

@@ -75,6 +75,7 @@ void EvaluationLog::add(const Deformer& deformer, const Evaluation& part, std::s
   }
   timed_frames_ += frames.size();
   stage_seconds_.add(part.stage_seconds);
+  for (const auto& [name, seconds] : kHostParts) host_seconds_.*seconds += part.host_seconds.*seconds;
 }
 
 Json EvaluationLog::entry_of(const Deformer& deformer, const Evaluation& part, std::size_t k, int frame,
@@ -162,6 +163,14 @@ void EvaluationLog::take_up(const Json& kept) {
   }
 }
 
+// By name; the rig's are among the stages'.
+Json EvaluationLog::host_milliseconds() const {
+  Json milliseconds = Json::object();
+  for (const auto& [name, seconds] : kHostParts) milliseconds[name] = milliseconds_per_frame(host_seconds_.*seconds);
+  milliseconds["write"] = milliseconds_per_frame(writing_seconds_);
+  return milliseconds;
+}
+
 Json EvaluationLog::summary() const {
   Json milliseconds = Json::object();
   stage_seconds_.for_each([&](const StageDescription& stage, double seconds) {
@@ -170,6 +179,7 @@ Json EvaluationLog::summary() const {
   const Json worst = worth_a_look(per_frame_);
   Json result{{"frames", frames_.size()},
               {"milliseconds_per_frame", milliseconds},
+              {"host_milliseconds_per_frame", host_milliseconds()},
               {"peak_memory_mib", peak_memory_mib()},
               {"outside_frames", format_frame_range(outside_frames_)},
               {"worst_outside", worst_outside_},
@@ -194,6 +204,12 @@ std::string EvaluationLog::text() const {
   stage_seconds_.for_each([&](const StageDescription& stage, double seconds) {
     text += format("  {:8} {:8.3f} ms a frame\n", stage.name, milliseconds_per_frame(seconds));
   });
+  text += "  on the host:";
+  const Json host = host_milliseconds();
+  for (const auto& [name, milliseconds] : host.items()) {
+    text += format(" {} {:.3f}", name, milliseconds.get<double>());
+  }
+  text += " ms a frame\n";
   if (worst_outside_ >= kOutsideWorthTelling) {
     text += count_of(outside_frames_.size(), "frame leaves", "frames leave") +
             format(" the trained range (most of all {}{}), clamped: ", worst_feature_,

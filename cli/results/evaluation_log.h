@@ -10,12 +10,12 @@
 
 #include "cli/arguments/common.h"
 #include "runtime/coverage/expected_error.h"
+#include "runtime/deformer/evaluation.h"
 #include "runtime/host/jiggle.h"
 #include "runtime/host/stages.h"
 
 namespace bodyopt {
 class Deformer;
-struct Evaluation;
 }  // namespace bodyopt
 
 namespace bodyopt::cli {
@@ -49,6 +49,9 @@ class EvaluationLog {
   // Adds what the deformer gave of poses, which are these frames. `motion`: after the last; jiggling frames come alone.
   void add(const Deformer& deformer, const Evaluation& part, std::span<const int> frames, const NodeMotion& motion);
 
+  // What writing these frames took beside.
+  void add_writing(double seconds) { writing_seconds_ += seconds; }
+
   // All that take_up() needs to go on from here.
   Json kept() const;
   void take_up(const Json& kept);
@@ -61,6 +64,7 @@ class EvaluationLog {
 
  private:
   double milliseconds_per_frame(double seconds) const;
+  Json host_milliseconds() const;
   Json entry_of(const Deformer& deformer, const Evaluation& part, std::size_t k, int frame, const NodeMotion& motion);
   void count(const Json& entry);
   std::vector<std::string> notes() const;
@@ -75,6 +79,8 @@ class EvaluationLog {
   std::uint32_t most_inverted_ = 0, tets_ = 0;
   std::size_t timed_frames_ = 0;
   StageSeconds stage_seconds_;
+  HostSeconds host_seconds_;
+  double writing_seconds_ = 0;
   FadeLog fades_;
   std::optional<ErrorExpectation> expectation_;  // where the basis knows its error
   std::vector<double> expected_mm_;              // of the frames

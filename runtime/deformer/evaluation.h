@@ -1,8 +1,10 @@
 // The results of a deformer for poses.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "runtime/host/jiggle.h"
@@ -17,6 +19,12 @@ struct HostSeconds {
   double download = 0;  // out of the memory that the device wrote
   double order = 0;     // into output order, and what is told of the frames
 };
+
+inline constexpr std::array<std::pair<const char*, double HostSeconds::*>, 4> kHostParts{
+    {{"upload", &HostSeconds::upload},
+     {"wait", &HostSeconds::wait},
+     {"download", &HostSeconds::download},
+     {"order", &HostSeconds::order}}};
 
 // The result of a batch of F frames, in output vertex order (as in the character's file).
 struct Evaluation {
