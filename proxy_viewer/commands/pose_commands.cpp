@@ -251,7 +251,7 @@ const Command kPoseCommands[] = {
        c.requests.limits = a;
      }},
     {"pin", "[JOINT] [X Y Z]", "", "Pose",
-     "the end of a limb where it is, or a joint there, metres: the limb reaches for it",
+     "the end of a limb where it is, or a joint at a point of the world, metres: the limb reaches for it",
      [](Controls& c, const std::string& a) {
        if (a.empty() || std::ranges::find(c.joint_names, a) != c.joint_names.end()) {
          c.requests.pin = PinRequest{named_or_selected(c, a)};

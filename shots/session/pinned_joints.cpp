@@ -10,6 +10,7 @@
 #include "runtime/core/text.h"
 #include "runtime/host/rig.h"
 #include "runtime/modifiers/drive_modifiers.h"
+#include "shots/session/view_settings.h"
 
 namespace bodyopt {
 namespace {
@@ -69,6 +70,35 @@ double bone_length(const Skeleton& skeleton, std::size_t joint) {
   return length(bind_place(skeleton, joint) - bind_place(skeleton, static_cast<std::size_t>(above)));
 }
 
+// Heights of the joints in the bind pose, as it stands in the world, over the lowest of them.
+std::vector<double> heights(const Skeleton& skeleton) {
+  std::vector<double> over;
+  for (const Affine& joint : posed_joints(skeleton, bind_pose(skeleton).joints)) over.push_back(centre(joint)[1]);
+  const double lowest = std::ranges::min(over);
+  for (double& height : over) height -= lowest;
+  return over;
+}
+
+// Is the end near the ground beside the root of its limb, as a foot is, and a hand or a knee is not?
+bool stands(const Skeleton& skeleton, std::size_t end) {
+  constexpr double kLow = 0.4;  // of the height of the limb's root
+  const std::vector<double> height = heights(skeleton);
+  const auto middle = static_cast<std::size_t>(skeleton.joints[end].parent);
+  return height[end] < kLow * height[static_cast<std::size_t>(skeleton.joints[middle].parent)];
+}
+
+// Returns the toe on which a foot may stand without its heel: of several that on the longest bone. None: it has none.
+std::optional<std::size_t> toe_of(const Skeleton& skeleton, std::size_t foot) {
+  if (!stands(skeleton, foot)) return std::nullopt;
+  const std::vector<double> height = heights(skeleton);
+  std::optional<std::size_t> toe;
+  for (std::size_t j = 0; j < skeleton.size(); ++j) {
+    if (skeleton.joints[j].parent != static_cast<int>(foot) || height[j] >= height[foot]) continue;
+    if (!toe || bone_length(skeleton, j) > bone_length(skeleton, *toe)) toe = j;
+  }
+  return toe;
+}
+
 using Roles = std::vector<std::optional<JointRole>>;
 
 bool is_of_spine(const Roles& roles, std::size_t joint) {
@@ -87,17 +117,17 @@ std::vector<std::size_t> spine_above(const Skeleton& skeleton, const Roles& role
   return chain;
 }
 
+constexpr double kReached = 1e-6, kMissed = 1e-3;  // metres: it is there; somebody is told
+
 class Limb {
  public:
   Limb(const Skeleton& skeleton, const std::vector<std::optional<JointRange>>& ranges, Pose& pose, std::size_t end)
       : skeleton_(skeleton), ranges_(ranges), pose_(pose), end_(end), middle_(parent(end)), upper_(parent(middle_)) {}
 
-  // The end keeps its orientation. Ranges may cut the bend short and leave the limb too long or too short. Then it is
-  // bent again from there, for as long as that helps.
-  void reach_for(const Vec3& target) {
+  // The end has an orientation `held`, within its range. Ranges may cut the bend short and leave the limb too long or
+  // too short. Then it is bent again from there, for as long as that helps.
+  void reach_for(const Vec3& target, const Quat& held) {
     constexpr int kTries = 16;
-    constexpr double kReached = 1e-6;  // metres
-    const Quat held = rotations()[end_];
     bend_as_it_may();
     double before = std::numeric_limits<double>::infinity();
     for (int k = 0; k < kTries; ++k) {
@@ -123,14 +153,17 @@ class Limb {
   void face(const Quat& to) { turn(end_, to * conjugate(rotations()[end_])); }
 
   // All joints of a chain above the end turn, as little in sum as brings it there; the end keeps its orientation. Least
-  // squares, damped by what is missing, so that a chain out of reach is stretched, and does not swing.
+  // squares, damped by what is missing. The end is led there in small steps: a long one would go beyond, and leave the
+  // chain as it happens to fall.
   void bend_chain(const std::vector<std::size_t>& chain, const Vec3& target) {
-    constexpr int kSteps = 40;
+    constexpr int kSteps = 40, kLed = 28;
     const Quat held = rotations()[end_];
-    for (int step = 0; step < kSteps; ++step) {
+    const Vec3 from = place(end_), way = within_reach(chain, target) - from;
+    for (int step = 1; step <= kSteps; ++step) {
       const std::vector<Affine> joints = posed_joints(skeleton_, pose_.joints);
-      const Vec3 end = centre(joints[end_]), missing = target - end;
-      if (length(missing) < kTiny) break;
+      const Vec3 end = centre(joints[end_]),
+                 missing = from + std::min(1.0, static_cast<double>(step) / kLed) * way - end;
+      if (length(missing) < kTiny) continue;
       Eigen::Matrix3d moved = Eigen::Matrix3d::Zero();
       double longest = 0;
       std::vector<Eigen::Vector3d> levers;
@@ -151,14 +184,65 @@ class Limb {
     face(held);
   }
 
-  // Brings a joint under the end to the target; the end keeps its orientation for as long as the limb reaches.
-  void hold(std::size_t toe, const Vec3& target) {
-    constexpr int kTries = 12;
-    for (int k = 0; k < kTries; ++k) {
-      reach_for(target - (place(toe) - place(end_)));
-      if (length(place(toe) - target) < kTiny) return;
-      aim(toe, target);
+  // Returns the nearest point to a target that a chain reaches without a jump: not stretched to its end, nor folded
+  // onto its base. These points are a convex body, so that a small step of the target is a small step of its nearest
+  // point.
+  Vec3 within_reach(const std::vector<std::size_t>& chain, const Vec3& target) const {
+    constexpr double kStretched = 0.985, kFolded = 0.25;  // of the chain's length
+    const Vec3 base = place(chain.front()), axis = place(end_) - base;
+    double longest = 0;
+    for (std::size_t k = 0; k < chain.size(); ++k) {
+      longest += length(place(k + 1 < chain.size() ? chain[k + 1] : end_) - place(chain[k]));
     }
+    const double own = length(axis), most = std::max(own, kStretched * longest),
+                 least = std::min(0.5 * own, kFolded * longest);
+    if (own < kTiny) return target;
+    const Vec3 up = 1 / own * axis;
+    Vec3 by = target - base;
+    const double along = dot(by, up), size = length(by);
+    const Vec3 across = by - along * up;
+    // The ball's point, or the foot on the plane that cuts it, or their common circle's.
+    if (size > most) by = most / size * by;
+    if (dot(by, up) < least) {
+      const double wide = length(across), widest = std::sqrt(most * most - least * least);
+      by = least * up + std::min(1.0, widest / std::max(kTiny, wide)) * across;
+    }
+    return base + by;
+  }
+
+  // Brings a joint under the end to the target; the end has an orientation `held` as far as its range lets it. A limb
+  // that is too short turns it: the heel comes up. So does one that cannot fold so far, where `folds`. Under that the
+  // toe itself stays flat.
+  void hold(std::size_t toe, const Vec3& target, Quat held, bool folds) {
+    constexpr int kTries = 12;
+    const Quat flat = held * pose_.joints[toe].rotation;
+    for (int k = 0; k < kTries; ++k) {
+      const Vec3 end = target - (place(toe) - place(end_)), upper = place(upper_);
+      reach_for(end, held);
+      if (length(place(toe) - target) < kReached) break;
+      const double longer = length(end - upper) - length(place(end_) - upper);
+      if (folds ? length(end - place(end_)) < kReached : longer < kReached) continue;
+      aim(toe, target);
+      held = rotations()[end_];
+    }
+    turn(toe, flat * conjugate(rotations()[toe]));
+  }
+
+  // Brings the end to the target. Where its range does not let it have the orientation, and its toe would sink, the toe
+  // stays as high as that would put it, and the heel comes up.
+  void plant(std::size_t toe, const Vec3& target, const Quat& held) {
+    constexpr double kLetGo = 0.01;  // metres
+    const Vec3 flat = rotate(held * conjugate(rotations()[end_]), place(toe) - place(end_));
+    reach_for(target, held);
+    const Vec3 sole = place(toe) - place(end_);
+    const double sunk = flat[1] - sole[1];
+    if (sunk < kReached) return;
+    // What turns the foot about the vertical stays; it is let go of what tips it as it begins to sink.
+    const Quat tip = rotations()[end_] * conjugate(held);
+    const Vec3 level = rotate(normalized({0, tip[1], 0, tip[3]}), flat);
+    const double share = std::min(1.0, sunk / kLetGo);
+    const Vec3 stays = sole + share * (level - sole);
+    hold(toe, target + Vec3{stays[0], flat[1], stays[2]}, held, false);
   }
 
   // Turns the end so that a joint under it is seen in the direction of the target.
@@ -317,17 +401,28 @@ LimbTurns reach(const Vec3& upper, const Vec3& middle, const Vec3& end, const Ve
 
 std::vector<MissedPin> missed_pins(const Skeleton& skeleton, const std::vector<std::optional<JointRange>>& ranges,
                                    const Pose& pose, const Pins& pins) {
-  constexpr double kMissed = 1e-3;  // metres
+  constexpr double kTipped = 1;  // degrees
   if (pins.at.empty()) return {};
-  const std::vector<Affine> held = posed_joints(skeleton, pinned(skeleton, ranges, pose, pins).joints),
+  const Pose within = pinned(skeleton, ranges, pose, pins);
+  const std::vector<Affine> held = posed_joints(skeleton, within.joints),
                             free = posed_joints(skeleton, pinned(skeleton, {}, pose, pins).joints);
+  const std::vector<Quat> before = world_rotations(skeleton, pose), facing = world_rotations(skeleton, within);
   std::vector<MissedPin> missed;
   for (const auto& [joint, pin] : pins.at) {
     const int found = skeleton.find(joint);
     if (found < 0) continue;
     const auto j = static_cast<std::size_t>(found);
-    const double by = length(centre(held[j]) - pin);
-    if (by > kMissed) missed.push_back({joint, by, length(centre(free[j]) - pin) < by - kMissed});
+    MissedPin miss{.joint = joint, .away = length(centre(held[j]) - pin)};
+    miss.by_limits = length(centre(free[j]) - pin) < miss.away - kMissed;
+    if (ends_a_limb(skeleton, joint) && stands(skeleton, j)) {
+      const Quat tip = set_or(pins.facing, joint, before[j]) * conjugate(facing[j]);
+      const std::optional<std::size_t> toe = toe_of(skeleton, j);
+      const double flat = toe ? pin[1] + rotate(tip, centre(held[*toe]) - centre(held[j]))[1] : 0;
+      miss.on_toes = toe && miss.by_limits && std::abs(centre(held[*toe])[1] - flat) < kMissed;
+      const bool is_sole = !toe && !ends_a_foot(skeleton, j);
+      if (is_sole) miss.tipped = angle_between(rotate(tip, {0, 1, 0}), {0, 1, 0}) / kDegree;
+    }
+    if (miss.away > kMissed || miss.tipped > kTipped) missed.push_back(miss);
   }
   return missed;
 }
@@ -346,6 +441,8 @@ bool is_on_spine(const Skeleton& skeleton, std::size_t joint) {
 
 std::string describe(const MissedPin& pin) {
   const char* const why = pin.by_limits ? "held by joint limits" : "out of reach";
+  if (pin.on_toes) return pin.joint + formatted(": its heel is up by %.0f mm, %s", 1e3 * pin.away, why);
+  if (pin.away < kMissed) return pin.joint + formatted(": tipped by %.0f degrees, held by joint limits", pin.tipped);
   return pin.joint + formatted(": %.0f mm from its pin, %s", 1e3 * pin.away, why);
 }
 
@@ -370,8 +467,12 @@ Pose pinned(const Skeleton& skeleton, const std::vector<std::optional<JointRange
       continue;
     }
     Limb limb(skeleton, ranges, pose, end);
-    if (const auto facing = pins.facing.find(joint); facing != pins.facing.end()) limb.face(facing->second);
-    limb.reach_for(target);
+    const Quat held = set_or(pins.facing, joint, world_rotations(skeleton, pose)[end]);
+    if (const std::optional<std::size_t> toe = toe_of(skeleton, end)) {
+      limb.plant(*toe, target, held);
+    } else {
+      limb.reach_for(target, held);
+    }
   }
   // Toes follow once feet are where they are pinned themselves.
   for (const std::size_t toe : toes) {
@@ -382,10 +483,8 @@ Pose pinned(const Skeleton& skeleton, const std::vector<std::optional<JointRange
       limb.aim(toe, pins.at.at(name));
       continue;
     }
-    if (const auto facing = pins.facing.find(name); facing != pins.facing.end()) {
-      limb.face(facing->second * conjugate(pose.joints[toe].rotation));
-    }
-    limb.hold(toe, pins.at.at(name));
+    const Quat flat = set_or(pins.facing, name, world_rotations(skeleton, pose)[toe]);
+    limb.hold(toe, pins.at.at(name), flat * conjugate(pose.joints[toe].rotation), true);
   }
   return pose;
 }

@@ -57,6 +57,7 @@ struct Pins {
 
 // Brings pinned joints to their pins: first those of the spine, all of which bends for them, then limbs. Ranges limit
 // the turns. The limb also holds the toe of a foot, a short bone at its end; where it is too short, the heel comes up.
+// So it does over a pinned foot whose ankle ends: the toe stays.
 // `ranges`: of every joint, or empty. A joint that has no two above it, or is not there, is left alone.
 Pose pinned(const Skeleton& skeleton, const std::vector<std::optional<JointRange>>& ranges, Pose pose,
             const Pins& pins);
@@ -64,8 +65,10 @@ Pose pinned(const Skeleton& skeleton, const std::vector<std::optional<JointRange
 // A pin that its limb does not reach.
 struct MissedPin {
   std::string joint;
-  double away;     // metres
-  bool by_limits;  // without the ranges it would be nearer
+  double away;           // metres
+  bool by_limits{};      // without the ranges it would be nearer
+  bool on_toes = false;  // its toe is where the pin wants it: only the heel is up
+  double tipped = 0;     // degrees: a foot without a toe, away from how it was pinned
 };
 
 // "LeftFoot: 190 mm from its pin, held by joint limits"

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "assets/character.h"
 #include "proxy_viewer/picking.h"
 #include "proxy_viewer/scene/scene.h"
 #include "proxy_viewer/scene/turn_rings.h"
@@ -11,7 +12,10 @@
 #include "runtime/modifiers/drive_modifiers.h"
 #include "shots/session/posed_clip.h"
 #include "tests/proxy_viewer/played_viewport.h"
+#include "tests/support/paths.h"
 #include "tests/support/random_tables.h"
+#include "tests/support/run_verb.h"
+#include "tests/support/shared_data.h"
 
 namespace bodyopt::testing {
 namespace {
@@ -187,6 +191,134 @@ TEST(Pins, OfAToeHoldItAndTheHeelComesUpOnceTheLegIsTooShort) {
   EXPECT_GT(centre_of(skeleton, lifted, 3)[1], centre_of(skeleton, bind, 3)[1] + 0.03);
 }
 
+// Poses a foot that is pinned where it stands, while the hips go down by 5 mm a step, to the depth.
+std::vector<Pose> squats(const Skeleton& skeleton, const JointLimits& limits,
+                         const std::vector<std::optional<JointRange>>& ranges, const std::vector<std::string>& feet,
+                         const std::string& hips, double depth) {
+  const Pose bind = bind_pose(skeleton);
+  ViewSettings::PoseKey posing;
+  for (const std::string& foot : feet) {
+    const auto joint = static_cast<std::size_t>(skeleton.find(foot));
+    posing.facing[foot] = facing_of(skeleton, limits, ranges, bind, posing, joint);
+    posing.pins[foot] = centre_of(skeleton, bind, joint);
+  }
+  std::vector<Pose> poses;
+  for (double down = 0; down <= depth; down += 0.005) {
+    posing.moves[hips] = {0, -down, 0};
+    poses.push_back(posed(skeleton, limits, ranges, bind, posing));
+  }
+  return poses;
+}
+
+double largest_turn(const Pose& a, const Pose& b) {
+  double largest = 0;
+  for (std::size_t j = 0; j < a.joints.size(); ++j) {
+    largest = std::max(largest, angle_between(a.joints[j].rotation, b.joints[j].rotation));
+  }
+  return largest * 180 / std::numbers::pi;
+}
+
+TEST(Pins, OfAFootLetItsHeelUpWhereTheAnkleEnds) {
+  const Skeleton skeleton = leg();
+  std::vector<std::optional<JointRange>> ranges(5);
+  ranges[3] = JointRange{{-20, -20, -20}, {20, 20, 20}};
+  const Pose bind = bind_pose(skeleton);
+  const std::vector<Pose> poses = squats(skeleton, {}, ranges, {"LeftFoot"}, "Hips", 0.35);
+  const Vec3 toe = centre_of(skeleton, bind, 4), foot = centre_of(skeleton, bind, 3);
+  for (std::size_t k = 0; k < poses.size(); ++k) {
+    EXPECT_NEAR(centre_of(skeleton, poses[k], 4)[1], toe[1], 1e-5) << k;
+    EXPECT_LT(length(centre_of(skeleton, poses[k], 4) - toe), 1e-3) << k;
+    EXPECT_NEAR(angle_between(world_rotations(skeleton, poses[k])[4], {0, 0, 0, 1}), 0, 1e-6) << "the toe lies flat";
+    if (k > 1) {
+      EXPECT_LT(largest_turn(poses[k], poses[k - 1]), 8) << k;
+    }
+  }
+  EXPECT_LT(length(centre_of(skeleton, poses[4], 3) - foot), 1e-6) << "as long as the ankle goes on";
+  EXPECT_GT(centre_of(skeleton, poses.back(), 3)[1], foot[1] + 0.03);
+  const std::vector<MissedPin> missed =
+      missed_pins(skeleton, ranges, bind, Pins{{{"LeftFoot", foot + Vec3{0, 0.3, 0}}}, {{"LeftFoot", {0, 0, 0, 1}}}});
+  ASSERT_EQ(missed.size(), 1u);
+  EXPECT_TRUE(missed[0].on_toes);
+  EXPECT_NE(describe(missed[0]).find("its heel is up by"), std::string::npos) << describe(missed[0]);
+}
+
+// Before the limb reaches, its shin leans: an orientation that is out of the ankle's range there may be within it
+// after.
+TEST(Pins, HoldAFootAsItStoodHoweverTheHipsTurn) {
+  const Skeleton skeleton = leg();
+  std::vector<std::optional<JointRange>> ranges(5);
+  ranges[3] = JointRange{{-30, -30, -30}, {30, 30, 30}};
+  const Pose bind = bind_pose(skeleton);
+  Pose turned = bind;
+  turned.joints[0].translation[1] -= 0.1;
+  turned.joints[0].rotation = axis_angle({1, 0, 0}, 50 * std::numbers::pi / 180);
+  const Pose held = pinned(skeleton, ranges, turned,
+                           Pins{{{"LeftFoot", centre_of(skeleton, bind, 3)}}, {{"LeftFoot", {0, 0, 0, 1}}}});
+  EXPECT_LT(length(centre_of(skeleton, held, 3) - centre_of(skeleton, bind, 3)), 1e-6);
+  EXPECT_LT(length(centre_of(skeleton, held, 4) - centre_of(skeleton, bind, 4)), 1e-6);
+}
+
+TEST(Pins, OfAFootWithoutAToeSayHowFarItIsTipped) {
+  Skeleton skeleton = leg();
+  skeleton.joints.pop_back();
+  std::vector<std::optional<JointRange>> ranges(4);
+  ranges[3] = JointRange{{-10, -10, -10}, {10, 10, 10}};
+  Pose low = bind_pose(skeleton);
+  low.joints[0].translation[1] -= 0.25;
+  const Pins pins{{{"LeftFoot", centre_of(skeleton, bind_pose(skeleton), 3)}}, {{"LeftFoot", {0, 0, 0, 1}}}};
+  const std::vector<MissedPin> missed = missed_pins(skeleton, ranges, low, pins);
+  ASSERT_EQ(missed.size(), 1u);
+  EXPECT_LT(missed[0].away, 1e-6);
+  const Quat facing = world_rotations(skeleton, pinned(skeleton, ranges, low, pins))[3];
+  EXPECT_NEAR(missed[0].tipped, 180 / std::numbers::pi * angle_between(facing, {0, 0, 0, 1}), 1e-6);
+  EXPECT_NE(describe(missed[0]).find("LeftFoot: tipped by"), std::string::npos);
+}
+
+// A person whose feet are not at the height 0, and beasts, with the limits that `rig` gives them.
+TEST(Pins, KeepToesOfRealFeetOverTheGroundOrSaySo) {
+  struct Case {
+    const char *file, *unit, *hips;
+    std::vector<std::string> feet;
+    double depth;
+  };
+  const Case cases[] = {{"human_average", "0", "Hips", {"LeftFoot", "RightFoot"}, 0.4},
+                        {"fox", "0.01", "_rootJoint", {"b_LeftFoot01_017", "b_RightFoot01_021"}, 0.15},
+                        {"cesium_man", "0", "Skeleton_torso_joint_1", {"leg_joint_L_3", "leg_joint_R_3"}, 0.1},
+                        {"mesh2motion_horse", "0", "root", {"back_leg_ankle_l", "back_leg_ankle_r"}, 0.1}};
+  for (const Case& each : cases) {
+    const auto file = shared_data(std::string("characters/") + each.file + ".glb");
+    if (!file) GTEST_SKIP() << kNeedsRealBodies;
+    const Skeleton skeleton = read_character(*file, std::stod(each.unit)).skeleton;
+    const TemporaryFolder folder;
+    std::string limits_file = kSourceFolder + "/rigs/human/limits.json";
+    if (std::string(each.file) != "human_average") {
+      const std::string unit = std::string(each.unit) == "0" ? "" : std::string(" --unit ") + each.unit;
+      ASSERT_EQ(run_verb("rig " + file->string() + unit + " --out " + folder.path().string()).exit_code, 0);
+      limits_file = (folder / "limits.json").string();
+    }
+    const JointLimits limits = read_joint_limits(limits_file, skeleton);
+    const std::vector<std::optional<JointRange>> ranges = joint_ranges(limits, skeleton);
+    const std::vector<Pose> poses = squats(skeleton, limits, ranges, each.feet, each.hips, each.depth);
+    for (std::size_t k = 0; k < poses.size(); ++k) {
+      if (k > 1) {
+        EXPECT_LT(largest_turn(poses[k], poses[k - 1]), 10) << each.file << " " << k;
+      }
+      for (std::size_t j = 0; j < skeleton.size(); ++j) {
+        const int foot = skeleton.joints[j].parent;
+        if (foot < 0 ||
+            std::ranges::find(each.feet, skeleton.joints[static_cast<std::size_t>(foot)].name) == each.feet.end())
+          continue;
+        const double missed =
+            length(centre_of(skeleton, poses[k], static_cast<std::size_t>(foot)) -
+                   centre_of(skeleton, poses.front(), static_cast<std::size_t>(foot)));  // which is told
+        EXPECT_GT(centre_of(skeleton, poses[k], j)[1] - centre_of(skeleton, poses.front(), j)[1],
+                  std::string(each.file) == "human_average" ? -1e-4 : -1e-3 - missed)
+            << each.file << " " << k << " " << skeleton.joints[j].name;
+      }
+    }
+  }
+}
+
 // Hips, a spine of three, neck, head, and an arm at the chest.
 Skeleton torso() {
   Skeleton skeleton;
@@ -271,6 +403,30 @@ TEST(SpinePins, StayWithinTheLimitsAndGoSmoothlyWithTheTarget) {
   ASSERT_EQ(missed.size(), 1u);
   EXPECT_EQ(missed[0].joint, "Head");
   EXPECT_TRUE(missed[0].by_limits);
+}
+
+// Wherever a hand drags it, a centimetre a time, through the body and far beyond what it reaches.
+TEST(SpinePins, ThatArePulledFarNeverJump) {
+  const Skeleton skeleton = torso();
+  const Pose bind = bind_pose(skeleton);
+  const std::vector<std::optional<JointRange>> stiff(9, JointRange{{-25, -25, -25}, {25, 25, 25}});
+  Random random{3};
+  for (int ray = 0; ray < 24; ++ray) {
+    Vec3 along = any_point(random, 1);
+    along = 1 / length(along) * along;
+    if (ray == 0) along = {0, -1, 0};
+    for (const auto& ranges : {std::vector<std::optional<JointRange>>(), stiff}) {
+      ViewSettings::PoseKey posing;
+      posing.facing["Head"] = facing_of(skeleton, {}, {}, bind, posing, 5);
+      Pose before = bind;
+      for (int k = 0; k <= 150; ++k) {
+        posing.pins["Head"] = centre_of(skeleton, bind, 5) + 0.01 * k * along;
+        const Pose bent = posed(skeleton, {}, ranges, bind, posing);
+        EXPECT_LT(largest_turn(bent, before), 15) << "ray " << ray << " at " << k << " cm, ranges " << ranges.size();
+        before = bent;
+      }
+    }
+  }
 }
 
 // Overstretched by a degree at rest, as artists' rigs are.
