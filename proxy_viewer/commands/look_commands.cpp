@@ -115,7 +115,7 @@ const Command kCameraCommands[] = {
        c.settings.shot_camera.keys.erase(c.playback.frame());
        c.shot_frame.reset();
      }},
-    {"camera-ease", "smooth|linear|step", "", "Keys", "from the camera's key here to the next; step: a cut",
+    {"camera-ease", "smooth|linear|step|spline", "", "Keys", "from the camera's key here to the next; step: a cut",
      [](Controls& c, const std::string& a) { choose(require_camera_key(c).ease, a, kKeyEaseNames); },
      [](const Controls& c) {
        const auto key = c.settings.shot_camera.keys.find(c.playback.frame());

@@ -275,14 +275,14 @@ const Command kPoseCommands[] = {
        c.settings.pose.keys[c.playback.frame()] = c.settings.pose;
        c.keyed_frame = c.playback.frame();
      }},
-    {"ease", "smooth|linear|step", "", "Keys", "from the key of this frame to the next",
+    {"ease", "smooth|linear|step|spline", "", "Keys", "from the key of this frame to the next; spline: on through both",
      [](Controls& c, const std::string& a) {
        ViewSettings::PoseKey& key = require_key(c);
        choose(key.ease, a, kKeyEaseNames);
        c.settings.pose.ease = key.ease;
      },
      [](const Controls& c) { return name_of(c.settings.pose.ease, kKeyEaseNames); }},
-    {"ease-joints", "key|smooth|linear|step", "", "Keys", "the same of selected joints; key: as the key",
+    {"ease-joints", "key|smooth|linear|step|spline", "", "Keys", "the same of selected joints; key: as the key",
      [](Controls& c, const std::string& a) {
        std::optional<KeyEase> ease;
        if (a != "key") choose(ease.emplace(), a, kKeyEaseNames);

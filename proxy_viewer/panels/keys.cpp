@@ -67,14 +67,15 @@ std::string draw_diamonds(const KeyedLine& line, const ImVec2& at, float width, 
       command = to == frame ? "frame " + std::to_string(frame) : moved;
     }
     ImGui::PopID();
-    // The shape shows the way to the next key: a diamond, a triangle if linear, a square where nothing moves.
+    // The shape shows the way to the next key: a diamond, a triangle if linear, a circle for a spline, a square where
+    // nothing moves.
     const ImVec2 middle{held ? ImGui::GetIO().MousePos.x : x, y};
     if (!line.frames.contains(frame)) {
       list.AddCircle(middle, kDiamond - 1, colour, 4);
     } else if (ease == KeyEase::step) {
       list.AddRectFilled({middle.x - 3.5f, y - 3.5f}, {middle.x + 3.5f, y + 3.5f}, colour);
     } else {
-      list.AddCircleFilled(middle, kDiamond, colour, ease == KeyEase::linear ? 3 : 4);
+      list.AddCircleFilled(middle, kDiamond, colour, ease == KeyEase::linear ? 3 : ease == KeyEase::spline ? 12 : 4);
     }
   }
   const int shown = controls.playback.frame();

@@ -3,10 +3,11 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <iterator>
 #include <numbers>
+#include <optional>
 #include <string>
+#include <type_traits>
 #include <utility>
 
 #include "assets/shot_modifiers.h"
@@ -20,50 +21,119 @@ namespace {
 Vec3 blend_of(const Vec3& a, const Vec3& b, double t) { return (1 - t) * a + t * b; }
 double blend_of(double a, double b, double t) { return std::lerp(a, b, t); }
 
-// The share of the way from one key to the next, by the name of a joint, an axis or a control.
-using ShareOf = std::function<double(const std::string& name)>;
+using PoseKey = ViewSettings::PoseKey;
 
-// `whole`: what one side lacks is as the other has it; otherwise it is zero there. What only the other side has is
-// nothing before the way begins.
-template <typename Value>
-std::map<std::string, Value> blend_of(const std::map<std::string, Value>& a, const std::map<std::string, Value>& b,
-                                      const ShareOf& share_of, bool whole) {
-  std::map<std::string, Value> blended;
-  for (const auto& [name, value] : a) {
-    const auto other = b.find(name);
-    blended[name] = blend_of(value, other != b.end() ? other->second : whole ? value : Value{}, share_of(name));
-  }
-  for (const auto& [name, value] : b) {
-    const double t = share_of(name);
-    if (t > 0 && !a.contains(name)) blended[name] = blend_of(whole ? value : Value{}, value, t);
-  }
-  return blended;
-}
+// Blends what two keys have by names of joints, axes or controls.
+class KeyBlend {
+ public:
+  explicit KeyBlend(const KeySpan<PoseKey>& span) : span_(span) {}
+  // All go the same share of the way.
+  KeyBlend(const PoseKey& a, const PoseKey& b, double share) : span_{.a = a, .b = b, .x = share}, is_even_(true) {}
 
-// A name that one side lacks keeps the other's turn.
-std::map<std::string, Vec3> blend_facing(const std::map<std::string, Vec3>& a, const std::map<std::string, Vec3>& b,
-                                         const ShareOf& share_of) {
-  std::map<std::string, Vec3> blended = a;
-  for (const auto& [name, degrees] : b) {
-    const double t = share_of(name);
-    if (t <= 0) continue;
-    const auto [at, is_new] = blended.emplace(name, degrees);
-    if (!is_new) at->second = degrees_of(slerp(turn_of(at->second), turn_of(degrees), t));
+  PoseKey pose() const {
+    return {all(&PoseKey::joints, false),
+            all(&PoseKey::axes, false),
+            all(&PoseKey::controls, true),
+            all(&PoseKey::pins, true),
+            all(&PoseKey::moves, false),
+            facing(),
+            span_.a.ease,
+            span_.a.eases};
   }
-  return blended;
-}
 
-ViewSettings::PoseKey blend_of(const ViewSettings::PoseKey& a, const ViewSettings::PoseKey& b,
-                               const ShareOf& share_of) {
-  return {blend_of(a.joints, b.joints, share_of, false),
-          blend_of(a.axes, b.axes, share_of, false),
-          blend_of(a.controls, b.controls, share_of, true),
-          blend_of(a.pins, b.pins, share_of, true),
-          blend_of(a.moves, b.moves, share_of, false),
-          blend_facing(a.facing, b.facing, share_of),
-          a.ease,
-          a.eases};
-}
+ private:
+  template <typename Value>
+  using Named = std::map<std::string, Value> PoseKey::*;
+
+  static KeyEase ease(const PoseKey& key, const std::string& name) { return set_or(key.eases, name, key.ease); }
+  bool goes_by_spline(const std::string& name) const { return !is_even_ && ease(span_.a, name) == KeyEase::spline; }
+  double share(const std::string& name) const { return is_even_ ? span_.x : eased(ease(span_.a, name), span_.x); }
+
+  SplineValues around(const std::string& name, double a, double b, const auto& number_of) const {
+    return {span_.before ? number_of(*span_.before) : std::nullopt,
+            a,
+            b,
+            span_.after ? number_of(*span_.after) : std::nullopt,
+            span_.before ? ease(*span_.before, name) : KeyEase::smooth,
+            ease(span_.b, name)};
+  }
+
+  // `whole`: what a key lacks is as those beside it have it; otherwise it is zero there.
+  template <typename Value>
+  Value one(const std::string& name, const Value& a, const Value& b, Named<Value> of, bool whole) const {
+    if (!goes_by_spline(name)) return blend_of(a, b, share(name));
+    const auto go = [&](double from, double to, const auto& number) {
+      return spline_between(around(name, from, to,
+                                   [&](const PoseKey& key) -> std::optional<double> {
+                                     const auto found = (key.*of).find(name);
+                                     if (found != (key.*of).end()) return number(found->second);
+                                     return whole ? std::nullopt : std::optional(0.0);
+                                   }),
+                            span_);
+    };
+    if constexpr (std::is_same_v<Value, double>) {
+      return go(a, b, [](double value) { return value; });
+    } else {
+      Value value;
+      for (std::size_t i = 0; i < value.size(); ++i) {
+        value[i] = go(a[i], b[i], [i](const Value& of_key) { return of_key[i]; });
+      }
+      return value;
+    }
+  }
+
+  // What only the second has is nothing before the way begins.
+  template <typename Value>
+  std::map<std::string, Value> all(Named<Value> of, bool whole) const {
+    const std::map<std::string, Value>&first = span_.a.*of, &second = span_.b.*of;
+    std::map<std::string, Value> blended;
+    for (const auto& [name, value] : first) {
+      const auto other = second.find(name);
+      blended[name] = one(name, value, other != second.end() ? other->second : whole ? value : Value{}, of, whole);
+    }
+    for (const auto& [name, value] : second) {
+      if (share(name) > 0 && !first.contains(name))
+        blended[name] = one(name, whole ? value : Value{}, value, of, whole);
+    }
+    return blended;
+  }
+
+  // A name that one side lacks keeps the other's turn.
+  std::map<std::string, Vec3> facing() const {
+    std::map<std::string, Vec3> blended = span_.a.facing;
+    for (const auto& [name, degrees] : span_.b.facing) {
+      if (share(name) <= 0) continue;
+      const auto [at, is_new] = blended.emplace(name, degrees);
+      if (!is_new) at->second = degrees_of(slerp(turn_of(at->second), turn_of(degrees), turned(name)));
+    }
+    return blended;
+  }
+
+  // The share of a turn. A spline goes on from the turn before, as far as that was about the same axis.
+  double turned(const std::string& name) const {
+    if (!goes_by_spline(name)) return share(name);
+    const auto at = [&](const PoseKey& key) { return turn_of(key.facing.at(name)); };
+    const Vec3 way = vector_of(conjugate(at(span_.a)) * at(span_.b));
+    const double angle = length(way);
+    if (angle < 1e-9) return share(name);
+    const SplineValues values = around(name, 0, angle, [&](const PoseKey& key) -> std::optional<double> {
+      if (!key.facing.contains(name)) return std::nullopt;
+      return dot(vector_of(conjugate(at(span_.a)) * at(key)), way) / angle;
+    });
+    return spline_between(values, span_) / angle;
+  }
+
+  // The axis of a turn, as long as its angle, radians.
+  static Vec3 vector_of(const Quat& turn) {
+    const Vec3 axis{turn[0], turn[1], turn[2]};
+    const double sine = length(axis);
+    if (sine < 1e-12) return {};
+    return (2 * std::atan2(turn[3] < 0 ? -sine : sine, std::abs(turn[3])) / sine) * axis;
+  }
+
+  const KeySpan<PoseKey> span_;
+  const bool is_even_ = false;
+};
 
 // Returns what turns a joint's local rotation about an axis of rest space.
 Quat turn_about_rest_axis(const Skeleton& skeleton, const JointTurn& turn, double degrees) {
@@ -207,12 +277,10 @@ std::pair<Pose, Pins> before_reaching(const Skeleton& skeleton, const JointLimit
 
 ViewSettings::PoseKey blended(const ViewSettings::PoseKey& a, const ViewSettings::PoseKey& b, double t) {
   if (t >= 1) return b;  // what only the first has, as a pin, is no part of it
-  return blend_of(a, b, [t](const std::string&) { return t; });
+  return KeyBlend(a, b, t).pose();
 }
 
-ViewSettings::PoseKey eased_between(const ViewSettings::PoseKey& a, const ViewSettings::PoseKey& b, double x) {
-  return blend_of(a, b, [&](const std::string& name) { return eased(set_or(a.eases, name, a.ease), x); });
-}
+ViewSettings::PoseKey eased_between(const KeySpan<ViewSettings::PoseKey>& span) { return KeyBlend(span).pose(); }
 
 ViewSettings::Posing keyed_posing(ViewSettings::Posing posing, int frame) {
   if (!posing.keys.empty()) static_cast<ViewSettings::PoseKey&>(posing) = between_keys(posing.keys, frame);

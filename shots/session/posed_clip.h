@@ -20,8 +20,8 @@ namespace bodyopt {
 // controls and pins as the other has them.
 ViewSettings::PoseKey blended(const ViewSettings::PoseKey& a, const ViewSettings::PoseKey& b, double t);
 
-// The pose at a share of the time from a key to the next, by the eases of the first: see between_keys().
-ViewSettings::PoseKey eased_between(const ViewSettings::PoseKey& a, const ViewSettings::PoseKey& b, double x);
+// The pose between two keys, by the eases of the first: see between_keys().
+ViewSettings::PoseKey eased_between(const KeySpan<ViewSettings::PoseKey>& span);
 
 // Returns the posing at a frame: by its keys, or, without any, as it is.
 ViewSettings::Posing keyed_posing(ViewSettings::Posing posing, int frame);

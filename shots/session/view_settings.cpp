@@ -42,6 +42,35 @@ CameraKey blended(const CameraKey& a, const CameraKey& b, double t) {
   return key;
 }
 
+CameraKey eased_between(const KeySpan<CameraKey>& span) {
+  const CameraKey &a = span.a, &b = span.b, *before = span.before, *after = span.after;
+  if (a.ease != KeyEase::spline) return blended(a, b, eased(a.ease, span.x));
+  CameraKey key = a;
+  // `turn`: after so much the number is the same again; 0: never.
+  const auto go = [&](const auto& number, double turn = 0) {
+    const auto near = [&](double value, double to) { return turn > 0 ? to + std::remainder(value - to, turn) : value; };
+    SplineValues values{{}, number(a), near(number(b), number(a)), {}, before ? before->ease : a.ease, b.ease};
+    if (before) values.before = near(number(*before), values.a);
+    if (after) values.after = near(number(*after), values.b);
+    number(key) = near(spline_between(values, span), 0);
+  };
+  constexpr double kTurn = 2 * std::numbers::pi;
+  const auto go_member = [&](double OrbitView::*member, double turn = 0) {
+    const auto number = [member](auto& camera) -> auto& { return camera.*member; };
+    go(number, turn);
+  };
+  for (std::size_t i = 0; i < 3; ++i) {
+    const auto number = [i](auto& camera) -> auto& { return camera.target[i]; };
+    go(number);
+  }
+  go_member(&OrbitView::distance);
+  go_member(&OrbitView::azimuth, kTurn);
+  go_member(&OrbitView::elevation);
+  go_member(&OrbitView::roll, kTurn);
+  go_member(&OrbitView::vertical_angle);
+  return key;
+}
+
 ViewSettings read_view_settings(const std::filesystem::path& path) {
   Json json = read_json(path, kViewSchema);
   json.erase("schema");

@@ -46,7 +46,7 @@ struct PlaySettings {
   bool operator==(const PlaySettings&) const = default;
 };
 
-enum class KeyEase { smooth, linear, step };  // from a key to the next
+enum class KeyEase { smooth, linear, step, spline };  // from a key to the next; see between_keys.h
 enum class LookStyle { clay, material, matcap, flat, normals, silhouette };
 enum class CompareWith { none, lbs, ddm, linear, full, jiggle, truth, proxy };
 enum class CompareLayout { side_by_side, overlay, wipe, hold };
@@ -61,7 +61,7 @@ struct CameraKey : OrbitView {
 
 // Names in commands, panels and the state file, in the order of the enumerations.
 inline constexpr std::array kPlayModeNames{"loop", "ping-pong", "once"};
-inline constexpr std::array kKeyEaseNames{"smooth", "linear", "step"};
+inline constexpr std::array kKeyEaseNames{"smooth", "linear", "step", "spline"};
 inline constexpr std::array kStyleNames{"clay", "material", "matcap", "flat", "normals", "silhouette"};
 inline constexpr std::array kComparisonNames{"none", "lbs", "ddm", "linear", "full", "jiggle", "truth", "proxy"};
 inline constexpr std::array kLayoutNames{"side-by-side", "overlay", "wipe", "hold"};

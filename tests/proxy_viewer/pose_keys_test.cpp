@@ -99,6 +99,59 @@ TEST(PoseKeys, EaseOfEachMayBeItsOwn) {
   EXPECT_EQ(between_keys(keys, 20), keys[20]);
 }
 
+// One tangent through a key, flat where the way turns, no further than the keys.
+TEST(PoseKeys, OfASplineHaveOneTangentAndGoNoFurther) {
+  std::map<int, ViewSettings::PoseKey> keys = {
+      {0, bent(0)}, {10, bent(10)}, {30, bent(60)}, {40, bent(60)}, {50, bent(20)}};
+  for (auto& [frame, key] : keys) {
+    key.ease = KeyEase::spline;
+    key.axes["bend"] = key.pins["foot"][1] = key.joints["upper"][0];
+    key.facing["foot"] = {0, key.joints["upper"][0], 0};
+  }
+  // By shares of a frame: the slopes right before and right after a key.
+  const auto value = [&](const ViewSettings::PoseKey& key) { return key.joints.at("upper")[0]; };
+  const auto slopes = [&](int frame) {
+    constexpr int kFine = 1000;
+    std::map<int, ViewSettings::PoseKey> fine;
+    for (const auto& [at, key] : keys) fine[kFine * at] = key;
+    const double here = value(between_keys(fine, kFine * frame));
+    return std::pair(kFine * (here - value(between_keys(fine, kFine * frame - 1))),
+                     kFine * (value(between_keys(fine, kFine * frame + 1)) - here));
+  };
+  const auto expect_one_tangent = [&](int frame, double slope) {
+    const auto [before, after] = slopes(frame);
+    EXPECT_NEAR(before, after, 0.01) << frame;
+    EXPECT_NEAR(after, slope, 0.01) << frame;
+  };
+  expect_one_tangent(10, 2 * 1 * 2.5 / (1 + 2.5));
+  expect_one_tangent(30, 0);
+  expect_one_tangent(40, 0);
+  double before = 0;
+  for (int frame = 0; frame <= 50; ++frame) {
+    const ViewSettings::PoseKey at = between_keys(keys, frame);
+    if (frame <= 40) {
+      EXPECT_GE(value(at), before) << frame;
+    }
+    EXPECT_LE(value(at), 60);
+    EXPECT_NEAR(at.axes.at("bend"), value(at), 1e-9);
+    EXPECT_NEAR(at.pins.at("foot")[1], value(at), 1e-9);
+    EXPECT_NEAR(at.facing.at("foot")[1], value(at), 1e-6);
+    before = value(at);
+  }
+  // It goes on from a straight line, and rests where that on the other side rests.
+  keys[10].ease = KeyEase::linear;
+  EXPECT_NEAR(slopes(10).first, 2.5, 0.01);
+  keys[10].ease = KeyEase::smooth;
+  expect_one_tangent(10, 0);
+  keys[10].ease = KeyEase::step;
+  EXPECT_NEAR(slopes(10).first, 0, 0.01);
+  // One that is smooth is so whatever is around it.
+  keys = {{0, bent(0)}, {10, bent(10)}};
+  const ViewSettings::PoseKey alone = between_keys(keys, 3);
+  keys[12] = bent(50);
+  EXPECT_EQ(between_keys(keys, 3), alone);
+}
+
 // The short way about, whatever the angles that name it.
 TEST(PoseKeys, BlendHowAFootFacesByTheShortestTurn) {
   std::map<int, ViewSettings::PoseKey> keys;

@@ -30,6 +30,19 @@ TEST(CameraKeys, BlendTheShortWayAndCutWhereTheyStep) {
   EXPECT_LT(between_keys(keys, 12).distance - 2, 0.2 * 2) << "slow at the key";
 }
 
+TEST(CameraKeys, OfASplineGoOnOverTheBackWithoutAStop) {
+  std::map<int, CameraKey> keys;
+  for (int k = 0; k < 4; ++k) {
+    keys[10 * k] = {{.target = {1.0 * k, 0, 0}, .azimuth = std::remainder(2.5 + 0.5 * k, 2 * kPi)}, KeyEase::spline};
+  }
+  for (int frame = 11; frame < 20; ++frame) {
+    const CameraKey key = between_keys(keys, frame);
+    EXPECT_NEAR(key.target[0], 0.1 * frame, 1e-9);
+    EXPECT_NEAR(std::remainder(key.azimuth - 2.5 - 0.05 * frame, 2 * kPi), 0, 1e-9);
+    EXPECT_LE(std::abs(key.azimuth), kPi);
+  }
+}
+
 // Of the picture, from -1 to 1, right and up; as glTF 2.0 projects (3.10.3), but for depth.
 std::array<double, 2> projected(const ClipCamera& camera, std::size_t place, double aspect, const Vec3& point) {
   const Vec3 p = inverse(camera.places[place]) * point;

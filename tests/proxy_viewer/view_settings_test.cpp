@@ -33,7 +33,7 @@ class RandomSettings {
     s.shot_camera.look_through = yes();
     s.shot_camera.of_file = name();
     for (std::uint32_t k = random_.below(3); k > 0; --k) {
-      s.shot_camera.keys[integer(-1, 1)] = {view(), choice<KeyEase>(3)};
+      s.shot_camera.keys[integer(-1, 1)] = {view(), choice<KeyEase>(4)};
     }
     s.look = {choice<LookStyle>(6),   yes(),        yes(), yes(), yes(), yes(), yes(), number(0, 1), yes(),
               choice<SectionAxis>(3), number(0, 1), yes(), yes(), yes(), {}};
@@ -47,8 +47,8 @@ class RandomSettings {
       s.pose.pins[name()] = {number(-2, 2), number(-2, 2), number(-2, 2)};
       s.pose.axes[name()] = number(-90, 90);
       s.pose.moves[name()] = {number(-2, 2), number(-2, 2), number(-2, 2)};
-      s.pose.ease = choice<KeyEase>(3);
-      s.pose.eases[name()] = choice<KeyEase>(3);
+      s.pose.ease = choice<KeyEase>(4);
+      s.pose.eases[name()] = choice<KeyEase>(4);
       s.pose.facing[name()] = {number(-180, 180), number(-180, 180), number(-180, 180)};
       s.pose.keys[integer(-1, 1)] = s.pose;
     }
