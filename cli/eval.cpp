@@ -303,7 +303,7 @@ void gather_shot(EvalArguments& arguments) {
   if (arguments.session.empty()) return;
   take_session(arguments.session, shot);
   if (shot.is_rigged && shot.character.empty()) shot.character = shot.session.character;
-  if (!shows_surface || !shot.character.empty()) shot.session.character.clear();
+  if (!shows_surface || !shot.character.empty()) shot.session.character = shot.session.like = "";
 }
 
 // The clip alone knows its first frame.

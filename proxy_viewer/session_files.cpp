@@ -59,11 +59,7 @@ void Session::export_skin(const std::string& file) {
       lead.shot(settings.pose, weights_of(controls), settings.jiggle.on && lead.has_at_finest(SkinMethod::jiggle));
   shot.frames = frames_to_export(file);
   const Tell tell = [&](const std::string& note) { controls.warn(note); };
-  const std::string own = lead.files().own_file();
-  if (holds_triangles(file) && !own.empty()) {
-    shot.surface = surface_if_any(own, shot.basis().mesh, tell);
-    shot.surfaces = attached_surfaces(own, shot.basis(), shot.attached, tell);
-  }
+  if (holds_triangles(file)) take_surfaces(lead.files().own_file(), lead.like(), shot, tell);
   ShotCaches caches({.out = file}, shot);
   if (shot.jiggles) {
     shot.preroll = usual_preroll(shot);

@@ -5,6 +5,7 @@
 #include <set>
 #include <utility>
 
+#include "assets/clip_source.h"
 #include "assets/gltf_file.h"
 #include "assets/gltf_guard.h"
 #include "assets/shot_modifiers.h"
@@ -242,8 +243,10 @@ void take_session(const std::string& session, ShotFiles& files) {
   files.clip.options.joint_map = lead.files.joint_map;
   files.clip.options.up = lead.files.up_of(lead.files.clip);
   const std::string character = files.level == 0 ? lead.files.own_file() : "";
+  const std::string clip = split_source(lead.files.clip).path.string();
   files.session = {.file = session,
                    .character = character,
+                   .like = files.level == 0 && character.empty() && is_called_scene(clip) ? clip : "",
                    .limits = lead.files.limits,
                    .pose = lead.pose,
                    .jiggles = read.view.jiggle.on,
@@ -350,6 +353,15 @@ std::vector<SkinSurface> attached_surfaces(const std::string& character, const B
   return surfaces;
 }
 
+void take_surfaces(const std::string& own, const std::string& like, Shot& shot, const Tell& tell) {
+  const std::string& file = own.empty() ? like : own;
+  if (file.empty()) return;
+  const Tell say = own.empty() ? [](const std::string&) {} : tell;
+  shot.surface = surface_if_any(file, shot.basis().mesh, say);
+  if (own.empty() && shot.surface.empty()) return;
+  shot.surfaces = attached_surfaces(file, shot.basis(), shot.attached, say);
+}
+
 Shot read_shot(const ShotFiles& files, const Tell& tell) {
   Shot shot;
   shot.name = files.basis.empty() ? "arm" : fs::path(files.basis).stem().string();
@@ -362,12 +374,6 @@ Shot read_shot(const ShotFiles& files, const Tell& tell) {
   shot.carried = std::move(level.carried);
   choose_shot_modifiers(files.modifiers, level.basis);
   shot.deformer = make_deformer(files, std::move(level.basis));
-  if (!files.character.empty()) {
-    shot.surface = read_skin_surface(files.character, shot.basis().mesh);
-    tell_all(shot.surface.notes, tell);
-  } else if (!files.session.character.empty()) {
-    shot.surface = surface_if_any(files.session.character, shot.basis().mesh, tell);
-  }
   if (const std::string missing = missing_jiggle(files); !missing.empty()) tell(missing);
   shot.clip = read_own_clip(files.clip, shot.basis(), std::move(opened.clip));
   tell_all(shot.clip.notes, tell);
@@ -382,8 +388,13 @@ Shot read_shot(const ShotFiles& files, const Tell& tell) {
     if (says_nothing && !files.session.file.empty()) shot.preroll = usual_preroll(shot);
   }
   shot.attached = read_attachments(files, shot.basis(), std::move(opened.attached));
-  const std::string& own = files.character.empty() ? files.session.character : files.character;
-  shot.surfaces = attached_surfaces(own, shot.basis(), shot.attached, tell);
+  if (files.character.empty()) {
+    take_surfaces(files.session.character, files.session.like, shot, tell);
+  } else {
+    shot.surface = read_skin_surface(files.character, shot.basis().mesh);
+    tell_all(shot.surface.notes, tell);
+    shot.surfaces = attached_surfaces(files.character, shot.basis(), shot.attached, tell);
+  }
   if (files.is_rigged) shot.bound = bind_skin(files, shot, std::move(opened.character));
   return shot;
 }

@@ -55,6 +55,7 @@ struct SessionPosing {
   std::string file;         // the session; empty: there is none
   std::string character{};  // the lead's own file, for the surface of its skin, where it is there and fits; or empty
   std::string limits;       // of the joints; or empty
+  std::string like{};       // where that is not known, its clip's, for the same where it has the same skin; or empty
   ViewSettings::Posing pose{};
   std::optional<int> in{}, out{};  // ends of the range that it plays; otherwise the clip's
   bool jiggles = false;            // in the viewport
@@ -114,6 +115,10 @@ std::vector<SkinSurface> attached_surfaces(const std::string& character, const B
                                            const Attachments& attached, const Tell& tell);
 
 // Reads them. Throws Error(file), Error(mismatch), Error(device), and Error(usage) for frames, levels and controls that
+// Both, for a skin that is exported, from the character's own file. `like`: where that is empty, another file, which
+// nothing is said of where it has another skin.
+void take_surfaces(const std::string& own, const std::string& like, Shot& shot, const Tell& tell);
+
 // are not there.
 Shot read_shot(const ShotFiles& files, const Tell& tell);
 

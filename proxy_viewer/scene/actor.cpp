@@ -302,6 +302,7 @@ void Actor::open_clip(const std::string& source) {
   const std::string path = split_source(source).path.string();
   if (materials_ || !is_called_scene(path)) return;
   const auto found = materials_of(path);
+  like_ = path;
   if (!found->skin.front().parts.empty()) materials_ = found;
 }
 

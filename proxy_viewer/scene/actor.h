@@ -136,9 +136,11 @@ class Actor {
   // Returns attached meshes on the skins that the method has evaluated last, one a pose; empty: nothing.
   std::span<const WornMesh> worn(SkinMethod method);
   bool wears() const { return worn_ != nullptr; }
-  // The materials of the skin that is shown; null: its own file is not known.
+  // The materials of the skin that is shown; null: no file with them is known.
   const SurfaceDraw* materials() const { return materials_ ? &materials_->skin[level_] : nullptr; }
   // Returns the points of attached meshes, on a skin as measure() gives it, metres, world.
+  // The clip's file, where its own is not known: it may have the same skin, with materials. Empty: there is none.
+  const std::string& like() const { return like_; }
   std::vector<float> worn_points(std::span<const float> skin, const Pose& pose) const;
   // Returns the skin of the last evaluation by the method.
   DeviceSkin skin(SkinMethod method) const;
@@ -238,8 +240,9 @@ class Actor {
   std::unique_ptr<WornMeshes> worn_;
   std::map<SkinMethod, Worn> worn_on_;
   std::shared_ptr<const CharacterMaterials> materials_;  // null: its own file is not known
-  Pose hosted_pose_;                                     // of the skins from the host that were evaluated last
-  std::optional<Character> character_;                   // with its weights, where they are at hand
+  std::string like_;
+  Pose hosted_pose_;                    // of the skins from the host that were evaluated last
+  std::optional<Character> character_;  // with its weights, where they are at hand
 };
 
 }  // namespace bodyopt

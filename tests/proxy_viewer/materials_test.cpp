@@ -1,13 +1,16 @@
 // Characters in their own colours, from the file to the pixels.
 #include <gtest/gtest.h>
 
+#include "assets/gltf_file.h"
 #include "draw/colours.h"
 #include "draw/viewport.h"
+#include "proxy_viewer/application.h"
 #include "proxy_viewer/scene/scene.h"
 #include "shots/shot_files.h"
 #include "tests/assets/gltf_blob.h"
 #include "tests/support/gpu_fixture.h"
 #include "tests/support/png_file.h"
+#include "tests/support/run_verb.h"
 
 namespace bodyopt::testing {
 namespace materials_test {
@@ -264,6 +267,37 @@ TEST_F(Materials, AreTheClipsWhereItHasTheSkin) {
   ASSERT_NE(scene.cast().back()->materials(), nullptr);
   EXPECT_FALSE(scene.cast().back()->materials()->parts.empty());
   EXPECT_TRUE(scene.cast().back()->notes().empty()) << "it is guessed";
+}
+
+// So does what is exported of it, by the viewport and of its session.
+TEST_F(Materials, OfTheClipAreExported) {
+  GltfBlob blob = pictured_square({kGreen, kGreen, kGreen, kGreen});
+  blob.root["animations"] = Json::array({{{"samplers", Json::array()}, {"channels", Json::array()}}});
+  animate(blob, 1, "translation", {0, 1}, {0, 1, 0, 0, 1.1f, 0});
+  const std::string clip = (folder_ / "walk.glb").string(), basis = (folder_ / "square.safetensors").string();
+  put_bytes(clip, blob.glb());
+  save_basis(open_character(clip, {}).levels.at(0).basis, basis);
+  const std::string seen = (folder_ / "seen.glb").string(), session = (folder_ / "s.json").string(),
+                    evaluated = (folder_ / "evaluated.glb").string();
+  ViewerOptions options;
+  options.files = {basis, clip};
+  options.headless = true;
+  options.commands = "export-skin " + seen + "; save " + session + "; quit";
+  Application(options, device_, nullptr).make_pictures();
+  const ProgramResult result = run_verb("eval --session " + session + " --device cpu --out " + evaluated);
+  ASSERT_EQ(result.exit_code, 0) << result.output;
+  EXPECT_EQ(result.output.find("no texture coordinates"), std::string::npos) << result.output;
+  const std::vector<std::uint32_t> corners = load_basis(basis).mesh.output_triangles;
+  for (const std::string& file : {seen, evaluated}) {
+    const GltfFile exported(file);
+    const auto skin = std::ranges::find_if(exported.model().nodes, [](const auto& node) { return node.mesh >= 0; });
+    MaterialReader reader(exported);
+    const SkinSurface surface =
+        read_node_surface(reader, static_cast<std::size_t>(skin - exported.model().nodes.begin()), corners);
+    EXPECT_EQ(surface.materials.size(), 1u) << file;
+    EXPECT_EQ(surface.textures.size(), 1u) << file;
+    EXPECT_EQ(surface.texture.size(), 8u) << file;
+  }
 }
 
 // Which has no coordinates: it shows what the skin that it stands for has there.
