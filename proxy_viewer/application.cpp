@@ -359,8 +359,8 @@ void Application::look_at_files() {
   if (now_ < next_look_) return;
   next_look_ = now_ + kIdle;
   if (now_ >= next_autosave_) autosave();
-  const bool passes = std::ranges::any_of(controls_.messages, [](const Message& m) { return !m.error; });
-  if (passes || (was_busy_ && !controls_.playback.playing())) pending_pictures_ = std::max(pending_pictures_, 1);
+  if (!controls_.messages.empty() || (was_busy_ && !controls_.playback.playing()))
+    pending_pictures_ = std::max(pending_pictures_, 1);
   const std::vector<std::filesystem::path> changed = session_.changed_files(now_);
   if (changed.empty()) return;
   pending_pictures_ = 2;

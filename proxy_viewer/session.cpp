@@ -262,6 +262,10 @@ std::vector<std::string> Session::add(ActorFiles files) {
   controls.placements.resize(scene.cast().size());
   number_cast();
   std::ranges::copy(scene.cast().back()->notes(), std::back_inserter(notes));
+  if (const std::string& shown_by = scene.cast().back()->shown_by(); !shown_by.empty()) {
+    std::cerr << shown_by << "\n";
+    controls.say(shown_by);
+  }
   return notes;
 }
 

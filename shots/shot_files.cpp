@@ -62,7 +62,7 @@ OpenedCharacter open_untrained(const std::string& path, const ClipOptions& optio
   OpenedCharacter opened = with_ddm(read_character(path, options.unit));
   attach_own_meshes(path, opened);
   play_own_clip(path, options, opened);
-  opened.notes.push_back(path + " is shown by Direct Delta Mush, made just now: it is not trained");
+  opened.shown_by = path + " is shown by Direct Delta Mush, made just now: it is not trained";
   return opened;
 }
 
@@ -73,9 +73,9 @@ OpenedCharacter open_arm(const ClipOptions& options) {
   basis.strain = make_strain_table(basis, arm.muscles);
   opened.clip = arm_heldout(basis.skeleton, kArmHeldoutFrames);
   opened.clip->first_frame = options.first_frame;
-  opened.notes.emplace_back(
+  opened.shown_by =
       "the built-in arm is shown by Direct Delta Mush: `bodyopt demo --out demo` trains it, and `bodyopt view "
-      "demo/basis.safetensors demo/heldout.glb` shows that");
+      "demo/basis.safetensors demo/heldout.glb` shows that";
   return opened;
 }
 
@@ -370,6 +370,7 @@ Shot read_shot(const ShotFiles& files, const Tell& tell) {
   shot.preroll = files.jiggle.preroll;
   OpenedCharacter opened = open_level(files);
   tell_all(opened.notes, tell);
+  if (!opened.shown_by.empty()) tell(opened.shown_by);
   Level& level = opened.levels.front();
   shot.carried = std::move(level.carried);
   choose_shot_modifiers(files.modifiers, level.basis);

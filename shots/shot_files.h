@@ -26,6 +26,7 @@ struct OpenedCharacter {
   std::optional<Character> character;  // where it is at hand: a basis does not hold its skin weights
   std::optional<Clip> clip;            // its own, to begin with
   std::vector<std::string> notes;      // for the user, one sentence each
+  std::string shown_by{};              // how it is shown, where nobody trained it: a sentence, and nothing is wrong
 };
 
 // `path`: a basis (.safetensors), or a character (.glb, .gltf, .fbx), which plays its first clip. Empty: the built-in
@@ -54,8 +55,8 @@ struct JiggleChoice {
 struct SessionPosing {
   std::string file;         // the session; empty: there is none
   std::string character{};  // the lead's own file, for the surface of its skin, where it is there and fits; or empty
-  std::string limits;       // of the joints; or empty
   std::string like{};       // where that is not known, its clip's, for the same where it has the same skin; or empty
+  std::string limits;       // of the joints; or empty
   ViewSettings::Posing pose{};
   std::optional<int> in{}, out{};  // ends of the range that it plays; otherwise the clip's
   bool jiggles = false;            // in the viewport
@@ -114,11 +115,11 @@ SkinSurface surface_if_any(const std::string& character, const MeshTable& mesh, 
 std::vector<SkinSurface> attached_surfaces(const std::string& character, const Basis& basis,
                                            const Attachments& attached, const Tell& tell);
 
-// Reads them. Throws Error(file), Error(mismatch), Error(device), and Error(usage) for frames, levels and controls that
 // Both, for a skin that is exported, from the character's own file. `like`: where that is empty, another file, which
 // nothing is said of where it has another skin.
 void take_surfaces(const std::string& own, const std::string& like, Shot& shot, const Tell& tell);
 
+// Reads them. Throws Error(file), Error(mismatch), Error(device), and Error(usage) for frames, levels and controls that
 // are not there.
 Shot read_shot(const ShotFiles& files, const Tell& tell);
 

@@ -96,6 +96,7 @@ Actor::Actor(std::shared_ptr<const vulkan::Device> device, const ActorFiles& fil
   const LevelPool::Levels levels = trained ? pool.get({files.basis, files.dynamics(), files.levels()}, make) : make();
   for (const auto& level : levels) details_.push_back(std::make_unique<Detail>(device_, level));
   notes_ = std::move(opened.notes);
+  shown_by_ = std::move(opened.shown_by);
   Attachments attached = std::move(opened.attached);
   if (trained && fs::exists(files.attached())) {
     attached = load_attachments(files.attached(), finest().basis(), files.basis);
@@ -301,8 +302,8 @@ void Actor::open_clip(const std::string& source) {
   // A character without a file of its own has the materials of the clip's file, where that has its skin, too.
   const std::string path = split_source(source).path.string();
   if (materials_ || !is_called_scene(path)) return;
-  const auto found = materials_of(path);
   like_ = path;
+  const auto found = materials_of(path);
   if (!found->skin.front().parts.empty()) materials_ = found;
 }
 

@@ -66,6 +66,7 @@ class Actor {
   std::vector<std::filesystem::path> paths() const;  // of all that it shows, its materials' images among them
   std::string name() const;
   const std::vector<std::string>& notes() const { return notes_; }  // of opening it, for the user
+  const std::string& shown_by() const { return shown_by_; }         // see OpenedCharacter
   // The level that is shown. Joints and controls are the same for all.
   const Detail& shown() const { return *details_[level_]; }
   Detail& shown() { return *details_[level_]; }
@@ -138,9 +139,9 @@ class Actor {
   bool wears() const { return worn_ != nullptr; }
   // The materials of the skin that is shown; null: no file with them is known.
   const SurfaceDraw* materials() const { return materials_ ? &materials_->skin[level_] : nullptr; }
-  // Returns the points of attached meshes, on a skin as measure() gives it, metres, world.
   // The clip's file, where its own is not known: it may have the same skin, with materials. Empty: there is none.
   const std::string& like() const { return like_; }
+  // Returns the points of attached meshes, on a skin as measure() gives it, metres, world.
   std::vector<float> worn_points(std::span<const float> skin, const Pose& pose) const;
   // Returns the skin of the last evaluation by the method.
   DeviceSkin skin(SkinMethod method) const;
@@ -220,6 +221,7 @@ class Actor {
   ActorFiles files_;
   ClipOptions clip_options_;
   std::vector<std::string> notes_;
+  std::string shown_by_;
   std::vector<std::unique_ptr<Detail>> details_;  // finest first; all but the first are proxies
   std::size_t level_ = 0;
   Clip source_;                      // as it was read

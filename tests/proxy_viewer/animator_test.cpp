@@ -156,6 +156,9 @@ TEST_F(AnimatorTest, AnotherOfTheSameRigIsOpenedAsACharacterByName) {
   viewport->prompt("character second.glb");
   ASSERT_EQ(viewport->session().scene.cast().size(), 2u);
   EXPECT_EQ(viewport->session().scene.cast()[1]->name(), "second");
+  const Message& news = viewport->controls().messages.back();
+  EXPECT_NE(news.text.find("not trained"), std::string::npos);
+  EXPECT_FALSE(news.error) << "nothing is wrong";
   EXPECT_EQ(viewport->session().scene.lead().name(), "human");
   // In another unit, and as it was posed.
   viewport->prompt("turn LeftArm 0 0 20");

@@ -28,8 +28,7 @@ TEST(OpenCharacter, ACharacterIsDirectDeltaMushWithItsOwnClipAndMeshes) {
   EXPECT_EQ(opened.attached.meshes[0].name, "eye");
   ASSERT_TRUE(opened.character);
   EXPECT_EQ(opened.character->output_count(), opened.levels[0].basis.mesh.output_count());
-  ASSERT_FALSE(opened.notes.empty());
-  EXPECT_NE(opened.notes.back().find("not trained"), std::string::npos);
+  EXPECT_NE(opened.shown_by.find("not trained"), std::string::npos);
   EXPECT_EQ(count_files(folder), 1u);
 }
 
@@ -70,7 +69,7 @@ TEST(OpenCharacter, NothingIsTheBuiltInArmWithItsMusclesAndMotion) {
   EXPECT_GT(basis.strain.fibre_count(), arm().muscles.size());
   ASSERT_TRUE(opened.clip);
   EXPECT_EQ(opened.clip->poses.size(), 144u);
-  EXPECT_NE(opened.notes.back().find("bodyopt demo --out demo"), std::string::npos);
+  EXPECT_NE(opened.shown_by.find("bodyopt demo --out demo"), std::string::npos);
   // Its strains are measured, although nothing is learned from them.
   Deformer deformer(basis, {.name = "cpu"});
   const Evaluation bent = deformer.evaluate({&opened.clip->poses[60], 1});
