@@ -286,18 +286,25 @@ void Application::go_on_with_pictures(double passed) {
 }
 
 // Hears events up to Enter: the prompt that it opens or ends is drawn first, however fast somebody types. It stops at a
-// button that goes down, too: a picture has it where the mouse was, however far it goes meanwhile.
+// button that goes down, too: a picture has it where the mouse was, however far it goes meanwhile. A field hears
+// letters and Ctrl in different pictures, as it takes no letter with Ctrl, and one of Ctrl+A and Ctrl+C.
 void Application::hear_some() {
-  while (!unheard_.empty()) {
+  for (bool is_first = true; !unheard_.empty(); is_first = false) {
+    const auto* held = std::get_if<ModifierKeysEvent>(&unheard_.front());
+    if (held && !is_first && held->control != ImGui::GetIO().KeyCtrl && is_typing()) return;
     const WindowEvent event = std::move(unheard_.front());
     unheard_.pop_front();
+    const bool typed = is_typing();
     hear(event);
     const auto* key = std::get_if<KeyEvent>(&event);
     const auto* button = std::get_if<ButtonEvent>(&event);
-    if (key && key->name == "Enter" && key->action == KeyAction::pressed) return;
     if (button && button->down) return;
+    if (!key || key->action != KeyAction::pressed) continue;
+    if (key->name == "Enter" || (typed && key->name.starts_with("Ctrl+"))) return;
   }
 }
+
+bool Application::is_typing() const { return takes_text() || controls_.prompt || controls_.dialog; }
 
 void Application::hear(const WindowEvent& event) {
   painter_.hear(event);
@@ -315,18 +322,17 @@ void Application::hear_key(const KeyEvent& event) {
     return;
   }
   if (pictures_.goes_on() && !pictures_.stops()) return hear_key_in_series(key);
-  if (ImGui::GetIO().WantTextInput || controls_.dialog || controls_.asks_to_save) return;
-  if (controls_.prompt) {  // which may not be drawn yet
+  if (controls_.prompt || controls_.dialog) {  // whose field may not be drawn yet
     if (key == "Enter" && event.action == KeyAction::pressed) controls_.typed.entered = true;
     return;
   }
+  if (takes_text() || controls_.asks_to_save) return;
   if (key == kFlipKey) controls_.flipped = true;
   const Command* command = find_command_by_key(key, controls_.keymap);
   if (!command || (event.action == KeyAction::repeated && !command->repeats)) return;
-  const bool typed = controls_.prompt;
   controls_.attempt([&] { run_command(controls_, command->name); });
   // Letters typed before the command were keys, however late they are heard.
-  if (controls_.prompt && !typed) ImGui::GetIO().InputQueueCharacters.clear();
+  if (is_typing()) ImGui::GetIO().InputQueueCharacters.clear();
 }
 
 // Nothing else shall change pictures that are being written.

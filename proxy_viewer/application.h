@@ -52,6 +52,7 @@ class Application {
 
   void act(std::span<const WindowEvent> events, double passed);
   void hear_some();
+  bool is_typing() const;
   void hear(const WindowEvent& event);
   void hear_key(const KeyEvent& event);
   void hear_key_in_series(const std::string& key);

@@ -143,7 +143,7 @@ struct Marker {
 
 // The text that is typed into panels, and the state of their lists.
 struct PanelState {
-  bool entered = false;  // the prompt's text, before its field hears
+  bool entered = false;  // what is typed, before its field hears
   std::string prompt, joint_filter, camera, open;
   std::string screenshot = "bodyopt.png", sequence = "bodyopt.####.png", turntable = "turntable.####.png";
   std::string session = "session.json", state = "view.json", clip = "posed.glb", skin = "posed.pc2";

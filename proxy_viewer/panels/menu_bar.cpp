@@ -73,6 +73,32 @@ void draw_title(const Snapshot& snapshot) {
   ImGui::TextDisabled("%s", text.c_str());
 }
 
+// Takes letters typed before the field hears, which begins one picture after it was asked to.
+std::string early_letters() {
+  std::string text;
+  for (const ImWchar letter : ImGui::GetIO().InputQueueCharacters) {
+    char utf8[5];
+    text += ImTextCharToUtf8(utf8, letter);
+  }
+  ImGui::GetIO().InputQueueCharacters.clear();
+  return text;
+}
+
+// A field that is entered by the keyboard has all its text selected, which the next letter would replace.
+int leave_nothing_selected(ImGuiInputTextCallbackData* data) {
+  bool& hears = *static_cast<bool*>(data->UserData);
+  if (!hears) data->CursorPos = data->SelectionStart = data->SelectionEnd = data->BufTextLen;
+  hears = true;
+  return 0;
+}
+
+// Typing stops at once: the next letters are keys again, not for a field that is gone.
+void stop_typing() {
+  ImGui::ClearActiveID();
+  ImGui::GetIO().WantTextInput = false;
+  ImGui::GetCurrentContext()->WantTextInputNextFrame = 0;
+}
+
 // A folder's list, to choose a file for a command from.
 
 constexpr float kDialogWidth = 600, kDialogHeight = 380;
@@ -116,30 +142,6 @@ Choice draw_entries(FileDialog& dialog) {
 
 constexpr float kPromptWidth = 520;
 constexpr int kMostHints = 8;
-
-// Takes letters typed before the field hears, which begins one picture after it was asked to.
-void take_early_letters(std::string& text) {
-  for (const ImWchar letter : ImGui::GetIO().InputQueueCharacters) {
-    char utf8[5];
-    text += ImTextCharToUtf8(utf8, letter);
-  }
-  ImGui::GetIO().InputQueueCharacters.clear();
-}
-
-// A field that is entered by the keyboard has all its text selected, which the next letter would replace.
-int leave_nothing_selected(ImGuiInputTextCallbackData* data) {
-  bool& hears = *static_cast<bool*>(data->UserData);
-  if (!hears) data->CursorPos = data->SelectionStart = data->SelectionEnd = data->BufTextLen;
-  hears = true;
-  return 0;
-}
-
-// Typing stops at once: the next letters are keys again, not for a field that is gone.
-void stop_typing() {
-  ImGui::ClearActiveID();
-  ImGui::GetIO().WantTextInput = false;
-  ImGui::GetCurrentContext()->WantTextInputNextFrame = 0;
-}
 
 // Draws the help of the command that is typed, or of those whose names contain it.
 void draw_hints(std::string& text) {
@@ -201,9 +203,16 @@ void draw_file_dialog(Controls& controls, const PanelLayout& layout) {
   ImGui::TextDisabled("%s: %s", command.argument, command.help);
   if (ImGui::IsWindowAppearing()) ImGui::SetKeyboardFocusHere();
   ImGui::SetNextItemWidth(-1);
-  bool done =
-      ImGui::InputTextWithHint("##name", command.argument, &dialog.name, ImGuiInputTextFlags_EnterReturnsTrue) ||
-      choice.done;
+  const bool begins = ImGui::GetActiveID() != ImGui::GetID("##name");
+  if (const std::string early = begins ? early_letters() : ""; !early.empty()) {
+    dialog.name = dialog.is_typed ? dialog.name + early : early;  // in place of what was proposed
+    dialog.is_typed = true;
+  }
+  bool hears = !begins || !dialog.is_typed;
+  const bool enters = ImGui::InputTextWithHint(
+      "##name", command.argument, &dialog.name,
+      ImGuiInputTextFlags_EnterReturnsTrue | ImGuiInputTextFlags_CallbackAlways, leave_nothing_selected, &hears);
+  bool done = std::exchange(controls.typed.entered, false) || enters || choice.done;
   const float width = share_of_line(2);
   ImGui::BeginDisabled(dialog.name.empty());
   done |= ImGui::Button(dialog.replaces() && writes_file(dialog.command) ? "Replace" : label_of(command).c_str(),
@@ -212,6 +221,7 @@ void draw_file_dialog(Controls& controls, const PanelLayout& layout) {
   ImGui::SameLine();
   const bool left = ImGui::Button("Cancel", {width, 0}) || ImGui::IsKeyPressed(ImGui::GetKeyIndex(ImGuiKey_Escape));
   ImGui::End();
+  if (left || done) stop_typing();
   if (left) {
     controls.quits_when_saved = false;
     return controls.dialog.reset();
@@ -263,7 +273,7 @@ void draw_prompt(Controls& controls, const PanelLayout& layout) {
   ImGui::SetNextItemWidth(-1);
   std::string& text = controls.typed.prompt;
   bool hears = ImGui::GetActiveID() == ImGui::GetID("##command");
-  if (!hears) take_early_letters(text);
+  if (!hears) text += early_letters();
   const bool enters = ImGui::InputTextWithHint(
       "##command", "a command, as: frame 12", &text,
       ImGuiInputTextFlags_EnterReturnsTrue | ImGuiInputTextFlags_CallbackAlways, leave_nothing_selected, &hears);

@@ -334,6 +334,8 @@ void add_picture(ImDrawList& list, int number, const ImVec2& from, const ImVec2&
   list.AddImageRounded(atlas.TexID, from, to, low, high, IM_COL32_WHITE, 4);
 }
 
+bool takes_text() { return ImGui::GetIO().WantTextInput || ImGui::GetCurrentContext()->WantTextInputNextFrame > 0; }
+
 ImFont* large_font() { return ImGui::GetIO().Fonts->Fonts.back(); }
 
 }  // namespace bodyopt

@@ -57,6 +57,9 @@ class Fonts {
 // Draws the picture of that number of show_pictures(), between two corners.
 void add_picture(ImDrawList& list, int number, const ImVec2& from, const ImVec2& to);
 
+// Does a field take what is typed, or will it in the next picture?
+bool takes_text();
+
 // A font of digits alone.
 ImFont* large_font();
 

@@ -18,6 +18,7 @@ struct FileDialog {
   std::filesystem::path folder;  // absolute
   std::string name;              // as chosen or typed so far
   std::vector<FolderEntry> entries{};
+  bool is_typed = false;  // the name, before its field heard
 
   std::string file() const { return (folder / name).string(); }
   // Whether there is a file of the name already.

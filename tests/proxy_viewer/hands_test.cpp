@@ -190,6 +190,67 @@ TEST_F(HandsTest, QuickTypingIsHeard) {
   }
 }
 
+// Of a field, as it is filled, or of all that is typed at once. Letters are no keys of commands meanwhile.
+TEST_F(HandsTest, FieldsAreCopiedAndPastedHoweverFastOneTypes) {
+  for (const bool at_once : {false, true}) {
+    const auto viewport = open();
+    std::vector<WindowEvent> events;
+    const auto stroke = [&](const std::string& name) {
+      for (const WindowEvent& event : PlayedViewport::stroke(name)) events.push_back(event);
+    };
+    const auto letters = [&](const std::string& text) {
+      for (const char letter : text) {
+        stroke(std::string(1, static_cast<char>(std::toupper(letter))));
+        events.insert(events.end() - 2, LetterEvent{char32_t(letter)});
+      }
+    };
+    const auto play = [&] {
+      if (at_once) viewport->play(events);
+      for (const WindowEvent& event : at_once ? std::vector<WindowEvent>() : events) viewport->play({event});
+      events.clear();
+    };
+    stroke("Enter");
+    letters("wk");
+    for (const char* key : {"Ctrl+A", "Ctrl+C", "End", "Ctrl+V"}) stroke(key);
+    letters("b");
+    play();
+    EXPECT_EQ(viewport->controls().typed.prompt, "wkwkb") << at_once;
+    stroke("Escape");
+    play();
+    EXPECT_FALSE(viewport->controls().prompt);
+    stroke("Ctrl+S");
+    letters("wk");
+    for (const char* key : {"Ctrl+A", "Ctrl+X"}) stroke(key);
+    letters("h");
+    for (const char* key : {"Ctrl+V", "Ctrl+V"}) stroke(key);
+    play();
+    ASSERT_TRUE(viewport->controls().dialog);
+    EXPECT_EQ(viewport->controls().dialog->name, "hwkwk") << at_once;
+    letters(".json");
+    stroke("Enter");
+    stroke("W");
+    play();
+    EXPECT_FALSE(viewport->controls().dialog);
+    EXPECT_EQ(std::filesystem::path(viewport->controls().session_file).filename(), "hwkwk.json") << at_once;
+    EXPECT_TRUE(viewport->controls().settings.look.wire) << "keys are heard again";
+    EXPECT_FALSE(viewport->controls().settings.look.skeleton || viewport->controls().cheat_sheet ||
+                 viewport->controls().playback.backwards());
+    EXPECT_FALSE(viewport->controls().copied);
+  }
+}
+
+TEST_F(HandsTest, ErrorsFadeWhileNobodyDoesAnything) {
+  const auto viewport = open();
+  viewport->prompt("frame 99999");
+  ASSERT_FALSE(viewport->controls().messages.empty());
+  const Image told = viewport->screen.picture;
+  viewport->let_pass(20);
+  EXPECT_FALSE(viewport->controls().messages.empty());
+  viewport->let_pass(20);
+  EXPECT_TRUE(viewport->controls().messages.empty());
+  EXPECT_FALSE(viewport->screen.picture.rgba == told.rgba);
+}
+
 // The middle of where two pictures differ.
 std::array<double, 2> middle_of_difference(const Image& a, const Image& b) {
   std::array<std::size_t, 2> sum{};
