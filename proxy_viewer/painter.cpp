@@ -118,14 +118,15 @@ void Painter::draw_panels_over(const PictureSize& size, double passed) {
   const bool shows_stroke = brushing.is_pressed() || controls_.curating.colour == MapColour::sculpt;
   session_.curation.describe(controls_, snapshot_,
                              shows_stroke ? std::span(brushing.weights()) : std::span<const double>());
-  area_ = in_pixels(draw_panels(snapshot_, controls_, in_points(width, scale()), in_points(height, scale())), scale());
+  const auto [area, over] = draw_panels(snapshot_, controls_, in_points(width, scale()), in_points(height, scale()));
+  area_ = in_pixels(area, scale());
   draw_brush(session_.brushing, scene_, area_, controls_);
   if (!ImGui::IsAnyItemActive() && !controls_.grip) {
     controls_.key_by_itself();
     controls_.poses.note(controls_.settings, controls_.playback.frame());  // a drag is one step
   }
   const auto pixels = [&](float points) { return static_cast<std::uint32_t>(std::lround(points * scale())); };
-  const Covered covered = {pixels(names_height(snapshot_, controls_)), pixels(colour_bar_width(snapshot_, controls_))};
+  const Covered covered = {pixels(over.top), pixels(over.right), pixels(over.bottom), pixels(over.left)};
   gui_.end();
   session_.follow();
   controls_.attempt([&] {

@@ -542,12 +542,13 @@ void Session::frame_points(std::vector<float> points, std::uint32_t width, std::
 
 // A covered side leaves as much free on the other, so that the middle stays the middle.
 void Session::look_at(const std::vector<float>& points, std::uint32_t width, std::uint32_t height, Covered covered) {
-  const auto without = [](std::uint32_t size, std::uint32_t taken) {
-    return size > 4 * taken ? size - 2 * taken : size;
+  const auto without = [](std::uint32_t size, std::uint32_t a, std::uint32_t b) {
+    const std::uint32_t taken = 2 * std::max(a, b);
+    return size > taken ? size - taken : size;
   };
-  const std::uint32_t free = without(height, covered.top);
+  const std::uint32_t free = without(height, covered.top, covered.bottom);
   const Rectangle view = scene.view_areas(controls.settings, {0, 0, width, free}).front();  // the first of the picture
-  const auto across = static_cast<float>(std::max(1u, without(view.width, covered.right)));
+  const auto across = static_cast<float>(std::max(1u, without(view.width, covered.left, covered.right)));
   controls.camera.frame(points, across / static_cast<float>(std::max(1u, free)),
                         static_cast<double>(free) / std::max(1u, height));
 }

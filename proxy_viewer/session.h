@@ -24,9 +24,9 @@
 
 namespace bodyopt {
 
-// Pixels of a picture that names take at its top, and a legend at its right.
+// Pixels at the edges of a picture over which something stands.
 struct Covered {
-  std::uint32_t top = 0, right = 0;
+  std::uint32_t top = 0, right = 0, bottom = 0, left = 0;
   bool operator==(const Covered&) const = default;
 };
 
@@ -116,11 +116,10 @@ class Session {
   bool restore_view();
   // Plays the lead's clip as it played before; a range that the clip lacks is reported, and forgotten.
   void play_clip();
-  // Frames all, or the selected joint, in a picture of so many pixels. Names cover its uppermost and a legend its
-  // rightmost part.
+  // Frames all, or the selected joint, in a picture of so many pixels.
   void frame_selection(std::uint32_t width, std::uint32_t height, Covered covered = {});
-  // Frames the same again after a comparison or its names changed the free part of the picture. A camera that was moved
-  // nearer, further away or aside stays; one that was turned frames from where it is.
+  // Frames the same again after a comparison, or what stands over it, changed the free part of the picture. A camera
+  // that was moved nearer, further away or aside stays; one that was turned frames from where it is.
   void keep_framed(std::uint32_t width, std::uint32_t height, Covered covered = {});
   // Frames so that nothing leaves the picture in the frames that are played (thirteen are looked at).
   void frame_range(std::uint32_t width, std::uint32_t height);

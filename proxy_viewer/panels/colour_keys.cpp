@@ -1,5 +1,5 @@
-// Legends at the bottom of the picture, a line each: colours of muscle fibres, of cut tetrahedra, of a section and of a
-// match. The tissue under the mouse is named, too.
+// Legends at the bottom of the picture, a line each: colours of a heat map, of muscle fibres, of cut tetrahedra, of a
+// section and of a match. The tissue under the mouse is named, too.
 #include <algorithm>
 #include <cmath>
 #include <optional>
@@ -21,42 +21,41 @@ constexpr int kKeySteps = 40;
 // Words and colours in a line, from the left; a line without room is left out.
 class KeyLine {
  public:
-  // `middle`: height of its middle, pixels.
-  KeyLine(float middle, float right) : middle_(middle), right_(right) {}
-
-  void add_text(const std::string& text) {
+  KeyLine& add_text(const std::string& text, ImU32 colour = IM_COL32(225, 225, 228, 255)) {
     const ImVec2 size = ImGui::CalcTextSize(text.c_str());
-    texts_.push_back({x_, text});
+    texts_.push_back({x_, text, colour});
     x_ += size.x + kKeyGap;
+    return *this;
   }
   void add_square(ImU32 colour) {
     fields_.push_back({x_, kSquare, colour, colour});
     x_ += kSquare + kKeyGap;
   }
-  void add_strains() {
-    const auto colour_at = [](int k) {
-      return strain_colour(kFullStrain * (2 * static_cast<float>(k) / kKeySteps - 1));
-    };
+  // `colour_at`: of 0 to 1.
+  template <typename ColourAt>
+  KeyLine& add_bar(const ColourAt& colour_at) {
     constexpr float kStep = kKeyBarWidth / kKeySteps;
+    const auto colour = [&](int k) { return colour_at(static_cast<float>(k) / kKeySteps); };
     for (int k = 0; k < kKeySteps; ++k) {
-      fields_.push_back({x_ + static_cast<float>(k) * kStep, kStep, colour_at(k), colour_at(k + 1)});
+      fields_.push_back({x_ + static_cast<float>(k) * kStep, kStep, colour(k), colour(k + 1)});
     }
     x_ += kKeyBarWidth + kKeyGap;
+    return *this;
   }
+  float end() const { return x_ - kKeyGap + kKeyPadding; }
 
-  void draw() const {
-    const float end = x_ - kKeyGap, half = 0.5f * ImGui::GetTextLineHeight();
-    if (end + kKeyPadding > right_) return;
+  // `middle`: height of its middle.
+  void draw(float middle, float right) const {
+    const float half = 0.5f * ImGui::GetTextLineHeight();
+    if (end() > right) return;
     ImDrawList& list = *ImGui::GetBackgroundDrawList();
-    list.AddRectFilled({kKeyMargin - kKeyPadding, middle_ - half - 3}, {end + kKeyPadding, middle_ + half + 3},
+    list.AddRectFilled({kKeyMargin - kKeyPadding, middle - half - 3}, {end(), middle + half + 3},
                        IM_COL32(20, 20, 22, 170), 4);
     for (const Field& f : fields_) {
-      list.AddRectFilledMultiColor({f.left, middle_ - 0.5f * kSquare}, {f.left + f.width, middle_ + 0.5f * kSquare},
+      list.AddRectFilledMultiColor({f.left, middle - 0.5f * kSquare}, {f.left + f.width, middle + 0.5f * kSquare},
                                    f.from, f.to, f.to, f.from);
     }
-    for (const auto& [left, text] : texts_) {
-      list.AddText({left, middle_ - half}, IM_COL32(225, 225, 228, 255), text.c_str());
-    }
+    for (const Text& text : texts_) list.AddText({text.left, middle - half}, text.colour, text.words.c_str());
   }
 
  private:
@@ -65,32 +64,37 @@ class KeyLine {
     ImU32 from, to;
   };
 
-  float middle_, right_, x_ = kKeyMargin;
+  struct Text {
+    float left;
+    std::string words;
+    ImU32 colour;
+  };
+
+  float x_ = kKeyMargin;
   std::vector<Field> fields_;
-  std::vector<std::pair<float, std::string>> texts_;
+  std::vector<Text> texts_;
 };
 
-void draw_fibre_key(float middle, float right) {
+KeyLine fibre_key() {
   const std::string percent = formatted("%.0f %%", 100 * static_cast<double>(kFullStrain));
-  KeyLine line(middle, right);
-  line.add_text("shortened " + percent);
-  line.add_strains();
-  line.add_text("stretched " + percent);
-  line.draw();
+  return KeyLine()
+      .add_text("shortened " + percent)
+      .add_bar([](float share) { return strain_colour(kFullStrain * (2 * share - 1)); })
+      .add_text("stretched " + percent);
 }
 
-void draw_tet_key(float middle, float right) {
-  KeyLine line(middle, right);
+KeyLine tet_key() {
+  KeyLine line;
   for (const auto& [kind, name] :
        {std::pair(TetKind::held, "held"), {TetKind::muscle, "muscle"}, {TetKind::fat, "all else"}}) {
     line.add_square(opaque(cut_colour(kind)));
     line.add_text(name);
   }
-  line.draw();
+  return line;
 }
 
-void draw_section_key(const SectionRow& section, float middle, float right) {
-  KeyLine line(middle, right);
+KeyLine section_key(const SectionRow& section) {
+  KeyLine line;
   if (!section.is_ready) line.add_text("finding what lies inside\xe2\x80\xa6");
   for (const TissueRow& tissue : section.tissues) {
     const auto [red, green, blue] = tissue.colour;
@@ -98,14 +102,7 @@ void draw_section_key(const SectionRow& section, float middle, float right) {
     line.add_text(tissue.name);
   }
   if (section.is_ready) line.add_text("muscles in reds of their own");
-  line.draw();
-  if (!section.under_mouse.empty()) ImGui::SetTooltip("%s", section.under_mouse.c_str());
-}
-
-void draw_match_key(float middle, float right) {
-  KeyLine line(middle, right);
-  line.add_text("the same colour is the same point of both");
-  line.draw();
+  return line;
 }
 
 // The heat map's legend, and the largest distance of the frame.
@@ -161,46 +158,75 @@ float widest_text(const Heat& heat, const std::string& largest) {
   return std::max(ImGui::CalcTextSize(heat.title).x, ImGui::CalcTextSize(largest.c_str()).x);
 }
 
+// The bar, lying; what has no room is left out.
+KeyLine heat_key(const Heat& heat, float right) {
+  const std::string largest = describe_largest(heat);
+  for (const bool is_whole : {true, false}) {
+    KeyLine line;
+    if (is_whole) line.add_text(heat.title);
+    line.add_text("0").add_bar([](float share) { return opaque(heat_colour(share)); });
+    line.add_text(millimetres(heat.hottest));
+    if (is_whole && !largest.empty()) line.add_text(largest, kAccent);
+    if (!is_whole || line.end() <= right) return line;
+  }
+  return {};
+}
+
+constexpr float kKeyLine = 10;  // more than the height of the text
+
+// The lines from the lowest upwards.
+std::vector<KeyLine> key_lines(const Snapshot& snapshot, const Controls& controls, bool bar_lies, float right) {
+  std::vector<KeyLine> lines;
+  if (snapshot.cast.empty()) return lines;
+  const ViewSettings::Look& look = controls.settings.look;
+  const std::optional<Heat> heat = heat_of(snapshot, controls);
+  if (heat && bar_lies) lines.push_back(heat_key(*heat, right));
+  if (const std::string why = why_no_heat(snapshot, controls); !why.empty()) {
+    lines.push_back(KeyLine().add_text(why, kAccent));
+  }
+  if (look.fibres && !snapshot.fibres.empty()) lines.push_back(fibre_key());
+  if (look.tets && snapshot.cast.front().tets > 0) lines.push_back(tet_key());
+  if (snapshot.section) lines.push_back(section_key(*snapshot.section));
+  const bool by_match = snapshot.match && controls.settings.compare.match == MatchView::colours;
+  if (by_match) lines.push_back(KeyLine().add_text("the same colour is the same point of both"));
+  return lines;
+}
+
 }  // namespace
 
+float colour_keys_height(const Snapshot& snapshot, const Controls& controls, bool bar_lies, float most) {
+  const float line = ImGui::GetTextLineHeight() + kKeyLine;
+  const auto wanted = static_cast<float>(key_lines(snapshot, controls, bar_lies, 0).size());
+  const float lines = std::min(wanted, std::floor((most - kKeyMargin) / line));
+  return lines > 0 ? kKeyMargin + lines * line : 0;
+}
+
 void draw_colour_keys(const Snapshot& snapshot, const Controls& controls, const PanelLayout& layout) {
-  if (snapshot.cast.empty()) return;
-  const ViewSettings::Look& look = controls.settings.look;
-  const float line = ImGui::GetTextLineHeight() + 10;
+  const float line = ImGui::GetTextLineHeight() + kKeyLine;
   float middle = layout.bottom() - kKeyMargin - 0.5f * ImGui::GetTextLineHeight();
-  if (look.fibres && !snapshot.fibres.empty()) {
-    draw_fibre_key(middle, layout.right());
+  const float highest = layout.bottom() - layout.overlaid.bottom;
+  for (const KeyLine& key : key_lines(snapshot, controls, layout.overlaid.right == 0, layout.right())) {
+    if (middle - 0.5f * line < highest - 1) break;
+    key.draw(middle, layout.right());
     middle -= line;
   }
-  if (look.tets && snapshot.cast.front().tets > 0) {
-    draw_tet_key(middle, layout.right());
-    middle -= line;
+  if (snapshot.section && !snapshot.section->under_mouse.empty()) {
+    ImGui::SetTooltip("%s", snapshot.section->under_mouse.c_str());
   }
-  if (snapshot.section) {
-    draw_section_key(*snapshot.section, middle, layout.right());
-    middle -= line;
-  }
-  const bool by_match = snapshot.match && controls.settings.compare.match == MatchView::colours;
-  if (by_match) draw_match_key(middle, layout.right());
 }
 
 float colour_bar_width(const Snapshot& snapshot, const Controls& controls) {
   // The width does not follow the frame's largest: the camera would be framed again from frame to frame.
   static const std::string kUsualLargest = "largest 88.8 mm";
   const std::optional<Heat> heat = heat_of(snapshot, controls);
-  return heat && controls.settings.hud.legend ? kBarMargin + widest_text(*heat, kUsualLargest) + kBarPadding : 0;
+  return heat ? kBarMargin + widest_text(*heat, kUsualLargest) + kBarPadding : 0;
 }
 
 void draw_colour_bar(const Snapshot& snapshot, const Controls& controls, const PanelLayout& layout) {
-  const float line = ImGui::GetTextLineHeight();
-  if (const std::string why = why_no_heat(snapshot, controls); !why.empty()) {
-    draw_text(*ImGui::GetBackgroundDrawList(), layout.right() - kBarMargin, layout.bottom() - kBarMargin - 0.5f * line,
-              kAccent, why);
-  }
   const std::optional<Heat> heat = heat_of(snapshot, controls);
-  if (!heat) return;
+  if (!heat || layout.overlaid.right == 0) return;
+  const float line = ImGui::GetTextLineHeight();
   const float height = std::min(kBarHeight, layout.bottom() - layout.menu - 4 * line - 2 * kBarMargin);
-  if (height < 40) return;
   const float right = layout.right() - kBarMargin, bottom = layout.bottom() - kBarMargin - 0.5f * line;
   const float left = right - kBarWidth, top = bottom - height;
   ImDrawList& list = *ImGui::GetBackgroundDrawList();

@@ -98,15 +98,20 @@ void draw_compare(const Snapshot& snapshot, Controls& controls) {
   if (!snapshot.compared.empty()) draw_errors(snapshot, controls);
 }
 
+bool shows_two_views(const Snapshot& snapshot, const Controls& controls) {
+  return controls.settings.compare.layout == CompareLayout::side_by_side && names_height(snapshot, controls) > 0;
+}
+
 float names_height(const Snapshot& snapshot, const Controls& controls) {
-  const bool shown = controls.settings.hud.legend && !snapshot.compared.empty() &&
-                     !controls.settings.compare.activation && !snapshot.cast.empty();
-  return shown ? kNamesTop + ImGui::GetFontSize() + 2 * kNamePadding : 0;
+  const bool compares = !snapshot.compared.empty() && !controls.settings.compare.activation && !snapshot.cast.empty();
+  return compares ? kNamesTop + ImGui::GetFontSize() + 2 * kNamePadding : 0;
 }
 
 void draw_comparison(const Snapshot& snapshot, Controls& controls, const PanelLayout& layout) {
   const ViewSettings::Compare& compare = controls.settings.compare;
-  if (names_height(snapshot, controls) == 0) return;
+  if (!controls.settings.hud.legend || names_height(snapshot, controls) == 0) return;
+  if (compare.layout == CompareLayout::wipe) draw_wipe(controls, layout);
+  if (layout.overlaid.top == 0) return;
   const std::string& shown = snapshot.cast.front().method;
   const float right = layout.right(), top = layout.menu + kNamesTop;
   const auto wipe = static_cast<float>(compare.wipe) * right;
@@ -118,7 +123,6 @@ void draw_comparison(const Snapshot& snapshot, Controls& controls, const PanelLa
     case CompareLayout::wipe:
       draw_name(shown, 0.5f * wipe, 0, wipe, top);
       draw_name(snapshot.compared, 0.5f * (wipe + right), wipe, right, top);
-      draw_wipe(controls, layout);
       break;
     case CompareLayout::overlay:
       draw_name(shown + " under " + snapshot.compared, 0.5f * right, 0, right, top);

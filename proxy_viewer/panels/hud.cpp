@@ -11,24 +11,47 @@
 namespace bodyopt {
 namespace {
 
-// Lines of text from the top left corner, on no window of their own.
+constexpr ImU32 kPlain = IM_COL32(190, 190, 194, 255);
+constexpr float kHudLeft = 14;
+
+// Takes the figures, a line each.
 class Lines {
  public:
-  Lines(float x, float y) : at_{x, y} {}
-
-  void add(const std::string& text, ImU32 colour = IM_COL32(190, 190, 194, 255)) {
-    ImDrawList& list = *ImGui::GetBackgroundDrawList();
-    list.AddText({at_.x + 1, at_.y + 1}, IM_COL32(0, 0, 0, 210), text.c_str());
-    list.AddText(at_, colour, text.c_str());
-    at_.y += ImGui::GetTextLineHeight() + 3;
-  }
-
+  virtual ~Lines() = default;
+  virtual void add(const std::string& text, ImU32 colour = kPlain) = 0;
   void add(double value, const char* unit, const std::string& what) {
     add(formatted("%.*f %s  ", value < 100 ? 2 : 0, value, unit) + what);
   }
+};
+
+// From the top left corner, on no window of their own, as long as there is room.
+class LinesOverPicture : public Lines {
+ public:
+  LinesOverPicture(float top, float bottom) : y_(top), bottom_(bottom) {}
+  using Lines::add;
+  void add(const std::string& text, ImU32 colour) override {
+    constexpr float kWidth = kHudWidth - kHudLeft;
+    const float height = ImGui::CalcTextSize(text.c_str(), nullptr, false, kWidth).y;
+    if (y_ + height > bottom_) return;
+    ImDrawList& list = *ImGui::GetBackgroundDrawList();
+    for (const auto& [off, ink] : {std::pair(1.0f, IM_COL32(0, 0, 0, 210)), {0.0f, colour}}) {
+      list.AddText(nullptr, 0, {kHudLeft + off, y_ + off}, ink, text.c_str(), nullptr, kWidth);
+    }
+    y_ += height + 3;
+  }
 
  private:
-  ImVec2 at_;
+  float y_, bottom_;
+};
+
+class LinesOfWindow : public Lines {
+ public:
+  using Lines::add;
+  void add(const std::string& text, ImU32 colour) override {
+    ImGui::PushStyleColor(ImGuiCol_Text, colour);
+    ImGui::TextUnformatted(text.c_str());
+    ImGui::PopStyleColor();
+  }
 };
 
 void add_coverage(const Snapshot& snapshot, Lines& lines) {
@@ -50,12 +73,6 @@ void add_pins(const Snapshot& snapshot, Lines& lines) {
   for (const MissedPin& pin : snapshot.missed_pins) lines.add(describe(pin), kErrorColour);
 }
 
-// Side by side, so many lines would cover the first body.
-bool stands_on_a_body(const Snapshot& snapshot, const Controls& controls) {
-  const ViewSettings::Compare& compare = controls.settings.compare;
-  return compare.layout == CompareLayout::side_by_side && !snapshot.compared.empty() && !compare.activation;
-}
-
 void add_times(const Snapshot& snapshot, Lines& lines) {
   lines.add(snapshot.frame_ms, "ms", "picture");
   lines.add(snapshot.draw_ms, "ms", "draw");
@@ -74,6 +91,15 @@ void add_turned(const Snapshot& snapshot, const Controls& controls, Lines& lines
   const auto count =
       std::ranges::count_if(snapshot.joints, [&](const JointRow& row) { return controls.is_posed(row.name); });
   if (count > 0) lines.add(std::to_string(count) + (count == 1 ? " joint posed" : " joints posed"), kAccent);
+}
+
+void add_figures(const Snapshot& snapshot, const Controls& controls, bool all, Lines& lines) {
+  if (snapshot.live) add_live(*snapshot.live, lines);
+  lines.add(snapshot.shown_fps, "fps", std::to_string(controls.playback.dropped()) + " dropped");
+  if (all) add_times(snapshot, lines);
+  add_turned(snapshot, controls, lines);
+  add_pins(snapshot, lines);
+  add_coverage(snapshot, lines);
 }
 
 // Errors stay for half a minute or until they are clicked away, other news for some seconds: the newest few.
@@ -97,31 +123,31 @@ float place_window(const PanelLayout& layout) {
                                         {layout.side, std::max(1.0f, kMostOfSide * (layout.bottom() - layout.menu))});
     return layout.side - 24;
   }
-  ImGui::SetNextWindowPos({12, layout.bottom() - 12}, ImGuiCond_Always, {0, 1});
-  ImGui::SetNextWindowSizeConstraints({0, 0}, {std::max(200.0f, layout.width - 24), layout.height});
+  const float high = layout.timeline > 0 ? layout.timeline : layout.height;
+  ImGui::SetNextWindowPos({12, layout.height - (layout.timeline > 0 ? 0 : 12)}, ImGuiCond_Always, {0, 1});
+  ImGui::SetNextWindowSizeConstraints({0, 0}, {std::max(200.0f, layout.width - 24), high});
   return std::max(200.0f, layout.width - 60);
 }
 
 }  // namespace
 
 void draw_hud(const Snapshot& snapshot, const Controls& controls, const PanelLayout& layout) {
-  Lines lines(14, layout.menu + 12);
-  if (snapshot.live) add_live(*snapshot.live, lines);
-  lines.add(snapshot.shown_fps, "fps", std::to_string(controls.playback.dropped()) + " dropped");
-  if (!stands_on_a_body(snapshot, controls)) add_times(snapshot, lines);
-  add_turned(snapshot, controls, lines);
-  add_pins(snapshot, lines);
-  add_coverage(snapshot, lines);
+  if (layout.overlaid.left == 0) return;
+  LinesOverPicture lines(layout.menu + 12, layout.bottom() - layout.overlaid.bottom);
+  add_figures(snapshot, controls, !shows_two_views(snapshot, controls), lines);
 }
 
-void draw_messages(Controls& controls, PanelLayout& layout) {
+void draw_messages(const Snapshot& snapshot, Controls& controls, PanelLayout& layout) {
   let_news_pass(controls.messages);
-  if (controls.messages.empty()) return;
+  const bool has_figures = controls.settings.hud.on && layout.overlaid.left == 0 && layout.side > 0;
+  if (controls.messages.empty() && !has_figures) return;
   const float width = place_window(layout);
   constexpr ImGuiWindowFlags kOverlay = ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_AlwaysAutoResize |
                                         ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoFocusOnAppearing;
   ImGui::Begin("Messages", nullptr, kOverlay);
   ImGui::PushTextWrapPos(width);
+  LinesOfWindow lines;
+  if (has_figures) add_figures(snapshot, controls, false, lines);
   for (const Message& message : controls.messages) {
     if (message.error) {
       ImGui::TextColored({1, 0.5f, 0.38f, 1}, "%s", message.text.c_str());

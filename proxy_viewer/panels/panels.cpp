@@ -83,6 +83,22 @@ PanelLayout layout_of(const Controls& controls, float width, float height) {
   return layout;
 }
 
+// Each takes a quarter of a view at most, or some more of its height: as much is left free on the other side.
+Overlaid overlaid(const Snapshot& snapshot, const Controls& controls, const PanelLayout& layout) {
+  constexpr float kMost = 0.25f, kMostHigh = 0.3f, kLowestBar = 132;
+  const float wide = kMost * layout.right() / (shows_two_views(snapshot, controls) ? 2 : 1),
+              high = kMostHigh * (layout.bottom() - layout.menu);
+  Overlaid over;
+  if (controls.settings.hud.legend) {
+    const float names = names_height(snapshot, controls), bar = colour_bar_width(snapshot, controls);
+    if (names <= high) over.top = names;
+    if (bar <= wide && layout.bottom() - layout.menu >= kLowestBar) over.right = bar;
+    over.bottom = colour_keys_height(snapshot, controls, over.right == 0, high);
+  }
+  if (controls.settings.hud.on && kHudWidth <= wide) over.left = kHudWidth;
+  return over;
+}
+
 using Draw = void (*)(const Snapshot&, Controls&);
 
 // The order is that of kSections.
@@ -237,11 +253,12 @@ bool slide(const char* label, int& value, int low, int high, const char* format,
   return slide_scalar(label, ImGuiDataType_S32, {&value, &low, &high}, format, help, 0);
 }
 
-Rectangle draw_panels(const Snapshot& snapshot, Controls& controls, std::uint32_t width, std::uint32_t height) {
+PictureRoom draw_panels(const Snapshot& snapshot, Controls& controls, std::uint32_t width, std::uint32_t height) {
   explained_keys = controls.keymap;
   PanelLayout layout = layout_of(controls, static_cast<float>(width), static_cast<float>(height));
+  layout.overlaid = overlaid(snapshot, controls, layout);
   if (controls.panels) draw_menu_bar(snapshot, controls);
-  draw_messages(controls, layout);
+  draw_messages(snapshot, controls, layout);
   if (layout.timeline > 0) draw_timeline(snapshot, controls, layout);
   if (layout.side > 0) draw_side_panel(snapshot, controls, layout);
   draw_comparison(snapshot, controls, layout);
@@ -256,7 +273,8 @@ Rectangle draw_panels(const Snapshot& snapshot, Controls& controls, std::uint32_
   if (asks) draw_question(controls, layout);
   if (controls.cheat_sheet) draw_cheat_sheet(controls, layout);
   const auto pixels = [](float value) { return static_cast<std::uint32_t>(std::max(1.0f, value)); };
-  return {0, static_cast<std::int32_t>(layout.menu), pixels(layout.right()), pixels(layout.bottom() - layout.menu)};
+  return {{0, static_cast<std::int32_t>(layout.menu), pixels(layout.right()), pixels(layout.bottom() - layout.menu)},
+          layout.overlaid};
 }
 
 void draw_loading(const std::string& text) {

@@ -63,8 +63,20 @@ void label_before(const char* text);
 // Returns the width of one of `count` widgets in a line.
 float share_of_line(int count);
 
-// Draws all panels in a window of so many pixels; gives the part that is left to the characters.
-Rectangle draw_panels(const Snapshot& snapshot, Controls& controls, std::uint32_t width, std::uint32_t height);
+// The edges of the picture over which something stands, points: framing leaves them free of bodies. What would take too
+// much of it stands elsewhere, or nowhere.
+struct Overlaid {
+  float top = 0, right = 0, bottom = 0, left = 0;
+};
+
+// The part of a window that panels leave to the characters.
+struct PictureRoom {
+  Rectangle area;
+  Overlaid overlaid;
+};
+
+// Draws all panels in a window of so many points.
+PictureRoom draw_panels(const Snapshot& snapshot, Controls& controls, std::uint32_t width, std::uint32_t height);
 
 // Draws the text in the middle of a picture without anything else.
 void draw_loading(const std::string& text);
@@ -76,6 +88,7 @@ struct PanelLayout {
   float side;            // width
   float messages = 0;    // height, at the foot of the side panel
   float sheet = 0;       // height, at the foot of the timeline
+  Overlaid overlaid{};   // of the picture
 
   float right() const { return width - side; }
   float bottom() const { return height - timeline; }
@@ -90,16 +103,23 @@ void draw_question(Controls& controls, const PanelLayout& layout);
 void draw_file_dialog(Controls& controls, const PanelLayout& layout);
 
 // Over the picture.
-// Points that the names of what is compared take at its top; 0 where none are shown.
+// Does the picture show two views, one beside the other?
+bool shows_two_views(const Snapshot& snapshot, const Controls& controls);
+// Points that the names of what is compared take at its top; 0 where there are none.
 float names_height(const Snapshot& snapshot, const Controls& controls);
 void draw_comparison(const Snapshot& snapshot, Controls& controls, const PanelLayout& layout);
-// Points that the colours of a heat map and what they mean take at its right; 0 where none are shown.
+// Points that the colours of a heat map and what they mean take at its right; 0 where there are none. Where these have
+// no room, they lie at its foot, in the first of the lines of draw_colour_keys().
 float colour_bar_width(const Snapshot& snapshot, const Controls& controls);
+// Points that as many of its lines as fit into `most` take at the picture's foot.
+float colour_keys_height(const Snapshot& snapshot, const Controls& controls, bool bar_lies, float most);
 void draw_colour_bar(const Snapshot& snapshot, const Controls& controls, const PanelLayout& layout);
 void draw_colour_keys(const Snapshot& snapshot, const Controls& controls, const PanelLayout& layout);
+constexpr float kHudWidth = 160;
 void draw_hud(const Snapshot& snapshot, const Controls& controls, const PanelLayout& layout);
-// Draws at the foot of the side panel, which gives way; over the picture where there is none.
-void draw_messages(Controls& controls, PanelLayout& layout);
+// Draws at the foot of the side panel, which gives way, with the figures that have no room over the picture. Without a
+// side panel messages are over the timeline, and without that over the picture.
+void draw_messages(const Snapshot& snapshot, Controls& controls, PanelLayout& layout);
 
 // Sections of the side panel.
 void draw_look(const Snapshot& snapshot, Controls& controls);

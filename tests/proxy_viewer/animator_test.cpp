@@ -189,6 +189,55 @@ TEST_F(AnimatorTest, FramingTheRangeSeesCopiesAndWhereItGoes) {
   EXPECT_LT(viewport->controls().camera.view().distance, 0.7 * still) << "copies take room";
 }
 
+// Names, colours and figures have room of their own beside bodies that are framed, or are left out.
+TEST_F(AnimatorTest, WhatStandsOverThePictureStandsOverNoBody) {
+  write_character(stand_in_human(), "human.glb");
+  ViewerOptions options = small();
+  options.files = {"human.glb"};
+  struct Size {
+    std::uint32_t width, height;
+    float density;
+  };
+  for (const char* layout : {"side-by-side", "overlay", "wipe"}) {
+    for (const Size& size : {Size{420, 240, 1}, {640, 360, 1}, {960, 540, 1}, {840, 480, 2}}) {
+      const auto viewport = open(options, "compare lbs; heat on; turn LeftArm 0 0 -40; layout " + std::string(layout));
+      viewport->screen.density = size.density;
+      viewport->resize(size.width, size.height);
+      viewport->play({viewport->at(9, 0.3 * size.height)});
+      viewport->prompt("frame-selection");
+      viewport->prompt("dolly 0.001");  // framed by hand: it stays so
+      const Image over = still(*viewport);
+      for (const char* command : {"legend off", "hud off"}) viewport->prompt(command);
+      const Image without = still(*viewport);
+      for (const char* command : {"heat off", "style silhouette", "shadow off", "grid off"}) viewport->prompt(command);
+      const Image bodies = still(*viewport);
+      viewport->prompt("dolly -60");
+      const Image far = still(*viewport);
+      std::size_t covered = 0, stands = 0, body = 0;
+      const bool has_side = static_cast<float>(size.width) >= 560 * size.density;
+      const float side = has_side ? size.density * window("Side").Min.x : static_cast<float>(size.width);
+      const float line = viewport->controls().settings.compare.layout == CompareLayout::wipe ? 0.5f * side : -9;
+      for (std::size_t k = 0; k < over.rgba.size(); k += 4) {
+        const auto x = static_cast<float>(k / 4 % size.width);
+        if (x >= side || std::abs(x - line) < 3 * size.density) continue;  // the wipe's line goes through bodies
+        const bool differs = !std::equal(&over.rgba[k], &over.rgba[k] + 3, &without.rgba[k]);
+        const bool is_body = bodies.rgba[k] < 40 && far.rgba[k] > 120;
+        body += is_body ? 1 : 0;
+        stands += differs ? 1 : 0;
+        covered += differs && is_body ? 1 : 0;
+      }
+      const std::string of = std::string(layout) + " " + std::to_string(size.width);
+      EXPECT_GT(body, over.width * over.height / 400) << of;
+      EXPECT_GT(stands, 500u) << of;
+      EXPECT_EQ(covered, 0u) << of;
+      if (const char* keep = std::getenv("BODYOPT_KEEP_PICTURES")) {
+        write_png(over, keep + ("/" + of + ".png"));
+        write_png(bodies, keep + ("/" + of + " bodies.png"));
+      }
+    }
+  }
+}
+
 // What was framed is seen whole from another side; who went nearer by hand stays there.
 TEST_F(AnimatorTest, AnotherSideIsFramed) {
   const auto viewport = open(small(), kBarePicture + "; legend off; top; frame-selection");

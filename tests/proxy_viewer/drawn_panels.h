@@ -114,7 +114,7 @@ class PanelsTest : public ::testing::Test {
   Rectangle draw(const Snapshot& snapshot, Controls& controls, std::uint32_t width = 1280, std::uint32_t height = 720) {
     visit_texts(snapshot, controls, [this](const std::string& text) { gui_.fonts().show(text); });
     gui_.begin(width, height, 1.0 / 60);
-    const Rectangle area = draw_panels(snapshot, controls, width, height);
+    const Rectangle area = draw_panels(snapshot, controls, width, height).area;
     gui_.end();
     return area;
   }
