@@ -209,8 +209,10 @@ void make_all(PictureSeries& series, const DrawPicture& draw) {
 
 void PictureTaking::take_screenshot(const std::string& file) {
   painter_.settle();
+  std::set<std::string> told;
   write_screenshot(
-      file, [this] { return painter_.draw_still(painter_.size()); }, session_.controls);
+      file, [&] { return session_.controls.headless ? draw_and_tell(told) : painter_.draw_still(painter_.size()); },
+      session_.controls);
 }
 
 void PictureTaking::take_sequence(const std::string& pattern) {
@@ -219,19 +221,22 @@ void PictureTaking::take_sequence(const std::string& pattern) {
 
 void PictureTaking::take_turntable(const std::string& pattern) { make(turntable_series(pattern, session_.controls)); }
 
+// Draws a picture without a window. Tells each joint once, where it first misses its pin.
+Image PictureTaking::draw_and_tell(std::set<std::string>& told) {
+  Image picture = painter_.draw_still(painter_.size());
+  for (const MissedPin& pin : session_.snapshot.missed_pins) {
+    if (!told.insert(pin.joint).second) continue;
+    session_.controls.warn("frame " + std::to_string(session_.controls.playback.frame()) + ": " + describe(pin));
+  }
+  return picture;
+}
+
 void PictureTaking::make(std::unique_ptr<PictureSeries> series) {
   painter_.set_series(series->count() > 1);
   if (session_.controls.headless) {
     const Finally ends{[this] { painter_.set_series(false); }};
-    std::set<std::string> told;  // each joint once, where it first misses its pin
-    return make_all(*series, [&] {
-      Image picture = painter_.draw_still(painter_.size());
-      for (const MissedPin& pin : session_.snapshot.missed_pins) {
-        if (!told.insert(pin.joint).second) continue;
-        session_.controls.warn("frame " + std::to_string(session_.controls.playback.frame()) + ": " + describe(pin));
-      }
-      return picture;
-    });
+    std::set<std::string> told;
+    return make_all(*series, [&] { return draw_and_tell(told); });
   }
   series_ = std::move(series);
   series_size_ = painter_.size();

@@ -8,6 +8,7 @@
 #include <future>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 
 #include "draw/animation.h"
@@ -120,6 +121,7 @@ class PictureTaking {
 
  private:
   void make(std::unique_ptr<PictureSeries> series);
+  Image draw_and_tell(std::set<std::string>& told);
   Image draw_playblast();
 
   Painter& painter_;

@@ -64,6 +64,8 @@ TEST_F(ViewProgramTest, APinOutOfReachIsSaidWithoutAWindow) {
   expect(result, 0, "frame 3: joint2: ");
   expect(result, 0, " mm from its pin, out of reach");
   EXPECT_EQ(result.output.find("joint2: "), result.output.rfind("joint2: ")) << "once, not of every picture";
+  expect(view(path("limb.glb") + " --do 'pin joint2 0 9 0; screenshot " + path("b.png") + "; quit'"), 0,
+         "frame 1: joint2: ");
 }
 
 TEST_F(ViewProgramTest, AJointMapTellsWhatMovesTheFirstCharacter) {
