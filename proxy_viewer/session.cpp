@@ -82,6 +82,11 @@ std::vector<std::string> Session::open_first() {
   const std::string file = options_.files.empty() ? "" : options_.files.front();
   const bool dataset = is_dataset(file);
   if (!dataset && has_extension(file, {".json"})) {
+    if (!options_.proxy.empty() || !options_.character.empty() || !options_.limits.empty() ||
+        !options_.joint_map.empty() || !options_.up.empty()) {
+      throw Error(ErrorKind::usage, file + ": a session names the files of its characters itself: leave out --proxy, " +
+                                        "--character, --limits, --joint-map and --up");
+    }
     open_session(file);
     return {};
   }

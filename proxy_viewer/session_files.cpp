@@ -74,11 +74,6 @@ void Session::export_skin(const std::string& file) {
 
 // All characters of the new session are read before the first of the old one goes.
 void Session::open_session(const std::string& file) {
-  if (!options_.proxy.empty() || !options_.character.empty() || !options_.limits.empty() ||
-      !options_.joint_map.empty() || !options_.up.empty()) {
-    throw Error(ErrorKind::usage, file + ": a session names the files of its characters itself: leave out --proxy, " +
-                                      "--character, --limits, --joint-map and --up");
-  }
   SessionFile session = read_session(file);
   std::vector<std::unique_ptr<Actor>> cast;
   std::vector<SessionCharacter> opened;

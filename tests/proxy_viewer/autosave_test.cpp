@@ -8,9 +8,14 @@
 
 #include <fstream>
 
+#include "proxy_viewer/picking.h"
+#include "proxy_viewer/scene/turn_rings.h"
 #include "proxy_viewer/state/recent_files.h"
 #include "shots/session/session_file.h"
 #include "tests/proxy_viewer/played_viewport.h"
+#include "tests/support/paths.h"
+#include "tests/support/run_verb.h"
+#include "tests/support/stand_in_human.h"
 
 namespace bodyopt::testing {
 namespace autosave_test {
@@ -203,6 +208,88 @@ TEST_F(LeavingTest, WhatASessionReplacesIsKept) {
   viewport->key("Ctrl+Q");
   EXPECT_TRUE(viewport->is_done());
   EXPECT_EQ(open(keeping(), "")->controls().recoverable, autosave().string());
+}
+
+// By mouse and keys: a squat over both feet, a wave that is copied and flipped, saved, more of it lost in a crash,
+// brought back, exported.
+TEST_F(LeavingTest, ASquatAndAWaveOutliveACrash) {
+  write_character(stand_in_human(), "human.glb");
+  ViewerOptions options = keeping();
+  options.files = {"human.glb"};
+  options.limits = kSourceFolder + "/rigs/human/limits.json";
+  options.width = 640;
+  options.height = 480;
+  const auto clicked = [](PlayedViewport& viewport, const std::string& joint) {
+    const Session& session = viewport.session();
+    const int place = session.scene.lead().basis().skeleton.find(joint);
+    const auto at = pixel_of(session.scene, viewport.controls(), {0, 0, 640, 480}, 320,
+                             session.scene.joint_centres(viewport.controls())[static_cast<std::size_t>(place)]);
+    viewport.click((*at)[0], (*at)[1]);
+    EXPECT_EQ(viewport.controls().joint, joint);
+  };
+  std::map<int, ViewSettings::PoseKey> keys;
+  {
+    const auto viewport = open(options, kBarePicture + "; skeleton on; orbit 25 10");
+    viewport->resize(640, 480);
+    for (const char* foot : {"LeftFoot", "RightFoot"}) {
+      clicked(*viewport, foot);
+      viewport->prompt("pin");
+    }
+    viewport->key("Alt+K");
+    viewport->key("Ctrl+C");
+    viewport->prompt("frame 20");
+    viewport->prompt("select Hips");
+    const MoveArrow up = move_arrows(viewport->session().scene, viewport->controls()).at(1);
+    const auto pixel = [&](double along) {
+      return *pixel_of(viewport->session().scene, viewport->controls(), {0, 0, 640, 480}, 320,
+                       up.from + along * (up.to - up.from));
+    };
+    viewport->drag(0, pixel(0.9), {pixel(0.4), pixel(-0.1)});
+    EXPECT_LT(viewport->controls().settings.pose.moves.at("Hips")[1], -0.15);
+    viewport->key("Alt+K");
+    viewport->prompt("frame 40");
+    viewport->key("Ctrl+V");
+    viewport->prompt("turn RightArm 0 0 -50");
+    viewport->key("Alt+K");
+    viewport->key("Ctrl+C");
+    viewport->prompt("frame 48");
+    viewport->key("Ctrl+Shift+V");
+    viewport->key("Alt+K");
+    viewport->prompt("ease spline");
+    EXPECT_TRUE(viewport->controls().settings.pose.keys.at(48).joints.contains("LeftArm"));
+    EXPECT_FALSE(viewport->controls().settings.pose.keys.at(48).joints.contains("RightArm"));
+    viewport->key("Ctrl+S");
+    viewport->type("wave.json");
+    viewport->key("Enter");
+    EXPECT_EQ(read_session("wave.json").view.pose.keys.size(), 4u);
+    viewport->prompt("frame 60");
+    viewport->prompt("turn Head 0 20 0");
+    viewport->key("Alt+K");
+    keys = viewport->controls().settings.pose.keys;
+    viewport->let_pass(61);
+  }
+  const auto viewport = open(options, "");
+  ASSERT_NE(viewport->controls().recoverable, "");
+  viewport->prompt("recover");
+  EXPECT_TRUE(viewport->controls().settings.pose.keys == keys);
+  viewport->key("Ctrl+S");
+  EXPECT_TRUE(read_session("wave.json").view.pose.keys == keys);
+  for (const char* command : {"in 1", "out 60", "export-skin take.pc2", "key", "save"}) viewport->prompt(command);
+  const ProgramResult result = run_verb("eval --session wave.json --device cpu --out evaluated.pc2");
+  ASSERT_EQ(result.exit_code, 0) << result.output;
+  const Pc2Reader seen("take.pc2"), evaluated("evaluated.pc2");
+  ASSERT_EQ(seen.sample_count(), 60u);
+  const auto lowest = [&](std::uint32_t sample) {
+    float low = 1e9f;
+    const std::vector<float> points = seen.sample(sample);
+    for (std::size_t k = 1; k < points.size(); k += 3) low = std::min(low, points[k]);
+    return low;
+  };
+  for (std::uint32_t k = 0; k < 60; ++k) {
+    EXPECT_NEAR(lowest(k), lowest(0), 0.02) << "feet stay on the ground in frame " << k + 1;
+    const std::vector<float> a = seen.sample(k), b = evaluated.sample(k);
+    for (std::size_t i = 0; i < a.size(); ++i) ASSERT_NEAR(a[i], b[i], 1e-5f) << k;
+  }
 }
 
 // Nobody quits later because a name was refused now.
