@@ -525,6 +525,7 @@ void Session::frame_range(std::uint32_t width, std::uint32_t height) {
   Playback& playback = controls.playback;
   const int shown = playback.frame(), first = playback.in(), last = playback.out();
   const Vec3 here = scene.whereabouts(shown);
+  const std::string joint = std::exchange(controls.joint, "");  // all are to be seen, not it alone
   std::vector<float> points;
   for (int look = 0; look <= kLooks; ++look) {
     playback.scrub(first + look * (last - first) / kLooks);
@@ -533,6 +534,7 @@ void Session::frame_range(std::uint32_t width, std::uint32_t height) {
     for (std::size_t k = 0; k < some.size(); ++k) points.push_back(some[k] - static_cast<float>(gone[k % 3]));
   }
   playback.scrub(shown);
+  controls.joint = joint;
   frame_points(std::move(points), width, height, {});
 }
 

@@ -182,8 +182,11 @@ TEST_F(AnimatorTest, FramingTheRangeSeesCopiesAndWhereItGoes) {
   viewport->prompt("move lower 0 3 0");
   viewport->prompt("key");
   viewport->prompt("frame 1");
+  viewport->prompt("select upper");
   viewport->key("Shift+F");
-  EXPECT_GT(viewport->controls().camera.view().distance, 1.1 * still) << "of what comes, too";
+  EXPECT_GT(viewport->controls().camera.view().distance, 1.1 * still) << "of what comes, too, and not of a joint alone";
+  EXPECT_EQ(viewport->controls().joint, "upper");
+  viewport->prompt("select");
   viewport->prompt("copies 1");
   viewport->prompt("frame-selection");
   EXPECT_LT(viewport->controls().camera.view().distance, 0.7 * still) << "copies take room";
