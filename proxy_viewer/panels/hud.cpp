@@ -133,7 +133,8 @@ float place_window(const PanelLayout& layout) {
 
 void draw_hud(const Snapshot& snapshot, const Controls& controls, const PanelLayout& layout) {
   if (layout.overlaid.left == 0) return;
-  LinesOverPicture lines(layout.menu + 12, layout.bottom() - layout.overlaid.bottom);
+  LinesOverPicture lines(layout.menu + std::max(12.0f, layout.overlaid.top + 4),
+                         layout.bottom() - layout.overlaid.bottom);
   add_figures(snapshot, controls, !shows_two_views(snapshot, controls), lines);
 }
 
