@@ -142,7 +142,7 @@ std::optional<DeformerCall> Detail::call_of(const SkinRequest& request) {
   Deformer& d = deformer(request.method, Use::show);
   d.set_weights(weights_of(request.method, request.weights));
   d.require_one_batch(request.poses);  // what is drawn is on the device
-  DeformerCall call{.deformer = &d, .poses = request.poses, .stays_on_device = !request.host};
+  DeformerCall call{.deformer = &d, .poses = request.poses, .stays_on_device = !request.host, .is_one_batch = true};
   if (request.method == SkinMethod::jiggle) call.frames = {&request.frame, 1};
   return call;
 }

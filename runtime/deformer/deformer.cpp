@@ -151,7 +151,9 @@ Deformer::Deformer(std::shared_ptr<const vulkan::DeviceModel> model, const std::
 
 Deformer::Deformer(const std::shared_ptr<const CharacterModel>& model, std::shared_ptr<const vulkan::Device> drawn_on,
                    const std::optional<JiggleOptions>& jiggle)
-    : Deformer(model, jiggle, make_drawn_backend(on_the_cpu(model, jiggle), std::move(drawn_on))) {}
+    : Deformer(model, jiggle,
+               make_drawn_backend(on_the_cpu(model, jiggle), std::move(drawn_on),
+                                  model->basis.mesh.rest.size() * sizeof(float))) {}
 
 // The rest coefficients, which must be zero before, come from the kernels that will run, so that rest gives rest
 // exactly.

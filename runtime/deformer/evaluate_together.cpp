@@ -15,6 +15,7 @@
 #include "runtime/host/rig.h"
 #include "runtime/host/stages.h"
 #include "runtime/vulkan/commands.h"
+#include "shaders/include/layout.h"
 
 namespace bodyopt {
 namespace {
@@ -171,6 +172,7 @@ class RunningCall {
       SplitRun* const split = deformer_.backend_->split();
       if (split == nullptr && call_.error) return;
       const BatchResult& result = split != nullptr ? split->finish() : deformer_.backend_->run(batch);
+      has_run_ = true;
       (split != nullptr ? host_seconds().download : host_seconds().wait) += watch.seconds();
       if (call_.error) return;
       const Stopwatch after_run;
@@ -192,14 +194,17 @@ class RunningCall {
   }
 
   // Once nothing is under way. A batch that failed left the motion as it was. But of several batches some may have been
-  // stepped: for those the motion was fetched from the device before the call.
+  // stepped: for those the motion was fetched from the device before the call. Of one that was stepped before something
+  // else failed the motion is lost, and starts anew.
   void end() {
     if (!call_.error || !has_before_) return;
-    if (is_several_) {
-      deformer_.set_state(memory_.before);
-    } else {
-      deformer_.state_ = memory_.before;
-    }
+    attempt([&] {
+      if (is_several_) {
+        deformer_.set_state(memory_.before);
+      } else {
+        deformer_.state_ = has_run_ ? JiggleState() : memory_.before;
+      }
+    });
   }
 
  private:
@@ -230,7 +235,7 @@ class RunningCall {
   }
 
   void check() {
-    if (call_.stays_on_device) deformer_.require_one_batch(call_.poses);
+    if (is_whole()) deformer_.require_one_batch(call_.poses);
     if (wants_tangents()) deformer_.require_tangents();
     if (!call_.frames) return;
     if (!deformer_.jiggles_) {
@@ -239,7 +244,7 @@ class RunningCall {
     if (call_.frames->size() != call_.poses.size()) {
       throw Error(ErrorKind::usage, call_.poses.size(), " poses have ", call_.frames->size(), " frame numbers");
     }
-    is_several_ = call_.poses.size() > deformer_.batch_limit();
+    is_several_ = next_count() < call_.poses.size();
     memory_.before = deformer_.state_;
     if (is_several_) memory_.before = deformer_.state();
     has_before_ = true;
@@ -247,12 +252,15 @@ class RunningCall {
 
   bool wants_tangents() const { return place_.tangents.data != nullptr; }
 
-  // As many as fit, and batches as long as each other: what was recorded for one then does for the next.
+  bool is_whole() const { return call_.stays_on_device || call_.is_one_batch; }
+
+  // As many as fit, and batches as long as each other: what was recorded for one then does for the next. Kernels run
+  // some frames together: a batch has a multiple of them.
   std::size_t next_count() const {
-    if (call_.stays_on_device) return call_.poses.size();
+    if (is_whole()) return call_.poses.size();
     const std::size_t left = call_.poses.size() - begin_, limit = std::max(1u, deformer_.batch_limit());
-    const std::size_t batches = (left + limit - 1) / limit;
-    return (left + batches - 1) / batches;
+    const std::size_t batches = (left + limit - 1) / limit, even = batches == 0 ? 0 : (left + batches - 1) / batches;
+    return std::min({left, limit, (even + kFramesTogether - 1) / kFramesTogether * kFramesTogether});
   }
 
   vulkan::Commands* start_batch() {
@@ -310,6 +318,7 @@ class RunningCall {
   SkinPlace place_{};
   bool has_before_ = false;                           // of a jiggle
   bool is_several_ = false;                           // batches
+  bool has_run_ = false;                              // one of them
   std::size_t begin_ = 0;                             // of the next batch, in poses
   const Batch *first_ = nullptr, *second_ = nullptr;  // under way
 };

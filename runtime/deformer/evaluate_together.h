@@ -29,6 +29,8 @@ struct DeformerCall {
   // Positions and normals stay on a device that others use, with the same bits, and are none of the result. There is
   // one batch: Error(usage) for more than largest_batch() poses.
   bool stays_on_device = false;
+  // There is one batch, too: all of its skin is on the device after the call, beside what goes to the host.
+  bool is_one_batch = false;
   // Positions, normals and tangents are written here, and are then none of the result. Error(usage) for tangents of a
   // model without texture coordinates.
   const SkinPlace* place = nullptr;

@@ -441,6 +441,28 @@ TEST_F(ActorTest, EveryPoseWearsItsOwn) {
   EXPECT_GT(character.reach(), character.size()) << "the blade stands off";
 }
 
+// The skin of every one is drawn, also where batches are short, as those of the CPU are.
+TEST_F(ActorTest, ManyDressedPosesAreOnTheDeviceTogether) {
+  const TemporaryFolder folder;
+  const auto software = std::make_shared<const vulkan::Device>(DeviceChoice{}, vulkan::DeviceUse{.draws = true});
+  for (const auto& device : {device_, software}) {
+    Actor character(device, {.basis = dressed(*jiggling_, folder), .clip = jiggling_->clip}, {}, pool_);
+    std::filesystem::remove(folder / "limb.safetensors");
+    std::vector<Pose> many;
+    for (int k = 0; k < 20; ++k) many.push_back(character.pose(1 + k % kClipFrames, {}));
+    const std::vector<float> result = character.evaluate(SkinMethod::full, many, 1, {}).positions;
+    const std::vector<float> drawn = testing::download(*device, *character.skin(SkinMethod::full).positions);
+    const MeshTable& mesh = character.basis().mesh;
+    const std::size_t skin = 3 * std::size_t{mesh.vertex_count()}, outputs = mesh.output_count();
+    ASSERT_GE(drawn.size(), many.size() * skin);
+    for (std::size_t k = 0; k < many.size(); ++k) {
+      for (std::size_t o = 0; o < outputs; ++o) {
+        ASSERT_EQ(drawn[k * skin + 3 * mesh.output_vertex[o]], result[3 * (k * outputs + o)]) << k << " " << o;
+      }
+    }
+  }
+}
+
 TEST_F(ActorTest, MoreDressedPosesThanABatchTakesAreRefused) {
   const TemporaryFolder folder;
   Actor character(device_, {.basis = dressed(*jiggling_, folder), .clip = jiggling_->clip}, {}, pool_);
