@@ -23,6 +23,20 @@ std::uint32_t count_bindings(std::span<const std::uint32_t> spirv) {
   return count;
 }
 
+// Once `ready` is signalled. Where it fails, what signals that has ended, as nothing waits for it.
+void submit_copies(const Device& device, std::span<const VkCommandBuffer> copies, VkSemaphore ready, VkFence fence) {
+  const VkPipelineStageFlags copying = VK_PIPELINE_STAGE_TRANSFER_BIT;
+  auto submit = structure<VkSubmitInfo>(VK_STRUCTURE_TYPE_SUBMIT_INFO);
+  submit.waitSemaphoreCount = 1;
+  submit.pWaitSemaphores = &ready;
+  submit.pWaitDstStageMask = &copying;
+  submit.commandBufferCount = static_cast<std::uint32_t>(copies.size());
+  submit.pCommandBuffers = copies.data();
+  const VkResult result = vkQueueSubmit(device.copy_queue(), 1, &submit, fence);
+  if (result != VK_SUCCESS) vkDeviceWaitIdle(device.handle());
+  check(result, "vkQueueSubmit");
+}
+
 bool overlap(const BufferRange& a, const BufferRange& b) {
   return a.buffer == b.buffer && a.offset < b.offset + b.size && b.offset < a.offset + a.size;
 }
@@ -196,6 +210,7 @@ void Commands::copy(const BufferRange& from, const BufferRange& to) {
 }
 
 void Commands::download(const BufferRange& from, const BufferRange& to) {
+  if (device_.copy_family() == device_.queue_family()) return copy(from, to);
   if (!downloads_) downloads_.emplace(device_);
   if (std::exchange(download_state_, DownloadState::open) == DownloadState::none) downloads_->begin();
   downloads_->copy(from, to);
@@ -309,41 +324,24 @@ void Commands::run() {
 void Commands::submit_together(std::span<Commands* const> all) {
   const Device& device = all.front()->device_;
   const VkFence fence = all.front()->fence_.get();
-  check(vkResetFences(device.handle(), 1, &fence), "vkResetFences");
+  for (Commands* commands : all) commands->has_run_ = false;
   std::vector<VkCommandBuffer> work, copies;
   VkSemaphore ready = VK_NULL_HANDLE;  // one is enough: it is signalled when all work is done
-  for (Commands* commands : all) {
-    commands->has_run_ = false;
+  for (const Commands* commands : all) {
     work.push_back(commands->commands_);
     if (commands->download_state_ != DownloadState::ended) continue;
     copies.push_back(commands->downloads_->handle());
     ready = commands->downloads_->ready();
   }
-  const VkPipelineStageFlags copying = VK_PIPELINE_STAGE_TRANSFER_BIT;
-  std::array<VkSubmitInfo, 2> submits;
-  submits.fill(structure<VkSubmitInfo>(VK_STRUCTURE_TYPE_SUBMIT_INFO));
-  submits[0].commandBufferCount = static_cast<std::uint32_t>(work.size());
-  submits[0].pCommandBuffers = work.data();
-  submits[0].signalSemaphoreCount = submits[1].waitSemaphoreCount = 1;
-  submits[0].pSignalSemaphores = submits[1].pWaitSemaphores = &ready;
-  submits[1].pWaitDstStageMask = &copying;
-  submits[1].commandBufferCount = static_cast<std::uint32_t>(copies.size());
-  submits[1].pCommandBuffers = copies.data();
-  if (copies.empty()) submits[0].signalSemaphoreCount = 0;
-  {
-    const std::lock_guard lock(device.queue_mutex());
-    const auto submit = [&](VkQueue queue, std::uint32_t first, std::uint32_t count, VkFence signalled) {
-      check(vkQueueSubmit(queue, count, &submits[first], signalled), "vkQueueSubmit");
-    };
-    if (copies.empty()) {
-      submit(device.queue(), 0, 1, fence);
-    } else if (device.copy_queue() == device.queue()) {
-      submit(device.queue(), 0, 2, fence);
-    } else {
-      submit(device.queue(), 0, 1, VK_NULL_HANDLE);
-      submit(device.copy_queue(), 1, 1, fence);
-    }
-  }
+  check(vkResetFences(device.handle(), 1, &fence), "vkResetFences");
+  const std::lock_guard lock(device.queue_mutex());
+  auto submit = structure<VkSubmitInfo>(VK_STRUCTURE_TYPE_SUBMIT_INFO);
+  submit.commandBufferCount = static_cast<std::uint32_t>(work.size());
+  submit.pCommandBuffers = work.data();
+  submit.signalSemaphoreCount = copies.empty() ? 0 : 1;
+  submit.pSignalSemaphores = &ready;
+  check(vkQueueSubmit(device.queue(), 1, &submit, copies.empty() ? fence : VK_NULL_HANDLE), "vkQueueSubmit");
+  if (!copies.empty()) submit_copies(device, copies, ready, fence);
   for (Commands* commands : all) {
     commands->pending_ = true;
     ++commands->submission_count_;

@@ -122,8 +122,8 @@ class Commands {
   void copy(const BufferRange& from, const BufferRange& to);  // the size of `from`
   void fill(const BufferRange& range, std::uint32_t word);
   void update(const BufferRange& range, std::span<const std::byte> bytes);  // as many as the range has; multiples of 4
-  // Copies once all that is recorded has run. What is submitted next runs beside it, where the device has a queue for
-  // copies. `from` is of Memory::fetched.
+  // Copies as copy(). Where the device has a queue for copies that does it once all that is recorded has run, and what
+  // is submitted next runs beside it. `from` is of Memory::fetched.
   void download(const BufferRange& from, const BufferRange& to);
   void record_into(VkCommandBuffer host);
   void forget_sets();

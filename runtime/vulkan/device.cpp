@@ -53,11 +53,10 @@ std::optional<std::uint32_t> compute_family(VkPhysicalDevice physical) {
 
 // A family that copies and nothing else, as hardware does beside computing; or the one that computes.
 std::uint32_t copy_family(VkPhysicalDevice physical, std::uint32_t computes) {
-  constexpr VkQueueFlags kMore = VK_QUEUE_GRAPHICS_BIT | VK_QUEUE_COMPUTE_BIT;
+  constexpr VkQueueFlags kBeside = VK_QUEUE_SPARSE_BINDING_BIT | VK_QUEUE_PROTECTED_BIT;
   const std::vector<VkQueueFamilyProperties> families = queue_families(physical);
   for (std::uint32_t f = 0; f < families.size(); ++f) {
-    const VkQueueFlags flags = families[f].queueFlags;
-    if (families[f].queueCount > 0 && (flags & VK_QUEUE_TRANSFER_BIT) && !(flags & kMore)) return f;
+    if (families[f].queueCount > 0 && (families[f].queueFlags & ~kBeside) == VK_QUEUE_TRANSFER_BIT) return f;
   }
   return computes;
 }

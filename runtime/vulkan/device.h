@@ -75,7 +75,7 @@ class Device {
   VkQueue queue() const { return queue_; }
   std::mutex& queue_mutex() const { return queue_mutex_; }  // held while work is submitted: one thread at a time may
   std::uint32_t queue_family() const { return queue_family_; }
-  // Those of queue() where the device, or the host program, has none for copies alone. The mutex is for both.
+  // For copies alone; those of queue() where the device, or the host program, has none. The mutex is for both.
   VkQueue copy_queue() const { return copy_queue_; }
   std::uint32_t copy_family() const { return copy_family_; }
   const DeviceInfo& info() const { return info_; }

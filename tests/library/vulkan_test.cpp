@@ -141,8 +141,6 @@ TEST_F(LibraryVulkan, RecordsFramesIntoTheHostsBuffer) {
   }
 }
 
-// Several characters of a picture in one command buffer.
-// As many as a crowd has, by as many dispatches as one.
 TEST_F(LibraryVulkan, RecordsACrowdAtOnce) {
   constexpr std::size_t kCrowd = 1000;
   const api::Model model = load_textured("");
@@ -157,6 +155,7 @@ TEST_F(LibraryVulkan, RecordsACrowdAtOnce) {
   expect_frames(host.run(), runner, poses, vertices, false);
 }
 
+// Several characters of a picture in one command buffer.
 TEST_F(LibraryVulkan, RecordsInstancesIntoOneCommandBuffer) {
   const api::Model model = load_textured(hero_dynamics());
   const api::Device device = share();

@@ -7,6 +7,9 @@
 namespace bodyopt::testing {
 namespace {
 
+const std::string kLittleMemory = " BODYOPT_HEAP=1000000";  // batches are short
+constexpr int kFew = 256, kMany = 768;                      // frames: a part, and three
+
 class DriverCallsTest : public WindowTest {
  protected:
   // What a picture needs more, once all is loaded.
@@ -17,6 +20,22 @@ class DriverCallsTest : public WindowTest {
     const int few = of_pictures(4), many = of_pictures(kClipFrames);
     EXPECT_EQ((many - few) % (kClipFrames - 4), 0);
     return (many - few) / (kClipFrames - 4);
+  }
+
+  std::filesystem::path out() const { return folder_ / "out.pc2"; }
+  ProgramResult evaluate(const std::string& environment, const std::string& basis, const std::string& clip,
+                         int last) const {
+    return run_program(environment + " " + kProgram + " eval " + basis + " --clip " + clip + " --frames 1-" +
+                       std::to_string(last) + " --require-device --out " + out().string());
+  }
+  DriverCalls of_an_evaluation(const std::string& basis, const std::string& clip, int last,
+                               const std::string& device = "") const {
+    return count_calls([&](const std::string& counting) { return evaluate(counting + device, basis, clip, last); });
+  }
+  static void expect_no_more_memory(const DriverCalls& few, const DriverCalls& many) {
+    EXPECT_EQ(many.allocations, few.allocations);
+    EXPECT_EQ(many.buffers, few.buffers);
+    EXPECT_EQ(many.sets, few.sets);
   }
 };
 
@@ -35,40 +54,42 @@ TEST_F(DriverCallsTest, SubmissionsOfSeveralMethodsAreThoseOfOne) {
 
 // Once all is loaded a frame is a submission of what is there: a part of a quasi-static clip, or a frame that jiggles.
 TEST_F(DriverCallsTest, FramesAllocateNothingOnTheDevice) {
-  constexpr int kFew = 256, kMany = 768;  // a part, and three
   const JigglingCharacter limb(folder_);
-  Clip clip = bending_clip(limb.made.basis.skeleton);
-  for (int k = kClipFrames; k < kMany; ++k) clip.poses.push_back(clip.poses[static_cast<std::size_t>(k % kClipFrames)]);
-  const std::string file = (folder_ / "long.glb").string();
-  write_clip(clip, limb.made.basis.skeleton, file);
+  const std::string clip = write_long_clip(folder_, limb.made.basis.skeleton, kMany);
   for (const auto& [options, submissions] : {std::pair(std::string(), 2), {std::string(" --jiggle"), kMany - kFew}}) {
     SCOPED_TRACE(options);
-    const auto calls = [&](int last) {
-      return count_calls([&](const std::string& counting) {
-        return run_program(counting + " " + kProgram + " eval " + limb.basis + options + " --clip " + file +
-                           " --frames 1-" + std::to_string(last) + " --require-device --out " +
-                           (folder_ / "out.pc2").string());
-      });
-    };
-    const DriverCalls few = calls(kFew), many = calls(kMany);
+    const DriverCalls few = of_an_evaluation(limb.basis + options, clip, kFew),
+                      many = of_an_evaluation(limb.basis + options, clip, kMany);
     EXPECT_EQ(many.submissions - few.submissions, submissions);
-    EXPECT_EQ(many.allocations, few.allocations);
-    EXPECT_EQ(many.buffers, few.buffers);
-    EXPECT_EQ(many.sets, few.sets);
+    expect_no_more_memory(few, many);
+    EXPECT_EQ(many.most_unwaited, 1);
   }
 }
 
-// Two submissions a part: what computes, and what copies once that is done.
+// While one runs the next is on its way.
+TEST_F(DriverCallsTest, TwoBatchesOfAPartAreUnderWay) {
+  const std::string clip = write_long_clip(folder_, small_.made.skeleton, kMany);
+  const DriverCalls few = of_an_evaluation(small_.basis, clip, kFew, kLittleMemory),
+                    many = of_an_evaluation(small_.basis, clip, kMany, kLittleMemory);
+  EXPECT_GT(many.submissions - few.submissions, 6);
+  EXPECT_EQ(many.most_unwaited, 2);
+  expect_no_more_memory(few, many);
+}
+
+// Two submissions a batch: what computes, and what copies once that is done.
 TEST_F(DriverCallsTest, AQueueForCopiesFetchesTheSameSkin) {
-  const std::string eval = std::string(kProgram) + " eval " + small_.basis + " --clip " + small_.clip +
-                           " --require-device --out " + (folder_ / "out.pc2").string();
-  const auto submissions = [&](const std::string& more) {
-    return count_submissions([&](const std::string& counting) { return run_program(counting + more + " " + eval); });
-  };
-  const int with_one_queue = submissions("");
-  const std::string skin = read_bytes(folder_ / "out.pc2");
-  EXPECT_EQ(submissions(" BODYOPT_COPY_FAMILY=1"), with_one_queue + 1);
-  EXPECT_EQ(read_bytes(folder_ / "out.pc2"), skin);
+  const std::string clip = write_long_clip(folder_, small_.made.skeleton, kFew), copies = " BODYOPT_COPY_FAMILY=1";
+  const int with_one_queue = of_an_evaluation(small_.basis, clip, kFew).submissions;
+  const std::string skin = read_bytes(out());
+  EXPECT_EQ(of_an_evaluation(small_.basis, clip, kFew, copies).submissions, with_one_queue + 1);
+  EXPECT_EQ(read_bytes(out()), skin);
+  std::filesystem::remove(out());
+  EXPECT_GT(of_an_evaluation(small_.basis, clip, kFew, copies + kLittleMemory).submissions, with_one_queue + 3);
+  EXPECT_EQ(read_bytes(out()), skin);
+  // The last submission copies: what computes is on its way.
+  const std::string call = "LOSE_DEVICE='vkQueueSubmit " + std::to_string(with_one_queue + 1) + "'";
+  const ProgramResult lost = evaluate(misbehaving_device(call) + copies, small_.basis, clip, kFew);
+  EXPECT_EQ(lost.exit_code, 5) << lost.output;
 }
 
 TEST_F(DriverCallsTest, TablesOfACharacterGoInOneSubmission) {

@@ -32,6 +32,15 @@ inline Clip bending_clip(const Skeleton& skeleton) {
   return clip;
 }
 
+// So many frames of that, over and over.
+inline std::string write_long_clip(const TemporaryFolder& folder, const Skeleton& skeleton, std::size_t frames) {
+  Clip clip = bending_clip(skeleton);
+  while (clip.poses.size() < frames) clip.poses.push_back(clip.poses[clip.poses.size() % kClipFrames]);
+  const std::string file = (folder / "long.glb").string();
+  write_clip(clip, skeleton, file);
+  return file;
+}
+
 // What the basis makes of every frame of the clip, moved by `away` metres upwards: `first_frame`, ... one a sample.
 inline void write_truth(const Basis& basis, const Clip& clip, float away, const std::filesystem::path& path) {
   Deformer deformer(basis, DeviceChoice{.name = "cpu"});

@@ -108,6 +108,7 @@ class WindowTest : public ::testing::Test {
   }
   struct DriverCalls {
     int submissions = 0, allocations = 0, buffers = 0, sets = 0;  // the last three: of memory, and made
+    int most_unwaited = 0;                                        // submissions at once
   };
   // `run` runs a program with this before its command.
   template <typename Run>
@@ -116,7 +117,7 @@ class WindowTest : public ::testing::Test {
     const ProgramResult result = run(misbehaving_device("COUNT_CALLS=" + file.string()));
     EXPECT_EQ(result.exit_code, 0) << result.output;
     DriverCalls calls;
-    std::ifstream(file) >> calls.submissions >> calls.allocations >> calls.buffers >> calls.sets;
+    std::ifstream(file) >> calls.submissions >> calls.allocations >> calls.buffers >> calls.sets >> calls.most_unwaited;
     EXPECT_GT(calls.submissions, 0);
     return calls;
   }

@@ -3,9 +3,11 @@
 // BODYOPT_LOSE_DEVICE_NOW is set. For one device at a time.
 // With BODYOPT_FAIL_ALLOCATION=5, the fifth allocation of memory fails, and all after it.
 // With BODYOPT_COUNT_CALLS=FILE, how many submissions, allocations of memory, buffers and descriptor sets there were is
-// written to that file as the program ends.
-// With BODYOPT_COPY_FAMILY set, the device has a further family, of one queue that copies and nothing else; what is
-// submitted to it goes to the first queue of the first family.
+// written to that file as the program ends, and how many submissions nobody had waited for yet at most.
+// With BODYOPT_COPY_FAMILY set, the device has a further family, of one queue that copies and nothing else. What is
+// submitted to it goes to the first queue of the first family, unless a device would fault it: where it does not wait
+// for the first queue, nothing waits for it, or it copies out of buffers that are not for both.
+// With BODYOPT_HEAP=BYTES no heap is larger.
 // With BODYOPT_KEEP_PIPELINES=FILE, what the driver is given to begin a pipeline cache with is written to that file.
 // With BODYOPT_OUT_OF_DATE set, the surface is out of date whenever something has been submitted since the last time it
 // was: for every picture, once. With BODYOPT_HOLD_FIRST_PICTURE set, the program waits for ever before it shows its
@@ -14,11 +16,13 @@
 #include <vulkan/vk_layer.h>
 #include <vulkan/vulkan.h>
 
+#include <algorithm>
 #include <atomic>
 #include <climits>
 #include <cstdlib>
 #include <cstring>
 #include <fstream>
+#include <set>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -44,9 +48,10 @@ struct Plan {
 struct CallCounts {
   ~CallCounts() {
     const char* file = std::getenv("BODYOPT_COUNT_CALLS");
-    if (file) std::ofstream(file) << submissions << ' ' << allocations << ' ' << buffers << ' ' << sets;
+    if (!file) return;
+    std::ofstream(file) << submissions << ' ' << allocations << ' ' << buffers << ' ' << sets << ' ' << most_unwaited;
   }
-  std::atomic<int> submissions{0}, allocations{0}, buffers{0}, sets{0};
+  std::atomic<int> submissions{0}, allocations{0}, buffers{0}, sets{0}, unwaited{0}, most_unwaited{0};
 } counts;
 
 const Plan& plan() {
@@ -73,6 +78,12 @@ struct CopyQueue {
 VkQueue first_queue = VK_NULL_HANDLE;
 std::uint32_t copy_family = UINT32_MAX;  // none
 PFN_vkGetPhysicalDeviceQueueFamilyProperties families_beneath = nullptr;
+PFN_vkGetPhysicalDeviceMemoryProperties memory_beneath = nullptr;
+std::set<VkBuffer> buffers_of_both;        // families
+std::set<VkCommandPool> copying_pools;     // of the copy family
+std::set<VkCommandBuffer> copying;         // likewise
+std::set<VkSemaphore> signalled_by_first;  // and not waited for
+bool copies_wrongly = false;
 
 VkQueue as_copy_queue() { return reinterpret_cast<VkQueue>(&copy_queue); }
 
@@ -93,6 +104,14 @@ VKAPI_ATTR void VKAPI_CALL queue_families(VkPhysicalDevice physical, std::uint32
   *count = own + 1;
 }
 
+VKAPI_ATTR void VKAPI_CALL memory_properties(VkPhysicalDevice physical, VkPhysicalDeviceMemoryProperties* memory) {
+  memory_beneath(physical, memory);
+  const char* most = std::getenv("BODYOPT_HEAP");
+  for (std::uint32_t h = 0; most && h < memory->memoryHeapCount; ++h) {
+    memory->memoryHeaps[h].size = std::min<VkDeviceSize>(memory->memoryHeaps[h].size, std::strtoull(most, nullptr, 10));
+  }
+}
+
 VKAPI_ATTR void VKAPI_CALL device_queue(VkDevice device, std::uint32_t family, std::uint32_t index, VkQueue* queue) {
   const auto next = reinterpret_cast<PFN_vkGetDeviceQueue>(next_of_device(device, "vkGetDeviceQueue"));
   next(device, family == copy_family ? 0 : family, index, queue);
@@ -106,13 +125,44 @@ VKAPI_ATTR VkResult VKAPI_CALL create_command_pool(VkDevice device, const VkComm
                                                    const VkAllocationCallbacks* allocator, VkCommandPool* pool) {
   VkCommandPoolCreateInfo own = *info;
   if (own.queueFamilyIndex == copy_family) own.queueFamilyIndex = 0;
-  return go_on<PFN_vkCreateCommandPool>("vkCreateCommandPool", device, &own, allocator, pool);
+  const VkResult result = go_on<PFN_vkCreateCommandPool>("vkCreateCommandPool", device, &own, allocator, pool);
+  if (info->queueFamilyIndex == copy_family) copying_pools.insert(*pool);
+  return result;
+}
+
+VKAPI_ATTR VkResult VKAPI_CALL allocate_commands(VkDevice device, const VkCommandBufferAllocateInfo* info,
+                                                 VkCommandBuffer* commands) {
+  const VkResult result = go_on<PFN_vkAllocateCommandBuffers>("vkAllocateCommandBuffers", device, info, commands);
+  if (copying_pools.contains(info->commandPool)) copying.insert(commands, commands + info->commandBufferCount);
+  return result;
+}
+
+VKAPI_ATTR void VKAPI_CALL copy_buffer(VkCommandBuffer commands, VkBuffer from, VkBuffer to, std::uint32_t count,
+                                       const VkBufferCopy* regions) {
+  if (copying.contains(commands) && !buffers_of_both.contains(from)) copies_wrongly = true;
+  reinterpret_cast<PFN_vkCmdCopyBuffer>(next_of_device(device_here, "vkCmdCopyBuffer"))(commands, from, to, count,
+                                                                                        regions);
+}
+
+// Of what is copied beside the first queue.
+bool is_in_order(const VkSubmitInfo& submit, VkFence fence) {
+  bool waits = false;
+  for (std::uint32_t k = 0; k < submit.waitSemaphoreCount; ++k) {
+    waits = signalled_by_first.erase(submit.pWaitSemaphores[k]) > 0 || waits;
+  }
+  return waits && fence != VK_NULL_HANDLE && !copies_wrongly;
 }
 
 VKAPI_ATTR VkResult VKAPI_CALL queue_submit(VkQueue queue, std::uint32_t count, const VkSubmitInfo* submits,
                                             VkFence fence) {
-  if (queue == as_copy_queue()) queue = first_queue;
   ++counts.submissions;
+  counts.most_unwaited = std::max(++counts.unwaited, counts.most_unwaited.load());
+  if (queue == as_copy_queue()) {
+    queue = first_queue;
+    if (!is_in_order(*submits, fence)) return VK_ERROR_DEVICE_LOST;
+  } else if (copy_family != UINT32_MAX && submits->signalSemaphoreCount > 0) {
+    signalled_by_first.insert(*submits->pSignalSemaphores);
+  }
   if (loses("vkQueueSubmit")) return VK_ERROR_DEVICE_LOST;
   has_submitted = true;
   return go_on<PFN_vkQueueSubmit>("vkQueueSubmit", queue, count, submits, fence);
@@ -141,7 +191,9 @@ VKAPI_ATTR VkResult VKAPI_CALL create_buffer(VkDevice device, const VkBufferCrea
   ++counts.buffers;
   VkBufferCreateInfo own = *info;
   if (copy_family != UINT32_MAX) own.sharingMode = VK_SHARING_MODE_EXCLUSIVE;
-  return go_on<PFN_vkCreateBuffer>("vkCreateBuffer", device, &own, allocator, buffer);
+  const VkResult result = go_on<PFN_vkCreateBuffer>("vkCreateBuffer", device, &own, allocator, buffer);
+  if (info->sharingMode == VK_SHARING_MODE_CONCURRENT) buffers_of_both.insert(*buffer);
+  return result;
 }
 
 VKAPI_ATTR VkResult VKAPI_CALL allocate_sets(VkDevice device, const VkDescriptorSetAllocateInfo* info,
@@ -155,6 +207,7 @@ VKAPI_ATTR VkResult VKAPI_CALL wait_for_fences(VkDevice device, std::uint32_t co
                                                VkBool32 all, std::uint64_t timeout) {
   if (is_lost) return VK_ERROR_DEVICE_LOST;
   const VkResult result = go_on<PFN_vkWaitForFences>("vkWaitForFences", device, count, fences, all, timeout);
+  --counts.unwaited;
   return loses("vkWaitForFences") ? VK_ERROR_DEVICE_LOST : result;
 }
 
@@ -205,6 +258,8 @@ VKAPI_ATTR VkResult VKAPI_CALL create_instance(const VkInstanceCreateInfo* info,
   const VkResult result = create(info, allocator, instance);
   instance_here = *instance;
   // Later the loader would give the layer's own.
+  memory_beneath = reinterpret_cast<PFN_vkGetPhysicalDeviceMemoryProperties>(
+      next_of_instance(*instance, "vkGetPhysicalDeviceMemoryProperties"));
   families_beneath = reinterpret_cast<PFN_vkGetPhysicalDeviceQueueFamilyProperties>(
       next_of_instance(*instance, "vkGetPhysicalDeviceQueueFamilyProperties"));
   return result;
@@ -255,7 +310,8 @@ VKAPI_ATTR PFN_vkVoidFunction VKAPI_CALL device_function(VkDevice device, const 
             entry("vkGetQueryPoolResults", query_results), entry("vkCreatePipelineCache", create_pipeline_cache),
             entry("vkAllocateMemory", allocate_memory), entry("vkCreateBuffer", create_buffer),
             entry("vkAllocateDescriptorSets", allocate_sets), entry("vkGetDeviceQueue", device_queue),
-            entry("vkCreateCommandPool", create_command_pool)},
+            entry("vkCreateCommandPool", create_command_pool), entry("vkAllocateCommandBuffers", allocate_commands),
+            entry("vkCmdCopyBuffer", copy_buffer)},
            name);
   return own ? own : next_of_device(device, name);
 }
@@ -264,7 +320,8 @@ VKAPI_ATTR PFN_vkVoidFunction VKAPI_CALL instance_function(VkInstance instance, 
   const PFN_vkVoidFunction own =
       find({entry("vkGetInstanceProcAddr", instance_function), entry("vkCreateInstance", create_instance),
             entry("vkCreateDevice", create_device), entry("vkGetDeviceProcAddr", device_function),
-            entry("vkGetPhysicalDeviceQueueFamilyProperties", queue_families)},
+            entry("vkGetPhysicalDeviceQueueFamilyProperties", queue_families),
+            entry("vkGetPhysicalDeviceMemoryProperties", memory_properties)},
            name);
   return own ? own : next_of_instance ? next_of_instance(instance, name) : nullptr;
 }

@@ -126,7 +126,6 @@ struct RecordedBatch {
 struct BatchSlot {
   explicit BatchSlot(const Device& device) : commands(device) {}
 
-  Commands commands;
   Buffer staging_in, staging_out;
   std::optional<OrderedSkin> skin;  // where one was fetched
   RecordedBatch recorded;
@@ -134,6 +133,7 @@ struct BatchSlot {
   bool has_new_buffers = true;  // that no descriptor set is of
   std::vector<Stage> stages;
   std::vector<Download> downloads;
+  Commands commands;  // last: it waits before its buffers go
 };
 
 }  // namespace bodyopt::vulkan

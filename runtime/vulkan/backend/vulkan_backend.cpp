@@ -41,7 +41,8 @@ class VulkanBackend final : public Backend, private SplitRun {
 
   // Of a large body as many frames as read a table together, where there is memory for them.
   std::uint32_t batch_limit() const override {
-    return most_frames(std::max(kBatchBytes, kFramesTogether * frame_bytes()));
+    const std::uint32_t most = most_frames(std::max(kBatchBytes, kFramesTogether * frame_bytes()));
+    return most < kFramesTogether ? most : most / kFramesTogether * kFramesTogether;
   }
   std::uint32_t largest_batch() const override { return most_frames(UINT64_MAX); }
 
@@ -107,7 +108,10 @@ class VulkanBackend final : public Backend, private SplitRun {
 
   const BatchResult& run(const Batch& batch) override {
     if (batch.frame_count == 0) return result_ = {};
-    start(batch, false).run();
+    Commands& commands = start(batch, false);
+    failed_ = true;  // until they have run
+    commands.run();
+    failed_ = false;
     BatchSlot& slot = finish_slot();
     for (const Download& download : slot.downloads) {
       const std::span<const float> values = download.values();
@@ -470,7 +474,11 @@ class VulkanBackend final : public Backend, private SplitRun {
     const RecordedBatch& batch = slot.recorded;
     const std::uint32_t frames = batch.frames;
     slot.downloads.clear();
-    if (!batch.stays_on_device && (batch.is_ordered || batch.wants_tangents)) order(slot);
+    if (!batch.stays_on_device && (batch.is_ordered || batch.wants_tangents)) {
+      order(slot);
+      slot.stages.push_back(Stage::output);
+      commands_->timestamp();
+    }
     const BatchBuffers& b = *buffers_;
     VkDeviceSize staged = 0;
     const auto add = [&](const Buffer& from, const Values& values, std::vector<float> BatchResult::*to) {
@@ -581,10 +589,9 @@ class VulkanBackend final : public Backend, private SplitRun {
   bool has_blend_;
   Buffer rest_coefficients_;
   std::unique_ptr<BatchBuffers> buffers_;
-  std::array<std::optional<BatchSlot>, 2> slots_;  // made when first wanted
-  std::size_t first_ = 0, under_way_ = 0;          // slots with batches that are not finished
-  std::size_t finished_ = 0;                       // the slot that was last
-  Commands* commands_ = nullptr;                   // that are being recorded
+  std::size_t first_ = 0, under_way_ = 0;  // slots with batches that are not finished
+  std::size_t finished_ = 0;               // the slot that was last
+  Commands* commands_ = nullptr;           // that are being recorded
   BatchResult result_;
   std::optional<VulkanDynamics> dynamics_;
   std::optional<Commands> host_commands_;  // where it records for the host program
@@ -594,6 +601,7 @@ class VulkanBackend final : public Backend, private SplitRun {
   Weights weights_;
   const Buffer* skin_ = nullptr;  // of the last batch
   mutable bool failed_ = false;
+  std::array<std::optional<BatchSlot>, 2> slots_;  // made when first wanted; last: they wait before all else goes
 };
 
 }  // namespace
