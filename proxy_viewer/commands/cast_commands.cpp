@@ -69,7 +69,8 @@ const Command kCastCommands[] = {
        marking.pairs.pop_back();
      }},
 
-    {"place", "NUMBER X Y Z|auto", "", "Cast", "where one of the cast begins, metres; auto: where there is room",
+    {"place", "NUMBER X Y Z|auto", "", "Cast",
+     "where one of the cast begins, its height over the ground, metres; auto: where there is room",
      [](Controls& c, const std::string& a) {
        const std::string expected = "a number of the cast and three coordinates, or auto";
        const std::vector<std::string> all = words(a);

@@ -115,13 +115,13 @@ std::array<float, 3> Scene::free_place(std::size_t index) const {
       {kSpacing * cast_[index]->size() * place_in_row(index), cast_.front()->ground() - cast_[index]->ground(), 0});
 }
 
-// Places it where it is to begin, or where there is room.
+// Places it where it is to begin, heights over the ground that is drawn, which is the lead's; or where there is room.
 std::array<float, 3> Scene::place(std::size_t index, const Controls& controls) const {
   const Actor& character = *cast_[index];
   const std::optional<Vec3>& at = placement(character, controls).at;
   if (!at) return free_place(index);
   const Vec3 begins = character.start();
-  return to_float(*at - Vec3{begins[0], character.ground(), begins[2]});
+  return to_float(*at - Vec3{begins[0], character.ground() - cast_.front()->ground(), begins[2]});
 }
 
 const Placement& Scene::placement(const Actor& character, const Controls& controls) const {

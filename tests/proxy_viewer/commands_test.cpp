@@ -238,7 +238,7 @@ const std::map<std::string, Case>& cases() {
         },
         {"1"}}},
       {"trail", {"on", [](C, C c) { return c.settings.ghosts.trail; }, {"yes"}}},
-      {"copies", {"12", [](C, C c) { return c.settings.cast.copies == 12; }, {"", "0", "101", "1.5"}}},
+      {"copies", {"12", [](C, C c) { return c.settings.cast.copies == 12; }, {"", "0", "1001", "1.5"}}},
       {"copy-delay", {"5", [](C, C c) { return c.settings.cast.delay == 5; }, {"", "-1", "1001"}}},
       {"mark", {"on", [](C, C c) { return c.marking.on; }, {"yes"}}},
       {"marker",

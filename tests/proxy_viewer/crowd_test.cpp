@@ -82,7 +82,7 @@ TEST_F(CrowdTest, WhoIsPlacedBeginsThere) {
   const std::array<float, 3> offset = scene_.look(controls_, kArea).at(0).skins.at(1).offset;
   const Actor& other = *scene_.cast()[1];
   EXPECT_NEAR(static_cast<double>(offset[0]) + other.start()[0], 2, 1e-6);
-  EXPECT_NEAR(static_cast<double>(offset[1]) + other.ground(), 0.5, 1e-6);
+  EXPECT_NEAR(static_cast<double>(offset[1]) + other.ground(), scene_.cast()[0]->ground() + 0.5, 1e-6);
   EXPECT_NEAR(static_cast<double>(offset[2]) + other.start()[2], -3, 1e-6);
 }
 
