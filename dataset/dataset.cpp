@@ -23,7 +23,7 @@ namespace {
 
 constexpr const char* kDatasetSchema = "bodyopt-dataset-1";
 constexpr const char* kStatusSchema = "bodyopt-frame-status-1";
-constexpr double kNoResidual = std::numeric_limits<double>::infinity();  // null: the solver blew up
+constexpr double kNoResidual = std::numeric_limits<double>::infinity();  // null: the solver blew up or gave up
 constexpr double kConverged = 1e-4;      // residual below which a frame counts as solved
 constexpr std::size_t kMaxReason = 300;  // characters of a message about text that may be long
 

@@ -98,6 +98,24 @@ TEST(CageBody, WalksToTheShapeThatTheOwnTetsWalkTo) {
   EXPECT_EQ(own.solve(folded).nodes, nested.solve(folded).nodes);
 }
 
+TEST(CageBody, AFrameThatTakesTooLongIsGivenUp) {
+  const Character limb = make_limb();
+  const auto solve = [&](int most) {
+    QuasiStaticBody body = quadratic(limb, {make_flexor()}, 150, false);
+    body.give_up_after(most);
+    return body.solve(bent(limb, degrees(80)));
+  };
+  const SolvedPose solved = quadratic(limb, {make_flexor()}, 150, false).solve(bent(limb, degrees(80)));
+  const int taken = solved.status.iterations;
+  const SolvedPose same = solve(taken + 1), given_up = solve(taken);
+  EXPECT_TRUE(same.status.converged);
+  EXPECT_EQ(same.nodes, solved.nodes);
+  EXPECT_FALSE(given_up.status.converged);
+  EXPECT_EQ(given_up.status.iterations, taken);
+  EXPECT_TRUE(std::isinf(given_up.status.residual));
+  EXPECT_TRUE(given_up.nodes.allFinite());
+}
+
 // Against tets a good deal finer.
 TEST(CageBody, TellsHowFarFinerTetsWouldMoveTheSkin) {
   const Character limb = make_limb();

@@ -168,6 +168,24 @@ TEST(Simulate, AFinishedTakeIsNotSolvedAgain) {
   EXPECT_NE(passive[1].inputs, more.status[1].inputs);
 }
 
+TEST(Simulate, AFrameGivenUpIsSolvedByWhoDoesNotGiveUp) {
+  const TemporaryFolder folder;
+  const Clip clip = bending_clip(make_limb(), 4);
+  const auto solve = [&](int give_up_after) {
+    return simulate(make_limb(), {}, clip, {11, 14}, folder / "take.pc2", folder / "take.json",
+                    {.tet_size = 0.05, .threads = 1, .give_up_after = give_up_after});
+  };
+  const std::vector<FrameStatus> given_up = solve(5);
+  EXPECT_TRUE(given_up[0].converged);  // at rest
+  EXPECT_FALSE(given_up[1].converged);
+  EXPECT_EQ(solve(5)[1].seconds, given_up[1].seconds);  // nothing was solved again
+  const std::vector<FrameStatus> solved = solve(SimulateOptions{}.give_up_after);
+  EXPECT_EQ(solved[0].seconds, given_up[0].seconds);
+  EXPECT_TRUE(solved[1].converged);
+  EXPECT_GT(solved[1].iterations, 5);
+  EXPECT_EQ(solve(5)[1].seconds, solved[1].seconds);
+}
+
 TEST(Simulate, AFrameSolvedAloneIsTheOneThatIsStored) {
   const TemporaryFolder folder;
   const Character limb = make_limb();

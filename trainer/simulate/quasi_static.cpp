@@ -316,14 +316,14 @@ Objective QuasiStaticBody::energy(const Target& at, std::span<const ContactPlane
   };
 }
 
-int QuasiStaticBody::follow(const Target& at, const Upright& upright, Positions& nodes) const {
+void QuasiStaticBody::follow(const Target& at, const Upright& upright, Positions& nodes, int& spent) const {
   const StiffModes metric(*metric_, nodes.rows(), {}, {});
   Lbfgs lbfgs(metric, force_floor_, max_move_);
   const std::vector<ContactPlane> contact = contact_->find(nodes, kContactMargin * contact_->scale());
-  return lbfgs.minimise(energy(at, contact, upright, false), kPathTolerance, kPathIterations, nodes).iterations;
+  spent += lbfgs.minimise(energy(at, contact, upright, false), kPathTolerance, kPathIterations, nodes).iterations;
 }
 
-MinimiseResult QuasiStaticBody::settle(const Target& at, Upright upright, Positions& nodes) const {
+double QuasiStaticBody::settle(const Target& at, Upright upright, Positions& nodes, int& spent) const {
   const auto [modes, stiffness] = volume_->stiff_modes(nodes);
   const StiffModes metric(*metric_, nodes.rows(), modes, stiffness);
   Lbfgs lbfgs(metric, force_floor_, max_move_);
@@ -334,8 +334,9 @@ MinimiseResult QuasiStaticBody::settle(const Target& at, Upright upright, Positi
   };
   HeldContact contact(*contact_, kContactMargin * contact_->scale(), nodes);
   int iterations = kContactIterations;
-  for (int round = 1; result.iterations < kMaxIterations; ++round) {
-    const int end = std::min(result.iterations + iterations, kMaxIterations);
+  const int most = std::clamp(most_iterations_ - spent, 1, kMaxIterations);
+  for (int round = 1; result.iterations < most; ++round) {
+    const int end = std::min(result.iterations + iterations, most);
     relax(contact.planes(), end - result.iterations);
     const bool has_turned_over = eighths_ && !upright.eighths && eighths_->inverted(nodes).tets > 0;
     upright.eighths = upright.eighths || has_turned_over;
@@ -345,23 +346,27 @@ MinimiseResult QuasiStaticBody::settle(const Target& at, Upright upright, Positi
     if (result.iterations < end && planes_fit) break;  // nothing lower can be found
     if (is_late) iterations *= 2;
   }
-  return result;
+  spent += result.iterations;
+  return result.residual;
 }
 
 SolvedPose QuasiStaticBody::solve_along(std::span<const Pose> path, std::span<const double> flex) const {
   const Stopwatch watch;
   require_flex(flex, muscles_.size());
+  int spent = 0;
   std::optional<SolvedPose> nested;
-  if (linear_ && path.size() == 1) nested = settle_from_linear(path.front(), flex);
-  SolvedPose solved = nested ? std::move(*nested) : attempt(path, flex, 1, kAtFirst);
+  if (linear_ && path.size() == 1) nested = settle_from_linear(path.front(), flex, spent);
+  SolvedPose solved = nested ? std::move(*nested) : attempt(path, flex, 1, kAtFirst, spent);
   const bool is_deep = solved.status.contact_depth > kTooDeep * contact_->scale();
-  if (!solved.status.converged || is_deep) {
-    const int before = solved.status.iterations;
-    SolvedPose again = attempt(path, flex, 0.5, kSteep);
-    const int iterations = before + again.status.iterations;
+  if ((!solved.status.converged || is_deep) && spent < most_iterations_) {
+    SolvedPose again = attempt(path, flex, 0.5, kSteep, spent);
     const bool is_shallower = again.status.contact_depth < solved.status.contact_depth;
     if (again.status.converged && (!solved.status.converged || is_shallower)) solved = std::move(again);
-    solved.status.iterations = iterations;
+  }
+  solved.status.iterations = spent;
+  if (spent >= most_iterations_) {
+    solved.status.converged = false;
+    solved.status.residual = std::numeric_limits<double>::infinity();
   }
   put_back_root_motion(path.back(), solved.nodes);
   append_loose_pieces(path.back(), solved.nodes);
@@ -370,19 +375,14 @@ SolvedPose QuasiStaticBody::solve_along(std::span<const Pose> path, std::span<co
 }
 
 // Settles; a firmer barrier then turns tets that stay inverted, if it can.
-void QuasiStaticBody::settle_upright(const Target& at, const Upright& upright, SolvedPose& solved) const {
-  MinimiseResult result = settle(at, upright, solved.nodes);
-  solved.status.iterations += result.iterations;
-  if (result.residual < kTolerance && inverted_tets(solved.nodes) > 0) {
-    Positions firm = solved.nodes;
-    const MinimiseResult again = settle(at, kFirm, firm);
-    solved.status.iterations += again.iterations;
-    if (again.residual < kTolerance && inverted_tets(firm) == 0) {
-      result = again;
-      solved.nodes = std::move(firm);
-    }
-  }
-  solved.status.residual = result.residual;
+void QuasiStaticBody::settle_upright(const Target& at, const Upright& upright, SolvedPose& solved, int& spent) const {
+  solved.status.residual = settle(at, upright, solved.nodes, spent);
+  if (!(solved.status.residual < kTolerance) || inverted_tets(solved.nodes) == 0) return;
+  Positions firm = solved.nodes;
+  const double residual = settle(at, kFirm, firm, spent);
+  if (!(residual < kTolerance) || inverted_tets(firm) > 0) return;
+  solved.status.residual = residual;
+  solved.nodes = std::move(firm);
 }
 
 std::vector<JointTransform> QuasiStaticBody::without_root_motion(const Pose& pose) const {
@@ -419,7 +419,7 @@ void QuasiStaticBody::judge(SolvedPose& solved) const {
 
 // step_size: of the largest steps allowed.
 SolvedPose QuasiStaticBody::attempt(std::span<const Pose> path, std::span<const double> flex, double step_size,
-                                    const Upright& upright) const {
+                                    const Upright& upright, int& spent) const {
   const double hardest = flex.empty() ? 0 : *std::max_element(flex.begin(), flex.end());
   SolvedPose solved;
   Positions& nodes = solved.nodes;
@@ -442,9 +442,9 @@ SolvedPose QuasiStaticBody::attempt(std::span<const Pose> path, std::span<const 
       }
       nodes = std::move(start);
       if (next < 1 || !last) {
-        solved.status.iterations += follow(there, upright, nodes);
+        follow(there, upright, nodes, spent);
       } else {
-        settle_upright(there, upright, solved);
+        settle_upright(there, upright, solved, spent);
       }
       here = std::move(there);
       at = next;
@@ -466,12 +466,13 @@ void QuasiStaticBody::walk_in(std::unique_ptr<const QuasiStaticBody> linear) {
 
 // Nothing where the linear tets find no rest or are folded deeper than their contact can tell, or what they carry is
 // tangled.
-std::optional<SolvedPose> QuasiStaticBody::settle_from_linear(const Pose& pose, std::span<const double> flex) const {
-  SolvedPose solved = linear_->attempt(std::span(&pose, 1), flex, 1, kAtFirst);
+std::optional<SolvedPose> QuasiStaticBody::settle_from_linear(const Pose& pose, std::span<const double> flex,
+                                                              int& spent) const {
+  SolvedPose solved = linear_->attempt(std::span(&pose, 1), flex, 1, kAtFirst, spent);
   if (!solved.status.converged || solved.status.contact_depth > kDeepFold * contact_->scale()) return {};
   solved.nodes = Positions(from_corners_ * solved.nodes);
   if (tissue_->inverted(solved.nodes).share > kMostTangled) return {};
-  settle_upright(target(without_root_motion(pose), flex), kAtFirst, solved);
+  settle_upright(target(without_root_motion(pose), flex), kAtFirst, solved, spent);
   judge(solved);
   return solved;
 }

@@ -1,6 +1,7 @@
 // The shape a body takes in a pose: elastic equilibrium between bones that drive and skin that is free.
 #pragma once
 
+#include <limits>
 #include <memory>
 #include <optional>
 
@@ -34,6 +35,10 @@ class QuasiStaticBody {
   // Poses are reached in `linear` from now on, the body of the linear tets that this one's were made of (second_order).
   // They are only settled in this one.
   void walk_in(std::unique_ptr<const QuasiStaticBody> linear);
+
+  // A frame that takes this many iterations, all attempts together, is given up: it does not converge, and its
+  // residual is infinite. Others are the same as without.
+  void give_up_after(int iterations) { most_iterations_ = iterations; }
 
   // A body of the same skin in fewer, larger tets, to estimate its discretisation error.
   void compare_with(std::unique_ptr<const QuasiStaticBody> coarser) { coarser_ = std::move(coarser); }
@@ -79,7 +84,8 @@ class QuasiStaticBody {
   const BoneSprings& springs() const { return *springs_; }
   const NodeWeights& weights() const { return weights_; }
 
-  // xxh3 of everything a solution depends on, the pose apart: two bodies of the same hash give the same shapes.
+  // xxh3 of everything a solution depends on, the pose apart: two bodies of the same hash give the same shapes, but for
+  // frames that one of them gives up.
   std::uint64_t hash() const { return hash_; }
 
  private:
@@ -100,10 +106,10 @@ class QuasiStaticBody {
   };
   static constexpr Upright kAtFirst{Tissue::kBarrier, false}, kSteep{Tissue::kSteepBarrier, true},
       kFirm{Tissue::kFirmBarrier, true};
-  // Each with the root's motion taken out, and without loose pieces.
-  SolvedPose attempt(std::span<const Pose> path, std::span<const double> flex, double step_size,
-                     const Upright& upright) const;
-  std::optional<SolvedPose> settle_from_linear(const Pose& pose, std::span<const double> flex) const;
+  // Each with the root's motion taken out, and without loose pieces. `spent` counts the iterations of the frame.
+  SolvedPose attempt(std::span<const Pose> path, std::span<const double> flex, double step_size, const Upright& upright,
+                     int& spent) const;
+  std::optional<SolvedPose> settle_from_linear(const Pose& pose, std::span<const double> flex, int& spent) const;
   LocalTransforms without_root_motion(const Pose& pose) const;
   void put_back_root_motion(const Pose& pose, Positions& nodes) const;
   int inverted_tets(const Positions& nodes) const;  // of those that are summed and, of second order, those that carry
@@ -116,12 +122,13 @@ class QuasiStaticBody {
   // at and contact must outlive it.
   Objective energy(const Target& at, std::span<const ContactPlane> contact, const Upright& upright,
                    bool hold_volume) const;
-  // Keeps a shape near the path, roughly and without holding the volume of muscles. Returns iterations.
-  int follow(const Target& at, const Upright& upright, Positions& nodes) const;
-  // Relaxes to equilibrium, or as near as it gets. Eighths that turn over on the way are held from then on.
-  MinimiseResult settle(const Target& at, Upright upright, Positions& nodes) const;
-  // Settles upright: sets the nodes, iterations and residual of `solved`.
-  void settle_upright(const Target& at, const Upright& upright, SolvedPose& solved) const;
+  // Keeps a shape near the path, roughly and without holding the volume of muscles.
+  void follow(const Target& at, const Upright& upright, Positions& nodes, int& spent) const;
+  // Relaxes to equilibrium, or as near as it gets, and returns the residual. Eighths that turn over on the way are held
+  // from then on.
+  double settle(const Target& at, Upright upright, Positions& nodes, int& spent) const;
+  // Settles upright: sets the nodes and residual of `solved`.
+  void settle_upright(const Target& at, const Upright& upright, SolvedPose& solved, int& spent) const;
 
   Skeleton skeleton_;
   std::vector<Muscle> muscles_;
@@ -147,7 +154,8 @@ class QuasiStaticBody {
   std::unique_ptr<const QuasiStaticBody> linear_;  // null where poses are walked to in the own tets
   SparseMatrix from_corners_;                      // N x C: from the nodes of the linear tets; empty in linear tets
   std::unique_ptr<const QuasiStaticBody> coarser_;
-  double force_floor_ = 0, max_move_ = 0;  // of the solver
+  double force_floor_ = 0, max_move_ = 0;                  // of the solver
+  int most_iterations_ = std::numeric_limits<int>::max();  // of a frame
   std::uint64_t hash_ = 0;
 };
 

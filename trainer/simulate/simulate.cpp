@@ -109,24 +109,25 @@ std::vector<float> stored_sample(const NodesReader& cache, std::uint32_t k) {
   return {nodes.data(), nodes.data() + nodes.size()};
 }
 
+// `finished` are the frames of the cache. Those that were given up are only taken by who gives up, too.
 template <typename Reader>
-void adopt_samples(const Reader& cache, const std::vector<FrameStatus>& finished, const std::vector<Job>& jobs,
-                   std::size_t values, PartialShapes& partial) {
+void adopt_samples(const Reader& cache, const std::vector<FrameStatus>& finished, bool gives_up,
+                   const std::vector<Job>& jobs, std::size_t values, PartialShapes& partial) {
   if (cache.sample_count() != finished.size()) return;
   std::set<std::uint64_t> wanted;
   for (const Job& job : jobs) wanted.insert(job.key);
   for (std::size_t k = 0; k < finished.size(); ++k) {
     const std::uint64_t key = finished[k].inputs;
-    if (!wanted.contains(key) || partial.has(key)) continue;
+    if (!wanted.contains(key) || partial.has(key) || (!gives_up && std::isinf(finished[k].residual))) continue;
     const std::vector<float> sample = stored_sample(cache, static_cast<std::uint32_t>(k));
     if (sample.size() == values) partial.append(key, finished[k], sample);
   }
 }
 
 // Takes the frames of the jobs over from a finished cache.
-void adopt_finished(const std::filesystem::path& cache, const std::filesystem::path& status, bool draft,
-                    const std::vector<Job>& jobs, std::size_t values,
-                    const std::function<void(const std::string&)>& warn, PartialShapes& partial) {
+void adopt_finished(const std::filesystem::path& cache, const std::filesystem::path& status,
+                    const SimulateOptions& options, const std::vector<Job>& jobs, std::size_t values,
+                    PartialShapes& partial) {
   if (!std::filesystem::exists(cache) || !std::filesystem::exists(status)) return;
   const std::vector<FrameStatus> finished = read_frame_status(status);
   std::set<std::uint64_t> wanted;
@@ -134,15 +135,16 @@ void adopt_finished(const std::filesystem::path& cache, const std::filesystem::p
   const auto other = std::count_if(finished.begin(), finished.end(),
                                    [&](const FrameStatus& frame) { return !wanted.contains(frame.inputs); });
   if (other > 0) {
-    warn(
+    options.warn(
         std::to_string(other) + " finished frames in " + cache.string() +
         " are of other inputs (character, muscles, materials, body fat, kind, tet size, motion, controls or version) and will be "
         "replaced");
   }
-  if (draft) {
-    adopt_samples(NodesReader(cache), finished, jobs, values, partial);
+  const bool gives_up = options.give_up_after < SimulateOptions{}.give_up_after;
+  if (options.draft) {
+    adopt_samples(NodesReader(cache), finished, gives_up, jobs, values, partial);
   } else {
-    adopt_samples(Pc2Reader(cache), finished, jobs, values, partial);
+    adopt_samples(Pc2Reader(cache), finished, gives_up, jobs, values, partial);
   }
 }
 
@@ -271,10 +273,12 @@ namespace {
 QuasiStaticBody body_in(const Cage& cage, const Character& character, const std::vector<Muscle>& muscles,
                         const AnatomyField& anatomy, const SimulateOptions& options) {
   QuasiStaticBody linear(character, muscles, anatomy, cage, options.materials);
+  linear.give_up_after(options.give_up_after);
   const CageLimits limits = limits_of(character, options.draft);
   const Eigen::Index most = options.draft ? limits.nodes : limits.finer_nodes;
   if (cage.is_lattice || cage.mesh.nodes.rows() > most) return linear;
   QuasiStaticBody body(character, muscles, anatomy, second_order(cage), options.materials);
+  body.give_up_after(options.give_up_after);
   body.walk_in(std::make_unique<QuasiStaticBody>(std::move(linear)));
   return body;
 }
@@ -366,7 +370,7 @@ std::vector<FrameStatus> simulate(const QuasiStaticBody& body, const Character& 
   };
   const std::vector<Job> jobs = jobs_of(body, muscles, clip, frames);
   PartialShapes partial(partial_path, body.hash(), values, options.warn);
-  adopt_finished(cache, status, options.draft, jobs, values, options.warn, partial);
+  adopt_finished(cache, status, options, jobs, values, partial);
   solve_all(body, open_jobs(jobs, partial), options.threads, stored, partial);
 
   const auto skin_of = [&](const std::vector<float>& sample) {

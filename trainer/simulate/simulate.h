@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <functional>
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -16,9 +17,10 @@
 namespace bodyopt {
 
 struct SimulateOptions {
-  double tet_size = 0;  // of the skin's own tets inside, metres; 0: a coarser skin
-  int threads = 0;      // 0: all
-  bool draft = false;   // in a coarser cage; the cache then holds nodes (nodes_cache.h)
+  double tet_size = 0;                                  // of the skin's own tets inside, metres; 0: a coarser skin
+  int threads = 0;                                      // 0: all
+  bool draft = false;                                   // in a coarser cage; the cache then holds nodes (nodes_cache.h)
+  int give_up_after = std::numeric_limits<int>::max();  // iterations of a frame
   Materials materials{};
   AnatomyOptions anatomy{};
   // Receives warnings before the work begins; of stretched loose pieces, at the end.
