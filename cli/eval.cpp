@@ -7,7 +7,6 @@
 #include "assets/cache_writer.h"
 #include "base/frame_range.h"
 #include "base/json_file.h"
-#include "base/progress.h"
 #include "cli/arguments/common.h"
 #include "cli/arguments/shot_arguments.h"
 #include "cli/results/evaluation_log.h"
@@ -105,11 +104,9 @@ class ShotRun : public SkinSink {
 
   void evaluate_frames() {
     kept_ = take_up();
-    if (kept_ == 0) preroll(shot_, warn);
     if (kept_ > 0) spdlog::info("goes on after frame {}", shot_.frames[kept_ - 1]);
-    Progress progress("eval", shot_.frames.size() - kept_,
+    bodyopt::evaluate(shot_, *this, "eval", kept_,
                       task_ != nullptr ? "the same command goes on from what is kept of it" : "nothing of it is kept");
-    bodyopt::evaluate(shot_, *this, progress, kept_);
   }
 
   // How many frames the checkpoint holds; 0: there is none.
@@ -161,8 +158,9 @@ class ShotRun : public SkinSink {
 
 Json attached_of(const Shot& shot, const ShotCaches& caches) {
   Json list = Json::array();
-  for (std::size_t k = 0; k < shot.attached.meshes.size(); ++k) {
-    const AttachedMesh& mesh = shot.attached.meshes[k];
+  const std::vector<AttachedMesh>& meshes = shot.following.attached().meshes;
+  for (std::size_t k = 0; k < meshes.size(); ++k) {
+    const AttachedMesh& mesh = meshes[k];
     list.push_back({{"name", mesh.name}, {"points", mesh.vertex_count()}, {"cache", caches.attached_paths()[k]}});
   }
   return list;

@@ -3,7 +3,6 @@
 #include <utility>
 
 #include "assets/controls.h"
-#include "base/progress.h"
 #include "proxy_viewer/commands/flipped_pose.h"
 #include "proxy_viewer/session.h"
 #include "runtime/basis/character_unit.h"
@@ -54,19 +53,11 @@ void Session::export_clip(const std::string& file) {
 void Session::export_skin(const std::string& file) {
   refuse_input(file);
   const Actor& lead = scene.lead();
-  const ViewSettings& settings = controls.settings;
-  Shot shot =
-      lead.shot(settings.pose, weights_of(controls), settings.jiggle.on && lead.has_at_finest(SkinMethod::jiggle));
-  shot.frames = frames_to_export(file);
   const Tell tell = [&](const std::string& note) { controls.warn(note); };
+  Shot shot = lead.shot(controls.settings, frames_to_export(file), tell);
   if (holds_triangles(file)) take_surfaces(lead.files().own_file(), lead.like(), shot, tell);
   ShotCaches caches({.out = file}, shot);
-  if (shot.jiggles) {
-    shot.preroll = usual_preroll(shot);
-    preroll(shot, tell);
-  }
-  Progress progress("export", shot.frames.size());
-  evaluate(shot, caches, progress);
+  evaluate(shot, caches, "export");
   caches.close();
   controls.say("wrote " + file);
   for (const std::string& attached : caches.attached_paths()) controls.say("wrote " + attached);

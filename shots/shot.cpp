@@ -7,12 +7,13 @@
 #include <numeric>
 #include <sstream>
 
+#include "assets/shot_modifiers.h"
 #include "base/progress.h"
 #include "runtime/basis/dynamics.h"
 #include "runtime/core/error.h"
 #include "runtime/deformer/evaluate_together.h"
 #include "runtime/deformer/evaluation.h"
-#include "runtime/host/carry_skin.h"
+#include "runtime/modifiers/drive_modifiers.h"
 #include "runtime/threads/tbb_executor.h"
 #include "shots/bound_attachments.h"
 #include "shots/clip_choice.h"
@@ -30,6 +31,16 @@ void evaluate_part(Shot& shot, std::span<const Pose> poses, std::span<const int>
   } catch (const Error& error) {
     if (!shot.checks) throw;
     throw Error(error.kind(), "frame ", frames.front(), ": ", error.what());
+  }
+}
+
+void preroll(Shot& shot) {
+  if (shot.preroll == 0) return;
+  Progress progress("pre-roll", static_cast<std::size_t>(shot.preroll));
+  const int first = shot.frames.front();
+  for (int frame = first - shot.preroll; frame < first; ++frame) {
+    shot.deformer->jiggle(poses_of(shot.clip, {frame}), {&frame, 1});
+    progress.advance();
   }
 }
 
@@ -58,32 +69,32 @@ Clip Shot::played_clip() const {
 
 std::string problem_of_rate(const Dynamics& dynamics, const Clip& clip) {
   const double rate = static_cast<double>(dynamics.jiggle.step.frames_per_second);
-  if (std::abs(clip.fps - rate) <= 1e-3 * rate) return "";
+  if (clip.poses.size() < 2 || std::abs(clip.fps - rate) <= 1e-3 * rate) return "";  // a pose has no rate of its own
   std::ostringstream text;
   text << "the dynamics step " << rate << " frames a second, the clip has " << clip.fps << ": sample it with --fps "
        << rate << ", or make the dynamics anew with 'bodyopt dynamics --fps " << clip.fps << "'";
   return text.str();
 }
 
-int usual_preroll(const Shot& shot) {
-  if (shot.frames.empty()) return 0;
-  return std::min(static_cast<int>(shot.clip.fps), shot.frames.front() - shot.clip.first_frame);
+int usual_preroll(const Clip& clip, int first) {
+  return std::min(static_cast<int>(clip.fps), first - clip.first_frame);
 }
 
-void preroll(Shot& shot, const Tell& tell) {
-  if (shot.preroll == 0 || shot.frames.empty()) return;
-  const int first = shot.frames.front(), begin = std::max(shot.clip.first_frame, first - shot.preroll);
-  if (first - begin < shot.preroll) {
-    tell(concat("the clip has ", first - begin, " frames before frame ", first, ": the pre-roll is that short"));
-  }
-  Progress progress("pre-roll", static_cast<std::size_t>(first - begin));
-  for (int frame = begin; frame < first; ++frame) {
-    shot.deformer->jiggle(poses_of(shot.clip, {frame}), {&frame, 1});
-    progress.advance();
-  }
+void pose_shot(const ShotPosing& posing, Shot& shot, const Tell& tell) {
+  const Basis& basis = shot.basis();
+  shot.deformer->set_weights({.correction = static_cast<float>(posing.pose.correction), .jiggle = posing.jiggle});
+  shot.clip = posed_clip(std::move(shot.clip), basis.skeleton, posing.turning, posing.pose);
+  std::vector<std::string> known = basis.residual.controls;
+  for (const std::string& name : modifier_channels(basis.modifiers)) known.push_back(name);
+  set_channels(posing.channels, known, shot.clip);
+  for (const std::string& note : apply_channels(basis, shot.clip)) tell(note);
+  const std::string problem = shot.jiggles ? problem_of_rate(*shot.deformer->dynamics(), shot.clip) : "";
+  if (!problem.empty()) throw Error(ErrorKind::mismatch, problem);
 }
 
-void evaluate(Shot& shot, SkinSink& sink, Progress& progress, std::size_t begin) {
+void evaluate(Shot& shot, SkinSink& sink, const std::string& label, std::size_t begin, const std::string& kept) {
+  if (begin == 0) preroll(shot);
+  Progress progress(label, shot.frames.size() - begin, kept);
   // Frames held in memory at once: a few batches, of which a device runs one while another is taken. Of the jiggle each
   // is measured, and it may be slow; a check names the one it stops at.
   const std::size_t batches = 4 * std::size_t{shot.deformer->batch_limit()};
@@ -124,16 +135,17 @@ void require_form(const CacheChoice& choice) {
 }
 
 ShotCaches::ShotCaches(const CacheChoice& choice, Shot& shot)
-    : choice_(choice), shot_(shot), carrier_(shot.basis(), shot.attached), threads_(make_tbb_executor()) {
-  if (choice.full_skin && shot.carried.empty()) {
+    : choice_(choice), shot_(shot), threads_(make_tbb_executor()) {
+  const CarriedSkin& full_skin = shot.following.full_skin();
+  if (choice.full_skin && full_skin.empty()) {
     throw Error(ErrorKind::usage, shot.name, " is no proxy: --full-skin has nothing to carry; leave it out");
   }
   const MeshTable& mesh = shot.basis().mesh;
-  points_ = choice.full_skin ? static_cast<std::uint32_t>(shot.carried.size()) : mesh.output_count();
+  points_ = choice.full_skin ? static_cast<std::uint32_t>(full_skin.size()) : mesh.output_count();
   skin_ = write_cache(choice.out, {shot.name, points_, mesh.output_triangles, shot.frames, shot.clip.fps, choice.space,
                                    shot.surface, shot.bound ? &*shot.bound : nullptr});
   const fs::path out = choice.out;
-  for (const AttachedMesh& worn : shot.attached.meshes) {
+  for (const AttachedMesh& worn : shot.following.attached().meshes) {
     attached_paths_.push_back(fs::path(out).replace_extension("." + worn.name + out.extension().string()).string());
     const SkinSurface surface = shot.surfaces.empty() ? SkinSurface() : shot.surfaces[attached_.size()];
     if (shot.bound) bound_.push_back(std::make_unique<const BoundSkin>(bind_attached(*shot.bound, mesh, worn)));
@@ -145,19 +157,19 @@ ShotCaches::ShotCaches(const CacheChoice& choice, Shot& shot)
 }
 
 void ShotCaches::append(const Evaluation& part, std::span<const Pose> poses, std::size_t) {
-  const MeshTable& mesh = shot_.basis().mesh;
-  const std::size_t own = 3 * std::size_t{mesh.output_count()}, written = 3 * std::size_t{points_};
-  std::vector<float> full;
-  if (choice_.full_skin) full = carry_skin(mesh, shot_.carried, part.positions, part.normals, *threads_);
-  const std::span<const float> skins = choice_.full_skin ? full : part.positions;
+  const std::size_t own = 3 * std::size_t{shot_.basis().mesh.output_count()}, written = 3 * std::size_t{points_};
+  const FollowingMeshes& following = shot_.following;
+  const std::span<const float> skins =
+      choice_.full_skin ? following.carry_full_skin(part.positions, part.normals, following_, *threads_)
+                        : part.positions;
   for (std::size_t k = 0; k < poses.size(); ++k) {
     std::span<const float> normals;
     if (!choice_.full_skin && !part.normals.empty()) normals = std::span(part.normals).subspan(k * own, own);
     skin_->append(skins.subspan(k * written, written), normals);
-    if (attached_.empty()) continue;
-    const auto carried = carrier_.carry(std::span(part.positions).subspan(k * own, own), poses[k].joints);
-    for (std::size_t m = 0; m < attached_.size(); ++m) attached_[m]->append(carried[m], {});
   }
+  following.carry_each(
+      part.positions, poses, following_,
+      [&](std::size_t, std::size_t m, const std::vector<float>& points) { attached_[m]->append(points, {}); });
   frames_ += poses.size();
 }
 

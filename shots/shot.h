@@ -14,29 +14,27 @@
 #include "assets/bound_skin.h"
 #include "assets/cache_writer.h"
 #include "assets/clip.h"
-#include "runtime/basis/attachments.h"
-#include "runtime/basis/levels.h"
 #include "runtime/core/executor.h"
-#include "runtime/deformer/attachment_carrier.h"
 #include "runtime/deformer/deformer.h"
+#include "runtime/deformer/following_meshes.h"
+#include "shots/session/posed_clip.h"
+#include "shots/session/view_settings.h"
 
 namespace bodyopt {
-
-class Progress;
 
 // Takes a sentence for the user.
 using Tell = std::function<void(const std::string&)>;
 
+// Nothing in it has a value of its own: the compiler refuses who makes one and leaves something out.
 struct Shot {
   std::string name;                    // of the character
   std::unique_ptr<Deformer> deformer;  // has the weights by which the skin is shown
-  bool jiggles = false;                // frames go on from each other; they rise
-  bool checks = false;                 // every stage runs on the CPU, too
-  CarriedSkin carried;                 // of a proxy: the full skin
-  Attachments attached;                // meshes that follow the skin of the deformer
+  bool jiggles;                        // frames go on from each other; they rise
+  bool checks;                         // every stage runs on the CPU, too
+  FollowingMeshes following;           // the skin of the deformer
   Clip clip;                           // with the weights of modifiers and the controls of the basis
-  std::vector<int> frames;             // of the clip
-  int preroll = 0;                     // frames of the clip that the jiggle steps before the first
+  std::vector<int> frames;             // of the clip, one at least
+  int preroll;                         // frames of the clip that the jiggle steps before the first
   SkinSurface surface;                 // of the character's own file, where that is known
   std::vector<SkinSurface> surfaces;   // of the attached meshes, where that is known
   std::optional<BoundSkin> bound;      // with the joints of the frames, where the skin is written bound to them
@@ -47,6 +45,18 @@ struct Shot {
   // The clip from the first of the frames, of which there is one, to the last.
   Clip played_clip() const;
 };
+
+// How a clip is posed in the viewport, and driven.
+struct ShotPosing {
+  Turning turning;
+  ViewSettings::Posing pose;
+  float jiggle = 1;                     // how much of it is shown
+  std::vector<std::string> channels{};  // "NAME=VALUE" over the whole clip
+};
+
+// Makes of a shot whose clip is as it was read what the viewport shows: poses, keys and drives the clip, and weighs the
+// skin. Throws Error(usage) for channels that are not there, Error(mismatch) where it cannot jiggle.
+void pose_shot(const ShotPosing& posing, Shot& shot, const Tell& tell);
 
 // Gets the frames of a shot.
 class SkinSink {
@@ -60,15 +70,14 @@ class SkinSink {
 // Why frames of the clip cannot jiggle: the dynamics step at another rate. Empty: they can.
 std::string problem_of_rate(const Dynamics& dynamics, const Clip& clip);
 
-// A pre-roll as the viewport's: a second, or as much of it as the clip has before the first frame.
-int usual_preroll(const Shot& shot);
+// The frames that the jiggle steps before the first one that is wanted: a second, or as much of it as the clip has.
+int usual_preroll(const Clip& clip, int first);
 
-// Steps the frames of the clip that come before the first. Shows progress. Throws as Deformer::jiggle().
-void preroll(Shot& shot, const Tell& tell);
-
-// Evaluates frames[begin] and all after it, a part at a time; the bits do not depend on the parts. Advances `progress`
-// by their number. Throws as Deformer and the sink do; the frames before are then in the sink.
-void evaluate(Shot& shot, SkinSink& sink, Progress& progress, std::size_t begin = 0);
+// Evaluates frames[begin] and all after it, a part at a time; the bits do not depend on the parts. Of a jiggle the
+// pre-roll comes before the first. `label`, `kept`: of the Progress that it shows. Throws as Deformer and the sink do;
+// the frames before are then in the sink.
+void evaluate(Shot& shot, SkinSink& sink, const std::string& label, std::size_t begin = 0,
+              const std::string& kept = "nothing of it is kept");
 
 // The caches of a shot: PC2, MDD, USD or glTF of its skin, and one of each attached mesh.
 
@@ -108,7 +117,7 @@ class ShotCaches : public SkinSink {
 
   CacheChoice choice_;
   Shot& shot_;
-  AttachmentCarrier carrier_;
+  FollowingMeshes::Memory following_;
   std::unique_ptr<CacheWriter> skin_;
   std::vector<std::unique_ptr<CacheWriter>> attached_;
   std::vector<std::string> attached_paths_;

@@ -128,28 +128,31 @@ std::unique_ptr<Deformer> make_deformer(const ShotFiles& files, Basis basis) {
   return deformer;
 }
 
-void pose_by_session(const SessionPosing& session, Shot& shot) {
-  if (session.file.empty()) return;
-  const Skeleton& skeleton = shot.basis().skeleton;
-  JointLimits limits;
-  if (!session.limits.empty()) limits = read_joint_limits(session.limits, skeleton);
-  shot.clip = posed_clip(std::move(shot.clip), skeleton, limits, session.pose);
-  shot.deformer->set_weights({.correction = static_cast<float>(session.pose.correction), .jiggle = session.jiggle});
+ShotPosing posing_of(const ShotFiles& files, const Skeleton& skeleton) {
+  const SessionPosing& session = files.session;
+  ShotPosing posing{{}, session.pose, session.jiggle, files.controls};
+  if (!session.limits.empty()) {
+    posing.turning = turning_within(read_joint_limits(session.limits, skeleton), skeleton);
+  }
+  return posing;
 }
 
-void drive_modifiers(const std::vector<std::string>& settings, Shot& shot, const Tell& tell) {
-  const Basis& basis = shot.basis();
-  std::vector<std::string> known = basis.residual.controls;
-  for (const std::string& name : modifier_channels(basis.modifiers)) known.push_back(name);
-  set_channels(settings, known, shot.clip);
-  tell_all(apply_channels(basis, shot.clip), tell);
+// As long as it is asked for; of a session, where nothing is said of it, as long as the viewport's.
+int preroll_of(const ShotFiles& files, const Clip& clip, int first, const Tell& tell) {
+  const JiggleChoice& choice = files.jiggle;
+  const bool says_nothing = choice.preroll == 0 && choice.state_in.empty();
+  if (choice.jiggle && says_nothing && !files.session.file.empty()) return usual_preroll(clip, first);
+  const int before = first - clip.first_frame;
+  if (before < choice.preroll) {
+    tell(concat("the clip has ", before, " frames before frame ", first, ": the pre-roll is that short"));
+  }
+  return std::min(before, choice.preroll);
 }
 
 // The frames of a jiggle rise from its state on.
 void require_frames_in_order(const Shot& shot, const std::string& state_in, const Tell& tell) {
   const std::vector<int>& frames = shot.frames;
   if (!std::ranges::is_sorted(frames)) throw Error(ErrorKind::usage, "--jiggle needs frames in rising order");
-  if (frames.empty()) return;
   const JiggleState state = shot.deformer->state();
   if (state.known > 0 && frames.front() <= state.frame) {
     throw Error(ErrorKind::usage, state_in, " is the state after frame ", state.frame, "; the frames begin at ",
@@ -359,42 +362,41 @@ void take_surfaces(const std::string& own, const std::string& like, Shot& shot, 
   const Tell say = own.empty() ? [](const std::string&) {} : tell;
   shot.surface = surface_if_any(file, shot.basis().mesh, say);
   if (own.empty() && shot.surface.empty()) return;
-  shot.surfaces = attached_surfaces(file, shot.basis(), shot.attached, say);
+  shot.surfaces = attached_surfaces(file, shot.basis(), shot.following.attached(), say);
 }
 
 Shot read_shot(const ShotFiles& files, const Tell& tell) {
-  Shot shot;
-  shot.name = files.basis.empty() ? "arm" : fs::path(files.basis).stem().string();
-  shot.jiggles = files.jiggle.jiggle;
-  shot.checks = files.device.check;
-  shot.preroll = files.jiggle.preroll;
   OpenedCharacter opened = open_level(files);
   tell_all(opened.notes, tell);
   if (!opened.shown_by.empty()) tell(opened.shown_by);
   Level& level = opened.levels.front();
-  shot.carried = std::move(level.carried);
   choose_shot_modifiers(files.modifiers, level.basis);
-  shot.deformer = make_deformer(files, std::move(level.basis));
+  std::unique_ptr<Deformer> deformer = make_deformer(files, std::move(level.basis));
+  const Basis& basis = deformer->basis();
   if (const std::string missing = missing_jiggle(files); !missing.empty()) tell(missing);
-  shot.clip = read_own_clip(files.clip, shot.basis(), std::move(opened.clip));
-  tell_all(shot.clip.notes, tell);
-  shot.frames = shot_frames(files, shot.clip);
-  pose_by_session(files.session, shot);
-  drive_modifiers(files.controls, shot, tell);
-  if (shot.jiggles) {
-    const std::string problem = problem_of_rate(*shot.deformer->dynamics(), shot.clip);
-    if (!problem.empty()) throw Error(ErrorKind::mismatch, problem);
-    require_frames_in_order(shot, files.jiggle.state_in, tell);
-    const bool says_nothing = files.jiggle.preroll == 0 && files.jiggle.state_in.empty();
-    if (says_nothing && !files.session.file.empty()) shot.preroll = usual_preroll(shot);
-  }
-  shot.attached = read_attachments(files, shot.basis(), std::move(opened.attached));
+  Clip clip = read_own_clip(files.clip, basis, std::move(opened.clip));
+  tell_all(clip.notes, tell);
+  std::vector<int> frames = shot_frames(files, clip);
+  const int preroll = preroll_of(files, clip, frames.front(), tell);
+  Shot shot{.name = files.basis.empty() ? "arm" : fs::path(files.basis).stem().string(),
+            .deformer = std::move(deformer),
+            .jiggles = files.jiggle.jiggle,
+            .checks = files.device.check,
+            .following = {basis, read_attachments(files, basis, std::move(opened.attached)), std::move(level.carried)},
+            .clip = std::move(clip),
+            .frames = std::move(frames),
+            .preroll = preroll,
+            .surface = {},
+            .surfaces = {},
+            .bound = {}};
+  pose_shot(posing_of(files, basis.skeleton), shot, tell);
+  if (shot.jiggles) require_frames_in_order(shot, files.jiggle.state_in, tell);
   if (files.character.empty()) {
     take_surfaces(files.session.character, files.session.like, shot, tell);
   } else {
     shot.surface = read_skin_surface(files.character, shot.basis().mesh);
     tell_all(shot.surface.notes, tell);
-    shot.surfaces = attached_surfaces(files.character, shot.basis(), shot.attached, tell);
+    shot.surfaces = attached_surfaces(files.character, shot.basis(), shot.following.attached(), tell);
   }
   if (files.is_rigged) shot.bound = bind_skin(files, shot, std::move(opened.character));
   return shot;

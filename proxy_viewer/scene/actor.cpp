@@ -15,7 +15,6 @@
 #include "runtime/core/extent.h"
 #include "runtime/core/transformed.h"
 #include "runtime/cpu/kernels.h"
-#include "runtime/host/carry_skin.h"
 #include "runtime/host/rig.h"
 #include "runtime/vulkan/device.h"
 #include "trainer/train/skinning/unpose.h"
@@ -45,34 +44,32 @@ Character read_own_character(const std::string& path, const Basis& basis) {
 
 }  // namespace
 
-WornMeshes::WornMeshes(const vulkan::Device& device, const Basis& basis, Attachments attachments)
-    : device_(device), attachments_(std::move(attachments)), carrier_(basis, attachments_) {
-  for (const AttachedMesh& mesh : attachments_.meshes) {
+WornMeshes::WornMeshes(const vulkan::Device& device, FollowingMeshes following)
+    : device_(device), following_(std::move(following)) {
+  for (const AttachedMesh& mesh : following_.attached().meshes) {
     triangles_.push_back(vulkan::upload(device_, mesh.triangles, "attached triangles"));
   }
 }
 
-std::vector<WornMesh> WornMeshes::carry(std::span<const std::vector<float>> skins, std::span<const Pose> poses) const {
-  const std::size_t count = attachments_.meshes.size();
-  std::vector<std::vector<float>> positions(count), normals(count);
-  for (std::size_t f = 0; f < skins.size(); ++f) {
-    const std::vector<std::vector<float>> carried = carrier_.carry(skins[f], poses[f].joints);
-    for (std::size_t m = 0; m < count; ++m) {
-      std::ranges::copy(carried[m], std::back_inserter(positions[m]));
-      const Positions areas = vertex_normals(rows_of(carried[m]), rows_of(attachments_.meshes[m].triangles));
-      std::ranges::copy(floats_of(areas), std::back_inserter(normals[m]));
-    }
-  }
+std::vector<WornMesh> WornMeshes::carry(std::span<const float> skins, std::span<const Pose> poses) const {
+  const std::vector<AttachedMesh>& attached = following_.attached().meshes;
+  std::vector<std::vector<float>> positions(attached.size()), normals(attached.size());
+  FollowingMeshes::Memory memory;
+  following_.carry_each(skins, poses, memory, [&](std::size_t, std::size_t m, const std::vector<float>& points) {
+    std::ranges::copy(points, std::back_inserter(positions[m]));
+    const Positions areas = vertex_normals(rows_of(points), rows_of(attached[m].triangles));
+    std::ranges::copy(floats_of(areas), std::back_inserter(normals[m]));
+  });
   std::vector<WornMesh> meshes;
-  for (std::size_t m = 0; m < count; ++m) {
-    const AttachedMesh& mesh = attachments_.meshes[m];
+  for (std::size_t m = 0; m < attached.size(); ++m) {
+    const AttachedMesh& mesh = attached[m];
     if (sizeof(float) * positions[m].size() > device_.info().max_storage_buffer_range) {
       throw Error(ErrorKind::usage, "mesh '" + mesh.name + "' is too large to be shown " +
-                                        std::to_string(skins.size()) +
+                                        std::to_string(poses.size()) +
                                         " times at once: fewer copies or ghosts, or 'worn off'");
     }
     meshes.push_back({&triangles_[m], mesh.triangle_count(),
-                      static_cast<std::uint32_t>(positions[m].size() / (3 * std::max<std::size_t>(1, skins.size()))),
+                      static_cast<std::uint32_t>(positions[m].size() / (3 * std::max<std::size_t>(1, poses.size()))),
                       vulkan::upload(device_, positions[m], "attached positions"),
                       vulkan::upload(device_, normals[m], "attached normals")});
   }
@@ -81,7 +78,7 @@ std::vector<WornMesh> WornMeshes::carry(std::span<const std::vector<float>> skin
 
 std::vector<float> WornMeshes::points(std::span<const float> skin, const Pose& pose) const {
   std::vector<float> points;
-  for (const std::vector<float>& mesh : carrier_.carry(skin, pose.joints)) {
+  for (const std::vector<float>& mesh : following_.carry(skin, pose.joints)) {
     std::ranges::copy(mesh, std::back_inserter(points));
   }
   return points;
@@ -107,13 +104,13 @@ Actor::Actor(std::shared_ptr<const vulkan::Device> device, const ActorFiles& fil
     character_ = std::move(opened.character);
   }
   if (!attached.meshes.empty()) {
-    worn_ = std::make_unique<WornMeshes>(*device_, finest().basis(), std::move(attached));
+    worn_ = std::make_unique<WornMeshes>(
+        *device_, FollowingMeshes(finest_basis(), std::move(attached), finest().level().following.full_skin()));
   }
   read_materials(pool);
   if (!files.limits.empty()) {
     const Skeleton& skeleton = finest().basis().skeleton;
-    limits_ = read_joint_limits(files.limits, skeleton);
-    ranges_ = joint_ranges(limits_, skeleton);
+    turning_ = turning_within(read_joint_limits(files.limits, skeleton), skeleton);
   }
   if (opened.clip) {
     take_clip(std::move(*opened.clip));
@@ -160,7 +157,7 @@ std::vector<ClipCamera> Actor::cameras() const {
 std::shared_ptr<const CharacterMaterials> Actor::materials_of(const std::string& own) const {
   std::vector<const Basis*> levels;
   for (const auto& detail : details_) levels.push_back(&detail->basis());
-  return make_character_materials(*device_, own, levels, worn_ ? worn_->attachments() : Attachments());
+  return make_character_materials(*device_, own, levels, following().attached());
 }
 
 LevelPool::Levels Actor::make_levels(OpenedCharacter& opened) const {
@@ -219,13 +216,13 @@ bool Actor::has(SkinMethod method) const {
 
 bool Actor::has_at_finest(SkinMethod method) const {
   if (method == SkinMethod::jiggle) return has_dynamics() && why_still().empty();
-  if (method == SkinMethod::proxy) return details_.size() > 1 && !details_[1]->level().carried.empty();
+  if (method == SkinMethod::proxy) return details_.size() > 1 && !details_[1]->level().following.full_skin().empty();
   if (method == SkinMethod::lbs) return character_.has_value();
   return method != SkinMethod::truth || truth_.has_value();
 }
 
 std::string Actor::why_still() const {
-  if (!has_dynamics() || clip_.poses.size() < 2) return "";
+  if (!has_dynamics()) return "";
   const std::string problem = problem_of_rate(*finest().level().model->dynamics, clip_);
   return problem.empty() ? "" : name() + ": " + problem;
 }
@@ -342,17 +339,17 @@ std::size_t Actor::clip_index(int frame) const {
 }
 
 std::optional<JointRange> Actor::free_turns(std::size_t joint, int frame) const {
-  if (joint >= ranges_.size() || !ranges_[joint]) return std::nullopt;
-  return turns_within(*ranges_[joint], basis().skeleton.joints[joint].bind.rotation,
+  if (joint >= turning_.ranges.size() || !turning_.ranges[joint]) return std::nullopt;
+  return turns_within(*turning_.ranges[joint], basis().skeleton.joints[joint].bind.rotation,
                       clip_pose(frame).joints[joint].rotation);
 }
 
 std::pair<double, double> Actor::free_axis(const DegreeOfFreedom& dof, int frame) const {
-  return free_angles(limits_, basis().skeleton, dof, clip_pose(frame));
+  return free_angles(turning_.limits, basis().skeleton, dof, clip_pose(frame));
 }
 
 Vec3 Actor::facing(std::size_t joint, int frame, const ViewSettings::PoseKey& posing) const {
-  return facing_of(basis().skeleton, limits_, ranges_, clip_pose(frame), posing, joint);
+  return facing_of(basis().skeleton, turning_, clip_pose(frame), posing, joint);
 }
 
 std::vector<std::string> Actor::movable_joints() const {
@@ -363,6 +360,7 @@ std::vector<std::string> Actor::movable_joints() const {
     if (joint.parent >= 0) ++children[static_cast<std::size_t>(joint.parent)];
   }
   const std::vector<std::optional<JointRole>> roles = joint_roles(named_joints(skeleton));
+  const std::vector<DetachedJoint>& detached = turning_.limits.detached;
   std::vector<bool> carries;  // nothing but it hangs under what is above it
   std::vector<std::string> movable;
   for (std::size_t j = 0; j < skeleton.size(); ++j) {
@@ -372,38 +370,45 @@ std::vector<std::string> Actor::movable_joints() const {
     const bool is_moved = std::ranges::any_of(clip_.poses, [&](const Pose& pose) {
       return length(pose.joints[j].translation - clip_.poses.front().joints[j].translation) > kMoves;
     });
-    const bool is_detached = std::ranges::find(limits_.detached, j, &DetachedJoint::joint) != limits_.detached.end();
+    const bool is_detached = std::ranges::find(detached, j, &DetachedJoint::joint) != detached.end();
     const bool is_hips = roles[j] && roles[j]->part == BodyPart::hips;
-    const bool is_limb = j < ranges_.size() && ranges_[j];  // which turns, and would tear
+    const bool is_limb = j < turning_.ranges.size() && turning_.ranges[j];  // which turns, and would tear
     if ((carries[j] && !is_limb) || is_moved || is_detached || is_hips) movable.push_back(joint.name);
   }
   return movable;
 }
 
 std::vector<MissedPin> Actor::missed_pins(int frame, const ViewSettings::PoseKey& posing) const {
-  return bodyopt::missed_pins(basis().skeleton, limits_, ranges_, clip_pose(frame), posing);
+  return bodyopt::missed_pins(basis().skeleton, turning_, clip_pose(frame), posing);
 }
 
 Pose Actor::pose(int frame, const ViewSettings::Posing& posing) const {
-  return posed_frame(source_, clip_index(frame), basis(), limits_, ranges_, posing, modifiers_);
+  return posed_frame(source_, clip_index(frame), basis(), turning_, posing, modifiers_);
 }
 
 Clip Actor::posed_source(const ViewSettings::Posing& posing) const {
-  return posed_clip(source_, basis().skeleton, limits_, posing);
+  return posed_clip(source_, basis().skeleton, turning_, posing);
 }
 
-Shot Actor::shot(const ViewSettings::Posing& posing, const Weights& weights, bool jiggles) const {
-  Shot shot;
-  shot.name = name();
-  shot.jiggles = jiggles;
-  shot.deformer =
-      finest().level().make_deformer(jiggles ? std::optional<JiggleOptions>(JiggleOptions()) : std::nullopt);
-  shot.deformer->set_weights(weights);
-  if (worn_) shot.attached = worn_->attachments();
-  shot.clip = posed_source(posing);
-  apply_channels(shot.basis(), shot.clip);
+Shot Actor::shot(const ViewSettings& settings, std::vector<int> frames, const Tell& tell) const {
+  const bool jiggles = settings.jiggle.on && has_at_finest(SkinMethod::jiggle);
+  const int first = frames.front();
+  Shot shot{.name = name(),
+            .deformer = finest().level().make_deformer(jiggles ? std::optional(JiggleOptions()) : std::nullopt),
+            .jiggles = jiggles,
+            .checks = false,
+            .following = following(),
+            .clip = source_,
+            .frames = std::move(frames),
+            .preroll = jiggles ? usual_preroll(source_, first) : 0,
+            .surface = {},
+            .surfaces = {},
+            .bound = {}};
+  pose_shot({turning_, settings.pose, static_cast<float>(settings.jiggle.amount)}, shot, tell);
   return shot;
 }
+
+const FollowingMeshes& Actor::following() const { return worn_ ? worn_->following() : finest().level().following; }
 
 const Evaluation& Actor::evaluate(SkinMethod method, std::span<const Pose> poses, int frame, const Weights& weights,
                                   bool dressed) {
@@ -469,13 +474,10 @@ const Actor::HostedSkin* Actor::hosted_skin(SkinMethod method) const {
   return method == SkinMethod::truth ? &truth_->skin : nullptr;
 }
 
-// O x 3 of the finest level, of every pose that the method has evaluated last.
-std::vector<std::vector<float>> Actor::skins_on_host(SkinMethod method) const {
-  if (const HostedSkin* hosted = hosted_skin(method)) return {hosted->points};
-  const Detail::Evaluated& last = shown().last(method);
-  std::vector<std::vector<float>> skins;
-  for (std::size_t k = 0; k < last.poses.size(); ++k) skins.push_back(full_skin(shown(), last.result, k));
-  return skins;
+// F x O x 3 of the finest level, of every pose that the method has evaluated last.
+std::vector<float> Actor::skins_on_host(SkinMethod method) const {
+  const HostedSkin* hosted = hosted_skin(method);
+  return hosted ? hosted->points : full_skin(shown(), shown().last(method).result);
 }
 
 void Actor::show_linear_blend(const Pose& pose) {
@@ -491,17 +493,15 @@ std::vector<float> Actor::linear_skin(const Pose& pose) const {
 
 // Meshes follow the finest level; a proxy that is opened alone carries the full skin, not that of its finest level.
 bool Actor::has_worn_skin() const {
-  return level_ == 0 || shown().level().carried.size() == finest().basis().mesh.output_count();
+  return level_ == 0 || shown().level().following.full_skin().size() == finest().basis().mesh.output_count();
 }
 
-// O x 3 of the finest level.
-std::vector<float> Actor::full_skin(const Detail& detail, const Evaluation& evaluation, std::size_t pose) const {
-  const MeshTable& mesh = detail.basis().mesh;
-  const std::size_t count = std::size_t{3} * mesh.output_count();
-  const std::span<const float> positions = std::span(evaluation.positions).subspan(pose * count, count);
-  if (&detail == details_.front().get() || detail.level().carried.empty()) return {positions.begin(), positions.end()};
-  return carry_skin(mesh, detail.level().carried, positions,
-                    std::span(evaluation.normals).subspan(pose * count, count));
+// F x O x 3 of the finest level, of all poses of the evaluation.
+std::vector<float> Actor::full_skin(const Detail& detail, const Evaluation& evaluation) const {
+  const FollowingMeshes& following = detail.level().following;
+  if (&detail == details_.front().get() || following.full_skin().empty()) return evaluation.positions;
+  FollowingMeshes::Memory memory;
+  return following.carry_full_skin(evaluation.positions, evaluation.normals, memory);
 }
 
 // Uploads the full skin as it follows the last evaluation of the proxy.
@@ -509,7 +509,7 @@ const Evaluation& Actor::carry_proxy() {
   const Detail& proxy = *details_[1];
   const Evaluation& result = proxy.last(SkinMethod::full).result;
   const Source from{1, proxy.last(SkinMethod::full).number};
-  if (from != carried_from_) carried_ = upload_output(full_skin(proxy, result, 0));
+  if (from != carried_from_) carried_ = upload_output(full_skin(proxy, result));
   carried_from_ = from;
   return result;
 }
@@ -525,7 +525,7 @@ DeviceSkin Actor::skin(SkinMethod method) const {
 
 std::vector<float> Actor::measure(SkinMethod method, const Pose& pose, int frame, float correction) {
   if (method == SkinMethod::proxy) {
-    return full_skin(*details_[1], details_[1]->measure(SkinMethod::full, pose, correction), 0);
+    return full_skin(*details_[1], details_[1]->measure(SkinMethod::full, pose, correction));
   }
   if (method == SkinMethod::lbs) return linear_skin(pose);
   if (method != SkinMethod::truth) return finest().measure(method, pose, correction).positions;

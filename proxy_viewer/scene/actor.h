@@ -16,8 +16,8 @@
 #include "proxy_viewer/scene/character_materials.h"
 #include "proxy_viewer/scene/detail.h"
 #include "proxy_viewer/scene/truth_times.h"
-#include "runtime/deformer/attachment_carrier.h"
 #include "runtime/deformer/deformer.h"
+#include "runtime/deformer/following_meshes.h"
 #include "runtime/vulkan/buffer.h"
 #include "shots/session/pinned_joints.h"
 #include "shots/session/posed_clip.h"
@@ -38,21 +38,19 @@ struct WornMesh {
 
 class WornMeshes {
  public:
-  // The basis must outlive it.
-  WornMeshes(const vulkan::Device& device, const Basis& basis, Attachments attachments);
+  WornMeshes(const vulkan::Device& device, FollowingMeshes following);
 
-  // Attaches the meshes to each of the skins, O x 3, at its pose. They are on the device, as long as this lives. Throws
-  // Error(usage) for more than the device shows at once.
-  std::vector<WornMesh> carry(std::span<const std::vector<float>> skins, std::span<const Pose> poses) const;
+  // Attaches the meshes to each of the skins, F x O x 3, at its pose. They are on the device, as long as this lives.
+  // Throws Error(usage) for more than the device shows at once.
+  std::vector<WornMesh> carry(std::span<const float> skins, std::span<const Pose> poses) const;
   // Returns the points on the host, all meshes one after the other, N x 3.
   std::vector<float> points(std::span<const float> skin, const Pose& pose) const;
 
-  const Attachments& attachments() const { return attachments_; }
+  const FollowingMeshes& following() const { return following_; }
 
  private:
   const vulkan::Device& device_;
-  Attachments attachments_;
-  AttachmentCarrier carrier_;
+  FollowingMeshes following_;
   std::vector<vulkan::Buffer> triangles_;
 };
 
@@ -107,9 +105,9 @@ class Actor {
   Pose pose(int frame, const ViewSettings::Posing& posing) const;
   // Returns all of the clip before modifiers, posed and keyed so, for export.
   Clip posed_source(const ViewSettings::Posing& posing) const;
-  // The finest level with the clip that is posed and keyed so, as `eval` reads it of a session; without frames yet.
-  // `jiggles`: it must have SkinMethod::jiggle at the finest level. Throws Error(device).
-  Shot shot(const ViewSettings::Posing& posing, const Weights& weights, bool jiggles) const;
+  // The finest level with the clip that is posed and keyed so, as `eval` reads it of a session. `frames`: of the clip,
+  // one at least. Throws Error(device).
+  Shot shot(const ViewSettings& settings, std::vector<int> frames, const Tell& tell) const;
   // Pins that the pose of a frame does not reach.
   std::vector<MissedPin> missed_pins(int frame, const ViewSettings::PoseKey& posing) const;
   // See facing_of().
@@ -118,7 +116,7 @@ class Actor {
   // clip moves. So may those that hang elsewhere in the rig than their skin does.
   std::vector<std::string> movable_joints() const;
   // Degrees of freedom of the limits, where it has any.
-  const std::vector<DegreeOfFreedom>& axes() const { return limits_.dofs; }
+  const std::vector<DegreeOfFreedom>& axes() const { return turning_.limits.dofs; }
   // How it is posed while it is not the lead, whom the settings pose.
   const ViewSettings::Posing& posing() const { return posing_; }
   void set_posing(ViewSettings::Posing posing) { posing_ = std::move(posing); }
@@ -202,10 +200,11 @@ class Actor {
   void take_clip(Clip clip);
   std::size_t clip_index(int frame) const;
   const Pose& clip_pose(int frame) const { return clip_.poses[clip_index(frame)]; }
+  const FollowingMeshes& following() const;  // the skin of the finest level
   bool has_worn_skin() const;
-  std::vector<float> full_skin(const Detail& detail, const Evaluation& evaluation, std::size_t pose) const;
+  std::vector<float> full_skin(const Detail& detail, const Evaluation& evaluation) const;
   const HostedSkin* hosted_skin(SkinMethod method) const;
-  std::vector<std::vector<float>> skins_on_host(SkinMethod method) const;
+  std::vector<float> skins_on_host(SkinMethod method) const;
   const Evaluation& carry_proxy();
   void show_linear_blend(const Pose& pose);
   std::vector<float> linear_skin(const Pose& pose) const;
@@ -229,8 +228,7 @@ class Actor {
   mutable ModifierTrack modifiers_;  // over source_
   std::vector<int> keys_;
   std::vector<ClipCamera> own_cameras_;
-  JointLimits limits_;
-  std::vector<std::optional<JointRange>> ranges_;  // of every joint; none: they turn as far as they are turned
+  Turning turning_;
   ViewSettings::Posing posing_;
   double size_ = 1, reach_ = 1, ground_ = 0;
   Evaluation hosted_;  // of skins that come from the host: nothing

@@ -73,8 +73,8 @@ LevelOnDevice::LevelOnDevice(const std::shared_ptr<const vulkan::Device>& device
     : device(device_),
       model(make_character_model(std::move(level.basis), std::move(dynamics))),
       tables(device->only_draws() ? nullptr : std::make_shared<const vulkan::DeviceModel>(device, model)),
-      carried(std::move(level.carried)),
-      distance(rms_distance(carried)) {
+      following(basis(), {}, std::move(level.carried)),
+      distance(rms_distance(following.full_skin())) {
   vulkan::Uploads uploads(*device);
   triangles = vulkan::upload(uploads, basis().mesh.triangles, "the triangles");
   const std::vector<FibreSegment> segments = segments_of(basis().strain);

@@ -14,10 +14,10 @@
 
 #include "proxy_viewer/scene/character_materials.h"
 #include "proxy_viewer/scene/cut_tets.h"
-#include "runtime/basis/levels.h"
 #include "runtime/coverage/expected_error.h"
 #include "runtime/deformer/deformer.h"
 #include "runtime/deformer/evaluate_together.h"
+#include "runtime/deformer/following_meshes.h"
 #include "runtime/host/character_model.h"
 #include "runtime/vulkan/backend/device_model.h"
 #include "runtime/vulkan/buffer.h"
@@ -35,7 +35,7 @@ struct LevelOnDevice {
   std::shared_ptr<const vulkan::Device> device;
   std::shared_ptr<const CharacterModel> model;
   std::shared_ptr<const vulkan::DeviceModel> tables;  // none on a device that only draws
-  CarriedSkin carried;                                // empty in an ordinary basis
+  FollowingMeshes following;                          // of a proxy: the full skin
   double distance = 0;  // of the full skin's vertices from the level's at rest, RMS, metres
   vulkan::Buffer triangles, fibre_segments, fibre_points;
   std::uint32_t fibre_segment_count = 0;

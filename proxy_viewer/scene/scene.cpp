@@ -200,12 +200,11 @@ const ExpectedSkin& Scene::expect(const Controls& controls) {
 }
 
 void Scene::preroll(Actor& character, const Controls& controls, const Weights& weights) const {
-  const int frame = controls.playback.frame(), second = static_cast<int>(character.clip().fps);
-  const int played = played_frame(character, frame, controls);
+  const int frame = controls.playback.frame(), played = played_frame(character, frame, controls);
   const std::optional<int> last = character.shown().jiggle_frame();
-  const bool came_by_itself = last && *last <= played && played - *last <= second;
+  const bool came_by_itself = last && *last <= played && played - *last <= static_cast<int>(character.clip().fps);
   if (came_by_itself || controls.playback.playing() || live_pose_) return;
-  for (int k = std::max(character.clip().first_frame - played, -second); k < 0; ++k) {
+  for (int k = -usual_preroll(character.clip(), played); k < 0; ++k) {
     const Pose pose = pose_at(character, frame + k, controls);
     character.evaluate(SkinMethod::jiggle, {&pose, 1}, played + k, weights, false);
   }

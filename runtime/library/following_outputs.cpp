@@ -4,7 +4,6 @@
 #include <cstdio>
 #include <utility>
 
-#include "runtime/host/carry_skin.h"
 #include "runtime/library/guard.h"
 #include "runtime/library/strides.h"
 
@@ -36,16 +35,16 @@ void find_outputs(const bodyopt_skin& skin, const Attachments& attached, std::si
 FollowingOutputs::FollowingOutputs(const bodyopt_skin& skin, const FollowingMeshes& meshes, std::size_t frames,
                                    FollowingMemory& memory)
     : meshes_(meshes),
-      vertices_(meshes.model->basis.mesh.output_count()),
+      vertices_(meshes.basis().mesh.output_count()),
       positions_(skin.positions),
       normals_(skin.normals),
       full_(skin.full_positions),
       memory_(memory) {
-  find_outputs(skin, meshes.attached, frames, memory.attached);
-  if (wants_full_skin() && meshes.full_skin.empty()) {
+  find_outputs(skin, meshes.attached(), frames, memory.attached);
+  if (wants_full_skin() && meshes.full_skin().empty()) {
     throw Error(ErrorKind::usage, "'skin.full_positions' is wanted of a model that carries no full skin");
   }
-  check_output(full_, frames, meshes.full_skin.size(), 3, "skin.full_positions");
+  check_output(full_, frames, meshes.full_skin().size(), 3, "skin.full_positions");
 }
 
 SkinPlace FollowingOutputs::gather(std::size_t frames, const SkinPlace& place) {
@@ -56,22 +55,17 @@ SkinPlace FollowingOutputs::gather(std::size_t frames, const SkinPlace& place) {
 }
 
 void FollowingOutputs::write(std::span<const Pose> poses, std::size_t begin, Executor& threads) const {
-  const CharacterModel& model = *meshes_.model;
   scatter(memory_.skin, positions_, begin, vertices_, 3);
   if (wants_full_skin()) {
     scatter(memory_.normals, normals_, begin, vertices_, 3);
-    memory_.full = carry_skin(model.basis.mesh, meshes_.full_skin, memory_.skin, memory_.normals, threads,
-                              std::move(memory_.full));
-    scatter(memory_.full, full_, begin, meshes_.full_skin.size(), 3);
+    scatter(meshes_.carry_full_skin(memory_.skin, memory_.normals, memory_.meshes, threads), full_, begin,
+            meshes_.full_skin().size(), 3);
   }
   if (memory_.attached.empty()) return;
-  for (std::size_t f = 0; f < poses.size(); ++f) {
-    const std::span<const float> skin = std::span<const float>(memory_.skin).subspan(3 * vertices_ * f, 3 * vertices_);
-    const std::vector<std::vector<float>>& carried = meshes_.carrier.carry(skin, poses[f].joints, memory_.carrier);
-    for (std::size_t m = 0; m < carried.size(); ++m) {
-      scatter(carried[m], memory_.attached[m], begin + f, carried[m].size() / 3, 3);
-    }
-  }
+  meshes_.carry_each(memory_.skin, poses, memory_.meshes,
+                     [&](std::size_t f, std::size_t m, const std::vector<float>& points) {
+                       scatter(points, memory_.attached[m], begin + f, points.size() / 3, 3);
+                     });
 }
 
 }  // namespace bodyopt

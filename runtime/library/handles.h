@@ -9,10 +9,9 @@
 #include <vector>
 
 #include "include/bodyopt/bodyopt.h"
-#include "runtime/basis/levels.h"
 #include "runtime/coverage/expected_error.h"
-#include "runtime/deformer/attachment_carrier.h"
 #include "runtime/deformer/deformer.h"
+#include "runtime/deformer/following_meshes.h"
 #include "runtime/host/character_model.h"
 #include "runtime/host/jiggle.h"
 #include "runtime/modifiers/drive_modifiers.h"
@@ -22,26 +21,11 @@
 
 namespace bodyopt {
 
-// The meshes that follow the skin of a model.
-struct FollowingMeshes {
-  FollowingMeshes(std::shared_ptr<const CharacterModel> of, Attachments meshes, CarriedSkin full)
-      : model(std::move(of)),
-        attached(std::move(meshes)),
-        full_skin(std::move(full)),
-        carrier(model->basis, attached) {}
-  FollowingMeshes(const FollowingMeshes&) = delete;
-
-  std::shared_ptr<const CharacterModel> model;
-  Attachments attached;
-  CarriedSkin full_skin;  // of a level of detail that carries it
-  AttachmentCarrier carrier;
-};
-
 // What the outputs of one call that follow the skin leave to the next: their memory.
 struct FollowingMemory {
-  std::vector<bodyopt_floats> attached;    // the caller's, of each mesh; empty: none is wanted
-  std::vector<float> skin, normals, full;  // without gaps
-  AttachmentCarrier::Memory carrier;
+  std::vector<bodyopt_floats> attached;  // the caller's, of each mesh; empty: none is wanted
+  std::vector<float> skin, normals;      // without gaps
+  FollowingMeshes::Memory meshes;
 };
 
 // Likewise of expected errors.
@@ -62,8 +46,8 @@ struct bodyopt_model {
   // The model on the device of its latest instance there: instances of one device share it.
   mutable std::mutex mutex;
   mutable std::weak_ptr<const bodyopt::vulkan::DeviceModel> on_device;
-  std::shared_ptr<const bodyopt::FollowingMeshes> following;
-  std::vector<std::string> features;               // names of what the learned part reads
+  std::shared_ptr<const bodyopt::FollowingMeshes> following;  // its skin
+  std::vector<std::string> features;                          // names of what the learned part reads
   std::vector<bodyopt::ModifierChannel> channels;  // empty, too, where a modifier is of a type that is not known
 };
 

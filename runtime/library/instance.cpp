@@ -97,9 +97,8 @@ bodyopt_result bodyopt_create_instance(const bodyopt_model* model, const bodyopt
       throw Error(ErrorKind::usage, "'options.recorded_frames' is ", created->recorded_frames, ", at most ",
                   created->deformer->largest_batch(), " fit on the device");
     }
-    if (options.device != nullptr && options.recorded_frames > 0 && !of.following->attached.meshes.empty()) {
-      created->attached.emplace(*options.device->device, attach_tables(of.model->basis.mesh, of.following->attached),
-                                options.recorded_frames);
+    if (options.device != nullptr && options.recorded_frames > 0 && !of.following->attached().meshes.empty()) {
+      created->attached.emplace(*options.device->device, of.following->tables(), options.recorded_frames);
     }
     *instance = created.release();
   });

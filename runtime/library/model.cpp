@@ -80,7 +80,7 @@ bodyopt_result load(const bodyopt_load_options* given, bodyopt_model** model, co
     const std::vector<float> texture = read_texture(options, level.basis);
     loaded->model = make_character_model(std::move(level.basis), std::move(dynamics), texture);
     loaded->following =
-        std::make_shared<const FollowingMeshes>(loaded->model, std::move(attached), std::move(level.carried));
+        std::make_shared<const FollowingMeshes>(loaded->model->basis, std::move(attached), std::move(level.carried));
     for (std::uint32_t f = 0; f < loaded->model->basis.residual.feature_count(); ++f) {
       loaded->features.push_back(feature_name(loaded->model->basis, f));
     }
@@ -93,7 +93,7 @@ bodyopt_result load(const bodyopt_load_options* given, bodyopt_model** model, co
 
 // Throws Error(usage) for a number that no attached mesh has.
 const AttachedMesh& attached_mesh(const bodyopt_model* model, std::uint32_t mesh) {
-  const std::vector<AttachedMesh>& all = required(model, "model").following->attached.meshes;
+  const std::vector<AttachedMesh>& all = required(model, "model").following->attached().meshes;
   if (mesh < all.size()) return all[mesh];
   throw Error(ErrorKind::usage, "the model has no attached mesh ", mesh, ", only ", all.size());
 }
@@ -158,8 +158,8 @@ bodyopt_result bodyopt_describe(const bodyopt_model* model, bodyopt_description*
     all.knows_error = basis.coverage.empty() ? 0 : 1;
     all.has_tangents = character.tangents.vertices.empty() ? 0 : 1;
     all.channel_count = static_cast<std::uint32_t>(model->channels.size());
-    all.attached_count = static_cast<std::uint32_t>(model->following->attached.meshes.size());
-    all.full_vertex_count = static_cast<std::uint32_t>(model->following->full_skin.size());
+    all.attached_count = static_cast<std::uint32_t>(model->following->attached().meshes.size());
+    all.full_vertex_count = static_cast<std::uint32_t>(model->following->full_skin().size());
     all.feature_count = static_cast<std::uint32_t>(model->features.size());
     std::memcpy(description, &all, all.struct_size);
   });

@@ -38,7 +38,7 @@ vulkan::PlacedOutput placed_output(const bodyopt_vulkan_output& output, VkDevice
 
 void place_attached(const bodyopt_recording& wanted, const bodyopt_instance& instance, std::size_t frames,
                     std::vector<vulkan::PlacedOutput>& placed) {
-  const Attachments& attached = instance.following->attached;
+  const Attachments& attached = instance.following->attached();
   const auto outputs = attached_outputs(wanted.attached, wanted.attached_count, attached, "recording.attached");
   if (!outputs.empty() && !instance.attached) {
     throw Error(ErrorKind::usage,

@@ -223,6 +223,14 @@ void set_posed_controls(const std::vector<std::string>& names, const ViewSetting
   }
 }
 
+// The clip's pose as it is posed, before modifiers: with a value for each of the controls.
+Pose posed_with_controls(const Skeleton& skeleton, const Turning& turning, const Pose& clip,
+                         const ViewSettings::PoseKey& posing, const std::vector<std::string>& controls) {
+  Pose pose = posed(skeleton, turning, clip, posing);
+  set_posed_controls(controls, posing, pose);
+  return pose;
+}
+
 // Controls alone steer modifiers: a breath goes on from frame to frame by them. Without keys, those set are keyed.
 std::map<int, ViewSettings::PoseKey> control_keys(const ViewSettings::Posing& posing) {
   std::map<int, ViewSettings::PoseKey> keys;
@@ -234,9 +242,9 @@ std::map<int, ViewSettings::PoseKey> control_keys(const ViewSettings::Posing& po
 }
 
 // Returns the pose before limbs reach, and the pins for which they do.
-std::pair<Pose, Pins> before_reaching(const Skeleton& skeleton, const JointLimits& limits,
-                                      const std::vector<std::optional<JointRange>>& ranges, const Pose& clip,
+std::pair<Pose, Pins> before_reaching(const Skeleton& skeleton, const Turning& turning, const Pose& clip,
                                       const ViewSettings::PoseKey& posing) {
+  const auto& [limits, ranges] = turning;
   Pose pose = clip;
   for (const DegreeOfFreedom& dof : limits.dofs) {
     const auto found = posing.axes.find(dof.name);
@@ -305,24 +313,26 @@ Clip still_clip(const Skeleton& skeleton, const ClipOptions& options) {
   return clip;
 }
 
-Pose posed(const Skeleton& skeleton, const JointLimits& limits, const std::vector<std::optional<JointRange>>& ranges,
-           const Pose& clip, const ViewSettings::PoseKey& posing) {
-  auto [pose, pins] = before_reaching(skeleton, limits, ranges, clip, posing);
-  return pinned(skeleton, ranges, std::move(pose), pins);
+Turning turning_within(JointLimits limits, const Skeleton& skeleton) {
+  std::vector<std::optional<JointRange>> ranges = joint_ranges(limits, skeleton);
+  return {std::move(limits), std::move(ranges)};
 }
 
-std::vector<MissedPin> missed_pins(const Skeleton& skeleton, const JointLimits& limits,
-                                   const std::vector<std::optional<JointRange>>& ranges, const Pose& clip,
+Pose posed(const Skeleton& skeleton, const Turning& turning, const Pose& clip, const ViewSettings::PoseKey& posing) {
+  auto [pose, pins] = before_reaching(skeleton, turning, clip, posing);
+  return pinned(skeleton, turning.ranges, std::move(pose), pins);
+}
+
+std::vector<MissedPin> missed_pins(const Skeleton& skeleton, const Turning& turning, const Pose& clip,
                                    const ViewSettings::PoseKey& posing) {
-  const auto [pose, pins] = before_reaching(skeleton, limits, ranges, clip, posing);
-  return missed_pins(skeleton, ranges, pose, pins);
+  const auto [pose, pins] = before_reaching(skeleton, turning, clip, posing);
+  return missed_pins(skeleton, turning.ranges, pose, pins);
 }
 
-Vec3 facing_of(const Skeleton& skeleton, const JointLimits& limits,
-               const std::vector<std::optional<JointRange>>& ranges, const Pose& clip,
-               const ViewSettings::PoseKey& posing, std::size_t joint) {
-  const Pose free = before_reaching(skeleton, limits, ranges, clip, posing).first;
-  const Quat shown = world_rotations(skeleton, posed(skeleton, limits, ranges, clip, posing))[joint];
+Vec3 facing_of(const Skeleton& skeleton, const Turning& turning, const Pose& clip, const ViewSettings::PoseKey& posing,
+               std::size_t joint) {
+  const Pose free = before_reaching(skeleton, turning, clip, posing).first;
+  const Quat shown = world_rotations(skeleton, posed(skeleton, turning, clip, posing))[joint];
   return degrees_of(shown * conjugate(turned_here(skeleton, joint, clip, free)));
 }
 
@@ -352,27 +362,22 @@ ModifierState ModifierTrack::before(std::size_t at, const Clip& clip, const std:
   return known->second;
 }
 
-Pose posed_frame(const Clip& clip, std::size_t at, const Basis& basis, const JointLimits& limits,
-                 const std::vector<std::optional<JointRange>>& ranges, const ViewSettings::Posing& posing,
-                 ModifierTrack& track) {
+Pose posed_frame(const Clip& clip, std::size_t at, const Basis& basis, const Turning& turning,
+                 const ViewSettings::Posing& posing, ModifierTrack& track) {
   Clip frame;
   frame.fps = clip.fps;
   frame.controls = posed_controls(clip, posing);
-  frame.poses.push_back(posed(basis.skeleton, limits, ranges, clip.poses[at], posing));
-  set_posed_controls(frame.controls, posing, frame.poses.front());
+  frame.poses.push_back(posed_with_controls(basis.skeleton, turning, clip.poses[at], posing, frame.controls));
   ModifierState state = track.before(at, clip, frame.controls, basis, posing);
   apply_channels(basis, frame, &state);
   return std::move(frame.poses.front());
 }
 
-Clip posed_clip(Clip clip, const Skeleton& skeleton, const JointLimits& limits, const ViewSettings::Posing& posing) {
-  const std::vector<std::optional<JointRange>> ranges =
-      limits.dofs.empty() ? std::vector<std::optional<JointRange>>() : joint_ranges(limits, skeleton);
+Clip posed_clip(Clip clip, const Skeleton& skeleton, const Turning& turning, const ViewSettings::Posing& posing) {
   const std::vector<std::string> controls = posed_controls(clip, posing);
   for (std::size_t k = 0; k < clip.poses.size(); ++k) {
     const ViewSettings::Posing here = keyed_posing(posing, clip.first_frame + static_cast<int>(k));
-    clip.poses[k] = posed(skeleton, limits, ranges, clip.poses[k], here);
-    set_posed_controls(controls, here, clip.poses[k]);
+    clip.poses[k] = posed_with_controls(skeleton, turning, clip.poses[k], here, controls);
   }
   clip.controls = controls;
   return clip;

@@ -16,6 +16,13 @@
 
 namespace bodyopt {
 
+// How far joints may turn.
+struct Turning {
+  JointLimits limits{};
+  std::vector<std::optional<JointRange>> ranges{};  // of every joint; or empty: as far as they are turned
+};
+Turning turning_within(JointLimits limits, const Skeleton& skeleton);
+
 // Blends two poses, `t` from 0 to 1. Joints, axes and moves that one leaves out are there as the clip has them,
 // controls and pins as the other has them.
 ViewSettings::PoseKey blended(const ViewSettings::PoseKey& a, const ViewSettings::PoseKey& b, double t);
@@ -35,18 +42,15 @@ std::pair<double, double> free_angles(const JointLimits& limits, const Skeleton&
                                       const Pose& clip);
 
 // Turns joints about the axes of the limits, then by their own angles, as far as their ranges let them, and moves them.
-// Then limbs reach for where their ends are pinned. `ranges`: of every joint, or empty: turns are not limited.
-Pose posed(const Skeleton& skeleton, const JointLimits& limits, const std::vector<std::optional<JointRange>>& ranges,
-           const Pose& clip, const ViewSettings::PoseKey& posing);
+// Then limbs reach for where their ends are pinned.
+Pose posed(const Skeleton& skeleton, const Turning& turning, const Pose& clip, const ViewSettings::PoseKey& posing);
 // Pins that it does not reach.
-std::vector<MissedPin> missed_pins(const Skeleton& skeleton, const JointLimits& limits,
-                                   const std::vector<std::optional<JointRange>>& ranges, const Pose& clip,
+std::vector<MissedPin> missed_pins(const Skeleton& skeleton, const Turning& turning, const Pose& clip,
                                    const ViewSettings::PoseKey& posing);
 
 // Returns a PoseKey::facing by which a joint keeps its present orientation once it is pinned.
-Vec3 facing_of(const Skeleton& skeleton, const JointLimits& limits,
-               const std::vector<std::optional<JointRange>>& ranges, const Pose& clip,
-               const ViewSettings::PoseKey& posing, std::size_t joint);
+Vec3 facing_of(const Skeleton& skeleton, const Turning& turning, const Pose& clip, const ViewSettings::PoseKey& posing,
+               std::size_t joint);
 
 // The states of a basis' modifiers before frames of a clip, kept while what steers them is the same.
 class ModifierTrack {
@@ -62,14 +66,13 @@ class ModifierTrack {
   std::map<std::size_t, ModifierState> before_{{0, {}}};  // by number
 };
 
-// The pose number `at` of what posed_clip() and then apply_channels() make of the clip, to the last bit. `ranges`: of
-// every joint, as posed() takes them. `track`: of this clip.
-Pose posed_frame(const Clip& clip, std::size_t at, const Basis& basis, const JointLimits& limits,
-                 const std::vector<std::optional<JointRange>>& ranges, const ViewSettings::Posing& posing,
-                 ModifierTrack& track);
+// The pose number `at` of what posed_clip() and then apply_channels() make of the clip, to the last bit. `track`: of
+// this clip.
+Pose posed_frame(const Clip& clip, std::size_t at, const Basis& basis, const Turning& turning,
+                 const ViewSettings::Posing& posing, ModifierTrack& track);
 
 // Poses the whole clip, frame by frame as its keys say. Its controls are those that it has, or the posing sets at any
 // frame.
-Clip posed_clip(Clip clip, const Skeleton& skeleton, const JointLimits& limits, const ViewSettings::Posing& posing);
+Clip posed_clip(Clip clip, const Skeleton& skeleton, const Turning& turning, const ViewSettings::Posing& posing);
 
 }  // namespace bodyopt

@@ -9,7 +9,7 @@
 
 #include "runtime/basis/safetensors.h"
 #include "runtime/core/error.h"
-#include "runtime/deformer/attachment_carrier.h"
+#include "runtime/deformer/following_meshes.h"
 #include "tests/support/attached_limb.h"
 #include "tests/support/forged_word.h"
 #include "tests/support/hostile_bytes.h"
@@ -81,7 +81,7 @@ TEST(AttachmentsFile, ForgedTablesAreRefusedOrCarried) {
     write_safetensors(forged, folder / "b.safetensors");
     const auto carry = [&](const auto& path) {
       const Attachments loaded = load_attachments(path, basis);
-      for (const auto& mesh : AttachmentCarrier(basis, loaded).carry(skin, pose.joints)) {
+      for (const auto& mesh : FollowingMeshes(basis, loaded).carry(skin, pose.joints)) {
         for (const float x : mesh) ASSERT_TRUE(std::isfinite(x)) << word;
       }
     };

@@ -5,7 +5,7 @@
 #include <numeric>
 
 #include "runtime/basis/levels.h"
-#include "runtime/deformer/attachment_carrier.h"
+#include "runtime/deformer/following_meshes.h"
 #include "runtime/host/carry_skin.h"
 #include "runtime/host/rig.h"
 #include "tests/library/c_api.h"
@@ -38,7 +38,7 @@ class LibraryFollowing : public GpuTest {
  protected:
   // What the meshes do on a skin of these poses: of each mesh all frames.
   std::vector<std::vector<float>> carried(const std::vector<float>& skin, const std::vector<Pose>& poses) const {
-    const AttachmentCarrier carrier(basis_, attached_);
+    const FollowingMeshes carrier(basis_, attached_);
     const std::size_t stride = skin.size() / poses.size();
     std::vector<std::vector<float>> all(attached_.meshes.size());
     for (std::size_t f = 0; f < poses.size(); ++f) {

@@ -430,7 +430,7 @@ TEST_F(ActorTest, EveryPoseWearsItsOwn) {
   const std::vector<float> worn = download(sleeve.positions);
   ASSERT_EQ(worn.size(), 2 * std::size_t{3} * sleeve.vertex_count);
   const Attachments outfit = limb_outfit();
-  const AttachmentCarrier carrier(jiggling_->made.basis, outfit);
+  const FollowingMeshes carrier(jiggling_->made.basis, outfit);
   for (std::size_t k = 0; k < 2; ++k) {
     const auto expected = carrier.carry(std::span(result.positions).subspan(k * count, count), poses[k].joints)[2];
     EXPECT_LT(distance({worn.begin() + static_cast<std::ptrdiff_t>(k * expected.size()),

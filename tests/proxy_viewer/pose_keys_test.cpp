@@ -51,7 +51,7 @@ TEST(PoseKeys, FramesAreThoseOfTheWholeClipInAnyOrder) {
     apply_channels(basis, whole);
     for (const std::size_t k : frames) {
       const ViewSettings::Posing here = keyed_posing(posing, clip.first_frame + static_cast<int>(k));
-      const Pose pose = posed_frame(clip, k, basis, {}, {}, here, track);
+      const Pose pose = posed_frame(clip, k, basis, {}, here, track);
       EXPECT_TRUE(same({&pose, 1}, {&whole.poses[k], 1})) << k;
     }
     return whole.poses.back().modifiers;

@@ -1,4 +1,6 @@
 // What rides on a skin goes where the skin goes.
+#include "runtime/deformer/following_meshes.h"
+
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
@@ -6,7 +8,6 @@
 
 #include "geometry/nearest_skin.h"
 #include "runtime/core/error.h"
-#include "runtime/deformer/attachment_carrier.h"
 #include "runtime/deformer/deformer.h"
 #include "runtime/host/device_choice.h"
 #include "runtime/host/rig.h"
@@ -30,7 +31,7 @@ std::vector<float> skin_at(const Pose& pose) {
 }
 
 Carried carried_at(const Pose& pose) {
-  return AttachmentCarrier(limb_basis(), outfit()).carry(skin_at(pose), pose.joints);
+  return FollowingMeshes(limb_basis(), outfit()).carry(skin_at(pose), pose.joints);
 }
 
 Pose bent() { return limb_pose(limb_basis().skeleton, 1.2, 0.5, 0.6); }
@@ -47,13 +48,13 @@ Eigen::Affine3d eigen(const Affine& a) {
   return result;
 }
 
-TEST(AttachmentCarrier, RestIsExact) {
+TEST(FollowingMeshes, RestIsExact) {
   const Basis& basis = limb_basis();
   std::vector<float> rest;
   for (const std::uint32_t v : basis.mesh.output_vertex) {
     rest.insert(rest.end(), {basis.mesh.rest[3 * v], basis.mesh.rest[3 * v + 1], basis.mesh.rest[3 * v + 2]});
   }
-  const Carried carried = AttachmentCarrier(basis, outfit()).carry(rest, bind_pose(basis.skeleton).joints);
+  const Carried carried = FollowingMeshes(basis, outfit()).carry(rest, bind_pose(basis.skeleton).joints);
   ASSERT_EQ(carried.size(), 4u);
   for (std::size_t m = 0; m < carried.size(); ++m) {
     const AttachedMesh& mesh = outfit().meshes[m];
@@ -62,7 +63,7 @@ TEST(AttachmentCarrier, RestIsExact) {
   }
 }
 
-TEST(AttachmentCarrier, TurnsAndMovesWithTheWhole) {
+TEST(FollowingMeshes, TurnsAndMovesWithTheWhole) {
   Pose pose = bind_pose(limb_basis().skeleton);
   pose.joints[0].rotation = normalized(Quat{0.9, -0.3, 0.5, -0.1});  // more than half a turn from where it was
   pose.joints[0].translation = {1.5, -0.5, 2};
@@ -78,7 +79,7 @@ TEST(AttachmentCarrier, TurnsAndMovesWithTheWhole) {
 
 // The same in double precision by another way: the triangles around each corner found by looking at all of them, the
 // rotation by a singular value decomposition.
-TEST(AttachmentCarrier, AgreesWithADoublePrecisionReference) {
+TEST(FollowingMeshes, AgreesWithADoublePrecisionReference) {
   const Basis& basis = limb_basis();
   const Pose pose = bent();
   const std::vector<float> skin = skin_at(pose);  // the limb's output order is its welded order
@@ -105,7 +106,7 @@ TEST(AttachmentCarrier, AgreesWithADoublePrecisionReference) {
     }
     return Eigen::Matrix3d((sum + 0.5 * edges * normal.normalized() * rest_normal.normalized().transpose()) / edges);
   };
-  const Carried carried = AttachmentCarrier(basis, outfit()).carry(skin, pose.joints);
+  const Carried carried = FollowingMeshes(basis, outfit()).carry(skin, pose.joints);
   double furthest = 0;
   for (const Part part : {kButton, kSleeve}) {
     const AttachedMesh& mesh = outfit().meshes[part];
@@ -133,7 +134,7 @@ TEST(AttachmentCarrier, AgreesWithADoublePrecisionReference) {
   EXPECT_GT(furthest, 0.05);  // the pose does move them
 }
 
-TEST(AttachmentCarrier, FarAwayIsAsNear) {
+TEST(FollowingMeshes, FarAwayIsAsNear) {
   Pose pose = bent();
   const Carried near = carried_at(pose);
   pose.joints[0].translation[0] += 100;
@@ -145,7 +146,7 @@ TEST(AttachmentCarrier, FarAwayIsAsNear) {
   }
 }
 
-TEST(AttachmentCarrier, OnAJointIsItsSkinningMatrix) {
+TEST(FollowingMeshes, OnAJointIsItsSkinningMatrix) {
   const Pose pose = bent();
   const std::vector<Affine> skinning = skinning_matrices(limb_basis().skeleton, pose.joints);
   const Carried carried = carried_at(pose);
@@ -158,7 +159,7 @@ TEST(AttachmentCarrier, OnAJointIsItsSkinningMatrix) {
   }
 }
 
-TEST(AttachmentCarrier, PiecesStayRigid) {
+TEST(FollowingMeshes, PiecesStayRigid) {
   const Carried carried = carried_at(bent());
   for (const Part part : {kEye, kButton, kBlade}) {
     const AttachedMesh& mesh = outfit().meshes[part];
@@ -173,7 +174,7 @@ TEST(AttachmentCarrier, PiecesStayRigid) {
 }
 
 // No vertex of the sleeve comes further from its point of the skin than it was, and none of the skin's comes through.
-TEST(AttachmentCarrier, ASheetKeepsItsDistance) {
+TEST(FollowingMeshes, ASheetKeepsItsDistance) {
   const Basis& basis = limb_basis();
   const Pose pose = limb_pose(basis.skeleton, 0.7, 0.3, 0.3);
   const std::vector<float> skin = skin_at(pose);
@@ -181,7 +182,7 @@ TEST(AttachmentCarrier, ASheetKeepsItsDistance) {
   for (Eigen::Index v = 0; v < posed.rows(); ++v) posed.row(v) = point(skin, static_cast<std::size_t>(v)).transpose();
   const Character limb = limb_character();
   const NearestSkin before(limb.vertices, limb.triangles), after(posed, limb.triangles);
-  const std::vector<float> sheet = AttachmentCarrier(basis, outfit()).carry(skin, pose.joints)[kSleeve];
+  const std::vector<float> sheet = FollowingMeshes(basis, outfit()).carry(skin, pose.joints)[kSleeve];
   const AttachedMesh& mesh = outfit().meshes[kSleeve];
   for (std::size_t v = 0; v < mesh.vertex_count(); ++v) {
     const Eigen::Vector3d u = point(mesh.rest, v), x = point(sheet, v);
@@ -191,11 +192,11 @@ TEST(AttachmentCarrier, ASheetKeepsItsDistance) {
   }
 }
 
-TEST(AttachmentCarrier, CollapsedSkinTurnsWithTheJoint) {
+TEST(FollowingMeshes, CollapsedSkinTurnsWithTheJoint) {
   const Basis& basis = limb_basis();
   const Pose pose = bent();
   const std::vector<float> nothing(3 * basis.mesh.output_count(), 0.25f);
-  const Carried carried = AttachmentCarrier(basis, outfit()).carry(nothing, pose.joints);
+  const Carried carried = FollowingMeshes(basis, outfit()).carry(nothing, pose.joints);
   const AttachedMesh& button = outfit().meshes[kButton];
   const AttachmentAnchor& anchor = button.anchors[0];
   const Affine joint = skinning_matrices(basis.skeleton, pose.joints)[anchor.joint];
@@ -209,8 +210,8 @@ TEST(AttachmentCarrier, CollapsedSkinTurnsWithTheJoint) {
   for (const float x : carried[kSleeve]) EXPECT_TRUE(std::isfinite(x));
 }
 
-TEST(AttachmentCarrier, AnotherSkinIsRefused) {
-  const AttachmentCarrier carrier(limb_basis(), outfit());
+TEST(FollowingMeshes, AnotherSkinIsRefused) {
+  const FollowingMeshes carrier(limb_basis(), outfit());
   const Pose pose = bent();
   std::vector<float> skin = skin_at(pose);
   EXPECT_THROW(carrier.carry(skin, std::span(pose.joints).first(2)), Error);
