@@ -14,7 +14,9 @@
 #include "assets/clip_source.h"
 #include "proxy_viewer/commands/commands.h"
 #include "proxy_viewer/commands/keymap_file.h"
+#include "proxy_viewer/pin_joint.h"
 #include "proxy_viewer/platform/window.h"
+#include "proxy_viewer/work_files.h"
 #include "shots/session/session_file.h"
 
 namespace bodyopt {
@@ -61,13 +63,13 @@ void Application::begin() {
   session_.play_clip();
   controls_.camera.orbit(0.45, 0.18);
   controls_.requests.frame_selection = true;
-  session_.follow();
+  session_.framing.follow();
   const bool restored = session_.restore_view();
   if (!options_.state.empty()) session_.load_state(options_.state);
   begin_frames(restored);
   if (options_.live_port) session_.listen(*options_.live_port);
   if (screen_) controls_.say("H: all keys");
-  session_.follow();
+  session_.framing.follow();
   if (controls_.requests.frame_selection) frame_what_comes();
   note_saved();
   if (!options_.files.empty()) remember(options_.files.front());
@@ -92,9 +94,9 @@ void Application::begin_frames(bool restored) {
 // A sequence without a window is framed as a whole: nobody is there to move the camera.
 void Application::frame_what_comes() {
   if (!screen_ && shows_motion(options_.out)) {
-    session_.frame_range(options_.width, options_.height);
+    session_.framing.frame_range(options_.width, options_.height);
   } else {
-    session_.frame_selection(options_.width, options_.height);
+    session_.framing.frame_selection(options_.width, options_.height);
   }
 }
 
@@ -350,7 +352,7 @@ void Application::quit() {
 void Application::run_script() {
   while (!script_.empty() && controls_.requests == Requests{}) {
     controls_.follow_keys();
-    session_.follow();
+    session_.framing.follow();
     const std::string command = std::move(script_.front());
     script_.pop_front();
     controls_.scripted = true;
@@ -423,29 +425,29 @@ void Application::fulfil() {
     if (asked) controls_.attempt(action);
   };
   if (requests.frame_range)
-    controls_.attempt([&] { session_.frame_range(painter_.area().width, painter_.area().height); });
+    controls_.attempt([&] { session_.framing.frame_range(painter_.area().width, painter_.area().height); });
   attempt(requests.keep_keymap, [&] { write_keymap(controls_.keymap, options_.user_folder); });
-  attempt(requests.pin, [&] { session_.pin(*requests.pin); });
+  attempt(requests.pin, [&] { pin_joint(*requests.pin, session_.scene, controls_); });
   attempt(requests.screenshot, [&] { pictures_.take_screenshot(*requests.screenshot); });
   attempt(requests.sequence, [&] { pictures_.take_sequence(*requests.sequence); });
   attempt(requests.turntable, [&] { pictures_.take_turntable(*requests.turntable); });
   attempt(requests.save, [&] { save(*requests.save); });
   if (requests.save) controls_.quits_when_saved = false;
   attempt(requests.save_pose, [&] {
-    session_.save_pose(*requests.save_pose);
+    save_pose(session_.scene, controls_, *requests.save_pose);
     if (!screen_) return;
     write_png(painter_.draw_portrait(controls_.settings.pose), picture_of_pose(*requests.save_pose));
     pending_pictures_ = 2;
   });
-  attempt(requests.load_pose, [&] { session_.load_pose(*requests.load_pose); });
+  attempt(requests.load_pose, [&] { load_pose(*requests.load_pose, controls_); });
   attempt(requests.recover, [&] { recover(*requests.recover); });
   if (requests.export_clip || requests.export_skin || requests.sequence) autosave();
-  attempt(requests.save_markers, [&] { session_.save_markers(*requests.save_markers); });
+  attempt(requests.save_markers, [&] { save_markers(session_.scene, controls_, *requests.save_markers); });
   attempt(requests.save_state, [&] { session_.save_state(*requests.save_state); });
-  attempt(requests.export_clip, [&] { session_.export_clip(*requests.export_clip); });
-  attempt(requests.export_skin, [&] { session_.export_skin(*requests.export_skin); });
+  attempt(requests.export_clip, [&] { export_clip(session_.scene, controls_, *requests.export_clip); });
+  attempt(requests.export_skin, [&] { export_skin(session_.scene, controls_, *requests.export_skin); });
   attempt(requests.load_state, [&] { session_.load_state(*requests.load_state); });
-  attempt(requests.reload, [&] { reload(session_.files()); });
+  attempt(requests.reload, [&] { reload(session_.scene.paths()); });
   if (requests.reset_jiggle) session_.scene.reset_jiggle();
   attempt(requests.worst_frame, [&] { go_to_worst_frame(); });
   attempt(requests.worst_vertex, [&] { errors_.go_to_worst_vertex(); });

@@ -1,9 +1,13 @@
 #include "proxy_viewer/describe_scene.h"
 
 #include <algorithm>
+#include <cmath>
 #include <tuple>
 
 #include "proxy_viewer/commands/commands.h"
+#include "runtime/core/transformed.h"
+#include "runtime/deformer/deformer.h"
+#include "runtime/modifiers/drive_modifiers.h"
 #include "runtime/modifiers/skin_modifier_type.h"
 
 namespace bodyopt {
@@ -111,8 +115,7 @@ std::vector<std::string> possible_comparisons(const Actor& lead, ViewSettings se
   return possible;
 }
 
-}  // namespace
-
+// Names what the lead and the cast lack, and how to get it; see Controls::missing.
 std::map<std::string, std::string> describe_missing(const Scene& scene) {
   const Actor& lead = scene.lead();
   std::map<std::string, std::string> missing;
@@ -150,6 +153,8 @@ std::map<std::string, std::string> describe_missing(const Scene& scene) {
   return missing;
 }
 
+}  // namespace
+
 void describe_cast(const Scene& scene, Snapshot& snapshot) {
   snapshot.cast.clear();
   for (const auto& character : scene.cast()) snapshot.cast.push_back(describe(*character));
@@ -161,6 +166,32 @@ void describe_cast(const Scene& scene, Snapshot& snapshot) {
   snapshot.fibres = lead.basis().strain.names;
   snapshot.clip_fps = lead.clip().fps;
   snapshot.first_frame = lead.clip().first_frame;
+}
+
+void name_for_commands(const Scene& scene, Controls& controls) {
+  const Actor& lead = scene.lead();
+  const Basis& basis = lead.basis();
+  controls.output_counts =
+      transformed(scene.cast(), [](const auto& one) { return one->finest_basis().mesh.output_count(); });
+  controls.joint_names.clear();
+  controls.joint_axes.clear();
+  for (const Joint& joint : basis.skeleton.joints) {
+    controls.joint_names.push_back(joint.name);
+    controls.joint_axes.push_back(conjugate(decompose(joint.inverse_bind).rotation));
+  }
+  controls.control_names = basis.residual.controls;
+  for (const std::string& name : modifier_channels(basis.modifiers)) controls.control_names.push_back(name);
+  controls.movable_names = lead.movable_joints();
+  controls.axis_names.clear();
+  controls.axis_joints.clear();
+  controls.axes_flip.clear();
+  for (const DegreeOfFreedom& dof : lead.axes()) {
+    controls.axis_names.push_back(dof.name);
+    controls.axis_joints.push_back(dof.turns.empty() ? "" : basis.skeleton.joints[dof.turns.front().joint].name);
+    controls.axes_flip.push_back(!dof.turns.empty() && std::abs(dof.turns.front().axis[0]) < std::sqrt(0.5));
+  }
+  controls.missing = describe_missing(scene);
+  controls.file_cameras = lead.cameras();
 }
 
 void describe_turns(const Scene& scene, const Controls& controls, Snapshot& snapshot) {
@@ -201,6 +232,21 @@ void describe_comparison(const Scene& scene, const Controls& controls, const Err
   }
   snapshot.measured = curve.measured_count();
   snapshot.worst = curve.worst();
+}
+
+void describe_picture(const Scene& scene, Snapshot& snapshot) {
+  snapshot.stage_seconds = scene.stage_seconds();
+  const Evaluation* evaluation = scene.lead_evaluation();
+  if (!evaluation || evaluation->outside.empty()) return;
+  snapshot.strains = evaluation->strains;
+  const float outside = evaluation->outside[0];
+  snapshot.outside = outside < kOutsideWorthTelling ? 0 : outside;
+  snapshot.outside_feature = snapshot.outside_by = "";
+  if (!(snapshot.outside > 0)) return;
+  const Basis& basis = scene.lead().basis();
+  const std::uint32_t feature = evaluation->outside_feature[0];
+  snapshot.outside_feature = feature_name(basis, feature);
+  snapshot.outside_by = outside_text(basis, feature, evaluation->outside_by[0]);
 }
 
 }  // namespace bodyopt

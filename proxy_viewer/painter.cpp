@@ -95,7 +95,7 @@ void Painter::draw(const PictureSize& size, Edges edges, double passed) {
   });
   const auto [width, height] = size;
   viewport_.draw(views, width, height, edges, [this](VkCommandBuffer commands) { gui_.record(commands); });
-  session_.describe_picture();
+  describe_picture(scene_, snapshot_);
   describe_time(start);
   if (const auto problem = gui_.fonts().take_problem()) controls_.warn(*problem);
 }
@@ -128,10 +128,10 @@ void Painter::draw_panels_over(const PictureSize& size, double passed) {
   const auto pixels = [&](float points) { return static_cast<std::uint32_t>(std::lround(points * scale())); };
   const Covered covered = {pixels(over.top), pixels(over.right), pixels(over.bottom), pixels(over.left)};
   gui_.end();
-  session_.follow();
+  session_.framing.follow();
   controls_.attempt([&] {
-    if (controls_.requests.frame_selection) session_.frame_selection(area_.width, area_.height, covered);
-    session_.keep_framed(area_.width, area_.height, covered);
+    if (controls_.requests.frame_selection) session_.framing.frame_selection(area_.width, area_.height, covered);
+    session_.framing.keep_framed(area_.width, area_.height, covered);
   });
 }
 

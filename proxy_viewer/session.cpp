@@ -1,24 +1,18 @@
 #include "proxy_viewer/session.h"
 
 #include <algorithm>
-#include <cmath>
 #include <initializer_list>
 #include <iostream>
 #include <iterator>
-#include <set>
 #include <utility>
 
 #include "assets/clip_source.h"
 #include "dataset/modifier.h"
 #include "proxy_viewer/describe_scene.h"
 #include "proxy_viewer/scene/truth_times.h"
+#include "proxy_viewer/work_files.h"
 #include "runtime/core/error.h"
 #include "runtime/core/file_kind.h"
-#include "runtime/modifiers/drive_modifiers.h"
-#include "shots/clip_choice.h"
-#include "shots/session/pinned_joints.h"
-#include "shots/session/posed_clip.h"
-#include "shots/shot.h"
 #include "shots/shot_files.h"
 #include "trainer/transfer/markers_file.h"
 
@@ -30,38 +24,6 @@ namespace fs = std::filesystem;
 bool has_extension(const std::string& file, std::initializer_list<const char*> extensions) {
   const std::string own = lower_case_extension(split_source(file).path);
   return std::any_of(extensions.begin(), extensions.end(), [&](const char* e) { return own == e; });
-}
-
-// Returns the end of a joint's limb: for a finger the hand, as bones of fingers are short beside those of an arm.
-std::string end_of_limb(const Skeleton& skeleton, const std::string& joint) {
-  constexpr double kLong = 0.6;     // of the longest
-  constexpr std::size_t kLimb = 5;  // joints from the one that is asked for upwards
-  std::vector<std::size_t> ends;    // each with the two above it that reach
-  std::vector<double> bones;        // metres
-  for (std::string at = joint; ends.size() < kLimb && ends_a_limb(skeleton, at);) {
-    ends.push_back(static_cast<std::size_t>(skeleton.find(at)));
-    const auto above = static_cast<std::size_t>(skeleton.joints[ends.back()].parent);
-    bones.push_back(length(bind_place(skeleton, ends.back()) - bind_place(skeleton, above)));
-    at = skeleton.joints[above].name;
-  }
-  const double longest = std::ranges::max(bones);
-  const auto end = std::ranges::find_if(bones, [&](double bone) { return bone >= kLong * longest; }) - bones.begin();
-  return skeleton.joints[ends[static_cast<std::size_t>(end)]].name;
-}
-
-// Names what could be pinned: joints at the ends, the first ten.
-std::string joints_with_two_above(const Skeleton& skeleton) {
-  constexpr int kNamed = 10;
-  std::set<std::string> ends;
-  for (const Joint& joint : skeleton.joints) {
-    if (ends_a_limb(skeleton, joint.name)) ends.insert(end_of_limb(skeleton, joint.name));
-  }
-  std::string names;
-  int named = 0;
-  for (const std::string& end : ends) {
-    if (named++ < kNamed) names += (names.empty() ? "these have: " : ", ") + end;
-  }
-  return names.empty() ? "none of this character has" : names;
 }
 
 }  // namespace
@@ -140,7 +102,7 @@ std::vector<std::string> Session::open(const std::string& file) {
     restore_view();
     return notes;
   } else if (has_extension(file, {".json"}) && is_markers(file)) {
-    open_markers(file);
+    load_markers(file, controls);
   } else if (has_extension(file, {".json"})) {
     load_state(file);
   } else {
@@ -198,30 +160,6 @@ void Session::read_dataset_again() {
 void Session::edit_stack(const ModifierEdit& edit) {
   curation.edit(edit);
   read_dataset_again();
-}
-
-void Session::pin(const PinRequest& request) {
-  const Skeleton& skeleton = scene.lead().basis().skeleton;
-  if (!ends_a_limb(skeleton, request.joint)) {
-    throw Error(ErrorKind::usage, request.joint + ": has no two joints above it that could reach for a pin; " +
-                                      joints_with_two_above(skeleton));
-  }
-  if (request.at) {
-    controls.settings.pose.pins[request.joint] = *request.at;
-    return;
-  }
-  const auto asked = static_cast<std::size_t>(skeleton.find(request.joint));
-  const bool is_end = ends_a_foot(skeleton, asked) || is_on_spine(skeleton, asked);
-  const std::string end = is_end ? request.joint : end_of_limb(skeleton, request.joint);
-  if (end != request.joint) {
-    controls.say(end + " is pinned, the end of the limb that " + request.joint + " is of; a point pins any joint");
-    controls.select(end);
-  }
-  const auto joint = static_cast<std::size_t>(skeleton.find(end));
-  ViewSettings::Posing& pose = controls.settings.pose;
-  const Vec3 facing = scene.lead().facing(joint, controls.playback.frame(), pose);
-  pose.pins[end] = scene.joint_centres(controls)[joint];
-  pose.facing[end] = facing;
 }
 
 void Session::keep_strokes() {
@@ -381,7 +319,7 @@ void Session::show_lead() {
   scene.leave_live_pose();
   controls.select("");
   controls.marker.reset();
-  followed_.reset();
+  framing.stay();
   controls.requests.frame_selection = true;  // the stage is around another
   pose_lead();
   take_note_of_cast();
@@ -395,14 +333,6 @@ void Session::pose_lead() {
   controls.settings.pose.correction = correction;
   controls.poses.begin(controls.settings);
   controls.keyed_frame.reset();
-}
-
-std::vector<fs::path> Session::files() const {
-  std::vector<fs::path> files;
-  for (const auto& character : scene.cast()) {
-    std::ranges::copy(character->paths(), std::back_inserter(files));
-  }
-  return files;
 }
 
 void Session::listen(std::uint16_t port) {
@@ -448,7 +378,7 @@ bool Session::restore_view() {
   const SessionFile session = *std::exchange(opened_, std::nullopt);
   play_clip();
   controls.playback.scrub(session.frame);
-  follow();
+  framing.follow();
   use_settings(session.view);
   controls.image_plane = session.image_plane;
   controls.sound = session.sound;
@@ -482,90 +412,8 @@ void Session::play_clip() {
 }
 
 void Session::play_as(const PlaySettings& settings) {
-  Playback& playback = controls.playback;
-  playback.apply(settings);
-  const int first = playback.first(), last = playback.last();
-  const int in = settings.in.value_or(first), out = settings.out.value_or(last);
-  playback.set_range(first, last);
-  if (first <= in && in <= out && out <= last) return playback.set_range(in, out);
-  const std::string lacks = "the range is frames " + std::to_string(in) + "-" + std::to_string(out) +
-                            ", the clip has " + std::to_string(first) + "-" + std::to_string(last) + ": ";
-  const bool meets = in <= out && in <= last && first <= out;
-  if (meets) {
-    playback.set_range(in, out);
-    controls.warn(lacks + "those of both are played");
-  } else {
-    controls.warn(lacks + "all of the clip is played");
-  }
-}
-
-void Session::frame_selection(std::uint32_t width, std::uint32_t height, Covered covered) {
-  controls.requests.frame_selection = false;
-  frame_points(scene.points_to_frame(controls), width, height, covered);
-}
-
-void Session::keep_framed(std::uint32_t width, std::uint32_t height, Covered covered) {
-  const std::size_t views = scene.view_areas(controls.settings, {0, 0, width, height}).size();
-  const bool turns = std::exchange(controls.requests.keep_framed, false);
-  if (!framed_ || (!turns && views == framed_->views && covered == framed_->covered)) return;
-  const OrbitView now = controls.kept_camera(), &then = framed_->camera;
-  // Turned, it still looks at the middle of what was framed.
-  const bool stayed = length(now.target - then.target) < 1e-6 * then.distance && now.distance == then.distance;
-  if (!stayed) return framed_.reset();
-  look_at(framed_->points, width, height, covered);
-  controls.go_to_camera(controls.camera.view());
-  framed_->camera = controls.kept_camera();
-  framed_->views = views;
-  framed_->covered = covered;
-}
-
-void Session::frame_range(std::uint32_t width, std::uint32_t height) {
-  constexpr int kLooks = 12;
-  controls.requests.frame_selection = false;
-  Playback& playback = controls.playback;
-  const int shown = playback.frame(), first = playback.in(), last = playback.out();
-  const Vec3 here = scene.whereabouts(shown);
-  const std::string joint = std::exchange(controls.joint, "");  // all are to be seen, not it alone
-  std::vector<float> points;
-  for (int look = 0; look <= kLooks; ++look) {
-    playback.scrub(first + look * (last - first) / kLooks);
-    const Vec3 gone = controls.settings.look.follow ? scene.whereabouts(playback.frame()) - here : Vec3{0, 0, 0};
-    const std::vector<float> some = scene.points_to_frame(controls);
-    for (std::size_t k = 0; k < some.size(); ++k) points.push_back(some[k] - static_cast<float>(gone[k % 3]));
-  }
-  playback.scrub(shown);
-  controls.joint = joint;
-  frame_points(std::move(points), width, height, {});
-}
-
-void Session::frame_points(std::vector<float> points, std::uint32_t width, std::uint32_t height, Covered covered) {
-  if (points.empty()) return;
-  look_at(points, width, height, covered);
-  const Vec3 travelled = controls.settings.look.follow ? controls.travelled : Vec3{0, 0, 0};
-  for (std::size_t k = 0; k < points.size(); ++k) points[k] -= static_cast<float>(travelled[k % 3]);
-  const std::size_t views = scene.view_areas(controls.settings, {0, 0, width, height}).size();
-  framed_ = Framed{controls.kept_camera(), views, covered, std::move(points)};
-}
-
-// A covered side leaves as much free on the other, so that the middle stays the middle.
-void Session::look_at(const std::vector<float>& points, std::uint32_t width, std::uint32_t height, Covered covered) {
-  const auto without = [](std::uint32_t size, std::uint32_t a, std::uint32_t b) {
-    const std::uint32_t taken = 2 * std::max(a, b);
-    return size > taken ? size - taken : size;
-  };
-  const std::uint32_t free = without(height, covered.top, covered.bottom);
-  const Rectangle view = scene.view_areas(controls.settings, {0, 0, width, free}).front();  // the first of the picture
-  const auto across = static_cast<float>(std::max(1u, without(view.width, covered.left, covered.right)));
-  controls.camera.frame(points, across / static_cast<float>(std::max(1u, free)),
-                        static_cast<double>(free) / std::max(1u, height));
-}
-
-void Session::follow() {
-  const Vec3 at = scene.whereabouts(controls.playback.frame());
-  if (followed_ && controls.settings.look.follow) controls.camera.move(at - *followed_);
-  followed_ = at;
-  controls.travelled = at - scene.whereabouts(scene.lead().clip().first_frame);
-  controls.follow_shot_camera();
+  const std::string lacks = controls.playback.apply(settings);
+  if (!lacks.empty()) controls.warn(lacks);
 }
 
 void Session::warn_of_truth_times() {
@@ -589,30 +437,8 @@ void Session::take_note_of_cast() {
 void Session::describe_cast() {
   const Basis& basis = scene.lead().basis();
   bodyopt::describe_cast(scene, snapshot);
-  controls.output_counts.clear();
-  for (std::size_t c = 0; c < scene.cast().size(); ++c) {
-    snapshot.cast[c].number = controls.cast_numbers[c];
-    controls.output_counts.push_back(scene.cast()[c]->finest_basis().mesh.output_count());
-  }
-  controls.joint_names.clear();
-  controls.joint_axes.clear();
-  for (const Joint& joint : basis.skeleton.joints) {
-    controls.joint_names.push_back(joint.name);
-    controls.joint_axes.push_back(conjugate(decompose(joint.inverse_bind).rotation));
-  }
-  controls.control_names = basis.residual.controls;
-  for (const std::string& name : modifier_channels(basis.modifiers)) controls.control_names.push_back(name);
-  controls.movable_names = scene.lead().movable_joints();
-  controls.axis_names.clear();
-  controls.axis_joints.clear();
-  controls.axes_flip.clear();
-  for (const DegreeOfFreedom& dof : scene.lead().axes()) {
-    controls.axis_names.push_back(dof.name);
-    controls.axis_joints.push_back(dof.turns.empty() ? "" : basis.skeleton.joints[dof.turns.front().joint].name);
-    controls.axes_flip.push_back(!dof.turns.empty() && std::abs(dof.turns.front().axis[0]) < std::sqrt(0.5));
-  }
-  controls.missing = describe_missing(scene);
-  controls.file_cameras = scene.lead().cameras();
+  for (std::size_t c = 0; c < scene.cast().size(); ++c) snapshot.cast[c].number = controls.cast_numbers[c];
+  name_for_commands(scene, controls);
   require_shot_camera();
   if (basis.skeleton.find(controls.joint) < 0) controls.select("");
   std::erase_if(controls.also, [&](const std::string& joint) { return basis.skeleton.find(joint) < 0; });
@@ -638,21 +464,6 @@ void Session::warn_of_rates() {
   for (const auto& character : scene.cast()) {
     if (const std::string why = character->why_still(); !why.empty()) controls.warn("it does not jiggle: " + why);
   }
-}
-
-void Session::describe_picture() {
-  snapshot.stage_seconds = scene.stage_seconds();
-  const Evaluation* evaluation = scene.lead_evaluation();
-  if (!evaluation || evaluation->outside.empty()) return;
-  snapshot.strains = evaluation->strains;
-  const float outside = evaluation->outside[0];
-  snapshot.outside = outside < kOutsideWorthTelling ? 0 : outside;
-  snapshot.outside_feature = snapshot.outside_by = "";
-  if (!(snapshot.outside > 0)) return;
-  const Basis& basis = scene.lead().basis();
-  const std::uint32_t feature = evaluation->outside_feature[0];
-  snapshot.outside_feature = feature_name(basis, feature);
-  snapshot.outside_by = outside_text(basis, feature, evaluation->outside_by[0]);
 }
 
 }  // namespace bodyopt

@@ -12,6 +12,7 @@
 #include "proxy_viewer/brushing.h"
 #include "proxy_viewer/commands/controls.h"
 #include "proxy_viewer/curation.h"
+#include "proxy_viewer/framing.h"
 #include "proxy_viewer/image_plane.h"
 #include "proxy_viewer/matching.h"
 #include "proxy_viewer/panels/snapshot.h"
@@ -24,12 +25,6 @@
 
 namespace bodyopt {
 
-// Pixels at the edges of a picture over which something stands.
-struct Covered {
-  std::uint32_t top = 0, right = 0, bottom = 0, left = 0;
-  bool operator==(const Covered&) const = default;
-};
-
 class Session {
  public:
   Session(std::shared_ptr<const vulkan::Device> device, const ViewerOptions& options);
@@ -37,6 +32,7 @@ class Session {
   Scene scene;
   Controls controls;
   Snapshot snapshot;
+  Framing framing{scene, controls};
   Curation curation;
   Brushing brushing{scene, controls, curation};
   Matching matching;
@@ -60,26 +56,17 @@ class Session {
   // Reads the characters again that any of the files belong to; the playhead stays, and goes on as it went. All stays
   // as it was where it throws.
   void reload(const std::vector<std::filesystem::path>& files);
-  void save_markers(const std::string& file);
-  void use_sound(const SoundFile& sound);            // no file: none. Throws Error(file)
-  void use_limits(const std::string& file);          // of the lead; "none": it has none. Throws as the readers do
-  void give_same_clip();                             // the lead's, to all
-  std::vector<std::filesystem::path> files() const;  // of all characters
+  void use_sound(const SoundFile& sound);    // no file: none. Throws Error(file)
+  void use_limits(const std::string& file);  // of the lead; "none": it has none. Throws as the readers do
+  void give_same_clip();                     // the lead's, to all
   // Returns files that have changed and are whole; `now`: seconds, of any clock.
   std::vector<std::filesystem::path> changed_files(double now) { return watched_.changed(now); }
 
-  // Holds the end of a limb of the lead, where it is or at a point. Throws Error(usage) where two joints above it lack.
-  void pin(const PinRequest& request);
   // Done to the stack of the dataset that is looked at; its shapes are read again. Throw Error(usage) where none is.
   void edit_stack(const ModifierEdit& edit);
   void step_stack(bool back);
   // Puts what was brushed, if anything, into the stack; it stays in hand where this throws.
   void keep_strokes();
-  // The first exports the range as it is posed and keyed, before modifiers: .glb, .bvh or .usda; controls go to
-  // FILE.controls.json. The second exports its skin, with attached meshes: .pc2, .mdd, .usda or .glb. Throw
-  // Error(file), and Error(usage) for a file that is open.
-  void export_clip(const std::string& file);
-  void export_skin(const std::string& file);
 
   // Saves all that is open and set. Throws Error(file), and Error(usage) for a file that is open or no session.
   void save(const std::string& file);
@@ -97,9 +84,6 @@ class Session {
   };
   Work work() const;
   void save_state(const std::string& file);
-  // Saves the pose in hand as a state, or its part of several selected joints. Loads one, or a session's.
-  void save_pose(const std::string& file);
-  void load_pose(const PoseRequest& request);
   void load_state(const std::string& file);
 
   // Poses that another program sends, in place of the lead's clip for as long as they are wanted. Says on which port.
@@ -116,44 +100,28 @@ class Session {
   bool restore_view();
   // Plays the lead's clip as it played before; a range that the clip lacks is reported, and forgotten.
   void play_clip();
-  // Frames all, or the selected joint, in a picture of so many pixels.
-  void frame_selection(std::uint32_t width, std::uint32_t height, Covered covered = {});
-  // Frames the same again after a comparison, or what stands over it, changed the free part of the picture. A camera
-  // that was moved nearer, further away or aside stays; one that was turned frames from where it is.
-  void keep_framed(std::uint32_t width, std::uint32_t height, Covered covered = {});
-  // Frames so that nothing leaves the picture in the frames that are played (thirteen are looked at).
-  void frame_range(std::uint32_t width, std::uint32_t height);
-  // Moves the camera along with the lead since the picture before, or with the shot.
-  void follow();
   // Warns of truths whose place on their clips has changed since the last call.
   void warn_of_truth_times();
-  // Describes what is known only once a picture is evaluated.
-  void describe_picture();
 
  private:
-  void frame_points(std::vector<float> points, std::uint32_t width, std::uint32_t height, Covered covered);
-  void look_at(const std::vector<float>& points, std::uint32_t width, std::uint32_t height, Covered covered);
   bool is_character(const std::string& file) const;
   std::vector<std::string> add(ActorFiles files);
   ActorFiles files_of_dataset(const std::string& file);
   void open_session(const std::string& file);
   void replace_lead(const ActorFiles& files);
-  void open_markers(const std::string& file);
   void use_settings(const ViewSettings& settings);
   void read_dataset_again();
   void play_as(const PlaySettings& settings);
   void number_cast();
-  void refuse_input(const std::string& file) const;  // throws Error(usage) where it is one of files()
-  std::vector<int> frames_to_export(const std::string& file);
   void pose_lead();
   void show_lead();
-  void forget_pair();  // one of the first two is another: markers and the match are of none now
   void play_on();
+  void forget_pair();  // one of the first two is another: markers and the match are of none now
   void describe_cast();
   void take_note_of_cast();  // of what is open, and of its files
   void warn_of_rates();
   void require_shot_camera();
-  void watch() { watched_ = WatchedFiles(files()); }
+  void watch() { watched_ = WatchedFiles(scene.paths()); }
 
   const ViewerOptions& options_;
   ClipOptions clip_options_;  // its unit: of a dataset, where one is opened
@@ -163,14 +131,6 @@ class Session {
   std::optional<SessionFile> opened_;  // whose view is not restored yet
   std::size_t receiver_ = 0;           // of clips and caches, in the cast
   std::set<std::string> truth_times_;  // what was said of them
-  std::optional<Vec3> followed_;       // where the lead was in the last picture
-  struct Framed {
-    OrbitView camera;  // as it is kept
-    std::size_t views;
-    Covered covered;
-    std::vector<float> points;  // V x 3, metres, as the camera is kept
-  };
-  std::optional<Framed> framed_;  // by the last framing
 };
 
 }  // namespace bodyopt

@@ -99,6 +99,12 @@ void Scene::remove(std::size_t index) {
   forget_look();
 }
 
+std::vector<std::filesystem::path> Scene::paths() const {
+  std::vector<std::filesystem::path> paths;
+  for (const auto& character : cast_) std::ranges::copy(character->paths(), std::back_inserter(paths));
+  return paths;
+}
+
 void Scene::forget_look() {
   lead_evaluation_ = nullptr;
   lead_expected_ = nullptr;

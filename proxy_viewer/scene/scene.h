@@ -51,6 +51,7 @@ class Scene {
   // Replaces the lead's skin, where it is given; world.
   void show_cut_open(std::optional<CutOpenSkin> skin) { cut_open_ = std::move(skin); }
   bool empty() const { return cast_.empty(); }
+  std::vector<std::filesystem::path> paths() const;  // of all that is read for the cast
   std::vector<std::unique_ptr<Actor>>& cast() { return cast_; }
   const std::vector<std::unique_ptr<Actor>>& cast() const { return cast_; }
   Actor& lead() { return *cast_.front(); }  // whom panels speak of

@@ -110,11 +110,18 @@ PlaySettings Playback::settings() const {
   return settings;
 }
 
-void Playback::apply(const PlaySettings& settings) {
+std::string Playback::apply(const PlaySettings& settings) {
   set_mode(settings.mode);
   set_speed(settings.speed);
   set_backwards(settings.backwards);
   set_real_time(settings.real_time);
+  set_range(first(), last());
+  const int in = settings.in.value_or(first()), out = settings.out.value_or(last());
+  const std::string lacks =
+      "the range is frames " + range_text(in, out) + ", the clip has " + range_text(first(), last()) + ": ";
+  if (in > out || in > last() || out < first()) return lacks + "all of the clip is played";
+  set_range(in, out);
+  return first() <= in && out <= last() ? "" : lacks + "those of both are played";
 }
 
 std::vector<int> Playback::keys() const {

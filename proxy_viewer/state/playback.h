@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <limits>
+#include <string>
 #include <vector>
 
 #include "shots/session/view_settings.h"
@@ -47,7 +48,8 @@ class Playback {
   void set_real_time(bool real_time) { real_time_ = real_time; }
 
   PlaySettings settings() const;
-  void apply(const PlaySettings& settings);  // all but the range; throws as set_speed()
+  // Returns what is to be said of a range that the clip lacks, which is forgotten. Throws as set_speed().
+  std::string apply(const PlaySettings& settings);
 
   int frame() const { return frame_at(shown_); }
   int first() const { return frame_at(0); }

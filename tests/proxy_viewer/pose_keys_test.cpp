@@ -7,6 +7,7 @@
 #include "assets/shot_modifiers.h"
 #include "proxy_viewer/commands/commands.h"
 #include "proxy_viewer/session.h"
+#include "proxy_viewer/work_files.h"
 #include "runtime/basis/character_unit.h"
 #include "shots/session/posed_clip.h"
 #include "tests/proxy_viewer/small_character.h"
@@ -394,8 +395,8 @@ TEST_F(KeptPoseTest, AnAxisTurnsAboutTheWorldsAxisAtRest) {
 
 TEST_F(KeptPoseTest, WhatIsExportedEvaluatesToWhatWasSeen) {
   run("frame 2; turn upper 30 0 0; key; frame 9; control air.depth 1.5; control breath 0.5; axis bend_forward 10; key");
-  session_.export_clip((folder_ / "posed.glb").string());
-  session_.export_skin((folder_ / "posed.pc2").string());
+  export_clip(session_.scene, session_.controls, (folder_ / "posed.glb").string());
+  export_skin(session_.scene, session_.controls, (folder_ / "posed.pc2").string());
   const Basis basis = load_basis(small_.basis);
   ClipOptions options;
   options.controls = (folder_ / "posed.controls.json").string();
@@ -415,7 +416,7 @@ TEST_F(KeptPoseTest, WhatIsExportedEvaluatesToWhatWasSeen) {
   EXPECT_LT(largest, 2e-5f);  // metres, of a body 1.1 m tall: rotations are single in a glTF
   // And the modifier is seen: without it the skin is another.
   run("control air 0; key");
-  session_.export_skin((folder_ / "still.pc2").string());
+  export_skin(session_.scene, session_.controls, (folder_ / "still.pc2").string());
   EXPECT_NE(Pc2Reader(folder_ / "still.pc2").sample(8), skin.sample(8));
 }
 
@@ -435,7 +436,7 @@ TEST_F(KeptPoseTest, AnExportedClipIsInTheUnitOfItsCharacter) {
   session.play_clip();
   for (const char* written : {"again.glb", "again.bvh"}) {
     const std::string again = (folder_ / written).string();
-    session.export_clip(again);
+    export_clip(session.scene, session.controls, again);
     const Clip meant = read_clip(own, basis.skeleton, {.unit = kUnit}),
                found = read_clip(again, basis.skeleton, {.unit = clip_unit(again, kUnit)});
     ASSERT_EQ(found.poses.size(), meant.poses.size());
@@ -449,17 +450,17 @@ TEST_F(KeptPoseTest, AnExportedClipIsInTheUnitOfItsCharacter) {
 TEST_F(KeptPoseTest, APoseOfAFileIsTakenByItsAmount) {
   const std::string file = (folder_ / "bent.json").string();
   run("turn upper 30 0 10; control breath 0.5");
-  session_.save_pose(file);
+  save_pose(session_.scene, session_.controls, file);
   run("reset-pose; turn upper 10 0 0");
-  session_.load_pose({file, 0.5});
+  load_pose({file, 0.5}, session_.controls);
   EXPECT_DOUBLE_EQ(controls().settings.pose.joints.at("upper")[0], 20);
   EXPECT_DOUBLE_EQ(controls().settings.pose.joints.at("upper")[2], 5);
-  session_.load_pose({file});
+  load_pose({file}, session_.controls);
   EXPECT_DOUBLE_EQ(controls().settings.pose.joints.at("upper")[0], 30);
   ViewSettings other;
   other.pose.joints["Tentacle"] = {1, 2, 3};
   write_view_settings(other, file);
-  EXPECT_EQ(kind_of([&] { session_.load_pose({file}); }), ErrorKind::mismatch);
+  EXPECT_EQ(kind_of([&] { load_pose({file}, session_.controls); }), ErrorKind::mismatch);
   EXPECT_FALSE(controls().settings.pose.joints.contains("Tentacle"));
 }
 

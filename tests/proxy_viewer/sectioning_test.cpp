@@ -23,7 +23,7 @@ class SectioningTest : public ::testing::Test {
     session_->open_first();
     session_->play_clip();
     session_->controls.headless = true;  // it waits
-    session_->follow();
+    session_->framing.follow();
   }
   void look() { session_->sectioning.look(true); }
   std::vector<SkinDraw> skins() const { return session_->scene.look(session_->controls, kArea).front().skins; }
@@ -54,7 +54,7 @@ TEST_F(SectioningTest, TheArmIsCutOpenPosedAndNamed) {
   run_command(session_->controls, "anatomy on");
   run_command(session_->controls, "anatomy-axis z");
   run_command(session_->controls, "front");
-  session_->frame_selection(kArea.width, kArea.height);
+  session_->framing.frame_selection(kArea.width, kArea.height);
   look();
   const std::vector<SkinDraw> cut = skins();
   ASSERT_EQ(cut.size(), whole + 1);  // the skin that is left, and the face

@@ -36,7 +36,7 @@ class SessionTest : public ::testing::Test {
   // With a picture.
   void go_to(int frame) {
     session_.controls.playback.scrub(frame);
-    session_.follow();
+    session_.framing.follow();
   }
   double target_from_character() const {
     return session_.controls.camera.view().target[0] - session_.scene.whereabouts(playback().frame())[0];
@@ -66,7 +66,7 @@ class SessionTest : public ::testing::Test {
     EXPECT_NE(last.find(text), std::string::npos) << last;
   }
   const Playback& playback() const { return session_.controls.playback; }
-  std::vector<std::filesystem::path> all() const { return session_.files(); }
+  std::vector<std::filesystem::path> all() const { return session_.scene.paths(); }
 
   TemporaryFolder folder_;
   SmallCharacter small_{folder_};
@@ -246,7 +246,7 @@ TEST_F(SessionTest, AJointThatIsGoneIsSelectedNoLonger) {
 TEST_F(SessionTest, FramingFitsOneOfTwoViews) {
   const auto distance = [&](CompareLayout layout) {
     session_.controls.settings.compare.layout = layout;
-    session_.frame_selection(200, 200);
+    session_.framing.frame_selection(200, 200);
     return session_.controls.camera.view().distance;
   };
   session_.controls.settings.compare.with = CompareWith::ddm;
@@ -256,11 +256,11 @@ TEST_F(SessionTest, FramingFitsOneOfTwoViews) {
 
 // Names over a tenth of the picture, and as much below them, leave four fifths of its height.
 TEST_F(SessionTest, FramingLeavesRoomForNames) {
-  session_.frame_selection(200, 200);
+  session_.framing.frame_selection(200, 200);
   const double free = session_.controls.camera.view().distance;
-  session_.keep_framed(200, 200, {.top = 20});
+  session_.framing.keep_framed(200, 200, {.top = 20});
   EXPECT_NEAR(session_.controls.camera.view().distance, free / 0.8, 1e-3 * free);
-  session_.keep_framed(200, 200, {});
+  session_.framing.keep_framed(200, 200, {});
   EXPECT_NEAR(session_.controls.camera.view().distance, free, 1e-6 * free);
 }
 
@@ -268,20 +268,20 @@ TEST_F(SessionTest, FramingLeavesRoomForNames) {
 TEST_F(SessionTest, WhatWasFramedFitsWhenAComparisonTakesHalfThePicture) {
   const auto view = [&] { return session_.controls.camera.view(); };
   session_.controls.settings.pose.joints[small_.made.skeleton.joints[0].name] = {0, 0, 90};  // wider than high
-  session_.frame_selection(200, 200);
+  session_.framing.frame_selection(200, 200);
   const OrbitView whole = view();
-  session_.keep_framed(200, 200);
+  session_.framing.keep_framed(200, 200);
   EXPECT_EQ(view(), whole);
   session_.controls.settings.compare.with = CompareWith::ddm;
-  session_.keep_framed(200, 200);
+  session_.framing.keep_framed(200, 200);
   EXPECT_GT(view().distance, 1.2 * whole.distance);
   session_.controls.settings.compare.with = CompareWith::none;
-  session_.keep_framed(200, 200);
+  session_.framing.keep_framed(200, 200);
   EXPECT_NEAR(view().distance, whole.distance, 1e-9);
   session_.controls.camera.dolly(1);
   const OrbitView moved = view();
   session_.controls.settings.compare.with = CompareWith::ddm;
-  session_.keep_framed(200, 200);
+  session_.framing.keep_framed(200, 200);
   EXPECT_EQ(view(), moved);
 }
 
@@ -289,12 +289,12 @@ TEST_F(SessionTest, WhatWasFramedFitsWhenAComparisonTakesHalfThePicture) {
 TEST_F(SessionTest, WhatWasFramedFitsAComparisonThatIsSeenFromAnotherSide) {
   const auto view = [&] { return session_.controls.camera.view(); };
   session_.controls.settings.pose.joints[small_.made.skeleton.joints[0].name] = {0, 0, 90};  // wider than high
-  session_.frame_selection(200, 200);
+  session_.framing.frame_selection(200, 200);
   session_.controls.settings.compare.with = CompareWith::ddm;
   session_.controls.camera.view_axis(AxisView::back);
-  session_.keep_framed(200, 200);
+  session_.framing.keep_framed(200, 200);
   const OrbitView kept = view();
-  session_.frame_selection(200, 200);
+  session_.framing.frame_selection(200, 200);
   EXPECT_NEAR(kept.distance, view().distance, 1e-6 * kept.distance);
   EXPECT_EQ(kept.azimuth, view().azimuth);
 }
@@ -302,10 +302,10 @@ TEST_F(SessionTest, WhatWasFramedFitsAComparisonThatIsSeenFromAnotherSide) {
 TEST_F(SessionTest, FramingSeesWhatIsComparedAndWhatIsAddedLater) {
   const std::string high = (folder_ / "high.pc2").string();
   write_truth(small_.made, read_clip(small_.clip, small_.made.skeleton, {}), 2, high);
-  session_.frame_selection(200, 200);
+  session_.framing.frame_selection(200, 200);
   const OrbitView alone = session_.controls.camera.view();
   session_.open(high);
-  session_.frame_selection(200, 200);
+  session_.framing.frame_selection(200, 200);
   EXPECT_GT(session_.controls.camera.view().target[1], alone.target[1] + 0.5) << "2 m above";
   session_.controls.requests = {};
   session_.open(small_.basis);
@@ -330,7 +330,7 @@ TEST_F(SessionTest, CamerasThatWereKeptGoAlongWithTheCharacter) {
     } else {
       run_command(controls, "camera side");
     }
-    session_.follow();
+    session_.framing.follow();
     EXPECT_NEAR(target_from_character(), 0.25, 1e-9) << by_state;
     EXPECT_NEAR(controls.camera.view().target[1], 1, 1e-9);
   }
@@ -436,10 +436,10 @@ TEST(SessionDatasets, TheCameraGoesToTheFrameThatIsChosen) {
   const int last = kSweepFrames;  // of the first take
   EXPECT_NEAR(session.scene.whereabouts(last)[0], 0, 1e-6);
   EXPECT_NEAR(session.scene.whereabouts(last + 1)[0], 10, 1e-6);
-  session.follow();
+  session.framing.follow();
   const double before = session.controls.camera.view().target[0];
   session.controls.playback.scrub(last + 1);
-  session.follow();
+  session.framing.follow();
   EXPECT_NEAR(session.controls.camera.view().target[0] - before, 10, 1e-6);
 }
 
