@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <ranges>
+#include <set>
 
 #include "base/frame_range.h"
 #include "base/wording.h"
+#include "runtime/basis/dynamics.h"
 #include "runtime/core/transformed.h"
 #include "runtime/deformer/deformer.h"
 #include "runtime/deformer/evaluation.h"
@@ -18,26 +20,70 @@ namespace {
 constexpr double kSeenMm = 0.5;  // errors of Direct Delta Mush below are nobody's concern
 constexpr double kAsBad = 0.9;   // of the error of Direct Delta Mush: what is left out would hardly be seen
 
-// Frames worth a look, spread over the shot, are expected to be most wrong. Where that is not known, they leave the
-// trained range furthest.
-Json worth_a_look(const Json& per_frame) {
-  constexpr std::size_t kMost = 3;
-  std::vector<double> expected, outside;
-  for (const Json& entry : per_frame) {
-    expected.push_back(entry.value("expected_rms_mm", 0.0));
-    outside.push_back(entry.value("outside", 0.0));
+Json json_of(const FrameEntry& entry) {
+  Json json{
+      {"frame", entry.frame}, {"outside", entry.outside}, {"fade", entry.fade}, {"fading_joint", entry.fading_joint}};
+  if (!entry.outside_feature.empty()) json["outside_feature"] = entry.outside_feature;
+  if (!entry.outside_by.empty()) json["outside_by"] = entry.outside_by;
+  if (entry.jiggle) {
+    json["jiggle_rms_mm"] = entry.jiggle->rms_mm;
+    json["jiggle_max_mm"] = entry.jiggle->max_mm;
+    json["inverted_tets"] = entry.jiggle->inverted_tets;
+    json["jiggle_limited_vertices"] = entry.jiggle->limited_vertices;
+    if (entry.jiggle->limited_vertices > 0) json["jiggle_limited_near"] = entry.jiggle->limited_near;
   }
-  const bool is_known = std::ranges::any_of(expected, [](double mm) { return mm > 0; });
-  Json list = Json::array();
-  for (const std::size_t k :
-       worth_simulating(is_known ? expected : outside, kMost, spreading_gap(per_frame.size(), kMost))) {
-    list.push_back({{"frame", per_frame[k].at("frame")}, {"expected_rms_mm", expected[k]}, {"outside", outside[k]}});
-  }
-  return list;
+  if (entry.expected_rms_mm) json["expected_rms_mm"] = *entry.expected_rms_mm;
+  if (entry.expected_ddm_rms_mm > 0) json["expected_ddm_rms_mm"] = entry.expected_ddm_rms_mm;
+  return json;
 }
 
-std::vector<int> frame_numbers(const Json& list) {
-  return transformed(list, [&](const Json& entry) { return entry.at("frame").get<int>(); });
+FrameEntry read_entry(const Json& json) {
+  FrameEntry entry{.frame = json.at("frame"),
+                   .outside = json.at("outside"),
+                   .outside_feature = json.value("outside_feature", ""),
+                   .outside_by = json.value("outside_by", ""),
+                   .fade = json.at("fade"),
+                   .fading_joint = json.at("fading_joint"),
+                   .expected_ddm_rms_mm = json.value("expected_ddm_rms_mm", 0.0)};
+  if (json.contains("jiggle_max_mm")) {
+    entry.jiggle = {json.at("jiggle_rms_mm"), json.at("jiggle_max_mm"), json.at("inverted_tets"),
+                    json.at("jiggle_limited_vertices"), json.value("jiggle_limited_near", "")};
+  }
+  if (json.contains("expected_rms_mm")) entry.expected_rms_mm = json.at("expected_rms_mm");
+  return entry;
+}
+
+using Frames = std::vector<FrameEntry>;
+
+double expected_of(const FrameEntry& entry) { return entry.expected_rms_mm.value_or(0); }
+double most_jiggle_of(const FrameEntry& entry) { return entry.jiggle ? entry.jiggle->max_mm : 0; }
+bool is_inverted(const FrameEntry& entry) { return entry.jiggle && entry.jiggle->inverted_tets > 0; }
+bool is_limited(const FrameEntry& entry) { return entry.jiggle && entry.jiggle->limited_vertices > 0; }
+bool is_outside(const FrameEntry& entry) { return entry.outside > 0; }
+bool is_no_better(const FrameEntry& entry) {
+  return entry.expected_rms_mm && entry.expected_ddm_rms_mm > kSeenMm &&
+         *entry.expected_rms_mm > kAsBad * entry.expected_ddm_rms_mm;
+}
+
+std::vector<int> numbers_of(const Frames& frames, bool (*is_wanted)(const FrameEntry&)) {
+  return transformed(frames | std::views::filter(is_wanted), &FrameEntry::frame);
+}
+
+// The first of those with the most; one that tells nothing where there is no frame.
+template <typename Measure>
+FrameEntry worst_of(const Frames& frames, Measure measure) {
+  return frames.empty() ? FrameEntry() : *std::ranges::max_element(frames, {}, measure);
+}
+
+// Frames worth a look, spread over the shot, are expected to be most wrong. Where that is not known, they leave the
+// trained range furthest.
+std::vector<FrameEntry> worth_a_look(const Frames& frames) {
+  constexpr std::size_t kMost = 3;
+  const bool is_known = expected_of(worst_of(frames, expected_of)) > 0;
+  const std::vector<double> wrong =
+      is_known ? transformed(frames, expected_of) : transformed(frames, &FrameEntry::outside);
+  return transformed(worth_simulating(wrong, kMost, spreading_gap(frames.size(), kMost)),
+                     [&](std::size_t k) { return frames[k]; });
 }
 
 // The joint that stands nearest to a vertex at rest.
@@ -64,67 +110,36 @@ EvaluationLog::EvaluationLog(const Basis& basis) {
 void EvaluationLog::add(const Deformer& deformer, const Evaluation& part, std::span<const int> frames,
                         const NodeMotion& motion) {
   for (std::size_t k = 0; k < frames.size(); ++k) {
-    Json entry = entry_of(deformer, part, k, frames[k], motion);
-    if (expectation_) {
-      const ExpectedError expected = expectation_->of(part, k);
-      entry["expected_rms_mm"] = expected.rms_mm;
-      if (expected.ddm_rms_mm > 0) entry["expected_ddm_rms_mm"] = expected.ddm_rms_mm;
-    }
-    count(entry);
-    per_frame_.push_back(std::move(entry));
+    frames_.push_back(entry_of(deformer, part, k, frames[k], motion));
+    if (part.starts.empty()) continue;
+    starts_[part.starts[k]].push_back(frames[k]);
+    tets_ = deformer.dynamics()->tets.tet_count();
   }
   timed_frames_ += frames.size();
   stage_seconds_.add(part.stage_seconds);
   for (const auto& [name, seconds] : kHostParts) host_seconds_.*seconds += part.host_seconds.*seconds;
 }
 
-Json EvaluationLog::entry_of(const Deformer& deformer, const Evaluation& part, std::size_t k, int frame,
-                             const NodeMotion& motion) {
-  Json entry{{"frame", frame}, {"outside", part.outside[k]}};
-  fades_.add(deformer.basis().skeleton, part, k, frame, entry);
-  if (part.outside[k] > 0) {
-    entry["outside_feature"] = feature_name(deformer.basis(), part.outside_feature[k]);
-    entry["outside_by"] = outside_text(deformer.basis(), part.outside_feature[k], part.outside_by[k]);
+FrameEntry EvaluationLog::entry_of(const Deformer& deformer, const Evaluation& part, std::size_t k, int frame,
+                                   const NodeMotion& motion) const {
+  const Basis& basis = deformer.basis();
+  const int joint = part.fading_joint[k];
+  FrameEntry entry{.frame = frame, .outside = static_cast<double>(part.outside[k]), .fade = mean_fade(part, k)};
+  if (joint >= 0) entry.fading_joint = basis.skeleton.joints[static_cast<std::size_t>(joint)].name;
+  if (entry.outside > 0) {
+    entry.outside_feature = feature_name(basis, part.outside_feature[k]);
+    entry.outside_by = outside_text(basis, part.outside_feature[k], part.outside_by[k]);
   }
-  if (part.starts.empty()) return entry;
-  starts_[part.starts[k]].push_back(frame);
-  const JiggleMeasure measure = measure_jiggle(*deformer.dynamics(), motion);
-  entry["jiggle_rms_mm"] = measure.rms_mm;
-  entry["jiggle_max_mm"] = measure.max_mm;
-  entry["inverted_tets"] = measure.inverted_tets;
-  entry["jiggle_limited_vertices"] = measure.limited;
-  if (measure.limited > 0) entry["jiggle_limited_near"] = nearest_joint(deformer.basis(), measure.most_limited);
-  tets_ = deformer.dynamics()->tets.tet_count();
+  if (!part.starts.empty()) {
+    const JiggleMeasure measure = measure_jiggle(*deformer.dynamics(), motion);
+    entry.jiggle = {measure.rms_mm, measure.max_mm, measure.inverted_tets, measure.limited};
+    if (measure.limited > 0) entry.jiggle->limited_near = nearest_joint(basis, measure.most_limited);
+  }
+  if (!expectation_) return entry;
+  const ExpectedError expected = expectation_->of(part, k);
+  entry.expected_rms_mm = expected.rms_mm;
+  entry.expected_ddm_rms_mm = expected.ddm_rms_mm;
   return entry;
-}
-
-void EvaluationLog::count(const Json& entry) {
-  const int frame = entry.at("frame");
-  frames_.push_back(frame);
-  if (const double outside = entry.at("outside"); outside > 0) {
-    outside_frames_.push_back(frame);
-    if (outside > worst_outside_) {
-      worst_feature_ = entry.at("outside_feature");
-      worst_by_ = entry.value("outside_by", std::string());  // not kept by earlier versions
-    }
-    worst_outside_ = std::max(worst_outside_, outside);
-  }
-  const auto inverted = entry.value("inverted_tets", std::uint32_t{0});
-  if (inverted > 0) inverted_frames_.push_back(frame);
-  most_inverted_ = std::max(most_inverted_, inverted);
-  if (entry.value("jiggle_limited_vertices", std::size_t{0}) > 0) {
-    limited_frames_.push_back(frame);
-    ++limited_joints_[entry.at("jiggle_limited_near")];
-  }
-  const double jiggle = entry.value("jiggle_max_mm", 0.0);
-  if (jiggle > most_jiggle_mm_) most_jiggle_frame_ = frame;
-  most_jiggle_mm_ = std::max(most_jiggle_mm_, jiggle);
-  if (!entry.contains("expected_rms_mm")) return;
-  const double expected = expected_mm_.emplace_back(entry.at("expected_rms_mm"));
-  const double of_ddm = entry.value("expected_ddm_rms_mm", 0.0);
-  if (of_ddm > kSeenMm && expected > kAsBad * of_ddm) no_better_frames_.push_back(frame);
-  if (expected > most_expected_mm_) most_expected_frame_ = frame;
-  most_expected_mm_ = std::max(most_expected_mm_, expected);
 }
 
 double EvaluationLog::milliseconds_per_frame(double seconds) const {
@@ -148,19 +163,15 @@ std::vector<std::string> EvaluationLog::notes() const {
 Json EvaluationLog::kept() const {
   Json starts = Json::array();
   for (const auto& [start, frames] : starts_) starts.push_back({static_cast<int>(start), frames});
-  return {{"per_frame", per_frame_}, {"starts", starts}, {"tets", tets_}};
+  return {{"per_frame", transformed(frames_, json_of)}, {"starts", starts}, {"tets", tets_}};
 }
 
 void EvaluationLog::take_up(const Json& kept) {
-  per_frame_ = kept.at("per_frame");
+  frames_ = transformed(kept.at("per_frame"), read_entry);
   for (const Json& start : kept.at("starts")) {
     starts_[static_cast<JiggleStart>(start.at(0).get<int>())] = start.at(1).get<std::vector<int>>();
   }
   tets_ = kept.at("tets");
-  for (const Json& entry : per_frame_) {
-    fades_.add(entry.at("frame"), entry);
-    count(entry);
-  }
 }
 
 // By name; the rig's are among the stages'.
@@ -176,26 +187,30 @@ Json EvaluationLog::summary() const {
   stage_seconds_.for_each([&](const StageDescription& stage, double seconds) {
     milliseconds[stage.name] = milliseconds_per_frame(seconds);
   });
-  const Json worst = worth_a_look(per_frame_);
-  Json result{{"frames", frames_.size()},
-              {"milliseconds_per_frame", milliseconds},
-              {"host_milliseconds_per_frame", host_milliseconds()},
-              {"peak_memory_mib", peak_memory_mib()},
-              {"outside_frames", format_frame_range(outside_frames_)},
-              {"worst_outside", worst_outside_},
-              {"worst_outside_feature", worst_feature_},
-              {"worst_outside_by", worst_by_},
-              {"worst_frames", frame_numbers(worst)},
-              {"worth_a_look", worst}};
-  if (most_expected_mm_ > 0) result["worst_expected_rms_mm"] = most_expected_mm_;
-  result["no_better_than_ddm_frames"] = format_frame_range(no_better_frames_);
+  const FrameEntry worst = worst_of(frames_, &FrameEntry::outside);
+  const std::vector<FrameEntry> worth = worth_a_look(frames_);
+  Json result{
+      {"frames", frames_.size()},
+      {"milliseconds_per_frame", milliseconds},
+      {"host_milliseconds_per_frame", host_milliseconds()},
+      {"peak_memory_mib", peak_memory_mib()},
+      {"outside_frames", format_frame_range(numbers_of(frames_, is_outside))},
+      {"worst_outside", worst.outside},
+      {"worst_outside_feature", worst.outside_feature},
+      {"worst_outside_by", worst.outside_by},
+      {"worst_frames", transformed(worth, &FrameEntry::frame)},
+      {"worth_a_look", transformed(worth, [](const FrameEntry& entry) {
+         return Json{{"frame", entry.frame}, {"expected_rms_mm", expected_of(entry)}, {"outside", entry.outside}};
+       })}};
+  if (const double most = expected_of(worst_of(frames_, expected_of)); most > 0) result["worst_expected_rms_mm"] = most;
+  result["no_better_than_ddm_frames"] = format_frame_range(numbers_of(frames_, is_no_better));
   return result;
 }
 
 Json EvaluationLog::result() const {
   Json result = summary();
   result["notes"] = notes();
-  result["per_frame"] = per_frame_;
+  result["per_frame"] = transformed(frames_, json_of);
   return result;
 }
 
@@ -210,55 +225,53 @@ std::string EvaluationLog::text() const {
     text += format(" {} {:.3f}", name, milliseconds.get<double>());
   }
   text += " ms a frame\n";
-  if (worst_outside_ >= kOutsideWorthTelling) {
-    text += count_of(outside_frames_.size(), "frame leaves", "frames leave") +
-            format(" the trained range (most of all {}{}), clamped: ", worst_feature_,
-                   worst_by_.empty() ? "" : ", by " + worst_by_) +
-            format_frame_range(outside_frames_) + "\n";
+  if (const FrameEntry worst = worst_of(frames_, &FrameEntry::outside); worst.outside >= double{kOutsideWorthTelling}) {
+    const std::vector<int> outside = numbers_of(frames_, is_outside);
+    text += count_of(outside.size(), "frame leaves", "frames leave") +
+            format(" the trained range (most of all {}{}), clamped: ", worst.outside_feature,
+                   worst.outside_by.empty() ? "" : ", by " + worst.outside_by) +
+            format_frame_range(outside) + "\n";
   }
-  text += fades_.text();
-  if (most_expected_mm_ > 0) {
-    text += format("expected error: {:.3f} mm RMS, most in frame {}: {:.3f} mm", root_mean_square(expected_mm_),
-                   most_expected_frame_, most_expected_mm_);
+  FadeLog fades;
+  for (const FrameEntry& entry : frames_) fades.add(entry.frame, entry.fade, entry.fading_joint);
+  text += fades.text();
+  if (const FrameEntry worst = worst_of(frames_, expected_of); expected_of(worst) > 0) {
+    text += format("expected error: {:.3f} mm RMS, most in frame {}: {:.3f} mm",
+                   root_mean_square(transformed(frames_, expected_of)), worst.frame, expected_of(worst));
     // Judged by cross-validation of the training frames: of other poses nothing tells how far off even DDM is.
-    if (!fades_.empty()) {
+    if (!fades.empty()) {
       text += "; poses that training did not show can be further off: test compares with their shapes";
     }
     text += "\n";
   }
-  if (!no_better_frames_.empty()) {
+  if (const std::vector<int> no_better = numbers_of(frames_, is_no_better); !no_better.empty()) {
     text += "no better than Direct Delta Mush alone is to be expected in " +
-            count_of(no_better_frames_.size(), "frame", "frames") + ": " + format_frame_range(no_better_frames_) + "\n";
+            count_of(no_better.size(), "frame", "frames") + ": " + format_frame_range(no_better) + "\n";
   }
-  if (most_jiggle_mm_ > 0) {
-    text +=
-        format("the jiggle moves the skin by {:.2f} mm at most, in frame {}\n", most_jiggle_mm_, most_jiggle_frame_);
+  if (const FrameEntry most = worst_of(frames_, most_jiggle_of); most_jiggle_of(most) > 0) {
+    text += format("the jiggle moves the skin by {:.2f} mm at most, in frame {}\n", most_jiggle_of(most), most.frame);
   }
-  if (!limited_frames_.empty()) {
-    std::vector<std::string> joints;
-    for (const auto& [joint, count] : limited_joints_) joints.push_back(joint);
-    text += "skin near " + list_names(joints) + " would go further than its limit, a share of the body's thickness " +
-            "there ('limit' of jiggle.json), and is held short of it: " + format_frame_range(limited_frames_) + "\n";
+  if (const std::vector<int> limited = numbers_of(frames_, is_limited); !limited.empty()) {
+    std::set<std::string> joints;
+    for (const FrameEntry& entry : frames_) {
+      if (is_limited(entry)) joints.insert(entry.jiggle->limited_near);
+    }
+    text += "skin near " + list_names(std::vector<std::string>(joints.begin(), joints.end())) +
+            " would go further than its limit, a share of the body's thickness there ('limit' of jiggle.json), and is "
+            "held short of it: " +
+            format_frame_range(limited) + "\n";
   }
-  if (!inverted_frames_.empty()) {
-    text += count_of(inverted_frames_.size(), "frame has", "frames have") +
-            format(" tetrahedra that are inside out before they jiggle, {} of {} at most: ", most_inverted_, tets_) +
-            format_frame_range(inverted_frames_) + "\n";
+  if (const std::vector<int> inverted = numbers_of(frames_, is_inverted); !inverted.empty()) {
+    const FrameEntry most =
+        worst_of(frames_, [](const FrameEntry& e) { return e.jiggle ? e.jiggle->inverted_tets : 0; });
+    text += count_of(inverted.size(), "frame has", "frames have") +
+            format(" tetrahedra that are inside out before they jiggle, {} of {} at most: ", most.jiggle->inverted_tets,
+                   tets_) +
+            format_frame_range(inverted) + "\n";
   }
   for (const std::string& note : notes()) text += note + "\n";
   return text;
 }
-
-void FadeLog::add(const Skeleton& skeleton, const Evaluation& evaluation, std::size_t k, int frame, Json& entry) {
-  const double fade = mean_fade(evaluation, k);
-  const int joint = evaluation.fading_joint[k];
-  const std::string name = joint < 0 ? "" : skeleton.joints[static_cast<std::size_t>(joint)].name;
-  entry["fade"] = fade;
-  entry["fading_joint"] = name;
-  add(frame, fade, name);
-}
-
-void FadeLog::add(int frame, const Json& entry) { add(frame, entry.at("fade"), entry.at("fading_joint")); }
 
 void FadeLog::add(int frame, double fade, const std::string& joint) {
   if (fade >= kNoted) return;

@@ -23,11 +23,6 @@ namespace bodyopt::cli {
 // Frames in which what was learned fades to Direct Delta Mush.
 class FadeLog {
  public:
-  // Adds sample k of an evaluation, which is this frame; `entry` gets "fade" and "fading_joint".
-  void add(const Skeleton& skeleton, const Evaluation& evaluation, std::size_t k, int frame, Json& entry);
-
-  // Adds an entry that was made before.
-  void add(int frame, const Json& entry);
   void add(int frame, double fade, const std::string& joint);
 
   bool empty() const { return frames_.empty(); }
@@ -39,6 +34,24 @@ class FadeLog {
   std::vector<int> frames_;
   std::map<std::string, std::size_t> joints_;  // and of how many of these frames they are
   double least_ = 1;
+};
+
+// What is told of a frame.
+struct FrameEntry {
+  struct Jiggle {
+    double rms_mm = 0, max_mm = 0;
+    std::uint32_t inverted_tets = 0, limited_vertices = 0;
+    std::string limited_near{};  // a joint; empty: none is limited
+  };
+
+  int frame = 0;
+  double outside = 0;                           // see Evaluation
+  std::string outside_feature{}, outside_by{};  // empty: it is not outside; earlier versions kept the first alone
+  double fade = 1;
+  std::string fading_joint{};
+  std::optional<Jiggle> jiggle{};           // where it jiggles
+  std::optional<double> expected_rms_mm{};  // where the basis knows its error
+  double expected_ddm_rms_mm = 0;           // 0: not known
 };
 
 class EvaluationLog {
@@ -65,25 +78,18 @@ class EvaluationLog {
  private:
   double milliseconds_per_frame(double seconds) const;
   Json host_milliseconds() const;
-  Json entry_of(const Deformer& deformer, const Evaluation& part, std::size_t k, int frame, const NodeMotion& motion);
-  void count(const Json& entry);
+  FrameEntry entry_of(const Deformer& deformer, const Evaluation& part, std::size_t k, int frame,
+                      const NodeMotion& motion) const;
   std::vector<std::string> notes() const;
 
-  Json per_frame_ = Json::array();
+  std::vector<FrameEntry> frames_;
   std::map<JiggleStart, std::vector<int>> starts_;  // in which frames
-  std::map<std::string, std::size_t> limited_joints_;
-  std::vector<int> frames_, outside_frames_, inverted_frames_, limited_frames_, no_better_frames_;
-  std::string worst_feature_, worst_by_;
-  double worst_outside_ = 0, most_jiggle_mm_ = 0, most_expected_mm_ = 0;
-  int most_jiggle_frame_ = 0, most_expected_frame_ = 0;
-  std::uint32_t most_inverted_ = 0, tets_ = 0;
+  std::uint32_t tets_ = 0;
   std::size_t timed_frames_ = 0;
   StageSeconds stage_seconds_;
   HostSeconds host_seconds_;
   double writing_seconds_ = 0;
-  FadeLog fades_;
   std::optional<ErrorExpectation> expectation_;  // where the basis knows its error
-  std::vector<double> expected_mm_;              // of the frames
 };
 
 }  // namespace bodyopt::cli
