@@ -36,6 +36,15 @@ TEST(Provenance, OfOtherProgramsIsNone) {
   EXPECT_EQ(earlier->options.smoothing_steps, TrainOptions().smoothing_steps);
 }
 
+TEST(Provenance, OfATransferHasThatOfItsSource) {
+  Metadata metadata{{"provenance", R"({"program": "bodyopt 1"})"}};
+  const std::string with_source = R"({"program":"bodyopt 1","transferred_from":{"seed":7}})";
+  add_source({{"provenance", R"({"seed": 7})"}}, metadata);
+  EXPECT_EQ(metadata.at("provenance"), with_source);
+  add_source({{"provenance", "made by hand"}}, metadata);
+  EXPECT_EQ(metadata.at("provenance"), with_source);
+}
+
 TEST(Provenance, DamagedValuesAreNamed) {
   for (const char* damaged : {R"({"seed": -1})", R"({"seed": 1.5})", R"({"components": "many"})", R"({"centres": -2})",
                               R"({"smoothing_radius_m": 1e300})", R"({"updated": 1})"}) {

@@ -23,6 +23,7 @@
 #include "trainer/train/coverage/coverage.h"
 #include "trainer/train/features/features.h"
 #include "trainer/train/skinning/ddm.h"
+#include "trainer/train/skinning/provenance.h"
 #include "trainer/train/skinning/unpose.h"
 #include "trainer/transfer/carry_parts.h"
 #include "trainer/transfer/skin_transfer.h"
@@ -126,14 +127,7 @@ CoverageTable carried_coverage(const TransferPair& pair) {
 }
 
 void carry_metadata(const TransferPair& pair, Basis& basis) {
-  const auto parse = [](const Metadata& metadata, const char* key) {
-    const auto text = metadata.find(key);
-    return text == metadata.end() ? Json() : Json::parse(text->second, nullptr, false);
-  };
-  Json provenance = parse(basis.metadata, "provenance");
-  const Json source = parse(pair.source.metadata, "provenance");
-  if (!source.is_discarded()) provenance["transferred_from"] = source;
-  basis.metadata["provenance"] = provenance.dump(-1, ' ', false, Json::error_handler_t::replace);
+  add_source(pair.source.metadata, basis.metadata);
   basis.metadata[kMatchedJoints] = to_json(pair.match, pair.source.skeleton, pair.target.skeleton)
                                        .dump(-1, ' ', false, Json::error_handler_t::replace);
   basis.coverage = carried_coverage(pair);

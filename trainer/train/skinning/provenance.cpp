@@ -5,11 +5,17 @@
 #include "base/json_file.h"
 
 namespace bodyopt {
+namespace {
+
+Json parse(const Metadata& metadata) {
+  const auto text = metadata.find("provenance");
+  return text == metadata.end() ? Json() : Json::parse(text->second, nullptr, false);
+}
+
+}  // namespace
 
 std::optional<Provenance> read_provenance(const Metadata& metadata, const std::filesystem::path& origin) {
-  const auto text = metadata.find("provenance");
-  if (text == metadata.end()) return std::nullopt;
-  const Json json = Json::parse(text->second, nullptr, false);
+  const Json json = parse(metadata);
   if (!json.is_object()) return std::nullopt;
   const JsonObject object(json, origin, "the metadata 'provenance'");
   Provenance provenance;
@@ -34,6 +40,12 @@ std::optional<Provenance> read_provenance(const Metadata& metadata, const std::f
   read_size("budget", options.budget);
   read_size("tolerance_mm", options.tolerance_mm);
   return provenance;
+}
+
+void add_source(const Metadata& source, Metadata& metadata) {
+  Json provenance = parse(metadata);
+  if (const Json of_source = parse(source); !of_source.is_discarded()) provenance["transferred_from"] = of_source;
+  metadata["provenance"] = provenance.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
 }  // namespace bodyopt
