@@ -1,17 +1,13 @@
 // A skin bound to moving joints, and the blend shapes that make linear blend skinning give any other.
 #pragma once
 
-#include <cstdint>
 #include <span>
 #include <vector>
 
 #include "assets/character.h"
 #include "assets/clip.h"
-#include "runtime/core/json.h"
 
 namespace bodyopt {
-
-class GlbWriter;
 
 struct BoundSkin {
   Character character;  // with its weights
@@ -22,9 +18,5 @@ struct BoundSkin {
 // rest shape with them to `shape`, O x 3, world. Where blended joints flatten a vertex (a turn by 180 degrees), a short
 // offset comes near. It is by Tikhonov's least squares, iterated once (King and Chillingworth 1979).
 std::vector<float> blend_shape(const BoundSkin& skin, int frame, std::span<const float> shape);
-
-// Adds the vertices of a glTF mesh: POSITION and NORMAL at rest, JOINTS_n, WEIGHTS_n. `places`: the output vertex of
-// each.
-Json bound_vertices(const Character& character, std::span<const std::uint32_t> places, GlbWriter& glb);
 
 }  // namespace bodyopt

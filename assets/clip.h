@@ -65,10 +65,6 @@ void write_clip(const Clip& clip, const Skeleton& skeleton, const std::filesyste
 // Writes the unit of the character's file (metres; 0: metres), as a DCC would export it, and as clip_unit() says.
 void write_clip(Clip clip, Skeleton skeleton, double unit, const std::filesystem::path& path);
 
-// The ending tells the format: .glb as above, .bvh (bvh_clip.h; metres), or .usda. The last is a UsdSkel skeleton and
-// its animation, in metres, with a time sample of each joint per frame, at its number. Throws Error(file).
-void write_motion(const Clip& clip, const Skeleton& skeleton, double unit, const std::filesystem::path& path);
-
 // The frames of read_clip()'s clip that are nearest to a key of any channel, rising. None of a BVH, which samples its
 // motion. Throws Error(file).
 std::vector<int> clip_keys(const std::string& source, const ClipOptions& options);

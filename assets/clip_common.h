@@ -1,6 +1,7 @@
-// Shared functions of the readers of glTF and BVH clips.
+// Shared functions of the readers and writers of clips.
 #pragma once
 
+#include <filesystem>
 #include <span>
 #include <string>
 
@@ -18,5 +19,8 @@ std::size_t frame_count(const std::string& file, double duration, std::size_t jo
 
 // Throws Error(file) where a joint's place is no finite number.
 void check_positions(const Clip& clip, const std::string& file);
+
+// Throws Error(file) for a clip that cannot be written: without frames, or with other joints than the skeleton's.
+void require_poses(const Clip& clip, const Skeleton& skeleton, const std::filesystem::path& path);
 
 }  // namespace bodyopt

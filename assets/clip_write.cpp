@@ -1,27 +1,23 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
-#include "assets/bvh_clip.h"
 #include "assets/clip.h"
+#include "assets/clip_common.h"
 #include "assets/gltf_motion.h"
 #include "assets/gltf_write.h"
-#include "assets/usda_skeleton.h"
 #include "runtime/core/error.h"
 
 namespace bodyopt {
-namespace {
 
-void check(const Clip& clip, const Skeleton& skeleton, const std::filesystem::path& path) {
+void require_poses(const Clip& clip, const Skeleton& skeleton, const std::filesystem::path& path) {
   const auto fits = [&](const Pose& pose) { return pose.joints.size() == skeleton.size(); };
   if (clip.poses.empty() || skeleton.size() == 0 || !(clip.fps > 0) || !std::ranges::all_of(clip.poses, fits)) {
     throw Error(ErrorKind::file, path, ": not written; the clip has no frames, or not the skeleton's joints");
   }
 }
 
-}  // namespace
-
 void write_clip(const Clip& source, const Skeleton& skeleton, const std::filesystem::path& path) {
-  check(source, skeleton, path);
+  require_poses(source, skeleton, path);
   const Clip clip = with_continuous_rotations(source);
   GlbWriter glb;
   glb.add_skin(skeleton, glb.add_skeleton(skeleton));
@@ -43,13 +39,6 @@ void write_clip(Clip clip, Skeleton skeleton, double unit, const std::filesystem
     for (JointTransform& joint : pose.joints) rescale(joint);
   }
   write_clip(clip, skeleton, path);
-}
-
-void write_motion(const Clip& clip, const Skeleton& skeleton, double unit, const std::filesystem::path& path) {
-  check(clip, skeleton, path);
-  if (path.extension() == ".usda") return write_usd_skeleton(with_continuous_rotations(clip), skeleton, path);
-  if (path.extension() == ".bvh") return write_bvh(clip, skeleton, path);
-  write_clip(clip, skeleton, unit, path);
 }
 
 }  // namespace bodyopt

@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "assets/bound_skin.h"
+#include "assets/character_write.h"
 #include "assets/gltf_motion.h"
 #include "geometry/mesh.h"
 #include "runtime/basis/read_file.h"

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "assets/cache_writer.h"
+#include "assets/motion_write.h"
 #include "base/frame_range.h"
 #include "base/json_file.h"
 #include "cli/arguments/common.h"

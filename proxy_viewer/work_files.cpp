@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "assets/controls.h"
+#include "assets/motion_write.h"
 #include "proxy_viewer/commands/flipped_pose.h"
 #include "runtime/basis/character_unit.h"
 #include "runtime/core/error.h"

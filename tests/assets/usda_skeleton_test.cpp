@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdlib>
 
+#include "assets/motion_write.h"
 #include "runtime/host/rig.h"
 #include "tests/support/error_kind.h"
 #include "tests/support/hostile_bytes.h"
