@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "assets/character.h"
+#include "assets/characters/character.h"
 
 namespace bodyopt::bench {
 

@@ -9,8 +9,8 @@
 #include <memory>
 #include <string>
 
-#include "assets/pc2.h"
-#include "assets/shape_reader.h"
+#include "assets/caches/pc2.h"
+#include "assets/caches/shape_reader.h"
 #include "bench/subdivide.h"
 #include "dataset/dataset.h"
 #include "runtime/core/error.h"

@@ -2,7 +2,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "assets/muscles.h"
+#include "assets/characters/muscles.h"
 #include "cli/arguments/dataset_arguments.h"
 #include "geometry/mend_surface.h"
 #include "report/pictures.h"

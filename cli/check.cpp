@@ -5,8 +5,8 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
-#include "assets/axis_turns.h"
-#include "assets/clip_source.h"
+#include "assets/clips/axis_turns.h"
+#include "assets/clips/clip_source.h"
 #include "base/wording.h"
 #include "cli/arguments/common.h"
 #include "cli/arguments/dataset_arguments.h"

@@ -2,7 +2,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
-#include "assets/character.h"
+#include "assets/characters/character.h"
 #include "cli/arguments/dataset_arguments.h"
 #include "runtime/core/error.h"
 #include "trainer/check/add_shapes.h"

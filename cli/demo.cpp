@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "assets/pc2.h"
+#include "assets/caches/pc2.h"
 #include "base/json_file.h"
 #include "cli/arguments/common.h"
 #include "cli/results/demo_extras.h"

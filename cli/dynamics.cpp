@@ -4,8 +4,8 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "assets/clip_source.h"
-#include "assets/controls.h"
+#include "assets/clips/clip_source.h"
+#include "assets/clips/controls.h"
 #include "base/json_file.h"
 #include "cli/arguments/common.h"
 #include "dataset/dataset.h"

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
-#include "assets/cache_writer.h"
-#include "assets/motion_write.h"
+#include "assets/caches/cache_writer.h"
+#include "assets/caches/motion_write.h"
 #include "base/frame_range.h"
 #include "base/json_file.h"
 #include "cli/arguments/common.h"

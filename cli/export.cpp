@@ -1,8 +1,8 @@
 // bodyopt export: a draft's nodes to a point cache that other programs read.
 #include <nlohmann/json.hpp>
 
-#include "assets/nodes_cache.h"
-#include "assets/pc2.h"
+#include "assets/caches/nodes_cache.h"
+#include "assets/caches/pc2.h"
 #include "cli/arguments/common.h"
 
 namespace bodyopt::cli {

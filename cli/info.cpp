@@ -5,14 +5,14 @@
 #include <set>
 #include <string>
 
-#include "assets/bvh.h"
-#include "assets/character.h"
-#include "assets/clip_source.h"
-#include "assets/gltf_clip.h"
-#include "assets/gltf_file.h"
-#include "assets/gltf_skeleton.h"
-#include "assets/nodes_cache.h"
-#include "assets/pc2.h"
+#include "assets/caches/nodes_cache.h"
+#include "assets/caches/pc2.h"
+#include "assets/characters/character.h"
+#include "assets/clips/bvh.h"
+#include "assets/clips/clip_source.h"
+#include "assets/clips/gltf_clip.h"
+#include "assets/gltf/gltf_file.h"
+#include "assets/gltf/gltf_skeleton.h"
 #include "base/frame_range.h"
 #include "base/json_file.h"
 #include "cli/arguments/common.h"

@@ -1,7 +1,7 @@
 // bodyopt join: caches of the parts of a shot to one of the whole.
 #include <nlohmann/json.hpp>
 
-#include "assets/join_caches.h"
+#include "assets/caches/join_caches.h"
 #include "cli/arguments/common.h"
 #include "cli/arguments/shot_arguments.h"
 #include "cli/run_command.h"

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "assets/nodes_cache.h"
-#include "assets/shape_reader.h"
+#include "assets/caches/nodes_cache.h"
+#include "assets/caches/shape_reader.h"
 #include "base/wording.h"
 #include "cli/arguments/common.h"
 #include "dataset/modifier.h"

@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
-#include "assets/controls.h"
+#include "assets/clips/controls.h"
 #include "cli/arguments/common.h"
 #include "cli/results/attachments.h"
 #include "cli/results/measure.h"

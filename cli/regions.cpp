@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <numeric>
 
-#include "assets/axis_turns.h"
+#include "assets/clips/axis_turns.h"
 #include "base/wording.h"
 #include "cli/arguments/common.h"
 #include "dataset/regions_file.h"

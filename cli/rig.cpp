@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "assets/joints_with_skin.h"
+#include "assets/characters/joints_with_skin.h"
 #include "base/json_file.h"
 #include "base/wording.h"
 #include "cli/arguments/common.h"

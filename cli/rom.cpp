@@ -1,7 +1,7 @@
 // bodyopt rom: a character and its joint limits to a clip that shows the whole range of motion.
 #include <nlohmann/json.hpp>
 
-#include "assets/clip_source.h"
+#include "assets/clips/clip_source.h"
 #include "cli/arguments/common.h"
 #include "runtime/core/error.h"
 #include "runtime/core/transformed.h"

@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
-#include "assets/clip_source.h"
+#include "assets/clips/clip_source.h"
 #include "cli/arguments/common.h"
 #include "cli/range_dataset.h"
 #include "cli/results/attachments.h"

@@ -10,8 +10,8 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "assets/clip.h"
-#include "assets/clip_source.h"
+#include "assets/clips/clip.h"
+#include "assets/clips/clip_source.h"
 #include "base/frame_range.h"
 #include "base/json_file.h"
 #include "dataset/modifier.h"

@@ -6,7 +6,7 @@
 #include <set>
 #include <sstream>
 
-#include "assets/gltf_skin.h"
+#include "assets/gltf/gltf_skin.h"
 #include "base/json_file.h"
 #include "runtime/core/atomic_file.h"
 #include "runtime/core/error.h"

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "assets/character.h"
+#include "assets/characters/character.h"
 #include "dataset/dataset.h"
 #include "geometry/region_weights.h"
 

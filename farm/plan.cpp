@@ -11,9 +11,9 @@
 #include <sstream>
 #include <tuple>
 
-#include "assets/cache_writer.h"
-#include "assets/clip.h"
-#include "assets/join_caches.h"
+#include "assets/caches/cache_writer.h"
+#include "assets/caches/join_caches.h"
+#include "assets/clips/clip.h"
 #include "base/frame_range.h"
 #include "base/json_file.h"
 #include "base/wording.h"

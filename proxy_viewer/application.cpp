@@ -11,7 +11,7 @@
 #include <sstream>
 #include <utility>
 
-#include "assets/clip_source.h"
+#include "assets/clips/clip_source.h"
 #include "proxy_viewer/commands/commands.h"
 #include "proxy_viewer/commands/keymap_file.h"
 #include "proxy_viewer/pin_joint.h"

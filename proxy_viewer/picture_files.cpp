@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "assets/clip_source.h"
+#include "assets/clips/clip_source.h"
 #include "base/progress.h"
 #include "runtime/core/atomic_file.h"
 #include "runtime/core/error.h"

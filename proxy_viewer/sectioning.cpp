@@ -4,7 +4,7 @@
 #include <chrono>
 #include <utility>
 
-#include "assets/muscles.h"
+#include "assets/characters/muscles.h"
 #include "dataset/dataset.h"
 #include "draw/camera.h"
 #include "draw/cut_surface.h"

@@ -6,7 +6,7 @@
 #include <iterator>
 #include <utility>
 
-#include "assets/clip_source.h"
+#include "assets/clips/clip_source.h"
 #include "dataset/modifier.h"
 #include "proxy_viewer/describe_scene.h"
 #include "proxy_viewer/scene/truth_times.h"

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "assets/clip.h"
+#include "assets/clips/clip.h"
 #include "runtime/host/device_choice.h"
 
 namespace bodyopt {

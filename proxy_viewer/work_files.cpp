@@ -4,8 +4,8 @@
 #include <utility>
 #include <vector>
 
-#include "assets/controls.h"
-#include "assets/motion_write.h"
+#include "assets/caches/motion_write.h"
+#include "assets/clips/controls.h"
 #include "proxy_viewer/commands/flipped_pose.h"
 #include "runtime/basis/character_unit.h"
 #include "runtime/core/error.h"

@@ -1,7 +1,7 @@
 // Attached meshes bound to the joints of the skin that they follow, for results that are rigs.
 #pragma once
 
-#include "assets/bound_skin.h"
+#include "assets/caches/bound_skin.h"
 #include "runtime/basis/attachments.h"
 #include "runtime/basis/basis.h"
 

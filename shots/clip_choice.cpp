@@ -2,7 +2,7 @@
 
 #include <sstream>
 
-#include "assets/matched_joints.h"
+#include "assets/clips/matched_joints.h"
 #include "base/frame_range.h"
 #include "runtime/core/error.h"
 #include "runtime/core/transformed.h"

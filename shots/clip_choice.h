@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "assets/clip.h"
+#include "assets/clips/clip.h"
 #include "runtime/basis/basis.h"
 
 namespace bodyopt {

@@ -7,7 +7,7 @@
 #include <numeric>
 #include <sstream>
 
-#include "assets/shot_modifiers.h"
+#include "assets/clips/shot_modifiers.h"
 #include "base/progress.h"
 #include "runtime/basis/dynamics.h"
 #include "runtime/core/error.h"

@@ -11,9 +11,9 @@
 #include <string>
 #include <vector>
 
-#include "assets/bound_skin.h"
-#include "assets/cache_writer.h"
-#include "assets/clip.h"
+#include "assets/caches/bound_skin.h"
+#include "assets/caches/cache_writer.h"
+#include "assets/clips/clip.h"
 #include "runtime/core/executor.h"
 #include "runtime/deformer/deformer.h"
 #include "runtime/deformer/following_meshes.h"

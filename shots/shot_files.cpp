@@ -5,10 +5,10 @@
 #include <set>
 #include <utility>
 
-#include "assets/clip_source.h"
-#include "assets/gltf_file.h"
-#include "assets/gltf_guard.h"
-#include "assets/shot_modifiers.h"
+#include "assets/clips/clip_source.h"
+#include "assets/clips/shot_modifiers.h"
+#include "assets/gltf/gltf_file.h"
+#include "assets/gltf/gltf_guard.h"
 #include "base/frame_range.h"
 #include "runtime/basis/character_unit.h"
 #include "runtime/basis/dynamics.h"

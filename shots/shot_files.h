@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "assets/character.h"
-#include "assets/clip.h"
+#include "assets/characters/character.h"
+#include "assets/clips/clip.h"
 #include "runtime/basis/attachments.h"
 #include "runtime/basis/levels.h"
 #include "runtime/host/device_choice.h"

@@ -11,7 +11,7 @@
 #include <type_traits>
 #include <vector>
 
-#include "assets/pc2.h"
+#include "assets/caches/pc2.h"
 #include "dataset/compare.h"
 #include "runtime/basis/character_unit.h"
 #include "runtime/basis/skeleton.h"

@@ -6,7 +6,7 @@
 #include <cctype>
 #include <filesystem>
 
-#include "assets/clip_source.h"
+#include "assets/clips/clip_source.h"
 #include "base/frame_range.h"
 #include "runtime/core/error.h"
 #include "trainer/simulate/simulate.h"

@@ -3,7 +3,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
-#include "assets/clip_source.h"
+#include "assets/clips/clip_source.h"
 #include "base/wording.h"
 #include "cli/curate/curate_arguments.h"
 #include "cli/curate/stack_report.h"

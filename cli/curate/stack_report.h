@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "assets/character.h"
+#include "assets/characters/character.h"
 #include "cli/curate/curate_arguments.h"
 #include "dataset/dataset.h"
 #include "trainer/curate/modifier_types.h"

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <map>
 
-#include "assets/clip.h"
+#include "assets/clips/clip.h"
 #include "cli/arguments/common.h"
 #include "cli/results/pages.h"
 #include "dataset/dataset.h"

@@ -6,8 +6,8 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
-#include "assets/shape_reader.h"
-#include "assets/usda_part.h"
+#include "assets/caches/shape_reader.h"
+#include "assets/caches/usda_part.h"
 #include "base/frame_range.h"
 #include "draw/colours.h"
 #include "farm/plan.h"

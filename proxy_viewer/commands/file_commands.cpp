@@ -1,5 +1,5 @@
 // Commands that write files, and those of what is around the picture.
-#include "assets/cache_writer.h"
+#include "assets/caches/cache_writer.h"
 #include "proxy_viewer/commands/commands.h"
 #include "runtime/core/error.h"
 #include "shots/session/view_settings.h"

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "assets/joint_roles.h"
+#include "assets/clips/joint_roles.h"
 #include "runtime/core/error.h"
 #include "shots/session/pinned_joints.h"
 #include "shots/session/posed_clip.h"

@@ -5,7 +5,7 @@
 #include <map>
 #include <tuple>
 
-#include "assets/joint_roles.h"
+#include "assets/clips/joint_roles.h"
 #include "proxy_viewer/commands/commands.h"
 #include "proxy_viewer/commands/flipped_pose.h"
 #include "runtime/core/error.h"

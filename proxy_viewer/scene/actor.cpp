@@ -4,10 +4,10 @@
 #include <iterator>
 #include <utility>
 
-#include "assets/clip_source.h"
-#include "assets/joint_roles.h"
-#include "assets/matched_joints.h"
-#include "assets/shot_modifiers.h"
+#include "assets/clips/clip_source.h"
+#include "assets/clips/joint_roles.h"
+#include "assets/clips/matched_joints.h"
+#include "assets/clips/shot_modifiers.h"
 #include "geometry/mesh.h"
 #include "runtime/basis/character_unit.h"
 #include "runtime/basis/output_order.h"

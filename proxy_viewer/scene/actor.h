@@ -11,8 +11,8 @@
 #include <string>
 #include <vector>
 
-#include "assets/clip.h"
-#include "assets/pc2.h"
+#include "assets/caches/pc2.h"
+#include "assets/clips/clip.h"
 #include "proxy_viewer/scene/character_materials.h"
 #include "proxy_viewer/scene/detail.h"
 #include "proxy_viewer/scene/truth_times.h"

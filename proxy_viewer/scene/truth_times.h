@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "assets/clip.h"
+#include "assets/clips/clip.h"
 #include "trainer/curate/named_shapes.h"
 
 namespace bodyopt {

@@ -5,7 +5,7 @@
 #include <system_error>
 #include <tuple>
 
-#include "assets/clip_source.h"
+#include "assets/clips/clip_source.h"
 #include "runtime/core/error.h"
 
 namespace bodyopt {

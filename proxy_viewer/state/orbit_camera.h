@@ -3,7 +3,7 @@
 
 #include <span>
 
-#include "assets/clip.h"
+#include "assets/clips/clip.h"
 #include "draw/camera.h"
 #include "shots/session/view_settings.h"
 

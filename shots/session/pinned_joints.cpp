@@ -6,7 +6,7 @@
 #include <limits>
 #include <numbers>
 
-#include "assets/joint_roles.h"
+#include "assets/clips/joint_roles.h"
 #include "runtime/core/text.h"
 #include "runtime/host/rig.h"
 #include "runtime/modifiers/drive_modifiers.h"

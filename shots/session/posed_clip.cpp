@@ -10,7 +10,7 @@
 #include <type_traits>
 #include <utility>
 
-#include "assets/shot_modifiers.h"
+#include "assets/clips/shot_modifiers.h"
 #include "runtime/host/rig.h"
 #include "runtime/modifiers/drive_modifiers.h"
 #include "shots/session/pinned_joints.h"

@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "assets/clip.h"
+#include "assets/clips/clip.h"
 #include "runtime/basis/basis.h"
 #include "runtime/modifiers/drive_modifiers.h"
 #include "shots/session/between_keys.h"

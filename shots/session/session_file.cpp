@@ -3,7 +3,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "assets/clip_source.h"
+#include "assets/clips/clip_source.h"
 #include "base/json_fields.h"
 #include "runtime/basis/attachments.h"
 #include "runtime/basis/dynamics.h"

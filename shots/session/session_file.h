@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "assets/clip.h"
+#include "assets/clips/clip.h"
 #include "shots/session/view_settings.h"
 
 namespace bodyopt {

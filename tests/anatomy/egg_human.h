@@ -7,7 +7,7 @@
 #include <limits>
 #include <numbers>
 
-#include "assets/character.h"
+#include "assets/characters/character.h"
 
 namespace bodyopt {
 

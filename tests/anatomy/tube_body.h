@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "assets/character.h"
+#include "assets/characters/character.h"
 
 namespace bodyopt {
 

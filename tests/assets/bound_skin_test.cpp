@@ -1,6 +1,6 @@
 // Shapes of a clip as a skin bound to its joints: linear blend skinning of the rest shape and a frame's blend shape, by
 // a textbook version in double precision over what the files hold, is the shape again.
-#include "assets/bound_skin.h"
+#include "assets/caches/bound_skin.h"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 #include <cstdlib>
 #include <random>
 
-#include "assets/cache_writer.h"
+#include "assets/caches/cache_writer.h"
 #include "runtime/host/rig.h"
 #include "tests/assets/written_gltf.h"
 #include "tests/support/error_kind.h"

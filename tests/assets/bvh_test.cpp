@@ -1,4 +1,4 @@
-#include "assets/bvh.h"
+#include "assets/clips/bvh.h"
 
 #include <gtest/gtest.h>
 
@@ -6,8 +6,8 @@
 #include <map>
 #include <numbers>
 
-#include "assets/character.h"
-#include "assets/clip.h"
+#include "assets/characters/character.h"
+#include "assets/clips/clip.h"
 #include "runtime/host/rig.h"
 #include "tests/assets/gltf_blob.h"
 #include "tests/support/shared_data.h"

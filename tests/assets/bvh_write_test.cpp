@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 
-#include "assets/bvh_clip.h"
-#include "assets/character.h"
+#include "assets/characters/character.h"
+#include "assets/clips/bvh_clip.h"
 #include "runtime/host/rig.h"
 #include "tests/support/error_kind.h"
 #include "tests/support/random_tables.h"

@@ -5,7 +5,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "assets/character.h"
+#include "assets/characters/character.h"
 #include "runtime/core/json.h"
 #include "tests/assets/gltf_blob.h"
 

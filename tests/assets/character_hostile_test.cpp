@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
-#include "assets/character.h"
+#include "assets/characters/character.h"
 #include "runtime/core/json.h"
 #include "tests/assets/character_checks.h"
 #include "tests/assets/gltf_blob.h"

@@ -1,4 +1,4 @@
-#include "assets/character.h"
+#include "assets/characters/character.h"
 
 #include <gtest/gtest.h>
 

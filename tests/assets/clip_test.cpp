@@ -1,4 +1,4 @@
-#include "assets/clip.h"
+#include "assets/clips/clip.h"
 
 #include <gtest/gtest.h>
 #include <sys/stat.h>
@@ -7,8 +7,8 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 
-#include "assets/character.h"
-#include "assets/gltf_rest.h"
+#include "assets/characters/character.h"
+#include "assets/gltf/gltf_rest.h"
 #include "geometry/mesh.h"
 #include "runtime/core/json.h"
 #include "runtime/host/rig.h"

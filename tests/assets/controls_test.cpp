@@ -1,4 +1,4 @@
-#include "assets/controls.h"
+#include "assets/clips/controls.h"
 
 #include <gtest/gtest.h>
 

@@ -1,12 +1,12 @@
 // FBX against its own formula, evaluated factor by factor in double precision.
 #include <gtest/gtest.h>
 
-#include "assets/character.h"
-#include "assets/clip.h"
-#include "assets/gltf_animation.h"
-#include "assets/gltf_nodes.h"
-#include "assets/gltf_skin.h"
-#include "assets/skin_surface.h"
+#include "assets/characters/character.h"
+#include "assets/clips/clip.h"
+#include "assets/gltf/gltf_animation.h"
+#include "assets/gltf/gltf_nodes.h"
+#include "assets/gltf/gltf_skin.h"
+#include "assets/gltf/skin_surface.h"
 #include "runtime/host/rig.h"
 #include "tests/assets/gltf_blob.h"
 #include "tests/assets/random_fbx.h"

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "assets/clip.h"
+#include "assets/clips/clip.h"
 #include "tests/assets/gltf_blob.h"
 
 namespace bodyopt::testing {

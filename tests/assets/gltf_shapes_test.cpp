@@ -1,5 +1,5 @@
 // Shapes of a clip as morph targets of a .glb, read by another reader of glTF.
-#include "assets/gltf_shapes.h"
+#include "assets/caches/gltf_shapes.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "assets/joint_match.h"
+#include "assets/clips/joint_match.h"
 
 #include <gtest/gtest.h>
 

@@ -1,7 +1,7 @@
 // Regions by skin weights.
 #include <gtest/gtest.h>
 
-#include "assets/joints_with_skin.h"
+#include "assets/characters/joints_with_skin.h"
 #include "tests/support/capsule_limb.h"
 
 namespace bodyopt {

@@ -1,4 +1,4 @@
-#include "assets/joint_roles.h"
+#include "assets/clips/joint_roles.h"
 
 #include <gtest/gtest.h>
 

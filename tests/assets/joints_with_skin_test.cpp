@@ -1,5 +1,5 @@
 // Joints above all of the skin, and joints above some of it.
-#include "assets/joints_with_skin.h"
+#include "assets/characters/joints_with_skin.h"
 
 #include <gtest/gtest.h>
 

@@ -3,7 +3,7 @@
 #include <utility>
 #include <vector>
 
-#include "assets/joint_roles.h"
+#include "assets/clips/joint_roles.h"
 
 namespace bodyopt {
 namespace {

@@ -1,4 +1,4 @@
-#include "assets/muscles.h"
+#include "assets/characters/muscles.h"
 
 #include <gtest/gtest.h>
 

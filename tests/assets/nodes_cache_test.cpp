@@ -1,11 +1,11 @@
-#include "assets/nodes_cache.h"
+#include "assets/caches/nodes_cache.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <cstring>
 
-#include "assets/shape_reader.h"
+#include "assets/caches/shape_reader.h"
 #include "runtime/core/error.h"
 #include "tests/support/hostile_bytes.h"
 #include "tests/support/temporary_folder.h"

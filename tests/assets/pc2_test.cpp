@@ -1,4 +1,4 @@
-#include "assets/pc2.h"
+#include "assets/caches/pc2.h"
 
 #include <gtest/gtest.h>
 #include <sys/stat.h>
@@ -9,7 +9,7 @@
 #include <cstring>
 #include <limits>
 
-#include "assets/shape_reader.h"
+#include "assets/caches/shape_reader.h"
 #include "runtime/core/error.h"
 #include "tests/support/damaged_cache.h"
 #include "tests/support/hostile_bytes.h"

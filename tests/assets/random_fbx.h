@@ -7,8 +7,8 @@
 #include <random>
 #include <vector>
 
-#include "assets/character.h"
-#include "assets/clip.h"
+#include "assets/characters/character.h"
+#include "assets/clips/clip.h"
 #include "runtime/host/rig.h"
 #include "tests/support/fbx_writer.h"
 

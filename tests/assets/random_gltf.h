@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "assets/character.h"
-#include "assets/clip.h"
+#include "assets/characters/character.h"
+#include "assets/clips/clip.h"
 #include "runtime/core/transform.h"
 #include "runtime/host/rig.h"
 #include "tests/assets/plain_gltf.h"

@@ -5,9 +5,9 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 
-#include "assets/axis_turns.h"
-#include "assets/character.h"
-#include "assets/clip.h"
+#include "assets/characters/character.h"
+#include "assets/clips/axis_turns.h"
+#include "assets/clips/clip.h"
 #include "runtime/core/json.h"
 #include "runtime/host/rig.h"
 #include "tests/assets/gltf_blob.h"

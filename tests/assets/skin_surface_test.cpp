@@ -1,14 +1,14 @@
 // Texture coordinates and materials of a character's own file, and where they go.
-#include "assets/skin_surface.h"
+#include "assets/gltf/skin_surface.h"
 
 #include <gtest/gtest.h>
 
-#include "assets/character.h"
-#include "assets/gltf_file.h"
-#include "assets/gltf_guard.h"
-#include "assets/gltf_shapes.h"
-#include "assets/join_caches.h"
-#include "assets/usda.h"
+#include "assets/caches/gltf_shapes.h"
+#include "assets/caches/join_caches.h"
+#include "assets/caches/usda.h"
+#include "assets/characters/character.h"
+#include "assets/gltf/gltf_file.h"
+#include "assets/gltf/gltf_guard.h"
 #include "tests/assets/gltf_blob.h"
 #include "tests/support/hostile_bytes.h"
 

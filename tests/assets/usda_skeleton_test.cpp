@@ -1,12 +1,12 @@
 // A skeleton as UsdSkel, read by its text: its joints stand where those of the clip stand.
-#include "assets/usda_skeleton.h"
+#include "assets/caches/usda_skeleton.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <cstdlib>
 
-#include "assets/motion_write.h"
+#include "assets/caches/motion_write.h"
 #include "runtime/host/rig.h"
 #include "tests/support/error_kind.h"
 #include "tests/support/hostile_bytes.h"

@@ -1,5 +1,5 @@
 // Samples of USD as text: every number reads back, whatever part of a frame it is in.
-#include "assets/usda.h"
+#include "assets/caches/usda.h"
 
 #include <gtest/gtest.h>
 

@@ -4,7 +4,7 @@
 #include <cstring>
 #include <vector>
 
-#include "assets/gltf_file.h"
+#include "assets/gltf/gltf_file.h"
 
 namespace bodyopt::testing {
 

@@ -2,8 +2,8 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "assets/clip.h"
-#include "assets/pc2.h"
+#include "assets/caches/pc2.h"
+#include "assets/clips/clip.h"
 #include "runtime/core/json.h"
 #include "runtime/host/rig.h"
 #include "tests/support/limb_glb.h"

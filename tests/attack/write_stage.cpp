@@ -3,7 +3,7 @@
 //   attack_stage FOLDER
 #include <iostream>
 
-#include "assets/pc2.h"
+#include "assets/caches/pc2.h"
 #include "runtime/deformer/deformer.h"
 #include "runtime/host/device_choice.h"
 #include "tests/assets/gltf_blob.h"

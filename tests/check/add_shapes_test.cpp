@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <fstream>
 
-#include "assets/pc2.h"
+#include "assets/caches/pc2.h"
 #include "dataset/modifier.h"
 #include "runtime/core/error.h"
 #include "tests/simulate/limb.h"

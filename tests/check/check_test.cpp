@@ -4,7 +4,7 @@
 
 #include <functional>
 
-#include "assets/pc2.h"
+#include "assets/caches/pc2.h"
 #include "tests/support/temporary_folder.h"
 #include "trainer/builtin/arm.h"
 #include "trainer/train/data/samples.h"

@@ -7,7 +7,7 @@
 #include <map>
 #include <set>
 
-#include "assets/character.h"
+#include "assets/characters/character.h"
 #include "runtime/core/error.h"
 #include "tests/simulate/limb.h"
 #include "tests/support/capsule_limb.h"

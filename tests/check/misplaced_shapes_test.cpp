@@ -8,7 +8,7 @@
 #include <random>
 #include <sstream>
 
-#include "assets/clip.h"
+#include "assets/clips/clip.h"
 #include "geometry/mesh.h"
 #include "tests/support/stand_in_human.h"
 #include "trainer/check/shape_doubts.h"

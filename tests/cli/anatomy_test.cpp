@@ -2,8 +2,8 @@
 
 #include <nlohmann/json.hpp>
 
-#include "assets/character.h"
-#include "assets/muscles.h"
+#include "assets/characters/character.h"
+#include "assets/characters/muscles.h"
 #include "runtime/core/json.h"
 #include "tests/support/png_file.h"
 #include "tests/support/read_bytes.h"

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "assets/pc2.h"
+#include "assets/caches/pc2.h"
 #include "tests/cli/limb_files.h"
 #include "tests/support/read_bytes.h"
 #include "tests/support/run_verb.h"

@@ -3,7 +3,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "assets/character.h"
+#include "assets/characters/character.h"
 #include "runtime/core/json.h"
 #include "tests/simulate/limb.h"
 #include "tests/support/read_bytes.h"

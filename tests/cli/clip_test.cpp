@@ -3,8 +3,8 @@
 
 #include <nlohmann/json.hpp>
 
-#include "assets/bvh_clip.h"
-#include "assets/pc2.h"
+#include "assets/caches/pc2.h"
+#include "assets/clips/bvh_clip.h"
 #include "cli/arguments/common.h"
 #include "dataset/dataset.h"
 #include "runtime/core/json.h"

@@ -3,7 +3,7 @@
 
 #include <fstream>
 
-#include "assets/pc2.h"
+#include "assets/caches/pc2.h"
 #include "dataset/dataset.h"
 #include "tests/cli/limb_files.h"
 #include "tests/support/hostile_bytes.h"

@@ -6,9 +6,9 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "assets/nodes_cache.h"
-#include "assets/pc2.h"
-#include "assets/shape_reader.h"
+#include "assets/caches/nodes_cache.h"
+#include "assets/caches/pc2.h"
+#include "assets/caches/shape_reader.h"
 #include "dataset/compare.h"
 #include "dataset/dataset.h"
 #include "runtime/core/json.h"

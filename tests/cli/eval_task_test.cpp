@@ -6,9 +6,9 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "assets/clip.h"
-#include "assets/pc2.h"
-#include "assets/usda_part.h"
+#include "assets/caches/pc2.h"
+#include "assets/caches/usda_part.h"
+#include "assets/clips/clip.h"
 #include "runtime/core/error.h"
 #include "runtime/core/json.h"
 #include "runtime/deformer/deformer.h"

@@ -6,8 +6,8 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "assets/clip.h"
-#include "assets/pc2.h"
+#include "assets/caches/pc2.h"
+#include "assets/clips/clip.h"
 #include "runtime/core/json.h"
 #include "tests/support/capsule_limb.h"
 #include "tests/support/run_verb.h"

@@ -14,7 +14,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "assets/pc2.h"
+#include "assets/caches/pc2.h"
 #include "runtime/core/json.h"
 #include "tests/support/read_bytes.h"
 #include "tests/support/run_verb.h"

@@ -5,7 +5,7 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
-#include "assets/pc2.h"
+#include "assets/caches/pc2.h"
 #include "dataset/dataset.h"
 #include "runtime/basis/basis.h"
 #include "runtime/core/json.h"

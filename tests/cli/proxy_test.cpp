@@ -5,8 +5,8 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "assets/muscles.h"
-#include "assets/pc2.h"
+#include "assets/caches/pc2.h"
+#include "assets/characters/muscles.h"
 #include "runtime/basis/levels.h"
 #include "runtime/core/json.h"
 #include "tests/support/capsule_limb.h"

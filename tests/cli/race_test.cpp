@@ -3,7 +3,7 @@
 
 #include <memory>
 
-#include "assets/pc2.h"
+#include "assets/caches/pc2.h"
 #include "dataset/dataset.h"
 #include "runtime/basis/attachments.h"
 #include "tests/cli/limb_files.h"

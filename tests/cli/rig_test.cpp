@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
-#include "assets/clip.h"
+#include "assets/clips/clip.h"
 #include "base/json_file.h"
 #include "dataset/dataset.h"
 #include "tests/cli/limb_files.h"

@@ -3,7 +3,7 @@
 
 #include <fstream>
 
-#include "assets/pc2.h"
+#include "assets/caches/pc2.h"
 #include "cli/results/pages.h"
 #include "runtime/host/device_choice.h"
 #include "shots/shot_files.h"

@@ -4,8 +4,8 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "assets/muscles.h"
-#include "assets/pc2.h"
+#include "assets/caches/pc2.h"
+#include "assets/characters/muscles.h"
 #include "base/frame_range.h"
 #include "dataset/dataset.h"
 #include "runtime/basis/safetensors.h"

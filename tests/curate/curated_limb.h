@@ -5,8 +5,8 @@
 #include <functional>
 #include <numbers>
 
-#include "assets/clip.h"
-#include "assets/pc2.h"
+#include "assets/caches/pc2.h"
+#include "assets/clips/clip.h"
 #include "dataset/dataset.h"
 #include "tests/support/capsule_limb.h"
 #include "tests/support/temporary_folder.h"

@@ -13,7 +13,7 @@
 #include <random>
 #include <sstream>
 
-#include "assets/gltf_skin.h"
+#include "assets/gltf/gltf_skin.h"
 #include "base/json_file.h"
 #include "dataset/modifier.h"
 #include "runtime/core/error.h"

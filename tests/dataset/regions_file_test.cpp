@@ -6,7 +6,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "assets/gltf_skin.h"
+#include "assets/gltf/gltf_skin.h"
 #include "base/json_file.h"
 #include "tests/assets/character_checks.h"
 #include "tests/support/hostile_bytes.h"

@@ -1,7 +1,7 @@
 // The settings that come with the human rig.
 #include <gtest/gtest.h>
 
-#include "assets/character.h"
+#include "assets/characters/character.h"
 #include "tests/support/paths.h"
 #include "tests/support/stand_in_human.h"
 #include "trainer/dynamics/jiggle_settings.h"

@@ -8,7 +8,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "assets/clip.h"
+#include "assets/clips/clip.h"
 #include "base/frame_range.h"
 #include "farm/queues.h"
 #include "farm/task_run.h"

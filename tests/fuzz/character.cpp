@@ -1,9 +1,9 @@
-#include "assets/character.h"
+#include "assets/characters/character.h"
 
 #include <meshoptimizer.h>
 
-#include "assets/gltf_skin.h"
-#include "assets/skin_surface.h"
+#include "assets/gltf/gltf_skin.h"
+#include "assets/gltf/skin_surface.h"
 #include "tests/assets/gltf_blob.h"
 #include "tests/fuzz/fuzz_target.h"
 

@@ -1,7 +1,7 @@
 // What is looked at in clips that are accepted.
 #pragma once
 
-#include "assets/clip.h"
+#include "assets/clips/clip.h"
 #include "tests/fuzz/fuzz_target.h"
 
 namespace bodyopt::fuzz {

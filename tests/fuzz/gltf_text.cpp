@@ -1,5 +1,5 @@
 // A character as .gltf, its buffers inside it as base64.
-#include "assets/character.h"
+#include "assets/characters/character.h"
 #include "tests/assets/gltf_blob.h"
 #include "tests/fuzz/fuzz_target.h"
 

@@ -1,8 +1,8 @@
 // The small JSON files that people write and edit.
 #include <array>
 
-#include "assets/controls.h"
-#include "assets/joint_match.h"
+#include "assets/clips/controls.h"
+#include "assets/clips/joint_match.h"
 #include "dataset/regions_file.h"
 #include "shots/session/view_settings.h"
 #include "tests/attack/limb_mapping.h"

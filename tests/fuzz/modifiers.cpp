@@ -1,5 +1,5 @@
 // What a shot chooses of a basis' modifiers; what is accepted is driven.
-#include "assets/shot_modifiers.h"
+#include "assets/clips/shot_modifiers.h"
 #include "tests/fuzz/fuzz_target.h"
 #include "tests/modifiers/driven_small_basis.h"
 

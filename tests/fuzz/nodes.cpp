@@ -1,5 +1,5 @@
-#include "assets/nodes_cache.h"
-#include "assets/shape_reader.h"
+#include "assets/caches/nodes_cache.h"
+#include "assets/caches/shape_reader.h"
 #include "tests/fuzz/fuzz_target.h"
 
 namespace bodyopt::fuzz {

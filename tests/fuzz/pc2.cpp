@@ -1,4 +1,4 @@
-#include "assets/pc2.h"
+#include "assets/caches/pc2.h"
 
 #include "tests/fuzz/fuzz_target.h"
 

@@ -3,8 +3,8 @@
 
 #include <xxhash.h>
 
-#include "assets/gltf_clip.h"
-#include "assets/gltf_file.h"
+#include "assets/clips/gltf_clip.h"
+#include "assets/gltf/gltf_file.h"
 #include "tests/fuzz/fuzz_target.h"
 
 namespace bodyopt::fuzz {

@@ -5,7 +5,7 @@
 #include <bit>
 #include <random>
 
-#include "assets/pc2.h"
+#include "assets/caches/pc2.h"
 #include "tests/fuzz/fuzz_target.h"
 
 namespace bodyopt::fuzz {

@@ -7,7 +7,7 @@
 #include <span>
 #include <sstream>
 
-#include "assets/clip.h"
+#include "assets/clips/clip.h"
 #include "runtime/basis/attachments.h"
 #include "tests/library/c_api.h"
 #include "tests/support/breathing.h"

@@ -3,8 +3,8 @@
 #include <fstream>
 #include <span>
 
-#include "assets/clip.h"
-#include "assets/pc2.h"
+#include "assets/caches/pc2.h"
+#include "assets/clips/clip.h"
 #include "tests/library/c_api.h"
 #include "tests/support/breathing.h"
 #include "tests/support/run_program.h"

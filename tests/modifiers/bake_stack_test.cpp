@@ -6,10 +6,10 @@
 #include <fstream>
 #include <limits>
 
-#include "assets/character.h"
-#include "assets/muscles.h"
-#include "assets/pc2.h"
-#include "assets/shot_modifiers.h"
+#include "assets/caches/pc2.h"
+#include "assets/characters/character.h"
+#include "assets/characters/muscles.h"
+#include "assets/clips/shot_modifiers.h"
 #include "geometry/mend_surface.h"
 #include "geometry/mesh.h"
 #include "runtime/basis/skin_modifiers.h"

@@ -3,8 +3,8 @@
 
 #include <fstream>
 
-#include "assets/clip.h"
-#include "assets/pc2.h"
+#include "assets/caches/pc2.h"
+#include "assets/clips/clip.h"
 #include "dataset/dataset.h"
 #include "dataset/modifier.h"
 #include "geometry/mesh.h"

@@ -6,8 +6,8 @@
 #include <numbers>
 #include <random>
 
-#include "assets/character.h"
-#include "assets/clip.h"
+#include "assets/characters/character.h"
+#include "assets/clips/clip.h"
 #include "tests/support/paths.h"
 #include "tests/support/shared_data.h"
 

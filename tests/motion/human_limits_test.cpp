@@ -1,7 +1,7 @@
 // The limits of the shared human rig, on the real character.
 #include <gtest/gtest.h>
 
-#include "assets/character.h"
+#include "assets/characters/character.h"
 #include "runtime/host/rig.h"
 #include "tests/support/paths.h"
 #include "tests/support/shared_data.h"

@@ -1,7 +1,7 @@
 // Several of the cast: where they stand, which frames they play, which level of detail they show, what they share.
 #include <nlohmann/json.hpp>
 
-#include "assets/matched_joints.h"
+#include "assets/clips/matched_joints.h"
 #include "proxy_viewer/matching.h"
 #include "proxy_viewer/picking.h"
 #include "proxy_viewer/scene/scene.h"

@@ -1,7 +1,7 @@
 // From key to key of a clip, through the program.
 #include <gtest/gtest.h>
 
-#include "assets/clip.h"
+#include "assets/clips/clip.h"
 #include "tests/proxy_viewer/small_character.h"
 #include "tests/support/gpu_fixture.h"
 #include "tests/support/png_file.h"

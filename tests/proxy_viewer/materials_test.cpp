@@ -1,7 +1,7 @@
 // Characters in their own colours, from the file to the pixels.
 #include <gtest/gtest.h>
 
-#include "assets/gltf_file.h"
+#include "assets/gltf/gltf_file.h"
 #include "draw/colours.h"
 #include "draw/viewport.h"
 #include "proxy_viewer/application.h"

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "assets/character.h"
+#include "assets/characters/character.h"
 #include "proxy_viewer/picking.h"
 #include "proxy_viewer/scene/scene.h"
 #include "proxy_viewer/scene/turn_rings.h"

@@ -3,8 +3,8 @@
 
 #include <fstream>
 
-#include "assets/controls.h"
-#include "assets/shot_modifiers.h"
+#include "assets/clips/controls.h"
+#include "assets/clips/shot_modifiers.h"
 #include "proxy_viewer/commands/commands.h"
 #include "proxy_viewer/session.h"
 #include "proxy_viewer/work_files.h"

@@ -6,7 +6,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "assets/pc2.h"
+#include "assets/caches/pc2.h"
 #include "include/bodyopt/bodyopt.hpp"
 #include "include/bodyopt/vulkan.h"
 #include "runtime/basis/character_unit.h"

@@ -3,8 +3,8 @@
 
 #include <string>
 
-#include "assets/clip.h"
-#include "assets/pc2.h"
+#include "assets/caches/pc2.h"
+#include "assets/clips/clip.h"
 #include "dataset/dataset.h"
 #include "runtime/deformer/deformer.h"
 #include "runtime/host/device_choice.h"

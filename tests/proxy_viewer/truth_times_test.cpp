@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "assets/pc2.h"
+#include "assets/caches/pc2.h"
 #include "tests/support/temporary_folder.h"
 
 namespace bodyopt::testing {

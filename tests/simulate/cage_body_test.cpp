@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "assets/nodes_cache.h"
-#include "assets/shape_reader.h"
+#include "assets/caches/nodes_cache.h"
+#include "assets/caches/shape_reader.h"
 #include "runtime/core/error.h"
 #include "runtime/host/rig.h"
 #include "tests/builtin/shared_arm.h"

@@ -6,9 +6,9 @@
 #include <cmath>
 #include <numbers>
 
-#include "assets/character.h"
-#include "assets/clip.h"
-#include "assets/muscles.h"
+#include "assets/characters/character.h"
+#include "assets/characters/muscles.h"
+#include "assets/clips/clip.h"
 #include "trainer/anatomy/field.h"
 #include "trainer/simulate/quasi_static.h"
 

@@ -12,7 +12,7 @@
 #include <fstream>
 #include <thread>
 
-#include "assets/pc2.h"
+#include "assets/caches/pc2.h"
 #include "base/progress.h"
 #include "runtime/core/error.h"
 #include "tests/simulate/limb.h"

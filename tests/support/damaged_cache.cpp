@@ -3,7 +3,7 @@
 #include <fstream>
 #include <limits>
 
-#include "assets/pc2.h"
+#include "assets/caches/pc2.h"
 
 namespace bodyopt {
 

@@ -1,7 +1,7 @@
 // A limb whose tip hangs under a root, as feet do that inverse kinematics moves.
 #pragma once
 
-#include "assets/character.h"
+#include "assets/characters/character.h"
 
 namespace bodyopt {
 

@@ -6,8 +6,8 @@
 #include <random>
 #include <tuple>
 
-#include "assets/pc2.h"
-#include "assets/shape_reader.h"
+#include "assets/caches/pc2.h"
+#include "assets/caches/shape_reader.h"
 #include "runtime/core/error.h"
 #include "runtime/deformer/deformer.h"
 #include "runtime/host/device_choice.h"

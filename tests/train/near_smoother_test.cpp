@@ -6,7 +6,7 @@
 #include <map>
 #include <random>
 
-#include "assets/character.h"
+#include "assets/characters/character.h"
 #include "base/linear_algebra.h"
 #include "geometry/surface_distance.h"
 #include "tests/support/instruction_sets.h"

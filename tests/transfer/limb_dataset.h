@@ -3,8 +3,8 @@
 
 #include <string>
 
-#include "assets/clip.h"
-#include "assets/pc2.h"
+#include "assets/caches/pc2.h"
+#include "assets/clips/clip.h"
 #include "dataset/dataset.h"
 #include "dataset/regions_file.h"
 #include "tests/support/capsule_limb.h"

@@ -5,8 +5,8 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 
-#include "assets/matched_joints.h"
-#include "assets/pc2.h"
+#include "assets/caches/pc2.h"
+#include "assets/clips/matched_joints.h"
 #include "dataset/dataset.h"
 #include "dataset/modifier.h"
 #include "geometry/mesh.h"

@@ -4,7 +4,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "assets/clip.h"
+#include "assets/clips/clip.h"
 #include "runtime/basis/basis.h"
 #include "runtime/basis/dynamics.h"
 #include "runtime/core/json.h"

@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "assets/character.h"
+#include "assets/characters/character.h"
 #include "runtime/basis/skeleton.h"
 
 namespace bodyopt {

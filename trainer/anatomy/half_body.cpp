@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numeric>
 
-#include "assets/axis_turns.h"
+#include "assets/clips/axis_turns.h"
 #include "base/quantile.h"
 #include "base/wording.h"
 #include "geometry/mesh.h"

@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "assets/character.h"
-#include "assets/joint_roles.h"
-#include "assets/muscles.h"
+#include "assets/characters/character.h"
+#include "assets/characters/muscles.h"
+#include "assets/clips/joint_roles.h"
 #include "trainer/anatomy/body_kind.h"
 
 namespace bodyopt {

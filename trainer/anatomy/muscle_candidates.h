@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "assets/character.h"
-#include "assets/muscles.h"
+#include "assets/characters/character.h"
+#include "assets/characters/muscles.h"
 #include "trainer/anatomy/inner_tissue.h"
 #include "trainer/anatomy/muscle_paths.h"
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "assets/joint_roles.h"
+#include "assets/clips/joint_roles.h"
 #include "base/parallel.h"
 #include "base/wording.h"
 

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <set>
 
-#include "assets/gltf_skeleton.h"
-#include "assets/gltf_skin.h"
+#include "assets/gltf/gltf_skeleton.h"
+#include "assets/gltf/gltf_skin.h"
 #include "base/wording.h"
 #include "runtime/basis/attachments.h"
 #include "runtime/core/error.h"

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "assets/character.h"
-#include "assets/gltf_file.h"
+#include "assets/characters/character.h"
+#include "assets/gltf/gltf_file.h"
 #include "runtime/basis/basis.h"
 
 namespace bodyopt {

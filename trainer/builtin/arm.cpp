@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "assets/gltf_clip.h"
+#include "assets/clips/gltf_clip.h"
 #include "runtime/core/error.h"
 #include "runtime/host/rig.h"
 

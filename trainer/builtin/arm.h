@@ -4,9 +4,9 @@
 
 #include <vector>
 
-#include "assets/character.h"
-#include "assets/clip.h"
-#include "assets/muscles.h"
+#include "assets/characters/character.h"
+#include "assets/characters/muscles.h"
+#include "assets/clips/clip.h"
 #include "trainer/motion/joint_limits.h"
 
 namespace bodyopt {

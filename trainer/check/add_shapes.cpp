@@ -4,8 +4,8 @@
 #include <map>
 #include <set>
 
-#include "assets/pc2.h"
-#include "assets/shape_reader.h"
+#include "assets/caches/pc2.h"
+#include "assets/caches/shape_reader.h"
 #include "base/frame_range.h"
 #include "base/progress.h"
 #include "dataset/dataset.h"

@@ -5,8 +5,8 @@
 #include <set>
 #include <sstream>
 
-#include "assets/clip.h"
-#include "assets/shape_reader.h"
+#include "assets/caches/shape_reader.h"
+#include "assets/clips/clip.h"
 #include "base/wording.h"
 #include "dataset/modifier.h"
 #include "dataset/regions_file.h"

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "assets/character.h"
-#include "assets/clip.h"
+#include "assets/characters/character.h"
+#include "assets/clips/clip.h"
 #include "runtime/basis/skeleton.h"
 #include "runtime/core/error.h"
 #include "trainer/train/data/samples.h"

@@ -11,7 +11,7 @@
 #include <optional>
 #include <sstream>
 
-#include "assets/clip.h"
+#include "assets/clips/clip.h"
 #include "base/spread_evenly.h"
 #include "base/wording.h"
 #include "geometry/mesh.h"

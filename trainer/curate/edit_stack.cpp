@@ -4,9 +4,9 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "assets/clip.h"
-#include "assets/clip_source.h"
-#include "assets/pc2.h"
+#include "assets/caches/pc2.h"
+#include "assets/clips/clip.h"
+#include "assets/clips/clip_source.h"
 #include "base/frame_range.h"
 #include "base/parallel.h"
 #include "base/progress.h"

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "assets/shape_reader.h"
+#include "assets/caches/shape_reader.h"
 #include "dataset/dataset.h"
 #include "dataset/modifier.h"
 #include "runtime/core/atomic_file.h"

@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <string_view>
 
-#include "assets/shape_reader.h"
+#include "assets/caches/shape_reader.h"
 #include "base/content_hash.h"
 #include "base/json_file.h"
 #include "runtime/core/atomic_file.h"

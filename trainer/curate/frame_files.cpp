@@ -8,8 +8,8 @@
 #include <set>
 #include <sstream>
 
-#include "assets/clip_source.h"
-#include "assets/gltf_skin.h"
+#include "assets/clips/clip_source.h"
+#include "assets/gltf/gltf_skin.h"
 #include "base/wording.h"
 #include "geometry/mesh.h"
 #include "runtime/basis/read_file.h"

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "assets/character_write.h"
+#include "assets/characters/character_write.h"
 #include "runtime/host/rig.h"
 #include "trainer/curate/pose_database.h"
 

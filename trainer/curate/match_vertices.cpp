@@ -7,8 +7,8 @@
 #include <numeric>
 #include <utility>
 
-#include "assets/axis_turns.h"
-#include "assets/joint_roles.h"
+#include "assets/clips/axis_turns.h"
+#include "assets/clips/joint_roles.h"
 #include "base/wording.h"
 #include "geometry/spatial_search.h"
 #include "runtime/core/error.h"

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "assets/character.h"
+#include "assets/characters/character.h"
 #include "geometry/mesh.h"
 #include "geometry/nearest_skin.h"
 #include "trainer/curate/frame_files.h"

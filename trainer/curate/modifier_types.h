@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "assets/character.h"
+#include "assets/characters/character.h"
 #include "runtime/basis/basis.h"
 #include "trainer/curate/offset_cache.h"
 #include "trainer/curate/pose_database.h"

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <optional>
 
-#include "assets/pc2.h"
+#include "assets/caches/pc2.h"
 #include "base/wording.h"
 #include "runtime/core/error.h"
 

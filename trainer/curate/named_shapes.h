@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "assets/shape_reader.h"
+#include "assets/caches/shape_reader.h"
 #include "trainer/curate/shape_stack.h"
 
 namespace bodyopt {

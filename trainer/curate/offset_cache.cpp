@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "assets/pc2.h"
+#include "assets/caches/pc2.h"
 #include "dataset/modifier.h"
 #include "runtime/core/atomic_file.h"
 #include "runtime/core/error.h"

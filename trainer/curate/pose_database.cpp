@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <set>
 
-#include "assets/controls.h"
+#include "assets/clips/controls.h"
 #include "base/wording.h"
 #include "dataset/regions_file.h"
 #include "runtime/core/error.h"

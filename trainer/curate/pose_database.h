@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "assets/character.h"
-#include "assets/muscles.h"
-#include "assets/shape_reader.h"
+#include "assets/caches/shape_reader.h"
+#include "assets/characters/character.h"
+#include "assets/characters/muscles.h"
 #include "dataset/dataset.h"
 #include "geometry/region_weights.h"
 

@@ -5,7 +5,7 @@
 #include <iterator>
 #include <numbers>
 
-#include "assets/joints_with_skin.h"
+#include "assets/characters/joints_with_skin.h"
 #include "base/linear_algebra.h"
 #include "base/parallel.h"
 #include "base/wording.h"

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "assets/character.h"
+#include "assets/characters/character.h"
 #include "trainer/curate/local_models.h"
 
 namespace bodyopt {

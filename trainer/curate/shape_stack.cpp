@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "assets/character_hash.h"
+#include "assets/characters/character_hash.h"
 #include "base/content_hash.h"
 #include "base/wording.h"
 #include "dataset/modifier.h"

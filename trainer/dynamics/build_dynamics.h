@@ -3,8 +3,8 @@
 
 #include <string>
 
-#include "assets/character.h"
-#include "assets/muscles.h"
+#include "assets/characters/character.h"
+#include "assets/characters/muscles.h"
 #include "geometry/region_weights.h"
 #include "runtime/basis/dynamics.h"
 #include "trainer/anatomy/field.h"

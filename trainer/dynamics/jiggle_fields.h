@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "assets/muscles.h"
+#include "assets/characters/muscles.h"
 #include "geometry/region_weights.h"
 #include "geometry/tet_mesh.h"
 #include "trainer/dynamics/dynamics_tets.h"

@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-#include "assets/character.h"
+#include "assets/characters/character.h"
 #include "base/json_file.h"
 #include "dataset/dataset.h"
 #include "geometry/mend_surface.h"

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "assets/muscles.h"
+#include "assets/characters/muscles.h"
 #include "base/json_file.h"
 #include "base/wording.h"
 #include "geometry/mesh.h"

@@ -1,5 +1,5 @@
 // Morph: what a morph target, or a mesh at rest, moves. At rest un-posed space is rest space.
-#include "assets/gltf_skin.h"
+#include "assets/gltf/gltf_skin.h"
 #include "base/json_file.h"
 #include "geometry/mesh.h"
 #include "runtime/basis/character_unit.h"

@@ -3,8 +3,8 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 
-#include "assets/character.h"
-#include "assets/clip.h"
+#include "assets/characters/character.h"
+#include "assets/clips/clip.h"
 #include "base/json_file.h"
 #include "base/wording.h"
 #include "runtime/basis/character_unit.h"

@@ -4,10 +4,10 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "assets/character.h"
-#include "assets/clip_source.h"
-#include "assets/shape_reader.h"
-#include "assets/shot_modifiers.h"
+#include "assets/caches/shape_reader.h"
+#include "assets/characters/character.h"
+#include "assets/clips/clip_source.h"
+#include "assets/clips/shot_modifiers.h"
 #include "base/json_file.h"
 #include "base/wording.h"
 #include "geometry/mesh.h"

@@ -3,7 +3,7 @@
 #include <Eigen/Geometry>
 #include <optional>
 
-#include "assets/joint_roles.h"
+#include "assets/clips/joint_roles.h"
 #include "runtime/basis/joint_omegas.h"
 #include "runtime/core/error.h"
 #include "runtime/host/rig.h"

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <set>
 
-#include "assets/joints_with_skin.h"
+#include "assets/characters/joints_with_skin.h"
 #include "base/wording.h"
 #include "runtime/core/error.h"
 #include "runtime/core/transformed.h"

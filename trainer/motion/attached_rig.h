@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "assets/character.h"
-#include "assets/clip.h"
+#include "assets/characters/character.h"
+#include "assets/clips/clip.h"
 #include "trainer/motion/joint_limits.h"
 
 namespace bodyopt {

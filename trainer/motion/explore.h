@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "assets/character.h"
+#include "assets/characters/character.h"
 #include "trainer/motion/held_turns.h"
 #include "trainer/motion/joint_limits.h"
 

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "assets/joints_with_skin.h"
+#include "assets/characters/joints_with_skin.h"
 #include "base/linear_algebra.h"
 #include "base/wording.h"
 #include "runtime/core/error.h"

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "assets/character.h"
+#include "assets/characters/character.h"
 #include "trainer/motion/joint_limits.h"
 
 namespace bodyopt {

@@ -8,7 +8,7 @@
 #include <optional>
 #include <set>
 
-#include "assets/joints_with_skin.h"
+#include "assets/characters/joints_with_skin.h"
 #include "runtime/core/error.h"
 #include "runtime/core/transformed.h"
 

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "assets/character.h"
-#include "assets/clip.h"
+#include "assets/characters/character.h"
+#include "assets/clips/clip.h"
 #include "trainer/motion/explore.h"
 #include "trainer/motion/held_turns.h"
 

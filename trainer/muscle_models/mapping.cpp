@@ -7,7 +7,7 @@
 #include <optional>
 #include <set>
 
-#include "assets/joint_roles.h"
+#include "assets/clips/joint_roles.h"
 #include "trainer/muscle_models/human_mappings.h"
 
 namespace bodyopt::muscle_models {

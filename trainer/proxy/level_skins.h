@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "assets/character.h"
+#include "assets/characters/character.h"
 #include "dataset/compare.h"
 #include "runtime/basis/levels.h"
 #include "trainer/train/data/samples.h"

@@ -1,8 +1,8 @@
 // A hash of the inputs that a simulated shape came from.
 #pragma once
 
-#include "assets/character.h"
-#include "assets/muscles.h"
+#include "assets/characters/character.h"
+#include "assets/characters/muscles.h"
 #include "geometry/tet_mesh.h"
 #include "trainer/simulate/materials.h"
 

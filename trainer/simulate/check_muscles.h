@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "assets/character.h"
+#include "assets/characters/character.h"
 #include "trainer/simulate/quasi_static.h"
 
 namespace bodyopt {

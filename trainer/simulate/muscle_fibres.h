@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "assets/muscles.h"
+#include "assets/characters/muscles.h"
 
 namespace bodyopt {
 

@@ -1,7 +1,7 @@
 // Joint weights inside the body.
 #pragma once
 
-#include "assets/character.h"
+#include "assets/characters/character.h"
 #include "trainer/simulate/metric.h"
 #include "trainer/tets/cage.h"
 

@@ -5,7 +5,7 @@
 #include <memory>
 #include <optional>
 
-#include "assets/character.h"
+#include "assets/characters/character.h"
 #include "dataset/dataset.h"
 #include "trainer/simulate/bone_springs.h"
 #include "trainer/simulate/contact.h"

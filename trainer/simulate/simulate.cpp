@@ -8,8 +8,8 @@
 #include <set>
 #include <utility>
 
-#include "assets/nodes_cache.h"
-#include "assets/pc2.h"
+#include "assets/caches/nodes_cache.h"
+#include "assets/caches/pc2.h"
 #include "base/parallel.h"
 #include "base/progress.h"
 #include "base/spread_evenly.h"

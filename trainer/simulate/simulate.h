@@ -8,9 +8,9 @@
 #include <string>
 #include <vector>
 
-#include "assets/character.h"
-#include "assets/clip.h"
-#include "assets/muscles.h"
+#include "assets/characters/character.h"
+#include "assets/characters/muscles.h"
+#include "assets/clips/clip.h"
 #include "dataset/dataset.h"
 #include "trainer/simulate/quasi_static.h"
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
-#include "assets/pc2.h"
+#include "assets/caches/pc2.h"
 #include "base/wording.h"
 #include "dataset/modifier.h"
 #include "geometry/mesh.h"

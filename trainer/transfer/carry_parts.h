@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "assets/character.h"
-#include "assets/muscles.h"
+#include "assets/characters/character.h"
+#include "assets/characters/muscles.h"
 #include "dataset/dataset.h"
 #include "geometry/region_weights.h"
 #include "trainer/transfer/transfer_pair.h"

@@ -6,8 +6,8 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 
-#include "assets/joint_match.h"
-#include "assets/matched_joints.h"
+#include "assets/clips/joint_match.h"
+#include "assets/clips/matched_joints.h"
 #include "base/wording.h"
 #include "geometry/nearest_rotation.h"
 #include "runtime/core/error.h"

@@ -38,7 +38,7 @@ int matched_at_or_above(const Skeleton& skeleton, const std::vector<int>& match,
 // J x 3, world: of a skeleton's joints in a pose.
 Positions joint_places(const Skeleton& skeleton, const Pose& pose);
 
-// The matched joints, for the metadata of what is carried (assets/matched_joints.h).
+// The matched joints, for the metadata of what is carried (assets/clips/matched_joints.h).
 Json to_json(const SkeletonMatch& match, const Skeleton& source, const Skeleton& target);
 
 // The match with its source that the metadata of the target, a carried basis, names. Where it names other joints or

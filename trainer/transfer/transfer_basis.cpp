@@ -4,9 +4,9 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
-#include "assets/matched_joints.h"
-#include "assets/pc2.h"
-#include "assets/shape_reader.h"
+#include "assets/caches/pc2.h"
+#include "assets/caches/shape_reader.h"
+#include "assets/clips/matched_joints.h"
 #include "base/frame_range.h"
 #include "base/parallel.h"
 #include "base/progress.h"

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "assets/clip.h"
+#include "assets/clips/clip.h"
 #include "dataset/dataset.h"
 #include "runtime/basis/basis.h"
 #include "trainer/transfer/transfer_pair.h"

@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 
-#include "assets/character.h"
+#include "assets/characters/character.h"
 #include "base/wording.h"
 #include "geometry/mesh.h"
 #include "runtime/core/error.h"

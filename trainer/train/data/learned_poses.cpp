@@ -5,7 +5,7 @@
 #include <cmath>
 #include <map>
 
-#include "assets/joints_with_skin.h"
+#include "assets/characters/joints_with_skin.h"
 #include "base/content_hash.h"
 #include "runtime/core/text.h"
 

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "assets/shape_reader.h"
+#include "assets/caches/shape_reader.h"
 #include "runtime/core/error.h"
 #include "runtime/core/transform.h"
 #include "runtime/core/transformed.h"

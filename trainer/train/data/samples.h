@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "assets/character.h"
-#include "assets/muscles.h"
+#include "assets/characters/character.h"
+#include "assets/characters/muscles.h"
 #include "geometry/mesh.h"
 #include "geometry/region_weights.h"
 

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "assets/character.h"
+#include "assets/characters/character.h"
 #include "runtime/basis/basis.h"
 #include "trainer/train/data/samples.h"
 #include "trainer/train/options.h"

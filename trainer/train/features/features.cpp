@@ -6,7 +6,7 @@
 #include <map>
 #include <numbers>
 
-#include "assets/joints_with_skin.h"
+#include "assets/characters/joints_with_skin.h"
 #include "base/linear_algebra.h"
 #include "base/parallel.h"
 #include "base/quantile.h"

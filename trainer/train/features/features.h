@@ -5,8 +5,8 @@
 #include <span>
 #include <vector>
 
-#include "assets/character.h"
-#include "assets/muscles.h"
+#include "assets/characters/character.h"
+#include "assets/characters/muscles.h"
 #include "runtime/basis/basis.h"
 
 namespace bodyopt {

@@ -4,7 +4,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "assets/muscles.h"
+#include "assets/characters/muscles.h"
 #include "trainer/train/data/samples.h"
 #include "trainer/train/features/features.h"
 #include "trainer/train/fit/groundwork.h"

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "assets/character.h"
+#include "assets/characters/character.h"
 #include "runtime/basis/basis.h"
 #include "trainer/train/data/samples.h"
 #include "trainer/train/data/unposed_shapes.h"

@@ -4,7 +4,7 @@
 #include <array>
 #include <cstring>
 
-#include "assets/character_hash.h"
+#include "assets/characters/character_hash.h"
 #include "base/content_hash.h"
 #include "base/parallel.h"
 #include "base/progress.h"

@@ -5,8 +5,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "assets/character.h"
-#include "assets/muscles.h"
+#include "assets/characters/character.h"
+#include "assets/characters/muscles.h"
 #include "runtime/basis/basis.h"
 #include "trainer/train/regression/components.h"
 #include "trainer/train/skinning/ddm.h"

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "assets/character.h"
+#include "assets/characters/character.h"
 #include "geometry/mesh.h"
 #include "runtime/basis/basis.h"
 #include "trainer/train/options.h"

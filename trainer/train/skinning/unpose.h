@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "assets/character.h"
+#include "assets/characters/character.h"
 #include "runtime/basis/basis.h"
 #include "runtime/basis/skeleton.h"
 
