@@ -4,8 +4,8 @@
 #include <array>
 #include <cmath>
 
+#include "draw/canvas.h"
 #include "draw/colours.h"
-#include "draw/viewport.h"
 #include "runtime/core/error.h"
 #include "runtime/host/device_choice.h"
 
@@ -105,10 +105,10 @@ SkinDraw drawn(const MeshBuffers& buffers, const DrawMesh& mesh) {
 }  // namespace
 
 struct Renderer::Impl {
-  explicit Impl(const DeviceChoice& choice) : device(choice, {.draws = true}), viewport(device) {}
+  explicit Impl(const DeviceChoice& choice) : device(choice, {.draws = true}), canvas(device) {}
 
   vulkan::Device device;
-  Viewport viewport;
+  Canvas canvas;
 };
 
 Renderer::Renderer(const std::string& device, bool validation)
@@ -139,8 +139,8 @@ Image Renderer::draw(std::span<const DrawMesh> meshes, const Camera& camera, std
     view.skins.push_back(drawn(buffers.back(), mesh));
   }
   uploads.finish();
-  impl_->viewport.draw({&view, 1}, whole.width, whole.height, Edges::smooth);
-  return shrunk(impl_->viewport.picture());
+  impl_->canvas.draw({&view, 1}, whole.width, whole.height, Edges::smooth);
+  return shrunk(impl_->canvas.picture());
 }
 
 }  // namespace bodyopt

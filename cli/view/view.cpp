@@ -5,11 +5,11 @@
 #include <sstream>
 
 #include "cli/arguments/common.h"
-#include "draw/viewport.h"
-#include "proxy_viewer/commands/commands.h"
-#include "proxy_viewer/picture_files.h"
-#include "proxy_viewer/viewer.h"
+#include "draw/canvas.h"
 #include "runtime/core/error.h"
+#include "viewport/commands/commands.h"
+#include "viewport/picture_files.h"
+#include "viewport/viewer.h"
 
 namespace bodyopt::cli {
 namespace {
@@ -78,7 +78,7 @@ void add_view(CLI::App& app) {
   add_option(verb, "--size", arguments.size, "Width and height of the picture, pixels")
       ->expected(2)
       ->allow_extra_args(false)
-      ->check(CLI::Range(1u, kMostViewportPixels));
+      ->check(CLI::Range(1u, kMostCanvasPixels));
   add_option(verb, "--limits", options.limits, "FILE",
              "Joint limits (limits.json) of the first character: how far joints can be turned");
   add_option(verb, "--muscles", options.muscles, "FILE",

@@ -1,6 +1,6 @@
-#include "proxy_viewer/platform/live_pose.h"
 #include "tests/fuzz/fuzz_target.h"
-#include "tests/proxy_viewer/pose_packet_bytes.h"
+#include "tests/viewport/pose_packet_bytes.h"
+#include "viewport/platform/live_pose.h"
 
 namespace bodyopt::fuzz {
 namespace {

@@ -112,7 +112,7 @@ TEST(Rooms, KnowNoLibraryThatIsNotTheirs) {
       {"trainer", {"GLFW", "imgui", "CLI", "spdlog"}},
       {"draw", {"Eigen", "GLFW", "CLI", "spdlog"}},
       {"shots", {"GLFW", "imgui", "CLI", "spdlog"}},
-      {"proxy_viewer", {"CLI"}},
+      {"viewport", {"CLI"}},
   };
   for (const Room& room : rooms()) {
     for (const auto& [folder, names] : strangers) {

@@ -17,8 +17,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const char* const kTopFolders[] = {"runtime", "base",   "geometry",     "assets", "dataset", "farm",    "trainer",
-                                   "draw",    "report", "proxy_viewer", "cli",    "shots",   "include", "bindings"};
+const char* const kTopFolders[] = {"runtime", "base",   "geometry", "assets", "dataset", "farm",    "trainer",
+                                   "draw",    "report", "viewport", "cli",    "shots",   "include", "bindings"};
 
 TEST(UniqueNames, NoTwoHeadersHaveAClassOfOneName) {
   const std::regex definition(

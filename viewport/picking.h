@@ -1,0 +1,61 @@
+// Finds what of the lead is under a pixel of the window.
+#pragma once
+
+#include <array>
+#include <optional>
+#include <span>
+#include <string>
+
+#include "draw/view.h"
+#include "viewport/commands/controls.h"
+#include "viewport/scene/scene.h"
+
+namespace bodyopt {
+
+// Returns the pixel at which the view of the picture at `x` shows a point of the world; none: behind the eye.
+std::optional<std::array<double, 2>> pixel_of(const Scene& scene, const Controls& controls, const Rectangle& picture,
+                                              float x, const Vec3& point);
+
+// The area of the view of the picture that is at `x`.
+Rectangle view_at(const Scene& scene, const Controls& controls, const Rectangle& picture, float x);
+
+// The joint whose centre is seen nearest to (x, y), in the view that is there; "": none is near.
+std::string joint_at(const Scene& scene, const Controls& controls, const Rectangle& picture, float x, float y);
+
+// The joint that is nearest to where the skin is seen at (x, y); "": no skin is there. Jiggle is left out. Throws as
+// Actor::measure().
+std::string joint_under_skin_at(Scene& scene, const Controls& controls, const Rectangle& picture, float x, float y);
+
+// A vertex of one of the cast, as its file has it.
+struct PickedVertex {
+  std::size_t character;
+  std::uint32_t vertex;
+};
+// Returns the vertex, of the lead or the second of the cast, nearest to the skin at (x, y); none: no skin is there.
+std::optional<PickedVertex> vertex_at(Scene& scene, const Controls& controls, const Rectangle& picture, float x,
+                                      float y);
+
+// A point is from + t along.
+struct Ray {
+  Vec3 from, along;
+  double least = 0;  // of t
+};
+
+// Returns the ray through a pixel of the area that the camera fills.
+Ray ray_through(const Camera& camera, const Rectangle& area, double x, double y);
+
+// Moves a point to where a pixel of that area shows it, as far from the eye as it was; none: nowhere.
+std::optional<Vec3> moved_under_pixel(const Camera& camera, const Rectangle& area, double x, double y,
+                                      const Vec3& point);
+
+struct RayHit {
+  Vec3 at, normal;  // the triangle's, unit, towards where the ray comes from
+  std::size_t triangle;
+  std::array<double, 3> weights;  // barycentric
+};
+
+// Returns the first hit of a triangle, from either side. V x 3; T x 3.
+std::optional<RayHit> first_hit(const Ray& ray, std::span<const float> vertices,
+                                std::span<const std::uint32_t> triangles);
+
+}  // namespace bodyopt

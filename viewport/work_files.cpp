@@ -1,0 +1,111 @@
+#include "viewport/work_files.h"
+
+#include <filesystem>
+#include <utility>
+#include <vector>
+
+#include "assets/caches/motion_write.h"
+#include "assets/clips/controls.h"
+#include "runtime/basis/character_unit.h"
+#include "runtime/core/error.h"
+#include "shots/clip_choice.h"
+#include "shots/session/session_file.h"
+#include "shots/shot.h"
+#include "shots/shot_files.h"
+#include "trainer/transfer/markers_file.h"
+#include "viewport/commands/flipped_pose.h"
+
+namespace bodyopt {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Returns the frames of the range; warns where the pose in hand is not in them.
+std::vector<int> frames_to_export(Controls& controls, const std::string& file) {
+  if (controls.is_unkeyed())
+    controls.warn("the pose that is shown has no key, and is not in " + file + ": set one first");
+  std::vector<int> frames;
+  for (int frame = controls.playback.in(); frame <= controls.playback.out(); ++frame) frames.push_back(frame);
+  return frames;
+}
+
+}  // namespace
+
+void refuse_input(const Scene& scene, const std::string& file) {
+  for (const fs::path& input : scene.paths()) {
+    std::error_code absent;
+    if (fs::equivalent(file, input, absent)) {
+      throw Error(ErrorKind::usage, file + ": is open here, and would be overwritten: give another name");
+    }
+  }
+}
+
+void export_clip(const Scene& scene, Controls& controls, const std::string& file) {
+  refuse_input(scene, file);
+  const Actor& lead = scene.lead();
+  Clip clip = lead.posed_source(controls.settings.pose);
+  clip.name = fs::path(file).stem().string();
+  clip.poses = poses_of(clip, frames_to_export(controls, file));
+  clip.first_frame = controls.playback.in();
+  write_motion(clip, lead.basis().skeleton, kept_unit(lead.basis()), file);
+  controls.say("wrote " + file);
+  if (clip.controls.empty()) return;
+  const fs::path beside = fs::path(file).replace_extension(".controls.json");
+  write_controls(clip, beside);
+  controls.say("wrote " + beside.string());
+}
+
+void export_skin(const Scene& scene, Controls& controls, const std::string& file) {
+  refuse_input(scene, file);
+  const Actor& lead = scene.lead();
+  const Tell tell = [&](const std::string& note) { controls.warn(note); };
+  Shot shot = lead.shot(controls.settings, frames_to_export(controls, file), tell);
+  if (holds_triangles(file)) take_surfaces(lead.files().own_file(), lead.like(), shot, tell);
+  ShotCaches caches({.out = file}, shot);
+  evaluate(shot, caches, "export");
+  caches.close();
+  controls.say("wrote " + file);
+  for (const std::string& attached : caches.attached_paths()) controls.say("wrote " + attached);
+}
+
+void save_pose(const Scene& scene, Controls& controls, const std::string& file) {
+  refuse_input(scene, file);
+  ViewSettings settings;
+  static_cast<ViewSettings::PoseKey&>(settings.pose) = controls.settings.pose;
+  write_view_settings(settings, file);
+  controls.pose_folder = fs::absolute(file).parent_path().string();
+  controls.say("wrote " + file);
+}
+
+void load_pose(const PoseRequest& request, Controls& controls) {
+  const std::string& file = request.file;
+  const ViewSettings::PoseKey loaded = is_session(file) ? read_session(file).view.pose : read_view_settings(file).pose;
+  require_own_pose(controls, loaded, file);
+  blend_in(controls, loaded, request.amount, ViewSettings::PoseKey(controls.settings.pose));
+  controls.pose_folder = fs::absolute(file).parent_path().string();
+}
+
+void save_markers(const Scene& scene, Controls& controls, const std::string& file) {
+  refuse_input(scene, file);
+  if (controls.marking.pairs.empty()) throw Error(ErrorKind::usage, "there is no marker to save: 'mark on', and click");
+  std::vector<SkinMarker> markers;
+  for (const auto& [of_lead, of_second] : controls.marking.pairs) markers.push_back({of_lead, of_second});
+  write_markers(markers, file);
+  controls.say("wrote " + file);
+}
+
+void load_markers(const std::string& file, Controls& controls) {
+  std::vector<MarkedPair> pairs;
+  for (const auto& [source, target] : read_markers(file)) {
+    const std::vector<std::uint32_t>& counts = controls.output_counts;
+    if (counts.size() < 2 || source >= counts[0] || target >= counts[1]) {
+      throw Error(ErrorKind::mismatch, file + ": marks vertex " + std::to_string(source) + " of the lead and " +
+                                           std::to_string(target) +
+                                           " of the second of the cast, which are not both there: other bodies?");
+    }
+    pairs.push_back({source, target});
+  }
+  controls.marking.pairs = std::move(pairs);
+}
+
+}  // namespace bodyopt
