@@ -22,31 +22,34 @@ namespace {
 
 // The built-in arm.
 struct Body {
-  Body() : arm(ordered_arm()), basis(build_ddm_basis(arm, {})) {
-    make_tables(make_dynamics_tets(arm.vertices, arm.triangles, arm.weights, kTets));
+  Body() : arm(ordered_arm()), basis(trainer::build_ddm_basis(arm, {})) {
+    make_tables(trainer::make_dynamics_tets(arm.vertices, arm.triangles, arm.weights, kTets));
     nodes = rows_of(dynamics.tets.nodes);
     right_side = Eigen::VectorXf::Random(matrix.rows());
   }
 
   static Character ordered_arm() {
-    const Character character = build_arm().character;
-    return in_order(character, morton_order(character.vertices));
+    const Character character = trainer::build_arm().character;
+    return trainer::in_order(character, trainer::morton_order(character.vertices));
   }
 
   // Makes tables as build_dynamics does, and the matrix whose inverse the block inverse of jiggle is.
-  void make_tables(const DynamicsTets& tets) {
+  void make_tables(const trainer::DynamicsTets& tets) {
     const TetMesh& mesh = tets.cage.mesh;
-    const JiggleSettings settings;
-    const Materials materials;
-    JiggleAnatomy anatomy = find_anatomy(arm, AnatomyField(arm, {}), 0, tets.cage, materials);
-    const JiggleFields fields = spread_settings(settings, arm, {}, {}, tets, anatomy);
-    anatomy.bone_springs += core_springs(arm.vertices, arm.triangles, tets.cage, fields.flesh, materials.bone_springs);
+    const trainer::JiggleSettings settings;
+    const trainer::Materials materials;
+    trainer::JiggleAnatomy anatomy =
+        trainer::find_anatomy(arm, trainer::AnatomyField(arm, {}), 0, tets.cage, materials);
+    const trainer::JiggleFields fields = trainer::spread_settings(settings, arm, {}, {}, tets, anatomy);
+    anatomy.bone_springs +=
+        trainer::core_springs(arm.vertices, arm.triangles, tets.cage, fields.flesh, materials.bone_springs);
     std::vector<std::string> notes;
-    const JiggleSystem system = make_jiggle_system(settings, fields, arm.skeleton, mesh, anatomy, materials, notes);
-    dynamics.tets = make_tet_table(tets, fields.skin_amount, fields.skin_limit);
-    dynamics.diffuse = make_diffuse_table(mesh, static_cast<Eigen::Index>(tets.surface.size()));
-    dynamics.jiggle = make_jiggle_table(mesh, system, {});
-    matrix = jiggle_matrix(mesh, system, {});
+    const trainer::JiggleSystem system =
+        trainer::make_jiggle_system(settings, fields, arm.skeleton, mesh, anatomy, materials, notes);
+    dynamics.tets = trainer::make_tet_table(tets, fields.skin_amount, fields.skin_limit);
+    dynamics.diffuse = trainer::make_diffuse_table(mesh, static_cast<Eigen::Index>(tets.surface.size()));
+    dynamics.jiggle = trainer::make_jiggle_table(mesh, system, {});
+    matrix = trainer::jiggle_matrix(mesh, system, {});
   }
 
   static constexpr std::int64_t kTets = 25000;  // at most
@@ -55,7 +58,7 @@ struct Body {
   Basis basis;
   Dynamics dynamics;
   Positions nodes;
-  SparseMatrix matrix;
+  trainer::SparseMatrix matrix;
   Eigen::VectorXf right_side;
 };
 
@@ -103,7 +106,7 @@ class Threads {
 void BM_Precompute(benchmark::State& state) {
   const Body& b = body();
   Threads threads(state.range(0));
-  for (auto _ : state) benchmark::DoNotOptimize(invert(b.matrix, b.nodes, 3).values.data());
+  for (auto _ : state) benchmark::DoNotOptimize(trainer::invert(b.matrix, b.nodes, 3).values.data());
   describe(state, b);
 }
 
@@ -121,7 +124,8 @@ void BM_BlockInverse(benchmark::State& state) {
   describe(state, b);
   state.counters["MB"] = megabytes(inverse);
   state.counters["MB_read"] = megabytes_read(inverse);
-  const Eigen::VectorXd exact = Eigen::SimplicialLDLT<SparseMatrix>(b.matrix).solve(b.right_side.cast<double>());
+  const Eigen::VectorXd exact =
+      Eigen::SimplicialLDLT<trainer::SparseMatrix>(b.matrix).solve(b.right_side.cast<double>());
   state.counters["relative_error"] = (solution.cast<double>() - exact).norm() / exact.norm();
 }
 
@@ -138,8 +142,8 @@ void direct_solve(benchmark::State& state) {
   }
   describe(state, b);
 }
-void BM_SimplicialLdlt(benchmark::State& state) { direct_solve<Eigen::SimplicialLDLT<SparseMatrix>>(state); }
-void BM_Cholmod(benchmark::State& state) { direct_solve<Eigen::CholmodSupernodalLLT<SparseMatrix>>(state); }
+void BM_SimplicialLdlt(benchmark::State& state) { direct_solve<Eigen::SimplicialLDLT<trainer::SparseMatrix>>(state); }
+void BM_Cholmod(benchmark::State& state) { direct_solve<Eigen::CholmodSupernodalLLT<trainer::SparseMatrix>>(state); }
 
 // The buffers of a frame.
 struct Frame {

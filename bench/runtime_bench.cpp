@@ -69,7 +69,7 @@ Eigen::Matrix4d moments_about_origin(const DdmTable& ddm, std::uint32_t entry, s
 }
 
 struct Body {
-  explicit Body(Character of) : character(std::move(of)), basis(build_ddm_basis(character, {})) {
+  explicit Body(Character of) : character(std::move(of)), basis(trainer::build_ddm_basis(character, {})) {
     const RigFrame rig = pose_rig(basis.skeleton, random_pose(basis.skeleton));
     skinning = rig.skinning;
     origin.assign(rig.origin, rig.origin + 3);
@@ -117,7 +117,9 @@ const Body& body(const std::string& name) {
   static std::map<std::string, Body> bodies;
   const auto known = bodies.find(name);
   if (known != bodies.end()) return known->second;
-  const auto make = [&] { return name == "arm" ? build_arm().character : name == "human" ? human() : large_human(); };
+  const auto make = [&] {
+    return name == "arm" ? trainer::build_arm().character : name == "human" ? human() : large_human();
+  };
   return bodies.emplace(name, Body(make())).first->second;
 }
 
@@ -253,12 +255,12 @@ Character halved_human(int halvings) {
 // Makes the tables, which who opens an untrained character waits for: the time of all processors.
 void made(benchmark::State& state, int halvings) {
   const Character character = halved_human(halvings);
-  for (auto _ : state) benchmark::DoNotOptimize(build_ddm_basis(character, {}));
+  for (auto _ : state) benchmark::DoNotOptimize(trainer::build_ddm_basis(character, {}));
 }
 
 // A frame from pose to normals in output order, of so many in a call.
 void frames(benchmark::State& state, int halvings, std::size_t count) {
-  const Basis basis = build_ddm_basis(halved_human(halvings), {});
+  const Basis basis = trainer::build_ddm_basis(halved_human(halvings), {});
   Deformer deformer(basis, {.name = "cpu", .executor = std::make_shared<SerialExecutor>()});
   const std::vector<Pose> poses(count, random_pose(basis.skeleton));
   Evaluation evaluation;

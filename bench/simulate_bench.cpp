@@ -14,9 +14,9 @@ namespace {
 constexpr int kHeldoutFrames = 144;
 
 struct Arm {
-  BuiltinArm arm = build_arm();
-  Clip clip = arm_heldout(arm.character.skeleton, kHeldoutFrames);
-  QuasiStaticBody body = make_body(arm.character, arm.muscles, {});
+  trainer::BuiltinArm arm = trainer::build_arm();
+  Clip clip = trainer::arm_heldout(arm.character.skeleton, kHeldoutFrames);
+  trainer::QuasiStaticBody body = trainer::make_body(arm.character, arm.muscles, {});
 };
 
 const Arm& arm() {
@@ -40,9 +40,9 @@ void BM_Path(benchmark::State& state) {
   const Pose& pose = pose_of(static_cast<int>(state.range(0)));
   const Pose through[] = {pose_of(static_cast<int>(state.range(1))), pose};
   for (auto _ : state) {
-    const SolvedPose straight = arm().body.solve(pose);
+    const trainer::SolvedPose straight = arm().body.solve(pose);
     state.PauseTiming();
-    const SolvedPose around = arm().body.solve_along(through, {});
+    const trainer::SolvedPose around = arm().body.solve_along(through, {});
     const SkinDifference difference = skin_difference(arm().body.skin(straight.nodes), arm().body.skin(around.nodes));
     state.counters["iterations"] = straight.status.iterations;
     state.counters["skin_rms_mm"] = difference.rms;
@@ -53,22 +53,22 @@ void BM_Path(benchmark::State& state) {
 }
 
 // Makes a body of second order in a cage of so many nodes.
-QuasiStaticBody refined_body(Eigen::Index nodes) {
+trainer::QuasiStaticBody refined_body(Eigen::Index nodes) {
   const Character& character = arm().arm.character;
-  const Cage cage = filled_cage(character.vertices, character.triangles, character.weights, nodes);
-  const AnatomyField anatomy(character, arm().arm.muscles);
-  QuasiStaticBody body(character, arm().arm.muscles, anatomy, second_order(cage));
-  body.walk_in(std::make_unique<QuasiStaticBody>(character, arm().arm.muscles, anatomy, cage));
+  const trainer::Cage cage = trainer::filled_cage(character.vertices, character.triangles, character.weights, nodes);
+  const trainer::AnatomyField anatomy(character, arm().arm.muscles);
+  trainer::QuasiStaticBody body(character, arm().arm.muscles, anatomy, trainer::second_order(cage));
+  body.walk_in(std::make_unique<trainer::QuasiStaticBody>(character, arm().arm.muscles, anatomy, cage));
   return body;
 }
 
 // A frame in three times as many tets, on the skin and inside: how far the skin moves.
 void BM_Refined(benchmark::State& state) {
-  static const QuasiStaticBody refined = refined_body(9000);
+  static const trainer::QuasiStaticBody refined = refined_body(9000);
   const Pose& pose = pose_of(static_cast<int>(state.range(0)));
-  const SolvedPose coarse = arm().body.solve(pose);
+  const trainer::SolvedPose coarse = arm().body.solve(pose);
   for (auto _ : state) {
-    const SolvedPose fine = refined.solve(pose);
+    const trainer::SolvedPose fine = refined.solve(pose);
     state.PauseTiming();
     const SkinDifference difference = skin_difference(arm().body.skin(coarse.nodes), refined.skin(fine.nodes));
     state.counters["iterations"] = fine.status.iterations;

@@ -62,9 +62,9 @@ struct PeakMemory {
   }
 };
 
-void write_shapes(const SampleSet& coarse, const Subdivision& fine, const fs::path& path) {
+void write_shapes(const trainer::SampleSet& coarse, const Subdivision& fine, const fs::path& path) {
   Pc2Writer writer(path, fine.character.output_count(), static_cast<std::uint32_t>(coarse.train.size()));
-  for (const Sample& sample : coarse.train) {
+  for (const trainer::Sample& sample : coarse.train) {
     writer.append(output_from_welded(fine.character, with_middles(sample.shape.read(), fine)));
   }
   writer.close();
@@ -72,12 +72,12 @@ void write_shapes(const SampleSet& coarse, const Subdivision& fine, const fs::pa
 
 // The training frames of a dataset in a finer skin. The cache has no name any more once it is open: it goes with the
 // process, however that ends.
-SampleSet finer(SampleSet set) {
+trainer::SampleSet finer(trainer::SampleSet set) {
   const Subdivision fine = halve_longest_edges(set.character, kVertices);
   const fs::path path = fs::temp_directory_path() / ("bodyopt_train_bench." + std::to_string(getpid()) + ".pc2");
   write_shapes(set, fine, path);
-  const auto cache = std::make_shared<const ShapeCache>(std::make_shared<const ShapeReader>(path),
-                                                        std::make_shared<const Character>(fine.character));
+  const auto cache = std::make_shared<const trainer::ShapeCache>(std::make_shared<const ShapeReader>(path),
+                                                                 std::make_shared<const Character>(fine.character));
   fs::remove(path);
   for (std::size_t k = 0; k < set.train.size(); ++k) set.train[k].shape = {cache, static_cast<std::uint32_t>(k)};
   set.character = fine.character;
@@ -86,9 +86,9 @@ SampleSet finer(SampleSet set) {
   return set;
 }
 
-const SampleSet& film() {
-  static const SampleSet set =
-      finer(read_samples(read_dataset(fs::path(std::getenv("BODYOPT_TRAIN_DATA")) / "dataset.json")));
+const trainer::SampleSet& film() {
+  static const trainer::SampleSet set =
+      finer(trainer::read_samples(read_dataset(fs::path(std::getenv("BODYOPT_TRAIN_DATA")) / "dataset.json")));
   return set;
 }
 
@@ -103,7 +103,7 @@ const Training& training() {
     film();
     PeakMemory::reset();
     const CostWatch watch;
-    Basis basis = train(film(), {}).basis;
+    Basis basis = trainer::train(film(), {}).basis;
     return Training{std::move(basis), watch.cost(), PeakMemory::gib()};
   };
   static const Training result = run();

@@ -23,9 +23,9 @@ struct AnatomyArguments {
 
 constexpr double kCubicCentimetres = 1e6;  // in a cubic metre
 
-Json parts_json(const AnatomyReport& report) {
+Json parts_json(const trainer::AnatomyReport& report) {
   Json parts = Json::object();
-  for (const AnatomyReport::OfPart& part : report.parts) {
+  for (const trainer::AnatomyReport::OfPart& part : report.parts) {
     parts[part.name] = {{"volume_cm3", kCubicCentimetres * part.volume},
                         {"bone_percent", 100 * part.bone},
                         {"fat_percent", 100 * part.fat},
@@ -36,9 +36,9 @@ Json parts_json(const AnatomyReport& report) {
   return parts;
 }
 
-Json muscles_json(const AnatomyReport& report) {
+Json muscles_json(const trainer::AnatomyReport& report) {
   Json muscles = Json::array();
-  for (const AnatomyReport::OfMuscle& muscle : report.muscles) {
+  for (const trainer::AnatomyReport::OfMuscle& muscle : report.muscles) {
     Json bones = Json::array();
     for (const std::string& bone : muscle.bones) bones.push_back(bone.empty() ? Json() : Json(bone));
     muscles.push_back({{"name", muscle.name},
@@ -51,9 +51,9 @@ Json muscles_json(const AnatomyReport& report) {
   return muscles;
 }
 
-Json anatomy_json(const AnatomyReport& report, const AnatomyField& field, double seconds) {
+Json anatomy_json(const trainer::AnatomyReport& report, const trainer::AnatomyField& field, double seconds) {
   return {{"schema", "bodyopt-anatomy-1"},
-          {"kind", name_of(field.kind())},
+          {"kind", trainer::name_of(field.kind())},
           {"kind_because", field.why_kind()},
           {"parts", parts_json(report)},
           {"muscles", muscles_json(report)},
@@ -63,10 +63,11 @@ Json anatomy_json(const AnatomyReport& report, const AnatomyField& field, double
           {"warnings", report.warnings}};
 }
 
-std::string anatomy_text(const AnatomyReport& report, const AnatomyField& field, double seconds) {
-  std::string text = format("a {}: {}\n\n{:<12} {:>10} {:>7} {:>7} {:>7} {:>7} {:>11}\n", name_of(field.kind()),
-                            field.why_kind(), "part", "cm3", "bone %", "fat %", "cavity", "muscle", "other lean");
-  for (const AnatomyReport::OfPart& part : report.parts) {
+std::string anatomy_text(const trainer::AnatomyReport& report, const trainer::AnatomyField& field, double seconds) {
+  std::string text =
+      format("a {}: {}\n\n{:<12} {:>10} {:>7} {:>7} {:>7} {:>7} {:>11}\n", trainer::name_of(field.kind()),
+             field.why_kind(), "part", "cm3", "bone %", "fat %", "cavity", "muscle", "other lean");
+  for (const trainer::AnatomyReport::OfPart& part : report.parts) {
     text += format("{:<12} {:>10.1f} {:>7.1f} {:>7.1f} {:>7.1f} {:>7.1f} {:>11.1f}\n", part.name,
                    kCubicCentimetres * part.volume, 100 * part.bone, 100 * part.fat, 100 * part.cavity,
                    100 * part.muscle, 100 * part.other_lean);
@@ -75,7 +76,7 @@ std::string anatomy_text(const AnatomyReport& report, const AnatomyField& field,
     text += format("\n{:<24} {:>8} {:>8} {:>6} {:>17}  {}\n", "muscle", "cm3", "wanted", "pieces", "ends off bone, mm",
                    "bones");
   }
-  for (const AnatomyReport::OfMuscle& muscle : report.muscles) {
+  for (const trainer::AnatomyReport::OfMuscle& muscle : report.muscles) {
     text += format("{:<24} {:>8.1f} {:>8.1f} {:>6} {:>8.1f} {:>8.1f}  {}, {}\n", muscle.name,
                    kCubicCentimetres * muscle.volume, kCubicCentimetres * muscle.target, muscle.pieces,
                    1e3 * muscle.ends_off_bone[0], 1e3 * muscle.ends_off_bone[1],
@@ -103,20 +104,21 @@ void require_few_samples(const Character& character, double cell) {
                      1e3 * cell, samples));
 }
 
-std::string draw_sections(const std::string& path, const AnatomyField& field, const Character& character,
+std::string draw_sections(const std::string& path, const trainer::AnatomyField& field, const Character& character,
                           const std::vector<Muscle>& muscles) {
   constexpr int kPixels = 480;
-  const TissueColours colours(muscles);
-  std::vector<Image> pictures;
+  const trainer::TissueColours colours(muscles);
+  std::vector<draw::Image> pictures;
   std::string text = "wrote " + path + ":";
-  for (const NamedPlane& named : telling_planes(field, kPixels)) {
+  for (const trainer::NamedPlane& named : trainer::telling_planes(field, kPixels)) {
     const auto tissue_at = [&](const Eigen::Vector3d& point) { return field.tissue_at(point); };
-    pictures.push_back(section_image(
-        section_of(named.plane, rest_points(named.plane, character.vertices, character.triangles), tissue_at),
+    pictures.push_back(report::section_image(
+        trainer::section_of(named.plane, trainer::rest_points(named.plane, character.vertices, character.triangles),
+                            tissue_at),
         colours));
     text += format("{} {} {}", pictures.size() > 1 ? "," : "", pictures.size(), named.name);
   }
-  write_png(numbered_sheet(pictures), path);
+  draw::write_png(report::numbered_sheet(pictures), path);
   return text + "\n";
 }
 
@@ -125,16 +127,17 @@ void run(const AnatomyArguments& arguments) {
   if (!arguments.picture.empty()) require_writable(arguments.picture);
   const Character character = read_character(arguments.character, arguments.unit);
   say(character.notes);
-  AnatomyOptions options = arguments.field.options(character.skeleton);
+  trainer::AnatomyOptions options = arguments.field.options(character.skeleton);
   options.cell = 1e-3 * arguments.cell_mm;
   require_few_samples(character, options.cell);
   std::vector<Muscle> muscles;
   if (!arguments.muscles.empty()) muscles = read_muscles(arguments.muscles, character.skeleton);
   const Stopwatch stopwatch;
-  const AnatomyField field(character, muscles, options);
+  const trainer::AnatomyField field(character, muscles, options);
   const double seconds = stopwatch.seconds();
-  AnatomyReport report = report_anatomy(character, muscles, field);
-  if (const std::string crossing = skin_crossing(character); !crossing.empty()) report.warnings.push_back(crossing);
+  trainer::AnatomyReport report = trainer::report_anatomy(character, muscles, field);
+  if (const std::string crossing = trainer::skin_crossing(character); !crossing.empty())
+    report.warnings.push_back(crossing);
   std::string text = anatomy_text(report, field, seconds);
   if (!arguments.picture.empty()) text += draw_sections(arguments.picture, field, character, muscles);
   arguments.json.emit(anatomy_json(report, field, seconds), text);

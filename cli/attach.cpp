@@ -26,29 +26,29 @@ int named_joint(const std::string& name, const Skeleton& skeleton) {
               list_names(nearest_names(known, name)));
 }
 
-AttachOptions options_of(const AttachArguments& arguments, const Skeleton& skeleton) {
-  AttachOptions options;
-  if (arguments.mode == "skin") options.mode = AttachMode::skin;
-  if (arguments.mode == "piece") options.mode = AttachMode::piece;
-  if (arguments.mode == "joint") options.mode = AttachMode::joint;
+trainer::AttachOptions options_of(const AttachArguments& arguments, const Skeleton& skeleton) {
+  trainer::AttachOptions options;
+  if (arguments.mode == "skin") options.mode = trainer::AttachMode::skin;
+  if (arguments.mode == "piece") options.mode = trainer::AttachMode::piece;
+  if (arguments.mode == "joint") options.mode = trainer::AttachMode::joint;
   if (arguments.joint.empty()) return options;
   if (arguments.mode != "auto" && arguments.mode != "joint") {
     throw Error(ErrorKind::usage, "--joint fixes a mesh to a joint: it does not go with --mode ", arguments.mode);
   }
-  options.mode = AttachMode::joint;
+  options.mode = trainer::AttachMode::joint;
   options.joint = named_joint(arguments.joint, skeleton);
   return options;
 }
 
 // Keeps the meshes that were asked for.
-std::vector<LooseMesh> chosen(std::vector<LooseMesh> meshes, const AttachArguments& arguments) {
-  const std::vector<std::string> names = transformed(meshes, &LooseMesh::name);
+std::vector<trainer::LooseMesh> chosen(std::vector<trainer::LooseMesh> meshes, const AttachArguments& arguments) {
+  const std::vector<std::string> names = transformed(meshes, &trainer::LooseMesh::name);
   for (const std::string& name : arguments.only) {
     if (std::ranges::find(names, name) != names.end()) continue;
     throw Error(ErrorKind::file, arguments.mesh, ": has no mesh '", name, "' to attach; it has ", list_names(names));
   }
   if (!arguments.only.empty()) {
-    std::erase_if(meshes, [&](const LooseMesh& mesh) {
+    std::erase_if(meshes, [&](const trainer::LooseMesh& mesh) {
       return std::ranges::find(arguments.only, mesh.name) == arguments.only.end();
     });
   }
@@ -62,7 +62,7 @@ std::vector<LooseMesh> chosen(std::vector<LooseMesh> meshes, const AttachArgumen
 
 void run(AttachArguments arguments) {
   const Basis basis = load_basis(arguments.basis);
-  AttachOptions options = options_of(arguments, basis.skeleton);
+  trainer::AttachOptions options = options_of(arguments, basis.skeleton);
   if (arguments.out.empty()) arguments.out = attachments_beside(arguments.basis).string();
   refuse_overwriting(arguments.out, arguments.basis);
   require_writable(arguments.out);
@@ -72,8 +72,8 @@ void run(AttachArguments arguments) {
 
   attachments_in(arguments.out, basis, arguments.basis);  // refused before any work
   std::vector<std::string> notes;
-  std::vector<LooseMesh> meshes =
-      read_loose_meshes(GltfFile(arguments.mesh), basis.skeleton, basis.mesh.output_count(), options.unit, notes);
+  std::vector<trainer::LooseMesh> meshes = trainer::read_loose_meshes(GltfFile(arguments.mesh), basis.skeleton,
+                                                                      basis.mesh.output_count(), options.unit, notes);
   say(notes);
   const std::vector<AttachedMesh> bound = bind_meshes(chosen(std::move(meshes), arguments), basis, options);
   const Attachments attachments = attach(bound, arguments.out, basis, arguments.basis);

@@ -38,12 +38,12 @@ struct CheckArguments {
 // Places of one kind of defect; of two: between parts of different joints.
 struct PlaceList {
   const char *key, *title;
-  const std::vector<RestPlace>& places;
+  const std::vector<trainer::RestPlace>& places;
   bool of_two = false;
 };
 
 // Everything of it that has places, in the order in which these are numbered.
-std::vector<PlaceList> lists_of(const CharacterForecast& forecast) {
+std::vector<PlaceList> lists_of(const trainer::CharacterForecast& forecast) {
   return {{"self_intersections", "the skin passes through itself at rest", forecast.intersections},
           {"holes", "the skin is open", forecast.holes},
           {"flipped", "faces wind oppositely", forecast.flipped},
@@ -56,7 +56,7 @@ std::vector<PlaceList> lists_of(const CharacterForecast& forecast) {
 // first: the number of the first; unnumbered: the numbers that the picture lacks, which become null.
 Json places_json(const PlaceList& list, std::size_t first, const std::vector<std::size_t>& unnumbered) {
   Json result = Json::array();
-  for (const RestPlace& place : list.places) {
+  for (const trainer::RestPlace& place : list.places) {
     const std::size_t number = first + result.size();
     const bool is_shown = std::ranges::find(unnumbered, number) == unnumbered.end();
     Json& entry = result.emplace_back(Json{{"number", is_shown ? Json(number) : Json()}, {"joint", place.joint}});
@@ -71,11 +71,11 @@ Json places_json(const PlaceList& list, std::size_t first, const std::vector<std
 // first: the number of the first.
 std::string places_text(const PlaceList& list, std::size_t first) {
   constexpr std::size_t kShown = 8;
-  const std::vector<RestPlace>& places = list.places;
+  const std::vector<trainer::RestPlace>& places = list.places;
   if (places.empty()) return "";
   std::string text = std::string(list.title) + ":\n";
   for (std::size_t k = 0; k < std::min(places.size(), kShown); ++k) {
-    const RestPlace& place = places[k];
+    const trainer::RestPlace& place = places[k];
     text += format("{:4}  {}: {}, one is {} at {:.3f} {:.3f} {:.3f} m\n", first + k,
                    place.joint + (list.of_two ? " and " + place.other : ""),
                    count_of(place.vertices.size(), "vertex", "vertices"), place.vertex, place.position[0],
@@ -86,14 +86,15 @@ std::string places_text(const PlaceList& list, std::size_t first) {
 }
 
 // The places, numbered in their order. Returns the numbers that it lacks: of places inside, or covered by others.
-std::vector<std::size_t> draw_places(const Character& character, const std::vector<RestPlace>& places,
+std::vector<std::size_t> draw_places(const Character& character, const std::vector<trainer::RestPlace>& places,
                                      const std::string& path) {
-  std::vector<VertexList> vertices;
-  for (const RestPlace& place : places) vertices.push_back(place.vertices);
-  Renderer renderer;
+  std::vector<report::VertexList> vertices;
+  for (const trainer::RestPlace& place : places) vertices.push_back(place.vertices);
+  draw::Renderer renderer;
   const Positions skin = upright_skin(character.skeleton, character.vertices);
-  const RegionPicture picture = places_picture(renderer, skin, character.triangles, vertices, 700, 1000);
-  write_png(picture.image, path);
+  const report::RegionPicture picture =
+      report::places_picture(renderer, skin, character.triangles, vertices, 700, 1000);
+  draw::write_png(picture.image, path);
   return picture.unnumbered;
 }
 
@@ -105,19 +106,20 @@ std::string unnumbered_text(const std::vector<std::size_t>& unnumbered) {
                          : "without a number in the picture (inside, or covered by another place): " + numbers + "\n";
 }
 
-Json verbs_json(const std::vector<VerbForecast>& foreseen) {
-  return transformed(foreseen, [&](const VerbForecast& verb) {
-    return Json{
-        {"verb", verb.verb}, {"fills", name_of(verb.fill)}, {"nodes", verb.nodes}, {"contact", verb.has_contact},
-        {"why", verb.why},   {"remedy", verb.remedy},       {"glued", verb.glued}};
+Json verbs_json(const std::vector<trainer::VerbForecast>& foreseen) {
+  return transformed(foreseen, [&](const trainer::VerbForecast& verb) {
+    return Json{{"verb", verb.verb},   {"fills", trainer::name_of(verb.fill)},
+                {"nodes", verb.nodes}, {"contact", verb.has_contact},
+                {"why", verb.why},     {"remedy", verb.remedy},
+                {"glued", verb.glued}};
   });
 }
 
-std::string verbs_text(const std::vector<VerbForecast>& foreseen) {
+std::string verbs_text(const std::vector<trainer::VerbForecast>& foreseen) {
   std::string text = format("{:17} {:13} {:>7}  {:8} why\n", "verb", "fills", "nodes", "contact");
-  for (const VerbForecast& verb : foreseen) {
+  for (const trainer::VerbForecast& verb : foreseen) {
     const bool simulates = verb.verb.starts_with("simulate");
-    text += format("{:17} {:13} {:7}  {:8} {}\n", verb.verb, name_of(verb.fill), verb.nodes,
+    text += format("{:17} {:13} {:7}  {:8} {}\n", verb.verb, trainer::name_of(verb.fill), verb.nodes,
                    simulates ? (verb.has_contact ? "yes" : "no") : "-", verb.why);
     if (!verb.glued.empty()) text += format("{:17} holds together: {}\n", "", verb.glued);
     if (!verb.remedy.empty()) text += format("{:17} remedy: {}\n", "", verb.remedy);
@@ -138,11 +140,11 @@ std::vector<Clip> own_clips(const std::string& path, const Skeleton& skeleton, d
 // Forecasts how the verbs will treat the character: in JSON, as a table, and in a picture where asked.
 Json foreseen(const CheckArguments& arguments, const Character& character, std::string& text) {
   const std::string& picture = arguments.picture;
-  const CharacterForecast forecast =
-      foresee(character, own_clips(arguments.path, character.skeleton, arguments.unit), arguments.unit);
+  const trainer::CharacterForecast forecast =
+      trainer::foresee(character, own_clips(arguments.path, character.skeleton, arguments.unit), arguments.unit);
   text += verbs_text(forecast.verbs);
   const std::vector<PlaceList> lists = lists_of(forecast);
-  std::vector<RestPlace> numbered;
+  std::vector<trainer::RestPlace> numbered;
   for (const PlaceList& list : lists) {
     text += places_text(list, numbered.size() + 1);
     numbered.insert(numbered.end(), list.places.begin(), list.places.end());
@@ -162,14 +164,14 @@ Json foreseen(const CheckArguments& arguments, const Character& character, std::
 
 // Warns where skin and muscles do not fit each other.
 std::vector<std::string> misfits(const Character& character, const std::vector<Muscle>& muscles,
-                                 const AnatomyOptions& options) {
-  return report_anatomy(character, muscles, AnatomyField(character, muscles, options)).warnings;
+                                 const trainer::AnatomyOptions& options) {
+  return trainer::report_anatomy(character, muscles, trainer::AnatomyField(character, muscles, options)).warnings;
 }
 
 void check_character(const CheckArguments& arguments) {
   const Character character = read_character(arguments.path, arguments.unit);
   const Eigen::RowVector3d box = box_sides(character.vertices);
-  const std::string surface = describe_surface(character);
+  const std::string surface = trainer::describe_surface(character);
   std::string text = format(
       "{}: {} vertices, {} after welding seams, {} joints, {:.3f} x {:.3f} x {:.3f} m\nsurface: {}\n", character.name,
       character.output_count(), character.vertices.rows(), character.skeleton.size(), box(0), box(1), box(2), surface);
@@ -194,13 +196,13 @@ void check_character(const CheckArguments& arguments) {
 // Lists turns beyond the character's limits that the chosen frames hold.
 Json held_beyond_limits(const std::string& path, const Skeleton& own, const std::vector<Pose>& own_poses,
                         std::string& text) {
-  const JointLimits own_limits = read_joint_limits(path, own);
-  const AttachedRig rig(own, own_limits.detached);
-  const JointLimits limits = rig.attached(own_limits);
+  const trainer::JointLimits own_limits = trainer::read_joint_limits(path, own);
+  const trainer::AttachedRig rig(own, own_limits.detached);
+  const trainer::JointLimits limits = rig.attached(own_limits);
   const Skeleton& skeleton = rig.skeleton();
   const std::vector<Pose> poses = rig.attached(own_poses);
   Json held = Json::array();
-  for (const HeldTurn& turn : held_turns(limits, skeleton, poses)) {
+  for (const trainer::HeldTurn& turn : trainer::held_turns(limits, skeleton, poses)) {
     const std::string description = describe(turn, skeleton, poses.size());
     text += "  PROBLEM: " + description + "\n";
     held.push_back({{"joint", skeleton.joints[turn.joint].name},
@@ -210,7 +212,7 @@ Json held_beyond_limits(const std::string& path, const Skeleton& own, const std:
                     {"problem", description}});
   }
   if (held.empty()) text += "no joint is held beyond its limits\n";
-  const std::vector<std::string> unknown = turning_without_limits(limits, skeleton, poses);
+  const std::vector<std::string> unknown = trainer::turning_without_limits(limits, skeleton, poses);
   if (!unknown.empty()) text += "note: the limits say nothing of " + list_names(unknown) + ": not judged\n";
   return held;
 }
@@ -225,7 +227,7 @@ void check_clip(const CheckArguments& arguments) {
   Json result = {{"clip", clip.name}, {"frames", frames.size()}, {"notes", clip.notes}};
   if (!arguments.limits.empty()) {
     result["held_beyond_limits"] =
-        held_beyond_limits(arguments.limits, character.skeleton, poses_of(clip, frames), text);
+        held_beyond_limits(arguments.limits, character.skeleton, shots::poses_of(clip, frames), text);
   }
   arguments.json.emit(result, text);
 }
@@ -237,12 +239,12 @@ std::string coupling_of(const Dataset& dataset) {
   for (const DatasetTake& take : dataset.takes) {
     std::vector<int> learned = take.frames;
     std::erase_if(learned, [&](int frame) { return std::ranges::find(take.heldout, frame) != take.heldout.end(); });
-    for (Pose& pose : poses_of(read_clip(dataset, take, skeleton), learned)) poses.push_back(std::move(pose));
+    for (Pose& pose : shots::poses_of(read_clip(dataset, take, skeleton), learned)) poses.push_back(std::move(pose));
   }
-  return describe(coupled_joints(skeleton, poses), skeleton);
+  return describe(trainer::coupled_joints(skeleton, poses), skeleton);
 }
 
-std::string take_text(const TakeCheck& take) {
+std::string take_text(const trainer::TakeCheck& take) {
   std::string text = format("{}: {} points, {} samples, ", take.name, take.points, take.samples);
   if (take.unconverged > 0) text += format("{} not solved (unconverged, or not simulated yet), ", take.unconverged);
   if (take.compared == 0) return text + "none compared with the skinned character\n";
@@ -253,11 +255,11 @@ std::string take_text(const TakeCheck& take) {
 void check(const CheckArguments& arguments) {
   const std::filesystem::path path = dataset_file(arguments.path);
   const Dataset dataset = read_dataset(path);
-  const std::vector<TakeCheck> takes = check_dataset(dataset);
-  const std::string mismatch = first_problem(takes, path);
+  const std::vector<trainer::TakeCheck> takes = trainer::check_dataset(dataset);
+  const std::string mismatch = trainer::first_problem(takes, path);
   Json result = Json::array();
   std::string text;
-  for (const TakeCheck& take : takes) {
+  for (const trainer::TakeCheck& take : takes) {
     text += take_text(take);
     for (const std::string& problem : take.problems) text += "  PROBLEM: " + problem + "\n";
     result.push_back({{"name", take.name},
@@ -270,18 +272,20 @@ void check(const CheckArguments& arguments) {
                       {"problems", take.problems}});
   }
   std::vector<std::string> notes;
-  std::vector<VerbForecast> foreseen;
+  std::vector<trainer::VerbForecast> foreseen;
   if (mismatch.empty()) {
-    const SampleSet samples = read_samples(dataset);
-    foreseen = foresee_training(samples);
+    const trainer::SampleSet samples = trainer::read_samples(dataset);
+    foreseen = trainer::foresee_training(samples);
     text += verbs_text(foreseen);
     const std::string coupled = coupling_of(dataset);
     if (!coupled.empty()) notes.push_back(coupled);
     std::vector<std::string> anatomy;
     if (!samples.muscles.empty())
-      anatomy = misfits(samples.character, samples.muscles, anatomy_options(dataset, samples.character.skeleton));
+      anatomy =
+          misfits(samples.character, samples.muscles, trainer::anatomy_options(dataset, samples.character.skeleton));
     for (const std::vector<std::string>& some :
-         {samples.notes, shape_doubts(samples), short_takes(dataset), coarse_takes(dataset), anatomy}) {
+         {samples.notes, trainer::shape_doubts(samples), trainer::short_takes(dataset), trainer::coarse_takes(dataset),
+          anatomy}) {
       notes.insert(notes.end(), some.begin(), some.end());
     }
   }

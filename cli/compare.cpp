@@ -22,7 +22,7 @@ struct CompareArguments {
 
 void run(const CompareArguments& arguments) {
   arguments.json.require_writable();
-  const NamedShapes a(arguments.a), b(arguments.b);
+  const trainer::NamedShapes a(arguments.a), b(arguments.b);
   if (a.point_count() != b.point_count() || a.sample_count() != b.sample_count()) {
     throw Error(ErrorKind::mismatch,
                 format("{} has {} points and {} samples, {} has {} points and {} samples: they are caches of different "

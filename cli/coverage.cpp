@@ -31,7 +31,7 @@ struct CoverageArguments {
 
 // True errors per frame, RMS in mm, of the skin before modifiers.
 std::vector<double> true_errors(const Basis& basis, const std::vector<Pose>& poses, const std::string& path) {
-  const NamedShapes truth(path);
+  const trainer::NamedShapes truth(path);
   if (truth.sample_count() != poses.size() || truth.point_count() != basis.mesh.output_count()) {
     throw Error(ErrorKind::mismatch,
                 format("{} has {} samples of {} points, the frames asked for are {} of {}: another clip, frame range "
@@ -47,9 +47,9 @@ std::vector<double> true_errors(const Basis& basis, const std::vector<Pose>& pos
   return accumulator.finish().frame_rms;
 }
 
-HeatStrip strip(const std::vector<int>& frames, const std::vector<std::string>& regions,
-                const std::vector<ExpectedError>& errors) {
-  HeatStrip strip;
+report::HeatStrip strip(const std::vector<int>& frames, const std::vector<std::string>& regions,
+                        const std::vector<ExpectedError>& errors) {
+  report::HeatStrip strip;
   strip.frames = frames;
   strip.regions = regions;
   for (const ExpectedError& error : errors) {
@@ -91,12 +91,13 @@ struct ClipCoverage {
 
 ClipCoverage coverage_of(const Basis& basis, std::vector<int> frames, const std::vector<Pose>& poses,
                          std::size_t listed) {
-  ClipCoverage coverage{std::move(frames), expected_errors(basis, poses), {}, {}, {}};
+  ClipCoverage coverage{std::move(frames), trainer::expected_errors(basis, poses), {}, {}, {}};
   for (const ExpectedError& error : coverage.errors) {
     coverage.worst.push_back(worst_region(basis.coverage.names, error));
     coverage.rms_mm.push_back(error.rms_mm);
   }
-  coverage.simulated = worth_simulating(coverage.rms_mm, listed, spreading_gap(coverage.frames.size(), listed));
+  coverage.simulated =
+      trainer::worth_simulating(coverage.rms_mm, listed, trainer::spreading_gap(coverage.frames.size(), listed));
   return coverage;
 }
 
@@ -118,11 +119,12 @@ Json result_of(const ClipCoverage& coverage, const Basis& basis) {
   for (std::size_t r = 0; r < regions.size(); ++r) {
     std::vector<double> of_region;
     for (const ExpectedError& error : coverage.errors) of_region.push_back(error.region_mm[r]);
-    per_region.push_back(
-        {{"region", regions[r]}, {"joints", joint_names(basis, r)}, {"expected_rms_mm", root_mean_square(of_region)}});
+    per_region.push_back({{"region", regions[r]},
+                          {"joints", joint_names(basis, r)},
+                          {"expected_rms_mm", trainer::root_mean_square(of_region)}});
   }
   return {{"frames", coverage.frames.size()},
-          {"expected_rms_mm", root_mean_square(coverage.rms_mm)},
+          {"expected_rms_mm", trainer::root_mean_square(coverage.rms_mm)},
           {"worth_simulating", next_frames(coverage)},
           {"regions", per_region},
           {"per_frame", per_frame}};
@@ -134,30 +136,31 @@ std::string coverage_text(const ClipCoverage& coverage) {
     text += format("{:8} {:14.3f}   {}, {:.3f} mm\n", coverage.frames[k], coverage.rms_mm[k], coverage.worst[k].region,
                    coverage.worst[k].mm);
   }
-  text += format("expected over {} frames: {:.3f} mm RMS\n", coverage.frames.size(), root_mean_square(coverage.rms_mm));
+  text += format("expected over {} frames: {:.3f} mm RMS\n", coverage.frames.size(),
+                 trainer::root_mean_square(coverage.rms_mm));
   return text + "worth simulating next: --frames " + next_frames(coverage) + "\n";
 }
 
 // Adds them to the result; returns what there is to say of them.
 std::string compare_with_truth(const std::vector<double>& expected, const std::vector<double>& measured, Json& result) {
-  const double correlation = rank_correlation(expected, measured);
+  const double correlation = trainer::rank_correlation(expected, measured);
   for (std::size_t k = 0; k < measured.size(); ++k) result["per_frame"][k]["true_rms_mm"] = measured[k];
   result["rank_correlation"] = correlation;
-  result["true_rms_mm"] = root_mean_square(measured);
+  result["true_rms_mm"] = trainer::root_mean_square(measured);
   return format("true: {:.3f} mm RMS; the frames' expected and true errors rank alike with Spearman's rho {:.3f}\n",
-                root_mean_square(measured), correlation);
+                trainer::root_mean_square(measured), correlation);
 }
 
 void run(const CoverageArguments& arguments) {
   arguments.json.require_writable();
   if (!arguments.picture.empty()) require_writable(arguments.picture);
-  ShotFiles files;
+  shots::ShotFiles files;
   files.basis = arguments.basis;
   files.clip = arguments.clip;
   files.device.name = "cpu";
-  if (!arguments.session.empty()) take_session(arguments.session, files);
+  if (!arguments.session.empty()) shots::take_session(arguments.session, files);
   ErrorExpectation{load_basis(files.basis)};  // refuses a basis without coverage before the clip is read
-  Shot shot = read_shot(files, warn);
+  shots::Shot shot = shots::read_shot(files, warn);
   const Basis& basis = shot.basis();
   const std::vector<Pose> poses = shot.poses(0, shot.frames.size());
   const ClipCoverage coverage = coverage_of(basis, shot.frames, poses, static_cast<std::size_t>(arguments.worst));
@@ -168,7 +171,7 @@ void run(const CoverageArguments& arguments) {
     text += compare_with_truth(coverage.rms_mm, true_errors(basis, poses, arguments.truth), result);
   }
   if (!arguments.picture.empty()) {
-    const std::string svg = heat_strip(strip(coverage.frames, basis.coverage.names, coverage.errors));
+    const std::string svg = report::heat_strip(strip(coverage.frames, basis.coverage.names, coverage.errors));
     write_file_atomically(arguments.picture, std::as_bytes(std::span(svg)));
     text += "wrote " + arguments.picture + "\n";
   }

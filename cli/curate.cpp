@@ -18,10 +18,10 @@ namespace {
 void bake(const CurateArguments& arguments) {
   make_folder(arguments.out);
   Dataset dataset = read_dataset(path_of(arguments));
-  if (arguments.heldout_every > 0) hold_out_blocks(dataset, arguments.heldout_every);
-  const ShapeStack stack(read_pose_database(dataset));
+  if (arguments.heldout_every > 0) trainer::hold_out_blocks(dataset, arguments.heldout_every);
+  const trainer::ShapeStack stack(trainer::read_pose_database(dataset));
   say(stack.notes());
-  const Dataset baked = bake_dataset(stack, arguments.out);
+  const Dataset baked = trainer::bake_dataset(stack, arguments.out);
   std::size_t frames = 0;
   for (const DatasetTake& take : baked.takes) frames += take.frames.size();
   arguments.json.emit({{"dataset", arguments.out}, {"takes", baked.takes.size()}, {"frames", frames}},
@@ -30,7 +30,7 @@ void bake(const CurateArguments& arguments) {
 }
 
 void prune(const CurateArguments& arguments) {
-  const PrunedFiles gone = prune_modifiers(path_of(arguments), arguments.history);
+  const trainer::PrunedFiles gone = trainer::prune_modifiers(path_of(arguments), arguments.history);
   arguments.json.emit({{"files", gone.files}, {"bytes", gone.bytes}},
                       format("removed {}, {:.1f} MiB\n", count_of(gone.files, "file", "files"),
                              static_cast<double>(gone.bytes) / (1 << 20)));
@@ -78,7 +78,7 @@ void add_edits(CLI::App& verb) {
   const auto [adding, added] = subverb(verb, "add", "Puts a modifier on top of the stack", add_to_stack);
   std::vector<std::string> types;
   std::string described;
-  for (const ModifierType& type : modifier_types()) {
+  for (const trainer::ModifierType& type : trainer::modifier_types()) {
     types.push_back(type.name);
     described += std::string("\n  ") + type.name + ": " + type.what;
   }
@@ -99,7 +99,7 @@ void add_edits(CLI::App& verb) {
 
   const auto [moving, moved] =
       subverb(verb, "move", "Moves a modifier to another place of the stack", [](const CurateArguments& arguments) {
-        move_modifier(path_of(arguments), arguments.name, arguments.place);
+        trainer::move_modifier(path_of(arguments), arguments.name, arguments.place);
         emit_stack(arguments);
       });
   add_name(moving, moved);
@@ -108,14 +108,14 @@ void add_edits(CLI::App& verb) {
     const auto [switching, switched] =
         subverb(verb, enabled ? "enable" : "disable", enabled ? "Switches a modifier on" : "Switches it off",
                 [enabled](const CurateArguments& arguments) {
-                  enable_modifier(path_of(arguments), arguments.name, enabled);
+                  trainer::enable_modifier(path_of(arguments), arguments.name, enabled);
                   emit_stack(arguments);
                 });
     add_name(switching, switched);
   }
   const auto [removing, removed] = subverb(verb, "remove", "Takes a modifier off the stack; undo brings it back",
                                            [](const CurateArguments& arguments) {
-                                             remove_modifier(path_of(arguments), arguments.name);
+                                             trainer::remove_modifier(path_of(arguments), arguments.name);
                                              emit_stack(arguments);
                                            });
   add_name(removing, removed);

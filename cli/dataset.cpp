@@ -59,7 +59,7 @@ void add(const AddArguments& arguments) {
   arguments.take.clip.read(character.skeleton, dataset.unit, frames);
   DatasetTake given = arguments.take.take(frames, dataset.folder);
   given.as_given = arguments.as_given;
-  const AddedShapes added = add_shapes(dataset, path, given, arguments.shapes, arguments.replace);
+  const trainer::AddedShapes added = trainer::add_shapes(dataset, path, given, arguments.shapes, arguments.replace);
   say_heldout(added.take, given);
 
   const std::size_t more = frames.size() - static_cast<std::size_t>(added.replaced);

@@ -76,17 +76,17 @@ void write_jiggle(const fs::path& path) {
 
 // The files a user would bring: character, muscles, limits, three clips and how muscles flex in one of them.
 void write_inputs(const fs::path& folder, const DemoSize& size) {
-  const BuiltinArm arm = build_arm();
+  const trainer::BuiltinArm arm = trainer::build_arm();
   const Skeleton& skeleton = arm.character.skeleton;
   write_character(arm.character, folder / "character.glb");
   write_muscles(arm.muscles, skeleton, folder / "muscles.json");
-  const JointLimits limits = arm_limits(skeleton);
-  write_joint_limits(limits, skeleton, folder / "limits.json");
-  const RangeOfMotion motion = range_of_motion(arm.character, limits, {.frames = size.rom_frames});
-  write_clip(clip_of(motion, limits, skeleton), skeleton, folder / "rom.glb");
+  const trainer::JointLimits limits = trainer::arm_limits(skeleton);
+  trainer::write_joint_limits(limits, skeleton, folder / "limits.json");
+  const trainer::RangeOfMotion motion = trainer::range_of_motion(arm.character, limits, {.frames = size.rom_frames});
+  write_clip(trainer::clip_of(motion, limits, skeleton), skeleton, folder / "rom.glb");
   write_flex(folder / "flex.json", size.rom_frames);
-  write_clip(arm_heldout(skeleton, size.heldout_frames), skeleton, folder / "heldout.glb");
-  write_clip(arm_stop(skeleton), skeleton, folder / "stop.glb");
+  write_clip(trainer::arm_heldout(skeleton, size.heldout_frames), skeleton, folder / "heldout.glb");
+  write_clip(trainer::arm_stop(skeleton), skeleton, folder / "stop.glb");
   write_jiggle(folder / "jiggle.json");
 }
 
@@ -124,24 +124,24 @@ std::string to_view(const fs::path& folder, const char* basis) {
 // Simulates the takes of a dataset one after the other.
 class TakeSimulation {
  public:
-  TakeSimulation(const Dataset& dataset, const SimulateOptions& options)
+  TakeSimulation(const Dataset& dataset, const trainer::SimulateOptions& options)
       : options_(options),
         character_(read_character(dataset.folder / dataset.character)),
         muscles_(read_muscles(dataset.folder / dataset.muscles, character_.skeleton)),
-        body_(make_compared_body(character_, muscles_, options)) {}
+        body_(trainer::make_compared_body(character_, muscles_, options)) {}
 
   void add(const DatasetTake& take, Dataset& dataset) const {
-    simulate(body_, character_, muscles_, read_clip(dataset, take, character_.skeleton), take.frames,
-             dataset.folder / take.shapes, dataset.folder / take.shapes_status, options_);
+    trainer::simulate(body_, character_, muscles_, read_clip(dataset, take, character_.skeleton), take.frames,
+                      dataset.folder / take.shapes, dataset.folder / take.shapes_status, options_);
     dataset.takes.push_back(take);
     write_dataset(dataset, dataset.folder / "dataset.json");
   }
 
  private:
-  SimulateOptions options_;
+  trainer::SimulateOptions options_;
   Character character_;
   std::vector<Muscle> muscles_;
-  QuasiStaticBody body_;
+  trainer::QuasiStaticBody body_;
 };
 
 DatasetTake heldout_take(const DemoSize& size) {
@@ -170,13 +170,13 @@ Dataset simulate_drafts(const fs::path& folder, const DemoSize& size, const Demo
   DatasetTake rom = take_of("rom", "rom.glb", every(kDraftStep, size.rom_frames)), heldout = heldout_take(size);
   for (DatasetTake* take : {&rom, &heldout}) take->shapes = take->name + ".nodes";
   simulation.add(rom, dataset);
-  train_and_measure(read_samples(dataset), {}, false, 0, folder / "first.safetensors");
+  train_and_measure(trainer::read_samples(dataset), {}, false, 0, folder / "first.safetensors");
   arguments.json.print("a first arm, learned from drafts, can be looked at:\n" + to_view(folder, "first.safetensors"));
   simulation.add(heldout, dataset);
   return dataset;
 }
 
-std::vector<Positions> welded_shapes(const SampleSet& set, const Evaluation& evaluation) {
+std::vector<Positions> welded_shapes(const trainer::SampleSet& set, const Evaluation& evaluation) {
   std::vector<Positions> shapes;
   const std::size_t stride = 3 * std::size_t{set.character.output_count()};
   for (std::size_t k = 0; k < set.heldout.size(); ++k) {
@@ -185,13 +185,13 @@ std::vector<Positions> welded_shapes(const SampleSet& set, const Evaluation& eva
   return shapes;
 }
 
-std::vector<int> heldout_frames(const SampleSet& set) {
+std::vector<int> heldout_frames(const trainer::SampleSet& set) {
   std::vector<int> frames;
-  for (const Sample& sample : set.heldout) frames.push_back(sample.frame);
+  for (const trainer::Sample& sample : set.heldout) frames.push_back(sample.frame);
   return frames;
 }
 
-void write_evaluation(const fs::path& path, const SampleSet& set, const Evaluation& evaluation) {
+void write_evaluation(const fs::path& path, const trainer::SampleSet& set, const Evaluation& evaluation) {
   const std::vector<int> frames = heldout_frames(set);
   const std::size_t stride = 3 * std::size_t{set.character.output_count()};
   Pc2Writer writer(path, set.character.output_count(), static_cast<std::uint32_t>(frames.size()),
@@ -212,7 +212,8 @@ double largest_difference(const std::vector<float>& a, const std::vector<float>&
 }
 
 // The held-out frame, of those not shown yet, in which a joint lies furthest along an axis.
-std::size_t frame_of_largest(const SampleSet& set, const char* joint, int axis, const std::set<std::size_t>& shown) {
+std::size_t frame_of_largest(const trainer::SampleSet& set, const char* joint, int axis,
+                             const std::set<std::size_t>& shown) {
   const int index = set.character.skeleton.find(joint);
   std::size_t best = 0;
   double largest = -1e300;
@@ -228,8 +229,8 @@ std::size_t frame_of_largest(const SampleSet& set, const char* joint, int axis, 
 }
 
 // Two poses that show what the arm can do.
-void add_chosen_pictures(const SampleSet& set, const std::vector<Positions>& shapes, const Basis& basis,
-                         const std::string& device, ReportData& report) {
+void add_chosen_pictures(const trainer::SampleSet& set, const std::vector<Positions>& shapes, const Basis& basis,
+                         const std::string& device, report::ReportData& report) {
   ReportPictures pictures(set, shapes, report.methods.back().errors, basis, device);
   const std::vector<std::size_t> order = by_error(report.methods.back().errors);
   const std::size_t worst = order.back(), median = order[order.size() / 2];
@@ -239,7 +240,7 @@ void add_chosen_pictures(const SampleSet& set, const std::vector<Positions>& sha
   report.pictures.push_back(pictures.frame("chosen", furthest, "the hand furthest forward"));
 }
 
-void describe_simulation(const Dataset& dataset, DemoReport& report) {
+void describe_simulation(const Dataset& dataset, report::DemoReport& report) {
   std::vector<double> residuals;
   double iterations = 0;
   for (const DatasetTake& take : dataset.takes) {
@@ -258,20 +259,20 @@ void describe_simulation(const Dataset& dataset, DemoReport& report) {
 }
 
 // Errors on the held-out frames that converged in both.
-ErrorStatistics draft_errors(const SampleSet& set, const Dataset& draft) {
+ErrorStatistics draft_errors(const trainer::SampleSet& set, const Dataset& draft) {
   std::map<int, Positions> skins;
-  for (const Sample& sample : read_samples(draft).heldout) skins[sample.frame] = sample.shape.read();
-  std::vector<Sample> both = set.heldout;
-  std::erase_if(both, [&](const Sample& sample) { return !skins.contains(sample.frame); });
+  for (const trainer::Sample& sample : trainer::read_samples(draft).heldout) skins[sample.frame] = sample.shape.read();
+  std::vector<trainer::Sample> both = set.heldout;
+  std::erase_if(both, [&](const trainer::Sample& sample) { return !skins.contains(sample.frame); });
   std::vector<Positions> shapes;
-  for (const Sample& sample : both) shapes.push_back(skins.at(sample.frame));
-  return heldout_errors(both, shapes);
+  for (const trainer::Sample& sample : both) shapes.push_back(skins.at(sample.frame));
+  return trainer::heldout_errors(both, shapes);
 }
 
 // Trains, holds the basis against its peers, evaluates the held-out frames on the device and on the CPU.
-ReportData measure(const DemoArguments& arguments, const fs::path& folder, const Dataset& dataset, const Dataset& draft,
-                   DemoReport demo) {
-  const SampleSet set = read_samples(dataset);
+report::ReportData measure(const DemoArguments& arguments, const fs::path& folder, const Dataset& dataset,
+                           const Dataset& draft, report::DemoReport demo) {
+  const trainer::SampleSet set = trainer::read_samples(dataset);
   say(set.notes);
   if (set.unconverged > 0) spdlog::warn("{} unconverged frames are left out", set.unconverged);
   const fs::path basis_file = folder / "basis.safetensors";
@@ -295,10 +296,10 @@ ReportData measure(const DemoArguments& arguments, const fs::path& folder, const
   if (!has_pictures) spdlog::warn("no Vulkan device: the report has no pictures");
   const std::vector<Positions> shapes = welded_shapes(set, evaluated);
   const std::string pictures_on = has_pictures ? arguments.device.choice.name : "";
-  ReportData report = report_of(set, training, shapes, pictures_on);
+  report::ReportData report = report_of(set, training, shapes, pictures_on);
   if (has_pictures) {
     add_chosen_pictures(set, shapes, training.result.basis, pictures_on, report);
-    report.sections = section_pictures(set, anatomy_options(dataset, set.character.skeleton));
+    report.sections = section_pictures(set, trainer::anatomy_options(dataset, set.character.skeleton));
   }
   if (arguments.all) {
     report.jiggle = demo_jiggle(set, training.result.basis, arguments.device.choice, pictures_on, folder);
@@ -310,7 +311,7 @@ ReportData measure(const DemoArguments& arguments, const fs::path& folder, const
   return report;
 }
 
-std::string summary(const ReportData& report) {
+std::string summary(const report::ReportData& report) {
   std::string text = format("{} training frames, {} held out, {}\n", report.dataset.train_frames,
                             report.dataset.heldout_frames, report.device);
   text += method_table(report.methods);
@@ -330,7 +331,7 @@ void run(DemoArguments arguments) {
   const fs::path folder = arguments.out;
   make_folder(folder);
   arguments.json.require_writable();
-  DemoReport demo;
+  report::DemoReport demo;
   demo.quick = arguments.quick;
   Stopwatch building;
   const DemoSize& size = arguments.quick ? kQuick : kFull;
@@ -342,8 +343,8 @@ void run(DemoArguments arguments) {
   Stopwatch simulating;
   const Dataset dataset = simulate_dataset(folder, size);
   demo.seconds.simulate = simulating.seconds();
-  const ReportData report = measure(arguments, folder, dataset, draft, demo);
-  const Json written = write_report(report, folder);
+  const report::ReportData report = measure(arguments, folder, dataset, draft, demo);
+  const Json written = report::write_report(report, folder);
   const std::string carried = arguments.all ? demo_transfer(folder, report.device != "cpu") : "";
   arguments.json.emit(written, summary(report) + carried + "wrote " + (folder / "report.html").string() +
                                    "\nthe arm in the viewport:\n" + to_view(folder, "basis.safetensors"));

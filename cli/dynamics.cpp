@@ -20,7 +20,7 @@ namespace {
 
 struct DynamicsArguments {
   std::string dataset, basis, out, jiggle, jiggle_out;
-  DynamicsOptions options;
+  trainer::DynamicsOptions options;
   JsonOption json;
 };
 
@@ -41,18 +41,18 @@ std::vector<Pose> training_poses(const Dataset& dataset, const Basis& basis) {
       }
       if (!heldout.contains(frame)) frames.push_back(frame);
     }
-    const std::vector<Pose> more = poses_of(clip, frames);
+    const std::vector<Pose> more = shots::poses_of(clip, frames);
     poses.insert(poses.end(), more.begin(), more.end());
   }
   return poses;
 }
 
-BuiltDynamics build(DynamicsArguments& arguments, const Basis& basis) {
-  DynamicsOptions& options = arguments.options;
+trainer::BuiltDynamics build(DynamicsArguments& arguments, const Basis& basis) {
+  trainer::DynamicsOptions& options = arguments.options;
   if (is_called_scene(arguments.dataset)) {
     const Character character = read_character(arguments.dataset, kept_unit(basis));
     say(character.notes);
-    return build_dynamics(character, {}, basis, options);
+    return trainer::build_dynamics(character, {}, basis, options);
   }
   const std::filesystem::path path = dataset_file(arguments.dataset);
   const Dataset dataset = read_dataset(path);
@@ -60,11 +60,11 @@ BuiltDynamics build(DynamicsArguments& arguments, const Basis& basis) {
   say(character.notes);
   std::vector<Muscle> muscles;
   if (!dataset.muscles.empty()) muscles = read_muscles(dataset.folder / dataset.muscles, character.skeleton);
-  if (!dataset.materials.empty()) options.materials = read_materials(dataset.folder / dataset.materials);
-  options.anatomy = anatomy_options(dataset, character.skeleton);
+  if (!dataset.materials.empty()) options.materials = trainer::read_materials(dataset.folder / dataset.materials);
+  options.anatomy = trainer::anatomy_options(dataset, character.skeleton);
   options.painted = read_regions(dataset, character);
   options.poses = training_poses(dataset, basis);
-  return build_dynamics(character, muscles, basis, options);
+  return trainer::build_dynamics(character, muscles, basis, options);
 }
 
 void run(DynamicsArguments arguments) {
@@ -74,18 +74,18 @@ void run(DynamicsArguments arguments) {
   refuse_overwriting(arguments.out, arguments.basis);
   const Stopwatch watch;
   const Basis basis = load_basis(arguments.basis);
-  if (!arguments.jiggle.empty()) arguments.options.settings = read_jiggle(arguments.jiggle);
-  const BuiltDynamics built = build(arguments, basis);
+  if (!arguments.jiggle.empty()) arguments.options.settings = trainer::read_jiggle(arguments.jiggle);
+  const trainer::BuiltDynamics built = build(arguments, basis);
   const Dynamics& dynamics = built.dynamics;
   validate(dynamics, basis, "the dynamics to be saved");
   save_dynamics(dynamics, arguments.out);
-  if (!arguments.jiggle_out.empty()) write_json(jiggle_json(built.settings), arguments.jiggle_out);
+  if (!arguments.jiggle_out.empty()) write_json(trainer::jiggle_json(built.settings), arguments.jiggle_out);
   const double seconds = watch.seconds();
 
-  const DynamicsReport& report = built.report;
+  const trainer::DynamicsReport& report = built.report;
   say(report.notes);
   Json result = {{"dynamics", arguments.out}};
-  result.update(to_json(report));
+  result.update(trainer::to_json(report));
   for (const auto& [stage, bytes] : table_bytes(dynamics)) result["bytes"][stage] = bytes;
   result["seconds"] = seconds;
   const auto megabytes = [&](const char* stage) { return result["bytes"][stage].get<double>() / 1e6; };
@@ -105,7 +105,7 @@ void run(DynamicsArguments arguments) {
 void add_dynamics(CLI::App& app) {
   const auto [verb, arguments] = add_verb<DynamicsArguments, DynamicsArguments>(
       app, "dynamics", "Make what lets a trained character's tissue jiggle: a second file beside its basis", run);
-  DynamicsOptions& options = arguments.options;
+  trainer::DynamicsOptions& options = arguments.options;
   add_required(verb, "dataset", arguments.dataset, "DATASET",
                "dataset.json, or its folder; or the character alone, whose muscles then do not stiffen");
   add_required(verb, "--basis", arguments.basis, "BASIS", "The basis trained from it");

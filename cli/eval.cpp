@@ -24,8 +24,8 @@ namespace {
 namespace fs = std::filesystem;
 
 struct EvalArguments {
-  ShotFiles shot;
-  CacheChoice cache;
+  shots::ShotFiles shot;
+  shots::CacheChoice cache;
   ClipArguments clip;
   DeviceArguments device;
   JiggleArguments jiggle;
@@ -45,10 +45,10 @@ std::string with_first_frame(const std::string& pattern, int frame) {
 }
 
 // A run of a shot: its caches, what it reports of its frames, and the states of the jiggle.
-class ShotRun : public SkinSink {
+class ShotRun : public shots::SkinSink {
  public:
   // `task`: null, where what an early end leaves is not kept.
-  ShotRun(const EvalArguments& arguments, Shot& shot, const TaskRun* task)
+  ShotRun(const EvalArguments& arguments, shots::Shot& shot, const farm::TaskRun* task)
       : arguments_(arguments), shot_(shot), task_(task), caches_(arguments.cache, shot), log_(shot.basis()) {}
 
   // Evaluates and writes what is not done yet.
@@ -82,7 +82,7 @@ class ShotRun : public SkinSink {
     }
   }
 
-  const ShotCaches& caches() const { return caches_; }
+  const shots::ShotCaches& caches() const { return caches_; }
   const EvaluationLog& log() const { return log_; }
   const std::vector<std::string>& states() const { return states_; }  // that were written
 
@@ -106,13 +106,13 @@ class ShotRun : public SkinSink {
   void evaluate_frames() {
     kept_ = take_up();
     if (kept_ > 0) spdlog::info("goes on after frame {}", shot_.frames[kept_ - 1]);
-    bodyopt::evaluate(shot_, *this, "eval", kept_,
-                      task_ != nullptr ? "the same command goes on from what is kept of it" : "nothing of it is kept");
+    shots::evaluate(shot_, *this, "eval", kept_,
+                    task_ != nullptr ? "the same command goes on from what is kept of it" : "nothing of it is kept");
   }
 
   // How many frames the checkpoint holds; 0: there is none.
   std::size_t take_up() {
-    const std::optional<Checkpoint> checkpoint = task_ != nullptr ? task_->read_checkpoint() : std::nullopt;
+    const std::optional<farm::Checkpoint> checkpoint = task_ != nullptr ? task_->read_checkpoint() : std::nullopt;
     if (!checkpoint || checkpoint->frames > shot_.frames.size()) return 0;
     const fs::path folder = task_->checkpoint_folder();
     if (shot_.jiggles) {
@@ -147,9 +147,9 @@ class ShotRun : public SkinSink {
   }
 
   const EvalArguments& arguments_;
-  Shot& shot_;
-  const TaskRun* task_;
-  ShotCaches caches_;
+  shots::Shot& shot_;
+  const farm::TaskRun* task_;
+  shots::ShotCaches caches_;
   EvaluationLog log_;
   std::vector<std::string> states_;
   JiggleState state_;     // after the frames that all have, for when the device is lost
@@ -157,7 +157,7 @@ class ShotRun : public SkinSink {
   bool is_whole_ = true;  // caches and log have the same frames, and can take more
 };
 
-Json attached_of(const Shot& shot, const ShotCaches& caches) {
+Json attached_of(const shots::Shot& shot, const shots::ShotCaches& caches) {
   Json list = Json::array();
   const std::vector<AttachedMesh>& meshes = shot.following.attached().meshes;
   for (std::size_t k = 0; k < meshes.size(); ++k) {
@@ -168,13 +168,13 @@ Json attached_of(const Shot& shot, const ShotCaches& caches) {
 }
 
 // Reports that the character's own file has nothing that a cache could show.
-std::string surface_text(const EvalArguments& arguments, const Shot& shot) {
+std::string surface_text(const EvalArguments& arguments, const shots::Shot& shot) {
   if (arguments.shot.character.empty() || !holds_triangles(arguments.cache.out) || !shot.surface.empty()) return "";
   return "of " + arguments.shot.character + " no texture coordinates or materials are read, and none are written\n";
 }
 
 // Reports that a cache in metres does not lie on the mesh that it is of.
-std::string unit_text(const CacheChoice& cache, const Basis& basis) {
+std::string unit_text(const shots::CacheChoice& cache, const Basis& basis) {
   const double unit = kept_unit(basis);
   if (holds_triangles(cache.out) || cache.space.unit != 1 || unit == 0 || unit == 1) return "";
   return format("the cache is in metres; --unit-out {} lays it on the mesh of the character's own file\n",
@@ -212,7 +212,7 @@ void check_rig(const EvalArguments& arguments, std::vector<fs::path> others) {
   refuse_over("--rig", rig, others);
 }
 
-void evaluate(const EvalArguments& arguments, Shot& shot, const TaskRun* task) {
+void evaluate(const EvalArguments& arguments, shots::Shot& shot, const farm::TaskRun* task) {
   const Stopwatch watch;
   const std::string about_unit = unit_text(arguments.cache, shot.basis());  // first: it may be damaged
   ShotRun run(arguments, shot, task);
@@ -231,7 +231,7 @@ void evaluate(const EvalArguments& arguments, Shot& shot, const TaskRun* task) {
   std::string text =
       format("{} frames of {} points on {} in {:.2f} s\n", shot.frames.size(), run.caches().points(), device, seconds) +
       run.log().text();
-  const std::vector<Pose> poses = poses_of(shot.clip, shot.frames);
+  const std::vector<Pose> poses = shots::poses_of(shot.clip, shot.frames);
   const std::optional<ShotFolds> folds = measure_shot_folds(shot.basis(), poses, shot.frames);
   if (folds) text += text_of(*folds);
   const ShotMoves moves = measure_shot_moves(shot.basis(), poses, shot.frames);
@@ -261,7 +261,7 @@ std::vector<fs::path> named_outputs(const EvalArguments& arguments) {
 }
 
 // Says what would be done, without doing it.
-void pretend(const EvalArguments& arguments, const Shot& shot, const TaskRun* task) {
+void pretend(const EvalArguments& arguments, const shots::Shot& shot, const farm::TaskRun* task) {
   std::string doing = "would evaluate";
   std::size_t kept = 0;
   if (task != nullptr) {
@@ -282,14 +282,14 @@ void pretend(const EvalArguments& arguments, const Shot& shot, const TaskRun* ta
 }
 
 // The report is an output, too: without it, or where it goes to standard output, the work is done again.
-bool is_done(const EvalArguments& arguments, const TaskRun& task) {
+bool is_done(const EvalArguments& arguments, const farm::TaskRun& task) {
   if (!arguments.json.path.empty() && !fs::exists(arguments.json.path)) return false;
   return task.done(named_outputs(arguments)).has_value();
 }
 
 // Copies arguments that several verbs have, as CLI11 filled them, to the shot.
 void gather_shot(EvalArguments& arguments) {
-  ShotFiles& shot = arguments.shot;
+  shots::ShotFiles& shot = arguments.shot;
   shot.clip = arguments.clip;
   shot.device = arguments.device.choice;
   const bool shows_surface = holds_triangles(arguments.cache.out);
@@ -300,13 +300,13 @@ void gather_shot(EvalArguments& arguments) {
     throw Error(ErrorKind::usage, "--rigged is for .glb and .usda: point caches hold points alone");
   }
   if (arguments.session.empty()) return;
-  take_session(arguments.session, shot);
+  shots::take_session(arguments.session, shot);
   if (shot.is_rigged && shot.character.empty()) shot.character = shot.session.character;
   if (!shows_surface || !shot.character.empty()) shot.session.character = shot.session.like = "";
 }
 
 // The clip alone knows its first frame.
-int first_frame_of(const ShotFiles& shot) {
+int first_frame_of(const shots::ShotFiles& shot) {
   if (shot.session.in) return *shot.session.in;
   if (shot.clip.frames.empty()) {
     throw Error(ErrorKind::usage, "--out with '#' stands for the first frame and needs --frames");
@@ -325,15 +325,15 @@ void run(EvalArguments arguments) {
   const std::vector<fs::path> inputs = arguments.shot.paths();
   refuse_over("--out", out, inputs);
   check_rig(arguments, inputs);
-  std::optional<TaskRun> task;
+  std::optional<farm::TaskRun> task;
   if (arguments.task.resume) task.emplace(out, BODYOPT_VERSION, arguments.task.given, inputs);
   if (task && !arguments.task.pretend && is_done(arguments, *task)) {
     std::fputs(("already done: " + out + "\n").c_str(), arguments.json.path == "-" ? stderr : stdout);
     return;
   }
   try {
-    require_form(arguments.cache);
-    Shot shot = read_shot(arguments.shot, warn);
+    shots::require_form(arguments.cache);
+    shots::Shot shot = shots::read_shot(arguments.shot, warn);
     if (arguments.task.pretend) return pretend(arguments, shot, task ? &*task : nullptr);
     evaluate(arguments, shot, task ? &*task : nullptr);
   } catch (const Error& error) {
@@ -397,7 +397,7 @@ void add_eval(CLI::App& app) {
   declare_eval(verb, arguments);
 }
 
-void eval_step(const FarmStep& step, const std::string& progress) {
+void eval_step(const farm::FarmStep& step, const std::string& progress) {
   run(read_step<EvalArguments>(declare_eval, step, progress));
 }
 

@@ -30,7 +30,7 @@ struct FarmArguments {
   int worst = 12;
   bool verify = false, slurm = false, hopeless = false;
   std::vector<std::string> tasks;
-  SlurmOptions queue;
+  farm::SlurmOptions queue;
   TaskArguments task;
   JsonOption json;
 };
@@ -39,20 +39,20 @@ fs::path plan_folder(const FarmArguments& arguments) { return fs::absolute(argum
 
 void plan(const FarmArguments& arguments) {
   std::vector<std::string> problems;
-  const ShowList list = read_show_list(arguments.list, problems);
+  const farm::ShowList list = farm::read_show_list(arguments.list, problems);
   say(list.notes);
-  const FarmPlan plan = plan_show(list, arguments.minutes, problems);
+  const farm::FarmPlan plan = farm::plan_show(list, arguments.minutes, problems);
   for (const std::string& problem : problems) spdlog::error("{}", problem);
   if (!problems.empty()) {
     throw Error(ErrorKind::usage, format("{}: {} problems; nothing is planned", arguments.list, problems.size()));
   }
   say(plan.notes);
   make_folder(arguments.out);
-  write_plan(plan, fs::absolute(arguments.out));
+  farm::write_plan(plan, fs::absolute(arguments.out));
   double seconds = 0;
   std::size_t frames = 0;
-  for (const FarmTask& task : plan.tasks) {
-    for (const FarmStep& step : task.steps) {
+  for (const farm::FarmTask& task : plan.tasks) {
+    for (const farm::FarmStep& step : task.steps) {
       seconds += step.seconds;
       frames += step.frames;
     }
@@ -69,9 +69,9 @@ void plan(const FarmArguments& arguments) {
 }
 
 void run_tasks(const FarmArguments& arguments) {
-  const FarmPlan plan = read_plan(plan_folder(arguments));
-  std::vector<const FarmTask*> tasks;
-  for (const FarmTask& task : plan.tasks) {
+  const farm::FarmPlan plan = farm::read_plan(plan_folder(arguments));
+  std::vector<const farm::FarmTask*> tasks;
+  for (const farm::FarmTask& task : plan.tasks) {
     if (arguments.tasks.empty() || std::ranges::find(arguments.tasks, task.name()) != arguments.tasks.end()) {
       tasks.push_back(&task);
     }
@@ -80,18 +80,18 @@ void run_tasks(const FarmArguments& arguments) {
     throw Error(ErrorKind::usage, arguments.plan, ": has no task '", arguments.tasks.front(),
                 "'; tasks are named WAVE.LANE, as in plan.json");
   }
-  std::vector<const FarmStep*> steps;
-  for (const FarmTask* task : tasks) {
-    for (const FarmStep& step : task->steps) steps.push_back(&step);
+  std::vector<const farm::FarmStep*> steps;
+  for (const farm::FarmTask* task : tasks) {
+    for (const farm::FarmStep& step : task->steps) steps.push_back(&step);
   }
   run_steps(steps, arguments.task.progress);
 }
 
-Json status_entry(const StepStatus& status) {
+Json status_entry(const farm::StepStatus& status) {
   Json entry{{"shot", status.step->shot},
              {"element", status.step->element},
              {"out", status.step->out},
-             {"state", name_of(status.state)}};
+             {"state", farm::name_of(status.state)}};
   if (status.failure) {
     entry["message"] = status.failure->message;
     entry["exit_code"] = status.failure->exit_code;
@@ -104,7 +104,7 @@ Json status_entry(const StepStatus& status) {
 // Jobs of the plan that are in the queue now; an empty object where it gives no answer.
 Json queue_of(const FarmArguments& arguments) {
   try {
-    return jobs_in_queue(plan_folder(arguments));
+    return farm::jobs_in_queue(plan_folder(arguments));
   } catch (const Error& error) {
     spdlog::warn("the queue cannot be asked: {}", error.what());
     return Json::object();
@@ -112,14 +112,14 @@ Json queue_of(const FarmArguments& arguments) {
 }
 
 void status(const FarmArguments& arguments) {
-  const FarmPlan plan = read_plan(plan_folder(arguments));
+  const farm::FarmPlan plan = farm::read_plan(plan_folder(arguments));
   std::map<std::string, int> counts;
   Json open = Json::array();
   std::string failures;
-  for (const std::vector<StepStatus>& task : status_of(plan, BODYOPT_VERSION, arguments.verify)) {
-    for (const StepStatus& status : task) {
-      if (status.step->is_delivered) ++counts[name_of(status.state)];
-      if (status.state == StepState::done) continue;
+  for (const std::vector<farm::StepStatus>& task : farm::status_of(plan, BODYOPT_VERSION, arguments.verify)) {
+    for (const farm::StepStatus& status : task) {
+      if (status.step->is_delivered) ++counts[farm::name_of(status.state)];
+      if (status.state == farm::StepState::done) continue;
       open.push_back(status_entry(status));
       if (status.failure) failures += status.failure->message + "\n";
     }
@@ -132,12 +132,12 @@ void status(const FarmArguments& arguments) {
 }
 
 // Tasks of which something is not done. `retry` reads all files, for one may have been damaged.
-std::vector<const FarmTask*> open_tasks(const FarmPlan& plan, bool is_retry, bool hopeless) {
-  const std::vector<std::vector<StepStatus>> statuses = status_of(plan, BODYOPT_VERSION, is_retry);
-  std::vector<const FarmTask*> tasks;
+std::vector<const farm::FarmTask*> open_tasks(const farm::FarmPlan& plan, bool is_retry, bool hopeless) {
+  const std::vector<std::vector<farm::StepStatus>> statuses = farm::status_of(plan, BODYOPT_VERSION, is_retry);
+  std::vector<const farm::FarmTask*> tasks;
   for (std::size_t t = 0; t < plan.tasks.size(); ++t) {
-    const bool is_open = std::ranges::any_of(statuses[t], [&](const StepStatus& status) {
-      return status.state != StepState::done && (!is_retry || hopeless || status.may_be_retried);
+    const bool is_open = std::ranges::any_of(statuses[t], [&](const farm::StepStatus& status) {
+      return status.state != farm::StepState::done && (!is_retry || hopeless || status.may_be_retried);
     });
     if (is_open) tasks.push_back(&plan.tasks[t]);
   }
@@ -147,13 +147,13 @@ std::vector<const FarmTask*> open_tasks(const FarmPlan& plan, bool is_retry, boo
 void report(const FarmArguments& arguments) {
   arguments.json.require_writable();
   require_writable(arguments.out);
-  const FarmPlan plan = read_plan(plan_folder(arguments));
-  const ShowSummary summary = summarize_show(plan, status_of(plan, BODYOPT_VERSION, arguments.verify),
-                                             static_cast<std::size_t>(arguments.worst));
+  const farm::FarmPlan plan = farm::read_plan(plan_folder(arguments));
+  const farm::ShowSummary summary = farm::summarize_show(plan, farm::status_of(plan, BODYOPT_VERSION, arguments.verify),
+                                                         static_cast<std::size_t>(arguments.worst));
   const std::string page = show_page(plan, summary);
   write_file_atomically(arguments.out, std::as_bytes(std::span(page)));
   std::string text;
-  for (const FramesToSimulate& next : summary.simulate_next) {
+  for (const farm::FramesToSimulate& next : summary.simulate_next) {
     text += "worth simulating next, for " + next.basis + ": " + simulate_options(next) + "\n";
   }
   arguments.json.emit(to_json(plan, summary), text + "wrote " + arguments.out + "\n");
@@ -166,24 +166,24 @@ void require_no_problem(const std::string& problem, const std::string& file) {
   if (!problem.empty()) throw Error(ErrorKind::usage, file, ": would break a rule: ", problem);
 }
 
-void write_openjd(const FarmArguments& arguments, const FarmPlan& plan) {
-  const Json job = openjd_template(plan, plan_folder(arguments), own_program(), arguments.queue.needs);
+void write_openjd(const FarmArguments& arguments, const farm::FarmPlan& plan) {
+  const Json job = farm::openjd_template(plan, plan_folder(arguments), own_program(), arguments.queue.needs);
   require_no_problem(plan.tasks.empty() ? "there are no steps" : "", arguments.openjd);
   write_json(job, arguments.openjd);
   arguments.json.emit({{"template", arguments.openjd}}, "wrote " + arguments.openjd + "\n");
 }
 
-void write_opencue(const FarmArguments& arguments, const FarmPlan& plan) {
+void write_opencue(const FarmArguments& arguments, const farm::FarmPlan& plan) {
   const passwd* const entry = getpwuid(geteuid());
   const std::string user = entry != nullptr ? entry->pw_name : "";
-  const std::string job = opencue_job(plan, plan_folder(arguments), own_program(), user, arguments.queue.needs);
-  require_no_problem(opencue_problem(plan, plan_folder(arguments), own_program(), user), arguments.opencue);
+  const std::string job = farm::opencue_job(plan, plan_folder(arguments), own_program(), user, arguments.queue.needs);
+  require_no_problem(farm::opencue_problem(plan, plan_folder(arguments), own_program(), user), arguments.opencue);
   write_file_atomically(arguments.opencue, std::as_bytes(std::span(job)));
   arguments.json.emit({{"job", arguments.opencue}}, "wrote " + arguments.opencue + "\n");
 }
 
 void submit(const FarmArguments& arguments, bool is_retry) {
-  const FarmPlan plan = read_plan(plan_folder(arguments));
+  const farm::FarmPlan plan = farm::read_plan(plan_folder(arguments));
   if (!arguments.openjd.empty()) return write_openjd(arguments, plan);
   if (!arguments.opencue.empty()) return write_opencue(arguments, plan);
   if (!arguments.slurm) {
@@ -191,10 +191,10 @@ void submit(const FarmArguments& arguments, bool is_retry) {
         ErrorKind::usage,
         "to which queue? Say --slurm, --openjd FILE or --opencue FILE ('bodyopt farm run' does the tasks here)");
   }
-  const std::vector<const FarmTask*> tasks = open_tasks(plan, is_retry, arguments.hopeless);
+  const std::vector<const farm::FarmTask*> tasks = open_tasks(plan, is_retry, arguments.hopeless);
   std::vector<std::string> jobs;
   if (!tasks.empty()) {
-    jobs = submit_to_slurm(tasks, plan, plan_folder(arguments), own_program(), arguments.queue);
+    jobs = farm::submit_to_slurm(tasks, plan, plan_folder(arguments), own_program(), arguments.queue);
   }
   arguments.json.emit({{"tasks", tasks.size()}, {"jobs", jobs}},
                       tasks.empty() ? "nothing is left to do\n"
@@ -202,7 +202,7 @@ void submit(const FarmArguments& arguments, bool is_retry) {
 }
 
 void cancel(const FarmArguments& arguments) {
-  const std::size_t jobs = cancel_in_slurm(plan_folder(arguments));
+  const std::size_t jobs = farm::cancel_in_slurm(plan_folder(arguments));
   arguments.json.emit({{"jobs", jobs}}, format("cancelled {} arrays\n", jobs));
 }
 

@@ -70,7 +70,7 @@ std::vector<ImprovedClip> read_shots(const ImproveArguments& arguments, const Da
     const std::set<int> known = known_frames(dataset, shot.take.take_name());
     std::erase_if(frames, [&](int frame) { return known.contains(frame); });
     shot.frames = frames;
-    shot.poses = poses_of(clip, frames);
+    shot.poses = shots::poses_of(clip, frames);
   }
   return shots;
 }
@@ -79,7 +79,7 @@ std::vector<ImprovedClip> read_shots(const ImproveArguments& arguments, const Da
 std::vector<double> expected_of(const Basis& basis, const std::vector<ImprovedClip>& shots) {
   std::vector<double> expected;
   for (const ImprovedClip& shot : shots) {
-    for (const ExpectedError& error : expected_errors(basis, shot.poses)) expected.push_back(error.rms_mm);
+    for (const ExpectedError& error : trainer::expected_errors(basis, shot.poses)) expected.push_back(error.rms_mm);
   }
   return expected;
 }
@@ -87,7 +87,8 @@ std::vector<double> expected_of(const Basis& basis, const std::vector<ImprovedCl
 // Takes the worst frames, no two of them neighbours, out of the shots.
 std::vector<Chosen> choose(std::vector<ImprovedClip>& shots, const std::vector<double>& expected, std::size_t count) {
   std::vector<Chosen> chosen;
-  const std::vector<std::size_t> worst = worth_simulating(expected, count, spreading_gap(expected.size(), count));
+  const std::vector<std::size_t> worst =
+      trainer::worth_simulating(expected, count, trainer::spreading_gap(expected.size(), count));
   for (const std::size_t at : worst) {
     std::size_t shot = 0, first = 0;
     while (at >= first + shots[shot].frames.size()) first += shots[shot++].frames.size();
@@ -143,9 +144,10 @@ void simulate_chosen(const Dataset& dataset, const std::vector<ImprovedClip>& sh
 }
 
 // Errors on these frames of the set, all takes together.
-MethodErrors errors_on(const Basis& basis, const SampleSet& set, const std::vector<Sample>& samples) {
+trainer::MethodErrors errors_on(const Basis& basis, const trainer::SampleSet& set,
+                                const std::vector<trainer::Sample>& samples) {
   double ddm = 0, full = 0, expected = 0, frames = 0;
-  for (const TakeErrors& take : test_errors(basis, set, samples)) {
+  for (const trainer::TakeErrors& take : trainer::test_errors(basis, set, samples)) {
     const auto count = static_cast<double>(take.frames.size());
     ddm += count * take.errors.ddm * take.errors.ddm;
     full += count * take.errors.full * take.errors.full;
@@ -157,22 +159,23 @@ MethodErrors errors_on(const Basis& basis, const SampleSet& set, const std::vect
 }
 
 // Held-out frames of these shots only.
-std::vector<Sample> tested(const SampleSet& set, const std::vector<ImprovedClip>& shots) {
+std::vector<trainer::Sample> tested(const trainer::SampleSet& set, const std::vector<ImprovedClip>& shots) {
   std::set<std::string> names;
   for (const ImprovedClip& shot : shots) names.insert(shot.take.take_name());
-  std::vector<Sample> samples = set.heldout;
-  std::erase_if(
-      samples, [&](const Sample& sample) { return !names.contains(set.takes[static_cast<std::size_t>(sample.take)]); });
+  std::vector<trainer::Sample> samples = set.heldout;
+  std::erase_if(samples, [&](const trainer::Sample& sample) {
+    return !names.contains(set.takes[static_cast<std::size_t>(sample.take)]);
+  });
   return samples;
 }
 
 // Trains as the basis was trained, with the new shapes.
-TrainOptions options_of(const Basis& basis, const std::string& path) {
-  const std::optional<Provenance> trained = read_provenance(basis.metadata, path);
+trainer::TrainOptions options_of(const Basis& basis, const std::string& path) {
+  const std::optional<trainer::Provenance> trained = trainer::read_provenance(basis.metadata, path);
   if (!trained || basis.coverage.empty()) {
     throw Error(ErrorKind::mismatch, path, " was not trained on shapes: improve goes on from what train wrote");
   }
-  TrainOptions options = trained->options;
+  trainer::TrainOptions options = trained->options;
   options.keep_in = fs::path(path).replace_extension(".training");
   options.update = true;
   return options;
@@ -183,7 +186,7 @@ void run(const ImproveArguments& arguments) {
   require_writable(arguments.basis);
   const fs::path path = dataset_file(arguments.dataset);
   Basis basis = load_basis(arguments.basis);
-  const TrainOptions options = options_of(basis, arguments.basis);
+  const trainer::TrainOptions options = options_of(basis, arguments.basis);
   const Dataset dataset = read_dataset(path);
   std::vector<ImprovedClip> shots = read_shots(arguments, dataset, basis.skeleton);
 
@@ -201,14 +204,15 @@ void run(const ImproveArguments& arguments) {
     left -= static_cast<int>(chosen.size());
     simulate_chosen(dataset, shots, chosen);
     const Dataset grown = read_dataset(path);
-    const SampleSet set = read_samples(grown);
-    const std::vector<Sample> test = tested(set, shots), &measured = test.empty() ? set.train : test;
-    const MethodErrors before = errors_on(basis, set, measured);
+    const trainer::SampleSet set = trainer::read_samples(grown);
+    const std::vector<trainer::Sample> test = tested(set, shots), &measured = test.empty() ? set.train : test;
+    const trainer::MethodErrors before = errors_on(basis, set, measured);
     basis = train_and_measure(set, options, false, set.character.unit, arguments.basis).result.basis;
     attach_own_meshes(grown.folder / grown.character, set.character.unit, set.character.output_count(), basis,
                       arguments.basis);
-    const MethodErrors after = errors_on(basis, set, measured);
-    const double rest_before = root_mean_square(expected), rest_after = root_mean_square(expected_of(basis, shots));
+    const trainer::MethodErrors after = errors_on(basis, set, measured);
+    const double rest_before = trainer::root_mean_square(expected),
+                 rest_after = trainer::root_mean_square(expected_of(basis, shots));
     rounds.push_back({{"frames", chosen.size()},
                       {"heldout_frames", test.size()},
                       {"ddm_mm", before.ddm},

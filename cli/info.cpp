@@ -178,7 +178,7 @@ Json basis_info(const std::string& path) {
   Metadata metadata = basis.metadata;
   metadata.erase("curve");
   metadata.erase("levels");
-  metadata.erase(kLearnedPoses);  // hashes
+  metadata.erase(trainer::kLearnedPoses);  // hashes
   Json result = {{"kind", "basis"},
                  {"vertices", basis.mesh.vertex_count()},
                  {"output_vertices", basis.mesh.output_count()},
@@ -192,8 +192,9 @@ Json basis_info(const std::string& path) {
                  {"bytes_per_vertex", bytes},
                  {"joints", joint_names(basis.skeleton)},
                  {"metadata", metadata}};
-  if (const Json table = levels_info(levels, read_proxy_report(basis)); !table.empty()) result["levels"] = table;
-  for (const TradeOffPoint& point : read_curve(basis)) result["curve"].push_back(to_json(point));
+  if (const Json table = levels_info(levels, trainer::read_proxy_report(basis)); !table.empty())
+    result["levels"] = table;
+  for (const TradeOffPoint& point : trainer::read_curve(basis)) result["curve"].push_back(to_json(point));
   if (const std::filesystem::path beside = attachments_beside(path); std::filesystem::exists(beside)) {
     result["attached"] = to_json(load_attachments(beside, basis, path).meshes);
   }

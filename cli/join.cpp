@@ -17,7 +17,7 @@ struct JoinArguments {
   JsonOption json;
 };
 
-void join(const JoinArguments& arguments, const TaskRun* task) {
+void join(const JoinArguments& arguments, const farm::TaskRun* task) {
   const std::vector<std::filesystem::path> parts(arguments.parts.begin(), arguments.parts.end());
   for (const std::filesystem::path& part : parts) refuse_overwriting(arguments.out, part);
   join_caches(parts, arguments.out);
@@ -30,7 +30,7 @@ void join(const JoinArguments& arguments, const TaskRun* task) {
 void run(JoinArguments arguments) {
   arguments.task.begin();
   arguments.json.require_writable();
-  std::optional<TaskRun> task;
+  std::optional<farm::TaskRun> task;
   if (arguments.task.resume) {
     task.emplace(arguments.out, BODYOPT_VERSION, arguments.task.given,
                  std::vector<std::filesystem::path>(arguments.parts.begin(), arguments.parts.end()));
@@ -63,7 +63,7 @@ void add_join(CLI::App& app) {
   declare_join(verb, arguments);
 }
 
-void join_step(const FarmStep& step, const std::string& progress) {
+void join_step(const farm::FarmStep& step, const std::string& progress) {
   run(read_step<JoinArguments>(declare_join, step, progress));
 }
 

@@ -22,7 +22,7 @@ struct ModifiersArguments {
 };
 
 // Beside what physiology publishes of an adult of 1.75 m; docs/modifiers.md has the sources.
-std::string breath_table(const std::vector<BreathMeasure>& breaths) {
+std::string breath_table(const std::vector<trainer::BreathMeasure>& breaths) {
   const char* const published[] = {"0.4 to 0.6 l, +2 to +5 %, 10 to 40 mm", "2 to 3 l, up to +12 %, 10 to 40 mm"};
   std::string text = format("{:8} {:>7} {:>12} {:>9}   published\n", "breath", "litres", "chest girth", "belly mm");
   for (std::size_t k = 0; k < breaths.size(); ++k) {
@@ -32,8 +32,8 @@ std::string breath_table(const std::vector<BreathMeasure>& breaths) {
   return text;
 }
 
-Json json_of_breaths(const std::vector<BreathMeasure>& breaths) {
-  return transformed(breaths, [&](const BreathMeasure& breath) {
+Json json_of_breaths(const std::vector<trainer::BreathMeasure>& breaths) {
+  return transformed(breaths, [&](const trainer::BreathMeasure& breath) {
     return Json{{"breath", breath.name},
                 {"litres", breath.litres},
                 {"girth_share", breath.girth_share},
@@ -46,10 +46,10 @@ void run(const ModifiersArguments& arguments) {
   require_writable(arguments.out);
   arguments.json.require_writable();
   std::vector<Level> levels = load_levels(arguments.basis);
-  std::optional<JointLimits> limits;
-  if (!arguments.limits.empty()) limits = read_joint_limits(arguments.limits, levels.front().basis.skeleton);
+  std::optional<trainer::JointLimits> limits;
+  if (!arguments.limits.empty()) limits = trainer::read_joint_limits(arguments.limits, levels.front().basis.skeleton);
   std::vector<std::string> notes;
-  for (Level& level : levels) level.basis.modifiers = bake_stack(arguments.stack, level.basis, notes);
+  for (Level& level : levels) level.basis.modifiers = trainer::bake_stack(arguments.stack, level.basis, notes);
   save_levels(levels, arguments.out);
   say(notes);
 
@@ -61,12 +61,13 @@ void run(const ModifiersArguments& arguments) {
     text += format("{:16} {:12} {:10}\n", modifier.name, modifier.type, modifier.component_count);
     list.push_back({{"name", modifier.name}, {"type", modifier.type}, {"components", modifier.component_count}});
     if (modifier.type == "breathing" && modifier.component_count == 2) {
-      const std::vector<BreathMeasure> breaths = measure_breathing(basis, modifier);
+      const std::vector<trainer::BreathMeasure> breaths = trainer::measure_breathing(basis, modifier);
       text += breath_table(breaths);
       list.back()["breaths"] = json_of_breaths(breaths);
     }
     if (modifier.type == kPushOut.name) {
-      const std::vector<BentJoint> folds = limits ? measure_push_out(basis, *limits) : measure_push_out(basis);
+      const std::vector<trainer::BentJoint> folds =
+          limits ? trainer::measure_push_out(basis, *limits) : trainer::measure_push_out(basis);
       text += text_of(folds, limits ? "to its limit, degrees" : "by 130 degrees");
       list.back()["folds"] = to_json(folds);
     }

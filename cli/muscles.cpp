@@ -14,6 +14,7 @@
 namespace bodyopt::cli {
 namespace {
 
+namespace muscle_models = trainer::muscle_models;
 using muscle_models::FittedMuscle;
 
 struct ImportArguments {
@@ -88,14 +89,16 @@ std::string describe_source(const muscle_models::Model& model, const std::vector
 }
 
 void draw(const Character& character, const std::vector<Muscle>& muscles, const std::string& path) {
-  std::vector<MuscleTube> tubes;
+  std::vector<report::MuscleTube> tubes;
   for (const Muscle& muscle : muscles) {
-    MuscleTube tube{{}, muscle.radius};
+    report::MuscleTube tube{{}, muscle.radius};
     for (const MusclePoint& point : muscle.path) tube.path.push_back(point.position);
     tubes.push_back(tube);
   }
-  Renderer renderer;
-  write_png(muscle_picture(renderer, floats_of(character.vertices), flat(character.triangles), tubes, 700, 1000), path);
+  draw::Renderer renderer;
+  draw::write_png(report::muscle_picture(renderer, floats_of(character.vertices), report::flat(character.triangles),
+                                         tubes, 700, 1000),
+                  path);
 }
 
 void import(const ImportArguments& arguments) {
@@ -128,7 +131,7 @@ void import(const ImportArguments& arguments) {
   }
   std::size_t of_trunk = 0;
   if (arguments.has_trunk) {
-    const TrunkMuscles trunk = trunk_muscles(character, muscles);
+    const trainer::TrunkMuscles trunk = trainer::trunk_muscles(character, muscles);
     say(trunk.notes);
     of_trunk = trunk.muscles.size();
     muscles.insert(muscles.end(), trunk.muscles.begin(), trunk.muscles.end());

@@ -43,11 +43,11 @@ struct PicturedFrame {
 // A frame's skin by the dataset's modifiers; nothing where it has none, or the frame did not converge.
 std::optional<Positions> curated_skin(const PicturedFrame& pictured, int number) {
   if (pictured.dataset.modifiers.empty()) return std::nullopt;
-  const ShapeStack stack(read_pose_database(pictured.dataset));
+  const trainer::ShapeStack stack(trainer::read_pose_database(pictured.dataset));
   say(stack.notes());
-  const PoseDatabase& database = stack.database();
+  const trainer::PoseDatabase& database = stack.database();
   for (std::size_t n = 0; n < database.frames.size(); ++n) {
-    const DatabaseFrame& frame = database.frames[n];
+    const trainer::DatabaseFrame& frame = database.frames[n];
     const bool same_take = database.takes[static_cast<std::size_t>(frame.take)] == pictured.take.name;
     if (same_take && frame.frame == number) return stack.shape(n);
   }
@@ -93,7 +93,7 @@ PicturedFrame read_pictured_frame(const PictureArguments& arguments) {
 
 // A view around a joint, or of all of the skin.
 struct View {
-  Camera camera;
+  draw::Camera camera;
   Vec3 centre, direction;  // direction: towards the camera, unit
 };
 
@@ -135,7 +135,7 @@ View choose_view(const PictureArguments& arguments, const PicturedFrame& picture
       high[i] = static_cast<float>(world.m[i][3] + arguments.radius);
     }
   }
-  View view{frame_box(low, high, direction, aspect), {}, towards_camera};
+  View view{draw::frame_box(low, high, direction, aspect), {}, towards_camera};
   for (std::size_t i = 0; i < 3; ++i) view.centre[i] = 0.5 * (double{low[i]} + double{high[i]});
   return view;
 }
@@ -169,8 +169,8 @@ void require_same_inputs(const PicturedFrame& pictured, std::uint64_t now, std::
 // The body of a take, as it was simulated.
 struct CutBody {
   std::vector<Muscle> muscles;
-  AnatomyField field;
-  QuasiStaticBody body;
+  trainer::AnatomyField field;
+  trainer::QuasiStaticBody body;
   Positions nodes;  // of the frame, posed
 };
 
@@ -180,15 +180,15 @@ CutBody cut_body(const PicturedFrame& pictured, int frame) {
   const Dataset& dataset = pictured.dataset;
   std::vector<Muscle> muscles;
   if (!dataset.muscles.empty()) muscles = read_muscles(dataset.folder / dataset.muscles, pictured.character.skeleton);
-  SimulateOptions options;
+  trainer::SimulateOptions options;
   options.draft = pictured.take.shapes.ends_with(".nodes");
-  if (!dataset.materials.empty()) options.materials = read_materials(dataset.folder / dataset.materials);
-  options.anatomy = anatomy_options(dataset, pictured.character.skeleton);
-  AnatomyField field(pictured.character, muscles, options.anatomy);
-  QuasiStaticBody body = make_body(pictured.character, muscles, field, options);
-  require_same_inputs(pictured, frame_key(body, muscles, pictured.clip, frame), inputs, frame);
+  if (!dataset.materials.empty()) options.materials = trainer::read_materials(dataset.folder / dataset.materials);
+  options.anatomy = trainer::anatomy_options(dataset, pictured.character.skeleton);
+  trainer::AnatomyField field(pictured.character, muscles, options.anatomy);
+  trainer::QuasiStaticBody body = trainer::make_body(pictured.character, muscles, field, options);
+  require_same_inputs(pictured, trainer::frame_key(body, muscles, pictured.clip, frame), inputs, frame);
   if (!options.draft) {
-    Positions nodes = solve_frame(body, muscles, pictured.clip, frame).nodes;
+    Positions nodes = trainer::solve_frame(body, muscles, pictured.clip, frame).nodes;
     return {std::move(muscles), std::move(field), std::move(body), std::move(nodes)};
   }
   const auto sample = std::ranges::find(pictured.take.frames, frame) - pictured.take.frames.begin();
@@ -197,16 +197,17 @@ CutBody cut_body(const PicturedFrame& pictured, int frame) {
 }
 
 // The plane through the middle of the view, with the picture's own pixels.
-SectionPlane plane_of_view(const View& view, const std::vector<std::uint32_t>& size) {
-  const ViewAxes axes = view_axes(view.direction);
-  const double height = 2 * distance_to_target(view.camera) * std::tan(0.5 * double{view.camera.vertical_angle});
+trainer::SectionPlane plane_of_view(const View& view, const std::vector<std::uint32_t>& size) {
+  const draw::ViewAxes axes = draw::view_axes(view.direction);
+  const double height = 2 * draw::distance_to_target(view.camera) * std::tan(0.5 * double{view.camera.vertical_angle});
   const double pixel = height / size[1];
   const auto eigen = [](const Vec3& v) { return Eigen::Vector3d(v[0], v[1], v[2]); };
-  return plane_around(eigen(view.centre), eigen(axes.right), -eigen(axes.up), {pixel * size[0], height}, pixel);
+  return trainer::plane_around(eigen(view.centre), eigen(axes.right), -eigen(axes.up), {pixel * size[0], height},
+                               pixel);
 }
 
 // How long the fibres are at every pixel, times their length at rest.
-std::vector<double> fibre_stretch(const CutBody& cut, const RestPoints& rest) {
+std::vector<double> fibre_stretch(const CutBody& cut, const trainer::RestPoints& rest) {
   const TetMesh& mesh = cut.body.mesh();
   const TetMesh moved{cut.nodes, mesh.tets, 0};
   std::vector<double> stretch(rest.size(), 1.0);
@@ -221,34 +222,39 @@ std::vector<double> fibre_stretch(const CutBody& cut, const RestPoints& rest) {
 }
 
 // Tets of a cage reach beyond the skin.
-void keep_inside(const SectionPlane& plane, const PicturedFrame& pictured, RestPoints& rest) {
+void keep_inside(const trainer::SectionPlane& plane, const PicturedFrame& pictured, trainer::RestPoints& rest) {
   const Positions skin = Eigen::Map<const Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor>>(
                              pictured.skin.data(), static_cast<Eigen::Index>(pictured.skin.size() / 3), 3)
                              .cast<double>();
-  const std::vector<bool> inside = pixels_inside(plane, skin, pictured.character.triangles);
+  const std::vector<bool> inside = trainer::pixels_inside(plane, skin, pictured.character.triangles);
   for (std::size_t pixel = 0; pixel < rest.size(); ++pixel) {
     if (!inside[pixel]) rest[pixel].reset();
   }
 }
 
 // The field of tissues where the plane cuts the tets.
-Soup cut_face(const CutBody& cut, const PicturedFrame& pictured, const SectionPlane& plane) {
+draw::Soup cut_face(const CutBody& cut, const PicturedFrame& pictured, const trainer::SectionPlane& plane) {
   const auto tissue_at = [&](const Eigen::Vector3d& point) { return cut.field.tissue_at(point); };
-  const auto is_tissue = [&](const Eigen::Vector3d& point) { return tissue_at(point).kind != TissueKind::outside; };
-  RestPoints rest = rest_points(plane, cut.body.mesh(), cut.nodes, is_tissue);
+  const auto is_tissue = [&](const Eigen::Vector3d& point) {
+    return tissue_at(point).kind != trainer::TissueKind::outside;
+  };
+  trainer::RestPoints rest = trainer::rest_points(plane, cut.body.mesh(), cut.nodes, is_tissue);
   keep_inside(plane, pictured, rest);
-  const TissueSection section = section_of(plane, rest, tissue_at);
-  return standing_section(plane, TissueColours(cut.muscles).picture(section, fibre_stretch(cut, rest)));
+  const trainer::TissueSection section = trainer::section_of(plane, rest, tissue_at);
+  return report::standing_section(plane,
+                                  trainer::TissueColours(cut.muscles).picture(section, fibre_stretch(cut, rest)));
 }
 
-Image draw_cut(const PictureArguments& arguments, const PicturedFrame& pictured, const View& view, Renderer& renderer) {
+draw::Image draw_cut(const PictureArguments& arguments, const PicturedFrame& pictured, const View& view,
+                     draw::Renderer& renderer) {
   const CutBody cut = cut_body(pictured, arguments.frame);
-  const CutPlane plane{view.centre, view.direction};
-  const std::span<const std::uint32_t> triangles = flat(pictured.character.triangles);
-  const Soup skin = cut_surface(pictured.skin, smooth_normals(triangles, pictured.skin), triangles, kSkinColour, plane);
-  const Soup face = cut_face(cut, pictured, plane_of_view(view, arguments.size));
-  std::vector<DrawMesh> meshes;
-  for (const Soup* soup : {&skin, &face}) {
+  const draw::CutPlane plane{view.centre, view.direction};
+  const std::span<const std::uint32_t> triangles = report::flat(pictured.character.triangles);
+  const draw::Soup skin =
+      draw::cut_surface(pictured.skin, report::smooth_normals(triangles, pictured.skin), triangles, kSkinColour, plane);
+  const draw::Soup face = cut_face(cut, pictured, plane_of_view(view, arguments.size));
+  std::vector<draw::DrawMesh> meshes;
+  for (const draw::Soup* soup : {&skin, &face}) {
     if (!soup->triangles.empty()) meshes.push_back({soup->positions, soup->normals, soup->triangles, soup->colours});
   }
   return renderer.draw(meshes, view.camera, arguments.size[0], arguments.size[1]);
@@ -260,15 +266,15 @@ void run(const PictureArguments& arguments) {
   arguments.json.require_writable();
   const PicturedFrame pictured = read_pictured_frame(arguments);
   const View view = choose_view(arguments, pictured, direction);
-  Renderer renderer;
-  Image image;
+  draw::Renderer renderer;
+  draw::Image image;
   if (arguments.cut_open) {
     image = draw_cut(arguments, pictured, view, renderer);
   } else {
-    image = draw_skin(renderer, flat(pictured.character.triangles), pictured.skin, {},
-                      {view.camera, arguments.size[0], arguments.size[1]});
+    image = report::draw_skin(renderer, report::flat(pictured.character.triangles), pictured.skin, {},
+                              {view.camera, arguments.size[0], arguments.size[1]});
   }
-  write_png(image, arguments.out);
+  draw::write_png(image, arguments.out);
   arguments.json.emit({{"picture", arguments.out},
                        {"take", pictured.take.name},
                        {"frame", arguments.frame},
@@ -299,7 +305,7 @@ void add_picture(CLI::App& app) {
            "without --tet-size");
   add_option(verb, "--size", arguments->size, "Width and height in pixels")
       ->expected(2)
-      ->check(CLI::Range(16u, kMaxPictureSize))
+      ->check(CLI::Range(16u, draw::kMaxPictureSize))
       ->capture_default_str();
   add_option(verb, "--out", arguments->out, "FILE.png", "Picture to write")->required();
   arguments->json.add(verb);

@@ -21,12 +21,12 @@ struct ProxyArguments {
   std::string source, character, muscles, out;
   std::vector<double> errors_mm;
   ClipArguments clip;
-  ProxyOptions options;
+  trainer::ProxyOptions options;
   JsonOption json;
 };
 
 struct Source {
-  SampleSet set;
+  trainer::SampleSet set;
   std::filesystem::path character;  // its file
 };
 
@@ -37,9 +37,9 @@ Source dataset_source(const ProxyArguments& arguments) {
   }
   const std::filesystem::path path = dataset_file(arguments.source);
   const Dataset dataset = read_dataset(path);
-  const std::string mismatch = first_problem(check_dataset(dataset), path);
+  const std::string mismatch = trainer::first_problem(trainer::check_dataset(dataset), path);
   if (!mismatch.empty()) throw Error(ErrorKind::mismatch, mismatch);
-  return {read_samples(dataset), dataset.folder / dataset.character};
+  return {trainer::read_samples(dataset), dataset.folder / dataset.character};
 }
 
 Source basis_source(const ProxyArguments& arguments) {
@@ -64,7 +64,7 @@ Source basis_source(const ProxyArguments& arguments) {
   for (const std::string& name : arrange_controls(teacher.residual.controls, clip)) {
     spdlog::warn("control '{}' is none that the basis was trained with: it has no effect", name);
   }
-  SampleSet set = taught_samples(character, muscles, teacher, poses_of(clip, frames), frames);
+  trainer::SampleSet set = trainer::taught_samples(character, muscles, teacher, shots::poses_of(clip, frames), frames);
   set.notes = character.notes;
   return {std::move(set), arguments.character};
 }
@@ -79,7 +79,7 @@ void run(ProxyArguments arguments) {
   const Source source = of_basis ? basis_source(arguments) : dataset_source(arguments);
   say(source.set.notes);
   std::vector<std::string> notes;
-  auto [levels, report] = build_proxy(source.set, arguments.options, notes);
+  auto [levels, report] = trainer::build_proxy(source.set, arguments.options, notes);
   say(notes);
   for (Level& level : levels) keep_unit(level.basis, source.set.character.unit);
   save_levels(levels, arguments.out);

@@ -69,32 +69,33 @@ class RangeDataset {
   std::string range_file() const { return in_folder(std::string(kRange) + ".glb"); }
 
   // Limits are given, those of an earlier run, which may have been edited, or first ones of all clips there are.
-  JointLimits limits() const {
+  trainer::JointLimits limits() const {
     const Skeleton& skeleton = character_.skeleton;
-    if (!arguments_.limits.empty()) return read_joint_limits(arguments_.limits, skeleton);
+    if (!arguments_.limits.empty()) return trainer::read_joint_limits(arguments_.limits, skeleton);
     const std::string own = in_folder("limits.json");
-    if (fs::exists(own)) return read_joint_limits(own, skeleton);
+    if (fs::exists(own)) return trainer::read_joint_limits(own, skeleton);
     std::vector<std::string> known = own_clips_;
     std::ranges::copy_if(clips_, std::back_inserter(known), [&](const std::string& clip) {
       return std::ranges::find(own_clips_, clip) == own_clips_.end();
     });
-    const JointLimits first = first_limits(character_, read_poses(known, skeleton, character_.unit, arguments_.clip));
-    write_joint_limits(first, skeleton, own);
+    const trainer::JointLimits first =
+        trainer::first_limits(character_, read_poses(known, skeleton, character_.unit, arguments_.clip));
+    trainer::write_joint_limits(first, skeleton, own);
     return first;
   }
 
   void make_range() const {
     if (fs::exists(range_file())) return;
-    const JointLimits own = limits();
-    const AttachedRig rig(character_.skeleton, own.detached);
+    const trainer::JointLimits own = limits();
+    const trainer::AttachedRig rig(character_.skeleton, own.detached);
     const Character attached = rig.attached(character_);
-    const JointLimits on_attached = rig.attached(own);
+    const trainer::JointLimits on_attached = rig.attached(own);
     const std::vector<Pose> shown =
         rig.attached(read_poses(clips_, character_.skeleton, character_.unit, arguments_.clip));
-    const RangeOfMotion motion =
-        range_of_motion(attached, on_attached, {.frames = kRangeFrames, .examples = shown, .blends = kBlends});
-    write_clip(rig.detached(clip_of(motion, on_attached, attached.skeleton)), character_.skeleton, character_.unit,
-               range_file());
+    const trainer::RangeOfMotion motion =
+        trainer::range_of_motion(attached, on_attached, {.frames = kRangeFrames, .examples = shown, .blends = kBlends});
+    write_clip(rig.detached(trainer::clip_of(motion, on_attached, attached.skeleton)), character_.skeleton,
+               character_.unit, range_file());
   }
 
   SimulationArguments simulation(const std::string& clip, const std::vector<int>& frames) const {

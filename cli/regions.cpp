@@ -26,12 +26,13 @@ struct RegionsArguments {
 std::vector<std::size_t> draw(const Character& character, const std::vector<RegionWeights>& regions,
                               const std::string& path) {
   const std::vector<float> skin = floats_of(upright_skin(character.skeleton, character.vertices));
-  std::vector<DrawnRegion> drawn;
+  std::vector<report::DrawnRegion> drawn;
   for (const RegionWeights& region : regions) drawn.push_back({region.vertices, region.weights});
-  Renderer renderer;
-  RegionPicture picture = region_picture(renderer, skin, flat(character.triangles), drawn,
-                                         region_colours(drawn, skin.size() / 3), 700, 1000, kAllAround);
-  write_png(picture.image, path);
+  draw::Renderer renderer;
+  report::RegionPicture picture =
+      report::region_picture(renderer, skin, report::flat(character.triangles), drawn,
+                             report::region_colours(drawn, skin.size() / 3), 700, 1000, report::kAllAround);
+  draw::write_png(picture.image, path);
   return std::move(picture.unnumbered);
 }
 
@@ -53,9 +54,9 @@ void run(const RegionsArguments& arguments) {
     refuse_overwriting(arguments.out, path);
     if (!dataset.regions.empty()) refuse_overwriting(arguments.out, dataset.folder / dataset.regions);
   }
-  const SampleSet set = read_samples(dataset);
+  const trainer::SampleSet set = trainer::read_samples(dataset);
   say(set.notes);
-  const std::vector<RegionWeights> regions = training_regions(set, {});
+  const std::vector<RegionWeights> regions = trainer::training_regions(set, {});
 
   Json list = Json::array();
   std::string text =
@@ -65,7 +66,7 @@ void run(const RegionsArguments& arguments) {
     const bool of_file =
         std::ranges::any_of(set.regions, [&](const RegionWeights& other) { return other.name == region.name; });
     const double size = std::accumulate(region.weights.begin(), region.weights.end(), 0.0);
-    const std::vector<std::string> joints = joints_of(set.character, region);
+    const std::vector<std::string> joints = trainer::joints_of(set.character, region);
     text += format("{:3}  {:28} {:9} {:9.0f}   {}\n", r + 1, region.name, of_file ? "file" : "training", size,
                    list_names(joints, 3));
     list.push_back({{"number", r + 1},

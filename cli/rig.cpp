@@ -24,6 +24,7 @@
 namespace bodyopt::cli {
 namespace {
 
+namespace muscle_models = trainer::muscle_models;
 namespace fs = std::filesystem;
 
 struct RigArguments {
@@ -51,8 +52,9 @@ constexpr Eigen::Index kFewTets = 3000;
 // The defaults of `dynamics` for tissue; null, with a warning, where it cannot fill the skin.
 Json first_jiggle(const Character& character) {
   try {
-    return jiggle_json(
-        build_dynamics(character, {}, build_ddm_basis(character, {}), {.resolution = kFewTets}).settings);
+    return trainer::jiggle_json(
+        trainer::build_dynamics(character, {}, trainer::build_ddm_basis(character, {}), {.resolution = kFewTets})
+            .settings);
   } catch (const Error& error) {
     if (error.kind() != ErrorKind::mismatch) throw;
     spdlog::warn("no jiggle.json: {}", error.what());
@@ -135,15 +137,15 @@ void run(const RigArguments& arguments) {
   say(character.notes);
   const Skeleton& skeleton = character.skeleton;
   const std::vector<Pose> poses = shown_poses(arguments, skeleton);
-  const JointLimits limits = first_limits(character, poses);
-  const std::string detached = detached_text(limits.detached, skeleton);
+  const trainer::JointLimits limits = trainer::first_limits(character, poses);
+  const std::string detached = trainer::detached_text(limits.detached, skeleton);
   if (!detached.empty()) say({detached});
   const std::vector<RegionWeights> regions = joint_regions(character);
 
   const fs::path out = arguments.out;
   std::vector<RigFile> files;
   add_mappings(arguments, skeleton, files);
-  files.push_back({out / "limits.json", bodyopt::text_of(to_json(limits, skeleton), out / "limits.json")});
+  files.push_back({out / "limits.json", bodyopt::text_of(trainer::to_json(limits, skeleton), out / "limits.json")});
   files.push_back({out / "regions.json", regions_text(regions, character, kRegionSource)});
   require_unedited(files);  // before what takes long
   const Json jiggle = first_jiggle(character);
@@ -153,7 +155,7 @@ void run(const RigArguments& arguments) {
   write_new(files);
   const std::vector<std::string> names = transformed(files, [&](const RigFile& file) { return file.path.string(); });
   const auto from_clips = std::ranges::count_if(
-      limits.dofs, [](const DegreeOfFreedom& dof) { return dof.source.starts_with("what the clips"); });
+      limits.dofs, [](const trainer::DegreeOfFreedom& dof) { return dof.source.starts_with("what the clips"); });
   arguments.json.emit({{"files", names},
                        {"frames", poses.size()},
                        {"degrees_of_freedom", limits.dofs.size()},

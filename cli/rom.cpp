@@ -18,42 +18,42 @@ struct RomArguments {
   double unit = 0;
   ClipOptions clip;
   std::vector<std::string> from;
-  RangeOfMotionOptions options;
+  trainer::RangeOfMotionOptions options;
   JsonOption json;
 };
 
 constexpr std::size_t kCoverageSamples = 1000;
 
 // Poses that no body takes make a basis of such poses: what the clip holds beyond the limits is said.
-void say_held_turns(const std::string& source, const std::vector<Pose>& poses, const JointLimits& limits,
+void say_held_turns(const std::string& source, const std::vector<Pose>& poses, const trainer::JointLimits& limits,
                     const Skeleton& skeleton) {
-  const std::vector<std::string> notes = transformed(held_turns(limits, skeleton, poses), [&](const HeldTurn& turn) {
-    return source + ": " + describe(turn, skeleton, poses.size());
-  });
+  const std::vector<std::string> notes = transformed(
+      trainer::held_turns(limits, skeleton, poses),
+      [&](const trainer::HeldTurn& turn) { return source + ": " + describe(turn, skeleton, poses.size()); });
   say(notes);
 }
 
-void say_detached(const JointLimits& limits, const Skeleton& skeleton) {
-  const std::string text = detached_text(limits.detached, skeleton);
+void say_detached(const trainer::JointLimits& limits, const Skeleton& skeleton) {
+  const std::string text = trainer::detached_text(limits.detached, skeleton);
   if (!text.empty()) say({text});
 }
 
 // Limits are those of the file, or else what the clips show.
-JointLimits limits_for(const RomArguments& arguments, const Character& character) {
-  if (!arguments.limits.empty()) return read_joint_limits(arguments.limits, character.skeleton);
+trainer::JointLimits limits_for(const RomArguments& arguments, const Character& character) {
+  if (!arguments.limits.empty()) return trainer::read_joint_limits(arguments.limits, character.skeleton);
   if (arguments.from.empty()) {
     throw Error(ErrorKind::usage,
                 "rom needs --limits, or clips to take them from (--from); 'bodyopt rig' writes first ones");
   }
-  const JointLimits limits =
-      first_limits(character, read_poses(arguments.from, character.skeleton, arguments.unit, arguments.clip));
+  const trainer::JointLimits limits =
+      trainer::first_limits(character, read_poses(arguments.from, character.skeleton, arguments.unit, arguments.clip));
   say_detached(limits, character.skeleton);
   return limits;
 }
 
 // Poses on the rig whose limits they are.
-std::vector<Pose> example_poses(const RomArguments& arguments, const JointLimits& limits, const AttachedRig& rig,
-                                const Skeleton& skeleton) {
+std::vector<Pose> example_poses(const RomArguments& arguments, const trainer::JointLimits& limits,
+                                const trainer::AttachedRig& rig, const Skeleton& skeleton) {
   std::vector<Pose> examples;
   for (const std::string& source : arguments.from) {
     const std::vector<Pose> poses = rig.attached(read_poses({source}, skeleton, arguments.unit, arguments.clip));
@@ -64,15 +64,15 @@ std::vector<Pose> example_poses(const RomArguments& arguments, const JointLimits
 }
 
 // The poses that the clip should show are those of the examples, or else any within the limits.
-std::vector<Pose> wanted_poses(const Character& character, const JointLimits& limits,
-                               const RangeOfMotionOptions& options) {
+std::vector<Pose> wanted_poses(const Character& character, const trainer::JointLimits& limits,
+                               const trainer::RangeOfMotionOptions& options) {
   if (!options.examples.empty()) return options.examples;
-  return random_poses(limits, character.skeleton, overlap_of_limits(character, limits), kCoverageSamples,
-                      options.seed + 1);
+  return trainer::random_poses(limits, character.skeleton, trainer::overlap_of_limits(character, limits),
+                               kCoverageSamples, options.seed + 1);
 }
 
-void say_few_frames(const RomArguments& arguments, const JointLimits& limits) {
-  const std::size_t needed = frames_for_sweeps(limits);
+void say_few_frames(const RomArguments& arguments, const trainer::JointLimits& limits) {
+  const std::size_t needed = trainer::frames_for_sweeps(limits);
   if (static_cast<std::size_t>(arguments.options.frames) >= needed) return;
   say(
       {format("{} frames are too few to sweep each of {} degrees of freedom from end to end by itself, which takes {}: "
@@ -95,16 +95,16 @@ void run(const RomArguments& arguments) {
   say(own.notes);
   refuse_overwriting(arguments.out, arguments.character);
   for (const std::string& clip : arguments.from) refuse_overwriting(arguments.out, split_source(clip).path);
-  const JointLimits own_limits = limits_for(arguments, own);
-  const AttachedRig rig(own.skeleton, own_limits.detached);
+  const trainer::JointLimits own_limits = limits_for(arguments, own);
+  const trainer::AttachedRig rig(own.skeleton, own_limits.detached);
   const Character character = rig.attached(own);
-  const JointLimits limits = rig.attached(own_limits);
+  const trainer::JointLimits limits = rig.attached(own_limits);
   const Skeleton& skeleton = character.skeleton;
-  RangeOfMotionOptions options = arguments.options;
+  trainer::RangeOfMotionOptions options = arguments.options;
   options.examples = example_poses(arguments, limits, rig, own.skeleton);
 
-  const RangeOfMotion motion = range_of_motion(character, limits, options);
-  const Clip clip = clip_of(motion, limits, skeleton);
+  const trainer::RangeOfMotion motion = trainer::range_of_motion(character, limits, options);
+  const Clip clip = trainer::clip_of(motion, limits, skeleton);
   write_clip(rig.detached(clip), own.skeleton, own.unit, arguments.out);
 
   say_few_frames(arguments, limits);
@@ -112,19 +112,20 @@ void run(const RomArguments& arguments) {
       format("{} frames: rest, {} of sweeps, {} of pairs, {} in which limbs touch, {} random\n", clip.poses.size(),
              motion.sweep_frames, motion.pair_frames, motion.touching_frames, motion.random_frames);
   text += format("the largest step from a frame to the next is {:.1f} degrees", motion.largest_step);
-  text +=
-      options.step < RangeOfMotionOptions{}.step ? format(", of random frames {:.1f} at most\n", options.step) : "\n";
+  text += options.step < trainer::RangeOfMotionOptions{}.step
+              ? format(", of random frames {:.1f} at most\n", options.step)
+              : "\n";
   const std::vector<Pose> wanted = wanted_poses(character, limits, options);
   text += describe_wanted(arguments, wanted.size());
   Json per_joint = Json::array();
-  for (const JointCoverage& joint : coverage(clip.poses, wanted, character)) {
+  for (const trainer::JointCoverage& joint : trainer::coverage(clip.poses, wanted, character)) {
     if (wanted.empty()) break;
     text += format("  {:20} mean {:5.1f}  largest {:5.1f}\n", joint.joint, joint.mean, joint.largest);
     per_joint.push_back({{"joint", joint.joint}, {"mean_degrees", joint.mean}, {"largest_degrees", joint.largest}});
   }
   Json coupled = Json::array();
-  const std::vector<CoupledJoints> pairs = coupled_joints(skeleton, clip.poses);
-  for (const CoupledJoints& pair : pairs) {
+  const std::vector<trainer::CoupledJoints> pairs = trainer::coupled_joints(skeleton, clip.poses);
+  for (const trainer::CoupledJoints& pair : pairs) {
     coupled.push_back({{"joint", skeleton.joints[pair.joint].name},
                        {"parent", skeleton.joints[pair.parent].name},
                        {"correlation", pair.correlation}});

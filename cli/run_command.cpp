@@ -118,7 +118,7 @@ void limit_threads() {
 constexpr double kUncutMinutes = 1e5;  // of a task: no element is cut into parts
 
 // Runs the step in this process; what it prints stands in the log.
-int run_step(const FarmStep& step, const std::string& progress) {
+int run_step(const farm::FarmStep& step, const std::string& progress) {
   return exit_code_of([&] {
     make_folder(std::filesystem::path(step.out).parent_path());
     (step.arguments.front() == "join" ? join_step : eval_step)(step, progress);
@@ -160,10 +160,10 @@ int run_command(const std::vector<std::string>& arguments) {
   return std::fflush(stdout) == 0 ? 0 : static_cast<int>(ErrorKind::file);
 }
 
-void run_steps(const std::vector<const FarmStep*>& steps, const std::string& progress) {
+void run_steps(const std::vector<const farm::FarmStep*>& steps, const std::string& progress) {
   int last = 0;
   std::size_t failed = 0;
-  for (const FarmStep* step : steps) {
+  for (const farm::FarmStep* step : steps) {
     const int code = run_step(*step, progress);
     if (code == 0) continue;
     ++failed;
@@ -177,16 +177,16 @@ void run_steps(const std::vector<const FarmStep*>& steps, const std::string& pro
 
 void run_show_list(const std::string& file, const std::string& progress) {
   std::vector<std::string> problems;
-  const ShowList list = read_show_list(file, problems);
+  const farm::ShowList list = farm::read_show_list(file, problems);
   say(list.notes);
-  const FarmPlan plan = plan_show(list, kUncutMinutes, problems);
+  const farm::FarmPlan plan = farm::plan_show(list, kUncutMinutes, problems);
   for (const std::string& problem : problems) spdlog::error("{}", problem);
   if (!problems.empty()) {
     throw Error(ErrorKind::usage, format("{}: {} problems; nothing is evaluated", file, problems.size()));
   }
-  std::vector<const FarmStep*> steps;
-  for (const FarmTask& task : plan.tasks) {
-    for (const FarmStep& step : task.steps) steps.push_back(&step);
+  std::vector<const farm::FarmStep*> steps;
+  for (const farm::FarmTask& task : plan.tasks) {
+    for (const farm::FarmStep& step : task.steps) steps.push_back(&step);
   }
   run_steps(steps, progress);
 }

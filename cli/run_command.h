@@ -20,12 +20,12 @@ int run_command(const std::vector<std::string>& arguments);
 
 // A step of a plan, from its words after the verb. `progress`: as of eval. Throw Error(usage) where they cannot be
 // read, and as the verbs do.
-void eval_step(const FarmStep& step, const std::string& progress);
-void join_step(const FarmStep& step, const std::string& progress);
+void eval_step(const farm::FarmStep& step, const std::string& progress);
+void join_step(const farm::FarmStep& step, const std::string& progress);
 
 // If one fails, the others are made all the same. Throws Error of the kind that the last failure had, and
 // Error(interrupted) at once.
-void run_steps(const std::vector<const FarmStep*>& steps, const std::string& progress);
+void run_steps(const std::vector<const farm::FarmStep*>& steps, const std::string& progress);
 
 // Checks the list as a whole and makes all its outputs that are not made yet. Throws Error(usage) where something is
 // wrong with it, before anything is made, and as run_steps().

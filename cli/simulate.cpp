@@ -77,11 +77,12 @@ Json summary(const std::vector<FrameStatus>& status, std::string& text) {
 
 // Doubts about the take's shapes.
 std::vector<std::string> doubts_of(const fs::path& dataset, const std::string& name) {
-  SampleSet set = read_samples(read_dataset(dataset));
-  for (std::vector<Sample>* samples : {&set.train, &set.heldout}) {
-    std::erase_if(*samples, [&](const Sample& s) { return set.takes[static_cast<std::size_t>(s.take)] != name; });
+  trainer::SampleSet set = trainer::read_samples(read_dataset(dataset));
+  for (std::vector<trainer::Sample>* samples : {&set.train, &set.heldout}) {
+    std::erase_if(*samples,
+                  [&](const trainer::Sample& s) { return set.takes[static_cast<std::size_t>(s.take)] != name; });
   }
-  return shape_doubts(set);
+  return trainer::shape_doubts(set);
 }
 
 void run(const SimulateArguments& arguments) {

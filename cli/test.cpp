@@ -23,7 +23,7 @@ struct TestArguments {
   JsonOption json;
 };
 
-Json numbers_of(const MethodErrors& errors) {
+Json numbers_of(const trainer::MethodErrors& errors) {
   return {{"ddm_mm", errors.ddm},
           {"full_mm", errors.full},
           {"ratio", errors.ddm > 0 ? errors.full / errors.ddm : 0},
@@ -31,9 +31,9 @@ Json numbers_of(const MethodErrors& errors) {
 }
 
 // Ascending.
-std::vector<int> learned_frames(const TakeErrors& take) {
+std::vector<int> learned_frames(const trainer::TakeErrors& take) {
   std::vector<int> numbers;
-  for (const FrameErrors& frame : take.frames) {
+  for (const trainer::FrameErrors& frame : take.frames) {
     if (frame.learned) numbers.push_back(frame.frame);
   }
   std::ranges::sort(numbers);
@@ -41,7 +41,7 @@ std::vector<int> learned_frames(const TakeErrors& take) {
 }
 
 // Takes that begin at rest have one frame or another like one that was learned.
-void warn_of_learned(const TakeErrors& take) {
+void warn_of_learned(const trainer::TakeErrors& take) {
   constexpr std::size_t kMany = 10;  // one frame of so many
   const std::vector<int> learned = learned_frames(take);
   if (learned.empty() || kMany * learned.size() < take.frames.size()) return;
@@ -52,15 +52,15 @@ void warn_of_learned(const TakeErrors& take) {
 }
 
 // `told`: the basis names the poses it learned from.
-Json details_of(const TakeErrors& take, bool told) {
+Json details_of(const trainer::TakeErrors& take, bool told) {
   Json parts = Json::array(), frames = Json::array();
   const std::vector<int> learned = learned_frames(take);
-  for (const PartErrors& part : take.parts) {
+  for (const trainer::PartErrors& part : take.parts) {
     Json entry = {{"part", part.part}, {"area_m2", part.area}};
     entry.update(numbers_of(part.errors));
     parts.push_back(entry);
   }
-  for (const FrameErrors& frame : take.frames) {
+  for (const trainer::FrameErrors& frame : take.frames) {
     Json entry = {{"frame", frame.frame}};
     entry.update(numbers_of(frame.errors));
     entry["fade"] = frame.fade;
@@ -77,27 +77,27 @@ Json details_of(const TakeErrors& take, bool told) {
   return result;
 }
 
-std::string columns_of(const MethodErrors& errors) {
+std::string columns_of(const trainer::MethodErrors& errors) {
   return format("{:9.3f} {:9.3f} {:7.3f} {:9.3f}", errors.ddm, errors.full,
                 errors.ddm > 0 ? errors.full / errors.ddm : 0.0, errors.expected);
 }
 
-std::string lines_of(const TakeErrors& take) {
+std::string lines_of(const trainer::TakeErrors& take) {
   std::string text =
       format("{:20} {:6} {} {:6.2f}\n", take.take, take.frames.size(), columns_of(take.errors), take.rank_correlation);
-  std::vector<PartErrors> parts = take.parts;
-  std::ranges::sort(parts, [](const PartErrors& a, const PartErrors& b) {
+  std::vector<trainer::PartErrors> parts = take.parts;
+  std::ranges::sort(parts, [](const trainer::PartErrors& a, const trainer::PartErrors& b) {
     return a.errors.full * b.errors.ddm > b.errors.full * a.errors.ddm;
   });
   parts.resize(std::min<std::size_t>(3, parts.size()));
-  for (const PartErrors& part : parts) {
+  for (const trainer::PartErrors& part : parts) {
     text += format("  {:18} {:>6} {}\n", part.part, "", columns_of(part.errors));
   }
-  const std::size_t harmed = harmed_parts(take, kHarm).size();
+  const std::size_t harmed = trainer::harmed_parts(take, kHarm).size();
   text += harmed == 0 ? "  no part is worse than untrained\n"
                       : format("  {} of {} parts are worse than untrained\n", harmed, take.parts.size());
   FadeLog fades;
-  for (const FrameErrors& frame : take.frames) fades.add(frame.frame, frame.fade, frame.fading_joint);
+  for (const trainer::FrameErrors& frame : take.frames) fades.add(frame.frame, frame.fade, frame.fading_joint);
   return text + (fades.text().empty() ? "" : "  " + fades.text());
 }
 
@@ -105,9 +105,9 @@ void run(const TestArguments& arguments) {
   arguments.json.require_writable();
   const Basis basis = load_basis(arguments.basis);
   const std::filesystem::path path = dataset_file(arguments.dataset);
-  const SampleSet set = read_samples(read_dataset(path));
+  const trainer::SampleSet set = trainer::read_samples(read_dataset(path));
   say(set.notes);
-  const bool told = tells_learned_poses(basis);
+  const bool told = trainer::tells_learned_poses(basis);
   if (!told && basis.residual.coefficient_count() > 0) {
     say(
         {"the basis does not tell which poses it learned from (one of an older version, or a carried one): whether "
@@ -118,10 +118,10 @@ void run(const TestArguments& arguments) {
       "RMS by area, mm; of the parts of the body, by joint, those that gained least\n{:20} {:>6} {:>9} {:>9} {:>7} "
       "{:>9} {:>6}\n",
       "take", "frames", "DDM", "full", "ratio", "expected", "rho");
-  for (const TakeErrors& take : test_errors(basis, set)) {
+  for (const trainer::TakeErrors& take : trainer::test_errors(basis, set)) {
     warn_of_learned(take);
     Json entry = details_of(take, told);
-    const Json harmed = transformed(harmed_parts(take, kHarm), &PartErrors::part);
+    const Json harmed = transformed(trainer::harmed_parts(take, kHarm), &trainer::PartErrors::part);
     entry["harmed_parts"] = harmed;
     takes.push_back(entry);
     text += lines_of(take);

@@ -38,19 +38,19 @@ struct TrainArguments {
   int heldout_every = 0;
   std::optional<int> surface_curves;
   bool ablate = false;
-  TrainOptions options;
+  trainer::TrainOptions options;
   JsonOption json;
 };
 
 void run_ddm_only(const TrainArguments& arguments) {
   const Character character = read_character(arguments.ddm_only, arguments.unit);
   say(character.notes);
-  Basis basis = build_ddm_basis(character, arguments.options);
+  Basis basis = trainer::build_ddm_basis(character, arguments.options);
   keep_unit(basis, character.unit);
   save_basis(basis, arguments.out);
   const std::vector<AttachedMesh> attached =
       attach_own_meshes(arguments.ddm_only, character.unit, character.output_count(), basis, arguments.out);
-  const double per_vertex = bytes_per_vertex(basis);
+  const double per_vertex = trainer::bytes_per_vertex(basis);
   arguments.json.emit(
       {{"basis", arguments.out},
        {"vertices", basis.mesh.vertex_count()},
@@ -70,13 +70,13 @@ Json ablation(const std::vector<MethodResult>& methods) {
   return list;
 }
 
-Json result_of(const TrainArguments& arguments, const SampleSet& set, const Training& training,
+Json result_of(const TrainArguments& arguments, const trainer::SampleSet& set, const Training& training,
                const std::vector<AttachedMesh>& attached, double seconds) {
   Json result = {{"basis", arguments.out},
                  {"train_frames", set.train.size()},
                  {"heldout_frames", set.heldout.size()},
                  {"unconverged_frames", set.unconverged},
-                 {"bytes_per_vertex", bytes_per_vertex(training.result.basis)},
+                 {"bytes_per_vertex", trainer::bytes_per_vertex(training.result.basis)},
                  {"expected_rms_mm", training.result.expected_mm},
                  {"warnings", training.result.warnings},
                  {"unposing_residual_mm", {{"lbs", training.unposing.lbs}, {"ddm", training.unposing.ddm}}},
@@ -97,11 +97,12 @@ std::string heldout_table(const Training& training) {
   return method_table(methods);
 }
 
-std::string train_text(const SampleSet& set, const Training& training, double seconds) {
+std::string train_text(const trainer::SampleSet& set, const Training& training, double seconds) {
   std::string text = format(
       "trained on {} frames ({} unconverged left out) in {:.1f} s: {:.0f} bytes per vertex, {:.3f} mm RMS expected of poses "
       "near those trained on\n",
-      set.train.size(), set.unconverged, seconds, bytes_per_vertex(training.result.basis), training.result.expected_mm);
+      set.train.size(), set.unconverged, seconds, trainer::bytes_per_vertex(training.result.basis),
+      training.result.expected_mm);
   text += format("left to learn after un-posing: LBS {:.3f} mm, DDM {:.3f} mm RMS\n", training.unposing.lbs,
                  training.unposing.ddm);
   if (!set.heldout.empty()) {
@@ -112,26 +113,26 @@ std::string train_text(const SampleSet& set, const Training& training, double se
 
 // `path`: the dataset.json.
 void report(const TrainArguments& arguments, const Dataset& dataset, const std::filesystem::path& path,
-            const SampleSet& set, const Training& training) {
+            const trainer::SampleSet& set, const Training& training) {
   const bool has_pictures = has_vulkan_device();
   if (!has_pictures) spdlog::warn("no Vulkan device: the report has no pictures");
   Deformer full(training.result.basis, {.name = "cpu"});
-  ReportData data = report_of(set, training, heldout_by_basis(set, full), has_pictures ? "auto" : "");
-  if (has_pictures) data.sections = section_pictures(set, anatomy_options(dataset, set.character.skeleton));
+  report::ReportData data = report_of(set, training, trainer::heldout_by_basis(set, full), has_pictures ? "auto" : "");
+  if (has_pictures) data.sections = section_pictures(set, trainer::anatomy_options(dataset, set.character.skeleton));
   data.device = full.device_name();
   data.character.name = std::filesystem::path(dataset.character).stem().string();
   data.provenance = provenance_of(dataset, path, set, arguments.options, arguments.out);
-  write_report(data, arguments.report);
+  report::write_report(data, arguments.report);
 }
 
 // The number is as asked, in an update as the earlier training had it, or else as many as are needed.
-int surface_curves_for(const TrainArguments& arguments, const SampleSet& set) {
+int surface_curves_for(const TrainArguments& arguments, const trainer::SampleSet& set) {
   if (arguments.surface_curves) return *arguments.surface_curves;
   if (arguments.options.update && std::filesystem::exists(arguments.out)) {
-    const auto earlier = read_provenance(load_basis(arguments.out).metadata, arguments.out);
+    const auto earlier = trainer::read_provenance(load_basis(arguments.out).metadata, arguments.out);
     if (earlier) return earlier->options.surface_curves;
   }
-  const int pairs = needed_surface_curves(set, arguments.options);
+  const int pairs = trainer::needed_surface_curves(set, arguments.options);
   if (pairs > 0) {
     spdlog::info(
         "joints tell little of how the skin moves, and there are no muscles: strains are measured along {} pairs of "
@@ -163,26 +164,27 @@ std::string dataset_of(const TrainArguments& arguments) {
 Dataset checked_dataset(const TrainArguments& arguments, const std::filesystem::path& path) {
   Dataset dataset = read_dataset(path);
   spdlog::info("checking that shapes, clips and character belong together");
-  const std::string mismatch = first_problem(check_dataset(dataset), path);
+  const std::string mismatch = trainer::first_problem(trainer::check_dataset(dataset), path);
   if (!mismatch.empty()) throw Error(ErrorKind::mismatch, mismatch);
-  if (arguments.heldout_every > 0) hold_out_blocks(dataset, arguments.heldout_every);
+  if (arguments.heldout_every > 0) trainer::hold_out_blocks(dataset, arguments.heldout_every);
   return dataset;
 }
 
 // Says what the user should know of them.
-SampleSet samples_of(const TrainArguments& arguments, const Dataset& dataset) {
+trainer::SampleSet samples_of(const TrainArguments& arguments, const Dataset& dataset) {
   spdlog::info("reading the shapes");
-  SampleSet set = read_samples(dataset);
+  trainer::SampleSet set = trainer::read_samples(dataset);
   say(set.notes);
   if (arguments.ablate && set.heldout.empty()) {
     throw Error(ErrorKind::usage,
-                "--ablate compares methods on held-out frames, and there are none: ", how_to_hold_out(set));
+                "--ablate compares methods on held-out frames, and there are none: ", trainer::how_to_hold_out(set));
   }
   const std::string coupled =
-      describe(coupled_joints(set.character.skeleton, training_poses(set)), set.character.skeleton);
+      describe(trainer::coupled_joints(set.character.skeleton, trainer::training_poses(set)), set.character.skeleton);
   if (!coupled.empty()) say({coupled});
   if (arguments.heldout_every > 0 && set.heldout.empty()) {
-    spdlog::warn("--heldout-every {} holds out none of the frames: {}", arguments.heldout_every, how_to_hold_out(set));
+    spdlog::warn("--heldout-every {} holds out none of the frames: {}", arguments.heldout_every,
+                 trainer::how_to_hold_out(set));
   }
   if (set.unconverged > 0) spdlog::warn("{} unconverged frames are left out", set.unconverged);
   return set;
@@ -231,7 +233,7 @@ void run(TrainArguments arguments) {
   const std::filesystem::path path = dataset_file(dataset_of(arguments));
   const Stopwatch watch;
   const Dataset dataset = checked_dataset(arguments, path);
-  const SampleSet set = samples_of(arguments, dataset);
+  const trainer::SampleSet set = samples_of(arguments, dataset);
   arguments.options.surface_curves = surface_curves_for(arguments, set);
   const double preparing = watch.seconds();
   const Training training =

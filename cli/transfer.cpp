@@ -30,15 +30,15 @@ struct TransferArguments {
   std::vector<std::string> targets, outs;
   double unit = 0;
   bool force = false, source_size = false, alone = false;
-  TransferOptions options;
+  trainer::TransferOptions options;
   ClipOptions clip_options;
   JsonOption json;
 };
 
-TransferOptions options_of(const TransferArguments& arguments) {
-  TransferOptions options = arguments.options;
-  if (!arguments.markers.empty()) options.markers = read_markers(arguments.markers);
-  if (arguments.source_size) options.size = TransferSize::source;
+trainer::TransferOptions options_of(const TransferArguments& arguments) {
+  trainer::TransferOptions options = arguments.options;
+  if (!arguments.markers.empty()) options.markers = trainer::read_markers(arguments.markers);
+  if (arguments.source_size) options.size = trainer::TransferSize::source;
   return options;
 }
 
@@ -48,7 +48,7 @@ void check_outputs(const TransferArguments& arguments) {
   for (const std::string& path : {arguments.picture, arguments.report}) {
     if (!path.empty()) require_writable(path);
   }
-  if (!arguments.picture.empty() || !arguments.report.empty()) const Renderer device;
+  if (!arguments.picture.empty() || !arguments.report.empty()) const draw::Renderer device;
 }
 
 void say_of(const std::string& target, std::vector<std::string> notes) {
@@ -58,23 +58,23 @@ void say_of(const std::string& target, std::vector<std::string> notes) {
 
 // Draws the correspondence where it is asked for, and says what is not sure of it. Returns the likeness. Throws
 // Error(mismatch) for unlike bodies, unless --force.
-double judge(const TransferPair& pair, const TransferArguments& arguments, const std::string& target) {
+double judge(const trainer::TransferPair& pair, const TransferArguments& arguments, const std::string& target) {
   say_of(target, pair.match.notes);
   say_of(target, pair.correspondence.notes);
-  if (!arguments.picture.empty()) write_png(transfer_picture(pair), arguments.picture);
-  const double alike = likeness(pair);
-  if (alike >= kLeastLikeness) return alike;
+  if (!arguments.picture.empty()) draw::write_png(transfer_picture(pair), arguments.picture);
+  const double alike = trainer::likeness(pair);
+  if (alike >= trainer::kLeastLikeness) return alike;
   const std::string what = format(
       "{}: is like the source's body by {:.2f} only (1: the same skin on the same joints; below {:.2f} is refused): "
       "an unlike body, joints of other meaning, or a rest pose far off{}",
-      target, alike, kLeastLikeness, arguments.picture.empty() ? "; --picture FILE.png shows where" : "");
+      target, alike, trainer::kLeastLikeness, arguments.picture.empty() ? "; --picture FILE.png shows where" : "");
   if (!arguments.force) throw Error(ErrorKind::mismatch, what, "; --force goes on all the same");
   spdlog::warn(what);
   return alike;
 }
 
-std::string describe(const TransferPair& pair) {
-  const Correspondence& correspondence = pair.correspondence;
+std::string describe(const trainer::TransferPair& pair) {
+  const trainer::Correspondence& correspondence = pair.correspondence;
   if (correspondence.same_topology) {
     return format("the same triangles, confidence {:.2f}", correspondence.mean_confidence());
   }
@@ -125,19 +125,20 @@ SideFiles read_side_files(const TransferArguments& arguments, const Basis& sourc
   if (!arguments.muscles.empty()) side_files.muscles = read_muscles(arguments.muscles, source.skeleton);
   if (!arguments.proxy.empty() || std::filesystem::exists(proxy)) {
     side_files.levels = load_levels(proxy);
-    require_proxy_of(source, side_files.levels);
+    trainer::require_proxy_of(source, side_files.levels);
   }
   return side_files;
 }
 
 // An ordinary basis gives one level, without `carried`; a proxy gives all of them.
-std::vector<Level> carried_levels(const TransferPair& pair, const Character& target, const std::vector<Level>& source,
-                                  const TransferOptions& options, double unit, std::vector<std::string>& notes) {
+std::vector<Level> carried_levels(const trainer::TransferPair& pair, const Character& target,
+                                  const std::vector<Level>& source, const trainer::TransferOptions& options,
+                                  double unit, std::vector<std::string>& notes) {
   std::vector<Level> levels;
   if (source.front().carried.empty()) {
-    levels.push_back({transfer_basis(pair, options, notes), {}});
+    levels.push_back({trainer::transfer_basis(pair, options, notes), {}});
   } else {
-    levels = transfer_levels(pair, target, source, options, notes);
+    levels = trainer::transfer_levels(pair, target, source, options, notes);
     if (levels.empty()) throw Error(ErrorKind::mismatch, target.name, ": ", notes.back());
   }
   for (Level& level : levels) keep_unit(level.basis, unit);
@@ -145,18 +146,19 @@ std::vector<Level> carried_levels(const TransferPair& pair, const Character& tar
 }
 
 // Transfers the proxy and dynamics beside the source's basis, too. Returns what was written.
-std::vector<std::string> transfer_side_files(const SideFiles& side_files, const TransferPair& pair,
+std::vector<std::string> transfer_side_files(const SideFiles& side_files, const trainer::TransferPair& pair,
                                              const Character& target, const Basis& carried, const std::string& out,
-                                             double unit, const TransferOptions& options,
+                                             double unit, const trainer::TransferOptions& options,
                                              std::vector<std::string>& notes) {
   std::vector<std::string> written;
   if (!side_files.levels.empty()) {
-    std::vector<Level> levels = transfer_levels(pair, target, side_files.levels, options, notes);
+    std::vector<Level> levels = trainer::transfer_levels(pair, target, side_files.levels, options, notes);
     for (Level& level : levels) keep_unit(level.basis, unit);
     if (!levels.empty()) save_levels(levels, written.emplace_back(proxy_beside(out)));
   }
   if (side_files.dynamics) {
-    const Dynamics dynamics = transfer_dynamics(pair, target, carried, *side_files.dynamics, side_files.muscles, notes);
+    const Dynamics dynamics =
+        trainer::transfer_dynamics(pair, target, carried, *side_files.dynamics, side_files.muscles, notes);
     save_dynamics(dynamics, written.emplace_back(dynamics_beside(out)));
   }
   return written;
@@ -203,7 +205,7 @@ class BasisTransfer {
     const Stopwatch watch;
     const Character character = read_character(target, arguments_.unit);
     say_of(target, character.notes);
-    const TransferPair pair(source_.front().basis, character, options_);
+    const trainer::TransferPair pair(source_.front().basis, character, options_);
     const double alike = judge(pair, arguments_, target);
     std::vector<std::string> notes;
     const std::vector<Level> carried = carried_levels(pair, character, source_, options_, character.unit, notes);
@@ -231,16 +233,16 @@ class BasisTransfer {
   }
 
  private:
-  void report(const TransferPair& pair, const Basis& basis, Json& facts, Json& pictures) const {
+  void report(const trainer::TransferPair& pair, const Basis& basis, Json& facts, Json& pictures) const {
     std::vector<ComparedPose> poses;
     if (motion_) poses = compare_poses(pair, basis, motion_->clip, motion_->frames);
-    const auto parts = transfer_parts(pair.source, pair.target, pair.match, pair.correspondence);
+    const auto parts = trainer::transfer_parts(pair.source, pair.target, pair.match, pair.correspondence);
     facts.update(to_json(parts, poses));
     pictures.push_back(transfer_pictures(pair, basis.mesh, poses));
   }
 
   const TransferArguments& arguments_;
-  const TransferOptions options_;
+  const trainer::TransferOptions options_;
   const std::vector<Level> source_;
   const SideFiles side_files_;
   const std::optional<ReportMotion> motion_;
@@ -272,7 +274,7 @@ void run_basis(const TransferArguments& arguments) {
     const Json figures = {{"title", "Transfer"},
                           {"subtitle", "What was learned in " + arguments.source + ", on other bodies"},
                           {"targets", list}};
-    const std::string page = page_text("transfer", figures, pictures);
+    const std::string page = report::page_text("transfer", figures, pictures);
     write_file_atomically(arguments.report, std::as_bytes(std::span(page)));
     text = "wrote " + arguments.report + "\n";
   }
@@ -283,27 +285,27 @@ void run_basis(const TransferArguments& arguments) {
 void run_dataset(const TransferArguments& arguments) {
   check_outputs(arguments);
   const Stopwatch watch;
-  const TransferOptions options = options_of(arguments);
+  const trainer::TransferOptions options = options_of(arguments);
   const std::filesystem::path path = dataset_file(arguments.source);
   const Dataset dataset = read_dataset(path);
   if (std::filesystem::exists(arguments.outs.front())) {
     require_writable(std::filesystem::path(arguments.outs.front()) / "dataset.json");
   }
-  require_no_own_takes(dataset, arguments.outs.front());
-  const std::string mismatch = first_problem(check_dataset(dataset), path);
+  trainer::require_no_own_takes(dataset, arguments.outs.front());
+  const std::string mismatch = trainer::first_problem(trainer::check_dataset(dataset), path);
   if (!mismatch.empty()) throw Error(ErrorKind::mismatch, mismatch);
   const Character source_character = read_character(dataset.folder / dataset.character, dataset.unit);
   const std::filesystem::path& out = arguments.outs.front();
   if (std::filesystem::weakly_canonical(out) == std::filesystem::weakly_canonical(path.parent_path())) {
     throw Error(ErrorKind::usage, "--out is the source's own folder: its shapes would be overwritten");
   }
-  const TransferTarget target{read_character(arguments.targets.front(), arguments.unit), arguments.targets.front(),
-                              arguments.unit};
+  const trainer::TransferTarget target{read_character(arguments.targets.front(), arguments.unit),
+                                       arguments.targets.front(), arguments.unit};
   say_of(arguments.targets.front(), target.character.notes);
-  const Basis source = build_ddm_basis(source_character, {});
-  const TransferPair pair(source, target.character, options);
+  const Basis source = trainer::build_ddm_basis(source_character, {});
+  const trainer::TransferPair pair(source, target.character, options);
   const double alike = judge(pair, arguments, arguments.targets.front());
-  const TransferredDataset told = transfer_dataset(dataset, source_character, pair, target, out);
+  const trainer::TransferredDataset told = trainer::transfer_dataset(dataset, source_character, pair, target, out);
   say_of(out.string(), told.notes);
   Json facts = to_json(pair, alike);
   facts["dataset"] = (out / "dataset.json").string();
@@ -318,21 +320,22 @@ void run_dataset(const TransferArguments& arguments) {
 struct RefineArguments {
   std::string dataset;
   std::vector<std::string> carried;
-  TrainOptions options;
+  trainer::TrainOptions options;
   JsonOption json;
 };
 
 // Transferred takes are read as they are below an earlier refinement.
-SampleSet unrefined_samples(Dataset dataset, const std::set<std::string>& carried) {
+trainer::SampleSet unrefined_samples(Dataset dataset, const std::set<std::string>& carried) {
   std::erase_if(dataset.modifiers, [&](const Modifier& modifier) {
-    return std::ranges::any_of(carried, [&](const std::string& take) { return modifier.name == refinement_of(take); });
+    return std::ranges::any_of(carried,
+                               [&](const std::string& take) { return modifier.name == trainer::refinement_of(take); });
   });
-  return read_samples(dataset);
+  return trainer::read_samples(dataset);
 }
 
 // Frames held out of transferred takes stay as they were transferred.
-std::size_t say_carried_judge(const SampleSet& set, const std::set<std::string>& carried) {
-  const auto count = static_cast<std::size_t>(std::ranges::count_if(set.heldout, [&](const Sample& sample) {
+std::size_t say_carried_judge(const trainer::SampleSet& set, const std::set<std::string>& carried) {
+  const auto count = static_cast<std::size_t>(std::ranges::count_if(set.heldout, [&](const trainer::Sample& sample) {
     return carried.contains(set.takes[static_cast<std::size_t>(sample.take)]);
   }));
   if (count > 0) {
@@ -352,11 +355,11 @@ struct CarriedTake {
 };
 
 // Transferred takes with frames to train on.
-std::vector<CarriedTake> carried_takes(const SampleSet& set, const std::set<std::string>& carried) {
+std::vector<CarriedTake> carried_takes(const trainer::SampleSet& set, const std::set<std::string>& carried) {
   std::vector<CarriedTake> takes;
   for (const std::string& name : carried) {
     CarriedTake take{name, {}, {}};
-    for (const Sample& sample : set.train) {
+    for (const trainer::Sample& sample : set.train) {
       if (set.takes[static_cast<std::size_t>(sample.take)] != name) continue;
       take.frames.push_back(sample.frame);
       take.poses.push_back(sample.pose);
@@ -371,19 +374,19 @@ void run_refine(const RefineArguments& arguments) {
   const Stopwatch watch;
   const std::filesystem::path path = dataset_file(arguments.dataset);
   const Dataset dataset = read_dataset(path);
-  const std::string mismatch = first_problem(check_dataset(dataset), path);
+  const std::string mismatch = trainer::first_problem(trainer::check_dataset(dataset), path);
   if (!mismatch.empty()) throw Error(ErrorKind::mismatch, mismatch);
   const std::set<std::string> carried(arguments.carried.begin(), arguments.carried.end());
-  SampleSet set = unrefined_samples(dataset, carried);
+  trainer::SampleSet set = unrefined_samples(dataset, carried);
   say(set.notes);
   const std::size_t carried_judge = say_carried_judge(set, carried);
   const std::vector<CarriedTake> takes = carried_takes(set, carried);
   const std::size_t all = set.train.size();
-  RefinedShapes refined(std::move(set), carried, arguments.options);
+  trainer::RefinedShapes refined(std::move(set), carried, arguments.options);
   std::size_t count = 0;
   for (const CarriedTake& take : takes) {
-    put_shapes_over(path, refinement_of(take.name), take.name, take.frames,
-                    [&](std::size_t k) { return refined(take.poses[k]); });
+    trainer::put_shapes_over(path, trainer::refinement_of(take.name), take.name, take.frames,
+                             [&](std::size_t k) { return refined(take.poses[k]); });
     count += take.frames.size();
   }
   arguments.json.emit(
@@ -395,7 +398,7 @@ void run_refine(const RefineArguments& arguments) {
        {"seconds", watch.seconds()}},
       format("{} carried frames moved to what {} own frames show, which were {:.2f} mm RMS off them, in "
              "{:.1f} s: modifiers '{}' and the like of the dataset's stack\n",
-             count, all - count, refined.difference_mm(), watch.seconds(), refinement_of(*carried.begin())));
+             count, all - count, refined.difference_mm(), watch.seconds(), trainer::refinement_of(*carried.begin())));
 }
 
 void add_refine(CLI::App& transfer) {

@@ -17,5 +17,5 @@ function(bodyopt_human_files FOLDER HEADER NAMESPACE)
   target_include_directories(${target} PRIVATE ${BODYOPT_GENERATED})
 endfunction()
 
-bodyopt_human_files(trainer/muscle_models human_mappings.h bodyopt::muscle_models
+bodyopt_human_files(trainer/muscle_models human_mappings.h bodyopt::trainer::muscle_models
                     kGait2392Mapping=gait2392 kMyoArmMapping=myo_arm)

@@ -14,10 +14,10 @@ string(REPLACE "id=\"contents\">" "id=\"contents\">)html\", R\"html(" page "${pa
 file(CONFIGURE OUTPUT ${BODYOPT_GENERATED}/report/page_html.h @ONLY CONTENT "// Made by cmake/Page.cmake.
 #pragma once
 
-namespace bodyopt {
+namespace bodyopt::report {
 
 constexpr const char* kPageHtml[] = {R\"html(${page})html\"};
 
-}  // namespace bodyopt
+}  // namespace bodyopt::report
 ")
 target_include_directories(bodyopt_report PRIVATE ${BODYOPT_GENERATED})

@@ -39,8 +39,7 @@ endfunction()
 # templates.
 set(BODYOPT_SOURCES_TOGETHER 13)
 
-# The sources of each of these rooms are compiled several at a time; no two define one local name, which
-# tests/rules/unique_names_test.cpp sees to.
+# The sources of each of these rooms are compiled several at a time: local names of two must differ.
 function(bodyopt_compile_together)
   foreach(folder ${ARGN})
     bodyopt_target(${folder} target)

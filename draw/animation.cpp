@@ -9,7 +9,7 @@
 
 #include "runtime/core/error.h"
 
-namespace bodyopt {
+namespace bodyopt::draw {
 namespace {
 
 constexpr float kQuality = 90;  // of 100: a level or two of 255 on a shaded skin, at a fraction of the lossless size
@@ -132,4 +132,4 @@ std::vector<std::uint8_t> encode_animation(std::span<const Image> frames, double
   return encoder.finish();
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::draw

@@ -8,7 +8,7 @@
 
 #include "draw/png.h"
 
-namespace bodyopt {
+namespace bodyopt::draw {
 
 // Encodes frames of one size as an endless WebP animation, `milliseconds` each (on average, where that is no whole
 // number). Pictures are opaque and slightly lossy; frames that look alike become one that lasts longer. Each is encoded
@@ -29,4 +29,4 @@ class AnimationEncoder {
 // Encodes all frames at once; throws as AnimationEncoder.
 std::vector<std::uint8_t> encode_animation(std::span<const Image> frames, double milliseconds);
 
-}  // namespace bodyopt
+}  // namespace bodyopt::draw

@@ -5,7 +5,7 @@
 
 #include "runtime/core/error.h"
 
-namespace bodyopt {
+namespace bodyopt::draw {
 namespace {
 
 constexpr double kMargin = 1.08;  // of the box's extent
@@ -120,4 +120,4 @@ Camera frame_box(const std::array<float, 3>& low, const std::array<float, 3>& hi
   return frame_points(corners, direction, aspect);
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::draw

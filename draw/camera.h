@@ -6,7 +6,7 @@
 
 #include "runtime/core/transform.h"
 
-namespace bodyopt {
+namespace bodyopt::draw {
 
 constexpr float kVerticalAngle = 0.45f;  // about the 50 mm lens of a portrait: little perspective distortion
 constexpr float kMaxCoordinate = 1e9f;   // metres; beyond it single precision overflows on the way to the screen
@@ -56,4 +56,4 @@ double distance_to_target(const Camera& camera);
 // behind its eye; one that cuts away begins at its target. `aspect`: width over height.
 std::array<float, 4> projection(const Camera& camera, const DepthRange& seen, double aspect);
 
-}  // namespace bodyopt
+}  // namespace bodyopt::draw

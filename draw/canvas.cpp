@@ -25,7 +25,7 @@
 #include "view_surface.frag.spv.h"
 #include "view_surface.vert.spv.h"
 
-namespace bodyopt {
+namespace bodyopt::draw {
 
 using vulkan::structure;
 
@@ -508,4 +508,4 @@ void CanvasImages::begin_scene(VkCommandBuffer commands) const { begin(commands,
 
 void CanvasImages::begin_panels(VkCommandBuffer commands) const { begin(commands, panel_pass_, panels_.get(), size_); }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::draw

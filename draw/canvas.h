@@ -9,7 +9,7 @@
 #include "draw/graphics_pipeline.h"
 #include "draw/view.h"
 
-namespace bodyopt {
+namespace bodyopt::draw {
 
 // quick: one sample a pixel, where a software device must keep up.
 enum class Edges { smooth, quick };
@@ -71,4 +71,4 @@ class CanvasImages {
   Framebuffer scene_, panels_;
 };
 
-}  // namespace bodyopt
+}  // namespace bodyopt::draw

@@ -5,7 +5,7 @@
 #include <iterator>
 #include <numbers>
 
-namespace bodyopt {
+namespace bodyopt::draw {
 namespace {
 
 // Lightness falls and the hue (degrees) turns one way, so that the order of errors can be read without the colour bar.
@@ -52,4 +52,4 @@ std::array<float, 3> linear_rgb(const Oklab& colour) {
   return result;
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::draw

@@ -7,7 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 
-namespace bodyopt {
+namespace bodyopt::draw {
 
 // Colour of a heat map for t in 0..1 (0: clay-neutral, 1: hot), linear RGB; perceptually ordered.
 std::array<float, 3> heat_colour(float t);
@@ -38,4 +38,4 @@ inline float linear(std::uint8_t encoded) {
   return c <= 0.04045f ? c / 12.92f : std::pow((c + 0.055f) / 1.055f, 2.4f);
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::draw

@@ -4,7 +4,7 @@
 
 #include "draw/colours.h"
 
-namespace bodyopt {
+namespace bodyopt::draw {
 namespace {
 
 struct Corner {
@@ -80,4 +80,4 @@ Soup standing_picture(const StandingPicture& picture) {
   return soup;
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::draw

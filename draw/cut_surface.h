@@ -8,7 +8,7 @@
 
 #include "runtime/core/transform.h"
 
-namespace bodyopt {
+namespace bodyopt::draw {
 
 struct CutPlane {
   Vec3 point, normal;  // what lies on the side of the unit normal is taken away
@@ -33,4 +33,4 @@ struct StandingPicture {
 // Rectangles of the pixels of one colour that stand side by side; none of those whose alpha is 0.
 Soup standing_picture(const StandingPicture& picture);
 
-}  // namespace bodyopt
+}  // namespace bodyopt::draw

@@ -6,7 +6,7 @@
 #include "runtime/core/error.h"
 #include "runtime/core/transformed.h"
 
-namespace bodyopt {
+namespace bodyopt::draw {
 
 using vulkan::check;
 using vulkan::structure;
@@ -265,4 +265,4 @@ void pass_on(VkCommandBuffer commands, VkImage image, const ImagePassage& passag
   vkCmdPipelineBarrier(commands, passage.after_stage, passage.before_stage, 0, 0, nullptr, 0, nullptr, 1, &barrier);
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::draw

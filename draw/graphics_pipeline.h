@@ -9,7 +9,7 @@
 #include "runtime/vulkan/commands.h"
 #include "runtime/vulkan/make.h"
 
-namespace bodyopt {
+namespace bodyopt::draw {
 
 // Images that are drawn into.
 
@@ -135,4 +135,4 @@ class PictureSets {
   vulkan::DescriptorSets sets_;
 };
 
-}  // namespace bodyopt
+}  // namespace bodyopt::draw

@@ -12,7 +12,7 @@
 
 #include "runtime/core/error.h"
 
-namespace bodyopt {
+namespace bodyopt::draw {
 namespace {
 
 using Bytes = std::span<const unsigned char>;
@@ -85,4 +85,4 @@ Image decode_image(std::span<const std::byte> given) {
   refuse_image("is neither PNG, JPEG nor WebP");
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::draw

@@ -6,7 +6,7 @@
 
 #include "draw/png.h"
 
-namespace bodyopt {
+namespace bodyopt::draw {
 
 inline constexpr std::uint32_t kMostImagePixels = 8192;  // a side
 
@@ -14,4 +14,4 @@ inline constexpr std::uint32_t kMostImagePixels = 8192;  // a side
 // images.
 Image decode_image(std::span<const std::byte> bytes);
 
-}  // namespace bodyopt
+}  // namespace bodyopt::draw

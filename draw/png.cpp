@@ -9,7 +9,7 @@
 #include "runtime/core/atomic_file.h"
 #include "runtime/core/error.h"
 
-namespace bodyopt {
+namespace bodyopt::draw {
 namespace {
 
 constexpr std::uint64_t kMaxBytes = std::uint64_t{1} << 30;
@@ -54,4 +54,4 @@ void write_png(const Image& image, const std::filesystem::path& path) {
   write_file_atomically(path, std::as_bytes(std::span(png)));
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::draw

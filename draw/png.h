@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <vector>
 
-namespace bodyopt {
+namespace bodyopt::draw {
 
 struct Image {
   std::uint32_t width = 0, height = 0;
@@ -16,4 +16,4 @@ struct Image {
 std::vector<std::uint8_t> encode_png(const Image& image);
 void write_png(const Image& image, const std::filesystem::path& path);  // throws Error(file)
 
-}  // namespace bodyopt
+}  // namespace bodyopt::draw

@@ -9,7 +9,7 @@
 #include "runtime/core/error.h"
 #include "runtime/host/device_choice.h"
 
-namespace bodyopt {
+namespace bodyopt::draw {
 namespace {
 
 constexpr std::uint32_t kOversampling = 2;  // a side, on top of the samples
@@ -143,4 +143,4 @@ Image Renderer::draw(std::span<const DrawMesh> meshes, const Camera& camera, std
   return shrunk(impl_->canvas.picture());
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::draw

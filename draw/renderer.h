@@ -9,11 +9,11 @@
 #include "draw/camera.h"
 #include "draw/png.h"
 
-namespace bodyopt {
-
-namespace vulkan {
+namespace bodyopt::vulkan {
 class ValidationLog;
 }
+
+namespace bodyopt::draw {
 
 // A mesh to draw. Positions and normals V x 3, world; colours V x 3, linear RGB (empty: clay).
 struct DrawMesh {
@@ -41,4 +41,4 @@ class Renderer {
   std::unique_ptr<Impl> impl_;
 };
 
-}  // namespace bodyopt
+}  // namespace bodyopt::draw

@@ -9,7 +9,7 @@
 #include "view_shadow.frag.spv.h"
 #include "view_shadow.vert.spv.h"
 
-namespace bodyopt {
+namespace bodyopt::draw {
 
 using vulkan::check;
 using vulkan::structure;
@@ -136,4 +136,4 @@ void ShadowMap::record(VkCommandBuffer commands, PictureSets& sets, const View& 
   vkCmdEndRenderPass(commands);
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::draw

@@ -5,7 +5,7 @@
 #include "draw/texture.h"
 #include "draw/view.h"
 
-namespace bodyopt {
+namespace bodyopt::draw {
 
 // Half sides of the map a metre of ground takes. The map's middle is the view's; a caster has as many pixels whether it
 // stands alone or in a crowd, until the map is full.
@@ -38,4 +38,4 @@ class ShadowMap {
   Sampler sampler_;
 };
 
-}  // namespace bodyopt
+}  // namespace bodyopt::draw

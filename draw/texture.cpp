@@ -6,7 +6,7 @@
 
 #include "runtime/vulkan/commands.h"
 
-namespace bodyopt {
+namespace bodyopt::draw {
 namespace {
 
 // Changes the layout of some levels alone.
@@ -77,4 +77,4 @@ Sampler make_sampler(const vulkan::Device& device, const Sampling& sampling) {
   return {device.handle(), sampler};
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::draw

@@ -4,7 +4,7 @@
 #include "draw/graphics_pipeline.h"
 #include "draw/png.h"
 
-namespace bodyopt {
+namespace bodyopt::draw {
 
 // `format`: of bytes that are no sRGB colours, VK_FORMAT_R8G8B8A8_UNORM. Throws Error(device).
 Attachment make_texture(const vulkan::Device& device, const Image& image, VkFormat format = kColourFormat);
@@ -18,4 +18,4 @@ struct Sampling {
 };
 Sampler make_sampler(const vulkan::Device& device, const Sampling& sampling);
 
-}  // namespace bodyopt
+}  // namespace bodyopt::draw

@@ -11,7 +11,7 @@
 #include "draw/renderer.h"
 #include "runtime/vulkan/buffer.h"
 
-namespace bodyopt {
+namespace bodyopt::draw {
 
 // material: as its materials say; clay where it has none.
 enum class SurfaceStyle : std::uint32_t { clay, material, matcap, flat, normals, silhouette };
@@ -128,4 +128,4 @@ struct View {
   std::vector<FibreDraw> fibres;
 };
 
-}  // namespace bodyopt
+}  // namespace bodyopt::draw

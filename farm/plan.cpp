@@ -23,7 +23,7 @@
 #include "runtime/core/transformed.h"
 #include "shots/shot_files.h"
 
-namespace bodyopt {
+namespace bodyopt::farm {
 namespace {
 
 namespace fs = std::filesystem;
@@ -246,29 +246,29 @@ ClipOptions clip_options(const ShowElement& element) {
 }
 
 // What `eval` reads of the element.
-ShotFiles shot_files(const ShowElement& element) {
-  ShotFiles files;
+shots::ShotFiles shot_files(const ShowElement& element) {
+  shots::ShotFiles files;
   files.basis = element.basis;
   files.level = std::strtoul(element.option("level", "0").c_str(), nullptr, 10);
   files.clip = {element.clip, element.frames, clip_options(element)};
   files.attached = element.option("attached", "");
   files.jiggle.jiggle = element.has("jiggle");
   files.jiggle.dynamics = element.option("dynamics", "");
-  if (!element.session.empty()) take_session(element.session, files);
+  if (!element.session.empty()) shots::take_session(element.session, files);
   return files;
 }
 
 // What tells one character from another: of an untrained one its session gives the unit and the first frame.
 using CharacterKey = std::tuple<std::string, std::size_t, std::string, int>;
 
-CharacterKey character_key(const ShotFiles& files) {
+CharacterKey character_key(const shots::ShotFiles& files) {
   if (!files.is_untrained()) return {files.basis, files.level, "", 0};
   return {files.basis, files.level, files.session.file, files.clip.options.first_frame};
 }
 
 using ClipKey = std::tuple<std::string, std::string, double, int, double, std::string, std::string, std::string>;
 
-ClipKey clip_key(const ShotFiles& files) {
+ClipKey clip_key(const shots::ShotFiles& files) {
   const ClipOptions& options = files.clip.options;
   return {files.clip.source, files.basis,      options.fps,       options.first_frame,
           options.unit,      options.controls, options.joint_map, options.up};
@@ -281,25 +281,28 @@ std::string about(const ShowElement& element, const std::string& what) {
 class ShowChecker {
  public:
   CheckedElement check(const ShowElement& element) {
-    const ShotFiles files = shot_files(element);
-    const OpenedCharacter& opened = characters_.get(character_key(files), [&] { return open_level(files); });
+    const shots::ShotFiles files = shot_files(element);
+    const shots::OpenedCharacter& opened =
+        characters_.get(character_key(files), [&] { return shots::open_level(files); });
     const Basis& basis = opened.levels.front().basis;
-    const ClipSpan& clip = clips_.get(clip_key(files), [&] { return read_own_clip(files.clip, basis, opened.clip); });
+    const shots::ClipSpan& clip =
+        clips_.get(clip_key(files), [&] { return shots::read_own_clip(files.clip, basis, opened.clip); });
     if (!element.frames.empty()) require_rising(element.frames);
-    CheckedElement checked{&element, shot_frames(files, clip), 0, {}};
+    CheckedElement checked{&element, shots::shot_frames(files, clip), 0, {}};
     checked.frame_ms = kMillisecondsPerPoint * static_cast<double>(basis.mesh.output_count());
     if (files.jiggle.jiggle) checked.frame_ms += kMillisecondsPerTet * tets(files, basis);
     if (element.frame_ms > 0) checked.frame_ms = element.frame_ms;
-    checked.attached = attached_.get({character_key(files), files.attached},
-                                     [&] { return names_of(read_attachments(files, basis, opened.attached).meshes); });
+    checked.attached = attached_.get({character_key(files), files.attached}, [&] {
+      return names_of(shots::read_attachments(files, basis, opened.attached).meshes);
+    });
     check_output(element, checked.attached);
-    checked.note = missing_jiggle(files);
+    checked.note = shots::missing_jiggle(files);
     return checked;
   }
 
  private:
-  double tets(const ShotFiles& files, const Basis& basis) {
-    if (files.is_untrained()) refuse_jiggle(files.session.file);
+  double tets(const shots::ShotFiles& files, const Basis& basis) {
+    if (files.is_untrained()) shots::refuse_jiggle(files.session.file);
     const std::string file = files.jiggle.file(files.basis);
     return tets_.get({character_key(files), file},
                      [&] { return static_cast<double>(load_dynamics(file, basis).tets.tet_count()); });
@@ -344,8 +347,8 @@ class ShowChecker {
     throw Error(ErrorKind::file, folder, ": cannot be written into: expected a folder that is writable from here");
   }
 
-  Once<CharacterKey, OpenedCharacter> characters_;
-  Once<ClipKey, ClipSpan> clips_;
+  Once<CharacterKey, shots::OpenedCharacter> characters_;
+  Once<ClipKey, shots::ClipSpan> clips_;
   Once<std::pair<CharacterKey, std::string>, double> tets_;
   Once<std::pair<CharacterKey, std::string>, std::vector<std::string>> attached_;
   Once<fs::path, bool> folders_;
@@ -433,4 +436,4 @@ std::vector<CheckedElement> check_show(const ShowList& list, std::vector<std::st
   return checked;
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::farm

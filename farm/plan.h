@@ -7,7 +7,7 @@
 
 #include "farm/show_list.h"
 
-namespace bodyopt {
+namespace bodyopt::farm {
 
 // One command: `bodyopt eval ...` of an element or a part of one, or `bodyopt join ...` of its parts.
 struct FarmStep {
@@ -71,4 +71,4 @@ struct CheckedElement {
 // Returns the sound elements. Faults of the others go to `problems`, a sentence each. Every file is read once.
 std::vector<CheckedElement> check_show(const ShowList& list, std::vector<std::string>& problems);
 
-}  // namespace bodyopt
+}  // namespace bodyopt::farm

@@ -26,7 +26,7 @@
 
 extern char** environ;
 
-namespace bodyopt {
+namespace bodyopt::farm {
 namespace {
 
 constexpr std::size_t kMostOutput = 64 << 20;
@@ -395,4 +395,4 @@ std::string opencue_problem(const FarmPlan& plan, const std::filesystem::path& f
   return plan.tasks.size() > kMostFrames ? "there are more than 100,000 frames" : "";
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::farm

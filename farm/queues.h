@@ -9,7 +9,7 @@
 #include "base/json_file.h"
 #include "farm/plan.h"
 
-namespace bodyopt {
+namespace bodyopt::farm {
 
 struct CommandResult {
   int exit_code = -1;  // 128 + n: ended by signal n
@@ -71,4 +71,4 @@ std::string opencue_job(const FarmPlan& plan, const std::filesystem::path& folde
 std::string opencue_problem(const FarmPlan& plan, const std::filesystem::path& folder, const std::string& program,
                             const std::string& user);
 
-}  // namespace bodyopt
+}  // namespace bodyopt::farm

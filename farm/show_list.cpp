@@ -10,7 +10,7 @@
 #include "runtime/core/error.h"
 #include "runtime/core/json.h"
 
-namespace bodyopt {
+namespace bodyopt::farm {
 namespace {
 
 namespace fs = std::filesystem;
@@ -326,4 +326,4 @@ std::vector<std::vector<std::string>> parse_csv(const std::string& text, const s
   return rows;
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::farm

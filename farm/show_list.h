@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-namespace bodyopt {
+namespace bodyopt::farm {
 
 // One character in one shot. Paths are absolute.
 struct ShowElement {
@@ -37,4 +37,4 @@ ShowList read_show_list(const std::filesystem::path& path, std::vector<std::stri
 // Error(file) whose text starts with `origin`.
 std::vector<std::vector<std::string>> parse_csv(const std::string& text, const std::string& origin);
 
-}  // namespace bodyopt
+}  // namespace bodyopt::farm

@@ -21,7 +21,7 @@
 #include "runtime/core/text.h"
 #include "runtime/core/transformed.h"
 
-namespace bodyopt {
+namespace bodyopt::farm {
 namespace {
 
 namespace fs = std::filesystem;
@@ -466,4 +466,4 @@ ShowSummary summarize_show(const FarmPlan& plan, const std::vector<std::vector<S
   return summarizer.finish(most);
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::farm

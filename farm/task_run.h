@@ -13,11 +13,13 @@
 #include "runtime/core/json.h"
 
 namespace bodyopt {
+class JsonObject;
+}
+
+namespace bodyopt::farm {
 
 // Beside an output lies how it came about: FILE.done.json, or why it did not: FILE.failed.json. These files alone tell
 // what was done, on whatever machine it was.
-
-class JsonObject;
 
 // The state of a file when it was read or written, to know later whether it has changed.
 struct FileStamp {
@@ -179,4 +181,4 @@ struct ShowSummary {
 ShowSummary summarize_show(const FarmPlan& plan, const std::vector<std::vector<StepStatus>>& statuses,
                            std::size_t most);
 
-}  // namespace bodyopt
+}  // namespace bodyopt::farm

@@ -9,7 +9,7 @@
 #include "runtime/core/error.h"
 #include "runtime/core/text.h"
 
-namespace bodyopt {
+namespace bodyopt::report {
 namespace {
 
 constexpr const char* kQuiet = "#a4a9b3";
@@ -49,17 +49,17 @@ struct Cells {
 };
 
 // Several pixels per cell, so that programs which smooth a picture as they enlarge it leave the cells sharp.
-Image paint(const Cells& cells, double scale_mm) {
+draw::Image paint(const Cells& cells, double scale_mm) {
   constexpr std::size_t kRowPixels = 8;
   const std::size_t column_pixels = 1 + 2 * kMostColumns / cells.columns;
-  Image image;
+  draw::Image image;
   image.width = static_cast<std::uint32_t>(column_pixels * cells.columns);
   image.height = static_cast<std::uint32_t>(kRowPixels * (cells.rows + kWholeRows - 1));
   for (std::size_t y = 0; y < image.height; ++y) {
     const std::size_t line_of = y / kRowPixels, row = line_of < kWholeRows ? 0 : line_of - kWholeRows + 1;
     for (std::size_t x = 0; x < image.width; ++x) {
       const double mm = cells.mm[row * cells.columns + x / column_pixels];
-      const std::array<std::uint8_t, 3> colour = srgb(heat_colour(static_cast<float>(mm / scale_mm)));
+      const std::array<std::uint8_t, 3> colour = draw::srgb(draw::heat_colour(static_cast<float>(mm / scale_mm)));
       image.rgba.insert(image.rgba.end(), colour.begin(), colour.end());
       image.rgba.push_back(255);
     }
@@ -98,7 +98,7 @@ std::string colour_ramp(double x, double y, double scale_mm) {
                         {"y", number(y)},
                         {"width", number(kRamp / kSteps + 0.6)},
                         {"height", number(kBar)},
-                        {"fill", css_colour(heat_colour((static_cast<float>(i) + 0.5f) / kSteps))}});
+                        {"fill", css_colour(draw::heat_colour((static_cast<float>(i) + 0.5f) / kSteps))}});
   }
   for (int i = 0; i <= kTicks; ++i) {
     const double at = x + i * kRamp / kTicks;
@@ -148,7 +148,7 @@ std::string heat_strip(const HeatStrip& strip) {
                        {"width", number(kRight - left)},
                        {"height", number(bottom - kTop)},
                        {"preserveAspectRatio", "none"},
-                       {"xlink:href", data_url("image/png", encode_png(paint(cells, scale_mm)))}});
+                       {"xlink:href", data_url("image/png", draw::encode_png(paint(cells, scale_mm)))}});
   svg += text_at(left - 10, kTop + row + 5, "end", "whole skin", "#e6e8ec");
   for (std::size_t r = 0; r < strip.regions.size(); ++r) {
     const double top = kTop + row * static_cast<double>(kWholeRows + r);
@@ -166,4 +166,4 @@ std::string heat_strip(const HeatStrip& strip) {
              svg);
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::report

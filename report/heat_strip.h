@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-namespace bodyopt {
+namespace bodyopt::report {
 
 struct HeatStrip {
   std::vector<int> frames;                      // rising, one at least
@@ -17,4 +17,4 @@ struct HeatStrip {
 // the worst of several. Throws Error(mismatch) when a row has another length than there are frames or names.
 std::string heat_strip(const HeatStrip& strip);
 
-}  // namespace bodyopt
+}  // namespace bodyopt::report

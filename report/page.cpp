@@ -7,7 +7,7 @@
 #include "report/page_html.h"
 #include "runtime/core/text.h"
 
-namespace bodyopt {
+namespace bodyopt::report {
 namespace {
 
 // The colour scale of heat maps, from 0 to its end.
@@ -15,7 +15,7 @@ Json heat_colours() {
   constexpr int kColours = 64;
   Json colours = Json::array();
   for (int i = 0; i < kColours; ++i) {
-    colours.push_back(css_colour(heat_colour((static_cast<float>(i) + 0.5f) / kColours)));
+    colours.push_back(css_colour(draw::heat_colour((static_cast<float>(i) + 0.5f) / kColours)));
   }
   return colours;
 }
@@ -42,8 +42,8 @@ std::string encode_base64(std::span<const std::uint8_t> bytes) {
 
 }  // namespace
 
-Json page_picture(const Image& image) {
-  return {{"src", data_url("image/png", encode_png(image))}, {"width", image.width}, {"height", image.height}};
+Json page_picture(const draw::Image& image) {
+  return {{"src", data_url("image/png", draw::encode_png(image))}, {"width", image.width}, {"height", image.height}};
 }
 
 Json page_animation(std::span<const std::uint8_t> webp, std::uint32_t width, std::uint32_t height) {
@@ -62,8 +62,8 @@ std::string data_url(const std::string& type, std::span<const std::uint8_t> byte
 }
 
 std::string css_colour(const std::array<float, 3>& linear) {
-  const std::array<std::uint8_t, 3> colour = srgb(linear);
+  const std::array<std::uint8_t, 3> colour = draw::srgb(linear);
   return formatted("#%02x%02x%02x", colour[0], colour[1], colour[2]);
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::report

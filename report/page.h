@@ -10,10 +10,10 @@
 #include "dataset/compare.h"
 #include "draw/png.h"
 
-namespace bodyopt {
+namespace bodyopt::report {
 
 // Encodes a picture, or a WebP of width x height pixels, for a page: {"src": data URL, "width", "height"}.
-Json page_picture(const Image& image);
+Json page_picture(const draw::Image& image);
 Json page_animation(std::span<const std::uint8_t> webp, std::uint32_t width, std::uint32_t height);
 
 // `kind`: "report", "show" or "transfer", which says what figures and pictures are expected. `figures`: as programs
@@ -25,4 +25,4 @@ std::string data_url(const std::string& type, std::span<const std::uint8_t> byte
 // A colour of the renderer (linear RGB), for CSS.
 std::string css_colour(const std::array<float, 3>& linear);
 
-}  // namespace bodyopt
+}  // namespace bodyopt::report

@@ -9,7 +9,7 @@
 #include "report/region_picture.h"
 #include "runtime/core/error.h"
 
-namespace bodyopt {
+namespace bodyopt::report {
 namespace {
 
 void check_pair(const PosePair& pose) {
@@ -28,8 +28,8 @@ void check_pair(const PosePair& pose) {
 
 constexpr std::uint8_t kGround[] = {28, 28, 30, 255};
 
-Image ground(std::uint32_t width, std::uint32_t height) {
-  Image image{width, height, {}};
+draw::Image ground(std::uint32_t width, std::uint32_t height) {
+  draw::Image image{width, height, {}};
   image.rgba.reserve(std::size_t{4} * width * height);
   for (std::size_t pixel = 0; pixel < std::size_t{width} * height; ++pixel) {
     image.rgba.insert(image.rgba.end(), std::begin(kGround), std::end(kGround));
@@ -37,7 +37,7 @@ Image ground(std::uint32_t width, std::uint32_t height) {
   return image;
 }
 
-void paste(const Image& picture, std::uint32_t left, std::uint32_t top, Image& onto) {
+void paste(const draw::Image& picture, std::uint32_t left, std::uint32_t top, draw::Image& onto) {
   for (std::uint32_t y = 0; y < picture.height; ++y) {
     const auto from = picture.rgba.begin() + static_cast<std::ptrdiff_t>(std::size_t{4} * y * picture.width);
     const std::size_t at = std::size_t{4} * (std::size_t{top + y} * onto.width + left);
@@ -136,7 +136,7 @@ std::vector<float> heat_map(const PosePair& pose, double scale_mm) {
       d[i] = static_cast<double>(pose.result[v + i]) - static_cast<double>(pose.truth[v + i]);
     }
     const double millimetres = 1000 * std::hypot(d[0], d[1], d[2]);
-    const std::array<float, 3> colour = heat_colour(static_cast<float>(std::min(1.0, millimetres / scale_mm)));
+    const std::array<float, 3> colour = draw::heat_colour(static_cast<float>(std::min(1.0, millimetres / scale_mm)));
     colours.insert(colours.end(), colour.begin(), colour.end());
   }
   return colours;
@@ -153,25 +153,25 @@ std::vector<float> smooth_normals(std::span<const std::uint32_t> triangles, std:
   return floats_of(normals);
 }
 
-Image draw_skin(Renderer& renderer, std::span<const std::uint32_t> triangles, std::span<const float> skin,
-                std::span<const float> colours, const Panel& panel) {
+draw::Image draw_skin(draw::Renderer& renderer, std::span<const std::uint32_t> triangles, std::span<const float> skin,
+                      std::span<const float> colours, const Panel& panel) {
   const std::vector<float> normals = smooth_normals(triangles, skin);
-  const DrawMesh mesh{skin, normals, triangles, colours};
+  const draw::DrawMesh mesh{skin, normals, triangles, colours};
   return renderer.draw(std::span(&mesh, 1), panel.camera, panel.width, panel.height);
 }
 
-Image side_by_side(std::span<const Image> panels) {
+draw::Image side_by_side(std::span<const draw::Image> panels) {
   const std::uint32_t width = panels[0].width;
-  Image whole = ground(static_cast<std::uint32_t>(panels.size()) * width, panels[0].height);
+  draw::Image whole = ground(static_cast<std::uint32_t>(panels.size()) * width, panels[0].height);
   for (std::uint32_t k = 0; k < panels.size(); ++k) paste(panels[k], k * width, 0, whole);
   return whole;
 }
 
-Image comparison(Renderer& renderer, const PosePair& pose, double scale_mm, const Camera& camera,
-                 std::uint32_t panel_width, std::uint32_t panel_height) {
+draw::Image comparison(draw::Renderer& renderer, const PosePair& pose, double scale_mm, const draw::Camera& camera,
+                       std::uint32_t panel_width, std::uint32_t panel_height) {
   check_pair(pose);
   if (!(scale_mm > 0)) throw Error(ErrorKind::usage, "picture: the scale of the heat map must be above 0 mm");
-  std::vector<Image> panels;
+  std::vector<draw::Image> panels;
   const auto add = [&](std::span<const float> skin, std::span<const float> colours) {
     panels.push_back(draw_skin(renderer, pose.triangles, skin, colours, {camera, panel_width, panel_height}));
   };
@@ -182,16 +182,17 @@ Image comparison(Renderer& renderer, const PosePair& pose, double scale_mm, cons
   return side_by_side(panels);
 }
 
-Image heat_on_skin(Renderer& renderer, std::span<const float> skin, std::span<const std::uint32_t> triangles,
-                   std::span<const double> heat, std::uint32_t panel_width, std::uint32_t panel_height) {
+draw::Image heat_on_skin(draw::Renderer& renderer, std::span<const float> skin,
+                         std::span<const std::uint32_t> triangles, std::span<const double> heat,
+                         std::uint32_t panel_width, std::uint32_t panel_height) {
   std::vector<float> colours;
   for (const double value : heat) {
-    const std::array<float, 3> colour = heat_colour(static_cast<float>(std::min(1.0, value)));
+    const std::array<float, 3> colour = draw::heat_colour(static_cast<float>(std::min(1.0, value)));
     colours.insert(colours.end(), colour.begin(), colour.end());
   }
-  std::vector<Image> panels;
+  std::vector<draw::Image> panels;
   for (const std::array<float, 3>& direction : kFrontAndBack) {
-    const Camera camera = framed(skin, direction, panel_width, panel_height);
+    const draw::Camera camera = framed(skin, direction, panel_width, panel_height);
     panels.push_back(draw_skin(renderer, triangles, skin, colours, {camera, panel_width, panel_height}));
   }
   return side_by_side(panels);
@@ -221,20 +222,20 @@ double heat_scale(double largest) {
   return 10 * decade;
 }
 
-Camera frame_pose(const PosePair& pose, const std::array<float, 3>& direction, float aspect) {
+draw::Camera frame_pose(const PosePair& pose, const std::array<float, 3>& direction, float aspect) {
   check_pair(pose);
   std::vector<float> points(pose.truth.begin(), pose.truth.end());
   points.insert(points.end(), pose.result.begin(), pose.result.end());
-  return frame_points(points, direction, aspect);
+  return draw::frame_points(points, direction, aspect);
 }
 
-Camera framed(std::span<const float> points, const std::array<float, 3>& direction, std::uint32_t width,
-              std::uint32_t height) {
-  return frame_points(points, direction, static_cast<float>(width) / static_cast<float>(height));
+draw::Camera framed(std::span<const float> points, const std::array<float, 3>& direction, std::uint32_t width,
+                    std::uint32_t height) {
+  return draw::frame_points(points, direction, static_cast<float>(width) / static_cast<float>(height));
 }
 
-std::vector<Image> flip_book_frames(Renderer& renderer, const FlipBook& book, const Panel& panel) {
-  std::vector<Image> frames;
+std::vector<draw::Image> flip_book_frames(draw::Renderer& renderer, const FlipBook& book, const Panel& panel) {
+  std::vector<draw::Image> frames;
   for (std::size_t k = 0; k < book.still.size(); ++k) {
     const std::array panels{draw_skin(renderer, book.triangles, book.still[k], {}, panel),
                             draw_skin(renderer, book.triangles, book.jiggling[k], {}, panel)};
@@ -243,48 +244,48 @@ std::vector<Image> flip_book_frames(Renderer& renderer, const FlipBook& book, co
   return frames;
 }
 
-Image flip_book_strip(Renderer& renderer, const FlipBook& book, std::span<const std::size_t> frames, double scale_mm,
-                      const Panel& panel) {
-  std::vector<Image> still, jiggling;
+draw::Image flip_book_strip(draw::Renderer& renderer, const FlipBook& book, std::span<const std::size_t> frames,
+                            double scale_mm, const Panel& panel) {
+  std::vector<draw::Image> still, jiggling;
   for (const std::size_t k : frames) {
     still.push_back(draw_skin(renderer, book.triangles, book.still[k], {}, panel));
     const std::vector<float> colours = heat_map({book.triangles, book.still[k], book.jiggling[k]}, scale_mm);
     jiggling.push_back(draw_skin(renderer, book.triangles, book.jiggling[k], colours, panel));
   }
-  Image strip = side_by_side(still);
-  const Image below = side_by_side(jiggling);
+  draw::Image strip = side_by_side(still);
+  const draw::Image below = side_by_side(jiggling);
   strip.height += below.height;
   strip.rgba.insert(strip.rgba.end(), below.rgba.begin(), below.rgba.end());
   return strip;
 }
 
-Image section_image(const TissueSection& section, const TissueColours& colours) {
-  Image image{static_cast<std::uint32_t>(section.width), static_cast<std::uint32_t>(section.height),
-              colours.picture(section)};
+draw::Image section_image(const trainer::TissueSection& section, const trainer::TissueColours& colours) {
+  draw::Image image{static_cast<std::uint32_t>(section.width), static_cast<std::uint32_t>(section.height),
+                    colours.picture(section)};
   for (std::size_t pixel = 0; pixel < image.rgba.size(); pixel += 4) {
     if (image.rgba[pixel + 3] == 0) std::ranges::copy(kGround, image.rgba.begin() + static_cast<std::ptrdiff_t>(pixel));
   }
   return image;
 }
 
-Soup standing_section(const SectionPlane& plane, std::span<const std::uint8_t> rgba) {
+draw::Soup standing_section(const trainer::SectionPlane& plane, std::span<const std::uint8_t> rgba) {
   const auto vec = [](const Eigen::Vector3d& v) { return Vec3{v.x(), v.y(), v.z()}; };
-  return standing_picture({vec(plane.corner), vec(plane.pixel * plane.right), vec(plane.pixel * plane.down),
-                           static_cast<std::uint32_t>(plane.width), rgba});
+  return draw::standing_picture({vec(plane.corner), vec(plane.pixel * plane.right), vec(plane.pixel * plane.down),
+                                 static_cast<std::uint32_t>(plane.width), rgba});
 }
 
-Image numbered_sheet(std::span<const Image> pictures, std::uint32_t of_one) {
+draw::Image numbered_sheet(std::span<const draw::Image> pictures, std::uint32_t of_one) {
   constexpr std::uint32_t kColumns = 4, kMargin = 6;
   std::uint32_t width = 1, height = 1;
-  for (const Image& picture : pictures) {
+  for (const draw::Image& picture : pictures) {
     width = std::max(width, picture.width + 2 * kMargin);
     height = std::max(height, picture.height + 2 * kMargin);
   }
   const auto count = static_cast<std::uint32_t>(pictures.size());
   const std::uint32_t columns = std::clamp(count, 1u, kColumns), rows = std::max(1u, (count + kColumns - 1) / kColumns);
-  Image sheet = ground(columns * width, rows * height);
+  draw::Image sheet = ground(columns * width, rows * height);
   for (std::uint32_t k = 0; k < count; ++k) {
-    const Image& picture = pictures[k];
+    const draw::Image& picture = pictures[k];
     const std::uint32_t left = k % kColumns * width, top = k / kColumns * height;
     paste(picture, left + (width - picture.width) / 2, top + (height - picture.height) / 2, sheet);
     if (k % of_one != 0) continue;
@@ -293,8 +294,9 @@ Image numbered_sheet(std::span<const Image> pictures, std::uint32_t of_one) {
   return sheet;
 }
 
-Image muscle_picture(Renderer& renderer, std::span<const float> skin, std::span<const std::uint32_t> triangles,
-                     std::span<const MuscleTube> muscles, std::uint32_t panel_width, std::uint32_t panel_height) {
+draw::Image muscle_picture(draw::Renderer& renderer, std::span<const float> skin,
+                           std::span<const std::uint32_t> triangles, std::span<const MuscleTube> muscles,
+                           std::uint32_t panel_width, std::uint32_t panel_height) {
   Mesh tubes;
   for (std::size_t m = 0; m < muscles.size(); ++m) add_tube(muscles[m], muscle_colour(m), tubes);
   const std::vector<float> tube_normals = smooth_normals(tubes.triangles, tubes.positions);
@@ -302,16 +304,16 @@ Image muscle_picture(Renderer& renderer, std::span<const float> skin, std::span<
   // Seen from inside, the skin is lit from inside.
   std::vector<float> inner_normals = skin_normals;
   for (float& value : inner_normals) value = -value;
-  std::vector<Image> panels;
+  std::vector<draw::Image> panels;
   for (const std::array<float, 3>& direction :
        {std::array{0.0f, 0.0f, 1.0f}, std::array{0.0f, 0.0f, -1.0f}, std::array{1.0f, 0.0f, 0.0f}}) {
     const std::vector<std::uint32_t> shell = facing_away(triangles, skin_normals, direction);
-    const DrawMesh meshes[2] = {{skin, inner_normals, shell, {}},
-                                {tubes.positions, tube_normals, tubes.triangles, tubes.colours}};
-    const Camera camera = framed(skin, direction, panel_width, panel_height);
+    const draw::DrawMesh meshes[2] = {{skin, inner_normals, shell, {}},
+                                      {tubes.positions, tube_normals, tubes.triangles, tubes.colours}};
+    const draw::Camera camera = framed(skin, direction, panel_width, panel_height);
     panels.push_back(renderer.draw(meshes, camera, panel_width, panel_height));
   }
   return side_by_side(panels);
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::report

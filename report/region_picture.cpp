@@ -14,7 +14,7 @@
 #include "report/pictures.h"
 #include "runtime/core/transformed.h"
 
-namespace bodyopt {
+namespace bodyopt::report {
 namespace {
 
 // The regions with which each region shares a vertex.
@@ -36,16 +36,17 @@ std::vector<std::vector<std::size_t>> neighbours_of(std::span<const DrawnRegion>
 }
 
 // Hues all around in three lightnesses.
-std::vector<Oklab> palette(std::size_t count) {
+std::vector<draw::Oklab> palette(std::size_t count) {
   constexpr double kLightness[] = {0.80, 0.62, 0.46}, kChroma = 0.15;
-  std::vector<Oklab> colours;
+  std::vector<draw::Oklab> colours;
   for (std::size_t k = 0; k < count; ++k) {
-    colours.push_back(oklab(kLightness[k % 3], kChroma, 360.0 * static_cast<double>(k) / static_cast<double>(count)));
+    colours.push_back(
+        draw::oklab(kLightness[k % 3], kChroma, 360.0 * static_cast<double>(k) / static_cast<double>(count)));
   }
   return colours;
 }
 
-double clash(const Oklab& a, const Oklab& b) {
+double clash(const draw::Oklab& a, const draw::Oklab& b) {
   double distance2 = 0;
   for (std::size_t i = 0; i < 3; ++i) distance2 += (a[i] - b[i]) * (a[i] - b[i]);
   return 1 / (distance2 * distance2);
@@ -55,11 +56,11 @@ double clash(const Oklab& a, const Oklab& b) {
 class RegionPanel {
  public:
   RegionPanel(std::span<const float> skin, std::span<const float> normals, std::span<const std::uint32_t> triangles,
-              const Camera& camera, const Image& image)
+              const draw::Camera& camera, const draw::Image& image)
       : skin_(skin),
         normals_(normals),
         camera_(camera),
-        view_(view_matrix(camera)),
+        view_(draw::view_matrix(camera)),
         scale_(0.5f * static_cast<float>(image.height) / std::tan(camera.vertical_angle / 2)),
         width_(image.width),
         height_(image.height),
@@ -158,7 +159,7 @@ class RegionPanel {
   std::array<float, 2> pixel(std::uint32_t vertex) const { return {points_[vertex][0], points_[vertex][1]}; }
 
   std::span<const float> skin_, normals_;
-  Camera camera_;
+  draw::Camera camera_;
   std::array<std::array<float, 4>, 3> view_;
   float scale_;  // pixels to the tangent of an angle
   std::uint32_t width_, height_;
@@ -186,7 +187,7 @@ bool is_dot(const std::string& digits, int x, int y) {
 
 std::vector<std::array<float, 3>> region_colours(std::span<const DrawnRegion> regions, std::size_t vertices) {
   const std::vector<std::vector<std::size_t>> neighbours = neighbours_of(regions, vertices);
-  std::vector<Oklab> colours = palette(regions.size());
+  std::vector<draw::Oklab> colours = palette(regions.size());
   const auto clashes = [&](std::size_t r) {
     double sum = 0;
     for (const std::size_t other : neighbours[r]) sum += clash(colours[r], colours[other]);
@@ -207,13 +208,13 @@ std::vector<std::array<float, 3>> region_colours(std::span<const DrawnRegion> re
       }
     }
   }
-  return transformed(colours, [&](const Oklab& colour) { return linear_rgb(colour); });
+  return transformed(colours, [&](const draw::Oklab& colour) { return draw::linear_rgb(colour); });
 }
 
-RegionPicture region_picture(Renderer& renderer, std::span<const float> skin, std::span<const std::uint32_t> triangles,
-                             std::span<const DrawnRegion> regions, std::span<const std::array<float, 3>> colours,
-                             std::uint32_t panel_width, std::uint32_t panel_height,
-                             std::span<const std::array<float, 3>> directions) {
+RegionPicture region_picture(draw::Renderer& renderer, std::span<const float> skin,
+                             std::span<const std::uint32_t> triangles, std::span<const DrawnRegion> regions,
+                             std::span<const std::array<float, 3>> colours, std::uint32_t panel_width,
+                             std::uint32_t panel_height, std::span<const std::array<float, 3>> directions) {
   constexpr float kInNone = 0.3f;  // grey, linear
   std::vector<float> blended(skin.size(), kInNone);
   for (std::size_t r = 0; r < regions.size(); ++r) {
@@ -225,12 +226,12 @@ RegionPicture region_picture(Renderer& renderer, std::span<const float> skin, st
     }
   }
   const std::vector<float> normals = smooth_normals(triangles, skin);
-  const DrawMesh mesh{skin, normals, triangles, blended};
-  std::vector<Image> panels;
+  const draw::DrawMesh mesh{skin, normals, triangles, blended};
+  std::vector<draw::Image> panels;
   std::vector<bool> is_numbered(regions.size(), false);
   for (const std::array<float, 3>& direction : directions) {
-    const Camera camera = framed(skin, direction, panel_width, panel_height);
-    Image& image = panels.emplace_back(renderer.draw(std::span(&mesh, 1), camera, panel_width, panel_height));
+    const draw::Camera camera = framed(skin, direction, panel_width, panel_height);
+    draw::Image& image = panels.emplace_back(renderer.draw(std::span(&mesh, 1), camera, panel_width, panel_height));
     const RegionPanel panel(skin, normals, triangles, camera, image);
     for (std::size_t r = 0; r < regions.size(); ++r) {
       const auto place = panel.place_of(regions[r]);
@@ -246,7 +247,7 @@ RegionPicture region_picture(Renderer& renderer, std::span<const float> skin, st
   return picture;
 }
 
-void draw_number(Image& image, int number, int x, int y) {
+void draw_number(draw::Image& image, int number, int x, int y) {
   const std::string digits = std::to_string(number);
   const int width = kScale * ((kColumns + 1) * static_cast<int>(digits.size()) - 1) + 2 * kMargin;
   const int height = kScale * kRows + 2 * kMargin;
@@ -285,7 +286,7 @@ std::vector<std::array<float, 3>> sides_of(const Positions& vertices, const Tria
   return sides;
 }
 
-RegionPicture places_picture(Renderer& renderer, const Positions& vertices, const Triangles& triangles,
+RegionPicture places_picture(draw::Renderer& renderer, const Positions& vertices, const Triangles& triangles,
                              std::span<const VertexList> places, std::uint32_t panel_width,
                              std::uint32_t panel_height) {
   const auto count = static_cast<std::size_t>(vertices.rows());
@@ -305,4 +306,4 @@ RegionPicture places_picture(Renderer& renderer, const Positions& vertices, cons
                         panel_width, panel_height, sides_of(vertices, triangles, places));
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::report

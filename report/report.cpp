@@ -9,7 +9,7 @@
 #include "runtime/core/error.h"
 #include "runtime/core/transformed.h"
 
-namespace bodyopt {
+namespace bodyopt::report {
 namespace {
 
 // A number, or null where there is none.
@@ -275,4 +275,4 @@ Json write_report(const ReportData& data, const std::filesystem::path& folder) {
   return json;
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::report

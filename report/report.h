@@ -12,7 +12,7 @@
 #include "dataset/compare.h"
 #include "draw/renderer.h"
 
-namespace bodyopt {
+namespace bodyopt::report {
 
 struct TakeStart {
   std::string name;
@@ -32,14 +32,14 @@ struct PictureReport {
   double rms_mm = 0, max_mm = 0;
   double heat_scale_mm = 1;  // error of the hottest colour
   std::string caption;       // a phrase on the pose, without a full stop; may be empty
-  Image image;               // truth, Direct Delta Mush, result, distance
+  draw::Image image;         // truth, Direct Delta Mush, result, distance
 };
 
 // The mean error of every vertex over the held-out frames, painted on the rest skin from the front and from behind.
 struct MeanErrorReport {
   double heat_scale_mm = 1;
   double largest_mm = 0;
-  Image image;
+  draw::Image image;
 };
 
 // The effect of flexing on the skin: a frame of a take with controls, by what was learned, at rest and flexed.
@@ -49,7 +49,7 @@ struct FlexReport {
   std::vector<std::pair<std::string, double>> controls;  // those above 0, falling
   double max_mm = 0;                                     // that flexing moves the skin by
   double heat_scale_mm = 1;
-  Image image;  // at rest, flexed, and how far flexing moves the skin
+  draw::Image image;  // at rest, flexed, and how far flexing moves the skin
 };
 
 // Sections through the field of tissues, at rest and in the frame in which muscles are flexed or shortened most.
@@ -57,7 +57,7 @@ struct SectionsReport {
   std::string take;
   int frame = 0;
   std::vector<std::string> names;  // of the numbers in the picture, from 1
-  Image image;                     // pairs: at rest, and then
+  draw::Image image;               // pairs: at rest, and then
 };
 
 struct RegionReport {
@@ -143,7 +143,7 @@ struct JiggleReport {
   double diffuse_ms = 0, jiggle_ms = 0;      // a frame; 0 where the device tells no times
   std::string device;
   struct Pictures {
-    Image strip;  // still above, jiggling below, coloured by the displacement; a column for each of strip_frames
+    draw::Image strip;  // still above, jiggling below, coloured by the displacement; a column for each of strip_frames
     std::vector<int> strip_frames;
     double heat_scale_mm = 1;
     std::vector<std::uint8_t> animation;       // WebP of all frames: still on the left, jiggling on the right
@@ -174,8 +174,8 @@ struct ReportData {
   std::vector<std::pair<std::string, double>> bytes_by_stage;  // of what was trained; may be empty
   std::vector<TradeOffPoint> trade_off;                        // by rising bytes; may be empty
   std::vector<RegionReport> regions;
-  std::optional<Image> region_picture;  // from the front and from behind, numbered from 1 in their order
-  std::vector<MuscleReport> muscles;    // what they explain, falling
+  std::optional<draw::Image> region_picture;  // from the front and from behind, numbered from 1 in their order
+  std::vector<MuscleReport> muscles;          // what they explain, falling
   std::optional<CoverageReport> coverage;
   std::vector<std::string> warnings;
   std::string device;  // on which the held-out frames were evaluated
@@ -193,4 +193,4 @@ struct ReportData {
 // when a number is not finite or a curve has another length than the frames, Error(file).
 Json write_report(const ReportData& data, const std::filesystem::path& folder);
 
-}  // namespace bodyopt
+}  // namespace bodyopt::report

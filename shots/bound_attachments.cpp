@@ -4,7 +4,7 @@
 #include <map>
 #include <numeric>
 
-namespace bodyopt {
+namespace bodyopt::shots {
 namespace {
 
 constexpr std::size_t kMostWeights = 4;  // that every program draws
@@ -65,4 +65,4 @@ BoundSkin bind_attached(const BoundSkin& skin, const MeshTable& mesh, const Atta
   return bound;
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::shots

@@ -7,7 +7,7 @@
 #include "runtime/core/error.h"
 #include "runtime/core/transformed.h"
 
-namespace bodyopt {
+namespace bodyopt::shots {
 
 Clip ClipChoice::read(const Skeleton& skeleton, double unit) const {
   return read_clip(source, skeleton, in_unit(unit));
@@ -42,4 +42,4 @@ std::vector<Pose> poses_of(const Clip& clip, const std::vector<int>& frames) {
   return transformed(frames, [&](int frame) { return clip.poses[static_cast<std::size_t>(frame - clip.first_frame)]; });
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::shots

@@ -7,7 +7,7 @@
 #include "assets/clips/clip.h"
 #include "runtime/basis/basis.h"
 
-namespace bodyopt {
+namespace bodyopt::shots {
 
 // What a clip tells of its frames.
 struct ClipSpan {
@@ -36,4 +36,4 @@ struct ClipChoice {
 // The poses of some frames of a clip.
 std::vector<Pose> poses_of(const Clip& clip, const std::vector<int>& frames);
 
-}  // namespace bodyopt
+}  // namespace bodyopt::shots

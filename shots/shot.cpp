@@ -18,7 +18,7 @@
 #include "shots/bound_attachments.h"
 #include "shots/clip_choice.h"
 
-namespace bodyopt {
+namespace bodyopt::shots {
 namespace {
 
 // `part` keeps its memory from part to part: to get pages anew costs more than to write them.
@@ -200,4 +200,4 @@ void ShotCaches::take_up(const fs::path& folder, std::size_t frames) {
   frames_ = frames;
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::shots

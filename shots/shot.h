@@ -20,7 +20,7 @@
 #include "shots/session/posed_clip.h"
 #include "shots/session/view_settings.h"
 
-namespace bodyopt {
+namespace bodyopt::shots {
 
 // Takes a sentence for the user.
 using Tell = std::function<void(const std::string&)>;
@@ -127,4 +127,4 @@ class ShotCaches : public SkinSink {
   std::unique_ptr<Executor> threads_;
 };
 
-}  // namespace bodyopt
+}  // namespace bodyopt::shots

@@ -22,14 +22,14 @@
 #include "trainer/train/features/features.h"
 #include "trainer/train/skinning/ddm.h"
 
-namespace bodyopt {
+namespace bodyopt::shots {
 namespace {
 
 OpenedCharacter with_ddm(Character character) {
   OpenedCharacter opened;
   opened.notes = std::move(character.notes);
   Level& level = opened.levels.emplace_back();
-  level.basis = build_ddm_basis(character, {});
+  level.basis = trainer::build_ddm_basis(character, {});
   keep_unit(level.basis, character.unit);
   opened.character = std::move(character);
   return opened;
@@ -40,9 +40,9 @@ void attach_own_meshes(const std::string& path, OpenedCharacter& opened) {
   const Basis& basis = opened.levels.front().basis;
   try {
     const double unit = opened.character->unit > 0 ? opened.character->unit : 1;
-    const std::vector<LooseMesh> meshes =
-        read_loose_meshes(GltfFile(path), basis.skeleton, basis.mesh.output_count(), unit, opened.notes);
-    opened.attached.meshes = bind_own_meshes(meshes, basis, opened.notes);
+    const std::vector<trainer::LooseMesh> meshes =
+        trainer::read_loose_meshes(GltfFile(path), basis.skeleton, basis.mesh.output_count(), unit, opened.notes);
+    opened.attached.meshes = trainer::bind_own_meshes(meshes, basis, opened.notes);
   } catch (const Error& error) {
     opened.notes.push_back(std::string("the character's other meshes are not shown: ") + error.what());
   }
@@ -67,11 +67,11 @@ OpenedCharacter open_untrained(const std::string& path, const ClipOptions& optio
 }
 
 OpenedCharacter open_arm(const ClipOptions& options) {
-  BuiltinArm arm = build_arm();
+  trainer::BuiltinArm arm = trainer::build_arm();
   OpenedCharacter opened = with_ddm(std::move(arm.character));
   Basis& basis = opened.levels.front().basis;
-  basis.strain = make_strain_table(basis, arm.muscles);
-  opened.clip = arm_heldout(basis.skeleton, kArmHeldoutFrames);
+  basis.strain = trainer::make_strain_table(basis, arm.muscles);
+  opened.clip = trainer::arm_heldout(basis.skeleton, trainer::kArmHeldoutFrames);
   opened.clip->first_frame = options.first_frame;
   opened.shown_by =
       "the built-in arm is shown by Direct Delta Mush: `bodyopt demo --out demo` trains it, and `bodyopt view "
@@ -132,7 +132,7 @@ ShotPosing posing_of(const ShotFiles& files, const Skeleton& skeleton) {
   const SessionPosing& session = files.session;
   ShotPosing posing{{}, session.pose, session.jiggle, files.controls};
   if (!session.limits.empty()) {
-    posing.turning = turning_within(read_joint_limits(session.limits, skeleton), skeleton);
+    posing.turning = turning_within(trainer::read_joint_limits(session.limits, skeleton), skeleton);
   }
   return posing;
 }
@@ -335,7 +335,8 @@ std::vector<SkinSurface> attached_surfaces(const std::string& character, const B
   try {
     const GltfFile file(character);
     MaterialReader reader(file);
-    for (const LooseMesh& mesh : read_loose_meshes(file, basis.skeleton, basis.mesh.output_count(), 1, unused)) {
+    for (const trainer::LooseMesh& mesh :
+         trainer::read_loose_meshes(file, basis.skeleton, basis.mesh.output_count(), 1, unused)) {
       std::vector<std::uint32_t> corners;
       for (const auto& triangle : mesh.triangles) corners.insert(corners.end(), triangle.begin(), triangle.end());
       const auto own = std::ranges::find_if(attached.meshes, [&](const AttachedMesh& worn) {
@@ -402,4 +403,4 @@ Shot read_shot(const ShotFiles& files, const Tell& tell) {
   return shot;
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::shots

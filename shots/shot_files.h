@@ -16,7 +16,7 @@
 #include "shots/session/view_settings.h"
 #include "shots/shot.h"
 
-namespace bodyopt {
+namespace bodyopt::shots {
 
 // Opens what the viewport can show: a trained basis, a character as it is, or the built-in arm.
 
@@ -123,4 +123,4 @@ void take_surfaces(const std::string& own, const std::string& like, Shot& shot, 
 // are not there.
 Shot read_shot(const ShotFiles& files, const Tell& tell);
 
-}  // namespace bodyopt
+}  // namespace bodyopt::shots

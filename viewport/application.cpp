@@ -19,7 +19,7 @@
 #include "viewport/platform/window.h"
 #include "viewport/work_files.h"
 
-namespace bodyopt {
+namespace bodyopt::viewport {
 namespace {
 
 constexpr double kIdle = 0.25;     // seconds between looks at files while nothing happens
@@ -108,7 +108,7 @@ void Application::open_meanwhile(const std::string& file) {
 void Application::open(const std::string& file) {
   errors_.forget();
   const std::size_t cast = session_.scene.cast().size();
-  const bool is_whole = is_session(file);
+  const bool is_whole = shots::is_session(file);
   if (is_whole) keep_unsaved();
   for (const std::string& note : session_.open(file)) controls_.warn(note);
   if (is_whole) note_saved();
@@ -128,8 +128,8 @@ void Application::offer_unsaved() {
   localtime_r(&time, &local);
   std::ostringstream text;
   controls_.attempt([&] {
-    const SessionFile session = read_session(controls_.recoverable);
-    const ActorFiles& lead = session.cast.front().files;
+    const shots::SessionFile session = shots::read_session(controls_.recoverable);
+    const shots::ActorFiles& lead = session.cast.front().files;
     const std::string& of = !session.saved_as.empty() ? session.saved_as : lead.basis;
     text << (of.empty() ? "the built-in arm" : std::filesystem::path(of).filename().string()) << ", ";
   });
@@ -187,7 +187,7 @@ void Application::recover(bool wanted) {
   const Session::Work saved = saved_;
   change_cast([&] { session_.open(left); });
   saved_ = saved;
-  controls_.session_file = read_session(left).saved_as;
+  controls_.session_file = shots::read_session(left).saved_as;
   autosave_.take_over(left);
   autosaved_ = session_.work();
   controls_.say("here is what was not saved: 'save' keeps it");
@@ -223,7 +223,7 @@ void Application::make_pictures() {
       pending_pictures_ = 0;
       look_at_poses();
     } while (shows_poses() && controls_.pose_library.has_work() && !painter_.is_busy());
-    painter_.draw(painter_.size(), Edges::smooth);
+    painter_.draw(painter_.size(), draw::Edges::smooth);
     fulfil();
   } while (!script_.empty() && !is_done());
   if (options_.out.empty()) return;
@@ -268,13 +268,13 @@ void Application::draw_if_needed(bool moves, double passed) {
   pending_pictures_ = std::max(0, pending_pictures_ - 1);
   const auto [width, height] = painter_.size();
   if (width == 0 || height == 0) return;  // minimised
-  const Edges edges = painter_.edges();
+  const draw::Edges edges = painter_.edges();
   was_busy_ = painter_.is_busy();
   painter_.draw({width, height}, edges, std::max(passed, now_ - last_picture_));
   last_picture_ = now_;
   painter_.show();
   if (painter_.hides_window()) pending_pictures_ = std::max(pending_pictures_, 1);
-  if (edges == Edges::quick) pending_pictures_ = std::max(pending_pictures_, was_busy_ ? 0 : 1);
+  if (edges == draw::Edges::quick) pending_pictures_ = std::max(pending_pictures_, was_busy_ ? 0 : 1);
   fulfil();
 }
 
@@ -376,8 +376,8 @@ void Application::look_at_files() {
 }
 
 bool Application::shows_poses() const {
-  const Section& section = *std::ranges::find(kSections, std::string("poses"), &Section::name);
-  return controls_.panels && shows_side_panel(controls_.settings) && is_open(controls_.settings, section);
+  const shots::Section& section = *std::ranges::find(shots::kSections, std::string("poses"), &shots::Section::name);
+  return controls_.panels && shots::shows_side_panel(controls_.settings) && shots::is_open(controls_.settings, section);
 }
 
 // One picture a turn, while nothing else is to be done.
@@ -390,8 +390,8 @@ void Application::look_at_poses() {
   }
   const PoseFile* const next = poses.without_picture();
   if (!next || painter_.is_busy() || pending_pictures_ > 0) return;
-  Image picture{kPosePicture, kPosePicture,
-                std::vector<std::uint8_t>(4 * kPosePicture * kPosePicture)};  // where it fails
+  draw::Image picture{kPosePicture, kPosePicture,
+                      std::vector<std::uint8_t>(4 * kPosePicture * kPosePicture)};  // where it fails
   controls_.attempt([&] { picture = painter_.draw_portrait(next->pose); });
   poses.set_picture(std::filesystem::path(next->path), std::move(picture));
   pending_pictures_ = 2;
@@ -436,7 +436,7 @@ void Application::fulfil() {
   attempt(requests.save_pose, [&] {
     save_pose(session_.scene, controls_, *requests.save_pose);
     if (!screen_) return;
-    write_png(painter_.draw_portrait(controls_.settings.pose), picture_of_pose(*requests.save_pose));
+    draw::write_png(painter_.draw_portrait(controls_.settings.pose), picture_of_pose(*requests.save_pose));
     pending_pictures_ = 2;
   });
   attempt(requests.load_pose, [&] { load_pose(*requests.load_pose, controls_); });
@@ -487,4 +487,4 @@ void Application::fulfil_of_dataset(const Requests& requests) {
   if (requests.contradictions) controls_.attempt([&] { session_.curation.find_contradictions(controls_); });
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::viewport

@@ -13,7 +13,7 @@
 #include "viewport/state/recent_files.h"
 #include "viewport/viewer.h"
 
-namespace bodyopt {
+namespace bodyopt::viewport {
 
 class Application {
  public:
@@ -97,4 +97,4 @@ class Application {
   double next_poses_ = 0;  // looked at
 };
 
-}  // namespace bodyopt
+}  // namespace bodyopt::viewport

@@ -6,7 +6,7 @@
 #include "draw/camera.h"
 #include "runtime/core/error.h"
 
-namespace bodyopt {
+namespace bodyopt::viewport {
 namespace {
 
 using namespace std::chrono_literals;
@@ -43,8 +43,8 @@ Brush Brushing::brush() const {
   return {*controls_.brush.kind, 1e-3 * controls_.brush.radius_mm, controls_.brush.strength};
 }
 
-std::optional<Brushing::Hit> Brushing::hit(const Rectangle& area, const std::array<double, 2>& pixel) const {
-  const Rectangle view = view_at(scene_, controls_, area, static_cast<float>(pixel[0]));
+std::optional<Brushing::Hit> Brushing::hit(const draw::Rectangle& area, const std::array<double, 2>& pixel) const {
+  const draw::Rectangle view = view_at(scene_, controls_, area, static_cast<float>(pixel[0]));
   const Ray ray = ray_through(controls_.camera.camera(), view, pixel[0], pixel[1]);
   const Triangles& triangles = sculpting_->stack().database().character.triangles;
   const auto found = first_hit(ray, skin_, {triangles.data(), static_cast<std::size_t>(triangles.size())});
@@ -60,9 +60,9 @@ std::optional<Brushing::Hit> Brushing::hit(const Rectangle& area, const std::arr
 }
 
 // Returns the distance between dabs, pixels: a part of the radius where it touches.
-double Brushing::spacing(const Rectangle& area, const std::array<double, 2>& pixel) const {
-  const Camera camera = controls_.camera.camera();
-  const Vec3 right = view_axes(camera).right;
+double Brushing::spacing(const draw::Rectangle& area, const std::array<double, 2>& pixel) const {
+  const draw::Camera camera = controls_.camera.camera();
+  const Vec3 right = draw::view_axes(camera).right;
   const auto x = static_cast<float>(pixel[0]);
   const auto middle = pixel_of(scene_, controls_, area, x, held_),
              side = pixel_of(scene_, controls_, area, x, held_ + brush_.radius * right);
@@ -70,7 +70,7 @@ double Brushing::spacing(const Rectangle& area, const std::array<double, 2>& pix
   return std::max(kClosest, kSpacing * std::hypot((*side)[0] - (*middle)[0], (*side)[1] - (*middle)[1]));
 }
 
-bool Brushing::press(const Rectangle& area, const std::array<double, 2>& pixel) {
+bool Brushing::press(const draw::Rectangle& area, const std::array<double, 2>& pixel) {
   take_up_frame();
   if (!hit(area, pixel)) return false;
   brush_ = brush();
@@ -82,7 +82,7 @@ bool Brushing::press(const Rectangle& area, const std::array<double, 2>& pixel) 
   return true;
 }
 
-bool Brushing::touch(const Rectangle& area, const std::array<double, 2>& pixel) {
+bool Brushing::touch(const draw::Rectangle& area, const std::array<double, 2>& pixel) {
   const std::optional<Hit> at = hit(area, pixel);
   if (!at) return false;
   held_ = {at->point.position.x(), at->point.position.y(), at->point.position.z()};
@@ -93,7 +93,7 @@ bool Brushing::touch(const Rectangle& area, const std::array<double, 2>& pixel) 
 }
 
 // Touches lie as close to each other however fast the mouse was; beside the skin there are none.
-void Brushing::drag(const Rectangle& area, const std::array<double, 2>& pixel) {
+void Brushing::drag(const draw::Rectangle& area, const std::array<double, 2>& pixel) {
   if (!is_pressed_) return;
   if (brush_.kind == BrushKind::grab) return pull(area, pixel);
   for (;;) {
@@ -106,8 +106,8 @@ void Brushing::drag(const Rectangle& area, const std::array<double, 2>& pixel) {
 }
 
 // The point that is held stays under the mouse, as far away as it was.
-void Brushing::pull(const Rectangle& area, const std::array<double, 2>& pixel) {
-  const Rectangle view = view_at(scene_, controls_, area, static_cast<float>(pixel[0]));
+void Brushing::pull(const draw::Rectangle& area, const std::array<double, 2>& pixel) {
+  const draw::Rectangle view = view_at(scene_, controls_, area, static_cast<float>(pixel[0]));
   const auto to = moved_under_pixel(controls_.camera.camera(), view, pixel[0], pixel[1], held_);
   if (!to) return;
   const Vec3 way = *to - held_;
@@ -117,13 +117,13 @@ void Brushing::pull(const Rectangle& area, const std::array<double, 2>& pixel) {
 }
 
 void Brushing::show() {
-  const ShapeStack& stack = sculpting_->stack();
+  const trainer::ShapeStack& stack = sculpting_->stack();
   skin_.assign(sculpting_->skin().data(), sculpting_->skin().data() + sculpting_->skin().size());
   scene_.lead().show_sculpted(shown_frame_, output_from_welded(stack.database().character, sculpting_->skin()));
   weights_ = sculpting_->weights();
 }
 
-void Brushing::stroke(const Rectangle& area, const PicturePath& path) {
+void Brushing::stroke(const draw::Rectangle& area, const PicturePath& path) {
   const auto pixel = [&](const std::array<double, 2>& shares) {
     return std::array{area.x + shares[0] * area.width, area.y + shares[1] * area.height};
   };
@@ -134,7 +134,7 @@ void Brushing::stroke(const Rectangle& area, const PicturePath& path) {
   release();
 }
 
-void Brushing::hover(const Rectangle& area, const std::array<double, 2>& pixel) {
+void Brushing::hover(const draw::Rectangle& area, const std::array<double, 2>& pixel) {
   ring_.reset();
   try {
     take_up_frame();
@@ -159,4 +159,4 @@ void Brushing::forget() {
   is_pressed_ = false;
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::viewport

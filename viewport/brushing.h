@@ -13,7 +13,7 @@
 #include "viewport/picking.h"
 #include "viewport/scene/scene.h"
 
-namespace bodyopt {
+namespace bodyopt::viewport {
 
 // The brush on the skin: a ring of its radius.
 struct BrushRing {
@@ -32,14 +32,14 @@ class Brushing {
   bool is_ready() const { return curation_.is_open(); }
   // Pixels of the window; `area`: of the characters. Nothing is written before keep(). Takes hold of the skin; false:
   // there is none. Throws as FrameSculpting.
-  bool press(const Rectangle& area, const std::array<double, 2>& pixel);
-  void drag(const Rectangle& area, const std::array<double, 2>& pixel);  // what is pressed
+  bool press(const draw::Rectangle& area, const std::array<double, 2>& pixel);
+  void drag(const draw::Rectangle& area, const std::array<double, 2>& pixel);  // what is pressed
   void release() { is_pressed_ = false; }
   bool is_pressed() const { return is_pressed_; }
   // Presses, drags and releases; throws Error(usage) where it begins beside the skin. Shares of the area.
-  void stroke(const Rectangle& area, const PicturePath& path);
+  void stroke(const draw::Rectangle& area, const PicturePath& path);
   // The ring where the mouse is; none where a press would be refused.
-  void hover(const Rectangle& area, const std::array<double, 2>& pixel);
+  void hover(const draw::Rectangle& area, const std::array<double, 2>& pixel);
   void leave() { ring_.reset(); }
 
   // Writes what was brushed, where anything was. Returns what is to be said. Throws as FrameSculpting::keep(), and what
@@ -61,18 +61,18 @@ class Brushing {
 
   void take_up_frame();
   Brush brush() const;
-  std::optional<Hit> hit(const Rectangle& area, const std::array<double, 2>& pixel) const;
-  bool touch(const Rectangle& area, const std::array<double, 2>& pixel);
-  double spacing(const Rectangle& area, const std::array<double, 2>& pixel) const;
-  void pull(const Rectangle& area, const std::array<double, 2>& pixel);
+  std::optional<Hit> hit(const draw::Rectangle& area, const std::array<double, 2>& pixel) const;
+  bool touch(const draw::Rectangle& area, const std::array<double, 2>& pixel);
+  double spacing(const draw::Rectangle& area, const std::array<double, 2>& pixel) const;
+  void pull(const draw::Rectangle& area, const std::array<double, 2>& pixel);
   void show();
 
   Scene& scene_;
   const Controls& controls_;
   const Curation& curation_;
-  std::optional<FrameSculpting> sculpting_;  // of the frame that was brushed last
-  int shown_frame_ = 0;                      // as the clip counts it
-  std::string modifier_;                     // that it is for
+  std::optional<trainer::FrameSculpting> sculpting_;  // of the frame that was brushed last
+  int shown_frame_ = 0;                               // as the clip counts it
+  std::string modifier_;                              // that it is for
   std::optional<double> spread_;
   std::vector<float> skin_;  // V x 3: its skin
   std::vector<double> weights_;
@@ -84,4 +84,4 @@ class Brushing {
   bool is_pressed_ = false;
 };
 
-}  // namespace bodyopt
+}  // namespace bodyopt::viewport

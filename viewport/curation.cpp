@@ -10,7 +10,7 @@
 #include "trainer/curate/edit_stack.h"
 #include "trainer/curate/local_models.h"
 
-namespace bodyopt {
+namespace bodyopt::viewport {
 namespace {
 
 using Eigen::Index;
@@ -23,8 +23,8 @@ constexpr double kDense = 12;       // neighbours of a pose that is well covered
 }  // namespace
 
 void Curation::look(const Scene& scene, Controls& controls) {
-  const NamedShapes* truth = scene.empty() ? nullptr : scene.lead().truth();
-  const std::shared_ptr<const ShapeStack> stack = truth && truth->is_whole() ? truth->stack() : nullptr;
+  const trainer::NamedShapes* truth = scene.empty() ? nullptr : scene.lead().truth();
+  const std::shared_ptr<const trainer::ShapeStack> stack = truth && truth->is_whole() ? truth->stack() : nullptr;
   if (stack && stack_ && has_its_frames(*stack, truth->numbers())) {
     take_over(stack, controls);
   } else if (stack != stack_) {
@@ -35,16 +35,16 @@ void Curation::look(const Scene& scene, Controls& controls) {
 }
 
 // Whether a stack is of the frames that are known here, in their poses.
-bool Curation::has_its_frames(const ShapeStack& stack, const std::vector<std::size_t>& numbers) const {
-  const std::vector<DatabaseFrame>&own = stack_->database().frames, &other = stack.database().frames;
-  const auto in_one_pose = [](const DatabaseFrame& a, const DatabaseFrame& b) {
+bool Curation::has_its_frames(const trainer::ShapeStack& stack, const std::vector<std::size_t>& numbers) const {
+  const std::vector<trainer::DatabaseFrame>&own = stack_->database().frames, &other = stack.database().frames;
+  const auto in_one_pose = [](const trainer::DatabaseFrame& a, const trainer::DatabaseFrame& b) {
     return same({&a.pose, 1}, {&b.pose, 1});
   };
   return numbers == numbers_ && (&own == &other || std::ranges::equal(own, other, in_one_pose));
 }
 
 // An edit made this stack of the one before: what was chosen stays, and what was learned of the poses.
-void Curation::take_over(const std::shared_ptr<const ShapeStack>& stack, Controls& controls) {
+void Curation::take_over(const std::shared_ptr<const trainer::ShapeStack>& stack, Controls& controls) {
   if (stack == stack_) return;
   stack_ = stack;
   report_.reset();
@@ -62,7 +62,7 @@ void Curation::name_modifiers(Controls& controls) const {
 }
 
 // Looks at the region whose poses differ most, unless another was looked at in the stack before.
-void Curation::begin(const std::shared_ptr<const ShapeStack>& stack, std::vector<std::size_t> numbers,
+void Curation::begin(const std::shared_ptr<const trainer::ShapeStack>& stack, std::vector<std::size_t> numbers,
                      Controls& controls) {
   *this = {};
   const Curating before = std::exchange(controls.curating, {});
@@ -70,11 +70,11 @@ void Curation::begin(const std::shared_ptr<const ShapeStack>& stack, std::vector
   if (!stack) return;
   numbers_ = std::move(numbers);
   for (const std::size_t number : numbers_) controls.curating.frames.push_back(stack_->database().name_of(number));
-  parts_ = skin_parts(stack->database());
+  parts_ = trainer::skin_parts(stack->database());
   double widest = -1;
-  for (const SkinPart& part : parts_) {
+  for (const trainer::SkinPart& part : parts_) {
     controls.curating.regions.push_back(part.region.name);
-    const double spread = pose_spread(stack->database(), part);
+    const double spread = trainer::pose_spread(stack->database(), part);
     if (spread <= widest) continue;
     widest = spread;
     controls.curating.region = part.region.name;
@@ -89,10 +89,10 @@ void Curation::begin(const std::shared_ptr<const ShapeStack>& stack, std::vector
 
 void Curation::choose_region(const std::string& name) {
   const auto part =
-      std::ranges::find(parts_, name, [](const SkinPart& p) -> const std::string& { return p.region.name; });
+      std::ranges::find(parts_, name, [](const trainer::SkinPart& p) -> const std::string& { return p.region.name; });
   if (part == parts_.end()) return;
   region_ = name;
-  map_ = pose_map(stack_->database(), *part, kAlikeDegrees);
+  map_ = trainer::pose_map(stack_->database(), *part, trainer::kAlikeDegrees);
 }
 
 std::size_t Curation::number_of(int frame) const {
@@ -152,7 +152,7 @@ void Curation::describe(const Controls& controls, Snapshot& snapshot, std::span<
   const bool known = std::isfinite(*hottest);
   switch (colour) {
     case MapColour::coverage:
-      row.legend = formatted("hot: fewer than %.0f poses within %.0f degrees", kDense, kAlikeDegrees);
+      row.legend = formatted("hot: fewer than %.0f poses within %.0f degrees", kDense, trainer::kAlikeDegrees);
       break;
     case MapColour::contradiction:
       row.legend = known ? formatted("hottest: %.2f mm from like poses", *hottest) : "not compared yet";
@@ -171,7 +171,7 @@ void Curation::describe(const Controls& controls, Snapshot& snapshot, std::span<
     row.modifiers.push_back({modifier.name, modifier.type, modifier.enabled, modifier.strength});
   }
   for (std::size_t k = 0; report_ && k < report_->pairs.size(); ++k) {
-    const DisagreeingPair& pair = report_->pairs[k];
+    const trainer::DisagreeingPair& pair = report_->pairs[k];
     row.pairs.push_back(formatted("%.2f mm  ", pair.apart_mm) + stack_->database().name_of(pair.first) +
                         " \xe2\x80\x93 " + stack_->database().name_of(pair.second) + "  " + pair.region);
   }
@@ -184,14 +184,14 @@ void Curation::require_open() const {
 
 void Curation::find_contradictions(Controls& controls) {
   require_open();
-  report_ = report_consistency(*stack_, kAlikeDegrees, kPairs);
+  report_ = trainer::report_consistency(*stack_, trainer::kAlikeDegrees, kPairs);
   controls.curating.compared = true;
   controls.curating.pairs.clear();
   const auto frame_of = [&](std::size_t n) {
     const auto place = std::lower_bound(numbers_.begin(), numbers_.end(), n);
     return controls.playback.first() + static_cast<int>(place - numbers_.begin());
   };
-  for (const DisagreeingPair& pair : report_->pairs) {
+  for (const trainer::DisagreeingPair& pair : report_->pairs) {
     controls.curating.pairs.push_back({frame_of(pair.first), frame_of(pair.second), pair.region});
   }
   controls.curating.colour = MapColour::contradiction;
@@ -199,8 +199,8 @@ void Curation::find_contradictions(Controls& controls) {
 
 void Curation::edit(const ModifierEdit& edit) const {
   require_open();
-  if (edit.enabled) enable_modifier(path(), edit.name, *edit.enabled, kAtOnce);
-  if (edit.strength) change_modifier(path(), edit.name, {.strength = edit.strength}, kAtOnce);
+  if (edit.enabled) trainer::enable_modifier(path(), edit.name, *edit.enabled, kAtOnce);
+  if (edit.strength) trainer::change_modifier(path(), edit.name, {.strength = edit.strength}, kAtOnce);
 }
 
 void Curation::step(bool back) const {
@@ -208,4 +208,4 @@ void Curation::step(bool back) const {
   (back ? undo_modifiers : redo_modifiers)(path(), kAtOnce);
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::viewport

@@ -13,7 +13,7 @@
 #include "viewport/panels/snapshot.h"
 #include "viewport/scene/scene.h"
 
-namespace bodyopt {
+namespace bodyopt::viewport {
 
 class Curation {
  public:
@@ -26,7 +26,7 @@ class Curation {
 
   bool is_open() const { return stack_ != nullptr; }
   void require_open() const;  // throws Error(usage)
-  const std::shared_ptr<const ShapeStack>& stack() const { return stack_; }
+  const std::shared_ptr<const trainer::ShapeStack>& stack() const { return stack_; }
   // Returns the place in the database of a frame of the clip.
   std::size_t number_of(int frame) const;
   // Compares like poses of the whole dataset. Shows progress. Throws as require_open().
@@ -36,22 +36,23 @@ class Curation {
   void step(bool back) const;
 
  private:
-  bool has_its_frames(const ShapeStack& stack, const std::vector<std::size_t>& numbers) const;
-  void take_over(const std::shared_ptr<const ShapeStack>& stack, Controls& controls);
-  void begin(const std::shared_ptr<const ShapeStack>& stack, std::vector<std::size_t> numbers, Controls& controls);
+  bool has_its_frames(const trainer::ShapeStack& stack, const std::vector<std::size_t>& numbers) const;
+  void take_over(const std::shared_ptr<const trainer::ShapeStack>& stack, Controls& controls);
+  void begin(const std::shared_ptr<const trainer::ShapeStack>& stack, std::vector<std::size_t> numbers,
+             Controls& controls);
   void name_modifiers(Controls& controls) const;
   void choose_region(const std::string& name);
   std::vector<PoseDot> dots(const std::vector<double>& heat) const;
   std::vector<double> values(MapColour colour, const Snapshot& snapshot, std::span<const double> brushed) const;
   std::filesystem::path path() const { return stack_->database().dataset.folder / "dataset.json"; }
 
-  std::shared_ptr<const ShapeStack> stack_;
+  std::shared_ptr<const trainer::ShapeStack> stack_;
   int first_frame_ = 1;               // of the clip
   std::vector<std::size_t> numbers_;  // of the frames of the clip, in the database
-  std::vector<SkinPart> parts_;
+  std::vector<trainer::SkinPart> parts_;
   std::string region_;
-  PoseMap map_;
-  std::optional<ConsistencyReport> report_;
+  trainer::PoseMap map_;
+  std::optional<trainer::ConsistencyReport> report_;
 };
 
-}  // namespace bodyopt
+}  // namespace bodyopt::viewport

@@ -10,7 +10,7 @@
 #include "runtime/modifiers/skin_modifier_type.h"
 #include "viewport/commands/commands.h"
 
-namespace bodyopt {
+namespace bodyopt::viewport {
 namespace {
 
 // The order is that of the enumeration.
@@ -35,7 +35,7 @@ CharacterRow describe(const Actor& character) {
 }
 
 // Describes what is shown of it, at its level of detail.
-void describe_shown(const Actor& character, const ViewSettings& settings, CharacterRow& row) {
+void describe_shown(const Actor& character, const shots::ViewSettings& settings, CharacterRow& row) {
   const MeshTable& mesh = character.basis().mesh;
   row.vertices = mesh.vertex_count();
   row.level = character.level();
@@ -82,7 +82,7 @@ void add_modifiers(const SkinModifiers& modifiers, Snapshot& snapshot) {
   for (const SkinModifier& modifier : modifiers.stack) {
     snapshot.modifiers.push_back({modifier.name, modifier.type});
     const auto add = [&](const std::string& channel, const SkinModifierControl& control) {
-      const auto usual = static_cast<double>(set_or(modifier.constants, control.name, control.usual));
+      const auto usual = static_cast<double>(shots::set_or(modifier.constants, control.name, control.usual));
       snapshot.controls.push_back({channel, static_cast<double>(control.low), static_cast<double>(control.high), usual,
                                    modifier.name, control.what});
     };
@@ -95,7 +95,7 @@ void add_modifiers(const SkinModifiers& modifiers, Snapshot& snapshot) {
 
 std::vector<AxisRow> describe_axes(const Actor& lead) {
   std::vector<AxisRow> rows;
-  for (const DegreeOfFreedom& dof : lead.axes()) {
+  for (const trainer::DegreeOfFreedom& dof : lead.axes()) {
     if (dof.turns.empty()) continue;
     const std::string& joint = lead.basis().skeleton.joints[dof.turns.front().joint].name;
     rows.push_back({dof.name, joint});
@@ -104,13 +104,14 @@ std::vector<AxisRow> describe_axes(const Actor& lead) {
 }
 
 // Names comparisons as the command "compare" does.
-std::vector<std::string> possible_comparisons(const Actor& lead, ViewSettings settings) {
+std::vector<std::string> possible_comparisons(const Actor& lead, shots::ViewSettings settings) {
   std::vector<std::string> possible;
   settings.compare.activation = false;
   const std::vector<std::string> names = choices_of(*find_command("compare"));
   for (std::size_t k = 0; k < names.size(); ++k) {
-    settings.compare.with = static_cast<CompareWith>(k);
-    if (settings.compare.with == CompareWith::none || compared_method(lead, settings)) possible.push_back(names[k]);
+    settings.compare.with = static_cast<shots::CompareWith>(k);
+    if (settings.compare.with == shots::CompareWith::none || compared_method(lead, settings))
+      possible.push_back(names[k]);
   }
   return possible;
 }
@@ -185,7 +186,7 @@ void name_for_commands(const Scene& scene, Controls& controls) {
   controls.axis_names.clear();
   controls.axis_joints.clear();
   controls.axes_flip.clear();
-  for (const DegreeOfFreedom& dof : lead.axes()) {
+  for (const trainer::DegreeOfFreedom& dof : lead.axes()) {
     controls.axis_names.push_back(dof.name);
     controls.axis_joints.push_back(dof.turns.empty() ? "" : basis.skeleton.joints[dof.turns.front().joint].name);
     controls.axes_flip.push_back(!dof.turns.empty() && std::abs(dof.turns.front().axis[0]) < std::sqrt(0.5));
@@ -197,16 +198,16 @@ void name_for_commands(const Scene& scene, Controls& controls) {
 void describe_turns(const Scene& scene, const Controls& controls, Snapshot& snapshot) {
   const int frame = controls.playback.frame();
   for (std::size_t j = 0; j < snapshot.joints.size(); ++j) {
-    const std::optional<JointRange> free = scene.lead().free_turns(j, frame);
+    const std::optional<shots::JointRange> free = scene.lead().free_turns(j, frame);
     if (!free) continue;
     snapshot.joints[j].low = free->low;
     snapshot.joints[j].high = free->high;
   }
-  const std::vector<DegreeOfFreedom>& axes = scene.lead().axes();
+  const std::vector<trainer::DegreeOfFreedom>& axes = scene.lead().axes();
   for (AxisRow& row : snapshot.axes) {
     if (row.joint != controls.joint) continue;
     std::tie(row.low, row.high) =
-        scene.lead().free_axis(*std::ranges::find(axes, row.name, &DegreeOfFreedom::name), frame);
+        scene.lead().free_axis(*std::ranges::find(axes, row.name, &trainer::DegreeOfFreedom::name), frame);
   }
 }
 
@@ -249,4 +250,4 @@ void describe_picture(const Scene& scene, Snapshot& snapshot) {
   snapshot.outside_by = outside_text(basis, feature, evaluation->outside_by[0]);
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::viewport

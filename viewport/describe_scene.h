@@ -5,7 +5,7 @@
 #include "viewport/panels/snapshot.h"
 #include "viewport/scene/scene.h"
 
-namespace bodyopt {
+namespace bodyopt::viewport {
 
 // Describes what stays until files are read: the cast, and the lead's joints, controls, fibres and clip.
 void describe_cast(const Scene& scene, Snapshot& snapshot);
@@ -22,4 +22,4 @@ void describe_comparison(const Scene& scene, const Controls& controls, const Err
 // Describes what is known only once a picture is evaluated.
 void describe_picture(const Scene& scene, Snapshot& snapshot);
 
-}  // namespace bodyopt
+}  // namespace bodyopt::viewport

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-namespace bodyopt {
+namespace bodyopt::viewport {
 
 void Framing::frame_selection(std::uint32_t width, std::uint32_t height, Covered covered) {
   controls_.requests.frame_selection = false;
@@ -14,7 +14,7 @@ void Framing::keep_framed(std::uint32_t width, std::uint32_t height, Covered cov
   const std::size_t views = scene_.view_areas(controls_.settings, {0, 0, width, height}).size();
   const bool turns = std::exchange(controls_.requests.keep_framed, false);
   if (!framed_ || (!turns && views == framed_->views && covered == framed_->covered)) return;
-  const OrbitView now = controls_.kept_camera(), &then = framed_->camera;
+  const shots::OrbitView now = controls_.kept_camera(), &then = framed_->camera;
   // Turned, it still looks at the middle of what was framed.
   const bool stayed = length(now.target - then.target) < 1e-6 * then.distance && now.distance == then.distance;
   if (!stayed) return framed_.reset();
@@ -68,11 +68,11 @@ void Framing::look_at(const std::vector<float>& points, std::uint32_t width, std
     return size > taken ? size - taken : size;
   };
   const std::uint32_t free = without(height, covered.top, covered.bottom);
-  const Rectangle view =
+  const draw::Rectangle view =
       scene_.view_areas(controls_.settings, {0, 0, width, free}).front();  // the first of the picture
   const auto across = static_cast<float>(std::max(1u, without(view.width, covered.left, covered.right)));
   controls_.camera.frame(points, across / static_cast<float>(std::max(1u, free)),
                          static_cast<double>(free) / std::max(1u, height));
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::viewport

@@ -8,7 +8,7 @@
 #include "viewport/commands/controls.h"
 #include "viewport/scene/scene.h"
 
-namespace bodyopt {
+namespace bodyopt::viewport {
 
 // Pixels at the edges of a picture over which something stands.
 struct Covered {
@@ -40,7 +40,7 @@ class Framing {
   Controls& controls_;
   std::optional<Vec3> followed_;  // where the lead was in the last picture
   struct Framed {
-    OrbitView camera;  // as it is kept
+    shots::OrbitView camera;  // as it is kept
     std::size_t views;
     Covered covered;
     std::vector<float> points;  // V x 3, metres, as the camera is kept
@@ -48,4 +48,4 @@ class Framing {
   std::optional<Framed> framed_;  // by the last framing
 };
 
-}  // namespace bodyopt
+}  // namespace bodyopt::viewport

@@ -9,9 +9,9 @@
 #include "runtime/core/error.h"
 #include "viewport/picture_files.h"
 
-namespace bodyopt {
+namespace bodyopt::viewport {
 
-void ImagePlane::look(Controls& controls, std::vector<View>& views) {
+void ImagePlane::look(Controls& controls, std::vector<draw::View>& views) {
   const auto& [pattern, opacity] = controls.image_plane;
   std::string file;
   try {
@@ -21,8 +21,8 @@ void ImagePlane::look(Controls& controls, std::vector<View>& views) {
   }
   if (file != std::exchange(file_, file)) read(file, controls);
   if (!image_) return;
-  for (View& view : views) {
-    view.backdrop = Backdrop{{image_->view.get(), sampler_->get()}, aspect_, static_cast<float>(opacity)};
+  for (draw::View& view : views) {
+    view.backdrop = draw::Backdrop{{image_->view.get(), sampler_->get()}, aspect_, static_cast<float>(opacity)};
   }
 }
 
@@ -43,15 +43,15 @@ void ImagePlane::read(const std::string& file, Controls& controls) {
     return controls.warn(error.what());
   }
   try {
-    const Image image = decode_image(std::as_bytes(std::span(bytes)));
-    image_ = make_texture(*device_, image);
+    const draw::Image image = draw::decode_image(std::as_bytes(std::span(bytes)));
+    image_ = draw::make_texture(*device_, image);
     aspect_ = static_cast<float>(image.width) / static_cast<float>(image.height);
   } catch (const Error& error) {
     if (error.kind() == ErrorKind::device) throw;
     return controls.warn(file + ": " + error.what());
   }
   constexpr VkSamplerAddressMode kEdge = VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE;
-  if (!sampler_) sampler_ = make_sampler(*device_, {kEdge, kEdge});
+  if (!sampler_) sampler_ = draw::make_sampler(*device_, {kEdge, kEdge});
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::viewport

@@ -10,7 +10,7 @@
 #include "viewport/panels/snapshot.h"
 #include "viewport/scene/scene.h"
 
-namespace bodyopt {
+namespace bodyopt::viewport {
 
 class Matching {
  public:
@@ -40,4 +40,4 @@ class Matching {
   std::optional<std::string> looked_through_;  // the clip whose frames the row has
 };
 
-}  // namespace bodyopt
+}  // namespace bodyopt::viewport

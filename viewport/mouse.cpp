@@ -13,7 +13,7 @@
 #include "viewport/picking.h"
 #include "viewport/scene/turn_rings.h"
 
-namespace bodyopt {
+namespace bodyopt::viewport {
 namespace {
 
 constexpr double kGripped = 6;  // pixels
@@ -27,13 +27,13 @@ double angle_around(const std::array<double, 2>& middle, const std::array<float,
   return std::atan2(middle[1] - static_cast<double>(pixel[1]), static_cast<double>(pixel[0]) - middle[0]);
 }
 
-void turn_ring(const Scene& scene, const Rectangle& picture, const TurnRing& ring, const std::array<float, 2>& from,
-               const std::array<float, 2>& to, Controls& controls) {
+void turn_ring(const Scene& scene, const draw::Rectangle& picture, const TurnRing& ring,
+               const std::array<float, 2>& from, const std::array<float, 2>& to, Controls& controls) {
   const auto middle = pixel_of(scene, controls, picture, from[0], ring.centre);
   if (!middle) return;
   const double by = std::remainder(angle_around(*middle, to) - angle_around(*middle, from), 2 * std::numbers::pi);
-  const Camera camera = controls.camera.camera();
-  const bool is_towards = dot(ring.along, to_double(camera.eye) - ring.centre) > 0;
+  const draw::Camera camera = controls.camera.camera();
+  const bool is_towards = dot(ring.along, draw::to_double(camera.eye) - ring.centre) > 0;
   const double turned = std::clamp(ring.angle + (is_towards ? 1 : -1) * by * 180 / std::numbers::pi, ring.low,
                                    std::max(ring.low, ring.high));
   std::map<std::string, Vec3>& joints = controls.settings.pose.joints;
@@ -41,16 +41,16 @@ void turn_ring(const Scene& scene, const Rectangle& picture, const TurnRing& rin
   joints[controls.joint][ring.axis] = turned;
 }
 
-void move_pin(const Scene& scene, const Rectangle& picture, const std::array<float, 2>& to, Controls& controls) {
+void move_pin(const Scene& scene, const draw::Rectangle& picture, const std::array<float, 2>& to, Controls& controls) {
   Vec3& pin = controls.settings.pose.pins.at(controls.joint);
-  const Rectangle view = view_at(scene, controls, picture, to[0]);
+  const draw::Rectangle view = view_at(scene, controls, picture, to[0]);
   const double x = static_cast<double>(to[0]), y = static_cast<double>(to[1]);
   pin = moved_under_pixel(controls.camera.camera(), view, x, y, pin).value_or(pin);
 }
 
 // Moves the joint along the axis, as far as the mouse went along it in the picture.
-void move_along(const Scene& scene, const Rectangle& picture, const MoveArrow& arrow, const std::array<float, 2>& from,
-                const std::array<float, 2>& to, Controls& controls) {
+void move_along(const Scene& scene, const draw::Rectangle& picture, const MoveArrow& arrow,
+                const std::array<float, 2>& from, const std::array<float, 2>& to, Controls& controls) {
   const auto tail = pixel_of(scene, controls, picture, from[0], arrow.from),
              head = pixel_of(scene, controls, picture, from[0], arrow.to);
   if (!tail || !head) return;
@@ -64,10 +64,10 @@ void move_along(const Scene& scene, const Rectangle& picture, const MoveArrow& a
 }
 
 // Moves the joint with the mouse, at its own distance from the eye.
-void move_under_mouse(const Scene& scene, const Rectangle& picture, const Vec3& at, const std::array<float, 2>& from,
-                      const std::array<float, 2>& to, Controls& controls) {
+void move_under_mouse(const Scene& scene, const draw::Rectangle& picture, const Vec3& at,
+                      const std::array<float, 2>& from, const std::array<float, 2>& to, Controls& controls) {
   const auto point = [&](const std::array<float, 2>& pixel) {
-    const Rectangle view = view_at(scene, controls, picture, from[0]);
+    const draw::Rectangle view = view_at(scene, controls, picture, from[0]);
     return moved_under_pixel(controls.camera.camera(), view, static_cast<double>(pixel[0]),
                              static_cast<double>(pixel[1]), at);
   };
@@ -86,7 +86,7 @@ double apart_from_line(const std::array<double, 2>& a, const std::array<double, 
 }
 
 // Returns the grip of a joint that may move: itself, or an arrow beyond the rings.
-std::optional<Grip> move_grip_at(const Scene& scene, const Controls& controls, const Rectangle& picture, float x,
+std::optional<Grip> move_grip_at(const Scene& scene, const Controls& controls, const draw::Rectangle& picture, float x,
                                  float y) {
   constexpr double kShaft = 0.75;  // of the arrow: from there on nothing else is near
   for (const MoveArrow& arrow : move_arrows(scene, controls)) {
@@ -100,7 +100,8 @@ std::optional<Grip> move_grip_at(const Scene& scene, const Controls& controls, c
 }
 
 // Returns the grip under a pixel; none: nothing is there that can be dragged.
-std::optional<Grip> grip_at(const Scene& scene, const Controls& controls, const Rectangle& picture, float x, float y) {
+std::optional<Grip> grip_at(const Scene& scene, const Controls& controls, const draw::Rectangle& picture, float x,
+                            float y) {
   if (!controls.settings.look.skeleton || controls.joint.empty()) return std::nullopt;
   const auto pin = controls.settings.pose.pins.find(controls.joint);
   if (pin != controls.settings.pose.pins.end() &&
@@ -124,7 +125,7 @@ std::optional<Grip> grip_at(const Scene& scene, const Controls& controls, const 
 
 // Drags from one pixel to another: a ring turns by the angle around its middle. What is moved stays under the cursor,
 // along its arrow or as far away as it was.
-void drag_grip(const Scene& scene, const Rectangle& picture, const std::array<float, 2>& from,
+void drag_grip(const Scene& scene, const draw::Rectangle& picture, const std::array<float, 2>& from,
                const std::array<float, 2>& to, Controls& controls) {
   const auto [kind, axis] = *controls.grip;
   if (kind == Grip::Kind::pin) {
@@ -148,7 +149,7 @@ ImVec2 pixels_of(const ImVec2& points) { return {pixels_a_point() * points.x, pi
 ImVec2 mouse_at() { return pixels_of(ImGui::GetIO().MousePos); }
 
 // Marks a vertex of the lead first, then the same of the other.
-void mark(Scene& scene, const Rectangle& area, Controls& controls) {
+void mark(Scene& scene, const draw::Rectangle& area, Controls& controls) {
   const ImVec2 at = mouse_at();
   const std::optional<PickedVertex> picked = vertex_at(scene, controls, area, at.x, at.y);
   if (!picked) return;
@@ -163,7 +164,7 @@ void mark(Scene& scene, const Rectangle& area, Controls& controls) {
 }
 
 // Without joints in the picture, a click picks by the skin; from then on joints are shown.
-void pick(Scene& scene, const Rectangle& area, Controls& controls) {
+void pick(Scene& scene, const draw::Rectangle& area, Controls& controls) {
   if (controls.marking.on) return controls.attempt([&] { mark(scene, area, controls); });
   const ImVec2 at = mouse_at();
   bool& skeleton = controls.settings.look.skeleton;
@@ -191,7 +192,7 @@ std::optional<std::array<double, 2>> mouse_over_picture() {
   return mouse_pixel();
 }
 
-bool brush_by_mouse(Brushing& brushing, const Rectangle& area, Controls& controls) {
+bool brush_by_mouse(Brushing& brushing, const draw::Rectangle& area, Controls& controls) {
   const ImGuiIO& io = ImGui::GetIO();
   if (brushing.is_pressed()) {
     controls.attempt([&] { brushing.drag(area, mouse_pixel()); });
@@ -214,12 +215,12 @@ bool brush_by_mouse(Brushing& brushing, const Rectangle& area, Controls& control
   return brushes;
 }
 
-void draw_brush(const Brushing& brushing, const Scene& scene, const Rectangle& area, const Controls& controls) {
+void draw_brush(const Brushing& brushing, const Scene& scene, const draw::Rectangle& area, const Controls& controls) {
   constexpr int kSteps = 64;
   constexpr ImU32 kRing = IM_COL32(255, 180, 47, 230);
   const std::optional<BrushRing>& ring = brushing.ring();
   if (!ring || !controls.brush.kind) return;
-  const ViewAxes axes = view_axes(ring->normal);
+  const draw::ViewAxes axes = draw::view_axes(ring->normal);
   ImDrawList& list = *ImGui::GetBackgroundDrawList();
   for (int k = 0; k < kSteps; ++k) {
     const double angle = 2 * std::numbers::pi * k / kSteps;
@@ -232,7 +233,7 @@ void draw_brush(const Brushing& brushing, const Scene& scene, const Rectangle& a
   list.PathStroke(kRing, ImDrawFlags_Closed, 1.5f);
 }
 
-void steer_by_mouse(Scene& scene, const Rectangle& area, std::uint32_t height, Controls& controls) {
+void steer_by_mouse(Scene& scene, const draw::Rectangle& area, std::uint32_t height, Controls& controls) {
   const ImGuiIO& io = ImGui::GetIO();
   if (io.WantCaptureMouse) return;
   const double per_pixel = 3.2 / std::max(1u, height);  // half a turn across the window's height
@@ -260,4 +261,4 @@ void steer_by_mouse(Scene& scene, const Rectangle& area, std::uint32_t height, C
   if (ImGui::IsMouseReleased(0) && !dragged) pick(scene, area, controls);
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::viewport

@@ -10,18 +10,18 @@
 #include "viewport/commands/controls.h"
 #include "viewport/scene/scene.h"
 
-namespace bodyopt {
+namespace bodyopt::viewport {
 
 // Steers within a picture of panels, before they are drawn. `area`: of the characters; `height`: of the window; pixels.
-void steer_by_mouse(Scene& scene, const Rectangle& area, std::uint32_t height, Controls& controls);
+void steer_by_mouse(Scene& scene, const draw::Rectangle& area, std::uint32_t height, Controls& controls);
 
 // Returns the mouse's pixel over the picture; none: a panel has it, or it is nowhere.
 std::optional<std::array<double, 2>> mouse_over_picture();
 
 // Brushes with the left button on the skin, a brush in hand; true: nothing else is to hear of the mouse then.
-bool brush_by_mouse(Brushing& brushing, const Rectangle& area, Controls& controls);
+bool brush_by_mouse(Brushing& brushing, const draw::Rectangle& area, Controls& controls);
 
 // Draws the ring of the brush over the picture.
-void draw_brush(const Brushing& brushing, const Scene& scene, const Rectangle& area, const Controls& controls);
+void draw_brush(const Brushing& brushing, const Scene& scene, const draw::Rectangle& area, const Controls& controls);
 
-}  // namespace bodyopt
+}  // namespace bodyopt::viewport

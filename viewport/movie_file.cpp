@@ -8,11 +8,11 @@
 #include "runtime/core/error.h"
 #include "runtime/core/text.h"
 
-namespace bodyopt {
+namespace bodyopt::viewport {
 namespace {
 
 // ffmpeg takes what it would for an MP4: H.264, or else MPEG-4, each by its own measure as good as it looks.
-std::vector<std::string> encode(const Image& frame, const MovieFile::Plan& plan, const std::string& file) {
+std::vector<std::string> encode(const draw::Image& frame, const MovieFile::Plan& plan, const std::string& file) {
   const auto number = [](double value) { return formatted("%.9g", value); };
   const std::string size = std::to_string(frame.width) + "x" + std::to_string(frame.height);
   std::vector<std::string> words = {"ffmpeg", "-nostdin", "-loglevel", "error", "-xerror", "-y"};
@@ -30,7 +30,7 @@ std::vector<std::string> encode(const Image& frame, const MovieFile::Plan& plan,
 
 }  // namespace
 
-void MovieFile::add(const Image& frame) {
+void MovieFile::add(const draw::Image& frame) {
   if (!encoder_) {
     try {
       encoder_.emplace(encode(frame, plan_, file_.temporary().string()));
@@ -54,4 +54,4 @@ void MovieFile::end_encoder() {
   throw Error(ErrorKind::file, path_.string() + ": ffmpeg could not write it (is the disk full?): " + problem);
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::viewport

@@ -10,7 +10,7 @@
 #include "draw/png.h"
 #include "runtime/core/atomic_file.h"
 
-namespace bodyopt {
+namespace bodyopt::viewport {
 
 // A file that is there whole or not at all, as AtomicFile. Sides that are odd lose a pixel, as its colours need pairs.
 class MovieFile {
@@ -25,7 +25,7 @@ class MovieFile {
   MovieFile(const std::filesystem::path& path, Plan plan) : path_(path), plan_(std::move(plan)), file_(path) {}
 
   // Frames have one size. Throw Error(usage) where there is no ffmpeg, Error(file) with its reason where it fails.
-  void add(const Image& frame);
+  void add(const draw::Image& frame);
   void finish();
 
  private:
@@ -37,4 +37,4 @@ class MovieFile {
   std::optional<ChildProgram> encoder_;  // from the first frame on
 };
 
-}  // namespace bodyopt
+}  // namespace bodyopt::viewport

@@ -18,7 +18,7 @@
 #include "viewport/mouse.h"
 #include "viewport/panels/panels.h"
 
-namespace bodyopt {
+namespace bodyopt::viewport {
 namespace {
 
 double resident_mib() {
@@ -32,7 +32,7 @@ std::uint32_t in_points(std::uint32_t pixels, float scale) {
   return static_cast<std::uint32_t>(std::lround(static_cast<float>(pixels) / scale));
 }
 
-Rectangle in_pixels(const Rectangle& points, float scale) {
+draw::Rectangle in_pixels(const draw::Rectangle& points, float scale) {
   const auto pixels = [&](auto length) { return std::lround(static_cast<float>(length) * scale); };
   return {static_cast<std::int32_t>(pixels(points.x)), static_cast<std::int32_t>(pixels(points.y)),
           static_cast<std::uint32_t>(pixels(points.width)), static_cast<std::uint32_t>(pixels(points.height))};
@@ -71,7 +71,7 @@ bool Painter::is_busy() const {
   return controls_.playback.playing() || ImGui::IsMouseDown(0) || ImGui::IsMouseDown(1) || ImGui::IsMouseDown(2);
 }
 
-void Painter::draw(const PictureSize& size, Edges edges, double passed) {
+void Painter::draw(const PictureSize& size, draw::Edges edges, double passed) {
   const Clock::time_point start = Clock::now();
   controls_.follow_keys();
   session_.warn_of_truth_times();
@@ -86,7 +86,7 @@ void Painter::draw(const PictureSize& size, Edges edges, double passed) {
   controls_.follow_keys();
   choose_level();
   // Panels stay where drawing fails: they can undo what was set.
-  std::vector<View> views;
+  std::vector<draw::View> views;
   drawn_ = false;
   controls_.attempt([&] {
     views = scene_.look(controls_, area_);
@@ -150,8 +150,9 @@ void Painter::choose_heat() {
 // While it plays, a level of detail that keeps up; but the finest, where what is looked at is of that alone. Of all but
 // the lead one as coarse as their size in the picture allows.
 void Painter::choose_level() {
-  const ViewSettings& s = controls_.settings;
-  const bool all_finest = s.compare.with != CompareWith::none || s.look.tets, matched = snapshot_.match.has_value();
+  const shots::ViewSettings& s = controls_.settings;
+  const bool all_finest = s.compare.with != shots::CompareWith::none || s.look.tets,
+             matched = snapshot_.match.has_value();
   const bool lead_finest = all_finest || matched || (s.jiggle.on && scene_.lead().has_at_finest(SkinMethod::jiggle));
   // The most levels of any; characters with fewer show their coarsest.
   const std::size_t most_levels =
@@ -181,18 +182,18 @@ void Painter::describe_time(Clock::time_point start) {
   snapshot_.memory_mib = resident_mib();
 }
 
-Image Painter::draw_still(const PictureSize& size) {
+draw::Image Painter::draw_still(const PictureSize& size) {
   std::vector<Message> messages = std::exchange(controls_.messages, {});
   controls_.attempt([&] { errors_.measure_shown_frame(); });
-  draw(size, Edges::smooth);
+  draw(size, draw::Edges::smooth);
   std::swap(controls_.messages, messages);
   std::ranges::move(messages, std::back_inserter(controls_.messages));
   if (!drawn_) throw Error(ErrorKind::usage, "no picture was taken of what cannot be drawn");
   return canvas_.picture();
 }
 
-Image Painter::draw_portrait(const ViewSettings::PoseKey& pose) {
-  canvas_.draw(scene_.portrait(pose, controls_, kPosePicture), kPosePicture, kPosePicture, Edges::smooth);
+draw::Image Painter::draw_portrait(const shots::ViewSettings::PoseKey& pose) {
+  canvas_.draw(scene_.portrait(pose, controls_, kPosePicture), kPosePicture, kPosePicture, draw::Edges::smooth);
   return canvas_.picture();
 }
 
@@ -204,7 +205,7 @@ void Painter::show_message(const std::string& text) {
   if (!screen_ || is_minimised()) return;
   const std::vector<Message> messages = controls_.messages;
   controls_.say(text);
-  for (int k = 0; k < 2; ++k) draw(size(), Edges::quick);  // panels take their sizes from the first
+  for (int k = 0; k < 2; ++k) draw(size(), draw::Edges::quick);  // panels take their sizes from the first
   controls_.messages = messages;
   show();
 }
@@ -219,8 +220,8 @@ void Painter::show_loading(const std::string& file) {
   gui_.begin(width, height, 0, scale());
   draw_loading(text);
   gui_.end();
-  canvas_.draw({}, width, height, Edges::smooth, [this](VkCommandBuffer commands) { gui_.record(commands); });
+  canvas_.draw({}, width, height, draw::Edges::smooth, [this](VkCommandBuffer commands) { gui_.record(commands); });
   show();
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::viewport

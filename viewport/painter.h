@@ -13,7 +13,7 @@
 #include "viewport/platform/screen.h"
 #include "viewport/session.h"
 
-namespace bodyopt {
+namespace bodyopt::viewport {
 
 using PictureSize = std::array<std::uint32_t, 2>;  // width, height, pixels
 
@@ -29,15 +29,15 @@ class Painter {
   // The screen's size, in its proportions where it is larger than pictures can be; 0 while it is minimised.
   PictureSize size() const;
   // `passed`: seconds since the picture before, for panels. What cannot be drawn leaves the panels alone, and is said.
-  void draw(const PictureSize& size, Edges edges, double passed = 0);
-  const Rectangle& area() const { return area_; }  // of the characters in the last picture
+  void draw(const PictureSize& size, draw::Edges edges, double passed = 0);
+  const draw::Rectangle& area() const { return area_; }  // of the characters in the last picture
   // The screen's edges: while something moves on a software device, with a sample a pixel.
-  Edges edges() const { return is_software_ && is_busy() ? Edges::quick : Edges::smooth; }
+  draw::Edges edges() const { return is_software_ && is_busy() ? draw::Edges::quick : draw::Edges::smooth; }
   void show() { screen_->show(canvas_); }
   // Drawn once more, at its best, and without messages. Throws Error(usage) for what cannot be drawn.
-  Image draw_still(const PictureSize& size);
+  draw::Image draw_still(const PictureSize& size);
   // The lead alone in a pose; the screen's picture is to be drawn anew.
-  Image draw_portrait(const ViewSettings::PoseKey& pose);
+  draw::Image draw_portrait(const shots::ViewSettings::PoseKey& pose);
   // Panels take their sizes from the picture before.
   void settle();
 
@@ -70,14 +70,14 @@ class Painter {
   ErrorMeasuring& errors_;
   Screen* const screen_;
   const PictureSize size_;
-  Canvas canvas_;
+  draw::Canvas canvas_;
   Gui gui_;
   HeatScale heat_;
   DetailChoice detail_;
-  Rectangle area_;                 // of the characters in the last picture
+  draw::Rectangle area_;           // of the characters in the last picture
   std::uint64_t shown_poses_ = 0;  // version of the library whose pictures panels have
   bool drawn_ = false;             // the characters, in the last picture
   Clock::time_point last_picture_ = Clock::now();
 };
 
-}  // namespace bodyopt
+}  // namespace bodyopt::viewport

@@ -7,12 +7,12 @@
 #include "draw/camera.h"
 #include "runtime/basis/output_order.h"
 
-namespace bodyopt {
+namespace bodyopt::viewport {
 namespace {
 
 constexpr double kPickRadius = 14;  // pixels
 
-double aspect_of(const Rectangle& area) { return static_cast<double>(area.width) / std::max(1u, area.height); }
+double aspect_of(const draw::Rectangle& area) { return static_cast<double>(area.width) / std::max(1u, area.height); }
 
 Vec3 vertex(std::span<const float> vertices, std::uint32_t index) {
   const float* at = vertices.data() + std::size_t{3} * index;
@@ -32,17 +32,17 @@ std::optional<std::array<double, 3>> hit(const Ray& ray, const Vec3& a, const Ve
 
 }  // namespace
 
-Rectangle view_at(const Scene& scene, const Controls& controls, const Rectangle& picture, float x) {
-  const std::vector<Rectangle> views = scene.view_areas(controls.settings, picture);
+draw::Rectangle view_at(const Scene& scene, const Controls& controls, const draw::Rectangle& picture, float x) {
+  const std::vector<draw::Rectangle> views = scene.view_areas(controls.settings, picture);
   return x < static_cast<float>(views.back().x) ? views.front() : views.back();
 }
 
-std::optional<std::array<double, 2>> pixel_of(const Scene& scene, const Controls& controls, const Rectangle& picture,
-                                              float x, const Vec3& point) {
-  const Rectangle area = view_at(scene, controls, picture, x);
-  const Camera camera = controls.camera.camera();
-  const auto rows = view_matrix(camera);
-  const auto scale = projection(camera, {0, 1}, aspect_of(area));
+std::optional<std::array<double, 2>> pixel_of(const Scene& scene, const Controls& controls,
+                                              const draw::Rectangle& picture, float x, const Vec3& point) {
+  const draw::Rectangle area = view_at(scene, controls, picture, x);
+  const draw::Camera camera = controls.camera.camera();
+  const auto rows = draw::view_matrix(camera);
+  const auto scale = draw::projection(camera, {0, 1}, aspect_of(area));
   double at[3];
   for (std::size_t r = 0; r < 3; ++r) {
     at[r] = static_cast<double>(rows[r][3]);
@@ -54,7 +54,7 @@ std::optional<std::array<double, 2>> pixel_of(const Scene& scene, const Controls
                     area.y + 0.5 * area.height * (1 - static_cast<double>(scale[1]) * at[1] / w)};
 }
 
-std::string joint_at(const Scene& scene, const Controls& controls, const Rectangle& picture, float x, float y) {
+std::string joint_at(const Scene& scene, const Controls& controls, const draw::Rectangle& picture, float x, float y) {
   const std::vector<Vec3> centres = scene.joint_centres(controls);
   double nearest = kPickRadius;
   std::string joint;
@@ -69,7 +69,8 @@ std::string joint_at(const Scene& scene, const Controls& controls, const Rectang
   return joint;
 }
 
-std::string joint_under_skin_at(Scene& scene, const Controls& controls, const Rectangle& picture, float x, float y) {
+std::string joint_under_skin_at(Scene& scene, const Controls& controls, const draw::Rectangle& picture, float x,
+                                float y) {
   const Ray ray = ray_through(controls.camera.camera(), view_at(scene, controls, picture, x), static_cast<double>(x),
                               static_cast<double>(y));
   const MeshTable& mesh = scene.lead().finest_basis().mesh;
@@ -81,7 +82,7 @@ std::string joint_under_skin_at(Scene& scene, const Controls& controls, const Re
   return scene.lead().basis().skeleton.joints[static_cast<std::size_t>(nearest - centres.begin())].name;
 }
 
-std::optional<PickedVertex> vertex_at(Scene& scene, const Controls& controls, const Rectangle& picture, float x,
+std::optional<PickedVertex> vertex_at(Scene& scene, const Controls& controls, const draw::Rectangle& picture, float x,
                                       float y) {
   const Ray ray = ray_through(controls.camera.camera(), view_at(scene, controls, picture, x), static_cast<double>(x),
                               static_cast<double>(y));
@@ -100,21 +101,21 @@ std::optional<PickedVertex> vertex_at(Scene& scene, const Controls& controls, co
   return picked;
 }
 
-Ray ray_through(const Camera& camera, const Rectangle& area, double x, double y) {
-  const Vec3 eye = to_double(camera.eye);
-  const ViewAxes axes = view_axes(camera);
-  const auto scale = projection(camera, {0, 1}, aspect_of(area));
+Ray ray_through(const draw::Camera& camera, const draw::Rectangle& area, double x, double y) {
+  const Vec3 eye = draw::to_double(camera.eye);
+  const draw::ViewAxes axes = draw::view_axes(camera);
+  const auto scale = draw::projection(camera, {0, 1}, aspect_of(area));
   const double right = (2 * (x - area.x) / std::max(1u, area.width) - 1) / static_cast<double>(scale[0]);
   const double up = (1 - 2 * (y - area.y) / std::max(1u, area.height)) / static_cast<double>(scale[1]);
   const Vec3 across = right * axes.right + up * axes.up;
-  const double cut = camera.cut_away ? distance_to_target(camera) : 0;
+  const double cut = camera.cut_away ? draw::distance_to_target(camera) : 0;
   if (camera.orthographic_height > 0) return {eye + across, -1 * axes.back, camera.cut_away ? cut : -1e30};
   return {eye, across - axes.back, cut};
 }
 
-std::optional<Vec3> moved_under_pixel(const Camera& camera, const Rectangle& area, double x, double y,
+std::optional<Vec3> moved_under_pixel(const draw::Camera& camera, const draw::Rectangle& area, double x, double y,
                                       const Vec3& point) {
-  const Vec3 towards = to_double(camera.eye) - to_double(camera.target);
+  const Vec3 towards = draw::to_double(camera.eye) - draw::to_double(camera.target);
   const Ray ray = ray_through(camera, area, x, y);
   const double slope = dot(ray.along, towards);
   if (slope == 0) return std::nullopt;
@@ -139,4 +140,4 @@ std::optional<RayHit> first_hit(const Ray& ray, std::span<const float> vertices,
   return RayHit{ray.from + along * ray.along, towards / length(across) * across, where / 3, {1 - b - c, b, c}};
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::viewport

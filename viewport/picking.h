@@ -10,21 +10,22 @@
 #include "viewport/commands/controls.h"
 #include "viewport/scene/scene.h"
 
-namespace bodyopt {
+namespace bodyopt::viewport {
 
 // Returns the pixel at which the view of the picture at `x` shows a point of the world; none: behind the eye.
-std::optional<std::array<double, 2>> pixel_of(const Scene& scene, const Controls& controls, const Rectangle& picture,
-                                              float x, const Vec3& point);
+std::optional<std::array<double, 2>> pixel_of(const Scene& scene, const Controls& controls,
+                                              const draw::Rectangle& picture, float x, const Vec3& point);
 
 // The area of the view of the picture that is at `x`.
-Rectangle view_at(const Scene& scene, const Controls& controls, const Rectangle& picture, float x);
+draw::Rectangle view_at(const Scene& scene, const Controls& controls, const draw::Rectangle& picture, float x);
 
 // The joint whose centre is seen nearest to (x, y), in the view that is there; "": none is near.
-std::string joint_at(const Scene& scene, const Controls& controls, const Rectangle& picture, float x, float y);
+std::string joint_at(const Scene& scene, const Controls& controls, const draw::Rectangle& picture, float x, float y);
 
 // The joint that is nearest to where the skin is seen at (x, y); "": no skin is there. Jiggle is left out. Throws as
 // Actor::measure().
-std::string joint_under_skin_at(Scene& scene, const Controls& controls, const Rectangle& picture, float x, float y);
+std::string joint_under_skin_at(Scene& scene, const Controls& controls, const draw::Rectangle& picture, float x,
+                                float y);
 
 // A vertex of one of the cast, as its file has it.
 struct PickedVertex {
@@ -32,7 +33,7 @@ struct PickedVertex {
   std::uint32_t vertex;
 };
 // Returns the vertex, of the lead or the second of the cast, nearest to the skin at (x, y); none: no skin is there.
-std::optional<PickedVertex> vertex_at(Scene& scene, const Controls& controls, const Rectangle& picture, float x,
+std::optional<PickedVertex> vertex_at(Scene& scene, const Controls& controls, const draw::Rectangle& picture, float x,
                                       float y);
 
 // A point is from + t along.
@@ -42,10 +43,10 @@ struct Ray {
 };
 
 // Returns the ray through a pixel of the area that the camera fills.
-Ray ray_through(const Camera& camera, const Rectangle& area, double x, double y);
+Ray ray_through(const draw::Camera& camera, const draw::Rectangle& area, double x, double y);
 
 // Moves a point to where a pixel of that area shows it, as far from the eye as it was; none: nowhere.
-std::optional<Vec3> moved_under_pixel(const Camera& camera, const Rectangle& area, double x, double y,
+std::optional<Vec3> moved_under_pixel(const draw::Camera& camera, const draw::Rectangle& area, double x, double y,
                                       const Vec3& point);
 
 struct RayHit {
@@ -58,4 +59,4 @@ struct RayHit {
 std::optional<RayHit> first_hit(const Ray& ray, std::span<const float> vertices,
                                 std::span<const std::uint32_t> triangles);
 
-}  // namespace bodyopt
+}  // namespace bodyopt::viewport

@@ -16,7 +16,7 @@
 #include "runtime/core/error.h"
 #include "runtime/threads/tbb_executor.h"
 
-namespace bodyopt {
+namespace bodyopt::viewport {
 namespace {
 
 namespace fs = std::filesystem;
@@ -108,7 +108,7 @@ void require_picture_name(const std::string& file, bool may_move) {
 void write_screenshot(const std::string& file, const DrawPicture& draw, Controls& controls) {
   const std::string name = file.empty() ? free_name() : file;
   require_picture_name(name, false);
-  write_png(draw(), name);
+  draw::write_png(draw(), name);
   controls.say("wrote " + name);
 }
 
@@ -117,7 +117,7 @@ PictureSeries::PictureSeries(Plan plan, Controls& controls)
   if (!(plan_.milliseconds > 0)) return;
   if (lower_case_extension(plan_.pattern) == kMovie) {
     const double fps = 1e3 / plan_.milliseconds;
-    const SoundFile& sound = controls.sound;
+    const shots::SoundFile& sound = controls.sound;
     const bool fits = controls.playback.speed() == 1;
     if (!fits && !sound.file.empty()) controls.warn(plan_.pattern + ": is without its sound, at another speed");
     movie_.emplace(plan_.pattern,
@@ -131,7 +131,7 @@ PictureSeries::~PictureSeries() { plan_.put_back(); }
 
 bool PictureSeries::make_next(const DrawPicture& draw) {
   plan_.place(made_);
-  Image picture = draw();
+  draw::Image picture = draw();
   if (animation_) {
     animation_->add(picture);
   } else if (movie_) {
@@ -160,9 +160,9 @@ void PictureSeries::take_writer() {
   writer.get();
 }
 
-void PictureSeries::write(Image picture, fs::path file) {
-  writers_.push_back(std::async(std::launch::async,
-                                [picture = std::move(picture), file = std::move(file)] { write_png(picture, file); }));
+void PictureSeries::write(draw::Image picture, fs::path file) {
+  writers_.push_back(std::async(
+      std::launch::async, [picture = std::move(picture), file = std::move(file)] { draw::write_png(picture, file); }));
   if (writers_.size() > thread_count()) take_writer();
 }
 
@@ -222,11 +222,11 @@ void PictureTaking::take_sequence(const std::string& pattern) {
 void PictureTaking::take_turntable(const std::string& pattern) { make(turntable_series(pattern, session_.controls)); }
 
 // Draws a picture without a window. Tells each joint once, where it first misses its pin.
-Image PictureTaking::draw_and_tell(std::set<std::string>& told) {
-  Image picture = painter_.draw_still(painter_.size());
-  for (const MissedPin& pin : session_.snapshot.missed_pins) {
+draw::Image PictureTaking::draw_and_tell(std::set<std::string>& told) {
+  draw::Image picture = painter_.draw_still(painter_.size());
+  for (const shots::MissedPin& pin : session_.snapshot.missed_pins) {
     if (!told.insert(pin.joint).second) continue;
-    session_.controls.warn("frame " + std::to_string(session_.controls.playback.frame()) + ": " + describe(pin));
+    session_.controls.warn("frame " + std::to_string(session_.controls.playback.frame()) + ": " + shots::describe(pin));
   }
   return picture;
 }
@@ -265,7 +265,7 @@ void PictureTaking::show_progress() {
                         " pictures: Escape stops");
 }
 
-Image PictureTaking::draw_playblast() {
+draw::Image PictureTaking::draw_playblast() {
   Controls& controls = session_.controls;
   bool* const shown[] = {&controls.panels, &controls.settings.hud.on, &controls.cheat_sheet, &controls.prompt,
                          &controls.asks_to_save};
@@ -279,4 +279,4 @@ Image PictureTaking::draw_playblast() {
   return painter_.draw_still(series_size_);
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::viewport

@@ -16,7 +16,7 @@
 #include "viewport/movie_file.h"
 #include "viewport/painter.h"
 
-namespace bodyopt {
+namespace bodyopt::viewport {
 
 // A file name with a place for the frame: `img.####.png` (as many digits at least as there are #) or `img.%04d.png`.
 // Both write a minus before the digits and count it among them.
@@ -34,7 +34,7 @@ class FrameSequenceName {
   std::size_t digits_ = 0;      // 0: no place
 };
 
-using DrawPicture = std::function<Image()>;  // of what the controls say
+using DrawPicture = std::function<draw::Image()>;  // of what the controls say
 
 // These say in a message what was written, and throw Error(file), Error(usage) for a bad pattern, Error(interrupted).
 
@@ -75,13 +75,13 @@ class PictureSeries {
   bool is_one_file() const { return animation_ || movie_; }  // which is there when the last picture is
 
  private:
-  void write(Image picture, std::filesystem::path file);
+  void write(draw::Image picture, std::filesystem::path file);
   void take_writer();  // waits for the oldest
 
   const Plan plan_;
   const FrameSequenceName name_;
   Controls& controls_;
-  std::optional<AnimationEncoder> animation_;
+  std::optional<draw::AnimationEncoder> animation_;
   std::optional<MovieFile> movie_;
   std::size_t made_ = 0;
   std::deque<std::future<void>> writers_;  // of the last pictures; each is waited for where it goes
@@ -121,8 +121,8 @@ class PictureTaking {
 
  private:
   void make(std::unique_ptr<PictureSeries> series);
-  Image draw_and_tell(std::set<std::string>& told);
-  Image draw_playblast();
+  draw::Image draw_and_tell(std::set<std::string>& told);
+  draw::Image draw_playblast();
 
   Painter& painter_;
   Session& session_;
@@ -131,4 +131,4 @@ class PictureTaking {
   bool stops_ = false;
 };
 
-}  // namespace bodyopt
+}  // namespace bodyopt::viewport

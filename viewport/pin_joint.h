@@ -4,9 +4,9 @@
 #include "viewport/commands/controls.h"
 #include "viewport/scene/scene.h"
 
-namespace bodyopt {
+namespace bodyopt::viewport {
 
 // Holds the end of a limb of the lead, where it is or at a point. Throws Error(usage) where two joints above it lack.
 void pin_joint(const PinRequest& request, const Scene& scene, Controls& controls);
 
-}  // namespace bodyopt
+}  // namespace bodyopt::viewport

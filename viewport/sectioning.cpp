@@ -19,15 +19,15 @@
 #include "trainer/simulate/simulate.h"
 #include "viewport/picking.h"
 
-namespace bodyopt {
+namespace bodyopt::viewport {
 
 struct Anatomy {
   Character character;
   std::vector<Muscle> muscles;
-  AnatomyField field;
-  TissueColours colours;
+  trainer::AnatomyField field;
+  trainer::TissueColours colours;
 
-  Anatomy(Character whose, std::vector<Muscle> its, const AnatomyOptions& options)
+  Anatomy(Character whose, std::vector<Muscle> its, const trainer::AnatomyOptions& options)
       : character(std::move(whose)), muscles(std::move(its)), field(character, muscles, options), colours(muscles) {}
 };
 
@@ -37,32 +37,32 @@ constexpr int kFine = 700, kCoarse = 220;  // pixels to the longer side of the s
 
 Eigen::Vector3d eigen(const Vec3& v) { return {v[0], v[1], v[2]}; }
 
-CutOpenSkin::Part upload_soup(const vulkan::Device& device, const Soup& soup) {
+CutOpenSkin::Part upload_soup(const vulkan::Device& device, const draw::Soup& soup) {
   if (soup.triangles.empty()) return {};
   return {vulkan::upload(device, soup.positions, "a cut skin"), vulkan::upload(device, soup.normals, "a cut skin"),
           vulkan::upload(device, soup.colours, "a cut skin"), vulkan::upload(device, soup.triangles, "a cut skin"),
           static_cast<std::uint32_t>(soup.triangles.size() / 3)};
 }
 
-std::vector<Muscle> muscles_of(const ActorFiles& files, const Skeleton& skeleton) {
+std::vector<Muscle> muscles_of(const shots::ActorFiles& files, const Skeleton& skeleton) {
   if (!files.muscles.empty()) return read_muscles(files.muscles, skeleton);
-  return files.basis.empty() ? build_arm().muscles : std::vector<Muscle>();
+  return files.basis.empty() ? trainer::build_arm().muscles : std::vector<Muscle>();
 }
 
 // "other lean"
-std::string spoken(TissueKind kind) {
-  std::string name = name_of(kind);
+std::string spoken(trainer::TissueKind kind) {
+  std::string name = trainer::name_of(kind);
   std::ranges::replace(name, '_', ' ');
   return name;
 }
 
 // Options are those by which the dataset's shapes were simulated, where one is looked at.
-AnatomyOptions options_of(const ActorFiles& files, const Skeleton& skeleton) {
-  const bool is_of_dataset = files.clip == files.truth && is_dataset(files.truth);
-  return is_of_dataset ? anatomy_options(read_dataset(files.truth), skeleton) : AnatomyOptions();
+trainer::AnatomyOptions options_of(const shots::ActorFiles& files, const Skeleton& skeleton) {
+  const bool is_of_dataset = files.clip == files.truth && trainer::is_dataset(files.truth);
+  return is_of_dataset ? trainer::anatomy_options(read_dataset(files.truth), skeleton) : trainer::AnatomyOptions();
 }
 
-std::string files_key(const ActorFiles& files) {
+std::string files_key(const shots::ActorFiles& files) {
   return files.basis + "\n" + files.character + "\n" + files.muscles + "\n" + files.truth;
 }
 
@@ -71,16 +71,17 @@ bool is_ready(const std::shared_future<std::shared_ptr<const Anatomy>>& found) {
 }
 
 // Makes a plane across an axis of the world, seen from the camera's side, as large as the skin.
-SectionPlane plane_across(const Positions& skin, int axis, double at, bool from_above, int pixels) {
+trainer::SectionPlane plane_across(const Positions& skin, int axis, double at, bool from_above, int pixels) {
   const Eigen::Vector3d low = skin.colwise().minCoeff(), high = skin.colwise().maxCoeff();
   Vec3 normal{};
   normal[static_cast<std::size_t>(axis)] = from_above ? 1 : -1;
-  const ViewAxes axes = view_axes(normal);
+  const draw::ViewAxes axes = draw::view_axes(normal);
   Eigen::Vector3d middle = 0.5 * (low + high);
   middle[axis] = std::lerp(low[axis], high[axis], at);
   const auto side = [&](const Vec3& along) { return eigen(along).cwiseAbs().dot(high - low); };
   const std::array<double, 2> sides{side(axes.right), side(axes.up)};
-  return plane_around(middle, eigen(axes.right), -eigen(axes.up), sides, std::max({sides[0], sides[1], 1e-6}) / pixels);
+  return trainer::plane_around(middle, eigen(axes.right), -eigen(axes.up), sides,
+                               std::max({sides[0], sides[1], 1e-6}) / pixels);
 }
 
 }  // namespace
@@ -97,7 +98,7 @@ bool Sectioning::Shown::operator==(const Shown& other) const {
 
 Sectioning::Found& Sectioning::find() {
   const Actor& lead = scene_.lead();
-  const ActorFiles& files = lead.files();
+  const shots::ActorFiles& files = lead.files();
   const std::string key = files_key(files);
   if (const auto known = fields_.find(key); known != fields_.end()) return known->second;
   if (!lead.character()) {
@@ -144,8 +145,8 @@ void Sectioning::look(bool coarse) {
 }
 
 Sectioning::Shown Sectioning::wanted(std::shared_ptr<const Anatomy> anatomy, bool coarse) const {
-  const ViewSettings::Look& look = controls_.settings.look;
-  const Camera camera = controls_.camera.camera();
+  const shots::ViewSettings::Look& look = controls_.settings.look;
+  const draw::Camera camera = controls_.camera.camera();
   const auto axis = static_cast<std::size_t>(look.anatomy_axis);
   return {std::move(anatomy),
           {scene_.lead_pose(controls_)},
@@ -162,16 +163,18 @@ void Sectioning::cut() {
   const std::vector<Affine> skinning = skinning_matrices(anatomy.character.skeleton, shown_->pose.front().joints);
   plane_ = plane_across(skin, static_cast<int>(shown_->axis), shown_->at, shown_->from_above,
                         shown_->coarse ? kCoarse : kFine);
-  const RestPoints rest = rest_points(plane_, PosedBody{anatomy.character, skin, skinning});
-  section_ = section_of(plane_, rest, [&](const Eigen::Vector3d& point) { return anatomy.field.tissue_at(point); });
+  const trainer::RestPoints rest = trainer::rest_points(plane_, trainer::PosedBody{anatomy.character, skin, skinning});
+  section_ =
+      trainer::section_of(plane_, rest, [&](const Eigen::Vector3d& point) { return anatomy.field.tissue_at(point); });
 
   const std::vector<float> points = floats_of(skin);
   const Triangles& own = anatomy.character.triangles;
   const std::span<const std::uint32_t> triangles(own.data(), static_cast<std::size_t>(own.size()));
   const Eigen::Vector3d out = plane_.down.cross(plane_.right), at = plane_.corner;
-  const Soup behind = cut_surface(points, smooth_normals(triangles, points), triangles, kClayColour,
-                                  {{at.x(), at.y(), at.z()}, {out.x(), out.y(), out.z()}});
-  const Soup face = standing_section(plane_, anatomy.colours.picture(section_));
+  const draw::Soup behind =
+      draw::cut_surface(points, report::smooth_normals(triangles, points), triangles, draw::kClayColour,
+                        {{at.x(), at.y(), at.z()}, {out.x(), out.y(), out.z()}});
+  const draw::Soup face = report::standing_section(plane_, anatomy.colours.picture(section_));
   scene_.show_cut_open(CutOpenSkin{upload_soup(*device_, behind), upload_soup(*device_, face)});
 }
 
@@ -188,27 +191,27 @@ void Sectioning::forget() {
   scene_.show_cut_open(std::nullopt);
 }
 
-std::string Sectioning::name_of(const TissueAt& tissue) const {
+std::string Sectioning::name_of(const trainer::TissueAt& tissue) const {
   const Anatomy& anatomy = *shown_->anatomy;
   const auto muscle = [&] { return anatomy.muscles[static_cast<std::size_t>(tissue.muscle)].name; };
   switch (tissue.kind) {
-    case TissueKind::outside:
+    case trainer::TissueKind::outside:
       return "";
-    case TissueKind::bone:
+    case trainer::TissueKind::bone:
       return tissue.joint < 0
                  ? "bone"
                  : "bone of " + anatomy.character.skeleton.joints[static_cast<std::size_t>(tissue.joint)].name;
-    case TissueKind::muscle:
+    case trainer::TissueKind::muscle:
       return muscle();
-    case TissueKind::tendon:
+    case trainer::TissueKind::tendon:
       return "tendon of " + muscle();
     default:
       return spoken(tissue.kind);
   }
 }
 
-std::string Sectioning::tissue_under(const Rectangle& area, const std::array<double, 2>& mouse) const {
-  const Rectangle view = view_at(scene_, controls_, area, static_cast<float>(mouse[0]));
+std::string Sectioning::tissue_under(const draw::Rectangle& area, const std::array<double, 2>& mouse) const {
+  const draw::Rectangle view = view_at(scene_, controls_, area, static_cast<float>(mouse[0]));
   const Ray ray = ray_through(controls_.camera.camera(), view, mouse[0], mouse[1]);
   const Eigen::Vector3d out = plane_.down.cross(plane_.right);
   const double along = out.dot(eigen(ray.along)), t = out.dot(plane_.corner - eigen(ray.from)) / along;
@@ -219,7 +222,7 @@ std::string Sectioning::tissue_under(const Rectangle& area, const std::array<dou
   return name_of(section_.tissue[static_cast<std::size_t>(static_cast<int>(y) * plane_.width + static_cast<int>(x))]);
 }
 
-void Sectioning::describe(const Rectangle& area, const std::optional<std::array<double, 2>>& mouse,
+void Sectioning::describe(const draw::Rectangle& area, const std::optional<std::array<double, 2>>& mouse,
                           Snapshot& snapshot) const {
   snapshot.has_character = !scene_.empty() && scene_.lead().character();
   snapshot.section.reset();
@@ -227,11 +230,12 @@ void Sectioning::describe(const Rectangle& area, const std::optional<std::array<
   SectionRow& row = snapshot.section.emplace();
   row.is_ready = shown_.has_value();
   if (!shown_) return;
-  for (const TissueKind kind :
-       {TissueKind::bone, TissueKind::fat, TissueKind::cavity, TissueKind::tendon, TissueKind::other_lean}) {
+  for (const trainer::TissueKind kind :
+       {trainer::TissueKind::bone, trainer::TissueKind::fat, trainer::TissueKind::cavity, trainer::TissueKind::tendon,
+        trainer::TissueKind::other_lean}) {
     row.tissues.push_back({spoken(kind), shown_->anatomy->colours.of({kind})});
   }
   if (mouse) row.under_mouse = tissue_under(area, *mouse);
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::viewport

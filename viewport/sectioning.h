@@ -14,7 +14,7 @@
 #include "viewport/panels/snapshot.h"
 #include "viewport/scene/scene.h"
 
-namespace bodyopt {
+namespace bodyopt::viewport {
 
 struct Anatomy;  // a character, its muscles and its field
 
@@ -34,7 +34,8 @@ class Sectioning {
   void forget();  // the cast's files have changed
 
   // mouse: pixels of the picture; none: it is not over it.
-  void describe(const Rectangle& area, const std::optional<std::array<double, 2>>& mouse, Snapshot& snapshot) const;
+  void describe(const draw::Rectangle& area, const std::optional<std::array<double, 2>>& mouse,
+                Snapshot& snapshot) const;
 
  private:
   using Found = std::shared_future<std::shared_ptr<const Anatomy>>;
@@ -44,7 +45,7 @@ class Sectioning {
     std::shared_ptr<const Anatomy> anatomy;
     std::vector<Pose> pose;  // one
     double correction;
-    SectionAxis axis;
+    shots::SectionAxis axis;
     double at;
     bool from_above;  // what is before the plane along the axis is taken away
     bool coarse;
@@ -55,8 +56,8 @@ class Sectioning {
   std::shared_ptr<const Anatomy> found();
   Shown wanted(std::shared_ptr<const Anatomy> anatomy, bool coarse) const;
   void cut();
-  std::string name_of(const TissueAt& tissue) const;
-  std::string tissue_under(const Rectangle& area, const std::array<double, 2>& mouse) const;
+  std::string name_of(const trainer::TissueAt& tissue) const;
+  std::string tissue_under(const draw::Rectangle& area, const std::array<double, 2>& mouse) const;
 
   std::shared_ptr<const vulkan::Device> device_;
   Scene& scene_;
@@ -64,8 +65,8 @@ class Sectioning {
   std::map<std::string, Found> fields_;  // by the files that they are of
   bool waits_ = false;                   // for that of the lead
   std::optional<Shown> shown_;
-  SectionPlane plane_;
-  TissueSection section_;
+  trainer::SectionPlane plane_;
+  trainer::TissueSection section_;
 };
 
-}  // namespace bodyopt
+}  // namespace bodyopt::viewport

@@ -16,7 +16,7 @@
 #include "viewport/scene/truth_times.h"
 #include "viewport/work_files.h"
 
-namespace bodyopt {
+namespace bodyopt::viewport {
 namespace {
 
 namespace fs = std::filesystem;
@@ -42,7 +42,7 @@ Session::Session(std::shared_ptr<const vulkan::Device> device, const ViewerOptio
 
 std::vector<std::string> Session::open_first() {
   const std::string file = options_.files.empty() ? "" : options_.files.front();
-  const bool dataset = is_dataset(file);
+  const bool dataset = trainer::is_dataset(file);
   if (!dataset && has_extension(file, {".json"})) {
     if (!options_.proxy.empty() || !options_.character.empty() || !options_.limits.empty() ||
         !options_.joint_map.empty() || !options_.up.empty()) {
@@ -59,7 +59,7 @@ std::vector<std::string> Session::open_first() {
         file + ": a basis (.safetensors) or a character (.glb, .gltf, .fbx) must come before its clips and caches" +
             looks_like(file));
   }
-  ActorFiles files = dataset ? files_of_dataset(file) : ActorFiles{.basis = file};
+  shots::ActorFiles files = dataset ? files_of_dataset(file) : shots::ActorFiles{.basis = file};
   files.proxy = options_.proxy;
   files.character = options_.character;
   files.limits = options_.limits;
@@ -67,7 +67,7 @@ std::vector<std::string> Session::open_first() {
   files.joint_map = options_.joint_map;
   files.up = options_.up;
   std::vector<std::string> notes = add(files);
-  if (dataset) controls.settings.compare.with = CompareWith::truth;
+  if (dataset) controls.settings.compare.with = shots::CompareWith::truth;
   take_note_of_cast();
   return notes;
 }
@@ -75,7 +75,7 @@ std::vector<std::string> Session::open_first() {
 std::vector<std::string> Session::open(const std::string& file) {
   std::vector<std::string> notes;
   Actor& receiver = *scene.cast()[receiver_];
-  if (is_dataset(file)) {
+  if (trainer::is_dataset(file)) {
     const std::string path = files_of_dataset(file).truth, before = receiver.files().clip;
     open_truth(receiver, path);
     receiver.open_clip(path);
@@ -90,18 +90,18 @@ std::vector<std::string> Session::open(const std::string& file) {
     receiver.open_clip(file);
     notes = receiver.clip().notes;
     const std::string path = split_source(file).path.string();
-    if (is_called_scene(path) && split_source(file).name.empty() && is_another_character(path, Skeleton())) {
+    if (is_called_scene(path) && split_source(file).name.empty() && shots::is_another_character(path, Skeleton())) {
       notes.push_back(file + ": its clip is played; 'character' shows its skin as one more of the cast");
     }
     if (receiver_ == 0) play_clip();
   } else if (has_extension(file, {".pc2", ".mdd"})) {
     open_truth(receiver, file);
     return notes;
-  } else if (has_extension(file, {".json"}) && is_session(file)) {
+  } else if (has_extension(file, {".json"}) && shots::is_session(file)) {
     open_session(file);
     restore_view();
     return notes;
-  } else if (has_extension(file, {".json"}) && is_markers(file)) {
+  } else if (has_extension(file, {".json"}) && trainer::is_markers(file)) {
     load_markers(file, controls);
   } else if (has_extension(file, {".json"})) {
     load_state(file);
@@ -136,7 +136,7 @@ void Session::use_unit(double metres) {
 }
 
 // A dataset opens its character by Direct Delta Mush, its frames, and their shapes.
-ActorFiles Session::files_of_dataset(const std::string& file) {
+shots::ActorFiles Session::files_of_dataset(const std::string& file) {
   const fs::path path = fs::is_directory(file) ? fs::path(file) / "dataset.json" : fs::path(file);
   const Dataset dataset = read_dataset(path);
   if (scene.empty()) clip_options_.unit = dataset.unit;
@@ -177,23 +177,23 @@ void Session::step_stack(bool back) {
 
 void Session::open_truth(Actor& character, const std::string& file) {
   character.open_truth(file);
-  controls.settings.compare.with = CompareWith::truth;
+  controls.settings.compare.with = shots::CompareWith::truth;
   take_note_of_cast();
 }
 
 bool Session::is_character(const std::string& file) const {
   if (has_extension(file, {".safetensors"})) return true;
   if (!is_called_scene(split_source(file).path)) return false;
-  return is_another_character(file, scene.empty() ? Skeleton{} : scene.cast()[receiver_]->basis().skeleton);
+  return shots::is_another_character(file, scene.empty() ? Skeleton{} : scene.cast()[receiver_]->basis().skeleton);
 }
 
 // Adds it with the joint limits in its folder, where they are its own.
-std::vector<std::string> Session::add(ActorFiles files) {
+std::vector<std::string> Session::add(shots::ActorFiles files) {
   const fs::path beside = fs::path(files.basis).parent_path() / "limits.json";
   std::vector<std::string> notes;
   if (files.limits.empty() && !files.basis.empty() && fs::exists(beside)) {
     try {
-      ActorFiles limited = files;
+      shots::ActorFiles limited = files;
       limited.limits = beside.string();
       scene.add(limited, clip_options_);
     } catch (const Error& error) {
@@ -212,19 +212,19 @@ std::vector<std::string> Session::add(ActorFiles files) {
   return notes;
 }
 
-void Session::use_sound(const SoundFile& sound) {
+void Session::use_sound(const shots::SoundFile& sound) {
   snapshot.waveform = sound.file.empty() ? nullptr : std::make_shared<const Waveform>(read_waveform(sound.file));
   controls.sound = sound;
 }
 
 void Session::use_limits(const std::string& file) {
-  ActorFiles files = scene.lead().files();
+  shots::ActorFiles files = scene.lead().files();
   files.limits = file == "none" ? "" : file;
   replace_lead(files);
 }
 
 // The new lead is posed as the one before.
-void Session::replace_lead(const ActorFiles& files) {
+void Session::replace_lead(const shots::ActorFiles& files) {
   std::unique_ptr<Actor> actor = scene.make(files, clip_options_);
   actor->set_posing(scene.lead().posing());
   scene.swap(0, actor);
@@ -247,7 +247,7 @@ void Session::give_same_clip() {
 void Session::reload(const std::vector<fs::path>& files) {
   std::vector<std::pair<std::size_t, std::unique_ptr<Actor>>> replacements;  // by place in the cast
   for (std::size_t c = 0; c < scene.cast().size(); ++c) {
-    const ActorFiles& own = scene.cast()[c]->files();
+    const shots::ActorFiles& own = scene.cast()[c]->files();
     const std::vector<fs::path> paths = scene.cast()[c]->paths();
     if (std::ranges::find_first_of(paths, files) == paths.end()) continue;
     replacements.emplace_back(c, scene.make(own, clip_options_));
@@ -375,7 +375,7 @@ bool Session::poll_live() {
 
 bool Session::restore_view() {
   if (!opened_) return false;
-  const SessionFile session = *std::exchange(opened_, std::nullopt);
+  const shots::SessionFile session = *std::exchange(opened_, std::nullopt);
   play_clip();
   controls.playback.scrub(session.frame);
   framing.follow();
@@ -393,7 +393,7 @@ bool Session::restore_view() {
   return true;
 }
 
-void Session::use_settings(const ViewSettings& settings) {
+void Session::use_settings(const shots::ViewSettings& settings) {
   controls.settings = settings;
   controls.go_to_camera(controls.settings.camera);
   require_shot_camera();
@@ -404,14 +404,14 @@ void Session::use_settings(const ViewSettings& settings) {
 
 void Session::play_clip() {
   const Clip& clip = scene.lead().clip();
-  const PlaySettings before = controls.playback.settings();
+  const shots::PlaySettings before = controls.playback.settings();
   controls.playback = Playback({clip.first_frame, clip.last_frame()}, clip.fps);
   const std::vector<int>& keys = scene.lead().keys();
   if (2 * keys.size() <= clip.poses.size()) controls.playback.set_keys(keys);  // otherwise it was baked
   play_as(before);
 }
 
-void Session::play_as(const PlaySettings& settings) {
+void Session::play_as(const shots::PlaySettings& settings) {
   const std::string lacks = controls.playback.apply(settings);
   if (!lacks.empty()) controls.warn(lacks);
 }
@@ -419,7 +419,7 @@ void Session::play_as(const PlaySettings& settings) {
 void Session::warn_of_truth_times() {
   std::set<std::string> times;
   for (const auto& character : scene.cast()) {
-    const NamedShapes* truth = character->truth();
+    const trainer::NamedShapes* truth = character->truth();
     if (truth) times.insert(describe_truth_times(character->files().truth, *truth, character->clip()));
   }
   times.erase("");
@@ -436,7 +436,7 @@ void Session::take_note_of_cast() {
 
 void Session::describe_cast() {
   const Basis& basis = scene.lead().basis();
-  bodyopt::describe_cast(scene, snapshot);
+  viewport::describe_cast(scene, snapshot);
   for (std::size_t c = 0; c < scene.cast().size(); ++c) snapshot.cast[c].number = controls.cast_numbers[c];
   name_for_commands(scene, controls);
   require_shot_camera();
@@ -460,10 +460,10 @@ void Session::require_shot_camera() {
 
 // Warns where jiggle is wanted, and left out.
 void Session::warn_of_rates() {
-  if (!controls.settings.jiggle.on && controls.settings.compare.with != CompareWith::jiggle) return;
+  if (!controls.settings.jiggle.on && controls.settings.compare.with != shots::CompareWith::jiggle) return;
   for (const auto& character : scene.cast()) {
     if (const std::string why = character->why_still(); !why.empty()) controls.warn("it does not jiggle: " + why);
   }
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::viewport

@@ -23,7 +23,7 @@
 #include "viewport/sectioning.h"
 #include "viewport/viewer.h"
 
-namespace bodyopt {
+namespace bodyopt::viewport {
 
 class Session {
  public:
@@ -56,9 +56,9 @@ class Session {
   // Reads the characters again that any of the files belong to; the playhead stays, and goes on as it went. All stays
   // as it was where it throws.
   void reload(const std::vector<std::filesystem::path>& files);
-  void use_sound(const SoundFile& sound);    // no file: none. Throws Error(file)
-  void use_limits(const std::string& file);  // of the lead; "none": it has none. Throws as the readers do
-  void give_same_clip();                     // the lead's, to all
+  void use_sound(const shots::SoundFile& sound);  // no file: none. Throws Error(file)
+  void use_limits(const std::string& file);       // of the lead; "none": it has none. Throws as the readers do
+  void give_same_clip();                          // the lead's, to all
   // Returns files that have changed and are whole; `now`: seconds, of any clock.
   std::vector<std::filesystem::path> changed_files(double now) { return watched_.changed(now); }
 
@@ -74,11 +74,11 @@ class Session {
   void write(const std::string& file, const std::string& saved_as = "") const;
   // The user's work that could be lost: poses, keys, cameras and markers.
   struct Work {
-    std::vector<ViewSettings::Posing> posings;  // of those that are posed
-    std::map<std::string, OrbitView> cameras;
-    ViewSettings::ShotCamera shot_camera;
-    ImagePlaneFile image_plane;
-    SoundFile sound;
+    std::vector<shots::ViewSettings::Posing> posings;  // of those that are posed
+    std::map<std::string, shots::OrbitView> cameras;
+    shots::ViewSettings::ShotCamera shot_camera;
+    shots::ImagePlaneFile image_plane;
+    shots::SoundFile sound;
     std::vector<MarkedPair> markers;
     bool operator==(const Work&) const = default;
   };
@@ -105,13 +105,13 @@ class Session {
 
  private:
   bool is_character(const std::string& file) const;
-  std::vector<std::string> add(ActorFiles files);
-  ActorFiles files_of_dataset(const std::string& file);
+  std::vector<std::string> add(shots::ActorFiles files);
+  shots::ActorFiles files_of_dataset(const std::string& file);
   void open_session(const std::string& file);
-  void replace_lead(const ActorFiles& files);
-  void use_settings(const ViewSettings& settings);
+  void replace_lead(const shots::ActorFiles& files);
+  void use_settings(const shots::ViewSettings& settings);
   void read_dataset_again();
-  void play_as(const PlaySettings& settings);
+  void play_as(const shots::PlaySettings& settings);
   void number_cast();
   void pose_lead();
   void show_lead();
@@ -127,10 +127,10 @@ class Session {
   ClipOptions clip_options_;  // its unit: of a dataset, where one is opened
   const std::string device_name_;
   WatchedFiles watched_;
-  std::unique_ptr<LivePose> live_;     // none: nobody listens
-  std::optional<SessionFile> opened_;  // whose view is not restored yet
-  std::size_t receiver_ = 0;           // of clips and caches, in the cast
-  std::set<std::string> truth_times_;  // what was said of them
+  std::unique_ptr<LivePose> live_;            // none: nobody listens
+  std::optional<shots::SessionFile> opened_;  // whose view is not restored yet
+  std::size_t receiver_ = 0;                  // of clips and caches, in the cast
+  std::set<std::string> truth_times_;         // what was said of them
 };
 
-}  // namespace bodyopt
+}  // namespace bodyopt::viewport

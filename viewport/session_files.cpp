@@ -5,16 +5,16 @@
 #include "viewport/session.h"
 #include "viewport/work_files.h"
 
-namespace bodyopt {
+namespace bodyopt::viewport {
 
 namespace fs = std::filesystem;
 
 // All characters of the new session are read before the first of the old one goes.
 void Session::open_session(const std::string& file) {
-  SessionFile session = read_session(file);
+  shots::SessionFile session = shots::read_session(file);
   std::vector<std::unique_ptr<Actor>> cast;
-  std::vector<SessionCharacter> opened;
-  for (const SessionCharacter& character : session.cast) {
+  std::vector<shots::SessionCharacter> opened;
+  for (const shots::SessionCharacter& character : session.cast) {
     try {
       cast.push_back(scene.make(character.files, session.clip));
     } catch (const Error& error) {
@@ -34,7 +34,7 @@ void Session::open_session(const std::string& file) {
   forget_pair();
   controls.placements.clear();
   controls.cast_numbers.clear();
-  for (const SessionCharacter& character : session.cast) {
+  for (const shots::SessionCharacter& character : session.cast) {
     controls.placements.push_back(character.placement);
     controls.cast_numbers.push_back(character.number);
   }
@@ -48,7 +48,7 @@ void Session::open_session(const std::string& file) {
 
 void Session::save(const std::string& file) {
   refuse_input(scene, file);
-  if (fs::exists(file) && !is_session(file)) {
+  if (fs::exists(file) && !shots::is_session(file)) {
     throw Error(ErrorKind::usage, file + ": is there already, and is no session: choose another name");
   }
   write(file);
@@ -65,18 +65,18 @@ Session::Work Session::work() const {
             controls.marking.pairs};
   for (const auto& character : scene.cast()) {
     const bool leads = &*character == &scene.lead();
-    ViewSettings::Posing posing = leads ? controls.settings.pose : character->posing();
+    shots::ViewSettings::Posing posing = leads ? controls.settings.pose : character->posing();
     posing.correction = 1;
     if (!posing.keys.empty() && !(leads && controls.is_unkeyed())) {  // what is in hand follows from them
-      static_cast<ViewSettings::PoseKey&>(posing) = {};
+      static_cast<shots::ViewSettings::PoseKey&>(posing) = {};
     }
-    if (posing != ViewSettings::Posing()) work.posings.push_back(std::move(posing));
+    if (posing != shots::ViewSettings::Posing()) work.posings.push_back(std::move(posing));
   }
   return work;
 }
 
 void Session::write(const std::string& file, const std::string& saved_as) const {
-  SessionFile session;
+  shots::SessionFile session;
   session.clip = clip_options_;
   for (std::size_t c = 0; c < scene.cast().size(); ++c) {
     const Actor& character = *scene.cast()[c];
@@ -90,16 +90,16 @@ void Session::write(const std::string& file, const std::string& saved_as) const 
   session.view.camera = controls.kept_camera();
   session.image_plane = controls.image_plane;
   session.sound = controls.sound;
-  write_session(session, file);
+  shots::write_session(session, file);
 }
 
 void Session::save_state(const std::string& file) {
   controls.settings.playback = controls.playback.settings();
   controls.settings.camera = controls.kept_camera();
-  write_view_settings(controls.settings, file);
+  shots::write_view_settings(controls.settings, file);
   controls.say("wrote " + file);
 }
 
-void Session::load_state(const std::string& file) { use_settings(read_view_settings(file)); }
+void Session::load_state(const std::string& file) { use_settings(shots::read_view_settings(file)); }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::viewport

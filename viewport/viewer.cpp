@@ -8,7 +8,7 @@
 #include "viewport/application.h"
 #include "viewport/platform/window.h"
 
-namespace bodyopt {
+namespace bodyopt::viewport {
 namespace {
 
 using Clock = std::chrono::steady_clock;
@@ -65,4 +65,4 @@ void run_viewer(const ViewerOptions& options) {
                                      " messages, first: " + messages.front());
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::viewport

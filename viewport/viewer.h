@@ -9,7 +9,7 @@
 #include "assets/clips/clip.h"
 #include "runtime/host/device_choice.h"
 
-namespace bodyopt {
+namespace bodyopt::viewport {
 
 struct ViewerOptions {
   // Bases or characters, each followed by its clip and point cache; by what they hold. None: the built-in arm.
@@ -39,4 +39,4 @@ struct ViewerOptions {
 // SIGINT or SIGTERM, and, headless, for whatever fails.
 void run_viewer(const ViewerOptions& options);
 
-}  // namespace bodyopt
+}  // namespace bodyopt::viewport

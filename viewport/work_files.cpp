@@ -15,7 +15,7 @@
 #include "trainer/transfer/markers_file.h"
 #include "viewport/commands/flipped_pose.h"
 
-namespace bodyopt {
+namespace bodyopt::viewport {
 namespace {
 
 namespace fs = std::filesystem;
@@ -45,7 +45,7 @@ void export_clip(const Scene& scene, Controls& controls, const std::string& file
   const Actor& lead = scene.lead();
   Clip clip = lead.posed_source(controls.settings.pose);
   clip.name = fs::path(file).stem().string();
-  clip.poses = poses_of(clip, frames_to_export(controls, file));
+  clip.poses = shots::poses_of(clip, frames_to_export(controls, file));
   clip.first_frame = controls.playback.in();
   write_motion(clip, lead.basis().skeleton, kept_unit(lead.basis()), file);
   controls.say("wrote " + file);
@@ -58,11 +58,11 @@ void export_clip(const Scene& scene, Controls& controls, const std::string& file
 void export_skin(const Scene& scene, Controls& controls, const std::string& file) {
   refuse_input(scene, file);
   const Actor& lead = scene.lead();
-  const Tell tell = [&](const std::string& note) { controls.warn(note); };
-  Shot shot = lead.shot(controls.settings, frames_to_export(controls, file), tell);
-  if (holds_triangles(file)) take_surfaces(lead.files().own_file(), lead.like(), shot, tell);
-  ShotCaches caches({.out = file}, shot);
-  evaluate(shot, caches, "export");
+  const shots::Tell tell = [&](const std::string& note) { controls.warn(note); };
+  shots::Shot shot = lead.shot(controls.settings, frames_to_export(controls, file), tell);
+  if (holds_triangles(file)) shots::take_surfaces(lead.files().own_file(), lead.like(), shot, tell);
+  shots::ShotCaches caches({.out = file}, shot);
+  shots::evaluate(shot, caches, "export");
   caches.close();
   controls.say("wrote " + file);
   for (const std::string& attached : caches.attached_paths()) controls.say("wrote " + attached);
@@ -70,33 +70,34 @@ void export_skin(const Scene& scene, Controls& controls, const std::string& file
 
 void save_pose(const Scene& scene, Controls& controls, const std::string& file) {
   refuse_input(scene, file);
-  ViewSettings settings;
-  static_cast<ViewSettings::PoseKey&>(settings.pose) = controls.settings.pose;
-  write_view_settings(settings, file);
+  shots::ViewSettings settings;
+  static_cast<shots::ViewSettings::PoseKey&>(settings.pose) = controls.settings.pose;
+  shots::write_view_settings(settings, file);
   controls.pose_folder = fs::absolute(file).parent_path().string();
   controls.say("wrote " + file);
 }
 
 void load_pose(const PoseRequest& request, Controls& controls) {
   const std::string& file = request.file;
-  const ViewSettings::PoseKey loaded = is_session(file) ? read_session(file).view.pose : read_view_settings(file).pose;
+  const shots::ViewSettings::PoseKey loaded =
+      shots::is_session(file) ? shots::read_session(file).view.pose : shots::read_view_settings(file).pose;
   require_own_pose(controls, loaded, file);
-  blend_in(controls, loaded, request.amount, ViewSettings::PoseKey(controls.settings.pose));
+  blend_in(controls, loaded, request.amount, shots::ViewSettings::PoseKey(controls.settings.pose));
   controls.pose_folder = fs::absolute(file).parent_path().string();
 }
 
 void save_markers(const Scene& scene, Controls& controls, const std::string& file) {
   refuse_input(scene, file);
   if (controls.marking.pairs.empty()) throw Error(ErrorKind::usage, "there is no marker to save: 'mark on', and click");
-  std::vector<SkinMarker> markers;
+  std::vector<trainer::SkinMarker> markers;
   for (const auto& [of_lead, of_second] : controls.marking.pairs) markers.push_back({of_lead, of_second});
-  write_markers(markers, file);
+  trainer::write_markers(markers, file);
   controls.say("wrote " + file);
 }
 
 void load_markers(const std::string& file, Controls& controls) {
   std::vector<MarkedPair> pairs;
-  for (const auto& [source, target] : read_markers(file)) {
+  for (const auto& [source, target] : trainer::read_markers(file)) {
     const std::vector<std::uint32_t>& counts = controls.output_counts;
     if (counts.size() < 2 || source >= counts[0] || target >= counts[1]) {
       throw Error(ErrorKind::mismatch, file + ": marks vertex " + std::to_string(source) + " of the lead and " +
@@ -108,4 +109,4 @@ void load_markers(const std::string& file, Controls& controls) {
   controls.marking.pairs = std::move(pairs);
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::viewport

@@ -6,7 +6,7 @@
 #include "viewport/commands/controls.h"
 #include "viewport/scene/scene.h"
 
-namespace bodyopt {
+namespace bodyopt::viewport {
 
 // Throws Error(usage) for a file that the cast is read from. All that write throw it, and Error(file).
 void refuse_input(const Scene& scene, const std::string& file);
@@ -24,4 +24,4 @@ void load_pose(const PoseRequest& request, Controls& controls);
 void save_markers(const Scene& scene, Controls& controls, const std::string& file);
 void load_markers(const std::string& file, Controls& controls);
 
-}  // namespace bodyopt
+}  // namespace bodyopt::viewport

@@ -216,7 +216,7 @@ void keep_command_line(const std::vector<std::string>& arguments) {
   kept_verb_arguments() = {arguments.begin() + (arguments.empty() ? 0 : 1), arguments.end()};
   for (const std::string& argument : arguments) {
     const bool plain = !argument.empty() && argument.find_first_of(" \t\n\"'$*?#&;|<>()\\") == std::string::npos;
-    kept_command_line() += " " + (plain ? argument : quoted_for_shell(argument));
+    kept_command_line() += " " + (plain ? argument : farm::quoted_for_shell(argument));
   }
 }
 

@@ -100,7 +100,7 @@ struct JsonOption {
 };
 
 // --clip CLIP [--frames R] [--fps N] [--first-frame N] [--controls FILE] [--joint-map FILE] [--up AXIS] [--unit N]
-struct ClipArguments : ClipChoice {
+struct ClipArguments : shots::ClipChoice {
   void add(CLI::App& verb);
   // --unit, of verbs in which it is that of no character.
   void add_unit(CLI::App& verb);
@@ -108,7 +108,7 @@ struct ClipArguments : ClipChoice {
   // `unit`: that of the character.
   template <typename Target>  // a Skeleton or a Basis
   Clip read(const Target& target, double unit, std::vector<int>& frame_numbers) const {
-    Clip clip = ClipChoice::read(target, unit);
+    Clip clip = shots::ClipChoice::read(target, unit);
     say(clip.notes);
     frame_numbers = chosen_frames(clip);
     return clip;

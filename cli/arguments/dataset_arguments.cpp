@@ -43,7 +43,7 @@ std::string refuse_as_name(const std::string& name) {
 bool has(const std::vector<int>& frames, int frame) { return std::ranges::find(frames, frame) != frames.end(); }
 
 std::string refuse_as_kind(const std::string& name) {
-  return body_kind_of(name) ? "" : "expected one of " + body_kind_names() + ", found '" + name + "'";
+  return trainer::body_kind_of(name) ? "" : "expected one of " + trainer::body_kind_names() + ", found '" + name + "'";
 }
 
 // The dataset in that folder as the arguments describe it.
@@ -140,18 +140,18 @@ void say_heldout(const DatasetTake& take, const DatasetTake& asked) {
 void FieldArguments::add(CLI::App& verb) {
   add_option(verb, "--body-fat", body_fat, "Fat, as a share of the body's mass, 0.02 to 0.6 (default: 0.15)")
       ->check(number_from(0.02, 0.6));
-  add_option(verb, "--kind", kind, "KIND", "Kind of body: " + body_kind_names() + " (default: recognised)")
+  add_option(verb, "--kind", kind, "KIND", "Kind of body: " + trainer::body_kind_names() + " (default: recognised)")
       ->check(refuse_as_kind);
   add_option(verb, "--corrections", corrections, "FILE",
              "What an artist corrects of bones, fat and muscles (anatomy.json); --kind and --body-fat go before it");
 }
 
-AnatomyOptions FieldArguments::options(const Skeleton& skeleton) const {
+trainer::AnatomyOptions FieldArguments::options(const Skeleton& skeleton) const {
   Dataset given;
   given.body_fat = body_fat;
   given.kind = kind;
   given.corrections = corrections;
-  return anatomy_options(given, skeleton);
+  return trainer::anatomy_options(given, skeleton);
 }
 
 void FieldArguments::put_into(Dataset& dataset) const {
@@ -168,11 +168,11 @@ std::vector<FrameStatus> simulate_take(const SimulationArguments& arguments) {
   say(character.notes);
   std::vector<Muscle> muscles;
   if (!arguments.muscles.empty()) muscles = read_muscles(arguments.muscles, character.skeleton);
-  SimulateOptions options = arguments.options;
+  trainer::SimulateOptions options = arguments.options;
   options.warn = [](const std::string& warning) { say({warning}); };
   options.inform = [](const std::string& text) { spdlog::info(text); };
   options.anatomy = arguments.anatomy.options(character.skeleton);
-  if (!arguments.materials.empty()) options.materials = read_materials(arguments.materials);
+  if (!arguments.materials.empty()) options.materials = trainer::read_materials(arguments.materials);
   std::vector<int> frames;
   const Clip clip = arguments.take.clip.read(character.skeleton, unit, frames);
 
@@ -187,7 +187,7 @@ std::vector<FrameStatus> simulate_take(const SimulationArguments& arguments) {
   require_place_for(asked, take, dataset_path);
   spdlog::info("preparing the body: tetrahedra, bones, muscles");
   std::vector<FrameStatus> status =
-      simulate(character, muscles, clip, take.frames, lock, folder / take.shapes_status, options);
+      trainer::simulate(character, muscles, clip, take.frames, lock, folder / take.shapes_status, options);
   put_take(asked, take, dataset_path);
   return status;
 }

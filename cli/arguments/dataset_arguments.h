@@ -36,7 +36,7 @@ struct FieldArguments {
   std::string kind, corrections;
   void add(CLI::App& verb);
   // Throws as read_corrections().
-  AnatomyOptions options(const Skeleton& skeleton) const;
+  trainer::AnatomyOptions options(const Skeleton& skeleton) const;
   // Stores them as the dataset keeps them.
   void put_into(Dataset& dataset) const;
 };
@@ -49,7 +49,7 @@ struct SimulationArguments {
   double unit = 0;
   FieldArguments anatomy;
   TakeArguments take;
-  SimulateOptions options;
+  trainer::SimulateOptions options;
 };
 
 // Simulates, and adds the take, or its new frames, to the dataset.json of the folder. Throws as simulate(), and

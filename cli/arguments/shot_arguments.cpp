@@ -29,7 +29,7 @@ const std::map<std::string, ProgressStyle> kStyles = {{"auto", ProgressStyle::au
 
 }  // namespace
 
-void JiggleArguments::add(CLI::App& verb, JiggleChoice& choice) {
+void JiggleArguments::add(CLI::App& verb, shots::JiggleChoice& choice) {
   const std::string group = "Jiggle";
   add_flag(verb, "--jiggle", choice.jiggle,
            "Step the dynamics that 'bodyopt dynamics' made: flesh that moves by inertia")
@@ -56,7 +56,7 @@ void JiggleArguments::add(CLI::App& verb, JiggleChoice& choice) {
   add_former_option(verb, "--iterations", "the jiggle has one way to solve");
 }
 
-void JiggleArguments::check(const JiggleChoice& choice) const {
+void JiggleArguments::check(const shots::JiggleChoice& choice) const {
   const bool any = !choice.dynamics.empty() || !choice.state_in.empty() || !state_out.empty() || state_every > 0 ||
                    choice.preroll > 0 || !choice.cuts.empty() || !choice.gravity_change.empty();
   if (!choice.jiggle && any) throw Error(ErrorKind::usage, "options of the jiggle need --jiggle");
@@ -106,7 +106,7 @@ void add_shot(CLI::App& verb, std::string& basis, ClipArguments& clip, std::stri
       });
 }
 
-void add_modifier_options(CLI::App& verb, ShotFiles& files) {
+void add_modifier_options(CLI::App& verb, shots::ShotFiles& files) {
   const std::string group = "Modifiers";
   add_option(verb, "--modifiers", files.modifiers, "FILE",
              "Order, switches, strengths and constants for this shot (modifiers.json)")
@@ -136,7 +136,7 @@ void TaskArguments::add(CLI::App& verb) {
 
 void TaskArguments::begin() const { set_progress_style(kStyles.at(progress)); }
 
-void parse_step(CLI::App& verb, const FarmStep& step, const std::string& progress) {
+void parse_step(CLI::App& verb, const farm::FarmStep& step, const std::string& progress) {
   std::vector<std::string> words{step.arguments.begin() + 1, step.arguments.end()};
   words.insert(words.end(), {"--progress", progress});
   std::ranges::reverse(words);  // as CLI11 takes them

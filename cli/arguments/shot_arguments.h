@@ -16,9 +16,9 @@ struct JiggleArguments {
   std::string state_out;  // empty: no state is written
   int state_every = 0;    // frames; 0: at the end alone
 
-  void add(CLI::App& verb, JiggleChoice& choice);
+  void add(CLI::App& verb, shots::JiggleChoice& choice);
   // Throws Error(usage) for options that do not go together or need --jiggle.
-  void check(const JiggleChoice& choice) const;
+  void check(const shots::JiggleChoice& choice) const;
   // Writes a state that is due: after `done` frames, and, once the result is written, at the end. Returns its file.
   std::optional<std::string> write_state_after(const Deformer& deformer, std::size_t done) const;
   std::optional<std::string> write_last_state(const Deformer& deformer) const;
@@ -28,7 +28,7 @@ struct JiggleArguments {
 void add_shot(CLI::App& verb, std::string& basis, ClipArguments& clip, std::string& session);
 
 // --modifiers FILE, --control NAME=VALUE
-void add_modifier_options(CLI::App& verb, ShotFiles& files);
+void add_modifier_options(CLI::App& verb, shots::ShotFiles& files);
 
 // The options of verbs that a farm runs.
 
@@ -44,11 +44,11 @@ struct TaskArguments {
 };
 
 // Throws Error(usage).
-void parse_step(CLI::App& verb, const FarmStep& step, const std::string& progress);
+void parse_step(CLI::App& verb, const farm::FarmStep& step, const std::string& progress);
 
 // The arguments of a step's verb, whose options `declare` adds.
 template <typename Arguments>
-Arguments read_step(void (*declare)(CLI::App&, Arguments&), const FarmStep& step, const std::string& progress) {
+Arguments read_step(void (*declare)(CLI::App&, Arguments&), const farm::FarmStep& step, const std::string& progress) {
   CLI::App verb;
   Arguments arguments;
   declare(verb, arguments);

@@ -13,7 +13,7 @@ namespace bodyopt::cli {
 struct CurateArguments {
   std::string dataset, name, type, new_name, out, take, frames, list, mesh, picture;
   std::vector<std::string> settings, joints, muscles, regions, near_joints;
-  double strength = 1, within = -1, degrees = kAlikeDegrees, spread = 30;
+  double strength = 1, within = -1, degrees = trainer::kAlikeDegrees, spread = 30;
   int near = 0, frame = 0, worst = 10, heldout_every = 0;
   std::size_t place = 1;
   bool history = false, unposed = false, everywhere = false, whole_skin = false;

@@ -62,14 +62,15 @@ std::optional<Json> mask_of(const CurateArguments& arguments) {
 // Effects of the stack's modifiers on the shapes.
 
 // The frame that a modifier moves most, below it and above.
-std::string draw_effect(const ShapeStack& stack, const ModifierEffect& effect, const std::string& path) {
+std::string draw_effect(const trainer::ShapeStack& stack, const trainer::ModifierEffect& effect,
+                        const std::string& path) {
   if (effect.frames.empty()) {
     throw Error(ErrorKind::usage, "--picture shows what a modifier moves, and '", effect.name,
                 "' moves no vertex of any frame: is it switched off, or of a type that moves none?");
   }
   const std::vector<Modifier>& modifiers = stack.database().dataset.modifiers;
   const auto place = static_cast<std::size_t>(find_modifier(modifiers, effect.name) - modifiers.data());
-  const UnposedSpace::Frame space = stack.space().frame(stack.database().frames[effect.worst].pose);
+  const trainer::UnposedSpace::Frame space = stack.space().frame(stack.database().frames[effect.worst].pose);
   const auto left_by = [&](std::size_t count) { return space.shape(stack.offsets(effect.worst, count)); };
   const Positions before = left_by(place), after = left_by(place + 1);
   const double scale = std::max(kFinestScale, 1e3 * (after - before).rowwise().norm().maxCoeff());
@@ -89,15 +90,15 @@ std::string draw_effect(const ShapeStack& stack, const ModifierEffect& effect, c
 
 // A modifier of the type consistency that reaches its cap in many frames hardly takes history alone.
 std::vector<std::string> capped_notes(const std::vector<Modifier>& modifiers,
-                                      const std::vector<ModifierEffect>& effects) {
+                                      const std::vector<trainer::ModifierEffect>& effects) {
   constexpr std::size_t kMany = 20;  // one frame of so many
   std::vector<std::string> notes;
-  for (const ModifierEffect& effect : effects) {
+  for (const trainer::ModifierEffect& effect : effects) {
     const Modifier& modifier = *find_modifier(modifiers, effect.name);
     if (modifier.type != "consistency") continue;
-    const double cap = modifier.parameters.value("cap_mm", kUsualCapMm) * modifier.strength;
-    const auto capped = static_cast<std::size_t>(
-        std::ranges::count_if(effect.frames, [&](const FrameEffect& frame) { return frame.max_mm > 0.99 * cap; }));
+    const double cap = modifier.parameters.value("cap_mm", trainer::kUsualCapMm) * modifier.strength;
+    const auto capped = static_cast<std::size_t>(std::ranges::count_if(
+        effect.frames, [&](const trainer::FrameEffect& frame) { return frame.max_mm > 0.99 * cap; }));
     if (capped == 0 || capped * kMany < effect.frames.size()) continue;
     notes.push_back(format(
         "'{}' moves {} of {} frames as far as cap_mm lets it ({:.3g} mm): passes seldom disagree by so much; compare "
@@ -114,41 +115,42 @@ void add_to_stack(const CurateArguments& arguments) {
   modifier.frames = selections_of(arguments).value_or(Json::array());
   modifier.mask = mask_of(arguments).value_or(Json::object());
   modifier.parameters = parameters_of(arguments.settings);
-  const std::optional<PoseDatabase> database = add_modifier(path_of(arguments), modifier);
+  const std::optional<trainer::PoseDatabase> database = trainer::add_modifier(path_of(arguments), modifier);
   emit_stack(arguments, database->dataset, database);
 }
 
 void edit_stack(const CurateArguments& arguments, bool strength_given) {
-  ModifierChange change;
+  trainer::ModifierChange change;
   if (!arguments.new_name.empty()) change.name = arguments.new_name;
   if (strength_given) change.strength = arguments.strength;
   change.frames = selections_of(arguments);
   change.mask = mask_of(arguments);
   change.parameters = parameters_of(arguments.settings);
-  const std::optional<PoseDatabase> database = change_modifier(path_of(arguments), arguments.name, change);
+  const std::optional<trainer::PoseDatabase> database =
+      trainer::change_modifier(path_of(arguments), arguments.name, change);
   emit_stack(arguments, database->dataset, database);
 }
 
 void report_effects(const CurateArguments& arguments) {
-  const ShapeStack stack(read_pose_database(read_dataset(path_of(arguments))));
+  const trainer::ShapeStack stack(trainer::read_pose_database(read_dataset(path_of(arguments))));
   say(stack.notes());
   if (!arguments.picture.empty() && arguments.name.empty()) refuse_picture_of_all(stack.database().dataset.modifiers);
-  const std::vector<ModifierEffect> effects = measure_modifiers(stack, arguments.name);
+  const std::vector<trainer::ModifierEffect> effects = trainer::measure_modifiers(stack, arguments.name);
   std::string text =
       format("{:20} {:>8} {:>10} {:>10}   {}\n", "modifier", "frames", "RMS mm", "max mm", "most of all");
   Json list = Json::array();
-  for (const ModifierEffect& effect : effects) {
+  for (const trainer::ModifierEffect& effect : effects) {
     text += format("{:20} {:8} {:10.3f} {:10.3f}   {}\n", effect.name, effect.frames.size(), effect.rms_mm,
                    effect.max_mm, effect.frames.empty() ? "" : stack.database().name_of(effect.worst));
     Json frames = Json::array();
-    for (const FrameEffect& frame : effect.frames) {
+    for (const trainer::FrameEffect& frame : effect.frames) {
       frames.push_back(frame_json(stack.database(), frame.frame));
       frames.back().update({{"rms_mm", frame.rms_mm}, {"max_mm", frame.max_mm}});
     }
     list.push_back({{"name", effect.name}, {"rms_mm", effect.rms_mm}, {"max_mm", effect.max_mm}, {"frames", frames}});
     const Modifier& modifier = *find_modifier(stack.database().dataset.modifiers, effect.name);
-    const ModifierType* type = find_modifier_type(modifier.type);
-    if (type == nullptr || type->effect == ModifierType::Effect::shape) continue;
+    const trainer::ModifierType* type = trainer::find_modifier_type(modifier.type);
+    if (type == nullptr || type->effect == trainer::ModifierType::Effect::shape) continue;
     const TakenFrames taken = taken_frames(stack.database(), modifier);
     list.back()["frame_counts"] = to_json(taken);
     text += format("{:20} {}\n", "", text_of(taken, *type, modifier.enabled));

@@ -28,9 +28,9 @@ std::string short_parameters(const Json& parameters) {
 }
 
 // Null, with a warning, where the takes cannot be read: the stack itself can be reported all the same.
-std::optional<PoseDatabase> readable_database(const Dataset& dataset) {
+std::optional<trainer::PoseDatabase> readable_database(const Dataset& dataset) {
   try {
-    return read_pose_database(dataset);
+    return trainer::read_pose_database(dataset);
   } catch (const Error& error) {
     say({std::string("how many frames modifiers take is not known: ") + error.what()});
     return std::nullopt;
@@ -38,8 +38,9 @@ std::optional<PoseDatabase> readable_database(const Dataset& dataset) {
 }
 
 // Null, with a warning, where the selections cannot be read.
-std::optional<TakenFrames> readable_frames(const std::optional<PoseDatabase>& database, const Modifier& modifier) {
-  if (!database || find_modifier_type(modifier.type) == nullptr) return std::nullopt;
+std::optional<TakenFrames> readable_frames(const std::optional<trainer::PoseDatabase>& database,
+                                           const Modifier& modifier) {
+  if (!database || trainer::find_modifier_type(modifier.type) == nullptr) return std::nullopt;
   try {
     return taken_frames(*database, modifier);
   } catch (const Error& error) {
@@ -51,8 +52,8 @@ std::optional<TakenFrames> readable_frames(const std::optional<PoseDatabase>& da
 // Frames of like poses whose shapes disagree.
 
 // The worst pair in one pose, and in colour how far apart the shapes are in its region.
-std::string draw_pair(const ShapeStack& stack, const DisagreeingPair& pair, const std::string& path) {
-  const PairInOnePose shapes = in_one_pose(stack, pair);
+std::string draw_pair(const trainer::ShapeStack& stack, const trainer::DisagreeingPair& pair, const std::string& path) {
+  const trainer::PairInOnePose shapes = trainer::in_one_pose(stack, pair);
   const double scale = std::max(kFinestScale, pair.most_mm);
   draw_apart(stack.database().character, shapes.first, shapes.second, scale, path);
   return format(
@@ -64,8 +65,9 @@ std::string draw_pair(const ShapeStack& stack, const DisagreeingPair& pair, cons
 
 }  // namespace
 
-TakenFrames taken_frames(const PoseDatabase& database, const Modifier& modifier) {
-  const std::vector<char> selected = selected_frames(database, modifier.frames, "modifier '" + modifier.name + "'");
+TakenFrames taken_frames(const trainer::PoseDatabase& database, const Modifier& modifier) {
+  const std::vector<char> selected =
+      trainer::selected_frames(database, modifier.frames, "modifier '" + modifier.name + "'");
   TakenFrames result{{}, 0, selected.size()};
   for (std::size_t n = 0; n < selected.size(); ++n) {
     if (!selected[n]) continue;
@@ -83,10 +85,10 @@ Json to_json(const TakenFrames& frames) {
   return {{"taken", frames.taken}, {"all", frames.all}, {"takes", takes}};
 }
 
-std::string text_of(const TakenFrames& frames, const ModifierType& type, bool enabled) {
+std::string text_of(const TakenFrames& frames, const trainer::ModifierType& type, bool enabled) {
   const char* verb = "take";
-  if (type.effect == ModifierType::Effect::drop) verb = "drop";
-  if (type.effect == ModifierType::Effect::weight) verb = "weigh";
+  if (type.effect == trainer::ModifierType::Effect::drop) verb = "drop";
+  if (type.effect == trainer::ModifierType::Effect::weight) verb = "weigh";
   const std::string does = enabled ? std::string(verb) + "s" : std::string("would ") + verb;
   std::string takes;
   for (const auto& [take, count] : frames.by_take) {
@@ -95,17 +97,17 @@ std::string text_of(const TakenFrames& frames, const ModifierType& type, bool en
   return format("{} {} of {} ({})", does, frames.taken, count_of(frames.all, "frame", "frames"), takes);
 }
 
-Json frame_json(const PoseDatabase& database, std::size_t n) {
+Json frame_json(const trainer::PoseDatabase& database, std::size_t n) {
   return {{"take", database.take_of(n)}, {"frame", database.frames[n].frame}};
 }
 
-StackReport report_stack(const Dataset& dataset, const std::optional<PoseDatabase>& database) {
+StackReport report_stack(const Dataset& dataset, const std::optional<trainer::PoseDatabase>& database) {
   StackReport report{bodyopt::to_json(dataset.modifiers), ""};
   if (dataset.modifiers.empty()) return {report.list, "no modifiers: the shapes are read as they are\n"};
   report.text = format("{:>3}  {:20} {:12} {:4} {:>8}  {}\n", "", "modifier", "type", "", "strength", "frames; mask");
   for (std::size_t k = 0; k < dataset.modifiers.size(); ++k) {
     const Modifier& modifier = dataset.modifiers[k];
-    const ModifierType* type = find_modifier_type(modifier.type);
+    const trainer::ModifierType* type = trainer::find_modifier_type(modifier.type);
     report.list[k]["known"] = type != nullptr;
     report.text += format(
         "{:3}  {:20} {:12} {:4} {:8.2f}  {}; {}{}\n", k + 1, modifier.name, modifier.type,
@@ -121,7 +123,8 @@ StackReport report_stack(const Dataset& dataset, const std::optional<PoseDatabas
   return report;
 }
 
-void emit_stack(const CurateArguments& arguments, const Dataset& dataset, const std::optional<PoseDatabase>& database) {
+void emit_stack(const CurateArguments& arguments, const Dataset& dataset,
+                const std::optional<trainer::PoseDatabase>& database) {
   const StackReport report = report_stack(dataset, database);
   arguments.json.emit({{"dataset", path_of(arguments).string()}, {"modifiers", report.list}}, report.text);
 }
@@ -135,25 +138,25 @@ void draw_apart(const Character& character, const Positions& before, const Posit
                 const std::string& path) {
   constexpr std::uint32_t kWidth = 500, kHeight = 700;
   const std::vector<float> first = floats_of(before), second = floats_of(after);
-  const PosePair drawn{flat(character.triangles), first, second};
-  Renderer renderer;
-  const Camera camera = frame_pose(drawn, towards_worst(drawn), float{kWidth} / kHeight);
-  write_png(comparison(renderer, drawn, scale_mm, camera, kWidth, kHeight), path);
+  const report::PosePair drawn{report::flat(character.triangles), first, second};
+  draw::Renderer renderer;
+  const draw::Camera camera = report::frame_pose(drawn, report::towards_worst(drawn), float{kWidth} / kHeight);
+  draw::write_png(report::comparison(renderer, drawn, scale_mm, camera, kWidth, kHeight), path);
 }
 
 void report_disagreements(const CurateArguments& arguments) {
-  const ShapeStack stack(read_pose_database(read_dataset(path_of(arguments))));
+  const trainer::ShapeStack stack(trainer::read_pose_database(read_dataset(path_of(arguments))));
   say(stack.notes());
-  const PoseDatabase& database = stack.database();
-  const ConsistencyReport found =
-      report_consistency(stack, arguments.degrees, static_cast<std::size_t>(arguments.worst));
+  const trainer::PoseDatabase& database = stack.database();
+  const trainer::ConsistencyReport found =
+      trainer::report_consistency(stack, arguments.degrees, static_cast<std::size_t>(arguments.worst));
   std::string text;
   if (!found.pairs.empty()) {
     text = format("{:20} {:20} {:24} {:>9} {:>9} {:>9}\n", "frame", "and frame", "region", "apart mm", "most mm",
                   "degrees");
   }
   Json pairs = Json::array(), regions = Json::array();
-  for (const DisagreeingPair& pair : found.pairs) {
+  for (const trainer::DisagreeingPair& pair : found.pairs) {
     text += format("{:20} {:20} {:24} {:9.2f} {:9.2f} {:9.1f}\n", database.name_of(pair.first),
                    database.name_of(pair.second), pair.region, pair.apart_mm, pair.most_mm, pair.pose_degrees);
     pairs.push_back({{"first", frame_json(database, pair.first)},
@@ -165,7 +168,7 @@ void report_disagreements(const CurateArguments& arguments) {
   }
   text += format("{}{:24} {:>11} {:>9} {:>10} {:>12}\n", text.empty() ? "" : "\n", "region", "neighbours", "alone",
                  "same pose", "deviation mm");
-  for (const RegionAgreement& region : found.regions) {
+  for (const trainer::RegionAgreement& region : found.regions) {
     text += format("{:24} {:11.0f} {:8.0f}% {:9.0f}% {:12.3f}\n", region.region, region.neighbours, 100 * region.single,
                    100 * region.same_pose, region.deviation_mm);
     regions.push_back({{"region", region.region},
@@ -174,8 +177,8 @@ void report_disagreements(const CurateArguments& arguments) {
                        {"same_pose", region.same_pose},
                        {"deviation_mm", region.deviation_mm}});
   }
-  const auto untold = static_cast<std::size_t>(
-      std::ranges::count_if(found.regions, [](const RegionAgreement& region) { return region.same_pose == 0; }));
+  const auto untold = static_cast<std::size_t>(std::ranges::count_if(
+      found.regions, [](const trainer::RegionAgreement& region) { return region.same_pose == 0; }));
   if (untold > 0) {
     text += format(
         "{} no frame in the same pose as one of another motion: too few neighbours to tell whether shapes disagree "

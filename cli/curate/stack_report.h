@@ -21,13 +21,13 @@ struct TakenFrames {
   std::size_t taken = 0, all = 0;
 };
 
-TakenFrames taken_frames(const PoseDatabase& database, const Modifier& modifier);
+TakenFrames taken_frames(const trainer::PoseDatabase& database, const Modifier& modifier);
 Json to_json(const TakenFrames& frames);
 // "drops 127 of 161 frames (rom 120, walk 7)"; "would drop" where it is switched off.
-std::string text_of(const TakenFrames& frames, const ModifierType& type, bool enabled);
+std::string text_of(const TakenFrames& frames, const trainer::ModifierType& type, bool enabled);
 
 // A frame of the database.
-Json frame_json(const PoseDatabase& database, std::size_t n);
+Json frame_json(const trainer::PoseDatabase& database, std::size_t n);
 
 // The stack for programs and for people.
 struct StackReport {
@@ -35,10 +35,11 @@ struct StackReport {
   std::string text;
 };
 
-StackReport report_stack(const Dataset& dataset, const std::optional<PoseDatabase>& database);
+StackReport report_stack(const Dataset& dataset, const std::optional<trainer::PoseDatabase>& database);
 
 // The stack as it is now: what every edit ends with. `database`: none where it cannot be read.
-void emit_stack(const CurateArguments& arguments, const Dataset& dataset, const std::optional<PoseDatabase>& database);
+void emit_stack(const CurateArguments& arguments, const Dataset& dataset,
+                const std::optional<trainer::PoseDatabase>& database);
 // Writes the stack after an edit that needed no database.
 void emit_stack(const CurateArguments& arguments);
 

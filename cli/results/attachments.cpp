@@ -22,10 +22,10 @@ Attachments attachments_in(const fs::path& path, const Basis& basis, const std::
   return none;
 }
 
-std::vector<AttachedMesh> bind_meshes(const std::vector<LooseMesh>& meshes, const Basis& basis,
-                                      const AttachOptions& options) {
-  const RestSkin skin(basis);
-  return transformed(meshes, [&](const LooseMesh& mesh) { return bind_mesh(mesh, skin, options); });
+std::vector<AttachedMesh> bind_meshes(const std::vector<trainer::LooseMesh>& meshes, const Basis& basis,
+                                      const trainer::AttachOptions& options) {
+  const trainer::RestSkin skin(basis);
+  return transformed(meshes, [&](const trainer::LooseMesh& mesh) { return trainer::bind_mesh(mesh, skin, options); });
 }
 
 Attachments attach(const std::vector<AttachedMesh>& meshes, const fs::path& path, const Basis& basis,
@@ -65,9 +65,9 @@ std::vector<AttachedMesh> attach_own_meshes(const fs::path& character, double un
                                             const Basis& basis, const fs::path& basis_path) {
   try {
     std::vector<std::string> notes;
-    const std::vector<LooseMesh> meshes =
-        read_loose_meshes(GltfFile(character), basis.skeleton, skin_vertices, unit > 0 ? unit : 1, notes);
-    const std::vector<AttachedMesh> bound = bind_own_meshes(meshes, basis, notes);
+    const std::vector<trainer::LooseMesh> meshes =
+        trainer::read_loose_meshes(GltfFile(character), basis.skeleton, skin_vertices, unit > 0 ? unit : 1, notes);
+    const std::vector<AttachedMesh> bound = trainer::bind_own_meshes(meshes, basis, notes);
     say(notes);
     if (bound.empty()) return {};
     attach(bound, attachments_beside(basis_path), basis, basis_path.string());

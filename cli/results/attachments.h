@@ -10,8 +10,8 @@ namespace bodyopt::cli {
 // Reads a file's attachments; none where it does not exist yet. Throws as load_attachments, of which see `basis_name`.
 Attachments attachments_in(const std::filesystem::path& path, const Basis& basis, const std::string& basis_name);
 
-std::vector<AttachedMesh> bind_meshes(const std::vector<LooseMesh>& meshes, const Basis& basis,
-                                      const AttachOptions& options);
+std::vector<AttachedMesh> bind_meshes(const std::vector<trainer::LooseMesh>& meshes, const Basis& basis,
+                                      const trainer::AttachOptions& options);
 
 // Puts the meshes into a file, each in the place of one of its name, and returns all that is in it then. Alone: what
 // other processes put there meanwhile stays. Throws as attachments_in().

@@ -82,7 +82,7 @@ std::vector<FrameEntry> worth_a_look(const Frames& frames) {
   const bool is_known = expected_of(worst_of(frames, expected_of)) > 0;
   const std::vector<double> wrong =
       is_known ? transformed(frames, expected_of) : transformed(frames, &FrameEntry::outside);
-  return transformed(worth_simulating(wrong, kMost, spreading_gap(frames.size(), kMost)),
+  return transformed(trainer::worth_simulating(wrong, kMost, trainer::spreading_gap(frames.size(), kMost)),
                      [&](std::size_t k) { return frames[k]; });
 }
 
@@ -131,7 +131,7 @@ FrameEntry EvaluationLog::entry_of(const Deformer& deformer, const Evaluation& p
     entry.outside_by = outside_text(basis, part.outside_feature[k], part.outside_by[k]);
   }
   if (!part.starts.empty()) {
-    const JiggleMeasure measure = measure_jiggle(*deformer.dynamics(), motion);
+    const trainer::JiggleMeasure measure = trainer::measure_jiggle(*deformer.dynamics(), motion);
     entry.jiggle = {measure.rms_mm, measure.max_mm, measure.inverted_tets, measure.limited};
     if (measure.limited > 0) entry.jiggle->limited_near = nearest_joint(basis, measure.most_limited);
   }
@@ -237,7 +237,7 @@ std::string EvaluationLog::text() const {
   text += fades.text();
   if (const FrameEntry worst = worst_of(frames_, expected_of); expected_of(worst) > 0) {
     text += format("expected error: {:.3f} mm RMS, most in frame {}: {:.3f} mm",
-                   root_mean_square(transformed(frames_, expected_of)), worst.frame, expected_of(worst));
+                   trainer::root_mean_square(transformed(frames_, expected_of)), worst.frame, expected_of(worst));
     // Judged by cross-validation of the training frames: of other poses nothing tells how far off even DDM is.
     if (!fades.empty()) {
       text += "; poses that training did not show can be further off: test compares with their shapes";

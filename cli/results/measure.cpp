@@ -23,10 +23,10 @@
 namespace bodyopt::cli {
 namespace {
 
-FrameAxis heldout_axis(const SampleSet& set) {
-  FrameAxis axis;
+report::FrameAxis heldout_axis(const trainer::SampleSet& set) {
+  report::FrameAxis axis;
   for (std::size_t k = 0; k < set.heldout.size(); ++k) {
-    const Sample& sample = set.heldout[k];
+    const trainer::Sample& sample = set.heldout[k];
     if (k == 0 || sample.take != set.heldout[k - 1].take) {
       axis.takes.push_back({set.takes[static_cast<std::size_t>(sample.take)], k});
     }
@@ -35,7 +35,7 @@ FrameAxis heldout_axis(const SampleSet& set) {
   return axis;
 }
 
-void describe_character(const SampleSet& set, ReportData& report) {
+void describe_character(const trainer::SampleSet& set, report::ReportData& report) {
   const Character& character = set.character;
   const Eigen::RowVector3d box = box_sides(character.vertices);
   report.character.name = character.name;
@@ -45,91 +45,97 @@ void describe_character(const SampleSet& set, ReportData& report) {
   report.character.bounding_box_m = {box(0), box(1), box(2)};
   report.dataset.train_frames = static_cast<std::uint32_t>(set.train.size());
   report.dataset.heldout_frames = static_cast<std::uint32_t>(set.heldout.size());
-  if (set.heldout.empty()) report.dataset.how_to_hold_out = how_to_hold_out(set);
+  if (set.heldout.empty()) report.dataset.how_to_hold_out = trainer::how_to_hold_out(set);
   report.dataset.unconverged = static_cast<std::uint32_t>(set.unconverged);
 }
 
-void describe_result(const TrainingResult& result, ReportData& report) {
+void describe_result(const trainer::TrainingResult& result, report::ReportData& report) {
   const Basis& basis = result.basis;
   const double vertices = std::max(1u, basis.mesh.vertex_count());
-  report.bytes_per_vertex = bytes_per_vertex(basis);
+  report.bytes_per_vertex = trainer::bytes_per_vertex(basis);
   for (const auto& [stage, bytes] : table_bytes(basis)) {
     report.bytes_by_stage.emplace_back(stage, static_cast<double>(bytes) / vertices);
   }
   report.trade_off = result.curve;
   report.expected_rms_mm = result.expected_mm;
-  for (const RegionFit& fit : result.fits) {
+  for (const trainer::RegionFit& fit : result.fits) {
     report.regions.push_back({fit.name, fit.motion_rms_mm, fit.validation_rms_mm, {}, {}});
   }
-  for (const MuscleShare& muscle : result.muscles) report.muscles.push_back({muscle.name, muscle.percent});
-  std::ranges::stable_sort(report.muscles, std::greater{}, &MuscleReport::percent);
+  for (const trainer::MuscleShare& muscle : result.muscles) report.muscles.push_back({muscle.name, muscle.percent});
+  std::ranges::stable_sort(report.muscles, std::greater{}, &report::MuscleReport::percent);
   report.warnings = result.warnings;
 }
 
-CoverageReport heldout_coverage(const SampleSet& set, const Training& training) {
+report::CoverageReport heldout_coverage(const trainer::SampleSet& set, const Training& training) {
   constexpr std::size_t kWorst = 20;
-  CoverageReport report;
+  report::CoverageReport report;
   report.regions = training.result.basis.coverage.names;
-  for (const ExpectedError& error : expected_errors(training.result.basis, heldout_poses(set))) {
+  for (const ExpectedError& error : trainer::expected_errors(training.result.basis, heldout_poses(set))) {
     report.frame_mm.push_back(error.rms_mm);
     report.region_mm.push_back(error.region_mm);
   }
-  report.rms_mm = root_mean_square(report.frame_mm);
-  const double correlation = rank_correlation(report.frame_mm, training.methods.back().errors.frame_rms);
+  report.rms_mm = trainer::root_mean_square(report.frame_mm);
+  const double correlation = trainer::rank_correlation(report.frame_mm, training.methods.back().errors.frame_rms);
   if (std::isfinite(correlation)) report.rank_correlation = correlation;
-  report.worth_simulating = worth_simulating(report.frame_mm, kWorst, spreading_gap(report.frame_mm.size(), kWorst));
+  report.worth_simulating =
+      trainer::worth_simulating(report.frame_mm, kWorst, trainer::spreading_gap(report.frame_mm.size(), kWorst));
   return report;
 }
 
 // Adds expected and true errors over the held-out frames for the regions that the basis keeps.
-void add_heldout_errors(const std::vector<RegionWeights>& weights, const VertexErrors& errors, ReportData& report) {
-  const CoverageReport& coverage = *report.coverage;
-  for (RegionReport& region : report.regions) {
+void add_heldout_errors(const std::vector<RegionWeights>& weights, const trainer::VertexErrors& errors,
+                        report::ReportData& report) {
+  const report::CoverageReport& coverage = *report.coverage;
+  for (report::RegionReport& region : report.regions) {
     const auto kept = std::ranges::find(coverage.regions, region.name);
     if (kept == coverage.regions.end()) continue;
     const std::vector<double> frames = transformed(coverage.region_mm, [&](const std::vector<double>& frame) {
       return frame[static_cast<std::size_t>(kept - coverage.regions.begin())];
     });
-    region.expected_mm = root_mean_square(frames);
+    region.expected_mm = trainer::root_mean_square(frames);
   }
   for (const RegionWeights& region : weights) {
-    const auto same = std::ranges::find(report.regions, region.name, &RegionReport::name);
-    if (same != report.regions.end()) same->true_mm = region_rms(errors, region);
+    const auto same = std::ranges::find(report.regions, region.name, &report::RegionReport::name);
+    if (same != report.regions.end()) same->true_mm = trainer::region_rms(errors, region);
   }
 }
 
-AreaErrorsReport area_errors(const MethodErrors& errors) { return {errors.ddm, errors.full, errors.expected}; }
-
-bool is_foreign(const SampleSet& set, const std::string& take) {
-  return std::ranges::none_of(
-      set.train, [&](const Sample& sample) { return set.takes[static_cast<std::size_t>(sample.take)] == take; });
+report::AreaErrorsReport area_errors(const trainer::MethodErrors& errors) {
+  return {errors.ddm, errors.full, errors.expected};
 }
 
-std::vector<TakeReport> take_reports(const SampleSet& set, const Basis& basis) {
-  std::vector<TakeReport> reports;
-  for (const TakeErrors& take : test_errors(basis, set)) {
-    TakeReport& report = reports.emplace_back();
+bool is_foreign(const trainer::SampleSet& set, const std::string& take) {
+  return std::ranges::none_of(set.train, [&](const trainer::Sample& sample) {
+    return set.takes[static_cast<std::size_t>(sample.take)] == take;
+  });
+}
+
+std::vector<report::TakeReport> take_reports(const trainer::SampleSet& set, const Basis& basis) {
+  std::vector<report::TakeReport> reports;
+  for (const trainer::TakeErrors& take : trainer::test_errors(basis, set)) {
+    report::TakeReport& report = reports.emplace_back();
     report.name = take.take;
     report.foreign = is_foreign(set, take.take);
     report.frames = static_cast<std::uint32_t>(take.frames.size());
     report.errors = area_errors(take.errors);
-    for (const PartErrors& part : take.parts) report.parts.push_back({part.part, part.area, area_errors(part.errors)});
+    for (const trainer::PartErrors& part : take.parts)
+      report.parts.push_back({part.part, part.area, area_errors(part.errors)});
     if (std::isfinite(take.rank_correlation)) report.rank_correlation = take.rank_correlation;
   }
   return reports;
 }
 
 // Frames of a take among some samples, ascending.
-std::vector<int> frames_of(const std::vector<Sample>& samples, std::size_t take) {
+std::vector<int> frames_of(const std::vector<trainer::Sample>& samples, std::size_t take) {
   std::vector<int> frames;
-  for (const Sample& sample : samples) {
+  for (const trainer::Sample& sample : samples) {
     if (static_cast<std::size_t>(sample.take) == take) frames.push_back(sample.frame);
   }
   std::ranges::sort(frames);
   return frames;
 }
 
-ProvenanceReport::Take take_of(const DatasetTake& take, std::size_t index, const SampleSet& set) {
+report::ProvenanceReport::Take take_of(const DatasetTake& take, std::size_t index, const trainer::SampleSet& set) {
   const std::vector<int> trained = frames_of(set.train, index), heldout = frames_of(set.heldout, index);
   std::vector<int> left_out;
   for (const int frame : take.frames) {
@@ -140,9 +146,9 @@ ProvenanceReport::Take take_of(const DatasetTake& take, std::size_t index, const
   return {take.name, format_frame_range(trained), format_frame_range(heldout), format_frame_range(left_out)};
 }
 
-std::vector<std::pair<std::string, std::string>> options_of(const Provenance& provenance, const TrainOptions& options,
-                                                            double unit) {
-  const TrainOptions& own = provenance.options;
+std::vector<std::pair<std::string, std::string>> options_of(const trainer::Provenance& provenance,
+                                                            const trainer::TrainOptions& options, double unit) {
+  const trainer::TrainOptions& own = provenance.options;
   const auto text = [](auto value) { return Json(value).dump(); };
   std::vector<std::pair<std::string, std::string>> list = {
       {"smoothing_radius_m", text(own.smoothing_radius)},
@@ -161,21 +167,21 @@ std::vector<std::pair<std::string, std::string>> options_of(const Provenance& pr
 
 }  // namespace
 
-Training train_and_measure(const SampleSet& set, const TrainOptions& options, bool ablate, double unit,
-                           const std::string& out) {
+Training train_and_measure(const trainer::SampleSet& set, const trainer::TrainOptions& options, bool ablate,
+                           double unit, const std::string& out) {
   const Stopwatch watch;
-  Training training{train(set, options), 0, {}, {}};
+  Training training{trainer::train(set, options), 0, {}, {}};
   for (const std::string& note : training.result.notes) spdlog::info(note);
   training.seconds = watch.seconds();
   Basis& basis = training.result.basis;
   say(training.result.warnings);
   keep_unit(basis, unit);
   save_basis(basis, out);
-  training.unposing = unposing_residual(set, basis);
+  training.unposing = trainer::unposing_residual(set, basis);
   if (set.heldout.empty()) return training;
   std::vector<std::string> unmade;
-  training.methods = ablate ? bodyopt::ablate(set, options, training.result, training.seconds, unmade)
-                            : compare_with_skinning(set, basis, training.seconds);
+  training.methods = ablate ? trainer::ablate(set, options, training.result, training.seconds, unmade)
+                            : trainer::compare_with_skinning(set, basis, training.seconds);
   for (const std::string& name : unmade) {
     spdlog::warn("'{}' is not in the table: the least that it learns takes more bytes than the full model", name);
   }
@@ -193,11 +199,13 @@ std::string method_table(const std::vector<MethodResult>& methods) {
   return text;
 }
 
-std::vector<Pose> heldout_poses(const SampleSet& set) { return transformed(set.heldout, &Sample::pose); }
+std::vector<Pose> heldout_poses(const trainer::SampleSet& set) {
+  return transformed(set.heldout, &trainer::Sample::pose);
+}
 
-ReportData report_of(const SampleSet& set, const Training& training, const std::vector<Positions>& shapes,
-                     const std::string& pictures_on) {
-  ReportData report;
+report::ReportData report_of(const trainer::SampleSet& set, const Training& training,
+                             const std::vector<Positions>& shapes, const std::string& pictures_on) {
+  report::ReportData report;
   describe_character(set, report);
   describe_result(training.result, report);
   report.unposing_residual_mm.lbs = training.unposing.lbs;
@@ -206,7 +214,7 @@ ReportData report_of(const SampleSet& set, const Training& training, const std::
   report.methods = training.methods;
   if (!training.methods.empty()) {
     report.takes = take_reports(set, training.result.basis);
-    const VertexErrors errors = vertex_errors(set, shapes);
+    const trainer::VertexErrors errors = trainer::vertex_errors(set, shapes);
     report.heldout = heldout_axis(set);
     report.coverage = heldout_coverage(set, training);
     const std::vector<RegionWeights>& regions = training.result.regions;
@@ -223,11 +231,12 @@ ReportData report_of(const SampleSet& set, const Training& training, const std::
   return report;
 }
 
-ProvenanceReport provenance_of(const Dataset& dataset, const std::filesystem::path& dataset_file, const SampleSet& set,
-                               const TrainOptions& options, const std::filesystem::path& basis_file) {
+report::ProvenanceReport provenance_of(const Dataset& dataset, const std::filesystem::path& dataset_file,
+                                       const trainer::SampleSet& set, const trainer::TrainOptions& options,
+                                       const std::filesystem::path& basis_file) {
   const Metadata metadata = read_safetensors(basis_file).metadata;
-  const Provenance own = read_provenance(metadata, basis_file).value();
-  ProvenanceReport report;
+  const trainer::Provenance own = trainer::read_provenance(metadata, basis_file).value();
+  report::ProvenanceReport report;
   report.program = own.program;
   report.command_line = command_line();
   report.options = options_of(own, options, dataset.unit);
@@ -242,12 +251,12 @@ ProvenanceReport provenance_of(const Dataset& dataset, const std::filesystem::pa
   return report;
 }
 
-Json levels_info(const std::vector<Level>& levels, const ProxyReport& report) {
+Json levels_info(const std::vector<Level>& levels, const trainer::ProxyReport& report) {
   Json list = Json::array();
   for (std::size_t k = 0; k < std::min(levels.size(), report.levels.size()); ++k) {
-    const FrameTime time = frame_time(levels[k]);
+    const trainer::FrameTime time = trainer::frame_time(levels[k]);
     list.push_back({{"level", k}});
-    list.back().update(to_json(report.levels[k]));
+    list.back().update(trainer::to_json(report.levels[k]));
     list.back().update({{"coefficients", levels[k].basis.residual.coefficient_count()},
                         {"measured_on", report.measured_on},
                         {"microseconds", time.microseconds},

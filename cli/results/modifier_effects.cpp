@@ -16,7 +16,7 @@ bool may_close(const Pose& pose, const SkinModifier& push_out) {
   return std::ranges::any_of(weights, [](float weight) { return weight != 0; });
 }
 
-Json to_json(const FoldMeasure& measure) {
+Json to_json(const trainer::FoldMeasure& measure) {
   return {{"deepest_mm", 1e3 * measure.deepest},
           {"left_mm", 1e3 * measure.deepest_left},
           {"removed_share", measure.removed()},
@@ -45,7 +45,7 @@ std::optional<ShotFolds> measure_shot_folds(const Basis& basis, std::span<const 
     chosen.push_back(poses[at]);
     numbers.push_back(frames[at]);
   }
-  const std::vector<FoldMeasure> measures = FoldJudge(basis)(chosen);
+  const std::vector<trainer::FoldMeasure> measures = trainer::FoldJudge(basis)(chosen);
   for (std::size_t k = 0; k < folds.frames; ++k) {
     if (k == 0 || measures[k].deepest > folds.measure.deepest) folds.deepest_frame = numbers[k];
     folds.measure.add(measures[k]);
@@ -61,7 +61,7 @@ Json to_json(const ShotFolds& folds) {
 }
 
 std::string text_of(const ShotFolds& folds) {
-  const FoldMeasure& measure = folds.measure;
+  const trainer::FoldMeasure& measure = folds.measure;
   if (!(measure.sum > 0)) return format("push-out: no skin in skin in the {} frames looked at\n", folds.frames);
   return format(
       "push-out, {} frames looked at: skin in skin up to {:.1f} mm deep, in frame {}; {:.1f} mm left, {:.1f} % of all "
@@ -70,20 +70,20 @@ std::string text_of(const ShotFolds& folds) {
       1e3 * measure.elsewhere);
 }
 
-Json to_json(const std::vector<BentJoint>& folds) {
+Json to_json(const std::vector<trainer::BentJoint>& folds) {
   Json list = Json::array();
-  for (const BentJoint& fold : folds) {
+  for (const trainer::BentJoint& fold : folds) {
     list.push_back(to_json(fold.measure));
     list.back()["joint"] = fold.joint;
   }
   return list;
 }
 
-std::string text_of(const std::vector<BentJoint>& folds, const std::string& how_far) {
+std::string text_of(const std::vector<trainer::BentJoint>& folds, const std::string& how_far) {
   if (folds.empty()) return "no skin crosses skin where a joint is bent " + how_far + "\n";
   std::string text =
       format("{:30} {:>9} {:>9} {:>10} {:>13}\n", "bent " + how_far, "deep mm", "left mm", "taken out", "elsewhere mm");
-  for (const BentJoint& fold : folds) {
+  for (const trainer::BentJoint& fold : folds) {
     text += format("{:30} {:9.1f} {:9.1f} {:8.1f} % {:13.4f}\n", fold.joint, 1e3 * fold.measure.deepest,
                    1e3 * fold.measure.deepest_left, 100 * fold.measure.removed(), 1e3 * fold.measure.elsewhere);
   }
@@ -101,8 +101,8 @@ ShotMoves measure_shot_moves(const Basis& basis, std::span<const Pose> poses, st
     chosen.push_back(poses[at]);
     numbers.push_back(frames[at]);
   }
-  shot.moves = measure_moves(basis, chosen);
-  for (const ModifierMove& move : shot.moves) shot.numbers.push_back(numbers[move.pose]);
+  shot.moves = trainer::measure_moves(basis, chosen);
+  for (const trainer::ModifierMove& move : shot.moves) shot.numbers.push_back(numbers[move.pose]);
   return shot;
 }
 
@@ -120,7 +120,7 @@ Json to_json(const ShotMoves& shot) {
 std::string text_of(const ShotMoves& shot) {
   std::string text;
   for (std::size_t k = 0; k < shot.moves.size(); ++k) {
-    const ModifierMove& move = shot.moves[k];
+    const trainer::ModifierMove& move = shot.moves[k];
     if (move.largest == 0) {
       text += format("modifier {}, {} frames looked at: moves nothing\n", move.modifier, shot.frames);
       continue;

@@ -14,7 +14,7 @@ namespace bodyopt::cli {
 // How deep skin lies in skin.
 struct ShotFolds {
   std::size_t frames = 0;  // that were looked at
-  FoldMeasure measure;
+  trainer::FoldMeasure measure;
   int deepest_frame = 0;
 };
 
@@ -27,14 +27,14 @@ Json to_json(const ShotFolds& folds);
 // A line for people.
 std::string text_of(const ShotFolds& folds);
 
-Json to_json(const std::vector<BentJoint>& folds);
+Json to_json(const std::vector<trainer::BentJoint>& folds);
 // A table for people.
-std::string text_of(const std::vector<BentJoint>& folds, const std::string& how_far);
+std::string text_of(const std::vector<trainer::BentJoint>& folds, const std::string& how_far);
 
 // How far each modifier moves the skin.
 struct ShotMoves {
   std::size_t frames = 0;  // looked at, spread over the shot
-  std::vector<ModifierMove> moves;
+  std::vector<trainer::ModifierMove> moves;
   std::vector<int> numbers;  // of each move: the frame in which it is
 };
 

@@ -30,17 +30,18 @@ namespace {
 constexpr std::uint32_t kPictureWidth = 290, kPictureHeight = 330;
 
 // `output`: O x 3.
-Image draw_output(Renderer& renderer, const MeshTable& mesh, const std::vector<float>& output, std::uint32_t width,
-                  std::uint32_t height) {
+draw::Image draw_output(draw::Renderer& renderer, const MeshTable& mesh, const std::vector<float>& output,
+                        std::uint32_t width, std::uint32_t height) {
   const std::vector<float> skin = vertices_of(mesh, output);
-  return draw_skin(renderer, mesh.triangles, skin, {}, {framed(skin, {0.35f, 0.15f, 1}, width, height), width, height});
+  return report::draw_skin(renderer, mesh.triangles, skin, {},
+                           {report::framed(skin, {0.35f, 0.15f, 1}, width, height), width, height});
 }
 
 // Characters, each read once.
 class CacheDrawer {
  public:
-  Image draw(const WorthyFrame& worthy) {
-    const FarmStep& step = *worthy.step;
+  draw::Image draw(const farm::WorthyFrame& worthy) {
+    const farm::FarmStep& step = *worthy.step;
     const std::vector<float> points = read(step.out, worthy.sample);
     const MeshTable& mesh = mesh_of(step);
     if (points.size() != 3 * mesh.output_vertex.size()) {
@@ -57,36 +58,36 @@ class CacheDrawer {
     return reader.sample(sample);
   }
 
-  const MeshTable& mesh_of(const FarmStep& step) {
+  const MeshTable& mesh_of(const farm::FarmStep& step) {
     const std::vector<std::string> session = step.option("--session"), level = step.option("--level");
-    ShotFiles files;
+    shots::ShotFiles files;
     if (!level.empty()) files.level = std::strtoul(level.front().c_str(), nullptr, 10);
     if (session.empty()) {
       files.basis = step.arguments.at(1);
     } else {
-      take_session(session.front(), files);
+      shots::take_session(session.front(), files);
     }
     const std::pair key(files.basis, files.level);
     auto found = meshes_.find(key);
     if (found == meshes_.end()) {
-      OpenedCharacter opened = open_level(files);
+      shots::OpenedCharacter opened = shots::open_level(files);
       found = meshes_.emplace(key, std::move(opened.levels.front().basis.mesh)).first;
     }
     return found->second;
   }
 
-  Renderer renderer_;
+  draw::Renderer renderer_;
   std::map<std::pair<std::string, std::size_t>, MeshTable> meshes_;  // by character and level
 };
 
 // Draws every frame worth a look, or says why it cannot.
-Json looks_of(const ShowSummary& summary) {
+Json looks_of(const farm::ShowSummary& summary) {
   Json looks = Json::array();
   std::optional<CacheDrawer> drawer;
-  for (const WorthyFrame& worthy : summary.worth_a_look) {
+  for (const farm::WorthyFrame& worthy : summary.worth_a_look) {
     try {
       if (!drawer) drawer.emplace();
-      looks.push_back(page_picture(drawer->draw(worthy)));
+      looks.push_back(report::page_picture(drawer->draw(worthy)));
     } catch (const Error& error) {
       looks.push_back({{"problem", error.what()}});
     }
@@ -112,18 +113,18 @@ std::string next_frames(const std::vector<ComparedPose>& poses) {
     frames.push_back(pose.frame);
     expected.push_back(pose.expected_rms_mm);
   }
-  return frames_to_simulate(frames, expected);
+  return trainer::frames_to_simulate(frames, expected);
 }
 
 // Source and target in turn, in every pose that is shown.
-Image poses_picture(const MeshTable& source, const MeshTable& carried, const std::vector<ComparedPose>& poses) {
-  Renderer renderer;
-  std::vector<Image> row;
+draw::Image poses_picture(const MeshTable& source, const MeshTable& carried, const std::vector<ComparedPose>& poses) {
+  draw::Renderer renderer;
+  std::vector<draw::Image> row;
   for (const std::size_t k : shown_of(poses.size())) {
     row.push_back(draw_output(renderer, source, poses[k].source, kWidth, kHeight));
     row.push_back(draw_output(renderer, carried, poses[k].target, kWidth, kHeight));
   }
-  return side_by_side(row);
+  return report::side_by_side(row);
 }
 
 Json names_without(const std::vector<int>& match, const Skeleton& skeleton) {
@@ -156,10 +157,10 @@ Body body_of(const MeshTable& mesh, const Positions& skin, double shift, const P
   return body;
 }
 
-Positions confidence_colours(const Correspondence& correspondence) {
+Positions confidence_colours(const trainer::Correspondence& correspondence) {
   Positions result(correspondence.target.rows(), 3);
   for (Eigen::Index v = 0; v < result.rows(); ++v) {
-    const auto colour = heat_colour(static_cast<float>(1 - std::clamp(correspondence.confidence[v], 0.0, 1.0)));
+    const auto colour = draw::heat_colour(static_cast<float>(1 - std::clamp(correspondence.confidence[v], 0.0, 1.0)));
     result.row(v) << double{colour[0]}, double{colour[1]}, double{colour[2]};
   }
   return result;
@@ -167,17 +168,17 @@ Positions confidence_colours(const Correspondence& correspondence) {
 
 }  // namespace
 
-std::string show_page(const FarmPlan& plan, const ShowSummary& summary) {
-  return page_text("show", to_json(plan, summary), {{"looks", looks_of(summary)}});
+std::string show_page(const farm::FarmPlan& plan, const farm::ShowSummary& summary) {
+  return report::page_text("show", to_json(plan, summary), {{"looks", looks_of(summary)}});
 }
 
-Json to_json(const FarmPlan& plan, const ShowSummary& summary) {
+Json to_json(const farm::FarmPlan& plan, const farm::ShowSummary& summary) {
   Json elements = Json::array(), frames = Json::array(), next = Json::array();
-  for (const ElementSummary& element : summary.elements) {
+  for (const farm::ElementSummary& element : summary.elements) {
     elements.push_back({{"shot", element.shot},
                         {"element", element.element},
                         {"out", element.out},
-                        {"state", name_of(element.state)},
+                        {"state", farm::name_of(element.state)},
                         {"message", element.failure ? element.failure->message : ""},
                         {"host", element.failure ? element.failure->host : ""},
                         {"frames", element.frames},
@@ -188,14 +189,14 @@ Json to_json(const FarmPlan& plan, const ShowSummary& summary) {
                         {"outside_count", element.outside.size()},
                         {"worst_outside", element.worst_outside}});
   }
-  for (const WorthyFrame& worthy : summary.worth_a_look) {
+  for (const farm::WorthyFrame& worthy : summary.worth_a_look) {
     frames.push_back({{"shot", worthy.step->shot},
                       {"element", worthy.step->element},
                       {"frame", worthy.frame},
                       {"expected_rms_mm", worthy.expected_rms_mm},
                       {"outside", worthy.outside}});
   }
-  for (const FramesToSimulate& entry : summary.simulate_next) {
+  for (const farm::FramesToSimulate& entry : summary.simulate_next) {
     next.push_back({{"basis", entry.basis},
                     {"clip", entry.clip},
                     {"frames", format_frame_range(entry.frames)},
@@ -209,13 +210,14 @@ Json to_json(const FarmPlan& plan, const ShowSummary& summary) {
           {"simulate_next", next}};
 }
 
-std::string simulate_options(const FramesToSimulate& next) {
-  std::string text = "--clip " + quoted_for_shell(next.clip) + " --frames " + format_frame_range(next.frames);
-  for (const std::string& word : next.options) text += " " + (word.starts_with("--") ? word : quoted_for_shell(word));
+std::string simulate_options(const farm::FramesToSimulate& next) {
+  std::string text = "--clip " + farm::quoted_for_shell(next.clip) + " --frames " + format_frame_range(next.frames);
+  for (const std::string& word : next.options)
+    text += " " + (word.starts_with("--") ? word : farm::quoted_for_shell(word));
   return text;
 }
 
-std::vector<ComparedPose> compare_poses(const TransferPair& pair, const Basis& carried, const Clip& clip,
+std::vector<ComparedPose> compare_poses(const trainer::TransferPair& pair, const Basis& carried, const Clip& clip,
                                         const std::vector<int>& frames) {
   Deformer source(pair.source, {.name = "cpu"}), target(carried, {.name = "cpu"});
   const std::vector<std::size_t> shown = shown_of(frames.size());
@@ -224,29 +226,30 @@ std::vector<ComparedPose> compare_poses(const TransferPair& pair, const Basis& c
   if (!carried.coverage.empty()) expectation.emplace(carried);
   for (const int frame : frames) {
     const Pose& pose = clip.poses.at(static_cast<std::size_t>(frame - clip.first_frame));
-    const Pose moved = transferred_pose(pair.match, pair.source.skeleton, pair.target.skeleton, pose);
+    const Pose moved = trainer::transferred_pose(pair.match, pair.source.skeleton, pair.target.skeleton, pose);
     ComparedPose compared;
     compared.frame = frame;
     compared.source = source.evaluate({&pose, 1}).positions;
     Evaluation on_target = target.evaluate({&moved, 1});
     if (expectation) compared.expected_rms_mm = expectation->of(on_target, 0).rms_mm;
     compared.target = std::move(on_target.positions);
-    compared.source_volume = relative_volume(pair.source.mesh, compared.source);
-    compared.target_volume = relative_volume(carried.mesh, compared.target);
+    compared.source_volume = trainer::relative_volume(pair.source.mesh, compared.source);
+    compared.target_volume = trainer::relative_volume(carried.mesh, compared.target);
     if (!std::ranges::binary_search(shown, poses.size())) compared.source = compared.target = {};
     poses.push_back(std::move(compared));
   }
   return poses;
 }
 
-Json transfer_pictures(const TransferPair& pair, const MeshTable& carried, const std::vector<ComparedPose>& poses) {
-  Json pictures = {{"match", page_picture(transfer_picture(pair))}};
-  if (!poses.empty()) pictures["poses"] = page_picture(poses_picture(pair.source.mesh, carried, poses));
+Json transfer_pictures(const trainer::TransferPair& pair, const MeshTable& carried,
+                       const std::vector<ComparedPose>& poses) {
+  Json pictures = {{"match", report::page_picture(transfer_picture(pair))}};
+  if (!poses.empty()) pictures["poses"] = report::page_picture(poses_picture(pair.source.mesh, carried, poses));
   return pictures;
 }
 
-Json to_json(const TransferPair& pair, double alike) {
-  const Correspondence& correspondence = pair.correspondence;
+Json to_json(const trainer::TransferPair& pair, double alike) {
+  const trainer::Correspondence& correspondence = pair.correspondence;
   const double count = static_cast<double>(std::max<Eigen::Index>(1, correspondence.distance.size()));
   return {{"same_topology", correspondence.same_topology},
           {"size_ratio", pair.match.size},
@@ -255,15 +258,15 @@ Json to_json(const TransferPair& pair, double alike) {
           {"unmatched_target_joints", names_without(pair.match.source_joint, pair.target.skeleton)},
           {"posed_to_the_source", pair.match.is_aligned()},
           {"likeness", alike},
-          {"least_likeness", kLeastLikeness},
+          {"least_likeness", trainer::kLeastLikeness},
           {"confidence", correspondence.mean_confidence()},
           {"filled_in_vertices", pair.skin.unsure()},
           {"fit_rms_mm", 1e3 * std::sqrt(correspondence.distance.squaredNorm() / count)}};
 }
 
-Json to_json(const std::vector<TransferPart>& parts, const std::vector<ComparedPose>& poses) {
+Json to_json(const std::vector<trainer::TransferPart>& parts, const std::vector<ComparedPose>& poses) {
   Json list = Json::array(), volumes = Json::array();
-  for (const TransferPart& part : parts) {
+  for (const trainer::TransferPart& part : parts) {
     list.push_back({{"joint", part.joint},
                     {"vertices", part.vertices},
                     {"confidence", part.confidence},
@@ -281,28 +284,28 @@ Json to_json(const std::vector<TransferPart>& parts, const std::vector<ComparedP
   return {{"parts", list}, {"poses", volumes}, {"worth_simulating", next_frames(poses)}};
 }
 
-Image transfer_picture(const TransferPair& pair) {
+draw::Image transfer_picture(const trainer::TransferPair& pair) {
   const MeshTable &from = pair.source.mesh, &to = pair.target.mesh;
   const Positions rest = rows_of(from.rest);
-  const Correspondence& correspondence = pair.correspondence;
-  const Positions colours = place_colours(rest);
+  const trainer::Correspondence& correspondence = pair.correspondence;
+  const Positions colours = trainer::place_colours(rest);
   const auto width_of = [](const Positions& p) {
     const Eigen::RowVector3d extent = box_sides(p);
     return extent[0] / std::max(extent.maxCoeff(), 1e-9);
   };
   const double step = 0.1 + std::max(width_of(rest), width_of(correspondence.target));
   const Body bodies[] = {body_of(from, rest, -step, colours),
-                         body_of(to, correspondence.target, 0, matched_colours(correspondence, colours)),
+                         body_of(to, correspondence.target, 0, trainer::matched_colours(correspondence, colours)),
                          body_of(to, correspondence.target, step, confidence_colours(correspondence))};
-  std::vector<DrawMesh> meshes;
+  std::vector<draw::DrawMesh> meshes;
   std::vector<float> points;
   for (const Body& body : bodies) {
     meshes.push_back({body.positions, body.normals, body.triangles, body.colours});
     points.insert(points.end(), body.positions.begin(), body.positions.end());
   }
   constexpr std::uint32_t kWidth = 1280, kHeight = 560;
-  const Camera camera = frame_points(points, {0, 0.15f, 1}, float{kWidth} / kHeight);
-  return Renderer().draw(meshes, camera, kWidth, kHeight);
+  const draw::Camera camera = draw::frame_points(points, {0, 0.15f, 1}, float{kWidth} / kHeight);
+  return draw::Renderer().draw(meshes, camera, kWidth, kHeight);
 }
 
 }  // namespace bodyopt::cli

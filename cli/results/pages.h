@@ -13,13 +13,13 @@ namespace bodyopt::cli {
 
 // Self-contained HTML. The frames worth a look are drawn from the caches, on a Vulkan device. Where there is none, or a
 // cache is gone, the page says so.
-std::string show_page(const FarmPlan& plan, const ShowSummary& summary);
+std::string show_page(const farm::FarmPlan& plan, const farm::ShowSummary& summary);
 
 // The page's facts for programs, without pictures.
-Json to_json(const FarmPlan& plan, const ShowSummary& summary);
+Json to_json(const farm::FarmPlan& plan, const farm::ShowSummary& summary);
 
 // The options of `simulate` that name these frames, quoted for a shell.
-std::string simulate_options(const FramesToSimulate& next);
+std::string simulate_options(const farm::FramesToSimulate& next);
 
 // How a transfer went, as a page for people.
 
@@ -32,20 +32,21 @@ struct ComparedPose {
 };
 
 // The frames of a clip of the source, and of the target posed as transferred_pose() says. Throws as Deformer::evaluate.
-std::vector<ComparedPose> compare_poses(const TransferPair& pair, const Basis& carried, const Clip& clip,
+std::vector<ComparedPose> compare_poses(const trainer::TransferPair& pair, const Basis& carried, const Clip& clip,
                                         const std::vector<int>& frames);
 
 // The match and, if there are any, the poses, as the page takes them. `carried`: of which the poses are. Throws
 // Error(device) where nothing can be drawn.
-Json transfer_pictures(const TransferPair& pair, const MeshTable& carried, const std::vector<ComparedPose>& poses);
+Json transfer_pictures(const trainer::TransferPair& pair, const MeshTable& carried,
+                       const std::vector<ComparedPose>& poses);
 
 // Facts of one target: of the match (`alike`: likeness() of the pair), and of the parts and poses.
-Json to_json(const TransferPair& pair, double alike);
-Json to_json(const std::vector<TransferPart>& parts, const std::vector<ComparedPose>& poses);
+Json to_json(const trainer::TransferPair& pair, double alike);
+Json to_json(const std::vector<trainer::TransferPart>& parts, const std::vector<ComparedPose>& poses);
 
 // A picture of which point is which. The source is coloured by place, each point of the target in the colour of its
 // match. The target again is clay where the match is sure, and hot where it is not. Both are in the common pose, each
 // as large as the other. Throws Error(device).
-Image transfer_picture(const TransferPair& pair);
+draw::Image transfer_picture(const trainer::TransferPair& pair);
 
 }  // namespace bodyopt::cli

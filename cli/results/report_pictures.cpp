@@ -26,15 +26,15 @@ Positions skin_of(const Character& character, Deformer& deformer, Pose pose, con
   return welded_from_output(character, deformer.evaluate({&pose, 1}).positions.data());
 }
 
-float flexing(const Sample& sample) {
+float flexing(const trainer::Sample& sample) {
   return std::accumulate(sample.pose.controls.begin(), sample.pose.controls.end(), 0.0f);
 }
 
 // The frame, trained on or not, of which most is flexed; null where nothing ever is.
-const Sample* most_flexed(const SampleSet& set) {
-  const Sample* most = nullptr;
-  for (const std::vector<Sample>* samples : {&set.train, &set.heldout}) {
-    for (const Sample& sample : *samples) {
+const trainer::Sample* most_flexed(const trainer::SampleSet& set) {
+  const trainer::Sample* most = nullptr;
+  for (const std::vector<trainer::Sample>* samples : {&set.train, &set.heldout}) {
+    for (const trainer::Sample& sample : *samples) {
       if (flexing(sample) > (most == nullptr ? 0 : flexing(*most))) most = &sample;
     }
   }
@@ -42,7 +42,8 @@ const Sample* most_flexed(const SampleSet& set) {
 }
 
 // Controls above 0, falling.
-std::vector<std::pair<std::string, double>> flexed_controls(const SampleSet& set, const Sample& sample) {
+std::vector<std::pair<std::string, double>> flexed_controls(const trainer::SampleSet& set,
+                                                            const trainer::Sample& sample) {
   std::vector<std::pair<std::string, double>> flexed;
   for (std::size_t c = 0; c < sample.pose.controls.size(); ++c) {
     if (sample.pose.controls[c] > 0) flexed.emplace_back(set.controls[c], sample.pose.controls[c]);
@@ -52,22 +53,22 @@ std::vector<std::pair<std::string, double>> flexed_controls(const SampleSet& set
 }
 
 // How much shorter the muscle is that is shortened most, of its length at rest.
-double largest_shortening(const SampleSet& set, const Sample& sample) {
+double largest_shortening(const trainer::SampleSet& set, const trainer::Sample& sample) {
   const std::vector<Affine> skinning = skinning_matrices(set.character.skeleton, sample.pose.joints);
   double largest = 0;
   for (const Muscle& muscle : set.muscles) {
-    const double rest = rest_length(muscle);
-    if (rest > 0) largest = std::max(largest, 1 - path_length(muscle, skinning) / rest);
+    const double rest = trainer::rest_length(muscle);
+    if (rest > 0) largest = std::max(largest, 1 - trainer::path_length(muscle, skinning) / rest);
   }
   return largest;
 }
 
 // The frame, trained on or not, of which most is flexed; null where there is none.
-const Sample* section_frame(const SampleSet& set) {
-  const Sample* most = nullptr;
+const trainer::Sample* section_frame(const trainer::SampleSet& set) {
+  const trainer::Sample* most = nullptr;
   std::pair<double, double> flexed{-1, -1};
-  for (const std::vector<Sample>* samples : {&set.train, &set.heldout}) {
-    for (const Sample& sample : *samples) {
+  for (const std::vector<trainer::Sample>* samples : {&set.train, &set.heldout}) {
+    for (const trainer::Sample& sample : *samples) {
       const std::vector<float>& controls = sample.pose.controls;
       const std::pair of_frame{std::accumulate(controls.begin(), controls.end(), 0.0), largest_shortening(set, sample)};
       if (of_frame <= flexed) continue;
@@ -78,38 +79,40 @@ const Sample* section_frame(const SampleSet& set) {
   return most;
 }
 
-SectionsReport draw_sections(const SampleSet& set, const Sample& sample, const AnatomyField& field) {
+report::SectionsReport draw_sections(const trainer::SampleSet& set, const trainer::Sample& sample,
+                                     const trainer::AnatomyField& field) {
   constexpr int kPixels = 260;
-  const TissueColours colours(set.muscles);
+  const trainer::TissueColours colours(set.muscles);
   const std::vector<Affine> skinning = skinning_matrices(set.character.skeleton, sample.pose.joints);
   const Positions skin = sample.shape.read();
   const auto tissue_at = [&](const Eigen::Vector3d& point) { return field.tissue_at(point); };
-  std::vector<Image> pictures;
-  SectionsReport report;
-  for (const NamedPlane& named : telling_planes(field, kPixels)) {
+  std::vector<draw::Image> pictures;
+  report::SectionsReport report;
+  for (const trainer::NamedPlane& named : trainer::telling_planes(field, kPixels)) {
     report.names.push_back(named.name);
-    pictures.push_back(section_image(
-        section_of(named.plane, rest_points(named.plane, set.character.vertices, set.character.triangles), tissue_at),
+    pictures.push_back(report::section_image(
+        trainer::section_of(
+            named.plane, trainer::rest_points(named.plane, set.character.vertices, set.character.triangles), tissue_at),
         colours));
-    const SectionPlane moved = moved_plane(named.plane, skinning[named.joint]);
-    const RestPoints rest = rest_points(moved, PosedBody{set.character, skin, skinning});
-    pictures.push_back(section_image(section_of(moved, rest, tissue_at), colours));
+    const trainer::SectionPlane moved = trainer::moved_plane(named.plane, skinning[named.joint]);
+    const trainer::RestPoints rest = trainer::rest_points(moved, trainer::PosedBody{set.character, skin, skinning});
+    pictures.push_back(report::section_image(trainer::section_of(moved, rest, tissue_at), colours));
   }
   report.take = set.takes[static_cast<std::size_t>(sample.take)];
   report.frame = sample.frame;
-  report.image = numbered_sheet(pictures, 2);
+  report.image = report::numbered_sheet(pictures, 2);
   return report;
 }
 
 }  // namespace
 
-ReportPictures::ReportPictures(const SampleSet& set, const std::vector<Positions>& shapes,
+ReportPictures::ReportPictures(const trainer::SampleSet& set, const std::vector<Positions>& shapes,
                                const ErrorStatistics& errors, const Basis& basis, const std::string& device)
     : set_(set),
       shapes_(shapes),
       errors_(errors),
       basis_(basis),
-      skinning_(without_residual(basis), {.name = "cpu"}),
+      skinning_(trainer::without_residual(basis), {.name = "cpu"}),
       renderer_(device) {
   const auto* data = set.character.triangles.data();
   triangles_.assign(data, data + set.character.triangles.size());
@@ -118,12 +121,12 @@ ReportPictures::ReportPictures(const SampleSet& set, const std::vector<Positions
 // One scale for all pictures, so that their colours can be compared; the few larger errors saturate.
 double ReportPictures::heat_scale_mm() const { return std::max(0.5, std::ceil(4 * errors_.p99) / 2); }
 
-PictureReport ReportPictures::frame(const std::string& kind, std::size_t sample, const std::string& caption) {
+report::PictureReport ReportPictures::frame(const std::string& kind, std::size_t sample, const std::string& caption) {
   constexpr std::uint32_t kWidth = 520, kHeight = 600;
   const std::vector<float> truth = floats_of(set_.heldout[sample].shape.read()), result = floats_of(shapes_[sample]);
   const std::vector<float> skinning = floats_of(skin_of(set_.character, skinning_, set_.heldout[sample].pose, {}));
-  const PosePair pose{triangles_, truth, result, skinning};
-  PictureReport picture;
+  const report::PosePair pose{triangles_, truth, result, skinning};
+  report::PictureReport picture;
   picture.kind = kind;
   picture.take = set_.takes[static_cast<std::size_t>(set_.heldout[sample].take)];
   picture.frame = set_.heldout[sample].frame;
@@ -131,57 +134,57 @@ PictureReport ReportPictures::frame(const std::string& kind, std::size_t sample,
   picture.max_mm = errors_.frame_max[sample];
   picture.heat_scale_mm = heat_scale_mm();
   picture.caption = caption;
-  const Camera camera = frame_pose(pose, {-0.75f, 0.2f, 1.0f}, static_cast<float>(kWidth) / kHeight);
-  picture.image = comparison(renderer_, pose, picture.heat_scale_mm, camera, kWidth, kHeight);
+  const draw::Camera camera = report::frame_pose(pose, {-0.75f, 0.2f, 1.0f}, static_cast<float>(kWidth) / kHeight);
+  picture.image = report::comparison(renderer_, pose, picture.heat_scale_mm, camera, kWidth, kHeight);
   return picture;
 }
 
-std::vector<PictureReport> ReportPictures::worst_and_median() {
+std::vector<report::PictureReport> ReportPictures::worst_and_median() {
   const std::vector<std::size_t> order = by_error(errors_);
   return {frame("worst", order.back(), "the held-out frame with the largest RMS error"),
           frame("median", order[order.size() / 2], "half of the held-out frames are better, half are worse")};
 }
 
-MeanErrorReport ReportPictures::mean_error(const VertexErrors& errors) {
+report::MeanErrorReport ReportPictures::mean_error(const trainer::VertexErrors& errors) {
   const std::vector<float> skin = floats_of(set_.character.vertices);
-  MeanErrorReport report;
+  report::MeanErrorReport report;
   report.largest_mm = errors.mean.maxCoeff();
-  report.heat_scale_mm = heat_scale(report.largest_mm);
+  report.heat_scale_mm = report::heat_scale(report.largest_mm);
   std::vector<double> scaled;
   for (const double mm : errors.mean) scaled.push_back(mm / report.heat_scale_mm);
-  report.image = heat_on_skin(renderer_, skin, triangles_, scaled, kSkinWidth, kSkinHeight);
+  report.image = report::heat_on_skin(renderer_, skin, triangles_, scaled, kSkinWidth, kSkinHeight);
   return report;
 }
 
-std::optional<FlexReport> ReportPictures::flexed() {
+std::optional<report::FlexReport> ReportPictures::flexed() {
   constexpr std::uint32_t kWidth = 520, kHeight = 600;
-  const Sample* sample = most_flexed(set_);
+  const trainer::Sample* sample = most_flexed(set_);
   if (sample == nullptr || basis_.residual.controls.empty()) return {};
   Deformer full(basis_, {.name = "cpu"});
   const std::vector<float> none(sample->pose.controls.size(), 0.0f);
   const Positions relaxed = skin_of(set_.character, full, sample->pose, none);
   const Positions tense = skin_of(set_.character, full, sample->pose, sample->pose.controls);
-  FlexReport report;
+  report::FlexReport report;
   report.take = set_.takes[static_cast<std::size_t>(sample->take)];
   report.frame = sample->frame;
   report.controls = flexed_controls(set_, *sample);
   report.max_mm = 1000 * (tense - relaxed).rowwise().norm().maxCoeff();
-  report.heat_scale_mm = heat_scale(report.max_mm);
+  report.heat_scale_mm = report::heat_scale(report.max_mm);
   const std::vector<float> before = floats_of(relaxed), after = floats_of(tense);
-  const PosePair pose{triangles_, before, after};
-  std::array<float, 3> direction = towards_worst(pose);
+  const report::PosePair pose{triangles_, before, after};
+  std::array<float, 3> direction = report::towards_worst(pose);
   direction[1] = std::clamp(direction[1], -0.2f, 0.4f);  // nobody looks at a character from below
-  const Camera camera = frame_pose(pose, direction, static_cast<float>(kWidth) / kHeight);
-  report.image = comparison(renderer_, pose, report.heat_scale_mm, camera, kWidth, kHeight);
+  const draw::Camera camera = report::frame_pose(pose, direction, static_cast<float>(kWidth) / kHeight);
+  report.image = report::comparison(renderer_, pose, report.heat_scale_mm, camera, kWidth, kHeight);
   return report;
 }
 
-Image ReportPictures::regions(const std::vector<RegionWeights>& regions) {
+draw::Image ReportPictures::regions(const std::vector<RegionWeights>& regions) {
   const std::vector<float> skin = floats_of(set_.character.vertices);
-  std::vector<DrawnRegion> drawn;
+  std::vector<report::DrawnRegion> drawn;
   for (const RegionWeights& region : regions) drawn.push_back({region.vertices, region.weights});
-  return region_picture(renderer_, skin, triangles_, drawn, region_colours(drawn, skin.size() / 3), kSkinWidth,
-                        kSkinHeight)
+  return report::region_picture(renderer_, skin, triangles_, drawn, report::region_colours(drawn, skin.size() / 3),
+                                kSkinWidth, kSkinHeight)
       .image;
 }
 
@@ -193,11 +196,12 @@ std::vector<std::size_t> by_error(const ErrorStatistics& errors) {
   return order;
 }
 
-std::optional<SectionsReport> section_pictures(const SampleSet& set, const AnatomyOptions& options) {
-  const Sample* sample = set.muscles.empty() ? nullptr : section_frame(set);
+std::optional<report::SectionsReport> section_pictures(const trainer::SampleSet& set,
+                                                       const trainer::AnatomyOptions& options) {
+  const trainer::Sample* sample = set.muscles.empty() ? nullptr : section_frame(set);
   if (!sample) return std::nullopt;
   try {
-    return draw_sections(set, *sample, AnatomyField(set.character, set.muscles, options));
+    return draw_sections(set, *sample, trainer::AnatomyField(set.character, set.muscles, options));
   } catch (const Error& error) {
     if (error.kind() != ErrorKind::mismatch) throw;
     say({std::string("the report shows no sections: ") + error.what()});

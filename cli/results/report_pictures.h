@@ -17,27 +17,27 @@ class ReportPictures {
  public:
   // `shapes` of the held-out frames, one at least, by the basis, and their errors. All must outlive this. Throws
   // Error(device).
-  ReportPictures(const SampleSet& set, const std::vector<Positions>& shapes, const ErrorStatistics& errors,
+  ReportPictures(const trainer::SampleSet& set, const std::vector<Positions>& shapes, const ErrorStatistics& errors,
                  const Basis& basis, const std::string& device);
 
   // A held-out frame: truth, Direct Delta Mush, result, distance. `kind`, `caption`: as PictureReport.
-  PictureReport frame(const std::string& kind, std::size_t sample, const std::string& caption);
-  std::vector<PictureReport> worst_and_median();
-  MeanErrorReport mean_error(const VertexErrors& errors);
+  report::PictureReport frame(const std::string& kind, std::size_t sample, const std::string& caption);
+  std::vector<report::PictureReport> worst_and_median();
+  report::MeanErrorReport mean_error(const trainer::VertexErrors& errors);
   // None where no frame is flexed, or the basis has learned nothing of it.
-  std::optional<FlexReport> flexed();
+  std::optional<report::FlexReport> flexed();
   // Their numbers count from 1.
-  Image regions(const std::vector<RegionWeights>& regions);
+  draw::Image regions(const std::vector<RegionWeights>& regions);
 
  private:
   double heat_scale_mm() const;
 
-  const SampleSet& set_;
+  const trainer::SampleSet& set_;
   const std::vector<Positions>& shapes_;
   const ErrorStatistics& errors_;
   const Basis& basis_;
   Deformer skinning_;  // Direct Delta Mush alone
-  Renderer renderer_;
+  draw::Renderer renderer_;
   std::vector<std::uint32_t> triangles_;
 };
 
@@ -47,6 +47,7 @@ std::vector<std::size_t> by_error(const ErrorStatistics& errors);
 // Pairs are at rest, and in the frame of which most is flexed by controls. Where nothing is flexed, it is that of the
 // muscle shortest beside its length at rest. None without muscles or frames, and, with a line on standard error, where
 // nothing is known of the inside.
-std::optional<SectionsReport> section_pictures(const SampleSet& set, const AnatomyOptions& options);
+std::optional<report::SectionsReport> section_pictures(const trainer::SampleSet& set,
+                                                       const trainer::AnatomyOptions& options);
 
 }  // namespace bodyopt::cli

@@ -15,7 +15,7 @@ namespace bodyopt::cli {
 namespace {
 
 struct ViewArguments {
-  ViewerOptions options;
+  viewport::ViewerOptions options;
   std::vector<std::uint32_t> size;
   bool no_vsync = false;
 };
@@ -25,7 +25,7 @@ bool writes(const std::string& script) {
   const std::set<std::string> writing = {"screenshot",   "sequence",    "turntable",   "save",      "save-state",
                                          "save-markers", "export-clip", "export-skin", "stroke",    "keep-strokes",
                                          "save-pose",    "modifier",    "strength",    "undo-edit", "redo-edit"};
-  for (const std::string& command : script_commands(script)) {
+  for (const std::string& command : viewport::script_commands(script)) {
     std::string name;
     std::istringstream(command) >> name;
     if (writing.contains(name)) return true;
@@ -34,7 +34,7 @@ bool writes(const std::string& script) {
 }
 
 void run(const ViewArguments& arguments) {
-  ViewerOptions options = arguments.options;
+  viewport::ViewerOptions options = arguments.options;
   if (!arguments.size.empty()) {
     options.width = arguments.size[0];
     options.height = arguments.size[1];
@@ -43,7 +43,7 @@ void run(const ViewArguments& arguments) {
   if (!options.out.empty() && !options.headless) {
     throw Error(ErrorKind::usage, "-o writes pictures without a window: it needs --headless");
   }
-  if (!options.out.empty()) require_picture_name(options.out, true);
+  if (!options.out.empty()) viewport::require_picture_name(options.out, true);
   if (options.headless && options.out.empty() && !writes(options.commands)) {
     throw Error(ErrorKind::usage,
                 "--headless shows nothing: give it -o FILE.png, or --do with a command that writes, as screenshot or "
@@ -52,14 +52,14 @@ void run(const ViewArguments& arguments) {
   options.device.require_device = true;
   options.device.pipeline_cache = cache_folder();
   if (!options.headless) options.user_folder = cache_folder().string();
-  run_viewer(options);
+  viewport::run_viewer(options);
 }
 
 }  // namespace
 
 void add_view(CLI::App& app) {
   const auto [verb, arguments] = add_verb<ViewArguments>(app, "view", "Open the animators' viewport", run);
-  ViewerOptions& options = arguments.options;
+  viewport::ViewerOptions& options = arguments.options;
   add_option(
       verb, "files", options.files, "BASIS|CHARACTER|DATASET [CLIP]",
       "Basis (.safetensors), or character (.glb, .gltf, .fbx) by Direct Delta Mush, its clip and point cache, or "
@@ -78,7 +78,7 @@ void add_view(CLI::App& app) {
   add_option(verb, "--size", arguments.size, "Width and height of the picture, pixels")
       ->expected(2)
       ->allow_extra_args(false)
-      ->check(CLI::Range(1u, kMostCanvasPixels));
+      ->check(CLI::Range(1u, draw::kMostCanvasPixels));
   add_option(verb, "--limits", options.limits, "FILE",
              "Joint limits (limits.json) of the first character: how far joints can be turned");
   add_option(verb, "--muscles", options.muscles, "FILE",

@@ -10,7 +10,7 @@
 
 #include "shots/session/view_settings.h"
 
-namespace bodyopt {
+namespace bodyopt::shots {
 
 // The two keys around a frame, and those before and after them; null: there is none.
 template <typename Key>
@@ -84,4 +84,4 @@ Key between_keys(const std::map<int, Key>& keys, int frame) {
   return eased_between(span);
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::shots

@@ -12,7 +12,7 @@
 #include "runtime/modifiers/drive_modifiers.h"
 #include "shots/session/view_settings.h"
 
-namespace bodyopt {
+namespace bodyopt::shots {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180;
@@ -349,10 +349,10 @@ Vec3 mirrored_angles(const Vec3& degrees, const Quat& axes, const Quat& other_ax
   return degrees_of(conjugate(other_axes) * reflected(in_world) * other_axes);
 }
 
-std::vector<std::optional<JointRange>> joint_ranges(const JointLimits& limits, const Skeleton& skeleton) {
+std::vector<std::optional<JointRange>> joint_ranges(const trainer::JointLimits& limits, const Skeleton& skeleton) {
   std::vector<std::optional<JointRange>> ranges(skeleton.size());
-  for (const DegreeOfFreedom& dof : limits.dofs) {
-    for (const JointTurn& turn : dof.turns) {
+  for (const trainer::DegreeOfFreedom& dof : limits.dofs) {
+    for (const trainer::JointTurn& turn : dof.turns) {
       const Joint& joint = skeleton.joints[turn.joint];
       if (joint.parent < 0) continue;
       std::optional<JointRange>& found = ranges[turn.joint];
@@ -489,4 +489,4 @@ Pose pinned(const Skeleton& skeleton, const std::vector<std::optional<JointRange
   return pose;
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::shots

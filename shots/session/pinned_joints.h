@@ -9,7 +9,7 @@
 #include "runtime/core/transform.h"
 #include "trainer/motion/joint_limits.h"
 
-namespace bodyopt {
+namespace bodyopt::shots {
 
 // Turns of joints as sliders have them, about x, then y, then z, degrees; and how far the joints of a character may
 // turn.
@@ -30,7 +30,7 @@ struct JointRange {
 
 // Returns how far the degrees of freedom turn every joint; one that is oblique to the axes counts with its part along
 // each. Axes that none turns about are held. None: a root, or a joint without any.
-std::vector<std::optional<JointRange>> joint_ranges(const JointLimits& limits, const Skeleton& skeleton);
+std::vector<std::optional<JointRange>> joint_ranges(const trainer::JointLimits& limits, const Skeleton& skeleton);
 
 // Takes and gives local rotations: `clip` turned by `degrees`, axis by axis as far as the range lets it. An angle that
 // the clip has beyond the range comes back, but goes no further.
@@ -87,4 +87,4 @@ bool is_on_spine(const Skeleton& skeleton, std::size_t joint);
 // Has the joint two above it, that can reach for it?
 bool ends_a_limb(const Skeleton& skeleton, const std::string& joint);
 
-}  // namespace bodyopt
+}  // namespace bodyopt::shots

@@ -15,7 +15,7 @@
 #include "runtime/modifiers/drive_modifiers.h"
 #include "shots/session/pinned_joints.h"
 
-namespace bodyopt {
+namespace bodyopt::shots {
 namespace {
 
 Vec3 blend_of(const Vec3& a, const Vec3& b, double t) { return (1 - t) * a + t * b; }
@@ -136,7 +136,7 @@ class KeyBlend {
 };
 
 // Returns what turns a joint's local rotation about an axis of rest space.
-Quat turn_about_rest_axis(const Skeleton& skeleton, const JointTurn& turn, double degrees) {
+Quat turn_about_rest_axis(const Skeleton& skeleton, const trainer::JointTurn& turn, double degrees) {
   const int parent = skeleton.joints[turn.joint].parent;
   Vec3 axis = turn.axis;
   if (parent >= 0) axis = rotate(conjugate(bind_rotations(skeleton)[static_cast<std::size_t>(parent)]), axis);
@@ -165,12 +165,13 @@ Quat turned_here(const Skeleton& skeleton, std::size_t joint, const Pose& clip, 
 
 // Returns the angles of all degrees of freedom that turn the joint, radians away from rest. Gauss-Newton steps bring
 // their turns, one after the other, nearest to the joint's.
-std::map<const DegreeOfFreedom*, double> angles_at(const JointLimits& limits, const Skeleton& skeleton,
-                                                   std::uint32_t joint, const Pose& pose) {
+std::map<const trainer::DegreeOfFreedom*, double> angles_at(const trainer::JointLimits& limits,
+                                                            const Skeleton& skeleton, std::uint32_t joint,
+                                                            const Pose& pose) {
   constexpr int kSteps = 10;
-  std::vector<std::pair<const DegreeOfFreedom*, const JointTurn*>> turns;
-  for (const DegreeOfFreedom& dof : limits.dofs) {
-    for (const JointTurn& turn : dof.turns) {
+  std::vector<std::pair<const trainer::DegreeOfFreedom*, const trainer::JointTurn*>> turns;
+  for (const trainer::DegreeOfFreedom& dof : limits.dofs) {
+    for (const trainer::JointTurn& turn : dof.turns) {
       if (turn.joint == joint) turns.emplace_back(&dof, &turn);
     }
   }
@@ -183,7 +184,7 @@ std::map<const DegreeOfFreedom*, double> angles_at(const JointLimits& limits, co
     Quat made{0, 0, 0, 1};
     Eigen::MatrixXd moved(3, count);
     for (Eigen::Index k = 0; k < count; ++k) {
-      const JointTurn& turn = *turns[static_cast<std::size_t>(k)].second;
+      const trainer::JointTurn& turn = *turns[static_cast<std::size_t>(k)].second;
       const Vec3 axis = turn.share * rotate(made, turn.axis);
       moved.col(k) << axis[0], axis[1], axis[2];
       made = made * axis_angle(turn.axis, turn.share * angles[k]);
@@ -196,7 +197,7 @@ std::map<const DegreeOfFreedom*, double> angles_at(const JointLimits& limits, co
     const Eigen::MatrixXd damped = moved.transpose() * moved + 1e-6 * Eigen::MatrixXd::Identity(count, count);
     angles += damped.ldlt().solve(moved.transpose() * missing);
   }
-  std::map<const DegreeOfFreedom*, double> by_dof;
+  std::map<const trainer::DegreeOfFreedom*, double> by_dof;
   for (Eigen::Index k = 0; k < count; ++k) by_dof[turns[static_cast<std::size_t>(k)].first] = angles[k];
   return by_dof;
 }
@@ -246,7 +247,7 @@ std::pair<Pose, Pins> before_reaching(const Skeleton& skeleton, const Turning& t
                                       const ViewSettings::PoseKey& posing) {
   const auto& [limits, ranges] = turning;
   Pose pose = clip;
-  for (const DegreeOfFreedom& dof : limits.dofs) {
+  for (const trainer::DegreeOfFreedom& dof : limits.dofs) {
     const auto found = posing.axes.find(dof.name);
     if (found == posing.axes.end()) continue;
     double degrees = found->second;
@@ -254,7 +255,7 @@ std::pair<Pose, Pins> before_reaching(const Skeleton& skeleton, const Turning& t
       const auto [low, high] = free_angles(limits, skeleton, dof, clip);
       degrees = std::clamp(degrees, low, high);
     }
-    for (const JointTurn& turn : dof.turns) {
+    for (const trainer::JointTurn& turn : dof.turns) {
       Quat& rotation = pose.joints[turn.joint].rotation;
       rotation = turn_about_rest_axis(skeleton, turn, degrees) * rotation;
     }
@@ -295,10 +296,10 @@ ViewSettings::Posing keyed_posing(ViewSettings::Posing posing, int frame) {
   return posing;
 }
 
-std::pair<double, double> free_angles(const JointLimits& limits, const Skeleton& skeleton, const DegreeOfFreedom& dof,
-                                      const Pose& clip) {
+std::pair<double, double> free_angles(const trainer::JointLimits& limits, const Skeleton& skeleton,
+                                      const trainer::DegreeOfFreedom& dof, const Pose& clip) {
   double angle = 0;
-  for (const JointTurn& turn : dof.turns) angle += angles_at(limits, skeleton, turn.joint, clip).at(&dof);
+  for (const trainer::JointTurn& turn : dof.turns) angle += angles_at(limits, skeleton, turn.joint, clip).at(&dof);
   angle *= 180 / std::numbers::pi / static_cast<double>(std::max<std::size_t>(1, dof.turns.size()));
   return {std::min(0.0, dof.min - dof.rest - angle), std::max(0.0, dof.max - dof.rest - angle)};
 }
@@ -313,7 +314,7 @@ Clip still_clip(const Skeleton& skeleton, const ClipOptions& options) {
   return clip;
 }
 
-Turning turning_within(JointLimits limits, const Skeleton& skeleton) {
+Turning turning_within(trainer::JointLimits limits, const Skeleton& skeleton) {
   std::vector<std::optional<JointRange>> ranges = joint_ranges(limits, skeleton);
   return {std::move(limits), std::move(ranges)};
 }
@@ -383,4 +384,4 @@ Clip posed_clip(Clip clip, const Skeleton& skeleton, const Turning& turning, con
   return clip;
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::shots

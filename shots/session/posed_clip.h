@@ -14,14 +14,14 @@
 #include "shots/session/pinned_joints.h"
 #include "shots/session/view_settings.h"
 
-namespace bodyopt {
+namespace bodyopt::shots {
 
 // How far joints may turn.
 struct Turning {
-  JointLimits limits{};
+  trainer::JointLimits limits{};
   std::vector<std::optional<JointRange>> ranges{};  // of every joint; or empty: as far as they are turned
 };
-Turning turning_within(JointLimits limits, const Skeleton& skeleton);
+Turning turning_within(trainer::JointLimits limits, const Skeleton& skeleton);
 
 // Blends two poses, `t` from 0 to 1. Joints, axes and moves that one leaves out are there as the clip has them,
 // controls and pins as the other has them.
@@ -38,8 +38,8 @@ Clip still_clip(const Skeleton& skeleton, const ClipOptions& options);
 
 // Returns what may be added to a clip's pose along a degree of freedom, degrees. Its sum with the clip's own turn keeps
 // the limits; zero always may. Of several joints the clip's turn is the mean.
-std::pair<double, double> free_angles(const JointLimits& limits, const Skeleton& skeleton, const DegreeOfFreedom& dof,
-                                      const Pose& clip);
+std::pair<double, double> free_angles(const trainer::JointLimits& limits, const Skeleton& skeleton,
+                                      const trainer::DegreeOfFreedom& dof, const Pose& clip);
 
 // Turns joints about the axes of the limits, then by their own angles, as far as their ranges let them, and moves them.
 // Then limbs reach for where their ends are pinned.
@@ -75,4 +75,4 @@ Pose posed_frame(const Clip& clip, std::size_t at, const Basis& basis, const Tur
 // frame.
 Clip posed_clip(Clip clip, const Skeleton& skeleton, const Turning& turning, const ViewSettings::Posing& posing);
 
-}  // namespace bodyopt
+}  // namespace bodyopt::shots

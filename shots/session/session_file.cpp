@@ -11,7 +11,7 @@
 #include "runtime/core/error.h"
 #include "shots/session/setting_fields.h"
 
-namespace bodyopt {
+namespace bodyopt::shots {
 namespace {
 
 namespace fs = std::filesystem;
@@ -179,4 +179,4 @@ void write_session(const SessionFile& session, const fs::path& path) {
   write_json(json, path);
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::shots

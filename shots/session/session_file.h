@@ -8,7 +8,7 @@
 #include "assets/clips/clip.h"
 #include "shots/session/view_settings.h"
 
-namespace bodyopt {
+namespace bodyopt::shots {
 
 // The files of a character as the viewport and sessions name them.
 
@@ -63,4 +63,4 @@ bool is_session(const std::string& file);
 SessionFile read_session(const std::filesystem::path& path);
 void write_session(const SessionFile& session, const std::filesystem::path& path);
 
-}  // namespace bodyopt
+}  // namespace bodyopt::shots

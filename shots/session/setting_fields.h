@@ -7,7 +7,7 @@
 
 #include "shots/session/view_settings.h"
 
-namespace bodyopt {
+namespace bodyopt::shots {
 
 inline constexpr double kLatestFrame = 1e9;  // either way
 
@@ -159,4 +159,4 @@ inline constexpr auto kSettingsFields = [](auto& list, auto& settings) {
   list.structure("hud", settings.hud, kHudFields);
 };
 
-}  // namespace bodyopt
+}  // namespace bodyopt::shots

@@ -11,7 +11,7 @@
 #include "shots/session/between_keys.h"
 #include "shots/session/setting_fields.h"
 
-namespace bodyopt {
+namespace bodyopt::shots {
 namespace {
 
 void require_sections(const std::map<std::string, bool>& panels, const std::filesystem::path& path) {
@@ -99,4 +99,4 @@ void write_view_settings(const ViewSettings& settings, const std::filesystem::pa
   write_json(json, path);
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::shots

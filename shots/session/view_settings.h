@@ -12,7 +12,7 @@
 
 #include "runtime/core/transform.h"
 
-namespace bodyopt {
+namespace bodyopt::shots {
 
 // A camera that goes around a point, as a session keeps it.
 
@@ -255,4 +255,4 @@ struct Placement {
   bool operator==(const Placement&) const = default;
 };
 
-}  // namespace bodyopt
+}  // namespace bodyopt::shots

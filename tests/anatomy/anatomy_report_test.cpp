@@ -11,6 +11,7 @@
 namespace {
 
 using namespace bodyopt;
+using namespace bodyopt::trainer;
 
 AnatomyReport report_of(const Character& character, const std::vector<Muscle>& muscles, AnatomyOptions options = {}) {
   options.cell = 0.012;

@@ -12,6 +12,7 @@
 namespace {
 
 using namespace bodyopt;
+using namespace bodyopt::trainer;
 
 // Shares of volume, and of each region's that is cavity.
 struct Shares {

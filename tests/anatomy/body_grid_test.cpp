@@ -13,6 +13,7 @@
 namespace {
 
 using namespace bodyopt;
+using namespace bodyopt::trainer;
 
 const HalfBody& human_half() {
   static const HalfBody half = halves_of(egg_human()).front();

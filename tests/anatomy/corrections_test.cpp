@@ -11,6 +11,7 @@
 namespace {
 
 using namespace bodyopt;
+using namespace bodyopt::trainer;
 
 class Corrections : public ::testing::Test {
  protected:

@@ -13,6 +13,7 @@
 namespace {
 
 using namespace bodyopt;
+using namespace bodyopt::trainer;
 using Eigen::Vector3d;
 
 AnatomyOptions coarse() {

@@ -13,6 +13,7 @@
 namespace {
 
 using namespace bodyopt;
+using namespace bodyopt::trainer;
 
 // The same, moved along x.
 Character moved(Character character, double way) {

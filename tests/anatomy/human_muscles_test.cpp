@@ -17,6 +17,7 @@
 namespace {
 
 using namespace bodyopt;
+using namespace bodyopt::trainer;
 using bodyopt::testing::kind_of;
 
 constexpr double kCoarse = 0.005;

@@ -13,6 +13,7 @@
 namespace {
 
 using namespace bodyopt;
+using namespace bodyopt::trainer;
 
 struct Inside {
   HalfBody body;

@@ -13,6 +13,7 @@
 namespace {
 
 using namespace bodyopt;
+using namespace bodyopt::trainer;
 
 std::optional<Character> shared_character(const std::string& file, double unit = 1) {
   const auto path = shared_data("characters/" + file);

@@ -11,9 +11,9 @@ namespace bodyopt {
 
 // Joint 0 moves the bone below (y of the first two layers of cells), joint 1 the one above; x and z are about 0.
 struct LeanBox {
-  HalfBody body;
-  BodyGrid grid;
-  InnerTissue tissue;
+  trainer::HalfBody body;
+  trainer::BodyGrid grid;
+  trainer::InnerTissue tissue;
 
   // `is_bone`: of places that are neither, joint 0's, too. Only places that are `inside` have samples.
   LeanBox(const Eigen::Vector3i& count, double cell, const std::function<bool(const Eigen::Vector3d&)>& is_bone = {},
@@ -41,7 +41,7 @@ struct LeanBox {
     tissue.bone.resize(rows);
     tissue.bone_joint.assign(points.size(), 0);
     tissue.fat = tissue.cavity = Eigen::VectorXd::Constant(rows, 1);
-    tissue.region.assign(points.size(), BodyRegion::thigh);
+    tissue.region.assign(points.size(), trainer::BodyRegion::thigh);
     for (Eigen::Index s = 0; s < rows; ++s) {
       const auto at = static_cast<std::size_t>(s);
       grid.points.row(s) = points[at].transpose();

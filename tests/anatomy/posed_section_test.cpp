@@ -5,7 +5,7 @@
 #include "trainer/anatomy/section.h"
 #include "trainer/train/skinning/unpose.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 class PosedSection : public ::testing::Test {
@@ -64,4 +64,4 @@ TEST_F(PosedSection, APlaneBesideMisses) {
 }
 
 }  // namespace
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

@@ -6,7 +6,7 @@
 
 #include "trainer/anatomy/anatomy_report.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 // A bone of 2 cm in a muscle of 4 cm in fat of 5 cm, all balls about the origin.
@@ -120,4 +120,4 @@ TEST(Section, MusclesHaveColoursOfTheirOwnAndBordersBetweenThem) {
 }
 
 }  // namespace
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

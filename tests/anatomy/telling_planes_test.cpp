@@ -4,7 +4,7 @@
 #include "tests/anatomy/egg_human.h"
 #include "trainer/anatomy/section.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 AnatomyField field_of(const Character& character) {
@@ -24,4 +24,4 @@ TEST(TellingPlanes, OfAHumanAreItsPartsAndOfOthersAllAlong) {
 }
 
 }  // namespace
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

@@ -8,6 +8,8 @@
 namespace bodyopt {
 namespace {
 
+using namespace trainer;
+
 // As PlainGltf shows them, to a ten thousandth of their size; every mesh is on the character's skin or rides on it.
 TEST(RandomGltf, CharactersAreAsTheirScenesShowThem) {
   const TemporaryFolder folder;

@@ -9,7 +9,7 @@
 #include "tests/support/limb_glb.h"
 #include "tests/support/run_verb.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 // A limb whose file has an eye below its last joint, a basis trained from it, and a clip that bends it.
@@ -183,4 +183,4 @@ TEST_F(Attach, StaleAttachmentsBesideABasisAreRefusedByName) {
 }
 
 }  // namespace
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

@@ -15,7 +15,7 @@
 #include "tests/support/hostile_bytes.h"
 #include "tests/support/temporary_folder.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 using namespace testing;
@@ -158,4 +158,4 @@ TEST(AttachmentsFile, NamesAreOnesThatFilesCanHave) {
 }
 
 }  // namespace
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

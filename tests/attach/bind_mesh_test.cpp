@@ -9,7 +9,7 @@
 #include "tests/support/attached_limb.h"
 #include "trainer/train/skinning/ddm.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 AttachedMesh bound(const LooseMesh& mesh, const AttachOptions& options = {}) {
@@ -152,4 +152,4 @@ TEST(BindMesh, AnotherUnitIsNamed) {
 }
 
 }  // namespace
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

@@ -14,7 +14,7 @@
 #include "tests/support/attached_limb.h"
 #include "tests/support/textbook_ddm.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 using Carried = std::vector<std::vector<float>>;
@@ -220,4 +220,4 @@ TEST(FollowingMeshes, AnotherSkinIsRefused) {
 }
 
 }  // namespace
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

@@ -6,7 +6,7 @@
 
 #include "tests/support/limb_glb.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 class LooseMeshes : public ::testing::Test {
@@ -183,4 +183,4 @@ TEST_F(LooseMeshes, DamagedFilesAreReadOrRefused) {
 }
 
 }  // namespace
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

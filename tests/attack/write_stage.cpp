@@ -18,6 +18,8 @@
 namespace bodyopt {
 namespace {
 
+using namespace trainer;
+
 constexpr int kFrames = 48, kTogether = 8;  // as many as run at once in a race
 
 Clip bending(const Character& limb) {

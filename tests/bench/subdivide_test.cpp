@@ -13,6 +13,8 @@
 namespace bodyopt::bench {
 namespace {
 
+using namespace trainer;
+
 double volume(const Character& character) {
   double sum = 0;
   for (Eigen::Index t = 0; t < character.triangles.rows(); ++t) {

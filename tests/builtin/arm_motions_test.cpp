@@ -10,7 +10,7 @@
 #include "tests/builtin/shared_arm.h"
 #include "trainer/motion/range_of_motion.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 const Skeleton& skeleton() { return arm().character.skeleton; }
@@ -193,4 +193,4 @@ TEST(Motions, KeepForearmAndHandOutOfTheRibs) {
 }
 
 }  // namespace
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

@@ -9,7 +9,7 @@
 #include "tests/builtin/shared_arm.h"
 #include "trainer/motion/held_turns.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace arm_muscles_test {
 
 using Eigen::Vector3d;
@@ -130,4 +130,4 @@ TEST(ArmMuscles, StayWithinWhatFleshCanDo) {
 }
 
 }  // namespace arm_muscles_test
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

@@ -11,7 +11,7 @@
 #include "tests/builtin/shared_arm.h"
 #include "tests/support/paths.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 using Eigen::Vector3d;
@@ -180,4 +180,4 @@ TEST(ArmWeights, DoNotLeakThroughTheAir) {
 }
 
 }  // namespace
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

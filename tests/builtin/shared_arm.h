@@ -5,8 +5,8 @@
 
 namespace bodyopt {
 
-inline const BuiltinArm& arm() {
-  static const BuiltinArm built = build_arm();
+inline const trainer::BuiltinArm& arm() {
+  static const trainer::BuiltinArm built = trainer::build_arm();
   return built;
 }
 

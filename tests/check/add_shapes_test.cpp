@@ -15,7 +15,7 @@
 #include "trainer/curate/shape_stack.h"
 #include "trainer/train/skinning/unpose.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 namespace fs = std::filesystem;
@@ -247,4 +247,4 @@ TEST_F(AddShapes, AForeignFileOfTheTakesNameStays) {
 }
 
 }  // namespace
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

@@ -11,7 +11,7 @@
 #include "trainer/train/judge/test_errors.h"
 #include "trainer/train/skinning/unpose.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 // The built-in arm with skinned shapes for some frames of its motion, one of them spoilt in a known way.
@@ -182,4 +182,4 @@ TEST(HowToHoldOut, FramesThatAreLeftOutHaveTheirPlaces) {
 }
 
 }  // namespace
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

@@ -16,7 +16,7 @@
 #include "trainer/simulate/simulate.h"
 #include "trainer/train/fit/train.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 // Of simulate, its draft and dynamics.
@@ -362,4 +362,4 @@ TEST(Foresee, ASkinOfFewVerticesNeedsNoProxy) {
 }
 
 }  // namespace
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

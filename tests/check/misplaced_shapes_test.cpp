@@ -14,7 +14,7 @@
 #include "trainer/check/shape_doubts.h"
 #include "trainer/train/skinning/unpose.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 using Eigen::Matrix3d;
@@ -225,4 +225,4 @@ TEST_P(MisplacedShapes, MissingAndDoubledTravelIsNamed) {
 INSTANTIATE_TEST_SUITE_P(Bodies, MisplacedShapes, ::testing::Range(0, 12));
 
 }  // namespace
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

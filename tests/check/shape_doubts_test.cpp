@@ -7,7 +7,7 @@
 #include "tests/support/temporary_folder.h"
 #include "trainer/train/skinning/unpose.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 TEST(ShapeDoubts, NoneOfASoundTake) { EXPECT_TRUE(shape_doubts(limb_samples(60, 0)).empty()); }
@@ -103,4 +103,4 @@ TEST(CoarseTakes, AreThoseThatTrainingComesNearerToThanTheyAreToTheTruth) {
 }
 
 }  // namespace
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

@@ -15,6 +15,8 @@
 namespace bodyopt {
 namespace {
 
+using namespace trainer;
+
 std::vector<std::string> keys_of(const Json& json) {
   std::vector<std::string> keys;
   for (const auto& [key, value] : json.items()) keys.push_back(key);

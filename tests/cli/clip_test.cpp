@@ -16,6 +16,8 @@
 namespace bodyopt {
 namespace clip_program_test {
 
+using namespace trainer;
+
 using testing::write_bytes;
 
 // The limb, a clip that bends it, one whose joints have other names, one that twists it all the time; a map and limits.

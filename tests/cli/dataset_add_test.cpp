@@ -15,6 +15,8 @@
 namespace bodyopt {
 namespace {
 
+using namespace trainer;
+
 // A limb, its clip of 6 frames, and shapes of them from elsewhere.
 class DatasetAdd : public ::testing::Test {
  protected:

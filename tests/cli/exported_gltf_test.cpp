@@ -12,6 +12,8 @@
 namespace bodyopt {
 namespace {
 
+using namespace trainer;
+
 void expect_valid(const std::filesystem::path& folder) {
   const std::string modules = kSourceFolder + "/build/npm/node_modules";
   if (run_program("npm --version").exit_code != 0 || !std::filesystem::exists(modules + "/gltf-validator")) {

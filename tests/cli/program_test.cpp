@@ -20,6 +20,8 @@
 namespace bodyopt {
 namespace {
 
+using namespace trainer;
+
 TEST(Program, HelpOfEveryVerbExitsWithZero) {
   EXPECT_EQ(run_verb("--help").exit_code, 0);
   for (const char* verb :

@@ -19,6 +19,8 @@
 namespace bodyopt {
 namespace {
 
+using namespace trainer;
+
 // A limb in centimetres that moves, with shapes from elsewhere, and its full basis and proxy: once for all tests.
 class Proxy : public ::testing::Test {
  protected:

@@ -16,6 +16,8 @@
 namespace bodyopt {
 namespace {
 
+using namespace trainer;
+
 constexpr int kRounds = 2, kProcesses = 8;
 
 // Runs them at once; every one must say that it is done.

@@ -14,6 +14,10 @@
 namespace bodyopt::cli {
 namespace {
 
+using namespace trainer;
+using namespace shots;
+using namespace farm;
+
 ElementSummary element_of(StepState state, double seconds, std::vector<int> outside) {
   ElementSummary element;
   element.state = state;

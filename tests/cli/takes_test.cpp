@@ -20,6 +20,8 @@
 namespace bodyopt {
 namespace {
 
+using namespace draw;
+
 // A draft of fourteen frames of the limb's motion.
 bool makes_draft(const LimbFiles& files, const std::string& data) {
   return run_verb("simulate " + files.character + " --clip " + files.motion +

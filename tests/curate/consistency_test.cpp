@@ -16,7 +16,7 @@
 #include "trainer/curate/edit_stack.h"
 #include "trainer/curate/local_models.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 double mean_rms_mm(const ShapeStack& stack, const CuratedLimb& limb) {
@@ -397,4 +397,4 @@ TEST(Consistency, WithoutFramesThereIsNothingToReport) {
 }
 
 }  // namespace
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

@@ -15,8 +15,10 @@
 #include "trainer/curate/edit_stack.h"
 #include "trainer/curate/exported_frames.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
+
+using namespace draw;
 
 class CurateProgram : public ::testing::Test {
  protected:
@@ -373,4 +375,4 @@ TEST_F(CurateProgram, ASculptThatIsNotSeenIsSaid) {
 }
 
 }  // namespace
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

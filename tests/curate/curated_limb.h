@@ -44,7 +44,7 @@ class CuratedLimb {
     return limb_pose(character_.skeleton, bent, kDegree * twist * std::sin(bent), twist == 0 ? 0.02 * take : 0);
   }
   Positions truth(int take, int frame) const { return limb_truth(character_, limb_muscles(), pose(take, frame)); }
-  ShapeStack stack() const { return ShapeStack(read_pose_database(read_dataset(path()))); }
+  trainer::ShapeStack stack() const { return trainer::ShapeStack(trainer::read_pose_database(read_dataset(path()))); }
 
  private:
   void add_take(int take, const std::function<Positions(int, int, const Positions&)>& change) {
@@ -74,9 +74,9 @@ class CuratedLimb {
 // A mesh of a frame as it is now becomes its sculpt.
 inline std::vector<std::string> sculpt_frame(const CuratedLimb& limb, const std::string& name, const std::string& take,
                                              int frame, const std::vector<float>& mesh, bool unposed, double spread) {
-  const ShapeStack stack = limb.stack();
-  const ExportedFrame now = exported_now(stack, stack.database().find(take, frame, "the test"));
-  return add_sculpt(limb.path(), name, take, frame, now, mesh, unposed, spread);
+  const trainer::ShapeStack stack = limb.stack();
+  const trainer::ExportedFrame now = trainer::exported_now(stack, stack.database().find(take, frame, "the test"));
+  return trainer::add_sculpt(limb.path(), name, take, frame, now, mesh, unposed, spread);
 }
 
 // Root mean square distance of vertices, mm.

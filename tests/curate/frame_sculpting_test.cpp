@@ -16,6 +16,8 @@
 namespace bodyopt::testing {
 namespace {
 
+using namespace trainer;
+
 using namespace std::chrono_literals;
 
 constexpr std::size_t kBent = 15;  // frame 16 of take "one", the elbow bent by 90 degrees

@@ -13,7 +13,7 @@
 #include "tests/curate/curated_limb.h"
 #include "trainer/curate/edit_stack.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 namespace fs = std::filesystem;
@@ -188,4 +188,4 @@ TEST(OffsetCache, TwoThatWorkOutTheSameAtOnceAgree) {
 }
 
 }  // namespace
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

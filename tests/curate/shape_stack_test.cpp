@@ -30,7 +30,7 @@
 #include "trainer/train/data/samples.h"
 #include "trainer/train/skinning/unpose.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 using testing::kind_of;
@@ -688,4 +688,4 @@ TEST(ModifierScope, PosesAreToldByJointsThatBendSkin) {
 }
 
 }  // namespace
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

@@ -11,7 +11,7 @@
 #include "trainer/train/data/samples.h"
 #include "trainer/train/fit/train.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 Basis trained(const CuratedLimb& limb) {
@@ -101,4 +101,4 @@ TEST(CuratedTraining, LearnsOfMirrorImagesWhatItLearnsOfTheOtherHalf) {
 }
 
 }  // namespace
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

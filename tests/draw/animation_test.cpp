@@ -9,7 +9,7 @@
 #include "runtime/core/error.h"
 #include "tests/support/decoded_animation.h"
 
-namespace bodyopt {
+namespace bodyopt::draw {
 namespace {
 
 // A soft grey disc on a dark ground, as a shaded skin is.
@@ -62,4 +62,4 @@ TEST(Animation, RefusesWhatIsNone) {
 }
 
 }  // namespace
-}  // namespace bodyopt
+}  // namespace bodyopt::draw

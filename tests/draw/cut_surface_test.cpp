@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-namespace bodyopt {
+namespace bodyopt::draw {
 namespace {
 
 // A cube of edge 2 around the origin: 8 corners, 12 triangles.
@@ -70,4 +70,4 @@ TEST(CutSurface, PicturesStandWhereTheirPixelsAre) {
 }
 
 }  // namespace
-}  // namespace bodyopt
+}  // namespace bodyopt::draw

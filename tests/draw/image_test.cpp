@@ -20,7 +20,7 @@
 #include "tests/support/read_bytes.h"
 #include "tests/support/temporary_folder.h"
 
-namespace bodyopt {
+namespace bodyopt::draw {
 namespace {
 
 Image noise(std::uint32_t width, std::uint32_t height) {
@@ -121,4 +121,4 @@ TEST(HeatColour, BeginsNeutralEndsMagentaStaysInRange) {
 }
 
 }  // namespace
-}  // namespace bodyopt
+}  // namespace bodyopt::draw

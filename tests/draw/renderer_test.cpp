@@ -13,6 +13,9 @@
 namespace bodyopt::testing {
 namespace {
 
+using namespace draw;
+using namespace report;
+
 constexpr std::uint32_t kWidth = 96, kHeight = 64;
 constexpr std::array<float, 3> kFront{0, 0, 1};
 

@@ -33,7 +33,7 @@ struct Sphere {
     }
   }
 
-  DrawMesh mesh() const { return {positions, normals, triangles, colours}; }
+  draw::DrawMesh mesh() const { return {positions, normals, triangles, colours}; }
 };
 
 }  // namespace bodyopt::testing

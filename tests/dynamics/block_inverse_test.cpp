@@ -13,6 +13,8 @@
 namespace bodyopt::testing {
 namespace {
 
+using namespace trainer;
+
 using SparseMatrix = Eigen::SparseMatrix<double>;
 
 // A symmetric positive definite system on random points of a box that are joined to all within a distance: blocks of

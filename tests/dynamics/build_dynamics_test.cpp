@@ -12,7 +12,7 @@
 #include "tests/support/on_threads.h"
 #include "trainer/train/skinning/ddm.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 TEST(BuildDynamics, IsAFunctionOfItsArgumentsWhateverTheThreads) {
@@ -119,4 +119,4 @@ TEST(BuildDynamics, NamesThatAreNotThereAreRefusedFirst) {
 }
 
 }  // namespace
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

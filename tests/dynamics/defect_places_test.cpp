@@ -5,7 +5,7 @@
 #include "tests/simulate/limb.h"
 #include "trainer/dynamics/build_dynamics.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 TEST(DefectPlaces, NameEachDefectAndItsJoint) {
@@ -58,4 +58,4 @@ TEST(DefectPlaces, ManyJointsAreCutShort) {
 }
 
 }  // namespace
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

@@ -9,7 +9,7 @@
 #include "trainer/dynamics/dynamics_tets.h"
 #include "trainer/dynamics/jiggle_fields.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 // The run time's answer for values on the first nodes, surface x 3, in single precision.
@@ -78,4 +78,4 @@ TEST(Diffuse, LinearFieldsAreExact) {
 }
 
 }  // namespace
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

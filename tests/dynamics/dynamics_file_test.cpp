@@ -12,7 +12,7 @@
 #include "tests/support/small_dynamics.h"
 #include "tests/support/temporary_folder.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 using namespace testing;
@@ -222,4 +222,4 @@ TEST(DynamicsFile, BytesAreCountedByStage) {
 }
 
 }  // namespace
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

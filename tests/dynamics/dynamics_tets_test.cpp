@@ -11,7 +11,7 @@
 #include "tests/builtin/shared_arm.h"
 #include "tests/simulate/limb.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 // Whatever linear map moves the skin moves the nodes on it and what the tets carry.
@@ -160,4 +160,4 @@ TEST(TetQuality, IsOneOfTheRegularTetAndAsDefinedOfACubesCorner) {
 }
 
 }  // namespace
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

@@ -9,7 +9,7 @@
 #include "tests/support/textbook_algebra.h"
 #include "trainer/dynamics/jiggle.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 // The bar of 651 tets of the reference: E 1 MPa, Poisson 0.3, 1000 kg/m^3, clamped at one end.
@@ -126,4 +126,4 @@ TEST(Elasticity, EnergyOfTurnsAndStretches) {
 }
 
 }  // namespace
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

@@ -7,7 +7,7 @@
 #include "trainer/dynamics/jiggle_settings.h"
 #include "trainer/simulate/muscle_fibres.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 TEST(HumanJiggle, NamesJointsOfTheRigAndHoldsBothSidesAlike) {
@@ -32,4 +32,4 @@ TEST(HumanJiggle, NamesJointsOfTheRigAndHoldsBothSidesAlike) {
 }
 
 }  // namespace
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

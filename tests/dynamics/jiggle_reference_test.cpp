@@ -15,7 +15,7 @@
 #include "trainer/dynamics/block_inverse.h"
 #include "trainer/dynamics/jiggle.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace jiggle_reference_test {
 
 TetMaterial material(double young, double poisson) {
@@ -252,4 +252,4 @@ TEST(JiggleReference, EnergyNeverGrows) {
 }
 
 }  // namespace jiggle_reference_test
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

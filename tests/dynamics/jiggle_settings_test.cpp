@@ -8,7 +8,7 @@
 #include "tests/support/hostile_bytes.h"
 #include "tests/support/temporary_folder.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 using namespace testing;
@@ -96,4 +96,4 @@ TEST(JiggleFile, MistakesAreNamed) {
 }
 
 }  // namespace
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

@@ -15,7 +15,7 @@
 #include "runtime/cpu/dynamics_kernels.h"
 #include "tests/simulate/limb.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 // The limb's tets, and what is made of them with some settings.
@@ -401,4 +401,4 @@ TEST(Jiggle, ImpossibleMaterialsAndStepsAreRefused) {
 }
 
 }  // namespace
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

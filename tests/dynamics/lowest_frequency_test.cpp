@@ -4,7 +4,7 @@
 
 #include "trainer/dynamics/jiggle.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 double squared_angular(double hertz) { return std::pow(2 * std::numbers::pi * hertz, 2); }
@@ -60,4 +60,4 @@ TEST(LowestFrequency, ChangesNoBitOfWhatIsFasterNorWithoutOne) {
 }
 
 }  // namespace
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

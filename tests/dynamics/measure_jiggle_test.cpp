@@ -7,7 +7,7 @@
 #include "tests/support/limb_dynamics.h"
 #include "trainer/dynamics/jiggle.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 NodeMotion at_rest(const Dynamics& dynamics) {
@@ -67,4 +67,4 @@ TEST(MeasureJiggle, CountsTetsThatAreInsideOut) {
 }
 
 }  // namespace
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

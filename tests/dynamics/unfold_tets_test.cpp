@@ -10,7 +10,7 @@
 #include "trainer/dynamics/dynamics_tets.h"
 #include "trainer/dynamics/jiggle_fields.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 // The limb's skin with its elbow bent so far, by its basis; in the character's order, which output vertices have.
@@ -73,4 +73,4 @@ TEST(UnfoldTets, MovesNoVertexOfTheSkinItself) {
 }
 
 }  // namespace
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

@@ -6,7 +6,7 @@
 #include "runtime/core/error.h"
 #include "tests/support/small_dynamics.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace validate_dynamics_test {
 
 using testing::small_dynamics;
@@ -163,4 +163,4 @@ TEST(ValidateDynamics, Jiggle) {
 }
 
 }  // namespace validate_dynamics_test
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

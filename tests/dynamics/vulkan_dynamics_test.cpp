@@ -19,6 +19,8 @@
 namespace bodyopt::testing {
 namespace {
 
+using namespace trainer;
+
 // With muscles, which hold what jiggles as they shorten, and few tets.
 struct JigglingLimb {
   explicit JigglingLimb(const JiggleStep& step) {

@@ -12,7 +12,7 @@
 #include "runtime/core/error.h"
 #include "tests/support/temporary_folder.h"
 
-namespace bodyopt {
+namespace bodyopt::farm {
 namespace {
 
 // What of the rules below a job breaks, a sentence each; of OpenCue's these are the ones that a generated job could
@@ -187,4 +187,4 @@ TEST(Opencue, TheRulesRefuseWhatBreaksThem) {
 }
 
 }  // namespace
-}  // namespace bodyopt
+}  // namespace bodyopt::farm

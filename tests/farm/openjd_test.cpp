@@ -8,7 +8,7 @@
 #include "farm/queues.h"
 #include "runtime/core/error.h"
 
-namespace bodyopt {
+namespace bodyopt::farm {
 namespace {
 
 // What of the rules below a template breaks, a sentence each; of the specification these are the ones that a generated
@@ -157,4 +157,4 @@ TEST(Openjd, TheRulesRefuseWhatBreaksThem) {
 }
 
 }  // namespace
-}  // namespace bodyopt
+}  // namespace bodyopt::farm

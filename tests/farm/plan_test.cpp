@@ -17,7 +17,7 @@
 #include "tests/support/small_basis.h"
 #include "tests/support/temporary_folder.h"
 
-namespace bodyopt {
+namespace bodyopt::farm {
 namespace {
 
 class PlanShow : public ::testing::Test {
@@ -341,4 +341,4 @@ TEST(FarmStatus, KnowsWhatIsDoneStaleFailedAndRotten) {
 }
 
 }  // namespace
-}  // namespace bodyopt
+}  // namespace bodyopt::farm

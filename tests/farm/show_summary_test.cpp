@@ -7,7 +7,7 @@
 #include "farm/task_run.h"
 #include "tests/support/temporary_folder.h"
 
-namespace bodyopt {
+namespace bodyopt::farm {
 namespace {
 
 class ShowOnDisk : public ::testing::Test {
@@ -86,4 +86,4 @@ TEST_F(ShowOnDisk, WhatCannotBeReadOfARecordIsLeftOut) {
 }
 
 }  // namespace
-}  // namespace bodyopt
+}  // namespace bodyopt::farm

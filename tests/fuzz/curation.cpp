@@ -12,6 +12,8 @@
 namespace bodyopt::fuzz {
 namespace {
 
+using namespace trainer;
+
 // The dataset of which the history is.
 std::filesystem::path small_dataset() {
   return as_file("dataset.json", R"({"schema": "bodyopt-dataset-1", "character": "c.glb", "takes": [], "modifiers": [

@@ -10,6 +10,8 @@
 namespace bodyopt::fuzz {
 namespace {
 
+using namespace farm;
+
 void read_list(const std::string& name, const std::string& bytes) {
   std::vector<std::string> problems;
   for (const ShowElement& element : read_show_list(as_file(name, bytes), problems).elements) {

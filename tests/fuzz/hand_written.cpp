@@ -18,6 +18,9 @@
 namespace bodyopt::fuzz {
 namespace {
 
+using namespace trainer;
+using namespace shots;
+
 using Seeds = std::vector<std::string>;
 
 Seeds muscles_seeds() {

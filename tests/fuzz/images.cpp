@@ -8,6 +8,8 @@
 namespace bodyopt::fuzz {
 namespace {
 
+using namespace draw;
+
 void append_bytes(void* to, void* bytes, int count) {
   static_cast<std::string*>(to)->append(static_cast<const char*>(bytes), static_cast<std::size_t>(count));
 }

@@ -7,6 +7,8 @@
 namespace bodyopt::fuzz {
 namespace {
 
+using namespace trainer;
+
 std::vector<std::string> seeds() {
   GltfBlob skinned = two_joint_square(), hung = two_joint_square();
   for (GltfBlob* blob : {&skinned, &hung}) {

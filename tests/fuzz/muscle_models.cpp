@@ -6,6 +6,8 @@
 namespace bodyopt::fuzz {
 namespace {
 
+using namespace trainer;
+
 void read_as(const std::string& name, const std::string& bytes) {
   const muscle_models::Model model = muscle_models::read_model(as_file(name, bytes).string());
   const muscle_models::ModelPose pose = muscle_models::pose_model(model, muscle_models::default_values(model));

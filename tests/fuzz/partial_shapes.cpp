@@ -10,6 +10,8 @@
 namespace bodyopt::fuzz {
 namespace {
 
+using namespace trainer;
+
 constexpr std::uint64_t kInputs = 42;
 constexpr std::size_t kValues = 6, kHeader = 24, kRecord = 48 + 4 * kValues + 8;
 

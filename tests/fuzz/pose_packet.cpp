@@ -5,6 +5,8 @@
 namespace bodyopt::fuzz {
 namespace {
 
+using namespace viewport;
+
 constexpr std::uint16_t kJoints = 3, kControls = 2;
 
 std::vector<std::string> seeds() {

@@ -7,6 +7,8 @@
 namespace bodyopt::fuzz {
 namespace {
 
+using namespace trainer;
+
 constexpr std::uint64_t kKey = 42;
 const char* const kLayoutFile = "layout.safetensors";
 const char* const kRegionFile = "region_0_000000000000002a.safetensors";

@@ -28,6 +28,8 @@
 namespace bodyopt::testing {
 namespace bake_stack_test {
 
+using namespace trainer;
+
 namespace fs = std::filesystem;
 
 fs::path write_stack(const TemporaryFolder& folder, const std::string& modifiers) {

@@ -20,6 +20,8 @@
 namespace bodyopt::testing {
 namespace learnt_breathing_test {
 
+using namespace trainer;
+
 constexpr int kFrames = 48;  // two breaths: a third in, the rest out
 constexpr double kGirth = 0.02;
 

@@ -7,6 +7,8 @@
 namespace bodyopt::testing {
 namespace measure_moves_test {
 
+using namespace trainer;
+
 std::vector<Pose> driven(const Basis& basis, float strength) {
   Basis weighted = basis;
   weighted.modifiers.stack[0].constants["strength"] = strength;

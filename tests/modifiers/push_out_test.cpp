@@ -18,6 +18,8 @@
 namespace bodyopt::testing {
 namespace push_out_test {
 
+using namespace trainer;
+
 // Of one modifier or more.
 Basis limb_with(const std::string& push_out) {
   const TemporaryFolder folder;

@@ -17,6 +17,8 @@
 namespace bodyopt::testing {
 namespace relax_test {
 
+using namespace trainer;
+
 class Relax : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {

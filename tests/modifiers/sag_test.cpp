@@ -15,6 +15,8 @@
 namespace bodyopt::testing {
 namespace sag_test {
 
+using namespace trainer;
+
 constexpr double kGravity = 9.81;
 
 class Sag : public ::testing::Test {

@@ -14,7 +14,7 @@
 #include "trainer/motion/first_limits.h"
 #include "trainer/motion/range_of_motion.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 std::vector<std::pair<std::string, std::string>> names(const std::vector<DetachedJoint>& detached,
@@ -153,4 +153,4 @@ TEST(AttachedRig, JointsThatFollowEachOtherAreRefused) {
 }
 
 }  // namespace
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

@@ -5,7 +5,7 @@
 
 #include "trainer/motion/held_turns.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 Skeleton chain() {
@@ -65,4 +65,4 @@ TEST(CoupledJoints, StillnessAndNothingAreNotCoupled) {
 }
 
 }  // namespace
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

@@ -11,7 +11,7 @@
 #include "tests/support/temporary_folder.h"
 #include "trainer/motion/held_turns.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 // The limb's elbow bent by -20 to 90 degrees about x, and turned about its length by 30 while it is bent.
@@ -129,4 +129,4 @@ TEST(FirstLimits, RefuseASkinThatNoJointBelowTheRootMoves) {
 }
 
 }  // namespace
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

@@ -11,7 +11,7 @@
 #include "tests/support/paths.h"
 #include "tests/support/shared_data.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace held_turns_test {
 
 constexpr double kDegree = std::numbers::pi / 180;
@@ -160,4 +160,4 @@ TEST(HeldTurns, TheBadRealClipIsFoundAndTheGoodOneHardly) {
 }
 
 }  // namespace held_turns_test
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

@@ -8,7 +8,7 @@
 #include "trainer/motion/explore.h"
 #include "trainer/motion/held_turns.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 class HumanLimits : public ::testing::Test {
@@ -99,4 +99,4 @@ TEST_F(HumanLimits, LeftAndRightAreMirrorImages) {
 }
 
 }  // namespace
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

@@ -12,7 +12,7 @@
 #include "tests/support/hostile_bytes.h"
 #include "tests/support/temporary_folder.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 using namespace testing;
@@ -175,4 +175,4 @@ TEST(JointLimitsFile, RefusesDamage) {
 }
 
 }  // namespace
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

@@ -18,7 +18,7 @@
 #include "trainer/motion/explore.h"
 #include "trainer/motion/held_turns.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 std::uint32_t joint(const char* name) { return static_cast<std::uint32_t>(arm().character.skeleton.find(name)); }
@@ -292,4 +292,4 @@ TEST(SelfOverlap, SeesTheHandInTheTorso) {
 }
 
 }  // namespace
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

@@ -7,7 +7,7 @@
 #include "tests/support/temporary_folder.h"
 #include "trainer/muscle_models/mapping.h"
 
-namespace bodyopt::muscle_models {
+namespace bodyopt::trainer::muscle_models {
 namespace {
 
 Skeleton rig(std::initializer_list<const char*> names) {
@@ -78,4 +78,4 @@ TEST(FirstMappings, AreThoseWhoseJointsTheRigHas) {
 }
 
 }  // namespace
-}  // namespace bodyopt::muscle_models
+}  // namespace bodyopt::trainer::muscle_models

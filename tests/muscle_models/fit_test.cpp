@@ -13,7 +13,7 @@
 #include "tests/support/shared_data.h"
 #include "tests/support/temporary_folder.h"
 
-namespace bodyopt::muscle_models {
+namespace bodyopt::trainer::muscle_models {
 namespace {
 
 using namespace testing;
@@ -278,4 +278,4 @@ TEST(HumanMappings, GiveTheHumanItsMuscles) {
 }
 
 }  // namespace
-}  // namespace bodyopt::muscle_models
+}  // namespace bodyopt::trainer::muscle_models

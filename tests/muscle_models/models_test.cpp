@@ -10,7 +10,7 @@
 #include "tests/support/temporary_folder.h"
 #include "trainer/muscle_models/model.h"
 
-namespace bodyopt::muscle_models {
+namespace bodyopt::trainer::muscle_models {
 namespace {
 
 using namespace testing;
@@ -290,4 +290,4 @@ TEST(Model, OtherFilesAreRefused) {
 }
 
 }  // namespace
-}  // namespace bodyopt::muscle_models
+}  // namespace bodyopt::trainer::muscle_models

@@ -9,7 +9,7 @@
 #include "tests/support/temporary_folder.h"
 #include "trainer/muscle_models/model.h"
 
-namespace bodyopt::muscle_models {
+namespace bodyopt::trainer::muscle_models {
 namespace {
 
 using namespace testing;
@@ -167,4 +167,4 @@ INSTANTIATE_TEST_SUITE_P(Kinds, OpenSimJoint,
                          [](const auto& kind) { return kind.param; });
 
 }  // namespace
-}  // namespace bodyopt::muscle_models
+}  // namespace bodyopt::trainer::muscle_models

@@ -10,7 +10,7 @@
 #include "tests/support/shared_data.h"
 #include "trainer/muscle_models/model.h"
 
-namespace bodyopt::muscle_models {
+namespace bodyopt::trainer::muscle_models {
 namespace {
 
 using Row = std::vector<double>;
@@ -99,4 +99,4 @@ TEST(OpenSimReference, ElbowAgreesWithItsMujocoTwin) {
 }
 
 }  // namespace
-}  // namespace bodyopt::muscle_models
+}  // namespace bodyopt::trainer::muscle_models

@@ -7,7 +7,7 @@
 
 #include "trainer/muscle_models/model.h"
 
-namespace bodyopt::muscle_models {
+namespace bodyopt::trainer::muscle_models {
 namespace {
 
 using Eigen::Vector3d;
@@ -112,4 +112,4 @@ TEST(Wrap, EndsInsideStayStraightAndEndsOnTheSurfaceCount) {
 }
 
 }  // namespace
-}  // namespace bodyopt::muscle_models
+}  // namespace bodyopt::trainer::muscle_models

@@ -19,7 +19,7 @@
 #include "trainer/train/judge/test_errors.h"
 #include "trainer/train/skinning/ddm.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 using namespace testing;
@@ -279,4 +279,4 @@ TEST(FrameTime, IsThatOfAFrame) {
 }
 
 }  // namespace
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

@@ -10,7 +10,7 @@
 #include "trainer/proxy/level_skins.h"
 #include "trainer/train/skinning/unpose.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 using namespace testing;
@@ -144,4 +144,4 @@ TEST(ProxySamples, CarryTheSameNumbersAtTheVerticesThatStay) {
 }
 
 }  // namespace
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

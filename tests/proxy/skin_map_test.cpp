@@ -9,7 +9,7 @@
 #include "trainer/proxy/level_skins.h"
 #include "trainer/train/skinning/ddm.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 // The limb with a seam: the last three output vertices are the first three once more.
@@ -126,4 +126,4 @@ TEST(SkinDistance, IsThatOfAPlate) {
 }
 
 }  // namespace
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

@@ -5,8 +5,10 @@
 #include "tests/draw/sphere.h"
 #include "tests/report/white_dots.h"
 
-namespace bodyopt {
+namespace bodyopt::report {
 namespace {
+
+using namespace draw;
 
 constexpr std::uint32_t kSide = 200;  // pixels
 
@@ -83,4 +85,4 @@ TEST_F(PlacesPicture, SaysWhichPlacesAreHidden) {
 }
 
 }  // namespace
-}  // namespace bodyopt
+}  // namespace bodyopt::report

@@ -9,8 +9,10 @@
 #include "tests/draw/sphere.h"
 #include "tests/report/white_dots.h"
 
-namespace bodyopt {
+namespace bodyopt::report {
 namespace {
+
+using namespace draw;
 
 double distance(const std::array<float, 3>& a, const std::array<float, 3>& b) {
   return std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]);
@@ -110,4 +112,4 @@ TEST(RegionPicture, NumbersNothingThatStandsBehindTheBody) {
 }
 
 }  // namespace
-}  // namespace bodyopt
+}  // namespace bodyopt::report

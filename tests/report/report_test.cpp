@@ -18,8 +18,10 @@
 #include "tests/support/read_bytes.h"
 #include "tests/support/temporary_folder.h"
 
-namespace bodyopt {
+namespace bodyopt::report {
 namespace {
+
+using namespace draw;
 
 bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
 
@@ -391,4 +393,4 @@ TEST(Page, Base64AsInItsStandard) {  // RFC 4648, section 10
 }
 
 }  // namespace
-}  // namespace bodyopt
+}  // namespace bodyopt::report

@@ -11,7 +11,7 @@
 #include "trainer/simulate/skin_bending.h"
 #include "trainer/tets/tets.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 constexpr double kBone = Materials{}.bone_springs;  // N/m per cubic metre
@@ -156,4 +156,4 @@ TEST_F(Anatomy, ShorterPathsDriveFibres) {
 }
 
 }  // namespace
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

@@ -11,7 +11,7 @@
 #include "trainer/motion/held_turns.h"
 #include "trainer/simulate/quasi_static.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 class ArmMuscles : public ::testing::Test {
@@ -129,4 +129,4 @@ TEST_F(ArmMuscles, OfABentElbowThickenTheUpperArm) {
 }
 
 }  // namespace
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

@@ -20,7 +20,7 @@
 #include "trainer/tets/lattice_cage.h"
 #include "trainer/tets/second_order.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 QuasiStaticBody caged(const Character& character, const std::vector<Muscle>& muscles, Eigen::Index nodes) {
@@ -322,4 +322,4 @@ TEST(CageBody, RealCharactersOfEveryKind) {
 }
 
 }  // namespace
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

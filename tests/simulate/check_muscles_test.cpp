@@ -5,7 +5,7 @@
 #include "runtime/core/error.h"
 #include "tests/simulate/limb.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 Muscle thread(const std::string& name) {
@@ -61,4 +61,4 @@ TEST(CheckMuscles, EndsMayStickOut) {
 }
 
 }  // namespace
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

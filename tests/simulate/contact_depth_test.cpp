@@ -5,7 +5,7 @@
 #include "trainer/tets/cage.h"
 #include "trainer/tets/lattice_cage.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 constexpr double kApart = 0.5;
@@ -60,4 +60,4 @@ TEST(ContactDepth, ALatticesEmptyCornersAreNoTissue) {
 }
 
 }  // namespace
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

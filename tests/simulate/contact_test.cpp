@@ -11,7 +11,7 @@
 #include "trainer/simulate/quasi_static.h"
 #include "trainer/tets/tets.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 constexpr double kMargin = 0.01;
@@ -281,4 +281,4 @@ TEST(Contact, AFoldedLimbRestsOnItself) {
 }
 
 }  // namespace
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

@@ -9,7 +9,7 @@
 #include "trainer/simulate/metric.h"
 #include "trainer/simulate/tissue.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 // Its tets are strained, some beyond the barrier or inside out; most have fibres, every third those of two muscles.
@@ -74,4 +74,4 @@ TEST(InstructionSets, GiveTheSameStepsInAMetric) {
 }
 
 }  // namespace
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

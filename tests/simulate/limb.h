@@ -14,8 +14,8 @@
 
 namespace bodyopt {
 
-constexpr double kTubeLength = 0.5, kTubeRadius = 0.04;  // metres
-const AnatomyOptions kLimbAnatomy{.cell = 0.004};        // coarse: its fine points are tested elsewhere
+constexpr double kTubeLength = 0.5, kTubeRadius = 0.04;     // metres
+const trainer::AnatomyOptions kLimbAnatomy{.cell = 0.004};  // coarse: its fine points are tested elsewhere
 constexpr int kTubeSides = 10, kTubeRings = 23;
 
 // Rings of vertices and a tip at each end; triangles wind outwards.
@@ -115,10 +115,10 @@ inline Character make_two_limbs(double apart) {
 }
 
 // A body of linear tets that fill its own skin. size: largest edge inside, metres; 0: from the skin.
-inline QuasiStaticBody own_body(const Character& character, const std::vector<Muscle>& muscles, double size,
-                                const AnatomyOptions& anatomy = {}) {
-  return {character, muscles, AnatomyField(character, muscles, anatomy),
-          own_cage(character.vertices, character.triangles, character.weights, size)};
+inline trainer::QuasiStaticBody own_body(const Character& character, const std::vector<Muscle>& muscles, double size,
+                                         const trainer::AnatomyOptions& anatomy = {}) {
+  return {character, muscles, trainer::AnatomyField(character, muscles, anatomy),
+          trainer::own_cage(character.vertices, character.triangles, character.weights, size)};
 }
 
 }  // namespace bodyopt

@@ -8,7 +8,7 @@
 #include "trainer/simulate/loose_piece_stretch.h"
 #include "trainer/simulate/simulate.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 constexpr int kRows = 6;
@@ -122,4 +122,4 @@ TEST(LoosePieces, WhatIsStretchedIsSaidWithItsPlace) {
 }
 
 }  // namespace
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

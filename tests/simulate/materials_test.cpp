@@ -10,7 +10,7 @@
 #include "tests/support/temporary_folder.h"
 #include "trainer/simulate/quasi_static.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 using namespace testing;
@@ -72,4 +72,4 @@ TEST(Materials, DamagedFilesAreRefused) {
 }
 
 }  // namespace
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

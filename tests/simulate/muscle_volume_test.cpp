@@ -9,7 +9,7 @@
 #include "trainer/simulate/quasi_static.h"
 #include "trainer/tets/tets.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 struct Case {
@@ -68,4 +68,4 @@ TEST(MuscleVolume, IsKeptWhenAMuscleShortens) {
 }
 
 }  // namespace
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

@@ -14,7 +14,7 @@
 #include "runtime/host/rig.h"
 #include "tests/simulate/limb.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 class QuasiStatic : public ::testing::Test {
@@ -281,4 +281,4 @@ TEST_F(QuasiStatic, RefusesWhatDoesNotBelongTogether) {
 }
 
 }  // namespace
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

@@ -20,7 +20,7 @@
 #include "tests/support/temporary_folder.h"
 #include "trainer/simulate/partial_shapes.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 namespace fs = std::filesystem;
@@ -378,4 +378,4 @@ TEST(Simulate, RefusesFramesAndFoldersThatAreNotThere) {
 }
 
 }  // namespace
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

@@ -9,7 +9,7 @@
 #include "trainer/tets/second_order.h"
 #include "trainer/tets/tets.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 SparseMatrix random_definite(int size, unsigned seed) {
@@ -187,4 +187,4 @@ TEST(Minimise, ReportsWhatItReachedWhenTheIterationsEnd) {
 }
 
 }  // namespace
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

@@ -10,7 +10,7 @@
 #include "trainer/tets/lattice_cage.h"
 #include "trainer/tets/tets.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 double volume_of(const TetMesh& mesh, std::size_t tet) {
@@ -166,4 +166,4 @@ TEST(TetMaterials, AreMeansOfTheTissues) {
 }
 
 }  // namespace
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

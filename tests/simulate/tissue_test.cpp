@@ -18,7 +18,7 @@
 #include "trainer/simulate/lbfgs.h"
 #include "trainer/tets/second_order.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 std::vector<TetMaterial> all(const TetMesh& mesh, const TetMaterial& material) {
@@ -427,4 +427,4 @@ TEST(TissueOfSecondOrder, MaterialsAreSharedByVolume) {
 }
 
 }  // namespace
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

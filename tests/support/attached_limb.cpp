@@ -9,13 +9,13 @@
 namespace bodyopt {
 
 const Basis& limb_basis() {
-  static const Basis basis = build_ddm_basis(limb_character(), {});
+  static const Basis basis = trainer::build_ddm_basis(limb_character(), {});
   return basis;
 }
 
-LooseMesh sphere_at(const std::string& name, const Vec3& centre, double radius) {
+trainer::LooseMesh sphere_at(const std::string& name, const Vec3& centre, double radius) {
   constexpr std::uint32_t kRings = 6, kSides = 8;
-  LooseMesh mesh;
+  trainer::LooseMesh mesh;
   mesh.name = name;
   for (std::uint32_t i = 0; i <= kRings; ++i) {
     for (std::uint32_t k = 0; k < kSides; ++k) {
@@ -34,9 +34,9 @@ LooseMesh sphere_at(const std::string& name, const Vec3& centre, double radius) 
   return mesh;
 }
 
-LooseMesh sleeve(double offset) {
+trainer::LooseMesh sleeve(double offset) {
   constexpr std::uint32_t kRings = 31, kSides = 24;
-  LooseMesh mesh;
+  trainer::LooseMesh mesh;
   mesh.name = "sleeve";
   for (std::uint32_t i = 0; i < kRings; ++i) {
     for (std::uint32_t k = 0; k < kSides; ++k) {
@@ -54,18 +54,18 @@ LooseMesh sleeve(double offset) {
   return mesh;
 }
 
-LooseMesh blade() {
-  LooseMesh mesh;
+trainer::LooseMesh blade() {
+  trainer::LooseMesh mesh;
   mesh.name = "blade";
   mesh.vertices = {{0.05, 0, 0.53}, {0.05, 0, 0.55}, {0.35, 0, 0.53}, {0.35, 0, 0.55}, {0.2, 0.01, 0.54}};
   mesh.triangles = {{0, 1, 4}, {1, 3, 4}, {3, 2, 4}, {2, 0, 4}};
   return mesh;
 }
 
-Attachments attached_to_limb(const std::vector<LooseMesh>& meshes, const AttachOptions& options) {
-  const RestSkin skin(limb_basis());
+Attachments attached_to_limb(const std::vector<trainer::LooseMesh>& meshes, const trainer::AttachOptions& options) {
+  const trainer::RestSkin skin(limb_basis());
   Attachments attachments;
-  for (const LooseMesh& mesh : meshes) attachments.meshes.push_back(bind_mesh(mesh, skin, options));
+  for (const trainer::LooseMesh& mesh : meshes) attachments.meshes.push_back(trainer::bind_mesh(mesh, skin, options));
   attachments.metadata["topology_hash"] = hexadecimal(topology_hash(limb_basis().mesh));
   attachments.metadata["skeleton_hash"] = hexadecimal(skeleton_hash(limb_basis().skeleton));
   return attachments;

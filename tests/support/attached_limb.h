@@ -11,15 +11,15 @@ namespace bodyopt {
 
 const Basis& limb_basis();
 
-LooseMesh sphere_at(const std::string& name, const Vec3& centre, double radius);
+trainer::LooseMesh sphere_at(const std::string& name, const Vec3& centre, double radius);
 
 // A tube around the limb across its elbow, `offset` off the skin; open at both ends, normals outwards.
-LooseMesh sleeve(double offset);
+trainer::LooseMesh sleeve(double offset);
 
 // A blade of 0.3 m that stands off the limb near its end, four triangles.
-LooseMesh blade();
+trainer::LooseMesh blade();
 
-Attachments attached_to_limb(const std::vector<LooseMesh>& meshes, const AttachOptions& options = {});
+Attachments attached_to_limb(const std::vector<trainer::LooseMesh>& meshes, const trainer::AttachOptions& options = {});
 
 // Something of every kind: an eye inside, a button outside, a sleeve, a blade.
 Attachments limb_outfit();

@@ -117,18 +117,18 @@ Positions limb_truth(const Character& character, const std::vector<Muscle>& musc
     const double along = (character.vertices(v, 2) - 0.5) / 0.05;
     bulged.vertices(v, 2) += 0.004 * wrist * std::exp(-along * along);
   }
-  return skin_linear(bulged, pose);
+  return trainer::skin_linear(bulged, pose);
 }
 
-SampleSet limb_samples(int train_frames, int heldout_frames) {
-  SampleSet set;
+trainer::SampleSet limb_samples(int train_frames, int heldout_frames) {
+  trainer::SampleSet set;
   set.character = limb_character();
   set.muscles = limb_muscles();
   set.takes = {"training", "heldout"};
   for (int f = 0; f < train_frames + heldout_frames; ++f) {
     const bool train = f < train_frames;
     const double t = train ? f : 0.37 + 1.9 * (f - train_frames);
-    Sample sample;
+    trainer::Sample sample;
     sample.take = train ? 0 : 1;
     sample.frame = f + 1;
     sample.pose = limb_pose(set.character.skeleton, 0.9 - 0.9 * std::cos(0.31 * t), 0.6 * std::sin(0.17 * t),

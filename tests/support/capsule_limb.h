@@ -24,6 +24,6 @@ Pose limb_pose(const Skeleton& skeleton, double flex, double twist, double wrist
 Positions limb_truth(const Character& character, const std::vector<Muscle>& muscles, const Pose& pose);
 
 // A smooth motion that sweeps all three degrees of freedom at unrelated rates.
-SampleSet limb_samples(int train_frames, int heldout_frames);
+trainer::SampleSet limb_samples(int train_frames, int heldout_frames);
 
 }  // namespace bodyopt

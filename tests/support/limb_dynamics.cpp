@@ -8,21 +8,21 @@ namespace bodyopt {
 const LimbModel& limb_model() {
   static const LimbModel model = [] {
     const Character limb = limb_character();
-    LimbModel made{build_ddm_basis(limb, {}), {}};
-    DynamicsOptions options;
+    LimbModel made{trainer::build_ddm_basis(limb, {}), {}};
+    trainer::DynamicsOptions options;
     options.resolution = 2500;
-    made.dynamics = build_dynamics(limb, {}, made.basis, options).dynamics;
+    made.dynamics = trainer::build_dynamics(limb, {}, made.basis, options).dynamics;
     return made;
   }();
   return model;
 }
 
-Dynamics limb_dynamics(const JiggleStep& step, const JiggleSettings& settings) {
-  DynamicsOptions options;
+Dynamics limb_dynamics(const JiggleStep& step, const trainer::JiggleSettings& settings) {
+  trainer::DynamicsOptions options;
   options.resolution = 2500;
   options.step = step;
   options.settings = settings;
-  return build_dynamics(limb_character(), {}, limb_model().basis, options).dynamics;
+  return trainer::build_dynamics(limb_character(), {}, limb_model().basis, options).dynamics;
 }
 
 Pose limb_pose(const LimbPose& at) {

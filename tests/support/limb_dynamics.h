@@ -14,7 +14,7 @@ struct LimbModel {
 const LimbModel& limb_model();
 
 // The same with other steps.
-Dynamics limb_dynamics(const JiggleStep& step, const JiggleSettings& settings = {});
+Dynamics limb_dynamics(const JiggleStep& step, const trainer::JiggleSettings& settings = {});
 
 // Bends and turns, metres and radians.
 struct LimbPose {

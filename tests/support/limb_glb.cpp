@@ -21,7 +21,7 @@ LimbGlb::LimbGlb(const std::filesystem::path& scratch) {
   binary = bytes.substr(28 + word(12), word(20 + word(12)));
 }
 
-std::size_t LimbGlb::add_mesh(const LooseMesh& mesh, double units_per_metre) {
+std::size_t LimbGlb::add_mesh(const trainer::LooseMesh& mesh, double units_per_metre) {
   std::vector<float> positions;
   std::vector<std::uint32_t> corners;
   for (const Vec3& p : mesh.vertices) {

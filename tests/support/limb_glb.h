@@ -11,7 +11,7 @@ struct LimbGlb : GltfBlob {
   explicit LimbGlb(const std::filesystem::path& scratch);
 
   // Returns the mesh's index.
-  std::size_t add_mesh(const LooseMesh& mesh, double units_per_metre = 1);
+  std::size_t add_mesh(const trainer::LooseMesh& mesh, double units_per_metre = 1);
 
   // A node with that mesh, below a node or (-1) at the top. Returns it.
   Json& add_node(const std::string& name, std::size_t mesh, int parent);

@@ -14,17 +14,17 @@
 
 namespace bodyopt::testing {
 
-Image read_png(const std::filesystem::path& path) {
+draw::Image read_png(const std::filesystem::path& path) {
   int width = 0, height = 0, channels = 0;
   stbi_uc* pixels = stbi_load(path.c_str(), &width, &height, &channels, 4);
   if (!pixels) return {};
-  Image image{static_cast<std::uint32_t>(width), static_cast<std::uint32_t>(height), {}};
+  draw::Image image{static_cast<std::uint32_t>(width), static_cast<std::uint32_t>(height), {}};
   image.rgba.assign(pixels, pixels + 4 * std::size_t{image.width} * image.height);
   stbi_image_free(pixels);
   return image;
 }
 
-SpotDifference spot_difference(const Image& a, const Image& b) {
+SpotDifference spot_difference(const draw::Image& a, const draw::Image& b) {
   constexpr std::uint32_t kSpot = 10;
   if (a.width != b.width || a.height != b.height || a.rgba.empty()) return {};
   SpotDifference found{0, 0};

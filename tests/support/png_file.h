@@ -8,13 +8,13 @@
 namespace bodyopt::testing {
 
 // Nothing where it cannot be read.
-Image read_png(const std::filesystem::path& path);
+draw::Image read_png(const std::filesystem::path& path);
 
 // How the colours of squares of 10 x 10 pixels differ, of 255. Edges that fall a pixel aside count little, a light that
 // is out or a picture that is mirrored much.
 struct SpotDifference {
   double mean = 255, largest = 255;
 };
-SpotDifference spot_difference(const Image& a, const Image& b);
+SpotDifference spot_difference(const draw::Image& a, const draw::Image& b);
 
 }  // namespace bodyopt::testing

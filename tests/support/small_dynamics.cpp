@@ -23,8 +23,8 @@ Basis with_fibres(Basis basis) {
 }  // namespace
 
 SmallDynamics::SmallDynamics()
-    : basis(with_fibres(build_ddm_basis(character, {}))),
-      dynamics(build_dynamics(character, muscles, basis, options).dynamics) {}
+    : basis(with_fibres(trainer::build_ddm_basis(character, {}))),
+      dynamics(trainer::build_dynamics(character, muscles, basis, options).dynamics) {}
 
 const SmallDynamics& small_dynamics() {
   static const SmallDynamics small;
@@ -42,8 +42,8 @@ OneTet::OneTet() {
   character.weights.assign(4, {{0, 1.0}});
   character.output_vertex = {0, 1, 2, 3};
   character.output_triangles = character.triangles;
-  basis = build_ddm_basis(character, {});
-  DynamicsTets tets;
+  basis = trainer::build_ddm_basis(character, {});
+  trainer::DynamicsTets tets;
   tets.cage.mesh.nodes =
       Eigen::Map<const Eigen::Matrix<float, 4, 3, Eigen::RowMajor>>(basis.mesh.rest.data()).cast<double>();
   tets.cage.mesh.tets.resize(1, 4);
@@ -56,12 +56,13 @@ OneTet::OneTet() {
     tets.cage.skin.push_back({0, Eigen::Vector4d::Zero()});
     for (int a = 0; a < 4; ++a) tets.cage.skin[v].weights[a] = tets.cage.mesh.tets(0, a) == static_cast<int>(v);
   }
-  SparseMatrix springs(4, 4);
+  trainer::SparseMatrix springs(4, 4);
   springs.setIdentity();
-  const JiggleSystem system{{{1e3, 9e3}}, lumped_mass(tets.cage.mesh, 1000), Eigen::VectorXd::Ones(4), 1e-3, springs};
-  dynamics.tets = make_tet_table(tets, {1, 1, 1, 0}, {1, 1, 1, 1});
-  dynamics.diffuse = make_diffuse_table(tets.cage.mesh, 4);
-  dynamics.jiggle = make_jiggle_table(tets.cage.mesh, system, {});
+  const trainer::JiggleSystem system{
+      {{1e3, 9e3}}, trainer::lumped_mass(tets.cage.mesh, 1000), Eigen::VectorXd::Ones(4), 1e-3, springs};
+  dynamics.tets = trainer::make_tet_table(tets, {1, 1, 1, 0}, {1, 1, 1, 1});
+  dynamics.diffuse = trainer::make_diffuse_table(tets.cage.mesh, 4);
+  dynamics.jiggle = trainer::make_jiggle_table(tets.cage.mesh, system, {});
   dynamics.metadata["topology_hash"] = hexadecimal(topology_hash(basis.mesh));
   dynamics.metadata["skeleton_hash"] = hexadecimal(skeleton_hash(basis.skeleton));
 }

@@ -15,7 +15,7 @@ struct SmallDynamics {
   Character character = limb_character();
   std::vector<Muscle> muscles = limb_muscles();
   Basis basis;
-  DynamicsOptions options{.resolution = 600};
+  trainer::DynamicsOptions options{.resolution = 600};
   Dynamics dynamics;
 };
 

@@ -9,6 +9,7 @@
 namespace bodyopt {
 
 // `notes`: gets those of the training.
-Basis trained_basis(const SampleSet& set, const TrainOptions& options, std::vector<std::string>* notes = nullptr);
+Basis trained_basis(const trainer::SampleSet& set, const trainer::TrainOptions& options,
+                    std::vector<std::string>* notes = nullptr);
 
 }  // namespace bodyopt

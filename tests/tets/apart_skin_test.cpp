@@ -3,7 +3,7 @@
 #include "tests/simulate/limb.h"
 #include "trainer/tets/cage.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 constexpr double kOverlap = 1e-3, kAnyOverlap = 1;
@@ -65,4 +65,4 @@ TEST(ApartSkin, OneTriangleIsBesideItself) {
 }
 
 }  // namespace
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

@@ -7,7 +7,7 @@
 #include "tests/support/error_kind.h"
 #include "tests/support/lowered_limit.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 TEST(MakeCage, TakesTheSkinWhereItCanBeFilled) {
@@ -55,4 +55,4 @@ TEST(MakeCage, PiecesOfSkinGoIntoOneLattice) {
 }
 
 }  // namespace
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

@@ -11,7 +11,7 @@
 #include "runtime/core/error.h"
 #include "tests/support/lowered_limit.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 TEST(ChildProcess, HandsOverWhatTheWorkReturned) {
@@ -100,4 +100,4 @@ TEST(ChildProcess, PrintsNothing) {
 }
 
 }  // namespace
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

@@ -4,7 +4,7 @@
 
 #include "trainer/tets/fillable_skin.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 // Pages of a book: two triangles each, of these widths, that meet at one edge.
@@ -54,4 +54,4 @@ TEST(CutSheets, WhatIsClosedStays) {
 }
 
 }  // namespace
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

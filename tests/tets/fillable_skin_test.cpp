@@ -7,7 +7,7 @@
 #include "tests/simulate/limb.h"
 #include "trainer/tets/tets.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 FillableSkin fillable(const Character& character) {
@@ -127,4 +127,4 @@ TEST(FillableSkin, LargePiecesOfOtherJointsDoNotRide) {
 }
 
 }  // namespace
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

@@ -12,7 +12,7 @@
 #include "tests/support/shared_data.h"
 #include "tests/support/stand_in_human.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 struct Skin {
@@ -310,4 +310,4 @@ TEST(LatticeCage, EnclosesRealCharacters) {
 }
 
 }  // namespace
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

@@ -4,7 +4,7 @@
 #include "trainer/tets/loose_pieces.h"
 #include "trainer/tets/tets.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 // Two limbs of different joints side by side. Six vertices of the first are carried by a tet of the second, as teeth by
@@ -41,4 +41,4 @@ TEST(CarryByOwnJoints, PartsApartAlongTheSkinAreNotCarriedByOneAnother) {
 }
 
 }  // namespace
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

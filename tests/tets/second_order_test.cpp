@@ -7,7 +7,7 @@
 
 #include "tests/simulate/limb.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 class SecondOrder : public ::testing::Test {
@@ -73,4 +73,4 @@ TEST_F(SecondOrder, PointsAnywhereKeepTheirPlace) {
 }
 
 }  // namespace
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

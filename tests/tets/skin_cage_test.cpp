@@ -11,7 +11,7 @@
 #include "tests/simulate/limb.h"
 #include "trainer/tets/cage.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 TEST(SkinCage, FillsWhatTheSkinEncloses) {
@@ -110,4 +110,4 @@ TEST(SkinCage, OpenSkinsAreRefused) {
 }
 
 }  // namespace
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

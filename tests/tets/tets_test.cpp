@@ -9,7 +9,7 @@
 #include "tests/simulate/limb.h"
 #include "tests/support/stand_in_human.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 void expect_refused(const Positions& vertices, const Triangles& triangles, const std::string& defect,
@@ -92,4 +92,4 @@ TEST(Tets, FillAHuman) {
 }
 
 }  // namespace
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

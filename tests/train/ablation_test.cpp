@@ -7,7 +7,7 @@
 #include "trainer/train/fit/train.h"
 #include "trainer/train/judge/test_errors.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 const std::map<std::string, MethodResult>& rows() {
@@ -65,4 +65,4 @@ TEST(Ablation, SaysWhatEachCosts) {
 }
 
 }  // namespace
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

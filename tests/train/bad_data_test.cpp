@@ -23,7 +23,7 @@
 #include "trainer/train/options.h"
 #include "trainer/train/skinning/ddm.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 const TrainOptions kSmall{.components = 8, .centres = 30};
@@ -280,4 +280,4 @@ TEST(BadData, AFileThatHoldsNoNumbersIsNamedWithItsFrame) {
 }
 
 }  // namespace
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

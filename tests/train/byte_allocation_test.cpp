@@ -5,7 +5,7 @@
 #include "tests/support/random_tables.h"
 #include "trainer/train/pack/trade_off.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace byte_allocation_test {
 
 constexpr std::uint32_t kVertices = 32, kBlocks = 2;
@@ -142,4 +142,4 @@ TEST(ExpectedError, IsThatOfTheSumOfAllRegions) {
 }
 
 }  // namespace byte_allocation_test
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

@@ -7,7 +7,7 @@
 
 #include "tests/support/random_tables.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 constexpr Eigen::Index kPoses = 150, kJointFeatures = 3, kStrains = 40;
@@ -56,4 +56,4 @@ TEST(ChooseMap, StrainsThatTellTheMotionAreHeard) {
 TEST(ChooseMap, CurvesThatTellNothingAreNot) { EXPECT_EQ(Heard(0, true).strains(), 0u); }
 
 }  // namespace
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

@@ -17,7 +17,7 @@
 #include "trainer/train/judge/test_errors.h"
 #include "trainer/train/skinning/ddm.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 const SampleSet& samples() {
@@ -209,4 +209,4 @@ TEST(Coverage, ABasisThatDoesNotKnowItsErrorIsRefused) {
 }
 
 }  // namespace
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

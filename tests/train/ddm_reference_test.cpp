@@ -10,7 +10,7 @@
 #include "tests/support/textbook_ddm.h"
 #include "trainer/train/skinning/ddm.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 struct Reference {
@@ -98,4 +98,4 @@ TEST(DdmReference, CesiumMan) {
 }
 
 }  // namespace
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

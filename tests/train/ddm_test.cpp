@@ -13,7 +13,7 @@
 #include "tests/support/textbook_algebra.h"
 #include "tests/support/textbook_ddm.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 using SkinWeights = std::vector<std::vector<JointWeight>>;
@@ -241,4 +241,4 @@ TEST(Ddm, TheUnusedLanesOfABlockHoldZeros) {
 }
 
 }  // namespace
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

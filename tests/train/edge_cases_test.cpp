@@ -9,7 +9,7 @@
 #include "trainer/train/fit/train.h"
 #include "trainer/train/skinning/unpose.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 // Trains, loads the basis into the runtime (which validates it) and evaluates the training frames.
@@ -122,4 +122,4 @@ TEST(TrainEdgeCases, RefusesShapesThatDoNotFit) {
 }
 
 }  // namespace
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

@@ -11,7 +11,7 @@
 #include "trainer/train/fit/fade.h"
 #include "trainer/train/judge/test_errors.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 constexpr double kLeastTurn = 0.05;  // as fade_table() has it
@@ -62,4 +62,4 @@ TEST(FadeStrength, IsLessWhereWhatWasLearnedHoldsFurtherOff) {
 }
 
 }  // namespace
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

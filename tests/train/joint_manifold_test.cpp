@@ -7,7 +7,7 @@
 #include "runtime/host/rig.h"
 #include "trainer/train/features/features.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 // A root and two joints that have features, one below the other.
@@ -94,4 +94,4 @@ TEST(JointManifold, TurnsAreMeanSquares) {
 }
 
 }  // namespace
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

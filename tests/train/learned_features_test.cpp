@@ -12,7 +12,7 @@
 #include "trainer/train/features/features.h"
 #include "trainer/train/judge/test_errors.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 // The limb below one joint more, which moves no skin of its own: joint 0; the limb's root is joint 1.
@@ -124,4 +124,4 @@ TEST(LearnedFeatures, ABodyThatLeansIsInNoOtherPoseThanTrained) {
 }
 
 }  // namespace
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

@@ -8,7 +8,7 @@
 
 #include "tests/support/capsule_limb.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace learned_poses_test {
 
 class LearnedPosesTest : public ::testing::Test {
@@ -74,4 +74,4 @@ TEST_F(LearnedPosesTest, ABasisThatLearnedNoneTells) {
 }
 
 }  // namespace learned_poses_test
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

@@ -13,7 +13,7 @@
 #include "tests/support/shared_data.h"
 #include "trainer/train/skinning/ddm.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 struct Skin {
@@ -172,4 +172,4 @@ TEST(NearSmoother, OfRealBodiesGivesWhatTheWholeSkinDoes) {
 }
 
 }  // namespace
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

@@ -16,7 +16,7 @@
 #include "trainer/train/pack/trade_off.h"
 #include "trainer/train/skinning/ddm.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 using Eigen::Index;
@@ -106,4 +106,4 @@ TEST(OverLargeBasis, HoldsItsTrainingFrames) {
 }
 
 }  // namespace
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

@@ -7,7 +7,7 @@
 #include "base/linear_algebra.h"
 #include "trainer/train/regression/regress.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 Eigen::MatrixXd noise(Eigen::Index rows, Eigen::Index columns, unsigned seed) {
@@ -58,4 +58,4 @@ TEST(Projection, NumbersAreThoseOfTheBasis) {
 }
 
 }  // namespace
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

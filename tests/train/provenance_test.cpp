@@ -7,6 +7,8 @@
 namespace bodyopt::testing {
 namespace provenance_test {
 
+using namespace trainer;
+
 TEST(Provenance, IsWhatTheTrainingWrote) {
   TrainOptions options;
   options.smoothing_radius = 0.03;

@@ -11,7 +11,7 @@
 #include "trainer/train/fit/train.h"
 #include "trainer/train/skinning/ddm.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 class RegionSharesTest : public ::testing::Test {
@@ -59,4 +59,4 @@ TEST_F(RegionSharesTest, WithoutRegionsNothingIsExpected) {
 }
 
 }  // namespace
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

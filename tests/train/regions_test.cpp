@@ -15,7 +15,7 @@
 #include "trainer/train/skinning/ddm.h"
 #include "trainer/train/skinning/unpose.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 // The limb in runtime order, up to its fibres.
@@ -281,4 +281,4 @@ TEST(Unpose, GivesBackWhatWasPosed) {
 }
 
 }  // namespace
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

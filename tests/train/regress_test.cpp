@@ -12,7 +12,7 @@
 #include "tests/support/textbook_algebra.h"
 #include "trainer/train/regression/components.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 RegressionData random_data(int frames, int features, std::uint64_t seed) {
@@ -277,4 +277,4 @@ TEST(Components, NoMotionGivesNone) {
 }
 
 }  // namespace
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

@@ -7,7 +7,7 @@
 #include "runtime/cpu/kernels.h"
 #include "tests/support/random_tables.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 constexpr std::uint32_t kVertices = 37, kBlocks = 3;  // of 16, 16 and 5 vertices
@@ -251,4 +251,4 @@ TEST(DropUnusedFibres, KeepsWhatTheOthersAre) {
 }
 
 }  // namespace
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

@@ -9,7 +9,7 @@
 #include "tests/support/textbook_algebra.h"
 #include "trainer/train/regression/regress.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 Eigen::MatrixXd random_matrix(Eigen::Index rows, Eigen::Index columns, std::uint64_t seed) {
@@ -84,4 +84,4 @@ TEST(SelectFeatures, WhatSomebodyMovesNeedNotOutdoChance) {
 }
 
 }  // namespace
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

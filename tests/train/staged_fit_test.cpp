@@ -20,7 +20,7 @@
 #include "trainer/train/pack/trade_off.h"
 #include "trainer/train/skinning/ddm.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace staged_fit_test {
 
 namespace fs = std::filesystem;
@@ -398,4 +398,4 @@ TEST(StagedFit, ADamagedFileIsNamed) {
 }
 
 }  // namespace staged_fit_test
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

@@ -16,7 +16,7 @@
 #include "trainer/train/skinning/ddm.h"
 #include "trainer/train/skinning/unpose.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 const SampleSet& without_muscles() {
@@ -153,4 +153,4 @@ TEST(SurfaceCurves, AreNeededWhereJointsDoNotTellTheMotion) {
 }
 
 }  // namespace
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

@@ -14,7 +14,7 @@
 #include "trainer/train/coverage/coverage.h"
 #include "trainer/train/fit/train.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace test_errors_test {
 
 const SampleSet& samples() {
@@ -102,4 +102,4 @@ TEST(TestErrors, ABasisOfAnotherCharacterIsRefused) {
 }
 
 }  // namespace test_errors_test
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

@@ -15,7 +15,7 @@
 #include "trainer/train/judge/test_errors.h"
 #include "trainer/train/skinning/ddm.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace trade_off_test {
 
 const SampleSet& samples() {
@@ -159,4 +159,4 @@ TEST(TradeOff, ACurveThatIsDamagedIsRefused) {
 }
 
 }  // namespace trade_off_test
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

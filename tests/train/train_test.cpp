@@ -27,7 +27,7 @@
 #include "trainer/train/skinning/ddm.h"
 #include "trainer/train/skinning/unpose.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace train_test {
 
 // RMS and largest distance of the deformer from samples, millimetres.
@@ -267,4 +267,4 @@ TEST(Train, LittleMemoryChangesNothing) {
 }
 
 }  // namespace train_test
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

@@ -10,7 +10,7 @@
 #include "tests/support/textbook_algebra.h"
 #include "trainer/transfer/skin_transfer.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 struct Tube {
@@ -148,4 +148,4 @@ TEST(DeformationTransfer, ThinLimbsGetThinBulges) {
   EXPECT_GT(result.rightCols<2>().norm(), 0.75 * wanted.norm());
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

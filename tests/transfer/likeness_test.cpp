@@ -7,7 +7,7 @@
 #include "trainer/train/skinning/ddm.h"
 #include "trainer/transfer/transfer_pair.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 double likeness_of(const Character& source, const Character& target) {
@@ -94,4 +94,4 @@ TEST(Likeness, OtherProportionsOfTheSkinCountAgainstIt) {
   EXPECT_NEAR(likeness(pair), alike * std::exp(mean * mean - square), 1e-4);
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

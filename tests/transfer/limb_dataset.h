@@ -15,12 +15,12 @@ namespace bodyopt::testing {
 // A take into the folder of limb.glb: clip, shapes, and every third frame held out where `heldout`.
 inline DatasetTake write_limb_take(const std::filesystem::path& folder, const std::string& name, int frames,
                                    bool heldout) {
-  const SampleSet set = limb_samples(frames, 0);
+  const trainer::SampleSet set = limb_samples(frames, 0);
   Clip clip;
   clip.name = name;
   DatasetTake take{name, name + ".glb", "", 24, 1, {}, name + ".pc2", "", {}};
   Pc2Writer writer(folder / take.shapes, set.character.output_count(), static_cast<std::uint32_t>(frames));
-  for (const Sample& sample : set.train) {
+  for (const trainer::Sample& sample : set.train) {
     clip.poses.push_back(sample.pose);
     writer.append(output_from_welded(set.character, sample.shape.read()));
     take.frames.push_back(sample.frame);

@@ -7,7 +7,7 @@
 #include "trainer/train/skinning/ddm.h"
 #include "trainer/transfer/skin_transfer.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 // Two takes of the limb. Of the carried one shapes are half-way between Direct Delta Mush and the truth.
@@ -51,4 +51,4 @@ TEST(RefineCarried, NeedsFramesOfBothKinds) {
   EXPECT_EQ(testing::kind_of([&] { RefinedShapes(set, {"carried", "own"}, {}); }), ErrorKind::mismatch);
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

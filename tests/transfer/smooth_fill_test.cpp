@@ -12,7 +12,7 @@
 #include "trainer/transfer/skin_transfer.h"
 #include "trainer/transfer/transfer_pair.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 constexpr int kSide = 9;
@@ -136,4 +136,4 @@ TEST_F(UnsureLimb, UnsureSkinLiesAmongWhatIsSureAroundIt) {
 }
 
 }  // namespace
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

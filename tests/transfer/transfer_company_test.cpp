@@ -21,7 +21,7 @@
 #include "trainer/transfer/transfer_basis.h"
 #include "trainer/transfer/transfer_levels.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 const SampleSet& few_samples() {
@@ -242,4 +242,4 @@ TEST(TransferDynamics, RefusesDynamicsThatDoNotSayWhatTheyAreOf) {
   }
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

@@ -10,7 +10,7 @@
 #include "tests/support/temporary_folder.h"
 #include "tests/transfer/limb_dataset.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 class TransferDatasetProgram : public ::testing::Test {
@@ -142,4 +142,4 @@ TEST_F(TransferDatasetProgram, RefiningSaysOfHeldOutFramesThatTheyAreCarried) {
 }
 
 }  // namespace
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

@@ -27,7 +27,7 @@
 #include "trainer/transfer/transfer_basis.h"
 #include "trainer/transfer/transfer_columns.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 const SampleSet& limb_set() {
@@ -675,4 +675,4 @@ TEST(MatchSkeletons, PosesTheTargetAsTheSourceRests) {
   EXPECT_NEAR(dot(upper, fore) / (length(upper) * length(fore)), 1, 1e-9);
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

@@ -20,7 +20,7 @@
 #include "trainer/transfer/markers_file.h"
 #include "trainer/transfer/transfer_pair.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 class TransferProgram : public ::testing::Test {
@@ -258,4 +258,4 @@ TEST_F(TransferProgram, RefusesMarkersThatAreNone) {
 }
 
 }  // namespace
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

@@ -12,6 +12,9 @@
 namespace bodyopt::testing {
 namespace {
 
+using namespace shots;
+using namespace viewport;
+
 class ActorTest : public CharactersTest {
  protected:
   // What is on the device, F x V x 3, as a deformer gives it: F x O x 3.

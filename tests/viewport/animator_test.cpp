@@ -11,6 +11,10 @@
 namespace bodyopt::testing {
 namespace animator_test {
 
+using namespace shots;
+using namespace draw;
+using namespace viewport;
+
 class AnimatorTest : public PlayedTest {
  protected:
   // Without a clip, in a window that has room for panels.

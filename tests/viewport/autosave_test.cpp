@@ -20,6 +20,9 @@
 namespace bodyopt::testing {
 namespace autosave_test {
 
+using namespace shots;
+using namespace viewport;
+
 namespace fs = std::filesystem;
 
 TEST(RecentFiles, AreTheLastOnceEach) {

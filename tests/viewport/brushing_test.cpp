@@ -14,6 +14,11 @@
 namespace bodyopt::testing {
 namespace {
 
+using namespace trainer;
+using namespace shots;
+using namespace draw;
+using namespace viewport;
+
 // The limb lies along z: from its side, with the elbow in the middle.
 const std::string kFromTheSide = kBarePicture + "; right; brush-radius 60; brush-strength 1; layout hold; frame 6";
 

@@ -11,6 +11,8 @@
 namespace bodyopt::testing {
 namespace {
 
+using namespace draw;
+
 constexpr std::uint32_t kWidth = 128, kHeight = 96;
 
 using Colour = std::array<double, 3>;

@@ -16,6 +16,9 @@
 namespace bodyopt::testing {
 namespace {
 
+using namespace shots;
+using namespace viewport;
+
 // Frames 1 to 40 with keys, a range within, and names of joints and controls.
 Controls controls_of_a_session() {
   Controls controls;

@@ -16,6 +16,11 @@
 namespace bodyopt::testing {
 namespace crowd_test {
 
+using namespace trainer;
+using namespace shots;
+using namespace draw;
+using namespace viewport;
+
 constexpr Rectangle kArea = {0, 0, 320, 200};
 
 class CrowdTest : public CharactersTest {

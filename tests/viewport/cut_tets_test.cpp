@@ -13,6 +13,8 @@
 namespace bodyopt::testing {
 namespace {
 
+using namespace viewport;
+
 Vec3 point(std::span<const float> nodes, std::uint32_t n) {
   return {nodes[3 * std::size_t{n}], nodes[3 * std::size_t{n} + 1], nodes[3 * std::size_t{n} + 2]};
 }

@@ -10,6 +10,9 @@
 namespace bodyopt::testing {
 namespace {
 
+using namespace draw;
+using namespace viewport;
+
 // A limb with all the files that a character can have.
 class DamagedFilesTest : public PlayedTest {
  protected:

@@ -8,6 +8,8 @@
 namespace bodyopt::testing {
 namespace {
 
+using namespace viewport;
+
 struct Playing {
   std::size_t last = 0;
   int changes = 0;

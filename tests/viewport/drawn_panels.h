@@ -17,8 +17,8 @@
 
 namespace bodyopt::testing {
 
-inline Snapshot small_character() {
-  Snapshot s;
+inline viewport::Snapshot small_character() {
+  viewport::Snapshot s;
   s.cast = {{"arm", "arm.safetensors", "bend", "truth.pc2", 100, 180, 400, 123456, "full"}};
   s.joints = {{"Hips", -1, 0}, {"LeftArm", 0, 1}, {"RightArm", 0, 1}};
   s.controls = {{"flex", 0, 1}};
@@ -34,8 +34,8 @@ inline Snapshot small_character() {
 }
 
 // 500 joints and 1,000 fibres with long names of other scripts, numbers that are none.
-inline Snapshot huge_character() {
-  Snapshot s;
+inline viewport::Snapshot huge_character() {
+  viewport::Snapshot s;
   const std::string greek =
       "\xce\xb1\xcf\x81\xce\xb9\xcf\x83\xcf\x84\xce\xb5\xcf\x81\xcf\x8c\xcf\x82 \xcf\x8e\xce\xbc\xce\xbf\xcf\x82";
   const std::string japanese =
@@ -65,8 +65,8 @@ inline Snapshot huge_character() {
 }
 
 // As a dataset of three frames is looked at.
-inline CurationRow small_dataset() {
-  CurationRow row;
+inline viewport::CurationRow small_dataset() {
+  viewport::CurationRow row;
   row.region = "forearm";
   row.dots = {{-1, 0, 0, "rom 1"}, {0, 1, 0.5f, "rom 2"}, {1, -1, NAN, "rom 3"}};
   row.legend = "hottest: 3.00 mm";
@@ -76,33 +76,33 @@ inline CurationRow small_dataset() {
 }
 
 // As two bodies match.
-inline MatchRow small_match() {
-  MatchRow row{false, 0.9, 1.1, {{"LeftArm", 0.6, 2.3, 0.4, true}, {"Hips", 0.95, 1, 0.1, false}}};
+inline viewport::MatchRow small_match() {
+  viewport::MatchRow row{false, 0.9, 1.1, {{"LeftArm", 0.6, 2.3, 0.4, true}, {"Hips", 0.95, 1, 0.1, false}}};
   row.volumes = {1.013, 0.994};
   row.to_simulate = "3, 12-14";
   return row;
 }
 
 // Without muscles, clip, controls or errors.
-inline Snapshot bare_character() {
-  Snapshot s;
+inline viewport::Snapshot bare_character() {
+  viewport::Snapshot s;
   s.joints = {{"root"}};
   return s;
 }
 
-inline Controls controls_with_all_open(const Snapshot& snapshot) {
-  Controls controls;
+inline viewport::Controls controls_with_all_open(const viewport::Snapshot& snapshot) {
+  viewport::Controls controls;
   const int count = static_cast<int>(std::max<std::size_t>(3, snapshot.errors.size()));
-  controls.playback = Playback({1, count}, 24);
+  controls.playback = viewport::Playback({1, count}, 24);
   controls.playback.set_keys({2});
-  for (const JointRow& row : snapshot.joints) controls.joint_names.push_back(row.name);
+  for (const viewport::JointRow& row : snapshot.joints) controls.joint_names.push_back(row.name);
   controls.joint = snapshot.joints.back().name;
-  for (const Section& section : kSections) controls.settings.hud.panels[section.name] = true;
+  for (const shots::Section& section : shots::kSections) controls.settings.hud.panels[section.name] = true;
   controls.settings.look.tets = controls.settings.compare.heat = true;
-  controls.settings.compare.with = CompareWith::truth;
+  controls.settings.compare.with = shots::CompareWith::truth;
   controls.settings.cameras["close"] = {};
   controls.prompt = controls.cheat_sheet = true;
-  controls.dialog = FileDialog{"open", "/", "a.glb", {{"..", true}, {"a.glb", false}}};
+  controls.dialog = viewport::FileDialog{"open", "/", "a.glb", {{"..", true}, {"a.glb", false}}};
   controls.messages.push_back(
       {.error = true, .text = "a long text that names a file, what was expected and what was found instead of it"});
   return controls;
@@ -111,10 +111,11 @@ inline Controls controls_with_all_open(const Snapshot& snapshot) {
 class PanelsTest : public ::testing::Test {
  protected:
   // One picture of the panels, as the application makes them.
-  Rectangle draw(const Snapshot& snapshot, Controls& controls, std::uint32_t width = 1280, std::uint32_t height = 720) {
-    visit_texts(snapshot, controls, [this](const std::string& text) { gui_.fonts().show(text); });
+  draw::Rectangle draw(const viewport::Snapshot& snapshot, viewport::Controls& controls, std::uint32_t width = 1280,
+                       std::uint32_t height = 720) {
+    viewport::visit_texts(snapshot, controls, [this](const std::string& text) { gui_.fonts().show(text); });
     gui_.begin(width, height, 1.0 / 60);
-    const Rectangle area = draw_panels(snapshot, controls, width, height).area;
+    const draw::Rectangle area = viewport::draw_panels(snapshot, controls, width, height).area;
     gui_.end();
     return area;
   }
@@ -124,7 +125,7 @@ class PanelsTest : public ::testing::Test {
   static ImRect rectangle_of(const char* window) { return ImGui::FindWindowByName(window)->Rect(); }
 
   // The mouse goes there, presses, and lets go, each in a picture of its own.
-  void click(const Snapshot& snapshot, Controls& controls, ImVec2 at) {
+  void click(const viewport::Snapshot& snapshot, viewport::Controls& controls, ImVec2 at) {
     ImGuiIO& io = ImGui::GetIO();
     io.MousePos = at;
     for (const bool down : {false, true, false}) {
@@ -134,7 +135,7 @@ class PanelsTest : public ::testing::Test {
   }
 
   // A key goes down and up again, each in a picture of its own.
-  void press(const Snapshot& snapshot, Controls& controls, ImGuiKey key) {
+  void press(const viewport::Snapshot& snapshot, viewport::Controls& controls, ImGuiKey key) {
     ImGuiIO& io = ImGui::GetIO();
     io.KeyMap[key] = key;  // any number will do
     for (const bool down : {true, false}) {
@@ -143,7 +144,7 @@ class PanelsTest : public ::testing::Test {
     }
   }
 
-  Gui gui_;
+  viewport::Gui gui_;
 };
 
 }  // namespace bodyopt::testing

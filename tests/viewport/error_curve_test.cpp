@@ -8,6 +8,9 @@
 namespace bodyopt::testing {
 namespace {
 
+using namespace shots;
+using namespace viewport;
+
 TEST(FrameError, IsThatOfTheDistances) {
   const std::vector<float> shown = {0, 0, 0, 1, 2, 3, 4, 5, 6}, compared = {0, 0, 0.003f, 1, 2.004f, 3, 4, 5, 6};
   const FrameError error = frame_error(shown, compared);

@@ -8,6 +8,10 @@
 namespace bodyopt::testing {
 namespace {
 
+using namespace shots;
+using namespace draw;
+using namespace viewport;
+
 class ErrorMeasuringTest : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {

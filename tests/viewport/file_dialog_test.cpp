@@ -11,6 +11,9 @@
 namespace bodyopt::testing {
 namespace {
 
+using namespace shots;
+using namespace viewport;
+
 TEST(FileDialog, ListsFoldersAndTheFilesThatTheCommandKnows) {
   const TemporaryFolder folder;
   for (const char* file : {"walk.bvh", "Arm.GLB", "notes.txt", ".hidden.bvh", "session.json"}) {

@@ -7,6 +7,8 @@
 namespace bodyopt::testing {
 namespace {
 
+using namespace viewport;
+
 const std::string kRussian = "\xd1\x82\xd0\xb0\xd0\xbd\xd0\xb5\xd1\x86";  // U+0442 430 43d 435 446
 const std::string kGreek = "\xcf\x87\xce\xbf\xcf\x81\xcf\x8c\xcf\x82";    // U+03c7 3bf 3c1 3cc 3c2
 const std::string kJapanese = "\xe8\xb8\x8a\xe3\x82\x8a";                 // U+8e0a 308a

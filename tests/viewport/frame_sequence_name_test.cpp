@@ -9,6 +9,8 @@
 namespace bodyopt::testing {
 namespace {
 
+using namespace viewport;
+
 std::string name(const std::string& pattern, int frame) { return FrameSequenceName(pattern, 100)(frame).string(); }
 
 TEST(FrameSequenceName, EachHashIsADigit) {

@@ -11,6 +11,8 @@
 namespace bodyopt::testing {
 namespace {
 
+using namespace draw;
+
 constexpr double kBound = 2;  // largest spot, of 255
 
 class GoldensTest : public ::testing::Test {

@@ -6,6 +6,9 @@
 namespace bodyopt::testing {
 namespace {
 
+using namespace draw;
+using namespace viewport;
+
 class HandsTest : public PlayedTest {};
 
 TEST_F(HandsTest, WhatIsOnTheScreenIsTheScreenshot) {

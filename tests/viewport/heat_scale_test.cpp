@@ -7,6 +7,8 @@
 namespace bodyopt::testing {
 namespace {
 
+using namespace viewport;
+
 TEST(HeatScale, IsTheNextOfOneTwoFive) {
   for (const auto& [mm, expected] : {std::pair(0.9, 1.0),
                                      {1.0, 1.0},

@@ -9,6 +9,9 @@
 namespace bodyopt::testing {
 namespace image_plane_test {
 
+using namespace draw;
+using namespace viewport;
+
 using Colour = std::array<std::uint8_t, 3>;
 constexpr Colour kRed{200, 30, 20}, kGreen{20, 190, 40};
 

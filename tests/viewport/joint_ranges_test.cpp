@@ -7,6 +7,9 @@
 namespace bodyopt::testing {
 namespace {
 
+using namespace trainer;
+using namespace shots;
+
 // A root, a limb whose own x axis is the world's y, and a limb without limits.
 Skeleton three_joints() {
   Skeleton skeleton;

@@ -10,6 +10,8 @@
 namespace bodyopt::testing {
 namespace {
 
+using namespace draw;
+
 class KeyJumpTest : public ::testing::Test {
  protected:
   static void SetUpTestSuite() { test_device(); }  // the driver, for the program

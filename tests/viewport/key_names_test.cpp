@@ -7,6 +7,8 @@
 namespace bodyopt::testing {
 namespace {
 
+using namespace viewport;
+
 TEST(KeyNames, OfLettersAreThoseOfTheUsersLayout) {
   EXPECT_EQ(key_name(GLFW_KEY_W, "w", 0), "W");
   EXPECT_EQ(key_name(GLFW_KEY_Q, "a", 0), "A");          // French

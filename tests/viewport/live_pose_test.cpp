@@ -21,6 +21,8 @@
 namespace bodyopt::testing {
 namespace {
 
+using namespace viewport;
+
 constexpr std::uint16_t kJoints = 3, kControls = 2;
 
 // Another program that sends poses, from a port of its own.

@@ -15,6 +15,10 @@
 namespace bodyopt::testing {
 namespace materials_test {
 
+using namespace shots;
+using namespace draw;
+using namespace viewport;
+
 using Colour = std::array<std::uint8_t, 4>;
 constexpr Colour kRed{200, 0, 0, 255}, kGreen{0, 200, 0, 255}, kBlue{0, 0, 200, 255}, kGrey{188, 188, 188, 255};
 constexpr std::uint32_t kWide = 160, kHigh = 120;

@@ -12,6 +12,8 @@
 namespace bodyopt::testing {
 namespace {
 
+using namespace shots;
+
 Quat random_turn(Random& random) {
   return normalized({random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)});
 }

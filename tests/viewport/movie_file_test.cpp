@@ -14,6 +14,9 @@
 namespace bodyopt::testing {
 namespace movie_file_test {
 
+using namespace draw;
+using namespace viewport;
+
 bool has_ffmpeg() { return std::system("ffmpeg -version > /dev/null 2>&1 && ffprobe -version > /dev/null 2>&1") == 0; }
 
 // Of the video stream: size, frames a second, and how many frames are decoded.

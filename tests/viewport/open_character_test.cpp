@@ -11,6 +11,9 @@
 namespace bodyopt::testing {
 namespace {
 
+using namespace trainer;
+using namespace shots;
+
 std::size_t count_files(const TemporaryFolder& folder) {
   return static_cast<std::size_t>(std::distance(std::filesystem::directory_iterator(folder.path()), {}));
 }

@@ -13,6 +13,10 @@
 namespace bodyopt::testing {
 namespace orbit_camera_test {
 
+using namespace shots;
+using namespace draw;
+using namespace viewport;
+
 constexpr double kPi = std::numbers::pi;
 constexpr double kHeight = 600;  // pixels of the picture
 constexpr float kAspect = 1.5f;

@@ -3,6 +3,10 @@
 namespace bodyopt::testing {
 namespace {
 
+using namespace shots;
+using namespace draw;
+using namespace viewport;
+
 TEST_F(PanelsTest, EverySizeOfWindowAndCharacterIsDrawn) {
   Snapshot with_dataset = small_character();
   with_dataset.curation = small_dataset();

@@ -6,6 +6,10 @@
 namespace bodyopt::testing {
 namespace {
 
+using namespace shots;
+using namespace draw;
+using namespace viewport;
+
 class JointAt : public ::testing::Test {
  protected:
   JointAt() {

@@ -10,6 +10,10 @@
 namespace bodyopt::testing {
 namespace {
 
+using namespace shots;
+using namespace draw;
+using namespace viewport;
+
 class PictureFilesTest : public ::testing::Test {
  protected:
   void SetUp() override {

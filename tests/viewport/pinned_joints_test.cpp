@@ -20,6 +20,10 @@
 namespace bodyopt::testing {
 namespace {
 
+using namespace trainer;
+using namespace shots;
+using namespace viewport;
+
 Vec3 any_point(Random& random, double size) {
   return {random.uniform(-size, size), random.uniform(-size, size), random.uniform(-size, size)};
 }

@@ -12,6 +12,9 @@
 namespace bodyopt::testing {
 namespace {
 
+using namespace shots;
+using namespace viewport;
+
 constexpr double kFps = 64;              // frames take a time that is exact in binary
 constexpr double kFrameTime = 1 / kFps;  // seconds
 constexpr int kMost = std::numeric_limits<int>::max(), kLeast = std::numeric_limits<int>::min();

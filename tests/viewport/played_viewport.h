@@ -18,38 +18,39 @@ namespace bodyopt::testing {
 
 inline const std::string kBarePicture = "panels off; hud off";
 
-class QuietScreen : public Screen {
+class QuietScreen : public viewport::Screen {
  public:
-  std::vector<WindowEvent> poll(double /*seconds*/) override { return {}; }
+  std::vector<viewport::WindowEvent> poll(double /*seconds*/) override { return {}; }
   void set_title(const std::string& text) override { title = text; }
   std::array<std::uint32_t, 2> size() const override { return pixels; }
-  void show(const Canvas& canvas) override { picture = canvas.picture(); }
+  void show(const draw::Canvas& canvas) override { picture = canvas.picture(); }
   GLFWwindow* handle() const override { return nullptr; }
   float scale() const override { return density; }
 
   std::array<std::uint32_t, 2> pixels{320, 180};
   float density = 1;
   std::string title;
-  Image picture;
+  draw::Image picture;
 };
 
 class PlayedViewport {
  public:
   static constexpr double kTurn = 1.0 / 64;  // seconds
 
-  PlayedViewport(ViewerOptions options, std::shared_ptr<const vulkan::Device> device, const std::string& script)
+  PlayedViewport(viewport::ViewerOptions options, std::shared_ptr<const vulkan::Device> device,
+                 const std::string& script)
       : options_(std::move(options)) {
     options_.commands = script;
-    application_ = std::make_unique<Application>(options_, std::move(device), &screen);
+    application_ = std::make_unique<viewport::Application>(options_, std::move(device), &screen);
     rest();
     if (!is_done()) click_messages_away();
   }
 
-  const Controls& controls() const { return application_->session().controls; }
-  const Session& session() const { return application_->session(); }
+  const viewport::Controls& controls() const { return application_->session().controls; }
+  const viewport::Session& session() const { return application_->session(); }
   bool is_done() const { return application_->is_done(); }
 
-  void play(const std::vector<WindowEvent>& events) {
+  void play(const std::vector<viewport::WindowEvent>& events) {
     application_->turn(events, kTurn);
     rest();
   }
@@ -61,7 +62,7 @@ class PlayedViewport {
     for (double passed = 0; passed < seconds; passed += 0.125) application_->turn({}, 0.125);
     rest();
   }
-  void turn(const std::vector<WindowEvent>& events, double seconds) { application_->turn(events, seconds); }
+  void turn(const std::vector<viewport::WindowEvent>& events, double seconds) { application_->turn(events, seconds); }
 
   // "Ctrl+Left": down and up again.
   void key(const std::string& name) { play(stroke(name)); }
@@ -69,26 +70,29 @@ class PlayedViewport {
     for (const std::string& name : names) key(name);
   }
   void type(const std::string& ascii) {
-    for (const char letter : ascii) application_->turn(std::vector<WindowEvent>{LetterEvent{char32_t(letter)}}, kTurn);
+    for (const char letter : ascii)
+      application_->turn(std::vector<viewport::WindowEvent>{viewport::LetterEvent{char32_t(letter)}}, kTurn);
     rest();
   }
   // Typed at once, in one turn: pictures of half a command show nothing new.
   void prompt(const std::string& command) {
     key("Enter");
-    std::vector<WindowEvent> letters;
-    for (const char letter : command) letters.emplace_back(LetterEvent{char32_t(letter)});
+    std::vector<viewport::WindowEvent> letters;
+    for (const char letter : command) letters.emplace_back(viewport::LetterEvent{char32_t(letter)});
     play(letters);
     key("Enter");
   }
   // Pixels.
-  WindowEvent at(double x, double y) const { return CursorEvent{x / screen.pixels[0], y / screen.pixels[1]}; }
+  viewport::WindowEvent at(double x, double y) const {
+    return viewport::CursorEvent{x / screen.pixels[0], y / screen.pixels[1]};
+  }
   void drag(int button, const std::array<double, 2>& from, const std::vector<std::array<double, 2>>& over) {
     play({at(from[0], from[1])});
-    play({ButtonEvent{button, true}});
+    play({viewport::ButtonEvent{button, true}});
     for (const auto& [x, y] : over) play({at(x, y)});
-    play({ButtonEvent{button, false}});
+    play({viewport::ButtonEvent{button, false}});
   }
-  void click(double x, double y) { play({at(x, y), ButtonEvent{0, true}, ButtonEvent{0, false}}); }
+  void click(double x, double y) { play({at(x, y), viewport::ButtonEvent{0, true}, viewport::ButtonEvent{0, false}}); }
   // The mouse shall not be over them.
   void click_messages_away() {
     if (controls().messages.empty()) return;
@@ -97,20 +101,21 @@ class PlayedViewport {
   }
   void resize(std::uint32_t width, std::uint32_t height) {
     screen.pixels = {width, height};
-    play({SurfaceEvent{}});
+    play({viewport::SurfaceEvent{}});
   }
 
-  static std::vector<WindowEvent> stroke(const std::string& name) {
+  static std::vector<viewport::WindowEvent> stroke(const std::string& name) {
     const auto holds = [&](const char* modifier) { return name.find(modifier) != std::string::npos; };
-    return {ModifierKeysEvent{holds("Ctrl+"), holds("Shift+"), holds("Alt+")}, KeyEvent{name, KeyAction::pressed},
-            KeyEvent{name, KeyAction::released}, ModifierKeysEvent{}};
+    return {viewport::ModifierKeysEvent{holds("Ctrl+"), holds("Shift+"), holds("Alt+")},
+            viewport::KeyEvent{name, viewport::KeyAction::pressed},
+            viewport::KeyEvent{name, viewport::KeyAction::released}, viewport::ModifierKeysEvent{}};
   }
 
   QuietScreen screen;
 
  private:
-  ViewerOptions options_;
-  std::unique_ptr<Application> application_;
+  viewport::ViewerOptions options_;
+  std::unique_ptr<viewport::Application> application_;
 };
 
 // In a folder of its own, where screenshots go, with a small character.
@@ -125,21 +130,22 @@ class PlayedTest : public ::testing::Test {
   ~PlayedTest() override { std::filesystem::current_path(before_); }
   void TearDown() override { EXPECT_EQ(device_->validation_messages(), std::vector<std::string>()); }
 
-  ViewerOptions small(const std::vector<std::string>& more = {}) const {
-    ViewerOptions options;
+  viewport::ViewerOptions small(const std::vector<std::string>& more = {}) const {
+    viewport::ViewerOptions options;
     options.files = {small_.basis, small_.clip};
     std::ranges::copy(more, std::back_inserter(options.files));
     options.width = 320;
     options.height = 180;
     return options;
   }
-  static std::unique_ptr<PlayedViewport> open(const ViewerOptions& options, const std::string& script = kBarePicture) {
+  static std::unique_ptr<PlayedViewport> open(const viewport::ViewerOptions& options,
+                                              const std::string& script = kBarePicture) {
     return std::make_unique<PlayedViewport>(options, device_, script);
   }
   std::unique_ptr<PlayedViewport> open() const { return open(small()); }
 
   // By F12, which numbers its files: without messages.
-  Image screenshot(PlayedViewport& viewport) {
+  draw::Image screenshot(PlayedViewport& viewport) {
     char name[32];
     std::snprintf(name, sizeof(name), "bodyopt.%04d.png", ++screenshots_);
     viewport.key("F12");
@@ -148,29 +154,29 @@ class PlayedTest : public ::testing::Test {
     return read_png(name);
   }
   // What the screen shows, without messages.
-  static Image still(PlayedViewport& viewport) {
+  static draw::Image still(PlayedViewport& viewport) {
     viewport.click_messages_away();
     return viewport.screen.picture;
   }
   // What a program without a window makes.
-  static Image headless(const ViewerOptions& options, const std::string& script) {
-    ViewerOptions own = options;
+  static draw::Image headless(const viewport::ViewerOptions& options, const std::string& script) {
+    viewport::ViewerOptions own = options;
     own.headless = true;
     own.out = "headless.png";
     own.commands = kBarePicture + "; " + script;
-    Application(own, device_, nullptr).make_pictures();
+    viewport::Application(own, device_, nullptr).make_pictures();
     return read_png(own.out);
   }
-  Image headless(const std::string& script) const { return headless(small(), script); }
+  draw::Image headless(const std::string& script) const { return headless(small(), script); }
   // Of one session, each after the scripts before it.
-  std::vector<Image> headless_after_each(const std::vector<std::string>& scripts) const {
-    ViewerOptions options = small();
+  std::vector<draw::Image> headless_after_each(const std::vector<std::string>& scripts) const {
+    viewport::ViewerOptions options = small();
     options.headless = true;
     options.commands = kBarePicture;
     const auto name = [](std::size_t k) { return "each" + std::to_string(k) + ".png"; };
     for (std::size_t k = 0; k < scripts.size(); ++k) options.commands += "; " + scripts[k] + "; screenshot " + name(k);
-    Application(options, device_, nullptr).make_pictures();
-    std::vector<Image> images;
+    viewport::Application(options, device_, nullptr).make_pictures();
+    std::vector<draw::Image> images;
     for (std::size_t k = 0; k < scripts.size(); ++k) images.push_back(read_png(name(k)));
     return images;
   }

@@ -7,6 +7,9 @@
 namespace bodyopt::testing {
 namespace {
 
+using namespace shots;
+using namespace viewport;
+
 ViewSettings posing(double degrees) {
   ViewSettings settings;
   if (degrees != 0) settings.pose.joints["hip"] = {degrees, 0, 0};

@@ -19,6 +19,10 @@
 namespace bodyopt::testing {
 namespace pose_keys_test {
 
+using namespace trainer;
+using namespace shots;
+using namespace viewport;
+
 ViewSettings::PoseKey bent(double degrees) {
   ViewSettings::PoseKey key;
   key.joints["upper"] = {degrees, 0, 0};

@@ -10,6 +10,10 @@
 namespace bodyopt::testing {
 namespace {
 
+using namespace shots;
+using namespace draw;
+using namespace viewport;
+
 namespace fs = std::filesystem;
 
 void write_pose(const fs::path& file, double degrees) {

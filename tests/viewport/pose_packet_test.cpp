@@ -12,6 +12,8 @@
 namespace bodyopt::testing {
 namespace pose_packet_test {
 
+using namespace viewport;
+
 constexpr std::uint16_t kJoints = 3, kControls = 2;
 
 PosePacket read(const std::string& bytes) {

@@ -10,6 +10,8 @@
 namespace bodyopt::testing {
 namespace {
 
+using namespace viewport;
+
 std::uint32_t number_from_environment(const char* name, std::uint32_t otherwise) {
   const char* text = std::getenv(name);
   return text ? static_cast<std::uint32_t>(std::stoul(text)) : otherwise;

@@ -30,6 +30,10 @@
 namespace bodyopt::testing {
 namespace same_shot_test {
 
+using namespace trainer;
+using namespace shots;
+using namespace viewport;
+
 namespace fs = std::filesystem;
 
 // The skin at the clip's pose of a frame, swollen in the middle.

@@ -11,6 +11,10 @@
 namespace bodyopt::testing {
 namespace {
 
+using namespace shots;
+using namespace draw;
+using namespace viewport;
+
 constexpr Rectangle kArea = {10, 20, 301, 200};
 
 class SceneTest : public CharactersTest {

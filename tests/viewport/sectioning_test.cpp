@@ -14,6 +14,9 @@
 namespace bodyopt::testing {
 namespace {
 
+using namespace draw;
+using namespace viewport;
+
 class SectioningTest : public ::testing::Test {
  protected:
   // The built-in arm, or a basis.

@@ -21,6 +21,10 @@
 namespace bodyopt::testing {
 namespace {
 
+using namespace shots;
+using namespace draw;
+using namespace viewport;
+
 class SessionFileTest : public PlayedTest {
  protected:
   static std::string write(const std::string& text) {

@@ -15,6 +15,10 @@
 namespace bodyopt::testing {
 namespace {
 
+using namespace trainer;
+using namespace shots;
+using namespace viewport;
+
 class SessionTest : public ::testing::Test {
  protected:
   void SetUp() override {

@@ -11,6 +11,11 @@
 namespace bodyopt::testing {
 namespace shot_camera_test {
 
+using namespace trainer;
+using namespace shots;
+using namespace draw;
+using namespace viewport;
+
 constexpr double kPi = std::numbers::pi;
 
 TEST(CameraKeys, BlendTheShortWayAndCutWhereTheyStep) {

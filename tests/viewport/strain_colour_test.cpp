@@ -5,6 +5,8 @@
 namespace bodyopt::testing {
 namespace {
 
+using namespace viewport;
+
 TEST(StrainColour, IsBlueWhereShorterAndRedWhereLonger) {
   const auto channel = [](float strain, int k) { return static_cast<int>(strain_colour(strain) >> (8 * k) & 255); };
   EXPECT_GT(channel(-0.33f, 2), channel(-0.33f, 0) + 100);

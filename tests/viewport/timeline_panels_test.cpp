@@ -4,6 +4,9 @@
 namespace bodyopt::testing {
 namespace {
 
+using namespace draw;
+using namespace viewport;
+
 class TimelinePanelsTest : public PanelsTest {};
 
 TEST_F(TimelinePanelsTest, TimelineAndDopeSheetTakeAQuarter) {

@@ -8,6 +8,9 @@
 namespace bodyopt::testing {
 namespace {
 
+using namespace trainer;
+using namespace viewport;
+
 class TruthTimesTest : public ::testing::Test {
  protected:
   // A cache of one point, at the place of its sample along x.

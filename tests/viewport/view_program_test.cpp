@@ -12,6 +12,8 @@
 namespace bodyopt::testing {
 namespace {
 
+using namespace draw;
+
 class ViewProgramTest : public ::testing::Test {
  protected:
   static void SetUpTestSuite() { test_device(); }  // the driver, for the programs

@@ -13,9 +13,13 @@
 #include "tests/support/hostile_bytes.h"
 #include "tests/support/random_tables.h"
 #include "tests/support/temporary_folder.h"
+#include "viewport/state/orbit_camera.h"
 
 namespace bodyopt::testing {
 namespace {
+
+using namespace shots;
+using namespace viewport;
 
 constexpr double kPi = std::numbers::pi;
 

@@ -10,6 +10,8 @@
 namespace bodyopt::testing {
 namespace {
 
+using namespace viewport;
+
 namespace fs = std::filesystem;
 using Paths = std::vector<fs::path>;
 

@@ -17,6 +17,10 @@
 namespace bodyopt::testing {
 namespace waveform_test {
 
+using namespace shots;
+using namespace draw;
+using namespace viewport;
+
 constexpr int kRate = 8000, kChannels = 2;
 
 struct Coding {

@@ -71,13 +71,13 @@ class WindowTest : public ::testing::Test {
   bool written(const std::string& file) const {
     return comes_true([&] { return std::filesystem::exists(folder_ / file); }, kPatience);
   }
-  Image picture(const std::string& file) const { return read_png(folder_ / file); }
+  draw::Image picture(const std::string& file) const { return read_png(folder_ / file); }
   void click_messages_away() const {
     display_->hands("mousemove --window " + window_ + " 40 165 sleep 0.3 click 1 sleep 0.3 mousemove --window " +
                     window_ + " 300 100");
   }
   // By F12, which numbers its files. Clicks the message away: the mouse shall not be over it.
-  Image screenshot() {
+  draw::Image screenshot() {
     char name[32];
     std::snprintf(name, sizeof(name), "bodyopt.%04d.png", ++screenshots_);
     display_->hands("key F12");
@@ -85,20 +85,20 @@ class WindowTest : public ::testing::Test {
     click_messages_away();
     return picture(name);
   }
-  Image headless(const std::string& script) {
+  draw::Image headless(const std::string& script) {
     const ProgramResult result = view_headless(small("--do '" + kPlain + "; " + script + "' -o headless.png"));
     EXPECT_EQ(result.exit_code, 0) << result.output;
     return picture("headless.png");
   }
   // One verb draws them all, each after the scripts before it.
-  std::vector<Image> headless_after_each(const std::vector<std::string>& scripts) {
+  std::vector<draw::Image> headless_after_each(const std::vector<std::string>& scripts) {
     std::string together = kPlain;
     for (std::size_t k = 0; k < scripts.size(); ++k) {
       together += "; " + scripts[k] + "; screenshot each" + std::to_string(k) + ".png";
     }
     const ProgramResult result = view_headless(small("--do '" + together + "; quit'"));
     EXPECT_EQ(result.exit_code, 0) << result.output;
-    std::vector<Image> images;
+    std::vector<draw::Image> images;
     for (std::size_t k = 0; k < scripts.size(); ++k) images.push_back(picture("each" + std::to_string(k) + ".png"));
     return images;
   }

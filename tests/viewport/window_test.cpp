@@ -8,6 +8,8 @@
 namespace bodyopt::testing {
 namespace {
 
+using namespace draw;
+
 TEST_F(WindowTest, ScriptsWriteTheSamePicturesWithAWindowAndWithout) {
   const std::string script =
       "frame 4; style matcap; screenshot a.png; frame 9; skeleton on; fibres on; orbit 30 10; screenshot b.png; "

@@ -42,7 +42,7 @@ class XDisplay {
     return found.exit_code == 0 ? found.output.substr(0, found.output.find('\n')) : "";
   }
   // What the window shows on the screen; no pixels of one that is not there.
-  Image picture(const std::string& window) const {
+  draw::Image picture(const std::string& window) const {
     Display* display = XOpenDisplay(name_.c_str());
     const ::Window id = std::stoul(window);
     XWindowAttributes attributes{};
@@ -50,7 +50,7 @@ class XDisplay {
     const auto width = static_cast<unsigned>(attributes.width), height = static_cast<unsigned>(attributes.height);
     const bool is_shown = attributes.map_state == IsViewable;
     XImage* screen = is_shown ? XGetImage(display, id, 0, 0, width, height, AllPlanes, ZPixmap) : nullptr;
-    Image image{width, height, {}};
+    draw::Image image{width, height, {}};
     for (int y = 0; screen && y < attributes.height; ++y) {
       for (int x = 0; x < attributes.width; ++x) {
         const unsigned long pixel = XGetPixel(screen, x, y);

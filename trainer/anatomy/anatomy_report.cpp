@@ -12,7 +12,7 @@
 #include "runtime/core/text.h"
 #include "trainer/anatomy/muscle_paths.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 constexpr auto kRegions = std::size_t{kBodyRegions};
@@ -342,4 +342,4 @@ std::vector<std::uint8_t> TissueColours::picture(const TissueSection& section, s
   return rgba;
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

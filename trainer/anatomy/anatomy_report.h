@@ -12,7 +12,7 @@
 #include "trainer/anatomy/field.h"
 #include "trainer/anatomy/section.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 
 struct AnatomyReport {
   struct OfPart {
@@ -63,4 +63,4 @@ class TissueColours {
   std::vector<Rgb> muscles_;
 };
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

@@ -10,7 +10,7 @@
 #include "base/parallel.h"
 #include "geometry/mesh.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 using Eigen::Vector3d;
@@ -374,4 +374,4 @@ InnerTissue find_animal_tissue(const HalfBody& body, const BodyGrid& grid, const
   return tissue;
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

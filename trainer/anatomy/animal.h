@@ -4,7 +4,7 @@
 #include "trainer/anatomy/bone.h"
 #include "trainer/anatomy/spine_curve.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 
 struct Animal {
   const BodySurvey& survey;
@@ -56,4 +56,4 @@ std::vector<Bone> skull_bones(const Animal& animal);
 // The inside of any body but a human's. Throws nothing for bodies without bones: notes say what could not be placed.
 InnerTissue find_animal_tissue(const HalfBody& body, const BodyGrid& grid, const InnerTissueOptions& options);
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

@@ -5,7 +5,7 @@
 #include "trainer/anatomy/animal.h"
 #include "trainer/anatomy/bone.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 // Walls of the cavity of lungs, heart and gut, by BodyKind: quadrupeds have thin flanks, birds a breast full of muscle.
@@ -190,7 +190,7 @@ AnimalCavity::AnimalCavity(const Animal& animal)
   from_ = hip + 0.03 * (shoulder - hip);
 }
 
-double AnimalCavity::distance(const bodyopt::Spot& spot, const SpineCurve::Spot& at, double grown) const {
+double AnimalCavity::distance(const trainer::Spot& spot, const SpineCurve::Spot& at, double grown) const {
   constexpr double kPower = 2.4;  // of a section: a little fuller than an ellipse
   const SpineCurve::Row row = animal_.spine.at(at.row);
   const double spine = (row.place - row.middle).dot(row.dorsal) - 1.2 * vertebra_radius(animal_, row);
@@ -207,7 +207,7 @@ double AnimalCavity::distance(const bodyopt::Spot& spot, const SpineCurve::Spot&
   return std::max(section, spot.fat + 0.12 * row.half_width - grown - spot.depth);
 }
 
-double AnimalCavity::distance(const bodyopt::Spot& spot) const {
+double AnimalCavity::distance(const trainer::Spot& spot) const {
   if (holds_piece_of_trunk(animal_, spot.joint)) return rib_shell_distance(animal_, spot);
   if (empty() || !may_hold_cavity(spot.region)) return animal_.size;
   return distance(spot, animal_.spine.spot(spot.point, from_, to_));
@@ -260,4 +260,4 @@ std::vector<Bone> girdle_bones(const Animal& animal, double thickness) {
   return bones;
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

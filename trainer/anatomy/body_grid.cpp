@@ -8,7 +8,7 @@
 #include "geometry/mesh.h"
 #include "runtime/core/error.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 using Eigen::Index;
@@ -180,4 +180,4 @@ double default_cell(const Character& character) {
   return std::clamp(kReferenceCell * std::cbrt(volume / kReferenceVolume), extent / kMostCells, extent / kFewestCells);
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

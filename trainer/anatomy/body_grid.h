@@ -8,7 +8,7 @@
 #include "geometry/nearest_skin.h"
 #include "trainer/anatomy/half_body.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 
 // Space of the half body. The median plane lies between cells.
 struct BodyGrid {
@@ -39,4 +39,4 @@ BodyGrid sample_body(const HalfBody& body, double cell);
 // The edge of cells, 5 mm in a body of 60 l (1.75 m). It grows with the cube root of the volume that the skin encloses.
 double default_cell(const Character& character);
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

@@ -12,7 +12,7 @@
 #include "trainer/anatomy/inner_tissue.h"
 #include "trainer/anatomy/joint_chains.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 constexpr std::array kKindNames{"biped", "quadruped", "bird", "snake", "fish", "many_legs", "limb"};
@@ -203,4 +203,4 @@ AnatomyCorrections read_corrections(const std::filesystem::path& path, const Ske
   return corrections;
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

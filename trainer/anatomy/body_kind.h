@@ -11,7 +11,7 @@
 #include "assets/characters/character.h"
 #include "runtime/basis/skeleton.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 
 enum class BodyKind { biped, quadruped, bird, snake, fish, many_legs, limb };  // limb: an arm or leg alone
 const char* name_of(BodyKind kind);
@@ -54,4 +54,4 @@ struct AnatomyCorrections {
 // anatomy.json. Throws Error(file) for bad bytes, Error(mismatch) for joints the skeleton lacks.
 AnatomyCorrections read_corrections(const std::filesystem::path& path, const Skeleton& skeleton);
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

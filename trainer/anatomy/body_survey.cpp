@@ -7,7 +7,7 @@
 #include "base/parallel.h"
 #include "geometry/thickness.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 using Eigen::Index;
@@ -122,4 +122,4 @@ std::optional<BodySurvey::Section> BodySurvey::section(const Vector3d& at, const
   return Section{at + aside - aside.dot(axis) * axis, (high - low) / 2};
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

@@ -7,7 +7,7 @@
 #include "trainer/anatomy/body_grid.h"
 #include "trainer/anatomy/inner_tissue.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 
 // A place, and the skin nearest to it.
 struct Spot {
@@ -71,4 +71,4 @@ void smooth(std::vector<Row>& rows, Value Row::*value, int rounds) {
   }
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

@@ -8,7 +8,7 @@
 
 #include "base/parallel.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 
 std::vector<Bone> corrected_bones(const std::vector<Bone>& bones, const HalfBody& body,
                                   const AnatomyCorrections& corrections) {
@@ -90,4 +90,4 @@ double plate_distance(const Vector3d& point, const Vector3d& a, const Vector3d& 
   return (is_over ? std::abs((point - a).dot(normal)) : to_edge) - half;
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

@@ -7,7 +7,7 @@
 
 #include "trainer/anatomy/body_survey.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 
 struct Bone {
   int joint = -1;
@@ -50,4 +50,4 @@ double ellipsoid_distance(const Eigen::Vector3d& point, const Eigen::Vector3d& c
 double plate_distance(const Eigen::Vector3d& point, const Eigen::Vector3d& a, const Eigen::Vector3d& b,
                       const Eigen::Vector3d& c, double half);
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

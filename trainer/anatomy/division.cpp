@@ -10,7 +10,7 @@
 #include "base/disjoint_sets.h"
 #include "trainer/anatomy/muscle_paths.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 using Eigen::Index;
@@ -386,4 +386,4 @@ Division divide_muscles(const HalfBody& body, const BodyGrid& grid, const InnerT
   return division;
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

@@ -9,7 +9,7 @@
 #include "trainer/anatomy/inner_tissue.h"
 #include "trainer/anatomy/muscle_candidates.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 
 // The muscles of one half of a body, numbered as in `muscles`.
 struct Division {
@@ -61,4 +61,4 @@ Positions fibre_directions(const LeanSamples& lean, const std::vector<HalfMuscle
                            const std::vector<std::array<int, 2>>& joints, const std::vector<int>& label,
                            const std::vector<double>& along);
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

@@ -5,7 +5,7 @@
 #include "base/quantile.h"
 #include "trainer/anatomy/division.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 using Eigen::Index;
@@ -174,4 +174,4 @@ Positions fibre_directions(const LeanSamples& lean, const std::vector<HalfMuscle
   return directions;
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

@@ -8,7 +8,7 @@
 #include "trainer/anatomy/bone.h"
 #include "trainer/anatomy/human_bones.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 using Eigen::Index;
@@ -158,4 +158,4 @@ void lay_fat(BodySurvey& survey, const Eigen::VectorXd& pattern, double skin, co
   }
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

@@ -8,7 +8,7 @@
 #include "runtime/core/error.h"
 #include "trainer/anatomy/muscle_paths.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 using Eigen::Index;
@@ -245,4 +245,4 @@ std::uint64_t AnatomyField::hash() const {
   return hash.value();
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

@@ -9,7 +9,7 @@
 #include "trainer/anatomy/body_kind.h"
 #include "trainer/anatomy/division.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 
 struct AnatomyOptions {
   double body_fat = 0.15;            // of the body's mass, 0.02 to 0.6
@@ -71,4 +71,4 @@ class AnatomyField {
   std::string why_kind_;
 };
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

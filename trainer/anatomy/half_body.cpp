@@ -12,7 +12,7 @@
 #include "geometry/spatial_search.h"
 #include "geometry/surface_topology.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 using Eigen::Index;
@@ -291,4 +291,4 @@ Matrix3d body_frame(const Character& character) {
   return turn_to_left(axis) * frame;
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

@@ -12,7 +12,7 @@
 #include "assets/clips/joint_roles.h"
 #include "trainer/anatomy/body_kind.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 
 // Space of a half body: x points out of the median plane to the side that is looked at, y up, z forward, metres. For
 // the right half it is a mirror image: triangles are turned over and the sides of all roles swapped.
@@ -53,4 +53,4 @@ Eigen::Matrix3d body_frame(const Character& character);
 // Turns skin and joints of a character by a rotation.
 Character turned(const Character& character, const Eigen::Matrix3d& rotation);
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 using Eigen::Vector3d;
@@ -299,4 +299,4 @@ void add_limbs(HumanSkeleton& skeleton) {
   add_hand(skeleton);
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

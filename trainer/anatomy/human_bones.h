@@ -9,7 +9,7 @@
 #include "trainer/anatomy/bone.h"
 #include "trainer/anatomy/human_frame.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 
 // The bones as they are placed, and what places them.
 struct HumanSkeleton {
@@ -37,4 +37,4 @@ void add_limbs(HumanSkeleton& skeleton);  // with hands and feet
 std::function<double(const Spot&)> add_trunk(HumanSkeleton& skeleton);
 void add_head(HumanSkeleton& skeleton);
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

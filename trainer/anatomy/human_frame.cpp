@@ -7,7 +7,7 @@
 
 #include "geometry/mesh.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 using Eigen::Index;
@@ -174,4 +174,4 @@ std::optional<Vector3d> LandmarkPlaces::place(const LandmarkPoint& point) const 
   return nearest < 0 ? place : Vector3d(lean_.grid.points.row(nearest));
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

@@ -11,7 +11,7 @@
 #include "trainer/anatomy/body_survey.h"
 #include "trainer/anatomy/inner_tissue.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 
 // Lengths in the tables of bones are those of a man of 1.75 m.
 constexpr double kReferenceStature = 1.75;
@@ -76,4 +76,4 @@ class LandmarkPlaces {
   double millimetre_;
 };
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

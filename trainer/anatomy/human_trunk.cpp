@@ -5,7 +5,7 @@
 #include "trainer/anatomy/bone.h"
 #include "trainer/anatomy/human_bones.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 using Eigen::Vector3d;
@@ -356,4 +356,4 @@ std::function<double(const Spot&)> add_trunk(HumanSkeleton& skeleton) {
   return human_cavity(skeleton, spine, cage);
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

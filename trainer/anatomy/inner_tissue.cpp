@@ -7,7 +7,7 @@
 #include "trainer/anatomy/animal.h"
 #include "trainer/anatomy/human_bones.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 using Eigen::Index;
@@ -120,4 +120,4 @@ LeanSamples::LeanSamples(const BodyGrid& own_grid, const InnerTissue& own_tissue
   }
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

@@ -9,7 +9,7 @@
 #include "trainer/anatomy/body_grid.h"
 #include "trainer/anatomy/body_kind.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 
 // The parts that volumes are reported by.
 enum class BodyRegion : std::uint8_t { trunk, hip, neck, head, thigh, calf, foot, upper_arm, forearm, hand, tail, fin };
@@ -59,4 +59,4 @@ struct LeanSamples {
   }
 };
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

@@ -7,7 +7,7 @@
 
 #include "geometry/mesh.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 using Eigen::Index;
@@ -359,4 +359,4 @@ bool is_named(const std::string& joint, std::initializer_list<std::string_view> 
   });
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

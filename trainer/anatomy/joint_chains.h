@@ -7,7 +7,7 @@
 
 #include "trainer/anatomy/half_body.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 
 struct JointLimb {
   enum class Use : std::uint8_t { leg, arm, wing, fin, none };  // leg: its skin reaches the ground; none: ears, props
@@ -40,4 +40,4 @@ std::vector<int> bone_parents(const JointChains& chains);
 // Does a joint's name have one of these words? Words of four letters and more also count within another one.
 bool is_named(const std::string& joint, std::initializer_list<std::string_view> words);
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

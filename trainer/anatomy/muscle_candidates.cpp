@@ -11,7 +11,7 @@
 #include "trainer/anatomy/human_frame.h"
 #include "trainer/anatomy/human_tables.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 using Eigen::Index;
@@ -259,4 +259,4 @@ TrunkMuscles trunk_muscles(const Character& character, const std::vector<Muscle>
   return result;
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

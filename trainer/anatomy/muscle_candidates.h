@@ -10,7 +10,7 @@
 #include "trainer/anatomy/inner_tissue.h"
 #include "trainer/anatomy/muscle_paths.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 
 // The cross-section at a share of the path, relative to the thickest: 0 on tendons.
 double belly_section(const HalfMuscle& muscle, double along);
@@ -54,4 +54,4 @@ struct TrunkMuscles {
 // `body_fat`: as for the anatomy of the same body. Throws Error(mismatch) for a body without a skeleton of a human's.
 TrunkMuscles trunk_muscles(const Character& character, const std::vector<Muscle>& others, double body_fat = 0.15);
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

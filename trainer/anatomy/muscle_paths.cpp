@@ -8,7 +8,7 @@
 #include "base/parallel.h"
 #include "base/wording.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 using Eigen::Index;
@@ -304,4 +304,4 @@ std::vector<int> tendon_samples(const LeanSamples& lean, const std::vector<HalfM
   return tendon;
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

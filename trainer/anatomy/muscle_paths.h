@@ -9,7 +9,7 @@
 #include "trainer/anatomy/inner_tissue.h"
 #include "trainer/anatomy/muscle_targets.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 
 constexpr int kPathPoints = 48;
 
@@ -75,4 +75,4 @@ void draw_to_bone(const BoneSurface& bones, double scale, std::vector<HalfMuscle
 std::vector<int> tendon_samples(const LeanSamples& lean, const std::vector<HalfMuscle>& muscles,
                                 const std::vector<std::array<BoneFoot, 2>>& feet);
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

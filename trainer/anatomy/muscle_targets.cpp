@@ -10,7 +10,7 @@
 #include "trainer/anatomy/human_tables.h"
 #include "trainer/anatomy/muscle_candidates.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 constexpr std::size_t kPrefixLetters = 6;
@@ -178,4 +178,4 @@ LimbTargets limb_targets(const LeanSamples& lean, const std::vector<HalfMuscle>&
   return targets;
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 
 // A row of rigs/human/muscle_volumes.json.
 struct WholeMuscle {
@@ -44,4 +44,4 @@ const Row* longest_match(const std::vector<Row>& rows, const std::string& muscle
 
 const WholeMuscle* find_whole_muscle(const std::string& name);
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

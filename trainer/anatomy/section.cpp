@@ -8,7 +8,7 @@
 #include "base/parallel.h"
 #include "geometry/nearest_skin.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 // Pixels of a plane that a box around some points covers, first and last.
@@ -389,4 +389,4 @@ std::vector<NamedPlane> telling_planes(const AnatomyField& field, int pixels) {
   return planes;
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

@@ -11,7 +11,7 @@
 #include "runtime/core/transform.h"
 #include "trainer/anatomy/field.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 
 // Pixels in space, row by row from the top left.
 struct SectionPlane {
@@ -82,4 +82,4 @@ struct NamedPlane {
 // middle. At most `pixels` to the longer side.
 std::vector<NamedPlane> telling_planes(const AnatomyField& field, int pixels);
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

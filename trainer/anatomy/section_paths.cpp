@@ -9,7 +9,7 @@
 #include "trainer/anatomy/human_frame.h"
 #include "trainer/anatomy/human_tables.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 using Eigen::Index;
@@ -327,4 +327,4 @@ void guide_paths(const HalfBody& body, const LeanSamples& lean, std::vector<Half
   });
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

@@ -6,7 +6,7 @@
 
 #include "geometry/mesh.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 using Eigen::Vector3d;
@@ -242,4 +242,4 @@ double SpineCurve::row_near(const Vector3d& point) const {
   return spot(point, 0, static_cast<double>(rows_.size() - 1)).row;
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

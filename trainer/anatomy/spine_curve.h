@@ -6,7 +6,7 @@
 #include "trainer/anatomy/body_survey.h"
 #include "trainer/anatomy/joint_chains.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 
 class SpineCurve {
  public:
@@ -63,4 +63,4 @@ class SpineCurve {
 // Metres from a place inside along a direction to where the body ends; `most` at most.
 double way_out(const BodyGrid& grid, const Eigen::Vector3d& from, const Eigen::Vector3d& along, double most);
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

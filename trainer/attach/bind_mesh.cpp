@@ -12,7 +12,7 @@
 #include "runtime/basis/joint_omegas.h"
 #include "runtime/core/error.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 // These are parts of the character's diagonal.
@@ -310,4 +310,4 @@ std::vector<double> RestSkin::joint_weights(const SkinPoint& point) const {
   return weights;
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

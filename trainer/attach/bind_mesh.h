@@ -9,7 +9,7 @@
 #include "runtime/basis/basis.h"
 #include "trainer/attach/loose_meshes.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 
 // A basis' skin at rest, as meshes that are to follow it see it.
 class RestSkin {
@@ -64,4 +64,4 @@ AttachedMesh bind_mesh(const LooseMesh& mesh, const RestSkin& skin, const Attach
 std::vector<AttachedMesh> bind_own_meshes(const std::vector<LooseMesh>& meshes, const Basis& basis,
                                           std::vector<std::string>& notes);
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

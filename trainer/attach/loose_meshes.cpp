@@ -9,7 +9,7 @@
 #include "runtime/basis/attachments.h"
 #include "runtime/core/error.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 class LooseMeshReader {
@@ -208,4 +208,4 @@ std::vector<LooseMesh> read_loose_meshes(const GltfFile& file, const Skeleton& s
   return LooseMeshReader(file, skeleton, skin_vertices, unit, notes).read();
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

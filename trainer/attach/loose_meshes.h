@@ -9,7 +9,7 @@
 #include "assets/gltf/gltf_file.h"
 #include "runtime/basis/basis.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 
 struct LooseMesh {
   std::string name;            // of its node or mesh, as attachment_name; each once
@@ -28,4 +28,4 @@ struct LooseMesh {
 std::vector<LooseMesh> read_loose_meshes(const GltfFile& file, const Skeleton& skeleton, std::size_t skin_vertices,
                                          double unit, std::vector<std::string>& notes);
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

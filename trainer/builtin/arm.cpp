@@ -17,7 +17,7 @@ BODYOPT_ARM_FILE(bodyopt_stocky_glb, "stocky.glb");
 BODYOPT_ARM_FILE(bodyopt_arm_muscles, "muscles.json");
 BODYOPT_ARM_FILE(bodyopt_arm_limits, "limits.json");
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 constexpr double kFps = 24;
@@ -67,4 +67,4 @@ Clip arm_heldout(const Skeleton& skeleton, int frame_count) {
 
 Clip arm_stop(const Skeleton& skeleton) { return arm_clip(skeleton, "stop", kFps); }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

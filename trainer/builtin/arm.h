@@ -9,7 +9,7 @@
 #include "assets/clips/clip.h"
 #include "trainer/motion/joint_limits.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 
 struct BuiltinArm {
   Character character;
@@ -34,4 +34,4 @@ Clip arm_heldout(const Skeleton& skeleton, int frame_count);
 inline constexpr int kStopBegins = 6, kStopEnds = 18;
 Clip arm_stop(const Skeleton& skeleton);
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

@@ -13,7 +13,7 @@
 #include "runtime/core/error.h"
 #include "trainer/curate/edit_stack.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 namespace fs = std::filesystem;
@@ -236,4 +236,4 @@ AddedShapes add_shapes(const Dataset& begun, const fs::path& path, const Dataset
   return added;
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

@@ -6,7 +6,7 @@
 #include "dataset/dataset.h"
 #include "trainer/check/check.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 
 struct AddedShapes {
   DatasetTake take;  // as the dataset has it now
@@ -27,4 +27,4 @@ struct AddedShapes {
 AddedShapes add_shapes(const Dataset& begun, const std::filesystem::path& path, const DatasetTake& given,
                        const std::filesystem::path& source, bool replace);
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

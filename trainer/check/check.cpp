@@ -21,7 +21,7 @@
 #include "trainer/simulate/simulate.h"
 #include "trainer/train/skinning/unpose.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 // A shape further than this share of the character's size from its skinned rest cannot be a simulation of it.
@@ -231,4 +231,4 @@ std::string describe_surface(const Character& character) {
   return text + ", " + std::to_string(pieces) + (pieces == 1 ? " piece" : " pieces");
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

@@ -8,8 +8,10 @@
 #include "dataset/dataset.h"
 
 namespace bodyopt {
-
 struct Character;
+}
+
+namespace bodyopt::trainer {
 
 struct TakeCheck {
   std::string name;
@@ -34,4 +36,4 @@ std::string first_problem(const std::vector<TakeCheck>& takes, const std::filesy
 // "closed, 1 piece" or what is open, non-manifold, in several pieces: one sentence.
 std::string describe_surface(const Character& character);
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

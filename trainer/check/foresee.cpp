@@ -26,7 +26,7 @@
 #include "trainer/train/skinning/ddm.h"
 #include "trainer/train/skinning/unpose.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 constexpr double kTallest = 4, kSmallest = 0.3;  // metres, of the longest extent of most bodies
@@ -384,4 +384,4 @@ std::vector<VerbForecast> foresee_training(const SampleSet& set) {
   return {foresee_train(set.character), foresee_proxy(set.character, shapes_of_skin(set))};
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

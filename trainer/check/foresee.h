@@ -11,7 +11,7 @@
 #include "runtime/core/error.h"
 #include "trainer/train/data/samples.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 
 // The shape that simulate and dynamics fill with tetrahedra; works: of train and proxy, which fill nothing.
 enum class BodyFill { skin, mended, coarser, lattice, refused, works };
@@ -57,4 +57,4 @@ CharacterForecast foresee(const Character& character, const std::vector<Clip>& c
 // Forecasts train and proxy for a dataset.
 std::vector<VerbForecast> foresee_training(const SampleSet& set);
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

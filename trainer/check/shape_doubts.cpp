@@ -20,7 +20,7 @@
 #include "trainer/train/skinning/ddm.h"
 #include "trainer/train/skinning/unpose.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 using Eigen::Index;
@@ -450,4 +450,4 @@ Misplacement find_misplacement(const Character& character, const Clip& clip, con
   return MisplacedShapes(character, clip, frames, shapes).find();
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

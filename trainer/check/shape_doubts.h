@@ -9,6 +9,11 @@
 #include "trainer/train/data/samples.h"
 
 namespace bodyopt {
+struct Character;
+struct Clip;
+}  // namespace bodyopt
+
+namespace bodyopt::trainer {
 
 // One sentence for each doubt, take by take. The skin of a part follows its joint by less than 70 %, as if glued to
 // what it touches at rest. Only parts count that the joint moves by a hundredth of the body's size or more, in 48
@@ -24,9 +29,6 @@ std::vector<std::string> coarse_takes(const Dataset& dataset);
 
 // Errors of a take's shapes as a whole, so that they do not lie where its frames are.
 
-struct Character;
-struct Clip;
-
 struct Misplacement {
   std::string
       cause;        // "the frames are numbered 1 too high", with its number; empty: none explains most of the distance
@@ -41,4 +43,4 @@ struct Misplacement {
 Misplacement find_misplacement(const Character& character, const Clip& clip, const std::vector<int>& frames,
                                const std::vector<Positions>& shapes);
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

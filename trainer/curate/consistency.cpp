@@ -15,7 +15,7 @@
 #include "trainer/curate/offset_cache.h"
 #include "trainer/curate/pose_space.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 // consistency: takes from every frame what passes by its pose disagree in, smoothed over the skin and capped. It
@@ -335,4 +335,4 @@ ShapeModifier prepare_consistency(const ModifierInput& input) {
   return modifier;
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

@@ -10,7 +10,7 @@
 #include "trainer/curate/shape_stack.h"
 #include "trainer/train/regression/components.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 
 struct DisagreeingPair {
   std::size_t first = 0, second = 0;  // frames of the database
@@ -58,4 +58,4 @@ Displacements part_deviations(const Displacements& displacements, const SkinPart
 Displacements all_displacements(const PoseDatabase& database, const std::string& title,
                                 const std::function<Positions(std::size_t frame)>& offsets);
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

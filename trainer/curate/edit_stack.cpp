@@ -16,7 +16,7 @@
 #include "trainer/curate/frame_sculpting.h"
 #include "trainer/curate/offset_cache.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 namespace fs = std::filesystem;
@@ -383,4 +383,4 @@ Dataset bake_dataset(const ShapeStack& stack, const fs::path& folder) {
   return baked;
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

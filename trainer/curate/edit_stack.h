@@ -16,7 +16,7 @@
 #include "trainer/curate/pose_database.h"
 #include "trainer/curate/shape_stack.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 
 // `path`: the dataset.json. Each throws Error(usage) where no modifier has the name (with the names nearest to it), and
 // what check_modifier() says; nothing is changed then. `patience`: with others that edit.
@@ -99,4 +99,4 @@ std::vector<ModifierEffect> measure_modifiers(const ShapeStack& stack, const std
 // last. Throws Error(usage) where `folder` has a dataset already or mirror images have controls, Error(file).
 Dataset bake_dataset(const ShapeStack& stack, const std::filesystem::path& folder);
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

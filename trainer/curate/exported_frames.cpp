@@ -15,7 +15,7 @@
 #include "trainer/curate/frame_sculpting.h"
 #include "trainer/curate/offset_cache.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 namespace fs = std::filesystem;
@@ -232,4 +232,4 @@ void forget_exports(const Dataset& dataset) {
   }
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

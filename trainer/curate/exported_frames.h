@@ -10,7 +10,7 @@
 #include "dataset/modifier.h"
 #include "trainer/curate/shape_stack.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 
 // A file of modifiers/exported/ says which frame was exported to be sculpted, and what stack made it. Each export has
 // its own file, so that those of two artists merge.
@@ -58,4 +58,4 @@ Positions sculpted_by(const PoseDatabase& database, const std::vector<Modifier>&
 // Modifiers that one of two stacks has, and the other has not, or has otherwise.
 std::vector<std::string> names_that_differ(const std::vector<Modifier>& before, const std::vector<Modifier>& now);
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

@@ -20,7 +20,7 @@
 #include "trainer/curate/local_models.h"
 #include "trainer/curate/match_vertices.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 using Corner = std::uint32_t;
@@ -356,4 +356,4 @@ FrameMesh read_frame_mesh(const Character& character, const std::vector<double>&
   return result;
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

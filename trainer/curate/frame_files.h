@@ -11,7 +11,7 @@
 #include "runtime/host/rig.h"
 #include "trainer/curate/pose_database.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 
 // The surface of a frame's mesh is for the artist, and for its vertices to be recognised. It has the texture
 // coordinates of the character's own file. It has a material for each painted region, or for each joint where those do
@@ -53,4 +53,4 @@ double unmoved_distance(const Positions& skin);
 FrameMesh read_frame_mesh(const Character& character, const std::vector<double>& texture,
                           std::span<const WrittenSkin> written, const std::filesystem::path& path);
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

@@ -14,7 +14,7 @@
 #include "trainer/curate/offset_cache.h"
 #include "trainer/curate/pose_space.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 constexpr double kWidestSpread = 1e4;  // degrees
@@ -255,4 +255,4 @@ ShapeModifier prepare_sculpt(const ModifierInput& input) {
           .apply = [=](const FrameInHand& frame, Positions& offsets) { offsets += sculpted->sum(frame.number); }};
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

@@ -13,13 +13,15 @@
 #include "trainer/curate/shape_stack.h"
 
 namespace bodyopt {
+class JsonObject;
+}
+
+namespace bodyopt::trainer {
 
 // Sculpts delta_k of a modifier of the type sculpt spread over poses (Shepard 1968). The offset of a frame is sum_k w_k
 // delta_k, with w_k = f(d_k) (1 / d_k^2) / sum_j (1 / d_j^2). The distance d_k is that of its pose from sculpt k's, in
 // the joints that move what was sculpted. The falloff f goes smoothly from 1 at 0 to 1/2 at half the spread and to 0 at
 // the spread. At the poses sculpted the offset is exact.
-
-class JsonObject;
 
 struct SculptedFrame {
   std::size_t frame = 0;  // of the database
@@ -113,4 +115,4 @@ class FrameSculpting {
   std::vector<std::uint32_t> weighed_joints_;  // that they are of
 };
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

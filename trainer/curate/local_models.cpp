@@ -13,7 +13,7 @@
 #include "base/parallel.h"
 #include "trainer/curate/pose_space.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 using Eigen::Index;
@@ -467,4 +467,4 @@ LocalModels local_models(const PoseDatabase& database, const SkinPart& part, dou
   return models;
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

@@ -16,7 +16,7 @@
 #include "trainer/curate/pose_database.h"
 #include "trainer/train/regression/components.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 
 // How far poses are that are alike, where nobody says.
 constexpr double kAlikeDegrees = 20;
@@ -54,4 +54,4 @@ LocalModels local_models(const PoseDatabase& database, const SkinPart& part, dou
                          const std::vector<char>& used, const std::vector<char>& anchors,
                          const Displacements& displacements);
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

@@ -14,7 +14,7 @@
 #include "runtime/core/error.h"
 #include "runtime/host/rig.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 using Eigen::Index;
@@ -294,4 +294,4 @@ Positions MirrorImage::shape(const Positions& shape) const {
   return result;
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

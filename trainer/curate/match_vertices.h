@@ -12,7 +12,7 @@
 #include "geometry/nearest_skin.h"
 #include "trainer/curate/frame_files.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 
 // A vertex, and a place of the texture that it has: one along a seam has several.
 struct TexturedVertex {
@@ -64,4 +64,4 @@ class MirrorImage {
   std::vector<SkinPoint> image_;  // of every vertex the point of the skin that is its mirror image
 };
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

@@ -11,7 +11,7 @@
 #include "runtime/core/error.h"
 #include "trainer/curate/pose_space.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 using Eigen::Index;
@@ -158,4 +158,4 @@ Eigen::VectorXd skin_mask(const PoseDatabase& database, const Json& json, const 
   return mask.cwiseMin(1.0);
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

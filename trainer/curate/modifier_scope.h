@@ -8,7 +8,7 @@
 #include "base/json_file.h"
 #include "trainer/curate/pose_database.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 
 // Whether a list of selections names each frame of the database; an empty list names all. A selection is {"take",
 // "frames"}, either of them alone, {"near": {"take", "frame", "degrees", "joints"}}, or {"list"} of the dataset's
@@ -21,4 +21,4 @@ std::vector<char> selected_frames(const PoseDatabase& database, const Json& sele
 // of their radius at rest, 0 from 3 on. Throws Error(mismatch) at an unknown name and where nothing is left.
 Eigen::VectorXd skin_mask(const PoseDatabase& database, const Json& mask, const std::string& place);
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

@@ -5,7 +5,7 @@
 #include "base/json_file.h"
 #include "trainer/train/skinning/ddm.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 
 using Eigen::Index;
 
@@ -81,4 +81,4 @@ double parameter(const ModifierInput& input, const char* key, double usual, doub
   return input.parameters.has(key) ? input.parameters.number(key, low, high) : usual;
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

@@ -16,6 +16,10 @@
 #include "trainer/train/skinning/unpose.h"
 
 namespace bodyopt {
+class JsonObject;
+}
+
+namespace bodyopt::trainer {
 
 // A shape as the displacement of the rest skin that Direct Delta Mush of the default radius poses into it. There and
 // back is an isometry: what is not touched stays where it is to 1e-7 of its size.
@@ -44,8 +48,6 @@ class UnposedSpace {
   Basis basis_;
   std::vector<std::uint32_t> order_;  // welded vertex of each runtime vertex
 };
-
-class JsonObject;
 
 // One frame on its way through the stack.
 struct FrameInHand {
@@ -108,4 +110,4 @@ ShapeModifier prepare_inflate(const ModifierInput& input);
 ShapeModifier prepare_despike(const ModifierInput& input);
 ShapeModifier prepare_consistency(const ModifierInput& input);
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

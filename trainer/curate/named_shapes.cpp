@@ -7,7 +7,7 @@
 #include "base/wording.h"
 #include "runtime/core/error.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 namespace fs = std::filesystem;
@@ -118,4 +118,4 @@ NamedShapes NamedShapes::as_they_are() const {
               point_count());
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

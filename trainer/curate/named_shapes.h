@@ -11,7 +11,7 @@
 #include "assets/caches/shape_reader.h"
 #include "trainer/curate/shape_stack.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 
 // Is it the name of a dataset: a folder with a dataset.json, or that file?
 bool is_dataset(const std::string& name);
@@ -60,4 +60,4 @@ class NamedShapes {
   std::vector<std::size_t> numbers_;  // of the samples, in the database
 };
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

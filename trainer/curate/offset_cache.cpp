@@ -14,7 +14,7 @@
 #include "runtime/core/text.h"
 #include "trainer/curate/exported_frames.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 namespace fs = std::filesystem;
@@ -154,4 +154,4 @@ void bound_cache(const fs::path& folder, std::uint64_t bytes, const fs::path& ke
   }
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

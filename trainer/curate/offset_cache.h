@@ -14,7 +14,7 @@
 #include "dataset/dataset.h"
 #include "geometry/mesh.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 
 // Hashes of what modifiers are given.
 
@@ -65,4 +65,4 @@ constexpr std::uint64_t kLargestCache = std::uint64_t{4} << 30;  // bytes of all
 // never `kept`.
 void bound_cache(const std::filesystem::path& folder, std::uint64_t bytes, const std::filesystem::path& kept);
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

@@ -8,7 +8,7 @@
 #include "dataset/regions_file.h"
 #include "runtime/core/error.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 void check_take(const DatasetTake& take, const Character& character, const Clip& clip, const ShapeReader& shapes) {
@@ -104,4 +104,4 @@ PoseDatabase read_pose_database(const Dataset& dataset) {
   return database;
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

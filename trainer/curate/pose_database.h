@@ -11,7 +11,7 @@
 #include "dataset/dataset.h"
 #include "geometry/region_weights.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 
 struct DatabaseFrame {
   int take = 0;
@@ -47,4 +47,4 @@ struct PoseDatabase {
 // Shapes stay on disk. Throws Error(mismatch) where caches do not belong to the character or the clips, Error(file).
 PoseDatabase read_pose_database(const Dataset& dataset);
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

@@ -12,7 +12,7 @@
 #include "runtime/core/error.h"
 #include "runtime/host/rig.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 constexpr double kLeastShare = 0.05;
@@ -140,4 +140,4 @@ PoseMap pose_map(const PoseDatabase& database, const SkinPart& part, double degr
   return map;
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

@@ -8,7 +8,7 @@
 #include "assets/characters/character.h"
 #include "trainer/curate/local_models.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 
 // The joints that bend skin and have 5 % of the skin of a mask (V) or more; where none has, all that bend skin.
 std::vector<std::uint32_t> joints_moving(const Character& character, const Eigen::VectorXd& mask);
@@ -42,4 +42,4 @@ double pose_spread(const PoseDatabase& database, const SkinPart& part);
 // `degrees`: how far poses are near.
 PoseMap pose_map(const PoseDatabase& database, const SkinPart& part, double degrees);
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

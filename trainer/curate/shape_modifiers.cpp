@@ -13,7 +13,7 @@
 #include "trainer/curate/modifier_types.h"
 #include "trainer/curate/offset_cache.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 using Eigen::Index;
@@ -199,4 +199,4 @@ ShapeModifier prepare_volume(const ModifierInput& input) {
               }};
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

@@ -10,7 +10,7 @@
 #include "trainer/curate/match_vertices.h"
 #include "trainer/curate/modifier_scope.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 
 // A modifier, ready.
 struct ShapeStack::Layer {
@@ -287,4 +287,4 @@ Eigen::VectorXd ShapeStack::frozen_part(std::size_t frame) const {
   return frozen;
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

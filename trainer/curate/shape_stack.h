@@ -12,7 +12,7 @@
 #include "trainer/curate/offset_cache.h"
 #include "trainer/curate/pose_database.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 
 class MirrorImage;
 
@@ -83,4 +83,4 @@ class ShapeStack {
   std::size_t raw_frames_ = 0, mirror_place_ = 0;
 };
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

@@ -9,7 +9,7 @@
 #include "base/parallel.h"
 #include "runtime/core/error.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 constexpr std::size_t kLeafNodes = 32;
@@ -481,4 +481,4 @@ BlockInverse invert(const Eigen::SparseMatrix<double>& matrix, const Positions& 
   return invert(matrix, all, components);
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

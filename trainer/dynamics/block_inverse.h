@@ -7,7 +7,7 @@
 #include "geometry/mesh.h"
 #include "runtime/basis/dynamics.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 
 // Nested dissection: a graph's nodes in the order in which they are eliminated, as a binary tree of fronts.
 
@@ -40,4 +40,4 @@ BlockInverse invert(const Eigen::SparseMatrix<double>& matrix, const InverseNode
 // Inverts the matrix of all nodes.
 BlockInverse invert(const Eigen::SparseMatrix<double>& matrix, const Positions& points, int components);
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

@@ -21,7 +21,7 @@
 #include "trainer/dynamics/jiggle_fields.h"
 #include "trainer/train/skinning/ddm.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 constexpr std::size_t kShown = 3;  // joints
@@ -195,4 +195,4 @@ DynamicsOptions asked_options(const Dynamics& dynamics) {
   return options;
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

@@ -12,7 +12,7 @@
 #include "trainer/dynamics/jiggle_settings.h"
 #include "trainer/simulate/materials.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 
 // Says where the skin is open, fused, turned or passes through itself: the joints that move it there, and a vertex of
 // theirs (rest space). Example: "; the skin is open at 'Head' (0.012 1.633 0.101 m)". Empty for a sound skin.
@@ -56,4 +56,4 @@ BuiltDynamics build_dynamics(const Character& character, const std::vector<Muscl
 // open. Throws Error(file) where the metadata do not say.
 DynamicsOptions asked_options(const Dynamics& dynamics);
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

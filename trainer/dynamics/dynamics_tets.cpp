@@ -19,7 +19,7 @@
 #include "trainer/dynamics/jiggle_fields.h"
 #include "trainer/tets/tets.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 // Flatter tets give no inverse in single precision that is worth its name.
@@ -516,4 +516,4 @@ TetTable make_tet_table(const DynamicsTets& tets, const std::vector<double>& amo
   return table;
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

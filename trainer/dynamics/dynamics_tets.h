@@ -8,6 +8,10 @@
 #include "trainer/tets/cage.h"
 
 namespace bodyopt {
+struct TetTable;
+}
+
+namespace bodyopt::trainer {
 
 // Whether tetrahedra can carry finite elements, and how well shaped they are.
 
@@ -29,8 +33,6 @@ struct Unfolding {
   Eigen::Index poses = 0, before = 0, after = 0;
 };
 
-struct TetTable;
-
 struct DynamicsTets {
   Cage cage;                       // its first B nodes lie on the skin
   std::vector<SkinPoint> surface;  // B: where
@@ -48,4 +50,4 @@ DynamicsTets make_dynamics_tets(const Positions& vertices, const Triangles& tria
 TetTable make_tet_table(const DynamicsTets& tets, const std::vector<double>& amounts,
                         const std::vector<double>& limits);
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

@@ -18,7 +18,7 @@
 #include "trainer/dynamics/block_inverse.h"
 #include "trainer/simulate/muscle_fibres.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 constexpr double kFullyHeld = 1.25;  // times `flesh`
@@ -366,4 +366,4 @@ JiggleMeasure measure_jiggle(const Dynamics& dynamics, const NodeMotion& motion)
   return measure;
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

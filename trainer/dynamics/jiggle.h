@@ -10,17 +10,21 @@
 #include "trainer/simulate/metric.h"
 
 namespace bodyopt {
+struct Basis;
+struct JiggleNode;
+struct JiggleStep;
+struct JiggleTable;
+struct Dynamics;
+struct NodeMotion;
+}  // namespace bodyopt
+
+namespace bodyopt::trainer {
 
 // Characters bring no ribs and no pelvis, and bones found along joints are thin where a trunk is wide. So tissue deeper
 // under the skin than `flesh` (N, metres) is held as bone is, fully from a quarter deeper on. `stiffness`: N/m per
 // cubic metre. -> N x N, N/m.
 SparseMatrix core_springs(const Positions& vertices, const Triangles& triangles, const Cage& cage,
                           const Eigen::VectorXd& flesh, double stiffness);
-
-struct Basis;
-struct JiggleNode;
-struct JiggleStep;
-struct JiggleTable;
 
 // K_ab = volume (lambda dN_a dN_b^T + mu dN_b dN_a^T + mu (dN_a . dN_b) I).
 // One material per tet. -> K, 3N x 3N, N/m, unknown 3 x node + axis.
@@ -70,9 +74,6 @@ void hold_slow_parts(double lowest, const Eigen::VectorXd& softness, const Skele
 
 // Measures what diffuse and jiggle do in a frame.
 
-struct Dynamics;
-struct NodeMotion;
-
 struct JiggleMeasure {
   std::uint32_t inverted_tets = 0;  // inside out where diffuse carries them
   double rms_mm = 0, max_mm = 0;    // of the skin's vertices, from the quasi-static skin
@@ -84,4 +85,4 @@ struct JiggleMeasure {
 // motion: after the frame, as JiggleState holds it.
 JiggleMeasure measure_jiggle(const Dynamics& dynamics, const NodeMotion& motion);
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

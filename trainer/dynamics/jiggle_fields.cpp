@@ -18,7 +18,7 @@
 #include "trainer/simulate/muscle_fibres.h"
 #include "trainer/simulate/node_weights.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 SparseMatrix laplacian_of(const TetMesh& mesh) {
@@ -334,4 +334,4 @@ JiggleSettings chosen_settings(const JiggleSettings& settings, const JiggleField
   return chosen;
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

@@ -11,10 +11,12 @@
 #include "trainer/simulate/bone_springs.h"
 
 namespace bodyopt {
+struct DiffuseTable;
+}
+
+namespace bodyopt::trainer {
 
 // Diffuse: from the skin's nodes to those inside.
-
-struct DiffuseTable;
 
 // The first `surface_count` nodes of the mesh are given, the others follow: the finite-element Laplacian of the rest
 // tets, split, and its inner part inverted. Throws Error(mismatch) where that is singular.
@@ -60,4 +62,4 @@ JiggleFields spread_settings(const JiggleSettings& settings, const Character& ch
 JiggleSettings chosen_settings(const JiggleSettings& settings, const JiggleFields& fields, const Character& character,
                                const JiggleAnatomy& anatomy);
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

@@ -9,7 +9,7 @@
 #include "base/json_file.h"
 #include "runtime/core/error.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 constexpr const char* kSchema = "bodyopt-jiggle-1";
@@ -154,4 +154,4 @@ JiggleSettings jiggle_settings(const Json& json, const std::filesystem::path& or
   return settings;
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

@@ -8,7 +8,7 @@
 
 #include "runtime/core/json.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 
 // A part of the body, and what is different there; what is left out is as elsewhere.
 struct JiggleRegion {
@@ -54,4 +54,4 @@ JiggleSettings jiggle_settings(const Json& json, const std::filesystem::path& or
 // Returns what read_jiggle() reads as these settings.
 Json jiggle_json(const JiggleSettings& settings);
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 // A panel may have this share of zeros. A zero costs a multiplication, and saves reading and writing a row once more.
@@ -73,4 +73,4 @@ FactorPanels<Number> factor_panels(const Lower& lower) {
 template FactorPanels<float> factor_panels(const Lower& lower);
 template FactorPanels<double> factor_panels(const Lower& lower);
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

@@ -4,7 +4,7 @@
 #include <Eigen/SparseCore>
 #include <vector>
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 
 // Columns that have the same rows below their own triangle, or nearly: where one lacks a row, a zero stands there.
 struct FactorPanel {
@@ -37,4 +37,4 @@ void solve_backward(const FactorPanels<float>& factor, double* values);
 // other rows were zero, the results are those of the whole factor.
 void solve_ten_in(const FactorPanels<double>& factor, const std::vector<int>& panels, double* values);
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

@@ -7,7 +7,7 @@
 #include "hwy/highway.h"
 
 HWY_BEFORE_NAMESPACE();
-namespace bodyopt::HWY_NAMESPACE {
+namespace bodyopt::trainer::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
@@ -114,11 +114,11 @@ void ten_in(const FactorPanels<double>& factor, const std::vector<int>& panels, 
   }
 }
 
-}  // namespace bodyopt::HWY_NAMESPACE
+}  // namespace bodyopt::trainer::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace bodyopt {
+namespace bodyopt::trainer {
 
 HWY_EXPORT(forward_all);
 HWY_EXPORT(backward_all);
@@ -134,5 +134,5 @@ void solve_ten_in(const FactorPanels<double>& factor, const std::vector<int>& pa
   HWY_DYNAMIC_DISPATCH(ten_in)(factor, panels, values);
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer
 #endif

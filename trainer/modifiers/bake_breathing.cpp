@@ -28,7 +28,7 @@
 #include "trainer/modifiers/measure_modifiers.h"
 #include "trainer/train/skinning/unpose.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 constexpr double kManTorso = 0.566;     // metres, hips' joint to neck's of a body 1.75 m tall
@@ -274,4 +274,4 @@ BakedModifier bake_learnt_breathing(const BakeInput& input) {
   return baked;
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

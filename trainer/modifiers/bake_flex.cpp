@@ -12,7 +12,7 @@
 #include "runtime/core/error.h"
 #include "trainer/modifiers/bake_modifier.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 Eigen::Vector3d point_of(const MusclePoint& point) { return {point.position[0], point.position[1], point.position[2]}; }
@@ -81,4 +81,4 @@ BakedModifier bake_flex(const BakeInput& input) {
   return baked;
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

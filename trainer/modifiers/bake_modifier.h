@@ -10,8 +10,10 @@
 #include "runtime/basis/basis.h"
 
 namespace bodyopt {
-
 class JsonObject;
+}
+
+namespace bodyopt::trainer {
 
 struct BakeInput {
   const Basis& basis;
@@ -49,4 +51,4 @@ Positions modifier_shape(const BakeInput& input, const std::vector<float>& point
 // A number of the parameters, `usual` where it is not named.
 double bake_number(const BakeInput& input, const char* key, double usual, double low, double high);
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

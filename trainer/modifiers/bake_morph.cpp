@@ -6,7 +6,7 @@
 #include "runtime/core/error.h"
 #include "trainer/modifiers/bake_modifier.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 Positions target_motion(const BakeInput& input) {
@@ -39,4 +39,4 @@ BakedModifier bake_morph(const BakeInput& input) {
   return baked;
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

@@ -6,7 +6,7 @@
 #include "trainer/modifiers/bake_modifier.h"
 #include "trainer/modifiers/joint_holds.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 constexpr double kReach = 2;  // of the bone's length
@@ -51,4 +51,4 @@ BakedModifier bake_push_out(const BakeInput& input) {
   return baked;
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

@@ -1,7 +1,7 @@
 // Relax: what it evens out is found in the mesh itself.
 #include "trainer/modifiers/bake_modifier.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 
 BakedModifier bake_relax(const BakeInput& input) {
   BakedModifier baked;
@@ -9,4 +9,4 @@ BakedModifier bake_relax(const BakeInput& input) {
   return baked;
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

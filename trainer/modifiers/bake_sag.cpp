@@ -9,7 +9,7 @@
 #include "trainer/modifiers/bake_modifier.h"
 #include "trainer/modifiers/joint_holds.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 constexpr double kGravity = 9.81;    // m/s^2
@@ -86,4 +86,4 @@ BakedModifier bake_sag(const BakeInput& input) {
   return baked;
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

@@ -15,7 +15,7 @@
 #include "trainer/modifiers/measure_modifiers.h"
 #include "trainer/train/skinning/unpose.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 constexpr double kNoticed = 0.1;  // share of what was sculpted that a joint must hold to be listened to
@@ -82,4 +82,4 @@ BakedModifier bake_sculpt(const BakeInput& input) {
   return baked;
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

@@ -17,7 +17,7 @@
 #include "trainer/modifiers/bake_modifier.h"
 #include "trainer/train/pack/residual.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 constexpr double kNegligible = 1e-6;  // metres
@@ -170,4 +170,4 @@ double bake_number(const BakeInput& input, const char* key, double usual, double
   return input.parameters.has(key) ? input.parameters.number(key, low, high) : usual;
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

@@ -7,10 +7,10 @@
 
 #include "runtime/basis/basis.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 
 // Reads a stack (docs/formats.md) and makes its tables for the basis. `notes`: what is to be said, a sentence each.
 // Throws Error(file) for bytes, unknown types and keys; Error(mismatch) where the character does not suit.
 SkinModifiers bake_stack(const std::filesystem::path& path, const Basis& basis, std::vector<std::string>& notes);
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

@@ -8,7 +8,7 @@
 #include "runtime/core/error.h"
 #include "runtime/host/rig.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 bool is_of_trunk(BodyPart part) {
@@ -99,4 +99,4 @@ Torso find_torso(const Basis& basis, const std::string& place) {
   return torso;
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

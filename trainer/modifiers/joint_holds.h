@@ -10,7 +10,7 @@
 #include "runtime/basis/basis.h"
 #include "runtime/basis/skeleton.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 
 // V: how much of each vertex those joints hold that are chosen (one flag for each joint), 0 to 1.
 Eigen::VectorXd held_by(const Basis& basis, const std::vector<char>& chosen);
@@ -37,4 +37,4 @@ struct Torso {
 // `place` begins the message of Error(mismatch) where hips, neck and both upper arms are not known by name.
 Torso find_torso(const Basis& basis, const std::string& place);
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

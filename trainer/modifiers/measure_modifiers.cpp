@@ -21,7 +21,7 @@
 #include "trainer/motion/attached_rig.h"
 #include "trainer/motion/held_turns.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 // Joints that it turns are as before all modifiers: no two types turn the same.
@@ -310,4 +310,4 @@ std::vector<BentJoint> measure_push_out(const Basis& basis, const JointLimits& l
   return measure_folds(basis, names, std::move(poses));
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

@@ -12,8 +12,10 @@
 #include "trainer/motion/joint_limits.h"
 
 namespace bodyopt {
-
 class Deformer;
+}
+
+namespace bodyopt::trainer {
 
 class EvaluatedSkin {
  public:
@@ -95,4 +97,4 @@ std::vector<BentJoint> measure_push_out(const Basis& basis);
 // Every degree of freedom at either of its limits, by its name and the angle, degrees.
 std::vector<BentJoint> measure_push_out(const Basis& basis, const JointLimits& limits);
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

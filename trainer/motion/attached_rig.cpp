@@ -10,7 +10,7 @@
 #include "runtime/core/transformed.h"
 #include "runtime/host/rig.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 void renumber(JointLimits& limits, const std::vector<std::uint32_t>& number) {
@@ -232,4 +232,4 @@ std::string detached_text(const std::vector<DetachedJoint>& detached, const Skel
                              " in motion made from limits, though it hangs elsewhere in the rig";
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

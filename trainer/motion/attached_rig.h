@@ -10,7 +10,7 @@
 #include "assets/clips/clip.h"
 #include "trainer/motion/joint_limits.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 
 // Joints whose skin goes on from the end of a limb (no skin hangs on joints below that), in joint order. It touches the
 // skin of no joint they hang under, roots aside. Joints with half of the joints with skin or more below them are
@@ -49,4 +49,4 @@ class AttachedRig {
   std::vector<std::uint32_t> place_, own_of_;
 };
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

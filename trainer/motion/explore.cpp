@@ -14,7 +14,7 @@
 #include "runtime/core/transformed.h"
 #include "runtime/host/rig.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 template <class Related>
@@ -424,4 +424,4 @@ std::vector<Posture> explore(const JointLimits& limits, const Skeleton& skeleton
   return Explorer(limits, skeleton, overlap, covered, options).run();
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

@@ -12,7 +12,7 @@
 #include "trainer/motion/held_turns.h"
 #include "trainer/motion/joint_limits.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 
 // Degrees of freedom that move the same flesh.
 
@@ -100,4 +100,4 @@ struct ExploreOptions {
 std::vector<Posture> explore(const JointLimits& limits, const Skeleton& skeleton, const SelfOverlap& overlap,
                              const std::vector<Posture>& covered, const ExploreOptions& options);
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

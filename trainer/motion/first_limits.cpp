@@ -12,7 +12,7 @@
 #include "trainer/motion/attached_rig.h"
 #include "trainer/motion/held_turns.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 using Eigen::Matrix3d;
@@ -190,4 +190,4 @@ JointLimits first_limits(const Character& own, const std::vector<Pose>& own_pose
   return rig.detached(limits);
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

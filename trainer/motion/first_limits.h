@@ -6,7 +6,7 @@
 #include "assets/characters/character.h"
 #include "trainer/motion/joint_limits.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 
 // Three degrees of freedom for every joint that moves some of the skin against the rest. A root moves all of it, and
 // there may be several above each other. The "NAME twist" is about its bone. The "NAME bend" is about the axis across
@@ -19,4 +19,4 @@ namespace bodyopt {
 // joint.
 JointLimits first_limits(const Character& character, const std::vector<Pose>& poses);
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

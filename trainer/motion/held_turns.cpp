@@ -10,7 +10,7 @@
 #include "runtime/core/transformed.h"
 #include "runtime/host/rig.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 constexpr double kCoupled = 0.97;
@@ -316,4 +316,4 @@ Vec3 length_of_bone(const Skeleton& skeleton, std::size_t joint) {
   return (count > 0 ? 1 / count : 0) * sum;
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

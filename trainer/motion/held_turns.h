@@ -7,7 +7,7 @@
 #include "runtime/basis/skeleton.h"
 #include "trainer/motion/joint_limits.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 
 // Poses made of the angles of a character's degrees of freedom.
 
@@ -84,4 +84,4 @@ std::vector<Quat> turns_from_bind(const Skeleton& skeleton, const std::vector<Po
 // The way from a joint to the middle of the joints below, in the bind pose, metres; zero where there are none.
 Vec3 length_of_bone(const Skeleton& skeleton, std::size_t joint);
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

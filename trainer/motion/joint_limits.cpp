@@ -9,7 +9,7 @@
 #include "base/json_file.h"
 #include "runtime/core/error.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 constexpr const char* kSchema = "bodyopt-joint-limits-1";
@@ -309,4 +309,4 @@ void write_joint_limits(const JointLimits& limits, const Skeleton& skeleton, con
   write_json(to_json(limits, skeleton), path);
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

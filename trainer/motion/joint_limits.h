@@ -9,7 +9,7 @@
 #include "runtime/basis/skeleton.h"
 #include "runtime/core/json.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 
 // The effect of one degree of freedom on one joint: a turn by share x (angle - rest) about the axis.
 struct JointTurn {
@@ -72,4 +72,4 @@ JointLimits parse_joint_limits(std::string_view text, const std::filesystem::pat
 void write_joint_limits(const JointLimits& limits, const Skeleton& skeleton, const std::filesystem::path& path);
 Json to_json(const JointLimits& limits, const Skeleton& skeleton);  // what the file has
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

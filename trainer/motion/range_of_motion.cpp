@@ -12,7 +12,7 @@
 #include "runtime/core/error.h"
 #include "runtime/core/transformed.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 constexpr int kPoseCandidates = 24;
@@ -456,4 +456,4 @@ std::vector<Pose> random_poses(const JointLimits& limits, const Skeleton& skelet
   return poses;
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

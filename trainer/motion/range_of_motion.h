@@ -10,7 +10,7 @@
 #include "trainer/motion/explore.h"
 #include "trainer/motion/held_turns.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 
 // The random part of a range of motion where clips are given: a walk among blends of their poses.
 
@@ -82,4 +82,4 @@ std::vector<JointCoverage> coverage(const std::vector<Pose>& frames, const std::
 std::vector<Pose> random_poses(const JointLimits& limits, const Skeleton& skeleton, const SelfOverlap& overlap,
                                std::size_t count, std::uint64_t seed);
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

@@ -11,7 +11,7 @@
 #include "geometry/thickness.h"
 #include "runtime/core/error.h"
 
-namespace bodyopt::muscle_models {
+namespace bodyopt::trainer::muscle_models {
 namespace {
 
 using Eigen::Matrix3d;
@@ -269,4 +269,4 @@ Alignment align(const std::vector<Vector3d>& from, const std::vector<Vector3d>& 
   return result;
 }
 
-}  // namespace bodyopt::muscle_models
+}  // namespace bodyopt::trainer::muscle_models

@@ -9,7 +9,7 @@
 #include "trainer/muscle_models/mapping.h"
 #include "trainer/muscle_models/model.h"
 
-namespace bodyopt::muscle_models {
+namespace bodyopt::trainer::muscle_models {
 
 struct FittedMuscle {
   Muscle muscle;
@@ -35,4 +35,4 @@ struct Alignment {
 Alignment align(const std::vector<Eigen::Vector3d>& from, const std::vector<Eigen::Vector3d>& to,
                 const Eigen::Matrix3d& turn);
 
-}  // namespace bodyopt::muscle_models
+}  // namespace bodyopt::trainer::muscle_models

@@ -10,7 +10,7 @@
 #include "assets/clips/joint_roles.h"
 #include "trainer/muscle_models/human_mappings.h"
 
-namespace bodyopt::muscle_models {
+namespace bodyopt::trainer::muscle_models {
 namespace {
 
 Eigen::Vector3d read_axis(const JsonObject& json, const char* key) {
@@ -195,4 +195,4 @@ std::vector<CarriedMapping> first_mappings(const Skeleton& skeleton) {
   return mappings;
 }
 
-}  // namespace bodyopt::muscle_models
+}  // namespace bodyopt::trainer::muscle_models

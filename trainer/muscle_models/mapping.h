@@ -11,7 +11,7 @@
 #include "base/json_file.h"
 #include "runtime/basis/skeleton.h"
 
-namespace bodyopt::muscle_models {
+namespace bodyopt::trainer::muscle_models {
 
 using NamePair = std::array<std::string, 2>;
 
@@ -65,4 +65,4 @@ CarriedMapping carried_mapping(const std::filesystem::path& path, const Skeleton
 // has less than half of the joints.
 std::vector<CarriedMapping> first_mappings(const Skeleton& skeleton);
 
-}  // namespace bodyopt::muscle_models
+}  // namespace bodyopt::trainer::muscle_models

@@ -8,7 +8,7 @@
 #include "runtime/core/error.h"
 #include "runtime/core/transformed.h"
 
-namespace bodyopt::muscle_models {
+namespace bodyopt::trainer::muscle_models {
 namespace {
 
 // A sixth of the spline's second derivative at each knot.
@@ -322,4 +322,4 @@ std::optional<Arc> wrap_around(Wrap::Shape shape, double radius, const std::opti
   return arc;
 }
 
-}  // namespace bodyopt::muscle_models
+}  // namespace bodyopt::trainer::muscle_models

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-namespace bodyopt::muscle_models {
+namespace bodyopt::trainer::muscle_models {
 
 // Functions of one variable in muscle models: couplings of joints, moving path points.
 class Curve {
@@ -162,4 +162,4 @@ struct Arc {
 std::optional<Arc> wrap_around(Wrap::Shape shape, double radius, const std::optional<Eigen::Vector3d>& side,
                                const Eigen::Vector3d& start, const Eigen::Vector3d& end);
 
-}  // namespace bodyopt::muscle_models
+}  // namespace bodyopt::trainer::muscle_models

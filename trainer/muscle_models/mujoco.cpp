@@ -10,7 +10,7 @@
 #include "trainer/muscle_models/model.h"
 #include "trainer/muscle_models/xml_file.h"
 
-namespace bodyopt::muscle_models {
+namespace bodyopt::trainer::muscle_models {
 namespace {
 
 using Eigen::AngleAxisd;
@@ -414,4 +414,4 @@ class MujocoReader {
 
 Model read_mujoco(const std::filesystem::path& path) { return MujocoReader(path).read(); }
 
-}  // namespace bodyopt::muscle_models
+}  // namespace bodyopt::trainer::muscle_models

@@ -8,7 +8,7 @@
 #include "trainer/muscle_models/model.h"
 #include "trainer/muscle_models/xml_file.h"
 
-namespace bodyopt::muscle_models {
+namespace bodyopt::trainer::muscle_models {
 namespace {
 
 using Eigen::AngleAxisd;
@@ -401,4 +401,4 @@ class OpenSimReader {
 
 Model read_opensim(const std::filesystem::path& path) { return OpenSimReader(path).read(); }
 
-}  // namespace bodyopt::muscle_models
+}  // namespace bodyopt::trainer::muscle_models

@@ -5,7 +5,7 @@
 
 #include "runtime/basis/read_file.h"
 
-namespace bodyopt::muscle_models {
+namespace bodyopt::trainer::muscle_models {
 namespace {
 
 constexpr std::uint64_t kLargestFile = 64 << 20;  // bytes
@@ -58,4 +58,4 @@ std::vector<double> parse_numbers(const std::filesystem::path& path, pugi::xml_n
   return numbers;
 }
 
-}  // namespace bodyopt::muscle_models
+}  // namespace bodyopt::trainer::muscle_models

@@ -8,7 +8,7 @@
 
 #include "runtime/core/error.h"
 
-namespace bodyopt::muscle_models {
+namespace bodyopt::trainer::muscle_models {
 
 struct XmlFile {
   // Throws Error(file) when the file cannot be read, is no XML, or nests too deeply.
@@ -35,4 +35,4 @@ int require_shallow(const std::filesystem::path& path, pugi::xml_node tree);
 std::vector<double> parse_numbers(const std::filesystem::path& path, pugi::xml_node element, const std::string& what,
                                   const std::string& text, std::size_t least, std::size_t most);
 
-}  // namespace bodyopt::muscle_models
+}  // namespace bodyopt::trainer::muscle_models

@@ -19,7 +19,7 @@
 #include "trainer/train/fit/train.h"
 #include "trainer/train/skinning/ddm.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 // Empty where the region keeps no vertex.
@@ -249,4 +249,4 @@ FrameTime frame_time(const Level& level) {
   return {1e6 * best / kFrames, 1e6 * carrying / kFrames, static_cast<int>(thread_count())};
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

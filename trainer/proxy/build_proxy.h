@@ -12,7 +12,7 @@
 #include "trainer/train/data/samples.h"
 #include "trainer/train/options.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 
 // A proxy learns from the full skin's data at the vertices that stay; without a dataset, from shapes that a trained
 // basis gives.
@@ -78,4 +78,4 @@ struct FrameTime {
 // Times the bind pose (any pose takes as long): the best of three batches of 32.
 FrameTime frame_time(const Level& level);
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

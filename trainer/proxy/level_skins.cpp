@@ -27,7 +27,7 @@
 #include "runtime/threads/tbb_executor.h"
 #include "trainer/train/data/unposed_shapes.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 using Corners = std::array<std::uint32_t, 3>;
@@ -423,4 +423,4 @@ std::vector<Sample> some_samples(const std::vector<Sample>& samples, std::size_t
   return transformed(spread_evenly(samples.size(), most), [&](const std::size_t k) { return samples[k]; });
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

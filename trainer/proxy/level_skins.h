@@ -11,7 +11,7 @@
 #include "runtime/basis/levels.h"
 #include "trainer/train/data/samples.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 
 // A skin of fewer vertices that moves as the full one does.
 
@@ -79,4 +79,4 @@ ErrorStatistics level_errors(const Level& level, const Character& full, const st
 // Spreads at most `most` of the samples evenly.
 std::vector<Sample> some_samples(const std::vector<Sample>& samples, std::size_t most);
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

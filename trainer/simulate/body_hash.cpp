@@ -2,7 +2,7 @@
 
 #include "base/content_hash.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 // Raised whenever the same inputs give other shapes or another side-car, so that no unfinished cache mixes two solvers.
@@ -61,4 +61,4 @@ std::uint64_t pose_hash(std::uint64_t body, const Pose& pose, const std::vector<
   return hash.value();
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

@@ -6,7 +6,7 @@
 #include "geometry/tet_mesh.h"
 #include "trainer/simulate/materials.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 
 // xxh3 of tets, skin, skeleton, skin weights, muscles, materials, AnatomyField::hash() and the version of the solver.
 std::uint64_t body_hash(const Character& character, const std::vector<Muscle>& muscles, const Materials& materials,
@@ -15,4 +15,4 @@ std::uint64_t body_hash(const Character& character, const std::vector<Muscle>& m
 // xxh3 of a pose and of how far each muscle is flexed, on top of a body's hash.
 std::uint64_t pose_hash(std::uint64_t body, const Pose& pose, const std::vector<double>& flex);
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

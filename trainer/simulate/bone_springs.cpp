@@ -5,7 +5,7 @@
 #include <map>
 #include <utility>
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 constexpr double kLargestHuman = 0.15;  // cubic metres; a cage that sticks out of its skin is larger
@@ -76,4 +76,4 @@ double BoneSprings::add_gradient(const SpringPose& pose, const Positions& nodes,
   return offset.cwiseProduct(0.5 * force - pose.pull).sum();
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

@@ -8,7 +8,7 @@
 #include "trainer/simulate/node_weights.h"
 #include "trainer/simulate/tet_tissue.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 
 // The pull of the springs in one pose: energy, up to its constant, 1/2 u.S u - u.pull, u = nodes - base.
 struct SpringPose {
@@ -47,4 +47,4 @@ class BoneSprings {
   std::vector<int> main_joint_;  // N: the joint with the largest share of a node's springs, -1 without springs
 };
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

@@ -4,7 +4,7 @@
 #include "geometry/thickness.h"
 #include "runtime/core/error.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 // Whether any of a muscle's path lies under the skin, also between its points: both ends may stick out of a limb.
@@ -41,4 +41,4 @@ std::string check_muscles(const Character& character, const std::vector<Muscle>&
          list_names(without, without.size());
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

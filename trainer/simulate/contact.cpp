@@ -8,7 +8,7 @@
 #include "geometry/mesh.h"
 #include "geometry/spatial_search.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 // A point counts as near to a tet when its barycentric weights in it are not below this.
@@ -221,4 +221,4 @@ bool HeldContact::renew(const Positions& nodes) {
   return planes_fit;
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

@@ -9,7 +9,7 @@
 #include "trainer/simulate/materials.h"
 #include "trainer/simulate/rest_depth.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 
 // A point of the skin against a tet that it is inside of or near to. Its depth in the skin is known to first order
 // around the shape that it was found in.
@@ -105,4 +105,4 @@ class HeldContact {
   std::vector<ContactPlane> planes_;
 };
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

@@ -3,7 +3,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 void add_surface_nodes(const TetMesh& mesh, ContactPoints& points) {
@@ -83,4 +83,4 @@ ContactPoints contact_points(const Positions& skin, const Triangles& triangles, 
   return points;
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

@@ -5,7 +5,7 @@
 
 #include "trainer/tets/cage.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 
 // P points: the V vertices of the skin, then the N nodes of the tets, except in a lattice, whose surface is not the
 // body's. A skin finer than the tets touches at its vertices, a coarser one at the tets' nodes between them.
@@ -28,4 +28,4 @@ struct ContactPoints {
 // skin: V x 3, at rest, metres; triangles: of it, without loose pieces.
 ContactPoints contact_points(const Positions& skin, const Triangles& triangles, const Cage& cage);
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

@@ -1,6 +1,6 @@
 #include "trainer/simulate/gauss_seidel.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 
 GaussSeidel::GaussSeidel(const Eigen::SparseMatrix<double>& matrix) : inverse_diagonal_(matrix.rows()) {
   const auto add = [](Triangle& triangle, Eigen::Index column, double value) {
@@ -53,4 +53,4 @@ void GaussSeidel::backward(const Lanes& right, Lanes& values) const {
   }
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

@@ -4,7 +4,7 @@
 #include <Eigen/SparseCore>
 #include <vector>
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 
 class GaussSeidel {
  public:
@@ -32,4 +32,4 @@ class GaussSeidel {
   std::vector<float> inverse_diagonal_;
 };
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

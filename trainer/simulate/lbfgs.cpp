@@ -4,7 +4,7 @@
 #include <cmath>
 #include <vector>
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 constexpr std::size_t kMemory = 10;
@@ -81,4 +81,4 @@ MinimiseResult Lbfgs::minimise(const Objective& objective, double tolerance, int
   return result;
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

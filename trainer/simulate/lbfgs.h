@@ -7,7 +7,7 @@
 
 #include "trainer/simulate/stiff_modes.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 
 // The objective at one point.
 struct ObjectiveValue {
@@ -51,4 +51,4 @@ class Lbfgs {
   Metric::Scratch scratch_;
 };
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

@@ -5,12 +5,12 @@
 
 #include "geometry/mend_surface.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 
 LoosePieceStretch::LoosePieceStretch(const Character& character, const std::vector<std::uint32_t>& riding)
     : character_(character) {
   constexpr double kSliver = 0.05;  // of the mean edge: shorter ones stretch unseen
-  const double least = riding.empty() ? 0 : kSliver * mean_edge(character.vertices, character.triangles);
+  const double least = riding.empty() ? 0 : kSliver * bodyopt::mean_edge(character.vertices, character.triangles);
   std::vector<bool> rides(static_cast<std::size_t>(character.vertices.rows()), false);
   for (const std::uint32_t v : riding) rides[v] = true;
   for (Eigen::Index t = 0; t < character.triangles.rows() && !riding.empty(); ++t) {
@@ -51,4 +51,4 @@ std::string LoosePieceStretch::warning() const {
          " (" + joint(b) + "): it follows its own joints; paint its weights more evenly";
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

@@ -8,7 +8,7 @@
 
 #include "assets/characters/character.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 
 // The edge of a loose piece that is stretched most in some shapes of the skin.
 class LoosePieceStretch {
@@ -33,4 +33,4 @@ class LoosePieceStretch {
   int frame_ = 0;         // in which
 };
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

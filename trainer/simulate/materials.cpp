@@ -5,7 +5,7 @@
 
 #include "base/json_file.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 constexpr const char* kSchema = "bodyopt-materials-1";
@@ -55,4 +55,4 @@ Materials read_materials(const std::filesystem::path& path) {
   return m;
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

@@ -3,7 +3,7 @@
 
 #include <filesystem>
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 
 // Stable neo-Hookean. A body is nearly incompressible, but linear tetrahedra lock long before its true bulk modulus.
 // Lambda of 10 to 20 mu (Poisson's ratio 0.45 to 0.475) lets volume change by about one percent.
@@ -35,4 +35,4 @@ struct Materials {
 // materials.json (docs/formats.md). What the file leaves out keeps its default. Throws Error(file).
 Materials read_materials(const std::filesystem::path& path);
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

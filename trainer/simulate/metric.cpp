@@ -6,7 +6,7 @@
 #include "base/linear_algebra.h"
 #include "runtime/core/error.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 // Share of lambda that counts: the volume term is stiff in one direction of nine only. Larger values make shorter,
@@ -87,4 +87,4 @@ void Metric::solve(Positions& values, Scratch& scratch) const {
   values = fine.leftCols<3>().cast<double>();
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

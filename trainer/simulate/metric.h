@@ -10,7 +10,7 @@
 #include "trainer/simulate/gauss_seidel.h"
 #include "trainer/simulate/materials.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 
 using SparseMatrix = Eigen::SparseMatrix<double>;
 
@@ -52,4 +52,4 @@ class Metric {
   Eigen::SparseMatrix<float, Eigen::RowMajor> prolongation_;  // with two grids
 };
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

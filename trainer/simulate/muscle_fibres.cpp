@@ -4,7 +4,7 @@
 
 #include "runtime/core/error.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 constexpr double kFullShortening = 0.2;
@@ -68,4 +68,4 @@ std::vector<std::vector<std::size_t>> flexed_muscles(const std::vector<std::stri
   return flexed;
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

@@ -7,7 +7,7 @@
 
 #include "assets/characters/muscles.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 
 double rest_length(const Muscle& muscle);  // of its path, metres
 
@@ -35,4 +35,4 @@ bool matches_pattern(const std::string& pattern, const std::string& name);
 std::vector<std::vector<std::size_t>> flexed_muscles(const std::vector<std::string>& controls,
                                                      const std::vector<Muscle>& muscles);
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

@@ -6,7 +6,7 @@
 
 #include "trainer/simulate/materials.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 
 MuscleVolume::MuscleVolume(const TetMesh& mesh, const std::vector<FibreTet>& fibres, std::size_t muscle_count,
                            const Materials& materials)
@@ -90,4 +90,4 @@ double MuscleVolume::largest_change(const Positions& nodes) const {
   return largest;
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

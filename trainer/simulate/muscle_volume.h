@@ -6,7 +6,7 @@
 #include "trainer/simulate/stiff_modes.h"
 #include "trainer/simulate/tissue.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 
 // Muscle is nearly incompressible, but linear tets held to their true bulk modulus one by one lock. Each tet is
 // therefore softer (materials.h). The volume of each muscle as a whole is held by
@@ -43,4 +43,4 @@ class MuscleVolume {
   double bulk_;               // K, Pa
 };
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

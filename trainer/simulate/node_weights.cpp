@@ -3,7 +3,7 @@
 #include "base/linear_algebra.h"
 #include "runtime/core/error.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 // How hard a skin vertex pulls a cage's nodes to its own weights, in mean diagonals of the Laplacian.
@@ -63,4 +63,4 @@ NodeWeights carry_through(const Character& character, const Cage& cage, const Sp
   return weights;
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

@@ -5,7 +5,7 @@
 #include "trainer/simulate/metric.h"
 #include "trainer/tets/cage.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 
 // Joint weights of every node, N x J: rows sum to one.
 using NodeWeights = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
@@ -17,4 +17,4 @@ using NodeWeights = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen:
 NodeWeights carry_through(const Character& character, const Cage& cage, const SparseMatrix& laplacian,
                           const SparseMatrix& springs, const NodeWeights& bone_share);
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

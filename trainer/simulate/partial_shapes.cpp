@@ -10,7 +10,7 @@
 
 #include "runtime/core/error.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 constexpr char kMagic[8] = {'B', 'O', 'D', 'Y', 'P', 'A', 'R', 'T'};
@@ -164,4 +164,4 @@ void PartialShapes::fail(const char* doing) const {
                                    std::strerror(errno) + " (is the folder there, writable, with space left?)");
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

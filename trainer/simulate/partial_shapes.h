@@ -10,7 +10,7 @@
 
 #include "dataset/dataset.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 
 // Layout, little-endian: "BODYPART", uint64 inputs, uint64 values per frame; then records. A record is uint64 key,
 // double residual, double seconds, int32 iterations, int32 inverted tets, double contact depth, double volume change,
@@ -48,4 +48,4 @@ class PartialShapes {
   std::map<std::uint64_t, std::uint64_t> record_begin_;  // by key, bytes from the start of the file
 };
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

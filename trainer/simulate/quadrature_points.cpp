@@ -4,7 +4,7 @@
 #include <map>
 #include <utility>
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 constexpr int kPoints = 4, kEighths = 8;
@@ -101,4 +101,4 @@ std::vector<FibreTet> QuadraturePoints::of_points(const std::vector<FibreTet>& e
   return points;
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

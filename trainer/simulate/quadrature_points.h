@@ -6,7 +6,7 @@
 #include "geometry/tet_mesh.h"
 #include "trainer/simulate/materials.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 
 // A tet of a muscle: where its fibres run, and whose activation drives them.
 struct FibreTet {
@@ -40,4 +40,4 @@ class QuadraturePoints {
   Tets nodes_;  // 4 T: of corner a of a tet, itself and the middles of its edges to the others, as of its eighth
 };
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

@@ -15,7 +15,7 @@
 #include "trainer/simulate/node_weights.h"
 #include "trainer/tets/second_order.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 constexpr double kTolerance = 1e-4;
@@ -488,4 +488,4 @@ double QuasiStaticBody::discretisation_error(const Pose& pose, std::span<const d
   return larger > kLeastLarger ? distance / (larger * larger - 1) : kNone;
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

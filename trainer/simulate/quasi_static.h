@@ -15,7 +15,7 @@
 #include "trainer/simulate/skin_bending.h"
 #include "trainer/tets/loose_pieces.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 
 struct SolvedPose {
   Positions nodes;     // N x 3, those of the body's tets, then the R vertices of loose pieces; posed, metres
@@ -159,4 +159,4 @@ class QuasiStaticBody {
   std::uint64_t hash_ = 0;
 };
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

@@ -3,7 +3,7 @@
 #include "geometry/mend_surface.h"
 #include "geometry/mesh.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 constexpr int kCubes = 100;  // along the body, to tell inside from outside quickly
@@ -33,4 +33,4 @@ Depth RestDepth::operator()(const Eigen::Vector3d& point) const {
   return {side * distance, side / distance * way};
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

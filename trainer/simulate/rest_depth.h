@@ -4,7 +4,7 @@
 #include "geometry/nearest_skin.h"
 #include "trainer/tets/voxels.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 
 struct Depth {
   double depth;             // metres; below 0 outside
@@ -31,4 +31,4 @@ class RestDepth {
   std::vector<Voxel> voxels_;
 };
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

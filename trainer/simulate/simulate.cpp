@@ -21,7 +21,7 @@
 #include "trainer/tets/lattice_cage.h"
 #include "trainer/tets/second_order.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 // The middles of edges of tets of second order not counted; those of a lattice are linear. Skins with more vertices
@@ -417,4 +417,4 @@ std::vector<FrameStatus> simulate(const QuasiStaticBody& body, const Character& 
   return result;
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

@@ -14,7 +14,7 @@
 #include "dataset/dataset.h"
 #include "trainer/simulate/quasi_static.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 
 struct SimulateOptions {
   double tet_size = 0;                                  // of the skin's own tets inside, metres; 0: a coarser skin
@@ -83,4 +83,4 @@ std::vector<FrameStatus> simulate(const QuasiStaticBody& body, const Character& 
                                   const TakeLock& take, const std::filesystem::path& status,
                                   const SimulateOptions& options);
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

@@ -2,7 +2,7 @@
 
 #include "geometry/surface_distance.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 
 SkinBending::SkinBending(const Positions& vertices, const Triangles& triangles, Eigen::Index node_count,
                          const Materials& materials)
@@ -31,4 +31,4 @@ double SkinBending::add_gradient(const Positions& curvature, const Positions& no
   return 0.5 * excess.cwiseProduct(force).sum();
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

@@ -8,7 +8,7 @@
 #include "trainer/simulate/materials.h"
 #include "trainer/simulate/metric.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 
 // Energy k/2 sum over skin vertices of |(L x)_i - R_i (L X)_i|^2 / A_i, zero at rest and under rigid motion. L is the
 // skin's cotangent Laplacian at rest, A its lumped areas, X rest, x posed positions, and R_i a rotation given with the
@@ -33,4 +33,4 @@ class SkinBending {
   SparseMatrix stiffness_;
 };
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

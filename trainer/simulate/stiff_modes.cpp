@@ -1,6 +1,6 @@
 #include "trainer/simulate/stiff_modes.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 
 StiffModes::StiffModes(const Metric& metric, Eigen::Index node_count, std::vector<SparseMode> modes,
                        const std::vector<double>& stiffness)
@@ -42,4 +42,4 @@ void StiffModes::solve(Positions& values, Metric::Scratch& scratch) const {
   metric_.solve(values, scratch);
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

@@ -7,7 +7,7 @@
 #include "base/linear_algebra.h"
 #include "trainer/simulate/metric.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 
 // A direction in the space of all nodes that moves few of them: (node, vector).
 using SparseMode = std::vector<std::pair<int, Eigen::RowVector3d>>;
@@ -31,4 +31,4 @@ class StiffModes {
   Cholesky small_;
 };
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

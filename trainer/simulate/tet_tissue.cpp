@@ -9,7 +9,7 @@
 
 #include "base/parallel.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 // Samples along a tet's edge, less one: 84 in all, 20 of each eighth of a tet of second order.
@@ -183,4 +183,4 @@ std::vector<TetMaterial> tet_materials(const std::vector<TissueShares>& shares, 
   return result;
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

@@ -8,7 +8,7 @@
 #include "trainer/simulate/tissue.h"
 #include "trainer/tets/cage.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 
 struct PointTissue {
   TissueAt at;
@@ -58,4 +58,4 @@ TetTissue find_tissue(const Cage& cage, const AnatomyField& anatomy);
 // T: means of what is in them. Bone, which springs hold, is as stiff as muscle.
 std::vector<TetMaterial> tet_materials(const std::vector<TissueShares>& shares, const Materials& materials);
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <utility>
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 // Value and slope of (J - b)^2 (-ln(J / b)), b = kBarrierVolume, extended.
@@ -143,4 +143,4 @@ Tissue::Inverted Tissue::inverted(const Positions& nodes) const {
   return result;
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

@@ -9,7 +9,7 @@
 #include "trainer/simulate/quadrature_points.h"
 #include "trainer/simulate/tissue_batches.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 
 // Energy density per tet, with F the deformation gradient, J = det F, a the fibre direction and s = |F a|.
 //   `mu/2 (|F|^2 - 3) + lambda/2 ((J - 1 - mu/lambda)^2 - (mu/lambda)^2)`: stable neo-Hookean (Smith et al. 2018)
@@ -61,4 +61,4 @@ class Tissue {
   double mean_volume_ = 0;  // of a tet, cubic metres
 };
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

@@ -6,7 +6,7 @@
 
 #include "trainer/simulate/muscle_fibres.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 
 constexpr int kTetLanes = 8;
 
@@ -54,4 +54,4 @@ TissueSum add_tissue_forces(const TissueBatches& tissue, const double* nodes, st
 // J of each tet of a batch.
 void find_volume_ratios(const TetBatch& batch, const double* nodes, double (&ratios)[kTetLanes]);
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

@@ -7,7 +7,7 @@
 #include "hwy/highway.h"
 
 HWY_BEFORE_NAMESPACE();
-namespace bodyopt::HWY_NAMESPACE {
+namespace bodyopt::trainer::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
@@ -217,11 +217,11 @@ void find_ratios(const TetBatch& batch, const double* nodes, double* ratios) {
   }
 }
 
-}  // namespace bodyopt::HWY_NAMESPACE
+}  // namespace bodyopt::trainer::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace bodyopt {
+namespace bodyopt::trainer {
 
 HWY_EXPORT(add_all);
 HWY_EXPORT(find_ratios);
@@ -235,5 +235,5 @@ void find_volume_ratios(const TetBatch& batch, const double* nodes, double (&rat
   HWY_DYNAMIC_DISPATCH(find_ratios)(batch, nodes, ratios);
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer
 #endif

@@ -10,7 +10,7 @@
 #include "geometry/mesh.h"
 #include "trainer/tets/lattice_cage.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 // Barycentric weights of vertices far outside their tet: by its height, and by so much that one would be a spike.
@@ -209,4 +209,4 @@ bool ApartSkin::operator()(const SkinPoint& a, const SkinPoint& b, double overla
   });
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

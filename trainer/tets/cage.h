@@ -13,7 +13,7 @@
 #include "trainer/tets/loose_pieces.h"
 #include "trainer/tets/tets.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 
 // A piece of what the skin encloses.
 struct CageSample {
@@ -88,4 +88,4 @@ class ApartSkin {
   SurfaceDistance distance_;
 };
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

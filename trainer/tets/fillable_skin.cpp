@@ -18,7 +18,7 @@
 #include "geometry/thickness.h"
 #include "runtime/core/error.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 using Edge = std::pair<std::uint32_t, std::uint32_t>;
@@ -454,4 +454,4 @@ std::vector<EmbeddedPoint> carry_skin(const FillableSkin& fillable, const Positi
   return points;
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

@@ -7,7 +7,7 @@
 #include "geometry/mesh.h"
 #include "geometry/tet_mesh.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 
 // The triangles of sheets that share edges with a surface and bound no volume: fins, webs, frills. They end in open
 // edges and meet the rest at edges of three triangles or more. The smallest is cut off first, until no edge that is
@@ -54,4 +54,4 @@ std::vector<EmbeddedPoint> carry_skin(const FillableSkin& fillable, const Positi
 // Tets whose first nodes are the vertices of the fillable skin carry them so, H.
 std::vector<EmbeddedPoint> own_nodes(const TetMesh& mesh, Eigen::Index vertices);
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

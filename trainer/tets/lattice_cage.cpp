@@ -17,7 +17,7 @@
 #include "runtime/core/error.h"
 #include "trainer/tets/voxels.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 // Calls visit(cube, axis, its index, that of the next cube along the axis) for neighbours that are filled.
@@ -437,4 +437,4 @@ Cage lattice_cage(const Positions& vertices, const Triangles& triangles, const S
   return CageMaker(vertices, triangles, cuts, *best).make();
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

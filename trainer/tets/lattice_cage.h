@@ -3,7 +3,7 @@
 
 #include "trainer/tets/cage.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 
 // The skin is filled with small cubes (voxelise) that lie in a lattice of cubic cells, eight along an edge. Each part
 // of a cell that the filled cubes connect becomes a cell of its own (virtual nodes: Molino, Bao, Fedkiw 2004). Two legs
@@ -21,4 +21,4 @@ Cage lattice_cage_of_size(const Positions& vertices, const Triangles& triangles,
 Cage lattice_cage(const Positions& vertices, const Triangles& triangles, const SkinWeights& weights,
                   Eigen::Index max_nodes);
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

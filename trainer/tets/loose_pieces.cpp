@@ -15,7 +15,7 @@
 #include "runtime/core/error.h"
 #include "trainer/tets/cage.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 constexpr double kOther = 0.5;    // of a vertex' weights: a tet that follows less of them follows other joints
@@ -369,4 +369,4 @@ Positions LoosePieces::spread(const Positions& values) const {
   return solver_->solve(sum)(unknown_, Eigen::all);
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

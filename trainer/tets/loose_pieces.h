@@ -9,6 +9,10 @@
 #include "trainer/tets/fillable_skin.h"
 
 namespace bodyopt {
+class SparseSolver;
+}
+
+namespace bodyopt::trainer {
 
 // Skin that coarse tets carry, kept apart where it follows different joints.
 
@@ -32,8 +36,6 @@ struct GluedVertex {
 std::vector<GluedVertex> glued_vertices(const Positions& vertices, const Triangles& triangles,
                                         const SkinWeights& weights, const TetMesh& mesh,
                                         const std::vector<EmbeddedPoint>& skin);
-
-class SparseSolver;
 
 // A loose piece has no tets. It takes the displacement of the body where it touches it, spread along its own surface.
 // It moves as one piece of stuff, whatever other part of the body happens to be near. A sheet that shares edges with
@@ -61,4 +63,4 @@ class LoosePieces {
   std::shared_ptr<const SparseSolver> solver_;  // null without loose pieces
 };
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

@@ -8,7 +8,7 @@
 #include <map>
 #include <utility>
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 constexpr int kEighths = 8;
@@ -129,4 +129,4 @@ Eigen::SparseMatrix<double> from_corners(const TetMesh& second_order) {
   return sparse_matrix(count, corners, entries);  // of a corner, both ends are itself
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

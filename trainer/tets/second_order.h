@@ -5,7 +5,7 @@
 
 #include "trainer/tets/cage.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 
 // Every tet becomes one of second order, given as the eight linear ones that its ten nodes make. Tets 8 t + a, a =
 // 0..3, have corner a of tet t as their own corner a. Their corner b is the middle of the edge from a to b. Between
@@ -19,4 +19,4 @@ Cage second_order(Cage cage);
 // middle's value is the mean of its edge's ends.
 Eigen::SparseMatrix<double> from_corners(const TetMesh& second_order);
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

@@ -30,7 +30,7 @@ namespace nglib {
 #include <nglib.h>
 }
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 // The functions of nglib.h that are used, without their prefix Ng_.
@@ -319,4 +319,4 @@ FilledSkin fill_coarser(const FineSkin& fine, FillLimit limit, const std::functi
   return std::move(*best);
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

@@ -7,7 +7,7 @@
 #include "geometry/nearest_skin.h"
 #include "geometry/tet_mesh.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 
 // Netgen's nglib on the welded skin (which must be closed and free of self-intersections). The first V nodes are the
 // skin's vertices, unmoved. `size` is the largest edge wanted inside, metres. Throws Error(mismatch) naming the cause
@@ -54,4 +54,4 @@ struct FillLimit {
 // Throws Error(mismatch) when none can be filled with tets of a mean-ratio quality of 0.05 at least.
 FilledSkin fill_coarser(const FineSkin& fine, FillLimit limit, const std::function<void(CoarseSkin&)>& adjust);
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numeric>
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 // Does a triangle touch a cube around the origin? Separating axes decide (Akenine-Möller 2001).
@@ -160,4 +160,4 @@ std::vector<int> label_pieces(const VoxelGrid& grid, const std::vector<Voxel>& v
   return label;
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

@@ -6,7 +6,7 @@
 
 #include "geometry/mesh.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 
 // A regular grid of cubes; (0, 0, 0) starts at `origin`.
 struct VoxelGrid {
@@ -55,4 +55,4 @@ std::vector<Voxel> voxelise(const Positions& vertices, const Triangles& triangle
 // Pieces without surface are taken for outside.
 std::vector<int> label_pieces(const VoxelGrid& grid, const std::vector<Voxel>& voxels);
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 
 // The full model, and what is left out of it to see what each part is worth.
 struct Method {
@@ -38,4 +38,4 @@ struct TrainOptions {
   bool update = false;
 };
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

@@ -13,7 +13,7 @@
 #include "trainer/train/skinning/ddm.h"
 #include "trainer/transfer/skin_transfer.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 // Moves points inside the body as the joints and the skin around them say.
@@ -226,4 +226,4 @@ std::vector<Modifier> carried_modifiers(const Dataset& dataset, const Character&
   return transformed(dataset.modifiers, [&](const Modifier& modifier) { return carrier.carry(modifier); });
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

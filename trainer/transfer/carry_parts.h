@@ -11,7 +11,7 @@
 #include "geometry/region_weights.h"
 #include "trainer/transfer/transfer_pair.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 
 // Each point goes with its joint, scaled as the joint's bones are, and on from there as the fit moves the skin around
 // it. That skin counts by inverse distance to the fourth power (Shepard 1968). Radii are scaled alike. A muscle of a
@@ -36,4 +36,4 @@ std::vector<Modifier> carried_modifiers(const Dataset& dataset, const Character&
 // Its named selections, with the target's joints.
 std::vector<NamedSelection> carried_selections(const Dataset& dataset, const TransferPair& pair);
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

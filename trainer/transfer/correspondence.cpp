@@ -14,7 +14,7 @@
 #include "runtime/host/rig.h"
 #include "trainer/transfer/skin_transfer.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 // Lengths over which the membrane carries a pull, of the target's extent, from coarse to fine; each in some rounds.
@@ -297,4 +297,4 @@ Positions matched_colours(const Correspondence& correspondence, const Positions&
   return result;
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

@@ -9,7 +9,7 @@
 #include "runtime/basis/basis.h"
 #include "trainer/transfer/match_skeletons.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 
 // A point of the source's skin and the point of the target's that it is to be, by the numbers of output vertices.
 struct SkinMarker {
@@ -55,4 +55,4 @@ Positions place_colours(const Positions& rest);
 // V' x 3: of every vertex of the target the colour of the point of the source that it is. `colours`: V x 3.
 Positions matched_colours(const Correspondence& correspondence, const Positions& colours);
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

@@ -6,7 +6,7 @@
 #include "base/json_file.h"
 #include "runtime/core/error.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 constexpr const char* kMarkersSchema = "bodyopt-markers-1";
@@ -46,4 +46,4 @@ std::vector<SkinMarker> read_markers(const std::filesystem::path& path) {
   return markers;
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

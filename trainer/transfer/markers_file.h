@@ -6,7 +6,7 @@
 
 #include "trainer/transfer/correspondence.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 
 // Is it a file of markers? False where it cannot be read.
 bool is_markers(const std::filesystem::path& path);
@@ -14,4 +14,4 @@ bool is_markers(const std::filesystem::path& path);
 std::vector<SkinMarker> read_markers(const std::filesystem::path& path);
 void write_markers(const std::vector<SkinMarker>& markers, const std::filesystem::path& path);
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

@@ -15,7 +15,7 @@
 #include "runtime/host/rig.h"
 #include "runtime/modifiers/drive_modifiers.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 constexpr double kBuild = 35 * std::numbers::pi / 180;  // less between two bones is a difference of build
@@ -357,4 +357,4 @@ Pose transferred_pose(const SkeletonMatch& match, const Skeleton& source, const 
   return result;
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

@@ -7,7 +7,7 @@
 #include "base/json_file.h"
 #include "runtime/basis/basis.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 
 struct SkeletonMatch {
   std::vector<int> source_joint;  // per joint of the target: its joint of the source, or -1
@@ -49,4 +49,4 @@ SkeletonMatch match_as_carried(const Skeleton& source, const Skeleton& target, c
 // are those of the source, changed as much, in the target's size.
 Pose transferred_pose(const SkeletonMatch& match, const Skeleton& source, const Skeleton& target, const Pose& pose);
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

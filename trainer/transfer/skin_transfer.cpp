@@ -13,7 +13,7 @@
 #include "runtime/host/rig.h"
 #include "trainer/train/fit/train.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 // Column of every joint of a skeleton: `column` of itself, or of the nearest joint above that has one; else the first.
@@ -321,4 +321,4 @@ Positions SkinTransfer::operator()(const Positions& displacements) const {
   return result;
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

@@ -16,7 +16,7 @@
 #include "trainer/transfer/correspondence.h"
 #include "trainer/transfer/match_skeletons.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 
 // How much of each vertex the joints hold that both characters have, and where they bring the source's body.
 
@@ -159,4 +159,4 @@ class SkinTransfer {
   SmoothFill fill_;
 };
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

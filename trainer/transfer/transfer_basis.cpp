@@ -29,7 +29,7 @@
 #include "trainer/transfer/skin_transfer.h"
 #include "trainer/transfer/transfer_columns.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 // Gives the fibres' points places on the target's skin.
@@ -404,4 +404,4 @@ TransferredDataset transfer_dataset(const Dataset& dataset, const Character& sou
   return DatasetTransfer(dataset, source_character, pair, target, out).run();
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

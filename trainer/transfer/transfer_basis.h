@@ -11,7 +11,7 @@
 #include "runtime/basis/basis.h"
 #include "trainer/transfer/transfer_pair.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 
 // Gives the target's own joints, strains and controls the source's coefficients, on its own Direct Delta Mush. A pose
 // then adds the transfer of what it adds to the source in the matching pose, less that at the target's rest. Shows
@@ -58,4 +58,4 @@ void require_no_own_takes(const Dataset& dataset, const std::filesystem::path& o
 TransferredDataset transfer_dataset(const Dataset& dataset, const Character& source_character, const TransferPair& pair,
                                     const TransferTarget& target, const std::filesystem::path& out);
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

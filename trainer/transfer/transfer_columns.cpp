@@ -11,7 +11,7 @@
 #include "runtime/host/rig.h"
 #include "trainer/train/pack/residual.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 using Column = Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor>;
@@ -218,4 +218,4 @@ Pose pose_at_target_rest(const SkeletonMatch& match, const Skeleton& source) {
   return pose;
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

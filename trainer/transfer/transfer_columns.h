@@ -7,7 +7,7 @@
 #include "trainer/transfer/match_skeletons.h"
 #include "trainer/transfer/skin_transfer.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 
 // Replaces the blend of `residual`, which is that of the source, by the target's (`vertices` of them): every column is
 // carried over, then packed. Small entries of blocks are left out, and entries that eight bits round much are packed
@@ -23,4 +23,4 @@ std::vector<JointFeatures> carried_features(const Skeleton& source, const Skelet
 // The pose of the source in which it stands as the target rests.
 Pose pose_at_target_rest(const SkeletonMatch& match, const Skeleton& source);
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

@@ -20,7 +20,7 @@
 #include "trainer/transfer/carry_parts.h"
 #include "trainer/transfer/transfer_basis.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 // A level of detail on the target.
@@ -267,4 +267,4 @@ Dynamics transfer_dynamics(const TransferPair& pair, const Character& target, co
   return build_dynamics(target, carried, basis, options).dynamics;
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

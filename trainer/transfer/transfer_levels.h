@@ -8,7 +8,7 @@
 #include "trainer/dynamics/build_dynamics.h"
 #include "trainer/transfer/transfer_pair.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 
 // Lays each level's triangles onto the target where the source's skin around their vertices lies on it, with its skin
 // weights. What the level learned is carried to that as transfer_basis() does, and it carries the target's full skin.
@@ -32,4 +32,4 @@ void require_proxy_of(const Basis& source, const std::vector<Level>& levels);
 Dynamics transfer_dynamics(const TransferPair& pair, const Character& target, const Basis& basis,
                            const Dynamics& source, const std::vector<Muscle>& muscles, std::vector<std::string>& notes);
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

@@ -9,7 +9,7 @@
 #include "trainer/train/skinning/ddm.h"
 #include "trainer/train/skinning/provenance.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 // Smooths as the source was, where it says so; otherwise by the defaults.
@@ -131,4 +131,4 @@ std::vector<TransferPart> transfer_parts(const Basis& source, const Basis& targe
   return list;
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

@@ -8,7 +8,7 @@
 #include "trainer/transfer/correspondence.h"
 #include "trainer/transfer/skin_transfer.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 
 struct TransferOptions {
   std::string joint_map{};  // joint_map.json from the source's joints to the target's; empty: names tell
@@ -65,4 +65,4 @@ struct TransferPart {
 std::vector<TransferPart> transfer_parts(const Basis& source, const Basis& target, const SkeletonMatch& match,
                                          const Correspondence& correspondence);
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

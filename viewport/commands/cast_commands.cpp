@@ -5,11 +5,11 @@
 #include "shots/session/setting_fields.h"
 #include "viewport/commands/commands.h"
 
-namespace bodyopt {
+namespace bodyopt::viewport {
 namespace {
 
 // Returns the placement of one of the cast; the lead has none.
-Placement& placement_of(Controls& controls, const std::string& number) {
+shots::Placement& placement_of(Controls& controls, const std::string& number) {
   const std::size_t place = controls.cast_place(integer(number));
   if (place == 0) refuse(number, "the number of another than the lead, which stands where its clip has it");
   return controls.placements[place];
@@ -26,17 +26,19 @@ std::uint32_t vertex_of(const Controls& controls, std::size_t character, const s
 
 const Command kCastCommands[] = {
     {"ghosts", "BEFORE AFTER", "", "Look", "frames before and after, see-through",
-     [](ViewSettings::Ghosts& ghosts, const std::string& a) {
+     [](shots::ViewSettings::Ghosts& ghosts, const std::string& a) {
        const auto w = words(a, 2, "two counts");
-       ghosts.before = integer_within(w[0], 0, kMostGhosts);
-       ghosts.after = integer_within(w[1], 0, kMostGhosts);
+       ghosts.before = integer_within(w[0], 0, shots::kMostGhosts);
+       ghosts.after = integer_within(w[1], 0, shots::kMostGhosts);
      }},
     {"ghost-step", "FRAMES", "", "Look", "from one ghost to the next",
-     [](ViewSettings::Ghosts& ghosts, const std::string& a) { ghosts.step = integer_within(a, 1, kLongestGhostStep); }},
+     [](shots::ViewSettings::Ghosts& ghosts, const std::string& a) {
+       ghosts.step = integer_within(a, 1, shots::kLongestGhostStep);
+     }},
     {"ghost-opacity", "0-1", "", "Look", "of the ghost that is next; those beyond fade",
-     [](ViewSettings::Ghosts& ghosts, const std::string& a) { ghosts.opacity = number_within(a, 0, 1); }},
+     [](shots::ViewSettings::Ghosts& ghosts, const std::string& a) { ghosts.opacity = number_within(a, 0, 1); }},
     {"toggle-ghosts", "[on|off]", "G", "Look", "two ghosts before and two after",
-     [](ViewSettings::Ghosts& ghosts, const std::string& a) {
+     [](shots::ViewSettings::Ghosts& ghosts, const std::string& a) {
        const bool had = ghosts.before + ghosts.after > 0;
        bool has = had;
        toggle(has, a);
@@ -45,12 +47,16 @@ const Command kCastCommands[] = {
        if (has && ghosts.step == 1) ghosts.step = 4;
      },
      [](const Controls& c) { return name_of(c.settings.ghosts.before + c.settings.ghosts.after > 0); }},
-    switch_command<&ViewSettings::Ghosts::trail>("trail", "Alt+G", "Look", "the way of selected joints"),
+    switch_command<&shots::ViewSettings::Ghosts::trail>("trail", "Alt+G", "Look", "the way of selected joints"),
 
     {"copies", "COUNT", "", "Cast", "of the lead on the stage",
-     [](ViewSettings::Cast& cast, const std::string& a) { cast.copies = integer_within(a, 1, kMostCopies); }},
+     [](shots::ViewSettings::Cast& cast, const std::string& a) {
+       cast.copies = integer_within(a, 1, shots::kMostCopies);
+     }},
     {"copy-delay", "FRAMES", "", "Cast", "from one copy to the next",
-     [](ViewSettings::Cast& cast, const std::string& a) { cast.delay = integer_within(a, 0, kLongestCopyDelay); }},
+     [](shots::ViewSettings::Cast& cast, const std::string& a) {
+       cast.delay = integer_within(a, 0, shots::kLongestCopyDelay);
+     }},
 
     {"mark", "[on|off]", "", "Cast", "clicks mark a vertex of the lead, then the same of the second of the cast",
      [](Marking& marking, const std::string& a) {
@@ -78,19 +84,20 @@ const Command kCastCommands[] = {
        std::optional<Vec3> at;
        if (all.size() == 4) {
          at.emplace();
-         for (std::size_t i = 0; i < 3; ++i) (*at)[i] = number_within(all[i + 1], -kFurthest, kFurthest);
+         for (std::size_t i = 0; i < 3; ++i) (*at)[i] = number_within(all[i + 1], -shots::kFurthest, shots::kFurthest);
        }
        placement_of(c, all[0]).at = at;
      }},
     {"ahead", "NUMBER FRAMES|auto", "", "Cast", "one of the cast goes round in its own clip; auto: frame by frame",
      [](Controls& c, const std::string& a) {
        const std::vector<std::string> all = words(a, 2, "a number of the cast and a number of frames, or auto");
-       placement_of(c, all[0]).ahead = automatic_or(all[1], -kFurthestAhead, kFurthestAhead, integer_within);
+       placement_of(c, all[0]).ahead =
+           automatic_or(all[1], -shots::kFurthestAhead, shots::kFurthestAhead, integer_within);
      }},
     {"level-of", "NUMBER auto|0|1|2...", "", "Cast", "of detail, of one of the cast; auto: by its size in the picture",
      [](Controls& c, const std::string& a) {
        const std::vector<std::string> all = words(a, 2, "a number of the cast and a level, or auto");
-       placement_of(c, all[0]).level = automatic_or(all[1], 0, kCoarsestLevel, integer_within);
+       placement_of(c, all[0]).level = automatic_or(all[1], 0, shots::kCoarsestLevel, integer_within);
      }},
     request_command<&Requests::same_clip>("same-clip", "", "Cast", "all of the cast play the lead's clip"),
 };
@@ -109,27 +116,27 @@ void go_to_pair(Controls& controls, int pair) {
 const Command kCompareCommands[] = {
     {"compare", "none|lbs|ddm|linear|full|jiggle|truth|proxy", "", "Compare", "with what",
      [](Controls& c, const std::string& a) {
-       choose(c.settings.compare.with, a, kComparisonNames);
-       const CompareWith shown = c.settings.jiggle.on ? CompareWith::jiggle : CompareWith::full;
+       choose(c.settings.compare.with, a, shots::kComparisonNames);
+       const shots::CompareWith shown = c.settings.jiggle.on ? shots::CompareWith::jiggle : shots::CompareWith::full;
        if (c.settings.compare.with == shown) c.say("that is what is shown: there is nothing beside it");
      },
-     [](const Controls& c) { return name_of(c.settings.compare.with, kComparisonNames); }},
-    choice_command<kLayoutNames, &ViewSettings::Compare::layout>("layout", "side-by-side|overlay|wipe|hold", "Compare",
+     [](const Controls& c) { return name_of(c.settings.compare.with, shots::kComparisonNames); }},
+    choice_command<shots::kLayoutNames, &shots::ViewSettings::Compare::layout>("layout", "side-by-side|overlay|wipe|hold", "Compare",
                                                                  "of a comparison"),
     {"next-layout", "", "L", "Compare", "side by side, overlay, wipe, hold",
-     [](ViewSettings::Compare& compare, const std::string&) { choose_next(compare.layout, kLayoutNames); }},
+     [](shots::ViewSettings::Compare& compare, const std::string&) { choose_next(compare.layout, shots::kLayoutNames); }},
     {"wipe", "0-1", "", "Compare", "where, of the picture's width",
-     [](ViewSettings::Compare& compare, const std::string& a) { compare.wipe = number_within(a, 0, 1); }},
-    switch_command<&ViewSettings::Compare::heat>("heat", "E", "Compare", "colour by the distance, in millimetres"),
+     [](shots::ViewSettings::Compare& compare, const std::string& a) { compare.wipe = number_within(a, 0, 1); }},
+    switch_command<&shots::ViewSettings::Compare::heat>("heat", "E", "Compare", "colour by the distance, in millimetres"),
     {"heat-scale", "auto|MM", "", "Compare", "the hottest colour; auto: by what was measured",
-     [](ViewSettings::Compare& compare, const std::string& a) {
-       compare.heat_scale_mm = automatic_or(a, kFinestHeat, kCoarsestHeat, number_within);
+     [](shots::ViewSettings::Compare& compare, const std::string& a) {
+       compare.heat_scale_mm = automatic_or(a, shots::kFinestHeat, shots::kCoarsestHeat, number_within);
      }},
-    switch_command<&ViewSettings::Compare::activation>("activation", "", "Compare",
+    switch_command<&shots::ViewSettings::Compare::activation>("activation", "", "Compare",
                                                        "colour by what was learned: the distance to Direct Delta Mush"),
-    switch_command<&ViewSettings::Compare::coverage>("coverage", "", "Compare",
+    switch_command<&shots::ViewSettings::Compare::coverage>("coverage", "", "Compare",
                                                      "colour by the error to expect of the pose, in millimetres"),
-    choice_command<kMatchNames, &ViewSettings::Compare::match>(
+    choice_command<shots::kMatchNames, &shots::ViewSettings::Compare::match>(
         "match", "none|colours|confidence", "Cast",
         "which point of the lead is which of the second of the cast, or how sure that is"),
     request_command<&Requests::worst_frame>("worst-frame", "N", "Compare",
@@ -170,17 +177,17 @@ const Command kCompareCommands[] = {
        if (c.curating.regions.empty())
          throw Error(ErrorKind::usage, "no dataset is open: begin with bodyopt view DATASET");
        c.brush.kind = kind;
-       c.settings.compare.with = CompareWith::truth;  // or its skin would not be seen
+       c.settings.compare.with = shots::CompareWith::truth;  // or its skin would not be seen
      },
      [](const Controls& c) { return c.brush.kind ? name_of(*c.brush.kind, kBrushKindNames) : "none"; }},
     {"brush-radius", "MM", "", "Curate", "of the brush, along the skin",
-     [](BrushInHand& brush, const std::string& a) { brush.radius_mm = number_within(a, kFinestBrush, kWidestBrush); }},
+     [](BrushInHand& brush, const std::string& a) { brush.radius_mm = number_within(a, shots::kFinestBrush, shots::kWidestBrush); }},
     {"brush-strength", "0-1", "", "Curate", "of the brush",
      [](BrushInHand& brush, const std::string& a) { brush.strength = number_within(a, 0, 1); }},
     switch_command<&BrushInHand::symmetric>("brush-symmetry", "", "Curate",
                                             "the brush does the same on the other side of the body"),
     {"brush-spread", "auto|DEGREES", "", "Curate", "to poses how near a stroke reaches; auto: as the modifier's",
-     [](BrushInHand& brush, const std::string& a) { brush.spread = automatic_or(a, 0, kWidestSpread, number_within); }},
+     [](BrushInHand& brush, const std::string& a) { brush.spread = automatic_or(a, 0, shots::kWidestSpread, number_within); }},
     {"brush-modifier", "NAME", "", "Curate",
      "the sculpt of the dataset's stack that takes strokes; a new name makes one",
      [](BrushInHand& brush, const std::string& a) { brush.modifier = a; }},
@@ -228,4 +235,4 @@ std::span<const Command> cast_commands() { return kCastCommands; }
 
 std::span<const Command> compare_commands() { return kCompareCommands; }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::viewport

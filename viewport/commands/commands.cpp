@@ -8,7 +8,7 @@
 #include "base/wording.h"
 #include "runtime/core/error.h"
 
-namespace bodyopt {
+namespace bodyopt::viewport {
 
 [[noreturn]] void refuse(const std::string& argument, const std::string& expected) {
   throw Error(ErrorKind::usage, "'" + argument + "' is not " + expected);
@@ -176,4 +176,4 @@ std::vector<std::string> script_commands(const std::string& text) {
   return found;
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::viewport

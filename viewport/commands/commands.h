@@ -14,7 +14,7 @@
 
 #include "viewport/commands/controls.h"
 
-namespace bodyopt {
+namespace bodyopt::viewport {
 
 // The tables of commands, and their parts: arguments as text, and help. Readers of text throw Error(usage) that names
 // what was expected.
@@ -194,4 +194,4 @@ constexpr Command request_command(const char* name, const char* key, const char*
   return {name, "", key, menu, help, [](Requests& requests, const std::string&) { requests.*asked = true; }};
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::viewport

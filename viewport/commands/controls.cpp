@@ -8,28 +8,28 @@
 #include "runtime/core/error.h"
 #include "shots/session/posed_clip.h"
 
-namespace bodyopt {
+namespace bodyopt::viewport {
 
-OrbitView Controls::kept_camera() const {
-  OrbitView view = camera.view();
+shots::OrbitView Controls::kept_camera() const {
+  shots::OrbitView view = camera.view();
   if (settings.look.follow) view.target = view.target - travelled;
   return view;
 }
 
-void Controls::go_to_camera(const OrbitView& kept) {
+void Controls::go_to_camera(const shots::OrbitView& kept) {
   camera.look(kept);
   if (settings.look.follow) camera.move(travelled);
 }
 
 void Controls::follow_shot_camera() {
-  const ViewSettings::ShotCamera& shot = settings.shot_camera;
+  const shots::ViewSettings::ShotCamera& shot = settings.shot_camera;
   if (!shot.look_through || shot_frame == playback.frame()) return;
   shot_frame = playback.frame();
   const auto of_file = std::ranges::find(file_cameras, shot.of_file, &ClipCamera::name);
   if (of_file != file_cameras.end()) {
     camera.look(view_of(*of_file, static_cast<std::size_t>(playback.frame() - playback.first())));
   } else if (!shot.keys.empty()) {
-    go_to_camera(between_keys(shot.keys, playback.frame()));
+    go_to_camera(shots::between_keys(shot.keys, playback.frame()));
   }
 }
 
@@ -51,13 +51,13 @@ void Controls::attempt(const std::function<void()>& action) {
   }
 }
 
-ViewSettings::Posing Controls::posing_at(int frame) const {
-  return frame == playback.frame() ? settings.pose : keyed_posing(settings.pose, frame);
+shots::ViewSettings::Posing Controls::posing_at(int frame) const {
+  return frame == playback.frame() ? settings.pose : shots::keyed_posing(settings.pose, frame);
 }
 
 bool Controls::is_unkeyed() const {
-  const ViewSettings::PoseKey& in_hand = settings.pose;
-  return keyed_frame && !settings.pose.keys.empty() && in_hand != between_keys(settings.pose.keys, *keyed_frame);
+  const shots::ViewSettings::PoseKey& in_hand = settings.pose;
+  return keyed_frame && !settings.pose.keys.empty() && in_hand != shots::between_keys(settings.pose.keys, *keyed_frame);
 }
 
 std::size_t Controls::cast_place(int number) const {
@@ -95,14 +95,14 @@ std::vector<std::string> Controls::selected() const {
 }
 
 void Controls::key_by_itself() {
-  const ViewSettings::PoseKey& in_hand = settings.pose;
-  const bool changed = settings.pose.keys.empty() ? in_hand != ViewSettings::PoseKey() : is_unkeyed();
+  const shots::ViewSettings::PoseKey& in_hand = settings.pose;
+  const bool changed = settings.pose.keys.empty() ? in_hand != shots::ViewSettings::PoseKey() : is_unkeyed();
   if (auto_key && changed && keyed_frame) settings.pose.keys[*keyed_frame] = in_hand;
 }
 
 bool Controls::is_posed(const std::string& name) const {
-  const ViewSettings::PoseKey& pose = settings.pose;
-  if (set_or(pose.joints, name, {}) != Vec3{} || set_or(pose.moves, name, {}) != Vec3{}) return true;
+  const shots::ViewSettings::PoseKey& pose = settings.pose;
+  if (shots::set_or(pose.joints, name, {}) != Vec3{} || shots::set_or(pose.moves, name, {}) != Vec3{}) return true;
   return std::ranges::any_of(pose.axes, [&](const auto& axis) {
     const auto at = std::ranges::find(axis_names, axis.first) - axis_names.begin();
     return axis.second != 0 && at < std::ssize(axis_joints) && axis_joints[static_cast<std::size_t>(at)] == name;
@@ -116,8 +116,8 @@ void Controls::follow_keys() {
     say("the pose of frame " + std::to_string(*keyed_frame) + " had no key, and is gone: set one first");
   keyed_frame = playback.frame();
   if (settings.pose.keys.empty()) return;
-  settings.pose = keyed_posing(settings.pose, playback.frame());
+  settings.pose = shots::keyed_posing(settings.pose, playback.frame());
   poses.follow(settings, playback.frame());
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::viewport

@@ -19,7 +19,7 @@
 #include "viewport/state/pose_history.h"
 #include "viewport/state/pose_library.h"
 
-namespace bodyopt {
+namespace bodyopt::viewport {
 
 // The values that colour the map of poses.
 enum class MapColour { coverage, contradiction, error, sculpt, weight };
@@ -105,7 +105,7 @@ struct PoseRequest {
 
 // A pose that was copied, whole or what some joints have of it.
 struct CopiedPose {
-  ViewSettings::PoseKey pose;
+  shots::ViewSettings::PoseKey pose;
   std::vector<std::string> joints;  // none: all of it
 };
 
@@ -131,7 +131,7 @@ struct Requests {
   std::optional<bool> recover;                          // the autosave of a viewport that ended, or discard it
   std::optional<std::string> save_pose, limits;         // file names
   std::optional<PoseRequest> load_pose;
-  std::optional<SoundFile> sound;  // to be read
+  std::optional<shots::SoundFile> sound;  // to be read
   bool operator==(const Requests&) const = default;
 };
 
@@ -153,10 +153,10 @@ struct PanelState {
   std::string dragged_modifier;          // whose strength is being dragged
   std::optional<double> dragged_strength{};
   double tween = 0.5;
-  std::optional<double> curve_value{};                 // of the curve's key that the mouse holds, before
-  std::array<double, 2> curve_scale{};                 // the lowest and highest value of the curves
-  std::optional<ViewSettings::PoseKey> pose_before{};  // one of the library was in hand
-  std::optional<double> pose_share{};                  // of it, by the mouse
+  std::optional<double> curve_value{};                        // of the curve's key that the mouse holds, before
+  std::array<double, 2> curve_scale{};                        // the lowest and highest value of the curves
+  std::optional<shots::ViewSettings::PoseKey> pose_before{};  // one of the library was in hand
+  std::optional<double> pose_share{};                         // of it, by the mouse
 };
 
 struct Message {
@@ -166,13 +166,13 @@ struct Message {
 };
 
 struct Controls {
-  ViewSettings settings;
+  shots::ViewSettings settings;
   PoseHistory poses;  // of the settings
   Playback playback{{1, 1}, 24};
   OrbitCamera camera;
   Marking marking;
   std::vector<std::uint32_t> output_counts;  // of the cast: vertices that can be marked
-  std::vector<Placement> placements;         // of the cast, in its order; the lead's waits until another leads
+  std::vector<shots::Placement> placements;  // of the cast, in its order; the lead's waits until another leads
   std::vector<int> cast_numbers;             // of the cast, in its order: each keeps its own, whoever leads or goes
   Vec3 travelled{};  // metres, world: how far the lead has gone since its clip's first frame, in the last picture
   std::vector<std::string> joint_names, axis_names, control_names;  // of the lead: what commands may name
@@ -194,8 +194,8 @@ struct Controls {
   bool curves = false;             // of keys, in place of their lines
   bool zooms = false;              // the timeline shows the range alone
   std::optional<int> keyed_frame;  // that the pose in hand is of
-  ImagePlaneFile image_plane;
-  SoundFile sound;
+  shots::ImagePlaneFile image_plane;
+  shots::SoundFile sound;
   std::vector<ClipCamera> file_cameras;  // of the lead's clip and character
   std::optional<int> shot_frame;  // that the view is of, as the shot's camera had it; none: it is to be looked through
   bool flipped = false;           // while the key of "hold to flip" is down
@@ -225,13 +225,13 @@ struct Controls {
   std::vector<Message> messages;  // newest last
 
   // Cameras are kept without the lead's way: one that follows is kept as at the clip's first frame, and goes back so.
-  OrbitView kept_camera() const;
-  void go_to_camera(const OrbitView& kept);
+  shots::OrbitView kept_camera() const;
+  void go_to_camera(const shots::OrbitView& kept);
   // Looking through the shot's camera, the view becomes that camera's once the frame is another: until then it is free.
   void follow_shot_camera();
 
   // Returns the pose at a frame: in hand at the frame that is shown, by the keys at others.
-  ViewSettings::Posing posing_at(int frame) const;
+  shots::ViewSettings::Posing posing_at(int frame) const;
   // With keys, the pose in hand becomes that of the keys, once the frame that is shown is another.
   void follow_keys();
   // Whether the pose in hand differs from the keys, where there are any, and is lost with the frame.
@@ -266,4 +266,4 @@ struct Controls {
   void attempt(const std::function<void()>& action);
 };
 
-}  // namespace bodyopt
+}  // namespace bodyopt::viewport

@@ -4,7 +4,7 @@
 #include "shots/session/view_settings.h"
 #include "viewport/commands/commands.h"
 
-namespace bodyopt {
+namespace bodyopt::viewport {
 namespace {
 
 const Command kFileCommands[] = {
@@ -78,20 +78,20 @@ const Command kFileCommands[] = {
     {"quit", "", "Ctrl+Q", "File", "close the viewport; what is not saved is asked about",
      [](Controls& c, const std::string&) { c.quit_or_ask(); }},
     switch_command<&Controls::panels>("panels", "Tab", "View", "panels, or the picture alone"),
-    switch_command<&ViewSettings::Hud::on>("hud", "Z", "View", "figures over the picture"),
-    switch_command<&ViewSettings::Hud::legend>("legend", "", "View",
-                                               "names of what is compared, and what colours mean"),
+    switch_command<&shots::ViewSettings::Hud::on>("hud", "Z", "View", "figures over the picture"),
+    switch_command<&shots::ViewSettings::Hud::legend>("legend", "", "View",
+                                                      "names of what is compared, and what colours mean"),
     switch_command<&Controls::cheat_sheet>("cheat-sheet", "H", "View", "all keys"),
     switch_command<&Controls::prompt>("prompt", "Enter", "View", "type a command"),
     {"side-panel", "[on|off]", "Q", "View", "the panel on the right",
-     [](ViewSettings::Hud& hud, const std::string& a) {
-       toggle(hud.panels.try_emplace(kSidePanel, true).first->second, a);
+     [](shots::ViewSettings::Hud& hud, const std::string& a) {
+       toggle(hud.panels.try_emplace(shots::kSidePanel, true).first->second, a);
      },
-     [](const Controls& c) { return name_of(shows_side_panel(c.settings)); }},
+     [](const Controls& c) { return name_of(shots::shows_side_panel(c.settings)); }},
     {"section", "look|cameras|compare|curate|pose|poses|keys|modifiers|muscles|jiggle|ghosts|cast|transfer|output", "",
      "View", "opens a section of the side panel, and closes the others",
-     [](ViewSettings& settings, const std::string& a) {
-       open_section(settings, known(a, section_names(), "section of the side panel"));
+     [](shots::ViewSettings& settings, const std::string& a) {
+       shots::open_section(settings, known(a, shots::section_names(), "section of the side panel"));
      }},
     {"keymap", "bodyopt|maya|blender", "", "View", "keys as there, also in viewports that follow",
      [](Controls& c, const std::string& a) {
@@ -105,4 +105,4 @@ const Command kFileCommands[] = {
 
 std::span<const Command> file_commands() { return kFileCommands; }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::viewport

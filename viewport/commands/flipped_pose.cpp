@@ -8,7 +8,7 @@
 #include "shots/session/pinned_joints.h"
 #include "shots/session/posed_clip.h"
 
-namespace bodyopt {
+namespace bodyopt::viewport {
 namespace {
 
 std::string other_or_itself(const std::string& name, const std::vector<std::string>& names) {
@@ -25,8 +25,8 @@ const Quat* axes_of(const Controls& controls, const std::string& joint) {
 // How a joint faces in the world, seen in a mirror, is how the other does.
 Vec3 flipped_facing(const Vec3& degrees, const Quat& axes, const Quat& other) {
   const Quat none{0, 0, 0, 1};
-  const Quat away = turn_of(degrees) * conjugate(axes);
-  return degrees_of(turn_of(mirrored_angles(degrees_of(away), none, none)) * other);
+  const Quat away = shots::turn_of(degrees) * conjugate(axes);
+  return shots::degrees_of(shots::turn_of(shots::mirrored_angles(shots::degrees_of(away), none, none)) * other);
 }
 
 template <typename Value>
@@ -45,10 +45,10 @@ std::vector<std::string> axes_turning(const Controls& controls, const std::strin
   return axes;
 }
 
-void put_pose(const Controls& controls, const ViewSettings::PoseKey& pose, const std::vector<std::string>& joints,
-              ViewSettings::PoseKey& into) {
+void put_pose(const Controls& controls, const shots::ViewSettings::PoseKey& pose,
+              const std::vector<std::string>& joints, shots::ViewSettings::PoseKey& into) {
   if (joints.empty()) {
-    ViewSettings::PoseKey whole = pose;
+    shots::ViewSettings::PoseKey whole = pose;
     whole.ease = into.ease;  // of the key, not of the pose
     whole.eases = std::move(into.eases);
     into = std::move(whole);
@@ -62,21 +62,21 @@ void put_pose(const Controls& controls, const ViewSettings::PoseKey& pose, const
   }
 }
 
-ViewSettings::PoseKey part_of(const Controls& controls, const ViewSettings::PoseKey& pose,
-                              const std::vector<std::string>& joints) {
-  ViewSettings::PoseKey part;
+shots::ViewSettings::PoseKey part_of(const Controls& controls, const shots::ViewSettings::PoseKey& pose,
+                                     const std::vector<std::string>& joints) {
+  shots::ViewSettings::PoseKey part;
   put_pose(controls, pose, joints, part);
   return part;
 }
 
-void blend_in(Controls& controls, const ViewSettings::PoseKey& pose, double share,
-              const ViewSettings::PoseKey& before) {
-  ViewSettings::PoseKey wanted = before;
+void blend_in(Controls& controls, const shots::ViewSettings::PoseKey& pose, double share,
+              const shots::ViewSettings::PoseKey& before) {
+  shots::ViewSettings::PoseKey wanted = before;
   put_pose(controls, pose, controls.selected(), wanted);
-  static_cast<ViewSettings::PoseKey&>(controls.settings.pose) = blended(before, wanted, share);
+  static_cast<shots::ViewSettings::PoseKey&>(controls.settings.pose) = shots::blended(before, wanted, share);
 }
 
-void require_own_pose(const Controls& controls, const ViewSettings::PoseKey& pose, const std::string& file) {
+void require_own_pose(const Controls& controls, const shots::ViewSettings::PoseKey& pose, const std::string& file) {
   const auto is_own = [&](const auto& named) {
     return std::ranges::find(controls.joint_names, named.first) != controls.joint_names.end();
   };
@@ -85,10 +85,10 @@ void require_own_pose(const Controls& controls, const ViewSettings::PoseKey& pos
                                        "', expected joints of the lead: is it of another character?");
 }
 
-ViewSettings::PoseKey flipped(const Controls& controls, const ViewSettings::PoseKey& pose, int frame) {
+shots::ViewSettings::PoseKey flipped(const Controls& controls, const shots::ViewSettings::PoseKey& pose, int frame) {
   const std::vector<std::string>& joints = controls.joint_names;
   const double plane = controls.root_x ? controls.root_x(frame) : 0;
-  ViewSettings::PoseKey flipped;
+  shots::ViewSettings::PoseKey flipped;
   flipped.ease = pose.ease;
   for (const auto& [name, ease] : pose.eases) {
     const bool is_joint = std::ranges::find(joints, name) != joints.end();
@@ -98,7 +98,7 @@ ViewSettings::PoseKey flipped(const Controls& controls, const ViewSettings::Pose
   for (const auto& [joint, degrees] : pose.joints) {
     const std::string other = other_or_itself(joint, joints);
     const Quat *from = axes_of(controls, joint), *to = axes_of(controls, other);
-    if (from && to) flipped.joints[other] = mirrored_angles(degrees, *from, *to);
+    if (from && to) flipped.joints[other] = shots::mirrored_angles(degrees, *from, *to);
   }
   for (const auto& [axis, degrees] : pose.axes) {
     const std::string other = other_or_itself(axis, controls.axis_names);
@@ -127,4 +127,4 @@ std::vector<std::string> flipped(const Controls& controls, const std::vector<std
   return others;
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::viewport

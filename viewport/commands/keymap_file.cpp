@@ -9,7 +9,7 @@
 #include "runtime/core/atomic_file.h"
 #include "runtime/core/error.h"
 
-namespace bodyopt {
+namespace bodyopt::viewport {
 namespace {
 
 constexpr const char* kKeymapFile = "keymap.txt";
@@ -37,4 +37,4 @@ void write_keymap(Keymap keymap, const std::filesystem::path& folder) {
   write_file_atomically(folder / kKeymapFile, std::as_bytes(std::span(word)));
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::viewport

@@ -5,10 +5,10 @@
 
 #include "viewport/commands/controls.h"
 
-namespace bodyopt {
+namespace bodyopt::viewport {
 
 // An empty folder: none is kept. Throw Error(file).
 Keymap read_keymap(const std::filesystem::path& folder);
 void write_keymap(Keymap keymap, const std::filesystem::path& folder);
 
-}  // namespace bodyopt
+}  // namespace bodyopt::viewport

@@ -4,7 +4,7 @@
 
 #include "viewport/commands/commands.h"
 
-namespace bodyopt {
+namespace bodyopt::viewport {
 namespace {
 
 struct ChangedKey {
@@ -48,4 +48,4 @@ const char* key_of(const Command& command, Keymap keymap) {
   return is_taken ? "" : command.key;
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::viewport

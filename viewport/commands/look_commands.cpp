@@ -7,7 +7,7 @@
 #include "runtime/core/error.h"
 #include "viewport/commands/commands.h"
 
-namespace bodyopt {
+namespace bodyopt::viewport {
 namespace {
 
 constexpr double kTurn = std::numbers::pi / 36;  // 5 degrees
@@ -20,7 +20,7 @@ constexpr auto view_axis = [](Controls& c, const std::string&) {
 };
 
 // Returns the key of the frame that is shown. Throws Error(usage) where it has none.
-CameraKey& require_camera_key(Controls& c) {
+shots::CameraKey& require_camera_key(Controls& c) {
   const auto key = c.settings.shot_camera.keys.find(c.playback.frame());
   if (key != c.settings.shot_camera.keys.end()) return key->second;
   throw Error(ErrorKind::usage, "frame " + std::to_string(c.playback.frame()) + " has no key of the camera");
@@ -53,7 +53,7 @@ const Command kCameraCommands[] = {
        if (wanted != camera.view().cut_away) camera.toggle_cut_away();
      },
      [](const Controls& c) { return name_of(c.camera.view().cut_away); }},
-    switch_command<&ViewSettings::Look::follow>("follow", "V", "Camera", "go along with the character"),
+    switch_command<&shots::ViewSettings::Look::follow>("follow", "V", "Camera", "go along with the character"),
     {"orbit", "DEGREES DEGREES", "", "Camera", "around the target, to the right and up",
      [](OrbitCamera& camera, const std::string& a) {
        const auto w = words(a, 2, "two angles in degrees");
@@ -77,7 +77,7 @@ const Command kCameraCommands[] = {
      }},
     {"camera", "NAME", "", "Camera", "to a camera that was kept, or one of the lead's file",
      [](Controls& c, const std::string& a) {
-       ViewSettings::ShotCamera& shot = c.settings.shot_camera;
+       shots::ViewSettings::ShotCamera& shot = c.settings.shot_camera;
        const auto found = c.settings.cameras.find(a);
        if (found != c.settings.cameras.end()) {
          shot.of_file = "";
@@ -91,12 +91,12 @@ const Command kCameraCommands[] = {
        c.shot_frame.reset();
      }},
     {"forget-camera", "NAME", "", "Camera", "a camera that was kept",
-     [](ViewSettings& settings, const std::string& a) {
+     [](shots::ViewSettings& settings, const std::string& a) {
        if (settings.cameras.erase(a) == 0) refuse(a, "a camera that was kept");
      }},
     {"look-through", "[on|off]", "0", "Camera", "see by the camera of the shot, or freely",
      [](Controls& c, const std::string& a) {
-       ViewSettings::ShotCamera& shot = c.settings.shot_camera;
+       shots::ViewSettings::ShotCamera& shot = c.settings.shot_camera;
        toggle(shot.look_through, a);
        c.shot_frame.reset();
        if (shot.look_through && shot.keys.empty() && shot.of_file.empty())
@@ -105,7 +105,7 @@ const Command kCameraCommands[] = {
      [](const Controls& c) { return name_of(c.settings.shot_camera.look_through); }},
     {"camera-key", "", "Alt+C", "Keys", "keeps the view as a key of the camera",
      [](Controls& c, const std::string&) {
-       static_cast<OrbitView&>(c.settings.shot_camera.keys[c.playback.frame()]) = c.kept_camera();
+       static_cast<shots::OrbitView&>(c.settings.shot_camera.keys[c.playback.frame()]) = c.kept_camera();
        c.settings.shot_camera.of_file = "";
        c.shot_frame = c.playback.frame();
      }},
@@ -116,10 +116,11 @@ const Command kCameraCommands[] = {
        c.shot_frame.reset();
      }},
     {"camera-ease", "smooth|linear|step|spline", "", "Keys", "from the camera's key here to the next; step: a cut",
-     [](Controls& c, const std::string& a) { choose(require_camera_key(c).ease, a, kKeyEaseNames); },
+     [](Controls& c, const std::string& a) { choose(require_camera_key(c).ease, a, shots::kKeyEaseNames); },
      [](const Controls& c) {
        const auto key = c.settings.shot_camera.keys.find(c.playback.frame());
-       return name_of(key == c.settings.shot_camera.keys.end() ? KeyEase::smooth : key->second.ease, kKeyEaseNames);
+       return name_of(key == c.settings.shot_camera.keys.end() ? shots::KeyEase::smooth : key->second.ease,
+                      shots::kKeyEaseNames);
      }},
     {"move-camera-key", "FROM TO", "", "Keys", "the camera's key of a frame to another",
      [](Controls& c, const std::string& a) {
@@ -132,36 +133,37 @@ const Command kCameraCommands[] = {
 constexpr const char* kImages = ".png|.jpg|.jpeg|.webp";
 
 const Command kLookCommands[] = {
-    choice_command<kStyleNames, &ViewSettings::Look::style>("style", "clay|material|matcap|flat|normals|silhouette",
-                                                            "Look", "how skin looks"),
+    choice_command<shots::kStyleNames, &shots::ViewSettings::Look::style>(
+        "style", "clay|material|matcap|flat|normals|silhouette", "Look", "how skin looks"),
     {"next-style", "", "S", "Look", "clay, material, matcap, flat, normals, silhouette",
-     [](ViewSettings::Look& look, const std::string&) { choose_next(look.style, kStyleNames); }},
-    switch_command<&ViewSettings::Look::wire>("wire", "W", "Look", "edges over the surface"),
-    switch_command<&ViewSettings::Look::skeleton>("skeleton", "K", "Look", "joints and bones, seen through the skin"),
-    switch_command<&ViewSettings::Look::fibres>("fibres", "M", "Look", "muscle fibres, coloured by strain"),
-    switch_command<&ViewSettings::Look::tets>("tets", "T", "Look", "the tetrahedra of the jiggle, cut open"),
+     [](shots::ViewSettings::Look& look, const std::string&) { choose_next(look.style, shots::kStyleNames); }},
+    switch_command<&shots::ViewSettings::Look::wire>("wire", "W", "Look", "edges over the surface"),
+    switch_command<&shots::ViewSettings::Look::skeleton>("skeleton", "K", "Look",
+                                                         "joints and bones, seen through the skin"),
+    switch_command<&shots::ViewSettings::Look::fibres>("fibres", "M", "Look", "muscle fibres, coloured by strain"),
+    switch_command<&shots::ViewSettings::Look::tets>("tets", "T", "Look", "the tetrahedra of the jiggle, cut open"),
     {"tet-cut", "0-1", "", "Look", "share of the body that is cut away, from the front",
-     [](ViewSettings::Look& look, const std::string& a) { look.tet_cut = number_within(a, 0, 1); }},
-    switch_command<&ViewSettings::Look::anatomy>(
+     [](shots::ViewSettings::Look& look, const std::string& a) { look.tet_cut = number_within(a, 0, 1); }},
+    switch_command<&shots::ViewSettings::Look::anatomy>(
         "anatomy", "", "Look", "the lead cut open: bone, fat, cavity and muscles, named under the mouse"),
-    choice_command<kSectionAxisNames, &ViewSettings::Look::anatomy_axis>("anatomy-axis", "x|y|z", "Look",
-                                                                         "of the world: what the cut is across"),
+    choice_command<shots::kSectionAxisNames, &shots::ViewSettings::Look::anatomy_axis>(
+        "anatomy-axis", "x|y|z", "Look", "of the world: what the cut is across"),
     {"anatomy-at", "0-1", "", "Look", "where the cut is, of the body's extent along that axis",
-     [](ViewSettings::Look& look, const std::string& a) { look.anatomy_at = number_within(a, 0, 1); }},
+     [](shots::ViewSettings::Look& look, const std::string& a) { look.anatomy_at = number_within(a, 0, 1); }},
     {"level", "auto|0|1|2...", "", "Look", "of detail, 0 the finest; auto: the one that keeps up",
-     [](ViewSettings::Look& look, const std::string& a) {
-       look.level = automatic_or(a, 0, kCoarsestLevel, integer_within);
+     [](shots::ViewSettings::Look& look, const std::string& a) {
+       look.level = automatic_or(a, 0, shots::kCoarsestLevel, integer_within);
      }},
-    switch_command<&ViewSettings::Look::grid>("grid", "D", "Look", "the grid on the ground"),
-    switch_command<&ViewSettings::Look::axes>("axes", "A", "Look", "the world's axes"),
-    switch_command<&ViewSettings::Look::shadow>("shadow", "", "Look", "the shadow on the ground"),
-    switch_command<&ViewSettings::Look::worn>("worn", "", "Look",
-                                              "clothes, eyes and what else is attached to the skin"),
+    switch_command<&shots::ViewSettings::Look::grid>("grid", "D", "Look", "the grid on the ground"),
+    switch_command<&shots::ViewSettings::Look::axes>("axes", "A", "Look", "the world's axes"),
+    switch_command<&shots::ViewSettings::Look::shadow>("shadow", "", "Look", "the shadow on the ground"),
+    switch_command<&shots::ViewSettings::Look::worn>("worn", "", "Look",
+                                                     "clothes, eyes and what else is attached to the skin"),
     {"image-plane", "[FILE|none] [0-1]", "", "Look", "an image behind, or one a frame (####); its opacity",
      [](Controls& c, const std::string& a) {
        if (a.empty()) return c.browse("image-plane");
        if (a == "none") return void(c.image_plane = {});
-       ImagePlaneFile plane{a};
+       shots::ImagePlaneFile plane{a};
        if (!missing_ending(a, kImages).empty()) {
          const auto [file, opacity] = split_last(a, "a file that ends in .png, .jpg or .webp, and an opacity");
          require_ending(file, kImages);
@@ -180,4 +182,4 @@ std::span<const Command> camera_commands() { return kCameraCommands; }
 
 std::span<const Command> look_commands() { return kLookCommands; }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::viewport

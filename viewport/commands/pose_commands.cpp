@@ -11,7 +11,7 @@
 #include "viewport/commands/commands.h"
 #include "viewport/commands/flipped_pose.h"
 
-namespace bodyopt {
+namespace bodyopt::viewport {
 namespace {
 
 // "12", or as the take of a dataset that is open numbers it: "rom 40".
@@ -70,14 +70,14 @@ const Command kPlaybackCommands[] = {
      [](const Controls& c) { return name_of(c.playback.backwards()); }},
     {"mode", "loop|ping-pong|once", "", "Playback", "what happens at the end of the range",
      [](Playback& playback, const std::string& a) {
-       PlayMode mode = playback.mode();
-       choose(mode, a, kPlayModeNames);
+       shots::PlayMode mode = playback.mode();
+       choose(mode, a, shots::kPlayModeNames);
        playback.set_mode(mode);
      },
-     [](const Controls& c) { return name_of(c.playback.mode(), kPlayModeNames); }},
+     [](const Controls& c) { return name_of(c.playback.mode(), shots::kPlayModeNames); }},
     {"speed", "0.1-2", "", "Playback", "of playing; 1: as it is",
      [](Playback& playback, const std::string& a) {
-       const double speed = number_within(a, PlaySettings::kSlowest, PlaySettings::kFastest);
+       const double speed = number_within(a, shots::PlaySettings::kSlowest, shots::PlaySettings::kFastest);
        playback.set_speed(speed);
      }},
     {"every-frame", "[on|off]", "", "Playback", "drop no frame, however long it takes",
@@ -105,11 +105,11 @@ const Command kPlaybackCommands[] = {
     {"sound", "[FILE.wav|none] [FRAME]", "", "Playback", "its waveform under the timeline, from a frame on",
      [](Controls& c, const std::string& a) {
        if (a.empty()) return c.browse("sound");
-       c.requests.sound = SoundFile{a == "none" ? "" : a, c.playback.first()};
+       c.requests.sound = shots::SoundFile{a == "none" ? "" : a, c.playback.first()};
        if (a == "none" || a.ends_with(".wav")) return;
        const auto [file, frame] = split_last(a, "a file that ends in .wav, and the frame that it begins at");
        require_ending(file, ".wav");
-       c.requests.sound = SoundFile{file, integer_within(frame, -kLatestFrame, kLatestFrame)};
+       c.requests.sound = shots::SoundFile{file, integer_within(frame, -shots::kLatestFrame, shots::kLatestFrame)};
      }},
     {"live", "[on|off]", "", "Playback", "poses that another program sends, or the clip",
      [](Controls& c, const std::string& a) {
@@ -142,7 +142,7 @@ std::pair<std::string, Vec3> joint_and_three(const std::string& text, const std:
 // Moves the keys of the range; keys that give way are reported. Throws Error(usage) where the range has no keys, or the
 // clip has no such frame.
 void move_keys(Controls& c, bool takes_away, const std::function<int(int)>& to) {
-  std::map<int, ViewSettings::PoseKey> moved, kept;
+  std::map<int, shots::ViewSettings::PoseKey> moved, kept;
   std::size_t count = 0;
   for (const auto& [frame, key] : c.settings.pose.keys) {
     const bool is_within = c.playback.in() <= frame && frame <= c.playback.out();
@@ -162,9 +162,9 @@ void move_keys(Controls& c, bool takes_away, const std::function<int(int)>& to) 
 }
 
 // Undoes or redoes: with keys a pose is that of its frame.
-bool go_to_step(Controls& c, std::optional<int> (PoseHistory::*step)(ViewSettings&, int)) {
+bool go_to_step(Controls& c, std::optional<int> (PoseHistory::*step)(shots::ViewSettings&, int)) {
   const bool had_keys = !c.settings.pose.keys.empty();
-  const std::map<int, CameraKey> cameras = c.settings.shot_camera.keys;
+  const std::map<int, shots::CameraKey> cameras = c.settings.shot_camera.keys;
   const std::optional<int> frame = (c.poses.*step)(c.settings, c.playback.frame());
   if (c.settings.shot_camera.keys != cameras) c.shot_frame.reset();
   if (!frame || (!had_keys && c.settings.pose.keys.empty())) return frame.has_value();
@@ -180,7 +180,7 @@ std::vector<std::string> named_or_all_selected(const Controls& controls, const s
 }
 
 // Returns the key of the frame that is shown.
-ViewSettings::PoseKey& require_key(Controls& controls) {
+shots::ViewSettings::PoseKey& require_key(Controls& controls) {
   const auto key = controls.settings.pose.keys.find(controls.playback.frame());
   if (key != controls.settings.pose.keys.end()) return key->second;
   throw Error(ErrorKind::usage, "frame " + std::to_string(controls.playback.frame()) + " has no key");
@@ -193,13 +193,13 @@ const CopiedPose& require_copied(const Controls& controls) {
 
 // Blends the two keys around the frame that is shown, at this share of the way, for some joints or for all.
 void tween(Controls& c, double share) {
-  const std::map<int, ViewSettings::PoseKey>& keys = c.settings.pose.keys;
+  const std::map<int, shots::ViewSettings::PoseKey>& keys = c.settings.pose.keys;
   const auto after = keys.upper_bound(c.playback.frame());
   auto before = keys.lower_bound(c.playback.frame());
   if (before == keys.begin() || after == keys.end()) {
     throw Error(ErrorKind::usage, "frame " + std::to_string(c.playback.frame()) + " has no key before and after it");
   }
-  put_pose(c, blended((--before)->second, after->second, share), c.selected(), c.settings.pose);
+  put_pose(c, shots::blended((--before)->second, after->second, share), c.selected(), c.settings.pose);
 }
 
 // Switches a tool on alone, or all tools.
@@ -231,18 +231,18 @@ const Command kPoseCommands[] = {
     tool_command<Tool::turn>("turn-tool", "only rings to drag by"),
     {"turn", "JOINT X Y Z", "", "Pose", "a joint on top of the clip, degrees",
      [](Controls& c, const std::string& a) {
-       const auto [joint, angles] = joint_and_three(a, "a joint and three angles in degrees", kMostTurn);
+       const auto [joint, angles] = joint_and_three(a, "a joint and three angles in degrees", shots::kMostTurn);
        c.settings.pose.joints[known(joint, c.joint_names, "joint")] = angles;
      }},
     {"axis", "NAME DEGREES", "", "Pose", "a joint along an axis of its limits, on top of the clip",
      [](Controls& c, const std::string& a) {
        const auto [name, angle] = split_last(a, "an axis and an angle in degrees");
        c.settings.pose.axes[known(name, c.axis_names, "axis of the joint limits")] =
-           number_within(angle, -kMostTurn, kMostTurn);
+           number_within(angle, -shots::kMostTurn, shots::kMostTurn);
      }},
     {"move", "JOINT X Y Z", "", "Pose", "hips, root, or what may move, on top of the clip, metres; pins hold meanwhile",
      [](Controls& c, const std::string& a) {
-       const auto [joint, by] = joint_and_three(a, "a joint and three distances in metres", kFurthest);
+       const auto [joint, by] = joint_and_three(a, "a joint and three distances in metres", shots::kFurthest);
        c.settings.pose.moves[known(joint, c.movable_names, "joint that may move")] = by;
      }},
     {"limits", "[FILE.json|none]", "", "Pose", "of the lead's joints; turns end there",
@@ -257,7 +257,7 @@ const Command kPoseCommands[] = {
          c.requests.pin = PinRequest{named_or_selected(c, a)};
          return;
        }
-       const auto [joint, at] = joint_and_three(a, "a joint, or a joint and a point", kFurthest);
+       const auto [joint, at] = joint_and_three(a, "a joint, or a joint and a point", shots::kFurthest);
        c.requests.pin = PinRequest{known(joint, c.joint_names, "joint"), at};
      }},
     {"unpin", "[JOINT]", "", "Pose", "lets go of the joint that is selected",
@@ -277,16 +277,16 @@ const Command kPoseCommands[] = {
      }},
     {"ease", "smooth|linear|step|spline", "", "Keys", "from the key of this frame to the next; spline: on through both",
      [](Controls& c, const std::string& a) {
-       ViewSettings::PoseKey& key = require_key(c);
-       choose(key.ease, a, kKeyEaseNames);
+       shots::ViewSettings::PoseKey& key = require_key(c);
+       choose(key.ease, a, shots::kKeyEaseNames);
        c.settings.pose.ease = key.ease;
      },
-     [](const Controls& c) { return name_of(c.settings.pose.ease, kKeyEaseNames); }},
+     [](const Controls& c) { return name_of(c.settings.pose.ease, shots::kKeyEaseNames); }},
     {"ease-joints", "key|smooth|linear|step|spline", "", "Keys", "the same of selected joints; key: as the key",
      [](Controls& c, const std::string& a) {
-       std::optional<KeyEase> ease;
-       if (a != "key") choose(ease.emplace(), a, kKeyEaseNames);
-       std::map<std::string, KeyEase>& eases = require_key(c).eases;
+       std::optional<shots::KeyEase> ease;
+       if (a != "key") choose(ease.emplace(), a, shots::kKeyEaseNames);
+       std::map<std::string, shots::KeyEase>& eases = require_key(c).eases;
        for (const std::string& joint : named_or_all_selected(c, "")) {
          std::vector<std::string> names = axes_turning(c, joint);
          names.push_back(joint);
@@ -299,7 +299,7 @@ const Command kPoseCommands[] = {
      },
      [](const Controls& c) {
        const auto own = c.settings.pose.eases.find(c.joint);
-       return own == c.settings.pose.eases.end() ? std::string("key") : name_of(own->second, kKeyEaseNames);
+       return own == c.settings.pose.eases.end() ? std::string("key") : name_of(own->second, shots::kKeyEaseNames);
      }},
     {"shift-keys", "FRAMES", "", "Keys", "all keys of the range, to later frames",
      [](Controls& c, const std::string& a) {
@@ -385,7 +385,7 @@ const Command kPoseCommands[] = {
      [](Controls& c, const std::string& a) {
        const auto [name, value] = split_last(a, "a control and a number");
        c.settings.pose.controls[known(name, c.control_names, "control of the basis")] =
-           number_within(value, -kMostControl, kMostControl);
+           number_within(value, -shots::kMostControl, shots::kMostControl);
      }},
     {"reset-pose", "", "Shift+R", "Pose", "the pose as the clip has it",
      [](Controls& c, const std::string&) { put_pose(c, {}, {}, c.settings.pose); }},
@@ -406,10 +406,12 @@ const Command kPoseCommands[] = {
        if (!go_to_step(c, &PoseHistory::redo)) c.say("nothing to redo");
      }},
     {"correction", "0-1", "", "Pose", "how much is shown of what was learned",
-     [](ViewSettings::Posing& pose, const std::string& a) { pose.correction = number_within(a, 0, 1); }},
-    switch_command<&ViewSettings::Jiggling::on>("jiggle", "J", "Pose", "flesh that moves by inertia"),
+     [](shots::ViewSettings::Posing& pose, const std::string& a) { pose.correction = number_within(a, 0, 1); }},
+    switch_command<&shots::ViewSettings::Jiggling::on>("jiggle", "J", "Pose", "flesh that moves by inertia"),
     {"jiggle-amount", "0-4", "", "Pose", "how much is shown of the jiggle",
-     [](ViewSettings::Jiggling& jiggle, const std::string& a) { jiggle.amount = number_within(a, 0, kMostJiggle); }},
+     [](shots::ViewSettings::Jiggling& jiggle, const std::string& a) {
+       jiggle.amount = number_within(a, 0, shots::kMostJiggle);
+     }},
     request_command<&Requests::reset_jiggle>("reset-jiggle", "", "Pose", "the jiggle begins anew"),
 };
 
@@ -419,4 +421,4 @@ std::span<const Command> playback_commands() { return kPlaybackCommands; }
 
 std::span<const Command> pose_commands() { return kPoseCommands; }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::viewport

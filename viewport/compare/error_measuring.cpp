@@ -11,7 +11,7 @@
 #include "runtime/cpu/kernels.h"
 #include "shots/session/view_settings.h"
 
-namespace bodyopt {
+namespace bodyopt::viewport {
 namespace {
 
 using Clock = std::chrono::steady_clock;
@@ -35,7 +35,7 @@ FrameError frame_error(std::span<const float> shown, std::span<const float> comp
           {at[0], at[1], at[2]}};
 }
 
-bool ErrorCurve::look_at(const Actor& character, const ViewSettings& settings) {
+bool ErrorCurve::look_at(const Actor& character, const shots::ViewSettings& settings) {
   const std::optional<SkinMethod> compared = compared_method(character, settings);
   std::optional<Subject> subject;
   if (compared) {
@@ -113,7 +113,7 @@ std::optional<std::size_t> ErrorCurve::worst() const {
 double round_heat(double mm) {
   constexpr double kFinestAutomatic = 0.1;  // of what is equal, noise shall not glow
   constexpr double kRounding = 1.001;       // 5 mm in single precision are 5 mm
-  const double wanted = std::clamp(mm, kFinestAutomatic, kCoarsestHeat);
+  const double wanted = std::clamp(mm, kFinestAutomatic, shots::kCoarsestHeat);
   const double power = std::pow(10, std::floor(std::log10(wanted * kRounding)));
   for (const double step : {1.0, 2.0, 5.0}) {
     if (step * power * kRounding >= wanted) return step * power;
@@ -199,7 +199,7 @@ void ErrorMeasuring::go_to_worst_vertex() {
   const FrameError* const error = shown_error();
   if (!error) throw Error(ErrorKind::usage, "there is nothing to compare with in this frame");
   controls_.marker = Marker{controls_.playback.frame(), error->worst};
-  OrbitView view = controls_.camera.view();
+  shots::OrbitView view = controls_.camera.view();
   view.target = error->worst;
   view.distance = kNearVertex * scene_.lead().size();
   // Quasi-static, as the error is.
@@ -220,4 +220,4 @@ Vec3 normal_at(const MeshTable& mesh, std::span<const float> output, std::uint32
   return {at[0], at[1], at[2]};
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::viewport

@@ -11,7 +11,7 @@
 #include "runtime/basis/basis.h"
 #include "viewport/scene/scene.h"
 
-namespace bodyopt {
+namespace bodyopt::viewport {
 
 // Vertex distances, mm; not a number: not measured, or nothing to measure. As everywhere the root's motion, which both
 // sides share, is taken out by the subtraction.
@@ -27,7 +27,7 @@ FrameError frame_error(std::span<const float> shown, std::span<const float> comp
 class ErrorCurve {
  public:
   // Chooses what is measured. Forgets what was measured of anything else, and returns whether it did.
-  bool look_at(const Actor& character, const ViewSettings& settings);
+  bool look_at(const Actor& character, const shots::ViewSettings& settings);
   void forget();  // files have changed
 
   // One more frame: `frame`, where it was not measured, or one far from those that were. False when all are. Throws
@@ -46,7 +46,7 @@ class ErrorCurve {
   // Jiggle has a past that a single frame does not: measured is what it swings about.
   struct Subject {
     SkinMethod shown, compared;
-    ViewSettings::Posing posing;
+    shots::ViewSettings::Posing posing;
     bool operator==(const Subject&) const = default;
   };
 
@@ -114,4 +114,4 @@ class ErrorMeasuring {
 // Returns the skin's normal at a vertex, output vertex order: unit, outwards; zero where its triangles have no area.
 Vec3 normal_at(const MeshTable& mesh, std::span<const float> output, std::uint32_t vertex);
 
-}  // namespace bodyopt
+}  // namespace bodyopt::viewport

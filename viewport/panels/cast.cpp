@@ -5,7 +5,7 @@
 #include "runtime/core/text.h"
 #include "viewport/panels/panels.h"
 
-namespace bodyopt {
+namespace bodyopt::viewport {
 namespace {
 
 std::string with_commas(std::uint32_t number) {
@@ -99,8 +99,8 @@ void draw_cast(const Snapshot& snapshot, Controls& controls) {
     if (!row.truth.empty()) draw_line("truth", std::filesystem::path(row.truth).filename().string());
     ImGui::Separator();
   }
-  ViewSettings::Cast& cast = controls.settings.cast;
-  slide("Copies", cast.copies, 1, kMostCopies, "%d", find_command("copies")->help);
+  shots::ViewSettings::Cast& cast = controls.settings.cast;
+  slide("Copies", cast.copies, 1, shots::kMostCopies, "%d", find_command("copies")->help);
   slide("Delay", cast.delay, 0, 48, cast.delay == 1 ? "%d frame" : "%d frames", find_command("copy-delay")->help);
   ImGui::PushTextWrapPos(0);
   ImGui::TextDisabled("drop files onto the window to add them");
@@ -110,10 +110,10 @@ void draw_cast(const Snapshot& snapshot, Controls& controls) {
 // Frames before and after, see-through.
 void draw_ghosts(const Snapshot&, Controls& controls) {
   constexpr int kLongestStep = 48;  // of the slider: it is to be set by hand
-  ViewSettings::Ghosts& ghosts = controls.settings.ghosts;
+  shots::ViewSettings::Ghosts& ghosts = controls.settings.ghosts;
   command_tick(controls, "toggle-ghosts", "On");
-  slide("Before", ghosts.before, 0, kMostGhosts, "%d", "ghosts of frames before, in blue");
-  slide("After", ghosts.after, 0, kMostGhosts, "%d", "ghosts of frames after, in orange");
+  slide("Before", ghosts.before, 0, shots::kMostGhosts, "%d", "ghosts of frames before, in blue");
+  slide("After", ghosts.after, 0, shots::kMostGhosts, "%d", "ghosts of frames after, in orange");
   slide("Step", ghosts.step, 1, kLongestStep, ghosts.step == 1 ? "%d frame" : "%d frames",
         find_command("ghost-step")->help);
   slide("Opacity", ghosts.opacity, 0, 1, "%.2f", find_command("ghost-opacity")->help);
@@ -141,4 +141,4 @@ void draw_transfer(const Snapshot& snapshot, Controls& controls) {
   draw_parts(match.parts, controls);
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::viewport

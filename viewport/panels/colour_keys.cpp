@@ -12,7 +12,7 @@
 #include "viewport/scene/cut_tets.h"
 #include "viewport/state/strain_colour.h"
 
-namespace bodyopt {
+namespace bodyopt::viewport {
 namespace {
 
 constexpr float kKeyMargin = 14, kKeyPadding = 8, kKeyGap = 7, kKeyBarWidth = 120, kSquare = 11;
@@ -119,9 +119,9 @@ struct Heat {
 
 // Returns the heat that colours the lead: none, or the first of several.
 std::optional<Heat> heat_of(const Snapshot& snapshot, const Controls& controls) {
-  const ViewSettings::Compare& compare = controls.settings.compare;
+  const shots::ViewSettings::Compare& compare = controls.settings.compare;
   if (snapshot.match) {
-    if (compare.match == MatchView::colours) return std::nullopt;  // which are no heat
+    if (compare.match == shots::MatchView::colours) return std::nullopt;  // which are no heat
     return Heat{"unsure (0: the same)", NAN, 1};
   }
   if (compare.coverage && snapshot.knows_coverage) {
@@ -135,7 +135,7 @@ std::optional<Heat> heat_of(const Snapshot& snapshot, const Controls& controls) 
 
 // Explains why colours that are asked for are lacking; empty: they are there.
 std::string why_no_heat(const Snapshot& snapshot, const Controls& controls) {
-  const ViewSettings::Compare& compare = controls.settings.compare;
+  const shots::ViewSettings::Compare& compare = controls.settings.compare;
   if (compare.coverage && !snapshot.knows_coverage) return "no expected error: the basis was trained without shapes";
   const bool lacks = compare.heat && snapshot.compared.empty() && !compare.coverage && !snapshot.match;
   return lacks ? "no heat: nothing is compared, as by 'compare ddm'" : "";
@@ -164,7 +164,7 @@ KeyLine heat_key(const Heat& heat, float right) {
   for (const bool is_whole : {true, false}) {
     KeyLine line;
     if (is_whole) line.add_text(heat.title);
-    line.add_text("0").add_bar([](float share) { return opaque(heat_colour(share)); });
+    line.add_text("0").add_bar([](float share) { return opaque(draw::heat_colour(share)); });
     line.add_text(millimetres(heat.hottest));
     if (is_whole && !largest.empty()) line.add_text(largest, kAccent);
     if (!is_whole || line.end() <= right) return line;
@@ -178,7 +178,7 @@ constexpr float kKeyLine = 10;  // more than the height of the text
 std::vector<KeyLine> key_lines(const Snapshot& snapshot, const Controls& controls, bool bar_lies, float right) {
   std::vector<KeyLine> lines;
   if (snapshot.cast.empty()) return lines;
-  const ViewSettings::Look& look = controls.settings.look;
+  const shots::ViewSettings::Look& look = controls.settings.look;
   const std::optional<Heat> heat = heat_of(snapshot, controls);
   if (heat && bar_lies) lines.push_back(heat_key(*heat, right));
   if (const std::string why = why_no_heat(snapshot, controls); !why.empty()) {
@@ -187,7 +187,7 @@ std::vector<KeyLine> key_lines(const Snapshot& snapshot, const Controls& control
   if (look.fibres && !snapshot.fibres.empty()) lines.push_back(fibre_key());
   if (look.tets && snapshot.cast.front().tets > 0) lines.push_back(tet_key());
   if (snapshot.section) lines.push_back(section_key(*snapshot.section));
-  const bool by_match = snapshot.match && controls.settings.compare.match == MatchView::colours;
+  const bool by_match = snapshot.match && controls.settings.compare.match == shots::MatchView::colours;
   if (by_match) lines.push_back(KeyLine().add_text("the same colour is the same point of both"));
   return lines;
 }
@@ -235,7 +235,7 @@ void draw_colour_bar(const Snapshot& snapshot, const Controls& controls, const P
                      {right + 12, bottom + line}, kBehind, 6);
   for (int k = 0; k < kSteps; ++k) {
     const float low = static_cast<float>(k) / kSteps, high = static_cast<float>(k + 1) / kSteps;
-    const ImU32 a = opaque(heat_colour(low)), b = opaque(heat_colour(high));
+    const ImU32 a = opaque(draw::heat_colour(low)), b = opaque(draw::heat_colour(high));
     list.AddRectFilledMultiColor({left, bottom - high * height}, {right, bottom - low * height}, b, b, a, a);
   }
   for (int k = 0; k < kLabels; ++k) {
@@ -251,4 +251,4 @@ void draw_colour_bar(const Snapshot& snapshot, const Controls& controls, const P
   draw_text(list, right, top - 2.4f * line, kAccent, largest);
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::viewport

@@ -5,7 +5,7 @@
 #include "runtime/core/text.h"
 #include "viewport/panels/panels.h"
 
-namespace bodyopt {
+namespace bodyopt::viewport {
 namespace {
 
 void draw_error(const char* what, float millimetres) {
@@ -36,7 +36,7 @@ void draw_heat_scale(Controls& controls) {
   std::optional<double>& set = controls.settings.compare.heat_scale_mm;
   double mm = controls.heat_mm();
   const char* const format = set ? "%.3g mm" : "auto: %.3g mm";
-  if (slide("Hottest", mm, kFinestHeat, kCoarsestHeat, format, find_command("heat-scale")->help,
+  if (slide("Hottest", mm, shots::kFinestHeat, shots::kCoarsestHeat, format, find_command("heat-scale")->help,
             ImGuiSliderFlags_Logarithmic)) {
     set = mm;
   }
@@ -79,16 +79,16 @@ void draw_wipe(Controls& controls, const PanelLayout& layout) {
 }  // namespace
 
 void draw_compare(const Snapshot& snapshot, Controls& controls) {
-  ViewSettings::Compare& compare = controls.settings.compare;
+  shots::ViewSettings::Compare& compare = controls.settings.compare;
   command_choice(controls, "compare", "With", &snapshot.comparisons);
   const bool compares = !snapshot.compared.empty() && !compare.activation;
   ImGui::BeginDisabled(!compares);
   command_choice(controls, "layout", "Layout");
   ImGui::EndDisabled();
-  if (compares && compare.layout == CompareLayout::wipe) {
+  if (compares && compare.layout == shots::CompareLayout::wipe) {
     slide("Wipe", compare.wipe, 0, 1, "%.2f", "where, of the picture's width; or drag the line in the picture");
   }
-  if (compares && compare.layout == CompareLayout::hold) ImGui::TextDisabled("hold X to see the other");
+  if (compares && compare.layout == shots::CompareLayout::hold) ImGui::TextDisabled("hold X to see the other");
   command_tick(controls, "heat", "Heat of the distance");
   command_tick(controls, "activation", "Heat of what was learned");
   ImGui::BeginDisabled(!snapshot.knows_coverage);
@@ -99,7 +99,7 @@ void draw_compare(const Snapshot& snapshot, Controls& controls) {
 }
 
 bool shows_two_views(const Snapshot& snapshot, const Controls& controls) {
-  return controls.settings.compare.layout == CompareLayout::side_by_side && names_height(snapshot, controls) > 0;
+  return controls.settings.compare.layout == shots::CompareLayout::side_by_side && names_height(snapshot, controls) > 0;
 }
 
 float names_height(const Snapshot& snapshot, const Controls& controls) {
@@ -108,26 +108,26 @@ float names_height(const Snapshot& snapshot, const Controls& controls) {
 }
 
 void draw_comparison(const Snapshot& snapshot, Controls& controls, const PanelLayout& layout) {
-  const ViewSettings::Compare& compare = controls.settings.compare;
+  const shots::ViewSettings::Compare& compare = controls.settings.compare;
   if (!controls.settings.hud.legend || names_height(snapshot, controls) == 0) return;
-  if (compare.layout == CompareLayout::wipe) draw_wipe(controls, layout);
+  if (compare.layout == shots::CompareLayout::wipe) draw_wipe(controls, layout);
   if (layout.overlaid.top == 0) return;
   const std::string& shown = snapshot.cast.front().method;
   const float right = layout.right(), top = layout.menu + kNamesTop;
   const auto wipe = static_cast<float>(compare.wipe) * right;
   switch (compare.layout) {
-    case CompareLayout::side_by_side:
+    case shots::CompareLayout::side_by_side:
       draw_name(shown, 0.25f * right, 0, 0.5f * right, top);
       draw_name(snapshot.compared, 0.75f * right, 0.5f * right, right, top);
       break;
-    case CompareLayout::wipe:
+    case shots::CompareLayout::wipe:
       draw_name(shown, 0.5f * wipe, 0, wipe, top);
       draw_name(snapshot.compared, 0.5f * (wipe + right), wipe, right, top);
       break;
-    case CompareLayout::overlay:
+    case shots::CompareLayout::overlay:
       draw_name(shown + " under " + snapshot.compared, 0.5f * right, 0, right, top);
       break;
-    case CompareLayout::hold: {
+    case shots::CompareLayout::hold: {
       const std::string& seen = controls.shows_compared() ? snapshot.compared : shown;
       const std::string& other = controls.shows_compared() ? shown : snapshot.compared;
       draw_name(controls.flipped ? seen : seen + "  (hold X: " + other + ")", 0.5f * right, 0, right, top);
@@ -136,4 +136,4 @@ void draw_comparison(const Snapshot& snapshot, Controls& controls, const PanelLa
   }
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::viewport

@@ -6,7 +6,7 @@
 #include "runtime/core/text.h"
 #include "viewport/panels/panels.h"
 
-namespace bodyopt {
+namespace bodyopt::viewport {
 namespace {
 
 constexpr float kDot = 3, kMapMargin = 8;
@@ -24,7 +24,7 @@ struct MapFrame {
 };
 
 ImU32 colour_of(const PoseDot& dot) {
-  return std::isfinite(dot.heat) ? opaque(heat_colour(std::clamp(dot.heat, 0.0f, 1.0f))) : kQuiet;
+  return std::isfinite(dot.heat) ? opaque(draw::heat_colour(std::clamp(dot.heat, 0.0f, 1.0f))) : kQuiet;
 }
 
 // Nearest to the mouse, within reach of it; -1: none.
@@ -116,7 +116,7 @@ void draw_stack(const CurationRow& curation, Controls& controls) {
 void draw_brushes(Controls& controls) {
   command_choice(controls, "brush", "Brush");
   BrushInHand& brush = controls.brush;
-  slide("Radius", brush.radius_mm, kFinestBrush, kWidestSlide, "%.0f mm", find_command("brush-radius")->help,
+  slide("Radius", brush.radius_mm, shots::kFinestBrush, kWidestSlide, "%.0f mm", find_command("brush-radius")->help,
         ImGuiSliderFlags_Logarithmic);
   slide("Strength", brush.strength, 0, 1, "%.2f", find_command("brush-strength")->help);
   double spread = brush.spread.value_or(0);
@@ -170,4 +170,4 @@ void draw_curate(const Snapshot& snapshot, Controls& controls) {
   draw_pairs(curation, controls);
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::viewport

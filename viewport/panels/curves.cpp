@@ -9,10 +9,10 @@
 #include "viewport/commands/flipped_pose.h"
 #include "viewport/panels/panels.h"
 
-namespace bodyopt {
+namespace bodyopt::viewport {
 namespace {
 
-using Key = ViewSettings::PoseKey;
+using Key = shots::ViewSettings::PoseKey;
 using Keys = std::map<int, Key>;
 
 constexpr ImU32 kColours[] = {IM_COL32(225, 90, 80, 255),  IM_COL32(120, 200, 90, 255),  IM_COL32(90, 150, 235, 255),
@@ -128,7 +128,7 @@ void draw_curve(const Curve& curve, const Keys& keys, const Plot& plot) {
   ImDrawList& list = *ImGui::GetWindowDrawList();
   const int step = 1 + (plot.last - plot.first) / std::max(1, static_cast<int>(plot.size.x));
   for (int frame = plot.first; frame <= plot.last; frame += step) {
-    Key key = between_keys(keys, frame);
+    Key key = shots::between_keys(keys, frame);
     if (curve.is_in(key)) list.PathLineTo({plot.x(frame), plot.y(curve.in(key))});
   }
   list.PathStroke(curve.colour, 0, 1.5f);
@@ -149,7 +149,7 @@ std::string drag_key(const Curve& curve, int frame, const Plot& plot, Controls& 
     const bool goes_sideways = std::abs(by.x) > std::abs(by.y);
     const bool was_keyed = !controls.is_unkeyed();
     value = goes_sideways ? *before : *before - static_cast<double>(by.y) * plot.per_point();
-    if (was_keyed) controls.settings.pose = keyed_posing(controls.settings.pose, controls.playback.frame());
+    if (was_keyed) controls.settings.pose = shots::keyed_posing(controls.settings.pose, controls.playback.frame());
     const int to = goes_sideways ? plot.frame(point.x + by.x) : frame;
     point = {plot.x(to), plot.y(value)};
     if (ImGui::IsItemDeactivated()) {
@@ -198,4 +198,4 @@ void draw_curves(Controls& controls, float name_width, float width, int first, i
   if (!command.empty()) attempt(controls, command);
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::viewport

@@ -8,7 +8,7 @@
 #include "runtime/core/text.h"
 #include "viewport/panels/panels.h"
 
-namespace bodyopt {
+namespace bodyopt::viewport {
 namespace {
 
 constexpr ImU32 kPlain = IM_COL32(190, 190, 194, 255);
@@ -70,7 +70,7 @@ void add_live(const LiveRow& live, Lines& lines) {
 }
 
 void add_pins(const Snapshot& snapshot, Lines& lines) {
-  for (const MissedPin& pin : snapshot.missed_pins) lines.add(describe(pin), kErrorColour);
+  for (const shots::MissedPin& pin : snapshot.missed_pins) lines.add(shots::describe(pin), kErrorColour);
 }
 
 void add_times(const Snapshot& snapshot, Lines& lines) {
@@ -163,4 +163,4 @@ void draw_messages(const Snapshot& snapshot, Controls& controls, PanelLayout& la
   ImGui::End();
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::viewport

@@ -5,14 +5,14 @@
 
 #include "viewport/panels/panels.h"
 
-namespace bodyopt {
+namespace bodyopt::viewport {
 namespace {
 
 constexpr float kNames = 0.42f;  // of the section's width
 constexpr float kRow = 18;
 
 // Joints, axes, controls and pins of a key.
-std::set<std::string> names_of(const ViewSettings::PoseKey& key) {
+std::set<std::string> names_of(const shots::ViewSettings::PoseKey& key) {
   std::set<std::string> names;
   for (const auto& [name, value] : key.joints) names.insert(name);
   for (const auto& [name, value] : key.axes) names.insert(name);
@@ -24,15 +24,15 @@ std::set<std::string> names_of(const ViewSettings::PoseKey& key) {
 
 struct KeyedLine {
   std::string name;
-  std::map<int, KeyEase> keys{};  // all there are
-  std::set<int> frames{};         // of those that say something of what the line is of
-  bool is_camera = false;         // otherwise the pose
+  std::map<int, shots::KeyEase> keys{};  // all there are
+  std::set<int> frames{};                // of those that say something of what the line is of
+  bool is_camera = false;                // otherwise the pose
 };
 
 // Returns a key's ease for what a row is of.
-KeyEase ease_of(const ViewSettings::PoseKey& key, const std::string& row) {
+shots::KeyEase ease_of(const shots::ViewSettings::PoseKey& key, const std::string& row) {
   const std::size_t kind = row.starts_with("pin ") ? 4 : row.starts_with("move ") ? 5 : 0;
-  return set_or(key.eases, row.substr(kind), key.ease);
+  return shots::set_or(key.eases, row.substr(kind), key.ease);
 }
 
 // Draws all keys in a line, to be dragged to other frames; a click goes there. Hollow ones say nothing of the line's
@@ -72,10 +72,13 @@ std::string draw_diamonds(const KeyedLine& line, const ImVec2& at, float width, 
     const ImVec2 middle{held ? ImGui::GetIO().MousePos.x : x, y};
     if (!line.frames.contains(frame)) {
       list.AddCircle(middle, kDiamond - 1, colour, 4);
-    } else if (ease == KeyEase::step) {
+    } else if (ease == shots::KeyEase::step) {
       list.AddRectFilled({middle.x - 3.5f, y - 3.5f}, {middle.x + 3.5f, y + 3.5f}, colour);
     } else {
-      list.AddCircleFilled(middle, kDiamond, colour, ease == KeyEase::linear ? 3 : ease == KeyEase::spline ? 12 : 4);
+      list.AddCircleFilled(middle, kDiamond, colour,
+                           ease == shots::KeyEase::linear   ? 3
+                           : ease == shots::KeyEase::spline ? 12
+                                                            : 4);
     }
   }
   const int shown = controls.playback.frame();
@@ -145,7 +148,7 @@ void draw_mouse(float width) {
 }  // namespace
 
 void draw_key_lines(Controls& controls, float name_width, float width, int first, int last) {
-  const std::map<int, ViewSettings::PoseKey>& poses = controls.settings.pose.keys;
+  const std::map<int, shots::ViewSettings::PoseKey>& poses = controls.settings.pose.keys;
   if (poses.empty() && controls.settings.shot_camera.keys.empty()) {
     ImGui::TextDisabled("no keys: pose a frame, then Set key below (Alt+K)");
     return;
@@ -181,7 +184,7 @@ void draw_keys(const Snapshot&, Controls& controls) {
   const Playback& playback = controls.playback;
   const float width = ImGui::GetContentRegionAvail().x;
   draw_key_lines(controls, kNames * width, width, playback.in(), playback.out());
-  const std::map<int, ViewSettings::PoseKey>& keys = controls.settings.pose.keys;
+  const std::map<int, shots::ViewSettings::PoseKey>& keys = controls.settings.pose.keys;
   if (keys.empty()) return;
   ImGui::BeginDisabled(!keys.contains(playback.frame()));
   command_choice(controls, "ease", "To the next");
@@ -224,4 +227,4 @@ void draw_cheat_sheet(Controls& controls, const PanelLayout& layout) {
   ImGui::End();
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::viewport

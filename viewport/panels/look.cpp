@@ -3,7 +3,7 @@
 
 #include "viewport/panels/panels.h"
 
-namespace bodyopt {
+namespace bodyopt::viewport {
 namespace {
 
 struct Tick {
@@ -149,4 +149,4 @@ void draw_output(const Snapshot&, Controls& controls) {
   draw_file(controls, typed.open, "a basis, clip or cache", {{"open", "Open"}});
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::viewport

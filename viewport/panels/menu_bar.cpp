@@ -7,7 +7,7 @@
 
 #include "viewport/panels/panels.h"
 
-namespace bodyopt {
+namespace bodyopt::viewport {
 namespace {
 
 bool needs_argument(const Command& command) { return *command.argument != 0 && *command.argument != '['; }
@@ -288,4 +288,4 @@ void draw_prompt(Controls& controls, const PanelLayout& layout) {
   stop_typing();
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::viewport

@@ -7,11 +7,11 @@
 #include "viewport/panels/panels.h"
 #include "viewport/state/strain_colour.h"
 
-namespace bodyopt {
+namespace bodyopt::viewport {
 namespace {
 
 double value_of(const ControlRow& row, const Controls& controls) {
-  return set_or(controls.settings.pose.controls, row.name, row.usual);
+  return shots::set_or(controls.settings.pose.controls, row.name, row.usual);
 }
 
 // Returns the name within its modifier, whose name is above it.
@@ -87,7 +87,7 @@ void draw_modifiers(const Snapshot& snapshot, Controls& controls) {
 void draw_jiggle(const Snapshot& snapshot, Controls& controls) {
   if (snapshot.cast.empty() || snapshot.cast.front().tets == 0) {
     ImGui::PushTextWrapPos();
-    ImGui::TextDisabled("%s", set_or(controls.missing, "jiggle on", "no dynamics").c_str());
+    ImGui::TextDisabled("%s", shots::set_or(controls.missing, "jiggle on", "no dynamics").c_str());
     ImGui::PopTextWrapPos();
     return;
   }
@@ -95,7 +95,8 @@ void draw_jiggle(const Snapshot& snapshot, Controls& controls) {
   ImGui::SameLine();
   command_button(controls, "reset-jiggle", "Begin anew");
   ImGui::BeginDisabled(!controls.settings.jiggle.on);
-  slide("Amount", controls.settings.jiggle.amount, 0, kMostJiggle, "%.2f x", find_command("jiggle-amount")->help);
+  slide("Amount", controls.settings.jiggle.amount, 0, shots::kMostJiggle, "%.2f x",
+        find_command("jiggle-amount")->help);
   ImGui::EndDisabled();
 }
 
@@ -122,4 +123,4 @@ void draw_muscles(const Snapshot& snapshot, Controls& controls) {
   ImGui::PopStyleVar();
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::viewport

@@ -6,7 +6,7 @@
 
 #include "draw/colours.h"
 
-namespace bodyopt {
+namespace bodyopt::viewport {
 namespace {
 
 constexpr float kLabelShare = 0.36f;  // of a line
@@ -79,7 +79,8 @@ PanelLayout layout_of(const Controls& controls, float width, float height) {
   }
   if (!controls.sound.file.empty() && layout.timeline > 0) layout.timeline += kSoundHeight;
   layout.timeline += layout.sheet;
-  if (width >= kNarrowest && shows_side_panel(controls.settings)) layout.side = width < kNarrow ? kNarrowSide : kSide;
+  if (width >= kNarrowest && shots::shows_side_panel(controls.settings))
+    layout.side = width < kNarrow ? kNarrowSide : kSide;
   return layout;
 }
 
@@ -102,7 +103,7 @@ Overlaid overlaid(const Snapshot& snapshot, const Controls& controls, const Pane
 using Draw = void (*)(const Snapshot&, Controls&);
 
 // The order is that of kSections.
-constexpr std::array<Draw, kSections.size()> kDraw = {
+constexpr std::array<Draw, shots::kSections.size()> kDraw = {
     draw_look,      draw_cameras, draw_compare, draw_curate, draw_pose, draw_poses,    draw_keys,
     draw_modifiers, draw_muscles, draw_jiggle,  draw_ghosts, draw_cast, draw_transfer, draw_output};
 
@@ -111,11 +112,11 @@ void draw_side_panel(const Snapshot& snapshot, Controls& controls, const PanelLa
   ImGui::SetNextWindowPos({layout.right(), layout.menu});
   ImGui::SetNextWindowSize({layout.side, std::max(1.0f, layout.bottom() - layout.menu - layout.messages)});
   ImGui::Begin("Side", nullptr, kFixedWindow);
-  for (std::size_t k = 0; k < kSections.size(); ++k) {
-    const Section& section = kSections[k];
+  for (std::size_t k = 0; k < shots::kSections.size(); ++k) {
+    const shots::Section& section = shots::kSections[k];
     if (kDraw[k] == draw_curate && !snapshot.curation) continue;
     if (kDraw[k] == draw_transfer && snapshot.cast.size() < 2) continue;
-    const bool was_open = is_open(controls.settings, section);
+    const bool was_open = shots::is_open(controls.settings, section);
     ImGui::SetNextItemOpen(was_open, ImGuiCond_Always);
     const bool open = ImGui::CollapsingHeader(section.title);
     if (controls.typed.revealed_section == section.name) {
@@ -135,7 +136,7 @@ void draw_side_panel(const Snapshot& snapshot, Controls& controls, const PanelLa
 }  // namespace
 
 ImU32 opaque(const std::array<float, 3>& linear) {
-  const std::array<std::uint8_t, 3> colour = srgb(linear);
+  const std::array<std::uint8_t, 3> colour = draw::srgb(linear);
   return IM_COL32(colour[0], colour[1], colour[2], 255);
 }
 
@@ -221,7 +222,7 @@ void command_choice(Controls& controls, const char* command, const char* text,
       if (ImGui::Selectable(label_of(c, choice).c_str(), choice == current, flags)) {
         attempt(controls, std::string(command) + " " + choice);
       }
-      if (missing) explain_text(set_or(controls.missing, command + (" " + choice), "it is what is shown"));
+      if (missing) explain_text(shots::set_or(controls.missing, command + (" " + choice), "it is what is shown"));
     }
     ImGui::EndCombo();
   }
@@ -316,4 +317,4 @@ void visit_texts(const Snapshot& snapshot, const Controls& controls,
   for (const Message& message : controls.messages) visit(message.text);
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::viewport

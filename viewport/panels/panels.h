@@ -14,7 +14,7 @@
 #include "viewport/commands/controls.h"
 #include "viewport/panels/snapshot.h"
 
-namespace bodyopt {
+namespace bodyopt::viewport {
 
 // Parts of panels. Most widgets are commands: their label, help and key come from the table of commands. So a panel, a
 // menu and a script say and do the same.
@@ -71,7 +71,7 @@ struct Overlaid {
 
 // The part of a window that panels leave to the characters.
 struct PictureRoom {
-  Rectangle area;
+  draw::Rectangle area;
   Overlaid overlaid;
 };
 
@@ -148,4 +148,4 @@ void draw_output(const Snapshot& snapshot, Controls& controls);
 void visit_texts(const Snapshot& snapshot, const Controls& controls,
                  const std::function<void(const std::string&)>& visit);
 
-}  // namespace bodyopt
+}  // namespace bodyopt::viewport

@@ -4,7 +4,7 @@
 #include "runtime/core/text.h"
 #include "viewport/panels/panels.h"
 
-namespace bodyopt {
+namespace bodyopt::viewport {
 namespace {
 
 constexpr float kListHeight = 132, kIndent = 9;
@@ -67,7 +67,7 @@ void draw_list(const Snapshot& snapshot, Controls& controls) {
 
 void draw_angles(const JointRow& row, Controls& controls) {
   std::map<std::string, Vec3>& turned = controls.settings.pose.joints;
-  Vec3 angles = set_or(turned, row.name, {});
+  Vec3 angles = shots::set_or(turned, row.name, {});
   bool moved = false;
   const char* const names[] = {"Turn X", "Turn Y", "Turn Z"};
   for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -78,7 +78,7 @@ void draw_angles(const JointRow& row, Controls& controls) {
     ImGui::EndDisabled();
   }
   if (!moved) return;
-  const Vec3 by = angles - set_or(turned, row.name, {});
+  const Vec3 by = angles - shots::set_or(turned, row.name, {});
   for (const std::string& joint : controls.also) turned[joint] = turned[joint] + by;
   turned[row.name] = angles;
 }
@@ -86,7 +86,7 @@ void draw_angles(const JointRow& row, Controls& controls) {
 void draw_moves(const JointRow& row, Controls& controls) {
   if (row.furthest == 0) return;
   std::map<std::string, Vec3>& moves = controls.settings.pose.moves;
-  Vec3 by = set_or(moves, row.name, {});
+  Vec3 by = shots::set_or(moves, row.name, {});
   bool moved = false;
   const char* const names[] = {"Move X", "Move Y", "Move Z"};
   for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -105,7 +105,7 @@ std::string words_of(std::string name) {
 void draw_axes(const Snapshot& snapshot, Controls& controls) {
   for (const AxisRow& row : snapshot.axes) {
     if (row.joint != controls.joint) continue;
-    double angle = set_or(controls.settings.pose.axes, row.name, 0);
+    double angle = shots::set_or(controls.settings.pose.axes, row.name, 0);
     if (slide(words_of(row.name).c_str(), angle, row.low, row.high, "%.1f\xc2\xb0",
               "on top of the clip, as far as the limits let both")) {
       controls.settings.pose.axes[row.name] = angle;
@@ -159,7 +159,7 @@ void draw_joint(const Snapshot& snapshot, Controls& controls) {
 void draw_controls(const Snapshot& snapshot, Controls& controls) {
   for (const ControlRow& row : snapshot.controls) {
     if (!row.modifier.empty()) continue;
-    double value = set_or(controls.settings.pose.controls, row.name, 0);
+    double value = shots::set_or(controls.settings.pose.controls, row.name, 0);
     if (slide(row.name.c_str(), value, row.low, row.high, "%.2f", find_command("control")->help)) {
       controls.settings.pose.controls[row.name] = value;
     }
@@ -192,4 +192,4 @@ void draw_pose(const Snapshot& snapshot, Controls& controls) {
   slide("Learned", controls.settings.pose.correction, 0, 1, "%.2f", find_command("correction")->help);
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::viewport

@@ -7,7 +7,7 @@
 #include "viewport/panels/panels.h"
 #include "viewport/platform/gui.h"
 
-namespace bodyopt {
+namespace bodyopt::viewport {
 namespace {
 
 constexpr int kPosesInALine = 3;
@@ -82,4 +82,4 @@ void draw_poses(const Snapshot&, Controls& controls) {
   ImGui::NewLine();
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::viewport

@@ -13,7 +13,7 @@
 #include "shots/session/pinned_joints.h"
 #include "viewport/state/waveform.h"
 
-namespace bodyopt {
+namespace bodyopt::viewport {
 
 struct JointRow {
   std::string name;
@@ -120,7 +120,7 @@ struct Snapshot {
   std::vector<CharacterRow> cast;  // the first is the lead, of whom the rest speaks
   std::vector<JointRow> joints;
   std::vector<AxisRow> axes;
-  std::vector<MissedPin> missed_pins;
+  std::vector<shots::MissedPin> missed_pins;
   std::vector<ControlRow> controls;
   std::vector<ModifierRow> modifiers;  // in the order in which they are applied
   std::vector<std::string> fibres;
@@ -154,4 +154,4 @@ struct Snapshot {
   double memory_mib = 0;             // resident
 };
 
-}  // namespace bodyopt
+}  // namespace bodyopt::viewport

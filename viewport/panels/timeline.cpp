@@ -9,7 +9,7 @@
 #include "viewport/panels/panels.h"
 #include "viewport/platform/gui.h"
 
-namespace bodyopt {
+namespace bodyopt::viewport {
 namespace {
 
 constexpr ImU32 kBar = IM_COL32(38, 38, 41, 255), kRange = IM_COL32(62, 62, 66, 255);
@@ -228,7 +228,7 @@ void draw_buttons(Controls& controls) {
   command_choice(controls, "mode", nullptr);
   ImGui::SameLine();
   double speed = playback.speed();
-  const double low = PlaySettings::kSlowest, high = PlaySettings::kFastest;
+  const double low = shots::PlaySettings::kSlowest, high = shots::PlaySettings::kFastest;
   ImGui::SetNextItemWidth(0.5f * width - 1);
   if (ImGui::SliderScalar("##speed", ImGuiDataType_Double, &speed, &low, &high, "%.2f x",
                           ImGuiSliderFlags_AlwaysClamp)) {
@@ -307,4 +307,4 @@ void draw_timeline(const Snapshot& snapshot, Controls& controls, const PanelLayo
   ImGui::End();
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::viewport

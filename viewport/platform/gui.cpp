@@ -13,7 +13,7 @@
 #include "runtime/vulkan/commands.h"
 #include "viewport/platform/window.h"
 
-namespace bodyopt {
+namespace bodyopt::viewport {
 namespace {
 
 constexpr float kSize = 15, kLargeSize = 30, kBuiltInSize = 13;  // points
@@ -258,7 +258,7 @@ void Fonts::show(const std::string& text) {
   if (is_new) new_texts_.push_back(text);
 }
 
-void Fonts::show_pictures(std::vector<Image> pictures) {
+void Fonts::show_pictures(std::vector<draw::Image> pictures) {
   pictures_ = std::move(pictures);
   is_loaded_ = false;
 }
@@ -298,7 +298,7 @@ bool Fonts::open_fonts() {
     config.SizePixels = scale_ * kBuiltInSize;
     atlas.AddFontDefault(&config);
   }
-  for (const Image& picture : pictures_) {
+  for (const draw::Image& picture : pictures_) {
     atlas.AddCustomRectRegular(static_cast<int>(picture.width), static_cast<int>(picture.height));
   }
   atlas.Build();
@@ -338,4 +338,4 @@ bool takes_text() { return ImGui::GetIO().WantTextInput || ImGui::GetCurrentCont
 
 ImFont* large_font() { return ImGui::GetIO().Fonts->Fonts.back(); }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::viewport

@@ -20,7 +20,7 @@ struct GLFWcursor;
 struct GLFWwindow;
 struct ImGuiContext;
 
-namespace bodyopt {
+namespace bodyopt::viewport {
 
 // The letters of the panels, from the fonts that are installed here: those that were shown so far. The atlas stays
 // small, and the start quick.
@@ -34,7 +34,7 @@ class Fonts {
   // Adds a text of any script that panels are going to show.
   void show(const std::string& text);
   // Replaces the pictures beside the letters; see add_picture().
-  void show_pictures(std::vector<Image> pictures);
+  void show_pictures(std::vector<draw::Image> pictures);
   // Loads the letters that are new, between two pictures; false: there are none, and the atlas is as it was.
   bool load_new();
   // Reports once the letters that no font here has.
@@ -48,7 +48,7 @@ class Fonts {
   ImFontGlyphRangesBuilder letters_;
   ImVector<ImWchar> ranges_;            // of the letters: the atlas keeps a pointer
   std::vector<std::string> new_texts_;  // those that have new letters
-  std::vector<Image> pictures_;
+  std::vector<draw::Image> pictures_;
   bool is_loaded_ = false;
   float scale_ = 1;
   std::optional<std::string> problem_;
@@ -119,4 +119,4 @@ class Gui {
   vulkan::Owned<VkDescriptorPool, vkDestroyDescriptorPool> pool_;
 };
 
-}  // namespace bodyopt
+}  // namespace bodyopt::viewport

@@ -4,7 +4,7 @@
 
 #include "runtime/vulkan/functions.h"
 
-namespace bodyopt {
+namespace bodyopt::viewport {
 namespace {
 
 template <typename Pointer>
@@ -18,9 +18,9 @@ struct Signature<Returned(VKAPI_PTR*)(Arguments...)> {
 };
 
 }  // namespace
-}  // namespace bodyopt
+}  // namespace bodyopt::viewport
 
-#define BODYOPT_ARGUMENT(function, index) bodyopt::Signature<PFN_##function>::Argument<index> a##index
+#define BODYOPT_ARGUMENT(function, index) bodyopt::viewport::Signature<PFN_##function>::Argument<index> a##index
 #define BODYOPT_ARGUMENTS_1(function) BODYOPT_ARGUMENT(function, 0)
 #define BODYOPT_ARGUMENTS_2(function) BODYOPT_ARGUMENTS_1(function), BODYOPT_ARGUMENT(function, 1)
 #define BODYOPT_ARGUMENTS_3(function) BODYOPT_ARGUMENTS_2(function), BODYOPT_ARGUMENT(function, 2)
@@ -42,10 +42,10 @@ struct Signature<Returned(VKAPI_PTR*)(Arguments...)> {
 #define BODYOPT_VALUES_9 BODYOPT_VALUES_8, a8
 #define BODYOPT_VALUES_10 BODYOPT_VALUES_9, a9
 // Hidden: no library that is loaded later shall take them for the loader's.
-#define BODYOPT_FORWARD(count, function)                                                                \
-  extern "C" __attribute__((visibility("hidden"))) bodyopt::Signature<PFN_##function>::Result function( \
-      BODYOPT_ARGUMENTS_##count(function)) {                                                            \
-    return bodyopt::function(BODYOPT_VALUES_##count);                                                   \
+#define BODYOPT_FORWARD(count, function)                                                                          \
+  extern "C" __attribute__((visibility("hidden"))) bodyopt::viewport::Signature<PFN_##function>::Result function( \
+      BODYOPT_ARGUMENTS_##count(function)) {                                                                      \
+    return bodyopt::function(BODYOPT_VALUES_##count);                                                             \
   }
 
 BODYOPT_FORWARD(3, vkAllocateCommandBuffers)

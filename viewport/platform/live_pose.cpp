@@ -16,7 +16,7 @@
 
 #include "runtime/core/error.h"
 
-namespace bodyopt {
+namespace bodyopt::viewport {
 namespace {
 
 static_assert(std::endian::native == std::endian::little,
@@ -207,4 +207,4 @@ void LivePose::reject(const std::string& reason) {
   last_rejection_ = reason;
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::viewport

@@ -9,7 +9,7 @@
 
 #include "runtime/basis/skeleton.h"
 
-namespace bodyopt {
+namespace bodyopt::viewport {
 
 // The datagram of a live pose (docs/formats.md, Live poses).
 struct PosePacket {
@@ -65,4 +65,4 @@ class LivePose {
   std::string last_rejection_;
 };
 
-}  // namespace bodyopt
+}  // namespace bodyopt::viewport

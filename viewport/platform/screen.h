@@ -11,7 +11,7 @@
 
 struct GLFWwindow;
 
-namespace bodyopt {
+namespace bodyopt::viewport {
 
 enum class KeyAction { pressed, repeated, released };
 
@@ -71,9 +71,9 @@ class Screen {
   // Pixels a point, which panels and their text are measured in: 2 on a display of twice the usual density.
   virtual float scale() const { return 1; }
   // The viewport's picture, also where the size has changed meanwhile.
-  virtual void show(const Canvas& canvas) = 0;
+  virtual void show(const draw::Canvas& canvas) = 0;
   // Gives the clipboard and the shape of the cursor; null: there are none.
   virtual GLFWwindow* handle() const = 0;
 };
 
-}  // namespace bodyopt
+}  // namespace bodyopt::viewport

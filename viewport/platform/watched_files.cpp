@@ -3,7 +3,7 @@
 #include <fstream>
 #include <iterator>
 
-namespace bodyopt {
+namespace bodyopt::viewport {
 
 namespace fs = std::filesystem;
 
@@ -50,4 +50,4 @@ std::optional<WatchedFiles::Stamp> WatchedFiles::stamp(const fs::path& path) {
   return Stamp{time, size, size <= kSmall ? content_of(path) : ""};
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::viewport

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-namespace bodyopt {
+namespace bodyopt::viewport {
 
 // Asks the file system each time (which works on network folders, too). A file has changed when its modification time
 // or size is another, or when it was away and is back. Of a small one (kSmall) the content counts, too: a dataset may
@@ -42,4 +42,4 @@ class WatchedFiles {
   std::vector<File> files_;
 };
 
-}  // namespace bodyopt
+}  // namespace bodyopt::viewport

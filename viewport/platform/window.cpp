@@ -16,7 +16,7 @@
 #include "runtime/vulkan/commands.h"
 #include "runtime/vulkan/make.h"
 
-namespace bodyopt {
+namespace bodyopt::viewport {
 namespace {
 
 struct Named {
@@ -175,14 +175,14 @@ struct Window::Swapchain {
   }
 
   // Waits for the image, and for the copy.
-  void copy(const Canvas& canvas, VkImage to) {
+  void copy(const draw::Canvas& canvas, VkImage to) {
     const VkFence fence = acquired.get();
     check(vkWaitForFences(device.handle(), 1, &fence, VK_TRUE, ~std::uint64_t{0}), "vkWaitForFences");
     check(vkResetFences(device.handle(), 1, &fence), "vkResetFences");
     commands.begin();
-    pass_on(commands.handle(), to,
-            {VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, VK_PIPELINE_STAGE_TRANSFER_BIT,
-             VK_PIPELINE_STAGE_TRANSFER_BIT, 0, VK_ACCESS_TRANSFER_WRITE_BIT});
+    draw::pass_on(commands.handle(), to,
+                  {VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, VK_PIPELINE_STAGE_TRANSFER_BIT,
+                   VK_PIPELINE_STAGE_TRANSFER_BIT, 0, VK_ACCESS_TRANSFER_WRITE_BIT});
     const auto corner = [](std::uint32_t width, std::uint32_t height) {
       return VkOffset3D{static_cast<std::int32_t>(width), static_cast<std::int32_t>(height), 1};
     };
@@ -193,9 +193,10 @@ struct Window::Swapchain {
     const bool same = canvas.size().width == size.width && canvas.size().height == size.height;
     vkCmdBlitImage(commands.handle(), canvas.image(), VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, to,
                    VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &blit, same ? VK_FILTER_NEAREST : VK_FILTER_LINEAR);
-    pass_on(commands.handle(), to,
-            {VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, VK_IMAGE_LAYOUT_PRESENT_SRC_KHR, VK_PIPELINE_STAGE_TRANSFER_BIT,
-             VK_PIPELINE_STAGE_BOTTOM_OF_PIPE_BIT, VK_ACCESS_TRANSFER_WRITE_BIT, 0});
+    draw::pass_on(
+        commands.handle(), to,
+        {VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, VK_IMAGE_LAYOUT_PRESENT_SRC_KHR, VK_PIPELINE_STAGE_TRANSFER_BIT,
+         VK_PIPELINE_STAGE_BOTTOM_OF_PIPE_BIT, VK_ACCESS_TRANSFER_WRITE_BIT, 0});
     commands.end();
     commands.run();
   }
@@ -304,12 +305,12 @@ void Window::attach(std::shared_ptr<const vulkan::Device> device) {
   swapchain_ = std::make_unique<Swapchain>(std::move(device), window_, vsync_);
 }
 
-void Window::show(const Canvas& canvas) {
+void Window::show(const draw::Canvas& canvas) {
   if (!show_once(canvas)) show_once(canvas);
 }
 
 // False when the surface was out of date: it is no longer. One that changes again calls back.
-bool Window::show_once(const Canvas& canvas) {
+bool Window::show_once(const draw::Canvas& canvas) {
   Swapchain& s = *swapchain_;
   const auto [width, height] = size();
   if (s.chain == VK_NULL_HANDLE || s.size.width != width || s.size.height != height) {
@@ -382,4 +383,4 @@ std::optional<int> imgui_key(const std::string& name) {
   return letter < kOfTextFields.size() ? std::optional(ImGuiKey_A + static_cast<int>(letter)) : std::nullopt;
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::viewport

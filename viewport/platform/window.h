@@ -11,7 +11,7 @@
 #include "runtime/vulkan/device.h"
 #include "viewport/platform/screen.h"
 
-namespace bodyopt {
+namespace bodyopt::viewport {
 
 struct WindowOptions {
   std::string title = "Bodyopt";
@@ -34,7 +34,7 @@ class Window : public Screen {
   void set_title(const std::string& title) override;
   std::array<std::uint32_t, 2> size() const override;
   float scale() const override;
-  void show(const Canvas& canvas) override;
+  void show(const draw::Canvas& canvas) override;
   GLFWwindow* handle() const override { return window_; }
 
  private:
@@ -43,7 +43,7 @@ class Window : public Screen {
   void listen();
   void hear_key(int key, int scancode, int action, int modifiers);
   void hear_cursor(double x, double y);
-  bool show_once(const Canvas& canvas);
+  bool show_once(const draw::Canvas& canvas);
 
   GLFWwindow* window_ = nullptr;
   bool vsync_;
@@ -62,4 +62,4 @@ std::string bare_key(const std::string& name);
 // Returns Dear ImGui's name of a bare key (ImGuiKey); none: it does not hear of it.
 std::optional<int> imgui_key(const std::string& name);
 
-}  // namespace bodyopt
+}  // namespace bodyopt::viewport

@@ -19,13 +19,13 @@
 #include "runtime/vulkan/device.h"
 #include "trainer/train/skinning/unpose.h"
 
-namespace bodyopt {
+namespace bodyopt::viewport {
 namespace {
 
 namespace fs = std::filesystem;
 
 // Returns the poses of a dataset's frames, one a sample.
-std::vector<Pose> frame_poses(const NamedShapes& shapes) {
+std::vector<Pose> frame_poses(const trainer::NamedShapes& shapes) {
   return transformed(shapes.numbers(), [&](const std::size_t n) { return shapes.stack()->database().frames[n].pose; });
 }
 
@@ -84,12 +84,12 @@ std::vector<float> WornMeshes::points(std::span<const float> skin, const Pose& p
   return points;
 }
 
-Actor::Actor(std::shared_ptr<const vulkan::Device> device, const ActorFiles& files, const ClipOptions& options,
+Actor::Actor(std::shared_ptr<const vulkan::Device> device, const shots::ActorFiles& files, const ClipOptions& options,
              LevelPool& pool)
     : device_(std::move(device)), files_(files), clip_options_(options) {
-  OpenedCharacter opened;
+  shots::OpenedCharacter opened;
   const auto make = [&] { return make_levels(opened); };
-  const bool trained = is_basis(files.basis);
+  const bool trained = shots::is_basis(files.basis);
   const LevelPool::Levels levels = trained ? pool.get({files.basis, files.dynamics(), files.levels()}, make) : make();
   for (const auto& level : levels) details_.push_back(std::make_unique<Detail>(device_, level));
   notes_ = std::move(opened.notes);
@@ -110,14 +110,14 @@ Actor::Actor(std::shared_ptr<const vulkan::Device> device, const ActorFiles& fil
   read_materials(pool);
   if (!files.limits.empty()) {
     const Skeleton& skeleton = finest().basis().skeleton;
-    turning_ = turning_within(read_joint_limits(files.limits, skeleton), skeleton);
+    turning_ = shots::turning_within(trainer::read_joint_limits(files.limits, skeleton), skeleton);
   }
   if (opened.clip) {
     take_clip(std::move(*opened.clip));
   } else {
     ClipOptions still = options;
     if (has_dynamics()) still.fps = finest().jiggle_rate();  // a pose has no rate of its own
-    take_clip(still_clip(finest().basis().skeleton, still));
+    take_clip(shots::still_clip(finest().basis().skeleton, still));
   }
   measure_size();
   if (!files.truth.empty()) open_truth(files.truth);
@@ -160,10 +160,10 @@ std::shared_ptr<const CharacterMaterials> Actor::materials_of(const std::string&
   return make_character_materials(*device_, own, levels, following().attached());
 }
 
-LevelPool::Levels Actor::make_levels(OpenedCharacter& opened) const {
-  opened = open_character(files_.basis, clip_options_);
+LevelPool::Levels Actor::make_levels(shots::OpenedCharacter& opened) const {
+  opened = shots::open_character(files_.basis, clip_options_);
   std::optional<Dynamics> dynamics;
-  if (is_basis(files_.basis) && fs::exists(files_.dynamics())) {
+  if (shots::is_basis(files_.basis) && fs::exists(files_.dynamics())) {
     dynamics = load_dynamics(files_.dynamics(), opened.levels.front().basis);
   }
   LevelPool::Levels levels;
@@ -223,14 +223,15 @@ bool Actor::has_at_finest(SkinMethod method) const {
 
 std::string Actor::why_still() const {
   if (!has_dynamics()) return "";
-  const std::string problem = problem_of_rate(*finest().level().model->dynamics, clip_);
+  const std::string problem = shots::problem_of_rate(*finest().level().model->dynamics, clip_);
   return problem.empty() ? "" : name() + ": " + problem;
 }
 
 // Opens the poses of the frames that NamedShapes has of a dataset.
 void Actor::open_frames(const std::string& dataset) {
-  const NamedShapes shapes = truth_ && files_.truth == dataset ? truth_->shapes.as_they_are() : NamedShapes(dataset);
-  const PoseDatabase& database = shapes.stack()->database();
+  const trainer::NamedShapes shapes =
+      truth_ && files_.truth == dataset ? truth_->shapes.as_they_are() : trainer::NamedShapes(dataset);
+  const trainer::PoseDatabase& database = shapes.stack()->database();
   if (skeleton_hash(database.character.skeleton) != skeleton_hash(basis().skeleton)) {
     throw Error(ErrorKind::mismatch, dataset + ": the dataset is of another skeleton than " + name());
   }
@@ -239,7 +240,7 @@ void Actor::open_frames(const std::string& dataset) {
   clip.controls = database.controls;
   std::vector<int> keys;
   for (std::size_t k = 0; k < shapes.numbers().size(); ++k) {
-    const DatabaseFrame& frame = database.frames[shapes.numbers()[k]];
+    const trainer::DatabaseFrame& frame = database.frames[shapes.numbers()[k]];
     const bool begins = k == 0 || frame.take != database.frames[shapes.numbers()[k - 1]].take;
     if (begins) keys.push_back(shapes.frames()[k]);
     clip.poses.push_back(frame.pose);
@@ -263,8 +264,8 @@ void Actor::show_sculpted(int frame, std::vector<float> points) {
 }
 
 bool Actor::reread_truth() {
-  const NamedShapes before = truth_->shapes;
-  NamedShapes now = before.as_they_are();
+  const trainer::NamedShapes before = truth_->shapes;
+  trainer::NamedShapes now = before.as_they_are();
   if (!now.stack() || !same(frame_poses(now), frame_poses(before))) return false;
   truth_->shapes = std::move(now);
   truth_->shown.reset();
@@ -273,7 +274,7 @@ bool Actor::reread_truth() {
 }
 
 void Actor::open_clip_of(const Actor& lead) {
-  const ActorFiles before = files_;
+  const shots::ActorFiles before = files_;
   files_.joint_map = lead.files().joint_map;
   files_.up = lead.files().up;
   try {
@@ -285,7 +286,7 @@ void Actor::open_clip_of(const Actor& lead) {
 }
 
 void Actor::open_clip(const std::string& source) {
-  if (is_dataset(source)) return open_frames(source);
+  if (trainer::is_dataset(source)) return open_frames(source);
   ClipOptions options = clip_options_;
   options.unit = clip_unit(source, kept_unit(basis()));
   options.joint_map = files_.joint_map;
@@ -313,17 +314,17 @@ void Actor::take_clip(Clip clip) {
 }
 
 // Returns its own Direct Delta Mush, where it is the character of the dataset; otherwise null.
-std::shared_ptr<const UnposedSpace> Actor::unposed_space(const PoseDatabase& database) const {
+std::shared_ptr<const trainer::UnposedSpace> Actor::unposed_space(const trainer::PoseDatabase& database) const {
   std::error_code absent;
   const Dataset& dataset = database.dataset;
-  const bool is_its_character = !is_basis(files_.basis) && clip_options_.unit == dataset.unit &&
+  const bool is_its_character = !shots::is_basis(files_.basis) && clip_options_.unit == dataset.unit &&
                                 fs::equivalent(files_.basis, dataset.folder / dataset.character, absent);
   if (!is_its_character) return nullptr;
-  return std::make_shared<const UnposedSpace>(database.character, finest_basis());
+  return std::make_shared<const trainer::UnposedSpace>(database.character, finest_basis());
 }
 
 void Actor::open_truth(const std::string& name) {
-  NamedShapes shapes(name, [this](const PoseDatabase& database) { return unposed_space(database); });
+  trainer::NamedShapes shapes(name, [this](const trainer::PoseDatabase& database) { return unposed_space(database); });
   if (shapes.point_count() != basis().mesh.output_count()) {
     throw Error(ErrorKind::mismatch, name + ": the cache has " + std::to_string(shapes.point_count()) +
                                          " points, the character " + std::to_string(basis().mesh.output_count()) +
@@ -338,18 +339,18 @@ std::size_t Actor::clip_index(int frame) const {
   return static_cast<std::size_t>(std::clamp(frame, clip_.first_frame, clip_.last_frame()) - clip_.first_frame);
 }
 
-std::optional<JointRange> Actor::free_turns(std::size_t joint, int frame) const {
+std::optional<shots::JointRange> Actor::free_turns(std::size_t joint, int frame) const {
   if (joint >= turning_.ranges.size() || !turning_.ranges[joint]) return std::nullopt;
-  return turns_within(*turning_.ranges[joint], basis().skeleton.joints[joint].bind.rotation,
-                      clip_pose(frame).joints[joint].rotation);
+  return shots::turns_within(*turning_.ranges[joint], basis().skeleton.joints[joint].bind.rotation,
+                             clip_pose(frame).joints[joint].rotation);
 }
 
-std::pair<double, double> Actor::free_axis(const DegreeOfFreedom& dof, int frame) const {
-  return free_angles(turning_.limits, basis().skeleton, dof, clip_pose(frame));
+std::pair<double, double> Actor::free_axis(const trainer::DegreeOfFreedom& dof, int frame) const {
+  return shots::free_angles(turning_.limits, basis().skeleton, dof, clip_pose(frame));
 }
 
-Vec3 Actor::facing(std::size_t joint, int frame, const ViewSettings::PoseKey& posing) const {
-  return facing_of(basis().skeleton, turning_, clip_pose(frame), posing, joint);
+Vec3 Actor::facing(std::size_t joint, int frame, const shots::ViewSettings::PoseKey& posing) const {
+  return shots::facing_of(basis().skeleton, turning_, clip_pose(frame), posing, joint);
 }
 
 std::vector<std::string> Actor::movable_joints() const {
@@ -360,7 +361,7 @@ std::vector<std::string> Actor::movable_joints() const {
     if (joint.parent >= 0) ++children[static_cast<std::size_t>(joint.parent)];
   }
   const std::vector<std::optional<JointRole>> roles = joint_roles(named_joints(skeleton));
-  const std::vector<DetachedJoint>& detached = turning_.limits.detached;
+  const std::vector<trainer::DetachedJoint>& detached = turning_.limits.detached;
   std::vector<bool> carries;  // nothing but it hangs under what is above it
   std::vector<std::string> movable;
   for (std::size_t j = 0; j < skeleton.size(); ++j) {
@@ -370,7 +371,7 @@ std::vector<std::string> Actor::movable_joints() const {
     const bool is_moved = std::ranges::any_of(clip_.poses, [&](const Pose& pose) {
       return length(pose.joints[j].translation - clip_.poses.front().joints[j].translation) > kMoves;
     });
-    const bool is_detached = std::ranges::find(detached, j, &DetachedJoint::joint) != detached.end();
+    const bool is_detached = std::ranges::find(detached, j, &trainer::DetachedJoint::joint) != detached.end();
     const bool is_hips = roles[j] && roles[j]->part == BodyPart::hips;
     const bool is_limb = j < turning_.ranges.size() && turning_.ranges[j];  // which turns, and would tear
     if ((carries[j] && !is_limb) || is_moved || is_detached || is_hips) movable.push_back(joint.name);
@@ -378,33 +379,33 @@ std::vector<std::string> Actor::movable_joints() const {
   return movable;
 }
 
-std::vector<MissedPin> Actor::missed_pins(int frame, const ViewSettings::PoseKey& posing) const {
-  return bodyopt::missed_pins(basis().skeleton, turning_, clip_pose(frame), posing);
+std::vector<shots::MissedPin> Actor::missed_pins(int frame, const shots::ViewSettings::PoseKey& posing) const {
+  return shots::missed_pins(basis().skeleton, turning_, clip_pose(frame), posing);
 }
 
-Pose Actor::pose(int frame, const ViewSettings::Posing& posing) const {
-  return posed_frame(source_, clip_index(frame), basis(), turning_, posing, modifiers_);
+Pose Actor::pose(int frame, const shots::ViewSettings::Posing& posing) const {
+  return shots::posed_frame(source_, clip_index(frame), basis(), turning_, posing, modifiers_);
 }
 
-Clip Actor::posed_source(const ViewSettings::Posing& posing) const {
-  return posed_clip(source_, basis().skeleton, turning_, posing);
+Clip Actor::posed_source(const shots::ViewSettings::Posing& posing) const {
+  return shots::posed_clip(source_, basis().skeleton, turning_, posing);
 }
 
-Shot Actor::shot(const ViewSettings& settings, std::vector<int> frames, const Tell& tell) const {
+shots::Shot Actor::shot(const shots::ViewSettings& settings, std::vector<int> frames, const shots::Tell& tell) const {
   const bool jiggles = settings.jiggle.on && has_at_finest(SkinMethod::jiggle);
   const int first = frames.front();
-  Shot shot{.name = name(),
-            .deformer = finest().level().make_deformer(jiggles ? std::optional(JiggleOptions()) : std::nullopt),
-            .jiggles = jiggles,
-            .checks = false,
-            .following = following(),
-            .clip = source_,
-            .frames = std::move(frames),
-            .preroll = jiggles ? usual_preroll(source_, first) : 0,
-            .surface = {},
-            .surfaces = {},
-            .bound = {}};
-  pose_shot({turning_, settings.pose, static_cast<float>(settings.jiggle.amount)}, shot, tell);
+  shots::Shot shot{.name = name(),
+                   .deformer = finest().level().make_deformer(jiggles ? std::optional(JiggleOptions()) : std::nullopt),
+                   .jiggles = jiggles,
+                   .checks = false,
+                   .following = following(),
+                   .clip = source_,
+                   .frames = std::move(frames),
+                   .preroll = jiggles ? shots::usual_preroll(source_, first) : 0,
+                   .surface = {},
+                   .surfaces = {},
+                   .bound = {}};
+  shots::pose_shot({turning_, settings.pose, static_cast<float>(settings.jiggle.amount)}, shot, tell);
   return shot;
 }
 
@@ -488,7 +489,7 @@ void Actor::show_linear_blend(const Pose& pose) {
 
 // O x 3.
 std::vector<float> Actor::linear_skin(const Pose& pose) const {
-  return output_from_welded(*character_, skin_linear(*character_, pose));
+  return output_from_welded(*character_, trainer::skin_linear(*character_, pose));
 }
 
 // Meshes follow the finest level; a proxy that is opened alone carries the full skin, not that of its finest level.
@@ -575,4 +576,4 @@ void Actor::measure_ground() {
   ground_ = low;
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::viewport

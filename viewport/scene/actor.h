@@ -26,14 +26,14 @@
 #include "viewport/scene/detail.h"
 #include "viewport/scene/truth_times.h"
 
-namespace bodyopt {
+namespace bodyopt::viewport {
 
 // A mesh attached to F skins: it follows them on the host, and is uploaded when it moves.
 struct WornMesh {
   const vulkan::Buffer* triangles = nullptr;
   std::uint32_t triangle_count = 0, vertex_count = 0;
   vulkan::Buffer positions, normals;  // F x N x 3
-  const SurfaceDraw* materials = nullptr;
+  const draw::SurfaceDraw* materials = nullptr;
 };
 
 class WornMeshes {
@@ -57,10 +57,10 @@ class WornMeshes {
 class Actor {
  public:
   // Throws Error(file), Error(mismatch), Error(device).
-  Actor(std::shared_ptr<const vulkan::Device> device, const ActorFiles& files, const ClipOptions& options,
+  Actor(std::shared_ptr<const vulkan::Device> device, const shots::ActorFiles& files, const ClipOptions& options,
         LevelPool& pool);
 
-  const ActorFiles& files() const { return files_; }
+  const shots::ActorFiles& files() const { return files_; }
   std::vector<std::filesystem::path> paths() const;  // of all that it shows, its materials' images among them
   std::string name() const;
   const std::vector<std::string>& notes() const { return notes_; }  // of opening it, for the user
@@ -102,27 +102,27 @@ class Actor {
 
   // The clip's pose, turned joint by joint as the settings say and the ranges let it. Frames beyond the clip: its first
   // or last.
-  Pose pose(int frame, const ViewSettings::Posing& posing) const;
+  Pose pose(int frame, const shots::ViewSettings::Posing& posing) const;
   // Returns all of the clip before modifiers, posed and keyed so, for export.
-  Clip posed_source(const ViewSettings::Posing& posing) const;
+  Clip posed_source(const shots::ViewSettings::Posing& posing) const;
   // The finest level with the clip that is posed and keyed so, as `eval` reads it of a session. `frames`: of the clip,
   // one at least. Throws Error(device).
-  Shot shot(const ViewSettings& settings, std::vector<int> frames, const Tell& tell) const;
+  shots::Shot shot(const shots::ViewSettings& settings, std::vector<int> frames, const shots::Tell& tell) const;
   // Pins that the pose of a frame does not reach.
-  std::vector<MissedPin> missed_pins(int frame, const ViewSettings::PoseKey& posing) const;
+  std::vector<shots::MissedPin> missed_pins(int frame, const shots::ViewSettings::PoseKey& posing) const;
   // See facing_of().
-  Vec3 facing(std::size_t joint, int frame, const ViewSettings::PoseKey& posing) const;
+  Vec3 facing(std::size_t joint, int frame, const shots::ViewSettings::PoseKey& posing) const;
   // Returns joints that may be moved: roots, what hangs alone under them and has no range, hips, and those that the
   // clip moves. So may those that hang elsewhere in the rig than their skin does.
   std::vector<std::string> movable_joints() const;
   // Degrees of freedom of the limits, where it has any.
-  const std::vector<DegreeOfFreedom>& axes() const { return turning_.limits.dofs; }
+  const std::vector<trainer::DegreeOfFreedom>& axes() const { return turning_.limits.dofs; }
   // How it is posed while it is not the lead, whom the settings pose.
-  const ViewSettings::Posing& posing() const { return posing_; }
-  void set_posing(ViewSettings::Posing posing) { posing_ = std::move(posing); }
+  const shots::ViewSettings::Posing& posing() const { return posing_; }
+  void set_posing(shots::ViewSettings::Posing posing) { posing_ = std::move(posing); }
   // Returns what a joint's range lets be added to the clip; none: it has no range.
-  std::optional<JointRange> free_turns(std::size_t joint, int frame) const;
-  std::pair<double, double> free_axis(const DegreeOfFreedom& dof, int frame) const;  // see free_angles()
+  std::optional<shots::JointRange> free_turns(std::size_t joint, int frame) const;
+  std::pair<double, double> free_axis(const trainer::DegreeOfFreedom& dof, int frame) const;  // see free_angles()
 
   // Evaluates poses of one frame, then of ghosts and instances; `frame`: of the first. The jiggle steps only with that.
   // `dressed`: worn() is to follow.
@@ -136,7 +136,7 @@ class Actor {
   std::span<const WornMesh> worn(SkinMethod method);
   bool wears() const { return worn_ != nullptr; }
   // The materials of the skin that is shown; null: no file with them is known.
-  const SurfaceDraw* materials() const { return materials_ ? &materials_->skin[level_] : nullptr; }
+  const draw::SurfaceDraw* materials() const { return materials_ ? &materials_->skin[level_] : nullptr; }
   // The clip's file, where its own is not known: it may have the same skin, with materials. Empty: there is none.
   const std::string& like() const { return like_; }
   // Returns the points of attached meshes, on a skin as measure() gives it, metres, world.
@@ -152,7 +152,7 @@ class Actor {
   double reach() const { return reach_; }    // as size(), with attached meshes
   double ground() const { return ground_; }  // height of its lowest point as the clip begins, metres
   Vec3 start() const { return clip_.poses.front().joints.front().translation; }  // of its root, as the clip begins
-  const NamedShapes* truth() const { return truth_ ? &truth_->shapes : nullptr; }
+  const trainer::NamedShapes* truth() const { return truth_ ? &truth_->shapes : nullptr; }
   // Returns a frame's place among the samples of the truth; nothing: there is no truth, or none at the frame. Only
   // where it has a place is it evaluated.
   std::optional<SampleTime> truth_time(int frame) const {
@@ -184,7 +184,7 @@ class Actor {
     std::vector<WornMesh> meshes;
   };
   struct Truth {
-    NamedShapes shapes;
+    trainer::NamedShapes shapes;
     std::optional<SampleTime> shown;
     HostedSkin skin;
     bool raw = false;
@@ -193,7 +193,7 @@ class Actor {
 
   Detail& finest() { return *details_.front(); }
   const Detail& finest() const { return *details_.front(); }
-  LevelPool::Levels make_levels(OpenedCharacter& opened) const;
+  LevelPool::Levels make_levels(shots::OpenedCharacter& opened) const;
   void read_materials(LevelPool& pool);
   std::shared_ptr<const CharacterMaterials> materials_of(const std::string& own) const;
   std::vector<Level> proxy_of(const Basis& full) const;
@@ -212,24 +212,24 @@ class Actor {
   void show_truth(int frame);
   std::vector<float> shown_truth(int frame, const SampleTime& time) const;
   void open_frames(const std::string& dataset);
-  std::shared_ptr<const UnposedSpace> unposed_space(const PoseDatabase& database) const;
+  std::shared_ptr<const trainer::UnposedSpace> unposed_space(const trainer::PoseDatabase& database) const;
   void measure_size();
   void measure_ground();
 
   std::shared_ptr<const vulkan::Device> device_;
-  ActorFiles files_;
+  shots::ActorFiles files_;
   ClipOptions clip_options_;
   std::vector<std::string> notes_;
   std::string shown_by_;
   std::vector<std::unique_ptr<Detail>> details_;  // finest first; all but the first are proxies
   std::size_t level_ = 0;
-  Clip source_;                      // as it was read
-  Clip clip_;                        // as it is shown before it is posed: modified, with the basis' controls
-  mutable ModifierTrack modifiers_;  // over source_
+  Clip source_;                             // as it was read
+  Clip clip_;                               // as it is shown before it is posed: modified, with the basis' controls
+  mutable shots::ModifierTrack modifiers_;  // over source_
   std::vector<int> keys_;
   std::vector<ClipCamera> own_cameras_;
-  Turning turning_;
-  ViewSettings::Posing posing_;
+  shots::Turning turning_;
+  shots::ViewSettings::Posing posing_;
   double size_ = 1, reach_ = 1, ground_ = 0;
   Evaluation hosted_;  // of skins that come from the host: nothing
   std::uint64_t uploads_ = 0;
@@ -245,4 +245,4 @@ class Actor {
   std::optional<Character> character_;  // with its weights, where they are at hand
 };
 
-}  // namespace bodyopt
+}  // namespace bodyopt::viewport

@@ -12,7 +12,7 @@
 #include "runtime/core/transformed.h"
 #include "shots/shot_files.h"
 
-namespace bodyopt {
+namespace bodyopt::viewport {
 namespace {
 
 constexpr std::size_t kMostPixels = std::size_t{1} << 28;  // of all images
@@ -50,7 +50,7 @@ double roughness(const SurfaceMaterial& material) {
 }
 
 // Reads an image that repeats.
-std::uint8_t byte_at(const Image& image, double u, double v, std::size_t channel) {
+std::uint8_t byte_at(const draw::Image& image, double u, double v, std::size_t channel) {
   const auto place = [](double at, std::uint32_t pixels) {
     return std::min(static_cast<std::size_t>((at - std::floor(at)) * pixels), std::size_t{pixels} - 1);
   };
@@ -59,16 +59,16 @@ std::uint8_t byte_at(const Image& image, double u, double v, std::size_t channel
 }
 
 // A share of light.
-double pixel(const Image& image, double u, double v, std::size_t channel) {
-  return static_cast<double>(linear(byte_at(image, u, v, channel)));
+double pixel(const draw::Image& image, double u, double v, std::size_t channel) {
+  return static_cast<double>(draw::linear(byte_at(image, u, v, channel)));
 }
 
 // See SurfacePart::detail. Null: none.
-Image detail_of(const Image* normals, double scale, const Image* rough, double factor) {
-  const auto side = [&](std::uint32_t Image::*length) {
+draw::Image detail_of(const draw::Image* normals, double scale, const draw::Image* rough, double factor) {
+  const auto side = [&](std::uint32_t draw::Image::*length) {
     return std::max({1u, normals ? normals->*length : 1u, rough ? rough->*length : 1u});
   };
-  Image detail{side(&Image::width), side(&Image::height), {}};
+  draw::Image detail{side(&draw::Image::width), side(&draw::Image::height), {}};
   detail.rgba.reserve(std::size_t{4} * detail.width * detail.height);
   for (std::uint32_t y = 0; y < detail.height; ++y) {
     for (std::uint32_t x = 0; x < detail.width; ++x) {
@@ -99,17 +99,17 @@ class MaterialsMaker {
       : device_(device), own_(own), made_(std::make_shared<CharacterMaterials>()) {}
 
   // `places`: of the vertices of the surface among the positions; empty: they are the same.
-  SurfaceDraw make(const SkinSurface& surface, std::span<const std::uint32_t> corners,
-                   std::span<const std::uint32_t> places, std::size_t count) {
-    SurfaceDraw draw;
+  draw::SurfaceDraw make(const SkinSurface& surface, std::span<const std::uint32_t> corners,
+                         std::span<const std::uint32_t> places, std::size_t count) {
+    draw::SurfaceDraw draw;
     if (!says_something(surface)) return draw;
     const auto [split, own_corners, own_places] = split_corners(surface, corners, count);
     const std::vector<double> at = image_coordinates(split, own_corners);
-    std::vector<SurfaceVertex> vertices;
+    std::vector<draw::SurfaceVertex> vertices;
     for (std::size_t v = 0; v < own_places.size(); ++v) {
       const std::uint32_t place = own_places[v];
-      SurfaceVertex& vertex =
-          vertices.emplace_back(SurfaceVertex{places.empty() ? place : places[place], 0, 0, ~0u, ~0u});
+      draw::SurfaceVertex& vertex =
+          vertices.emplace_back(draw::SurfaceVertex{places.empty() ? place : places[place], 0, 0, ~0u, ~0u});
       if (!at.empty()) {
         vertex.u = static_cast<float>(at[2 * v]);
         vertex.v = static_cast<float>(at[2 * v + 1]);
@@ -124,7 +124,7 @@ class MaterialsMaker {
     }
     std::vector<std::uint32_t> sorted;
     for (std::size_t m = 0; m < own.size(); ++m) {
-      SurfacePart& part = draw.parts.emplace_back(
+      draw::SurfacePart& part = draw.parts.emplace_back(
           part_of(surface, surface.materials.empty() ? SurfaceMaterial() : surface.materials[m]));
       part.first_corner = static_cast<std::uint32_t>(sorted.size());
       part.corner_count = static_cast<std::uint32_t>(own[m].size());
@@ -139,7 +139,7 @@ class MaterialsMaker {
   Positions colours_of(const SkinSurface& surface, const MeshTable& mesh) {
     Positions colours = Positions::Ones(mesh.vertex_count(), 3);
     const std::vector<double> at = image_coordinates(surface, mesh.output_triangles);
-    std::vector<const Image*> images;  // of the materials; null: none
+    std::vector<const draw::Image*> images;  // of the materials; null: none
     const auto factors = transformed(surface.materials, &SurfaceMaterial::colour);
     for (const SurfaceMaterial& material : surface.materials) {
       const bool has_image = !at.empty() && material.texture() != nullptr;
@@ -159,7 +159,7 @@ class MaterialsMaker {
     return colours;
   }
 
-  SurfaceDraw make_coarser(const Positions& colours, const NearestSkin& finest, const MeshTable& mesh) {
+  draw::SurfaceDraw make_coarser(const Positions& colours, const NearestSkin& finest, const MeshTable& mesh) {
     SkinSurface surface;
     const Positions rest = rows_of(mesh.rest);
     for (Eigen::Index v = 0; v < rest.rows(); ++v) {
@@ -172,8 +172,8 @@ class MaterialsMaker {
   const std::shared_ptr<CharacterMaterials>& made() const { return made_; }
 
  private:
-  SurfacePart part_of(const SkinSurface& surface, const SurfaceMaterial& material) {
-    SurfacePart part{};
+  draw::SurfacePart part_of(const SkinSurface& surface, const SurfaceMaterial& material) {
+    draw::SurfacePart part{};
     std::ranges::transform(material.colour(), part.colour.begin(), [](double x) { return static_cast<float>(x); });
     if (material.alpha_mode() == "BLEND") part.least_alpha = 0;
     if (material.alpha_mode() == "MASK") part.least_alpha = static_cast<float>(material.number("alphaCutoff", 0.5));
@@ -191,29 +191,29 @@ class MaterialsMaker {
   }
 
   VkSampler sampler_of(const SkinSurface& surface, const Json* texture) {
-    Sampling sampling;
+    draw::Sampling sampling;
     if (texture) {
       const Json& given = texture_of(surface, *texture).sampler;
       sampling = {wrapping_of(given, "wrapS"), wrapping_of(given, "wrapT"),
                   given.value("magFilter", kLinear) == kLinear};
     }
     const auto [sampler, is_new] = made_->samplers.try_emplace(sampling);
-    if (is_new) sampler->second = make_sampler(device_, sampling);
+    if (is_new) sampler->second = draw::make_sampler(device_, sampling);
     return sampler->second.get();
   }
 
   VkImageView detail_view(const SkinSurface& surface, const SurfaceMaterial& material, const Json* normal,
                           const Json* rough) {
     const auto image = [&](const Json* texture) {
-      const Image* found = texture ? &shown_of(texture_of(surface, *texture)).image : nullptr;
+      const draw::Image* found = texture ? &shown_of(texture_of(surface, *texture)).image : nullptr;
       return found && found->width > 0 ? found : nullptr;
     };
     const double scale = normal ? normal->value("scale", 1.0) : 1;
-    const Image *normals = image(normal), *roughs = image(rough);
+    const draw::Image *normals = image(normal), *roughs = image(rough);
     const auto [known, is_new] = details_.try_emplace({normals, scale, roughs, roughness(material)}, VK_NULL_HANDLE);
     if (is_new) {
       const double factor = std::clamp(roughness(material), 0.0, 1.0);
-      Image detail = detail_of(normals, scale, roughs, factor);
+      draw::Image detail = detail_of(normals, scale, roughs, factor);
       pixels_ += std::size_t{detail.width} * detail.height;
       if (pixels_ > kMostPixels) detail = detail_of(nullptr, 1, nullptr, factor);
       known->second = upload(detail, VK_FORMAT_R8G8B8A8_UNORM);
@@ -221,8 +221,8 @@ class MaterialsMaker {
     return known->second;
   }
 
-  VkImageView upload(const Image& image, VkFormat format = kColourFormat) {
-    return made_->images.emplace_back(make_texture(device_, image, format)).view.get();
+  VkImageView upload(const draw::Image& image, VkFormat format = draw::kColourFormat) {
+    return made_->images.emplace_back(draw::make_texture(device_, image, format)).view.get();
   }
 
   VkImageView white() {
@@ -231,7 +231,7 @@ class MaterialsMaker {
   }
 
   struct Shown {
-    Image image;                        // no pixels: it cannot be shown
+    draw::Image image;                  // no pixels: it cannot be shown
     VkImageView view = VK_NULL_HANDLE;  // where it is of a colour, and was asked for
   };
 
@@ -239,7 +239,7 @@ class MaterialsMaker {
     const auto [known, is_new] = known_.try_emplace(*texture.bytes);
     if (!is_new) return known->second;
     try {
-      Image image = decode_image(std::as_bytes(std::span(*texture.bytes)));
+      draw::Image image = draw::decode_image(std::as_bytes(std::span(*texture.bytes)));
       pixels_ += std::size_t{image.width} * image.height;
       if (pixels_ > kMostPixels) throw Error(ErrorKind::file, "is more than can be shown, with those before it");
       known->second.image = std::move(image);
@@ -256,7 +256,8 @@ class MaterialsMaker {
   std::map<std::string, Shown> known_;  // by what is in its file
   std::size_t pixels_ = 0;
   VkImageView white_ = VK_NULL_HANDLE;
-  std::map<std::tuple<const Image*, double, const Image*, double>, VkImageView> details_;  // see detail_of()
+  std::map<std::tuple<const draw::Image*, double, const draw::Image*, double>, VkImageView>
+      details_;  // see detail_of()
 };
 
 }  // namespace
@@ -267,8 +268,8 @@ std::shared_ptr<const CharacterMaterials> make_character_materials(const vulkan:
   MaterialsMaker maker(device, own);
   CharacterMaterials& made = *maker.made();
   const MeshTable& mesh = levels.front()->mesh;
-  const Tell tell = [&](const std::string& note) { made.notes.push_back(note); };
-  const SkinSurface skin = surface_if_any(own, mesh, tell);
+  const shots::Tell tell = [&](const std::string& note) { made.notes.push_back(note); };
+  const SkinSurface skin = shots::surface_if_any(own, mesh, tell);
   made.files = skin.files;
   made.skin.push_back(maker.make(skin, mesh.output_triangles, mesh.output_vertex, mesh.output_count()));
   made.skin.resize(levels.size());
@@ -278,7 +279,7 @@ std::shared_ptr<const CharacterMaterials> make_character_materials(const vulkan:
     const NearestSkin finest(rest, triangles);
     for (std::size_t k = 1; k < levels.size(); ++k) made.skin[k] = maker.make_coarser(colours, finest, levels[k]->mesh);
   }
-  const std::vector<SkinSurface> worn = attached_surfaces(own, *levels.front(), attached, tell);
+  const std::vector<SkinSurface> worn = shots::attached_surfaces(own, *levels.front(), attached, tell);
   for (std::size_t m = 0; m < worn.size(); ++m) {
     const AttachedMesh& own_mesh = attached.meshes[m];
     std::ranges::copy(worn[m].files, std::back_inserter(made.files));
@@ -287,4 +288,4 @@ std::shared_ptr<const CharacterMaterials> make_character_materials(const vulkan:
   return maker.made();
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::viewport

@@ -12,16 +12,17 @@
 #include "runtime/basis/attachments.h"
 #include "runtime/basis/basis.h"
 
-namespace bodyopt {
+namespace bodyopt::viewport {
 
 // Plain white materials without an image have no parts.
 struct CharacterMaterials {
-  std::vector<SurfaceDraw> skin;   // of each level of detail; coarser ones have the colours that the finest has there
-  std::vector<SurfaceDraw> worn;   // of each attached mesh
-  std::vector<std::string> notes;  // of what cannot be read, one sentence each
+  std::vector<draw::SurfaceDraw>
+      skin;  // of each level of detail; coarser ones have the colours that the finest has there
+  std::vector<draw::SurfaceDraw> worn;       // of each attached mesh
+  std::vector<std::string> notes;            // of what cannot be read, one sentence each
   std::vector<std::filesystem::path> files;  // their images beside the character's own file, if they are there
-  std::vector<Attachment> images;
-  std::map<Sampling, Sampler> samplers;
+  std::vector<draw::Attachment> images;
+  std::map<draw::Sampling, draw::Sampler> samplers;
 };
 
 // `own`: the character's own file; `levels`: finest first. Throws Error(device).
@@ -29,4 +30,4 @@ std::shared_ptr<const CharacterMaterials> make_character_materials(const vulkan:
                                                                    const std::vector<const Basis*>& levels,
                                                                    const Attachments& attached);
 
-}  // namespace bodyopt
+}  // namespace bodyopt::viewport

@@ -10,10 +10,10 @@
 #include "draw/view.h"
 #include "runtime/basis/dynamics.h"
 
-namespace bodyopt {
+namespace bodyopt::viewport {
 namespace {
 
-constexpr std::array<float, 3> kSkin = kClayColour;
+constexpr std::array<float, 3> kSkin = draw::kClayColour;
 // Fat, muscle, held.
 constexpr std::array<float, 3> kTetColours[] = {{0.78f, 0.56f, 0.20f}, {0.50f, 0.065f, 0.05f}, {0.80f, 0.78f, 0.70f}};
 
@@ -114,4 +114,4 @@ void CutTets::add_part(const std::vector<std::uint32_t>& triangles, const std::a
                     static_cast<std::uint32_t>(triangles.size() / 3), colour});
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::viewport

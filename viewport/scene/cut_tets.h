@@ -11,8 +11,10 @@
 #include "runtime/vulkan/buffer.h"
 
 namespace bodyopt {
-
 struct Dynamics;
+}
+
+namespace bodyopt::viewport {
 
 // held: by springs that leave no corner room to jiggle: bone, what counts as bone by its depth, what jiggle.json holds.
 enum class TetKind { fat, muscle, held };
@@ -70,4 +72,4 @@ class CutTets {
   std::vector<Part> parts_;
 };
 
-}  // namespace bodyopt
+}  // namespace bodyopt::viewport

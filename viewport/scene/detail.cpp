@@ -5,7 +5,7 @@
 
 #include "draw/view.h"
 
-namespace bodyopt {
+namespace bodyopt::viewport {
 namespace {
 
 namespace fs = std::filesystem;
@@ -21,8 +21,8 @@ std::vector<FibrePoint> points_on_skin(const StrainTable& strain) {
   return points;
 }
 
-std::vector<FibreSegment> segments_of(const StrainTable& strain) {
-  std::vector<FibreSegment> segments;
+std::vector<draw::FibreSegment> segments_of(const StrainTable& strain) {
+  std::vector<draw::FibreSegment> segments;
   for (std::uint32_t fibre = 0; fibre < strain.fibre_count(); ++fibre) {
     for (std::uint32_t p = strain.fibre_begin[fibre] + 1; p < strain.fibre_begin[fibre + 1]; ++p) {
       segments.push_back({p - 1, p, fibre});
@@ -77,7 +77,7 @@ LevelOnDevice::LevelOnDevice(const std::shared_ptr<const vulkan::Device>& device
       distance(rms_distance(following.full_skin())) {
   vulkan::Uploads uploads(*device);
   triangles = vulkan::upload(uploads, basis().mesh.triangles, "the triangles");
-  const std::vector<FibreSegment> segments = segments_of(basis().strain);
+  const std::vector<draw::FibreSegment> segments = segments_of(basis().strain);
   fibre_segments = vulkan::upload(uploads, segments, "the fibres");
   fibre_points = vulkan::upload(uploads, points_on_skin(basis().strain), "the fibre points");
   uploads.finish();
@@ -260,4 +260,4 @@ std::size_t DetailChoice::choose(double seconds, bool playing, std::size_t count
   return level_;
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::viewport

@@ -22,7 +22,7 @@
 #include "viewport/scene/character_materials.h"
 #include "viewport/scene/cut_tets.h"
 
-namespace bodyopt {
+namespace bodyopt::viewport {
 
 struct LevelOnDevice {
   // `dynamics`: of the same basis, where there are any. Throws Error(device).
@@ -168,4 +168,4 @@ class DetailChoice {
   double waited_ = 0, retry_ = kFirstRetry;
 };
 
-}  // namespace bodyopt
+}  // namespace bodyopt::viewport

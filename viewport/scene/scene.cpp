@@ -12,7 +12,7 @@
 #include "runtime/host/rig.h"
 #include "shots/session/posed_clip.h"
 
-namespace bodyopt {
+namespace bodyopt::viewport {
 namespace {
 
 constexpr std::size_t kColumns = 7;   // of copies, at least
@@ -63,23 +63,23 @@ Weights weights_of(const Controls& controls) {
   return {static_cast<float>(controls.settings.pose.correction), static_cast<float>(controls.settings.jiggle.amount)};
 }
 
-SkinMethod shown_method(const Actor& character, const ViewSettings& settings) {
+SkinMethod shown_method(const Actor& character, const shots::ViewSettings& settings) {
   return settings.jiggle.on && character.has(SkinMethod::jiggle) ? SkinMethod::jiggle : SkinMethod::full;
 }
 
-std::optional<SkinMethod> compared_method(const Actor& character, const ViewSettings& settings) {
+std::optional<SkinMethod> compared_method(const Actor& character, const shots::ViewSettings& settings) {
   static constexpr std::optional<SkinMethod> kMethods[] = {std::nullopt,       SkinMethod::lbs,  SkinMethod::ddm,
                                                            SkinMethod::linear, SkinMethod::full, SkinMethod::jiggle,
                                                            SkinMethod::truth,  SkinMethod::proxy};  // as CompareWith
-  const ViewSettings::Compare& compare = settings.compare;
+  const shots::ViewSettings::Compare& compare = settings.compare;
   const auto wanted = compare.activation ? SkinMethod::ddm : kMethods[static_cast<std::size_t>(compare.with)];
   if (!wanted || !character.has(*wanted) || *wanted == shown_method(character, settings)) return std::nullopt;
   return wanted;
 }
 
-void Scene::add(const ActorFiles& files, const ClipOptions& options) { cast_.push_back(make(files, options)); }
+void Scene::add(const shots::ActorFiles& files, const ClipOptions& options) { cast_.push_back(make(files, options)); }
 
-std::unique_ptr<Actor> Scene::make(const ActorFiles& files, const ClipOptions& options) const {
+std::unique_ptr<Actor> Scene::make(const shots::ActorFiles& files, const ClipOptions& options) const {
   return std::make_unique<Actor>(device_, files, options, levels_);
 }
 
@@ -117,7 +117,7 @@ std::array<float, 3> Scene::free_place(std::size_t index) const {
     return std::hypot(apart[0], apart[2]) < kOverlap * cast_[index]->size();
   };
   if (std::none_of(cast_.begin(), cast_.begin() + static_cast<std::ptrdiff_t>(index), begins_inside)) return {0, 0, 0};
-  return to_float(
+  return draw::to_float(
       {kSpacing * cast_[index]->size() * place_in_row(index), cast_.front()->ground() - cast_[index]->ground(), 0});
 }
 
@@ -127,11 +127,11 @@ std::array<float, 3> Scene::place(std::size_t index, const Controls& controls) c
   const std::optional<Vec3>& at = placement(character, controls).at;
   if (!at) return free_place(index);
   const Vec3 begins = character.start();
-  return to_float(*at - Vec3{begins[0], character.ground() - cast_.front()->ground(), begins[2]});
+  return draw::to_float(*at - Vec3{begins[0], character.ground() - cast_.front()->ground(), begins[2]});
 }
 
-const Placement& Scene::placement(const Actor& character, const Controls& controls) const {
-  static const Placement kUsual;
+const shots::Placement& Scene::placement(const Actor& character, const Controls& controls) const {
+  static const shots::Placement kUsual;
   const auto own = std::ranges::find_if(cast_, [&](const auto& one) { return one.get() == &character; });
   const auto index = static_cast<std::size_t>(own - cast_.begin());
   return index == 0 || index >= controls.placements.size() ? kUsual : controls.placements[index];
@@ -150,9 +150,9 @@ std::size_t Scene::level_by_size(std::size_t index, const Controls& controls, st
   constexpr double kPixels = 0.2;  // RMS: where it is half a pixel, heads look cut
   const Actor& character = *cast_[index];
   const Pose pose = pose_at(character, controls.playback.frame(), controls);
-  const Vec3 at = pose.joints.front().translation + to_double(place(index, controls));
-  const Camera camera = controls.camera.camera();
-  const double away = std::max(1e-3, length(at - to_double(camera.eye)) - 0.5 * character.size());
+  const Vec3 at = pose.joints.front().translation + draw::to_double(place(index, controls));
+  const draw::Camera camera = controls.camera.camera();
+  const double away = std::max(1e-3, length(at - draw::to_double(camera.eye)) - 0.5 * character.size());
   const double seen = camera.orthographic_height > 0
                           ? static_cast<double>(camera.orthographic_height)
                           : 2 * away * std::tan(0.5 * static_cast<double>(camera.vertical_angle));
@@ -164,7 +164,7 @@ std::array<float, 3> Scene::place_copy(std::size_t copy, const Controls& control
   const auto all = static_cast<double>(controls.settings.cast.copies);
   const std::size_t columns = std::max(kColumns, static_cast<std::size_t>(std::sqrt(all)));
   const double step = kSpacing * cast_.front()->size();
-  return to_float({step * place_in_row(copy % columns), 0, -step * static_cast<double>(copy / columns)});
+  return draw::to_float({step * place_in_row(copy % columns), 0, -step * static_cast<double>(copy / columns)});
 }
 
 void Scene::reset_jiggle() {
@@ -177,11 +177,11 @@ Pose Scene::pose_at(const Actor& character, int frame, const Controls& controls)
   if (leads && live_pose_) return *live_pose_;
   if (leads) return character.pose(frame, controls.posing_at(frame));
   const int own = played_frame(character, frame, controls);
-  return character.pose(own, keyed_posing(character.posing(), own));
+  return character.pose(own, shots::keyed_posing(character.posing(), own));
 }
 
 std::vector<Pose> Scene::poses_of(const Actor& character, const Controls& controls) const {
-  const ViewSettings& s = controls.settings;
+  const shots::ViewSettings& s = controls.settings;
   const int frame = controls.playback.frame();
   std::vector<Pose> poses = {pose_at(character, frame, controls)};
   for (int k = 1; k <= s.ghosts.before; ++k) poses.push_back(pose_at(character, frame - k * s.ghosts.step, controls));
@@ -210,7 +210,7 @@ void Scene::preroll(Actor& character, const Controls& controls, const Weights& w
   const std::optional<int> last = character.shown().jiggle_frame();
   const bool came_by_itself = last && *last <= played && played - *last <= static_cast<int>(character.clip().fps);
   if (came_by_itself || controls.playback.playing() || live_pose_) return;
-  for (int k = -usual_preroll(character.clip(), played); k < 0; ++k) {
+  for (int k = -shots::usual_preroll(character.clip(), played); k < 0; ++k) {
     const Pose pose = pose_at(character, frame + k, controls);
     character.evaluate(SkinMethod::jiggle, {&pose, 1}, played + k, weights, false);
   }
@@ -245,7 +245,8 @@ Scene::Shown Scene::evaluate(Actor& character, SkinMethod method, std::span<cons
   return {method, &evaluation, character.skin(method)};
 }
 
-void Scene::surround(const std::vector<std::vector<Pose>>& all_poses, const Controls& controls, View& view) const {
+void Scene::surround(const std::vector<std::vector<Pose>>& all_poses, const Controls& controls,
+                     draw::View& view) const {
   const auto ghosts = static_cast<std::size_t>(controls.settings.ghosts.before + controls.settings.ghosts.after);
   Box all;
   double around_largest = 0, smallest = 1e30;
@@ -253,7 +254,7 @@ void Scene::surround(const std::vector<std::vector<Pose>>& all_poses, const Cont
     const std::vector<Pose>& poses = all_poses[c];
     const double around = kSphere * std::max(0.1, cast_[c]->reach());
     for (std::size_t k = 0; k < poses.size(); ++k) {
-      const Vec3 offset = to_double(k > ghosts ? place_copy(k - ghosts, controls) : place(c, controls));
+      const Vec3 offset = draw::to_double(k > ghosts ? place_copy(k - ghosts, controls) : place(c, controls));
       Box own;
       for (const Vec3& centre : joint_centres(cast_[c]->basis().skeleton, poses[k])) own.add(centre + offset);
       all.add(own.low);
@@ -262,7 +263,7 @@ void Scene::surround(const std::vector<std::vector<Pose>>& all_poses, const Cont
     }
     around_largest = std::max(around_largest, around);
   }
-  view.middle = to_float(0.5 * (all.low + all.high));
+  view.middle = draw::to_float(0.5 * (all.low + all.high));
   view.radius = static_cast<float>(all.radius() + around_largest);
   view.ground.caster = static_cast<float>(smallest);
 }
@@ -319,12 +320,13 @@ Vec3 Scene::whereabouts(int frame) const {
   return mean;
 }
 
-std::vector<View> Scene::portrait(const ViewSettings::PoseKey& pose, const Controls& controls, std::uint32_t pixels) {
+std::vector<draw::View> Scene::portrait(const shots::ViewSettings::PoseKey& pose, const Controls& controls,
+                                        std::uint32_t pixels) {
   constexpr double kRight = 0.45, kUp = 0.18;  // radians
   Controls own;
   own.playback = controls.playback;
   own.settings.pose = controls.settings.pose;
-  static_cast<ViewSettings::PoseKey&>(own.settings.pose) = pose;
+  static_cast<shots::ViewSettings::PoseKey&>(own.settings.pose) = pose;
   own.settings.look.grid = own.settings.look.axes = false;
   std::vector<std::unique_ptr<Actor>> cast;
   cast.push_back(std::move(cast_.front()));
@@ -377,4 +379,4 @@ std::vector<float> Scene::points_to_frame(const Controls& controls) {
   return points;
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::viewport

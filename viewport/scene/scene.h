@@ -12,7 +12,7 @@
 #include "viewport/commands/controls.h"
 #include "viewport/scene/actor.h"
 
-namespace bodyopt {
+namespace bodyopt::viewport {
 
 // The match of the lead's points with those of the second of the cast: of their finest levels, runtime vertices.
 struct MatchedSkins {
@@ -33,9 +33,9 @@ class Scene {
  public:
   explicit Scene(std::shared_ptr<const vulkan::Device> device) : device_(std::move(device)) {}
 
-  void add(const ActorFiles& files, const ClipOptions& options);
+  void add(const shots::ActorFiles& files, const ClipOptions& options);
   // One that is not in the cast.
-  std::unique_ptr<Actor> make(const ActorFiles& files, const ClipOptions& options) const;
+  std::unique_ptr<Actor> make(const shots::ActorFiles& files, const ClipOptions& options) const;
   void swap(std::size_t index, std::unique_ptr<Actor>& other);
   void make_lead(std::size_t index);  // the others keep their order
   void remove(std::size_t index);
@@ -59,13 +59,14 @@ class Scene {
 
   // The views of a frame in a picture whose part `area` is free of panels: evaluates what is not yet. Buffers stay
   // until the next call. Throws Error(device), Error(file) of a truth that went away.
-  std::vector<View> look(const Controls& controls, const Rectangle& area);
+  std::vector<draw::View> look(const Controls& controls, const draw::Rectangle& area);
 
   // The lead alone in a pose at the frame, in a square picture, framed.
-  std::vector<View> portrait(const ViewSettings::PoseKey& pose, const Controls& controls, std::uint32_t pixels);
+  std::vector<draw::View> portrait(const shots::ViewSettings::PoseKey& pose, const Controls& controls,
+                                   std::uint32_t pixels);
 
   // Places those views in the area: two side by side, otherwise all of it.
-  std::vector<Rectangle> view_areas(const ViewSettings& settings, const Rectangle& area) const;
+  std::vector<draw::Rectangle> view_areas(const shots::ViewSettings& settings, const draw::Rectangle& area) const;
 
   // Returns the lead's place over the ground, however it leaps: its root's mean over half a second either way. The mean
   // ends where the root is half its size away, as a dataset goes on with another take elsewhere.
@@ -107,25 +108,26 @@ class Scene {
   std::vector<Pose> poses_of(const Actor& character, const Controls& controls) const;
   std::vector<std::vector<Pose>> poses_of_cast(const Controls& controls) const;
   // Gives the view the sphere of all that is seen, and the radius of the smallest character's.
-  void surround(const std::vector<std::vector<Pose>>& all_poses, const Controls& controls, View& view) const;
+  void surround(const std::vector<std::vector<Pose>>& all_poses, const Controls& controls, draw::View& view) const;
   // `poses`: the frame's, those of the ghosts, those of the copies; `shown`, `skin`: of the frame.
   void add_character(std::size_t index, std::span<const Pose> poses, const Controls& controls,
-                     std::vector<View>& views);
-  void add_copies_and_ghosts(Actor& character, std::span<const Pose> poses, const Shown& shown, const SkinDraw& skin,
-                             const Controls& controls, std::vector<View>& views);
+                     std::vector<draw::View>& views);
+  void add_copies_and_ghosts(Actor& character, std::span<const Pose> poses, const Shown& shown,
+                             const draw::SkinDraw& skin, const Controls& controls, std::vector<draw::View>& views);
   void add_skeleton(const Actor& character, const Pose& pose, const std::array<float, 3>& offset,
-                    const Controls& controls, View& view);
-  void add_trails(const Controls& controls, const std::array<float, 3>& offset, View& view);
-  void add_rings(const Controls& controls, const std::array<float, 3>& offset, View& view);
-  void add_fibres(const Actor& character, const Shown& shown, const std::array<float, 3>& offset, View& view);
-  void colour_by_match(std::size_t index, const ViewSettings& settings, SkinDraw& skin) const;
-  void add_tets(Actor& character, const Pose& pose, const SkinDraw& skin, const Controls& controls,
-                std::vector<View>& views);
-  void add_cut_open(const SkinDraw& skin, View& view) const;
-  void add_lines(std::vector<LinePoint> points, const std::array<float, 3>& offset, float width, View& view);
-  void add_marker(const Vec3& at, std::uint32_t colour, View& view);
-  void add_markings(const Controls& controls, std::vector<View>& views);
-  const Placement& placement(const Actor& character, const Controls& controls) const;
+                    const Controls& controls, draw::View& view);
+  void add_trails(const Controls& controls, const std::array<float, 3>& offset, draw::View& view);
+  void add_rings(const Controls& controls, const std::array<float, 3>& offset, draw::View& view);
+  void add_fibres(const Actor& character, const Shown& shown, const std::array<float, 3>& offset, draw::View& view);
+  void colour_by_match(std::size_t index, const shots::ViewSettings& settings, draw::SkinDraw& skin) const;
+  void add_tets(Actor& character, const Pose& pose, const draw::SkinDraw& skin, const Controls& controls,
+                std::vector<draw::View>& views);
+  void add_cut_open(const draw::SkinDraw& skin, draw::View& view) const;
+  void add_lines(std::vector<draw::LinePoint> points, const std::array<float, 3>& offset, float width,
+                 draw::View& view);
+  void add_marker(const Vec3& at, std::uint32_t colour, draw::View& view);
+  void add_markings(const Controls& controls, std::vector<draw::View>& views);
+  const shots::Placement& placement(const Actor& character, const Controls& controls) const;
   // Returns the frame of its own clip that a character plays at a frame of the lead's.
   int played_frame(const Actor& character, int frame, const Controls& controls) const;
   std::array<float, 3> place(std::size_t index, const Controls& controls) const;
@@ -142,7 +144,7 @@ class Scene {
   const Evaluation* lead_evaluation_ = nullptr;
   const ExpectedSkin* lead_expected_ = nullptr;
   // Views point to these.
-  std::vector<std::vector<LinePoint>> lines_;
+  std::vector<std::vector<draw::LinePoint>> lines_;
   std::vector<std::vector<std::uint32_t>> colours_;
 };
 
@@ -150,7 +152,7 @@ class Scene {
 Weights weights_of(const Controls& controls);
 
 // The method that settings choose, and what it is compared with: none where the character has no such skin.
-SkinMethod shown_method(const Actor& character, const ViewSettings& settings);
-std::optional<SkinMethod> compared_method(const Actor& character, const ViewSettings& settings);
+SkinMethod shown_method(const Actor& character, const shots::ViewSettings& settings);
+std::optional<SkinMethod> compared_method(const Actor& character, const shots::ViewSettings& settings);
 
-}  // namespace bodyopt
+}  // namespace bodyopt::viewport

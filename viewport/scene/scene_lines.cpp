@@ -8,7 +8,7 @@
 #include "viewport/scene/turn_rings.h"
 #include "viewport/state/strain_colour.h"
 
-namespace bodyopt {
+namespace bodyopt::viewport {
 namespace {
 
 constexpr std::uint32_t kBone = 0xd0f0e4c8, kJoint = 0xffffffff, kSelected = 0xff2fb4ff;
@@ -17,21 +17,22 @@ constexpr std::uint32_t kMarked = 0xff5a40ff;
 constexpr std::array<std::uint32_t, 6> kPairColours{0xff4060ff, 0xff50d070, 0xffff9040,
                                                     0xff40d8ff, 0xffe060e0, 0xffd8d840};
 
-LinePoint line_point(const Vec3& at, std::uint32_t colour) {
-  const auto [x, y, z] = to_float(at);
+draw::LinePoint line_point(const Vec3& at, std::uint32_t colour) {
+  const auto [x, y, z] = draw::to_float(at);
   return {x, y, z, colour};
 }
 
 }  // namespace
 
-void Scene::add_lines(std::vector<LinePoint> points, const std::array<float, 3>& offset, float width, View& view) {
+void Scene::add_lines(std::vector<draw::LinePoint> points, const std::array<float, 3>& offset, float width,
+                      draw::View& view) {
   lines_.push_back(std::move(points));
   view.lines.push_back({lines_.back(), offset, width, true});
 }
 
-void Scene::add_marker(const Vec3& at, std::uint32_t colour, View& view) {
+void Scene::add_marker(const Vec3& at, std::uint32_t colour, draw::View& view) {
   const double reach = 0.012 * lead().size();
-  std::vector<LinePoint> cross;
+  std::vector<draw::LinePoint> cross;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     for (const double side : {-reach, reach}) {
       Vec3 end = at;
@@ -43,9 +44,9 @@ void Scene::add_marker(const Vec3& at, std::uint32_t colour, View& view) {
 }
 
 // Marks the worst error. Pairs have one colour each; a vertex that waits for its other is white.
-void Scene::add_markings(const Controls& controls, std::vector<View>& views) {
+void Scene::add_markings(const Controls& controls, std::vector<draw::View>& views) {
   if (controls.marker && controls.marker->frame == controls.playback.frame()) {
-    for (View& view : views) add_marker(controls.marker->at, kMarked, view);
+    for (draw::View& view : views) add_marker(controls.marker->at, kMarked, view);
   }
   const Marking& marking = controls.marking;
   if (cast_.size() < 2 || (marking.pairs.empty() && !marking.of_lead)) return;
@@ -64,10 +65,10 @@ void Scene::add_markings(const Controls& controls, std::vector<View>& views) {
 }
 
 void Scene::add_skeleton(const Actor& character, const Pose& pose, const std::array<float, 3>& offset,
-                         const Controls& controls, View& view) {
+                         const Controls& controls, draw::View& view) {
   const Skeleton& skeleton = character.basis().skeleton;
   const std::vector<Vec3> centres = joint_centres(skeleton, pose);
-  std::vector<LinePoint> bones, joints;
+  std::vector<draw::LinePoint> bones, joints;
   const double cross = 0.008 * character.size();
   for (std::size_t j = 0; j < centres.size(); ++j) {
     const std::string& name = skeleton.joints[j].name;
@@ -90,7 +91,7 @@ void Scene::add_skeleton(const Actor& character, const Pose& pose, const std::ar
 
 // Draws the selected joints' paths, in the colours of ghosts, through the frames of the range that are near. Each frame
 // with a key has a cross.
-void Scene::add_trails(const Controls& controls, const std::array<float, 3>& offset, View& view) {
+void Scene::add_trails(const Controls& controls, const std::array<float, 3>& offset, draw::View& view) {
   constexpr int kLongest = 120;  // frames either way
   constexpr std::uint32_t kBefore = 0xffe0a060, kAfter = 0xff40a0f0;
   const Skeleton& skeleton = lead().basis().skeleton;
@@ -100,16 +101,16 @@ void Scene::add_trails(const Controls& controls, const std::array<float, 3>& off
   if (live_pose_ || controls.joint.empty() || last <= first) return;
   std::set<std::string> names = controls.also;
   names.insert(controls.joint);
-  std::map<std::string, std::vector<LinePoint>> ways;
-  std::vector<LinePoint> keys;
+  std::map<std::string, std::vector<draw::LinePoint>> ways;
+  std::vector<draw::LinePoint> keys;
   for (int frame = first; frame <= last; ++frame) {
     const std::vector<Vec3> centres = joint_centres(skeleton, pose_at(lead(), frame, controls));
     for (const std::string& name : names) {
       const int joint = skeleton.find(name);
       if (joint < 0) continue;
       const Vec3& at = centres[static_cast<std::size_t>(joint)];
-      std::vector<LinePoint>& way = ways[name];
-      const LinePoint point = line_point(at, frame <= shown ? kBefore : kAfter);
+      std::vector<draw::LinePoint>& way = ways[name];
+      const draw::LinePoint point = line_point(at, frame <= shown ? kBefore : kAfter);
       if (!way.empty()) way.push_back(point);
       way.push_back(point);
       for (std::size_t axis = 0; axis < 3 && controls.settings.pose.keys.contains(frame); ++axis) {
@@ -127,9 +128,9 @@ void Scene::add_trails(const Controls& controls, const std::array<float, 3>& off
 }
 
 // Draws the selected joint's rings, bright as far as it may turn, with a hand at its angle; its arrows; and all pins.
-void Scene::add_rings(const Controls& controls, const std::array<float, 3>& offset, View& view) {
+void Scene::add_rings(const Controls& controls, const std::array<float, 3>& offset, draw::View& view) {
   constexpr int kSteps = 72;
-  std::vector<LinePoint> lines;
+  std::vector<draw::LinePoint> lines;
   const auto draw = [&](const Vec3& from, const Vec3& to, std::uint32_t colour) {
     for (const Vec3& at : {from, to}) lines.push_back(line_point(at, colour));
   };
@@ -153,9 +154,9 @@ void Scene::add_rings(const Controls& controls, const std::array<float, 3>& offs
     }
   }
   const double size = 0.012 * lead().size();
-  const std::vector<MissedPin> missed = lead().missed_pins(controls.playback.frame(), controls.settings.pose);
+  const std::vector<shots::MissedPin> missed = lead().missed_pins(controls.playback.frame(), controls.settings.pose);
   for (const auto& [joint, at] : controls.settings.pose.pins) {
-    const bool is_missed = std::ranges::find(missed, joint, &MissedPin::joint) != missed.end();
+    const bool is_missed = std::ranges::find(missed, joint, &shots::MissedPin::joint) != missed.end();
     for (std::size_t axis = 0; axis < 3; ++axis) {  // an octahedron, seen from wherever
       Vec3 right{}, up{};
       right[axis] = up[(axis + 1) % 3] = size;
@@ -166,13 +167,14 @@ void Scene::add_rings(const Controls& controls, const std::array<float, 3>& offs
   add_lines(std::move(lines), offset, 2, view);
 }
 
-void Scene::add_fibres(const Actor& character, const Shown& shown, const std::array<float, 3>& offset, View& view) {
+void Scene::add_fibres(const Actor& character, const Shown& shown, const std::array<float, 3>& offset,
+                       draw::View& view) {
   if (character.shown().level().fibre_segment_count == 0 || shown.method == SkinMethod::truth) return;
   std::vector<std::uint32_t> colours;
   const std::uint32_t fibres = character.basis().strain.fibre_count();
   for (std::uint32_t f = 0; f < fibres; ++f) colours.push_back(strain_colour(shown.evaluation->strains[f]));
   colours_.push_back(std::move(colours));
-  FibreDraw draw;
+  draw::FibreDraw draw;
   draw.segments = &character.shown().level().fibre_segments;
   draw.segment_count = character.shown().level().fibre_segment_count;
   draw.points = &character.shown().level().fibre_points;
@@ -184,4 +186,4 @@ void Scene::add_fibres(const Actor& character, const Shown& shown, const std::ar
   view.fibres.push_back(draw);
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::viewport

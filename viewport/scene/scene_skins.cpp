@@ -5,7 +5,7 @@
 #include "draw/camera.h"
 #include "viewport/scene/scene.h"
 
-namespace bodyopt {
+namespace bodyopt::viewport {
 namespace {
 
 constexpr std::array<float, 3> kBeforeColour = {0.12f, 0.30f, 0.75f}, kAfterColour = {0.80f, 0.33f, 0.10f};
@@ -20,14 +20,14 @@ float grid_spacing(double size) {
   return static_cast<float>(power * (share < 2 ? 1 : share < 5 ? 2 : 5));
 }
 
-SkinDraw draw_of(const Actor& character, const DeviceSkin& shown, const Controls& controls) {
-  const ViewSettings::Look& look = controls.settings.look;
-  SkinDraw skin;
+draw::SkinDraw draw_of(const Actor& character, const DeviceSkin& shown, const Controls& controls) {
+  const shots::ViewSettings::Look& look = controls.settings.look;
+  draw::SkinDraw skin;
   skin.triangles = &character.shown().level().triangles;
   skin.triangle_count = static_cast<std::uint32_t>(character.basis().mesh.triangles.size() / 3);
   skin.positions = shown.positions;
   skin.normals = shown.normals;
-  skin.style = static_cast<SurfaceStyle>(look.style);  // of the same names
+  skin.style = static_cast<draw::SurfaceStyle>(look.style);  // of the same names
   skin.materials = character.materials();
   skin.wire = look.wire;
   skin.shadow = look.shadow;
@@ -36,16 +36,16 @@ SkinDraw draw_of(const Actor& character, const DeviceSkin& shown, const Controls
 }
 
 // Heat is of a character's skin alone: what else is drawn of it keeps its colour.
-SkinDraw without_heat(SkinDraw draw) {
+draw::SkinDraw without_heat(draw::SkinDraw draw) {
   draw.reference = draw.distances = draw.colours = nullptr;
   return draw;
 }
 
 // Draws the meshes attached to a skin, at that of its poses.
-void dress(std::span<const WornMesh> meshes, std::size_t pose, const SkinDraw& skin, const std::array<float, 3>& colour,
-           View& view) {
+void dress(std::span<const WornMesh> meshes, std::size_t pose, const draw::SkinDraw& skin,
+           const std::array<float, 3>& colour, draw::View& view) {
   for (const WornMesh& mesh : meshes) {
-    SkinDraw worn = without_heat(skin);
+    draw::SkinDraw worn = without_heat(skin);
     worn.triangles = mesh.triangles;
     worn.triangle_count = mesh.triangle_count;
     worn.materials = mesh.materials;
@@ -59,18 +59,18 @@ void dress(std::span<const WornMesh> meshes, std::size_t pose, const SkinDraw& s
 
 }  // namespace
 
-std::vector<View> Scene::look(const Controls& controls, const Rectangle& area) {
+std::vector<draw::View> Scene::look(const Controls& controls, const draw::Rectangle& area) {
   stage_seconds_ = {};
   lead_expected_ = nullptr;
   lines_.clear();
   colours_.clear();
-  View view;
+  draw::View view;
   view.camera = controls.camera.camera();
   view.area = view.part = area;
-  const ViewSettings::Look& look = controls.settings.look;
+  const shots::ViewSettings::Look& look = controls.settings.look;
   view.ground.grid = look.grid;
   view.ground.axes = look.axes;
-  view.ground.light = look.style == LookStyle::silhouette;
+  view.ground.light = look.style == shots::LookStyle::silhouette;
   view.ground.shadow = look.shadow ? 0.85f : 0.0f;
   const std::vector<std::vector<Pose>> poses = poses_of_cast(controls);
   if (!cast_.empty()) {
@@ -79,13 +79,14 @@ std::vector<View> Scene::look(const Controls& controls, const Rectangle& area) {
     surround(poses, controls, view);
   }
 
-  std::vector<View> views = {view};
-  const ViewSettings::Compare& compare = controls.settings.compare;
+  std::vector<draw::View> views = {view};
+  const shots::ViewSettings::Compare& compare = controls.settings.compare;
   const bool compares = !cast_.empty() && compared_method(lead(), controls.settings) && !compare.activation;
-  if (compares && (compare.layout == CompareLayout::side_by_side || compare.layout == CompareLayout::wipe)) {
+  if (compares &&
+      (compare.layout == shots::CompareLayout::side_by_side || compare.layout == shots::CompareLayout::wipe)) {
     views.push_back(view);
-    if (compare.layout == CompareLayout::side_by_side) {
-      const std::vector<Rectangle> areas = view_areas(controls.settings, area);
+    if (compare.layout == shots::CompareLayout::side_by_side) {
+      const std::vector<draw::Rectangle> areas = view_areas(controls.settings, area);
       for (std::size_t k = 0; k < 2; ++k) views[k].area = views[k].part = areas[k];
     } else {
       const auto wipe = static_cast<std::uint32_t>(std::lround(compare.wipe * area.width));
@@ -98,13 +99,14 @@ std::vector<View> Scene::look(const Controls& controls, const Rectangle& area) {
   for (std::size_t c = 0; c < cast_.size(); ++c) add_character(c, poses[c], controls, views);
   add_markings(controls, views);
   // Transparent skins are drawn over opaque ones.
-  for (View& v : views) std::ranges::stable_partition(v.skins, [](const SkinDraw& draw) { return draw.alpha >= 1; });
+  for (draw::View& v : views)
+    std::ranges::stable_partition(v.skins, [](const draw::SkinDraw& draw) { return draw.alpha >= 1; });
   return views;
 }
 
-std::vector<Rectangle> Scene::view_areas(const ViewSettings& settings, const Rectangle& area) const {
-  const ViewSettings::Compare& compare = settings.compare;
-  const bool two = !cast_.empty() && compare.layout == CompareLayout::side_by_side && !compare.activation &&
+std::vector<draw::Rectangle> Scene::view_areas(const shots::ViewSettings& settings, const draw::Rectangle& area) const {
+  const shots::ViewSettings::Compare& compare = settings.compare;
+  const bool two = !cast_.empty() && compare.layout == shots::CompareLayout::side_by_side && !compare.activation &&
                    compared_method(lead(), settings);
   if (!two) return {area};
   const std::uint32_t left = area.width / 2;
@@ -113,9 +115,9 @@ std::vector<Rectangle> Scene::view_areas(const ViewSettings& settings, const Rec
 }
 
 void Scene::add_character(std::size_t index, std::span<const Pose> poses, const Controls& controls,
-                          std::vector<View>& views) {
+                          std::vector<draw::View>& views) {
   Actor& character = *cast_[index];
-  const ViewSettings& s = controls.settings;
+  const shots::ViewSettings& s = controls.settings;
   const SkinMethod method = shown_method(character, s);
   const std::optional<SkinMethod> other = compared_method(character, s);
   const Shown shown = evaluate(character, method, poses, controls);
@@ -126,9 +128,9 @@ void Scene::add_character(std::size_t index, std::span<const Pose> poses, const 
   const bool is_measured = other != SkinMethod::truth || character.has_sample_at(frame);
   if (other && !is_missing) compared = evaluate(character, *other, poses, controls);
 
-  SkinDraw skin = draw_of(character, shown.skin, controls);
+  draw::SkinDraw skin = draw_of(character, shown.skin, controls);
   skin.offset = place(index, controls);
-  SkinDraw second = skin;
+  draw::SkinDraw second = skin;
   if (compared) {
     second.positions = compared->skin.positions;
     second.normals = compared->skin.normals;
@@ -148,7 +150,7 @@ void Scene::add_character(std::size_t index, std::span<const Pose> poses, const 
     skin.alpha = kSkinOverTets;
     skin.shadow = skin.wire = false;
   }
-  const bool flips = compared && s.compare.layout == CompareLayout::hold && controls.shows_compared();
+  const bool flips = compared && s.compare.layout == shots::CompareLayout::hold && controls.shows_compared();
   const bool opened = index == 0 && cut_open_;
   if (opened) {
     add_cut_open(skin, views[0]);
@@ -157,7 +159,7 @@ void Scene::add_character(std::size_t index, std::span<const Pose> poses, const 
   }
   if (views.size() > 1) {
     if (!is_missing) views[1].skins.push_back(compared ? second : skin);
-  } else if (compared && s.compare.layout == CompareLayout::overlay && !s.compare.activation) {
+  } else if (compared && s.compare.layout == shots::CompareLayout::overlay && !s.compare.activation) {
     second.alpha = 0.6f;
     second.shadow = false;
     views[0].skins.push_back(second);
@@ -169,7 +171,7 @@ void Scene::add_character(std::size_t index, std::span<const Pose> poses, const 
       dress(character.worn(compared ? compared->method : method), 0, skin, kWornColour, views[1]);
     }
   }
-  for (View& view : views) {
+  for (draw::View& view : views) {
     if (s.look.skeleton) add_skeleton(character, poses[0], skin.offset, controls, view);
     if (s.look.skeleton && &character == &lead() && !controls.takes_series) add_rings(controls, skin.offset, view);
     if (s.ghosts.trail && &character == &lead()) add_trails(controls, skin.offset, view);
@@ -179,10 +181,10 @@ void Scene::add_character(std::size_t index, std::span<const Pose> poses, const 
 }
 
 // Neither heat nor wires are of it.
-void Scene::add_cut_open(const SkinDraw& skin, View& view) const {
+void Scene::add_cut_open(const draw::SkinDraw& skin, draw::View& view) const {
   for (const CutOpenSkin::Part* part : {&cut_open_->skin, &cut_open_->face}) {
     if (part->triangle_count == 0) continue;
-    SkinDraw draw = without_heat(skin);
+    draw::SkinDraw draw = without_heat(skin);
     draw.triangles = &part->triangles;
     draw.triangle_count = part->triangle_count;
     draw.positions = &part->positions;
@@ -196,18 +198,19 @@ void Scene::add_cut_open(const SkinDraw& skin, View& view) const {
 
 // They are quasi-static: they have no past.
 void Scene::add_copies_and_ghosts(Actor& character, std::span<const Pose> poses, const Shown& shown,
-                                  const SkinDraw& skin, const Controls& controls, std::vector<View>& views) {
-  const ViewSettings& s = controls.settings;
+                                  const draw::SkinDraw& skin, const Controls& controls,
+                                  std::vector<draw::View>& views) {
+  const shots::ViewSettings& s = controls.settings;
   const Shown others =
       shown.method == SkinMethod::full ? shown : evaluate(character, SkinMethod::full, poses, controls);
   const std::span<const WornMesh> worn = s.look.worn ? character.worn(SkinMethod::full) : std::span<const WornMesh>();
-  SkinDraw extra = without_heat(skin);
+  draw::SkinDraw extra = without_heat(skin);
   extra.positions = others.skin.positions;
   extra.normals = others.skin.normals;
   const std::size_t ghosts = static_cast<std::size_t>(s.ghosts.before + s.ghosts.after);
   const auto add = [&](std::size_t pose, const std::array<float, 3>& worn_colour) {
     extra.first_vertex = static_cast<std::uint32_t>(pose) * character.basis().mesh.vertex_count();
-    for (View& view : views) {
+    for (draw::View& view : views) {
       view.skins.push_back(extra);
       dress(worn, pose, extra, worn_colour, view);
     }
@@ -230,33 +233,33 @@ void Scene::add_copies_and_ghosts(Actor& character, std::span<const Pose> poses,
 }
 
 // The match replaces any heat.
-void Scene::colour_by_match(std::size_t index, const ViewSettings& settings, SkinDraw& skin) const {
-  const MatchView view = settings.compare.match;
-  if (view == MatchView::none || !match_ || index >= 2 || cast_[index]->level() > 0) return;
+void Scene::colour_by_match(std::size_t index, const shots::ViewSettings& settings, draw::SkinDraw& skin) const {
+  const shots::MatchView view = settings.compare.match;
+  if (view == shots::MatchView::none || !match_ || index >= 2 || cast_[index]->level() > 0) return;
   skin = without_heat(skin);
   skin.heat_range = 1;  // of what is not sure at all
-  (view == MatchView::colours ? skin.colours : skin.distances) =
-      &(view == MatchView::colours ? match_->colours : match_->unsure)[index];
+  (view == shots::MatchView::colours ? skin.colours : skin.distances) =
+      &(view == shots::MatchView::colours ? match_->colours : match_->unsure)[index];
 }
 
-void Scene::add_tets(Actor& character, const Pose& pose, const SkinDraw& skin, const Controls& controls,
-                     std::vector<View>& views) {
-  const ViewSettings& s = controls.settings;
-  const Camera camera = controls.camera.camera();
-  Vec3 towards = to_double(camera.eye) - to_double(camera.target);
+void Scene::add_tets(Actor& character, const Pose& pose, const draw::SkinDraw& skin, const Controls& controls,
+                     std::vector<draw::View>& views) {
+  const shots::ViewSettings& s = controls.settings;
+  const draw::Camera camera = controls.camera.camera();
+  Vec3 towards = draw::to_double(camera.eye) - draw::to_double(camera.target);
   towards = 1 / length(towards) * towards;
   const bool jiggles = shown_method(character, s) == SkinMethod::jiggle;
   const auto amount = jiggles ? std::optional(static_cast<float>(s.jiggle.amount)) : std::nullopt;
   const CutTets& tets = character.shown().cut_tets(pose, amount, towards, s.look.tet_cut);
-  SkinDraw draw = without_heat(skin);
+  draw::SkinDraw draw = without_heat(skin);
   draw.positions = draw.normals = &tets.positions();  // facets need no normals
-  draw.style = SurfaceStyle::flat;
+  draw.style = draw::SurfaceStyle::flat;
   for (const CutTets::Part& part : tets.parts()) {
     draw.triangles = &part.triangles;
     draw.triangle_count = part.triangle_count;
     draw.colour = part.colour;
-    for (View& view : views) view.skins.push_back(draw);
+    for (draw::View& view : views) view.skins.push_back(draw);
   }
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::viewport

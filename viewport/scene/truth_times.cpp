@@ -4,7 +4,7 @@
 #include <cmath>
 #include <sstream>
 
-namespace bodyopt {
+namespace bodyopt::viewport {
 namespace {
 
 // Tolerances are shares of a step, and of the place: caches keep their times in single precision.
@@ -19,7 +19,7 @@ std::optional<SampleTime> own_time(const std::vector<int>& frames, int frame) {
 
 }  // namespace
 
-std::optional<SampleTime> sample_time(const NamedShapes& truth, int frame) {
+std::optional<SampleTime> sample_time(const trainer::NamedShapes& truth, int frame) {
   if (!truth.frames().empty()) return own_time(truth.frames(), frame);
   const double step = std::max(1e-6, static_cast<double>(truth.sample_rate()));
   const double at = (frame - static_cast<double>(truth.start_frame())) / step, nearest = std::round(at);
@@ -31,7 +31,7 @@ std::optional<SampleTime> sample_time(const NamedShapes& truth, int frame) {
   return SampleTime{static_cast<std::uint32_t>(at), static_cast<float>(at - std::floor(at))};
 }
 
-std::vector<float> read_sample(const NamedShapes& truth, const SampleTime& time) {
+std::vector<float> read_sample(const trainer::NamedShapes& truth, const SampleTime& time) {
   std::vector<float> points = truth.sample(time.sample);
   if (time.on_sample()) return points;
   const std::vector<float> next = truth.sample(time.sample + 1);
@@ -39,7 +39,7 @@ std::vector<float> read_sample(const NamedShapes& truth, const SampleTime& time)
   return points;
 }
 
-std::string describe_truth_times(const std::string& file, const NamedShapes& truth, const Clip& clip) {
+std::string describe_truth_times(const std::string& file, const trainer::NamedShapes& truth, const Clip& clip) {
   if (!truth.frames().empty()) return {};
   const float first = truth.start_frame(), step = truth.sample_rate();
   const std::uint32_t count = truth.sample_count();
@@ -55,4 +55,4 @@ std::string describe_truth_times(const std::string& file, const NamedShapes& tru
   return text.str();
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::viewport

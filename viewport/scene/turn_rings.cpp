@@ -7,7 +7,7 @@
 #include "runtime/modifiers/drive_modifiers.h"
 #include "viewport/scene/scene.h"
 
-namespace bodyopt {
+namespace bodyopt::viewport {
 namespace {
 
 constexpr double kRingRadius = 0.09;  // of the character's size
@@ -33,13 +33,14 @@ std::vector<TurnRing> turn_rings(const Scene& scene, const Controls& controls) {
   const int found = lead.basis().skeleton.find(controls.joint);
   if (found < 0) return {};
   const auto joint = static_cast<std::size_t>(found);
-  const Vec3 angles = set_or(controls.settings.pose.joints, controls.joint, {});
+  const Vec3 angles = shots::set_or(controls.settings.pose.joints, controls.joint, {});
   const Quat posed = world_rotations(lead.basis().skeleton, scene.lead_pose(controls))[joint];
-  const Quat before = posed * conjugate(turn_of(angles));  // where the clip has it
-  const std::optional<JointRange> free = lead.free_turns(joint, controls.playback.frame());
+  const Quat before = posed * conjugate(shots::turn_of(angles));  // where the clip has it
+  const std::optional<shots::JointRange> free = lead.free_turns(joint, controls.playback.frame());
   const Vec3 centre = scene.joint_centres(controls)[joint];
   // x is applied first: y and z carry its axis along.
-  const Quat carried[] = {before * turn_of({0, angles[1], angles[2]}), before * turn_of({0, 0, angles[2]}), before};
+  const Quat carried[] = {before * shots::turn_of({0, angles[1], angles[2]}),
+                          before * shots::turn_of({0, 0, angles[2]}), before};
   std::vector<TurnRing> rings;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     rings.push_back({axis, centre, rotate(carried[axis], unit_axis(axis)), rotate(carried[axis], unit_axis(axis + 1)),
@@ -63,4 +64,4 @@ std::vector<MoveArrow> move_arrows(const Scene& scene, const Controls& controls)
   return arrows;
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::viewport

@@ -5,7 +5,7 @@
 
 #include "runtime/core/transform.h"
 
-namespace bodyopt {
+namespace bodyopt::viewport {
 
 class Scene;
 struct Controls;
@@ -34,4 +34,4 @@ struct MoveArrow {
 // Returns the lead's arrows at the frame; none where the selected joint may not move, or the tool turns.
 std::vector<MoveArrow> move_arrows(const Scene& scene, const Controls& controls);
 
-}  // namespace bodyopt
+}  // namespace bodyopt::viewport

@@ -7,7 +7,7 @@
 
 #include "runtime/core/error.h"
 
-namespace bodyopt {
+namespace bodyopt::viewport {
 namespace {
 
 namespace fs = std::filesystem;
@@ -90,4 +90,4 @@ void Autosave::forget() {
   file_.clear();
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::viewport

@@ -6,7 +6,7 @@
 
 #include "runtime/core/atomic_file.h"
 
-namespace bodyopt {
+namespace bodyopt::viewport {
 
 // Session files of a user's folder, one of each viewport that runs, which has it locked.
 class Autosave {
@@ -30,4 +30,4 @@ class Autosave {
   std::optional<FileLock> lock_;
 };
 
-}  // namespace bodyopt
+}  // namespace bodyopt::viewport

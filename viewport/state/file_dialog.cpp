@@ -8,7 +8,7 @@
 #include "assets/clips/clip_source.h"
 #include "runtime/core/error.h"
 
-namespace bodyopt {
+namespace bodyopt::viewport {
 namespace {
 
 namespace fs = std::filesystem;
@@ -109,4 +109,4 @@ FileDialog browse_folder(const std::string& command, const fs::path& folder, std
   return dialog;
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::viewport

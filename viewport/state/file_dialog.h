@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-namespace bodyopt {
+namespace bodyopt::viewport {
 
 struct FolderEntry {
   std::string name;
@@ -36,4 +36,4 @@ bool writes_file(const std::string& command);
 // Throws Error(file) where it cannot be read, Error(usage) at another command.
 FileDialog browse_folder(const std::string& command, const std::filesystem::path& folder, std::string name = "");
 
-}  // namespace bodyopt
+}  // namespace bodyopt::viewport

@@ -7,7 +7,7 @@
 #include "draw/camera.h"
 #include "shots/session/view_settings.h"
 
-namespace bodyopt {
+namespace bodyopt::viewport {
 
 // Seen from +z (the character's front), -z, +x (its left), -x, +y, -y.
 enum class AxisView { front, back, right, left, top, bottom };
@@ -19,10 +19,10 @@ class OrbitCamera {
   OrbitCamera() = default;
   // Numbers beyond the limits are brought within; beyond kSteepest it is the view from the top or the bottom. Throws
   // Error(usage) for numbers that are not finite.
-  explicit OrbitCamera(const OrbitView& view);
+  explicit OrbitCamera(const shots::OrbitView& view);
 
-  const OrbitView& view() const { return view_; }
-  Camera camera() const;
+  const shots::OrbitView& view() const { return view_; }
+  draw::Camera camera() const;
 
   // Radians: the eye moves to the right and up around the target. Only view_axis() reaches the pole.
   void orbit(double right, double up);
@@ -36,7 +36,7 @@ class OrbitCamera {
   // Error(usage) as frame_points().
   void frame(std::span<const float> points, float aspect, double share = 1);
   // Takes a checked camera as it is, also by the pole and with a roll, from which the turntable keeps away.
-  void look(const OrbitView& view) { view_ = view; }
+  void look(const shots::OrbitView& view) { view_ = view; }
   // Eye and target, metres, world.
   void move(const Vec3& by) { view_.target = view_.target + by; }
   void view_axis(AxisView axis);  // as frame(): upright, and with the usual lens
@@ -46,10 +46,10 @@ class OrbitCamera {
  private:
   void stand_upright();
 
-  OrbitView view_;
+  shots::OrbitView view_;
 };
 
 // Returns the view of a file's camera at one of its places; in perspective its target is as deep as the world's origin.
-OrbitView view_of(const ClipCamera& camera, std::size_t place);
+shots::OrbitView view_of(const ClipCamera& camera, std::size_t place);
 
-}  // namespace bodyopt
+}  // namespace bodyopt::viewport

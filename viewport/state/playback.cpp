@@ -8,7 +8,7 @@
 #include "runtime/core/error.h"
 #include "runtime/core/transformed.h"
 
-namespace bodyopt {
+namespace bodyopt::viewport {
 namespace {
 
 constexpr double kHighestRate = 1000;  // frames a second
@@ -51,7 +51,7 @@ void Playback::play() {
   playing_ = true;
   waited_ = 0;
   dropped_ = 0;
-  if (mode_ == PlayMode::once && shown_ == end()) shown_ = start();
+  if (mode_ == shots::PlayMode::once && shown_ == end()) shown_ = start();
 }
 
 void Playback::toggle() { playing_ ? pause() : play(); }
@@ -98,19 +98,20 @@ void Playback::set_keys(const std::vector<int>& frames) {
 
 void Playback::set_speed(double speed) {
   std::ostringstream problem;
-  problem << "a speed is from " << PlaySettings::kSlowest << " to " << PlaySettings::kFastest << ", not " << speed;
-  require(speed >= PlaySettings::kSlowest && speed <= PlaySettings::kFastest, problem.str());
+  problem << "a speed is from " << shots::PlaySettings::kSlowest << " to " << shots::PlaySettings::kFastest << ", not "
+          << speed;
+  require(speed >= shots::PlaySettings::kSlowest && speed <= shots::PlaySettings::kFastest, problem.str());
   speed_ = speed;
 }
 
-PlaySettings Playback::settings() const {
-  PlaySettings settings{mode_, speed_, backwards_, real_time_, std::nullopt, std::nullopt};
+shots::PlaySettings Playback::settings() const {
+  shots::PlaySettings settings{mode_, speed_, backwards_, real_time_, std::nullopt, std::nullopt};
   if (in_ > 0) settings.in = in();
   if (out_ < count_ - 1) settings.out = out();
   return settings;
 }
 
-std::string Playback::apply(const PlaySettings& settings) {
+std::string Playback::apply(const shots::PlaySettings& settings) {
   set_mode(settings.mode);
   set_speed(settings.speed);
   set_backwards(settings.backwards);
@@ -139,9 +140,9 @@ void Playback::move(Index frames) {
   if (outside) shown_ = start();
   const Index left = outside ? frames - 1 : frames;
   Index moved = frames;
-  if (mode_ == PlayMode::once) {
+  if (mode_ == shots::PlayMode::once) {
     moved = move_once(left) + (outside ? 1 : 0);
-  } else if (mode_ == PlayMode::loop) {
+  } else if (mode_ == shots::PlayMode::loop) {
     move_looping(left);
   } else {
     move_ping_pong(left);
@@ -171,4 +172,4 @@ void Playback::move_ping_pong(Index frames) {
   backwards_ = phase >= length;
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::viewport

@@ -8,7 +8,7 @@
 
 #include "shots/session/view_settings.h"
 
-namespace bodyopt {
+namespace bodyopt::viewport {
 
 struct PlayFrames {
   int first = 1, last = 1;
@@ -41,15 +41,15 @@ class Playback {
   // beginning. Throws Error(usage) when there is no frame of the clip within.
   void set_range(int in, int out);
   void set_keys(const std::vector<int>& frames);  // in any order; those outside the clip are left out
-  void set_mode(PlayMode mode) { mode_ = mode; }
+  void set_mode(shots::PlayMode mode) { mode_ = mode; }
   void set_speed(double speed);  // throws Error(usage) unless from PlaySettings::kSlowest to kFastest
   void set_backwards(bool backwards) { backwards_ = backwards; }
   // Real time drops frames when advance() is called late; otherwise every frame is shown.
   void set_real_time(bool real_time) { real_time_ = real_time; }
 
-  PlaySettings settings() const;
+  shots::PlaySettings settings() const;
   // Returns what is to be said of a range that the clip lacks, which is forgotten. Throws as set_speed().
-  std::string apply(const PlaySettings& settings);
+  std::string apply(const shots::PlaySettings& settings);
 
   int frame() const { return frame_at(shown_); }
   int first() const { return frame_at(0); }
@@ -58,7 +58,7 @@ class Playback {
   int out() const { return frame_at(out_); }
   std::vector<int> keys() const;  // rising
   bool playing() const { return playing_; }
-  PlayMode mode() const { return mode_; }
+  shots::PlayMode mode() const { return mode_; }
   double speed() const { return speed_; }
   bool backwards() const { return backwards_; }  // in ping-pong: as it goes now
   bool real_time() const { return real_time_; }
@@ -82,10 +82,10 @@ class Playback {
   double fps_;
   double waited_ = 0;  // frames; since the one shown was due
   std::vector<Index> keys_;
-  PlayMode mode_ = PlayMode::loop;
+  shots::PlayMode mode_ = shots::PlayMode::loop;
   double speed_ = 1;
   bool playing_ = false, backwards_ = false, real_time_ = true;
   std::int64_t dropped_ = 0;
 };
 
-}  // namespace bodyopt
+}  // namespace bodyopt::viewport

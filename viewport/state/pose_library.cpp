@@ -13,7 +13,7 @@
 #include "runtime/core/error.h"
 #include "runtime/core/json.h"
 
-namespace bodyopt {
+namespace bodyopt::viewport {
 namespace {
 
 namespace fs = std::filesystem;
@@ -27,21 +27,21 @@ std::string bytes_of(const fs::path& path) { return read_file(path, kLargestPose
 bool is_damaged_pose(const fs::path& path) {
   try {
     const Json json = parse_strict_json(bytes_of(path), path.string());
-    return json.is_object() && json.value("schema", Json()) == kViewSchema;
+    return json.is_object() && json.value("schema", Json()) == shots::kViewSchema;
   } catch (const Error&) {
     return true;
   }
 }
 
 // Returns none where there is no picture, or it is older than the pose.
-Image kept_picture(const PoseFile& file) {
+draw::Image kept_picture(const PoseFile& file) {
   const fs::path path = picture_of_pose(file.path);
   std::error_code absent;
   if (fs::last_write_time(path, absent) < file.written || absent) return {};
   try {
     const std::string bytes = bytes_of(path);
-    Image picture = decode_image(std::as_bytes(std::span(bytes)));
-    return picture.width == kPosePicture && picture.height == kPosePicture ? picture : Image();
+    draw::Image picture = draw::decode_image(std::as_bytes(std::span(bytes)));
+    return picture.width == kPosePicture && picture.height == kPosePicture ? picture : draw::Image();
   } catch (const Error&) {
     return {};
   }
@@ -53,8 +53,8 @@ void read_pose(PoseFile& file) {
   file.is_pose = !gone && size <= kLargestPose;
   if (!file.is_pose) return;
   try {
-    file.pose = read_view_settings(file.path).pose;
-    file.is_pose = file.pose != ViewSettings::PoseKey();
+    file.pose = shots::read_view_settings(file.path).pose;
+    file.is_pose = file.pose != shots::ViewSettings::PoseKey();
     file.picture = kept_picture(file);
   } catch (const Error& error) {
     file.problem = error.what();
@@ -104,8 +104,8 @@ bool PoseLibrary::look(const fs::path& folder) {
   return true;
 }
 
-std::vector<Image> PoseLibrary::pictures() const {
-  std::vector<Image> pictures;
+std::vector<draw::Image> PoseLibrary::pictures() const {
+  std::vector<draw::Image> pictures;
   for (const PoseFile& file : poses_) {
     if (file.picture.width > 0 && pictures.size() < kMostPictures) pictures.push_back(file.picture);
   }
@@ -119,7 +119,7 @@ const PoseFile* PoseLibrary::without_picture() const {
   return found == poses_.end() ? nullptr : &*found;
 }
 
-void PoseLibrary::set_picture(const fs::path& path, Image picture) {
+void PoseLibrary::set_picture(const fs::path& path, draw::Image picture) {
   for (std::vector<PoseFile>* files : {&files_, &poses_}) {
     const auto found = std::ranges::find(*files, path, &PoseFile::path);
     if (found != files->end()) found->picture = picture;
@@ -129,4 +129,4 @@ void PoseLibrary::set_picture(const fs::path& path, Image picture) {
 
 fs::path picture_of_pose(fs::path pose) { return pose.replace_extension(".thumbnail.png"); }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::viewport

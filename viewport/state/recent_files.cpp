@@ -8,7 +8,7 @@
 #include "runtime/core/atomic_file.h"
 #include "runtime/core/error.h"
 
-namespace bodyopt {
+namespace bodyopt::viewport {
 namespace {
 
 constexpr const char* kName = "recent.txt";
@@ -41,4 +41,4 @@ void RecentFiles::remember(const std::string& file) const {
   write_file_atomically(folder_ / kName, std::as_bytes(std::span(text)));
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::viewport

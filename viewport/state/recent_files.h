@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-namespace bodyopt {
+namespace bodyopt::viewport {
 
 // The files that the viewport opened and saved last, in a folder of the user's.
 class RecentFiles {
@@ -22,4 +22,4 @@ class RecentFiles {
   std::filesystem::path folder_;
 };
 
-}  // namespace bodyopt
+}  // namespace bodyopt::viewport

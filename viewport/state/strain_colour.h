@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstdint>
 
-namespace bodyopt {
+namespace bodyopt::viewport {
 
 constexpr float kFullStrain = 1.0f / 3;  // of the fullest colours
 
@@ -22,4 +22,4 @@ inline std::uint32_t strain_colour(float strain) {
                : packed(0.93 + 0.07 * s, 0.82 - 0.60 * s, 0.45 - 0.30 * s);
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::viewport

@@ -9,7 +9,7 @@
 #include "runtime/core/error.h"
 #include "runtime/core/file_kind.h"
 
-namespace bodyopt {
+namespace bodyopt::viewport {
 namespace {
 
 constexpr double kLongest = 6 * 3600;  // seconds
@@ -69,4 +69,4 @@ Waveform read_waveform(const std::filesystem::path& path) {
   return wave;
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::viewport

@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <vector>
 
-namespace bodyopt {
+namespace bodyopt::viewport {
 
 struct Waveform {
   double rate = 200;                        // parts a second
@@ -20,4 +20,4 @@ struct Waveform {
 // A WAV of integers or floats, however many channels. Throws Error(file).
 Waveform read_waveform(const std::filesystem::path& path);
 
-}  // namespace bodyopt
+}  // namespace bodyopt::viewport

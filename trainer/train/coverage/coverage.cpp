@@ -13,7 +13,7 @@
 #include "runtime/deformer/deformer.h"
 #include "runtime/host/device_choice.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 using Eigen::Index;
@@ -226,4 +226,4 @@ std::vector<std::size_t> worth_simulating(const std::vector<double>& expected, s
   return chosen;
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

@@ -9,7 +9,7 @@
 #include "runtime/coverage/expected_error.h"
 #include "trainer/train/regression/regress.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 
 // The error model of a region, see CoverageTable.
 struct ErrorModel {
@@ -50,4 +50,4 @@ double rank_correlation(const std::vector<double>& a, const std::vector<double>&
 std::vector<std::size_t> worth_simulating(const std::vector<double>& expected, std::size_t count, std::size_t gap);
 std::size_t spreading_gap(std::size_t frames, std::size_t count);
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

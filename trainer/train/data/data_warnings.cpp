@@ -8,7 +8,7 @@
 
 #include "base/wording.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 using Eigen::Index;
@@ -158,4 +158,4 @@ std::vector<std::string> few_frames_warnings(const SampleSet& set, std::size_t f
           " features that vary: trust the basis near these frames only, or simulate more"};
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

@@ -11,7 +11,7 @@
 #include "trainer/train/data/unposed_shapes.h"
 #include "trainer/train/regression/components.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 
 // Training frames of one pose whose shapes differ: where the data says two things, training can only learn their mean.
 
@@ -47,4 +47,4 @@ std::vector<std::string> constant_control_warnings(const SampleSet& set);
 // `features`: how many vary.
 std::vector<std::string> few_frames_warnings(const SampleSet& set, std::size_t features);
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

@@ -9,7 +9,7 @@
 #include "base/content_hash.h"
 #include "runtime/core/text.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 constexpr std::size_t kDigits = 8;
@@ -70,4 +70,4 @@ bool LearnedPoses::has(const Pose& pose) const {
   return !poses_.empty() && std::binary_search(poses_.begin(), poses_.end(), digits_of(set_, joints_, pose));
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

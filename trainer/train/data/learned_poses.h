@@ -8,7 +8,7 @@
 #include "runtime/basis/basis.h"
 #include "trainer/train/data/samples.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 
 constexpr const char* kLearnedPoses = "learned_poses";  // of a basis' metadata
 
@@ -34,4 +34,4 @@ class LearnedPoses {
   std::vector<std::string> poses_;     // ascending
 };
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

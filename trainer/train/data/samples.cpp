@@ -10,7 +10,7 @@
 #include "runtime/core/transformed.h"
 #include "trainer/curate/shape_stack.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 void check_pose(const SampleSet& set, const Sample& sample) {
@@ -100,4 +100,4 @@ Positions SampleShape::whole() const {
   return positions_ ? *positions_ : Positions();
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

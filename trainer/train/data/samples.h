@@ -12,10 +12,13 @@
 #include "geometry/region_weights.h"
 
 namespace bodyopt {
-
 class ShapeReader;
-class ShapeStack;
 struct Dataset;
+}  // namespace bodyopt
+
+namespace bodyopt::trainer {
+
+class ShapeStack;
 
 // A cache and the character whose skin it shows. Shapes may be read on several threads.
 struct ShapeCache {
@@ -93,4 +96,4 @@ constexpr std::size_t kFewestFrames = 12;  // to train on: fewer cannot be split
 // Throws Error(mismatch) where there are too few training frames, or one has a number that is not finite.
 void check_samples(const SampleSet& set);
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

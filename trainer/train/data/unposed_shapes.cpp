@@ -11,7 +11,7 @@
 #include "runtime/core/error.h"
 #include "trainer/train/skinning/unpose.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 // Finite and of as many vertices as the character.
@@ -196,4 +196,4 @@ std::vector<OutlierVertex> OutlierVertices::mend(Displacements& displacements, s
   return outliers;
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

@@ -12,7 +12,7 @@
 #include "trainer/train/options.h"
 #include "trainer/train/regression/components.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 
 // Vertices that fly away from their neighbours in single frames: slips of a solver or a scanner.
 
@@ -77,4 +77,4 @@ class UnposedShapes {
   OutlierVertices neighbours_;
 };
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

@@ -18,7 +18,7 @@
 #include "runtime/host/rig.h"
 #include "trainer/motion/attached_rig.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 using Eigen::Index;
@@ -451,4 +451,4 @@ std::vector<std::size_t> fibre_muscles(const StrainTable& strain, const std::vec
   return transformed(strain.names, [&](const std::string& name) { return index.at(name.substr(0, name.rfind('/'))); });
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

@@ -9,7 +9,7 @@
 #include "assets/characters/muscles.h"
 #include "runtime/basis/basis.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 
 // Rotations of the joints that training showed, alone and together with their neighbours'.
 
@@ -71,4 +71,4 @@ StrainTable keep_fibres(const StrainTable& strain, const std::vector<std::uint32
 // Muscle of each fibre of the table, by the fibre's name.
 std::vector<std::size_t> fibre_muscles(const StrainTable& strain, const std::vector<Muscle>& muscles);
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

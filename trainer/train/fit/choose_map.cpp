@@ -14,7 +14,7 @@
 #include "geometry/surface_distance.h"
 #include "trainer/train/regression/regress.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 using Eigen::Index;
@@ -314,4 +314,4 @@ void refit_map(const FeatureSamples& features, const std::vector<int>& folds, co
   }
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

@@ -11,7 +11,7 @@
 #include "trainer/train/options.h"
 #include "trainer/train/pack/residual.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 
 // Strains where no muscle is: curves drawn across the parts of the skin that move in ways nothing explains yet.
 
@@ -57,4 +57,4 @@ void choose_map(const FeatureSamples& features, const StrainFeatures& strains, c
 void refit_map(const FeatureSamples& features, const std::vector<int>& folds, const Eigen::VectorXd& weights,
                const TrainOptions& options, RegionModel& model);
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

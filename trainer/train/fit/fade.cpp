@@ -11,7 +11,7 @@
 #include "trainer/train/features/features.h"
 #include "trainer/train/regression/components.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 constexpr double kSkinShare = 0.3;    // in what a region minds; the rest is what its features explain
@@ -199,4 +199,4 @@ std::vector<double> fade_strengths(const Groundwork& ground, const std::vector<R
   return strengths;
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

@@ -7,7 +7,7 @@
 #include "trainer/train/fit/groundwork.h"
 #include "trainer/train/pack/residual.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 
 // The joints' manifold, and how much every region of the model minds that a joint stands off it. It minds in proportion
 // to the joint's part in what its features explain, and in its skin. That is per mean square that the joint turned in
@@ -24,4 +24,4 @@ FadeTable fade_table(const Groundwork& ground, const std::vector<RegionModel>& r
 std::vector<double> fade_strengths(const Groundwork& ground, const std::vector<RegionModel>& regions,
                                    const std::vector<int>& folds, const FadeTable& table);
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

@@ -14,7 +14,7 @@
 #include "runtime/host/rig.h"
 #include "trainer/train/fit/choose_map.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 using Eigen::Index;
@@ -353,4 +353,4 @@ std::vector<std::size_t> update_regions(const FitContext& context, const std::ve
   return anew;
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

@@ -11,7 +11,7 @@
 #include "trainer/train/options.h"
 #include "trainer/train/pack/residual.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 
 // The folds and weights of every training frame, see RegressionData.
 std::vector<int> training_folds(const SampleSet& set);
@@ -48,4 +48,4 @@ std::vector<std::size_t> update_regions(const FitContext& context, const std::ve
                                         const std::vector<std::size_t>& regions, std::vector<RegionModel>& models,
                                         const RegionDone& done, const std::string& kept);
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

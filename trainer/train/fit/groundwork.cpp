@@ -8,7 +8,7 @@
 #include "runtime/host/rig.h"
 #include "trainer/train/pack/trade_off.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 using Support = Method::Support;
@@ -183,4 +183,4 @@ Layout make_layout(const SampleSet& set, const Groundwork& ground, const Method&
   return layout;
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

@@ -12,7 +12,7 @@
 #include "trainer/train/regions/regions.h"
 #include "trainer/train/skinning/ddm.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 
 // Lists of features from which a region may choose one.
 using FeatureChoices = std::vector<std::vector<std::uint32_t>>;
@@ -49,4 +49,4 @@ struct Groundwork {
 // shape no region. Shows progress.
 Layout make_layout(const SampleSet& set, const Groundwork& ground, const Method& method);
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

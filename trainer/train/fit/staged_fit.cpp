@@ -10,7 +10,7 @@
 #include "trainer/train/pack/trade_off.h"
 #include "trainer/train/skinning/ddm.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 // An earlier training is brought to other frames where no more than this part of them is others.
@@ -172,4 +172,4 @@ std::vector<std::size_t> StagedFit::update(const FitContext& context, std::vecto
   return anew;
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

@@ -12,7 +12,7 @@
 #include "trainer/train/options.h"
 #include "trainer/train/pack/residual.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 
 class StagedFit {
  public:
@@ -58,4 +58,4 @@ class StagedFit {
   std::uint64_t key_ = 0;
 };
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

@@ -21,7 +21,7 @@
 #include "trainer/train/regions/regions.h"
 #include "trainer/train/skinning/ddm.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 // Folds of whole takes, ten at most.
@@ -205,4 +205,4 @@ TrainingResult train(const SampleSet& set, const TrainOptions& options) {
   return result;
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

@@ -10,7 +10,7 @@
 #include "trainer/train/options.h"
 #include "trainer/train/pack/trade_off.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 
 // The regions that train() would fit: those painted, and those chosen. A partition of unity on welded vertices, each
 // with a name of its own. Shows progress. Throws as train().
@@ -49,4 +49,4 @@ struct TrainingResult {
 // or where it is not sound, Error(file) where what is kept cannot be read or written.
 TrainingResult train(const SampleSet& set, const TrainOptions& options);
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

@@ -15,7 +15,7 @@
 #include "trainer/train/features/features.h"
 #include "trainer/train/fit/choose_map.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 namespace fs = std::filesystem;
@@ -443,4 +443,4 @@ void TrainingStore::forget_other_regions(std::uint64_t key) const {
   for (const fs::path& other : others) fs::remove(other);
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

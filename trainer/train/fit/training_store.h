@@ -13,7 +13,7 @@
 #include "trainer/train/options.h"
 #include "trainer/train/pack/residual.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 
 // Keys of the data that a training learns from.
 struct TrainingKeys {
@@ -62,4 +62,4 @@ class TrainingStore {
   std::filesystem::path folder_;
 };
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

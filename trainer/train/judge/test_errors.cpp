@@ -26,7 +26,7 @@
 #include "trainer/train/skinning/ddm.h"
 #include "trainer/train/skinning/unpose.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 // Whether the frame at this place of its take, from 0, is held out.
@@ -388,4 +388,4 @@ std::vector<MethodResult> ablate(const SampleSet& set, const TrainOptions& optio
   return rows;
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

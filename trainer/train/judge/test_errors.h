@@ -11,11 +11,13 @@
 #include "trainer/train/options.h"
 
 namespace bodyopt {
-
-// How well a method does on frames that training never saw.
-
 struct Basis;
 class Deformer;
+}  // namespace bodyopt
+
+namespace bodyopt::trainer {
+
+// How well a method does on frames that training never saw.
 
 // Marks every `every`-th block of ten consecutive simulated frames of each take as held out, and nothing else.
 void hold_out_blocks(Dataset& dataset, int every);
@@ -99,4 +101,4 @@ std::vector<MethodResult> compare_with_skinning(const SampleSet& set, const Basi
 std::vector<MethodResult> ablate(const SampleSet& set, const TrainOptions& options, const TrainingResult& full,
                                  double seconds, std::vector<std::string>& unmade);
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

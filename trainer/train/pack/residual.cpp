@@ -6,7 +6,7 @@
 #include "base/rows_where.h"
 #include "runtime/core/half.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 // Half whose numbers reach 127 at the largest component. Not a subnormal one, which a device may read as 0.
@@ -199,4 +199,4 @@ PackedResidual pack_residual(const ResidualModel& model, const Selection& select
   return Packer(model, selection).take();
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

@@ -13,7 +13,7 @@
 #include "trainer/train/regression/components.h"
 #include "trainer/train/regression/regress.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 
 // A column's vectors at the lanes of a block.
 using BlockVectors = Eigen::Matrix<double, 3, kBlockSize>;
@@ -82,4 +82,4 @@ PackedResidual pack_residual(const ResidualModel& model, const Selection& select
 // Leaves out fibres that no region listens to. `first`: feature index of the first strain.
 void drop_unused_fibres(StrainTable& strain, ResidualTable& residual, std::uint32_t first);
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

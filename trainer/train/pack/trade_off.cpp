@@ -16,7 +16,7 @@
 #include "runtime/host/rig.h"
 #include "trainer/train/data/samples.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 using Eigen::Index;
@@ -301,4 +301,4 @@ void refuse_budget(double budget, double least, const std::string& what) {
   throw Error(ErrorKind::usage, text.data());
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

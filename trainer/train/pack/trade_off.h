@@ -11,7 +11,7 @@
 #include "trainer/train/options.h"
 #include "trainer/train/pack/residual.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 
 // Gives the bytes to the parts of a residual that save the most error for each.
 //
@@ -102,4 +102,4 @@ double bytes_per_vertex(const Basis& basis);
 // Refuses a budget below the bytes that are the least: `what` takes them.
 [[noreturn]] void refuse_budget(double budget, double least, const std::string& what);
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

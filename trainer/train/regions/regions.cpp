@@ -12,7 +12,7 @@
 #include "runtime/host/rig.h"
 #include "trainer/train/features/features.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 using Eigen::Index;
@@ -355,4 +355,4 @@ std::vector<std::uint32_t> region_features(const Character& character, const Reg
   return features;
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

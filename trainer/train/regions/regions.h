@@ -11,7 +11,7 @@
 #include "trainer/train/regression/components.h"
 #include "trainer/train/skinning/ddm.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 
 // Features that belong together: the rotation of a joint, or the fibres of a muscle.
 struct FeatureGroup {
@@ -46,4 +46,4 @@ std::vector<std::string> joints_of(const Character& character, const RegionWeigh
 std::vector<std::uint32_t> region_features(const Character& character, const RegionWeights& region,
                                            const std::vector<FeatureGroup>& groups, double radius);
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

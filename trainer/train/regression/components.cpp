@@ -7,7 +7,7 @@
 
 #include "base/linear_algebra.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 // N x 3 region vertices, each vertex scaled by the root of its weight.
@@ -109,4 +109,4 @@ Components on_basis_of(const Components& components, const Displacements& displa
   return others;
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

@@ -6,7 +6,7 @@
 
 #include "geometry/region_weights.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 
 // Un-posed displacements of the training frames: N x 3V (x, y, z of vertex 0, then of vertex 1), metres.
 using Displacements = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
@@ -31,4 +31,4 @@ Eigen::VectorXd component_lengths(const Components& components, const RegionWeig
 // that belong to them.
 Components on_basis_of(const Components& components, const Displacements& displacements, const RegionWeights& region);
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

@@ -9,7 +9,7 @@
 #include "base/quantile.h"
 #include "base/rows_where.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 using Eigen::Index;
@@ -327,4 +327,4 @@ std::vector<int> blocked_folds(const std::vector<int>& takes, int longest_run, i
   return folds;
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

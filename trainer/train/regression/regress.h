@@ -11,7 +11,7 @@
 
 #include "runtime/core/half.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 
 // Features that explain what a region does.
 
@@ -90,4 +90,4 @@ double fold_error(const RegressionData& data, int centre_count, int fold);
 // take surrounds, not a take of its own.
 std::vector<int> blocked_folds(const std::vector<int>& takes, int longest_run, int count);
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

@@ -16,7 +16,7 @@
 #include "runtime/core/text.h"
 #include "trainer/train/skinning/near_smoother.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 // The low 21 bits of x, two zero bits after each.
@@ -321,4 +321,4 @@ Basis build_ddm_basis(const Character& character, const TrainOptions& options) {
   return make_ddm_base(ordered, radius, options).basis;
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

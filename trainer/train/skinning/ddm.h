@@ -11,7 +11,7 @@
 #include "runtime/basis/basis.h"
 #include "trainer/train/options.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 
 // The skin in runtime order.
 
@@ -83,4 +83,4 @@ DdmBase make_ddm_base(const Character& ordered, double radius, const TrainOption
 // DDM, no shapes: mesh and ddm tables, an empty residual.
 Basis build_ddm_basis(const Character& character, const TrainOptions& options);
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

@@ -9,7 +9,7 @@
 #include <queue>
 #include <utility>
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 constexpr double kFar = std::numeric_limits<double>::infinity();
@@ -121,4 +121,4 @@ TenColumns NearSmoother::operator()(const TenColumns& from) const {
   return result;
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

@@ -6,7 +6,7 @@
 
 #include "trainer/factor/factor_panels.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 
 // Ten numbers at some vertices, zero at all others.
 struct TenColumns {
@@ -40,4 +40,4 @@ class NearSmoother {
   std::vector<int> panel_;  // of each row of the factor, V
 };
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

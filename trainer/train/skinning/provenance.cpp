@@ -4,7 +4,7 @@
 
 #include "base/json_file.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 Json parse(const Metadata& metadata) {
@@ -48,4 +48,4 @@ void add_source(const Metadata& source, Metadata& metadata) {
   metadata["provenance"] = provenance.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

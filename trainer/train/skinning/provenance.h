@@ -8,7 +8,7 @@
 #include "runtime/basis/basis.h"
 #include "trainer/train/options.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 
 struct Provenance {
   std::string program;
@@ -23,4 +23,4 @@ std::optional<Provenance> read_provenance(const Metadata& metadata, const std::f
 // Adds that of the basis which this one was transferred from, whoever wrote it.
 void add_source(const Metadata& source, Metadata& metadata);
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

@@ -8,7 +8,7 @@
 #include "runtime/cpu/ddm_frames.h"
 #include "runtime/host/rig.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 namespace {
 
 std::vector<std::uint32_t> all_vertices(std::size_t count) {
@@ -103,4 +103,4 @@ Positions unpose_linear(const Character& character, const Pose& pose, const Posi
   return unpose_linear(character, pose, shape, all_vertices(static_cast<std::size_t>(shape.rows())));
 }
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer

@@ -10,7 +10,7 @@
 #include "runtime/basis/basis.h"
 #include "runtime/basis/skeleton.h"
 
-namespace bodyopt {
+namespace bodyopt::trainer {
 
 // Linear blend skinning in double precision.
 
@@ -52,4 +52,4 @@ Positions unpose_linear(const Character& character, const Pose& pose, const Posi
 Positions unpose_linear(const Character& character, const Pose& pose, const Positions& shape,
                         std::span<const std::uint32_t> vertices);
 
-}  // namespace bodyopt
+}  // namespace bodyopt::trainer
