@@ -139,6 +139,7 @@ void simulate_chosen(const Dataset& dataset, const std::vector<ImprovedClip>& sh
     simulation.take.clip.frames = format_frame_range(frames);
     if (!heldout.empty()) simulation.take.heldout = format_frame_range(heldout);
     simulation.options.draft = is_draft(dataset);
+    if (simulation.options.draft) simulation.options.give_up_after = trainer::kMostIterationsOfDraft;
     simulate_take(simulation);
   }
 }

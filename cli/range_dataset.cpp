@@ -21,12 +21,9 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr unsigned kRangeFrames = 1600, kRangeBits = 11;  // of the clip; the drafts are of some of them, spread evenly
-constexpr unsigned kLeast = 100;  // of these; they tell what a draft costs: one in ten can take a hundred times as long
-constexpr std::size_t kTimed = 12;  // frames at most of a clip that tell it, where there is no range of motion
-constexpr double kBlends = 0.5;     // of the random poses are blends of the clips', the others within the limits
-// Iterations of a draft. One in ten, of limbs that are put into each other, would take three quarters of the time, and
-// its shape would teach little.
-constexpr int kMostIterations = 1500;
+constexpr unsigned kLeast = 100;       // of these; they tell what a draft costs: some take many times as long
+constexpr std::size_t kTimed = 12;     // frames at most of a clip that tell it, where there is no range of motion
+constexpr double kBlends = 0.5;        // of the random poses are blends of the clips', the others within the limits
 constexpr double kShareOfClips = 0.5;  // of the minutes, at most
 constexpr const char* kRange = "range_of_motion";
 
@@ -108,7 +105,7 @@ class RangeDataset {
     if (clip != range_file()) simulation.take.clip.options = arguments_.clip;
     simulation.take.clip.frames = format_frame_range(frames);
     simulation.options.draft = true;
-    simulation.options.give_up_after = kMostIterations;
+    simulation.options.give_up_after = trainer::kMostIterationsOfDraft;
     return simulation;
   }
 

@@ -179,6 +179,8 @@ TEST(Simulate, AFrameGivenUpIsSolvedByWhoDoesNotGiveUp) {
   EXPECT_TRUE(given_up[0].converged);  // at rest
   EXPECT_FALSE(given_up[1].converged);
   EXPECT_EQ(solve(5)[1].seconds, given_up[1].seconds);  // nothing was solved again
+  const int taken = given_up[1].iterations;
+  EXPECT_EQ(solve(taken + 1)[1].iterations, taken + 1);
   const std::vector<FrameStatus> solved = solve(SimulateOptions{}.give_up_after);
   EXPECT_EQ(solved[0].seconds, given_up[0].seconds);
   EXPECT_TRUE(solved[1].converged);
@@ -294,21 +296,21 @@ TEST(Simulate, KeepsTheFinishedFramesOfTheSameInputsOnly) {
   std::vector<std::string> warnings;
   const auto warn = [&](const std::string& warning) { warnings.push_back(warning); };
   {
-    PartialShapes partial(path, 42, 3, warn);
+    PartialShapes partial(path, 42, 3, 100, warn);
     partial.append(7, status, values);
     partial.append(8, status, values);
   }
   const std::string whole = testing::read_bytes(path);
   for (std::size_t size = 0; size < whole.size(); ++size) {
     write_bytes(path, whole.substr(0, size));
-    const PartialShapes partial(path, 42, 3, warn);
+    const PartialShapes partial(path, 42, 3, 100, warn);
     const std::size_t records = size < 24 ? 0 : (size - 24) / 68;
     EXPECT_EQ(partial.has(7), records >= 1) << size;
     EXPECT_FALSE(partial.has(8)) << size;
   }
   write_bytes(path, whole);
   {
-    const PartialShapes partial(path, 42, 3, warn);
+    const PartialShapes partial(path, 42, 3, 100, warn);
     FrameStatus read;
     EXPECT_EQ(partial.read(8, read), values);
     EXPECT_EQ(read.residual, status.residual);
@@ -321,11 +323,20 @@ TEST(Simulate, KeepsTheFinishedFramesOfTheSameInputsOnly) {
   std::string damaged = whole;
   damaged[24 + 49] ^= 1;
   write_bytes(path, damaged);
-  EXPECT_FALSE(PartialShapes(path, 42, 3, warn).has(7));
+  EXPECT_FALSE(PartialShapes(path, 42, 3, 100, warn).has(7));
+  write_bytes(path, whole);
+  // A frame that was given up is there for who gives up as early.
+  {
+    FrameStatus given_up = status;
+    given_up.residual = std::numeric_limits<double>::infinity();
+    PartialShapes(path, 42, 3, 100, warn).append(9, given_up, values);
+  }
+  EXPECT_TRUE(PartialShapes(path, 42, 3, 17, warn).has(9));
+  EXPECT_FALSE(PartialShapes(path, 42, 3, 18, warn).has(9));
   write_bytes(path, whole);
   // What is of other inputs is put aside, not lost.
   warnings.clear();
-  EXPECT_FALSE(PartialShapes(path, 43, 3, warn).has(7));
+  EXPECT_FALSE(PartialShapes(path, 43, 3, 100, warn).has(7));
   ASSERT_EQ(warnings.size(), 1u);
   EXPECT_NE(warnings[0].find("p.old"), std::string::npos);
   EXPECT_EQ(testing::read_bytes(folder / "p.old"), whole);

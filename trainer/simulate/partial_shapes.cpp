@@ -6,6 +6,7 @@
 #include <xxhash.h>
 
 #include <cerrno>
+#include <cmath>
 #include <cstring>
 
 #include "runtime/core/error.h"
@@ -64,13 +65,28 @@ bool checksum_holds(const std::vector<char>& record) {
   return get<std::uint64_t>(record, size) == XXH3_64bits(record.data(), size);
 }
 
+FrameStatus status_in(const std::vector<char>& record) {
+  FrameStatus status;
+  status.residual = get<double>(record, 8);
+  status.seconds = get<double>(record, 16);
+  status.iterations = get<std::int32_t>(record, 24);
+  status.inverted_tets = get<std::int32_t>(record, 28);
+  status.contact_depth = get<double>(record, 32);
+  status.volume_change = get<double>(record, 40);
+  return status;
+}
+
 }  // namespace
 
+bool is_final(const FrameStatus& status, int give_up_after) {
+  return !std::isinf(status.residual) || status.iterations >= give_up_after;
+}
+
 PartialShapes::PartialShapes(std::filesystem::path path, std::uint64_t inputs, std::size_t values_per_frame,
-                             const std::function<void(const std::string&)>& warn)
+                             int give_up_after, const std::function<void(const std::string&)>& warn)
     : path_(std::move(path)), values_(values_per_frame) {
   open_file();
-  if (!resume(inputs)) {
+  if (!resume(inputs, give_up_after)) {
     put_aside(warn);
     const std::vector<char> bytes = header(inputs, values_);
     if (ftruncate(file_, 0) != 0 || !write_at(file_, 0, bytes)) fail("written");
@@ -109,13 +125,14 @@ void PartialShapes::put_aside(const std::function<void(const std::string&)>& war
 }
 
 // Finds the whole records; false when the file is not of these inputs.
-bool PartialShapes::resume(std::uint64_t inputs) {
+bool PartialShapes::resume(std::uint64_t inputs, int give_up_after) {
   std::vector<char> found(kHeaderSize);
   if (!read_at(file_, 0, found) || found != header(inputs, values_)) return false;
   end_ = kHeaderSize;
   std::vector<char> record(record_size());
   while (read_at(file_, end_, record) && checksum_holds(record)) {
-    record_begin_[get<std::uint64_t>(record, 0)] = end_;
+    const FrameStatus status = status_in(record);
+    if (is_final(status, give_up_after)) record_begin_[get<std::uint64_t>(record, 0)] = end_;
     end_ += record.size();
   }
   return true;
@@ -141,12 +158,7 @@ void PartialShapes::append(std::uint64_t key, const FrameStatus& status, std::sp
 std::vector<float> PartialShapes::read(std::uint64_t key, FrameStatus& status) const {
   std::vector<char> record(record_size());
   if (!read_at(file_, record_begin_.at(key), record) || !checksum_holds(record)) fail("read back");
-  status.residual = get<double>(record, 8);
-  status.seconds = get<double>(record, 16);
-  status.iterations = get<std::int32_t>(record, 24);
-  status.inverted_tets = get<std::int32_t>(record, 28);
-  status.contact_depth = get<double>(record, 32);
-  status.volume_change = get<double>(record, 40);
+  status = status_in(record);
   std::vector<float> values(values_);
   std::memcpy(values.data(), record.data() + kFixedSize, values_ * sizeof(float));
   return values;

@@ -12,6 +12,9 @@
 
 namespace bodyopt::trainer {
 
+// Was a frame solved to its end, or given up after no fewer iterations than these?
+bool is_final(const FrameStatus& status, int give_up_after);
+
 // Layout, little-endian: "BODYPART", uint64 inputs, uint64 values per frame; then records. A record is uint64 key,
 // double residual, double seconds, int32 iterations, int32 inverted tets, double contact depth, double volume change,
 // float values, uint64 checksum. The checksum is the xxh3 of the record before it. Records are only ever appended, so a
@@ -19,8 +22,8 @@ namespace bodyopt::trainer {
 class PartialShapes {
  public:
   // Opens the file or starts a new one. What is there of other inputs is put aside as `path`.old, with a warning.
-  // Throws Error(file).
-  PartialShapes(std::filesystem::path path, std::uint64_t inputs, std::size_t values_per_frame,
+  // Frames that are not final are as if they were not there. Throws Error(file).
+  PartialShapes(std::filesystem::path path, std::uint64_t inputs, std::size_t values_per_frame, int give_up_after,
                 const std::function<void(const std::string&)>& warn);
   ~PartialShapes();
   PartialShapes(const PartialShapes&) = delete;
@@ -29,7 +32,8 @@ class PartialShapes {
   bool has(std::uint64_t key) const { return record_begin_.contains(key); }
   // values: as many as values_per_frame.
   void append(std::uint64_t key, const FrameStatus& status, std::span<const float> values);
-  // The record of a key that is there. Sets all of `status` but frame, converged, inputs and discretisation_error.
+  // The record of a key that is there. It does not know the frame of `status`, `converged`, inputs and
+  // discretisation_error.
   std::vector<float> read(std::uint64_t key, FrameStatus& status) const;
   // Closes and deletes the file: its frames are elsewhere now.
   void remove();
@@ -37,7 +41,7 @@ class PartialShapes {
  private:
   std::size_t record_size() const;
   void open_file();
-  bool resume(std::uint64_t inputs);
+  bool resume(std::uint64_t inputs, int give_up_after);
   void put_aside(const std::function<void(const std::string&)>& warn);
   [[noreturn]] void fail(const char* doing) const;
 

@@ -37,7 +37,8 @@ class QuasiStaticBody {
   void walk_in(std::unique_ptr<const QuasiStaticBody> linear);
 
   // A frame that takes this many iterations, all attempts together, is given up: it does not converge, and its
-  // residual is infinite. Others are the same as without.
+  // residual is infinite. So is one that converges deep in skin, if trying again takes this long. Others are the same
+  // as without.
   void give_up_after(int iterations) { most_iterations_ = iterations; }
 
   // A body of the same skin in fewer, larger tets, to estimate its discretisation error.

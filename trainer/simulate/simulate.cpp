@@ -109,16 +109,16 @@ std::vector<float> stored_sample(const NodesReader& cache, std::uint32_t k) {
   return {nodes.data(), nodes.data() + nodes.size()};
 }
 
-// `finished` are the frames of the cache. Those that were given up are only taken by who gives up, too.
+// `finished` are the frames of the cache.
 template <typename Reader>
-void adopt_samples(const Reader& cache, const std::vector<FrameStatus>& finished, bool gives_up,
+void adopt_samples(const Reader& cache, const std::vector<FrameStatus>& finished, int give_up_after,
                    const std::vector<Job>& jobs, std::size_t values, PartialShapes& partial) {
   if (cache.sample_count() != finished.size()) return;
   std::set<std::uint64_t> wanted;
   for (const Job& job : jobs) wanted.insert(job.key);
   for (std::size_t k = 0; k < finished.size(); ++k) {
     const std::uint64_t key = finished[k].inputs;
-    if (!wanted.contains(key) || partial.has(key) || (!gives_up && std::isinf(finished[k].residual))) continue;
+    if (!wanted.contains(key) || partial.has(key) || !is_final(finished[k], give_up_after)) continue;
     const std::vector<float> sample = stored_sample(cache, static_cast<std::uint32_t>(k));
     if (sample.size() == values) partial.append(key, finished[k], sample);
   }
@@ -140,11 +140,10 @@ void adopt_finished(const std::filesystem::path& cache, const std::filesystem::p
         " are of other inputs (character, muscles, materials, body fat, kind, tet size, motion, controls or version) and will be "
         "replaced");
   }
-  const bool gives_up = options.give_up_after < SimulateOptions{}.give_up_after;
   if (options.draft) {
-    adopt_samples(NodesReader(cache), finished, gives_up, jobs, values, partial);
+    adopt_samples(NodesReader(cache), finished, options.give_up_after, jobs, values, partial);
   } else {
-    adopt_samples(Pc2Reader(cache), finished, gives_up, jobs, values, partial);
+    adopt_samples(Pc2Reader(cache), finished, options.give_up_after, jobs, values, partial);
   }
 }
 
@@ -369,7 +368,7 @@ std::vector<FrameStatus> simulate(const QuasiStaticBody& body, const Character& 
                          : output_from_welded(character, body.skin(nodes));
   };
   const std::vector<Job> jobs = jobs_of(body, muscles, clip, frames);
-  PartialShapes partial(partial_path, body.hash(), values, options.warn);
+  PartialShapes partial(partial_path, body.hash(), values, options.give_up_after, options.warn);
   adopt_finished(cache, status, options, jobs, values, partial);
   solve_all(body, open_jobs(jobs, partial), options.threads, stored, partial);
 
