@@ -31,7 +31,7 @@ struct Shot {
   std::unique_ptr<Deformer> deformer;  // has the weights by which the skin is shown
   bool jiggles;                        // frames go on from each other; they rise
   bool checks;                         // every stage runs on the CPU, too
-  FollowingMeshes following;           // the skin of the deformer
+  FollowingMeshes following;           // they go with the skin of the deformer
   Clip clip;                           // with the weights of modifiers and the controls of the basis
   std::vector<int> frames;             // of the clip, one at least
   int preroll;                         // frames of the clip that the jiggle steps before the first

@@ -137,7 +137,7 @@ ShotPosing posing_of(const ShotFiles& files, const Skeleton& skeleton) {
   return posing;
 }
 
-// As long as it is asked for; of a session, where nothing is said of it, as long as the viewport's.
+// It is as long as is asked for. Where nothing is said of it, that of a session is as long as the viewport's.
 int preroll_of(const ShotFiles& files, const Clip& clip, int first, const Tell& tell) {
   const JiggleChoice& choice = files.jiggle;
   const bool says_nothing = choice.preroll == 0 && choice.state_in.empty();

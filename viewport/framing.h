@@ -30,7 +30,7 @@ class Framing {
   void frame_range(std::uint32_t width, std::uint32_t height);
   // Moves the camera along with the lead since the picture before, or with the shot.
   void follow();
-  void stay() { followed_.reset(); }  // for once: another leads
+  void forget_lead() { followed_.reset(); }  // another leads: the camera does not move along to it
 
  private:
   void frame_points(std::vector<float> points, std::uint32_t width, std::uint32_t height, Covered covered);

@@ -6,7 +6,8 @@
 
 namespace bodyopt::viewport {
 
-// Holds the end of a limb of the lead, where it is or at a point. Throws Error(usage) where two joints above it lack.
+// Holds the end of a limb of the lead, where it is or at a point. Throws Error(usage) where it has no two joints above
+// it.
 void pin_joint(const PinRequest& request, const Scene& scene, Controls& controls);
 
 }  // namespace bodyopt::viewport

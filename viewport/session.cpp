@@ -319,7 +319,7 @@ void Session::show_lead() {
   scene.leave_live_pose();
   controls.select("");
   controls.marker.reset();
-  framing.stay();
+  framing.forget_lead();
   controls.requests.frame_selection = true;  // the stage is around another
   pose_lead();
   take_note_of_cast();

@@ -42,7 +42,7 @@ void Session::open_session(const std::string& file) {
   controls.session_file = file;
   controls.select(opened_->joint);
   controls.marker.reset();
-  framing.stay();
+  framing.forget_lead();
   take_note_of_cast();
 }
 

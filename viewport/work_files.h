@@ -20,7 +20,7 @@ void export_skin(const Scene& scene, Controls& controls, const std::string& file
 void save_pose(const Scene& scene, Controls& controls, const std::string& file);
 void load_pose(const PoseRequest& request, Controls& controls);
 
-// Of the two that are first now.
+// Markers are pairs of vertices of the two characters that stand first in the cast.
 void save_markers(const Scene& scene, Controls& controls, const std::string& file);
 void load_markers(const std::string& file, Controls& controls);
 

@@ -46,8 +46,11 @@ FrameEntry read_entry(const Json& json) {
                    .fading_joint = json.at("fading_joint"),
                    .expected_ddm_rms_mm = json.value("expected_ddm_rms_mm", 0.0)};
   if (json.contains("jiggle_max_mm")) {
-    entry.jiggle = {json.at("jiggle_rms_mm"), json.at("jiggle_max_mm"), json.at("inverted_tets"),
-                    json.at("jiggle_limited_vertices"), json.value("jiggle_limited_near", "")};
+    entry.jiggle = {.rms_mm = json.value("jiggle_rms_mm", 0.0),
+                    .max_mm = json.at("jiggle_max_mm"),
+                    .inverted_tets = json.value("inverted_tets", 0u),
+                    .limited_vertices = json.value("jiggle_limited_vertices", 0u),
+                    .limited_near = json.value("jiggle_limited_near", "")};
   }
   if (json.contains("expected_rms_mm")) entry.expected_rms_mm = json.at("expected_rms_mm");
   return entry;
@@ -132,7 +135,10 @@ FrameEntry EvaluationLog::entry_of(const Deformer& deformer, const Evaluation& p
   }
   if (!part.starts.empty()) {
     const trainer::JiggleMeasure measure = trainer::measure_jiggle(*deformer.dynamics(), motion);
-    entry.jiggle = {measure.rms_mm, measure.max_mm, measure.inverted_tets, measure.limited};
+    entry.jiggle = {.rms_mm = measure.rms_mm,
+                    .max_mm = measure.max_mm,
+                    .inverted_tets = measure.inverted_tets,
+                    .limited_vertices = measure.limited};
     if (measure.limited > 0) entry.jiggle->limited_near = nearest_joint(basis, measure.most_limited);
   }
   if (!expectation_) return entry;

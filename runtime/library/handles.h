@@ -46,7 +46,7 @@ struct bodyopt_model {
   // The model on the device of its latest instance there: instances of one device share it.
   mutable std::mutex mutex;
   mutable std::weak_ptr<const bodyopt::vulkan::DeviceModel> on_device;
-  std::shared_ptr<const bodyopt::FollowingMeshes> following;  // its skin
+  std::shared_ptr<const bodyopt::FollowingMeshes> following;  // they go with its skin
   std::vector<std::string> features;                          // names of what the learned part reads
   std::vector<bodyopt::ModifierChannel> channels;  // empty, too, where a modifier is of a type that is not known
 };

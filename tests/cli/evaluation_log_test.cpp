@@ -37,5 +37,32 @@ TEST(EvaluationLog, OneFrameIsOne) {
   EXPECT_NE(two.find("2 frames hold poses that training did not show"), std::string::npos) << two;
 }
 
+// All that a frame may tell, and a frame that tells little.
+TEST(EvaluationLog, WhatIsKeptGoesOnAsItWas) {
+  const Json per_frame = {{{"frame", 3},
+                           {"outside", 0.5},
+                           {"fade", 0.25},
+                           {"fading_joint", "hip"},
+                           {"outside_feature", "joint hip"},
+                           {"outside_by", "12.3 degrees"},
+                           {"jiggle_rms_mm", 1.5},
+                           {"jiggle_max_mm", 7.25},
+                           {"inverted_tets", 2},
+                           {"jiggle_limited_vertices", 9},
+                           {"jiggle_limited_near", "belly"},
+                           {"expected_rms_mm", 2.5},
+                           {"expected_ddm_rms_mm", 6.5}},
+                          {{"frame", 4}, {"outside", 0.0}, {"fade", 1.0}, {"fading_joint", ""}}};
+  const Basis basis;
+  EvaluationLog log(basis);
+  log.take_up({{"per_frame", per_frame}, {"starts", Json::array()}, {"tets", 5}});
+  EXPECT_EQ(log.kept().at("per_frame"), per_frame);
+  EXPECT_NE(log.text().find("7.25 mm at most, in frame 3"), std::string::npos) << log.text();
+  EvaluationLog again(basis);
+  again.take_up(log.kept());
+  EXPECT_EQ(again.kept(), log.kept());
+  EXPECT_EQ(again.text(), log.text());
+}
+
 }  // namespace
 }  // namespace bodyopt::cli

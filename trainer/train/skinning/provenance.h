@@ -20,7 +20,7 @@ struct Provenance {
 // basis' file. Throws Error(file) for a value that no training writes.
 std::optional<Provenance> read_provenance(const Metadata& metadata, const std::filesystem::path& origin);
 
-// Adds that of the basis which this one was transferred from, whoever wrote it.
+// Adds the provenance of the basis that this one was transferred from, whoever wrote it.
 void add_source(const Metadata& source, Metadata& metadata);
 
 }  // namespace bodyopt::trainer
