@@ -13,13 +13,14 @@ namespace {
 using namespace trainer;
 
 constexpr std::uint64_t kInputs = 42;
+constexpr int kMostIterations = 1000;  // a frame that is given up after fewer is not there
 constexpr std::size_t kValues = 6, kHeader = 24, kRecord = 48 + 4 * kValues + 8;
 
 void ignore(const std::string&) {}
 
 std::vector<std::string> seeds() {
   return {written("shapes.partial", [](const auto& path) {
-    PartialShapes shapes(path, kInputs, kValues, ignore);
+    PartialShapes shapes(path, kInputs, kValues, kMostIterations, ignore);
     for (std::uint64_t key = 1; key <= 3; ++key) shapes.append(key, {}, std::vector<float>(kValues, 1.5f));
   })};
 }
@@ -34,7 +35,8 @@ std::string with_record_checksums(std::string bytes) {
 }
 
 void read(const std::string& bytes) {
-  const PartialShapes shapes(as_file("shapes.partial", with_record_checksums(bytes)), kInputs, kValues, ignore);
+  const PartialShapes shapes(as_file("shapes.partial", with_record_checksums(bytes)), kInputs, kValues, kMostIterations,
+                             ignore);
   for (std::uint64_t key = 0; key < 256; ++key) {
     FrameStatus status;
     if (shapes.has(key)) shapes.read(key, status);

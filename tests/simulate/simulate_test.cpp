@@ -180,7 +180,7 @@ TEST(Simulate, AFrameGivenUpIsSolvedByWhoDoesNotGiveUp) {
   EXPECT_FALSE(given_up[1].converged);
   EXPECT_EQ(solve(5)[1].seconds, given_up[1].seconds);  // nothing was solved again
   const int taken = given_up[1].iterations;
-  EXPECT_EQ(solve(taken + 1)[1].iterations, taken + 1);
+  EXPECT_GT(solve(taken + 1)[1].iterations, taken);  // tried again
   const std::vector<FrameStatus> solved = solve(SimulateOptions{}.give_up_after);
   EXPECT_EQ(solved[0].seconds, given_up[0].seconds);
   EXPECT_TRUE(solved[1].converged);

@@ -8,6 +8,7 @@
 #include "assets/clips/joint_roles.h"
 #include "runtime/core/error.h"
 #include "shots/session/posed_clip.h"
+#include "shots/session/setting_fields.h"
 #include "viewport/commands/commands.h"
 #include "viewport/commands/flipped_pose.h"
 
