@@ -110,10 +110,10 @@ class RangeDataset {
   }
 
   // Wall-clock seconds that a draft took on average.
-  double simulate(const std::string& clip, const std::vector<int>& frames) const {
+  double simulate(const std::string& clip, const std::vector<int>& frames) {
     const std::set<int> asked(frames.begin(), frames.end());
     double seconds = 0;
-    for (const FrameStatus& frame : simulate_take(simulation(clip, frames))) {
+    for (const FrameStatus& frame : simulate_take(simulation(clip, frames), body_)) {
       if (asked.contains(frame.frame)) seconds += frame.seconds;
     }
     return seconds / static_cast<double>(frames.size() * thread_count());
@@ -162,7 +162,7 @@ class RangeDataset {
     return frames;
   }
 
-  void simulate_takes() const {
+  void simulate_takes() {
     std::vector<std::size_t> counts;
     for (const std::string& clip : clips_) counts.push_back(frames_of(clip));
     const bool range = !arguments_.no_range;
@@ -189,6 +189,7 @@ class RangeDataset {
   fs::path folder_;
   Character character_;
   std::vector<std::string> own_clips_, clips_;  // those in the character's file, those to learn
+  std::optional<trainer::QuasiStaticBody> body_;
 };
 
 }  // namespace

@@ -160,7 +160,8 @@ void FieldArguments::put_into(Dataset& dataset) const {
   dataset.corrections = relative_to(dataset.folder, corrections);
 }
 
-std::vector<FrameStatus> simulate_take(const SimulationArguments& arguments) {
+std::vector<FrameStatus> simulate_take(const SimulationArguments& arguments,
+                                       std::optional<trainer::QuasiStaticBody>& body) {
   const fs::path folder = arguments.out;
   const fs::path dataset_path = folder / "dataset.json";
   const double unit = unit_of(arguments, dataset_path);
@@ -185,9 +186,12 @@ std::vector<FrameStatus> simulate_take(const SimulationArguments& arguments) {
     if (there.name == take.name) add_frames(dataset, there, take);
   }
   require_place_for(asked, take, dataset_path);
-  spdlog::info("preparing the body: tetrahedra, bones, muscles");
+  if (!body) {
+    spdlog::info("preparing the body: tetrahedra, bones, muscles");
+    body = trainer::make_compared_body(character, muscles, options);
+  }
   std::vector<FrameStatus> status =
-      trainer::simulate(character, muscles, clip, take.frames, lock, folder / take.shapes_status, options);
+      trainer::simulate(*body, character, muscles, clip, take.frames, lock, folder / take.shapes_status, options);
   put_take(asked, take, dataset_path);
   return status;
 }

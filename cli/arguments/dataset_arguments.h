@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -52,8 +53,10 @@ struct SimulationArguments {
   trainer::SimulateOptions options;
 };
 
-// Simulates, and adds the take, or its new frames, to the dataset.json of the folder. Throws as simulate(), and
-// Error(mismatch) where the dataset or the take is of something else.
-std::vector<FrameStatus> simulate_take(const SimulationArguments& arguments);
+// Simulates, and adds the take, or its new frames, to the dataset.json of the folder. `body` is made where it is not
+// yet; takes whose arguments differ in the take alone share it. Throws as simulate(), and Error(mismatch) where the
+// dataset or the take is of something else.
+std::vector<FrameStatus> simulate_take(const SimulationArguments& arguments,
+                                       std::optional<trainer::QuasiStaticBody>& body);
 
 }  // namespace bodyopt::cli

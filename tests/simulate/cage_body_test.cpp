@@ -10,6 +10,7 @@
 #include "runtime/host/rig.h"
 #include "tests/builtin/shared_arm.h"
 #include "tests/simulate/limb.h"
+#include "tests/simulate/one_take.h"
 #include "tests/support/shared_data.h"
 #include "tests/support/stand_in_human.h"
 #include "tests/support/temporary_folder.h"
@@ -216,7 +217,7 @@ TEST(CageBody, SimulateStoresADraftAsNodes) {
   const Clip clip = bend(limb, 3);
   const SimulateOptions options{.threads = 1, .draft = true, .anatomy = kLimbAnatomy};
   const std::vector<FrameStatus> status =
-      simulate(limb, {make_flexor()}, clip, {1, 3}, folder / "take.nodes", folder / "take.json", options);
+      simulate_one_take(limb, {make_flexor()}, clip, {1, 3}, folder / "take.nodes", folder / "take.json", options);
   ASSERT_EQ(status.size(), 2u);
   for (const FrameStatus& frame : status) EXPECT_TRUE(frame.converged);
   const ShapeReader shapes(folder / "take.nodes");
@@ -231,7 +232,7 @@ TEST(CageBody, SimulateStoresADraftAsNodes) {
   }
   // Frames of a finished draft are taken over, not solved again, and lose nothing by it.
   const std::vector<FrameStatus> again =
-      simulate(limb, {make_flexor()}, clip, {3, 1}, folder / "take.nodes", folder / "take.json", options);
+      simulate_one_take(limb, {make_flexor()}, clip, {3, 1}, folder / "take.nodes", folder / "take.json", options);
   const ShapeReader turned(folder / "take.nodes");
   for (const std::uint32_t k : {0u, 1u}) {
     EXPECT_EQ(turned.sample(k), shapes.sample(1 - k));
@@ -246,8 +247,8 @@ TEST(CageBody, SkinsWithHolesAreMendedAndSaid) {
   std::string warning;
   SimulateOptions options{.tet_size = 0.03, .threads = 1, .anatomy = kLimbAnatomy};
   options.warn = [&](const std::string& text) { warning += text; };
-  const std::vector<FrameStatus> status =
-      simulate(limb, {make_flexor()}, bend(limb, 3), {1, 2, 3}, folder / "take.pc2", folder / "take.json", options);
+  const std::vector<FrameStatus> status = simulate_one_take(limb, {make_flexor()}, bend(limb, 3), {1, 2, 3},
+                                                            folder / "take.pc2", folder / "take.json", options);
   EXPECT_NE(warning.find("holes filled with"), std::string::npos) << warning;
   for (const FrameStatus& frame : status) EXPECT_TRUE(frame.converged);
   const QuasiStaticBody full = own_body(make_limb(), {make_flexor()}, 0.05, kLimbAnatomy);

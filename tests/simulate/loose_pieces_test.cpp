@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "tests/simulate/limb.h"
+#include "tests/simulate/one_take.h"
 #include "tests/support/temporary_folder.h"
 #include "trainer/simulate/loose_piece_stretch.h"
 #include "trainer/simulate/simulate.h"
@@ -110,7 +111,7 @@ TEST(LoosePieces, WhatIsStretchedIsSaidWithItsPlace) {
     std::string text;
     SimulateOptions options{.tet_size = 0.05, .threads = 1, .anatomy = kLimbAnatomy};
     options.warn = [&](const std::string& warning) { text += warning; };
-    simulate(limb, {}, clip, {1, 2}, folder / "take.pc2", folder / "take.json", options);
+    simulate_one_take(limb, {}, clip, {1, 2}, folder / "take.pc2", folder / "take.json", options);
     return text;
   };
   EXPECT_EQ(warned().find("stretched"), std::string::npos);

@@ -16,6 +16,7 @@
 #include "base/progress.h"
 #include "runtime/core/error.h"
 #include "tests/simulate/limb.h"
+#include "tests/simulate/one_take.h"
 #include "tests/support/read_bytes.h"
 #include "tests/support/temporary_folder.h"
 #include "trainer/simulate/partial_shapes.h"
@@ -51,8 +52,8 @@ struct Outcome {
 Outcome run(const TemporaryFolder& folder, const Clip& clip, const std::vector<int>& frames, int threads) {
   const Character limb = make_limb();
   Outcome result;
-  result.status = simulate(limb, {make_flexor()}, clip, frames, folder / "take.pc2", folder / "take.json",
-                           SimulateOptions{.tet_size = 0.05, .threads = threads, .anatomy = kLimbAnatomy});
+  result.status = simulate_one_take(limb, {make_flexor()}, clip, frames, folder / "take.pc2", folder / "take.json",
+                                    SimulateOptions{.tet_size = 0.05, .threads = threads, .anatomy = kLimbAnatomy});
   result.cache = testing::read_bytes(folder / "take.pc2");
   return result;
 }
@@ -163,7 +164,8 @@ TEST(Simulate, AFinishedTakeIsNotSolvedAgain) {
   EXPECT_EQ(more.cache.substr(32 + size, size), first.cache.substr(32 + 2 * size, size));
   EXPECT_EQ(more.cache.substr(32 + 2 * size, size), first.cache.substr(32, size));
 
-  const auto passive = simulate(make_limb(), {}, clip, {11, 13}, folder / "take.pc2", folder / "take.json", {0.05, 1});
+  const auto passive =
+      simulate_one_take(make_limb(), {}, clip, {11, 13}, folder / "take.pc2", folder / "take.json", {0.05, 1});
   EXPECT_NE(testing::read_bytes(folder / "take.pc2").substr(32 + size, size), first.cache.substr(32 + 2 * size, size));
   EXPECT_NE(passive[1].inputs, more.status[1].inputs);
 }
@@ -172,8 +174,8 @@ TEST(Simulate, AFrameGivenUpIsSolvedByWhoDoesNotGiveUp) {
   const TemporaryFolder folder;
   const Clip clip = bending_clip(make_limb(), 4);
   const auto solve = [&](int give_up_after) {
-    return simulate(make_limb(), {}, clip, {11, 14}, folder / "take.pc2", folder / "take.json",
-                    {.tet_size = 0.05, .threads = 1, .give_up_after = give_up_after});
+    return simulate_one_take(make_limb(), {}, clip, {11, 14}, folder / "take.pc2", folder / "take.json",
+                             {.tet_size = 0.05, .threads = 1, .give_up_after = give_up_after});
   };
   const std::vector<FrameStatus> given_up = solve(5);
   EXPECT_TRUE(given_up[0].converged);  // at rest
@@ -223,7 +225,7 @@ TEST(Simulate, MusclesThatWouldDoNothingAreSaid) {
   SimulateOptions options{.tet_size = 0.05, .threads = 1, .anatomy = kLimbAnatomy};
   options.warn = [&](const std::string& text) { warning += text; };
   const auto with = [&](const Muscle& other) {
-    simulate(limb, {make_flexor(), other}, clip, {11}, folder / "take.pc2", folder / "take.json", options);
+    simulate_one_take(limb, {make_flexor(), other}, clip, {11}, folder / "take.pc2", folder / "take.json", options);
   };
   Muscle thread = make_flexor();
   thread.name = "thread";
@@ -385,7 +387,7 @@ TEST(Simulate, RefusesFramesAndFoldersThatAreNotThere) {
   EXPECT_THROW(run(folder, clip, {13}, 1), Error);
   EXPECT_THROW(run(folder, clip, {}, 1), Error);
   EXPECT_THROW(run(folder, clip, {11, 11}, 1), Error);
-  EXPECT_THROW(simulate(limb, {}, clip, {11}, folder / "no/such.pc2", folder / "s.json", {0.05, 1}), Error);
+  EXPECT_THROW(simulate_one_take(limb, {}, clip, {11}, folder / "no/such.pc2", folder / "s.json", {0.05, 1}), Error);
 }
 
 }  // namespace

@@ -342,14 +342,6 @@ std::uint64_t frame_key(const QuasiStaticBody& body, const std::vector<Muscle>& 
   return jobs_of(body, muscles, clip, {frame}).front().key;
 }
 
-std::vector<FrameStatus> simulate(const Character& character, const std::vector<Muscle>& muscles, const Clip& clip,
-                                  const std::vector<int>& frames, const TakeLock& take,
-                                  const std::filesystem::path& status, const SimulateOptions& options) {
-  require_distinct(frames);
-  return simulate(make_compared_body(character, muscles, options), character, muscles, clip, frames, take, status,
-                  options);
-}
-
 std::vector<FrameStatus> simulate(const QuasiStaticBody& body, const Character& character,
                                   const std::vector<Muscle>& muscles, const Clip& clip, const std::vector<int>& frames,
                                   const TakeLock& take, const std::filesystem::path& status,

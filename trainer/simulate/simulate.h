@@ -77,11 +77,7 @@ void require_unscaled(const Skeleton& skeleton, const Clip& clip, int frame);
 // Simulates the given frames of a clip and writes the cache of `take` (PC2, output vertex order; a draft's nodes) and
 // `status` (side-car). A frame that an earlier run, interrupted or finished, solved with the same inputs is taken over
 // from these two files or the unfinished one. An unconverged frame is stored and flagged. Throws Error(interrupted)
-// after SIGINT; what was finished by then is not lost.
-std::vector<FrameStatus> simulate(const Character& character, const std::vector<Muscle>& muscles, const Clip& clip,
-                                  const std::vector<int>& frames, const TakeLock& take,
-                                  const std::filesystem::path& status, const SimulateOptions& options);
-// Simulates in a body that make_compared_body() made with these options: several takes of it share its tets.
+// after SIGINT; what was finished by then is not lost. body: that make_compared_body() makes with these options.
 std::vector<FrameStatus> simulate(const QuasiStaticBody& body, const Character& character,
                                   const std::vector<Muscle>& muscles, const Clip& clip, const std::vector<int>& frames,
                                   const TakeLock& take, const std::filesystem::path& status,
