@@ -30,8 +30,8 @@ TetMesh two_limbs(double gap) {
   return two;
 }
 
-// Of tets whose surface is the skin.
-SkinContact contact_of(const TetMesh& mesh) {
+// Tets whose surface is the skin.
+Cage cage_of(const TetMesh& mesh) {
   Cage cage;
   cage.mesh = mesh;
   cage.is_own_skin = true;
@@ -39,8 +39,10 @@ SkinContact contact_of(const TetMesh& mesh) {
   for (int t = 0; t < mesh.tets.rows(); ++t) {
     for (int a = 0; a < 4; ++a) cage.skin[static_cast<std::size_t>(mesh.tets(t, a))] = {t, Eigen::Vector4d::Unit(a)};
   }
-  return SkinContact(mesh.nodes, surface_of(mesh.tets), cage);
+  return cage;
 }
+
+SkinContact contact_of(const TetMesh& mesh) { return SkinContact(mesh.nodes, surface_of(mesh.tets), cage_of(mesh)); }
 
 Positions moved_apart(const TetMesh& mesh, double distance) {
   Positions nodes = mesh.nodes;
@@ -267,6 +269,31 @@ TEST(Contact, ANodeBetweenTwoSlopesComesToRest) {
     EXPECT_TRUE(held.renew(nodes));
     EXPECT_LT((nodes.row(groove.tip) - rest).norm(), 1e-6);
   }
+}
+
+// A vertex that hangs below the tip of its tet is held at the tip. Its plane gives the depth of where it hangs, so that
+// planes fit at once.
+TEST(Contact, APlaneGivesTheDepthOfAVertexOutsideItsTet) {
+  constexpr double kBelow = 0.003, kDeep = 0.002;  // metres: of the vertex under the tip, of the tip in the groove
+  const Groove groove = make_groove();
+  Cage cage = cage_of(groove.mesh);
+  const Eigen::RowVector3d below(0, -kBelow, 0);
+  Positions skin = groove.mesh.nodes;
+  skin.row(groove.tip) += below;
+  EmbeddedPoint& hanging = cage.skin[static_cast<std::size_t>(groove.tip)];
+  hanging.weights = weights_in(groove.mesh, hanging.tet, skin.row(groove.tip));
+  ASSERT_LT(hanging.weights.minCoeff(), -0.01);
+  const SkinContact contact(skin, surface_of(groove.mesh.tets), cage);
+  Positions nodes = groove.mesh.nodes;
+  nodes.bottomRows(4).rowwise() -= nodes.row(groove.tip) + Eigen::RowVector3d(0, kDeep, 0);
+  bool is_found = false;
+  for (const ContactPlane& plane : contact.find(nodes, kMargin)) {
+    if (plane.point != groove.tip) continue;
+    is_found = true;
+    EXPECT_NEAR(contact.depth(plane, nodes), kBelow + kDeep, 1e-9);
+  }
+  EXPECT_TRUE(is_found);
+  EXPECT_TRUE(HeldContact(contact, kMargin, nodes).renew(nodes));
 }
 
 // A limb folded on itself: skin lies on skin.

@@ -51,6 +51,8 @@ SkinContact::SkinContact(const Positions& skin, const Triangles& triangles, cons
       cell_(kCellEdges * points_.edge.sum() / static_cast<double>(points_.touching.size())),
       stiffness_(materials.contact),
       scale_(std::max(longest_extent(skin) / kMan, 1.0)) {
+  rest_determinants_.resize(mesh_.tets.rows());
+  for (int t = 0; t < mesh_.tets.rows(); ++t) rest_determinants_[t] = tet_edges(mesh_, t).determinant();
   if (!cage.is_lattice) return;
   tissue_.resize(static_cast<std::size_t>(mesh_.tets.rows()));
   double cube = 0;  // cubic metres
@@ -65,7 +67,11 @@ SkinContact::PosedTet SkinContact::posed(int tet, const Positions& nodes) const 
   Eigen::Matrix3d edges;
   for (int a = 0; a < 3; ++a)
     edges.col(a) = (nodes.row(mesh_.tets(tet, a + 1)) - nodes.row(mesh_.tets(tet, 0))).transpose();
-  return {nodes.row(mesh_.tets(tet, 0)), edges.inverse(), edges.determinant() / tet_edges(mesh_, tet).determinant()};
+  const Eigen::Matrix3d inverse = edges.inverse();
+  return {nodes.row(mesh_.tets(tet, 0)),
+          inverse,
+          edges.determinant() / rest_determinants_[tet],
+          {inverse.colwise().sum().norm(), inverse.row(0).norm(), inverse.row(1).norm(), inverse.row(2).norm()}};
 }
 
 Eigen::Vector4d SkinContact::PosedTet::weights(const Eigen::RowVector3d& place) const {
@@ -87,22 +93,24 @@ template <typename Visit>
 void SkinContact::visit_near(const Positions& places, const Positions& nodes, double margin, Visit visit) const {
   const PointGrid grid(places, points_.touching, cell_);
   for (int t = 0; t < mesh_.tets.rows(); ++t) {
-    const Positions corners = nodes(mesh_.tets.row(t), Eigen::all);
+    Eigen::RowVector3d low = nodes.row(mesh_.tets(t, 0)), high = low;
+    for (int a = 1; a < 4; ++a) {
+      low = low.cwiseMin(nodes.row(mesh_.tets(t, a)));
+      high = high.cwiseMax(nodes.row(mesh_.tets(t, a)));
+    }
     std::optional<PosedTet> here;
-    grid.visit(corners.colwise().minCoeff().array() - margin, corners.colwise().maxCoeff().array() + margin,
-               [&](int p) {
-                 if (!here) here = posed(t, nodes);
-                 if (!(here->volume > kFlat)) return;
-                 visit(p, t, *here, here->weights(places.row(p)));
-               });
+    grid.visit(low.array() - margin, high.array() + margin, [&](int p) {
+      if (!here) here = posed(t, nodes);
+      if (!(here->volume > kFlat)) return;
+      visit(p, t, *here, here->weights(places.row(p)));
+    });
   }
 }
 
 double SkinContact::PosedTet::inside(const Eigen::Vector4d& weights) const {
   double inside = std::numeric_limits<double>::max();
   for (int a = 0; a < 4; ++a) {
-    const double steepness = a == 0 ? inverse.colwise().sum().norm() : inverse.row(a - 1).norm();
-    if (weights[a] < 0) inside = std::min(inside, weights[a] / steepness);
+    if (weights[a] < 0) inside = std::min(inside, weights[a] / steepness[a]);
   }
   return inside;
 }
@@ -136,7 +144,13 @@ std::vector<ContactPlane> SkinContact::find(const Positions& nodes, double margi
     if (candidate.share > 0) best.insert_or_assign(p, candidate);
   });
   std::vector<ContactPlane> planes;
-  for (const auto& [point, plane] : best) planes.push_back(plane);
+  for (auto& [point, plane] : best) {
+    // The plane is told where the point is held, and is to give the depth of its place.
+    const EmbeddedPoint& held = points_.held[static_cast<std::size_t>(point)];
+    const Eigen::RowVector3d away = embed({held}, mesh_.tets, nodes).row(0) - places.row(point);
+    plane.offset -= away.dot(plane.slope.transpose());
+    planes.push_back(plane);
+  }
   return planes;
 }
 
@@ -193,17 +207,22 @@ double HeldContact::told_depth(const std::vector<ContactPlane>& planes, const Po
 }
 
 bool HeldContact::renew(const Positions& nodes) {
+  const double near = kPlaneError / 2 * contact_.scale();
+  if (found_in_.size() == 0 || (nodes - found_in_).rowwise().squaredNorm().maxCoeff() > near * near) {
+    found_ = contact_.find(nodes, margin_);
+    found_in_ = nodes;
+  }
   bool planes_fit = true;
   std::map<int, std::vector<ContactPlane>> before;
   before.swap(of_point_);
-  for (const ContactPlane& found : contact_.find(nodes, margin_)) {
+  for (const ContactPlane& found : found_) {
     std::vector<ContactPlane>& planes = of_point_[found.point];
     if (const auto held = before.find(found.point); held != before.end()) {
       planes = std::move(held->second);
       before.erase(held);
     }
-    const bool fits =
-        std::abs(told_depth(planes, nodes) - std::max(found.offset, 0.0)) <= kPlaneError * contact_.scale();
+    const bool fits = std::abs(told_depth(planes, nodes) - std::max(contact_.depth(found, nodes), 0.0)) <=
+                      kPlaneError * contact_.scale();
     if (planes.empty() || !fits) planes.push_back(found);
     for (ContactPlane& plane : planes) plane.share = found.share;
     planes_fit = planes_fit && fits;

@@ -60,6 +60,7 @@ class SkinContact {
     Eigen::RowVector3d origin;  // corner 0
     Eigen::Matrix3d inverse;    // of the edges from it: from positions to barycentric weights
     double volume;              // relative to rest; below 0 inside out
+    Eigen::Vector4d steepness;  // of every weight, per metre
 
     Eigen::Vector4d weights(const Eigen::RowVector3d& place) const;
     // Metres: below 0 of a place outside, and no farther than it is from the tet; the largest number of one inside.
@@ -72,8 +73,9 @@ class SkinContact {
   bool is_tissue(int tet, const Eigen::RowVector3d& place) const;
   ContactPlane plane(int point, int tet, const PosedTet& posed, const Eigen::Vector4d& weights) const;
 
-  TetMesh mesh_;    // at rest
-  Triangles body_;  // the skin's, without loose pieces
+  TetMesh mesh_;                       // at rest
+  Eigen::VectorXd rest_determinants_;  // of every tet's edges, cubic metres
+  Triangles body_;                     // the skin's, without loose pieces
   RestDepth rest_depth_;
   ContactPoints points_;
   double cell_;                                          // of the grid that finds points, metres
@@ -101,6 +103,10 @@ class HeldContact {
 
   const SkinContact& contact_;
   double margin_;
+  // The planes of the last nodes that were looked at, and those nodes: until one moves by half of what planes may be
+  // wrong by, these are the planes of the new shape, too.
+  std::vector<ContactPlane> found_;
+  Positions found_in_;
   std::map<int, std::vector<ContactPlane>> of_point_;
   std::vector<ContactPlane> planes_;
 };
