@@ -118,7 +118,7 @@ bool is_draft(const Dataset& dataset) {
 void simulate_chosen(const Dataset& dataset, const std::vector<ImprovedClip>& shots,
                      const std::vector<Chosen>& chosen) {
   const auto in_folder = [&](const std::string& file) { return file.empty() ? "" : (dataset.folder / file).string(); };
-  std::optional<trainer::QuasiStaticBody> body;
+  std::optional<PreparedBody> prepared;
   for (std::size_t s = 0; s < shots.size(); ++s) {
     std::vector<int> frames, heldout;
     for (const Chosen& c : chosen) {
@@ -141,7 +141,7 @@ void simulate_chosen(const Dataset& dataset, const std::vector<ImprovedClip>& sh
     if (!heldout.empty()) simulation.take.heldout = format_frame_range(heldout);
     simulation.options.draft = is_draft(dataset);
     if (simulation.options.draft) simulation.options.give_up_after = trainer::kMostIterationsOfDraft;
-    simulate_take(simulation, body);
+    simulate_take(simulation, prepared);
   }
 }
 

@@ -113,7 +113,7 @@ class RangeDataset {
   double simulate(const std::string& clip, const std::vector<int>& frames) {
     const std::set<int> asked(frames.begin(), frames.end());
     double seconds = 0;
-    for (const FrameStatus& frame : simulate_take(simulation(clip, frames), body_)) {
+    for (const FrameStatus& frame : simulate_take(simulation(clip, frames), prepared_)) {
       if (asked.contains(frame.frame)) seconds += frame.seconds;
     }
     return seconds / static_cast<double>(frames.size() * thread_count());
@@ -189,7 +189,7 @@ class RangeDataset {
   fs::path folder_;
   Character character_;
   std::vector<std::string> own_clips_, clips_;  // those in the character's file, those to learn
-  std::optional<trainer::QuasiStaticBody> body_;
+  std::optional<PreparedBody> prepared_;
 };
 
 }  // namespace

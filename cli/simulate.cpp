@@ -87,8 +87,8 @@ std::vector<std::string> doubts_of(const fs::path& dataset, const std::string& n
 
 void run(const SimulateArguments& arguments) {
   arguments.json.require_writable();
-  std::optional<trainer::QuasiStaticBody> body;
-  const std::vector<FrameStatus> status = simulate_take(arguments, body);
+  std::optional<PreparedBody> prepared;
+  const std::vector<FrameStatus> status = simulate_take(arguments, prepared);
   const fs::path dataset = fs::path(arguments.out) / "dataset.json";
   std::string text;
   Json result = {{"dataset", dataset.string()}, {"take", arguments.take.take_name()}};

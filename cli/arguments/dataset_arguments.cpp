@@ -160,15 +160,12 @@ void FieldArguments::put_into(Dataset& dataset) const {
   dataset.corrections = relative_to(dataset.folder, corrections);
 }
 
-std::vector<FrameStatus> simulate_take(const SimulationArguments& arguments,
-                                       std::optional<trainer::QuasiStaticBody>& body) {
+std::vector<FrameStatus> simulate_take(const SimulationArguments& arguments, std::optional<PreparedBody>& prepared) {
   const fs::path folder = arguments.out;
   const fs::path dataset_path = folder / "dataset.json";
   const double unit = unit_of(arguments, dataset_path);
-  const Character character = read_character(arguments.character, unit);
-  say(character.notes);
-  std::vector<Muscle> muscles;
-  if (!arguments.muscles.empty()) muscles = read_muscles(arguments.muscles, character.skeleton);
+  const Character character = prepared ? prepared->character : read_character(arguments.character, unit);
+  if (!prepared) say(character.notes);
   trainer::SimulateOptions options = arguments.options;
   options.warn = [](const std::string& warning) { say({warning}); };
   options.inform = [](const std::string& text) { spdlog::info(text); };
@@ -186,12 +183,15 @@ std::vector<FrameStatus> simulate_take(const SimulationArguments& arguments,
     if (there.name == take.name) add_frames(dataset, there, take);
   }
   require_place_for(asked, take, dataset_path);
-  if (!body) {
+  if (!prepared) {
+    std::vector<Muscle> muscles;
+    if (!arguments.muscles.empty()) muscles = read_muscles(arguments.muscles, character.skeleton);
     spdlog::info("preparing the body: tetrahedra, bones, muscles");
-    body = trainer::make_compared_body(character, muscles, options);
+    trainer::QuasiStaticBody body = trainer::make_compared_body(character, muscles, options);
+    prepared.emplace(PreparedBody{character, std::move(muscles), std::move(body)});
   }
-  std::vector<FrameStatus> status =
-      trainer::simulate(*body, character, muscles, clip, take.frames, lock, folder / take.shapes_status, options);
+  std::vector<FrameStatus> status = trainer::simulate(prepared->body, character, prepared->muscles, clip, take.frames,
+                                                      lock, folder / take.shapes_status, options);
   put_take(asked, take, dataset_path);
   return status;
 }

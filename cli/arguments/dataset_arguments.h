@@ -53,10 +53,15 @@ struct SimulationArguments {
   trainer::SimulateOptions options;
 };
 
-// Simulates, and adds the take, or its new frames, to the dataset.json of the folder. `body` is made where it is not
-// yet; takes whose arguments differ in the take alone share it. Throws as simulate(), and Error(mismatch) where the
-// dataset or the take is of something else.
-std::vector<FrameStatus> simulate_take(const SimulationArguments& arguments,
-                                       std::optional<trainer::QuasiStaticBody>& body);
+// What takes that differ in nothing else are simulated in. Files that change in between change nothing.
+struct PreparedBody {
+  Character character;
+  std::vector<Muscle> muscles;
+  trainer::QuasiStaticBody body;
+};
+
+// Simulates, and adds the take, or its new frames, to the dataset.json of the folder. The first take prepares the body
+// that the others share. Throws as simulate(), and Error(mismatch) where the dataset or the take is of something else.
+std::vector<FrameStatus> simulate_take(const SimulationArguments& arguments, std::optional<PreparedBody>& prepared);
 
 }  // namespace bodyopt::cli

@@ -145,10 +145,7 @@ std::vector<ContactPlane> SkinContact::find(const Positions& nodes, double margi
   });
   std::vector<ContactPlane> planes;
   for (auto& [point, plane] : best) {
-    // The plane is told where the point is held, and is to give the depth of its place.
-    const EmbeddedPoint& held = points_.held[static_cast<std::size_t>(point)];
-    const Eigen::RowVector3d away = embed({held}, mesh_.tets, nodes).row(0) - places.row(point);
-    plane.offset -= away.dot(plane.slope.transpose());
+    plane.offset -= depth(plane, nodes) - plane.offset;  // the point is held elsewhere than it lies
     planes.push_back(plane);
   }
   return planes;
@@ -208,7 +205,7 @@ double HeldContact::told_depth(const std::vector<ContactPlane>& planes, const Po
 
 bool HeldContact::renew(const Positions& nodes) {
   const double near = kPlaneError / 2 * contact_.scale();
-  if (found_in_.size() == 0 || (nodes - found_in_).rowwise().squaredNorm().maxCoeff() > near * near) {
+  if (found_in_.size() == 0 || !((nodes - found_in_).rowwise().squaredNorm().maxCoeff() <= near * near)) {
     found_ = contact_.find(nodes, margin_);
     found_in_ = nodes;
   }

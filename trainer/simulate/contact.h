@@ -13,7 +13,7 @@ namespace bodyopt::trainer {
 
 // A point of the skin against a tet that it is inside of or near to. Its depth in the skin is known to first order
 // around the shape that it was found in.
-//   `depth = offset + slope . (x_point - sum over corners of weight x_corner)`.
+//   `depth = offset + slope . (x_held - sum over corners of weight x_corner)`, x_held: where ContactPoints::held is.
 struct ContactPlane {
   int point, tet;
   Eigen::Vector4d weights;  // barycentric, of the point in the tet
@@ -104,7 +104,7 @@ class HeldContact {
   const SkinContact& contact_;
   double margin_;
   // The planes of the last nodes that were looked at, and those nodes: until one moves by half of what planes may be
-  // wrong by, these are the planes of the new shape, too.
+  // wrong by, these are taken for the planes of the new shape, too.
   std::vector<ContactPlane> found_;
   Positions found_in_;
   std::map<int, std::vector<ContactPlane>> of_point_;

@@ -19,7 +19,7 @@ namespace bodyopt::trainer {
 namespace {
 
 constexpr double kTolerance = 1e-4;
-constexpr int kMaxIterations = 1500;
+constexpr int kMaxIterations = 1500;  // each time that a shape is settled: more have hardly ever helped
 // A shape only has to stay near the path while it is under way.
 constexpr double kPathTolerance = 1e-2;
 constexpr int kPathIterations = 8;
