@@ -11,9 +11,12 @@
 #include "cli/arguments/dataset_arguments.h"
 #include "runtime/core/error.h"
 #include "runtime/threads/tbb_executor.h"
+#include "trainer/curate/edit_stack.h"
+#include "trainer/curate/match_vertices.h"
 #include "trainer/motion/attached_rig.h"
 #include "trainer/motion/first_limits.h"
 #include "trainer/motion/range_of_motion.h"
+#include "trainer/train/data/samples.h"
 
 namespace bodyopt::cli {
 namespace {
@@ -45,6 +48,7 @@ class RangeDataset {
     make_folder(folder_);
     if (!arguments_.no_range) make_range();
     simulate_takes();
+    show_both_sides();
     return folder_;
   }
 
@@ -182,6 +186,20 @@ class RangeDataset {
     const double left = std::clamp(seconds / each, double{kLeast}, double{kRangeFrames});
     spdlog::info("a draft takes {:.2f} s: {} frames of clips, {:.0f} of the range of motion", each, simulated, left);
     simulate(range_file(), range_frames(static_cast<std::size_t>(left)));
+  }
+
+  // A few drafts tell as much again in the mirror, until somebody edits the stack. Of many the other half tells little,
+  // and muscles may be of one side.
+  void show_both_sides() const {
+    const fs::path path = folder_ / "dataset.json";
+    const Dataset dataset = read_dataset(path);
+    std::size_t frames = 0;
+    for (const DatasetTake& take : dataset.takes) frames += take.frames.size();
+    if (frames > trainer::kFewFrames || !arguments_.muscles.empty() || is_edited(dataset)) return;
+    if (!trainer::is_own_mirror_image(character_)) return;
+    trainer::add_modifier(path, {.type = "symmetry"});
+    spdlog::info(
+        "the body is its own mirror image: every draft is learned for both sides (curate's modifier symmetry)");
   }
 
   std::string path_;

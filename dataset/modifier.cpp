@@ -150,6 +150,8 @@ Dataset edit_modifiers(const fs::path& path, const std::function<void(const Data
   return write_both(dataset, history, path);
 }
 
+bool is_edited(const Dataset& dataset) { return !dataset.modifiers.empty() || fs::exists(history_path(dataset)); }
+
 void look_at_stacks(const fs::path& path, bool forget,
                     const std::function<void(const Dataset&, const std::vector<std::vector<Modifier>>&)>& look) {
   const FileLock lock = lock_to_change(path);

@@ -6,9 +6,13 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "assets/characters/character.h"
+#include "assets/clips/clip.h"
 #include "dataset/dataset.h"
+#include "dataset/modifier.h"
 #include "runtime/core/json.h"
 #include "tests/cli/limb_files.h"
+#include "tests/support/capsule_limb.h"
 #include "tests/support/read_bytes.h"
 #include "tests/support/run_verb.h"
 
@@ -61,6 +65,29 @@ TEST_F(RangeDataset, LearnsABareCharacterAndThenItsClips) {
   EXPECT_TRUE(read_bytes(data_ / "range_of_motion.glb") == range);
   EXPECT_TRUE(read_bytes(data_ / "range_of_motion.nodes") == drafts);
   EXPECT_EQ(Json::parse(std::ifstream(data_ / "limits.json"))["source"], "edited");
+}
+
+// A capsule is its own mirror image, and the clip is short. What somebody takes off the stack stays off.
+TEST_F(RangeDataset, LearnsFewDraftsForBothSidesUntilTheStackIsEdited) {
+  const Character capsule = limb_character();
+  Clip twist;
+  twist.name = "twist";
+  for (int k = 0; k < 12; ++k) twist.poses.push_back(limb_pose(capsule.skeleton, 0.1 * k, 0.05 * k, 0));
+  files_.character = (folder_ / "capsule.glb").string();
+  const fs::path clip = folder_ / "twist.glb", path = data_ / "dataset.json", report = folder_ / "report.json";
+  write_character(capsule, files_.character);
+  write_clip(twist, capsule.skeleton, clip);
+  const std::string few = "--no-range --clip " + clip.string();
+  const ProgramResult trained = train(few + " --json " + report.string());
+  ASSERT_EQ(trained.exit_code, 0) << trained.output;
+  const std::vector<Modifier> modifiers = read_dataset(path).modifiers;
+  ASSERT_EQ(modifiers.size(), 1u);
+  EXPECT_EQ(modifiers[0].type, "symmetry");
+  const Json told = Json::parse(std::ifstream(report));
+  EXPECT_EQ(told["train_frames"].get<std::size_t>(), 2 * read_dataset(path).takes.at(0).frames.size());
+  ASSERT_EQ(run_verb("curate remove " + data_.string() + " symmetry").exit_code, 0);
+  ASSERT_EQ(train(few).exit_code, 0);
+  EXPECT_TRUE(read_dataset(path).modifiers.empty());
 }
 
 TEST_F(RangeDataset, RefusesWhatHasNothingToLearn) {

@@ -28,6 +28,7 @@
 #include "trainer/curate/offset_cache.h"
 #include "trainer/curate/pose_space.h"
 #include "trainer/train/data/samples.h"
+#include "trainer/train/fit/fit_regions.h"
 #include "trainer/train/skinning/unpose.h"
 
 namespace bodyopt::trainer {
@@ -254,6 +255,16 @@ TEST(Symmetry, ImagesHaveThePlacesOfTheirOrigins) {
   }
 }
 
+// What a frame tells its image tells, too: cross-validation holds both out together.
+TEST(Symmetry, ImagesAreInTheFoldsOfTheirOrigins) {
+  const CuratedLimb limb;
+  const std::vector<int> alone = training_folds(read_samples(read_dataset(limb.path())));
+  add_modifier(limb.path(), {.type = "symmetry"});
+  std::vector<int> both = alone;
+  both.insert(both.end(), alone.begin(), alone.end());
+  EXPECT_EQ(training_folds(read_samples(read_dataset(limb.path()))), both);
+}
+
 TEST(Symmetry, TurnsAHumansOtherThumb) {
   for (const Character& human : humans("characters/human_muscular.glb")) {
     const MirrorImage mirror(human, {});
@@ -270,6 +281,39 @@ TEST(Symmetry, TurnsAHumansOtherThumb) {
     EXPECT_NEAR(apart(image, rest, right), apart(pose, rest, left), 1e-3);
     for (std::size_t j = 0; j < human.skeleton.size(); ++j) EXPECT_NEAR(apart(again, pose, j), 0, 1e-3) << j;
   }
+}
+
+// Some rigs move legs against the body by translation.
+TEST(Symmetry, MovesJointsAgainstTheirParentsAsInTheMirror) {
+  for (const Character& human : humans("characters/human_muscular.glb")) {
+    const MirrorImage mirror(human, {});
+    const auto left = static_cast<std::size_t>(human.skeleton.find("LeftLeg")),
+               right = static_cast<std::size_t>(human.skeleton.find("RightLeg"));
+    Pose bent = bind_pose(human.skeleton);
+    bent.joints[left].rotation = normalized(bent.joints[left].rotation * Quat{0.2, -0.1, 0.3, 0.9});
+    Pose moved = bent;
+    moved.joints[left].translation = moved.joints[left].translation + Vec3{0.01, 0.04, -0.02};
+    const auto place = [&](const Pose& pose, std::size_t j) {
+      const Affine joint = posed_joints(human.skeleton, pose.joints)[j];
+      return Vec3{joint.m[0][3], joint.m[1][3], joint.m[2][3]};
+    };
+    const Vec3 way = place(moved, left) - place(bent, left),
+               image = place(mirror.pose(moved), right) - place(mirror.pose(bent), right);
+    EXPECT_GT(length(way), 0.04);
+    EXPECT_NEAR(length(image - Vec3{-way[0], way[1], way[2]}), 0, 1e-9);
+  }
+}
+
+// A thousandth of the limb's length is 0.6 mm.
+TEST(Symmetry, TellsWhichBodiesAreTheirOwnMirrorImages) {
+  const Character limb = limb_character();
+  EXPECT_TRUE(is_own_mirror_image(limb));
+  Character dented = limb;
+  dented.vertices(12 * kLimbSides, 0) *= 0.9;
+  EXPECT_FALSE(is_own_mirror_image(dented));
+  Character crooked = limb;
+  crooked.skeleton.joints.back().inverse_bind.m[0][3] += 0.02;
+  EXPECT_FALSE(is_own_mirror_image(crooked));
 }
 
 TEST(Curate, UndoneEditsAndRawCachesAreByteForByte) {

@@ -82,7 +82,8 @@ TEST(CuratedTraining, LearnsASculptWhereItIsAndNothingElsewhere) {
   EXPECT_LT(std::max(peaks[2], peaks[3]), 0.05);
 }
 
-// Without its other half a body learns what is mirrored as well as what it is shown.
+// Without its other half a body learns what is mirrored as well as what it is shown. Angles between those of the takes
+// would tell of cross-validation instead: it has an image and its origin in one fold, but the twins of two takes apart.
 TEST(CuratedTraining, LearnsOfMirrorImagesWhatItLearnsOfTheOtherHalf) {
   const auto truth = [](int, int, const Positions& shape) { return shape; };
   const CuratedLimb all(truth, {40, -40}), half(truth, {40, -40}), alone(truth, {40, -40});
@@ -90,14 +91,14 @@ TEST(CuratedTraining, LearnsOfMirrorImagesWhatItLearnsOfTheOtherHalf) {
     add_modifier(limb->path(), {.type = "drop", .frames = {{{"take", "two"}}}});
   }
   add_modifier(half.path(), {.type = "symmetry"});
-  const std::vector<double> twists{40, -40, 25, -25};
+  const std::vector<double> twists{40, -40};
   const double of_all = heldout_rms_mm(all, twists), of_half = heldout_rms_mm(half, twists),
                of_one_side = heldout_rms_mm(alone, twists);
   std::printf(
       "held out: %.4f mm RMS learned of all poses, %.4f of half of them and their mirror images, %.4f of half\n",
       of_all, of_half, of_one_side);
-  EXPECT_LT(of_half, 1.05 * of_all);
-  EXPECT_GT(of_one_side, 1.5 * of_all);
+  EXPECT_LT(of_half, 0.01 * of_one_side);
+  EXPECT_LT(of_all, 0.01 * of_one_side);
 }
 
 }  // namespace

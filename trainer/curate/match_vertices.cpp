@@ -169,7 +169,9 @@ bool lies_on_one(std::span<const WrittenSkin> written, const Positions& given) {
   });
 }
 
-constexpr double kJointTolerance = 0.02, kSkinTolerance = 0.05;  // of the character's size
+// Of the character's size: what the symmetry modifier bears, and what one side may tell of the other unasked.
+constexpr double kJointTolerance = 0.02, kSkinTolerance = 0.05;
+constexpr double kAlikeJoint = 0.01, kAlikeSkin = 0.001;
 
 Quat mirrored(const Quat& q) { return {q[0], -q[1], -q[2], q[3]}; }  // across a plane of constant x
 
@@ -182,17 +184,35 @@ std::vector<std::size_t> name_counterparts(const std::vector<std::string>& names
   return counterparts;
 }
 
+// The plane that halves the rest skin, and the length of the diagonal around that, metres.
+struct MirrorPlane {
+  explicit MirrorPlane(const Positions& rest) {
+    const Eigen::RowVector3d low = rest.colwise().minCoeff(), high = rest.colwise().maxCoeff();
+    middle = 0.5 * (low.x() + high.x());
+    size = (high - low).norm();
+  }
+  Eigen::Vector3d image(const Eigen::RowVector3d& point) const {
+    return {2 * middle - point.x(), point.y(), point.z()};
+  }
+  double middle = 0, size = 0;
+};
+
+// How far the image of a joint is from another.
+double joints_apart(const Skeleton& skeleton, const MirrorPlane& plane, std::size_t joint, std::size_t other) {
+  const Vec3 own = bind_place(skeleton, joint), image{2 * plane.middle - own[0], own[1], own[2]};
+  return length(bind_place(skeleton, other) - image);
+}
+
 // The joint of the other side's name, or itself; both must lie where the mirror has them.
-std::vector<std::size_t> joint_counterparts(const Skeleton& skeleton, double middle, double size) {
+std::vector<std::size_t> joint_counterparts(const Skeleton& skeleton, const MirrorPlane& plane) {
   std::vector<std::size_t> counterparts = name_counterparts(names_of(skeleton.joints));
   for (std::size_t j = 0; j < skeleton.size(); ++j) {
     const std::size_t other = counterparts[j];
-    const Vec3 own = bind_place(skeleton, j), image{2 * middle - own[0], own[1], own[2]};
-    const double apart = length(bind_place(skeleton, other) - image);
-    if (apart > kJointTolerance * size) {
+    const double apart = joints_apart(skeleton, plane, j, other);
+    if (apart > kJointTolerance * plane.size) {
       throw Error(ErrorKind::mismatch, "symmetry: the mirror image of joint '", skeleton.joints[j].name, "' is ",
                   std::lround(1e3 * apart), " mm from joint '", skeleton.joints[other].name, "', expected less than ",
-                  std::lround(1e3 * kJointTolerance * size),
+                  std::lround(1e3 * kJointTolerance * plane.size),
                   ": the character is not symmetric, or its joints are not named left and right");
     }
   }
@@ -238,23 +258,42 @@ Eigen::Matrix3d turn_back(std::span<const WrittenSkin> written, const Positions&
               "Blender's export has 'Up')");
 }
 
+bool is_own_mirror_image(const Character& character) {
+  const MirrorPlane plane(character.vertices);
+  const std::vector<std::size_t> counterparts = name_counterparts(names_of(character.skeleton.joints));
+  for (std::size_t j = 0; j < counterparts.size(); ++j) {
+    if (joints_apart(character.skeleton, plane, j, counterparts[j]) > kAlikeJoint * plane.size) return false;
+  }
+  const NearestSkin nearest(character.vertices, character.triangles);
+  return std::ranges::all_of(character.vertices.rowwise(), [&](const Eigen::RowVector3d& vertex) {
+    const Eigen::Vector3d image = plane.image(vertex);
+    return (nearest(image).position - image).norm() <= kAlikeSkin * plane.size;
+  });
+}
+
 MirrorImage::MirrorImage(const Character& character, const std::vector<std::string>& controls)
     : skeleton_(character.skeleton), control_counterpart_(name_counterparts(controls)) {
   const Positions& rest = character.vertices;
-  const Eigen::RowVector3d low = rest.colwise().minCoeff(), high = rest.colwise().maxCoeff();
-  middle_ = 0.5 * (low.x() + high.x());
-  const double size = (high - low).norm();
-  counterpart_ = joint_counterparts(skeleton_, middle_, size);
+  const MirrorPlane plane(rest);
+  middle_ = plane.middle;
+  counterpart_ = joint_counterparts(skeleton_, plane);
   const NearestSkin nearest(rest, character.triangles);
   for (Index v = 0; v < rest.rows(); ++v) {
-    const Eigen::Vector3d image(2 * middle_ - rest(v, 0), rest(v, 1), rest(v, 2));
+    const Eigen::Vector3d image = plane.image(rest.row(v));
     image_.push_back(nearest(image));
-    if ((image_.back().position - image).norm() > kSkinTolerance * size) {
+    if ((image_.back().position - image).norm() > kSkinTolerance * plane.size) {
       throw Error(ErrorKind::mismatch, "symmetry: the mirror image of vertex ", v, " is ",
                   std::lround(1e3 * (image_.back().position - image).norm()),
                   " mm from the skin: the character is not symmetric");
     }
   }
+}
+
+// How far a pose moves a joint against its parent, in the axes of the world at bind; of a root nothing.
+Vec3 MirrorImage::moved_from_bind(const Pose& pose, std::size_t j, const std::vector<Quat>& bind) const {
+  const Joint& joint = skeleton_.joints[j];
+  if (joint.parent < 0) return {0, 0, 0};
+  return rotate(bind[static_cast<std::size_t>(joint.parent)], pose.joints[j].translation - joint.bind.translation);
 }
 
 Pose MirrorImage::pose(const Pose& pose) const {
@@ -272,7 +311,10 @@ Pose MirrorImage::pose(const Pose& pose) const {
     JointTransform& own = result.joints[j];
     own = joint.bind;
     if (joint.parent >= 0) {
+      const Quat to_parent = conjugate(bind[static_cast<std::size_t>(joint.parent)]);
+      const Vec3 moved = moved_from_bind(pose, counterpart_[j], bind);
       own.rotation = normalized(conjugate(world[static_cast<std::size_t>(joint.parent)]) * world[j]);
+      own.translation = joint.bind.translation + rotate(to_parent, {-moved[0], moved[1], moved[2]});
     } else {
       const Affine& other = posed[counterpart_[j]];
       own.rotation = normalized(world[j]);

@@ -44,6 +44,10 @@ Eigen::Matrix3d turn_back(std::span<const WrittenSkin> written, const Positions&
 
 // A character's left for its right: poses and shapes as in a mirror.
 
+// Whether every vertex of the rest skin has its mirror image on the skin, and every joint at its counterpart: to a
+// thousandth and a hundredth of the character's size.
+bool is_own_mirror_image(const Character& character);
+
 // Mirrors across the plane x = that of the middle of the rest skin.
 class MirrorImage {
  public:
@@ -51,12 +55,14 @@ class MirrorImage {
   // joint may be 2 % of the character's size from any image, a vertex 5 %.
   MirrorImage(const Character& character, const std::vector<std::string>& controls);
 
-  // Joints turn as their counterparts do in the mirror; lengths of bones stay their own.
+  // Joints turn, and move against their parents, as their counterparts do in the mirror.
   Pose pose(const Pose& pose) const;
   // V x 3, posed, of the mirrored pose.
   Positions shape(const Positions& shape) const;
 
  private:
+  Vec3 moved_from_bind(const Pose& pose, std::size_t joint, const std::vector<Quat>& bind) const;
+
   const Skeleton& skeleton_;
   double middle_ = 0;                     // metres
   std::vector<std::size_t> counterpart_;  // of every joint

@@ -19,6 +19,7 @@ struct DatabaseFrame {
   int frame = 0;
   Pose pose;  // a value for every control of any take
   bool heldout = false;
+  int image_of = -1;  // the take of the frame whose mirror image this is
 };
 
 struct PoseDatabase {

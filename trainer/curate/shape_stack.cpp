@@ -167,6 +167,7 @@ void ShapeStack::add_mirror_images(std::size_t place) {
   }
   for (std::size_t n = 0; n < raw_frames_; ++n) {
     DatabaseFrame frame = database_.frames[n];
+    frame.image_of = frame.take;
     frame.take += takes;
     frame.pose = mirror_->pose(frame.pose);
     database_.frames.push_back(std::move(frame));

@@ -6,10 +6,10 @@
 #include <map>
 #include <numeric>
 #include <optional>
+#include <set>
 #include <utility>
 
 #include "base/progress.h"
-#include "base/quantile.h"
 #include "runtime/deformer/deformer.h"
 #include "runtime/host/device_choice.h"
 
@@ -17,6 +17,9 @@ namespace bodyopt::trainer {
 namespace {
 
 using Eigen::Index;
+
+// Of all motion, that the error may grow by at twice the usual distance.
+constexpr double kShares[] = {0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1};
 
 // The slope of the least squares of y ~ a + b x, not below zero.
 double growth(const std::vector<double>& x, const std::vector<double>& y) {
@@ -78,35 +81,40 @@ std::vector<HeldOutFrame> held_out_frames(const HeldOutError& error) {
   return frames;
 }
 
-// The least growth by which the error expected of the frames reaches what is left of them. It is `most` where none
-// does, because no more is expected than the skin moves.
-double needed_growth(const std::vector<HeldOutFrame>& frames, const std::vector<double>& left, const ErrorModel& model,
-                     double most) {
-  const auto is_enough = [&](double growth) {
-    double missing = 0;
-    for (const HeldOutFrame& frame : frames) {
-      const double learned = model.local[frame.closest_other] + growth * std::max(0.0, frame.to_others - model.usual);
-      missing += left[frame.number] - std::min(learned, model.motion[frame.closest_other]);
-    }
-    return missing <= 0;
-  };
-  if (is_enough(0)) return 0;
-  if (!is_enough(most)) return most;
-  double low = 0, high = most;
-  for (int k = 0; k < 40; ++k) (is_enough(0.5 * (low + high)) ? high : low) = 0.5 * (low + high);
-  return high;
+// Square metres per squared unit of a coordinate, by which the error is this share of all motion at twice the usual
+// distance.
+double growth_of(double share, const ErrorModel& model) {
+  return model.usual > 0 ? share * mean_of(model.motion) / model.usual : 0;
 }
 
-// The median of what the takes left out need; nothing of fewer than two. No more than takes the error to all of the
-// motion at twice the usual distance.
-std::optional<double> growth_by_takes(const HeldOutError& far, const ErrorModel& model) {
-  std::map<int, std::vector<HeldOutFrame>> takes;
-  for (const HeldOutFrame& frame : held_out_frames(far)) takes[far.data.folds[frame.number]].push_back(frame);
-  if (takes.size() < 2 || !(model.usual > 0)) return std::nullopt;
-  const double most = mean_of(model.motion) / model.usual;
-  std::vector<double> needed;
-  for (const auto& [take, frames] : takes) needed.push_back(needed_growth(frames, far.left, model, most));
-  return median(needed);
+// Of each take, what is expected and what was left, square metres.
+struct TakeEnergies {
+  double expected = 0, left = 0;
+};
+
+std::map<int, TakeEnergies> energies_of_takes(const std::vector<std::vector<LeftOutFrame>>& regions,
+                                              const std::vector<ErrorModel>& models, double share) {
+  std::map<int, TakeEnergies> takes;
+  for (std::size_t r = 0; r < regions.size(); ++r) {
+    const double growth = growth_of(share, models[r]);
+    for (const LeftOutFrame& frame : regions[r]) {
+      TakeEnergies& energies = takes[frame.take];
+      energies.expected += std::min(frame.local + growth * frame.further, frame.motion);
+      energies.left += frame.left;
+    }
+  }
+  return takes;
+}
+
+// Takes of half of the frames at most.
+std::set<int> minor_takes(const std::vector<LeftOutFrame>& frames) {
+  std::map<int, std::size_t> counts;
+  for (const LeftOutFrame& frame : frames) ++counts[frame.take];
+  std::set<int> minor;
+  for (const auto& [take, count] : counts) {
+    if (counts.size() > 1 && 2 * count <= frames.size()) minor.insert(take);
+  }
+  return minor;
 }
 
 // Positions of the values in ascending order; equal values share the mean of theirs.
@@ -124,13 +132,13 @@ std::vector<double> ranks(const std::vector<double>& values) {
 
 }  // namespace
 
-ErrorModel calibrate(const HeldOutError& near, const HeldOutError& far, const std::vector<double>& motions) {
-  const std::vector<HeldOutFrame> frames = held_out_frames(near);
+ErrorModel calibrate(const HeldOutError& error, const std::vector<double>& motions) {
+  const std::vector<HeldOutFrame> frames = held_out_frames(error);
   std::vector<double> distances, errors, moved;
   std::vector<std::size_t> closest;
   for (const HeldOutFrame& frame : frames) {
     distances.push_back(frame.to_others);
-    errors.push_back(near.left[frame.number]);
+    errors.push_back(error.left[frame.number]);
     moved.push_back(motions[frame.number]);
     closest.push_back(frame.closest);
   }
@@ -139,7 +147,7 @@ ErrorModel calibrate(const HeldOutError& near, const HeldOutError& far, const st
   // A centre knows how far its own frame moves; the rest pose does not move. The first guess is that as large a part of
   // it is left as of all motion.
   std::vector<double> own;
-  for (const int frame : near.regression.centre_frames) {
+  for (const int frame : error.regression.centre_frames) {
     own.push_back(frame < 0 ? 0 : motions[static_cast<std::size_t>(frame)]);
   }
   if (own.empty()) own.push_back(mean_of(moved));
@@ -150,9 +158,36 @@ ErrorModel calibrate(const HeldOutError& near, const HeldOutError& far, const st
   model.local = means_at(closest, errors, own);
   // Never nothing: ten times as far away, in squares, the error has at least doubled.
   const double least = model.usual > 0 ? 0.1 * mean_of(errors) / model.usual : 0;
-  const std::optional<double> by_takes = growth_by_takes(far, model);
-  if (!frames.empty()) model.growth = std::max(least, by_takes ? *by_takes : growth(distances, errors));
+  if (!frames.empty()) model.growth = std::max(least, growth(distances, errors));
   return model;
+}
+
+std::vector<LeftOutFrame> left_out_frames(const HeldOutError& error, const ErrorModel& model) {
+  std::vector<LeftOutFrame> frames;
+  for (const HeldOutFrame& frame : held_out_frames(error)) {
+    frames.push_back({error.data.folds[frame.number], error.left[frame.number], model.local[frame.closest_other],
+                      model.motion[frame.closest_other], std::max(0.0, frame.to_others - model.usual)});
+  }
+  return frames;
+}
+
+void grow_by_takes(const std::vector<std::vector<LeftOutFrame>>& regions, std::vector<ErrorModel>& models) {
+  const std::set<int> asked = regions.empty() ? std::set<int>{} : minor_takes(regions.front());
+  double least = std::numeric_limits<double>::infinity();
+  std::optional<double> best;
+  for (const double share : kShares) {
+    double off = 0;
+    for (const auto& [take, energies] : energies_of_takes(regions, models, share)) {
+      if (!asked.contains(take) || !(energies.left > 0)) continue;
+      const double ratio = std::sqrt(energies.expected / energies.left);
+      off += ratio + 1 / ratio;
+    }
+    if (!(off > 0 && off < least)) continue;
+    least = off;
+    best = share;
+  }
+  if (!best) return;
+  for (ErrorModel& model : models) model.growth = growth_of(*best, model);
 }
 
 void append_region(const std::string& name, const std::vector<std::uint32_t>& joints, double size,

@@ -26,11 +26,26 @@ struct HeldOutError {
   std::vector<double> left;  // N
 };
 
-// `near`: of cross-validation by folds that all takes are in. `far`: of cross-validation by takes, which are its folds;
-// it has fewer than two where nothing is known of motion that was never shown. `motions`: N, square metres, all that a
-// frame moves. The error grows with the distance such that half of the takes left out are off by less than expected.
-// That is the median of split conformal prediction (Lei et al. 2018).
-ErrorModel calibrate(const HeldOutError& near, const HeldOutError& far, const std::vector<double>& motions);
+// `error`: of cross-validation by folds that all takes are in. `motions`: N, square metres, all that a frame moves. The
+// error grows with the distance as it does among these frames.
+ErrorModel calibrate(const HeldOutError& error, const std::vector<double>& motions);
+
+// A frame as a fit to the other takes sees it, in one region. Energies are square metres over the region's vertices.
+struct LeftOutFrame {
+  int take = 0;
+  double left = 0;
+  double local = 0, motion = 0;  // of the nearest centre of the other takes
+  double further = 0;            // squared distance to that centre beyond what is usual
+};
+
+// `error`: of cross-validation by takes, which are its folds.
+std::vector<LeftOutFrame> left_out_frames(const HeldOutError& error, const ErrorModel& model);
+
+// Lets the error grow as it did for takes left out, if there are two takes or more: to a share of all motion at twice
+// the usual distance. It is the share by which the errors expected of whole takes come nearest to what was left of
+// them. A take of more than half of the frames is not asked: a range of motion is what others are learned by.
+// `regions`: of each, the same frames.
+void grow_by_takes(const std::vector<std::vector<LeftOutFrame>>& regions, std::vector<ErrorModel>& models);
 
 // Adds a region to a table that knows of those before, joint_begin {0} of none. `joints` of the skeleton move its skin,
 // most of all first; `size`: its vertices, by their weights.

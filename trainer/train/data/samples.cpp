@@ -3,6 +3,8 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <utility>
 
 #include "assets/caches/shape_reader.h"
 #include "runtime/core/error.h"
@@ -53,9 +55,20 @@ SampleSet read_samples(const Dataset& dataset) {
     if (stack->is_dropped(n)) continue;
     const DatabaseFrame& frame = database.frames[n];
     (frame.heldout ? set.heldout : set.train)
-        .push_back({frame.take, frame.frame, frame.pose, {stack, n}, stack->weight(n), frame.sample});
+        .push_back({frame.take, frame.frame, frame.pose, {stack, n}, stack->weight(n), frame.sample, frame.image_of});
   }
   return set;
+}
+
+std::vector<std::size_t> training_origins(const SampleSet& set) {
+  std::map<std::pair<int, std::size_t>, std::size_t> at;  // by take and place
+  for (std::size_t n = 0; n < set.train.size(); ++n) at[{set.train[n].take, set.train[n].place}] = n;
+  std::vector<std::size_t> origins;
+  for (std::size_t n = 0; n < set.train.size(); ++n) {
+    const auto origin = at.find({set.train[n].image_of, set.train[n].place});
+    origins.push_back(origin == at.end() ? n : origin->second);
+  }
+  return origins;
 }
 
 std::vector<const Pose*> poses_of(const std::vector<Sample>& samples) {

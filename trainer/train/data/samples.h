@@ -67,6 +67,7 @@ struct Sample {
   SampleShape shape;
   double weight = 1;      // how many times it counts
   std::size_t place = 0;  // among all frames of its take, those that are left out, too; a mirror image has its origin's
+  int image_of = -1;      // the take of the frame whose mirror image this is
 };
 
 // The dataset, split; shapes stay on disk. Unconverged frames are left out and counted.
@@ -82,6 +83,10 @@ struct SampleSet {
   std::vector<std::string> notes;
 };
 SampleSet read_samples(const Dataset& dataset);
+
+// For every training frame itself, or the training frame whose mirror image it is. What a frame tells its image tells,
+// too: cross-validation has both in one fold.
+std::vector<std::size_t> training_origins(const SampleSet& set);
 
 std::vector<const Pose*> poses_of(const std::vector<Sample>& samples);
 

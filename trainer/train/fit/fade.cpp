@@ -94,9 +94,13 @@ constexpr double kAsGood = 1.01;                                            // r
 constexpr int kParts = 5;
 
 // The frames in parts, one after the other, each as far from the rest as another shot.
-std::vector<int> parts_of(std::size_t frames) {
+std::vector<int> parts_of(const std::vector<std::size_t>& origins) {
+  std::size_t count = 0;  // of frames that are no mirror images
+  for (std::size_t n = 0; n < origins.size(); ++n) count += origins[n] == n;
   std::vector<int> parts;
-  for (std::size_t n = 0; n < frames; ++n) parts.push_back(static_cast<int>(kParts * n / frames));
+  for (std::size_t n = 0, place = 0; n < origins.size(); ++n) {
+    parts.push_back(origins[n] == n ? static_cast<int>(kParts * place++ / count) : parts[origins[n]]);
+  }
   return parts;
 }
 
@@ -162,7 +166,8 @@ double strongest_of_the_best(const std::array<double, kStrengths.size()>& left) 
 
 }  // namespace
 
-FadeTable fade_table(const Groundwork& ground, const std::vector<RegionModel>& regions, const std::vector<int>& folds) {
+FadeTable fade_table(const Groundwork& ground, const std::vector<RegionModel>& regions, const std::vector<int>& folds,
+                     const std::vector<std::size_t>& origins) {
   const Basis& basis = ground.base.basis;
   const FeatureJoints joints(basis, ground.muscles);
   FadeTable table = joint_manifold(basis.skeleton, ground.features.raw, folds);
@@ -179,7 +184,7 @@ FadeTable fade_table(const Groundwork& ground, const std::vector<RegionModel>& r
     }
     table.region_begin.push_back(static_cast<std::uint32_t>(table.region_joints.size()));
   }
-  const std::vector<double> strengths = fade_strengths(ground, regions, folds, table);
+  const std::vector<double> strengths = fade_strengths(ground, regions, folds, origins, table);
   for (std::size_t r = 0; r < regions.size(); ++r) {
     for (std::uint32_t k = table.region_begin[r]; k < table.region_begin[r + 1]; ++k) {
       table.region_weights[k] *= static_cast<float>(strengths[r]);
@@ -189,8 +194,9 @@ FadeTable fade_table(const Groundwork& ground, const std::vector<RegionModel>& r
 }
 
 std::vector<double> fade_strengths(const Groundwork& ground, const std::vector<RegionModel>& regions,
-                                   const std::vector<int>& folds, const FadeTable& table) {
-  const std::vector<int> parts = parts_of(folds.size());
+                                   const std::vector<int>& folds, const std::vector<std::size_t>& origins,
+                                   const FadeTable& table) {
+  const std::vector<int> parts = parts_of(origins);
   const Eigen::MatrixXd off = frames_off(ground, folds, table, parts);
   std::vector<double> strengths(regions.size());
   parallel_for(regions.size(), [&](std::size_t r) {

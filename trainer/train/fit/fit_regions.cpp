@@ -295,9 +295,17 @@ Eigen::VectorXd training_weights(const SampleSet& set) {
 }
 
 std::vector<int> training_folds(const SampleSet& set) {
+  const std::vector<std::size_t> origins = training_origins(set);
   std::vector<int> takes;
-  for (const Sample& sample : set.train) takes.push_back(sample.take);
-  return blocked_folds(takes, kLongestRun, kFolds);
+  for (std::size_t n = 0; n < origins.size(); ++n) {
+    if (origins[n] == n) takes.push_back(set.train[n].take);
+  }
+  const std::vector<int> of_origins = blocked_folds(takes, kLongestRun, kFolds);
+  std::vector<int> folds;
+  for (std::size_t n = 0, next = 0; n < origins.size(); ++n) {
+    folds.push_back(origins[n] == n ? of_origins[next++] : folds[origins[n]]);
+  }
+  return folds;
 }
 
 void fit_regions(const FitContext& context, const std::vector<std::size_t>& regions, std::vector<RegionModel>& models,

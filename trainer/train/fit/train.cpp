@@ -28,20 +28,25 @@ namespace {
 std::vector<int> take_folds(const SampleSet& set) {
   constexpr int kMostFolds = 10;
   std::vector<int> folds;
-  for (const Sample& sample : set.train) folds.push_back(sample.take % kMostFolds);
+  for (const std::size_t origin : training_origins(set)) folds.push_back(set.train[origin].take % kMostFolds);
   return folds;
 }
 
 ErrorModel error_model(const RegionModel& region, const SelectedRegion& selected, const FeatureSamples& features,
-                       const std::vector<int>& folds, const std::vector<int>& takes) {
+                       const std::vector<int>& folds) {
   const Regression& fit = region.fits[selected.fit];
-  const RegressionData by_folds = regression_data(features, region, folds),
-                       by_takes = regression_data(features, region, takes);
-  const Regression without_takes = refit_regression(by_takes, static_cast<int>(fit.centres.rows()), fit);
+  const RegressionData data = regression_data(features, region, folds);
   const Eigen::VectorXd& energy = region.components.energy;
-  return calibrate({by_folds, fit, frame_energies(region, selected, fit)},
-                   {by_takes, without_takes, frame_energies(region, selected, without_takes)},
-                   {energy.begin(), energy.end()});
+  return calibrate({data, fit, frame_energies(region, selected, fit)}, {energy.begin(), energy.end()});
+}
+
+std::vector<LeftOutFrame> without_takes(const RegionModel& region, const SelectedRegion& selected,
+                                        const FeatureSamples& features, const std::vector<int>& takes,
+                                        const ErrorModel& model) {
+  const Regression& fit = region.fits[selected.fit];
+  const RegressionData data = regression_data(features, region, takes);
+  const Regression refit = refit_regression(data, static_cast<int>(fit.centres.rows()), fit);
+  return left_out_frames({data, refit, frame_energies(region, selected, refit)}, model);
 }
 
 // Returns the coverage table of the regions that are kept. `packed`: those of the model.
@@ -49,9 +54,13 @@ CoverageTable region_coverage(const Character& character, const ResidualModel& m
                               const std::vector<std::size_t>& packed, const FeatureSamples& features,
                               const Selection& selection, const std::vector<int>& takes) {
   std::vector<ErrorModel> errors(packed.size());
+  std::vector<std::vector<LeftOutFrame>> left_out(packed.size());
   parallel_for(packed.size(), [&](std::size_t k) {
-    errors[k] = error_model(model.regions[packed[k]], selection[packed[k]], features, model.folds, takes);
+    const RegionModel& region = model.regions[packed[k]];
+    errors[k] = error_model(region, selection[packed[k]], features, model.folds);
+    left_out[k] = without_takes(region, selection[packed[k]], features, takes, errors[k]);
   });
+  grow_by_takes(left_out, errors);
   CoverageTable coverage;
   coverage.joint_begin = {0};
   for (std::size_t k = 0; k < packed.size(); ++k) {
@@ -196,7 +205,7 @@ TrainingResult train(const SampleSet& set, const TrainOptions& options) {
     }
     ResidualModel model{set.controls, ground.features.ranges, fit.regions(ground, layout), ground.shapes.vertex_count(),
                         training_folds(set)};
-    model.fade = fade_table(ground, model.regions, model.folds);
+    model.fade = fade_table(ground, model.regions, model.folds, training_origins(set));
     TrainingResult found = packed_result(set, options, ground, model);
     found.regions = renumbered(layout.regions, ground.order);
     return found;
