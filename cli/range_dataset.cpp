@@ -9,9 +9,9 @@
 
 #include "base/frame_range.h"
 #include "cli/arguments/dataset_arguments.h"
+#include "dataset/modifier.h"
 #include "runtime/core/error.h"
 #include "runtime/threads/tbb_executor.h"
-#include "trainer/curate/edit_stack.h"
 #include "trainer/curate/match_vertices.h"
 #include "trainer/motion/attached_rig.h"
 #include "trainer/motion/first_limits.h"
@@ -188,18 +188,19 @@ class RangeDataset {
     simulate(range_file(), range_frames(static_cast<std::size_t>(left)));
   }
 
-  // A few drafts tell as much again in the mirror, until somebody edits the stack. Of many the other half tells little,
-  // and muscles may be of one side.
+  // Few drafts tell as much again in the mirror: with their images they are few, still. Muscles may be of one side, and
+  // the stack may be edited, or takes be there that this did not make.
   void show_both_sides() const {
-    const fs::path path = folder_ / "dataset.json";
-    const Dataset dataset = read_dataset(path);
-    std::size_t frames = 0;
-    for (const DatasetTake& take : dataset.takes) frames += take.frames.size();
-    if (frames > trainer::kFewFrames || !arguments_.muscles.empty() || is_edited(dataset)) return;
-    if (!trainer::is_own_mirror_image(character_)) return;
-    trainer::add_modifier(path, {.type = "symmetry"});
-    spdlog::info(
-        "the body is its own mirror image: every draft is learned for both sides (curate's modifier symmetry)");
+    if (!arguments_.muscles.empty() || !trainer::is_own_mirror_image(character_)) return;
+    edit_modifiers(folder_ / "dataset.json", [&](const Dataset& dataset, std::vector<Modifier>& modifiers) {
+      std::size_t frames = 0;
+      for (const DatasetTake& take : dataset.takes) frames += take.frames.size();
+      const std::size_t made = clips_.size() + (arguments_.no_range ? 0 : 1);
+      if (2 * frames > trainer::kFewFrames || dataset.takes.size() > made || is_edited(dataset)) return;
+      Modifier& symmetry = modifiers.emplace_back();
+      symmetry.name = symmetry.type = "symmetry";
+      spdlog::info("the body is its own mirror image: drafts are learned for both sides (the modifier symmetry)");
+    });
   }
 
   std::string path_;

@@ -324,11 +324,13 @@ struct RefineArguments {
   JsonOption json;
 };
 
-// Transferred takes are read as they are below an earlier refinement.
+// Transferred takes are read as they are below an earlier refinement, and without mirror images, which follow from what
+// is refined.
 trainer::SampleSet unrefined_samples(Dataset dataset, const std::set<std::string>& carried) {
   std::erase_if(dataset.modifiers, [&](const Modifier& modifier) {
-    return std::ranges::any_of(carried,
-                               [&](const std::string& take) { return modifier.name == trainer::refinement_of(take); });
+    return modifier.type == "symmetry" || std::ranges::any_of(carried, [&](const std::string& take) {
+             return modifier.name == trainer::refinement_of(take);
+           });
   });
   return trainer::read_samples(dataset);
 }

@@ -61,7 +61,7 @@ Dataset edit_modifiers(const std::filesystem::path& path,
 Dataset undo_modifiers(const std::filesystem::path& path, std::chrono::milliseconds patience = kPatienceForChanges);
 Dataset redo_modifiers(const std::filesystem::path& path, std::chrono::milliseconds patience = kPatienceForChanges);
 
-// Whether it has modifiers, or had some, to which undo leads.
+// Whether it has modifiers, or had some.
 bool is_edited(const Dataset& dataset);
 
 // Calls `look` with the dataset and all stacks that undo and redo lead to, its own among them, while nobody edits.

@@ -82,7 +82,7 @@ TEST(CuratedTraining, LearnsASculptWhereItIsAndNothingElsewhere) {
   EXPECT_LT(std::max(peaks[2], peaks[3]), 0.05);
 }
 
-// Without its other half a body learns what is mirrored as well as what it is shown. Angles between those of the takes
+// Without its other half a body learns nearly all of it in the mirror. Angles between those of the takes
 // would tell of cross-validation instead: it has an image and its origin in one fold, but the twins of two takes apart.
 TEST(CuratedTraining, LearnsOfMirrorImagesWhatItLearnsOfTheOtherHalf) {
   const auto truth = [](int, int, const Positions& shape) { return shape; };

@@ -462,14 +462,16 @@ TEST(TransferLimb, CurationIsCarriedWithTheDataset) {
                                                  lower + R"("]}, "parameters": {"radius_mm": 5}},
     {"name": "hand", "type": "sculpt", "parameters": {"sculpts": [{"take": "t", "frame": 3, "offsets": "modifiers/a.pc2"}]}},
     {"name": "lost", "type": "inflate", "mask": {"joints": ["none"]}, "parameters": {"distance_mm": 1}},
-    {"name": "mix", "type": "blend", "parameters": {"cache": "b.pc2"}}])"),
+    {"name": "mix", "type": "blend", "parameters": {"cache": "b.pc2"}},
+    {"name": "both", "type": "symmetry"}])"),
                                      folder / "dataset.json");
 
   const Basis source = build_ddm_basis(limb, {});
   const TransferPair pair(source, giant, {.joint_map = (folder / "map.json").string()});
   std::vector<std::string> notes;
-  const std::vector<Modifier> carried = carried_modifiers(dataset, limb, pair, folder / "out", notes);
-  ASSERT_EQ(carried.size(), 4u);
+  const std::vector<Modifier> carried = carried_modifiers(dataset, limb, giant, pair, folder / "out", notes);
+  ASSERT_EQ(carried.size(), 5u);
+  EXPECT_TRUE(carried[4].enabled);
   EXPECT_EQ(carried[0].mask.at("joints"), Json::array({"Left_Other"}));
   EXPECT_NEAR(carried[0].parameters.at("radius_mm").get<double>(), 10, 1e-6);
   EXPECT_TRUE(carried[0].enabled && carried[1].enabled);
@@ -482,6 +484,8 @@ TEST(TransferLimb, CurationIsCarriedWithTheDataset) {
   EXPECT_FALSE(carried[2].enabled || carried[3].enabled);
   EXPECT_EQ(carried[2].mask.at("joints"), Json::array({"none"}));
   EXPECT_EQ(notes.size(), 2u);
+  giant.vertices(12 * kLimbSides, 0) *= 0.9;
+  EXPECT_FALSE(carried_modifiers(dataset, limb, giant, pair, folder / "out", notes)[4].enabled);
 }
 
 TEST(MatchSkeletons, RefusesMirrorImagesAndStrangers) {

@@ -158,7 +158,10 @@ SampleSet proxy_samples(const SampleSet& set, const SimplifiedSkin& skin) {
   }
   const auto rows = std::make_shared<const VertexRows>(skin.vertices);
   for (const auto& [from, to] : {std::pair(&set.train, &proxy.train), std::pair(&set.heldout, &proxy.heldout)}) {
-    for (const Sample& sample : *from) to->push_back({sample.take, sample.frame, sample.pose, sample.shape.at(rows)});
+    for (Sample sample : *from) {
+      sample.shape = sample.shape.at(rows);
+      to->push_back(std::move(sample));
+    }
   }
   return proxy;
 }

@@ -10,6 +10,7 @@
 #include "runtime/core/error.h"
 #include "runtime/core/transformed.h"
 #include "runtime/host/rig.h"
+#include "trainer/curate/match_vertices.h"
 #include "trainer/train/skinning/ddm.h"
 #include "trainer/transfer/skin_transfer.h"
 
@@ -108,9 +109,9 @@ bool rename_joints(Json& json, const TransferPair& pair) {
 
 class ModifierCarrier {
  public:
-  ModifierCarrier(const Dataset& dataset, const Character& source_character, const TransferPair& pair,
-                  const fs::path& out, std::vector<std::string>& notes)
-      : dataset_(dataset), character_(source_character), pair_(pair), out_(out), notes_(notes) {}
+  ModifierCarrier(const Dataset& dataset, const Character& source_character, const Character& target,
+                  const TransferPair& pair, const fs::path& out, std::vector<std::string>& notes)
+      : dataset_(dataset), character_(source_character), target_(target), pair_(pair), out_(out), notes_(notes) {}
 
   Modifier carry(Modifier modifier) {
     bool is_carried = modifier.type != "blend";
@@ -121,14 +122,19 @@ class ModifierCarrier {
       if (key.ends_with("_mm") && value.is_number()) value = pair_.match.size * value.get<double>();
     }
     if (modifier.type == "sculpt" && modifier.parameters.contains("sculpts")) carry_sculpts(modifier.parameters);
-    if (!is_carried && modifier.enabled) {
-      modifier.enabled = false;
-      notes_.push_back("the modifier '" + modifier.name + "' is disabled: what it names is the source's alone");
+    if (!is_carried) disable(modifier, "what it names is the source's alone");
+    if (modifier.type == "symmetry" && !is_own_mirror_image(target_)) {
+      disable(modifier, "the target is not its own mirror image");
     }
     return modifier;
   }
 
  private:
+  void disable(Modifier& modifier, const std::string& why) {
+    if (modifier.enabled) notes_.push_back("the modifier '" + modifier.name + "' is disabled: " + why);
+    modifier.enabled = false;
+  }
+
   void carry_sculpts(Json& parameters) {
     for (Json& sculpt : parameters["sculpts"]) {
       const JsonObject object(sculpt, dataset_.folder / "dataset.json", "a sculpt");
@@ -157,7 +163,7 @@ class ModifierCarrier {
   }
 
   const Dataset& dataset_;
-  const Character& character_;
+  const Character &character_, &target_;
   const TransferPair& pair_;
   const fs::path out_;
   std::vector<std::string>& notes_;
@@ -220,9 +226,9 @@ std::vector<NamedSelection> carried_selections(const Dataset& dataset, const Tra
 }
 
 std::vector<Modifier> carried_modifiers(const Dataset& dataset, const Character& source_character,
-                                        const TransferPair& pair, const fs::path& out,
+                                        const Character& target, const TransferPair& pair, const fs::path& out,
                                         std::vector<std::string>& notes) {
-  ModifierCarrier carrier(dataset, source_character, pair, out, notes);
+  ModifierCarrier carrier(dataset, source_character, target, pair, out, notes);
   return transformed(dataset.modifiers, [&](const Modifier& modifier) { return carrier.carry(modifier); });
 }
 

@@ -27,11 +27,12 @@ std::vector<RegionWeights> carried_regions(const TransferPair& pair, const std::
 
 // The source's stack for the carried takes, which have the same names and frames. Joints get the target's names;
 // lengths ("..._mm") change by the target's size. Sculpted offsets are carried as shapes are, into files under `out`.
-// Modifiers with joints of which the target has none, and "blend", whose cache is of the source, stay in the stack,
-// disabled, with a note. Throws Error(file), and Error(mismatch) for offsets of another mesh.
+// Modifiers with joints of which the target has none, "blend", whose cache is of the source, and "symmetry" of a target
+// that is not its own mirror image stay in the stack, disabled, with a note. Throws Error(file), and Error(mismatch)
+// for offsets of another mesh.
 std::vector<Modifier> carried_modifiers(const Dataset& dataset, const Character& source_character,
-                                        const TransferPair& pair, const std::filesystem::path& out,
-                                        std::vector<std::string>& notes);
+                                        const Character& target, const TransferPair& pair,
+                                        const std::filesystem::path& out, std::vector<std::string>& notes);
 
 // Its named selections, with the target's joints.
 std::vector<NamedSelection> carried_selections(const Dataset& dataset, const TransferPair& pair);

@@ -260,7 +260,8 @@ class DatasetTransfer {
   // Curation that is there already, of an earlier transfer or of the target's own, stays.
   void write_modifiers() {
     if (dataset_.modifiers.empty()) return;
-    const std::vector<Modifier> carried = carried_modifiers(dataset_, source_character_, pair_, out_, told_.notes);
+    const std::vector<Modifier> carried =
+        carried_modifiers(dataset_, source_character_, target_.character, pair_, out_, told_.notes);
     const Dataset there = read_dataset(out_ / "dataset.json");
     if (there.modifiers == carried) return;
     if (!there.modifiers.empty()) {

@@ -81,10 +81,12 @@ std::vector<HeldOutFrame> held_out_frames(const HeldOutError& error) {
   return frames;
 }
 
-// Square metres per squared unit of a coordinate, by which the error is this share of all motion at twice the usual
-// distance.
+// Square metres per squared unit of a coordinate, by which the error grows by so much at twice the usual distance.
+double growth_by(double energy, const ErrorModel& model) { return model.usual > 0 ? energy / model.usual : 0; }
+
+// By a share of all motion. Never by nothing: ten times as far away, in squares, the error has at least doubled.
 double growth_of(double share, const ErrorModel& model) {
-  return model.usual > 0 ? share * mean_of(model.motion) / model.usual : 0;
+  return growth_by(std::max(share * mean_of(model.motion), 0.1 * mean_of(model.local)), model);
 }
 
 // Of each take, what is expected and what was left, square metres.
@@ -156,9 +158,7 @@ ErrorModel calibrate(const HeldOutError& error, const std::vector<double>& motio
   own = model.motion;
   for (double& guess : own) guess *= share;
   model.local = means_at(closest, errors, own);
-  // Never nothing: ten times as far away, in squares, the error has at least doubled.
-  const double least = model.usual > 0 ? 0.1 * mean_of(errors) / model.usual : 0;
-  if (!frames.empty()) model.growth = std::max(least, growth(distances, errors));
+  if (!frames.empty()) model.growth = std::max(growth_of(0, model), growth(distances, errors));
   return model;
 }
 

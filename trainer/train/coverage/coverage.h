@@ -34,7 +34,7 @@ ErrorModel calibrate(const HeldOutError& error, const std::vector<double>& motio
 struct LeftOutFrame {
   int take = 0;
   double left = 0;
-  double local = 0, motion = 0;  // of the nearest centre of the other takes
+  double local = 0, motion = 0;  // of the nearest centre of the other takes, or of the first, where rest is nearer
   double further = 0;            // squared distance to that centre beyond what is usual
 };
 

@@ -24,11 +24,13 @@
 namespace bodyopt::trainer {
 namespace {
 
-// Folds of whole takes, ten at most.
+// Folds of whole takes, ten at most, with their mirror images.
 std::vector<int> take_folds(const SampleSet& set) {
   constexpr int kMostFolds = 10;
   std::vector<int> folds;
-  for (const std::size_t origin : training_origins(set)) folds.push_back(set.train[origin].take % kMostFolds);
+  for (const Sample& sample : set.train) {
+    folds.push_back((sample.image_of < 0 ? sample.take : sample.image_of) % kMostFolds);
+  }
   return folds;
 }
 

@@ -57,11 +57,15 @@ void add(ContentHash& hash, const TrainOptions& options) {
   hash.add(static_cast<std::uint64_t>(options.surface_curves));
 }
 
-// Begins of takes, as folds see them.
-std::uint64_t takes_key(const std::vector<Sample>& samples) {
+// Begins of takes, and frames of which others are mirror images, as folds see them.
+std::uint64_t takes_key(const SampleSet& set) {
   ContentHash hash;
-  for (std::size_t n = 1; n < samples.size(); ++n) {
-    if (samples[n].take != samples[n - 1].take) hash.add(static_cast<std::uint64_t>(n));
+  for (std::size_t n = 1; n < set.train.size(); ++n) {
+    if (set.train[n].take != set.train[n - 1].take) hash.add(static_cast<std::uint64_t>(n));
+  }
+  const std::vector<std::size_t> origins = training_origins(set);
+  for (std::size_t n = 0; n < origins.size(); ++n) {
+    if (origins[n] != n) hash.add(static_cast<std::uint64_t>(origins[n]));
   }
   return hash.value();
 }
@@ -333,7 +337,7 @@ TrainingKeys training_keys(const SampleSet& set, const TrainOptions& options) {
     subject.add(std::uint64_t{of.above});
     subject.add(of.per_metre);
   }
-  TrainingKeys keys{subject.value(), std::vector<std::uint64_t>(set.train.size()), takes_key(set.train),
+  TrainingKeys keys{subject.value(), std::vector<std::uint64_t>(set.train.size()), takes_key(set),
                     std::vector<std::uint64_t>(set.heldout.size())};
   Progress progress("train: looking at the frames", set.train.size() + set.heldout.size());
   const auto look = [&](const std::vector<Sample>& samples, std::vector<std::uint64_t>& frames) {
