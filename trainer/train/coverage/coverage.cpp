@@ -81,12 +81,11 @@ std::vector<HeldOutFrame> held_out_frames(const HeldOutError& error) {
   return frames;
 }
 
-// Square metres per squared unit of a coordinate, by which the error grows by so much at twice the usual distance.
-double growth_by(double energy, const ErrorModel& model) { return model.usual > 0 ? energy / model.usual : 0; }
-
-// By a share of all motion. Never by nothing: ten times as far away, in squares, the error has at least doubled.
+// Square metres per squared unit of a coordinate: by this share of all motion at twice the usual distance. Never
+// nothing: ten times as far away, in squares, the error has at least doubled.
 double growth_of(double share, const ErrorModel& model) {
-  return growth_by(std::max(share * mean_of(model.motion), 0.1 * mean_of(model.local)), model);
+  const double energy = std::max(share * mean_of(model.motion), 0.1 * mean_of(model.local));
+  return model.usual > 0 ? energy / model.usual : 0;
 }
 
 // Of each take, what is expected and what was left, square metres.
