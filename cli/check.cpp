@@ -132,7 +132,7 @@ std::vector<Clip> own_clips(const std::string& path, const Skeleton& skeleton, d
   std::vector<Clip> clips;
   for (const std::string& name : clip_names(path)) {
     clips.push_back(read_clip(path + "#" + name, skeleton, {.unit = unit}));
-    for (const std::string& note : clips.back().notes) say({"clip '" + name + "': " + note});
+    for (const std::string& note : clips.back().notes) say({format("clip '{}': {}", name, note)});
   }
   return clips;
 }

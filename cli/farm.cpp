@@ -208,7 +208,8 @@ void cancel(const FarmArguments& arguments) {
 
 // All parts share `arguments`: a run of the program is of one part.
 CLI::App& add_part(CLI::App& farm, const char* name, const char* description,
-                   const std::shared_ptr<FarmArguments>& arguments, std::function<void(const FarmArguments&)> run) {
+                   const std::shared_ptr<FarmArguments>& arguments,
+                   const std::function<void(const FarmArguments&)>& run) {
   CLI::App& part = add_verb(farm, name, description);
   part.callback([=] { run(*arguments); });
   if (std::string(name) != "plan") {

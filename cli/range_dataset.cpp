@@ -79,7 +79,7 @@ class RangeDataset {
     std::ranges::copy_if(clips_, std::back_inserter(known), [&](const std::string& clip) {
       return std::ranges::find(own_clips_, clip) == own_clips_.end();
     });
-    const trainer::JointLimits first =
+    trainer::JointLimits first =
         trainer::first_limits(character_, read_poses(known, skeleton, character_.unit, arguments_.clip));
     trainer::write_joint_limits(first, skeleton, own);
     return first;

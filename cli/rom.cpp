@@ -45,7 +45,7 @@ trainer::JointLimits limits_for(const RomArguments& arguments, const Character& 
     throw Error(ErrorKind::usage,
                 "rom needs --limits, or clips to take them from (--from); 'bodyopt rig' writes first ones");
   }
-  const trainer::JointLimits limits =
+  trainer::JointLimits limits =
       trainer::first_limits(character, read_poses(arguments.from, character.skeleton, arguments.unit, arguments.clip));
   say_detached(limits, character.skeleton);
   return limits;

@@ -52,7 +52,7 @@ void check_outputs(const TransferArguments& arguments) {
 }
 
 void say_of(const std::string& target, std::vector<std::string> notes) {
-  for (std::string& note : notes) note = target + ": " + note;
+  for (std::string& note : notes) note = format("{}: {}", target, note);
   say(notes);
 }
 

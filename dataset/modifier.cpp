@@ -139,7 +139,7 @@ Json to_json(const std::vector<Modifier>& modifiers) {
 Dataset edit_modifiers(const fs::path& path, const std::function<void(const Dataset&, std::vector<Modifier>&)>& edit,
                        std::chrono::milliseconds patience) {
   const FileLock lock = lock_to_change(path, patience);
-  const Dataset dataset = read_dataset(path);
+  Dataset dataset = read_dataset(path);
   std::vector<Modifier> modifiers = dataset.modifiers;
   edit(dataset, modifiers);
   if (modifiers == dataset.modifiers) return dataset;

@@ -116,7 +116,7 @@ StackReport report_stack(const Dataset& dataset, const std::optional<trainer::Po
     std::string details = short_parameters(modifier.parameters);
     if (const std::optional<TakenFrames> frames = readable_frames(database, modifier)) {
       report.list[k]["frame_counts"] = to_json(*frames);
-      details = text_of(*frames, *type, modifier.enabled) + (details.empty() ? "" : "; ") + details;
+      details = format("{}{}{}", text_of(*frames, *type, modifier.enabled), details.empty() ? "" : "; ", details);
     }
     if (!details.empty()) report.text += "     " + details + "\n";
   }

@@ -67,7 +67,7 @@ std::vector<AttachedMesh> attach_own_meshes(const fs::path& character, double un
     std::vector<std::string> notes;
     const std::vector<trainer::LooseMesh> meshes =
         trainer::read_loose_meshes(GltfFile(character), basis.skeleton, skin_vertices, unit > 0 ? unit : 1, notes);
-    const std::vector<AttachedMesh> bound = trainer::bind_own_meshes(meshes, basis, notes);
+    std::vector<AttachedMesh> bound = trainer::bind_own_meshes(meshes, basis, notes);
     say(notes);
     if (bound.empty()) return {};
     attach(bound, attachments_beside(basis_path), basis, basis_path.string());

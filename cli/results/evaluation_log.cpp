@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <ranges>
 #include <set>
 
 #include "base/frame_range.h"
@@ -69,7 +68,11 @@ bool is_no_better(const FrameEntry& entry) {
 }
 
 std::vector<int> numbers_of(const Frames& frames, bool (*is_wanted)(const FrameEntry&)) {
-  return transformed(frames | std::views::filter(is_wanted), &FrameEntry::frame);
+  std::vector<int> numbers;
+  for (const FrameEntry& entry : frames) {
+    if (is_wanted(entry)) numbers.push_back(entry.frame);
+  }
+  return numbers;
 }
 
 // The first of those with the most; one that tells nothing where there is no frame.
@@ -98,8 +101,11 @@ std::string nearest_joint(const Basis& basis, std::uint32_t vertex) {
     for (std::size_t i = 0; i < 3; ++i) sum += std::pow(static_cast<double>(x[i]) - place[i], 2);
     return sum;
   };
-  const auto joints = std::views::iota(std::size_t{0}, basis.skeleton.size());
-  return basis.skeleton.joints[*std::ranges::min_element(joints, {}, squared_distance)].name;
+  std::size_t nearest = 0;
+  for (std::size_t joint = 1; joint < basis.skeleton.size(); ++joint) {
+    if (squared_distance(joint) < squared_distance(nearest)) nearest = joint;
+  }
+  return basis.skeleton.joints[nearest].name;
 }
 
 constexpr double kNoted = 0.95;  // of what was learned: more is hardly seen

@@ -239,13 +239,13 @@ std::vector<int> match_vertices(const TexturedSurface& known, const TexturedSurf
 
 Eigen::Matrix3d turn_back(std::span<const WrittenSkin> written, const Positions& given,
                           const std::filesystem::path& path) {
-  const Eigen::Matrix3d none = Eigen::Matrix3d::Identity();
+  Eigen::Matrix3d none = Eigen::Matrix3d::Identity();
   if (given.rows() == 0) return none;
   const double as_it_is = extents_apart(written, given);
   if (as_it_is < kOtherExtent) return none;
   bool may_be_turned = false;
   for (const Quat& turn : axis_turns()) {
-    const Eigen::Matrix3d matrix = matrix_of(turn);
+    Eigen::Matrix3d matrix = matrix_of(turn);
     const Positions turned = given * matrix.transpose();
     if (extents_apart(written, turned) > kTurnedBack * as_it_is) continue;
     if (lies_on_one(written, turned)) return matrix;
