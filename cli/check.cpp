@@ -131,7 +131,7 @@ std::string verbs_text(const std::vector<trainer::VerbForecast>& foreseen) {
 std::vector<Clip> own_clips(const std::string& path, const Skeleton& skeleton, double unit) {
   std::vector<Clip> clips;
   for (const std::string& name : clip_names(path)) {
-    clips.push_back(read_clip(path + "#" + name, skeleton, {.unit = unit}));
+    clips.push_back(read_clip(format("{}#{}", path, name), skeleton, {.unit = unit}));
     for (const std::string& note : clips.back().notes) say({format("clip '{}': {}", name, note)});
   }
   return clips;
