@@ -12,7 +12,7 @@
 #include "dataset/modifier.h"
 #include "runtime/core/error.h"
 #include "runtime/threads/tbb_executor.h"
-#include "trainer/curate/match_vertices.h"
+#include "trainer/curate/mirror_image.h"
 #include "trainer/motion/attached_rig.h"
 #include "trainer/motion/first_limits.h"
 #include "trainer/motion/range_of_motion.h"

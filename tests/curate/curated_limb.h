@@ -20,6 +20,16 @@ constexpr int kSweepFrames = 41;  // to 120 degrees and back, in steps of 6
 
 inline double sweep_angle(int frame) { return 6.0 * (frame <= 21 ? frame - 1 : kSweepFrames - frame); }
 
+// A bulge of 10 mm at the outer side of the elbow.
+inline Positions bulge(const Character& character) {
+  Positions offsets = Positions::Zero(character.vertices.rows(), 3);
+  for (Eigen::Index v = 0; v < offsets.rows(); ++v) {
+    const double along = (character.vertices(v, 2) - 0.3) / 0.03, side = character.vertices(v, 1) / kLimbRadius;
+    if (side > 0) offsets(v, 1) = 0.01 * side * side * std::exp(-along * along);
+  }
+  return offsets;
+}
+
 class CuratedLimb {
  public:
   // `change`: what is added to the true shape (V x 3, posed) of take 0 or 1 in a frame from 1 on. `twist`: of a take's

@@ -7,7 +7,7 @@
 #include "base/wording.h"
 #include "dataset/modifier.h"
 #include "runtime/core/error.h"
-#include "trainer/curate/match_vertices.h"
+#include "trainer/curate/mirror_image.h"
 #include "trainer/curate/modifier_scope.h"
 
 namespace bodyopt::trainer {

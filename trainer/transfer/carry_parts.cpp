@@ -10,7 +10,7 @@
 #include "runtime/core/error.h"
 #include "runtime/core/transformed.h"
 #include "runtime/host/rig.h"
-#include "trainer/curate/match_vertices.h"
+#include "trainer/curate/mirror_image.h"
 #include "trainer/train/skinning/ddm.h"
 #include "trainer/transfer/skin_transfer.h"
 
