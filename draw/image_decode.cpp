@@ -46,7 +46,7 @@ Image decode_png(Bytes bytes) {
 bool is_cut_off(Bytes jpeg) {
   constexpr std::array<unsigned char, 2> kEnd{0xff, 0xd9};
   const Bytes tail = jpeg.last(std::min<std::size_t>(jpeg.size(), 4096));
-  return std::ranges::search(tail, kEnd).empty();
+  return std::search(tail.begin(), tail.end(), kEnd.begin(), kEnd.end()) == tail.end();
 }
 
 Image decode_jpeg(Bytes bytes) {
