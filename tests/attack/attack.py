@@ -11,13 +11,14 @@ import disks
 import files
 import fuzz
 import kills
+import memory
 import packets
 import races
 from findings import Findings
 from stage import Stage
 
 # With their shares of the time.
-ATTACKS = ((kills, 0.25), (races, 0.15), (disks, 0.15), (files, 0.1), (packets, 0.05), (fuzz, 0.3))
+ATTACKS = ((kills, 0.2), (races, 0.15), (disks, 0.15), (memory, 0.1), (files, 0.1), (packets, 0.05), (fuzz, 0.25))
 
 
 class Clock:

@@ -1,5 +1,5 @@
-"""Disks that are full, and `ulimit -f`: a verb that cannot write says so and leaves what was there; with room again it
-leaves the bytes of an undisturbed run."""
+"""Disks that are full or read-only, and `ulimit -f`: a verb that cannot write says so and leaves what was there; with room
+again it leaves the bytes of an undisturbed run."""
 import os
 import shutil
 import subprocess
@@ -25,6 +25,7 @@ def attack(stage, findings, random, clock, _tools):
             limited(stage, findings, verb, share)
             if disk.possible and not clock.over():
                 full(stage, findings, verb, share, disk)
+                read_only(stage, findings, verb, disk)
     finally:
         disk.give_back()
 
@@ -55,21 +56,35 @@ def full(stage, findings, verb, share, disk):
     judge(stage, findings, verb, f"{verb.name}, on a disk with room for {share:.0%}", outcome, work, expected)
 
 
-def judge(stage, findings, verb, what, outcome, work, expected):
-    findings.attempt(NAME)
+def read_only(stage, findings, verb, disk):
+    """Nothing can be written in the folder."""
+    expected, _ = stage.undisturbed(verb)
+    work = disk.folder / "work"
+    shutil.rmtree(work, ignore_errors=True)
+    shutil.copytree(stage.base, work)
+    stage.prepare(verb, work)
+    disk.become("ro")
+    outcome = run(stage.command(verb.arguments), work)
+    disk.become("rw")
+    judge(stage, findings, verb, f"{verb.name}, on a read-only disk", outcome, work, expected)
+
+
+def judge(stage, findings, verb, what, outcome, work, expected, name=NAME, refused=_REFUSED):
+    """What a verb that could not do its work must leave, and what the next run makes of that."""
+    findings.attempt(name)
     evidence = [work]
-    if not findings.ended(NAME, outcome, evidence) and outcome.code not in (0,) + _REFUSED:
-        findings.add(NAME, "losses", f"{what}: refused by another exit code than 4 or 75", evidence, outcome.text())
-    stranded = sorted(name for name in contents(work).keys() - stage.files.keys() if is_temporary(name))
+    if not findings.ended(name, outcome, evidence) and outcome.code not in (0,) + refused:
+        findings.add(name, "losses", f"{what}: refused by another exit code than {refused}", evidence, outcome.text())
+    stranded = sorted(path for path in contents(work).keys() - stage.files.keys() if is_temporary(path))
     if stranded:
-        findings.add(NAME, "stranded", f"{what}: {', '.join(stranded)}", evidence, outcome.text())
+        findings.add(name, "stranded", f"{what}: {', '.join(stranded)}", evidence, outcome.text())
     for wrong in stage.unreadable(work):
-        findings.add(NAME, "losses", f"{what}: {wrong}", evidence, outcome.text())
+        findings.add(name, "losses", f"{what}: {wrong}", evidence, outcome.text())
     if outcome.code == 0 and verb.once:
         return
     again = run(stage.command(verb.arguments), work)
-    if not findings.ended(NAME, again, evidence):
-        check_outcome(findings, NAME, what, verb, again, work, expected, stranded)
+    if not findings.ended(name, again, evidence):
+        check_outcome(findings, name, what, verb, again, work, expected, stranded)
 
 
 class SmallDisk:
@@ -81,7 +96,10 @@ class SmallDisk:
         self.possible = self._mount("size=1g")
 
     def resize(self, size):
-        self._mount(f"remount,size={size}")
+        self.become(f"size={size}")
+
+    def become(self, options):
+        self._mount(f"remount,{options}")
 
     def used(self):
         status = os.statvfs(self.folder)

@@ -61,7 +61,7 @@ def fuzz(findings, fuzzer, environment, folder, reader, seed, limit, seconds):
 
 
 def first_cause(output):
-    for pattern in (r"NaN: accepted.*", r"WRONG: .*", r"wrong motion: .*", r"runtime error: .*", r"what\(\): .*", r"SUMMARY: .*", r"ERROR: .*"):
+    for pattern in (r"NaN: accepted.*", r"MEMORY: .*", r"WRONG: .*", r"wrong motion: .*", r"runtime error: .*", r"what\(\): .*", r"SUMMARY: .*", r"ERROR: .*"):
         found = re.search(pattern, output)
         if found:
             return found.group(0)

@@ -1,4 +1,4 @@
-"""Runs programs: with a time limit, a limit of what they may write, or a kill at some moment."""
+"""Runs programs: with a time limit, a limit of what they may write or allocate, or a kill at some moment."""
 import os
 import resource
 import signal
@@ -28,10 +28,12 @@ class Outcome:
 class Running:
     """A program that runs beside the attack."""
 
-    def __init__(self, command, folder, most_bytes=None, environment=None):
+    def __init__(self, command, folder, most_bytes=None, most_memory=None, environment=None):
         def limit():
             if most_bytes is not None:
                 resource.setrlimit(resource.RLIMIT_FSIZE, (most_bytes, most_bytes))
+            if most_memory is not None:
+                resource.setrlimit(resource.RLIMIT_AS, (most_memory, most_memory))
             resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
 
         self.command = [str(word) for word in command]

@@ -1,6 +1,7 @@
 """The small character that the program is run on, every verb that writes, and what belongs to a folder afterwards."""
 import fnmatch
 import pathlib
+import shlex
 import shutil
 import struct
 from array import array
@@ -38,6 +39,7 @@ VERBS = [
     Verb("train", "train draft --out limb.safetensors --surface-curves 3"),
     Verb("train --update", "train draft --out limb.safetensors --update", same_bytes=False),
     Verb("train --report", "train draft --out limb.safetensors --surface-curves 2 --report report"),
+    Verb("train CHARACTER", "train limb.glb --clip bend.glb --minutes 0.1 --out own.safetensors", same_bytes=False),
     Verb("train --ddm-only", "train --ddm-only limb.glb --out ddm.safetensors"),
     Verb("regions", "regions draft --out regions.json --picture regions.png"),
     Verb("proxy", "proxy draft --out proxy.safetensors --error 3"),
@@ -52,6 +54,7 @@ VERBS = [
     Verb("eval --jiggle", "eval limb.safetensors --clip bend.glb --fps 24 --jiggle --device cpu --state-out end.state "
                           "--state-every 8 --out jiggled.pc2"),
     Verb("eval, USD", "eval limb.safetensors --clip bend.glb --fps 960 --device cpu --resume --out shot.usda"),
+    Verb("eval --rigged", "eval limb.safetensors --clip bend.glb --character limb.glb --rigged --device cpu --out rig.glb"),
     Verb("join", "join part1.pc2 part2.pc2 --resume --out joined.pc2"),
     Verb("farm plan", "farm plan shots.json --out plan", same_bytes=False),
     Verb("farm run", "farm run plan", same_bytes=False, before="farm plan shots.json --task-minutes 0.02 --out plan"),
@@ -64,6 +67,8 @@ VERBS = [
     Verb("coverage", "coverage limb.safetensors --clip bend.glb --picture coverage.svg --json coverage.json"),
     Verb("export", "export draft/a.nodes --out exported.pc2"),
     Verb("picture", "picture draft --frame 3 --out picture.png"),
+    Verb("view, a session", "view limb.safetensors bend.glb --headless --size 160 120 --cf 2 -o view.png "
+                            "--do 'save session.json; save-state state.json; save-pose pose.json; export-clip kept.glb'"),
     Verb("view --headless", "view limb.safetensors bend.glb --headless --size 160 120 --ff 1 --lf 12 -o view.webp"),
 ]
 
@@ -107,7 +112,7 @@ class Stage:
         self.files = contents(self.base)
 
     def command(self, arguments):
-        return [self.program] + arguments.split()
+        return [self.program] + shlex.split(arguments)
 
     def copy(self, name="work", verb=None):
         """A fresh folder with what was there before. Commands in it are the same words as elsewhere."""

@@ -46,13 +46,13 @@ void write_prop(const LooseMesh& mesh, const std::filesystem::path& path) {
   put_bytes(path, blob.glb());
 }
 
-// Frames 1 to 6 of the clip, skinned; every cache a little off the others.
-void write_shapes(const Character& limb, const Clip& clip, double offset, const std::filesystem::path& path) {
+// Frames 1 to 6 of the clip, skinned; every cache is a little rougher than the one before. (Moved ones are refused.)
+void write_shapes(const Character& limb, const Clip& clip, double rough, const std::filesystem::path& path) {
   constexpr std::uint32_t kShapes = 6;
   Pc2Writer writer(path, limb.output_count(), kShapes);
   for (std::size_t f = 0; f < kShapes; ++f) {
     Positions shape = skin_linear(limb, clip.poses[f]);
-    shape.col(1).array() += offset;
+    for (Eigen::Index v = 0; v < shape.rows(); ++v) shape(v, 1) += v % 2 == 0 ? rough : -rough;
     writer.append(output_from_welded(limb, shape));
   }
   writer.close();

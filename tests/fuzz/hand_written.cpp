@@ -4,6 +4,7 @@
 #include "assets/clips/controls.h"
 #include "assets/clips/joint_match.h"
 #include "dataset/regions_file.h"
+#include "shots/session/session_file.h"
 #include "shots/session/view_settings.h"
 #include "tests/attack/limb_mapping.h"
 #include "tests/fuzz/fuzz_target.h"
@@ -115,6 +116,26 @@ Seeds view_seeds() {
 }
 void read_view_file(const std::string& bytes) { read_view_settings(as_file("view.json", bytes)); }
 
+Seeds session_seeds() {
+  SessionFile session;
+  session.cast.push_back({.files = {.basis = "hero.safetensors", .clip = "shot.glb#walk", .truth = "truth.pc2"}});
+  session.cast.push_back({.files = {.basis = "villain.glb", .clip = "run.bvh", .up = "z"}, .number = 3});
+  session.cast[1].pose.joints["lower"] = {0, 0, 45};
+  session.frame = 12;
+  session.joint = "lower";
+  session.saved_as = "shot.json";
+  session.image_plane.file = "plate.%04d.png";
+  session.sound.file = "voice.wav";
+  return {written("s.json", [&](const auto& path) { write_session(session, path); })};
+}
+void read_session_file(const std::string& bytes) {
+  const SessionFile session = read_session(as_file("session.json", bytes));
+  require_finite(std::array{session.clip.fps, session.clip.unit}, "a clip");
+  for (const SessionCharacter& character : session.cast) {
+    for (const auto& [joint, turns] : character.pose.joints) require_finite(turns, "a pose");
+  }
+}
+
 const bool added = add_target({"muscles", muscles_seeds, read_muscles_file}) &&
                    add_target({"controls", controls_seeds, read_controls_file}) &&
                    add_target({"joint_map", joint_map_seeds, read_joint_map_file}) &&
@@ -124,7 +145,8 @@ const bool added = add_target({"muscles", muscles_seeds, read_muscles_file}) &&
                    add_target({"mapping", mapping_seeds, read_mapping_file}) &&
                    add_target({"corrections", corrections_seeds, read_corrections_file}) &&
                    add_target({"regions", regions_seeds, read_regions_file}) &&
-                   add_target({"view_settings", view_seeds, read_view_file});
+                   add_target({"view_settings", view_seeds, read_view_file}) &&
+                   add_target({"session", session_seeds, read_session_file});
 
 }  // namespace
 }  // namespace bodyopt::fuzz

@@ -15,6 +15,7 @@
 
 #include "runtime/core/error.h"
 #include "tests/fuzz/fuzz_target.h"
+#include "tests/fuzz/memory_watch.h"
 #include "tests/support/temporary_folder.h"
 
 namespace bodyopt::fuzz {
@@ -132,6 +133,7 @@ std::string with_checksum(const std::string& bytes) {
 
 extern "C" int LLVMFuzzerInitialize(int* argc, char*** argv) {
   static const tbb::global_control one_thread(tbb::global_control::max_allowed_parallelism, 1);
+  bodyopt::fuzz::watch_memory();
   return bodyopt::fuzz::initialize({*argv + 1, *argv + *argc});
 }
 
@@ -149,6 +151,7 @@ extern "C" std::size_t LLVMFuzzerCustomMutator(std::uint8_t* data, std::size_t s
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using bodyopt::ErrorKind;
+  bodyopt::fuzz::begin_read(size);
   try {
     bodyopt::fuzz::chosen->read({reinterpret_cast<const char*>(data), size});
   } catch (const bodyopt::Error& error) {
@@ -156,5 +159,6 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
         error.kind() == ErrorKind::file || error.kind() == ErrorKind::mismatch || error.kind() == ErrorKind::usage;
     if (!refuses) throw;
   }
+  bodyopt::fuzz::end_read();
   return 0;
 }
