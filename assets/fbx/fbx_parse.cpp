@@ -2,6 +2,7 @@
 
 #include <zlib.h>
 
+#include <algorithm>
 #include <charconv>
 #include <cstring>
 #include <type_traits>
@@ -248,10 +249,14 @@ std::vector<T> all_numbers(const std::vector<FbxValue>& values) {
 }  // namespace
 
 const FbxNode* FbxNode::find(std::string_view child) const {
-  for (const FbxNode& node : children) {
-    if (node.name == child) return &node;
-  }
-  return nullptr;
+  const auto found = std::ranges::find(children, child, &FbxNode::name);
+  return found == children.end() ? nullptr : &*found;
+}
+
+const FbxNode& FbxNode::child(std::string_view wanted) const {
+  static const FbxNode nothing{};
+  const FbxNode* found = find(wanted);
+  return found == nullptr ? nothing : *found;
 }
 
 std::vector<double> FbxNode::numbers() const { return all_numbers<double>(values); }
@@ -283,9 +288,7 @@ FbxNode parse_fbx(const std::filesystem::path& path, std::string_view bytes) {
   std::int64_t version = 0;
   if (is_text) {
     FbxText({path, bytes, 0}, bytes).append_nodes(0, root.children);
-    const FbxNode* header = root.find("FBXHeaderExtension");
-    const FbxNode* said = header == nullptr ? nullptr : header->find("FBXVersion");
-    if (said != nullptr) version = said->integer(0, 0);
+    version = root.child("FBXHeaderExtension").child("FBXVersion").integer(0, 0);
   } else {
     FbxBytes binary(path, bytes, 0);
     if (binary.take(kFbxMagic.size()) != kFbxMagic) binary.fail("its header is not that of an FBX file");
