@@ -37,6 +37,10 @@ std::string list_names(std::span<const std::string> names, std::size_t shown) {
   return text;
 }
 
+void note_names(const std::string& what, std::span<const std::string> names, std::vector<std::string>& notes) {
+  if (!names.empty()) notes.push_back(what + list_names(names) + ".");
+}
+
 std::string count_of(std::size_t count, const std::string& one, const std::string& many) {
   return std::to_string(count) + " " + (count == 1 ? one : many);
 }

@@ -254,11 +254,8 @@ SkinSkeleton read_skin_skeleton(const GltfFile& file, int skin, double unit, std
   stretch_rest(listed, result, notes);
   const std::vector<Affine> shown = transformed(listed, [&](const std::uint32_t j) { return result.shown[j]; });
   if (const Vec3 scale = common_scale_and_mirror(shown); scale != Vec3{1, 1, 1}) scale_rest(scale, result, notes);
-  const std::vector<std::string> sheared = set_binds(file, result.skeleton);
-  if (!sheared.empty()) {
-    notes.push_back(
-        "Bind matrices with shear, which joints cannot hold (the rest pose will be off): " + list_names(sheared) + ".");
-  }
+  note_names("Bind matrices with shear, which joints cannot hold (the rest pose will be off): ",
+             set_binds(file, result.skeleton), notes);
   return result;
 }
 
