@@ -44,8 +44,7 @@ std::string text_of(const Json& json, const std::filesystem::path& path) {
 }
 
 void write_json(const Json& json, const std::filesystem::path& path) {
-  const std::string text = text_of(json, path);
-  write_file_atomically(path, std::as_bytes(std::span(text)));
+  write_file_atomically(path, text_of(json, path));
 }
 
 JsonObject::JsonObject(const Json& object, const std::filesystem::path& path, std::string place)

@@ -179,8 +179,7 @@ std::string regions_text(const std::vector<RegionWeights>& regions, const Charac
 
 void write_regions(const std::vector<RegionWeights>& regions, const Character& character,
                    const std::filesystem::path& path, const std::string& source) {
-  const std::string text = regions_text(regions, character, source);
-  write_file_atomically(path, std::as_bytes(std::span(text)));
+  write_file_atomically(path, regions_text(regions, character, source));
 }
 
 }  // namespace bodyopt
