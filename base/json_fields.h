@@ -4,7 +4,6 @@
 #pragma once
 
 #include <array>
-#include <charconv>
 #include <filesystem>
 #include <map>
 #include <nlohmann/json.hpp>
@@ -14,6 +13,7 @@
 #include <vector>
 
 #include "base/json_file.h"
+#include "runtime/core/text.h"
 #include "runtime/core/transform.h"
 
 namespace bodyopt {
@@ -87,12 +87,9 @@ class FieldReader : private JsonObject {
     std::map<std::string, Value> by_name;
     named(key, by_name, field);
     for (auto& [name, value] : by_name) {
-      int frame = 0;
-      const auto [end, problem] = std::from_chars(name.data(), name.data() + name.size(), frame);
-      if (problem != std::errc{} || end != name.data() + name.size()) {
-        refuse("'", key, "' has '", name, "', expected the number of a frame");
-      }
-      values[frame] = std::move(value);
+      const std::optional<int> frame = number_in<int>(name);
+      if (!frame) refuse("'", key, "' has '", name, "', expected the number of a frame");
+      values[*frame] = std::move(value);
     }
   }
 

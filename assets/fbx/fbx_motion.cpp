@@ -1,6 +1,7 @@
 #include "assets/fbx/fbx_motion.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace bodyopt {
 namespace {

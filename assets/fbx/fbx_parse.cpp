@@ -3,9 +3,10 @@
 #include <zlib.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cstring>
 #include <type_traits>
+
+#include "runtime/core/text.h"
 
 namespace bodyopt {
 namespace {
@@ -203,13 +204,10 @@ class FbxText {
   void append_word(FbxNode& node) {
     const std::string_view text = word();
     if (text.empty()) bytes_.fail("a value is missing");
-    const char* const end = text.data() + text.size();
-    std::int64_t integer = 0;
-    double number = 0;
-    if (const auto [stop, error] = std::from_chars(text.data(), end, integer); error == std::errc() && stop == end) {
-      node.values.emplace_back(integer);
-    } else if (const auto [rest, bad] = std::from_chars(text.data(), end, number); bad == std::errc() && rest == end) {
-      node.values.emplace_back(number);
+    if (const auto integer = number_in<std::int64_t>(text)) {
+      node.values.emplace_back(*integer);
+    } else if (const auto number = number_in<double>(text)) {
+      node.values.emplace_back(*number);
     } else {
       node.values.emplace_back(std::string(text));
     }
