@@ -42,18 +42,14 @@ class SmoothNormals {
     for (std::size_t k = 0; k < corners.size(); ++k) triangles_.data()[k] = place_of_[corners[k]];
   }
 
-  // points x 3; up where a vertex has no area around it.
+  // points x 3.
   std::vector<float> operator()(std::span<const float> shape) {
     for (std::size_t v = 0; v < place_of_.size(); ++v) {
       for (std::size_t i = 0; i < 3; ++i) {
         places_(place_of_[v], static_cast<Eigen::Index>(i)) = static_cast<double>(shape[3 * v + i]);
       }
     }
-    Positions all = vertex_normals(places_, triangles_);
-    for (Eigen::Index p = 0; p < all.rows(); ++p) {
-      const double size = all.row(p).norm();
-      all.row(p) = size > 1e-30 ? Eigen::RowVector3d(all.row(p) / size) : Eigen::RowVector3d(0, 1, 0);
-    }
+    const Positions all = unit_normals(places_, triangles_);
     std::vector<float> normals;
     for (const std::uint32_t place : place_of_) {
       for (Eigen::Index i = 0; i < 3; ++i) normals.push_back(static_cast<float>(all(place, i)));
