@@ -79,9 +79,7 @@ void add_weights(const CacheLayout& layout, std::size_t targets, std::size_t nod
   }
   const std::size_t input = glb.add(times, "SCALAR", GlbTarget::none),
                     output = glb.add(weights, "SCALAR", GlbTarget::none);
-  animation["channels"].push_back(
-      {{"sampler", animation["samplers"].size()}, {"target", {{"node", node}, {"path", "weights"}}}});
-  animation["samplers"].push_back({{"input", input}, {"output", output}, {"interpolation", "LINEAR"}});
+  add_channel(input, output, node, "weights", animation);
 }
 
 // A character is a .glb, too: what stands there under the name of a result is written over only where it is a result.

@@ -115,6 +115,12 @@ void set_triangles(const GltfFile& file, const SkinGeometry& geometry, Character
 
 }  // namespace
 
+std::size_t most_weights(const Character& character) {
+  std::size_t most = 1;
+  for (const auto& weights : character.weights) most = std::max(most, weights.size());
+  return most;
+}
+
 Positions welded_from_output(const Character& character, const float* output) {
   Positions welded(character.vertices.rows(), 3);
   for (std::size_t o = character.output_vertex.size(); o-- > 0;) {  // backwards: the first output vertex stays
