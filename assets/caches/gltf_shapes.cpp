@@ -26,8 +26,6 @@ namespace fs = std::filesystem;
 constexpr std::uint64_t kMostGlbBytes = 0xFFFFFFFFu;  // of a .glb
 constexpr const char* kGenerator = "bodyopt, shapes of a clip";
 
-fs::path shapes_aside(const fs::path& stem) { return fs::path(stem) += ".points"; }
-
 // Normals over vertices that are one where they lie on one another in a shape.
 class SmoothNormals {
  public:
@@ -186,16 +184,16 @@ void GltfShapesWriter::close() {
 }
 
 std::vector<fs::path> GltfShapesWriter::put_aside(const fs::path& stem) {
-  write_file_atomically(shapes_aside(stem), std::as_bytes(std::span(positions_)));
-  return {shapes_aside(stem)};
+  write_file_atomically(points_aside(stem), std::as_bytes(std::span(positions_)));
+  return {points_aside(stem)};
 }
 
 void GltfShapesWriter::take_up(const fs::path& stem, std::size_t frames) {
-  const std::string bytes = read_file(shapes_aside(stem), kMostGlbBytes, "points that were put aside");
+  const std::string bytes = read_file(points_aside(stem), kMostGlbBytes, "points that were put aside");
   positions_.resize(bytes.size() / sizeof(float));
   std::memcpy(positions_.data(), bytes.data(), positions_.size() * sizeof(float));
   if (positions_.size() == 3 * frames * layout_.points) return;
-  throw Error(ErrorKind::file, shapes_aside(stem), ": does not hold the ", frames,
+  throw Error(ErrorKind::file, points_aside(stem), ": does not hold the ", frames,
               " frames that were put aside: damaged, or of another run?");
 }
 
