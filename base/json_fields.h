@@ -26,6 +26,9 @@ class FieldReader : private JsonObject {
   FieldReader(const Json& json, const std::filesystem::path& path, const std::string& place)
       : JsonObject(json, path, place) {}
 
+  // See FieldWriter.
+  static bool wants(bool /*says_something*/) { return true; }
+
   void boolean(const char* key, bool& value) {
     if (is_there(key)) value = JsonObject::boolean(key);
   }
@@ -111,6 +114,9 @@ class FieldReader : private JsonObject {
 
 class FieldWriter {
  public:
+  // Of a field that earlier programs refuse: a file has it only where it says something.
+  static bool wants(bool says_something) { return says_something; }
+
   void boolean(const char* key, bool value) { json_[key] = value; }
   void number(const char* key, const auto& value, double, double) { put(key, value); }
   void integer(const char* key, const auto& value, double, double) { put(key, value); }
