@@ -137,4 +137,10 @@ const Json& JsonObject::at(const char* key) const {
   return *found;
 }
 
+JsonFile::JsonFile(const std::filesystem::path& path, const std::string& schema, std::string place,
+                   std::initializer_list<const char*> keys)
+    : JsonContent{std::make_shared<const Json>(read_json(path, schema))}, JsonObject(*content, path, std::move(place)) {
+  allow(keys);
+}
+
 }  // namespace bodyopt

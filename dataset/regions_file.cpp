@@ -119,9 +119,7 @@ std::vector<RegionWeights> read_regions(const Dataset& dataset, const Character&
   if (dataset.regions.empty()) return {};
   const std::filesystem::path path = dataset.folder / dataset.regions,
                               character_path = dataset.folder / dataset.character;
-  const Json json = read_json(path, kSchema);
-  const JsonObject top(json, path, "the file");
-  top.allow({"schema", "source", "vertex_count", "complete", "regions"});
+  const JsonFile top(path, kSchema, "the file", {"schema", "source", "vertex_count", "complete", "regions"});
   if (top.has("source")) top.text("source");
   const bool complete = top.has("complete") && top.boolean("complete");
   RegionsReader reader(path, character_path, character);

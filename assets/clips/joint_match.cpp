@@ -181,9 +181,7 @@ void note_parted(const Skeleton& skeleton, const std::vector<int>& match, std::v
 }
 
 std::vector<MappedJoint> read_joint_map(const std::filesystem::path& path) {
-  const Json json = read_json(path, "bodyopt-joint-map-1");
-  const JsonObject top(json, path, "the file");
-  top.allow({"schema", "joints"});
+  const JsonFile top(path, "bodyopt-joint-map-1", "the file", {"schema", "joints"});
   const std::vector<JsonObject> list = top.objects("joints");
   if (list.empty()) top.refuse("maps no joint in 'joints'");
   std::vector<MappedJoint> joints;
