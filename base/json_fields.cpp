@@ -19,12 +19,11 @@ Vec3 FieldReader::three_numbers(const char* key, double low, double high) const 
 }
 
 std::size_t FieldReader::place_among(const char* key, std::span<const char* const> names) const {
-  std::string all;
   for (std::size_t k = 0; k < names.size(); ++k) {
     if (json()[key] == names[k]) return k;
-    all += (k == 0 ? "'" : ", '") + std::string(names[k]) + "'";
   }
-  refuse_value(key, "one of " + all);
+  const std::vector<std::string> all(names.begin(), names.end());
+  refuse_value(key, "one of " + list_names(all, all.size()));
 }
 
 const Json& FieldReader::list(const char* key) const {

@@ -4,7 +4,6 @@
 #pragma once
 
 #include <array>
-#include <charconv>
 #include <filesystem>
 #include <map>
 #include <nlohmann/json.hpp>
@@ -14,6 +13,7 @@
 #include <vector>
 
 #include "base/json_file.h"
+#include "runtime/core/text.h"
 #include "runtime/core/transform.h"
 
 namespace bodyopt {
@@ -25,6 +25,9 @@ class FieldReader : private JsonObject {
   // `place`: how messages call the object.
   FieldReader(const Json& json, const std::filesystem::path& path, const std::string& place)
       : JsonObject(json, path, place) {}
+
+  // See FieldWriter.
+  static bool wants(bool /*says_something*/) { return true; }
 
   void boolean(const char* key, bool& value) {
     if (is_there(key)) value = JsonObject::boolean(key);
@@ -87,12 +90,9 @@ class FieldReader : private JsonObject {
     std::map<std::string, Value> by_name;
     named(key, by_name, field);
     for (auto& [name, value] : by_name) {
-      int frame = 0;
-      const auto [end, problem] = std::from_chars(name.data(), name.data() + name.size(), frame);
-      if (problem != std::errc{} || end != name.data() + name.size()) {
-        refuse("'", key, "' has '", name, "', expected the number of a frame");
-      }
-      values[frame] = std::move(value);
+      const std::optional<int> frame = number_in<int>(name);
+      if (!frame) refuse("'", key, "' has '", name, "', expected the number of a frame");
+      values[*frame] = std::move(value);
     }
   }
 
@@ -114,6 +114,9 @@ class FieldReader : private JsonObject {
 
 class FieldWriter {
  public:
+  // Of a field that earlier programs refuse: a file has it only where it says something.
+  static bool wants(bool says_something) { return says_something; }
+
   void boolean(const char* key, bool value) { json_[key] = value; }
   void number(const char* key, const auto& value, double, double) { put(key, value); }
   void integer(const char* key, const auto& value, double, double) { put(key, value); }

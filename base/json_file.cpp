@@ -44,8 +44,7 @@ std::string text_of(const Json& json, const std::filesystem::path& path) {
 }
 
 void write_json(const Json& json, const std::filesystem::path& path) {
-  const std::string text = text_of(json, path);
-  write_file_atomically(path, std::as_bytes(std::span(text)));
+  write_file_atomically(path, text_of(json, path));
 }
 
 JsonObject::JsonObject(const Json& object, const std::filesystem::path& path, std::string place)
@@ -136,6 +135,12 @@ const Json& JsonObject::at(const char* key) const {
   const auto found = object_.find(key);
   if (found == object_.end()) refuse("lacks '", key, "'");
   return *found;
+}
+
+JsonFile::JsonFile(const std::filesystem::path& path, const std::string& schema, std::string place,
+                   std::initializer_list<const char*> keys)
+    : JsonContent{std::make_shared<const Json>(read_json(path, schema))}, JsonObject(*content, path, std::move(place)) {
+  allow(keys);
 }
 
 }  // namespace bodyopt

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <initializer_list>
+#include <memory>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -52,6 +53,17 @@ class JsonObject {
   const Json& object_;
   const std::filesystem::path& path_;
   std::string place_;
+};
+
+struct JsonContent {
+  std::shared_ptr<const Json> content;
+};
+
+// The top level of a file, which has no other keys than these. Throws as read_json() and JsonObject do.
+class JsonFile : JsonContent, public JsonObject {
+ public:
+  JsonFile(const std::filesystem::path& path, const std::string& schema, std::string place,
+           std::initializer_list<const char*> keys);
 };
 
 }  // namespace bodyopt

@@ -2,8 +2,9 @@
 
 #include <algorithm>
 #include <cctype>
-#include <cstdio>
 #include <numeric>
+
+#include "runtime/core/text.h"
 
 namespace bodyopt {
 namespace {
@@ -37,6 +38,10 @@ std::string list_names(std::span<const std::string> names, std::size_t shown) {
   return text;
 }
 
+void note_names(const std::string& what, std::span<const std::string> names, std::vector<std::string>& notes) {
+  if (!names.empty()) notes.push_back(what + list_names(names) + ".");
+}
+
 std::string count_of(std::size_t count, const std::string& one, const std::string& many) {
   return std::to_string(count) + " " + (count == 1 ? one : many);
 }
@@ -53,11 +58,7 @@ std::string missing_ending(const std::string& name, const std::string& endings) 
   return all;
 }
 
-std::string rounded(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.4g", value);
-  return text;
-}
+std::string rounded(double value) { return formatted("%.4g", value); }
 
 std::vector<std::string> nearest_names(std::span<const std::string> names, const std::string& wanted) {
   constexpr std::size_t kShown = 3;

@@ -11,6 +11,9 @@ namespace bodyopt {
 // "'a', 'b', 'c'", cut after `shown` with the count of the rest; "none" for nothing.
 std::string list_names(std::span<const std::string> names, std::size_t shown = 12);
 
+// Adds the note "`what``names`.", where there are any.
+void note_names(const std::string& what, std::span<const std::string> names, std::vector<std::string>& notes);
+
 // The names of things.
 template <typename Named>
 std::vector<std::string> names_of(const Named& all) {

@@ -225,10 +225,9 @@ Dataset& Dataset::operator=(Dataset&& other) noexcept = default;
 Dataset::~Dataset() = default;
 
 Dataset read_dataset(const std::filesystem::path& path) {
-  const Json json = read_json(path, kDatasetSchema);
-  const JsonObject top(json, path, "the dataset");
-  top.allow({"schema", "character", "unit", "muscles", "materials", "body_fat", "kind", "corrections", "regions",
-             "takes", "selections", "modifiers"});
+  const JsonFile top(path, kDatasetSchema, "the dataset",
+                     {"schema", "character", "unit", "muscles", "materials", "body_fat", "kind", "corrections",
+                      "regions", "takes", "selections", "modifiers"});
   Dataset dataset;
   dataset.folder = path.parent_path().empty() ? "." : path.parent_path();
   dataset.character = top.name("character");
@@ -245,7 +244,7 @@ Dataset read_dataset(const std::filesystem::path& path) {
     if (!names.insert(dataset.takes.back().name).second) take.refuse("has the name of an earlier take");
   }
   if (top.has("selections")) {
-    const JsonObject selections(json["selections"], path, "'selections'");
+    const JsonObject selections(top.json()["selections"], path, "'selections'");
     for (const auto& [name, frames] : selections.json().items()) dataset.selections.push_back({name, frames});
   }
   if (top.has("modifiers")) dataset.modifiers = read_modifiers(top.array("modifiers"), path);
@@ -278,9 +277,7 @@ Dataset put_take(const Dataset& asked, const DatasetTake& take, const std::files
 }
 
 std::vector<FrameStatus> read_frame_status(const std::filesystem::path& path) {
-  const Json json = read_json(path, kStatusSchema);
-  const JsonObject top(json, path, "the side-car");
-  top.allow({"schema", "frames"});
+  const JsonFile top(path, kStatusSchema, "the side-car", {"schema", "frames"});
   std::vector<FrameStatus> status;
   std::set<int> known;
   for (const JsonObject& frame : top.objects("frames")) {

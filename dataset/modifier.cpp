@@ -42,9 +42,7 @@ StackHistory read_history(const Dataset& dataset) {
   StackHistory history;
   const fs::path path = history_path(dataset);
   if (fs::exists(path)) {
-    const Json json = read_json(path, kHistorySchema);
-    const JsonObject top(json, path, "the history");
-    top.allow({"schema", "now", "states"});
+    const JsonFile top(path, kHistorySchema, "the history", {"schema", "now", "states"});
     history.now = static_cast<std::size_t>(top.integer("now", 0));
     for (const Json& state : top.array("states")) history.states.push_back(read_modifiers(state, path));
   }

@@ -79,18 +79,12 @@ class RegionsReader {
 };
 
 RegionWeights welded(const std::string& name, const std::vector<double>& output, const Character& character) {
-  std::vector<double> largest(static_cast<std::size_t>(character.vertices.rows()), 0.0);
+  Eigen::VectorXd largest = Eigen::VectorXd::Zero(character.vertices.rows());
   for (std::size_t o = 0; o < output.size(); ++o) {
     double& weight = largest[character.output_vertex[o]];
     weight = std::max(weight, output[o]);
   }
-  RegionWeights region{name, {}, {}};
-  for (std::size_t v = 0; v < largest.size(); ++v) {
-    if (!(largest[v] > 0)) continue;
-    region.vertices.push_back(static_cast<std::uint32_t>(v));
-    region.weights.push_back(largest[v]);
-  }
-  return region;
+  return region_of(name, largest);
 }
 
 void check_covered(const std::vector<RegionWeights>& regions, const Character& character,
@@ -125,9 +119,7 @@ std::vector<RegionWeights> read_regions(const Dataset& dataset, const Character&
   if (dataset.regions.empty()) return {};
   const std::filesystem::path path = dataset.folder / dataset.regions,
                               character_path = dataset.folder / dataset.character;
-  const Json json = read_json(path, kSchema);
-  const JsonObject top(json, path, "the file");
-  top.allow({"schema", "source", "vertex_count", "complete", "regions"});
+  const JsonFile top(path, kSchema, "the file", {"schema", "source", "vertex_count", "complete", "regions"});
   if (top.has("source")) top.text("source");
   const bool complete = top.has("complete") && top.boolean("complete");
   RegionsReader reader(path, character_path, character);
@@ -160,8 +152,7 @@ std::string regions_text(const std::vector<RegionWeights>& regions, const Charac
                      ",\n  \"vertex_count\": " + std::to_string(character.output_count()) +
                      ",\n  \"complete\": true,\n  \"regions\": [";
   for (const RegionWeights& region : regions) {
-    std::vector<double> weight(static_cast<std::size_t>(character.vertices.rows()), 0.0);
-    for (std::size_t k = 0; k < region.vertices.size(); ++k) weight[region.vertices[k]] = region.weights[k];
+    const Eigen::VectorXd weight = sum_of_weights({region}, character.vertices.rows());
     Json vertices = Json::array(), weights = Json::array();
     for (std::uint32_t o = 0; o < character.output_count(); ++o) {
       if (!(weight[character.output_vertex[o]] > 0)) continue;
@@ -179,8 +170,7 @@ std::string regions_text(const std::vector<RegionWeights>& regions, const Charac
 
 void write_regions(const std::vector<RegionWeights>& regions, const Character& character,
                    const std::filesystem::path& path, const std::string& source) {
-  const std::string text = regions_text(regions, character, source);
-  write_file_atomically(path, std::as_bytes(std::span(text)));
+  write_file_atomically(path, regions_text(regions, character, source));
 }
 
 }  // namespace bodyopt

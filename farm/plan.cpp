@@ -388,9 +388,7 @@ void write_plan(const FarmPlan& plan, const fs::path& folder) {
 
 FarmPlan read_plan(const fs::path& folder) {
   const fs::path path = plan_file(folder);
-  const Json json = read_json(path, kPlanSchema);
-  const JsonObject top(json, path, "the top level");
-  top.allow({"schema", "show", "joins", "tasks"});
+  const JsonFile top(path, kPlanSchema, "the top level", {"schema", "show", "joins", "tasks"});
   FarmPlan plan{top.text("show"), {}, top.boolean("joins")};
   for (const JsonObject& object : top.objects("tasks")) {
     object.allow({"wave", "lane", "steps"});

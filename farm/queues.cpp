@@ -288,8 +288,7 @@ std::vector<std::string> submit_to_slurm(const std::vector<const FarmTask*>& tas
     throw Error(ErrorKind::usage, folder, ": Slurm does not write logs into folders with '\\' in their name");
   }
   fs::create_directories(folder / "logs");
-  const std::string script = slurm_script(program, folder);
-  write_file_atomically(folder / "task.sh", std::as_bytes(std::span(script)));
+  write_file_atomically(folder / "task.sh", slurm_script(program, folder));
   chmod((folder / "task.sh").c_str(), 0755);
   std::vector<std::string> jobs;
   for (SlurmArray& array : slurm_arrays(tasks, plan.show, plan.joins, folder, options)) {

@@ -90,6 +90,10 @@ std::vector<FileStamp> read_stamps(const JsonObject& object, const char* key, co
   return transformed(object.array(key), [&](const Json& file) { return file_stamp(JsonObject(file, path, key)); });
 }
 
+TaskKey made_of(const JsonObject& top) {
+  return task_key(JsonObject(top.json().value("made_of", Json()), top.path(), "made_of"), top.path());
+}
+
 // Running again does not mend wrong frames, topology or options.
 bool is_lasting(int exit_code) {
   return exit_code == static_cast<int>(ErrorKind::mismatch) || exit_code == static_cast<int>(ErrorKind::usage);
@@ -272,14 +276,12 @@ void TaskRun::write_checkpoint(const Checkpoint& checkpoint, const std::vector<f
 std::optional<Checkpoint> TaskRun::read_checkpoint() const {
   const fs::path path = checkpoint_file(checkpoint_folder());
   try {
-    const Json json = read_json(path, kCheckpointSchema);
-    const JsonObject top(json, path, "the top level");
-    top.allow({"schema", "made_of", "frames", "files", "log"});
-    if (!is_same(task_key(JsonObject(json.value("made_of", Json()), path, "made_of"), path), key_)) return std::nullopt;
+    const JsonFile top(path, kCheckpointSchema, "the top level", {"schema", "made_of", "frames", "files", "log"});
+    if (!is_same(made_of(top), key_)) return std::nullopt;
     for (const Json& file : top.array("files")) {
       if (!is_unchanged(file_stamp(JsonObject(file, path, "files")), true)) return std::nullopt;
     }
-    return Checkpoint{static_cast<std::size_t>(top.integer("frames", 1)), json.value("log", Json())};
+    return Checkpoint{static_cast<std::size_t>(top.integer("frames", 1)), top.json().value("log", Json())};
   } catch (const Error&) {
     return std::nullopt;
   }
@@ -367,13 +369,11 @@ void write_record(const TaskRecord& record) {
 std::optional<TaskRecord> read_record(const fs::path& output) {
   const fs::path path = done_beside(output);
   try {
-    const Json json = read_json(path, kDoneSchema);
-    const JsonObject top(json, path, "the top level");
-    top.allow({"schema", "made_of", "outputs", "summary"});
+    const JsonFile top(path, kDoneSchema, "the top level", {"schema", "made_of", "outputs", "summary"});
     TaskRecord record;
-    record.key = task_key(JsonObject(json.value("made_of", Json()), path, "made_of"), path);
+    record.key = made_of(top);
     record.outputs = read_stamps(top, "outputs", path);
-    record.summary = json.value("summary", Json());
+    record.summary = top.json().value("summary", Json());
     if (record.outputs.empty()) return std::nullopt;
     // A folder that was moved with all that is in it: the outputs lie beside the record.
     for (FileStamp& file : record.outputs) file.path = path.parent_path() / fs::path(file.path).filename();
@@ -398,11 +398,8 @@ void write_failure(const TaskFailure& failure, const fs::path& output) {
 std::optional<TaskFailure> read_failure(const fs::path& output) {
   const fs::path path = failed_beside(output);
   try {
-    const Json json = read_json(path, kFailedSchema);
-    const JsonObject top(json, path, "the top level");
-    top.allow({"schema", "made_of", "exit_code", "message", "host"});
-    return TaskFailure{task_key(JsonObject(json.value("made_of", Json()), path, "made_of"), path),
-                       top.integer("exit_code", 1, 255), top.text("message"), top.text("host")};
+    const JsonFile top(path, kFailedSchema, "the top level", {"schema", "made_of", "exit_code", "message", "host"});
+    return TaskFailure{made_of(top), top.integer("exit_code", 1, 255), top.text("message"), top.text("host")};
   } catch (const Error&) {
     return std::nullopt;
   }

@@ -35,6 +35,19 @@ Positions vertex_normals(const Positions& vertices, const Triangles& triangles) 
   return normals;
 }
 
+Positions unit_normals(const Positions& vertices, const Triangles& triangles) {
+  Positions normals = vertex_normals(vertices, triangles);
+  for (Eigen::Index v = 0; v < normals.rows(); ++v) {
+    const double size = normals.row(v).norm();
+    if (size > 1e-30) {
+      normals.row(v) /= size;
+    } else {
+      normals.row(v) << 0, 1, 0;
+    }
+  }
+  return normals;
+}
+
 Eigen::RowVector3d box_sides(const Positions& points) {
   if (points.rows() == 0) return Eigen::RowVector3d::Zero();
   return points.colwise().maxCoeff() - points.colwise().minCoeff();

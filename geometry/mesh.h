@@ -39,6 +39,8 @@ Triangles triangles_of(const std::vector<std::array<std::uint32_t, 3>>& corners)
 
 // The sum of the normals of the triangles around each vertex, each twice its area long, V x 3; zero without any.
 [[nodiscard]] Positions vertex_normals(const Positions& vertices, const Triangles& triangles);
+// The same, of length 1; up where a vertex has no area around it.
+[[nodiscard]] Positions unit_normals(const Positions& vertices, const Triangles& triangles);
 
 // Extents of the bounding box, in the points' unit; 0 without points.
 Eigen::RowVector3d box_sides(const Positions& points);

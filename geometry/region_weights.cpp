@@ -40,6 +40,16 @@ RegionWeights renumbered(const RegionWeights& region, const std::vector<std::uin
 
 }  // namespace
 
+RegionWeights region_of(const std::string& name, const Eigen::VectorXd& weights) {
+  RegionWeights region{name, {}, {}};
+  for (Eigen::Index v = 0; v < weights.size(); ++v) {
+    if (!(weights[v] > 0)) continue;
+    region.vertices.push_back(static_cast<std::uint32_t>(v));
+    region.weights.push_back(weights[v]);
+  }
+  return region;
+}
+
 Eigen::VectorXd sum_of_weights(const std::vector<RegionWeights>& regions, Eigen::Index vertices) {
   Eigen::VectorXd sums = Eigen::VectorXd::Zero(vertices);
   for (const RegionWeights& region : regions) {

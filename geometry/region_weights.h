@@ -18,6 +18,9 @@ struct RegionWeights {
   std::vector<double> weights;
 };
 
+// The region of the vertices whose weight is above 0; weights: of every vertex.
+[[nodiscard]] RegionWeights region_of(const std::string& name, const Eigen::VectorXd& weights);
+
 // The mean over a region of what its vertices have, by its weights; 0 of none. value(k): of its k-th vertex.
 template <typename Value>
 double mean_over(const RegionWeights& region, const Value& value) {

@@ -53,12 +53,8 @@ BoundSkin bind_attached(const BoundSkin& skin, const MeshTable& mesh, const Atta
   Character& own = bound.character;
   own.name = attached.name;
   own.skeleton = skin.character.skeleton;
-  const auto count = static_cast<Eigen::Index>(attached.vertex_count());
-  using Rest = Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor>;
-  own.vertices = Eigen::Map<const Rest>(attached.rest.data(), count, 3).cast<double>();
-  own.output_triangles = Eigen::Map<const Triangles>(attached.triangles.data(),
-                                                     static_cast<Eigen::Index>(attached.triangles.size() / 3), 3);
-  own.triangles = own.output_triangles;
+  own.vertices = rows_of(attached.rest);
+  own.triangles = own.output_triangles = rows_of(attached.triangles);
   for (const std::uint32_t anchor : attached.vertex_anchor) own.weights.push_back(of_anchors[anchor]);
   own.output_vertex.resize(own.weights.size());
   std::iota(own.output_vertex.begin(), own.output_vertex.end(), 0u);

@@ -24,16 +24,14 @@ class Pc2Cache final : public CacheWriter {
   void append(std::span<const float> positions, std::span<const float>) override { writer_.append(positions); }
   void close() override { writer_.close(); }
   std::vector<fs::path> put_aside(const fs::path& stem) override {
-    writer_.put_aside(aside(stem));
-    return {aside(stem)};
+    writer_.put_aside(points_aside(stem));
+    return {points_aside(stem)};
   }
   void take_up(const fs::path& stem, std::size_t frames) override {
-    writer_.take_up(aside(stem), static_cast<std::uint32_t>(frames));
+    writer_.take_up(points_aside(stem), static_cast<std::uint32_t>(frames));
   }
 
  private:
-  static fs::path aside(const fs::path& stem) { return fs::path(stem) += ".points"; }
-
   Pc2Writer writer_;
 };
 
@@ -55,6 +53,8 @@ void require_all_samples(const fs::path& path, const CacheLayout& layout, std::s
   throw Error(ErrorKind::file, path, ": ", done, " of ", layout.frames.size(),
               " frames were given; nothing is written");
 }
+
+fs::path points_aside(const fs::path& stem) { return fs::path(stem) += ".points"; }
 
 std::unique_ptr<CacheWriter> write_cache(const fs::path& path, CacheLayout layout) {
   if (path.extension() == ".glb") return std::make_unique<GltfShapesWriter>(path, std::move(layout));

@@ -51,6 +51,9 @@ void require_sample(const std::filesystem::path& path, const CacheLayout& layout
                     std::span<const float> values);
 void require_all_samples(const std::filesystem::path& path, const CacheLayout& layout, std::size_t done);
 
+// The file of the points that put_aside() leaves.
+std::filesystem::path points_aside(const std::filesystem::path& stem);
+
 // The endings of caches, as missing_ending() takes them.
 inline constexpr char kCacheEndings[] = ".pc2|.mdd|.usda|.glb";
 

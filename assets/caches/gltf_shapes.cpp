@@ -26,8 +26,6 @@ namespace fs = std::filesystem;
 constexpr std::uint64_t kMostGlbBytes = 0xFFFFFFFFu;  // of a .glb
 constexpr const char* kGenerator = "bodyopt, shapes of a clip";
 
-fs::path shapes_aside(const fs::path& stem) { return fs::path(stem) += ".points"; }
-
 // Normals over vertices that are one where they lie on one another in a shape.
 class SmoothNormals {
  public:
@@ -42,18 +40,14 @@ class SmoothNormals {
     for (std::size_t k = 0; k < corners.size(); ++k) triangles_.data()[k] = place_of_[corners[k]];
   }
 
-  // points x 3; up where a vertex has no area around it.
+  // points x 3.
   std::vector<float> operator()(std::span<const float> shape) {
     for (std::size_t v = 0; v < place_of_.size(); ++v) {
       for (std::size_t i = 0; i < 3; ++i) {
         places_(place_of_[v], static_cast<Eigen::Index>(i)) = static_cast<double>(shape[3 * v + i]);
       }
     }
-    Positions all = vertex_normals(places_, triangles_);
-    for (Eigen::Index p = 0; p < all.rows(); ++p) {
-      const double size = all.row(p).norm();
-      all.row(p) = size > 1e-30 ? Eigen::RowVector3d(all.row(p) / size) : Eigen::RowVector3d(0, 1, 0);
-    }
+    const Positions all = unit_normals(places_, triangles_);
     std::vector<float> normals;
     for (const std::uint32_t place : place_of_) {
       for (Eigen::Index i = 0; i < 3; ++i) normals.push_back(static_cast<float>(all(place, i)));
@@ -83,9 +77,7 @@ void add_weights(const CacheLayout& layout, std::size_t targets, std::size_t nod
   }
   const std::size_t input = glb.add(times, "SCALAR", GlbTarget::none),
                     output = glb.add(weights, "SCALAR", GlbTarget::none);
-  animation["channels"].push_back(
-      {{"sampler", animation["samplers"].size()}, {"target", {{"node", node}, {"path", "weights"}}}});
-  animation["samplers"].push_back({{"input", input}, {"output", output}, {"interpolation", "LINEAR"}});
+  add_channel(input, output, node, "weights", animation);
 }
 
 // A character is a .glb, too: what stands there under the name of a result is written over only where it is a result.
@@ -192,16 +184,16 @@ void GltfShapesWriter::close() {
 }
 
 std::vector<fs::path> GltfShapesWriter::put_aside(const fs::path& stem) {
-  write_file_atomically(shapes_aside(stem), std::as_bytes(std::span(positions_)));
-  return {shapes_aside(stem)};
+  write_file_atomically(points_aside(stem), std::as_bytes(std::span(positions_)));
+  return {points_aside(stem)};
 }
 
 void GltfShapesWriter::take_up(const fs::path& stem, std::size_t frames) {
-  const std::string bytes = read_file(shapes_aside(stem), kMostGlbBytes, "points that were put aside");
+  const std::string bytes = read_file(points_aside(stem), kMostGlbBytes, "points that were put aside");
   positions_.resize(bytes.size() / sizeof(float));
   std::memcpy(positions_.data(), bytes.data(), positions_.size() * sizeof(float));
   if (positions_.size() == 3 * frames * layout_.points) return;
-  throw Error(ErrorKind::file, shapes_aside(stem), ": does not hold the ", frames,
+  throw Error(ErrorKind::file, points_aside(stem), ": does not hold the ", frames,
               " frames that were put aside: damaged, or of another run?");
 }
 

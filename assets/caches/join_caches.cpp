@@ -82,23 +82,22 @@ void join_usda(const std::vector<fs::path>& paths, const fs::path& out) {
     frames += parts[k].frames().size();
   }
   AtomicFile file(out);
-  const auto write = [&](const std::string& text) { file.write(std::as_bytes(std::span(text))); };
   Progress progress("join", 2 * frames);
   const auto write_samples = [&](const std::string& opening) {
-    write(opening + '\n');
+    file.write(opening + '\n');
     for (UsdaPart& part : parts) {
       part.for_samples(opening, [&](const std::string& line) {
-        write(line + '\n');
+        file.write(line + '\n');
         progress.advance();
       });
     }
   };
-  write(parts.front().opening(parts.back().last_frame()));
+  file.write(parts.front().opening(parts.back().last_frame()));
   write_samples(kUsdaPointSamples);
-  write(parts.front().between());
+  file.write(parts.front().between());
   if (parts.front().has_normals()) {
     write_samples(kUsdaNormalSamples);
-    write(std::string(kUsdaSamplesEnd) + "\n}\n");
+    file.write(std::string(kUsdaSamplesEnd) + "\n}\n");
   }
   copy_usd_images(parts.front().head(), parts.front().path().parent_path(), out.parent_path());
   file.commit();

@@ -1,13 +1,14 @@
 #include "assets/caches/nodes_cache.h"
 
 #include <algorithm>
-#include <charconv>
+#include <cinttypes>
 #include <cmath>
 #include <cstring>
 #include <limits>
 
 #include "assets/caches/pc2.h"
 #include "runtime/core/error.h"
+#include "runtime/core/text.h"
 
 namespace bodyopt {
 namespace {
@@ -49,12 +50,6 @@ std::string metadata_of(const std::filesystem::path& path, const Safetensors& fi
   return found->second;
 }
 
-std::string hexadecimal(std::uint64_t value) {
-  char text[16];
-  const auto end = std::to_chars(text, text + sizeof(text), value, 16).ptr;
-  return {text, end};
-}
-
 }  // namespace
 
 NodesWriter::NodesWriter(std::filesystem::path path, const Tets& tets, const std::vector<EmbeddedPoint>& skin,
@@ -71,7 +66,7 @@ NodesWriter::NodesWriter(std::filesystem::path path, const Tets& tets, const std
   file_.tensors["skin.tet"] = tensor("U32", {tet.size()}, tet);
   file_.tensors["skin.weights"] = tensor("F64", {tet.size(), 4}, weights);
   file_.metadata = {{"schema", kNodesSchema},
-                    {"inputs", hexadecimal(inputs)},
+                    {"inputs", formatted("%" PRIx64, inputs)},
                     {"start_frame", std::to_string(frames.empty() ? 1 : frames.front())},
                     {"frame_spacing", std::to_string(static_cast<int>(frame_spacing(frames)))}};
 }
@@ -106,10 +101,9 @@ NodesReader::NodesReader(const std::filesystem::path& path) : path_(path) {
   metadata_of(path, file, "checksum");  // read_safetensors has held it against the content
   const auto whole_number = [&](const char* key) {
     const std::string text = metadata_of(path, file, key);
-    int value = 0;
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-    if (error != std::errc() || end != text.data() + text.size()) refuse_cache(path, key, " is '", text, "'");
-    return static_cast<float>(value);
+    const std::optional<int> value = number_in<int>(text);
+    if (!value) refuse_cache(path, key, " is '", text, "'");
+    return static_cast<float>(*value);
   };
   start_frame_ = whole_number("start_frame");
   sample_rate_ = whole_number("frame_spacing");

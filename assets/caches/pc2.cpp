@@ -13,7 +13,6 @@
 #include <limits>
 #include <string>
 
-#include "runtime/core/atomic_file.h"
 #include "runtime/core/error.h"
 #include "runtime/core/file_kind.h"
 #include "runtime/core/text.h"
@@ -167,16 +166,6 @@ std::vector<float> Pc2Reader::sample(std::uint32_t k) const {
   return values;
 }
 
-struct Pc2Writer::File {
-  File(const std::filesystem::path& where, std::uint32_t points, std::uint32_t samples, const CacheSpace& in)
-      : path(where), out(where), space(in), stride(3 * std::size_t{points}), expected(samples) {}
-  std::filesystem::path path;
-  AtomicFile out;
-  CacheSpace space;
-  std::size_t stride;
-  std::uint32_t expected, written = 0;
-};
-
 namespace {
 
 // The header's counts are 32 bits with a sign.
@@ -214,10 +203,13 @@ std::vector<float> in_space(std::span<const float> points, const CacheSpace& spa
 
 Pc2Writer::Pc2Writer(const std::filesystem::path& path, std::uint32_t point_count, std::uint32_t sample_count,
                      float start_frame, float sample_rate, const CacheSpace& space, double fps)
-    : file_(std::make_unique<File>(path, checked_count(path, point_count, 1, "points"),
-                                   checked_count(path, sample_count, 0, "samples"), space)) {
+    : path_(path),
+      space_(space),
+      stride_(3 * std::size_t{checked_count(path, point_count, 1, "points")}),
+      expected_(checked_count(path, sample_count, 0, "samples")),
+      out_(path) {
   if (is_mdd(path)) {
-    write_mdd_header(file_->out, point_count, sample_count, static_cast<double>(sample_rate) / fps);
+    write_mdd_header(out_, point_count, sample_count, static_cast<double>(sample_rate) / fps);
     return;
   }
   Pc2Header header{};
@@ -227,47 +219,43 @@ Pc2Writer::Pc2Writer(const std::filesystem::path& path, std::uint32_t point_coun
   header.samples = static_cast<std::int32_t>(sample_count);
   header.start_frame = start_frame;
   header.sample_rate = sample_rate;
-  file_->out.write(std::as_bytes(std::span(&header, 1)));
+  out_.write(std::as_bytes(std::span(&header, 1)));
 }
 
-Pc2Writer::~Pc2Writer() = default;
-
 void Pc2Writer::append(std::span<const float> sample) {
-  if (sample.size() != file_->stride) {
-    throw Error(ErrorKind::mismatch, file_->path, ": a sample of ", sample.size() / 3,
-                " points was given to a cache of ", file_->stride / 3);
+  if (sample.size() != stride_) {
+    throw Error(ErrorKind::mismatch, path_, ": a sample of ", sample.size() / 3, " points was given to a cache of ",
+                stride_ / 3);
   }
-  if (file_->written == file_->expected) {
-    throw Error(ErrorKind::mismatch, file_->path, ": more than the ", file_->expected,
-                " samples it was opened for were given");
+  if (written_ == expected_) {
+    throw Error(ErrorKind::mismatch, path_, ": more than the ", expected_, " samples it was opened for were given");
   }
-  const bool as_it_is = file_->space.unit == 1 && !file_->space.z_up;
-  std::vector<float> changed = as_it_is ? std::vector<float>() : in_space(sample, file_->space);
+  const bool as_it_is = space_.unit == 1 && !space_.z_up;
+  std::vector<float> changed = as_it_is ? std::vector<float>() : in_space(sample, space_);
   std::span<const float> written = as_it_is ? sample : changed;
-  require_finite(file_->path, file_->written, written);
-  if (is_mdd(file_->path)) {
+  require_finite(path_, written_, written);
+  if (is_mdd(path_)) {
     if (as_it_is) changed.assign(sample.begin(), sample.end());
     swap_floats(changed);
     written = changed;
   }
-  file_->out.write(std::as_bytes(written));
-  ++file_->written;
+  out_.write(std::as_bytes(written));
+  ++written_;
 }
 
 void Pc2Writer::close() {
-  if (file_->written != file_->expected) {
-    throw Error(ErrorKind::file, file_->path, ": ", file_->written, " of ", file_->expected,
-                " samples were given; nothing is written");
+  if (written_ != expected_) {
+    throw Error(ErrorKind::file, path_, ": ", written_, " of ", expected_, " samples were given; nothing is written");
   }
-  file_->out.commit();
+  out_.commit();
 }
 
-void Pc2Writer::put_aside(const std::filesystem::path& file) { file_->out.put_aside(file); }
+void Pc2Writer::put_aside(const std::filesystem::path& file) { out_.put_aside(file); }
 
 void Pc2Writer::take_up(const std::filesystem::path& file, std::uint32_t samples) {
-  file_->out.restart();
-  file_->out.write_file(file);
-  file_->written = samples;
+  out_.restart();
+  out_.write_file(file);
+  written_ = samples;
 }
 
 float frame_spacing(const std::vector<int>& frames) {

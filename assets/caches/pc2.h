@@ -10,6 +10,8 @@
 #include <span>
 #include <vector>
 
+#include "runtime/core/atomic_file.h"
+
 namespace bodyopt {
 
 // Keeps the file open: one that is replaced meanwhile is read to its end as it was. It is not mapped, which would be
@@ -48,9 +50,6 @@ class Pc2Writer {
  public:
   Pc2Writer(const std::filesystem::path& path, std::uint32_t point_count, std::uint32_t sample_count,
             float start_frame = 1, float sample_rate = 1, const CacheSpace& space = {}, double fps = 24);
-  ~Pc2Writer();
-  Pc2Writer(const Pc2Writer&) = delete;
-  Pc2Writer& operator=(const Pc2Writer&) = delete;
 
   void append(std::span<const float> sample);  // point_count x 3, metres, Y up
   void close();
@@ -61,8 +60,11 @@ class Pc2Writer {
   void take_up(const std::filesystem::path& file, std::uint32_t samples);
 
  private:
-  struct File;
-  std::unique_ptr<File> file_;
+  std::filesystem::path path_;
+  CacheSpace space_;
+  std::size_t stride_;
+  std::uint32_t expected_, written_ = 0;
+  AtomicFile out_;
 };
 
 // The sample rate of a cache of these frames: frames from one sample to the next; 1 where they are not evenly spaced.

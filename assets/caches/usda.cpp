@@ -6,6 +6,7 @@
 
 #include "base/parallel.h"
 #include "runtime/core/error.h"
+#include "runtime/core/text.h"
 
 namespace bodyopt {
 namespace {
@@ -13,30 +14,26 @@ namespace {
 namespace fs = std::filesystem;
 
 std::string list_of(std::span<const std::uint32_t> numbers) {
-  std::string text;
-  for (const std::uint32_t number : numbers) text += (text.empty() ? "" : ", ") + std::to_string(number);
-  return text;
+  return usda_list(numbers, [](std::uint32_t number) { return std::to_string(number); });
 }
 
 std::string topology(std::span<const std::uint32_t> corners) {
   const std::vector<std::uint32_t> counts(corners.size() / 3, 3);
-  return "    int[] faceVertexCounts = [" + list_of(counts) + "]\n    int[] faceVertexIndices = [" + list_of(corners) +
-         "]\n";
+  return "    int[] faceVertexCounts = " + list_of(counts) + "\n    int[] faceVertexIndices = " + list_of(corners) +
+         "\n";
 }
 
 // Texture coordinates, whose second one USD counts from below.
 std::string coordinates(const std::vector<double>& texture, const std::vector<std::uint32_t>& of_corners) {
   std::string text;
-  char digits[32];
   for (std::size_t k = 0; k < texture.size(); ++k) {
     text += k % 2 != 0 ? ", " : k == 0 ? "    texCoord2f[] primvars:st = [(" : "), (";
-    const auto value = static_cast<float>(k % 2 == 0 ? texture[k] : 1 - texture[k]);
-    text.append(digits, std::to_chars(digits, digits + sizeof(digits), value).ptr);
+    text += shortest(static_cast<float>(k % 2 == 0 ? texture[k] : 1 - texture[k]));
   }
   if (text.empty()) return text;
   const char* const each = of_corners.empty() ? "vertex" : "faceVarying";
   text += std::string(")] (\n        interpolation = \"") + each + "\"\n    )\n";
-  if (!of_corners.empty()) text += "    int[] primvars:st:indices = [" + list_of(of_corners) + "]\n";
+  if (!of_corners.empty()) text += "    int[] primvars:st:indices = " + list_of(of_corners) + "\n";
   return text;
 }
 
@@ -66,7 +63,7 @@ std::string head(const CacheLayout& layout) {
   const int first = layout.frames.empty() ? 0 : layout.frames.front();
   const int last = layout.frames.empty() ? 0 : layout.frames.back();
   const std::string prim = prim_name(layout.name);
-  return usda_head(prim, first, last, usda_number(layout.fps)) + "def Mesh \"" + prim + "\"\n{\n" +
+  return usda_head(prim, first, last, shortest(layout.fps)) + "def Mesh \"" + prim + "\"\n{\n" +
          usda_mesh(layout, "/" + prim) + kUsdaPointSamples + '\n';
 }
 
@@ -77,17 +74,9 @@ std::string head_of_normals() {
 
 constexpr char kTail[] = "    }\n}\n";
 
-fs::path points_aside(const fs::path& stem) { return fs::path(stem) += ".points"; }
 fs::path normals_aside(const fs::path& stem) { return fs::path(stem) += ".normals"; }
 
 }  // namespace
-
-void write_text(AtomicFile& file, const std::string& text) { file.write(std::as_bytes(std::span(text))); }
-
-std::string usda_number(double value) {
-  char digits[32];
-  return {digits, std::to_chars(digits, digits + sizeof(digits), value).ptr};
-}
 
 std::string usda_mesh(const CacheLayout& layout, const std::string& prim) {
   return "    uniform token orientation = \"rightHanded\"\n    uniform token subdivisionScheme = \"none\"\n" +
@@ -115,12 +104,12 @@ std::string usda_head(const std::string& prim, int first_frame, int last_frame, 
 
 UsdaWriter::UsdaWriter(const fs::path& path, CacheLayout layout)
     : path_(path), layout_(std::move(layout)), points_(path), normals_(path) {
-  write_text(points_, head(layout_));
+  points_.write(head(layout_));
 }
 
 void UsdaWriter::write_sample(AtomicFile& file, std::span<const float> values) const {
   require_sample(path_, layout_, written_, values);
-  write_text(file, "        " + std::to_string(layout_.frames[written_]) + ": " + usda_points(values) + ",\n");
+  file.write("        " + std::to_string(layout_.frames[written_]) + ": " + usda_points(values) + ",\n");
 }
 
 void UsdaWriter::append(std::span<const float> positions, std::span<const float> normals) {
@@ -133,10 +122,10 @@ void UsdaWriter::append(std::span<const float> positions, std::span<const float>
 void UsdaWriter::close() {
   require_all_samples(path_, layout_, written_);
   if (has_normals_) {
-    write_text(points_, head_of_normals());
+    points_.write(head_of_normals());
     points_.write_unfinished(normals_);
   }
-  write_text(points_, kTail);
+  points_.write(kTail);
   write_usd_images(layout_.surface, layout_.name, path_.parent_path());
   points_.commit();
 }

@@ -14,13 +14,18 @@ namespace bodyopt {
 
 // How a file begins whose prim this is.
 std::string usda_head(const std::string& prim, int first_frame, int last_frame, const std::string& fps);
-void write_text(AtomicFile& file, const std::string& text);
-// The shortest that reads back to the same number.
-std::string usda_number(double value);
 // The parts of a mesh beside its points: triangles, texture coordinates, colours and materials. `prim`: its path.
 std::string usda_mesh(const CacheLayout& layout, const std::string& prim);
 // "[(x, y, z), ...]" of finite numbers, printed by all threads.
 std::string usda_points(std::span<const float> values);
+
+// "[a, b, c]", as `print` prints each.
+template <class Items, class Print>
+std::string usda_list(const Items& items, const Print& print) {
+  std::string text = "[";
+  for (const auto& item : items) text += (text.size() > 1 ? std::string(", ") : "") + print(item);
+  return text + "]";
+}
 
 // Numbers are the shortest text that reads back to the same float. Images of the surface's base colours come to lie
 // beside the file. Memory does not grow with the frames: normals wait in a file of their own until the points are

@@ -7,6 +7,7 @@
 #include "assets/caches/usda.h"
 #include "assets/caches/usda_skeleton.h"
 #include "assets/clips/gltf_motion.h"
+#include "runtime/core/text.h"
 
 namespace bodyopt {
 namespace {
@@ -15,16 +16,8 @@ namespace fs = std::filesystem;
 
 std::string shape_name(int frame) { return prim_name("frame_" + std::to_string(frame)); }
 
-// A comma-separated list in brackets.
-template <class Items, class Print>
-std::string listed(const Items& items, const Print& print) {
-  std::string text = "[";
-  for (const auto& item : items) text += (text.size() > 1 ? std::string(", ") : "") + print(item);
-  return text + "]";
-}
-
 std::string names_of_shapes(const CacheLayout& layout) {
-  return listed(layout.frames, [](int frame) { return '"' + shape_name(frame) + '"'; });
+  return usda_list(layout.frames, [](int frame) { return '"' + shape_name(frame) + '"'; });
 }
 
 BoundSkin with_half_scales(const BoundSkin& skin) {
@@ -39,15 +32,14 @@ BoundSkin with_half_scales(const BoundSkin& skin) {
 
 // Every output vertex has as many weights as the one with the most; the others end in zeros.
 std::string joint_weights(const Character& character) {
-  std::size_t most = 1;
-  for (const auto& weights : character.weights) most = std::max(most, weights.size());
+  const std::size_t most = most_weights(character);
   std::string joints, weights;
   for (const std::uint32_t vertex : character.output_vertex) {
     for (std::size_t k = 0; k < most; ++k) {
       const auto& own = character.weights[vertex];
       const bool is_there = k < own.size();
       joints += (joints.empty() ? "" : ", ") + std::to_string(is_there ? own[k].joint : 0);
-      weights += (weights.empty() ? "" : ", ") + usda_number(is_there ? own[k].weight : 0);
+      weights += (weights.empty() ? "" : ", ") + shortest(is_there ? own[k].weight : 0);
     }
   }
   const std::string each =
@@ -61,23 +53,22 @@ std::string joint_weights(const Character& character) {
 UsdaBoundWriter::UsdaBoundWriter(const fs::path& path, CacheLayout layout)
     : path_(path), layout_(std::move(layout)), bound_(with_half_scales(*layout_.bound)), file_(path) {
   const std::string root = prim_name(layout_.name);
-  write_text(file_, usda_head(root, bound_.clip.first_frame, bound_.clip.last_frame(), usda_number(layout_.fps)) +
-                        "def SkelRoot \"" + root + "\"\n{\n" +
-                        usd_skeleton(bound_.clip, bound_.character.skeleton, root, path));
+  file_.write(usda_head(root, bound_.clip.first_frame, bound_.clip.last_frame(), shortest(layout_.fps)) +
+              "def SkelRoot \"" + root + "\"\n{\n" + usd_skeleton(bound_.clip, bound_.character.skeleton, root, path));
   write_shape_weights();
-  write_text(file_, "    }\n" + bound_mesh(root));
+  file_.write("    }\n" + bound_mesh(root));
 }
 
 // Each frame shows its own shape alone.
 void UsdaBoundWriter::write_shape_weights() {
-  write_text(file_, "        uniform token[] blendShapes = " + names_of_shapes(layout_) +
-                        "\n        float[] blendShapeWeights = " + listed(layout_.frames, [](int) { return "0"; }) +
-                        "\n        float[] blendShapeWeights.timeSamples = {\n");
+  file_.write("        uniform token[] blendShapes = " + names_of_shapes(layout_) +
+              "\n        float[] blendShapeWeights = " + usda_list(layout_.frames, [](int) { return "0"; }) +
+              "\n        float[] blendShapeWeights.timeSamples = {\n");
   for (const int shown : layout_.frames) {
-    write_text(file_, "            " + std::to_string(shown) + ": " +
-                          listed(layout_.frames, [&](int frame) { return frame == shown ? "1" : "0"; }) + ",\n");
+    file_.write("            " + std::to_string(shown) + ": " +
+                usda_list(layout_.frames, [&](int frame) { return frame == shown ? "1" : "0"; }) + ",\n");
   }
-  write_text(file_, "        }\n");
+  file_.write("        }\n");
 }
 
 std::string UsdaBoundWriter::bound_mesh(const std::string& root) const {
@@ -89,19 +80,19 @@ std::string UsdaBoundWriter::bound_mesh(const std::string& root) const {
          joint_weights(character) + "    rel skel:skeleton = </" + root +
          "/skeleton>\n    uniform token[] skel:blendShapes = " + names_of_shapes(layout_) +
          "\n    rel skel:blendShapeTargets = " +
-         listed(layout_.frames, [&](int frame) { return "<" + prim + "/" + shape_name(frame) + ">"; }) + "\n";
+         usda_list(layout_.frames, [&](int frame) { return "<" + prim + "/" + shape_name(frame) + ">"; }) + "\n";
 }
 
 void UsdaBoundWriter::append(std::span<const float> positions, std::span<const float> /*normals*/) {
   require_sample(path_, layout_, written_, positions);
   const int frame = layout_.frames[written_++];
-  write_text(file_, "    def BlendShape \"" + shape_name(frame) + "\"\n    {\n        uniform vector3f[] offsets = " +
-                        usda_points(blend_shape(bound_, frame, positions)) + "\n    }\n");
+  file_.write("    def BlendShape \"" + shape_name(frame) + "\"\n    {\n        uniform vector3f[] offsets = " +
+              usda_points(blend_shape(bound_, frame, positions)) + "\n    }\n");
 }
 
 void UsdaBoundWriter::close() {
   require_all_samples(path_, layout_, written_);
-  write_text(file_, "    }\n}\n");
+  file_.write("    }\n}\n");
   write_usd_images(layout_.surface, layout_.name, path_.parent_path());
   file_.commit();
 }

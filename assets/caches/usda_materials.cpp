@@ -112,7 +112,7 @@ void write_usd_images(const SkinSurface& surface, const std::string& mesh, const
   for (const SurfaceMaterial& material : surface.materials) {
     const SurfaceTexture* image = base_image(surface, material);
     if (image != nullptr && written.insert(image->bytes.get()).second) {
-      write_file_atomically(folder / image_file(*image, mesh), std::as_bytes(std::span(*image->bytes)));
+      write_file_atomically(folder / image_file(*image, mesh), *image->bytes);
     }
   }
 }
@@ -123,8 +123,7 @@ void copy_usd_images(const std::string& text, const fs::path& from, const fs::pa
     at += sizeof(kImage) - 1;
     const std::string name = text.substr(at, text.find('@', at) - at);
     if (name.find('/') != std::string::npos || to == from || !copied.insert(name).second) continue;
-    const std::string bytes = read_file(from / name, std::size_t{1} << 30, "an image");
-    write_file_atomically(to / name, std::as_bytes(std::span(bytes)));
+    write_file_atomically(to / name, read_file(from / name, std::size_t{1} << 30, "an image"));
   }
 }
 

@@ -1,8 +1,6 @@
 #include "assets/caches/usda_skeleton.h"
 
-#include <charconv>
 #include <cmath>
-#include <functional>
 #include <set>
 #include <sstream>
 #include <vector>
@@ -10,27 +8,16 @@
 #include "assets/caches/usda.h"
 #include "runtime/core/atomic_file.h"
 #include "runtime/core/error.h"
+#include "runtime/core/text.h"
 #include "runtime/core/transform.h"
 
 namespace bodyopt {
 namespace {
 
-// Returns the shortest text that reads back to the same number of single precision.
-std::string text_of(double value) {
-  char digits[32];
-  return {digits, std::to_chars(digits, digits + sizeof(digits), static_cast<float>(value)).ptr};
-}
-
 std::string tuple_of(std::initializer_list<double> values) {
   std::string text;
-  for (const double value : values) text += (text.empty() ? "(" : ", ") + text_of(value);
+  for (const double value : values) text += (text.empty() ? "(" : ", ") + shortest(static_cast<float>(value));
   return text + ")";
-}
-
-std::string list_of(std::size_t count, const std::function<std::string(std::size_t)>& element) {
-  std::string text = "[";
-  for (std::size_t k = 0; k < count; ++k) text += (k == 0 ? "" : ", ") + element(k);
-  return text + "]";
 }
 
 // USD multiplies rows from the left.
@@ -62,8 +49,7 @@ void write_samples(const Clip& clip, const char* declared, const Element& elemen
   text << "        " << declared << ".timeSamples = {\n";
   for (std::size_t k = 0; k < clip.poses.size(); ++k) {
     const std::vector<JointTransform>& joints = clip.poses[k].joints;
-    text << "            " << clip.first_frame + static_cast<int>(k) << ": "
-         << list_of(joints.size(), [&](std::size_t j) { return element(joints[j]); }) << ",\n";
+    text << "            " << clip.first_frame + static_cast<int>(k) << ": " << usda_list(joints, element) << ",\n";
   }
   text << "        }\n";
 }
@@ -86,14 +72,14 @@ std::string usd_skeleton(const Clip& clip, const Skeleton& skeleton, const std::
   const std::vector<std::string> paths = joint_paths(skeleton);
   const std::vector<Joint>& joints = skeleton.joints;
   const std::string tokens =
-      "        uniform token[] joints = " + list_of(paths.size(), [&](std::size_t j) { return '"' + paths[j] + '"'; }) +
-      "\n";
+      "        uniform token[] joints = " +
+      usda_list(paths, [](const std::string& path_of_joint) { return '"' + path_of_joint + '"'; }) + "\n";
   std::ostringstream text;
   text << "    def Skeleton \"skeleton\" (\n        prepend apiSchemas = [\"SkelBindingAPI\"]\n    )\n    {\n"
        << tokens << "        uniform matrix4d[] bindTransforms = "
-       << list_of(joints.size(), [&](std::size_t j) { return matrix_of(inverse(joints[j].inverse_bind)); })
+       << usda_list(joints, [](const Joint& joint) { return matrix_of(inverse(joint.inverse_bind)); })
        << "\n        uniform matrix4d[] restTransforms = "
-       << list_of(joints.size(), [&](std::size_t j) { return matrix_of(affine_from(joints[j].default_local)); })
+       << usda_list(joints, [](const Joint& joint) { return matrix_of(affine_from(joint.default_local)); })
        << "\n        rel skel:animationSource = </" << root << "/motion>\n    }\n\n"
        << "    def SkelAnimation \"motion\"\n    {\n"
        << tokens;
@@ -114,10 +100,10 @@ std::string usd_skeleton(const Clip& clip, const Skeleton& skeleton, const std::
 
 void write_usd_skeleton(const Clip& clip, const Skeleton& skeleton, const std::filesystem::path& path) {
   const std::string root = prim_name(clip.name),
-                    whole = usda_head(root, clip.first_frame, clip.last_frame(), text_of(clip.fps)) +
-                            "def SkelRoot \"" + root + "\"\n{\n" + usd_skeleton(clip, skeleton, root, path) +
-                            "    }\n}\n";
-  write_file_atomically(path, std::as_bytes(std::span(whole)));
+                    whole =
+                        usda_head(root, clip.first_frame, clip.last_frame(), shortest(static_cast<float>(clip.fps))) +
+                        "def SkelRoot \"" + root + "\"\n{\n" + usd_skeleton(clip, skeleton, root, path) + "    }\n}\n";
+  write_file_atomically(path, whole);
 }
 
 }  // namespace bodyopt

@@ -96,20 +96,15 @@ void set_welded(const GltfFile& file, const SkinGeometry& geometry, double toler
 void set_triangles(const GltfFile& file, const SkinGeometry& geometry, Character& character) {
   std::vector<std::array<std::uint32_t, 3>> kept;
   std::vector<bool> used(character.weights.size(), false);
-  character.output_triangles.resize(static_cast<Eigen::Index>(geometry.triangles.size()), 3);
-  for (std::size_t t = 0; t < geometry.triangles.size(); ++t) {
-    const auto& [a, b, c] = geometry.triangles[t];
-    character.output_triangles.row(static_cast<Eigen::Index>(t)) << a, b, c;
+  character.output_triangles = triangles_of(geometry.triangles);
+  for (const auto& [a, b, c] : geometry.triangles) {
     const std::uint32_t i = character.output_vertex[a], j = character.output_vertex[b], k = character.output_vertex[c];
     if (i == j || j == k || k == i) continue;
     kept.push_back({i, j, k});
     used[i] = used[j] = used[k] = true;
   }
   if (kept.empty()) file.fail("the skin has no triangle with three different corners");
-  character.triangles.resize(static_cast<Eigen::Index>(kept.size()), 3);
-  for (std::size_t t = 0; t < kept.size(); ++t) {
-    character.triangles.row(static_cast<Eigen::Index>(t)) << kept[t][0], kept[t][1], kept[t][2];
-  }
+  character.triangles = triangles_of(kept);
   if (const std::size_t dropped = geometry.triangles.size() - kept.size(); dropped > 0) {
     character.notes.push_back(count_of(dropped, "triangle without area was", "triangles without area were") +
                               " dropped (corners at one point).");
@@ -119,6 +114,12 @@ void set_triangles(const GltfFile& file, const SkinGeometry& geometry, Character
 }
 
 }  // namespace
+
+std::size_t most_weights(const Character& character) {
+  std::size_t most = 1;
+  for (const auto& weights : character.weights) most = std::max(most, weights.size());
+  return most;
+}
 
 Positions welded_from_output(const Character& character, const float* output) {
   Positions welded(character.vertices.rows(), 3);

@@ -33,6 +33,9 @@ struct Character {
   std::uint32_t output_count() const { return static_cast<std::uint32_t>(output_vertex.size()); }
 };
 
+// Of a vertex, one at least.
+std::size_t most_weights(const Character& character);
+
 // O x 3 to V x 3 (the first output vertex of each welded vertex) and back.
 Positions welded_from_output(const Character& character, const float* output);
 std::vector<float> output_from_welded(const Character& character, const Positions& welded);

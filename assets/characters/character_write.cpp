@@ -12,41 +12,21 @@
 namespace bodyopt {
 namespace {
 
-// Returns area-weighted normals, O x 3; they point up where a vertex has no area around it.
-std::vector<float> normals(const Character& character) {
-  Positions sums = vertex_normals(character.vertices, character.triangles);
-  for (Eigen::Index v = 0; v < sums.rows(); ++v) {
-    const double n = sums.row(v).norm();
-    if (n > 1e-30) {
-      sums.row(v) /= n;
-    } else {
-      sums.row(v) << 0, 1, 0;
-    }
-  }
-  return output_from_welded(character, sums);
-}
-
-struct WeightSet {
-  std::vector<std::uint16_t> joints;  // P x 4
-  std::vector<float> weights;         // P x 4
-};
-
-std::vector<WeightSet> weight_sets(const Character& character, std::span<const std::uint32_t> places) {
-  std::size_t most = 1;
-  for (const auto& weights : character.weights) most = std::max(most, weights.size());
-  std::vector<WeightSet> sets((most + 3) / 4,
-                              {std::vector<std::uint16_t>(4 * places.size()), std::vector<float>(4 * places.size())});
-  for (std::size_t o = 0; o < places.size(); ++o) {
-    const auto& weights = character.weights[character.output_vertex[places[o]]];
+// Joints and weights of each place, which are as many as the vertex has.
+std::vector<GlbWriter::VertexWeights> rounded_weights(const Character& character,
+                                                      std::span<const std::uint32_t> places) {
+  std::vector<GlbWriter::VertexWeights> all;
+  for (const std::uint32_t place : places) {
+    const auto& weights = character.weights[character.output_vertex[place]];
+    GlbWriter::VertexWeights& own = all.emplace_back(weights.size());
     double rest = 1;  // the first weight takes the rounding of the others, so that they add up to one
     for (std::size_t k = weights.size(); k-- > 0;) {
       const auto weight = static_cast<float>(k == 0 ? rest : weights[k].weight);
       rest -= static_cast<double>(weight);
-      sets[k / 4].weights[4 * o + k % 4] = weight;
-      sets[k / 4].joints[4 * o + k % 4] = weight == 0 ? std::uint16_t{0} : static_cast<std::uint16_t>(weights[k].joint);
+      own[k] = {weight == 0 ? std::uint16_t{0} : static_cast<std::uint16_t>(weights[k].joint), weight};
     }
   }
-  return sets;
+  return all;
 }
 
 std::span<const std::uint32_t> flat(const Triangles& triangles) {
@@ -59,12 +39,9 @@ Json bound_vertices(const Character& character, std::span<const std::uint32_t> p
   Json attributes;
   attributes["POSITION"] =
       glb.add(spread(output_from_welded(character, character.vertices), places), "VEC3", GlbTarget::vertices);
-  attributes["NORMAL"] = glb.add(spread(normals(character), places), "VEC3", GlbTarget::vertices);
-  const std::vector<WeightSet> sets = weight_sets(character, places);
-  for (std::size_t s = 0; s < sets.size(); ++s) {
-    attributes["JOINTS_" + std::to_string(s)] = glb.add(sets[s].joints, "VEC4", GlbTarget::vertices);
-    attributes["WEIGHTS_" + std::to_string(s)] = glb.add(sets[s].weights, "VEC4", GlbTarget::vertices);
-  }
+  const Positions normals = unit_normals(character.vertices, character.triangles);
+  attributes["NORMAL"] = glb.add(spread(output_from_welded(character, normals), places), "VEC3", GlbTarget::vertices);
+  glb.add_weights(rounded_weights(character, places), most_weights(character), attributes);
   return attributes;
 }
 

@@ -21,16 +21,6 @@ std::vector<int> have_skin(const Character& character) {
 
 constexpr double kFewestVertices = 40;
 
-RegionWeights region_of(const std::string& name, const Eigen::VectorXd& weights) {
-  RegionWeights region{name, {}, {}};
-  for (Eigen::Index v = 0; v < weights.size(); ++v) {
-    if (!(weights[v] > 0)) continue;
-    region.vertices.push_back(static_cast<std::uint32_t>(v));
-    region.weights.push_back(weights[v]);
-  }
-  return region;
-}
-
 }  // namespace
 
 std::vector<int> joints_with_skin(const Character& character) {

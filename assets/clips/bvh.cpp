@@ -3,7 +3,6 @@
 #include <iconv.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <numbers>
 #include <string_view>
@@ -95,13 +94,12 @@ class Parser {
     std::string_view token = next();
     const std::string shown(token.substr(0, 40));
     if (token.front() == '+') token.remove_prefix(1);
-    double value = 0;
-    const auto [end, error] = std::from_chars(token.data(), token.data() + token.size(), value);
-    if (error != std::errc() || end != token.data() + token.size() || !std::isfinite(value)) {
+    const std::optional<double> value = number_in<double>(token);
+    if (!value || !std::isfinite(*value)) {
       const char* cause = shown.find(',') == std::string::npos ? "" : ": decimals take a point";
       fail("expected a finite number, found '", shown, "'", cause);
     }
-    return value;
+    return *value;
   }
 
   std::size_t count(const std::string& what, std::size_t most) {

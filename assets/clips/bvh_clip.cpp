@@ -23,8 +23,8 @@ void note_unmatched(const Bvh& bvh, const Skeleton& skeleton, const std::vector<
   for (std::size_t b = 0; b < bvh.joints.size(); ++b) {
     if (!taken[b]) foreign.push_back(bvh.joints[b].name);
   }
-  if (!still.empty()) notes.push_back("Joints that the BVH does not have stay at rest: " + list_names(still) + ".");
-  if (!foreign.empty()) notes.push_back("BVH joints that the skeleton does not have: " + list_names(foreign) + ".");
+  note_names("Joints that the BVH does not have stay at rest: ", still, notes);
+  note_names("BVH joints that the skeleton does not have: ", foreign, notes);
 }
 
 bool is_without_length(const BvhJoint& joint) { return joint.parent < 0 || joint.offset == Vec3{0, 0, 0}; }

@@ -190,7 +190,7 @@ void write_bvh(const Clip& clip, const Skeleton& skeleton, const std::filesystem
   }
   const std::string text = BvhText(clip, skeleton).write();
   check_read_back(text, clip, skeleton, path);
-  write_file_atomically(path, std::as_bytes(std::span(text)));
+  write_file_atomically(path, text);
 }
 
 }  // namespace bodyopt

@@ -55,9 +55,8 @@ double value_at(const std::vector<Key>& curve, double frame) {
 using Curves = std::vector<std::pair<std::string, std::vector<Key>>>;
 
 Curves read_json_curves(const std::filesystem::path& path, const Clip& clip) {
-  const Json json = read_json(path, kSchema);
-  const JsonObject top(json, path, "the file");
-  top.allow({"schema", "fps", "controls"});
+  const JsonFile top(path, kSchema, "the file", {"schema", "fps", "controls"});
+  const Json& json = top.json();
   if (!top.has("controls") || !json["controls"].is_object())
     top.refuse("lacks 'controls', an object of curves by name");
   const double rate = top.has("fps") ? top.number("fps", 1e-3, 1e5) : clip.fps;

@@ -161,8 +161,8 @@ struct Motion {
   }
 };
 
-void note_names(const GltfFile& file, const Motion& motion, const std::vector<bool>& animated,
-                std::vector<std::string>& notes) {
+void note_unmatched_nodes(const GltfFile& file, const Motion& motion, const std::vector<bool>& animated,
+                          std::vector<std::string>& notes) {
   std::vector<std::string> still, foreign;
   for (std::size_t j = 0; j < motion.skeleton.size(); ++j) {
     if (motion.joint_nodes[j] < 0) still.push_back(motion.skeleton.joints[j].name);
@@ -177,10 +177,8 @@ void note_names(const GltfFile& file, const Motion& motion, const std::vector<bo
   bool moves = false;
   for (std::size_t j = 0; j < motion.skeleton.size(); ++j) moves = moves || motion.fold.is_animated(j);
   if (!moves) fail_unmatched(file.path().string(), motion.skeleton, foreign);
-  if (!still.empty())
-    notes.push_back("Joints that the clip's file does not have stay at rest: " + list_names(still) + ".");
-  if (!foreign.empty())
-    notes.push_back("Animated nodes that are no joints of the skeleton: " + list_names(foreign) + ".");
+  note_names("Joints that the clip's file does not have stay at rest: ", still, notes);
+  note_names("Animated nodes that are no joints of the skeleton: ", foreign, notes);
 }
 
 void note_moved(const Motion& motion, std::vector<std::string>& notes) {
@@ -191,10 +189,7 @@ void note_moved(const Motion& motion, std::vector<std::string>& notes) {
       moved.push_back(motion.skeleton.joints[j].name);
     }
   }
-  if (!moved.empty()) {
-    notes.push_back("Joints with another parent in the clip's file (their local motion is applied as it is): " +
-                    list_names(moved) + ".");
-  }
+  note_names("Joints with another parent in the clip's file (their local motion is applied as it is): ", moved, notes);
 }
 
 void note_scale(const Clip& clip, const Skeleton& skeleton, std::vector<std::string>& notes) {
@@ -501,7 +496,7 @@ Clip read_gltf_clip(const GltfFile& file, const std::string& name, const Skeleto
   const std::vector<int> joint_nodes = match_nodes(file, tree, skeleton, animated, options.joint_map, clip.notes);
   JointFold fold(tree, joint_nodes, animated);
   Motion motion{skeleton, std::move(channels), std::move(tree), joint_nodes, std::move(fold), unit};
-  note_names(file, motion, animated, clip.notes);
+  note_unmatched_nodes(file, motion, animated, clip.notes);
   note_parted(skeleton, joint_nodes, clip.notes);
   const std::size_t frames =
       frame_count(file.path().string(), duration, std::max(skeleton.size(), animated.size()), options);

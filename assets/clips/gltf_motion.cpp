@@ -50,11 +50,8 @@ Json motion_animation(const Clip& clip, const Skeleton& skeleton, GlbWriter& glb
   const std::size_t input = glb.add(times, "SCALAR", GlbTarget::none);
 
   Json animation = {{"name", clip.name}, {"samplers", Json::array()}, {"channels", Json::array()}};
-  const auto add_channel = [&](const Track& track, std::size_t joint, const char* property, const char* type) {
-    const std::size_t output = glb.add(track.values, type, GlbTarget::none);
-    animation["channels"].push_back(
-        {{"sampler", animation["samplers"].size()}, {"target", {{"node", joint}, {"path", property}}}});
-    animation["samplers"].push_back({{"input", input}, {"output", output}, {"interpolation", "LINEAR"}});
+  const auto add_track = [&](const Track& track, std::size_t joint, const char* property, const char* type) {
+    add_channel(input, glb.add(track.values, type, GlbTarget::none), joint, property, animation);
   };
   for (std::size_t j = 0; j < skeleton.size(); ++j) {
     const JointTransform& rest = skeleton.joints[j].default_local;
@@ -62,11 +59,11 @@ Json motion_animation(const Clip& clip, const Skeleton& skeleton, GlbWriter& glb
     const Track rotation = track_of(clip, rest, j, &JointTransform::rotation);
     const Track scale = track_of(clip, rest, j, &JointTransform::scale);
     const bool is_last_chance = j + 1 == skeleton.size() && animation["channels"].empty();
-    if (translation.varies) add_channel(translation, j, "translation", "VEC3");
+    if (translation.varies) add_track(translation, j, "translation", "VEC3");
     if (rotation.varies || (is_last_chance && !translation.varies && !scale.varies)) {
-      add_channel(rotation, j, "rotation", "VEC4");
+      add_track(rotation, j, "rotation", "VEC4");
     }
-    if (scale.varies) add_channel(scale, j, "scale", "VEC3");
+    if (scale.varies) add_track(scale, j, "scale", "VEC3");
   }
   return animation;
 }

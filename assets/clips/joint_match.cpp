@@ -159,8 +159,7 @@ std::vector<int> match_joints(std::span<const NamedJoint> source, const Skeleton
   Matcher matcher(source, skeleton);
   if (!joint_map.empty()) matcher.match_by_map(joint_map, whose);
   matcher.match_by_name([](const std::string& name) { return name; });
-  const std::vector<std::string> loosely = matcher.match_by_name(lower_case);
-  if (!loosely.empty()) notes.push_back("Matched without regard to case: " + list_names(loosely) + ".");
+  note_names("Matched without regard to case: ", matcher.match_by_name(lower_case), notes);
   const std::vector<std::string> by_role = matcher.match_by_role();
   if (!by_role.empty()) notes.push_back("Matched by naming convention: " + list_names(by_role, 40) + ".");
   return matcher.match();
@@ -182,9 +181,7 @@ void note_parted(const Skeleton& skeleton, const std::vector<int>& match, std::v
 }
 
 std::vector<MappedJoint> read_joint_map(const std::filesystem::path& path) {
-  const Json json = read_json(path, "bodyopt-joint-map-1");
-  const JsonObject top(json, path, "the file");
-  top.allow({"schema", "joints"});
+  const JsonFile top(path, "bodyopt-joint-map-1", "the file", {"schema", "joints"});
   const std::vector<JsonObject> list = top.objects("joints");
   if (list.empty()) top.refuse("maps no joint in 'joints'");
   std::vector<MappedJoint> joints;

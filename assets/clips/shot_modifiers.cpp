@@ -54,9 +54,7 @@ void read_shot_modifier(const JsonObject& json, SkinModifier& modifier) {
 }
 
 void choose_modifiers(const std::filesystem::path& path, SkinModifiers& modifiers) {
-  const Json json = read_json(path, kModifiersSchema);
-  const JsonObject top(json, path, "the file");
-  top.allow({"schema", "modifiers"});
+  const JsonFile top(path, kModifiersSchema, "the file", {"schema", "modifiers"});
   const std::vector<std::string> names = names_of(modifiers);
   std::vector<SkinModifier> chosen, rest = modifiers.stack;
   for (const Json& entry : top.array("modifiers")) {

@@ -55,8 +55,7 @@ FbxCurve::FbxCurve(const FbxScene& scene, const FbxObject& curve) {
     scene.fail("a value of an animation curve is not a finite number");
   }
   for (const char* name : {"Pre-Extrapolation", "Post-Extrapolation"}) {
-    const FbxNode* beyond = curve.node->find(name);
-    const FbxNode* type = beyond == nullptr ? nullptr : beyond->find("Type");
+    const FbxNode* type = curve.node->child(name).find("Type");
     if (type == nullptr) continue;
     const std::string letter = type->text(0);  // of text; binary has its number
     is_held_ = is_held_ && (letter.empty() ? type->integer(0, 'C') : letter.front()) == 'C';

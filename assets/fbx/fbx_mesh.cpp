@@ -8,18 +8,8 @@ namespace {
 
 constexpr std::size_t kMostFbxOffsets = 1 << 27;
 
-std::vector<double> mesh_numbers(const FbxObject& object, const char* name) {
-  const FbxNode* found = object.node->find(name);
-  return found == nullptr ? std::vector<double>{} : found->numbers();
-}
-
-std::vector<std::int64_t> mesh_integers(const FbxObject& object, const char* name) {
-  const FbxNode* found = object.node->find(name);
-  return found == nullptr ? std::vector<std::int64_t>{} : found->integers();
-}
-
 std::vector<Vec3> mesh_vectors(const FbxScene& scene, const FbxObject& object, const char* name) {
-  const std::vector<double> numbers = mesh_numbers(object, name);
+  const std::vector<double> numbers = object.node->child(name).numbers();
   if (numbers.size() % 3 != 0) scene.fail(name, " of '", object.name, "' are ", numbers.size(), " numbers, not threes");
   std::vector<Vec3> vectors;
   for (std::size_t k = 0; k < numbers.size(); k += 3) {
@@ -38,12 +28,11 @@ void check_point(const FbxScene& scene, const FbxObject& object, std::int64_t po
 // Looks up a layer's value of a polygon, or of one of its corners; nothing where the file does not give it.
 class FbxLayer {
  public:
-  FbxLayer(const FbxObject& geometry, const char* element, const char* indices) : layer_(geometry.node->find(element)) {
-    if (layer_ == nullptr) return;
-    if (const FbxNode* found = layer_->find(indices)) indices_ = found->integers();
-    if (const FbxNode* found = layer_->find("MappingInformationType")) mapping_ = found->text(0);
-  }
-  const FbxNode* node() const { return layer_; }
+  FbxLayer(const FbxObject& geometry, const char* element, const char* indices)
+      : layer_(geometry.node->child(element)),
+        indices_(layer_.child(indices).integers()),
+        mapping_(layer_.child("MappingInformationType").text(0)) {}
+  const FbxNode& node() const { return layer_; }
   std::optional<std::uint32_t> at(std::size_t corner, std::uint32_t point, std::size_t polygon) const {
     std::size_t place = 0;
     if (mapping_ == "ByPolygonVertex") place = corner;
@@ -55,7 +44,7 @@ class FbxLayer {
   }
 
  private:
-  const FbxNode* layer_;
+  const FbxNode& layer_;
   std::vector<std::int64_t> indices_;
   std::string mapping_;
 };
@@ -88,12 +77,11 @@ void append_polygon(const std::vector<std::uint32_t>& points, std::size_t first,
 // The last corner of a polygon is written as its complement.
 void read_polygons(const FbxScene& scene, const FbxObject& geometry, FbxMesh& mesh) {
   const FbxLayers layers(geometry);
-  const FbxNode* coordinates = layers.texture.node() == nullptr ? nullptr : layers.texture.node()->find("UV");
-  if (coordinates != nullptr) mesh.texture = coordinates->numbers();
+  mesh.texture = layers.texture.node().child("UV").numbers();
   if (!std::ranges::all_of(mesh.texture, [](double x) { return std::abs(x) < 1e6; })) mesh.texture.clear();
   std::size_t corner_count = 0, polygon_count = 0;
   std::vector<std::uint32_t> corners;
-  for (const std::int64_t corner : mesh_integers(geometry, "PolygonVertexIndex")) {
+  for (const std::int64_t corner : geometry.node->child("PolygonVertexIndex").integers()) {
     const std::int64_t point = corner < 0 ? ~corner : corner;
     check_point(scene, geometry, point, mesh);
     corners.push_back(static_cast<std::uint32_t>(point));
@@ -108,7 +96,7 @@ void read_polygons(const FbxScene& scene, const FbxObject& geometry, FbxMesh& me
 
 // Numbers are column by column.
 std::optional<Affine> read_matrix(const FbxScene& scene, const FbxObject& object, const char* name) {
-  const std::vector<double> numbers = mesh_numbers(object, name);
+  const std::vector<double> numbers = object.node->child(name).numbers();
   if (numbers.size() != 16) return std::nullopt;
   Affine matrix;
   for (std::size_t row = 0; row < 3; ++row) {
@@ -124,8 +112,8 @@ std::optional<Affine> read_matrix(const FbxScene& scene, const FbxObject& object
 void read_clusters(const FbxScene& scene, const FbxObject& skin, FbxMesh& mesh) {
   for (const FbxObject* deformer : scene.into(skin.id, "Deformer")) {
     const std::vector<const FbxObject*> bones = scene.into(deformer->id, "Model");
-    FbxCluster cluster{bones.empty() ? nullptr : bones.front(), mesh_integers(*deformer, "Indexes"),
-                       mesh_numbers(*deformer, "Weights"), read_matrix(scene, *deformer, "Transform"),
+    FbxCluster cluster{bones.empty() ? nullptr : bones.front(), deformer->node->child("Indexes").integers(),
+                       deformer->node->child("Weights").numbers(), read_matrix(scene, *deformer, "Transform"),
                        read_matrix(scene, *deformer, "TransformLink")};
     if (cluster.points.size() != cluster.weights.size()) {
       scene.fail("'", deformer->name, "' binds ", cluster.points.size(), " points with ", cluster.weights.size(),
@@ -137,7 +125,7 @@ void read_clusters(const FbxScene& scene, const FbxObject& skin, FbxMesh& mesh) 
     }
     if (cluster.bone == nullptr && cluster.points.empty()) continue;
     if (cluster.bone == nullptr) scene.fail("'", deformer->name, "' binds points to a bone that is not in the file");
-    if (deformer->node->find("Mode") != nullptr && deformer->node->find("Mode")->text(0) == "Additive") {
+    if (deformer->node->child("Mode").text(0) == "Additive") {
       scene.fail("'", deformer->name, "' adds to other bones' weights, which is not read; bake the skin's weights");
     }
     mesh.clusters.push_back(std::move(cluster));
@@ -148,8 +136,8 @@ void read_clusters(const FbxScene& scene, const FbxObject& skin, FbxMesh& mesh) 
 void read_channel_shape(const FbxScene& scene, const FbxObject& channel, FbxMesh& mesh) {
   const std::vector<const FbxObject*> shapes = scene.into(channel.id, "Geometry");
   if (shapes.empty()) return;
-  const std::vector<double> percents = mesh_numbers(channel, "FullWeights"),
-                            older = mesh_numbers(channel, "DeformPercent");
+  const std::vector<double> percents = channel.node->child("FullWeights").numbers(),
+                            older = channel.node->child("DeformPercent").numbers();
   const double whole = percents.empty() ? 100 : percents.back();
   const double percent = scene.number(channel, "DeformPercent", older.empty() ? 0 : older.front());
   const FbxObject& shape = *shapes.back();
@@ -162,7 +150,7 @@ void read_channel_shape(const FbxScene& scene, const FbxObject& channel, FbxMesh
   }
   FbxMesh::BlendShape read{std::vector<Vec3>(mesh.points.size()), whole > 0 ? percent / whole : 0};
   const std::vector<Vec3> offsets = mesh_vectors(scene, shape, "Vertices");
-  const std::vector<std::int64_t> points = mesh_integers(shape, "Indexes");
+  const std::vector<std::int64_t> points = shape.node->child("Indexes").integers();
   if (points.size() != offsets.size()) {
     scene.fail("the blend shape '", shape.name, "' moves ", points.size(), " points by ", offsets.size(), " offsets");
   }

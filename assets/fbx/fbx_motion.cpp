@@ -1,6 +1,7 @@
 #include "assets/fbx/fbx_motion.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace bodyopt {
 namespace {
@@ -32,6 +33,14 @@ void append_straight(double end, const std::function<JointTransform(double)>& at
   }
   keys.times.push_back(end);
   keys.locals.push_back(to);
+}
+
+void for_each_curve(const auto& tracks, const auto& visit) {
+  for (const auto& track : tracks) {
+    for (const std::optional<FbxCurve>& curve : track.curves) {
+      if (curve) visit(*curve);
+    }
+  }
 }
 
 }  // namespace
@@ -94,13 +103,10 @@ void FbxMotion::set_range(const FbxScene& scene, const FbxObject& stack) {
   last_ = scene.number(stack, "LocalStop", 0) / scene.ticks();
   double first_key = HUGE_VAL, last_key = -HUGE_VAL;
   for (const auto& [id, tracks] : tracks_) {
-    for (const Track& track : tracks) {
-      for (const std::optional<FbxCurve>& curve : track.curves) {
-        if (!curve) continue;
-        first_key = std::min(first_key, curve->times().front());
-        last_key = std::max(last_key, curve->times().back());
-      }
-    }
+    for_each_curve(tracks, [&](const FbxCurve& curve) {
+      first_key = std::min(first_key, curve.times().front());
+      last_key = std::max(last_key, curve.times().back());
+    });
   }
   if (!(first_ < last_ && first_ <= last_key && first_key <= last_)) {
     first_ = first_key;
@@ -111,15 +117,13 @@ void FbxMotion::set_range(const FbxScene& scene, const FbxObject& stack) {
 // Cycles and slopes beyond the keys are not read.
 void FbxMotion::check_ends(const FbxScene& scene, const FbxObject& stack) const {
   for (const auto& [id, tracks] : tracks_) {
-    for (const Track& track : tracks) {
-      for (const std::optional<FbxCurve>& curve : track.curves) {
-        if (!curve || curve->is_held() || curve->times().size() == 1) continue;
-        if (curve->times().front() <= first_ && last_ <= curve->times().back()) continue;
-        scene.fail("the animation '", stack.name,
-                   "' goes on beyond its keys (cycles, or slopes: extrapolation); bake it "
-                   "and export it again");
-      }
-    }
+    for_each_curve(tracks, [&](const FbxCurve& curve) {
+      if (curve.is_held() || curve.times().size() == 1) return;
+      if (curve.times().front() <= first_ && last_ <= curve.times().back()) return;
+      scene.fail("the animation '", stack.name,
+                 "' goes on beyond its keys (cycles, or slopes: extrapolation); bake it "
+                 "and export it again");
+    });
   }
 }
 
@@ -140,13 +144,10 @@ std::vector<double> FbxMotion::times(std::span<const FbxObject* const> models) c
   for (const FbxObject* model : models) {
     const auto found = tracks_.find(model->id);
     if (found == tracks_.end()) continue;
-    for (const Track& track : found->second) {
-      for (const std::optional<FbxCurve>& curve : track.curves) {
-        if (!curve) continue;
-        std::ranges::copy_if(curve->times(), std::back_inserter(times),
-                             [&](double time) { return time > first_ && time < last_; });
-      }
-    }
+    for_each_curve(found->second, [&](const FbxCurve& curve) {
+      std::ranges::copy_if(curve.times(), std::back_inserter(times),
+                           [&](double time) { return time > first_ && time < last_; });
+    });
   }
   std::ranges::sort(times);
   times.erase(std::unique(times.begin(), times.end()), times.end());

@@ -2,9 +2,11 @@
 
 #include <zlib.h>
 
-#include <charconv>
+#include <algorithm>
 #include <cstring>
 #include <type_traits>
+
+#include "runtime/core/text.h"
 
 namespace bodyopt {
 namespace {
@@ -202,13 +204,10 @@ class FbxText {
   void append_word(FbxNode& node) {
     const std::string_view text = word();
     if (text.empty()) bytes_.fail("a value is missing");
-    const char* const end = text.data() + text.size();
-    std::int64_t integer = 0;
-    double number = 0;
-    if (const auto [stop, error] = std::from_chars(text.data(), end, integer); error == std::errc() && stop == end) {
-      node.values.emplace_back(integer);
-    } else if (const auto [rest, bad] = std::from_chars(text.data(), end, number); bad == std::errc() && rest == end) {
-      node.values.emplace_back(number);
+    if (const auto integer = number_in<std::int64_t>(text)) {
+      node.values.emplace_back(*integer);
+    } else if (const auto number = number_in<double>(text)) {
+      node.values.emplace_back(*number);
     } else {
       node.values.emplace_back(std::string(text));
     }
@@ -248,10 +247,14 @@ std::vector<T> all_numbers(const std::vector<FbxValue>& values) {
 }  // namespace
 
 const FbxNode* FbxNode::find(std::string_view child) const {
-  for (const FbxNode& node : children) {
-    if (node.name == child) return &node;
-  }
-  return nullptr;
+  const auto found = std::ranges::find(children, child, &FbxNode::name);
+  return found == children.end() ? nullptr : &*found;
+}
+
+const FbxNode& FbxNode::child(std::string_view wanted) const {
+  static const FbxNode nothing{};
+  const FbxNode* found = find(wanted);
+  return found == nullptr ? nothing : *found;
 }
 
 std::vector<double> FbxNode::numbers() const { return all_numbers<double>(values); }
@@ -283,9 +286,7 @@ FbxNode parse_fbx(const std::filesystem::path& path, std::string_view bytes) {
   std::int64_t version = 0;
   if (is_text) {
     FbxText({path, bytes, 0}, bytes).append_nodes(0, root.children);
-    const FbxNode* header = root.find("FBXHeaderExtension");
-    const FbxNode* said = header == nullptr ? nullptr : header->find("FBXVersion");
-    if (said != nullptr) version = said->integer(0, 0);
+    version = root.child("FBXHeaderExtension").child("FBXVersion").integer(0, 0);
   } else {
     FbxBytes binary(path, bytes, 0);
     if (binary.take(kFbxMagic.size()) != kFbxMagic) binary.fail("its header is not that of an FBX file");

@@ -22,6 +22,8 @@ struct FbxNode {
 
   // The first child of that name, or nullptr.
   const FbxNode* find(std::string_view child) const;
+  // The same, but a node with nothing in it where there is none.
+  const FbxNode& child(std::string_view wanted) const;
   // All numbers among the values, those of arrays one by one.
   std::vector<double> numbers() const;
   // All whole numbers among the values, those of arrays one by one.

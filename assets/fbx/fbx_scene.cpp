@@ -22,12 +22,8 @@ std::string object_name(const std::string& text) {
 }
 
 const FbxNode* defaults_of(const FbxNode& root, const std::string& kind) {
-  const FbxNode* definitions = root.find("Definitions");
-  if (definitions == nullptr) return nullptr;
-  for (const FbxNode& type : definitions->children) {
-    if (type.name != "ObjectType" || type.text(0) != kind) continue;
-    const FbxNode* shared = type.find("PropertyTemplate");
-    return shared == nullptr ? nullptr : shared->find("Properties70");
+  for (const FbxNode& type : root.child("Definitions").children) {
+    if (type.name == "ObjectType" && type.text(0) == kind) return type.child("PropertyTemplate").find("Properties70");
   }
   return nullptr;
 }
@@ -64,9 +60,7 @@ FbxScene::FbxScene(const std::filesystem::path& path, std::string_view bytes)
 }
 
 double FbxScene::ticks() const {
-  const FbxNode* header = root_.find("FBXHeaderExtension");
-  const FbxNode* flags = header == nullptr ? nullptr : header->find("OtherFlags");
-  const FbxNode* clock = flags == nullptr ? nullptr : flags->find("TCDefinition");
+  const FbxNode* clock = root_.child("FBXHeaderExtension").child("OtherFlags").find("TCDefinition");
   const bool is_old = clock == nullptr ? root_.integer(0, 0) < 8000 : clock->integer(0, 0) == 127;
   return is_old ? 46186158000.0 : 141120000.0;
 }

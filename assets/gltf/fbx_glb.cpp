@@ -57,10 +57,9 @@ void add_skins(const FbxScene& scene, const FbxBody& body, GlbWriter& glb) {
   }
 }
 
-// Four joints and weights a point in a set, and as many sets as the point with the most needs.
 void add_weights(const FbxScene& scene, const FbxNodes& nodes, const FbxPart& part, const FbxSkin& skin, GlbWriter& glb,
                  Json& attributes) {
-  std::vector<std::vector<std::pair<std::uint16_t, float>>> bound(part.mesh.points.size());
+  std::vector<GlbWriter::VertexWeights> bound(part.mesh.points.size());
   std::size_t most = 1;
   for (const FbxCluster& cluster : part.mesh.clusters) {
     const auto found = skin.inverse_binds.find(static_cast<std::size_t>(nodes.find(*cluster.bone)));
@@ -72,17 +71,7 @@ void add_weights(const FbxScene& scene, const FbxNodes& nodes, const FbxPart& pa
     }
   }
   if (most > 1024) scene.fail("a point has ", most, " weights; the FBX file is damaged or hostile");
-  for (std::size_t set = 0; 4 * set < most; ++set) {
-    std::vector<std::uint16_t> joints(4 * bound.size());
-    std::vector<float> weights(4 * bound.size());
-    for (std::size_t p = 0; p < bound.size(); ++p) {
-      for (std::size_t k = 4 * set; k < std::min(bound[p].size(), 4 * set + 4); ++k) {
-        std::tie(joints[4 * p + k % 4], weights[4 * p + k % 4]) = bound[p][k];
-      }
-    }
-    attributes["JOINTS_" + std::to_string(set)] = glb.add(joints, "VEC4", GlbTarget::vertices);
-    attributes["WEIGHTS_" + std::to_string(set)] = glb.add(weights, "VEC4", GlbTarget::vertices);
-  }
+  glb.add_weights(bound, most, attributes);
 }
 
 std::size_t add_vectors(const FbxScene& scene, const std::vector<Vec3>& vectors, const Affine& turn, GlbWriter& glb) {
@@ -146,13 +135,6 @@ void add_part(const FbxScene& scene, const FbxNodes& nodes, const FbxBody& body,
   if (part.skin >= 0) node["skin"] = part.skin;
 }
 
-void add_channel(const char* path, const std::vector<float>& values, const char* type, std::size_t node,
-                 std::size_t times, GlbWriter& glb, Json& animation) {
-  animation["samplers"].push_back({{"input", times}, {"output", glb.add(values, type, GlbTarget::none)}});
-  animation["channels"].push_back(
-      {{"sampler", animation["samplers"].size() - 1}, {"target", {{"node", node}, {"path", path}}}});
-}
-
 void add_node_motion(const FbxScene& scene, const FbxNodes& nodes, std::size_t n, const FbxMotion& motion,
                      std::size_t& keys_left, GlbWriter& glb, Json& animation) {
   const std::vector<double> times = motion.times(nodes.movers(n));
@@ -168,9 +150,12 @@ void add_node_motion(const FbxScene& scene, const FbxNodes& nodes, std::size_t n
   }
   const std::size_t input =
       glb.add(std::vector<float>(keys.times.begin(), keys.times.end()), "SCALAR", GlbTarget::none);
-  add_channel("translation", translations, "VEC3", n, input, glb, animation);
-  add_channel("rotation", rotations, "VEC4", n, input, glb, animation);
-  add_channel("scale", scales, "VEC3", n, input, glb, animation);
+  const auto add = [&](const char* path, const std::vector<float>& values, const char* type) {
+    add_channel(input, glb.add(values, type, GlbTarget::none), n, path, animation);
+  };
+  add("translation", translations, "VEC3");
+  add("rotation", rotations, "VEC4");
+  add("scale", scales, "VEC3");
 }
 
 void add_animations(const FbxScene& scene, const FbxNodes& nodes, GlbWriter& glb) {

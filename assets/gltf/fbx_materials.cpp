@@ -11,16 +11,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::string text_in(const FbxObject& object, const char* name) {
-  const FbxNode* found = object.node->find(name);
-  return found == nullptr ? "" : found->text(0);
-}
-
 // Returns where a file lies here whose name was written elsewhere. It is looked up as written, beside the FBX file, and
 // in folders of its images.
 std::string image_uri(const FbxObject& texture, const fs::path& path) {
-  std::string written = text_in(texture, "RelativeFilename");
-  if (written.empty()) written = text_in(texture, "FileName");
+  std::string written = texture.node->child("RelativeFilename").text(0);
+  if (written.empty()) written = texture.node->child("FileName").text(0);
   std::ranges::replace(written, '\\', '/');
   const std::string name = fs::path(written).filename().string();
   std::string uri = name;

@@ -115,10 +115,7 @@ std::vector<AnimationChannel> read_channels(const GltfFile& file, std::size_t an
     turnless.push_back(name.empty() ? "node " + std::to_string(channels.back().node) : name);
   }
   if (morphs) notes.push_back("Morph target weights in the clip are left out.");
-  if (!turnless.empty()) {
-    notes.push_back("Rotations in the clip are quaternions of length zero, taken as none: " + list_names(turnless) +
-                    ".");
-  }
+  note_names("Rotations in the clip are quaternions of length zero, taken as none: ", turnless, notes);
   return channels;
 }
 

@@ -212,8 +212,7 @@ void GltfFile::keep_what_is_shown() {
       notes_.push_back("The file's own scene " + std::to_string(own) + " shows no character: scene " +
                        std::to_string(scene) + " is read.");
     }
-    if (!hidden.empty())
-      notes_.push_back("Meshes that the scene does not show are left out: " + list_names(hidden) + ".");
+    note_names("Meshes that the scene does not show are left out: ", hidden, notes_);
     return;
   }
   if (any_skinned) notes_.push_back("No scene of the file shows its character: all of its nodes are read.");

@@ -127,11 +127,8 @@ NodeTree read_nodes(const GltfFile& file, double unit, std::vector<std::string>&
     if (repairs.sheared) sheared_nodes.push_back(name);
     if (repairs.has_no_turn) turnless_nodes.push_back(name);
   }
-  if (!sheared_nodes.empty()) notes.push_back("Shear in node matrices is dropped: " + list_names(sheared_nodes) + ".");
-  if (!turnless_nodes.empty()) {
-    notes.push_back("Rotations of nodes are quaternions of length zero, taken as none: " + list_names(turnless_nodes) +
-                    ".");
-  }
+  note_names("Shear in node matrices is dropped: ", sheared_nodes, notes);
+  note_names("Rotations of nodes are quaternions of length zero, taken as none: ", turnless_nodes, notes);
   tree.order = topological_order(model, tree.parent);
   if (tree.order.size() != model.nodes.size()) file.fail("its nodes form a cycle");
   return tree;
@@ -177,10 +174,8 @@ SkinJoints read_skin_joints(const GltfFile& file, int skin, const NodeTree& tree
     used.insert(name);
     joints.names.push_back(name);
   }
-  if (!unnamed.empty()) notes.push_back("Joints without a name are called " + list_names(unnamed) + ".");
-  if (!renamed.empty()) {
-    notes.push_back("Joints with the name of another got a suffix: " + list_names(renamed) + ".");
-  }
+  note_names("Joints without a name are called ", unnamed, notes);
+  note_names("Joints with the name of another got a suffix: ", renamed, notes);
   return joints;
 }
 

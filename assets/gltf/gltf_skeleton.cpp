@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 #include "base/wording.h"
 #include "runtime/core/error.h"
+#include "runtime/core/text.h"
 #include "runtime/core/transformed.h"
 
 namespace bodyopt {
@@ -59,9 +59,7 @@ void scale_rest(const Vec3& by, SkinSkeleton& skin, std::vector<std::string>& no
     for (double& x : skin.rest.m[i]) x *= by[i];
   }
   if (by[1] != 1) {
-    char factor[32];
-    std::snprintf(factor, sizeof factor, "%.6g", by[1]);
-    notes.push_back(std::string("The joints scale the whole skin by ") + factor +
+    notes.push_back("The joints scale the whole skin by " + formatted("%.6g", by[1]) +
                     " (mesh and world have different units); the rest shape was scaled by it.");
   }
   if (by[0] < 0) notes.push_back("The joints mirror the whole skin; the rest shape was mirrored.");
@@ -254,11 +252,8 @@ SkinSkeleton read_skin_skeleton(const GltfFile& file, int skin, double unit, std
   stretch_rest(listed, result, notes);
   const std::vector<Affine> shown = transformed(listed, [&](const std::uint32_t j) { return result.shown[j]; });
   if (const Vec3 scale = common_scale_and_mirror(shown); scale != Vec3{1, 1, 1}) scale_rest(scale, result, notes);
-  const std::vector<std::string> sheared = set_binds(file, result.skeleton);
-  if (!sheared.empty()) {
-    notes.push_back(
-        "Bind matrices with shear, which joints cannot hold (the rest pose will be off): " + list_names(sheared) + ".");
-  }
+  note_names("Bind matrices with shear, which joints cannot hold (the rest pose will be off): ",
+             set_binds(file, result.skeleton), notes);
   return result;
 }
 

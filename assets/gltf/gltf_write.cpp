@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstring>
 #include <map>
+#include <tuple>
 
 #include "runtime/core/atomic_file.h"
 #include "runtime/core/error.h"
@@ -91,6 +92,20 @@ std::size_t GlbWriter::add(std::span<const std::uint32_t> values, const std::str
   return add_values(values, 5125, type, target);
 }
 
+void GlbWriter::add_weights(std::span<const VertexWeights> vertices, std::size_t most, Json& attributes) {
+  for (std::size_t set = 0; 4 * set < most; ++set) {
+    std::vector<std::uint16_t> joints(4 * vertices.size());
+    std::vector<float> weights(4 * vertices.size());
+    for (std::size_t v = 0; v < vertices.size(); ++v) {
+      for (std::size_t k = 4 * set; k < std::min(vertices[v].size(), 4 * set + 4); ++k) {
+        std::tie(joints[4 * v + k % 4], weights[4 * v + k % 4]) = vertices[v][k];
+      }
+    }
+    attributes["JOINTS_" + std::to_string(set)] = add(joints, "VEC4", GlbTarget::vertices);
+    attributes["WEIGHTS_" + std::to_string(set)] = add(weights, "VEC4", GlbTarget::vertices);
+  }
+}
+
 std::size_t GlbWriter::add_skeleton(const Skeleton& skeleton) {
   Json& nodes = root["nodes"];
   const std::size_t first = nodes.size(), top = first + skeleton.size();
@@ -142,9 +157,12 @@ std::string GlbWriter::bytes(const std::filesystem::path& path) {
   return bytes;
 }
 
-void GlbWriter::write(const std::filesystem::path& path) {
-  const std::string content = bytes(path);
-  write_file_atomically(path, std::as_bytes(std::span(content)));
+void GlbWriter::write(const std::filesystem::path& path) { write_file_atomically(path, bytes(path)); }
+
+void add_channel(std::size_t times, std::size_t values, std::size_t node, const char* path, Json& animation) {
+  animation["channels"].push_back(
+      {{"sampler", animation["samplers"].size()}, {"target", {{"node", node}, {"path", path}}}});
+  animation["samplers"].push_back({{"input", times}, {"output", values}, {"interpolation", "LINEAR"}});
 }
 
 }  // namespace bodyopt

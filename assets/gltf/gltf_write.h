@@ -7,6 +7,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "runtime/basis/skeleton.h"
@@ -29,6 +30,11 @@ class GlbWriter {
 
   // Returns the number of a new buffer view.
   std::size_t add_bytes(std::string_view bytes);
+  // Adds JOINTS_n and WEIGHTS_n to the attributes of a mesh: the joints and weights of each vertex, four in a set, and
+  // as many sets as a vertex of `most` needs.
+  using VertexWeights = std::vector<std::pair<std::uint16_t, float>>;
+  void add_weights(std::span<const VertexWeights> vertices, std::size_t most, Json& attributes);
+
   // Names an extension that the file uses, or also that it cannot be read without.
   void use(const char* extension, bool is_required = false);
 
@@ -51,5 +57,8 @@ class GlbWriter {
   std::vector<unsigned char> binary_;
   bool finite_ = true;
 };
+
+// Adds a channel of straight lines to an animation. `times`, `values`: accessors of its keys.
+void add_channel(std::size_t times, std::size_t values, std::size_t node, const char* path, Json& animation);
 
 }  // namespace bodyopt

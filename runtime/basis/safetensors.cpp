@@ -189,7 +189,7 @@ void write_safetensors(const Safetensors& file, const std::filesystem::path& pat
   const std::uint64_t length = text.size();
   AtomicFile out(path);
   out.write(std::as_bytes(std::span(&length, 1)));
-  out.write(std::as_bytes(std::span(text)));
+  out.write(text);
   for (const std::string& name : order) out.write(file.tensors.at(name).bytes);
   out.commit();
 }

@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <span>
 #include <string>
+#include <string_view>
 
 namespace bodyopt {
 
@@ -25,6 +26,7 @@ class [[nodiscard]] AtomicFile {
   AtomicFile& operator=(const AtomicFile&) = delete;
 
   void write(std::span<const std::byte> bytes);
+  void write(std::string_view text) { write(std::as_bytes(std::span(text))); }
   // Where it is until then: another program may write it.
   const std::filesystem::path& temporary() const { return temporary_; }
   // Drops what was written so far.
@@ -50,6 +52,9 @@ class [[nodiscard]] AtomicFile {
 };
 
 void write_file_atomically(const std::filesystem::path& path, std::span<const std::byte> bytes);
+inline void write_file_atomically(const std::filesystem::path& path, std::string_view text) {
+  write_file_atomically(path, std::as_bytes(std::span(text)));
+}
 
 // Keeps processes that change one file from doing so at the same time.
 

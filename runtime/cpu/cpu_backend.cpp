@@ -10,11 +10,14 @@
 #include "runtime/cpu/cpu_dynamics.h"
 #include "runtime/cpu/ddm_frames.h"
 #include "runtime/cpu/kernels.h"
+#include "runtime/cpu/parallel.h"
 #include "runtime/host/output_steps.h"
 #include "runtime/host/stages.h"
 
 namespace bodyopt {
 namespace {
+
+using cpu::of_frame;
 
 // Vertices of a frame that are posed, or get their normals, at a time (and triangles, their area vectors). Their
 // displacements stay in the nearest cache.
@@ -23,13 +26,6 @@ constexpr std::size_t kPartBlocks = 32, kPartVertices = kPartBlocks * kBlockSize
 // Frames of a batch, and the bytes of their skins and normals at most: these, and what is known of their blocks, stay
 // in the caches between the stages. Of a body of more than 40,000 vertices a batch is one frame.
 constexpr std::size_t kMostFrames = 8, kMostSkinBytes = std::size_t{2} << 20;
-
-// The values of frame f of `frames`.
-template <typename Values>
-auto of_frame(Values& values, std::size_t f, std::size_t frames) {
-  const std::size_t size = values.size() / frames;
-  return std::span(values).subspan(f * size, size);
-}
 
 // Seconds of the stages, summed over threads.
 class StageTimes {

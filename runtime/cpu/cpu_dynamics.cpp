@@ -2,19 +2,12 @@
 
 #include "runtime/basis/dynamics.h"
 #include "runtime/cpu/dynamics_kernels.h"
+#include "runtime/cpu/parallel.h"
 #include "runtime/host/jiggle.h"
 
 namespace bodyopt {
-namespace {
 
-// The values of frame f of `frames`.
-template <typename Values>
-auto part(Values& values, std::size_t f, std::size_t frames) {
-  const std::size_t size = values.size() / frames;
-  return std::span(values).subspan(f * size, size);
-}
-
-}  // namespace
+using cpu::of_frame;
 
 CpuDynamics::CpuDynamics(const JiggleModel& model, Executor& threads)
     : dynamics_(*model.dynamics), threads_(threads), options_(model.options), numbers_(dynamics_.tets.nodes.size()) {
@@ -42,9 +35,9 @@ void CpuDynamics::step_frames(const Batch& batch, float weight, std::span<const 
   cpu::jiggle_rotate(dynamics_.tets, nodes_, batch.frame_count, rotations_, threads_);
   moved_.resize(positions.size());
   for (std::uint32_t f = 0; f < batch.frame_count; ++f) {
-    step(batch, f, part(strains, f, batch.frame_count));
-    cpu::jiggle_skin(dynamics_.tets, part(positions, f, batch.frame_count), motion.displacement, weight,
-                     part(moved_, f, batch.frame_count), threads_);
+    step(batch, f, of_frame(strains, f, batch.frame_count));
+    cpu::jiggle_skin(dynamics_.tets, of_frame(positions, f, batch.frame_count), motion.displacement, weight,
+                     of_frame(moved_, f, batch.frame_count), threads_);
   }
   positions.swap(moved_);
 }
@@ -70,9 +63,9 @@ void CpuDynamics::begin_frame(const JiggleFrame& frame, std::span<const float> n
 void CpuDynamics::step(const Batch& batch, std::uint32_t f, std::span<const float> strains) {
   const JiggleFrame& frame = batch.jiggle[f];
   if (frame.repeats) return;
-  const std::span<const float> nodes = part(nodes_, f, batch.frame_count);
-  const std::span<const float> rotations = part(rotations_, f, batch.frame_count);
-  const std::span<const float> controls = part(batch.controls, f, batch.frame_count);
+  const std::span<const float> nodes = of_frame(nodes_, f, batch.frame_count);
+  const std::span<const float> rotations = of_frame(rotations_, f, batch.frame_count);
+  const std::span<const float> controls = of_frame(batch.controls, f, batch.frame_count);
   begin_frame(frame, nodes);
   const JiggleStepPush push = jiggle_frame(dynamics_, static_cast<std::uint32_t>(strains.size()),
                                            static_cast<std::uint32_t>(controls.size()), 0, options_.gravity_change);

@@ -1,4 +1,4 @@
-// Sizes of loops of the jiggle that are worth a thread.
+// Sizes of loops of the jiggle that are worth a thread, and parts of arrays.
 #pragma once
 
 #include <algorithm>
@@ -26,6 +26,13 @@ std::size_t work_of(std::span<const Panel> panels) {
   std::size_t work = 0;
   for (const Panel& panel : panels) work += std::size_t{panel.row_count} * panel.input_count;
   return work;
+}
+
+// The values of frame f of `frames`.
+template <typename Values>
+auto of_frame(Values& values, std::size_t f, std::size_t frames) {
+  const std::size_t size = values.size() / frames;
+  return std::span(values).subspan(f * size, size);
 }
 
 }  // namespace bodyopt::cpu

@@ -8,6 +8,7 @@
 
 #include "runtime/core/error.h"
 #include "runtime/core/extent.h"
+#include "runtime/core/text.h"
 #include "runtime/host/stages.h"
 #include "runtime/host/tolerances.h"
 
@@ -23,11 +24,7 @@ struct StageOutput {
   std::function<std::string(std::size_t)> element;  // its name
 };
 
-std::string number_text(double number) {
-  char text[32];
-  std::snprintf(text, sizeof(text), "%.9g", number);
-  return text;
-}
+std::string number_text(double number) { return formatted("%.9g", number); }
 
 double largest(std::span<const float> values) {
   double most = 0;

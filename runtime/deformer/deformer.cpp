@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <numeric>
 
 #include "runtime/core/error.h"
 #include "runtime/core/extent.h"
+#include "runtime/core/text.h"
 #include "runtime/cpu/cpu_backend.h"
 #include "runtime/deformer/checked_backend.h"
 #include "runtime/deformer/drawn_backend.h"
@@ -113,11 +113,7 @@ std::string feature_name(const Basis& basis, std::uint32_t feature) {
 std::string outside_text(const Basis& basis, std::uint32_t feature, float by) {
   const std::vector<JointFeatures> joints = joint_features_of(basis.skeleton);
   const std::size_t joint_count = 9 * joints.size();
-  const auto in = [](double value, const char* unit) {
-    char text[64];
-    std::snprintf(text, sizeof(text), "%.1f %s", value, unit);
-    return std::string(text);
-  };
+  const auto in = [](double value, const char* unit) { return formatted("%.1f %s", value, unit); };
   if (feature < joint_count && joints[feature / 9].per_metre > 0) return in(1000 * double{by}, "mm");
   if (feature < joint_count) return in(double{by}, "degrees");
   if (feature < joint_count + basis.strain.fibre_count()) return in(100 * double{by}, "% of its length");

@@ -1,7 +1,6 @@
 #include "runtime/library/following_outputs.h"
 
 #include <algorithm>
-#include <cstdio>
 #include <utility>
 
 #include "runtime/library/guard.h"
@@ -21,9 +20,8 @@ void find_outputs(const bodyopt_skin& skin, const Attachments& attached, std::si
   const auto given = attached_outputs(skin.attached, skin.attached_count, attached, "skin.attached");
   outputs.assign(given.begin(), given.end());
   for (std::size_t m = 0; m < outputs.size(); ++m) {
-    char name[48];
-    std::snprintf(name, sizeof(name), "skin.attached[%zu]", m);
-    check_output(outputs[m], frames, attached.meshes[m].vertex_count(), 3, name);
+    const std::string name = concat("skin.attached[", m, "]");
+    check_output(outputs[m], frames, attached.meshes[m].vertex_count(), 3, name.c_str());
   }
   if (std::ranges::all_of(outputs, [](const bodyopt_floats& output) { return output.data == nullptr; })) {
     outputs.clear();

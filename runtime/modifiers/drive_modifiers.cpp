@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <stdexcept>
 #include <utility>
 
 #include "runtime/core/error.h"
+#include "runtime/core/text.h"
 #include "runtime/core/transformed.h"
 #include "runtime/modifiers/skin_modifier_type.h"
 
@@ -56,8 +56,8 @@ class ChannelReader {
       value = within;
     }
     if (clamped == 0) return;
-    char range[64];
-    std::snprintf(range, sizeof range, "%g to %g", static_cast<double>(control.low), static_cast<double>(control.high));
+    const std::string range =
+        formatted("%g to %g", static_cast<double>(control.low), static_cast<double>(control.high));
     notes_.push_back("the control '" + name + "' leaves its range, " + range + ", in " + std::to_string(clamped) +
                      " of the clip's " + std::to_string(values.size()) + " frames: clamped there");
   }

@@ -37,8 +37,7 @@ constexpr auto kCharacterFields = [](auto& list, auto& character) {
   kFileFields(list, character.files);
   list.structure("pose", character.pose, kPosingFields);
   kPlacementFields(list, character.placement);
-  constexpr bool writes = std::is_const_v<std::remove_reference_t<decltype(character)>>;
-  if (!writes || character.number != 0) list.integer("number", character.number, 1, kHighestNumber);
+  if (list.wants(character.number != 0)) list.integer("number", character.number, 1, kHighestNumber);
 };
 
 // Numbers are their own: whoever has none, or another's, gets that of its place, or the first that is free. A list in

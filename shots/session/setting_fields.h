@@ -3,7 +3,6 @@
 #pragma once
 
 #include <numbers>
-#include <type_traits>
 
 #include "shots/session/view_settings.h"
 
@@ -28,9 +27,8 @@ inline constexpr auto kViewFields = [](auto& list, auto& view) {
   list.boolean("orthographic", view.orthographic);
   list.boolean("cut_away", view.cut_away);
   // Earlier programs refuse these: files have them only where they say something.
-  constexpr bool writes = std::is_const_v<std::remove_reference_t<decltype(view)>>;
-  if (!writes || view.roll != 0) list.number("roll", view.roll, -std::numbers::pi, std::numbers::pi);
-  if (!writes || view.vertical_angle != OrbitView().vertical_angle) {
+  if (list.wants(view.roll != 0)) list.number("roll", view.roll, -std::numbers::pi, std::numbers::pi);
+  if (list.wants(view.vertical_angle != OrbitView().vertical_angle)) {
     list.number("vertical_angle", view.vertical_angle, OrbitView::kNarrowest, OrbitView::kWidest);
   }
 };
@@ -86,17 +84,16 @@ inline constexpr auto kPoseKeyFields = [](auto& list, auto& key) {
   list.named("pins", key.pins,
              [](auto& pins, const char* name, auto& at) { pins.vector(name, at, -kFurthest, kFurthest); });
   // Earlier programs refuse these keys: files have them only where they say something.
-  constexpr bool writes = std::is_const_v<std::remove_reference_t<decltype(key)>>;
-  if (!writes || !key.moves.empty()) {
+  if (list.wants(!key.moves.empty())) {
     list.named("moves", key.moves,
                [](auto& moves, const char* name, auto& by) { moves.vector(name, by, -kFurthest, kFurthest); });
   }
-  if (!writes || key.ease != KeyEase::smooth) list.choice("ease", key.ease, kKeyEaseNames);
-  if (!writes || !key.eases.empty()) {
+  if (list.wants(key.ease != KeyEase::smooth)) list.choice("ease", key.ease, kKeyEaseNames);
+  if (list.wants(!key.eases.empty())) {
     list.named("eases", key.eases,
                [](auto& eases, const char* name, auto& ease) { eases.choice(name, ease, kKeyEaseNames); });
   }
-  if (!writes || !key.facing.empty()) {
+  if (list.wants(!key.facing.empty())) {
     list.named("facing", key.facing, [](auto& facing, const char* name, auto& angles) {
       facing.vector(name, angles, -kMostTurn, kMostTurn);
     });
@@ -146,8 +143,7 @@ inline constexpr auto kSettingsFields = [](auto& list, auto& settings) {
   list.named("cameras", settings.cameras,
              [](auto& cameras, const char* name, auto& view) { cameras.structure(name, view, kViewFields); });
   // Earlier programs refuse it: files have it only where it says something.
-  constexpr bool writes = std::is_const_v<std::remove_reference_t<decltype(settings)>>;
-  if (!writes || settings.shot_camera != ViewSettings::ShotCamera()) {
+  if (list.wants(settings.shot_camera != ViewSettings::ShotCamera())) {
     list.structure("shot_camera", settings.shot_camera, kShotCameraFields);
   }
   list.structure("look", settings.look, kLookFields);

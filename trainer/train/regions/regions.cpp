@@ -217,15 +217,8 @@ std::vector<RegionWeights> automatic_regions(const Character& character, const s
   weights.array().colwise() /= weights.rowwise().sum().array().eval();
   weights.array().colwise() *= left.array();
 
-  std::vector<RegionWeights> regions(static_cast<std::size_t>(count));
-  for (Index c = 0; c < count; ++c) {
-    RegionWeights& region = regions[static_cast<std::size_t>(c)];
-    for (Index v = 0; v < vertices; ++v) {
-      if (!(weights(v, c) > 0)) continue;
-      region.vertices.push_back(static_cast<std::uint32_t>(v));
-      region.weights.push_back(weights(v, c));
-    }
-  }
+  std::vector<RegionWeights> regions;
+  for (Index c = 0; c < count; ++c) regions.push_back(region_of("", weights.col(c)));
   drop_negligible(regions);
   return regions;
 }
