@@ -286,30 +286,29 @@ void run(const PictureArguments& arguments) {
 }  // namespace
 
 void add_picture(CLI::App& app) {
-  auto arguments = std::make_shared<PictureArguments>();
-  CLI::App& verb = add_verb(app, "picture", "Draw a frame of a dataset, whole or cut open");
-  add_option(verb, "dataset", arguments->dataset, "Dataset (folder or dataset.json)")->required()->type_name("DATASET");
-  add_option(verb, "--take", arguments->take, "Name of the take (default: the first)");
-  add_option(verb, "--frame", arguments->frame, "Frame of the take")->required();
-  add_option(verb, "--direction", arguments->direction, "From what is looked at towards the camera: x y z")
+  const auto [verb, arguments] =
+      add_verb<PictureArguments>(app, "picture", "Draw a frame of a dataset, whole or cut open", run);
+  add_required(verb, "dataset", arguments.dataset, "DATASET", "Dataset (folder or dataset.json)");
+  add_option(verb, "--take", arguments.take, "Name of the take (default: the first)");
+  add_option(verb, "--frame", arguments.frame, "Frame of the take")->required();
+  add_option(verb, "--direction", arguments.direction, "From what is looked at towards the camera: x y z")
       ->expected(3)
       ->capture_default_str();
-  CLI::Option* around = add_option(verb, "--around", arguments->around, "Joint to look at (default: the whole body)");
-  add_option(verb, "--radius", arguments->radius, "Metres around that joint")
+  CLI::Option* around = add_option(verb, "--around", arguments.around, "Joint to look at (default: the whole body)");
+  add_option(verb, "--radius", arguments.radius, "Metres around that joint")
       ->needs(around)
       ->check(above_zero)
       ->capture_default_str();
-  add_flag(verb, "--cut-open", arguments->cut_open,
+  add_flag(verb, "--cut-open", arguments.cut_open,
            "Take away what is in front of the middle: bone ivory, fat yellow, cavity grey-blue, every muscle a red of "
            "its own, more orange the shorter than at rest, more violet the longer. Of frames that `simulate` solved "
            "without --tet-size");
-  add_option(verb, "--size", arguments->size, "Width and height in pixels")
+  add_option(verb, "--size", arguments.size, "Width and height in pixels")
       ->expected(2)
       ->check(CLI::Range(16u, draw::kMaxPictureSize))
       ->capture_default_str();
-  add_option(verb, "--out", arguments->out, "FILE.png", "Picture to write")->required();
-  arguments->json.add(verb);
-  verb.callback([arguments] { run(*arguments); });
+  add_option(verb, "--out", arguments.out, "FILE.png", "Picture to write")->required();
+  arguments.json.add(verb);
 }
 
 }  // namespace bodyopt::cli
