@@ -28,7 +28,7 @@ report::FrameAxis heldout_axis(const trainer::SampleSet& set) {
   for (std::size_t k = 0; k < set.heldout.size(); ++k) {
     const trainer::Sample& sample = set.heldout[k];
     if (k == 0 || sample.take != set.heldout[k - 1].take) {
-      axis.takes.push_back({set.takes[static_cast<std::size_t>(sample.take)], k});
+      axis.takes.push_back({set.take_of(sample), k});
     }
     axis.frames.push_back(sample.frame);
   }
@@ -105,9 +105,7 @@ report::AreaErrorsReport area_errors(const trainer::MethodErrors& errors) {
 }
 
 bool is_foreign(const trainer::SampleSet& set, const std::string& take) {
-  return std::ranges::none_of(set.train, [&](const trainer::Sample& sample) {
-    return set.takes[static_cast<std::size_t>(sample.take)] == take;
-  });
+  return std::ranges::none_of(set.train, [&](const trainer::Sample& sample) { return set.take_of(sample) == take; });
 }
 
 std::vector<report::TakeReport> take_reports(const trainer::SampleSet& set, const Basis& basis) {
