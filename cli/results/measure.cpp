@@ -70,10 +70,9 @@ report::CoverageReport heldout_coverage(const trainer::SampleSet& set, const Tra
   constexpr std::size_t kWorst = 20;
   report::CoverageReport report;
   report.regions = training.result.basis.coverage.names;
-  for (const ExpectedError& error : trainer::expected_errors(training.result.basis, heldout_poses(set))) {
-    report.frame_mm.push_back(error.rms_mm);
-    report.region_mm.push_back(error.region_mm);
-  }
+  const std::vector<ExpectedError> errors = trainer::expected_errors(training.result.basis, heldout_poses(set));
+  report.frame_mm = transformed(errors, &ExpectedError::rms_mm);
+  report.region_mm = transformed(errors, &ExpectedError::region_mm);
   report.rms_mm = trainer::root_mean_square(report.frame_mm);
   const double correlation = trainer::rank_correlation(report.frame_mm, training.methods.back().errors.frame_rms);
   if (std::isfinite(correlation)) report.rank_correlation = correlation;
