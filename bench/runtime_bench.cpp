@@ -287,20 +287,21 @@ void triad(benchmark::State& state) {
   state.SetBytesProcessed(static_cast<std::int64_t>(state.iterations() * 12 * count));
 }
 
-void add(const std::string& name) {
-  const auto run = [](const std::string& title, auto function, auto... arguments) {
-    benchmark::RegisterBenchmark(title.c_str(), [=](benchmark::State& state) {
-      function(state, arguments...);
-    })->Unit(benchmark::kMillisecond);
-  };
-  run(name + "/dense double, SVD", dense_double, name);
-  run(name + "/sparse double, SVD", sparse_double, name);
-  run(name + "/linear blending", linear_blending, name);
+// Of function(state, arguments...).
+benchmark::internal::Benchmark* add(const std::string& title, auto function, auto... arguments) {
+  return benchmark::RegisterBenchmark(title.c_str(), [=](benchmark::State& state) { function(state, arguments...); })
+      ->Unit(benchmark::kMillisecond);
+}
+
+void add_body(const std::string& name) {
+  add(name + "/dense double, SVD", dense_double, name);
+  add(name + "/sparse double, SVD", sparse_double, name);
+  add(name + "/linear blending", linear_blending, name);
   for (const auto& [target, title] :
        {std::pair{HWY_AVX3, "AVX-512"}, {HWY_AVX2, "AVX2"}, {HWY_SSE4, "SSE4"}, {HWY_SCALAR, "one lane"}}) {
-    if (hwy::SupportedTargets() & target) run(name + "/pose_skin, " + title, product, name, std::int64_t{target});
+    if (hwy::SupportedTargets() & target) add(name + "/pose_skin, " + title, product, name, std::int64_t{target});
   }
-  run(name + "/pose_skin, in cache", product_in_cache, name);
+  add(name + "/pose_skin, in cache", product_in_cache, name);
 }
 
 }  // namespace
@@ -308,26 +309,21 @@ void add(const std::string& name) {
 
 int main(int argc, char** argv) {
   benchmark::Initialize(&argc, argv);
-  bodyopt::bench::add("arm");
+  bodyopt::bench::add_body("arm");
   if (std::getenv("BODYOPT_BENCH_CHARACTER")) {
-    bodyopt::bench::add("human");
-    bodyopt::bench::add("large");
+    bodyopt::bench::add_body("human");
+    bodyopt::bench::add_body("large");
     for (const int halvings : {0, 1, 2}) {
-      benchmark::RegisterBenchmark(("human/tables made, edges halved " + std::to_string(halvings) + " times").c_str(),
-                                   [=](benchmark::State& state) { bodyopt::bench::made(state, halvings); })
-          ->Unit(benchmark::kMillisecond)
-          ->Iterations(1)
-          ->MeasureProcessCPUTime();
+      const std::string title = "human/tables made, edges halved " + std::to_string(halvings) + " times";
+      bodyopt::bench::add(title, bodyopt::bench::made, halvings)->Iterations(1)->MeasureProcessCPUTime();
     }
     for (const int halvings : {0, 1, 2, 3}) {
       for (const std::size_t count : {1, 64}) {
         const std::string title = "human/edges halved " + std::to_string(halvings) + " times, " + std::to_string(count);
-        benchmark::RegisterBenchmark((title + " frames").c_str(), [=](benchmark::State& state) {
-          bodyopt::bench::frames(state, halvings, count);
-        })->Unit(benchmark::kMillisecond);
+        bodyopt::bench::add(title + " frames", bodyopt::bench::frames, halvings, count);
       }
     }
   }
-  benchmark::RegisterBenchmark("triad", bodyopt::bench::triad)->Unit(benchmark::kMillisecond);
+  bodyopt::bench::add("triad", bodyopt::bench::triad);
   benchmark::RunSpecifiedBenchmarks();
 }

@@ -3,7 +3,6 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
-#include <chrono>
 #include <cstdlib>
 #include <fstream>
 #include <memory>
@@ -14,6 +13,7 @@
 #include "bench/subdivide.h"
 #include "dataset/dataset.h"
 #include "runtime/core/error.h"
+#include "runtime/core/stopwatch.h"
 #include "trainer/train/data/samples.h"
 #include "trainer/train/fit/train.h"
 
@@ -31,13 +31,9 @@ struct Cost {
 
 class CostWatch {
  public:
-  Cost cost() const {
-    return {std::chrono::duration<double>(Clock::now() - start_).count(), core_seconds() - start_core_seconds_};
-  }
+  Cost cost() const { return {watch_.seconds(), core_seconds() - start_core_seconds_}; }
 
  private:
-  using Clock = std::chrono::steady_clock;
-
   static double core_seconds() {
     rusage usage{};
     getrusage(RUSAGE_SELF, &usage);
@@ -45,7 +41,7 @@ class CostWatch {
     return seconds(usage.ru_utime) + seconds(usage.ru_stime);
   }
 
-  Clock::time_point start_ = Clock::now();
+  Stopwatch watch_;
   double start_core_seconds_ = core_seconds();
 };
 

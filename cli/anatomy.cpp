@@ -8,6 +8,7 @@
 #include "report/pictures.h"
 #include "runtime/core/error.h"
 #include "runtime/core/stopwatch.h"
+#include "runtime/core/transformed.h"
 #include "trainer/anatomy/anatomy_report.h"
 #include "trainer/anatomy/section.h"
 
@@ -37,18 +38,16 @@ Json parts_json(const trainer::AnatomyReport& report) {
 }
 
 Json muscles_json(const trainer::AnatomyReport& report) {
-  Json muscles = Json::array();
-  for (const trainer::AnatomyReport::OfMuscle& muscle : report.muscles) {
-    Json bones = Json::array();
-    for (const std::string& bone : muscle.bones) bones.push_back(bone.empty() ? Json() : Json(bone));
-    muscles.push_back({{"name", muscle.name},
-                       {"volume_cm3", kCubicCentimetres * muscle.volume},
-                       {"target_cm3", kCubicCentimetres * muscle.target},
-                       {"pieces", muscle.pieces},
-                       {"ends_off_bone_mm", {1e3 * muscle.ends_off_bone[0], 1e3 * muscle.ends_off_bone[1]}},
-                       {"end_bones", bones}});
-  }
-  return muscles;
+  return transformed(report.muscles, [](const trainer::AnatomyReport::OfMuscle& muscle) {
+    const Json bones =
+        transformed(muscle.bones, [](const std::string& bone) { return bone.empty() ? Json() : Json(bone); });
+    return Json{{"name", muscle.name},
+                {"volume_cm3", kCubicCentimetres * muscle.volume},
+                {"target_cm3", kCubicCentimetres * muscle.target},
+                {"pieces", muscle.pieces},
+                {"ends_off_bone_mm", {1e3 * muscle.ends_off_bone[0], 1e3 * muscle.ends_off_bone[1]}},
+                {"end_bones", bones}};
+  });
 }
 
 Json anatomy_json(const trainer::AnatomyReport& report, const trainer::AnatomyField& field, double seconds) {
@@ -155,11 +154,9 @@ void add_anatomy(CLI::App& app) {
   add_option(verb, "--cell", arguments.cell_mm,
              "Millimetres between samples (default: 5 of a human, by the body's volume)")
       ->check(above_zero);
-  add_option(verb, "--picture", arguments.picture,
+  add_option(verb, "--picture", arguments.picture, "FILE.png",
              "Also draw sections: of a human thigh, calf, hip, loin, chest, upper arm and forearm; of others five "
-             "across and one along the middle")
-      ->type_name("FILE.png")
-      ->check(must_end_in(".png"));
+             "across and one along the middle");
   add_unit(verb, arguments.unit);
   arguments.json.add(verb);
 }

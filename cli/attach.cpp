@@ -6,7 +6,6 @@
 #include "cli/arguments/common.h"
 #include "cli/results/attachments.h"
 #include "runtime/core/error.h"
-#include "runtime/core/transformed.h"
 
 namespace bodyopt::cli {
 namespace {
@@ -21,9 +20,8 @@ struct AttachArguments {
 int named_joint(const std::string& name, const Skeleton& skeleton) {
   const int joint = skeleton.find(name);
   if (joint >= 0) return joint;
-  const std::vector<std::string> known = transformed(skeleton.joints, &Joint::name);
   throw Error(ErrorKind::usage, "--joint: the character has no joint '", name, "'; the nearest names are ",
-              list_names(nearest_names(known, name)));
+              list_names(nearest_names(names_of(skeleton.joints), name)));
 }
 
 trainer::AttachOptions options_of(const AttachArguments& arguments, const Skeleton& skeleton) {
@@ -42,7 +40,7 @@ trainer::AttachOptions options_of(const AttachArguments& arguments, const Skelet
 
 // Keeps the meshes that were asked for.
 std::vector<trainer::LooseMesh> chosen(std::vector<trainer::LooseMesh> meshes, const AttachArguments& arguments) {
-  const std::vector<std::string> names = transformed(meshes, &trainer::LooseMesh::name);
+  const std::vector<std::string> names = names_of(meshes);
   for (const std::string& name : arguments.only) {
     if (std::ranges::find(names, name) != names.end()) continue;
     throw Error(ErrorKind::file, arguments.mesh, ": has no mesh '", name, "' to attach; it has ", list_names(names));

@@ -157,8 +157,8 @@ struct FrameCost {
 
 // Runs the calls together, again and again, for so long. The evaluations keep their memory, as those of a shot do.
 // before: called each time, before them.
-template <typename Before>
-FrameCost measure(std::span<DeformerCall> calls, double seconds, const Before& before) {
+FrameCost measure(
+    std::span<DeformerCall> calls, double seconds, const std::function<void()>& before = [] {}) {
   double frames = 0;
   for (const DeformerCall& call : calls) frames += static_cast<double>(call.poses.size());
   const auto run = [&] {
@@ -185,10 +185,6 @@ FrameCost measure(std::span<DeformerCall> calls, double seconds, const Before& b
   const auto middle = costs.begin() + static_cast<std::ptrdiff_t>(costs.size() / 2);
   std::ranges::nth_element(costs, middle, {}, &FrameCost::seconds);
   return *middle;
-}
-
-FrameCost measure(std::span<DeformerCall> calls, double seconds) {
-  return measure(calls, seconds, [] {});
 }
 
 FrameCost measure_batch(Deformer& deformer, std::span<const Pose> poses, double seconds) {

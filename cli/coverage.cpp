@@ -47,18 +47,6 @@ std::vector<double> true_errors(const Basis& basis, const std::vector<Pose>& pos
   return accumulator.finish().frame_rms;
 }
 
-report::HeatStrip strip(const std::vector<int>& frames, const std::vector<std::string>& regions,
-                        const std::vector<ExpectedError>& errors) {
-  report::HeatStrip strip;
-  strip.frames = frames;
-  strip.regions = regions;
-  for (const ExpectedError& error : errors) {
-    strip.whole_mm.push_back(error.rms_mm);
-    strip.regions_mm.push_back(error.region_mm);
-  }
-  return strip;
-}
-
 struct RegionError {
   std::string region;  // empty: there are no regions
   double mm = 0;
@@ -92,10 +80,9 @@ struct ClipCoverage {
 ClipCoverage coverage_of(const Basis& basis, std::vector<int> frames, const std::vector<Pose>& poses,
                          std::size_t listed) {
   ClipCoverage coverage{std::move(frames), trainer::expected_errors(basis, poses), {}, {}, {}};
-  for (const ExpectedError& error : coverage.errors) {
-    coverage.worst.push_back(worst_region(basis.coverage.names, error));
-    coverage.rms_mm.push_back(error.rms_mm);
-  }
+  coverage.worst = transformed(coverage.errors,
+                               [&](const ExpectedError& error) { return worst_region(basis.coverage.names, error); });
+  coverage.rms_mm = transformed(coverage.errors, &ExpectedError::rms_mm);
   coverage.simulated =
       trainer::worth_simulating(coverage.rms_mm, listed, trainer::spreading_gap(coverage.frames.size(), listed));
   return coverage;
@@ -117,8 +104,8 @@ Json result_of(const ClipCoverage& coverage, const Basis& basis) {
   }
   const std::vector<std::string>& regions = basis.coverage.names;
   for (std::size_t r = 0; r < regions.size(); ++r) {
-    std::vector<double> of_region;
-    for (const ExpectedError& error : coverage.errors) of_region.push_back(error.region_mm[r]);
+    const std::vector<double> of_region =
+        transformed(coverage.errors, [&](const ExpectedError& error) { return error.region_mm[r]; });
     per_region.push_back({{"region", regions[r]},
                           {"joints", joint_names(basis, r)},
                           {"expected_rms_mm", trainer::root_mean_square(of_region)}});
@@ -159,7 +146,7 @@ void run(const CoverageArguments& arguments) {
   files.clip = arguments.clip;
   files.device.name = "cpu";
   if (!arguments.session.empty()) shots::take_session(arguments.session, files);
-  ErrorExpectation{load_basis(files.basis)};  // refuses a basis without coverage before the clip is read
+  static_cast<void>(ErrorExpectation(load_basis(files.basis)));  // refuses one without coverage before the clip is read
   shots::Shot shot = shots::read_shot(files, warn);
   const Basis& basis = shot.basis();
   const std::vector<Pose> poses = shot.poses(0, shot.frames.size());
@@ -171,7 +158,8 @@ void run(const CoverageArguments& arguments) {
     text += compare_with_truth(coverage.rms_mm, true_errors(basis, poses, arguments.truth), result);
   }
   if (!arguments.picture.empty()) {
-    const std::string svg = report::heat_strip(strip(coverage.frames, basis.coverage.names, coverage.errors));
+    const std::string svg = report::heat_strip({coverage.frames, coverage.rms_mm, basis.coverage.names,
+                                                transformed(coverage.errors, &ExpectedError::region_mm)});
     write_file_atomically(arguments.picture, std::as_bytes(std::span(svg)));
     text += "wrote " + arguments.picture + "\n";
   }

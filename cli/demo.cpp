@@ -11,11 +11,13 @@
 #include "assets/caches/pc2.h"
 #include "base/json_file.h"
 #include "cli/arguments/common.h"
+#include "cli/arguments/dataset_arguments.h"
 #include "cli/results/demo_extras.h"
 #include "cli/results/measure.h"
 #include "cli/results/report_pictures.h"
 #include "runtime/core/error.h"
 #include "runtime/core/stopwatch.h"
+#include "runtime/core/transformed.h"
 #include "runtime/host/rig.h"
 #include "trainer/builtin/arm.h"
 #include "trainer/motion/range_of_motion.h"
@@ -121,28 +123,19 @@ std::string to_view(const fs::path& folder, const char* basis) {
          " " + (folder / "heldout.glb").string() + "\n";
 }
 
-// Simulates the takes of a dataset one after the other.
-class TakeSimulation {
- public:
-  TakeSimulation(const Dataset& dataset, const trainer::SimulateOptions& options)
-      : options_(options),
-        character_(read_character(dataset.folder / dataset.character)),
-        muscles_(read_muscles(dataset.folder / dataset.muscles, character_.skeleton)),
-        body_(trainer::make_compared_body(character_, muscles_, options)) {}
+PreparedBody body_of(const Dataset& dataset, const trainer::SimulateOptions& options) {
+  Character character = read_character(dataset.folder / dataset.character);
+  std::vector<Muscle> muscles = read_muscles(dataset.folder / dataset.muscles, character.skeleton);
+  return {std::move(character), std::move(muscles), options};
+}
 
-  void add(const DatasetTake& take, Dataset& dataset) const {
-    trainer::simulate(body_, character_, muscles_, read_clip(dataset, take, character_.skeleton), take.frames,
-                      dataset.folder / take.shapes, dataset.folder / take.shapes_status, options_);
-    dataset.takes.push_back(take);
-    write_dataset(dataset, dataset.folder / "dataset.json");
-  }
-
- private:
-  trainer::SimulateOptions options_;
-  Character character_;
-  std::vector<Muscle> muscles_;
-  trainer::QuasiStaticBody body_;
-};
+void add_take(const PreparedBody& body, const DatasetTake& take, const trainer::SimulateOptions& options,
+              Dataset& dataset) {
+  trainer::simulate(body.body, body.character, body.muscles, read_clip(dataset, take, body.character.skeleton),
+                    take.frames, dataset.folder / take.shapes, dataset.folder / take.shapes_status, options);
+  dataset.takes.push_back(take);
+  write_dataset(dataset, dataset.folder / "dataset.json");
+}
 
 DatasetTake heldout_take(const DemoSize& size) {
   const std::vector<int> frames = every(kHeldoutStep, size.heldout_frames);
@@ -153,12 +146,12 @@ DatasetTake heldout_take(const DemoSize& size) {
 
 Dataset simulate_dataset(const fs::path& folder, const DemoSize& size) {
   Dataset dataset = dataset_in(folder / "dataset");
-  const TakeSimulation simulation(dataset, {});
-  simulation.add(take_of("rom", "rom.glb", every(1, size.rom_frames)), dataset);
+  const PreparedBody body = body_of(dataset, {});
+  add_take(body, take_of("rom", "rom.glb", every(1, size.rom_frames)), {}, dataset);
   DatasetTake flexed = take_of("flexed", "rom.glb", every(kFlexedStep, size.rom_frames));
   flexed.controls = "../flex.json";
-  simulation.add(flexed, dataset);
-  simulation.add(heldout_take(size), dataset);
+  add_take(body, flexed, {}, dataset);
+  add_take(body, heldout_take(size), {}, dataset);
   return dataset;
 }
 
@@ -166,13 +159,14 @@ Dataset simulate_dataset(const fs::path& folder, const DemoSize& size) {
 // the held-out motion, which are held against that. Returns their dataset.
 Dataset simulate_drafts(const fs::path& folder, const DemoSize& size, const DemoArguments& arguments) {
   Dataset dataset = dataset_in(folder / "draft");
-  const TakeSimulation simulation(dataset, {.draft = true});
+  const trainer::SimulateOptions options{.draft = true};
+  const PreparedBody body = body_of(dataset, options);
   DatasetTake rom = take_of("rom", "rom.glb", every(kDraftStep, size.rom_frames)), heldout = heldout_take(size);
   for (DatasetTake* take : {&rom, &heldout}) take->shapes = take->name + ".nodes";
-  simulation.add(rom, dataset);
+  add_take(body, rom, options, dataset);
   train_and_measure(trainer::read_samples(dataset), {}, false, 0, folder / "first.safetensors");
   arguments.json.print("a first arm, learned from drafts, can be looked at:\n" + to_view(folder, "first.safetensors"));
-  simulation.add(heldout, dataset);
+  add_take(body, heldout, options, dataset);
   return dataset;
 }
 
@@ -185,14 +179,8 @@ std::vector<Positions> welded_shapes(const trainer::SampleSet& set, const Evalua
   return shapes;
 }
 
-std::vector<int> heldout_frames(const trainer::SampleSet& set) {
-  std::vector<int> frames;
-  for (const trainer::Sample& sample : set.heldout) frames.push_back(sample.frame);
-  return frames;
-}
-
 void write_evaluation(const fs::path& path, const trainer::SampleSet& set, const Evaluation& evaluation) {
-  const std::vector<int> frames = heldout_frames(set);
+  const std::vector<int> frames = transformed(set.heldout, &trainer::Sample::frame);
   const std::size_t stride = 3 * std::size_t{set.character.output_count()};
   Pc2Writer writer(path, set.character.output_count(), static_cast<std::uint32_t>(frames.size()),
                    frames.empty() ? 1.0f : static_cast<float>(frames.front()), frame_spacing(frames));
@@ -353,14 +341,13 @@ void run(DemoArguments arguments) {
 }  // namespace
 
 void add_demo(CLI::App& app) {
-  auto arguments = std::make_shared<DemoArguments>();
-  CLI::App& verb = add_verb(app, "demo", "Do the whole path on the built-in arm, from character to report");
-  add_option(verb, "--out", arguments->out, "Folder for everything that is made")->required()->type_name("DIR");
-  add_flag(verb, "--quick", arguments->quick, "A few of the frames: to see it work, not to judge the errors");
-  add_flag(verb, "--all", arguments->all, "Also the other methods on the same frames, jiggle, and a stockier arm");
-  arguments->device.add(verb);
-  arguments->json.add(verb);
-  verb.callback([arguments] { run(*arguments); });
+  const auto [verb, arguments] = add_verb<DemoArguments, DemoArguments>(
+      app, "demo", "Do the whole path on the built-in arm, from character to report", run);
+  add_required(verb, "--out", arguments.out, "DIR", "Folder for everything that is made");
+  add_flag(verb, "--quick", arguments.quick, "A few of the frames: to see it work, not to judge the errors");
+  add_flag(verb, "--all", arguments.all, "Also the other methods on the same frames, jiggle, and a stockier arm");
+  arguments.device.add(verb);
+  arguments.json.add(verb);
 }
 
 }  // namespace bodyopt::cli

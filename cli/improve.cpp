@@ -95,18 +95,11 @@ std::vector<Chosen> choose(std::vector<ImprovedClip>& shots, const std::vector<d
     const bool heldout = chosen.size() % kTested == kTested / 2;
     chosen.push_back({shot, shots[shot].frames[at - first], heldout});
   }
-  for (std::size_t s = 0; s < shots.size(); ++s) {
-    ImprovedClip left = shots[s];
-    left.frames.clear();
-    left.poses.clear();
-    for (std::size_t k = 0; k < shots[s].frames.size(); ++k) {
-      const bool taken =
-          std::ranges::any_of(chosen, [&](const Chosen& c) { return c.shot == s && c.frame == shots[s].frames[k]; });
-      if (taken) continue;
-      left.frames.push_back(shots[s].frames[k]);
-      left.poses.push_back(shots[s].poses[k]);
-    }
-    shots[s] = std::move(left);
+  for (const Chosen& c : chosen) {
+    ImprovedClip& shot = shots[c.shot];
+    const auto place = std::ranges::find(shot.frames, c.frame) - shot.frames.begin();
+    shot.frames.erase(shot.frames.begin() + place);
+    shot.poses.erase(shot.poses.begin() + place);
   }
   return chosen;
 }
@@ -165,9 +158,7 @@ std::vector<trainer::Sample> tested(const trainer::SampleSet& set, const std::ve
   std::set<std::string> names;
   for (const ImprovedClip& shot : shots) names.insert(shot.take.take_name());
   std::vector<trainer::Sample> samples = set.heldout;
-  std::erase_if(samples, [&](const trainer::Sample& sample) {
-    return !names.contains(set.takes[static_cast<std::size_t>(sample.take)]);
-  });
+  std::erase_if(samples, [&](const trainer::Sample& sample) { return !names.contains(set.take_of(sample)); });
   return samples;
 }
 

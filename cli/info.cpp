@@ -232,11 +232,7 @@ Json dynamics_info(const std::string& path, const Safetensors& file) {
     const Json told = Json::parse(metadata[own], nullptr, false);
     if (!told.is_object()) throw Error(ErrorKind::file, path, ": its ", own, " is not a JSON object: damaged dynamics");
     metadata.erase(own);
-    if (own == std::string("report")) {
-      result.update(told);
-    } else {
-      result[own] = told;
-    }
+    result.update(own == std::string("report") ? told : Json{{own, told}});
   }
   result["metadata"] = metadata;
   return result;

@@ -10,6 +10,7 @@
 #include "cli/arguments/common.h"
 #include "dataset/modifier.h"
 #include "draw/cut_surface.h"
+#include "geometry/mesh.h"
 #include "report/pictures.h"
 #include "runtime/core/error.h"
 #include "runtime/core/text.h"
@@ -47,9 +48,7 @@ std::optional<Positions> curated_skin(const PicturedFrame& pictured, int number)
   say(stack.notes());
   const trainer::PoseDatabase& database = stack.database();
   for (std::size_t n = 0; n < database.frames.size(); ++n) {
-    const trainer::DatabaseFrame& frame = database.frames[n];
-    const bool same_take = database.takes[static_cast<std::size_t>(frame.take)] == pictured.take.name;
-    if (same_take && frame.frame == number) return stack.shape(n);
+    if (database.take_of(n) == pictured.take.name && database.frames[n].frame == number) return stack.shape(n);
   }
   return std::nullopt;
 }
@@ -58,14 +57,13 @@ PicturedFrame read_pictured_frame(const PictureArguments& arguments) {
   const std::filesystem::path path = dataset_file(arguments.dataset);
   PicturedFrame pictured;
   pictured.dataset = read_dataset(path);
-  const auto take =
-      std::find_if(pictured.dataset.takes.begin(), pictured.dataset.takes.end(),
-                   [&](const DatasetTake& t) { return arguments.take.empty() || t.name == arguments.take; });
+  const auto take = std::ranges::find_if(
+      pictured.dataset.takes, [&](const DatasetTake& t) { return arguments.take.empty() || t.name == arguments.take; });
   if (take == pictured.dataset.takes.end()) {
     throw Error(ErrorKind::usage, path.string() + " has no take '" + arguments.take + "'");
   }
   pictured.take = *take;
-  const auto at = std::find(take->frames.begin(), take->frames.end(), arguments.frame);
+  const auto at = std::ranges::find(take->frames, arguments.frame);
   if (at == take->frames.end()) {
     throw Error(ErrorKind::usage, format("frame {} is not among the shapes of take '{}'", arguments.frame, take->name));
   }
@@ -85,9 +83,8 @@ PicturedFrame read_pictured_frame(const PictureArguments& arguments) {
   if (shapes.point_count() != pictured.character.output_count() || sample >= shapes.sample_count()) {
     throw Error(ErrorKind::mismatch, take->shapes + " does not fit the dataset: try `bodyopt check`");
   }
-  const Positions skin = curated_skin(pictured, arguments.frame)
-                             .value_or(welded_from_output(pictured.character, shapes.sample(sample).data()));
-  pictured.skin.assign(skin.data(), skin.data() + skin.size());
+  pictured.skin = floats_of(curated_skin(pictured, arguments.frame)
+                                .value_or(welded_from_output(pictured.character, shapes.sample(sample).data())));
   return pictured;
 }
 
@@ -113,21 +110,17 @@ View choose_view(const PictureArguments& arguments, const PicturedFrame& picture
   std::array<float, 3> direction;
   for (std::size_t i = 0; i < 3; ++i) direction[i] = static_cast<float>(towards_camera[i]);
   const float aspect = static_cast<float>(arguments.size[0]) / static_cast<float>(arguments.size[1]);
+  const Positions skin = rows_of(pictured.skin);
   std::array<float, 3> low, high;
   for (std::size_t i = 0; i < 3; ++i) {
-    low[i] = high[i] = pictured.skin[i];
-    for (std::size_t v = i; v < pictured.skin.size(); v += 3) {
-      low[i] = std::min(low[i], pictured.skin[v]);
-      high[i] = std::max(high[i], pictured.skin[v]);
-    }
+    low[i] = static_cast<float>(skin.col(static_cast<Eigen::Index>(i)).minCoeff());
+    high[i] = static_cast<float>(skin.col(static_cast<Eigen::Index>(i)).maxCoeff());
   }
   if (!arguments.around.empty()) {
     const int joint = pictured.character.skeleton.find(arguments.around);
     if (joint < 0) {
-      std::vector<std::string> names;
-      for (const Joint& known : pictured.character.skeleton.joints) names.push_back(known.name);
-      throw Error(ErrorKind::usage,
-                  "--around: the character has no joint '" + arguments.around + "'; it has " + list_names(names));
+      throw Error(ErrorKind::usage, "--around: the character has no joint '", arguments.around, "'; it has ",
+                  list_names(names_of(pictured.character.skeleton.joints)));
     }
     const Affine world = posed_joints(pictured.character.skeleton, pose.joints)[static_cast<std::size_t>(joint)];
     for (std::size_t i = 0; i < 3; ++i) {
@@ -187,12 +180,10 @@ CutBody cut_body(const PicturedFrame& pictured, int frame) {
   trainer::AnatomyField field(pictured.character, muscles, options.anatomy);
   trainer::QuasiStaticBody body = trainer::make_body(pictured.character, muscles, field, options);
   require_same_inputs(pictured, trainer::frame_key(body, muscles, pictured.clip, frame), inputs, frame);
-  if (!options.draft) {
-    Positions nodes = trainer::solve_frame(body, muscles, pictured.clip, frame).nodes;
-    return {std::move(muscles), std::move(field), std::move(body), std::move(nodes)};
-  }
-  const auto sample = std::ranges::find(pictured.take.frames, frame) - pictured.take.frames.begin();
-  Positions nodes = NodesReader(dataset.folder / pictured.take.shapes).nodes(static_cast<std::uint32_t>(sample));
+  const auto sample =
+      static_cast<std::uint32_t>(std::ranges::find(pictured.take.frames, frame) - pictured.take.frames.begin());
+  Positions nodes = options.draft ? NodesReader(dataset.folder / pictured.take.shapes).nodes(sample)
+                                  : trainer::solve_frame(body, muscles, pictured.clip, frame).nodes;
   return {std::move(muscles), std::move(field), std::move(body), std::move(nodes)};
 }
 
@@ -223,10 +214,7 @@ std::vector<double> fibre_stretch(const CutBody& cut, const trainer::RestPoints&
 
 // Tets of a cage reach beyond the skin.
 void keep_inside(const trainer::SectionPlane& plane, const PicturedFrame& pictured, trainer::RestPoints& rest) {
-  const Positions skin = Eigen::Map<const Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor>>(
-                             pictured.skin.data(), static_cast<Eigen::Index>(pictured.skin.size() / 3), 3)
-                             .cast<double>();
-  const std::vector<bool> inside = trainer::pixels_inside(plane, skin, pictured.character.triangles);
+  const std::vector<bool> inside = trainer::pixels_inside(plane, rows_of(pictured.skin), pictured.character.triangles);
   for (std::size_t pixel = 0; pixel < rest.size(); ++pixel) {
     if (!inside[pixel]) rest[pixel].reset();
   }
@@ -286,30 +274,29 @@ void run(const PictureArguments& arguments) {
 }  // namespace
 
 void add_picture(CLI::App& app) {
-  auto arguments = std::make_shared<PictureArguments>();
-  CLI::App& verb = add_verb(app, "picture", "Draw a frame of a dataset, whole or cut open");
-  add_option(verb, "dataset", arguments->dataset, "Dataset (folder or dataset.json)")->required()->type_name("DATASET");
-  add_option(verb, "--take", arguments->take, "Name of the take (default: the first)");
-  add_option(verb, "--frame", arguments->frame, "Frame of the take")->required();
-  add_option(verb, "--direction", arguments->direction, "From what is looked at towards the camera: x y z")
+  const auto [verb, arguments] =
+      add_verb<PictureArguments>(app, "picture", "Draw a frame of a dataset, whole or cut open", run);
+  add_required(verb, "dataset", arguments.dataset, "DATASET", "Dataset (folder or dataset.json)");
+  add_option(verb, "--take", arguments.take, "Name of the take (default: the first)");
+  add_option(verb, "--frame", arguments.frame, "Frame of the take")->required();
+  add_option(verb, "--direction", arguments.direction, "From what is looked at towards the camera: x y z")
       ->expected(3)
       ->capture_default_str();
-  CLI::Option* around = add_option(verb, "--around", arguments->around, "Joint to look at (default: the whole body)");
-  add_option(verb, "--radius", arguments->radius, "Metres around that joint")
+  CLI::Option* around = add_option(verb, "--around", arguments.around, "Joint to look at (default: the whole body)");
+  add_option(verb, "--radius", arguments.radius, "Metres around that joint")
       ->needs(around)
       ->check(above_zero)
       ->capture_default_str();
-  add_flag(verb, "--cut-open", arguments->cut_open,
+  add_flag(verb, "--cut-open", arguments.cut_open,
            "Take away what is in front of the middle: bone ivory, fat yellow, cavity grey-blue, every muscle a red of "
            "its own, more orange the shorter than at rest, more violet the longer. Of frames that `simulate` solved "
            "without --tet-size");
-  add_option(verb, "--size", arguments->size, "Width and height in pixels")
+  add_option(verb, "--size", arguments.size, "Width and height in pixels")
       ->expected(2)
       ->check(CLI::Range(16u, draw::kMaxPictureSize))
       ->capture_default_str();
-  add_option(verb, "--out", arguments->out, "FILE.png", "Picture to write")->required();
-  arguments->json.add(verb);
-  verb.callback([arguments] { run(*arguments); });
+  add_option(verb, "--out", arguments.out, "FILE.png", "Picture to write")->required();
+  arguments.json.add(verb);
 }
 
 }  // namespace bodyopt::cli

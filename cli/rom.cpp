@@ -33,11 +33,6 @@ void say_held_turns(const std::string& source, const std::vector<Pose>& poses, c
   say(notes);
 }
 
-void say_detached(const trainer::JointLimits& limits, const Skeleton& skeleton) {
-  const std::string text = trainer::detached_text(limits.detached, skeleton);
-  if (!text.empty()) say({text});
-}
-
 // Limits are those of the file, or else what the clips show.
 trainer::JointLimits limits_for(const RomArguments& arguments, const Character& character) {
   if (!arguments.limits.empty()) return trainer::read_joint_limits(arguments.limits, character.skeleton);
@@ -47,7 +42,8 @@ trainer::JointLimits limits_for(const RomArguments& arguments, const Character& 
   }
   trainer::JointLimits limits =
       trainer::first_limits(character, read_poses(arguments.from, character.skeleton, arguments.unit, arguments.clip));
-  say_detached(limits, character.skeleton);
+  const std::string detached = trainer::detached_text(limits.detached, character.skeleton);
+  if (!detached.empty()) warn(detached);
   return limits;
 }
 
@@ -123,13 +119,12 @@ void run(const RomArguments& arguments) {
     text += format("  {:20} mean {:5.1f}  largest {:5.1f}\n", joint.joint, joint.mean, joint.largest);
     per_joint.push_back({{"joint", joint.joint}, {"mean_degrees", joint.mean}, {"largest_degrees", joint.largest}});
   }
-  Json coupled = Json::array();
   const std::vector<trainer::CoupledJoints> pairs = trainer::coupled_joints(skeleton, clip.poses);
-  for (const trainer::CoupledJoints& pair : pairs) {
-    coupled.push_back({{"joint", skeleton.joints[pair.joint].name},
-                       {"parent", skeleton.joints[pair.parent].name},
-                       {"correlation", pair.correlation}});
-  }
+  const Json coupled = transformed(pairs, [&](const trainer::CoupledJoints& pair) {
+    return Json{{"joint", skeleton.joints[pair.joint].name},
+                {"parent", skeleton.joints[pair.parent].name},
+                {"correlation", pair.correlation}};
+  });
   const std::string together = describe(pairs, skeleton);
   if (!together.empty()) say({together});
   text += "wrote " + arguments.out + "\n";

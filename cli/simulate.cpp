@@ -79,8 +79,7 @@ Json summary(const std::vector<FrameStatus>& status, std::string& text) {
 std::vector<std::string> doubts_of(const fs::path& dataset, const std::string& name) {
   trainer::SampleSet set = trainer::read_samples(read_dataset(dataset));
   for (std::vector<trainer::Sample>* samples : {&set.train, &set.heldout}) {
-    std::erase_if(*samples,
-                  [&](const trainer::Sample& s) { return set.takes[static_cast<std::size_t>(s.take)] != name; });
+    std::erase_if(*samples, [&](const trainer::Sample& sample) { return set.take_of(sample) != name; });
   }
   return trainer::shape_doubts(set);
 }

@@ -16,6 +16,7 @@
 #include "runtime/core/error.h"
 #include "runtime/core/json.h"
 #include "runtime/core/stopwatch.h"
+#include "runtime/core/transformed.h"
 #include "runtime/deformer/deformer.h"
 #include "trainer/check/check.h"
 #include "trainer/motion/held_turns.h"
@@ -61,13 +62,11 @@ void run_ddm_only(const TrainArguments& arguments) {
 }
 
 Json ablation(const std::vector<MethodResult>& methods) {
-  Json list = Json::array();
-  for (const MethodResult& method : methods) {
+  return transformed(methods, [](const MethodResult& method) {
     Json entry = {{"method", method.name}};
     entry.update(to_json(method));
-    list.push_back(entry);
-  }
-  return list;
+    return entry;
+  });
 }
 
 Json result_of(const TrainArguments& arguments, const trainer::SampleSet& set, const Training& training,

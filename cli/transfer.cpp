@@ -337,9 +337,8 @@ trainer::SampleSet unrefined_samples(Dataset dataset, const std::set<std::string
 
 // Frames held out of transferred takes stay as they were transferred.
 std::size_t say_carried_judge(const trainer::SampleSet& set, const std::set<std::string>& carried) {
-  const auto count = static_cast<std::size_t>(std::ranges::count_if(set.heldout, [&](const trainer::Sample& sample) {
-    return carried.contains(set.takes[static_cast<std::size_t>(sample.take)]);
-  }));
+  const auto count = static_cast<std::size_t>(std::ranges::count_if(
+      set.heldout, [&](const trainer::Sample& sample) { return carried.contains(set.take_of(sample)); }));
   if (count > 0) {
     say({format(
         "{} of the {} frames held out are carried from the source: errors that 'train' and 'test' measure on "
@@ -362,7 +361,7 @@ std::vector<CarriedTake> carried_takes(const trainer::SampleSet& set, const std:
   for (const std::string& name : carried) {
     CarriedTake take{name, {}, {}};
     for (const trainer::Sample& sample : set.train) {
-      if (set.takes[static_cast<std::size_t>(sample.take)] != name) continue;
+      if (set.take_of(sample) != name) continue;
       take.frames.push_back(sample.frame);
       take.poses.push_back(sample.pose);
     }

@@ -5,8 +5,7 @@ include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
 
 set(objects "")
-foreach(folder runtime/core runtime/threads runtime/basis runtime/host runtime/modifiers runtime/cpu runtime/vulkan
-               runtime/vulkan/kernels runtime/vulkan/backend runtime/coverage runtime/deformer runtime/library)
+foreach(folder ${runtime_rooms})
   bodyopt_target(${folder} target)
   set_target_properties(${target} PROPERTIES POSITION_INDEPENDENT_CODE ON CXX_VISIBILITY_PRESET hidden
                                              VISIBILITY_INLINES_HIDDEN ON)

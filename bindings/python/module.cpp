@@ -375,13 +375,10 @@ class Instance {
   // Without Python's lock, and one thread at a time. The message of a failure is this thread's.
   template <typename Call>
   void call(const Call& function) {
-    bodyopt_result result;
-    {
-      const py::gil_scoped_release others_run;
+    check_without_gil([&] {
       const std::lock_guard lock(mutex_);
-      result = function();
-    }
-    api::check(result);
+      return function();
+    });
   }
 
   void want_following(Frames& frames, bool attached, bool full_positions) const {

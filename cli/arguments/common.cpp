@@ -199,30 +199,23 @@ void require_writable(const std::filesystem::path& path) { const AtomicFile prob
 
 namespace {
 
-std::string& kept_command_line() {
-  static std::string line;
-  return line;
-}
-
-std::vector<std::string>& kept_verb_arguments() {
-  static std::vector<std::string> arguments;
-  return arguments;
-}
+std::string kept_command_line;
+std::vector<std::string> kept_verb_arguments;
 
 }  // namespace
 
 void keep_command_line(const std::vector<std::string>& arguments) {
-  kept_command_line() = "bodyopt";
-  kept_verb_arguments() = {arguments.begin() + (arguments.empty() ? 0 : 1), arguments.end()};
+  kept_command_line = "bodyopt";
+  kept_verb_arguments = {arguments.begin() + (arguments.empty() ? 0 : 1), arguments.end()};
   for (const std::string& argument : arguments) {
     const bool plain = !argument.empty() && argument.find_first_of(" \t\n\"'$*?#&;|<>()\\") == std::string::npos;
-    kept_command_line() += " " + (plain ? argument : farm::quoted_for_shell(argument));
+    kept_command_line += " " + (plain ? argument : farm::quoted_for_shell(argument));
   }
 }
 
-const std::string& command_line() { return kept_command_line(); }
+const std::string& command_line() { return kept_command_line; }
 
-const std::vector<std::string>& verb_arguments() { return kept_verb_arguments(); }
+const std::vector<std::string>& verb_arguments() { return kept_verb_arguments; }
 
 void warn(const std::string& note) { spdlog::warn("{}", note); }
 

@@ -160,6 +160,11 @@ void FieldArguments::put_into(Dataset& dataset) const {
   dataset.corrections = relative_to(dataset.folder, corrections);
 }
 
+PreparedBody::PreparedBody(Character of, std::vector<Muscle> its_muscles, const trainer::SimulateOptions& options)
+    : character(std::move(of)),
+      muscles(std::move(its_muscles)),
+      body(trainer::make_compared_body(character, muscles, options)) {}
+
 std::vector<FrameStatus> simulate_take(const SimulationArguments& arguments, std::optional<PreparedBody>& prepared) {
   const fs::path folder = arguments.out;
   const fs::path dataset_path = folder / "dataset.json";
@@ -187,8 +192,7 @@ std::vector<FrameStatus> simulate_take(const SimulationArguments& arguments, std
     std::vector<Muscle> muscles;
     if (!arguments.muscles.empty()) muscles = read_muscles(arguments.muscles, character.skeleton);
     spdlog::info("preparing the body: tetrahedra, bones, muscles");
-    trainer::QuasiStaticBody body = trainer::make_compared_body(character, muscles, options);
-    prepared.emplace(PreparedBody{character, std::move(muscles), std::move(body)});
+    prepared.emplace(character, std::move(muscles), options);
   }
   std::vector<FrameStatus> status = trainer::simulate(prepared->body, character, prepared->muscles, clip, take.frames,
                                                       lock, folder / take.shapes_status, options);

@@ -55,6 +55,8 @@ struct SimulationArguments {
 
 // What takes that differ in nothing else are simulated in. Files that change in between change nothing.
 struct PreparedBody {
+  PreparedBody(Character of, std::vector<Muscle> its_muscles, const trainer::SimulateOptions& options);
+
   Character character;
   std::vector<Muscle> muscles;
   trainer::QuasiStaticBody body;

@@ -8,7 +8,6 @@
 #include "cli/curate/stack_report.h"
 #include "dataset/modifier.h"
 #include "runtime/core/error.h"
-#include "runtime/core/transformed.h"
 #include "trainer/curate/edit_stack.h"
 #include "trainer/curate/local_models.h"
 #include "trainer/curate/modifier_types.h"
@@ -80,12 +79,11 @@ std::string draw_effect(const trainer::ShapeStack& stack, const trainer::Modifie
 }
 
 [[noreturn]] void refuse_picture_of_all(const std::vector<Modifier>& modifiers) {
-  const std::vector<std::string> names = transformed(modifiers, &Modifier::name);
   throw Error(
       ErrorKind::usage,
       "--picture shows what one modifier moves: name it, as in 'curate diff DATASET NAME --picture FILE.png'; the "
       "stack has ",
-      list_names(names));
+      list_names(names_of(modifiers)));
 }
 
 // A modifier of the type consistency that reaches its cap in many frames hardly takes history alone.

@@ -8,6 +8,7 @@
 #include "cli/results/pages.h"
 #include "dataset/dataset.h"
 #include "draw/animation.h"
+#include "geometry/mesh.h"
 #include "report/page.h"
 #include "report/pictures.h"
 #include "runtime/core/atomic_file.h"
@@ -30,8 +31,7 @@ Skins skins_of(const Character& character, const Evaluation& evaluation) {
   const std::size_t stride = 3 * std::size_t{character.output_count()};
   Skins skins;
   for (std::size_t begin = 0; begin < evaluation.positions.size(); begin += stride) {
-    const Positions welded = welded_from_output(character, evaluation.positions.data() + begin);
-    skins.emplace_back(welded.data(), welded.data() + welded.size());
+    skins.push_back(floats_of(welded_from_output(character, evaluation.positions.data() + begin)));
   }
   return skins;
 }

@@ -28,7 +28,7 @@ report::FrameAxis heldout_axis(const trainer::SampleSet& set) {
   for (std::size_t k = 0; k < set.heldout.size(); ++k) {
     const trainer::Sample& sample = set.heldout[k];
     if (k == 0 || sample.take != set.heldout[k - 1].take) {
-      axis.takes.push_back({set.takes[static_cast<std::size_t>(sample.take)], k});
+      axis.takes.push_back({set.take_of(sample), k});
     }
     axis.frames.push_back(sample.frame);
   }
@@ -70,10 +70,9 @@ report::CoverageReport heldout_coverage(const trainer::SampleSet& set, const Tra
   constexpr std::size_t kWorst = 20;
   report::CoverageReport report;
   report.regions = training.result.basis.coverage.names;
-  for (const ExpectedError& error : trainer::expected_errors(training.result.basis, heldout_poses(set))) {
-    report.frame_mm.push_back(error.rms_mm);
-    report.region_mm.push_back(error.region_mm);
-  }
+  const std::vector<ExpectedError> errors = trainer::expected_errors(training.result.basis, heldout_poses(set));
+  report.frame_mm = transformed(errors, &ExpectedError::rms_mm);
+  report.region_mm = transformed(errors, &ExpectedError::region_mm);
   report.rms_mm = trainer::root_mean_square(report.frame_mm);
   const double correlation = trainer::rank_correlation(report.frame_mm, training.methods.back().errors.frame_rms);
   if (std::isfinite(correlation)) report.rank_correlation = correlation;
@@ -105,9 +104,7 @@ report::AreaErrorsReport area_errors(const trainer::MethodErrors& errors) {
 }
 
 bool is_foreign(const trainer::SampleSet& set, const std::string& take) {
-  return std::ranges::none_of(set.train, [&](const trainer::Sample& sample) {
-    return set.takes[static_cast<std::size_t>(sample.take)] == take;
-  });
+  return std::ranges::none_of(set.train, [&](const trainer::Sample& sample) { return set.take_of(sample) == take; });
 }
 
 std::vector<report::TakeReport> take_reports(const trainer::SampleSet& set, const Basis& basis) {

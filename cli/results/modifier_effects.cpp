@@ -4,7 +4,9 @@
 #include <nlohmann/json.hpp>
 
 #include "base/json_file.h"
+#include "base/spread_evenly.h"
 #include "runtime/basis/skin_modifiers.h"
+#include "runtime/core/transformed.h"
 
 namespace bodyopt::cli {
 namespace {
@@ -36,18 +38,14 @@ std::optional<ShotFolds> measure_shot_folds(const Basis& basis, std::span<const 
     if (may_close(poses[k], *push_out)) closing.push_back(k);
   }
   if (closing.empty()) return std::nullopt;
+  const std::vector<std::size_t> looked_at =
+      transformed(spread_in_middles(closing.size(), kMostFoldFrames), [&](std::size_t k) { return closing[k]; });
+  const std::vector<trainer::FoldMeasure> measures =
+      trainer::FoldJudge(basis)(transformed(looked_at, [&](std::size_t at) { return poses[at]; }));
   ShotFolds folds;
-  folds.frames = std::min(kMostFoldFrames, closing.size());
-  std::vector<Pose> chosen;
-  std::vector<int> numbers;
+  folds.frames = looked_at.size();
   for (std::size_t k = 0; k < folds.frames; ++k) {
-    const std::size_t at = closing[(2 * k + 1) * closing.size() / (2 * folds.frames)];
-    chosen.push_back(poses[at]);
-    numbers.push_back(frames[at]);
-  }
-  const std::vector<trainer::FoldMeasure> measures = trainer::FoldJudge(basis)(chosen);
-  for (std::size_t k = 0; k < folds.frames; ++k) {
-    if (k == 0 || measures[k].deepest > folds.measure.deepest) folds.deepest_frame = numbers[k];
+    if (k == 0 || measures[k].deepest > folds.measure.deepest) folds.deepest_frame = frames[looked_at[k]];
     folds.measure.add(measures[k]);
   }
   return folds;
@@ -71,12 +69,11 @@ std::string text_of(const ShotFolds& folds) {
 }
 
 Json to_json(const std::vector<trainer::BentJoint>& folds) {
-  Json list = Json::array();
-  for (const trainer::BentJoint& fold : folds) {
-    list.push_back(to_json(fold.measure));
-    list.back()["joint"] = fold.joint;
-  }
-  return list;
+  return transformed(folds, [](const trainer::BentJoint& fold) {
+    Json json = to_json(fold.measure);
+    json["joint"] = fold.joint;
+    return json;
+  });
 }
 
 std::string text_of(const std::vector<trainer::BentJoint>& folds, const std::string& how_far) {
@@ -93,16 +90,10 @@ std::string text_of(const std::vector<trainer::BentJoint>& folds, const std::str
 ShotMoves measure_shot_moves(const Basis& basis, std::span<const Pose> poses, std::span<const int> frames) {
   ShotMoves shot;
   if (std::ranges::none_of(basis.modifiers.stack, &SkinModifier::on) || poses.empty()) return shot;
-  shot.frames = std::min(kMostMoveFrames, poses.size());
-  std::vector<Pose> chosen;
-  std::vector<int> numbers;
-  for (std::size_t k = 0; k < shot.frames; ++k) {
-    const std::size_t at = (2 * k + 1) * poses.size() / (2 * shot.frames);
-    chosen.push_back(poses[at]);
-    numbers.push_back(frames[at]);
-  }
-  shot.moves = trainer::measure_moves(basis, chosen);
-  for (const trainer::ModifierMove& move : shot.moves) shot.numbers.push_back(numbers[move.pose]);
+  const std::vector<std::size_t> looked_at = spread_in_middles(poses.size(), kMostMoveFrames);
+  shot.frames = looked_at.size();
+  shot.moves = trainer::measure_moves(basis, transformed(looked_at, [&](std::size_t at) { return poses[at]; }));
+  for (const trainer::ModifierMove& move : shot.moves) shot.numbers.push_back(frames[looked_at[move.pose]]);
   return shot;
 }
 

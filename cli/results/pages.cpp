@@ -9,6 +9,7 @@
 #include "assets/caches/shape_reader.h"
 #include "assets/caches/usda_part.h"
 #include "base/frame_range.h"
+#include "base/spread_evenly.h"
 #include "draw/colours.h"
 #include "farm/plan.h"
 #include "geometry/mesh.h"
@@ -16,6 +17,7 @@
 #include "report/pictures.h"
 #include "runtime/basis/output_order.h"
 #include "runtime/core/error.h"
+#include "runtime/core/transformed.h"
 #include "runtime/cpu/kernels.h"
 #include "runtime/deformer/deformer.h"
 #include "runtime/host/stages.h"
@@ -98,29 +100,16 @@ Json looks_of(const farm::ShowSummary& summary) {
 constexpr std::size_t kShownPoses = 3;
 constexpr std::uint32_t kWidth = 190, kHeight = 330;  // of a body in a pose
 
-// Some, spread over all.
-std::vector<std::size_t> shown_of(std::size_t poses) {
-  std::vector<std::size_t> shown;
-  const std::size_t count = std::min(kShownPoses, poses);
-  for (std::size_t k = 0; k < count; ++k) shown.push_back((2 * k + 1) * poses / (2 * count));
-  return shown;
-}
-
 std::string next_frames(const std::vector<ComparedPose>& poses) {
-  std::vector<int> frames;
-  std::vector<double> expected;
-  for (const ComparedPose& pose : poses) {
-    frames.push_back(pose.frame);
-    expected.push_back(pose.expected_rms_mm);
-  }
-  return trainer::frames_to_simulate(frames, expected);
+  return trainer::frames_to_simulate(transformed(poses, &ComparedPose::frame),
+                                     transformed(poses, &ComparedPose::expected_rms_mm));
 }
 
 // Source and target in turn, in every pose that is shown.
 draw::Image poses_picture(const MeshTable& source, const MeshTable& carried, const std::vector<ComparedPose>& poses) {
   draw::Renderer renderer;
   std::vector<draw::Image> row;
-  for (const std::size_t k : shown_of(poses.size())) {
+  for (const std::size_t k : spread_in_middles(poses.size(), kShownPoses)) {
     row.push_back(draw_output(renderer, source, poses[k].source, kWidth, kHeight));
     row.push_back(draw_output(renderer, carried, poses[k].target, kWidth, kHeight));
   }
@@ -173,36 +162,35 @@ std::string show_page(const farm::FarmPlan& plan, const farm::ShowSummary& summa
 }
 
 Json to_json(const farm::FarmPlan& plan, const farm::ShowSummary& summary) {
-  Json elements = Json::array(), frames = Json::array(), next = Json::array();
-  for (const farm::ElementSummary& element : summary.elements) {
-    elements.push_back({{"shot", element.shot},
-                        {"element", element.element},
-                        {"out", element.out},
-                        {"state", farm::name_of(element.state)},
-                        {"message", element.failure ? element.failure->message : ""},
-                        {"host", element.failure ? element.failure->host : ""},
-                        {"frames", element.frames},
-                        {"seconds", element.seconds},
-                        {"peak_memory_mib", element.peak_memory_mib},
-                        {"device", element.device},
-                        {"outside_frames", format_frame_range(element.outside)},
-                        {"outside_count", element.outside.size()},
-                        {"worst_outside", element.worst_outside}});
-  }
-  for (const farm::WorthyFrame& worthy : summary.worth_a_look) {
-    frames.push_back({{"shot", worthy.step->shot},
-                      {"element", worthy.step->element},
-                      {"frame", worthy.frame},
-                      {"expected_rms_mm", worthy.expected_rms_mm},
-                      {"outside", worthy.outside}});
-  }
-  for (const farm::FramesToSimulate& entry : summary.simulate_next) {
-    next.push_back({{"basis", entry.basis},
-                    {"clip", entry.clip},
-                    {"frames", format_frame_range(entry.frames)},
-                    {"frame_count", entry.frames.size()},
-                    {"options", simulate_options(entry)}});
-  }
+  const Json elements = transformed(summary.elements, [](const farm::ElementSummary& element) {
+    return Json{{"shot", element.shot},
+                {"element", element.element},
+                {"out", element.out},
+                {"state", farm::name_of(element.state)},
+                {"message", element.failure ? element.failure->message : ""},
+                {"host", element.failure ? element.failure->host : ""},
+                {"frames", element.frames},
+                {"seconds", element.seconds},
+                {"peak_memory_mib", element.peak_memory_mib},
+                {"device", element.device},
+                {"outside_frames", format_frame_range(element.outside)},
+                {"outside_count", element.outside.size()},
+                {"worst_outside", element.worst_outside}};
+  });
+  const Json frames = transformed(summary.worth_a_look, [](const farm::WorthyFrame& worthy) {
+    return Json{{"shot", worthy.step->shot},
+                {"element", worthy.step->element},
+                {"frame", worthy.frame},
+                {"expected_rms_mm", worthy.expected_rms_mm},
+                {"outside", worthy.outside}};
+  });
+  const Json next = transformed(summary.simulate_next, [](const farm::FramesToSimulate& entry) {
+    return Json{{"basis", entry.basis},
+                {"clip", entry.clip},
+                {"frames", format_frame_range(entry.frames)},
+                {"frame_count", entry.frames.size()},
+                {"options", simulate_options(entry)}};
+  });
   return {{"show", plan.show},
           {"tasks", plan.tasks.size()},
           {"elements", elements},
@@ -220,7 +208,7 @@ std::string simulate_options(const farm::FramesToSimulate& next) {
 std::vector<ComparedPose> compare_poses(const trainer::TransferPair& pair, const Basis& carried, const Clip& clip,
                                         const std::vector<int>& frames) {
   Deformer source(pair.source, {.name = "cpu"}), target(carried, {.name = "cpu"});
-  const std::vector<std::size_t> shown = shown_of(frames.size());
+  const std::vector<std::size_t> shown = spread_in_middles(frames.size(), kShownPoses);
   std::vector<ComparedPose> poses;
   std::optional<ErrorExpectation> expectation;
   if (!carried.coverage.empty()) expectation.emplace(carried);
@@ -265,22 +253,17 @@ Json to_json(const trainer::TransferPair& pair, double alike) {
 }
 
 Json to_json(const std::vector<trainer::TransferPart>& parts, const std::vector<ComparedPose>& poses) {
-  Json list = Json::array(), volumes = Json::array();
-  for (const trainer::TransferPart& part : parts) {
-    list.push_back({{"joint", part.joint},
-                    {"vertices", part.vertices},
-                    {"confidence", part.confidence},
-                    {"size", part.size},
-                    {"unevenness", part.unevenness},
-                    {"breaks_assumption", part.breaks_assumption}});
-  }
-  for (const ComparedPose& pose : poses) {
-    volumes.push_back({{"frame", pose.frame},
-                       {"is_shown", !pose.source.empty()},
-                       {"source_volume", pose.source_volume},
-                       {"target_volume", pose.target_volume},
-                       {"expected_rms_mm", pose.expected_rms_mm}});
-  }
+  const Json list = transformed(parts, [](const trainer::TransferPart& part) {
+    return Json{{"joint", part.joint}, {"vertices", part.vertices},     {"confidence", part.confidence},
+                {"size", part.size},   {"unevenness", part.unevenness}, {"breaks_assumption", part.breaks_assumption}};
+  });
+  const Json volumes = transformed(poses, [](const ComparedPose& pose) {
+    return Json{{"frame", pose.frame},
+                {"is_shown", !pose.source.empty()},
+                {"source_volume", pose.source_volume},
+                {"target_volume", pose.target_volume},
+                {"expected_rms_mm", pose.expected_rms_mm}};
+  });
   return {{"parts", list}, {"poses", volumes}, {"worth_simulating", next_frames(poses)}};
 }
 

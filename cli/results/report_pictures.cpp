@@ -30,15 +30,19 @@ float flexing(const trainer::Sample& sample) {
   return std::accumulate(sample.pose.controls.begin(), sample.pose.controls.end(), 0.0f);
 }
 
-// The frame, trained on or not, of which most is flexed; null where nothing ever is.
-const trainer::Sample* most_flexed(const trainer::SampleSet& set) {
-  const trainer::Sample* most = nullptr;
+// The first frame, trained on or not, of which most is measured; null where none has more than `most`.
+template <typename Amount, typename Measure>
+const trainer::Sample* frame_of_most(const trainer::SampleSet& set, Amount most, const Measure& measure) {
+  const trainer::Sample* found = nullptr;
   for (const std::vector<trainer::Sample>* samples : {&set.train, &set.heldout}) {
     for (const trainer::Sample& sample : *samples) {
-      if (flexing(sample) > (most == nullptr ? 0 : flexing(*most))) most = &sample;
+      const Amount amount = measure(sample);
+      if (!(amount > most)) continue;
+      most = amount;
+      found = &sample;
     }
   }
-  return most;
+  return found;
 }
 
 // Controls above 0, falling.
@@ -65,18 +69,10 @@ double largest_shortening(const trainer::SampleSet& set, const trainer::Sample& 
 
 // The frame, trained on or not, of which most is flexed; null where there is none.
 const trainer::Sample* section_frame(const trainer::SampleSet& set) {
-  const trainer::Sample* most = nullptr;
-  std::pair<double, double> flexed{-1, -1};
-  for (const std::vector<trainer::Sample>* samples : {&set.train, &set.heldout}) {
-    for (const trainer::Sample& sample : *samples) {
-      const std::vector<float>& controls = sample.pose.controls;
-      const std::pair of_frame{std::accumulate(controls.begin(), controls.end(), 0.0), largest_shortening(set, sample)};
-      if (of_frame <= flexed) continue;
-      flexed = of_frame;
-      most = &sample;
-    }
-  }
-  return most;
+  return frame_of_most(set, std::pair{-1.0, -1.0}, [&](const trainer::Sample& sample) {
+    const std::vector<float>& controls = sample.pose.controls;
+    return std::pair{std::accumulate(controls.begin(), controls.end(), 0.0), largest_shortening(set, sample)};
+  });
 }
 
 report::SectionsReport draw_sections(const trainer::SampleSet& set, const trainer::Sample& sample,
@@ -98,7 +94,7 @@ report::SectionsReport draw_sections(const trainer::SampleSet& set, const traine
     const trainer::RestPoints rest = trainer::rest_points(moved, trainer::PosedBody{set.character, skin, skinning});
     pictures.push_back(report::section_image(trainer::section_of(moved, rest, tissue_at), colours));
   }
-  report.take = set.takes[static_cast<std::size_t>(sample.take)];
+  report.take = set.take_of(sample);
   report.frame = sample.frame;
   report.image = report::numbered_sheet(pictures, 2);
   return report;
@@ -113,10 +109,8 @@ ReportPictures::ReportPictures(const trainer::SampleSet& set, const std::vector<
       errors_(errors),
       basis_(basis),
       skinning_(trainer::without_residual(basis), {.name = "cpu"}),
-      renderer_(device) {
-  const auto* data = set.character.triangles.data();
-  triangles_.assign(data, data + set.character.triangles.size());
-}
+      renderer_(device),
+      triangles_(report::flat(set.character.triangles)) {}
 
 // One scale for all pictures, so that their colours can be compared; the few larger errors saturate.
 double ReportPictures::heat_scale_mm() const { return std::max(0.5, std::ceil(4 * errors_.p99) / 2); }
@@ -128,7 +122,7 @@ report::PictureReport ReportPictures::frame(const std::string& kind, std::size_t
   const report::PosePair pose{triangles_, truth, result, skinning};
   report::PictureReport picture;
   picture.kind = kind;
-  picture.take = set_.takes[static_cast<std::size_t>(set_.heldout[sample].take)];
+  picture.take = set_.take_of(set_.heldout[sample]);
   picture.frame = set_.heldout[sample].frame;
   picture.rms_mm = errors_.frame_rms[sample];
   picture.max_mm = errors_.frame_max[sample];
@@ -158,14 +152,14 @@ report::MeanErrorReport ReportPictures::mean_error(const trainer::VertexErrors& 
 
 std::optional<report::FlexReport> ReportPictures::flexed() {
   constexpr std::uint32_t kWidth = 520, kHeight = 600;
-  const trainer::Sample* sample = most_flexed(set_);
+  const trainer::Sample* sample = frame_of_most(set_, 0.0f, flexing);
   if (sample == nullptr || basis_.residual.controls.empty()) return {};
   Deformer full(basis_, {.name = "cpu"});
   const std::vector<float> none(sample->pose.controls.size(), 0.0f);
   const Positions relaxed = skin_of(set_.character, full, sample->pose, none);
   const Positions tense = skin_of(set_.character, full, sample->pose, sample->pose.controls);
   report::FlexReport report;
-  report.take = set_.takes[static_cast<std::size_t>(sample->take)];
+  report.take = set_.take_of(*sample);
   report.frame = sample->frame;
   report.controls = flexed_controls(set_, *sample);
   report.max_mm = 1000 * (tense - relaxed).rowwise().norm().maxCoeff();
@@ -191,8 +185,7 @@ draw::Image ReportPictures::regions(const std::vector<RegionWeights>& regions) {
 std::vector<std::size_t> by_error(const ErrorStatistics& errors) {
   std::vector<std::size_t> order(errors.frame_rms.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
-  std::ranges::stable_sort(order,
-                           [&](std::size_t a, std::size_t b) { return errors.frame_rms[a] < errors.frame_rms[b]; });
+  std::ranges::stable_sort(order, {}, [&](std::size_t k) { return errors.frame_rms[k]; });
   return order;
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -38,7 +39,7 @@ class ReportPictures {
   const Basis& basis_;
   Deformer skinning_;  // Direct Delta Mush alone
   draw::Renderer renderer_;
-  std::vector<std::uint32_t> triangles_;
+  std::span<const std::uint32_t> triangles_;
 };
 
 // Indices of the held-out frames by rising RMS error.

@@ -63,9 +63,7 @@ void require_takes(const SampleSet& set, const std::set<std::string>& names) {
 
 // Takes the samples of the body's own frames out of the set, which keeps the carried ones.
 std::vector<Sample> take_own(SampleSet& set, const std::set<std::string>& carried) {
-  const auto is_carried = [&](const Sample& sample) {
-    return carried.contains(set.takes[static_cast<std::size_t>(sample.take)]);
-  };
+  const auto is_carried = [&](const Sample& sample) { return carried.contains(set.take_of(sample)); };
   const auto own = std::stable_partition(set.train.begin(), set.train.end(), is_carried);
   std::vector<Sample> taken(std::make_move_iterator(own), std::make_move_iterator(set.train.end()));
   set.train.erase(own, set.train.end());

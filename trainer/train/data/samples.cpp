@@ -91,8 +91,7 @@ void check_samples(const SampleSet& set) {
 }
 
 std::string frame_name(const SampleSet& set, const Sample& sample) {
-  return "frame " + std::to_string(sample.frame) + " of take '" + set.takes[static_cast<std::size_t>(sample.take)] +
-         "'";
+  return "frame " + std::to_string(sample.frame) + " of take '" + set.take_of(sample) + "'";
 }
 
 SampleShape SampleShape::at(std::shared_ptr<const VertexRows> rows) const {

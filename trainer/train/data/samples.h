@@ -81,6 +81,9 @@ struct SampleSet {
   int unconverged = 0;
   bool sparse = false;  // neighbours lie far apart and move apart, as on a proxy: none of them is held to be an outlier
   std::vector<std::string> notes;
+
+  // The name of the take that a frame is of.
+  const std::string& take_of(const Sample& sample) const { return takes[static_cast<std::size_t>(sample.take)]; }
 };
 SampleSet read_samples(const Dataset& dataset);
 
