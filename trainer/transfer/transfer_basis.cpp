@@ -249,10 +249,8 @@ class DatasetTransfer {
   }
 
   void write_carried_regions() {
-    std::vector<std::uint32_t> runtime(order_.size());
-    for (std::uint32_t v = 0; v < order_.size(); ++v) runtime[order_[v]] = v;
     std::vector<RegionWeights> regions =
-        carried_regions(pair_, renumbered(read_regions(dataset_, source_character_), runtime));
+        carried_regions(pair_, renumbered(read_regions(dataset_, source_character_), inverse_of(order_)));
     regions = renumbered(regions, morton_order(target_.character.vertices));
     write_regions(regions, target_.character, out_ / result_.regions);
   }
