@@ -45,12 +45,6 @@ void worst_first(std::vector<Found>& found) {
   std::stable_sort(found.begin(), found.end(), [](const Found& a, const Found& b) { return a.distance > b.distance; });
 }
 
-// The first vertex of the file that is this welded one.
-std::size_t file_vertex(const Character& character, std::uint32_t welded) {
-  const std::vector<std::uint32_t>& output = character.output_vertex;
-  return static_cast<std::size_t>(std::find(output.begin(), output.end(), welded) - output.begin());
-}
-
 }  // namespace
 
 std::vector<FramePair> frames_of_one_pose(const Eigen::MatrixXd& features) {
@@ -127,7 +121,7 @@ std::vector<std::string> outlier_warnings(const SampleSet& set, const std::vecto
   for (const OutlierVertex& outlier : outliers) {
     if (warnings.size() == kShown) break;
     warnings.push_back(frame_name(set, set.train[outlier.frame]) + ": vertex " +
-                       std::to_string(file_vertex(set.character, order[outlier.vertex])) + " is " +
+                       std::to_string(set.character.first_output(order[outlier.vertex])) + " is " +
                        millimetres(outlier.distance) +
                        " from where its neighbours take it: it was trained as if it moved with them");
   }
