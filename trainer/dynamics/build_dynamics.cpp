@@ -10,8 +10,10 @@
 
 #include "base/json_file.h"
 #include "base/progress.h"
+#include "geometry/mesh.h"
 #include "geometry/self_intersections.h"
 #include "geometry/surface_topology.h"
+#include "runtime/basis/output_order.h"
 #include "runtime/core/error.h"
 #include "runtime/core/json.h"
 #include "runtime/core/text.h"
@@ -62,11 +64,7 @@ std::vector<Positions> posed_skins(const Basis& basis, const std::vector<Pose>& 
   std::vector<Positions> skins;
   for (std::size_t k = 0; k < count; ++k) {
     const Evaluation frame = deformer.evaluate({&poses[k * poses.size() / count], 1});
-    skins.emplace_back(basis.mesh.vertex_count(), 3);
-    for (std::size_t o = 0; o < basis.mesh.output_count(); ++o) {
-      const float* x = frame.positions.data() + 3 * o;
-      skins.back().row(basis.mesh.output_vertex[o]) << x[0], x[1], x[2];
-    }
+    skins.push_back(rows_of(vertices_of(basis.mesh, frame.positions)));
   }
   return skins;
 }

@@ -158,12 +158,7 @@ std::vector<float> posed_output(const Basis& basis, const Pose& pose, const Posi
       skin[3 * v + i] = static_cast<float>(sum);
     }
   }
-  std::vector<float> output;
-  output.reserve(3 * basis.mesh.output_vertex.size());
-  for (const std::uint32_t v : basis.mesh.output_vertex) {
-    output.insert(output.end(), skin.begin() + 3 * std::ptrdiff_t{v}, skin.begin() + 3 * std::ptrdiff_t{v} + 3);
-  }
-  return output;
+  return output_of(basis.mesh, skin);
 }
 
 void copy_into(const fs::path& from, const fs::path& to) {
