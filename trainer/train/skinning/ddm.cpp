@@ -199,8 +199,7 @@ Character in_order(const Character& character, const std::vector<std::uint32_t>&
 
 MeshTable make_mesh_table(const Character& character) {
   MeshTable mesh;
-  const Positions& rest = character.vertices;
-  mesh.rest.assign(rest.data(), rest.data() + rest.size());
+  mesh.rest = floats_of(character.vertices);
   const Triangles &skin = character.triangles, &output = character.output_triangles;
   mesh.triangles.assign(skin.data(), skin.data() + skin.size());
   mesh.output_vertex = character.output_vertex;
