@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <numeric>
 #include <set>
 
 #include "base/wording.h"
+#include "runtime/core/text.h"
 
 namespace bodyopt::trainer {
 namespace {
@@ -34,11 +34,7 @@ double size_in(const RegionWeights& region, const Eigen::RowVectorXf& row) {
 // Sentences of one kind; the rest is counted.
 constexpr std::size_t kShown = 5;
 
-std::string millimetres(double metres) {
-  char text[32];
-  std::snprintf(text, sizeof(text), "%.1f mm", 1e3 * metres);
-  return text;
-}
+std::string millimetres(double metres) { return formatted("%.1f mm", 1e3 * metres); }
 
 template <typename Found>
 void worst_first(std::vector<Found>& found) {
@@ -138,9 +134,7 @@ std::vector<std::string> constant_control_warnings(const SampleSet& set) {
     const float value = set.train.front().pose.controls[k];
     const auto same = [&](const Sample& sample) { return sample.pose.controls[k] == value; };
     if (!std::all_of(set.train.begin(), set.train.end(), same)) continue;
-    char text[32];
-    std::snprintf(text, sizeof(text), "%g", double{value});
-    warnings.push_back("control '" + set.controls[k] + "' is " + text +
+    warnings.push_back("control '" + set.controls[k] + "' is " + formatted("%g", double{value}) +
                        " in every training frame: what it does cannot be learned");
   }
   return warnings;
