@@ -2,6 +2,7 @@
 
 #include <Eigen/Geometry>
 #include <limits>
+#include <map>
 
 #include "geometry/spatial_search.h"
 
@@ -70,6 +71,19 @@ SkinPoint NearestSkin::search(const Eigen::Vector3d& point, const Wanted& wanted
   const auto bound = [&](const Eigen::AlignedBox3d& box) { return box.exteriorDistance(point) - slack; };
   tree_->search(bound, consider, least);
   return best;
+}
+
+std::vector<JointWeight> weights_at(const SkinWeights& weights, const SkinPoint& at) {
+  std::map<std::uint32_t, double> sums;
+  for (int k = 0; k < 3; ++k) {
+    if (at.weights[k] == 0) continue;
+    for (const auto& [joint, weight] : weights[at.vertices[static_cast<std::size_t>(k)]]) {
+      sums[joint] += at.weights[k] * weight;
+    }
+  }
+  std::vector<JointWeight> result;
+  for (const auto& [joint, weight] : sums) result.push_back({joint, weight});
+  return result;
 }
 
 SkinPoint NearestSkin::operator()(const Eigen::Vector3d& point) const {

@@ -5,6 +5,7 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <vector>
 
 #include "geometry/mesh.h"
 
@@ -32,6 +33,10 @@ inline double at_point(const Eigen::VectorXd& values, const SkinPoint& at) {
   for (int k = 0; k < 3; ++k) sum += at.weights[k] * values[at.vertices[static_cast<std::size_t>(k)]];
   return sum;
 }
+
+// The weights of the joints at a point of the skin, ascending by joint, without those of corners that have no part in
+// it.
+std::vector<JointWeight> weights_at(const SkinWeights& weights, const SkinPoint& at);
 
 // Exact nearest-triangle search through a tree of the triangles' boxes. There must be a triangle, and
 // the arrays must outlive this. The first of equally near triangles wins.

@@ -1,6 +1,7 @@
 // A character as it comes from a file: skin, skeleton, weights. Rest space, metres.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <filesystem>
 #include <string>
@@ -31,6 +32,11 @@ struct Character {
   std::vector<std::string> notes;
 
   std::uint32_t output_count() const { return static_cast<std::uint32_t>(output_vertex.size()); }
+
+  // The first output vertex of a welded one.
+  std::uint32_t first_output(std::uint32_t vertex) const {
+    return static_cast<std::uint32_t>(std::ranges::find(output_vertex, vertex) - output_vertex.begin());
+  }
 };
 
 // Of a vertex, one at least.

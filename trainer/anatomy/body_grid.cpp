@@ -26,9 +26,7 @@ class Columns {
     winding_.assign(static_cast<std::size_t>(grid.count[first_] * grid.count[second_]) * rows_, 0);
     const double outwards = enclosed_volume(body.vertices, body.triangles) < 0 ? -1 : 1;
     for (Index t = 0; t < body.triangles.rows(); ++t) {
-      std::array<Vector3d, 3> corners;
-      for (int k = 0; k < 3; ++k) corners[static_cast<std::size_t>(k)] = body.vertices.row(body.triangles(t, k));
-      add_crossings(corners, outwards);
+      add_crossings(corners_of(body.vertices, body.triangles, t), outwards);
     }
     for (std::size_t n = 0; n < winding_.size(); ++n) {
       if (n % rows_ != 0) winding_[n] += winding_[n - 1];

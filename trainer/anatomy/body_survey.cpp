@@ -19,17 +19,8 @@ bool is_middle(BodyRegion region) {
 
 // The joint with the largest weight there; of equal ones the first.
 int joint_at(const SkinWeights& weights, const SkinPoint& skin) {
-  std::vector<JointWeight> sums;
-  for (int k = 0; k < 3; ++k) {
-    for (const JointWeight& own : weights[skin.vertices[static_cast<std::size_t>(k)]]) {
-      auto sum = std::ranges::find_if(sums, [&](const JointWeight& s) { return s.joint == own.joint; });
-      if (sum == sums.end()) sum = sums.insert(sums.end(), {own.joint, 0});
-      sum->weight += skin.weights[k] * own.weight;
-    }
-  }
-  const auto largest = std::ranges::max_element(sums, [](const JointWeight& a, const JointWeight& b) {
-    return a.weight != b.weight ? a.weight < b.weight : a.joint > b.joint;
-  });
+  const std::vector<JointWeight> sums = weights_at(weights, skin);
+  const auto largest = std::ranges::max_element(sums, {}, &JointWeight::weight);
   return largest == sums.end() ? -1 : static_cast<int>(largest->joint);
 }
 

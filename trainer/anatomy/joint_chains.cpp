@@ -24,8 +24,7 @@ std::size_t at(int joint) { return static_cast<std::size_t>(joint); }
 Eigen::VectorXd vertex_areas(const HalfBody& body) {
   Eigen::VectorXd areas = Eigen::VectorXd::Zero(body.vertices.rows());
   for (Index t = 0; t < body.triangles.rows(); ++t) {
-    const auto corner = [&](int k) -> Vector3d { return body.vertices.row(body.triangles(t, k)); };
-    const double area = (corner(1) - corner(0)).cross(corner(2) - corner(0)).norm() / 6;
+    const double area = triangle_area(body.vertices, body.triangles, t) / 3;
     for (int k = 0; k < 3; ++k) areas[body.triangles(t, k)] += area;
   }
   return areas;
@@ -124,14 +123,12 @@ class ChainFinder {
   // How many edges of triangles join the skins of two joints, each vertex counting for the joint it follows most.
   std::map<std::pair<int, int>, int> joined_skins() const {
     std::map<std::pair<int, int>, int> joined;
-    for (Index t = 0; t < body_.triangles.rows(); ++t) {
-      for (int k = 0; k < 3; ++k) {
-        const auto &one = body_.weights[body_.triangles(t, k)], &other = body_.weights[body_.triangles(t, (k + 1) % 3)];
-        if (one.empty() || other.empty() || one.front().joint == other.front().joint) continue;
-        ++joined[{static_cast<int>(one.front().joint), static_cast<int>(other.front().joint)}];
-        ++joined[{static_cast<int>(other.front().joint), static_cast<int>(one.front().joint)}];
-      }
-    }
+    for_each_edge(body_.triangles, [&](std::uint32_t a, std::uint32_t b) {
+      const auto &one = body_.weights[a], &other = body_.weights[b];
+      if (one.empty() || other.empty() || one.front().joint == other.front().joint) return;
+      ++joined[{static_cast<int>(one.front().joint), static_cast<int>(other.front().joint)}];
+      ++joined[{static_cast<int>(other.front().joint), static_cast<int>(one.front().joint)}];
+    });
     return joined;
   }
 

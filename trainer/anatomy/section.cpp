@@ -101,9 +101,8 @@ std::vector<Eigen::Vector2d> cut_triangle(const SectionPlane& plane, const std::
 std::vector<std::vector<Crossing>> crossings_of_rows(const SectionPlane& plane, const Positions& skin,
                                                      const Triangles& triangles) {
   std::vector<std::vector<Crossing>> rows(static_cast<std::size_t>(plane.height));
-  for (const auto& triangle : triangles.rowwise()) {
-    std::array<Eigen::Vector3d, 3> corners;
-    for (int k = 0; k < 3; ++k) corners[static_cast<std::size_t>(k)] = skin.row(triangle[k]);
+  for (Eigen::Index t = 0; t < triangles.rows(); ++t) {
+    const CornerPoints corners = corners_of(skin, triangles, t);
     const std::vector<Eigen::Vector2d> ends = cut_triangle(plane, corners);
     if (ends.size() != 2) continue;
     const Eigen::Vector3d outward = (corners[1] - corners[0]).cross(corners[2] - corners[0]);

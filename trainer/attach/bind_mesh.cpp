@@ -293,13 +293,7 @@ SkinPoint RestSkin::facing(const Eigen::Vector3d& point, const Eigen::Vector3d& 
   return (facing.position - point).norm() <= 2 * (nearest.position - point).norm() ? facing : nearest;
 }
 
-Eigen::Vector3d RestSkin::normal(const SkinPoint& point) const {
-  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-  for (Eigen::Index k = 0; k < 3; ++k) {
-    sum += point.weights[k] * normals_.row(point.vertices[static_cast<std::size_t>(k)]).transpose();
-  }
-  return sum.normalized();
-}
+Eigen::Vector3d RestSkin::normal(const SkinPoint& point) const { return at_point(normals_, point).normalized(); }
 
 std::vector<double> RestSkin::joint_weights(const SkinPoint& point) const {
   std::vector<double> weights(skeleton_.size(), 0.0);

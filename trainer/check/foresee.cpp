@@ -79,11 +79,6 @@ std::uint32_t main_joint(const Character& character, std::uint32_t vertex) {
   return character.weights[vertex].front().joint;
 }
 
-std::uint32_t in_file_order(const Character& character, std::uint32_t vertex) {
-  const auto found = std::find(character.output_vertex.begin(), character.output_vertex.end(), vertex);
-  return static_cast<std::uint32_t>(found - character.output_vertex.begin());
-}
-
 using JointPair = std::pair<std::uint32_t, std::uint32_t>;
 using VerticesOfJoints = std::map<JointPair, std::vector<std::uint32_t>>;
 
@@ -94,7 +89,7 @@ std::vector<RestPlace> places_of(const Character& character, const VerticesOfJoi
     if (vertices.size() < fewest) continue;
     const std::uint32_t first = vertices.front();
     places.push_back({character.skeleton.joints[joints.first].name, character.skeleton.joints[joints.second].name,
-                      vertices, in_file_order(character, first), character.vertices.row(first)});
+                      vertices, character.first_output(first), character.vertices.row(first)});
   }
   std::stable_sort(places.begin(), places.end(),
                    [](const RestPlace& a, const RestPlace& b) { return a.vertices.size() > b.vertices.size(); });

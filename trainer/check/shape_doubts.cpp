@@ -7,7 +7,6 @@
 #include <functional>
 #include <iomanip>
 #include <numbers>
-#include <numeric>
 #include <optional>
 #include <sstream>
 
@@ -117,8 +116,7 @@ void add_stiff_parts(const SampleSet& set, const std::vector<ProbedFrame>& frame
 // what is usual. A vertex that is off for some frames in a row is in the minority in each block.
 std::vector<OutlierVertex> outliers_in(const Character& character, const std::vector<const Sample*>& samples) {
   const OutlierVertices neighbours(character);
-  std::vector<std::uint32_t> all(static_cast<std::size_t>(character.vertices.rows()));
-  std::iota(all.begin(), all.end(), 0u);
+  const std::vector<std::uint32_t> all = all_vertices(character.vertices.rows());
   std::vector<OutlierVertex> outliers;
   const std::size_t blocks = (samples.size() + kBlock - 1) / kBlock;
   for (std::size_t block = 0; block < blocks; ++block) {
@@ -142,12 +140,10 @@ std::vector<OutlierVertex> outliers_in(const Character& character, const std::ve
 void add_outliers(const SampleSet& set, const std::vector<const Sample*>& samples, const std::string& take,
                   std::vector<std::string>& doubts) {
   const std::vector<OutlierVertex> outliers = outliers_in(set.character, samples);
-  const std::vector<std::uint32_t>& output = set.character.output_vertex;
   for (std::size_t k = 0; k < std::min(outliers.size(), kShown); ++k) {
-    const auto vertex = std::find(output.begin(), output.end(), outliers[k].vertex) - output.begin();
     doubts.push_back("take '" + take + "', frame " + std::to_string(samples[outliers[k].frame]->frame) + ": vertex " +
-                     std::to_string(vertex) + " flies " + std::to_string(std::lround(1e3 * outliers[k].distance)) +
-                     " mm away from its neighbours");
+                     std::to_string(set.character.first_output(outliers[k].vertex)) + " flies " +
+                     std::to_string(std::lround(1e3 * outliers[k].distance)) + " mm away from its neighbours");
   }
   if (outliers.size() > kShown) {
     doubts.push_back("take '" + take + "': so do vertices " +

@@ -69,10 +69,7 @@ std::vector<std::string> sculpt_notes(const Character& character, const Position
     if ((after.row(v) - before.row(v)).norm() > kTooFar * size && far++ == 0) far_vertex = v;
     if (was.row(v).dot(is.row(v)) < 0 && turned++ == 0) turned_vertex = v;
   }
-  const auto output = [&](Index v) {
-    const auto& all = character.output_vertex;
-    return std::to_string(std::ranges::find(all, static_cast<std::uint32_t>(v)) - all.begin());
-  };
+  const auto output = [&](Index v) { return std::to_string(character.first_output(static_cast<std::uint32_t>(v))); };
   if (far > 0) {
     notes.push_back(count_of(static_cast<std::size_t>(far), "vertex moves", "vertices move") +
                     " by more than a fifth of the character's size, vertex " + output(far_vertex) +

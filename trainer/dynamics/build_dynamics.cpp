@@ -10,8 +10,10 @@
 
 #include "base/json_file.h"
 #include "base/progress.h"
+#include "geometry/mesh.h"
 #include "geometry/self_intersections.h"
 #include "geometry/surface_topology.h"
+#include "runtime/basis/output_order.h"
 #include "runtime/core/error.h"
 #include "runtime/core/json.h"
 #include "runtime/core/text.h"
@@ -53,13 +55,6 @@ std::string places_of(const Character& character, const std::string& defect, con
 // Poses whose skins are held in memory at once, and the bytes of these at most.
 constexpr std::size_t kMostPoses = 800, kMostBytes = std::size_t{4} << 30;
 
-std::vector<RegionWeights> in_runtime_order(const std::vector<RegionWeights>& regions,
-                                            const std::vector<std::uint32_t>& order) {
-  std::vector<std::uint32_t> number(order.size());
-  for (std::size_t v = 0; v < order.size(); ++v) number[order[v]] = static_cast<std::uint32_t>(v);
-  return renumbered(regions, number);
-}
-
 // The quasi-static skin, V x 3 in runtime order, in poses spread over those given.
 std::vector<Positions> posed_skins(const Basis& basis, const std::vector<Pose>& poses) {
   const std::size_t skin = std::size_t{3} * sizeof(double) * std::max(1u, basis.mesh.vertex_count());
@@ -69,11 +64,7 @@ std::vector<Positions> posed_skins(const Basis& basis, const std::vector<Pose>& 
   std::vector<Positions> skins;
   for (std::size_t k = 0; k < count; ++k) {
     const Evaluation frame = deformer.evaluate({&poses[k * poses.size() / count], 1});
-    skins.emplace_back(basis.mesh.vertex_count(), 3);
-    for (std::size_t o = 0; o < basis.mesh.output_count(); ++o) {
-      const float* x = frame.positions.data() + 3 * o;
-      skins.back().row(basis.mesh.output_vertex[o]) << x[0], x[1], x[2];
-    }
+    skins.push_back(rows_of(vertices_of(basis.mesh, frame.positions)));
   }
   return skins;
 }
@@ -151,8 +142,8 @@ BuiltDynamics build_dynamics(const Character& character, const std::vector<Muscl
   progress.advance();
   const AnatomyField field(character, muscles, options.anatomy);
   JiggleAnatomy anatomy = find_anatomy(ordered, field, muscles.size(), tets.cage, options.materials);
-  const JiggleFields fields =
-      spread_settings(options.settings, ordered, muscles, in_runtime_order(options.painted, order), tets, anatomy);
+  const JiggleFields fields = spread_settings(options.settings, ordered, muscles,
+                                              renumbered(options.painted, inverse_of(order)), tets, anatomy);
   anatomy.bone_springs += core_springs(ordered.vertices, ordered.triangles, tets.cage, fields.flesh,
                                        bone_stiffness(options.materials, mesh));
   progress.advance();

@@ -368,18 +368,12 @@ void keep_on_skin(const Positions& vertices, DynamicsTets& tets) {
   const double near = kOnSkin * longest_extent(vertices);
   std::vector<int> on, off;
   for (int n = 0; n < mesh.nodes.rows(); ++n) {
-    bool is_on = static_cast<std::size_t>(n) < tets.surface.size();
-    if (is_on) {
-      const SkinPoint& point = tets.surface[static_cast<std::size_t>(n)];
-      Eigen::RowVector3d place = Eigen::RowVector3d::Zero();
-      for (int k = 0; k < 3; ++k) place += point.weights[k] * vertices.row(point.vertices[static_cast<std::size_t>(k)]);
-      is_on = (place - mesh.nodes.row(n)).norm() <= near;
-    }
+    const auto s = static_cast<std::size_t>(n);
+    const bool is_on =
+        s < tets.surface.size() && (at_point(vertices, tets.surface[s]) - mesh.nodes.row(n)).norm() <= near;
     (is_on ? on : off).push_back(n);
   }
-  tets.surface = [&] {
-    return transformed(on, [&](const int n) { return tets.surface[static_cast<std::size_t>(n)]; });
-  }();
+  tets.surface = transformed(on, [&](const int n) { return tets.surface[static_cast<std::size_t>(n)]; });
   std::vector<int> order = on;
   order.insert(order.end(), off.begin(), off.end());
   std::vector<int> number(order.size());

@@ -88,11 +88,7 @@ std::vector<std::size_t> named_by(const JiggleRegion& region, const Character& c
 Eigen::VectorXd carried_inwards(const DynamicsTets& tets, const Eigen::VectorXd& of_skin) {
   Eigen::VectorXd on_surface = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(tets.surface.size()));
   for (std::size_t n = 0; n < tets.surface.size(); ++n) {
-    const SkinPoint& point = tets.surface[n];
-    for (std::size_t k = 0; k < 3; ++k) {
-      on_surface[static_cast<Eigen::Index>(n)] +=
-          point.weights[static_cast<Eigen::Index>(k)] * of_skin[point.vertices[k]];
-    }
+    on_surface[static_cast<Eigen::Index>(n)] = at_point(of_skin, tets.surface[n]);
   }
   return diffuse(tets.cage.mesh, on_surface);
 }

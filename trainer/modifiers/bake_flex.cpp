@@ -50,8 +50,7 @@ BakedModifier bake_flex(const BakeInput& input) {
   const std::filesystem::path path = input.folder / input.parameters.name("muscles");
   const std::vector<Muscle> muscles = read_muscles(path, input.basis.skeleton);
   const std::string wanted = input.parameters.has("muscle") ? input.parameters.name("muscle") : "";
-  std::vector<std::string> names;
-  for (const Muscle& muscle : muscles) names.push_back(muscle.name);
+  const std::vector<std::string> names = names_of(muscles);
   if (!wanted.empty() && std::ranges::find(names, wanted) == names.end()) {
     input.parameters.refuse("flexes the muscle '", wanted, "'; ", path, " has ", list_names(names));
   }

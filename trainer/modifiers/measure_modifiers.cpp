@@ -11,6 +11,7 @@
 #include "geometry/mend_surface.h"
 #include "geometry/self_intersections.h"
 #include "geometry/thickness.h"
+#include "runtime/basis/output_order.h"
 #include "runtime/basis/skin_modifiers.h"
 #include "runtime/cpu/kernels.h"
 #include "runtime/deformer/deformer.h"
@@ -61,16 +62,13 @@ double outline(std::vector<FlatPoint> points) {
 // The girth that a tape around the trunk has at this height.
 double girth(const Positions& skin, const Triangles& triangles, const Torso& torso, double height) {
   std::vector<FlatPoint> points;
-  for (Eigen::Index t = 0; t < triangles.rows(); ++t) {
-    for (int e = 0; e < 3; ++e) {
-      const Eigen::Index a = triangles(t, e), b = triangles(t, (e + 1) % 3);
-      const Eigen::Vector3d pa = skin.row(a).transpose(), pb = skin.row(b).transpose();
-      const double ha = torso.height(pa) - height, hb = torso.height(pb) - height;
-      if (!(ha * hb < 0) || torso.share[a] < 0.5) continue;
-      const Eigen::Vector3d p = pa + ha / (ha - hb) * (pb - pa) - torso.hips;
-      points.push_back({p.dot(torso.left), p.dot(torso.front)});
-    }
-  }
+  for_each_edge(triangles, [&](std::uint32_t a, std::uint32_t b) {
+    const Eigen::Vector3d pa = skin.row(a).transpose(), pb = skin.row(b).transpose();
+    const double ha = torso.height(pa) - height, hb = torso.height(pb) - height;
+    if (!(ha * hb < 0) || torso.share[a] < 0.5) return;
+    const Eigen::Vector3d p = pa + ha / (ha - hb) * (pb - pa) - torso.hips;
+    points.push_back({p.dot(torso.left), p.dot(torso.front)});
+  });
   return outline(std::move(points));
 }
 
@@ -165,9 +163,7 @@ std::vector<BentJoint> measure_folds(Basis basis, const std::vector<std::string>
 }  // namespace
 
 EvaluatedSkin::EvaluatedSkin(Basis basis) {
-  DeviceChoice cpu;
-  cpu.name = "cpu";
-  deformer_ = std::make_unique<Deformer>(std::move(basis), cpu);
+  deformer_ = std::make_unique<Deformer>(std::move(basis), DeviceChoice{.name = "cpu"});
   deformer_->set_normals(false);
 }
 
@@ -176,12 +172,10 @@ EvaluatedSkin::~EvaluatedSkin() = default;
 std::vector<Positions> EvaluatedSkin::operator()(std::span<const Pose> poses) {
   const std::vector<float> shown = deformer_->evaluate(poses).positions;
   const MeshTable& mesh = deformer_->basis().mesh;
-  std::vector<Positions> skins(poses.size(), Positions(mesh.vertex_count(), 3));
-  const float* from = shown.data();
-  for (Positions& skin : skins) {
-    for (const std::uint32_t vertex : mesh.output_vertex) {
-      for (int i = 0; i < 3; ++i) skin(vertex, i) = static_cast<double>(*from++);
-    }
+  const std::size_t values = std::size_t{3} * mesh.output_count();
+  std::vector<Positions> skins;
+  for (std::size_t n = 0; n < poses.size(); ++n) {
+    skins.push_back(rows_of(vertices_of(mesh, std::span(shown).subspan(n * values, values))));
   }
   return skins;
 }
@@ -261,16 +255,15 @@ std::vector<FoldMeasure> FoldJudge::operator()(std::span<const Pose> poses) {
 
 FoldMeasure FoldJudge::measure(const Positions& before, const Positions& after) const {
   FoldMeasure measure;
-  for (const BuriedVertex& buried : skin_in_skin(before, triangles_)) {
-    if (kept_[buried.vertex]) continue;
-    measure.deepest = std::max(measure.deepest, buried.depth);
-    measure.sum += buried.depth;
-  }
-  for (const BuriedVertex& buried : skin_in_skin(after, triangles_)) {
-    if (kept_[buried.vertex]) continue;
-    measure.deepest_left = std::max(measure.deepest_left, buried.depth);
-    measure.sum_left += buried.depth;
-  }
+  const auto add = [&](const Positions& skin, double& deepest, double& sum) {
+    for (const BuriedVertex& buried : skin_in_skin(skin, triangles_)) {
+      if (kept_[buried.vertex]) continue;
+      deepest = std::max(deepest, buried.depth);
+      sum += buried.depth;
+    }
+  };
+  add(before, measure.deepest, measure.sum);
+  add(after, measure.deepest_left, measure.sum_left);
   return measure;
 }
 

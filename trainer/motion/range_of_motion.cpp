@@ -9,6 +9,7 @@
 #include <set>
 
 #include "assets/characters/joints_with_skin.h"
+#include "base/spread_evenly.h"
 #include "runtime/core/error.h"
 #include "runtime/core/transformed.h"
 
@@ -136,10 +137,7 @@ std::vector<Angles> walk_through(const std::vector<Angles>& keys, double step) {
 
 // Keeps so many of the frames at most, spread over all of them.
 std::vector<Angles> evenly(const std::vector<Angles>& frames, std::size_t most) {
-  if (frames.size() <= most) return frames;
-  std::vector<Angles> fewer;
-  for (std::size_t k = 0; k < most; ++k) fewer.push_back(frames[k * frames.size() / most]);
-  return fewer;
+  return transformed(spread_evenly(frames.size(), most), [&](std::size_t k) { return frames[k]; });
 }
 
 struct Corner {

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <iterator>
 #include <limits>
 #include <numeric>
@@ -18,7 +17,9 @@
 #include "geometry/mesh.h"
 #include "geometry/nearest_skin.h"
 #include "geometry/quadric.h"
+#include "runtime/basis/output_order.h"
 #include "runtime/core/error.h"
+#include "runtime/core/text.h"
 #include "runtime/core/transformed.h"
 #include "runtime/cpu/kernels.h"
 #include "runtime/deformer/deformer.h"
@@ -227,14 +228,6 @@ class Simplifier {
   std::priority_queue<Collapse> queue_;
 };
 
-std::vector<float> in_output_order(const MeshTable& mesh, std::span<const float> values) {
-  std::vector<float> result;
-  for (const std::uint32_t v : mesh.output_vertex) {
-    result.insert(result.end(), values.begin() + 3 * std::ptrdiff_t{v}, values.begin() + 3 * std::ptrdiff_t{v} + 3);
-  }
-  return result;
-}
-
 // The point on its triangle, without an offset.
 CarriedPoint point_on(const SkinPoint& nearest) {
   CarriedPoint point;
@@ -279,11 +272,7 @@ constexpr std::size_t kDefaultLevels = 3;
 constexpr std::size_t kShapesOfSkin = 16;  // more give the same skins
 constexpr std::size_t kFewestVertices = 100;
 
-std::string millimetres(double metres) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.4g mm", 1e3 * metres);
-  return text;
-}
+std::string millimetres(double metres) { return formatted("%.4g mm", 1e3 * metres); }
 
 // Why so many vertices are no level after one of `before`; empty: they are.
 std::string objection(std::size_t vertices, std::size_t before, double error) {
@@ -309,7 +298,7 @@ SimplifiedSkin simplify_skin(const Character& character, const std::vector<Posit
 ShownSkin show_skin(const MeshTable& mesh, std::span<const float> vertices) {
   std::vector<float> normals(vertices.size());
   cpu::output_normals(mesh, vertices, normals);
-  return {in_output_order(mesh, vertices), in_output_order(mesh, normals)};
+  return {output_of(mesh, vertices), output_of(mesh, normals)};
 }
 
 CarriedSkin map_skin(const Character& full, const MeshTable& mesh) {
@@ -390,14 +379,7 @@ double carried_rms_mm(const Level& level, const Character& full, const std::vect
   const MeshTable& mesh = level.basis.mesh;
   std::vector<double> sums(samples.size());
   parallel_for(samples.size(), [&](std::size_t n) {
-    std::vector<float> vertices(mesh.rest.size());
-    const Positions shape = proxy[n].shape.read();
-    for (std::size_t o = 0; o < mesh.output_vertex.size(); ++o) {
-      for (int i = 0; i < 3; ++i) {
-        vertices[3 * std::size_t{mesh.output_vertex[o]} + static_cast<std::size_t>(i)] =
-            static_cast<float>(shape(static_cast<Eigen::Index>(o), i));
-      }
-    }
+    const std::vector<float> vertices = vertices_of(mesh, floats_of(proxy[n].shape.read()));
     const ShownSkin skin = show_skin(mesh, vertices);
     const std::vector<float> carried = carry_skin(mesh, level.carried, skin.positions, skin.normals);
     sums[n] = (welded_from_output(full, carried.data()) - samples[n].shape.read()).squaredNorm();

@@ -109,21 +109,6 @@ std::vector<float> stored_sample(const NodesReader& cache, std::uint32_t k) {
   return {nodes.data(), nodes.data() + nodes.size()};
 }
 
-// `finished` are the frames of the cache.
-template <typename Reader>
-void adopt_samples(const Reader& cache, const std::vector<FrameStatus>& finished, int give_up_after,
-                   const std::vector<Job>& jobs, std::size_t values, PartialShapes& partial) {
-  if (cache.sample_count() != finished.size()) return;
-  std::set<std::uint64_t> wanted;
-  for (const Job& job : jobs) wanted.insert(job.key);
-  for (std::size_t k = 0; k < finished.size(); ++k) {
-    const std::uint64_t key = finished[k].inputs;
-    if (!wanted.contains(key) || partial.has(key) || !is_final(finished[k], give_up_after)) continue;
-    const std::vector<float> sample = stored_sample(cache, static_cast<std::uint32_t>(k));
-    if (sample.size() == values) partial.append(key, finished[k], sample);
-  }
-}
-
 // Takes the frames of the jobs over from a finished cache.
 void adopt_finished(const std::filesystem::path& cache, const std::filesystem::path& status,
                     const SimulateOptions& options, const std::vector<Job>& jobs, std::size_t values,
@@ -140,10 +125,19 @@ void adopt_finished(const std::filesystem::path& cache, const std::filesystem::p
         " are of other inputs (character, muscles, materials, body fat, kind, tet size, motion, controls or version) and will be "
         "replaced");
   }
+  const auto adopt = [&](const auto& reader) {
+    if (reader.sample_count() != finished.size()) return;
+    for (std::size_t k = 0; k < finished.size(); ++k) {
+      const std::uint64_t key = finished[k].inputs;
+      if (!wanted.contains(key) || partial.has(key) || !is_final(finished[k], options.give_up_after)) continue;
+      const std::vector<float> sample = stored_sample(reader, static_cast<std::uint32_t>(k));
+      if (sample.size() == values) partial.append(key, finished[k], sample);
+    }
+  };
   if (options.draft) {
-    adopt_samples(NodesReader(cache), finished, options.give_up_after, jobs, values, partial);
+    adopt(NodesReader(cache));
   } else {
-    adopt_samples(Pc2Reader(cache), finished, options.give_up_after, jobs, values, partial);
+    adopt(Pc2Reader(cache));
   }
 }
 
@@ -356,8 +350,7 @@ std::vector<FrameStatus> simulate(const QuasiStaticBody& body, const Character& 
   const auto values =
       static_cast<std::size_t>(3 * (options.draft ? node_count : Eigen::Index{character.output_count()}));
   const auto stored = [&](const Positions& nodes) {
-    return options.draft ? std::vector<float>(nodes.data(), nodes.data() + nodes.size())
-                         : output_from_welded(character, body.skin(nodes));
+    return options.draft ? floats_of(nodes) : output_from_welded(character, body.skin(nodes));
   };
   const std::vector<Job> jobs = jobs_of(body, muscles, clip, frames);
   PartialShapes partial(partial_path, body.hash(), values, options.give_up_after, options.warn);

@@ -3,7 +3,6 @@
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <algorithm>
-#include <map>
 #include <utility>
 
 #include "geometry/mend_surface.h"
@@ -176,18 +175,6 @@ ApartSkin::ApartSkin(const Positions& vertices, const Triangles& triangles, cons
       outwards_(enclosed_volume(vertices, triangles) < 0 ? -1 : 1),
       distance_(vertices.rows(), triangles) {}
 
-std::vector<JointWeight> ApartSkin::weights_at(const SkinPoint& point) const {
-  std::map<std::uint32_t, double> sums;
-  for (int k = 0; k < 3; ++k) {
-    for (const JointWeight& w : weights_[point.vertices[static_cast<std::size_t>(k)]]) {
-      sums[w.joint] += point.weights[k] * w.weight;
-    }
-  }
-  std::vector<JointWeight> result;
-  for (const auto& [joint, weight] : sums) result.push_back({joint, weight});
-  return result;
-}
-
 // How far behind the skin at the other, metres.
 double ApartSkin::depth(const SkinPoint& point, const SkinPoint& other) const {
   const auto corner = [&](std::size_t k) -> Eigen::Vector3d { return vertices_.row(other.vertices[k]); };
@@ -196,7 +183,7 @@ double ApartSkin::depth(const SkinPoint& point, const SkinPoint& other) const {
 }
 
 bool ApartSkin::operator()(const SkinPoint& a, const SkinPoint& b, double overlap) const {
-  if (shared_weight(weights_at(a), weights_at(b)) >= kSharedByOne) return false;
+  if (shared_weight(weights_at(weights_, a), weights_at(weights_, b)) >= kSharedByOne) return false;
   if (std::max(depth(a, b), depth(b, a)) > overlap) return false;
   const auto is_of_b = [&](std::uint32_t v) { return std::ranges::find(b.vertices, v) != b.vertices.end(); };
   // No way over a corner is as short as that straight through one triangle or two.

@@ -79,7 +79,6 @@ class ApartSkin {
   bool operator()(const SkinPoint& a, const SkinPoint& b, double overlap) const;
 
  private:
-  std::vector<JointWeight> weights_at(const SkinPoint& point) const;
   double depth(const SkinPoint& point, const SkinPoint& other) const;
 
   const Positions& vertices_;

@@ -62,9 +62,7 @@ TetMesh second_order(const TetMesh& mesh) {
   };
   const Triangles surface = surface_of(mesh.tets);
   if (surface.size() > 0) skin = surface.maxCoeff() + 1;
-  for (Eigen::Index t = 0; t < surface.rows(); ++t) {
-    for (int k = 0; k < 3; ++k) number(surface(t, k), surface(t, (k + 1) % 3));
-  }
+  for_each_edge(surface, number);
   const int on_surface = count;
   for (Eigen::Index t = 0; t < mesh.tets.rows(); ++t) {
     for (int a = 0; a < 4; ++a) {

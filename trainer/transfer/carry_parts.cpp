@@ -7,6 +7,7 @@
 #include "base/wording.h"
 #include "dataset/modifier.h"
 #include "geometry/mesh.h"
+#include "runtime/basis/output_order.h"
 #include "runtime/core/error.h"
 #include "runtime/core/transformed.h"
 #include "runtime/host/rig.h"
@@ -152,10 +153,7 @@ class ModifierCarrier {
     }
     const Positions given = welded_from_output(character_, reader.sample(0).data());
     const Positions carried = pair_.skin(in_order(given, morton_order(character_.vertices)));
-    std::vector<float> points;
-    for (const std::uint32_t v : pair_.target.mesh.output_vertex) {
-      for (int i = 0; i < 3; ++i) points.push_back(static_cast<float>(carried(v, i)));
-    }
+    const std::vector<float> points = output_of(pair_.target.mesh, floats_of(carried));
     fs::create_directories(to.parent_path());
     Pc2Writer writer(to, static_cast<std::uint32_t>(points.size() / 3), 1);
     writer.append(points);

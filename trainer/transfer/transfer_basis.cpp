@@ -158,12 +158,7 @@ std::vector<float> posed_output(const Basis& basis, const Pose& pose, const Posi
       skin[3 * v + i] = static_cast<float>(sum);
     }
   }
-  std::vector<float> output;
-  output.reserve(3 * basis.mesh.output_vertex.size());
-  for (const std::uint32_t v : basis.mesh.output_vertex) {
-    output.insert(output.end(), skin.begin() + 3 * std::ptrdiff_t{v}, skin.begin() + 3 * std::ptrdiff_t{v} + 3);
-  }
-  return output;
+  return output_of(basis.mesh, skin);
 }
 
 void copy_into(const fs::path& from, const fs::path& to) {
@@ -249,10 +244,8 @@ class DatasetTransfer {
   }
 
   void write_carried_regions() {
-    std::vector<std::uint32_t> runtime(order_.size());
-    for (std::uint32_t v = 0; v < order_.size(); ++v) runtime[order_[v]] = v;
     std::vector<RegionWeights> regions =
-        carried_regions(pair_, renumbered(read_regions(dataset_, source_character_), runtime));
+        carried_regions(pair_, renumbered(read_regions(dataset_, source_character_), inverse_of(order_)));
     regions = renumbered(regions, morton_order(target_.character.vertices));
     write_regions(regions, target_.character, out_ / result_.regions);
   }

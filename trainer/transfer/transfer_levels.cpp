@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cstddef>
 #include <iterator>
-#include <map>
 #include <nlohmann/json.hpp>
 #include <numbers>
 
@@ -97,16 +96,9 @@ class SkinLayer {
     return at;
   }
 
-  std::vector<JointWeight> mixed_weights(const SkinPoint& at) const {
-    std::map<std::uint32_t, double> sums;
-    for (int k = 0; k < 3; ++k) {
-      if (!(at.weights[k] > 0)) continue;
-      for (const auto& [joint, weight] : target_.weights[at.vertices[static_cast<std::size_t>(k)]]) {
-        sums[joint] += at.weights[k] * weight;
-      }
-    }
-    std::vector<JointWeight> weights;
-    for (const auto& [joint, weight] : sums) weights.push_back({joint, weight});
+  std::vector<JointWeight> mixed_weights(SkinPoint at) const {
+    at.weights = at.weights.cwiseMax(0);  // rounding may leave less
+    std::vector<JointWeight> weights = weights_at(target_.weights, at);
     std::ranges::stable_sort(weights, std::greater(), &JointWeight::weight);
     return weights;
   }

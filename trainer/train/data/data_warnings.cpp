@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <numeric>
 #include <set>
 
 #include "base/wording.h"
+#include "runtime/core/text.h"
 
 namespace bodyopt::trainer {
 namespace {
@@ -34,21 +34,11 @@ double size_in(const RegionWeights& region, const Eigen::RowVectorXf& row) {
 // Sentences of one kind; the rest is counted.
 constexpr std::size_t kShown = 5;
 
-std::string millimetres(double metres) {
-  char text[32];
-  std::snprintf(text, sizeof(text), "%.1f mm", 1e3 * metres);
-  return text;
-}
+std::string millimetres(double metres) { return formatted("%.1f mm", 1e3 * metres); }
 
 template <typename Found>
 void worst_first(std::vector<Found>& found) {
   std::stable_sort(found.begin(), found.end(), [](const Found& a, const Found& b) { return a.distance > b.distance; });
-}
-
-// The first vertex of the file that is this welded one.
-std::size_t file_vertex(const Character& character, std::uint32_t welded) {
-  const std::vector<std::uint32_t>& output = character.output_vertex;
-  return static_cast<std::size_t>(std::find(output.begin(), output.end(), welded) - output.begin());
 }
 
 }  // namespace
@@ -127,7 +117,7 @@ std::vector<std::string> outlier_warnings(const SampleSet& set, const std::vecto
   for (const OutlierVertex& outlier : outliers) {
     if (warnings.size() == kShown) break;
     warnings.push_back(frame_name(set, set.train[outlier.frame]) + ": vertex " +
-                       std::to_string(file_vertex(set.character, order[outlier.vertex])) + " is " +
+                       std::to_string(set.character.first_output(order[outlier.vertex])) + " is " +
                        millimetres(outlier.distance) +
                        " from where its neighbours take it: it was trained as if it moved with them");
   }
@@ -144,9 +134,7 @@ std::vector<std::string> constant_control_warnings(const SampleSet& set) {
     const float value = set.train.front().pose.controls[k];
     const auto same = [&](const Sample& sample) { return sample.pose.controls[k] == value; };
     if (!std::all_of(set.train.begin(), set.train.end(), same)) continue;
-    char text[32];
-    std::snprintf(text, sizeof(text), "%g", double{value});
-    warnings.push_back("control '" + set.controls[k] + "' is " + text +
+    warnings.push_back("control '" + set.controls[k] + "' is " + formatted("%g", double{value}) +
                        " in every training frame: what it does cannot be learned");
   }
   return warnings;

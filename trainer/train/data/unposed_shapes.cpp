@@ -138,14 +138,11 @@ UnposedFrames UnposedShapes::operator()(const std::string& title, std::span<cons
 
 OutlierVertices::OutlierVertices(const Character& character)
     : size_(longest_extent(character.vertices)), neighbours_(static_cast<std::size_t>(character.vertices.rows())) {
-  for (Index t = 0; t < character.triangles.rows(); ++t) {
-    for (Index k = 0; k < 3; ++k) {
-      const std::uint32_t a = character.triangles(t, k), b = character.triangles(t, (k + 1) % 3);
-      if (a == b) continue;
-      neighbours_[a].push_back(b);
-      neighbours_[b].push_back(a);
-    }
-  }
+  for_each_edge(character.triangles, [&](std::uint32_t a, std::uint32_t b) {
+    if (a == b) return;
+    neighbours_[a].push_back(b);
+    neighbours_[b].push_back(a);
+  });
   for (std::vector<std::uint32_t>& list : neighbours_) sort_unique(list);
 }
 

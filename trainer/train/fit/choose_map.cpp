@@ -3,7 +3,6 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <limits>
-#include <numeric>
 #include <string>
 
 #include "base/linear_algebra.h"
@@ -33,8 +32,7 @@ LeftMotion left_by_linear_map(const SampleSet& set, const Groundwork& ground) {
   constexpr std::size_t kMostFrames = 800, kRun = 10;
   constexpr double kPenalty = 1e-2;
   const std::vector<std::size_t> frames = spread_evenly(set.train.size(), kMostFrames);
-  std::vector<std::uint32_t> all(ground.order.size());
-  std::iota(all.begin(), all.end(), 0u);
+  const std::vector<std::uint32_t> all = all_vertices(ground.ordered.vertices.rows());
   const Displacements motion = ground.shapes("train: surface curves", frames, all).displacements;
   const Eigen::MatrixXd features =
       ground.features.values(frames, Eigen::all).rowwise() - Eigen::RowVectorXd(ground.features.rest);

@@ -1,7 +1,6 @@
 #include "trainer/train/fit/groundwork.h"
 
 #include <algorithm>
-#include <numeric>
 
 #include "base/spread_evenly.h"
 #include "geometry/mesh.h"
@@ -16,12 +15,6 @@ using Support = Method::Support;
 // Radii within which a region sees features, as parts of the character's longest extent.
 constexpr double kRadii[] = {0.06, 0.12, 0.2, 0.35};
 
-std::vector<std::uint32_t> all_vertices(const Character& character) {
-  std::vector<std::uint32_t> all(static_cast<std::size_t>(character.vertices.rows()));
-  std::iota(all.begin(), all.end(), 0u);
-  return all;
-}
-
 // The character in runtime order, its skeleton with the features that it is learned by.
 Character to_learn(const SampleSet& set, const std::vector<std::uint32_t>& order) {
   Character ordered = in_order(set.character, order);
@@ -34,7 +27,9 @@ double left_to_learn(const SampleSet& set, const Character& ordered, const Basis
                      const std::vector<std::uint32_t>& order, Method::Unposing unposing) {
   const std::vector<std::size_t> probes = spread_evenly(set.train.size(), 24);
   const UnposedShapes shapes(set, ordered, basis, order, unposing);
-  return shapes("train: smoothing radius", probes, all_vertices(ordered)).displacements.cast<double>().squaredNorm();
+  return shapes("train: smoothing radius", probes, all_vertices(ordered.vertices.rows()))
+      .displacements.cast<double>()
+      .squaredNorm();
 }
 
 // The radius given; or the default or twice that, whichever leaves less to learn: parts of bodies need more. Where
@@ -82,8 +77,9 @@ std::vector<FeatureGroup> feature_groups(const Groundwork& ground, const std::ve
   constexpr std::size_t kMostFrames = 800;
   const Eigen::MatrixXd& values = ground.features.values;
   const std::vector<std::size_t> frames = spread_evenly(static_cast<std::size_t>(values.rows()), kMostFrames);
-  return make_feature_groups(ground.base.basis, ground.base.moments, muscles, values(frames, Eigen::all),
-                             ground.shapes("train: influences", frames, all_vertices(ground.ordered)).displacements);
+  return make_feature_groups(
+      ground.base.basis, ground.base.moments, muscles, values(frames, Eigen::all),
+      ground.shapes("train: influences", frames, all_vertices(ground.ordered.vertices.rows())).displacements);
 }
 
 // Joints come first; controls are everywhere.
@@ -107,7 +103,7 @@ std::vector<RegionWeights> regions_of(const Character& character, const std::vec
     case Support::whole_skin:
       break;
   }
-  RegionWeights whole{"skin", all_vertices(character), {}};
+  RegionWeights whole{"skin", all_vertices(character.vertices.rows()), {}};
   whole.weights.assign(whole.vertices.size(), 1.0);
   return {whole};
 }
@@ -144,12 +140,6 @@ FeatureChoices feature_choices(const Character& character, const RegionWeights& 
   choices.erase(std::unique(choices.begin(), choices.end()), choices.end());
   std::stable_sort(choices.begin(), choices.end(), [](const auto& a, const auto& b) { return a.size() < b.size(); });
   return choices;
-}
-
-std::vector<std::uint32_t> inverse_of(const std::vector<std::uint32_t>& order) {
-  std::vector<std::uint32_t> inverse(order.size());
-  for (std::size_t v = 0; v < order.size(); ++v) inverse[order[v]] = static_cast<std::uint32_t>(v);
-  return inverse;
 }
 
 std::vector<Muscle> with_curves(std::vector<Muscle> muscles, const std::vector<Muscle>& curves) {

@@ -154,8 +154,7 @@ DdmVertex pack_vertex(const VertexMoments& vertex) {
 }  // namespace
 
 std::vector<std::uint32_t> morton_order(const Positions& vertices) {
-  std::vector<std::uint32_t> order(static_cast<std::size_t>(vertices.rows()));
-  std::iota(order.begin(), order.end(), 0u);
+  std::vector<std::uint32_t> order = all_vertices(vertices.rows());
   if (order.empty()) return order;
   const Eigen::RowVector3d low = vertices.colwise().minCoeff();
   const double extent = (vertices.colwise().maxCoeff() - low).maxCoeff();
@@ -170,6 +169,18 @@ std::vector<std::uint32_t> morton_order(const Positions& vertices) {
   return order;
 }
 
+std::vector<std::uint32_t> inverse_of(const std::vector<std::uint32_t>& order) {
+  std::vector<std::uint32_t> inverse(order.size());
+  for (std::size_t v = 0; v < order.size(); ++v) inverse[order[v]] = static_cast<std::uint32_t>(v);
+  return inverse;
+}
+
+std::vector<std::uint32_t> all_vertices(Eigen::Index count) {
+  std::vector<std::uint32_t> all(static_cast<std::size_t>(count));
+  std::iota(all.begin(), all.end(), 0u);
+  return all;
+}
+
 Positions in_order(const Positions& welded, const std::vector<std::uint32_t>& order) {
   return welded(order, Eigen::all);
 }
@@ -177,11 +188,8 @@ Positions in_order(const Positions& welded, const std::vector<std::uint32_t>& or
 Character in_order(const Character& character, const std::vector<std::uint32_t>& order) {
   Character result = character;
   result.vertices = in_order(character.vertices, order);
-  std::vector<std::uint32_t> runtime(order.size());
-  for (std::size_t v = 0; v < order.size(); ++v) {
-    runtime[order[v]] = static_cast<std::uint32_t>(v);
-    result.weights[v] = character.weights[order[v]];
-  }
+  for (std::size_t v = 0; v < order.size(); ++v) result.weights[v] = character.weights[order[v]];
+  const std::vector<std::uint32_t> runtime = inverse_of(order);
   for (std::uint32_t& vertex : result.output_vertex) vertex = runtime[vertex];
   for (Eigen::Index k = 0; k < result.triangles.size(); ++k) {
     result.triangles.data()[k] = runtime[result.triangles.data()[k]];
@@ -191,8 +199,7 @@ Character in_order(const Character& character, const std::vector<std::uint32_t>&
 
 MeshTable make_mesh_table(const Character& character) {
   MeshTable mesh;
-  const Positions& rest = character.vertices;
-  mesh.rest.assign(rest.data(), rest.data() + rest.size());
+  mesh.rest = floats_of(character.vertices);
   const Triangles &skin = character.triangles, &output = character.output_triangles;
   mesh.triangles.assign(skin.data(), skin.data() + skin.size());
   mesh.output_vertex = character.output_vertex;

@@ -18,6 +18,12 @@ namespace bodyopt::trainer {
 // Welded vertex of each runtime vertex: the Morton order of the rest positions, ties in welded order.
 std::vector<std::uint32_t> morton_order(const Positions& vertices);
 
+// Runtime vertex of each welded vertex.
+std::vector<std::uint32_t> inverse_of(const std::vector<std::uint32_t>& order);
+
+// The numbers of that many vertices.
+std::vector<std::uint32_t> all_vertices(Eigen::Index count);
+
 // Rows of `welded` (V x 3) in runtime order.
 Positions in_order(const Positions& welded, const std::vector<std::uint32_t>& order);
 

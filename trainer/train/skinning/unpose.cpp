@@ -1,23 +1,14 @@
 #include "trainer/train/skinning/unpose.h"
 
 #include <Eigen/LU>
-#include <numeric>
 #include <string>
 
 #include "runtime/core/error.h"
 #include "runtime/cpu/ddm_frames.h"
 #include "runtime/host/rig.h"
+#include "trainer/train/skinning/ddm.h"
 
 namespace bodyopt::trainer {
-namespace {
-
-std::vector<std::uint32_t> all_vertices(std::size_t count) {
-  std::vector<std::uint32_t> all(count);
-  std::iota(all.begin(), all.end(), 0u);
-  return all;
-}
-
-}  // namespace
 
 std::vector<BlendMatrix> blend_matrices(const Skeleton& skeleton, const Pose& pose) {
   if (pose.joints.size() != skeleton.size()) {
@@ -96,11 +87,11 @@ Positions unpose_linear(const Character& character, const Pose& pose, const Posi
 }
 
 Positions unpose_ddm(const Basis& basis, const Pose& pose, const Positions& shape) {
-  return unpose_ddm(basis, pose, shape, all_vertices(static_cast<std::size_t>(shape.rows())));
+  return unpose_ddm(basis, pose, shape, all_vertices(shape.rows()));
 }
 
 Positions unpose_linear(const Character& character, const Pose& pose, const Positions& shape) {
-  return unpose_linear(character, pose, shape, all_vertices(static_cast<std::size_t>(shape.rows())));
+  return unpose_linear(character, pose, shape, all_vertices(shape.rows()));
 }
 
 }  // namespace bodyopt::trainer
