@@ -143,9 +143,8 @@ VkDescriptorSet PictureSets::make(const GraphicsPipeline& pipeline,
   std::vector<VkDescriptorBufferInfo> ranges;
   for (const vulkan::Buffer* buffer : buffers) {
     if (buffer->size() > device_.info().max_storage_buffer_range) {
-      throw Error(ErrorKind::device, "a mesh to draw needs a table of " + std::to_string(buffer->size()) +
-                                         " bytes; a shader of '" + device_.info().name + "' sees at most " +
-                                         std::to_string(device_.info().max_storage_buffer_range));
+      throw Error(ErrorKind::device, "a mesh to draw needs a table of ", buffer->size(), " bytes; a shader of '",
+                  device_.info().name, "' sees at most ", device_.info().max_storage_buffer_range);
     }
     ranges.push_back({buffer->handle(), 0, VK_WHOLE_SIZE});
   }

@@ -10,7 +10,6 @@
 #include "view_shadow.vert.spv.h"
 
 namespace bodyopt::draw {
-
 namespace {
 
 constexpr std::uint32_t kSide = 512;  // pixels

@@ -20,7 +20,7 @@ Number parsed(const std::string& text, const char* what) {
 }
 
 template <typename Number>
-Number within(Number value, const std::string& text, const char* what, Number low, Number high) {
+Number require_within(Number value, const std::string& text, const char* what, Number low, Number high) {
   if (low <= value && value <= high) return value;
   std::ostringstream expected;
   expected << what << " from " << low << " to " << high;
@@ -47,13 +47,13 @@ const std::string& known(const std::string& name, const std::vector<std::string>
 double number(const std::string& text) { return parsed<double>(text, "a number"); }
 
 double number_within(const std::string& text, double low, double high) {
-  return within(number(text), text, "a number", low, high);
+  return require_within(number(text), text, "a number", low, high);
 }
 
 int integer(const std::string& text) { return parsed<int>(text, "a whole number"); }
 
 int integer_within(const std::string& text, int low, int high) {
-  return within(integer(text), text, "a whole number", low, high);
+  return require_within(integer(text), text, "a whole number", low, high);
 }
 
 std::vector<std::string> words(const std::string& text) {
